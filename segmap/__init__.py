@@ -1,0 +1,1 @@
+"""segmap: maps of line segments, and quadtree maps, from 2D laser scans."""

@@ -1,0 +1,208 @@
+"""One turn of the laser, and a log of many with what else the robot recorded."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any, NamedTuple, overload
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ._display import Pictured
+from .angles import Array
+from .poses import transform
+
+NO_POSE = (np.nan, np.nan, np.nan)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class LaserScan(Pictured):
+    """Ranges that one turn of the laser measured.
+
+    A beam is valid where its range is finite, positive and below `max_range`. Readers write `inf`
+    where nothing was met and NaN where the sensor reported an error.
+
+    Parameters
+    ----------
+    ranges : (n,) array, metres
+    angles : (n,) array, radians
+        Directions of the beams in the sensor's frame, counter-clockwise, 0 ahead.
+    time : float, seconds
+    odometry : (3,) array, metres and radians, or None
+        Pose of the robot by its wheels, in a frame that drifts.
+    max_range : float, metres
+    sensor_pose : (3,) array, metres and radians
+        Pose of the sensor in the frame of the robot.
+    codes : (n,) int array or None
+        Error codes of the sensor, where its format has them; 0 where it reported none.
+
+    Raises
+    ------
+    ValueError
+        Where shapes disagree.
+
+    Examples
+    --------
+    >>> scan = LaserScan([1.0, np.inf, 2.0], np.radians([-90, 0, 90]))
+    >>> scan.valid
+    array([ True, False,  True])
+    >>> scan.points().round(6)
+    array([[ 0., -1.],
+           [ 0.,  2.]])
+    """
+
+    ranges: Array
+    angles: Array
+    time: float
+    odometry: Array | None
+    max_range: float
+    sensor_pose: Array
+    codes: NDArray[np.int64] | None
+
+    def __init__(
+        self,
+        ranges: ArrayLike,
+        angles: ArrayLike,
+        time: float = 0.0,
+        odometry: ArrayLike | None = None,
+        max_range: float = np.inf,
+        sensor_pose: ArrayLike = (0.0, 0.0, 0.0),
+        codes: ArrayLike | None = None,
+    ) -> None:
+        keep = object.__setattr__
+        keep(self, "ranges", _frozen("ranges", ranges, None))
+        count = len(self.ranges)
+        keep(self, "angles", _frozen("angles", angles, count))
+        keep(self, "time", float(time))
+        keep(self, "odometry", None if odometry is None else _frozen("odometry", odometry, 3))
+        keep(self, "max_range", float(max_range))
+        keep(self, "sensor_pose", _frozen("sensor_pose", sensor_pose, 3))
+        keep(self, "codes", None if codes is None else _frozen("codes", codes, count, np.int64))
+
+    @property
+    def valid(self) -> NDArray[np.bool_]:
+        """Which beams hold a measurement, `(n,)` bool."""
+        r = self.ranges
+        return np.isfinite(r) & (r > 0) & (r < self.max_range)
+
+    def points(self) -> Array:
+        """End points of the valid beams in the robot's frame, `(m, 2)` array, metres."""
+        ok = self.valid
+        r, a = self.ranges[ok], self.angles[ok]
+        return transform(self.sensor_pose, np.stack([r * np.cos(a), r * np.sin(a)], -1))
+
+    def __len__(self) -> int:
+        return len(self.ranges)
+
+    def __repr__(self) -> str:
+        return f"LaserScan({len(self)} beams, {int(self.valid.sum())} valid, t={self.time:.6g} s)"
+
+
+class Skipped(NamedTuple):
+    """What `read(path, on_error="skip")` left out: how many lines, and why the first."""
+
+    lines: int = 0
+    reason: str = ""
+
+    def __bool__(self) -> bool:
+        return self.lines > 0
+
+
+NOTHING_SKIPPED = Skipped()
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Log(Pictured, Sequence[LaserScan]):
+    """Scans in the order of recording, with the poses that the file holds.
+
+    `len(log)`, `log[3]`, `log[-1]` and iteration give scans; a slice is again a log.
+
+    Parameters
+    ----------
+    name : str
+    scans : sequence of LaserScan
+    truth : (k, 3) array, metres and radians, or None
+        Corrected pose of the robot for each scan; rows of NaN for scans without.
+    skipped : Skipped
+        What the reader left out of a damaged file.
+
+    Examples
+    --------
+    >>> log = Log("two", [LaserScan([1.0], [0.0], time=t) for t in (0.0, 0.1)])
+    >>> log.times, log[1:]
+    (array([0. , 0.1]), Log('two', 1 scan, no odometry, no truth))
+    """
+
+    name: str
+    scans: tuple[LaserScan, ...]
+    truth: Array | None
+    skipped: Skipped
+
+    def __init__(
+        self,
+        name: str,
+        scans: Sequence[LaserScan],
+        truth: ArrayLike | None = None,
+        skipped: Skipped = NOTHING_SKIPPED,
+    ) -> None:
+        keep = object.__setattr__
+        keep(self, "name", name)
+        keep(self, "scans", tuple(scans))
+        keep(self, "truth", None if truth is None else _rows("truth", truth, len(self.scans)))
+        keep(self, "skipped", skipped)
+
+    @property
+    def times(self) -> Array:
+        """Times of the scans, `(k,)` array, seconds."""
+        return np.array([scan.time for scan in self.scans])
+
+    @property
+    def odometry(self) -> Array:
+        """Poses by odometry, `(k, 3)` array, metres and radians; NaN where a scan has none."""
+        rows = [NO_POSE if scan.odometry is None else scan.odometry for scan in self.scans]
+        return np.array(rows, float).reshape(-1, 3)
+
+    def __len__(self) -> int:
+        return len(self.scans)
+
+    @overload
+    def __getitem__(self, index: int) -> LaserScan: ...
+    @overload
+    def __getitem__(self, index: slice) -> "Log": ...
+    def __getitem__(self, index: Any) -> "LaserScan | Log":
+        if not isinstance(index, slice):
+            return self.scans[index]
+        truth = None if self.truth is None else self.truth[index]
+        return Log(self.name, self.scans[index], truth, self.skipped)
+
+    def __iter__(self) -> Iterator[LaserScan]:
+        return iter(self.scans)
+
+    def __repr__(self) -> str:
+        count = f"{len(self)} scan" + "s" * (len(self) != 1)
+        wheels = sum(scan.odometry is not None for scan in self.scans)
+        known = 0 if self.truth is None else int(np.isfinite(self.truth).all(1).sum())
+        parts = [count, _share(wheels, len(self), "odometry"), _share(known, len(self), "truth")]
+        return f"Log({self.name!r}, {', '.join(parts)})"
+
+
+def _share(count: int, of: int, what: str) -> str:
+    if count == 0:
+        return f"no {what}"
+    return what if count == of else f"{what} for {count}"
+
+
+def _frozen(name: str, values: ArrayLike, count: int | None, dtype: type = float) -> Any:
+    array: Any = np.array(values, dtype)
+    if array.ndim != 1 or count not in (None, len(array)):
+        wanted = "(n,)" if count is None else f"({count},)"
+        raise ValueError(f"{name} must have shape {wanted}, got {array.shape}")
+    array.flags.writeable = False
+    return array
+
+
+def _rows(name: str, values: ArrayLike, count: int) -> Array:
+    array = np.array(values, float)
+    if array.shape != (count, 3):
+        raise ValueError(f"{name} must have shape ({count}, 3), a pose a scan, got {array.shape}")
+    array.flags.writeable = False
+    return array

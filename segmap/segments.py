@@ -1,0 +1,239 @@
+"""Line segments: arrays `(n, 2, 2)` in metres, `segments[i, k]` is end point k of segment i.
+
+A segment has no direction: swapping its end points gives the same segment.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Protocol, runtime_checkable
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ._display import Pictured
+from .angles import Array
+
+#: Below this length, in metres, a segment has no angle.
+MIN_LENGTH = 1e-9
+
+
+@runtime_checkable
+class HasSegments(Protocol):
+    """Anything with `.segments`, `(n, 2, 2)`: a map or a reduction."""
+
+    @property
+    def segments(self) -> Array:
+        """Segments, `(n, 2, 2)` array, metres."""
+        ...
+
+
+Segments = HasSegments | ArrayLike
+
+
+def length(segments: ArrayLike) -> Array:
+    """Lengths of segments.
+
+    Parameters
+    ----------
+    segments : (..., 2, 2) array, metres
+
+    Returns
+    -------
+    (...) array, metres
+
+    Examples
+    --------
+    >>> length([[(0, 0), (3, 4)]])
+    array([5.])
+    """
+    d = _span(segments)
+    return np.hypot(d[..., 0], d[..., 1])
+
+
+def angle(segments: ArrayLike) -> Array:
+    """Angles of the lines through segments, in `[0, pi)`; 0 for one without length.
+
+    Parameters
+    ----------
+    segments : (..., 2, 2) array, metres
+
+    Returns
+    -------
+    (...) array, radians
+
+    Examples
+    --------
+    >>> np.degrees(angle([[(0, 0), (1, 1)], [(0, 0), (1, -1)], [(1, 0), (0, 0)]]))
+    array([ 45., 135.,   0.])
+    """
+    d = _span(segments)
+    found = np.arctan2(d[..., 1], d[..., 0]) % np.pi
+    return np.where(found == np.pi, 0.0, found)  # -1e-20 % pi rounds up to pi
+
+
+def midpoint(segments: ArrayLike) -> Array:
+    """Middles of segments.
+
+    Parameters
+    ----------
+    segments : (..., 2, 2) array, metres
+
+    Returns
+    -------
+    (..., 2) array, metres
+
+    Examples
+    --------
+    >>> midpoint([[(0, 0), (3, 4)]])
+    array([[1.5, 2. ]])
+    """
+    return np.asarray(segments, float).mean(axis=-2)
+
+
+def extreme_projections(points: ArrayLike, through: ArrayLike, angle: ArrayLike) -> Array:
+    """Segment on a line that just spans the projections of points.
+
+    Parameters
+    ----------
+    points : (m, 2) array, metres
+    through : (2,) array, metres
+        A point of the line.
+    angle : float, radians
+        Direction of the line.
+
+    Returns
+    -------
+    (2, 2) array, metres
+
+    Examples
+    --------
+    >>> extreme_projections([(0, 1), (3, -1), (2, 0)], (0, 0), 0.0)
+    array([[0., 0.],
+           [3., 0.]])
+    """
+    d = np.array([np.cos(angle), np.sin(angle)])
+    u = (np.asarray(points, float) - through) @ d
+    return through + np.array([u.min(), u.max()])[:, None] * d
+
+
+def point_distance(points: ArrayLike, segments: ArrayLike) -> Array:
+    """Distances from points to segments (not to their lines); leading axes broadcast.
+
+    Parameters
+    ----------
+    points : (..., 2) array, metres
+    segments : (..., 2, 2) array, metres
+
+    Returns
+    -------
+    (...) array, metres
+
+    Examples
+    --------
+    >>> point_distance([(1, 2), (5, 0)], [(0, 0), (2, 0)])
+    array([2., 3.])
+    """
+    p, s = np.asarray(points, float), np.asarray(segments, float)
+    d, r = s[..., 1, :] - s[..., 0, :], p - s[..., 0, :]
+    square = (d * d).sum(-1)
+    t = np.clip((r * d).sum(-1) / np.where(square > 0, square, 1.0), 0, 1)
+    foot = r - t[..., None] * d
+    return np.hypot(foot[..., 0], foot[..., 1])
+
+
+def as_segments(value: Segments, name: str = "segments") -> Array:
+    """Segments of a map, a reduction or an array, checked.
+
+    Parameters
+    ----------
+    value : SegmentMap, Reduction or (n, 2, 2) array, metres
+    name : str
+        How an error calls the argument.
+
+    Returns
+    -------
+    (n, 2, 2) array, metres
+
+    Raises
+    ------
+    ValueError
+        Where the shape is another, or a coordinate is not finite.
+
+    Examples
+    --------
+    >>> as_segments([]).shape
+    (0, 2, 2)
+    """
+    array = np.asarray(value.segments if isinstance(value, HasSegments) else value, float)
+    if array.size == 0 and array.ndim in (1, 3):
+        return np.empty((0, 2, 2))
+    if array.ndim != 3 or array.shape[1:] != (2, 2):
+        raise ValueError(
+            f"{name} must have shape (n, 2, 2), segments of two end points, got {array.shape}"
+        )
+    bad = ~np.isfinite(array).all(axis=(1, 2))
+    if bad.any():
+        first = int(np.argmax(bad))
+        raise ValueError(f"{name} must be finite, but segment {first} is {array[first].tolist()}")
+    return array
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class SegmentMap(Pictured):
+    """Segments of a map and the scan from which each came.
+
+    Parameters
+    ----------
+    segments : (n, 2, 2) array, metres
+        In the frame of the map.
+    scan : (n,) int array or None
+        Index of the scan of each segment; None puts all into scan 0.
+
+    Raises
+    ------
+    ValueError
+        Where shapes disagree or a coordinate is not finite.
+
+    Examples
+    --------
+    >>> map = SegmentMap([[(0, 0), (1, 0)], [(0, 1), (0.05, 1)]], scan=[0, 3])
+    >>> map, map.filtered()
+    (SegmentMap(2 segments of 2 scans), SegmentMap(1 segment of 1 scan))
+    """
+
+    segments: Array
+    scan: NDArray[np.int64]
+
+    def __init__(self, segments: Segments, scan: ArrayLike | None = None) -> None:
+        array = np.array(as_segments(segments))
+        index = np.zeros(len(array), np.int64) if scan is None else np.array(scan, np.int64)
+        if index.shape != (len(array),):
+            raise ValueError(
+                f"scan must have shape ({len(array)},), one index a segment, got {index.shape}"
+            )
+        array.flags.writeable = index.flags.writeable = False
+        object.__setattr__(self, "segments", array)
+        object.__setattr__(self, "scan", index)
+
+    def filtered(self, min_length: float = 0.10) -> "SegmentMap":
+        """Only the segments of at least `min_length` metres (A 6.2.1: 0.10 m)."""
+        keep = length(self.segments) >= min_length
+        return SegmentMap(self.segments[keep], self.scan[keep])
+
+    def by_scan(self) -> Iterator[Array]:
+        """Segments `(m, 2, 2)` of each scan that has some, scans ascending, input order kept."""
+        order = np.argsort(self.scan, kind="stable")
+        cuts = np.flatnonzero(np.diff(self.scan[order])) + 1
+        return iter(np.split(self.segments[order], cuts) if len(order) else [])
+
+    def __len__(self) -> int:
+        return len(self.segments)
+
+    def __repr__(self) -> str:
+        n, k = len(self), len(np.unique(self.scan))
+        return f"SegmentMap({n} segment{'s' * (n != 1)} of {k} scan{'s' * (k != 1)})"
+
+
+def _span(segments: ArrayLike) -> Array:
+    s = np.asarray(segments, float)
+    return s[..., 1, :] - s[..., 0, :]
