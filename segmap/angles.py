@@ -68,7 +68,7 @@ def axial_mean(angles: ArrayLike, weights: ArrayLike = 1.0) -> Array:
     Examples
     --------
     >>> float(np.degrees(axial_mean(np.radians([1.0, 179.0, 3.0]))).round(9))
-    0.999797
+    1.0
     """
     doubled = 2 * np.asarray(angles, float)
     y = np.sum(weights * np.sin(doubled), axis=-1)
