@@ -1,0 +1,216 @@
+"""From the points of a scan to line segments: distance clusters (A 3.2, 5.1) and polylines (A 6.2).
+
+Points come in the order of the beams. Both methods first cut that order where two neighbours are
+at least `gap` apart; a polyline is then split and merged until it follows the points.
+"""
+
+from collections.abc import Callable
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from . import _extraction_loops as loops
+from .angles import Array
+from .poses import transform
+from .scans import Log
+from .segments import SegmentMap
+
+
+def extract_clusters(
+    points: ArrayLike,
+    *,
+    gap: float = 0.30,
+    fit: Literal["total", "algebraic"] = "total",
+    closed: bool = False,
+) -> Array:
+    """One segment for each run of points without a gap (A 3.2, 5.1). Corners are not cut.
+
+    A's loop never advances and loses the last cluster; this implements its prose.
+
+    Parameters
+    ----------
+    points : (n, 2) array, metres
+        In the order of the beams, any frame.
+    gap : float, metres
+        Two neighbours at least this far apart belong to different clusters. 0.30 m is wider than
+        the spacing of 1 degree beams on a wall 5 m away, narrower than a door.
+    fit : "total" or "algebraic"
+        "total" minimises the squared distances from the line. "algebraic" is A's eq. 3.1-3.3, least
+        squares on `a x + b y = 1`: it depends on the origin, and a cluster whose line passes
+        through the origin gives no segment.
+    closed : bool
+        The last point is next to the first (360-degree scans).
+
+    Returns
+    -------
+    (k, 2, 2) array, metres
+        The extreme projections of each cluster on its line. Clusters of one point, or of points
+        that coincide, give none.
+
+    Raises
+    ------
+    ValueError
+        For points that are not finite or not `(n, 2)`, a gap that is not positive, another fit.
+
+    Examples
+    --------
+    >>> extract_clusters([(0, 1), (0.1, 1), (0.2, 1), (2, 0), (2, 0.2)]).round(6)
+    array([[[0. , 1. ],
+            [0.2, 1. ]],
+    <BLANKLINE>
+           [[2. , 0. ],
+            [2. , 0.2]]])
+    """
+    if fit not in ("total", "algebraic"):
+        raise ValueError(f'fit must be "total" or "algebraic", got {fit!r}')
+    _positive(gap=gap)
+    return loops.clusters(_points(points), gap, fit == "total", closed)
+
+
+def extract_polylines(
+    points: ArrayLike,
+    *,
+    gap: float = 0.30,
+    tolerance: float = 0.03,
+    min_points: int = 5,
+    min_length: float = 0.10,
+    closed: bool = False,
+) -> Array:
+    """Segments that follow the points within `tolerance`: split and merge (A 6.2, its [4]).
+
+    Parameters
+    ----------
+    points : (n, 2) array, metres
+        In the order of the beams, any frame.
+    gap : float, metres
+        As in `extract_clusters`.
+    tolerance : float, metres
+        Largest distance of a point from its line. 0.03 m is three standard deviations of a SICK or
+        Hokuyo; smaller cuts walls at noise, larger rounds corners off.
+    min_points, min_length : int; float, metres
+        Pieces with less are dropped: two or three noisy points say little about a direction.
+    closed : bool
+        The last point is next to the first (360-degree scans).
+
+    Returns
+    -------
+    (k, 2, 2) array, metres
+        In the order of the beams. The point at a corner belongs to the nearer of the two walls.
+
+    Raises
+    ------
+    ValueError
+        For points that are not finite or not `(n, 2)`, thresholds that are not positive.
+
+    References
+    ----------
+    Gonzalez-Banos, Latombe, "Navigation strategies for exploring indoor environments", 2002.
+
+    Examples
+    --------
+    >>> x = np.linspace(0, 1, 11)
+    >>> corner = np.concatenate([np.stack([x, 0 * x], 1), np.stack([0 * x + 1, x], 1)])
+    >>> extract_polylines(corner).round(6) + 0.0
+    array([[[0. , 0. ],
+            [1. , 0. ]],
+    <BLANKLINE>
+           [[1. , 0.1],
+            [1. , 1. ]]])
+    """
+    _positive(gap=gap, tolerance=tolerance)
+    return loops.polylines(_points(points), gap, tolerance, max(min_points, 2), min_length, closed)
+
+
+def build_map(
+    log: Log,
+    poses: ArrayLike,
+    *,
+    extract: Callable[..., Array] = extract_polylines,
+    **thresholds: Any,
+) -> SegmentMap:
+    """Segments of every scan, carried into one frame.
+
+    Parameters
+    ----------
+    log : Log
+    poses : (k, 3) array, metres and radians
+        Pose of the robot at each scan, as an alignment gives it, or `log.truth`. A scan whose pose
+        is NaN is left out.
+    extract : function
+        `extract(points, **thresholds) -> (n, 2, 2)`.
+    **thresholds
+        Handed to `extract`.
+
+    Returns
+    -------
+    SegmentMap
+        `.scan` holds the index of the scan in `log`.
+
+    Raises
+    ------
+    ValueError
+        Where there is not one pose for each scan.
+
+    Examples
+    --------
+    >>> from segmap.scans import LaserScan
+    >>> wall = LaserScan(1 / np.cos(np.radians(range(-30, 31))), np.radians(range(-30, 31)))
+    >>> build_map(Log("wall", [wall, wall]), [(0, 0, 0), (5, 0, np.pi / 2)])
+    SegmentMap(2 segments of 2 scans)
+    """
+    rows = np.asarray(poses, float)
+    if rows.shape != (len(log), 3):
+        raise ValueError(
+            f"poses must have shape ({len(log)}, 3), one pose for each scan, got {rows.shape}"
+            + (": this log has no such poses" if poses is None else "")
+        )
+    known = np.flatnonzero(np.isfinite(rows).all(1))
+    found = [transform(rows[k], extract(log.scans[k].points(), **thresholds)) for k in known]
+    counts = [len(segments) for segments in found]
+    return SegmentMap(np.concatenate([np.empty((0, 2, 2)), *found]), np.repeat(known, counts))
+
+
+def fit_line(points: ArrayLike) -> tuple[Array, float]:
+    """Line with the smallest sum of squared distances to points (total least squares).
+
+    Parameters
+    ----------
+    points : (n, 2) array, metres, n >= 2
+
+    Returns
+    -------
+    centre : (2,) array, metres
+        Mean of the points; the best line passes through it.
+    angle : float, radians
+        In `[0, pi)`. Points spread evenly in all directions have none; it is then arbitrary.
+
+    Examples
+    --------
+    >>> centre, angle = fit_line([(1, 0), (1, 1), (1, 5)])
+    >>> centre.tolist(), float(np.degrees(angle).round(6))
+    ([1.0, 2.0], 90.0)
+    """
+    p = _points(points)
+    if len(p) < 2:
+        raise ValueError(f"points must hold at least 2 points, got {len(p)}")
+    x, y, dx, dy = loops.fit_total(p)
+    return np.array([x, y]), float(np.arctan2(dy, dx) % np.pi)
+
+
+def _points(points: ArrayLike) -> Array:
+    p = np.ascontiguousarray(points, float)
+    if p.size == 0:
+        return np.empty((0, 2))
+    if p.ndim != 2 or p.shape[1] != 2:
+        raise ValueError(f"points must have shape (n, 2), got {p.shape}")
+    if not np.isfinite(p).all():
+        bad = int(np.argmin(np.isfinite(p).all(1)))
+        raise ValueError(f"points must be finite, but point {bad} is {p[bad].tolist()}")
+    return p
+
+
+def _positive(**lengths: float) -> None:
+    for name, value in lengths.items():
+        if not value > 0:
+            raise ValueError(f"{name} must be positive, in metres, got {value}")
