@@ -1,0 +1,283 @@
+"""How far two segments are apart, how well a reduced map keeps its walls, how good poses are.
+
+Segment distance and quality: A 2.7.7 and 6.2.2; grades: A 6.2.3; relation errors: Kuemmerle et al.
+"""
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from . import _metrics_loops as loops
+from ._metrics_loops import ACROSS, ANGULAR, APART, PERPENDICULAR
+from .angles import Array, axial_difference, wrap
+from .poses import between
+from .segments import MIN_LENGTH, Segments, angle, as_segments, length, midpoint, point_distance
+
+#: A 6.2.3: grades of a reduction rate and of a quality, in steps of ten per cent.
+REDUCTION_GRADES = {
+    70: "excellent",
+    60: "very good",
+    50: "good",
+    40: "good",
+    30: "fair",
+    20: "poor",
+}
+QUALITY_GRADES = {
+    90: "excellent",
+    80: "very good",
+    70: "good",
+    60: "fair",
+    50: "poor",
+    40: "very poor",
+}
+
+
+def segment_distance(
+    u: ArrayLike, v: ArrayLike, weight_u: ArrayLike = 1.0, weight_v: ArrayLike = 1.0
+) -> Array:
+    """Distance between segments: `0.66 D_ang + 0.09 D_uva + 0.25 D_uv` (A 2.7.7).
+
+    Not a metric: two collinear segments that touch have distance 0, whatever their lengths.
+
+    Parameters
+    ----------
+    u, v : (..., 2, 2) array, metres
+    weight_u, weight_v : (...) array
+        How much each pulls the mean line; leading axes broadcast.
+
+    Returns
+    -------
+    (...) array, metres
+
+    Examples
+    --------
+    >>> wall = [(0, 0), (2, 0)]
+    >>> segment_distance(wall, [wall, [(0, 0.1), (2, 0.1)], [(2, 0), (5, 0)]]).round(6)
+    array([0.    , 0.0295, 0.    ])
+    """
+    angular, across, apart = distance_terms(u, v, weight_u, weight_v)
+    return ANGULAR * angular + ACROSS * across + APART * apart
+
+
+def distance_terms(
+    u: ArrayLike, v: ArrayLike, weight_u: ArrayLike = 1.0, weight_v: ArrayLike = 1.0
+) -> tuple[Array, Array, Array]:
+    """The three terms of `segment_distance`, each in metres.
+
+    The mean line has the weighted axial mean direction and passes through the weighted mean of the
+    middles. Perpendicular segments have two mean directions: the one with the smaller sum counts.
+
+    Parameters
+    ----------
+    u, v : (..., 2, 2) array, metres
+    weight_u, weight_v : (...) array
+
+    Returns
+    -------
+    angular : (...) array, metres
+        D_ang: length times tangent of the angle to the mean line, weighted mean of both.
+    across : (...) array, metres
+        D_uva: largest distance of an end point from the mean line.
+    apart : (...) array, metres
+        D_uv: smallest distance from an end point of one to the other segment.
+
+    Examples
+    --------
+    >>> terms = distance_terms([(0, 0), (2, 0)], [(0, 0.1), (2, 0.1)])
+    >>> [round(float(term), 6) for term in terms]
+    [0.0, 0.05, 0.1]
+    """
+    u, v = np.asarray(u, float), np.asarray(v, float)
+    share = np.divide(weight_v, np.add(weight_u, weight_v))
+    at_u, at_v = _directions(u, v)
+    turn = axial_difference(at_v, at_u)
+    apart = np.minimum(
+        point_distance(u, v[..., None, :, :]).min(-1), point_distance(v, u[..., None, :, :]).min(-1)
+    )
+    angular, across = _mean_line_terms(u, v, at_u, share, turn)
+    other = _mean_line_terms(u, v, at_u, share, -turn)
+    swap = np.pi / 2 - np.abs(turn) <= PERPENDICULAR
+    swap &= ANGULAR * other[0] + ACROSS * other[1] < ANGULAR * angular + ACROSS * across
+    return np.where(swap, other[0], angular), np.where(swap, other[1], across), apart
+
+
+def errors(before: Segments, after: Segments) -> Array:
+    """Distance of each segment of a map from the nearest one after its reduction (A 6.2.2).
+
+    Parameters
+    ----------
+    before, after : SegmentMap, Reduction or (n, 2, 2) array, metres
+
+    Returns
+    -------
+    (n,) array, metres
+        `inf` everywhere where `after` is empty.
+
+    Examples
+    --------
+    >>> errors([[(0, 0), (2, 0)], [(0, 1), (2, 1)]], [[(0, 0), (2, 0)]]).round(6)
+    array([0.   , 0.295])
+    """
+    a, b = as_segments(before, "before"), as_segments(after, "after")
+    if len(a) == 0 or len(b) == 0:
+        return np.full(len(a), np.inf)
+    return loops.nearest_distances(np.ascontiguousarray(a), np.ascontiguousarray(b))
+
+
+def quality(before: Segments, after: Segments, *, scale: float = 0.050) -> float:
+    """How well a reduced map keeps the walls: `exp(-mean error / scale)`, in `[0, 1]` (A 6.2.2).
+
+    Parameters
+    ----------
+    before, after : SegmentMap, Reduction or (n, 2, 2) array, metres
+    scale : float, metres
+        Mean error at which quality falls to 37 %; A uses 50 mm.
+
+    Returns
+    -------
+    float
+        1 for an unchanged or an empty map, 0 where nothing is left of a map.
+
+    Raises
+    ------
+    ValueError
+        For a scale that is not positive, coordinates that are not finite.
+
+    Examples
+    --------
+    >>> wall = np.array([[(0, 0), (2, 0)]])
+    >>> quality(wall, wall), round(quality(wall, wall + 0.1), 3)
+    (1.0, 0.554)
+    """
+    if not scale > 0:
+        raise ValueError(f"scale must be positive, in metres, got {scale}")
+    found = errors(before, after)
+    return float(np.exp(-found.mean() / scale)) if len(found) else 1.0
+
+
+def reduction_rate(before: Segments, after: Segments) -> float:
+    """Share of the segments that a reduction removed, `(n - n') / n`; 0 for an empty map.
+
+    Parameters
+    ----------
+    before, after : SegmentMap, Reduction or (n, 2, 2) array, metres
+
+    Returns
+    -------
+    float
+
+    Examples
+    --------
+    >>> reduction_rate(np.zeros((4, 2, 2)), np.zeros((1, 2, 2)))
+    0.75
+    """
+    n, left = len(as_segments(before, "before")), len(as_segments(after, "after"))
+    return (n - left) / n if n else 0.0
+
+
+def grade_reduction(rate: float) -> str:
+    """A's word for a reduction rate (A 6.2.3): the nearest step of ten per cent, halves upward.
+
+    Examples
+    --------
+    >>> grade_reduction(0.66), grade_reduction(0.45)
+    ('excellent', 'good')
+    """
+    return _grade(rate, REDUCTION_GRADES)
+
+
+def grade_quality(value: float) -> str:
+    """A's word for a quality (A 6.2.3): the nearest step of ten per cent, halves upward.
+
+    Examples
+    --------
+    >>> grade_quality(0.85), grade_quality(0.1)
+    ('excellent', 'very poor')
+    """
+    return _grade(value, QUALITY_GRADES)
+
+
+def relation_errors(
+    times: ArrayLike, poses: ArrayLike, relations: ArrayLike, *, tolerance: float = 0.02
+) -> tuple[Array, Array]:
+    """Errors of a trajectory against verified relative poses (Kuemmerle et al. 2009).
+
+    Parameters
+    ----------
+    times : (k,) array, seconds, in any order
+    poses : (k, 3) array, metres and radians
+        Rows of NaN are passed over.
+    relations : (m, 8) array
+        As in the benchmark's files: t1, t2 [s], x, y, z [m], roll, pitch, yaw [rad] of the pose at
+        t2 in the frame of the pose at t1.
+    tolerance : float, seconds
+        A relation counts only where a pose lies this near in time to both ends; the number of those
+        left out is `len(relations) - len(translation)`.
+
+    Returns
+    -------
+    translation : (j,) array, metres
+    rotation : (j,) array, radians
+        For the j <= m relations that count, in their order.
+
+    Raises
+    ------
+    ValueError
+        Where shapes disagree.
+
+    Examples
+    --------
+    >>> relation = [0.0, 1.0, 1.0, 0.1, 0, 0, 0, 0.2]
+    >>> far, turned = relation_errors([0, 1], [(0, 0, 0), (1, 0, 0)], [relation])
+    >>> far.round(6), turned.round(6)
+    (array([0.1]), array([0.2]))
+    """
+    t, p = np.asarray(times, float), np.asarray(poses, float)
+    wanted = np.asarray(relations, float)
+    if p.shape != (t.size, 3):
+        raise ValueError(f"poses must have shape ({t.size}, 3), one for each time, got {p.shape}")
+    if wanted.ndim != 2 or wanted.shape[1] != 8:
+        raise ValueError(f"relations must have shape (m, 8), got {wanted.shape}")
+    known = np.isfinite(p).all(1)
+    order = np.argsort(t[known], kind="stable")
+    t, p = t[known][order], p[known][order]
+    if not len(t):
+        return np.empty(0), np.empty(0)
+    ends = _nearest(t, wanted[:, :2])
+    near = (np.abs(t[ends] - wanted[:, :2]) <= tolerance).all(1)
+    found = between(p[ends[near, 0]], p[ends[near, 1]])
+    d = between(wanted[near][:, [2, 3, 7]], found)
+    return np.hypot(d[:, 0], d[:, 1]), np.abs(wrap(d[:, 2]))
+
+
+def _directions(u: Array, v: Array) -> tuple[Array, Array]:
+    """Angles of both; a segment without length takes the direction of the other, or 0."""
+    at_u, at_v = np.broadcast_arrays(angle(u), angle(v))
+    none_u, none_v = length(u) < MIN_LENGTH, length(v) < MIN_LENGTH
+    first = np.where(none_u, np.where(none_v, 0.0, at_v), at_u)
+    return first, np.where(none_v, first, at_v)
+
+
+def _mean_line_terms(
+    u: Array, v: Array, at_u: Array, share: Array, turn: Array
+) -> tuple[Array, Array]:
+    """D_ang and D_uva where v lies at `turn` from u and pulls with its `share`."""
+    direction = at_u + share * turn
+    part = share[..., None]
+    middle = (1 - part) * midpoint(u) + part * midpoint(v)
+    tan_u, tan_v = np.tan(np.abs(share * turn)), np.tan(np.abs((1 - share) * turn))
+    angular = (1 - share) * length(u) * tan_u + share * length(v) * tan_v
+    normal = np.stack([-np.sin(direction), np.cos(direction)], -1)
+    off = [np.abs(((s - middle[..., None, :]) * normal[..., None, :]).sum(-1)) for s in (u, v)]
+    return angular, np.maximum(off[0].max(-1), off[1].max(-1))
+
+
+def _grade(value: float, grades: dict[int, str]) -> str:
+    step = int(np.floor(round(100 * value, 9) / 10 + 0.5)) * 10
+    return grades[min(max(step, min(grades)), max(grades))]
+
+
+def _nearest(t: Array, wanted: Array) -> NDArray[np.int64]:
+    """Index of the sorted time nearest to each wanted one; ties: the earlier."""
+    after = np.minimum(np.searchsorted(t, wanted), len(t) - 1)
+    before = np.maximum(after - 1, 0)
+    return np.where(wanted - t[before] <= t[after] - wanted, before, after)
