@@ -1,0 +1,21 @@
+"""The logs that come with segmap."""
+
+from pathlib import Path
+
+PACKAGE = Path(__file__).parents[1]
+#: In a clone the data lies beside the package, in an installed wheel inside it.
+PLACES = (PACKAGE.parent / "data", PACKAGE / "data")
+
+
+def find(name: str) -> Path:
+    """The file of a bundled log: `data/<name>/<name>.log.gz`."""
+    logs = _all()
+    if name not in logs:
+        known = ", ".join(repr(known) for known in sorted(logs)) or "none"
+        raise ValueError(f"name must be that of a bundled log ({known}), got {name!r}")
+    return logs[name]
+
+
+def _all() -> dict[str, Path]:
+    found = (path for place in reversed(PLACES) for path in place.glob("*/*.log.gz"))
+    return {path.parent.name: path for path in found if path.name == f"{path.parent.name}.log.gz"}

@@ -1,0 +1,92 @@
+"""Laser lines before it is known where on the robot the laser sits, and the log made of them."""
+
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from ..angles import Array, wrap
+from ..poses import between, compose, inverse
+from ..scans import NO_POSE, LaserScan
+from ._beams import clean
+
+NOWHERE = np.array(NO_POSE)
+#: Poses closer than this, in metres and radians, are one: logs print three decimals or more.
+SAME = 1e-3
+
+
+class Shot(NamedTuple):
+    """One laser line."""
+
+    laser: str
+    ranges: Array
+    angles: Array
+    time: float | None = None
+    odometry: Array = NOWHERE
+    pose: Array = NOWHERE
+    limit: float = np.inf
+
+
+class Mounted(NamedTuple):
+    """Where the laser sits on the robot, and the robot's corrected poses, `(k, 3)`."""
+
+    sensor_pose: Array
+    truth: Array
+
+
+Mount = Callable[[str, Sequence[Shot]], Mounted]
+
+
+def same(a: Array, b: Array) -> bool:
+    """Whether two rows of poses tell nothing different; rows without a pose tell nothing."""
+    step = a - b
+    step[..., 2] = wrap(step[..., 2])
+    return not bool((np.abs(step) > SAME).any())
+
+
+def mount_by_offset(shots: Sequence[Shot], offset: Array) -> Mounted:
+    """The laser's poses are corrected ones, and the laser sits at `offset`."""
+    poses = np.array([shot.pose for shot in shots])
+    return Mounted(offset, compose(poses, inverse(offset)))
+
+
+def mount_by_poses(shots: Sequence[Shot], offset: Array) -> Mounted:
+    """Each line holds the laser's and the robot's pose: what lies between them says which.
+
+    Where it is one and the same all along it is the laser's place on the robot. Where it varies,
+    the laser's poses have been corrected and the robot's not.
+    """
+    poses = np.array([shot.pose for shot in shots])
+    relative = between(np.array([shot.odometry for shot in shots]), poses)
+    known = relative[np.isfinite(relative).all(1)]
+    if len(known) and not same(known, known[:1]):
+        return mount_by_offset(shots, offset)
+    return Mounted(known[0] if len(known) else offset, np.full_like(poses, np.nan))
+
+
+def assemble(
+    shots: Sequence[Shot], mount: Mount, limits: Array
+) -> tuple[list[LaserScan], Array | None]:
+    """Scans and corrected poses of all lasers, in the order of the file."""
+    lasers = np.array([shot.laser for shot in shots])
+    places, truth = np.empty((len(shots), 3)), np.empty((len(shots), 3))
+    for laser in np.unique(lasers):
+        mine = np.flatnonzero(lasers == laser)
+        mounted = mount(str(laser), [shot for shot in shots if shot.laser == laser])
+        places[mine], truth[mine] = mounted.sensor_pose, mounted.truth
+    scans = [
+        _scan(shot, k, place, limit)
+        for k, (shot, place, limit) in enumerate(zip(shots, places, limits, strict=True))
+    ]
+    return scans, truth if np.isfinite(truth).any() else None
+
+
+def _scan(shot: Shot, number: int, place: Array, limit: float) -> LaserScan:
+    return LaserScan(
+        clean(shot.ranges, limit),
+        shot.angles,
+        number if shot.time is None else shot.time,
+        None if np.isnan(shot.odometry).any() else shot.odometry,
+        limit,
+        place,
+    )

@@ -1,0 +1,42 @@
+"""Where the robot was by its wheels, recorded at other times than the scans."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..angles import Array
+from ..poses import interpolate
+from ..scans import NO_POSE
+from ._shots import Shot
+
+
+class Track:
+    """Poses and their times, in any order; lines without a pose are left out."""
+
+    def __init__(self) -> None:
+        self.times: list[float] = []
+        self.poses: list[Array] = []
+
+    def add(self, time: float, pose: Array) -> None:
+        """Note one pose."""
+        if np.isfinite(pose).all():
+            self.times.append(time)
+            self.poses.append(pose)
+
+    def at(self, times: ArrayLike) -> Array:
+        """Poses between the noted ones, `(m, 3)`; NaN before the first and after the last."""
+        when = np.asarray(times, float)
+        if not self.times:
+            return np.full((len(when), 3), NO_POSE)
+        order = np.argsort(self.times, kind="stable")
+        return interpolate(np.array(self.times)[order], np.array(self.poses)[order], when)
+
+
+def with_odometry(shots: Sequence[Shot], track: Track) -> list[Shot]:
+    """The shots, those without odometry with what the track says at their time."""
+    times = [np.nan if shot.time is None else shot.time for shot in shots]
+    return [
+        shot._replace(odometry=pose) if np.isnan(shot.odometry).any() else shot
+        for shot, pose in zip(shots, track.at(times), strict=True)
+    ]
