@@ -1,0 +1,14 @@
+"""Reduction: one segment for each wall instead of one for each time that it was seen.
+
+Every method has one signature, `method(map, *, thresholds) -> Reduction`, and stands in `METHODS`.
+"""
+
+from ._fusion import fusion
+from ._result import Method, Reduction
+
+#: Name of each method -> the method, with its place in A's table 2.16.
+METHODS: dict[str, Method] = {
+    "fusion": Method(fusion, "m -> 1", online=False, needs_points=False, source="A 4.4"),
+}
+
+__all__ = ["METHODS", "Method", "Reduction", "fusion"]
