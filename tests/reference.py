@@ -3,6 +3,7 @@
 Scalars, lists and double loops, nothing shared with the package and nothing clever.
 """
 
+import itertools
 import math
 
 import numpy as np
@@ -95,7 +96,6 @@ def fusion(segments, tolerance):
         shifts = [0.0]
         for i in live:
             shifts += [t for t in (v[i][1] - tolerance, v[i][0] + tolerance) if abs(t) <= tolerance]
-        best = None
         options = []
         for t in shifts:
             members = _chain(first, t, tolerance, live, u, v)
@@ -104,8 +104,7 @@ def fusion(segments, tolerance):
         options = [o for o in options if o[0] >= most - SAME]
         least = min(abs(t) for _, t, _ in options)
         options = [o for o in options if abs(o[1]) <= least + SAME]
-        best = min(options, key=lambda o: o[2])
-        total, t, members = best
+        total, t, members = min(options, key=lambda o: o[2])
         low, high = min(u[i][0] for i in members), max(u[i][1] for i in members)
         base = (x - t * dy, y + t * dx)
         out.append([[base[0] + w * dx, base[1] + w * dy] for w in (low, high)])
@@ -151,7 +150,7 @@ def algebraic_line(points):
 def clusters(points, gap, fit=total_line):
     """A 3.2: runs of points nearer than the gap, one line each, without the seam."""
     runs = [[points[0]]] if len(points) else []
-    for before, point in zip(points[:-1], points[1:], strict=True):
+    for before, point in itertools.pairwise(points):
         if math.dist(before, point) >= gap:
             runs.append([])
         runs[-1].append(point)

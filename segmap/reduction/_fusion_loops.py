@@ -293,9 +293,8 @@ def fuse(s: Array, tolerance: float) -> tuple[Array, Indices]:
             measured[:k], lengths[near[:k]], near[:k], longest, tolerance
         )
         # step 6: one segment for the chain
-        x, y = line[0] - shift * line[3], line[1] + shift * line[2]
-        out[count, 0, 0], out[count, 0, 1] = x + low * line[2], y + low * line[3]
-        out[count, 1, 0], out[count, 1, 1] = x + high * line[2], y + high * line[3]
+        x, y, dx, dy = line[0] - shift * line[3], line[1] + shift * line[2], line[2], line[3]
+        out[count] = np.array(((x + low * dx, y + low * dy), (x + high * dx, y + high * dy)))
         parents[chosen] = count
         alive[chosen] = False
         count += 1

@@ -1,0 +1,35 @@
+"""Settings that all tests share."""
+
+from pathlib import Path
+
+import pytest
+from hypothesis import settings
+
+settings.register_profile("steady", deadline=None, derandomize=True)
+settings.load_profile("steady")
+
+#: Real logs that lie beside the project on our machines, and may not be copied into it.
+SHARED = Path(__file__).resolve().parents[2] / "shared"
+
+
+def shared_file(name: str) -> Path:
+    """A file of the folder beside the project; skips the test where it is absent."""
+    path = SHARED / name
+    if not path.exists():
+        pytest.skip(f"{name} is not here: it may not be distributed with the project")
+    return path
+
+
+@pytest.fixture
+def workloads():
+    """The module of fixed synthetic workloads beside the project."""
+    import importlib.util
+    import sys
+
+    path = shared_file("tools/workloads.py")
+    spec = importlib.util.spec_from_file_location("workloads", path)
+    assert spec is not None and spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    sys.modules["workloads"] = module
+    spec.loader.exec_module(module)
+    return module
