@@ -1,0 +1,298 @@
+"""Rooms to simulate: each is an array of walls, segments `(n, 2, 2)` in metres.
+
+Rooms lie with their lower left corner at the origin (only the niches of `corridor_loop` reach below
+it). Coordinates are rounded to the micrometre where walls of several parts meet, so that
+a shared corner is the same number in both and no beam slips between.
+"""
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from .angles import Array
+from .poses import transform
+
+#: Width of a door, metres: an ordinary inside door.
+DOOR = 0.9
+#: Thickness of the walls between rooms, metres: a light partition.
+THICKNESS = 0.1
+
+
+def chain(corners: ArrayLike) -> Array:
+    """Walls from corner to corner, open at the end.
+
+    Parameters
+    ----------
+    corners : (k, 2) array, metres
+
+    Returns
+    -------
+    (k - 1, 2, 2) array, metres
+
+    Examples
+    --------
+    >>> chain([(0, 0), (1, 0), (1, 2)]).shape
+    (2, 2, 2)
+    """
+    points = np.asarray(corners, float)
+    if points.ndim != 2 or points.shape[1] != 2:
+        raise ValueError(f"corners must have shape (k, 2), got {points.shape}")
+    return np.stack([points[:-1], points[1:]], 1)
+
+
+def polygon(corners: ArrayLike) -> Array:
+    """Walls from corner to corner and back to the first.
+
+    Parameters
+    ----------
+    corners : (k, 2) array, metres
+
+    Returns
+    -------
+    (k, 2, 2) array, metres
+
+    Examples
+    --------
+    >>> polygon([(0, 0), (1, 0), (0, 1)])[-1]
+    array([[0., 1.],
+           [0., 0.]])
+    """
+    points = np.asarray(corners, float)
+    return chain(np.concatenate([points, points[:1]]))
+
+
+def box(width: float, depth: float, pose: ArrayLike = (0.0, 0.0, 0.0)) -> Array:
+    """Four walls of a rectangle about a pose: a cupboard, a pillar, a table.
+
+    Parameters
+    ----------
+    width, depth : float, metres
+        Sides along the x and the y axis of the pose.
+    pose : (3,) array, metres and radians
+        Middle of the rectangle and its turn.
+
+    Returns
+    -------
+    (4, 2, 2) array, metres
+
+    Examples
+    --------
+    >>> box(2, 1, (1, 0.5, 0))[0]
+    array([[0., 0.],
+           [2., 0.]])
+    """
+    corners = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)]) * (width / 2, depth / 2)
+    return transform(pose, polygon(corners))
+
+
+def rectangular_room(width: float = 4.0, depth: float = 3.0) -> Array:
+    """A rectangle of walls from the origin to (width, depth).
+
+    Parameters
+    ----------
+    width, depth : float, metres
+
+    Returns
+    -------
+    (4, 2, 2) array, metres
+
+    Examples
+    --------
+    >>> rectangular_room(4, 3).max(axis=(0, 1))
+    array([4., 3.])
+    """
+    return box(width, depth, (width / 2, depth / 2, 0))
+
+
+def square_room(side: float = 4.0) -> Array:
+    """A square of walls from the origin to (side, side).
+
+    Parameters
+    ----------
+    side : float, metres
+
+    Returns
+    -------
+    (4, 2, 2) array, metres
+
+    Examples
+    --------
+    >>> square_room(2).max(axis=(0, 1))
+    array([2., 2.])
+    """
+    return rectangular_room(side, side)
+
+
+def circular_room(radius: float = 2.0, *, sides: int = 64) -> Array:
+    """A round room as a polygon with its corners on the circle about (radius, radius).
+
+    With 64 sides the walls lie at most `radius * (1 - cos(pi / 64))` inside the circle: 2.4 mm for
+    a radius of 2 m, well below the noise of any sensor here.
+
+    Parameters
+    ----------
+    radius : float, metres
+    sides : int, at least 3
+
+    Returns
+    -------
+    (sides, 2, 2) array, metres
+
+    Examples
+    --------
+    >>> walls = circular_room(2.0)
+    >>> np.allclose(np.hypot(*(walls[:, 0] - 2.0).T), 2.0)
+    True
+    """
+    if sides < 3:
+        raise ValueError(f"sides must be at least 3, got {sides}")
+    turn = 2 * np.pi * np.arange(sides) / sides
+    return polygon(radius + radius * np.stack([np.cos(turn), np.sin(turn)], -1))
+
+
+def two_position_square(side: float = 4.0) -> tuple[Array, Array]:
+    """A square room and the two places from which it is seen (B 6.2, Fig. 6.2).
+
+    The robot stands in the middle of the upper left quarter, then of the lower right one, so each
+    wall is once near and once far.
+
+    Parameters
+    ----------
+    side : float, metres
+
+    Returns
+    -------
+    walls : (4, 2, 2) array, metres
+    poses : (2, 3) array, metres and radians
+
+    Examples
+    --------
+    >>> two_position_square(4)[1]
+    array([[1., 3., 0.],
+           [3., 1., 0.]])
+    """
+    near, far = side / 4, 3 * side / 4
+    return square_room(side), np.array([(near, far, 0.0), (far, near, 0.0)])
+
+
+def corridor_loop(length: float = 30.0, depth: float = 12.0, *, width: float = 2.0) -> Array:
+    """A corridor around a block, with door niches and pillars.
+
+    The niches (0.9 m wide, 0.2 m deep) are spaced unevenly, each wall in its own way: no two
+    stretches look alike, and half a turn does not carry the loop onto itself.
+
+    Parameters
+    ----------
+    length, depth : float, metres
+        Outer sides of the loop, along x and y.
+    width : float, metres
+        Between the outer wall and the block.
+
+    Returns
+    -------
+    (n, 2, 2) array, metres
+
+    Examples
+    --------
+    >>> corridor_loop().min(axis=(0, 1)), corridor_loop().max(axis=(0, 1))
+    (array([-0.2, -0.2]), array([30.2, 12.2]))
+    """
+    if not (width > 0 and min(length, depth) - 2 * width >= 4 * DOOR):
+        raise ValueError(
+            f"the block inside must measure at least {4 * DOOR:g} m each way, got a loop of "
+            f"{length:g} x {depth:g} m with a corridor of {width:g} m"
+        )
+    outer = rectangular_room(length, depth)
+    block = box(length - 2 * width, depth - 2 * width, (length / 2, depth / 2, 0))
+    facing = [*outer, *block[:, ::-1]]
+    walls = [_niches(wall, first=0.13 * i) for i, wall in enumerate(facing)]
+    places = [(0.23, 0.0), (0.55, 1.0), (0.77, 0.0)]  # share of the length, side of the corridor
+    pillars = [
+        box(0.3, 0.3, (share * length, 0.15 + side * (width - 0.3), 0)) for share, side in places
+    ]
+    return np.round(np.concatenate([*walls, *pillars]), 6)
+
+
+def _niches(wall: Array, *, first: float, depth: float = 0.2) -> Array:
+    """A wall with a niche to its right about every 5 m, at steps of the golden section."""
+    start, end = wall
+    reach = float(np.hypot(*(end - start)))
+    count = int(reach // 5)
+    middles = reach * np.sort((first + np.arange(1, count + 1) * 0.618034) % 1)
+    middles = np.clip(middles, DOOR, reach - DOOR)
+    along = (middles[:, None] + np.array([-1, -1, 1, 1]) * DOOR / 2).ravel()
+    right = np.tile([0.0, depth, depth, 0.0], count)
+    line = np.stack([np.r_[0, along, reach], -np.r_[0, right, 0]], -1)
+    return transform((*start, np.arctan2(*(end - start)[::-1])), chain(line))
+
+
+def office(
+    *,
+    rng: np.random.Generator,
+    rooms: int = 3,
+    width: float = 4.0,
+    depth: float = 4.0,
+    corridor: float = 2.0,
+) -> Array:
+    """A corridor along x with furnished rooms on both sides, doors standing open.
+
+    The half of each room next to the corridor is left free for a robot; the corridor runs from
+    `y = depth` to `y = depth + corridor`. Each door is in the middle of its room, so that a robot
+    finds it, and its leaf stands open at an angle of its own.
+
+    Parameters
+    ----------
+    rng : numpy.random.Generator
+        Places the furniture and turns the doors.
+    rooms : int
+        Rooms on each side.
+    width, depth : float, metres
+        Of each room, with the wall towards its neighbour; at least 3 m and 3.5 m.
+    corridor : float, metres
+        Width of the corridor.
+
+    Returns
+    -------
+    (n, 2, 2) array, metres
+
+    Examples
+    --------
+    >>> office(rng=np.random.default_rng(1)).max(axis=(0, 1))
+    array([12., 10.])
+    """
+    if width < 3 or depth < 3.5 or corridor <= 0 or rooms < 1:
+        raise ValueError(
+            "width must be at least 3 m, depth 3.5 m, rooms 1 and corridor positive, "
+            f"got {width:g} m, {depth:g} m, {rooms} and {corridor:g} m"
+        )
+    top = depth + corridor
+    above = [(width * i, top, 0.0) for i in range(rooms)]
+    below = [(width * (i + 1), depth, np.pi) for i in range(rooms)]
+    walls = [transform(pose, _furnished(width, depth, rng)) for pose in above + below]
+    ends = [chain([(x, depth), (x, top)]) for x in (0.0, width * rooms)]
+    return np.round(np.concatenate([*walls, *ends]), 6)
+
+
+def _furnished(width: float, depth: float, rng: np.random.Generator) -> Array:
+    """A room above its stretch of corridor wall, which runs from (0, 0) to (width, 0)."""
+    left, right = (width - DOOR) / 2, (width + DOOR) / 2
+    near, far = THICKNESS / 2, width - THICKNESS / 2
+    inner = [(left, THICKNESS), (near, THICKNESS), (near, depth), (far, depth)]
+    outline = [(0, 0), (left, 0), *inner, (far, THICKNESS), (right, THICKNESS)]
+    opening = rng.uniform(np.radians(70), np.radians(110))
+    leaf = DOOR * np.array([np.cos(opening), np.sin(opening)])
+    hinge = np.array([left, THICKNESS])
+    walls = [chain([*outline, (right, 0), (width, 0)]), chain([hinge, hinge + leaf])]
+    return np.concatenate([*walls, *_furniture(near, far, depth, rng)])
+
+
+def _furniture(near: float, far: float, depth: float, rng: np.random.Generator) -> list[Array]:
+    """A desk at the back wall, a cupboard at a side wall, a chair turned anyhow."""
+    desk, cupboard = rng.uniform(1.0, 1.6), rng.uniform(0.6, depth / 2 - 0.75)
+    at = rng.uniform(near + desk / 2 + 0.3, far - desk / 2 - 0.3)
+    side = near + 0.2 if rng.random() < 0.5 else far - 0.2
+    chair = (at, depth - rng.uniform(1.1, 1.4), rng.uniform(0, np.pi / 2))
+    return [
+        box(desk, 0.7, (at, depth - 0.35, 0)),
+        box(0.4, cupboard, (side, depth / 2 + cupboard / 2, 0)),
+        box(0.45, 0.45, chair),
+    ]

@@ -1,0 +1,248 @@
+"""Simulated logs: a robot drives through a room and measures, with errors of a chosen size.
+
+`simulate` answers with a `Log` that carries the truth, so that every method can be judged. All
+chance comes from one generator: the same seed gives the same log.
+"""
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ._compiled import compiled
+from .angles import Array, axial_difference, wrap
+from .poses import compose
+from .rooms import (
+    box,
+    chain,
+    circular_room,
+    corridor_loop,
+    office,
+    polygon,
+    rectangular_room,
+    square_room,
+    two_position_square,
+)
+from .scans import LaserScan, Log
+from .segments import Segments, angle, as_segments
+from .sensors import SICK_LMS200, URG_04LX, Sensor, Wheels, drifting_odometry, measure
+
+__all__ = [
+    "SICK_LMS200",
+    "URG_04LX",
+    "Sensor",
+    "Wheels",
+    "box",
+    "cast_rays",
+    "chain",
+    "circular_room",
+    "corridor_loop",
+    "drifting_odometry",
+    "drive",
+    "measure",
+    "office",
+    "polygon",
+    "rectangular_room",
+    "simulate",
+    "square_room",
+    "two_position_square",
+]
+
+#: A wall at most so far from the sensor, in metres, is one that the sensor touches.
+TOUCH = 1e-9
+
+
+def cast_rays(
+    walls: Segments, pose: ArrayLike, angles: ArrayLike, *, max_range: float = np.inf
+) -> Array:
+    """Exact ranges of beams from one place to the nearest wall.
+
+    A beam through a corner that two walls share never slips between them. A wall seen
+     exactly edge on has no width and is not met; nor is a wall that the sensor touches.
+
+    Parameters
+    ----------
+    walls : (n, 2, 2) array, metres, or a map
+    pose : (3,) array, metres and radians
+        Pose of the sensor in the frame of the walls.
+    angles : (b,) array, radians
+        Directions of the beams in the sensor's frame.
+    max_range : float, metres
+
+    Returns
+    -------
+    (b,) array, metres
+        `inf` where nothing is met within `max_range`.
+
+    Raises
+    ------
+    ValueError
+        Where a shape is wrong or a value is not finite.
+
+    Examples
+    --------
+    >>> cast_rays(rectangular_room(4, 3), (1, 1, 0), np.radians([-90, 0, 90, 180])).round(9)
+    array([1., 3., 2., 1.])
+    """
+    return _meet(walls, pose, angles, max_range)[0]
+
+
+def _meet(
+    walls: Segments, pose: ArrayLike, angles: ArrayLike, max_range: float
+) -> tuple[Array, NDArray[np.int64]]:
+    """Ranges of beams, and the index of the wall that each meets (-1 for none)."""
+    place, beams = np.asarray(pose, float), np.asarray(angles, float)
+    if place.shape != (3,) or not np.isfinite(place).all():
+        raise ValueError(f"pose must be finite x, y, heading, got {place.tolist()}")
+    if beams.ndim != 1 or not np.isfinite(beams).all():
+        raise ValueError(f"angles must be (b,) and finite, got shape {beams.shape}")
+    if not max_range > 0:
+        raise ValueError(f"max_range must be positive, got {max_range}")
+    around = np.subtract(as_segments(walls, "walls"), place[:2], order="C")
+    turned = beams + place[2]
+    return _cast(around, np.stack([np.cos(turned), np.sin(turned)], -1), float(max_range))
+
+
+@compiled
+def _cast(walls: Array, beams: Array, max_range: float) -> tuple[Array, NDArray[np.int64]]:
+    """Nearest wall of each beam; walls relative to the sensor, beams as unit vectors.
+
+    A wall is met where its end points lie on different sides of the beam. A corner shared by two
+    walls gets the same side in both, bit for bit, so nothing slips through.
+    """
+    ranges = np.full(len(beams), np.inf)
+    met = np.full(len(beams), -1, np.int64)
+    for i in range(len(beams)):
+        c, s = beams[i, 0], beams[i, 1]
+        for j in range(len(walls)):
+            ax, ay, bx, by = walls[j, 0, 0], walls[j, 0, 1], walls[j, 1, 0], walls[j, 1, 1]
+            side_a, side_b = c * ay - s * ax, c * by - s * bx
+            if (side_a < 0) == (side_b < 0) and side_a != 0 and side_b != 0:
+                continue
+            if side_a == side_b:  # edge on, or without length
+                continue
+            part = side_a / (side_a - side_b)
+            ahead = c * (ax + part * (bx - ax)) + s * (ay + part * (by - ay))
+            if TOUCH < ahead < ranges[i] and ahead <= max_range:
+                ranges[i], met[i] = ahead, j
+    return ranges, met
+
+
+def drive(waypoints: ArrayLike, *, step: float = 0.10, turn: float = np.radians(10.0)) -> Array:
+    """A path from way point to way point: straight on, and turning on the spot at the corners.
+
+    Parameters
+    ----------
+    waypoints : (k, 2) array, metres
+        At least two, no two in a row the same.
+    step : float, metres
+        Poses on a straight leg are at most so far apart: 0.10 m is a walk at ten scans a second.
+    turn : float, radians
+        Poses at a corner are turned by at most so much.
+
+    Returns
+    -------
+    (m, 3) array, metres and radians
+        First and last lie on the first and last way point, looking along the path.
+
+    Examples
+    --------
+    >>> drive([(0, 0), (1, 0), (1, 1)], step=0.5, turn=np.pi / 4).round(3)
+    array([[0.   , 0.   , 0.   ],
+           [0.5  , 0.   , 0.   ],
+           [1.   , 0.   , 0.   ],
+           [1.   , 0.   , 0.785],
+           [1.   , 0.   , 1.571],
+           [1.   , 0.5  , 1.571],
+           [1.   , 1.   , 1.571]])
+    """
+    legs = chain(waypoints)
+    d = legs[:, 1] - legs[:, 0]
+    if not len(legs) or not np.all(np.hypot(*d.T) > 0):
+        raise ValueError("waypoints must hold at least two points, each unlike the one before")
+    if not (step > 0 and turn > 0):
+        raise ValueError(f"step and turn must be positive, got {step:g} m and {turn:g} rad")
+    headings = np.arctan2(d[:, 1], d[:, 0])
+    poses = [np.array([[*legs[0, 0], headings[0]]])]
+    for (start, end), heading in zip(legs, headings, strict=True):
+        here = poses[-1][-1]
+        poses.append(_steps(here, (*start, here[2] + wrap(heading - here[2])), turn))
+        here = poses[-1][-1] if len(poses[-1]) else here
+        poses.append(_steps(here, (*end, here[2]), step))
+    path = np.concatenate(poses)
+    path[:, 2] = wrap(path[:, 2])
+    return path
+
+
+def _steps(start: Array, end: ArrayLike, most: float) -> Array:
+    """Poses evenly from start (left out) to end (kept), each at most `most` from the last."""
+    whole = np.asarray(end, float) - start
+    count = int(np.ceil(np.max([np.hypot(*whole[:2]), abs(whole[2])]) / most - 1e-9))
+    return start + np.arange(1, count + 1)[:, None] / max(count, 1) * whole
+
+
+def simulate(
+    walls: Segments,
+    path: ArrayLike,
+    *,
+    sensor: Sensor,
+    rng: np.random.Generator,
+    wheels: Wheels = Wheels(),
+    sensor_pose: ArrayLike = (0.0, 0.0, 0.0),
+    name: str = "simulated",
+) -> Log:
+    """The log of a robot that scans from every pose of a path.
+
+    Parameters
+    ----------
+    walls : (n, 2, 2) array, metres, or a map
+    path : (k, 3) array, metres and radians
+        True poses of the robot, one a scan, as `drive` makes them.
+    sensor : Sensor
+        `sensor.ideal()` measures without error.
+    rng : numpy.random.Generator
+        Source of all errors.
+    wheels : Wheels
+        `wheels.ideal()` gives odometry equal to the truth.
+    sensor_pose : (3,) array, metres and radians
+        Pose of the sensor in the frame of the robot.
+    name : str
+
+    Returns
+    -------
+    Log
+        Times in seconds, from 0 in steps of the sensor's period; odometry, which starts at the
+        first true pose and drifts; `truth`, `(k, 3)` in metres and radians.
+
+    Raises
+    ------
+    ValueError
+        Where a shape is wrong or a value is not finite.
+
+    Examples
+    --------
+    >>> path = drive([(1, 1), (3, 1)], step=0.5)
+    >>> simulate(square_room(), path, sensor=URG_04LX, rng=np.random.default_rng(1), name="square")
+    Log('square', 5 scans, odometry, truth)
+    """
+    truth = np.asarray(path, float)
+    wrong = drifting_odometry(truth, wheels=wheels, rng=rng)
+    checked = as_segments(walls, "walls")
+    scans = [
+        LaserScan(
+            _scan(checked, compose(pose, sensor_pose), sensor, rng),
+            sensor.angles,
+            time=i * sensor.period,
+            odometry=odometry,
+            max_range=sensor.max_range,
+            sensor_pose=sensor_pose,
+        )
+        for i, (pose, odometry) in enumerate(zip(truth, wrong, strict=True))
+    ]
+    return Log(name, scans, truth)
+
+
+def _scan(walls: Array, pose: Array, sensor: Sensor, rng: np.random.Generator) -> Array:
+    """Ranges that a sensor measures from one pose."""
+    ranges, met = _meet(walls, pose, sensor.angles, np.inf)
+    seen = np.append(angle(walls), np.nan)[met]  # -1, nothing met, takes the last
+    incidence = np.abs(axial_difference(sensor.angles + pose[2], seen))
+    return measure(ranges, incidence, sensor=sensor, rng=rng)

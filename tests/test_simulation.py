@@ -1,0 +1,489 @@
+"""Rooms, rays, sensors, wheels and the logs made of them."""
+
+import itertools
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from segmap import simulation
+from segmap.angles import wrap
+from segmap.poses import between, compose, transform
+from segmap.segments import SegmentMap, length, point_distance
+from segmap.simulation import (
+    SICK_LMS200,
+    URG_04LX,
+    Sensor,
+    Wheels,
+    cast_rays,
+    drifting_odometry,
+    drive,
+    measure,
+    simulate,
+)
+
+ALL_ROUND = np.linspace(-np.pi, np.pi, 360, endpoint=False)
+STILL = Wheels().ideal()
+
+
+def literal_ranges(walls, pose, angles):
+    """For each beam and wall solve pose + r * beam = start + share * (end - start)."""
+    found = np.full(len(angles), np.inf)
+    for i, turn in enumerate(angles + pose[2]):
+        beam = np.array([np.cos(turn), np.sin(turn)])
+        for start, end in walls:
+            matrix = np.stack([beam, start - end], 1)
+            if abs(np.linalg.det(matrix)) < 1e-12:
+                continue
+            r, share = np.linalg.solve(matrix, start - pose[:2])
+            if r > 1e-9 and 0 <= share <= 1:
+                found[i] = min(found[i], r)
+    return found
+
+
+def scattered_walls(rng, count=30):
+    return rng.uniform(-4, 4, (count, 1, 2)) + rng.uniform(-1, 1, (count, 2, 2))
+
+
+# ------------------------------------------------------------------------- rays
+def test_ranges_equal_the_linear_system_solved_pair_by_pair():
+    """Catches a wrong determinant, swapped coordinates, a heading left out."""
+    rng = np.random.default_rng(1)
+    walls, pose = scattered_walls(rng), np.array([0.3, -0.2, 0.7])
+    expected = literal_ranges(walls, pose, ALL_ROUND)
+    assert np.isinf(expected).any() and np.isfinite(expected).any()
+    np.testing.assert_allclose(cast_rays(walls, pose, ALL_ROUND), expected, atol=1e-9)
+
+
+def test_ranges_in_a_square_are_half_the_side_over_the_larger_cosine():
+    """Catches a range measured along an axis instead of along the beam."""
+    expected = 2 / np.maximum(np.abs(np.cos(ALL_ROUND)), np.abs(np.sin(ALL_ROUND)))
+    found = cast_rays(simulation.square_room(4), (2, 2, 0), ALL_ROUND)
+    np.testing.assert_allclose(found, expected, rtol=1e-12)
+
+
+def test_ranges_from_the_middle_of_a_round_room_lie_between_the_two_circles():
+    found = cast_rays(simulation.circular_room(2, sides=64), (2, 2, 0.1), ALL_ROUND)
+    assert found.min() >= 2 * np.cos(np.pi / 64) - 1e-12 and found.max() <= 2 + 1e-12
+
+
+def test_walls_behind_are_not_met():
+    """Catches a range whose sign is lost."""
+    wall = [[(-1, -1), (-1, 1)]]
+    assert cast_rays(wall, (0, 0, 0), [0.0, np.pi]).tolist() == [np.inf, 1.0]
+
+
+def test_a_beam_parallel_to_a_wall_meets_nothing():
+    """Catches a division by zero, and a wall that is taken for its endless line."""
+    assert cast_rays([[(1, 1), (5, 1)]], (0, 0, 0), [0.0]).tolist() == [np.inf]
+
+
+def test_a_wall_seen_edge_on_is_not_met_but_the_one_behind_it_is():
+    walls = [[(1, 0), (2, 0)], [(3, -1), (3, 1)]]
+    assert cast_rays(walls, (0, 0, 0), [0.0]).tolist() == [3.0]
+
+
+@pytest.mark.parametrize("wall", [[(1, 0), (1, 1)], [(1, -1), (1, 0)]])
+def test_a_wall_includes_both_its_end_points(wall):
+    for ends in (wall, wall[::-1]):
+        assert cast_rays([ends], (0, 0, 0), [0.0]).tolist() == [1.0]
+
+
+def test_the_nearest_wall_counts_whatever_the_order():
+    walls = np.array([[(x, -1.0), (x, 1.0)] for x in (3, 1, 2)])
+    for order in itertools.permutations(range(3)):
+        assert cast_rays(walls[list(order)], (0, 0, 0), [0.0]).tolist() == [1.0]
+
+
+@given(st.integers(0, 10_000), st.integers(3, 40))
+def test_no_beam_slips_through_a_shared_corner(seed, sides):
+    """Catches an end test with rounding: aimed straight at every corner of a closed room."""
+    rng = np.random.default_rng(seed)
+    centre, turn = rng.uniform(-50, 50, 2), rng.uniform(0, 7)
+    room = transform((*centre, turn), simulation.circular_room(1.0, sides=sides) - 1.0)
+    pose = np.array([*centre + rng.uniform(-0.3, 0.3, 2), rng.uniform(-4, 4)])
+    to_corner = room[:, 0] - pose[:2]
+    aim = np.arctan2(to_corner[:, 1], to_corner[:, 0]) - pose[2]
+    np.testing.assert_allclose(
+        cast_rays(room, pose, aim), np.hypot(*to_corner.T), rtol=0, atol=1e-9
+    )
+
+
+def test_from_on_a_wall_that_wall_is_not_met():
+    """Catches a robot that touches a wall and sees nothing but zeros."""
+    found = cast_rays(simulation.square_room(4), (2, 0, 0), np.radians([0, 90, 180, -90]))
+    np.testing.assert_allclose(found, [2, 4, 2, np.inf], rtol=1e-12)
+
+
+def test_beyond_the_maximum_range_nothing_is_met_and_exactly_there_something_is():
+    wall = [[(4, -1), (4, 1)]]
+    assert cast_rays(wall, (0, 0, 0), [0.0], max_range=4.0).tolist() == [4.0]
+    assert cast_rays(wall, (0, 0, 0), [0.0], max_range=3.999).tolist() == [np.inf]
+
+
+def test_no_walls_and_walls_without_length_meet_nothing():
+    assert np.isinf(cast_rays([], (0, 0, 0), ALL_ROUND)).all()
+    assert np.isinf(cast_rays([[(1, 0), (1, 0)]], (0, 0, 0), [0.0, 1.0])).all()
+
+
+@given(
+    st.integers(0, 10_000),
+    st.tuples(st.floats(-20, 20), st.floats(-20, 20), st.floats(-7, 7)),
+)
+def test_moving_room_and_sensor_together_changes_no_range(seed, motion):
+    rng = np.random.default_rng(seed)
+    room = simulation.office(rng=rng, rooms=1)
+    pose, beams = (2.0, 5.0, rng.uniform(-4, 4)), rng.uniform(-4, 4, 20)
+    here = cast_rays(room, pose, beams)
+    there = cast_rays(transform(motion, room), compose(motion, pose), beams)
+    near = np.isclose(here, there, rtol=0, atol=1e-6)
+    assert near.sum() >= 19  # a beam that grazes an edge may change wall by rounding
+
+
+def test_swapped_end_points_and_walls_cut_in_two_change_no_range():
+    """Catches a wall that is seen from one side only."""
+    rng = np.random.default_rng(3)
+    walls, pose = scattered_walls(rng), (0, 0, 0)
+    expected = cast_rays(walls, pose, ALL_ROUND)
+    np.testing.assert_allclose(cast_rays(walls[:, ::-1], pose, ALL_ROUND), expected, rtol=1e-9)
+    middle = walls.mean(axis=1)
+    halves = np.concatenate(
+        [np.stack([walls[:, 0], middle], 1), np.stack([middle, walls[:, 1]], 1)]
+    )
+    np.testing.assert_allclose(cast_rays(halves, pose, ALL_ROUND), expected, rtol=1e-9)
+
+
+def test_the_compiled_loop_and_its_source_agree():
+    rng = np.random.default_rng(4)
+    beams = np.stack([np.cos(ALL_ROUND), np.sin(ALL_ROUND)], -1)
+    walls = scattered_walls(rng)
+    for fast, plain in zip(
+        simulation._cast(walls, beams, 5.0), simulation._cast.plain(walls, beams, 5.0), strict=True
+    ):
+        np.testing.assert_allclose(fast, plain, rtol=1e-12)
+
+
+def test_walls_may_be_a_map_or_in_column_order():
+    """Catches a kernel that is handed a memory layout which it cannot read."""
+    room = simulation.square_room()
+    expected = cast_rays(room, (1, 1, 0), ALL_ROUND)
+    for walls in (SegmentMap(room), np.asfortranarray(room), room.tolist()):
+        np.testing.assert_array_equal(cast_rays(walls, (1, 1, 0), ALL_ROUND), expected)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (dict(walls=np.zeros((3, 4))), r"walls must have shape \(n, 2, 2\)"),
+        (dict(pose=(0, 0)), "pose must be finite x, y, heading"),
+        (dict(pose=(0, np.nan, 0)), "pose must be finite"),
+        (dict(angles=0.0), r"angles must be \(b,\) and finite"),
+        (dict(angles=[np.nan]), "angles must be"),
+        (dict(max_range=0.0), "max_range must be positive"),
+        (dict(max_range=np.nan), "max_range must be positive"),
+    ],
+)
+def test_bad_arguments_of_cast_rays_are_named(arguments, message):
+    good = dict(walls=simulation.square_room(), pose=(1, 1, 0), angles=[0.0], max_range=4.0)
+    with pytest.raises(ValueError, match=message):
+        cast_rays(**{**good, **arguments})
+
+
+# ------------------------------------------------------------------------ rooms
+def test_rooms_have_the_size_that_they_are_asked_for():
+    assert length(simulation.square_room(3)).tolist() == [3, 3, 3, 3]
+    assert sorted(length(simulation.rectangular_room(4, 3)).tolist()) == [3, 3, 4, 4]
+    np.testing.assert_allclose(length(simulation.circular_room(2, sides=6)), 2)  # a hexagon
+
+
+@pytest.mark.parametrize("pose", [(0, 0, 0), (3, -2, 1.0)])
+def test_a_box_lies_about_its_pose(pose):
+    """Catches a box that hangs on its corner, and one with its sides exchanged."""
+    walls = transform(between(pose, (0, 0, 0)), simulation.box(2, 1, pose))
+    np.testing.assert_allclose(walls.max(axis=(0, 1)), (1, 0.5), atol=1e-12)
+    np.testing.assert_allclose(walls.min(axis=(0, 1)), (-1, -0.5), atol=1e-12)
+
+
+def test_the_two_positions_see_the_square_from_opposite_quarters():
+    walls, poses = simulation.two_position_square(4)
+    ahead = np.stack([cast_rays(walls, pose, np.radians([0, 90, 180, -90])) for pose in poses])
+    np.testing.assert_allclose(ahead, [(3, 1, 1, 3), (1, 3, 3, 1)])
+
+
+def test_the_corridor_loop_is_closed_all_along_its_middle():
+    walls = simulation.corridor_loop()
+    path = drive([(1, 1), (29, 1), (29, 11), (1, 11), (1, 1)], step=0.5)
+    assert all(np.isfinite(cast_rays(walls, pose, ALL_ROUND)).all() for pose in path)
+    assert point_distance(path[:, None, :2], walls).min() > 0.6  # pillars stand 0.3 m deep
+
+
+def test_half_a_turn_does_not_carry_the_corridor_loop_onto_itself():
+    """Catches niches that repeat: such a loop has two answers for every scan."""
+    walls = simulation.corridor_loop()
+    turned = transform((30, 12, np.pi), walls)
+    apart = point_distance(turned[:, None, 0], walls).min(axis=1)
+    assert (apart > 0.15).sum() > 20
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_a_robot_can_drive_into_every_room_of_the_office(seed):
+    """Catches furniture in the door, and a door that is a wall."""
+    walls = simulation.office(rng=np.random.default_rng(seed), rooms=3)
+    for x in (2, 6, 10):
+        for y in (2, 8):
+            lane = drive([(x, 5), (x, y)], step=0.05)
+            assert point_distance(lane[:, None, :2], walls).min() > 0.10
+            assert np.isfinite(cast_rays(walls, (x, y, 0), ALL_ROUND)).all()
+
+
+def test_offices_differ_by_their_seed_alone():
+    first, again, other = (simulation.office(rng=np.random.default_rng(s)) for s in (1, 1, 2))
+    np.testing.assert_array_equal(first, again)
+    assert not np.allclose(first, other)
+
+
+@pytest.mark.parametrize(
+    ("room", "message"),
+    [
+        (lambda: simulation.circular_room(sides=2), "sides must be at least 3, got 2"),
+        (lambda: simulation.corridor_loop(30, 5), "block inside must measure"),
+        (lambda: simulation.office(rng=np.random.default_rng(1), depth=2), "depth 3.5 m"),
+        (lambda: simulation.chain([0, 1]), r"corners must have shape \(k, 2\)"),
+    ],
+)
+def test_impossible_rooms_are_named(room, message):
+    with pytest.raises(ValueError, match=message):
+        room()
+
+
+# ---------------------------------------------------------------------- sensors
+def test_the_urg_has_its_682_beams_where_the_protocol_puts_them():
+    """Catches an end point counted twice, and a fan centred on 0 instead of on step 384."""
+    assert URG_04LX.beams == 682 and URG_04LX.angles[384 - 44] == 0
+    np.testing.assert_allclose(np.degrees(URG_04LX.angles[[0, -1]]), [-119.53, 119.88], atol=5e-3)
+    np.testing.assert_allclose(np.diff(URG_04LX.angles), 2 * np.pi / 1024)
+
+
+def test_the_sick_includes_both_ends_of_its_half_turn():
+    np.testing.assert_allclose(np.degrees(SICK_LMS200.angles), np.arange(-90, 91), atol=1e-12)
+
+
+def test_noise_has_the_stated_size_and_no_bias():
+    sensor = replace(SICK_LMS200, resolution=0.0)
+    rng = np.random.default_rng(5)
+    error = measure(np.full(40_000, 3.0), np.ones(40_000), sensor=sensor, rng=rng) - 3
+    assert abs(error.std() / 0.010 - 1) < 0.02 and abs(error.mean()) < 2e-4
+
+
+def test_ranges_are_rounded_to_the_nearest_step_not_cut():
+    """Catches truncation, which shortens every range by half a step."""
+    sensor = replace(SICK_LMS200, sigma=0.0)
+    found = measure([1.004, 1.006, 2.0], np.ones(3), sensor=sensor, rng=np.random.default_rng(1))
+    np.testing.assert_allclose(found, [1.00, 1.01, 2.0], atol=1e-12)
+
+
+def test_beams_are_lost_by_chance_as_often_as_stated():
+    sensor = replace(URG_04LX, dropout=0.05)
+    found = measure(
+        np.full(20_000, 2.0), np.ones(20_000), sensor=sensor, rng=np.random.default_rng(6)
+    )
+    assert abs(np.isinf(found).mean() - 0.05) < 0.005
+
+
+def test_faults_come_back_as_infinity_or_nan_never_as_a_wall():
+    sensor = replace(URG_04LX.ideal(), min_range=0.02, grazing=0.1)
+    exact, incidence = [0.01, 5.0, np.inf, 2.0, 2.0], [1, 1, np.nan, 0.05, 0.2]
+    found = measure(exact, incidence, sensor=sensor, rng=np.random.default_rng(1))
+    np.testing.assert_array_equal(found, [np.nan, np.inf, np.inf, np.inf, 2.0])
+
+
+def test_noise_never_lifts_a_range_beyond_the_maximum():
+    found = measure(
+        np.full(500, 3.999), np.ones(500), sensor=URG_04LX, rng=np.random.default_rng(7)
+    )
+    assert np.isinf(found).any() and found[np.isfinite(found)].max() < URG_04LX.max_range
+
+
+def test_an_ideal_sensor_draws_as_much_as_a_real_one():
+    """Catches comparisons of two sensors that in truth compare two streams of chance."""
+    left = []
+    for sensor in (URG_04LX, URG_04LX.ideal()):
+        rng = np.random.default_rng(8)
+        measure(np.ones(50), np.ones(50), sensor=sensor, rng=rng)
+        left.append(rng.random())
+    assert left[0] == left[1]
+
+
+# ----------------------------------------------------------------------- driving
+@given(
+    st.lists(st.tuples(st.integers(-9, 9), st.integers(-9, 9)), min_size=2, max_size=6),
+    st.floats(0.1, 2),
+    st.floats(0.1, 2),
+)
+def test_a_drive_passes_every_way_point_in_steps_of_bounded_size(points, step, turn):
+    points = [p for p, _ in itertools.groupby(points)]
+    if len(points) < 2:
+        return
+    path = drive(points, step=step, turn=turn)
+    motion = between(path[:-1], path[1:])
+    assert np.hypot(*motion[:, :2].T).max() <= step + 1e-9
+    assert np.abs(motion[:, 2]).max() <= turn + 1e-9
+    assert np.abs(path[:, 2]).max() <= np.pi
+    for point in points:
+        assert np.hypot(*(path[:, :2] - point).T).min() < 1e-9
+    np.testing.assert_allclose(path[[0, -1], :2], [points[0], points[-1]], atol=1e-9)
+
+
+def test_a_drive_looks_where_it_goes_and_turns_the_shorter_way():
+    """Catches a turn of 270 degrees to the left for one of 90 to the right."""
+    path = drive([(0, 0), (-1, 0.01), (-1.01, -1)], step=0.1, turn=0.1)
+    motion = between(path[:-1], path[1:])
+    moving = np.hypot(*motion[:, :2].T) > 1e-9
+    np.testing.assert_allclose(motion[moving, 1], 0, atol=1e-9)
+    assert motion[moving, 0].min() > 0
+    assert np.abs(motion[:, 2]).sum() < np.radians(100)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (dict(waypoints=[(0, 0)]), "at least two points"),
+        (dict(waypoints=[(0, 0), (0, 0)]), "each unlike the one before"),
+        (dict(waypoints=[(0, 0), (1, 0)], step=0), "step and turn must be positive"),
+        (dict(waypoints=[(0, 0), (1, 0)], turn=-1), "step and turn must be positive"),
+    ],
+)
+def test_impossible_drives_are_named(arguments, message):
+    with pytest.raises(ValueError, match=message):
+        drive(**arguments)
+
+
+# ------------------------------------------------------------------------ wheels
+def heading_errors(path, wheels, runs=400):
+    found = [
+        drifting_odometry(path, wheels=wheels, rng=np.random.default_rng(seed))[-1]
+        for seed in range(runs)
+    ]
+    return wrap(np.array(found)[:, 2] - path[-1, 2])
+
+
+def test_wheels_without_error_return_the_path():
+    """Catches motions composed in the wrong order, and a motion sideways that is mirrored."""
+    path = np.random.default_rng(9).uniform(-3, 3, (20, 3))
+    found = drifting_odometry(path, wheels=STILL, rng=np.random.default_rng(1))
+    np.testing.assert_allclose(found[:, :2], path[:, :2], atol=1e-9)
+    np.testing.assert_allclose(wrap(found[:, 2] - path[:, 2]), 0, atol=1e-9)
+
+
+def test_odometry_starts_where_the_path_starts_and_then_drifts():
+    path = drive([(5, 5), (9, 5), (9, 9), (5, 9), (5, 5)])
+    found = drifting_odometry(path, wheels=Wheels(), rng=np.random.default_rng(2))
+    np.testing.assert_array_equal(found[0], path[0])
+    off = np.hypot(*(found - path)[:, :2].T)
+    assert off[-1] > 0.05 > off[5]
+
+
+def test_turning_spoils_the_heading_far_more_than_driving():
+    turning, driving = np.zeros((37, 3)), np.zeros((37, 3))
+    turning[:, 2] = np.linspace(0, np.pi / 2, 37)
+    driving[:, 0] = np.linspace(0, np.pi / 2, 37)  # 1.57 m
+    assert heading_errors(turning, Wheels()).std() > 5 * heading_errors(driving, Wheels()).std()
+
+
+@pytest.mark.parametrize("pieces", [2, 50])
+@pytest.mark.parametrize(("column", "noise"), [(2, "turn_noise"), (0, "heading_noise")])
+def test_the_size_of_the_drift_does_not_depend_on_how_finely_the_path_is_cut(pieces, column, noise):
+    """Catches noise that is added per pose, whatever the way between poses."""
+    path = np.zeros((pieces + 1, 3))
+    path[:, column] = np.linspace(0, 1, pieces + 1)
+    errors = heading_errors(path, replace(STILL, **{noise: 0.03}))
+    assert abs(errors.std() / 0.03 - 1) < 0.12
+
+
+def test_the_bias_stretches_all_turns_of_a_run_alike():
+    path = np.zeros((5, 3))
+    path[:, 2] = (0, 0.5, 1.0, 0.5, 1.5)
+    found = drifting_odometry(
+        path, wheels=replace(STILL, turn_bias=0.03), rng=np.random.default_rng(3)
+    )
+    ratio = found[1:, 2] / path[1:, 2]
+    assert abs(ratio[0] - 1) > 1e-4
+    np.testing.assert_allclose(ratio, ratio[0], rtol=1e-12)
+
+
+def test_distance_noise_has_its_stated_size():
+    path = np.zeros((21, 3))
+    path[:, 0] = np.linspace(0, 4, 21)
+    wheels = replace(STILL, distance_noise=0.01)
+    ends = [
+        drifting_odometry(path, wheels=wheels, rng=np.random.default_rng(seed))[-1, 0]
+        for seed in range(400)
+    ]
+    assert abs(np.std(ends) / (0.01 * np.sqrt(4)) - 1) < 0.12
+
+
+# ------------------------------------------------------------------------- logs
+def test_points_of_an_ideal_log_lie_on_the_walls():
+    """Catches a sensor pose that is left out, applied twice or composed the wrong way round."""
+    walls = simulation.rectangular_room(4, 3)
+    path = drive([(1, 1), (2, 1.5), (3, 1)], step=0.4)
+    log = simulate(
+        walls,
+        path,
+        sensor=URG_04LX.ideal(),
+        rng=np.random.default_rng(1),
+        sensor_pose=(0.145, 0.03, 0.2),
+    )
+    for scan, pose in zip(log, log.truth, strict=True):
+        seen = transform(pose, scan.points())
+        assert point_distance(seen[:, None], walls).min(axis=1).max() < 1e-9
+
+
+def test_a_log_carries_times_truth_and_odometry():
+    path = drive([(1, 1), (3, 1), (3, 2)])
+    log = simulate(
+        simulation.rectangular_room(), path, sensor=SICK_LMS200, rng=np.random.default_rng(1)
+    )
+    np.testing.assert_allclose(log.times, 0.2 * np.arange(len(path)))
+    np.testing.assert_array_equal(log.truth, path)
+    assert np.abs(log.odometry - path)[1:].max() > 1e-4
+    assert log[0].max_range == SICK_LMS200.max_range and len(log[0]) == 181
+
+
+def test_the_same_seed_gives_the_same_log_and_another_seed_another():
+    path = drive([(1, 1), (3, 1)], step=0.5)
+    first, again, other = (
+        simulate(simulation.square_room(), path, sensor=URG_04LX, rng=np.random.default_rng(seed))
+        for seed in (1, 1, 2)
+    )
+    for a, b, c in zip(first, again, other, strict=True):
+        np.testing.assert_array_equal(a.ranges, b.ranges)
+        assert not np.array_equal(a.ranges, c.ranges)
+    np.testing.assert_array_equal(first.odometry, again.odometry)
+
+
+def test_grazing_beams_of_a_log_are_lost_and_steep_ones_kept():
+    """Catches an angle taken to the wall's normal, or forgetting the robot's heading."""
+    wall = [[(-50, 1), (50, 1)]]
+    sensor = Sensor("fan", 37, -np.pi / 2, np.pi / 36, max_range=100, grazing=np.radians(7))
+    for heading in (np.pi / 2, 0.0):
+        log = simulate(
+            wall, [(0, 0, heading)], sensor=sensor, wheels=STILL, rng=np.random.default_rng(1)
+        )
+        towards = wrap(sensor.angles + heading)
+        steep = (towards > np.radians(7)) & (towards < np.radians(173))
+        np.testing.assert_array_equal(log[0].valid, steep)
+
+
+def test_an_empty_path_gives_an_empty_log():
+    log = simulate(
+        simulation.square_room(), np.empty((0, 3)), sensor=URG_04LX, rng=np.random.default_rng(1)
+    )
+    assert len(log) == 0 and log.truth.shape == (0, 3)
+
+
+def test_a_path_with_nan_is_named():
+    with pytest.raises(ValueError, match=r"path must be \(k, 3\) finite poses"):
+        simulate([], [(0, 0, np.nan)], sensor=URG_04LX, rng=np.random.default_rng(1))
