@@ -87,7 +87,7 @@ def unrolled(p: Array, gap: float, closed: bool) -> Array:
         if d > most:
             far, most = i, d
     if first < 0:
-        return np.concatenate((p[far:], p[: far + 1]))
+        return np.concatenate((p[far:], p[:far]))
     return np.concatenate((p[first:], p[:first]))
 
 
@@ -120,6 +120,17 @@ def clusters(points: Array, gap: float, total: bool, closed: bool) -> Array:
 
 
 @compiled
+def chord_of(p: Array) -> Line:
+    """Line from the first to the last point; across the points where these two coincide."""
+    dx, dy = p[-1, 0] - p[0, 0], p[-1, 1] - p[0, 1]
+    norm = np.hypot(dx, dy)
+    if norm >= MIN_LENGTH:
+        return p[0, 0], p[0, 1], dx / norm, dy / norm
+    _, _, dx, dy = fit_total(p)
+    return p[0, 0], p[0, 1], -dy, dx
+
+
+@compiled
 def split(p: Array, tolerance: float, ends: Indices) -> int:
     """Cut a cluster at the farthest point until each chord is within tolerance.
 
@@ -130,9 +141,7 @@ def split(p: Array, tolerance: float, ends: Indices) -> int:
     stack[0], top, start, k = len(p) - 1, 1, 0, 0
     while top:
         end = stack[top - 1]
-        dx, dy = p[end, 0] - p[start, 0], p[end, 1] - p[start, 1]
-        norm = max(np.hypot(dx, dy), MIN_LENGTH)
-        chord = (p[start, 0], p[start, 1], dx / norm, dy / norm)
+        chord = chord_of(p[start : end + 1])
         far, most = farthest(p[start : end + 1], chord)
         if most > tolerance and 0 < far < end - start:
             stack[top] = start + far

@@ -1,0 +1,97 @@
+"""Every compiled loop gives the same result as plain Python, with and without numba."""
+
+import os
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from segmap._compiled import PLAIN, compiled
+
+CASE = """
+import sys
+if {blocked}:
+    sys.modules["numba"] = None
+import numpy as np
+from segmap import extraction, metrics, reduction, simulation
+rng = np.random.default_rng(3)
+t = np.radians(np.arange(0, 360, 6.0))
+ranges = 1 / np.maximum(np.abs(np.cos(t)) / 2, np.abs(np.sin(t)) / 1.5) + rng.normal(0, 0.01, 60)
+points = np.stack([ranges * np.cos(t), ranges * np.sin(t)], -1)
+walls = rng.uniform(-3, 3, (12, 2, 2))
+seen = np.repeat(walls, 3, axis=0) + rng.normal(0, 0.01, (36, 2, 2))
+reduced = reduction.fusion(seen)
+found = [
+    extraction.extract_clusters(points, closed=True),
+    extraction.extract_clusters(points, fit="algebraic"),
+    extraction.extract_polylines(points, gap=0.5, closed=True),
+    extraction.fit_line(points[:9])[0],
+    metrics.errors(seen, reduced),
+    reduced.segments,
+    reduced.parents,
+    simulation.cast_rays(walls, (0.1, 0.2, 0.3), t, max_range=4.0),
+]
+print("numba" in sys.modules and sys.modules["numba"] is not None)
+for array in found:
+    print(" ".join(f"{{x:.9e}}" for x in np.ravel(array)))
+"""
+
+
+def run(blocked: bool = False, plain: bool = False) -> list[str]:
+    environment = {**os.environ, PLAIN: "1" if plain else "0"}
+    done = subprocess.run(
+        [sys.executable, "-W", "error", "-c", CASE.format(blocked=blocked)],
+        capture_output=True,
+        text=True,
+        env=environment,
+        timeout=300,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    return done.stdout.splitlines()
+
+
+@pytest.mark.parametrize("how", [{"blocked": True}, {"plain": True}])
+def test_plain_python_gives_the_same(how):
+    """A loop that only numba accepts, or that wraps, divides or clips differently there."""
+    used, *expected = run()
+    assert used == "True"
+    used, *found = run(**how)
+    assert used == "False"
+    for a, b in zip(found, expected, strict=True):
+        np.testing.assert_allclose(
+            np.array(a.split(), float), np.array(b.split(), float), 1e-6, 1e-8
+        )
+
+
+@compiled
+def _double(x: float) -> float:
+    """Twice."""
+    return 2 * x
+
+
+@compiled
+def _four_times(x: float) -> float:
+    return _double(_double(x))
+
+
+def test_kernels_call_kernels():
+    assert _four_times(1.5) == _four_times.plain(1.5) == 6.0
+    assert _double.__doc__ == "Twice."
+
+
+def test_falls_back_where_no_cache_can_be_written(monkeypatch):
+    """A read-only installation must still compile."""
+    import numba
+
+    kernel = compiled(lambda x: x + 1)
+    original = numba.njit
+
+    def refusing(*args, **kwargs):
+        if kwargs.get("cache"):
+            raise RuntimeError("no locator available")
+        return original(*args, **kwargs)
+
+    monkeypatch.setattr(numba, "njit", refusing)
+    assert kernel(1) == 2
