@@ -1,1 +1,41 @@
-"""segmap: maps of line segments, and quadtree maps, from 2D laser scans."""
+"""segmap: maps of line segments, and quadtree maps, from 2D laser scans.
+
+Metres, radians, seconds; poses are x, y, heading; `a_from_b` carries points of b into a.
+"""
+
+from . import angles, extraction, metrics, poses, readers, reduction, scans, segments, simulation
+from .extraction import build_map, extract_clusters, extract_polylines
+from .metrics import quality, reduction_rate, segment_distance
+from .readers import LogError, load, read
+from .reduction import METHODS, Reduction, fusion
+from .scans import LaserScan, Log
+from .segments import SegmentMap
+
+__version__ = "0.1"
+
+__all__ = [
+    "METHODS",
+    "LaserScan",
+    "Log",
+    "LogError",
+    "Reduction",
+    "SegmentMap",
+    "angles",
+    "build_map",
+    "extract_clusters",
+    "extract_polylines",
+    "extraction",
+    "fusion",
+    "load",
+    "metrics",
+    "poses",
+    "quality",
+    "read",
+    "readers",
+    "reduction",
+    "reduction_rate",
+    "scans",
+    "segment_distance",
+    "segments",
+    "simulation",
+]
