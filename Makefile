@@ -1,0 +1,60 @@
+# `make` lists the targets. `make lab PORT=8890` chooses the port, `make lab PYTHON=python3.12` the
+# interpreter. Where uv is installed it does the installing, else venv and pip: the same result.
+PYTHON ?= python3
+PORT ?=
+CHAPTERS ?= $(sort $(wildcard notebooks/*.ipynb))
+
+SHELL := /bin/sh
+RUN := .venv/bin/python
+SETUP := .venv/segmap-is-installed
+LAB = --ip=127.0.0.1 $(if $(PORT),--port=$(PORT) --ServerApp.port_retries=0) --allow-root \
+	--ServerApp.log_level=WARN --LabApp.default_url=/lab/tree/notebooks/00_start_here.ipynb
+# Without a display the address is printed, and served until Control-C.
+BROWSER = $(if $(DISPLAY)$(WAYLAND_DISPLAY)$(filter Darwin,$(shell uname)),,--no-browser)
+NBVAL := --nbval --nbval-current-env --nbval-cell-timeout=120 \
+	--nbval-sanitize-with=tests/nbval.cfg -p no:cacheprovider
+
+.PHONY: help lab test refresh bench book clean
+
+help: ## list the targets
+	@sed -n 's/^\([a-z]*\):.*## \(.*\)/  make \1\t\2/p' Makefile
+
+lab: $(SETUP) ## set up, then open the chapters in JupyterLab (PORT=8890 chooses the port)
+	@$(RUN) -m jupyterlab $(LAB) $(BROWSER)
+
+test: $(SETUP) ## set up, then prove it: style, types, tests, examples and every chapter
+	$(RUN) -m ruff check .
+	$(RUN) -m ruff format --check .
+	$(RUN) -m mypy
+	$(RUN) -m pytest
+	$(RUN) -c "import matplotlib.pyplot"
+	PYTHONWARNINGS=error::DeprecationWarning:__main__ $(RUN) -m pytest $(NBVAL) notebooks/*.ipynb
+
+refresh: $(SETUP) ## run the chapters again and store what they show (CHAPTERS="..." for some)
+	$(RUN) notebooks/tools/refresh.py $(CHAPTERS)
+
+bench: $(SETUP) ## measure speed against the references, as ratios from one run
+	$(RUN) -m benchmarks
+
+book: $(SETUP) ## run the chapters into linked web pages, build/book/index.html, to read offline
+	$(RUN) notebooks/tools/book.py
+
+clean: ## remove everything that make made, the environment too
+	rm -rf .venv build dist .pytest_cache .mypy_cache .ruff_cache .hypothesis
+	find . -name __pycache__ -prune -exec rm -rf {} +
+	find . -name .ipynb_checkpoints -prune -exec rm -rf {} +
+
+# The stamp is written last, so an installation that failed is tried again.
+$(SETUP): pyproject.toml
+	@$(PYTHON) -c 'import sys; sys.version_info >= (3, 11) or sys.exit("segmap needs Python 3.11 \
+	or later, and $(PYTHON) is %d.%d: try make PYTHON=python3.12" % sys.version_info[:2])'
+	@echo "Installing segmap and its tools into .venv (a few minutes the first time) ..."
+	@if command -v uv > /dev/null; then \
+	  { test -x $(RUN) || uv venv --quiet --python "$$(command -v $(PYTHON))" .venv; } && \
+	  uv pip install --quiet --python $(RUN) --editable '.[dev]'; \
+	else \
+	  { $(RUN) -m pip --version > /dev/null 2>&1 || $(PYTHON) -m venv .venv || { rm -rf .venv; \
+	    echo "No virtual environment: on Debian and Ubuntu, apt install python3-venv"; exit 1; }; } && \
+	  $(RUN) -m pip install --quiet --disable-pip-version-check --editable '.[dev]'; \
+	fi
+	@touch $@

@@ -1,0 +1,124 @@
+"""Run chapters again and store their outputs: `make refresh`.
+
+A chapter is replaced only when it ran to its end, and only by what differs: cells are named by
+their content, the metadata is fixed, and a picture with the same pixels stays as it was stored.
+"""
+
+import base64
+import hashlib
+import io
+import os
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import matplotlib.image
+import nbformat
+from nbclient import NotebookClient
+from nbformat import NotebookNode
+
+VIEW = "application/vnd.jupyter.widget-view+json"
+KERNEL = {"display_name": "Python 3", "language": "python", "name": "python3"}
+#: The output of the cell with this tag is the picture in the README.
+README_TAG = "readme-picture"
+README_PICTURE = Path("pictures/malaga.png")
+
+
+def execute(notebook: NotebookNode, folder: Path) -> NotebookNode:
+    """Run all cells of a notebook, in place, in a fresh kernel that starts in a folder."""
+    os.environ["PYTHONWARNINGS"] = "error::DeprecationWarning:__main__"
+    where = {"metadata": {"path": str(folder)}}
+    client = NotebookClient(
+        notebook, timeout=120, record_timing=False, coalesce_streams=True, resources=where
+    )
+    return client.execute()
+
+
+def tidy(notebook: NotebookNode) -> NotebookNode:
+    """Drop, in place, what differs from run to run or from machine to machine."""
+    notebook.metadata = NotebookNode(kernelspec=KERNEL, language_info={"name": "python"})
+    notebook.nbformat_minor = 5
+    used: dict[str, int] = {}
+    for cell in notebook.cells:
+        tags = cell.metadata.get("tags")
+        cell.metadata = NotebookNode({"tags": tags} if tags else {})
+        cell.id = _cell_id(cell, used)
+    for number, output in enumerate(_outputs_with(notebook, VIEW)):
+        output.data[VIEW]["model_id"] = f"{number:032x}"
+    return notebook
+
+
+def keep_pictures(notebook: NotebookNode, stored: NotebookNode) -> None:
+    """Take back, in place, each stored picture whose pixels are those of the new one."""
+    known = {pixels(o.data["image/png"]): o.data["image/png"] for o in _pictures(stored)}
+    for output in _pictures(notebook):
+        picture = output.data["image/png"]
+        output.data["image/png"] = known.get(pixels(picture), picture)
+
+
+def pixels(picture: str) -> bytes:
+    """Digest of size and pixels of a PNG in base64, whatever its compression and metadata."""
+    image = matplotlib.image.imread(io.BytesIO(base64.b64decode(picture)))
+    return hashlib.sha256(repr(image.shape).encode() + image.tobytes()).digest()
+
+
+def readme_picture(notebook: NotebookNode) -> str | None:
+    """Picture in base64 that a chapter gives to the README, where it has one."""
+    chosen = [c for c in notebook.cells if README_TAG in c.metadata.get("tags", [])]
+    found = [o.data["image/png"] for o in _pictures(NotebookNode(cells=chosen))]
+    return found[0] if found else None
+
+
+def refresh(path: Path) -> bool:
+    """Run one chapter and store it; tells whether its file changed."""
+    before = path.read_text(encoding="utf-8")
+    stored = nbformat.reads(before, as_version=4)
+    fresh = tidy(execute(nbformat.reads(before, as_version=4), path.parent))
+    keep_pictures(fresh, stored)
+    if (picture := readme_picture(fresh)) is not None:
+        _replace(path.parent / README_PICTURE, base64.b64decode(picture))
+    nbformat.validate(fresh)
+    after = nbformat.writes(fresh) + "\n"
+    if after != before:
+        _replace(path, after.encode())
+    return after != before
+
+
+def main(paths: list[str]) -> int:
+    """Refresh chapters in turn; answers the number of those that failed."""
+    failed = 0
+    for path in map(Path, paths):
+        try:
+            print(f"{path.name}: {'stored anew' if refresh(path) else 'unchanged'}", flush=True)
+        except Exception as problem:
+            failed += 1
+            print(f"{path.name}: left as it was\n{problem}", file=sys.stderr, flush=True)
+    return failed
+
+
+def _cell_id(cell: NotebookNode, used: dict[str, int]) -> str:
+    digest = hashlib.sha256(f"{cell.cell_type}\n{cell.source}".encode()).hexdigest()[:8]
+    used[digest] = used.get(digest, 0) + 1
+    return digest if used[digest] == 1 else f"{digest}-{used[digest]}"
+
+
+def _outputs_with(notebook: NotebookNode, kind: str) -> Iterator[Any]:
+    for cell in notebook.cells:
+        yield from (o for o in cell.get("outputs", []) if kind in o.get("data", {}))
+
+
+def _pictures(notebook: NotebookNode) -> Iterator[Any]:
+    return _outputs_with(notebook, "image/png")
+
+
+def _replace(path: Path, content: bytes) -> None:
+    """Write a file whole or not at all."""
+    path.parent.mkdir(exist_ok=True)
+    beside = path.with_name(f".{path.name}.new")
+    beside.write_bytes(content)
+    beside.replace(path)
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
