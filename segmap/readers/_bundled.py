@@ -1,14 +1,19 @@
-"""The logs that come with segmap."""
+"""The logs that come with segmap, and one that comes with another package."""
 
+from importlib.util import find_spec
 from pathlib import Path
 
 PACKAGE = Path(__file__).parents[1]
 #: In a clone the data lies beside the package, in an installed wheel inside it.
 PLACES = (PACKAGE.parent / "data", PACKAGE / "data")
+#: MIT Killian Court (M. Bosse, J. Leonard): 3873 scans with corrected poses.
+KILLIAN = "killian"
 
 
 def find(name: str) -> Path:
     """The file of a bundled log: `data/<name>/<name>.log.gz`."""
+    if name == KILLIAN:
+        return _killian()
     logs = _all()
     if name not in logs:
         known = ", ".join(repr(known) for known in sorted(logs)) or "none"
@@ -19,3 +24,10 @@ def find(name: str) -> Path:
 def _all() -> dict[str, Path]:
     found = (path for place in reversed(PLACES) for path in place.glob("*/*.log.gz"))
     return {path.parent.name: path for path in found if path.name == f"{path.parent.name}.log.gz"}
+
+
+def _killian() -> Path:
+    found = find_spec("rtbdata")
+    if found is None or not found.submodule_search_locations:
+        raise ValueError("the log 'killian' is in another package: pip install rtb-data")
+    return Path(found.submodule_search_locations[0]) / "data" / "killian.g2o.zip"

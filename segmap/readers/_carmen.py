@@ -58,6 +58,11 @@ OFFSETS = tuple(
 KEYWORDS = frozenset(("PARAM", "ODOM", *OLD, *NEW, *OTHERS))
 
 
+def claims(fields: Sequence[str]) -> bool:
+    """Whether a line is one of this format."""
+    return fields[0] in KEYWORDS
+
+
 class _Recording:
     """What the lines of one log said so far."""
 

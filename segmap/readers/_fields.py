@@ -43,9 +43,9 @@ def pose(fields: Sequence[str], what: str) -> Array:
     return found
 
 
-def time(field: str, what: str = "the time") -> float:
-    """A field as seconds."""
-    found = float(numbers([field], what)[0])
+def time(field: str, what: str = "the time", unit: float = 1.0) -> float:
+    """A field in units of `unit` seconds as seconds."""
+    found = float(numbers([field], what)[0]) * unit
     if not abs(found) <= LATEST:
         raise ValueError(f"expected seconds for {what}, got {field[:40]!r}")
     return found

@@ -1,6 +1,7 @@
 """Lines of a text file, plain or gzip, within bounds, and what to do about damaged ones."""
 
 import gzip
+import zipfile
 import zlib
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -10,8 +11,8 @@ from ..scans import NOTHING_SKIPPED, Skipped
 
 #: No line of a log is longer, in bytes: 1000 beams with intensities take 20 000.
 MAX_LINE = 1 << 20
-#: What a damaged or wrong gzip stream raises while it is read.
-BROKEN_GZIP = (EOFError, gzip.BadGzipFile, zlib.error)
+#: What a damaged gzip or zip file raises while it is read.
+BROKEN = (EOFError, gzip.BadGzipFile, zlib.error, zipfile.BadZipFile, NotImplementedError)
 
 T = TypeVar("T")
 
@@ -39,6 +40,9 @@ class LogError(ValueError):
         super().__init__(f"{place}: {reason}")
         self.path, self.line, self.reason = path, line, reason
 
+    def __reduce__(self) -> tuple[type["LogError"], tuple[Path, str, int | None]]:
+        return LogError, (self.path, self.reason, self.line)  # from another process too
+
 
 class Lines:
     """The fields of each line of a file; empty lines and comments (`#`) are left out.
@@ -56,6 +60,7 @@ class Lines:
         self.path, self.on_error, self.separator = path, on_error, separator
         self.number = 0
         self.skipped = NOTHING_SKIPPED
+        self.first: LogError | None = None
 
     def error(self, reason: str) -> LogError:
         """An error about the line that was read last."""
@@ -63,16 +68,17 @@ class Lines:
 
     def damaged(self, reason: str) -> None:
         """Report the present line as damaged: raise, or count it."""
+        fault = self.error(reason)
         if self.on_error == "raise":
-            raise self.error(reason)
-        first = self.skipped.reason or str(self.error(reason))
-        self.skipped = Skipped(self.skipped.lines + 1, first)
+            raise fault
+        self.first = self.first or fault
+        self.skipped = Skipped(self.skipped.lines + 1, str(self.first))
 
     def no_scan(self, expected: str) -> LogError:
         """An error about a file that has been read to its end in vain."""
         if self.number == 0:
             return LogError(self.path, f"is empty, expected {expected}")
-        found = f"; first damaged: {self.skipped.reason}" if self.skipped else ""
+        found = f"; damaged line {self.first.line}: {self.first.reason}" if self.first else ""
         return LogError(self.path, f"holds no scan, expected {expected}{found}")
 
     def each(self, parse: Callable[[list[str]], T]) -> Iterator[T]:
@@ -81,9 +87,11 @@ class Lines:
             try:
                 parsed = parse(fields)
             except ValueError as fault:
-                self.damaged(str(fault))
+                reason = str(fault)
             else:
                 yield parsed
+                continue
+            self.damaged(reason)
 
     def __iter__(self) -> Iterator[list[str]]:
         for line in self._decoded():
@@ -95,8 +103,8 @@ class Lines:
         try:
             with open_bytes(self.path) as file:
                 yield from self._bounded(file)
-        except BROKEN_GZIP as fault:
-            self.damaged(f"the gzip stream is broken ({fault}), expected it to go on")
+        except BROKEN as fault:
+            self.damaged(f"the packed file is broken or cut short ({fault})")
         except OSError as fault:
             raise LogError(self.path, f"cannot be read ({fault.strerror or fault})") from fault
 
@@ -110,7 +118,23 @@ class Lines:
 
 
 def open_bytes(path: Path) -> IO[bytes]:
-    """Open a file for reading, through gzip where its first bytes say so."""
+    """Open a file for reading, through gzip or zip where its first bytes say so."""
     with path.open("rb") as file:
-        packed = file.read(2) == b"\x1f\x8b"
-    return cast(IO[bytes], gzip.open(path, "rb")) if packed else path.open("rb")
+        magic = file.read(4)
+    if magic.startswith(b"\x1f\x8b"):
+        return cast(IO[bytes], gzip.open(path, "rb"))
+    return _open_zip(path) if magic == b"PK\x03\x04" else path.open("rb")
+
+
+def _open_zip(path: Path) -> IO[bytes]:
+    """The first file of a zip; `__MACOSX/` holds none of the user's."""
+    packed = zipfile.ZipFile(path)
+    names = [m for m in packed.infolist() if not m.is_dir() and not m.filename.startswith("__")]
+    if not names or names[0].flag_bits & 1:
+        raise zipfile.BadZipFile("no readable file in it")
+    return packed.open(names[0])
+
+
+def merged(first: Skipped, second: Skipped) -> Skipped:
+    """What was skipped in two files together, with the reason of the first."""
+    return Skipped(first.lines + second.lines, first.reason or second.reason)

@@ -1,0 +1,86 @@
+"""Readings of a Hokuyo as text: a scan a file, a beam a line.
+
+    range_mm angle_rad
+
+A folder of numbered files is a log, in the order of the numbers: `scan2.txt` before `scan10.txt`.
+Values below 20 mm are error codes. The files have no times; the sensor turns in 100 ms, so scan k
+is given 0.1 k seconds. There is no odometry and no truth.
+"""
+
+import re
+from collections.abc import Sequence
+from itertools import islice
+from pathlib import Path
+
+import numpy as np
+
+from ..angles import Array
+from ..scans import NOTHING_SKIPPED, LaserScan, Log, Skipped
+from ._beams import URG_REACH, decode
+from ._fields import is_number, numbers
+from ._lines import Lines, LogError, merged
+
+SECONDS_PER_TURN = 0.1
+#: A beam points nowhere beyond two turns, radians.
+MOST_TURN = 4 * np.pi
+MOST_BEAMS = 100_000
+
+
+def claims(fields: Sequence[str]) -> bool:
+    """Whether a line is one of this format."""
+    return len(fields) == 2 and all(is_number(field) for field in fields)
+
+
+def numbered(folder: Path) -> list[Path]:
+    """The files of a folder that have a number in their name, in the order of the last one."""
+    files = (path for path in folder.iterdir() if path.is_file() and not path.name.startswith("."))
+    found = [(int(numerals[-1]), path) for path in files if (numerals := _numerals(path))]
+    return [path for _, path in sorted(found)]
+
+
+def read(path: Path, name: str, on_error: str = "raise") -> Log:
+    """Read one scan."""
+    scan, skipped = _read_scan(path, 0.0, on_error)
+    return Log(name, [scan], None, skipped)
+
+
+def read_folder(files: Sequence[Path], name: str, on_error: str = "raise") -> Log:
+    """Read a scan a file; with `on_error="skip"` files without any are left out, and counted."""
+    scans, skipped = [], NOTHING_SKIPPED
+    for k, path in enumerate(files):
+        try:
+            scan, more = _read_scan(path, k * SECONDS_PER_TURN, on_error)
+        except LogError as fault:
+            if on_error == "raise":
+                raise
+            more = Skipped(1, str(fault))
+        else:
+            scans.append(scan)
+        skipped = merged(skipped, more)
+    if not scans:
+        raise LogError(files[0].parent, f"holds no scan; {skipped.reason}")
+    return Log(name, scans, None, skipped)
+
+
+def _numerals(path: Path) -> list[str]:
+    return re.findall(r"[0-9]{1,18}", path.name.removesuffix(".gz").split(".")[0])
+
+
+def _read_scan(path: Path, time: float, on_error: str) -> tuple[LaserScan, Skipped]:
+    lines = Lines(path, on_error)
+    beams = np.array(list(islice(lines.each(_parse), MOST_BEAMS + 1))).reshape(-1, 2)
+    if len(beams) > MOST_BEAMS:
+        raise lines.error(f"expected one scan, but there are more than {MOST_BEAMS} beams")
+    if not len(beams):
+        raise lines.no_scan("lines of range in millimetres and angle in radians")
+    ranges, codes = decode(beams[:, 0])
+    return LaserScan(ranges, beams[:, 1], time, None, URG_REACH, codes=codes), lines.skipped
+
+
+def _parse(fields: list[str]) -> Array:
+    beam = numbers(fields, "range and angle")
+    if len(beam) != 2 or not abs(beam[1]) <= MOST_TURN:
+        raise ValueError(
+            f"expected a range in millimetres and an angle in radians, got {' '.join(fields)[:80]}"
+        )
+    return beam
