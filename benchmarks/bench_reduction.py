@@ -1,0 +1,90 @@
+"""Fusion and quality: seconds, growth, and ratios to the literal references in one run."""
+
+from collections.abc import Iterator
+
+import numpy as np
+from measure import SHARED, Row, in_turn, missing, reference, seconds, workloads
+
+from segmap import build_map, fusion, load, quality, read, reduction_rate
+
+N = 3604
+
+
+def rows() -> Iterator[Row]:
+    yield from real_maps()
+    made = workloads()
+    if made is None:
+        yield from missing("redundant maps")
+        return
+    for seen in (20, 3):
+        segments = redundant(made, N, seen)
+        found = fusion(segments)
+        what = f"n = {N}, each wall seen {seen} times"
+        yield Row(
+            f"fusion, {what}",
+            f"{1e3 * seconds(lambda s=segments: fusion(s)):.1f} ms -> {len(found)}",
+            "<= 50 ms",
+        )
+        after = segments[np.random.default_rng(0).permutation(N)[:700]]
+        yield Row(
+            f"quality against 700, {what}",
+            f"{1e3 * seconds(lambda s=segments, a=after: quality(s, a)):.1f} ms",
+            "<= 100 ms",
+        )
+    yield from against_literal(made)
+    yield from growth(made)
+
+
+def redundant(made, n: int, seen: int) -> np.ndarray:
+    return made.redundant_segments(n, seen=seen)[0].reshape(-1, 2, 2)
+
+
+def real_maps() -> Iterator[Row]:
+    logs = [load("malaga")]
+    path = SHARED / "data" / "intel.log.gz"
+    if path.exists():
+        intel = read(path)
+        logs += [intel[::4], intel]
+    for log in logs:
+        map = build_map(log, log.truth)
+        found = fusion(map)
+        used = len(np.unique(map.scan))
+        yield Row(
+            f"fusion at 40 mm, {log.name}, {used} scans",
+            f"{len(map)} -> {len(found)}, reduction {reduction_rate(map, found):.4f}, "
+            f"quality {quality(map, found):.4f}, {1e3 * seconds(lambda m=map: fusion(m)):.1f} ms",
+        )
+
+
+def against_literal(made) -> Iterator[Row]:
+    """The literal forms are cubic and worse: they are timed on smaller maps."""
+    slow = reference()
+    for seen in (20, 3):
+        segments = redundant(made, 400, seen)
+        a, b = in_turn(
+            lambda s=segments: slow.fusion(s.tolist(), 0.04), lambda s=segments: fusion(s)
+        )
+        yield Row(
+            f"fusion, literal / ours, n = 400, seen {seen}",
+            f"{a:.2f} s / {1e3 * b:.2f} ms = {a / b:.0f}",
+        )
+        few = segments[:80]
+        a, b = in_turn(
+            lambda s=segments, f=few: slow.quality(s.tolist(), f.tolist()),
+            lambda s=segments, f=few: quality(s, f),
+        )
+        yield Row(
+            f"quality, literal / ours, n = 400 against 80, seen {seen}",
+            f"{a:.2f} s / {1e3 * b:.2f} ms = {a / b:.0f}",
+        )
+
+
+def growth(made) -> Iterator[Row]:
+    sizes = (1_000, 10_000, 100_000)
+    for seen in (20, 3):
+        took = [seconds(lambda s=redundant(made, n, seen): fusion(s), 3) for n in sizes]
+        power = np.polyfit(np.log(sizes), np.log(took), 1)[0]
+        figures = ", ".join(f"{t:.4f} s" for t in took)
+        yield Row(
+            f"fusion, n = 1e3, 1e4, 1e5, seen {seen}", f"{figures}: time ~ n^{power:.2f}", "~ n^1.2"
+        )

@@ -1,0 +1,69 @@
+"""How the benchmarks measure, and where they find what they measure on.
+
+Speeds drift by a factor of two within minutes, so a method and its yardstick are timed in turn, and
+the ratio of their medians is what counts.
+"""
+
+import importlib.util
+import statistics
+import sys
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any, NamedTuple
+
+ROOT = Path(__file__).resolve().parents[1]
+SHARED = ROOT.parent / "shared"
+
+
+class Row(NamedTuple):
+    """One line of the table: what was measured, the figure, and what it has to reach."""
+
+    what: str
+    figure: str
+    target: str = ""
+
+
+def seconds(call: Callable[[], Any], repeat: int = 5) -> float:
+    """Median time of a call, after one that is not counted."""
+    call()
+    return statistics.median(once(call) for _ in range(repeat))
+
+
+def once(call: Callable[[], Any]) -> float:
+    start = time.perf_counter()
+    call()
+    return time.perf_counter() - start
+
+
+def in_turn(a: Callable[[], Any], b: Callable[[], Any], repeat: int = 3) -> tuple[float, float]:
+    """Median times of two calls that take turns, after one of each that is not counted."""
+    a(), b()
+    pairs = [(once(a), once(b)) for _ in range(repeat)]
+    return statistics.median(x for x, _ in pairs), statistics.median(y for _, y in pairs)
+
+
+def load(path: Path) -> Any:
+    """A module by its file: the workloads beside the project, the references of the tests."""
+    spec = importlib.util.spec_from_file_location(path.stem, path)
+    if spec is None or spec.loader is None or not path.exists():
+        return None
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[path.stem] = module
+    spec.loader.exec_module(module)
+    return module
+
+
+def workloads() -> Any:
+    """The fixed workloads, or None where the folder beside the project is absent."""
+    return load(SHARED / "tools" / "workloads.py")
+
+
+def reference() -> Any:
+    """The slow, literal forms that the tests compare with."""
+    return load(ROOT / "tests" / "reference.py")
+
+
+def missing(what: str) -> Iterator[Row]:
+    """The row of something that is not there."""
+    yield Row(what, "skipped", "its data lies beside the project and is absent here")
