@@ -3,9 +3,10 @@
 from collections.abc import Iterator
 
 import numpy as np
-from measure import Row, missing, seconds, workloads
 
 from segmap.extraction import extract_polylines
+
+from .measure import Row, missing, seconds, workloads
 
 TARGETS = {"office_181": "<= 20 us (stretch 5)", "office_1081": "<= 80 us (stretch 30)"}
 

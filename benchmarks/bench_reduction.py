@@ -3,9 +3,10 @@
 from collections.abc import Iterator
 
 import numpy as np
-from measure import SHARED, Row, in_turn, missing, reference, seconds, workloads
 
 from segmap import build_map, fusion, load, quality, read, reduction_rate
+
+from .measure import SHARED, Row, in_turn, missing, reference, seconds, workloads
 
 N = 3604
 

@@ -1,0 +1,1 @@
+"""Speed against yardsticks, as ratios from one run: `make bench`."""
