@@ -1,0 +1,149 @@
+"""Headings wrap at a full turn, lines at half a turn."""
+
+import numpy as np
+import pytest
+from hypothesis import assume, given
+from hypothesis import strategies as st
+
+from segmap.angles import axial_difference, axial_mean, axial_mean_of_two, wrap
+
+ANGLE = st.floats(-50, 50)
+WEIGHT = st.floats(0.01, 100)
+TURNS = st.integers(-7, 7)
+LINES = st.lists(st.tuples(ANGLE, WEIGHT), min_size=1, max_size=8)
+
+
+def apart(a, b, period):
+    """How far apart two angles are where `period` is nothing."""
+    return np.abs(np.angle(np.exp(2j * np.pi * (np.asarray(a) - b) / period))) * period / 2 / np.pi
+
+
+def balanced(lines):
+    """Length of the mean of the double angles' vectors: near 0 there is no mean."""
+    angles, weights = np.transpose(lines)
+    return abs(np.sum(weights * np.exp(2j * angles))) / np.sum(weights)
+
+
+# ------------------------------------------------------------------------- wrap
+@given(ANGLE)
+def test_wrap_adds_whole_turns_until_the_angle_is_in_range(angle):
+    """Catches the range [0, 2 pi), and half turns taken off."""
+    literal = angle
+    while literal >= np.pi:
+        literal -= 2 * np.pi
+    while literal < -np.pi:
+        literal += 2 * np.pi
+    assert apart(wrap(angle), literal, 2 * np.pi) < 1e-12
+    assert -np.pi - 1e-12 <= wrap(angle) <= np.pi + 1e-12
+
+
+@given(st.floats(-3.1, 3.1), TURNS)
+def test_wrap_leaves_small_angles_and_forgets_whole_turns(angle, turns):
+    assert wrap(angle + turns * 2 * np.pi) == pytest.approx(angle, abs=1e-12)
+
+
+def test_wrap_at_the_seam_keeps_the_lower_end():
+    """Catches a range that is open below and closed above."""
+    assert wrap([np.pi, -np.pi]).tolist() == [-np.pi, -np.pi]
+
+
+def test_wrap_keeps_shape_and_nan():
+    found = wrap([[0.0, np.nan], [7.0, -7.0]])
+    assert found.shape == (2, 2) and np.isnan(found[0, 1])
+
+
+# ------------------------------------------------------------- axial difference
+@given(ANGLE, ANGLE)
+def test_axial_difference_is_the_shorter_of_all_turns_that_carry_b_onto_a(a, b):
+    """Catches a difference of headings (period of a whole turn), and the wrong sign."""
+    turns = a - b + np.pi * np.arange(-40, 41)
+    literal = turns[np.argmin(np.abs(turns))]
+    found = axial_difference(a, b)
+    assert abs(found) <= np.pi / 2 + 1e-12
+    assert abs(found) == pytest.approx(abs(literal), abs=1e-11)
+    assert apart(b + found, a, np.pi) < 1e-11
+
+
+@given(ANGLE, ANGLE, TURNS, TURNS)
+def test_a_line_has_no_direction(a, b, k, m):
+    """Catches half a turn that counts: a segment and its reverse are one."""
+    found, turned = axial_difference(a, b), axial_difference(a + k * np.pi, b + m * np.pi)
+    assert apart(found, turned, np.pi) < 1e-11
+
+
+@given(ANGLE, ANGLE)
+def test_the_way_back_is_the_way_reversed(a, b):
+    assume(abs(axial_difference(a, b)) < np.pi / 2 - 1e-9)
+    assert axial_difference(b, a) == pytest.approx(-axial_difference(a, b), abs=1e-11)
+
+
+def test_one_and_179_degrees_are_two_degrees_apart():
+    """Catches the thesis' plain difference of 178."""
+    found = np.degrees(axial_difference(np.radians([179, 1, 90]), np.radians([1, 179, 0])))
+    np.testing.assert_allclose(found, [-2, 2, -90], atol=1e-12)
+
+
+# ------------------------------------------------------------------------ means
+@given(LINES, ANGLE)
+def test_turning_all_lines_turns_their_mean(lines, turn):
+    """Catches a plain mean, and vectors averaged without doubling."""
+    assume(balanced(lines) > 1e-3)
+    angles, weights = np.transpose(lines)
+    found = axial_mean(angles + turn, weights)
+    assert apart(found, axial_mean(angles, weights) + turn, np.pi) < 1e-9
+
+
+@given(LINES, st.lists(TURNS, min_size=8, max_size=8), st.randoms())
+def test_the_mean_knows_neither_directions_nor_order(lines, turns, random):
+    assume(balanced(lines) > 1e-3)
+    flipped = [(a + k * np.pi, w) for (a, w), k in zip(lines, turns, strict=False)]
+    random.shuffle(flipped)
+    found, expected = (axial_mean(*np.transpose(some)) for some in (flipped, lines))
+    assert apart(found, expected, np.pi) < 1e-9
+
+
+@given(st.floats(0.01, 3.13), st.lists(st.floats(-0.4, 0.4), min_size=1, max_size=8))
+def test_the_mean_of_lines_spread_evenly_about_one_is_that_one(centre, spread):
+    angles = np.concatenate([centre + np.array(spread), centre - np.array(spread)])
+    found = axial_mean(angles)
+    assert 0 <= found < np.pi + 1e-12
+    assert found == pytest.approx(centre, abs=1e-9)
+
+
+@given(LINES)
+def test_whole_weights_are_repetitions(lines):
+    """Catches weights that are squared, or applied to the wrong sum."""
+    assume(balanced(lines) > 1e-3)
+    angles, counts = np.transpose([(a, int(w) % 4 + 1) for a, w in lines])
+    assume(balanced(list(zip(angles, counts, strict=True))) > 1e-3)
+    repeated = np.repeat(angles, counts.astype(int))
+    assert apart(axial_mean(angles, counts), axial_mean(repeated), np.pi) < 1e-9
+
+
+def test_the_mean_runs_along_the_last_axis():
+    found = axial_mean(np.radians([[1, 179], [80, 100]]), [1.0, 1.0])
+    assert apart(found, np.radians([0, 90]), np.pi).max() < 1e-12
+
+
+@given(st.floats(-1, 1), st.floats(-0.7, 0.7), WEIGHT, WEIGHT)
+def test_the_mean_of_two_lies_at_the_second_ones_share_of_the_way(a, step, weight_a, weight_b):
+    """Catches weights exchanged."""
+    found = axial_mean_of_two(a, a + step, weight_a, weight_b)
+    assert found == pytest.approx((weight_a * a + weight_b * (a + step)) / (weight_a + weight_b))
+
+
+@given(ANGLE, ANGLE, WEIGHT, WEIGHT, TURNS)
+def test_the_mean_of_two_knows_neither_order_nor_direction(a, b, weight_a, weight_b, k):
+    assume(abs(axial_difference(a, b)) < np.pi / 2 - 1e-6)
+    found = axial_mean_of_two(a, b, weight_a, weight_b)
+    assert apart(found, axial_mean_of_two(b + k * np.pi, a, weight_b, weight_a), np.pi) < 1e-9
+
+
+@given(ANGLE, st.floats(-1.5, 1.5))
+def test_with_equal_weights_both_means_agree(a, step):
+    assert apart(axial_mean_of_two(a, a + step), axial_mean([a, a + step]), np.pi) < 1e-9
+
+
+def test_a_line_without_weight_does_not_count():
+    assert axial_mean_of_two(0.3, 1.0, 1.0, 0.0) == pytest.approx(0.3)
+    assert axial_mean([0.3, 1.0], [1.0, 0.0]) == pytest.approx(0.3)

@@ -1,0 +1,207 @@
+"""Poses form a group, carry points, and can be interpolated."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from segmap.poses import between, compose, interpolate, inverse, transform
+
+NUMBER = st.floats(-20, 20)
+POSE = st.tuples(NUMBER, NUMBER, NUMBER)
+POINTS = st.lists(st.tuples(NUMBER, NUMBER), min_size=1, max_size=5)
+NOWHERE = (0.0, 0.0, 0.0)
+
+
+def matrix(pose):
+    """The pose as a homogeneous matrix: the literal form."""
+    x, y, turn = pose
+    c, s = np.cos(turn), np.sin(turn)
+    return np.array([(c, -s, x), (s, c, y), (0, 0, 1)])
+
+
+def same(a, b, atol=1e-9):
+    np.testing.assert_allclose(matrix(np.asarray(a)), matrix(np.asarray(b)), rtol=0, atol=atol)
+
+
+# ------------------------------------------------------------------------ group
+@given(POSE, POSE)
+def test_compose_is_the_product_of_the_matrices_in_the_same_order(a, b):
+    """Catches an order swapped, a heading subtracted, a reflection."""
+    found = compose(a, b)
+    np.testing.assert_allclose(matrix(found), matrix(a) @ matrix(b), atol=1e-9)
+    assert -np.pi - 1e-12 <= found[2] <= np.pi + 1e-12
+
+
+@given(POSE)
+def test_inverse_is_the_inverse_matrix(a):
+    """Catches a translation that is only negated."""
+    np.testing.assert_allclose(matrix(inverse(a)), np.linalg.inv(matrix(a)), atol=1e-9)
+    assert -np.pi - 1e-12 <= inverse(a)[2] <= np.pi + 1e-12
+
+
+@given(POSE, POSE, POSE)
+def test_the_laws_of_a_group_hold(a, b, c):
+    same(compose(compose(a, b), c), compose(a, compose(b, c)), 1e-8)
+    same(compose(a, inverse(a)), NOWHERE)
+    same(compose(inverse(a), a), NOWHERE)
+    same(compose(a, NOWHERE), a)
+    same(compose(NOWHERE, a), a)
+    same(inverse(compose(a, b)), compose(inverse(b), inverse(a)), 1e-8)
+
+
+@given(POSE, POSE)
+def test_between_leads_from_one_pose_to_the_other(a, b):
+    """Catches the motion from b to a."""
+    same(compose(a, between(a, b)), b, 1e-8)
+
+
+def test_one_step_ahead_of_a_robot_that_looks_left_is_up():
+    """The example by hand, against a convention with y ahead or angles clockwise."""
+    assert compose((1, 2, np.pi / 2), (1, 0, 0)).round(9).tolist() == [1, 3, round(np.pi / 2, 9)]
+
+
+def test_compose_and_inverse_work_row_by_row_and_broadcast():
+    rng = np.random.default_rng(1)
+    a, b = rng.normal(size=(2, 6, 3))
+    np.testing.assert_allclose(compose(a, b), [compose(p, q) for p, q in zip(a, b, strict=True)])
+    np.testing.assert_allclose(compose(a[0], b), [compose(a[0], q) for q in b])
+    np.testing.assert_allclose(
+        inverse(a.reshape(2, 3, 3)), [[inverse(p) for p in q] for q in a.reshape(2, 3, 3)]
+    )
+
+
+# -------------------------------------------------------------------- transform
+@given(POSE, POINTS)
+def test_transform_is_the_matrix_times_the_points(pose, points):
+    lifted = np.column_stack([points, np.ones(len(points))])
+    expected = (matrix(pose) @ lifted.T).T[:, :2]
+    np.testing.assert_allclose(transform(pose, points), expected, atol=1e-9)
+
+
+@given(POSE, POSE, POINTS)
+def test_carrying_twice_is_carrying_by_the_composed_pose(a, b, points):
+    """Catches a transform of world points into the robot instead of the reverse."""
+    np.testing.assert_allclose(
+        transform(a, transform(b, points)), transform(compose(a, b), points), atol=1e-8
+    )
+
+
+@given(POSE, POINTS)
+def test_transform_keeps_distances_and_the_inverse_undoes_it(pose, points):
+    points = np.array(points)
+    moved = transform(pose, points)
+    gaps = np.hypot(*(points - points[0]).T)
+    np.testing.assert_allclose(np.hypot(*(moved - moved[0]).T), gaps, atol=1e-9)
+    np.testing.assert_allclose(transform(inverse(pose), moved), points, atol=1e-8)
+
+
+def test_many_poses_move_a_group_each_or_copy_one_group():
+    """Catches poses that broadcast against the points instead of the groups."""
+    rng = np.random.default_rng(2)
+    poses, groups = rng.normal(size=(4, 3)), rng.normal(size=(4, 4, 2))
+    each = [transform(p, g) for p, g in zip(poses, groups, strict=True)]
+    np.testing.assert_allclose(transform(poses, groups), each)
+    np.testing.assert_allclose(
+        transform(poses, groups[0]), [transform(p, groups[0]) for p in poses]
+    )
+
+
+def test_one_pose_moves_segments_end_by_end():
+    segments = np.random.default_rng(3).normal(size=(5, 2, 2))
+    moved = transform((1, 2, 3), segments)
+    assert moved.shape == (5, 2, 2)
+    np.testing.assert_allclose(moved[:, 1], transform((1, 2, 3), segments[:, 1]))
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: compose((0, 0), NOWHERE), r"last axis must be 3, got shape \(2,\)"),
+        (lambda: inverse([[1, 2]]), r"last axis must be 3, got shape \(1, 2\)"),
+        (lambda: transform(NOWHERE, [1, 2, 3]), r"points must end in an axis of 2"),
+        (lambda: transform((1, 2), [(1, 2)]), "last axis must be 3"),
+    ],
+)
+def test_wrong_shapes_are_named(call, message):
+    with pytest.raises(ValueError, match=message):
+        call()
+
+
+# ------------------------------------------------------------------ interpolate
+def literal_interpolation(times, poses, at):
+    """Search for the two poses one by one."""
+    for k, time in enumerate(times):
+        if time == at:
+            return np.asarray(poses[k], float)
+        if k and times[k - 1] < at < time:
+            part = (at - times[k - 1]) / (time - times[k - 1])
+            start, step = np.asarray(poses[k - 1], float), np.subtract(poses[k], poses[k - 1])
+            step[2] = np.arctan2(np.sin(step[2]), np.cos(step[2]))
+            return start + part * step
+    return np.full(3, np.nan)
+
+
+@given(
+    st.lists(st.tuples(st.integers(0, 12), POSE), min_size=1, max_size=6),
+    st.lists(st.integers(-4, 52), min_size=1, max_size=6),
+)
+def test_interpolation_equals_the_literal_search(rows, quarters):
+    """Catches neighbours taken one too far, ends left out, the first of two equal times lost."""
+    rows.sort(key=lambda row: row[0])
+    times, poses = [float(t) for t, _ in rows], [p for _, p in rows]
+    found = interpolate(times, poses, np.array(quarters) / 4)
+    for row, at in zip(found, np.array(quarters) / 4, strict=True):
+        expected = literal_interpolation(times, poses, at)
+        if np.isnan(expected).any():
+            assert np.isnan(row).all()
+        elif not np.isclose(abs(row[2] - expected[2]) % (2 * np.pi), np.pi, atol=1e-6):
+            same(row, expected)
+
+
+def test_the_heading_takes_the_shorter_way_across_the_seam():
+    """Catches the mean of 170 and -170 degrees taken as 0."""
+    found = interpolate([0, 1], [(0, 0, np.radians(170)), (0, 0, np.radians(-170))], [0.25, 0.75])
+    np.testing.assert_allclose(np.degrees(found[:, 2]), [175, -175], atol=1e-9)
+
+
+def test_outside_the_times_nothing_is_claimed():
+    """Catches extrapolation and ends that are repeated."""
+    found = interpolate([1, 2], [(1, 1, 0), (2, 2, 0)], [0.999, 1, 2, 2.001])
+    assert np.isnan(found).all(axis=1).tolist() == [True, False, False, True]
+
+
+def test_inside_a_long_gap_nothing_is_claimed_but_its_ends_are_known():
+    """Catches a gap test that throws out poses measured at its very edge."""
+    found = interpolate([0, 1, 5], [(0, 0, 0), (1, 0, 0), (5, 0, 0)], [0.5, 1, 3, 5], max_gap=1)
+    assert np.isnan(found[:, 0]).tolist() == [False, False, True, False]
+
+
+def test_a_gap_as_long_as_allowed_is_allowed():
+    assert interpolate([0, 2], [(0, 0, 0), (2, 0, 0)], [1], max_gap=2)[0, 0] == 1
+
+
+def test_of_two_poses_at_one_time_the_first_is_taken_there():
+    found = interpolate([0, 1, 1, 2], [(0, 0, 0), (1, 0, 0), (5, 0, 0), (6, 0, 0)], [0.5, 1, 1.5])
+    np.testing.assert_allclose(found[:, 0], [0.5, 1, 5.5])
+
+
+def test_the_poses_given_are_left_as_they_are():
+    """Catches a step that wraps its input in place."""
+    poses = np.array([(0, 0, 3.0), (0, 0, -3.0)])
+    interpolate([0, 1], poses, [0.5])
+    assert poses[:, 2].tolist() == [3.0, -3.0]
+
+
+@pytest.mark.parametrize(
+    ("times", "poses", "message"),
+    [
+        ([0, 1], [(0, 0, 0)], r"poses must be \(2, 3\), one for each time"),
+        ([[0]], [(0, 0, 0)], "poses must be"),
+        ([1, 0], [(0, 0, 0), (0, 0, 0)], "times must hold at least one time and not decrease"),
+        ([], np.empty((0, 3)), "times must hold at least one time"),
+    ],
+)
+def test_times_and_poses_that_do_not_fit_are_named(times, poses, message):
+    with pytest.raises(ValueError, match=message):
+        interpolate(times, poses, [0.5])

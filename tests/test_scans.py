@@ -1,0 +1,160 @@
+"""What a scan and a log promise."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from segmap.poses import transform
+from segmap.scans import NOTHING_SKIPPED, LaserScan, Log, Skipped
+
+RIGHT_ANGLES = np.radians([-90, 0, 90])
+
+
+def scan(time=0.0, odometry=None):
+    return LaserScan([1.0, 2.0, 3.0], RIGHT_ANGLES, time=time, odometry=odometry)
+
+
+def log(count=4, **options):
+    scans = [scan(time=0.1 * k, odometry=(k, 0, 0)) for k in range(count)]
+    return Log("walk", scans, **{"truth": np.arange(3.0 * count).reshape(-1, 3), **options})
+
+
+# ------------------------------------------------------------------------ scans
+@pytest.mark.parametrize(
+    ("reading", "valid"),
+    [(np.nan, False), (np.inf, False), (-np.inf, False), (-1, False), (0, False)]
+    + [(1e-3, True), (3.999, True), (4.0, False), (4.1, False)],
+)
+def test_a_beam_is_valid_between_zero_and_the_maximum_both_left_out(reading, valid):
+    """Catches a maximum-range reading taken for a wall, and NaN compared as small."""
+    one = LaserScan([reading], [0.0], max_range=4.0)
+    assert one.valid.tolist() == [valid]
+    assert one.points().shape == (int(valid), 2)
+
+
+def test_without_a_maximum_every_finite_positive_range_is_valid():
+    assert LaserScan([1e6, np.inf], [0, 0]).valid.tolist() == [True, False]
+
+
+def test_points_are_left_and_ahead_as_the_convention_says():
+    """Catches clockwise angles and x and y exchanged."""
+    np.testing.assert_allclose(scan().points(), [(0, -1), (2, 0), (0, 3)], atol=1e-12)
+
+
+@given(
+    st.lists(st.floats(0.1, 30) | st.just(np.nan) | st.just(np.inf), min_size=1, max_size=20),
+    st.tuples(st.floats(-5, 5), st.floats(-5, 5), st.floats(-4, 4)),
+)
+def test_points_are_the_valid_beams_in_order_moved_by_the_sensor_pose(ranges, place):
+    """Catches invalid beams kept, and the sensor's pose applied the wrong way round."""
+    angles = np.linspace(-2, 2, len(ranges))
+    expected = [
+        transform(place, (r * np.cos(a), r * np.sin(a)))
+        for r, a in zip(ranges, angles, strict=True)
+        if np.isfinite(r)
+    ]
+    found = LaserScan(ranges, angles, sensor_pose=place).points()
+    np.testing.assert_allclose(found, np.reshape(expected, (-1, 2)), atol=1e-9)
+
+
+def test_a_scan_cannot_be_changed_nor_through_the_array_that_it_was_made_of():
+    """Catches an array that is shared with the caller."""
+    ranges = np.array([1.0, 2.0, 3.0])
+    kept = LaserScan(ranges, RIGHT_ANGLES)
+    ranges[0] = 9
+    assert kept.ranges[0] == 1
+    with pytest.raises(ValueError, match="read-only"):
+        kept.ranges[0] = 9
+    with pytest.raises(AttributeError):
+        kept.time = 1.0
+
+
+def test_error_codes_are_kept_as_integers():
+    kept = LaserScan([np.nan, 1.0], [0, 1], codes=[7, 0])
+    assert kept.codes.tolist() == [7, 0] and kept.codes.dtype == np.int64
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (dict(ranges=[[1.0]]), r"ranges must have shape \(n,\), got \(1, 1\)"),
+        (dict(angles=[0.0, 1.0]), r"angles must have shape \(3,\), got \(2,\)"),
+        (dict(odometry=(0, 0)), r"odometry must have shape \(3,\)"),
+        (dict(sensor_pose=(0, 0)), r"sensor_pose must have shape \(3,\)"),
+        (dict(codes=[1]), r"codes must have shape \(3,\)"),
+    ],
+)
+def test_shapes_that_disagree_are_named(arguments, message):
+    with pytest.raises(ValueError, match=message):
+        LaserScan(**{"ranges": [1.0, 2.0, 3.0], "angles": RIGHT_ANGLES, **arguments})
+
+
+def test_a_scan_tells_how_many_beams_it_has_and_how_many_count():
+    one = LaserScan([1.0, np.nan], [0, 1], time=0.25)
+    assert len(one) == 2 and repr(one) == "LaserScan(2 beams, 1 valid, t=0.25 s)"
+
+
+def test_a_scan_without_beams_is_empty():
+    empty = LaserScan([], [])
+    assert len(empty) == 0 and empty.points().shape == (0, 2)
+
+
+# -------------------------------------------------------------------------- logs
+def test_a_log_counts_indexes_and_iterates_over_its_scans():
+    """Catches `truth` and scans cut differently, and an index from the end that is off by one."""
+    walk = log()
+    assert len(walk) == 4 and [s.time for s in walk] == walk.times.tolist()
+    assert walk[1] is walk.scans[1] and walk[-1] is walk.scans[3]
+    with pytest.raises(IndexError):
+        walk[4]
+
+
+@pytest.mark.parametrize(
+    "cut", [slice(1, 3), slice(None, None, 2), slice(None, None, -1), slice(9, 9)]
+)
+def test_a_slice_is_a_log_with_its_own_rows_of_truth(cut):
+    """Catches a slice that keeps the truth of the whole log, or loses what was skipped."""
+    walk = log(skipped=Skipped(2, "a reason"))
+    part = walk[cut]
+    assert isinstance(part, Log) and part.scans == walk.scans[cut]
+    np.testing.assert_array_equal(part.truth, walk.truth[cut])
+    assert (part.name, part.skipped) == ("walk", Skipped(2, "a reason"))
+
+
+def test_odometry_is_nan_where_a_scan_has_none():
+    """Catches zeros, which would be a pose."""
+    walk = Log("walk", [scan(odometry=(1, 2, 3)), scan()])
+    np.testing.assert_array_equal(walk.odometry, [(1, 2, 3), (np.nan, np.nan, np.nan)])
+
+
+def test_an_empty_log_has_empty_arrays():
+    empty = Log("nothing", [], truth=np.empty((0, 3)))
+    assert len(empty) == 0 and empty.times.shape == (0,) and empty.odometry.shape == (0, 3)
+
+
+def test_truth_must_have_a_row_for_each_scan():
+    with pytest.raises(ValueError, match=r"truth must have shape \(4, 3\), a pose a scan"):
+        log(truth=np.zeros((3, 3)))
+
+
+def test_truth_cannot_be_changed_through_the_log():
+    truth = np.zeros((4, 3))
+    walk = log(truth=truth)
+    truth[0] = 9
+    assert walk.truth[0, 0] == 0
+    with pytest.raises(ValueError, match="read-only"):
+        walk.truth[0] = 1
+
+
+def test_a_log_tells_what_it_knows():
+    """Catches poses of NaN that are counted as known."""
+    some = np.vstack([np.zeros((1, 3)), np.full((3, 3), np.nan)])
+    assert repr(log()) == "Log('walk', 4 scans, odometry, truth)"
+    assert repr(log(truth=some)) == "Log('walk', 4 scans, odometry, truth for 1)"
+    assert repr(Log("w", [scan()])) == "Log('w', 1 scan, no odometry, no truth)"
+
+
+def test_nothing_skipped_is_false():
+    assert not NOTHING_SKIPPED and Skipped(1, "why")
+    assert log().skipped == (0, "")

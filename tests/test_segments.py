@@ -1,0 +1,206 @@
+"""Segments have no direction; maps of them keep the scan that each came from."""
+
+import numpy as np
+import pytest
+from hypothesis import assume, given
+from hypothesis import strategies as st
+
+from segmap.angles import axial_difference
+from segmap.poses import transform
+from segmap.segments import (
+    HasSegments,
+    SegmentMap,
+    angle,
+    as_segments,
+    extreme_projections,
+    length,
+    midpoint,
+    point_distance,
+)
+
+NUMBER = st.floats(-20, 20)
+POINT = st.tuples(NUMBER, NUMBER)
+SEGMENT = st.tuples(POINT, POINT)
+POSE = st.tuples(NUMBER, NUMBER, NUMBER)
+THREE = [[(0, 0), (3, 4)], [(1, 1), (1, 2)], [(0, 5), (0.05, 5)]]
+
+
+# ---------------------------------------------------------------------- measures
+@given(SEGMENT, POSE)
+def test_moving_a_segment_moves_its_middle_and_turns_its_angle(segment, pose):
+    moved = transform(pose, segment)
+    assert length(moved) == pytest.approx(length(segment), abs=1e-9)
+    np.testing.assert_allclose(midpoint(moved), transform(pose, midpoint(segment)), atol=1e-9)
+    assume(length(segment) > 1e-3)
+    turn = axial_difference(angle(moved), angle(segment))
+    assert abs(np.sin(turn - pose[2])) < 1e-9
+
+
+@given(SEGMENT)
+def test_a_segment_has_no_direction(segment):
+    """Catches an angle in [-pi, pi), which changes when end points are swapped."""
+    swapped = segment[::-1]
+    assert length(swapped) == length(segment)
+    assert 0 <= angle(segment) < np.pi
+    assert abs(axial_difference(angle(swapped), angle(segment))) < 1e-12
+    np.testing.assert_array_equal(midpoint(swapped), midpoint(segment))
+
+
+@pytest.mark.parametrize(
+    ("segment", "degrees"),
+    [
+        ([(0, 0), (2, 0)], 0),
+        ([(2, 0), (0, 0)], 0),
+        ([(0, 0), (1, -1e-20)], 0),
+        ([(0, 0), (0, -1)], 90),
+        ([(5, 5), (4, 6)], 135),
+        ([(5, 5), (5, 5)], 0),
+    ],
+)
+def test_angles_of_the_cases_that_slopes_get_wrong(segment, degrees):
+    """Catches y = mx + q for vertical walls and a rounding up to 180 degrees."""
+    assert np.degrees(angle(segment)) == pytest.approx(degrees, abs=1e-9)
+
+
+def test_measures_keep_leading_axes_and_accept_none():
+    grid = np.zeros((4, 3, 2, 2))
+    assert length(grid).shape == angle(grid).shape == (4, 3) and midpoint(grid).shape == (4, 3, 2)
+    none = np.empty((0, 2, 2))
+    assert length(none).shape == angle(none).shape == (0,)
+
+
+# ------------------------------------------------------------------- projections
+@given(st.lists(POINT, min_size=1, max_size=8), POINT, st.floats(-4, 4))
+def test_extreme_projections_lie_on_the_line_and_span_all_points(points, through, direction):
+    """Catches the first and last point taken for the extreme ones."""
+    along = np.array([np.cos(direction), np.sin(direction)])
+    found = extreme_projections(points, through, direction)
+    across = np.array([-along[1], along[0]])
+    np.testing.assert_allclose((found - through) @ across, 0, atol=1e-9)
+    u = np.subtract(points, through) @ along
+    np.testing.assert_allclose((found - through) @ along, [min(u), max(u)], atol=1e-9)
+
+
+@given(st.lists(POINT, min_size=1, max_size=5), POINT, st.floats(-4, 4), POSE)
+def test_projections_move_with_their_points(points, through, direction, pose):
+    moved = extreme_projections(
+        transform(pose, points), transform(pose, through), direction + pose[2]
+    )
+    expected = transform(pose, extreme_projections(points, through, direction))
+    np.testing.assert_allclose(moved, expected, atol=1e-8)
+
+
+# --------------------------------------------------------------------- distances
+@given(POINT, SEGMENT)
+def test_point_distance_equals_a_search_along_the_segment(point, segment):
+    """Catches the distance to the endless line, and to the end points only."""
+    share = np.linspace(0, 1, 2001)[:, None]
+    places = np.array(segment[0]) + share * np.subtract(segment[1], segment[0])
+    literal = np.hypot(*(places - point).T).min()
+    found = point_distance(point, segment)
+    assert found <= literal + 1e-12
+    assert literal - found <= length(segment) / 4000 + 1e-9
+
+
+def test_point_distance_beside_beyond_and_on_a_segment():
+    points = [(1, 2), (1, -2), (5, 0), (-3, 4), (0.5, 0), (2, 0)]
+    assert point_distance(points, [(0, 0), (2, 0)]).tolist() == [2, 2, 3, 5, 0, 0]
+
+
+def test_a_segment_without_length_is_a_point():
+    """Catches a division by zero."""
+    assert point_distance((3, 4), [(0, 0), (0, 0)]) == 5
+
+
+def test_point_distance_broadcasts_points_against_segments():
+    points, segments = np.zeros((5, 1, 2)), np.ones((3, 2, 2))
+    np.testing.assert_allclose(point_distance(points, segments), np.full((5, 3), np.sqrt(2)))
+
+
+# ------------------------------------------------------------------------ checks
+@pytest.mark.parametrize("nothing", [[], np.empty((0, 2, 2)), np.empty((0, 4, 1))])
+def test_nothing_is_a_map_without_segments(nothing):
+    assert as_segments(nothing).shape == (0, 2, 2)
+
+
+def test_maps_and_whatever_has_segments_are_accepted():
+    class Reduced:
+        segments = np.array(THREE, float)
+
+    for value in (THREE, SegmentMap(THREE), Reduced()):
+        np.testing.assert_array_equal(as_segments(value), THREE)
+    assert isinstance(Reduced(), HasSegments) and not isinstance(THREE, HasSegments)
+
+
+@pytest.mark.parametrize(
+    "value", [np.zeros((3, 4)), np.zeros((2, 2)), np.zeros((3, 2, 3)), np.empty((0, 4)), 1.0]
+)
+def test_other_shapes_are_named(value):
+    """Catches rows of four numbers taken for segments."""
+    with pytest.raises(ValueError, match=r"before must have shape \(n, 2, 2\).*got \("):
+        as_segments(value, "before")
+
+
+@pytest.mark.parametrize("wrong", [np.nan, np.inf, -np.inf])
+def test_a_coordinate_that_is_not_finite_is_named_with_its_segment(wrong):
+    broken = np.array(THREE, float)
+    broken[1, 0, 1] = wrong
+    with pytest.raises(ValueError, match="segments must be finite, but segment 1 is"):
+        as_segments(broken)
+    with pytest.raises(ValueError, match="segment 1"):
+        SegmentMap(broken)
+
+
+# -------------------------------------------------------------------------- maps
+def test_filtering_keeps_segments_of_exactly_the_least_length_and_their_scans():
+    """Catches < for <=, and scans that slip against their segments."""
+    lengths = [0.05, 0.25, 0.2499999, 1.0]
+    map = SegmentMap([[(0, 0), (x, 0)] for x in lengths], scan=[4, 5, 6, 7])
+    kept = map.filtered(0.25)
+    assert kept.scan.tolist() == [5, 7]
+    assert length(kept.segments).tolist() == [0.25, 1.0]
+
+
+def test_filtering_leaves_out_what_is_shorter_than_ten_centimetres_by_default():
+    assert len(SegmentMap(THREE).filtered()) == 2
+
+
+@given(st.lists(st.integers(-2, 5), max_size=12))
+def test_by_scan_gives_every_segment_once_scans_ascending_in_input_order(scans):
+    """Catches an unstable sort, which shuffles the segments of a scan."""
+    segments = np.arange(4.0 * len(scans)).reshape(-1, 2, 2)
+    groups = list(SegmentMap(segments, scan=scans).by_scan())
+    literal = [
+        segments[[k for k, s in enumerate(scans) if s == scan]] for scan in sorted(set(scans))
+    ]
+    assert len(groups) == len(literal)
+    for group, expected in zip(groups, literal, strict=True):
+        np.testing.assert_array_equal(group, expected)
+
+
+def test_without_scans_all_segments_belong_to_scan_zero():
+    assert SegmentMap(THREE).scan.tolist() == [0, 0, 0]
+    assert len(list(SegmentMap(THREE).by_scan())) == 1
+
+
+@pytest.mark.parametrize("scan", [[0, 1], [[0, 1, 2]], 0])
+def test_scans_must_be_one_index_a_segment(scan):
+    with pytest.raises(ValueError, match=r"scan must have shape \(3,\), one index a segment"):
+        SegmentMap(THREE, scan=scan)
+
+
+def test_a_map_cannot_be_changed_nor_through_the_array_that_it_was_made_of():
+    segments = np.array(THREE, float)
+    map = SegmentMap(segments)
+    segments[0] = 9
+    assert map.segments[0, 0, 0] == 0
+    with pytest.raises(ValueError, match="read-only"):
+        map.segments[0] = 9
+    with pytest.raises(ValueError, match="read-only"):
+        map.scan[0] = 9
+
+
+def test_a_map_tells_how_much_it_holds():
+    assert repr(SegmentMap(THREE, scan=[0, 0, 2])) == "SegmentMap(3 segments of 2 scans)"
+    assert repr(SegmentMap(THREE[:1])) == "SegmentMap(1 segment of 1 scan)"
+    assert repr(SegmentMap([])) == "SegmentMap(0 segments of 0 scans)" and len(SegmentMap([])) == 0
