@@ -73,6 +73,12 @@ def farthest(p: Array, line: Line) -> tuple[int, float]:
 
 
 @compiled
+def is_cut(a: Array, b: Array, gap: float) -> bool:
+    """Whether neighbours belong to different clusters: at least a gap apart (A 3.2)."""
+    return (b[0] - a[0]) ** 2 + (b[1] - a[1]) ** 2 >= gap * gap
+
+
+@compiled
 def unrolled(p: Array, gap: float, closed: bool) -> Array:
     """A closed scan, turned to start at its first gap, or at a corner where it has none."""
     n = len(p)
@@ -81,7 +87,7 @@ def unrolled(p: Array, gap: float, closed: bool) -> Array:
     first, far = -1, 0
     most, x, y = -1.0, p[:, 0].mean(), p[:, 1].mean()
     for i in range(n):
-        if first < 0 and np.hypot(p[i, 0] - p[i - 1, 0], p[i, 1] - p[i - 1, 1]) >= gap:
+        if first < 0 and is_cut(p[i - 1], p[i], gap):
             first = i
         d = (p[i, 0] - x) ** 2 + (p[i, 1] - y) ** 2
         if d > most:
@@ -97,7 +103,7 @@ def cut_at_gaps(p: Array, gap: float) -> Indices:
     cuts = np.empty(len(p) + 1, np.int64)
     k = 0
     for i in range(len(p)):
-        if i == 0 or np.hypot(p[i, 0] - p[i - 1, 0], p[i, 1] - p[i - 1, 1]) >= gap:
+        if i == 0 or is_cut(p[i - 1], p[i], gap):
             cuts[k] = i
             k += 1
     cuts[k] = len(p)
