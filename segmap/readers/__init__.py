@@ -135,4 +135,4 @@ def _checked_file(path: Path) -> Path:
 
 
 def _stem(name: str) -> str:
-    return name.removesuffix(".gz").rsplit(".", 1)[0]
+    return name.removesuffix(".gz").removesuffix(".zip").rsplit(".", 1)[0]

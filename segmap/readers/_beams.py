@@ -74,10 +74,11 @@ def decode(millimetres: Array) -> tuple[Array, NDArray[np.int64]]:
     >>> decode(np.array([0.0, 7.0, 1500.0]))
     (array([inf, nan, 1.5]), array([0, 7, 0]))
     """
-    met: Array = np.where(millimetres >= LOWEST, millimetres / 1000, np.nan)
+    met: Array = millimetres / 1000
+    met[~(millimetres >= LOWEST)] = np.nan
     met[millimetres == 0] = np.inf
     coded = (millimetres >= 0) & (millimetres < LOWEST)
-    return met, np.where(coded, millimetres, 0).astype(np.int64)
+    return met, np.rint(np.where(coded, millimetres, 0)).astype(np.int64)
 
 
 def centred(count: int, step: float) -> Array:
@@ -88,4 +89,4 @@ def centred(count: int, step: float) -> Array:
     >>> centred(3, 0.5)
     array([-0.5,  0. ,  0.5])
     """
-    return (np.arange(count) - (count - 1) / 2) * step
+    return (np.arange(count, dtype=float) - (count - 1) / 2) * step

@@ -4,8 +4,8 @@
     ROBOTLASER1 ...               as in CARMEN, see `_robotlaser`
 
 The vertex before a laser line is the robot's corrected pose at that scan; a scan without a vertex
-of its own has none. The robot's pose in the laser line is its odometry, unless it is all zero.
-Edges and other lines of the graph are skipped.
+of its own has none. The robot's pose in the laser line is its odometry, unless it is 0 0 0 in all
+of them. Edges and other lines of the graph are skipped.
 """
 
 from collections.abc import Sequence
@@ -43,8 +43,7 @@ class _Graph:
             numbers(fields[1:2], "the vertex")
             self.vertex = pose(fields[2:], "the vertex")
         elif fields[0] in LASERS:
-            shot = parse(fields)
-            self.shots.append(shot if shot.odometry.any() else shot._replace(odometry=NOWHERE))
+            self.shots.append(parse(fields))
             self.truth.append(self.vertex)
             self.vertex = NOWHERE
         elif fields[0] not in OTHERS:
@@ -58,11 +57,17 @@ def read(path: Path, name: str, on_error: str = "raise") -> Log:
         pass
     if not graph.shots:
         raise lines.no_scan("a ROBOTLASER1 line after each vertex")
-    limit = no_return(shot.ranges for shot in graph.shots)
-    limits = np.array([min(shot.limit, limit) for shot in graph.shots])
-    scans, _ = assemble(graph.shots, _mount, limits)
+    shots = _without_zeros(graph.shots)
+    limit = no_return(shot.ranges for shot in shots)
+    limits = np.array([min(shot.limit, limit) for shot in shots])
+    scans, _ = assemble(shots, _mount, limits)
     truth = np.array(graph.truth)
     return Log(name, scans, truth if np.isfinite(truth).any() else None, lines.skipped)
+
+
+def _without_zeros(shots: list[Shot]) -> list[Shot]:
+    recorded = any(shot.odometry.any() for shot in shots)
+    return shots if recorded else [s._replace(odometry=NOWHERE, pose=NOWHERE) for s in shots]
 
 
 def _mount(laser: str, shots: Sequence[Shot]) -> Mounted:

@@ -26,8 +26,8 @@ import numpy as np
 from ..angles import Array
 from ..poses import interpolate
 from ..scans import NOTHING_SKIPPED, Log, Skipped
-from ._beams import URG_REACH, URG_STEP, centred, half_turn, no_return
-from ._fields import counted, is_number, numbers, pose, time
+from ._beams import URG_REACH, URG_STEP, centred, decode, half_turn, no_return
+from ._fields import FARTHEST, counted, is_number, numbers, pose, time
 from ._lines import Lines, LogError, merged
 from ._shots import Mounted, Shot, assemble
 from ._tracks import Track
@@ -36,7 +36,7 @@ LASERS = ("SICK_FRONT", "HOKUYO_FRONT", "SICK_REAR", "HOKUYO_REAR")
 ODOMETRY, TRUTH = "ODOMETRY_XYT", "GROUNDTRUTH"
 PATTERN = re.compile(rf"({'|'.join((*LASERS, ODOMETRY, TRUTH))})\.csv(\.gz)?$", re.IGNORECASE)
 #: Columns of the files, by which they are told apart.
-HOKUYO_COLUMNS, ODOMETRY_COLUMNS, TRUTH_COLUMNS = 682, 7, 13
+SICK_HEAD, HOKUYO_COLUMNS, ODOMETRY_COLUMNS, TRUTH_COLUMNS = 3, 682, 7, 13
 #: Ground truth is not interpolated over more seconds than this: it exists only in some places.
 TRUTH_GAP = 1.0
 
@@ -116,7 +116,9 @@ def _parse_scan(fields: list[str]) -> Shot:
         raise ValueError(
             "holds poses and no scan: read its folder, or the poses with read_trajectory"
         )
-    ranges, rest = counted([columns[1], *columns[3:]], "ranges")
+    if len(columns) < SICK_HEAD:
+        raise ValueError(f"expected t, count, offset and ranges, got {len(columns)} columns")
+    ranges, rest = counted([columns[1], *columns[SICK_HEAD:]], "ranges")
     if rest:
         raise ValueError(f"announces {len(ranges)} ranges, but {len(ranges) + len(rest)} follow")
     (quarters,) = numbers(columns[2:3], "the offset")
@@ -127,9 +129,9 @@ def _parse_scan(fields: list[str]) -> Shot:
 
 
 def _parse_hokuyo(columns: list[str]) -> Shot:
-    ranges = numbers(columns[1:], "ranges")
+    ranges, codes = decode(1000 * np.clip(numbers(columns[1:], "ranges"), -FARTHEST, FARTHEST))
     angles = centred(len(ranges), URG_STEP)
-    return Shot("hokuyo", ranges, angles, time(columns[0]), limit=URG_REACH)
+    return Shot("hokuyo", ranges, angles, time(columns[0]), limit=URG_REACH, codes=codes)
 
 
 def _parse_pose(fields: list[str]) -> tuple[float, Array]:

@@ -25,11 +25,12 @@ def parse(fields: list[str]) -> Shot:
         raise ValueError(f"expected {HEAD} finite settings of the sensor after {fields[0]}")
     ranges, rest = counted(fields[HEAD + 1 :], "ranges")
     _, rest = counted(rest, "remissions", least=0)
-    wanted = 14 if fields[0].startswith("ROBOT") else 3
+    posed = fields[0].startswith("ROBOT")
+    wanted = 14 if posed else 3
     if len(rest) != wanted:
         raise ValueError(f"expected {wanted} fields after the remissions, got {len(rest)}")
-    poses = (pose(rest[3:6], "the robot"), pose(rest[:3], "the laser"))
-    odometry, laser = poses if wanted == 14 else (NOWHERE, NOWHERE)
+    laser = pose(rest[:3], "the laser") if posed else NOWHERE
+    odometry = pose(rest[3:6], "the robot") if posed else NOWHERE
     limit = head[4] if head[4] > 0 else np.inf
     found = numbers(ranges, "ranges")
     return Shot(fields[0], found, _angles(head, len(found)), time(rest[-3]), odometry, laser, limit)

@@ -4,6 +4,7 @@ from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..angles import Array, wrap
 from ..poses import between, compose, inverse
@@ -25,6 +26,7 @@ class Shot(NamedTuple):
     odometry: Array = NOWHERE
     pose: Array = NOWHERE
     limit: float = np.inf
+    codes: NDArray[np.int64] | None = None
 
 
 class Mounted(NamedTuple):
@@ -61,7 +63,9 @@ def mount_by_poses(shots: Sequence[Shot], offset: Array) -> Mounted:
     known = relative[np.isfinite(relative).all(1)]
     if len(known) and not same(known, known[:1]):
         return mount_by_offset(shots, offset)
-    return Mounted(known[0] if len(known) else offset, np.full_like(poses, np.nan))
+    return Mounted(
+        np.round(known[0], 6) + 0.0 if len(known) else offset, np.full_like(poses, np.nan)
+    )
 
 
 def assemble(
@@ -89,4 +93,5 @@ def _scan(shot: Shot, number: int, place: Array, limit: float) -> LaserScan:
         None if np.isnan(shot.odometry).any() else shot.odometry,
         limit,
         place,
+        shot.codes,
     )

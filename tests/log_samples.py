@@ -1,0 +1,121 @@
+"""Small logs of every format, as texts: what the tests of the readers read and damage.
+
+Each recording is of the same room: five beams, two scans, the robot 1 m farther in the second.
+"""
+
+import numpy as np
+
+RANGES = "1.50 2.00 2.50 81.83 3.00"
+TIMES = (1000.25, 1001.25)
+#: Robot by its wheels, and where it really was: these two differ by more than a shift.
+ODOMETRY = ((0.0, 0.0, 0.0), (1.0, 0.0, 0.1))
+TRUTH = ((5.0, 2.0, 0.5), (5.9, 2.5, 0.62))
+
+
+def row(values) -> str:
+    return " ".join(f"{value:.6f}" for value in values)
+
+
+def flaser(pose, odometry, time=None, ranges=RANGES, keyword="FLASER") -> str:
+    head = f"{keyword} {len(ranges.split())} {ranges} {row(pose)} {row(odometry)}"
+    return head if time is None else f"{head} {time:.6f} robot {time - TIMES[0]:.6f}"
+
+
+def robotlaser(laser, robot, time, ranges=RANGES, keyword="ROBOTLASER1", remissions="") -> str:
+    n, m = len(ranges.split()), len(remissions.split())
+    sensor = "0 -1.570796 3.141593 0.785398 50.0 0.01 0"
+    return (
+        f"{keyword} {sensor} {n} {ranges} {m} {remissions} {row(laser)} {row(robot)} "
+        f"0.1 0.0 0.3 0.2 1000000.0 {time:.6f} robot {time - TIMES[0]:.6f}"
+    )
+
+
+def text(lines) -> str:
+    return "\n".join(lines) + "\n"
+
+
+CARMEN = text(
+    [
+        "# message formats are described elsewhere",
+        "PARAM robot_frontlaser_offset 0.3 robot 0.1",
+        "ODOM 0.0 0.0 0.0 0.1 0.0 0.0 1000.2 robot 0.0",
+        *map(flaser, TRUTH, ODOMETRY, TIMES),
+        "SYNC done",
+    ]
+)
+CARMEN_NEW = text(map(robotlaser, TRUTH, ODOMETRY, TIMES))
+G2O = text(
+    line
+    for k in range(2)
+    for line in (
+        f"VERTEX_SE2 {k} {row(TRUTH[k])}",
+        robotlaser(ODOMETRY[k], ODOMETRY[k], TIMES[k]),
+        "EDGE_SE2 0 1 1 0 0 1 0 0 1 0 1",
+    )
+)
+PLAYER_1 = text(
+    line
+    for k in range(2)
+    for line in (
+        f"{TIMES[k]:.3f} robot 6665 position 00 {TIMES[k]:.3f} {row(ODOMETRY[k])} 0 0 0 0",
+        f"{TIMES[k]:.3f} robot 6665 laser 00 {TIMES[k]:.3f} -1.5708 +1.5708 +0.7854 0005 "
+        + " ".join(f"{r}  0" for r in RANGES.split()),
+        f"{TIMES[k]:.3f} robot 6665 sync 00 {TIMES[k]:.3f}",
+    )
+)
+PLAYER_2 = text(
+    [
+        "## Player version 2.1.0",
+        "999.0 16777343 6665 laser 00 004 001 +0.300 +0.100 +0.000 0.156 0.155",
+        *(
+            line
+            for k in range(2)
+            for line in (
+                f"{TIMES[k]:.3f} 16777343 6665 position2d 00 001 001 {row(ODOMETRY[k])} 0 0 0 0",
+                f"{TIMES[k]:.3f} 16777343 6665 laser 00 001 001 {k:04d} -1.5708 +1.5708 "
+                "+0.78539816 +8.0000 0005 " + " ".join(f"{r}  0" for r in RANGES.split()),
+            )
+        ),
+    ]
+)
+PLAYER_BARE = text(
+    line
+    for k in range(2)
+    for line in (
+        f"position 0 {TIMES[k]} {row(ODOMETRY[k])}",
+        f"laser 0 {TIMES[k]} -1.5708 1.5708 0.7854 5 {RANGES}",
+    )
+)
+HOKUYO = text(f"{1000 + k} {0.01 * (k - 10):.4f}" for k in range(20)) + "0 0.11\n7 0.12\n"
+CORESLAM = text(
+    f"{212387282 + 98000 * k} 14710 {29221 + 40 * k} {25178 + 50 * k} " + "0 " * 20 + "1500 " * 683
+    for k in range(3)
+)
+SICK = text(f"{t}, 181, 0, " + ", ".join(["2.50"] * 180 + ["81.91"]) for t in TIMES)
+HOKUYO_CSV = text(f"{t}, " + ", ".join(["1.25"] * 680 + ["0.007"]) for t in TIMES)
+ODOMETRY_CSV = text(
+    f"{t}, {k}, 100, 100, " + ", ".join(map(str, ODOMETRY[k])) for k, t in enumerate(TIMES)
+)
+GROUNDTRUTH = text(
+    f"{t}, " + ", ".join(map(str, [*TRUTH[k], *np.zeros(9)])) for k, t in enumerate(TIMES)
+)
+
+#: Every format that is a single file.
+SINGLE_FILES = {
+    "carmen": CARMEN,
+    "carmen_new": CARMEN_NEW,
+    "g2o": G2O,
+    "player_1": PLAYER_1,
+    "player_2": PLAYER_2,
+    "player_bare": PLAYER_BARE,
+    "hokuyo": HOKUYO,
+    "coreslam": CORESLAM,
+    "sick": SICK,
+    "hokuyo_csv": HOKUYO_CSV,
+}
+RAWSEEDS = {
+    "SICK_FRONT.csv": SICK,
+    "HOKUYO_FRONT.csv": HOKUYO_CSV,
+    "ODOMETRY_XYT.csv": ODOMETRY_CSV,
+    "run-GROUNDTRUTH.csv": GROUNDTRUTH,
+}

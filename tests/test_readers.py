@@ -1,0 +1,188 @@
+"""CARMEN logs of the old kind, and what all readers share: beams, no-return values, arguments."""
+
+import gzip
+import pickle
+
+import numpy as np
+import pytest
+from log_samples import CARMEN, ODOMETRY, TIMES, TRUTH, flaser, text
+
+from segmap import poses, readers
+from segmap.readers import LogError, _bundled
+
+
+@pytest.fixture
+def read(tmp_path):
+    """Read a text as if it were a file of that name."""
+
+    def read_text(content, name="some.log", **kwargs):
+        path = tmp_path / name
+        path.write_text(content)
+        return readers.read(path, **kwargs)
+
+    return read_text
+
+
+def beams(log):
+    return np.degrees(log[0].angles)
+
+
+@pytest.mark.parametrize(
+    ("count", "first", "last", "step"),
+    [(180, -90, 89, 1), (181, -90, 90, 1), (360, -90, 89.5, 0.5), (361, -90, 90, 0.5)],
+)
+def test_even_numbers_of_beams_leave_the_end_out(read, count, first, last, step):
+    """Spreading 180 beams over both ends turns walls by up to a degree."""
+    log = read(text([flaser(TRUTH[0], ODOMETRY[0], ranges=" ".join(["2.5"] * count))]))
+    assert beams(log)[[0, -1]] == pytest.approx([first, last])
+    assert np.diff(beams(log)) == pytest.approx(step)
+
+
+@pytest.mark.parametrize(
+    ("ranges", "limit", "valid"),
+    [
+        ("1 7.99 8.18 8.19", 8.18, [1, 1, 0, 0]),
+        ("1 8.18 32.76 32.5", 32.76, [1, 1, 0, 1]),
+        ("1 8.18 81.83 81.91 50 51.16 49.9", 50, [1, 1, 0, 0, 0, 0, 1]),
+    ],
+)
+def test_no_return_depends_on_the_measuring_mode(read, ranges, limit, valid):
+    """A fixed list of sentinels would drop real walls at 8.18 m, or keep false ones."""
+    log = read(text([flaser(TRUTH[0], ODOMETRY[0], ranges=ranges)]))
+    assert log[0].max_range == limit
+    assert log[0].valid.tolist() == [bool(v) for v in valid]
+    assert np.isposinf(log[0].ranges[~log[0].valid]).all()
+
+
+def test_the_mode_is_that_of_the_whole_log(read):
+    """Deciding scan by scan would call a wall at 8.18 m in a narrow place no return."""
+    near, far = (flaser(TRUTH[0], ODOMETRY[0], ranges=r) for r in ("1 8.18", "1 81.83"))
+    assert read(text([near, far]))[0].valid.tolist() == [True, True]
+
+
+def test_negative_and_odd_values_are_errors_not_walls(read):
+    log = read(text([flaser(TRUTH[0], ODOMETRY[0], ranges="1 -5 nan 0 inf -inf")]))
+    assert log[0].valid.tolist() == [True, False, False, False, False, False]
+    assert np.isnan(log[0].ranges).tolist() == [False, True, True, True, False, True]
+
+
+def test_truth_is_the_robots_pose_not_the_lasers(read):
+    """Forgetting the offset moves every wall by 0.3 m, in a direction that turns with the robot."""
+    log = read(CARMEN)
+    assert log[0].sensor_pose.tolist() == [0.3, 0, 0]
+    assert poses.compose(log.truth, (0.3, 0, 0)) == pytest.approx(np.array(TRUTH))
+    assert log.odometry == pytest.approx(np.array(ODOMETRY))
+    assert log.times == pytest.approx(TIMES)
+
+
+def test_side_and_angular_offsets_are_honoured(read):
+    lines = ["PARAM robot_frontlaser_side_offset -0.2", "PARAM robot_frontlaser_angular_offset 0.4"]
+    log = read(text([*lines, flaser(TRUTH[0], ODOMETRY[0])]))
+    assert log[0].sensor_pose.tolist() == [0, -0.2, 0.4]
+
+
+@pytest.mark.parametrize("stated", [None, "0.0", "3.141592653589793"])
+def test_rear_lasers_face_backwards(read, stated):
+    """A rear scan drawn forwards is a building turned inside out."""
+    lines = ["PARAM robot_rearlaser_offset -0.25 robot 0"]
+    lines += [] if stated is None else [f"PARAM robot_rearlaser_angular_offset {stated}"]
+    log = read(text([*lines, flaser(TRUTH[0], ODOMETRY[0], keyword="RLASER", ranges="1 2 1")]))
+    assert log[0].points()[1] == pytest.approx([-2.25, 0])
+
+
+def test_lines_without_times_are_numbered(read):
+    log = read(text(map(flaser, TRUTH, ODOMETRY)))
+    assert log.times.tolist() == [0, 1]
+    assert log.truth == pytest.approx(np.array(TRUTH))
+
+
+def test_lines_without_poses_take_the_odometry_from_odom_lines(read):
+    lines = [f"ODOM {k} 0 0 0 0 0 {10.0 + k} robot 0" for k in range(2)]
+    log = read(
+        text([*lines, "RAWLASER1 0 -1.57 3.14 1.57 80 0 0 2 1 2 0 10.5 robot 0", "FLASER 1 2"])
+    )
+    assert log[0].odometry.tolist() == [0.5, 0, 0]
+    assert log[1].odometry is None and log.truth is None
+
+
+def test_nan_laser_poses_are_scans_without_truth(read):
+    log = read(text([flaser([np.nan] * 3, ODOMETRY[0], 1.0), flaser(TRUTH[1], ODOMETRY[1], 2.0)]))
+    assert np.isnan(log.truth[0]).all() and log.truth[1] == pytest.approx(TRUTH[1])
+    assert "truth for 1" in repr(log)
+
+
+class TestWhatIsTruth:
+    """Poses that repeat the odometry: a map drawn with them as truth would be the raw one."""
+
+    def test_mapped_logs_that_repeat_their_poses_have_truth(self, read):
+        log = read(text(flaser(t, t, time) for t, time in zip(TRUTH, TIMES, strict=True)))
+        assert log.truth == pytest.approx(np.array(TRUTH))
+
+    def test_without_time_fields_they_are_raw(self, read):
+        assert read(text(flaser(t, t) for t in TRUTH)).truth is None
+
+    @pytest.mark.parametrize("line", ["ODOM 0 0 0 0 0 0 1 r 0", "PARAM robot_length 0.6", "SYNC x"])
+    def test_with_lines_of_a_recorder_they_are_raw(self, read, line):
+        assert read(text([line, *(flaser(t, t, 1.0) for t in TRUTH)])).truth is None
+
+    def test_the_lasers_offset_is_no_correction(self, read):
+        """Recorders write the laser's pose beside the robot's: they differ by the offset."""
+        lines = [flaser(poses.compose(o, (0.3, 0, 0)), o, 1.0) for o in ODOMETRY]
+        assert read(text(["PARAM robot_frontlaser_offset 0.3", *lines])).truth is None
+
+    def test_one_corrected_line_makes_the_log_a_corrected_one(self, read):
+        lines = [flaser(ODOMETRY[0], ODOMETRY[0]), flaser(TRUTH[1], ODOMETRY[1])]
+        assert read(text(lines)).truth == pytest.approx(np.array([ODOMETRY[0], TRUTH[1]]))
+
+
+@pytest.mark.parametrize("on_error", ["ignore", None, ""])
+def test_other_values_of_on_error_are_refused(read, on_error):
+    with pytest.raises(ValueError, match="'raise' or 'skip'"):
+        read(CARMEN, on_error=on_error)
+
+
+def test_the_name_is_the_files(read, tmp_path):
+    assert read(CARMEN, "b.25.log").name == "b.25"
+    (tmp_path / "run.log.gz").write_bytes(gzip.compress(CARMEN.encode()))
+    log = readers.read(str(tmp_path / "run.log.gz"))
+    assert log.name == "run" and len(log) == 2
+
+
+def test_crlf_blank_lines_and_comments_change_nothing(read):
+    log = read("\r\n# x\r\n   # y\n\n" + CARMEN.replace("\n", "\r\n\r\n"))
+    assert log.truth.tolist() == read(CARMEN).truth.tolist()
+
+
+def test_errors_survive_the_way_from_another_process(read):
+    """Exceptions with arguments of their own break process pools unless they pickle."""
+    with pytest.raises(LogError) as caught:
+        read("FLASER 2 1 2\nFLASER 3 1 2\n")
+    again = pickle.loads(pickle.dumps(caught.value))
+    assert str(again) == str(caught.value) and again.line == 2
+
+
+class TestBundled:
+    def test_unknown_names_list_the_known(self):
+        with pytest.raises(ValueError, match=r"'malaga'.*got 'malga'"):
+            readers.load("malga")
+
+    def test_killian_without_its_package_says_what_to_install(self, monkeypatch):
+        monkeypatch.setattr(_bundled, "find_spec", lambda name: None)
+        with pytest.raises(ValueError, match="pip install rtb-data"):
+            readers.load("killian")
+
+    def test_found_in_a_wheel_where_there_is_no_clone(self, monkeypatch, tmp_path):
+        """An installed wheel has `segmap/data` and nothing beside the package."""
+        wheel = tmp_path / "segmap" / "data"
+        (wheel / "malaga").mkdir(parents=True)
+        (wheel / "malaga" / "malaga.log.gz").write_bytes(gzip.compress(CARMEN.encode()))
+        monkeypatch.setattr(_bundled, "PLACES", (tmp_path / "data", wheel))
+        assert len(readers.load("malaga")) == 2
+
+    def test_a_clone_goes_before_the_wheel(self, monkeypatch, tmp_path):
+        for place, lines in (("clone", 1), ("wheel", 2)):
+            (tmp_path / place / "a").mkdir(parents=True)
+            content = text([flaser(TRUTH[0], ODOMETRY[0])] * lines)
+            (tmp_path / place / "a" / "a.log.gz").write_text(content)
+        monkeypatch.setattr(_bundled, "PLACES", (tmp_path / "clone", tmp_path / "wheel"))
+        assert len(readers.load("a")) == 1
