@@ -98,10 +98,12 @@ def test_other_interfaces_are_skipped_knowingly_and_unknown_words_are_not(read):
         f"laser 0 1.0 {SCAN} 1000000000 1 1 1",
         "position 0 1.0 2.0",
         "laser x 1.0 3 1 1 1",
+        "laser 0 1.0 -1.5708 nan 1.5708 3 1 1 1",
+        "laser 0 1.0 -90 90 90 3 1 1 1",
         "laser",
     ],
 )
-def test_counts_that_do_not_fit_are_noticed(read, line):
+def test_values_that_do_not_fit_are_noticed(read, line):
     with pytest.raises(LogError, match="line 2: expected"):
         read(text([f"laser 0 1.0 {SCAN} 3 1 1 1", line]))
 

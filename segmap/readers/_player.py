@@ -206,8 +206,8 @@ def spread(settings: Sequence[str], count: int) -> Array:
     >>> spread(["-1.5708", "1.5708", "0.0087"], 361)[-1].round(4)
     np.float64(1.5708)
     """
-    first, last, step = numbers(settings, "the angles of the beams")
-    if not (max(abs(first), abs(last), abs(step)) < 10):
+    first, last, step = angles = numbers(settings, "the angles of the beams")
+    if not (np.abs(angles) < 10).all():
         raise ValueError(f"expected angles in radians, got {' '.join(settings)[:80]}")
     turn = last - first
     ends = (count - 1, count) if count % 2 else (count, count - 1)

@@ -1,0 +1,143 @@
+"""Real logs: Malaga, which comes with segmap, and those that may only lie beside the project."""
+
+import gzip
+import hashlib
+import importlib.util
+import re
+import struct
+from pathlib import Path
+
+import numpy as np
+import pytest
+from conftest import shared_file
+from scipy.spatial import cKDTree
+
+from segmap import poses, readers
+from segmap.readers import LogError, _bundled
+
+MALAGA = _bundled.find("malaga").parent
+#: Where Debian's package mrpt-common puts the files that Malaga was converted from.
+DATASETS = Path("/usr/share/mrpt/datasets")
+
+
+def spread_of_walls(log, at):
+    """Median distance from a point to the nearest one of the scans drawn before, metres."""
+    clouds = [poses.transform(pose, scan.points()) for pose, scan in zip(at, log, strict=True)]
+    half = len(clouds) // 2
+    tree = cKDTree(np.concatenate(clouds[:half]))
+    return np.median(tree.query(np.concatenate(clouds[half:]))[0])
+
+
+class TestMalaga:
+    def test_is_what_its_readme_says(self):
+        log = readers.load("malaga")
+        known = np.isfinite(log.truth).all(axis=1)
+        assert (len(log), int(known.sum())) == (225, 99)
+        assert {len(scan) for scan in log} == {361}
+        assert log[0].sensor_pose.tolist() == [0.78, 0, 0] and log[0].max_range == 50
+        assert np.ptp(log.times) == pytest.approx(59, abs=0.5)
+        driven = np.hypot(*np.diff(log.odometry[:, :2], axis=0).T).sum()
+        assert driven == pytest.approx(76, abs=0.5)
+
+    def test_the_checksum_is_that_of_the_file(self):
+        stated = re.search(r"sha256\s+(\w{64})", (MALAGA / "README.md").read_text())
+        assert stated and stated[1] == hashlib.sha256(_read_bytes("malaga.log.gz")).hexdigest()
+
+    def test_the_notice_is_there(self):
+        notice = (MALAGA / "LICENSE").read_text(encoding="utf-8")
+        assert "Redistribution and use" in notice and "Jose-Luis Blanco-Claraco" in notice
+
+    def test_all_data_is_small(self):
+        files = (path for path in MALAGA.parent.rglob("*") if path.is_file())
+        assert sum(path.stat().st_size for path in files) < 1e6
+
+    def test_corrected_poses_bring_the_walls_together(self):
+        """Poses of the laser taken for the robot's, or of another scan, blur the map."""
+        log = readers.load("malaga")
+        known = np.flatnonzero(np.isfinite(log.truth).all(axis=1))
+        scans, truth = [log[int(k)] for k in known], log.truth[known]
+        corrected = spread_of_walls(scans, truth)
+        assert corrected < 0.08
+        assert spread_of_walls(scans, log.odometry[known]) > 3 * corrected
+        assert spread_of_walls(scans, poses.compose(truth, (0.78, 0, 0))) > 1.2 * corrected
+
+    def test_converting_again_gives_the_same_bytes(self, tmp_path):
+        if not DATASETS.exists():
+            pytest.skip("Debian's package mrpt-common is not installed")
+        rawlog = next(DATASETS.glob("*SENA*one_loop_only.rawlog"))
+        again = _converter().convert(rawlog, DATASETS / "malaga-cs-fac-building.simplemap.gz")
+        assert again == gzip.decompress(_read_bytes("malaga.log.gz")).decode()
+
+
+class TestConverter:
+    def stream(self, tmp_path, data):
+        path = tmp_path / "some.rawlog"
+        path.write_bytes(gzip.compress(data))
+        return _converter().Stream(path)
+
+    def test_a_quaternion_is_read_as_a_heading(self, tmp_path):
+        turn = 2.5
+        members = (1.0, 2.0, 0.3, np.cos(turn / 2), 0.0, 0.0, np.sin(turn / 2))
+        data = b"\x87CPose3D\x02" + struct.pack("<7d", *members) + b"\x88"
+        assert self.stream(tmp_path, data).object() == pytest.approx([1, 2, turn])
+
+    def test_an_object_that_ends_elsewhere_is_an_error(self, tmp_path):
+        """A member too few or too many would shift all that follows."""
+        data = b"\x87CPose2D\x01" + struct.pack("<4d", 1, 2, 3, 4) + b"\x88"
+        with pytest.raises(ValueError, match="CPose2D at byte 0 does not end"):
+            self.stream(tmp_path, data).object()
+
+
+class TestShared:
+    def test_intel(self):
+        log = readers.read(shared_file("data/intel.log.gz"))
+        assert len(log) == 2672 and len(log[0]) == 180 and log[0].max_range == 50
+        assert np.degrees(log[0].angles[[0, -1]]) == pytest.approx([-90, 89])
+        assert sum(int(np.isposinf(scan.ranges).sum()) for scan in log) == 10677
+        assert log.times[0] == 976053557.767368
+        assert log.truth[0] == pytest.approx([4.78, -5.84, -1.69])
+        every = log[::8]
+        assert spread_of_walls(every, every.truth) < 0.2 * spread_of_walls(every, every.odometry)
+
+    def test_freiburg_repeats_its_corrected_poses(self):
+        log = readers.read(shared_file("data/fr079.log.gz"))
+        assert len(log) == 4791 and np.isfinite(log.truth).all()
+        assert poses.between(log.odometry, log.truth) == pytest.approx(np.zeros((4791, 3)))
+
+    def test_laserazos_has_no_times_and_no_truth(self):
+        log = readers.read(shared_file("data/laserazos.log.gz"))
+        assert log.truth is None and log.times.tolist() == list(range(778))
+        assert log[0].max_range == 8.18 and np.isfinite(log.odometry).all()
+
+    def test_coreslam(self):
+        """Beams mirrored, or wheels swapped, would not bring any two scans together."""
+        log = readers.read(shared_file("data/urg04lx-exp1.dat.gz"))
+        assert len(log) == 756 and np.ptp(log.times) == pytest.approx(74.62, abs=0.01)
+        assert {0, 6, 7} <= set(np.unique([scan.codes for scan in log]).tolist())
+        part = log[40:80:4]
+        mirrored = part.odometry * [1, -1, -1]
+        assert spread_of_walls(part, part.odometry) < 0.04 < spread_of_walls(part, mirrored)
+
+    def test_bicocca_is_a_trajectory(self):
+        path = shared_file("data/bicocca-25b-GROUNDTRUTH.csv.gz")
+        times, where = readers.read_trajectory(path)
+        assert where.shape == (5829, 3) and times[0] == 1235604664.443286
+        assert where[0].tolist() == [-0.623883, -8.987304, 1.491652]
+        with pytest.raises(LogError, match="poses and no scan"):
+            readers.read(path)
+
+    def test_killian(self):
+        pytest.importorskip("rtbdata", reason="the package rtb-data is not installed")
+        log = readers.load("killian")
+        assert len(log) == 3873 and np.isfinite(log.truth).all() and log[0].max_range == 50
+
+
+def _read_bytes(name):
+    return (MALAGA / name).read_bytes()
+
+
+def _converter():
+    spec = importlib.util.spec_from_file_location("convert_malaga", MALAGA / "convert.py")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
