@@ -1,7 +1,11 @@
 """CARMEN logs of the old kind, and what all readers share: beams, no-return values, arguments."""
 
 import gzip
+import os
 import pickle
+import shutil
+import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -171,13 +175,21 @@ class TestBundled:
         with pytest.raises(ValueError, match="pip install rtb-data"):
             readers.load("killian")
 
-    def test_found_in_a_wheel_where_there_is_no_clone(self, monkeypatch, tmp_path):
+    def test_found_in_a_wheel_where_there_is_no_clone(self, tmp_path):
         """An installed wheel has `segmap/data` and nothing beside the package."""
-        wheel = tmp_path / "segmap" / "data"
-        (wheel / "malaga").mkdir(parents=True)
-        (wheel / "malaga" / "malaga.log.gz").write_bytes(gzip.compress(CARMEN.encode()))
-        monkeypatch.setattr(_bundled, "PLACES", (tmp_path / "data", wheel))
-        assert len(readers.load("malaga")) == 2
+        shutil.copytree(_bundled.PACKAGE, tmp_path / "segmap")
+        shutil.rmtree(tmp_path / "segmap" / "data", ignore_errors=True)
+        place = tmp_path / "segmap" / "data" / "two"
+        place.mkdir(parents=True)
+        (place / "two.log.gz").write_bytes(gzip.compress(CARMEN.encode()))
+        found = subprocess.run(
+            [sys.executable, "-c", "from segmap.readers import load; print(load('two'))"],
+            env={**os.environ, "PYTHONPATH": str(tmp_path)},
+            cwd=tmp_path,
+            capture_output=True,
+            text=True,
+        )
+        assert found.stdout.startswith("Log('two', 2 scans"), found.stderr
 
     def test_a_clone_goes_before_the_wheel(self, monkeypatch, tmp_path):
         for place, lines in (("clone", 1), ("wheel", 2)):

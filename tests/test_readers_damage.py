@@ -83,6 +83,13 @@ def test_damaged_lines_are_named_and_may_be_skipped(path, line, reason):
     assert log.skipped.reason == str(caught.value)
 
 
+@pytest.mark.parametrize("first", ["1.5 2.5", "laser 0", "VERTEX2 0 1 2 3", "what is this"])
+def test_a_damaged_first_line_does_not_decide_the_format(path, first):
+    path.write_text(f"{first}\n{GOOD}\n{GOOD}\n")
+    log = readers.read(path, on_error="skip")
+    assert len(log) == 2 and log.skipped.lines == 1
+
+
 def test_nothing_skipped_is_false(path):
     path.write_text(CARMEN)
     assert not readers.read(path, on_error="skip").skipped

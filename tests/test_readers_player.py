@@ -65,6 +65,13 @@ def test_odometry_is_interpolated_between_position_lines(read):
     assert log.odometry[0].tolist() == [1.5, 0, 0]
 
 
+def test_position_lines_may_come_late(read):
+    """Drivers write when they get round to it: times in a log do not always ascend."""
+    lines = [f"position 0 {t}.0 {x} 0 0" for t, x in ((5, 2), (1, 1))]
+    log = read(text([*lines, f"laser 0 3.0 {SCAN} 3 1 1 1"]))
+    assert log.odometry[0].tolist() == [1.5, 0, 0]
+
+
 def test_after_the_last_position_line_the_odometry_stays(read):
     log = read(text(["position 0 1.0 1 2 0.5", f"laser 0 3.0 {SCAN} 3 1 1 1"]))
     assert log.odometry[0].tolist() == [1, 2, 0.5]
