@@ -34,6 +34,8 @@ def read(path: str | Path, *, on_error: str = "raise") -> Log:
     Returns
     -------
     Log
+        Metres, radians, seconds; odometry and, where the file has them, corrected poses as `truth`:
+        both `(k, 3)`, of the robot.
 
     Raises
     ------
@@ -107,6 +109,7 @@ def load(name: str) -> Log:
     Returns
     -------
     Log
+        As `read` gives it; `truth` is `(k, 3)`, metres and radians.
 
     Raises
     ------

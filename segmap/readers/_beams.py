@@ -16,7 +16,7 @@ MODES = ((8.2, 8.18), (32.77, 32.76), (np.inf, 50.0))
 
 
 def half_turn(count: int) -> Array:
-    """Directions of `count` beams of a sensor that looks over half a turn, `(count,)`, radians.
+    """Directions of the beams of a sensor that looks over half a turn, `(count,)`, radians.
 
     An even number starts at -90 degrees and leaves the end point out; an odd one holds both ends.
 
@@ -31,7 +31,7 @@ def half_turn(count: int) -> Array:
 
 
 def no_return(ranges: Iterable[Array]) -> float:
-    """The range from which on the sensor met nothing, metres.
+    """The range from which on the sensor met nothing, metres, from all `(n,)` ranges of a log.
 
     It depends on the measuring mode, which the largest finite range of the whole log betrays: a
     wall at 8.18 m is one in a log that also holds 20 m.
@@ -46,7 +46,7 @@ def no_return(ranges: Iterable[Array]) -> float:
 
 
 def clean(ranges: Array, limit: float) -> Array:
-    """Ranges with `inf` where nothing was met, NaN where the value is no distance.
+    """Ranges `(n,)`, metres, with `inf` where nothing was met, NaN where the value is no distance.
 
     Examples
     --------
@@ -82,7 +82,7 @@ def decode(millimetres: Array) -> tuple[Array, NDArray[np.int64]]:
 
 
 def centred(count: int, step: float) -> Array:
-    """Directions of `count` beams, `step` apart, as many on the left as on the right, `(count,)`.
+    """Directions of beams `step` apart, as many left as right: `(count,)` array, radians.
 
     Examples
     --------

@@ -73,6 +73,7 @@ class _Recording:
         self.recorded = False
 
     def take(self, fields: list[str]) -> None:
+        """Take in one line."""
         keyword = fields[0]
         if keyword in OLD:
             self.shots.append(_parse_old(fields))
@@ -91,7 +92,7 @@ class _Recording:
             self.wheels.add(time(fields[6]), pose(fields[:3], "the odometry"))
 
     def offset(self, laser: str) -> Array:
-        """Where the file says that a laser sits on the robot, `(3,)`."""
+        """Where the file says that a laser sits on the robot, `(3,)`, metres and radians."""
         rear = laser in ("RLASER", "ROBOTLASER2", "RAWLASER2")
         name = f"robot_{'rear' if rear else 'front'}laser_"
         turn = self.parameters.get(name + "angular_offset", 0.0)
@@ -101,6 +102,7 @@ class _Recording:
         return np.array([ahead, aside, turn])
 
     def mount(self, laser: str, shots: Sequence[Shot]) -> Mounted:
+        """Place of a laser `(3,)` and truth `(k, 3)`, metres and radians, by the rule above."""
         offset = self.offset(laser)
         if laser in NEW:
             return mount_by_poses(shots, offset)
@@ -111,13 +113,13 @@ class _Recording:
         return mounted
 
     def limits(self) -> Array:
-        """For each shot the range from which on it met nothing, `(k,)`."""
+        """For each shot the range from which on it met nothing, `(k,)`, metres."""
         limit = no_return(shot.ranges for shot in self.shots)
         return np.array([min(shot.limit, limit) for shot in self.shots])
 
 
 def read(path: Path, name: str, on_error: str = "raise") -> Log:
-    """Read a CARMEN log."""
+    """Read a CARMEN log; `truth` is `(k, 3)`, metres and radians, the robot's pose."""
     lines, recording = Lines(path, on_error), _Recording()
     for _ in lines.each(recording.take):
         pass

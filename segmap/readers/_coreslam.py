@@ -35,7 +35,7 @@ def claims(fields: Sequence[str]) -> bool:
 
 
 def read(path: Path, name: str, on_error: str = "raise") -> Log:
-    """Read a CoreSLAM log."""
+    """Read a CoreSLAM log; `odometry` `(k, 3)`, metres and radians, is that of the wheels."""
     lines = Lines(path, on_error)
     rows = list(lines.each(_parse))
     if not rows:

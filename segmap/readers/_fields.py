@@ -13,7 +13,7 @@ LATEST = 1e12
 
 
 def numbers(fields: Sequence[str], what: str) -> Array:
-    """Fields as floats, `(n,)`."""
+    """Fields as floats, `(n,)` array, in the unit of the file."""
     try:
         found = np.array(fields, float)
     except (ValueError, OverflowError):
@@ -34,7 +34,7 @@ def is_number(field: str) -> bool:
 
 
 def pose(fields: Sequence[str], what: str) -> Array:
-    """Three fields as x, y, heading, `(3,)`; three times `nan` where there is no pose."""
+    """Three fields as a `(3,)` array, metres and radians; three times `nan` where there is none."""
     found = numbers(fields, what)
     if len(found) != 3:
         raise ValueError(f"expected x, y, heading for {what}, got {len(found)} fields")

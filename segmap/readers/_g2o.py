@@ -38,6 +38,7 @@ class _Graph:
         self.vertex = NOWHERE
 
     def take(self, fields: list[str]) -> None:
+        """Take in one line."""
         if fields[0] in VERTICES:
             self.vertex = NOWHERE
             numbers(fields[1:2], "the vertex")
@@ -51,7 +52,7 @@ class _Graph:
 
 
 def read(path: Path, name: str, on_error: str = "raise") -> Log:
-    """Read a g2o graph with scans."""
+    """Read a g2o graph with scans; `truth` `(k, 3)`, metres and radians, are its vertices."""
     lines, graph = Lines(path, on_error), _Graph()
     for _ in lines.each(graph.take):
         pass

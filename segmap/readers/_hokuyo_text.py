@@ -39,13 +39,13 @@ def numbered(folder: Path) -> list[Path]:
 
 
 def read(path: Path, name: str, on_error: str = "raise") -> Log:
-    """Read one scan."""
+    """Read one scan: its `(n,)` ranges become metres."""
     scan, skipped = _read_scan(path, 0.0, on_error)
     return Log(name, [scan], None, skipped)
 
 
 def read_folder(files: Sequence[Path], name: str, on_error: str = "raise") -> Log:
-    """Read a scan a file; with `on_error="skip"` files without any are left out, and counted."""
+    """Read a scan a file, 0.1 seconds apart; "skip" leaves out, and counts, files without."""
     scans, skipped = [], NOTHING_SKIPPED
     for k, path in enumerate(files):
         try:

@@ -78,6 +78,7 @@ class _Recording:
         self.places: dict[str, Array] = {}
 
     def take(self, fields: list[str]) -> None:
+        """Take in one line."""
         message = _message(fields)
         if message.interface in POSITIONS:
             self._take_position(message)
@@ -99,6 +100,7 @@ class _Recording:
             self.before.append(self.latest[min(self.latest)] if self.latest else NOWHERE)
 
     def mount(self, laser: str, shots: Sequence[Shot]) -> Mounted:
+        """Place of a laser `(3,)`, metres and radians; no truth."""
         place = self.places.get(laser, np.zeros(3))
         place = np.zeros(3) if np.isnan(place).any() else place
         return Mounted(place, np.full((len(shots), 3), np.nan))
@@ -114,7 +116,7 @@ class _Recording:
 
 
 def read(path: Path, name: str, on_error: str = "raise") -> Log:
-    """Read a log of Player."""
+    """Read a log of Player; `odometry` is `(k, 3)`, metres and radians, without truth."""
     lines, recording = Lines(path, on_error), _Recording()
     for _ in lines.each(recording.take):
         pass
@@ -195,7 +197,7 @@ def _limit(field: str) -> float:
 
 
 def spread(settings: Sequence[str], count: int) -> Array:
-    """Directions of `count` beams from their first, last and step, `(count,)`, radians.
+    """Directions of beams from their first, last and step, `(count,)` array, radians.
 
     The step is often rounded to four decimals, which would add up over a scan: where it agrees with
     beams spread evenly from first to last, these are taken, else where it agrees with beams that

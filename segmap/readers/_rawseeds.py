@@ -53,12 +53,12 @@ def files_of(folder: Path) -> dict[str, Path]:
 
 
 def read(path: Path, name: str, on_error: str = "raise") -> Log:
-    """Read the file of one laser."""
+    """Read the file of one laser: times in seconds, no odometry."""
     return _read(path, name, {}, on_error)
 
 
 def read_folder(files: Mapping[str, Path], name: str, on_error: str = "raise") -> Log:
-    """Read the files of a recording; see `files_of`."""
+    """Read the files of a recording, see `files_of`; `truth` is `(k, 3)`, metres and radians."""
     lasers = [laser for laser in LASERS if laser in files]
     if not lasers:
         folder = next(iter(files.values())).parent
@@ -67,7 +67,7 @@ def read_folder(files: Mapping[str, Path], name: str, on_error: str = "raise") -
 
 
 def read_trajectory(path: Path, on_error: str = "raise") -> tuple[Array, Array, Skipped]:
-    """Times `(k,)`, poses `(k, 3)` of a ground truth or odometry file, and what was skipped."""
+    """Times `(k,)` in seconds, poses `(k, 3)` of a file of poses, and what was skipped."""
     lines, track = Lines(path, on_error, ","), Track()
     for when, where in lines.each(_parse_pose):
         track.add(when, where)

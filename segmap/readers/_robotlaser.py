@@ -19,7 +19,7 @@ HEAD = 7
 
 
 def parse(fields: list[str]) -> Shot:
-    """One ROBOTLASERn or RAWLASERn line; the laser is called by the keyword."""
+    """One ROBOTLASERn or RAWLASERn line: metres, radians, seconds; the keyword names the laser."""
     head = numbers(fields[1 : HEAD + 1], "the sensor's settings")
     if len(head) < HEAD or not np.isfinite(head[1:5]).all():
         raise ValueError(f"expected {HEAD} finite settings of the sensor after {fields[0]}")

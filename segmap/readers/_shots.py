@@ -40,14 +40,14 @@ Mount = Callable[[str, Sequence[Shot]], Mounted]
 
 
 def same(a: Array, b: Array) -> bool:
-    """Whether two rows of poses tell nothing different; rows without a pose tell nothing."""
+    """Whether poses `(k, 3)`, metres and radians, agree in all rows; rows of NaN tell nothing."""
     step = a - b
     step[..., 2] = wrap(step[..., 2])
     return not bool((np.abs(step) > SAME).any())
 
 
 def mount_by_offset(shots: Sequence[Shot], offset: Array) -> Mounted:
-    """The laser's poses are corrected ones, and the laser sits at `offset`."""
+    """The laser's poses are corrected ones, and it sits at `offset`, `(3,)`, metres and radians."""
     poses = np.array([shot.pose for shot in shots])
     return Mounted(offset, compose(poses, inverse(offset)))
 
@@ -57,6 +57,7 @@ def mount_by_poses(shots: Sequence[Shot], offset: Array) -> Mounted:
 
     Where it is one and the same all along it is the laser's place on the robot. Where it varies,
     the laser's poses have been corrected and the robot's not.
+    `offset`, `(3,)`, metres and radians, serves where the lines say nothing.
     """
     poses = np.array([shot.pose for shot in shots])
     relative = between(np.array([shot.odometry for shot in shots]), poses)
@@ -71,7 +72,10 @@ def mount_by_poses(shots: Sequence[Shot], offset: Array) -> Mounted:
 def assemble(
     shots: Sequence[Shot], mount: Mount, limits: Array
 ) -> tuple[list[LaserScan], Array | None]:
-    """Scans and corrected poses of all lasers, in the order of the file."""
+    """Scans and corrected poses `(k, 3)`, metres and radians, of all lasers in the file's order.
+
+    `limits`, `(k,)`, metres: the range from which on each shot met nothing.
+    """
     lasers = np.array([shot.laser for shot in shots])
     places, truth = np.empty((len(shots), 3)), np.empty((len(shots), 3))
     for laser in np.unique(lasers):

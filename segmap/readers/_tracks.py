@@ -19,13 +19,13 @@ class Track:
         self.poses: list[Array] = []
 
     def add(self, time: float, pose: Array) -> None:
-        """Note one pose."""
+        """Note one pose, `(3,)`, metres and radians, and its time in seconds."""
         if np.isfinite(pose).all():
             self.times.append(time)
             self.poses.append(pose)
 
     def at(self, times: ArrayLike) -> Array:
-        """Poses between the noted ones, `(m, 3)`; NaN before the first and after the last."""
+        """Poses between the noted ones, `(m, 3)`, metres and radians; NaN outside of them."""
         when = np.asarray(times, float)
         if not self.times:
             return np.full((len(when), 3), NO_POSE)
