@@ -1,7 +1,7 @@
 """How the benchmarks measure, and where they find what they measure on.
 
-Speeds drift by a factor of two within minutes, so a method and its yardstick are timed in turn, and
-the ratio of their medians is what counts.
+Speeds drift by a factor of two within minutes, so a method is timed right after its yardstick, and
+the ratio is what counts.
 """
 
 import importlib.util
@@ -31,16 +31,10 @@ def seconds(call: Callable[[], Any], repeat: int = 5) -> float:
 
 
 def once(call: Callable[[], Any]) -> float:
+    """Time of one call."""
     start = time.perf_counter()
     call()
     return time.perf_counter() - start
-
-
-def in_turn(a: Callable[[], Any], b: Callable[[], Any], repeat: int = 3) -> tuple[float, float]:
-    """Median times of two calls that take turns, after one of each that is not counted."""
-    a(), b()
-    pairs = [(once(a), once(b)) for _ in range(repeat)]
-    return statistics.median(x for x, _ in pairs), statistics.median(y for _, y in pairs)
 
 
 def load(path: Path) -> Any:
