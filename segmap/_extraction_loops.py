@@ -16,7 +16,7 @@ Indices = NDArray[np.int64]
 
 @compiled
 def fit_total(p: Array) -> Line:
-    """Centre and unit direction of the total least squares line."""
+    """Centre and unit direction of the total least squares line of `(n, 2)` points, metres."""
     x, y = p[:, 0].mean(), p[:, 1].mean()
     sxx = syy = sxy = 0.0
     for i in range(len(p)):
@@ -49,7 +49,7 @@ def fit_algebraic(p: Array) -> Line:
 
 @compiled
 def span(p: Array, line: Line, out: Array) -> float:
-    """Write the extreme projections of points on a line; return its length."""
+    """Write the extreme projections of `(n, 2)` points on a line; return its length, metres."""
     x, y, dx, dy = line
     low, high = np.inf, -np.inf
     for i in range(len(p)):
@@ -62,7 +62,7 @@ def span(p: Array, line: Line, out: Array) -> float:
 
 @compiled
 def farthest(p: Array, line: Line) -> tuple[int, float]:
-    """Index of the point farthest from a line, and its distance."""
+    """Index of the one of `(n, 2)` points farthest from a line, and its distance, metres."""
     x, y, dx, dy = line
     index, most = 0, -1.0
     for i in range(len(p)):
@@ -80,7 +80,7 @@ def is_cut(a: Array, b: Array, gap: float) -> bool:
 
 @compiled
 def unrolled(p: Array, gap: float, closed: bool) -> Array:
-    """A closed scan, turned to start at its first gap, or at a corner where it has none."""
+    """A closed scan `(n, 2)`, metres, turned to start at a gap, or a corner where it has none."""
     n = len(p)
     if not closed or n < 3:
         return p
@@ -99,7 +99,7 @@ def unrolled(p: Array, gap: float, closed: bool) -> Array:
 
 @compiled
 def cut_at_gaps(p: Array, gap: float) -> Indices:
-    """Where clusters begin, and the number of points last."""
+    """Where clusters of `(n, 2)` points begin, and n last; gap in metres."""
     cuts = np.empty(len(p) + 1, np.int64)
     k = 0
     for i in range(len(p)):
@@ -112,7 +112,7 @@ def cut_at_gaps(p: Array, gap: float) -> Indices:
 
 @compiled
 def clusters(points: Array, gap: float, total: bool, closed: bool) -> Array:
-    """A segment for each cluster of more than one point (A 3.2)."""
+    """A segment for each cluster of more than one point (A 3.2), `(k, 2, 2)`, metres."""
     p = unrolled(points, gap, closed)
     cuts = cut_at_gaps(p, gap)
     out = np.empty((len(cuts), 2, 2))
@@ -138,7 +138,7 @@ def chord_of(p: Array) -> Line:
 
 @compiled
 def split(p: Array, tolerance: float, ends: Indices) -> int:
-    """Cut a cluster at the farthest point until each chord is within tolerance.
+    """Cut a cluster `(n, 2)` at the farthest point until each chord is within tolerance, metres.
 
     Fills `ends` with the last index of each piece, in order; returns their number. A piece begins
     with the last point of the one before.
@@ -160,7 +160,7 @@ def split(p: Array, tolerance: float, ends: Indices) -> int:
 
 @compiled
 def joint_error(p: Array, ends: Indices, k: int) -> float:
-    """Largest distance from one line through the pieces k and k + 1."""
+    """Largest distance from one line through the pieces k and k + 1, metres."""
     start = ends[k - 1] if k else 0
     both = p[start : ends[k + 1] + 1]
     return farthest(both, fit_total(both))[1]
@@ -168,7 +168,7 @@ def joint_error(p: Array, ends: Indices, k: int) -> float:
 
 @compiled
 def merge(p: Array, tolerance: float, ends: Indices, count: int) -> int:
-    """Join the two neighbours that one line fits best, while it fits within tolerance."""
+    """Join the two neighbours that one line fits best, while it fits within tolerance, metres."""
     errors = np.empty(max(count - 1, 0))
     for k in range(count - 1):
         errors[k] = joint_error(p, ends, k)
@@ -186,7 +186,7 @@ def merge(p: Array, tolerance: float, ends: Indices, count: int) -> int:
 
 @compiled
 def offset(q: Array, line: Line) -> float:
-    """Distance of one point from a line."""
+    """Distance of one point `(2,)` from a line, metres."""
     return abs((q[1] - line[1]) * line[2] - (q[0] - line[0]) * line[3])
 
 
@@ -212,7 +212,7 @@ def border(p: Array, start: int, corner: int, end: int) -> int:
 def polylines(
     points: Array, gap: float, tolerance: float, min_points: int, min_length: float, closed: bool
 ) -> Array:
-    """Segments of all clusters, split and merged."""
+    """Segments of all clusters, split and merged, `(k, 2, 2)`, metres."""
     p = unrolled(points, gap, closed)
     cuts = cut_at_gaps(p, gap)
     out = np.empty((len(p) // min_points + 1, 2, 2))

@@ -16,7 +16,7 @@ PERPENDICULAR = 1e-9
 
 @compiled
 def describe(s: Array) -> Array:
-    """Middle, unit direction (0 without length) and half length of segments, `(n, 5)`."""
+    """Middle, unit direction (0 without length) and half length of segments, `(n, 5)`, metres."""
     out = np.zeros((len(s), 5))
     for i in range(len(s)):
         out[i, 0] = (s[i, 0, 0] + s[i, 1, 0]) / 2
@@ -31,7 +31,7 @@ def describe(s: Array) -> Array:
 
 @compiled
 def off_segment(x: float, y: float, s: Array) -> float:
-    """Distance of a point from a segment."""
+    """Distance of a point from a segment `(2, 2)`, metres."""
     dx, dy = s[1, 0] - s[0, 0], s[1, 1] - s[0, 1]
     rx, ry = x - s[0, 0], y - s[0, 1]
     square = dx * dx + dy * dy
@@ -41,7 +41,7 @@ def off_segment(x: float, y: float, s: Array) -> float:
 
 @compiled
 def apart(u: Array, v: Array) -> float:
-    """D_uv: smallest distance from an end point of one segment to the other segment."""
+    """D_uv: smallest distance from an end point of one to the other segment `(2, 2)`, metres."""
     least = np.inf
     for k in range(2):
         least = min(least, off_segment(u[k, 0], u[k, 1], v), off_segment(v[k, 0], v[k, 1], u))
@@ -60,7 +60,7 @@ def across(u: Array, v: Array, x: float, y: float, dx: float, dy: float) -> floa
 
 @compiled
 def mean_line_terms(u: Array, v: Array, a: Array, b: Array) -> tuple[float, float]:
-    """D_ang and D_uva of two described segments with equal weights."""
+    """D_ang and D_uva, metres, of two described segments `(5,)` with equal weights."""
     ax, ay, bx, by = a[2], a[3], b[2], b[3]
     if ax == 0.0 and ay == 0.0:
         ax, ay = (bx, by) if bx != 0.0 or by != 0.0 else (1.0, 0.0)
@@ -80,7 +80,7 @@ def mean_line_terms(u: Array, v: Array, a: Array, b: Array) -> tuple[float, floa
 
 @compiled
 def nearest_distances(before: Array, after: Array) -> Array:
-    """Distance of each segment of `before` to the nearest one of `after`, `(n,)`."""
+    """Distance of each segment of `before` to the nearest one of `after`, `(n,)`, metres."""
     order = np.argsort(after[:, 0, 0] + after[:, 1, 0])
     after = after[order]
     a, b = describe(before), describe(after)

@@ -177,6 +177,11 @@ def reduction_rate(before: Segments, after: Segments) -> float:
 def grade_reduction(rate: float) -> str:
     """A's word for a reduction rate (A 6.2.3): the nearest step of ten per cent, halves upward.
 
+    Parameters
+    ----------
+    rate : float
+        In `[0, 1]`, as `reduction_rate` gives it, no percentage.
+
     Examples
     --------
     >>> grade_reduction(0.66), grade_reduction(0.45)
@@ -187,6 +192,11 @@ def grade_reduction(rate: float) -> str:
 
 def grade_quality(value: float) -> str:
     """A's word for a quality (A 6.2.3): the nearest step of ten per cent, halves upward.
+
+    Parameters
+    ----------
+    value : float
+        In `[0, 1]`, as `quality` gives it, no percentage.
 
     Examples
     --------

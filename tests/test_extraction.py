@@ -40,7 +40,7 @@ def square_scan(start: float = 0.0, sigma: float = 0.0) -> np.ndarray:
     return np.stack([ranges * c, ranges * s], -1)
 
 
-def same(found, expected, atol=1e-9):
+def assert_same(found, expected, atol=1e-9):
     """Segments agree, whichever end point comes first."""
     assert found.shape == np.shape(expected)
     for a, b in zip(found, np.asarray(expected), strict=True):
@@ -57,7 +57,7 @@ def test_clusters_equal_the_literal_method(seed, fit, literal):
     """A's loop never advances, compares with the wrong point and loses the last cluster."""
     rng = np.random.default_rng(seed)
     points = np.cumsum(rng.normal(0, 0.12, (60, 2)), axis=0) + (1, 2)
-    same(extract_clusters(points, fit=fit), reference.clusters(points, GAP, literal), 1e-6)
+    assert_same(extract_clusters(points, fit=fit), reference.clusters(points, GAP, literal), 1e-6)
 
 
 def test_points_exactly_a_gap_apart_are_cut():
@@ -69,14 +69,14 @@ def test_points_exactly_a_gap_apart_are_cut():
 
 def test_single_points_and_coincident_points_give_no_segment():
     points = [(0, 0), (1, 0), (1, 0), (1, 0), (2, 0), (2.1, 0)]
-    same(extract_clusters(points), [[(2, 0), (2.1, 0)]])
+    assert_same(extract_clusters(points), [[(2, 0), (2.1, 0)]])
 
 
 def test_algebraic_fit_fails_through_the_origin_and_total_does_not():
     """A 3.1-3.3 solves a x + b y = 1, which no line through the sensor satisfies."""
     radial = wall((0.5, 0.5), (1.5, 1.5))
     assert len(extract_clusters(radial, fit="algebraic")) == 0
-    same(extract_clusters(radial), [[(0.5, 0.5), (1.5, 1.5)]])
+    assert_same(extract_clusters(radial), [[(0.5, 0.5), (1.5, 1.5)]])
 
 
 def test_algebraic_fit_depends_on_the_origin():
@@ -105,7 +105,7 @@ def test_clusters_do_not_cut_corners():
 # ---------------------------------------------------------------------------- polylines
 def test_corner_gives_two_walls():
     found = extract_polylines(path((0, 0), (1, 0), (1, 1)))
-    same(found, [[(0, 0), (1, 0)], [(1, 0.05), (1, 1)]])
+    assert_same(found, [[(0, 0), (1, 0)], [(1, 0.05), (1, 1)]])
 
 
 def test_every_point_of_a_noisy_wall_is_used():
@@ -154,13 +154,13 @@ def test_short_pieces_are_dropped():
 def test_moving_the_points_moves_the_segments(extract, pose):
     """Polylines and total fits know no axis and no origin; `y = mx + q` does."""
     points = square_scan(0.3, 0.01)
-    same(extract(transform(pose, points)), transform(pose, extract(points)), 1e-7)
+    assert_same(extract(transform(pose, points)), transform(pose, extract(points)), 1e-7)
 
 
 def test_scaling_every_length_scales_the_segments():
     points = square_scan(0.3, 0.01)
     found = extract_polylines(1000 * points, gap=300, tolerance=30, min_length=100)
-    same(found, 1000 * extract_polylines(points), 1e-6)
+    assert_same(found, 1000 * extract_polylines(points), 1e-6)
 
 
 # ------------------------------------------------------------------------ awkward scans
@@ -184,9 +184,9 @@ def test_a_closed_scan_with_a_gap_joins_over_the_seam():
 
 
 def test_two_beams():
-    same(extract_clusters([(1, 0), (1, 0.1)]), [[(1, 0), (1, 0.1)]])
+    assert_same(extract_clusters([(1, 0), (1, 0.1)]), [[(1, 0), (1, 0.1)]])
     assert len(extract_polylines([(1, 0), (1, 0.1)])) == 0
-    same(extract_polylines([(1, 0), (1, 0.1)], min_points=2), [[(1, 0), (1, 0.1)]])
+    assert_same(extract_polylines([(1, 0), (1, 0.1)], min_points=2), [[(1, 0), (1, 0.1)]])
 
 
 @pytest.mark.parametrize("extract", [extract_clusters, extract_polylines])
@@ -263,7 +263,7 @@ def test_build_map_puts_scans_in_one_frame():
         scans.append(LaserScan(np.hypot(*local.T), np.arctan2(local[:, 1], local[:, 0])))
     found = build_map(Log("corner", scans), [*poses[:2], (np.nan,) * 3])
     assert found.scan.tolist() == [0, 0, 1, 1]
-    same(found.segments[2:], found.segments[:2], 1e-9)
+    assert_same(found.segments[2:], found.segments[:2], 1e-9)
 
 
 def test_build_map_hands_thresholds_on():

@@ -72,7 +72,7 @@ def test_first_chain_is_at_least_as_long_as_any_on_a_fine_grid_of_lines(seed):
         assert lengths[chain].sum() <= total + 1e-9
 
 
-def close(found, expected, moved):
+def assert_moved(found, expected, moved):
     np.testing.assert_array_equal(found.parents, expected.parents)
     np.testing.assert_allclose(
         np.sort(found.segments, axis=1), np.sort(moved(expected.segments), axis=1), atol=1e-8
@@ -95,14 +95,14 @@ def test_scaling_every_length_scales_the_result(scale):
     """An absolute length hidden in the loops (a cell, a gap) would break it."""
     segments = redundant_map(np.random.default_rng(6))
     found = fusion(scale * segments, tolerance=scale * TOLERANCE)
-    close(found, fusion(segments, tolerance=TOLERANCE), lambda s: scale * s)
+    assert_moved(found, fusion(segments, tolerance=TOLERANCE), lambda s: scale * s)
 
 
 @pytest.mark.parametrize("make", MAPS)
 def test_swapping_end_points_changes_nothing(make):
     """A segment has no direction."""
     segments = make(np.random.default_rng(7))
-    close(fusion(segments[:, ::-1]), fusion(segments), lambda s: s)
+    assert_moved(fusion(segments[:, ::-1]), fusion(segments), lambda s: s)
 
 
 @given(st.integers(0, 10_000))

@@ -49,7 +49,7 @@ def place(s: Array, lengths: Array, cell: float, stop: Indices, held: Indices) -
 
 @compiled
 def build_grid(s: Array, lengths: Array, cell: float) -> Grid:
-    """Segments by cell: `held[first[slot]:stop[slot]]`."""
+    """Segments `(n, 2, 2)` by cell, metres: `held[first[slot]:stop[slot]]`."""
     slots = 1
     while slots < 4 * len(s):
         slots *= 2
@@ -85,7 +85,7 @@ def take(
 
 @compiled
 def measure(q: Array, line: Line, out: Array) -> None:
-    """Projections and offsets of a segment from a line: low, high, lowest, highest."""
+    """Write projections and offsets of a segment, metres: low, high, lowest, highest, `(4,)`."""
     x, y, dx, dy = line
     u0, u1 = (q[0, 0] - x) * dx + (q[0, 1] - y) * dy, (q[1, 0] - x) * dx + (q[1, 1] - y) * dy
     v0, v1 = (q[0, 1] - y) * dx - (q[0, 0] - x) * dy, (q[1, 1] - y) * dx - (q[1, 0] - x) * dy
@@ -101,7 +101,7 @@ def can_enter(m: Array, tolerance: float) -> bool:
 
 @compiled
 def inside(m: Array, shift: float, tolerance: float) -> bool:
-    """Whether the strip at `shift` holds a measured segment (A 4.4.1)."""
+    """Whether the strip at `shift`, metres, holds a measured segment `(4,)` (A 4.4.1)."""
     return m[3] - tolerance <= shift + SAME and shift - SAME <= m[2] + tolerance
 
 
@@ -145,7 +145,7 @@ def gather(
 
 @compiled
 def reach_on(measured: Array, way: int, reach: float) -> float:
-    """How far to one side a chain of the collected projections leads, whatever its shift."""
+    """How far to one side, metres, a chain of the `(k, 4)` measured leads, whatever its shift."""
     longer = True
     while longer:
         longer = False
@@ -179,7 +179,7 @@ def chain(
 def total_length(
     measured: Array, lengths: Array, order: Indices, longest: int, shift: float, tolerance: float
 ) -> float:
-    """Sum of the lengths of the chain's members."""
+    """Sum of the lengths, metres, of the members of the chain; `measured` is `(k, 4)`."""
     start, stop = chain(measured, order, longest, shift, tolerance)
     total = 0.0
     for k in range(start, stop):
@@ -207,7 +207,7 @@ def members(
 
 @compiled
 def possible_shifts(measured: Array, tolerance: float) -> Array:
-    """0 and where a segment enters or leaves the strip, within the tolerance."""
+    """0 and where a segment enters or leaves the strip, within the tolerance, `(k,)`, metres."""
     shifts = np.zeros(2 * len(measured) + 1)
     count = 1
     for m in measured:
@@ -231,7 +231,7 @@ def comes_first(a: Indices, b: Indices) -> bool:
 def best_strip(
     measured: Array, lengths: Array, near: Indices, longest: int, tolerance: float
 ) -> tuple[float, Indices, float, float]:
-    """Shift with the greatest total length; ties: smallest shift, then the first indices."""
+    """Shift of the greatest total length, metres; ties: smallest, then first indices `(k,)`."""
     order, shifts = np.argsort(measured[:, 0]), possible_shifts(measured, tolerance)
     totals = np.empty(len(shifts))
     for k in range(len(shifts)):
@@ -249,7 +249,7 @@ def best_strip(
 
 @compiled
 def line_through(q: Array, length: float) -> Line:
-    """Middle and unit direction of a segment."""
+    """Middle, metres, and unit direction of a segment `(2, 2)`."""
     return (
         (q[0, 0] + q[1, 0]) / 2,
         (q[0, 1] + q[1, 1]) / 2,
@@ -260,7 +260,7 @@ def line_through(q: Array, length: float) -> Line:
 
 @compiled
 def fuse(s: Array, tolerance: float) -> tuple[Array, Indices]:
-    """Fusion of segments that all have a length: the outputs, and the parent of each input."""
+    """Fuse segments that all have a length: outputs `(m, 2, 2)`, metres, and parents `(n,)`."""
     n = len(s)
     out, parents, count = np.empty((n, 2, 2)), np.full(n, -1, np.int64), 0
     if n == 0:
