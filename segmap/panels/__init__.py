@@ -1,0 +1,23 @@
+"""Panels to play with in a notebook: a few controls bound to one drawing each.
+
+They show their still picture where no kernel runs. Set a control from Python and read a text:
+`panel.tolerance.value = 0.06; panel.count.value`.
+"""
+
+from ._base import Panel
+from ._clusters import ClusterPanel
+from ._distance import DistancePanel
+from ._fusion import FusionPanel
+from ._polylines import PolylinePanel
+from ._room import RoomPanel
+from ._scan import ScanPanel
+
+__all__ = [
+    "ClusterPanel",
+    "DistancePanel",
+    "FusionPanel",
+    "Panel",
+    "PolylinePanel",
+    "RoomPanel",
+    "ScanPanel",
+]

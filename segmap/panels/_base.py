@@ -1,0 +1,77 @@
+"""What all panels share: controls that redraw one picture and rewrite a few lines of text."""
+
+from typing import Any
+
+import ipywidgets as W
+from matplotlib.figure import Figure
+
+from ..plotting import figure_png
+
+#: What a browser with a kernel shows instead of the picture.
+VIEW = "application/vnd.jupyter.widget-view+json"
+
+#: Pixels. A picture of another width than its box would be stretched and blurred.
+WIDTH, HEIGHT, DPI = 480, 360, 72
+
+
+class Panel:
+    """Controls bound to one drawing, and its still picture where no kernel runs.
+
+    A subclass makes its controls, hands them to `_assemble`, and says in `_draw` what they mean.
+    Controls and texts are attributes: `panel.tolerance.value = 0.06; panel.count.value`.
+    """
+
+    picture: Any
+    _view: Any
+
+    def _assemble(self, *rows: Any, width: int = WIDTH, height: int = HEIGHT) -> None:
+        """Lay out rows of controls and texts above the picture, and draw for the first time."""
+        self._size = width, height
+        self.picture = W.Image(format="png", layout=W.Layout(width=f"{width}px"))
+        boxes = [W.HBox(row) if isinstance(row, tuple) else row for row in rows]
+        still = W.Layout(align_items="flex-start")
+        self._view = W.VBox([*boxes, self.picture], layout=still)
+        for row in rows:
+            for control in row if isinstance(row, tuple) else (row,):
+                if not isinstance(control, W.Label | W.Play):
+                    control.observe(self._redraw, names="value")
+        self._redraw()
+
+    def _redraw(self, change: Any = None) -> None:
+        figure = Figure((self._size[0] / DPI, self._size[1] / DPI), dpi=DPI, layout="constrained")
+        self._draw(figure)
+        self.picture.value = figure_png(figure)
+
+    def _draw(self, figure: Figure) -> None:
+        """Draw what the controls say, and rewrite the texts."""
+        raise TypeError(f"{type(self).__name__} does not say how it draws")
+
+    def _repr_mimebundle_(self, include: Any = None, exclude: Any = None) -> dict[str, Any]:
+        """The live panel, and for readers without a kernel its picture and its text."""
+        bundle: dict[str, Any] = dict(self._view._repr_mimebundle_())
+        return bundle | {"image/png": bytes(self.picture.value), "text/plain": repr(self)}
+
+
+def slider(name: str, value: float, least: float, most: float, step: float, unit: str = "m") -> Any:
+    """A slider that answers when it is let go: a drawing takes longer than a movement."""
+    kind, form = (W.IntSlider, "d") if isinstance(step, int) else (W.FloatSlider, _decimals(step))
+    return kind(
+        value=value,
+        min=least,
+        max=most,
+        step=step,
+        readout_format=form,
+        description=f"{name} [{unit}]" if unit else name,
+        continuous_update=False,
+        layout=W.Layout(width="420px"),
+        style={"description_width": "130px"},
+    )
+
+
+def text() -> Any:
+    """A line of text beside others of the same width."""
+    return W.Label(layout=W.Layout(width="235px"))
+
+
+def _decimals(step: float) -> str:
+    return f".{max(0, len(f'{step:.6f}'.rstrip('0').split('.')[1]))}f"

@@ -1,0 +1,81 @@
+"""Stepping through a log."""
+
+import ipywidgets as W
+import numpy as np
+from matplotlib.figure import Figure
+from numpy.typing import ArrayLike
+
+from ..plotting import RESULT, TRUTH, draw_path, draw_scan
+from ..poses import transform
+from ..scans import LaserScan, Log
+from ._base import Panel, slider, text
+
+#: Points of all scans together that are drawn behind the current one.
+MOST_POINTS = 4000
+
+
+class ScanPanel(Panel):
+    """A log, scan by scan, each at its pose: what the robot saw, and from where.
+
+    Parameters
+    ----------
+    log : Log
+    poses : (k, 3) array, metres and radians, or None
+        None takes the log's truth, or its odometry where it has none. Scans whose pose is NaN are
+        left out.
+
+    Attributes
+    ----------
+    step : slider
+        Index among the scans that have a pose.
+    play : play button, which moves the slider
+    index, valid : labels
+    scan : LaserScan
+        What is drawn.
+
+    Examples
+    --------
+    >>> scans = [LaserScan([1.0, 2.0], [0.0, 1.0], odometry=(x, 0, 0)) for x in (0, 1)]
+    >>> panel = ScanPanel(Log("two", scans))
+    >>> panel.step.value = 1
+    >>> panel.index.value, panel.valid.value
+    ('scan 1 of 2, after 0.00 s', '2 of 2 beams valid')
+    """
+
+    scan: LaserScan
+
+    def __init__(self, log: Log, poses: ArrayLike | None = None) -> None:
+        self.log = log
+        chosen = (log.odometry if log.truth is None else log.truth) if poses is None else poses
+        self.poses = np.asarray(chosen, float)
+        self.known = np.flatnonzero(np.isfinite(self.poses).all(1))
+        if len(self.poses) != len(log) or not len(self.known):
+            raise ValueError(
+                f"poses must be ({len(log)}, 3), at least one of them finite, "
+                f"got {self.poses.shape} with {len(self.known)} finite"
+            )
+        self._cloud = self._all_points()
+        self.step = slider("scan", 0, 0, len(self.known) - 1, 1, "")
+        self.play = W.Play(min=0, max=len(self.known) - 1, interval=250)
+        self._link = W.jslink((self.play, "value"), (self.step, "value"))
+        self.index, self.valid = text(), text()
+        self._assemble((self.play, self.step), (self.index, self.valid))
+
+    def _draw(self, figure: Figure) -> None:
+        k = int(self.known[self.step.value])
+        self.scan = self.log[k]
+        after = self.scan.time - self.log[0].time
+        self.index.value = f"scan {k} of {len(self.log)}, after {after:.2f} s"
+        self.valid.value = f"{int(self.scan.valid.sum())} of {len(self.scan)} beams valid"
+        ax = figure.subplots()
+        ax.plot(*self._cloud.T, ".", color="#cccccc", markersize=1)
+        draw_path(self.poses[self.known], ax=ax, color=TRUTH)
+        draw_scan(self.scan, self.poses[k], ax=ax, color=RESULT)
+
+    def _all_points(self) -> np.ndarray:
+        points = [transform(self.poses[k], self.log[int(k)].points()) for k in self.known]
+        cloud = np.concatenate(points)
+        return cloud[:: 1 + len(cloud) // MOST_POINTS]
+
+    def __repr__(self) -> str:
+        return f"ScanPanel({self.index.value}: {self.valid.value})"

@@ -1,0 +1,172 @@
+"""Panels without a kernel: `set_state` is what a browser sends when a control moves."""
+
+import re
+
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+
+from segmap import LaserScan, Log, SegmentMap, fusion, quality
+from segmap.panels import (
+    ClusterPanel,
+    DistancePanel,
+    FusionPanel,
+    Panel,
+    PolylinePanel,
+    RoomPanel,
+    ScanPanel,
+)
+from segmap.panels._base import VIEW, slider, text
+from segmap.sensors import URG_04LX
+from segmap.simulation import drive, rectangular_room, simulate
+
+ROOM = rectangular_room(4.0, 3.0)
+LOG = simulate(
+    ROOM, drive([(1, 1), (3, 1)], step=0.5), sensor=URG_04LX, rng=np.random.default_rng(2)
+)
+WALLS = SegmentMap([[(0, y), (2, y)] for y in (0.0, 0.03, 0.10, 0.15, 1.0)])
+
+#: Every panel, a control of it, and a value that must change what is seen.
+PANELS = {
+    "clusters": (lambda: ClusterPanel(LOG[0]), "gap", 0.05),
+    "distance": (DistancePanel, "angle", 30),
+    "fusion": (lambda: FusionPanel(WALLS), "tolerance", 0.12),
+    "polylines": (lambda: PolylinePanel(LOG[0]), "tolerance", 0.005),
+    "room": (lambda: RoomPanel(ROOM, (1, 1, 0)), "beams", 51),
+    "scan": (lambda: ScanPanel(LOG), "step", 3),
+}
+
+
+@pytest.fixture(params=PANELS)
+def driven(request):
+    make, control, value = PANELS[request.param]
+    return make(), control, value
+
+
+def texts(panel):
+    labels = [v.value for v in vars(panel).values() if type(v).__name__ == "Label"]
+    return tuple(labels)
+
+
+def test_all_panels_are_here():
+    """Catches a new panel that these tests do not drive."""
+    made = {type(make()) for make, _, _ in PANELS.values()}
+    assert made == set(Panel.__subclasses__()) - {Counter}
+
+
+def test_a_moved_control_redraws(driven):
+    """Catches a control that is shown but not observed."""
+    panel, control, value = driven
+    before = panel.picture.value, texts(panel), repr(panel)
+    getattr(panel, control).set_state({"value": value})
+    after = panel.picture.value, texts(panel), repr(panel)
+    assert all(a != b for a, b in zip(before[:2], after[:2], strict=True))
+    assert before[2] != after[2]
+
+
+def test_moving_back_gives_the_same_picture(driven):
+    """Catches a drawing that piles up, and noise that is drawn anew at each move."""
+    panel, control, value = driven
+    first, before = panel.picture.value, getattr(panel, control).value
+    getattr(panel, control).value = value
+    getattr(panel, control).value = before
+    assert panel.picture.value == first
+
+
+def test_shown_without_a_kernel(driven):
+    """Catches a panel of which an untrusted or printed notebook shows nothing."""
+    panel = driven[0]
+    bundle = panel._repr_mimebundle_()
+    assert bundle["image/png"].startswith(b"\x89PNG") and len(bundle["image/png"]) < 30_000
+    assert bundle[VIEW]["model_id"] == panel._view.model_id
+    assert bundle["text/plain"] == repr(panel)
+    assert not re.search(r"0x[0-9a-f]+|Widget|widget", repr(panel))
+
+
+def test_pictures_are_not_stretched(driven):
+    """Catches an image wider or narrower on the page than it was drawn."""
+    panel = driven[0]
+    width = int.from_bytes(panel.picture.value[16:20], "big")
+    assert panel.picture.layout.width == f"{width}px"
+
+
+class Counter(Panel):
+    """Counts its drawings."""
+
+    def __init__(self):
+        self.drawn = 0
+        self.position, self.label = slider("position", 1, 0, 9, 1, ""), text()
+        self._assemble((self.position, self.label))
+
+    def _draw(self, figure: Figure) -> None:
+        self.drawn += 1
+        self.label.value = str(self.position.value)
+
+
+def test_one_move_is_one_drawing():
+    """Catches a panel that redraws when its own texts change, or twice a move."""
+    panel = Counter()
+    panel.position.value = 4
+    assert panel.drawn == 2 and panel.label.value == "4"
+    panel.position.value = 4
+    assert panel.drawn == 2
+
+
+def test_a_callback_returns_nothing():
+    """Catches a returned figure, which can hang a run without a display."""
+    assert Counter()._redraw() is None
+
+
+def test_sliders_wait_until_let_go():
+    assert not slider("gap", 0.3, 0.1, 1.0, 0.05).continuous_update
+
+
+@pytest.mark.parametrize(("step", "form"), [(1, "d"), (0.05, ".2f"), (0.005, ".3f"), (0.1, ".1f")])
+def test_a_slider_shows_all_digits_of_its_step(step, form):
+    assert slider("x", 1, 0, 2, step).readout_format == form
+
+
+def test_fusion_panel_shows_what_fusion_finds():
+    """Catches texts of another tolerance than the picture's."""
+    panel = FusionPanel(WALLS, tolerance=0.02)
+    panel.tolerance.value = 0.06
+    found = fusion(WALLS, tolerance=0.06)
+    assert np.array_equal(panel.reduction.segments, found.segments)
+    assert panel.count.value == f"{len(found)} of 5 segments left"
+    assert f"quality {quality(WALLS, found):.1%}" in panel.quality.value
+
+
+def test_distance_panel_turned_wall():
+    """Catches degrees taken for radians: 2 m turned by 90 degrees about the common middle."""
+    panel = DistancePanel()
+    panel.angle.value = 90
+    assert panel.segments[1].round(9).tolist() == [[0.0, -1.0], [0.0, 1.0]]
+    assert panel.apart.value == "apart 1.000 m" and panel.angular.value == "angular 2.000 m"
+
+
+def test_room_panel_without_noise_measures_exactly():
+    panel = RoomPanel(ROOM, (1, 1, 0))
+    assert "0.0 mm" not in panel.spread.value
+    panel.noise.value = 0
+    assert panel.spread.value == "range error 0.0 mm (root mean square)"
+
+
+def test_room_panel_keeps_the_field_of_view():
+    """Catches beams that are left out at one side instead of spread."""
+    panel = RoomPanel(ROOM, (1, 1, 0))
+    panel.beams.value = 51
+    assert panel.scan.angles[[0, -1]] == pytest.approx(URG_04LX.angles[[0, -1]])
+
+
+def test_scan_panel_leaves_out_scans_without_a_pose():
+    """Catches an index into all scans where only some have a pose."""
+    truth = np.array([(np.nan,) * 3, (1, 1, 0), (np.nan,) * 3, (2, 1, 0)])
+    panel = ScanPanel(Log("some", LOG.scans[:4], truth))
+    panel.step.value = 1
+    assert panel.scan is LOG.scans[3] and panel.step.max == panel.play.max == 1
+    assert panel.index.value.startswith("scan 3 of 4")
+
+
+def test_scan_panel_without_any_pose():
+    with pytest.raises(ValueError, match=r"at least one of them finite, got \(1, 3\) with 0"):
+        ScanPanel(Log("lost", [LaserScan([1.0], [0.0])]))
