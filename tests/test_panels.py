@@ -64,6 +64,15 @@ def test_a_moved_control_redraws(driven):
     assert before[2] != after[2]
 
 
+def test_every_end_of_every_slider_can_be_drawn(driven):
+    """Catches a slider that reaches a value which the method refuses."""
+    panel = driven[0]
+    for control in [v for v in vars(panel).values() if type(v).__name__.endswith("Slider")]:
+        for end in (control.min, control.max):
+            control.set_state({"value": end})
+            assert control.value == end
+
+
 def test_moving_back_gives_the_same_picture(driven):
     """Catches a drawing that piles up, and noise that is drawn anew at each move."""
     panel, control, value = driven

@@ -39,7 +39,7 @@ class FusionPanel(Panel):
 
     def __init__(self, map: SegmentMap, *, tolerance: float = 0.04) -> None:
         self.map = map
-        self.tolerance = slider("tolerance", tolerance, 0.0, 0.20, 0.01)
+        self.tolerance = slider("tolerance", tolerance, 0.01, 0.20, 0.01)
         self.count, self.rate, self.quality = text(), text(), text()
         self._assemble(self.tolerance, self.count, (self.rate, self.quality))
 
