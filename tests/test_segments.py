@@ -165,7 +165,7 @@ def test_filtering_leaves_out_what_is_shorter_than_ten_centimetres_by_default():
     assert len(SegmentMap(THREE).filtered()) == 2
 
 
-@given(st.lists(st.integers(-2, 5), max_size=12))
+@given(st.lists(st.integers(-2, 5), max_size=40))
 def test_by_scan_gives_every_segment_once_scans_ascending_in_input_order(scans):
     """Catches an unstable sort, which shuffles the segments of a scan."""
     segments = np.arange(4.0 * len(scans)).reshape(-1, 2, 2)

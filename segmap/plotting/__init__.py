@@ -1,0 +1,31 @@
+"""Pictures: `draw_*(..., ax=None) -> ax`, in metres, with equal scales.
+
+Without `ax` a new pyplot figure is made, small enough for a notebook. Each colour means the same in
+every picture, and the colour-blind can tell them apart (Okabe and Ito, 2008).
+"""
+
+from ._pictures import figure_png, thumbnail
+from ._scans import draw_log, draw_path, draw_scan
+from ._segments import draw_before_after, draw_provenance, draw_segments
+from ._style import DPI, ERROR, ERRORS, GROUPS, MAP, RAW, RESULT, SIZE, TRUTH, group_colors
+
+__all__ = [
+    "DPI",
+    "ERROR",
+    "ERRORS",
+    "GROUPS",
+    "MAP",
+    "RAW",
+    "RESULT",
+    "SIZE",
+    "TRUTH",
+    "draw_before_after",
+    "draw_log",
+    "draw_path",
+    "draw_provenance",
+    "draw_scan",
+    "draw_segments",
+    "figure_png",
+    "group_colors",
+    "thumbnail",
+]

@@ -1,0 +1,61 @@
+"""Pictures as bytes: for notebooks and for panels."""
+
+import io
+from typing import Any
+
+from matplotlib.figure import Figure
+
+from ..scans import LaserScan, Log
+from ._scans import draw_log, draw_scan
+from ._segments import draw_segments
+from ._style import DPI, MAP, RESULT
+
+
+def thumbnail(value: Any) -> bytes:
+    """A small picture of a scan, a log, a map or a reduction, as a notebook shows it.
+
+    Parameters
+    ----------
+    value : LaserScan, Log, SegmentMap, Reduction or (n, 2, 2) array, metres
+
+    Returns
+    -------
+    bytes
+        A PNG, 320 x 240.
+
+    Examples
+    --------
+    >>> thumbnail([[(0, 0), (1, 0)]])[:4]
+    b'\\x89PNG'
+    """
+    figure = Figure(figsize=(320 / DPI, 240 / DPI), dpi=DPI, layout="constrained")
+    ax = figure.subplots()
+    if isinstance(value, LaserScan):
+        draw_scan(value, ax=ax)
+    elif isinstance(value, Log):
+        draw_log(value, ax=ax)
+    else:
+        draw_segments(value, ax=ax, color=RESULT if hasattr(value, "parents") else MAP, width=1.2)
+    return figure_png(figure)
+
+
+def figure_png(figure: Figure) -> bytes:
+    """A figure as a PNG, whatever the backend; the same pixels give the same bytes.
+
+    Parameters
+    ----------
+    figure : matplotlib Figure
+
+    Returns
+    -------
+    bytes
+        Of the shape that the figure's size and dots an inch give.
+
+    Examples
+    --------
+    >>> figure_png(Figure())[:4]
+    b'\\x89PNG'
+    """
+    target = io.BytesIO()
+    figure.savefig(target, format="png", dpi="figure", metadata={"Software": None})
+    return target.getvalue()

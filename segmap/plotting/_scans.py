@@ -1,0 +1,146 @@
+"""Scans, logs and ways of robots."""
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
+from numpy.typing import ArrayLike
+
+from ..angles import Array
+from ..poses import transform
+from ..scans import LaserScan, Log
+from ._style import ERROR, RAW, RESULT, TRUTH, axes_or_new, dressed
+
+#: Points that a log is drawn with; more cannot be told apart at this size.
+MOST_POINTS = 60_000
+
+
+def draw_scan(
+    scan: LaserScan,
+    pose: ArrayLike = (0.0, 0.0, 0.0),
+    *,
+    ax: Axes | None = None,
+    color: str = RAW,
+    beams: bool = False,
+) -> Axes:
+    """Draw the end points of a scan and the robot.
+
+    Parameters
+    ----------
+    scan : LaserScan
+    pose : (3,) array, metres and radians
+        Where the robot stands.
+    ax : matplotlib Axes or None
+    color : str
+    beams : bool
+        Also draw the valid beams, as thin lines.
+
+    Returns
+    -------
+    Axes
+
+    Examples
+    --------
+    >>> from matplotlib.figure import Figure
+    >>> ax = draw_scan(LaserScan([1.0, 2.0], [0.0, 1.0]), ax=Figure().subplots())
+    >>> ax.get_xlabel(), len(ax.lines[0].get_xdata())
+    ('x [m]', 2)
+    """
+    ax = axes_or_new(ax)
+    points = transform(pose, scan.points())
+    if beams:
+        start = transform(pose, scan.sensor_pose[:2])
+        rays = np.stack([np.broadcast_to(start, points.shape), points], 1)
+        ax.add_collection(LineCollection(list(rays), colors=color, linewidths=0.3))
+    _dots(ax, points, color, size=3)
+    return dressed(_robot(ax, pose))
+
+
+def draw_log(
+    log: Log,
+    poses: ArrayLike | None = None,
+    *,
+    ax: Axes | None = None,
+    color: str = RAW,
+    path: str | None = None,
+) -> Axes:
+    """Draw the end points of all scans at their poses, and the way of the robot.
+
+    Parameters
+    ----------
+    log : Log
+    poses : (k, 3) array, metres and radians, or None
+        None takes the log's truth, or its odometry where it has no truth. Scans whose pose is NaN
+        are left out.
+    ax : matplotlib Axes or None
+    color : str
+        Of the points.
+    path : str or None
+        Of the way; None takes green for truth, red for odometry, blue for poses given here.
+
+    Returns
+    -------
+    Axes
+
+    Examples
+    --------
+    >>> from matplotlib.figure import Figure
+    >>> log = Log("one", [LaserScan([1.0, 2.0], [0.0, 1.0])], truth=[(0, 0, 0)])
+    >>> len(draw_log(log, ax=Figure().subplots()).lines)
+    2
+    """
+    ax, (rows, origin) = axes_or_new(ax), _poses(log, poses)
+    known = np.flatnonzero(np.isfinite(rows).all(1))
+    clouds = [transform(rows[k], log.scans[k].points()) for k in known]
+    points = np.concatenate([np.empty((0, 2)), *clouds])
+    _dots(ax, points[:: max(1, -(-len(points) // MOST_POINTS))], color, size=1.5)
+    return draw_path(rows[known], ax=ax, color=path or origin)
+
+
+def draw_path(
+    poses: ArrayLike, *, ax: Axes | None = None, color: str = TRUTH, label: str | None = None
+) -> Axes:
+    """Draw the way of a robot; rows of NaN interrupt it.
+
+    Parameters
+    ----------
+    poses : (k, 3) array, metres and radians
+    ax : matplotlib Axes or None
+    color : str
+        `TRUTH` for true poses, `ERROR` for raw odometry, `RESULT` for aligned poses.
+    label : str or None
+        For a legend.
+
+    Returns
+    -------
+    Axes
+
+    Examples
+    --------
+    >>> from matplotlib.figure import Figure
+    >>> draw_path([(0, 0, 0), (1, 2, 0)], ax=Figure().subplots()).lines[0].get_ydata().tolist()
+    [0.0, 2.0]
+    """
+    ax, rows = axes_or_new(ax), np.asarray(poses, float).reshape(-1, 3)
+    ax.plot(rows[:, 0], rows[:, 1], color=color, linewidth=1.2, label=label)
+    return dressed(ax)
+
+
+def _dots(ax: Axes, points: Array, color: str, size: float) -> None:
+    ax.plot(*points.T, linestyle="", marker=".", markersize=size, color=color, markeredgewidth=0)
+
+
+def _robot(ax: Axes, pose: ArrayLike) -> Axes:
+    """A triangle of 0.2 m that points ahead."""
+    corners = transform(pose, [(0.15, 0), (-0.1, 0.1), (-0.1, -0.1)])
+    ax.fill(*corners.T, color=ERROR, zorder=3)
+    return ax
+
+
+def _poses(log: Log, poses: ArrayLike | None) -> tuple[Array, str]:
+    """Poses to draw a log at, and the colour that tells where they are from."""
+    if poses is None:
+        return (log.odometry, ERROR) if log.truth is None else (log.truth, TRUTH)
+    rows = np.asarray(poses, float)
+    if rows.shape != (len(log), 3):
+        raise ValueError(f"poses must have shape ({len(log)}, 3), one a scan, got {rows.shape}")
+    return rows, RESULT

@@ -1,0 +1,172 @@
+"""Maps of segments, before and after a reduction."""
+
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
+from matplotlib.figure import Figure
+from numpy.typing import ArrayLike
+
+from ..angles import Array
+from ..segments import Segments, as_segments
+from ._style import ERRORS, MAP, RESULT, axes_or_new, dressed, group_colors
+
+#: The scale of errors reaches at least so far, in metres, lest rounding errors look like errors.
+LEAST_ERROR = 1e-3
+
+
+def draw_segments(
+    segments: Segments,
+    *,
+    ax: Axes | None = None,
+    color: str = MAP,
+    width: float = 1.0,
+    scan: ArrayLike | None = None,
+    group: ArrayLike | None = None,
+    error: ArrayLike | None = None,
+    label: str | None = None,
+) -> Axes:
+    """Draw segments, in one colour or coloured by scan, by group or by error.
+
+    Parameters
+    ----------
+    segments : SegmentMap, Reduction or (n, 2, 2) array, metres
+    ax : matplotlib Axes or None
+    color : str
+        Where nothing else decides.
+    width : float
+        Of the lines, in points.
+    scan : (n,) int array or None
+        Early scans dark, late ones light, with a scale.
+    group : (n,) int array or None
+        Each group has a colour, in turn; -1 is drawn in grey.
+    error : (n,) array, metres, or None
+        Light for none, red for much, with a scale.
+    label : str or None
+        For a legend.
+
+    Returns
+    -------
+    Axes
+
+    Raises
+    ------
+    ValueError
+        Where more than one of `scan`, `group`, `error` is given, or not one value a segment.
+
+    Examples
+    --------
+    >>> ax = draw_segments([[(0, 0), (1, 0)], [(0, 1), (1, 1)]], ax=Figure().subplots())
+    >>> len(ax.collections[0].get_segments())
+    2
+    """
+    array = as_segments(segments)
+    name, values = _chosen({"scan": scan, "group": group, "error": error}, len(array))
+    order = np.argsort(values, kind="stable") if name == "error" else slice(None)  # largest on top
+    ax = axes_or_new(ax)
+    lines = LineCollection(list(array[order]), linewidths=width, label=label)
+    ax.add_collection(lines)
+    if name == "group":
+        lines.set(color=group_colors(values.astype(np.int64)))
+    elif name:
+        _scaled(ax, lines, name, values[order])
+    else:
+        lines.set_color(color)
+    return dressed(ax)
+
+
+def draw_before_after(before: Segments, after: Segments, *, ax: Axes | None = None) -> Axes:
+    """Draw what a method made of a map, thick and blue, and over it the map, thin and black.
+
+    Parameters
+    ----------
+    before, after : SegmentMap, Reduction or (n, 2, 2) array, metres
+    ax : matplotlib Axes or None
+
+    Returns
+    -------
+    Axes
+        With a legend that counts the segments.
+
+    Examples
+    --------
+    >>> wall = np.array([[(0, 0), (1, 0)]])
+    >>> ax = draw_before_after(wall, wall, ax=Figure().subplots())
+    >>> [text.get_text() for text in ax.get_legend().get_texts()]
+    ['after: 1 segment', 'before: 1 segment']
+    """
+    ax = draw_segments(after, ax=ax, color=RESULT, width=3.0, label=_counted("after", after))
+    draw_segments(before, ax=ax, width=0.5, label=_counted("before", before))
+    ax.legend(loc="upper center", bbox_to_anchor=(0.5, -0.15), ncols=2, frameon=False)
+    return ax
+
+
+def draw_provenance(before: Segments, reduction: Any, *, ax: Axes | None = None) -> Axes:
+    """Draw each segment of a reduced map, thick, in one colour with the inputs that made it, thin.
+
+    Inputs that were dropped are grey.
+
+    Parameters
+    ----------
+    before : SegmentMap or (n, 2, 2) array, metres
+    reduction : Reduction
+        Of that map: its `parents` are `(n,)`.
+    ax : matplotlib Axes or None
+
+    Returns
+    -------
+    Axes
+
+    Raises
+    ------
+    ValueError
+        Where the reduction is one of another map.
+
+    Examples
+    --------
+    >>> from segmap.reduction import fusion
+    >>> twice = np.array([[(0, 0), (1, 0)], [(0, 0.01), (1, 0.01)]])
+    >>> ax = draw_provenance(twice, fusion(twice), ax=Figure().subplots())
+    >>> [len(lines.get_segments()) for lines in ax.collections]
+    [1, 2]
+    """
+    inputs, outputs = as_segments(before, "before"), as_segments(reduction, "reduction")
+    parents = _column("reduction.parents", reduction.parents, len(inputs))
+    ax = draw_segments(outputs, ax=ax, group=np.arange(len(outputs)), width=4.0)
+    ax.collections[-1].set_alpha(0.45)
+    return draw_segments(inputs, ax=ax, group=parents, width=0.8)
+
+
+def _chosen(given: dict[str, ArrayLike | None], count: int) -> tuple[str, Array]:
+    """The one keyword that has values, and those; no name and no values where none has."""
+    names = [name for name, values in given.items() if values is not None]
+    if len(names) > 1:
+        raise ValueError(f"expected only one of {', '.join(given)}, got {' and '.join(names)}")
+    return (names[0], _column(names[0], given[names[0]], count)) if names else ("", np.empty(0))
+
+
+def _scaled(ax: Axes, lines: LineCollection, name: str, values: Array) -> None:
+    """Colour lines by values and draw the scale beside the picture."""
+    lines.set_array(values)
+    lines.set_cmap("viridis" if name == "scan" else ERRORS)
+    if name == "error":
+        largest = max(values[np.isfinite(values)].max(initial=0), LEAST_ERROR)
+        lines.set_array(np.minimum(values, largest))  # infinite where nothing is left of a map
+        lines.set_clim(0, float(largest))
+    assert isinstance(ax.figure, Figure)
+    ax.figure.colorbar(lines, ax=ax, label="scan" if name == "scan" else "error [m]")
+
+
+def _column(name: str, values: ArrayLike | None, count: int) -> Array:
+    column = np.asarray(values, float)
+    if column.shape != (count,):
+        raise ValueError(
+            f"{name} must have shape ({count},), one value a segment, got {column.shape}"
+        )
+    return column
+
+
+def _counted(word: str, segments: Segments) -> str:
+    n = len(as_segments(segments))
+    return f"{word}: {n} segment{'s' * (n != 1)}"

@@ -1,0 +1,64 @@
+"""Colours, sizes and axes that all pictures share."""
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.colors import LinearSegmentedColormap, to_rgba, to_rgba_array
+from numpy.typing import NDArray
+
+from ..angles import Array
+
+RAW = "#b0b0b0"  #: light grey: what the sensor measured, and what a method dropped
+MAP = "#000000"  #: black: a map of segments
+RESULT = "#0072b2"  #: blue: what a method makes of it
+TRUTH = "#009e73"  #: green: how it really is
+ERROR = "#d55e00"  #: red: what is wrong, and by how much
+
+#: Colours of groups, used in turn.
+GROUPS = (
+    *("#e69f00", "#56b4e9", "#009e73", "#0072b2", "#d55e00"),
+    *("#cc79a7", "#882255", "#999933", "#332288"),
+)
+#: From no error (light grey) to the largest (dark red).
+ERRORS = LinearSegmentedColormap.from_list("errors", ["#d0d0d0", "#e69f00", ERROR, "#7a1f00"])
+
+#: Inches, and dots an inch: such a picture takes about 30 KB in a notebook.
+SIZE, DPI = (6.0, 4.5), 72
+
+
+def group_colors(groups: NDArray[np.int64]) -> Array:
+    """Colours of groups.
+
+    Parameters
+    ----------
+    groups : (n,) int array
+        -1 for none.
+
+    Returns
+    -------
+    (n, 4) array
+        Red, green, blue, opacity in `[0, 1]`.
+
+    Examples
+    --------
+    >>> group_colors(np.array([0, 9, -1]))[:, 0].round(2)
+    array([0.9 , 0.9 , 0.69])
+    """
+    return np.where(groups[:, None] < 0, to_rgba(RAW), to_rgba_array(GROUPS)[groups % len(GROUPS)])
+
+
+def axes_or_new(ax: Axes | None) -> Axes:
+    """The axes given, or those of a new pyplot figure."""
+    if ax is not None:
+        return ax
+    import matplotlib.pyplot as plt
+
+    return plt.subplots(figsize=SIZE, dpi=DPI, layout="constrained")[1]
+
+
+def dressed(ax: Axes) -> Axes:
+    """The axes with equal scales, fitted to what they hold, labelled in metres."""
+    ax.autoscale_view()
+    ax.set_aspect("equal")
+    ax.set_xlabel("x [m]")
+    ax.set_ylabel("y [m]")
+    return ax
