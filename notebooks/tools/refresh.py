@@ -17,9 +17,12 @@ import matplotlib.image
 import nbformat
 from nbclient import NotebookClient
 from nbformat import NotebookNode
+from PIL import Image
 
 VIEW = "application/vnd.jupyter.widget-view+json"
 KERNEL = {"display_name": "Python 3", "language": "python", "name": "python3"}
+#: A picture with more bytes gets a palette of so many colours.
+MOST_BYTES, COLOURS = 30_000, 128
 #: The output of the cell with this tag is the picture in the README.
 README_TAG = "readme-picture"
 README_PICTURE = Path("pictures/malaga.png")
@@ -49,6 +52,17 @@ def tidy(notebook: NotebookNode) -> NotebookNode:
     return notebook
 
 
+def shrink_pictures(notebook: NotebookNode) -> None:
+    """Give, in place, each picture above the limit a palette: a quarter of the bytes."""
+    for output in _pictures(notebook):
+        data = base64.b64decode(output.data["image/png"])
+        if len(data) > MOST_BYTES:
+            small = io.BytesIO()
+            image = Image.open(io.BytesIO(data)).convert("RGB")
+            image.quantize(COLOURS, dither=Image.Dither.NONE).save(small, "PNG", optimize=True)
+            output.data["image/png"] = base64.b64encode(small.getvalue()).decode()
+
+
 def keep_pictures(notebook: NotebookNode, stored: NotebookNode) -> None:
     """Take back, in place, each stored picture whose pixels are those of the new one."""
     known = {pixels(o.data["image/png"]): o.data["image/png"] for o in _pictures(stored)}
@@ -75,6 +89,7 @@ def refresh(path: Path) -> bool:
     before = path.read_text(encoding="utf-8")
     stored = nbformat.reads(before, as_version=4)
     fresh = tidy(execute(nbformat.reads(before, as_version=4), path.parent))
+    shrink_pictures(fresh)
     keep_pictures(fresh, stored)
     if (picture := readme_picture(fresh)) is not None:
         _replace(path.parent / README_PICTURE, base64.b64decode(picture))
