@@ -1,0 +1,218 @@
+"""What every chapter must hold, one function a rule: `rule(notebook) -> complaints`.
+
+`test_notebooks.py` applies all of them to every chapter, and each to a notebook that breaks it.
+"""
+
+import ast
+import base64
+import json
+import re
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+ROOT = Path(__file__).resolve().parents[1]
+CHAPTERS = sorted((ROOT / "notebooks").glob("*.ipynb"))
+
+MOST_BYTES, MOST_PICTURE_BYTES, MOST_LINES = 200_000, 30_000, 15
+
+#: What differs from machine to machine or from run to run: text of outputs must hold none of it.
+UNSTEADY = {
+    "an address in memory": r"\bat 0x[0-9a-fA-F]+|\b0x[0-9a-f]{8,}",
+    "a path": r"(?<![\w.:/])/(?:home|root|usr|tmp|opt|mnt|var|Users|private|work)/|[A-Z]:\\\w",
+    "a date": r"\b(?:19|20)\d\d-[01]\d-[0-3]\d\b|\b[0-3]?\d [A-Z][a-z]{2,8} 20\d\d\b|"
+    r"\b(?:[01]\d|2[0-3]):[0-5]\d:[0-5]\d\b",
+    "a duration": r"\b\d[\d.,]*\s*(?:ms|us|µs|ns|minutes?)\b|\b(?:took|in|elapsed:?) \d[\d.]* ?s\b|"
+    r"\b(?:it|its)/s\b|per loop",
+}
+FORBIDDEN = {
+    "a star import": r"^\s*from\s+\S+\s+import\s+\*",
+    "an installation": r"\b(?:pip3?|conda|mamba|apt(?:-get)?)\b['\", ]+install|^\s*%pip|^\s*!",
+    "a download": r"urlretrieve|urlopen|\brequests\.|\bwget\b|\bcurl\b|https?://",
+}
+
+
+def lines_of(text: Any) -> str:
+    """A notebook stores text as one string or as a list of lines."""
+    return "".join(text) if isinstance(text, list) else str(text)
+
+
+def code_cells(notebook: dict) -> Iterator[tuple[int, str, dict]]:
+    for number, cell in enumerate(notebook["cells"]):
+        if cell["cell_type"] == "code" and lines_of(cell["source"]).strip():
+            yield number, lines_of(cell["source"]), cell
+
+
+def markdown(notebook: dict) -> str:
+    cells = (c for c in notebook["cells"] if c["cell_type"] == "markdown")
+    return "\n\n".join(lines_of(cell["source"]) for cell in cells)
+
+
+def outputs(notebook: dict) -> Iterator[tuple[int, dict]]:
+    for number, _, cell in code_cells(notebook):
+        yield from ((number, output) for output in cell.get("outputs", []))
+
+
+def texts(output: dict) -> Iterator[str]:
+    """Everything in an output that a reader reads."""
+    yield lines_of(output.get("text", ""))
+    for kind, data in output.get("data", {}).items():
+        if kind.startswith("text/") or kind == "image/svg+xml":
+            yield lines_of(data)
+
+
+def executed_in_order(notebook: dict) -> list[str]:
+    """A cell that was not run passes nbval whatever it does."""
+    found = [cell.get("execution_count") for _, _, cell in code_cells(notebook)]
+    if found == list(range(1, len(found) + 1)) and found:
+        return []
+    return [f"cells were executed as {found}: run make refresh"]
+
+
+def no_errors(notebook: dict) -> list[str]:
+    bad = [
+        f"cell {number}: {output.get('ename') or 'writes to standard error'}"
+        for number, output in outputs(notebook)
+        if output["output_type"] == "error" or output.get("name") == "stderr"
+    ]
+    return bad
+
+
+def no_widget_state(notebook: dict) -> list[str]:
+    kept = [key for key in notebook["metadata"] if key not in ("kernelspec", "language_info")]
+    return [f"metadata holds {key}: run make refresh" for key in kept]
+
+
+def small(notebook: dict) -> list[str]:
+    size = len(json.dumps(notebook, indent=1, ensure_ascii=False).encode())
+    return [f"{size} bytes, more than {MOST_BYTES}"] if size > MOST_BYTES else []
+
+
+def small_pictures(notebook: dict) -> list[str]:
+    sizes = [
+        (number, len(base64.b64decode(lines_of(output["data"]["image/png"]))))
+        for number, output in outputs(notebook)
+        if "image/png" in output.get("data", {})
+    ]
+    return [
+        f"cell {n}: a picture of {size} bytes" for n, size in sizes if size > MOST_PICTURE_BYTES
+    ]
+
+
+def steady_outputs(notebook: dict) -> list[str]:
+    return [
+        f"cell {number}: {what} in the output: {match.group()!r}"
+        for number, output in outputs(notebook)
+        for text in texts(output)
+        for what, pattern in UNSTEADY.items()
+        if (match := re.search(pattern, text))
+    ]
+
+
+def nothing_forbidden(notebook: dict) -> list[str]:
+    return [
+        f"cell {number}: {what}"
+        for number, source, _ in code_cells(notebook)
+        for what, pattern in FORBIDDEN.items()
+        if re.search(pattern, source, re.MULTILINE)
+    ]
+
+
+def short_cells(notebook: dict) -> list[str]:
+    counts = [
+        (number, sum(bool(line.strip()) for line in source.splitlines()))
+        for number, source, _ in code_cells(notebook)
+    ]
+    return [f"cell {number}: {count} lines" for number, count in counts if count > MOST_LINES]
+
+
+def defined_in_segmap() -> set[str]:
+    """Names of all public functions and classes of the package."""
+    trees = (ast.parse(p.read_text(encoding="utf-8")) for p in (ROOT / "segmap").rglob("*.py"))
+    kinds = (ast.FunctionDef, ast.ClassDef)
+    names = {node.name for tree in trees for node in ast.walk(tree) if isinstance(node, kinds)}
+    return {name for name in names if not name.startswith("_")}
+
+
+def defines_nothing_twice(notebook: dict) -> list[str]:
+    """A copy of the library's function in a chapter drifts away from it."""
+    ours = defined_in_segmap()
+    return [
+        f"cell {number}: defines {name}, which segmap has"
+        for number, source, _ in code_cells(notebook)
+        for name in re.findall(r"^\s*(?:def|class)\s+(\w+)", source, re.MULTILINE)
+        if name in ours
+    ]
+
+
+def links(text: str) -> list[str]:
+    """Targets of the links and pictures of a Markdown text that lead to files."""
+    found = re.findall(r"\]\(([^)\s]+)[^)]*\)", text)
+    return [t.split("#")[0] for t in found if not re.match(r"https?:|mailto:|#", t)]
+
+
+def links_resolve(notebook: dict, folder: Path = ROOT / "notebooks") -> list[str]:
+    return [f"no {t}" for t in links(markdown(notebook)) if not (folder / t).exists()]
+
+
+def has_claim(notebook: dict) -> list[str]:
+    first = lines_of(notebook["cells"][0]["source"]).strip().splitlines()
+    rest = [line for line in first[1:] if line.strip()]
+    titled = notebook["cells"][0]["cell_type"] == "markdown" and first[0].startswith("# ")
+    return [] if titled and rest else ["the first cell must be a title and the claim below it"]
+
+
+def has_summary(notebook: dict) -> list[str]:
+    """Ends with a summary that leads on to other chapters and back."""
+    last = lines_of(notebook["cells"][-1]["source"])
+    if notebook["cells"][-1]["cell_type"] != "markdown" or not re.search(
+        r"^#+ Summary", last, re.M
+    ):
+        return ["the last cell must be a Summary"]
+    return [] if len(links(last)) >= 2 else ["the summary must link onward and back"]
+
+
+def shows_what_goes_wrong(notebook: dict) -> list[str]:
+    headings = re.findall(r"^#+ (.+)$", markdown(notebook), re.MULTILINE)
+    return [] if any("wrong" in h.lower() for h in headings) else ["no part on what goes wrong"]
+
+
+def has_exercise(notebook: dict) -> list[str]:
+    """A heading, and after it a cell that checks the answer."""
+    seen = False
+    for cell in notebook["cells"]:
+        source = lines_of(cell["source"])
+        seen = seen or bool(re.search(r"^#+ .*Exercise", source, re.MULTILINE))
+        if seen and cell["cell_type"] == "code" and re.search(r"\bcheck_\w+\(", source):
+            return []
+    return ["no exercise with a check"]
+
+
+def has_driven_panel(notebook: dict) -> list[str]:
+    """A panel that is shown, and after it a cell that moves a control and asserts a result."""
+    code = list(code_cells(notebook))
+    named = [re.match(r"(\w+) = (?:\w+\.)?\w+Panel\(", source) for _, source, _ in code]
+    for at, match in enumerate(named):
+        driven = rf"^{match.group(1)}\.\w+\.value = [\s\S]*^assert " if match else None
+        if driven and any(re.search(driven, s, re.MULTILINE) for _, s, _ in code[at + 1 :]):
+            return []
+    return ["no panel with a driven cell (move a control, assert what it shows)"]
+
+
+RULES = (
+    executed_in_order,
+    no_errors,
+    no_widget_state,
+    small,
+    small_pictures,
+    steady_outputs,
+    nothing_forbidden,
+    short_cells,
+    defines_nothing_twice,
+    links_resolve,
+    has_claim,
+    has_summary,
+    shows_what_goes_wrong,
+    has_exercise,
+    has_driven_panel,
+)

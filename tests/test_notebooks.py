@@ -1,0 +1,168 @@
+"""Chapters are clean: every rule of `chapter_rules` on every chapter, and on its own breach."""
+
+import base64
+import copy
+import json
+import re
+
+import chapter_rules as rules
+import pytest
+from chapter_rules import CHAPTERS, ROOT
+
+
+def read(path):
+    return json.loads(path.read_text(encoding="utf-8"))
+
+
+@pytest.mark.parametrize("rule", rules.RULES, ids=lambda rule: rule.__name__)
+@pytest.mark.parametrize("path", CHAPTERS, ids=lambda path: path.stem[:2])
+def test_chapter(path, rule):
+    assert rule(read(path)) == []
+
+
+def test_there_are_chapters_and_all_have_a_number():
+    """Catches a glob that misses chapters, and a notebook that hides in a subfolder."""
+    inside = {p for p in (ROOT / "notebooks").rglob("*.ipynb") if "checkpoint" not in str(p)}
+    assert CHAPTERS and inside == set(CHAPTERS)
+    assert all(re.match(r"\d\d_[a-z0-9_]+\.ipynb$", path.name) for path in CHAPTERS)
+
+
+@pytest.mark.parametrize("path", CHAPTERS, ids=lambda path: path.stem[:2])
+def test_chapter_is_linked(path):
+    """Catches a chapter that no reader finds."""
+    assert f"notebooks/{path.name}" in rules.links((ROOT / "README.md").read_text())
+    start = CHAPTERS[0]
+    assert path == start or path.name in rules.links(rules.markdown(read(start)))
+
+
+@pytest.mark.parametrize("name", ["README.md", "environment.md", "data/malaga/README.md"])
+def test_links_of_the_other_texts_resolve(name):
+    here = ROOT / name
+    broken = [t for t in rules.links(here.read_text()) if not (here.parent / t).exists()]
+    assert broken == []
+
+
+def test_readme_picture_is_the_one_of_chapter_00():
+    """Catches a README that shows the map of an older version."""
+    notebook = read(CHAPTERS[0])
+    tagged = [c for c in notebook["cells"] if "readme-picture" in c["metadata"].get("tags", [])]
+    shown = [rules.lines_of(o["data"]["image/png"]) for o in tagged[0]["outputs"]]
+    stored = (ROOT / "notebooks/pictures/malaga.png").read_bytes()
+    assert [base64.b64decode(picture) for picture in shown] == [stored]
+
+
+# ------------------------------------------------------------------ each rule sees its breach
+
+
+def markdown_cell(text):
+    return {"cell_type": "markdown", "metadata": {}, "source": text}
+
+
+def code_cell(source, count, *outputs):
+    return {
+        "cell_type": "code",
+        "metadata": {},
+        "source": source,
+        "execution_count": count,
+        "outputs": list(outputs),
+    }
+
+
+def stream(text, name="stdout"):
+    return {"output_type": "stream", "name": name, "text": text}
+
+
+def shown(**data):
+    kinds = {"png": "image/png", "plain": "text/plain", "page": "text/html"}
+    named = {kinds[kind]: value for kind, value in data.items()}
+    return {"output_type": "display_data", "metadata": {}, "data": named}
+
+
+GOOD = {
+    "metadata": {"kernelspec": {}, "language_info": {}},
+    "cells": [
+        markdown_cell("# 99 A chapter\n\nIt claims this."),
+        code_cell("from segmap import panels, testing\n1 + 1", 1, shown(plain="2")),
+        markdown_cell("## What goes wrong\n\nThis."),
+        code_cell("panel = panels.ScanPanel(log)\npanel", 2, shown(plain="ScanPanel(at 0.5 m)")),
+        code_cell("panel.step.value = 3\nassert panel.index.value == '3'", 3),
+        markdown_cell("## Exercise\n\nWrite it."),
+        code_cell("def my_wrap(angle):\n    return angle", 4),
+        code_cell(
+            "testing.check_wrap(my_wrap)", 5, shown(plain="not yet: 3.0 s and 5 cm are apart")
+        ),
+        markdown_cell("## Summary\n\n[on](00_start_here.ipynb), [back](../README.md)"),
+    ],
+}
+
+BREACHES = [
+    ("executed_in_order", lambda c: c[3].update(execution_count=None)),
+    ("executed_in_order", lambda c: c[3].update(execution_count=7)),
+    ("executed_in_order", lambda c: c.__delitem__(slice(1, 2))),
+    ("no_errors", lambda c: put(c, {"output_type": "error", "ename": "ValueError"})),
+    ("no_errors", lambda c: put(c, stream("Warning: old", "stderr"))),
+    ("small", lambda c: put(c, stream("x" * 200_000))),
+    ("small_pictures", lambda c: put(c, shown(png=base64.b64encode(b"x" * 30_001).decode()))),
+    ("steady_outputs", lambda c: put(c, shown(plain="<Thing object at 0x7f3a5c0d>"))),
+    ("steady_outputs", lambda c: put(c, shown(page=["<b>/home/me", "/log.gz</b>"]))),
+    ("steady_outputs", lambda c: put(c, stream("/tmp/x/y"))),
+    ("steady_outputs", lambda c: put(c, stream(r"C:\Users\me"))),
+    ("steady_outputs", lambda c: put(c, stream("on 2026-11-21"))),
+    ("steady_outputs", lambda c: put(c, stream("at 10:02:33"))),
+    ("steady_outputs", lambda c: put(c, stream("took 0.3 s"))),
+    ("steady_outputs", lambda c: put(c, stream("14.2 ms"))),
+    ("nothing_forbidden", lambda c: c[1].update(source="from segmap import *")),
+    ("nothing_forbidden", lambda c: c[1].update(source="%pip install segmap")),
+    ("nothing_forbidden", lambda c: c[1].update(source="!ls")),
+    ("nothing_forbidden", lambda c: c[1].update(source="run(['pip', 'install', 'x'])")),
+    ("nothing_forbidden", lambda c: c[1].update(source="urlopen(address)")),
+    ("short_cells", lambda c: c[1].update(source=["x = 1\n"] * 16)),
+    ("defines_nothing_twice", lambda c: c[6].update(source="def wrap(angle):\n    return angle")),
+    ("links_resolve", lambda c: c[2].update(source="## What goes wrong\n[x](98_gone.ipynb)")),
+    ("links_resolve", lambda c: c[2].update(source="## What goes wrong\n![x](no.png)")),
+    ("has_claim", lambda c: c[0].update(source="# 99 A chapter\n")),
+    ("has_claim", lambda c: c[0].update(source="No title\n\nIt claims this.")),
+    ("has_summary", lambda c: c.pop()),
+    ("has_summary", lambda c: c[-1].update(source="## Summary\n\n[back](../README.md)")),
+    ("shows_what_goes_wrong", lambda c: c[2].update(source="## What goes well")),
+    ("has_exercise", lambda c: c[5].update(source="## More")),
+    ("has_exercise", lambda c: c[7].update(source="testing")),
+    ("has_driven_panel", lambda c: c[3].update(source="panel")),
+    ("has_driven_panel", lambda c: c[4].update(source="panel.step.value = 3")),
+    ("has_driven_panel", lambda c: c[4].update(source="assert panel.index.value == '3'")),
+]
+
+
+def put(cells, output):
+    cells[1]["outputs"].append(output)
+
+
+def broken(breach):
+    notebook = copy.deepcopy(GOOD)
+    breach(notebook["cells"])
+    return notebook
+
+
+@pytest.mark.parametrize("rule", rules.RULES, ids=lambda rule: rule.__name__)
+def test_a_clean_chapter_passes(rule):
+    """Catches a rule that nothing can meet."""
+    assert rule(GOOD) == []
+
+
+@pytest.mark.parametrize(("name", "breach"), BREACHES, ids=lambda value: str(value)[:30])
+def test_a_breach_is_seen_by_its_rule_alone(name, breach):
+    """Catches a rule that passes silently, and one that complains of something else."""
+    notebook = broken(breach)
+    complaining = {rule.__name__ for rule in rules.RULES if rule(notebook)}
+    assert name in complaining
+    assert complaining <= {name, "executed_in_order"}
+
+
+def test_widget_state_is_seen():
+    notebook = copy.deepcopy(GOOD) | {"metadata": {"widgets": {}}}
+    assert rules.no_widget_state(notebook) == ["metadata holds widgets: run make refresh"]
+
+
+def test_every_rule_has_a_breach():
+    tried = {name for name, _ in BREACHES} | {"no_widget_state"}
+    assert tried == {rule.__name__ for rule in rules.RULES}
