@@ -1,0 +1,58 @@
+"""Help for tests and for students: assertions, a zoo of inputs, checks of exercises.
+
+`check_<name>(my_<name>)` compares a function with the library's and answers with a hint.
+"""
+
+from ._assertions import assert_poses_equal, assert_segments_equal
+from ._exercise import Case, Check, Exercise, Mistake
+from ._line_exercises import check_axial_mean, check_farthest_point, check_fit_line
+from ._map_exercises import (
+    best_shift,
+    check_best_shift,
+    check_inside_strip,
+    check_quality,
+    check_reduction_rate,
+)
+from ._scan_exercises import check_beam_angles, check_cast_ray, check_compose
+from ._zoo import point_zoo, scan_zoo, segment_zoo
+
+#: Name of each exercise -> its check.
+EXERCISES: dict[str, Exercise] = {
+    exercise.name: exercise
+    for exercise in (
+        check_compose,
+        check_beam_angles,
+        check_cast_ray,
+        check_fit_line,
+        check_farthest_point,
+        check_axial_mean,
+        check_reduction_rate,
+        check_quality,
+        check_inside_strip,
+        check_best_shift,
+    )
+}
+
+__all__ = [
+    "EXERCISES",
+    "Case",
+    "Check",
+    "Exercise",
+    "Mistake",
+    "assert_poses_equal",
+    "assert_segments_equal",
+    "best_shift",
+    "check_axial_mean",
+    "check_beam_angles",
+    "check_best_shift",
+    "check_cast_ray",
+    "check_compose",
+    "check_farthest_point",
+    "check_fit_line",
+    "check_inside_strip",
+    "check_quality",
+    "check_reduction_rate",
+    "point_zoo",
+    "scan_zoo",
+    "segment_zoo",
+]

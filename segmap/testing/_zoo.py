@@ -1,0 +1,129 @@
+"""Inputs that every function should meet before a user brings them."""
+
+import numpy as np
+
+from ..angles import Array
+from ..scans import LaserScan
+
+
+def segment_zoo() -> dict[str, Array]:
+    """Maps of segments that have broken programs: empty, crossing, vertical, repeated, tiny, far.
+
+    Returns
+    -------
+    dict of (n, 2, 2) arrays, metres
+        New arrays at each call. All are finite.
+
+    Examples
+    --------
+    >>> zoo = segment_zoo()
+    >>> zoo["vertical"].tolist()
+    [[[1.0, 0.0], [1.0, 2.0]]]
+    """
+    wall = [(0, 0), (2, 0)]
+    zoo = {
+        "empty": [],
+        "single": [wall],
+        "vertical": [[(1, 0), (1, 2)]],
+        "collinear, overlapping": [wall, [(1, 0), (3, 0)]],
+        "collinear, touching": [wall, [(2, 0), (3, 0)]],
+        "collinear, apart": [wall, [(5, 0), (6, 0)]],
+        "crossing": [wall, [(1, -1), (1, 1)]],
+        "corner": [wall, [(2, 0), (2, 2)]],
+        "parallel, close": [wall, [(0, 0.02), (2, 0.02)]],
+        "one and 179 degrees": [_ray(1.0), _ray(179.0)],
+        "duplicate": [wall, wall, wall],
+        "reversed": [wall, wall[::-1]],
+        "without length": [[(1, 1), (1, 1)]],
+        "with and without length": [wall, [(1, 0), (1, 0)], [(0, 1), (0, 1)]],
+        "tiny": [[(0, 0), (1e-7, 0)], [(0, 1e-7), (1e-7, 1e-7)]],
+        "contained": [wall, [(0.5, 0), (1, 0)]],
+    }
+    arrays = {name: np.array(list_, float).reshape(-1, 2, 2) for name, list_ in zoo.items()}
+    return {
+        **arrays,
+        "far away": arrays["crossing"] + 1e6,
+        "lattice": _lattice(),
+        "walls": _walls(),
+    }
+
+
+def point_zoo() -> dict[str, Array]:
+    """Points of a scan, in the order of the beams, that have broken programs.
+
+    Returns
+    -------
+    dict of (n, 2) arrays, metres
+        New arrays at each call. All are finite.
+
+    Examples
+    --------
+    >>> len(point_zoo()["empty"])
+    0
+    """
+    line = np.linspace(0, 1, 11)
+    ones, turn = np.ones(11), np.linspace(0, 2 * np.pi, 90, endpoint=False)
+    zoo = {
+        "empty": np.empty((0, 2)),
+        "one": np.array([(1.0, 2.0)]),
+        "two": np.array([(0.0, 1.0), (0.1, 1.0)]),
+        "coincident": np.full((6, 2), 3.0),
+        "horizontal": np.stack([line, ones], 1),
+        "vertical": np.stack([ones, line], 1),
+        "through the sensor": np.stack([line, line], 1),
+        "corner": np.concatenate([np.stack([line, 0 * line], 1), np.stack([ones, line], 1)]),
+        "gap": np.concatenate([np.stack([line, ones], 1), np.stack([line + 2, ones], 1)]),
+        "all round": 2 * np.stack([np.cos(turn), np.sin(turn)], 1),
+        "noisy": np.stack([line, 1 + np.random.default_rng(1).normal(0, 0.01, 11)], 1),
+        "tiny": np.stack([line, ones], 1) * 1e-7,
+    }
+    return {**zoo, "far away": zoo["corner"] + 1e6}
+
+
+def scan_zoo() -> dict[str, LaserScan]:
+    """Scans that have broken programs: without a valid beam, with NaN, over the whole turn.
+
+    Returns
+    -------
+    dict of LaserScan
+        Ranges in metres, `(n,)`, angles in radians.
+
+    Examples
+    --------
+    >>> scan_zoo()["all invalid"]
+    LaserScan(5 beams, 0 valid, t=0 s)
+    """
+    half, whole = np.radians(np.arange(-90, 91)), np.radians(np.arange(-180, 180))
+    wall = 1 / np.cos(half[30:151])
+    holes = np.where(np.arange(121) % 7 == 0, np.nan, wall)
+    square = 2 / np.maximum(np.abs(np.cos(whole)), np.abs(np.sin(whole)))
+    return {
+        "empty": LaserScan([], []),
+        "one beam": LaserScan([1.0], [0.0]),
+        "two beams": LaserScan([1.0, 1.0], [0.0, 0.1]),
+        "all invalid": LaserScan([np.nan, np.inf, 0.0, -1.0, 9.0], half[:5], max_range=8.0),
+        "single wall": LaserScan(wall, half[30:151]),
+        "with NaN": LaserScan(holes, half[30:151]),
+        "with maximum range": LaserScan(np.minimum(wall, 1.5), half[30:151], max_range=1.5),
+        "whole turn": LaserScan(square, whole),
+        "sensor off the middle": LaserScan(wall, half[30:151], sensor_pose=(0.1, -0.2, 1.0)),
+    }
+
+
+def _ray(degrees: float) -> list[tuple[float, float]]:
+    angle = np.radians(degrees)
+    return [(0.0, 0.0), (2 * float(np.cos(angle)), 2 * float(np.sin(angle)))]
+
+
+def _lattice() -> Array:
+    """Walls of equal length at equal distances: every choice of a nearest or longest is a tie."""
+    cells = [(float(x), float(y)) for x in range(3) for y in range(3)]
+    across = [[(x, y), (x + 1, y)] for x, y in cells]
+    return np.array([*across, *([(x, y), (x, y + 1)] for x, y in cells)])
+
+
+def _walls() -> Array:
+    """Four walls, each seen twenty times by a sensor with noise."""
+    rng = np.random.default_rng(1)
+    room = np.array([[(0, 0), (4, 0)], [(4, 0), (4, 3)], [(4, 3), (0, 3)], [(0, 3), (0, 0)]])
+    return np.tile(room, (20, 1, 1)) + rng.normal(0, 0.01, (80, 2, 2))
