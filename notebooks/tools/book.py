@@ -40,20 +40,26 @@ PAGE = """<!DOCTYPE html>
 """
 
 
+def formula(body: str, display: str = "inline") -> str:
+    """A LaTeX formula as MathML, with the names that the converter does not know."""
+    known = re.sub(r"\\operatorname\*?\{", r"\\mathrm{", body.strip())
+    return convert(re.sub(r"\\arg(?![a-z])", r"\\mathrm{arg}", known), display=display)
+
+
 class Renderer(IPythonRenderer):
     """Markdown to HTML with formulas as MathML and pictures as data."""
 
     def block_math(self, body: str) -> str:
         """A formula on its own line."""
-        return convert(body.strip(), display="block")
+        return formula(body, "block")
 
     def inline_math(self, body: str) -> str:
         """A formula within a line."""
-        return convert(body.strip())
+        return formula(body)
 
     def latex_environment(self, name: str, body: str) -> str:
         """A formula given as an environment, such as `align`."""
-        return convert(f"\\begin{{{name}}}{body}\\end{{{name}}}", display="block")
+        return formula(f"\\begin{{{name}}}{body}\\end{{{name}}}", "block")
 
     def image(self, text: str, url: str, title: str | None = None) -> str:
         """A picture beside the text's own file, put into the page."""

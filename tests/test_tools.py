@@ -1,0 +1,165 @@
+"""`make refresh` and `make book`: what they change, what they leave, and what they never load."""
+
+import base64
+import io
+import re
+from copy import deepcopy
+
+import book
+import nbformat
+import numpy as np
+import pytest
+import refresh
+from chapter_rules import CHAPTERS, ROOT
+from nbformat.v4 import new_code_cell, new_markdown_cell, new_notebook
+from PIL import Image
+
+CELLS = [
+    new_markdown_cell("# 99 A try\n\nHalf is $\\frac{1}{2}$, see [fusion](54_fusion.ipynb#why)."),
+    new_code_cell("import ipywidgets\nimport matplotlib.pyplot as plt"),
+    new_code_cell("plt.figure(figsize=(2, 1))\nplt.plot([0, 1])\nplt.show()"),
+    new_code_cell("ipywidgets.IntSlider(3)"),
+    new_code_cell("for n in range(3):\n    print(n)"),
+]
+
+
+@pytest.fixture(scope="module")
+def refreshed(tmp_path_factory):
+    """A notebook as Lab would store it; what refresh said of it at once, and again."""
+    path = tmp_path_factory.mktemp("chapters") / "99_a_try.ipynb"
+    notebook = new_notebook(cells=deepcopy(CELLS))
+    notebook.metadata["widgets"] = {"state": {}}
+    notebook.cells[1].metadata["execution"] = {"iopub.status.busy": "2026-11-21T10:00:00"}
+    nbformat.write(notebook, path)
+    return path, refresh.refresh(path), refresh.refresh(path)
+
+
+def test_refresh_settles_at_once(refreshed):
+    """Catches anything that differs from run to run: identifiers, times, pictures."""
+    _, first, second = refreshed
+    assert first and not second
+
+
+def test_refresh_stores_outputs_and_nothing_of_the_run(refreshed):
+    notebook = nbformat.read(refreshed[0], as_version=4)
+    assert set(notebook.metadata) == {"kernelspec", "language_info"}
+    assert [cell.metadata for cell in notebook.cells] == [{}] * 5
+    assert [c.execution_count for c in notebook.cells[1:]] == [1, 2, 3, 4]
+    assert notebook.cells[3].outputs[0].data[refresh.VIEW]["model_id"] == "0" * 32
+    assert [o.text for o in notebook.cells[4].outputs] == ["0\n1\n2\n"]
+    assert list(refreshed[0].parent.iterdir()) == [refreshed[0]]
+
+
+def test_identifiers_of_cells_follow_their_content():
+    """Catches identifiers by position, which all change when a cell is put in."""
+    one, two = (refresh.tidy(new_notebook(cells=deepcopy(CELLS[k:]))) for k in (0, 1))
+    assert [c.id for c in one.cells[1:]] == [c.id for c in two.cells]
+    twice = refresh.tidy(new_notebook(cells=[new_code_cell("1"), new_code_cell("1")]))
+    assert len({cell.id for cell in twice.cells}) == 2
+
+
+def test_a_failing_chapter_is_left_as_it_was(tmp_path, capsys):
+    path = tmp_path / "98_broken.ipynb"
+    nbformat.write(new_notebook(cells=[new_code_cell("1 / 0")]), path)
+    before = path.read_bytes()
+    assert refresh.main([str(path)]) == 1
+    assert path.read_bytes() == before and list(tmp_path.iterdir()) == [path]
+    assert "98_broken" in (said := capsys.readouterr().err) and "ZeroDivisionError" in said
+
+
+def picture(level, compression):
+    target = io.BytesIO()
+    Image.new("RGB", (40, 30), (level, 0, 0)).save(target, "PNG", compress_level=compression)
+    return base64.b64encode(target.getvalue()).decode()
+
+
+def showing(data):
+    output = {"output_type": "display_data", "metadata": {}, "data": {"image/png": data}}
+    return nbformat.from_dict({"cells": [{"outputs": [output]}]})
+
+
+@pytest.mark.parametrize(("stored", "kept"), [(picture(7, 1), True), (picture(8, 9), False)])
+def test_a_picture_with_the_same_pixels_stays(stored, kept):
+    """Catches a comparison of bytes, which differ with every version of the compressor."""
+    new = picture(7, 9)
+    assert new != stored
+    notebook = showing(new)
+    refresh.keep_pictures(notebook, showing(stored))
+    assert (notebook.cells[0].outputs[0].data["image/png"] == stored) is kept
+
+
+def test_a_large_picture_is_shrunk_and_stays_alike():
+    slope = np.add.outer(np.arange(300), np.arange(400)) % 256
+    noise = np.random.default_rng(1).integers(0, 8, slope.shape)
+    image = np.repeat((slope // 16 * 16 + noise)[..., None], 3, 2).astype(np.uint8)
+    target = io.BytesIO()
+    Image.fromarray(image).save(target, "PNG")
+    notebook = showing(base64.b64encode(target.getvalue()).decode())
+    refresh.shrink_pictures(notebook)
+    small = base64.b64decode(notebook.cells[0].outputs[0].data["image/png"])
+    assert len(small) < len(target.getvalue()) > refresh.MOST_BYTES
+    found = np.asarray(Image.open(io.BytesIO(small)).convert("RGB"), int)
+    assert np.abs(found - image).max() <= 8
+
+
+# ------------------------------------------------------------------ the book
+
+#: Anything that a browser would fetch by itself while it shows a page.
+FETCHED = r"<script|<link\b|@import|url\(|<iframe|(?:src|srcset|data|poster)=\"(?!data:)"
+
+
+def test_what_is_fetched_is_seen():
+    """Catches a pattern that finds nothing."""
+    loads = ['<script src="x">', '<link rel="x">', '<img src="https://x/y.png">', "url(https://x)"]
+    assert all(re.search(FETCHED, text) for text in loads)
+    assert not re.search(FETCHED, '<img src="data:image/png;base64,x"><a href="https://x">')
+
+
+@pytest.fixture(scope="module")
+def pages(refreshed, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("book")
+    made = book.build(folder, [refreshed[0]])
+    return {path.stem: path.read_text(encoding="utf-8") for path in made}
+
+
+def test_the_book_reads_without_a_network(pages):
+    """Catches the scripts for formulas and widgets that nbconvert loads from elsewhere."""
+    assert {name: re.findall(FETCHED, text) for name, text in pages.items()} == {
+        "index": [],
+        "environment": [],
+        "99_a_try": [],
+    }
+
+
+def test_the_book_shows_outputs_formulas_and_pictures(pages):
+    chapter = pages["99_a_try"]
+    assert "<title>99 A try</title>" in chapter
+    assert re.search(r"<mfrac>.*1.*2.*</mfrac>", chapter)
+    assert "data:image/png;base64" in chapter and "0\n1\n2\n" in chapter
+    assert "<table>" in pages["index"] and "data:image/png;base64" in pages["index"]
+
+
+def test_links_lead_to_pages_of_the_book(pages):
+    """Catches links to notebooks, which a browser downloads instead of showing."""
+    assert 'href="54_fusion.html#why"' in pages["99_a_try"]
+    assert not re.findall(r'href="[^"]*\.(?:ipynb|md)"', "".join(pages.values()))
+    assert all(f'href="{p.stem}.html"' in pages["index"] for p in CHAPTERS)
+    assert book.linked('<a href="https://x.org/a.md">') == '<a href="https://x.org/a.md">'
+
+
+@pytest.mark.parametrize("name", [r"\arg\min_k", r"\operatorname{atan2}(y, x)", r"\argument"])
+def test_names_of_functions_in_formulas(name):
+    """Catches a backslash on the page; one that is no name stays, and the next test finds it."""
+    assert ("\\" in book.formula(name)) == (name == r"\argument")
+
+
+def test_every_formula_of_the_chapters_can_be_shown():
+    """Catches a command that the converter does not know and would print as it stands."""
+    texts = "".join(
+        cell.source + "\n\n"
+        for path in CHAPTERS
+        for cell in nbformat.read(path, as_version=4).cells
+        if cell.cell_type == "markdown"
+    )
+    shown = re.findall(r"<math.*?</math>", book.markdown(texts, ROOT / "notebooks"), re.DOTALL)
+    assert shown and [formula for formula in shown if "\\" in formula] == []
