@@ -1,34 +1,93 @@
-"""The README's code runs and gives what the text beside it says."""
+"""What README.md, environment.md and the Makefile tell a newcomer is true."""
 
+import os
 import re
 import shutil
+import subprocess
+import sys
+import tomllib
 from pathlib import Path
 
-import numpy as np
+import pytest
 
-import segmap
-
-ROOT = Path(__file__).parents[1]
-BLOCKS = re.findall(r"```python\n(.*?)```", (ROOT / "README.md").read_text(), re.DOTALL)
-
-
-def test_ten_lines():
-    """Names, shapes and figures that the README promises."""
-    scope: dict[str, object] = {}
-    exec(BLOCKS[0], scope)
-    assert "1227 segments" in (ROOT / "README.md").read_text()
-    assert len(scope["map"]) == 1227
-    assert len(scope["small"]) == 266
-    assert 0.7 < scope["rate"] < 0.9 and 0.7 < scope["kept"] < 0.9
-    assert scope["walls"].shape[1:] == (2, 2)
-    assert np.isfinite(scope["worst"])
+ROOT = Path(__file__).resolve().parents[1]
+README = (ROOT / "README.md").read_text(encoding="utf-8")
+ENVIRONMENT = (ROOT / "environment.md").read_text(encoding="utf-8")
 
 
-def test_a_log_of_your_own(tmp_path, monkeypatch):
-    """From a file, and from arrays."""
-    monkeypatch.chdir(tmp_path)
-    shutil.copy(ROOT / "data" / "malaga" / "malaga.log.gz", "my.log.gz")
-    scope = {"segmap": segmap, "angles": np.zeros(3), "measured": [(0.0, np.ones(3))]}
-    exec(BLOCKS[1] + "own = log\n" + BLOCKS[2], scope)
-    assert len(scope["own"]) == 225
-    assert len(scope["log"]) == 1
+@pytest.fixture(scope="module")
+def names():
+    """What the ten lines of the README define."""
+    block = re.search(r"## The package in ten lines\s+```python\n(.*?)```", README, re.DOTALL)
+    scope: dict = {}
+    exec(compile(block.group(1), "README.md", "exec"), scope)
+    return scope
+
+
+def test_the_ten_lines_run_and_mean_what_they_say(names):
+    """Catches an example that the package has left behind."""
+    log, walls, map, small = (names[name] for name in ("log", "walls", "map", "small"))
+    assert len(log) == 225 and names["points"].shape[1:] == (2,)
+    assert walls.shape[1:] == (2, 2) and len(small) < len(map)
+    assert 0 < names["rate"] < 1 and 0 < names["kept"] < 1 and names["worst"] < 1
+    assert (small.parents[names["sources"]] == 0).all() and len(names["sources"]) > 0
+
+
+def test_the_figures_below_the_picture_are_those_of_the_ten_lines(names):
+    """Catches a caption that outlives a change of extraction or Fusion."""
+    found = re.search(r"(\d+) segments from (\d+) scans, and the same walls in (\d+)", README)
+    map, small = names["map"], names["small"]
+    assert [int(n) for n in found.groups()] == [len(map), len(set(map.scan)), len(small)]
+
+
+def targets():
+    """Targets that `make` lists, as the Makefile has them."""
+    text = (ROOT / "Makefile").read_text(encoding="utf-8")
+    return set(re.findall(r"^(\w+):.*##", text, re.MULTILINE))
+
+
+def test_commands_that_the_texts_name_exist():
+    named = set(re.findall(r"\bmake (?!without)([a-z]+)\b", re.sub(r"[^`\n]*```", "", README)))
+    named |= set(re.findall(r"`make ([a-z]+)", README + ENVIRONMENT))
+    assert {"lab", "test"} <= named <= targets()
+
+
+def make(*arguments):
+    """Lines that make prints, free of the make that may run this test."""
+    if shutil.which("make") is None or sys.platform == "darwin":
+        pytest.skip("make is not installed, or every machine of this kind has a display")
+    env = {k: v for k, v in os.environ.items() if "MAKE" not in k and k != "MFLAGS"}
+    run = subprocess.run(["make", *arguments], cwd=ROOT, env=env, capture_output=True, text=True)
+    assert run.returncode == 0, run.stderr
+    return run.stdout.splitlines()
+
+
+def test_make_alone_lists_every_target():
+    lines = make()
+    listed = [line.split()[1] for line in lines]
+    assert set(listed) == targets() and len(listed) == len(targets())
+    assert all(len(line.split()) > 4 for line in lines)
+
+
+@pytest.mark.parametrize(
+    ("display", "port", "wanted"),
+    [
+        ("", "8890", ["--ip=127.0.0.1", "--port=8890", "--no-browser"]),
+        (":0", "8890", ["--ip=127.0.0.1", "--port=8890"]),
+        ("", "", ["--ip=127.0.0.1", "--no-browser"]),
+    ],
+)
+def test_make_lab_serves_this_machine_only(display, port, wanted):
+    """Catches a server that listens to the network, and a browser where there is no display."""
+    lines = make("-n", "lab", f"DISPLAY={display}", "WAYLAND_DISPLAY=", f"PORT={port}")
+    command = next(line for line in lines if "jupyterlab" in line).split()
+    chosen = [w for w in command if w.startswith(("--ip=", "--port=", "--no-browser"))]
+    assert chosen == wanted
+
+
+def test_python_is_the_same_everywhere():
+    """Catches a new lower bound that one of the texts has not heard of."""
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+    least = project["requires-python"].removeprefix(">=")
+    assert f"Python {least}" in README and f"{least} or later" in ENVIRONMENT
+    assert f"({least.replace('.', ', ')})" in (ROOT / "Makefile").read_text()
