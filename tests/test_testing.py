@@ -349,7 +349,7 @@ def type_name(answer):
 
 @EACH
 @pytest.mark.parametrize(
-    "answer", ["text", [], {}, object, np.zeros((7, 7)), np.nan, 10**5000], ids=type_name
+    "answer", ["text", [], {}, object, np.zeros((7, 7)), np.nan, np.inf, 10**5000], ids=type_name
 )
 def test_no_answer_breaks_a_check(exercise, answer):
     found = exercise(lambda *_: answer)
