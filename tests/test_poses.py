@@ -20,7 +20,7 @@ def matrix(pose):
     return np.array([(c, -s, x), (s, c, y), (0, 0, 1)])
 
 
-def same(a, b, atol=1e-9):
+def assert_same(a, b, atol=1e-9):
     np.testing.assert_allclose(matrix(np.asarray(a)), matrix(np.asarray(b)), rtol=0, atol=atol)
 
 
@@ -42,18 +42,18 @@ def test_inverse_is_the_inverse_matrix(a):
 
 @given(POSE, POSE, POSE)
 def test_the_laws_of_a_group_hold(a, b, c):
-    same(compose(compose(a, b), c), compose(a, compose(b, c)), 1e-8)
-    same(compose(a, inverse(a)), NOWHERE)
-    same(compose(inverse(a), a), NOWHERE)
-    same(compose(a, NOWHERE), a)
-    same(compose(NOWHERE, a), a)
-    same(inverse(compose(a, b)), compose(inverse(b), inverse(a)), 1e-8)
+    assert_same(compose(compose(a, b), c), compose(a, compose(b, c)), 1e-8)
+    assert_same(compose(a, inverse(a)), NOWHERE)
+    assert_same(compose(inverse(a), a), NOWHERE)
+    assert_same(compose(a, NOWHERE), a)
+    assert_same(compose(NOWHERE, a), a)
+    assert_same(inverse(compose(a, b)), compose(inverse(b), inverse(a)), 1e-8)
 
 
 @given(POSE, POSE)
 def test_between_leads_from_one_pose_to_the_other(a, b):
     """Catches the motion from b to a."""
-    same(compose(a, between(a, b)), b, 1e-8)
+    assert_same(compose(a, between(a, b)), b, 1e-8)
 
 
 def test_one_step_ahead_of_a_robot_that_looks_left_is_up():
@@ -156,7 +156,7 @@ def test_interpolation_equals_the_literal_search(rows, quarters):
         if np.isnan(expected).any():
             assert np.isnan(row).all()
         elif not np.isclose(abs(row[2] - expected[2]) % (2 * np.pi), np.pi, atol=1e-6):
-            same(row, expected)
+            assert_same(row, expected)
 
 
 def test_the_heading_takes_the_shorter_way_across_the_seam():
