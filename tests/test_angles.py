@@ -147,3 +147,9 @@ def test_with_equal_weights_both_means_agree(a, step):
 def test_a_line_without_weight_does_not_count():
     assert axial_mean_of_two(0.3, 1.0, 1.0, 0.0) == pytest.approx(0.3)
     assert axial_mean([0.3, 1.0], [1.0, 0.0]) == pytest.approx(0.3)
+
+
+@pytest.mark.parametrize("angles", [[-1e-20], [np.pi], [-1e-17, 1e-18], [np.pi - 1e-16]])
+def test_axial_mean_never_reaches_a_half_turn(angles):
+    """A remainder of a tiny negative angle rounds up to pi, which is no angle of `[0, pi)`."""
+    assert 0 <= axial_mean(angles) < np.pi
