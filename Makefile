@@ -7,8 +7,9 @@ CHAPTERS ?= $(sort $(wildcard notebooks/*.ipynb))
 SHELL := /bin/sh
 RUN := .venv/bin/python
 SETUP := .venv/segmap-is-installed
+# No question about news at the first start: a classroom may be offline.
 LAB = --ip=127.0.0.1 $(if $(PORT),--port=$(PORT) --ServerApp.port_retries=0) --allow-root \
-	--ServerApp.log_level=WARN --LabApp.default_url=/lab/tree/notebooks/00_start_here.ipynb
+	--ServerApp.log_level=WARN --LabApp.news_url=None --LabApp.default_url=/lab/tree/notebooks/00_start_here.ipynb
 # Without a display the address is printed, and served until Control-C.
 BROWSER = $(if $(DISPLAY)$(WAYLAND_DISPLAY)$(filter Darwin,$(shell uname)),,--no-browser)
 NBVAL := --nbval --nbval-current-env --nbval-cell-timeout=120 \
