@@ -124,10 +124,9 @@ def pages(refreshed, tmp_path_factory):
 
 def test_the_book_reads_without_a_network(pages):
     """Catches the scripts for formulas and widgets that nbconvert loads from elsewhere."""
+    assert {"index", "environment", "malaga", "99_a_try"} <= set(pages)
     assert {name: re.findall(FETCHED, text) for name, text in pages.items()} == {
-        "index": [],
-        "environment": [],
-        "99_a_try": [],
+        name: [] for name in pages
     }
 
 
@@ -144,6 +143,10 @@ def test_links_lead_to_pages_of_the_book(pages):
     assert 'href="54_fusion.html#why"' in pages["99_a_try"]
     assert not re.findall(r'href="[^"]*\.(?:ipynb|md)"', "".join(pages.values()))
     assert all(f'href="{p.stem}.html"' in pages["index"] for p in CHAPTERS)
+    assert 'href="malaga.html"' in pages["index"]
+    inside = set(re.findall(r'href="([\w-]+)\.html', "".join(pages.values())))
+    assert inside <= set(pages) | {path.stem for path in CHAPTERS} | {"54_fusion"}
+    assert book.linked('<a href="../README.md#x">') == '<a href="index.html#x">'
     assert book.linked('<a href="https://x.org/a.md">') == '<a href="https://x.org/a.md">'
 
 

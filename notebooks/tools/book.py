@@ -26,7 +26,7 @@ body { max-width: 52rem; margin: 2rem auto; padding: 0 1rem; line-height: 1.5;
   font-family: system-ui, sans-serif; color: #222; background: #fff; }
 img { max-width: 100%; } table { border-collapse: collapse; }
 td, th { padding: .2rem .6rem; border-bottom: 1px solid #ccc; text-align: left; }
-.prompt { display: none; } .output_area { margin: .4rem 0; }
+.prompt { display: none; } .code_cell { margin: 1rem 0; } .output_area { margin: .4rem 0; }
 .highlight, .md pre { background: #f5f5f5; border-left: 3px solid #bbb; padding: .1rem .8rem; }
 pre { overflow-x: auto; font-size: .9rem; }
 .anchor-link { color: #bbb; text-decoration: none; margin-left: .3rem; }
@@ -84,7 +84,8 @@ def markdown(text: str, folder: Path) -> str:
 
 def linked(page: str) -> str:
     """The same page with its links to other pages of the book led there."""
-    page = re.sub(r'href="(?:[^":]*/)?README\.md', 'href="index.html', page)
+    page = re.sub(r'href="(?:[^":]*/)?(\w+)/README\.md', r'href="\1.html', page)
+    page = re.sub(r'href="(?:\.\./)*README\.md', 'href="index.html', page)
     return re.sub(r'href="(?:[^":]*/)?([\w-]+)\.(?:ipynb|md)(#[^"]*)?"', r'href="\1.html\2"', page)
 
 
@@ -111,6 +112,7 @@ def build(folder: Path, chapters: list[Path]) -> list[Path]:
     folder.mkdir(parents=True)
     style = STYLE + HtmlFormatter().get_style_defs(".highlight")
     texts = {"index": ROOT / "README.md", "environment": ROOT / "environment.md"}
+    texts |= {p.parent.name: p for p in sorted((ROOT / "data").glob("*/README.md"))}
     pages = {n: markdown(p.read_text(encoding="utf-8"), p.parent) for n, p in texts.items()}
     for path in chapters:
         pages[path.stem] = chapter(path)
