@@ -16,7 +16,7 @@ import time
 import urllib.error
 import urllib.request
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
@@ -77,11 +77,9 @@ def wait(what: str, answer: Callable[[], Any], seconds: float = 60) -> Any:
     """The first answer that is not empty; a failure that says what never came."""
     end = time.monotonic() + seconds
     while time.monotonic() < end:
-        try:
+        with suppress(urllib.error.URLError, ConnectionError):
             if found := answer():
                 return found
-        except (urllib.error.URLError, ConnectionError):
-            pass
         time.sleep(0.1)
     pytest.fail(f"waited {seconds} s for {what}")
 
