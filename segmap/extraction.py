@@ -86,10 +86,12 @@ def extract_polylines(
     gap : float, metres
         As in `extract_clusters`.
     tolerance : float, metres
-        Largest distance of a point from its line. 0.03 m is three standard deviations of a SICK or
-        Hokuyo; smaller cuts walls at noise, larger rounds corners off.
+        Largest distance of a point from the chord of its piece, or from the common line of merged
+        pieces; from the line fitted last a few points lie farther. 0.03 m is three standard
+        deviations of a SICK or Hokuyo; smaller cuts walls at noise, larger rounds corners off.
     min_points, min_length : int; float, metres
-        Pieces with less are dropped: two or three noisy points say little about a direction.
+        Pieces with less, or with one point, are dropped: two or three noisy points say little about
+        a direction.
     closed : bool
         The last point is next to the first (360-degree scans).
 
@@ -101,7 +103,8 @@ def extract_polylines(
     Raises
     ------
     ValueError
-        For points that are not finite or not `(n, 2)`, thresholds that are not positive.
+        For points that are not finite or not `(n, 2)`, a gap or tolerance that is not positive, a
+        least number of points that is not whole, a negative least length.
 
     References
     ----------
@@ -119,7 +122,12 @@ def extract_polylines(
             [1. , 1. ]]])
     """
     _positive(gap=gap, tolerance=tolerance)
-    return loops.polylines(_points(points), gap, tolerance, max(min_points, 2), min_length, closed)
+    if not (min_points >= 0 and min_points % 1 == 0):
+        raise ValueError(f"min_points must be a whole number, at least 0, got {min_points}")
+    if not min_length >= 0:
+        raise ValueError(f"min_length must be at least 0, in metres, got {min_length}")
+    least = max(int(min_points), 2)
+    return loops.polylines(_points(points), gap, tolerance, least, float(min_length), closed)
 
 
 def build_map(

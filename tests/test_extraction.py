@@ -230,6 +230,10 @@ def test_bad_points(extract, points, message):
         (functools.partial(extract_clusters, fit="best"), "fit must be"),
         (functools.partial(extract_polylines, tolerance=-1), "tolerance must be positive"),
         (functools.partial(extract_polylines, gap=np.nan), "gap must be positive"),
+        (functools.partial(extract_polylines, min_points=2.5), "min_points must be a whole"),
+        (functools.partial(extract_polylines, min_points=np.inf), "min_points must be a whole"),
+        (functools.partial(extract_polylines, min_points=-1), "min_points must be a whole"),
+        (functools.partial(extract_polylines, min_length=np.nan), "min_length must be at least 0"),
     ],
 )
 def test_bad_thresholds(call, message):
