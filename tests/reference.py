@@ -130,6 +130,55 @@ def _chain(first, t, tolerance, live, u, v):
     return chain
 
 
+# -------------------------------------------------------------------------------- basic
+def basic(segments, scans, distance, angle):
+    """A 4.1, as ALGORITHMS states it: the literal double loop, run again after each scan.
+
+    Returns the survivors in index order and, for each input, the index of the input that it ended
+    in (its own where it survived, -1 without length).
+    """
+    into = [i if segment_length(s) >= SAME else -1 for i, s in enumerate(segments)]
+    live = []
+    for scan in sorted(set(scans)):
+        live += [
+            [i, [tuple(p) for p in segments[i]]]
+            for i in range(len(segments))
+            if scans[i] == scan and into[i] >= 0
+        ]
+        while _basic_pass(live, into, distance, angle):
+            live[:] = [entry for entry in live if entry is not None]
+    for i in range(len(into)):
+        while into[i] >= 0 and into[into[i]] != into[i]:
+            into[i] = into[into[i]]
+    return [entry[1] for entry in live], into
+
+
+def _basic_pass(live, into, distance, angle):
+    """One pass of the double loop; the dead become None. Tells whether anything merged."""
+    merged = False
+    for i in range(len(live)):
+        for j in range(len(live)):
+            if i == j or live[i] is None or live[j] is None:
+                continue
+            a, b = live[i][1], live[j][1]
+            near = any(math.dist(p, q) < distance for p in a for q in b)
+            if near and abs(axial(line_angle(a), line_angle(b))) < angle:
+                live[i][1] = basic_merge(a, b)
+                into[live[j][0]] = live[i][0]
+                live[j], merged = None, True
+    return merged
+
+
+def basic_merge(a, b):
+    """Length-weighted mean line of two segments, and the extreme projections on it."""
+    la, lb = segment_length(a), segment_length(b)
+    mean = line_angle(a) + lb / (la + lb) * axial(line_angle(b), line_angle(a))
+    c = [(la * (a[0][k] + a[1][k]) + lb * (b[0][k] + b[1][k])) / (2 * (la + lb)) for k in (0, 1)]
+    d = (math.cos(mean), math.sin(mean))
+    u = [(p[0] - c[0]) * d[0] + (p[1] - c[1]) * d[1] for p in (*a, *b)]
+    return [(c[0] + w * d[0], c[1] + w * d[1]) for w in (min(u), max(u))]
+
+
 # --------------------------------------------------------------------------- extraction
 def total_line(points):
     """Centre and direction of the total least squares line, by the eigenvectors of the scatter."""

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from .._compiled import compiled
 from ..angles import Array
+from ._cells import slot_of
 
 Indices = NDArray[np.int64]
 Grid = tuple[Indices, Indices, Indices, float]
@@ -19,12 +20,6 @@ Line = tuple[float, float, float, float]
 
 #: Lengths, shifts and gaps closer than this, in metres, are equal.
 SAME = 1e-9
-
-
-@compiled
-def slot_of(column: int, row: int, slots: int) -> int:
-    """Place of a cell in the hash table; cells may share one."""
-    return (column * 73856093 ^ row * 19349663) & (slots - 1)
 
 
 @compiled

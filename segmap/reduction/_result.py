@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Literal, NamedTuple
 
 import numpy as np
@@ -25,12 +26,18 @@ class Reduction(Pictured):
         Time that the method took.
     method : str
         Its name in `reduction.METHODS`.
+    scan_seconds : (k,) array or None
+        Time that an on-line method took for each scan that has segments.
+    scan_live : (k,) int array or None
+        Segments in its map after each of these scans.
     """
 
     segments: Array
     parents: NDArray[np.int64]
     seconds: float
     method: str = ""
+    scan_seconds: Array | None = None
+    scan_live: NDArray[np.int64] | None = None
 
     def members(self, index: int) -> NDArray[np.int64]:
         """Input segments that went into one output, ascending, `(k,)` int array."""
@@ -75,6 +82,33 @@ def with_length(map: Segments) -> tuple[Array, NDArray[np.int64]]:
     segments = as_segments(map, "map")
     index = np.flatnonzero(length(segments) >= MIN_LENGTH)
     return np.ascontiguousarray(segments[index]), index
+
+
+def check_thresholds(distance: float, angle: float) -> None:
+    """Refuse a distance that is not positive, metres, or an angle beyond a quarter turn, radians.
+
+    Raises
+    ------
+    ValueError
+        Naming the argument and what was expected.
+    """
+    if not (distance > 0 and np.isfinite(distance)):
+        raise ValueError(f"distance must be positive and finite, in metres, got {distance}")
+    if not 0 < angle <= np.pi / 2:
+        raise ValueError(f"angle must be above 0 and at most pi/2, in radians, got {angle}")
+
+
+def scans_of(map: Segments) -> NDArray[np.int64]:
+    """Index of the scan of each segment, `(n,)`; 0 for all where the map has none."""
+    if isinstance(map, SegmentMap):
+        return map.scan
+    return np.zeros(len(as_segments(map, "map")), np.int64)
+
+
+def runs(scan: NDArray[np.int64]) -> list[tuple[int, int]]:
+    """Where each scan begins and stops, in sorted indices `(n,)` of scans."""
+    cuts = [0, *(np.flatnonzero(np.diff(scan)) + 1).tolist(), len(scan)]
+    return list(pairwise(cuts)) if len(scan) else []
 
 
 def whole_parents(
