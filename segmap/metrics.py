@@ -48,6 +48,11 @@ def segment_distance(
     -------
     (...) array, metres
 
+    Raises
+    ------
+    ValueError
+        For weights that are negative, or both zero.
+
     Examples
     --------
     >>> wall = [(0, 0), (2, 0)]
@@ -87,7 +92,7 @@ def distance_terms(
     [0.0, 0.05, 0.1]
     """
     u, v = np.asarray(u, float), np.asarray(v, float)
-    share = np.divide(weight_v, np.add(weight_u, weight_v))
+    share = _share(weight_u, weight_v)
     at_u, at_v = _directions(u, v)
     turn = axial_difference(at_v, at_u)
     apart = np.minimum(
@@ -175,12 +180,7 @@ def reduction_rate(before: Segments, after: Segments) -> float:
 
 
 def grade_reduction(rate: float) -> str:
-    """A's word for a reduction rate (A 6.2.3): the nearest step of ten per cent, halves upward.
-
-    Parameters
-    ----------
-    rate : float
-        In `[0, 1]`, as `reduction_rate` gives it, no percentage.
+    """A's word for a reduction rate in `[0, 1]` (A 6.2.3): the nearest tenth, halves upward.
 
     Examples
     --------
@@ -191,12 +191,7 @@ def grade_reduction(rate: float) -> str:
 
 
 def grade_quality(value: float) -> str:
-    """A's word for a quality (A 6.2.3): the nearest step of ten per cent, halves upward.
-
-    Parameters
-    ----------
-    value : float
-        In `[0, 1]`, as `quality` gives it, no percentage.
+    """A's word for a quality in `[0, 1]` (A 6.2.3): the nearest tenth, halves upward.
 
     Examples
     --------
@@ -257,6 +252,14 @@ def relation_errors(
     found = between(p[ends[near, 0]], p[ends[near, 1]])
     d = between(wanted[near][:, [2, 3, 7]], found)
     return np.hypot(d[:, 0], d[:, 1]), np.abs(wrap(d[:, 2]))
+
+
+def _share(weight_u: ArrayLike, weight_v: ArrayLike) -> Array:
+    """How far the mean line goes from u to v, 0 to 1."""
+    a, b = np.asarray(weight_u, float), np.asarray(weight_v, float)
+    if not (np.all(a >= 0) and np.all(b >= 0) and np.all(a + b > 0)):
+        raise ValueError("weight_u and weight_v must not be negative, and not both zero")
+    return b / (a + b)
 
 
 def _directions(u: Array, v: Array) -> tuple[Array, Array]:
