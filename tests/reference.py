@@ -179,6 +179,58 @@ def basic_merge(a, b):
     return [(c[0] + w * d[0], c[1] + w * d[1]) for w in (min(u), max(u))]
 
 
+# ------------------------------------------------------------------------------- hybrid
+def hough(s):
+    """Distance and direction of the normal of a segment's line, the direction in [0, pi)."""
+    theta = (line_angle(s) + math.pi / 2) % math.pi
+    x, y = (s[0][0] + s[1][0]) / 2, (s[0][1] + s[1][1]) / 2
+    return x * math.cos(theta) + y * math.sin(theta), theta
+
+
+def nearness(a, b):
+    """A 4.2: end-point distances, and those of ends of a whose projection falls inside b."""
+    found = [math.dist(p, q) for p in a for q in b]
+    length = segment_length(b)
+    d = [(b[1][k] - b[0][k]) / length for k in (0, 1)]
+    for p in a:
+        along = (p[0] - b[0][0]) * d[0] + (p[1] - b[0][1]) * d[1]
+        if 0 <= along <= length:
+            found.append(abs((p[0] - b[0][0]) * d[1] - (p[1] - b[0][1]) * d[0]))
+    return min(found)
+
+
+def hybrid(segments, scans, distance, angle, min_length):
+    """A 4.2, as ALGORITHMS states it. Returns the map, and where each input went."""
+    map, into = [], [-1] * len(segments)
+    for i in sorted(range(len(segments)), key=lambda i: (scans[i], i)):
+        a = [tuple(p) for p in segments[i]]
+        if segment_length(a) < SAME:
+            continue
+        rho, theta = hough(a)
+        found = []
+        for k, (segment, r, t, _count) in enumerate(map):
+            turns = round((t - theta) / math.pi)
+            mine = (rho if turns % 2 == 0 else -rho, theta + turns * math.pi)
+            d = nearness(a, segment)
+            if d < distance and abs(r - mine[0]) < distance and abs(t - mine[1]) < angle:
+                found.append((d, k, mine))
+        if found:
+            least = min(found)[0]
+            _, k, mine = next(f for f in found if f[0] <= least + SAME)
+            segment, r, t, count = map[k]
+            r = (count * r + mine[0]) / (count + 1)
+            t = (count * t + mine[1]) / (count + 1)
+            n, along = (math.cos(t), math.sin(t)), (-math.sin(t), math.cos(t))
+            u = [p[0] * along[0] + p[1] * along[1] for p in (*segment, *a)]
+            ends = [(r * n[0] + w * along[0], r * n[1] + w * along[1]) for w in (min(u), max(u))]
+            map[k] = (ends, r, t, count + 1)
+            into[i] = k
+        elif segment_length(a) >= min_length:
+            into[i] = len(map)
+            map.append((a, rho, theta, 1))
+    return [entry[0] for entry in map], into
+
+
 # --------------------------------------------------------------------------- extraction
 def total_line(points):
     """Centre and direction of the total least squares line, by the eigenvectors of the scatter."""

@@ -31,6 +31,7 @@ found = [
     reduced.segments,
     reduced.parents,
     reduction.basic_offline(seen).segments,
+    reduction.hybrid(seen).segments,
     simulation.cast_rays(walls, (0.1, 0.2, 0.3), t, max_range=4.0),
 ]
 print("numba" in sys.modules and sys.modules["numba"] is not None)
