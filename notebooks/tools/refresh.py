@@ -22,7 +22,7 @@ from PIL import Image
 VIEW = "application/vnd.jupyter.widget-view+json"
 KERNEL = {"display_name": "Python 3", "language": "python", "name": "python3"}
 #: A picture with more bytes gets a palette of so many colours.
-MOST_BYTES, COLOURS = 30_000, 128
+MOST_BYTES, COLOURS = 10_000, 128
 #: The output of the cell with this tag is the picture in the README.
 README_TAG = "readme-picture"
 README_PICTURE = Path("pictures/malaga.png")
