@@ -1,14 +1,19 @@
-"""Fusion and quality: seconds, growth, and ratios to the literal references in one run."""
+"""Reduction and quality: seconds, growth, and ratios to the literal references in one run."""
 
 from collections.abc import Iterator
 
 import numpy as np
 
-from segmap import build_map, fusion, load, quality, read, reduction_rate
+from segmap import METHODS, SegmentMap, build_map, fusion, load, quality, read, reduction_rate
+from segmap.reduction import basic_offline, hybrid
 
 from .measure import SHARED, Row, missing, once, reference, seconds, workloads
 
 N = 3604
+
+
+#: What each method has to reach at n = 3604, in milliseconds.
+TARGETS = {"basic_offline": 6, "basic_online": 50, "hybrid": 10, "fusion": 50}
 
 
 def rows() -> Iterator[Row]:
@@ -18,26 +23,34 @@ def rows() -> Iterator[Row]:
         yield from missing("redundant maps")
         return
     for seen in (20, 3):
-        segments = redundant(made, N, seen)
-        found = fusion(segments)
-        what = f"n = {N}, each wall seen {seen} times"
-        yield Row(
-            f"fusion, {what}",
-            f"{1e3 * seconds(lambda s=segments: fusion(s)):.1f} ms -> {len(found)}",
-            "<= 50 ms",
-        )
-        after = segments[np.random.default_rng(0).permutation(N)[:700]]
-        yield Row(
-            f"quality against 700, {what}",
-            f"{1e3 * seconds(lambda s=segments, a=after: quality(s, a)):.1f} ms",
-            "<= 100 ms",
-        )
-    yield from against_literal(made)
-    yield from growth(made)
+        yield from same_size(made, seen)
+        yield from against_literal(made, seen)
+        yield from growth(made, seen)
 
 
-def redundant(made, n: int, seen: int) -> np.ndarray:
-    return made.redundant_segments(n, seen=seen)[0].reshape(-1, 2, 2)
+def same_size(made, seen: int) -> Iterator[Row]:
+    map, what = redundant(made, N, seen), f"n = {N}, seen {seen}"
+    for name, method in METHODS.items():
+        took = seconds(lambda: method(map))  # noqa: B023
+        yield Row(
+            f"{name}, {what}",
+            f"{1e3 * took:.1f} ms -> {len(method(map))}",
+            f"<= {TARGETS[name]} ms",
+        )
+    after = part_of(map)
+    took = seconds(lambda: quality(map, after))
+    yield Row(f"quality against 700, {what}", f"{1e3 * took:.1f} ms", "<= 100 ms")
+
+
+def part_of(map: SegmentMap) -> np.ndarray:
+    """700 segments of a map, by chance."""
+    return map.segments[np.random.default_rng(0).permutation(len(map))[:700]]
+
+
+def redundant(made, n: int, seen: int) -> SegmentMap:
+    """A building of n segments; a scan is one visit to all of its walls."""
+    segments = made.redundant_segments(n, seen=seen)[0].reshape(-1, 2, 2)
+    return SegmentMap(segments, np.arange(n) // max(n // seen, 4))
 
 
 def real_maps() -> Iterator[Row]:
@@ -57,27 +70,29 @@ def real_maps() -> Iterator[Row]:
         )
 
 
-def against_literal(made) -> Iterator[Row]:
-    """The same work by the literal forms, at full size, once each."""
-    slow = reference()
-    for seen in (20, 3):
-        segments = redundant(made, N, seen)
-        after = segments[np.random.default_rng(0).permutation(N)[:700]]
-        what = f"n = {N}, seen {seen}"
-        a = once(lambda s=segments: slow.fusion(s.tolist(), 0.04))
-        b = seconds(lambda s=segments: fusion(s))
-        yield Row(f"fusion, literal / ours, {what}", f"{a:.1f} s / {1e3 * b:.1f} ms = {a / b:.0f}")
-        a = once(lambda s=segments, f=after: slow.quality(s.tolist(), f.tolist()))
-        b = seconds(lambda s=segments, f=after: quality(s, f))
-        yield Row(f"quality, literal / ours, {what}", f"{a:.1f} s / {1e3 * b:.1f} ms = {a / b:.0f}")
+def against_literal(made, seen: int) -> Iterator[Row]:
+    """The same work by the literal forms of the tests, at full size, once each."""
+    slow, map = reference(), redundant(made, N, seen)
+    s, scans, after = map.segments.tolist(), map.scan.tolist(), part_of(map)
+    pairs = {
+        "basic_offline": (
+            lambda: slow.basic(s, [0] * N, 0.2, np.pi / 18),
+            lambda: basic_offline(map),
+        ),
+        "hybrid": (lambda: slow.hybrid(s, scans, 0.2, np.pi / 18, 0.2), lambda: hybrid(map)),
+        "fusion": (lambda: slow.fusion(s, 0.04), lambda: fusion(map)),
+        "quality": (lambda: slow.quality(s, after.tolist()), lambda: quality(map, after)),
+    }
+    for name, (literal, ours) in pairs.items():
+        a, b = once(literal), seconds(ours)
+        figure = f"{a:.1f} s / {1e3 * b:.1f} ms = {a / b:.0f}"
+        yield Row(f"{name}, literal / ours, n = {N}, seen {seen}", figure)
 
 
-def growth(made) -> Iterator[Row]:
+def growth(made, seen: int) -> Iterator[Row]:
     sizes = (1_000, 10_000, 100_000)
-    for seen in (20, 3):
-        took = [seconds(lambda s=redundant(made, n, seen): fusion(s), 3) for n in sizes]
+    for name, method in METHODS.items():
+        took = [seconds(lambda m=redundant(made, n, seen): method(m), 3) for n in sizes]  # noqa: B023
         power = np.polyfit(np.log(sizes), np.log(took), 1)[0]
-        figures = ", ".join(f"{t:.4f} s" for t in took)
-        yield Row(
-            f"fusion, n = 1e3, 1e4, 1e5, seen {seen}", f"{figures}: time ~ n^{power:.2f}", "~ n^1.2"
-        )
+        figures = ", ".join(f"{t:.4f}" for t in took)
+        yield Row(f"{name}, n = 1e3, 1e4, 1e5, seen {seen}", f"{figures} s: time ~ n^{power:.2f}")
