@@ -298,6 +298,12 @@ def test_even_nothing_has_a_thumbnail(value):
     assert pixels(plotting.thumbnail(value)).shape == (240, 320, 3)
 
 
+def test_the_thumbnail_of_a_log_without_poses_shows_its_first_scan():
+    """Catches empty axes for Hokuyo text, which knows neither odometry nor truth."""
+    bare = LaserScan([1.0, 2.0, 1.5], [0.0, 0.5, 1.0])
+    assert plotting.thumbnail(Log("bare", [bare, bare])) == plotting.thumbnail(bare)
+
+
 @pytest.mark.parametrize("value", [SCAN, LOG, SegmentMap(THREE), REDUCTION])
 def test_a_notebook_gets_text_and_a_picture_as_base64(value):
     """Catches bytes, which a notebook file cannot hold."""

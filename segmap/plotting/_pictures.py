@@ -3,6 +3,8 @@
 import io
 from typing import Any
 
+import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ..scans import LaserScan, Log
@@ -13,6 +15,8 @@ from ._style import DPI, MAP, RESULT
 
 def thumbnail(value: Any) -> bytes:
     """A small picture of a scan, a log, a map or a reduction, as a notebook shows it.
+
+    Of a log without any pose it shows the first scan.
 
     Parameters
     ----------
@@ -33,10 +37,18 @@ def thumbnail(value: Any) -> bytes:
     if isinstance(value, LaserScan):
         draw_scan(value, ax=ax)
     elif isinstance(value, Log):
-        draw_log(value, ax=ax)
+        _draw_any_log(value, ax)
     else:
         draw_segments(value, ax=ax, color=RESULT if hasattr(value, "parents") else MAP, width=1.2)
     return figure_png(figure)
+
+
+def _draw_any_log(log: Log, ax: Axes) -> None:
+    placed = np.isfinite(log.odometry if log.truth is None else log.truth).all(1).any()
+    if placed or not len(log):
+        draw_log(log, ax=ax)
+    else:
+        draw_scan(log[0], ax=ax)
 
 
 def figure_png(figure: Figure) -> bytes:
