@@ -30,7 +30,7 @@ def fit_total(p: Array) -> Line:
 
 @compiled
 def fit_algebraic(p: Array) -> Line:
-    """A 3.1-3.3: foot of the origin and direction of `a x + b y = 1`; NaN where singular."""
+    """A 3.1-3.3: foot of the origin, direction of `a x + b y = 1` for `(n, 2)` points, or NaN."""
     sxx = syy = sxy = sx = sy = 0.0
     for i in range(len(p)):
         sxx += p[i, 0] * p[i, 0]
@@ -127,7 +127,7 @@ def clusters(points: Array, gap: float, total: bool, closed: bool) -> Array:
 
 @compiled
 def chord_of(p: Array) -> Line:
-    """Line from the first to the last point; across the points where these two coincide."""
+    """Line from first to last of `(n, 2)` points, metres; across them where these coincide."""
     dx, dy = p[-1, 0] - p[0, 0], p[-1, 1] - p[0, 1]
     norm = np.hypot(dx, dy)
     if norm >= MIN_LENGTH:
@@ -160,7 +160,7 @@ def split(p: Array, tolerance: float, ends: Indices) -> int:
 
 @compiled
 def joint_error(p: Array, ends: Indices, k: int) -> float:
-    """Largest distance from one line through the pieces k and k + 1, metres."""
+    """Largest distance from one line through the pieces k, k + 1 of `(n, 2)` points, metres."""
     start = ends[k - 1] if k else 0
     both = p[start : ends[k + 1] + 1]
     return farthest(both, fit_total(both))[1]
@@ -186,7 +186,7 @@ def merge(p: Array, tolerance: float, ends: Indices, count: int) -> int:
 
 @compiled
 def offset(q: Array, line: Line) -> float:
-    """Distance of one point `(2,)` from a line, metres."""
+    """Distance of one point, a (2,) array, from a line, metres."""
     return abs((q[1] - line[1]) * line[2] - (q[0] - line[0]) * line[3])
 
 

@@ -31,7 +31,7 @@ def describe(s: Array) -> Array:
 
 @compiled
 def off_segment(x: float, y: float, s: Array) -> float:
-    """Distance of a point from a segment `(2, 2)`, metres."""
+    """Distance of a point from a segment, a (2, 2) array, metres."""
     dx, dy = s[1, 0] - s[0, 0], s[1, 1] - s[0, 1]
     rx, ry = x - s[0, 0], y - s[0, 1]
     square = dx * dx + dy * dy
@@ -41,7 +41,7 @@ def off_segment(x: float, y: float, s: Array) -> float:
 
 @compiled
 def apart(u: Array, v: Array) -> float:
-    """D_uv: smallest distance from an end point of one to the other segment `(2, 2)`, metres."""
+    """D_uv: least distance from an end point of one to the other, (2, 2) array each, metres."""
     least = np.inf
     for k in range(2):
         least = min(least, off_segment(u[k, 0], u[k, 1], v), off_segment(v[k, 0], v[k, 1], u))
@@ -60,7 +60,7 @@ def across(u: Array, v: Array, x: float, y: float, dx: float, dy: float) -> floa
 
 @compiled
 def mean_line_terms(u: Array, v: Array, a: Array, b: Array) -> tuple[float, float]:
-    """D_ang and D_uva, metres, of two described segments `(5,)` with equal weights."""
+    """D_ang and D_uva, metres, of two segments with equal weights, described by (5,) arrays."""
     ax, ay, bx, by = a[2], a[3], b[2], b[3]
     if ax == 0.0 and ay == 0.0:
         ax, ay = (bx, by) if bx != 0.0 or by != 0.0 else (1.0, 0.0)

@@ -80,7 +80,7 @@ def take(
 
 @compiled
 def measure(q: Array, line: Line, out: Array) -> None:
-    """Write projections and offsets of a segment, metres: low, high, lowest, highest, `(4,)`."""
+    """Write the projections and offsets of a segment: low, high twice, a (4,) array, metres."""
     x, y, dx, dy = line
     u0, u1 = (q[0, 0] - x) * dx + (q[0, 1] - y) * dy, (q[1, 0] - x) * dx + (q[1, 1] - y) * dy
     v0, v1 = (q[0, 1] - y) * dx - (q[0, 0] - x) * dy, (q[1, 1] - y) * dx - (q[1, 0] - x) * dy
@@ -96,7 +96,7 @@ def can_enter(m: Array, tolerance: float) -> bool:
 
 @compiled
 def inside(m: Array, shift: float, tolerance: float) -> bool:
-    """Whether the strip at `shift`, metres, holds a measured segment `(4,)` (A 4.4.1)."""
+    """Whether the strip at `shift`, metres, holds a measured segment, a (4,) array (A 4.4.1)."""
     return m[3] - tolerance <= shift + SAME and shift - SAME <= m[2] + tolerance
 
 
@@ -187,7 +187,7 @@ def total_length(
 def members(
     measured: Array, near: Indices, order: Indices, longest: int, shift: float, tolerance: float
 ) -> tuple[Indices, float, float]:
-    """Sorted indices of the chain's members, and the span of their projections."""
+    """Sorted indices `(k,)` of the chain's members, and the span of their projections, metres."""
     start, stop = chain(measured, order, longest, shift, tolerance)
     found = np.empty(stop - start, np.int64)
     count, low, high = 0, np.inf, -np.inf
@@ -244,7 +244,7 @@ def best_strip(
 
 @compiled
 def line_through(q: Array, length: float) -> Line:
-    """Middle, metres, and unit direction of a segment `(2, 2)`."""
+    """Middle, metres, and unit direction of a segment, a (2, 2) array."""
     return (
         (q[0, 0] + q[1, 0]) / 2,
         (q[0, 1] + q[1, 1]) / 2,

@@ -97,7 +97,7 @@ def nearness(a: Array, b: Array) -> float:
 
 @compiled
 def hough(a: Array) -> tuple[float, float]:
-    """Distance rho, metres, and direction theta, in `[0, pi)`, of the normal of a line."""
+    """Distance rho, metres, and direction theta of the normal of a (2, 2) array, in `[0, pi)`."""
     theta = (np.arctan2(a[1, 1] - a[0, 1], a[1, 0] - a[0, 0]) + np.pi / 2) % np.pi
     theta = 0.0 if theta == np.pi else theta
     x, y = (a[0, 0] + a[1, 0]) / 2, (a[0, 1] + a[1, 1]) / 2

@@ -114,7 +114,7 @@ def runs(scan: NDArray[np.int64]) -> list[tuple[int, int]]:
 def whole_parents(
     count: int, index: NDArray[np.int64], found: NDArray[np.int64]
 ) -> NDArray[np.int64]:
-    """Parents of all `count` segments, given those of the ones at `index`; -1 elsewhere."""
+    """Parents `(n,)` of all `count` segments, given those of the ones at `index`; else -1."""
     parents = np.full(count, -1, np.int64)
     parents[index] = found
     return parents
