@@ -17,6 +17,7 @@ from segmap.panels import (
     ScanPanel,
 )
 from segmap.panels._base import VIEW, slider, text
+from segmap.plotting import ERROR, RESULT, TRUTH
 from segmap.sensors import URG_04LX
 from segmap.simulation import drive, rectangular_room, simulate
 
@@ -165,6 +166,23 @@ def test_room_panel_keeps_the_field_of_view():
     panel = RoomPanel(ROOM, (1, 1, 0))
     panel.beams.value = 51
     assert panel.scan.angles[[0, -1]] == pytest.approx(URG_04LX.angles[[0, -1]])
+
+
+@pytest.mark.parametrize(
+    ("log", "poses", "color"),
+    [
+        (LOG, None, TRUTH),
+        (Log("raw", LOG.scans), None, ERROR),
+        (LOG, LOG.truth, RESULT),
+    ],
+    ids=["truth", "odometry", "given"],
+)
+def test_the_way_is_drawn_in_the_colour_of_its_origin(log, poses, color):
+    """Catches odometry drawn in green, as if it were the truth."""
+    figure = Figure()
+    ScanPanel(log, poses)._draw(figure)
+    ways = [line for line in figure.axes[0].lines if line.get_linestyle() == "-"]
+    assert [line.get_color() for line in ways] == [color]
 
 
 def test_scan_panel_leaves_out_scans_without_a_pose():

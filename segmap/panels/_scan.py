@@ -5,7 +5,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import ArrayLike
 
-from ..plotting import RESULT, TRUTH, draw_path, draw_scan
+from ..plotting import ERROR, RESULT, TRUTH, draw_path, draw_scan
 from ..poses import transform
 from ..scans import LaserScan, Log
 from ._base import Panel, slider, text
@@ -22,7 +22,7 @@ class ScanPanel(Panel):
     log : Log
     poses : (k, 3) array, metres and radians, or None
         None takes the log's truth, or its odometry where it has none. Scans whose pose is NaN are
-        left out.
+        left out. The way is drawn green for truth, red for odometry, blue for poses given here.
 
     Attributes
     ----------
@@ -46,7 +46,8 @@ class ScanPanel(Panel):
 
     def __init__(self, log: Log, poses: ArrayLike | None = None) -> None:
         self.log = log
-        chosen = (log.odometry if log.truth is None else log.truth) if poses is None else poses
+        own = (log.odometry, ERROR) if log.truth is None else (log.truth, TRUTH)
+        chosen, self._color = own if poses is None else (poses, RESULT)
         self.poses = np.asarray(chosen, float)
         self.known = np.flatnonzero(np.isfinite(self.poses).all(1))
         if len(self.poses) != len(log) or not len(self.known):
@@ -69,7 +70,7 @@ class ScanPanel(Panel):
         self.valid.value = f"{int(self.scan.valid.sum())} of {len(self.scan)} beams valid"
         ax = figure.subplots()
         ax.plot(*self._cloud.T, ".", color="#cccccc", markersize=1)
-        draw_path(self.poses[self.known], ax=ax, color=TRUTH)
+        draw_path(self.poses[self.known], ax=ax, color=self._color)
         draw_scan(self.scan, self.poses[k], ax=ax, color=RESULT)
 
     def _all_points(self) -> np.ndarray:
