@@ -20,7 +20,9 @@ PLAIN = "SEGMAP_PLAIN"
 class Compiled(Generic[P, R]):
     """A function that becomes machine code at its first call; `.plain` is its source.
 
-    Kernels may call other kernels of the same file. Never `fastmath`: it breaks `isfinite`.
+    Kernels may call other kernels. The cache on disk sees changes in the file of a kernel only: who
+    changes one that another file calls deletes `__pycache__`. Never `fastmath`: it breaks
+    `isfinite`.
     """
 
     def __init__(self, plain: Callable[P, R]) -> None:
