@@ -130,6 +130,13 @@ def test_zoo(method, name):
     assert_segments_equal(found.segments, expected, ordered=True)
 
 
+def test_end_points_exactly_a_distance_apart_do_not_match():
+    """Both tests are strict (A 4.1)."""
+    walls = np.array([[(0, 0), (1, 0)], [(1.25, 0), (2, 0)]])
+    assert len(basic_offline(walls, distance=0.25)) == 2
+    assert len(basic_offline(walls, distance=0.2500001)) == 1
+
+
 def test_a_wall_at_0_degrees_merges_like_one_at_90():
     wall = np.array([[(0, 0.02), (2, -0.02)], [(0.1, -0.02), (2.1, 0.02)]])
     assert len(basic_offline(wall)) == len(basic_offline(wall[..., ::-1])) == 1

@@ -152,6 +152,16 @@ def test_weakness_the_longest_decides_the_direction():
     assert rise[1] / rise[0] == pytest.approx(0.05)
 
 
+@pytest.mark.parametrize("side", [1, -1])
+@pytest.mark.parametrize("turn", [0.0, np.pi])
+def test_of_equal_chains_the_first_indices_win(side, turn):
+    """A line that moves up or down by as much for as much: the order of the input decides."""
+    rows = [[(0, 0), (3, 0)], [(1, 0.0625 * side), (2, 0.0625 * side)]]
+    rows.append([(1, -0.0625 * side), (2, -0.0625 * side)])
+    found = fusion(transform((0, 0, turn), rows), tolerance=0.05)
+    assert found.parents.tolist() == [0, 0, 1]
+
+
 def test_not_idempotent():
     """The counter-example: outputs of a first pass can chain with each other in a second."""
     segments = redundant_map(np.random.default_rng(3), 80)

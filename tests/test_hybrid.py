@@ -125,6 +125,11 @@ def test_the_filter_drops_what_neither_matches_nor_is_long_enough():
     assert len(hybrid(segments, min_length=0.0)) == 2
 
 
+def test_the_filter_keeps_what_is_exactly_long_enough():
+    assert len(hybrid([[(0, 0), (0.25, 0)]], min_length=0.25)) == 1
+    assert len(hybrid([[(0, 0), (0.25, 0)]], min_length=0.2500001)) == 0
+
+
 def test_records_each_scan():
     map = SegmentMap(redundant_map(np.random.default_rng(1)), np.repeat([2, 5, 9], 20))
     found = hybrid(map)

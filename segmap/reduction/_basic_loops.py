@@ -175,7 +175,6 @@ def converge(state: State, first: int, stop: int, distance: float, angle: float)
             died += lost
             b = next_match(state, a, -1, distance, angle) if lost else -1
             while b >= 0:
-                heapq.heappush(later, a)
                 heapq.heappush(heap if b > a else later, b)
                 b = next_match(state, a, b, distance, angle)
         heap, later = later, heap
