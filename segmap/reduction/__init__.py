@@ -5,6 +5,7 @@ Every method has one signature, `method(map, *, thresholds) -> Reduction`, and s
 
 from ._basic import basic_offline, basic_online
 from ._fusion import fusion
+from ._hough import hough
 from ._hybrid import hybrid
 from ._result import Method, Reduction
 
@@ -18,4 +19,13 @@ METHODS: dict[str, Method] = {
     "fusion": Method(fusion, "m -> 1", online=False, needs_points=False, source="A 4.4"),
 }
 
-__all__ = ["METHODS", "Method", "Reduction", "basic_offline", "basic_online", "fusion", "hybrid"]
+__all__ = [
+    "METHODS",
+    "Method",
+    "Reduction",
+    "basic_offline",
+    "basic_online",
+    "fusion",
+    "hough",
+    "hybrid",
+]

@@ -1,0 +1,42 @@
+"""Hough space (A 4.2.1): a line as its distance from the origin and the angle of its normal."""
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..angles import Array
+from ..segments import angle, midpoint
+
+
+def hough(segments: ArrayLike, near: ArrayLike | None = None) -> Array:
+    """Lines of segments in Hough space: rho and theta of `x cos(theta) + y sin(theta) = rho`.
+
+    Theta is the angle of the normal, not of the segment. (rho, theta) and (-rho, theta + pi) are
+    one line: of all such pairs the one whose theta is nearest to `near` is returned. Theta may then
+    lie outside `[0, pi)`.
+
+    Parameters
+    ----------
+    segments : (..., 2, 2) array, metres
+        Each longer than 1e-9 m: a point has no line.
+    near : (...) array, radians, or None
+        None gives theta in `[0, pi)`.
+
+    Returns
+    -------
+    (..., 2) array, metres and radians
+        Rho, of either sign, and theta.
+
+    Examples
+    --------
+    >>> upright = np.array([(2.0, 0.0), (2.0, 1.0)])
+    >>> hough(upright).round(4)
+    array([2., 0.])
+    >>> hough(upright, near=3.0).round(4)
+    array([-2.    ,  3.1416])
+    """
+    theta = (angle(segments) + np.pi / 2) % np.pi
+    middle = midpoint(segments)
+    rho = middle[..., 0] * np.cos(theta) + middle[..., 1] * np.sin(theta)
+    # A 5.4.2 compares rho and theta as they come: two upright walls would then seldom agree.
+    turns = np.zeros_like(theta) if near is None else np.round(np.subtract(near, theta) / np.pi)
+    return np.stack([np.where(turns % 2 == 0, rho, -rho), theta + turns * np.pi], axis=-1)
