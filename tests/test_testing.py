@@ -311,6 +311,13 @@ def shift_in_a_loop(offsets, lengths, tolerance):
     return max(shifts, key=lambda t: lengths[inside_in_a_loop(offsets, t, tolerance)].sum())
 
 
+def hough_by_complex_numbers(segment, near):
+    a, b = (complex(*end) for end in segment)
+    theta = np.angle((b - a) * 1j)
+    theta += np.pi * round((near - theta) / np.pi)
+    return [(a * np.exp(-1j * theta)).real, theta]
+
+
 OTHER_WAYS = {
     "compose": rotated_step,
     "beam_angles": beams_in_steps,
@@ -320,6 +327,7 @@ OTHER_WAYS = {
     "farthest_point": farthest_in_a_loop,
     "reduction_rate": rate_by_counting,
     "quality": quality_row_by_row,
+    "hough": hough_by_complex_numbers,
     "inside_strip": inside_in_a_loop,
     "best_shift": shift_in_a_loop,
 }

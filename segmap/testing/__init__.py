@@ -5,6 +5,7 @@
 
 from ._assertions import assert_poses_equal, assert_segments_equal
 from ._exercise import Case, Check, Exercise, Mistake
+from ._hough_exercises import check_hough
 from ._line_exercises import check_axial_mean, check_farthest_point, check_fit_line
 from ._map_exercises import (
     best_shift,
@@ -28,6 +29,7 @@ EXERCISES: dict[str, Exercise] = {
         check_axial_mean,
         check_reduction_rate,
         check_quality,
+        check_hough,
         check_inside_strip,
         check_best_shift,
     )
@@ -49,6 +51,7 @@ __all__ = [
     "check_compose",
     "check_farthest_point",
     "check_fit_line",
+    "check_hough",
     "check_inside_strip",
     "check_quality",
     "check_reduction_rate",
