@@ -1,7 +1,9 @@
-"""How scans, maps and reductions show themselves in a notebook."""
+"""How scans, maps and reductions show themselves in a notebook, and tables of a few words."""
 
 import base64
+import html
 import importlib
+from collections.abc import Iterable
 from typing import Any
 
 
@@ -16,3 +18,47 @@ class Pictured:
         plotting = importlib.import_module("segmap.plotting")
         picture = base64.b64encode(plotting.thumbnail(self)).decode("ascii")
         return {"text/plain": repr(self), "image/png": picture}
+
+
+class Table:
+    """Rows of words below a head: a table in a notebook, columns of text elsewhere.
+
+    Parameters
+    ----------
+    head : iterable of str
+    rows : iterable of iterables
+        Of anything that has a `str`.
+
+    Raises
+    ------
+    ValueError
+        Where a row is not as long as the head.
+
+    Examples
+    --------
+    >>> Table(["method", "left"], [["fusion", 266], ["hybrid", 391]])
+    method  left
+    fusion  266
+    hybrid  391
+    """
+
+    def __init__(self, head: Iterable[str], rows: Iterable[Iterable[object]]) -> None:
+        self.head = tuple(head)
+        self.rows = tuple(tuple(str(cell) for cell in row) for row in rows)
+        for row in self.rows:
+            if len(row) != len(self.head):
+                raise ValueError(f"rows must have {len(self.head)} cells, got {row}")
+
+    def __repr__(self) -> str:
+        widths = [max(map(len, column)) for column in zip(self.head, *self.rows, strict=True)]
+        lines = (zip(row, widths, strict=True) for row in (self.head, *self.rows))
+        return "\n".join("  ".join(c.ljust(w) for c, w in line).rstrip() for line in lines)
+
+    def _repr_html_(self) -> str:
+        style = ' style="text-align: left"'
+        head = "".join(f"<th{style}>{html.escape(cell)}</th>" for cell in self.head)
+        rows = (
+            "<tr>" + "".join(f"<td{style}>{html.escape(cell)}</td>" for cell in row) + "</tr>"
+            for row in self.rows
+        )
+        return f"<table><tr>{head}</tr>{''.join(rows)}</table>"

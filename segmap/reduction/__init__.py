@@ -7,21 +7,50 @@ from ._basic import basic_offline, basic_online
 from ._fusion import fusion
 from ._hough import hough
 from ._hybrid import hybrid
-from ._result import Method, Reduction
+from ._result import Method, Methods, Reduction
 
-#: Name of each method -> the method, with its place in A's table 2.16.
-METHODS: dict[str, Method] = {
-    "basic_offline": Method(
-        basic_offline, "2 -> 1", online=False, needs_points=False, source="A 4.1"
+#: Name of each method -> the method, with its place in A's table 2.16. A calls the class of Basic
+#: "simple", after its conditions; like the class 2 -> 1 it makes one segment of two.
+METHODS = Methods(
+    basic_offline=Method(
+        basic_offline,
+        "2 -> 1",
+        online=False,
+        needs_points=False,
+        source="A 4.1",
+        paper="Gonzalez-Banos, Latombe 2002",
     ),
-    "basic_online": Method(basic_online, "2 -> 1", online=True, needs_points=False, source="A 4.1"),
-    "hybrid": Method(hybrid, "2 -> 1", online=True, needs_points=False, source="A 4.2"),
-    "fusion": Method(fusion, "m -> 1", online=False, needs_points=False, source="A 4.4"),
-}
+    basic_online=Method(
+        basic_online,
+        "2 -> 1",
+        online=True,
+        needs_points=False,
+        source="A 4.1",
+        paper="Gonzalez-Banos, Latombe 2002",
+    ),
+    hybrid=Method(
+        hybrid,
+        "2 -> 1",
+        online=True,
+        needs_points=False,
+        source="A 4.2",
+        keeps="rho, theta, length, end points, count",
+        paper="Kuo et al. 2009",
+    ),
+    fusion=Method(
+        fusion,
+        "m -> 1",
+        online=False,
+        needs_points=False,
+        source="A 4.4",
+        paper="Amigoni, Vailati 2009",
+    ),
+)
 
 __all__ = [
     "METHODS",
     "Method",
+    "Methods",
     "Reduction",
     "basic_offline",
     "basic_online",

@@ -8,7 +8,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .._display import Pictured
+from .._display import Pictured, Table
 from ..angles import Array
 from ..segments import MIN_LENGTH, SegmentMap, Segments, as_segments, length
 
@@ -64,6 +64,11 @@ class Method(NamedTuple):
     needs_points : bool
         Whether it needs the points behind the segments.
     source : str
+        Section of A, or the part of it that names the idea.
+    keeps : str
+        What a map holds of each segment while the method runs.
+    paper : str
+        Who published it: the row of table 2.16 that A implements.
     """
 
     function: Callable[..., Reduction]
@@ -71,10 +76,42 @@ class Method(NamedTuple):
     online: bool
     needs_points: bool
     source: str
+    keeps: str = "end points"
+    paper: str = ""
 
     def __call__(self, map: SegmentMap, **thresholds: float) -> Reduction:
         """Reduce a map: `METHODS[name](map, ...)` is `reduction.<name>(map, ...)`."""
         return self.function(map, **thresholds)
+
+
+class Methods(dict[str, Method]):
+    """Reduction methods by name; a notebook shows them as A's table 2.16 does.
+
+    Examples
+    --------
+    >>> def nothing(map):
+    ...     return Reduction(map.segments, np.arange(len(map)), 0.0)
+    >>> Methods(nothing=Method(nothing, "2 -> 1", online=False, needs_points=False, source="A 4"))
+    method   in   merges  runs      needs     keeps       published by
+    nothing  A 4  2 -> 1  off-line  segments  end points
+    """
+
+    def table(self) -> Table:
+        """Class of reduction, process, what each method needs and keeps (A 2.8, table 2.16)."""
+        head = ("method", "in", "merges", "runs", "needs", "keeps", "published by")
+        return Table(head, (_row(name, method) for name, method in self.items()))
+
+    def __repr__(self) -> str:
+        return repr(self.table())
+
+    def _repr_html_(self) -> str:
+        return self.table()._repr_html_()
+
+
+def _row(name: str, method: Method) -> tuple[str, ...]:
+    runs = "on-line" if method.online else "off-line"
+    needs = "points" if method.needs_points else "segments"
+    return name, method.source, method.merges, runs, needs, method.keeps, method.paper
 
 
 def with_length(map: Segments) -> tuple[Array, NDArray[np.int64]]:
@@ -96,6 +133,18 @@ def check_thresholds(distance: float, angle: float) -> None:
         raise ValueError(f"distance must be positive and finite, in metres, got {distance}")
     if not 0 < angle <= np.pi / 2:
         raise ValueError(f"angle must be above 0 and at most pi/2, in radians, got {angle}")
+
+
+def check_tolerance(tolerance: float) -> None:
+    """Refuse a tolerance that is not positive and finite, metres.
+
+    Raises
+    ------
+    ValueError
+        Naming the argument and what was expected.
+    """
+    if not (tolerance > 0 and np.isfinite(tolerance)):
+        raise ValueError(f"tolerance must be positive and finite, in metres, got {tolerance}")
 
 
 def scans_of(map: Segments) -> NDArray[np.int64]:
