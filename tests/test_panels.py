@@ -8,6 +8,7 @@ from matplotlib.figure import Figure
 
 from segmap import LaserScan, Log, SegmentMap, fusion, quality
 from segmap.panels import (
+    BasicPanel,
     ClusterPanel,
     DistancePanel,
     FusionPanel,
@@ -18,6 +19,7 @@ from segmap.panels import (
 )
 from segmap.panels._base import VIEW, slider, text
 from segmap.plotting import ERROR, RESULT, TRUTH
+from segmap.reduction import basic_offline, basic_online
 from segmap.sensors import URG_04LX
 from segmap.simulation import drive, rectangular_room, simulate
 
@@ -29,6 +31,7 @@ WALLS = SegmentMap([[(0, y), (2, y)] for y in (0.0, 0.03, 0.10, 0.15, 1.0)])
 
 #: Every panel, a control of it, and a value that must change what is seen.
 PANELS = {
+    "basic": (lambda: BasicPanel(WALLS), "distance", 0.05),
     "clusters": (lambda: ClusterPanel(LOG[0]), "gap", 0.05),
     "distance": (DistancePanel, "angle", 30),
     "fusion": (lambda: FusionPanel(WALLS), "tolerance", 0.12),
@@ -144,6 +147,20 @@ def test_fusion_panel_shows_what_fusion_finds():
     assert np.array_equal(panel.reduction.segments, found.segments)
     assert panel.count.value == f"{len(found)} of 5 segments left"
     assert f"quality {quality(WALLS, found):.1%}" in panel.quality.value
+
+
+def test_basic_panel_shows_what_basic_finds():
+    """Catches degrees handed on as radians, and a box that is ticked without effect."""
+    bend = [[(0, 0), (1, 0)], [(2.1, 0.1), (3, 0.2)], [(1.05, 0), (2.05, 0.1)]]
+    map = SegmentMap(bend, scan=[0, 1, 2])
+    panel = BasicPanel(map, distance=0.15, angle=np.radians(4))
+    for online, method in ((False, basic_offline), (True, basic_online)):
+        panel.online.value = online
+        found = method(map, distance=0.15, angle=np.radians(4))
+        assert np.array_equal(panel.reduction.segments, found.segments)
+        assert panel.reduction.method == method.__name__
+        assert panel.count.value == f"{len(found)} of 3 segments left"
+        assert f"quality {quality(map, found):.1%}" in panel.quality.value
 
 
 def test_distance_panel_turned_wall():

@@ -318,6 +318,26 @@ def hough_by_complex_numbers(segment, near):
     return [(a * np.exp(-1j * theta)).real, theta]
 
 
+def matches_in_a_loop(a, b, distance, angle):
+    slopes = [np.arctan2(*(s[1] - s[0])[::-1]) for s in (a, b)]
+    near = any(np.linalg.norm(p - q) < distance for p in a for q in b)
+    return near and abs(np.arcsin(np.sin(slopes[0] - slopes[1]))) < angle
+
+
+def merged_by_vectors(a, b):
+    """Weights and the shorter turn by hand, ends in the other order."""
+    (la, lb), (ta, tb) = zip(
+        *((np.hypot(*v), np.arctan2(v[1], v[0])) for v in (a[1] - a[0], b[0] - b[1])), strict=True
+    )
+    tb -= np.pi * round((tb - ta) / np.pi)
+    way = np.array(
+        [np.cos((la * ta + lb * tb) / (la + lb)), np.sin((la * ta + lb * tb) / (la + lb))]
+    )
+    centre = (la * a.mean(0) + lb * b.mean(0)) / (la + lb)
+    along = [(p - centre) @ way for p in (*a, *b)]
+    return [centre + max(along) * way, centre + min(along) * way]
+
+
 OTHER_WAYS = {
     "compose": rotated_step,
     "beam_angles": beams_in_steps,
@@ -328,6 +348,8 @@ OTHER_WAYS = {
     "reduction_rate": rate_by_counting,
     "quality": quality_row_by_row,
     "hough": hough_by_complex_numbers,
+    "matches": matches_in_a_loop,
+    "merged": merged_by_vectors,
     "inside_strip": inside_in_a_loop,
     "best_shift": shift_in_a_loop,
 }
@@ -410,6 +432,16 @@ def test_the_wrong_order_of_compose_differs_from_the_right_one():
     found = testing.check_compose.solution(*case.arguments)
     assert_poses_equal(found, (1, 3, np.pi / 2))
     assert_poses_equal(between(case.arguments[0], found), case.arguments[1])
+
+
+@given(st.integers(0, 10**6))
+def test_match_and_merge_are_those_of_basic(seed):
+    """Catches an exercise that teaches another method than the library has."""
+    a, b = np.random.default_rng(seed).uniform(0, 1, (2, 2, 2))
+    found = segmap.reduction.basic_offline(np.array([a, b]), distance=0.5, angle=0.8)
+    assert (len(found) == 1) == testing.matches(a, b, 0.5, 0.8)
+    if len(found) == 1:
+        assert_segments_equal(found, testing.merged(a, b)[None])
 
 
 def test_no_mistake_takes_a_case_as_its_own():

@@ -5,6 +5,7 @@ They show their still picture where no kernel runs. Set a control from Python an
 """
 
 from ._base import Panel
+from ._basic import BasicPanel
 from ._clusters import ClusterPanel
 from ._distance import DistancePanel
 from ._fusion import FusionPanel
@@ -13,6 +14,7 @@ from ._room import RoomPanel
 from ._scan import ScanPanel
 
 __all__ = [
+    "BasicPanel",
     "ClusterPanel",
     "DistancePanel",
     "FusionPanel",

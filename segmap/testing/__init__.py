@@ -4,6 +4,7 @@
 """
 
 from ._assertions import assert_poses_equal, assert_segments_equal
+from ._basic_exercises import check_matches, check_merged, matches, merged
 from ._exercise import Case, Check, Exercise, Mistake
 from ._hough_exercises import check_hough
 from ._line_exercises import check_axial_mean, check_farthest_point, check_fit_line
@@ -30,6 +31,8 @@ EXERCISES: dict[str, Exercise] = {
         check_reduction_rate,
         check_quality,
         check_hough,
+        check_matches,
+        check_merged,
         check_inside_strip,
         check_best_shift,
     )
@@ -53,8 +56,12 @@ __all__ = [
     "check_fit_line",
     "check_hough",
     "check_inside_strip",
+    "check_matches",
+    "check_merged",
     "check_quality",
     "check_reduction_rate",
+    "matches",
+    "merged",
     "point_zoo",
     "scan_zoo",
     "segment_zoo",
