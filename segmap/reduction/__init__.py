@@ -7,6 +7,7 @@ from ._basic import basic_offline, basic_online
 from ._fusion import fusion
 from ._hough import hough
 from ._hybrid import hybrid
+from ._hybrid_fusion import hybrid_fusion
 from ._result import Method, Methods, Reduction
 
 #: Name of each method -> the method, with its place in A's table 2.16. A calls the class of Basic
@@ -45,6 +46,14 @@ METHODS = Methods(
         source="A 4.4",
         paper="Amigoni, Vailati 2009",
     ),
+    hybrid_fusion=Method(
+        hybrid_fusion,
+        "m -> 1",
+        online=True,
+        needs_points=False,
+        source="A 7",
+        keeps="rho, theta, length, end points, count",
+    ),
 )
 
 __all__ = [
@@ -57,4 +66,5 @@ __all__ = [
     "fusion",
     "hough",
     "hybrid",
+    "hybrid_fusion",
 ]

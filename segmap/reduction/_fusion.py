@@ -5,11 +5,9 @@ A moves the line greedily and can miss the best strip; the sweep over all shifts
 
 import time
 
-import numpy as np
-
 from ..segments import Segments, as_segments
 from . import _fusion_loops as loops
-from ._result import Reduction, whole_parents, with_length
+from ._result import Reduction, check_tolerance, whole_parents, with_length
 
 
 def fusion(map: Segments, *, tolerance: float = 0.04) -> Reduction:
@@ -40,15 +38,14 @@ def fusion(map: Segments, *, tolerance: float = 0.04) -> Reduction:
     Examples
     --------
     >>> wall = [[(0, 0), (2, 0)], [(1.5, 0.03), (3, 0.03)], [(5, 0), (6, 0)]]
-    >>> result = fusion(np.array(wall))
+    >>> result = fusion(wall)
     >>> result, result.parents
     (Reduction(fusion: 3 -> 2 segments), array([0, 0, 1]))
     >>> result.segments[0].round(6)
     array([[0., 0.],
            [3., 0.]])
     """
-    if not (tolerance > 0 and np.isfinite(tolerance)):
-        raise ValueError(f"tolerance must be positive and finite, in metres, got {tolerance}")
+    check_tolerance(tolerance)
     start = time.perf_counter()
     segments, index = with_length(map)
     found, parents = loops.fuse(segments, tolerance)

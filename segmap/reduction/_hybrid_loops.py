@@ -19,6 +19,8 @@ Indices = NDArray[np.int64]
 
 #: Distances closer than this, in metres, are equal: rounding must not choose between two walls.
 SAME = 1e-9
+#: Side of a cell of the grid, in distances.
+CELL = 1.5
 
 
 class State(NamedTuple):
@@ -49,11 +51,11 @@ def start(count: int) -> State:
     )
 
 
-def with_room(state: State, segments: Array, cell: float) -> State:
+def with_room(state: State, segments: Array, distance: float) -> State:
     """The same state, with room in its grid for what `(m, 2, 2)` new segments can enter, metres."""
     ends = np.concatenate([state.s[: state.used[0]], segments]).reshape(-1, 2)
     longest = float(np.hypot(*np.ptp(ends, axis=0)))
-    needed = int(state.used[1] + len(segments) * (2 * longest / cell + 3))
+    needed = int(state.used[1] + len(segments) * (2 * longest / (CELL * distance) + 3))
     if needed <= len(state.entry):
         return state
     entry = np.empty((2 * needed, 2), np.int64)
@@ -62,9 +64,9 @@ def with_room(state: State, segments: Array, cell: float) -> State:
 
 
 @compiled
-def enter(state: State, b: int, cell: float) -> None:
+def enter(state: State, b: int, distance: float) -> None:
     """Enter a map segment into every cell of a sample of it that does not hold it yet; metres."""
-    s, head, entry = state.s[b], state.head, state.entry
+    s, head, entry, cell = state.s[b], state.head, state.entry, CELL * distance
     dx, dy = s[1, 0] - s[0, 0], s[1, 1] - s[0, 1]
     steps = int(np.ceil(2 * np.hypot(dx, dy) / cell)) + 1
     for k in range(steps + 1):
@@ -109,7 +111,7 @@ def nearest_match(
     state: State, a: Array, rho: float, theta: float, distance: float, angle: float, mark: int
 ) -> int:
     """The nearest map segment whose line agrees with that of a; ties: lowest index; -1 for none."""
-    cell, best, least = 1.5 * distance, -1, distance
+    cell, best, least = CELL * distance, -1, distance
     for k in range(2):
         column, row = int(np.floor(a[k, 0] / cell)), int(np.floor(a[k, 1] / cell))
         for i in range(column - 1, column + 2):
@@ -178,4 +180,24 @@ def add_scan(
             state.used[0] += 1
         parents[first + i] = b
         if b >= 0:
-            enter(state, b, 1.5 * distance)
+            enter(state, b, distance)
+
+
+def replace_map(state: State, segments: Array, counts: Array, distance: float) -> State:
+    """The state of another map, `(m, 2, 2)` segments of metres that stand for `(m,)` counts."""
+    state.used[:] = 0
+    state.head[:] = -1
+    state = with_room(state, segments, distance)
+    put_all(state, segments, counts, distance)
+    return state
+
+
+@compiled
+def put_all(state: State, segments: Array, counts: Array, distance: float) -> None:
+    """Put `(m, 2, 2)` segments, metres, that stand for `(m,)` counts into an empty map."""
+    for b in range(len(segments)):
+        state.s[b] = segments[b]
+        state.lines[b, 0], state.lines[b, 1] = hough(segments[b])
+        state.lines[b, 2] = counts[b]
+        enter(state, b, distance)
+    state.used[0] = len(segments)
