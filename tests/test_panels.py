@@ -12,6 +12,7 @@ from segmap.panels import (
     ClusterPanel,
     DistancePanel,
     FusionPanel,
+    HybridPanel,
     Panel,
     PolylinePanel,
     RoomPanel,
@@ -19,7 +20,7 @@ from segmap.panels import (
 )
 from segmap.panels._base import VIEW, slider, text
 from segmap.plotting import ERROR, RESULT, TRUTH
-from segmap.reduction import basic_offline, basic_online
+from segmap.reduction import basic_offline, basic_online, hybrid
 from segmap.sensors import URG_04LX
 from segmap.simulation import drive, rectangular_room, simulate
 
@@ -28,6 +29,8 @@ LOG = simulate(
     ROOM, drive([(1, 1), (3, 1)], step=0.5), sensor=URG_04LX, rng=np.random.default_rng(2)
 )
 WALLS = SegmentMap([[(0, y), (2, y)] for y in (0.0, 0.03, 0.10, 0.15, 1.0)])
+#: Two that touch at (2, 0), six degrees apart: rho of both is near 0 there, and not elsewhere.
+LEANING = SegmentMap([[(0, 0), (2, 0)], [(1.95, 0), (3.9, 0.2)], [(9, 9), (9, 9.1)]])
 
 #: Every panel, a control of it, and a value that must change what is seen.
 PANELS = {
@@ -35,6 +38,7 @@ PANELS = {
     "clusters": (lambda: ClusterPanel(LOG[0]), "gap", 0.05),
     "distance": (DistancePanel, "angle", 30),
     "fusion": (lambda: FusionPanel(WALLS), "tolerance", 0.12),
+    "hybrid": (lambda: HybridPanel(LEANING), "origin", 20),
     "polylines": (lambda: PolylinePanel(LOG[0]), "tolerance", 0.005),
     "room": (lambda: RoomPanel(ROOM, (1, 1, 0)), "beams", 51),
     "scan": (lambda: ScanPanel(LOG), "step", 3),
@@ -214,3 +218,38 @@ def test_scan_panel_leaves_out_scans_without_a_pose():
 def test_scan_panel_without_any_pose():
     with pytest.raises(ValueError, match=r"at least one of them finite, got \(1, 3\) with 0"):
         ScanPanel(Log("lost", [LaserScan([1.0], [0.0])]))
+
+
+def test_hybrid_panel_shows_what_hybrid_finds():
+    """Catches degrees taken for radians, thresholds that are not handed on, a lost filter."""
+    panel = HybridPanel(LEANING, angle=5)
+    assert panel.count.value == "2 of 3 segments left"
+    assert panel.dropped.value == "1 dropped as too short"
+    panel.angle.value = 6
+    found = hybrid(LEANING, distance=0.20, angle=np.radians(6))
+    assert np.array_equal(panel.reduction.segments, found.segments)
+    assert panel.count.value == "1 of 3 segments left"
+    assert panel.quality.value.startswith(f"quality {quality(LEANING, found):.1%}")
+    panel.distance.value = 0.05
+    assert panel.dropped.value == "0 dropped as too short"
+
+
+def test_hybrid_panel_moves_the_origin_and_not_the_map():
+    """Catches a result that is drawn in the frame of the moved origin, or moved the wrong way."""
+    panel = HybridPanel(LEANING)
+    panel.origin.value = 3
+    found = hybrid(SegmentMap(LEANING.segments - [3, 0]))
+    assert panel.reduction.segments == pytest.approx(found.segments + [3, 0])
+    assert [len(panel.reduction), panel.origin.value] == [1, 3]
+    panel.origin.value = 20
+    assert panel.count.value == "2 of 3 segments left"
+
+
+def test_hybrid_panel_draws_every_line_in_the_box_of_its_result():
+    """Catches dots drawn by the other representative, far from the result of the same colour."""
+    upright = np.array([[(1, 0), (1.1, 3)], [(1.1, 0), (1, 3)], [(1, 0), (1.1, 3)]])
+    figure = Figure()
+    HybridPanel(SegmentMap(upright))._draw(figure)
+    dots, cross = (c.get_offsets() for c in figure.axes[1].collections[:2])
+    assert len(dots) == 3 and len(cross) == 1
+    assert (abs(dots - cross) < [10, 0.20]).all()

@@ -9,6 +9,7 @@ from ._basic import BasicPanel
 from ._clusters import ClusterPanel
 from ._distance import DistancePanel
 from ._fusion import FusionPanel
+from ._hybrid import HybridPanel
 from ._polylines import PolylinePanel
 from ._room import RoomPanel
 from ._scan import ScanPanel
@@ -18,6 +19,7 @@ __all__ = [
     "ClusterPanel",
     "DistancePanel",
     "FusionPanel",
+    "HybridPanel",
     "Panel",
     "PolylinePanel",
     "RoomPanel",
