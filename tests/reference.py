@@ -202,9 +202,16 @@ def nearness(a, b):
 def hybrid(segments, scans, distance, angle, min_length):
     """A 4.2, as ALGORITHMS states it. Returns the map, and where each input went."""
     map, into = [], [-1] * len(segments)
-    for i in sorted(range(len(segments)), key=lambda i: (scans[i], i)):
+    for scan in sorted(set(scans)):
+        hybrid_scan(map, into, segments, scans, scan, distance, angle, min_length)
+    return [entry[0] for entry in map], into
+
+
+def hybrid_scan(map, into, segments, scans, scan, distance, angle, min_length):
+    """One scan of Hybrid: changes the map, of (segment, rho, theta, count), and `into`."""
+    for i in range(len(segments)):
         a = [tuple(p) for p in segments[i]]
-        if segment_length(a) < SAME:
+        if scans[i] != scan or segment_length(a) < SAME:
             continue
         rho, theta = hough(a)
         found = []
@@ -228,6 +235,23 @@ def hybrid(segments, scans, distance, angle, min_length):
         elif segment_length(a) >= min_length:
             into[i] = len(map)
             map.append((a, rho, theta, 1))
+
+
+def hybrid_fusion(segments, scans, distance, angle, min_length, tolerance, every):
+    """A 7: Hybrid; Fusion of the whole map after every so many scans and after the last."""
+    map, into = [], [-1] * len(segments)
+    used = sorted(
+        {scan for scan, s in zip(scans, segments, strict=True) if segment_length(s) >= SAME}
+    )
+    for done, scan in enumerate(used, 1):
+        hybrid_scan(map, into, segments, scans, scan, distance, angle, min_length)
+        if done % every == 0 or done == len(used):
+            fused, parents, _ = fusion([entry[0] for entry in map], tolerance)
+            counts = [0] * len(fused)
+            for k, entry in enumerate(map):
+                counts[parents[k]] += entry[3]
+            map = [(s, *hough(s), count) for s, count in zip(fused.tolist(), counts, strict=True)]
+            into = [parents[k] if k >= 0 else -1 for k in into]
     return [entry[0] for entry in map], into
 
 

@@ -88,8 +88,8 @@ def run_scans(
     state, ended, live = loops.start(len(index)), [time.perf_counter()], []
     scans, moves = runs(scan[index]), []
     for done, (first, stop) in enumerate(scans, 1):
-        state = loops.with_room(state, segments[first:stop], distance)
-        loops.add_scan(state, segments[first:stop], first, distance, angle, least, parents)
+        new = segments[first:stop]
+        state = loops.add_scan(state, new, first, distance, angle, least, parents)
         state, moved = after_scan(state, done, len(scans))
         moves += [] if moved is None else [(stop, moved)]
         ended.append(time.perf_counter())

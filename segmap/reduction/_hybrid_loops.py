@@ -51,16 +51,12 @@ def start(count: int) -> State:
     )
 
 
-def with_room(state: State, segments: Array, distance: float) -> State:
-    """The same state, with room in its grid for what `(m, 2, 2)` new segments can enter, metres."""
-    ends = np.concatenate([state.s[: state.used[0]], segments]).reshape(-1, 2)
-    longest = float(np.hypot(*np.ptp(ends, axis=0)))
-    needed = int(state.used[1] + len(segments) * (2 * longest / (CELL * distance) + 3))
-    if needed <= len(state.entry):
-        return state
-    entry = np.empty((2 * needed, 2), np.int64)
-    entry[: state.used[1]] = state.entry[: state.used[1]]
-    return state._replace(entry=entry)
+def with_room(state: State, more: int) -> State:
+    """The same state, with room in its grid for twice what it holds and so many more entries."""
+    used = state.used[1]
+    entry = np.empty((2 * (used + more), 2), np.int64)
+    entry[:used] = state.entry[:used]
+    return state._replace(entry=entry, seen=np.full_like(state.seen, -1))
 
 
 @compiled
@@ -154,7 +150,15 @@ def absorb(state: State, b: int, a: Array, rho: float, theta: float) -> None:
 
 
 @compiled
-def add_scan(
+def most_entries(a: Array, b: Array, distance: float) -> int:
+    """How many entries the span of two segments can take, on any line; metres."""
+    dx = max(a[0, 0], a[1, 0], b[0, 0], b[1, 0]) - min(a[0, 0], a[1, 0], b[0, 0], b[1, 0])
+    dy = max(a[0, 1], a[1, 1], b[0, 1], b[1, 1]) - min(a[0, 1], a[1, 1], b[0, 1], b[1, 1])
+    return int(2 * np.hypot(dx, dy) / (CELL * distance)) + 4
+
+
+@compiled
+def add(
     state: State,
     segments: Array,
     first: int,
@@ -162,15 +166,19 @@ def add_scan(
     angle: float,
     min_length: float,
     parents: Indices,
-) -> None:
-    """Match the segments `(m, 2, 2)` of a scan with the map, one by one; those without may join.
+) -> int:
+    """Match segments `(m, 2, 2)` with the map, one by one; those without may join.
 
-    Writes where each went, -1 where dropped, into `parents[first:]`. Metres and radians.
+    Writes where each went, -1 where dropped, into `parents[first:]`. Metres and radians. Returns
+    how many it took: not all where the grid has no room for the next.
     """
     for i in range(len(segments)):
         a = segments[i]
         rho, theta = hough(a)
         b = nearest_match(state, a, rho, theta, distance, angle, first + i)
+        near = state.s[b] if b >= 0 else a
+        if state.used[1] + most_entries(a, near, distance) > len(state.entry):
+            return i
         if b >= 0:
             absorb(state, b, a, rho, theta)
         elif np.hypot(a[1, 0] - a[0, 0], a[1, 1] - a[0, 1]) >= min_length:
@@ -181,15 +189,33 @@ def add_scan(
         parents[first + i] = b
         if b >= 0:
             enter(state, b, distance)
+    return len(segments)
 
 
-def replace_map(state: State, segments: Array, counts: Array, distance: float) -> State:
-    """The state of another map, `(m, 2, 2)` segments of metres that stand for `(m,)` counts."""
-    state.used[:] = 0
-    state.head[:] = -1
-    state = with_room(state, segments, distance)
-    put_all(state, segments, counts, distance)
+def add_scan(
+    state: State,
+    segments: Array,
+    first: int,
+    distance: float,
+    angle: float,
+    min_length: float,
+    parents: Indices,
+) -> State:
+    """The state after `add` of all segments of a scan; the same arguments."""
+    done = add(state, segments, first, distance, angle, min_length, parents)
+    while done < len(segments):
+        state, rest = with_room(state, 1024), segments[done:]
+        done += add(state, rest, first + done, distance, angle, min_length, parents)
     return state
+
+
+@compiled
+def entries_of(segments: Array, distance: float) -> int:
+    """Most entries that `(m, 2, 2)` segments can take; metres."""
+    total = 0
+    for s in segments:
+        total += most_entries(s, s, distance)
+    return total
 
 
 @compiled
@@ -201,3 +227,13 @@ def put_all(state: State, segments: Array, counts: Array, distance: float) -> No
         state.lines[b, 2] = counts[b]
         enter(state, b, distance)
     state.used[0] = len(segments)
+
+
+def replace_map(state: State, segments: Array, counts: Array, distance: float) -> State:
+    """The state of another map: `(m, 2, 2)` segments, metres, that stand for `(m,)` counts."""
+    state.used[:] = 0
+    state.head[:] = -1
+    if (needed := entries_of(segments, distance)) > len(state.entry):
+        state = with_room(state, needed)
+    put_all(state, segments, counts, distance)
+    return state
