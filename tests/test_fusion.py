@@ -6,7 +6,8 @@ import reference
 from hypothesis import given
 from hypothesis import strategies as st
 
-from segmap import metrics
+from segmap import load, metrics
+from segmap.extraction import build_map
 from segmap.poses import transform
 from segmap.reduction import fusion
 from segmap.segments import length
@@ -48,6 +49,17 @@ def test_equals_the_literal_method(make, tolerance, seed):
     segments = make(np.random.default_rng(seed))
     expected, parents, _ = reference.fusion(segments.tolist(), tolerance)
     found = fusion(segments, tolerance=tolerance)
+    np.testing.assert_array_equal(found.parents, parents)
+    np.testing.assert_allclose(found.segments, expected, atol=1e-9)
+
+
+@pytest.mark.parametrize("turn", [0.0, 0.4, np.pi / 2])
+def test_equals_the_literal_method_on_a_real_map(turn):
+    """Long walls that cross many cells, and pieces of them that ended within rounding."""
+    log = load("malaga")
+    segments = transform((0, 0, turn), build_map(log, log.truth).segments[:400])
+    expected, parents, _ = reference.fusion(segments.tolist(), TOLERANCE)
+    found = fusion(segments, tolerance=TOLERANCE)
     np.testing.assert_array_equal(found.parents, parents)
     np.testing.assert_allclose(found.segments, expected, atol=1e-9)
 

@@ -49,10 +49,12 @@ def test_equals_the_literal_method(make, thresholds, seed):
     np.testing.assert_array_equal(found.parents, into)
 
 
-def test_equals_the_literal_method_on_a_real_map():
+@pytest.mark.parametrize("turn", [0.0, 0.4, np.pi / 2])
+def test_equals_the_literal_method_on_a_real_map(turn):
+    """Turned by a right angle, theta of half of the walls lies where it wraps."""
     log = load("malaga")
     map = build_map(log, log.truth)
-    map = SegmentMap(map.segments[:400], map.scan[:400])
+    map = SegmentMap(transform((0, 0, turn), map.segments[:400]), map.scan[:400])
     expected, into = reference.hybrid(
         map.segments.tolist(), map.scan.tolist(), 0.2, np.pi / 18, 0.2
     )
