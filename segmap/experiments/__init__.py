@@ -1,0 +1,30 @@
+"""Experiments: methods over thresholds and maps, and what they reach at equal quality.
+
+`sweep` runs them, here or on any `concurrent.futures.Executor`; `equal_quality` and `pareto`
+compare. `thesis_results` and `load_records` give the runs that come with segmap.
+"""
+
+from ._bundled import THESIS_FILTERS, THESIS_GRIDS, load_records, thesis_results
+from ._compare import Standing, Standings, equal_quality, front, pareto, reduction_at
+from ._online import Pace, load_pace
+from ._records import Record, Records
+from ._sweep import digest, sweep
+
+__all__ = [
+    "THESIS_FILTERS",
+    "THESIS_GRIDS",
+    "Pace",
+    "Record",
+    "Records",
+    "Standing",
+    "Standings",
+    "digest",
+    "equal_quality",
+    "front",
+    "load_pace",
+    "load_records",
+    "pareto",
+    "reduction_at",
+    "sweep",
+    "thesis_results",
+]
