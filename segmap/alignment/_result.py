@@ -1,0 +1,232 @@
+"""What every alignment method returns, and the trail of poses that all of them lay."""
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Literal, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .._display import Pictured, Table
+from ..angles import Array
+from ..poses import between, compose
+from ..scans import Log
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Match:
+    """How one scan lies on another, or why that could not be told.
+
+    Parameters
+    ----------
+    pose : (3,) array, metres and radians
+        Pose of the current scan in the frame of the reference; where nothing matched, the start.
+    covariance : (3, 3) array
+        Of x, y (metres) and heading (radians); infinite on the diagonal where nothing matched.
+    matched : bool
+    reason : str
+        Why nothing matched; empty where it did.
+    overlap : float
+        Share of the current scan that found its partner, in [0, 1].
+    free : (2,) array or None
+        Unit vector, in the reference's frame, along which the reference does not fix the motion (a
+        corridor's own direction); None where both directions are fixed.
+    """
+
+    pose: Array
+    covariance: Array
+    matched: bool
+    reason: str = ""
+    overlap: float = 0.0
+    free: Array | None = None
+
+    def __repr__(self) -> str:
+        x, y, heading = self.pose.round(4) + 0.0
+        found = f"{x:.6g} m, {y:.6g} m, {np.degrees(heading):.4g} deg"
+        loose = "" if self.free is None else ", free along one direction"
+        if not self.matched:
+            return f"Match(none: {self.reason})"
+        return f"Match({found}, overlap {self.overlap:.2f}{loose})"
+
+
+def no_match(start: ArrayLike, reason: str, overlap: float = 0.0) -> Match:
+    """The honest answer where nothing can be told of the pose `(3,)`, metres and radians."""
+    unknown = np.diag(np.full(3, np.inf))
+    return Match(np.array(start, float), unknown, False, reason, overlap)
+
+
+class Rejected(NamedTuple):
+    """A loop that was proposed and not believed: the two scans, and why."""
+
+    first: int
+    second: int
+    reason: str
+
+
+@dataclass(frozen=True, eq=False)
+class Graph:
+    """What a pose graph was solved from.
+
+    Parameters
+    ----------
+    edges : (m, 2) int array
+        Indices of the scans at both ends.
+    relative : (m, 3) array, metres and radians
+        Measured pose of the second in the frame of the first.
+    loop : (m,) bool array
+        Whether the edge closes a loop (else it joins neighbours in time).
+    residuals : (m,) array
+        Length of what the solution leaves of each edge, in standard deviations.
+    rejected : tuple of Rejected
+    """
+
+    edges: NDArray[np.int64]
+    relative: Array
+    loop: NDArray[np.bool_]
+    residuals: Array
+    rejected: tuple[Rejected, ...] = ()
+
+    def __repr__(self) -> str:
+        loops = int(self.loop.sum())
+        return (
+            f"Graph({len(self.edges) - loops} steps, {loops} loops, {len(self.rejected)} rejected)"
+        )
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Alignment(Pictured):
+    """One pose for each scan of a log, and which of them rest on a match.
+
+    Parameters
+    ----------
+    poses : (k, 3) array, metres and radians
+        Always finite: a scan that could not be matched carries the odometry on.
+    used : (k,) bool array
+        Whether the pose rests on the method's own evidence.
+    seconds : float
+        Time that the method took.
+    method : str
+        Its name in `alignment.METHODS`.
+    reasons : tuple of k str
+        Why a scan was not used; empty where it was.
+    graph : Graph or None
+        Edges, rejected loops and residuals of a pose graph.
+
+    Examples
+    --------
+    >>> Alignment(np.zeros((2, 3)), np.array([True, False]), 0.1, "backbone", ("", "turning"))
+    Alignment(backbone: 2 scans, 1 used)
+    """
+
+    poses: Array
+    used: NDArray[np.bool_]
+    seconds: float
+    method: str = ""
+    reasons: tuple[str, ...] = ()
+    graph: Graph | None = field(default=None)
+
+    @property
+    def trusted(self) -> Array:
+        """The poses, with NaN for scans that were not used: `build_map` leaves those out."""
+        return np.where(self.used[:, None], self.poses, np.nan)
+
+    def why(self) -> Table:
+        """How many scans were not used, by reason."""
+        counts: dict[str, int] = {}
+        for reason in self.reasons:
+            counts[reason] = counts.get(reason, 0) + bool(reason)
+        rows = sorted(((n, why) for why, n in counts.items() if n), reverse=True)
+        return Table(["scans", "not used because"], rows)
+
+    def __len__(self) -> int:
+        return len(self.poses)
+
+    def __repr__(self) -> str:
+        return f"Alignment({self.method}: {len(self)} scans, {int(self.used.sum())} used)"
+
+
+class Trail:
+    """The poses laid so far, scan by scan, and the guess of the next one.
+
+    The order of recording counts and no time: scans with equal or exchanged times give the same
+    poses. The guess is the last pose and the odometry step; where the log holds no odometry for one
+    of the two scans, the robot is thought to move on as it did last (constant velocity).
+    """
+
+    def __init__(self, log: Log) -> None:
+        self.begun = time.perf_counter()
+        self.steps = odometry_steps(log)
+        first = log.odometry[0] if len(log) else np.zeros(3)
+        self.poses: list[Array] = [first if np.isfinite(first).all() else np.zeros(3)][: len(log)]
+        self.reasons: list[str] = [""][: len(log)]
+
+    def guess(self) -> Array:
+        """Expected pose of the next scan, `(3,)`, metres and radians."""
+        return compose(self.poses[-1], self.step())
+
+    def step(self) -> Array:
+        """Expected motion to the next scan, `(3,)`, metres and radians."""
+        step = self.steps[len(self.poses) - 1]
+        if np.isfinite(step).all():
+            return step
+        return between(self.poses[-2], self.poses[-1]) if len(self.poses) > 1 else np.zeros(3)
+
+    def place(self, pose: ArrayLike) -> None:
+        """Lay the pose of the next scan, which a match has found."""
+        self.poses.append(np.asarray(pose, float))
+        self.reasons.append("")
+
+    def carry(self, reason: str) -> None:
+        """Lay the guess: the next scan could not be matched, for this reason."""
+        self.poses.append(self.guess())
+        self.reasons.append(reason)
+
+    def alignment(self, method: str, graph: Graph | None = None) -> Alignment:
+        """What was laid, as the result of a method."""
+        poses = np.array(self.poses).reshape(-1, 3)
+        used = np.array([not reason for reason in self.reasons], bool)
+        seconds = time.perf_counter() - self.begun
+        return Alignment(poses, used, seconds, method, tuple(self.reasons), graph)
+
+
+def odometry_steps(log: Log) -> Array:
+    """Motion by odometry from each scan to the next, `(k - 1, 3)`; NaN where an end has none."""
+    poses = log.odometry
+    return between(poses[:-1], poses[1:]) if len(poses) > 1 else np.empty((0, 3))
+
+
+class Method(NamedTuple):
+    """An alignment method and what it needs.
+
+    Parameters
+    ----------
+    function : callable
+        `function(log, *, thresholds) -> Alignment`.
+    works : str
+        On pairs of scans, against a map that grows, or on all scans at once.
+    needs_odometry : bool
+        Whether it needs odometry that is right to within its thresholds.
+    source : str
+    """
+
+    function: Callable[..., Alignment]
+    works: Literal["alone", "pairs", "map", "all"]
+    needs_odometry: bool
+    source: str
+
+    def __call__(self, log: Log, **thresholds: object) -> Alignment:
+        """Align a log: `METHODS[name](log, ...)` is `alignment.<name>(log, ...)`."""
+        return self.function(log, **thresholds)
+
+
+def check_positive(**values: float) -> None:
+    """Refuse a threshold that is not positive and finite, naming it.
+
+    Raises
+    ------
+    ValueError
+    """
+    for name, value in values.items():
+        if not (value > 0 and np.isfinite(value)):
+            raise ValueError(f"{name} must be positive and finite, got {value}")
