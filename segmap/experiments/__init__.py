@@ -5,9 +5,19 @@ compare. `thesis_results` and `load_records` give the runs that come with segmap
 """
 
 from ._bundled import THESIS_FILTERS, THESIS_GRIDS, load_records, thesis_results
-from ._compare import Standing, Standings, equal_quality, front, pareto, reduction_at
+from ._compare import (
+    Standing,
+    Standings,
+    by_method,
+    by_setting,
+    equal_quality,
+    front,
+    pareto,
+    points_of,
+    reduction_at,
+)
 from ._online import Pace, load_pace
-from ._records import Record, Records
+from ._records import Record, Records, number_words
 from ._sweep import digest, sweep
 
 __all__ = [
@@ -18,12 +28,16 @@ __all__ = [
     "Records",
     "Standing",
     "Standings",
+    "by_method",
+    "by_setting",
     "digest",
     "equal_quality",
     "front",
     "load_pace",
     "load_records",
+    "number_words",
     "pareto",
+    "points_of",
     "reduction_at",
     "sweep",
     "thesis_results",

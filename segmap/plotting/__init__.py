@@ -1,9 +1,10 @@
-"""Pictures: `draw_*(..., ax=None) -> ax`, in metres, with equal scales.
+"""Pictures: `draw_*(..., ax=None) -> ax`, maps in metres, with equal scales.
 
 Without `ax` a new pyplot figure is made, small enough for a notebook. Each colour means the same in
 every picture, and the colour-blind can tell them apart (Okabe and Ito, 2008).
 """
 
+from ._experiments import METHOD_STYLES, draw_curves, draw_online
 from ._pictures import figure_png, thumbnail
 from ._scans import draw_log, draw_path, draw_scan
 from ._segments import draw_before_after, draw_provenance, draw_segments
@@ -15,12 +16,15 @@ __all__ = [
     "ERRORS",
     "GROUPS",
     "MAP",
+    "METHOD_STYLES",
     "RAW",
     "RESULT",
     "SIZE",
     "TRUTH",
     "draw_before_after",
+    "draw_curves",
     "draw_log",
+    "draw_online",
     "draw_path",
     "draw_provenance",
     "draw_scan",
