@@ -3,6 +3,7 @@
 import sys
 import types
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
+from dataclasses import replace
 from multiprocessing import get_context
 
 import numpy as np
@@ -126,6 +127,18 @@ def test_the_first_call_is_not_timed():
 
     sweep({"hall": HALL, "room": ROOM}, {"mine": method}, {"mine": {"tolerance": [0.1, 0.2]}})
     assert calls == [3, 70, 70, 50, 50]
+
+
+def test_seconds_are_the_median_of_the_runs():
+    """Catches the last run, the mean, and a warm-up that is counted."""
+    times = iter([9.0, 3.0, 1.0, 8.0])
+
+    def method(map):
+        return replace(keep_all(map), seconds=next(times))
+
+    assert sweep({"hall": HALL}, {"mine": method}, repeat=3)[0].seconds == 3.0
+    with pytest.raises(ValueError, match="repeat must be at least 1, got 0"):
+        sweep({"hall": HALL}, ["fusion"], repeat=0)
 
 
 # ------------------------------------------------------------------ where it is run

@@ -4,7 +4,7 @@
 compare. `thesis_results` and `load_records` give the runs that come with segmap.
 """
 
-from ._bundled import THESIS_FILTERS, THESIS_GRIDS, load_records, thesis_results
+from ._bundled import THESIS_FILTERS, THESIS_GRIDS, load_records, thesis_grid, thesis_results
 from ._compare import (
     Standing,
     Standings,
@@ -40,5 +40,6 @@ __all__ = [
     "points_of",
     "reduction_at",
     "sweep",
+    "thesis_grid",
     "thesis_results",
 ]

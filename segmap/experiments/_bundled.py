@@ -1,7 +1,7 @@
 """Records that come with segmap: those of the thesis, and those of its grid on our buildings."""
 
 import csv
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from math import radians
 from pathlib import Path
 
@@ -65,6 +65,23 @@ def load_records(*names: str) -> Records:
     place = folder("records")
     chosen = names or sorted(path.stem for path in place.glob("*.csv"))
     return Records(record for name in chosen for record in Records.read(known(place, name)))
+
+
+def thesis_grid(records: Iterable[Record]) -> Records:
+    """Those runs whose thresholds and filter appendix A has too: 66 on each building.
+
+    Examples
+    --------
+    >>> len(thesis_grid(thesis_results()))
+    264
+    """
+    known = {_run(record) for record in thesis_results()}
+    return Records(record for record in records if _run(record) in known)
+
+
+def _run(record: Record) -> tuple[object, ...]:
+    thresholds = sorted((name, round(value or 0, 9)) for name, value in record.thresholds.items())
+    return record.method, record.filtered, *thresholds
 
 
 def _thesis_record(row: dict[str, str]) -> Record:

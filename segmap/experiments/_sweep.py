@@ -7,6 +7,7 @@ from concurrent.futures import Executor, as_completed
 from contextlib import closing
 from itertools import product
 from pathlib import Path
+from statistics import median
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -38,6 +39,7 @@ class Job(NamedTuple):
     method: str
     function: Function
     thresholds: Thresholds
+    repeat: int = 1
 
 
 def sweep(
@@ -49,6 +51,7 @@ def sweep(
     executor: Executor | None = None,
     records: str | Path | None = None,
     progress: Progress | bool = False,
+    repeat: int = 1,
 ) -> Records:
     """Run methods on maps with all thresholds of their grids.
 
@@ -75,6 +78,8 @@ def sweep(
         takes from it what it finds. Delete the file when a method has changed.
     progress : bool or `progress(done, total, record or None)`
         True shows a bar in a notebook or a terminal, and nothing elsewhere.
+    repeat : int
+        Seconds are the median of so many runs, all else is that of the last one.
 
     Returns
     -------
@@ -101,7 +106,10 @@ def sweep(
     0.10 m    tolerance 0.01  2         2
     0.10 m    tolerance 0.04  2         1
     """
-    jobs = _jobs(maps, _functions(methods), grids or {}, tuple(filters))
+    if repeat < 1:
+        raise ValueError(f"repeat must be at least 1, got {repeat}")
+    plan = _jobs(maps, _functions(methods), grids or {}, tuple(filters))
+    jobs = [job._replace(repeat=repeat) for job in plan]
     done: dict[int, Record] = {}
     with Journal(records) as journal, shown(progress) as report:
         done |= journal.known({k: _key(job) for k, job in enumerate(jobs)})
@@ -137,14 +145,15 @@ def run(job: Job) -> Record:
     """One run, in whatever process: what an executor is given."""
     try:
         _warm_up(job)
-        found = job.function(job.segments, **job.thresholds)
+        runs = [job.function(job.segments, **job.thresholds) for _ in range(job.repeat)]
+        found, seconds = runs[-1], median(each.seconds for each in runs)
         kept, rate = quality(job.segments, found), reduction_rate(job.segments, found)
     except Exception as error:
         kind = ValueError if isinstance(error, ValueError) else RuntimeError
         raise kind(f"{_words(job)}: {type(error).__name__}: {error}") from error
-    counts, seconds = (len(job.segments), len(found)), round(found.seconds, 6)
+    counts = len(job.segments), len(found)
     what = (job.map, job.method, job.thresholds, job.filtered)
-    return Record(*what, *counts, round(rate, 9), round(kept, 9), seconds, job.digest)
+    return Record(*what, *counts, round(rate, 9), round(kept, 9), round(seconds, 6), job.digest)
 
 
 def _warm_up(job: Job) -> None:

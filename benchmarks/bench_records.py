@@ -1,0 +1,120 @@
+"""The grid of the thesis on buildings that it never saw: writes `data/records/*.csv`.
+
+Maps hold every piece of two points or more, whatever its length, as A's extraction does: with the
+defaults (five points, 0.10 m) the filter of 0.10 m would find nothing to do. Those are run too,
+unfiltered, as `malaga_default` and `intel_default`. Logs are thinned to the sizes of A's maps.
+"""
+
+from collections.abc import Iterator
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+
+from segmap import METHODS, Log, SegmentMap, build_map, load, read
+from segmap.experiments import THESIS_FILTERS, Pace, Records, sweep
+from segmap.experiments._online import write_pace
+from segmap.simulation import SICK_LMS200, drive, office, simulate
+
+from .measure import ROOT, SHARED, Row, missing
+
+FOLDER = ROOT / "data" / "records"
+#: Every piece of a scan is a segment.
+PIECES = {"min_points": 2, "min_length": 0.0}
+
+_ANGLES = np.radians([2.5, 5, 10, 20])
+_DISTANCES = [0.02, 0.05, 0.10, 0.20, 0.30, 0.40]
+#: A's thresholds, smaller ones that reach higher qualities, and a grid for what A only names.
+GRIDS = {
+    "basic_offline": {"angle": _ANGLES, "distance": _DISTANCES},
+    "basic_online": {"angle": _ANGLES, "distance": _DISTANCES},
+    "hybrid": {"angle": _ANGLES, "distance": _DISTANCES},
+    "mean_shift": {"sigma": [0.05, 0.10, 0.20, 0.30, 0.40]},
+    "fusion": {"tolerance": [0.005, 0.01, 0.02, 0.04, 0.06, 0.08, 0.10]},
+    "hybrid_fusion": {
+        "angle": np.radians([5, 10]),
+        "distance": [0.02, 0.05, 0.10, 0.20],
+        "tolerance": [0.01, 0.02, 0.04],
+    },
+}
+#: A method that runs for seconds is measured once, the others so many times.
+REPEAT = 5
+
+#: A's figures of time against scans show these two settings (A 6.3).
+ONLINE = [
+    {"distance": 0.10, "angle": np.radians(10)},
+    {"distance": 0.40, "angle": np.radians(20)},
+]
+EVERY = 32
+
+
+def rows() -> Iterator[Row]:
+    for name, map in maps().items():
+        filters = (None,) if name.endswith("_default") else THESIS_FILTERS
+        slow, fast = (
+            sweep({name: map}, part, GRIDS, filters=filters, repeat=n)
+            for part, n in (
+                (["mean_shift"], 1),
+                ([m for m in METHODS if m != "mean_shift"], REPEAT),
+            )
+        )
+        order = {method: k for k, method in enumerate(METHODS)}
+        both = sorted([*slow, *fast], key=lambda r: (r.filtered or 0, order[r.method]))
+        FOLDER.mkdir(exist_ok=True)
+        Records(both).write(FOLDER / f"{name}.csv")
+        total = sum(record.seconds for record in both)
+        yield Row(f"{name}, {len(map)} segments", f"{len(both)} runs of {total:.1f} s in all")
+    if intel() is None:
+        yield from missing("Intel and FR079: their stored records stay")
+        return
+    yield online()
+
+
+def maps() -> dict[str, SegmentMap]:
+    """The buildings whose logs are here."""
+    found = {"malaga": load("malaga"), "office": simulated()}
+    if (log := intel()) is not None:
+        found |= {"intel": log[::8], "fr079": read(SHARED / "data" / "fr079.log.gz")[::32]}
+    made = {name: build_map(log, log.truth, **PIECES) for name, log in found.items()}
+    for name in {"malaga", "intel"} & set(found):
+        made[f"{name}_default"] = build_map(found[name], found[name].truth)
+    return made
+
+
+@cache
+def intel() -> Log | None:
+    path = SHARED / "data" / "intel.log.gz"
+    return read(path) if path.exists() else None
+
+
+def simulated() -> Log:
+    """A SICK through eight furnished rooms along a corridor, there and back; true poses."""
+    rng = np.random.default_rng(66)
+    walls = office(rng=rng, rooms=4)
+    rooms = [(x, y) for x in (2, 6, 10, 14) for y in (5, 7.6, 5, 2.4, 5)]
+    there = [(1, 5), *rooms, (15, 5)]
+    path = drive([*there, *there[-2::-1]], step=0.8, turn=np.radians(45))
+    sensor = replace(SICK_LMS200, period=1.2)
+    return simulate(walls, path, sensor=sensor, rng=rng, name="office")
+
+
+def online() -> Row:
+    """Time against scans on all of Intel: the median of three runs at every scan."""
+    log = intel()
+    map = build_map(log, log.truth, **PIECES)
+    paces = [
+        pace(name, map, thresholds)
+        for name in METHODS
+        if METHODS[name].online
+        for thresholds in ONLINE
+    ]
+    (FOLDER / "online").mkdir(exist_ok=True)
+    write_pace(paces, FOLDER / "online" / "intel.csv")
+    powers = ", ".join(f"{p.method} {p.power:.2f}" for p in paces)
+    return Row(f"on-line on {len(log)} scans", f"time ~ scans ^ ({powers})")
+
+
+def pace(name: str, map: SegmentMap, thresholds: dict[str, float]) -> Pace:
+    runs = [METHODS[name](map, **thresholds) for _ in range(3)]
+    took = np.median([found.scan_seconds for found in runs], axis=0)
+    return Pace.of(replace(runs[0], scan_seconds=took), thresholds, every=EVERY)
