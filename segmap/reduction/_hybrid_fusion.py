@@ -29,6 +29,8 @@ def hybrid_fusion(
     hard to turn; its rho and theta are its own, no mean of theirs; the map is listed as Fusion
     lists it, longest first.
 
+    The errors of both add up: the quality of Hybrid alone asks for smaller thresholds than its.
+
     Parameters
     ----------
     map : SegmentMap, Reduction or (n, 2, 2) array, metres
@@ -41,7 +43,9 @@ def hybrid_fusion(
         As in `fusion`.
     every : int
         Scans between two Fusions, of those that have segments; more than there are: Fusion at the
-        end only.
+        end only. With 50, the map of an office building stays at a third of Hybrid's all the way.
+        From 10 to the end only, reduction at equal quality rises by less than 0.02 there, and time
+        falls: each Fusion takes as long as the map is large.
 
     Returns
     -------
