@@ -8,6 +8,7 @@ from ._fusion import fusion
 from ._hough import hough
 from ._hybrid import hybrid
 from ._hybrid_fusion import hybrid_fusion
+from ._mean_shift import mean_shift
 from ._result import Method, Methods, Reduction
 
 #: Name of each method -> the method, with its place in A's table 2.16. A calls the class of Basic
@@ -38,6 +39,14 @@ METHODS = Methods(
         keeps="rho, theta, length, end points, count",
         paper="Kuo et al. 2009",
     ),
+    mean_shift=Method(
+        mean_shift,
+        "m -> n",
+        online=False,
+        needs_points=False,
+        source="A 4.3",
+        paper="Lakaemper 2009",
+    ),
     fusion=Method(
         fusion,
         "m -> 1",
@@ -67,4 +76,5 @@ __all__ = [
     "hough",
     "hybrid",
     "hybrid_fusion",
+    "mean_shift",
 ]
