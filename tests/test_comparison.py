@@ -233,8 +233,7 @@ def test_the_table_of_methods_is_that_of_the_thesis():
     assert "rho, theta" in rows["hybrid"][4] and "count" in rows["hybrid"][4]
     assert rows["fusion"] == ("A 4.4", "m -> 1", "off-line", "segments", ends)
     assert rows["hybrid_fusion"][0] == "A 7"
-    if "mean_shift" in rows:
-        assert rows["mean_shift"] == ("A 4.3", "m -> n", "off-line", "segments", ends)
+    assert rows["mean_shift"] == ("A 4.3", "m -> n", "off-line", "segments", ends)
     assert METHODS._repr_html_().count("<tr>") == 1 + len(METHODS)
     assert "0x" not in repr(METHODS)
 

@@ -16,6 +16,7 @@ from ._compare import (
     points_of,
     reduction_at,
 )
+from ._conclusions import Answer, Conclusion, conclusion_table, conclusions, density
 from ._online import Pace, load_pace
 from ._records import Record, Records, number_words
 from ._sweep import digest, sweep
@@ -23,6 +24,8 @@ from ._sweep import digest, sweep
 __all__ = [
     "THESIS_FILTERS",
     "THESIS_GRIDS",
+    "Answer",
+    "Conclusion",
     "Pace",
     "Record",
     "Records",
@@ -30,6 +33,9 @@ __all__ = [
     "Standings",
     "by_method",
     "by_setting",
+    "conclusion_table",
+    "conclusions",
+    "density",
     "digest",
     "equal_quality",
     "front",
