@@ -32,6 +32,7 @@ found = [
     reduced.parents,
     reduction.basic_offline(seen).segments,
     reduction.hybrid(seen).segments,
+    reduction.mean_shift(seen[:9], sigma=1.0).segments,
     simulation.cast_rays(walls, (0.1, 0.2, 0.3), t, max_range=4.0),
 ]
 print("numba" in sys.modules and sys.modules["numba"] is not None)
