@@ -7,9 +7,11 @@ import pytest
 from matplotlib.figure import Figure
 
 from segmap import LaserScan, Log, SegmentMap, fusion, quality
+from segmap.experiments import sweep
 from segmap.panels import (
     BasicPanel,
     ClusterPanel,
+    ComparePanel,
     DistancePanel,
     FusionPanel,
     HybridPanel,
@@ -32,10 +34,17 @@ WALLS = SegmentMap([[(0, y), (2, y)] for y in (0.0, 0.03, 0.10, 0.15, 1.0)])
 #: Two that touch at (2, 0), six degrees apart: rho of both is near 0 there, and not elsewhere.
 LEANING = SegmentMap([[(0, 0), (2, 0)], [(1.95, 0), (3.9, 0.2)], [(9, 9), (9, 9.1)]])
 
+RUNS = sweep(
+    {"walls": WALLS},
+    ["fusion", "hybrid"],
+    {"fusion": {"tolerance": [0.02, 0.06, 0.2]}, "hybrid": {"distance": [0.02, 0.2]}},
+)
+
 #: Every panel, a control of it, and a value that must change what is seen.
 PANELS = {
     "basic": (lambda: BasicPanel(WALLS), "distance", 0.05),
     "clusters": (lambda: ClusterPanel(LOG[0]), "gap", 0.05),
+    "compare": (lambda: ComparePanel(WALLS, RUNS), "wanted", 50),
     "distance": (DistancePanel, "angle", 30),
     "fusion": (lambda: FusionPanel(WALLS), "tolerance", 0.12),
     "hybrid": (lambda: HybridPanel(LEANING), "origin", 20),
@@ -253,3 +262,24 @@ def test_hybrid_panel_draws_every_line_in_the_box_of_its_result():
     dots, cross = (c.get_offsets() for c in figure.axes[1].collections[:2])
     assert len(dots) == 3 and len(cross) == 1
     assert (abs(dots - cross) < [10, 0.20]).all()
+
+
+def test_the_compare_panel_shows_the_run_that_reduces_most_at_a_quality():
+    """Catches the nearest run, one that falls short, and a map made with other thresholds."""
+    panel = ComparePanel(WALLS, RUNS)
+    for name in ("fusion", "hybrid"):
+        for wanted in (40, 72, 96):
+            panel.method.value, panel.wanted.value = name, wanted
+            good = [r for r in RUNS.select(method=name) if r.quality >= wanted / 100]
+            most = max(good, key=lambda r: r.reduction)
+            assert panel.record == most
+            assert len(panel.reduction) == panel.record.n_after
+            assert panel.reduction.method == name
+
+
+def test_the_compare_panel_shows_the_best_run_where_none_is_good_enough():
+    """Catches an empty choice, and the run that reduces most."""
+    poor = [r for r in RUNS.select(method="fusion") if r.quality < 0.97]
+    panel = ComparePanel(WALLS, poor)
+    panel.wanted.value = 98
+    assert len(poor) > 1 and panel.record == max(poor, key=lambda r: r.quality)

@@ -338,6 +338,18 @@ def merged_by_vectors(a, b):
     return [centre + max(along) * way, centre + min(along) * way]
 
 
+def reduction_by_hand(points, quality):
+    reached = [tuple(p) for p in points if not any((q > p).all() for q in points)]
+    above = [p for p in reached if p[0] >= quality]
+    below = [p for p in reached if p[0] < quality]
+    if not above:
+        return float("nan")
+    if not below:
+        return max(r for _, r in above)
+    (q0, r0), (q1, r1) = max(below), min(above)
+    return r0 + (quality - q0) / (q1 - q0) * (r1 - r0)
+
+
 OTHER_WAYS = {
     "compose": rotated_step,
     "beam_angles": beams_in_steps,
@@ -352,6 +364,7 @@ OTHER_WAYS = {
     "merged": merged_by_vectors,
     "inside_strip": inside_in_a_loop,
     "best_shift": shift_in_a_loop,
+    "reduction_at": reduction_by_hand,
 }
 
 

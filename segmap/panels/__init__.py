@@ -7,6 +7,7 @@ They show their still picture where no kernel runs. Set a control from Python an
 from ._base import Panel
 from ._basic import BasicPanel
 from ._clusters import ClusterPanel
+from ._compare import ComparePanel
 from ._distance import DistancePanel
 from ._fusion import FusionPanel
 from ._hybrid import HybridPanel
@@ -17,6 +18,7 @@ from ._scan import ScanPanel
 __all__ = [
     "BasicPanel",
     "ClusterPanel",
+    "ComparePanel",
     "DistancePanel",
     "FusionPanel",
     "HybridPanel",

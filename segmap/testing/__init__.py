@@ -5,6 +5,7 @@
 
 from ._assertions import assert_poses_equal, assert_segments_equal
 from ._basic_exercises import check_matches, check_merged, matches, merged
+from ._comparison_exercises import check_reduction_at
 from ._exercise import Case, Check, Exercise, Mistake
 from ._hough_exercises import check_hough
 from ._line_exercises import check_axial_mean, check_farthest_point, check_fit_line
@@ -35,6 +36,7 @@ EXERCISES: dict[str, Exercise] = {
         check_merged,
         check_inside_strip,
         check_best_shift,
+        check_reduction_at,
     )
 }
 
@@ -59,6 +61,7 @@ __all__ = [
     "check_matches",
     "check_merged",
     "check_quality",
+    "check_reduction_at",
     "check_reduction_rate",
     "matches",
     "merged",
