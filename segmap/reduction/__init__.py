@@ -8,7 +8,7 @@ from ._fusion import fusion
 from ._hough import hough
 from ._hybrid import hybrid
 from ._hybrid_fusion import hybrid_fusion
-from ._mean_shift import mean_shift
+from ._mean_shift import Directions, common_directions, mean_shift
 from ._result import Method, Methods, Reduction
 
 #: Name of each method -> the method, with its place in A's table 2.16. A calls the class of Basic
@@ -67,11 +67,13 @@ METHODS = Methods(
 
 __all__ = [
     "METHODS",
+    "Directions",
     "Method",
     "Methods",
     "Reduction",
     "basic_offline",
     "basic_online",
+    "common_directions",
     "fusion",
     "hough",
     "hybrid",

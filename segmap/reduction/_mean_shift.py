@@ -4,6 +4,7 @@ The second phase stretches its kernel along the direction that the first has fou
 """
 
 import time
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -74,10 +75,76 @@ def mean_shift(
     if len(segments):
         origin = segments.mean(axis=(0, 1))
         middle, half, first = cut(segments - origin, sigma)
-        found, into = loops.merge(middle, half, sigma, bandwidth)
+        _, label, theta = loops.directions(middle, half, sigma, bandwidth)
+        found, into = loops.lines(middle, half, label, theta, sigma)
         segments, parents = found + origin, loops.longest_share(into, first)
     parents = whole_parents(len(as_segments(map)), index, parents)
     return Reduction(segments, parents, time.perf_counter() - start, "mean_shift")
+
+
+class Directions(NamedTuple):
+    """What phase 1 of mean shift makes of a map of n segments, cut into p pieces.
+
+    Parameters
+    ----------
+    pieces : (p, 2, 2) array, metres
+    owner : (p,) int array
+        Index of the segment that each was cut from.
+    centres : (p, 3) array, metres and radians
+        Where each has climbed to: x, y and angle, in `[0, pi)`.
+    cluster : (p,) int array
+        Clusters by their first piece, from 0.
+    theta : (k,) array, radians
+        Direction of each cluster, in `(-pi/2, pi/2]`.
+    """
+
+    pieces: Array
+    owner: NDArray[np.int64]
+    centres: Array
+    cluster: NDArray[np.int64]
+    theta: Array
+
+
+def common_directions(
+    map: Segments, *, sigma: float = 0.20, bandwidth: float = np.pi / 18 / 0.20
+) -> Directions:
+    """Cluster the pieces of a map by place and direction: phase 1 of `mean_shift` (A 4.3.3).
+
+    Parameters
+    ----------
+    map : SegmentMap, Reduction or (n, 2, 2) array, metres
+    sigma : float, metres
+    bandwidth : float, radians a metre
+        As for `mean_shift`.
+
+    Returns
+    -------
+    Directions
+        Segments without length have no pieces.
+
+    Raises
+    ------
+    ValueError
+        As `mean_shift`.
+
+    Examples
+    --------
+    >>> corner = np.array([[(0, 0), (0.4, 0)], [(0, 0), (0, 0.4)]])
+    >>> found = common_directions(corner)
+    >>> found.owner, found.cluster, np.degrees(found.theta)
+    (array([0, 0, 1, 1]), array([0, 0, 1, 1]), array([ 0., 90.]))
+    """
+    segments, index = with_length(map)
+    check_scales(segments, sigma, bandwidth)
+    if len(segments) == 0:
+        return Directions(segments, index, np.empty((0, 3)), index, np.empty(0))
+    origin = segments.mean(axis=(0, 1))
+    middle, half, first = cut(segments - origin, sigma)
+    centres, label, theta = loops.directions(middle, half, sigma, bandwidth)
+    centres[:, :2] += origin
+    pieces = np.stack([middle - half, middle + half], axis=1) + origin
+    names, cluster = np.unique(label, return_inverse=True)
+    return Directions(pieces, np.repeat(index, np.diff(first)), centres, cluster, theta[names])
 
 
 def cut(segments: Array, sigma: float) -> tuple[Array, Array, NDArray[np.int64]]:

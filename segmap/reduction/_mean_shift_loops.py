@@ -81,24 +81,44 @@ def collinear(
 
 
 @compiled
-def merge(middle: Array, half: Array, sigma: float, bandwidth: float) -> tuple[Array, Indices]:
-    """Both phases: segments `(m, 2, 2)`, metres, by their lowest piece, and that of each piece.
+def directions(
+    middle: Array, half: Array, sigma: float, bandwidth: float
+) -> tuple[Array, Indices, Array]:
+    """Phase 1 (A 4.3.3): centres `(n, 3)`, metres and radians, their clusters, and directions.
 
-    Pieces have middles and halves `(n, 2)`, metres; the bandwidth is in radians a metre.
+    Pieces have middles and halves `(n, 2)`, metres; the bandwidth is in radians a metre. Clusters
+    are named by their lowest piece; the direction of its cluster, radians, stands at each piece.
     """
     unit = bandwidth * sigma
     points = np.empty((len(middle), 3))
     points[:, :2] = middle / sigma
     points[:, 2] = np.arctan2(half[:, 1], half[:, 0]) % np.pi / unit
-    # A 4.3.3, phase 1: common directions
     centres, _ = climb(points, np.pi / unit, STOP)
-    order, first = chains(link(centres, np.pi / unit, 2.0))
+    label = link(centres, np.pi / unit, 2.0)
+    theta = np.empty(len(middle))
+    order, first = chains(label)
+    for c in range(len(first) - 1):
+        own = order[first[c] : first[c + 1]]
+        theta[own] = axial_mean(centres[own, 2] * unit)
+    centres[:, :2] *= sigma
+    centres[:, 2] *= unit
+    return centres, label, theta
+
+
+@compiled
+def lines(
+    middle: Array, half: Array, label: Indices, theta: Array, sigma: float
+) -> tuple[Array, Indices]:
+    """Phase 2 in each cluster: segments `(m, 2, 2)`, metres, by lowest piece; that of each piece.
+
+    Pieces as for `directions`, with the cluster and direction of each, `(n,)`.
+    """
     found, into, count = np.empty((len(middle), 2, 2)), np.empty(len(middle), np.int64), 0
+    order, first = chains(label)
     for c in range(len(first) - 1):
         own = order[first[c] : first[c + 1]]
         mine = np.empty(len(own), np.int64)
-        theta = axial_mean(centres[own, 2] * unit)
-        count = collinear(middle[own], half[own], theta, sigma, found, mine, count)
+        count = collinear(middle[own], half[own], theta[own[0]], sigma, found, mine, count)
         into[own] = mine
     lowest = np.full(count, len(into))
     for i in range(len(into)):
