@@ -1,0 +1,257 @@
+"""Segment ICP (A 2.5.1, its [31]): turn and shift a scan until its segments lie on the map's.
+
+A compares with the whole map; here the map is the segments of the last key frames, so that the time
+for a scan does not grow and old errors are not repeated.
+"""
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .._metrics_loops import ACROSS, APART
+from ..angles import Array
+from ..extraction import extract_polylines
+from ..poses import between, compose, transform
+from ..scans import LaserScan, Log
+from ..segments import MIN_LENGTH, Segments, as_segments, length
+from ..segments import angle as angle_of
+from . import _segment_icp_loops as loops
+from ._result import Alignment, Match, Trail, check_positive, no_match
+
+#: Segment distance of two parallel walls one metre apart.
+SIDEWAYS = ACROSS / 2 + APART
+#: The search begins with this part of its steps, and is widened where less than this share fits.
+NEAR, ENOUGH = 1 / 16, 0.70
+#: Standard deviation of a wall's place across, in metres, however well the segments lie.
+LEAST_SIGMA = 0.01
+#: Where fewer walls in a hundred lie across a direction, they do not fix the motion along it.
+ACROSS_SHARE = 0.02
+#: Information that every match is given, so that a free direction has a finite variance, 1e6 m^2.
+NO_INFORMATION = 1e-6
+
+ONE_DIRECTION = "walls in one direction only: along them the guess was kept"
+
+
+def match_segments(
+    reference: Segments,
+    current: Segments,
+    start: ArrayLike = (0.0, 0.0, 0.0),
+    *,
+    angle: float = np.radians(15.0),
+    distance: float = 0.30,
+    share: float = 0.40,
+) -> Match:
+    """Turn, then shift a scan's segments so that their mean distance from the map's is least.
+
+    Two segments correspond where they lie beside each other, at an angle below `angle` and a
+    segment distance (A 2.7.7) below `distance`. With `D'` the mean distance of a segment from all
+    that it corresponds to, weighted with their lengths, what is minimised is A's 2.1,
+    `(sum D' + N_n distance) / (N_m + N_n)` over the N_m segments with and N_n without a match: over
+    turns, then over shifts, the correspondences found anew each time, in steps that become finer.
+    *Slip:* 2.1 as printed leaves the penalty outside the bracket.
+
+    Parameters
+    ----------
+    reference, current : SegmentMap, Reduction or (n, 2, 2) array, metres
+        Each in its own frame.
+    start : (3,) array, metres and radians
+        Guess of the pose of `current` in the frame of `reference`.
+    angle : float, radians
+        T_theta, below pi/2; 15 degrees is more than odometry goes wrong between two scans.
+    distance : float, metres
+        T_D, also the penalty: 0.30 m lets parallel walls correspond up to 1 m apart. A match that
+        moves the scan farther than that, or turns it by more than `angle`, is not believed.
+    share : float
+        Part of the length of `current` that must find a partner, in (0, 1].
+
+    Returns
+    -------
+    Match
+        `pose` of `current` in the frame of `reference`, metres and radians. `free` is set where all
+        partners run in one direction: along it the start is kept.
+
+    Raises
+    ------
+    ValueError
+        For segments that are not finite, thresholds out of range.
+
+    Examples
+    --------
+    >>> room = np.array([[(0, 0), (4, 0)], [(4, 0), (4, 3)], [(4, 3), (0, 3)]])
+    >>> seen = transform((-1, -1, 0), room)
+    >>> match_segments(room, seen, (1.1, 0.9, 0.05))
+    Match(1 m, 1 m, 0 deg, overlap 1.00)
+    >>> match_segments(room, np.empty((0, 2, 2)))
+    Match(none: no segments in the scan)
+    """
+    _check(angle, distance, share)
+    ours, theirs, guess = _with_length(current), _with_length(reference), np.array(start, float)
+    if not len(ours):
+        return no_match(guess, "no segments in the scan")
+    if not len(theirs):
+        return no_match(guess, "no segments to match with")
+    ended, motion, away = _search(theirs, transform(guess, ours), angle, distance)
+    pose, found = compose(motion, guess), np.isfinite(away)
+    overlap = _part(ours, found)
+    if overlap < share:
+        return no_match(guess, f"too few segments found a partner: less than {share:.0%}", overlap)
+    if np.hypot(*(pose - guess)[:2]) > distance / SIDEWAYS or abs(motion[2]) > angle:
+        return no_match(guess, "farther from the start than segments correspond", overlap)
+    sigma = max(float(away[found].mean()) / SIDEWAYS, LEAST_SIGMA)
+    covariance, free = _certainty(ended[found], pose, sigma)
+    return Match(pose, covariance, True, "", overlap, free)
+
+
+def segment_icp(
+    log: Log,
+    *,
+    angle: float = np.radians(15.0),
+    distance: float = 0.30,
+    share: float = 0.40,
+    min_length: float = 0.30,
+    spacing: float = 0.50,
+    frames: int = 10,
+    patience: int = 5,
+) -> Alignment:
+    """Match each scan with the segments of the last key frames, from its odometry step on.
+
+    Needs odometry steps that are right to within `angle` and about 1 m; without odometry the robot
+    is thought to move on as it did last. Errors of one match pass on to all later scans: nothing
+    here closes a loop.
+
+    Parameters
+    ----------
+    log : Log
+    angle, distance, share : float, radians; metres; a part of one
+        As in `match_segments`.
+    min_length : float, metres
+        Shorter segments are left out: noise decides their direction.
+    spacing : float, metres
+        A matched scan so far from the last key frame, or turned by more than `angle`, becomes one.
+    frames : int
+        Key frames that make the map: ten half a metre apart average their noise, and turning away
+        for a moment loses nothing.
+    patience : int
+        After so many scans in a row that match nothing, the map is begun anew where odometry is.
+
+    Returns
+    -------
+    Alignment
+
+    Raises
+    ------
+    ValueError
+        For thresholds out of range.
+
+    References
+    ----------
+    Amigoni, Fontana, Garigiola, "A method for building small-size segment-based maps", DARS 2006.
+
+    Examples
+    --------
+    >>> from segmap import load
+    >>> segment_icp(load("room")[:20])
+    Alignment(segment_icp: 20 scans, 20 used)
+    """
+    _check(angle, distance, share)
+    check_positive(min_length=min_length, spacing=spacing, frames=frames, patience=patience)
+    trail, recent = Trail(log), _Recent(spacing, angle, int(frames))
+    lost = 0
+    for k, scan in enumerate(log):
+        segments = long_segments(scan, min_length)
+        if k == 0:
+            recent.add(trail.poses[0], segments)
+            continue
+        found = match_segments(
+            recent.segments(), segments, trail.guess(), angle=angle, distance=distance, share=share
+        )
+        lost = 0 if found.matched else lost + bool(len(segments))
+        if found.matched:
+            trail.place(found.pose, "" if found.free is None else ONE_DIRECTION)
+        elif lost < patience:
+            trail.carry(found.reason)
+        else:
+            trail.carry(f"{found.reason}; the map begins anew")
+            recent.clear()
+        if found.matched or not recent:
+            recent.add(trail.poses[-1], segments)
+    return trail.alignment("segment_icp")
+
+
+class _Recent:
+    """The last key frames: their poses, and their segments in the frame of the map."""
+
+    def __init__(self, spacing: float, angle: float, count: int) -> None:
+        self.spacing, self.angle, self.count = spacing, angle, count
+        self.frames: list[tuple[Array, Array]] = []
+
+    def __len__(self) -> int:
+        return len(self.frames)
+
+    def add(self, pose: Array, segments: Array) -> None:
+        """Take a scan in as a key frame where it has segments and lies far enough from the last."""
+        step = between(self.frames[-1][0], pose) if self.frames else np.full(3, np.inf)
+        far = np.hypot(step[0], step[1]) >= self.spacing or abs(step[2]) >= self.angle
+        if len(segments) and (far or not self.frames):
+            self.frames = [*self.frames, (pose, transform(pose, segments))][-self.count :]
+
+    def clear(self) -> None:
+        """Forget all."""
+        self.frames = []
+
+    def segments(self) -> Array:
+        """Segments of all key frames, `(n, 2, 2)`, metres."""
+        return np.concatenate([np.empty((0, 2, 2)), *(segments for _, segments in self.frames)])
+
+
+def long_segments(scan: LaserScan, min_length: float) -> Array:
+    """Segments of a scan that are long enough, `(n, 2, 2)`, metres, in the robot's frame."""
+    found = extract_polylines(scan.points())
+    return found[length(found) >= min_length]
+
+
+def _search(
+    reference: Array, current: Array, angle: float, distance: float
+) -> tuple[Array, Array, Array]:
+    """Where the segments come to lie, the motion `(3,)` there, how far each is from its matches.
+
+    First near the guess: a wide search finds other walls as well. Metres and radians.
+    """
+    for part in (NEAR, 1.0):
+        width, step = part * angle, part * distance / SIDEWAYS / 4
+        motion, ended, away = loops.match(reference, current, angle, distance, width, step)
+        if _part(current, np.isfinite(away)) >= ENOUGH:
+            break
+    return ended, motion, away
+
+
+def _part(segments: Array, chosen: NDArray[np.bool_]) -> float:
+    """Share of the whole length that the chosen segments have."""
+    return float(length(segments)[chosen].sum() / length(segments).sum())
+
+
+def _certainty(segments: Array, pose: Array, sigma: float) -> tuple[Array, Array | None]:
+    """Covariance of a pose that rests on these segments, and the direction that they leave free.
+
+    Each end point fixes the pose across its wall to within `sigma`, metres.
+    """
+    normal = angle_of(segments) + np.pi / 2
+    n = np.stack([np.cos(normal), np.sin(normal)], -1)
+    arm = segments - pose[:2]
+    swing = n[:, None, 1] * arm[..., 0] - n[:, None, 0] * arm[..., 1]
+    rows = np.concatenate([np.column_stack([n, swing[:, k]]) for k in (0, 1)])
+    covariance = np.linalg.inv(rows.T @ rows / sigma**2 + NO_INFORMATION * np.eye(3))
+    share, ways = np.linalg.eigh(n.T @ n / len(n))
+    return covariance, None if share[0] >= ACROSS_SHARE else ways[:, 0]
+
+
+def _with_length(segments: Segments) -> Array:
+    found = as_segments(segments)
+    return np.ascontiguousarray(found[length(found) >= MIN_LENGTH])
+
+
+def _check(angle: float, distance: float, share: float) -> None:
+    check_positive(angle=angle, distance=distance, share=share)
+    if angle >= np.pi / 2:
+        raise ValueError(f"angle must be below pi/2, in radians, got {angle}")
+    if share > 1:
+        raise ValueError(f"share must be at most 1, got {share}")
