@@ -3,21 +3,41 @@
 Every method has one signature, `method(log, *, thresholds) -> Alignment`, and stands in `METHODS`.
 """
 
+from ._angle_candidates import Candidate, angle_candidates, match_values
+from ._angle_correspondence import angle_correspondence, match_angles
+from ._odometry import ground_truth, odometry
+from ._point_icp import match_points, point_icp
+from ._pose_graph import pose_graph
 from ._result import Alignment, Graph, Match, Method, Rejected
 from ._segment_icp import match_segments, segment_icp
 
 #: Name of each method -> the method, with what it needs.
 METHODS: dict[str, Method] = {
+    "odometry": Method(odometry, "alone", True, "the baseline"),
+    "ground_truth": Method(ground_truth, "alone", False, "A 3.3.3"),
+    "angle_correspondence": Method(angle_correspondence, "pairs", False, "A 2.5.1, 3.3.1, [30]"),
     "segment_icp": Method(segment_icp, "map", True, "A 2.5.1, [31]"),
+    "point_icp": Method(point_icp, "map", True, "A 2.5.1, [41]"),
+    "pose_graph": Method(pose_graph, "all", False, "Olson 2009, Grisetti et al. 2010"),
 }
 
 __all__ = [
     "METHODS",
     "Alignment",
+    "Candidate",
     "Graph",
     "Match",
     "Method",
     "Rejected",
+    "angle_candidates",
+    "angle_correspondence",
+    "ground_truth",
+    "match_angles",
+    "match_points",
     "match_segments",
+    "match_values",
+    "odometry",
+    "point_icp",
+    "pose_graph",
     "segment_icp",
 ]

@@ -112,6 +112,9 @@ class Alignment(Pictured):
         Why a scan was not used; empty where it was.
     graph : Graph or None
         Edges, rejected loops and residuals of a pose graph.
+    doubt : str
+        Which assumption of the method this log does not hold, and by how much; empty where all is
+        as assumed.
 
     Examples
     --------
@@ -125,6 +128,7 @@ class Alignment(Pictured):
     method: str = ""
     reasons: tuple[str, ...] = ()
     graph: Graph | None = field(default=None)
+    doubt: str = ""
 
     @property
     def trusted(self) -> Array:
@@ -143,7 +147,8 @@ class Alignment(Pictured):
         return len(self.poses)
 
     def __repr__(self) -> str:
-        return f"Alignment({self.method}: {len(self)} scans, {int(self.used.sum())} used)"
+        doubt = f"; {self.doubt}" if self.doubt else ""
+        return f"Alignment({self.method}: {len(self)} scans, {int(self.used.sum())} used{doubt})"
 
 
 class Trail:
@@ -154,10 +159,11 @@ class Trail:
     of the two scans, the robot is thought to move on as it did last (constant velocity).
     """
 
-    def __init__(self, log: Log) -> None:
+    def __init__(self, log: Log, first: Array | None = None) -> None:
         self.begun = time.perf_counter()
         self.steps = odometry_steps(log)
-        first = log.odometry[0] if len(log) else np.zeros(3)
+        if first is None:
+            first = log.odometry[0] if len(log) else np.zeros(3)
         self.poses: list[Array] = [first if np.isfinite(first).all() else np.zeros(3)][: len(log)]
         self.reasons: list[str] = [""][: len(log)]
 
@@ -172,22 +178,22 @@ class Trail:
             return step
         return between(self.poses[-2], self.poses[-1]) if len(self.poses) > 1 else np.zeros(3)
 
-    def place(self, pose: ArrayLike) -> None:
-        """Lay the pose of the next scan, which a match has found."""
+    def place(self, pose: ArrayLike, reason: str = "") -> None:
+        """Lay the pose of the next scan, which a match has found, or else the reason why not."""
         self.poses.append(np.asarray(pose, float))
-        self.reasons.append("")
+        self.reasons.append(reason)
 
     def carry(self, reason: str) -> None:
         """Lay the guess: the next scan could not be matched, for this reason."""
         self.poses.append(self.guess())
         self.reasons.append(reason)
 
-    def alignment(self, method: str, graph: Graph | None = None) -> Alignment:
+    def alignment(self, method: str, graph: Graph | None = None, doubt: str = "") -> Alignment:
         """What was laid, as the result of a method."""
         poses = np.array(self.poses).reshape(-1, 3)
         used = np.array([not reason for reason in self.reasons], bool)
         seconds = time.perf_counter() - self.begun
-        return Alignment(poses, used, seconds, method, tuple(self.reasons), graph)
+        return Alignment(poses, used, seconds, method, tuple(self.reasons), graph, doubt)
 
 
 def odometry_steps(log: Log) -> Array:

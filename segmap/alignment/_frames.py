@@ -1,0 +1,99 @@
+"""Key frames: the scans that stand for the map, half a metre apart, and what ties them."""
+
+from collections.abc import Iterable
+from typing import NamedTuple
+
+import numpy as np
+
+from ..angles import Array
+from ..poses import between, compose, transform
+from ._point_map import PointMap
+from ._solver import Edges, solve
+
+
+class Tie(NamedTuple):
+    """A measured motion between key frames: the pose of `second` in the frame of `first`."""
+
+    first: int
+    second: int
+    motion: Array
+    information: Array
+    loop: bool
+
+
+class Frames:
+    """Key frames of a run, with poses that still move when loops close.
+
+    Attributes
+    ----------
+    scan : list of int
+        Index in the log of each key frame.
+    points : list of (m, 2) arrays, metres
+        Their points, in the frame of the robot.
+    poses : (n, 3) array, metres and radians
+    way : list of float, metres
+        Path length from the start to each.
+    looks : list of (16,) arrays
+        The appearance of the place of each.
+    ties : list of Tie
+    """
+
+    def __init__(self, points: Array, pose: Array) -> None:
+        self.scan = [0]
+        self.points = [points]
+        self.poses = np.array([pose])
+        self.way = [0.0]
+        self.looks = [appearance(points)]
+        self.ties: list[Tie] = []
+
+    def __len__(self) -> int:
+        return len(self.scan)
+
+    def add(self, scan: int, points: Array, motion: Array, information: Array) -> None:
+        """Append a key frame at its motion from the last one, tied to it."""
+        last = len(self) - 1
+        self.ties.append(Tie(last, last + 1, motion, information, loop=False))
+        self.scan.append(scan)
+        self.points.append(points)
+        self.poses = np.vstack([self.poses, compose(self.poses[-1], motion)])
+        self.way.append(self.way[-1] + float(np.hypot(motion[0], motion[1])))
+        self.looks.append(appearance(self.cloud(self.around(last + 1, 3), last + 1)))
+
+    def edges(self) -> Edges:
+        """All ties as arrays."""
+        first, second, motion, information, _ = zip(*self.ties, strict=True)
+        return Edges(np.array(first), np.array(second), np.array(motion), np.array(information))
+
+    def bend(self) -> None:
+        """Move the poses to where all ties fit best."""
+        if self.ties:
+            self.poses = solve(self.poses, self.edges())
+
+    def around(self, frame: int, half: int) -> range:
+        """A key frame and up to `half` before and after it, in time."""
+        return range(max(frame - half, 0), min(frame + half + 1, len(self)))
+
+    def near(self, frame: int, most: int, within: float) -> Iterable[int]:
+        """The key frames nearest to one, itself first: at most so many, within metres."""
+        distance = np.hypot(*(self.poses[:, :2] - self.poses[frame, :2]).T)
+        order = np.argsort(distance, kind="stable")[:most]
+        return [int(k) for k in order if distance[k] <= within]
+
+    def cloud(self, members: Iterable[int], origin: int) -> Array:
+        """Points of some key frames, `(m, 2)`, metres, in the frame of the key frame `origin`."""
+        here = self.poses[origin]
+        return np.concatenate(
+            [transform(between(here, self.poses[k]), self.points[k]) for k in members]
+        )
+
+    def map_of(self, members: Iterable[int], origin: int) -> PointMap | None:
+        """Their points in the frame of `origin`, ready to be matched with; None where none are."""
+        cloud = self.cloud(members, origin)
+        return PointMap(cloud) if len(cloud) else None
+
+
+def appearance(cloud: Array) -> Array:
+    """What a place looks like from any heading, `(16,)`: shares of points by distance, to 8 m."""
+    distance = np.hypot(cloud[:, 0], cloud[:, 1])
+    counts = np.histogram(distance, bins=16, range=(0.0, 8.0))[0]
+    return np.asarray(counts / max(counts.sum(), 1))
