@@ -16,6 +16,7 @@ from segmap.experiments import (
     _bundled,
     load_records,
     sweep,
+    thesis_grid,
     thesis_results,
 )
 
@@ -87,6 +88,18 @@ def test_the_grid_is_that_of_the_thesis():
     methods = dict.fromkeys(THESIS_GRIDS, nothing)
     found = sweep(maps, methods, THESIS_GRIDS, filters=THESIS_FILTERS)
     assert len(found) == 264 and runs(found) == runs(thesis_results())
+
+
+def test_a_sweep_over_the_grid_of_the_thesis_is_in_it_and_others_are_not():
+    """Catches defaults that the records name and the thesis does not, and others than A's."""
+    wall = np.array([[(0, 0), (2, 0)], [(1, 0), (3, 0)]])
+    grids = {**THESIS_GRIDS, "hybrid_fusion": [{}]}
+    found = sweep({"wall": wall}, METHODS, grids, filters=THESIS_FILTERS)
+    assert len(thesis_grid(found)) == 66
+    other = {"mean_shift": [{"sigma": 0.1, "bandwidth": 0.5}], "fusion": [{"tolerance": 0.03}]}
+    others = sweep({"wall": wall}, list(other), other, filters=(None, 0.05))
+    assert len(thesis_grid(others)) == 0
+    assert len(thesis_grid(sweep({"wall": wall}, ["fusion"], filters=(0.05,)))) == 0
 
 
 def test_records_by_name(tmp_path, monkeypatch):

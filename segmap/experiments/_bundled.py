@@ -6,8 +6,9 @@ from math import radians
 from pathlib import Path
 
 from ..readers import _bundled
+from ..reduction import METHODS
 from ._records import Record, Records, Threshold
-from ._sweep import Grid
+from ._sweep import Grid, default_thresholds
 
 #: A 6.2.1: shorter segments are dropped, or not, before all runs; metres.
 THESIS_FILTERS = (None, 0.10)
@@ -70,17 +71,27 @@ def load_records(*names: str) -> Records:
 def thesis_grid(records: Iterable[Record]) -> Records:
     """Those runs whose thresholds and filter appendix A has too: 66 on each building.
 
+    A threshold that A does not name must have its default.
+
     Examples
     --------
     >>> len(thesis_grid(thesis_results()))
     264
     """
-    known = {_run(record) for record in thesis_results()}
-    return Records(record for record in records if _run(record) in known)
+    wanted = {_run(record) for record in thesis_results()}
+    return Records(record for record in records if _run(record) in wanted)
 
 
 def _run(record: Record) -> tuple[object, ...]:
-    thresholds = sorted((name, round(value or 0, 9)) for name, value in record.thresholds.items())
+    """What identifies a run; a threshold that A keeps as it is does not."""
+    method = METHODS.get(record.method)
+    defaults = (default_thresholds(method.function) or {}) if method else {}
+    named = THESIS_GRIDS.get(record.method, ())
+    thresholds = sorted(
+        (name, round(value or 0, 9))
+        for name, value in record.thresholds.items()
+        if name in named or value != defaults.get(name)
+    )
     return record.method, record.filtered, *thresholds
 
 

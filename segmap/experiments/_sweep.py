@@ -236,7 +236,7 @@ def _combinations(name: str, function: Function, grid: Grid) -> list[Thresholds]
     if isinstance(grid, Mapping):
         lists = [np.atleast_1d(np.asarray(values, object)) for values in grid.values()]
         grid = [dict(zip(grid, values, strict=True)) for values in product(*lists)]
-    defaults = _defaults(function)
+    defaults = default_thresholds(function)
     found = [{**(defaults or {}), **{k: _plain(v) for k, v in row.items()}} for row in grid]
     for row in found:
         if defaults is not None and (strange := set(row) - set(defaults)):
@@ -245,7 +245,7 @@ def _combinations(name: str, function: Function, grid: Grid) -> list[Thresholds]
     return [{k: v for k, v in row.items() if v is not None or defaults is None} for row in found]
 
 
-def _defaults(function: Function) -> Thresholds | None:
+def default_thresholds(function: Function) -> Thresholds | None:
     """Thresholds of a method and their defaults; None where it takes any."""
     parameters = inspect.signature(function).parameters.values()
     if any(p.kind is p.VAR_KEYWORD for p in parameters):
