@@ -7,6 +7,7 @@ import reference
 from segmap import load
 from segmap.extraction import build_map
 from segmap.poses import transform
+from segmap.reduction import _hybrid_loops as loops
 from segmap.reduction import hybrid
 from segmap.segments import SegmentMap
 from segmap.testing import assert_segments_equal, segment_zoo
@@ -130,6 +131,17 @@ def test_the_filter_drops_what_neither_matches_nor_is_long_enough():
 def test_the_filter_keeps_what_is_exactly_long_enough():
     assert len(hybrid([[(0, 0), (0.25, 0)]], min_length=0.25)) == 1
     assert len(hybrid([[(0, 0), (0.25, 0)]], min_length=0.2500001)) == 0
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_a_segment_takes_no_more_entries_than_room_is_made_for(seed):
+    """One entry too many is written beside the grid, into other memory."""
+    rng = np.random.default_rng(seed)
+    segment = rng.uniform(-1, 1, (2, 2)) * rng.choice([0.05, 0.5, 20.0])
+    state = loops.with_room(loops.start(1), 10_000)
+    state.s[0] = segment
+    loops.enter(state, 0, 0.2)
+    assert 1 <= state.used[1] <= loops.most_entries(segment, segment, 0.2)
 
 
 def test_records_each_scan():
