@@ -160,10 +160,10 @@ def test_walls_at_1_and_179_degrees_merge(turn):
 )
 def test_pieces_are_as_few_as_are_no_longer_than_sigma(wall, pieces):
     """0.6 / 0.2 is above 3 in floating point: four pieces, or one too few by rounding down."""
-    middle, half, first = cut(np.array([[(1.0, 0.0), (1.0, wall)]]), 0.2)
-    assert first.tolist() == [0, pieces]
-    np.testing.assert_allclose(half, [(0, wall / pieces / 2)] * pieces, atol=1e-15)
-    np.testing.assert_allclose(middle[:, 1], (np.arange(pieces) + 0.5) * wall / pieces)
+    found, owner = cut(np.array([[(1.0, 0.0), (1.0, wall)]]), 0.2)
+    assert owner.tolist() == [0] * pieces
+    np.testing.assert_allclose(length(found), wall / pieces, atol=1e-15)
+    np.testing.assert_allclose(found[1:, 0], found[:-1, 1], atol=1e-15)
 
 
 def test_two_points_attract_as_their_kernel_says():

@@ -10,9 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..angles import Array
-from ..segments import Segments, as_segments, length
+from ..segments import Segments, angle, as_segments, length, midpoint
 from . import _mean_shift_loops as loops
-from ._result import Reduction, whole_parents, with_length
+from ._climb_loops import climb, link
+from ._result import Reduction, with_length
 
 #: More pieces than this are refused: a slip in the unit of sigma would fill the memory.
 MOST_PIECES = 20_000_000
@@ -69,17 +70,13 @@ def mean_shift(
     (Reduction(mean_shift: 3 -> 2 segments), array([0, 0, 1]))
     """
     start = time.perf_counter()
-    segments, index = with_length(map)
-    check_scales(segments, sigma, bandwidth)
-    parents = np.empty(0, np.int64)
-    if len(segments):
-        origin = segments.mean(axis=(0, 1))
-        middle, half, first = cut(segments - origin, sigma)
-        _, label, theta = loops.directions(middle, half, sigma, bandwidth)
-        found, into = loops.lines(middle, half, label, theta, sigma)
-        segments, parents = found + origin, loops.longest_share(into, first)
-    parents = whole_parents(len(as_segments(map)), index, parents)
-    return Reduction(segments, parents, time.perf_counter() - start, "mean_shift")
+    pieces, owner, _, cluster, theta = common_directions(map, sigma=sigma, bandwidth=bandwidth)
+    origin = pieces.mean(axis=(0, 1)) if len(pieces) else np.zeros(2)
+    middle, half = midpoint(pieces) - origin, (pieces[:, 1] - pieces[:, 0]) / 2
+    found, into = loops.lines(middle, half, cluster, theta, sigma)
+    found, into = by_lowest(found + origin, into)
+    parents = longest_share(len(as_segments(map)), owner, into)
+    return Reduction(found, parents, time.perf_counter() - start, "mean_shift")
 
 
 class Directions(NamedTuple):
@@ -138,26 +135,50 @@ def common_directions(
     check_scales(segments, sigma, bandwidth)
     if len(segments) == 0:
         return Directions(segments, index, np.empty((0, 3)), index, np.empty(0))
-    origin = segments.mean(axis=(0, 1))
-    middle, half, first = cut(segments - origin, sigma)
-    centres, label, theta = loops.directions(middle, half, sigma, bandwidth)
-    centres[:, :2] += origin
-    pieces = np.stack([middle - half, middle + half], axis=1) + origin
-    names, cluster = np.unique(label, return_inverse=True)
-    return Directions(pieces, np.repeat(index, np.diff(first)), centres, cluster, theta[names])
+    pieces, owner = cut(segments, sigma)
+    unit = sigma * bandwidth
+    middle = midpoint(pieces)
+    origin = middle.mean(axis=0)
+    points = np.column_stack([(middle - origin) / sigma, angle(pieces) / unit])
+    centres, _ = climb(points, np.pi / unit, loops.STOP)
+    label = link(centres, np.pi / unit, 2.0)
+    centres = centres * (sigma, sigma, unit) + (*origin, 0.0)
+    cluster = np.unique(label, return_inverse=True)[1]
+    sine, cosine = (np.bincount(cluster, f(2 * centres[:, 2])) for f in (np.sin, np.cos))
+    return Directions(pieces, index[owner], centres, cluster, np.arctan2(sine, cosine) / 2)
 
 
-def cut(segments: Array, sigma: float) -> tuple[Array, Array, NDArray[np.int64]]:
-    """Equal pieces of at most `sigma`, metres: middles `(p, 2)`, halves `(p, 2)` from there.
+def by_lowest(segments: Array, into: NDArray[np.int64]) -> tuple[Array, NDArray[np.int64]]:
+    """Segments `(m, 2, 2)` in the order of their first piece, and that of each piece, `(p,)`."""
+    order = np.argsort(np.unique(into, return_index=True)[1])
+    return segments[order], np.argsort(order)[into]
 
-    Also where the pieces of each segment `(n, 2, 2)` begin, `(n + 1,)`.
+
+def longest_share(
+    count: int, owner: NDArray[np.int64], into: NDArray[np.int64]
+) -> NDArray[np.int64]:
+    """Most frequent output of the pieces `(p,)` of each owner, the first of equals: `(count,)`.
+
+    All pieces of an owner are equally long. -1 for one without pieces.
+    """
+    most = len(into) + 1
+    pairs, times = np.unique(owner * most + into, return_counts=True)
+    order = np.lexsort((-pairs, times))
+    parents = np.full(count, -1, np.int64)
+    parents[pairs[order] // most] = pairs[order] % most  # the most frequent of an owner stays
+    return parents
+
+
+def cut(segments: Array, sigma: float) -> tuple[Array, NDArray[np.int64]]:
+    """Equal pieces `(p, 2, 2)` of `(n, 2, 2)` segments, at most `sigma` long, and their segments.
+
+    Pieces are as few as can be, in the order of their segments, from end point 0; metres.
     """
     count = piece_counts(segments, sigma).astype(np.int64)
-    first = np.concatenate([[0], np.cumsum(count)])
-    own = np.repeat(np.arange(len(count)), count)
-    half = (segments[:, 1] - segments[:, 0]) / (2 * count[:, None])
-    nth = np.arange(len(own)) - first[own]
-    return segments[own, 0] + (2 * nth + 1)[:, None] * half[own], half[own], first
+    owner = np.repeat(np.arange(len(count)), count)
+    nth = np.arange(len(owner)) - (np.cumsum(count) - count)[owner]
+    begin, step = segments[owner, 0], (segments[:, 1] - segments[:, 0])[owner] / count[owner, None]
+    return np.stack([begin + nth[:, None] * step, begin + (nth + 1)[:, None] * step], 1), owner
 
 
 def piece_counts(segments: Array, sigma: float) -> Array:

@@ -1,7 +1,4 @@
-"""The two phases of mean shift: plain Python, compiled when called.
-
-Places and angles are scaled to units of the kernel's deviation, in which they climb alike.
-"""
+"""The loops of mean shift's second phase: plain Python, compiled when called."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,12 +24,6 @@ def chains(label: Indices) -> tuple[Indices, Indices]:
     first = np.zeros(len(begins) + 2, np.int64)
     first[1:-1], first[-1] = begins, len(label)
     return order, first
-
-
-@compiled
-def axial_mean(angles: Array) -> float:
-    """Mean angle of lines, `(n,)` radians, in `(-pi/2, pi/2]`."""
-    return np.arctan2(np.sin(2 * angles).sum(), np.cos(2 * angles).sum()) / 2
 
 
 @compiled
@@ -81,65 +72,18 @@ def collinear(
 
 
 @compiled
-def directions(
-    middle: Array, half: Array, sigma: float, bandwidth: float
-) -> tuple[Array, Indices, Array]:
-    """Phase 1 (A 4.3.3): centres `(n, 3)`, metres and radians, their clusters, and directions.
-
-    Pieces have middles and halves `(n, 2)`, metres; the bandwidth is in radians a metre. Clusters
-    are named by their lowest piece; the direction of its cluster, radians, stands at each piece.
-    """
-    unit = bandwidth * sigma
-    points = np.empty((len(middle), 3))
-    points[:, :2] = middle / sigma
-    points[:, 2] = np.arctan2(half[:, 1], half[:, 0]) % np.pi / unit
-    centres, _ = climb(points, np.pi / unit, STOP)
-    label = link(centres, np.pi / unit, 2.0)
-    theta = np.empty(len(middle))
-    order, first = chains(label)
-    for c in range(len(first) - 1):
-        own = order[first[c] : first[c + 1]]
-        theta[own] = axial_mean(centres[own, 2] * unit)
-    centres[:, :2] *= sigma
-    centres[:, 2] *= unit
-    return centres, label, theta
-
-
-@compiled
 def lines(
-    middle: Array, half: Array, label: Indices, theta: Array, sigma: float
+    middle: Array, half: Array, cluster: Indices, theta: Array, sigma: float
 ) -> tuple[Array, Indices]:
-    """Phase 2 in each cluster: segments `(m, 2, 2)`, metres, by lowest piece; that of each piece.
+    """Phase 2 in each cluster, `(n,)`, of direction theta, `(k,)`: segments `(m, 2, 2)`, metres.
 
-    Pieces as for `directions`, with the cluster and direction of each, `(n,)`.
+    Also which of them each piece went into. Pieces have middles and halves `(n, 2)`, metres.
     """
     found, into, count = np.empty((len(middle), 2, 2)), np.empty(len(middle), np.int64), 0
-    order, first = chains(label)
-    for c in range(len(first) - 1):
+    order, first = chains(cluster)
+    for c in range(len(theta)):
         own = order[first[c] : first[c + 1]]
         mine = np.empty(len(own), np.int64)
-        count = collinear(middle[own], half[own], theta[own[0]], sigma, found, mine, count)
+        count = collinear(middle[own], half[own], theta[c], sigma, found, mine, count)
         into[own] = mine
-    lowest = np.full(count, len(into))
-    for i in range(len(into)):
-        lowest[into[i]] = min(lowest[into[i]], i)
-    order = np.argsort(lowest, kind="mergesort")
-    rank = np.empty_like(order)
-    rank[order] = np.arange(count)
-    return found[order], rank[into]
-
-
-@compiled
-def longest_share(into: Indices, first: Indices) -> Indices:
-    """Most frequent value of each into[first[i]:first[i + 1]], the lowest of equals, `(n,)`."""
-    found = np.empty(len(first) - 1, np.int64)
-    for i in range(len(found)):
-        values = into[first[i] : first[i + 1]]
-        values = values[np.argsort(values, kind="mergesort")]
-        most, begin = 0, 0
-        for k in range(len(values)):
-            if values[k] != values[begin]:
-                begin = k
-            if k - begin >= most:
-                most, found[i] = k - begin + 1, values[k]
-    return found
+    return found[:count], into
