@@ -1,0 +1,205 @@
+"""Lines of a backbone: which segment lies on which, and how a scan turns and moves onto them.
+
+A 3.3.2. Everything here is plain geometry of arrays; `_backbone.py` is the method.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..angles import Array, axial_difference, axial_mean, axial_mean_of_two
+from ..segments import angle, extreme_projections, length, midpoint
+
+#: Lines count as parallel where they hold one direction less than this share of the other
+#: (singular values): two lines of equal weight within 11 degrees of each other.
+HELD = 0.1
+
+
+class Lines(NamedTuple):
+    """Infinite lines.
+
+    Parameters
+    ----------
+    through : (n, 2) array, metres
+        A point of each.
+    angle : (n,) array, radians
+        Axial directions.
+    """
+
+    through: Array
+    angle: Array
+
+    @property
+    def normal(self) -> Array:
+        """Unit normals, `(n, 2)` array."""
+        return np.stack([-np.sin(self.angle), np.cos(self.angle)], -1)
+
+    def offsets(self, points: Array) -> Array:
+        """Signed distances of points `(..., 2)` from each line, `(..., n)`, metres."""
+        return ((points[..., None, :] - self.through) * self.normal).sum(-1)
+
+    def __repr__(self) -> str:
+        return f"Lines({len(self.angle)} in {len(np.unique(self.angle))} directions)"
+
+
+class Walls(NamedTuple):
+    """The significant segments of the map so far, and how much wall was seen behind each.
+
+    Parameters
+    ----------
+    segments : (n, 2, 2) array, metres
+    weight : (n,) array, metres
+        Total length of the segments merged into it.
+    """
+
+    segments: Array
+    weight: Array
+
+
+NO_LINES = Lines(np.empty((0, 2)), np.empty(0))
+NO_WALLS = Walls(np.empty((0, 2, 2)), np.empty(0))
+
+
+def partners(segments: Array, lines: Lines, distance: float, turn: float) -> NDArray[np.int64]:
+    """Index of the line on which each segment lies, `(m,)`; -1 for none (A 3.3.2, step 5).
+
+    Both ends are nearer than `distance` (metres) and the directions differ by less than `turn`
+    (radians); of several lines the one that passes nearest.
+    """
+    off = np.abs(lines.offsets(segments)).max(1, initial=0.0)
+    return _least(np.where((off < distance) & (_apart(segments, lines) < turn), off, np.inf))
+
+
+def parallels(segments: Array, lines: Lines, turn: float) -> NDArray[np.int64]:
+    """Index of the line that is most nearly parallel to each segment, wherever it lies."""
+    apart = _apart(segments, lines)
+    return _least(np.where(apart < turn, apart, np.inf))
+
+
+def _apart(segments: Array, lines: Lines) -> Array:
+    """Angles between m segments and n lines, `(m, n)`, radians."""
+    return np.abs(axial_difference(lines.angle, angle(segments)[:, None]))
+
+
+def _least(cost: Array) -> NDArray[np.int64]:
+    """Column of the least cost in each row; -1 where all are infinite."""
+    if not cost.shape[1]:
+        return np.full(len(cost), -1)
+    return np.where(np.isfinite(cost).any(1), cost.argmin(1), -1)
+
+
+def mean_rotation(differences: Array, weights: Array) -> float:
+    """Weighted mean of axial differences (A 3.3.2, step 6).
+
+    Parameters
+    ----------
+    differences : (m,) array, radians
+        Turns that would bring each segment onto its line; a half turn more or less is the same.
+    weights : (m,) array, not negative, not all zero
+
+    Returns
+    -------
+    float, radians
+        In `(-pi/2, pi/2]`.
+
+    Examples
+    --------
+    >>> float(np.degrees(mean_rotation(np.radians([3.0, -179.0]), np.ones(2))).round(9))
+    2.0
+    """
+    y, x = weights @ np.sin(2 * differences), weights @ np.cos(2 * differences)
+    return float(np.arctan2(y, x) / 2)
+
+
+def least_translation(normals: Array, offsets: Array, weights: Array) -> Array:
+    """Shift that brings points onto lines, by weighted least squares (A 3.3.2, step 7).
+
+    Where all lines are parallel it is the shortest of the best ones: a corridor does not fix the
+    motion along it, and nothing is claimed there.
+
+    Parameters
+    ----------
+    normals : (m, 2) array
+        Unit normals of the lines.
+    offsets : (m,) array, metres
+        How far each point lies from its line, positive on the side of the normal.
+    weights : (m,) array, not negative
+
+    Returns
+    -------
+    (2,) array, metres
+
+    Examples
+    --------
+    >>> corridor = np.array([(0.0, 1.0), (0.0, 1.0)])
+    >>> least_translation(corridor, np.array([0.1, 0.3]), np.ones(2)).round(9) + 0.0
+    array([ 0. , -0.2])
+    """
+    root = np.sqrt(weights)
+    return np.asarray(np.linalg.lstsq(root[:, None] * normals, -root * offsets, HELD)[0], float)
+
+
+def with_segments(walls: Walls, segments: Array, distance: float, parallel: float) -> Walls:
+    """The significant segments with those of another scan merged in (A 3.3.2, step 8).
+
+    A segment is a piece of a wall where both its ends lie nearer than `distance` to the wall's
+    line, the directions differ by less than `parallel`, and no gap of `distance` lies between.
+    """
+    for segment in segments:
+        same = _same(walls, segment, distance, parallel)
+        walls = _longer(walls, same, segment) if same >= 0 else _with_one_more(walls, segment)
+    return walls
+
+
+def _same(walls: Walls, segment: Array, distance: float, parallel: float) -> int:
+    """Index of the wall of which a segment is a piece; -1 for none."""
+    lines = Lines(midpoint(walls.segments), angle(walls.segments))
+    across = np.abs(lines.offsets(segment)).max(0)
+    upright = Lines(lines.through, lines.angle - np.pi / 2)  # its normals run along the walls
+    u = np.sort(upright.offsets(segment), axis=0)
+    gap = np.maximum(u[0], -u[1]) - length(walls.segments) / 2
+    turn = _apart(segment[None], lines)[0]
+    fits = (across < distance) & (gap < distance) & (turn < parallel)
+    return int(np.where(fits, across, np.inf).argmin()) if fits.any() else -1
+
+
+def _longer(walls: Walls, index: int, segment: Array) -> Walls:
+    """The walls, one of them merged with a piece: mean direction through the mean middle."""
+    old, more = walls.weight[index], float(length(segment))
+    both = np.stack([walls.segments[index], segment])
+    direction = axial_mean_of_two(angle(both[0]), angle(both[1]), old, more)
+    middle = np.average(midpoint(both), axis=0, weights=[old, more])
+    segments, weight = walls.segments.copy(), walls.weight.copy()
+    segments[index] = extreme_projections(both.reshape(4, 2), middle, direction)
+    weight[index] += more
+    return Walls(segments, weight)
+
+
+def _with_one_more(walls: Walls, segment: Array) -> Walls:
+    segments = np.concatenate([walls.segments, segment[None]])
+    return Walls(segments, np.append(walls.weight, length(segment)))
+
+
+def support_lines(
+    walls: Walls, known: Array, distance: float, parallel: float
+) -> tuple[Lines, Array]:
+    """The backbone of the significant segments, and all its directions (A 3.3.2, step 4).
+
+    Walls come heaviest first. One that differs from a known direction by less than `parallel` takes
+    it; a new direction is the mean of all walls nearly parallel to it. A wall whose middle lies
+    nearer than `distance` to a line of its direction adds none.
+    """
+    lines, angles = NO_LINES, angle(walls.segments)
+    for i in np.argsort(-walls.weight, kind="stable"):
+        apart: Array = np.abs(axial_difference(known, angles[i]))
+        if apart.min(initial=np.inf) >= parallel:
+            family = np.abs(axial_difference(angles, angles[i])) < parallel
+            apart = np.append(apart, [0.0])
+            known = np.append(known, axial_mean(angles[family], walls.weight[family]))
+        direction, middle = known[apart.argmin()], midpoint(walls.segments[i])
+        near = np.abs(lines.offsets(middle)) < distance
+        if not (near & (lines.angle == direction)).any():
+            through = np.concatenate([lines.through, middle[None]])
+            lines = Lines(through, np.append(lines.angle, direction))
+    return lines, known
