@@ -42,6 +42,8 @@ class Candidate(NamedTuple):
         Length of wall that one has seen through a wall of the other.
     score : float, metres
         The value less the penalty for what is hidden: what candidates are ranked by.
+    walls : int
+        Segments of one set that found a partner in the other; of both numbers the smaller.
     constraints : (k, 5) array
         What both ends of the common part of two matched segments say of the pose: the normal, the
         lever of a turn, the offset left, the match value (metres).
@@ -51,6 +53,7 @@ class Candidate(NamedTuple):
     value: float
     hidden: float
     score: float
+    walls: int
     constraints: Array
 
     def __repr__(self) -> str:
@@ -189,7 +192,7 @@ def angle_candidates(
     outside = compose(poses, (*-t.middle, 0.0)) + [*s.middle, 0.0]
     said = [_said(poses[k], s, t, rule) for k in best]
     rows = zip(outside[best], *length_of[best].T.tolist(), score[best].tolist(), said, strict=True)
-    return [Candidate(*row) for row in rows]
+    return [Candidate(*row[:-1], *row[-1]) for row in rows]
 
 
 def _refined_poses(s: Scene, t: Scene, rule: loops.Rule) -> Array:
@@ -204,10 +207,11 @@ def _refined_poses(s: Scene, t: Scene, rule: loops.Rule) -> Array:
     return np.array(found).reshape(-1, 3)
 
 
-def _said(pose: Array, s: Scene, t: Scene, rule: loops.Rule) -> Array:
-    """What matched walls say of a pose, `(k, 5)`, levers taken about where the current frame is."""
+def _said(pose: Array, s: Scene, t: Scene, rule: loops.Rule) -> tuple[int, Array]:
+    """How many walls match, and what they say, levers taken about where the current frame is."""
     there = loops.moved(t.segments, pose)
-    rows = loops.constraints(s.segments, there, loops.match_values(s.segments, there, rule))
+    value = loops.match_values(s.segments, there, rule)
+    rows = loops.constraints(s.segments, there, value)
     x, y = loops.moved(np.full((1, 2, 2), -t.middle), pose)[0, 0]
     rows[:, 2] -= rows[:, 1] * x - rows[:, 0] * y
-    return rows
+    return int(min((value > 0).any(axis).sum() for axis in (0, 1))), rows

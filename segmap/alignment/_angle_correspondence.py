@@ -19,6 +19,8 @@ from ._result import Alignment, Match, Trail, check_positive, no_match
 
 #: Least standard deviation of an end point, in metres, that a covariance rests on.
 SIGMA = 0.01
+#: How much more must match where nothing does but the two walls of a corner.
+CORNER = 1.5
 
 
 def match_angles(
@@ -26,7 +28,7 @@ def match_angles(
     current_segments: Segments,
     *,
     rng: np.random.Generator,
-    least_share: float = 0.30,
+    least_share: float = 0.40,
     least_across: float = 0.25,
     rival: float = 0.88,
     **search: Any,
@@ -40,7 +42,8 @@ def match_angles(
     rng : numpy.random.Generator
     least_share : float
         The best candidate must score this share of the shorter set's length: of two scans that
-        overlap by half a good half is matched, and a corner found twice by chance is less.
+        overlap by half a good half is matched. Where only two walls match it must be half as much
+        again, for a corner with two walls is found in any building.
     least_across : float, metres
         Length of matched wall that must stand across the direction in which most of it runs, lest
         noise decide the place along a corridor.
@@ -66,7 +69,7 @@ def match_angles(
     Match(-1 m, 0 m, 0 deg, overlap 1.00)
     >>> square = [[(0, 0), (2, 0)], [(2, 0), (2, 2)], [(2, 2), (0, 2)], [(0, 2), (0, 0)]]
     >>> match_angles(square, square, rng=np.random.default_rng(1))
-    Match(none: another place fits nearly as well: 100% of the best score)
+    Match(none: another place fits nearly as well)
     """
     check_positive(least_share=least_share, least_across=least_across, rival=rival)
     found = angle_candidates(reference_segments, current_segments, rng=rng, **search)
@@ -90,11 +93,11 @@ def angle_correspondence(
 ) -> Alignment:
     """Poses from angle correspondences between scans, without any odometry (A 2.5.1, 3.3.1).
 
-    Each scan is matched to a reference scan, and where that fails to the scan just before it. One
-    scan stays the reference for as long as the others overlap with it: so errors add up from
-    reference to reference and not from scan to scan. (A replaces each chain of matched segments by
-    a polyline and matches with that map. A single scan has a place from which it was seen, and so
-    can tell what hides what.) Where nothing matches the log's odometry carries the pose on.
+    Each scan is matched to a reference scan, and where they share too little to the scan just
+    before it, which then is the reference. So errors add up from reference to reference and not
+    from scan to scan. (A replaces each chain of matched segments by a polyline and matches with
+    that map. A single scan has a place from which it was seen, and so can tell what hides what.)
+    Where nothing matches the log's odometry carries the pose on.
 
     Parameters
     ----------
@@ -102,7 +105,7 @@ def angle_correspondence(
     rng : numpy.random.Generator or None
         Draws pairs of segments; None: a fixed seed, so that equal logs give equal poses.
     new_reference : float
-        A scan of which less than this share is matched becomes the next reference.
+        Where less than this share of a scan is matched another reference is taken.
     extract : function
         `extract(points) -> (n, 2, 2)` segments of one scan.
     **thresholds
@@ -129,13 +132,12 @@ def angle_correspondence(
     reference = 0
     for k in range(1, len(log)):
         for known in dict.fromkeys((reference, k - 1)):
-            places = (seen[known][1], seen[k][1])
-            match = match_angles(
-                seen[known][0], seen[k][0], rng=chance, viewpoints=places, **thresholds
-            )
-            if match.matched:
+            pair = (seen[known][0], seen[k][0])
+            from_where = (seen[known][1], seen[k][1])
+            match = match_angles(*pair, rng=chance, viewpoints=from_where, **thresholds)
+            if match.matched and (known == k - 1 or match.overlap >= new_reference):
                 trail.place(compose(trail.poses[known], match.pose))
-                reference = known if match.overlap >= new_reference else k
+                reference = known
                 break
         else:
             trail.carry(match.reason)
@@ -146,14 +148,13 @@ def _doubt(found: list[Candidate], least: float, across: float, rival: float) ->
     """Why the best of the candidates is not to be believed; empty where it is."""
     if not found:
         return "no two walls of one stand at an angle that the other has too"
-    best = found[0]
-    if best.score < least:
-        return f"best candidate scores {best.score:.2f} m, at least {least:.2f} m are needed"
+    best, second = found[0], found[1].score if len(found) > 1 else -np.inf
+    if best.score < least * (1.0 if best.walls > 2 else CORNER):
+        return "too little of the walls matches"
+    if second > rival * best.score:
+        return "another place fits nearly as well"
     if _wall_across(best) < across:
-        return f"only {_wall_across(best):.2f} m of wall fix the motion along the others"
-    second = found[1].score / best.score if len(found) > 1 else 0.0
-    if second > rival:
-        return f"another place fits nearly as well: {second:.0%} of the best score"
+        return "too little wall fixes the motion along the others"
     return ""
 
 
