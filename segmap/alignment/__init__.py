@@ -5,6 +5,8 @@ Every method has one signature, `method(log, *, thresholds) -> Alignment`, and s
 
 from ._angle_candidates import Candidate, angle_candidates, match_values
 from ._angle_correspondence import angle_correspondence, match_angles
+from ._backbone import backbone, backbone_steps
+from ._backbone_steps import BackboneStep
 from ._odometry import ground_truth, odometry
 from ._point_icp import match_points, point_icp
 from ._pose_graph import pose_graph
@@ -16,6 +18,7 @@ METHODS: dict[str, Method] = {
     "odometry": Method(odometry, "alone", True, "the baseline"),
     "ground_truth": Method(ground_truth, "alone", False, "A 3.3.3"),
     "angle_correspondence": Method(angle_correspondence, "pairs", False, "A 2.5.1, 3.3.1, [30]"),
+    "backbone": Method(backbone, "map", True, "A 3.3.2, 5.2"),
     "segment_icp": Method(segment_icp, "map", True, "A 2.5.1, [31]"),
     "point_icp": Method(point_icp, "map", True, "A 2.5.1, [41]"),
     "pose_graph": Method(pose_graph, "all", False, "Olson 2009, Grisetti et al. 2010"),
@@ -24,6 +27,7 @@ METHODS: dict[str, Method] = {
 __all__ = [
     "METHODS",
     "Alignment",
+    "BackboneStep",
     "Candidate",
     "Graph",
     "Match",
@@ -31,6 +35,8 @@ __all__ = [
     "Rejected",
     "angle_candidates",
     "angle_correspondence",
+    "backbone",
+    "backbone_steps",
     "ground_truth",
     "match_angles",
     "match_points",

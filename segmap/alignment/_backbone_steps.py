@@ -97,7 +97,8 @@ def doubt_of(steps: Sequence[BackboneStep], orthogonal: float) -> Doubt:
     Doubt
     """
     if not steps or not len(steps[-1].known):
-        return Doubt(1.0, 0.0, 0.0, "", False)
+        blind = sum(not s.skipped for s in steps) > 1
+        return Doubt(1.0, 0.0, 0.0, "no backbone: no scan shows a wall long enough" * blind, False)
     share, spread, bend = share_followed(steps), spread_left(steps), bend_corrected(steps)
     wrong = []
     if share < orthogonal:
