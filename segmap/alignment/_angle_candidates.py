@@ -24,7 +24,7 @@ SIMILAR, COVERED = np.radians(8), 0.3
 #: Guesses this near, metres and radians, are judged by the one with the longest walls.
 NEAR_PLACE, NEAR_HEADING = 0.1, np.radians(3)
 #: Guesses that are judged, and refined, and how often.
-TRIED, REFINED, ROUNDS = 300, 20, 4
+TRIED, REFINED, ROUNDS = 150, 10, 4
 #: What stands so near to a wall, in metres, does not hide it: noise, and the far end of a corner.
 MARGIN = 0.10
 
@@ -159,7 +159,7 @@ def angle_candidates(
     Returns
     -------
     list of Candidate
-        At most 20, each at least 0.3 m or 10 degrees from all before it.
+        At most 10, each at least 0.3 m or 10 degrees from all before it.
 
     Raises
     ------
