@@ -184,6 +184,13 @@ def test_files_give_back_what_they_got(tmp_path, expected):
     assert [p.name for p in tmp_path.iterdir()] == ["runs.csv"]
 
 
+def test_numbers_of_numpy_are_written_as_numbers(tmp_path):
+    """Catches `np.float64(0.17)` in a file, which nobody can read back."""
+    record = Record("hall", "hybrid", {"angle": np.radians(10)}, None, 9, 8, 0.1, 0.9, 0.5)
+    Records([record]).write(tmp_path / "runs.csv")
+    assert Records.read(tmp_path / "runs.csv")[0] == record
+
+
 def test_writing_is_whole_or_not_at_all(tmp_path, expected, monkeypatch):
     """Catches a file that is emptied before the new one is there."""
     path = tmp_path / "runs.csv"

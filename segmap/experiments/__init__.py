@@ -16,7 +16,7 @@ from ._compare import (
     points_of,
     reduction_at,
 )
-from ._conclusions import Answer, Conclusion, conclusion_table, conclusions, density
+from ._conclusions import Answer, Conclusion, conclusion_table, conclusions, density, filter_change
 from ._online import Pace, load_pace
 from ._records import Record, Records, number_words
 from ._sweep import digest, sweep
@@ -38,6 +38,7 @@ __all__ = [
     "density",
     "digest",
     "equal_quality",
+    "filter_change",
     "front",
     "load_pace",
     "load_records",

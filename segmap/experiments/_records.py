@@ -211,7 +211,8 @@ def number_words(value: Threshold) -> str:
 
 def thresholds_text(thresholds: Mapping[str, Threshold]) -> str:
     """Thresholds as a file keeps them, to the last digit: `distance=0.2;angle=0.1745`."""
-    return ";".join(f"{name}={value!r}" for name, value in thresholds.items())
+    plain = {k: v.item() if isinstance(v, np.generic) else v for k, v in thresholds.items()}
+    return ";".join(f"{name}={value!r}" for name, value in plain.items())
 
 
 def thresholds_from(text: str) -> dict[str, Threshold]:
