@@ -11,7 +11,7 @@ from segmap import load, metrics, read
 from segmap.extraction import build_map
 from segmap.poses import transform
 from segmap.reduction import _climb_loops as climbing
-from segmap.reduction import mean_shift
+from segmap.reduction import common_directions, mean_shift
 from segmap.reduction._mean_shift import cut
 from segmap.segments import SegmentMap, length
 from segmap.testing import assert_segments_equal, segment_zoo
@@ -169,7 +169,7 @@ def test_pieces_are_as_few_as_are_no_longer_than_sigma(wall, pieces):
 def test_two_points_attract_as_their_kernel_says():
     """The closed form: at distance h, the weights are 1 and exp(-h^2 / 2)."""
     points = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]])
-    centres, steps = climbing.climb(points, np.inf, 10.0)
+    centres, steps = climbing.climb(points, np.inf, 10.0, np.inf)
     share = np.exp(-0.5) / (1 + np.exp(-0.5))
     assert steps == 1
     np.testing.assert_allclose(centres, [(share, 0, 0), (1 - share, 0, 0)], atol=1e-12)
@@ -177,15 +177,15 @@ def test_two_points_attract_as_their_kernel_says():
 
 def test_points_at_three_deviations_pull_and_those_beyond_do_not():
     """Equal pieces of one wall lie at whole multiples of sigma: rounding must not choose."""
-    for gap, share in ((3.0, np.exp(-4.5) / (1 + np.exp(-4.5))), (3.0 + 1e-6, 0.0)):
+    for gap, share in ((3.0 + 1e-12, np.exp(-4.5) / (1 + np.exp(-4.5))), (3.0 + 1e-6, 0.0)):
         points = np.array([[0.0, 0.0, 0.0], [0.0, gap, 0.0]])
-        centres, _ = climbing.climb(points, np.inf, 10.0)
+        centres, _ = climbing.climb(points, np.inf, 10.0, np.inf)
         assert centres[0, 1] == pytest.approx(gap * share, abs=1e-12)
 
 
 def test_a_perpendicular_point_attracts_but_does_not_turn():
     points = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 1.0]])
-    centres, _ = climbing.climb(points, 2.0, 10.0)
+    centres, _ = climbing.climb(points, 2.0, 10.0, np.inf)
     assert centres[0, 0] > 0.1
     assert centres[:, 2].tolist() == [0.0, 1.0]
 
@@ -194,8 +194,8 @@ def test_all_climb_until_the_slowest_rests():
     """A stop of each centre by itself, or a freeze below the stop: the others go on a little."""
     crowd = np.abs(np.random.default_rng(0).normal(0, 1.5, (60, 3)))
     slow = np.array([[900.0, 0.0, 0.0], [902.0, 0.0, 0.0]])
-    alone, steps = climbing.climb(crowd, 100.0, 1 / 200)
-    both, more = climbing.climb(np.concatenate([crowd, slow]), 100.0, 1 / 200)
+    alone, steps = climbing.climb(crowd, 100.0, 1 / 200, np.inf)
+    both, more = climbing.climb(np.concatenate([crowd, slow]), 100.0, 1 / 200, np.inf)
     assert more > steps
     assert 1e-6 < np.abs(both[:60] - alone).max() < 0.05
 
@@ -222,6 +222,19 @@ def test_parents_name_the_longest_share():
     assert len(found) > 1
     assert found.parents[-1] == np.argmax(shares)
     assert set(found.parents[:-1]) == {0}
+
+
+def test_the_first_phase_can_be_watched():
+    """A count of steps off by one: 0 are the pieces, 1 is one step, and so on to the end."""
+    map = redundant_map(np.random.default_rng(4))
+    whole = common_directions(map)
+    begin, one = (common_directions(map, steps=k).centres for k in (0, 1))
+    literal = reference_mean_shift.cut(map.tolist(), 0.2)
+    np.testing.assert_allclose(begin[:, :2], [piece[:2] for piece in literal], atol=1e-12)
+    assert 0 < np.abs(one - begin)[:, :2].max() < 0.2
+    assert np.abs(whole.centres - one)[:, :2].max() > 0.01
+    assert len(whole.theta) == whole.cluster.max() + 1
+    np.testing.assert_array_equal(whole.owner, [piece[3] for piece in literal])
 
 
 def test_a_map_without_redundancy_is_kept():

@@ -126,13 +126,14 @@ def step(
 
 
 @compiled
-def climb(points: Array, period: float, stop: float) -> tuple[Array, int]:
+def climb(points: Array, period: float, stop: float, most: float) -> tuple[Array, int]:
     """Where centres, which start at the points `(n, 3)`, come to, and after how many steps (A 4.8).
 
-    All move until none moves by more than `stop`. That happens: with k(q) = max(0, exp(-q / 2) -
-    exp(-9 / 2)), convex and falling, each step raises the sum of k over the points by at least
-    exp(-9 / 2) / 2 times the square of the move, and the sum is at most n. Each moves by itself, so
-    "at once" and "in turn" are the same; one that a step leaves where it was stays there.
+    All move until none moves by more than `stop`, or for `most` steps. They do come to rest: with
+    k(q) = max(0, exp(-q / 2) - exp(-9 / 2)), convex and falling, each step raises the sum of k over
+    the points by at least exp(-9 / 2) / 2 times the square of the move, and the sum is at most n.
+    Each moves by itself, so "at once" and "in turn" are the same; one that a step leaves where it
+    was stays there.
     """
     order, rows, first = in_strips(points, REACH)
     fixed = points[order].T.copy()
@@ -140,7 +141,7 @@ def climb(points: Array, period: float, stop: float) -> tuple[Array, int]:
     cuts = neighbours(fixed[0], first)
     moves = np.full(len(cuts) - 1, np.inf)
     steps = 0
-    while moves.max() > stop * stop:
+    while moves.max() > stop * stop and steps < most:
         for g in range(len(moves)):
             if moves[g] > 0:
                 run = centres[:, cuts[g] : cuts[g + 1]]

@@ -103,7 +103,11 @@ class Directions(NamedTuple):
 
 
 def common_directions(
-    map: Segments, *, sigma: float = 0.20, bandwidth: float = np.pi / 18 / 0.20
+    map: Segments,
+    *,
+    sigma: float = 0.20,
+    bandwidth: float = np.pi / 18 / 0.20,
+    steps: float = np.inf,
 ) -> Directions:
     """Cluster the pieces of a map by place and direction: phase 1 of `mean_shift` (A 4.3.3).
 
@@ -113,6 +117,8 @@ def common_directions(
     sigma : float, metres
     bandwidth : float, radians a metre
         As for `mean_shift`.
+    steps : int or inf
+        Stop after so many, before the centres rest: to look at them on their way.
 
     Returns
     -------
@@ -140,7 +146,7 @@ def common_directions(
     middle = midpoint(pieces)
     origin = middle.mean(axis=0)
     points = np.column_stack([(middle - origin) / sigma, angle(pieces) / unit])
-    centres, _ = climb(points, np.pi / unit, loops.STOP)
+    centres, _ = climb(points, np.pi / unit, loops.STOP, float(steps))
     label = link(centres, np.pi / unit, 2.0)
     centres = centres * (sigma, sigma, unit) + (*origin, 0.0)
     cluster = np.unique(label, return_inverse=True)[1]

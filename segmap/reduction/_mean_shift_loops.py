@@ -56,7 +56,7 @@ def collinear(
     reach = np.abs(half[:, 0] * dx + half[:, 1] * dy)
     points = np.zeros((len(u), 3))
     points[:, 0], points[:, 1] = u / along, v / across
-    centres, _ = climb(points, np.inf, STOP / np.sqrt(2.0))
+    centres, _ = climb(points, np.inf, STOP / np.sqrt(2.0), np.inf)
     order, first = chains(link(centres, np.inf, np.sqrt(0.5)))
     for c in range(len(first) - 1):
         own = order[first[c] : first[c + 1]]
