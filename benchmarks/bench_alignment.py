@@ -1,0 +1,148 @@
+"""Matching two scans, and aligning whole logs: writes `data/records/alignment.csv`."""
+
+import csv
+import gzip
+import resource
+from collections.abc import Callable, Iterator
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from segmap import LaserScan, Log, alignment, load, read
+from segmap.alignment import Alignment, match_points
+from segmap.metrics import relation_errors
+from segmap.simulation import Wheels, drifting_odometry
+
+from .measure import ROOT, SHARED, Row, missing, seconds, workloads
+
+Array = NDArray[np.float64]
+TARGET = ROOT / "data" / "records" / "alignment.csv"
+SEEDS = (1, 2, 3)
+
+
+class Case(NamedTuple):
+    """A log with drifting odometry, and the errors of a trajectory for it: metres and radians."""
+
+    name: str
+    log: Log
+    errors: Callable[[Array], tuple[Array, Array]]
+
+
+def rows() -> Iterator[Row]:
+    yield from matches()
+    records = []
+    for case in cases():
+        for name, method in alignment.METHODS.items():
+            found = method(case.log, **({"missing": "drop"} if name == "ground_truth" else {}))
+            records.append(record(case, name, found))
+            yield Row(f"{case.name}, {name}", summary(records[-1]))
+    yield Row("largest memory so far", f"{resource.getrusage(resource.RUSAGE_SELF).ru_maxrss} kB")
+    if (SHARED / "data").exists():
+        write(records)
+    else:
+        yield from missing("Intel and FR079: the stored records stay")
+
+
+def matches() -> Iterator[Row]:
+    """The scan pairs of the workloads: time, and errors of the pose."""
+    made = workloads()
+    if made is None:
+        yield from missing("scan pairs")
+        return
+    for name in made.B_CASES:
+        case = made.match_case(name)
+        pairs = [
+            [made.end_points(r, case.sensor.angles) for r in both]
+            for both in zip(case.ref, case.cur, strict=True)
+        ]
+        found = [match_points(*pair).pose for pair in pairs]
+        took = np.median([seconds(lambda p=pair: match_points(*p), 3) for pair in pairs[:25]])
+        far, turned = made.pose_error(found, case.motion)
+        wrong = int(((far > 0.03) | (turned > np.radians(1))).sum())
+        yield Row(
+            f"match_points, {name}",
+            f"{1e3 * took:.2f} ms, median {1e3 * np.median(far):.2f} mm, {wrong} of {len(far)} off",
+            "<= 2.1 ms, 1.5 mm, none off" if "room" in name else "",
+        )
+
+
+def cases() -> Iterator[Case]:
+    malaga = load("malaga")
+    yield Case("malaga", malaga, lambda poses: after_rigid_alignment(poses, malaga.truth))
+    for name in ("intel", "fr079"):
+        path = SHARED / "data" / f"{name}.log.gz"
+        if not path.exists():
+            yield from ()
+            continue
+        log = read(path)
+        with gzip.open(path.with_name(f"{name}.relations.gz")) as lines:
+            relations = np.loadtxt(lines, usecols=range(8))
+        tolerance = 0.02 if name == "intel" else 0.1
+        for seed in SEEDS if name == "fr079" else (None,):
+            yield Case(
+                name if seed is None else f"{name}, drift {seed}",
+                log if seed is None else drifted(log, seed),
+                lambda poses, t=log.times, r=relations, tol=tolerance: relation_errors(
+                    t, poses, r, tolerance=tol
+                ),
+            )
+
+
+def drifted(log: Log, seed: int) -> Log:
+    """The log with odometry that ordinary wheels would have made of its corrected poses."""
+    odometry = drifting_odometry(log.truth, wheels=Wheels(), rng=np.random.default_rng(seed))
+    scans = [
+        LaserScan(s.ranges, s.angles, s.time, wheels, s.max_range, s.sensor_pose)
+        for s, wheels in zip(log, odometry, strict=True)
+    ]
+    return Log(log.name, scans, log.truth)
+
+
+def after_rigid_alignment(poses: Array, truth: Array) -> tuple[Array, Array]:
+    """Errors of position and heading where the truth is known, after the best rigid motion."""
+    known = np.isfinite(truth).all(1)
+    a, b = poses[known], truth[known]
+    p, q = a[:, :2] - a[:, :2].mean(0), b[:, :2] - b[:, :2].mean(0)
+    turn = np.arctan2((p[:, 0] * q[:, 1] - p[:, 1] * q[:, 0]).sum(), (p * q).sum())
+    c, s = np.cos(turn), np.sin(turn)
+    far = np.hypot(*(p @ np.array([[c, s], [-s, c]]) - q).T)
+    turned = (a[:, 2] + turn - b[:, 2] + np.pi) % (2 * np.pi) - np.pi
+    return far, np.abs(turned)
+
+
+def record(case: Case, method: str, found: Alignment) -> dict[str, Any]:
+    far, turned = case.errors(found.poses)
+    return {
+        "log": case.name,
+        "method": method,
+        "scans": len(found),
+        "used": int(found.used.sum()),
+        "compared": len(far),
+        "mean": round(float(far.mean()), 4),
+        "deviation": round(float(far.std()), 4),
+        "rms": round(float(np.sqrt((far**2).mean())), 4),
+        "p95": round(float(np.quantile(far, 0.95)), 4),
+        "largest": round(float(far.max()), 4),
+        "above_0.2": round(float((far > 0.2).mean()), 4),
+        "heading": round(float(turned.mean()), 5),
+        "seconds": round(found.seconds, 2),
+    }
+
+
+def summary(row: dict[str, Any]) -> str:
+    return (
+        f"mean {row['mean']:.4f}, sd {row['deviation']:.3f}, rms {row['rms']:.4f}, p95 "
+        f"{row['p95']:.3f}, max {row['largest']:.2f} m, {np.degrees(row['heading']):.2f} deg, "
+        f"{row['used']} of {row['scans']} used, {row['seconds']:.1f} s"
+    )
+
+
+def write(records: list[dict[str, Any]]) -> None:
+    """All records, through a temporary file."""
+    part = TARGET.with_suffix(".part")
+    with part.open("w", newline="") as target:
+        table = csv.DictWriter(target, records[0].keys(), lineterminator="\n")
+        table.writeheader()
+        table.writerows(records)
+    part.replace(TARGET)

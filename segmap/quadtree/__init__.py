@@ -1,0 +1,6 @@
+"""Occupancy in a quadtree: a map that grows by itself, small and built scan by scan (B 4)."""
+
+from ._build import build_map
+from ._map import Leaves, QuadtreeMap
+
+__all__ = ["Leaves", "QuadtreeMap", "build_map"]

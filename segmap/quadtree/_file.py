@@ -1,0 +1,95 @@
+"""A quadtree as an NPZ file: checked when read, whole or absent when written."""
+
+import os
+import zipfile
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..angles import Array
+
+FORMAT, VERSION = "segmap quadtree", 1
+
+
+class Stored(NamedTuple):
+    """What the file holds: whole numbers, lengths in metres, and the counts of the nodes."""
+
+    state: NDArray[np.int64]
+    lengths: Array
+    vis: NDArray[np.int32]
+    occ: NDArray[np.int32]
+
+
+def write_npz(path: Path, **arrays: Any) -> None:
+    """Write arrays under a temporary name, then rename."""
+    part = path.with_name(path.name + ".part")
+    try:
+        with part.open("wb") as target:
+            np.savez_compressed(target, format=np.array(f"{FORMAT} {VERSION}"), **arrays)
+            target.flush()
+            os.fsync(target.fileno())
+        part.replace(path)
+    finally:
+        part.unlink(missing_ok=True)
+
+
+def read_npz(path: Path) -> Stored:
+    """Read and check a file.
+
+    Raises
+    ------
+    ValueError
+        For a damaged or foreign file, saying what is wrong with it.
+    """
+    try:
+        with np.load(path, allow_pickle=False) as held:
+            arrays = {name: held[name] for name in held.files}
+    except (OSError, EOFError, KeyError, zipfile.BadZipFile, ValueError) as error:
+        if isinstance(error, FileNotFoundError | IsADirectoryError | PermissionError):
+            raise
+        raise ValueError(f"{path}: not a readable NPZ file ({error})") from None
+    kind = str(arrays.pop("format", ""))
+    if not kind.startswith(FORMAT):
+        raise ValueError(f"{path}: not a quadtree of segmap, holds {sorted(arrays)}")
+    if kind != f"{FORMAT} {VERSION}":
+        raise ValueError(f"{path}: written as {kind!r}, this version reads {VERSION}")
+    if wrong := _what_is_wrong(arrays):
+        raise ValueError(f"{path}: damaged, {wrong}")
+    return Stored(**arrays)
+
+
+def _what_is_wrong(arrays: dict[str, Any]) -> str:
+    """What keeps the arrays from being a tree; empty where nothing does."""
+    if set(arrays) != set(Stored._fields):
+        return f"it holds {sorted(arrays)}, expected {sorted(Stored._fields)}"
+    state, lengths, vis, occ = (arrays[name] for name in Stored._fields)
+    kinds = [(state, np.int64, 7), (lengths, np.float64, 4), (vis, np.int32, vis.size)]
+    for array, kind, count in [*kinds, (occ, np.int32, vis.size)]:
+        if array.dtype != kind or array.shape != (count,):
+            return f"an array is {array.dtype} {array.shape}, expected {np.dtype(kind)} ({count},)"
+    if not np.isfinite(lengths).all() or lengths[0] <= 0 or not 2 <= state[1] <= state[2] <= 40:
+        return "its sizes make no sense"
+    return _what_is_wrong_with_tree(vis, occ, int(state[0]), int(state[1]))
+
+
+def _what_is_wrong_with_tree(
+    vis: NDArray[np.int32], occ: NDArray[np.int32], root: int, level: int
+) -> str:
+    """Every block must be reached once, from the root, and counts must be possible."""
+    blocks = vis.size // 4
+    inner = vis < 0
+    child = np.append(~vis[inner].astype(np.int64), root)
+    if vis.size % 4 or not np.array_equal(np.sort(child), np.arange(blocks)):
+        return "its blocks do not hang together"
+    if (occ < 0).any() or (occ > vis)[~inner].any() or occ[inner].any():
+        return "a leaf was hit more often than crossed"
+    layer, depth, seen = np.array([root]), 0, 1
+    while len(layer):
+        nodes = (4 * layer[:, None] + np.arange(4)).ravel()
+        layer = ~vis[nodes[vis[nodes] < 0]].astype(np.int64)
+        depth, seen = depth + 1, seen + len(layer)
+        if depth > level:
+            return "a leaf is smaller than a cell"
+    return "" if seen == blocks else "its blocks do not hang together"

@@ -1,0 +1,267 @@
+"""Loops of the quadtree: cells found and split, rays walked leaf by leaf (B 4.2 to 4.4).
+
+A tree is an array of nodes in blocks of four, the children of one square. `vis[node]` of a leaf is
+the number of rays that crossed it; of an inner node it is `~block` (negative), the block of its
+children. Cells are counted from the root's lower left corner. `path[level]` is the block of the
+square of `2^level` cells that holds the cell found last: the next cell is mostly near.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .._compiled import compiled
+
+Counts = NDArray[np.int32]
+Cells = NDArray[np.int64]
+
+#: Levels that a path can hold: 2^31 cells a side are more than any map.
+DEPTH = 32
+
+
+@compiled
+def common(x: int, y: int, other_x: int, other_y: int, level: int) -> int:
+    """Level, from this one up, of the smallest square that holds both cells."""
+    differ = (x ^ other_x) | (y ^ other_y)
+    while differ >> level:
+        level += 1
+    return level
+
+
+@compiled
+def descend(vis: Counts, path: Cells, level: int, x: int, y: int) -> tuple[int, int]:
+    """Leaf that holds a cell, and the level of its side, from the block `path[level]` down."""
+    block = path[level]
+    while True:
+        level -= 1
+        node = 4 * block + ((x >> level) & 1) + 2 * ((y >> level) & 1)
+        if vis[node] >= 0:
+            return node, level
+        block = ~np.int64(vis[node])
+        path[level] = block
+
+
+@compiled
+def split_down(
+    vis: Counts,
+    occ: Counts,
+    path: Cells,
+    node: int,
+    used: int,
+    level: int,
+    last: int,
+    x: int,
+    y: int,
+    first: int,
+) -> tuple[int, int, int]:
+    """Split a leaf about a cell down to level `last`; new leaves start with `vis = first`."""
+    while level > last:
+        for child in range(4 * used, 4 * used + 4):
+            vis[child], occ[child] = first, 0
+        vis[node], occ[node] = ~used, 0
+        path[level] = used
+        level -= 1
+        node = 4 * used + ((x >> level) & 1) + 2 * ((y >> level) & 1)
+        used += 1
+    return node, level, used
+
+
+@compiled
+def split_to_cells(
+    vis: Counts, occ: Counts, used: int, root: int, top: int, cells: Cells, done: int, inherit: bool
+) -> tuple[int, int]:
+    """Split the leaves of cells `(n, 2)` down to single cells (B 4.2.2), from cell `done` on.
+
+    Returns the blocks used and the cells done: it stops early where the arrays get full.
+    """
+    path = np.zeros(DEPTH, np.int64)
+    path[top] = root
+    level, x, y = top, 0, 0
+    for k in range(done, len(cells)):
+        if 4 * (used + top) > len(vis):
+            return used, k
+        level = common(x, y, cells[k, 0], cells[k, 1], level)
+        x, y = cells[k, 0], cells[k, 1]
+        node, level = descend(vis, path, level, x, y)
+        first = vis[node] if inherit else 1
+        node, level, used = split_down(vis, occ, path, node, used, level, 0, x, y, first)
+        level += 1
+    return used, len(cells)
+
+
+@compiled
+def count_ends(vis: Counts, occ: Counts, root: int, top: int, cells: Cells) -> None:
+    """Count end points in their cells, and the ray of each where it is not the cell's first."""
+    path = np.zeros(DEPTH, np.int64)
+    path[top] = root
+    level, x, y = top, 0, 0
+    for k in range(len(cells)):
+        level = common(x, y, cells[k, 0], cells[k, 1], level)
+        x, y = cells[k, 0], cells[k, 1]
+        node, level = descend(vis, path, level, x, y)
+        if occ[node] > 0 or vis[node] == 0:
+            vis[node] += 1
+        occ[node] += 1
+        level += 1
+
+
+@compiled
+def walk_rays(
+    vis: Counts,
+    occ: Counts,
+    used: int,
+    root: int,
+    top: int,
+    sensor: Cells,
+    ends: Cells,
+    done: int,
+    masked: int,
+    largest: int,
+    add: int,
+) -> tuple[int, int]:
+    """Add to `vis` of every leaf that holds a cell of a ray, but for its last `masked` steps (B
+    4.4).
+
+    Of the cells that Bresenham takes, the end's and its neighbours are those of the last two steps
+    along the longer axis. A square is entered and left once, so each leaf counts once a ray. Leaves
+    above level `largest` are split on the way, handing their counts on. Returns the blocks used and
+    the rays done, from ray `done` on: it stops early where the arrays get full.
+    """
+    path = np.zeros(DEPTH, np.int64)
+    path[top] = root
+    level, x, y = top, sensor[0], sensor[1]
+    for k in range(done, len(ends)):
+        dx, dy = ends[k, 0] - sensor[0], ends[k, 1] - sensor[1]
+        long, short = max(abs(dx), abs(dy)), min(abs(dx), abs(dy))
+        steep = abs(dy) > abs(dx)
+        sign_x, sign_y = (1 if dx >= 0 else -1), (1 if dy >= 0 else -1)
+        ahead = (dy > 0) if steep else (dx > 0)  # Bresenham walks in increasing order
+        rest = (long - 1) // 2 if ahead else long - 1 - (long - 1) // 2
+        step = 0
+        while step <= long - masked:
+            across = (step * short + rest) // long if long > 0 else 0
+            new_x = sensor[0] + sign_x * (across if steep else step)
+            new_y = sensor[1] + sign_y * (step if steep else across)
+            level = common(x, y, new_x, new_y, level)
+            x, y = new_x, new_y
+            node, level = descend(vis, path, level, x, y)
+            if level > largest:
+                if 4 * (used + top) > len(vis):
+                    return used, k
+                node, level, used = split_down(
+                    vis, occ, path, node, used, level, largest, x, y, vis[node]
+                )
+            vis[node] += add
+            to_x, to_y = room_ahead(x, sign_x, level), room_ahead(y, sign_y, level)
+            along, aside = (to_y, to_x) if steep else (to_x, to_y)
+            step += along
+            if short > 0:  # the first step at which the ray is past the leaf's side
+                step = min(step, ((across + aside) * long - rest + short - 1) // short)
+            level += 1
+    return used, len(ends)
+
+
+@compiled
+def room_ahead(at: int, sign: int, level: int) -> int:
+    """Cells from this one, in a direction, to the first beyond its square of `2^level` cells."""
+    inside = at & ((1 << level) - 1)
+    return (1 << level) - inside if sign > 0 else inside + 1
+
+
+@compiled
+def leaves_at(vis: Counts, root: int, top: int, cells: Cells) -> Cells:
+    """Leaf of each cell `(n, 2)`; -1 outside the root."""
+    path = np.zeros(DEPTH, np.int64)
+    path[top] = root
+    side, level, x, y = 1 << top, top, 0, 0
+    found = np.full(len(cells), -1, np.int64)
+    for k in range(len(cells)):
+        if 0 <= cells[k, 0] < side and 0 <= cells[k, 1] < side:
+            level = common(x, y, cells[k, 0], cells[k, 1], level)
+            x, y = cells[k, 0], cells[k, 1]
+            found[k], level = descend(vis, path, level, x, y)
+            level += 1
+    return found
+
+
+@compiled
+def all_leaves(vis: Counts, root: int, top: int, used: int) -> Cells:
+    """Node, x, y (cells) and level of every leaf, `(n, 4)`."""
+    found = np.empty((3 * used + 1, 4), np.int64)
+    todo = np.empty((4 * DEPTH, 4), np.int64)
+    todo[0, 0], todo[0, 1], todo[0, 2], todo[0, 3] = root, 0, 0, top
+    count, waiting = 0, 1
+    while waiting:
+        waiting -= 1
+        block, x, y, level = todo[waiting]
+        half = 1 << (level - 1)
+        for q in range(4):
+            node, at_x, at_y = 4 * block + q, x + half * (q & 1), y + half * (q >> 1)
+            if vis[node] >= 0:
+                row = found[count]
+                row[0], row[1], row[2], row[3] = node, at_x, at_y, level - 1
+                count += 1
+            else:
+                row = todo[waiting]
+                row[0], row[1], row[2], row[3] = ~np.int64(vis[node]), at_x, at_y, level - 1
+                waiting += 1
+    return found[:count]
+
+
+@compiled
+def joined(vis: Counts, occ: Counts, root: int, used: int) -> tuple[Counts, Counts, int]:
+    """The tree without squares whose four children are alike, never hit and equally often crossed.
+
+    New arrays without gaps, and the blocks used; the root is block 0.
+    """
+    order, above = np.empty(used, np.int64), np.full(used, -1, np.int64)
+    order[0], count = root, 1
+    for k in range(used):  # parents before children
+        if k < count:
+            for node in range(4 * order[k], 4 * order[k] + 4):
+                if vis[node] < 0:
+                    order[count] = ~np.int64(vis[node])
+                    above[order[count]] = node
+                    count += 1
+    for k in range(count - 1, 0, -1):
+        a = 4 * order[k]
+        same = vis[a] >= 0 and occ[a] == 0
+        for node in range(a + 1, a + 4):
+            same = same and vis[node] == vis[a] and occ[node] == 0
+        if same:
+            vis[above[order[k]]] = vis[a]
+            order[k] = -1
+    return compact(vis, occ, order[:count])
+
+
+@compiled
+def compact(vis: Counts, occ: Counts, order: Cells) -> tuple[Counts, Counts, int]:
+    """Copies of the blocks in this order, those marked -1 left out."""
+    place = np.full(len(vis) // 4, -1, np.int64)
+    used = 0
+    for block in order:
+        if block >= 0:
+            place[block] = used
+            used += 1
+    new_vis, new_occ = np.empty(4 * used, np.int32), np.empty(4 * used, np.int32)
+    for block in order:
+        if block >= 0:
+            for q in range(4):
+                node, new = 4 * block + q, 4 * place[block] + q
+                new_occ[new] = occ[node]
+                new_vis[new] = vis[node] if vis[node] >= 0 else ~place[~np.int64(vis[node])]
+    return new_vis, new_occ, used
+
+
+@compiled
+def painted(side: int, at: Cells, level: Cells, value: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Largest value of the leaves in each cell of a grid `(side, side)`, row 0 lowest.
+
+    `at` are the leaves' cells `(n, 2)`, `level` their sides; leaves below level 0 are within one.
+    """
+    grid = np.full((side, side), -np.inf)
+    for k in range(len(at)):
+        width = 1 << max(level[k], 0)
+        for i in range(at[k, 0], at[k, 0] + width):
+            for j in range(at[k, 1], at[k, 1] + width):
+                grid[j, i] = max(grid[j, i], value[k])
+    return grid

@@ -1,0 +1,291 @@
+"""The occupancy map in a quadtree that grows by itself (B 4)."""
+
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .._display import Pictured, Table
+from ..angles import Array
+from . import _loops as loops
+from ._file import read_npz, write_npz
+from ._tree import Tree, in_use
+
+#: Cells a side at first, and at most: B's default, and B's largest map doubled once.
+SIZE, MAX_SIZE = 512, 65_536
+#: No cell is further away than this, so that whole numbers hold it.
+FAR = 2.0**60
+
+
+class Leaves(NamedTuple):
+    """Leaves as arrays `(n,)`: lower left corner and side in metres, rays that crossed, ends."""
+
+    x: Array
+    y: Array
+    side: Array
+    vis: NDArray[np.int32]
+    occ: NDArray[np.int32]
+
+
+class QuadtreeMap(Pictured):
+    """Occupancy map of square leaves, small where ends of beams lie and large elsewhere (B 4).
+
+    Each leaf counts the rays that crossed it (`vis`) and those that ended in it (`occ`). The root
+    doubles when something lies outside it.
+
+    Parameters
+    ----------
+    resolution : float, metres
+        Side of the smallest leaves.
+    size : float, metres, or None
+        Side of the root at first, 512 cells by default; a power of two of cells, at least 4.
+    corner : (2,) array, metres
+        Lower left corner of the root at first; cells are counted from here for ever.
+    max_size : float, metres, or None
+        Side that the root never exceeds, 65 536 cells by default; `size` times a power of two.
+    bias : int
+        Rays that have to cross a leaf until it counts as surely free.
+    free_resolution : float, metres, or None
+        Where given, rays split leaves larger than this, which hand their counts on, and four equal
+        children join again: free is then only what rays went through. A power of two of cells.
+
+    Raises
+    ------
+    ValueError
+        For sizes that do not fit together.
+
+    Examples
+    --------
+    >>> map = QuadtreeMap(resolution=0.01)
+    >>> map.insert_scan((1.0, 1.0), [(2.0, 1.0), (2.0, 1.5)])
+    >>> map
+    QuadtreeMap(5.12 m, 127 leaves of 0.01 m and more, 1 scan)
+    >>> map.occupancy([(2.0, 1.0), (9.0, 9.0)])
+    array([1. , 0.5])
+    """
+
+    def __init__(
+        self,
+        *,
+        resolution: float = 0.01,
+        size: float | None = None,
+        corner: ArrayLike = (0.0, 0.0),
+        max_size: float | None = None,
+        bias: int = 20,
+        free_resolution: float | None = None,
+    ) -> None:
+        if not (resolution > 0 and np.isfinite(resolution)):
+            raise ValueError(f"resolution must be positive and finite, in metres, got {resolution}")
+        self.resolution = float(resolution)
+        self.corner = _finite("corner", corner, (2,))
+        level = _power("size", size, self.resolution, SIZE, least=4)
+        largest = _power("max_size", max_size, self.resolution, max(MAX_SIZE, 1 << level))
+        if largest < level:
+            raise ValueError(f"max_size {max_size} must not be smaller than size {size}")
+        if not bias >= 1:
+            raise ValueError(f"bias must be at least 1, got {bias}")
+        self.bias = int(bias)
+        self.free_resolution = free_resolution
+        self._free = _power("free_resolution", free_resolution, self.resolution, 1)
+        self.scans = 0
+        self.tree = Tree(level, largest)
+
+    def insert_scan(
+        self, sensor_xy: ArrayLike, points: ArrayLike, free_points: ArrayLike | None = None
+    ) -> None:
+        """Add the rays of one scan, taken from a known place (B 4.2 to 4.4).
+
+        Parameters
+        ----------
+        sensor_xy : (2,) array, metres
+            Where the sensor was, in the map's frame.
+        points : (n, 2) array, metres
+            Ends of the beams that met something.
+        free_points : (m, 2) array, metres, or None
+            Ends of the beams that met nothing: their rays cross their last cell too.
+
+        Raises
+        ------
+        ValueError
+            For coordinates that are not finite or lie beyond `max_size`; the map is then as it was.
+        """
+        sensor = self._cells(_finite("sensor_xy", sensor_xy, (2,))[None])
+        ends = self._cells(_finite("points", points, (-1, 2)))
+        free = self._cells(
+            _finite("free_points", () if free_points is None else free_points, (-1, 2))
+        )
+        self._grow(np.concatenate([sensor, ends, free]))
+        tree, split_free = self.tree, self.free_resolution is not None
+        sensor, ends, free = (cells - tree.corner for cells in (sensor, ends, free))
+        # Steps 1 and 2: end points, each in a cell of its own
+        tree.split_to(ends, inherit=split_free)
+        tree.count_ends(ends)
+        # Step 3: rays, on the tree as it is now; those that ended leave out their last two steps
+        for beams, masked in ((ends, 2), (free, 0)):
+            if split_free:
+                tree.split_along(sensor[0], beams, masked, self._free)
+        for beams, masked in ((ends, 2), (free, 0)):
+            tree.count_rays(sensor[0], beams, masked)
+        if split_free:
+            tree.join()
+        self.scans += 1
+
+    def occupancy(self, points: ArrayLike) -> Array:
+        """How sure it is that something stands at each point, `(n,)` in [0, 1] (B 4.1).
+
+        Parameters
+        ----------
+        points : (n, 2) array, metres
+
+        Returns
+        -------
+        (n,) array
+            `occ / vis` where ends were seen; else from 0.5 (unknown) down to 0 (surely free).
+        """
+        leaf = self.tree.leaves_at(self._cells(_finite("points", points, (-1, 2))))
+        inside = leaf >= 0
+        return np.where(inside, self._occupancy(np.where(inside, leaf, 0)), 0.5)
+
+    def leaves(self) -> Leaves:
+        """All leaves: lower left corners, sides, and both counts."""
+        node, cell, level = self.tree.leaves()
+        left, low = (self.corner + cell * self.resolution).T
+        side = np.ldexp(self.resolution, level)
+        return Leaves(left, low, side, self.tree.vis[node], self.tree.occ[node])
+
+    def to_grid(self, resolution: float | None = None) -> Array:
+        """Occupancy on a grid over the whole root, `(rows, columns)`, row 0 lowest.
+
+        Parameters
+        ----------
+        resolution : float, metres, or None
+            The map's own by default, or this times a power of two: then the largest occupancy of
+            each cell counts, so that no obstacle gets lost.
+
+        Raises
+        ------
+        ValueError
+        """
+        k = _power("resolution", resolution, self.resolution, 1)
+        if k > self.tree.level:
+            raise ValueError(f"resolution {resolution} is larger than the map, {self.side:.6g} m")
+        node, cell, level = self.tree.leaves()
+        at = (cell - self.tree.corner) >> k
+        return loops.painted(1 << (self.tree.level - k), at, level - k, self._occupancy(node))
+
+    def statistics(self) -> Table:
+        """Leaves by side, and the bytes that they and a grid of single bytes take."""
+        level = self.tree.leaves()[2]
+        sides, counts = np.unique(level, return_counts=True)
+        rows: list[tuple[object, object]] = [
+            (f"leaves of {np.ldexp(self.resolution, side):.6g} m", count)
+            for side, count in zip(sides.tolist(), counts.tolist(), strict=True)
+        ]
+        rows += [("leaves", len(level)), ("bytes", self.nbytes)]
+        return Table(["", "count"], [*rows, ("bytes of a grid", 4**self.tree.level)])
+
+    @property
+    def nbytes(self) -> int:
+        """Bytes that the tree uses: two counts of 4 bytes a node."""
+        return 32 * self.tree.used
+
+    @property
+    def side(self) -> float:
+        """Side of the root now, metres."""
+        return float(np.ldexp(self.resolution, self.tree.level))
+
+    @property
+    def bounds(self) -> tuple[float, float, float, float]:
+        """Left, low, right and high edge of the root now, metres."""
+        left, low = self.corner + self.tree.corner * self.resolution
+        return float(left), float(low), float(left + self.side), float(low + self.side)
+
+    def save(self, path: str | Path) -> None:
+        """Write the map as NPZ, through a temporary file: whole or not at all."""
+        tree = self.tree
+        state = np.array(
+            [tree.block, tree.level, tree.largest, *tree.corner, self.bias, self.scans]
+        )
+        lengths = np.array([self.resolution, *self.corner, self.free_resolution or 0.0])
+        vis, occ = in_use(tree)
+        write_npz(Path(path), state=state, lengths=lengths, vis=vis, occ=occ)
+
+    @classmethod
+    def load(cls, path: str | Path) -> "QuadtreeMap":
+        """Read what `save` wrote.
+
+        Raises
+        ------
+        ValueError
+            For a file that is damaged or foreign, saying what is wrong with it.
+        """
+        found = read_npz(Path(path))
+        resolution, x, y, free = found.lengths.tolist()
+        block, level, largest, cell_x, cell_y, bias, scans = found.state.tolist()
+        map = cls(
+            resolution=resolution,
+            size=float(np.ldexp(resolution, level)),
+            corner=(x, y),
+            max_size=float(np.ldexp(resolution, largest)),
+            bias=bias,
+            free_resolution=free or None,
+        )
+        map.scans, tree = scans, map.tree
+        tree.vis, tree.occ, tree.used, tree.block = found.vis, found.occ, len(found.vis) // 4, block
+        tree.corner = np.array([cell_x, cell_y], np.int64)
+        return map
+
+    def __repr__(self) -> str:
+        count = f"{self.scans} scan" + "s" * (self.scans != 1)
+        leaves = 3 * self.tree.used + 1
+        return (
+            f"QuadtreeMap({self.side:.6g} m, {leaves} leaves of {self.resolution:.6g} m and more, "
+            f"{count})"
+        )
+
+    def _cells(self, points: Array) -> loops.Cells:
+        """Cells that hold points `(n, 2)`, counted from the corner given at first."""
+        cells = np.floor((points - self.corner) / self.resolution)
+        return np.clip(cells, -FAR, FAR).astype(np.int64)
+
+    def _grow(self, cells: loops.Cells) -> None:
+        try:
+            self.tree.grow(cells)
+        except ValueError as error:
+            most = np.ldexp(self.resolution, self.tree.largest)
+            raise ValueError(
+                f"the scan reaches beyond max_size, {most:.6g} m, with {error} of "
+                f"{self.resolution:.6g} m: the map is as it was"
+            ) from None
+
+    def _occupancy(self, node: loops.Cells) -> Array:
+        vis, occ = self.tree.vis[node], self.tree.occ[node]
+        empty = np.maximum(0.5 * (self.bias - vis) / self.bias, 0.0)
+        return np.where(occ > 0, occ / np.maximum(vis, 1), empty)
+
+
+def _finite(name: str, values: ArrayLike, shape: tuple[int, ...]) -> Array:
+    array = np.array(values, float)
+    if array.size == 0 and shape == (-1, 2):
+        array = array.reshape(0, 2)
+    if array.ndim != len(shape) or array.shape[-1] != 2:
+        wanted = "(2,)" if shape == (2,) else "(n, 2)"
+        raise ValueError(f"{name} must have shape {wanted}, got {array.shape}")
+    if not np.isfinite(array).all():
+        raise ValueError(f"{name} must be finite, in metres: leave out beams without return")
+    return array
+
+
+def _power(
+    name: str, length: float | None, resolution: float, cells: int, *, least: int = 1
+) -> int:
+    """The k with `length = 2^k resolution`; that of `cells` cells where no length is given."""
+    count = cells if length is None else length / resolution
+    k = round(np.log2(count)) if count > 0 and np.isfinite(count) else 0
+    if not np.isclose(count, 2.0**k, rtol=1e-9) or 2.0**k < least:
+        raise ValueError(
+            f"{name} must be a power of two of cells of {resolution:.6g} m, at least {least}, "
+            f"got {length} m: {count:.6g} cells"
+        )
+    return k
