@@ -14,7 +14,8 @@ import sys
 if {blocked}:
     sys.modules["numba"] = None
 import numpy as np
-from segmap import extraction, metrics, reduction, simulation
+from segmap import alignment, extraction, metrics, reduction, simulation
+from segmap.alignment._point_map import PointMap
 rng = np.random.default_rng(3)
 t = np.radians(np.arange(0, 360, 6.0))
 ranges = 1 / np.maximum(np.abs(np.cos(t)) / 2, np.abs(np.sin(t)) / 1.5) + rng.normal(0, 0.01, 60)
@@ -22,6 +23,7 @@ points = np.stack([ranges * np.cos(t), ranges * np.sin(t)], -1)
 walls = rng.uniform(-3, 3, (12, 2, 2))
 seen = np.repeat(walls, 3, axis=0) + rng.normal(0, 0.01, (36, 2, 2))
 reduced = reduction.fusion(seen)
+match = alignment.match_points(points, points[5:] + (0.03, -0.02))
 found = [
     extraction.extract_clusters(points, closed=True),
     extraction.extract_clusters(points, fit="algebraic"),
@@ -34,6 +36,9 @@ found = [
     reduction.hybrid(seen).segments,
     reduction.mean_shift(seen[:9], sigma=1.0).segments,
     simulation.cast_rays(walls, (0.1, 0.2, 0.3), t, max_range=4.0),
+    match.pose,
+    match.covariance,
+    PointMap(points).search(points[::3], (0.1, 0.0, 0.1), reach=0.2, turn=0.2, step=0.1)[0],
 ]
 print("numba" in sys.modules and sys.modules["numba"] is not None)
 for array in found:

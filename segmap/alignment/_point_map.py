@@ -5,7 +5,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..angles import Array
+from ..angles import Array, wrap
 from . import _points_loops as loops
 from . import _search_loops as searching
 from ._result import Match, no_match
@@ -24,6 +24,10 @@ LEVELS = 4
 #: Points of a scan and map errors are not independent: measured errors are this many times the
 #: Hessian's (simulated rooms and offices, tests/test_match_points.py).
 INFLATION = 2.0
+
+#: A motion that the walls leave free is one along a direction where its shift is at least this
+#: share of it, the turn counted as the length by which it moves the scan's points.
+SHIFT = 0.7
 
 
 class PointMap:
@@ -68,6 +72,7 @@ class PointMap:
         )
         if used < 6:
             return no_match(begin, f"only {used} points lie near walls", near)
+        pose[2] = wrap(pose[2])
         covariance, free = _uncertainty(hessian, INFLATION * sigma**2, span)
         return Match(pose, covariance, True, "", near, free)
 
@@ -134,14 +139,16 @@ class PointMap:
 def _uncertainty(hessian: Array, variance: float, span: float) -> tuple[Array, Array | None]:
     """Covariance `(3, 3)`, and the direction `(2,)` that the walls do not fix, if there is one.
 
-    Along such a direction the standard deviation is one metre: the match says nothing of it.
+    Along such a direction the standard deviation is one metre: the match says nothing of it. In a
+    round room it is the heading that they do not fix: that is no direction.
     """
     scale = np.array([1.0, 1.0, 1.0 / span])
     value, vector = np.linalg.eigh(hessian * scale[:, None] * scale)
     fixed = value > loops.FREE * value[2]
     spread = np.where(fixed, variance / np.where(fixed, value, 1.0), 1.0)
     covariance = (vector * spread) @ vector.T * scale[:, None] * scale
-    if fixed.all():
+    along = vector[:2, ~fixed]
+    shift = np.hypot(*along)
+    if shift.max(initial=0.0) < SHIFT:
         return covariance, None
-    along = vector[:2, 0]
-    return covariance, along / max(float(np.hypot(*along)), 1e-12)
+    return covariance, along[:, np.argmax(shift)] / shift.max()

@@ -50,7 +50,7 @@ def overlay(level: Level, cells: Indices, i: int, j: int) -> float:
     for k in range(len(cells)):
         a, b = cells[k, 0] + i, cells[k, 1] + j
         if 0 <= a < columns and 0 <= b < rows:
-            total += level[a, b]
+            total += int(level[a, b])
     return total / (255.0 * len(cells))
 
 
