@@ -15,6 +15,7 @@ from segmap.panels import (
     DistancePanel,
     FusionPanel,
     HybridPanel,
+    MeanShiftPanel,
     Panel,
     PolylinePanel,
     RoomPanel,
@@ -22,7 +23,7 @@ from segmap.panels import (
 )
 from segmap.panels._base import VIEW, slider, text
 from segmap.plotting import ERROR, RESULT, TRUTH
-from segmap.reduction import basic_offline, basic_online, hybrid
+from segmap.reduction import basic_offline, basic_online, hybrid, mean_shift
 from segmap.sensors import URG_04LX
 from segmap.simulation import drive, rectangular_room, simulate
 
@@ -48,6 +49,7 @@ PANELS = {
     "distance": (DistancePanel, "angle", 30),
     "fusion": (lambda: FusionPanel(WALLS), "tolerance", 0.12),
     "hybrid": (lambda: HybridPanel(LEANING), "origin", 20),
+    "mean shift": (lambda: MeanShiftPanel(WALLS), "sigma", 0.60),
     "polylines": (lambda: PolylinePanel(LOG[0]), "tolerance", 0.005),
     "room": (lambda: RoomPanel(ROOM, (1, 1, 0)), "beams", 51),
     "scan": (lambda: ScanPanel(LOG), "step", 3),
@@ -262,6 +264,30 @@ def test_hybrid_panel_draws_every_line_in_the_box_of_its_result():
     dots, cross = (c.get_offsets() for c in figure.axes[1].collections[:2])
     assert len(dots) == 3 and len(cross) == 1
     assert (abs(dots - cross) < [10, 0.20]).all()
+
+
+def test_mean_shift_panel_shows_what_mean_shift_finds():
+    """Catches degrees taken for radians, an angle that is not one for 0.20 m, a lost slider."""
+    walls = SegmentMap([[(0, 0), (2, 0)], [(0, 0.01), (1.95, 0.3)]])
+    panel = MeanShiftPanel(walls)
+    for sigma, angle in ((0.2, 10), (0.5, 10), (0.5, 1)):
+        panel.sigma.value, panel.angle.value = sigma, angle
+        found = mean_shift(walls, sigma=sigma, bandwidth=np.radians(angle) / 0.20)
+        assert np.array_equal(panel.reduction.segments, found.segments)
+        assert panel.count.value == f"{len(found)} of 2 segments left"
+        assert panel.quality.value.startswith(f"quality {quality(walls, found):.1%}")
+    assert panel.pieces.value == "8 pieces, 2 clusters"
+
+
+def test_mean_shift_panel_draws_each_way_from_its_piece_to_its_centre():
+    """Catches ways drawn in another order than the pieces, and clusters that share a colour."""
+    figure = Figure()
+    panel = MeanShiftPanel(WALLS)
+    panel._draw(figure)
+    ways, begin, end = figure.axes[1].collections
+    assert np.array_equal([way[0] for way in ways.get_segments()], begin.get_offsets())
+    assert np.array_equal([way[1] for way in ways.get_segments()], end.get_offsets())
+    assert len(np.unique(end.get_facecolors(), axis=0)) == len(panel.directions.theta)
 
 
 def test_the_compare_panel_shows_the_run_that_reduces_most_at_a_quality():

@@ -11,6 +11,7 @@ from ._compare import ComparePanel
 from ._distance import DistancePanel
 from ._fusion import FusionPanel
 from ._hybrid import HybridPanel
+from ._mean_shift import MeanShiftPanel
 from ._polylines import PolylinePanel
 from ._room import RoomPanel
 from ._scan import ScanPanel
@@ -22,6 +23,7 @@ __all__ = [
     "DistancePanel",
     "FusionPanel",
     "HybridPanel",
+    "MeanShiftPanel",
     "Panel",
     "PolylinePanel",
     "RoomPanel",
