@@ -56,17 +56,15 @@ def mount_by_poses(shots: Sequence[Shot], offset: Array) -> Mounted:
     """Each line holds the laser's and the robot's pose: what lies between them says which.
 
     Where it is one and the same all along it is the laser's place on the robot. Where it varies,
-    the laser's poses have been corrected and the robot's not.
-    `offset`, `(3,)`, metres and radians, serves where the lines say nothing.
+    the laser's poses have been corrected and the robot's not; so they have where the robot has
+    none. There the laser sits at `offset`, `(3,)`, metres and radians.
     """
     poses = np.array([shot.pose for shot in shots])
     relative = between(np.array([shot.odometry for shot in shots]), poses)
     known = relative[np.isfinite(relative).all(1)]
-    if len(known) and not same(known, known[:1]):
+    if not len(known) or not same(known, known[:1]):
         return mount_by_offset(shots, offset)
-    return Mounted(
-        np.round(known[0], 6) + 0.0 if len(known) else offset, np.full_like(poses, np.nan)
-    )
+    return Mounted(np.round(known[0], 6) + 0.0, np.full_like(poses, np.nan))
 
 
 def assemble(

@@ -1,0 +1,304 @@
+"""Exports: another program finds what was meant, and `read` takes in again what was written."""
+
+import gzip
+
+import numpy as np
+import pytest
+
+from segmap import Log, exports, load, read
+from segmap.alignment import Alignment, odometry
+from segmap.poses import compose, inverse
+from segmap.scans import LaserScan
+from segmap.testing import assert_poses_equal
+
+HALF_TURN = np.radians([-90, -45, 0, 45, 90])
+#: Looks ahead, and back: offsets in x, y and angle, so that a lost one shows.
+AHEAD, BACK = (0.3, 0.1, 0.2), (-0.4, 0.05, np.pi - 0.1)
+TRUTH = np.array([(5.0, 2.0, 0.5), (5.9, 2.5, 3.1), (6.7, 2.9, -3.1)])
+WHEELS = np.array([(0.0, 0.0, 0.0), (1.0, 0.0, 2.5), (1.9, 0.3, -2.9)])
+RANGES = [1.5, np.inf, 2.25, np.nan, 3.123456]
+
+
+def shot(k, angles=HALF_TURN, place=AHEAD, max_range=50.0, wheels=WHEELS):
+    pose = None if wheels is None else wheels[k]
+    return LaserScan(RANGES, angles, 1000.25 + k / 3, pose, max_range, place)
+
+
+def log_of(scans, truth=TRUTH):
+    return Log("three", scans, truth)
+
+
+OLD = log_of([shot(k) for k in range(3)])
+NEW = log_of([shot(k, HALF_TURN * 0.75 + 0.1, max_range=4.0) for k in range(3)])
+BOTH = log_of([shot(0), shot(1, place=BACK), shot(2)])
+SHOTS = [shot(k % 3, HALF_TURN * 0.75, p) for k, p in enumerate((BACK, AHEAD, BACK, AHEAD))]
+BOTH_NEW = log_of(SHOTS, np.vstack([TRUTH, TRUTH[1:2]]))
+UNPLACED = log_of(OLD.scans, np.where([[True], [False], [True]], TRUTH, np.nan))
+LOGS = {"old": OLD, "new": NEW, "both": BOTH, "both new": BOTH_NEW, "unplaced": UNPLACED}
+
+
+def written(tmp_path, log, *poses, name="it.log"):
+    exports.write_carmen(tmp_path / name, log, *poses)
+    return read(tmp_path / name)
+
+
+def assert_same_log(found, log, digits=6):
+    """Ranges, beams, places, times, odometry and truth, to the digits written."""
+    assert len(found) == len(log)
+    for a, b in zip(found, log, strict=True):
+        np.testing.assert_allclose(a.ranges, b.ranges, atol=0.6 * 10**-digits)
+        np.testing.assert_array_equal(a.valid, b.valid)
+        np.testing.assert_allclose(a.angles, b.angles, atol=1e-12)
+        np.testing.assert_allclose(a.sensor_pose, b.sensor_pose, atol=1e-9)
+    np.testing.assert_allclose(found.times, log.times, atol=0.6e-6, rtol=0)
+    np.testing.assert_allclose(found.odometry, log.odometry, atol=0.6e-6)
+    assert (found.truth is None) == (log.truth is None)
+    if log.truth is not None:
+        known = np.isfinite(log.truth).all(1)
+        assert (np.isfinite(found.truth).all(1) == known).all()
+        assert_poses_equal(found.truth[known], log.truth[known], atol=2e-6)
+
+
+# ------------------------------------------------------------------------------ CARMEN
+@pytest.mark.parametrize("name", LOGS)
+def test_a_log_comes_back_as_it_was(name, tmp_path):
+    """Catches the robot's pose where the laser's belongs, and front and rear exchanged."""
+    assert_same_log(written(tmp_path, LOGS[name]), LOGS[name])
+
+
+@pytest.mark.parametrize("name", ["malaga", "corridor", "room"])
+def test_a_bundled_log_comes_back_as_it_was(name, tmp_path):
+    """Catches beams of 81.91 m, gaps in the truth, and a sensor of 240 degrees."""
+    log = load(name)
+    found = written(tmp_path, log, name="it.log.gz")
+    assert_same_log(found, log)
+    for a, b in zip(found, log, strict=True):
+        np.testing.assert_array_equal(a.ranges, b.ranges)
+        np.testing.assert_allclose(a.points(), b.points(), atol=1e-9)
+
+
+def test_corrected_poses_replace_the_truth_and_not_the_odometry(tmp_path):
+    """Catches an export of the poses that the log came with."""
+    moved = compose((1, 2, 0.3), TRUTH)
+    found = written(tmp_path, OLD, moved)
+    assert_poses_equal(found.truth, moved, atol=2e-6)
+    np.testing.assert_allclose(found.odometry, WHEELS, atol=1e-6)
+
+
+def test_an_alignment_is_written_with_all_its_poses_and_trusted_with_some(tmp_path):
+    """Catches a scan that is lost because it was not used."""
+    used = np.array([True, False, True])
+    alignment = Alignment(TRUTH, used, 0.0, "by hand", ("", "turning", ""))
+    assert np.isfinite(written(tmp_path, OLD, alignment).truth).all()
+    some = written(tmp_path, OLD, alignment.trusted)
+    assert (np.isfinite(some.truth).all(1) == used).all()
+
+
+def test_the_line_holds_the_pose_of_the_laser(tmp_path):
+    """The format by hand: x y theta of the laser, then the robot's odometry, then the time."""
+    ahead = log_of([shot(0, place=(0.5, 0, 0))], [(1, 2, np.pi / 2)])
+    exports.write_carmen(tmp_path / "one.log", ahead)
+    lines = [x.split() for x in (tmp_path / "one.log").read_text().splitlines() if x[0] != "#"]
+    assert lines[0] == ["PARAM", "robot_frontlaser_offset", "0.5"]
+    assert lines[-1][:7] == ["FLASER", "5", "1.5", "81.83", "2.25", "0", "3.123456"]
+    assert " ".join(lines[-1][7:]) == "1 2.5 1.570796 0 0 0 1000.250000 segmap 0.000000"
+
+
+def test_a_new_line_states_its_beams(tmp_path):
+    exports.write_carmen(tmp_path / "new.log", NEW)
+    fields = (tmp_path / "new.log").read_text().splitlines()[-1].split()
+    start, view, step, limit = map(float, fields[2:6])
+    assert fields[:2] == ["ROBOTLASER1", "0"] and fields[8:10] == ["5", "1.5"]
+    assert np.degrees([start - 0.1, view, step]) == pytest.approx([-67.5, 135, 33.75])
+    assert limit == 4.0 and fields[10] == "4"  # what met nothing is written as the maximum
+
+
+def test_what_lies_beyond_the_maximum_is_written_as_nothing_met(tmp_path):
+    """Catches an invalid beam that becomes a wall on the way."""
+    far = LaserScan([9.0, 5.0, -1.0, 1.0, 8.0], HALF_TURN, 0.0, (1, 1, 1), max_range=8.0)
+    found = written(tmp_path, Log("far", [far], [(0, 0, 0)]))
+    np.testing.assert_array_equal(found[0].ranges, [np.inf, 5, np.nan, 1, np.inf])
+
+
+@pytest.mark.parametrize("largest", [8.179, 8.15, 32.7, 49.9])
+def test_a_far_wall_stays_beside_beams_that_met_nothing(largest, tmp_path):
+    """Catches an answer for nothing met that makes the reader guess another mode."""
+    for angles in (HALF_TURN, HALF_TURN / 2):
+        scan = LaserScan([largest, np.inf, 1, 1, 1], angles, 0.0, (1, 1, 1))
+        found = written(tmp_path, Log("far", [scan] * 2, [(0, 0, 0), (1, 0, 0)]))
+        assert found[0].valid.tolist() == [True, False, True, True, True]
+
+
+def test_a_scan_without_odometry_stays_without(tmp_path):
+    """Catches zeros where nothing is known."""
+    found = written(tmp_path, log_of([shot(0), shot(1, wheels=None), shot(2)]))
+    assert found[1].odometry is None and found[2].odometry is not None
+
+
+def test_a_log_without_any_pose_is_one_without_truth(tmp_path):
+    """Catches poses made up: raw logs are written too."""
+    for log in (OLD, NEW):
+        assert written(tmp_path, log_of(log.scans, None)).truth is None
+
+
+def test_a_baseline_of_odometry_is_truth_only_where_the_format_can_tell(tmp_path):
+    """Pins what the docstring says of poses that repeat the odometry."""
+    plain = log_of([shot(k, place=(0, 0, 0)) for k in range(3)], None)
+    assert_poses_equal(written(tmp_path, plain, odometry(plain)).truth, WHEELS, atol=1e-5)
+    for log in (OLD, NEW):
+        found = written(tmp_path, log, odometry(log))
+        assert found.truth is None
+        np.testing.assert_allclose(found[0].sensor_pose, AHEAD, atol=1e-5)
+
+
+def test_times_keep_their_microseconds_long_after_1970(tmp_path):
+    """Catches six significant digits, which round such times to hours."""
+    late = [LaserScan(RANGES, HALF_TURN, 1137838384.123456 + k, WHEELS[k]) for k in range(3)]
+    found = written(tmp_path, log_of(late))
+    assert found.times.tolist() == pytest.approx([s.time for s in late], abs=1e-6, rel=0)
+
+
+def test_equal_and_exchanged_times_are_kept_in_their_order(tmp_path):
+    """Catches an export that sorts by time."""
+    times = (5.0, 5.0, 3.0)
+    scans = [LaserScan(RANGES, HALF_TURN, t, w) for t, w in zip(times, WHEELS, strict=True)]
+    assert tuple(written(tmp_path, log_of(scans)).times) == times
+
+
+# ----------------------------------------------------------------------------- refused
+UNEVEN = np.array([-1.0, -0.5, 0.1, 0.5, 1.0])
+ENDLESS = [(0, 0, 0), (np.inf, 0, 0), (0, 0, 0)]
+TIMELESS = Log("x", [*OLD.scans[:2], LaserScan([1.0], [0.0], time=np.nan)], TRUTH)
+AHEAD_TWICE = log_of([shot(0), shot(1, place=(0, 0, 0)), shot(2)])
+THREE_PLACES = log_of([shot(0), shot(1, place=BACK), shot(2, place=(0, 0, 0))])
+REFUSED = {
+    "no scan": (Log("none", []), None, "log 'none' holds no scan"),
+    "poses of another log": (OLD, TRUTH[:2], r"poses must have shape \(3, 3\), one a scan, got"),
+    "an endless pose": (OLD, ENDLESS, r"the pose of scan 1 must be finite, got \[inf, 0.0, 0.0\]"),
+    "no time": (TIMELESS, None, r"the time of scan 2 must be finite, got \[nan\]"),
+    "uneven": (log_of([shot(0), shot(1, UNEVEN), shot(2)]), None, "beams of scan 1 must be evenly"),
+    "clockwise": (log_of([shot(k, -HALF_TURN) for k in range(3)]), None, "counter-clockwise"),
+    "no beam": (Log("x", [LaserScan([], [])], [(0, 0, 0)]), None, "scan 0 has no beam"),
+    "two that look ahead": (AHEAD_TWICE, None, "of which one looks back, got 2: "),
+    "three places": (THREE_PLACES, None, "got 3: "),
+    "one pose a laser": (log_of(SHOTS[:3]), None, "read as the laser's place on the robot"),
+    "one pose elsewhere": (Log("x", NEW.scans[:1], [(9, 9, 1)]), None, "read as the laser's place"),
+}
+
+
+@pytest.mark.parametrize("name", REFUSED)
+def test_what_cannot_be_written_is_refused_and_leaves_no_file(name, tmp_path):
+    """Catches a file that reads as another log, and half a file."""
+    log, poses, message = REFUSED[name]
+    with pytest.raises(ValueError, match=message):
+        exports.write_carmen(tmp_path / "it.log", log, poses)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_one_pose_elsewhere_is_fine_in_old_lines_and_without_odometry(tmp_path):
+    """Catches a refusal where nothing is ambiguous."""
+    bare = log_of([shot(0, HALF_TURN / 2, wheels=None)], TRUTH[:1])
+    for log in (OLD[:1], bare):
+        assert_same_log(written(tmp_path, log), log)
+
+
+# -------------------------------------------------------------------------------- TUM
+def read_tum(path):
+    """Written from the format alone: times, x y z, and the axes that the quaternion turns to."""
+    rows = np.loadtxt(path, comments="#", ndmin=2).reshape(-1, 8)
+    qx, qy, qz, qw = rows[:, 4:].T
+    ahead = np.stack([1 - 2 * (qy**2 + qz**2), 2 * (qx * qy + qz * qw), 2 * (qx * qz - qy * qw)], 1)
+    up = np.stack([2 * (qx * qz + qy * qw), 2 * (qy * qz - qx * qw), 1 - 2 * (qx**2 + qy**2)], 1)
+    return rows[:, 0], rows[:, 1:4], ahead, up
+
+
+def test_another_reader_finds_the_trajectory(tmp_path):
+    """Catches w first, half angles left out, and a turn the wrong way round."""
+    exports.write_tum(tmp_path / "t.tum", OLD, TRUTH)
+    times, places, ahead, up = read_tum(tmp_path / "t.tum")
+    np.testing.assert_allclose(times, OLD.times, atol=1e-6, rtol=0)
+    np.testing.assert_allclose(places, np.column_stack([TRUTH[:, :2], np.zeros(3)]), atol=1e-6)
+    way = np.stack([np.cos(TRUTH[:, 2]), np.sin(TRUTH[:, 2]), np.zeros(3)], 1)
+    np.testing.assert_allclose(ahead, way, atol=1e-8)
+    np.testing.assert_allclose(up, [(0, 0, 1)] * 3, atol=1e-8)
+
+
+def test_the_way_from_pose_to_pose_survives(tmp_path):
+    """Catches headings and places of different frames: the relative motion, by quaternions."""
+    exports.write_tum(tmp_path / "t.tum", OLD, TRUTH)
+    _, places, ahead, _ = read_tum(tmp_path / "t.tum")
+    step = compose(inverse(TRUTH[0]), TRUTH[1])
+    assert ahead[0] @ (places[1] - places[0]) == pytest.approx(step[0], abs=1e-5)
+
+
+def test_scans_without_a_pose_are_left_out(tmp_path):
+    """Catches rows of nan, on which the tools give up."""
+    exports.write_tum(tmp_path / "t.tum", UNPLACED, UNPLACED.truth)
+    times, *_ = read_tum(tmp_path / "t.tum")
+    np.testing.assert_allclose(times, OLD.times[[0, 2]], atol=1e-6)
+    partly = TRUTH.copy()
+    partly[1, 2] = np.nan
+    exports.write_tum(tmp_path / "t.tum", OLD, partly)
+    assert len(read_tum(tmp_path / "t.tum")[0]) == 2
+
+
+def test_an_alignment_is_a_trajectory_too(tmp_path):
+    log = load("malaga")
+    exports.write_tum(tmp_path / "t.tum", log, odometry(log))
+    times, places, *_ = read_tum(tmp_path / "t.tum")
+    np.testing.assert_allclose(times, log.times, atol=1e-6, rtol=0)
+    np.testing.assert_allclose(places[:, :2], log.odometry[:, :2], atol=1e-6)
+
+
+def test_an_empty_log_is_an_empty_trajectory(tmp_path):
+    exports.write_tum(tmp_path / "t.tum", Log("none", []), [])
+    assert (tmp_path / "t.tum").read_text() == "# time x y z qx qy qz qw\n"
+
+
+def test_a_trajectory_of_another_log_is_refused(tmp_path):
+    with pytest.raises(ValueError, match=r"poses must have shape \(3, 3\)"):
+        exports.write_tum(tmp_path / "t.tum", OLD, TRUTH[:2])
+
+
+# ------------------------------------------------------------------------------- files
+def test_a_failure_leaves_what_stood_there(tmp_path, monkeypatch):
+    """Catches a file that is opened, emptied, and then not written."""
+    path = tmp_path / "t.tum"
+    path.write_text("before")
+
+    def full(self, data):
+        with self.open("wb") as file:
+            file.write(data[:5])
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(type(path), "write_bytes", full)
+    with pytest.raises(OSError, match="No space left"):
+        exports.write_tum(path, OLD, TRUTH)
+    assert path.read_text() == "before" and list(tmp_path.iterdir()) == [path]
+
+
+def test_an_older_file_is_replaced(tmp_path):
+    path = tmp_path / "t.tum"
+    path.write_text("before" * 1000)
+    exports.write_tum(path, OLD, TRUTH)
+    assert len(path.read_text().splitlines()) == 4 and list(tmp_path.iterdir()) == [path]
+
+
+def test_a_packed_file_is_the_same_each_time(tmp_path):
+    """Catches a time stamp in the packed file."""
+    for name in ("one.tum.gz", "two.tum.gz"):
+        exports.write_tum(tmp_path / name, OLD, TRUTH)
+    one, two = ((tmp_path / name).read_bytes() for name in ("one.tum.gz", "two.tum.gz"))
+    assert one == two and gzip.decompress(one).startswith(b"# time")
+
+
+def test_a_missing_folder_is_named(tmp_path):
+    path = tmp_path / "none" / "t.tum"
+    with pytest.raises(FileNotFoundError, match=r"cannot write .*t\.tum: the folder .*none does"):
+        exports.write_tum(path, OLD, TRUTH)
+
+
+def test_a_name_that_is_not_plain_ascii_does_not_break_the_log(tmp_path):
+    """Catches a comment that runs over its line, and a letter that no file can hold."""
+    odd = Log("Málaga\nFLASER 1", OLD.scans, TRUTH)
+    assert len(written(tmp_path, odd)) == 3
