@@ -8,6 +8,7 @@ import reference
 
 from segmap import load
 from segmap.alignment import angle_candidates, angle_correspondence, match_angles, match_values
+from segmap.alignment._angle_loops import refined
 from segmap.alignment._angle_pairs import is_seen_from_origin, viewpoints, wall_pairs
 from segmap.angles import wrap
 from segmap.extraction import extract_polylines
@@ -141,11 +142,21 @@ def test_moving_both_sets_moves_the_pose(moves):
     moved = compose(there[0], compose(one.pose, inverse(there[1])))
     off = between(moved, two.pose)
     assert np.abs(off).max() < 1e-6
-    # the covariance turns with the reference, and grows by no lever where only that one is moved
+    # the covariance turns with the reference; where the current frame moves, a turn moves x and y
+    further = compose(one.pose, inverse(there[1])) - one.pose
+    carry = np.array([(1, 0, -further[1]), (0, 1, further[0]), (0, 0, 1)])
     turn = np.eye(3)
     turn[:2, :2] = transform((0, 0, there[0][2]), np.eye(2)).T
-    if moves[1] == (0, 0, 0):
-        np.testing.assert_allclose(two.covariance, turn @ one.covariance @ turn.T, atol=1e-9)
+    expected = turn @ carry @ one.covariance @ carry.T @ turn.T
+    np.testing.assert_allclose(two.covariance, expected, rtol=1e-3, atol=1e-9)
+
+
+def test_refining_brings_a_guess_home():
+    """Catches a step, or a turn, that goes the wrong way, or about another place than the origin."""
+    rule = (0.05, 0.10, 0.30, False)
+    for guess in ((0.03, -0.02, 0.0), (0.0, 0.0, 0.012), (-0.02, 0.03, -0.008)):
+        found = refined(ROOM, ROOM, np.array(guess), 4, rule)
+        assert np.abs(found).max() < 1e-4
 
 
 def test_the_pose_is_that_of_the_current_scan_in_the_reference():
