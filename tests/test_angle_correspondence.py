@@ -152,7 +152,7 @@ def test_moving_both_sets_moves_the_pose(moves):
 
 
 def test_refining_brings_a_guess_home():
-    """Catches a step, or a turn, that goes the wrong way, or about another place than the origin."""
+    """Catches a step or a turn that goes the wrong way, or about another place."""
     rule = (0.05, 0.10, 0.30, False)
     for guess in ((0.03, -0.02, 0.0), (0.0, 0.0, 0.012), (-0.02, 0.03, -0.008)):
         found = refined(ROOM, ROOM, np.array(guess), 4, rule)
