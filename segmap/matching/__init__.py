@@ -1,0 +1,19 @@
+"""Where a scan lies on a quadtree map: scores, and the two greedy matchers of B (4.3)."""
+
+from ._field import DistanceField
+from ._mapping import Step, map_scans
+from ._matchers import field_score, hill_climb, sample_and_rank
+from ._scores import descent_score, distance_score, nearest_score, occupancy_score
+
+__all__ = [
+    "DistanceField",
+    "Step",
+    "descent_score",
+    "distance_score",
+    "field_score",
+    "hill_climb",
+    "map_scans",
+    "nearest_score",
+    "occupancy_score",
+    "sample_and_rank",
+]

@@ -1,0 +1,175 @@
+"""The two greedy matchers of B (4.3): hill climbing, and drawing poses and ranking them."""
+
+from collections.abc import Callable
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..angles import Array, wrap
+from ..quadtree import QuadtreeMap
+from ._field import DistanceField
+from ._scores import checked
+
+#: From a map, points and poses to scores, the higher the better.
+Score = Callable[[QuadtreeMap, ArrayLike, ArrayLike], Array]
+#: The six moves of a round, in the order that decides between equals.
+MOVES = np.array([(-1, 0, 0), (1, 0, 0), (0, -1, 0), (0, 1, 0), (0, 0, -1), (0, 0, 1)], float)
+#: Sizes of the moves, metres and radians: B's literal ones, and those that halve.
+STEPS = {
+    "thesis": [(0.001, np.radians(1.0))],
+    "halving": [(0.016 / 2**k, np.radians(1.6) / 2**k) for k in range(5)],
+}
+
+
+def field_score(map: QuadtreeMap, points: ArrayLike, poses: ArrayLike) -> Array:
+    """`distance_score` looked up in a field around the poses: what the matchers use by default.
+
+    A matcher transforms the field once, around its start, and asks it for all poses.
+
+    Parameters
+    ----------
+    map : QuadtreeMap
+    points : (n, 2) array, metres
+    poses : (k, 3) or (3,) array, metres and radians
+
+    Returns
+    -------
+    (k,) array, metres
+
+    Examples
+    --------
+    >>> map = QuadtreeMap(resolution=0.1)
+    >>> map.insert_scan((0, 0), [(1.05, 0.05)])
+    >>> field_score(map, [(1.05, 0.05)], (0.3, 0, 0)).round(6)
+    array([-0.3])
+    """
+    ends, at = checked(points, poses)
+    return DistanceField.around(map, ends, at.mean(0)).score(ends, at)
+
+
+def hill_climb(
+    map: QuadtreeMap,
+    points: ArrayLike,
+    start: ArrayLike,
+    *,
+    score: Score = field_score,
+    steps: Literal["halving", "thesis"] = "halving",
+    rounds: int = 60,
+) -> Array:
+    """Move by the best of six small moves as long as one improves the score (B 4.3.1).
+
+    Parameters
+    ----------
+    map : QuadtreeMap
+    points : (n, 2) array, metres
+        Ends of the beams in the robot's frame.
+    start : (3,) array, metres and radians
+        The previous pose.
+    score : callable
+        One of the scores of this room, or any function of map, points and poses.
+    steps : "halving" or "thesis"
+        16 mm and 1.6 degrees, halved four times when no move improves; or B's 1 mm and 1 degree,
+        which gets lost: its one degree is too coarse.
+    rounds : int
+        Accepted moves at most.
+
+    Returns
+    -------
+    (3,) array, metres and radians
+
+    Raises
+    ------
+    ValueError
+        For an empty map, other shapes, values that are not finite, unknown steps.
+
+    Examples
+    --------
+    >>> map = QuadtreeMap(resolution=0.01)
+    >>> walls = [(x / 50, 1.0) for x in range(50)] + [(1.0, y / 50) for y in range(50)]
+    >>> map.insert_scan((0.2, 0.2), walls)
+    >>> hill_climb(map, walls, (0.03, -0.02, 0.0)).round(2) + 0
+    array([0., 0., 0.])
+    """
+    if steps not in STEPS:
+        raise ValueError(f"steps must be one of {', '.join(STEPS)}, got {steps!r}")
+    ends, at = checked(points, start)
+    values = prepared(score, map, ends, at[0])
+    pose, best = at[0], float(values(at)[0])
+    sizes = list(STEPS[steps])
+    for _ in range(rounds):
+        while sizes:
+            tried = pose + MOVES * (sizes[0][0], sizes[0][0], sizes[0][1])
+            found = values(tried)
+            if found.max() > best:
+                break
+            sizes.pop(0)
+        if not sizes:
+            break
+        pose, best = tried[int(np.argmax(found))], float(found.max())
+    return np.array([pose[0], pose[1], wrap(pose[2])])
+
+
+def sample_and_rank(
+    map: QuadtreeMap,
+    points: ArrayLike,
+    start: ArrayLike,
+    *,
+    rng: np.random.Generator,
+    score: Score = field_score,
+    sigma: tuple[float, float] = (0.02, np.radians(2.0)),
+) -> Array:
+    """Draw poses, keep the best, draw around them ever more closely (B 4.3.2).
+
+    The start and 99 poses drawn around it with twice `sigma`; then three rounds in which the best
+    20 stay and 4 are drawn around each with `sigma / round`.
+
+    Parameters
+    ----------
+    map, points, start, score
+        As for `hill_climb`.
+    rng : numpy.random.Generator
+    sigma : (2,) floats, metres and radians
+
+    Returns
+    -------
+    (3,) array, metres and radians
+        The best of all, never worse than the start.
+
+    Raises
+    ------
+    ValueError
+        As `hill_climb`; for a sigma that is not positive.
+
+    Examples
+    --------
+    >>> map = QuadtreeMap(resolution=0.01)
+    >>> walls = [(x / 50, 1.0) for x in range(50)] + [(1.0, y / 50) for y in range(50)]
+    >>> map.insert_scan((0.2, 0.2), walls)
+    >>> found = sample_and_rank(map, walls, (0.03, -0.02, 0.0), rng=np.random.default_rng(1))
+    >>> bool(np.abs(found).max() < 0.02)
+    True
+    """
+    spread = np.array([sigma[0], sigma[0], sigma[1]], float)
+    if not (spread > 0).all():
+        raise ValueError(f"sigma must be positive, in metres and radians, got {sigma}")
+    ends, at = checked(points, start)
+    values = prepared(score, map, ends, at[0])
+    poses = np.concatenate([at, at + rng.normal(0, 2 * spread, (99, 3))])
+    found = values(poses)
+    for step in (1, 2, 3):
+        stay = np.argsort(-found, kind="stable")[:20]
+        drawn = np.repeat(poses[stay], 4, axis=0) + rng.normal(0, spread / step, (80, 3))
+        poses = np.concatenate([poses[stay], drawn])
+        found = np.concatenate([found[stay], values(drawn)])
+    pose = poses[int(np.argmax(found))]
+    return np.array([pose[0], pose[1], wrap(pose[2])])
+
+
+def prepared(
+    score: Score, map: QuadtreeMap, points: Array, start: Array
+) -> Callable[[Array], Array]:
+    """The score as a function of poses `(k, 3)` alone; a field is transformed once."""
+    if score is field_score:
+        return DistanceField.around(map, points, start).scorer(points)
+    return lambda poses: score(map, points, poses)
