@@ -55,10 +55,13 @@ class Table:
         return "\n".join("  ".join(c.ljust(w) for c, w in line).rstrip() for line in lines)
 
     def _repr_html_(self) -> str:
-        style = ' style="text-align: left"'
-        head = "".join(f"<th{style}>{html.escape(cell)}</th>" for cell in self.head)
-        rows = (
-            "<tr>" + "".join(f"<td{style}>{html.escape(cell)}</td>" for cell in row) + "</tr>"
-            for row in self.rows
-        )
-        return f"<table><tr>{head}</tr>{''.join(rows)}</table>"
+        rows = [_html_row("th", self.head), *(_html_row("td", row) for row in self.rows)]
+        return f"<table>{''.join(rows)}</table>"
+
+
+def _html_row(tag: str, cells: tuple[str, ...]) -> str:
+    """Words to the left, numbers where notebooks put all: to the right."""
+    left = ' style="text-align: left"'
+    tags = (tag if cell[:1] in "+-0123456789" else tag + left for cell in cells)
+    pairs = zip(tags, cells, strict=True)
+    return f"<tr>{''.join(f'<{start}>{html.escape(c)}</{tag}>' for start, c in pairs)}</tr>"
