@@ -9,6 +9,7 @@ from ._backbone import backbone, backbone_steps
 from ._backbone_steps import BackboneStep
 from ._odometry import ground_truth, odometry
 from ._point_icp import match_points, point_icp
+from ._point_steps import PointStep, point_steps
 from ._pose_graph import pose_graph
 from ._result import Alignment, Graph, Match, Method, Rejected
 from ._segment_icp import match_segments, segment_icp
@@ -32,6 +33,7 @@ __all__ = [
     "Graph",
     "Match",
     "Method",
+    "PointStep",
     "Rejected",
     "angle_candidates",
     "angle_correspondence",
@@ -44,6 +46,7 @@ __all__ = [
     "match_values",
     "odometry",
     "point_icp",
+    "point_steps",
     "pose_graph",
     "segment_icp",
 ]

@@ -4,6 +4,7 @@ Without `ax` a new pyplot figure is made, small enough for a notebook. Each colo
 every picture, and the colour-blind can tell them apart (Okabe and Ito, 2008).
 """
 
+from ._alignments import draw_alignment, draw_step, draw_uncertainty
 from ._experiments import METHOD_STYLES, draw_curves, draw_online
 from ._pictures import figure_png, thumbnail
 from ._scans import draw_log, draw_path, draw_scan
@@ -21,6 +22,7 @@ __all__ = [
     "RESULT",
     "SIZE",
     "TRUTH",
+    "draw_alignment",
     "draw_before_after",
     "draw_curves",
     "draw_log",
@@ -29,6 +31,8 @@ __all__ = [
     "draw_provenance",
     "draw_scan",
     "draw_segments",
+    "draw_step",
+    "draw_uncertainty",
     "figure_png",
     "group_colors",
     "thumbnail",

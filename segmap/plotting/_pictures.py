@@ -7,20 +7,23 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from ..alignment import Alignment
 from ..scans import LaserScan, Log
+from ._alignments import draw_way
 from ._scans import draw_log, draw_scan
 from ._segments import draw_segments
 from ._style import DPI, MAP, RESULT
 
 
 def thumbnail(value: Any) -> bytes:
-    """A small picture of a scan, a log, a map or a reduction, as a notebook shows it.
+    """A small picture of a scan, a log, a way, a map or a reduction, as a notebook shows it.
 
-    Of a log without any pose it shows the first scan.
+    Of a log without any pose it shows the first scan; of an alignment, which knows no scans, the
+    way, its loops, and red crosses where a scan was not used.
 
     Parameters
     ----------
-    value : LaserScan, Log, SegmentMap, Reduction or (n, 2, 2) array, metres
+    value : LaserScan, Log, Alignment, SegmentMap, Reduction or (n, 2, 2) array, metres
 
     Returns
     -------
@@ -38,6 +41,8 @@ def thumbnail(value: Any) -> bytes:
         draw_scan(value, ax=ax)
     elif isinstance(value, Log):
         _draw_any_log(value, ax)
+    elif isinstance(value, Alignment):
+        draw_way(value, ax)
     else:
         draw_segments(value, ax=ax, color=RESULT if hasattr(value, "parents") else MAP, width=1.2)
     return figure_png(figure)

@@ -89,11 +89,8 @@ def draw_log(
     2
     """
     ax, (rows, origin) = axes_or_new(ax), _poses(log, poses)
-    known = np.flatnonzero(np.isfinite(rows).all(1))
-    clouds = [transform(rows[k], log.scans[k].points()) for k in known]
-    points = np.concatenate([np.empty((0, 2)), *clouds])
-    _dots(ax, points[:: max(1, -(-len(points) // MOST_POINTS))], color, size=1.5)
-    return draw_path(rows[known], ax=ax, color=path or origin)
+    draw_cloud(log, rows, ax, color)
+    return draw_path(rows[np.isfinite(rows).all(1)], ax=ax, color=path or origin)
 
 
 def draw_path(
@@ -123,6 +120,14 @@ def draw_path(
     ax, rows = axes_or_new(ax), np.asarray(poses, float).reshape(-1, 3)
     ax.plot(rows[:, 0], rows[:, 1], color=color, linewidth=1.2, label=label)
     return dressed(ax)
+
+
+def draw_cloud(log: Log, poses: Array, ax: Axes, color: str = RAW) -> None:
+    """Draw the end points of all scans that have a pose, thinned evenly."""
+    known = np.flatnonzero(np.isfinite(poses).all(1))
+    clouds = [transform(poses[k], log.scans[k].points()) for k in known]
+    points = np.concatenate([np.empty((0, 2)), *clouds])
+    _dots(ax, points[:: max(1, -(-len(points) // MOST_POINTS))], color, size=1.5)
 
 
 def _dots(ax: Axes, points: Array, color: str, size: float) -> None:

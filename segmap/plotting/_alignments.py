@@ -1,0 +1,159 @@
+"""Alignments, and how one scan is laid on another."""
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
+from matplotlib.patches import Ellipse
+from numpy.typing import ArrayLike
+
+from ..alignment import Alignment, Match, PointStep
+from ..angles import Array
+from ..scans import Log
+from ._scans import draw_cloud, draw_path
+from ._style import ERROR, RAW, RESULT, axes_or_new, dressed
+
+
+def draw_alignment(log: Log, alignment: Alignment, *, ax: Axes | None = None) -> Axes:
+    """Draw the way that a method found, the scans along it, and what it makes no use of.
+
+    The points of the scans that were used are grey, the way is blue, scans that were not used are
+    red crosses on it. Loops of a pose graph are thin blue lines between their two places, rejected
+    ones dashed and red. A legend counts them.
+
+    Parameters
+    ----------
+    log : Log
+    alignment : Alignment
+        Of that log.
+    ax : matplotlib Axes or None
+
+    Returns
+    -------
+    Axes
+
+    Raises
+    ------
+    ValueError
+        Where the alignment is one of another log.
+
+    Examples
+    --------
+    >>> from matplotlib.figure import Figure
+    >>> from segmap.scans import LaserScan
+    >>> log = Log("two", [LaserScan([1.0], [0.0])] * 2)
+    >>> found = Alignment(np.eye(3)[:2], np.array([True, False]), 0.0, "by hand", ("", "turning"))
+    >>> ax = draw_alignment(log, found, ax=Figure().subplots())
+    >>> [text.get_text() for text in ax.get_legend().get_texts()]
+    ['by hand', '1 scan not used']
+    """
+    if len(log) != len(alignment):
+        raise ValueError(
+            f"alignment must be one of this log of {len(log)} scans, got one of {len(alignment)}"
+        )
+    ax = axes_or_new(ax)
+    draw_cloud(log, alignment.trusted, ax)
+    draw_way(alignment, ax)
+    ax.legend(loc="upper center", bbox_to_anchor=(0.5, -0.15), ncols=2, frameon=False)
+    return ax
+
+
+def draw_way(alignment: Alignment, ax: Axes) -> Axes:
+    """Draw the way of an alignment, its loops and the scans that it does not use."""
+    _loops(alignment, ax)
+    draw_path(alignment.poses, ax=ax, color=RESULT, label=alignment.method or "aligned")
+    rest = alignment.poses[~alignment.used]
+    if len(rest):
+        named = _counted(len(rest), "scan") + " not used"
+        ax.plot(*rest[:, :2].T, "x", color=ERROR, markersize=5, label=named)
+    return dressed(ax)
+
+
+def draw_step(reference: ArrayLike, step: PointStep, *, ax: Axes | None = None) -> Axes:
+    """Draw a scan as point ICP sees it: each point with a red line to its place on the wall.
+
+    Parameters
+    ----------
+    reference : (n, 2) array, metres
+        Points of the walls; drawn grey, those of the scan blue.
+    step : PointStep
+        From `alignment.point_steps`: lines of little weight are thin.
+    ax : matplotlib Axes or None
+
+    Returns
+    -------
+    Axes
+
+    Examples
+    --------
+    >>> from matplotlib.figure import Figure
+    >>> from segmap.alignment import point_steps
+    >>> wall = np.array([(0.1 * k, 0) for k in range(30)])
+    >>> step = point_steps(wall, wall - (0, 0.2))[0]
+    >>> len(draw_step(wall, step, ax=Figure().subplots()).collections[0].get_segments())
+    30
+    """
+    ax, walls = axes_or_new(ax), np.asarray(reference, float).reshape(-1, 2)
+    ax.plot(*walls.T, ".", color=RAW, markersize=4, markeredgewidth=0)
+    lines = np.stack([step.points, step.feet], 1)
+    ax.add_collection(LineCollection(list(lines), colors=ERROR, linewidths=0.2 + step.weights))
+    ax.plot(*step.points.T, ".", color=RESULT, markersize=4, markeredgewidth=0)
+    return dressed(ax)
+
+
+def draw_uncertainty(match: Match, *, ax: Axes | None = None, deviations: float = 2.0) -> Axes:
+    """Draw where a matched scan may be: the ellipse of its covariance in x and y.
+
+    Parameters
+    ----------
+    match : Match
+    ax : matplotlib Axes or None
+    deviations : float
+        Half axes in standard deviations.
+
+    Returns
+    -------
+    Axes
+
+    Raises
+    ------
+    ValueError
+        Where nothing matched: there the covariance is infinite.
+
+    Examples
+    --------
+    >>> from matplotlib.figure import Figure
+    >>> match = Match(np.zeros(3), np.diag([0.04, 0.01, 0.0]), True)
+    >>> ellipse = draw_uncertainty(match, ax=Figure().subplots()).patches[0]
+    >>> np.round(sorted([ellipse.width, ellipse.height]), 6)
+    array([0.4, 0.8])
+    """
+    if not match.matched:
+        raise ValueError(f"match must be one that was found, got {match!r}")
+    ax = axes_or_new(ax)
+    variance, axes = np.linalg.eigh(match.covariance[:2, :2])
+    width, height = 2 * deviations * np.sqrt(np.maximum(variance, 0))
+    turn = float(np.degrees(np.arctan2(axes[1, 0], axes[0, 0])))
+    x, y = match.pose[:2]
+    ax.add_patch(Ellipse((x, y), width, height, angle=turn, color=RESULT, alpha=0.3))
+    ax.plot([x], [y], "+", color=RESULT)
+    return dressed(ax)
+
+
+def _loops(alignment: Alignment, ax: Axes) -> None:
+    graph, places = alignment.graph, alignment.poses[:, :2]
+    if graph is None:
+        return
+    rejected = [(r.first, r.second) for r in graph.rejected]
+    _chords(ax, places[graph.edges[graph.loop]], "loop", RESULT, "-")
+    _chords(ax, places[np.array(rejected, int).reshape(-1, 2)], "rejected loop", ERROR, "--")
+
+
+def _chords(ax: Axes, lines: Array, words: str, color: str, style: str) -> None:
+    if len(lines):
+        chords = LineCollection(list(lines), colors=color, linewidths=0.7, linestyles=style)
+        chords.set_label(_counted(len(lines), words))
+        ax.add_collection(chords)
+
+
+def _counted(count: int, words: str) -> str:
+    return f"{count} {words}{'s' * (count != 1)}"
