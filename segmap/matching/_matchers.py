@@ -86,7 +86,8 @@ def hill_climb(
     Examples
     --------
     >>> map = QuadtreeMap(resolution=0.01)
-    >>> walls = [(x / 50, 1.0) for x in range(50)] + [(1.0, y / 50) for y in range(50)]
+    >>> walls = [(k / 50 + 0.005, 1.005) for k in range(50)]
+    >>> walls += [(1.005, k / 50 + 0.005) for k in range(50)]
     >>> map.insert_scan((0.2, 0.2), walls)
     >>> hill_climb(map, walls, (0.03, -0.02, 0.0)).round(2) + 0
     array([0., 0., 0.])
@@ -144,7 +145,8 @@ def sample_and_rank(
     Examples
     --------
     >>> map = QuadtreeMap(resolution=0.01)
-    >>> walls = [(x / 50, 1.0) for x in range(50)] + [(1.0, y / 50) for y in range(50)]
+    >>> walls = [(k / 50 + 0.005, 1.005) for k in range(50)]
+    >>> walls += [(1.005, k / 50 + 0.005) for k in range(50)]
     >>> map.insert_scan((0.2, 0.2), walls)
     >>> found = sample_and_rank(map, walls, (0.03, -0.02, 0.0), rng=np.random.default_rng(1))
     >>> bool(np.abs(found).max() < 0.02)
