@@ -1,0 +1,433 @@
+"""Backbone: headings from the lines of an orthogonal building, and where it has none."""
+
+import numpy as np
+import pytest
+
+from segmap import LaserScan, Log
+from segmap.alignment import Alignment, backbone, backbone_steps
+from segmap.alignment._backbone import Thresholds, _Walk
+from segmap.alignment._backbone_lines import (
+    NO_WALLS,
+    Lines,
+    Walls,
+    least_translation,
+    mean_rotation,
+    parallels,
+    partners,
+    support_lines,
+    with_segments,
+)
+from segmap.angles import axial_difference, wrap
+from segmap.poses import between, compose, transform
+from segmap.segments import angle, length
+from segmap.simulation import (
+    SICK_LMS200,
+    URG_04LX,
+    Wheels,
+    chain,
+    circular_room,
+    corridor_loop,
+    drive,
+    polygon,
+    rectangular_room,
+    simulate,
+)
+
+LOOP = drive([(1, 1), (29, 1), (29, 11), (1, 11), (1, 1), (10, 1)])
+#: A room that looks different along x and y, and a way through it without a symmetry.
+ROOM = rectangular_room(9.0, 7.0)
+WAY = drive([(2.0, 1.5), (4.5, 1.5)], step=0.5)
+SICK = SICK_LMS200.ideal()
+
+
+def heading_errors(log, poses):
+    return np.degrees(np.abs(wrap(poses[:, 2] - log.truth[:, 2])))
+
+
+def with_odometry(log, odometry):
+    """The same scans with other odometry: poses, or None where there is none."""
+    scans = [
+        LaserScan(s.ranges, s.angles, s.time, o, s.max_range, s.sensor_pose)
+        for s, o in zip(log, odometry, strict=True)
+    ]
+    return Log(log.name, scans, log.truth)
+
+
+def with_ranges(log, change):
+    """The same log with other ranges."""
+    scans = [
+        LaserScan(change(s.ranges), s.angles, s.time, s.odometry, s.max_range, s.sensor_pose)
+        for s in log
+    ]
+    return Log(log.name, scans, log.truth)
+
+
+def straight(walls=ROOM, path=WAY, sensor=SICK):
+    """A log without any error."""
+    rng = np.random.default_rng(1)
+    return simulate(walls, path, sensor=sensor, rng=rng, wheels=Wheels().ideal())
+
+
+def misled(log, k, error):
+    """The log with one wrong odometry step, into scan k."""
+    odometry = log.odometry.copy()
+    wrong = compose(odometry[k], error)
+    odometry[k:] = compose(wrong, between(odometry[k], odometry[k:]))
+    return with_odometry(log, odometry)
+
+
+@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("sensor", [SICK_LMS200, URG_04LX], ids=lambda s: s.name)
+def test_heading_stays_within_half_a_degree_in_an_orthogonal_building(sensor, seed):
+    """The target: throughout the run, scans taken while turning included."""
+    rng = np.random.default_rng(seed)
+    log = simulate(corridor_loop(), LOOP, sensor=sensor, rng=rng)
+    found = backbone(log)
+    assert heading_errors(log, log.odometry).max() > 4.0
+    assert heading_errors(log, found.poses).max() < 0.5
+    assert found.doubt == ""
+
+
+def test_without_following_the_headings_between_used_scans_are_odometry():
+    """A's method to the letter: used scans are right, the turns between them are not."""
+    log = simulate(corridor_loop(), LOOP, sensor=URG_04LX, rng=np.random.default_rng(0))
+    found = backbone(log, follow=False)
+    errors = heading_errors(log, found.poses)
+    assert errors.max() > 1.0
+    assert heading_errors(log, backbone(log).poses).max() < 0.5
+
+
+def ring(radius, width=2.0, share=0.8):
+    turn = np.linspace(0, 2 * np.pi * share, int(720 * share))
+    circle = np.stack([np.cos(turn), np.sin(turn)], -1)
+    way = np.arange(0.02, turn[-1] - 0.05, 0.1 / (radius - width / 2))
+    r = radius - width / 2
+    path = np.stack([r * np.cos(way), r * np.sin(way), wrap(way + np.pi / 2)], -1)
+    return np.concatenate([chain(radius * circle), chain((radius - width) * circle)]), path
+
+
+def corridor_about(corners, radius=12.0, width=2.0):
+    turn = 2 * np.pi * np.arange(corners) / corners
+    circle = np.stack([np.cos(turn), np.sin(turn)], -1)
+    walls = [polygon(r * circle) for r in (radius, radius - width)]
+    return np.concatenate(walls), drive((radius - width / 2) * np.concatenate([circle, circle[:1]]))
+
+
+NOT_ORTHOGONAL = {
+    "ring of 4 m": ring(4.0),
+    "ring of 8 m": ring(8.0),
+    "ring of 30 m": ring(30.0, share=0.2),
+    "triangle": corridor_about(3),
+    "pentagon": corridor_about(5),
+    "octagon": corridor_about(8),
+    "round hall": (circular_room(8.0), drive([(4, 4), (12, 4), (12, 12), (4, 12)])),
+}
+
+
+@pytest.mark.parametrize("sensor", [SICK_LMS200, URG_04LX], ids=lambda s: s.name)
+@pytest.mark.parametrize("name", NOT_ORTHOGONAL)
+def test_it_says_so_where_the_building_is_not_orthogonal(name, sensor):
+    """Catches a method that bends a curved building straight and is content."""
+    walls, path = NOT_ORTHOGONAL[name]
+    log = simulate(walls, path, sensor=sensor, rng=np.random.default_rng(1))
+    found = backbone(log)
+    assert found.doubt.startswith("the assumption fails")
+    assert found.doubt in repr(found)
+    assert not found.used[1:].any()
+    assert all(reason == found.doubt for reason in found.reasons[1:])
+    np.testing.assert_allclose(found.poses, log.odometry, atol=1e-9)
+
+
+def test_insisting_on_a_curved_building_does_harm():
+    """What the refusal spares: a ring bent straight, with headings that are off by far more."""
+    walls, path = ring(15.0)
+    log = simulate(walls, path, sensor=SICK_LMS200, rng=np.random.default_rng(1))
+    bent = backbone(log, orthogonal=0.0)
+    assert heading_errors(log, bent.poses).max() > 90
+    assert heading_errors(log, log.odometry).max() < 10
+
+
+def test_a_gentle_bend_is_doubted():
+    """Walls of one scan look straight there: only the steady correction tells."""
+    walls, path = ring(60.0, share=0.1)
+    log = simulate(walls, path, sensor=SICK_LMS200, rng=np.random.default_rng(1))
+    assert backbone(log).doubt.startswith("the assumption is doubtful")
+
+
+def test_a_hall_too_wide_for_the_sensor_is_said_to_show_no_wall():
+    walls, path = rectangular_room(40.0, 20.0), drive([(10, 10), (30, 10)], step=0.5)
+    found = backbone(simulate(walls, path, sensor=URG_04LX, rng=np.random.default_rng(1)))
+    assert found.doubt.startswith("no backbone")
+    assert set(found.reasons[1:]) == {"no segment longer than 1 m"}
+
+
+@pytest.mark.parametrize("motion", [(10.0, -4.0, 0.0), (0.0, 0.0, np.pi / 2), (-7.0, 3.0, 2.5)])
+def test_moving_the_log_moves_the_poses(motion):
+    """`y = mx + q`, a plain mean of angles or a line through the origin would break it."""
+    log = simulate(corridor_loop(), LOOP[:420], sensor=URG_04LX, rng=np.random.default_rng(5))
+    moved = with_odometry(log, compose(motion, log.odometry))
+    found, expected = backbone(moved), compose(motion, backbone(log).poses)
+    np.testing.assert_allclose(found.poses[:, :2], expected[:, :2], atol=1e-6)
+    np.testing.assert_allclose(wrap(found.poses[:, 2] - expected[:, 2]), 0, atol=1e-8)
+
+
+# The slips of A 5.2, each made visible by one wrong odometry step in a log without other errors.
+
+TURNED = (0.0, 0.0, np.radians(1.5))
+
+
+def test_translation_is_computed_from_turned_segments():
+    """Slip: from segments not yet turned, a wrong heading alone would move the robot."""
+    log = misled(straight(), 3, TURNED)
+    found = backbone(log)
+    assert found.used[3]
+    np.testing.assert_allclose(found.poses[3], log.truth[3], atol=1e-3)
+
+
+def test_segments_join_the_significant_ones_after_they_were_moved():
+    """Slip: added before, they bring the error that was just corrected into the backbone."""
+    walk = _Walk(misled(straight(), 3, TURNED), Thresholds())
+    list(walk)
+    tilt = np.abs(axial_difference(2 * angle(walk.walls.segments), 0)) / 2
+    assert len(walk.walls.segments) == 3
+    assert np.degrees(tilt.max()) < 0.1
+
+
+def blind_after(log, k):
+    """The log with nothing seen in scan k."""
+    scans = [*log.scans[:k], LaserScan([], [], odometry=log.odometry[k]), *log.scans[k + 1 :]]
+    return Log(log.name, scans, log.truth)
+
+
+def test_a_correction_composes_with_the_next_odometry_step():
+    """Slip: never carried forward, the wrong step is back as soon as nothing is matched."""
+    log = blind_after(misled(straight(), 3, TURNED), 4)
+    found = backbone(log)
+    assert found.reasons[4] == "no segment longer than 1 m"
+    np.testing.assert_allclose(found.poses[4], log.truth[4], atol=2e-3)
+
+
+def test_an_old_correction_is_not_applied_again():
+    """Slip: where nothing matches, A uses the rotation and shift of the scan before."""
+    log = blind_after(misled(straight(), 3, (0.0, 0.05, np.radians(1.5))), 4)
+    steps = backbone_steps(log)
+    assert steps[3].rotation < -0.02
+    assert steps[4].rotation == 0.0
+    np.testing.assert_array_equal(steps[4].pose, steps[4].guess)
+
+
+CORRIDOR = np.array([[(0, 0), (60, 0)], [(0, 2), (60, 2)]], float)
+
+
+def test_a_corridor_does_not_fix_the_motion_along_it():
+    """Without the minimum norm the shift along the walls is singular, or invented."""
+    path = drive([(20.0, 0.8), (24.0, 0.8)], step=0.5)
+    log = misled(straight(CORRIDOR, path), 4, (0.15, 0.1, 0.0))
+    found = backbone(log)
+    assert found.used[4:].all()
+    np.testing.assert_allclose(found.poses[4:, 1], 0.8, atol=1e-3)
+    np.testing.assert_allclose(found.poses[4:, 0], log.truth[4:, 0] + 0.15, atol=1e-3)
+
+
+# The method, step by step.
+
+
+def test_scans_taken_while_turning_and_near_ones_are_not_used():
+    log = straight(ROOM, drive([(2, 2), (4, 2), (4, 4)], step=0.1, turn=np.radians(10)))
+    found = backbone(log)
+    turning = np.abs(wrap(np.diff(log.truth[:, 2], prepend=0))) > np.radians(5)
+    assert turning.sum() == 9
+    assert {found.reasons[k] for k in np.flatnonzero(turning)} == {"taken while turning"}
+    way = np.hypot(*np.diff(found.poses[found.used, :2], axis=0).T)
+    assert way.min() >= 0.25
+    assert "less than 0.25 m from the last scan used" in found.reasons
+
+
+def test_the_backbone_is_rebuilt_after_a_relevant_rotation_only():
+    """Catches a backbone built anew at every scan, with all the drift since the last turn."""
+    bent = drive([(2, 2), (4, 2), (6, 2.6), (6, 5)], step=0.5)
+    log = straight(ROOM, bent)
+    steps = backbone_steps(log)
+    built = [k for k, step in enumerate(steps) if step.rebuilt]
+    headings = np.degrees([steps[k].guess[2] for k in built])
+    np.testing.assert_allclose(headings, [0, 90], atol=0.5)
+
+
+def test_a_turn_of_less_than_the_threshold_is_not_relevant():
+    log = straight(ROOM, drive([(2, 2), (4, 2), (6, 2.6)], step=0.5))
+    assert sum(step.rebuilt for step in backbone_steps(log)) == 1
+    assert sum(step.rebuilt for step in backbone_steps(log, rotation=np.radians(10))) == 2
+
+
+def test_a_segment_lies_on_a_line_with_both_ends():
+    """Catches a test of one end, of the middle, or of the direction as a plain number."""
+    lines = Lines(np.array([(0.0, 0.0), (0.0, 0.15)]), np.radians([0.0, 0.0]))
+    segments = np.array(
+        [
+            [(5, 0.05), (7, -0.05)],  # across the first
+            [(5, 0.1), (7, 0.12)],  # nearer to the second, at 179.4 degrees seen from behind
+            [(7, 0.12), (5, 0.1)],
+            [(5, 0.1), (9, 0.5)],  # one end is off
+            [(5, -0.1), (5, 0.1)],  # perpendicular
+        ],
+        float,
+    )
+    assert partners(segments, lines, 0.2, np.radians(10)).tolist() == [0, 1, 1, -1, -1]
+
+
+def test_parallels_look_at_directions_only():
+    lines = Lines(np.zeros((2, 2)), np.radians([1.0, 91.0]))
+    far = np.array([[(50, 50), (60, 49.9)], [(50, 50), (50, 60)], [(0, 0), (1, 1)]], float)
+    assert parallels(far, lines, np.radians(10)).tolist() == [0, 1, -1]
+
+
+def test_no_line_is_nobodys_partner():
+    lines = Lines(np.empty((0, 2)), np.empty(0))
+    assert partners(ROOM, lines, 0.2, 0.2).tolist() == [-1] * 4
+    assert partners(np.empty((0, 2, 2)), lines, 0.2, 0.2).shape == (0,)
+
+
+def test_the_mean_rotation_is_axial_and_weighted():
+    """Catches a plain mean, weights left out, a doubled angle that is not halved."""
+    assert np.degrees(mean_rotation(np.radians([89.0, -89.0]), np.ones(2))) == pytest.approx(90)
+    found = mean_rotation(np.radians([1.0, 4.0]), np.array([2.0, 1.0]))
+    assert np.degrees(found) == pytest.approx(2.0, abs=1e-3)
+
+
+def test_translation_of_lines_in_two_directions_is_exact():
+    angles = np.radians([10.0, 70.0])
+    normals = np.stack([-np.sin(angles), np.cos(angles)], -1)
+    shift = np.array([0.12, -0.07])
+    found = least_translation(normals, -normals @ shift, np.array([3.0, 1.0]))
+    np.testing.assert_allclose(found, shift, atol=1e-12)
+
+
+def test_translation_of_nearly_parallel_lines_is_not_blown_up():
+    """Two walls 2 degrees apart would put a centimetre of noise 0.6 m along the corridor."""
+    angles = np.radians([0.0, 2.0])
+    normals = np.stack([-np.sin(angles), np.cos(angles)], -1)
+    found = least_translation(normals, np.array([0.01, -0.01]), np.ones(2))
+    assert np.hypot(*found) < 0.011
+
+
+def test_a_new_line_takes_the_direction_of_an_older_one():
+    """And keeps its own place, and a wall beyond `parallel` its own direction."""
+    tilted = transform((0, 5, np.radians(3)), [[(0, 0), (4, 0)]])
+    askew = transform((0, 9, np.radians(30)), [[(0, 0), (3, 0)]])
+    walls = Walls(np.concatenate([tilted, askew]), np.array([4.0, 3.0]))
+    lines, known = support_lines(walls, np.array([0.0]), 0.1, np.radians(5))
+    np.testing.assert_allclose(np.degrees(lines.angle), [0, 30])
+    np.testing.assert_allclose(np.degrees(known), [0, 30])
+    np.testing.assert_allclose(lines.through, walls.segments.mean(1))
+
+
+def test_walls_on_one_line_make_one_line():
+    walls = Walls(
+        np.array([[(0, 0), (2, 0)], [(5, 0.05), (9, 0.05)], [(0, 1), (1, 1)]]), np.ones(3)
+    )
+    lines, known = support_lines(walls, np.empty(0), 0.1, np.radians(5))
+    assert len(lines.angle) == 2
+    assert len(known) == 1
+
+
+def test_the_direction_of_a_new_family_is_the_mean_of_its_walls():
+    """Catches the direction of one wall alone: the first backbone turns all that follow."""
+    walls = [transform((0, y, np.radians(t)), [(0, 0), (3, 0)]) for y, t in ((0, 1), (2, -1))]
+    _, known = support_lines(Walls(np.array(walls), np.ones(2)), np.empty(0), 0.1, np.radians(5))
+    assert np.degrees(axial_difference(known[0], 0)) == pytest.approx(0, abs=1e-9)
+
+
+def test_pieces_of_one_wall_are_merged_and_others_are_not():
+    """Two walls on one line with a door between, or side by side, stay two."""
+    first = with_segments(NO_WALLS, np.array([[(0, 0), (2, 0)]]), 0.1, np.radians(5))
+    pieces = np.array([[(3, 0.04), (1, 0.04)], [(2.1, 0), (3.05, 0)]])
+    found = with_segments(first, pieces, 0.1, np.radians(5))
+    assert len(found.segments) == 1
+    assert length(found.segments)[0] == pytest.approx(3.05, abs=0.01)
+    assert found.weight[0] == pytest.approx(4.95)
+    others = np.array([[(2.5, 0), (3, 0)], [(0, 0.15), (2, 0.15)], [(0, 0), (0, 1)]])
+    assert len(with_segments(first, others, 0.1, np.radians(5)).segments) == 4
+
+
+# Bad input.
+
+
+def finite(found, log):
+    assert isinstance(found, Alignment)
+    assert found.poses.shape == (len(log), 3)
+    assert np.isfinite(found.poses).all()
+    return found
+
+
+def test_an_empty_log_and_a_single_scan():
+    assert len(finite(backbone(Log("none", [])), [])) == 0
+    log = straight()[:1]
+    found = finite(backbone(log), log)
+    np.testing.assert_array_equal(found.poses, log.odometry)
+    assert found.doubt == ""
+
+
+def test_scans_without_a_segment_carry_odometry():
+    odometry = [(0.5 * k, 0.0, 0.0) for k in range(4)]
+    log = Log("blind", [LaserScan([], [], odometry=pose) for pose in odometry])
+    found = finite(backbone(log), log)
+    np.testing.assert_allclose(found.poses, odometry, atol=1e-12)
+    assert found.reasons[1:] == ("no segment longer than 1 m",) * 3
+
+
+def test_without_any_odometry_it_says_so():
+    log = with_odometry(straight(), [None] * len(WAY))
+    found = finite(backbone(log), log)
+    assert set(found.reasons[1:]) == {"no odometry from the scan before"}
+
+
+def test_missing_odometry_of_one_scan_is_bridged():
+    log = straight()
+    odometry = [*log.odometry]
+    odometry[3] = None
+    found = finite(backbone(with_odometry(log, odometry)), log)
+    assert [k for k, why in enumerate(found.reasons) if "no odometry" in why] == [3, 4]
+    np.testing.assert_allclose(found.poses, log.truth, atol=0.01)
+
+
+def test_times_do_not_matter():
+    log = straight()
+    same = Log(log.name, [LaserScan(s.ranges, s.angles, 7.0, s.odometry) for s in log], log.truth)
+    np.testing.assert_array_equal(backbone(same).poses, backbone(log).poses)
+
+
+def test_a_kidnapped_robot_is_not_laid_on_lines_far_away():
+    """A jump of odometry by metres: nothing lies on a line, and the reason says so."""
+    walls = polygon([(0, 0), (9, 0), (9, 7), (0, 7)])
+    log = misled(straight(walls), 3, (2.0, 1.0, 0.0))
+    found = finite(backbone(log), log)
+    assert found.reasons[3] == "no segment on a line of the backbone"
+    np.testing.assert_allclose(found.poses[3], log.odometry[3], atol=1e-6)
+
+
+def outliers(ranges):
+    rng = np.random.default_rng(8)
+    return np.where(rng.random(len(ranges)) < 0.2, rng.uniform(0.3, 2.0, len(ranges)), ranges)
+
+
+def gaps(ranges):
+    rng = np.random.default_rng(8)
+    return np.where(rng.random(len(ranges)) < 0.3, np.inf, ranges)
+
+
+@pytest.mark.parametrize("change", [outliers, gaps])
+def test_outliers_and_missing_beams_never_make_it_worse_than_odometry(change):
+    """A person walking by, or beams lost: less is used, what is used is right."""
+    rng = np.random.default_rng(3)
+    log = with_ranges(simulate(corridor_loop(), LOOP, sensor=URG_04LX, rng=rng), change)
+    found = finite(backbone(log), log)
+    assert heading_errors(log, found.poses).max() <= heading_errors(log, log.odometry).max()
+    assert all(reason for reason, used in zip(found.reasons, found.used, strict=True) if not used)
+
+
+@pytest.mark.parametrize(
+    "wrong", [{"min_length": 0.0}, {"distance": np.nan}, {"angle": -1.0}, {"orthogonal": 1.1}]
+)
+def test_wrong_thresholds_are_named(wrong):
+    with pytest.raises(ValueError, match=f"{next(iter(wrong))} must be"):
+        backbone(straight(), **wrong)
