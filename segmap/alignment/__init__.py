@@ -7,6 +7,7 @@ from ._angle_candidates import Candidate, angle_candidates, match_values
 from ._angle_correspondence import angle_correspondence, match_angles
 from ._backbone import backbone, backbone_steps
 from ._backbone_steps import BackboneStep
+from ._global_segments import global_segments
 from ._odometry import ground_truth, odometry
 from ._point_icp import match_points, point_icp
 from ._point_steps import PointStep, point_steps
@@ -22,6 +23,7 @@ METHODS: dict[str, Method] = {
     "backbone": Method(backbone, "map", True, "A 3.3.2, 5.2"),
     "segment_icp": Method(segment_icp, "map", True, "A 2.5.1, [31]"),
     "point_icp": Method(point_icp, "map", True, "A 2.5.1, [41]"),
+    "global_segments": Method(global_segments, "all", True, "A 2.5.1, [42]"),
     "pose_graph": Method(pose_graph, "all", False, "Olson 2009, Grisetti et al. 2010"),
 }
 
@@ -39,6 +41,7 @@ __all__ = [
     "angle_correspondence",
     "backbone",
     "backbone_steps",
+    "global_segments",
     "ground_truth",
     "match_angles",
     "match_points",
