@@ -10,6 +10,10 @@ from ..poses import between, compose, transform
 from ._point_map import PointMap
 from ._solver import Edges, solve
 
+#: Points farther from the robot than this are left out, metres: no laser for buildings reaches so
+#: far, and one absurd range or pose would ask for a map of a million cells a side.
+FAR = 100.0
+
 
 class Tie(NamedTuple):
     """A measured motion between key frames: the pose of `second` in the frame of `first`."""
@@ -82,14 +86,21 @@ class Frames:
     def cloud(self, members: Iterable[int], origin: int) -> Array:
         """Points of some key frames, `(m, 2)`, metres, in the frame of the key frame `origin`."""
         here = self.poses[origin]
-        return np.concatenate(
-            [transform(between(here, self.poses[k]), self.points[k]) for k in members]
+        return not_far(
+            np.concatenate(
+                [transform(between(here, self.poses[k]), self.points[k]) for k in members]
+            )
         )
 
     def map_of(self, members: Iterable[int], origin: int) -> PointMap | None:
         """Their points in the frame of `origin`, ready to be matched with; None where none are."""
         cloud = self.cloud(members, origin)
         return PointMap(cloud) if len(cloud) else None
+
+
+def not_far(points: Array) -> Array:
+    """The points `(n, 2)`, metres, that a laser in a building can have seen from the origin."""
+    return points[np.abs(points).max(axis=1, initial=0.0) < FAR]
 
 
 def appearance(cloud: Array) -> Array:

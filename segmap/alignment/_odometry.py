@@ -28,6 +28,8 @@ def odometry(log: Log) -> Alignment:
     Alignment(odometry: 225 scans, 225 used)
     """
     trail = Trail(log)
+    if len(log) and log[0].odometry is None:
+        trail.reasons[0] = "no odometry"
     for pose in log.odometry[1:]:
         if np.isfinite(pose).all():
             trail.place(pose)
@@ -76,6 +78,8 @@ def ground_truth(
     """
     if missing not in ("raise", "drop"):
         raise ValueError(f'missing must be "raise" or "drop", got {missing!r}')
+    if len(log) == 0:
+        return Trail(log).alignment("ground_truth")
     known_times, known_poses = _known(log, times, poses)
     found = interpolate(known_times, known_poses, log.times, max_gap=max_gap)
     known = np.asarray(np.isfinite(found).all(1))

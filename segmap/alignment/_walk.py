@@ -8,7 +8,7 @@ import numpy as np
 from ..angles import Array
 from ..poses import between, compose
 from ..scans import Log
-from ._frames import Frames
+from ._frames import Frames, not_far
 from ._point_map import PointMap
 from ._result import Alignment, Graph, Match, Rejected, Trail, no_match
 from ._solver import deviations, information
@@ -40,7 +40,7 @@ class Walk:
     def __init__(self, log: Log, matcher: Matcher) -> None:
         self.trail = Trail(log)
         self.matcher = matcher
-        self.points = [scan.points() for scan in log]
+        self.points = [not_far(scan.points()) for scan in log]
         self.frames = Frames(self.points[0], self.trail.poses[0])
         self.frame = np.zeros(len(log), np.int64)
         self.offset = np.zeros((len(log), 3))
