@@ -6,9 +6,12 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
-from segmap import LaserScan, Log, SegmentMap, fusion, quality
+from segmap import LaserScan, Log, SegmentMap, fusion, load, quality
+from segmap.alignment import match_angles
 from segmap.experiments import sweep
+from segmap.extraction import extract_polylines
 from segmap.panels import (
+    AnglePanel,
     BasicPanel,
     ClusterPanel,
     ComparePanel,
@@ -43,6 +46,7 @@ RUNS = sweep(
 
 #: Every panel, a control of it, and a value that must change what is seen.
 PANELS = {
+    "angles": (lambda: AnglePanel(LOG), "rank", 1),
     "basic": (lambda: BasicPanel(WALLS), "distance", 0.05),
     "clusters": (lambda: ClusterPanel(LOG[0]), "gap", 0.05),
     "compare": (lambda: ComparePanel(WALLS, RUNS), "wanted", 50),
@@ -309,3 +313,20 @@ def test_the_compare_panel_shows_the_best_run_where_none_is_good_enough():
     panel = ComparePanel(WALLS, poor)
     panel.wanted.value = 98
     assert len(poor) > 1 and panel.record == max(poor, key=lambda r: r.quality)
+
+
+def test_angle_panel_shows_what_match_angles_finds():
+    """Catches the wrong pair of scans, a rank beyond the last, a second scan beyond the log."""
+    panel = AnglePanel(load("room"), scan=3, apart=2)
+    first, second = (extract_polylines(panel.log[k].points()) for k in (3, 5))
+    found = match_angles(first, second, rng=np.random.default_rng(0))
+    assert panel.match.pose == pytest.approx(found.pose, abs=1e-9)
+    assert panel.verdict.value == f"match, overlap {found.overlap:.2f}"
+    panel.rank.value = 9
+    last = panel.candidates[-1]
+    assert panel.found.value.startswith(f"{len(panel.candidates)} of {len(panel.candidates)}: ")
+    assert f"{last.value:.2f} m match" in panel.found.value
+    panel.scan.value, panel.apart.value = panel.scan.max, 40
+    assert panel.verdict.value.startswith("match")  # the last two scans
+    with pytest.raises(ValueError, match="log must hold at least two scans, got 1"):
+        AnglePanel(LOG[:1])

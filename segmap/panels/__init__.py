@@ -4,6 +4,7 @@ They show their still picture where no kernel runs. Set a control from Python an
 `panel.tolerance.value = 0.06; panel.count.value`.
 """
 
+from ._angles import AnglePanel
 from ._base import Panel
 from ._basic import BasicPanel
 from ._clusters import ClusterPanel
@@ -17,6 +18,7 @@ from ._room import RoomPanel
 from ._scan import ScanPanel
 
 __all__ = [
+    "AnglePanel",
     "BasicPanel",
     "ClusterPanel",
     "ComparePanel",

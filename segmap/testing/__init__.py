@@ -3,6 +3,7 @@
 `check_<name>(my_<name>)` compares a function with the library's and answers with a hint.
 """
 
+from ._angle_exercises import check_match_value, match_value
 from ._assertions import assert_poses_equal, assert_segments_equal
 from ._basic_exercises import check_matches, check_merged, matches, merged
 from ._comparison_exercises import check_reduction_at
@@ -31,6 +32,7 @@ EXERCISES: dict[str, Exercise] = {
         check_axial_mean,
         check_reduction_rate,
         check_quality,
+        check_match_value,
         check_hough,
         check_matches,
         check_merged,
@@ -58,11 +60,13 @@ __all__ = [
     "check_fit_line",
     "check_hough",
     "check_inside_strip",
+    "check_match_value",
     "check_matches",
     "check_merged",
     "check_quality",
     "check_reduction_at",
     "check_reduction_rate",
+    "match_value",
     "matches",
     "merged",
     "point_zoo",
