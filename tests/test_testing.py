@@ -350,6 +350,33 @@ def reduction_by_hand(points, quality):
     return r0 + (quality - q0) / (q1 - q0) * (r1 - r0)
 
 
+def heading_by_complex_numbers(before, after, share):
+    turn = np.angle(np.exp(1j * after) / np.exp(1j * before))
+    return np.angle(np.exp(1j * (before + share * turn)))
+
+
+def moved_by_pseudo_inverse(points, feet, normals):
+    rows = [[nx, ny, x * ny - y * nx] for (x, y), (nx, ny) in zip(points, normals, strict=True)]
+    return np.linalg.pinv(rows) @ [n @ (f - p) for p, f, n in zip(points, feet, normals)]
+
+
+def match_value_by_complex_numbers(u, v, distance):
+    """The real part runs along a segment, the imaginary part off it."""
+    u, v = ([complex(*end) for end in s] for s in (u, v))
+
+    def seen_along(a, b):
+        way = (a[1] - a[0]) / abs(a[1] - a[0])
+        return [(end - a[0]) / way for end in b], abs(a[1] - a[0])
+
+    lengths, apart = [], []
+    for a, b in ((u, v), (v, u)):
+        ends, size = seen_along(a, b)
+        inside = [min(max(end.real, 0), size) for end in ends]
+        lengths.append(abs(inside[1] - inside[0]))
+        apart.append(max(abs(e - i) for e, i in zip(ends, inside, strict=True)))
+    return sum(lengths) / 2 * 0.95 ** (min(apart) / distance)
+
+
 OTHER_WAYS = {
     "compose": rotated_step,
     "beam_angles": beams_in_steps,
@@ -359,6 +386,9 @@ OTHER_WAYS = {
     "farthest_point": farthest_in_a_loop,
     "reduction_rate": rate_by_counting,
     "quality": quality_row_by_row,
+    "heading_between": heading_by_complex_numbers,
+    "move_onto_walls": moved_by_pseudo_inverse,
+    "match_value": match_value_by_complex_numbers,
     "hough": hough_by_complex_numbers,
     "matches": matches_in_a_loop,
     "merged": merged_by_vectors,
@@ -455,6 +485,30 @@ def test_match_and_merge_are_those_of_basic(seed):
     assert (len(found) == 1) == testing.matches(a, b, 0.5, 0.8)
     if len(found) == 1:
         assert_segments_equal(found, testing.merged(a, b)[None])
+
+
+@given(st.integers(0, 10**6))
+def test_a_move_onto_walls_is_a_step_of_point_icp(seed):
+    """Catches an exercise that teaches another step than the matcher makes."""
+    rng = np.random.default_rng(seed)
+    points, angle = rng.normal(0, 2, (20, 2)), rng.uniform(-3, 3, 20)
+    normals = np.stack([np.cos(angle), np.sin(angle)], 1)
+    feet = points + rng.normal(0, 0.1, (20, 2))
+    lever = points[:, 0] * normals[:, 1] - points[:, 1] * normals[:, 0]
+    offsets = ((points - feet) * normals).sum(1)
+    equations = _points_loops.equations(
+        np.column_stack([normals, lever, offsets]), np.ones(len(points))
+    )
+    move = _points_loops.least_move(*equations, 1.0)
+    np.testing.assert_allclose(testing.move_onto_walls(points, feet, normals), move, atol=1e-9)
+
+
+@given(st.floats(-3, 3), st.floats(-3, 3), st.floats(0, 1))
+def test_a_heading_between_is_that_of_interpolate(before, after, share):
+    """Catches an exercise that teaches another heading than ground truth has."""
+    poses = [(0, 0, before), (0, 0, after)]
+    found = testing.heading_between(before, after, share)
+    assert_poses_equal([(0, 0, found)], interpolate([0, 1], poses, [share]))
 
 
 def test_no_mistake_takes_a_case_as_its_own():
