@@ -9,7 +9,8 @@ from hypothesis import strategies as st
 
 import segmap
 from segmap import plotting, testing
-from segmap.poses import between
+from segmap.alignment import _points_loops
+from segmap.poses import between, interpolate
 from segmap.segments import angle, as_segments, length, midpoint
 from segmap.testing import (
     EXERCISES,
@@ -357,7 +358,9 @@ def heading_by_complex_numbers(before, after, share):
 
 def moved_by_pseudo_inverse(points, feet, normals):
     rows = [[nx, ny, x * ny - y * nx] for (x, y), (nx, ny) in zip(points, normals, strict=True)]
-    return np.linalg.pinv(rows) @ [n @ (f - p) for p, f, n in zip(points, feet, normals)]
+    return np.linalg.pinv(rows) @ [
+        n @ (f - p) for p, f, n in zip(points, feet, normals, strict=True)
+    ]
 
 
 def match_value_by_complex_numbers(u, v, distance):

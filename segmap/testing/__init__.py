@@ -5,6 +5,7 @@
 
 from ._angle_exercises import check_match_value, match_value
 from ._assertions import assert_poses_equal, assert_segments_equal
+from ._backbone_exercises import check_least_translation
 from ._basic_exercises import check_matches, check_merged, matches, merged
 from ._comparison_exercises import check_reduction_at
 from ._exercise import Case, Check, Exercise, Mistake
@@ -16,6 +17,12 @@ from ._map_exercises import (
     check_inside_strip,
     check_quality,
     check_reduction_rate,
+)
+from ._point_exercises import (
+    check_heading_between,
+    check_move_onto_walls,
+    heading_between,
+    move_onto_walls,
 )
 from ._scan_exercises import check_beam_angles, check_cast_ray, check_compose
 from ._zoo import point_zoo, scan_zoo, segment_zoo
@@ -32,7 +39,10 @@ EXERCISES: dict[str, Exercise] = {
         check_axial_mean,
         check_reduction_rate,
         check_quality,
+        check_heading_between,
         check_match_value,
+        check_least_translation,
+        check_move_onto_walls,
         check_hough,
         check_matches,
         check_merged,
@@ -58,17 +68,22 @@ __all__ = [
     "check_compose",
     "check_farthest_point",
     "check_fit_line",
+    "check_heading_between",
     "check_hough",
     "check_inside_strip",
+    "check_least_translation",
     "check_match_value",
     "check_matches",
     "check_merged",
+    "check_move_onto_walls",
     "check_quality",
     "check_reduction_at",
     "check_reduction_rate",
+    "heading_between",
     "match_value",
     "matches",
     "merged",
+    "move_onto_walls",
     "point_zoo",
     "scan_zoo",
     "segment_zoo",

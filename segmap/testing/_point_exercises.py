@@ -21,7 +21,7 @@ def heading_between(before: float, after: float, share: float) -> float:
 
     Examples
     --------
-    >>> round(np.degrees(heading_between(np.radians(170), np.radians(-170), 0.25)), 6)
+    >>> round(float(np.degrees(heading_between(np.radians(170), np.radians(-170), 0.25))), 6)
     175.0
     """
     return float(wrap(before + share * wrap(after - before)))
