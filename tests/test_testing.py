@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 import segmap
 from segmap import plotting, testing
 from segmap.alignment import _points_loops
+from segmap.angles import axial_difference
 from segmap.poses import between, interpolate
 from segmap.segments import angle, as_segments, length, midpoint
 from segmap.testing import (
@@ -380,6 +381,20 @@ def match_value_by_complex_numbers(u, v, distance):
     return sum(lengths) / 2 * 0.95 ** (min(apart) / distance)
 
 
+def step_in_a_loop(centres, pieces, sigma, bandwidth):
+    moved = []
+    for c in centres:
+        w, turns = [], []
+        for p in pieces:
+            turns.append(np.angle(np.exp(2j * (p[2] - c[2]))) / 2)
+            w.append(
+                np.exp(-(np.hypot(*(p - c)[:2]) ** 2 + (turns[-1] / bandwidth) ** 2) / 2 / sigma**2)
+            )
+        x, y = np.average(pieces[:, :2], axis=0, weights=w)
+        moved.append([x, y, (c[2] + np.average(turns, weights=w)) % np.pi])
+    return moved
+
+
 OTHER_WAYS = {
     "compose": rotated_step,
     "beam_angles": beams_in_steps,
@@ -395,6 +410,7 @@ OTHER_WAYS = {
     "hough": hough_by_complex_numbers,
     "matches": matches_in_a_loop,
     "merged": merged_by_vectors,
+    "mean_shift_step": step_in_a_loop,
     "inside_strip": inside_in_a_loop,
     "best_shift": shift_in_a_loop,
     "reduction_at": reduction_by_hand,
@@ -488,6 +504,21 @@ def test_match_and_merge_are_those_of_basic(seed):
     assert (len(found) == 1) == testing.matches(a, b, 0.5, 0.8)
     if len(found) == 1:
         assert_segments_equal(found, testing.merged(a, b)[None])
+
+
+@given(st.integers(0, 10**6))
+def test_a_step_is_that_of_mean_shift(seed):
+    """Catches an exercise that teaches another step than the method makes."""
+    rng = np.random.default_rng(seed)
+    segments = rng.uniform(0, 0.1, (6, 2, 2))
+    begin, one = (
+        segmap.reduction.common_directions(segments, sigma=0.2, bandwidth=5.0, steps=k).centres
+        for k in (0, 1)
+    )
+    found = testing.mean_shift_step(begin, begin, 0.2, 5.0)
+    found[:, 2] = axial_difference(found[:, 2], one[:, 2])
+    np.testing.assert_allclose(found[:, :2], one[:, :2], atol=1e-9)
+    np.testing.assert_allclose(found[:, 2], 0, atol=1e-9)
 
 
 @given(st.integers(0, 10**6))

@@ -18,6 +18,7 @@ from ._map_exercises import (
     check_quality,
     check_reduction_rate,
 )
+from ._mean_shift_exercises import check_mean_shift_step, mean_shift_step
 from ._point_exercises import (
     check_heading_between,
     check_move_onto_walls,
@@ -46,6 +47,7 @@ EXERCISES: dict[str, Exercise] = {
         check_hough,
         check_matches,
         check_merged,
+        check_mean_shift_step,
         check_inside_strip,
         check_best_shift,
         check_reduction_at,
@@ -74,6 +76,7 @@ __all__ = [
     "check_least_translation",
     "check_match_value",
     "check_matches",
+    "check_mean_shift_step",
     "check_merged",
     "check_move_onto_walls",
     "check_quality",
@@ -82,6 +85,7 @@ __all__ = [
     "heading_between",
     "match_value",
     "matches",
+    "mean_shift_step",
     "merged",
     "move_onto_walls",
     "point_zoo",
