@@ -19,8 +19,8 @@ from ._result import Alignment, Match, Trail, check_positive, no_match
 
 #: Least standard deviation of an end point, in metres, that a covariance rests on.
 SIGMA = 0.01
-#: How much more must match where nothing does but the two walls of a corner.
-CORNER = 1.5
+#: As many matched walls, or more, are all the evidence that can be asked for.
+ENOUGH_WALLS = 4
 
 
 def match_angles(
@@ -41,9 +41,9 @@ def match_angles(
         In the order of the beams, each in its own frame.
     rng : numpy.random.Generator
     least_share : float
-        The best candidate must score this share of the shorter set's length: of two scans that
-        overlap by half a good half is matched. Where only two walls match it must be half as much
-        again, for a corner with two walls is found in any building.
+        The best candidate must score this share of the shorter set's length where three walls
+        match; times 3/2 where only two do, for a corner of two walls is found in any building;
+        times 3/4 where four or more do. Of two scans that overlap by half, a good half is matched.
     least_across : float, metres
         Length of matched wall that must stand across the direction in which most of it runs, lest
         noise decide the place along a corridor.
@@ -149,7 +149,7 @@ def _doubt(found: list[Candidate], least: float, across: float, rival: float) ->
     if not found:
         return "no two walls of one stand at an angle that the other has too"
     best, second = found[0], found[1].score if len(found) > 1 else -np.inf
-    if best.score < least * (1.0 if best.walls > 2 else CORNER):
+    if best.score < least * 3 / min(max(best.walls, 1), ENOUGH_WALLS):
         return "too little of the walls matches"
     if second > rival * best.score:
         return "another place fits nearly as well"
