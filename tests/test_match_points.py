@@ -173,6 +173,16 @@ def test_damaged_scans(change):
     assert error(found, motion)[1] < np.radians(0.5)
 
 
+def test_an_absurd_range_does_no_harm():
+    """One point at the end of the world: the heading would count as free beside its lever."""
+    before, now, motion = pair()
+    far = np.array([(1e6, 2e5)])
+    found = match_points(np.vstack([before, -far]), np.vstack([now, far]))
+    assert found.free is None
+    assert error(found, motion)[0] < 0.01
+    assert error(found, motion)[1] < np.radians(0.5)
+
+
 # ------------------------------------------------------------------ what is not fixed
 @pytest.mark.parametrize("heading", [0.0, 0.7, 2.5])
 def test_a_corridor_leaves_its_own_direction_free(heading):

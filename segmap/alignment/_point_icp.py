@@ -5,6 +5,7 @@ from numpy.typing import ArrayLike
 
 from ..angles import Array
 from ..scans import Log
+from ._frames import not_far
 from ._point_map import PointMap
 from ._result import Alignment, Match, Trail, check_positive, no_match
 from ._walk import Walk, settled
@@ -28,7 +29,8 @@ def match_points(
     Parameters
     ----------
     reference, current : (n, 2) and (m, 2) arrays, metres
-        Points of two scans, each in its own frame; the reference may be a map of many scans.
+        Points of two scans, each in its own frame; the reference may be a map of many scans. Points
+        of the current scan farther than 100 m from its origin are left out.
     start : (3,) array, metres and radians
         Supposed pose of the current scan in the frame of the reference.
     reach : float, metres
@@ -52,7 +54,7 @@ def match_points(
     Match(0.05 m, 0.02 m, 0 deg, overlap 1.00)
     """
     check_positive(reach=reach)
-    before, now = _points("reference", reference), _points("current", current)
+    before, now = _points("reference", reference), not_far(_points("current", current))
     begin = np.array(start, float)
     if begin.shape != (3,) or not np.isfinite(begin).all():
         raise ValueError(f"start must be a finite pose x, y, heading, got {start!r}")

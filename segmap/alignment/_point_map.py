@@ -65,7 +65,7 @@ class PointMap:
         begin = np.array(start, float)
         if len(current) < 6:
             return no_match(begin, f"the scan has only {len(current)} points")
-        span = float(np.median(np.hypot(*current.T))) + 1e-9
+        span = float(np.sqrt((current**2).sum(1).mean())) + 1e-9
         stride = 1 + len(current) // 250
         pose, hessian, sigma, near, used = loops.point_to_line(
             self.cells, self.normals, current, begin, reach, last, FLOOR, span, stride
