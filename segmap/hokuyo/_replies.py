@@ -1,0 +1,215 @@
+"""What the sensor answers, line by line: SCIP 2.0 and 1.1. Pure functions over whole replies."""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..angles import Array
+from ._coding import SensorError, checksum, decode, unchecked
+
+#: Distances below this are error codes.
+CODES = 20
+#: What an error code means: nothing in reach (inf), or no measurement (NaN).
+NOTHING_MET = (0, 6)
+
+#: What a status means and what to do; for scans and for the commands that start them.
+STATUS = {
+    "0A": "the sensor could not build a reply: ask again",
+    "0B": "the same command was sent twice, or the sensor's buffer is full",
+    "0E": "the sensor does not know the command, or is in time mode",
+    "0I": "the sensor waits for new firmware: restart it",
+    "04": "the last step is beyond what the sensor has",
+    "05": "the last step lies before the first",
+    "10": "the laser is off: send BM first",
+    "01": "the laser does not work, or a number was malformed",
+}
+
+
+class Reply(NamedTuple):
+    """A reply: the echoed command, its status, and the lines after it."""
+
+    echo: str
+    status: str
+    body: tuple[bytes, ...]
+
+
+class Measurement(NamedTuple):
+    """One turn as the sensor sends it: clock in ms, distances in mm or codes below 20, `(n,)`."""
+
+    clock: int
+    millimetres: NDArray[np.int64]
+
+
+class Geometry(NamedTuple):
+    """What the sensor says of itself: steps of a turn, and the limits of what it measures.
+
+    Attributes
+    ----------
+    steps : int
+        Steps in a whole turn.
+    first, last, front : int
+        Steps that it measures, and the one straight ahead.
+    least, most : int
+        Distances that it measures, millimetres.
+    turn : float, seconds
+        Of one turn.
+    """
+
+    steps: int
+    first: int
+    last: int
+    front: int
+    least: int
+    most: int
+    turn: float
+
+    def angles(self, first: int, count: int, cluster: int = 1) -> Array:
+        """Directions of beams, `(count,)`, radians, counter-clockwise, 0 ahead.
+
+        A cluster reports the nearest of its steps; it counts as the one in its middle.
+        """
+        step = first + np.arange(count) * cluster + (cluster - 1) / 2
+        return np.asarray((step - self.front) * 2 * np.pi / self.steps)
+
+
+#: Of a URG-04LX, for units that cannot tell: SCIP 1.1 has no command for it.
+URG_04LX = Geometry(1024, 44, 725, 384, 20, 4095, 0.1)
+
+
+def parse_reply(lines: Sequence[bytes]) -> Reply:
+    """A reply of SCIP 2.0, from its echo to the line before the empty one.
+
+    Raises
+    ------
+    SensorError
+        Where the status is missing or its check sum is wrong.
+
+    Examples
+    --------
+    >>> parse_reply([b"BM", b"02R"])
+    Reply(echo='BM', status='02', body=())
+    """
+    if len(lines) < 2:
+        raise SensorError(f"a reply of {len(lines)} lines: expected an echo and a status")
+    status = unchecked(lines[1])
+    if len(status) != 2:
+        raise SensorError(f"{lines[1][:20]!r} is no status: expected two characters and a sum")
+    return Reply(_text(lines[0]), _text(status), tuple(lines[2:]))
+
+
+def parse_info(body: Sequence[bytes]) -> dict[str, str]:
+    """Lines `KEY:text;sum` of VV, PP and II, by key.
+
+    A wrong sum is passed over: some firmware writes one for SERI.
+
+    Raises
+    ------
+    SensorError
+        Where a line has no key.
+
+    Examples
+    --------
+    >>> parse_info([b"DMIN:20;4", b"SERI:H0706400;F"])
+    {'DMIN': '20', 'SERI': 'H0706400'}
+    """
+    found = {}
+    for line in body:
+        key, colon, text = line.partition(b":")
+        if not colon:
+            raise SensorError(f"{line[:40]!r} is no line of information: expected KEY:text;sum")
+        text, semicolon, _ = text.rpartition(b";")
+        found[_text(key)] = _text(text if semicolon else line.partition(b":")[2])
+    return found
+
+
+def info_line(key: str, text: str) -> bytes:
+    """A line of information with its sum, which leaves the semicolon out.
+
+    Examples
+    --------
+    >>> info_line("DMIN", "20")
+    b'DMIN:20;4'
+    """
+    line = f"{key}:{text}".encode("ascii")
+    return line + b";" + checksum(line)
+
+
+def parse_geometry(info: dict[str, str]) -> Geometry:
+    """What PP says of the geometry.
+
+    Raises
+    ------
+    SensorError
+        Where a key is missing or no number, or the limits make no sense.
+    """
+    names = ("ARES", "AMIN", "AMAX", "AFRT", "DMIN", "DMAX", "SCAN")
+    try:
+        numbers = [int(info[name]) for name in names]
+    except (KeyError, ValueError) as error:
+        raise SensorError(f"PP told no geometry, {error} is wrong in {info}") from None
+    steps, first, last, front, least, most, rpm = numbers
+    if not (0 <= first <= last < steps <= 1 << 20 and 0 <= least < most and rpm > 0):
+        raise SensorError(f"PP told a geometry that cannot be: {info}")
+    return Geometry(steps, first, last, front, least, most, 60.0 / rpm)
+
+
+def parse_scan(body: Sequence[bytes], characters: int) -> Measurement:
+    """Clock and distances of GD, GS, MD or MS: blocks are checked, joined, then decoded.
+
+    Raises
+    ------
+    SensorError
+        Where a sum is wrong or characters are missing.
+
+    Examples
+    --------
+    >>> parse_scan([b"JUGnD", b"06805m" + checksum(b"06805m")], 3)
+    Measurement(clock=6968830, millimetres=array([392, 381]))
+    """
+    if not body:
+        raise SensorError("a scan without a time stamp")
+    clock = decode(unchecked(body[0]), 4)
+    if len(clock) != 1:
+        raise SensorError(f"{body[0][:20]!r} is no time stamp: expected four characters and a sum")
+    data = b"".join(unchecked(line) for line in body[1:])
+    return Measurement(int(clock[0]), decode(data, characters))
+
+
+def parse_scan_1(lines: Sequence[bytes]) -> NDArray[np.int64]:
+    """Distances in millimetres of SCIP 1.1's G: two characters each, no sums, no clock.
+
+    Raises
+    ------
+    SensorError
+    """
+    return decode(b"".join(lines), 2)
+
+
+def as_ranges(millimetres: NDArray[np.int64]) -> tuple[Array, NDArray[np.int64]]:
+    """Ranges in metres, inf where nothing was met and NaN for errors; and the codes, `(n,)` each.
+
+    Examples
+    --------
+    >>> ranges, codes = as_ranges(np.array([392, 0, 7]))
+    >>> ranges, codes
+    (array([0.392,   inf,   nan]), array([0, 0, 7]))
+    """
+    bad = millimetres < CODES
+    empty = np.isin(millimetres, NOTHING_MET)
+    ranges = np.where(bad, np.where(empty, np.inf, np.nan), millimetres / 1000.0)
+    return ranges, np.where(bad, millimetres, 0)
+
+
+def explain(status: str) -> str:
+    """What a status means, for people."""
+    if status in STATUS:
+        return STATUS[status]
+    if status.isdigit() and int(status) >= 50:
+        return "the sensor reports a hardware fault: switch it off and on, then have it checked"
+    return "the sensor refused"
+
+
+def _text(line: bytes) -> str:
+    return line.decode("ascii", "replace")
