@@ -35,22 +35,27 @@ def build_map(
     Raises
     ------
     ValueError
-        Where shapes disagree, or a scan reaches beyond `max_size`.
+        Where shapes disagree, a pose is infinite, or a scan reaches beyond `max_size`.
 
     Examples
     --------
     >>> from segmap import load
     >>> log = load("room")
-    >>> build_map(log, log.truth, resolution=0.05).nbytes > 0
-    True
+    >>> build_map(log, log.truth, resolution=0.05)
+    QuadtreeMap(25.6 m, 4279 leaves of 0.05 m and more, 61 scans)
     """
     where = np.asarray(poses, float)
     if where.shape != (len(log), 3):
-        raise ValueError(f"poses must have shape ({len(log)}, 3), a pose a scan, got {where.shape}")
+        raise ValueError(f"poses must have shape ({len(log)}, 3), one a scan, got {where.shape}")
+    if np.isinf(where).any():
+        raise ValueError(
+            f"poses must not be infinite, got one at {np.isinf(where).any(1).argmax()}"
+        )
     used = np.flatnonzero(np.isfinite(where).all(1)).tolist()
-    start = where[used[0], :2] if len(used) else np.zeros(2)
-    corner = np.floor(start / resolution - 256) * resolution
-    map = QuadtreeMap(**{"resolution": resolution, "corner": corner, **options})
+    map = QuadtreeMap(resolution=resolution, **options)
+    if "corner" not in options and used:
+        cells = np.floor(where[used[0], :2] / resolution) - np.round(map.side / resolution / 2)
+        map = QuadtreeMap(resolution=resolution, corner=cells * resolution, **options)
     for k in used:
         sensor = compose(where[k], log[k].sensor_pose)
         ends = transform(where[k], log[k].points())
@@ -65,5 +70,5 @@ def unmet(scan: LaserScan, sensor: Array) -> Array:
     """
     if not np.isfinite(scan.max_range):
         return np.empty((0, 2))
-    angle = sensor[2] + scan.angles[np.isposinf(scan.ranges)]
+    angle = sensor[2] + scan.angles[scan.ranges >= scan.max_range]
     return sensor[:2] + scan.max_range * np.stack([np.cos(angle), np.sin(angle)], -1)

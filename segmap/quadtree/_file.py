@@ -1,7 +1,6 @@
 """A quadtree as an NPZ file: checked when read, whole or absent when written."""
 
 import os
-import zipfile
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -9,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..angles import Array
+from ._loops import DEPTH, FAR
 
 FORMAT, VERSION = "segmap quadtree", 1
 
@@ -24,7 +24,9 @@ class Stored(NamedTuple):
 
 def write_npz(path: Path, **arrays: Any) -> None:
     """Write arrays under a temporary name, then rename."""
-    part = path.with_name(path.name + ".part")
+    if not path.parent.is_dir():
+        raise FileNotFoundError(f"cannot write {path}: the folder {path.parent} does not exist")
+    part = path.with_name(f".{path.name}.{os.getpid()}.part")
     try:
         with part.open("wb") as target:
             np.savez_compressed(target, format=np.array(f"{FORMAT} {VERSION}"), **arrays)
@@ -45,10 +47,10 @@ def read_npz(path: Path) -> Stored:
     """
     try:
         with np.load(path, allow_pickle=False) as held:
-            arrays = {name: held[name] for name in held.files}
-    except (OSError, EOFError, KeyError, zipfile.BadZipFile, ValueError) as error:
-        if isinstance(error, FileNotFoundError | IsADirectoryError | PermissionError):
-            raise
+            arrays: dict[str, Any] = {name: held[name] for name in held.files}
+    except (FileNotFoundError, IsADirectoryError, PermissionError):
+        raise
+    except Exception as error:  # zipfile, zlib and numpy raise a dozen kinds for damaged bytes
         raise ValueError(f"{path}: not a readable NPZ file ({error})") from None
     kind = str(arrays.pop("format", ""))
     if not kind.startswith(FORMAT):
@@ -69,7 +71,9 @@ def _what_is_wrong(arrays: dict[str, Any]) -> str:
     for array, kind, count in [*kinds, (occ, np.int32, vis.size)]:
         if array.dtype != kind or array.shape != (count,):
             return f"an array is {array.dtype} {array.shape}, expected {np.dtype(kind)} ({count},)"
-    if not np.isfinite(lengths).all() or lengths[0] <= 0 or not 2 <= state[1] <= state[2] <= 40:
+    _, level, largest, _, _, bias, scans = state.tolist()
+    sizes = np.isfinite(lengths).all() and lengths[0] > 0 and 2 <= level <= largest < DEPTH
+    if not (sizes and bias >= 1 and scans >= 0 and (abs(state[3:5]) < FAR).all()):
         return "its sizes make no sense"
     return _what_is_wrong_with_tree(vis, occ, int(state[0]), int(state[1]))
 

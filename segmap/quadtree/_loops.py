@@ -10,12 +10,37 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._compiled import compiled
+from ..angles import Array
 
 Counts = NDArray[np.int32]
 Cells = NDArray[np.int64]
 
-#: Levels that a path can hold: 2^31 cells a side are more than any map.
+#: Levels that a path can hold: no root is larger than 2^31 cells a side.
 DEPTH = 32
+#: No cell is further away than this, so that whole numbers hold it.
+FAR = 2.0**60
+
+
+@compiled
+def cells_of(
+    points: Array, corner: Array, resolution: float, root: Cells, side: int
+) -> tuple[Cells, bool, bool]:
+    """Cells of points `(n, 2)` counted from the root's; whether all are finite, and inside it.
+
+    One division and then the floor: `//` and multiplying by the inverse give other cells.
+    """
+    cells, finite, inside = np.empty(points.shape, np.int64), True, True
+    for k in range(len(points)):
+        for i in range(2):
+            away = points[k, i] - corner[i]
+            if abs(away) < FAR * resolution:
+                at = np.int64(np.floor(away / resolution)) - root[i]
+            else:
+                at = np.int64(FAR if away > 0 else -FAR)
+                finite = finite and np.isfinite(away)
+            inside = inside and 0 <= at < side
+            cells[k, i] = at
+    return cells, finite, inside
 
 
 @compiled
@@ -131,14 +156,14 @@ def walk_rays(
     level, x, y = top, sensor[0], sensor[1]
     for k in range(done, len(ends)):
         dx, dy = ends[k, 0] - sensor[0], ends[k, 1] - sensor[1]
-        long, short = max(abs(dx), abs(dy)), min(abs(dx), abs(dy))
+        long, short = max(abs(dx), abs(dy), 1), min(abs(dx), abs(dy))
+        last = max(abs(dx), abs(dy)) - masked
         steep = abs(dy) > abs(dx)
         sign_x, sign_y = (1 if dx >= 0 else -1), (1 if dy >= 0 else -1)
         ahead = (dy > 0) if steep else (dx > 0)  # Bresenham walks in increasing order
         rest = (long - 1) // 2 if ahead else long - 1 - (long - 1) // 2
-        step = 0
-        while step <= long - masked:
-            across = (step * short + rest) // long if long > 0 else 0
+        step, across = 0, 0
+        while step <= last:
             new_x = sensor[0] + sign_x * (across if steep else step)
             new_y = sensor[1] + sign_y * (step if steep else across)
             level = common(x, y, new_x, new_y, level)
@@ -153,9 +178,12 @@ def walk_rays(
             vis[node] += add
             to_x, to_y = room_ahead(x, sign_x, level), room_ahead(y, sign_y, level)
             along, aside = (to_y, to_x) if steep else (to_x, to_y)
-            step += along
-            if short > 0:  # the first step at which the ray is past the leaf's side
-                step = min(step, ((across + aside) * long - rest + short - 1) // short)
+            reach = (step + along) * short + rest
+            if reach < (across + aside) * long:
+                step, across = step + along, reach // long
+            else:  # the first step at which the ray is past the leaf's side
+                across += aside
+                step = (across * long - rest + short - 1) // short
             level += 1
     return used, len(ends)
 

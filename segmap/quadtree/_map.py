@@ -9,13 +9,13 @@ from numpy.typing import ArrayLike, NDArray
 from .._display import Pictured, Table
 from ..angles import Array
 from . import _loops as loops
+from ._arguments import check_finite, level_of, point
+from ._arguments import points as pairs
 from ._file import read_npz, write_npz
 from ._tree import Tree, in_use
 
-#: Cells a side at first, and at most: B's default, and B's largest map doubled once.
-SIZE, MAX_SIZE = 512, 65_536
-#: No cell is further away than this, so that whole numbers hold it.
-FAR = 2.0**60
+#: Levels of the root at first, 512 cells a side, and at most, 65 536: B's largest map doubled once.
+SIZE, MAX_SIZE = 9, 16
 
 
 class Leaves(NamedTuple):
@@ -47,8 +47,10 @@ class QuadtreeMap(Pictured):
     bias : int
         Rays that have to cross a leaf until it counts as surely free.
     free_resolution : float, metres, or None
-        Where given, rays split leaves larger than this, which hand their counts on, and four equal
-        children join again: free is then only what rays went through. A power of two of cells.
+        Where given, space counts as free only where rays went, to this side: rays too split leaves
+        larger than it (step 3, before any is counted), all splits hand their counts on to the
+        children instead of resetting them, and after the scan four children that hold no end
+        and as many rays each join again. A power of two of cells.
 
     Raises
     ------
@@ -60,7 +62,7 @@ class QuadtreeMap(Pictured):
     >>> map = QuadtreeMap(resolution=0.01)
     >>> map.insert_scan((1.0, 1.0), [(2.0, 1.0), (2.0, 1.5)])
     >>> map
-    QuadtreeMap(5.12 m, 127 leaves of 0.01 m and more, 1 scan)
+    QuadtreeMap(5.12 m, 49 leaves of 0.01 m and more, 1 scan)
     >>> map.occupancy([(2.0, 1.0), (9.0, 9.0)])
     array([1. , 0.5])
     """
@@ -77,18 +79,22 @@ class QuadtreeMap(Pictured):
     ) -> None:
         if not (resolution > 0 and np.isfinite(resolution)):
             raise ValueError(f"resolution must be positive and finite, in metres, got {resolution}")
-        self.resolution = float(resolution)
-        self.corner = _finite("corner", corner, (2,))
-        level = _power("size", size, self.resolution, SIZE, least=4)
-        largest = _power("max_size", max_size, self.resolution, max(MAX_SIZE, 1 << level))
-        if largest < level:
-            raise ValueError(f"max_size {max_size} must not be smaller than size {size}")
-        if not bias >= 1:
-            raise ValueError(f"bias must be at least 1, got {bias}")
-        self.bias = int(bias)
+        if not (bias >= 1 and int(bias) == bias):
+            raise ValueError(f"bias must be a whole number of at least 1, got {bias}")
+        self.resolution, self.bias, self.scans = float(resolution), int(bias), 0
+        self.corner = point("corner", corner)
+        check_finite(corner=self.corner)
+        level = SIZE if size is None else level_of("size", size, resolution, 2)
+        largest = MAX_SIZE if max_size is None else level_of("max_size", max_size, resolution, 2)
+        largest = max(level, largest) if max_size is None else largest
+        if not level <= largest < loops.DEPTH:
+            raise ValueError(
+                f"max_size must not be below the size, {np.ldexp(resolution, level):.6g} m, nor "
+                f"have more than 2^{loops.DEPTH - 1} cells a side, got {max_size}"
+            )
         self.free_resolution = free_resolution
-        self._free = _power("free_resolution", free_resolution, self.resolution, 1)
-        self.scans = 0
+        finest = resolution if free_resolution is None else free_resolution
+        self._free = level_of("free_resolution", finest, resolution)
         self.tree = Tree(level, largest)
 
     def insert_scan(
@@ -110,23 +116,17 @@ class QuadtreeMap(Pictured):
         ValueError
             For coordinates that are not finite or lie beyond `max_size`; the map is then as it was.
         """
-        sensor = self._cells(_finite("sensor_xy", sensor_xy, (2,))[None])
-        ends = self._cells(_finite("points", points, (-1, 2)))
-        free = self._cells(
-            _finite("free_points", () if free_points is None else free_points, (-1, 2))
-        )
-        self._grow(np.concatenate([sensor, ends, free]))
+        sensor, ends, free = self._rays(sensor_xy, points, free_points)
         tree, split_free = self.tree, self.free_resolution is not None
-        sensor, ends, free = (cells - tree.corner for cells in (sensor, ends, free))
         # Steps 1 and 2: end points, each in a cell of its own
         tree.split_to(ends, inherit=split_free)
         tree.count_ends(ends)
         # Step 3: rays, on the tree as it is now; those that ended leave out their last two steps
-        for beams, masked in ((ends, 2), (free, 0)):
-            if split_free:
-                tree.split_along(sensor[0], beams, masked, self._free)
-        for beams, masked in ((ends, 2), (free, 0)):
-            tree.count_rays(sensor[0], beams, masked)
+        if split_free:
+            tree.split_along(sensor, ends, 2, self._free)
+            tree.split_along(sensor, free, 0, self._free)
+        tree.count_rays(sensor, ends, 2)
+        tree.count_rays(sensor, free, 0)
         if split_free:
             tree.join()
         self.scans += 1
@@ -143,14 +143,14 @@ class QuadtreeMap(Pictured):
         (n,) array
             `occ / vis` where ends were seen; else from 0.5 (unknown) down to 0 (surely free).
         """
-        leaf = self.tree.leaves_at(self._cells(_finite("points", points, (-1, 2))))
+        leaf = self.tree.leaves_at(self._cells(points=pairs("points", points))[0])
         inside = leaf >= 0
         return np.where(inside, self._occupancy(np.where(inside, leaf, 0)), 0.5)
 
     def leaves(self) -> Leaves:
         """All leaves: lower left corners, sides, and both counts."""
         node, cell, level = self.tree.leaves()
-        left, low = (self.corner + cell * self.resolution).T
+        left, low = (self.corner + (cell + self.tree.corner) * self.resolution).T
         side = np.ldexp(self.resolution, level)
         return Leaves(left, low, side, self.tree.vis[node], self.tree.occ[node])
 
@@ -167,12 +167,13 @@ class QuadtreeMap(Pictured):
         ------
         ValueError
         """
-        k = _power("resolution", resolution, self.resolution, 1)
+        wanted = self.resolution if resolution is None else resolution
+        k = level_of("resolution", wanted, self.resolution)
         if k > self.tree.level:
             raise ValueError(f"resolution {resolution} is larger than the map, {self.side:.6g} m")
         node, cell, level = self.tree.leaves()
-        at = (cell - self.tree.corner) >> k
-        return loops.painted(1 << (self.tree.level - k), at, level - k, self._occupancy(node))
+        side = 1 << (self.tree.level - k)
+        return loops.painted(side, cell >> k, level - k, self._occupancy(node))
 
     def statistics(self) -> Table:
         """Leaves by side, and the bytes that they and a grid of single bytes take."""
@@ -244,12 +245,33 @@ class QuadtreeMap(Pictured):
             f"{count})"
         )
 
-    def _cells(self, points: Array) -> loops.Cells:
-        """Cells that hold points `(n, 2)`, counted from the corner given at first."""
-        cells = np.floor((points - self.corner) / self.resolution)
-        return np.clip(cells, -FAR, FAR).astype(np.int64)
+    def _rays(
+        self, sensor_xy: ArrayLike, points: ArrayLike, free_points: ArrayLike | None
+    ) -> tuple[loops.Cells, loops.Cells, loops.Cells]:
+        """Cells of the sensor and of both kinds of ends, in a root that holds them all."""
+        sensor = point("sensor_xy", sensor_xy)[None]
+        ends, last = pairs("points", points), pairs("free_points", free_points)
+        cells, inside = self._cells(sensor_xy=sensor, points=ends, free_points=last)
+        if not inside:
+            cells = cells + self._grow(cells)
+        return cells[0], cells[1 : len(ends) + 1], cells[len(ends) + 1 :]
 
-    def _grow(self, cells: loops.Cells) -> None:
+    def _cells(self, **named: Array) -> tuple[loops.Cells, bool]:
+        """Cells of points `(n, 2)`, counted from the root's, and whether it holds them all."""
+        cells, finite, inside = loops.cells_of(
+            np.concatenate(list(named.values())),
+            self.corner,
+            self.resolution,
+            self.tree.corner,
+            1 << self.tree.level,
+        )
+        if not finite:
+            check_finite(**named)
+        return cells, inside
+
+    def _grow(self, cells: loops.Cells) -> loops.Cells:
+        """Grow to hold cells `(n, 2)`; returns `(2,)`, how much further the root's corner is."""
+        before = self.tree.corner
         try:
             self.tree.grow(cells)
         except ValueError as error:
@@ -258,34 +280,9 @@ class QuadtreeMap(Pictured):
                 f"the scan reaches beyond max_size, {most:.6g} m, with {error} of "
                 f"{self.resolution:.6g} m: the map is as it was"
             ) from None
+        return before - self.tree.corner
 
     def _occupancy(self, node: loops.Cells) -> Array:
         vis, occ = self.tree.vis[node], self.tree.occ[node]
         empty = np.maximum(0.5 * (self.bias - vis) / self.bias, 0.0)
         return np.where(occ > 0, occ / np.maximum(vis, 1), empty)
-
-
-def _finite(name: str, values: ArrayLike, shape: tuple[int, ...]) -> Array:
-    array = np.array(values, float)
-    if array.size == 0 and shape == (-1, 2):
-        array = array.reshape(0, 2)
-    if array.ndim != len(shape) or array.shape[-1] != 2:
-        wanted = "(2,)" if shape == (2,) else "(n, 2)"
-        raise ValueError(f"{name} must have shape {wanted}, got {array.shape}")
-    if not np.isfinite(array).all():
-        raise ValueError(f"{name} must be finite, in metres: leave out beams without return")
-    return array
-
-
-def _power(
-    name: str, length: float | None, resolution: float, cells: int, *, least: int = 1
-) -> int:
-    """The k with `length = 2^k resolution`; that of `cells` cells where no length is given."""
-    count = cells if length is None else length / resolution
-    k = round(np.log2(count)) if count > 0 and np.isfinite(count) else 0
-    if not np.isclose(count, 2.0**k, rtol=1e-9) or 2.0**k < least:
-        raise ValueError(
-            f"{name} must be a power of two of cells of {resolution:.6g} m, at least {least}, "
-            f"got {length} m: {count:.6g} cells"
-        )
-    return k

@@ -12,6 +12,8 @@ Counts = loops.Counts
 class Tree:
     """Nodes in blocks of four, and the root square that they divide.
 
+    Cells are counted from the root's lower left one, but for `corner`.
+
     Attributes
     ----------
     vis, occ : (4 b,) int32 arrays
@@ -21,7 +23,7 @@ class Tree:
     block, level : int
         Block of the root's children, and the level of the root: 2^level cells a side.
     corner : (2,) int array
-        The root's lower left cell.
+        The root's lower left cell, counted from where it was at first.
     """
 
     def __init__(self, level: int, largest: int) -> None:
@@ -38,23 +40,19 @@ class Tree:
         ValueError
             Where a cell lies beyond the largest root; the tree is then as it was.
         """
-        x, y, level = int(self.corner[0]), int(self.corner[1]), self.level
+        x, y, level = 0, 0, self.level
         steps: list[int] = []
-        for cell_x, cell_y in self._outside(cells).tolist():
+        outside = ((cells < 0) | (cells >= 1 << level)).any(1)
+        for cell_x, cell_y in cells[outside].tolist():
             while not (0 <= cell_x - x < 1 << level and 0 <= cell_y - y < 1 << level):
                 if level == self.largest:
-                    raise ValueError(f"cell ({cell_x}, {cell_y})")
+                    raise ValueError(f"cell {(self.corner + (cell_x, cell_y)).tolist()}")
                 left, down = cell_x < x, cell_y < y
                 steps.append(left + 2 * down)
                 x, y, level = x - left * (1 << level), y - down * (1 << level), level + 1
         for quarter in steps:
             self._double(quarter)
-        self.corner, self.level = np.array([x, y], np.int64), level
-
-    def _outside(self, cells: Cells) -> Cells:
-        """The cells that the root does not hold yet: as a rule none."""
-        inside = ((cells >= self.corner) & (cells < self.corner + (1 << self.level))).all(1)
-        return cells[~inside]
+        self.corner, self.level = self.corner + (x, y), level
 
     def _double(self, quarter: int) -> None:
         """Put the root into one quarter of a new one, whose other quarters nothing has crossed."""
@@ -102,12 +100,12 @@ class Tree:
 
     def leaves_at(self, cells: Cells) -> Cells:
         """Leaf of each cell `(n, 2)`; -1 outside the root."""
-        return loops.leaves_at(self.vis, self.block, self.level, cells - self.corner)
+        return loops.leaves_at(self.vis, self.block, self.level, cells)
 
     def leaves(self) -> tuple[Cells, Cells, Cells]:
         """Nodes `(n,)`, lower left cells `(n, 2)` and levels `(n,)` of all leaves."""
         found = loops.all_leaves(self.vis, self.block, self.level, self.used)
-        return found[:, 0], found[:, 1:3] + self.corner, found[:, 3]
+        return found[:, 0], found[:, 1:3], found[:, 3]
 
     def _make_room(self, blocks: int) -> None:
         """Make sure that so many blocks can be added."""

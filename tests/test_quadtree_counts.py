@@ -1,0 +1,241 @@
+"""What the quadtree map counts and says of space, what it refuses, and maps of logs."""
+
+import numpy as np
+import pytest
+from reference_quadtree import leaves_of, state
+
+from segmap import load
+from segmap.quadtree import QuadtreeMap, build_map
+from segmap.scans import LaserScan, Log
+
+
+# ---------------------------------------------------------------------------- counts
+def test_counts_by_hand():
+    """Nine cells in a row, as anybody can draw them on squared paper."""
+    map = QuadtreeMap(resolution=1, size=16)
+    for _ in range(2):
+        map.insert_scan((0.5, 0.5), [(8.5, 0.5), (8.5, 0.5)])
+    found = leaves_of(map)
+    assert found[(8, 0, 1)] == [4, 4]  # four ends: the first came with the split's 1
+    assert found[(9, 0, 1)] == [1, 0]  # a neighbour, split only
+    assert found[(0, 0, 8)] == [4, 0]  # cells 0 to 6 of four rays; 7 is masked but in this leaf
+    map.insert_scan((0.5, 0.5), [(2.5, 0.5)])
+    found = leaves_of(map)
+    assert found[(2, 0, 1)] == [1, 1] and found[(3, 0, 1)] == [1, 0]  # the split resets
+    assert found[(0, 0, 2)] == [2, 0]  # cell 0; 1 and 2 are masked
+
+
+def test_the_mask_leaves_out_cells_and_not_their_leaves():
+    """Catches a mask that spares a whole leaf, part of which the ray crosses before."""
+    map = QuadtreeMap(resolution=0.25, size=2)
+    map.insert_scan((0.1, 0.1), [(1.1, 0.1)])
+    assert map.leaves().vis[0] == 1 and map.leaves().side[0] == 1.0
+
+
+@pytest.mark.parametrize(
+    ("vis", "occ", "expected"),
+    [(0, 0, 0.5), (5, 0, 0.375), (19, 0, 0.025), (20, 0, 0), (900, 0, 0), (4, 1, 0.25), (3, 3, 1)],
+)
+def test_occupancy_by_its_formula(vis, occ, expected):
+    map = QuadtreeMap(resolution=1, size=4)
+    map.tree.vis[0], map.tree.occ[0] = vis, occ
+    assert map.occupancy([(0.5, 0.5)]) == pytest.approx(expected)
+
+
+def test_bias_says_how_soon_space_is_free():
+    """Catches a bias that is kept and not used."""
+    maps = [QuadtreeMap(resolution=1, size=4, bias=bias) for bias in (1, 2, 20)]
+    for map in maps:
+        map.insert_scan((0, 0), [], [(1.5, 0)])
+    assert [float(m.occupancy([(0, 0)])[0]) for m in maps] == [0.0, 0.25, 0.475]
+
+
+def test_what_lies_outside_is_unknown():
+    map = QuadtreeMap(resolution=0.1)
+    map.insert_scan((1, 1), [(2, 1)])
+    found = map.occupancy([(-1e-9, 0), (51.2, 1), (1e300, -1e300)])
+    assert found.tolist() == [0.5] * 3 and map.occupancy([]).shape == (0,)
+
+
+def test_rays_that_met_nothing_only_cross():
+    """Catches a free ray that splits, or leaves its last cells out."""
+    map = QuadtreeMap(resolution=1, size=8)
+    map.insert_scan((0.5, 0.5), [], [(7.5, 0.5), (0.5, 0.5)])
+    found = leaves_of(map)
+    assert found == {(0, 0, 4): [2, 0], (4, 0, 4): [1, 0], (0, 4, 4): [0, 0], (4, 4, 4): [0, 0]}
+
+
+@pytest.fixture(scope="module")
+def room() -> QuadtreeMap:
+    log = load("room")
+    return build_map(log, log.truth, resolution=0.02)
+
+
+def test_leaves_cover_the_root_exactly_once(room):
+    """Catches leaves lost or doubled by growth."""
+    grid = np.zeros((round(room.side / 0.02),) * 2, int)
+    found = room.leaves()
+    corner = np.rint((np.stack([found.x, found.y], -1) - room.bounds[:2]) / 0.02).astype(int)
+    for (x, y), n in zip(corner, np.rint(found.side / 0.02).astype(int), strict=True):
+        grid[y : y + n, x : x + n] += 1
+    assert (grid == 1).all()
+
+
+def test_no_leaf_is_hit_more_often_than_crossed(room):
+    found = room.leaves()
+    assert (found.occ <= found.vis).all() and (found.occ > 0).sum() > 1000
+    assert found.side[found.occ > 0] == pytest.approx(0.02)
+
+
+def test_grid_holds_the_occupancy_of_every_cell(room):
+    """Catches rows and columns exchanged, and row 0 at the top."""
+    grid = room.to_grid()
+    left, low, right, high = room.bounds
+    x = np.arange(left, right - 0.01, 0.02) + 0.01
+    y = np.arange(low, high - 0.01, 0.02) + 0.01
+    points = np.stack(np.meshgrid(x, y), -1)
+    expected = room.occupancy(points.reshape(-1, 2)).reshape(points.shape[:2])
+    assert np.array_equal(grid, expected) and not np.array_equal(grid, grid.T)
+
+
+@pytest.mark.parametrize("times", [2, 8, 1024])
+def test_a_coarse_grid_loses_no_obstacle(room, times):
+    grid = room.to_grid()
+    side = len(grid) // times
+    largest = grid.reshape(side, times, side, times).max((1, 3))
+    assert np.array_equal(room.to_grid(0.02 * times), largest)
+
+
+def test_bytes_a_leaf(room):
+    """At most 12 (two counts of four bytes a node, of which a quarter are no leaves)."""
+    tree = room.tree
+    assert room.nbytes == tree.vis[: 4 * tree.used].nbytes + tree.occ[: 4 * tree.used].nbytes
+    assert room.nbytes <= 12 * len(room.leaves().x)
+    assert room.tree.vis.nbytes + room.tree.occ.nbytes <= 1.6 * room.nbytes
+
+
+def test_statistics_count_the_leaves_by_side(room):
+    rows = dict(room.statistics().rows)
+    by_side = {k: int(v) for k, v in rows.items() if k.startswith("leaves of")}
+    assert by_side["leaves of 0.02 m"] == np.isclose(room.leaves().side, 0.02).sum()
+    assert sum(by_side.values()) == int(rows["leaves"]) == len(room.leaves().x)
+    assert int(rows["bytes"]) == room.nbytes
+    assert int(rows["bytes of a grid"]) == round(room.side / 0.02) ** 2
+
+
+# ------------------------------------------------------------------------- refused
+FAR = 10_000.0
+REFUSED = {
+    "NaN sensor": (((np.nan, 0), [(1, 1)], []), r"sensor_xy must be finite.*\[0\] = \[nan, 0.0\]"),
+    "endless end": (((0, 0), [(1, 1), (np.inf, 0)], []), r"points\[1\] = \[inf, 0.0\]: leave out"),
+    "NaN free": (((0, 0), [(1, 1)], [(0, np.nan)]), r"free_points\[0\] = \[0.0, nan\]"),
+    "10 km": (((0, 0), [(99, 99), (FAR, 0)], []), r"max_size, 655.36 m, with cell \[1000000, 0\]"),
+    "10 km free": (((0, 0), [(-9, 0)], [(0, -FAR)]), r"beyond max_size.*\[0, -1000000\]"),
+    "sensor at 10 km": (((FAR, FAR), [], []), "beyond max_size"),
+    "too far to count": (((0, 0), [(-1e300, 0)], []), "beyond max_size"),
+    "no pairs": (((0, 0), [1.0, 2.0], []), r"points must have shape \(n, 2\), got \(2,\)"),
+    "three columns": (((0, 0), [(1, 2, 3)], []), r"points must have shape \(n, 2\), got \(1, 3\)"),
+    "two sensors": (([(0, 0), (1, 1)], [], []), r"sensor_xy must have shape \(2,\), got \(2, 2\)"),
+}
+
+
+@pytest.mark.parametrize("name", REFUSED)
+def test_a_failed_insertion_leaves_the_map_as_it_was(name):
+    """Catches growth or splits before all points are known to be good."""
+    map = QuadtreeMap(resolution=0.01)
+    map.insert_scan((1, 1), [(2, 1), (-3, 0.5)])
+    before = state(map)
+    scan, message = REFUSED[name]
+    with pytest.raises(ValueError, match=message):
+        map.insert_scan(*scan)
+    assert state(map) == before
+    map.insert_scan((1, 1), [(2, 1)])
+    assert map.scans == 2
+
+
+def test_the_largest_size_is_reached_and_not_passed():
+    """Catches a limit that stops one doubling early, as B's does."""
+    map = QuadtreeMap(resolution=1, size=4, max_size=16)
+    map.insert_scan((0, 0), [(15.9, 15.9)])
+    assert map.bounds == (0, 0, 16, 16)
+    with pytest.raises(ValueError, match="max_size, 16 m"):
+        map.insert_scan((0, 0), [(16, 0)])
+
+
+@pytest.mark.parametrize(
+    ("wrong", "message"),
+    [
+        ({"resolution": 0.0}, "resolution must be positive and finite, in metres, got 0.0"),
+        ({"resolution": -0.01}, "resolution must be positive"),
+        ({"resolution": np.nan}, "resolution must be positive"),
+        ({"size": 5.0}, r"size must be a power of two of cells of 0.01 m.*got 5.0 m: 500 cells"),
+        ({"size": 5.125}, "size must be a power of two"),
+        ({"size": -5.12}, "size must be a power of two"),
+        ({"size": np.inf}, "size must be a power of two"),
+        ({"size": 0.02}, "at least 4, got 0.02 m: 2 cells"),
+        ({"max_size": 2.56}, "max_size must not be below the size, 5.12 m"),
+        ({"max_size": 7.0}, "max_size must be a power of two"),
+        ({"max_size": 0.01 * 2.0**32}, r"nor have more than 2\^31 cells"),
+        ({"bias": 0}, "bias must be a whole number of at least 1, got 0"),
+        ({"bias": 2.5}, "bias must be a whole number"),
+        ({"corner": (0, np.nan)}, "corner must be finite"),
+        ({"corner": (0, 0, 0)}, r"corner must have shape \(2,\)"),
+        ({"free_resolution": 0.03}, "free_resolution must be a power of two"),
+        ({"free_resolution": 0.0}, "free_resolution must be a power of two"),
+    ],
+)
+def test_sizes_that_do_not_fit_are_refused(wrong, message):
+    with pytest.raises(ValueError, match=message):
+        QuadtreeMap(**wrong)
+
+
+@pytest.mark.parametrize("resolution", [0.03, -0.02, np.nan, 100.0, 0.01])
+def test_a_grid_that_does_not_fit_is_refused(room, resolution):
+    with pytest.raises(ValueError, match="resolution"):
+        room.to_grid(resolution)
+
+
+# ------------------------------------------------------------------------ of a log
+@pytest.mark.parametrize(("name", "scans"), [("malaga", 99), ("corridor", 153), ("room", 61)])
+def test_a_map_of_a_bundled_log(name, scans):
+    """Catches scans without a pose that are inserted at zero: Malaga knows 99 of 225."""
+    log = load(name)
+    map = build_map(log, log.truth, resolution=0.1)
+    assert map.scans == scans
+    known = np.flatnonzero(np.isfinite(log.truth).all(1))
+    places = log.truth[known, :2]
+    assert (map.occupancy(places) < 0.5).mean() > 0.95  # the robot drove where it is free
+
+
+def test_a_log_is_inserted_scan_by_scan():
+    """Catches the robot's pose taken for the sensor's, and a maximum taken for a wall."""
+    angles, place = np.radians([0, 90, 180]), (0.5, 0, np.pi / 2)
+    scan = LaserScan([2.0, np.inf, 4.0], angles, 0.0, None, 4.0, place)
+    log = Log("one", [scan, scan], None)
+    poses = [(1, 1, np.pi / 2), (np.nan, 0, 0)]
+    by_hand = QuadtreeMap(resolution=0.25, size=16, corner=(-8 + 1, -8 + 1))
+    by_hand.insert_scan((1, 1.5), [(-1, 1.5)], [(1, 1.5 - 4), (1 + 4, 1.5)])
+    assert leaves_of(build_map(log, poses, resolution=0.25, size=16)) == leaves_of(by_hand)
+    bare = QuadtreeMap(resolution=0.25, size=16, corner=(-8 + 1, -8 + 1))
+    bare.insert_scan((1, 1.5), [(-1, 1.5)])
+    assert leaves_of(build_map(log, poses, resolution=0.25, size=16, free=False)) == leaves_of(bare)
+
+
+def test_a_log_without_poses_is_an_empty_map():
+    log = Log("lost", [LaserScan([1.0], [0.0])])
+    assert build_map(log, [(np.nan,) * 3]).scans == 0
+
+
+@pytest.mark.parametrize(
+    ("poses", "options", "message"),
+    [
+        ([(0, 0, 0)] * 2, {}, r"poses must have shape \(1, 3\), one a scan, got \(2, 3\)"),
+        ([(np.inf, 0, 0)], {}, "poses must not be infinite, got one at 0"),
+        ([(0, 0, 0)], {"resolution": -1}, "resolution must be positive"),
+        ([(0, 0, 0)], {"resolution": 0.1, "max_size": 51.2, "corner": (900, 0)}, "max_size"),
+    ],
+)
+def test_a_log_that_cannot_be_mapped_is_refused(poses, options, message):
+    log = Log("one", [LaserScan([1.0], [0.0])])
+    with pytest.raises(ValueError, match=message):
+        build_map(log, poses, **options)
