@@ -12,7 +12,7 @@ from segmap.extraction import build_map
 from segmap.poses import transform
 from segmap.reduction import _climb_loops as climbing
 from segmap.reduction import common_directions, mean_shift
-from segmap.reduction._mean_shift import cut
+from segmap.reduction._mean_shift import pieces_of
 from segmap.segments import SegmentMap, length
 from segmap.testing import assert_segments_equal, segment_zoo
 
@@ -160,7 +160,7 @@ def test_walls_at_1_and_179_degrees_merge(turn):
 )
 def test_pieces_are_as_few_as_are_no_longer_than_sigma(wall, pieces):
     """0.6 / 0.2 is above 3 in floating point: four pieces, or one too few by rounding down."""
-    found, owner = cut(np.array([[(1.0, 0.0), (1.0, wall)]]), 0.2)
+    found, owner = pieces_of(np.array([[(1.0, 0.0), (1.0, wall)]]), 0.2)
     assert owner.tolist() == [0] * pieces
     np.testing.assert_allclose(length(found), wall / pieces, atol=1e-15)
     np.testing.assert_allclose(found[1:, 0], found[:-1, 1], atol=1e-15)

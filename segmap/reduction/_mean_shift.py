@@ -141,7 +141,7 @@ def common_directions(
     check_scales(segments, sigma, bandwidth)
     if len(segments) == 0:
         return Directions(segments, index, np.empty((0, 3)), index, np.empty(0))
-    pieces, owner = cut(segments, sigma)
+    pieces, owner = pieces_of(segments, sigma)
     unit = sigma * bandwidth
     middle = midpoint(pieces)
     origin = middle.mean(axis=0)
@@ -175,7 +175,7 @@ def longest_share(
     return parents
 
 
-def cut(segments: Array, sigma: float) -> tuple[Array, NDArray[np.int64]]:
+def pieces_of(segments: Array, sigma: float) -> tuple[Array, NDArray[np.int64]]:
     """Equal pieces `(p, 2, 2)` of `(n, 2, 2)` segments, at most `sigma` long, and their segments.
 
     Pieces are as few as can be, in the order of their segments, from end point 0; metres.
