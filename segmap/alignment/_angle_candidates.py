@@ -186,7 +186,7 @@ def angle_candidates(
     )
     rule = (float(distance), float(far), float(long), bool(whole))
     poses = _refined_poses(s, t, rule)
-    length_of = loops.judged(s.segments, s.places, t.segments, t.places, poses, MARGIN, rule)
+    length_of = loops.weighed(s.segments, s.places, t.segments, t.places, poses, MARGIN, rule)
     score = length_of[:, 0] - penalty * length_of[:, 1]
     best = loops.distinct(poses, score, REFINED, SAME_PLACE, SAME_HEADING)
     outside = compose(poses, (*-t.middle, 0.0)) + [*s.middle, 0.0]

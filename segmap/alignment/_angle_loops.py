@@ -250,7 +250,7 @@ def refined(s: Array, t: Array, pose: Array, rounds: int, rule: Rule) -> Array:
 
 
 @compiled
-def judged(
+def weighed(
     s: Array, from_s: Array, t: Array, from_t: Array, poses: Array, margin: float, rule: Rule
 ) -> Array:
     """Value of each pose, and length hidden from places `from_s` and `from_t`: `(k, 2)`, metres."""
