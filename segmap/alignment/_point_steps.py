@@ -6,9 +6,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..angles import Array
+from ..angles import Array, wrap
 from ..poses import transform
 from . import _points_loops as loops
+from ._frames import not_far
 from ._point_icp import _points
 from ._point_map import FLOOR, PointMap
 
@@ -84,7 +85,7 @@ def point_steps(
     >>> steps[-1]
     PointStep(0.05 m, 0.02 m, 0 deg, 56 points within 0.12 m)
     """
-    before, now = _points("reference", reference), _points("current", current)
+    before, now = _points("reference", reference), not_far(_points("current", current))
     if min(len(before), len(now)) < 6:
         return []
     return list(_descent(PointMap(before), now, np.array(start, float), reach))
@@ -122,4 +123,5 @@ def _seen(
     partner = np.array([loops.nearest(map.cells, x, y, reach) for x, y in points])
     on_wall = (partner >= 0) & np.isfinite(map.normals[partner, 0])
     points = points[on_wall]
+    pose = np.array([*pose[:2], wrap(pose[2])])
     return PointStep(pose, reach, points, points - rows[:, 3:] * rows[:, :2], weights)

@@ -68,7 +68,7 @@ class GroundTruthPanel(Panel):
         self.count.value = f"{self.alignment.used.sum()} of {len(self.log)} scans placed"
         self.error.value = self._error()
         ax = draw_alignment(self.log, self.alignment, ax=figure.subplots())
-        ax.plot(*poses[:, :2].T, ".", color=TRUTH, markersize=3, zorder=4)
+        ax.plot(*poses[:, :2].T, ".", color=TRUTH, markersize=2)
 
     def _error(self) -> str:
         """How far the scans whose truth is known lie from it."""

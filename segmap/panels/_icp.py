@@ -34,6 +34,11 @@ class IcpPanel(Panel):
     count, error : labels
     steps : list of PointStep
 
+    Raises
+    ------
+    ValueError
+        For fewer than six points in either scan, and as `match_points`.
+
     Examples
     --------
     >>> corner = np.array([(0.1 * k, 0) for k in range(30)] + [(0, 0.1 * k) for k in range(30)])
@@ -54,8 +59,12 @@ class IcpPanel(Panel):
         reach: float = 0.6,
     ) -> None:
         self.reference, self.current = np.asarray(reference, float), np.asarray(current, float)
+        if min(len(self.reference), len(self.current)) < 6:
+            counts = f"{len(self.reference)} and {len(self.current)}"
+            raise ValueError(f"the two scans must have at least 6 points each, got {counts}")
         self.reach = reach
         self.pose = match_points(self.reference, self.current, pose, reach=reach).pose
+        self._limits = np.percentile(self.reference, (3, 97), axis=0) + [[-1], [1]]
         self.x, self.y = (slider(f"start off in {k}", 0.3, -2.0, 2.0, 0.1) for k in "xy")
         self.turn = slider("and turned", 0, -45, 45, 5, "degrees")
         self.step = slider("step", 0, 0, 60, 1, "")
@@ -75,7 +84,8 @@ class IcpPanel(Panel):
         self.count.value = f"step {k} of {len(self.steps) - 1}: {len(now.points)} points"
         turned = f"{abs(np.degrees(heading)):.1f} degrees"
         self.error.value = f"{np.hypot(x, y):.3f} m and {turned} from the match"
-        draw_step(self.reference, now, ax=figure.subplots())
+        ax = draw_step(self.reference, now, ax=figure.subplots())
+        ax.set(xlim=self._limits[:, 0], ylim=self._limits[:, 1])
 
     def __repr__(self) -> str:
         start = f"{self.x.value:+.1f} m, {self.y.value:+.1f} m, {self.turn.value:+d} degrees"

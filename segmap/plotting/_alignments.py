@@ -12,6 +12,9 @@ from ..scans import Log
 from ._scans import draw_cloud, draw_path
 from ._style import ERROR, RAW, RESULT, axes_or_new, dressed
 
+#: Lines from points to walls; more cannot be told apart.
+MOST_LINES = 120
+
 
 def draw_alignment(log: Log, alignment: Alignment, *, ax: Axes | None = None) -> Axes:
     """Draw the way that a method found, the scans along it, and what it makes no use of.
@@ -69,7 +72,9 @@ def draw_way(alignment: Alignment, ax: Axes) -> Axes:
 
 
 def draw_step(reference: ArrayLike, step: PointStep, *, ax: Axes | None = None) -> Axes:
-    """Draw a scan as point ICP sees it: each point with a red line to its place on the wall.
+    """Draw a scan as point ICP sees it: points with red lines to their places on the wall.
+
+    Of many points every second or third has a line.
 
     Parameters
     ----------
@@ -94,8 +99,9 @@ def draw_step(reference: ArrayLike, step: PointStep, *, ax: Axes | None = None) 
     """
     ax, walls = axes_or_new(ax), np.asarray(reference, float).reshape(-1, 2)
     ax.plot(*walls.T, ".", color=RAW, markersize=4, markeredgewidth=0)
-    lines = np.stack([step.points, step.feet], 1)
-    ax.add_collection(LineCollection(list(lines), colors=ERROR, linewidths=0.2 + step.weights))
+    some = slice(None, None, 1 + len(step.points) // MOST_LINES)
+    lines, widths = np.stack([step.points, step.feet], 1)[some], 0.2 + step.weights[some]
+    ax.add_collection(LineCollection(list(lines), colors=ERROR, linewidths=widths))
     ax.plot(*step.points.T, ".", color=RESULT, markersize=4, markeredgewidth=0)
     return dressed(ax)
 
