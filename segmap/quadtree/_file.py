@@ -46,7 +46,7 @@ def read_npz(path: Path) -> Stored:
         For a damaged or foreign file, saying what is wrong with it.
     """
     try:
-        with np.load(path, allow_pickle=False) as held:
+        with path.open("rb") as source, np.load(source, allow_pickle=False) as held:
             arrays: dict[str, Any] = {name: held[name] for name in held.files}
     except (FileNotFoundError, IsADirectoryError, PermissionError):
         raise

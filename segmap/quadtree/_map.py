@@ -224,14 +224,12 @@ class QuadtreeMap(Pictured):
         found = read_npz(Path(path))
         resolution, x, y, free = found.lengths.tolist()
         block, level, largest, cell_x, cell_y, bias, scans = found.state.tolist()
-        map = cls(
-            resolution=resolution,
-            size=float(np.ldexp(resolution, level)),
-            corner=(x, y),
-            max_size=float(np.ldexp(resolution, largest)),
-            bias=bias,
-            free_resolution=free or None,
-        )
+        sizes = {"size": np.ldexp(resolution, level), "max_size": np.ldexp(resolution, largest)}
+        options = {"corner": (x, y), "bias": bias, "free_resolution": free or None}
+        try:
+            map = cls(resolution=resolution, **sizes, **options)
+        except ValueError as error:
+            raise ValueError(f"{path}: damaged, {error}") from None
         map.scans, tree = scans, map.tree
         tree.vis, tree.occ, tree.used, tree.block = found.vis, found.occ, len(found.vis) // 4, block
         tree.corner = np.array([cell_x, cell_y], np.int64)

@@ -1,0 +1,215 @@
+"""A quadtree on disk: it comes back bit for bit, or says what is wrong with the file."""
+
+import os
+import signal
+import subprocess
+import sys
+import zipfile
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from reference_quadtree import leaves_of, state
+
+from segmap import read
+from segmap.quadtree import QuadtreeMap
+
+
+def example(**options) -> QuadtreeMap:
+    """Grown to the left and downwards, with counts of all kinds."""
+    map = QuadtreeMap(resolution=0.05, size=0.8, corner=(0.1, -0.2), bias=7, **options)
+    rng = np.random.default_rng(8)
+    for _ in range(3):
+        map.insert_scan(rng.uniform(0, 0.5, 2), rng.uniform(-1, 2, (20, 2)), [(0.2, 2.0)])
+    return map
+
+
+@pytest.fixture(scope="module")
+def saved(tmp_path_factory):
+    path = tmp_path_factory.mktemp("maps") / "map.npz"
+    example().save(path)
+    return path
+
+
+@pytest.mark.parametrize("options", [{}, {"free_resolution": 0.1}, {"max_size": 0.8 * 2**9}])
+def test_a_map_comes_back_and_goes_on(options, tmp_path):
+    """Catches an option, a corner or a count that the file forgets."""
+    map = example(**options)
+    map.save(tmp_path / "map.npz")
+    found = QuadtreeMap.load(tmp_path / "map.npz")
+    assert state(found) == state(map) and found.bounds == map.bounds
+    for each in (map, found):
+        each.insert_scan((0.3, 0.3), [(-3, 5), (0.4, 0.4)])
+        with pytest.raises(ValueError, match="max_size"):
+            each.insert_scan((0, 0), [(0.8 * 2**16 if "max_size" not in options else 500, 0)])
+    assert leaves_of(found) == leaves_of(map)
+    assert np.array_equal(found.to_grid(), map.to_grid())
+    assert (found.bias, found.free_resolution) == (7, options.get("free_resolution"))
+
+
+def test_two_maps_that_are_alike_give_the_same_bytes(tmp_path):
+    """Catches bytes beyond the nodes in use, and a time stamp."""
+    for name in ("one", "two"):
+        example().save(tmp_path / f"{name}.npz")
+    one, two = ((tmp_path / f"{name}.npz").read_bytes() for name in ("one", "two"))
+    assert one == two
+
+
+@settings(max_examples=300)
+@given(
+    st.integers(0, 10**6),
+    st.sampled_from(["flip", "drop", "cut", "zero", "insert"]),
+    st.binary(min_size=1, max_size=9),
+)
+def test_damaged_bytes_are_refused_or_harmless(saved, tmp_path_factory, at, how, junk):
+    """Catches the dozen kinds of errors of zip and numpy, and a map that differs unnoticed."""
+    data = bytearray(saved.read_bytes())
+    at %= len(data)
+    if how == "flip":
+        data[at] ^= junk[0] or 1
+    elif how == "cut":
+        del data[at:]
+    else:
+        data[at : at + (0 if how == "insert" else len(junk))] = {
+            "drop": b"",
+            "zero": bytes(len(junk)),
+        }.get(how, junk)
+    path = tmp_path_factory.getbasetemp() / "damaged.npz"
+    path.write_bytes(data)
+    try:
+        found = QuadtreeMap.load(path)
+    except ValueError as error:
+        assert str(path) in str(error)
+    else:
+        assert state(found) == state(example())
+
+
+def parts(path) -> dict:
+    with np.load(path) as held:
+        return {name: held[name] for name in held.files}
+
+
+TAMPERED = {
+    "another version": ({"format": np.array("segmap quadtree 9")}, "this version reads 1"),
+    "another kind": ({"format": np.array("cat")}, r"not a quadtree of segmap, holds \['lengths'"),
+    "no format": ({"format": None}, "not a quadtree of segmap"),
+    "no counts": ({"vis": None}, "expected.*'vis'"),
+    "one more": ({"more": np.zeros(1)}, "it holds.*'more'"),
+    "floats": ({"vis": np.zeros(8)}, r"an array is float64 \(8,\), expected int32"),
+    "other length": ({"occ": np.zeros(5, np.int32)}, "an array is int32"),
+    "pickled": ({"vis": np.array([{}], object)}, "not a readable NPZ file"),
+    "a cycle": ({"vis": (0, -1)}, "its blocks do not hang together"),
+    "a block twice": ({"vis": (1, "another's")}, "its blocks do not hang together"),
+    "a block beyond": ({"vis": (0, -9999)}, "its blocks do not hang together"),
+    "half a block": ({"vis": 1, "occ": 1}, "its blocks do not hang together"),
+    "hit but not crossed": ({"occ": ("leaf", 99)}, "hit more often than crossed"),
+    "hit below zero": ({"occ": ("leaf", -1)}, "hit more often than crossed"),
+    "an inner hit": ({"occ": ("inner", 1)}, "hit more often than crossed"),
+    "too deep": ({"state": (1, 2)}, "a leaf is smaller than a cell"),
+    "root above the largest": ({"state": (2, 3)}, "its sizes make no sense"),
+    "root too large": ({"state": (1, 99)}, "its sizes make no sense"),
+    "no bias": ({"state": (5, 0)}, "its sizes make no sense"),
+    "scans below zero": ({"state": (6, -1)}, "its sizes make no sense"),
+    "corner far off": ({"state": (3, 2**62)}, "its sizes make no sense"),
+    "endless cells": ({"lengths": (0, np.inf)}, "its sizes make no sense"),
+    "cells below zero": ({"lengths": (0, -1.0)}, "its sizes make no sense"),
+    "odd free_resolution": ({"lengths": (3, 0.07)}, "free_resolution must be a power of two"),
+}
+
+
+def tampered(arrays: dict, changes: dict) -> dict:
+    inner = np.flatnonzero(arrays["vis"] < 0)
+    nodes = {"leaf": np.flatnonzero(arrays["vis"] >= 0)[0], "inner": inner[0]}
+    for name, change in changes.items():
+        array = arrays.get(name)
+        if isinstance(change, tuple):
+            at, value = change
+            at = inner[at] if name == "vis" else nodes.get(at, at)
+            array[at] = array[inner[2]] if isinstance(value, str) else value
+        else:
+            arrays[name] = array[:-change] if isinstance(change, int) else change
+    return {name: array for name, array in arrays.items() if array is not None}
+
+
+@pytest.mark.parametrize("name", TAMPERED)
+def test_a_file_that_is_no_tree_is_refused(name, saved, tmp_path):
+    """Sound zip files, so only a check of what they hold can tell; a cycle would never end."""
+    changes, message = TAMPERED[name]
+    path = tmp_path / "tampered.npz"
+    np.savez(path, **tampered(parts(saved), changes))
+    with pytest.raises(ValueError, match=rf"tampered\.npz: .*{message}"):
+        QuadtreeMap.load(path)
+
+
+@pytest.mark.parametrize("data", [b"", b"PK", b"CARMEN log", b"\x93NUMPY\x01\x00", b"\x80\x04N."])
+def test_another_file_is_refused(data, tmp_path):
+    path = tmp_path / "other.npz"
+    path.write_bytes(data)
+    with pytest.raises(ValueError, match=r"other\.npz: not a readable NPZ file"):
+        QuadtreeMap.load(path)
+
+
+def test_a_zip_of_something_else_is_refused(tmp_path):
+    with zipfile.ZipFile(tmp_path / "it.npz", "w") as held:
+        held.writestr("readme.txt", "no array")
+    with pytest.raises(ValueError, match=r"it\.npz: not a"):
+        QuadtreeMap.load(tmp_path / "it.npz")
+
+
+def test_a_file_that_is_not_there_is_named(tmp_path):
+    with pytest.raises(FileNotFoundError, match=r"none\.npz"):
+        QuadtreeMap.load(tmp_path / "none.npz")
+    with pytest.raises(FileNotFoundError, match=r"the folder .*nowhere does not exist"):
+        example().save(tmp_path / "nowhere" / "map.npz")
+
+
+def test_a_file_that_grows_while_it_is_read(saved, tmp_path):
+    """Every beginning of a file, as a reader meets it while a slow writer is at work."""
+    data, path = saved.read_bytes(), tmp_path / "growing.npz"
+    for length in range(0, len(data), 37):
+        path.write_bytes(data[:length])
+        with pytest.raises(ValueError, match="not a readable NPZ file"):
+            QuadtreeMap.load(path)
+
+
+def test_a_log_that_grows_while_it_is_read(tmp_path):
+    """Half a last line is refused by name and line: no map is made of half a scan."""
+    path, line = tmp_path / "growing.log", "FLASER 3 1.0 1.0 1.0 0 0 0 0 0 0 1.0 host 1.0\n"
+    path.write_text(line * 3 + line[:14])
+    with pytest.raises(ValueError, match=r"growing\.log.*4"):
+        read(path)
+
+
+def test_a_write_that_fails_leaves_the_old_file(tmp_path, monkeypatch):
+    """Catches a file that is opened, emptied, and then not written."""
+    path = tmp_path / "map.npz"
+    example().save(path)
+    before = path.read_bytes()
+    monkeypatch.setattr(os, "fsync", lambda _: (_ for _ in ()).throw(OSError(28, "disk full")))
+    with pytest.raises(OSError, match="disk full"):
+        QuadtreeMap().save(path)
+    assert path.read_bytes() == before and list(tmp_path.iterdir()) == [path]
+
+
+KILLED = """
+import os, signal, sys
+import numpy as np
+from segmap.quadtree import QuadtreeMap
+def half(target, **arrays):
+    target.write(b"PK half of it")
+    target.flush()
+    os.kill(os.getpid(), signal.SIGKILL)
+np.savez_compressed = half
+QuadtreeMap().save(sys.argv[1])
+"""
+
+
+def test_a_write_that_is_killed_leaves_the_old_file(tmp_path):
+    """The same with a process that dies: nothing can be put in order afterwards."""
+    path = tmp_path / "map.npz"
+    example().save(path)
+    done = subprocess.run([sys.executable, "-c", KILLED, str(path)], check=False)
+    assert done.returncode == -signal.SIGKILL
+    assert state(QuadtreeMap.load(path)) == state(example())
+    example().save(path)
