@@ -156,10 +156,10 @@ def test_walls_at_1_and_179_degrees_merge(turn):
 
 
 @pytest.mark.parametrize(
-    ("wall", "pieces"), [(0.1, 1), (0.2, 1), (0.2 + 1e-8, 2), (0.6, 3), (0.61, 4), (2.0, 10)]
+    ("wall", "pieces"), [(0.1, 1), (0.2, 1), (0.2 + 1e-8, 2), (3 * 0.2, 3), (0.61, 4), (1.4, 7)]
 )
 def test_pieces_are_as_few_as_are_no_longer_than_sigma(wall, pieces):
-    """0.6 / 0.2 is above 3 in floating point: four pieces, or one too few by rounding down."""
+    """3 * 0.2 / 0.2 is above 3 in floating point and makes four; 1.4 / 0.2 is below 7."""
     found, owner = pieces_of(np.array([[(1.0, 0.0), (1.0, wall)]]), 0.2)
     assert owner.tolist() == [0] * pieces
     np.testing.assert_allclose(length(found), wall / pieces, atol=1e-15)
