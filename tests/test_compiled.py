@@ -14,7 +14,7 @@ import sys
 if {blocked}:
     sys.modules["numba"] = None
 import numpy as np
-from segmap import alignment, extraction, metrics, reduction, simulation
+from segmap import alignment, extraction, metrics, quadtree, reduction, simulation
 from segmap.alignment._point_map import PointMap
 rng = np.random.default_rng(3)
 t = np.radians(np.arange(0, 360, 6.0))
@@ -24,7 +24,14 @@ walls = rng.uniform(-3, 3, (12, 2, 2))
 seen = np.repeat(walls, 3, axis=0) + rng.normal(0, 0.01, (36, 2, 2))
 reduced = reduction.fusion(seen)
 match = alignment.match_points(points, points[5:] + (0.03, -0.02))
+maps = [quadtree.QuadtreeMap(resolution=0.1, size=1.6, free_resolution=f) for f in (None, 0.2)]
+for map in maps:
+    map.insert_scan((0.1, 0.0), points, points[:5] * 1.5)
 found = [
+    *maps[0].leaves(),
+    *maps[1].leaves(),
+    maps[0].to_grid(0.2),
+    maps[1].occupancy(points),
     extraction.extract_clusters(points, closed=True),
     extraction.extract_clusters(points, fit="algebraic"),
     extraction.extract_polylines(points, gap=0.5, closed=True),
