@@ -10,6 +10,7 @@ from segmap.alignment._backbone_lines import (
     NO_WALLS,
     Lines,
     Walls,
+    agreed_rotation,
     least_translation,
     mean_rotation,
     parallels,
@@ -319,6 +320,30 @@ def test_a_new_line_takes_the_direction_of_an_older_one():
     np.testing.assert_allclose(np.degrees(lines.angle), [0, 30])
     np.testing.assert_allclose(np.degrees(known), [0, 30])
     np.testing.assert_allclose(lines.through, walls.segments.mean(1))
+
+
+def test_a_new_line_across_takes_the_normal_of_an_older_one():
+    """Catches two directions for one building: the second corridor would keep the drift."""
+    across = transform((0, 5, np.radians(92)), [[(0, 0), (4, 0)]])
+    lines, known = support_lines(Walls(across, np.ones(1)), np.array([0.0]), 0.1, np.radians(5))
+    np.testing.assert_allclose(np.degrees(lines.angle), [90])
+    assert len(known) == 1
+
+
+def test_a_direction_of_its_own_needs_a_long_wall():
+    """Catches a chord across a door that becomes a direction and turns the robot by ten degrees."""
+    chord = transform((0, 5, np.radians(10)), [[(0, 0), (1.1, 0)]])
+    for weight, count in ((1.1, 0), (3.3, 1)):
+        walls = Walls(chord, np.array([weight]))
+        found = support_lines(walls, np.array([0.0]), 0.1, np.radians(5), least=3.0)
+        assert (len(found[0].angle), len(found[1])) == (count, 1 + count)
+
+
+def test_a_chord_does_not_pull_at_the_walls_beside_it():
+    """One difference out of three is eight degrees off: the mean of all would be 0.9."""
+    differences, weights = np.radians([0.1, -0.1, 8.0]), np.array([4.0, 4.0, 1.0])
+    assert abs(agreed_rotation(differences, weights, np.radians(5))) < 1e-12
+    assert mean_rotation(differences, weights) > np.radians(0.8)
 
 
 def test_walls_on_one_line_make_one_line():

@@ -7,17 +7,20 @@ import pytest
 from matplotlib.figure import Figure
 
 from segmap import LaserScan, Log, SegmentMap, fusion, load, quality
-from segmap.alignment import match_angles
+from segmap.alignment import backbone_steps, match_angles, match_points
 from segmap.experiments import sweep
 from segmap.extraction import extract_polylines
 from segmap.panels import (
     AnglePanel,
+    BackbonePanel,
     BasicPanel,
     ClusterPanel,
     ComparePanel,
     DistancePanel,
     FusionPanel,
+    GroundTruthPanel,
     HybridPanel,
+    IcpPanel,
     MeanShiftPanel,
     Panel,
     PolylinePanel,
@@ -47,13 +50,16 @@ RUNS = sweep(
 #: Every panel, a control of it, and a value that must change what is seen.
 PANELS = {
     "angles": (lambda: AnglePanel(LOG), "rank", 1),
+    "backbone": (lambda: BackbonePanel(LOG), "scan", 3),
     "basic": (lambda: BasicPanel(WALLS), "distance", 0.05),
     "clusters": (lambda: ClusterPanel(LOG[0]), "gap", 0.05),
     "compare": (lambda: ComparePanel(WALLS, RUNS), "wanted", 50),
     "distance": (DistancePanel, "angle", 30),
     "fusion": (lambda: FusionPanel(WALLS), "tolerance", 0.12),
+    "ground truth": (lambda: GroundTruthPanel(LOG), "late", 0.1),
     "hybrid": (lambda: HybridPanel(LEANING), "origin", 20),
     "mean shift": (lambda: MeanShiftPanel(WALLS), "sigma", 0.60),
+    "icp": (lambda: IcpPanel(LOG[0].points(), LOG[1].points(), (0.5, 0, 0)), "x", -0.2),
     "polylines": (lambda: PolylinePanel(LOG[0]), "tolerance", 0.005),
     "room": (lambda: RoomPanel(ROOM, (1, 1, 0)), "beams", 51),
     "scan": (lambda: ScanPanel(LOG), "step", 3),
@@ -330,3 +336,55 @@ def test_angle_panel_shows_what_match_angles_finds():
     assert panel.verdict.value.startswith("match")  # the last two scans
     with pytest.raises(ValueError, match="log must hold at least two scans, got 1"):
         AnglePanel(LOG[:1])
+
+
+def test_ground_truth_panel_measures_the_scans_whose_pose_it_withholds():
+    """Catches an error over the poses that were given, a clock that is moved the other way."""
+    panel = GroundTruthPanel(LOG, max_gap=10.0)
+    assert panel.error.value == "wrong by 0.000 m on average"
+    panel.late.value = 0.05
+    speed = 0.5 / (LOG[1].time - LOG[0].time)
+    used = panel.alignment.used
+    off = np.mean(panel.alignment.poses[used, 0] - LOG.truth[used, 0])
+    assert off == pytest.approx(-0.05 * speed, rel=1e-6)
+    panel.late.value = 0
+    panel.every.value = 3
+    assert panel.alignment.used.tolist() == [True, True, True, True, False][: len(LOG)]
+
+
+def test_ground_truth_panel_without_truth():
+    with pytest.raises(ValueError, match="must hold true poses"):
+        GroundTruthPanel(Log("raw", LOG.scans))
+
+
+def test_icp_panel_ends_in_the_match_and_starts_where_it_is_told():
+    """Catches degrees taken for radians, and a step beyond the last."""
+    before, now = LOG[0].points(), LOG[1].points()
+    panel = IcpPanel(before, now, (0.5, 0, 0))
+    panel.turn.value = 5
+    np.testing.assert_allclose(panel.steps[0].pose - panel.pose, [0.3, 0.3, np.radians(5)])
+    panel.step.value = 60
+    found = match_points(before, now, panel.steps[0].pose)
+    np.testing.assert_allclose(panel.steps[-1].pose, found.pose, atol=1e-12)
+    last = len(panel.steps) - 1
+    assert panel.count.value.startswith(f"step {last} of {last}: ")
+
+
+def test_icp_panel_of_too_few_points():
+    with pytest.raises(ValueError, match="at least 6 points each, got 2 and 9"):
+        IcpPanel(np.zeros((2, 2)), np.zeros((9, 2)))
+
+
+def test_backbone_panel_shows_what_the_method_does():
+    """Catches a panel one scan off, a rotation in radians, and a threshold without effect."""
+    log = load("corridor")[:60]
+    steps, panel = backbone_steps(log), BackbonePanel(log)
+    for k in (2, 50):
+        panel.scan.value = k
+        turned = f"turned by {np.degrees(steps[k].rotation):.2f} deg"
+        assert panel.turned.value == f"{turned}, {len(steps[k].lines.angle)} lines"
+        assert panel.state.value == (steps[k].reason or "used")
+    panel.min_length.value = 3.0
+    assert len(panel.step.segments) < len(steps[50].segments)
+    with pytest.raises(ValueError, match="log must hold at least one scan, got none"):
+        BackbonePanel(log[:0])

@@ -395,6 +395,16 @@ def step_in_a_loop(centres, pieces, sigma, bandwidth):
     return moved
 
 
+def moved_along_what_is_held(normals, offsets, weights):
+    """Only along the directions that the lines hold."""
+    root = np.sqrt(weights)[:, None] * normals
+    values, axes = np.linalg.eigh(root.T @ root)
+    held = axes[:, values > 1e-9 * values.max()]
+    return held @ np.linalg.solve(
+        held.T @ root.T @ root @ held, -held.T @ root.T @ (np.sqrt(weights) * offsets)
+    )
+
+
 OTHER_WAYS = {
     "compose": rotated_step,
     "beam_angles": beams_in_steps,
@@ -406,6 +416,7 @@ OTHER_WAYS = {
     "quality": quality_row_by_row,
     "heading_between": heading_by_complex_numbers,
     "move_onto_walls": moved_by_pseudo_inverse,
+    "least_translation": moved_along_what_is_held,
     "match_value": match_value_by_complex_numbers,
     "hough": hough_by_complex_numbers,
     "matches": matches_in_a_loop,

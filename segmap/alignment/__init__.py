@@ -6,6 +6,7 @@ Every method has one signature, `method(log, *, thresholds) -> Alignment`, and s
 from ._angle_candidates import Candidate, angle_candidates, match_values
 from ._angle_correspondence import angle_correspondence, match_angles
 from ._backbone import backbone, backbone_steps
+from ._backbone_lines import least_translation, mean_rotation
 from ._backbone_steps import BackboneStep
 from ._global_segments import global_segments
 from ._odometry import ground_truth, odometry
@@ -43,10 +44,12 @@ __all__ = [
     "backbone_steps",
     "global_segments",
     "ground_truth",
+    "least_translation",
     "match_angles",
     "match_points",
     "match_segments",
     "match_values",
+    "mean_rotation",
     "odometry",
     "point_icp",
     "point_steps",

@@ -19,8 +19,8 @@ from ..segments import length
 from ._backbone_lines import (
     NO_LINES,
     NO_WALLS,
+    agreed_rotation,
     least_translation,
-    mean_rotation,
     parallels,
     partners,
     support_lines,
@@ -28,6 +28,10 @@ from ._backbone_lines import (
 )
 from ._backbone_steps import BackboneStep, Doubt, doubt_of
 from ._result import Alignment, Trail, check_positive
+
+#: A direction unlike all others needs three times the length of a relevant segment: a chord across
+#: a door seen once is no corridor.
+FOUNDS = 3.0
 
 
 def backbone(
@@ -217,7 +221,9 @@ class _Walk:
         if not due or not len(self.walls.weight):
             return False
         t, self.built = self.t, float(guess[2])
-        self.lines, self.known = support_lines(self.walls, self.known, t.distance / 2, t.parallel)
+        self.lines, self.known = support_lines(
+            self.walls, self.known, t.distance / 2, t.parallel, FOUNDS * t.min_length
+        )
         return True
 
     def _laid(
@@ -250,7 +256,7 @@ class _Walk:
         A segment weighs the cube of its length: the variance of its direction is as the inverse.
         """
         differences = axial_difference(onto, angle_of(transform(guess, seen)))
-        turn = mean_rotation(differences, length(seen) ** 3)
+        turn = agreed_rotation(differences, length(seen) ** 3, self.t.parallel)
         return np.array([guess[0], guess[1], float(wrap(guess[2] + turn))])
 
     def _moved(self, seen: Array, partner: NDArray[np.int64], pose: Array) -> Array:

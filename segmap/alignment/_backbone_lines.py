@@ -112,6 +112,16 @@ def mean_rotation(differences: Array, weights: Array) -> float:
     return float(np.arctan2(y, x) / 2)
 
 
+def agreed_rotation(differences: Array, weights: Array, apart: float) -> float:
+    """The mean of those differences that lie nearer than `apart` to the mean of all, radians.
+
+    A chord across a niche, eight degrees off, must not pull at the walls beside it.
+    """
+    mean = mean_rotation(differences, weights)
+    agree = np.abs(axial_difference(differences, mean)) < apart
+    return mean_rotation(differences[agree], weights[agree]) if agree.any() else mean
+
+
 def least_translation(normals: Array, offsets: Array, weights: Array) -> Array:
     """Shift that brings points onto lines, by weighted least squares (A 3.3.2, step 7).
 
@@ -182,22 +192,30 @@ def _with_one_more(walls: Walls, segment: Array) -> Walls:
 
 
 def support_lines(
-    walls: Walls, known: Array, distance: float, parallel: float
+    walls: Walls, known: Array, distance: float, parallel: float, least: float = 0.0
 ) -> tuple[Lines, Array]:
     """The backbone of the significant segments, and all its directions (A 3.3.2, step 4).
 
-    Walls come heaviest first. One that differs from a known direction by less than `parallel` takes
-    it; a new direction is the mean of all walls nearly parallel to it. A wall whose middle lies
-    nearer than `distance` to a line of its direction adds none.
+    Walls come heaviest first. One that differs from a known direction, or from its normal, by less
+    than `parallel` takes it. A new direction is the mean of all walls nearly parallel to it, and
+    needs `least` metres of them, unless it is the first. A wall whose middle lies nearer than
+    `distance` to a line of its direction adds none.
     """
     lines, angles = NO_LINES, angle(walls.segments)
     for i in np.argsort(-walls.weight, kind="stable"):
-        apart: Array = np.abs(axial_difference(known, angles[i]))
+        square = np.concatenate([known, (known + np.pi / 2) % np.pi])
+        apart: Array = np.abs(axial_difference(square, angles[i]))
         if apart.min(initial=np.inf) >= parallel:
             family = np.abs(axial_difference(angles, angles[i])) < parallel
-            apart = np.append(apart, [0.0])
-            known = np.append(known, axial_mean(angles[family], walls.weight[family]))
-        direction, middle = known[apart.argmin()], midpoint(walls.segments[i])
+            if len(known) and walls.weight[family].sum() < least:
+                continue
+            new = axial_mean(angles[family], walls.weight[family])
+            known, square, apart = (
+                np.append(known, new),
+                np.append(square, new),
+                np.append(apart, [0]),
+            )
+        direction, middle = square[apart.argmin()], midpoint(walls.segments[i])
         near = np.abs(lines.offsets(middle)) < distance
         if not (near & (lines.angle == direction)).any():
             through = np.concatenate([lines.through, middle[None]])

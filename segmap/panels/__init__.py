@@ -5,13 +5,16 @@ They show their still picture where no kernel runs. Set a control from Python an
 """
 
 from ._angles import AnglePanel
+from ._backbone import BackbonePanel
 from ._base import Panel
 from ._basic import BasicPanel
 from ._clusters import ClusterPanel
 from ._compare import ComparePanel
 from ._distance import DistancePanel
 from ._fusion import FusionPanel
+from ._ground_truth import GroundTruthPanel
 from ._hybrid import HybridPanel
+from ._icp import IcpPanel
 from ._mean_shift import MeanShiftPanel
 from ._polylines import PolylinePanel
 from ._room import RoomPanel
@@ -19,12 +22,15 @@ from ._scan import ScanPanel
 
 __all__ = [
     "AnglePanel",
+    "BackbonePanel",
     "BasicPanel",
     "ClusterPanel",
     "ComparePanel",
     "DistancePanel",
     "FusionPanel",
+    "GroundTruthPanel",
     "HybridPanel",
+    "IcpPanel",
     "MeanShiftPanel",
     "Panel",
     "PolylinePanel",

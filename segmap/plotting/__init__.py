@@ -5,6 +5,7 @@ every picture, and the colour-blind can tell them apart (Okabe and Ito, 2008).
 """
 
 from ._alignments import draw_alignment, draw_step, draw_uncertainty
+from ._backbones import draw_backbone
 from ._experiments import METHOD_STYLES, draw_curves, draw_online
 from ._pictures import figure_png, thumbnail
 from ._scans import draw_log, draw_path, draw_scan
@@ -23,6 +24,7 @@ __all__ = [
     "SIZE",
     "TRUTH",
     "draw_alignment",
+    "draw_backbone",
     "draw_before_after",
     "draw_curves",
     "draw_log",
