@@ -37,9 +37,6 @@ GRIDS = {
         "tolerance": [0.01, 0.02, 0.04],
     },
 }
-#: A method that runs for seconds is measured once, the others so many times.
-REPEAT = 5
-
 #: A's figures of time against scans show these two settings (A 6.3).
 ONLINE = [
     {"distance": 0.10, "angle": np.radians(10)},
@@ -51,23 +48,27 @@ EVERY = 32
 def rows() -> Iterator[Row]:
     for name, map in maps().items():
         filters = (None,) if name.endswith("_default") else THESIS_FILTERS
-        slow, fast = (
-            sweep({name: map}, part, GRIDS, filters=filters, repeat=n)
-            for part, n in (
-                (["mean_shift"], 1),
-                ([m for m in METHODS if m != "mean_shift"], REPEAT),
+        # method by method: filtered and unfiltered runs are measured close to each other
+        found = [
+            record
+            for method in METHODS
+            for record in sweep(
+                {name: map}, [method], GRIDS, filters=filters, repeat=repeat(method)
             )
-        )
-        order = {method: k for k, method in enumerate(METHODS)}
-        both = sorted([*slow, *fast], key=lambda r: (r.filtered or 0, order[r.method]))
+        ]
         FOLDER.mkdir(exist_ok=True)
-        Records(both).write(FOLDER / f"{name}.csv")
-        total = sum(record.seconds for record in both)
-        yield Row(f"{name}, {len(map)} segments", f"{len(both)} runs of {total:.1f} s in all")
+        Records(sorted(found, key=lambda r: r.filtered or 0)).write(FOLDER / f"{name}.csv")
+        total = sum(record.seconds for record in found)
+        yield Row(f"{name}, {len(map)} segments", f"{len(found)} runs of {total:.1f} s in all")
     if intel() is None:
         yield from missing("Intel and FR079: their stored records stay")
         return
     yield online()
+
+
+def repeat(method: str) -> int:
+    """Mean shift runs for seconds and is measured once; the others run for milliseconds."""
+    return 1 if method == "mean_shift" else 5
 
 
 def maps() -> dict[str, SegmentMap]:

@@ -70,8 +70,8 @@ class Pace:
 
     @property
     def power(self) -> float:
-        """Exponent p of `seconds ~ scans ** p`, fitted to the later half of the scans."""
-        late = self.scans >= self.scans[-1] / 2
+        """Exponent p of `seconds ~ scans ** p`, fitted after the first quarter of the scans."""
+        late = self.scans >= self.scans[-1] / 4
         return float(np.polyfit(np.log(self.scans[late]), np.log(self.seconds[late]), 1)[0])
 
 
