@@ -46,7 +46,7 @@ def global_segments(
     start: ArrayLike | None = None,
     similar: float = 0.20,
     angle: float = np.radians(15.0),
-    spread: float = 0.02,
+    spread: float = 0.05,
     reach: float = 1.0,
     rounds: int = 15,
     min_length: float = 0.30,
@@ -79,14 +79,15 @@ def global_segments(
     angle : float, radians
         Segments at a larger angle are not similar, below pi/2.
     spread : float, metres
-        sigma^2 of 2.7, at last a tenth of it: 0.02 m begins with walls 0.1 m apart at half weight
-        and ends with walls 0.015 m apart.
+        sigma^2 of 2.7, at last a tenth of it: 0.05 m begins with parallel walls 0.23 m apart at
+        half their weight and ends with walls 0.02 m apart.
     reach : float, metres
         Way between kept scans, so that their views overlap.
     rounds : int
         Turns and shifts at most so often in each stage.
     min_length : float, metres
-        Shorter segments are left out: noise decides their direction.
+        Shorter segments are left out: noise decides their direction, and 2.8 lets them count as
+        much as long ones.
 
     Returns
     -------
@@ -107,7 +108,7 @@ def global_segments(
     --------
     >>> from segmap import load
     >>> global_segments(load("room"))
-    Alignment(global_segments: 61 scans, 60 used)
+    Alignment(global_segments: 61 scans, 61 used)
     """
     check_positive(
         similar=similar,
@@ -135,7 +136,10 @@ def global_segments(
 
 
 def beginning(log: Log, start: ArrayLike | None) -> Array | None:
-    """Poses to begin from, `(k, 3)`, metres and radians; None where nothing gives any."""
+    """Poses to begin from, `(k, 3)`, metres and radians; None where nothing gives any.
+
+    From the origin on where the first scan has no odometry.
+    """
     if start is not None:
         given = np.array(start, float)
         if given.shape != (len(log), 3) or not np.isfinite(given).all():
@@ -145,7 +149,8 @@ def beginning(log: Log, start: ArrayLike | None) -> Array | None:
     if not len(known):
         return None
     at = np.clip(np.arange(len(log)), known[0], known[-1])
-    return interpolate(known, log.odometry[known], at)
+    found = interpolate(known, log.odometry[known], at)
+    return found if known[0] == 0 else between(found[0], found)
 
 
 def hung_between(kept: Indices, poses: Array, guess: Array, way: Array) -> Array:
