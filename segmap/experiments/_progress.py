@@ -37,6 +37,7 @@ def _notebook_bar(display: Any) -> Progress:
     handle = display.display(display.HTML(""), display_id=True)
 
     def report(done: int, total: int, record: Record | None) -> None:
+        """Put the bar in the place of the last one."""
         words = html.escape(_words(done, total, record))
         bar = f'<progress value="{done}" max="{max(total, 1)}"></progress>'
         handle.update(display.HTML(f"{bar} {words}"))

@@ -116,6 +116,7 @@ def sweep(
         report(len(done), len(jobs), None)
 
         def keep(index: int, record: Record) -> None:
+            """Remember a record, and write it down, once."""
             if index not in done:
                 done[index] = record
                 journal.add(record)
