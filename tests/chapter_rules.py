@@ -127,11 +127,23 @@ def short_cells(notebook: dict) -> list[str]:
 
 
 def defined_in_segmap() -> set[str]:
-    """Names of all public functions and classes of the package."""
-    trees = (ast.parse(p.read_text(encoding="utf-8")) for p in (ROOT / "segmap").rglob("*.py"))
-    kinds = (ast.FunctionDef, ast.ClassDef)
-    names = {node.name for tree in trees for node in ast.walk(tree) if isinstance(node, kinds)}
-    return {name for name in names if not name.startswith("_")}
+    """Names that a reader can import: what packages export, and what modules define in public."""
+    found: set[str] = set()
+    for path in (ROOT / "segmap").rglob("*.py"):
+        tree = ast.parse(path.read_text(encoding="utf-8"))
+        if path.name == "__init__.py":
+            found |= {name for node in tree.body for name in exported(node)}
+        if not path.stem.startswith("_") or path.name == "__init__.py":
+            kinds = (ast.FunctionDef, ast.ClassDef)
+            found |= {node.name for node in tree.body if isinstance(node, kinds)}
+    return {name for name in found if not name.startswith("_")}
+
+
+def exported(node: ast.stmt) -> list[str]:
+    """The names in `__all__ = [...]`; none of any other statement."""
+    if isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == "__all__":
+        return list(ast.literal_eval(node.value))
+    return []
 
 
 def defines_nothing_twice(notebook: dict) -> list[str]:
