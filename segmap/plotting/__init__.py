@@ -8,6 +8,7 @@ from ._alignments import draw_alignment, draw_step, draw_uncertainty
 from ._backbones import draw_backbone
 from ._experiments import METHOD_STYLES, draw_curves, draw_online
 from ._pictures import figure_png, thumbnail
+from ._quadtrees import draw_quadtree
 from ._scans import draw_log, draw_path, draw_scan
 from ._segments import draw_before_after, draw_provenance, draw_segments
 from ._style import DPI, ERROR, ERRORS, GROUPS, MAP, RAW, RESULT, SIZE, TRUTH, group_colors
@@ -31,6 +32,7 @@ __all__ = [
     "draw_online",
     "draw_path",
     "draw_provenance",
+    "draw_quadtree",
     "draw_scan",
     "draw_segments",
     "draw_step",

@@ -8,8 +8,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ..alignment import Alignment
+from ..quadtree import QuadtreeMap
 from ..scans import LaserScan, Log
 from ._alignments import draw_way
+from ._quadtrees import draw_quadtree
 from ._scans import draw_log, draw_scan
 from ._segments import draw_segments
 from ._style import DPI, MAP, RESULT
@@ -23,7 +25,7 @@ def thumbnail(value: Any) -> bytes:
 
     Parameters
     ----------
-    value : LaserScan, Log, Alignment, SegmentMap, Reduction or (n, 2, 2) array, metres
+    value : LaserScan, Log, Alignment, QuadtreeMap, SegmentMap, Reduction or (n, 2, 2) array, metres
 
     Returns
     -------
@@ -43,6 +45,8 @@ def thumbnail(value: Any) -> bytes:
         _draw_any_log(value, ax)
     elif isinstance(value, Alignment):
         draw_way(value, ax)
+    elif isinstance(value, QuadtreeMap):
+        draw_quadtree(value, ax=ax, outlines=False)
     else:
         draw_segments(value, ax=ax, color=RESULT if hasattr(value, "parents") else MAP, width=1.2)
     return figure_png(figure)

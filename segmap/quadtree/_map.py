@@ -154,6 +154,10 @@ class QuadtreeMap(Pictured):
         side = np.ldexp(self.resolution, level)
         return Leaves(left, low, side, self.tree.vis[node], self.tree.occ[node])
 
+    def leaf_occupancy(self) -> Array:
+        """Occupancy of all leaves `(n,)`, in the order of `leaves()`."""
+        return self._occupancy(self.tree.leaves()[0])
+
     def to_grid(self, resolution: float | None = None) -> Array:
         """Occupancy on a grid over the whole root, `(rows, columns)`, row 0 lowest.
 

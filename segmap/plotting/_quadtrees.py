@@ -1,0 +1,86 @@
+"""Quadtree maps: leaves as squares of grey (B 6)."""
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import PolyCollection
+from numpy.typing import ArrayLike
+
+from ..angles import Array
+from ..quadtree import QuadtreeMap
+from ._style import ERROR, RESULT, axes_or_new, dressed
+
+#: Outlines of leaves smaller than this part of the picture would hide what they surround.
+SMALLEST = 1 / 120
+#: Free space around what was hit, as a part of it.
+MARGIN = 0.08
+
+
+def draw_quadtree(
+    map: QuadtreeMap,
+    *,
+    ax: Axes | None = None,
+    robot: ArrayLike | None = None,
+    outlines: bool = True,
+    whole: bool = False,
+) -> Axes:
+    """Draw a map as the thesis does: black is occupied, white is free, half grey is unknown.
+
+    Parameters
+    ----------
+    map : QuadtreeMap
+    ax : matplotlib Axes or None
+    robot : (2,) or (3,) array, metres, or None
+        Where the robot is: a red square.
+    outlines : bool
+        Blue outlines of all leaves that are large enough to be seen inside them; without them the
+        look is that of any occupancy map.
+    whole : bool
+        Show the whole root instead of the part where beams ended.
+
+    Returns
+    -------
+    Axes
+
+    Examples
+    --------
+    >>> from matplotlib.figure import Figure
+    >>> map = QuadtreeMap(resolution=0.1, size=1.6)
+    >>> map.insert_scan((0.2, 0.2), [(1.0, 0.2)])
+    >>> ax = draw_quadtree(map, ax=Figure().subplots(), whole=True)
+    >>> len(ax.collections[0].get_array())
+    13
+    """
+    ax, leaves = axes_or_new(ax), map.leaves()
+    squares = _squares(leaves.x, leaves.y, leaves.side)
+    grey = PolyCollection(squares, cmap="gray", antialiased=False, linewidth=0)
+    grey.set_array(1 - map.leaf_occupancy())
+    grey.set_clim(0, 1)
+    ax.add_collection(grey, autolim=False)
+    left, low, right, high = map.bounds if whole else _box(map)
+    if outlines:
+        seen = leaves.side >= SMALLEST * max(right - left, high - low)
+        lines = {"edgecolors": RESULT, "facecolors": "none", "linewidths": 0.4}
+        ax.add_collection(PolyCollection(squares[seen], **lines), autolim=False)
+    if robot is not None:
+        ax.plot(*np.asarray(robot, float)[:2], "s", color=ERROR, markersize=5)
+    dressed(ax).set(xlim=(left, right), ylim=(low, high))
+    return ax
+
+
+def _squares(left: Array, low: Array, side: Array) -> Array:
+    """Corners of squares, `(n, 4, 2)`."""
+    x = left[:, None] + side[:, None] * (0, 1, 1, 0)
+    y = low[:, None] + side[:, None] * (0, 0, 1, 1)
+    return np.stack([x, y], -1)
+
+
+def _box(map: QuadtreeMap) -> tuple[float, float, float, float]:
+    """What was hit, with a margin; the whole root where nothing was."""
+    leaves = map.leaves()
+    hit = leaves.occ > 0
+    if not hit.any():
+        return map.bounds
+    left, low = leaves.x[hit].min(), leaves.y[hit].min()
+    right, high = (leaves.x + leaves.side)[hit].max(), (leaves.y + leaves.side)[hit].max()
+    margin = MARGIN * max(right - left, high - low)
+    return left - margin, low - margin, right + margin, high + margin
