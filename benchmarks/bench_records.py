@@ -111,7 +111,7 @@ def online() -> Row:
     ]
     (FOLDER / "online").mkdir(exist_ok=True)
     write_pace(paces, FOLDER / "online" / "intel.csv")
-    powers = ", ".join(f"{p.method} {p.power:.2f}" for p in paces)
+    powers = ", ".join(f"{p.method} {p.growth():.2f}" for p in paces)
     return Row(f"on-line on {len(log)} scans", f"time ~ scans ^ ({powers})")
 
 

@@ -159,9 +159,12 @@ def test_pace_adds_up_and_ends_with_the_last_scan(tmp_path, monkeypatch):
 
 
 def test_power_of_growth():
-    """Catches a slope of the numbers instead of their logarithms."""
+    """Catches a slope of the numbers instead of their logarithms, and a share that is ignored."""
     scans = np.arange(1, 101)
-    assert Pace("x", {}, scans, 3.0 * scans**1.5, scans).power == pytest.approx(1.5)
+    assert Pace("x", {}, scans, 3.0 * scans**1.5, scans).growth() == pytest.approx(1.5)
+    bent = np.where(scans < 50, scans, scans**2 / 50)
+    assert Pace("x", {}, scans, bent, scans).growth(0.5) == pytest.approx(2.0)
+    assert 1 < Pace("x", {}, scans, bent, scans).growth(0.25) < 2
 
 
 def test_pace_is_for_on_line_methods():

@@ -68,10 +68,12 @@ class Pace:
             reduction.method, thresholds, scans[kept], seconds[kept], reduction.scan_live[kept]
         )
 
-    @property
-    def power(self) -> float:
-        """Exponent p of `seconds ~ scans ** p`, fitted after the first quarter of the scans."""
-        late = self.scans >= self.scans[-1] / 4
+    def growth(self, after: float = 0.25) -> float:
+        """Exponent p of `seconds ~ scans ** p`, fitted after a share of the scans.
+
+        It depends on that share where the robot comes into new rooms late: look at several.
+        """
+        late = self.scans >= self.scans[-1] * after
         return float(np.polyfit(np.log(self.scans[late]), np.log(self.seconds[late]), 1)[0])
 
 
