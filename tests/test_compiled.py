@@ -24,6 +24,9 @@ walls = rng.uniform(-3, 3, (12, 2, 2))
 seen = np.repeat(walls, 3, axis=0) + rng.normal(0, 0.01, (36, 2, 2))
 reduced = reduction.fusion(seen)
 match = alignment.match_points(points, points[5:] + (0.03, -0.02))
+path = np.array([(1.0, 5.0, 0.0), (1.3, 5.0, 0.05), (1.6, 5.1, 0.1)])
+office = simulation.office(rng=np.random.default_rng(1), rooms=2)
+log = simulation.simulate(office, path, sensor=simulation.SICK_LMS200, rng=rng)
 maps = [quadtree.QuadtreeMap(resolution=0.1, size=1.6, free_resolution=f) for f in (None, 0.2)]
 for map in maps:
     map.insert_scan((0.1, 0.0), points, points[:5] * 1.5)
@@ -43,6 +46,8 @@ found = [
     reduction.hybrid(seen).segments,
     reduction.mean_shift(seen[:9], sigma=1.0).segments,
     simulation.cast_rays(walls, (0.1, 0.2, 0.3), t, max_range=4.0),
+    alignment.match_segments(walls, walls[2:8] + 0.02).pose,
+    alignment.global_segments(log).poses,
     match.pose,
     match.covariance,
     PointMap(points).search(points[::3], (0.1, 0.0, 0.1), reach=0.2, turn=0.2, step=0.1)[0],
