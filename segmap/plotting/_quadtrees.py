@@ -1,18 +1,18 @@
 """Quadtree maps: leaves as squares of grey (B 6)."""
 
+from typing import Any
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
 from numpy.typing import ArrayLike
 
 from ..angles import Array
-from ..quadtree import QuadtreeMap
+from ..quadtree import QuadtreeMap, extent
 from ._style import ERROR, RESULT, axes_or_new, dressed
 
 #: Outlines of leaves smaller than this part of the picture would hide what they surround.
 SMALLEST = 1 / 120
-#: Free space around what was hit, as a part of it.
-MARGIN = 0.08
 
 
 def draw_quadtree(
@@ -56,31 +56,19 @@ def draw_quadtree(
     grey.set_array(1 - map.leaf_occupancy())
     grey.set_clim(0, 1)
     ax.add_collection(grey, autolim=False)
-    left, low, right, high = map.bounds if whole else _box(map)
+    left, low, right, high = map.bounds if whole else extent(map)
     if outlines:
         seen = leaves.side >= SMALLEST * max(right - left, high - low)
-        lines = {"edgecolors": RESULT, "facecolors": "none", "linewidths": 0.4}
-        ax.add_collection(PolyCollection(squares[seen], **lines), autolim=False)
+        lines = PolyCollection(squares[seen], edgecolor=RESULT, facecolor="none", linewidth=0.4)
+        ax.add_collection(lines, autolim=False)
     if robot is not None:
         ax.plot(*np.asarray(robot, float)[:2], "s", color=ERROR, markersize=5)
     dressed(ax).set(xlim=(left, right), ylim=(low, high))
     return ax
 
 
-def _squares(left: Array, low: Array, side: Array) -> Array:
+def _squares(left: Array, low: Array, side: Array) -> Any:
     """Corners of squares, `(n, 4, 2)`."""
     x = left[:, None] + side[:, None] * (0, 1, 1, 0)
     y = low[:, None] + side[:, None] * (0, 0, 1, 1)
     return np.stack([x, y], -1)
-
-
-def _box(map: QuadtreeMap) -> tuple[float, float, float, float]:
-    """What was hit, with a margin; the whole root where nothing was."""
-    leaves = map.leaves()
-    hit = leaves.occ > 0
-    if not hit.any():
-        return map.bounds
-    left, low = leaves.x[hit].min(), leaves.y[hit].min()
-    right, high = (leaves.x + leaves.side)[hit].max(), (leaves.y + leaves.side)[hit].max()
-    margin = MARGIN * max(right - left, high - low)
-    return left - margin, low - margin, right + margin, high + margin

@@ -1,6 +1,7 @@
 """Occupancy in a quadtree: a map that grows by itself, small and built scan by scan (B 4)."""
 
 from ._build import build_map
+from ._extent import extent
 from ._map import Leaves, QuadtreeMap
 
-__all__ = ["Leaves", "QuadtreeMap", "build_map"]
+__all__ = ["Leaves", "QuadtreeMap", "build_map", "extent"]

@@ -281,15 +281,16 @@ def compact(vis: Counts, occ: Counts, order: Cells) -> tuple[Counts, Counts, int
 
 
 @compiled
-def painted(side: int, at: Cells, level: Cells, value: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Largest value of the leaves in each cell of a grid `(side, side)`, row 0 lowest.
+def painted(rows: int, columns: int, at: Cells, level: Cells, value: Array) -> Array:
+    """Largest value of the leaves in each cell of a grid `(rows, columns)`, row 0 lowest.
 
-    `at` are the leaves' cells `(n, 2)`, `level` their sides; leaves below level 0 are within one.
+    `at` are the leaves' cells `(n, 2)` in the grid, perhaps outside, `level` their sides; leaves
+    below level 0 are within one cell.
     """
-    grid = np.full((side, side), -np.inf)
+    grid = np.full((rows, columns), -np.inf)
     for k in range(len(at)):
         width = 1 << max(level[k], 0)
-        for i in range(at[k, 0], at[k, 0] + width):
-            for j in range(at[k, 1], at[k, 1] + width):
+        for i in range(max(at[k, 0], 0), min(at[k, 0] + width, columns)):
+            for j in range(max(at[k, 1], 0), min(at[k, 1] + width, rows)):
                 grid[j, i] = max(grid[j, i], value[k])
     return grid

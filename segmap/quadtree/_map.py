@@ -171,13 +171,18 @@ class QuadtreeMap(Pictured):
         ------
         ValueError
         """
+        k = self.level_of(resolution)
+        node, cell, level = self.tree.leaves()
+        side = 1 << (self.tree.level - k)
+        return loops.painted(side, side, cell >> k, level - k, self._occupancy(node))
+
+    def level_of(self, resolution: float | None) -> int:
+        """How often the map's resolution doubles up to this one, which must divide the root."""
         wanted = self.resolution if resolution is None else resolution
         k = level_of("resolution", wanted, self.resolution)
         if k > self.tree.level:
             raise ValueError(f"resolution {resolution} is larger than the map, {self.side:.6g} m")
-        node, cell, level = self.tree.leaves()
-        side = 1 << (self.tree.level - k)
-        return loops.painted(side, cell >> k, level - k, self._occupancy(node))
+        return k
 
     def statistics(self) -> Table:
         """Leaves by side, and the bytes that they and a grid of single bytes take."""

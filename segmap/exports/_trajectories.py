@@ -1,11 +1,5 @@
-"""What segmap writes for other programs: trajectories, and logs with corrected poses.
+"""Trajectories, and logs with corrected poses."""
 
-Every file is written beside its place and then moved there: nobody ever reads half of it, and what
-stood there before stays until the new one is complete. A name that ends in `.gz` is packed.
-"""
-
-import gzip
-import os
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import NamedTuple
@@ -13,12 +7,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .alignment import Alignment
-from .angles import Array
-from .poses import between, compose
-from .readers._beams import half_turn
-from .readers._shots import same
-from .scans import NO_POSE, LaserScan, Log
+from ..alignment import Alignment
+from ..angles import Array
+from ..poses import between, compose
+from ..readers._beams import half_turn
+from ..readers._shots import same
+from ..scans import NO_POSE, LaserScan, Log
+from ._files import write_lines
 
 #: What a SICK answers where nothing was met, metres: every reader of CARMEN logs knows it.
 NOTHING_MET = 81.83
@@ -58,7 +53,7 @@ def write_tum(path: str | Path, log: Log, poses: Alignment | ArrayLike) -> None:
     rows = _poses(log, poses)
     known = np.flatnonzero(np.isfinite(rows).all(1))
     lines = (_tum(time, pose) for time, pose in zip(log.times[known], rows[known], strict=True))
-    _write(Path(path), ["# time x y z qx qy qz qw", *lines])
+    write_lines(Path(path), ["# time x y z qx qy qz qw", *lines])
 
 
 def write_carmen(path: str | Path, log: Log, poses: Alignment | ArrayLike | None = None) -> None:
@@ -119,7 +114,7 @@ def write_carmen(path: str | Path, log: Log, poses: Alignment | ArrayLike | None
         else _robotlaser(scan, pose, lasers, log[0].time)
         for scan, pose in zip(log, rows, strict=True)
     )
-    _write(Path(path), [*head, *shots])
+    write_lines(Path(path), [*head, *shots])
 
 
 # ------------------------------------------------------------------------------ lines
@@ -249,17 +244,3 @@ def _refuse_ambiguous(log: Log, rows: Array, lasers: _Lasers) -> None:
                 "poses that lie all alike from the odometry would be read as the laser's place on "
                 "the robot: write a longer log, or one without odometry"
             )
-
-
-# ---------------------------------------------------------------------------- the file
-def _write(path: Path, lines: Iterable[str]) -> None:
-    """Write lines to a file that appears only when it is complete."""
-    if not path.parent.is_dir():
-        raise FileNotFoundError(f"cannot write {path}: the folder {path.parent} does not exist")
-    data = "".join(f"{line}\n" for line in lines).encode("ascii")
-    part = path.with_name(f".{path.name}.{os.getpid()}.part")
-    try:
-        part.write_bytes(gzip.compress(data, mtime=0) if path.suffix == ".gz" else data)
-        part.replace(path)
-    finally:
-        part.unlink(missing_ok=True)

@@ -1,0 +1,18 @@
+"""What segmap writes for other programs: trajectories, logs with corrected poses, maps.
+
+Every file is written beside its place and then moved there: nobody ever reads half of it, and what
+stood there before stays until the new one is complete. A name that ends in `.gz` is packed.
+"""
+
+from ._drawings import write_geojson, write_svg
+from ._grids import write_ros_map
+from ._trajectories import NOTHING_MET, write_carmen, write_tum
+
+__all__ = [
+    "NOTHING_MET",
+    "write_carmen",
+    "write_geojson",
+    "write_ros_map",
+    "write_svg",
+    "write_tum",
+]

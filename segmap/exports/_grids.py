@@ -1,0 +1,110 @@
+"""Grids for robots: the PGM and YAML that ROS' map_server reads."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..quadtree import QuadtreeMap
+from ..quadtree._loops import painted
+from ._files import write_bytes, write_lines
+
+#: Grey values of classes: free, unknown, occupied.
+GREYS = np.array([254, 205, 0], np.uint8)
+#: What the YAML states for `(255 - grey) / 255`: 205 lies between the two.
+OCCUPIED_THRESH, FREE_THRESH = 0.65, 0.196
+
+
+def write_ros_map(
+    path: str | Path,
+    map: QuadtreeMap,
+    *,
+    resolution: float | None = None,
+    occupied: float = 0.5,
+    free: float = 0.25,
+) -> None:
+    """Write a map for ROS: a YAML and, beside it, a PGM of the same name.
+
+    White (254) is free, grey (205) unknown, black (0) occupied; row 0 of the picture is the top,
+    `origin` the lower left corner of its lower left pixel. Only the part where something is known
+    is written.
+
+    Parameters
+    ----------
+    path : str or Path
+        Of the YAML; must end in `.yaml`.
+    map : QuadtreeMap
+    resolution : float, metres, or None
+        Side of a pixel: the map's own by default, or this times a power of two. A pixel that holds
+        several cells is occupied where one is, and free where all are.
+    occupied : float
+        Cells of greater occupancy are occupied.
+    free : float
+        Cells of at most this occupancy are free: by default those that half the `bias` crossed.
+
+    Raises
+    ------
+    ValueError
+        For another name, thresholds out of order, a resolution that does not fit.
+    OSError
+        A folder that does not exist, or cannot be written to.
+
+    Notes
+    -----
+    The picture comes first, so that a new YAML never names a picture that is not there.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> map = QuadtreeMap(resolution=0.5, size=4, bias=1)
+    >>> map.insert_scan((0.2, 0.2), [(1.2, 0.2)], [(0.2, 1.2)] * 2)
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     write_ros_map(Path(folder) / "it.yaml", map)
+    ...     print((Path(folder) / "it.yaml").read_text().splitlines()[0])
+    image: "it.pgm"
+    """
+    place = Path(path)
+    if place.suffix != ".yaml":
+        raise ValueError(f"the name must end in .yaml, got {place.name!r}")
+    if not 0 <= free < 0.5 <= occupied < 1:
+        raise ValueError(f"wanted 0 <= free < 0.5 <= occupied < 1, got {free} and {occupied}")
+    picture = place.with_suffix(".pgm")
+    classes, left, low, side = _classes(map, resolution, occupied, free)
+    rows, columns = classes.shape
+    pixels = GREYS[np.flipud(classes).astype(np.int64)].tobytes()
+    write_bytes(picture, f"P5\n{columns} {rows}\n255\n".encode("ascii") + pixels)
+    thresholds = f"free: occupancy <= {free:g}, occupied: occupancy > {occupied:g}"
+    write_lines(
+        place,
+        [
+            f"image: {json.dumps(picture.name)}",
+            f"resolution: {side!r}",
+            f"origin: [{left!r}, {low!r}, 0.0]",
+            "negate: 0",
+            f"occupied_thresh: {OCCUPIED_THRESH}",
+            f"free_thresh: {FREE_THRESH}",
+            "mode: trinary",
+            f"# {thresholds}, else unknown; bias {map.bias}",
+        ],
+    )
+
+
+def _classes(
+    map: QuadtreeMap, resolution: float | None, occupied: float, free: float
+) -> tuple[NDArray[np.float64], float, float, float]:
+    """Classes 0, 1, 2 of a grid, row 0 lowest, its lower left corner and the side of its cells."""
+    k = map.level_of(resolution)
+    _, cell, level = map.tree.leaves()
+    value = map.leaf_occupancy()
+    kind = np.select([value > occupied, value <= free], [2.0, 0.0], 1.0)
+    first, last = cell >> k, (cell + (1 << level)[:, None] - 1) >> k
+    known = kind != 1
+    if not known.any():
+        known[:] = True
+    start, end = first[known].min(0), last[known].max(0) + 1
+    columns, rows = (end - start).tolist()
+    grid = painted(rows, columns, first - start, level - k, kind)
+    side = float(np.ldexp(map.resolution, k))
+    left, low = (map.corner + (map.tree.corner + (start << k)) * map.resolution).tolist()
+    return grid, left, low, side

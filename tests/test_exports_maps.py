@@ -1,0 +1,222 @@
+"""Exports of quadtree maps, read back by readers that know the formats and not the library."""
+
+import json
+import re
+import xml.etree.ElementTree as ET
+
+import numpy as np
+import pytest
+
+from segmap import load
+from segmap.exports import write_geojson, write_ros_map, write_svg
+from segmap.quadtree import QuadtreeMap, build_map
+
+
+@pytest.fixture(scope="module")
+def room() -> QuadtreeMap:
+    log = load("room")
+    return build_map(log, log.truth, resolution=0.05, bias=4)
+
+
+def corner_map() -> QuadtreeMap:
+    """Free below, a hit to the upper right, on a map whose corner is no round number."""
+    map = QuadtreeMap(resolution=0.25, size=2, corner=(-3.07, 1.13), bias=1)
+    map.insert_scan((-3.0, 1.2), [(-1.2, 2.9)], [(-1.2, 1.2)] * 3)
+    return map
+
+
+# ------------------------------------------------------------------------------- ROS
+def read_ros(path):
+    """By the rules of map_server: values -1 unknown, 0 free, 100 occupied, row 0 lowest."""
+    fields = dict(re.findall(r"^(\w+): *(.*)$", path.read_text(), re.MULTILINE))
+    kind, size, most, pixels = (
+        (path.parent / json.loads(fields["image"])).read_bytes().split(b"\n", 3)
+    )
+    columns, rows = map(int, size.split())
+    assert (kind, most, fields["negate"], fields["mode"]) == (b"P5", b"255", "0", "trinary")
+    grey = np.frombuffer(pixels, np.uint8).reshape(rows, columns).astype(float)
+    share = (255 - grey) / 255
+    values = np.full(share.shape, -1)
+    values[share > float(fields["occupied_thresh"])] = 100
+    values[share < float(fields["free_thresh"])] = 0
+    return values[::-1], json.loads(fields["origin"]), float(fields["resolution"])
+
+
+def classes(map, values, origin, side, occupied=0.5, free=0.25):
+    """What the map itself says at the centres of the cells."""
+    rows, columns = values.shape
+    x, y = origin[0] + (np.arange(columns) + 0.5) * side, origin[1] + (np.arange(rows) + 0.5) * side
+    centres = np.stack(np.meshgrid(x, y), -1).reshape(-1, 2)
+    value = map.occupancy(centres).reshape(rows, columns)
+    return np.select([value > occupied, value <= free], [100, 0], -1)
+
+
+@pytest.mark.parametrize("options", [{}, {"occupied": 0.8}, {"free": 0.0}])
+def test_another_reader_finds_the_map(room, options, tmp_path):
+    """Catches rows upside down, an origin at the centre of a pixel, exchanged axes and greys."""
+    write_ros_map(tmp_path / "room.yaml", room, **options)
+    values, origin, side = read_ros(tmp_path / "room.yaml")
+    assert origin[2] == 0 and side == 0.05
+    assert np.array_equal(values, classes(room, values, origin, side, **options))
+    assert {-1, 0, 100} == set(np.unique(values))
+    assert not np.array_equal(values, values[::-1])
+
+
+def test_nothing_known_is_cut_off(room, tmp_path):
+    """The picture holds every cell that is free or occupied, and no border of unknown ones."""
+    write_ros_map(tmp_path / "room.yaml", room)
+    values, *_ = read_ros(tmp_path / "room.yaml")
+    grid = room.to_grid()
+    assert (values == 100).sum() == (grid > 0.5).sum()
+    assert (values == 0).sum() == (grid <= 0.25).sum()
+    for edge in (values[0], values[-1], values[:, 0], values[:, -1]):
+        assert (edge >= 0).any()
+
+
+def test_the_lower_left_corner_is_the_origin(tmp_path):
+    """By hand: the cell of the sensor is the first of the lowest row."""
+    write_ros_map(tmp_path / "it.yaml", corner_map())
+    values, origin, _ = read_ros(tmp_path / "it.yaml")
+    assert origin[:2] == pytest.approx([-3.07, 1.13])
+    assert values[0, 0] == 0 and values[-1, -1] == 100
+    assert values.shape == (8, 8)
+
+
+@pytest.mark.parametrize("times", [2, 4])
+def test_coarse_pixels_lose_no_obstacle(room, times, tmp_path):
+    """Catches a pixel that is free though one of its cells is not."""
+    write_ros_map(tmp_path / "fine.yaml", room)
+    write_ros_map(tmp_path / "it.yaml", room, resolution=0.05 * times)
+    fine, origin, _ = read_ros(tmp_path / "fine.yaml")
+    values, coarse, side = read_ros(tmp_path / "it.yaml")
+    assert side == pytest.approx(0.05 * times)
+    offset = np.rint((np.array(origin[:2]) - coarse[:2]) / 0.05).astype(int)
+    rank = np.zeros(values.shape, int)
+    order = {-1: 1, 0: 0, 100: 2}
+    for (row, column), value in np.ndenumerate(fine):
+        at = (row + offset[1]) // times, (column + offset[0]) // times
+        rank[at] = max(rank[at], order[int(value)])
+    found = np.vectorize(order.get)(values)
+    assert (found >= rank).all() and ((found == 2) == (rank == 2)).all()
+    assert (found == 0).mean() > 0.2
+
+
+def test_the_file_says_what_its_classes_mean(tmp_path):
+    write_ros_map(tmp_path / "it.yaml", corner_map(), occupied=0.6, free=0.1)
+    text = (tmp_path / "it.yaml").read_text()
+    assert "free: occupancy <= 0.1, occupied: occupancy > 0.6, else unknown; bias 1" in text
+
+
+@pytest.mark.parametrize("name", ["it", "a: #1 'Málaga'"])
+def test_it_is_yaml_for_a_yaml_reader(name, tmp_path):
+    """Catches names that mean something else in YAML."""
+    yaml = pytest.importorskip("yaml", reason="PyYAML is not installed here")
+    write_ros_map(tmp_path / f"{name}.yaml", corner_map())
+    found = yaml.safe_load((tmp_path / f"{name}.yaml").read_text())
+    assert found["image"] == f"{name}.pgm" and found["resolution"] == 0.25
+    assert [type(v) for v in found["origin"]] == [float] * 3
+    assert (found["occupied_thresh"], found["free_thresh"]) == (0.65, 0.196)
+
+
+def test_an_empty_map_is_all_unknown(tmp_path):
+    write_ros_map(tmp_path / "it.yaml", QuadtreeMap(resolution=1, size=4))
+    assert (read_ros(tmp_path / "it.yaml")[0] == np.full((4, 4), -1)).all()
+
+
+@pytest.mark.parametrize(
+    ("name", "options", "message"),
+    [
+        ("it.yml", {}, r"must end in \.yaml, got 'it.yml'"),
+        ("it.pgm", {}, r"must end in \.yaml"),
+        ("it.yaml", {"resolution": 0.3}, "resolution must be a power of two"),
+        ("it.yaml", {"resolution": 8.0}, "larger than the map"),
+        ("it.yaml", {"free": 0.5}, "wanted 0 <= free < 0.5 <= occupied < 1, got 0.5 and 0.5"),
+        ("it.yaml", {"occupied": 1.0}, "wanted 0 <= free"),
+        ("it.yaml", {"free": np.nan}, "wanted 0 <= free"),
+    ],
+)
+def test_what_cannot_be_written_is_refused_and_leaves_no_file(name, options, message, tmp_path):
+    with pytest.raises(ValueError, match=message):
+        write_ros_map(tmp_path / name, corner_map(), **options)
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("write", [write_ros_map, write_geojson, write_svg])
+def test_a_failure_leaves_what_stood_there(write, tmp_path, monkeypatch):
+    """Catches a file that is opened, emptied, and then not written."""
+    path = tmp_path / "it.yaml"
+    write(path, corner_map())
+    before = {p.name: p.read_bytes() for p in tmp_path.iterdir()}
+
+    def full(self, data):
+        with self.open("wb") as file:
+            file.write(data[:5])
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(type(path), "write_bytes", full)
+    with pytest.raises(OSError, match="No space left"):
+        write(path, QuadtreeMap())
+    assert {p.name: p.read_bytes() for p in tmp_path.iterdir()} == before
+
+
+@pytest.mark.parametrize("write", [write_ros_map, write_geojson, write_svg])
+def test_a_missing_folder_is_named(write, tmp_path):
+    with pytest.raises(FileNotFoundError, match=r"the folder .*none does not exist"):
+        write(tmp_path / "none" / "it.yaml", corner_map())
+
+
+# ----------------------------------------------------------------- GeoJSON and SVG
+def test_geojson_holds_the_occupied_leaves(room, tmp_path):
+    """Catches leaves lost, rings that run clockwise or stay open, and y before x."""
+    write_geojson(tmp_path / "room.geojson", room)
+    found = json.loads((tmp_path / "room.geojson").read_text())
+    leaves, value = room.leaves(), room.leaf_occupancy()
+    hit = np.flatnonzero(value > 0.5)
+    assert found["type"] == "FeatureCollection" and len(found["features"]) == len(hit)
+    for feature, k in zip(found["features"], hit, strict=True):
+        (ring,) = feature["geometry"]["coordinates"]
+        assert feature["geometry"]["type"] == "Polygon" and ring[0] == ring[-1] and len(ring) == 5
+        (x, y), side = ring[0], leaves.side[k]
+        assert (x, y) == pytest.approx((leaves.x[k], leaves.y[k]), abs=1e-6)
+        points = np.array(ring)
+        area = (points[:-1, 0] * points[1:, 1] - points[1:, 0] * points[:-1, 1]).sum() / 2
+        assert area == pytest.approx(side**2, rel=1e-3)
+        told = feature["properties"]
+        assert (told["vis"], told["occ"]) == (leaves.vis[k], leaves.occ[k])
+        assert told["occupancy"] == pytest.approx(value[k], abs=1e-6)
+
+
+def test_geojson_below_another_threshold(room, tmp_path):
+    write_geojson(tmp_path / "it.geojson", room, occupied=0.9)
+    found = json.loads((tmp_path / "it.geojson").read_text())["features"]
+    assert 0 < len(found) == (room.leaf_occupancy() > 0.9).sum()
+    with pytest.raises(ValueError, match="occupied must be at least 0 and below 1, got 1"):
+        write_geojson(tmp_path / "it.geojson", room, occupied=1)
+
+
+SQUARE = re.compile(r"M(\S+) (\S+?)h(\S+?)v(\S+?)h-(\S+?)z")
+
+
+@pytest.mark.parametrize("outlines", [True, False])
+def test_svg_holds_every_leaf_in_its_grey(room, outlines, tmp_path):
+    """Catches y downwards, black for free, and squares that are lost in a path."""
+    write_svg(tmp_path / "room.svg", room, outlines=outlines)
+    root = ET.parse(tmp_path / "room.svg").getroot()
+    group = root[0]
+    assert group.get("transform") == "scale(1 -1)"
+    assert (group.get("stroke") == "#0072b2") == outlines
+    left, top, wide, tall = map(float, root.get("viewBox").split())
+    squares = {}
+    for path in group:
+        grey = int(path.get("fill")[1:3], 16)
+        for x, y, *sides in SQUARE.findall(path.get("d")):
+            assert len(set(sides)) == 1
+            squares[(float(x), float(y), float(sides[0]))] = grey
+    leaves, value = room.leaves(), room.leaf_occupancy()
+    assert len(squares) == len(value)
+    for x, y, side, is_occupied in zip(*leaves[:3], value, strict=True):
+        key = tuple(np.round([x, y, side], 5).tolist())
+        assert squares[key] == round(255 * (1 - is_occupied))
+    hit = leaves.occ > 0
+    assert left < leaves.x[hit].min() < leaves.x[hit].max() < left + wide
+    assert top < -leaves.y[hit].max() < -leaves.y[hit].min() < top + tall
