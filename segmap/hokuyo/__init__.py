@@ -1,5 +1,61 @@
-"""The Hokuyo URG-04LX over a serial port: its protocol SCIP 1.1 and 2.0 as pure functions."""
+"""The Hokuyo URG-04LX over a serial port: its protocol SCIP 1.1 and 2.0, a driver, a recorder.
 
+`python -m segmap.hokuyo list`, `info` and `record` do the same from a terminal.
+"""
+
+from ._clock import HostClock, host_time
 from ._coding import SensorError, checksum, decode, encode
+from ._line import Lines, Port, SensorGone
+from ._ports import Found, find_port, open_port, ports
+from ._record import record
+from ._replies import (
+    URG_04LX,
+    Geometry,
+    Measurement,
+    Reply,
+    as_ranges,
+    explain,
+    info_line,
+    parse_geometry,
+    parse_info,
+    parse_reply,
+    parse_scan,
+    parse_scan_1,
+)
+from ._requests import ScanRequest, encode_reply, encode_reply_1, encode_scan, parse_request
+from ._sensor import UrgSensor
 
-__all__ = ["SensorError", "checksum", "decode", "encode"]
+__all__ = [
+    "URG_04LX",
+    "Found",
+    "Geometry",
+    "HostClock",
+    "Lines",
+    "Measurement",
+    "Port",
+    "Reply",
+    "ScanRequest",
+    "SensorError",
+    "SensorGone",
+    "UrgSensor",
+    "as_ranges",
+    "checksum",
+    "decode",
+    "encode",
+    "encode_reply",
+    "encode_reply_1",
+    "encode_scan",
+    "explain",
+    "find_port",
+    "host_time",
+    "info_line",
+    "open_port",
+    "parse_geometry",
+    "parse_info",
+    "parse_reply",
+    "parse_request",
+    "parse_scan",
+    "parse_scan_1",
+    "ports",
+    "record",
+]

@@ -1,21 +1,50 @@
 """Whole lines from a port, within a bounded time and of a bounded length."""
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import Protocol
 
 from ._coding import SensorError
 
-#: No line of the protocol is longer, block or information.
+try:
+    from termios import error as TerminalError
+except ImportError:  # Windows
+    TerminalError = OSError  # type: ignore[misc, assignment]
+
+#: No line of the protocol is longer, block or information, in bytes.
 LONGEST = 512
+#: No reply has more lines: 769 steps of three characters are 37 blocks.
+MOST_LINES = 64
+#: A sensor that talks on for so long without an answer is not going to give one, seconds.
+PATIENCE = 3.0
+#: What ports raise when they are pulled out.
+LOST = (OSError, TerminalError)
+
+
+class SensorGone(SensorError):
+    """The port vanished: the sensor was unplugged, or its power failed."""
 
 
 class Port(Protocol):
-    """What a serial port must be able to do: `serial.Serial` is one."""
+    """What a serial port must be able to do: `serial.Serial` is one.
 
-    def read(self, size: int = 1) -> bytes: ...
-    def write(self, data: bytes) -> int | None: ...
-    def close(self) -> None: ...
+    `read` returns what comes within the port's own short timeout, perhaps nothing.
+    """
+
+    baudrate: int
+
+    @property
+    def in_waiting(self) -> int:
+        """Bytes that can be read at once."""
+
+    def read(self, size: int = 1, /) -> bytes:
+        """At most so many bytes."""
+
+    def write(self, data: bytes, /) -> int | None:
+        """Send bytes."""
+
+    def close(self) -> None:
+        """Free the port."""
 
 
 class Lines:
@@ -24,7 +53,6 @@ class Lines:
     Parameters
     ----------
     port : Port
-        Whose `read(n)` returns what there is, at most n bytes, within its own short timeout.
     clock : callable
         Seconds that only go on.
     """
@@ -33,69 +61,121 @@ class Lines:
         self.port = port
         self.clock = clock
         self.kept = b""
+        #: Lines that the last `reply` dropped before its echo.
+        self.strange = 0
 
     def write(self, text: bytes) -> None:
         """Send bytes.
 
         Raises
         ------
-        SensorError
-            Where the port is gone.
+        SensorGone
         """
         try:
             self.port.write(text)
-        except OSError as error:
+        except LOST as error:
             raise _gone(error) from error
+
+    def set_rate(self, rate: int) -> None:
+        """Talk at so many bits a second from now on.
+
+        Raises
+        ------
+        SensorError
+            Where the port cannot.
+        """
+        try:
+            self.port.baudrate = rate
+        except (*LOST, ValueError) as error:
+            raise SensorError(f"the port cannot talk at {rate} bit/s ({error})") from error
+        self.kept = b""
 
     def line(self, seconds: float) -> bytes | None:
         """The next line without its end; None where none comes in this time.
 
         Raises
         ------
+        SensorGone
         SensorError
-            Where the port is gone, or a line has no end.
+            Where a line has no end.
         """
         until = self.clock() + seconds
-        while b"\\n" not in self.kept:
+        while b"\n" not in self.kept:
             if len(self.kept) > LONGEST:
                 self.kept = b""
                 raise SensorError(f"{LONGEST} bytes without an end of line: is the bit rate right?")
-            if self.clock() > until:
+            if not (came := self.read()) and self.clock() >= until:
                 return None
-            self.kept += self._read()
-        line, _, self.kept = self.kept.partition(b"\\n")
-        return line.removesuffix(b"\\r")
+            self.kept += came
+        line, _, self.kept = self.kept.partition(b"\n")
+        return line.removesuffix(b"\r")
 
-    def reply(self, seconds: float) -> list[bytes] | None:
-        """Lines up to an empty one, which is left out; None where it does not come in this time."""
-        until, found = self.clock() + seconds, list[bytes]()
-        while (line := self.line(max(until - self.clock(), 0.0))) is not None:
-            if not line and found:
-                return found
-            if line:
-                found.append(line)
-            if len(found) > LONGEST:
-                raise SensorError(f"{LONGEST} lines without an empty one: this is no such sensor")
+    def reply(self, echo: bytes, seconds: float) -> list[bytes] | None:
+        """A reply from its echo to before its empty line; None where none comes in this time.
+
+        Lines before the echo are dropped: they belong to something else.
+
+        Raises
+        ------
+        SensorError
+            Where it does not end, or is cut short.
+        """
+        until, self.strange = self.clock() + seconds, 0
+        for line in self.until(until, seconds):
+            if line == echo:
+                return self._rest([line], until)
+            self.strange += 1
         return None
 
-    def silence(self, quiet: float, at_most: float) -> bool:
+    def until(self, deadline: float, quiet: float) -> Iterator[bytes]:
+        """Lines until this time, or until nothing more comes for so long, seconds."""
+        while (left := deadline - self.clock()) > 0:
+            try:
+                line = self.line(min(quiet, left))
+            except SensorGone:
+                raise
+            except SensorError:
+                continue
+            if line is None:
+                return
+            yield line
+
+    def _rest(self, found: list[bytes], until: float) -> list[bytes]:
+        while line := self.line(max(until - self.clock(), 0.05)):
+            found.append(line)
+            if len(found) > MOST_LINES:
+                raise SensorError(f"a reply of more than {MOST_LINES} lines: its end was lost")
+        if line is None:
+            raise SensorError(f"the reply to {_shown(found[0])} stopped before its end")
+        return found
+
+    def silence(self, quiet: float, at_most: float = PATIENCE) -> bool:
         """Read and drop what comes until nothing comes for a while; False where it goes on."""
         self.kept, begun = b"", self.clock()
         last = begun
         while self.clock() - last < quiet:
-            if self._read():
+            if self.read():
                 last = self.clock()
             if self.clock() - begun > at_most:
                 return False
         return True
 
-    def _read(self) -> bytes:
-        """What waits, or the next byte within the port's own timeout."""
+    def read(self) -> bytes:
+        """What waits, or the next byte within the port's own timeout.
+
+        Raises
+        ------
+        SensorGone
+        """
         try:
-            return self.port.read(max(getattr(self.port, "in_waiting", 1), 1))
-        except OSError as error:  # serial.SerialException is one
+            return self.port.read(min(max(self.port.in_waiting, 1), 1 << 16))
+        except LOST as error:  # serial.SerialException is an OSError
             raise _gone(error) from error
 
 
-def _gone(error: OSError) -> SensorError:
-    return SensorError(f"the sensor is gone ({error}): plug it in again and open it once more")
+def _shown(line: bytes) -> str:
+    return line[:20].decode("ascii", "replace")
+
+
+def _gone(error: BaseException) -> SensorGone:
+    return SensorGone(f"the sensor is gone ({error}): plug it in and open it again")

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from ..angles import Array
 from ._coding import SensorError, checksum, decode, unchecked
+from ._requests import BLOCK
 
 #: Distances below this are error codes.
 CODES = 20
@@ -161,7 +162,7 @@ def parse_scan(body: Sequence[bytes], characters: int) -> Measurement:
     Raises
     ------
     SensorError
-        Where a sum is wrong or characters are missing.
+        Where a sum is wrong, a block is not whole, or characters are missing.
 
     Examples
     --------
@@ -173,8 +174,10 @@ def parse_scan(body: Sequence[bytes], characters: int) -> Measurement:
     clock = decode(unchecked(body[0]), 4)
     if len(clock) != 1:
         raise SensorError(f"{body[0][:20]!r} is no time stamp: expected four characters and a sum")
-    data = b"".join(unchecked(line) for line in body[1:])
-    return Measurement(int(clock[0]), decode(data, characters))
+    blocks = [unchecked(line) for line in body[1:]]
+    if any(len(block) != BLOCK for block in blocks[:-1]) or len(b"".join(blocks[-1:])) > BLOCK:
+        raise SensorError(f"a block without its {BLOCK} characters: the end of a line was lost")
+    return Measurement(int(clock[0]), decode(b"".join(blocks), characters))
 
 
 def parse_scan_1(lines: Sequence[bytes]) -> NDArray[np.int64]:

@@ -1,0 +1,145 @@
+"""Scans to a file as they arrive, each whole or absent, even where the power fails in between."""
+
+import os
+from collections.abc import Iterable
+from itertools import islice
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..angles import Array
+from ..scans import LaserScan
+from ._sensor import UrgSensor
+
+#: Endings of CARMEN logs; any other path is a folder of Hokuyo texts.
+CARMEN = (".log", ".clf", ".carmen")
+#: Written for an error without a code: a step that is not measured.
+NO_CODE = 19
+
+
+def record(
+    sensor: UrgSensor | Iterable[LaserScan], path: str | Path, *, count: int | None = None
+) -> int:
+    """Append scans to a log as they arrive; `segmap.read` takes it in again.
+
+    A path that ends in .log, .clf or .carmen is a CARMEN log of RAWLASER1 lines, which keeps times,
+    ranges to the micrometre, and errors as 0. Any other is a folder of Hokuyo texts, a file a scan,
+    which keeps millimetres and error codes, and no times. Killed at any moment, the log holds every
+    scan before the last: a text is moved into place when complete, a line starts as a comment and
+    becomes a scan with its last written byte.
+
+    Parameters
+    ----------
+    sensor : UrgSensor, or any iterable of LaserScan
+    path : str or Path
+        Scans are added to what is there.
+    count : int or None
+        Stop after so many; None goes on until the scans end, or an interrupt.
+
+    Returns
+    -------
+    int
+        Scans written.
+
+    Raises
+    ------
+    SensorError
+        As `UrgSensor.scans`; what came before is kept.
+    ValueError
+        For a packed file, which cannot be added to, or beams that are not evenly spaced.
+    OSError
+        A folder that does not exist, or a full disk.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from segmap import LaserScan, read
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     record([LaserScan([1.0, 2.0], [0.0, 0.1], max_range=4.0)], folder + "/one.log")
+    ...     read(folder + "/one.log")
+    1
+    Log('one', 1 scan, no odometry, no truth)
+    """
+    target = Path(path)
+    if target.suffix == ".gz":
+        raise ValueError(f"{target.name}: a packed file cannot be added to, leave .gz out")
+    scans = sensor.scans() if isinstance(sensor, UrgSensor) else iter(sensor)
+    written = 0
+    if target.suffix in CARMEN:
+        for scan in islice(scans, count):
+            _append_line(target, scan)
+            written += 1
+        return written
+    target.mkdir(exist_ok=True)
+    before = max((_number(file) for file in target.glob("scan*.txt")), default=0)
+    for scan in islice(scans, count):
+        written += 1
+        _write_file(target, before + written, scan)
+    return written
+
+
+def _append_line(path: Path, scan: LaserScan) -> None:
+    """Write a comment, then make it a line of the log: one byte is there or it is not."""
+    line = _rawlaser(scan).encode("ascii")
+    file = os.open(path, os.O_RDWR | os.O_CREAT | getattr(os, "O_BINARY", 0), 0o666)
+    try:
+        start = os.lseek(file, 0, os.SEEK_END)
+        if start and _byte(file, start - 1) != b"\n":
+            start += os.write(file, b"\n")
+        _write_all(file, b"#" + line[1:] + b"\n")
+        os.lseek(file, start, os.SEEK_SET)
+        os.write(file, line[:1])
+    finally:
+        os.close(file)
+
+
+def _byte(file: int, at: int) -> bytes:
+    os.lseek(file, at, os.SEEK_SET)
+    return os.read(file, 1)
+
+
+def _write_all(file: int, data: bytes) -> None:
+    while data:
+        data = data[os.write(file, data) :]
+
+
+def _rawlaser(scan: LaserScan) -> str:
+    """RAWLASER1 type start field step maximum accuracy mode n ranges 0 time host time."""
+    step = _step(scan)
+    limit = scan.max_range if np.isfinite(scan.max_range) else 81.83
+    met = np.where(scan.valid, scan.ranges, np.where(np.isnan(scan.ranges), 0.0, limit))
+    ranges = " ".join(f"{value:.6f}".rstrip("0").rstrip(".") for value in met)
+    turn = f"{float(scan.angles[0])!r} {step * (len(scan) - 1)!r} {step!r} {limit:.6f}"
+    stamp = f"{scan.time:.6f}"
+    return f"RAWLASER1 0 {turn} 0.010 0 {len(scan)} {ranges} 0 {stamp} segmap {stamp}"
+
+
+def _step(scan: LaserScan) -> float:
+    """Angle from beam to beam, radians."""
+    step = float(scan.angles[-1] - scan.angles[0]) / max(len(scan) - 1, 1) if len(scan) else 0.0
+    even = scan.angles[:1] + step * np.arange(len(scan))
+    if not len(scan) or step < 0 or np.abs(scan.angles - even).max() > 1e-6:
+        raise ValueError("a CARMEN log holds scans of at least one beam, evenly spaced")
+    return step
+
+
+def _write_file(folder: Path, number: int, scan: LaserScan) -> None:
+    """Write beside its place, out of the readers' sight, then move it there."""
+    beams = zip(_millimetres(scan), scan.angles, strict=True)
+    part = folder / f".scan.{os.getpid()}.part"
+    part.write_text("".join(f"{r} {a:.9f}\n" for r, a in beams), encoding="ascii")
+    part.replace(folder / f"scan{number:06}.txt")
+
+
+def _number(path: Path) -> int:
+    digits = path.stem.removeprefix("scan")
+    return int(digits) if digits.isdigit() else 0
+
+
+def _millimetres(scan: LaserScan) -> NDArray[np.int64]:
+    """Ranges as the sensor gave them, codes in place of those that are none."""
+    codes = np.zeros(len(scan), np.int64) if scan.codes is None else scan.codes
+    codes = np.where(np.isnan(scan.ranges) & (codes == 0), NO_CODE, codes)
+    finite: Array = np.where(np.isfinite(scan.ranges), scan.ranges, 0.0)
+    return np.where(finite > 0, np.rint(1000 * finite), codes).astype(np.int64)
