@@ -1,18 +1,27 @@
 """A distance field: distances to the nearest occupied cell, transformed once and then looked up."""
 
+from collections.abc import Callable
+
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ..angles import Array
-from ..poses import transform
 from ..quadtree import QuadtreeMap
-from . import _loops as loops
-from ._scores import checked, index_of
+from . import _field_loops as loops
+from ._scores import all_placed, checked, held
 
 #: The field counts in this fraction of a cell.
-UNIT = 4096
+UNIT = 65536
 #: Around the ends of a scan at its start: what a matcher may move them by, metres.
 MARGIN = 0.5
+#: Cells of a window: a side, so that 32 bits hold every distance, and in all, a quarter of a GB.
+MOST_SIDE, MOST_CELLS = 2**14, 2**26
+#: Points beyond lie outside every window, metres.
+FAR_AWAY = 1e9
+
+
+class NothingNear(ValueError):
+    """The window holds no occupied cell."""
 
 
 class DistanceField:
@@ -31,7 +40,7 @@ class DistanceField:
     Raises
     ------
     ValueError
-        For a window without area, or one that holds no occupied cell.
+        For a window without area, of too many cells, or one that holds no occupied cell.
 
     Examples
     --------
@@ -42,31 +51,41 @@ class DistanceField:
     """
 
     def __init__(self, map: QuadtreeMap, window: ArrayLike | None = None) -> None:
-        edges = np.array(map.bounds if window is None else window, float)
-        if edges.shape != (4,) or not np.isfinite(edges).all() or (edges[2:] <= edges[:2]).any():
-            raise ValueError(f"window must be left, low, right, high in metres, got {window!r}")
-        index, side = index_of(map), map.resolution
-        first = np.floor((edges[:2] - map.corner) / side).astype(np.int64)
-        columns, rows = np.floor((edges[2:] - map.corner) / side).astype(np.int64) - first + 1
-        left, low = first - map.tree.corner
-        grid = loops.paint(*index, left, low, columns, rows)
-        if grid.min() > 0:
-            raise ValueError(f"the window {edges.tolist()} holds no occupied cell")
+        first, (columns, rows) = _cells_of_window(map, window)
+        tree, grid = map.tree, np.full((rows, columns), loops.FAR, np.int32)
+        left, low = (first - tree.corner).tolist()
+        nodes = tree.vis, tree.occ, held(map), tree.block, tree.level
+        if not loops.paint(*nodes, left, low, grid):
+            raise NothingNear("the window holds no occupied cell, so no pose in it has a score")
         loops.transform_columns(grid)
-        self.cells = loops.transform_rows(grid, UNIT)
-        corner = map.corner + first * side
-        self._frame = np.array([*corner, side, columns, rows])
+        loops.transform_rows(grid, UNIT)
+        self.cells = grid
+        corner = map.corner + first * map.resolution
+        self._frame = np.array([*corner, map.resolution, columns, rows])
 
     @classmethod
-    def around(cls, map: QuadtreeMap, points: ArrayLike, pose: ArrayLike) -> "DistanceField":
-        """The field that a scan `(n, 2)` needs near a pose: its box, and half a metre more."""
-        ends = transform(np.asarray(pose, float), np.asarray(points, float))
-        return cls(map, [*(ends.min(0) - MARGIN), *(ends.max(0) + MARGIN)])
+    def around(cls, map: QuadtreeMap, points: ArrayLike, poses: ArrayLike) -> "DistanceField":
+        """The field that a scan `(n, 2)` needs near poses: the box of its ends, and half a metre.
+
+        Raises
+        ------
+        ValueError
+            As the constructor; for an empty map, other shapes, values that are not finite.
+        """
+        ends, at = checked(points, poses)
+        placed = np.concatenate([at[:, :2], all_placed(ends, at)])
+        return cls(map, [*(placed.min(0) - MARGIN), *(placed.max(0) + MARGIN)])
 
     @property
     def distance(self) -> Array:
         """Distances, `(rows, columns)`, metres, row 0 lowest."""
         return self.cells * (self._frame[2] / UNIT)
+
+    @property
+    def bounds(self) -> tuple[float, float, float, float]:
+        """Left, low, right and high edge of the window, metres: whole cells."""
+        left, low, side, columns, rows = self._frame.tolist()
+        return left, low, left + columns * side, low + rows * side
 
     def score(self, points: ArrayLike, poses: ArrayLike) -> Array:
         """Minus the sum of the distances at each pose.
@@ -79,12 +98,39 @@ class DistanceField:
         Returns
         -------
         (k,) array, metres
-        """
-        return self.scorer(points)(checked(points, poses)[1])
 
-    def scorer(self, points: ArrayLike):  # type: ignore[no-untyped-def]
+        Raises
+        ------
+        ValueError
+            For other shapes, or values that are not finite.
+        """
+        ends, at = checked(points, poses)
+        return self.scorer(ends)(at)
+
+    def scorer(self, points: ArrayLike) -> Callable[[Array], Array]:
         """A function of poses `(k, 3)` alone, for those who ask often."""
-        ends = np.ascontiguousarray(np.asarray(points, float).T, np.float32)
+        near = np.clip(np.asarray(points, float).reshape(-1, 2), -FAR_AWAY, FAR_AWAY)
+        ends = np.ascontiguousarray(near.T, np.float32)
         room, flat = np.empty(ends.shape[1], np.int32), self.cells.ravel()
         unit = -self._frame[2] / UNIT
         return lambda poses: unit * loops.look_up(flat, self._frame, ends, poses, room)
+
+
+def _cells_of_window(
+    map: QuadtreeMap, window: ArrayLike | None
+) -> tuple[loops.Whole, tuple[int, int]]:
+    """First cell of a window, counted from the map's first corner, and its columns and rows."""
+    edges = np.array(map.bounds if window is None else window, float)
+    if edges.shape != (4,) or not np.isfinite(edges).all() or (edges[2:] <= edges[:2]).any():
+        raise ValueError(f"window must be left, low, right, high in metres, got {window!r}")
+    edges = (edges.reshape(2, 2) - map.corner) / map.resolution
+    first, beyond = np.floor(edges[0]), np.ceil(edges[1])
+    count = beyond - first
+    if (count > MOST_SIDE).any() or count.prod() > MOST_CELLS:
+        raise ValueError(
+            f"a window of {count[0]:.0f} x {count[1]:.0f} cells is too large: at most {MOST_SIDE} "
+            f"a side and {MOST_CELLS} in all; give a smaller one, or a coarser map"
+        )
+    if (abs(first) > 2.0**60).any():
+        raise NothingNear(f"the window {window!r} lies beyond every map")
+    return first.astype(np.int64), (int(count[0]), int(count[1]))

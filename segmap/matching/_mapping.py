@@ -2,6 +2,7 @@
 
 import time
 from collections.abc import Callable, Iterable, Iterator
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -10,11 +11,16 @@ from numpy.typing import ArrayLike
 from ..angles import Array
 from ..poses import compose, transform
 from ..quadtree import QuadtreeMap
+from ..quadtree._build import unmet
 from ..scans import LaserScan
-from ._matchers import Score, field_score, hill_climb, prepared
+from ._field import NothingNear
+from ._matchers import Score, checked_start, field_score, hill_climb, prepared
+from ._scores import checked
 
 #: From a map, points and a start, with a score, to a pose.
 Matcher = Callable[..., Array]
+#: From a map, points and a start to a pose and its score.
+Place = Callable[[QuadtreeMap, Array, Array], tuple[Array, float]]
 
 
 class Step(NamedTuple):
@@ -33,6 +39,7 @@ def map_scans(
     settle: int = 1,
     map: QuadtreeMap | None = None,
     start: ArrayLike = (0.0, 0.0, 0.0),
+    free: bool = True,
 ) -> Iterator[Step]:
     """Match each scan with the map of those before, insert it, and say where it was.
 
@@ -52,17 +59,21 @@ def map_scans(
         Where scans go: give one to look at it as it grows.
     start : (3,) array, metres and radians
         Pose of the robot at the first scan.
+    free : bool
+        Whether beams that met nothing count as free up to the sensor's largest range, where the
+        scan knows that.
 
     Yields
     ------
     Step
-        After each scan. The score of a scan inserted unmatched is NaN, as is that of a scan without
-        any return, which stays where the one before was.
+        After each scan. A scan stays where the one before was, with NaN for its score, where it is
+        one of the first, has no return, or lies so far off that the field about it is empty.
 
     Raises
     ------
     ValueError
-        Where `settle` is below 1, or a scan reaches beyond the map's `max_size`.
+        For a `settle` below 1 or a start that is no pose, at once; naming the scan, where one
+        reaches beyond the map's `max_size`.
 
     Examples
     --------
@@ -73,16 +84,41 @@ def map_scans(
     """
     if not settle >= 1:
         raise ValueError(f"settle must be at least 1: the first scan has no map, got {settle}")
+    pose = checked_start([], start)[1]
     tree = QuadtreeMap() if map is None else map
-    pose, placed = np.array(start, float), 0
-    for scan in log:
+    return _steps(log, tree, pose, settle, free, partial(_matched, matcher, score))
+
+
+def _steps(
+    log: Iterable[LaserScan], map: QuadtreeMap, pose: Array, settle: int, free: bool, match: Place
+) -> Iterator[Step]:
+    inserted = 0
+    for k, scan in enumerate(log):
         begun, points, value = time.perf_counter(), scan.points(), np.nan
-        if placed >= settle and len(points):
-            values = prepared(score, tree, points, pose)
-            pose = matcher(tree, points, pose, score=lambda _, __, poses, ask=values: ask(poses))
-            value = float(values(pose[None])[0])
-        if len(points):
-            sensor = compose(pose, scan.sensor_pose)[:2]
-            tree.insert_scan(sensor, transform(pose, points))
-            placed += 1
+        try:
+            if len(points) and inserted >= settle:
+                pose, value = match(map, points, pose)
+            if len(points):
+                sensor = compose(pose, scan.sensor_pose)
+                unseen = unmet(scan, sensor) if free else None
+                map.insert_scan(sensor[:2], transform(pose, points), unseen)
+                inserted += 1
+        except ValueError as error:
+            raise ValueError(f"scan {k}: {error}") from error
         yield Step(pose, value, time.perf_counter() - begun)
+
+
+def _matched(
+    matcher: Matcher, score: Score, map: QuadtreeMap, points: Array, start: Array
+) -> tuple[Array, float]:
+    """Pose of a scan, and its score there."""
+    try:
+        values = prepared(score, map, points, start)
+    except NothingNear:
+        return start, np.nan
+
+    def ask(map: QuadtreeMap, ends: ArrayLike, poses: ArrayLike) -> Array:
+        return values(checked(ends, poses)[1]) if ends is points else score(map, ends, poses)
+
+    pose = matcher(map, points, start, score=ask)
+    return pose, float(values(pose[None])[0])

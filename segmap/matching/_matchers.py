@@ -44,8 +44,7 @@ def field_score(map: QuadtreeMap, points: ArrayLike, poses: ArrayLike) -> Array:
     >>> field_score(map, [(1.05, 0.05)], (0.3, 0, 0)).round(6)
     array([-0.3])
     """
-    ends, at = checked(points, poses)
-    return DistanceField.around(map, ends, at.mean(0)).score(ends, at)
+    return DistanceField.around(map, points, poses).score(points, poses)
 
 
 def hill_climb(
@@ -94,9 +93,9 @@ def hill_climb(
     """
     if steps not in STEPS:
         raise ValueError(f"steps must be one of {', '.join(STEPS)}, got {steps!r}")
-    ends, at = checked(points, start)
-    values = prepared(score, map, ends, at[0])
-    pose, best = at[0], float(values(at)[0])
+    ends, pose = checked_start(points, start)
+    values = prepared(score, map, ends, pose)
+    best = float(values(pose[None])[0])
     sizes = list(STEPS[steps])
     for _ in range(rounds):
         while sizes:
@@ -155,9 +154,9 @@ def sample_and_rank(
     spread = np.array([sigma[0], sigma[0], sigma[1]], float)
     if not (spread > 0).all():
         raise ValueError(f"sigma must be positive, in metres and radians, got {sigma}")
-    ends, at = checked(points, start)
-    values = prepared(score, map, ends, at[0])
-    poses = np.concatenate([at, at + rng.normal(0, 2 * spread, (99, 3))])
+    ends, pose = checked_start(points, start)
+    values = prepared(score, map, ends, pose)
+    poses = np.concatenate([pose[None], pose + rng.normal(0, 2 * spread, (99, 3))])
     found = values(poses)
     for step in (1, 2, 3):
         stay = np.argsort(-found, kind="stable")[:20]
@@ -166,6 +165,19 @@ def sample_and_rank(
         found = np.concatenate([found[stay], values(drawn)])
     pose = poses[int(np.argmax(found))]
     return np.array([pose[0], pose[1], wrap(pose[2])])
+
+
+def checked_start(points: ArrayLike, start: ArrayLike) -> tuple[Array, Array]:
+    """Points `(n, 2)` and one pose `(3,)` as arrays.
+
+    Raises
+    ------
+    ValueError
+    """
+    ends, at = checked(points, start)
+    if np.shape(start) != (3,):
+        raise ValueError(f"start must be x, y, heading, got shape {np.shape(start)}")
+    return ends, at[0]
 
 
 def prepared(

@@ -1,39 +1,13 @@
 """How well a scan lies on a quadtree map at a pose: three scores, the higher the better (B 4.3)."""
 
-from typing import NamedTuple
+from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from ..angles import Array
-from ..poses import transform
 from ..quadtree import QuadtreeMap
-from . import _loops as loops
-
-
-class Index(NamedTuple):
-    """A tree with the nodes marked that hold an occupied cell."""
-
-    vis: loops.Counts
-    holds: NDArray[np.bool_]
-    block: int
-    level: int
-
-
-def index_of(map: QuadtreeMap) -> Index:
-    """Mark the nodes of a map.
-
-    Raises
-    ------
-    ValueError
-        Where nothing is occupied: an empty map has no score.
-    """
-    tree = map.tree
-    holds = loops.occupied_below(tree.vis, tree.occ, tree.block, tree.used)
-    first = 4 * tree.block
-    if not holds[first : first + 4].any():
-        raise ValueError("the map holds no occupied cell, so no pose has a score: insert a scan")
-    return Index(tree.vis, holds, tree.block, tree.level)
+from . import _search_loops as loops
 
 
 def occupancy_score(map: QuadtreeMap, points: ArrayLike, poses: ArrayLike) -> Array:
@@ -64,9 +38,9 @@ def occupancy_score(map: QuadtreeMap, points: ArrayLike, poses: ArrayLike) -> Ar
     >>> occupancy_score(map, [(1, 0), (1, 0.5)], [(0, 0, 0), (0.3, 0, 0)])
     array([2., 0.])
     """
-    index_of(map)
+    held(map)
     ends, at = checked(points, poses)
-    value = map.occupancy(_all_placed(ends, at)).reshape(len(at), len(ends))
+    value = map.occupancy(all_placed(ends, at)).reshape(len(at), len(ends))
     return np.where(value > 0.5, value, 0.0).sum(1)
 
 
@@ -88,12 +62,12 @@ def distance_score(map: QuadtreeMap, points: ArrayLike, poses: ArrayLike) -> Arr
     """
     from scipy.spatial import cKDTree
 
-    index_of(map)
+    held(map)
     ends, at = checked(points, poses)
     leaves = map.leaves()
     occupied = 2 * leaves.occ > leaves.vis
     corner = np.stack([leaves.x[occupied], leaves.y[occupied]], -1)
-    distance = cKDTree(corner + map.resolution / 2).query(_all_placed(ends, at))[0]
+    distance = cKDTree(corner + map.resolution / 2).query(all_placed(ends, at))[0]
     return -np.asarray(distance).reshape(len(at), len(ends)).sum(1)
 
 
@@ -137,17 +111,38 @@ def descent_score(map: QuadtreeMap, points: ArrayLike, poses: ArrayLike) -> Arra
     return _searched(loops.greedy_distances, map, points, poses)
 
 
-def _searched(search, map: QuadtreeMap, points: ArrayLike, poses: ArrayLike) -> Array:  # type: ignore[no-untyped-def]
-    index, (ends, at) = index_of(map), checked(points, poses)
-    origin = map.corner + map.tree.corner * map.resolution
-    cells = (_all_placed(ends, at) - origin) / map.resolution
-    distance = search(*index, cells) * map.resolution
-    return -np.asarray(distance).reshape(len(at), len(ends)).sum(1)
+def _searched(
+    search: Callable[..., Array], map: QuadtreeMap, points: ArrayLike, poses: ArrayLike
+) -> Array:
+    """Minus the sum of the distances that a search of the tree finds."""
+    ends, at = checked(points, poses)
+    tree, holds = map.tree, held(map)
+    cells = (all_placed(ends, at) - map.corner) / map.resolution - tree.corner
+    found = search(tree.vis, tree.occ, holds, tree.block, tree.level, cells)
+    return -map.resolution * found.reshape(len(at), len(ends)).sum(1)
 
 
-def _all_placed(points: Array, poses: Array) -> Array:
+def all_placed(points: Array, poses: Array) -> Array:
     """Points of all poses, `(k n, 2)`."""
-    return np.concatenate([transform(pose, points) for pose in poses])
+    c, s = np.cos(poses[:, 2:]), np.sin(poses[:, 2:])
+    x, y = points.T
+    placed = np.stack([c * x - s * y + poses[:, :1], s * x + c * y + poses[:, 1:2]], -1)
+    return placed.reshape(-1, 2)
+
+
+def held(map: QuadtreeMap) -> loops.Holds:
+    """Which blocks of a map hold an occupied cell, `(b,)`.
+
+    Raises
+    ------
+    ValueError
+        Where none does: an empty map has no score.
+    """
+    tree = map.tree
+    holds = loops.occupied_blocks(tree.vis, tree.occ, tree.block, tree.used)
+    if not holds[tree.block]:
+        raise ValueError("the map holds no occupied cell, so no pose has a score: insert a scan")
+    return holds
 
 
 def checked(points: ArrayLike, poses: ArrayLike) -> tuple[Array, Array]:
@@ -156,13 +151,16 @@ def checked(points: ArrayLike, poses: ArrayLike) -> tuple[Array, Array]:
     Raises
     ------
     ValueError
+        For other shapes, or values that are not finite.
     """
     ends, at = np.asarray(points, float), np.atleast_2d(np.asarray(poses, float))
     ends = ends.reshape(-1, 2) if ends.size == 0 else ends
     if ends.ndim != 2 or ends.shape[1] != 2:
         raise ValueError(f"points must have shape (n, 2), got {ends.shape}")
     if at.ndim != 2 or at.shape[1] != 3:
-        raise ValueError(f"poses must have shape (k, 3), got {at.shape}")
-    if not (np.isfinite(ends).all() and np.isfinite(at).all()):
-        raise ValueError("points and poses must be finite: leave out beams without return")
+        raise ValueError(f"poses must have shape (k, 3), got {np.shape(poses)}")
+    for name, values in (("points", ends), ("poses", at)):
+        if not np.isfinite(values).all():
+            row = int(np.isfinite(values).all(1).argmin())
+            raise ValueError(f"{name} must be finite, got {values[row].tolist()} at row {row}")
     return ends, at

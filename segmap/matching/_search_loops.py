@@ -1,0 +1,171 @@
+"""Loops that find the occupied cell nearest to a place, in the tree.
+
+Coordinates are in cells of the root. Only single cells are ever occupied: ends of beams split their
+leaves all the way down.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .._compiled import compiled
+from ..angles import Array
+
+Counts = NDArray[np.int32]
+Whole = NDArray[np.int64]
+Holds = NDArray[np.bool_]
+
+
+@compiled
+def occupied_blocks(vis: Counts, occ: Counts, root: int, used: int) -> Holds:
+    """Which blocks hold an occupied cell (occupancy above 0.5), themselves or below, `(b,)`.
+
+    A block comes before those below it, except where a root was doubled: those are done last.
+    """
+    holds, doubled, count = np.zeros(used, np.bool_), np.empty(64, np.int64), 0
+    while root >= 0:
+        doubled[count], inside = root, -1
+        for node in range(4 * root, 4 * root + 4):
+            inside = max(inside, ~vis[node] if ~vis[node] < root else -1)
+        root, count = inside, count + 1
+    for k in range(used + count):
+        block = used - 1 - k if k < used else doubled[count - 1 - (k - used)]
+        for node in range(4 * block, 4 * block + 4):
+            below = ~np.int64(vis[node])
+            if holds[below] if below >= 0 else 2 * occ[node] > vis[node]:
+                holds[block] = True
+    return holds
+
+
+@compiled
+def beside(at: float, low: int, width: int) -> float:
+    """Distance of a coordinate from the centres of the cells from `low` on."""
+    return max(low + 0.5 - at, at - (low + width - 0.5), 0.0)
+
+
+@compiled
+def nearest_of_four(vis: Counts, occ: Counts, first: int, dx: float, dy: float) -> float:
+    """Smallest squared distance of four single cells; `dx`, `dy` to the centre of the first."""
+    best = np.inf
+    for q in range(4):
+        if 2 * occ[first + q] > vis[first + q]:
+            away = (dx + (q & 1)) ** 2 + (dy + (q >> 1)) ** 2
+            best = min(best, away)
+    return best
+
+
+@compiled
+def nearest_below(
+    vis: Counts,
+    occ: Counts,
+    holds: Holds,
+    root: int,
+    left: int,
+    low: int,
+    level: int,
+    x: float,
+    y: float,
+    best: float,
+    todo: Whole,
+) -> float:
+    """Squared distance to the nearest occupied cell's centre in a square, where below `best`.
+
+    `root` is the block of the square's children. They are visited nearest first; squares that lie
+    beyond the best so far are not entered. `todo` is room to work in.
+    """
+    todo[0, 0], todo[0, 1], todo[0, 2], todo[0, 3] = root, left, low, level
+    waiting = 1
+    while waiting:
+        waiting -= 1
+        block, left, low, level = todo[waiting]
+        half = 1 << (level - 1)
+        if beside(x, left, 2 * half) ** 2 + beside(y, low, 2 * half) ** 2 >= best:
+            continue
+        if level == 1:
+            found = nearest_of_four(vis, occ, 4 * block, left + 0.5 - x, low + 0.5 - y)
+            best = min(best, found)
+            continue
+        dx, dy = left + half - x, low + half - y
+        nearest = (dx <= 0) + 2 * (dy <= 0)
+        flip = 1 if abs(dx) > abs(dy) else 2
+        for turn in (3, flip, 3 - flip, 0):  # the last one put there is the first one taken
+            q = nearest ^ turn
+            child = ~np.int64(vis[4 * block + q])
+            if child >= 0 and holds[child]:
+                todo[waiting, 0], todo[waiting, 3] = child, level - 1
+                todo[waiting, 1], todo[waiting, 2] = left + half * (q & 1), low + half * (q >> 1)
+                waiting += 1
+    return best
+
+
+@compiled
+def descend(vis: Counts, path: Whole, top: int, i: int, j: int) -> int:
+    """Level of the leaf that holds a cell; `path[level]` becomes the blocks on the way."""
+    level = top
+    while True:
+        level -= 1
+        child = vis[4 * path[level + 1] + ((i >> level) & 1) + 2 * ((j >> level) & 1)]
+        if child >= 0:
+            return level
+        path[level] = ~np.int64(child)
+
+
+@compiled
+def exact_distances(
+    vis: Counts, occ: Counts, holds: Holds, root: int, top: int, cells: Array
+) -> Array:
+    """Distance of places `(n, 2)` to the nearest occupied cell's centre, `(n,)`.
+
+    From the cell that holds the place upwards, sisters first, until nothing nearer lies outside.
+    """
+    found, most = np.empty(len(cells)), (1 << top) - 1.0
+    path, todo = np.empty(top + 1, np.int64), np.empty((3 * top + 4, 4), np.int64)
+    path[top] = root
+    for k in range(len(cells)):
+        x, y = cells[k, 0], cells[k, 1]
+        i, j = int(min(max(x, 0.0), most)), int(min(max(y, 0.0), most))
+        level, best = descend(vis, path, top, i, j), np.inf
+        if level == 0:
+            first, level = 4 * path[1], 1
+            best = nearest_of_four(vis, occ, first, (i & -2) + 0.5 - x, (j & -2) + 0.5 - y)
+        while level < top:
+            width, quarter = 1 << level, ((i >> level) & 1) + 2 * ((j >> level) & 1)
+            left, low = i & -width, j & -width
+            border = 0.5 + min(x - left, left + width - x, y - low, low + width - y)
+            if border > 0 and border * border >= best:
+                break
+            aside_x, aside_y = left ^ width, low ^ width
+            dx, dy = beside(x, aside_x, width) ** 2, beside(y, aside_y, width) ** 2
+            for turn in (1, 2, 3):
+                child = int(~np.int64(vis[4 * path[level + 1] + (quarter ^ turn)]))
+                if child >= 0 and holds[child] and dx * (turn & 1) + dy * (turn >> 1) < best:
+                    to_x, to_y = aside_x if turn & 1 else left, aside_y if turn & 2 else low
+                    best = nearest_below(
+                        vis, occ, holds, child, to_x, to_y, level, x, y, best, todo
+                    )
+            level += 1
+        found[k] = np.sqrt(best)
+    return found
+
+
+@compiled
+def greedy_distances(
+    vis: Counts, occ: Counts, holds: Holds, root: int, top: int, cells: Array
+) -> Array:
+    """The same by B's descent: always into the occupied child whose centre is nearest (B 4.3)."""
+    found = np.empty(len(cells))
+    for k in range(len(cells)):
+        x, y, block, left, low = cells[k, 0], cells[k, 1], root, 0.0, 0.0
+        for level in range(top - 1, -1, -1):
+            width, best, chosen = float(1 << level), np.inf, -1
+            for q in range(4):
+                node = 4 * block + q
+                below = ~np.int64(vis[node])
+                if holds[below] if below >= 0 else 2 * occ[node] > vis[node]:
+                    dx = left + width * ((q & 1) + 0.5) - x
+                    dy = low + width * ((q >> 1) + 0.5) - y
+                    if dx * dx + dy * dy < best:
+                        best, chosen = dx * dx + dy * dy, q
+            left, low = left + width * (chosen & 1), low + width * (chosen >> 1)
+            found[k] = np.sqrt(best)
+            block = int(~np.int64(vis[4 * block + chosen]))
+    return found
