@@ -55,9 +55,11 @@ def backbone(
     its segments join the significant ones, of which the backbone is built anew after every relevant
     rotation. Each correction stays: the next odometry step starts from the corrected pose.
 
-    It goes beyond A in two things, unless `follow` is False: a scan that is not used still takes
-    its heading from the directions of the backbone (the robot would turn blindly otherwise), and a
-    scan that matches no line at all has the backbone built anew for the next.
+    It goes beyond A: a new line takes the direction of an older one (A) or its normal; segments
+    that disagree with the mean rotation by more than `parallel` have no say; a scan that is not
+    used still takes its heading from the directions of the backbone, as the robot would turn
+    blindly otherwise; and a scan that matches no line at all has the backbone built anew for the
+    next. The last two only while `follow` is True.
 
     The building must be orthogonal, and the method says where it is not: see `orthogonal`. Errors
     are passed on from scan to scan; no loop is closed; corridors so wide that their walls come back

@@ -12,8 +12,9 @@ from ..angles import Array, axial_difference, axial_mean, axial_mean_of_two
 from ..segments import angle, extreme_projections, length, midpoint
 
 #: Lines count as parallel where they hold one direction less than this share of the other
-#: (singular values): two lines of equal weight within 11 degrees of each other.
-HELD = 0.1
+#: (singular values): two lines of equal weight within 33 degrees of each other, or an end wall of a
+#: tenth of the weight. At 0.1 a match of 0.2 m could move the robot by a metre along the lines.
+HELD = 0.3
 
 
 class Lines(NamedTuple):
