@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 from reference_quadtree import Finer, Literal, bresenham, cell, leaves_of
 
 from segmap.quadtree import QuadtreeMap
+from segmap.testing import ray_cells
 
 
 def both(scans, *, cells=8, resolution=0.25, corner=(0.0, 0.0), free_resolution=None):
@@ -144,3 +145,9 @@ def test_the_reference_walks_as_the_thesis_does():
     assert bresenham((0, 0), (4, 1)) == there == bresenham((4, 1), (0, 0))
     assert bresenham((0, 0), (-4, 1)) == [(-4, 1), (-3, 1), (-2, 1), (-1, 0), (0, 0)]
     assert bresenham((0, 0), (1, 4)) == [(y, x) for x, y in there]
+
+
+@given(LATTICE, LATTICE)
+def test_the_exercise_teaches_the_same_walk(start, end):
+    """Catches an exercise whose solution is not what the map counts."""
+    assert ray_cells(start, end).tolist() == [list(c) for c in bresenham(start, end)]

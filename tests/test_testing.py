@@ -405,7 +405,48 @@ def moved_along_what_is_held(normals, offsets, weights):
     )
 
 
+def cell_by_cutting(x, corner, resolution):
+    column = (x - corner) / resolution
+    return int(column) - (column < int(column))
+
+
+def grown_by_arrays(root, cell):
+    low, cell = np.array(root[:2]), np.array(cell)
+    return np.append(np.where(cell < low, low - root[2], low), 2 * root[2])
+
+
+def occupancy_by_interpolation(vis, occ, bias):
+    return occ / vis if occ else np.interp(vis, [0, bias], [0.5, 0.0])
+
+
+def cells_by_formula(start, end):
+    """After k steps along the longer axis, rounded from the end with the smaller coordinate."""
+    start, end = np.array(start), np.array(end)
+    axis = int(abs(end - start)[1] > abs(end - start)[0])
+    first, last = (end, start) if end[axis] < start[axis] else (start, end)
+    length, aside = (last - first)[axis], (last - first)[1 - axis]
+    k = np.arange(length + 1)
+    across = (k * abs(aside) + (length - 1) // 2) // max(length, 1) if length else k
+    cells = np.empty((length + 1, 2), int)
+    cells[:, axis], cells[:, 1 - axis] = first[axis] + k, first[1 - axis] + np.sign(aside) * across
+    return cells
+
+
+def pixel_from_the_top(x, y, origin, side, rows):
+    return int((origin[1] + rows * side - y) / side), int((x - origin[0]) / side)
+
+
+def edge_error_by_matrices(first, second, relative):
+    def matrix(x, y, heading):
+        c, s = np.cos(heading), np.sin(heading)
+        return np.array([(c, -s, x), (s, c, y), (0, 0, 1)])
+
+    m = np.linalg.inv(matrix(*first) @ matrix(*relative)) @ matrix(*second)
+    return [m[0, 2], m[1, 2], np.arctan2(m[1, 0], m[0, 0])]
+
+
 OTHER_WAYS = {
+    "edge_error": edge_error_by_matrices,
     "compose": rotated_step,
     "beam_angles": beams_in_steps,
     "cast_ray": met_by_solving,
@@ -425,6 +466,11 @@ OTHER_WAYS = {
     "inside_strip": inside_in_a_loop,
     "best_shift": shift_in_a_loop,
     "reduction_at": reduction_by_hand,
+    "cell_of": cell_by_cutting,
+    "grown": grown_by_arrays,
+    "occupancy": occupancy_by_interpolation,
+    "ray_cells": cells_by_formula,
+    "pixel": pixel_from_the_top,
 }
 
 

@@ -9,6 +9,7 @@ from ._backbone_exercises import check_least_translation
 from ._basic_exercises import check_matches, check_merged, matches, merged
 from ._comparison_exercises import check_reduction_at
 from ._exercise import Case, Check, Exercise, Mistake
+from ._graph_exercises import check_edge_error, edge_error
 from ._hough_exercises import check_hough
 from ._line_exercises import check_axial_mean, check_farthest_point, check_fit_line
 from ._map_exercises import (
@@ -24,6 +25,14 @@ from ._point_exercises import (
     check_move_onto_walls,
     heading_between,
     move_onto_walls,
+)
+from ._quadtree_exercises import (
+    check_cell_of,
+    check_grown,
+    check_occupancy,
+    check_pixel,
+    check_ray_cells,
+    ray_cells,
 )
 from ._scan_exercises import check_beam_angles, check_cast_ray, check_compose
 from ._zoo import point_zoo, scan_zoo, segment_zoo
@@ -44,6 +53,7 @@ EXERCISES: dict[str, Exercise] = {
         check_match_value,
         check_least_translation,
         check_move_onto_walls,
+        check_edge_error,
         check_hough,
         check_matches,
         check_merged,
@@ -51,6 +61,11 @@ EXERCISES: dict[str, Exercise] = {
         check_inside_strip,
         check_best_shift,
         check_reduction_at,
+        check_cell_of,
+        check_grown,
+        check_occupancy,
+        check_ray_cells,
+        check_pixel,
     )
 }
 
@@ -67,9 +82,12 @@ __all__ = [
     "check_beam_angles",
     "check_best_shift",
     "check_cast_ray",
+    "check_cell_of",
     "check_compose",
+    "check_edge_error",
     "check_farthest_point",
     "check_fit_line",
+    "check_grown",
     "check_heading_between",
     "check_hough",
     "check_inside_strip",
@@ -79,9 +97,13 @@ __all__ = [
     "check_mean_shift_step",
     "check_merged",
     "check_move_onto_walls",
+    "check_occupancy",
+    "check_pixel",
     "check_quality",
+    "check_ray_cells",
     "check_reduction_at",
     "check_reduction_rate",
+    "edge_error",
     "heading_between",
     "match_value",
     "matches",
@@ -89,6 +111,7 @@ __all__ = [
     "merged",
     "move_onto_walls",
     "point_zoo",
+    "ray_cells",
     "scan_zoo",
     "segment_zoo",
 ]
