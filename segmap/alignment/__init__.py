@@ -15,6 +15,7 @@ from ._point_steps import PointStep, point_steps
 from ._pose_graph import pose_graph
 from ._result import Alignment, Graph, Match, Method, Rejected
 from ._segment_icp import match_segments, segment_icp
+from ._solve_graph import solve_graph
 
 #: Name of each method -> the method, with what it needs.
 METHODS: dict[str, Method] = {
@@ -55,4 +56,5 @@ __all__ = [
     "point_steps",
     "pose_graph",
     "segment_icp",
+    "solve_graph",
 ]

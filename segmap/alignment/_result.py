@@ -79,6 +79,8 @@ class Graph:
     residuals : (m,) array
         Length of what the solution leaves of each edge, in standard deviations.
     rejected : tuple of Rejected
+    information : (m, 3, 3) array or None
+        Inverse covariance of each edge, metres and radians; None where the method has none.
     """
 
     edges: NDArray[np.int64]
@@ -86,6 +88,7 @@ class Graph:
     loop: NDArray[np.bool_]
     residuals: Array
     rejected: tuple[Rejected, ...] = ()
+    information: Array | None = None
 
     def __repr__(self) -> str:
         loops = int(self.loop.sum())

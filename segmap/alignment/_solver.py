@@ -47,7 +47,7 @@ def deviations(poses: Array, edges: Edges) -> Array:
     return np.sqrt(np.maximum(np.einsum("mi,mij,mj->m", r, edges.information, r), 0.0))
 
 
-def solve(poses: Array, edges: Edges, *, rounds: int = 30) -> Array:
+def solve(poses: Array, edges: Edges, *, rounds: int = 30, scale: float = SCALE) -> Array:
     """Poses that fit all edges best; the first stays where it is.
 
     Minimises the sum of Cauchy losses of the residuals by iterated weighted Gauss-Newton.
@@ -57,6 +57,10 @@ def solve(poses: Array, edges: Edges, *, rounds: int = 30) -> Array:
     poses : (n, 3) array, metres and radians
         Start; every pose must be tied to the first through edges.
     edges : Edges
+    rounds : int
+        At most so many steps.
+    scale : float
+        Residuals of so many standard deviations have half the weight; `inf`: plain least squares.
 
     Returns
     -------
@@ -64,7 +68,7 @@ def solve(poses: Array, edges: Edges, *, rounds: int = 30) -> Array:
     """
     poses = poses.copy()
     for _ in range(rounds):
-        move = _gauss_newton(poses, edges)
+        move = _gauss_newton(poses, edges, scale)
         poses[1:] += move
         poses[:, 2] = wrap(poses[:, 2])
         if np.abs(move).max(initial=0.0) < 1e-5:
@@ -72,11 +76,11 @@ def solve(poses: Array, edges: Edges, *, rounds: int = 30) -> Array:
     return poses
 
 
-def _gauss_newton(poses: Array, edges: Edges) -> Array:
+def _gauss_newton(poses: Array, edges: Edges, scale: float) -> Array:
     """One step, `(n - 1, 3)`, of all poses but the first."""
     from scipy.sparse.linalg import splu
 
-    weight = 1.0 / (1.0 + (deviations(poses, edges) / SCALE) ** 2)
+    weight = 1.0 / (1.0 + (deviations(poses, edges) / scale) ** 2)
     information = edges.information * weight[:, None, None]
     by_first, by_second = _derivatives(poses, edges)
     hessian = _normal_matrix(len(poses), edges, information, by_first, by_second)

@@ -105,7 +105,7 @@ class Walk:
         ends = scan[np.stack([edges.first, edges.second], -1)]
         loop = np.array([tie.loop for tie in self.frames.ties])
         left = deviations(self.frames.poses, edges)
-        return Graph(ends, edges.relative, loop, left, rejected)
+        return Graph(ends, edges.relative, loop, left, rejected, edges.information)
 
 
 def settled(map: PointMap, points: Array, start: Array, reach: float = 0.3) -> Match:
