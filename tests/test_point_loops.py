@@ -8,7 +8,7 @@ import pytest
 from segmap.alignment import _points_loops as loops
 from segmap.alignment import _search_loops as searching
 from segmap.alignment._point_map import FINE, PointMap
-from segmap.poses import transform
+from segmap.poses import between, transform
 from segmap.simulation import SICK_LMS200, cast_rays, office
 
 
@@ -41,6 +41,7 @@ def test_cells_keep_every_point(name):
     assert cells.first[0] == 0
     assert cells.first[-1] == len(points)
     owner = np.repeat(np.arange(len(cells.first) - 1), np.diff(cells.first))
+    np.testing.assert_array_equal(cells.points, points[cells.order])
     i, j = np.floor((cells.points - points.min(0)) / 0.25).astype(int).T
     np.testing.assert_array_equal(owner, i * cells.rows + j)
 
@@ -110,6 +111,28 @@ def test_rows_are_the_derivative_of_the_offset():
         after = loops.residuals(cells, normal, current, pose + step, 0.3, 1)[0][:, 3]
         before = loops.residuals(cells, normal, current, pose - step, 0.3, 1)[0][:, 3]
         np.testing.assert_allclose(rows[:, k], (after - before) / (2 * small), atol=1e-5)
+
+
+def test_the_two_faces_of_a_thin_wall_are_told_apart():
+    """A partition of 8 cm, seen from a room and then from the next: one face drawn onto the other.
+
+    Without it a simulated office came out 10 cm wrong, with a stated deviation of 2 mm.
+    """
+    x = np.arange(-2.0, 2.0, 0.02)
+    near, side = np.stack([x, np.zeros(200)], -1), np.stack([np.full(200, 3.0), x + 2], -1)
+    points, eye = np.concatenate([near, side]), (0.0, -3.0)
+    face = near + (0.0, 0.08)
+    for place, seen in (((0.5, 2.0, 0.3), False), ((0.5, -2.0, 0.3), True)):
+        current = transform(between(place, (0, 0, 0)), face)
+        map = PointMap(points, np.tile(eye, (400, 1)))
+        rows, near_by = loops.residuals(map.cells, map.normals, current, np.array(place), 0.3, 1)
+        assert len(rows) == (200 if seen else 0)
+        assert near_by == 1.0
+        blunt = PointMap(points)
+        rows, _ = loops.residuals(blunt.cells, blunt.normals, current, np.array(place), 0.3, 1)
+        assert len(rows) == 200
+    towards = (map.normals * (np.array(eye) - map.cells.points)).sum(1)
+    assert (towards[np.isfinite(towards)] > 0).all()
 
 
 def test_every_stride_th_point_is_asked():

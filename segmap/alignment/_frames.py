@@ -85,22 +85,26 @@ class Frames:
 
     def cloud(self, members: Iterable[int], origin: int) -> Array:
         """Points of some key frames, `(m, 2)`, metres, in the frame of the key frame `origin`."""
-        here = self.poses[origin]
-        return not_far(
-            np.concatenate(
-                [transform(between(here, self.poses[k]), self.points[k]) for k in members]
-            )
-        )
+        return self._seen(members, origin)[:, :2]
 
     def map_of(self, members: Iterable[int], origin: int) -> PointMap | None:
         """Their points in the frame of `origin`, ready to be matched with; None where none are."""
-        cloud = self.cloud(members, origin)
-        return PointMap(cloud) if len(cloud) else None
+        seen = self._seen(members, origin)
+        return PointMap(seen[:, :2], seen[:, 2:]) if len(seen) else None
+
+    def _seen(self, members: Iterable[int], origin: int) -> Array:
+        """Points of some key frames and the place of the frame that saw each, `(m, 4)`, metres."""
+        parts = []
+        for k in members:
+            pose = between(self.poses[origin], self.poses[k])
+            points = transform(pose, self.points[k])
+            parts.append(np.column_stack([points, np.broadcast_to(pose[:2], points.shape)]))
+        return not_far(np.concatenate(parts))
 
 
 def not_far(points: Array) -> Array:
-    """The points `(n, 2)`, metres, that a laser in a building can have seen from the origin."""
-    return points[np.abs(points).max(axis=1, initial=0.0) < FAR]
+    """The points `(n, 2 or more)`, metres, that a laser can have seen from near the origin."""
+    return points[np.abs(points[:, :2]).max(axis=1, initial=0.0) < FAR]
 
 
 def appearance(cloud: Array) -> Array:

@@ -37,12 +37,19 @@ class PointMap:
     ----------
     points : (n, 2) array, metres
         At least one; order does not matter.
+    eyes : (n, 2) array, metres, or None
+        Where each was seen from: then the far side of a thin wall is not taken for its near side.
     """
 
-    def __init__(self, points: Array) -> None:
+    def __init__(self, points: Array, eyes: Array | None = None) -> None:
         extent = float(np.ptp(points, axis=0).max())
         self.cells = loops.in_cells(np.ascontiguousarray(points), max(CELL, extent / 2000))
         self.normals = loops.normals(self.cells, *RADII, 5)
+        if eyes is not None:
+            to_eye = eyes[self.cells.order] - self.cells.points
+            behind = (self.normals * to_eye).sum(1, keepdims=True) < 0
+            self.normals = np.where(behind, -self.normals, self.normals)
+            self.cells = self.cells._replace(sided=True)
 
     def settle(
         self, current: Array, start: ArrayLike, *, reach: float = 0.3, last: float = 0.12

@@ -12,10 +12,16 @@ from ..angles import Array
 FREE = 0.01
 #: A neighbourhood is a wall when it is this much narrower than long (ratio of variances).
 NARROW = 0.15
+#: A beam that meets the back of a wall at a flatter angle than this (its sine) may be noise.
+BACK = 0.05
 
 
 class Cells(NamedTuple):
-    """Points sorted into square cells: those of cell (i, j) lie at `first[c]` to `first[c + 1]`."""
+    """Points sorted into square cells: those of cell (i, j) lie at `first[c]` to `first[c + 1]`.
+
+    `order` holds their indices before sorting; `sided` says that normals point to where each was
+    seen from, so that the two faces of a thin wall are told apart.
+    """
 
     points: Array
     corner: Array
@@ -23,6 +29,8 @@ class Cells(NamedTuple):
     columns: int
     rows: int
     first: NDArray[np.int64]
+    order: NDArray[np.int64]
+    sided: bool
 
 
 @compiled
@@ -38,10 +46,11 @@ def in_cells(points: Array, size: float) -> Cells:
         first[cell[k] + 1] += 1
     first = np.cumsum(first)
     at, ordered = first.copy(), np.empty_like(points)
+    order = np.empty(len(points), np.int64)
     for k in range(len(points)):
-        ordered[at[cell[k]]] = points[k]
+        ordered[at[cell[k]]], order[at[cell[k]]] = points[k], k
         at[cell[k]] += 1
-    return Cells(ordered, np.array([x, y]), size, columns, rows, first)
+    return Cells(ordered, np.array([x, y]), size, columns, rows, first, order, False)
 
 
 @compiled
@@ -111,7 +120,8 @@ def residuals(
 ) -> tuple[Array, float]:
     """Rows of the derivative by x, y, heading, and the offset across the wall, `(m, 4)`.
 
-    Of the points that have a wall within reach; with them the share that has any point there.
+    Of the points that have a wall within reach, seen from the side from which the map's point was;
+    with them the share that has any point there.
     """
     c, s = np.cos(pose[2]), np.sin(pose[2])
     count = (len(current) + stride - 1) // stride
@@ -125,6 +135,9 @@ def residuals(
         near += p >= 0
         if p >= 0 and not np.isnan(normal[p, 0]):
             nx, ny = normal[p, 0], normal[p, 1]
+            behind = nx * turned_x + ny * turned_y > BACK * np.hypot(turned_x, turned_y)
+            if cells.sided and behind:
+                continue
             rows[used, 0], rows[used, 1] = nx, ny
             rows[used, 2] = ny * turned_x - nx * turned_y
             rows[used, 3] = nx * (x - cells.points[p, 0]) + ny * (y - cells.points[p, 1])
