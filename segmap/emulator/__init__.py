@@ -1,0 +1,10 @@
+"""A URG-04LX that is not there: SCIP 1.1 and 2.0 behind a pseudo-terminal, faults on demand.
+
+`python -m segmap.emulator` starts one and prints its device.
+"""
+
+from ._emulator import Emulator
+from ._unit import Unit
+from ._worlds import Replay, Room, furnished_room
+
+__all__ = ["Emulator", "Replay", "Room", "Unit", "furnished_room"]

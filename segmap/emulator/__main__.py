@@ -1,0 +1,46 @@
+"""Start an emulated sensor and print the device to open, until Control-C."""
+
+import argparse
+import contextlib
+import gzip
+import signal
+import sys
+import threading
+from pathlib import Path
+
+from . import Emulator, Replay
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Run it; 0 at the end."""
+    given = _parser().parse_args(arguments)
+    stopping = threading.Event()
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, lambda *_: stopping.set())
+    world = None if given.replay is None else Replay(_bytes(given.replay))
+    settings = {"protocol": given.protocol, "rate": given.rate, "usb": not given.serial}
+    with Emulator(world, speed=given.speed, link=given.link, **settings) as emulator:
+        print(emulator.port, flush=True)
+        with contextlib.suppress(KeyboardInterrupt):
+            stopping.wait()
+    return 0
+
+
+def _bytes(path: Path) -> bytes:
+    with gzip.open(path) if path.suffix == ".gz" else path.open("rb") as file:
+        return file.read()
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(prog="python -m segmap.emulator", description=__doc__)
+    parser.add_argument("--protocol", choices=("2.0", "1.1", "1.1 only"), default="1.1")
+    parser.add_argument("--rate", type=int, default=19200, help="bits a second (default 19200)")
+    parser.add_argument("--serial", action="store_true", help="as on RS-232: the rate matters")
+    parser.add_argument("--speed", type=float, default=1.0, help="times real time (default 1)")
+    parser.add_argument("--replay", type=Path, help="a capture of a sensor's bytes, .gz or plain")
+    parser.add_argument("--link", type=Path, help="a symbolic link to make to the device")
+    return parser
+
+
+if __name__ == "__main__":
+    sys.exit(main())

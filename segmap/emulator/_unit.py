@@ -1,0 +1,279 @@
+"""A URG-04LX without its wire: what it answers to which bytes, and when (SCIP, 3 to 5)."""
+
+import time
+from collections import deque
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..hokuyo import (
+    ScanRequest,
+    SensorError,
+    checksum,
+    encode,
+    encode_reply,
+    encode_scan,
+    info_line,
+    parse_request,
+)
+from ._old import OldProtocol
+from ._worlds import STEPS, World
+
+#: Seconds of a turn.
+TURN = 0.1
+#: No request is longer; what is, is forgotten.
+LONGEST = 80
+RATES = (19200, 38400, 57600, 115200, 250000, 500000, 750000)
+#: Commands that put an URG-04LX out of order until it is switched off.
+DEADLY = ("ME", "HD", "HE", "ND", "NE", "%S")
+
+VERSION = {
+    "VEND": "Hokuyo Automatic Co.,Ltd.",
+    "PROD": "SOKUIKI Sensor URG-04LX",
+    "FIRM": "3.1.04(02/Aug./2007)",
+    "PROT": "SCIP 2.0",
+    "SERI": "H0000000",
+}
+PARAMETERS = {
+    "MODL": "URG-04LX(Hokuyo Automatic Co.,Ltd.)",
+    "DMIN": "20",
+    "DMAX": "5600",
+    "ARES": "1024",
+    "AMIN": "44",
+    "AMAX": "725",
+    "AFRT": "384",
+    "SCAN": "600",
+}
+
+
+class Unit:
+    """The sensor: bytes in, bytes out, a clock.
+
+    Parameters
+    ----------
+    world : World
+        What it sees in each turn.
+    protocol : "2.0", "1.1" or "1.1 only"
+        What it speaks after power-up; the last has firmware that cannot switch.
+    rate : int, bits a second
+    usb : bool
+        Whether bits a second do not matter.
+    speed : float
+        Its seconds go by so much faster than the clock's.
+    clock : callable
+        Seconds.
+    stamp : int, milliseconds
+        Its own clock at power-up.
+    """
+
+    def __init__(
+        self,
+        world: World,
+        *,
+        protocol: str = "2.0",
+        rate: int = 19200,
+        usb: bool = True,
+        speed: float = 1.0,
+        clock: Callable[[], float] = time.monotonic,
+        stamp: int = 0,
+    ) -> None:
+        if protocol not in ("2.0", "1.1", "1.1 only"):
+            raise ValueError(f"protocol must be '2.0', '1.1' or '1.1 only', got {protocol!r}")
+        if rate not in RATES or not speed > 0:
+            raise ValueError(f"rate must be one of {RATES} and speed positive")
+        self.world, self.usb, self.speed, self.stamp = world, usb, speed, stamp
+        self.rate = self.next_rate = rate
+        self.old = OldProtocol(self, switches=protocol == "1.1") if protocol != "2.0" else None
+        self._clock, self._begun = clock, clock()
+        self.laser = self.timing = self.dead = False
+        self.stream: ScanRequest | None = None
+        self.trouble = ""
+        self.received: list[str] = []
+        self._next_turn = 0
+        self._line = b""
+        self._late: deque[tuple[float, Callable[[], bytes]]] = deque()
+        self._out = b""
+        self._sent_at = 0.0
+
+    def now(self) -> float:
+        """Its seconds since power-up."""
+        return (self._clock() - self._begun) * self.speed
+
+    def turn(self) -> int:
+        """Number of the turn that was finished last; -1 before the first."""
+        return int(self.now() / TURN) - 1
+
+    # ------------------------------------------------------------------------ wire
+    def receive(self, data: bytes) -> None:
+        """Take bytes of the host, and act on each whole line."""
+        *lines, self._line = (self._line + data).replace(b"\r", b"\n").split(b"\n")
+        self._line = self._line[-LONGEST:]
+        for line in lines:
+            text = line[-LONGEST:].decode("ascii", "replace")
+            if text and not self.dead:
+                self.received.append(text)
+                del self.received[:-1000]
+                self._out += self._answer(text)
+
+    def transmit(self) -> bytes:
+        """What it has to send by now, no more than its bit rate lets through."""
+        now = self.now()
+        while self._late and self._late[0][0] <= now and not self.dead:
+            self._out += self._late.popleft()[1]()
+        if self.stream and not self._out and not self.dead and self.turn() >= self._next_turn:
+            self._out += self._streamed(self.stream)
+        allowed = len(self._out) if self.usb else int((now - self._sent_at) * self.rate / 10)
+        data, self._out = self._out[:allowed], self._out[allowed:]
+        if data or not self._out:
+            self._sent_at = now
+        if not self._out:
+            self.rate = self.next_rate
+        return data
+
+    def start_stream(self, text: str = "MD0044072501000") -> None:
+        """Be found streaming, as after a host that crashed."""
+        self.stream, self.laser, self._next_turn = parse_request(text), True, self.turn() + 1
+
+    # -------------------------------------------------------------------- commands
+    def _answer(self, text: str) -> bytes:
+        if text[:2] in DEADLY:
+            self.dead = True
+            return b""
+        if self.old:
+            return self.old.answer(text)
+        act: Callable[[str], bytes] | None = getattr(self, f"_do_{text[:2].lower()}", None)
+        if act is None or (self.timing and text[:2] != "TM"):
+            return encode_reply(text, "0E")
+        return act(text)
+
+    def _do_vv(self, text: str) -> bytes:
+        return encode_reply(text, "00", [info_line(*item) for item in VERSION.items()])
+
+    def _do_pp(self, text: str) -> bytes:
+        return encode_reply(text, "00", [info_line(*item) for item in PARAMETERS.items()])
+
+    def _do_ii(self, text: str) -> bytes:
+        told = {
+            "MODL": PARAMETERS["MODL"],
+            "LASR": "ON" if self.laser else "OFF",
+            "SCSP": "Initial(600[rpm])<-Default setting by user",
+            "MESM": "MONITORING" if self.stream else "CLASSIC" if self.laser else "IDLE",
+            "SBPS": f"{self.rate}[bps]<-Default setting by user",
+            "TIME": f"{self._stamp(max(self.turn(), 0)):06X}",
+            "STAT": self.trouble or "Sensor works well.",
+        }
+        return encode_reply(text, "00", [info_line(*item) for item in told.items()])
+
+    def _do_bm(self, text: str) -> bytes:
+        status = "02" if self.laser else "00"
+        self.laser = True
+        return encode_reply(text, status)
+
+    def _do_qt(self, text: str) -> bytes:
+        self.laser, self.stream = False, None
+        self._late.clear()
+        return encode_reply(text, "00")
+
+    def _do_rs(self, text: str) -> bytes:
+        self._begun, self.stamp = self._clock(), 0
+        return self._do_qt(text)
+
+    def _do_tm(self, text: str) -> bytes:
+        if text == "TM1" and self.timing:
+            line = encode(self._stamp(max(self.turn(), 0)), 4)
+            return encode_reply(text, "00", [line + checksum(line)])
+        status = {
+            "TM0": "02" if self.timing else "00",
+            "TM1": "04",
+            "TM2": "00" if self.timing else "03",
+        }.get(text, "01")
+        if status == "00":
+            self.timing = text == "TM0"
+            self.laser, self.stream = False, None
+        return encode_reply(text, status)
+
+    def _do_ss(self, text: str) -> bytes:
+        if not text[2:].isdigit():
+            return encode_reply(text, "01")
+        rate = int(text[2:])
+        if rate not in RATES:
+            return encode_reply(text, "02")
+        status = "03" if rate == self.rate else "00"
+        self.next_rate = rate
+        return encode_reply(text, status)
+
+    def _do_cr(self, text: str) -> bytes:
+        return encode_reply(text, "03" if text == "CR00" else "00")
+
+    def _do_hs(self, text: str) -> bytes:
+        return encode_reply(text, "0C")
+
+    def _do_gd(self, text: str) -> bytes:
+        """Commands are served about once a turn: the answer waits for the end of this one."""
+        request, status = _checked(text)
+        if request is None or not self.laser:
+            return encode_reply(text, status or "10")
+        wanted = request
+        self._late.append(((self.turn() + 2) * TURN, lambda: self._single(wanted)))
+        return b""
+
+    _do_gs = _do_gd
+
+    def _do_md(self, text: str) -> bytes:
+        request, status = _checked(text)
+        if request is not None:
+            self.stream, self.laser, self._next_turn = request, True, self.turn() + 2
+        return encode_reply(text, status or "00")
+
+    _do_ms = _do_md
+
+    # ----------------------------------------------------------------------- scans
+    def _single(self, request: ScanRequest) -> bytes:
+        if self.trouble:
+            return encode_reply(request.text, "50")
+        return encode_reply(request.text, "00", self._body(request, self.turn()))
+
+    def _streamed(self, request: ScanRequest) -> bytes:
+        turn = self.turn()
+        self._next_turn = turn + 1 + request.skip
+        left = request._replace(scans=max(request.scans - 1, 0))
+        if self.trouble:
+            self.stream, self.laser = None, False
+            return encode_reply(left.text, "50")
+        self.stream = left if request.scans != 1 else None
+        self.laser = self.stream is not None
+        return encode_reply(left.text, "99", self._body(request, turn))
+
+    def _body(self, request: ScanRequest, turn: int) -> list[bytes]:
+        met = clustered(self.world(turn)[request.first : request.last + 1], request.cluster)
+        return encode_scan(self._stamp(turn), met, 3 if request.kind[1] == "D" else 2)
+
+    def _stamp(self, turn: int) -> int:
+        return (self.stamp + round(1000 * TURN * turn)) % (1 << 24)
+
+
+def clustered(millimetres: NDArray[np.int64], size: int) -> NDArray[np.int64]:
+    """The smallest distance of each group; an error only where all are errors.
+
+    Examples
+    --------
+    >>> clustered(np.array([300, 200, 7, 500, 7]), 2)
+    array([200, 500,   7])
+    """
+    groups = range(0, len(millimetres), max(size, 1))
+    parts = [millimetres[i : i + max(size, 1)] for i in groups]
+    return np.array([min(good) if (good := [d for d in p if d >= 20]) else p[0] for p in parts])
+
+
+def _checked(text: str) -> tuple[ScanRequest | None, str]:
+    """The request, or the status that refuses it."""
+    try:
+        request = parse_request(text)
+    except SensorError:
+        return None, "0C" if len(text) < 12 else "01"
+    if request.last >= STEPS:
+        return None, "04"
+    if request.last < request.first:
+        return None, "05"
+    return request, ""

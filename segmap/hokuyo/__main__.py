@@ -1,0 +1,73 @@
+"""For the bench: find a sensor, ask what it is, record what it sees."""
+
+import argparse
+import sys
+from pathlib import Path
+
+from . import SensorError, UrgSensor, ports, record
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Run a command; 0 where it went well, 1 with a reason where not."""
+    given = _parser().parse_args(arguments)
+    try:
+        given.run(given)
+    except (SensorError, OSError, ValueError) as error:
+        print(f"{type(error).__name__}: {error}", file=sys.stderr)
+        return 1
+    return 0
+
+
+def _list(given: argparse.Namespace) -> None:
+    found = ports()
+    for port in found:
+        print(f"{port.device}  {'Hokuyo' if port.is_hokuyo else 'other '}  {port.description}")
+    if not found:
+        print("no serial port: is the sensor plugged in?")
+
+
+def _info(given: argparse.Namespace) -> None:
+    with UrgSensor(given.port) as sensor:
+        for key, text in (sensor.info | sensor.state()).items():
+            print(f"{key}  {text}")
+        print(f"RATE  {sensor.rate} bit/s")
+        print(f"SCAN  {sensor.scan()}")
+
+
+def _record(given: argparse.Namespace) -> None:
+    with UrgSensor(given.port, reconnect=given.reconnect) as sensor:
+        try:
+            record(sensor, given.path, count=given.count)
+        except KeyboardInterrupt:
+            pass
+        finally:
+            print(f"{sensor.delivered} scans, {sensor.dropped} dropped; {given.path}")
+            if sensor.slow:
+                print(sensor.slow)
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(prog="python -m segmap.hokuyo", description=__doc__)
+    commands = parser.add_subparsers(required=True, metavar="list | info | record")
+    command = commands.add_parser("list", help="serial ports, Hokuyo's first")
+    command.set_defaults(run=_list)
+    command = commands.add_parser("info", help="who the sensor is, how it is, and one scan")
+    command.set_defaults(run=_info)
+    _add_port(command)
+    command = commands.add_parser("record", help="scans to a log, until Control-C")
+    command.set_defaults(run=_record)
+    command.add_argument("path", type=Path, help="x.log for CARMEN, else a folder of Hokuyo texts")
+    _add_port(command)
+    command.add_argument("--count", type=int, help="stop after so many scans")
+    command.add_argument(
+        "--reconnect", type=float, default=0.0, help="seconds to wait for an unplugged sensor"
+    )
+    return parser
+
+
+def _add_port(command: argparse.ArgumentParser) -> None:
+    command.add_argument("--port", default="auto", help="device (default: the Hokuyo on USB)")
+
+
+if __name__ == "__main__":
+    sys.exit(main())
