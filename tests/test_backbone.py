@@ -303,9 +303,10 @@ def test_translation_of_lines_in_two_directions_is_exact():
     np.testing.assert_allclose(found, shift, atol=1e-12)
 
 
-def test_translation_of_nearly_parallel_lines_is_not_blown_up():
+@pytest.mark.parametrize("apart", [2.0, 15.0])
+def test_translation_of_nearly_parallel_lines_is_not_blown_up(apart):
     """Two walls 2 degrees apart would put a centimetre of noise 0.6 m along the corridor."""
-    angles = np.radians([0.0, 2.0])
+    angles = np.radians([0.0, apart])
     normals = np.stack([-np.sin(angles), np.cos(angles)], -1)
     found = least_translation(normals, np.array([0.01, -0.01]), np.ones(2))
     assert np.hypot(*found) < 0.011
