@@ -14,7 +14,7 @@ import sys
 if {blocked}:
     sys.modules["numba"] = None
 import numpy as np
-from segmap import alignment, extraction, metrics, quadtree, reduction, simulation
+from segmap import alignment, extraction, matching, metrics, quadtree, reduction, simulation
 from segmap.alignment._point_map import PointMap
 rng = np.random.default_rng(3)
 t = np.radians(np.arange(0, 360, 6.0))
@@ -30,7 +30,11 @@ log = simulation.simulate(office, path, sensor=simulation.SICK_LMS200, rng=rng)
 maps = [quadtree.QuadtreeMap(resolution=0.1, size=1.6, free_resolution=f) for f in (None, 0.2)]
 for map in maps:
     map.insert_scan((0.1, 0.0), points, points[:5] * 1.5)
+poses = rng.normal(0, 0.2, (3, 3))
+scores = [getattr(matching, name) for name in matching.__all__ if name.endswith("_score")]
 found = [
+    *[score(maps[0], points, poses) for score in scores],
+    matching.hill_climb(maps[1], points, poses[0]),
     *maps[0].leaves(),
     *maps[1].leaves(),
     maps[0].to_grid(0.2),

@@ -10,8 +10,8 @@ from ..quadtree import QuadtreeMap
 from . import _field_loops as loops
 from ._scores import all_placed, checked, held
 
-#: The field counts in this fraction of a cell.
-UNIT = 65536
+#: Distances are whole numbers, the longest in a window below this: 32 bits.
+MOST = 2**31 - 1
 #: Around the ends of a scan at its start: what a matcher may move them by, metres.
 MARGIN = 0.5
 #: Cells of a window: a side, so that 32 bits hold every distance, and in all, a quarter of a GB.
@@ -37,6 +37,12 @@ class DistanceField:
     window : (4,) sequence, metres, or None
         Left, low, right, high edge; the whole root by default. A point beyond counts as on it.
 
+    Attributes
+    ----------
+    cells : (rows, columns) int32 array
+        Distances, row 0 lowest, in fractions of a cell: 1 / `unit`.
+    unit : int
+
     Raises
     ------
     ValueError
@@ -58,7 +64,8 @@ class DistanceField:
         if not loops.paint(*nodes, left, low, grid):
             raise NothingNear("the window holds no occupied cell, so no pose in it has a score")
         loops.transform_columns(grid)
-        loops.transform_rows(grid, UNIT)
+        self.unit = MOST // (columns + rows)
+        loops.transform_rows(grid, self.unit)
         self.cells = grid
         corner = map.corner + first * map.resolution
         self._frame = np.array([*corner, map.resolution, columns, rows])
@@ -79,7 +86,7 @@ class DistanceField:
     @property
     def distance(self) -> Array:
         """Distances, `(rows, columns)`, metres, row 0 lowest."""
-        return self.cells * (self._frame[2] / UNIT)
+        return self.cells * (self._frame[2] / self.unit)
 
     @property
     def bounds(self) -> tuple[float, float, float, float]:
@@ -112,7 +119,7 @@ class DistanceField:
         near = np.clip(np.asarray(points, float).reshape(-1, 2), -FAR_AWAY, FAR_AWAY)
         ends = np.ascontiguousarray(near.T, np.float32)
         room, flat = np.empty(ends.shape[1], np.int32), self.cells.ravel()
-        unit = -self._frame[2] / UNIT
+        unit = -self._frame[2] / self.unit
         return lambda poses: unit * loops.look_up(flat, self._frame, ends, poses, room)
 
 

@@ -121,7 +121,7 @@ def look_up(
             y = s * points[0, m] + c * points[1, m] + dy
             x, y = min(max(x, zero), most_x), min(max(y, zero), most_y)
             cells[m] = np.int32(y) * columns + np.int32(x)
-        total = 0
+        total = np.int64(0)
         for m in range(points.shape[1]):
             total += field[cells[m]]
         found[k] = total

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 from ..angles import Array, wrap
 from ..quadtree import QuadtreeMap
 from ._field import DistanceField
-from ._scores import checked
+from ._scores import checked, occupancy_score
 
 #: From a map, points and poses to scores, the higher the better.
 Score = Callable[[QuadtreeMap, ArrayLike, ArrayLike], Array]
@@ -44,7 +44,10 @@ def field_score(map: QuadtreeMap, points: ArrayLike, poses: ArrayLike) -> Array:
     >>> field_score(map, [(1.05, 0.05)], (0.3, 0, 0)).round(6)
     array([-0.3])
     """
-    return DistanceField.around(map, points, poses).score(points, poses)
+    ends, at = checked(points, poses)
+    if not ends.size * at.size:
+        return occupancy_score(map, ends, at)  # nothing to sum, but for an empty map an error
+    return DistanceField.around(map, ends, at).score(ends, at)
 
 
 def hill_climb(
@@ -184,6 +187,6 @@ def prepared(
     score: Score, map: QuadtreeMap, points: Array, start: Array
 ) -> Callable[[Array], Array]:
     """The score as a function of poses `(k, 3)` alone; a field is transformed once."""
-    if score is field_score:
+    if score is field_score and len(points):
         return DistanceField.around(map, points, start).scorer(points)
     return lambda poses: score(map, points, poses)

@@ -1,0 +1,110 @@
+"""The distance field: exact on cells, and within half a diagonal of one elsewhere."""
+
+import numpy as np
+import pytest
+from scipy.ndimage import distance_transform_edt
+from test_matching import SEEDS, occupied, random_map
+
+from segmap.matching import DistanceField, distance_score
+from segmap.quadtree import QuadtreeMap
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_the_field_is_the_exact_transform(seed):
+    """Catches an approximate transform, a transposed window, and one that is off by a cell."""
+    map, _ = random_map(seed)
+    field = DistanceField(map)
+    taken = np.ones(field.cells.shape, bool)
+    left, low, *_ = field.bounds
+    for x, y in (occupied(map) - (left, low)) / map.resolution:
+        taken[int(y), int(x)] = False
+    expected = map.resolution * distance_transform_edt(taken)
+    np.testing.assert_allclose(field.distance, expected, atol=1e-5 * map.resolution)
+
+
+@pytest.mark.parametrize("shape", [(1, 40), (40, 1), (7, 90), (90, 7)])
+def test_the_transform_of_any_shape(shape):
+    """Rows and columns without any occupied cell, and a single one: the envelope's edges."""
+    map = QuadtreeMap(resolution=1.0, size=128.0)
+    rng = np.random.default_rng(shape)
+    window = (10, 10, 10 + shape[1], 10 + shape[0])
+    taken = np.ones(shape, bool)
+    for i, j in rng.integers(0, shape, (3, 2)):
+        map.insert_scan((j + 10.5, i + 10.5), [(j + 10.5, i + 10.5)])
+        taken[i, j] = False
+    field = DistanceField(map, window)
+    assert field.bounds == window
+    np.testing.assert_allclose(field.distance, distance_transform_edt(taken), atol=1e-5)
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_the_field_approximates_the_distance(seed):
+    """Within half a cell's diagonal for each beam alone; corners of cells are the worst places."""
+    map, rng = random_map(seed)
+    left, low, right, high = map.bounds
+    places = rng.uniform((left, low), (right, high), (500, 2))
+    corners = map.corner + np.floor((places - map.corner) / map.resolution) * map.resolution
+    places[::2] = np.clip(corners[::2], (left, low), (right, high))
+    poses = np.column_stack([places, np.zeros(500)])
+    away = DistanceField(map).score([(0, 0)], poses) - distance_score(map, [(0, 0)], poses)
+    assert np.abs(away).max() <= map.resolution / np.sqrt(2) + 1e-6
+    assert np.abs(away).max() > 0.6 * map.resolution  # else the test has not met the worst
+
+
+def test_a_field_around_a_scan_is_that_of_the_whole_map():
+    """Within reach of the window the nearest cells are inside it."""
+    map = QuadtreeMap(resolution=0.05)
+    walls = np.array([(x, 2.025) for x in np.arange(1.025, 5, 0.05)])
+    map.insert_scan((1, 1), walls)
+    poses = np.random.default_rng(1).normal(0, 0.05, (20, 3))
+    near = DistanceField.around(map, walls, (0, 0, 0))
+    assert near.cells.size < DistanceField(map).cells.size / 4
+    whole = DistanceField(map).score(walls, poses)
+    np.testing.assert_allclose(near.score(walls, poses), whole, rtol=1e-3)
+
+
+def test_a_window_cuts():
+    """What lies outside is not seen: the score is lower. A point beyond counts as on the edge."""
+    map = QuadtreeMap(resolution=0.1)
+    for cell in [(0.05, 0.05), (3.05, 0.05)]:
+        map.insert_scan(cell, [cell])
+    field = DistanceField(map, (0, 0, 2, 1))
+    assert field.bounds == pytest.approx((0, 0, 2, 1))
+    found = field.score([(1.95, 0.05), (3.05, 0.05), (1e300, 0.05)], (0, 0, 0))[0]
+    assert found == pytest.approx(-3 * 1.9)
+
+
+def test_a_field_is_a_picture_of_its_moment():
+    map = QuadtreeMap(resolution=0.1)
+    map.insert_scan((0, 0), [(1.05, 0.05)])
+    field = DistanceField(map)
+    map.insert_scan((0, 0), [(2.05, 0.05)])
+    assert field.score([(2.05, 0.05)], (0, 0, 0))[0] == pytest.approx(-1.0)
+
+
+@pytest.mark.parametrize(
+    ("window", "message"),
+    [
+        ((0, 0, 1), "left, low, right, high"),
+        ((0, 0, 0, 1), "left, low, right, high"),
+        ((1, 0, 0, 1), "left, low, right, high"),
+        ((0, 0, np.nan, 1), "left, low, right, high"),
+        ((0, 0, 1e4, 1), "1000000 x 100 cells is too large"),
+        ((0, 0, 1e300, 1e300), "too large"),
+        ((40, 40, 41, 41), "no occupied cell"),
+        ((1e300, 0, 1.0000001e300, 1), "left, low|too large|no occupied|beyond"),
+    ],
+)
+def test_which_windows_are_refused(window, message):
+    map = QuadtreeMap(resolution=0.01)
+    map.insert_scan((0, 0), [(1, 1)])
+    with pytest.raises(ValueError, match=message):
+        DistanceField(map, window)
+
+
+def test_a_root_too_large_for_a_field_says_so():
+    map = QuadtreeMap(resolution=0.01)
+    map.insert_scan((0, 0), [(1, 1), (400, 1)])
+    with pytest.raises(ValueError, match=r"65536 x 65536 cells is too large: .* a smaller one"):
+        DistanceField(map)
+    assert DistanceField(map, (0, 0, 2, 2)).score([(1.005, 1.005)], (0, 0, 0))[0] == 0
