@@ -31,8 +31,9 @@ LIKELY, OVERLAP = 0.55, 0.6
 APART, TURNED = 0.25, np.radians(4)
 #: ... and only loops whose ends lie within this way of each other can be compared, metres.
 STRETCH = 8.0
-#: Each needs so many others that agree.
-WITNESSES = 2
+#: Each needs so many others that agree; more where the robot may be anywhere, for many rooms are
+#: built alike.
+WITNESSES, LOST_WITNESSES = 2, 5
 #: A loop that the solution leaves open by so many standard deviations is taken out.
 CONTRADICTED = 15.0
 #: Old places whose map is kept ready.
@@ -113,7 +114,7 @@ class Closer:
     def measure(self, window: Window, new: int) -> Loop | str:
         """The motion between two key frames by their surroundings, or why it is none."""
         frames, map = self.frames, self.map_of(window.old)
-        seen = frames.cloud(range(max(new - NEW, 0), new + 1), new)
+        seen = frames.cloud(range(max(new - NEW, self.lost or 0), new + 1), new)
         if map is None or len(seen) < 6:
             return "too few points"
         seen = seen[:: 1 + len(seen) // 750]
@@ -149,7 +150,7 @@ class Closer:
         found: list[Loop] = []
         for loop in [each for each in self.pending if each.new == new]:
             others = [o for o in self.pending + self.closed[-30:] if self.agree(loop, o)]
-            if len({o.new for o in others}) >= WITNESSES:
+            if len({o.new for o in others}) >= (WITNESSES if self.lost is None else LOST_WITNESSES):
                 found += [o for o in [loop, *others] if not _among(o, found + self.closed)]
         self.pending = [loop for loop in self.pending if not _among(loop, found)]
         return found

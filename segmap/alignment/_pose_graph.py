@@ -12,6 +12,8 @@ from ._walk import Walk, settled
 
 #: Above this share of a scan on the map nobody looks for a better place further away.
 SURE = 0.7
+#: A place further away has to hold this much more of the scan, and at least this much.
+BETTER, FURTHER = 0.1, 0.6
 #: After a search the descent moves by less than this, metres and radians; else it slides along.
 SLIDE = 0.3, 0.2
 
@@ -93,7 +95,7 @@ def searched(map: PointMap, points: Array, guess: Array, window: float, wide: fl
     for factor in (1.0, 2.0):
         start, _ = map.search(points, guess, reach=factor * window, turn=factor * wide)
         match = best if start is None else _steady(start, settled(map, points, start))
-        if match.overlap > best.overlap:
+        if match.overlap > (0.0 if factor == 1.0 else max(best.overlap + BETTER, FURTHER)):
             best = match
         if best.matched and best.overlap > SURE:
             break
