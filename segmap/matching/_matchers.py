@@ -110,7 +110,7 @@ def hill_climb(
         if not sizes:
             break
         pose, best = tried[int(np.argmax(found))], float(found.max())
-    return np.array([pose[0], pose[1], wrap(pose[2])])
+    return wrapped(pose)
 
 
 def sample_and_rank(
@@ -155,7 +155,7 @@ def sample_and_rank(
     True
     """
     spread = np.array([sigma[0], sigma[0], sigma[1]], float)
-    if not (spread > 0).all():
+    if not ((spread > 0) & np.isfinite(spread)).all():
         raise ValueError(f"sigma must be positive, in metres and radians, got {sigma}")
     ends, pose = checked_start(points, start)
     values = prepared(score, map, ends, pose)
@@ -166,8 +166,13 @@ def sample_and_rank(
         drawn = np.repeat(poses[stay], 4, axis=0) + rng.normal(0, spread / step, (80, 3))
         poses = np.concatenate([poses[stay], drawn])
         found = np.concatenate([found[stay], values(drawn)])
-    pose = poses[int(np.argmax(found))]
-    return np.array([pose[0], pose[1], wrap(pose[2])])
+    return wrapped(poses[int(np.argmax(found))])
+
+
+def wrapped(pose: Array) -> Array:
+    """The pose with its heading in [-pi, pi); bit for bit itself where it is there already."""
+    turned = pose if -np.pi <= pose[2] < np.pi else (pose[0], pose[1], wrap(pose[2]))
+    return np.array(turned)
 
 
 def checked_start(points: ArrayLike, start: ArrayLike) -> tuple[Array, Array]:
