@@ -3,7 +3,22 @@
 Metres, radians, seconds; poses are x, y, heading; `a_from_b` carries points of b into a.
 """
 
-from . import angles, extraction, metrics, poses, readers, reduction, scans, segments, simulation
+from . import (
+    alignment,
+    angles,
+    experiments,
+    exports,
+    extraction,
+    matching,
+    metrics,
+    poses,
+    quadtree,
+    readers,
+    reduction,
+    scans,
+    segments,
+    simulation,
+)
 from .extraction import build_map, extract_clusters, extract_polylines
 from .metrics import quality, reduction_rate, segment_distance
 from .readers import LogError, load, read
@@ -20,15 +35,20 @@ __all__ = [
     "LogError",
     "Reduction",
     "SegmentMap",
+    "alignment",
     "angles",
     "build_map",
+    "experiments",
+    "exports",
     "extract_clusters",
     "extract_polylines",
     "extraction",
     "fusion",
     "load",
+    "matching",
     "metrics",
     "poses",
+    "quadtree",
     "quality",
     "read",
     "readers",
