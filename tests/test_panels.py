@@ -7,13 +7,20 @@ import pytest
 from matplotlib.figure import Figure
 
 from segmap import LaserScan, Log, SegmentMap, fusion, load, quality
-from segmap.alignment import backbone_steps, match_angles, match_points
+from segmap.alignment import (
+    backbone_steps,
+    match_angles,
+    match_points,
+    odometry,
+    pose_graph,
+)
 from segmap.experiments import sweep
 from segmap.extraction import extract_polylines
 from segmap.panels import (
     AnglePanel,
     BackbonePanel,
     BasicPanel,
+    ClassesPanel,
     ClusterPanel,
     ComparePanel,
     DistancePanel,
@@ -24,14 +31,19 @@ from segmap.panels import (
     MeanShiftPanel,
     Panel,
     PolylinePanel,
+    PoseGraphPanel,
+    QuadtreePanel,
+    RayPanel,
     RoomPanel,
     ScanPanel,
 )
 from segmap.panels._base import VIEW, slider, text
 from segmap.plotting import ERROR, RESULT, TRUTH
+from segmap.quadtree import build_map
 from segmap.reduction import basic_offline, basic_online, hybrid, mean_shift
 from segmap.sensors import URG_04LX
 from segmap.simulation import drive, rectangular_room, simulate
+from segmap.testing import assert_poses_equal
 
 ROOM = rectangular_room(4.0, 3.0)
 LOG = simulate(
@@ -40,6 +52,8 @@ LOG = simulate(
 WALLS = SegmentMap([[(0, y), (2, y)] for y in (0.0, 0.03, 0.10, 0.15, 1.0)])
 #: Two that touch at (2, 0), six degrees apart: rho of both is near 0 there, and not elsewhere.
 LEANING = SegmentMap([[(0, 0), (2, 0)], [(1.95, 0), (3.9, 0.2)], [(9, 9), (9, 9.1)]])
+
+LOOP = load("corridor")
 
 RUNS = sweep(
     {"walls": WALLS},
@@ -52,6 +66,7 @@ PANELS = {
     "angles": (lambda: AnglePanel(LOG), "rank", 1),
     "backbone": (lambda: BackbonePanel(LOG), "scan", 3),
     "basic": (lambda: BasicPanel(WALLS), "distance", 0.05),
+    "classes": (lambda: ClassesPanel(build_map(LOG, LOG.truth)), "occupied", 0.9),
     "clusters": (lambda: ClusterPanel(LOG[0]), "gap", 0.05),
     "compare": (lambda: ComparePanel(WALLS, RUNS), "wanted", 50),
     "distance": (DistancePanel, "angle", 30),
@@ -61,6 +76,9 @@ PANELS = {
     "mean shift": (lambda: MeanShiftPanel(WALLS), "sigma", 0.60),
     "icp": (lambda: IcpPanel(LOG[0].points(), LOG[1].points(), (0.5, 0, 0)), "x", -0.2),
     "polylines": (lambda: PolylinePanel(LOG[0]), "tolerance", 0.005),
+    "pose graph": (lambda: PoseGraphPanel(LOOP), "scan", 60),
+    "quadtree": (lambda: QuadtreePanel(LOG), "doublings", 2),
+    "rays": (RayPanel, "mask", False),
     "room": (lambda: RoomPanel(ROOM, (1, 1, 0)), "beams", 51),
     "scan": (lambda: ScanPanel(LOG), "step", 3),
 }
@@ -388,3 +406,37 @@ def test_backbone_panel_shows_what_the_method_does():
     assert len(panel.step.segments) < len(steps[50].segments)
     with pytest.raises(ValueError, match="log must hold at least one scan, got none"):
         BackbonePanel(log[:0])
+
+
+def test_pose_graph_panel_shows_the_graph_as_it_is():
+    """Catches a graph solved with other weights than the method's, and scans that are left out."""
+    found = pose_graph(LOOP)
+    panel = PoseGraphPanel(LOOP, found)
+    assert_poses_equal(panel.poses, found.poses, atol=1e-4)
+    loops = int(found.graph.loop.sum())
+    assert loops and panel.count.value.endswith(f" {loops} loops")
+
+
+def test_pose_graph_panel_takes_loops_only_when_they_are_found_and_wanted():
+    """Catches a box without effect, and a loop known before its second end was seen."""
+    panel = PoseGraphPanel(LOOP)
+    panel.wheels.value = True
+    assert float(panel.gap.value.split()[-2]) < 0.1
+    panel.loops.value = False
+    assert_poses_equal(panel.poses, LOOP.odometry, atol=1e-6)
+    assert "loops not used" in panel.count.value and float(panel.gap.value.split()[-2]) > 1
+    panel.loops.value, panel.scan.value = True, 140
+    assert_poses_equal(panel.poses, LOOP.odometry[:141], atol=1e-6)
+    assert panel.count.value.endswith(" 0 loops")
+
+
+def test_pose_graph_panel_without_odometry_offers_no_wheels():
+    scans = [LaserScan(s.ranges, s.angles, s.time) for s in LOOP[:10]]
+    assert PoseGraphPanel(Log("bare", scans)).wheels.disabled
+
+
+def test_pose_graph_panel_refuses_what_has_no_graph():
+    found = pose_graph(LOOP[:10])
+    for log, alignment in ((LOOP, odometry(LOOP)), (LOOP[:9], found), (LOOP[:1], None)):
+        with pytest.raises(ValueError, match="must share a graph"):
+            PoseGraphPanel(log, alignment)

@@ -8,6 +8,7 @@ from ._angles import AnglePanel
 from ._backbone import BackbonePanel
 from ._base import Panel
 from ._basic import BasicPanel
+from ._classes import ClassesPanel
 from ._clusters import ClusterPanel
 from ._compare import ComparePanel
 from ._distance import DistancePanel
@@ -17,6 +18,10 @@ from ._hybrid import HybridPanel
 from ._icp import IcpPanel
 from ._mean_shift import MeanShiftPanel
 from ._polylines import PolylinePanel
+from ._pose_graph import PoseGraphPanel
+from ._quadtree import QuadtreePanel
+from ._ray_variants import insert_variant
+from ._rays import RayPanel
 from ._room import RoomPanel
 from ._scan import ScanPanel
 
@@ -24,6 +29,7 @@ __all__ = [
     "AnglePanel",
     "BackbonePanel",
     "BasicPanel",
+    "ClassesPanel",
     "ClusterPanel",
     "ComparePanel",
     "DistancePanel",
@@ -34,6 +40,10 @@ __all__ = [
     "MeanShiftPanel",
     "Panel",
     "PolylinePanel",
+    "PoseGraphPanel",
+    "QuadtreePanel",
+    "RayPanel",
     "RoomPanel",
     "ScanPanel",
+    "insert_variant",
 ]
