@@ -5,11 +5,13 @@ stood there before stays until the new one is complete. A name that ends in `.gz
 """
 
 from ._drawings import write_geojson, write_svg
-from ._grids import write_ros_map
+from ._grids import Classes, ros_classes, write_ros_map
 from ._trajectories import NOTHING_MET, write_carmen, write_tum
 
 __all__ = [
     "NOTHING_MET",
+    "Classes",
+    "ros_classes",
     "write_carmen",
     "write_geojson",
     "write_ros_map",

@@ -2,6 +2,7 @@
 
 import json
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +15,63 @@ from ._files import write_bytes, write_lines
 GREYS = np.array([254, 205, 0], np.uint8)
 #: What the YAML states for `(255 - grey) / 255`: 205 lies between the two.
 OCCUPIED_THRESH, FREE_THRESH = 0.65, 0.196
+
+
+class Classes(NamedTuple):
+    """Grey values of a grid `(rows, columns)`, row 0 lowest; its lower left corner and side, m."""
+
+    greys: NDArray[np.uint8]
+    left: float
+    low: float
+    side: float
+
+
+def ros_classes(
+    map: QuadtreeMap,
+    *,
+    resolution: float | None = None,
+    occupied: float = 0.5,
+    free: float = 0.25,
+) -> Classes:
+    """What `write_ros_map` writes: 254 free, 205 unknown, 0 occupied.
+
+    Parameters
+    ----------
+    map : QuadtreeMap
+    resolution, occupied, free
+        As there.
+
+    Returns
+    -------
+    Classes
+        Of the part where something is known; the whole root where nothing is.
+
+    Raises
+    ------
+    ValueError
+        For thresholds out of order, a resolution that does not fit.
+
+    Examples
+    --------
+    >>> map = QuadtreeMap(resolution=0.5, size=4, bias=1)
+    >>> map.insert_scan((0.2, 0.2), [(1.2, 0.2)])
+    >>> ros_classes(map).greys[0]
+    array([254, 254,   0, 254], dtype=uint8)
+    """
+    if not 0 <= free < 0.5 <= occupied < 1:
+        raise ValueError(f"wanted 0 <= free < 0.5 <= occupied < 1, got {free} and {occupied}")
+    k = map.level_of(resolution)
+    _, cell, level = map.tree.leaves()
+    value = map.leaf_occupancy()
+    kind = np.select([value > occupied, value <= free], [2.0, 0.0], 1.0)
+    first, last = cell >> k, (cell + (1 << level)[:, None] - 1) >> k
+    known = kind != 1 if (kind != 1).any() else kind == 1
+    start, end = first[known].min(0), last[known].max(0) + 1
+    columns, rows = (end - start).tolist()
+    grid = painted(rows, columns, first - start, level - k, kind)
+    left, low = (map.corner + (map.tree.corner + (start << k)) * map.resolution).tolist()
+    side = float(np.ldexp(map.resolution, k))
+    return Classes(GREYS[grid.astype(np.int64)], left, low, side)
 
 
 def write_ros_map(
@@ -67,20 +125,17 @@ def write_ros_map(
     place = Path(path)
     if place.suffix != ".yaml":
         raise ValueError(f"the name must end in .yaml, got {place.name!r}")
-    if not 0 <= free < 0.5 <= occupied < 1:
-        raise ValueError(f"wanted 0 <= free < 0.5 <= occupied < 1, got {free} and {occupied}")
-    picture = place.with_suffix(".pgm")
-    classes, left, low, side = _classes(map, resolution, occupied, free)
-    rows, columns = classes.shape
-    pixels = GREYS[np.flipud(classes).astype(np.int64)].tobytes()
+    found = ros_classes(map, resolution=resolution, occupied=occupied, free=free)
+    rows, columns = found.greys.shape
+    picture, pixels = place.with_suffix(".pgm"), np.flipud(found.greys).tobytes()
     write_bytes(picture, f"P5\n{columns} {rows}\n255\n".encode("ascii") + pixels)
     thresholds = f"free: occupancy <= {free:g}, occupied: occupancy > {occupied:g}"
     write_lines(
         place,
         [
             f"image: {json.dumps(picture.name)}",
-            f"resolution: {side!r}",
-            f"origin: [{left!r}, {low!r}, 0.0]",
+            f"resolution: {found.side!r}",
+            f"origin: [{found.left!r}, {found.low!r}, 0.0]",
             "negate: 0",
             f"occupied_thresh: {OCCUPIED_THRESH}",
             f"free_thresh: {FREE_THRESH}",
@@ -88,23 +143,3 @@ def write_ros_map(
             f"# {thresholds}, else unknown; bias {map.bias}",
         ],
     )
-
-
-def _classes(
-    map: QuadtreeMap, resolution: float | None, occupied: float, free: float
-) -> tuple[NDArray[np.float64], float, float, float]:
-    """Classes 0, 1, 2 of a grid, row 0 lowest, its lower left corner and the side of its cells."""
-    k = map.level_of(resolution)
-    _, cell, level = map.tree.leaves()
-    value = map.leaf_occupancy()
-    kind = np.select([value > occupied, value <= free], [2.0, 0.0], 1.0)
-    first, last = cell >> k, (cell + (1 << level)[:, None] - 1) >> k
-    known = kind != 1
-    if not known.any():
-        known[:] = True
-    start, end = first[known].min(0), last[known].max(0) + 1
-    columns, rows = (end - start).tolist()
-    grid = painted(rows, columns, first - start, level - k, kind)
-    side = float(np.ldexp(map.resolution, k))
-    left, low = (map.corner + (map.tree.corner + (start << k)) * map.resolution).tolist()
-    return grid, left, low, side

@@ -116,7 +116,7 @@ class QuadtreeMap(Pictured):
         ValueError
             For coordinates that are not finite or lie beyond `max_size`; the map is then as it was.
         """
-        sensor, ends, free = self._rays(sensor_xy, points, free_points)
+        sensor, ends, free = self.cells_of_scan(sensor_xy, points, free_points)
         tree, split_free = self.tree, self.free_resolution is not None
         # Steps 1 and 2: end points, each in a cell of its own
         tree.split_to(ends, inherit=split_free)
@@ -252,8 +252,8 @@ class QuadtreeMap(Pictured):
             f"{count})"
         )
 
-    def _rays(
-        self, sensor_xy: ArrayLike, points: ArrayLike, free_points: ArrayLike | None
+    def cells_of_scan(
+        self, sensor_xy: ArrayLike, points: ArrayLike, free_points: ArrayLike | None = None
     ) -> tuple[loops.Cells, loops.Cells, loops.Cells]:
         """Cells of the sensor and of both kinds of ends, in a root that holds them all."""
         sensor = point("sensor_xy", sensor_xy)[None]
