@@ -104,9 +104,9 @@ class Lines:
             if len(self.kept) > LONGEST:
                 self.kept = b""
                 raise SensorError(f"{LONGEST} bytes without an end of line: is the bit rate right?")
-            if not (came := self.read()) and self.clock() >= until:
+            self.kept += self.read()
+            if b"\n" not in self.kept and self.clock() >= until:
                 return None
-            self.kept += came
         line, _, self.kept = self.kept.partition(b"\n")
         return line.removesuffix(b"\r")
 

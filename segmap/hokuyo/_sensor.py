@@ -124,9 +124,10 @@ class UrgSensor:
             Where no whole scan comes after some attempts.
         """
         request = self._request("GD", first, last, cluster, 0)
-        self.stop()
         while True:
             try:
+                if self._asked is not None:
+                    self.stop()
                 return self._single(request)
             except SensorGone as gone:
                 self._find_again(gone)

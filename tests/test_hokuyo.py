@@ -1,0 +1,304 @@
+"""SCIP as bytes: coding, sums, whole captures there and back, and what damage does."""
+
+import numpy as np
+import pytest
+from emulated import capture
+from hypothesis import example, given, settings
+from hypothesis import strategies as st
+
+from segmap.hokuyo import (
+    HostClock,
+    Lines,
+    ScanRequest,
+    SensorError,
+    as_ranges,
+    checksum,
+    decode,
+    encode,
+    encode_reply,
+    encode_reply_1,
+    encode_scan,
+    info_line,
+    parse_geometry,
+    parse_info,
+    parse_reply,
+    parse_request,
+    parse_scan,
+    parse_scan_1,
+)
+
+FROM, TO = "urg04lx-from-sensor.scip.gz", "urg04lx-to-sensor.scip.gz"
+
+
+# ---------------------------------------------------------------------------- coding
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [
+        (1234, b"CB"),
+        (5432, b"1Dh"),
+        (16_000_000, b"m2@0"),
+        (19, b"0C"),
+        (19, b"00C"),
+        (4095, b"oo"),
+    ],
+)
+def test_numbers_of_the_manual(value, text):
+    """Catches groups of six bits in the wrong order, or another zero."""
+    assert encode(value, len(text)) == text
+    assert decode(text, len(text)) == [value]
+
+
+@pytest.mark.parametrize("line", ["00P", "01Q", "02R", "03S", "10Q", "99b", "0Aa", "0Ii"])
+def test_sums_of_the_manual(line):
+    """Catches a sum over the wrong bytes or with the wrong mask."""
+    assert checksum(line[:2].encode()) == line[2:].encode()
+
+
+@given(st.integers(2, 4), st.data())
+def test_numbers_there_and_back(characters, data):
+    top = 64**characters - 1
+    values = data.draw(st.lists(st.integers(0, top), max_size=200))
+    text = encode(values, characters)
+    assert len(text) == characters * len(values)
+    assert decode(text, characters).tolist() == values
+
+
+@pytest.mark.parametrize("value", [-1, 4096])
+def test_a_number_that_does_not_fit(value):
+    with pytest.raises(ValueError, match="2 characters, 0 to 4095"):
+        encode(value, 2)
+
+
+@given(st.integers(0, 2**24 - 1), st.lists(st.integers(0, 5600), max_size=800))
+def test_scans_there_and_back(clock, millimetres):
+    """Catches values that are cut at the border of a block: 64 is no multiple of 3."""
+    met = parse_scan(encode_scan(clock, millimetres, 3), 3)
+    assert met.clock == clock
+    assert met.millimetres.tolist() == millimetres
+
+
+@given(
+    st.sampled_from(["GD", "GS", "MD", "MS"]),
+    st.integers(0, 768),
+    st.integers(0, 768),
+    st.integers(0, 99),
+    st.integers(0, 9),
+    st.integers(0, 99),
+)
+def test_requests_there_and_back(kind, first, last, cluster, skip, scans):
+    streams = kind[0] == "M"
+    request = ScanRequest(kind, first, last, cluster, skip * streams, scans * streams)
+    assert parse_request(request.text) == request
+
+
+@given(st.text(st.characters(codec="ascii"), max_size=20))
+def test_other_texts_are_no_requests(text):
+    with pytest.raises(SensorError):
+        assert parse_request("X" + text)
+
+
+# -------------------------------------------------------------------------- captures
+def replies_of(data: bytes) -> list[list[bytes]]:
+    return [reply.strip(b"\n").split(b"\n") for reply in data.split(b"\n\n") if reply.strip(b"\n")]
+
+
+def test_the_capture_byte_by_byte():
+    """Every reply of the sensor is parsed, its sums seen to, and written again the same."""
+    data = capture(FROM)
+    first, rest = data.split(b"SCIP2.0\n0\n\n")
+    assert first.startswith(b"V\n0\nVEND:")
+    scans, again = 0, b""
+    for lines in replies_of(rest):
+        reply = parse_reply(lines)
+        body = list(reply.body)
+        if reply.echo.startswith("GD"):
+            met = parse_scan(body, 3)
+            assert len(met.millimetres) == parse_request(reply.echo).beams == 677
+            body, scans = encode_scan(met.clock, met.millimetres, 3), scans + 1
+        elif body:
+            body = [info_line(*item) for item in parse_info(body).items()]
+        again += encode_reply(reply.echo, reply.status, body)
+    assert scans == 121
+    assert again == rest
+
+
+def test_the_host_of_the_capture_asked_as_we_do():
+    """Catches fields of a request in another order or width."""
+    asked = capture(TO).split(b"\n")
+    ours = {ScanRequest("GD", 46, 722).text, "VV", "PP", "II", "BM", "SCIP2.0"}
+    said = {line.decode() for line in asked if line}
+    assert ours <= said
+    assert said - ours == {"V", "CR00", "HS0"}
+
+
+def test_the_old_capture():
+    """Six scans of SCIP 1.1: steps that are not measured at both ends, then written again."""
+    replies = replies_of(capture("urg04lx-scip1.scip"))
+    assert len(replies) == 6
+    again = b""
+    for echo, status, *lines in replies:
+        met = parse_scan_1(lines)
+        assert (echo, status, len(met)) == (b"G00076801", b"0", 769)
+        assert (met[:44] == 19).all()
+        text = encode(met, 2)
+        blocks = [text[i : i + 64] for i in range(0, len(text), 64)]
+        again += encode_reply_1("G00076801", "0", blocks)
+    assert again == capture("urg04lx-scip1.scip")
+
+
+def test_the_streamed_capture():
+    data = capture("urg04lx-ms-2char.scip")
+    (lines,) = replies_of(data)
+    reply = parse_reply(lines)
+    met = parse_scan(reply.body, 2)
+    assert (reply.status, len(met.millimetres)) == ("99", parse_request(reply.echo).beams)
+    assert encode_reply(reply.echo, "99", encode_scan(*met, 2)) == data
+
+
+# ---------------------------------------------------------------------------- damage
+WHOLE = encode_scan(6968830, 20 + np.arange(682) * 7 % 4000, 3)
+
+
+@settings(max_examples=300)
+@given(st.integers(0, 2113), st.integers(0, 7))
+def test_no_flipped_bit_passes(at, bit):
+    """Catches a sum that is not looked at, or characters that are not: bits 6 and 7 keep sums."""
+    text = bytearray(b"\n".join(WHOLE))
+    text[at % len(text)] ^= 1 << bit
+    with pytest.raises(SensorError):
+        assert len(parse_scan(bytes(text).split(b"\n"), 3).millimetres) != 682
+
+
+@pytest.mark.parametrize("characters", [2, 3])
+def test_no_lost_byte_passes(characters):
+    """Catches blocks of any length: a lost "@" leaves the sum, a lost end of line joins blocks."""
+    met = np.full(682, 1024)
+    text = b"\n".join(encode_scan(0, met, characters))
+    for at in range(len(text)):
+        with pytest.raises(SensorError):
+            parse_scan((text[:at] + text[at + 1 :]).split(b"\n"), characters)
+
+
+def test_a_wrong_sum_is_overlooked_in_information_only():
+    assert parse_info([b"SERI:H0706400;X"]) == {"SERI": "H0706400"}
+    with pytest.raises(SensorError, match="check sum"):
+        parse_reply([b"VV", b"00Q"])
+
+
+@pytest.mark.parametrize("change", [{"ARES": "0"}, {"AMIN": "x"}, {"AMAX": "9999"}, {"SCAN": "0"}])
+def test_a_geometry_that_cannot_be(change):
+    told = dict(ARES="1024", AMIN="44", AMAX="725", AFRT="384", DMIN="20", DMAX="5600", SCAN="600")
+    geometry = parse_geometry(told)
+    assert geometry.angles(384, 2).tolist() == [0.0, 2 * np.pi / 1024]
+    assert np.degrees(geometry.angles(44, 1))[0] == pytest.approx(-119.53, abs=0.005)
+    with pytest.raises(SensorError, match="PP told"):
+        parse_geometry(told | change)
+
+
+def test_codes_are_kept_and_are_no_ranges():
+    """Catches a code of 16 that becomes a wall at 16 mm."""
+    ranges, codes = as_ranges(np.arange(22))
+    assert np.isposinf(ranges[[0, 6]]).all()
+    assert np.isnan(np.delete(ranges[:20], [0, 6])).all()
+    assert ranges[20:].tolist() == [0.020, 0.021]
+    assert codes.tolist() == [*range(20), 0, 0]
+
+
+# ------------------------------------------------------------------- arbitrary bytes
+class Wire:
+    """A port that holds some bytes, or says the same for ever; its clock goes on with each read."""
+
+    baudrate = 115200
+
+    def __init__(self, data, endless=False):
+        self.left, self.endless, self.now, self.taken = data, endless, 0.0, 0
+
+    @property
+    def in_waiting(self):
+        return len(self.left)
+
+    def read(self, size=1, /):
+        self.now += 0.01
+        data = self.left[:size]
+        self.left = self.left if self.endless else self.left[size:]
+        self.taken += len(data)
+        return data
+
+    def write(self, data, /):
+        return len(data)
+
+    def close(self):
+        pass
+
+
+noise = st.one_of(
+    st.binary(max_size=3000),
+    st.lists(
+        st.sampled_from([b"GD0044072501\n", b"00P\n", b"99b\n", b"\n", *WHOLE[:3], b"QT\n", b"\r"])
+    ).map(b"".join),
+)
+
+
+@settings(deadline=None, max_examples=200)
+@given(noise, st.booleans())
+@example(b"x", True)
+@example(b"GD0044072501\n", True)
+@example(b"\n", True)
+def test_arbitrary_bytes(data, endless):
+    """Nothing but a SensorError, and an end: by the clock, or by the length of a line or reply."""
+    port = Wire(data, endless)
+    lines = Lines(port, lambda: port.now)
+    try:
+        found = lines.reply(b"GD0044072501", 0.5)
+        if found is not None:
+            parse_scan(parse_reply(found).body, 3)
+    except SensorError:
+        pass
+    assert port.now < 2.0
+    assert len(lines.kept) <= 512 + len(data)
+
+
+@given(st.lists(st.binary(max_size=80), max_size=6), st.integers(2, 3))
+def test_parsers_raise_nothing_else(lines, characters):
+    for parse in (
+        parse_reply,
+        parse_info,
+        parse_scan_1,
+        lambda body: parse_scan(body, characters),
+        lambda body: parse_geometry(parse_info(body)),
+    ):
+        try:
+            parse(lines)
+        except SensorError as error:
+            assert str(error)
+
+
+# ----------------------------------------------------------------------------- clock
+def test_the_clock_wraps_and_goes_on():
+    """Catches a scan that lies 4 h 39 min before the one it follows."""
+    clock = HostClock()
+    stamps = [(2**24 - 100 + 100 * k) % 2**24 for k in range(4)]
+    times = [clock.seconds(stamp, 50 + 0.1 * k) for k, stamp in enumerate(stamps)]
+    assert np.diff(times) == pytest.approx([0.1] * 3)
+
+
+def test_late_arrivals_do_not_move_the_clock():
+    """Catches times of arrival taken for times of measuring."""
+    late = [0.0, 0.03, 0.0, 0.9, 0.0, 0.01]
+    clock = HostClock(least=0.07)
+    times = [clock.seconds(100 * k, 50.07 + 0.1 * k + d) for k, d in enumerate(late)]
+    assert times == pytest.approx([50 + 0.1 * k for k in range(6)], abs=0.002)
+
+
+def test_a_night_without_scans_is_counted_in_wraps():
+    clock, wrap = HostClock(), 2**24 / 1000
+    clock.seconds(1000, 10.0)
+    assert clock.seconds(2000, 11.0 + 2 * wrap) == pytest.approx(11 + 2 * wrap, abs=1e-6)
+
+
+@pytest.mark.parametrize("pace", [100.02, 99.98])
+def test_a_drifting_clock_is_followed(pace):
+    """Catches an offset that is fixed at the first scan: quartz parts by a second in hours."""
+    clock = HostClock()
+    times = [clock.seconds(round(pace * k) % 2**24, 0.1 * k) for k in range(20_000)]
+    assert abs(times[-1] - 0.1 * 19_999) < 0.01

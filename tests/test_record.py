@@ -1,0 +1,148 @@
+"""Recording: every scan whole or absent, whenever the recorder dies."""
+
+import itertools
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from emulated import needs_terminals, pattern, turn_of
+
+from segmap import LaserScan, read
+from segmap.hokuyo import record
+
+ANGLES = (np.arange(682) - 340) * 2 * np.pi / 1024
+
+
+def scan(number: int) -> LaserScan:
+    """A scan whose every range tells its number, and a few errors."""
+    ranges = 1.0 + number / 1000 + np.zeros(682)
+    codes = np.zeros(682, np.int64)
+    codes[:3] = 7, 0, 16
+    ranges[:3] = np.nan, np.inf, np.nan
+    return LaserScan(ranges, ANGLES, 100 + 0.1 * number, max_range=5.6, codes=codes)
+
+
+def numbers(path) -> list[int]:
+    """Which scans a log holds; fails where one is not whole."""
+    found = []
+    for one in read(path):
+        number = np.rint(1000 * (one.ranges[3:] - 1.0)).astype(int)
+        assert len(one) == 682
+        assert (number == number[0]).all()
+        found.append(int(number[0]))
+    return found
+
+
+@pytest.mark.parametrize("name", ["some.log", "folder"])
+def test_there_and_back(name, tmp_path):
+    path = tmp_path / name
+    assert record(map(scan, range(3)), path) == 3
+    assert record(map(scan, itertools.count(3)), path, count=2) == 2
+    assert numbers(path) == [0, 1, 2, 3, 4]
+    log = read(path)
+    assert log[1].angles == pytest.approx(ANGLES, abs=1e-6)
+    assert np.isinf(log[1].ranges[1])
+    assert not log[1].valid[:3].any()
+    if name == "folder":
+        assert log[1].codes[:4].tolist() == [7, 0, 16, 0]
+    else:
+        assert log.times == pytest.approx(100 + 0.1 * np.arange(5), abs=1e-6)
+        assert log.truth is None
+
+
+def test_what_cannot_be_recorded(tmp_path):
+    with pytest.raises(ValueError, match="packed file cannot be added to"):
+        record([], tmp_path / "some.log.gz")
+    with pytest.raises(ValueError, match="evenly spaced"):
+        record([LaserScan([1, 1, 1], [0.0, 0.1, 0.3])], tmp_path / "some.log")
+    with pytest.raises(FileNotFoundError):
+        record([scan(0)], tmp_path / "none" / "some.log")
+
+
+def test_a_line_cut_anywhere_is_no_scan(tmp_path, monkeypatch):
+    """Catches a line that counts before it is whole: the disk fills, or the power fails."""
+    path, real = tmp_path / "some.log", os.write
+    whole = 5000
+    for stop in (0, 1, 2, 100, 4096, whole):
+        record([scan(1)], path)
+
+        class Died(Exception):
+            pass
+
+        def half(file, data, stop=stop, died=Died):
+            if len(data) > 1:
+                real(file, data[: min(stop, len(data))])
+                raise died
+            return real(file, data)
+
+        monkeypatch.setattr(os, "write", half)
+        with pytest.raises(Died):
+            record([scan(2)], path)
+        monkeypatch.setattr(os, "write", real)
+        assert set(numbers(path)) == {1}
+    record([scan(3)], path)
+    assert numbers(path) == [1] * 6 + [3]
+
+
+@needs_terminals
+def test_from_a_sensor(tmp_path):
+    pytest.importorskip("serial", reason="the driver opens ports with pyserial")
+    from segmap.emulator import Emulator
+    from segmap.hokuyo import UrgSensor
+
+    with Emulator(pattern, speed=10) as emulator, UrgSensor(emulator.port) as sensor:
+        assert record(sensor, tmp_path / "folder", count=4) == 4
+    turns = [turn_of(one) for one in read(tmp_path / "folder")]
+    assert (np.diff(turns) > 0).all()
+
+
+KILLER = """
+import itertools, json, os, random, signal, sys, time
+sys.path[:0] = sys.argv[2:]
+from test_record import numbers, record, scan
+path, results, chance = sys.argv[1], [], random.Random(1)
+record([scan(0)], path)
+for run in range(25):
+    ready, told = os.pipe()
+    child = os.fork()
+    if child == 0:
+        def scans():
+            os.write(told, b".")
+            yield from map(scan, itertools.count(1 + 12 * run))
+        record(scans(), path, count=12)
+        os._exit(0)
+    os.read(ready, 1)
+    time.sleep(chance.uniform(0, 0.01))
+    os.kill(child, signal.SIGKILL)
+    _, status = os.waitpid(child, 0)
+    os.close(ready), os.close(told)
+    results.append((os.WIFSIGNALED(status), numbers(path)))
+print(json.dumps(results))
+"""
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="SIGKILL and fork are of Unix")
+@pytest.mark.parametrize("name", ["killed.log", "killed"])
+def test_killed_at_any_moment(name, tmp_path):
+    """25 kills for each format: what was there stays, what follows is a whole run from its start.
+
+    Catches a file that is written in place, and a half line that spoils the next one.
+    """
+    path, here = tmp_path / name, str(Path(__file__).parent)
+    command = [sys.executable, "-c", KILLER, str(path), here]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=100)
+    assert done.returncode == 0, done.stderr
+    results = json.loads(done.stdout)
+    assert len(results) == 25
+    assert sum(killed for killed, _ in results) >= 15
+    before = [0]
+    for run, (_, found) in enumerate(results):
+        fresh = found[len(before) :]
+        assert found[: len(before)] == before
+        assert fresh == list(range(1 + 12 * run, 1 + 12 * run + len(fresh)))
+        before = found
+    assert len(before) > 25
