@@ -105,7 +105,7 @@ def _steps(
                 inserted += 1
         except ValueError as error:
             raise ValueError(f"scan {k}: {error}") from error
-        yield Step(pose, value, time.perf_counter() - begun)
+        yield Step(pose.copy(), value, time.perf_counter() - begun)
 
 
 def _matched(

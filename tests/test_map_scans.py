@@ -1,0 +1,253 @@
+"""Mapping without odometry: what a live user sees, and how far the poses are off."""
+
+import itertools
+from functools import partial
+
+import numpy as np
+import pytest
+from reference_quadtree import leaves_of, state
+
+from segmap import LaserScan, load
+from segmap.matching import (
+    Step,
+    field_score,
+    hill_climb,
+    map_scans,
+    nearest_score,
+    occupancy_score,
+    sample_and_rank,
+)
+from segmap.poses import compose, inverse, transform
+from segmap.quadtree import QuadtreeMap
+from segmap.rooms import rectangular_room
+from segmap.sensors import Sensor
+from segmap.simulation import drive, simulate
+
+SENSOR = Sensor("it", 181, -np.pi, 2 * np.pi / 181, max_range=6.0, sigma=0.005)
+
+
+def room_log(scans=8, *, sensor_pose=(0.0, 0.0, 0.0)):
+    """A robot that drives through a room, a walk a second."""
+    path = drive([(1.2, 1.3), (2.8, 1.7)], step=0.05)[:scans]
+    rng = np.random.default_rng(4)
+    walls = rectangular_room(4, 3)
+    return simulate(walls, path, sensor=SENSOR, rng=rng, sensor_pose=sensor_pose)
+
+
+def position_errors(steps, truth):
+    return np.hypot(*(np.array([step.pose for step in steps]) - truth)[:, :2].T)
+
+
+def test_poses_follow_the_robot():
+    """In the frame of the first scan by default, in the map's where the start says so."""
+    log = room_log(12)
+    steps = list(map_scans(log, start=log.truth[0]))
+    assert position_errors(steps, log.truth).max() < 0.02
+    own = list(map_scans(log))
+    assert own[0].pose.tolist() == [0, 0, 0]
+    expected = compose(inverse(log.truth[0]), log.truth)
+    assert position_errors(own, expected).max() < 0.03
+
+
+def test_a_sensor_ahead_of_the_axle():
+    """Poses are the robot's, rays start at the sensor: catches its pose left out, or used twice."""
+    log = room_log(8, sensor_pose=(0.4, 0.1, 0.3))
+    map = QuadtreeMap()
+    steps = list(map_scans(log, start=log.truth[0], map=map, free=False))
+    assert position_errors(steps, log.truth).max() < 0.05
+    again = QuadtreeMap()
+    for scan, step in zip(log, steps, strict=True):
+        sensor = compose(step.pose, (0.4, 0.1, 0.3))[:2]
+        again.insert_scan(sensor, transform(step.pose, scan.points()))
+    assert leaves_of(map) == leaves_of(again)
+
+
+@pytest.mark.parametrize("settle", [1, 3, 5])
+def test_the_first_scans_settle(settle):
+    """Inserted at the start, unmatched, each once: B inserts the first ones several times."""
+    map, log = QuadtreeMap(), room_log()
+    steps = list(map_scans(log, settle=settle, start=(1, 1, 0.5), map=map))
+    assert [bool(np.isnan(step.score)) for step in steps] == [k < settle for k in range(8)]
+    assert all(step.pose.tolist() == [1, 1, 0.5] for step in steps[:settle])
+    assert map.scans == 8
+
+
+def test_scans_without_returns_are_passed_over():
+    """The first of a log too: the next with returns is then the one that settles."""
+    blind = LaserScan([np.inf, np.nan, 9.0], [0.0, 0.1, 0.2], max_range=6.0)
+    log = room_log(4)
+    map = QuadtreeMap()
+    steps = list(map_scans([blind, *log[:2], blind, *log[2:]], start=log.truth[0], map=map))
+    assert np.isnan([step.score for step in steps]).tolist() == [1, 1, 0, 1, 0, 0]
+    assert steps[3].pose.tolist() == steps[2].pose.tolist()
+    assert map.scans == 4
+
+
+def test_a_scan_far_from_all_stays():
+    """Nothing of the map within reach: no match, and that is no error."""
+    scans = [LaserScan([1.0, 1.0], [0.0, 0.2]), LaserScan([9.0, 9.1], [3.0, 3.1])]
+    map = QuadtreeMap()
+    near, far = map_scans(scans, start=(5, 5, 0), map=map, matcher=partial(shifted, by=1.0))
+    assert far.pose.tolist() == near.pose.tolist() and np.isnan(far.score)
+    assert map.scans == 2
+
+
+def test_a_robot_carried_off_the_map_names_the_scan():
+    log = room_log(2)
+    mapping = map_scans(log, matcher=partial(shifted, by=1e4))
+    next(mapping)
+    with pytest.raises(ValueError, match=r"^scan 1: the scan reaches beyond max_size"):
+        next(mapping)
+
+
+def shifted(map, points, start, *, score, by):
+    """A matcher that always finds the robot so much farther along x."""
+    return start + (by, 0, 0)
+
+
+def test_any_matcher_may_be_given():
+    """Its pose is kept, and scored on the map as it was before the scan."""
+    log = room_log(3)
+    map = QuadtreeMap()
+    steps = list(map_scans(log, matcher=partial(shifted, by=0.25), score=nearest_score, map=map))
+    assert [step.pose[0] for step in steps] == [0, 0.25, 0.5]
+    first = QuadtreeMap()
+    first.insert_scan((0, 0), log[0].points())
+    expected = nearest_score(first, log[1].points(), (0.25, 0, 0))[0]
+    assert steps[1].score == pytest.approx(expected)
+
+
+@pytest.mark.parametrize("score", [field_score, nearest_score])
+def test_a_matcher_may_ask_for_fewer_beams(score):
+    """Every third beam: the score must be of those asked for, not of the scan prepared."""
+    log, asked = room_log(2), []
+
+    def thinning(map, points, start, *, score):
+        asked.append((score(map, points[::3], start)[0], score(map, points, start)[0]))
+        return start
+
+    map = QuadtreeMap()
+    list(map_scans(log, matcher=thinning, score=score, map=map))
+    first = QuadtreeMap()
+    first.insert_scan((0, 0), log[0].points())
+    points = log[1].points()
+    expected = [score(first, p, (0, 0, 0))[0] for p in (points[::3], points)]
+    np.testing.assert_allclose(asked, [expected], rtol=1e-6)
+
+
+def test_it_serves_a_live_sensor():
+    """One scan is taken for each step, and mapped before the next is asked for."""
+    log = room_log(3)
+    taken = []
+
+    def sensor():
+        for k in itertools.count():
+            taken.append(k)
+            yield log[k % 3]
+
+    map = QuadtreeMap()
+    mapping = map_scans(sensor(), map=map)
+    assert taken == []
+    for k in range(5):
+        step = next(mapping)
+        assert isinstance(step, Step) and step.seconds > 0
+        assert taken[-1] == k and map.scans == k + 1
+
+
+def test_steps_keep_their_poses():
+    """Catches one array that all steps share."""
+    steps = list(map_scans(room_log(5)))
+    assert len({step.pose.tobytes() for step in steps[1:]}) == 4
+    steps[1].pose[:] = 99
+    assert abs(steps[2].pose).max() < 2
+
+
+def test_the_pose_of_a_step_is_the_users_own():
+    """Changing what a step gave must not move the robot."""
+    log = room_log(4)
+    expected = [step.pose.tolist() for step in map_scans(log)]
+    found = []
+    for step in map_scans(log):
+        found.append(step.pose.tolist())
+        step.pose[:] = 1e6
+    assert found == expected
+
+
+def test_rays_that_met_nothing_are_free():
+    """Up to the largest range, where the scan knows it; not where it is told otherwise."""
+    open_door = LaserScan([1.0, np.inf], [0.0, np.pi / 2], max_range=3.0)
+    ahead = [(0.005, 2.0), (0.005, 4.0)]
+    maps = [QuadtreeMap(corner=(-2, -2)) for _ in range(2)]
+    list(map_scans([open_door], map=maps[0]))
+    list(map_scans([open_door], map=maps[1], free=False))
+    assert (maps[0].occupancy(ahead) < 0.5).tolist() == [True, False]
+    assert maps[1].occupancy(ahead).tolist() == [0.5, 0.5]
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"settle": 0}, "settle must be at least 1"),
+        ({"settle": np.nan}, "settle must be at least 1"),
+        ({"start": (0, 0)}, "poses must have shape"),
+        ({"start": (0, 0, np.inf)}, "poses must be finite"),
+    ],
+)
+def test_wrong_arguments_are_refused_at_once(options, message):
+    """Not at the first scan, which a live user may wait for."""
+    with pytest.raises(ValueError, match=message):
+        map_scans([], **options)
+
+
+@pytest.mark.parametrize("metres", [2e3, 1e4, 1e7])
+def test_an_absurd_range_names_the_scan(metres):
+    """The map stays as it was, and the mapping ends with the reason."""
+    log = room_log(2)
+    map = QuadtreeMap()
+    mapping = map_scans([*log, LaserScan([1.0, metres], [0.0, 0.1])], map=map)
+    next(mapping), next(mapping)
+    before = state(map)
+    with pytest.raises(ValueError, match=r"^scan 2: .*(too large|beyond max_size)"):
+        next(mapping)
+    assert state(map) == before
+
+
+def test_a_robot_that_turns_too_far_between_scans_is_lost():
+    """The bundled room turns by up to 45 degrees a scan: no greedy matcher climbs so far."""
+    log = load("room")
+    steps = list(map_scans(log, start=log.truth[0]))
+    assert position_errors(steps[:4], log.truth[:4]).max() < 0.03
+    assert position_errors(steps, log.truth).max() > 1.0
+
+
+def path_errors(workloads, seed, **options):
+    """Median and largest position error on the room path, and the map."""
+    sensor, path = workloads.SENSORS["urg"], workloads.path("room", 200)
+    rng, walls = np.random.default_rng(seed), workloads.room()
+    log = [LaserScan(workloads.scan_at(walls, p, sensor, rng)[0], sensor.angles) for p in path]
+    map = QuadtreeMap()
+    errors = position_errors(list(map_scans(log, start=path[0], map=map, **options)), path)
+    return np.median(errors), errors.max(), len(map.leaves().x)
+
+
+def test_the_room_path_without_odometry(workloads):
+    """The promise: over seeds the median of medians 20 mm, of the largest 50 mm."""
+    found = np.array([path_errors(workloads, seed)[:2] for seed in range(3)])
+    median, largest = np.median(found, axis=0)
+    assert median <= 0.020
+    assert largest <= 0.050
+
+
+@pytest.mark.parametrize(
+    ("options", "largest"),
+    [
+        ({"matcher": partial(hill_climb, steps="thesis")}, 0.08),
+        ({"matcher": partial(hill_climb, steps="thesis"), "score": occupancy_score}, 1.0),
+        ({"matcher": partial(sample_and_rank, rng=np.random.default_rng(1), sigma=(0.02, 2))}, 0.2),
+    ],
+)
+def test_what_the_thesis_printed_loses_its_way(workloads, options, largest):
+    """Its steps of one degree, its sigma of two radians; more leaves tell without any truth."""
+    best, lost = path_errors(workloads, 0), path_errors(workloads, 0, **options)
+    assert lost[1] > largest > 0.05 > best[1]
+    assert lost[2] > 1.3 * best[2]
