@@ -103,13 +103,14 @@ def test_a_sweep_over_the_grid_of_the_thesis_is_in_it_and_others_are_not():
 
 
 def test_records_by_name(tmp_path, monkeypatch):
-    """Catches a name that is not there and says so in a traceback of paths."""
+    """Catches a traceback of paths for a name that is not there, and other tables read as runs."""
     folder = tmp_path / "records"
     folder.mkdir()
     runs = [Record(name, "fusion", {}, None, 9, 8, 0.1, 0.9, 0.5) for name in ("hall", "room")]
     Records(runs[:1] * 3).write(folder / "hall.csv")
     Records(runs[1:]).write(folder / "room.csv")
+    (folder / "alignment.csv").write_text("log,method\nhall,backbone\n", encoding="utf-8")
     monkeypatch.setattr(_bundled._bundled, "PLACES", (tmp_path / "absent", tmp_path))
     assert list(load_records("hall")) == runs[:1] * 3 and len(load_records()) == 4
-    with pytest.raises(ValueError, match="name must be of hall, room, got 'attic'"):
+    with pytest.raises(ValueError, match="name must be of alignment, hall, room, got 'attic'"):
         load_records("attic")

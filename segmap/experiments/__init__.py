@@ -4,6 +4,14 @@
 compare. `thesis_results` and `load_records` give the runs that come with segmap.
 """
 
+from ._alignments import (
+    PUBLISHED,
+    AlignmentRun,
+    Published,
+    alignment_table,
+    load_alignments,
+    read_alignments,
+)
 from ._bundled import THESIS_FILTERS, THESIS_GRIDS, load_records, thesis_grid, thesis_results
 from ._compare import (
     Standing,
@@ -22,15 +30,19 @@ from ._records import Record, Records, number_words
 from ._sweep import digest, sweep
 
 __all__ = [
+    "PUBLISHED",
     "THESIS_FILTERS",
     "THESIS_GRIDS",
+    "AlignmentRun",
     "Answer",
     "Conclusion",
     "Pace",
+    "Published",
     "Record",
     "Records",
     "Standing",
     "Standings",
+    "alignment_table",
     "by_method",
     "by_setting",
     "conclusion_table",
@@ -40,11 +52,13 @@ __all__ = [
     "equal_quality",
     "filter_change",
     "front",
+    "load_alignments",
     "load_pace",
     "load_records",
     "number_words",
     "pareto",
     "points_of",
+    "read_alignments",
     "reduction_at",
     "sweep",
     "thesis_grid",

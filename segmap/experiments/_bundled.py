@@ -7,7 +7,7 @@ from pathlib import Path
 
 from ..readers import _bundled
 from ..reduction import METHODS
-from ._records import Record, Records, Threshold
+from ._records import Record, Records, Threshold, holds_records
 from ._sweep import Grid, default_thresholds
 
 #: A 6.2.1: shorter segments are dropped, or not, before all runs; metres.
@@ -64,7 +64,7 @@ def load_records(*names: str) -> Records:
         Where there are none of that name; it lists those that there are.
     """
     place = folder("records")
-    chosen = names or sorted(path.stem for path in place.glob("*.csv"))
+    chosen = names or sorted(path.stem for path in place.glob("*.csv") if holds_records(path))
     return Records(record for name in chosen for record in Records.read(known(place, name)))
 
 

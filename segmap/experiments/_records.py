@@ -221,6 +221,12 @@ def thresholds_from(text: str) -> dict[str, Threshold]:
     return {name: ast.literal_eval(value) for name, value in pairs}
 
 
+def holds_records(path: Path) -> bool:
+    """Whether a CSV file holds records, by its head: others lie beside them."""
+    with path.open(encoding="utf-8", newline="") as lines:
+        return lines.readline() == line_of(None)
+
+
 def line_of(record: Record | None) -> str:
     """A line of a CSV file with its end: of a record, or the head."""
     target = io.StringIO()
