@@ -37,6 +37,12 @@ def once(call: Callable[[], Any]) -> float:
     return time.perf_counter() - start
 
 
+def in_turn(*calls: Callable[[], Any], repeat: int = 5) -> list[float]:
+    """Median times of several calls that take turns, so that a slow minute slows them all."""
+    took = [[once(call) for call in calls] for _ in range(repeat)]
+    return [statistics.median(each) for each in zip(*took, strict=True)]
+
+
 def load(path: Path) -> Any:
     """A module by its file: the workloads beside the project, the references of the tests."""
     spec = importlib.util.spec_from_file_location(path.stem, path)
