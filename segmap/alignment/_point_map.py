@@ -29,6 +29,10 @@ INFLATION = 2.0
 #: share of it, the turn counted as the length by which it moves the scan's points.
 SHIFT = 0.7
 
+#: A wall faces a direction where its normal leans to it by more than this (cosine): normals of a
+#: straight wall err by a tenth of a radian.
+FACING = 0.3
+
 
 class PointMap:
     """A point cloud of walls to match scans with.
@@ -82,6 +86,13 @@ class PointMap:
         pose[2] = wrap(pose[2])
         covariance, free = _uncertainty(hessian, INFLATION * sigma**2, span)
         return Match(pose, covariance, True, "", near, free)
+
+    def faces(self, match: Match, current: Array, *, reach: float = 0.12) -> bool:
+        """Whether a wall under a scan's points `(m, 2)` faces the direction that it leaves free."""
+        if match.free is None:
+            return True
+        rows, _ = loops.residuals(self.cells, self.normals, current, match.pose, reach, 1)
+        return bool((np.abs(rows[:, :2] @ match.free) > FACING).any())
 
     @cached_property
     def levels(self) -> tuple[searching.Level, ...]:

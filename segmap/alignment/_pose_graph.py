@@ -1,5 +1,7 @@
 """Pose graph: scans on a local map, loops closed, all poses solved together."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from ..angles import Array
@@ -99,7 +101,16 @@ def searched(map: PointMap, points: Array, guess: Array, window: float, wide: fl
             best = match
         if best.matched and best.overlap > SURE:
             break
-    return best if best.matched else no_match(guess, best.reason, best.overlap)
+    if not best.matched:
+        return no_match(guess, best.reason, best.overlap)
+    return best if map.faces(best, points) else _held(best, guess)
+
+
+def _held(match: Match, guess: Array) -> Match:
+    """The match, as far as the guess says along a direction that no wall faces."""
+    assert match.free is not None
+    along = match.free @ (guess[:2] - match.pose[:2]) * match.free
+    return replace(match, pose=match.pose + (*along, 0.0))
 
 
 def _steady(start: Array, match: Match) -> Match:
