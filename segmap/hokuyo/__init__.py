@@ -6,6 +6,7 @@
 from ._clock import HostClock, host_time
 from ._coding import SensorError, checksum, decode, encode
 from ._line import Lines, Port, SensorGone
+from ._newest import Newest
 from ._ports import Found, find_port, open_port, ports
 from ._record import record
 from ._replies import (
@@ -32,6 +33,7 @@ __all__ = [
     "HostClock",
     "Lines",
     "Measurement",
+    "Newest",
     "Port",
     "Reply",
     "ScanRequest",

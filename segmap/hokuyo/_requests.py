@@ -69,7 +69,12 @@ class ScanRequest(NamedTuple):
     @property
     def beams(self) -> int:
         """Distances in the answer; the last cluster may be a smaller one."""
-        return -(-(self.last - self.first + 1) // max(self.cluster, 1))
+        return -(-self.steps // max(self.cluster, 1))
+
+    @property
+    def steps(self) -> int:
+        """Steps from the first to the last."""
+        return self.last - self.first + 1
 
     @property
     def size(self) -> int:

@@ -2,29 +2,24 @@
 
 import contextlib
 import weakref
-from collections import deque
 from collections.abc import Iterator, Sequence
-from math import ceil
-from statistics import median
 from types import TracebackType
 from typing import Self
 
-import numpy as np
 from numpy.typing import ArrayLike
 
 from ..scans import LaserScan
-from ._clock import Clock, HostClock, host_time
-from ._coding import CLOCK, SensorError
+from ._clock import Clock, host_time
+from ._coding import SensorError
 from ._connect import RATES, ask, refused
 from ._line import Port, SensorGone
-from ._replies import Geometry, Reply, as_ranges, parse_info, parse_reply, parse_scan
-from ._requests import CHARACTERS, ScanRequest
+from ._replies import Geometry, Reply, parse_info, parse_reply
+from ._requests import ScanRequest
 from ._session import Session
+from ._turns import Turns
 
 #: So many damaged or missing scans in a row are an error, not bad luck.
 MOST_FAILURES = 5
-#: Intervals from which the pace of a stream is judged.
-PACE = 10
 
 
 class UrgSensor:
@@ -83,11 +78,10 @@ class UrgSensor:
         if reconnect > 0 and not isinstance(port, str):
             raise ValueError("reconnect needs the name of a device: an open port cannot come back")
         self._session = Session(port, rates, patience, clock)
-        self._reconnect, self._pose = reconnect, np.array(sensor_pose, float)
+        self._reconnect, self._pose = reconnect, sensor_pose
         self.delivered = self.dropped = self.reconnects = 0
         self._finalizer = weakref.finalize(self, self._session.shut)
         self._asked: ScanRequest | None = None
-        self._stamp: int | None = None
         self._session.open()
         self._reset()
 
@@ -123,7 +117,7 @@ class UrgSensor:
         SensorError
             Where no whole scan comes after some attempts.
         """
-        request = self._request("GD", first, last, cluster, 0)
+        request = self._turns.request("GD", first, last, cluster)
         while True:
             try:
                 if self._asked is not None:
@@ -162,7 +156,7 @@ class UrgSensor:
         SensorError
             Where the sensor is gone or faulty, or nothing whole has come for some time.
         """
-        request = self._request("MS" if short else "MD", first, last, cluster, skip)
+        request = self._turns.request("MS" if short else "MD", first, last, cluster, skip)
         try:
             while True:
                 try:
@@ -181,13 +175,7 @@ class UrgSensor:
     @property
     def slow(self) -> str:
         """Why scans arrive slower than asked and what to do; empty where they do not."""
-        request = self._asked
-        if request is None or len(self._intervals) < PACE // 2:
-            return ""
-        wanted, found = self._period(request), median(self._intervals)
-        if found < 1.5 * wanted:
-            return ""
-        return f"scans arrive every {found:.2f} s, asked for every {wanted:.2f} s{self._advice()}"
+        return "" if self._asked is None else self._turns.slow(self._asked)
 
     def stop(self) -> None:
         """End a stream and switch the laser off."""
@@ -236,7 +224,7 @@ class UrgSensor:
                 fault = error
                 self.dropped += 1
                 self._session.lines.silence(self._session.quiet / 4)
-        raise SensorError(f"no whole scan in {MOST_FAILURES} attempts: {fault}{self._advice()}")
+        raise self._failure(request, str(fault))
 
     def _stream(self, request: ScanRequest) -> Iterator[LaserScan]:
         self._begin(request)
@@ -248,7 +236,7 @@ class UrgSensor:
                 yield found
             else:
                 failures, why = failures + 1, found
-        raise SensorError(f"no whole scan in {MOST_FAILURES} attempts: {why}{self._advice()}")
+        raise self._failure(request, why)
 
     def _begin(self, request: ScanRequest) -> None:
         """Start a stream; what it was doing before is ended first."""
@@ -256,8 +244,7 @@ class UrgSensor:
         self._session.busy = True
         self._session.ask(request.text)
         self._asked = request
-        self._intervals.clear()
-        self._stamp = None
+        self._turns.begin()
 
     def _next(self, request: ScanRequest) -> LaserScan | str:
         """The next whole scan of a stream, or why the next is none; that is counted."""
@@ -294,83 +281,20 @@ class UrgSensor:
 
     def _reset(self) -> None:
         """Forget what was true of the connection before."""
-        g = self.geometry
-        self._times = HostClock((g.last + 1) / g.steps * g.turn)
-        self._asked = self._stamp = None
-        self._intervals: deque[float] = deque(maxlen=PACE)
-
-    # ------------------------------------------------------------------- measuring
-    def _request(
-        self, kind: str, first: int | None, last: int | None, cluster: int, skip: int
-    ) -> ScanRequest:
-        g = self.geometry
-        begin = g.first if first is None else first
-        end = g.last if last is None else last
-        if not (0 <= begin <= end <= g.last and cluster >= 1):
-            raise ValueError(
-                f"steps must lie in order within 0 to {g.last} and cluster be at least 1, "
-                f"got {begin} to {end} and {cluster}"
-            )
-        request = ScanRequest(kind, begin, end, cluster, skip)
-        request.check()
-        return request
-
-    def _measured(self, reply: Reply, request: ScanRequest) -> LaserScan:
-        """The scan that a reply holds.
-
-        Raises
-        ------
-        SensorError
-            Where it is damaged.
-        """
-        arrived, characters = self._session.clock(), CHARACTERS[request.kind]
-        measurement = parse_scan(reply.body, characters)
-        count = len(measurement.millimetres)
-        whole = (request.last - request.first + 1) // request.cluster
-        if count not in (request.beams, whole):
-            raise SensorError(f"{count} beams, asked for {request.beams}: bytes were lost")
-        self._note(measurement.clock)
-        self.delivered += 1
-        ranges, codes = as_ranges(measurement.millimetres)
-        return LaserScan(
-            ranges,
-            self.geometry.angles(request.first, count, request.cluster),
-            time=self._times.seconds(measurement.clock, arrived),
-            max_range=min(self.geometry.most, 64**characters - 1) / 1000.0,
-            sensor_pose=self._pose,
-            codes=codes,
-        )
-
-    def _note(self, stamp: int) -> None:
-        if self._stamp is not None:
-            self._intervals.append((stamp - self._stamp) % CLOCK / 1000.0)
-        self._stamp = stamp
-
-    def _period(self, request: ScanRequest) -> float:
-        """Seconds from scan to scan, as asked for."""
-        return (request.skip + 1) * self.geometry.turn
+        self._asked = None
+        self._turns = Turns(self.geometry, self.rate, self._pose)
 
     def _wait(self, request: ScanRequest) -> float:
-        """Seconds in which an answer must have come: two turns, its transfer, patience."""
-        return (
-            self._period(request)
-            + self.geometry.turn
-            + self._transfer(request)
-            + self._session.patience
-        )
+        return self._turns.wait(request) + self._session.patience
 
-    def _transfer(self, request: ScanRequest) -> float:
-        return 10 * request.size / self.rate
+    def _measured(self, reply: Reply, request: ScanRequest) -> LaserScan:
+        scan = self._turns.scan(reply, request, self._session.clock())
+        self.delivered += 1
+        return scan
 
-    def _advice(self) -> str:
-        """What to do about a line that is too slow; empty where it is not."""
-        if self._asked is None or self._transfer(self._asked) <= self._period(self._asked):
-            return ""
-        takes, turn = self._transfer(self._asked), self.geometry.turn
-        return (
-            f"; at {self.rate} bit/s a scan of {self._asked.beams} beams takes {takes:.2f} s: use "
-            f"250000 bit/s or USB, short=True, a cluster, or skip={min(ceil(takes / turn) - 1, 9)}"
-        )
+    def _failure(self, request: ScanRequest, why: str) -> SensorError:
+        advice = self._turns.advice(request)
+        return SensorError(f"no whole scan in {MOST_FAILURES} attempts: {why}{advice}")
 
 
 class _Refused(SensorError):
