@@ -37,7 +37,8 @@ def soak(seconds: float) -> Row:
                 if time.monotonic() - begun > seconds:
                     break
         figure = (
-            f"{sensor.delivered} delivered, {sensor.dropped} dropped, longest gap {max(gaps):.2f} s; "
+            f"{sensor.delivered} delivered, {sensor.dropped} dropped, "
+            f"longest gap {max(gaps):.2f} s; "
             f"{before:.1f} MB after 2 s, {megabytes():.1f} MB at the end"
         )
     return Row(f"{seconds:g} s at 10 scans a second", figure, "none dropped, memory level")

@@ -28,6 +28,7 @@ from segmap.panels import (
     GroundTruthPanel,
     HybridPanel,
     IcpPanel,
+    LivePanel,
     MeanShiftPanel,
     Panel,
     PolylinePanel,
@@ -61,6 +62,13 @@ RUNS = sweep(
     {"fusion": {"tolerance": [0.02, 0.06, 0.2]}, "hybrid": {"distance": [0.02, 0.2]}},
 )
 
+
+
+def lived(panel):
+    panel.run(3)
+    return panel
+
+
 #: Every panel, a control of it, and a value that must change what is seen.
 PANELS = {
     "angles": (lambda: AnglePanel(LOG), "rank", 1),
@@ -75,6 +83,7 @@ PANELS = {
     "hybrid": (lambda: HybridPanel(LEANING), "origin", 20),
     "mean shift": (lambda: MeanShiftPanel(WALLS), "sigma", 0.60),
     "icp": (lambda: IcpPanel(LOG[0].points(), LOG[1].points(), (0.5, 0, 0)), "x", -0.2),
+    "live": (lambda: lived(LivePanel(LOG)), "tolerance", 0.005),
     "polylines": (lambda: PolylinePanel(LOG[0]), "tolerance", 0.005),
     "pose graph": (lambda: PoseGraphPanel(LOOP), "scan", 60),
     "quadtree": (lambda: QuadtreePanel(LOG), "doublings", 2),

@@ -15,6 +15,10 @@ DEAF = 0.2
 TRIES = 3
 
 
+class Refused(SensorError):
+    """A status that asking again does not mend."""
+
+
 def connect(lines: Lines, rates: Sequence[int], quiet: float) -> int:
     """Find the sensor's bit rate and protocol; it ends idle, in SCIP 2.0, with its laser off.
 

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from ..scans import LaserScan
 from ._clock import Clock, host_time
 from ._coding import SensorError
-from ._connect import RATES, ask, refused
+from ._connect import RATES, Refused, ask, refused
 from ._line import Port, SensorGone
 from ._replies import Geometry, Reply, parse_info, parse_reply
 from ._requests import ScanRequest
@@ -52,6 +52,8 @@ class UrgSensor:
     rate : int, bits a second
     delivered, dropped, reconnects : int
         Scans handed over; replies that were damaged or missing; times that it came back.
+    why : str
+        Why the last one was dropped.
 
     Raises
     ------
@@ -80,6 +82,7 @@ class UrgSensor:
         self._session = Session(port, rates, patience, clock)
         self._reconnect, self._pose = reconnect, sensor_pose
         self.delivered = self.dropped = self.reconnects = 0
+        self.why = ""
         self._finalizer = weakref.finalize(self, self._session.shut)
         self._asked: ScanRequest | None = None
         self._session.open()
@@ -216,13 +219,13 @@ class UrgSensor:
                     self._session.busy = False
                     continue
                 if reply.status != "00":
-                    raise _Refused(str(refused(request.text, reply.status)))
+                    raise Refused(str(refused(request.text, reply.status)))
                 return self._measured(reply, request)
-            except (SensorGone, _Refused):
+            except (SensorGone, Refused):
                 raise
             except SensorError as error:
                 fault = error
-                self.dropped += 1
+                self._drop(str(error))
                 self._session.lines.silence(self._session.quiet / 4)
         raise self._failure(request, str(fault))
 
@@ -253,23 +256,26 @@ class UrgSensor:
             self._begin(request)
         try:
             found = lines.reply(request.text.encode("ascii"), self._wait(request))
-            self.dropped += lines.strange > 0
+            if lines.strange:
+                self._drop(f"{lines.strange} lines that belong to no scan")
             if found is not None:
                 return self._measured(self._streamed(found, request), request)
             why = f"nothing came for {self._wait(request):.2g} s"
-        except (SensorGone, _Refused):
+        except (SensorGone, Refused):
             raise
         except SensorError as error:
-            self.dropped += 1
-            return str(error)
-        self.dropped += 1
+            return self._drop(str(error))
         self._begin(request)
+        return self._drop(why)
+
+    def _drop(self, why: str) -> str:
+        self.dropped, self.why = self.dropped + 1, why
         return why
 
     def _streamed(self, lines: Sequence[bytes], request: ScanRequest) -> Reply:
         reply = parse_reply(lines)
         if reply.status.isdigit() and (50 <= int(reply.status) < 98 or int(reply.status) < 20):
-            raise _Refused(str(refused(request.text, reply.status)))
+            raise Refused(str(refused(request.text, reply.status)))
         if reply.status != "99":
             raise refused(request.text, reply.status)
         return reply
@@ -295,7 +301,3 @@ class UrgSensor:
     def _failure(self, request: ScanRequest, why: str) -> SensorError:
         advice = self._turns.advice(request)
         return SensorError(f"no whole scan in {MOST_FAILURES} attempts: {why}{advice}")
-
-
-class _Refused(SensorError):
-    """A status that asking again does not mend."""

@@ -16,6 +16,7 @@ from ._fusion import FusionPanel
 from ._ground_truth import GroundTruthPanel
 from ._hybrid import HybridPanel
 from ._icp import IcpPanel
+from ._live import LivePanel
 from ._mean_shift import MeanShiftPanel
 from ._polylines import PolylinePanel
 from ._pose_graph import PoseGraphPanel
@@ -37,6 +38,7 @@ __all__ = [
     "GroundTruthPanel",
     "HybridPanel",
     "IcpPanel",
+    "LivePanel",
     "MeanShiftPanel",
     "Panel",
     "PolylinePanel",

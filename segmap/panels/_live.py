@@ -1,0 +1,245 @@
+"""A map that grows while the laser turns."""
+
+import contextlib
+import io
+import threading
+import time
+from collections import deque
+from collections.abc import Generator, Iterable, Iterator
+from itertools import islice
+from math import ceil, floor
+from typing import Any
+
+import ipywidgets as W
+import numpy as np
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.collections import LineCollection
+from matplotlib.figure import Figure
+from numpy.typing import ArrayLike
+from PIL import Image
+
+from ..angles import Array
+from ..extraction import extract_polylines
+from ..hokuyo import Newest, SensorError, UrgSensor
+from ..matching import Step, map_scans
+from ..plotting import ERROR, RAW, RESULT
+from ..poses import compose, transform
+from ..quadtree import QuadtreeMap, extent
+from ..scans import LaserScan
+from ._base import DPI, HEIGHT, WIDTH, Panel, slider, text
+
+#: Scans whose times tell the rate.
+RATE = 20
+#: Of 0 to 9: a third of the size of no packing, in a tenth of the time of the best.
+PACKING = 2
+#: A cell is a square of one grey.
+SHARP: Any = {"interpolation": "nearest"}
+
+
+class LivePanel(Panel):
+    """Scan, segments and quadtree of a sensor that moves, as they come.
+
+    Start and stop are buttons. A thread reads, another maps and draws what is newest: while that
+    lasts, scans are left out and never queued. Stop it before the sensor is used elsewhere.
+
+    Parameters
+    ----------
+    source : UrgSensor, or any iterable of LaserScan
+    resolution : float, metres
+        Side of the smallest leaves.
+    start : (3,) array, metres and radians
+        Pose of the first scan.
+
+    Attributes
+    ----------
+    start, stop : buttons
+    tolerance : slider
+        Of the segments.
+    count, leaves, rate, dropped, state : labels
+    map : QuadtreeMap
+    seconds : float
+        Of the last whole step, drawing included.
+
+    Examples
+    --------
+    >>> from segmap import load
+    >>> panel = LivePanel(load("room"))
+    >>> panel.run(3)
+    >>> panel
+    LivePanel(3 scans: 11 segments)
+    """
+
+    def __init__(
+        self,
+        source: UrgSensor | Iterable[LaserScan],
+        *,
+        resolution: float = 0.05,
+        start: ArrayLike = (0.0, 0.0, 0.0),
+    ) -> None:
+        self.source, self.map = source, QuadtreeMap(resolution=resolution)
+        self.seconds, self.taken = 0.0, 0
+        self._steps = map_scans(self._fed(), map=self.map, start=start)
+        self._scan: LaserScan | None = None
+        self._step: Step | None = None
+        self._newest: Newest | None = None
+        self._times: deque[float] = deque(maxlen=RATE)
+        self._thread: threading.Thread | None = None
+        self._stopping, self._drawing = threading.Event(), threading.RLock()
+        self.start, self.stop = W.Button(description="start"), W.Button(description="stop")
+        self.start.on_click(self._start)
+        self.stop.on_click(self._stop)
+        self.tolerance = slider("tolerance", 0.03, 0.005, 0.10, 0.005)
+        self.count, self.leaves, self.rate, self.dropped, self.state = (text() for _ in range(5))
+        self._picture = _Picture()
+        self._assemble(
+            (self.start, self.stop),
+            self.tolerance,
+            (self.count, self.leaves),
+            (self.rate, self.dropped),
+            self.state,
+        )
+
+    def run(self, scans: int) -> None:
+        """Take so many scans, here and now, none left out."""
+        with contextlib.closing(self._scans()) as stream:
+            for scan in islice(stream, scans):
+                self.take(scan)
+
+    def take(self, scan: LaserScan) -> None:
+        """Match a scan with the map, insert it, and draw."""
+        begun = time.perf_counter()
+        with self._drawing:
+            self._scan = scan
+            self._step = next(self._steps)
+            self.taken += 1
+            self._times.append(scan.time)
+            self._redraw()
+        self.seconds = time.perf_counter() - begun
+
+    # --------------------------------------------------------------------- threads
+    def _start(self, button: object = None) -> None:
+        if self._thread is None or not self._thread.is_alive():
+            self._stopping.clear()
+            self._thread = threading.Thread(target=self._follow, name="live map", daemon=True)
+            self._thread.start()
+
+    def _stop(self, button: object = None) -> None:
+        self._stopping.set()
+        if self._thread is not None:
+            self._thread.join()
+
+    def _follow(self) -> None:
+        self.state.value = "getting ready"
+        _warm_up()
+        self.state.value = "running"
+        try:
+            with Newest(self._scans()) as self._newest:
+                for scan in self._newest:
+                    self.take(scan)
+                    if self._stopping.is_set():
+                        break
+        except (SensorError, ValueError) as fault:
+            self.state.value = str(fault)
+        else:
+            self.state.value = "stopped"
+
+    def _scans(self) -> Generator[LaserScan, None, None]:
+        yield from self.source.scans() if isinstance(self.source, UrgSensor) else self.source
+
+    def _fed(self) -> Iterator[LaserScan]:
+        while self._scan is not None:
+            yield self._scan
+
+    # --------------------------------------------------------------------- drawing
+    def _redraw(self, change: object = None) -> None:
+        with self._drawing:
+            if self._scan is None or self._step is None:
+                self.picture.value = self._picture.png()
+                return
+            own = extract_polylines(self._scan.points(), tolerance=self.tolerance.value)
+            segments = transform(self._step.pose, own.reshape(-1, 2)).reshape(-1, 2, 2)
+            self._tell(len(segments))
+            self._picture.show(self.map, self._scan, self._step.pose, segments)
+            self.picture.value = self._picture.png()
+
+    def _tell(self, segments: int) -> None:
+        self.count.value = f"{segments} segments"
+        self.leaves.value = f"{len(self.map.leaves().x)} leaves"
+        passed = self._times[-1] - self._times[0]
+        rate = (len(self._times) - 1) / passed if passed > 0 else 0.0
+        self.rate.value = f"{rate:.1f} scans a second"
+        lost = self.source.dropped if isinstance(self.source, UrgSensor) else 0
+        left_out = 0 if self._newest is None else self._newest.skipped
+        self.dropped.value = f"{lost} dropped, {left_out} left out"
+
+    def __repr__(self) -> str:
+        found = f": {self.count.value}" if self.taken else ""
+        return f"LivePanel({self.taken} scans{found})"
+
+
+def _warm_up() -> None:
+    """Load what is compiled before scans wait for it."""
+    scan = LaserScan([1.0, 1.0, 1.0], [0.0, 0.1, 0.2])
+    extract_polylines(scan.points())
+    list(map_scans([scan, scan]))
+
+
+class _Picture:
+    """One figure whose parts are moved; frame and numbers are drawn only where they change."""
+
+    def __init__(self) -> None:
+        self.figure = Figure((WIDTH / DPI, HEIGHT / DPI), dpi=DPI)
+        self.canvas: Any = FigureCanvasAgg(self.figure)
+        self.axes = self.figure.add_axes((0.09, 0.12, 0.89, 0.86), aspect="equal")
+        self.axes.set(xlabel="x [m]", ylabel="y [m]", facecolor="#808080")
+        self.grey = self.axes.imshow(np.full((1, 1), 0.5), cmap="gray", vmin=0, vmax=1, **SHARP)
+        self.points = self.axes.plot([], [], ".", color=RAW, markersize=2)[0]
+        self.walls = LineCollection([], color=RESULT, linewidth=2)
+        self.axes.add_collection(self.walls, autolim=False)
+        self.robot = self.axes.plot([], [], "o", color=ERROR, markersize=6)[0]
+        self.parts = (self.grey, self.points, self.walls, self.robot)
+        for part in self.parts:
+            part.set_animated(True)
+        self.bounds: tuple[float, ...] = ()
+        self.frame: Any = None
+
+    def show(self, map: QuadtreeMap, scan: LaserScan, pose: Array, segments: Array) -> None:
+        """Map grey, scan grey dots, segments blue, sensor red."""
+        bounds = _view(map)
+        left, low, right, high = bounds
+        self.grey.set_data(1 - _occupancy(map, bounds)[::-1])
+        self.grey.set_extent((left, right, low, high))
+        if bounds != self.bounds:
+            self.axes.set(xlim=(left, right), ylim=(low, high))
+            self.bounds, self.frame = bounds, None
+        self.points.set_data(*transform(pose, scan.points()).T)
+        self.walls.set_segments(list(segments))
+        self.robot.set_data(*compose(pose, scan.sensor_pose)[:2, None])
+
+    def png(self) -> bytes:
+        """The picture; packed quickly rather than well."""
+        if self.frame is None:
+            self.canvas.draw()
+            self.frame = self.canvas.copy_from_bbox(self.figure.bbox)
+        self.canvas.restore_region(self.frame)
+        for part in self.parts:
+            self.axes.draw_artist(part)
+        pixels = Image.fromarray(np.asarray(self.canvas.buffer_rgba())[..., :3].copy())
+        target = io.BytesIO()
+        pixels.save(target, format="png", compress_level=PACKING)
+        return target.getvalue()
+
+
+def _view(map: QuadtreeMap) -> tuple[float, float, float, float]:
+    """Whole metres around what was seen: the frame changes only where it grows."""
+    left, low, right, high = extent(map)
+    return (floor(left), floor(low), ceil(right), ceil(high))
+
+
+def _occupancy(map: QuadtreeMap, bounds: tuple[float, ...]) -> Array:
+    """Occupancy of the map's smallest cells within bounds, `(rows, columns)`, lowest first."""
+    x, y = (
+        np.arange(bounds[k] + map.resolution / 2, bounds[k + 2], map.resolution) for k in (0, 1)
+    )
+    centres = np.stack(np.meshgrid(x, y), -1)
+    return map.occupancy(centres.reshape(-1, 2)).reshape(len(y), len(x))

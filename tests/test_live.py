@@ -1,0 +1,115 @@
+"""Live mapping: what comes too fast is left out, and never queued."""
+
+import threading
+import time
+
+import numpy as np
+import pytest
+from emulated import emulator_threads, needs_terminals, pattern
+
+from segmap import LaserScan
+from segmap.emulator import Emulator, furnished_room
+from segmap.hokuyo import Newest, SensorError, UrgSensor
+from segmap.panels import LivePanel
+
+
+def many(count, seconds=0.0):
+    for k in range(count):
+        time.sleep(seconds)
+        yield LaserScan([1.0], [0.0], time=k)
+
+
+def test_a_slow_reader_gets_the_newest():
+    """Catches a queue: the reader would see scans of seconds ago, and memory would grow."""
+    with Newest(many(60, 0.002)) as newest:
+        times = []
+        for scan in newest:
+            times.append(scan.time)
+            time.sleep(0.03)
+    assert times == sorted(times)
+    assert times[-1] == 59
+    assert len(times) + newest.skipped == 60
+    assert newest.skipped > 10
+
+
+def test_errors_reach_the_reader():
+    def fails():
+        yield from many(1)
+        raise SensorError("the sensor is gone: plug it in")
+
+    with Newest(fails()) as newest, pytest.raises(SensorError, match="plug it in"):
+        list(newest)
+
+
+def test_leaving_ends_the_thread():
+    ended = []
+
+    def endless():
+        try:
+            yield from many(10**9, 0.001)
+        finally:
+            ended.append(True)
+
+    with Newest(endless()) as newest:
+        next(iter(newest))
+    assert ended == [True]
+    assert "newest scan" not in [thread.name for thread in threading.enumerate()]
+
+
+@needs_terminals
+def test_start_and_stop():
+    """The buttons: the map grows, the sensor is left with its laser off, no thread stays."""
+    pytest.importorskip("serial", reason="the driver opens ports with pyserial")
+    room = furnished_room()
+    with Emulator(room) as emulator, UrgSensor(emulator.port) as sensor:
+        panel = LivePanel(sensor, start=room.pose(0))
+        panel.start.click()
+        until = time.monotonic() + 20
+        while panel.taken < 5 and time.monotonic() < until:
+            time.sleep(0.02)
+        panel.stop.click()
+        assert panel.taken >= 5
+        assert panel.state.value == "stopped"
+        assert not emulator.unit.laser
+        assert "live map" not in [thread.name for thread in threading.enumerate()]
+        first = panel.taken
+        panel.start.click()
+        while panel.taken == first and time.monotonic() < until:
+            time.sleep(0.02)
+        panel.stop.click()
+        assert panel.taken > first
+        leaves = panel.map.leaves()
+        assert np.ptp(leaves.y[leaves.occ > 0]) > 3.5
+    assert emulator_threads() == []
+
+
+@needs_terminals
+def test_the_panel_tells_of_a_lost_sensor():
+    """Catches an error that dies with its thread."""
+    pytest.importorskip("serial", reason="the driver opens ports with pyserial")
+    with Emulator(pattern) as emulator, UrgSensor(emulator.port) as sensor:
+        panel = LivePanel(sensor)
+        panel.start.click()
+        until = time.monotonic() + 20
+        while not panel.taken and time.monotonic() < until:
+            time.sleep(0.02)
+        emulator.unplug()
+        while "gone" not in panel.state.value and time.monotonic() < until:
+            time.sleep(0.02)
+        assert "the sensor is gone" in panel.state.value
+        panel.stop.click()
+
+
+def test_the_map_is_that_of_map_scans():
+    """Catches a panel with a map of its own making."""
+    from segmap import load
+    from segmap.matching import map_scans
+    from segmap.quadtree import QuadtreeMap
+
+    log, map = load("room")[:5], QuadtreeMap(resolution=0.05)
+    steps = list(map_scans(log, map=map))
+    panel = LivePanel(log)
+    panel.run(5)
+    assert panel._step is not None
+    assert panel._step.pose.tolist() == steps[-1].pose.tolist()
+    assert panel.map.occupancy([(1.0, 1.0)]) == map.occupancy([(1.0, 1.0)])
