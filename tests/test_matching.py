@@ -165,6 +165,18 @@ def test_moving_map_and_pose_keeps_the_distance(score, motion):
 
 
 @pytest.mark.parametrize("score", SCORES)
+def test_a_score_is_that_of_the_map_now(score):
+    """Catches what is kept from an earlier state: of a map asked before, and of its copies."""
+    map, rng = random_map(9)
+    points, poses = asked(map, rng)
+    score(map, points, poses)
+    map.insert_scan((0, 0), points)
+    again, _ = random_map(9)
+    again.insert_scan((0, 0), points)
+    np.testing.assert_array_equal(score(map, points, poses), score(again, points, poses))
+
+
+@pytest.mark.parametrize("score", SCORES)
 def test_every_beam_counts_once(score):
     """Order does not matter, twice the beams is twice the score, no beam is none."""
     map, rng = random_map(7)

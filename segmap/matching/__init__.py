@@ -4,16 +4,36 @@ from ._field import DistanceField
 from ._mapping import Step, map_scans
 from ._matchers import field_score, hill_climb, sample_and_rank
 from ._scores import descent_score, distance_score, nearest_score, occupancy_score
+from ._trials import (
+    MATCHERS,
+    SCORES,
+    Trial,
+    load_trials,
+    room_walk,
+    room_walls,
+    trial_table,
+    try_pair,
+    write_trials,
+)
 
 __all__ = [
+    "MATCHERS",
+    "SCORES",
     "DistanceField",
     "Step",
+    "Trial",
     "descent_score",
     "distance_score",
     "field_score",
     "hill_climb",
+    "load_trials",
     "map_scans",
     "nearest_score",
     "occupancy_score",
+    "room_walk",
+    "room_walls",
     "sample_and_rank",
+    "trial_table",
+    "try_pair",
+    "write_trials",
 ]

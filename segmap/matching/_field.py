@@ -68,7 +68,8 @@ class DistanceField:
         loops.transform_rows(grid, self.unit)
         self.cells = grid
         corner = map.corner + first * map.resolution
-        self._frame = np.array([*corner, map.resolution, columns, rows])
+        worth = -map.resolution / self.unit
+        self._frame = np.array([*corner, map.resolution, columns, rows, worth])
 
     @classmethod
     def around(cls, map: QuadtreeMap, points: ArrayLike, poses: ArrayLike) -> "DistanceField":
@@ -86,12 +87,12 @@ class DistanceField:
     @property
     def distance(self) -> Array:
         """Distances, `(rows, columns)`, metres, row 0 lowest."""
-        return self.cells * (self._frame[2] / self.unit)
+        return self.cells * -self._frame[5]
 
     @property
     def bounds(self) -> tuple[float, float, float, float]:
         """Left, low, right and high edge of the window, metres: whole cells."""
-        left, low, side, columns, rows = self._frame.tolist()
+        left, low, side, columns, rows, _ = self._frame.tolist()
         return left, low, left + columns * side, low + rows * side
 
     def score(self, points: ArrayLike, poses: ArrayLike) -> Array:
@@ -118,9 +119,8 @@ class DistanceField:
         """A function of poses `(k, 3)` alone, for those who ask often."""
         near = np.clip(np.asarray(points, float).reshape(-1, 2), -FAR_AWAY, FAR_AWAY)
         ends = np.ascontiguousarray(near.T, np.float32)
-        room, flat = np.empty(ends.shape[1], np.int32), self.cells.ravel()
-        unit = -self._frame[2] / self.unit
-        return lambda poses: unit * loops.look_up(flat, self._frame, ends, poses, room)
+        flat, frame = self.cells.ravel(), self._frame
+        return lambda poses: loops.look_up(flat, frame, ends, poses)
 
 
 def _cells_of_window(

@@ -102,17 +102,16 @@ def transform_rows(grid: Counts, unit: int) -> None:
 
 
 @compiled
-def look_up(
-    field: Counts, frame: Array, points: NDArray[np.float32], poses: Array, cells: Counts
-) -> Array:
+def look_up(field: Counts, frame: Array, points: NDArray[np.float32], poses: Array) -> Array:
     """Sum of the field under points `(2, n)` at each pose `(k, 3)`; beyond its edge the edge's.
 
-    `frame` holds left and low edge, cell side, columns and rows; `cells` `(n,)` is room to work in.
+    `frame` holds left and low edge, cell side, columns, rows, and what the field's unit is worth.
     Single precision and whole numbers let the compiler take eight beams at a time.
     """
     left, low, side, columns = frame[0], frame[1], frame[2], np.int32(frame[3])
     zero, most_x = np.float32(0.0), np.float32(frame[3] - 1.0)
     most_y, found = np.float32(frame[4] - 1.0), np.empty(len(poses))
+    cells = np.empty(points.shape[1], np.int32)
     for k in range(len(poses)):
         c, s = np.float32(np.cos(poses[k, 2]) / side), np.float32(np.sin(poses[k, 2]) / side)
         dx, dy = np.float32((poses[k, 0] - left) / side), np.float32((poses[k, 1] - low) / side)
@@ -124,5 +123,5 @@ def look_up(
         total = np.int64(0)
         for m in range(points.shape[1]):
             total += field[cells[m]]
-        found[k] = total
+        found[k] = total * frame[5]
     return found

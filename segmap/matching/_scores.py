@@ -1,6 +1,6 @@
 """How well a scan lies on a quadtree map at a pose: three scores, the higher the better (B 4.3)."""
 
-from collections.abc import Callable
+from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -8,6 +8,9 @@ from numpy.typing import ArrayLike
 from ..angles import Array
 from ..quadtree import QuadtreeMap
 from . import _search_loops as loops
+
+#: What `held` found last, and after how many scans.
+_HELD: WeakKeyDictionary[QuadtreeMap, tuple[int, loops.Holds]] = WeakKeyDictionary()
 
 
 def occupancy_score(map: QuadtreeMap, points: ArrayLike, poses: ArrayLike) -> Array:
@@ -87,7 +90,7 @@ def nearest_score(map: QuadtreeMap, points: ArrayLike, poses: ArrayLike) -> Arra
     >>> nearest_score(map, [(1.05, 0.05)], (0.3, 0, 0)).round(6)
     array([-0.3])
     """
-    return _searched(loops.exact_distances, map, points, poses)
+    return _searched(map, points, poses, exact=True)
 
 
 def descent_score(map: QuadtreeMap, points: ArrayLike, poses: ArrayLike) -> Array:
@@ -108,18 +111,15 @@ def descent_score(map: QuadtreeMap, points: ArrayLike, poses: ArrayLike) -> Arra
     >>> descent_score(map, [(1.05, 0.05)], (0.3, 0, 0)).round(6)
     array([-0.3])
     """
-    return _searched(loops.greedy_distances, map, points, poses)
+    return _searched(map, points, poses, exact=False)
 
 
-def _searched(
-    search: Callable[..., Array], map: QuadtreeMap, points: ArrayLike, poses: ArrayLike
-) -> Array:
+def _searched(map: QuadtreeMap, points: ArrayLike, poses: ArrayLike, *, exact: bool) -> Array:
     """Minus the sum of the distances that a search of the tree finds."""
-    ends, at = checked(points, poses)
-    tree, holds = map.tree, held(map)
-    cells = (all_placed(ends, at) - map.corner) / map.resolution - tree.corner
-    found = search(tree.vis, tree.occ, holds, tree.block, tree.level, cells)
-    return -map.resolution * found.reshape(len(at), len(ends)).sum(1)
+    (ends, at), tree, holds = checked(points, poses), map.tree, held(map)
+    frame = np.append(map.corner + tree.corner * map.resolution, map.resolution)
+    nodes = tree.vis, tree.occ, holds, tree.block, tree.level
+    return -map.resolution * loops.distances(*nodes, frame, ends, at, exact)
 
 
 def all_placed(points: Array, poses: Array) -> Array:
@@ -131,15 +131,17 @@ def all_placed(points: Array, poses: Array) -> Array:
 
 
 def held(map: QuadtreeMap) -> loops.Holds:
-    """Which blocks of a map hold an occupied cell, `(b,)`.
+    """Which blocks of a map hold an occupied cell, `(b,)`; kept until the next scan.
 
     Raises
     ------
     ValueError
         Where none does: an empty map has no score.
     """
-    tree = map.tree
-    holds = loops.occupied_blocks(tree.vis, tree.occ, tree.block, tree.used)
+    tree, (scans, holds) = map.tree, _HELD.get(map, (-1, None))
+    if holds is None or scans != map.scans:
+        holds = loops.occupied_blocks(tree.vis, tree.occ, tree.block, tree.used)
+        _HELD[map] = map.scans, holds
     if not holds[tree.block]:
         raise ValueError("the map holds no occupied cell, so no pose has a score: insert a scan")
     return holds

@@ -110,62 +110,85 @@ def descend(vis: Counts, path: Whole, top: int, i: int, j: int) -> int:
 
 
 @compiled
-def exact_distances(
-    vis: Counts, occ: Counts, holds: Holds, root: int, top: int, cells: Array
-) -> Array:
-    """Distance of places `(n, 2)` to the nearest occupied cell's centre, `(n,)`.
+def nearest_square(
+    vis: Counts, occ: Counts, holds: Holds, top: int, x: float, y: float, path: Whole, todo: Whole
+) -> float:
+    """Squared distance of a place to the nearest occupied cell's centre.
 
     From the cell that holds the place upwards, sisters first, until nothing nearer lies outside.
+    `path[top]` is the root, the rest of `path` and `todo` room to work in.
     """
-    found, most = np.empty(len(cells)), (1 << top) - 1.0
-    path, todo = np.empty(top + 1, np.int64), np.empty((3 * top + 4, 4), np.int64)
-    path[top] = root
-    for k in range(len(cells)):
-        x, y = cells[k, 0], cells[k, 1]
-        i, j = int(min(max(x, 0.0), most)), int(min(max(y, 0.0), most))
-        level, best = descend(vis, path, top, i, j), np.inf
-        if level == 0:
-            first, level = 4 * path[1], 1
-            best = nearest_of_four(vis, occ, first, (i & -2) + 0.5 - x, (j & -2) + 0.5 - y)
-        while level < top:
-            width, quarter = 1 << level, ((i >> level) & 1) + 2 * ((j >> level) & 1)
-            left, low = i & -width, j & -width
-            border = 0.5 + min(x - left, left + width - x, y - low, low + width - y)
-            if border > 0 and border * border >= best:
-                break
-            aside_x, aside_y = left ^ width, low ^ width
-            dx, dy = beside(x, aside_x, width) ** 2, beside(y, aside_y, width) ** 2
-            for turn in (1, 2, 3):
-                child = int(~np.int64(vis[4 * path[level + 1] + (quarter ^ turn)]))
-                if child >= 0 and holds[child] and dx * (turn & 1) + dy * (turn >> 1) < best:
-                    to_x, to_y = aside_x if turn & 1 else left, aside_y if turn & 2 else low
-                    best = nearest_below(
-                        vis, occ, holds, child, to_x, to_y, level, x, y, best, todo
-                    )
-            level += 1
-        found[k] = np.sqrt(best)
-    return found
+    most = (1 << top) - 1.0
+    i, j = int(min(max(x, 0.0), most)), int(min(max(y, 0.0), most))
+    level, best = descend(vis, path, top, i, j), np.inf
+    if level == 0:
+        first, level = 4 * path[1], 1
+        best = nearest_of_four(vis, occ, first, (i & -2) + 0.5 - x, (j & -2) + 0.5 - y)
+    while level < top:
+        width, quarter = 1 << level, ((i >> level) & 1) + 2 * ((j >> level) & 1)
+        left, low = i & -width, j & -width
+        border = 0.5 + min(x - left, left + width - x, y - low, low + width - y)
+        if border > 0 and border * border >= best:
+            break
+        aside_x, aside_y = left ^ width, low ^ width
+        dx, dy = beside(x, aside_x, width) ** 2, beside(y, aside_y, width) ** 2
+        for turn in (1, 2, 3):
+            child = int(~np.int64(vis[4 * path[level + 1] + (quarter ^ turn)]))
+            if child >= 0 and holds[child] and dx * (turn & 1) + dy * (turn >> 1) < best:
+                to_x, to_y = aside_x if turn & 1 else left, aside_y if turn & 2 else low
+                best = nearest_below(vis, occ, holds, child, to_x, to_y, level, x, y, best, todo)
+        level += 1
+    return best
 
 
 @compiled
-def greedy_distances(
-    vis: Counts, occ: Counts, holds: Holds, root: int, top: int, cells: Array
-) -> Array:
+def descent_square(
+    vis: Counts, occ: Counts, holds: Holds, top: int, x: float, y: float, path: Whole, todo: Whole
+) -> float:
     """The same by B's descent: always into the occupied child whose centre is nearest (B 4.3)."""
-    found = np.empty(len(cells))
-    for k in range(len(cells)):
-        x, y, block, left, low = cells[k, 0], cells[k, 1], root, 0.0, 0.0
-        for level in range(top - 1, -1, -1):
-            width, best, chosen = float(1 << level), np.inf, -1
-            for q in range(4):
-                node = 4 * block + q
-                below = ~np.int64(vis[node])
-                if holds[below] if below >= 0 else 2 * occ[node] > vis[node]:
-                    dx = left + width * ((q & 1) + 0.5) - x
-                    dy = low + width * ((q >> 1) + 0.5) - y
-                    if dx * dx + dy * dy < best:
-                        best, chosen = dx * dx + dy * dy, q
-            left, low = left + width * (chosen & 1), low + width * (chosen >> 1)
-            found[k] = np.sqrt(best)
-            block = int(~np.int64(vis[4 * block + chosen]))
+    best, left, low = np.inf, 0.0, 0.0
+    for level in range(top - 1, -1, -1):
+        half, chosen, best = 0.5 * (1 << level), -1, np.inf
+        for q in range(4):
+            node = 4 * path[level + 1] + q
+            child = ~np.int64(vis[node])
+            if holds[child] if child >= 0 else 2 * occ[node] > vis[node]:
+                dx = left + half + 2 * half * (q & 1) - x
+                dy = low + half + 2 * half * (q >> 1) - y
+                if dx * dx + dy * dy < best:
+                    best, chosen = dx * dx + dy * dy, q
+        left, low = left + 2 * half * (chosen & 1), low + 2 * half * (chosen >> 1)
+        path[level] = ~np.int64(vis[4 * path[level + 1] + chosen])
+    return best
+
+
+@compiled
+def distances(
+    vis: Counts,
+    occ: Counts,
+    holds: Holds,
+    root: int,
+    top: int,
+    frame: Array,
+    points: Array,
+    poses: Array,
+    exact: bool,
+) -> Array:
+    """Sum over points `(n, 2)` of the distance to the nearest occupied cell, at poses `(k, 3)`.
+
+    In cells; `frame` is the corner of the root and the side of a cell.
+    """
+    found, path = np.zeros(len(poses)), np.empty(top + 1, np.int64)
+    todo, side = np.empty((3 * top + 4, 4), np.int64), frame[2]
+    path[top] = root
+    for k in range(len(poses)):
+        c, s = np.cos(poses[k, 2]), np.sin(poses[k, 2])
+        dx, dy = poses[k, 0] - frame[0], poses[k, 1] - frame[1]
+        for m in range(len(points)):
+            x = (c * points[m, 0] - s * points[m, 1] + dx) / side
+            y = (s * points[m, 0] + c * points[m, 1] + dy) / side
+            if exact:
+                found[k] += np.sqrt(nearest_square(vis, occ, holds, top, x, y, path, todo))
+            else:
+                found[k] += np.sqrt(descent_square(vis, occ, holds, top, x, y, path, todo))
     return found

@@ -1,0 +1,232 @@
+"""Every matcher with every score on one walk: how far they are off, and what the map costs."""
+
+import csv
+from collections.abc import Callable, Iterable
+from dataclasses import astuple, dataclass, fields
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+
+from .._display import Table
+from ..angles import Array, wrap
+from ..quadtree import QuadtreeMap
+from ..readers import _bundled
+from ..rooms import box, rectangular_room
+from ..scans import Log
+from ..sensors import URG_04LX
+from ..simulation import simulate
+from ._mapping import Matcher, map_scans
+from ._matchers import Score, field_score, hill_climb, sample_and_rank
+from ._scores import descent_score, nearest_score, occupancy_score
+
+#: The matchers by name, each made from a generator; those of the thesis as B prints them.
+MATCHERS: dict[str, Callable[[np.random.Generator], Matcher]] = {
+    "hill climbing": lambda rng: hill_climb,
+    "hill climbing, thesis": lambda rng: partial(hill_climb, steps="thesis"),
+    "sample and rank": lambda rng: partial(sample_and_rank, rng=rng),
+    "sample and rank, thesis": lambda rng: partial(sample_and_rank, rng=rng, sigma=(0.02, 2.0)),
+}
+#: The scores by name.
+SCORES: dict[str, Score] = {
+    "field": field_score,
+    "nearest": nearest_score,
+    "occupancy": occupancy_score,
+    "descent": descent_score,
+}
+
+
+@dataclass(frozen=True)
+class Trial:
+    """One walk mapped without odometry by one matcher and one score.
+
+    Parameters
+    ----------
+    log, matcher, score : str
+    seed : int
+        Of the log's errors and of the matcher.
+    median, largest : float, metres
+        Errors of position.
+    heading : float, radians
+        Largest error of heading.
+    leaves, nbytes : int
+        Of the map: poses that agree leave a small one (B Fig. 6.17).
+    seconds : float
+        Median of a whole step: field, match and insertion.
+    """
+
+    log: str
+    matcher: str
+    score: str
+    seed: int
+    median: float
+    largest: float
+    heading: float
+    leaves: int
+    nbytes: int
+    seconds: float
+
+
+HEAD = tuple(f.name for f in fields(Trial))
+KINDS = (str, str, str, int, float, float, float, int, int, float)
+
+
+def room_walk(scans: int = 200, *, seed: int = 0) -> Log:
+    """Once round a furnished room of 4 m x 3 m, looking ahead, with a Hokuyo URG-04LX.
+
+    With 200 scans the robot moves by 3 cm and turns by 3 degrees at most from one to the next.
+
+    Parameters
+    ----------
+    scans : int
+        On the same way: fewer scans are farther apart.
+    seed : int
+        Of the errors of sensor and wheels.
+
+    Returns
+    -------
+    Log
+        With the true poses, `(scans, 3)` in metres and radians.
+
+    Examples
+    --------
+    >>> room_walk(20)
+    Log('room walk', 20 scans, odometry, truth)
+    """
+    turn = np.linspace(0, 2 * np.pi, scans, endpoint=False)
+    x, y = 2.05 + 1.05 * np.cos(turn), 1.45 + 0.65 * np.sin(turn)
+    path = np.stack([x, y, np.arctan2(0.65 * np.cos(turn), -1.05 * np.sin(turn))], -1)
+    rng = np.random.default_rng(seed)
+    return simulate(room_walls(), path, sensor=URG_04LX, rng=rng, name="room walk")
+
+
+def room_walls() -> Array:
+    """That room: a cupboard, a table, and a crate that stands askew, `(16, 2, 2)`, metres.
+
+    Examples
+    --------
+    >>> room_walls().max(axis=(0, 1))
+    array([4., 3.])
+    """
+    cupboard, table = box(0.6, 0.7, (0.3, 2.65, 0)), box(0.8, 0.5, (3.6, 0.25, 0))
+    crate = box(0.4, 0.3, (2.05, 1.5, 0.5))
+    return np.concatenate([rectangular_room(4, 3), cupboard, table, crate])
+
+
+def try_pair(log: Log, matcher: str, score: str, *, seed: int = 0) -> Trial:
+    """Map a log with known truth from its ranges alone, and judge it.
+
+    Parameters
+    ----------
+    log : Log
+        With a truth for every scan; the first true pose is the start.
+    matcher, score : str
+        Keys of `MATCHERS` and `SCORES`.
+    seed : int
+        Of a matcher that draws.
+
+    Returns
+    -------
+    Trial
+
+    Raises
+    ------
+    ValueError
+        For a log without truth, or names that there are not.
+
+    Examples
+    --------
+    >>> trial = try_pair(room_walk()[:5], "hill climbing", "field")
+    >>> trial.largest < 0.03
+    True
+    """
+    for name, known in ((matcher, MATCHERS), (score, SCORES)):
+        if name not in known:
+            raise ValueError(f"{name!r} is none of {', '.join(known)}")
+    truth = log.truth
+    if truth is None or not np.isfinite(truth).all():
+        raise ValueError(f"{log.name} must have a true pose for every scan")
+    map, chosen = QuadtreeMap(), MATCHERS[matcher](np.random.default_rng(seed))
+    steps = list(map_scans(log, matcher=chosen, score=SCORES[score], map=map, start=truth[0]))
+    away = np.array([step.pose for step in steps]) - truth
+    place, heading = np.hypot(away[:, 0], away[:, 1]), np.abs(wrap(away[:, 2]))
+    return Trial(
+        log.name,
+        matcher,
+        score,
+        seed,
+        round(float(np.median(place)), 4),
+        round(float(place.max()), 4),
+        round(float(heading.max()), 4),
+        len(map.leaves().x),
+        map.nbytes,
+        round(float(np.median([step.seconds for step in steps])), 5),
+    )
+
+
+def load_trials(path: Path | None = None) -> list[Trial]:
+    """All pairs of matcher and score on `room_walk`, as `make bench` wrote them.
+
+    Parameters
+    ----------
+    path : Path or None
+        Another such file.
+
+    Raises
+    ------
+    ValueError
+        Naming the file, the line and what was expected there.
+
+    Examples
+    --------
+    >>> best = min(load_trials(), key=lambda trial: trial.largest)
+    >>> best.matcher, best.largest < 0.05
+    ('hill climbing', True)
+    """
+    source = path or next(
+        found for place in _bundled.PLACES if (found := place / "records" / "matching.csv").exists()
+    )
+    with source.open(encoding="utf-8", newline="") as lines:
+        rows = csv.reader(lines)
+        if (head := tuple(next(rows, ()))) != HEAD:
+            raise ValueError(f"{source.name}, line 1: expected {','.join(HEAD)}, got {head}")
+        return [_trial(row, f"{source.name}, line {rows.line_num}") for row in rows]
+
+
+def _trial(row: list[str], where: str) -> Trial:
+    try:
+        return Trial(*[kind(cell) for kind, cell in zip(KINDS, row, strict=True)])
+    except ValueError as error:
+        raise ValueError(f"{where}: expected a trial, got {row}") from error
+
+
+def write_trials(trials: Iterable[Trial], path: Path) -> None:
+    """Write what `load_trials` reads, through a temporary file: whole or not at all."""
+    part = path.with_suffix(".part")
+    with part.open("w", encoding="utf-8", newline="") as target:
+        table = csv.writer(target, lineterminator="\n")
+        table.writerows([HEAD, *map(astuple, trials)])
+    part.replace(path)
+
+
+def trial_table(trials: Iterable[Trial]) -> Table:
+    """Trials as a table without times: medians over the seeds of each pair, in their order.
+
+    Examples
+    --------
+    >>> trial_table([Trial("it", "hill climbing", "field", 0, 0.0141, 0.03, 0.01, 99, 800, 0.1)])
+    matcher        score  median [mm]  largest [mm]  heading [deg]  leaves  seeds
+    hill climbing  field  14           30            0.6            99      1
+    """
+    groups: dict[tuple[str, str], list[Trial]] = {}
+    for trial in trials:
+        groups.setdefault((trial.matcher, trial.score), []).append(trial)
+    head = ["matcher", "score", "median [mm]", "largest [mm]", "heading [deg]", "leaves", "seeds"]
+    return Table(head, ((*pair, *_medians(group)) for pair, group in groups.items()))
+
+
+def _medians(group: list[Trial]) -> list[str]:
+    values = [(t.median, t.largest, t.heading, t.leaves) for t in group]
+    median, largest, heading, leaves = np.median(values, axis=0)
+    error = f"{np.degrees(heading):.1f}"
+    return [f"{1e3 * median:.0f}", f"{1e3 * largest:.0f}", error, f"{leaves:.0f}", str(len(group))]
