@@ -167,11 +167,14 @@ def test_equal_children_join_and_unequal_ones_stay():
     assert len(map.leaves().x) == 4 and map.leaves().vis.max() == 1
 
 
-def test_hits_never_join():
-    """Catches four walls that become one large one."""
+@pytest.mark.parametrize("first", [[(0.5, 0.5)], []])
+def test_hits_never_join(first):
+    """Catches walls that become one large one, and a look at the first of four children only."""
     map = QuadtreeMap(resolution=1, size=4, free_resolution=1.0)
-    map.insert_scan((0.5, 3.5), [(x, y) for x in (0.5, 1.5) for y in (0.5, 1.5)])
-    assert (map.leaves().occ == 1).sum() == 4
+    others = [(1.5, 0.5), (0.5, 1.5), (1.5, 1.5)]
+    map.insert_scan((0.5, 0.5), first + others, [] if first else [(0.5, 0.5)])
+    found = map.leaves()
+    assert (found.occ == 1).sum() == len(first) + 3 and (found.vis[found.side == 1] == 1).all()
 
 
 def test_a_split_hands_its_count_on():
