@@ -37,7 +37,7 @@ def soak(seconds: float) -> Row:
                 if time.monotonic() - begun > seconds:
                     break
         figure = (
-            f"{sensor.delivered} delivered, {sensor.dropped} dropped, "
+            f"{sensor.delivered} delivered, {sensor.dropped} dropped {sensor.why!r}, "
             f"longest gap {max(gaps):.2f} s; "
             f"{before:.1f} MB after 2 s, {megabytes():.1f} MB at the end"
         )

@@ -179,6 +179,16 @@ def test_no_lost_byte_passes(characters):
             parse_scan((text[:at] + text[at + 1 :]).split(b"\n"), characters)
 
 
+@pytest.mark.parametrize("length", [63, 66, 129])
+def test_blocks_of_another_length_are_refused(length):
+    """Catches two blocks that an end of line turned into a digit has joined: the sum may hold."""
+    first, *blocks = encode_scan(0, np.full(128, 1024), 3)
+    text = b"".join(block[:-1] for block in blocks)
+    cut = [text[:length], text[length:192]]
+    with pytest.raises(SensorError, match="block without its 64 characters"):
+        parse_scan([first, *(block + checksum(block) for block in cut)], 3)
+
+
 def test_a_wrong_sum_is_overlooked_in_information_only():
     assert parse_info([b"SERI:H0706400;X"]) == {"SERI": "H0706400"}
     with pytest.raises(SensorError, match="check sum"):

@@ -158,7 +158,22 @@ def test_a_sensor_that_falls_silent():
             for _ in stream:
                 pass
         assert time.monotonic() - begun < 10
-        assert sensor.dropped >= 1
+        assert sensor.dropped == 1
+        assert "nothing came" in sensor.why
+
+
+def test_a_stream_that_runs_already():
+    """Catches an acknowledgement that got lost, and a scan in its place that is called a fault."""
+    with (
+        Emulator(pattern, speed=10) as emulator,
+        UrgSensor(emulator.port, rates=(115200,), patience=0.5) as sensor,
+    ):
+        emulator.inject("lose", after=len("MD0044072501000\n0"))
+        stream = sensor.scans()
+        for _ in range(3):
+            turn_of(next(stream))
+        stream.close()
+        assert emulator.wire.happened == ["lose"]
 
 
 @pytest.mark.parametrize(

@@ -209,7 +209,7 @@ def explain(status: str) -> str:
     """What a status means, for people."""
     if status in STATUS:
         return STATUS[status]
-    if status.isdigit() and int(status) >= 50:
+    if status.isdigit() and 50 <= int(status) < 98:
         return "the sensor reports a hardware fault: switch it off and on, then have it checked"
     return "the sensor refused"
 

@@ -265,8 +265,9 @@ class UrgSensor:
             raise
         except SensorError as error:
             return self._drop(str(error))
+        self._drop(why)
         self._begin(request)
-        return self._drop(why)
+        return why
 
     def _drop(self, why: str) -> str:
         self.dropped, self.why = self.dropped + 1, why

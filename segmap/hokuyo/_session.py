@@ -13,6 +13,8 @@ from ._replies import Geometry, Reply, parse_geometry, parse_info
 
 #: Waits between attempts to find an unplugged sensor again double from the first to the last, s.
 BACK_OFF = (0.1, 2.0)
+#: Statuses that say that it is so already: the laser is on, the stream runs.
+ALREADY = {"BM": "02", "MD": "99", "MS": "99"}
 
 
 class Session:
@@ -97,7 +99,7 @@ class Session:
         SensorError
         """
         reply = self._whole(command)
-        if reply.status not in (("00", "02") if command == "BM" else ("00",)):
+        if reply.status not in ("00", ALREADY.get(command[:2], "00")):
             raise refused(command, reply.status)
         return reply
 

@@ -101,6 +101,7 @@ class LivePanel(Panel):
 
     def run(self, scans: int) -> None:
         """Take so many scans, here and now, none left out."""
+        _warm_up()
         with contextlib.closing(self._scans()) as stream:
             for scan in islice(stream, scans):
                 self.take(scan)
