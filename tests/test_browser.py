@@ -34,7 +34,7 @@ FLAGS = [
 ]
 RIGHT = "\ue014"
 
-#: The count of segments as the panel of the chapter shows them: "266 of 1227 segments left".
+#: The count of segments as the panel of the chapter shows them: "276 of 2847 segments left".
 COUNT = """
 return [...document.querySelectorAll('.widget-label')].map(e => e.textContent)
   .filter(t => / of \\d+ segments left/.test(t))[0] || null"""
