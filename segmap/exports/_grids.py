@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..quadtree import QuadtreeMap
-from ..quadtree._loops import painted
+from ..quadtree._whole_loops import painted
 from ._files import write_bytes, write_lines
 
 #: Grey values of classes: free, unknown, occupied.

@@ -13,6 +13,7 @@ from ._arguments import check_finite, level_of, point
 from ._arguments import points as pairs
 from ._file import read_npz, write_npz
 from ._tree import Tree, in_use
+from ._whole_loops import painted
 
 #: Levels of the root at first, 512 cells a side, and at most, 65 536: B's largest map doubled once.
 SIZE, MAX_SIZE = 9, 16
@@ -174,7 +175,7 @@ class QuadtreeMap(Pictured):
         k = self.level_of(resolution)
         node, cell, level = self.tree.leaves()
         side = 1 << (self.tree.level - k)
-        return loops.painted(side, side, cell >> k, level - k, self._occupancy(node))
+        return painted(side, side, cell >> k, level - k, self._occupancy(node))
 
     def level_of(self, resolution: float | None) -> int:
         """How often the map's resolution doubles up to this one, which must divide the root."""

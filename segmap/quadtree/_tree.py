@@ -4,6 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _loops as loops
+from . import _whole_loops as whole
 
 Cells = loops.Cells
 Counts = loops.Counts
@@ -95,7 +96,7 @@ class Tree:
 
     def join(self) -> None:
         """Make one leaf of every four children that are alike and never hit."""
-        self.vis, self.occ, self.used = loops.joined(self.vis, self.occ, self.block, self.used)
+        self.vis, self.occ, self.used = whole.joined(self.vis, self.occ, self.block, self.used)
         self.block = 0
 
     def leaves_at(self, cells: Cells) -> Cells:
@@ -104,7 +105,7 @@ class Tree:
 
     def leaves(self) -> tuple[Cells, Cells, Cells]:
         """Nodes `(n,)`, lower left cells `(n, 2)` and levels `(n,)` of all leaves."""
-        found = loops.all_leaves(self.vis, self.block, self.level, self.used)
+        found = whole.all_leaves(self.vis, self.block, self.level, self.used)
         return found[:, 0], found[:, 1:3], found[:, 3]
 
     def _make_room(self, blocks: int) -> None:
