@@ -3,12 +3,13 @@
 A score's time is compared with scipy's kd-tree over the same occupied cells, in turn.
 """
 
+import csv
 from collections.abc import Iterator
 from functools import partial
 
 import numpy as np
 
-from segmap import LaserScan
+from segmap import LaserScan, read
 from segmap.matching import (
     MATCHERS,
     SCORES,
@@ -27,7 +28,7 @@ from segmap.matching import (
 from segmap.poses import transform
 from segmap.quadtree import QuadtreeMap
 
-from .measure import ROOT, Row, in_turn, missing, seconds, workloads
+from .measure import ROOT, SHARED, Row, in_turn, missing, seconds, workloads
 
 TARGET = ROOT / "data" / "records" / "matching.csv"
 ORIGIN = np.zeros(3)
@@ -45,6 +46,7 @@ def rows() -> Iterator[Row]:
         for name in ("room", "loop"):
             yield from one_scan(made, name)
         yield from without_odometry(made)
+    yield from real()
     trials = []
     for matcher in MATCHERS:
         for score in SCORES:
@@ -110,6 +112,15 @@ def growth(made) -> Iterator[Row]:
         calls["field"] = DistanceField(map).scorer(points)
         for name, call in calls.items():
             took[name].append(seconds(partial(call, poses), 7) / len(poses))
+    write(
+        "matching_growth",
+        ["score", "leaves", "seconds"],
+        [
+            (name, *pair)
+            for name in took
+            for pair in zip(leaves, [float(f"{t:.3g}") for t in took[name]], strict=True)
+        ],
+    )
     for name, times in took.items():
         power = np.polyfit(np.log(leaves), np.log(times), 1)[0]
         figures = " -> ".join(f"{1e6 * t:.2g}" for t in times)
@@ -117,6 +128,38 @@ def growth(made) -> Iterator[Row]:
             f"{name}, {leaves[0]} to {leaves[-1]} leaves, of 16 poses",
             f"{figures} us a pose: time ~ leaves^{power:.2f}",
         )
+
+
+def real() -> Iterator[Row]:
+    """The first 300 scans of a robot with an URG-04LX, without its odometry."""
+    path = SHARED / "data" / "urg04lx-exp1.dat.gz"
+    if not path.exists():
+        yield from missing("urg04lx-exp1, 300 scans: the stored record stays")
+        return
+    log, map = read(path)[:300], QuadtreeMap()
+    steps = list(map_scans(log, map=map))
+    beams = [int(scan.valid.sum()) for scan in log]
+    columns = ["scan", "x", "y", "heading", "score", "beams", "seconds"]
+    found = [
+        (k, *step.pose.round(4).tolist(), round(step.score, 4), n, round(step.seconds, 5))
+        for k, (step, n) in enumerate(zip(steps, beams, strict=True))
+    ]
+    write("matching_exp1", columns, found)
+    each = [-1e3 * step.score / n for step, n in zip(steps, beams, strict=True) if n]
+    took = 1e3 * np.median([step.seconds for step in steps])
+    yield Row(
+        "urg04lx-exp1, 300 scans without odometry, cells of 1 cm",
+        f"median {np.nanmedian(each):.1f}, largest {np.nanmax(each):.0f} mm a beam, "
+        f"{took:.1f} ms a scan, {map}, {map.nbytes / 1e3:.0f} kB",
+    )
+
+
+def write(name: str, columns: list[str], found: list[tuple[object, ...]]) -> None:
+    """A record, through a temporary file."""
+    part = TARGET.with_name(f"{name}.part")
+    with part.open("w", encoding="utf-8", newline="") as target:
+        csv.writer(target, lineterminator="\n").writerows([columns, *found])
+    part.replace(TARGET.with_name(f"{name}.csv"))
 
 
 def known_map(made, name: str) -> tuple[QuadtreeMap, LaserScan, np.ndarray]:

@@ -7,6 +7,7 @@ from functools import partial
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .._display import Table
 from ..angles import Array, wrap
@@ -183,14 +184,41 @@ def load_trials(path: Path | None = None) -> list[Trial]:
     >>> best.matcher, best.largest < 0.05
     ('hill climbing', True)
     """
-    source = path or next(
-        found for place in _bundled.PLACES if (found := place / "records" / "matching.csv").exists()
-    )
+    source = path or _record("matching")
     with source.open(encoding="utf-8", newline="") as lines:
         rows = csv.reader(lines)
         if (head := tuple(next(rows, ()))) != HEAD:
             raise ValueError(f"{source.name}, line 1: expected {','.join(HEAD)}, got {head}")
         return [_trial(row, f"{source.name}, line {rows.line_num}") for row in rows]
+
+
+def load_columns(name: str) -> NDArray[np.void]:
+    """Another record of matching that `make bench` wrote, as columns with names.
+
+    Parameters
+    ----------
+    name : "matching_growth" or "matching_exp1"
+        What a score costs as the map grows (B table 6.3); poses and scores on a real log.
+
+    Returns
+    -------
+    structured array
+        Metres, radians and seconds.
+
+    Examples
+    --------
+    >>> load_columns("matching_exp1").dtype.names
+    ('scan', 'x', 'y', 'heading', 'score', 'beams', 'seconds')
+    """
+    return np.genfromtxt(_record(name), delimiter=",", names=True, dtype=None, encoding="utf-8")
+
+
+def _record(name: str) -> Path:
+    places = [place / "records" / f"{name}.csv" for place in _bundled.PLACES]
+    try:
+        return next(path for path in places if path.exists())
+    except StopIteration:
+        raise ValueError(f"there is no record named {name!r}: run `make bench`") from None
 
 
 def _trial(row: list[str], where: str) -> Trial:

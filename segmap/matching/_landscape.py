@@ -1,0 +1,121 @@
+"""A score around a pose: the landscape that matchers climb."""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..angles import Array
+from ..quadtree import QuadtreeMap
+from ._matchers import Score, checked_start, field_score
+
+
+class Landscape(NamedTuple):
+    """Scores `(m, m)` at offsets `(m,)` in metres: rows along y, columns along x."""
+
+    offsets: Array
+    values: Array
+
+
+def landscape(
+    map: QuadtreeMap,
+    points: ArrayLike,
+    pose: ArrayLike,
+    *,
+    score: Score = field_score,
+    reach: float = 0.3,
+    step: float = 0.01,
+) -> Landscape:
+    """Scores of a scan at places around a pose, its heading kept.
+
+    Parameters
+    ----------
+    map : QuadtreeMap
+    points : (n, 2) array, metres
+    pose : (3,) array, metres and radians
+        The middle.
+    score : callable
+    reach, step : float, metres
+        How far to each side, and in which steps.
+
+    Returns
+    -------
+    Landscape
+
+    Examples
+    --------
+    >>> map = QuadtreeMap(resolution=0.1)
+    >>> map.insert_scan((0, 0), [(1.05, 0.05)])
+    >>> landscape(map, [(1.05, 0.05)], (0, 0, 0), reach=0.1, step=0.1).values.round(3)[1]
+    array([-0.1, -0. , -0.1])
+    """
+    ends, middle = checked_start(points, pose)
+    offsets = _offsets(reach, step)
+    x, y = np.meshgrid(offsets, offsets)
+    poses = middle + np.stack([x, y, 0 * x], -1).reshape(-1, 3)
+    return Landscape(offsets, score(map, ends, poses).reshape(x.shape))
+
+
+def heading_profile(
+    map: QuadtreeMap,
+    points: ArrayLike,
+    pose: ArrayLike,
+    *,
+    score: Score = field_score,
+    reach: float = np.pi,
+    step: float = np.radians(1.0),
+) -> tuple[Array, Array]:
+    """Scores of a scan turned about a pose: offsets `(m,)` in radians and scores `(m,)`.
+
+    Parameters
+    ----------
+    map, points, pose, score
+        As for `landscape`.
+    reach, step : float, radians
+
+    Examples
+    --------
+    >>> map = QuadtreeMap(resolution=0.1)
+    >>> map.insert_scan((0, 0), [(1.05, 0.05)])
+    >>> turn, values = heading_profile(map, [(1.05, 0.05)], (0, 0, 0))
+    >>> len(turn), bool(values[180] == values.max())
+    (361, True)
+    """
+    ends, middle = checked_start(points, pose)
+    offsets = _offsets(reach, step)
+    poses = np.tile(middle, (len(offsets), 1))
+    poses[:, 2] += offsets
+    return offsets, score(map, ends, poses)
+
+
+def _offsets(reach: float, step: float) -> Array:
+    if not (step > 0 and reach >= step):
+        raise ValueError(f"step must be positive and reach no less, got {step:g} and {reach:g}")
+    count = int(np.floor(reach / step + 1e-9))
+    return np.arange(-count, count + 1, dtype=np.float64) * step
+
+
+def peaks(values: ArrayLike) -> NDArray[np.int64]:
+    """Places that are higher than all around them, `(k, dimensions)`, the highest first.
+
+    A plateau counts once; what touches the border counts where nothing beside it is higher.
+
+    Examples
+    --------
+    >>> peaks([0, 3, 1, 2, 2, 0])
+    array([[1],
+           [3]])
+    """
+    from scipy.ndimage import label, maximum_filter
+
+    heights = np.asarray(values, float)
+    beaten = maximum_filter(heights, 3, mode="nearest") > heights
+    for _ in range(heights.size):  # whoever is as high as a beaten neighbour is beaten too
+        spread = maximum_filter(np.where(beaten, heights, -np.inf), 3, mode="nearest")
+        if not (lost := ~beaten & (spread == heights)).any():
+            break
+        beaten |= lost
+    plateaus, count = label(~beaten, np.ones((3,) * heights.ndim))
+    first = [tuple(np.argwhere(plateaus == k + 1)[0]) for k in range(count)]
+    first.sort(key=lambda place: -heights[place])
+    return np.array(first, np.int64).reshape(count, heights.ndim)
