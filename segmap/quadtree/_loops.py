@@ -175,14 +175,24 @@ def walk_rays(
             vis[node] += add
             to_x, to_y = room_ahead(x, sign_x, level), room_ahead(y, sign_y, level)
             along, aside = (to_y, to_x) if steep else (to_x, to_y)
-            reach = (step + along) * short + rest
-            if reach < (across + aside) * long:
-                step, across = step + along, reach // long
-            else:  # the first step at which the ray is past the leaf's side
-                across += aside
-                step = (across * long - rest + short - 1) // short
+            step, across = beyond(step, across, along, aside, long, short, rest)
             level += 1
     return used, len(ends)
+
+
+@compiled
+def beyond(
+    step: int, across: int, along: int, aside: int, long: int, short: int, rest: int
+) -> tuple[int, int]:
+    """The first step past the end of a leaf `along` steps ahead, or past its side `aside` across.
+
+    Also how many steps across are made by then.
+    """
+    reach = (step + along) * short + rest
+    if reach < (across + aside) * long:
+        return step + along, reach // long
+    across += aside
+    return (across * long - rest + short - 1) // short, across
 
 
 @compiled
