@@ -445,7 +445,22 @@ def edge_error_by_matrices(first, second, relative):
     return [m[0, 2], m[1, 2], np.arctan2(m[1, 0], m[0, 0])]
 
 
+def distances_bit_by_bit(lines):
+    text = "".join(f"{c - 48:06b}" for line in lines for c in line[:-1])
+    return [int(text[i : i + 18], 2) for i in range(0, len(text), 18)]
+
+
+def unwrapped_in_a_loop(stamps):
+    turns, found = 0, []
+    for k, stamp in enumerate(stamps):
+        turns += bool(k) and stamp < stamps[k - 1]
+        found.append((int(stamp) + turns * 2**24 - int(stamps[0])) / 1000)
+    return found
+
+
 OTHER_WAYS = {
+    "distances": distances_bit_by_bit,
+    "unwrapped": unwrapped_in_a_loop,
     "edge_error": edge_error_by_matrices,
     "compose": rotated_step,
     "beam_angles": beams_in_steps,

@@ -48,6 +48,8 @@ class Room:
         self.walls = as_segments(walls, "walls")
         self.path: Array = np.array(path, float).reshape(-1, 3)
         self.sensor = sensor
+        self.rng = np.random.default_rng(1)
+        self(0)  # loads what is compiled, before a sensor waits for it
         self.rng = np.random.default_rng(1) if rng is None else rng
 
     def pose(self, turn: int) -> Array:

@@ -11,6 +11,7 @@ from ._comparison_exercises import check_reduction_at
 from ._exercise import Case, Check, Exercise, Mistake
 from ._graph_exercises import check_edge_error, edge_error
 from ._hough_exercises import check_hough
+from ._laser_exercises import check_distances, check_unwrapped, unwrapped
 from ._line_exercises import check_axial_mean, check_farthest_point, check_fit_line
 from ._map_exercises import (
     best_shift,
@@ -66,6 +67,8 @@ EXERCISES: dict[str, Exercise] = {
         check_occupancy,
         check_ray_cells,
         check_pixel,
+        check_distances,
+        check_unwrapped,
     )
 }
 
@@ -84,6 +87,7 @@ __all__ = [
     "check_cast_ray",
     "check_cell_of",
     "check_compose",
+    "check_distances",
     "check_edge_error",
     "check_farthest_point",
     "check_fit_line",
@@ -103,6 +107,7 @@ __all__ = [
     "check_ray_cells",
     "check_reduction_at",
     "check_reduction_rate",
+    "check_unwrapped",
     "edge_error",
     "heading_between",
     "match_value",
@@ -114,4 +119,5 @@ __all__ = [
     "ray_cells",
     "scan_zoo",
     "segment_zoo",
+    "unwrapped",
 ]
