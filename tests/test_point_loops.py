@@ -178,7 +178,10 @@ def literal_search(map, current, start, radius, headings, away):
 
 SEARCHES = {
     "in the window": ((0.2, -0.15, 0.1), 0.5, 0.1),
-    "at its edge": ((0.7, 0.0, 0.0), 0.5, 0.1),
+    "the answer outside of the window": ((0.7, 0.0, 0.0), 0.5, 0.1),
+    "beyond its upper edges": ((-0.42, -0.55, 0.0), 0.5, 0.0),
+    "far off across": ((0.1, 0.42, 0.0), 0.5, 0.0),
+    "far off along": ((-0.32, -0.03, 0.0), 0.5, 0.0),
     "far outside of the map": ((9.0, 30.0, 1.0), 0.5, 0.1),
     "no penalty, so that there are ties": ((0.1, 0.1, 0.0), 0.3, 0.0),
     "a window that blocks do not divide": ((0.1, 0.1, -0.1), 0.35, 0.3),
