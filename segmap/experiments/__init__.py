@@ -27,6 +27,16 @@ from ._compare import (
 from ._conclusions import Answer, Conclusion, conclusion_table, conclusions, density, filter_change
 from ._online import Pace, load_pace
 from ._records import Record, Records, number_words
+from ._storage import (
+    Judged,
+    Kept,
+    along,
+    judge,
+    keep,
+    occupied_centres,
+    storage_table,
+    wall_errors,
+)
 from ._sweep import digest, sweep
 
 __all__ = [
@@ -36,6 +46,8 @@ __all__ = [
     "AlignmentRun",
     "Answer",
     "Conclusion",
+    "Judged",
+    "Kept",
     "Pace",
     "Published",
     "Record",
@@ -43,6 +55,7 @@ __all__ = [
     "Standing",
     "Standings",
     "alignment_table",
+    "along",
     "by_method",
     "by_setting",
     "conclusion_table",
@@ -52,15 +65,20 @@ __all__ = [
     "equal_quality",
     "filter_change",
     "front",
+    "judge",
+    "keep",
     "load_alignments",
     "load_pace",
     "load_records",
     "number_words",
+    "occupied_centres",
     "pareto",
     "points_of",
     "read_alignments",
     "reduction_at",
+    "storage_table",
     "sweep",
     "thesis_grid",
     "thesis_results",
+    "wall_errors",
 ]

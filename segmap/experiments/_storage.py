@@ -1,0 +1,171 @@
+"""One building kept in five ways: what each takes, and how far it is from the walls."""
+
+from collections.abc import Iterable
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from .._display import Table
+from ..angles import Array
+from ..extraction import build_map
+from ..poses import transform
+from ..quadtree import QuadtreeMap
+from ..quadtree import build_map as build_quadtree
+from ..reduction import fusion
+from ..scans import Log
+from ..segments import Segments, as_segments, length, point_distance
+
+#: Samples along segments and walls, metres: a fifth of the smallest error that matters here.
+SPACING = 0.01
+
+
+class Kept(NamedTuple):
+    """One way to keep a building.
+
+    `points` `(n, 2)`, metres, are what it says of walls: the places themselves, samples along
+    segments, or centres of occupied cells.
+    """
+
+    name: str
+    parts: int
+    nbytes: int
+    points: Array
+
+
+class Judged(NamedTuple):
+    """How good it is: mean distance from the walls, metres, and the share of walls covered."""
+
+    kept: Kept
+    error: float
+    covered: float
+
+
+def keep(
+    log: Log, poses: ArrayLike, *, resolution: float = 0.05, tolerance: float = 0.04
+) -> tuple[list[Kept], QuadtreeMap]:
+    """An aligned log as points, segments, reduced segments, quadtree and grid.
+
+    Parameters
+    ----------
+    log : Log
+    poses : (k, 3) array, metres and radians
+    resolution : float, metres
+        Of the quadtree and the grid.
+    tolerance : float, metres
+        Of Fusion, which reduces the segments.
+
+    Returns
+    -------
+    list of Kept
+        Bytes: 16 a point, 32 a segment, 8 a node of the tree, and two counts of 4 bytes for each
+        cell of a grid that just holds the occupied cells.
+    QuadtreeMap
+
+    Examples
+    --------
+    >>> from segmap import load
+    >>> log = load("room")
+    >>> [kept.name for kept in keep(log, log.truth)[0]]
+    ['points', 'segments', 'reduced segments', 'quadtree', 'dense grid']
+    """
+    at = np.asarray(poses, float)
+    points = np.concatenate([transform(pose, s.points()) for pose, s in zip(at, log, strict=True)])
+    segments = build_map(log, at)
+    reduced = fusion(segments, tolerance=tolerance).segments
+    map = build_quadtree(log, at, resolution=resolution)
+    cells = occupied_centres(map)
+    grid = np.ptp(np.rint(cells / resolution), axis=0) + 1 if len(cells) else np.zeros(2)
+    size = int(grid.prod())
+    found = [
+        Kept("points", len(points), points.nbytes, points),
+        Kept("segments", len(segments), segments.segments.nbytes, along(segments.segments)),
+        Kept("reduced segments", len(reduced), reduced.nbytes, along(reduced)),
+        Kept("quadtree", len(map.leaves().x), map.nbytes, cells),
+        Kept("dense grid", size, 8 * size, cells),
+    ]
+    return found, map
+
+
+def occupied_centres(map: QuadtreeMap) -> Array:
+    """Centres of the occupied cells, `(n, 2)`, metres."""
+    leaves = map.leaves()
+    occupied = 2 * leaves.occ > leaves.vis
+    corner = np.stack([leaves.x[occupied], leaves.y[occupied]], -1)
+    return corner + leaves.side[occupied, None] / 2
+
+
+def along(segments: Segments, spacing: float = SPACING) -> Array:
+    """Points `(n, 2)` along segments, evenly, at most so far apart, both ends among them.
+
+    Examples
+    --------
+    >>> along([[(0, 0), (1, 0)]], 0.5)
+    array([[0. , 0. ],
+           [0.5, 0. ],
+           [1. , 0. ]])
+    """
+    ends = as_segments(segments)
+    counts = np.maximum(np.ceil(length(ends) / spacing - 1e-9), 1).astype(int)
+    parts = [
+        a + np.linspace(0, 1, n + 1)[:, None] * (b - a)
+        for (a, b), n in zip(ends, counts, strict=True)
+    ]
+    return np.concatenate([np.empty((0, 2)), *parts])
+
+
+def wall_errors(points: Array, walls: Segments) -> Array:
+    """Distance of each point from the nearest wall, `(n,)`, metres.
+
+    Examples
+    --------
+    >>> wall_errors(np.array([(0.5, 0.2), (2, 0)]), [[(0, 0), (1, 0)]])
+    array([0.2, 1. ])
+    """
+    return np.min([point_distance(points, wall) for wall in as_segments(walls)], axis=0)
+
+
+def judge(kept: Iterable[Kept], walls: Segments, *, within: float = 0.05) -> list[Judged]:
+    """Compare with the true walls; what no way of keeping has within reach was never seen.
+
+    Parameters
+    ----------
+    kept : iterable of Kept
+    walls : (n, 2, 2) array, metres
+    within : float, metres
+        A sample of a wall counts as covered where something kept is so near.
+
+    Returns
+    -------
+    list of Judged
+        Covered: of those samples of walls that some way covers.
+    """
+    from scipy.spatial import cKDTree
+
+    ways, truth = list(kept), along(walls)
+    near = np.array([cKDTree(way.points).query(truth)[0] <= within for way in ways])
+    seen = near.any(axis=0)
+    errors = [_mean_error(way.points, walls) for way in ways]
+    return [
+        Judged(way, error, float(covers[seen].mean()))
+        for way, error, covers in zip(ways, errors, near, strict=True)
+    ]
+
+
+def _mean_error(points: Array, walls: Segments) -> float:
+    return float(wall_errors(points, walls).mean()) if len(points) else float("nan")
+
+
+def storage_table(judged: Iterable[Judged]) -> Table:
+    """Ways to keep a building as a table."""
+    rows = [
+        (
+            found.kept.name,
+            found.kept.parts,
+            f"{found.kept.nbytes / 1e3:.1f}",
+            f"{1e3 * found.error:.1f}",
+            f"{100 * found.covered:.1f}",
+        )
+        for found in judged
+    ]
+    return Table(["kept as", "parts", "kB", "off the walls [mm]", "walls covered [%]"], rows)
