@@ -41,9 +41,11 @@ return [...document.querySelectorAll('.widget-label')].map(e => e.textContent)
 PICTURE = "const p = document.querySelector('.widget-image'); return p ? p.src : null"
 ENTRY = "//div[contains(@class, 'lm-{}-itemLabel') and text()='{}']"
 HANDLE = "//div[contains(@class, 'widget-hslider')]//div[contains(@class, 'noUi-handle')]"
+#: Idle and connected: a notebook without a kernel calls itself idle, and asks for one when it runs.
 IDLE = """
 const i = document.querySelector('.jp-Notebook-ExecutionIndicator');
-return i !== null && i.dataset.status === 'idle'"""
+const k = document.querySelector('.jp-KernelName');
+return i !== null && i.dataset.status === 'idle' && k !== null && /Python/.test(k.textContent)"""
 UNFINISHED = """
 const p = [...document.querySelectorAll('.jp-CodeCell .jp-InputPrompt')].map(e => e.textContent);
 return p.filter(t => !/\\[\\d+\\]/.test(t)).length + (p.length ? 0 : 1)"""
