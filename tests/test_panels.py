@@ -28,7 +28,9 @@ from segmap.panels import (
     GroundTruthPanel,
     HybridPanel,
     IcpPanel,
+    LandscapePanel,
     LivePanel,
+    MatcherPanel,
     MeanShiftPanel,
     Panel,
     PolylinePanel,
@@ -37,6 +39,7 @@ from segmap.panels import (
     RayPanel,
     RoomPanel,
     ScanPanel,
+    StoragePanel,
 )
 from segmap.panels._base import VIEW, slider, text
 from segmap.plotting import ERROR, RESULT, TRUTH
@@ -55,13 +58,13 @@ WALLS = SegmentMap([[(0, y), (2, y)] for y in (0.0, 0.03, 0.10, 0.15, 1.0)])
 LEANING = SegmentMap([[(0, 0), (2, 0)], [(1.95, 0), (3.9, 0.2)], [(9, 9), (9, 9.1)]])
 
 LOOP = load("corridor")
+TREE = build_map(LOG[:1], LOG.truth[:1], resolution=0.02)
 
 RUNS = sweep(
     {"walls": WALLS},
     ["fusion", "hybrid"],
     {"fusion": {"tolerance": [0.02, 0.06, 0.2]}, "hybrid": {"distance": [0.02, 0.2]}},
 )
-
 
 
 def lived(panel):
@@ -81,8 +84,10 @@ PANELS = {
     "fusion": (lambda: FusionPanel(WALLS), "tolerance", 0.12),
     "ground truth": (lambda: GroundTruthPanel(LOG), "late", 0.1),
     "hybrid": (lambda: HybridPanel(LEANING), "origin", 20),
+    "matcher": (lambda: MatcherPanel(TREE, LOG[1].points(), LOG.truth[1]), "step", 3),
     "mean shift": (lambda: MeanShiftPanel(WALLS), "sigma", 0.60),
     "icp": (lambda: IcpPanel(LOG[0].points(), LOG[1].points(), (0.5, 0, 0)), "x", -0.2),
+    "landscape": (lambda: LandscapePanel(LOG), "turn", 12),
     "live": (lambda: lived(LivePanel(LOG)), "tolerance", 0.005),
     "polylines": (lambda: PolylinePanel(LOG[0]), "tolerance", 0.005),
     "pose graph": (lambda: PoseGraphPanel(LOOP), "scan", 60),
@@ -90,6 +95,7 @@ PANELS = {
     "rays": (RayPanel, "mask", False),
     "room": (lambda: RoomPanel(ROOM, (1, 1, 0)), "beams", 51),
     "scan": (lambda: ScanPanel(LOG), "step", 3),
+    "storage": (lambda: StoragePanel(LOG, LOG.truth, ROOM), "resolution", 10.0),
 }
 
 

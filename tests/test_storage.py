@@ -16,8 +16,8 @@ LOG = simulate(
 
 
 def by_name(log=LOG, walls=WALLS, **options):
-    kept, map = keep(log, log.truth, **options)
-    return {judged.kept.name: judged for judged in judge(kept, walls)}, map
+    ways = keep(log, log.truth, **options)
+    return {judged.kept.name: judged for judged in judge(ways.kept, walls)}, ways.map
 
 
 def test_bytes_are_those_of_the_arrays():
@@ -79,7 +79,7 @@ def test_walls_that_nobody_saw_do_not_count():
 
 
 def test_an_empty_map_covers_nothing():
-    kept, _ = keep(LOG[:1], LOG.truth[:1], resolution=0.05)
+    kept = keep(LOG[:1], LOG.truth[:1], resolution=0.05).kept
     none = kept[0]._replace(points=np.empty((0, 2)), nbytes=0)
     assert judge([kept[0], none], WALLS)[1].covered == 0
 

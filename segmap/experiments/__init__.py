@@ -30,6 +30,7 @@ from ._records import Record, Records, number_words
 from ._storage import (
     Judged,
     Kept,
+    Ways,
     along,
     judge,
     keep,
@@ -54,6 +55,7 @@ __all__ = [
     "Records",
     "Standing",
     "Standings",
+    "Ways",
     "alignment_table",
     "along",
     "by_method",

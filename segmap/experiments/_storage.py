@@ -33,6 +33,15 @@ class Kept(NamedTuple):
     points: Array
 
 
+class Ways(NamedTuple):
+    """All five, the map of segments before `(n, 2, 2)` and after Fusion, and the quadtree."""
+
+    kept: list[Kept]
+    segments: Array
+    reduced: Array
+    map: QuadtreeMap
+
+
 class Judged(NamedTuple):
     """How good it is: mean distance from the walls, metres, and the share of walls covered."""
 
@@ -41,9 +50,7 @@ class Judged(NamedTuple):
     covered: float
 
 
-def keep(
-    log: Log, poses: ArrayLike, *, resolution: float = 0.05, tolerance: float = 0.04
-) -> tuple[list[Kept], QuadtreeMap]:
+def keep(log: Log, poses: ArrayLike, *, resolution: float = 0.05, tolerance: float = 0.04) -> Ways:
     """An aligned log as points, segments, reduced segments, quadtree and grid.
 
     Parameters
@@ -57,16 +64,15 @@ def keep(
 
     Returns
     -------
-    list of Kept
+    Ways
         Bytes: 16 a point, 32 a segment, 8 a node of the tree, and two counts of 4 bytes for each
         cell of a grid that just holds the occupied cells.
-    QuadtreeMap
 
     Examples
     --------
     >>> from segmap import load
     >>> log = load("room")
-    >>> [kept.name for kept in keep(log, log.truth)[0]]
+    >>> [kept.name for kept in keep(log, log.truth).kept]
     ['points', 'segments', 'reduced segments', 'quadtree', 'dense grid']
     """
     at = np.asarray(poses, float)
@@ -84,7 +90,7 @@ def keep(
         Kept("quadtree", len(map.leaves().x), map.nbytes, cells),
         Kept("dense grid", size, 8 * size, cells),
     ]
-    return found, map
+    return Ways(found, segments.segments, reduced, map)
 
 
 def occupied_centres(map: QuadtreeMap) -> Array:

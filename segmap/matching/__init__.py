@@ -3,7 +3,7 @@
 from ._field import DistanceField
 from ._landscape import Landscape, heading_profile, landscape, peaks
 from ._mapping import Step, map_scans
-from ._matchers import field_score, hill_climb, sample_and_rank
+from ._matchers import Score, field_score, hill_climb, sample_and_rank
 from ._scores import descent_score, distance_score, nearest_score, occupancy_score
 from ._trials import (
     MATCHERS,
@@ -23,6 +23,7 @@ __all__ = [
     "SCORES",
     "DistanceField",
     "Landscape",
+    "Score",
     "Step",
     "Trial",
     "descent_score",

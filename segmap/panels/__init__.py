@@ -16,7 +16,9 @@ from ._fusion import FusionPanel
 from ._ground_truth import GroundTruthPanel
 from ._hybrid import HybridPanel
 from ._icp import IcpPanel
+from ._landscape import LandscapePanel
 from ._live import LivePanel
+from ._matcher import MatcherPanel
 from ._mean_shift import MeanShiftPanel
 from ._polylines import PolylinePanel
 from ._pose_graph import PoseGraphPanel
@@ -25,6 +27,7 @@ from ._ray_variants import insert_variant
 from ._rays import RayPanel
 from ._room import RoomPanel
 from ._scan import ScanPanel
+from ._storage import StoragePanel
 
 __all__ = [
     "AnglePanel",
@@ -38,7 +41,9 @@ __all__ = [
     "GroundTruthPanel",
     "HybridPanel",
     "IcpPanel",
+    "LandscapePanel",
     "LivePanel",
+    "MatcherPanel",
     "MeanShiftPanel",
     "Panel",
     "PolylinePanel",
@@ -47,5 +52,6 @@ __all__ = [
     "RayPanel",
     "RoomPanel",
     "ScanPanel",
+    "StoragePanel",
     "insert_variant",
 ]

@@ -7,6 +7,7 @@ every picture, and the colour-blind can tell them apart (Okabe and Ito, 2008).
 from ._alignments import draw_alignment, draw_step, draw_uncertainty
 from ._backbones import draw_backbone
 from ._experiments import METHOD_STYLES, draw_curves, draw_online
+from ._landscapes import draw_climb, draw_landscape
 from ._pictures import figure_png, thumbnail
 from ._quadtrees import draw_quadtree
 from ._scans import draw_log, draw_path, draw_scan
@@ -27,7 +28,9 @@ __all__ = [
     "draw_alignment",
     "draw_backbone",
     "draw_before_after",
+    "draw_climb",
     "draw_curves",
+    "draw_landscape",
     "draw_log",
     "draw_online",
     "draw_path",

@@ -20,6 +20,13 @@ from ._map_exercises import (
     check_quality,
     check_reduction_rate,
 )
+from ._matching_exercises import (
+    check_climb_step,
+    check_mean_wall_error,
+    check_scan_score,
+    climb_step,
+    scan_score,
+)
 from ._mean_shift_exercises import check_mean_shift_step, mean_shift_step
 from ._point_exercises import (
     check_heading_between,
@@ -66,7 +73,10 @@ EXERCISES: dict[str, Exercise] = {
         check_grown,
         check_occupancy,
         check_ray_cells,
+        check_scan_score,
+        check_climb_step,
         check_pixel,
+        check_mean_wall_error,
         check_distances,
         check_unwrapped,
     )
@@ -86,6 +96,7 @@ __all__ = [
     "check_best_shift",
     "check_cast_ray",
     "check_cell_of",
+    "check_climb_step",
     "check_compose",
     "check_distances",
     "check_edge_error",
@@ -99,6 +110,7 @@ __all__ = [
     "check_match_value",
     "check_matches",
     "check_mean_shift_step",
+    "check_mean_wall_error",
     "check_merged",
     "check_move_onto_walls",
     "check_occupancy",
@@ -107,7 +119,9 @@ __all__ = [
     "check_ray_cells",
     "check_reduction_at",
     "check_reduction_rate",
+    "check_scan_score",
     "check_unwrapped",
+    "climb_step",
     "edge_error",
     "heading_between",
     "match_value",
@@ -117,6 +131,7 @@ __all__ = [
     "move_onto_walls",
     "point_zoo",
     "ray_cells",
+    "scan_score",
     "scan_zoo",
     "segment_zoo",
     "unwrapped",
