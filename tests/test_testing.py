@@ -458,7 +458,40 @@ def unwrapped_in_a_loop(stamps):
     return found
 
 
+def score_by_tree(points, pose, centres):
+    from scipy.spatial import cKDTree
+
+    return -cKDTree(centres).query(segmap.poses.transform(pose, points))[0].sum()
+
+
+def climb_in_a_loop(value, pose, move, turn):
+    best, steps = [*pose], (move, move, turn)
+    for axis in range(3):
+        for sign in (-1, 1):
+            tried = [p + sign * steps[axis] * (k == axis) for k, p in enumerate(pose)]
+            if value(np.array(tried)) > value(np.array(best)):
+                best = tried
+    return best
+
+
+def wall_error_along_and_aside(points, walls):
+    total = 0.0
+    for p in points:
+        best = np.inf
+        for a, b in walls:
+            length = np.linalg.norm(b - a)
+            along = (p - a) @ (b - a) / length
+            beyond = max(-along, along - length, 0.0)
+            aside = (b - a)[0] * (p - a)[1] - (b - a)[1] * (p - a)[0]
+            best = min(best, np.hypot(beyond, aside / length))
+        total += best
+    return total / len(points)
+
+
 OTHER_WAYS = {
+    "scan_score": score_by_tree,
+    "climb_step": climb_in_a_loop,
+    "mean_wall_error": wall_error_along_and_aside,
     "distances": distances_bit_by_bit,
     "unwrapped": unwrapped_in_a_loop,
     "edge_error": edge_error_by_matrices,
