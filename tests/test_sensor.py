@@ -280,7 +280,9 @@ def wait_for(true, seconds=3.0):
 def test_an_interrupt_from_the_terminal():
     """Catches a laser left on by Control-C, in a process of its own."""
     code = (
-        "import sys; from segmap.hokuyo import UrgSensor\n"
+        "import signal, sys; from segmap.hokuyo import UrgSensor\n"
+        # a runner in the background hands on that interrupts are ignored
+        "signal.signal(signal.SIGINT, signal.default_int_handler)\n"
         "for scan in UrgSensor(sys.argv[1]).scans(): print('scan', flush=True)"
     )
     with Emulator(pattern, **FAST) as emulator:
