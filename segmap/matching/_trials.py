@@ -238,23 +238,24 @@ def write_trials(trials: Iterable[Trial], path: Path) -> None:
 
 
 def trial_table(trials: Iterable[Trial]) -> Table:
-    """Trials as a table without times: medians over the seeds of each pair, in their order.
+    """Trials as a table: medians over the seeds of each pair, in their order.
 
     Examples
     --------
     >>> trial_table([Trial("it", "hill climbing", "field", 0, 0.0141, 0.03, 0.01, 99, 800, 0.1)])
-    matcher        score  median [mm]  largest [mm]  heading [deg]  leaves  seeds
-    hill climbing  field  14           30            0.6            99      1
+    matcher        score  median [mm]  largest [mm]  heading [deg]  leaves  step [ms]  seeds
+    hill climbing  field  14           30            0.6            99      100.0      1
     """
     groups: dict[tuple[str, str], list[Trial]] = {}
     for trial in trials:
         groups.setdefault((trial.matcher, trial.score), []).append(trial)
-    head = ["matcher", "score", "median [mm]", "largest [mm]", "heading [deg]", "leaves", "seeds"]
+    head = ["matcher", "score", "median [mm]", "largest [mm]", "heading [deg]"]
+    head += ["leaves", "step [ms]", "seeds"]
     return Table(head, ((*pair, *_medians(group)) for pair, group in groups.items()))
 
 
 def _medians(group: list[Trial]) -> list[str]:
-    values = [(t.median, t.largest, t.heading, t.leaves) for t in group]
-    median, largest, heading, leaves = np.median(values, axis=0)
-    error = f"{np.degrees(heading):.1f}"
-    return [f"{1e3 * median:.0f}", f"{1e3 * largest:.0f}", error, f"{leaves:.0f}", str(len(group))]
+    values = [(t.median, t.largest, t.heading, t.leaves, t.seconds) for t in group]
+    median, largest, heading, leaves, seconds = np.median(values, axis=0)
+    errors = [f"{1e3 * median:.0f}", f"{1e3 * largest:.0f}", f"{np.degrees(heading):.1f}"]
+    return [*errors, f"{leaves:.0f}", f"{1e3 * seconds:.1f}", str(len(group))]

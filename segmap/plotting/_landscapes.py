@@ -41,7 +41,7 @@ def draw_landscape(
         rows, columns = peaks(land.values).T
         ax.plot(land.offsets[columns], land.offsets[rows], ".", color=ERROR, markersize=4)
     if truth:
-        ax.plot(0, 0, "+", color=TRUTH, markersize=12, markeredgewidth=2)
+        ax.plot(0, 0, "+", color=TRUTH, markersize=15, markeredgewidth=3)
     ax.set(xlabel="offset in x [m]", ylabel="offset in y [m]", aspect="equal")
     ax.set(xlim=edges, ylim=edges)
     return ax
