@@ -115,6 +115,16 @@ def test_what_is_fetched_is_seen():
     assert not re.search(FETCHED, '<img src="data:image/png;base64,x"><a href="https://x">')
 
 
+def test_a_rare_colour_stays_what_it_was():
+    """Catches a palette of the frequent colours: a blue robot on a grey map turned green."""
+    rng = np.random.default_rng(1)
+    grey = rng.integers(0, 256, (200, 300, 1))
+    picture = np.repeat(grey, 3, axis=2).astype(np.uint8)
+    picture[100:104, 50:54], picture[20:23, 60:63] = (0, 114, 178), (0, 158, 115)
+    found = np.asarray(refresh.quantized(Image.fromarray(picture)).convert("RGB"), int)
+    assert abs(found - picture).max() <= 20
+
+
 @pytest.fixture(scope="module")
 def pages(refreshed, tmp_path_factory):
     folder = tmp_path_factory.mktemp("book")

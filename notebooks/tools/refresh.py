@@ -59,8 +59,14 @@ def shrink_pictures(notebook: NotebookNode) -> None:
         if len(data) > MOST_BYTES:
             small = io.BytesIO()
             image = Image.open(io.BytesIO(data)).convert("RGB")
-            image.quantize(COLOURS, dither=Image.Dither.NONE).save(small, "PNG", optimize=True)
+            quantized(image).save(small, "PNG", optimize=True)
             output.data["image/png"] = base64.b64encode(small.getvalue()).decode()
+
+
+def quantized(image: Image.Image) -> Image.Image:
+    """With a palette that spans the colours of a picture: a red dot on grey stays red."""
+    method = Image.Quantize.MAXCOVERAGE
+    return image.quantize(COLOURS, method=method, dither=Image.Dither.NONE)
 
 
 def keep_pictures(notebook: NotebookNode, stored: NotebookNode) -> None:
