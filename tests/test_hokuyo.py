@@ -11,7 +11,6 @@ from segmap.hokuyo import (
     Lines,
     ScanRequest,
     SensorError,
-    as_ranges,
     checksum,
     decode,
     encode,
@@ -203,15 +202,6 @@ def test_a_geometry_that_cannot_be(change):
     assert np.degrees(geometry.angles(44, 1))[0] == pytest.approx(-119.53, abs=0.005)
     with pytest.raises(SensorError, match="PP told"):
         parse_geometry(told | change)
-
-
-def test_codes_are_kept_and_are_no_ranges():
-    """Catches a code of 16 that becomes a wall at 16 mm."""
-    ranges, codes = as_ranges(np.arange(22))
-    assert np.isposinf(ranges[[0, 6]]).all()
-    assert np.isnan(np.delete(ranges[:20], [0, 6])).all()
-    assert ranges[20:].tolist() == [0.020, 0.021]
-    assert codes.tolist() == [*range(20), 0, 0]
 
 
 # ------------------------------------------------------------------- arbitrary bytes

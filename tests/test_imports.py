@@ -17,7 +17,7 @@ STOREYS = (
     "_compiled _display",
     "angles",
     "poses segments",
-    "scans rooms sensors",
+    "scans rooms sensors error_codes",
     "readers simulation extraction metrics hokuyo",
     "alignment reduction quadtree emulator",
     "matching experiments exports",

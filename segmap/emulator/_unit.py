@@ -7,6 +7,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
+from ..error_codes import LOWEST
 from ..hokuyo import (
     ScanRequest,
     SensorError,
@@ -263,7 +264,7 @@ def clustered(millimetres: NDArray[np.int64], size: int) -> NDArray[np.int64]:
     """
     groups = range(0, len(millimetres), max(size, 1))
     parts = [millimetres[i : i + max(size, 1)] for i in groups]
-    return np.array([min(good) if (good := [d for d in p if d >= 20]) else p[0] for p in parts])
+    return np.array([min(good) if (good := [d for d in p if d >= LOWEST]) else p[0] for p in parts])
 
 
 def _checked(text: str) -> tuple[ScanRequest | None, str]:

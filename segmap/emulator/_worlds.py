@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..angles import Array
+from ..error_codes import LOWEST, NEIGHBOURS_BAD, NOT_MEASURED, NOTHING_MET
 from ..hokuyo import SensorError, parse_reply, parse_request, parse_scan
 from ..segments import Segments, as_segments
 from ..sensors import URG_04LX, Sensor, Wheels
@@ -16,8 +17,6 @@ World = Callable[[int], NDArray[np.int64]]
 
 #: Steps 0 to 768 can be asked for; those from 44 to 725 are measured.
 STEPS, FIRST = 769, 44
-#: Codes: nothing met, too near, a step that is not measured.
-NOTHING, TOO_NEAR, NOT_MEASURED = 0, 7, 19
 
 
 class Room:
@@ -61,10 +60,10 @@ class Room:
         """Millimetres of all steps, `(769,)`."""
         pose, wheels = self.pose(turn)[None], Wheels().ideal()
         log = simulate(self.walls, pose, sensor=self.sensor, rng=self.rng, wheels=wheels)
-        met = log[0].ranges
-        found = np.where(np.isfinite(met), np.rint(1000 * np.nan_to_num(met, posinf=0.0)), TOO_NEAR)
+        met = np.rint(1000 * log[0].ranges)
+        found = np.where(met >= LOWEST, met, NEIGHBOURS_BAD)
         steps = np.full(STEPS, NOT_MEASURED)
-        steps[FIRST : FIRST + len(met)] = np.where(np.isposinf(met), NOTHING, found)
+        steps[FIRST : FIRST + len(met)] = np.where(np.isposinf(met), NOTHING_MET, found)
         return steps
 
 

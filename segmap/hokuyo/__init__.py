@@ -10,11 +10,9 @@ from ._newest import Newest
 from ._ports import Found, find_port, open_port, ports
 from ._record import record
 from ._replies import (
-    URG_04LX,
     Geometry,
     Measurement,
     Reply,
-    as_ranges,
     explain,
     info_line,
     parse_geometry,
@@ -27,7 +25,6 @@ from ._requests import ScanRequest, encode_reply, encode_reply_1, encode_scan, p
 from ._sensor import UrgSensor
 
 __all__ = [
-    "URG_04LX",
     "Found",
     "Geometry",
     "HostClock",
@@ -40,7 +37,6 @@ __all__ = [
     "SensorError",
     "SensorGone",
     "UrgSensor",
-    "as_ranges",
     "checksum",
     "decode",
     "encode",

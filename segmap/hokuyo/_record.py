@@ -9,13 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..angles import Array
+from ..error_codes import LOWEST, NOT_MEASURED
 from ..scans import LaserScan
 from ._sensor import UrgSensor
 
 #: Endings of CARMEN logs; any other path is a folder of Hokuyo texts.
 CARMEN = (".log", ".clf", ".carmen")
-#: Written for an error without a code: a step that is not measured.
-NO_CODE = 19
 
 
 def record(
@@ -140,6 +139,7 @@ def _number(path: Path) -> int:
 def _millimetres(scan: LaserScan) -> NDArray[np.int64]:
     """Ranges as the sensor gave them, codes in place of those that are none."""
     codes = np.zeros(len(scan), np.int64) if scan.codes is None else scan.codes
-    codes = np.where(np.isnan(scan.ranges) & (codes == 0), NO_CODE, codes)
-    finite: Array = np.where(np.isfinite(scan.ranges), scan.ranges, 0.0)
-    return np.where(finite > 0, np.rint(1000 * finite), codes).astype(np.int64)
+    met: Array = np.rint(1000 * np.where(np.isposinf(scan.ranges), 0.0, scan.ranges))
+    is_range = met >= LOWEST
+    codes = np.where(~is_range & ~np.isposinf(scan.ranges) & (codes == 0), NOT_MEASURED, codes)
+    return np.where(is_range, met, codes).astype(np.int64)

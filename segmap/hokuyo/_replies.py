@@ -10,11 +10,6 @@ from ..angles import Array
 from ._coding import SensorError, checksum, decode, unchecked
 from ._requests import BLOCK
 
-#: Distances below this are error codes.
-CODES = 20
-#: What an error code means: nothing in reach (inf), or no measurement (NaN).
-NOTHING_MET = (0, 6)
-
 #: What a status means and what to do; for scans and for the commands that start them.
 STATUS = {
     "0A": "the sensor could not build a reply: ask again",
@@ -73,10 +68,6 @@ class Geometry(NamedTuple):
         """
         step = first + np.arange(count) * cluster + (cluster - 1) / 2
         return np.asarray((step - self.front) * 2 * np.pi / self.steps)
-
-
-#: Of a URG-04LX, for units that cannot tell: SCIP 1.1 has no command for it.
-URG_04LX = Geometry(1024, 44, 725, 384, 20, 4095, 0.1)
 
 
 def parse_reply(lines: Sequence[bytes]) -> Reply:
@@ -188,21 +179,6 @@ def parse_scan_1(lines: Sequence[bytes]) -> NDArray[np.int64]:
     SensorError
     """
     return decode(b"".join(lines), 2)
-
-
-def as_ranges(millimetres: NDArray[np.int64]) -> tuple[Array, NDArray[np.int64]]:
-    """Ranges in metres, inf where nothing was met and NaN for errors; and the codes, `(n,)` each.
-
-    Examples
-    --------
-    >>> ranges, codes = as_ranges(np.array([392, 0, 7]))
-    >>> ranges, codes
-    (array([0.392,   inf,   nan]), array([0, 0, 7]))
-    """
-    bad = millimetres < CODES
-    empty = np.isin(millimetres, NOTHING_MET)
-    ranges = np.where(bad, np.where(empty, np.inf, np.nan), millimetres / 1000.0)
-    return ranges, np.where(bad, millimetres, 0)
 
 
 def explain(status: str) -> str:

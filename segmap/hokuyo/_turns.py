@@ -8,10 +8,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..angles import Array
+from ..error_codes import as_ranges
 from ..scans import LaserScan
 from ._clock import HostClock
 from ._coding import CLOCK, SensorError
-from ._replies import Geometry, Reply, as_ranges, parse_scan
+from ._replies import Geometry, Reply, parse_scan
 from ._requests import CHARACTERS, ScanRequest
 
 #: Intervals from which the pace of a stream is judged.

@@ -6,7 +6,6 @@ Both rules were confirmed on the logs of the Intel Research Lab, Freiburg buildi
 from collections.abc import Iterable
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..angles import Array
 
@@ -56,29 +55,9 @@ def clean(ranges: Array, limit: float) -> Array:
     return np.where(ranges >= limit, np.inf, np.where(ranges > 0, ranges, np.nan))
 
 
-#: Hokuyo URG-04LX: values below this, in millimetres, are error codes (SCIP, section 4).
-LOWEST = 20
 #: Turn from one beam of an URG-04LX to the next, radians, and how far it sees, metres.
 URG_STEP = 2 * np.pi / 1024
 URG_REACH = 5.6
-
-
-def decode(millimetres: Array) -> tuple[Array, NDArray[np.int64]]:
-    """Ranges of a Hokuyo in metres and its error codes, both `(n,)`.
-
-    Code 0 says that nothing was met: `inf`. Ranges of other codes, negative ones and what is not
-    finite are NaN.
-
-    Examples
-    --------
-    >>> decode(np.array([0.0, 7.0, 1500.0]))
-    (array([inf, nan, 1.5]), array([0, 7, 0]))
-    """
-    met: Array = millimetres / 1000
-    met[~(millimetres >= LOWEST)] = np.nan
-    met[millimetres == 0] = np.inf
-    coded = (millimetres >= 0) & (millimetres < LOWEST)
-    return met, np.rint(np.where(coded, millimetres, 0)).astype(np.int64)
 
 
 def centred(count: int, step: float) -> Array:

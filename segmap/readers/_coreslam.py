@@ -1,7 +1,7 @@
 """CoreSLAM logs (Mines ParisTech): a Hokuyo URG-04LX on a robot with two wheels.
 
-A line is a scan: 24 fields of header, then 683 ranges in millimetres, 0 where nothing was met and
-error codes below 20. Of the header, field 0 is the time in microseconds and fields 2 and 3 are the
+A line is a scan: 24 fields of header, then 683 ranges in millimetres, below 20 error codes, see
+`segmap.error_codes`. Of the header, field 0 is the time in microseconds and fields 2 and 3 are the
 ticks of the left and right wheel since the start. A wheel of 77 mm radius makes 2000 ticks a turn,
 the wheels are 330 mm apart, the laser sits 145 mm ahead of their axle.
 
@@ -15,9 +15,10 @@ from pathlib import Path
 import numpy as np
 
 from ..angles import Array
+from ..error_codes import as_ranges
 from ..poses import compose
 from ..scans import LaserScan, Log
-from ._beams import URG_REACH, URG_STEP, centred, decode
+from ._beams import URG_REACH, URG_STEP, centred
 from ._fields import is_number, numbers, time
 from ._lines import Lines
 
@@ -76,6 +77,6 @@ def _parse(fields: list[str]) -> Array:
 
 
 def _scan(row: Array, pose: Array) -> LaserScan:
-    ranges, codes = decode(row[3:])
+    ranges, codes = as_ranges(row[3:])
     angles = centred(BEAMS, URG_STEP)
     return LaserScan(ranges, angles, row[0], pose, URG_REACH, SENSOR_POSE, codes)

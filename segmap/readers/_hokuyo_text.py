@@ -3,8 +3,8 @@
     range_mm angle_rad
 
 A folder of numbered files is a log, in the order of the numbers: `scan2.txt` before `scan10.txt`.
-Values below 20 mm are error codes. The files have no times; the sensor turns in 100 ms, so scan k
-is given 0.1 k seconds. There is no odometry and no truth.
+Values below 20 mm are error codes, see `segmap.error_codes`. The files have no times; the sensor
+turns in 100 ms, so scan k is given 0.1 k seconds. There is no odometry and no truth.
 """
 
 import re
@@ -15,8 +15,9 @@ from pathlib import Path
 import numpy as np
 
 from ..angles import Array
+from ..error_codes import as_ranges
 from ..scans import NOTHING_SKIPPED, LaserScan, Log, Skipped
-from ._beams import URG_REACH, decode
+from ._beams import URG_REACH
 from ._fields import is_number, numbers
 from ._lines import Lines, LogError, merged
 
@@ -73,7 +74,7 @@ def _read_scan(path: Path, time: float, on_error: str) -> tuple[LaserScan, Skipp
         raise lines.error(f"expected one scan, but there are more than {MOST_BEAMS} beams")
     if not len(beams):
         raise lines.no_scan("lines of range in millimetres and angle in radians")
-    ranges, codes = decode(beams[:, 0])
+    ranges, codes = as_ranges(beams[:, 0])
     return LaserScan(ranges, beams[:, 1], time, None, URG_REACH, codes=codes), lines.skipped
 
 

@@ -24,9 +24,10 @@ from pathlib import Path
 import numpy as np
 
 from ..angles import Array
+from ..error_codes import as_ranges
 from ..poses import interpolate
 from ..scans import NOTHING_SKIPPED, Log, Skipped
-from ._beams import URG_REACH, URG_STEP, centred, decode, half_turn, no_return
+from ._beams import URG_REACH, URG_STEP, centred, half_turn, no_return
 from ._fields import FARTHEST, counted, is_number, numbers, pose, time
 from ._lines import Lines, LogError, merged
 from ._shots import Mounted, Shot, assemble
@@ -129,7 +130,7 @@ def _parse_scan(fields: list[str]) -> Shot:
 
 
 def _parse_hokuyo(columns: list[str]) -> Shot:
-    ranges, codes = decode(1000 * np.clip(numbers(columns[1:], "ranges"), -FARTHEST, FARTHEST))
+    ranges, codes = as_ranges(1000 * np.clip(numbers(columns[1:], "ranges"), -FARTHEST, FARTHEST))
     angles = centred(len(ranges), URG_STEP)
     return Shot("hokuyo", ranges, angles, time(columns[0]), limit=URG_REACH, codes=codes)
 

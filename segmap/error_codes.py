@@ -1,0 +1,69 @@
+"""Error codes of the Hokuyo URG-04LX: values below 20 mm are reasons, and no distances.
+
+One table for all who meet them: the driver, the emulator, and the readers of logs.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .angles import Array
+
+#: Values below this, in millimetres, are codes.
+LOWEST = 20
+
+
+class Meaning(NamedTuple):
+    """What a code means: words, and `inf` where nothing is in reach, NaN where nothing is known."""
+
+    words: str
+    range: float
+
+
+# SCIP, section 4: "others" of SCIP 2.0 have the words of SCIP 1.1 where it has any. Code 6 is no
+# error: in logs of both, beams with it stay without range while the sensor stands, as with code 0.
+CODES: tuple[Meaning, ...] = (
+    Meaning("nothing met, or something at 22 m", np.inf),
+    *[Meaning("the light came back too weak", np.nan)] * 5,
+    Meaning("nothing met, or something at 5.7 m, out of reach", np.inf),
+    Meaning("the beams before and after are bad", np.nan),
+    Meaning("two waves of light came back unlike", np.nan),
+    Meaning("the same step was bad in the last two turns", np.nan),
+    *[Meaning("another error", np.nan)] * 6,
+    Meaning("another error, or something near 4.1 m", np.nan),
+    Meaning("another error", np.nan),
+    Meaning("a strong reflector", np.nan),
+    Meaning("a step that is not measured", np.nan),
+)
+#: The codes that an emulated sensor gives and a recorder fills in.
+NOTHING_MET, NEIGHBOURS_BAD, NOT_MEASURED = 0, 7, 19
+
+_RANGES = np.array([code.range for code in CODES])
+
+
+def as_ranges(millimetres: ArrayLike) -> tuple[Array, NDArray[np.int64]]:
+    """Ranges in metres, and the codes of those that are none.
+
+    Parameters
+    ----------
+    millimetres : (n,) array
+        As the sensor gives them, or as a log has them after some arithmetic.
+
+    Returns
+    -------
+    ranges : (n,) array, metres
+        `inf` where nothing was met, NaN for errors and for what is negative or no number.
+    codes : (n,) int array
+        0 where there is a range.
+
+    Examples
+    --------
+    >>> as_ranges([392, 0, 7])
+    (array([0.392,   inf,   nan]), array([0, 0, 7]))
+    """
+    given = np.asarray(millimetres, float)
+    whole = np.rint(given)
+    coded = (given >= 0) & (whole < LOWEST)
+    codes = np.where(coded, whole, 0).astype(np.int64)
+    return np.where(coded, _RANGES[codes], np.where(given > 0, given / 1000, np.nan)), codes
