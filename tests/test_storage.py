@@ -72,10 +72,23 @@ def test_samples_reach_both_ends(spacing):
 
 
 def test_walls_that_nobody_saw_do_not_count():
-    """Half of the room only: covered is the share of what was seen."""
-    narrow = LOG[:1]
-    found, _ = by_name(narrow)
-    assert found["points"].covered > 0.99
+    """One scan, half of the room: covered is the share of what was seen."""
+    found, _ = by_name(LOG[:1])
+    assert found["points"].covered == 1 and found["segments"].covered > 0.95
+
+
+def test_large_cells_do_not_change_what_the_others_cover():
+    """Catches a share of what any way covers: centres of large cells reach behind corners."""
+    walls = np.concatenate([WALLS, [[(2.0, 3.5), (4.0, 3.5)]]])  # behind the room, nobody saw it
+    fine, coarse = (by_name(LOG, walls, resolution=size)[0] for size in (0.05, 0.4))
+    for name in ("segments", "reduced segments"):
+        assert coarse[name].covered == fine[name].covered > 0.9
+    assert coarse["quadtree"].covered < 0.5
+
+
+def test_where_nothing_was_seen_there_is_no_share():
+    kept = keep(LOG[:1], LOG.truth[:1]).kept
+    assert np.isnan(judge(kept, WALLS + 100.0)[0].covered)
 
 
 def test_an_empty_map_covers_nothing():

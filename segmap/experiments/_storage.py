@@ -1,10 +1,10 @@
 """One building kept in five ways: what each takes, and how far it is from the walls."""
 
 from collections.abc import Iterable
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from .._display import Table
 from ..angles import Array
@@ -132,11 +132,12 @@ def wall_errors(points: Array, walls: Segments) -> Array:
 
 
 def judge(kept: Iterable[Kept], walls: Segments, *, within: float = 0.05) -> list[Judged]:
-    """Compare with the true walls; what no way of keeping has within reach was never seen.
+    """Compare with the true walls; what the first, the points, do not reach was never seen.
 
     Parameters
     ----------
     kept : iterable of Kept
+        As `keep` gives them: first the points.
     walls : (n, 2, 2) array, metres
     within : float, metres
         A sample of a wall counts as covered where something kept is so near.
@@ -144,22 +145,20 @@ def judge(kept: Iterable[Kept], walls: Segments, *, within: float = 0.05) -> lis
     Returns
     -------
     list of Judged
-        Covered: of those samples of walls that some way covers.
+        Covered: of those samples of walls that the first covers; NaN where it covers none.
     """
     from scipy.spatial import cKDTree
 
     ways, truth = list(kept), along(walls)
     near = np.array([cKDTree(way.points).query(truth)[0] <= within for way in ways])
-    seen = near.any(axis=0)
-    errors = [_mean_error(way.points, walls) for way in ways]
     return [
-        Judged(way, error, float(covers[seen].mean()))
-        for way, error, covers in zip(ways, errors, near, strict=True)
+        Judged(way, _mean(wall_errors(way.points, walls)), _mean(covers[near[0]]))
+        for way, covers in zip(ways, near, strict=True)
     ]
 
 
-def _mean_error(points: Array, walls: Segments) -> float:
-    return float(wall_errors(points, walls).mean()) if len(points) else float("nan")
+def _mean(values: NDArray[Any]) -> float:
+    return float(values.mean()) if len(values) else float("nan")
 
 
 def storage_table(judged: Iterable[Judged]) -> Table:

@@ -5,7 +5,7 @@ from matplotlib.figure import Figure
 from numpy.typing import ArrayLike
 
 from ..experiments import Judged, judge, keep
-from ..plotting import RESULT, draw_quadtree, draw_segments
+from ..plotting import RESULT, TRUTH, draw_quadtree, draw_segments
 from ..scans import Log
 from ..segments import Segments, as_segments
 from ._base import Panel, slider, text
@@ -27,7 +27,7 @@ class StoragePanel(Panel):
     tolerance : slider, centimetres
         Of the reduction by Fusion.
     tree : box to tick
-        Which of the two is drawn.
+        Which of the two is drawn, under the true walls in green.
     segments, squares : labels
     judged : dict of str -> Judged
 
@@ -62,7 +62,8 @@ class StoragePanel(Panel):
         if self.tree.value:
             draw_quadtree(ways.map, ax=ax)
         else:
-            draw_segments(ways.reduced, ax=ax, color=RESULT)
+            draw_segments(ways.reduced, ax=ax, color=RESULT, width=2.5)
+        draw_segments(self.walls, ax=ax, color=TRUTH, width=0.8)
 
     def __repr__(self) -> str:
         return f"StoragePanel({self.segments.value}; {self.squares.value})"
