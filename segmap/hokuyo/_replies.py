@@ -1,5 +1,6 @@
 """What the sensor answers, line by line: SCIP 2.0 and 1.1. Pure functions over whole replies."""
 
+import re
 from collections.abc import Sequence
 from typing import NamedTuple
 
@@ -21,6 +22,8 @@ STATUS = {
     "10": "the laser is off: send BM first",
     "01": "the laser does not work, or a number was malformed",
 }
+
+_STATUS = re.compile("[0-9A-Z]{2}")
 
 
 class Reply(NamedTuple):
@@ -85,21 +88,25 @@ def parse_reply(lines: Sequence[bytes]) -> Reply:
     """
     if len(lines) < 2:
         raise SensorError(f"a reply of {len(lines)} lines: expected an echo and a status")
-    status = unchecked(lines[1])
-    if len(status) != 2:
+    status = _text(unchecked(lines[1]))
+    if not _STATUS.fullmatch(status):
         raise SensorError(f"{lines[1][:20]!r} is no status: expected two characters and a sum")
-    return Reply(_text(lines[0]), _text(status), tuple(lines[2:]))
+    return Reply(_text(lines[0]), status, tuple(lines[2:]))
 
 
-def parse_info(body: Sequence[bytes]) -> dict[str, str]:
+def parse_info(body: Sequence[bytes], *, strict: bool = False) -> dict[str, str]:
     """Lines `KEY:text;sum` of VV, PP and II, by key.
 
-    A wrong sum is passed over: some firmware writes one for SERI.
+    Parameters
+    ----------
+    body : sequence of bytes
+    strict : bool
+        False passes over wrong sums and lines without a key: some firmware sends both with VV.
 
     Raises
     ------
     SensorError
-        Where a line has no key.
+        Where it is strict and a line is no whole one.
 
     Examples
     --------
@@ -108,11 +115,14 @@ def parse_info(body: Sequence[bytes]) -> dict[str, str]:
     """
     found = {}
     for line in body:
-        key, colon, text = line.partition(b":")
-        if not colon:
-            raise SensorError(f"{line[:40]!r} is no line of information: expected KEY:text;sum")
-        text, semicolon, _ = text.rpartition(b";")
-        found[_text(key)] = _text(text if semicolon else line.partition(b":")[2])
+        text, end, total = line.rpartition(b";")
+        key, colon, value = text.partition(b":") if end else line.partition(b":")
+        if strict and not (end and colon and total == checksum(text)):
+            raise SensorError(
+                f"{line[:40]!r} is no line of information with its sum, KEY:text;sum: ask again"
+            )
+        if colon:
+            found[_text(key)] = _text(value)
     return found
 
 

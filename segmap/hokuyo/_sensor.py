@@ -9,17 +9,13 @@ from typing import Self
 from numpy.typing import ArrayLike
 
 from ..scans import LaserScan
+from ._asking import Asking
 from ._clock import Clock, host_time
 from ._coding import SensorError
-from ._connect import RATES, Refused, ask, refused
+from ._connect import RATES
 from ._line import Port, SensorGone
-from ._replies import Geometry, Reply, parse_info, parse_reply
-from ._requests import ScanRequest
+from ._replies import Geometry, parse_info
 from ._session import Session
-from ._turns import Turns
-
-#: So many damaged or missing scans in a row are an error, not bad luck.
-MOST_FAILURES = 5
 
 
 class UrgSensor:
@@ -80,13 +76,10 @@ class UrgSensor:
         if reconnect > 0 and not isinstance(port, str):
             raise ValueError("reconnect needs the name of a device: an open port cannot come back")
         self._session = Session(port, rates, patience, clock)
-        self._reconnect, self._pose = reconnect, sensor_pose
-        self.delivered = self.dropped = self.reconnects = 0
-        self.why = ""
+        self._reconnect, self.reconnects = reconnect, 0
         self._finalizer = weakref.finalize(self, self._session.shut)
-        self._asked: ScanRequest | None = None
         self._session.open()
-        self._reset()
+        self._asking = Asking(self._session, sensor_pose)
 
     @property
     def info(self) -> dict[str, str]:
@@ -102,6 +95,21 @@ class UrgSensor:
     def rate(self) -> int:
         """Bits a second that both talk at."""
         return self._session.rate
+
+    @property
+    def delivered(self) -> int:
+        """Scans handed over."""
+        return self._asking.delivered
+
+    @property
+    def dropped(self) -> int:
+        """Replies that were damaged or missing."""
+        return self._asking.dropped
+
+    @property
+    def why(self) -> str:
+        """Why the last one was dropped; empty where none was."""
+        return self._asking.why
 
     def scan(
         self, *, first: int | None = None, last: int | None = None, cluster: int = 1
@@ -120,12 +128,10 @@ class UrgSensor:
         SensorError
             Where no whole scan comes after some attempts.
         """
-        request = self._turns.request("GD", first, last, cluster)
+        request = self._asking.turns.request("GD", first, last, cluster)
         while True:
             try:
-                if self._asked is not None:
-                    self.stop()
-                return self._single(request)
+                return self._asking.single(request)
             except SensorGone as gone:
                 self._find_again(gone)
 
@@ -159,11 +165,12 @@ class UrgSensor:
         SensorError
             Where the sensor is gone or faulty, or nothing whole has come for some time.
         """
-        request = self._turns.request("MS" if short else "MD", first, last, cluster, skip)
+        kind = "MS" if short else "MD"
+        request = self._asking.turns.request(kind, first, last, cluster, skip)
         try:
             while True:
                 try:
-                    yield from self._stream(request)
+                    yield from self._asking.stream(request)
                 except SensorGone as gone:
                     self._find_again(gone)
         finally:
@@ -178,12 +185,11 @@ class UrgSensor:
     @property
     def slow(self) -> str:
         """Why scans arrive slower than asked and what to do; empty where they do not."""
-        return "" if self._asked is None else self._turns.slow(self._asked)
+        return self._asking.slow
 
     def stop(self) -> None:
         """End a stream and switch the laser off."""
-        self._asked = None
-        self._session.quit()
+        self._asking.stop()
 
     def close(self) -> None:
         """Switch the laser off and free the port; nothing happens the second time."""
@@ -206,99 +212,7 @@ class UrgSensor:
         counts = f"{self.delivered} scans, {self.dropped} dropped"
         return f"UrgSensor({model}, {open_}, {counts})"
 
-    # --------------------------------------------------------------------- asking
-    def _single(self, request: ScanRequest) -> LaserScan:
-        fault = SensorError("")
-        for _ in range(MOST_FAILURES):
-            if not self._session.busy:
-                self._session.ask("BM")
-                self._session.busy = True
-            try:
-                reply = ask(self._session.lines, request.text, self._wait(request))
-                if reply.status == "10":
-                    self._session.busy = False
-                    continue
-                if reply.status != "00":
-                    raise Refused(str(refused(request.text, reply.status)))
-                return self._measured(reply, request)
-            except (SensorGone, Refused):
-                raise
-            except SensorError as error:
-                fault = error
-                self._drop(str(error))
-                self._session.lines.silence(self._session.quiet / 4)
-        raise self._failure(request, str(fault))
-
-    def _stream(self, request: ScanRequest) -> Iterator[LaserScan]:
-        self._begin(request)
-        failures, why = 0, ""
-        while failures < MOST_FAILURES:
-            found = self._next(request)
-            if isinstance(found, LaserScan):
-                failures = 0
-                yield found
-            else:
-                failures, why = failures + 1, found
-        raise self._failure(request, why)
-
-    def _begin(self, request: ScanRequest) -> None:
-        """Start a stream; what it was doing before is ended first."""
-        self.stop()
-        self._session.busy = True
-        self._session.ask(request.text)
-        self._asked = request
-        self._turns.begin()
-
-    def _next(self, request: ScanRequest) -> LaserScan | str:
-        """The next whole scan of a stream, or why the next is none; that is counted."""
-        lines = self._session.lines
-        if self._asked is not request:  # something else was asked meanwhile
-            self._begin(request)
-        try:
-            found = lines.reply(request.text.encode("ascii"), self._wait(request))
-            if lines.strange:
-                self._drop(f"{lines.strange} lines that belong to no scan")
-            if found is not None:
-                return self._measured(self._streamed(found, request), request)
-            why = f"nothing came for {self._wait(request):.2g} s"
-        except (SensorGone, Refused):
-            raise
-        except SensorError as error:
-            return self._drop(str(error))
-        self._drop(why)
-        self._begin(request)
-        return why
-
-    def _drop(self, why: str) -> str:
-        self.dropped, self.why = self.dropped + 1, why
-        return why
-
-    def _streamed(self, lines: Sequence[bytes], request: ScanRequest) -> Reply:
-        reply = parse_reply(lines)
-        if reply.status.isdigit() and (50 <= int(reply.status) < 98 or int(reply.status) < 20):
-            raise Refused(str(refused(request.text, reply.status)))
-        if reply.status != "99":
-            raise refused(request.text, reply.status)
-        return reply
-
     def _find_again(self, gone: SensorGone) -> None:
         self._session.find_again(gone, self._reconnect)
         self.reconnects += 1
-        self._reset()
-
-    def _reset(self) -> None:
-        """Forget what was true of the connection before."""
-        self._asked = None
-        self._turns = Turns(self.geometry, self.rate, self._pose)
-
-    def _wait(self, request: ScanRequest) -> float:
-        return self._turns.wait(request) + self._session.patience
-
-    def _measured(self, reply: Reply, request: ScanRequest) -> LaserScan:
-        scan = self._turns.scan(reply, request, self._session.clock())
-        self.delivered += 1
-        return scan
-
-    def _failure(self, request: ScanRequest, why: str) -> SensorError:
-        advice = self._turns.advice(request)
-        return SensorError(f"no whole scan in {MOST_FAILURES} attempts: {why}{advice}")
+        self._asking.begin()

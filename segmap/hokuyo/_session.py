@@ -2,11 +2,12 @@
 
 import contextlib
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from typing import TypeVar
 
 from ._clock import Clock
 from ._coding import SensorError
-from ._connect import TRIES, ask, connect, quit, refused
+from ._connect import TRIES, Refused, ask, connect, quit, refused
 from ._line import LOST, Lines, Port, SensorGone
 from ._ports import find_port, open_port
 from ._replies import Geometry, Reply, parse_geometry, parse_info
@@ -15,6 +16,8 @@ from ._replies import Geometry, Reply, parse_geometry, parse_info
 BACK_OFF = (0.1, 2.0)
 #: Statuses that say that it is so already: the laser is on, the stream runs.
 ALREADY = {"BM": "02", "MD": "99", "MS": "99"}
+
+Told = TypeVar("Told")
 
 
 class Session:
@@ -65,9 +68,8 @@ class Session:
         try:
             self.opened = Lines(self._open_port(), self.clock)
             self.rate = connect(self.opened, self.rates, self.quiet)
-            told = parse_info(self.ask("PP").body)
+            told, self.geometry = self._told("PP", _limits)
             self.info = parse_info(self.ask("VV").body) | told
-            self.geometry = parse_geometry(told)
         except BaseException:
             self.shut()
             raise
@@ -98,10 +100,7 @@ class Session:
         ------
         SensorError
         """
-        reply = self._whole(command)
-        if reply.status not in ("00", ALREADY.get(command[:2], "00")):
-            raise refused(command, reply.status)
-        return reply
+        return self._told(command, lambda reply: reply)
 
     def quit(self) -> None:
         """End a stream and switch the laser off, where either is on."""
@@ -128,14 +127,28 @@ class Session:
         device = find_port() if self.port == "auto" else self.port
         return open_port(device, self.rates[0])
 
-    def _whole(self, command: str) -> Reply:
+    def _told(self, command: str, parse: Callable[[Reply], Told]) -> Told:
+        """What a reply says, asked again where it cannot be read."""
         fault = SensorError("")
         for _ in range(TRIES):
             try:
-                return ask(self.lines, command, self.patience)
-            except SensorGone:
+                return parse(_granted(command, ask(self.lines, command, self.patience)))
+            except (SensorGone, Refused):
                 raise
             except SensorError as error:
                 fault = error
                 self.lines.silence(self.quiet / 4)
         raise fault
+
+
+def _granted(command: str, reply: Reply) -> Reply:
+    """A reply whose status says that it is so, or was so already."""
+    if reply.status not in ("00", ALREADY.get(command[:2], "00")):
+        raise Refused(str(refused(command, reply.status)))
+    return reply
+
+
+def _limits(reply: Reply) -> tuple[dict[str, str], Geometry]:
+    """What PP says; one wrong bit in it would turn every scan."""
+    told = parse_info(reply.body, strict=True)
+    return told, parse_geometry(told)
