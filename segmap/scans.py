@@ -114,7 +114,8 @@ NOTHING_SKIPPED = Skipped()
 class Log(Pictured, Sequence[LaserScan]):
     """Scans in the order of recording, with the poses that the file holds.
 
-    `len(log)`, `log[3]`, `log[-1]` and iteration give scans; a slice is again a log.
+    `len(log)`, `log[3]`, `log[-1]` and iteration give scans; a slice, a mask and an array of
+    indices give a log: `log[log.times > 5]`.
 
     Parameters
     ----------
@@ -167,12 +168,13 @@ class Log(Pictured, Sequence[LaserScan]):
     @overload
     def __getitem__(self, index: int) -> LaserScan: ...
     @overload
-    def __getitem__(self, index: slice) -> "Log": ...
+    def __getitem__(self, index: "slice | Sequence[int] | NDArray[Any]") -> "Log": ...
     def __getitem__(self, index: Any) -> "LaserScan | Log":
-        if not isinstance(index, slice):
+        if not isinstance(index, slice) and np.ndim(index) == 0:
             return self.scans[index]
-        truth = None if self.truth is None else self.truth[index]
-        return Log(self.name, self.scans[index], truth, self.skipped)
+        chosen = np.arange(len(self))[index]
+        truth = None if self.truth is None else self.truth[chosen]
+        return Log(self.name, [self.scans[k] for k in chosen], truth, self.skipped)
 
     def __iter__(self) -> Iterator[LaserScan]:
         return iter(self.scans)

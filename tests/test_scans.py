@@ -158,3 +158,18 @@ def test_a_log_tells_what_it_knows():
 def test_nothing_skipped_is_false():
     assert not NOTHING_SKIPPED and Skipped(1, "why")
     assert log().skipped == (0, "")
+
+
+def test_a_log_is_cut_by_slices_masks_and_indices_alike():
+    """Catches a truth that does not follow its scans, and a mask taken for indices 0 and 1."""
+    scans = [LaserScan([1.0], [0.0], time=float(k)) for k in range(5)]
+    log = Log("five", scans, np.arange(15.0).reshape(5, 3), Skipped(2, "torn"))
+    for cut in (log[1::2], log[log.times % 2 == 1], log[[1, 3]], log[np.array([1, -2])]):
+        assert cut.times.tolist() == [1, 3] and cut.truth[:, 0].tolist() == [3, 9]
+        assert cut.skipped == log.skipped
+    assert len(log[log.times > 9]) == 0 and log[np.int64(2)] is scans[2]
+
+
+def test_a_mask_of_another_length_is_refused():
+    with pytest.raises(IndexError, match="boolean index did not match"):
+        Log("one", [LaserScan([1.0], [0.0])])[np.array([True, False])]
