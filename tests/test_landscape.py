@@ -90,5 +90,5 @@ def test_records_of_growth_and_of_a_real_log():
     real = load_columns("matching_exp1")
     assert len(real) == 300 and np.isnan(real["score"]).sum() == 1
     assert np.nanmedian(-real["score"] / real["beams"]) < 0.025
-    with pytest.raises(ValueError, match="no record named 'matching_moon': run `make bench`"):
+    with pytest.raises(ValueError, match="data/records/matching_moon.csv is missing: run `make bench`"):
         load_columns("matching_moon")

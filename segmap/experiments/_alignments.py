@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from .._display import Table
-from ._bundled import folder
+from ..readers._bundled import data_file
 
 
 @dataclass(frozen=True)
@@ -95,7 +95,7 @@ def load_alignments(log: str = "") -> list[AlignmentRun]:
     >>> runs["pose_graph"].mean < 0.1 < 3 < runs["odometry"].mean
     True
     """
-    runs = read_alignments(folder("records") / "alignment.csv")
+    runs = read_alignments(data_file("records/alignment.csv"))
     return [run for run in runs if run.log.startswith(log)]
 
 

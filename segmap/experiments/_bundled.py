@@ -5,7 +5,7 @@ from collections.abc import Iterable, Iterator
 from math import radians
 from pathlib import Path
 
-from ..readers import _bundled
+from ..readers._bundled import data_file
 from ..reduction import METHODS
 from ._records import Record, Records, Threshold, holds_records
 from ._sweep import Grid, default_thresholds
@@ -42,7 +42,7 @@ def thesis_results() -> Records:
     map  method  thresholds      filtered  n_before  n_after  reduction  quality  seconds
     usc  fusion  tolerance 0.02  no        3604      784      78.2%      92.6%    246
     """
-    with _file("thesis_results.csv").open(encoding="utf-8", newline="") as lines:
+    with data_file("thesis_results.csv").open(encoding="utf-8", newline="") as lines:
         return Records(_thesis_record(row) for row in csv.DictReader(lines))
 
 
@@ -63,7 +63,7 @@ def load_records(*names: str) -> Records:
     ValueError
         Where there are none of that name; it lists those that there are.
     """
-    place = folder("records")
+    place = data_file("records")
     chosen = names or sorted(path.stem for path in place.glob("*.csv") if holds_records(path))
     return Records(record for name in chosen for record in Records.read(known(place, name)))
 
@@ -123,12 +123,3 @@ def known(place: Path, name: str) -> Path:
     if name not in paths:
         raise ValueError(f"name must be of {', '.join(sorted(paths))}, got {name!r}")
     return paths[name]
-
-
-def folder(name: str) -> Path:
-    """A folder of the data, in a clone or in an installed wheel."""
-    return next(path for place in _bundled.PLACES if (path := place / name).is_dir())
-
-
-def _file(name: str) -> Path:
-    return next(path for place in _bundled.PLACES if (path := place / name).exists())

@@ -10,8 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..angles import Array
+from ..readers._bundled import data_file
 from ..reduction import Reduction
-from ._bundled import folder, known
+from ._bundled import known
 from ._records import Threshold, thresholds_from, thresholds_text
 
 HEAD = ("method", "thresholds", "scans", "seconds", "live")
@@ -96,7 +97,7 @@ def load_pace(name: str) -> list[Pace]:
     ValueError
         Where there is none of that name; it lists those that there are.
     """
-    path = known(folder("records") / "online", name)
+    path = known(data_file("records/online"), name)
     with path.open(encoding="utf-8", newline="") as lines:
         rows = list(csv.DictReader(lines))
     return [

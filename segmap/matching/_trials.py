@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from .._display import Table
 from ..angles import Array, wrap
 from ..quadtree import QuadtreeMap
-from ..readers import _bundled
+from ..readers._bundled import data_file
 from ..rooms import box, rectangular_room
 from ..scans import Log
 from ..sensors import URG_04LX
@@ -184,7 +184,7 @@ def load_trials(path: Path | None = None) -> list[Trial]:
     >>> best.matcher, best.largest < 0.05
     ('hill climbing', True)
     """
-    source = path or _record("matching")
+    source = path or data_file("records/matching.csv")
     with source.open(encoding="utf-8", newline="") as lines:
         rows = csv.reader(lines)
         if (head := tuple(next(rows, ()))) != HEAD:
@@ -210,15 +210,8 @@ def load_columns(name: str) -> NDArray[np.void]:
     >>> load_columns("matching_exp1").dtype.names
     ('scan', 'x', 'y', 'heading', 'score', 'beams', 'seconds')
     """
-    return np.genfromtxt(_record(name), delimiter=",", names=True, dtype=None, encoding="utf-8")
-
-
-def _record(name: str) -> Path:
-    places = [place / "records" / f"{name}.csv" for place in _bundled.PLACES]
-    try:
-        return next(path for path in places if path.exists())
-    except StopIteration:
-        raise ValueError(f"there is no record named {name!r}: run `make bench`") from None
+    path = data_file(f"records/{name}.csv")
+    return np.genfromtxt(path, delimiter=",", names=True, dtype=None, encoding="utf-8")
 
 
 def _trial(row: list[str], where: str) -> Trial:

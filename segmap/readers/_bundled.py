@@ -21,6 +21,14 @@ def find(name: str) -> Path:
     return logs[name]
 
 
+def data_file(name: str) -> Path:
+    """A file or folder that comes with segmap, in a clone or in an installed wheel."""
+    for place in PLACES:
+        if (path := place / name).exists():
+            return path
+    raise ValueError(f"segmap's data/{name} is missing: run `make bench`, or install segmap again")
+
+
 def _all() -> dict[str, Path]:
     found = (path for place in reversed(PLACES) for path in place.glob("*/*.log.gz"))
     return {path.parent.name: path for path in found if path.name == f"{path.parent.name}.log.gz"}
