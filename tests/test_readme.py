@@ -40,6 +40,19 @@ def test_the_figures_below_the_picture_are_those_of_the_ten_lines(names):
     assert [int(n) for n in found.groups()] == [len(map), len(set(map.scan)), len(small)]
 
 
+def test_the_lines_for_a_sensor_run(tmp_path, monkeypatch, capsys):
+    """Catches an example that driver, emulator or matcher has left behind."""
+    block = re.search(r"## With a sensor, or without\s+```python\n(.*?)```", README, re.DOTALL)
+    monkeypatch.chdir(tmp_path)
+    source = block.group(1).replace("Emulator()", "Emulator(speed=3)")
+    scope: dict = {}
+    exec(compile(source, "README.md", "exec"), scope)
+    lines = capsys.readouterr().out.splitlines()
+    assert len(lines) == 50 and all(line.split()[-1].isdigit() for line in lines)
+    assert scope["step"].score > -682 * 0.01
+    assert scope["quadtree"].QuadtreeMap.load(tmp_path / "room.npz").scans == 50
+
+
 def targets():
     """Targets that `make` lists, as the Makefile has them."""
     text = (ROOT / "Makefile").read_text(encoding="utf-8")
