@@ -188,20 +188,49 @@ def test_blocks_of_another_length_are_refused(length):
         parse_scan([first, *(block + checksum(block) for block in cut)], 3)
 
 
+TOLD = dict(ARES="1024", AMIN="44", AMAX="725", AFRT="384", DMIN="20", DMAX="5600", SCAN="600")
+
+
 def test_a_wrong_sum_is_overlooked_in_information_only():
+    """Some firmware sends a wrong sum, and a line of another kind, with VV."""
     assert parse_info([b"SERI:H0706400;X"]) == {"SERI": "H0706400"}
-    with pytest.raises(SensorError, match="check sum"):
-        parse_reply([b"VV", b"00Q"])
+    assert parse_info([b"SERI:H0706400;F", b"ready"]) == {"SERI": "H0706400"}
+    for line in (b"SERI:H0706400;X", b"SERI:H0706400", b"ready", b""):
+        with pytest.raises(SensorError, match="no line of information with its sum"):
+            parse_info([line], strict=True)
+
+
+def test_no_flipped_bit_moves_the_geometry():
+    """Catches AFRT read without its sum: 385 for 384 turns every scan by a beam."""
+    body = [info_line(key, text) for key, text in TOLD.items()]
+    right, text = parse_geometry(TOLD), b"\n".join(body)
+    for at in range(8 * len(text)):
+        damaged = bytearray(text)
+        damaged[at // 8] ^= 1 << at % 8
+        try:
+            found = parse_geometry(parse_info(bytes(damaged).split(b"\n"), strict=True))
+        except SensorError:
+            continue
+        assert found == right
+
+
+def test_no_flipped_bit_makes_another_status():
+    """Catches "p0", whose sum is that of "00": a refusal that the sensor never gave."""
+    assert parse_reply([b"BM", b"00P"]).status == "00"
+    for bit in range(24):
+        status = bytearray(b"00P")
+        status[bit // 8] ^= 1 << bit % 8
+        with pytest.raises(SensorError, match=r"check sum|no status"):
+            parse_reply([b"BM", bytes(status)])
 
 
 @pytest.mark.parametrize("change", [{"ARES": "0"}, {"AMIN": "x"}, {"AMAX": "9999"}, {"SCAN": "0"}])
 def test_a_geometry_that_cannot_be(change):
-    told = dict(ARES="1024", AMIN="44", AMAX="725", AFRT="384", DMIN="20", DMAX="5600", SCAN="600")
-    geometry = parse_geometry(told)
+    geometry = parse_geometry(TOLD)
     assert geometry.angles(384, 2).tolist() == [0.0, 2 * np.pi / 1024]
     assert np.degrees(geometry.angles(44, 1))[0] == pytest.approx(-119.53, abs=0.005)
     with pytest.raises(SensorError, match="PP told"):
-        parse_geometry(told | change)
+        parse_geometry(TOLD | change)
 
 
 # ------------------------------------------------------------------- arbitrary bytes

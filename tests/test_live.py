@@ -113,3 +113,27 @@ def test_the_map_is_that_of_map_scans():
     assert panel._step is not None
     assert panel._step.pose.tolist() == steps[-1].pose.tolist()
     assert panel.map.occupancy([(1.0, 1.0)]) == map.occupancy([(1.0, 1.0)])
+
+
+def test_stop_does_not_wait_for_ever(monkeypatch):
+    """Catches a chapter that hangs, because its sensor is silent or looked for."""
+    monkeypatch.setattr("segmap.panels._live.LEAVE", 0.2)
+    here = threading.Event()
+
+    def silent():
+        yield LaserScan([1.0, 1.0], [0.0, 0.1])
+        here.wait(20)
+
+    panel = LivePanel(silent())
+    panel.start.click()
+    until = time.monotonic() + 20
+    while not panel.taken and time.monotonic() < until:
+        time.sleep(0.02)
+    begun = time.monotonic()
+    panel.stop.click()
+    assert time.monotonic() - begun < 5
+    assert panel.state.value.startswith("stops when the sensor")
+    here.set()
+    while panel.state.value != "stopped" and time.monotonic() < until:
+        time.sleep(0.02)
+    assert panel.state.value == "stopped"

@@ -21,9 +21,11 @@ from emulated import (
     turn_of,
 )
 
+from segmap import read
 from segmap.emulator import Emulator, Replay, Room
 from segmap.hokuyo import SensorError, SensorGone, UrgSensor, find_port, ports
 from segmap.hokuyo.__main__ import main as bench
+from segmap.hokuyo._connect import RATES
 from segmap.rooms import rectangular_room
 from segmap.sensors import URG_04LX
 
@@ -73,6 +75,14 @@ def test_connects_whatever_it_was_left_doing(state):
         assert sensor.rate == 115200
         assert sensor.info["SERI"] == "H0000000"
         assert (sensor.geometry.first, sensor.geometry.last) == (44, 725)
+        turn_of(sensor.scan())
+
+
+@pytest.mark.parametrize("rate", RATES)
+def test_connects_at_any_bit_rate(rate):
+    """Catches a rate that is missing, or a driver that stays at the one it found."""
+    with Emulator(pattern, rate=rate, usb=False, **FAST) as emulator, of(emulator) as sensor:
+        assert sensor.rate == emulator.unit.rate == 115200
         turn_of(sensor.scan())
 
 
@@ -387,6 +397,25 @@ def test_the_bench(tmp_path, capsys):
     assert len(log.read_text().splitlines()) == 3
     assert bench(["info", "--port", str(tmp_path / "none")]) == 1
     assert "is the sensor plugged in" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_the_recorder_is_stopped(number, tmp_path):
+    """Catches a laser left on by `kill`, which ends Python without cleaning up."""
+    log = tmp_path / "until.log"
+    with Emulator(pattern, **FAST) as emulator:
+        command = [sys.executable, "-m", "segmap.hokuyo", "record", str(log)]
+        with subprocess.Popen(
+            [*command, "--port", emulator.port], stdout=subprocess.PIPE, stderr=subprocess.PIPE
+        ) as process:
+            wait_for(lambda: log.exists() and log.stat().st_size > 20_000, 20)
+            process.send_signal(number)
+            said, errors = process.communicate(timeout=20)
+        assert process.returncode == 0
+        assert b" scans, 0 dropped" in said
+        assert errors == b""
+        wait_for(lambda: not emulator.unit.laser)
+    assert len(read(log)) >= 3
 
 
 @pytest.mark.parametrize("command", ["", "list", "info", "record"])

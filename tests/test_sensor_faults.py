@@ -14,7 +14,7 @@ import pytest
 from emulated import emulator_threads, needs_terminals, open_files, pattern, turn_of
 
 from segmap.emulator import Emulator
-from segmap.hokuyo import SensorError, UrgSensor
+from segmap.hokuyo import Geometry, SensorError, UrgSensor
 
 pytest.importorskip("serial", reason="the driver opens ports with pyserial")
 pytestmark = needs_terminals
@@ -22,6 +22,8 @@ pytestmark = needs_terminals
 RUNS, SCANS = 20, 6
 #: No run takes longer, seconds, on a machine that does other things too.
 BOUND = 20.0
+WIRE = ("flip", "lose", "stale", "stop", "silence", "unplug")
+URG = Geometry(1024, 44, 725, 384, 20, 5600, 0.1)
 #: Bytes that the sensor sends before a scan comes, and with the scans.
 OPENING, WHOLE = 300, 300 + SCANS * 2138
 
@@ -31,34 +33,39 @@ class Outcome(NamedTuple):
     dropped: int
     error: str
     seconds: float
+    happened: bool
 
 
 def run(open_with, fault, seed) -> Outcome:
     """Ask for some scans from a sensor that goes wrong somewhere on the way; check each beam."""
     rng = np.random.default_rng(seed)
-    begun, scans, dropped, error = time.monotonic(), 0, 0, ""
+    begun, scans, dropped, error, kind = time.monotonic(), 0, 0, "", fault.partition(" ")[0]
     with Emulator(pattern, speed=10, rng=rng, **open_with) as emulator:
         plan(emulator, fault, rng)
         try:
             with UrgSensor(emulator.port, rates=(115200, 19200), patience=0.4) as sensor:
+                assert sensor.geometry == URG
                 stream = sensor.scans() if seed % 2 else iter(sensor.scan, None)
                 for scan in itertools.islice(stream, SCANS):
                     turn_of(scan)
+                    assert scan.angles[384 - 44] == 0.0
                     scans += 1
-                    if fault in ("status", "wrap") and scans == 1 + seed % 4:
-                        emulator.inject(fault)
+                    if kind in ("status", "wrap") and scans == 1 + seed % 4:
+                        emulator.inject(kind)
                 if seed % 2:
                     stream.close()
                 dropped = sensor.dropped
         except SensorError as wrong:
             error = str(wrong)
-    return Outcome(scans, dropped, error, time.monotonic() - begun)
+        happened = kind not in WIRE or kind in emulator.wire.happened
+    return Outcome(scans, dropped, error, time.monotonic() - begun, happened)
 
 
 def plan(emulator, fault, rng):
-    if fault in ("flip", "lose", "stale", "stop", "silence", "unplug"):
-        seconds = float(rng.uniform(0.05, 1.0))
-        emulator.inject(fault, after=int(rng.integers(0, WHOLE)), seconds=seconds)
+    kind, _, when = fault.partition(" ")
+    if kind in WIRE:
+        after = int(rng.integers(0, OPENING if when == "at open" else WHOLE))
+        emulator.inject(kind, after=after, seconds=float(rng.uniform(0.05, 1.0)))
 
 
 FAULTS = {
@@ -71,8 +78,12 @@ FAULTS = {
     "status": {},
     "wrap": {},
     "streaming at open": {"streaming": True},
+    "time mode at open": {"timing": True},
     "wrong rate": {"usb": False, "rate": 19200},
-    "flip at open": {"streaming": True, "protocol": "2.0"},
+    "flip at open": {},
+    "lose at open": {},
+    "stop at open": {},
+    "flip while streaming": {"streaming": True},
     "lose in SCIP 1.1": {"protocol": "1.1"},
 }
 #: After these the sensor is never what it was.
@@ -84,12 +95,12 @@ def test_faults(fault, record_property):
     """Catches a wrong range, a hang, a port or a thread that stays, and an error without advice."""
     before = open_files()
     with ThreadPoolExecutor(5) as pool:
-        kind = fault.partition(" ")[0]
-        found = list(pool.map(lambda seed: run(FAULTS[fault], kind, seed), range(RUNS)))
+        found = list(pool.map(lambda seed: run(FAULTS[fault], fault, seed), range(RUNS)))
     gc.collect()
     assert emulator_threads() == []
     assert open_files() == before
     assert max(one.seconds for one in found) < BOUND
+    assert sum(one.happened for one in found) >= RUNS * 3 // 4
     errors = [one.error for one in found if one.error]
     assert all(one.scans == SCANS or one.error for one in found)
     assert all(": " in error and len(error) > 30 for error in errors)
@@ -104,12 +115,13 @@ def test_faults(fault, record_property):
 
 
 def summary(found) -> str:
+    struck = sum(one.happened for one in found)
     whole = sum(one.scans == SCANS and not one.dropped for one in found)
     drops = sum(one.scans == SCANS and one.dropped > 0 for one in found)
     failed = sum(bool(one.error) for one in found)
     return (
-        f"{whole} right, {drops} with {sum(one.dropped for one in found)} drops, {failed} errors, "
-        f"at most {max(one.seconds for one in found):.1f} s"
+        f"{struck} struck: {whole} right, {drops} with {sum(one.dropped for one in found)} drops, "
+        f"{failed} errors, at most {max(one.seconds for one in found):.1f} s"
     )
 
 

@@ -1,6 +1,7 @@
 """For the bench: find a sensor, ask what it is, record what it sees."""
 
 import argparse
+import signal
 import sys
 from pathlib import Path
 
@@ -10,8 +11,13 @@ from . import SensorError, UrgSensor, ports, record
 def main(arguments: list[str] | None = None) -> int:
     """Run a command; 0 where it went well, 1 with a reason where not."""
     given = _parser().parse_args(arguments)
+    if __name__ == "__main__":  # `kill` leaves as Control-C does: with the laser off
+        signal.signal(signal.SIGTERM, signal.default_int_handler)
+        signal.signal(signal.SIGINT, signal.default_int_handler)
     try:
         given.run(given)
+    except KeyboardInterrupt:
+        return 130
     except (SensorError, OSError, ValueError) as error:
         print(f"{type(error).__name__}: {error}", file=sys.stderr)
         return 1

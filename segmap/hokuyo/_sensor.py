@@ -55,6 +55,8 @@ class UrgSensor:
     ------
     SensorError
         Where it cannot be reached, with what to do.
+    ValueError
+        For an open port that is to come back after unplugging, or that waits for ever.
 
     Examples
     --------

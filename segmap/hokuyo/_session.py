@@ -123,7 +123,7 @@ class Session:
 
     def _open_port(self) -> Port:
         if not isinstance(self.port, str):
-            return self.port
+            return _hurried(self.port)
         device = find_port() if self.port == "auto" else self.port
         return open_port(device, self.rates[0])
 
@@ -152,3 +152,10 @@ def _limits(reply: Reply) -> tuple[dict[str, str], Geometry]:
     """What PP says; one wrong bit in it would turn every scan."""
     told = parse_info(reply.body, strict=True)
     return told, parse_geometry(told)
+
+
+def _hurried(port: Port) -> Port:
+    """A port of the caller's, which must not wait for ever: pyserial's do unless told."""
+    if getattr(port, "timeout", 0.0) is None:
+        raise ValueError("the port must have a timeout, as serial.Serial(device, timeout=0.02) has")
+    return port

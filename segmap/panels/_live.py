@@ -30,6 +30,8 @@ from ._base import DPI, HEIGHT, WIDTH, Panel, slider, text
 
 #: Scans whose times tell the rate.
 RATE = 20
+#: Stop waits so long for a sensor that is silent or gone, seconds; it then ends by itself.
+LEAVE = 3.0
 #: Of 0 to 9: a third of the size of no packing, in a tenth of the time of the best.
 PACKING = 2
 #: A cell is a square of one grey.
@@ -127,7 +129,9 @@ class LivePanel(Panel):
     def _stop(self, button: object = None) -> None:
         self._stopping.set()
         if self._thread is not None:
-            self._thread.join()
+            self._thread.join(LEAVE)
+            if self._thread.is_alive():
+                self.state.value = "stops when the sensor answers or is given up"
 
     def _follow(self) -> None:
         self.state.value = "getting ready"

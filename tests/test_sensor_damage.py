@@ -1,0 +1,175 @@
+"""The driver and a sensor in one thread, with a clock that reading moves: damage anywhere."""
+
+import contextlib
+import itertools
+
+import numpy as np
+import pytest
+from emulated import pattern, turn_of
+from hypothesis import example, given, settings
+from hypothesis import strategies as st
+
+from segmap.emulator import Unit
+from segmap.hokuyo import Geometry, SensorError, SensorGone, UrgSensor
+from segmap.hokuyo._session import Session
+
+URG = Geometry(1024, 44, 725, 384, 20, 5600, 0.1)
+#: Seconds of the port's own clock in which all must be over.
+BOUND = 60.0
+
+
+class Wired:
+    """A sensor without a terminal; what it sends passes `spoil(bytes, position)`."""
+
+    baudrate = 19200
+
+    def __init__(self, spoil=lambda data, at: data, **state):
+        self.now, self.kept, self.sent, self.spoil = 0.0, b"", 0, spoil
+        self.unit = Unit(pattern, clock=lambda: self.now, **state)
+        self.open = True
+
+    @property
+    def in_waiting(self):
+        data = self.unit.transmit()
+        self.kept += self.spoil(data, self.sent)
+        self.sent += len(data)
+        return len(self.kept)
+
+    def read(self, size=1, /):
+        self.now += 0.01
+        data, self.kept = self.kept[:size], self.kept[size:]
+        return data
+
+    def write(self, data, /):
+        self.unit.receive(data)
+        return len(data)
+
+    def close(self):
+        self.open = False
+
+
+def connected(port, **settings):
+    return UrgSensor(port, rates=(115200,), patience=0.5, clock=lambda: port.now, **settings)
+
+
+def struck(at, kind, what):
+    """Damage to the bytes at one position: flipped, lost, doubled, or others put in."""
+
+    def spoil(data, begin):
+        k = at - begin
+        if not 0 <= k < len(data):
+            return data
+        changed = {
+            "flip": bytes([data[k] ^ 1 << what[0] % 8]) + data[k + 1 :],
+            "lose": data[k + len(what) :],
+            "double": data[k : k + len(what)] + data[k:],
+            "insert": what + data[k:],
+        }
+        return data[:k] + changed[kind]
+
+    return spoil
+
+
+damage = st.builds(
+    struck,
+    st.one_of(st.integers(0, 400), st.integers(0, 9000)),
+    st.sampled_from(["flip", "lose", "double", "insert"]),
+    st.binary(min_size=1, max_size=3),
+)
+
+
+@settings(deadline=None, max_examples=150)
+@given(damage, st.sampled_from([{}, {"protocol": "1.1"}]), st.booleans())
+def test_one_damage_anywhere(spoil, state, streams):
+    """Catches a wrong range, direction or geometry, a laser left on, an end that never comes."""
+    port = Wired(spoil, **state)
+    with contextlib.suppress(SensorError), connected(port) as sensor:
+        assert sensor.geometry == URG
+        scans = sensor.scans() if streams else iter(sensor.scan, None)
+        for scan in itertools.islice(scans, 3):
+            turn_of(scan)
+            assert scan.angles[384 - 44] == 0.0
+        assert sensor.delivered == 3
+    assert port.now < BOUND
+    assert not port.open
+    assert not port.unit.laser
+
+
+pieces = st.sampled_from(
+    [b"QT\n00P\n\n", b"QT\n0Ee\n\n", b"QT\nE\n\n", b"PP\n00P\nARES:1024;\\\n\n", b"\n", b"0"]
+)
+
+
+class Babbling(Wired):
+    """Something else at the port: it says what it likes, whatever it is told."""
+
+    def __init__(self, words, endless):
+        super().__init__()
+        self.words, self.endless = itertools.cycle(words) if endless else iter(words), endless
+
+    @property
+    def in_waiting(self):
+        self.kept += next(self.words, b"")
+        return len(self.kept)
+
+
+@settings(deadline=None, max_examples=150)
+@given(st.lists(st.one_of(st.binary(max_size=300), pieces), min_size=1, max_size=40), st.booleans())
+@example([b"x"], True)
+@example([b"QT\n00P\n\n"], True)
+@example([b"QT\n0Ee\n\n"], True)
+@example([b"QT\nE\n\n", b"SCIP2.0\n0\n\n"], True)
+def test_something_else_at_the_port(words, endless):
+    """Nothing but a SensorError, within bounded time, and the port is free again.
+
+    Catches bytes that trickle on for ever and keep the driver from looking at the clock.
+    """
+    port = Babbling(words, endless)
+    with pytest.raises(SensorError, match=r".{20}"):
+        connected(port)
+    assert port.now < BOUND
+    assert not port.open
+
+
+def test_a_port_that_waits_for_ever_is_refused():
+    """Catches a hang: `serial.Serial(device)` has no timeout unless it is given one."""
+    port = Wired()
+    port.timeout = None
+    with pytest.raises(ValueError, match="timeout"):
+        connected(port)
+
+
+def test_waits_get_longer(monkeypatch):
+    """Catches a driver that looks for an unplugged sensor as fast as it can, or waits too long."""
+    waits, now = [], [0.0]
+
+    def sleep(seconds):
+        waits.append(seconds)
+        now[0] += seconds
+
+    monkeypatch.setattr("segmap.hokuyo._session.time.sleep", sleep)
+    session = Session("/dev/no-such-laser", (115200,), 0.5, lambda: now[0])
+    with pytest.raises(SensorGone, match="not back within 9 s"):
+        session.find_again(SensorGone("unplugged"), 9.0)
+    assert waits == pytest.approx([0.1, 0.2, 0.4, 0.8, 1.6, 2.0, 2.0, 1.9])
+    assert now == [pytest.approx(9.0)]
+
+
+class EveryThird:
+    """Spoils a digit in each third scan of a stream."""
+
+    def __init__(self):
+        self.scans = 0
+
+    def __call__(self, data, begin):
+        self.scans += b"99b" in data
+        return data.replace(b"0", b"1", 1) if b"99b" in data and self.scans % 3 == 0 else data
+
+
+def test_what_is_dropped_is_counted_with_its_reason():
+    """As many drops as damaged scans, none of them handed over, none of the others lost."""
+    with connected(Wired(EveryThird())) as sensor:
+        turns = [turn_of(scan) for scan in itertools.islice(sensor.scans(), 8)]
+        assert (sensor.delivered, sensor.dropped) == (8, 3)
+        assert np.diff(turns).max() == 2
+        assert "lines that belong to no scan" in sensor.why
