@@ -8,9 +8,10 @@ from ._alignments import draw_alignment, draw_step, draw_uncertainty
 from ._backbones import draw_backbone
 from ._experiments import METHOD_STYLES, draw_curves, draw_online
 from ._landscapes import draw_climb, draw_landscape
+from ._lessons_scans import draw_frames, draw_maps, draw_poses
 from ._pictures import figure_png, thumbnail
 from ._quadtrees import draw_quadtree
-from ._scans import draw_log, draw_path, draw_scan
+from ._scans import draw_log, draw_path, draw_points, draw_scan
 from ._segments import draw_before_after, draw_provenance, draw_segments
 from ._style import DPI, ERROR, ERRORS, GROUPS, MAP, RAW, RESULT, SIZE, TRUTH, group_colors
 
@@ -30,10 +31,14 @@ __all__ = [
     "draw_before_after",
     "draw_climb",
     "draw_curves",
+    "draw_frames",
     "draw_landscape",
     "draw_log",
+    "draw_maps",
     "draw_online",
     "draw_path",
+    "draw_points",
+    "draw_poses",
     "draw_provenance",
     "draw_quadtree",
     "draw_scan",

@@ -51,8 +51,43 @@ def draw_scan(
         start = transform(pose, scan.sensor_pose[:2])
         rays = np.stack([np.broadcast_to(start, points.shape), points], 1)
         ax.add_collection(LineCollection(list(rays), colors=color, linewidths=0.3))
-    _dots(ax, points, color, size=3)
+    draw_points(points, ax=ax, color=color)
     return dressed(_robot(ax, pose))
+
+
+def draw_points(
+    points: ArrayLike,
+    *,
+    ax: Axes | None = None,
+    color: str = RAW,
+    size: float = 3.0,
+    label: str | None = None,
+) -> Axes:
+    """Draw points as dots.
+
+    Parameters
+    ----------
+    points : (n, 2) array, metres
+    ax : matplotlib Axes or None
+    color : str
+    size : float
+        Of a dot, in 1/72 inch.
+    label : str or None
+        For a legend.
+
+    Returns
+    -------
+    Axes
+
+    Examples
+    --------
+    >>> from matplotlib.figure import Figure
+    >>> draw_points([(0, 1), (2, 3)], ax=Figure().subplots()).lines[0].get_ydata().tolist()
+    [1.0, 3.0]
+    """
+    ax, rows = axes_or_new(ax), np.asarray(points, float).reshape(-1, 2)
+    ax.plot(*rows.T, ".", markersize=size, color=color, markeredgewidth=0, label=label)
+    return dressed(ax)
 
 
 def draw_log(
@@ -127,11 +162,8 @@ def draw_cloud(log: Log, poses: Array, ax: Axes, color: str = RAW) -> None:
     known = np.flatnonzero(np.isfinite(poses).all(1))
     clouds = [transform(poses[k], log.scans[k].points()) for k in known]
     points = np.concatenate([np.empty((0, 2)), *clouds])
-    _dots(ax, points[:: max(1, -(-len(points) // MOST_POINTS))], color, size=1.5)
-
-
-def _dots(ax: Axes, points: Array, color: str, size: float) -> None:
-    ax.plot(*points.T, linestyle="", marker=".", markersize=size, color=color, markeredgewidth=0)
+    thinned = points[:: max(1, -(-len(points) // MOST_POINTS))]
+    draw_points(thinned, ax=ax, color=color, size=1.5)
 
 
 def _robot(ax: Axes, pose: ArrayLike) -> Axes:
