@@ -8,6 +8,7 @@ from ._angle_correspondence import angle_correspondence, match_angles
 from ._backbone import backbone, backbone_steps
 from ._backbone_lines import least_translation, mean_rotation
 from ._backbone_steps import BackboneStep
+from ._errors import laid_on_truth, place_errors
 from ._global_segments import global_segments
 from ._odometry import ground_truth, odometry
 from ._point_icp import match_points, point_icp
@@ -45,6 +46,7 @@ __all__ = [
     "backbone_steps",
     "global_segments",
     "ground_truth",
+    "laid_on_truth",
     "least_translation",
     "match_angles",
     "match_points",
@@ -52,6 +54,7 @@ __all__ = [
     "match_values",
     "mean_rotation",
     "odometry",
+    "place_errors",
     "point_icp",
     "point_steps",
     "pose_graph",
