@@ -107,7 +107,7 @@ def angle_correspondence(
     new_reference : float
         Where less than this share of a scan is matched another reference is taken.
     extract : function
-        `extract(points) -> (n, 2, 2)` segments of one scan.
+        `extract(points) -> (n, 2, 2)` segments of one scan, metres, in the frame of the robot.
     **thresholds
         Handed to `match_angles`.
 

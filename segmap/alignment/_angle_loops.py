@@ -23,8 +23,8 @@ SINGULAR = 1e-9
 
 
 @compiled
-def extent(s: Array, x: float, y: float, dx: float, dy: float) -> tuple[float, float]:
-    """Between which distances from (x, y) along (dx, dy) a segment lies, metres."""
+def _extent(s: Array, x: float, y: float, dx: float, dy: float) -> tuple[float, float]:
+    """Between which distances from (x, y) along (dx, dy) a segment `(2, 2)` lies, metres."""
     a = (s[0, 0] - x) * dx + (s[0, 1] - y) * dy
     b = (s[1, 0] - x) * dx + (s[1, 1] - y) * dy
     return min(a, b), max(a, b)
@@ -43,21 +43,24 @@ def corners(s: Array, pairs: NDArray[np.int64]) -> Array:
         far = ((q[0, 0] - p[0, 0]) * vy - (q[0, 1] - p[0, 1]) * vx) / (ux * vy - uy * vx)
         x, y = p[0, 0] + far * ux, p[0, 1] + far * uy
         found[k, :4] = np.array((x, y, angle, turn))
-        found[k, 4], found[k, 5] = extent(p, x, y, ux, uy)
-        found[k, 6], found[k, 7] = extent(q, x, y, vx, vy)
+        found[k, 4], found[k, 5] = _extent(p, x, y, ux, uy)
+        found[k, 6], found[k, 7] = _extent(q, x, y, vx, vy)
         found[k, 8], found[k, 9] = np.hypot(px, py), np.hypot(qx, qy)
     return found
 
 
 @compiled
-def shared(a: float, b: float, c: float, d: float, way: int) -> float:
+def _shared(a: float, b: float, c: float, d: float, way: int) -> float:
     """Length that the intervals a..b and c..d (looked at the other way for -1) share, metres."""
     return min(b, d) - max(a, c) if way == 1 else min(b, -c) - max(a, -d)
 
 
 @compiled
-def superposed(a: Array, b: Array, way: int) -> tuple[float, float, float]:
-    """Pose that carries corner b onto corner a, the longer walls deciding the turn (A 3.3.1)."""
+def _superposed(a: Array, b: Array, way: int) -> tuple[float, float, float]:
+    """Pose that carries corner b onto corner a, `(10,)` each; metres and radians.
+
+    The longer walls decide the turn (A 3.3.1).
+    """
     at_i, at_j = min(a[8], b[8]) ** 2, min(a[9], b[9]) ** 2
     heading = a[2] - b[2] + at_j / (at_i + at_j) * (a[3] - b[3]) + (0.0 if way == 1 else np.pi)
     c, s = np.cos(heading), np.sin(heading)
@@ -76,13 +79,13 @@ def superpose(first: Array, second: Array, angle: float, share: float) -> Array:
             if abs(a[3] - b[3]) > angle:
                 continue
             for way in (1, -1):  # a line has no direction: half a turn more is as good
-                on_i = shared(a[4], a[5], b[4], b[5], way)
-                on_j = shared(a[6], a[7], b[6], b[7], way)
+                on_i = _shared(a[4], a[5], b[4], b[5], way)
+                on_j = _shared(a[6], a[7], b[6], b[7], way)
                 if on_i < share * min(a[8], b[8]) or on_j < share * min(a[9], b[9]):
                     continue
                 if count == len(found):
                     found = np.concatenate((found, np.empty_like(found)))
-                x, y, heading = superposed(a, b, way)
+                x, y, heading = _superposed(a, b, way)
                 found[count] = np.array((x, y, heading, on_i + on_j))
                 count += 1
     return found[:count]
@@ -90,7 +93,7 @@ def superpose(first: Array, second: Array, angle: float, share: float) -> Array:
 
 @compiled
 def moved(s: Array, pose: Array) -> Array:
-    """Segments `(n, 2, 2)` carried by a pose `(3,)`."""
+    """Segments `(n, 2, 2)`, metres, carried by a pose `(3,)`, metres and radians."""
     out, cos, sin = np.empty_like(s), np.cos(pose[2]), np.sin(pose[2])
     for i in range(len(s)):
         for k in range(2):
@@ -100,8 +103,8 @@ def moved(s: Array, pose: Array) -> Array:
 
 
 @compiled
-def common(s: Array, a: Array, i: int, t: Array, j: int, far: float) -> tuple[float, float, bool]:
-    """What segment j of t says to the described segment i of s, metres.
+def _common(s: Array, a: Array, i: int, t: Array, j: int, far: float) -> tuple[float, float, bool]:
+    """What segment j of t says to the described segment i of s, both in one frame, metres.
 
     The length of i that it covers when projected on it; how far it lies off the line of i there
     (infinite where all of it is farther than `far`); and whether it reaches both sides of the line.
@@ -121,8 +124,8 @@ def common(s: Array, a: Array, i: int, t: Array, j: int, far: float) -> tuple[fl
 
 
 @compiled
-def hausdorff(u: Array, v: Array) -> float:
-    """The smaller of the two directed Hausdorff distances (A 2.39), metres."""
+def _hausdorff(u: Array, v: Array) -> float:
+    """The smaller of the two directed Hausdorff distances of segments `(2, 2)` (A 2.39), metres."""
     there = max(off_segment(v[0, 0], v[0, 1], u), off_segment(v[1, 0], v[1, 1], u))
     back = max(off_segment(u[0, 0], u[0, 1], v), off_segment(u[1, 0], u[1, 1], v))
     return min(there, back)
@@ -130,15 +133,19 @@ def hausdorff(u: Array, v: Array) -> float:
 
 @compiled
 def match_value(s: Array, a: Array, i: int, t: Array, b: Array, j: int, rule: Rule) -> float:
-    """Length, in metres, that two described segments say together (A 2.7.10); 0 for no match."""
+    """Length, in metres, that two described segments say together (A 2.7.10); 0 for no match.
+
+    Segment i of s `(n, 2, 2)`, which a `(n, 5)` describes, and j of t `(m, 2, 2)`, which b does, in
+    one frame, metres.
+    """
     distance, far, long, whole = rule
-    on_i, off_i, past_i = common(s, a, i, t, j, far)
+    on_i, off_i, past_i = _common(s, a, i, t, j, far)
     if on_i == 0.0:
         return 0.0
-    on_j, off_j, past_j = common(t, b, j, s, i, far)
+    on_j, off_j, past_j = _common(t, b, j, s, i, far)
     if on_j == 0.0:
         return 0.0
-    apart = hausdorff(s[i], t[j]) if whole else min(off_i, off_j)
+    apart = _hausdorff(s[i], t[j]) if whole else min(off_i, off_j)
     if apart > far:
         return 0.0
     if not (past_i and past_j):
@@ -219,8 +226,11 @@ def constraints(s: Array, t: Array, value: Array) -> Array:
 
 
 @compiled
-def solved(rows: Array) -> tuple[float, float, float]:
-    """Small motion x, y, turn that undoes the offsets of weighted `constraints`; 0 if unknown."""
+def _solved(rows: Array) -> tuple[float, float, float]:
+    """Small motion x, y, turn that undoes the offsets of weighted `constraints`, rows `(k, 5)`.
+
+    Metres and radians; 0 where they do not fix it.
+    """
     m = np.zeros((3, 4))
     for r in rows:
         for i in range(3):
@@ -239,11 +249,15 @@ def solved(rows: Array) -> tuple[float, float, float]:
 
 @compiled
 def refined(s: Array, t: Array, pose: Array, rounds: int, rule: Rule) -> Array:
-    """The pose `(3,)` moved until matched segments lie on each other, where that gains value."""
+    """The pose of t in the frame of s, (3,) array, metres and radians, made better.
+
+    Segments s `(n, 2, 2)` and t `(m, 2, 2)`, metres: it moves until matched ones lie on each other,
+    where that gains value.
+    """
     found, worth = pose.copy(), match_values(s, moved(t, pose), rule).sum()
     for _ in range(rounds):
         there = moved(t, found)
-        x, y, turn = solved(constraints(s, there, match_values(s, there, rule)))
+        x, y, turn = _solved(constraints(s, there, match_values(s, there, rule)))
         c, d, at_x, at_y = np.cos(turn), np.sin(turn), found[0], found[1]
         found = np.array((x + c * at_x - d * at_y, y + d * at_x + c * at_y, found[2] + turn))
     return found if match_values(s, moved(t, found), rule).sum() >= worth else pose

@@ -44,7 +44,12 @@ def scene(
     margin: float,
     rng: np.random.Generator,
 ) -> Scene:
-    """Segments of at least `least` metres, the pairs to try and the places that see them."""
+    """Segments of at least `least` metres, the pairs to try and the places that see them.
+
+    Segments `(n, 2, 2)` and places `(k, 2)`, metres, about the middle of the segments. The
+    viewpoint, (2,) or (k, 2) array in the frame of the value, is its origin where none is given and
+    it looks like one scan seen from there; else places from which none of them hides another.
+    """
     given = as_segments(value, name)
     kept = given[length(given) >= least]
     middle = kept.mean(axis=(0, 1)) if len(kept) else np.zeros(2)

@@ -96,7 +96,7 @@ def backbone(
     Returns
     -------
     Alignment
-        With `.doubt` where the assumption fails.
+        Poses, (k, 3) array, metres and radians; with `.doubt` where the assumption fails.
 
     Raises
     ------

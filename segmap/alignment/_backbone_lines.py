@@ -33,11 +33,11 @@ class Lines(NamedTuple):
 
     @property
     def normal(self) -> Array:
-        """Unit normals, `(n, 2)` array."""
+        """Unit normals, `(n, 2)` array, at the axial directions plus pi/2 radians."""
         return np.stack([-np.sin(self.angle), np.cos(self.angle)], -1)
 
     def offsets(self, points: Array) -> Array:
-        """Signed distances of points `(..., 2)` from each line, `(..., n)`, metres."""
+        """Signed distances of points, (..., 2) array, from each line, (..., n) array, metres."""
         return ((points[..., None, :] - self.through) * self.normal).sum(-1)
 
     def __repr__(self) -> str:
@@ -73,7 +73,10 @@ def partners(segments: Array, lines: Lines, distance: float, turn: float) -> NDA
 
 
 def parallels(segments: Array, lines: Lines, turn: float) -> NDArray[np.int64]:
-    """Index of the line that is most nearly parallel to each segment, wherever it lies."""
+    """Index of the line that is most nearly parallel to each segment, wherever it lies, `(m,)`.
+
+    Segments `(m, 2, 2)`, metres; -1 where none is within `turn`, radians.
+    """
     apart = _apart(segments, lines)
     return _least(np.where(apart < turn, apart, np.inf))
 
@@ -116,7 +119,8 @@ def mean_rotation(differences: Array, weights: Array) -> float:
 def agreed_rotation(differences: Array, weights: Array, apart: float) -> float:
     """The mean of those differences that lie nearer than `apart` to the mean of all, radians.
 
-    A chord across a niche, eight degrees off, must not pull at the walls beside it.
+    Axial differences, `(m,)` array, radians, and their weights, `(m,)` array. A chord across a
+    niche, eight degrees off, must not pull at the walls beside it.
     """
     mean = mean_rotation(differences, weights)
     agree = np.abs(axial_difference(differences, mean)) < apart
@@ -154,8 +158,9 @@ def least_translation(normals: Array, offsets: Array, weights: Array) -> Array:
 def with_segments(walls: Walls, segments: Array, distance: float, parallel: float) -> Walls:
     """The significant segments with those of another scan merged in (A 3.3.2, step 8).
 
-    A segment is a piece of a wall where both its ends lie nearer than `distance` to the wall's
-    line, the directions differ by less than `parallel`, and no gap of `distance` lies between.
+    Segments `(m, 2, 2)`, metres, in the frame of the walls. One is a piece of a wall where both its
+    ends lie nearer than `distance` (metres) to the wall's line, the directions differ by less than
+    `parallel` (radians), and no gap of `distance` lies between.
     """
     for segment in segments:
         same = _same(walls, segment, distance, parallel)
@@ -197,10 +202,10 @@ def support_lines(
 ) -> tuple[Lines, Array]:
     """The backbone of the significant segments, and all its directions (A 3.3.2, step 4).
 
-    Walls come heaviest first. One that differs from a known direction, or from its normal, by less
-    than `parallel` takes it. A new direction is the mean of all walls nearly parallel to it, and
-    needs `least` metres of them, unless it is the first. A wall whose middle lies nearer than
-    `distance` to a line of its direction adds none.
+    Walls come heaviest first. One that differs from a known direction, (d,) array, radians, or from
+    its normal, by less than `parallel` takes it. A new direction is the mean of all walls nearly
+    parallel to it, and needs `least` metres of them, unless it is the first. A wall whose middle
+    lies nearer than `distance` (metres) to a line of its direction adds none.
     """
     lines, angles = NO_LINES, angle(walls.segments)
     for i in np.argsort(-walls.weight, kind="stable"):

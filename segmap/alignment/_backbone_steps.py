@@ -99,7 +99,7 @@ def doubt_of(steps: Sequence[BackboneStep], orthogonal: float) -> Doubt:
     if not steps or not len(steps[-1].known):
         blind = sum(not s.skipped for s in steps) > 1
         return Doubt(1.0, 0.0, 0.0, "no backbone: no scan shows a wall long enough" * blind, False)
-    share, spread, bend = share_followed(steps), spread_left(steps), bend_corrected(steps)
+    share, spread, bend = _share_followed(steps), _spread_left(steps), _bend_corrected(steps)
     wrong = []
     if share < orthogonal:
         wrong.append(
@@ -119,7 +119,7 @@ def doubt_of(steps: Sequence[BackboneStep], orthogonal: float) -> Doubt:
     return Doubt(share, spread, bend, words if bend > BEND else "", False)
 
 
-def share_followed(steps: Sequence[BackboneStep]) -> float:
+def _share_followed(steps: Sequence[BackboneStep]) -> float:
     """Largest share of the wall seen that follows a direction of the backbone or its normal."""
     looked = [s for s in steps if not s.skipped and len(s.segments)]
     if not looked:
@@ -130,7 +130,7 @@ def share_followed(steps: Sequence[BackboneStep]) -> float:
     return float(((off < FOLLOWS) @ weight).max() / weight.sum())
 
 
-def spread_left(steps: Sequence[BackboneStep]) -> float:
+def _spread_left(steps: Sequence[BackboneStep]) -> float:
     """Median over scans of the weighted root mean square angle left between walls and lines."""
     left = [_left(s) for s in steps if not s.reason and (s.partner >= 0).sum() > 1]
     return float(np.median(left)) if left else 0.0
@@ -145,7 +145,7 @@ def _left(step: BackboneStep) -> float:
     return float(np.sqrt(weight @ off**2 / weight.sum()))
 
 
-def bend_corrected(steps: Sequence[BackboneStep]) -> float:
+def _bend_corrected(steps: Sequence[BackboneStep]) -> float:
     """Median over whole stretches of 10 m of the sum of rotations while not turning, radians."""
     poses: Array = np.array([s.pose for s in steps])
     way = np.append(0.0, np.cumsum(np.hypot(*np.diff(poses[:, :2], axis=0).T)))

@@ -41,7 +41,11 @@ KEPT = 40
 
 
 class Loop(NamedTuple):
-    """A measured way round: the pose of key frame `new` in the frame of `old`."""
+    """A measured way round.
+
+    The motion, (3,) array, metres and radians, is the pose of key frame `new` in the frame of
+    `old`; with its information, (3, 3) array.
+    """
 
     old: int
     new: int
@@ -77,21 +81,21 @@ class Closer:
         """
         new = len(self.frames) - 1
         self.lost = self.lost if confirmed else new
-        for window in self.by_place(new) + self.by_appearance(new):
-            loop = self.measure(window, new)
+        for window in self._by_place(new) + self._by_appearance(new):
+            loop = self._measure(window, new)
             if isinstance(loop, Loop):
                 self.pending.append(loop)
             else:
-                self.reject(window.old, new, loop)
-        believed = self.believed(new)
+                self._reject(window.old, new, loop)
+        believed = self._believed(new)
         for loop in believed:
             self.frames.ties.append(Tie(*loop, loop=True))
         self.closed += believed
         self.lost = None if believed else self.lost
-        self.forget(new)
-        return any(self.strains(loop) for loop in believed)
+        self._forget(new)
+        return any(self._strains(loop) for loop in believed)
 
-    def by_place(self, new: int) -> list[Window]:
+    def _by_place(self, new: int) -> list[Window]:
         """Around the nearest old key frame of each pass, as far as the map may have drifted."""
         poses, way = self.frames.poses, self.frames.way[new] - np.array(self.frames.way[:new])
         distance = np.hypot(*(poses[:new, :2] - poses[new, :2]).T)
@@ -102,7 +106,7 @@ class Closer:
             for k in _best_of_passes(near, distance)
         ]
 
-    def by_appearance(self, new: int) -> list[Window]:
+    def _by_appearance(self, new: int) -> list[Window]:
         """Where the robot is lost: on what looks most like the place, at any heading."""
         if self.lost is None or self.frames.way[new] - self.frames.way[self.lost] > GIVE_UP:
             return []
@@ -111,8 +115,8 @@ class Closer:
         best = _best_of_passes(np.arange(self.lost), unlike)
         return [Window(k, np.zeros(3), LOST, np.pi) for k in best]
 
-    def measure(self, window: Window, new: int) -> Loop | str:
-        """The motion between two key frames by their surroundings, or why it is none."""
+    def _measure(self, window: Window, new: int) -> Loop | str:
+        """The motion `(3,)` between two key frames by their surroundings, or why it is none."""
         frames, map = self.frames, self.map_of(window.old)
         seen = frames.cloud(range(max(new - NEW, self.lost or 0), new + 1), new)
         if map is None or len(seen) < 6:
@@ -139,23 +143,23 @@ class Closer:
             self.maps[old] = frames.map_of(frames.around(old, OLD), old)
         return self.maps[old]
 
-    def strains(self, loop: Loop) -> bool:
-        """Whether the map has to bend for a loop."""
+    def _strains(self, loop: Loop) -> bool:
+        """Whether the map has to bend for a loop, by more than `STRAIN`, metres and radians."""
         poses = self.frames.poses
         rest = between(loop.motion, between(poses[loop.old], poses[loop.new]))
         return bool(np.hypot(rest[0], rest[1]) > STRAIN[0] or abs(rest[2]) > STRAIN[1])
 
-    def believed(self, new: int) -> list[Loop]:
+    def _believed(self, new: int) -> list[Loop]:
         """Loops of the newest key frame that enough others agree with, and these others."""
         found: list[Loop] = []
         for loop in [each for each in self.pending if each.new == new]:
-            others = [o for o in self.pending + self.closed[-30:] if self.agree(loop, o)]
+            others = [o for o in self.pending + self.closed[-30:] if self._agree(loop, o)]
             if len({o.new for o in others}) >= (WITNESSES if self.lost is None else LOST_WITNESSES):
                 found += [o for o in [loop, *others] if not _among(o, found + self.closed)]
         self.pending = [loop for loop in self.pending if not _among(loop, found)]
         return found
 
-    def agree(self, a: Loop, b: Loop) -> bool:
+    def _agree(self, a: Loop, b: Loop) -> bool:
         """Whether going round both loops leads back to where it began."""
         frames = self.frames
         if a.new == b.new or abs(frames.way[a.new] - frames.way[b.new]) > STRETCH:
@@ -167,12 +171,12 @@ class Closer:
         rest = between(one, other)
         return bool(np.hypot(rest[0], rest[1]) < APART and abs(rest[2]) < TURNED)
 
-    def forget(self, new: int) -> None:
+    def _forget(self, new: int) -> None:
         """Give up loops that no other has confirmed in time."""
         way = self.frames.way
         late = [loop for loop in self.pending if way[new] - way[loop.new] > STRETCH]
         for loop in late:
-            self.reject(loop.old, loop.new, "no other loop agrees with it")
+            self._reject(loop.old, loop.new, "no other loop agrees with it")
         self.pending = [loop for loop in self.pending if not _among(loop, late)]
 
     def drop_contradicted(self) -> bool:
@@ -184,11 +188,11 @@ class Closer:
         out = [tie.loop and d > CONTRADICTED for tie, d in zip(frames.ties, left, strict=True)]
         for tie, gone in zip(frames.ties, out, strict=True):
             if gone:
-                self.reject(tie.first, tie.second, "the rest of the graph contradicts it")
+                self._reject(tie.first, tie.second, "the rest of the graph contradicts it")
         frames.ties = [tie for tie, gone in zip(frames.ties, out, strict=True) if not gone]
         return any(out)
 
-    def reject(self, old: int, new: int, reason: str) -> None:
+    def _reject(self, old: int, new: int, reason: str) -> None:
         """Keep the reason, under the indices of the scans."""
         self.rejected.append(Rejected(self.frames.scan[old], self.frames.scan[new], reason))
 

@@ -54,7 +54,11 @@ class Frames:
         return len(self.scan)
 
     def add(self, scan: int, points: Array, motion: Array, information: Array) -> None:
-        """Append a key frame at its motion from the last one, tied to it."""
+        """Append a key frame at its motion from the last one, tied to it.
+
+        Its points `(m, 2)`, metres, in the frame of the robot; the motion, (3,) array, metres and
+        radians, and its information, (3, 3) array.
+        """
         last = len(self) - 1
         self.ties.append(Tie(last, last + 1, motion, information, loop=False))
         self.scan.append(scan)
@@ -64,12 +68,15 @@ class Frames:
         self.looks.append(appearance(self.cloud(self.around(last + 1, 3), last + 1)))
 
     def edges(self) -> Edges:
-        """All ties as arrays."""
+        """All m ties as arrays: the indices at both ends, the motions and their information.
+
+        `(m,)`, `(m, 3)` in metres and radians, `(m, 3, 3)`.
+        """
         first, second, motion, information, _ = zip(*self.ties, strict=True)
         return Edges(np.array(first), np.array(second), np.array(motion), np.array(information))
 
     def bend(self) -> None:
-        """Move the poses to where all ties fit best."""
+        """Move the poses, (n, 3) array, metres and radians, to where all ties fit best."""
         if self.ties:
             self.poses = solve(self.poses, self.edges())
 
@@ -88,7 +95,10 @@ class Frames:
         return self._seen(members, origin)[:, :2]
 
     def map_of(self, members: Iterable[int], origin: int) -> PointMap | None:
-        """Their points in the frame of `origin`, ready to be matched with; None where none are."""
+        """Their points `(m, 2)`, metres, in the frame of `origin`, ready to be matched with.
+
+        None where there are none.
+        """
         seen = self._seen(members, origin)
         return PointMap(seen[:, :2], seen[:, 2:]) if len(seen) else None
 
@@ -108,7 +118,10 @@ def not_far(points: Array) -> Array:
 
 
 def appearance(cloud: Array) -> Array:
-    """What a place looks like from any heading, `(16,)`: shares of points by distance, to 8 m."""
+    """What a place looks like from any heading: shares of points by distance, (16,) array.
+
+    In rings of half a metre, to 8 m from the origin of the points `(m, 2)`, metres.
+    """
     distance = np.hypot(cloud[:, 0], cloud[:, 1])
     counts = np.histogram(distance, bins=16, range=(0.0, 8.0))[0]
     return np.asarray(counts / max(counts.sum(), 1))

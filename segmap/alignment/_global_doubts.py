@@ -22,7 +22,10 @@ DOUBLED = "sees other walls than an earlier scan at the same place"
 
 
 def doubts(scans: Scans, poses: Array, pairs: Pairs) -> list[str]:
-    """What speaks against each pose, by the segments that it rests on; empty where nothing does."""
+    """What speaks against each pose, by the segments that it rests on; empty where nothing does.
+
+    Poses, (k, 3) array, metres and radians, in the frame of the map; one reason for each.
+    """
     count, world = len(poses), scans.world(poses)
     both, weight = np.r_[pairs.i, pairs.j], np.tile(pairs.weight, 2)
     whole = np.bincount(both, weight, count)
@@ -34,7 +37,11 @@ def doubts(scans: Scans, poses: Array, pairs: Pairs) -> list[str]:
 
 
 def torn(poses: Array, group: Indices, guess: Array, rules: Rules) -> Indices:
-    """Kept scans that left the odometry step from the one before by more than could be matched."""
+    """Kept scans that left the odometry step from the one before by more than could be matched.
+
+    Poses and guess, (k, 3) arrays, metres and radians; the group of each, (k,) int array. Indices,
+    ascending, (t,) int array.
+    """
     step = between(between(guess[:-1], guess[1:]), between(poses[:-1], poses[1:]))
     far = np.hypot(step[:, 0], step[:, 1]) > rules.similar / SIDEWAYS
     far |= np.abs(step[:, 2]) > rules.angle
@@ -42,14 +49,21 @@ def torn(poses: Array, group: Indices, guess: Array, rules: Rules) -> Indices:
 
 
 def beyond(group: Indices, torn: Indices) -> Indices:
-    """Kept scans that neither belong to the largest group nor to the largest part of a torn one."""
+    """Kept scans that neither belong to the largest group nor to the largest part of a torn one.
+
+    The group of each, (k,) int array, and the indices of the torn; indices, (b,) int array.
+    """
     part = np.cumsum(np.isin(np.arange(len(group)), torn))
     label = np.unique(np.column_stack([group, part]), axis=0, return_inverse=True)[1].ravel()
     return np.flatnonzero(label != np.bincount(label).argmax())
 
 
 def doubled(scans: Scans, poses: Array, joined: Indices) -> Indices:
-    """Scans at the place of an earlier one, looking the same way, that share nothing with it."""
+    """Scans at the place of an earlier one, looking the same way, that share nothing with it.
+
+    Poses, (k, 3) array, metres and radians; pairs of scans that do share, (m, 2) int array; indices
+    of scans, (d,) int array.
+    """
     count = np.diff(scans.first)
     i, j = np.triu_indices(len(poses), 1)
     step = poses[j] - poses[i]
@@ -62,7 +76,12 @@ def doubled(scans: Scans, poses: Array, joined: Indices) -> Indices:
 def graph(
     scans: Scans, poses: Array, way: Array, pairs: Pairs, arcs: Indices, arc: Indices, far: float
 ) -> Graph:
-    """The arcs that share segments."""
+    """The arcs that share segments, as edges between scans.
+
+    Poses, (k, 3) array, metres and radians; the way to each, (k,) array, metres; arcs, (m, 2) int
+    array, and the arc of each pair, (p,) int array. An arc over more than `far` metres of way is a
+    loop.
+    """
     joined, owner = np.unique(arc, return_inverse=True)
     square = (feet(scans.world(poses), pairs)[0] ** 2).sum(-1).reshape(4, -1).mean(0)
     total, weight = np.bincount(owner, pairs.weight * square), np.bincount(owner, pairs.weight)

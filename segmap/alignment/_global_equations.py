@@ -47,7 +47,8 @@ def solve(i: Indices, j: Indices, weight: Array, gap: Array, held: NDArray[np.bo
     ----------
     i, j : (p,) int array
     weight : (p,) array
-    gap : (p, c) array
+    gap : (p, c) array, radians or metres
+        Of turns or of shifts; x has its unit.
     held : (n,) bool array
 
     Examples
@@ -84,7 +85,7 @@ def groups(i: Indices, j: Indices, count: int) -> Indices:
 
 
 def with_one_held(i: Indices, j: Indices, held: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Held scans, and the first of each group that has none."""
+    """Held scans, and the first of each group that has none: (n,) bool array, as `held` is."""
     group = groups(i, j, len(held))
     first = np.unique(group, return_index=True)[1]
     lacking = ~np.isin(group[first], group[held])
@@ -117,10 +118,11 @@ def best_shifts(segments: Array, pairs: Pairs, held: NDArray[np.bool_]) -> Array
 
 
 def feet(segments: Array, pairs: Pairs) -> tuple[Array, Indices, Indices]:
-    """S and E of 2.12 for both directions, `(4 p, 2)` metres, and the scans at both ends.
+    """S and E of 2.12 for both directions, (4 p, 2) array, metres, and the scans at both ends.
 
-    From the foot of an end point on the line of its partner to the end point. On the line: a wall
-    seen in part would be drawn to the other end of what the partner has seen.
+    Segments `(m, 2, 2)`, metres, where the poses put them. From the foot of an end point on the
+    line of its partner to the end point. On the line: a wall seen in part would be drawn to the
+    other end of what the partner has seen.
     """
     gaps = [
         segments[a, end] - _foot(segments[a, end], segments[b])

@@ -41,12 +41,12 @@ class Scans(NamedTuple):
         return np.repeat(np.arange(len(self.first) - 1), np.diff(self.first))
 
     def only(self, scans: Indices) -> "Scans":
-        """Those scans alone."""
+        """Those scans alone, by their indices, (s,) int array; the same segments, metres."""
         return gathered([self.segments[self.first[k] : self.first[k + 1]] for k in scans])
 
 
 def gathered(segments: list[Array]) -> Scans:
-    """Segments of scans, one array a scan, metres."""
+    """Segments of scans, one `(n, 2, 2)` array a scan, metres, in the frame of its robot."""
     first = np.cumsum([0, *(len(found) for found in segments)])
     return Scans(np.concatenate([np.empty((0, 2, 2)), *segments]), first)
 
@@ -68,6 +68,7 @@ def travelled(poses: Array) -> Array:
 def kept_scans(segments: Array, first: Indices, way: Array, reach: float, rules: Rules) -> Indices:
     """Indices of the scans that are aligned first (A 2.5.1): chains of neighbours, and the first.
 
+    Segments `(n, 2, 2)`, metres, where the poses put them; the way to each scan, `(k,)`, metres.
     Where a chain breaks, the next one begins with the next scan; arcs between others may join them.
     """
     described, sine = describe(segments), np.sin(rules.angle)
@@ -95,7 +96,11 @@ def arcs_between(scans: Scans, poses: Array, way: Array, window: float, rules: R
 
 
 def corresponding(scans: Scans, poses: Array, arcs: Indices, rules: Rules) -> tuple[Pairs, Indices]:
-    """Similar segments of the scans that each arc joins, weighted (2.7), and the arc of each."""
+    """Similar segments of the scans that each arc joins, weighted (2.7), and the arc of each.
+
+    Poses, (k, 3) array, metres and radians; arcs, (m, 2) int array of scans; p pairs and (p,) int
+    array.
+    """
     world, sine = scans.world(poses), np.sin(rules.angle)
     arc, found, away = loops.similar_pairs(
         world, describe(world), scans.first, arcs, rules.similar, sine

@@ -16,7 +16,10 @@ Indices = NDArray[np.int64]
 
 @compiled
 def similar(s: Array, d: Array, u: int, v: int, most: float) -> float:
-    """Distance of two segments (A 2.7.7), metres; infinity where it is not below `most`."""
+    """Distance of segments u and v (A 2.7.7), metres; infinity where it is not below `most`.
+
+    Of s `(n, 2, 2)`, metres, described by d `(n, 5)`.
+    """
     reach = most / APART + d[u, 4] + d[v, 4]
     if abs(d[u, 0] - d[v, 0]) >= reach or abs(d[u, 1] - d[v, 1]) >= reach:
         return np.inf
@@ -32,7 +35,7 @@ def similar(s: Array, d: Array, u: int, v: int, most: float) -> float:
 
 
 @compiled
-def two_apart(s: Array, d: Array, pairs: Indices, count: int, most: float) -> bool:
+def _two_apart(s: Array, d: Array, pairs: Indices, count: int, most: float) -> bool:
     """Whether two of the pairs `(p, 2)` are similar neither in one scan nor in the other."""
     for a in range(count):
         for b in range(a):
@@ -56,9 +59,10 @@ def shared(
     out: Indices,
     away: Array,
 ) -> int:
-    """Write the similar pairs of two scans and their distances; return how many.
+    """Write the similar pairs of scans i and j and their distances; return how many.
 
-    None where no two of them are unlike each other (A 2.5.1).
+    Pairs of segments go to `out`, (r, 2) int array, and distances to `away`, (r,) array, metres; no
+    more than they hold. 0 where no two of them are unlike each other (A 2.5.1).
     """
     n = 0
     for u in range(first[i], first[i + 1]):
@@ -69,14 +73,18 @@ def shared(
             if found < most:
                 out[n, 0], out[n, 1], away[n] = u, v, found
                 n += 1
-    return n if two_apart(s, d, out, n, most) else 0
+    return n if _two_apart(s, d, out, n, most) else 0
 
 
 @compiled
 def similar_pairs(
     s: Array, d: Array, first: Indices, arcs: Indices, most: float, sine: float
 ) -> tuple[Indices, Indices, Array]:
-    """Of each arc `(m, 2)`, a pair of scans: its index, the similar pairs, their distances."""
+    """Similar segments of the scans that each arc `(m, 2)` joins.
+
+    The arc of each pair, (p,) int array, the pairs, (p, 2) int array, their distances, (p,) array,
+    metres.
+    """
     arc, pairs, away = np.empty(64, np.int64), np.empty((64, 2), np.int64), np.empty(64)
     n = 0
     for k in range(len(arcs)):
@@ -106,7 +114,8 @@ def fewest(
 ) -> Indices:
     """The fewest scans from `start` on of which each shares two walls with the next (A 2.5.1).
 
-    Neighbours are at most `reach` metres of way apart. Ends at the last scan that can be reached.
+    Indices, ascending, (c,) int array. Neighbours are at most `reach` metres of way, `(k,)` for all
+    scans, apart. Ends at the last scan that can be reached.
     """
     before = np.full(len(way), -1, np.int64)
     wave = np.array([start])

@@ -19,7 +19,8 @@ def odometry(log: Log) -> Alignment:
     Returns
     -------
     Alignment
-        A scan without odometry moves on as the robot did last, and counts as not used.
+        Poses, (k, 3) array, metres and radians, as the log holds them. A scan without odometry
+        moves on as the robot did last, and counts as not used.
 
     Examples
     --------

@@ -83,7 +83,8 @@ def point_icp(
     Returns
     -------
     Alignment
-        A scan of which too little lies on the map carries the odometry step.
+        Poses, (k, 3) array, metres and radians. A scan of which too little lies on the map carries
+        the odometry step.
 
     Raises
     ------

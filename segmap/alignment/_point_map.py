@@ -88,7 +88,10 @@ class PointMap:
         return Match(pose, covariance, True, "", near, free)
 
     def faces(self, match: Match, current: Array, *, reach: float = 0.12) -> bool:
-        """Whether a wall under a scan's points `(m, 2)` faces the direction that it leaves free."""
+        """Whether a wall under a scan's points `(m, 2)` faces the direction that it leaves free.
+
+        Points in the robot's frame, metres; walls are sought within `reach`, metres.
+        """
         if match.free is None:
             return True
         rows, _ = loops.residuals(self.cells, self.normals, current, match.pose, reach, 1)
@@ -96,7 +99,10 @@ class PointMap:
 
     @cached_property
     def levels(self) -> tuple[searching.Level, ...]:
-        """Likelihoods of cells, and their maxima over 2, 4 and 8 cells a side."""
+        """Likelihoods of cells of `FINE` metres, (columns, rows) array of bytes, and their maxima.
+
+        Over 2, 4 and 8 cells a side, arrays of the same shape.
+        """
         r = int(np.ceil(2.5 * BAND / FINE))
         away = np.arange(-r, r + 1) ** 2 * FINE**2
         stamp = (255 * np.exp(-(away[:, None] + away) / (2 * BAND**2))).astype(np.uint8)

@@ -63,7 +63,9 @@ def point_steps(
 
     Parameters
     ----------
-    reference, current, start, reach
+    reference, current : (n, 2) and (m, 2) arrays, metres
+    start : (3,) array, metres and radians
+    reach : float, metres
         As in `match_points`.
 
     Returns

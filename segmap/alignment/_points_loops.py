@@ -55,7 +55,10 @@ def in_cells(points: Array, size: float) -> Cells:
 
 @compiled
 def nearest(cells: Cells, x: float, y: float, reach: float) -> int:
-    """Index of the point nearest to (x, y), ring of cells by ring; -1 where none is in reach."""
+    """Index of the point nearest to (x, y), ring of cells by ring; -1 where none is in reach.
+
+    Among the sorted points of the cells, `(n, 2)`, metres.
+    """
     best, found = reach * reach, -1
     i0 = int(np.floor((x - cells.corner[0]) / cells.size))
     j0 = int(np.floor((y - cells.corner[1]) / cells.size))
@@ -76,7 +79,10 @@ def nearest(cells: Cells, x: float, y: float, reach: float) -> int:
 
 @compiled
 def spread(cells: Cells, x: float, y: float, radius: float) -> tuple[int, float, float, float]:
-    """Number of points within `radius` of (x, y), and their sums of squares about their mean."""
+    """Number of points within `radius` of (x, y), and their sums of squares about their mean.
+
+    Of the points of the cells, `(n, 2)`, metres: the sums of x x, x y and y y.
+    """
     i0 = max(int((x - radius - cells.corner[0]) / cells.size), 0)
     i1 = min(int((x + radius - cells.corner[0]) / cells.size), cells.columns - 1)
     j0 = max(int((y - radius - cells.corner[1]) / cells.size), 0)
@@ -98,7 +104,8 @@ def spread(cells: Cells, x: float, y: float, radius: float) -> tuple[int, float,
 def normals(cells: Cells, least: float, most: float, enough: int) -> Array:
     """Unit normal of the wall through each point, `(n, 2)`; NaN where the points form no wall.
 
-    The neighbourhood grows from radius `least` until it holds `enough` points, up to `most`.
+    The neighbourhood grows from radius `least` (metres) until it holds `enough` points, up to
+    `most`.
     """
     found = np.full((len(cells.points), 2), np.nan)
     for k in range(len(found)):
@@ -118,10 +125,11 @@ def normals(cells: Cells, least: float, most: float, enough: int) -> Array:
 def residuals(
     cells: Cells, normal: Array, current: Array, pose: Array, reach: float, stride: int
 ) -> tuple[Array, float]:
-    """Rows of the derivative by x, y, heading, and the offset across the wall, `(m, 4)`.
+    """Rows of the derivative by x, y, heading, and the offset across the wall, metres, `(m, 4)`.
 
-    Of the points that have a wall within reach, seen from the side from which the map's point was;
-    with them the share that has any point there.
+    Of those of the current points `(k, 2)`, in the robot's frame, that have a wall within reach of
+    where the pose `(3,)` puts them, seen from the side from which the map's point was; with them
+    the share that has any point there.
     """
     c, s = np.cos(pose[2]), np.sin(pose[2])
     count = (len(current) + stride - 1) // stride
@@ -154,7 +162,10 @@ def robust_weights(offset: Array, floor: float) -> tuple[Array, float]:
 
 @compiled
 def equations(rows: Array, weight: Array) -> tuple[Array, Array]:
-    """Hessian `(3, 3)` and gradient `(3,)` of half the weighted sum of squared offsets."""
+    """Hessian `(3, 3)` and gradient `(3,)` of half the weighted sum of squared offsets.
+
+    Of rows `(m, 4)` of `residuals`, metres and radians, with weights `(m,)`.
+    """
     hessian, gradient = np.zeros((3, 3)), np.zeros(3)
     for k in range(len(rows)):
         for i in range(3):
@@ -166,9 +177,9 @@ def equations(rows: Array, weight: Array) -> tuple[Array, Array]:
 
 @compiled
 def least_move(hessian: Array, gradient: Array, span: float) -> Array:
-    """Gauss-Newton step `(3,)`, without any part along directions that the walls do not fix.
+    """Gauss-Newton step, (3,) array, metres and radians; none along directions that no wall fixes.
 
-    A heading counts as the length by which it moves a point at distance `span`.
+    A heading counts as the length by which it moves a point at distance `span`, metres.
     """
     scale = np.array([1.0, 1.0, 1.0 / span])
     value, vector = np.linalg.eigh(hessian * scale.reshape(3, 1) * scale)
@@ -194,8 +205,10 @@ def point_to_line(
 ) -> tuple[Array, Array, float, float, int]:
     """Point-to-line ICP: pose, Hessian, sigma, share of points that met a point, rows used.
 
-    Far from the answer every `stride`-th point is enough and partners are sought within `reach`;
-    near it all points count and only partners within `last`.
+    Current points `(m, 2)`, metres, in the robot's frame; start and pose, (3,) arrays, metres and
+    radians, in the map's; sigma in metres. Far from the answer every `stride`-th point is enough
+    and partners are sought within `reach`; near it all points count and only partners within
+    `last`.
     """
     pose, hessian, sigma, near, used = start.copy(), np.zeros((3, 3)), floor, 0.0, 0
     for _ in range(60):

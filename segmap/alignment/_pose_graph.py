@@ -55,8 +55,9 @@ def pose_graph(
     Returns
     -------
     Alignment
-        With the graph: its edges, loops and what it rejected. A scan without a match carries the
-        odometry step; what follows is tied to the rest again by its loops, wherever it is.
+        Poses, (k, 3) array, metres and radians, and the graph: its edges, loops and what it
+        rejected. A scan without a match carries the odometry step; what follows is tied to the rest
+        again by its loops, wherever it is.
 
     Raises
     ------
@@ -92,7 +93,11 @@ def pose_graph(
 
 
 def searched(map: PointMap, points: Array, guess: Array, window: float, wide: float) -> Match:
-    """Search about a guess and descend from there; in twice the window where little fits."""
+    """Search about a guess and descend from there; in twice the window where little fits.
+
+    Points `(m, 2)`, metres, in the robot's frame; guess, (3,) array, metres and radians, in the
+    map's.
+    """
     best = no_match(guess, "nothing like it near")
     for factor in (1.0, 2.0):
         start, _ = map.search(points, guess, reach=factor * window, turn=factor * wide)

@@ -51,7 +51,7 @@ class Match:
 
 
 def no_match(start: ArrayLike, reason: str, overlap: float = 0.0) -> Match:
-    """The honest answer where nothing can be told of the pose `(3,)`, metres and radians."""
+    """The honest answer where nothing can be told of the pose, a (3,) array, metres and radians."""
     unknown = np.diag(np.full(3, np.inf))
     return Match(np.array(start, float), unknown, False, reason, overlap)
 
@@ -135,7 +135,10 @@ class Alignment(Pictured):
 
     @property
     def trusted(self) -> Array:
-        """The poses, with NaN for scans that were not used: `build_map` leaves those out."""
+        """The poses, (k, 3) array, metres and radians, with NaN for scans that were not used.
+
+        `build_map` leaves those out.
+        """
         return np.where(self.used[:, None], self.poses, np.nan)
 
     def why(self) -> Table:
@@ -164,25 +167,28 @@ class Trail:
 
     def __init__(self, log: Log, first: Array | None = None) -> None:
         self.begun = time.perf_counter()
-        self.steps = odometry_steps(log)
+        self.steps = _odometry_steps(log)
         if first is None:
             first = log.odometry[0] if len(log) else np.zeros(3)
         self.poses: list[Array] = [first if np.isfinite(first).all() else np.zeros(3)][: len(log)]
         self.reasons: list[str] = [""][: len(log)]
 
     def guess(self) -> Array:
-        """Expected pose of the next scan, `(3,)`, metres and radians."""
+        """Expected pose of the next scan, (3,) array, metres and radians."""
         return compose(self.poses[-1], self.step())
 
     def step(self) -> Array:
-        """Expected motion to the next scan, `(3,)`, metres and radians."""
+        """Expected motion to the next scan, (3,) array, metres and radians."""
         step = self.steps[len(self.poses) - 1]
         if np.isfinite(step).all():
             return step
         return between(self.poses[-2], self.poses[-1]) if len(self.poses) > 1 else np.zeros(3)
 
     def place(self, pose: ArrayLike, reason: str = "") -> None:
-        """Lay the pose of the next scan, which a match has found, or else the reason why not."""
+        """Lay the pose of the next scan, (3,) array, metres and radians.
+
+        A match has found it; or else the reason why not.
+        """
         self.poses.append(np.asarray(pose, float))
         self.reasons.append(reason)
 
@@ -192,15 +198,18 @@ class Trail:
         self.reasons.append(reason)
 
     def alignment(self, method: str, graph: Graph | None = None, doubt: str = "") -> Alignment:
-        """What was laid, as the result of a method."""
+        """What was laid, as the result of a method: k poses, (k, 3) array, metres and radians."""
         poses = np.array(self.poses).reshape(-1, 3)
         used = np.array([not reason for reason in self.reasons], bool)
         seconds = time.perf_counter() - self.begun
         return Alignment(poses, used, seconds, method, tuple(self.reasons), graph, doubt)
 
 
-def odometry_steps(log: Log) -> Array:
-    """Motion by odometry from each scan to the next, `(k - 1, 3)`; NaN where an end has none."""
+def _odometry_steps(log: Log) -> Array:
+    """Motion by odometry from each scan to the next, `(k - 1, 3)`, metres and radians.
+
+    NaN where an end has none.
+    """
     poses = log.odometry
     return between(poses[:-1], poses[1:]) if len(poses) > 1 else np.empty((0, 3))
 

@@ -17,7 +17,11 @@ Indices = NDArray[np.int32]
 def likelihood(
     points: Array, corner: Array, columns: int, rows: int, cell: float, stamp: Level
 ) -> Level:
-    """How likely a point is in each cell, 0 to 255: the largest of the stamps put on map points."""
+    """How likely a point is in each cell, 0 to 255: the largest of the stamps put on map points.
+
+    Points `(n, 2)`, metres; cells of side `cell`, metres, from the corner on; the stamp, (s, s)
+    array, s odd, lies with its middle on each point; (columns, rows) array of bytes.
+    """
     level, r = np.zeros((columns, rows), np.uint8), len(stamp) // 2
     for k in range(len(points)):
         i = int((points[k, 0] - corner[0]) / cell)
@@ -30,7 +34,10 @@ def likelihood(
 
 @compiled
 def widened(level: Level, step: int) -> Level:
-    """Largest of each cell and those `step` to the right, above, and both."""
+    """Largest of each cell and those `step` cells to the right, above, and both.
+
+    Both levels are (columns, rows) array of bytes.
+    """
     columns, rows = level.shape
     wide = level.copy()
     for i in range(columns - step):
@@ -55,10 +62,13 @@ def overlay(level: Level, cells: Indices, i: int, j: int) -> float:
 
 
 @compiled
-def turned_cells(
+def _turned_cells(
     current: Array, start: Array, heading: float, corner: Array, cell: float
 ) -> Indices:
-    """Cells `(n, 2)` of points at the start, turned by a further heading."""
+    """Cells of points at the start, turned by a further heading, (n, 2) int array.
+
+    Points `(n, 2)`, metres, in the robot's frame; start, (3,) array, metres and radians.
+    """
     c, s = np.cos(start[2] + heading), np.sin(start[2] + heading)
     found = np.empty((len(current), 2), np.int32)
     for k in range(len(current)):
@@ -69,7 +79,7 @@ def turned_cells(
 
 
 @compiled
-def best_within(
+def _best_within(
     levels: tuple[Level, ...],
     cells: Indices,
     block: tuple[int, int],
@@ -125,8 +135,9 @@ def search(
 ) -> tuple[float, int, int, int]:
     """Best score of a window and its heading's index (-1: none above `least`) and shift in cells.
 
-    Exact on the lattice of cells and headings: blocks are looked into in the order of what they
-    can at best hold.
+    Points `(n, 2)`, metres, in the robot's frame; start, (3,) array, metres and radians, in the
+    map's; headings, (h,) array, radians, from the start's. Exact on the lattice of cells and
+    headings: blocks are looked into in the order of what they can at best hold.
     """
     width = 1 << (len(levels) - 1)
     blocks = 2 * radius // width + 1
@@ -134,7 +145,7 @@ def search(
     bound = np.empty((len(headings), blocks, blocks))
     cost = away * (headings / max(np.abs(headings).max(), 1e-9)) ** 2
     for h in range(len(headings)):
-        scans[h] = turned_cells(current, start, headings[h], corner, cell)
+        scans[h] = _turned_cells(current, start, headings[h], corner, cell)
         for a in range(blocks):
             for b in range(blocks):
                 i, j = a * width - radius, b * width - radius
@@ -146,7 +157,9 @@ def search(
             break
         h, a, b = place // blocks**2, place // blocks % blocks, place % blocks
         block = (a * width - radius, b * width - radius)
-        score, i, j = best_within(levels, scans[h], block, flat[place], radius, cost[h], away, best)
+        score, i, j = _best_within(
+            levels, scans[h], block, flat[place], radius, cost[h], away, best
+        )
         if score > best:
             best, heading, shift_i, shift_j = score, h, i, j
     return best, heading, shift_i, shift_j

@@ -136,6 +136,7 @@ def segment_icp(
     Returns
     -------
     Alignment
+        Poses, (k, 3) array, metres and radians.
 
     Raises
     ------
@@ -188,7 +189,10 @@ class _Recent:
         return len(self.frames)
 
     def add(self, pose: Array, segments: Array) -> None:
-        """Take a scan in as a key frame where it has segments and lies far enough from the last."""
+        """Take a scan in as a key frame where it has segments and lies far enough from the last.
+
+        Pose, (3,) array, metres and radians; segments `(n, 2, 2)`, metres, in the robot's frame.
+        """
         step = between(self.frames[-1][0], pose) if self.frames else np.full(3, np.inf)
         far = np.hypot(step[0], step[1]) >= self.spacing or abs(step[2]) >= self.angle
         if len(segments) and (far or not self.frames):

@@ -26,7 +26,10 @@ LESS, SLOPE = 1e-12, 0.004
 
 @compiled
 def moved(s: Array, x: float, y: float, turn: float, about: Array) -> Array:
-    """Segments, or rows of points, turned about a point `(2,)`, then shifted; metres, radians."""
+    """Segments, or rows of points, turned about a point, then shifted; metres, radians.
+
+    Segments `(n, 2, 2)`, or points `(n, k, 2)`; the point they turn about is a (2,) array.
+    """
     c, z = np.cos(turn), np.sin(turn)
     out = np.empty_like(s)
     for i in range(len(s)):
@@ -39,12 +42,15 @@ def moved(s: Array, x: float, y: float, turn: float, about: Array) -> Array:
 
 @compiled
 def middle(s: Array) -> Array:
-    """Mean of all end points, `(2,)`, metres: turning about it leaves the shift nearly alone."""
+    """Mean of all end points of segments `(n, 2, 2)`, (2,) array, metres.
+
+    Turning about it leaves the shift nearly alone.
+    """
     return np.array([s[:, :, 0].mean(), s[:, :, 1].mean()])
 
 
 @compiled
-def pair_distance(u: Array, v: Array, a: Array, b: Array) -> float:
+def _pair_distance(u: Array, v: Array, a: Array, b: Array) -> float:
     """Segment distance (A 2.7.7) of two segments that a and b describe, metres."""
     angular, across = mean_line_terms(u, v, a, b)
     return ANGULAR * angular + ACROSS * across + APART * apart(u, v)
@@ -54,10 +60,10 @@ def pair_distance(u: Array, v: Array, a: Array, b: Array) -> float:
 def correspondences(
     reference: Array, r: Array, current: Array, angle: float, most: float
 ) -> Indices:
-    """Pairs `(p, 2)` within both thresholds, radians and metres, that lie beside each other.
+    """Pairs, (p, 2) int array, within both thresholds that lie beside each other.
 
-    r describes the reference. Without the last condition a wall would be drawn along its own line
-    to its next piece, behind a door.
+    Thresholds in radians and metres; r describes the reference, `(n, 5)`. Without the last
+    condition a wall would be drawn along its own line to its next piece, behind a door.
     """
     a, sine = describe(current), np.sin(angle)
     out = np.empty((len(current) * len(reference), 2), np.int64)
@@ -70,7 +76,7 @@ def correspondences(
                 continue
             if APART * (abs(v * dx - u * dy) - (half + r[j, 4]) * sine) >= most:
                 continue
-            if pair_distance(current[i], reference[j], a[i], r[j]) < most:
+            if _pair_distance(current[i], reference[j], a[i], r[j]) < most:
                 out[n, 0], out[n, 1] = i, j
                 n += 1
     return out[:n]
@@ -90,7 +96,7 @@ def distances(reference: Array, r: Array, current: Array, pairs: Indices) -> Arr
         away = weight = 0.0
         while p < len(pairs) and pairs[p, 0] == i:
             j = pairs[p, 1]
-            away += r[j, 4] * pair_distance(current[i], reference[j], a[i], r[j])
+            away += r[j, 4] * _pair_distance(current[i], reference[j], a[i], r[j])
             weight += r[j, 4]
             p += 1
         found[i] = away / weight
@@ -99,7 +105,10 @@ def distances(reference: Array, r: Array, current: Array, pairs: Indices) -> Arr
 
 @compiled
 def cost(reference: Array, r: Array, current: Array, pairs: Indices, penalty: float) -> float:
-    """A 2.1 with the penalty of each segment without a match inside its bracket, metres."""
+    """A 2.1 with the penalty of each segment without a match inside its bracket, metres.
+
+    Of m current segments `(m, 2, 2)` against the reference `(n, 2, 2)`, by their pairs.
+    """
     total = 0.0
     for away in distances(reference, r, current, pairs):
         total += away if away < np.inf else penalty
@@ -107,7 +116,7 @@ def cost(reference: Array, r: Array, current: Array, pairs: Indices, penalty: fl
 
 
 @compiled
-def best_turn(
+def _best_turn(
     reference: Array,
     r: Array,
     current: Array,
@@ -152,7 +161,10 @@ def ways(s: Array) -> Array:
 def best_shift(
     reference: Array, r: Array, current: Array, pairs: Indices, most: float, step: float
 ) -> tuple[float, float]:
-    """Shift reached by steps that each lessen the cost, until none does; metres (step 4)."""
+    """Shift reached by steps that each lessen the cost, until none does; metres (step 4).
+
+    Of the current segments `(m, 2, 2)`; a step is `step` metres long.
+    """
     around, about = ways(current), np.zeros(2)
     best, x, y = cost(reference, r, current, pairs, most), 0.0, 0.0
     failed, k = 0, 0
@@ -172,9 +184,9 @@ def match(
 ) -> tuple[Array, Array, Array]:
     """Turn, then shift, until neither helps; again with finer steps (A 2.5.1, step 6).
 
-    New pairs can raise the cost: each finer search sets out from the best place so far.
-    Returns the motion `(3,)` that leads there, the current segments there, and how far each lies
-    from its matches; metres and radians.
+    New pairs can raise the cost: each finer search sets out from the best place so far. Returns the
+    motion `(3,)` that leads there, the current segments `(m, 2, 2)` there, and how far each lies
+    from its matches, `(m,)`; metres and radians.
     """
     r, motion = describe(reference), np.zeros(3)
     pairs = correspondences(reference, r, current, angle, most)
@@ -183,7 +195,7 @@ def match(
     while step > LEAST_STEP:
         for _ in range(ROUNDS):
             about = middle(current)
-            turn = best_turn(reference, r, current, pairs, most, about, width)
+            turn = _best_turn(reference, r, current, pairs, most, about, width)
             current = moved(current, 0.0, 0.0, turn, about)
             x, y = best_shift(reference, r, current, pairs, most, step)
             current = moved(current, x, y, 0.0, about)

@@ -10,8 +10,11 @@ LOOKS = np.array((0.1, 0.3, 0.5, 0.7, 0.9))
 
 
 @compiled
-def is_hidden(px: float, py: float, x: float, y: float, walls: Array, margin: float) -> bool:
-    """Whether a wall stands between (px, py) and (x, y), clear of both and not by its end only."""
+def _is_hidden(px: float, py: float, x: float, y: float, walls: Array, margin: float) -> bool:
+    """Whether a wall stands between (px, py) and (x, y), clear of both and not by its end only.
+
+    Walls `(n, 2, 2)`, metres; one whose line passes within `margin` metres of (x, y) hides nothing.
+    """
     reach = np.hypot(x - px, y - py)
     if reach <= margin:
         return False
@@ -36,14 +39,17 @@ def is_hidden(px: float, py: float, x: float, y: float, walls: Array, margin: fl
 
 @compiled
 def hidden(px: float, py: float, s: Array, walls: Array, margin: float, most: float) -> float:
-    """Length of segments, metres, that walls hide from (px, py); it stops counting above `most`."""
+    """Length of segments, metres, that walls hide from (px, py); it stops counting above `most`.
+
+    Segments `(n, 2, 2)` and walls `(m, 2, 2)`, metres, in one frame.
+    """
     lost = 0.0
     for i in range(len(s)):
         part = np.hypot(s[i, 1, 0] - s[i, 0, 0], s[i, 1, 1] - s[i, 0, 1]) / len(LOOKS)
         for t in LOOKS:
             x = s[i, 0, 0] + t * (s[i, 1, 0] - s[i, 0, 0])
             y = s[i, 0, 1] + t * (s[i, 1, 1] - s[i, 0, 1])
-            if is_hidden(px, py, x, y, walls, margin):
+            if _is_hidden(px, py, x, y, walls, margin):
                 lost += part
         if lost > most:
             return lost
@@ -52,7 +58,10 @@ def hidden(px: float, py: float, s: Array, walls: Array, margin: float, most: fl
 
 @compiled
 def least_hidden(places: Array, s: Array, walls: Array, margin: float) -> float:
-    """Length of segments, metres, that walls hide from the best of some places `(k, 2)`."""
+    """Length of segments, metres, that walls hide from the best of some places `(k, 2)`.
+
+    Segments `(n, 2, 2)` and walls `(m, 2, 2)`, all in one frame, metres.
+    """
     least = np.inf
     for p in places:
         least = min(least, hidden(p[0], p[1], s, walls, margin, least))

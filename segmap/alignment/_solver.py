@@ -29,7 +29,10 @@ class Edges(NamedTuple):
 
 
 def information(covariance: Array) -> Array:
-    """Information `(3, 3)` of a motion that was matched with this covariance."""
+    """Information of a motion that was matched with this covariance, (3, 3) array each.
+
+    Of x, y, heading: metres and radians.
+    """
     return np.asarray(np.linalg.inv(covariance + REAL))
 
 

@@ -44,31 +44,40 @@ class Walk:
         self.frames = Frames(self.points[0], self.trail.poses[0])
         self.frame = np.zeros(len(log), np.int64)
         self.offset = np.zeros((len(log), 3))
-        self.local = self.local_map()
+        self.local = self._local_map()
 
-    def local_map(self) -> PointMap | None:
-        """Points of the last key frames in the frame of the last; None where there are none."""
+    def _local_map(self) -> PointMap | None:
+        """Points `(m, 2)`, metres, of the last key frames in the frame of the last.
+
+        None where there are none.
+        """
         last = len(self.frames) - 1
         return self.frames.map_of(range(max(last - LOCAL + 1, 0), last + 1), last)
 
     def place(self, scan: int) -> Match:
-        """Lay a scan on the local map, or carry it by the expected step."""
+        """Lay a scan on the local map, or carry it by the expected step.
+
+        The match's pose, (3,) array, metres and radians, is in the frame of the last key frame.
+        """
         before = self.offset[scan - 1]
         guess = compose(before, self.trail.step())
-        match = self.match(scan, guess)
+        match = self._match(scan, guess)
         self.frame[scan], self.offset[scan] = len(self.frames) - 1, match.pose
         step = between(before, match.pose)
         self.trail.place(compose(self.trail.poses[-1], step), match.reason)
         return match
 
-    def match(self, scan: int, guess: Array) -> Match:
-        """The match of a scan with the local map."""
+    def _match(self, scan: int, guess: Array) -> Match:
+        """The match of a scan with the local map, from a guess `(3,)`, metres and radians."""
         if self.local is None or len(self.points[scan]) < 6:
             return no_match(guess, "too few points")
         return self.matcher(self.local, self.points[scan], guess)
 
     def far_from_frame(self, scan: int, step: float, turn: float) -> bool:
-        """Whether a scan is far enough from its key frame to become one, or the first has none."""
+        """Whether a scan is far enough from its key frame to become one, or the first has none.
+
+        By more than `step` metres or `turn` radians.
+        """
         x, y, heading = self.offset[scan]
         moved = np.hypot(x, y) > step or abs(heading) > turn
         return bool(moved or (self.local is None and len(self.points[scan])))
@@ -78,7 +87,7 @@ class Walk:
         covariance = match.covariance if match.matched else WEAK
         self.frames.add(scan, self.points[scan], match.pose, information(covariance))
         self.frame[scan], self.offset[scan] = len(self.frames) - 1, 0.0
-        self.local = self.local_map()
+        self.local = self._local_map()
 
     def refine(self) -> None:
         """Match each scan between key frames with all that are near, whenever those were."""
@@ -92,12 +101,12 @@ class Walk:
                     self.offset[scan] = match.pose if match.matched else self.offset[scan]
 
     def alignment(self, method: str, rejected: tuple[Rejected, ...] = ()) -> Alignment:
-        """Poses of all scans, and the graph behind them."""
+        """Poses of all scans, (k, 3) array, metres and radians, and the graph behind them."""
         done = self.trail.alignment(method)
         poses = compose(self.frames.poses[self.frame], self.offset)
-        return replace(done, poses=poses, graph=self.graph(rejected))
+        return replace(done, poses=poses, graph=self._graph(rejected))
 
-    def graph(self, rejected: tuple[Rejected, ...]) -> Graph | None:
+    def _graph(self, rejected: tuple[Rejected, ...]) -> Graph | None:
         """Edges between key frames, by the indices of their scans; None where there are none."""
         if not self.frames.ties:
             return None
@@ -109,7 +118,11 @@ class Walk:
 
 
 def settled(map: PointMap, points: Array, start: Array, reach: float = 0.3) -> Match:
-    """Descend from a start, and say so where too little of the scan lies on the map then."""
+    """Descend from a start, and say so where too little of the scan lies on the map then.
+
+    Points `(m, 2)`, metres, in the robot's frame; start, (3,) array, metres and radians, in the
+    map's; partners are sought within `reach`, metres.
+    """
     match = map.settle(points, start, reach=reach)
     if match.matched and match.overlap < OVERLAP:
         return no_match(start, "too little of it lies on the map", match.overlap)
