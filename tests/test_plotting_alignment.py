@@ -1,16 +1,21 @@
 """Pictures of alignments: which colour says what, and what is counted."""
 
 import json
+from dataclasses import replace
 
+import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 
 from segmap import load, plotting
-from segmap.alignment import Alignment, Graph, Match, PointStep, Rejected, odometry
+from segmap.alignment import Alignment, Candidate, Graph, Match, PointStep, Rejected, odometry
+from segmap.metrics import distance_terms
+from segmap.plotting import MAP
 from segmap.poses import transform
 from segmap.scans import LaserScan, Log
+from segmap.segments import length
 
 SCAN = LaserScan([1.0, 2.0], [0.0, 0.5])
 LOG = Log("four", [SCAN] * 4)
@@ -139,3 +144,88 @@ def test_what_did_not_match_has_no_ellipse(ax):
     none = Match(np.zeros(3), np.diag([np.inf] * 3), False, "too few points")
     with pytest.raises(ValueError, match="too few points"):
         plotting.draw_uncertainty(none, ax=ax)
+
+
+# ---------------------------------------------------------------------- candidates and basins
+def test_a_candidate_lays_the_second_scan_on_the_first(ax):
+    """Catches the first scan moved in place of the second, and the inverse motion."""
+    walls, pose = np.array([[(0, 0), (2, 0)]], float), np.array([1, 2, np.pi / 2])
+    guess = Candidate(pose, 3.0, 1.0, 2.0, 1, np.empty((0, 5)))
+    plotting.draw_candidate(walls, walls, guess, ax=ax, color=plotting.ERROR)
+    below, above = ax.collections
+    np.testing.assert_array_equal(below.get_segments(), walls)
+    np.testing.assert_allclose(above.get_segments(), [[(1, 2), (1, 4)]])
+    assert [to_hex(part.get_color()[0]) for part in (below, above)] == [MAP, plotting.ERROR]
+    assert ax.get_title() == "3.0 m agree, 1.0 m seen through walls"
+
+
+def test_each_outcome_has_its_colour_where_it_started(ax):
+    """Catches rows drawn as columns, and colours that follow the words that happen to occur."""
+    plotting.draw_basin([["free", "wrong"], ["right", "right"]], [0, 1], [5, 7], ax=ax)
+    (mesh,) = ax.collections
+    plotting.figure_png(ax.figure)
+    colors = [to_hex(color) for color in mesh.get_facecolor()]
+    assert colors == [plotting.GROUPS[0], plotting.ERROR, plotting.RESULT, plotting.RESULT]
+    assert ax.get_xlim() == (-0.5, 1.5) and ax.get_ylim() == (4, 8)
+
+
+@pytest.mark.parametrize("bad", [[["right"]], [["right", "lost"]]])
+def test_outcomes_must_be_known_and_one_a_start(bad, ax):
+    with pytest.raises(ValueError, match="outcomes must be"):
+        plotting.draw_basin(bad, [0, 1], [0], ax=ax)
+
+
+# ---------------------------------------------------------------------- several ways of one log
+SOME = np.array([(1, 1, 0), (np.nan,) * 3, (3, 2, 0), (2, 2, 0)])
+TRUE = Log("true", [SCAN] * 4, truth=SOME)
+
+
+def test_drift_is_drawn_at_the_scans_whose_truth_is_known(ax):
+    """Catches errors drawn at the wrong scans, and those of a way that is only moved as a whole."""
+    ways = {"b": SOME + (0, 5, 0), "a": POSES, "graph": replace(WITH_GRAPH, poses=SOME)}
+    plotting.draw_drift(TRUE, ways, ax=ax)
+    assert [x.get_xdata().tolist() for x in ax.lines] == [[0, 2, 3]] * 3
+    colors = [plotting.RAW, plotting.ERROR, plotting.RESULT]
+    assert [x.get_color() for x in ax.lines] == colors
+    np.testing.assert_allclose(ax.lines[0].get_ydata(), 0, atol=1e-12)
+    np.testing.assert_allclose(ax.lines[1].get_ydata(), [0, 0, 1], atol=1e-12)
+    assert legend_of(ax) == ["a", "b", "graph"] and "[m]" in ax.get_ylabel()
+
+
+def test_drift_needs_truth(ax):
+    with pytest.raises(ValueError, match="must have truth"):
+        plotting.draw_drift(LOG, {"a": POSES}, ax=ax)
+
+
+def test_ways_of_a_log_stand_side_by_side_and_odometry_is_red():
+    """Catches a way drawn below another's title, and one that hides that it is odometry."""
+    log = load("room")[:5]
+    ways = {"wheels": log.odometry, "truth": log.truth, "found": odometry(log)}
+    axes = plotting.draw_logs(log, ways, size=(2, 2))
+    assert [ax.get_title() for ax in axes] == list(ways)
+    ends = [ax.lines[1].get_xydata()[-1] for ax in axes]
+    np.testing.assert_array_equal(
+        ends, [p[-1, :2] for p in (log.odometry, log.truth, log.odometry)]
+    )
+    colors = [ax.lines[1].get_color() for ax in axes]
+    assert colors == [plotting.ERROR, plotting.RESULT, plotting.RESULT]
+    assert [ax.get_legend() is None for ax in axes] == [True, True, False]
+    assert len({ax.get_xlim() for ax in axes}) == 1
+    plt.close(axes[0].figure)
+
+
+# ---------------------------------------------------------------------- distances
+@pytest.mark.parametrize("pose", [(2.8, 0.75, 0.5), (0.3, 1.0, -0.7), (-3.0, 0.2, 0.1)])
+@pytest.mark.parametrize("flip", [1, -1])
+def test_the_red_lines_are_as_long_as_the_terms(pose, flip):
+    """Catches feet beside the line midway, and the gap from the wrong ends."""
+    u = np.array([(0, 0), (2, 0)], float)
+    v = transform(pose, [(-0.75, 0.0), (0.75, 0.0)])[::flip]
+    axes = plotting.draw_distance_terms(u, v)
+    red = [length(np.array(ax.collections[-1].get_segments())) for ax in axes]
+    assert [len(part) for part in red] == [2, 1, 1]
+    np.testing.assert_allclose([part.mean() for part in red], distance_terms(u, v))
+    for ax, term in zip(axes, distance_terms(u, v), strict=True):
+        assert ax.get_title().endswith(f"{term:.2f} m")
+        np.testing.assert_array_equal(ax.collections[1].get_segments(), [u, v])
+    plt.close(axes[0].figure)

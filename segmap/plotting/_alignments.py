@@ -3,17 +3,22 @@
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
+from matplotlib.colors import ListedColormap
 from matplotlib.patches import Ellipse
 from numpy.typing import ArrayLike
 
-from ..alignment import Alignment, Match, PointStep
+from ..alignment import Alignment, Candidate, Match, PointStep
 from ..angles import Array
+from ..poses import transform
 from ..scans import Log
 from ._scans import draw_cloud, draw_path
-from ._style import ERROR, RAW, RESULT, axes_or_new, dressed
+from ._segments import draw_segments
+from ._style import ERROR, GROUPS, RAW, RESULT, axes_or_new, dressed
 
 #: Lines from points to walls; more cannot be told apart.
 MOST_LINES = 120
+#: What may come of a start -> its colour.
+OUTCOMES = {"no match": "#e8e8e8", "right": RESULT, "free": GROUPS[0], "wrong": ERROR}
 
 
 def draw_alignment(log: Log, alignment: Alignment, *, ax: Axes | None = None) -> Axes:
@@ -143,6 +148,81 @@ def draw_uncertainty(match: Match, *, ax: Axes | None = None, deviations: float 
     ax.add_patch(Ellipse((x, y), width, height, angle=turn, color=RESULT, alpha=0.3))
     ax.plot([x], [y], "+", color=RESULT)
     return dressed(ax)
+
+
+def draw_candidate(
+    first: ArrayLike, second: ArrayLike, guess: Candidate, *, ax: Axes | None = None, color: str
+) -> Axes:
+    """Draw two scans, one laid on the other as a candidate of angle correspondence says.
+
+    Parameters
+    ----------
+    first, second : (n, 2, 2) array, metres
+        Segments of two scans, each in its own frame; the first black.
+    guess : Candidate
+        From `alignment.angle_candidates`; the title tells what speaks for it and against it.
+    ax : matplotlib Axes or None
+    color : str
+        Of the second: `RESULT` where the candidate is believed, else `ERROR`.
+
+    Returns
+    -------
+    Axes
+
+    Examples
+    --------
+    >>> from matplotlib.figure import Figure
+    >>> from segmap.rooms import rectangular_room
+    >>> from segmap.alignment import angle_candidates
+    >>> walls = rectangular_room()
+    >>> best = angle_candidates(walls, walls, rng=np.random.default_rng(0))[0]
+    >>> draw_candidate(walls, walls, best, ax=Figure().subplots(), color=RESULT).get_title()
+    '14.0 m agree, 0.0 m seen through walls'
+    """
+    ax = draw_segments(first, ax=ax, width=2.5)
+    draw_segments(transform(guess.pose, second), ax=ax, color=color, width=1.5)
+    ax.set_title(f"{guess.value:.1f} m agree, {guess.hidden:.1f} m seen through walls")
+    return ax
+
+
+def draw_basin(outcomes: ArrayLike, x: ArrayLike, y: ArrayLike, *, ax: Axes | None = None) -> Axes:
+    """Draw what comes of each start of a descent: the basin of attraction is blue.
+
+    Parameters
+    ----------
+    outcomes : (m, n) array of str
+        One of `OUTCOMES` for each start: "no match" is light grey, "right" blue, "free" (along one
+        direction) orange, "wrong" red.
+    x : (n,) array
+        Where the columns start, in any unit.
+    y : (m,) array
+        Where the rows start.
+    ax : matplotlib Axes or None
+
+    Returns
+    -------
+    Axes
+
+    Raises
+    ------
+    ValueError
+        For other words, or another shape.
+
+    Examples
+    --------
+    >>> from matplotlib.figure import Figure
+    >>> ax = draw_basin([["right", "wrong"]], [0.0, 0.1], [0.0], ax=Figure().subplots())
+    >>> ax.collections[0].get_array().tolist()
+    [[1, 3]]
+    """
+    words, shape = np.asarray(outcomes), (np.size(y), np.size(x))
+    if words.shape != shape or not np.isin(words, list(OUTCOMES)).all():
+        got = f"{words.shape} of {sorted(map(str, np.unique(words)))}"
+        raise ValueError(f"outcomes must be {shape} of {list(OUTCOMES)}, got {got}")
+    ax, colors = axes_or_new(ax), ListedColormap(list(OUTCOMES.values()))
+    numbers = (words[..., None] == np.array(list(OUTCOMES))).argmax(-1)
+    ax.pcolormesh(np.asarray(x), np.asarray(y), numbers, cmap=colors, vmin=0, vmax=3)
+    return ax
 
 
 def _loops(alignment: Alignment, ax: Axes) -> None:

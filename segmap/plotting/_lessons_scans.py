@@ -91,6 +91,7 @@ def draw_maps(
     truth: Segments | None = None,
     scan: LaserScan | None = None,
     color: str | Sequence[str] | None = None,
+    width: float = 2.0,
     columns: int | None = None,
     size: tuple[float, float] = (3.4, 2.8),
 ) -> list[Axes]:
@@ -105,6 +106,8 @@ def draw_maps(
         Its points and the robot, grey and red, below each map.
     color : str, one str a map, or None
         None draws each segment in a colour of its own, in turn.
+    width : float
+        Of the lines, in points.
     columns : int or None
         None draws all maps in one row.
     size : (width, height) in inches
@@ -137,7 +140,7 @@ def draw_maps(
         if scan is not None:
             draw_scan(scan, ax=ax)
         group = np.arange(len(as_segments(segments))) if shade is None else None
-        draw_segments(segments, ax=ax, color=shade or MAP, group=group, width=2.0)
+        draw_segments(segments, ax=ax, color=shade or MAP, group=group, width=width)
     return pictures
 
 
