@@ -10,7 +10,18 @@ from matplotlib.colors import to_rgba
 from matplotlib.figure import Figure
 
 from segmap import load
-from segmap.plotting import ERROR, RESULT, draw_quadtree, figure_png, thumbnail
+from segmap.exports import ros_classes
+from segmap.plotting import (
+    ERROR,
+    RAW,
+    RESULT,
+    draw_cells,
+    draw_classes,
+    draw_quadtree,
+    draw_ray,
+    figure_png,
+    thumbnail,
+)
 from segmap.quadtree import QuadtreeMap, build_map
 
 
@@ -90,3 +101,55 @@ def test_a_map_shows_itself_in_a_notebook():
     assert base64.b64decode(bundle["image/png"]) == thumbnail(example())
     assert thumbnail(example()) != thumbnail(QuadtreeMap(resolution=1, size=16))
     assert bundle["text/plain"] == "QuadtreeMap(16 m, 13 leaves of 1 m and more, 1 scan)"
+
+
+def squares(ax, index=0):
+    """Lower left corners and sides of squares that were drawn."""
+    corners = [path.vertices[:4] for path in ax.collections[index].get_paths()]
+    return sorted((*c.min(0).tolist(), *(c.max(0) - c.min(0)).tolist()) for c in corners)
+
+
+@pytest.mark.parametrize("resolution", [1, 4])
+def test_chosen_cells_lie_where_the_map_has_them(ax, resolution):
+    """Catches rows upside down, x for y, a root that does not begin at 0, and coarser grids."""
+    map = QuadtreeMap(resolution=1, size=16, corner=(-3, 7))
+    map.insert_scan((-2.5, 7.5), [(10.5, 8.5)])
+    draw_cells(map, map.to_grid(resolution) > 0.5, ax=ax)
+    (left, low, *sides), *rest = squares(ax)
+    assert sides == [resolution, resolution] and not rest
+    assert left <= 10.5 < left + resolution and low <= 8.5 < low + resolution
+    assert ax.collections[0].get_facecolor()[0].tolist() == list(to_rgba(ERROR))
+
+
+def test_no_cell_and_cells_that_are_none(ax):
+    map = example()
+    assert not squares(draw_cells(map, np.zeros((16, 16), bool), ax=ax))
+    with pytest.raises(ValueError, match=r"cells must be .* square grid, got shape \(3, 4\)"):
+        draw_cells(map, np.zeros((3, 4)), ax=ax)
+
+
+@pytest.mark.parametrize(("start", "end"), [((0, 0), (14, 5)), ((9, 2), (0, 0)), ((0, 9), (-3, 1))])
+def test_the_mask_is_at_the_end_of_a_ray(ax, start, end):
+    """Catches a mask at the start of rays to the left, whose cells come in the other order."""
+    draw_ray(start, end, ax=ax)
+    (crossed, spared), (line,) = (squares(ax, k) for k in (0, 1)), ax.lines
+    assert len(crossed) + len(spared) == max(abs(end[0] - start[0]), abs(end[1] - start[1])) + 1
+    assert len(spared) == 2 and (*end, 1, 1) in spared and (*start, 1, 1) in crossed
+    assert line.get_xydata().tolist() == [[k + 0.5 for k in start], [k + 0.5 for k in end]]
+    colors = [ax.collections[k].get_facecolor()[0].tolist() for k in (0, 1)]
+    assert colors == [list(to_rgba(RESULT)), list(to_rgba(RAW))] and line.get_color() == ERROR
+    for (low, high), k in ((ax.get_xlim(), 0), (ax.get_ylim(), 1)):
+        assert (low, high) == (min(start[k], end[k]), max(start[k], end[k]) + 1)
+
+
+def test_classes_are_drawn_at_their_place_the_lowest_row_below(ax):
+    """Catches a picture half a pixel off, or upside down; white must be free."""
+    map = QuadtreeMap(resolution=0.5, size=4, bias=1)
+    map.insert_scan((0.2, 0.2), [(1.2, 0.2)], [(0.2, 1.7)] * 2)
+    classes = ros_classes(map)
+    draw_classes(classes, ax=ax)
+    (image,) = ax.images
+    assert image.origin == "lower" and (image.get_array() == classes.greys).all()
+    rows, columns = classes.greys.shape
+    edges = classes.left, classes.left + columns * 0.5, classes.low, classes.low + rows * 0.5
+    assert tuple(image.get_extent()) == edges and image.get_clim() == (0, 254)

@@ -3,7 +3,7 @@
 from matplotlib.figure import Figure
 
 from ..exports import Classes, ros_classes
-from ..plotting._style import dressed
+from ..plotting import draw_classes
 from ..quadtree import QuadtreeMap
 from ._base import Panel, slider, text
 
@@ -55,11 +55,7 @@ class ClassesPanel(Panel):
         free, unknown, occupied = ((found.greys == grey).sum() for grey in (254, 205, 0))
         self.counts.value = f"{free} free, {unknown} unknown, {occupied} occupied"
         self.size.value = f"{columns} x {rows} pixels of {found.side:.3g} m"
-        right, high = found.left + columns * found.side, found.low + rows * found.side
-        edges = (found.left, right, found.low, high)
-        ax = figure.subplots()
-        ax.imshow(found.greys, cmap="gray", vmin=0, vmax=254, origin="lower", extent=edges)
-        dressed(ax)
+        draw_classes(found, ax=figure.subplots())
 
     def __repr__(self) -> str:
         return f"ClassesPanel({self.counts.value})"

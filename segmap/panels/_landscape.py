@@ -5,7 +5,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from ..matching import SCORES, Landscape, heading_profile, landscape, peaks
-from ..plotting import RESULT, draw_landscape
+from ..plotting import draw_landscape, draw_profile
 from ..quadtree import QuadtreeMap, build_map
 from ..scans import Log
 from ._base import Panel, slider, text
@@ -74,8 +74,7 @@ class LandscapePanel(Panel):
         left, right = figure.subplots(1, 2)
         draw_landscape(self.land, ax=left)
         turn, values = heading_profile(*scan, self.truth[k], score=score)
-        right.plot(np.degrees(turn), values, color=RESULT)
-        right.set(xlabel="heading off by [degrees]", ylabel="score", xticks=(-180, -90, 0, 90, 180))
+        draw_profile(turn, values, ax=right, tops=False).set_xticks((-180, -90, 0, 90, 180))
 
     def __repr__(self) -> str:
         return f"LandscapePanel({self.score.value}: {self.peaks.value}, {self.best.value})"

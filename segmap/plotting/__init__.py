@@ -4,24 +4,22 @@ Without `ax` a new pyplot figure is made, small enough for a notebook. Each colo
 every picture, and the colour-blind can tell them apart (Okabe and Ito, 2008).
 """
 
-from ._alignments import (
-    draw_alignment,
-    draw_basin,
-    draw_candidate,
-    draw_step,
-    draw_uncertainty,
-)
+from ._alignments import draw_alignment, draw_step, draw_uncertainty
 from ._backbones import draw_backbone
-from ._distances import draw_distance_terms
 from ._experiments import METHOD_STYLES, draw_curves, draw_online
-from ._landscapes import draw_climb, draw_landscape
+from ._landscapes import (
+    draw_climb,
+    draw_field,
+    draw_landscape,
+    draw_profile,
+    draw_trials,
+)
 from ._lessons_scans import draw_frames, draw_maps, draw_poses
 from ._pictures import figure_png, thumbnail
-from ._quadtrees import draw_quadtree
+from ._quadtrees import draw_cells, draw_classes, draw_quadtree, draw_ray
 from ._scans import draw_log, draw_path, draw_points, draw_scan
 from ._segments import draw_before_after, draw_provenance, draw_segments
 from ._style import DPI, ERROR, ERRORS, GROUPS, MAP, RAW, RESULT, SIZE, TRUTH, group_colors
-from ._ways import draw_drift, draw_logs
 
 __all__ = [
     "DPI",
@@ -36,27 +34,28 @@ __all__ = [
     "TRUTH",
     "draw_alignment",
     "draw_backbone",
-    "draw_basin",
     "draw_before_after",
-    "draw_candidate",
+    "draw_cells",
+    "draw_classes",
     "draw_climb",
     "draw_curves",
-    "draw_distance_terms",
-    "draw_drift",
+    "draw_field",
     "draw_frames",
     "draw_landscape",
     "draw_log",
-    "draw_logs",
     "draw_maps",
     "draw_online",
     "draw_path",
     "draw_points",
     "draw_poses",
+    "draw_profile",
     "draw_provenance",
     "draw_quadtree",
+    "draw_ray",
     "draw_scan",
     "draw_segments",
     "draw_step",
+    "draw_trials",
     "draw_uncertainty",
     "figure_png",
     "group_colors",

@@ -1,11 +1,16 @@
-"""Scores around a pose: hills and needles, and the way of a matcher over them."""
+"""Scores around a pose, the way of a matcher over them, and who was lost."""
+
+from collections.abc import Iterable
 
 import numpy as np
 from matplotlib.axes import Axes
 from numpy.typing import ArrayLike
 
-from ..matching import Landscape, peaks
-from ._style import ERROR, RESULT, TRUTH, axes_or_new
+from ..matching import DistanceField, Landscape, Trial, peaks
+from ._style import ERROR, RESULT, TRUTH, axes_or_new, dressed
+
+#: Marks of matchers, used in turn.
+MARKS = "os^vDX"
 
 
 def draw_landscape(
@@ -72,4 +77,99 @@ def draw_climb(offsets: ArrayLike, *, ax: Axes, joined: bool = True) -> Axes:
     way = np.asarray(offsets, float)[:, :2]
     ax.plot(*way.T, "-o" if joined else ".", color=RESULT, markersize=3, linewidth=1)
     ax.plot(*way[-1], "o", color=RESULT, markersize=8, markeredgecolor="white")
+    return ax
+
+
+def draw_profile(
+    turn: ArrayLike, values: ArrayLike, *, ax: Axes | None = None, tops: bool = True
+) -> Axes:
+    """Draw scores over the heading: a blue line, red dots at its peaks.
+
+    Parameters
+    ----------
+    turn : (m,) array, radians
+        From the true heading.
+    values : (m,) array
+        Both from `matching.heading_profile`.
+    ax : matplotlib Axes or None
+    tops : bool
+        Mark all peaks.
+
+    Returns
+    -------
+    Axes
+
+    Examples
+    --------
+    >>> from matplotlib.figure import Figure
+    >>> ax = draw_profile([-1, 0, 1, 2], [0, 2, 0, 1], ax=Figure().subplots())
+    >>> ax.lines[1].get_ydata().tolist()
+    [2.0, 1.0]
+    """
+    ax, scores = axes_or_new(ax), np.asarray(values, float)
+    degrees = np.degrees(np.asarray(turn, float))
+    ax.plot(degrees, scores, color=RESULT)
+    if tops:
+        found = peaks(scores)[:, 0]
+        ax.plot(degrees[found], scores[found], "o", color=ERROR)
+    ax.set(xlabel="heading off by [degrees]", ylabel="score")
+    return ax
+
+
+def draw_field(field: DistanceField, *, ax: Axes | None = None) -> Axes:
+    """Draw a distance field: the darker, the nearer an occupied cell; a bar tells the metres.
+
+    Parameters
+    ----------
+    field : DistanceField
+    ax : matplotlib Axes or None
+
+    Returns
+    -------
+    Axes
+
+    Examples
+    --------
+    >>> from matplotlib.figure import Figure
+    >>> from segmap.quadtree import QuadtreeMap
+    >>> map = QuadtreeMap(resolution=0.1, size=1.6)
+    >>> map.insert_scan((0.2, 0.2), [(1.0, 0.2)])
+    >>> draw_field(DistanceField(map), ax=Figure().subplots()).images[0].get_array().shape
+    (16, 16)
+    """
+    ax, (left, low, right, high) = axes_or_new(ax), field.bounds
+    picture = ax.imshow(field.distance, origin="lower", extent=(left, right, low, high))
+    ax.figure.colorbar(picture, ax=ax, label="distance [m]")
+    return dressed(ax)
+
+
+def draw_trials(trials: Iterable[Trial], *, ax: Axes | None = None) -> Axes:
+    """Draw the error of each trial over the leaves of its map, a mark a matcher (B Fig. 6.17).
+
+    Those with the thesis' steps are red, the others blue. Both axes are logarithmic.
+
+    Parameters
+    ----------
+    trials : iterable of Trial
+    ax : matplotlib Axes or None
+
+    Returns
+    -------
+    Axes
+
+    Examples
+    --------
+    >>> from matplotlib.figure import Figure
+    >>> from segmap.matching import load_trials
+    >>> len(draw_trials(load_trials(), ax=Figure().subplots()).lines)
+    4
+    """
+    ax, all_of = axes_or_new(ax), list(trials)
+    for k, matcher in enumerate(dict.fromkeys(trial.matcher for trial in all_of)):
+        mine = [trial for trial in all_of if trial.matcher == matcher]
+        leaves, off = [t.leaves for t in mine], [1000 * t.median for t in mine]
+        color = ERROR if "thesis" in matcher else RESULT
+        ax.plot(leaves, off, MARKS[k % len(MARKS)], color=color, label=matcher)
+    ax.set(xscale="log", yscale="log", xlabel="leaves of the map", ylabel="median error [mm]")
+    ax.legend(fontsize=9)
     return ax
