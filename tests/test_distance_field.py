@@ -82,6 +82,53 @@ def test_a_field_is_a_picture_of_its_moment():
     assert field.score([(2.05, 0.05)], (0, 0, 0))[0] == pytest.approx(-1.0)
 
 
+def test_a_window_that_misses_walls_only_lowers_the_score():
+    """Ends inside, the cells nearest to them outside: never a score above the whole map's."""
+    map, rng = random_map(2)
+    left, low, right, high = map.bounds
+    third = (right - left) / 3
+    window = (left + third, low + third, right - third, high - third)
+    places = rng.uniform(window[:2], window[2:], (300, 2))
+    poses = np.column_stack([places, np.zeros(300)])
+    cut = DistanceField(map, window).score([(0, 0)], poses)
+    whole = DistanceField(map).score([(0, 0)], poses)
+    assert (cut <= whole + 1e-6).all() and (cut < whole - map.resolution).any()
+
+
+def test_the_field_around_a_scan_holds_the_robot_too():
+    """A wall beside the robot counts though all beams look away from it."""
+    map = QuadtreeMap(resolution=0.1)
+    map.insert_scan((0.05, 0.05), [(0.05, 0.45)])
+    field = DistanceField.around(map, [(6.0, 0.0)], [(0, 0, 0), (0, -3, 0)])
+    assert field.bounds == pytest.approx((-0.5, -3.5, 6.5, 0.5))
+
+
+def test_what_is_not_a_number_reaches_no_memory():
+    """Poses are not looked at in `scorer`: a NaN must count as a place on the edge."""
+    map = QuadtreeMap(resolution=0.1)
+    map.insert_scan((0, 0), [(1.05, 0.05)])
+    values = DistanceField(map, (0, 0, 2, 1)).scorer([(1.05, 0.05)])
+    assert values(np.array([(np.nan, 0, 0), (0, 0, np.nan)])).tolist() == pytest.approx([-1, -1])
+
+
+@pytest.mark.parametrize(
+    ("points", "poses", "message"),
+    [
+        ([(1, 2, 3)], (0, 0, 0), r"points must have shape \(n, 2\)"),
+        ([(1, np.nan)], (0, 0, 0), "points must be finite"),
+        ([(1, 2)], np.empty((0, 3)), "poses must hold at least one pose"),
+        ([(1e300, 0)], (0, 0, 0), r"a window of \d\S* x \d\S* cells is too large: at most"),
+    ],
+)
+def test_what_a_field_around_a_scan_refuses(points, poses, message):
+    map, _ = random_map(1)
+    with pytest.raises(ValueError, match=message):
+        DistanceField.around(map, points, poses)
+    if np.size(poses) and "window" not in message:
+        with pytest.raises(ValueError, match=message):
+            DistanceField(map).scorer(points)
+
+
 @pytest.mark.parametrize(
     ("window", "message"),
     [

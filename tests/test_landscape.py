@@ -73,7 +73,14 @@ def test_peaks(values, expected):
     assert peaks(values).tolist() == expected
 
 
-@pytest.mark.parametrize(("reach", "step"), [(0.1, 0), (0.1, -1), (0.1, 0.2), (np.nan, 0.1)])
+def test_a_peak_of_nothing_is_refused():
+    with pytest.raises(ValueError, match=r"values must not be NaN, got one at \[1\]"):
+        peaks([1, np.nan, 2])
+
+
+@pytest.mark.parametrize(
+    ("reach", "step"), [(0.1, 0), (0.1, -1), (0.1, 0.2), (np.nan, 0.1), (np.inf, 1)]
+)
 def test_steps_must_be_positive(reach, step):
     map, points, pose = walked(2)
     with pytest.raises(ValueError, match="step must be positive and reach no less"):
@@ -90,5 +97,7 @@ def test_records_of_growth_and_of_a_real_log():
     real = load_columns("matching_exp1")
     assert len(real) == 300 and np.isnan(real["score"]).sum() == 1
     assert np.nanmedian(-real["score"] / real["beams"]) < 0.025
-    with pytest.raises(ValueError, match="data/records/matching_moon.csv is missing: run `make bench`"):
+    with pytest.raises(
+        ValueError, match=r"data/records/matching_moon\.csv is missing: run `make bench`"
+    ):
         load_columns("matching_moon")

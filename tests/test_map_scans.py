@@ -142,6 +142,7 @@ def test_it_serves_a_live_sensor():
 
     def sensor():
         for k in itertools.count():
+            assert k <= map.scans, "a live sensor has no scans in advance"
             taken.append(k)
             yield log[k % 3]
 
@@ -173,15 +174,19 @@ def test_the_pose_of_a_step_is_the_users_own():
     assert found == expected
 
 
-def test_rays_that_met_nothing_are_free():
-    """Up to the largest range, where the scan knows it; not where it is told otherwise."""
-    open_door = LaserScan([1.0, np.inf], [0.0, np.pi / 2], max_range=3.0)
-    ahead = [(0.005, 2.0), (0.005, 4.0)]
-    maps = [QuadtreeMap(corner=(-2, -2)) for _ in range(2)]
-    list(map_scans([open_door], map=maps[0]))
-    list(map_scans([open_door], map=maps[1], free=False))
-    assert (maps[0].occupancy(ahead) < 0.5).tolist() == [True, False]
-    assert maps[1].occupancy(ahead).tolist() == [0.5, 0.5]
+def test_rays_that_met_nothing_are_free_where_told():
+    """From the sensor, up to its largest range; by default nothing is claimed. Catches rays from
+    the robot's place or along its heading, and free space where the sensor reported an error.
+    """
+    place, ranges = (0.5, 0.0, np.pi / 2), [1.0, np.inf, np.nan, 0.0]
+    angles = np.radians([0, 90, 180, -90])
+    scan = LaserScan(ranges, angles, max_range=3.0, sensor_pose=place)
+    seen = [(-0.005, 0.005), (-2.4, 0.005), (-2.6, 0.005), (0.505, -1.0), (2.0, 0.005)]
+    maps = [QuadtreeMap(corner=(-4, -4), size=10.24, free_resolution=0.01) for _ in range(2)]
+    list(map_scans([scan], map=maps[0], free=True))
+    list(map_scans([scan], map=maps[1]))
+    assert (maps[0].occupancy(seen) < 0.5).tolist() == [True, True, False, False, False]
+    assert maps[1].occupancy(seen).tolist() == [0.5] * 5
 
 
 @pytest.mark.parametrize(
@@ -191,12 +196,48 @@ def test_rays_that_met_nothing_are_free():
         ({"settle": np.nan}, "settle must be at least 1"),
         ({"start": (0, 0)}, "poses must have shape"),
         ({"start": (0, 0, np.inf)}, "poses must be finite"),
+        ({"score": "field"}, "score must be a function .* nearest_score say, got 'field'"),
+        ({"matcher": "hill climbing"}, "matcher must be a function, hill_climb say, got 'hill"),
+        ({"matcher": sample_and_rank}, "sample_and_rank draws poses: give rng"),
     ],
 )
 def test_wrong_arguments_are_refused_at_once(options, message):
     """Not at the first scan, which a live user may wait for."""
     with pytest.raises(ValueError, match=message):
         map_scans([], **options)
+
+
+def test_a_matcher_that_draws_gets_the_generator():
+    """Catches a generator that is lost, or made anew for each scan; the others need none."""
+    log = room_log(5)
+
+    def poses(**options):
+        return [step.pose.tolist() for step in map_scans(log, **options)]
+
+    rng = np.random.default_rng(5)
+    bound = poses(matcher=partial(sample_and_rank, rng=np.random.default_rng(5)))
+    assert poses(matcher=sample_and_rank, rng=rng) == bound
+    assert poses(matcher=sample_and_rank, rng=rng) != bound
+    assert poses(rng=rng) == poses()
+
+
+@pytest.mark.parametrize(
+    ("scan", "message"),
+    [
+        (LaserScan([1.0, 2.0], [0.0, np.nan]), r"^scan 2: points must be finite, .*nan"),
+        (LaserScan([1.0], [0.0], sensor_pose=(0, 0, np.nan)), "^scan 2: points must be finite"),
+        (LaserScan([1.0, np.inf], [0.0, 1.0], max_range=1e4), "^scan 2: .* beyond max_size"),
+    ],
+)
+def test_a_broken_scan_is_named_and_leaves_the_map(scan, message):
+    """Catches half a scan in the map: beams that met nothing count too."""
+    map = QuadtreeMap()
+    mapping = map_scans([*room_log(2), scan], map=map, free=True)
+    next(mapping), next(mapping)
+    before = state(map)
+    with pytest.raises(ValueError, match=message):
+        next(mapping)
+    assert state(map) == before
 
 
 @pytest.mark.parametrize("metres", [2e3, 1e4, 1e7])

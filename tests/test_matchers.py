@@ -263,12 +263,31 @@ class TestBothOnAMap:
             self.match(matcher, QuadtreeMap(), [(1, 0)], (0, 0, 0))
 
 
-@pytest.mark.parametrize("sigma", [(0, 1), (0.1, -1), (np.nan, 1), (0.1, np.inf)])
+@pytest.mark.parametrize(
+    "sigma", [(0, 1), (0.1, -1), (np.nan, 1), (0.1, np.inf), 0.02, (0.02, 0.02, 0.03)]
+)
 def test_sigma_must_be_positive(sigma):
     with pytest.raises(ValueError, match="sigma must be positive"):
         sample_and_rank(MAP, SCAN, (0, 0, 0), rng=np.random.default_rng(0), sigma=sigma)
 
 
-def test_steps_must_be_known():
-    with pytest.raises(ValueError, match="steps must be one of thesis, halving, got 'small'"):
-        hill_climb(MAP, SCAN, (0, 0, 0), steps="small")
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"steps": "small"}, "steps must be one of thesis, halving, got 'small'"),
+        ({"steps": [(0.001, 0.02)]}, "steps must be one of thesis, halving, got "),
+        ({"rounds": -1}, "rounds must be a whole number of at least 0, got -1"),
+        ({"rounds": 2.5}, "rounds must be a whole number"),
+        ({"score": "nearest"}, "score must be a function .* nearest_score say, got 'nearest'"),
+    ],
+)
+def test_what_a_climb_must_be_told(options, message):
+    with pytest.raises(ValueError, match=message):
+        hill_climb(MAP, SCAN, (0, 0, 0), **options)
+
+
+@pytest.mark.parametrize("rng", [1, None, np.random.RandomState(1)])
+def test_a_seed_is_no_generator(rng):
+    """Catches a seed that restarts at every call, as B's does."""
+    with pytest.raises(ValueError, match="rng must be a generator"):
+        sample_and_rank(MAP, SCAN, (0, 0, 0), rng=rng)

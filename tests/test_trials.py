@@ -116,5 +116,12 @@ def test_names_must_be_known(arguments, message):
 
 def test_a_trial_needs_the_truth():
     log = room_walk(3)
-    with pytest.raises(ValueError, match="a true pose for every scan"):
-        try_pair(Log("x", log.scans, None), "hill climbing", "field")
+    for scans in (log.scans, []):
+        with pytest.raises(ValueError, match="x must have scans, and a true pose for every scan"):
+            try_pair(Log("x", scans, None), "hill climbing", "field")
+
+
+@pytest.mark.parametrize("scans", [0, -1])
+def test_a_walk_has_a_scan(scans):
+    with pytest.raises(ValueError, match=f"scans must be at least 1, got {scans}"):
+        room_walk(scans)

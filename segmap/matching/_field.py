@@ -29,6 +29,7 @@ class DistanceField:
 
     A point counts as its cell's centre: the score differs from `distance_score` by at most
     `resolution / sqrt(2)` a beam where the window holds all ends and the cells nearest to them.
+    What lies outside is not seen, which can only lower the score of ends inside.
 
     Parameters
     ----------
@@ -40,7 +41,8 @@ class DistanceField:
     Attributes
     ----------
     cells : (rows, columns) int32 array
-        Distances, row 0 lowest, in fractions of a cell: 1 / `unit`.
+        Distances, row 0 lowest, in fractions of a cell: 1 / `unit`. The exact Euclidean transform
+        of Meijster, Roerdink and Hesselink (2000); B has none.
     unit : int
 
     Raises
@@ -73,14 +75,29 @@ class DistanceField:
 
     @classmethod
     def around(cls, map: QuadtreeMap, points: ArrayLike, poses: ArrayLike) -> "DistanceField":
-        """The field that a scan `(n, 2)` needs near poses: the box of its ends, and half a metre.
+        """The field that a scan needs near poses: a box about robot and ends, and half a metre.
+
+        Parameters
+        ----------
+        map : QuadtreeMap
+        points : (n, 2) array, metres, in the robot's frame
+        poses : (k, 3) or (3,) array, metres and radians, at least one
 
         Raises
         ------
         ValueError
             As the constructor; for an empty map, other shapes, values that are not finite.
+
+        Examples
+        --------
+        >>> map = QuadtreeMap(resolution=0.1)
+        >>> map.insert_scan((0, 0), [(1.05, 0.05)])
+        >>> DistanceField.around(map, [(1.05, 0.05)], (0, 0, 0))
+        DistanceField(21 x 11 cells of 0.1 m)
         """
         ends, at = checked(points, poses)
+        if not len(at):
+            raise ValueError("poses must hold at least one pose, to know where the scan is")
         placed = np.concatenate([at[:, :2], all_placed(ends, at)])
         return cls(map, [*(placed.min(0) - MARGIN), *(placed.max(0) + MARGIN)])
 
@@ -96,7 +113,7 @@ class DistanceField:
         return left, low, left + columns * side, low + rows * side
 
     def score(self, points: ArrayLike, poses: ArrayLike) -> Array:
-        """Minus the sum of the distances at each pose.
+        """Minus the sum of the distances at each pose; an example is in the class.
 
         Parameters
         ----------
@@ -116,11 +133,35 @@ class DistanceField:
         return self.scorer(ends)(at)
 
     def scorer(self, points: ArrayLike) -> Callable[[Array], Array]:
-        """A function of poses `(k, 3)` alone, for those who ask often."""
-        near = np.clip(np.asarray(points, float).reshape(-1, 2), -FAR_AWAY, FAR_AWAY)
+        """The score as a function of poses `(k, 3)` alone, for those who ask often.
+
+        The poses are not looked at: they must be finite floats.
+
+        Parameters
+        ----------
+        points : (n, 2) array, metres, in the robot's frame
+
+        Raises
+        ------
+        ValueError
+            For another shape, or values that are not finite.
+
+        Examples
+        --------
+        >>> map = QuadtreeMap(resolution=0.1)
+        >>> map.insert_scan((0, 0), [(1.05, 0.05)])
+        >>> values = DistanceField(map).scorer([(1.05, 0.05)])
+        >>> values(np.array([(0.3, 0.0, 0.0)])).round(6)
+        array([-0.3])
+        """
+        near = np.clip(checked(points, np.zeros(3))[0], -FAR_AWAY, FAR_AWAY)
         ends = np.ascontiguousarray(near.T, np.float32)
         flat, frame = self.cells.ravel(), self._frame
         return lambda poses: loops.look_up(flat, frame, ends, poses)
+
+    def __repr__(self) -> str:
+        rows, columns = self.cells.shape
+        return f"DistanceField({columns} x {rows} cells of {self._frame[2]:.6g} m)"
 
 
 def _cells_of_window(
@@ -135,7 +176,7 @@ def _cells_of_window(
     count = beyond - first
     if (count > MOST_SIDE).any() or count.prod() > MOST_CELLS:
         raise ValueError(
-            f"a window of {count[0]:.0f} x {count[1]:.0f} cells is too large: at most {MOST_SIDE} "
+            f"a window of {count[0]:.9g} x {count[1]:.9g} cells is too large: at most {MOST_SIDE} "
             f"a side and {MOST_CELLS} in all; give a smaller one, or a coarser map"
         )
     if (abs(first) > 2.0**60).any():

@@ -118,7 +118,7 @@ def look_up(field: Counts, frame: Array, points: NDArray[np.float32], poses: Arr
         for m in range(points.shape[1]):
             x = c * points[0, m] - s * points[1, m] + dx
             y = s * points[0, m] + c * points[1, m] + dy
-            x, y = min(max(x, zero), most_x), min(max(y, zero), most_y)
+            x, y = min(most_x, max(zero, x)), min(most_y, max(zero, y))
             cells[m] = np.int32(y) * columns + np.int32(x)
         total = np.int64(0)
         for m in range(points.shape[1]):

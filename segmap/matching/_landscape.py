@@ -11,7 +11,7 @@ from ._matchers import Score, checked_start, field_score
 
 
 class Landscape(NamedTuple):
-    """Scores `(m, m)` at offsets `(m,)` in metres: rows along y, columns along x."""
+    """Scores `(m, m)` at offsets `(m,)` in metres: rows along the map's y, columns along its x."""
 
     offsets: Array
     values: Array
@@ -26,7 +26,7 @@ def landscape(
     reach: float = 0.3,
     step: float = 0.01,
 ) -> Landscape:
-    """Scores of a scan at places around a pose, its heading kept.
+    """Scores of a scan at places around a pose, its heading kept (after B 4.3).
 
     Parameters
     ----------
@@ -41,6 +41,11 @@ def landscape(
     Returns
     -------
     Landscape
+
+    Raises
+    ------
+    ValueError
+        As the score; for a step that is not positive, or a reach below it.
 
     Examples
     --------
@@ -73,6 +78,15 @@ def heading_profile(
         As for `landscape`.
     reach, step : float, radians
 
+    Returns
+    -------
+    offsets, values : (m,) arrays
+
+    Raises
+    ------
+    ValueError
+        As `landscape`.
+
     Examples
     --------
     >>> map = QuadtreeMap(resolution=0.1)
@@ -89,7 +103,7 @@ def heading_profile(
 
 
 def _offsets(reach: float, step: float) -> Array:
-    if not (step > 0 and reach >= step):
+    if not (0 < step <= reach < np.inf):
         raise ValueError(f"step must be positive and reach no less, got {step:g} and {reach:g}")
     count = int(np.floor(reach / step + 1e-9))
     return np.arange(-count, count + 1, dtype=np.float64) * step
@@ -100,6 +114,16 @@ def peaks(values: ArrayLike) -> NDArray[np.int64]:
 
     A plateau counts once; what touches the border counts where nothing beside it is higher.
 
+    Parameters
+    ----------
+    values : array of any shape
+        Scores of a landscape or a profile.
+
+    Raises
+    ------
+    ValueError
+        For NaN, which is neither higher nor lower.
+
     Examples
     --------
     >>> peaks([0, 3, 1, 2, 2, 0])
@@ -109,6 +133,9 @@ def peaks(values: ArrayLike) -> NDArray[np.int64]:
     from scipy.ndimage import label, maximum_filter
 
     heights = np.asarray(values, float)
+    if np.isnan(heights).any():
+        where = np.argwhere(np.isnan(heights))[0].tolist()
+        raise ValueError(f"values must not be NaN, got one at {where}")
     beaten = maximum_filter(heights, 3, mode="nearest") > heights
     for _ in range(heights.size):  # whoever is as high as a beaten neighbour is beaten too
         spread = maximum_filter(np.where(beaten, heights, -np.inf), 3, mode="nearest")

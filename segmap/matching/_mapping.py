@@ -3,6 +3,7 @@
 import time
 from collections.abc import Callable, Iterable, Iterator
 from functools import partial
+from inspect import signature
 from typing import NamedTuple
 
 import numpy as np
@@ -14,7 +15,15 @@ from ..quadtree import QuadtreeMap
 from ..quadtree._build import unmet
 from ..scans import LaserScan
 from ._field import NothingNear
-from ._matchers import Score, checked_start, field_score, hill_climb, prepared
+from ._matchers import (
+    Score,
+    check_score,
+    checked_start,
+    field_score,
+    hill_climb,
+    prepared,
+    sample_and_rank,
+)
 from ._scores import checked
 
 #: From a map, points and a start, with a score, to a pose.
@@ -24,7 +33,9 @@ Place = Callable[[QuadtreeMap, Array, Array], tuple[Array, float]]
 
 
 class Step(NamedTuple):
-    """One scan inserted: its pose `(3,)`, metres and radians, its score, the seconds it took."""
+    """One scan inserted: the robot's pose `(3,)` in the map, metres and radians; its score there on
+    the map before it, in the score's unit; and the seconds that the whole step took.
+    """
 
     pose: Array
     score: float
@@ -39,7 +50,8 @@ def map_scans(
     settle: int = 1,
     map: QuadtreeMap | None = None,
     start: ArrayLike = (0.0, 0.0, 0.0),
-    free: bool = True,
+    free: bool = False,
+    rng: np.random.Generator | None = None,
 ) -> Iterator[Step]:
     """Match each scan with the map of those before, insert it, and say where it was.
 
@@ -49,8 +61,7 @@ def map_scans(
     ----------
     log : Log, or any iterable of LaserScan
     matcher : callable
-        `hill_climb`, `sample_and_rank` with its generator bound, or any
-        `matcher(map, points, start, score=score) -> (3,)`.
+        `hill_climb`, `sample_and_rank`, or any `matcher(map, points, start, score=score) -> (3,)`.
     score : callable
     settle : int
         The first scans are inserted unmatched, at the start. B inserts five while the sensor
@@ -61,7 +72,10 @@ def map_scans(
         Pose of the robot at the first scan.
     free : bool
         Whether beams that met nothing count as free up to the sensor's largest range, where the
-        scan knows that.
+        scan knows that. A real sensor answers the same for a dark or slanted wall: of the first 300
+        scans of the CoreSLAM log half the beams do, and with them 1 wall in 15 is left at 5 cm.
+    rng : numpy.random.Generator or None
+        Handed to a matcher that takes one, as `sample_and_rank` must.
 
     Yields
     ------
@@ -72,8 +86,9 @@ def map_scans(
     Raises
     ------
     ValueError
-        For a `settle` below 1 or a start that is no pose, at once; naming the scan, where one
-        reaches beyond the map's `max_size`.
+        At once for a `settle` below 1, a start that is no pose, a matcher or score that is no
+        function, `sample_and_rank` without a generator. Naming the scan, with the map as it was
+        before it, where one is not finite or reaches beyond the map's `max_size`.
 
     Examples
     --------
@@ -84,9 +99,20 @@ def map_scans(
     """
     if not settle >= 1:
         raise ValueError(f"settle must be at least 1: the first scan has no map, got {settle}")
+    check_score(score)
     pose = checked_start([], start)[1]
     tree = QuadtreeMap() if map is None else map
-    return _steps(log, tree, pose, settle, free, partial(_matched, matcher, score))
+    return _steps(log, tree, pose, settle, free, partial(_matched, _ready(matcher, rng), score))
+
+
+def _ready(matcher: Matcher, rng: np.random.Generator | None) -> Matcher:
+    """The matcher, with the generator where it takes one."""
+    if not callable(matcher):
+        raise ValueError(f"matcher must be a function, hill_climb say, got {matcher!r}")
+    if matcher is sample_and_rank and rng is None:
+        raise ValueError("sample_and_rank draws poses: give rng, numpy.random.default_rng(1) say")
+    takes = rng is not None and "rng" in signature(matcher).parameters
+    return partial(matcher, rng=rng) if takes else matcher
 
 
 def _steps(

@@ -25,7 +25,9 @@ STEPS = {
 def field_score(map: QuadtreeMap, points: ArrayLike, poses: ArrayLike) -> Array:
     """`distance_score` looked up in a field around the poses: what the matchers use by default.
 
-    A matcher transforms the field once, around its start, and asks it for all poses.
+    A matcher transforms the field once, around its start, and asks it for all poses. What the map
+    holds beyond half a metre around the scan is not seen, so a beam farther from all walls than
+    that may score lower than in `distance_score`, and one that leaves this window higher.
 
     Parameters
     ----------
@@ -36,6 +38,12 @@ def field_score(map: QuadtreeMap, points: ArrayLike, poses: ArrayLike) -> Array:
     Returns
     -------
     (k,) array, metres
+
+    Raises
+    ------
+    ValueError
+        For an empty map, or none of it around the scan; other shapes, values that are not finite;
+        poses so far apart that their window is too large.
 
     Examples
     --------
@@ -83,7 +91,8 @@ def hill_climb(
     Raises
     ------
     ValueError
-        For an empty map, other shapes, values that are not finite, unknown steps.
+        For an empty map, other shapes, values that are not finite, unknown steps, rounds below 0, a
+        score that is no function.
 
     Examples
     --------
@@ -94,13 +103,15 @@ def hill_climb(
     >>> hill_climb(map, walls, (0.03, -0.02, 0.0)).round(2) + 0
     array([0., 0., 0.])
     """
-    if steps not in STEPS:
+    if not isinstance(steps, str) or steps not in STEPS:
         raise ValueError(f"steps must be one of {', '.join(STEPS)}, got {steps!r}")
+    if not (rounds >= 0 and int(rounds) == rounds):
+        raise ValueError(f"rounds must be a whole number of at least 0, got {rounds}")
     ends, pose = checked_start(points, start)
     values = prepared(score, map, ends, pose)
     best = float(values(pose[None])[0])
     sizes = list(STEPS[steps])
-    for _ in range(rounds):
+    for _ in range(int(rounds)):
         while sizes:
             tried = pose + MOVES * (sizes[0][0], sizes[0][0], sizes[0][1])
             found = values(tried)
@@ -142,7 +153,7 @@ def sample_and_rank(
     Raises
     ------
     ValueError
-        As `hill_climb`; for a sigma that is not positive.
+        As `hill_climb`; for a sigma that is not positive, an rng that is no generator.
 
     Examples
     --------
@@ -154,9 +165,9 @@ def sample_and_rank(
     >>> bool(np.abs(found).max() < 0.02)
     True
     """
-    spread = np.array([sigma[0], sigma[0], sigma[1]], float)
-    if not ((spread > 0) & np.isfinite(spread)).all():
-        raise ValueError(f"sigma must be positive, in metres and radians, got {sigma}")
+    spread = _spread(sigma)
+    if not isinstance(rng, np.random.Generator):
+        raise ValueError(f"rng must be a generator, numpy.random.default_rng(1) say, got {rng!r}")
     ends, pose = checked_start(points, start)
     values = prepared(score, map, ends, pose)
     poses = np.concatenate([pose[None], pose + rng.normal(0, 2 * spread, (99, 3))])
@@ -167,6 +178,14 @@ def sample_and_rank(
         poses = np.concatenate([poses[stay], drawn])
         found = np.concatenate([found[stay], values(drawn)])
     return wrapped(poses[int(np.argmax(found))])
+
+
+def _spread(sigma: tuple[float, float]) -> Array:
+    """Standard deviations of x, y and heading, `(3,)`."""
+    both = np.asarray(sigma, float)
+    if both.shape != (2,) or not ((both > 0) & np.isfinite(both)).all():
+        raise ValueError(f"sigma must be positive, one of metres, one of radians, got {sigma}")
+    return both[[0, 0, 1]]
 
 
 def wrapped(pose: Array) -> Array:
@@ -188,10 +207,24 @@ def checked_start(points: ArrayLike, start: ArrayLike) -> tuple[Array, Array]:
     return ends, at[0]
 
 
+def check_score(score: Score) -> None:
+    """Refuse the name of a score, and what else cannot be called.
+
+    Raises
+    ------
+    ValueError
+    """
+    if not callable(score):
+        raise ValueError(
+            f"score must be a function of map, points and poses, nearest_score say, got {score!r}"
+        )
+
+
 def prepared(
     score: Score, map: QuadtreeMap, points: Array, start: Array
 ) -> Callable[[Array], Array]:
     """The score as a function of poses `(k, 3)` alone; a field is transformed once."""
+    check_score(score)
     if score is field_score and len(points):
         return DistanceField.around(map, points, start).scorer(points)
     return lambda poses: score(map, points, poses)

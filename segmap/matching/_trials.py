@@ -54,6 +54,11 @@ class Trial:
         Of the map: poses that agree leave a small one (B Fig. 6.17).
     seconds : float
         Median of a whole step: field, match and insertion.
+
+    Examples
+    --------
+    >>> load_trials()[0].matcher
+    'hill climbing'
     """
 
     log: str
@@ -89,11 +94,18 @@ def room_walk(scans: int = 200, *, seed: int = 0) -> Log:
     Log
         With the true poses, `(scans, 3)` in metres and radians.
 
+    Raises
+    ------
+    ValueError
+        For less than one scan.
+
     Examples
     --------
     >>> room_walk(20)
     Log('room walk', 20 scans, odometry, truth)
     """
+    if not scans >= 1:
+        raise ValueError(f"scans must be at least 1, got {scans}")
     turn = np.linspace(0, 2 * np.pi, scans, endpoint=False)
     x, y = 2.05 + 1.05 * np.cos(turn), 1.45 + 0.65 * np.sin(turn)
     path = np.stack([x, y, np.arctan2(0.65 * np.cos(turn), -1.05 * np.sin(turn))], -1)
@@ -115,7 +127,7 @@ def room_walls() -> Array:
 
 
 def try_pair(log: Log, matcher: str, score: str, *, seed: int = 0) -> Trial:
-    """Map a log with known truth from its ranges alone, and judge it.
+    """Map a simulated log with known truth from its ranges alone, and judge it.
 
     Parameters
     ----------
@@ -145,10 +157,11 @@ def try_pair(log: Log, matcher: str, score: str, *, seed: int = 0) -> Trial:
         if name not in known:
             raise ValueError(f"{name!r} is none of {', '.join(known)}")
     truth = log.truth
-    if truth is None or not np.isfinite(truth).all():
-        raise ValueError(f"{log.name} must have a true pose for every scan")
+    if truth is None or not len(log) or not np.isfinite(truth).all():
+        raise ValueError(f"{log.name} must have scans, and a true pose for every scan")
     map, chosen = QuadtreeMap(), MATCHERS[matcher](np.random.default_rng(seed))
-    steps = list(map_scans(log, matcher=chosen, score=SCORES[score], map=map, start=truth[0]))
+    options = {"map": map, "start": truth[0], "free": True}  # no return: nothing is there
+    steps = list(map_scans(log, matcher=chosen, score=SCORES[score], **options))
     away = np.array([step.pose for step in steps]) - truth
     place, heading = np.hypot(away[:, 0], away[:, 1]), np.abs(wrap(away[:, 2]))
     return Trial(
@@ -205,6 +218,11 @@ def load_columns(name: str) -> NDArray[np.void]:
     structured array
         Metres, radians and seconds.
 
+    Raises
+    ------
+    ValueError
+        For another name.
+
     Examples
     --------
     >>> load_columns("matching_exp1").dtype.names
@@ -222,7 +240,26 @@ def _trial(row: list[str], where: str) -> Trial:
 
 
 def write_trials(trials: Iterable[Trial], path: Path) -> None:
-    """Write what `load_trials` reads, through a temporary file: whole or not at all."""
+    """Write what `load_trials` reads, through a temporary file: whole or not at all.
+
+    Parameters
+    ----------
+    trials : iterable of Trial
+    path : Path
+
+    Raises
+    ------
+    OSError
+        For a folder that does not exist, or cannot be written to.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     write_trials(load_trials()[:2], Path(folder) / "it.csv")
+    ...     len(load_trials(Path(folder) / "it.csv"))
+    2
+    """
     part = path.with_suffix(".part")
     with part.open("w", encoding="utf-8", newline="") as target:
         table = csv.writer(target, lineterminator="\n")
