@@ -46,13 +46,18 @@ def group_colors(groups: NDArray[np.int64]) -> Array:
     return np.where(groups[:, None] < 0, to_rgba(RAW), to_rgba_array(GROUPS)[groups % len(GROUPS)])
 
 
-def axes_or_new(ax: Axes | None) -> Axes:
-    """The axes given, or those of a new pyplot figure."""
-    if ax is not None:
-        return ax
+def axes_or_new(ax: Axes | None, size: tuple[float, float] = SIZE) -> Axes:
+    """The axes given, or those of a new pyplot figure of a size in inches."""
+    return ax if ax is not None else new_row(1, size)[0]
+
+
+def new_row(count: int, size: tuple[float, float], *, shared: str = "") -> list[Axes]:
+    """Axes side by side in a new pyplot figure of a size in inches; "y" or "xy" are shared."""
     import matplotlib.pyplot as plt
 
-    return plt.subplots(figsize=SIZE, dpi=DPI, layout="constrained")[1]
+    figure = plt.figure(figsize=size, dpi=DPI, layout="constrained")
+    x, y = "x" in shared, "y" in shared
+    return list(figure.subplots(1, count, squeeze=False, sharex=x, sharey=y)[0])
 
 
 def dressed(ax: Axes) -> Axes:

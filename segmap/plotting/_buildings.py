@@ -1,0 +1,222 @@
+"""Runs on several buildings, side by side."""
+
+from collections.abc import Iterable, Mapping
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from ..angles import Array
+from ..experiments import THESIS_GRIDS, Record, Records, by_method, filter_change
+from ._experiments import draw_curves, style_of
+from ._style import DPI, RAW, RESULT, axes_or_new
+
+#: What a method calls its threshold in metres.
+LENGTHS = ("distance", "sigma", "tolerance")
+#: Thresholds of angle up to here, in radians, count as A's tight one of 10 degrees.
+TIGHT = 0.2
+#: Letters nearer than this part of the picture's height are moved apart.
+LETTER = 0.06
+
+
+def draw_buildings(*groups: Records, filtered: bool = False) -> list[list[Axes]]:
+    """Draw reduction against quality for many buildings: a row for each group of records.
+
+    Parameters
+    ----------
+    *groups : Records
+        Each of as many maps.
+    filtered : bool
+        Which of their runs.
+
+    Returns
+    -------
+    list of list of Axes
+        Of a new figure; all have the same scales.
+
+    Examples
+    --------
+    >>> from segmap.experiments import thesis_results
+    >>> axes = draw_buildings(thesis_results())
+    >>> [ax.get_title() for ax in axes[0]]
+    ['polimi', 'stanford', 'bicocca', 'usc']
+    """
+    import matplotlib.pyplot as plt
+
+    names = [_buildings(group) for group in groups]
+    shape, size = (len(groups), len(names[0])), (7, 1.8 * len(groups))
+    figure, axes = plt.subplots(
+        *shape, figsize=size, dpi=DPI, layout="constrained", sharex=True, sharey=True, squeeze=False
+    )
+    for row, group, maps in zip(axes, groups, names, strict=True):
+        for ax, name in zip(row, maps, strict=True):
+            draw_curves(group.select(map=name, filtered=filtered), ax=ax).set_title(name)
+            ax.label_outer()
+    axes[0, 0].set(xlim=(0.4, 1), ylim=(0.2, 1))
+    named = axes[-1, 0].get_legend_handles_labels()
+    legend = figure.legend(*named, loc="outside lower center", ncols=6, fontsize="x-small")
+    plt.setp(legend.get_lines(), linewidth=5)
+    return [list(row) for row in axes]
+
+
+def draw_threshold(*groups: Records, method: str, ax: Axes | None = None) -> Axes:
+    """Draw quality against the one threshold of a method: a line for each building.
+
+    Parameters
+    ----------
+    *groups : Records
+        One or two: the last is blue, another grey. Runs with a filter are left out.
+    method : str
+        One with a single threshold, a length.
+    ax : matplotlib Axes or None
+
+    Returns
+    -------
+    Axes
+        With the initial of a building at the end of its line.
+
+    Raises
+    ------
+    ValueError
+        For a method with several thresholds, or none run.
+
+    Examples
+    --------
+    >>> from matplotlib.figure import Figure
+    >>> from segmap.experiments import thesis_results
+    >>> ax = draw_threshold(thesis_results(), method="fusion", ax=Figure().subplots())
+    >>> ax.get_xlabel(), [text.get_text() for text in ax.texts]  # upwards
+    ('tolerance [mm]', ['S', 'P', 'B', 'U'])
+    """
+    runs = [group.select(method=method, filtered=False) for group in groups]
+    names = sorted({name for group in runs for r in group for name in r.thresholds})
+    if len(names) != 1:
+        raise ValueError(f"method must have one threshold, {method} has {names}")
+    ax, ends = axes_or_new(ax, (4.0, 3.0)), []
+    for group, color in zip(runs, (RAW, RESULT)[-len(runs) :], strict=True):
+        for building in _buildings(group):
+            part = group.select(map=building)
+            points = list(
+                zip(1000 * _column(part, names[0]), [r.quality for r in part], strict=True)
+            )
+            ax.plot(*np.transpose(points), "o-", color=color)
+            ends.append((building, points[-1]))
+    ax.set(xlabel=f"{names[0]} [mm]", ylabel="quality")
+    _spread_letters(ends, ax)
+    return ax
+
+
+def draw_times(records: Records, *, ax: Axes | None = None) -> Axes:
+    """Draw the time of methods on one building against their threshold, as a share of the loosest.
+
+    Runs with a filter are dotted; of methods with an angle only those at a tight one are drawn.
+
+    Parameters
+    ----------
+    records : Records
+        Of one building.
+    ax : matplotlib Axes or None
+
+    Returns
+    -------
+    Axes
+
+    Examples
+    --------
+    >>> from matplotlib.figure import Figure
+    >>> from segmap.experiments import thesis_results
+    >>> ax = draw_times(thesis_results().select(map="usc"), ax=Figure().subplots())
+    >>> [line.get_linestyle() for line in ax.lines[:2]]
+    ['-', ':']
+    """
+    ax = axes_or_new(ax, (4.0, 3.0))
+    tight = [r for r in records if (r.thresholds.get("angle") or 0.0) < TIGHT]
+    for k, (method, runs) in enumerate(by_method(tight).items()):
+        name, color = next(n for n in LENGTHS if n in runs[0].thresholds), style_of(method, k)[0]
+        for filtered, line in ((False, "-"), (True, ":")):
+            part = [r for r in runs if (r.filtered is not None) == filtered]
+            at = _column(part, name) / _column(runs, name).max()
+            label = None if filtered else method
+            ax.plot(at, [r.seconds for r in part], line, color=color, label=label)
+    ax.set(yscale="log", xlabel="threshold, share of the loosest", ylabel="time [s]")
+    return ax
+
+
+def draw_filter(
+    records: Records, *, methods: Iterable[str] = tuple(THESIS_GRIDS), ax: Axes | None = None
+) -> Axes:
+    """Draw what the filter adds to the mean quality and reduction: a dot a method and building.
+
+    Parameters
+    ----------
+    records : Records
+        Filtered and not.
+    methods : iterable of str
+    ax : matplotlib Axes or None
+
+    Returns
+    -------
+    Axes
+        In points: hundredths of the rates.
+
+    Examples
+    --------
+    >>> from matplotlib.figure import Figure
+    >>> from segmap.experiments import thesis_results
+    >>> ax = draw_filter(thesis_results(), methods=["hybrid"], ax=Figure().subplots())
+    >>> len(ax.lines[0].get_xdata())
+    4
+    """
+    ax = axes_or_new(ax, (4.0, 3.0))
+    for k, method in enumerate(methods):
+        color, marker, _ = style_of(method, k)
+        change = [filter_change(records.select(map=n), method) for n in _buildings(records)]
+        ax.plot(*(100 * np.transpose(change)), marker, color=color, label=method)
+    ax.set(xlabel="change of quality [points]", ylabel="change of reduction [points]")
+    return ax
+
+
+def draw_initials(
+    values: Mapping[str, tuple[float, float]], *, ax: Axes | None = None, color: str = RESULT
+) -> Axes:
+    """Draw two numbers of each building: a dot with its initial.
+
+    Parameters
+    ----------
+    values : mapping of str to (float, float)
+    ax : matplotlib Axes or None
+    color : str
+        Of the dots.
+
+    Returns
+    -------
+    Axes
+
+    Examples
+    --------
+    >>> from matplotlib.figure import Figure
+    >>> draw_initials({"office": (2.0, 0.9)}, ax=Figure().subplots()).texts[0].get_text()
+    'O'
+    """
+    ax = axes_or_new(ax, (4.0, 3.0))
+    for name, place in values.items():
+        ax.plot(*place, "o", color=color, markersize=4)
+        ax.annotate(name[0].upper(), place, (5, 3), textcoords="offset points")
+    return ax
+
+
+def _column(records: Iterable[Record], name: str) -> Array:
+    """A threshold of each run."""
+    return np.array([r.thresholds[name] for r in records], float)
+
+
+def _buildings(records: Records) -> list[str]:
+    return list(dict.fromkeys(r.map for r in records))
+
+
+def _spread_letters(ends: list[tuple[str, tuple[float, float]]], ax: Axes) -> None:
+    """Initials beside the ends of lines; where lines end close together, moved apart upwards."""
+    low, high = ax.get_ylim()
+    gap, free = LETTER * (high - low), -np.inf
+    for name, (x, y) in sorted(ends, key=lambda end: end[1][1]):
+        free = max(y, free + gap)
+        ax.annotate(name[0].upper(), (x, free), (6, -4), textcoords="offset points")

@@ -1,0 +1,193 @@
+"""What methods of reduction make of a map, and at which price."""
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from numpy.typing import ArrayLike
+
+from ..reduction import Reduction
+from ..segments import SegmentMap, Segments, as_segments
+from ._segments import draw_segments
+from ._style import ERROR, MAP, RAW, RESULT, axes_or_new, new_row
+
+
+def draw_beside(before: Segments, after: Segments) -> list[Axes]:
+    """Draw a map, black, and beside it what a method leaves of it, blue, at one scale.
+
+    Parameters
+    ----------
+    before, after : SegmentMap, Reduction or (n, 2, 2) array, metres
+
+    Returns
+    -------
+    list of Axes
+        Two, of a new figure, with titles that count the segments.
+
+    Examples
+    --------
+    >>> wall = np.array([[(0, 0), (1, 0)]])
+    >>> [ax.get_title() for ax in draw_beside(np.repeat(wall, 3, axis=0), wall)]
+    ['Before: 3 segments', 'After: 1']
+    """
+    left, right = new_row(2, (9.0, 4.6), shared="xy")
+    draw_segments(before, ax=left).set_title(f"Before: {len(as_segments(before))} segments")
+    draw_segments(after, ax=right, color=RESULT).set_title(f"After: {len(as_segments(after))}")
+    return [left, right]
+
+
+def draw_cases(
+    maps: Mapping[str, Segments], method: Callable[[Any], Segments], *, height: float = 2.4
+) -> list[Axes]:
+    """Draw what a method makes of small maps, each in a picture of its own.
+
+    A map is thin and black, and lies over what the method leaves, thick and blue. Scales of x and y
+    differ, so that what is near can be told apart.
+
+    Parameters
+    ----------
+    maps : mapping of str to SegmentMap or (n, 2, 2) array, metres
+        The titles, and what is reduced.
+    method : function of a map
+        Such as `fusion`.
+    height : float, inches
+        Of the figure.
+
+    Returns
+    -------
+    list of Axes
+        Of a new figure, one for each map, with the y axis in common.
+
+    Examples
+    --------
+    >>> from segmap.reduction import fusion
+    >>> twice = np.array([[(0, 0), (1, 0)], [(0, 0.01), (1, 0.01)]])
+    >>> ax = draw_cases({"Two faces": twice}, fusion)[0]
+    >>> [len(lines.get_segments()) for lines in ax.collections]
+    [1, 2]
+    """
+    axes = new_row(len(maps), (9.0, height), shared="y")
+    for ax, (title, map) in zip(axes, maps.items(), strict=True):
+        draw_segments(method(map), ax=ax, color=RESULT, width=4.0)
+        draw_segments(map, ax=ax, width=1.2)
+        ax.set(title=title, aspect="auto")
+        ax.label_outer()
+    return axes
+
+
+def draw_marked(
+    segments: Segments,
+    marked: ArrayLike,
+    *,
+    ax: Axes | None = None,
+    color: str = RAW,
+    mark: str = ERROR,
+    width: float = 2.0,
+) -> Axes:
+    """Draw segments, and over them, thicker and red, those that are meant.
+
+    Parameters
+    ----------
+    segments : SegmentMap, Reduction or (n, 2, 2) array, metres
+    marked : (n,) bool array
+    ax : matplotlib Axes or None
+    color, mark : str
+        Of the rest, and of the marked ones.
+    width : float
+        Of the marked ones, in points.
+
+    Returns
+    -------
+    Axes
+
+    Raises
+    ------
+    ValueError
+        Where there is not one mark a segment.
+
+    Examples
+    --------
+    >>> from matplotlib.figure import Figure
+    >>> walls = np.array([[(0, 0), (1, 0)], [(0, 1), (1, 1)], [(0, 2), (1, 2)]])
+    >>> ax = draw_marked(walls, [True, False, False], ax=Figure().subplots())
+    >>> [len(lines.get_segments()) for lines in ax.collections]
+    [2, 1]
+    """
+    array, which = as_segments(segments), np.asarray(marked, bool)
+    if which.shape != (len(array),):
+        raise ValueError(f"marked must have shape ({len(array)},), got {which.shape}")
+    ax = draw_segments(array[~which], ax=ax, color=color)
+    return draw_segments(array[which], ax=ax, color=mark, width=width)
+
+
+def draw_growth(map: SegmentMap, reduction: Reduction, *, ax: Axes | None = None) -> Axes:
+    """Draw how many segments an on-line method keeps while the scans come in, and how many came.
+
+    Parameters
+    ----------
+    map : SegmentMap
+        With the scans that its segments are from.
+    reduction : Reduction
+        Of that map, with `scan_live`.
+    ax : matplotlib Axes or None
+
+    Returns
+    -------
+    Axes
+
+    Raises
+    ------
+    ValueError
+        Where the reduction is off-line, or one of another drive.
+
+    Examples
+    --------
+    >>> from matplotlib.figure import Figure
+    >>> from segmap.reduction import hybrid
+    >>> twice = SegmentMap([[(0, 0), (1, 0)]] * 2, [0, 1])
+    >>> ax = draw_growth(twice, hybrid(twice), ax=Figure().subplots())
+    >>> [line.get_ydata().tolist() for line in ax.lines]
+    [[1, 2], [1, 1]]
+    """
+    seen, live = np.cumsum([len(scan) for scan in map.by_scan()]), reduction.scan_live
+    if live is None or len(live) != len(seen):
+        raise ValueError(f"reduction must be an on-line one of these {len(seen)} scans")
+    ax, scans = axes_or_new(ax, (6.0, 2.7)), np.arange(1, len(seen) + 1)
+    ax.plot(scans, seen, "--", color=MAP, label="segments seen")
+    ax.plot(scans, live, color=RESULT, label="segments in the map")
+    ax.set(xlabel="scans", ylabel="segments")
+    ax.legend()
+    return ax
+
+
+def draw_trade(
+    values: ArrayLike, reduction: ArrayLike, quality: ArrayLike, *, ax: Axes | None = None
+) -> Axes:
+    """Draw reduction, blue, and quality, red, of one method against its threshold.
+
+    Parameters
+    ----------
+    values : (n,) array
+        Of the threshold; its name and unit are for the x label.
+    reduction, quality : (n,) array
+        As rates in `[0, 1]`.
+    ax : matplotlib Axes or None
+
+    Returns
+    -------
+    Axes
+
+    Examples
+    --------
+    >>> from matplotlib.figure import Figure
+    >>> ax = draw_trade([10, 20], [0.5, 0.6], [0.9, 0.8], ax=Figure().subplots())
+    >>> [line.get_label() for line in ax.lines]
+    ['reduction', 'quality']
+    """
+    ax = axes_or_new(ax, (6.0, 3.0))
+    ax.plot(values, reduction, "o-", color=RESULT, label="reduction")
+    ax.plot(values, quality, "s--", color=ERROR, label="quality")
+    ax.set_ylabel("rate")
+    ax.legend()
+    return ax
