@@ -4,7 +4,13 @@ Without `ax` a new pyplot figure is made, small enough for a notebook. Each colo
 every picture, and the colour-blind can tell them apart (Okabe and Ito, 2008).
 """
 
-from ._alignments import draw_alignment, draw_step, draw_uncertainty
+from ._alignments import (
+    draw_alignment,
+    draw_basin,
+    draw_candidate,
+    draw_step,
+    draw_uncertainty,
+)
 from ._backbones import draw_backbone
 from ._buildings import (
     draw_buildings,
@@ -13,6 +19,7 @@ from ._buildings import (
     draw_threshold,
     draw_times,
 )
+from ._distances import draw_distance_terms
 from ._experiments import METHOD_STYLES, draw_curves, draw_online
 from ._landscapes import (
     draw_climb,
@@ -29,6 +36,7 @@ from ._reductions import draw_beside, draw_cases, draw_growth, draw_marked, draw
 from ._scans import draw_log, draw_path, draw_points, draw_scan
 from ._segments import draw_before_after, draw_provenance, draw_segments
 from ._style import DPI, ERROR, ERRORS, GROUPS, MAP, RAW, RESULT, SIZE, TRUTH, group_colors
+from ._ways import draw_drift, draw_logs
 
 __all__ = [
     "DPI",
@@ -43,15 +51,19 @@ __all__ = [
     "TRUTH",
     "draw_alignment",
     "draw_backbone",
+    "draw_basin",
     "draw_before_after",
     "draw_beside",
     "draw_buildings",
+    "draw_candidate",
     "draw_cases",
     "draw_cells",
     "draw_centres",
     "draw_classes",
     "draw_climb",
     "draw_curves",
+    "draw_distance_terms",
+    "draw_drift",
     "draw_field",
     "draw_filter",
     "draw_frames",
@@ -59,6 +71,7 @@ __all__ = [
     "draw_initials",
     "draw_landscape",
     "draw_log",
+    "draw_logs",
     "draw_maps",
     "draw_marked",
     "draw_merge",
