@@ -20,7 +20,10 @@ Indices = NDArray[np.int64]
 
 
 class State(NamedTuple):
-    """Segments, what is known of each, and the grid of their end points."""
+    """Segments `(n, 2, 2)`, metres, what is known of each, and the grid of their end points.
+
+    Angles, radians, and lengths, metres, `(n,)` each; parents `(n,)`.
+    """
 
     s: Array
     angles: Array
@@ -51,7 +54,10 @@ def start(segments: Array) -> State:
 
 @compiled
 def enter(state: State, i: int, cell: float) -> None:
-    """Put both end points of a segment into the grid of cells, metres."""
+    """Put both end points of segment i into the grid of cells of side `cell`, metres.
+
+    Of the state's segments `(n, 2, 2)`, metres.
+    """
     head, after, before = state.head, state.after, state.before
     for k in range(2):
         x, y = state.s[i, k, 0], state.s[i, k, 1]
@@ -78,7 +84,11 @@ def leave(state: State, i: int) -> None:
 
 @compiled
 def match(state: State, a: int, k: int, e: int, distance: float, angle: float) -> bool:
-    """Whether end point k of segment a and end point e make a match (A 4.1); both tests strict."""
+    """Whether end point k of segment a and end point e make a match (A 4.1); both tests strict.
+
+    Of the state's segments `(n, 2, 2)`, metres; e is 2 b and the end of segment b. Distance in
+    metres, angle in radians.
+    """
     b = e // 2
     dx = state.s[a, k, 0] - state.s[b, e % 2, 0]
     dy = state.s[a, k, 1] - state.s[b, e % 2, 1]
@@ -89,7 +99,7 @@ def match(state: State, a: int, k: int, e: int, distance: float, angle: float) -
 
 
 @compiled
-def next_match(state: State, a: int, last: int, distance: float, angle: float) -> int:
+def _next_match(state: State, a: int, last: int, distance: float, angle: float) -> int:
     """Lowest live segment above `last` that matches a, -1 for none; metres and radians."""
     found = len(state.s)
     for k in range(2):
@@ -108,7 +118,11 @@ def next_match(state: State, a: int, last: int, distance: float, angle: float) -
 
 @compiled
 def merge(state: State, a: int, b: int, distance: float) -> None:
-    """A 4.1: b goes into a, on the length-weighted mean line; the extreme projections remain."""
+    """A 4.1: b goes into a, on the length-weighted mean line; the extreme projections remain.
+
+    Writes to rows a and b of the state's arrays: segments `(n, 2, 2)`, metres, angles, radians.
+    Cells of the grid have the side `distance`, metres.
+    """
     s, la, lb = state.s, state.lengths[a], state.lengths[b]
     share = lb / (la + lb)
     turn = (state.angles[b] - state.angles[a] + np.pi / 2) % np.pi - np.pi / 2
@@ -134,11 +148,12 @@ def merge(state: State, a: int, b: int, distance: float) -> None:
 def absorb(state: State, a: int, distance: float, angle: float) -> int:
     """The inner loop of Basic: merge into a, in index order, every b that matches as a grows.
 
-    Distance in metres, angle in radians. Returns how many died.
+    The state's segments `(n, 2, 2)` and the distance in metres, the angle in radians. Returns how
+    many died.
     """
     died, last = 0, -1
     while True:
-        last = next_match(state, a, last, distance, angle)
+        last = _next_match(state, a, last, distance, angle)
         if last < 0:
             return died
         merge(state, a, last, distance)
@@ -149,7 +164,8 @@ def absorb(state: State, a: int, distance: float, angle: float) -> int:
 def converge(state: State, first: int, stop: int, distance: float, angle: float) -> int:
     """Add the segments `first` to `stop` to the map and pass over it until nothing merges.
 
-    Distance in metres, angle in radians. Returns how many died.
+    The state's segments `(n, 2, 2)` and the distance in metres, the angle in radians. Returns how
+    many died.
     """
     heap, later = [first], [first]
     heap.pop()
@@ -160,10 +176,10 @@ def converge(state: State, first: int, stop: int, distance: float, angle: float)
         enter(state, i, distance)
     for i in range(first, stop):
         heapq.heappush(heap, i)
-        b = next_match(state, i, -1, distance, angle)
+        b = _next_match(state, i, -1, distance, angle)
         while 0 <= b < first:
             heapq.heappush(heap, b)
-            b = next_match(state, i, b, distance, angle)
+            b = _next_match(state, i, b, distance, angle)
     while len(heap):
         previous = -1
         while len(heap):
@@ -173,9 +189,9 @@ def converge(state: State, first: int, stop: int, distance: float, angle: float)
             previous = a
             lost = absorb(state, a, distance, angle)
             died += lost
-            b = next_match(state, a, -1, distance, angle) if lost else -1
+            b = _next_match(state, a, -1, distance, angle) if lost else -1
             while b >= 0:
                 heapq.heappush(heap if b > a else later, b)
-                b = next_match(state, a, b, distance, angle)
+                b = _next_match(state, a, b, distance, angle)
         heap, later = later, heap
     return died

@@ -23,8 +23,11 @@ PERPENDICULAR = 1 - 1e-9
 
 
 @compiled
-def in_strips(points: Array, height: float) -> tuple[Indices, Indices, Indices]:
-    """Order `(n,)` of points by strip and first coordinate; the strips; where each begins."""
+def _in_strips(points: Array, height: float) -> tuple[Indices, Indices, Indices]:
+    """Order `(n,)` of points `(n, 3)` by strip and first coordinate; the strips; where each begins.
+
+    The r strips that hold points, ascending, `(r,)`; r + 1 places in the order, the last one n.
+    """
     order = np.argsort(points[:, 0], kind="mergesort")
     row = np.floor(points[order, 1] / height).astype(np.int64)
     inner = np.argsort(row, kind="mergesort")
@@ -37,7 +40,10 @@ def in_strips(points: Array, height: float) -> tuple[Indices, Indices, Indices]:
 
 @compiled
 def neighbours(x: Array, first: Indices) -> Indices:
-    """Cut strips, each sorted by x `(n,)`, into runs of neighbours: where each begins, and n."""
+    """Cut strips, each sorted by x `(n,)`, into runs of neighbours: where each begins, and n.
+
+    x in deviations; of a run all lie within `SPREAD` of its first.
+    """
     cuts, count = np.zeros(len(x) + 1, np.int64), 0
     for r in range(len(first) - 1):
         for i in range(first[r], first[r + 1]):
@@ -50,7 +56,7 @@ def neighbours(x: Array, first: Indices) -> Indices:
 
 
 @compiled
-def bisect(x: Array | Indices, i: int, j: int, least: float) -> int:
+def _bisect(x: Array | Indices, i: int, j: int, least: float) -> int:
     """First index of the sorted x[i:j] that is not below `least`; j where there is none."""
     while i < j:
         middle = (i + j) // 2
@@ -95,9 +101,9 @@ def pull(px: Array, py: Array, pa: Array, block: Array, period: float) -> None:
 def step(
     fixed: Array, rows: Indices, first: Indices, centres: Array, period: float, block: Array
 ) -> float:
-    """Move neighbouring centres, `(3, m)`, once; the square of the largest move that is not lost.
+    """Move neighbouring centres `(3, m)` once; the square of the largest move that is not lost.
 
-    `fixed`, `(3, n)`, are the points in strips; `block`, `(7, LANES)`, is room to work.
+    `fixed`, (3, n) array, are the points in strips; `block`, (7, LANES), is room to work.
     """
     m = centres.shape[1]
     for c in range(3):
@@ -106,10 +112,10 @@ def step(
     left, right = centres[0].min() - REACH, centres[0].max() + REACH
     lowest = int(np.floor((centres[1].min() - REACH) / REACH))
     highest = int(np.floor((centres[1].max() + REACH) / REACH))
-    r = bisect(rows, 0, len(rows), lowest)
+    r = _bisect(rows, 0, len(rows), lowest)
     while r < len(rows) and rows[r] <= highest:
-        i = bisect(fixed[0], first[r], first[r + 1], left)
-        j = bisect(fixed[0], i, first[r + 1], right)
+        i = _bisect(fixed[0], first[r], first[r + 1], left)
+        j = _bisect(fixed[0], i, first[r + 1], right)
         pull(fixed[0, i:j], fixed[1, i:j], fixed[2, i:j], block, period)
         r += 1
     largest = 0.0
@@ -135,7 +141,7 @@ def climb(points: Array, period: float, stop: float, most: float) -> tuple[Array
     Each moves by itself, so "at once" and "in turn" are the same; one that a step leaves where it
     was stays there.
     """
-    order, rows, first = in_strips(points, REACH)
+    order, rows, first = _in_strips(points, REACH)
     fixed = points[order].T.copy()
     centres, block = fixed.copy(), np.zeros((7, LANES))
     cuts = neighbours(fixed[0], first)
@@ -154,7 +160,7 @@ def climb(points: Array, period: float, stop: float, most: float) -> tuple[Array
 
 
 @compiled
-def root_of(parent: Indices, i: int) -> int:
+def _root_of(parent: Indices, i: int) -> int:
     """Lowest member of the set of i; halves the way there."""
     while parent[i] != i:
         parent[i] = parent[parent[i]]
@@ -163,7 +169,7 @@ def root_of(parent: Indices, i: int) -> int:
 
 
 @compiled
-def link_with(
+def _link_with(
     p: Array,
     order: Indices,
     parent: Indices,
@@ -178,7 +184,7 @@ def link_with(
         dx, dy, da = p[0, i] - p[0, j], p[1, i] - p[1, j], abs(p[2, i] - p[2, j])
         da = min(da, period - da)
         if dx * dx + dy * dy + da * da < reach * reach:
-            a, b = root_of(parent, order[i]), root_of(parent, order[j])
+            a, b = _root_of(parent, order[i]), _root_of(parent, order[j])
             parent[max(a, b)] = min(a, b)
         j += 1
 
@@ -186,15 +192,15 @@ def link_with(
 @compiled
 def link(points: Array, period: float, reach: float) -> Indices:
     """Chains of points `(n, 3)` closer than `reach`: the lowest index in that of each, `(n,)`."""
-    order, rows, first = in_strips(points, reach)
+    order, rows, first = _in_strips(points, reach)
     p, parent = points[order].T.copy(), np.arange(len(points))
     for r in range(len(rows)):
         above = first[r + 1]
         for i in range(first[r], first[r + 1]):
-            link_with(p, order, parent, i, i + 1, first[r + 1], period, reach)
+            _link_with(p, order, parent, i, i + 1, first[r + 1], period, reach)
             if r + 1 < len(rows) and rows[r + 1] == rows[r] + 1:
-                above = bisect(p[0], above, first[r + 2], p[0, i] - reach)
-                link_with(p, order, parent, i, above, first[r + 2], period, reach)
+                above = _bisect(p[0], above, first[r + 2], p[0, i] - reach)
+                _link_with(p, order, parent, i, above, first[r + 2], period, reach)
     for i in range(len(parent)):
-        parent[i] = root_of(parent, i)
+        parent[i] = _root_of(parent, i)
     return parent

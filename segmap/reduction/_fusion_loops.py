@@ -88,7 +88,7 @@ def measure(q: Array, line: Line, out: Array) -> None:
 
 
 @compiled
-def can_enter(m: Array, tolerance: float) -> bool:
+def _can_enter(m: Array, tolerance: float) -> bool:
     """Whether some shift of the strip within `tolerance` holds a measured segment."""
     wide = 2 * (tolerance + SAME)
     return m[3] - m[2] <= wide and m[3] <= wide and m[2] >= -wide
@@ -101,7 +101,7 @@ def inside(m: Array, shift: float, tolerance: float) -> bool:
 
 
 @compiled
-def gather(
+def _gather(
     s: Array,
     line: Line,
     half: float,
@@ -131,7 +131,7 @@ def gather(
                     for c in range(count, count + new):
                         near[kept] = near[c]
                         measure(s[near[c]], line, measured[kept])
-                        kept += can_enter(measured[kept], tolerance)
+                        kept += _can_enter(measured[kept], tolerance)
                     count = kept
             reach = reach_on(measured[:count], way, reach)
             k += 1
@@ -214,7 +214,7 @@ def possible_shifts(measured: Array, tolerance: float) -> Array:
 
 
 @compiled
-def comes_first(a: Indices, b: Indices) -> bool:
+def _comes_first(a: Indices, b: Indices) -> bool:
     """Whether sorted indices a come before b, as words in a dictionary."""
     for k in range(min(len(a), len(b))):
         if a[k] != b[k]:
@@ -237,7 +237,7 @@ def best_strip(
     for k in range(len(shifts)):
         if greatest[k] and abs(shifts[k]) <= least + SAME:
             found, a, b = members(measured, near, order, longest, shifts[k], tolerance)
-            if len(chosen) == 0 or comes_first(found, chosen):
+            if len(chosen) == 0 or _comes_first(found, chosen):
                 chosen, shift, low, high = found, shifts[k], a, b
     return shift, chosen, low, high
 
@@ -282,7 +282,7 @@ def fuse(s: Array, tolerance: float) -> tuple[Array, Indices]:
             continue
         # steps 2 to 5: the strip, parallel to it, with the longest chain
         line = line_through(s[i], lengths[i])
-        k = gather(s, line, lengths[i] / 2, tolerance, grid, alive, seen, i, near, measured)
+        k = _gather(s, line, lengths[i] / 2, tolerance, grid, alive, seen, i, near, measured)
         longest = int(np.flatnonzero(near[:k] == i)[0])
         shift, chosen, low, high = best_strip(
             measured[:k], lengths[near[:k]], near[:k], longest, tolerance

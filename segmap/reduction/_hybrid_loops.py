@@ -52,7 +52,10 @@ def start(count: int) -> State:
 
 
 def with_room(state: State, more: int) -> State:
-    """The same state, with room in its grid for twice what it holds and so many more entries."""
+    """The same state, with room in its grid for twice what it holds and so many more entries.
+
+    Its entries are a (k, 2) int array; all else stays as it is.
+    """
     used = state.used[1]
     entry = np.empty((2 * (used + more), 2), np.int64)
     entry[:used] = state.entry[:used]
@@ -61,7 +64,10 @@ def with_room(state: State, more: int) -> State:
 
 @compiled
 def enter(state: State, b: int, distance: float) -> None:
-    """Enter a map segment into every cell of a sample of it that does not hold it yet; metres."""
+    """Enter map segment b, a (2, 2) array, metres, into every cell of a sample of it.
+
+    Where the cell does not hold it yet; cells are 1.5 distances, metres, wide.
+    """
     s, head, entry, cell = state.s[b], state.head, state.entry, CELL * distance
     dx, dy = s[1, 0] - s[0, 0], s[1, 1] - s[0, 1]
     steps = int(np.ceil(2 * np.hypot(dx, dy) / cell)) + 1
@@ -80,7 +86,10 @@ def enter(state: State, b: int, distance: float) -> None:
 
 @compiled
 def nearness(a: Array, b: Array) -> float:
-    """A 4.2: smallest of four end-point distances, and of those of ends of a beside b; metres."""
+    """A 4.2: smallest of four end-point distances, and of those of ends of a beside b; metres.
+
+    Of segments, (2, 2) array each.
+    """
     least = np.inf
     dx, dy = b[1, 0] - b[0, 0], b[1, 1] - b[0, 1]
     length = np.hypot(dx, dy)
@@ -103,7 +112,7 @@ def hough(a: Array) -> tuple[float, float]:
 
 
 @compiled
-def nearest_match(
+def _nearest_match(
     state: State, a: Array, rho: float, theta: float, distance: float, angle: float, mark: int
 ) -> int:
     """The nearest map segment whose line agrees with that of a; ties: lowest index; -1 for none."""
@@ -133,7 +142,10 @@ def nearest_match(
 
 @compiled
 def absorb(state: State, b: int, a: Array, rho: float, theta: float) -> None:
-    """A 4.2: count-weighted means of both lines; the extreme projections on it, metres, remain."""
+    """A 4.2: count-weighted means of both lines; the extreme projections on it, metres, remain.
+
+    Map segment b takes in a, a (2, 2) array, whose line is rho (metres) and theta (radians).
+    """
     s, line = state.s[b], state.lines[b]
     turns = np.round((line[1] - theta) / np.pi)
     sign = 1.0 if turns % 2 == 0 else -1.0
@@ -151,7 +163,7 @@ def absorb(state: State, b: int, a: Array, rho: float, theta: float) -> None:
 
 @compiled
 def most_entries(a: Array, b: Array, distance: float) -> int:
-    """How many entries the span of two segments can take, on any line; metres."""
+    """How many entries the span of two segments can take on any line, (2, 2) array each, metres."""
     dx = max(a[0, 0], a[1, 0], b[0, 0], b[1, 0]) - min(a[0, 0], a[1, 0], b[0, 0], b[1, 0])
     dy = max(a[0, 1], a[1, 1], b[0, 1], b[1, 1]) - min(a[0, 1], a[1, 1], b[0, 1], b[1, 1])
     return int(2 * np.hypot(dx, dy) / (CELL * distance)) + 4
@@ -175,7 +187,7 @@ def add(
     for i in range(len(segments)):
         a = segments[i]
         rho, theta = hough(a)
-        b = nearest_match(state, a, rho, theta, distance, angle, first + i)
+        b = _nearest_match(state, a, rho, theta, distance, angle, first + i)
         near = state.s[b] if b >= 0 else a
         if state.used[1] + most_entries(a, near, distance) > len(state.entry):
             return i
@@ -201,7 +213,10 @@ def add_scan(
     min_length: float,
     parents: Indices,
 ) -> State:
-    """The state after `add` of all segments of a scan; the same arguments."""
+    """The state after `add` of all segments of a scan; the same arguments.
+
+    Segments `(m, 2, 2)` and distances in metres, the angle in radians; parents `(n,)`.
+    """
     done = add(state, segments, first, distance, angle, min_length, parents)
     while done < len(segments):
         state, rest = with_room(state, 1024), segments[done:]

@@ -74,8 +74,8 @@ def mean_shift(
     origin = pieces.mean(axis=(0, 1)) if len(pieces) else np.zeros(2)
     middle, half = midpoint(pieces) - origin, (pieces[:, 1] - pieces[:, 0]) / 2
     found, into = loops.lines(middle, half, cluster, theta, sigma)
-    found, into = by_lowest(found + origin, into)
-    parents = longest_share(len(as_segments(map)), owner, into)
+    found, into = _by_lowest(found + origin, into)
+    parents = _longest_share(len(as_segments(map)), owner, into)
     return Reduction(found, parents, time.perf_counter() - start, "mean_shift")
 
 
@@ -138,7 +138,7 @@ def common_directions(
     (array([0, 0, 1, 1]), array([0, 0, 1, 1]), array([ 0., 90.]))
     """
     segments, index = with_length(map)
-    check_scales(segments, sigma, bandwidth)
+    _check_scales(segments, sigma, bandwidth)
     if len(segments) == 0:
         return Directions(segments, index, np.empty((0, 3)), index, np.empty(0))
     pieces, owner = pieces_of(segments, sigma)
@@ -154,13 +154,13 @@ def common_directions(
     return Directions(pieces, index[owner], centres, cluster, np.arctan2(sine, cosine) / 2)
 
 
-def by_lowest(segments: Array, into: NDArray[np.int64]) -> tuple[Array, NDArray[np.int64]]:
+def _by_lowest(segments: Array, into: NDArray[np.int64]) -> tuple[Array, NDArray[np.int64]]:
     """Segments `(m, 2, 2)` in the order of their first piece, and that of each piece, `(p,)`."""
     order = np.argsort(np.unique(into, return_index=True)[1])
     return segments[order], np.argsort(order)[into]
 
 
-def longest_share(
+def _longest_share(
     count: int, owner: NDArray[np.int64], into: NDArray[np.int64]
 ) -> NDArray[np.int64]:
     """Most frequent output of the pieces `(p,)` of each owner, the first of equals: `(count,)`.
@@ -192,7 +192,7 @@ def piece_counts(segments: Array, sigma: float) -> Array:
     return np.maximum(np.ceil(length(segments) / sigma - 1e-9), 1.0)
 
 
-def check_scales(segments: Array, sigma: float, bandwidth: float) -> None:
+def _check_scales(segments: Array, sigma: float, bandwidth: float) -> None:
     """Refuse a sigma, metres, or a bandwidth, radians a metre, that cannot do for the segments.
 
     Raises

@@ -115,7 +115,7 @@ def _row(name: str, method: Method) -> tuple[str, ...]:
 
 
 def with_length(map: Segments) -> tuple[Array, NDArray[np.int64]]:
-    """Segments that have an angle, `(k, 2, 2)`, and their indices in the map, `(k,)`."""
+    """Segments that have an angle, `(k, 2, 2)`, metres, and their indices in the map, `(k,)`."""
     segments = as_segments(map, "map")
     index = np.flatnonzero(length(segments) >= MIN_LENGTH)
     return np.ascontiguousarray(segments[index]), index
