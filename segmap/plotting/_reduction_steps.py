@@ -41,7 +41,7 @@ def draw_merge(
     ax, line = axes_or_new(ax, (6.0, 2.4)), np.asarray(wall, float)
     ends, along = as_segments(parts).reshape(-1, 2), line[1] - line[0]
     feet = line[0] + ((ends - line[0]) @ along / (along @ along))[:, None] * along
-    draw_segments(np.stack([ends, feet], 1), ax=ax, color=RAW)
+    draw_segments(np.stack([ends, feet], 1), ax=ax, color=RAW, width=1.5)
     ax.collections[-1].set_linestyle(":")
     draw_segments([line], ax=ax, color=color, width=3.0, label="merged")
     return draw_segments(parts, ax=ax, width=1.5, label="its parts")
