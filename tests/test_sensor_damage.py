@@ -37,6 +37,7 @@ class Wired:
 
     def read(self, size=1, /):
         self.now += 0.01
+        assert self.now < 2 * BOUND, "the driver reads without end"
         data, self.kept = self.kept[:size], self.kept[size:]
         return data
 

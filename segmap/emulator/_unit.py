@@ -85,9 +85,9 @@ class Unit:
             raise ValueError(f"rate must be one of {RATES} and speed positive")
         self.world, self.usb, self.speed, self.stamp = world, usb, speed, stamp
         self.rate = self.next_rate = rate
+        self.laser = self.timing = self.dead = False
         self.old = OldProtocol(self, switches=protocol == "1.1") if protocol != "2.0" else None
         self._clock, self._begun = clock, clock()
-        self.laser = self.timing = self.dead = False
         self.stream: ScanRequest | None = None
         self.trouble = ""
         self.received: list[str] = []
