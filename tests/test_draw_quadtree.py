@@ -18,6 +18,7 @@ from segmap.plotting import (
     draw_cells,
     draw_classes,
     draw_quadtree,
+    draw_quadtrees,
     draw_ray,
     figure_png,
     thumbnail,
@@ -101,6 +102,16 @@ def test_a_map_shows_itself_in_a_notebook():
     assert base64.b64decode(bundle["image/png"]) == thumbnail(example())
     assert thumbnail(example()) != thumbnail(QuadtreeMap(resolution=1, size=16))
     assert bundle["text/plain"] == "QuadtreeMap(16 m, 13 leaves of 1 m and more, 1 scan)"
+
+
+def test_maps_side_by_side_have_their_titles_and_limits():
+    """Catches maps under each other's titles, and options that reach only the first."""
+    other = QuadtreeMap(resolution=1, size=8, corner=(-4, 2))
+    left, right = draw_quadtrees({"one": example(), "other": other}, whole=True, outlines=False)
+    assert (left.get_title(), right.get_title()) == ("one", "other")
+    assert left.get_xlim() == (0, 16) and (*right.get_xlim(), *right.get_ylim()) == (-4, 4, 2, 10)
+    assert len(left.collections) == len(right.collections) == 1
+    plt.close(left.figure)
 
 
 def squares(ax, index=0):

@@ -30,7 +30,7 @@ from ._landscapes import (
 )
 from ._lessons_scans import draw_frames, draw_maps, draw_poses
 from ._pictures import figure_png, thumbnail
-from ._quadtrees import draw_cells, draw_classes, draw_quadtree, draw_ray
+from ._quadtrees import draw_cells, draw_classes, draw_quadtree, draw_quadtrees, draw_ray
 from ._reduction_steps import draw_centres, draw_merge, draw_normals, draw_strip
 from ._reductions import draw_beside, draw_cases, draw_growth, draw_marked, draw_trade
 from ._scans import draw_log, draw_path, draw_points, draw_scan
@@ -83,6 +83,7 @@ __all__ = [
     "draw_profile",
     "draw_provenance",
     "draw_quadtree",
+    "draw_quadtrees",
     "draw_ray",
     "draw_scan",
     "draw_segments",

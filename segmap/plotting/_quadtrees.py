@@ -1,5 +1,6 @@
 """Quadtree maps: leaves as squares of grey (B 6), cells of them, rays, grids for robots."""
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -11,10 +12,10 @@ from ..angles import Array
 from ..exports import Classes
 from ..quadtree import QuadtreeMap, extent
 from ..testing import ray_cells
-from ._style import ERROR, RAW, RESULT, axes_or_new, dressed
+from ._style import ERROR, RAW, RESULT, axes_or_new, dressed, new_row
 
 #: Outlines of leaves smaller than this part of the picture would hide what they surround.
-SMALLEST = 1 / 120
+SMALLEST = 1 / 80
 
 
 def draw_quadtree(
@@ -67,6 +68,36 @@ def draw_quadtree(
         ax.plot(*np.asarray(robot, float)[:2], "s", color=ERROR, markersize=5)
     dressed(ax).set(xlim=(left, right), ylim=(low, high))
     return ax
+
+
+def draw_quadtrees(
+    maps: Mapping[str, QuadtreeMap], *, size: tuple[float, float] = (2.25, 2.5), **options: Any
+) -> list[Axes]:
+    """Draw maps side by side, each with limits of its own.
+
+    Parameters
+    ----------
+    maps : mapping from title to QuadtreeMap
+    size : (width, height) in inches
+        Of one picture.
+    **options
+        Of `draw_quadtree`, the same for all.
+
+    Returns
+    -------
+    list of Axes
+        One a map, in a new figure.
+
+    Examples
+    --------
+    >>> maps = {f"{size} m": QuadtreeMap(resolution=1, size=size) for size in (4, 8)}
+    >>> [(ax.get_title(), float(ax.get_xlim()[1])) for ax in draw_quadtrees(maps, whole=True)]
+    [('4 m', 4.0), ('8 m', 8.0)]
+    """
+    row = new_row(len(maps), (len(maps) * size[0], size[1]))
+    for ax, (title, map) in zip(row, maps.items(), strict=True):
+        draw_quadtree(map, ax=ax, **options).set_title(title, fontsize=10)
+    return row
 
 
 def draw_cells(
