@@ -312,11 +312,12 @@ def test_the_clock_wraps_and_goes_on():
     assert np.diff(times) == pytest.approx([0.1] * 3)
 
 
-def test_late_arrivals_do_not_move_the_clock():
-    """Catches times of arrival taken for times of measuring."""
+@pytest.mark.parametrize("first", [0, 2**24 - 250])
+def test_late_arrivals_do_not_move_the_clock(first):
+    """Catches times of arrival taken for times of measuring, always or where the stamps wrap."""
     late = [0.0, 0.03, 0.0, 0.9, 0.0, 0.01]
-    clock = HostClock(least=0.07)
-    times = [clock.seconds(100 * k, 50.07 + 0.1 * k + d) for k, d in enumerate(late)]
+    clock, stamps = HostClock(least=0.07), [(first + 100 * k) % 2**24 for k in range(6)]
+    times = [clock.seconds(stamps[k], 50.07 + 0.1 * k + d) for k, d in enumerate(late)]
     assert times == pytest.approx([50 + 0.1 * k for k in range(6)], abs=0.002)
 
 

@@ -1,4 +1,4 @@
-"""Scans to a file as they arrive, each whole or absent, even where the power fails in between."""
+"""Scans to a file as they arrive: each is whole or absent, even where the program is killed."""
 
 import os
 from collections.abc import Iterable
