@@ -108,7 +108,9 @@ def test_maps_are_drawn_at_one_scale():
 def test_segments_have_colours_in_turn_unless_a_colour_is_given():
     row = plotting.draw_maps({"all": THREE})
     assert colors_of(row[0]) == list(plotting.GROUPS[:3])
-    row = plotting.draw_maps({"a": THREE, "b": THREE}, color=[plotting.ERROR, plotting.MAP])
+    both = {"a": THREE, "b": THREE}
+    row = plotting.draw_maps(both, color=[plotting.ERROR, plotting.MAP], width=0.5)
+    assert all(ax.collections[0].get_linewidth()[0] == 0.5 for ax in row)
     assert [set(colors_of(ax)) for ax in row] == [{plotting.ERROR}, {plotting.MAP}]
 
 
@@ -118,6 +120,7 @@ def test_truth_lies_green_and_thick_below_each_map():
         np.testing.assert_array_equal(lines_of(ax, 0), THREE[1:])
         assert set(colors_of(ax, 0)) == {plotting.TRUTH}
         below, above = ax.collections
+        assert above.get_linewidth()[0] == 2.0
         assert below.get_linewidth()[0] > above.get_linewidth()[0]
         assert below.get_zorder() <= above.get_zorder()
 
