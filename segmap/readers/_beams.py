@@ -15,7 +15,7 @@ MODES = ((8.2, 8.18), (32.77, 32.76), (np.inf, 50.0))
 
 
 def half_turn(count: int) -> Array:
-    """Directions of the beams of a sensor that looks over half a turn, `(count,)`, radians.
+    """Directions of the beams of a sensor that looks over half a turn, (count,) array, radians.
 
     An even number starts at -90 degrees and leaves the end point out; an odd one holds both ends.
 
@@ -61,7 +61,7 @@ URG_REACH = 5.6
 
 
 def centred(count: int, step: float) -> Array:
-    """Directions of beams `step` apart, as many left as right: `(count,)` array, radians.
+    """Directions of beams `step` apart, as many left as right: (count,) array, radians.
 
     Examples
     --------

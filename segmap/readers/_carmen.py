@@ -92,7 +92,7 @@ class _Recording:
             self.wheels.add(time(fields[6]), pose(fields[:3], "the odometry"))
 
     def offset(self, laser: str) -> Array:
-        """Where the file says that a laser sits on the robot, `(3,)`, metres and radians."""
+        """Where the file says that a laser sits on the robot, (3,) array, metres and radians."""
         rear = laser in ("RLASER", "ROBOTLASER2", "RAWLASER2")
         name = f"robot_{'rear' if rear else 'front'}laser_"
         turn = self.parameters.get(name + "angular_offset", 0.0)

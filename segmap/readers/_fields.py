@@ -34,7 +34,7 @@ def is_number(field: str) -> bool:
 
 
 def pose(fields: Sequence[str], what: str) -> Array:
-    """Three fields as a `(3,)` array, metres and radians; three times `nan` where there is none."""
+    """Three fields as a (3,) array, metres and radians; three times `nan` where there is none."""
     found = numbers(fields, what)
     if len(found) != 3:
         raise ValueError(f"expected x, y, heading for {what}, got {len(found)} fields")

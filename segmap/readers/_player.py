@@ -100,13 +100,13 @@ class _Recording:
             self.before.append(self.latest[min(self.latest)] if self.latest else NOWHERE)
 
     def mount(self, laser: str, shots: Sequence[Shot]) -> Mounted:
-        """Place of a laser `(3,)`, metres and radians; no truth."""
+        """Place of a laser on the robot, (3,) array, metres and radians; no truth."""
         place = self.places.get(laser, np.zeros(3))
         place = np.zeros(3) if np.isnan(place).any() else place
         return Mounted(place, np.full((len(shots), 3), np.nan))
 
     def finished(self) -> list[Shot]:
-        """The scans with their odometry."""
+        """The scans with their odometry, (3,) array each, metres and radians."""
         track = self.tracks[min(self.tracks)] if self.tracks else Track()
         shots = with_odometry(self.shots, track)
         return [
@@ -197,7 +197,7 @@ def _limit(field: str) -> float:
 
 
 def spread(settings: Sequence[str], count: int) -> Array:
-    """Directions of beams from their first, last and step, `(count,)` array, radians.
+    """Directions of beams from their first, last and step, (count,) array, radians.
 
     The step is often rounded to four decimals, which would add up over a scan: where it agrees with
     beams spread evenly from first to last, these are taken, else where it agrees with beams that

@@ -19,7 +19,11 @@ HEAD = 7
 
 
 def parse(fields: list[str]) -> Shot:
-    """One ROBOTLASERn or RAWLASERn line: metres, radians, seconds; the keyword names the laser."""
+    """One ROBOTLASERn or RAWLASERn line; the keyword names the laser.
+
+    Ranges `(n,)`, metres, and directions `(n,)`, radians; poses in metres and radians, the time in
+    seconds.
+    """
     head = numbers(fields[1 : HEAD + 1], "the sensor's settings")
     if len(head) < HEAD or not np.isfinite(head[1:5]).all():
         raise ValueError(f"expected {HEAD} finite settings of the sensor after {fields[0]}")

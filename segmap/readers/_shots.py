@@ -17,7 +17,23 @@ SAME = 1e-3
 
 
 class Shot(NamedTuple):
-    """One laser line."""
+    """One laser line.
+
+    Parameters
+    ----------
+    laser : str
+        Which of the robot's.
+    ranges : (n,) array, metres
+    angles : (n,) array, radians
+        Directions of the beams in the frame of the laser.
+    time : float, seconds, or None
+    odometry, pose : (3,) array, metres and radians
+        Of the robot by its wheels; corrected, as the line has it. NaN where it has none.
+    limit : float, metres
+        Longest range.
+    codes : (n,) int array or None
+        Of beams without a range, see `segmap.error_codes`; 0 where there is one.
+    """
 
     laser: str
     ranges: Array
@@ -47,7 +63,10 @@ def same(a: Array, b: Array) -> bool:
 
 
 def mount_by_offset(shots: Sequence[Shot], offset: Array) -> Mounted:
-    """The laser's poses are corrected ones, and it sits at `offset`, `(3,)`, metres and radians."""
+    """The laser's poses are corrected ones, and it sits at `offset` on the robot.
+
+    The offset, (3,) array, and the truth, `(k, 3)`, metres and radians.
+    """
     poses = np.array([shot.pose for shot in shots])
     return Mounted(offset, compose(poses, inverse(offset)))
 
@@ -57,7 +76,7 @@ def mount_by_poses(shots: Sequence[Shot], offset: Array) -> Mounted:
 
     Where it is one and the same all along it is the laser's place on the robot. Where it varies,
     the laser's poses have been corrected and the robot's not; so they have where the robot has
-    none. There the laser sits at `offset`, `(3,)`, metres and radians.
+    none. There the laser sits at `offset`, (3,) array, metres and radians.
     """
     poses = np.array([shot.pose for shot in shots])
     relative = between(np.array([shot.odometry for shot in shots]), poses)

@@ -19,7 +19,7 @@ class Track:
         self.poses: list[Array] = []
 
     def add(self, time: float, pose: Array) -> None:
-        """Note one pose, `(3,)`, metres and radians, and its time in seconds."""
+        """Note one pose, (3,) array, metres and radians, and its time in seconds."""
         if np.isfinite(pose).all():
             self.times.append(time)
             self.poses.append(pose)
@@ -34,7 +34,10 @@ class Track:
 
 
 def with_odometry(shots: Sequence[Shot], track: Track) -> list[Shot]:
-    """The shots, those without odometry with what the track says at their time."""
+    """The shots, those without odometry with what the track says at their time.
+
+    Odometry is a (3,) array, metres and radians, NaN where nothing is known; times in seconds.
+    """
     times = [np.nan if shot.time is None else shot.time for shot in shots]
     return [
         shot._replace(odometry=pose) if np.isnan(shot.odometry).any() else shot
