@@ -103,7 +103,7 @@ class DistanceField:
 
     @property
     def distance(self) -> Array:
-        """Distances, `(rows, columns)`, metres, row 0 lowest."""
+        """Distances to the nearest occupied cell, (rows, columns) array, metres, row 0 lowest."""
         return self.cells * -self._frame[5]
 
     @property

@@ -26,7 +26,8 @@ def paint(
 ) -> int:
     """Write 0 where a cell of a window is occupied; returns their number.
 
-    `left` and `low` are the window's corner in cells of the root.
+    The window is a (rows, columns) array, row 0 lowest; `left` and `low` are its corner in cells of
+    the root.
     """
     rows, columns = grid.shape
     todo, waiting, count = np.empty((3 * top + 4, 4), np.int64), 1, 0
@@ -52,7 +53,10 @@ def paint(
 
 @compiled
 def transform_columns(grid: Counts) -> None:
-    """Replace each cell by its distance, in cells, to the nearest 0 of its column."""
+    """Replace each cell by its distance, in cells, to the nearest 0 of its column.
+
+    In place, in a (rows, columns) array.
+    """
     rows, columns = grid.shape
     away = np.full(columns, FAR, np.int32)
     for i in range(rows):
@@ -70,8 +74,9 @@ def transform_columns(grid: Counts) -> None:
 def transform_rows(grid: Counts, unit: int) -> None:
     """Replace distances within the columns by those to the nearest 0 of all, in cells / `unit`.
 
-    Exact: in each row the lower envelope of the parabolas that stand on its columns, left to right
-    (Meijster, Roerdink and Hesselink 2000). `since[k]` is where parabola k begins to be lowest.
+    In place, in a (rows, columns) array. Exact: in each row the lower envelope of the parabolas
+    that stand on its columns, left to right (Meijster, Roerdink and Hesselink 2000). `since[k]` is
+    where parabola k begins to be lowest.
     """
     rows, columns = grid.shape
     vertex, since = np.empty(columns, np.int64), np.empty(columns, np.int64)

@@ -144,6 +144,7 @@ def _matched(
         return start, np.nan
 
     def ask(map: QuadtreeMap, ends: ArrayLike, poses: ArrayLike) -> Array:
+        """The score at poses `(k, 3)`, metres and radians; the prepared one for the same points."""
         return values(checked(ends, poses)[1]) if ends is points else score(map, ends, poses)
 
     pose = matcher(map, points, start, score=ask)

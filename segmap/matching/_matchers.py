@@ -189,13 +189,16 @@ def _spread(sigma: tuple[float, float]) -> Array:
 
 
 def wrapped(pose: Array) -> Array:
-    """The pose with its heading in [-pi, pi); bit for bit itself where it is there already."""
+    """The pose with its heading in [-pi, pi); bit for bit itself where it is there already.
+
+    A (3,) array, metres and radians.
+    """
     turned = pose if -np.pi <= pose[2] < np.pi else (pose[0], pose[1], wrap(pose[2]))
     return np.array(turned)
 
 
 def checked_start(points: ArrayLike, start: ArrayLike) -> tuple[Array, Array]:
-    """Points `(n, 2)` and one pose `(3,)` as arrays.
+    """Points `(n, 2)`, metres, and one pose `(3,)`, metres and radians, as arrays.
 
     Raises
     ------
@@ -223,7 +226,11 @@ def check_score(score: Score) -> None:
 def prepared(
     score: Score, map: QuadtreeMap, points: Array, start: Array
 ) -> Callable[[Array], Array]:
-    """The score as a function of poses `(k, 3)` alone; a field is transformed once."""
+    """The score as a function of poses `(k, 3)` alone, metres and radians.
+
+    Of points `(n, 2)`, metres. A field is transformed once, around where the start `(3,)` puts
+    them.
+    """
     check_score(score)
     if score is field_score and len(points):
         return DistanceField.around(map, points, start).scorer(points)

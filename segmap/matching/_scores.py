@@ -123,7 +123,7 @@ def _searched(map: QuadtreeMap, points: ArrayLike, poses: ArrayLike, *, exact: b
 
 
 def all_placed(points: Array, poses: Array) -> Array:
-    """Points of all poses, `(k n, 2)`."""
+    """Points of all poses in the frame of the map, metres: the n points at each of the k poses."""
     c, s = np.cos(poses[:, 2:]), np.sin(poses[:, 2:])
     x, y = points.T
     placed = np.stack([c * x - s * y + poses[:, :1], s * x + c * y + poses[:, 1:2]], -1)
@@ -131,7 +131,7 @@ def all_placed(points: Array, poses: Array) -> Array:
 
 
 def held(map: QuadtreeMap) -> loops.Holds:
-    """Which blocks of a map hold an occupied cell, `(b,)`; kept until the next scan.
+    """Which blocks of a map hold an occupied cell, (b,) bool array; kept until the next scan.
 
     Raises
     ------
@@ -148,7 +148,7 @@ def held(map: QuadtreeMap) -> loops.Holds:
 
 
 def checked(points: ArrayLike, poses: ArrayLike) -> tuple[Array, Array]:
-    """Points `(n, 2)` and poses `(k, 3)` as arrays.
+    """Points `(n, 2)`, metres, and poses `(k, 3)`, metres and radians, as arrays.
 
     Raises
     ------

@@ -17,7 +17,9 @@ Holds = NDArray[np.bool_]
 
 @compiled
 def occupied_blocks(vis: Counts, occ: Counts, root: int, used: int) -> Holds:
-    """Which blocks hold an occupied cell (occupancy above 0.5), themselves or below, `(b,)`.
+    """Which blocks hold an occupied cell (occupancy above 0.5), themselves or below.
+
+    One for each of the b blocks in use, (b,) bool array; counts `(n,)`, four a block.
 
     A block comes before those below it, except where a root was doubled: those are done last.
     """
@@ -37,13 +39,13 @@ def occupied_blocks(vis: Counts, occ: Counts, root: int, used: int) -> Holds:
 
 
 @compiled
-def beside(at: float, low: int, width: int) -> float:
+def _beside(at: float, low: int, width: int) -> float:
     """Distance of a coordinate from the centres of the cells from `low` on."""
     return max(low + 0.5 - at, at - (low + width - 0.5), 0.0)
 
 
 @compiled
-def nearest_of_four(vis: Counts, occ: Counts, first: int, dx: float, dy: float) -> float:
+def _nearest_of_four(vis: Counts, occ: Counts, first: int, dx: float, dy: float) -> float:
     """Smallest squared distance of four single cells; `dx`, `dy` to the centre of the first."""
     best = np.inf
     for q in range(4):
@@ -54,7 +56,7 @@ def nearest_of_four(vis: Counts, occ: Counts, first: int, dx: float, dy: float) 
 
 
 @compiled
-def nearest_below(
+def _nearest_below(
     vis: Counts,
     occ: Counts,
     holds: Holds,
@@ -78,10 +80,10 @@ def nearest_below(
         waiting -= 1
         block, left, low, level = todo[waiting]
         half = 1 << (level - 1)
-        if beside(x, left, 2 * half) ** 2 + beside(y, low, 2 * half) ** 2 >= best:
+        if _beside(x, left, 2 * half) ** 2 + _beside(y, low, 2 * half) ** 2 >= best:
             continue
         if level == 1:
-            found = nearest_of_four(vis, occ, 4 * block, left + 0.5 - x, low + 0.5 - y)
+            found = _nearest_of_four(vis, occ, 4 * block, left + 0.5 - x, low + 0.5 - y)
             best = min(best, found)
             continue
         dx, dy = left + half - x, low + half - y
@@ -98,7 +100,7 @@ def nearest_below(
 
 
 @compiled
-def descend(vis: Counts, path: Whole, top: int, i: int, j: int) -> int:
+def _descend(vis: Counts, path: Whole, top: int, i: int, j: int) -> int:
     """Level of the leaf that holds a cell; `path[level]` becomes the blocks on the way."""
     level = top
     while True:
@@ -110,7 +112,7 @@ def descend(vis: Counts, path: Whole, top: int, i: int, j: int) -> int:
 
 
 @compiled
-def nearest_square(
+def _nearest_square(
     vis: Counts, occ: Counts, holds: Holds, top: int, x: float, y: float, path: Whole, todo: Whole
 ) -> float:
     """Squared distance of a place to the nearest occupied cell's centre.
@@ -120,10 +122,10 @@ def nearest_square(
     """
     most = (1 << top) - 1.0
     i, j = int(min(max(x, 0.0), most)), int(min(max(y, 0.0), most))
-    level, best = descend(vis, path, top, i, j), np.inf
+    level, best = _descend(vis, path, top, i, j), np.inf
     if level == 0:
         first, level = 4 * path[1], 1
-        best = nearest_of_four(vis, occ, first, (i & -2) + 0.5 - x, (j & -2) + 0.5 - y)
+        best = _nearest_of_four(vis, occ, first, (i & -2) + 0.5 - x, (j & -2) + 0.5 - y)
     while level < top:
         width, quarter = 1 << level, ((i >> level) & 1) + 2 * ((j >> level) & 1)
         left, low = i & -width, j & -width
@@ -131,18 +133,18 @@ def nearest_square(
         if border > 0 and border * border >= best:
             break
         aside_x, aside_y = left ^ width, low ^ width
-        dx, dy = beside(x, aside_x, width) ** 2, beside(y, aside_y, width) ** 2
+        dx, dy = _beside(x, aside_x, width) ** 2, _beside(y, aside_y, width) ** 2
         for turn in (1, 2, 3):
             child = int(~np.int64(vis[4 * path[level + 1] + (quarter ^ turn)]))
             if child >= 0 and holds[child] and dx * (turn & 1) + dy * (turn >> 1) < best:
                 to_x, to_y = aside_x if turn & 1 else left, aside_y if turn & 2 else low
-                best = nearest_below(vis, occ, holds, child, to_x, to_y, level, x, y, best, todo)
+                best = _nearest_below(vis, occ, holds, child, to_x, to_y, level, x, y, best, todo)
         level += 1
     return best
 
 
 @compiled
-def descent_square(
+def _descent_square(
     vis: Counts, occ: Counts, holds: Holds, top: int, x: float, y: float, path: Whole, todo: Whole
 ) -> float:
     """The same by B's descent: always into the occupied child whose centre is nearest (B 4.3)."""
@@ -188,7 +190,7 @@ def distances(
             x = (c * points[m, 0] - s * points[m, 1] + dx) / side
             y = (s * points[m, 0] + c * points[m, 1] + dy) / side
             if exact:
-                found[k] += np.sqrt(nearest_square(vis, occ, holds, top, x, y, path, todo))
+                found[k] += np.sqrt(_nearest_square(vis, occ, holds, top, x, y, path, todo))
             else:
-                found[k] += np.sqrt(descent_square(vis, occ, holds, top, x, y, path, todo))
+                found[k] += np.sqrt(_descent_square(vis, occ, holds, top, x, y, path, todo))
     return found

@@ -92,7 +92,7 @@ def room_walk(scans: int = 200, *, seed: int = 0) -> Log:
     Returns
     -------
     Log
-        With the true poses, `(scans, 3)` in metres and radians.
+        With the true poses, (scans, 3) array, metres and radians.
 
     Raises
     ------
@@ -114,7 +114,7 @@ def room_walk(scans: int = 200, *, seed: int = 0) -> Log:
 
 
 def room_walls() -> Array:
-    """That room: a cupboard, a table, and a crate that stands askew, `(16, 2, 2)`, metres.
+    """That room: a cupboard, a table, and a crate that stands askew, (16, 2, 2) array, metres.
 
     Examples
     --------
@@ -215,7 +215,7 @@ def load_columns(name: str) -> NDArray[np.void]:
 
     Returns
     -------
-    structured array
+    structured (n,) array
         Metres, radians and seconds.
 
     Raises
