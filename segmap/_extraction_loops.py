@@ -30,7 +30,10 @@ def fit_total(p: Array) -> Line:
 
 @compiled
 def fit_algebraic(p: Array) -> Line:
-    """A 3.1-3.3: foot of the origin, direction of `a x + b y = 1` for `(n, 2)` points, or NaN."""
+    """A 3.1-3.3: foot of the origin, direction of `a x + b y = 1` for `(n, 2)` points, or NaN.
+
+    Points and foot in metres.
+    """
     sxx = syy = sxy = sx = sy = 0.0
     for i in range(len(p)):
         sxx += p[i, 0] * p[i, 0]
@@ -73,7 +76,7 @@ def farthest(p: Array, line: Line) -> tuple[int, float]:
 
 
 @compiled
-def is_cut(a: Array, b: Array, gap: float) -> bool:
+def _is_cut(a: Array, b: Array, gap: float) -> bool:
     """Whether neighbours belong to different clusters: at least a gap apart (A 3.2)."""
     return (b[0] - a[0]) ** 2 + (b[1] - a[1]) ** 2 >= gap * gap
 
@@ -87,7 +90,7 @@ def unrolled(p: Array, gap: float, closed: bool) -> Array:
     first, far = -1, 0
     most, x, y = -1.0, p[:, 0].mean(), p[:, 1].mean()
     for i in range(n):
-        if first < 0 and is_cut(p[i - 1], p[i], gap):
+        if first < 0 and _is_cut(p[i - 1], p[i], gap):
             first = i
         d = (p[i, 0] - x) ** 2 + (p[i, 1] - y) ** 2
         if d > most:
@@ -103,7 +106,7 @@ def cut_at_gaps(p: Array, gap: float) -> Indices:
     cuts = np.empty(len(p) + 1, np.int64)
     k = 0
     for i in range(len(p)):
-        if i == 0 or is_cut(p[i - 1], p[i], gap):
+        if i == 0 or _is_cut(p[i - 1], p[i], gap):
             cuts[k] = i
             k += 1
     cuts[k] = len(p)
@@ -168,7 +171,11 @@ def joint_error(p: Array, ends: Indices, k: int) -> float:
 
 @compiled
 def merge(p: Array, tolerance: float, ends: Indices, count: int) -> int:
-    """Join the two neighbours that one line fits best, while it fits within tolerance, metres."""
+    """Join the two neighbours that one line fits best, while it fits within tolerance, metres.
+
+    Of points `(n, 2)`, metres, cut into `count` pieces: the last point of each, `(k,)`, changes in
+    place.
+    """
     errors = np.empty(max(count - 1, 0))
     for k in range(count - 1):
         errors[k] = joint_error(p, ends, k)
@@ -194,7 +201,8 @@ def offset(q: Array, line: Line) -> float:
 def border(p: Array, start: int, corner: int, end: int) -> int:
     """First point of the second of two pieces: each point goes to the nearer line.
 
-    The chords of a split share their corner; a wall ends at the last beam that met it.
+    Of points `(n, 2)`, metres. The chords of a split share their corner; a wall ends at the last
+    beam that met it.
     """
     if corner - start < 3:
         return corner

@@ -50,7 +50,10 @@ def apart(u: Array, v: Array) -> float:
 
 @compiled
 def across(u: Array, v: Array, x: float, y: float, dx: float, dy: float) -> float:
-    """D_uva: largest distance of an end point from the mean line through (x, y) along (dx, dy)."""
+    """D_uva: largest distance of an end point from the mean line through (x, y) along (dx, dy).
+
+    Of segments, (2, 2) array each, metres.
+    """
     most = 0.0
     for k in range(2):
         most = max(most, abs((u[k, 1] - y) * dx - (u[k, 0] - x) * dy))

@@ -216,12 +216,12 @@ class SegmentMap(Pictured):
         object.__setattr__(self, "scan", index)
 
     def filtered(self, min_length: float = 0.10) -> "SegmentMap":
-        """Only the segments of at least `min_length` metres (A 6.2.1: 0.10 m)."""
+        """Only the segments `(m, 2, 2)` of at least `min_length` metres (A 6.2.1: 0.10 m)."""
         keep = length(self.segments) >= min_length
         return SegmentMap(self.segments[keep], self.scan[keep])
 
     def by_scan(self) -> Iterator[Array]:
-        """Segments `(m, 2, 2)` of each scan that has some, scans ascending, input order kept."""
+        """Segments `(m, 2, 2)`, metres, of each scan that has some, ascending, input order kept."""
         order = np.argsort(self.scan, kind="stable")
         cuts = np.flatnonzero(np.diff(self.scan[order])) + 1
         return iter(np.split(self.segments[order], cuts) if len(order) else [])

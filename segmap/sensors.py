@@ -56,7 +56,7 @@ class Sensor:
 
     @property
     def angles(self) -> Array:
-        """Directions of the beams in the sensor's frame, `(beams,)` array, radians."""
+        """Directions of the beams in the sensor's frame, (beams,) array, radians."""
         return self.first + self.step * np.arange(self.beams, dtype=np.float64)
 
     def ideal(self) -> "Sensor":

@@ -77,8 +77,8 @@ PUBLISHED = {
 def load_alignments(log: str = "") -> list[AlignmentRun]:
     """Errors of all methods on Malaga, Intel and FR079, as `make bench` wrote them.
 
-    Intel and FR079 against verified relations (`metrics.relation_errors`), FR079 with simulated
-    drift; Malaga against its 99 corrected poses after the best rigid motion.
+    Errors in metres: Intel and FR079 against verified relations (`metrics.relation_errors`), FR079
+    with simulated drift; Malaga against its 99 corrected poses after the best rigid motion.
 
     Parameters
     ----------

@@ -47,6 +47,8 @@ class Pace:
     ) -> "Pace":
         """Pace of a reduction by an on-line method, at every so many scans and at the last.
 
+        Of all scans that have segments, `(n,)`, k are kept; seconds add up.
+
         Raises
         ------
         ValueError
@@ -70,7 +72,7 @@ class Pace:
         )
 
     def growth(self, after: float = 0.25) -> float:
-        """Exponent p of `seconds ~ scans ** p`, fitted after a share of the scans.
+        """Exponent p of `seconds ~ scans ** p`, both `(k,)`, fitted after a share of the scans.
 
         It depends on that share where the robot comes into new rooms late: look at several.
         """
@@ -79,7 +81,7 @@ class Pace:
 
 
 def write_pace(paces: Iterable[Pace], path: Path) -> None:
-    """Write a CSV file with a line for each point, seconds to the microsecond."""
+    """Write a CSV file with a line for each of the `(k,)` points, seconds to the microsecond."""
     with path.open("w", encoding="utf-8", newline="") as target:
         lines = csv.writer(target, lineterminator="\n")
         lines.writerow(HEAD)

@@ -102,7 +102,7 @@ def occupied_centres(map: QuadtreeMap) -> Array:
 
 
 def along(segments: Segments, spacing: float = SPACING) -> Array:
-    """Points `(n, 2)` along segments, evenly, at most so far apart, both ends among them.
+    """Points `(n, 2)`, metres, along segments, evenly, at most so far apart, both ends among them.
 
     Examples
     --------

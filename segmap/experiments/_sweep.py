@@ -131,6 +131,8 @@ def sweep(
 def digest(map: SegmentMap) -> str:
     """Twelve hexadecimal digits that differ where segments, to the nanometre, or scans do.
 
+    Segments `(n, 2, 2)`, metres; scans `(n,)`.
+
     Examples
     --------
     >>> wall = SegmentMap([[(0, 0), (1, 0)]])

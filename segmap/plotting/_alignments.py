@@ -66,7 +66,7 @@ def draw_alignment(log: Log, alignment: Alignment, *, ax: Axes | None = None) ->
 
 
 def draw_way(alignment: Alignment, ax: Axes) -> Axes:
-    """Draw the way of an alignment, its loops and the scans that it does not use."""
+    """Draw the way of an alignment, `(k, 3)` poses, its loops and the scans that it leaves out."""
     _loops(alignment, ax)
     draw_path(alignment.poses, ax=ax, color=RESULT, label=alignment.method or "aligned")
     rest = alignment.poses[~alignment.used]

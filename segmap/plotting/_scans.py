@@ -158,7 +158,10 @@ def draw_path(
 
 
 def draw_cloud(log: Log, poses: Array, ax: Axes, color: str = RAW) -> None:
-    """Draw the end points of all scans that have a pose, thinned evenly."""
+    """Draw the end points of all scans that have a pose, thinned evenly.
+
+    Poses `(k, 3)`, metres and radians, one a scan, with NaN where it has none.
+    """
     known = np.flatnonzero(np.isfinite(poses).all(1))
     clouds = [transform(poses[k], log.scans[k].points()) for k in known]
     points = np.concatenate([np.empty((0, 2)), *clouds])

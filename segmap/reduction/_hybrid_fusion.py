@@ -70,6 +70,7 @@ def hybrid_fusion(
         raise ValueError(f"every must be a whole number of scans, at least 1, got {every}")
 
     def after_scan(state: loops.State, done: int, scans: int) -> tuple[loops.State, Indices | None]:
+        """The state after Fusion, and where its segments went, `(n,)`; unchanged between times."""
         if done % every and done < scans:
             return state, None
         fused = fusion(state.s[: state.used[0]], tolerance=tolerance)
