@@ -44,7 +44,8 @@ def ros_classes(
     Returns
     -------
     Classes
-        Of the part where something is known; the whole root where nothing is.
+        Of the part where something is known; the whole root where nothing is. Greys are
+        a (rows, columns) array; corner and side in metres.
 
     Raises
     ------

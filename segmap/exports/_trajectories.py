@@ -130,7 +130,7 @@ class _Lasers(NamedTuple):
     rear: Array | None = None
 
     def places(self) -> list[Array]:
-        """One or two."""
+        """One or two, (3,) array each, metres and radians."""
         return [self.front] if self.rear is None else [self.front, self.rear]
 
     def number(self, scan: LaserScan) -> int:

@@ -44,7 +44,7 @@ def cells_of(
 
 
 @compiled
-def common(x: int, y: int, other_x: int, other_y: int, level: int) -> int:
+def _common(x: int, y: int, other_x: int, other_y: int, level: int) -> int:
     """Level, from this one up, of the smallest square that holds both cells."""
     differ = (x ^ other_x) | (y ^ other_y)
     while differ >> level:
@@ -53,7 +53,7 @@ def common(x: int, y: int, other_x: int, other_y: int, level: int) -> int:
 
 
 @compiled
-def descend(vis: Counts, path: Cells, level: int, x: int, y: int) -> tuple[int, int]:
+def _descend(vis: Counts, path: Cells, level: int, x: int, y: int) -> tuple[int, int]:
     """Leaf that holds a cell, and the level of its side, from the block `path[level]` down."""
     block = path[level]
     while True:
@@ -66,7 +66,7 @@ def descend(vis: Counts, path: Cells, level: int, x: int, y: int) -> tuple[int, 
 
 
 @compiled
-def split_down(
+def _split_down(
     vis: Counts,
     occ: Counts,
     path: Cells,
@@ -104,25 +104,28 @@ def split_to_cells(
     for k in range(done, len(cells)):
         if 4 * (used + top) > len(vis):
             return used, k
-        level = common(x, y, cells[k, 0], cells[k, 1], level)
+        level = _common(x, y, cells[k, 0], cells[k, 1], level)
         x, y = cells[k, 0], cells[k, 1]
-        node, level = descend(vis, path, level, x, y)
+        node, level = _descend(vis, path, level, x, y)
         first = vis[node] if inherit else 1
-        node, level, used = split_down(vis, occ, path, node, used, level, 0, x, y, first)
+        node, level, used = _split_down(vis, occ, path, node, used, level, 0, x, y, first)
         level += 1
     return used, len(cells)
 
 
 @compiled
 def count_ends(vis: Counts, occ: Counts, root: int, top: int, cells: Cells) -> None:
-    """Count end points in their cells, and the ray of each where it is not the cell's first."""
+    """Count end points in their cells, and the ray of each where it is not the cell's first.
+
+    Cells `(n, 2)` are counted from the lower left one of the root.
+    """
     path = np.zeros(DEPTH, np.int64)
     path[top] = root
     level, x, y = top, 0, 0
     for k in range(len(cells)):
-        level = common(x, y, cells[k, 0], cells[k, 1], level)
+        level = _common(x, y, cells[k, 0], cells[k, 1], level)
         x, y = cells[k, 0], cells[k, 1]
-        node, level = descend(vis, path, level, x, y)
+        node, level = _descend(vis, path, level, x, y)
         if occ[node] > 0 or vis[node] == 0:
             vis[node] += 1
         occ[node] += 1
@@ -146,6 +149,7 @@ def walk_rays(
     """Add to `vis` of every leaf that holds a cell of a ray, but for its last `masked` steps (B
     4.4).
 
+    The sensor's cell, (2,) int array, and the ends', `(n, 2)`, are counted from the root's corner.
     Of the cells that Bresenham takes, the end's and its neighbours are those of the last two steps
     along the longer axis. A square is entered and left once, so each leaf counts once a ray. Leaves
     above level `largest` are split on the way, handing their counts on. Returns the blocks used and
@@ -156,32 +160,32 @@ def walk_rays(
     level, x, y = top, sensor[0], sensor[1]
     for k in range(done, len(ends)):
         dx, dy = ends[k, 0] - sensor[0], ends[k, 1] - sensor[1]
-        long, short, steep, rest = slope_of(dx, dy)
+        long, short, steep, rest = _slope_of(dx, dy)
         last = max(abs(dx), abs(dy)) - masked
         sign_x, sign_y = (1 if dx >= 0 else -1), (1 if dy >= 0 else -1)
         step, across = 0, 0
         while step <= last:
             new_x = sensor[0] + sign_x * (across if steep else step)
             new_y = sensor[1] + sign_y * (step if steep else across)
-            level = common(x, y, new_x, new_y, level)
+            level = _common(x, y, new_x, new_y, level)
             x, y = new_x, new_y
-            node, level = descend(vis, path, level, x, y)
+            node, level = _descend(vis, path, level, x, y)
             if level > largest:
                 if 4 * (used + top) > len(vis):
                     return used, k
-                node, level, used = split_down(
+                node, level, used = _split_down(
                     vis, occ, path, node, used, level, largest, x, y, vis[node]
                 )
             vis[node] += add
-            to_x, to_y = room_ahead(x, sign_x, level), room_ahead(y, sign_y, level)
+            to_x, to_y = _room_ahead(x, sign_x, level), _room_ahead(y, sign_y, level)
             along, aside = (to_y, to_x) if steep else (to_x, to_y)
-            step, across = beyond(step, across, along, aside, long, short, rest)
+            step, across = _beyond(step, across, along, aside, long, short, rest)
             level += 1
     return used, len(ends)
 
 
 @compiled
-def beyond(
+def _beyond(
     step: int, across: int, along: int, aside: int, long: int, short: int, rest: int
 ) -> tuple[int, int]:
     """The first step past the end of a leaf `along` steps ahead, or past its side `aside` across.
@@ -196,7 +200,7 @@ def beyond(
 
 
 @compiled
-def slope_of(dx: int, dy: int) -> tuple[int, int, bool, int]:
+def _slope_of(dx: int, dy: int) -> tuple[int, int, bool, int]:
     """Longer and shorter side of a ray, whether y is the longer, and what rounds its steps.
 
     After k steps along the longer side, `(k short + rest) // long` along the shorter are made, from
@@ -209,7 +213,7 @@ def slope_of(dx: int, dy: int) -> tuple[int, int, bool, int]:
 
 
 @compiled
-def room_ahead(at: int, sign: int, level: int) -> int:
+def _room_ahead(at: int, sign: int, level: int) -> int:
     """Cells from this one, in a direction, to the first beyond its square of `2^level` cells."""
     inside = at & ((1 << level) - 1)
     return (1 << level) - inside if sign > 0 else inside + 1
@@ -224,8 +228,8 @@ def leaves_at(vis: Counts, root: int, top: int, cells: Cells) -> Cells:
     found = np.full(len(cells), -1, np.int64)
     for k in range(len(cells)):
         if 0 <= cells[k, 0] < side and 0 <= cells[k, 1] < side:
-            level = common(x, y, cells[k, 0], cells[k, 1], level)
+            level = _common(x, y, cells[k, 0], cells[k, 1], level)
             x, y = cells[k, 0], cells[k, 1]
-            found[k], level = descend(vis, path, level, x, y)
+            found[k], level = _descend(vis, path, level, x, y)
             level += 1
     return found

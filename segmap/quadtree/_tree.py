@@ -77,14 +77,21 @@ class Tree:
         loops.count_ends(self.vis, self.occ, self.block, self.level, cells)
 
     def split_along(self, sensor: Cells, ends: Cells, masked: int, level: int) -> None:
-        """Split what rays cross above this level, all but their last `masked` steps."""
+        """Split what rays cross above this level, all but their last `masked` steps.
+
+        The sensor's cell, (2,) int array, and the ends', `(n, 2)`, are counted from the root's
+        corner.
+        """
         done = 0
         while done < len(ends):
             self._make_room(self.level)
             done = self._walk(sensor, ends, done, masked, level, 0)
 
     def count_rays(self, sensor: Cells, ends: Cells, masked: int) -> None:
-        """Count the rays that cross each leaf, all but their last `masked` steps."""
+        """Count the rays that cross each leaf, all but their last `masked` steps.
+
+        The same cells as in `split_along`.
+        """
         self._walk(sensor, ends, 0, masked, self.level, 1)
 
     def _walk(

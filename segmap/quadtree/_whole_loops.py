@@ -54,11 +54,11 @@ def joined(vis: Counts, occ: Counts, root: int, used: int) -> tuple[Counts, Coun
         if same:
             vis[above[order[k]]] = vis[a]
             order[k] = -1
-    return compact(vis, occ, order[:count])
+    return _compact(vis, occ, order[:count])
 
 
 @compiled
-def compact(vis: Counts, occ: Counts, order: Cells) -> tuple[Counts, Counts, int]:
+def _compact(vis: Counts, occ: Counts, order: Cells) -> tuple[Counts, Counts, int]:
     """Copies of the blocks in this order, those marked -1 left out."""
     place = np.full(len(vis) // 4, -1, np.int64)
     used = 0
