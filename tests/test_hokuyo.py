@@ -288,6 +288,17 @@ def test_arbitrary_bytes(data, endless):
     assert len(lines.kept) <= 512 + len(data)
 
 
+def test_silence_forgets_what_was_heard_before():
+    """Catches an old answer, or half a line, that is taken for the answer to the next request."""
+    port = Wire(b"BM\n00P\n\nGD0044072501\n00P\nhalf a li")
+    lines = Lines(port, lambda: port.now)
+    assert lines.reply(b"BM", 0.5) == [b"BM", b"00P"]
+    assert lines.kept.startswith(b"GD0044072501")
+    assert lines.silence(0.1)
+    port.left = b"QT\n00P\n\n"
+    assert lines.line(0.5) == b"QT"
+
+
 @given(st.lists(st.binary(max_size=80), max_size=6), st.integers(2, 3))
 def test_parsers_raise_nothing_else(lines, characters):
     for parse in (
