@@ -159,6 +159,14 @@ def test_a_failure_leaves_what_stood_there(write, tmp_path, monkeypatch):
     assert {p.name: p.read_bytes() for p in tmp_path.iterdir()} == before
 
 
+def test_no_description_of_a_picture_that_is_not_there(tmp_path):
+    """Catches a YAML that is written first: a robot would load it with yesterday's picture."""
+    (tmp_path / "it.pgm").mkdir()
+    with pytest.raises(OSError, match=r"it\.pgm"):
+        write_ros_map(tmp_path / "it.yaml", corner_map())
+    assert [path.name for path in tmp_path.iterdir()] == ["it.pgm"]
+
+
 @pytest.mark.parametrize("write", [write_ros_map, write_geojson, write_svg])
 def test_a_missing_folder_is_named(write, tmp_path):
     with pytest.raises(FileNotFoundError, match=r"the folder .*none does not exist"):
@@ -166,6 +174,9 @@ def test_a_missing_folder_is_named(write, tmp_path):
 
 
 # ----------------------------------------------------------------- GeoJSON and SVG
+SQUARE = re.compile(r"M(\S+) (\S+?)h(\S+?)v(\S+?)h-(\S+?)z")
+
+
 def test_geojson_holds_the_occupied_leaves(room, tmp_path):
     """Catches leaves lost, rings that run clockwise or stay open, and y before x."""
     write_geojson(tmp_path / "room.geojson", room)
@@ -186,15 +197,30 @@ def test_geojson_holds_the_occupied_leaves(room, tmp_path):
         assert told["occupancy"] == pytest.approx(value[k], abs=1e-6)
 
 
+@pytest.mark.parametrize("resolution", [0.01, 0.25, 8.0])
+def test_drawings_keep_a_thousandth_of_a_cell(resolution, tmp_path):
+    """Catches corners rounded to centimetres, and cells of other sizes than the map's."""
+    map = QuadtreeMap(resolution=resolution, corner=(0.123456, -9.876543))
+    map.insert_scan((0.2, -9.8), [(3.0, -7.0)])
+    leaves = map.leaves()
+    (k,) = np.flatnonzero(leaves.occ)
+    corner = np.array([leaves.x[k], leaves.y[k]])
+    write_geojson(tmp_path / "it.geojson", map)
+    (found,) = json.loads((tmp_path / "it.geojson").read_text())["features"]
+    ring = np.array(found["geometry"]["coordinates"][0])
+    write_svg(tmp_path / "it.svg", map)
+    squares = np.array(SQUARE.findall((tmp_path / "it.svg").read_text()))[:, :2].astype(float)
+    for low, side in ((ring.min(0), np.ptp(ring, axis=0)), (squares, resolution)):
+        assert np.abs(low - corner).sum(-1).min() <= 1.01e-3 * resolution
+        np.testing.assert_allclose(side, resolution, rtol=1.1e-3)
+
+
 def test_geojson_below_another_threshold(room, tmp_path):
     write_geojson(tmp_path / "it.geojson", room, occupied=0.9)
     found = json.loads((tmp_path / "it.geojson").read_text())["features"]
     assert 0 < len(found) == (room.leaf_occupancy() > 0.9).sum()
     with pytest.raises(ValueError, match="occupied must be at least 0 and below 1, got 1"):
         write_geojson(tmp_path / "it.geojson", room, occupied=1)
-
-
-SQUARE = re.compile(r"M(\S+) (\S+?)h(\S+?)v(\S+?)h-(\S+?)z")
 
 
 @pytest.mark.parametrize("outlines", [True, False])
@@ -220,3 +246,5 @@ def test_svg_holds_every_leaf_in_its_grey(room, outlines, tmp_path):
     hit = leaves.occ > 0
     assert left < leaves.x[hit].min() < leaves.x[hit].max() < left + wide
     assert top < -leaves.y[hit].max() < -leaves.y[hit].min() < top + tall
+    assert float(root.get("height")) / float(root.get("width")) == pytest.approx(tall / wide, 0.01)
+    assert abs(tall / wide - 1) > 0.1

@@ -11,6 +11,8 @@ from segmap.matching import (
     nearest_score,
     occupancy_score,
 )
+from segmap.matching import _search_loops as loops
+from segmap.matching._scores import held
 from segmap.poses import compose, transform
 from segmap.quadtree import QuadtreeMap
 
@@ -103,6 +105,23 @@ def test_nearest_is_the_kd_tree_everywhere(seed):
     exact = distance_score(map, [(0, 0)], poses)
     np.testing.assert_allclose(nearest_score(map, [(0, 0)], poses), exact, rtol=1e-12)
     assert (descent_score(map, [(0, 0)], poses) <= exact + 1e-9).all()
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_the_search_looks_into_few_blocks(seed, monkeypatch):
+    """Nearest first: two of a hundred blocks of cells are looked into for a place, where the other
+    order looks into 4 to 18 and finds the same.
+    """
+    map, rng = random_map(seed)
+    looked, four = [], loops._nearest_of_four.plain
+    monkeypatch.setattr(loops, "_nearest_of_four", lambda *a: looked.append(a[2]) or four(*a))
+    monkeypatch.setattr(loops, "_nearest_below", loops._nearest_below.plain)
+    tree, path = map.tree, np.full(map.tree.level + 1, map.tree.block)
+    todo = np.empty((3 * tree.level + 4, 4), np.int64)
+    for x, y in rng.uniform(0, 1 << tree.level, (300, 2)):
+        nodes = tree.vis, tree.occ, held(map), tree.level
+        loops._nearest_square.plain(*nodes, x, y, path, todo)
+    assert 10 < len(set(looked)) and len(looked) < 3 * 300
 
 
 def test_the_root_may_double_on_any_side():

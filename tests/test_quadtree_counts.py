@@ -5,7 +5,8 @@ import pytest
 from reference_quadtree import leaves_of, state
 
 from segmap import load
-from segmap.quadtree import QuadtreeMap, build_map
+from segmap.alignment import Alignment
+from segmap.quadtree import QuadtreeMap, build_map, extent
 from segmap.scans import LaserScan, Log
 
 
@@ -178,6 +179,9 @@ def test_the_largest_size_is_reached_and_not_passed():
         ({"max_size": 0.01 * 2.0**32}, r"nor have more than 2\^31 cells"),
         ({"bias": 0}, "bias must be a whole number of at least 1, got 0"),
         ({"bias": 2.5}, "bias must be a whole number"),
+        ({"bias": np.inf}, "bias must be a whole number"),
+        ({"bias": 2**31}, "got 2147483648 .the most is 2147483647."),
+        ({"resolution": 1e308}, "resolution must be positive and finite"),
         ({"corner": (0, np.nan)}, "corner must be finite"),
         ({"corner": (0, 0, 0)}, r"corner must have shape \(2,\)"),
         ({"free_resolution": 0.03}, "free_resolution must be a power of two"),
@@ -231,11 +235,43 @@ def test_a_log_without_poses_is_an_empty_map():
     [
         ([(0, 0, 0)] * 2, {}, r"poses must have shape \(1, 3\), one a scan, got \(2, 3\)"),
         ([(np.inf, 0, 0)], {}, "poses must not be infinite, got one at 0"),
+        ("pose_graph", {}, r"poses must be an array \(k, 3\), got Alignment: .* give `.poses`"),
         ([(0, 0, 0)], {"resolution": -1}, "resolution must be positive"),
         ([(0, 0, 0)], {"resolution": 0.1, "max_size": 51.2, "corner": (900, 0)}, "max_size"),
     ],
 )
 def test_a_log_that_cannot_be_mapped_is_refused(poses, options, message):
     log = Log("one", [LaserScan([1.0], [0.0])])
+    if poses == "pose_graph":
+        poses = Alignment(np.zeros((1, 3)), np.array([True]), 0.0, "it", ("",))
     with pytest.raises(ValueError, match=message):
         build_map(log, poses, **options)
+
+
+@pytest.mark.parametrize(
+    ("scan", "pose"),
+    [
+        (LaserScan([1.0, 1e4], [0.0, 0.1]), (0, 0, 0)),
+        (LaserScan([1.0], [0.0]), (1e5, 0, 0)),
+        (LaserScan([1.0, np.inf], [0.0, 0.1], max_range=1e4), (0, 0, 0)),
+        (LaserScan([1.0, 2.0], [0.0, np.nan]), (0, 0, 0)),
+    ],
+)
+def test_the_scan_that_cannot_be_inserted_is_named(scan, pose):
+    """Among thousands: the message must say which, and not only which cell."""
+    log = Log("two", [LaserScan([1.0], [0.0]), scan])
+    with pytest.raises(ValueError, match=r"^scan 1: .*(beyond max_size|must be finite)"):
+        build_map(log, [(0, 0, 0), pose], resolution=0.01)
+
+
+def test_an_error_of_the_sensor_is_no_free_space():
+    """Catches beams with NaN, zero or a negative range that are taken for open space."""
+    scan = LaserScan([1.0, np.nan, 0.0, -2.0], np.radians([0, 90, 180, 270]), max_range=3.0)
+    maps = [build_map(Log("it", [scan]), [(0, 0, 0)], resolution=0.05, free=f) for f in (0, 1)]
+    assert leaves_of(maps[0]) == leaves_of(maps[1])
+
+
+@pytest.mark.parametrize("margin", [-0.1, np.nan, np.inf])
+def test_a_margin_is_not_negative(margin):
+    with pytest.raises(ValueError, match="margin must be at least 0, got"):
+        extent(QuadtreeMap(), margin=margin)

@@ -150,6 +150,15 @@ def test_another_file_is_refused(data, tmp_path):
         QuadtreeMap.load(path)
 
 
+def test_another_file_is_no_reason_to_speak_of_pickles(tmp_path):
+    """numpy advises to allow them; nobody shall."""
+    path = tmp_path / "log.npz"
+    path.write_text("FLASER 3 1 1 1\n")
+    with pytest.raises(ValueError, match="does not begin like one") as caught:
+        QuadtreeMap.load(path)
+    assert "pickle" not in str(caught.value)
+
+
 def test_a_zip_of_something_else_is_refused(tmp_path):
     with zipfile.ZipFile(tmp_path / "it.npz", "w") as held:
         held.writestr("readme.txt", "no array")

@@ -2,6 +2,7 @@
 
 from ._build import build_map
 from ._extent import extent
-from ._map import Leaves, QuadtreeMap
+from ._leaves import Leaves
+from ._map import QuadtreeMap
 
 __all__ = ["Leaves", "QuadtreeMap", "build_map", "extent"]

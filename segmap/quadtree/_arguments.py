@@ -7,6 +7,9 @@ from numpy.typing import ArrayLike
 
 from ..angles import Array
 
+#: Levels of the root at first, 512 cells a side, and at most, 65 536: B's largest map doubled once.
+SIZE, MAX_SIZE = 9, 16
+
 
 def point(name: str, values: ArrayLike) -> Array:
     """One point as an array `(2,)`."""
@@ -36,6 +39,39 @@ def check_finite(**named: Array) -> None:
                 f"{name} must be finite, in metres, got {where} = "
                 f"{np.atleast_2d(array)[wrong][0].tolist()}: leave out beams without return"
             )
+
+
+def check_whole(name: str, value: SupportsFloat, most: int) -> int:
+    """A whole number of at least 1."""
+    if not (1 <= float(value) <= most and float(value).is_integer()):
+        raise ValueError(
+            f"{name} must be a whole number of at least 1, got {value} (the most is {most})"
+        )
+    return int(float(value))
+
+
+def levels_of(
+    resolution: float, size: float | None, max_size: float | None, most: int
+) -> tuple[int, int]:
+    """Levels of the root at first and at most; no root has more than `2^most` cells a side.
+
+    Raises
+    ------
+    ValueError
+        For sizes that do not fit together.
+    """
+    if not (resolution > 0 and np.isfinite(float(resolution) * 2.0**most)):
+        raise ValueError(f"resolution must be positive and finite, in metres, got {resolution}")
+    level = SIZE if size is None else level_of("size", size, resolution, 2)
+    largest = max(level, MAX_SIZE)
+    if max_size is not None:
+        largest = level_of("max_size", max_size, resolution, 2)
+    if not level <= largest <= most:
+        raise ValueError(
+            f"max_size must not be below the size, {np.ldexp(resolution, level):.6g} m, nor "
+            f"have more than 2^{most} cells a side, got {max_size}"
+        )
+    return level, largest
 
 
 def level_of(name: str, length: SupportsFloat, resolution: float, least: int = 0) -> int:

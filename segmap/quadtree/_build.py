@@ -24,7 +24,8 @@ def build_map(
     resolution : float, metres
     free : bool
         Whether beams that met nothing count as free up to the sensor's largest range, where the
-        log knows that.
+        log knows that. So it is in simulated rooms. A real sensor answers the same for a dark or
+        slanted wall, which such rays then erase: give False for its logs.
     **options
         Of `QuadtreeMap`; without a corner the map begins around the first pose.
 
@@ -35,7 +36,8 @@ def build_map(
     Raises
     ------
     ValueError
-        Where shapes disagree, a pose is infinite, or a scan reaches beyond `max_size`.
+        Where shapes disagree or a pose is infinite; naming the scan, where one is not finite or
+        reaches beyond `max_size`.
 
     Examples
     --------
@@ -44,7 +46,7 @@ def build_map(
     >>> build_map(log, log.truth, resolution=0.05)
     QuadtreeMap(25.6 m, 4279 leaves of 0.05 m and more, 61 scans)
     """
-    where = np.asarray(poses, float)
+    where = _numbers(poses)
     if where.shape != (len(log), 3):
         raise ValueError(f"poses must have shape ({len(log)}, 3), one a scan, got {where.shape}")
     if np.isinf(where).any():
@@ -59,8 +61,22 @@ def build_map(
     for k in used:
         sensor = compose(where[k], log[k].sensor_pose)
         ends = transform(where[k], log[k].points())
-        map.insert_scan(sensor[:2], ends, unmet(log[k], sensor) if free else None)
+        try:
+            map.insert_scan(sensor[:2], ends, unmet(log[k], sensor) if free else None)
+        except ValueError as error:
+            raise ValueError(f"scan {k}: {error}") from error
     return map
+
+
+def _numbers(poses: ArrayLike) -> Array:
+    """Poses as an array of floats."""
+    try:
+        return np.asarray(poses, float)
+    except TypeError:
+        kind = type(poses).__name__
+        raise ValueError(
+            f"poses must be an array (k, 3), got {kind}: of an alignment give `.poses`"
+        ) from None
 
 
 def unmet(scan: LaserScan, sensor: Array) -> Array:

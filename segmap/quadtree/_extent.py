@@ -1,5 +1,7 @@
 """The part of a map that is worth looking at."""
 
+import numpy as np
+
 from ._map import QuadtreeMap
 
 
@@ -16,6 +18,11 @@ def extent(map: QuadtreeMap, *, margin: float = 0.08) -> tuple[float, float, flo
     -------
     (4,) tuple, metres
 
+    Raises
+    ------
+    ValueError
+        For a margin that is negative or not finite.
+
     Examples
     --------
     >>> map = QuadtreeMap(resolution=0.5)
@@ -23,6 +30,8 @@ def extent(map: QuadtreeMap, *, margin: float = 0.08) -> tuple[float, float, flo
     >>> extent(map, margin=1)
     (9.5, 1.5, 11.0, 3.0)
     """
+    if not 0 <= margin < np.inf:
+        raise ValueError(f"margin must be at least 0, got {margin}")
     leaves = map.leaves()
     hit = leaves.occ > 0
     if not hit.any():

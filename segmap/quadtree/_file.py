@@ -2,13 +2,17 @@
 
 import os
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..angles import Array
 from ._loops import DEPTH, FAR
+from ._tree import in_use
+
+if TYPE_CHECKING:
+    from ._map import QuadtreeMap
 
 FORMAT, VERSION = "segmap quadtree", 1
 
@@ -37,6 +41,38 @@ def write_npz(path: Path, **arrays: Any) -> None:
         part.unlink(missing_ok=True)
 
 
+def write_map(path: Path, map: "QuadtreeMap") -> None:
+    """Write a map: whole or not at all."""
+    tree = map.tree
+    state = np.array([tree.block, tree.level, tree.largest, *tree.corner, map.bias, map.scans])
+    lengths = np.array([map.resolution, *map.corner, map.free_resolution or 0.0])
+    vis, occ = in_use(tree)
+    write_npz(path, state=state, lengths=lengths, vis=vis, occ=occ)
+
+
+def read_map(path: Path, kind: type["QuadtreeMap"]) -> "QuadtreeMap":
+    """The map in a file.
+
+    Raises
+    ------
+    ValueError
+        For a damaged or foreign file, saying what is wrong with it.
+    """
+    found = read_npz(path)
+    resolution, x, y, free = found.lengths.tolist()
+    block, level, largest, cell_x, cell_y, bias, scans = found.state.tolist()
+    sizes = {"size": np.ldexp(resolution, level), "max_size": np.ldexp(resolution, largest)}
+    options = {"corner": (x, y), "bias": bias, "free_resolution": free or None}
+    try:
+        map = kind(resolution=resolution, **sizes, **options)
+    except ValueError as error:
+        raise ValueError(f"{path}: damaged, {error}") from None
+    map.scans, tree = scans, map.tree
+    tree.vis, tree.occ, tree.used, tree.block = found.vis, found.occ, len(found.vis) // 4, block
+    tree.corner = np.array([cell_x, cell_y], np.int64)
+    return map
+
+
 def read_npz(path: Path) -> Stored:
     """Read and check a file.
 
@@ -46,8 +82,12 @@ def read_npz(path: Path) -> Stored:
         For a damaged or foreign file, saying what is wrong with it.
     """
     try:
-        with path.open("rb") as source, np.load(source, allow_pickle=False) as held:
-            arrays: dict[str, Any] = {name: held[name] for name in held.files}
+        with path.open("rb") as source:
+            if source.read(2) != b"PK":  # else numpy would speak of pickles
+                raise ValueError("it does not begin like one")
+            source.seek(0)
+            with np.load(source, allow_pickle=False) as held:
+                arrays: dict[str, Any] = {name: held[name] for name in held.files}
     except (FileNotFoundError, IsADirectoryError, PermissionError):
         raise
     except Exception as error:  # zipfile, zlib and numpy raise a dozen kinds for damaged bytes

@@ -1,32 +1,19 @@
 """The occupancy map in a quadtree that grows by itself (B 4)."""
 
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from .._display import Pictured, Table
 from ..angles import Array
 from . import _loops as loops
-from ._arguments import check_finite, level_of, point
+from ._arguments import check_finite, check_whole, level_of, levels_of, point
 from ._arguments import points as pairs
-from ._file import read_npz, write_npz
-from ._tree import Tree, in_use
+from ._file import read_map, write_map
+from ._leaves import Leaves, counted
+from ._tree import Tree
 from ._whole_loops import painted
-
-#: Levels of the root at first, 512 cells a side, and at most, 65 536: B's largest map doubled once.
-SIZE, MAX_SIZE = 9, 16
-
-
-class Leaves(NamedTuple):
-    """Leaves as arrays `(n,)`: lower left corner and side in metres, rays that crossed, ends."""
-
-    x: Array
-    y: Array
-    side: Array
-    vis: NDArray[np.int32]
-    occ: NDArray[np.int32]
 
 
 class QuadtreeMap(Pictured):
@@ -56,7 +43,7 @@ class QuadtreeMap(Pictured):
     Raises
     ------
     ValueError
-        For sizes that do not fit together.
+        For sizes that do not fit together, a bias below 1, a corner that is not finite.
 
     Examples
     --------
@@ -78,21 +65,11 @@ class QuadtreeMap(Pictured):
         bias: int = 20,
         free_resolution: float | None = None,
     ) -> None:
-        if not (resolution > 0 and np.isfinite(resolution)):
-            raise ValueError(f"resolution must be positive and finite, in metres, got {resolution}")
-        if not (bias >= 1 and int(bias) == bias):
-            raise ValueError(f"bias must be a whole number of at least 1, got {bias}")
-        self.resolution, self.bias, self.scans = float(resolution), int(bias), 0
+        level, largest = levels_of(resolution, size, max_size, loops.DEPTH - 1)
+        self.resolution, self.scans = float(resolution), 0
+        self.bias = check_whole("bias", bias, 2**31 - 1)
         self.corner = point("corner", corner)
         check_finite(corner=self.corner)
-        level = SIZE if size is None else level_of("size", size, resolution, 2)
-        largest = MAX_SIZE if max_size is None else level_of("max_size", max_size, resolution, 2)
-        largest = max(level, largest) if max_size is None else largest
-        if not level <= largest < loops.DEPTH:
-            raise ValueError(
-                f"max_size must not be below the size, {np.ldexp(resolution, level):.6g} m, nor "
-                f"have more than 2^{loops.DEPTH - 1} cells a side, got {max_size}"
-            )
         self.free_resolution = free_resolution
         finest = resolution if free_resolution is None else free_resolution
         self._free = level_of("free_resolution", finest, resolution)
@@ -115,7 +92,15 @@ class QuadtreeMap(Pictured):
         Raises
         ------
         ValueError
-            For coordinates that are not finite or lie beyond `max_size`; the map is then as it was.
+            For other shapes, coordinates that are not finite or lie beyond `max_size`; the map is
+            then as it was.
+
+        Examples
+        --------
+        >>> map = QuadtreeMap(resolution=1, size=4)
+        >>> map.insert_scan((0.5, 0.5), [(3.5, 0.5)], free_points=[(0.5, 3.5)])
+        >>> map.occupancy([(3.5, 0.5), (0.5, 3.5), (3.5, 3.5)])
+        array([1.   , 0.475, 0.5  ])
         """
         sensor, ends, free = self.cells_of_scan(sensor_xy, points, free_points)
         tree, split_free = self.tree, self.free_resolution is not None
@@ -143,6 +128,11 @@ class QuadtreeMap(Pictured):
         -------
         (n,) array
             `occ / vis` where ends were seen; else from 0.5 (unknown) down to 0 (surely free).
+
+        Raises
+        ------
+        ValueError
+            For another shape, or values that are not finite.
         """
         leaf = self.tree.leaves_at(self._cells(points=pairs("points", points))[0])
         inside = leaf >= 0
@@ -171,6 +161,15 @@ class QuadtreeMap(Pictured):
         Raises
         ------
         ValueError
+            For a resolution that is no power of two of cells, or larger than the map.
+
+        Examples
+        --------
+        >>> map = QuadtreeMap(resolution=1, size=4)
+        >>> map.insert_scan((0.5, 0.5), [(3.5, 0.5)])
+        >>> map.to_grid(2)
+        array([[0.475, 1.   ],
+               [0.5  , 0.5  ]])
         """
         k = self.level_of(resolution)
         node, cell, level = self.tree.leaves()
@@ -178,7 +177,7 @@ class QuadtreeMap(Pictured):
         return painted(side, side, cell >> k, level - k, self._occupancy(node))
 
     def level_of(self, resolution: float | None) -> int:
-        """How often the map's resolution doubles up to this one, which must divide the root."""
+        """How often the map's cells double up to this side, metres; errors as `to_grid`."""
         wanted = self.resolution if resolution is None else resolution
         k = level_of("resolution", wanted, self.resolution)
         if k > self.tree.level:
@@ -186,15 +185,19 @@ class QuadtreeMap(Pictured):
         return k
 
     def statistics(self) -> Table:
-        """Leaves by side, and the bytes that they and a grid of single bytes take."""
+        """Leaves by side, and the bytes that they and a grid of single bytes take.
+
+        Examples
+        --------
+        >>> QuadtreeMap(resolution=0.5, size=2).statistics()
+                         count
+        leaves of 1 m    4
+        leaves           4
+        bytes            32
+        bytes of a grid  16
+        """
         level = self.tree.leaves()[2]
-        sides, counts = np.unique(level, return_counts=True)
-        rows: list[tuple[object, object]] = [
-            (f"leaves of {np.ldexp(self.resolution, side):.6g} m", count)
-            for side, count in zip(sides.tolist(), counts.tolist(), strict=True)
-        ]
-        rows += [("leaves", len(level)), ("bytes", self.nbytes)]
-        return Table(["", "count"], [*rows, ("bytes of a grid", 4**self.tree.level)])
+        return counted(level, self.resolution, self.nbytes, self.tree.level)
 
     @property
     def nbytes(self) -> int:
@@ -213,37 +216,34 @@ class QuadtreeMap(Pictured):
         return float(left), float(low), float(left + self.side), float(low + self.side)
 
     def save(self, path: str | Path) -> None:
-        """Write the map as NPZ, through a temporary file: whole or not at all."""
-        tree = self.tree
-        state = np.array(
-            [tree.block, tree.level, tree.largest, *tree.corner, self.bias, self.scans]
-        )
-        lengths = np.array([self.resolution, *self.corner, self.free_resolution or 0.0])
-        vis, occ = in_use(tree)
-        write_npz(Path(path), state=state, lengths=lengths, vis=vis, occ=occ)
+        """Write the map as NPZ, through a temporary file: whole or not at all.
+
+        Raises
+        ------
+        OSError
+            For a folder that does not exist, or cannot be written to.
+
+        Examples
+        --------
+        >>> import tempfile
+        >>> with tempfile.TemporaryDirectory() as folder:
+        ...     QuadtreeMap(resolution=0.5, size=2).save(f"{folder}/it.npz")
+        ...     QuadtreeMap.load(f"{folder}/it.npz")
+        QuadtreeMap(2 m, 4 leaves of 0.5 m and more, 0 scans)
+        """
+        write_map(Path(path), self)
 
     @classmethod
     def load(cls, path: str | Path) -> "QuadtreeMap":
-        """Read what `save` wrote.
+        """Read what `save` wrote; an example is there.
 
         Raises
         ------
         ValueError
             For a file that is damaged or foreign, saying what is wrong with it.
+        FileNotFoundError
         """
-        found = read_npz(Path(path))
-        resolution, x, y, free = found.lengths.tolist()
-        block, level, largest, cell_x, cell_y, bias, scans = found.state.tolist()
-        sizes = {"size": np.ldexp(resolution, level), "max_size": np.ldexp(resolution, largest)}
-        options = {"corner": (x, y), "bias": bias, "free_resolution": free or None}
-        try:
-            map = cls(resolution=resolution, **sizes, **options)
-        except ValueError as error:
-            raise ValueError(f"{path}: damaged, {error}") from None
-        map.scans, tree = scans, map.tree
-        tree.vis, tree.occ, tree.used, tree.block = found.vis, found.occ, len(found.vis) // 4, block
-        tree.corner = np.array([cell_x, cell_y], np.int64)
-        return map
+        return read_map(Path(path), cls)
 
     def __repr__(self) -> str:
         count = f"{self.scans} scan" + "s" * (self.scans != 1)
