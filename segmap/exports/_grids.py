@@ -18,7 +18,13 @@ OCCUPIED_THRESH, FREE_THRESH = 0.65, 0.196
 
 
 class Classes(NamedTuple):
-    """Grey values of a grid `(rows, columns)`, row 0 lowest; its lower left corner and side, m."""
+    """Grey values `(rows, columns)`, row 0 lowest; lower left corner and side of a cell, metres.
+
+    Examples
+    --------
+    >>> ros_classes(QuadtreeMap(resolution=0.5, size=2)).side
+    0.5
+    """
 
     greys: NDArray[np.uint8]
     left: float

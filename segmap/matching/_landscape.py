@@ -11,7 +11,13 @@ from ._matchers import Score, checked_start, field_score
 
 
 class Landscape(NamedTuple):
-    """Scores `(m, m)` at offsets `(m,)` in metres: rows along the map's y, columns along its x."""
+    """Scores `(m, m)` at offsets `(m,)` in metres: rows along the map's y, columns along its x.
+
+    Examples
+    --------
+    >>> Landscape(np.array([0.0]), np.array([[-2.5]])).values.shape
+    (1, 1)
+    """
 
     offsets: Array
     values: Array
@@ -70,7 +76,7 @@ def heading_profile(
     reach: float = np.pi,
     step: float = np.radians(1.0),
 ) -> tuple[Array, Array]:
-    """Scores of a scan turned about a pose: offsets `(m,)` in radians and scores `(m,)`.
+    """Scores of a scan turned about a pose: offsets `(m,)` in radians and scores `(m,)` (B 4.3).
 
     Parameters
     ----------

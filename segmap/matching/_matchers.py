@@ -23,7 +23,7 @@ STEPS = {
 
 
 def field_score(map: QuadtreeMap, points: ArrayLike, poses: ArrayLike) -> Array:
-    """`distance_score` looked up in a field around the poses: what the matchers use by default.
+    """`distance_score` (B 4.3) looked up in a field: what the matchers use by default.
 
     A matcher transforms the field once, around its start, and asks it for all poses. What the map
     holds beyond half a metre around the scan is not seen, so a beam farther from all walls than

@@ -50,7 +50,8 @@ def occupancy_score(map: QuadtreeMap, points: ArrayLike, poses: ArrayLike) -> Ar
 def distance_score(map: QuadtreeMap, points: ArrayLike, poses: ArrayLike) -> Array:
     """Minus the sum of the distances from the ends to the nearest occupied cell's centre, exact.
 
-    Over all occupied cells, by a kd-tree; parameters, errors as `occupancy_score`.
+    Over all occupied cells, by a kd-tree; parameters, errors as `occupancy_score`. B 4.3 measures
+    to the corners of cells, from ends cut to whole centimetres.
 
     Returns
     -------
@@ -77,7 +78,8 @@ def distance_score(map: QuadtreeMap, points: ArrayLike, poses: ArrayLike) -> Arr
 def nearest_score(map: QuadtreeMap, points: ArrayLike, poses: ArrayLike) -> Array:
     """The value of `distance_score`, found in the tree: nearest squares first, exact.
 
-    Squares farther than the best so far are not entered. Parameters, errors as `occupancy_score`.
+    Squares farther than the best so far are not entered (Roussopoulos, Kelley and Vincent 1995; B
+    names such a score as future work). Parameters, errors as `occupancy_score`.
 
     Returns
     -------

@@ -14,7 +14,7 @@ from ._map import QuadtreeMap
 def build_map(
     log: Log, poses: ArrayLike, *, resolution: float = 0.05, free: bool = True, **options: Any
 ) -> QuadtreeMap:
-    """Insert every scan of a log from its pose.
+    """Insert every scan of a log from its pose, in the frame of the poses (B 4.2 to 4.4).
 
     Parameters
     ----------

@@ -139,14 +139,14 @@ class QuadtreeMap(Pictured):
         return np.where(inside, self._occupancy(np.where(inside, leaf, 0)), 0.5)
 
     def leaves(self) -> Leaves:
-        """All leaves: lower left corners, sides, and both counts."""
+        """All leaves: lower left corners and sides, metres, both counts (B 4.1)."""
         node, cell, level = self.tree.leaves()
         left, low = (self.corner + (cell + self.tree.corner) * self.resolution).T
         side = np.ldexp(self.resolution, level)
         return Leaves(left, low, side, self.tree.vis[node], self.tree.occ[node])
 
     def leaf_occupancy(self) -> Array:
-        """Occupancy of all leaves `(n,)`, in the order of `leaves()`."""
+        """Occupancy of all leaves, (n,) array in [0, 1], in the order of `leaves()` (B 4.1)."""
         return self._occupancy(self.tree.leaves()[0])
 
     def to_grid(self, resolution: float | None = None) -> Array:
