@@ -152,6 +152,7 @@ def test_a_hardware_fault_says_what_to_do():
         for ask in (sensor.scan, lambda: next(sensor.scans())):
             with pytest.raises(SensorError, match=r"status 50 .*switch it off and on"):
                 ask()
+        assert sensor.dropped == 0, "a fault of the hardware is told at once, not tried again"
         emulator.mend()
         turn_of(sensor.scan())
 
