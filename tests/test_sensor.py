@@ -261,10 +261,17 @@ def interrupt(sensor):
 
 
 def forget(sensor):
+    """Its laser is on after one scan, and there is no stream whose end would switch it off."""
+
+
+def forget_the_stream(sensor):
     next(sensor.scans())
 
 
-@pytest.mark.parametrize("leave", [crash, interrupt, forget, UrgSensor.close])
+LEAVING = [crash, interrupt, forget, forget_the_stream, UrgSensor.close]
+
+
+@pytest.mark.parametrize("leave", LEAVING)
 def test_the_laser_is_off_and_the_port_free(leave):
     with Emulator(pattern, **FAST) as emulator:
         sensor = of(emulator)
@@ -306,6 +313,15 @@ def test_an_interrupt_from_the_terminal():
             process.send_signal(signal.SIGINT)
             _, errors = process.communicate(timeout=20)
         assert b"KeyboardInterrupt" in errors
+        wait_for(lambda: not emulator.unit.laser)
+
+
+def test_the_end_of_the_program():
+    """Catches a script without `with` that leaves the laser on."""
+    code = "import sys; from segmap.hokuyo import UrgSensor; s = UrgSensor(sys.argv[1]); s.scan()"
+    with Emulator(pattern, **FAST) as emulator:
+        subprocess.run([sys.executable, "-c", code, emulator.port], check=True, timeout=60)
+        assert "BM" in emulator.unit.received
         wait_for(lambda: not emulator.unit.laser)
 
 
