@@ -197,13 +197,22 @@ def test_letters_of_lines_that_end_together_do_not_cover_each_other(ax):
     places = {text.get_text(): text.xy[1] for text in ax.texts}
     low, high = ax.get_ylim()
     assert np.diff(sorted(places.values())).min() >= 0.05 * (high - low)
-    assert places["A"] == 0.5 and places["D"] == 0.9
+    assert places["D"] == 0.9 and places["A"] < places["B"] < places["C"]
+    assert np.mean([places[k] for k in "ABC"]) == pytest.approx(0.5)
 
 
 @pytest.mark.parametrize("method", ["hybrid", "nothing"])
-def test_only_a_method_of_one_threshold_has_such_a_line(method, ax):
-    with pytest.raises(ValueError, match=f"method must have one threshold, {method} has"):
+def test_runs_at_several_angles_make_no_line(method, ax):
+    """Catches a line that goes back and forth between two angles."""
+    with pytest.raises(ValueError, match=f"method must be run over one length, {method} is over"):
         plotting.draw_threshold(thesis_results(), method=method, ax=ax)
+
+
+def test_a_threshold_that_stays_the_same_does_not_count(ax):
+    """Catches mean shift refused because its records name the bandwidth."""
+    runs = [run("hall", "mean_shift", 0.5, sigma=s, bandwidth=0.9) for s in (0.1, 0.2)]
+    plotting.draw_threshold(Records(runs), method="mean_shift", ax=ax)
+    assert ax.lines[0].get_xdata().tolist() == [100, 200] and ax.get_xlabel() == "sigma [mm]"
 
 
 def test_times_are_of_tight_angles_and_filtered_ones_are_dotted(ax):

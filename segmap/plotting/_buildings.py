@@ -15,7 +15,7 @@ LENGTHS = ("distance", "sigma", "tolerance")
 #: Thresholds of angle up to here, in radians, count as A's tight one of 10 degrees.
 TIGHT = 0.2
 #: Letters nearer than this part of the picture's height are moved apart.
-LETTER = 0.06
+LETTER = 0.08
 
 
 def draw_buildings(*groups: Records, filtered: bool = False) -> list[list[Axes]]:
@@ -59,14 +59,14 @@ def draw_buildings(*groups: Records, filtered: bool = False) -> list[list[Axes]]
 
 
 def draw_threshold(*groups: Records, method: str, ax: Axes | None = None) -> Axes:
-    """Draw quality against the one threshold of a method: a line for each building.
+    """Draw quality against the one length that a method was run over: a line for each building.
 
     Parameters
     ----------
     *groups : Records
         One or two: the last is blue, another grey. Runs with a filter are left out.
     method : str
-        One with a single threshold, a length.
+        One whose other thresholds stay the same.
     ax : matplotlib Axes or None
 
     Returns
@@ -77,7 +77,7 @@ def draw_threshold(*groups: Records, method: str, ax: Axes | None = None) -> Axe
     Raises
     ------
     ValueError
-        For a method with several thresholds, or none run.
+        For a method that was run over something else, or not at all.
 
     Examples
     --------
@@ -88,19 +88,16 @@ def draw_threshold(*groups: Records, method: str, ax: Axes | None = None) -> Axe
     ('tolerance [mm]', ['S', 'P', 'B', 'U'])
     """
     runs = [group.select(method=method, filtered=False) for group in groups]
-    names = sorted({name for group in runs for r in group for name in r.thresholds})
-    if len(names) != 1:
-        raise ValueError(f"method must have one threshold, {method} has {names}")
+    name = _only_length(method, [r for group in runs for r in group])
     ax, ends = axes_or_new(ax, (4.0, 3.0)), []
     for group, color in zip(runs, (RAW, RESULT)[-len(runs) :], strict=True):
         for building in _buildings(group):
             part = group.select(map=building)
-            points = list(
-                zip(1000 * _column(part, names[0]), [r.quality for r in part], strict=True)
-            )
+            points = list(zip(1000 * _column(part, name), [r.quality for r in part], strict=True))
             ax.plot(*np.transpose(points), "o-", color=color)
             ends.append((building, points[-1]))
-    ax.set(xlabel=f"{names[0]} [mm]", ylabel="quality")
+    ax.set(xlabel=f"{name} [mm]", ylabel="quality")
+    ax.margins(x=0.12)
     _spread_letters(ends, ax)
     return ax
 
@@ -204,6 +201,18 @@ def draw_initials(
     return ax
 
 
+def _only_length(method: str, records: list[Record]) -> str:
+    """The threshold that is a length; refuses runs without one, and those at several angles."""
+    values: dict[str, set[object]] = {}
+    for r in records:
+        for name, value in r.thresholds.items():
+            values.setdefault(name, set()).add(value)
+    varied = [n for n, found in values.items() if len(found) > 1 or n in LENGTHS]
+    if len(varied) != 1 or varied[0] not in LENGTHS:
+        raise ValueError(f"method must be run over one length, {method} is over {sorted(varied)}")
+    return varied[0]
+
+
 def _column(records: Iterable[Record], name: str) -> Array:
     """A threshold of each run."""
     return np.array([r.thresholds[name] for r in records], float)
@@ -214,9 +223,20 @@ def _buildings(records: Records) -> list[str]:
 
 
 def _spread_letters(ends: list[tuple[str, tuple[float, float]]], ax: Axes) -> None:
-    """Initials beside the ends of lines; where lines end close together, moved apart upwards."""
+    """Initials beside the ends of lines, moved apart where lines end close together."""
     low, high = ax.get_ylim()
-    gap, free = LETTER * (high - low), -np.inf
-    for name, (x, y) in sorted(ends, key=lambda end: end[1][1]):
-        free = max(y, free + gap)
-        ax.annotate(name[0].upper(), (x, free), (6, -4), textcoords="offset points")
+    ordered = sorted(ends, key=lambda end: end[1][1])
+    heights = _apart(np.array([y for _, (_, y) in ordered]), LETTER * (high - low))
+    for (name, (x, _)), y in zip(ordered, heights, strict=True):
+        text = ax.annotate(name[0].upper(), (x, y), (6, -3), textcoords="offset points")
+        text.set_fontsize("small")
+
+
+def _apart(values: Array, gap: float) -> Array:
+    """The ascending values that are nearest to some (least squares) and at least a gap apart."""
+    steps = gap * np.arange(len(values))
+    z, n = values - steps, len(values)
+    least = [
+        [min(z[j : k + 1].mean() for k in range(i, n)) for j in range(i + 1)] for i in range(n)
+    ]
+    return np.array([max(row) for row in least]) + steps
