@@ -121,7 +121,7 @@ def test_the_search_looks_into_few_blocks(seed, monkeypatch):
     for x, y in rng.uniform(0, 1 << tree.level, (300, 2)):
         nodes = tree.vis, tree.occ, held(map), tree.level
         loops._nearest_square.plain(*nodes, x, y, path, todo)
-    assert 10 < len(set(looked)) and len(looked) < 3 * 300
+    assert len(set(looked)) > 10 and len(looked) < 3 * 300
 
 
 def test_the_root_may_double_on_any_side():

@@ -219,10 +219,11 @@ def test_a_log_is_inserted_scan_by_scan():
     poses = [(1, 1, np.pi / 2), (np.nan, 0, 0)]
     by_hand = QuadtreeMap(resolution=0.25, size=16, corner=(-8 + 1, -8 + 1))
     by_hand.insert_scan((1, 1.5), [(-1, 1.5)], [(1, 1.5 - 4), (1 + 4, 1.5)])
-    assert leaves_of(build_map(log, poses, resolution=0.25, size=16)) == leaves_of(by_hand)
+    map = build_map(log, poses, resolution=0.25, size=16, free=True)
+    assert leaves_of(map) == leaves_of(by_hand)
     bare = QuadtreeMap(resolution=0.25, size=16, corner=(-8 + 1, -8 + 1))
     bare.insert_scan((1, 1.5), [(-1, 1.5)])
-    assert leaves_of(build_map(log, poses, resolution=0.25, size=16, free=False)) == leaves_of(bare)
+    assert leaves_of(build_map(log, poses, resolution=0.25, size=16)) == leaves_of(bare)
 
 
 def test_a_log_without_poses_is_an_empty_map():
@@ -261,7 +262,7 @@ def test_the_scan_that_cannot_be_inserted_is_named(scan, pose):
     """Among thousands: the message must say which, and not only which cell."""
     log = Log("two", [LaserScan([1.0], [0.0]), scan])
     with pytest.raises(ValueError, match=r"^scan 1: .*(beyond max_size|must be finite)"):
-        build_map(log, [(0, 0, 0), pose], resolution=0.01)
+        build_map(log, [(0, 0, 0), pose], resolution=0.01, free=True)
 
 
 def test_an_error_of_the_sensor_is_no_free_space():

@@ -42,7 +42,7 @@ class LandscapePanel(Panel):
     '1 peak within 30 cm'
     >>> panel.score.value = "occupancy"
     >>> panel.peaks.value
-    '105 peaks within 30 cm'
+    '101 peaks within 30 cm'
     """
 
     land: Landscape

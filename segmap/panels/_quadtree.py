@@ -62,7 +62,7 @@ class QuadtreePanel(Panel):
 
     def _draw(self, figure: Figure) -> None:
         count, side = self.scans.value, self.resolution * 2.0**self.doublings.value
-        self.map = build_map(self.log[:count], self.poses[:count], resolution=side, free=False)
+        self.map = build_map(self.log[:count], self.poses[:count], resolution=side)
         self.leaves.value = f"{len(self.map.leaves().x)} leaves of {side:.3g} m and more"
         grid = round(self.map.side / side) ** 2
         self.bytes.value = f"{self.map.nbytes / 1e3:.0f} kB; a grid {8 * grid / 1e3:.0f} kB"

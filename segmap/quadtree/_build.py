@@ -12,7 +12,7 @@ from ._map import QuadtreeMap
 
 
 def build_map(
-    log: Log, poses: ArrayLike, *, resolution: float = 0.05, free: bool = True, **options: Any
+    log: Log, poses: ArrayLike, *, resolution: float = 0.05, free: bool = False, **options: Any
 ) -> QuadtreeMap:
     """Insert every scan of a log from its pose, in the frame of the poses (B 4.2 to 4.4).
 
@@ -24,8 +24,8 @@ def build_map(
     resolution : float, metres
     free : bool
         Whether beams that met nothing count as free up to the sensor's largest range, where the
-        log knows that. So it is in simulated rooms. A real sensor answers the same for a dark or
-        slanted wall, which such rays then erase: give False for its logs.
+        log knows that. So it is in simulated rooms; a real sensor answers the same for a dark or
+        slanted wall, which such rays then erase.
     **options
         Of `QuadtreeMap`; without a corner the map begins around the first pose.
 
