@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from segmap import LaserScan, Log, alignment, load, read
-from segmap.alignment import Alignment, match_points
+from segmap.alignment import Alignment, laid_on_truth, match_points
+from segmap.angles import wrap
 from segmap.metrics import relation_errors
 from segmap.simulation import Wheels, drifting_odometry
 
@@ -102,13 +103,8 @@ def drifted(log: Log, seed: int) -> Log:
 def after_rigid_alignment(poses: Array, truth: Array) -> tuple[Array, Array]:
     """Errors of position and heading where the truth is known, after the best rigid motion."""
     known = np.isfinite(truth).all(1)
-    a, b = poses[known], truth[known]
-    p, q = a[:, :2] - a[:, :2].mean(0), b[:, :2] - b[:, :2].mean(0)
-    turn = np.arctan2((p[:, 0] * q[:, 1] - p[:, 1] * q[:, 0]).sum(), (p * q).sum())
-    c, s = np.cos(turn), np.sin(turn)
-    far = np.hypot(*(p @ np.array([[c, s], [-s, c]]) - q).T)
-    turned = (a[:, 2] + turn - b[:, 2] + np.pi) % (2 * np.pi) - np.pi
-    return far, np.abs(turned)
+    away = laid_on_truth(poses[known], truth[known], best=True) - truth[known]
+    return np.hypot(*away[:, :2].T), np.abs(wrap(away[:, 2]))
 
 
 def record(case: Case, method: str, found: Alignment) -> dict[str, Any]:

@@ -10,12 +10,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 from matplotlib.figure import Figure
 
-from segmap import METHODS, SegmentMap
+from segmap import METHODS, SegmentMap, readers
 from segmap._display import Table
 from segmap.experiments import (
     Pace,
     Record,
-    _bundled,
     _online,
     equal_quality,
     front,
@@ -149,7 +148,7 @@ def test_pace_adds_up_and_ends_with_the_last_scan(tmp_path, monkeypatch):
     assert pace.seconds[0] == pytest.approx(found.scan_seconds[:4].sum())
     (tmp_path / "records" / "online").mkdir(parents=True)
     _online.write_pace([pace, Pace.of(found, {})], tmp_path / "records" / "online" / "hall.csv")
-    monkeypatch.setattr(_bundled._bundled, "PLACES", (tmp_path,))
+    monkeypatch.setattr(readers._bundled, "PLACES", (tmp_path,))
     back, all_scans = _online.load_pace("hall")
     assert back.thresholds == {"distance": 0.2} and len(all_scans.scans) == 10
     np.testing.assert_array_equal(back.live, pace.live)

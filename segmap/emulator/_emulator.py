@@ -166,6 +166,7 @@ class _Device:
         self._stopping = threading.Event()
 
     def start(self) -> None:
+        """Open the pseudo-terminal, with its link, and serve it in a thread until `stop`."""
         import tty
 
         master, slave = os.openpty()
@@ -180,6 +181,7 @@ class _Device:
         self._thread.start()
 
     def stop(self) -> None:
+        """End the thread, close both ends and remove the link; a second call does nothing."""
         self._stopping.set()
         if self._thread is not None and self._thread is not threading.current_thread():
             self._thread.join()

@@ -108,6 +108,7 @@ class MatcherPanel(Panel):
         score, best, found = self._asked(start), -np.inf, [start]
 
         def watched(map: QuadtreeMap, points: ArrayLike, poses: ArrayLike) -> Array:
+            """Scores, `(n,)`; a pose `(3,)` that beats all before is a move."""
             nonlocal best
             values = score(map, points, poses)
             if values.max() > best:
@@ -124,6 +125,7 @@ class MatcherPanel(Panel):
         score, best, rounds = self._asked(start), (-np.inf, start), [start[None]]
 
         def watched(map: QuadtreeMap, points: ArrayLike, poses: ArrayLike) -> Array:
+            """Scores, `(n,)`; all poses asked at once, `(n, 3)`, are a round."""
             nonlocal best
             tried, values = np.asarray(poses, float), score(map, points, poses)
             if values.max() > best[0]:
