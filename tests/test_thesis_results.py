@@ -13,19 +13,16 @@ from segmap.experiments import (
     THESIS_GRIDS,
     Record,
     Records,
-    _bundled,
     load_records,
     sweep,
     thesis_grid,
     thesis_results,
 )
+from segmap.readers import _bundled
 
 
 def thesis_rows():
-    path = next(
-        p for place in _bundled._bundled.PLACES if (p := place / "thesis_results.csv").exists()
-    )
-    with path.open(encoding="utf-8", newline="") as lines:
+    with _bundled.data_file("thesis_results.csv").open(encoding="utf-8", newline="") as lines:
         return list(csv.DictReader(lines))
 
 
@@ -110,7 +107,7 @@ def test_records_by_name(tmp_path, monkeypatch):
     Records(runs[:1] * 3).write(folder / "hall.csv")
     Records(runs[1:]).write(folder / "room.csv")
     (folder / "alignment.csv").write_text("log,method\nhall,backbone\n", encoding="utf-8")
-    monkeypatch.setattr(_bundled._bundled, "PLACES", (tmp_path / "absent", tmp_path))
+    monkeypatch.setattr(_bundled, "PLACES", (tmp_path / "absent", tmp_path))
     assert list(load_records("hall")) == runs[:1] * 3 and len(load_records()) == 4
     with pytest.raises(ValueError, match="name must be of alignment, hall, room, got 'attic'"):
         load_records("attic")
