@@ -106,7 +106,7 @@ def test_the_map_is_that_of_map_scans():
     from segmap.matching import map_scans
     from segmap.quadtree import QuadtreeMap
 
-    log, map = load("room")[:5], QuadtreeMap(resolution=0.05)
+    log, map = load("room")[:5], QuadtreeMap(resolution=0.02)
     steps = list(map_scans(log, map=map))
     panel = LivePanel(log)
     panel.run(5)

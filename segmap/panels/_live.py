@@ -48,7 +48,7 @@ class LivePanel(Panel):
     ----------
     source : UrgSensor, or any iterable of LaserScan
     resolution : float, metres
-        Side of the smallest leaves.
+        Side of the smallest leaves: with coarser ones the poses drift sooner.
     start : (3,) array, metres and radians
         Pose of the first scan.
 
@@ -75,7 +75,7 @@ class LivePanel(Panel):
         self,
         source: UrgSensor | Iterable[LaserScan],
         *,
-        resolution: float = 0.05,
+        resolution: float = 0.02,
         start: ArrayLike = (0.0, 0.0, 0.0),
     ) -> None:
         self.source, self.map = source, QuadtreeMap(resolution=resolution)
