@@ -8,12 +8,22 @@ import sys
 import threading
 from pathlib import Path
 
+from ..hokuyo import SensorError
 from . import Emulator, Replay
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Run it; 0 at the end."""
+    """Run it; 0 at the end, 1 with a reason where it cannot be."""
     given = _parser().parse_args(arguments)
+    try:
+        _run(given)
+    except (SensorError, OSError, ValueError) as error:
+        print(f"{type(error).__name__}: {error}", file=sys.stderr)
+        return 1
+    return 0
+
+
+def _run(given: argparse.Namespace) -> None:
     stopping = threading.Event()
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, lambda *_: stopping.set())
@@ -23,7 +33,6 @@ def main(arguments: list[str] | None = None) -> int:
         print(emulator.port, flush=True)
         with contextlib.suppress(KeyboardInterrupt):
             stopping.wait()
-    return 0
 
 
 def _bytes(path: Path) -> bytes:

@@ -47,7 +47,7 @@ class Emulator:
     streaming, timing : bool
         Left streaming, or in time mode, by a host that crashed.
     link : str or Path or None
-        A symbolic link that names the device, the same after `replug`.
+        A symbolic link to make, which names the device, the same after `replug`.
     rng : numpy.random.Generator or None
         Of noise on the line.
 
@@ -55,6 +55,8 @@ class Emulator:
     ------
     SensorError
         On Windows, which has no pseudo-terminals.
+    OSError
+        Where the link cannot be made, or a file has its name.
 
     Examples
     --------
@@ -173,9 +175,11 @@ class _Device:
         tty.setraw(slave)
         os.set_blocking(master, False)
         self.name, self._ends = os.ttyname(slave), (master, slave)
-        if self.link is not None:
-            self.link.unlink(missing_ok=True)
-            self.link.symlink_to(self.name)
+        try:
+            self._make_link()
+        except OSError:
+            self._free()
+            raise
         self._stopping.clear()
         self._thread = threading.Thread(target=self._serve, name="URG emulator", daemon=True)
         self._thread.start()
@@ -188,10 +192,17 @@ class _Device:
             self._thread = None
         self._free()
 
+    def _make_link(self) -> None:
+        """Name the device, in the place of a link that was left behind, but of no file."""
+        if self.link is not None:
+            if self.link.is_symlink():
+                self.link.unlink()
+            self.link.symlink_to(self.name)
+
     def _free(self) -> None:
         ends, self._ends = self._ends, None
-        if self.link is not None and ends:
-            self.link.unlink(missing_ok=True)
+        if self.link is not None and ends and self.link.is_symlink():
+            self.link.unlink()
         for end in ends or ():
             os.close(end)
 

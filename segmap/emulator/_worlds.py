@@ -30,6 +30,11 @@ class Room:
     rng : numpy.random.Generator
         Of the sensor's noise.
 
+    Raises
+    ------
+    ValueError
+        For a path without poses.
+
     Examples
     --------
     >>> room = Room(rectangular_room(4, 3), [(1, 1, 0)], URG_04LX.ideal())
@@ -46,6 +51,8 @@ class Room:
     ) -> None:
         self.walls = as_segments(walls, "walls")
         self.path: Array = np.array(path, float).reshape(-1, 3)
+        if not len(self.path):
+            raise ValueError("path must hold at least one pose, (k, 3), got none")
         self.sensor = sensor
         self.rng = np.random.default_rng(1)
         self(0)  # loads what is compiled, before a sensor waits for it

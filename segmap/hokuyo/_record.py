@@ -61,11 +61,11 @@ def record(
     Log('one', 1 scan, no odometry, no truth)
     """
     target = Path(path)
-    if target.suffix == ".gz":
+    if target.suffix.lower() == ".gz":
         raise ValueError(f"{target.name}: a packed file cannot be added to, leave .gz out")
     scans = sensor.scans() if isinstance(sensor, UrgSensor) else iter(sensor)
     written = 0
-    if target.suffix in CARMEN:
+    if target.suffix.lower() in CARMEN:
         for scan in islice(scans, count):
             _append_line(target, scan)
             written += 1

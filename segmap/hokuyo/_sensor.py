@@ -3,6 +3,7 @@
 import contextlib
 import weakref
 from collections.abc import Iterator, Sequence
+from os import PathLike, fspath
 from types import TracebackType
 from typing import Self
 
@@ -26,7 +27,7 @@ class UrgSensor:
 
     Parameters
     ----------
-    port : str or Port
+    port : str or Path or Port
         A device, "auto" for the one Hokuyo on USB, or an open port.
     rates : sequence of int, bits a second
         To look for the sensor at; it is then switched to the first. USB takes any.
@@ -56,7 +57,10 @@ class UrgSensor:
     SensorError
         Where it cannot be reached, with what to do.
     ValueError
-        For an open port that is to come back after unplugging, or that waits for ever.
+        For no bit rate; for an open port that is to come back after unplugging, or that waits for
+        ever.
+    TypeError
+        For a port that is none.
 
     Examples
     --------
@@ -67,7 +71,7 @@ class UrgSensor:
 
     def __init__(
         self,
-        port: str | Port = "auto",
+        port: str | PathLike[str] | Port = "auto",
         *,
         rates: Sequence[int] = RATES,
         reconnect: float = 0.0,
@@ -75,6 +79,10 @@ class UrgSensor:
         sensor_pose: ArrayLike = (0.0, 0.0, 0.0),
         clock: Clock = host_time,
     ) -> None:
+        if isinstance(port, PathLike):
+            port = fspath(port)
+        if not len(rates):
+            raise ValueError("rates must name at least one bit rate")
         if reconnect > 0 and not isinstance(port, str):
             raise ValueError("reconnect needs the name of a device: an open port cannot come back")
         self._session = Session(port, rates, patience, clock)

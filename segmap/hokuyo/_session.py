@@ -156,6 +156,8 @@ def _limits(reply: Reply) -> tuple[dict[str, str], Geometry]:
 
 def _hurried(port: Port) -> Port:
     """A port of the caller's, which must not wait for ever: pyserial's do unless told."""
+    if not callable(getattr(port, "read", None)):
+        raise TypeError(f"port must be a device, 'auto' or an open serial port, got {port!r}")
     if getattr(port, "timeout", 0.0) is None:
         raise ValueError("the port must have a timeout, as serial.Serial(device, timeout=0.02) has")
     return port

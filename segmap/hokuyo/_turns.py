@@ -2,6 +2,7 @@
 
 from collections import deque
 from math import ceil
+from operator import index
 from statistics import median
 
 import numpy as np
@@ -48,16 +49,18 @@ class Turns:
         ------
         ValueError
             Where the sensor has no such steps, or a number is too large.
+        TypeError
+            For a number that is not whole.
         """
         g = self.geometry
-        begin = g.first if first is None else first
-        end = g.last if last is None else last
+        begin = g.first if first is None else index(first)
+        end = g.last if last is None else index(last)
         if not (0 <= begin <= end <= g.last and cluster >= 1):
             raise ValueError(
                 f"steps must lie in order within 0 to {g.last} and cluster be at least 1, "
                 f"got {begin} to {end} and {cluster}"
             )
-        request = ScanRequest(kind, begin, end, cluster, skip)
+        request = ScanRequest(kind, begin, end, index(cluster), index(skip))
         request.check()
         return request
 

@@ -32,6 +32,8 @@ from ._base import DPI, HEIGHT, WIDTH, Panel, slider, text
 RATE = 20
 #: Stop waits so long for a sensor that is silent or gone, seconds; it then ends by itself.
 LEAVE = 3.0
+#: Side of the leaves down to which rays split, over that of the smallest.
+COARSE = 16
 #: Of 0 to 9: a third of the size of no packing, in a tenth of the time of the best.
 PACKING = 2
 #: A cell is a square of one grey.
@@ -48,7 +50,8 @@ class LivePanel(Panel):
     ----------
     source : UrgSensor, or any iterable of LaserScan
     resolution : float, metres
-        Side of the smallest leaves: with coarser ones the poses drift sooner.
+        Side of the smallest leaves: with coarser ones the poses drift sooner. Rays split leaves
+        down to sixteen times as much, so that what nobody looked at is not white.
     start : (3,) array, metres and radians
         Pose of the first scan.
 
@@ -78,11 +81,12 @@ class LivePanel(Panel):
         resolution: float = 0.02,
         start: ArrayLike = (0.0, 0.0, 0.0),
     ) -> None:
-        self.source, self.map = source, QuadtreeMap(resolution=resolution)
-        self.seconds, self.taken = 0.0, 0
-        self._steps = map_scans(self._fed(), map=self.map, start=start)
+        self.source = source
+        self.map = QuadtreeMap(resolution=resolution, free_resolution=COARSE * resolution)
+        self.seconds, self.taken, self._begin = 0.0, 0, start
         self._scan: LaserScan | None = None
         self._step: Step | None = None
+        self._steps = self._mapping(start)
         self._newest: Newest | None = None
         self._times: deque[float] = deque(maxlen=RATE)
         self._thread: threading.Thread | None = None
@@ -112,8 +116,7 @@ class LivePanel(Panel):
         """Match a scan with the map, insert it, and draw."""
         begun = time.perf_counter()
         with self._drawing:
-            self._scan = scan
-            self._step = next(self._steps)
+            self._match(scan)
             self.taken += 1
             self._times.append(scan.time)
             self._redraw()
@@ -145,15 +148,38 @@ class LivePanel(Panel):
                         break
         except (SensorError, ValueError) as fault:
             self.state.value = str(fault)
+        except Exception as fault:
+            self.state.value = f"{type(fault).__name__}: {fault}"
         else:
             self.state.value = "stopped"
 
     def _scans(self) -> Generator[LaserScan, None, None]:
         yield from self.source.scans() if isinstance(self.source, UrgSensor) else self.source
 
+    def _mapping(self, start: ArrayLike) -> Iterator[Step]:
+        return map_scans(self._fed(), map=self.map, start=start)
+
     def _fed(self) -> Iterator[LaserScan]:
         while self._scan is not None:
             yield self._scan
+
+    def _match(self, scan: LaserScan) -> None:
+        """Match and insert; where that fails or is interrupted, the scan before goes in again.
+
+        A generator that raised has ended. The new one inserts its first scan unmatched, and only of
+        the last one that succeeded is it known where it was.
+        """
+        before, self._scan = self._scan, scan
+        try:
+            self._step = next(self._steps)
+        except BaseException:
+            self._scan = before
+            if self._step is None:
+                self._steps = self._mapping(self._begin)
+            else:
+                self._steps = self._mapping(self._step.pose)
+                next(self._steps)
+            raise
 
     # --------------------------------------------------------------------- drawing
     def _redraw(self, change: object = None) -> None:
