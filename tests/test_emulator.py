@@ -2,9 +2,10 @@
 
 import numpy as np
 import pytest
-from emulated import needs_terminals, pattern
+from emulated import needs_terminals, open_files, pattern
 
 from segmap.emulator import Emulator, Replay, Room, Unit, furnished_room
+from segmap.emulator.__main__ import main
 from segmap.hokuyo import (
     SensorError,
     decode,
@@ -232,6 +233,41 @@ def test_a_replay_gives_one_turn_after_the_other():
 def test_what_it_cannot_be(wrong):
     with pytest.raises(ValueError, match="must be"):
         Emulator(pattern, **wrong)
+
+
+def test_a_room_needs_a_path():
+    with pytest.raises(ValueError, match="path must hold at least one pose"):
+        Room(rectangular_room(4, 3), [])
+
+
+@needs_terminals
+def test_a_link_replaces_links_only(tmp_path):
+    """Catches a mistyped link that removes a log of the user's, and ends left open by a failure."""
+    mine = tmp_path / "mine.log"
+    mine.write_text("scans")
+    before = open_files()
+    for link in (mine, tmp_path / "none" / "laser"):
+        with pytest.raises(OSError, match=link.name):
+            Emulator(pattern, link=link)
+    assert mine.read_text() == "scans"
+    assert open_files() == before
+    stale = tmp_path / "laser"
+    stale.symlink_to(tmp_path / "gone")
+    with Emulator(pattern, link=stale) as emulator:
+        assert stale.resolve().exists()
+        assert emulator.port == str(stale)
+    assert not stale.is_symlink()
+
+
+@needs_terminals
+@pytest.mark.parametrize(
+    ("wrong", "why"), [("--rate=9600", "rate must be one of"), ("--replay=none", "No such file")]
+)
+def test_a_wrong_option_is_told_in_a_line(wrong, why, capsys):
+    """Catches a traceback in a terminal."""
+    assert main([wrong]) == 1
+    said = capsys.readouterr().err
+    assert why in said and said.count("\n") == 1
 
 
 @needs_terminals

@@ -54,6 +54,13 @@ def test_there_and_back(name, tmp_path):
         assert log.truth is None
 
 
+def test_endings_in_capitals(tmp_path):
+    """Catches a folder of the name of a log."""
+    assert record(map(scan, range(2)), tmp_path / "BENCH.LOG") == 2
+    assert (tmp_path / "BENCH.LOG").is_file()
+    assert numbers(tmp_path / "BENCH.LOG") == [0, 1]
+
+
 def test_what_cannot_be_recorded(tmp_path):
     with pytest.raises(ValueError, match="packed file cannot be added to"):
         record([], tmp_path / "some.log.gz")

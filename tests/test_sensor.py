@@ -184,6 +184,17 @@ def test_steps_that_it_has_not(wrong):
             next(sensor.scans(skip=10))
 
 
+@pytest.mark.parametrize("wrong", [{"first": 100.0}, {"cluster": 2.5}, {"last": "725"}])
+def test_steps_are_whole_numbers(wrong):
+    """Catches a request that the sensor refuses, with a reason about its laser."""
+    with (
+        Emulator(**FAST) as emulator,
+        of(emulator) as sensor,
+        pytest.raises(TypeError, match="interpreted as an integer"),
+    ):
+        sensor.scan(**wrong)
+
+
 def test_a_room_is_seen_as_it_is():
     """Catches beams that turn the wrong way, or start at another step."""
     room = Room(rectangular_room(4, 3), [(1.0, 1.0, 0.0)], URG_04LX.ideal())
@@ -358,6 +369,17 @@ def test_a_port_that_is_handed_in():
         assert not port.is_open
         with pytest.raises(ValueError, match="reconnect needs the name"):
             UrgSensor(port, reconnect=1.0)
+
+
+def test_what_a_port_may_be():
+    """A path as `pathlib` makes it is a device; what is no port is told so."""
+    with Emulator(pattern, **FAST) as emulator:
+        with UrgSensor(Path(emulator.port), patience=0.5, reconnect=1.0) as sensor:
+            turn_of(sensor.scan())
+        with pytest.raises(ValueError, match="at least one bit rate"):
+            of(emulator, rates=())
+    with pytest.raises(TypeError, match="port must be a device, 'auto' or an open serial port"):
+        UrgSensor(5)
 
 
 # --------------------------------------------------------------------------- unplugged
