@@ -53,6 +53,15 @@ def test_the_lines_for_a_sensor_run(tmp_path, monkeypatch, capsys):
     assert scope["quadtree"].QuadtreeMap.load(tmp_path / "room.npz").scans == 50
 
 
+def test_the_extra_of_the_chapters_opens_ports():
+    """Catches a classroom installed from `.[lab]` in which chapters 71 and 72 end at the import."""
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    extras = project["optional-dependencies"]
+    assert any(text.startswith("pyserial") for text in extras["laser"])
+    assert "segmap[laser]" in extras["lab"]
+    assert "segmap[lab]" in extras["dev"]
+
+
 def targets():
     """Targets that `make` lists, as the Makefile has them."""
     text = (ROOT / "Makefile").read_text(encoding="utf-8")
