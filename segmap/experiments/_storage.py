@@ -96,7 +96,7 @@ def keep(log: Log, poses: ArrayLike, *, resolution: float = 0.05, tolerance: flo
 def occupied_centres(map: QuadtreeMap) -> Array:
     """Centres of the occupied cells, `(n, 2)`, metres."""
     leaves = map.leaves()
-    occupied = 2 * leaves.occ > leaves.vis
+    occupied = leaves.occ > leaves.vis - leaves.occ
     corner = np.stack([leaves.x[occupied], leaves.y[occupied]], -1)
     return corner + leaves.side[occupied, None] / 2
 

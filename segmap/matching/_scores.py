@@ -9,8 +9,11 @@ from ..angles import Array
 from ..quadtree import QuadtreeMap
 from . import _search_loops as loops
 
-#: What `held` found last, and after how many scans.
-_HELD: WeakKeyDictionary[QuadtreeMap, tuple[int, loops.Holds]] = WeakKeyDictionary()
+#: What `held` found last, after how many scans, in how many blocks of which array: an interrupted
+#: scan changes the tree and is not counted.
+_HELD: WeakKeyDictionary[QuadtreeMap, tuple[tuple[int, int], loops.Counts, loops.Holds]] = (
+    WeakKeyDictionary()
+)
 
 
 def occupancy_score(map: QuadtreeMap, points: ArrayLike, poses: ArrayLike) -> Array:
@@ -69,7 +72,7 @@ def distance_score(map: QuadtreeMap, points: ArrayLike, poses: ArrayLike) -> Arr
     held(map)
     ends, at = checked(points, poses)
     leaves = map.leaves()
-    occupied = 2 * leaves.occ > leaves.vis
+    occupied = leaves.occ > leaves.vis - leaves.occ
     corner = np.stack([leaves.x[occupied], leaves.y[occupied]], -1)
     distance = cKDTree(corner + map.resolution / 2).query(all_placed(ends, at))[0]
     return -np.asarray(distance).reshape(len(at), len(ends)).sum(1)
@@ -140,10 +143,10 @@ def held(map: QuadtreeMap) -> loops.Holds:
     ValueError
         Where none does: an empty map has no score.
     """
-    tree, (scans, holds) = map.tree, _HELD.get(map, (-1, None))
-    if holds is None or scans != map.scans:
+    tree, (state, vis, holds) = map.tree, _HELD.get(map, (None, None, None))
+    if holds is None or state != (map.scans, tree.used) or vis is not tree.vis:
         holds = loops.occupied_blocks(tree.vis, tree.occ, tree.block, tree.used)
-        _HELD[map] = map.scans, holds
+        _HELD[map] = (map.scans, tree.used), tree.vis, holds
     if not holds[tree.block]:
         raise ValueError("the map holds no occupied cell, so no pose has a score: insert a scan")
     return holds

@@ -102,7 +102,14 @@ class QuadtreeMap(Pictured):
         >>> map.occupancy([(3.5, 0.5), (0.5, 3.5), (3.5, 3.5)])
         array([1.   , 0.475, 0.5  ])
         """
-        sensor, ends, free = self.cells_of_scan(sensor_xy, points, free_points)
+        cells = self.cells_of_scan(sensor_xy, points, free_points)
+        try:
+            self._insert(*cells)
+        except BaseException:  # interrupted: half a scan may be in, but in a tree
+            self.tree.mend()
+            raise
+
+    def _insert(self, sensor: loops.Cells, ends: loops.Cells, free: loops.Cells) -> None:
         tree, split_free = self.tree, self.free_resolution is not None
         # Steps 1 and 2: end points, each in a cell of its own
         tree.split_to(ends, inherit=split_free)
@@ -212,8 +219,8 @@ class QuadtreeMap(Pictured):
     @property
     def bounds(self) -> tuple[float, float, float, float]:
         """Left, low, right and high edge of the root now, metres."""
-        left, low = self.corner + self.tree.corner * self.resolution
-        return float(left), float(low), float(left + self.side), float(low + self.side)
+        left, low = (self.corner + self.tree.corner * self.resolution).tolist()
+        return left, low, left + self.side, low + self.side
 
     def save(self, path: str | Path) -> None:
         """Write the map as NPZ, through a temporary file: whole or not at all.
@@ -246,8 +253,7 @@ class QuadtreeMap(Pictured):
         return read_map(Path(path), cls)
 
     def __repr__(self) -> str:
-        count = f"{self.scans} scan" + "s" * (self.scans != 1)
-        leaves = 3 * self.tree.used + 1
+        leaves, count = 3 * self.tree.used + 1, f"{self.scans} scan" + "s" * (self.scans != 1)
         return (
             f"QuadtreeMap({self.side:.6g} m, {leaves} leaves of {self.resolution:.6g} m and more, "
             f"{count})"
@@ -260,8 +266,7 @@ class QuadtreeMap(Pictured):
         sensor = point("sensor_xy", sensor_xy)[None]
         ends, last = pairs("points", points), pairs("free_points", free_points)
         cells, inside = self._cells(sensor_xy=sensor, points=ends, free_points=last)
-        if not inside:
-            cells = cells + self._grow(cells)
+        cells = cells if inside else cells + self._grow(cells)
         return cells[0], cells[1 : len(ends) + 1], cells[len(ends) + 1 :]
 
     def _cells(self, **named: Array) -> tuple[loops.Cells, bool]:

@@ -53,7 +53,6 @@ class Tree:
                 x, y, level = x - left * (1 << level), y - down * (1 << level), level + 1
         for quarter in steps:
             self._double(quarter)
-        self.corner, self.level = self.corner + (x, y), level
 
     def _double(self, quarter: int) -> None:
         """Put the root into one quarter of a new one, whose other quarters nothing has crossed."""
@@ -61,6 +60,8 @@ class Tree:
         nodes = slice(4 * self.used, 4 * self.used + 4)
         self.vis[nodes], self.occ[nodes] = 0, 0
         self.vis[4 * self.used + quarter] = ~self.block
+        corner = self.corner - np.array([quarter & 1, quarter >> 1]) * (1 << self.level)
+        self.corner, self.level = corner, self.level + 1
         self.block, self.used = self.used, self.used + 1
 
     def split_to(self, cells: Cells, *, inherit: bool) -> None:
@@ -106,6 +107,12 @@ class Tree:
         self.vis, self.occ, self.used = whole.joined(self.vis, self.occ, self.block, self.used)
         self.block = 0
 
+    def mend(self) -> None:
+        """Keep the blocks that the root reaches: a loop may have ended unheard, interrupted."""
+        room = len(self.vis) // 4
+        self.vis, self.occ, self.used = whole.reached(self.vis, self.occ, self.block, room)
+        self.block = 0
+
     def leaves_at(self, cells: Cells) -> Cells:
         """Leaf of each cell `(n, 2)`; -1 outside the root."""
         return loops.leaves_at(self.vis, self.block, self.level, cells)
@@ -119,8 +126,8 @@ class Tree:
         """Make sure that so many blocks can be added."""
         wanted = 4 * (self.used + blocks)
         if wanted > len(self.vis):
-            self.vis = np.resize(self.vis, 3 * wanted // 2)
-            self.occ = np.resize(self.occ, 3 * wanted // 2)
+            room = 3 * wanted // 2
+            self.vis, self.occ = np.resize(self.vis, room), np.resize(self.occ, room)
 
 
 def in_use(tree: Tree) -> tuple[NDArray[np.int32], NDArray[np.int32]]:

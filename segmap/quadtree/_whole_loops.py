@@ -37,16 +37,8 @@ def joined(vis: Counts, occ: Counts, root: int, used: int) -> tuple[Counts, Coun
 
     New arrays without gaps, and the blocks used; the root is block 0.
     """
-    order, above = np.empty(used, np.int64), np.full(used, -1, np.int64)
-    order[0], count = root, 1
-    for k in range(used):  # parents before children
-        if k < count:
-            for node in range(4 * order[k], 4 * order[k] + 4):
-                if vis[node] < 0:
-                    order[count] = ~np.int64(vis[node])
-                    above[order[count]] = node
-                    count += 1
-    for k in range(count - 1, 0, -1):
+    order, above = _parents_first(vis, root, used)
+    for k in range(len(order) - 1, 0, -1):
         a = 4 * order[k]
         same = vis[a] >= 0 and occ[a] == 0
         for node in range(a + 1, a + 4):
@@ -54,7 +46,31 @@ def joined(vis: Counts, occ: Counts, root: int, used: int) -> tuple[Counts, Coun
         if same:
             vis[above[order[k]]] = vis[a]
             order[k] = -1
-    return _compact(vis, occ, order[:count])
+    return _compact(vis, occ, order)
+
+
+@compiled
+def reached(vis: Counts, occ: Counts, root: int, room: int) -> tuple[Counts, Counts, int]:
+    """The tree as new arrays, of blocks `(4 room,)`, that hold what the root reaches alone.
+
+    Also the blocks used; the root is block 0.
+    """
+    return _compact(vis, occ, _parents_first(vis, root, room)[0])
+
+
+@compiled
+def _parents_first(vis: Counts, root: int, room: int) -> tuple[Cells, Cells]:
+    """Blocks that the root reaches, parents before children, and the node above each block."""
+    order, above = np.empty(room, np.int64), np.full(room, -1, np.int64)
+    order[0], count = root, 1
+    for k in range(room):
+        if k < count:
+            for node in range(4 * order[k], 4 * order[k] + 4):
+                if vis[node] < 0:
+                    order[count] = ~np.int64(vis[node])
+                    above[order[count]] = node
+                    count += 1
+    return order[:count], above
 
 
 @compiled
