@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from emulated import emulator_threads, needs_terminals, pattern
 
-from segmap import LaserScan
+from segmap import LaserScan, load
 from segmap.emulator import Emulator, furnished_room
 from segmap.hokuyo import Newest, SensorError, UrgSensor
 from segmap.panels import LivePanel
@@ -102,7 +102,6 @@ def test_the_panel_tells_of_a_lost_sensor():
 
 def test_the_map_is_that_of_map_scans():
     """Catches a panel with a map of its own making."""
-    from segmap import load
     from segmap.matching import map_scans
     from segmap.quadtree import QuadtreeMap
 
@@ -113,6 +112,40 @@ def test_the_map_is_that_of_map_scans():
     assert panel._step is not None
     assert panel._step.pose.tolist() == steps[-1].pose.tolist()
     assert np.array_equal(panel.map.to_grid(), map.to_grid())
+
+
+@pytest.mark.parametrize("after", [0, 3])
+def test_goes_on_after_a_step_that_was_interrupted(after, monkeypatch):
+    """Catches a panel that Control-C in one cell, or one scan that does not fit, ends for good."""
+
+    def interrupted(*arguments):
+        raise KeyboardInterrupt
+
+    log = load("room")[:8]
+    whole, panel = LivePanel(log), LivePanel(log)
+    whole.run(8)
+    for scan in log[:after]:
+        panel.take(scan)
+    with monkeypatch.context() as patched:
+        patched.setattr(panel.map, "insert_scan", interrupted)
+        with pytest.raises(KeyboardInterrupt):
+            panel.take(log[after])
+    panel.tolerance.value = 0.05  # draws the last scan that has a place, or none
+    for scan in log[after:]:
+        panel.take(scan)
+    assert panel.taken == 8
+    assert panel._step is not None and whole._step is not None
+    assert panel._step.pose == pytest.approx(whole._step.pose, abs=0.05)
+
+
+def test_a_fault_of_the_source_ends_in_words():
+    """Catches a state that says "running" while the thread has died."""
+    panel = LivePanel([1.0, 2.0])  # type: ignore[list-item]
+    panel.start.click()
+    until = time.monotonic() + 20
+    while "Error" not in panel.state.value and time.monotonic() < until:
+        time.sleep(0.02)
+    assert "AttributeError: 'float' object has no attribute 'points'" in panel.state.value
 
 
 def test_stop_does_not_wait_for_ever(monkeypatch):

@@ -86,7 +86,7 @@ class LivePanel(Panel):
         self.seconds, self.taken, self._begin = 0.0, 0, start
         self._scan: LaserScan | None = None
         self._step: Step | None = None
-        self._steps = self._mapping(start)
+        self._steps: Iterator[Step] | None = self._begun()
         self._newest: Newest | None = None
         self._times: deque[float] = deque(maxlen=RATE)
         self._thread: threading.Thread | None = None
@@ -156,30 +156,31 @@ class LivePanel(Panel):
     def _scans(self) -> Generator[LaserScan, None, None]:
         yield from self.source.scans() if isinstance(self.source, UrgSensor) else self.source
 
-    def _mapping(self, start: ArrayLike) -> Iterator[Step]:
-        return map_scans(self._fed(), map=self.map, start=start)
-
     def _fed(self) -> Iterator[LaserScan]:
         while self._scan is not None:
             yield self._scan
 
     def _match(self, scan: LaserScan) -> None:
-        """Match and insert; where that fails or is interrupted, the scan before goes in again.
-
-        A generator that raised has ended. The new one inserts its first scan unmatched, and only of
-        the last one that succeeded is it known where it was.
-        """
-        before, self._scan = self._scan, scan
+        """Match and insert; a scan that fails, or is interrupted, is left out."""
+        before = self._scan
         try:
+            self._steps = self._steps or self._begun()
+            self._scan = scan
             self._step = next(self._steps)
         except BaseException:
-            self._scan = before
-            if self._step is None:
-                self._steps = self._mapping(self._begin)
-            else:
-                self._steps = self._mapping(self._step.pose)
-                next(self._steps)
+            self._scan, self._steps = before, None  # a generator that raised has ended
             raise
+
+    def _begun(self) -> Iterator[Step]:
+        """Steps from the start, or from the last one that went well.
+
+        The first scan of new steps goes in unmatched: it is the one whose place is known, again.
+        """
+        pose = self._begin if self._step is None else self._step.pose
+        steps = map_scans(self._fed(), map=self.map, start=pose)
+        if self._step is not None:
+            next(steps)
+        return steps
 
     # --------------------------------------------------------------------- drawing
     def _redraw(self, change: object = None) -> None:
