@@ -34,6 +34,30 @@ def test_bytes_are_those_of_the_arrays():
     assert 4 / 0.05 <= max(rows, columns) <= 4.3 / 0.05
 
 
+def test_scans_without_a_pose_are_left_out():
+    """Catches points that are nowhere and yet counted: 126 of the 225 scans of Malaga."""
+    poses = LOG.truth.copy()
+    poses[1::2] = np.nan
+    found, expected = keep(LOG, poses).kept, keep(LOG[::2], LOG.truth[::2]).kept
+    for some, same in zip(found, expected, strict=True):
+        assert (some.parts, some.nbytes) == (same.parts, same.nbytes)
+        assert np.array_equal(some.points, same.points)
+    assert keep(LOG[:0], np.empty((0, 3))).kept[0].parts == 0
+
+
+@pytest.mark.parametrize("poses", [None, LOG.truth[:-1], np.full((len(LOG), 3), np.inf)])
+def test_poses_that_do_not_fit_the_log_are_refused(poses):
+    with pytest.raises(ValueError, match=r"^poses must"):
+        keep(LOG, poses)
+
+
+def test_what_cannot_be_measured_is_refused():
+    with pytest.raises(ValueError, match="walls must hold at least one"):
+        wall_errors(np.zeros((1, 2)), [])
+    with pytest.raises(ValueError, match="spacing must be positive"):
+        along(WALLS, 0)
+
+
 def test_the_order_that_the_chapter_shows():
     """Reduced segments are the smallest and nearest to straight walls; the tree beats the grid."""
     found, _ = by_name()

@@ -57,6 +57,7 @@ def keep(log: Log, poses: ArrayLike, *, resolution: float = 0.05, tolerance: flo
     ----------
     log : Log
     poses : (k, 3) array, metres and radians
+        One a scan; scans with NaN in their pose are left out of all five.
     resolution : float, metres
         Of the quadtree and the grid.
     tolerance : float, metres
@@ -68,6 +69,12 @@ def keep(log: Log, poses: ArrayLike, *, resolution: float = 0.05, tolerance: flo
         Bytes: 16 a point, 32 a segment, 8 a node of the tree, and two counts of 4 bytes for each
         cell of a grid that just holds the occupied cells.
 
+    Raises
+    ------
+    ValueError
+        As `quadtree.build_map`, for poses that do not fit the log say; for a tolerance that is not
+        positive.
+
     Examples
     --------
     >>> from segmap import load
@@ -75,11 +82,14 @@ def keep(log: Log, poses: ArrayLike, *, resolution: float = 0.05, tolerance: flo
     >>> [kept.name for kept in keep(log, log.truth).kept]
     ['points', 'segments', 'reduced segments', 'quadtree', 'dense grid']
     """
-    at = np.asarray(poses, float)
-    points = np.concatenate([transform(pose, s.points()) for pose, s in zip(at, log, strict=True)])
+    map = build_quadtree(log, poses, resolution=resolution)  # which looks at the poses
+    at = np.asarray(poses, float).reshape(-1, 3)
+    placed = np.flatnonzero(np.isfinite(at).all(1)).tolist()
+    points = np.concatenate(
+        [np.empty((0, 2)), *(transform(at[k], log[k].points()) for k in placed)]
+    )
     segments = build_map(log, at)
     reduced = fusion(segments, tolerance=tolerance).segments
-    map = build_quadtree(log, at, resolution=resolution)
     cells = occupied_centres(map)
     grid = np.ptp(np.rint(cells / resolution), axis=0) + 1 if len(cells) else np.zeros(2)
     size = int(grid.prod())
@@ -104,6 +114,11 @@ def occupied_centres(map: QuadtreeMap) -> Array:
 def along(segments: Segments, spacing: float = SPACING) -> Array:
     """Points `(n, 2)`, metres, along segments, evenly, at most so far apart, both ends among them.
 
+    Raises
+    ------
+    ValueError
+        For a spacing that is not positive.
+
     Examples
     --------
     >>> along([[(0, 0), (1, 0)]], 0.5)
@@ -111,6 +126,8 @@ def along(segments: Segments, spacing: float = SPACING) -> Array:
            [0.5, 0. ],
            [1. , 0. ]])
     """
+    if not 0 < spacing < np.inf:
+        raise ValueError(f"spacing must be positive and finite, in metres, got {spacing}")
     ends = as_segments(segments)
     counts = np.maximum(np.ceil(length(ends) / spacing - 1e-9), 1).astype(int)
     parts = [
@@ -123,12 +140,20 @@ def along(segments: Segments, spacing: float = SPACING) -> Array:
 def wall_errors(points: Array, walls: Segments) -> Array:
     """Distance of each point from the nearest wall, `(n,)`, metres.
 
+    Raises
+    ------
+    ValueError
+        Without walls.
+
     Examples
     --------
     >>> wall_errors(np.array([(0.5, 0.2), (2, 0)]), [[(0, 0), (1, 0)]])
     array([0.2, 1. ])
     """
-    return np.min([point_distance(points, wall) for wall in as_segments(walls)], axis=0)
+    known = as_segments(walls)
+    if not len(known):
+        raise ValueError("walls must hold at least one: without, there is no distance to them")
+    return np.min([point_distance(points, wall) for wall in known], axis=0)
 
 
 def judge(kept: Iterable[Kept], walls: Segments, *, within: float = 0.05) -> list[Judged]:
@@ -146,6 +171,11 @@ def judge(kept: Iterable[Kept], walls: Segments, *, within: float = 0.05) -> lis
     -------
     list of Judged
         Covered: of those samples of walls that the first covers; NaN where it covers none.
+
+    Raises
+    ------
+    ValueError
+        Without walls.
     """
     from scipy.spatial import cKDTree
 
