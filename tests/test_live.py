@@ -1,7 +1,10 @@
 """Live mapping: what comes too fast is left out, and never queued."""
 
+import json
+import re
 import threading
 import time
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -136,6 +139,30 @@ def test_goes_on_after_a_step_that_was_interrupted(after, monkeypatch):
     assert panel.taken == 8
     assert panel._step is not None and whole._step is not None
     assert panel._step.pose == pytest.approx(whole._step.pose, abs=0.05)
+
+
+@needs_terminals
+def test_the_panel_of_the_chapter_starts_after_its_last_cell():
+    """Catches a chapter that closes the sensor of its panel: after Run All its buttons are dead."""
+    pytest.importorskip("serial", reason="the driver opens ports with pyserial")
+    chapter = Path(__file__).parents[1] / "notebooks" / "72_live_mapping.ipynb"
+    cells = [c for c in json.loads(chapter.read_text("utf-8"))["cells"] if c["cell_type"] == "code"]
+    sources = ["".join(cell["source"]) for cell in cells]
+    kept = [text for text in sources if re.search(r"sensor|device|carried|log =|unplug", text)]
+    scope: dict = {}
+    for text in kept:
+        quick = (
+            re.sub(r"speed=\d+", "speed=20", text).replace("300", "5").replace("run(40)", "run(4)")
+        )
+        exec(compile(quick.replace("taken == 40", "taken == 4"), chapter.name, "exec"), scope)
+    panel = scope["panel"]
+    panel.start.click()
+    until = time.monotonic() + 20
+    while panel.taken < 8 and time.monotonic() < until:
+        time.sleep(0.02)
+    panel.stop.click()
+    assert panel.state.value == "stopped"
+    assert panel.taken >= 8
 
 
 def test_a_fault_of_the_source_ends_in_words():
