@@ -11,6 +11,7 @@ from segmap.matching import (
     nearest_score,
     occupancy_score,
     peaks,
+    profile_peaks,
     room_walk,
 )
 from segmap.poses import transform
@@ -101,3 +102,15 @@ def test_records_of_growth_and_of_a_real_log():
         ValueError, match=r"data/records/matching_moon\.csv is missing: run `make bench`"
     ):
         load_columns("matching_moon")
+
+
+@pytest.mark.parametrize("shift", range(8))
+def test_the_ends_of_a_whole_turn_are_one_place(shift):
+    """Catches a peak at -180 degrees that is lower than its neighbour at 179."""
+    heights = np.roll([0, 2, 1, 0, 3, 3, 1, 0], shift)
+    turn = np.linspace(-np.pi, np.pi, 9)
+    found = profile_peaks(turn, np.append(heights, heights[0]))
+    assert [int(heights[k]) for k in found] == [3, 2] and found.max() < 8
+    assert profile_peaks(turn, np.ones(9)).tolist() == [0]
+    part = profile_peaks(turn / 2, np.arange(9.0))  # half a turn has two borders
+    assert part.tolist() == [8]

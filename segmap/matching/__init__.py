@@ -1,7 +1,7 @@
 """Where a scan lies on a quadtree map: scores, and the two greedy matchers of B (4.3)."""
 
 from ._field import DistanceField
-from ._landscape import Landscape, heading_profile, landscape, peaks
+from ._landscape import Landscape, heading_profile, landscape, peaks, profile_peaks
 from ._mapping import Step, map_scans
 from ._matchers import Score, field_score, hill_climb, sample_and_rank
 from ._scores import descent_score, distance_score, nearest_score, occupancy_score
@@ -38,6 +38,7 @@ __all__ = [
     "nearest_score",
     "occupancy_score",
     "peaks",
+    "profile_peaks",
     "room_walk",
     "room_walls",
     "sample_and_rank",

@@ -152,3 +152,34 @@ def peaks(values: ArrayLike) -> NDArray[np.int64]:
     first = [tuple(np.argwhere(plateaus == k + 1)[0]) for k in range(count)]
     first.sort(key=lambda place: -heights[place])
     return np.array(first, np.int64).reshape(count, heights.ndim)
+
+
+def profile_peaks(turn: ArrayLike, values: ArrayLike) -> NDArray[np.int64]:
+    """Places of a profile that are higher than all around them, `(k,)`, the highest first.
+
+    As `peaks`, but after a whole turn the last value is the first again: the ends are no border.
+
+    Parameters
+    ----------
+    turn : (m,) array, radians
+    values : (m,) array
+        Both from `heading_profile`.
+
+    Raises
+    ------
+    ValueError
+        As `peaks`.
+
+    Examples
+    --------
+    >>> turn, values = np.radians([-180, -90, 0, 90, 180]), [2, 1, 0, 3, 2]
+    >>> profile_peaks(turn, values), peaks(values)[:, 0]
+    (array([3]), array([3, 0]))
+    """
+    angles, heights = np.asarray(turn, float), np.asarray(values, float)
+    if not np.isclose(angles[-1] - angles[0], 2 * np.pi):
+        return peaks(heights)[:, 0]
+    count = len(heights) - 1
+    found = peaks(np.tile(heights[:-1], 3))[:, 0] - count  # in the middle one of three turns
+    inside = found[(found >= 0) & (found < count)]
+    return inside if len(inside) else np.zeros(1, np.int64)

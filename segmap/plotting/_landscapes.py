@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from numpy.typing import ArrayLike
 
-from ..matching import DistanceField, Landscape, Trial, peaks
+from ..matching import DistanceField, Landscape, Trial, peaks, profile_peaks
 from ._style import ERROR, RESULT, TRUTH, axes_or_new, dressed
 
 #: Marks of matchers, used in turn.
@@ -110,7 +110,7 @@ def draw_profile(
     degrees = np.degrees(np.asarray(turn, float))
     ax.plot(degrees, scores, color=RESULT)
     if tops:
-        found = peaks(scores)[:, 0]
+        found = profile_peaks(np.radians(degrees), scores)
         ax.plot(degrees[found], scores[found], "o", color=ERROR)
     ax.set(xlabel="heading off by [degrees]", ylabel="score")
     return ax
