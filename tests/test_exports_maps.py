@@ -107,15 +107,25 @@ def test_the_file_says_what_its_classes_mean(tmp_path):
     assert "free: occupancy <= 0.1, occupied: occupancy > 0.6, else unknown; bias 1" in text
 
 
-@pytest.mark.parametrize("name", ["it", "a: #1 'Málaga'"])
+@pytest.mark.parametrize("name", ["it", "a: #1 'Málaga'", "\N{HOUSE BUILDING}"])
 def test_it_is_yaml_for_a_yaml_reader(name, tmp_path):
     """Catches names that mean something else in YAML."""
     yaml = pytest.importorskip("yaml", reason="PyYAML is not installed here")
     write_ros_map(tmp_path / f"{name}.yaml", corner_map())
-    found = yaml.safe_load((tmp_path / f"{name}.yaml").read_text())
+    found = yaml.safe_load((tmp_path / f"{name}.yaml").read_text(encoding="utf-8"))
     assert found["image"] == f"{name}.pgm" and found["resolution"] == 0.25
     assert [type(v) for v in found["origin"]] == [float] * 3
     assert (found["occupied_thresh"], found["free_thresh"]) == (0.65, 0.196)
+
+
+@pytest.mark.parametrize("corner", [(1e-17, -1e-5), (-1e22, 1e-300), (0.3, -0.1 * 3)])
+def test_small_and_large_numbers_are_no_words(corner, tmp_path):
+    """Catches an origin of -1e-05, which is a word where YAML wants a point in a number."""
+    yaml = pytest.importorskip("yaml", reason="PyYAML is not installed here")
+    map = QuadtreeMap(resolution=1e-5, size=4e-5, corner=corner)
+    write_ros_map(tmp_path / "it.yaml", map)
+    found = yaml.safe_load((tmp_path / "it.yaml").read_text(encoding="utf-8"))
+    assert (found["origin"], found["resolution"]) == ([*map.corner, 0.0], 1e-5)
 
 
 def test_an_empty_map_is_all_unknown(tmp_path):

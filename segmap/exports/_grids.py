@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from ..quadtree import QuadtreeMap
 from ..quadtree._whole_loops import painted
-from ._files import write_bytes, write_lines
+from ._files import write_bytes
 
 #: Grey values of classes: free, unknown, occupied.
 GREYS = np.array([254, 205, 0], np.uint8)
@@ -137,16 +137,20 @@ def write_ros_map(
     picture, pixels = place.with_suffix(".pgm"), np.flipud(found.greys).tobytes()
     write_bytes(picture, f"P5\n{columns} {rows}\n255\n".encode("ascii") + pixels)
     thresholds = f"free: occupancy <= {free:g}, occupied: occupancy > {occupied:g}"
-    write_lines(
-        place,
-        [
-            f"image: {json.dumps(picture.name)}",
-            f"resolution: {found.side!r}",
-            f"origin: [{found.left!r}, {found.low!r}, 0.0]",
-            "negate: 0",
-            f"occupied_thresh: {OCCUPIED_THRESH}",
-            f"free_thresh: {FREE_THRESH}",
-            "mode: trinary",
-            f"# {thresholds}, else unknown; bias {map.bias}",
-        ],
-    )
+    lines = [
+        f"image: {json.dumps(picture.name, ensure_ascii=False)}",
+        f"resolution: {_number(found.side)}",
+        f"origin: [{_number(found.left)}, {_number(found.low)}, 0.0]",
+        "negate: 0",
+        f"occupied_thresh: {OCCUPIED_THRESH}",
+        f"free_thresh: {FREE_THRESH}",
+        "mode: trinary",
+        f"# {thresholds}, else unknown; bias {map.bias}",
+    ]
+    write_bytes(place, "".join(f"{line}\n" for line in lines).encode())
+
+
+def _number(value: float) -> str:
+    """A number that every YAML reader takes for one: without a point, 1e-05 is a word to some."""
+    mantissa, mark, power = repr(value).partition("e")
+    return mantissa + (".0" if mark and "." not in mantissa else "") + mark + power
