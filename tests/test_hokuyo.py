@@ -226,8 +226,20 @@ def test_no_flipped_bit_makes_another_status():
             parse_reply([b"BM", bytes(status)])
 
 
-@pytest.mark.parametrize("change", [{"ARES": "0"}, {"AMIN": "x"}, {"AMAX": "9999"}, {"SCAN": "0"}])
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"ARES": "0"},
+        {"AMIN": "x"},
+        {"AMAX": "9999"},
+        {"SCAN": "0"},
+        {"AFRT": "1024"},
+        *({key: "9" * 400} for key in ("SCAN", "AFRT", "DMAX")),
+    ],
+    ids=lambda change: "{}={:.9}".format(*next(iter(change.items()))),
+)
 def test_a_geometry_that_cannot_be(change):
+    """Catches an arc without its front, and numbers so long that the arithmetic overflows."""
     geometry = parse_geometry(TOLD)
     assert geometry.angles(384, 2).tolist() == [0.0, 2 * np.pi / 1024]
     assert np.degrees(geometry.angles(44, 1))[0] == pytest.approx(-119.53, abs=0.005)

@@ -23,6 +23,9 @@ STATUS = {
     "01": "the laser does not work, or a number was malformed",
 }
 
+#: No number of a sensor's geometry is larger: steps, millimetres, turns a minute.
+LARGEST = 1 << 20
+
 _STATUS = re.compile("[0-9A-Z]{2}")
 
 
@@ -152,7 +155,8 @@ def parse_geometry(info: dict[str, str]) -> Geometry:
     except (KeyError, ValueError) as error:
         raise SensorError(f"PP told no geometry, {error} is wrong in {info}") from None
     steps, first, last, front, least, most, rpm = numbers
-    if not (0 <= first <= last < steps <= 1 << 20 and 0 <= least < most and rpm > 0):
+    is_arc = 0 <= first <= last < steps <= LARGEST and 0 <= front < steps
+    if not (is_arc and 0 <= least < most <= LARGEST and 0 < rpm <= LARGEST):
         raise SensorError(f"PP told a geometry that cannot be: {info}")
     return Geometry(steps, first, last, front, least, most, 60.0 / rpm)
 
