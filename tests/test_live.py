@@ -172,7 +172,7 @@ def test_a_fault_of_the_source_ends_in_words():
     until = time.monotonic() + 20
     while "Error" not in panel.state.value and time.monotonic() < until:
         time.sleep(0.02)
-    assert "AttributeError: 'float' object has no attribute 'points'" in panel.state.value
+    assert "ValueError: scan 0: wanted a LaserScan" in panel.state.value
 
 
 def test_stop_does_not_wait_for_ever(monkeypatch):

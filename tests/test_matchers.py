@@ -278,6 +278,7 @@ def test_sigma_must_be_positive(sigma):
         ({"steps": [(0.001, 0.02)]}, "steps must be one of thesis, halving, got "),
         ({"rounds": -1}, "rounds must be a whole number of at least 0, got -1"),
         ({"rounds": 2.5}, "rounds must be a whole number"),
+        ({"rounds": np.inf}, "rounds must be a whole number .* got inf"),
         ({"score": "nearest"}, "score must be a function .* nearest_score say, got 'nearest'"),
     ],
 )

@@ -93,7 +93,7 @@ def map_scans(
     ValueError
         At once for a `settle` below 1, a start that is no pose, a matcher or score that is no
         function, `sample_and_rank` without a generator. Naming the scan, with the map as it was
-        before it, where one is not finite or reaches beyond the map's `max_size`.
+        before it, where one is no LaserScan, is not finite or reaches beyond the map's `max_size`.
 
     Examples
     --------
@@ -125,6 +125,9 @@ def _steps(
 ) -> Iterator[Step]:
     inserted = 0
     for k, scan in enumerate(log):
+        if not isinstance(scan, LaserScan):
+            got = type(scan).__name__
+            raise ValueError(f"scan {k}: wanted a LaserScan, as a Log or sensor gives, got {got}")
         begun, points, value = time.perf_counter(), scan.points(), np.nan
         try:
             if len(points) and inserted >= settle:

@@ -105,7 +105,7 @@ def hill_climb(
     """
     if not isinstance(steps, str) or steps not in STEPS:
         raise ValueError(f"steps must be one of {', '.join(STEPS)}, got {steps!r}")
-    if not (rounds >= 0 and int(rounds) == rounds):
+    if not (0 <= rounds < np.inf and int(rounds) == rounds):
         raise ValueError(f"rounds must be a whole number of at least 0, got {rounds}")
     ends, pose = checked_start(points, start)
     values = prepared(score, map, ends, pose)
