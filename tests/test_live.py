@@ -165,14 +165,27 @@ def test_the_panel_of_the_chapter_starts_after_its_last_cell():
     assert panel.taken >= 8
 
 
-def test_a_fault_of_the_source_ends_in_words():
+def broken_source():
+    """A source whose driver has a mistake."""
+    yield from ()
+    raise AttributeError("no such port")
+
+
+@pytest.mark.parametrize(
+    ("source", "words"),
+    [
+        ([1.0, 2.0], "scan 0: wanted a LaserScan"),
+        (broken_source(), "AttributeError: no such port"),
+    ],
+)
+def test_a_fault_of_the_source_ends_in_words(source, words):
     """Catches a state that says "running" while the thread has died."""
-    panel = LivePanel([1.0, 2.0])  # type: ignore[list-item]
+    panel = LivePanel(source)
     panel.start.click()
     until = time.monotonic() + 20
-    while "Error" not in panel.state.value and time.monotonic() < until:
+    while words not in panel.state.value and time.monotonic() < until:
         time.sleep(0.02)
-    assert "ValueError: scan 0: wanted a LaserScan" in panel.state.value
+    assert words in panel.state.value
 
 
 def test_stop_does_not_wait_for_ever(monkeypatch):
