@@ -271,13 +271,9 @@ class QuadtreeMap(Pictured):
 
     def _cells(self, **named: Array) -> tuple[loops.Cells, bool]:
         """Cells of points `(n, 2)`, counted from the root's, and whether it holds them all."""
-        cells, finite, inside = loops.cells_of(
-            np.concatenate(list(named.values())),
-            self.corner,
-            self.resolution,
-            self.tree.corner,
-            1 << self.tree.level,
-        )
+        root = self.tree.corner, 1 << self.tree.level
+        together = np.concatenate(list(named.values()))
+        cells, finite, inside = loops.cells_of(together, self.corner, self.resolution, *root)
         if not finite:
             check_finite(**named)
         return cells, inside
