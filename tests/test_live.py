@@ -163,6 +163,10 @@ def test_the_panel_of_the_chapter_starts_after_its_last_cell():
     panel.stop.click()
     assert panel.state.value == "stopped"
     assert panel.taken >= 8
+    for laser, unit in (("sensor", "device"), ("again", "second")):
+        scope[laser].close()
+        scope[unit].stop()
+    assert emulator_threads() == []
 
 
 def broken_source():
