@@ -14,7 +14,7 @@ from pathlib import Path
 
 import numpy as np
 
-from segmap.angles import Array
+from segmap.arrays import Array
 from segmap.scans import LaserScan, Log
 from segmap.simulation import (
     SICK_LMS200,

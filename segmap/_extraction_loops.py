@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ._compiled import compiled
-from .angles import Array
+from .arrays import Array
 from .segments import MIN_LENGTH
 
 Line = tuple[float, float, float, float]

@@ -7,7 +7,7 @@ every pair whose lower bound exceeds the best pair found so far; so the minimum 
 import numpy as np
 
 from ._compiled import compiled
-from .angles import Array
+from .arrays import Array
 from .segments import MIN_LENGTH
 
 ANGULAR, ACROSS, APART = 0.66, 0.09, 0.25

@@ -6,9 +6,9 @@ uses the axial forms below.
 """
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-Array = NDArray[np.float64]
+from .arrays import Array
 
 
 def wrap(angle: ArrayLike) -> Array:

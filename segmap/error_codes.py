@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .angles import Array
+from .arrays import Array
 
 #: Values below this, in millimetres, are codes.
 LOWEST = 20

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from . import _extraction_loops as loops
-from .angles import Array
+from .arrays import Array
 from .poses import transform
 from .scans import Log
 from .segments import SegmentMap

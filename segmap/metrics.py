@@ -7,10 +7,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _metrics_loops as loops
+from . import arrays
 from ._metrics_loops import ACROSS, ANGULAR, APART, PERPENDICULAR
-from .angles import Array, axial_difference, wrap
+from .angles import axial_difference, wrap
+from .arrays import Array, Segments
 from .poses import between
-from .segments import MIN_LENGTH, Segments, angle, as_segments, length, midpoint, point_distance
+from .segments import MIN_LENGTH, angle, length, midpoint, point_distance
 
 #: A 6.2.3: grades of a reduction rate and of a quality, in steps of ten per cent.
 REDUCTION_GRADES = {
@@ -122,7 +124,7 @@ def errors(before: Segments, after: Segments) -> Array:
     >>> errors([[(0, 0), (2, 0)], [(0, 1), (2, 1)]], [[(0, 0), (2, 0)]]).round(6)
     array([0.   , 0.295])
     """
-    a, b = as_segments(before, "before"), as_segments(after, "after")
+    a, b = arrays.segments(before, "before"), arrays.segments(after, "after")
     if len(a) == 0 or len(b) == 0:
         return np.full(len(a), np.inf)
     return loops.nearest_distances(np.ascontiguousarray(a), np.ascontiguousarray(b))
@@ -175,7 +177,7 @@ def reduction_rate(before: Segments, after: Segments) -> float:
     >>> reduction_rate(np.zeros((4, 2, 2)), np.zeros((1, 2, 2)))
     0.75
     """
-    n, left = len(as_segments(before, "before")), len(as_segments(after, "after"))
+    n, left = len(arrays.segments(before, "before")), len(arrays.segments(after, "after"))
     return (n - left) / n if n else 0.0
 
 

@@ -7,7 +7,8 @@ and carries points given in b into a. So `compose(a_from_b, b_from_c)` is `a_fro
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .angles import Array, wrap
+from .angles import wrap
+from .arrays import Array
 
 
 def compose(a_from_b: ArrayLike, b_from_c: ArrayLike) -> Array:

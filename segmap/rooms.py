@@ -8,7 +8,7 @@ a shared corner is the same number in both and no beam slips between.
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .angles import Array
+from .arrays import Array
 from .poses import transform
 
 #: Width of a door, metres: an ordinary inside door.

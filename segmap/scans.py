@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ._display import Pictured
-from .angles import Array
+from .arrays import Array
 from .poses import transform
 
 NO_POSE = (np.nan, np.nan, np.nan)

@@ -5,29 +5,16 @@ A segment has no direction: swapping its end points gives the same segment.
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from . import arrays
 from ._display import Pictured
-from .angles import Array
+from .arrays import Array, Segments
 
 #: Below this length, in metres, a segment has no angle.
 MIN_LENGTH = 1e-9
-
-
-@runtime_checkable
-class HasSegments(Protocol):
-    """Anything with `.segments`, `(n, 2, 2)`: a map or a reduction."""
-
-    @property
-    def segments(self) -> Array:
-        """Segments, `(n, 2, 2)` array, metres."""
-        ...
-
-
-Segments = HasSegments | ArrayLike
 
 
 def length(segments: ArrayLike) -> Array:
@@ -141,43 +128,6 @@ def point_distance(points: ArrayLike, segments: ArrayLike) -> Array:
     return np.hypot(foot[..., 0], foot[..., 1])
 
 
-def as_segments(value: Segments, name: str = "segments") -> Array:
-    """Segments of a map, a reduction or an array, checked.
-
-    Parameters
-    ----------
-    value : SegmentMap, Reduction or (n, 2, 2) array, metres
-    name : str
-        How an error calls the argument.
-
-    Returns
-    -------
-    (n, 2, 2) array, metres
-
-    Raises
-    ------
-    ValueError
-        Where the shape is another, or a coordinate is not finite.
-
-    Examples
-    --------
-    >>> as_segments([]).shape
-    (0, 2, 2)
-    """
-    array = np.asarray(value.segments if isinstance(value, HasSegments) else value, float)
-    if array.size == 0 and array.ndim in (1, 3):
-        return np.empty((0, 2, 2))
-    if array.ndim != 3 or array.shape[1:] != (2, 2):
-        raise ValueError(
-            f"{name} must have shape (n, 2, 2), segments of two end points, got {array.shape}"
-        )
-    bad = ~np.isfinite(array).all(axis=(1, 2))
-    if bad.any():
-        first = int(np.argmax(bad))
-        raise ValueError(f"{name} must be finite, but segment {first} is {array[first].tolist()}")
-    return array
-
-
 @dataclass(frozen=True, eq=False, repr=False)
 class SegmentMap(Pictured):
     """Segments of a map and the scan from which each came.
@@ -205,7 +155,7 @@ class SegmentMap(Pictured):
     scan: NDArray[np.int64]
 
     def __init__(self, segments: Segments, scan: ArrayLike | None = None) -> None:
-        array = np.array(as_segments(segments))
+        array = np.array(arrays.segments(segments))
         index = np.zeros(len(array), np.int64) if scan is None else np.array(scan, np.int64)
         if index.shape != (len(array),):
             raise ValueError(

@@ -5,7 +5,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .angles import Array, wrap
+from .angles import wrap
+from .arrays import Array
 from .poses import between
 
 

@@ -7,8 +7,10 @@ chance comes from one generator: the same seed gives the same log.
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from . import arrays
 from ._compiled import compiled
-from .angles import Array, axial_difference, wrap
+from .angles import axial_difference, wrap
+from .arrays import Array, Segments
 from .poses import compose
 from .rooms import (
     box,
@@ -22,7 +24,7 @@ from .rooms import (
     two_position_square,
 )
 from .scans import LaserScan, Log
-from .segments import Segments, angle, as_segments
+from .segments import angle
 from .sensors import SICK_LMS200, URG_04LX, Sensor, Wheels, drifting_odometry, measure
 
 __all__ = [
@@ -96,7 +98,7 @@ def _meet(
         raise ValueError(f"angles must be (b,) and finite, got shape {beams.shape}")
     if not max_range > 0:
         raise ValueError(f"max_range must be positive, got {max_range}")
-    around = np.subtract(as_segments(walls, "walls"), place[:2], order="C")
+    around = np.subtract(arrays.segments(walls, "walls"), place[:2], order="C")
     turned = beams + place[2]
     return _cast(around, np.stack([np.cos(turned), np.sin(turned)], -1), float(max_range))
 
@@ -225,7 +227,7 @@ def simulate(
     """
     truth = np.asarray(path, float)
     wrong = drifting_odometry(truth, wheels=wheels, rng=rng)
-    checked = as_segments(walls, "walls")
+    checked = arrays.segments(walls, "walls")
     scans = [
         LaserScan(
             _scan(checked, compose(pose, sensor_pose), sensor, rng),

@@ -188,7 +188,7 @@ def test_tolerance_must_be_positive(tolerance):
 
 
 def test_segments_must_be_finite():
-    with pytest.raises(ValueError, match="segment 1 is"):
+    with pytest.raises(ValueError, match="in metres, but map"):
         fusion(np.array([[(0, 0), (1, 0)], [(0, np.nan), (1, 0)]]))
 
 

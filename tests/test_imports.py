@@ -14,8 +14,8 @@ PACKAGE = Path(segmap.__file__).parent
 
 #: From the ground up. A room imports rooms of lower storeys only; a folder is one room.
 STOREYS = (
-    "_compiled _display",
-    "angles",
+    "_compiled _display methods arrays",
+    "angles literal",
     "poses segments",
     "scans rooms sensors error_codes",
     "readers simulation extraction metrics hokuyo",
@@ -24,6 +24,7 @@ STOREYS = (
     "testing",
     "plotting",
     "panels",
+    "course",
     "segmap",
 )
 STOREY = {room: height for height, rooms in enumerate(STOREYS) for room in rooms.split()}

@@ -86,7 +86,7 @@ def test_segments_without_length_are_left_out_first(name):
 @methods
 @pytest.mark.parametrize("bad", [np.nan, np.inf])
 def test_coordinates_must_be_finite(name, bad):
-    with pytest.raises(ValueError, match="map must be finite, but segment 0"):
+    with pytest.raises(ValueError, match="map must be finite, in metres, but map"):
         METHODS[name](np.array([[(0, 0), (bad, 1)]]))
 
 

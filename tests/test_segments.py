@@ -5,18 +5,11 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
+from segmap import arrays
 from segmap.angles import axial_difference
+from segmap.arrays import HasSegments
 from segmap.poses import transform
-from segmap.segments import (
-    HasSegments,
-    SegmentMap,
-    angle,
-    as_segments,
-    extreme_projections,
-    length,
-    midpoint,
-    point_distance,
-)
+from segmap.segments import SegmentMap, angle, extreme_projections, length, midpoint, point_distance
 
 NUMBER = st.floats(-20, 20)
 POINT = st.tuples(NUMBER, NUMBER)
@@ -120,7 +113,7 @@ def test_point_distance_broadcasts_points_against_segments():
 # ------------------------------------------------------------------------ checks
 @pytest.mark.parametrize("nothing", [[], np.empty((0, 2, 2)), np.empty((0, 4, 1))])
 def test_nothing_is_a_map_without_segments(nothing):
-    assert as_segments(nothing).shape == (0, 2, 2)
+    assert arrays.segments(nothing).shape == (0, 2, 2)
 
 
 def test_maps_and_whatever_has_segments_are_accepted():
@@ -128,7 +121,7 @@ def test_maps_and_whatever_has_segments_are_accepted():
         segments = np.array(THREE, float)
 
     for value in (THREE, SegmentMap(THREE), Reduced()):
-        np.testing.assert_array_equal(as_segments(value), THREE)
+        np.testing.assert_array_equal(arrays.segments(value), THREE)
     assert isinstance(Reduced(), HasSegments) and not isinstance(THREE, HasSegments)
 
 
@@ -138,16 +131,16 @@ def test_maps_and_whatever_has_segments_are_accepted():
 def test_other_shapes_are_named(value):
     """Catches rows of four numbers taken for segments."""
     with pytest.raises(ValueError, match=r"before must have shape \(n, 2, 2\).*got \("):
-        as_segments(value, "before")
+        arrays.segments(value, "before")
 
 
 @pytest.mark.parametrize("wrong", [np.nan, np.inf, -np.inf])
 def test_a_coordinate_that_is_not_finite_is_named_with_its_segment(wrong):
     broken = np.array(THREE, float)
     broken[1, 0, 1] = wrong
-    with pytest.raises(ValueError, match="segments must be finite, but segment 1 is"):
-        as_segments(broken)
-    with pytest.raises(ValueError, match="segment 1"):
+    with pytest.raises(ValueError, match="in metres, but segments\\[1\\] is"):
+        arrays.segments(broken)
+    with pytest.raises(ValueError, match="segments\\[1\\]"):
         SegmentMap(broken)
 
 

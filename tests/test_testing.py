@@ -8,11 +8,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import segmap
-from segmap import plotting, testing
+from segmap import arrays, plotting, testing
 from segmap.alignment import _points_loops
 from segmap.angles import axial_difference
 from segmap.poses import between, interpolate
-from segmap.segments import angle, as_segments, length, midpoint
+from segmap.segments import angle, length, midpoint
 from segmap.testing import (
     EXERCISES,
     Check,
@@ -51,7 +51,7 @@ def test_a_coordinate_that_is_off_is_seen(segments, data, step):
     moved = np.array(segments, float)
     place = tuple(data.draw(st.integers(0, n - 1)) for n in moved.shape)
     moved[place] += step
-    ours, theirs = sorted(map(str, as_segments(segments))), sorted(map(str, moved))
+    ours, theirs = sorted(map(str, arrays.segments(segments))), sorted(map(str, moved))
     if ours != theirs:
         refused(moved, segments, ordered=True, atol=1e-6)
     assert_segments_equal(moved, segments, atol=1e-2)

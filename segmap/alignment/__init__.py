@@ -3,6 +3,7 @@
 Every method has one signature, `method(log, *, thresholds) -> Alignment`, and stands in `METHODS`.
 """
 
+from ..methods import Method
 from ._angle_candidates import Candidate, angle_candidates, match_values
 from ._angle_correspondence import angle_correspondence, match_angles
 from ._backbone import backbone, backbone_steps
@@ -14,20 +15,30 @@ from ._odometry import ground_truth, odometry
 from ._point_icp import match_points, point_icp
 from ._point_steps import PointStep, point_steps
 from ._pose_graph import pose_graph
-from ._result import Alignment, Graph, Match, Method, Rejected
+from ._result import Alignment, Graph, Match, Rejected
 from ._segment_icp import match_segments, segment_icp
 from ._solve_graph import solve_graph
 
 #: Name of each method -> the method, with what it needs.
-METHODS: dict[str, Method] = {
-    "odometry": Method(odometry, "alone", True, "the baseline"),
-    "ground_truth": Method(ground_truth, "alone", False, "A 3.3.3"),
-    "angle_correspondence": Method(angle_correspondence, "pairs", False, "A 2.5.1, 3.3.1, [30]"),
-    "backbone": Method(backbone, "map", True, "A 3.3.2, 5.2"),
-    "segment_icp": Method(segment_icp, "map", True, "A 2.5.1, [31]"),
-    "point_icp": Method(point_icp, "map", True, "A 2.5.1, [41]"),
-    "global_segments": Method(global_segments, "all", True, "A 2.5.1, [42]"),
-    "pose_graph": Method(pose_graph, "all", False, "Olson 2009, Grisetti et al. 2010"),
+METHODS: dict[str, Method[Alignment]] = {
+    "odometry": Method(odometry, "the baseline", works="alone", needs_odometry=True),
+    "ground_truth": Method(ground_truth, "A 3.3.3", works="alone"),
+    "angle_correspondence": Method(
+        angle_correspondence, "A 2.5.1, 3.3.1", "Amigoni, Gasparini, Gini 2006", works="pairs"
+    ),
+    "backbone": Method(backbone, "A 3.3.2, 5.2", works="map", needs_odometry=True),
+    "segment_icp": Method(
+        segment_icp, "A 2.5.1", "Amigoni, Fontana, Garigiola 2006", works="map", needs_odometry=True
+    ),
+    "point_icp": Method(point_icp, "A 2.5.1", "Lu, Milios 1997", works="map", needs_odometry=True),
+    "global_segments": Method(
+        global_segments,
+        "A 2.5.1",
+        "Elseberg, Creed, Lakaemper 2010",
+        works="all",
+        needs_odometry=True,
+    ),
+    "pose_graph": Method(pose_graph, "beyond A", "Olson 2009, Grisetti et al. 2010", works="all"),
 }
 
 __all__ = [

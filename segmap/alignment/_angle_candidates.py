@@ -9,9 +9,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..angles import Array
+from .. import arrays
+from ..arrays import Array, Segments
 from ..poses import compose
-from ..segments import MIN_LENGTH, Segments, as_segments, length
+from ..segments import MIN_LENGTH, length
 from . import _angle_loops as loops
 from ._angle_pairs import Heuristic, Scene, scene
 from ._result import check_positive
@@ -108,7 +109,7 @@ def match_values(
     (array([[0.95]]), array([[0.]]))
     """
     check_positive(distance=distance, far=far, long=long)
-    s, t = as_segments(first, "first"), as_segments(second, "second")
+    s, t = arrays.segments(first, "first"), arrays.segments(second, "second")
     has = [np.flatnonzero(length(v) >= MIN_LENGTH) for v in (s, t)]
     found = np.zeros((len(s), len(t)))
     found[np.ix_(*has)] = loops.match_values(s[has[0]], t[has[1]], (distance, far, long, whole))

@@ -9,11 +9,12 @@ from typing import Any
 
 import numpy as np
 
-from ..angles import Array
+from .. import arrays
+from ..arrays import Array, Segments
 from ..extraction import extract_polylines
 from ..poses import compose
 from ..scans import Log
-from ..segments import Segments, as_segments, length
+from ..segments import length
 from ._angle_candidates import Candidate, angle_candidates
 from ._result import Alignment, Match, Trail, check_positive, no_match
 
@@ -74,7 +75,8 @@ def match_angles(
     check_positive(least_share=least_share, least_across=least_across, rival=rival)
     found = angle_candidates(reference_segments, current_segments, rng=rng, **search)
     of_reference, of_current = (
-        float(length(as_segments(given)).sum()) for given in (reference_segments, current_segments)
+        float(length(arrays.segments(given)).sum())
+        for given in (reference_segments, current_segments)
     )
     doubt = _doubt(found, least_share * min(of_reference, of_current), least_across, rival)
     if doubt:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from .._compiled import compiled
 from .._metrics_loops import describe, off_segment
-from ..angles import Array
+from ..arrays import Array
 from ._sight_loops import least_hidden
 
 #: Thresholds of a match: distance, far and long in metres, and whether D is of whole segments.

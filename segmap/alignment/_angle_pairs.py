@@ -9,8 +9,10 @@ from typing import Literal, NamedTuple, get_args
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..angles import Array, axial_difference, wrap
-from ..segments import Segments, angle, as_segments, length, midpoint
+from .. import arrays
+from ..angles import axial_difference, wrap
+from ..arrays import Array, Segments
+from ..segments import angle, length, midpoint
 from ._sight_loops import hidden
 
 Heuristic = Literal["all", "consecutive", "random", "perpendicular"]
@@ -50,7 +52,7 @@ def scene(
     viewpoint, (2,) or (k, 2) array in the frame of the value, is its origin where none is given and
     it looks like one scan seen from there; else places from which none of them hides another.
     """
-    given = as_segments(value, name)
+    given = arrays.segments(value, name)
     kept = given[length(given) >= least]
     middle = kept.mean(axis=(0, 1)) if len(kept) else np.zeros(2)
     segments = np.ascontiguousarray(kept - middle)

@@ -10,7 +10,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..angles import Array, axial_difference, wrap
+from ..angles import axial_difference, wrap
+from ..arrays import Array
 from ..extraction import extract_polylines
 from ..poses import transform
 from ..scans import LaserScan, Log

@@ -8,7 +8,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..angles import Array, axial_difference, axial_mean, axial_mean_of_two
+from ..angles import axial_difference, axial_mean, axial_mean_of_two
+from ..arrays import Array
 from ..segments import angle, extreme_projections, length, midpoint
 
 #: Lines count as parallel where they hold one direction less than this share of the other

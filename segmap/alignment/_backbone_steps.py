@@ -6,7 +6,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..angles import Array, axial_difference, wrap
+from ..angles import axial_difference, wrap
+from ..arrays import Array
 from ..poses import transform
 from ..segments import angle, length
 from ._backbone_lines import Lines, mean_rotation

@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..angles import Array
+from ..arrays import Array
 from ..poses import between, compose
 from ._frames import Frames, Tie
 from ._point_map import PointMap

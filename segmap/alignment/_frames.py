@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..angles import Array
+from ..arrays import Array
 from ..poses import between, compose, transform
 from ._point_map import PointMap
 from ._solver import Edges, solve

@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from ..angles import Array, wrap
+from ..angles import wrap
+from ..arrays import Array
 from ..poses import between
 from ..segments import angle
 from ._global_equations import Indices, Pairs, feet

@@ -12,7 +12,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..angles import Array, axial_difference
+from ..angles import axial_difference
+from ..arrays import Array
 from ..segments import angle
 
 Indices = NDArray[np.int64]

@@ -6,7 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._metrics_loops import APART, describe
-from ..angles import Array, wrap
+from ..angles import wrap
+from ..arrays import Array
 from ..poses import transform
 from . import _global_segments_loops as loops
 from ._global_equations import Indices, Pairs, best_shifts, best_turns, with_one_held

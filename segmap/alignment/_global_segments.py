@@ -5,7 +5,8 @@ import time
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..angles import Array, wrap
+from ..angles import wrap
+from ..arrays import Array
 from ..poses import between, compose, interpolate, inverse
 from ..scans import Log
 from ._global_doubts import (

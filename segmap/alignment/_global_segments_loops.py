@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from .._compiled import compiled
 from .._metrics_loops import ACROSS, ANGULAR, APART, apart, mean_line_terms
-from ..angles import Array
+from ..arrays import Array
 
 Indices = NDArray[np.int64]
 

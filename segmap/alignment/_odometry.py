@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..angles import Array
+from ..arrays import Array
 from ..poses import between, compose, interpolate
 from ..scans import Log
 from ._result import Alignment, Trail

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..angles import Array
+from ..arrays import Array
 from ..scans import Log
 from ._frames import not_far
 from ._point_map import PointMap

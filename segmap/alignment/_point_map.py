@@ -5,7 +5,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..angles import Array, wrap
+from ..angles import wrap
+from ..arrays import Array
 from . import _points_loops as loops
 from . import _search_loops as searching
 from ._result import Match, no_match

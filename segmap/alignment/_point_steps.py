@@ -6,7 +6,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..angles import Array, wrap
+from ..angles import wrap
+from ..arrays import Array
 from ..poses import transform
 from . import _points_loops as loops
 from ._frames import not_far

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._compiled import compiled
-from ..angles import Array
+from ..arrays import Array
 
 #: Below this share of the largest eigenvalue a direction counts as not fixed by the walls.
 FREE = 0.01

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..angles import Array
+from ..arrays import Array
 from ..poses import between
 from ..scans import Log
 from ._closing import Closer

@@ -1,15 +1,14 @@
 """What every alignment method returns, and the trail of poses that all of them lay."""
 
 import time
-from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Literal, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .._display import Pictured, Table
-from ..angles import Array
+from ..arrays import Array
 from ..poses import between, compose
 from ..scans import Log
 
@@ -212,30 +211,6 @@ def _odometry_steps(log: Log) -> Array:
     """
     poses = log.odometry
     return between(poses[:-1], poses[1:]) if len(poses) > 1 else np.empty((0, 3))
-
-
-class Method(NamedTuple):
-    """An alignment method and what it needs.
-
-    Parameters
-    ----------
-    function : callable
-        `function(log, *, thresholds) -> Alignment`.
-    works : str
-        On pairs of scans, against a map that grows, or on all scans at once.
-    needs_odometry : bool
-        Whether it needs odometry that is right to within its thresholds.
-    source : str
-    """
-
-    function: Callable[..., Alignment]
-    works: Literal["alone", "pairs", "map", "all"]
-    needs_odometry: bool
-    source: str
-
-    def __call__(self, log: Log, **thresholds: object) -> Alignment:
-        """Align a log: `METHODS[name](log, ...)` is `alignment.<name>(log, ...)`."""
-        return self.function(log, **thresholds)
 
 
 def check_positive(**values: float) -> None:

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._compiled import compiled
-from ..angles import Array
+from ..arrays import Array
 
 Level = NDArray[np.uint8]
 Indices = NDArray[np.int32]

@@ -7,12 +7,13 @@ for a scan does not grow and old errors are not repeated.
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from .. import arrays
 from .._metrics_loops import ACROSS, APART
-from ..angles import Array
+from ..arrays import Array, Segments
 from ..extraction import extract_polylines
 from ..poses import between, compose, transform
 from ..scans import LaserScan, Log
-from ..segments import MIN_LENGTH, Segments, as_segments, length
+from ..segments import MIN_LENGTH, length
 from ..segments import angle as angle_of
 from . import _segment_icp_loops as loops
 from ._result import Alignment, Match, Trail, check_positive, no_match
@@ -249,7 +250,7 @@ def _certainty(segments: Array, pose: Array, sigma: float) -> tuple[Array, Array
 
 
 def _with_length(segments: Segments) -> Array:
-    found = as_segments(segments)
+    found = arrays.segments(segments)
     return np.ascontiguousarray(found[length(found) >= MIN_LENGTH])
 
 

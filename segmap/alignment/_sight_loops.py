@@ -3,7 +3,7 @@
 import numpy as np
 
 from .._compiled import compiled
-from ..angles import Array
+from ..arrays import Array
 
 #: Points of each segment, from one end to the other, that are looked at from a viewpoint.
 LOOKS = np.array((0.1, 0.3, 0.5, 0.7, 0.9))

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..angles import Array
+from ..arrays import Array
 from ..poses import between, compose
 from ._solver import REAL, SCALE, Edges, solve
 

@@ -8,7 +8,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..angles import Array, wrap
+from ..angles import wrap
+from ..arrays import Array
 from ..poses import between
 
 #: Residuals of this many standard deviations have half the weight.

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..angles import Array
+from ..arrays import Array
 from ..poses import between, compose
 from ..scans import Log
 from ._frames import Frames, not_far

@@ -5,10 +5,10 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..angles import Array
+from .. import arrays
+from ..arrays import Array, Segments
 from ..error_codes import LOWEST, NEIGHBOURS_BAD, NOT_MEASURED, NOTHING_MET
 from ..hokuyo import SensorError, parse_reply, parse_request, parse_scan
-from ..segments import Segments, as_segments
 from ..sensors import URG_04LX, Sensor, Wheels
 from ..simulation import box, drive, rectangular_room, simulate
 
@@ -49,7 +49,7 @@ class Room:
         sensor: Sensor = URG_04LX,
         rng: np.random.Generator | None = None,
     ) -> None:
-        self.walls = as_segments(walls, "walls")
+        self.walls = arrays.segments(walls, "walls")
         self.path: Array = np.array(path, float).reshape(-1, 3)
         if not len(self.path):
             raise ValueError("path must hold at least one pose, (k, 3), got none")

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .._display import Table
-from ..angles import Array
+from ..arrays import Array
 from ._records import Record, Records, filter_words
 
 #: Runs of one building that may be compared: its name, and how it was filtered.

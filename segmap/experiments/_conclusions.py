@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from .._display import Table
-from ..angles import Array
+from ..arrays import Array
 from ._bundled import THESIS_GRIDS, thesis_grid
 from ._compare import equal_quality
 from ._records import Record, Records

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from ..angles import Array
+from ..arrays import Array
 from ..readers._bundled import data_file
 from ..reduction import Reduction
 from ._bundled import known

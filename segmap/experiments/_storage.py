@@ -6,15 +6,16 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from .. import arrays
 from .._display import Table
-from ..angles import Array
+from ..arrays import Array, Segments
 from ..extraction import build_map
 from ..poses import transform
 from ..quadtree import QuadtreeMap
 from ..quadtree import build_map as build_quadtree
 from ..reduction import fusion
 from ..scans import Log
-from ..segments import Segments, as_segments, length, point_distance
+from ..segments import length, point_distance
 
 #: Samples along segments and walls, metres: a fifth of the smallest error that matters here.
 SPACING = 0.01
@@ -128,7 +129,7 @@ def along(segments: Segments, spacing: float = SPACING) -> Array:
     """
     if not 0 < spacing < np.inf:
         raise ValueError(f"spacing must be positive and finite, in metres, got {spacing}")
-    ends = as_segments(segments)
+    ends = arrays.segments(segments)
     counts = np.maximum(np.ceil(length(ends) / spacing - 1e-9), 1).astype(int)
     parts = [
         a + np.linspace(0, 1, n + 1)[:, None] * (b - a)
@@ -150,7 +151,7 @@ def wall_errors(points: Array, walls: Segments) -> Array:
     >>> wall_errors(np.array([(0.5, 0.2), (2, 0)]), [[(0, 0), (1, 0)]])
     array([0.2, 1. ])
     """
-    known = as_segments(walls)
+    known = arrays.segments(walls)
     if not len(known):
         raise ValueError("walls must hold at least one: without, there is no distance to them")
     return np.min([point_distance(points, wall) for wall in known], axis=0)

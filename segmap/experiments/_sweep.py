@@ -12,9 +12,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ..arrays import Segments
 from ..metrics import quality, reduction_rate
 from ..reduction import METHODS, Method, Reduction
-from ..segments import SegmentMap, Segments
+from ..segments import SegmentMap
 from ._journal import Journal
 from ._progress import Progress, shown
 from ._records import Record, Records, Threshold, filter_words, number_words

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..alignment import Alignment
-from ..angles import Array
+from ..arrays import Array
 from ..poses import between, compose
 from ..readers._beams import half_turn
 from ..readers._shots import same

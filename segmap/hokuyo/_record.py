@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from ..angles import Array
+from ..arrays import Array
 from ..error_codes import LOWEST, NOT_MEASURED
 from ..scans import LaserScan
 from ._sensor import UrgSensor

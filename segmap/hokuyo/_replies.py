@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..angles import Array
+from ..arrays import Array
 from ._coding import SensorError, checksum, decode, unchecked
 from ._requests import BLOCK
 

@@ -8,7 +8,7 @@ from statistics import median
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..angles import Array
+from ..arrays import Array
 from ..error_codes import as_ranges
 from ..scans import LaserScan
 from ._clock import HostClock

@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..angles import Array
+from ..arrays import Array
 from ..quadtree import QuadtreeMap
 from . import _field_loops as loops
 from ._scores import all_placed, checked, held

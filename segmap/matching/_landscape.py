@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..angles import Array
+from ..arrays import Array
 from ..quadtree import QuadtreeMap
 from ._matchers import Score, checked_start, field_score
 

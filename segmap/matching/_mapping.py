@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..angles import Array
+from ..arrays import Array
 from ..poses import compose, transform
 from ..quadtree import QuadtreeMap
 from ..quadtree._build import unmet

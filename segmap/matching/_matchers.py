@@ -6,7 +6,8 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..angles import Array, wrap
+from ..angles import wrap
+from ..arrays import Array
 from ..quadtree import QuadtreeMap
 from ._field import DistanceField
 from ._scores import checked, occupancy_score

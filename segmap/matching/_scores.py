@@ -5,7 +5,7 @@ from weakref import WeakKeyDictionary
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..angles import Array
+from ..arrays import Array
 from ..quadtree import QuadtreeMap
 from . import _search_loops as loops
 

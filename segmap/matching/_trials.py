@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._display import Table
-from ..angles import Array, wrap
+from ..angles import wrap
+from ..arrays import Array
 from ..quadtree import QuadtreeMap
 from ..readers._bundled import data_file
 from ..rooms import box, rectangular_room

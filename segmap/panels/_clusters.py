@@ -3,7 +3,7 @@
 import ipywidgets as W
 from matplotlib.figure import Figure
 
-from ..angles import Array
+from ..arrays import Array
 from ..extraction import extract_clusters
 from ..plotting import RESULT, draw_scan, draw_segments
 from ..scans import LaserScan

@@ -3,7 +3,7 @@
 import numpy as np
 from matplotlib.figure import Figure
 
-from ..angles import Array
+from ..arrays import Array
 from ..metrics import distance_terms, segment_distance
 from ..plotting import MAP, RESULT, draw_segments
 from ..poses import transform

@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 
-from ..angles import Array
+from ..arrays import Array
 from ..metrics import grade_quality, quality
 from ..plotting import MAP, draw_provenance, group_colors
 from ..reduction import Reduction, hough, hybrid

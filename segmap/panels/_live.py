@@ -18,7 +18,7 @@ from matplotlib.figure import Figure
 from numpy.typing import ArrayLike
 from PIL import Image
 
-from ..angles import Array
+from ..arrays import Array
 from ..extraction import extract_polylines
 from ..hokuyo import Newest, SensorError, UrgSensor
 from ..matching import Step, map_scans

@@ -5,7 +5,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import ArrayLike
 
-from ..angles import Array
+from ..arrays import Array
 from ..matching import (
     MATCHERS,
     SCORES,

@@ -2,7 +2,7 @@
 
 from matplotlib.figure import Figure
 
-from ..angles import Array
+from ..arrays import Array
 from ..extraction import extract_polylines
 from ..plotting import RESULT, draw_scan, draw_segments
 from ..scans import LaserScan

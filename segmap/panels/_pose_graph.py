@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from ..alignment import Alignment, pose_graph, solve_graph
-from ..angles import Array
+from ..arrays import Array
 from ..plotting import draw_alignment
 from ..poses import between
 from ..scans import Log

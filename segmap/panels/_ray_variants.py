@@ -6,7 +6,7 @@ The map itself knows neither. Both are written as the prose says them: cell by c
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..angles import Array
+from ..arrays import Array
 from ..quadtree import QuadtreeMap
 from ..testing import ray_cells
 from ..testing._quadtree_exercises import Cell, Cells

@@ -6,7 +6,7 @@ from matplotlib.figure import Figure
 from matplotlib.path import Path
 from numpy.typing import ArrayLike
 
-from ..angles import Array
+from ..arrays import Array
 from ..plotting import draw_quadtree
 from ..poses import transform
 from ..quadtree import QuadtreeMap

@@ -6,9 +6,9 @@ import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import ArrayLike
 
+from ..arrays import Segments
 from ..plotting import MAP, RESULT, draw_scan, draw_segments
 from ..scans import LaserScan
-from ..segments import Segments
 from ..sensors import URG_04LX, Sensor
 from ..simulation import simulate
 from ._base import Panel, slider, text

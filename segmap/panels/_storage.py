@@ -4,10 +4,11 @@ import ipywidgets as W
 from matplotlib.figure import Figure
 from numpy.typing import ArrayLike
 
+from .. import arrays
+from ..arrays import Segments
 from ..experiments import Judged, judge, keep
 from ..plotting import RESULT, TRUTH, draw_quadtree, draw_segments
 from ..scans import Log
-from ..segments import Segments, as_segments
 from ._base import Panel, slider, text
 
 
@@ -42,7 +43,7 @@ class StoragePanel(Panel):
     judged: dict[str, Judged]
 
     def __init__(self, log: Log, poses: ArrayLike, walls: Segments) -> None:
-        self.log, self.poses, self.walls = log, poses, as_segments(walls)
+        self.log, self.poses, self.walls = log, poses, arrays.segments(walls)
         self.resolution = slider("cells", 5.0, 1.0, 20.0, 0.5, "cm")
         self.tolerance = slider("tolerance", 4.0, 1.0, 20.0, 0.5, "cm")
         self.tree = W.Checkbox(value=True, description="draw the quadtree")

@@ -8,7 +8,7 @@ from matplotlib.patches import Ellipse
 from numpy.typing import ArrayLike
 
 from ..alignment import Alignment, Candidate, Match, PointStep
-from ..angles import Array
+from ..arrays import Array
 from ..poses import transform
 from ..scans import Log
 from ._scans import draw_cloud, draw_path

@@ -5,7 +5,7 @@ from collections.abc import Iterable, Mapping
 import numpy as np
 from matplotlib.axes import Axes
 
-from ..angles import Array
+from ..arrays import Array
 from ..experiments import THESIS_GRIDS, Record, Records, by_method, filter_change
 from ._experiments import draw_curves, style_of
 from ._style import DPI, RAW, RESULT, axes_or_new

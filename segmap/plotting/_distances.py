@@ -4,7 +4,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from numpy.typing import ArrayLike
 
-from ..angles import Array, axial_mean_of_two
+from ..angles import axial_mean_of_two
+from ..arrays import Array
 from ..segments import angle, length, midpoint
 from ._lessons_scans import _pictures
 from ._segments import draw_segments

@@ -6,8 +6,9 @@ import numpy as np
 from matplotlib.axes import Axes
 from numpy.typing import ArrayLike
 
+from .. import arrays
+from ..arrays import Segments
 from ..scans import LaserScan
-from ..segments import Segments, as_segments
 from ._scans import draw_path, draw_scan
 from ._segments import draw_segments
 from ._style import DPI, MAP, RESULT, TRUTH, axes_or_new, dressed
@@ -139,7 +140,7 @@ def draw_maps(
             draw_segments(truth, ax=ax, color=TRUTH, width=4.0)
         if scan is not None:
             draw_scan(scan, ax=ax)
-        group = np.arange(len(as_segments(segments))) if shade is None else None
+        group = np.arange(len(arrays.segments(segments))) if shade is None else None
         draw_segments(segments, ax=ax, color=shade or MAP, group=group, width=width)
     return pictures
 

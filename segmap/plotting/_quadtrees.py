@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
 from numpy.typing import ArrayLike, NDArray
 
-from ..angles import Array
+from ..arrays import Array
 from ..exports import Classes
 from ..quadtree import QuadtreeMap, extent
 from ..testing import ray_cells

@@ -4,8 +4,9 @@ import numpy as np
 from matplotlib.axes import Axes
 from numpy.typing import ArrayLike
 
+from .. import arrays
+from ..arrays import Segments
 from ..reduction import hough
-from ..segments import Segments, as_segments
 from ._reductions import draw_marked
 from ._segments import draw_segments
 from ._style import GROUPS, MAP, RAW, RESULT, axes_or_new, group_colors
@@ -39,7 +40,7 @@ def draw_merge(
     [[2.0, 1.0], [2.0, 0.0]]
     """
     ax, line = axes_or_new(ax, (6.0, 2.4)), np.asarray(wall, float)
-    ends, along = as_segments(parts).reshape(-1, 2), line[1] - line[0]
+    ends, along = arrays.segments(parts).reshape(-1, 2), line[1] - line[0]
     feet = line[0] + ((ends - line[0]) @ along / (along @ along))[:, None] * along
     draw_segments(np.stack([ends, feet], 1), ax=ax, color=RAW, width=1.5)
     ax.collections[-1].set_linestyle(":")
@@ -71,7 +72,7 @@ def draw_strip(walls: Segments, shift: float, tolerance: float, *, ax: Axes | No
     >>> [len(lines.get_segments()) for lines in ax.collections]
     [1, 1]
     """
-    ax, array = axes_or_new(ax, (6.0, 2.4)), as_segments(walls)
+    ax, array = axes_or_new(ax, (6.0, 2.4)), arrays.segments(walls)
     ax.axhspan(shift - tolerance, shift + tolerance, color=RAW, alpha=0.4)
     outside = (abs(array[..., 1] - shift) > tolerance + 1e-9).any(axis=1)
     draw_marked(array, outside, ax=ax, color=MAP)
@@ -133,7 +134,7 @@ def draw_normals(walls: Segments, *, ax: Axes | None = None) -> Axes:
     >>> ax.lines[0].get_ydata().round(2).tolist()
     [0.0, 2.0]
     """
-    ax, array = axes_or_new(ax), as_segments(walls)
+    ax, array = axes_or_new(ax), arrays.segments(walls)
     rho, theta = hough(array).T
     feet = rho[:, None] * np.stack([np.cos(theta), np.sin(theta)], -1)
     for k, (foot, wall) in enumerate(zip(feet, array, strict=True)):

@@ -7,8 +7,10 @@ import numpy as np
 from matplotlib.axes import Axes
 from numpy.typing import ArrayLike
 
+from .. import arrays
+from ..arrays import Segments
 from ..reduction import Reduction
-from ..segments import SegmentMap, Segments, as_segments
+from ..segments import SegmentMap
 from ._segments import draw_segments
 from ._style import ERROR, MAP, RAW, RESULT, axes_or_new, new_row
 
@@ -32,8 +34,8 @@ def draw_beside(before: Segments, after: Segments) -> list[Axes]:
     ['Before: 3 segments', 'After: 1']
     """
     left, right = new_row(2, (9.0, 4.6), shared="xy")
-    draw_segments(before, ax=left).set_title(f"Before: {len(as_segments(before))} segments")
-    draw_segments(after, ax=right, color=RESULT).set_title(f"After: {len(as_segments(after))}")
+    draw_segments(before, ax=left).set_title(f"Before: {len(arrays.segments(before))} segments")
+    draw_segments(after, ax=right, color=RESULT).set_title(f"After: {len(arrays.segments(after))}")
     return [left, right]
 
 
@@ -114,7 +116,7 @@ def draw_marked(
     >>> [len(lines.get_segments()) for lines in ax.collections]
     [2, 1]
     """
-    array, which = as_segments(segments), np.asarray(marked, bool)
+    array, which = arrays.segments(segments), np.asarray(marked, bool)
     if which.shape != (len(array),):
         raise ValueError(f"marked must have shape ({len(array)},), got {which.shape}")
     ax = draw_segments(array[~which], ax=ax, color=color)

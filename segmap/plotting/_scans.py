@@ -5,7 +5,7 @@ from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from numpy.typing import ArrayLike
 
-from ..angles import Array
+from ..arrays import Array
 from ..poses import transform
 from ..scans import LaserScan, Log
 from ._style import ERROR, RAW, RESULT, TRUTH, axes_or_new, dressed

@@ -8,8 +8,8 @@ from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from numpy.typing import ArrayLike
 
-from ..angles import Array
-from ..segments import Segments, as_segments
+from .. import arrays
+from ..arrays import Array, Segments
 from ._style import ERRORS, MAP, RESULT, axes_or_new, dressed, group_colors
 
 #: The scale of errors reaches at least so far, in metres, lest rounding errors look like errors.
@@ -61,7 +61,7 @@ def draw_segments(
     >>> len(ax.collections[0].get_segments())
     2
     """
-    array = as_segments(segments)
+    array = arrays.segments(segments)
     name, values = _chosen({"scan": scan, "group": group, "error": error}, len(array))
     order = np.argsort(values, kind="stable") if name == "error" else slice(None)  # largest on top
     ax = axes_or_new(ax)
@@ -131,7 +131,7 @@ def draw_provenance(before: Segments, reduction: Any, *, ax: Axes | None = None)
     >>> [len(lines.get_segments()) for lines in ax.collections]
     [1, 2]
     """
-    inputs, outputs = as_segments(before, "before"), as_segments(reduction, "reduction")
+    inputs, outputs = arrays.segments(before, "before"), arrays.segments(reduction, "reduction")
     parents = _column("reduction.parents", reduction.parents, len(inputs))
     ax = draw_segments(outputs, ax=ax, group=np.arange(len(outputs)), width=4.0)
     ax.collections[-1].set_alpha(0.45)
@@ -168,5 +168,5 @@ def _column(name: str, values: ArrayLike | None, count: int) -> Array:
 
 
 def _counted(word: str, segments: Segments) -> str:
-    n = len(as_segments(segments))
+    n = len(arrays.segments(segments))
     return f"{word}: {n} segment{'s' * (n != 1)}"

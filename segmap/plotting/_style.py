@@ -5,7 +5,7 @@ from matplotlib.axes import Axes
 from matplotlib.colors import LinearSegmentedColormap, to_rgba, to_rgba_array
 from numpy.typing import NDArray
 
-from ..angles import Array
+from ..arrays import Array
 
 RAW = "#b0b0b0"  #: light grey: what the sensor measured, and what a method dropped
 MAP = "#000000"  #: black: a map of segments

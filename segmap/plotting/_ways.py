@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 from numpy.typing import ArrayLike
 
 from ..alignment import Alignment, place_errors
-from ..angles import Array
+from ..arrays import Array
 from ..scans import Log
 from ._alignments import draw_alignment
 from ._lessons_scans import _pictures

@@ -5,7 +5,7 @@ from typing import SupportsFloat
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..angles import Array
+from ..arrays import Array
 
 #: Levels of the root at first, 512 cells a side, and at most, 65 536: B's largest map doubled once.
 SIZE, MAX_SIZE = 9, 16

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..angles import Array
+from ..arrays import Array
 from ..poses import compose, transform
 from ..scans import LaserScan, Log
 from ._map import QuadtreeMap

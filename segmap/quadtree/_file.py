@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..angles import Array
+from ..arrays import Array
 from ._loops import DEPTH, FAR
 from ._tree import in_use
 

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._display import Table
-from ..angles import Array
+from ..arrays import Array
 
 
 class Leaves(NamedTuple):

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._compiled import compiled
-from ..angles import Array
+from ..arrays import Array
 
 Counts = NDArray[np.int32]
 Cells = NDArray[np.int64]

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .._display import Pictured, Table
-from ..angles import Array
+from ..arrays import Array
 from . import _loops as loops
 from ._arguments import check_finite, check_whole, level_of, levels_of, point
 from ._arguments import points as pairs

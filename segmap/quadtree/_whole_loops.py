@@ -3,7 +3,7 @@
 import numpy as np
 
 from .._compiled import compiled
-from ..angles import Array
+from ..arrays import Array
 from ._loops import DEPTH, Cells, Counts
 
 

@@ -7,7 +7,7 @@ file a format, each with what it means to the field: `_carmen` (with `_robotlase
 
 from pathlib import Path
 
-from ..angles import Array
+from ..arrays import Array
 from ..scans import Log
 from . import _bundled, _formats, _rawseeds
 from ._lines import LogError

@@ -7,7 +7,7 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from ..angles import Array
+from ..arrays import Array
 
 #: Top of the scale of each measuring mode and the range from which it means "nothing met", metres.
 #: In the last mode the sensor can tell up to 81.91, but answers of 50 m and more are none.

@@ -23,7 +23,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ..angles import Array
+from ..arrays import Array
 from ..poses import compose
 from ..scans import Log
 from ._beams import half_turn, no_return

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ..angles import Array
+from ..arrays import Array
 
 #: Farther from its origin, in metres, no pose of an indoor log lies; nor has it turned more.
 FARTHEST = 1e7

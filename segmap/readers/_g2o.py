@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ..angles import Array
+from ..arrays import Array
 from ..scans import Log
 from ._beams import no_return
 from ._fields import numbers, pose

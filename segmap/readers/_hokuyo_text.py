@@ -14,7 +14,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ..angles import Array
+from ..arrays import Array
 from ..error_codes import as_ranges
 from ..scans import NOTHING_SKIPPED, LaserScan, Log, Skipped
 from ._beams import URG_REACH

@@ -29,7 +29,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..angles import Array
+from ..arrays import Array
 from ..scans import Log
 from ._beams import half_turn, no_return
 from ._fields import is_number, numbers, pose, time

@@ -23,7 +23,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ..angles import Array
+from ..arrays import Array
 from ..error_codes import as_ranges
 from ..poses import interpolate
 from ..scans import NOTHING_SKIPPED, Log, Skipped

@@ -11,7 +11,7 @@ beams are spread evenly over the field of view, both ends included.
 
 import numpy as np
 
-from ..angles import Array
+from ..arrays import Array
 from ._fields import counted, numbers, pose, time
 from ._shots import NOWHERE, Shot
 

@@ -6,7 +6,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..angles import Array, wrap
+from ..angles import wrap
+from ..arrays import Array
 from ..poses import between, compose, inverse
 from ..scans import NO_POSE, LaserScan
 from ._beams import clean

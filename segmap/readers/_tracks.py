@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..angles import Array
+from ..arrays import Array
 from ..poses import interpolate
 from ..scans import NO_POSE
 from ._shots import Shot

@@ -6,7 +6,8 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ..segments import Segments, as_segments
+from .. import arrays
+from ..arrays import Segments
 from . import _basic_loops as loops
 from ._result import Reduction, check_thresholds, runs, scans_of, whole_parents, with_length
 
@@ -46,7 +47,7 @@ def basic_offline(map: Segments, *, distance: float = 0.20, angle: float = np.pi
     >>> found, found.parents
     (Reduction(basic_offline: 3 -> 2 segments), array([0, 0, 1]))
     """
-    none = np.zeros(len(as_segments(map, "map")), np.int64)
+    none = np.zeros(len(arrays.segments(map, "map")), np.int64)
     found = _basic(map, none, distance, angle)
     return replace(found, method="basic_offline", scan_seconds=None, scan_live=None)
 

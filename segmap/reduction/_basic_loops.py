@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._compiled import compiled
-from ..angles import Array
+from ..arrays import Array
 from ._cells import slot_of
 
 Indices = NDArray[np.int64]

@@ -5,7 +5,8 @@ A moves the line greedily and can miss the best strip; the sweep over all shifts
 
 import time
 
-from ..segments import Segments, as_segments
+from .. import arrays
+from ..arrays import Segments
 from . import _fusion_loops as loops
 from ._result import Reduction, check_tolerance, whole_parents, with_length
 
@@ -49,5 +50,5 @@ def fusion(map: Segments, *, tolerance: float = 0.04) -> Reduction:
     start = time.perf_counter()
     segments, index = with_length(map)
     found, parents = loops.fuse(segments, tolerance)
-    parents = whole_parents(len(as_segments(map)), index, parents)
+    parents = whole_parents(len(arrays.segments(map)), index, parents)
     return Reduction(found, parents, time.perf_counter() - start, "fusion")

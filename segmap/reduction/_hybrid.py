@@ -6,7 +6,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from ..segments import Segments
+from ..arrays import Segments
 from . import _hybrid_loops as loops
 from ._result import Reduction, check_thresholds, runs, scans_of, whole_parents, with_length
 

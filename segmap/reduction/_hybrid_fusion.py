@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..segments import Segments
+from ..arrays import Segments
 from . import _hybrid_loops as loops
 from ._fusion import fusion
 from ._hybrid import Indices, run_scans

@@ -9,8 +9,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..angles import Array
-from ..segments import Segments, angle, as_segments, length, midpoint
+from .. import arrays
+from ..arrays import Array, Segments
+from ..segments import angle, length, midpoint
 from . import _mean_shift_loops as loops
 from ._climb_loops import climb, link
 from ._result import Reduction, with_length
@@ -75,7 +76,7 @@ def mean_shift(
     middle, half = midpoint(pieces) - origin, (pieces[:, 1] - pieces[:, 0]) / 2
     found, into = loops.lines(middle, half, cluster, theta, sigma)
     found, into = _by_lowest(found + origin, into)
-    parents = _longest_share(len(as_segments(map)), owner, into)
+    parents = _longest_share(len(arrays.segments(map)), owner, into)
     return Reduction(found, parents, time.perf_counter() - start, "mean_shift")
 
 

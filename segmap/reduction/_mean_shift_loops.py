@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._compiled import compiled
-from ..angles import Array
+from ..arrays import Array
 from ._climb_loops import climb, link
 
 Indices = NDArray[np.int64]

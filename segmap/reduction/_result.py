@@ -1,16 +1,16 @@
 """What every reduction method returns, and what the family knows of its members."""
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from .. import arrays
 from .._display import Pictured, Table
-from ..angles import Array
-from ..segments import MIN_LENGTH, SegmentMap, Segments, as_segments, length
+from ..arrays import Array, Segments
+from ..methods import Method
+from ..segments import MIN_LENGTH, SegmentMap, length
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -50,48 +50,14 @@ class Reduction(Pictured):
         return f"Reduction({self.method}: {len(self.parents)} -> {len(self)} segments)"
 
 
-class Method(NamedTuple):
-    """A reduction method and its place in A's table 2.16.
-
-    Parameters
-    ----------
-    function : callable
-        `function(map, *, thresholds) -> Reduction`.
-    merges : str
-        How many segments one step turns into how many.
-    online : bool
-        Whether it takes the scans one by one.
-    needs_points : bool
-        Whether it needs the points behind the segments.
-    source : str
-        Section of A, or the part of it that names the idea.
-    keeps : str
-        What a map holds of each segment while the method runs.
-    paper : str
-        Who published it: the row of table 2.16 that A implements.
-    """
-
-    function: Callable[..., Reduction]
-    merges: Literal["2 -> 1", "m -> 1", "m -> n"]
-    online: bool
-    needs_points: bool
-    source: str
-    keeps: str = "end points"
-    paper: str = ""
-
-    def __call__(self, map: SegmentMap, **thresholds: float) -> Reduction:
-        """Reduce a map: `METHODS[name](map, ...)` is `reduction.<name>(map, ...)`."""
-        return self.function(map, **thresholds)
-
-
-class Methods(dict[str, Method]):
+class Methods(dict[str, Method[Reduction]]):
     """Reduction methods by name; a notebook shows them as A's table 2.16 does.
 
     Examples
     --------
     >>> def nothing(map):
     ...     return Reduction(map.segments, np.arange(len(map)), 0.0)
-    >>> Methods(nothing=Method(nothing, "2 -> 1", online=False, needs_points=False, source="A 4"))
+    >>> Methods(nothing=Method(nothing, "A 4", merges="2 -> 1", keeps="end points"))
     method   in   merges  runs      needs     keeps       published by
     nothing  A 4  2 -> 1  off-line  segments  end points
     """
@@ -108,7 +74,7 @@ class Methods(dict[str, Method]):
         return self.table()._repr_html_()
 
 
-def _row(name: str, method: Method) -> tuple[str, ...]:
+def _row(name: str, method: Method[Reduction]) -> tuple[str, ...]:
     runs = "on-line" if method.online else "off-line"
     needs = "points" if method.needs_points else "segments"
     return name, method.source, method.merges, runs, needs, method.keeps, method.paper
@@ -116,7 +82,7 @@ def _row(name: str, method: Method) -> tuple[str, ...]:
 
 def with_length(map: Segments) -> tuple[Array, NDArray[np.int64]]:
     """Segments that have an angle, `(k, 2, 2)`, metres, and their indices in the map, `(k,)`."""
-    segments = as_segments(map, "map")
+    segments = arrays.segments(map, "map")
     index = np.flatnonzero(length(segments) >= MIN_LENGTH)
     return np.ascontiguousarray(segments[index]), index
 
@@ -151,7 +117,7 @@ def scans_of(map: Segments) -> NDArray[np.int64]:
     """Index of the scan of each segment, `(n,)`; 0 for all where the map has none."""
     if isinstance(map, SegmentMap):
         return map.scan
-    return np.zeros(len(as_segments(map, "map")), np.int64)
+    return np.zeros(len(arrays.segments(map, "map")), np.int64)
 
 
 def runs(scan: NDArray[np.int64]) -> list[tuple[int, int]]:

@@ -3,7 +3,7 @@
 import numpy as np
 
 from ..alignment import match_values
-from ..angles import Array
+from ..arrays import Array
 from ..segments import length, midpoint, point_distance
 from ._exercise import Case, Exercise, Mistake
 

@@ -3,8 +3,10 @@
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..angles import Array, wrap
-from ..segments import Segments, as_segments, midpoint
+from .. import arrays
+from ..angles import wrap
+from ..arrays import Array, Segments
+from ..segments import midpoint
 
 
 def assert_segments_equal(
@@ -37,7 +39,7 @@ def assert_segments_equal(
     segment 0 [[0, 0], [1, 0.5]], off by 0.5 m
     """
     __tracebackhide__ = True
-    a, b = as_segments(actual, "actual"), as_segments(expected, "expected")
+    a, b = arrays.segments(actual, "actual"), arrays.segments(expected, "expected")
     if len(a) != len(b):
         names = f"actual holds {len(a)} segments, expected {len(b)}"
         longer, other = (("actual", a), ("expected", b))[:: 1 if len(a) > len(b) else -1]

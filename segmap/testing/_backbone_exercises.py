@@ -3,7 +3,7 @@
 import numpy as np
 
 from ..alignment import least_translation
-from ..angles import Array
+from ..arrays import Array
 from ._exercise import Case, Exercise, Mistake
 
 

@@ -5,7 +5,8 @@ from typing import Any
 
 import numpy as np
 
-from ..angles import Array, axial_difference, axial_mean_of_two
+from ..angles import axial_difference, axial_mean_of_two
+from ..arrays import Array
 from ..segments import angle, extreme_projections, length, midpoint
 from ._exercise import Case, Exercise, Mistake, close, numbers
 

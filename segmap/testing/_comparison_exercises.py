@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from ..angles import Array
+from ..arrays import Array
 from ..experiments import front, reduction_at
 from ._exercise import Case, Exercise, Mistake, numbers
 

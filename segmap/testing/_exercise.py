@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from ..angles import Array
+from ..arrays import Array
 
 #: Green and red as in all pictures; the words say the same.
 PASSED, NOT_YET = "#009e73", "#d55e00"

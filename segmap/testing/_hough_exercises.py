@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from ..angles import Array
+from ..arrays import Array
 from ..reduction import hough
 from ..segments import angle, midpoint
 from ._exercise import Case, Exercise, Mistake, numbers

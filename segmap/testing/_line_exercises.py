@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from ..angles import Array, axial_mean
+from ..angles import axial_mean
+from ..arrays import Array
 from ..extraction import fit_line
 from ._exercise import Case, Exercise, Mistake, same_line
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ..angles import Array
+from ..arrays import Array
 from ..metrics import reduction_rate
 from ._exercise import Case, Exercise, Mistake
 

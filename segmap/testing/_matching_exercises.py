@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from ..angles import Array
+from ..arrays import Array
 from ..segments import point_distance
 from ._exercise import Case, Exercise, Mistake
 

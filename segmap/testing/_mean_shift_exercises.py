@@ -4,7 +4,8 @@ from typing import Any
 
 import numpy as np
 
-from ..angles import Array, axial_difference
+from ..angles import axial_difference
+from ..arrays import Array
 from ._exercise import Case, Exercise, Mistake, numbers
 
 

@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from ..angles import Array, wrap
+from ..angles import wrap
+from ..arrays import Array
 from ._exercise import Case, Exercise, Mistake
 
 

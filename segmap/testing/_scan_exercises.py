@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from ..angles import Array, wrap
+from ..angles import wrap
+from ..arrays import Array
 from ..poses import compose
 from ..readers._beams import half_turn
 from ..simulation import cast_rays

@@ -1,0 +1,1 @@
+"""What only the chapters need: exercises, lesson panels and drawings, and the theses' results."""
