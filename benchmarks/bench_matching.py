@@ -10,20 +10,17 @@ from functools import partial
 import numpy as np
 
 from segmap import LaserScan, read
+from segmap.course import Trial, room_walk, try_pair, write_trials
 from segmap.matching import (
     MATCHERS,
     SCORES,
     DistanceField,
-    Trial,
     descent_score,
     hill_climb,
     map_scans,
     nearest_score,
     occupancy_score,
-    room_walk,
     sample_and_rank,
-    try_pair,
-    write_trials,
 )
 from segmap.poses import transform
 from segmap.quadtree import QuadtreeMap

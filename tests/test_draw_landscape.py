@@ -6,13 +6,12 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
-from segmap.matching import DistanceField, Trial
+from segmap.course import Trial, draw_profile, draw_trials
+from segmap.matching import DistanceField
 from segmap.plotting import (
     ERROR,
     RESULT,
     draw_field,
-    draw_profile,
-    draw_trials,
 )
 from segmap.quadtree import QuadtreeMap
 

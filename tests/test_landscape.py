@@ -3,17 +3,15 @@
 import numpy as np
 import pytest
 
-from segmap.matching import (
-    distance_score,
+from segmap.course import (
     heading_profile,
     landscape,
     load_columns,
-    nearest_score,
-    occupancy_score,
     peaks,
     profile_peaks,
     room_walk,
 )
+from segmap.matching import distance_score, nearest_score, occupancy_score
 from segmap.poses import transform
 from segmap.quadtree import build_map
 

@@ -14,6 +14,7 @@ from segmap.alignment import (
     odometry,
     pose_graph,
 )
+from segmap.course import LandscapePanel, MatcherPanel
 from segmap.experiments import sweep
 from segmap.extraction import extract_polylines
 from segmap.panels import (
@@ -28,9 +29,7 @@ from segmap.panels import (
     GroundTruthPanel,
     HybridPanel,
     IcpPanel,
-    LandscapePanel,
     LivePanel,
-    MatcherPanel,
     MeanShiftPanel,
     Panel,
     PolylinePanel,

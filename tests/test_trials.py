@@ -6,9 +6,7 @@ import numpy as np
 import pytest
 
 from segmap import Log
-from segmap.matching import (
-    MATCHERS,
-    SCORES,
+from segmap.course import (
     load_trials,
     room_walk,
     room_walls,
@@ -16,6 +14,7 @@ from segmap.matching import (
     try_pair,
     write_trials,
 )
+from segmap.matching import MATCHERS, SCORES
 from segmap.segments import length
 
 

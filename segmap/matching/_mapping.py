@@ -24,12 +24,26 @@ from ._matchers import (
     prepared,
     sample_and_rank,
 )
-from ._scores import checked
+from ._scores import checked, descent_score, nearest_score, occupancy_score
 
 #: From a map, points and a start, with a score, to a pose.
 Matcher = Callable[..., Array]
 #: From a map, points and a start to a pose and its score.
 Place = Callable[[QuadtreeMap, Array, Array], tuple[Array, float]]
+#: The matchers by name, each made from a generator; those of the thesis as B prints them.
+MATCHERS: dict[str, Callable[[np.random.Generator], Matcher]] = {
+    "hill climbing": lambda rng: hill_climb,
+    "hill climbing, thesis": lambda rng: partial(hill_climb, steps="thesis"),
+    "sample and rank": lambda rng: partial(sample_and_rank, rng=rng),
+    "sample and rank, thesis": lambda rng: partial(sample_and_rank, rng=rng, sigma=(0.02, 2.0)),
+}
+#: The scores by name.
+SCORES: dict[str, Score] = {
+    "field": field_score,
+    "nearest": nearest_score,
+    "occupancy": occupancy_score,
+    "descent": descent_score,
+}
 
 
 class Step(NamedTuple):

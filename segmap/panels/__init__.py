@@ -16,9 +16,7 @@ from ._fusion import FusionPanel
 from ._ground_truth import GroundTruthPanel
 from ._hybrid import HybridPanel
 from ._icp import IcpPanel
-from ._landscape import LandscapePanel
 from ._live import LivePanel
-from ._matcher import MatcherPanel
 from ._mean_shift import MeanShiftPanel
 from ._polylines import PolylinePanel
 from ._pose_graph import PoseGraphPanel
@@ -41,9 +39,7 @@ __all__ = [
     "GroundTruthPanel",
     "HybridPanel",
     "IcpPanel",
-    "LandscapePanel",
     "LivePanel",
-    "MatcherPanel",
     "MeanShiftPanel",
     "Panel",
     "PolylinePanel",

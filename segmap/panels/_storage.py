@@ -34,7 +34,7 @@ class StoragePanel(Panel):
 
     Examples
     --------
-    >>> from segmap.matching import room_walk, room_walls
+    >>> from segmap.course import room_walk, room_walls
     >>> log = room_walk(20)
     >>> StoragePanel(log, log.truth, room_walls()).segments.value
     '12 segments, 0.4 kB, 0.8 mm off'

@@ -21,16 +21,16 @@ from ._buildings import (
 )
 from ._distances import draw_distance_terms
 from ._experiments import METHOD_STYLES, draw_curves, draw_online
-from ._landscapes import (
-    draw_climb,
-    draw_field,
-    draw_landscape,
-    draw_profile,
-    draw_trials,
-)
 from ._lessons_scans import draw_frames, draw_maps, draw_poses
 from ._pictures import figure_png, thumbnail
-from ._quadtrees import draw_cells, draw_classes, draw_quadtree, draw_quadtrees, draw_ray
+from ._quadtrees import (
+    draw_cells,
+    draw_classes,
+    draw_field,
+    draw_quadtree,
+    draw_quadtrees,
+    draw_ray,
+)
 from ._reduction_steps import draw_centres, draw_merge, draw_normals, draw_strip
 from ._reductions import draw_beside, draw_cases, draw_growth, draw_marked, draw_trade
 from ._scans import draw_log, draw_path, draw_points, draw_scan
@@ -60,7 +60,6 @@ __all__ = [
     "draw_cells",
     "draw_centres",
     "draw_classes",
-    "draw_climb",
     "draw_curves",
     "draw_distance_terms",
     "draw_drift",
@@ -69,7 +68,6 @@ __all__ = [
     "draw_frames",
     "draw_growth",
     "draw_initials",
-    "draw_landscape",
     "draw_log",
     "draw_logs",
     "draw_maps",
@@ -80,7 +78,6 @@ __all__ = [
     "draw_path",
     "draw_points",
     "draw_poses",
-    "draw_profile",
     "draw_provenance",
     "draw_quadtree",
     "draw_quadtrees",
@@ -92,7 +89,6 @@ __all__ = [
     "draw_threshold",
     "draw_times",
     "draw_trade",
-    "draw_trials",
     "draw_uncertainty",
     "figure_png",
     "group_colors",

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..arrays import Array
 from ..exports import Classes
+from ..matching import DistanceField
 from ..quadtree import QuadtreeMap, extent
 from ..testing import ray_cells
 from ._style import ERROR, RAW, RESULT, axes_or_new, dressed, new_row
@@ -175,6 +176,33 @@ def draw_ray(start: ArrayLike, end: ArrayLike, *, ax: Axes | None = None) -> Axe
     ax.set(xticks=range(left, right + 1), yticks=range(low, high + 1))
     ax.grid(alpha=0.5)
     return ax
+
+
+def draw_field(field: DistanceField, *, ax: Axes | None = None) -> Axes:
+    """Draw a distance field: the darker, the nearer an occupied cell; a bar tells the metres.
+
+    Parameters
+    ----------
+    field : DistanceField
+    ax : matplotlib Axes or None
+
+    Returns
+    -------
+    Axes
+
+    Examples
+    --------
+    >>> from matplotlib.figure import Figure
+    >>> from segmap.quadtree import QuadtreeMap
+    >>> map = QuadtreeMap(resolution=0.1, size=1.6)
+    >>> map.insert_scan((0.2, 0.2), [(1.0, 0.2)])
+    >>> draw_field(DistanceField(map), ax=Figure().subplots()).images[0].get_array().shape
+    (16, 16)
+    """
+    ax, (left, low, right, high) = axes_or_new(ax), field.bounds
+    picture = ax.imshow(field.distance, origin="lower", extent=(left, right, low, high))
+    ax.figure.colorbar(picture, ax=ax, label="distance [m]")
+    return dressed(ax)
 
 
 def draw_classes(classes: Classes, *, ax: Axes | None = None) -> Axes:

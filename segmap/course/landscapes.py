@@ -5,9 +5,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from .. import arrays
 from ..arrays import Array
+from ..matching import Score, field_score
 from ..quadtree import QuadtreeMap
-from ._matchers import Score, checked_start, field_score
 
 
 class Landscape(NamedTuple):
@@ -60,7 +61,7 @@ def landscape(
     >>> landscape(map, [(1.05, 0.05)], (0, 0, 0), reach=0.1, step=0.1).values.round(3)[1]
     array([-0.1, -0. , -0.1])
     """
-    ends, middle = checked_start(points, pose)
+    ends, middle = arrays.points(points), arrays.pose(pose)
     offsets = _offsets(reach, step)
     x, y = np.meshgrid(offsets, offsets)
     poses = middle + np.stack([x, y, 0 * x], -1).reshape(-1, 3)
@@ -101,7 +102,7 @@ def heading_profile(
     >>> len(turn), bool(values[180] == values.max())
     (361, True)
     """
-    ends, middle = checked_start(points, pose)
+    ends, middle = arrays.points(points), arrays.pose(pose)
     offsets = _offsets(reach, step)
     poses = np.tile(middle, (len(offsets), 1))
     poses[:, 2] += offsets

@@ -6,17 +6,11 @@ from matplotlib.figure import Figure
 from numpy.typing import ArrayLike
 
 from ..arrays import Array
-from ..matching import (
-    MATCHERS,
-    SCORES,
-    DistanceField,
-    Landscape,
-    Score,
-    landscape,
-)
-from ..plotting import draw_climb, draw_landscape
+from ..matching import MATCHERS, SCORES, DistanceField, Score
+from ..panels._base import Panel, slider, text
 from ..quadtree import QuadtreeMap
-from ._base import Panel, slider, text
+from .landscape_drawings import draw_climb, draw_landscape
+from .landscapes import Landscape, landscape
 
 
 class MatcherPanel(Panel):
@@ -45,7 +39,7 @@ class MatcherPanel(Panel):
 
     Examples
     --------
-    >>> from segmap.matching import room_walk
+    >>> from segmap.course import room_walk
     >>> from segmap.quadtree import build_map
     >>> log = room_walk(40)
     >>> map = build_map(log[:10], log.truth[:10], resolution=0.01)

@@ -1,9 +1,8 @@
 """Every matcher with every score on one walk: how far they are off, and what the map costs."""
 
 import csv
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from dataclasses import astuple, dataclass, fields
-from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -12,30 +11,13 @@ from numpy.typing import NDArray
 from .._display import Table
 from ..angles import wrap
 from ..arrays import Array
+from ..matching import MATCHERS, SCORES, map_scans
 from ..quadtree import QuadtreeMap
 from ..readers._bundled import data_file
 from ..rooms import box, rectangular_room
 from ..scans import Log
 from ..sensors import URG_04LX
 from ..simulation import simulate
-from ._mapping import Matcher, map_scans
-from ._matchers import Score, field_score, hill_climb, sample_and_rank
-from ._scores import descent_score, nearest_score, occupancy_score
-
-#: The matchers by name, each made from a generator; those of the thesis as B prints them.
-MATCHERS: dict[str, Callable[[np.random.Generator], Matcher]] = {
-    "hill climbing": lambda rng: hill_climb,
-    "hill climbing, thesis": lambda rng: partial(hill_climb, steps="thesis"),
-    "sample and rank": lambda rng: partial(sample_and_rank, rng=rng),
-    "sample and rank, thesis": lambda rng: partial(sample_and_rank, rng=rng, sigma=(0.02, 2.0)),
-}
-#: The scores by name.
-SCORES: dict[str, Score] = {
-    "field": field_score,
-    "nearest": nearest_score,
-    "occupancy": occupancy_score,
-    "descent": descent_score,
-}
 
 
 @dataclass(frozen=True)

@@ -6,8 +6,9 @@ import numpy as np
 from matplotlib.axes import Axes
 from numpy.typing import ArrayLike
 
-from ..matching import DistanceField, Landscape, Trial, peaks, profile_peaks
-from ._style import ERROR, RESULT, TRUTH, axes_or_new, dressed
+from ..plotting._style import ERROR, RESULT, TRUTH, axes_or_new
+from .landscapes import Landscape, peaks, profile_peaks
+from .trials import Trial
 
 #: Marks of matchers, used in turn.
 MARKS = "os^vDX"
@@ -90,7 +91,7 @@ def draw_profile(
     turn : (m,) array, radians
         From the true heading.
     values : (m,) array
-        Both from `matching.heading_profile`.
+        Both from `heading_profile`.
     ax : matplotlib Axes or None
     tops : bool
         Mark all peaks.
@@ -116,33 +117,6 @@ def draw_profile(
     return ax
 
 
-def draw_field(field: DistanceField, *, ax: Axes | None = None) -> Axes:
-    """Draw a distance field: the darker, the nearer an occupied cell; a bar tells the metres.
-
-    Parameters
-    ----------
-    field : DistanceField
-    ax : matplotlib Axes or None
-
-    Returns
-    -------
-    Axes
-
-    Examples
-    --------
-    >>> from matplotlib.figure import Figure
-    >>> from segmap.quadtree import QuadtreeMap
-    >>> map = QuadtreeMap(resolution=0.1, size=1.6)
-    >>> map.insert_scan((0.2, 0.2), [(1.0, 0.2)])
-    >>> draw_field(DistanceField(map), ax=Figure().subplots()).images[0].get_array().shape
-    (16, 16)
-    """
-    ax, (left, low, right, high) = axes_or_new(ax), field.bounds
-    picture = ax.imshow(field.distance, origin="lower", extent=(left, right, low, high))
-    ax.figure.colorbar(picture, ax=ax, label="distance [m]")
-    return dressed(ax)
-
-
 def draw_trials(trials: Iterable[Trial], *, ax: Axes | None = None) -> Axes:
     """Draw the error of each trial over the leaves of its map, a mark a matcher (B Fig. 6.17).
 
@@ -160,7 +134,7 @@ def draw_trials(trials: Iterable[Trial], *, ax: Axes | None = None) -> Axes:
     Examples
     --------
     >>> from matplotlib.figure import Figure
-    >>> from segmap.matching import load_trials
+    >>> from segmap.course import load_trials
     >>> len(draw_trials(load_trials(), ax=Figure().subplots()).lines)
     4
     """

@@ -4,11 +4,12 @@ import ipywidgets as W
 import numpy as np
 from matplotlib.figure import Figure
 
-from ..matching import SCORES, Landscape, heading_profile, landscape, peaks
-from ..plotting import draw_landscape, draw_profile
+from ..matching import SCORES
+from ..panels._base import Panel, slider, text
 from ..quadtree import QuadtreeMap, build_map
 from ..scans import Log
-from ._base import Panel, slider, text
+from .landscape_drawings import draw_landscape, draw_profile
+from .landscapes import Landscape, heading_profile, landscape, peaks
 
 
 class LandscapePanel(Panel):
@@ -36,7 +37,7 @@ class LandscapePanel(Panel):
 
     Examples
     --------
-    >>> from segmap.matching import room_walk
+    >>> from segmap.course import room_walk
     >>> panel = LandscapePanel(room_walk(40))
     >>> panel.peaks.value
     '1 peak within 30 cm'
