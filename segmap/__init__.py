@@ -4,6 +4,7 @@ Metres, radians, seconds; poses are x, y, heading; `a_from_b` carries points of 
 """
 
 from . import (
+    _display,
     alignment,
     angles,
     extraction,
@@ -53,3 +54,11 @@ __all__ = [
     "segments",
     "simulation",
 ]
+
+
+@_display.picture.register
+def _draw(value: _display.Pictured) -> bytes:
+    """Import the drawings when a notebook first asks for a picture."""
+    from . import plotting
+
+    return plotting.thumbnail(value)

@@ -7,9 +7,12 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from .._display import picture
 from ..alignment import Alignment
 from ..quadtree import QuadtreeMap
+from ..reduction import Reduction
 from ..scans import LaserScan, Log
+from ..segments import SegmentMap
 from ._alignments import draw_way
 from ._quadtrees import draw_quadtree
 from ._scans import draw_log, draw_scan
@@ -50,6 +53,10 @@ def thumbnail(value: Any) -> bytes:
     else:
         draw_segments(value, ax=ax, color=RESULT if hasattr(value, "parents") else MAP, width=1.2)
     return figure_png(figure)
+
+
+for _kind in (LaserScan, Log, Alignment, QuadtreeMap, SegmentMap, Reduction):
+    picture.register(_kind, thumbnail)
 
 
 def _draw_any_log(log: Log, ax: Axes) -> None:
