@@ -152,18 +152,3 @@ def test_a_map_without_redundancy_is_kept():
 def test_weakness_a_piece_in_the_middle_of_a_wall_is_never_merged():
     """The counter-example of A fig. 4.4: all end points are far."""
     assert len(basic_offline(np.array([[(0, 0), (5, 0)], [(2, 0), (3, 0)]]))) == 2
-
-
-@pytest.mark.parametrize("method", [basic_offline, basic_online])
-@pytest.mark.parametrize(
-    ("thresholds", "message"),
-    [
-        ({"distance": 0.0}, "distance must be positive"),
-        ({"distance": np.nan}, "distance must be positive"),
-        ({"angle": 0.0}, "angle must be above 0"),
-        ({"angle": 1.6}, "at most pi/2"),
-    ],
-)
-def test_thresholds_out_of_range(method, thresholds, message):
-    with pytest.raises(ValueError, match=message):
-        method(np.zeros((1, 2, 2)), **thresholds)

@@ -181,12 +181,6 @@ def test_not_idempotent():
     assert len(fusion(once)) < len(once)
 
 
-@pytest.mark.parametrize("tolerance", [0.0, -1.0, np.nan, np.inf])
-def test_tolerance_must_be_positive(tolerance):
-    with pytest.raises(ValueError, match=r"tolerance must be positive.*got"):
-        fusion(np.zeros((1, 2, 2)), tolerance=tolerance)
-
-
 def test_segments_must_be_finite():
     with pytest.raises(ValueError, match="in metres, but map"):
         fusion(np.array([[(0, 0), (1, 0)], [(0, np.nan), (1, 0)]]))

@@ -150,17 +150,3 @@ def test_records_each_scan():
     assert len(found.scan_seconds) == len(found.scan_live) == 3
     assert found.scan_live[-1] == len(found)
     assert found.scan_live[0] == len(hybrid(map.segments[:20]))
-
-
-@pytest.mark.parametrize(
-    ("thresholds", "message"),
-    [
-        ({"distance": -0.1}, "distance must be positive"),
-        ({"angle": np.pi}, "at most pi/2"),
-        ({"min_length": -1.0}, "min_length must not be negative"),
-        ({"min_length": np.nan}, "min_length must not be negative"),
-    ],
-)
-def test_thresholds_out_of_range(thresholds, message):
-    with pytest.raises(ValueError, match=message):
-        hybrid(np.zeros((1, 2, 2)), **thresholds)

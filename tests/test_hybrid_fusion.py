@@ -183,23 +183,3 @@ def test_weakness_a_stub_that_hybrid_keeps_is_swallowed():
     wall_and_stub = [[(0, 0), (4, 0)], [(2, -0.03), (2, 0.03)]]
     assert len(hybrid(wall_and_stub, min_length=0.0)) == 2
     assert len(hybrid_fusion(wall_and_stub, min_length=0.0)) == 1
-
-
-@pytest.mark.parametrize(
-    ("thresholds", "message"),
-    [
-        ({"distance": 0.0}, "distance must be positive"),
-        ({"angle": 2.0}, "at most pi/2"),
-        ({"min_length": -1.0}, "min_length must not be negative"),
-        ({"tolerance": 0.0}, "tolerance must be positive"),
-        ({"tolerance": np.inf}, "tolerance must be positive"),
-        ({"every": 0}, "every must be a whole number of scans, at least 1, got 0"),
-        ({"every": 2.5}, "every must be a whole number"),
-        ({"every": np.nan}, "every must be a whole number"),
-        ({"every": np.inf}, "every must be a whole number"),
-    ],
-)
-def test_thresholds_out_of_range(thresholds, message):
-    """Refused before anything runs, on an empty map too."""
-    with pytest.raises(ValueError, match=message):
-        hybrid_fusion(np.empty((0, 2, 2)), **thresholds)

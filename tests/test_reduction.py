@@ -7,6 +7,7 @@ import pytest
 
 from segmap import reduction
 from segmap.reduction import METHODS, Reduction
+from segmap.reduction._runner import run, run_online
 from segmap.segments import SegmentMap, length
 
 methods = pytest.mark.parametrize("name", METHODS)
@@ -95,6 +96,86 @@ def test_empty_map(name):
     found = METHODS[name](SegmentMap([]))
     assert found.segments.shape == (0, 2, 2)
     assert found.parents.shape == (0,)
+
+
+#: What each threshold must refuse; every other one must refuse NaN.
+REFUSED = {
+    "distance": (0.0, -0.1, np.nan, np.inf),
+    "angle": (0.0, 1.6, np.nan),
+    "min_length": (-1.0, np.nan),
+    "tolerance": (0.0, -1.0, np.nan, np.inf),
+    "every": (0, 2.5, np.nan, np.inf),
+    "sigma": (0.0, -1.0, np.nan, np.inf),
+    "bandwidth": (0.0, -1.0, np.nan, np.inf),
+}
+
+
+@pytest.mark.parametrize(
+    ("name", "threshold", "bad"),
+    [
+        (name, threshold, bad)
+        for name in METHODS
+        for threshold in list(inspect.signature(METHODS[name].function).parameters)[1:]
+        for bad in REFUSED.get(threshold, (np.nan,))
+    ],
+)
+def test_thresholds_out_of_range(name, threshold, bad):
+    """Refused by name before anything runs, on an empty map too."""
+    with pytest.raises(ValueError, match=rf"^{threshold} must be .*, got {bad}$"):
+        METHODS[name](np.empty((0, 2, 2)), **{threshold: bad})
+
+
+WALLS = np.array([[(0, 0), (1, 0)], [(1, 1), (1, 1)], [(0, 1), (1, 1)]], float)
+
+
+@pytest.mark.parametrize(
+    ("out", "into", "message"),
+    [
+        (WALLS[:1, 0], [0, 0], "outputs are not finite segments"),
+        (WALLS[:1] * np.nan, [0, 0], "outputs are not finite segments"),
+        (WALLS[:1], [0, 0, 0], "parents are not 2 whole numbers"),
+        (WALLS[:1], [0.0, 0.0], "parents are not 2 whole numbers"),
+        (WALLS[:1], [0, 1], "parents are not within -1 to 0"),
+        (WALLS[:1], [0, -2], "parents are not within -1 to 0"),
+        (WALLS[:2], [0, 0], "an output has no input"),
+        (WALLS[:1], [-1, -1], "an output has no input"),
+    ],
+)
+def test_the_runner_refuses_a_result_that_breaks_its_promises(out, into, message):
+    """Each is what a slip in a new method gives."""
+    found = out, np.array(into)
+    with pytest.raises(RuntimeError, match=f"slip: {message}"):
+        run("slip", WALLS, lambda rows: found)
+
+
+@pytest.mark.parametrize("live", [[1], [1, 1, 1], [1, 2]])
+def test_the_runner_refuses_steps_that_are_not_one_a_scan_or_end_elsewhere(live):
+    def steps(rows):
+        yield from live
+        return rows.segments[:1], np.zeros(2, int)
+
+    with pytest.raises(RuntimeError, match=r"slip: .* is not its result"):
+        run_online("slip", SegmentMap(WALLS, [7, 0, 3]), steps)
+
+
+def test_the_runner_sorts_by_scan_and_carries_back():
+    """An order that is not undone, a sort that is not stable, a point that shifts all rows."""
+    map = SegmentMap(WALLS[[0, 2, 1, 0, 2]], [5, 2, 2, 2, 5])
+
+    def steps(rows):
+        assert list(rows.scans()) == [(0, 2), (2, 4)]
+        assert rows.row.tolist() == [1, 3, 0, 4]
+        yield 2
+        yield 4
+        return rows.segments, np.arange(4)
+
+    found = run_online("kept", map, steps)
+    assert found.parents.tolist() == [2, 0, -1, 1, 3]
+    assert found.scan_live.tolist() == [2, 4]
+    assert found.seconds >= found.scan_seconds.sum() > 0
+    whole = run("kept", map, lambda rows: (rows.segments, np.arange(4)))
+    assert whole.parents.tolist() == [0, 1, -1, 2, 3]
+    assert whole.scan_seconds is None
 
 
 def test_repr_has_no_address():

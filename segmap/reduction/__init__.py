@@ -1,7 +1,23 @@
 """Reduction: one segment for each wall instead of one for each time that it was seen.
 
 Every method has one signature, `method(map, *, thresholds) -> Reduction`, and stands in `METHODS`.
+
+A new method is one file, one entry in `METHODS` and one plain version in `segmap.literal`:
+
+1. Its file, `_<name>.py`, has the public function with its docstring. It checks its thresholds with
+   `segmap.arrays` and ends in `return run("<name>", map, lambda rows: _reduce(rows, tolerance))`.
+2. `_reduce` gets `rows.segments`, `(k, 2, 2)`, which all have a length, and returns the outputs,
+   `(m, 2, 2)`, and the output that each row went into, `(k,)`, -1 where it was dropped.
+   `rows.row` tells which row of the map each is, for a method that needs what lies behind it.
+3. An on-line method is a generator for `run_online`: it takes one scan of `rows.scans()` at a time,
+   yields how many segments its map then holds, and returns the same two arrays.
+4. Loops that are compiled stand beside it in the same file, marked `@compiled`.
+
+The runner sorts by scan, measures the time, carries the parents back to the rows of the map and
+checks the result on every call.
 """
+
+from __future__ import annotations
 
 from ..methods import Method
 from ._basic import basic_offline, basic_online
@@ -10,7 +26,7 @@ from ._hough import hough
 from ._hybrid import hybrid
 from ._hybrid_fusion import hybrid_fusion
 from ._mean_shift import Directions, common_directions, mean_shift
-from ._result import Methods, Reduction
+from ._runner import Methods, Reduction
 
 #: Name of each method -> the method, with its place in A's table 2.16. A calls the class of Basic
 #: "simple", after its conditions; like the class 2 -> 1 it makes one segment of two.

@@ -1,15 +1,13 @@
 """Basic (A 4.1, 5.3): pairs with near end points and similar angles become one, again and again."""
 
-import time
-from dataclasses import replace
+from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .. import arrays
 from ..arrays import Segments
 from . import _basic_loops as loops
-from ._result import Reduction, check_thresholds, runs, scans_of, whole_parents, with_length
+from ._runner import Found, Reduction, Rows, Steps, run, run_online
 
 
 def basic_offline(map: Segments, *, distance: float = 0.20, angle: float = np.pi / 18) -> Reduction:
@@ -47,9 +45,8 @@ def basic_offline(map: Segments, *, distance: float = 0.20, angle: float = np.pi
     >>> found, found.parents
     (Reduction(basic_offline: 3 -> 2 segments), array([0, 0, 1]))
     """
-    none = np.zeros(len(arrays.segments(map, "map")), np.int64)
-    found = _basic(map, none, distance, angle)
-    return replace(found, method="basic_offline", scan_seconds=None, scan_live=None)
+    check_match(distance, angle)
+    return run("basic_offline", map, lambda rows: _offline(rows, distance, angle))
 
 
 def basic_online(map: Segments, *, distance: float = 0.20, angle: float = np.pi / 18) -> Reduction:
@@ -80,28 +77,39 @@ def basic_online(map: Segments, *, distance: float = 0.20, angle: float = np.pi 
     >>> basic_online(wall).scan_live
     array([1, 2])
     """
-    return _basic(map, scans_of(map), distance, angle)
+    check_match(distance, angle)
+    return run_online("basic_online", map, lambda rows: _online(rows, distance, angle))
 
 
-def _basic(map: Segments, scan: NDArray[np.int64], distance: float, angle: float) -> Reduction:
-    check_thresholds(distance, angle)
-    start = time.perf_counter()
-    segments, index = with_length(map)
-    index = index[(order := np.argsort(scan[index], kind="stable"))]
-    state, ended, live = loops.start(segments[order]), [time.perf_counter()], [0]
-    for first, stop in runs(scan[index]):
-        died = loops.converge(state, first, stop, distance, angle)
-        ended.append(time.perf_counter())
-        live.append(live[-1] + stop - first - died)
-    parents = whole_parents(len(scan), index, _outputs(state))
-    found = state.s[state.alive]
-    seconds = time.perf_counter() - start
-    return Reduction(found, parents, seconds, "basic_online", np.diff(ended), np.array(live[1:]))
+def check_match(distance: float, angle: float) -> None:
+    """Refuse a distance that is not positive, metres, or an angle beyond a quarter turn, radians.
+
+    Raises
+    ------
+    ValueError
+        Naming the argument and what was expected.
+    """
+    arrays.positive("metres", distance=distance)
+    arrays.number(angle, "angle", above=0, most=np.pi / 2, unit="radians")
 
 
-def _outputs(state: loops.State) -> NDArray[np.int64]:
-    """Output that each segment went into, through however many merges."""
+def _offline(rows: Rows, distance: float, angle: float) -> Found:
+    state = loops.start(rows.segments)
+    loops.converge(state, 0, len(rows.segments), distance, angle)
+    return _outputs(state)
+
+
+def _online(rows: Rows, distance: float, angle: float) -> Steps:
+    state, live = loops.start(rows.segments), 0
+    for first, stop in rows.scans():
+        live += stop - first - loops.converge(state, first, stop, distance, angle)
+        yield live
+    return _outputs(state)
+
+
+def _outputs(state: loops.State) -> Found:
+    """The live segments, and which of them each segment went into, through however many merges."""
     parents = state.parents
     while not state.alive[parents].all():
         parents = parents[parents]
-    return (np.cumsum(state.alive) - 1)[parents]
+    return state.s[state.alive], (np.cumsum(state.alive) - 1)[parents]

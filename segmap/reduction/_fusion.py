@@ -3,12 +3,12 @@
 A moves the line greedily and can miss the best strip; the sweep over all shifts is exact.
 """
 
-import time
+from __future__ import annotations
 
 from .. import arrays
 from ..arrays import Segments
 from . import _fusion_loops as loops
-from ._result import Reduction, check_tolerance, whole_parents, with_length
+from ._runner import Reduction, run
 
 
 def fusion(map: Segments, *, tolerance: float = 0.04) -> Reduction:
@@ -46,9 +46,5 @@ def fusion(map: Segments, *, tolerance: float = 0.04) -> Reduction:
     array([[0., 0.],
            [3., 0.]])
     """
-    check_tolerance(tolerance)
-    start = time.perf_counter()
-    segments, index = with_length(map)
-    found, parents = loops.fuse(segments, tolerance)
-    parents = whole_parents(len(arrays.segments(map)), index, parents)
-    return Reduction(found, parents, time.perf_counter() - start, "fusion")
+    arrays.positive("metres", tolerance=tolerance)
+    return run("fusion", map, lambda rows: loops.fuse(rows.segments, tolerance))

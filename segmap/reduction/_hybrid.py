@@ -1,20 +1,14 @@
 """Hybrid (A 4.2, 5.4): near in the map and near in Hough space, scan by scan."""
 
-import time
-from collections.abc import Callable
+from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from .. import arrays
 from ..arrays import Segments
 from . import _hybrid_loops as loops
-from ._result import Reduction, check_thresholds, runs, scans_of, whole_parents, with_length
-
-Indices = NDArray[np.int64]
-
-#: Called after each scan with the map, the scans so far and all scans. Returns the map, and where
-#: each of its segments went, or None where all stayed.
-AfterScan = Callable[[loops.State, int, int], tuple[loops.State, Indices | None]]
+from ._basic import check_match
+from ._runner import Reduction, Rows, Steps, run_online
 
 
 def hybrid(
@@ -65,50 +59,29 @@ def hybrid(
     >>> found, found.parents
     (Reduction(hybrid: 3 -> 1 segments), array([ 0,  0, -1]))
     """
-    return run_scans(map, distance, angle, min_length)
+    check_match(distance, angle)
+    least = least_length(distance, min_length)
+    return run_online("hybrid", map, lambda rows: _steps(rows, distance, angle, least))
 
 
-def run_scans(
-    map: Segments,
-    distance: float,
-    angle: float,
-    min_length: float | None,
-    after_scan: AfterScan = lambda state, done, scans: (state, None),
-) -> Reduction:
-    """Hybrid, with something done to its map after each scan; the rest as in `hybrid`."""
-    check_thresholds(distance, angle)
-    least = distance if min_length is None else min_length
-    if not least >= 0:
-        raise ValueError(f"min_length must not be negative, in metres, got {min_length}")
-    begun = time.perf_counter()
-    segments, index = with_length(map)
-    scan = scans_of(map)
-    index = index[(order := np.argsort(scan[index], kind="stable"))]
-    segments, parents = segments[order], np.full(len(index), -1, np.int64)
-    state, ended, live = loops.start(len(index)), [time.perf_counter()], []
-    scans, moves = runs(scan[index]), []
-    for done, (first, stop) in enumerate(scans, 1):
-        new = segments[first:stop]
-        state = loops.add_scan(state, new, first, distance, angle, least, parents)
-        state, moved = after_scan(state, done, len(scans))
-        moves += [] if moved is None else [(stop, moved)]
-        ended.append(time.perf_counter())
-        live.append(int(state.used[0]))
-    found = state.s[: state.used[0]].copy()
-    whole = whole_parents(len(scan), index, _followed(parents, moves))
-    seconds = time.perf_counter() - begun
-    return Reduction(found, whole, seconds, "hybrid", np.diff(ended), np.array(live, np.int64))
+def least_length(distance: float, min_length: float | None) -> float:
+    """Length, metres, below which a segment without a match is dropped.
 
-
-def _followed(parents: Indices, moves: list[tuple[int, Indices]]) -> Indices:
-    """Parents `(n,)` in the last map, given the moves: (inputs so far, where each segment went).
-
-    From the last move back, so that each costs its own map and its own inputs, not all before.
+    Raises
+    ------
+    ValueError
+        Naming the argument and what was expected.
     """
-    out = parents.copy()
-    carried = np.append(np.arange(len(parents)), -1)  # its last element: what was dropped stays so
-    starts = [0, *(stop for stop, _ in moves[:-1])]
-    for first, (stop, moved) in reversed(list(zip(starts, moves, strict=False))):
-        carried = np.append(carried[moved], -1)
-        out[first:stop] = carried[out[first:stop]]
-    return out
+    if min_length is None:
+        return distance
+    return arrays.number(min_length, "min_length", least=0, unit="metres")
+
+
+def _steps(rows: Rows, distance: float, angle: float, min_length: float) -> Steps:
+    state = loops.start(len(rows.segments))
+    parents = np.full(len(rows.segments), -1, np.int64)
+    for first, stop in rows.scans():
+        new = rows.segments[first:stop]
+        state = loops.add_scan(state, new, first, distance, angle, min_length, parents)
+        yield int(state.used[0])
+    return state.s[: state.used[0]].copy(), parents

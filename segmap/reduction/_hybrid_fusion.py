@@ -1,14 +1,17 @@
 """Hybrid with Fusion (A 7): Hybrid scan by scan, and now and then Fusion of its whole map."""
 
-from dataclasses import replace
+from __future__ import annotations
+
+from itertools import pairwise
 
 import numpy as np
 
+from .. import arrays
 from ..arrays import Segments
-from . import _hybrid_loops as loops
-from ._fusion import fusion
-from ._hybrid import Indices, run_scans
-from ._result import Reduction, check_tolerance
+from . import _fusion_loops, _hybrid_loops
+from ._basic import check_match
+from ._hybrid import least_length
+from ._runner import Indices, Reduction, Rows, Steps, rows_of, run_online
 
 
 def hybrid_fusion(
@@ -65,17 +68,50 @@ def hybrid_fusion(
     >>> len(hybrid(wall)), len(hybrid_fusion(wall))
     (2, 1)
     """
-    check_tolerance(tolerance)
-    if not (every >= 1 and every % 1 == 0):
-        raise ValueError(f"every must be a whole number of scans, at least 1, got {every}")
+    check_match(distance, angle)
+    arrays.positive("metres", tolerance=tolerance)
+    every, least = arrays.whole(every, "every"), least_length(distance, min_length)
+    return run_online(
+        "hybrid_fusion", map, lambda rows: _steps(rows, distance, angle, least, tolerance, every)
+    )
 
-    def after_scan(state: loops.State, done: int, scans: int) -> tuple[loops.State, Indices | None]:
-        """The state after Fusion, and where its segments went, `(n,)`; unchanged between times."""
-        if done % every and done < scans:
-            return state, None
-        fused = fusion(state.s[: state.used[0]], tolerance=tolerance)
-        kept = fused.parents >= 0
-        counts = np.bincount(fused.parents[kept], state.lines[: len(kept), 2][kept]).astype(float)
-        return loops.replace_map(state, fused.segments, counts, distance), fused.parents
 
-    return replace(run_scans(map, distance, angle, min_length, after_scan), method="hybrid_fusion")
+def _steps(
+    rows: Rows, distance: float, angle: float, min_length: float, tolerance: float, every: int
+) -> Steps:
+    state = _hybrid_loops.start(len(rows.segments))
+    parents = np.full(len(rows.segments), -1, np.int64)
+    moves: list[tuple[int, Indices]] = []  # inputs so far, where each segment of the map went
+    for done, (first, stop) in enumerate(rows.scans(), 1):
+        new = rows.segments[first:stop]
+        state = _hybrid_loops.add_scan(state, new, first, distance, angle, min_length, parents)
+        if done % every == 0 or stop == len(rows.segments):
+            state, moved = _fused(state, distance, tolerance)
+            moves.append((stop, moved))
+        yield int(state.used[0])
+    return state.s[: state.used[0]].copy(), _followed(parents, moves)
+
+
+def _fused(
+    state: _hybrid_loops.State, distance: float, tolerance: float
+) -> tuple[_hybrid_loops.State, Indices]:
+    """The map after Fusion, and where each of its segments went, -1 for one without length."""
+    live, count = rows_of(state.s[: state.used[0]])
+    fused, into = _fusion_loops.fuse(live.segments, tolerance)
+    counts = np.bincount(into, state.lines[live.row, 2]).astype(float)
+    moved = np.full(count, -1, np.int64)
+    moved[live.row] = into
+    return _hybrid_loops.replace_map(state, fused, counts, distance), moved
+
+
+def _followed(parents: Indices, moves: list[tuple[int, Indices]]) -> Indices:
+    """Parents `(n,)` in the last map, given the moves: (inputs so far, where each segment went).
+
+    From the last move back, so that each costs its own map and its own inputs, not all before.
+    """
+    carried = np.append(np.arange(len(parents)), -1)  # its last element: what was dropped stays so
+    borders = [0, *(stop for stop, _ in moves)]
+    for (first, stop), (_, moved) in reversed(list(zip(pairwise(borders), moves, strict=True))):
+        carried = np.append(carried[moved], -1)
+        parents[first:stop] = carried[parents[first:stop]]
+    return parents

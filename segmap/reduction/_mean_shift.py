@@ -3,7 +3,8 @@
 The second phase stretches its kernel along the direction that the first has found.
 """
 
-import time
+from __future__ import annotations
+
 from typing import NamedTuple
 
 import numpy as np
@@ -14,7 +15,7 @@ from ..arrays import Array, Segments
 from ..segments import angle, length, midpoint
 from . import _mean_shift_loops as loops
 from ._climb_loops import climb, link
-from ._result import Reduction, with_length
+from ._runner import Found, Reduction, Rows, rows_of, run
 
 #: More pieces than this are refused: a slip in the unit of sigma would fill the memory.
 MOST_PIECES = 20_000_000
@@ -70,14 +71,18 @@ def mean_shift(
     >>> found, found.parents
     (Reduction(mean_shift: 3 -> 2 segments), array([0, 0, 1]))
     """
-    start = time.perf_counter()
-    pieces, owner, _, cluster, theta = common_directions(map, sigma=sigma, bandwidth=bandwidth)
+    check_scales(sigma, bandwidth)
+    return run("mean_shift", map, lambda rows: _lines(rows, sigma, bandwidth), splits=True)
+
+
+def _lines(rows: Rows, sigma: float, bandwidth: float) -> Found:
+    """Both phases."""
+    pieces, owner, _, cluster, theta = _directions(rows.segments, sigma, bandwidth, np.inf)
     origin = pieces.mean(axis=(0, 1)) if len(pieces) else np.zeros(2)
     middle, half = midpoint(pieces) - origin, (pieces[:, 1] - pieces[:, 0]) / 2
     found, into = loops.lines(middle, half, cluster, theta, sigma)
     found, into = _by_lowest(found + origin, into)
-    parents = _longest_share(len(arrays.segments(map)), owner, into)
-    return Reduction(found, parents, time.perf_counter() - start, "mean_shift")
+    return found, _longest_share(len(rows.segments), owner, into)
 
 
 class Directions(NamedTuple):
@@ -138,10 +143,18 @@ def common_directions(
     >>> found.owner, found.cluster, np.degrees(found.theta)
     (array([0, 0, 1, 1]), array([0, 0, 1, 1]), array([ 0., 90.]))
     """
-    segments, index = with_length(map)
-    _check_scales(segments, sigma, bandwidth)
+    check_scales(sigma, bandwidth)
+    rows, _ = rows_of(map)
+    found = _directions(rows.segments, sigma, bandwidth, steps)
+    return found._replace(owner=rows.row[found.owner])
+
+
+def _directions(segments: Array, sigma: float, bandwidth: float, steps: float) -> Directions:
+    """Phase 1 of segments `(n, 2, 2)`, metres, that all have a length."""
+    _check_fit(segments, sigma)
     if len(segments) == 0:
-        return Directions(segments, index, np.empty((0, 3)), index, np.empty(0))
+        none = np.empty(0, np.int64)
+        return Directions(segments, none, np.empty((0, 3)), none, np.empty(0))
     pieces, owner = pieces_of(segments, sigma)
     unit = sigma * bandwidth
     middle = midpoint(pieces)
@@ -152,7 +165,7 @@ def common_directions(
     centres = centres * (sigma, sigma, unit) + (*origin, 0.0)
     cluster = np.unique(label, return_inverse=True)[1]
     sine, cosine = (np.bincount(cluster, f(2 * centres[:, 2])) for f in (np.sin, np.cos))
-    return Directions(pieces, index[owner], centres, cluster, np.arctan2(sine, cosine) / 2)
+    return Directions(pieces, owner, centres, cluster, np.arctan2(sine, cosine) / 2)
 
 
 def _by_lowest(segments: Array, into: NDArray[np.int64]) -> tuple[Array, NDArray[np.int64]]:
@@ -193,22 +206,25 @@ def piece_counts(segments: Array, sigma: float) -> Array:
     return np.maximum(np.ceil(length(segments) / sigma - 1e-9), 1.0)
 
 
-def _check_scales(segments: Array, sigma: float, bandwidth: float) -> None:
-    """Refuse a sigma, metres, or a bandwidth, radians a metre, that cannot do for the segments.
+def check_scales(sigma: float, bandwidth: float) -> None:
+    """Refuse a sigma, metres, or a bandwidth, radians a metre, that cannot do.
 
     Raises
     ------
     ValueError
         Naming the argument and what was expected.
     """
-    for name, value, unit in (("sigma", sigma, "metres"), ("bandwidth", bandwidth, "rad/m")):
-        if not (value > 0 and np.isfinite(value)):
-            raise ValueError(f"{name} must be positive and finite, in {unit}, got {value}")
+    arrays.positive("metres", sigma=sigma)
+    arrays.positive("rad/m", bandwidth=bandwidth)
     if sigma * bandwidth < 1e-9:
         raise ValueError(
             f"bandwidth must be at least 1e-9 rad a sigma, below which angles are rounding, "
             f"got {bandwidth} rad/m with sigma {sigma} m"
         )
+
+
+def _check_fit(segments: Array, sigma: float) -> None:
+    """Refuse a sigma, metres, that is too small for these segments."""
     extent = float(np.ptp(segments, axis=(0, 1)).max()) if len(segments) else 0.0
     if sigma < 1e-10 * extent:
         raise ValueError(

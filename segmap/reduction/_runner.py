@@ -1,0 +1,236 @@
+"""What every reduction method returns, and the one runner that calls them all."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Generator, Iterator
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .. import arrays
+from .._display import Pictured, Table
+from ..arrays import Array, Segments
+from ..methods import Method
+from ..segments import MIN_LENGTH, SegmentMap, length
+
+Indices = NDArray[np.int64]
+#: What a method returns: outputs `(m, 2, 2)`, metres, and the output of each of its rows, `(k,)`.
+Found = tuple[Array, Indices]
+#: An on-line method: yields the segments in its map after each scan, and returns what it found.
+Steps = Generator[int, None, Found]
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Reduction(Pictured):
+    """A reduced map, and where each segment of the map before went.
+
+    Parameters
+    ----------
+    segments : (m, 2, 2) array, metres
+    parents : (n,) int array
+        Index in `segments` of the output that each input went into, -1 where it was dropped.
+    seconds : float
+        Time that the method took.
+    method : str
+        Its name in `reduction.METHODS`.
+    scan_seconds : (k,) array or None
+        Time that an on-line method took for each scan that has segments.
+    scan_live : (k,) int array or None
+        Segments in its map after each of these scans.
+    """
+
+    segments: Array
+    parents: Indices
+    seconds: float
+    method: str = ""
+    scan_seconds: Array | None = None
+    scan_live: Indices | None = None
+
+    def members(self, index: int) -> Indices:
+        """Input segments that went into one output, ascending, `(k,)` int array."""
+        return np.flatnonzero(self.parents == index)
+
+    def __len__(self) -> int:
+        return len(self.segments)
+
+    def __repr__(self) -> str:
+        return f"Reduction({self.method}: {len(self.parents)} -> {len(self)} segments)"
+
+
+class Methods(dict[str, Method[Reduction]]):
+    """Reduction methods by name; a notebook shows them as A's table 2.16 does.
+
+    Examples
+    --------
+    >>> def nothing(map):
+    ...     return Reduction(map.segments, np.arange(len(map)), 0.0)
+    >>> Methods(nothing=Method(nothing, "A 4", merges="2 -> 1", keeps="end points"))
+    method   in   merges  runs      needs     keeps       published by
+    nothing  A 4  2 -> 1  off-line  segments  end points
+    """
+
+    def table(self) -> Table:
+        """Class of reduction, process, what each method needs and keeps (A 2.8, table 2.16)."""
+        head = ("method", "in", "merges", "runs", "needs", "keeps", "published by")
+        return Table(head, (_row(name, method) for name, method in self.items()))
+
+    def __repr__(self) -> str:
+        return repr(self.table())
+
+    def _repr_html_(self) -> str:
+        return self.table()._repr_html_()
+
+
+def _row(name: str, method: Method[Reduction]) -> tuple[str, ...]:
+    runs = "on-line" if method.online else "off-line"
+    needs = "points" if method.needs_points else "segments"
+    return name, method.source, method.merges, runs, needs, method.keeps, method.paper
+
+
+class Rows(NamedTuple):
+    """The segments of a map that a method works on: those that have a length.
+
+    Parameters
+    ----------
+    segments : (k, 2, 2) array, metres
+        In the order of the map; for an on-line method scan after scan, in that order within each.
+    row : (k,) int array
+        Row of the map that each of them is.
+    cuts : (s + 1,) int array
+        Scan j has the rows `cuts[j]` to `cuts[j + 1]`; an off-line method gets one run of them all.
+    """
+
+    segments: Array
+    row: Indices
+    cuts: Indices
+
+    def scans(self) -> Iterator[tuple[int, int]]:
+        """First row of each scan that has rows, and the one behind its last."""
+        return pairwise(self.cuts.tolist())
+
+
+def run(
+    name: str, map: Segments, method: Callable[[Rows], Found], *, splits: bool = False
+) -> Reduction:
+    """Call an off-line method: `method(rows) -> (outputs, the output that each row went into)`.
+
+    Parameters
+    ----------
+    name : str
+        Of the method in `METHODS`.
+    map : SegmentMap, Reduction or (n, 2, 2) array, metres
+    method : callable
+    splits : bool
+        Whether one input can end in several outputs. Then an output can be the first choice of no
+        input, and there can be more outputs than inputs.
+
+    Returns
+    -------
+    Reduction
+
+    Raises
+    ------
+    ValueError
+        For a map that is none, coordinates that are not finite.
+    RuntimeError
+        Where the method breaks what a `Reduction` promises: a mistake in the method.
+
+    Examples
+    --------
+    >>> wall = [[(0, 0), (1, 0)], [(2, 2), (2, 2)]]
+    >>> run("first", wall, lambda rows: (rows.segments, np.array([0]))).parents
+    array([ 0, -1])
+    """
+    start = time.perf_counter()
+    rows, count = rows_of(map)
+    found = method(rows)
+    parents = _check(name, count, rows, found, splits)
+    return Reduction(found[0], parents, time.perf_counter() - start, name)
+
+
+def run_online(
+    name: str, map: Segments, method: Callable[[Rows], Steps], *, splits: bool = False
+) -> Reduction:
+    """Call an on-line method, a generator that takes one scan of the rows at each step.
+
+    It yields how many segments its map holds, scan after scan, and returns what `run` asks for.
+
+    Parameters
+    ----------
+    name, map, method, splits
+        As in `run`.
+
+    Returns
+    -------
+    Reduction
+        With seconds and segments in the map for each scan.
+
+    Raises
+    ------
+    ValueError, RuntimeError
+        As in `run`.
+
+    Examples
+    --------
+    >>> def keep(rows):
+    ...     for first, stop in rows.scans():
+    ...         yield stop
+    ...     return rows.segments, np.arange(len(rows.segments))
+    >>> run_online("keep", [[(0, 0), (1, 0)]], keep).scan_live
+    array([1])
+    """
+    start = time.perf_counter()
+    rows, count = rows_of(map, by_scan=True)
+    steps, live, ended = method(rows), [], [time.perf_counter()]
+    while True:
+        try:
+            live.append(next(steps))
+        except StopIteration as last:
+            found: Found = last.value
+            break
+        ended.append(time.perf_counter())
+    parents = _check(name, count, rows, found, splits)
+    if len(live) != len(rows.cuts) - 1 or (live and live[-1] != len(found[0])):
+        raise RuntimeError(
+            f"{name}: {live[-1:]} segments after {len(live)} scans is not its result"
+        )
+    seconds = time.perf_counter() - start
+    each, left = np.diff(ended), np.array(live, np.int64)
+    return Reduction(found[0], parents, seconds, name, each, left)
+
+
+def rows_of(map: Segments, *, by_scan: bool = False) -> tuple[Rows, int]:
+    """The segments of a map that have a length, scan by scan or as one run; and n of the map."""
+    segments = arrays.segments(map, "map")
+    index = np.flatnonzero(length(segments) >= MIN_LENGTH)
+    scan = np.zeros(len(index), np.int64)
+    if by_scan and isinstance(map, SegmentMap):
+        order = np.argsort(map.scan[index], kind="stable")
+        index = index[order]
+        scan = map.scan[index]
+    inner = np.flatnonzero(np.diff(scan)) + 1
+    cuts = np.concatenate([[0], inner, [len(index)] if len(index) else []]).astype(np.int64)
+    return Rows(np.ascontiguousarray(segments[index]), index, cuts), len(segments)
+
+
+def _check(name: str, count: int, rows: Rows, found: Found, splits: bool) -> Indices:
+    """Parents of all `count` segments of the map, `(n,)`, once the method's result is sound."""
+    out, into = found[0], np.asarray(found[1])
+    wrong = ""
+    if out.shape != (len(out), 2, 2) or not np.isfinite(out).all():
+        wrong = "outputs are not finite segments (m, 2, 2)"
+    elif into.shape != rows.row.shape or into.dtype.kind != "i":
+        wrong = f"parents are not {len(rows.row)} whole numbers"
+    elif len(into) and not (into.min() >= -1 and into.max() < len(out)):
+        wrong = f"parents are not within -1 to {len(out) - 1}"
+    elif not splits and len(out) != np.count_nonzero(np.bincount(into + 1, minlength=1)[1:]):
+        wrong = "an output has no input"
+    if wrong:
+        raise RuntimeError(f"{name}: {wrong}; this is a mistake in the method")
+    parents = np.full(count, -1, np.int64)
+    parents[rows.row] = into
+    return parents
