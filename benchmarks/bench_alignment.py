@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from segmap import LaserScan, Log, alignment, load, read
-from segmap.alignment import Alignment, laid_on_truth, match_points
+from segmap.alignment import Alignment, align_to_truth, match_points
 from segmap.angles import wrap
 from segmap.metrics import relation_errors
 from segmap.simulation import Wheels, drifting_odometry
@@ -103,7 +103,7 @@ def drifted(log: Log, seed: int) -> Log:
 def after_rigid_alignment(poses: Array, truth: Array) -> tuple[Array, Array]:
     """Errors of position and heading where the truth is known, after the best rigid motion."""
     known = np.isfinite(truth).all(1)
-    away = laid_on_truth(poses[known], truth[known], best=True) - truth[known]
+    away = align_to_truth(poses[known], truth[known], best=True) - truth[known]
     return np.hypot(*away[:, :2].T), np.abs(wrap(away[:, 2]))
 
 

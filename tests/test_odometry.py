@@ -117,7 +117,7 @@ def test_nothing_known_at_any_scan():
         ({"poses": np.zeros((2, 3))}, "times and poses belong together"),
         ({"times": [1, 0], "poses": np.zeros((2, 3))}, "not decrease"),
         ({"times": [0], "poses": np.zeros((2, 3))}, r"poses must be \(1, 3\)"),
-        ({"missing": "skip"}, 'missing must be "raise" or "drop", got \'skip\''),
+        ({"missing": "skip"}, "missing must be one of 'raise', 'drop', got 'skip'"),
     ],
 )
 def test_wrong_arguments_are_named(given, message):

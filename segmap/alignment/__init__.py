@@ -9,9 +9,8 @@ from ._angle_correspondence import angle_correspondence, match_angles
 from ._backbone import backbone, backbone_steps
 from ._backbone_lines import least_translation, mean_rotation
 from ._backbone_steps import BackboneStep
-from ._errors import laid_on_truth, place_errors
+from ._baselines import align_to_truth, ground_truth, odometry, position_errors
 from ._global_segments import global_segments
-from ._odometry import ground_truth, odometry
 from ._point_icp import match_points, point_icp
 from ._point_steps import PointStep, point_steps
 from ._pose_graph import pose_graph
@@ -51,13 +50,13 @@ __all__ = [
     "Method",
     "PointStep",
     "Rejected",
+    "align_to_truth",
     "angle_candidates",
     "angle_correspondence",
     "backbone",
     "backbone_steps",
     "global_segments",
     "ground_truth",
-    "laid_on_truth",
     "least_translation",
     "match_angles",
     "match_points",
@@ -65,10 +64,10 @@ __all__ = [
     "match_values",
     "mean_rotation",
     "odometry",
-    "place_errors",
     "point_icp",
     "point_steps",
     "pose_graph",
+    "position_errors",
     "segment_icp",
     "solve_graph",
 ]

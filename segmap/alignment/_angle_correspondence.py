@@ -4,6 +4,8 @@ An angle between two walls of one scan is laid on a similar angle of the other; 
 judged by the length of wall on which both scans then agree. No odometry is needed.
 """
 
+from __future__ import annotations
+
 from collections.abc import Callable
 from typing import Any
 
@@ -16,7 +18,8 @@ from ..poses import compose
 from ..scans import Log
 from ..segments import length
 from ._angle_candidates import Candidate, angle_candidates
-from ._result import Alignment, Match, Trail, check_positive, no_match
+from ._result import Match, check_positive, no_match
+from ._runner import Outcome, Trail, alignment_method
 
 #: Least standard deviation of an end point, in metres, that a covariance rests on.
 SIGMA = 0.01
@@ -85,6 +88,7 @@ def match_angles(
     return Match(found[0].pose, _covariance(found[0]), True, overlap=overlap)
 
 
+@alignment_method
 def angle_correspondence(
     log: Log,
     *,
@@ -92,7 +96,7 @@ def angle_correspondence(
     new_reference: float = 0.60,
     extract: Callable[..., Array] = extract_polylines,
     **thresholds: Any,
-) -> Alignment:
+) -> Outcome:
     """Poses from angle correspondences between scans, without any odometry (A 2.5.1, 3.3.1).
 
     Each scan is matched to a reference scan, and where they share too little to the scan just
@@ -143,7 +147,7 @@ def angle_correspondence(
                 break
         else:
             trail.carry(match.reason)
-    return trail.alignment("angle_correspondence")
+    return trail.outcome()
 
 
 def _doubt(found: list[Candidate], least: float, across: float, rival: float) -> str:

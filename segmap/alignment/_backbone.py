@@ -4,6 +4,8 @@ Errors of odometry come from turning, and corridors are parallel: so each straig
 onto lines that were learned before the last turn, the rotation first, then the translation.
 """
 
+from __future__ import annotations
+
 from collections.abc import Iterator
 from typing import NamedTuple
 
@@ -28,13 +30,15 @@ from ._backbone_lines import (
     with_segments,
 )
 from ._backbone_steps import BackboneStep, Doubt, doubt_of
-from ._result import Alignment, Trail, check_positive
+from ._result import check_positive
+from ._runner import Outcome, Trail, alignment_method
 
 #: A direction unlike all others needs three times the length of a relevant segment: a chord across
 #: a door seen once is no corridor.
 FOUNDS = 3.0
 
 
+@alignment_method
 def backbone(
     log: Log,
     *,
@@ -47,7 +51,7 @@ def backbone(
     parallel: float = np.pi / 36,
     orthogonal: float = 0.75,
     follow: bool = True,
-) -> Alignment:
+) -> Outcome:
     """Lay straight stretches onto the lines of an orthogonal building (A 3.3.2).
 
     Scans taken while turning, and those too near the last one used, are skipped. The segments of
@@ -131,7 +135,7 @@ def backbone(
     walk = _Walk(log, t)
     doubt = doubt_of(list(walk), orthogonal)
     trail = _carried(log, doubt) if doubt.fails else walk.trail
-    return trail.alignment("backbone", doubt=doubt.words)
+    return trail.outcome(doubt=doubt.words)
 
 
 class Thresholds(NamedTuple):

@@ -1,6 +1,6 @@
 """Global alignment of segments (A 2.5.1, its [42]): headings of all scans, then places of all."""
 
-import time
+from __future__ import annotations
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -31,7 +31,8 @@ from ._global_scans import (
     settled,
     travelled,
 )
-from ._result import Alignment, Graph, check_positive
+from ._result import Graph, check_positive
+from ._runner import Outcome, alignment_method
 from ._segment_icp import long_segments
 
 #: The spread of the weights goes down by these parts when all arcs are in.
@@ -41,6 +42,7 @@ BREAKS = (BEYOND, TORN, NOTHING_SHARED)
 NO_ODOMETRY = "no odometry to begin from"
 
 
+@alignment_method
 def global_segments(
     log: Log,
     *,
@@ -51,7 +53,7 @@ def global_segments(
     reach: float = 1.0,
     rounds: int = 15,
     min_length: float = 0.30,
-) -> Alignment:
+) -> Outcome:
     """Turn all scans at once until matched segments are parallel, then shift all at once; repeat.
 
     1. Of the scans the fewest are kept of which each shares with the next two pairs of similar
@@ -121,19 +123,17 @@ def global_segments(
     )
     if angle >= np.pi / 2:
         raise ValueError(f"angle must be below pi/2, in radians, got {angle}")
-    begun, rules = time.perf_counter(), Rules(similar, angle, spread, int(rounds))
+    rules = Rules(similar, angle, spread, int(rounds))
     guess = beginning(log, start)
     if guess is None:
-        return _nothing(log, begun)
+        return Outcome(np.zeros((len(log), 3)), ["", *[NO_ODOMETRY] * len(log)][: len(log)])
     scans = gathered([long_segments(scan, min_length) for scan in log])
     way = travelled(guess)
     kept = kept_scans(scans.world(guess), scans.first, way, reach, rules)
     poses, joined, why = _align_kept(scans.only(kept), guess[kept], way[kept], reach, rules)
     joined = Graph(kept[joined.edges], joined.relative, joined.loop, joined.residuals)
     poses, reasons = _align_rest(scans, kept, hung_between(kept, poses, guess, way), why, rules)
-    used = np.array([not why for why in reasons], bool)
-    seconds = time.perf_counter() - begun
-    return Alignment(poses, used, seconds, "global_segments", tuple(reasons), joined)
+    return Outcome(poses, reasons, joined)
 
 
 def beginning(log: Log, start: ArrayLike | None) -> Array | None:
@@ -233,11 +233,3 @@ def _align_rest(
     for k, why in zip(kept, found, strict=True):
         reasons[k] = why
     return poses, reasons
-
-
-def _nothing(log: Log, begun: float) -> Alignment:
-    """All scans at the origin: there is neither odometry nor a start."""
-    reasons = ["", *[NO_ODOMETRY] * len(log)][: len(log)]
-    used = np.array([not why for why in reasons], bool)
-    seconds = time.perf_counter() - begun
-    return Alignment(np.zeros((len(log), 3)), used, seconds, "global_segments", tuple(reasons))

@@ -1,5 +1,7 @@
 """Point ICP (A 2.5.1, [41]): the points of a scan moved onto the walls that other points form."""
 
+from __future__ import annotations
+
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -7,7 +9,8 @@ from ..arrays import Array
 from ..scans import Log
 from ._frames import not_far
 from ._point_map import PointMap
-from ._result import Alignment, Match, Trail, check_positive, no_match
+from ._result import Match, check_positive, no_match
+from ._runner import Outcome, Trail, alignment_method
 from ._walk import Walk, settled
 
 
@@ -63,9 +66,10 @@ def match_points(
     return settled(PointMap(before), now, begin, reach)
 
 
+@alignment_method
 def point_icp(
     log: Log, *, step: float = 0.5, turn: float = np.radians(30), reach: float = 0.6
-) -> Alignment:
+) -> Outcome:
     """Lay scan after scan by point-to-line ICP on a map of the last key frames (A 2.5.1, [41]).
 
     It starts where the odometry puts the scan and ends in the nearest minimum: odometry that is
@@ -99,13 +103,13 @@ def point_icp(
     """
     check_positive(step=step, turn=turn, reach=reach)
     if len(log) == 0:
-        return Trail(log).alignment("point_icp")
+        return Trail(log).outcome()
     walk = Walk(log, lambda map, points, guess: settled(map, points, guess, reach))
     for scan in range(1, len(log)):
         match = walk.place(scan)
         if walk.far_from_frame(scan, step, turn):
             walk.add_frame(scan, match)
-    return walk.alignment("point_icp")
+    return walk.outcome()
 
 
 def _points(name: str, values: ArrayLike) -> Array:

@@ -1,5 +1,7 @@
 """Pose graph: scans on a local map, loops closed, all poses solved together."""
 
+from __future__ import annotations
+
 from dataclasses import replace
 
 import numpy as np
@@ -9,7 +11,8 @@ from ..poses import between
 from ..scans import Log
 from ._closing import Closer
 from ._point_map import PointMap
-from ._result import Alignment, Match, Trail, check_positive, no_match
+from ._result import Match, check_positive, no_match
+from ._runner import Outcome, Trail, alignment_method
 from ._walk import Walk, settled
 
 #: Above this share of a scan on the map nobody looks for a better place further away.
@@ -20,6 +23,7 @@ BETTER, FURTHER = 0.1, 0.6
 SLIDE = 0.3, 0.2
 
 
+@alignment_method
 def pose_graph(
     log: Log,
     *,
@@ -28,7 +32,7 @@ def pose_graph(
     window: float = 0.5,
     wide: float = np.radians(40),
     drift: float = 0.03,
-) -> Alignment:
+) -> Outcome:
     """Match each scan with a local map, close loops, and solve for all poses together.
 
     Each scan is searched for about where the odometry puts it (Olson 2009), on a map of the last
@@ -72,7 +76,7 @@ def pose_graph(
     """
     check_positive(step=step, turn=turn, window=window, wide=wide, drift=drift)
     if len(log) == 0:
-        return Trail(log).alignment("pose_graph")
+        return Trail(log).outcome()
     walk = Walk(log, lambda map, points, guess: searched(map, points, guess, window, wide))
     closer = Closer(walk.frames, drift)
     for scan in range(1, len(log)):
@@ -89,7 +93,7 @@ def pose_graph(
         walk.frames.bend()
     # 4. Each scan once more, on the map that the loops have straightened
     walk.refine()
-    return walk.alignment("pose_graph", tuple(closer.rejected))
+    return walk.outcome(tuple(closer.rejected))
 
 
 def searched(map: PointMap, points: Array, guess: Array, window: float, wide: float) -> Match:

@@ -1,6 +1,7 @@
-"""What every alignment method returns, and the trail of poses that all of them lay."""
+"""What every alignment method returns."""
 
-import time
+from __future__ import annotations
+
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
@@ -9,8 +10,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from .._display import Pictured, Table
 from ..arrays import Array
-from ..poses import between, compose
-from ..scans import Log
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -154,63 +153,6 @@ class Alignment(Pictured):
     def __repr__(self) -> str:
         doubt = f"; {self.doubt}" if self.doubt else ""
         return f"Alignment({self.method}: {len(self)} scans, {int(self.used.sum())} used{doubt})"
-
-
-class Trail:
-    """The poses laid so far, scan by scan, and the guess of the next one.
-
-    The order of recording counts and no time: scans with equal or exchanged times give the same
-    poses. The guess is the last pose and the odometry step; where the log holds no odometry for one
-    of the two scans, the robot is thought to move on as it did last (constant velocity).
-    """
-
-    def __init__(self, log: Log, first: Array | None = None) -> None:
-        self.begun = time.perf_counter()
-        self.steps = _odometry_steps(log)
-        if first is None:
-            first = log.odometry[0] if len(log) else np.zeros(3)
-        self.poses: list[Array] = [first if np.isfinite(first).all() else np.zeros(3)][: len(log)]
-        self.reasons: list[str] = [""][: len(log)]
-
-    def guess(self) -> Array:
-        """Expected pose of the next scan, (3,) array, metres and radians."""
-        return compose(self.poses[-1], self.step())
-
-    def step(self) -> Array:
-        """Expected motion to the next scan, (3,) array, metres and radians."""
-        step = self.steps[len(self.poses) - 1]
-        if np.isfinite(step).all():
-            return step
-        return between(self.poses[-2], self.poses[-1]) if len(self.poses) > 1 else np.zeros(3)
-
-    def place(self, pose: ArrayLike, reason: str = "") -> None:
-        """Lay the pose of the next scan, (3,) array, metres and radians.
-
-        A match has found it; or else the reason why not.
-        """
-        self.poses.append(np.asarray(pose, float))
-        self.reasons.append(reason)
-
-    def carry(self, reason: str) -> None:
-        """Lay the guess: the next scan could not be matched, for this reason."""
-        self.poses.append(self.guess())
-        self.reasons.append(reason)
-
-    def alignment(self, method: str, graph: Graph | None = None, doubt: str = "") -> Alignment:
-        """What was laid, as the result of a method: k poses, (k, 3) array, metres and radians."""
-        poses = np.array(self.poses).reshape(-1, 3)
-        used = np.array([not reason for reason in self.reasons], bool)
-        seconds = time.perf_counter() - self.begun
-        return Alignment(poses, used, seconds, method, tuple(self.reasons), graph, doubt)
-
-
-def _odometry_steps(log: Log) -> Array:
-    """Motion by odometry from each scan to the next, `(k - 1, 3)`, metres and radians.
-
-    NaN where an end has none.
-    """
-    poses = log.odometry
-    return between(poses[:-1], poses[1:]) if len(poses) > 1 else np.empty((0, 3))
 
 
 def check_positive(**values: float) -> None:

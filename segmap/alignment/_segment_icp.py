@@ -4,6 +4,8 @@ A compares with the whole map; here the map is the segments of the last key fram
 for a scan does not grow and old errors are not repeated.
 """
 
+from __future__ import annotations
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -16,7 +18,8 @@ from ..scans import LaserScan, Log
 from ..segments import MIN_LENGTH, length
 from ..segments import angle as angle_of
 from . import _segment_icp_loops as loops
-from ._result import Alignment, Match, Trail, check_positive, no_match
+from ._result import Match, check_positive, no_match
+from ._runner import Outcome, Trail, alignment_method
 
 #: Segment distance of two parallel walls one metre apart.
 SIDEWAYS = ACROSS / 2 + APART
@@ -102,6 +105,7 @@ def match_segments(
     return Match(pose, covariance, True, "", overlap, free)
 
 
+@alignment_method
 def segment_icp(
     log: Log,
     *,
@@ -112,7 +116,7 @@ def segment_icp(
     spacing: float = 0.50,
     frames: int = 10,
     patience: int = 5,
-) -> Alignment:
+) -> Outcome:
     """Match each scan with the segments of the last key frames, from its odometry step on.
 
     Needs odometry steps that are right to within `angle` and about 1 m; without odometry the robot
@@ -176,7 +180,7 @@ def segment_icp(
             recent.clear()
         if found.matched or not recent:
             recent.add(trail.poses[-1], segments)
-    return trail.alignment("segment_icp")
+    return trail.outcome()
 
 
 class _Recent:

@@ -1,7 +1,6 @@
 """A run scan by scan: each on the map of the last key frames, and tied to one of them."""
 
 from collections.abc import Callable
-from dataclasses import replace
 
 import numpy as np
 
@@ -10,7 +9,8 @@ from ..poses import between, compose
 from ..scans import Log
 from ._frames import Frames, not_far
 from ._point_map import PointMap
-from ._result import Alignment, Graph, Match, Rejected, Trail, no_match
+from ._result import Graph, Match, Rejected, no_match
+from ._runner import Outcome, Trail
 from ._solver import deviations, information
 
 #: Key frames of the local map: one holds too little of what the next scan sees.
@@ -100,11 +100,10 @@ class Walk:
                     match = settled(map, self.points[scan], self.offset[scan])
                     self.offset[scan] = match.pose if match.matched else self.offset[scan]
 
-    def alignment(self, method: str, rejected: tuple[Rejected, ...] = ()) -> Alignment:
+    def outcome(self, rejected: tuple[Rejected, ...] = ()) -> Outcome:
         """Poses of all scans, (k, 3) array, metres and radians, and the graph behind them."""
-        done = self.trail.alignment(method)
         poses = compose(self.frames.poses[self.frame], self.offset)
-        return replace(done, poses=poses, graph=self._graph(rejected))
+        return Outcome(poses, self.trail.reasons, self._graph(rejected))
 
     def _graph(self, rejected: tuple[Rejected, ...]) -> Graph | None:
         """Edges between key frames, by the indices of their scans; None where there are none."""

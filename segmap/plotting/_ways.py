@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from numpy.typing import ArrayLike
 
-from ..alignment import Alignment, place_errors
+from ..alignment import Alignment, position_errors
 from ..arrays import Array
 from ..scans import Log
 from ._alignments import draw_alignment
@@ -98,7 +98,7 @@ def draw_drift(
         poses = _poses(way)
         scans = np.flatnonzero(known & np.isfinite(poses).all(1))
         color, style = ((RESULT, "-"), (ERROR, "--"), (RAW, ":"))[min(-rest, 2)]
-        ax.plot(scans, place_errors(poses, log.truth), style, color=color, label=label)
+        ax.plot(scans, position_errors(poses, log.truth), style, color=color, label=label)
     ax.set(xlabel="scan", ylabel="away from the truth [m]")
     ax.legend()
     return ax

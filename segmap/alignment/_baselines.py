@@ -1,0 +1,197 @@
+"""The two ends of the scale, odometry and ground truth (A 3.3.3), and errors against the truth."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .. import arrays
+from ..arrays import Array
+from ..poses import between, compose, interpolate, inverse, transform
+from ..scans import Log
+from ._runner import Outcome, Trail, alignment_method
+
+
+@alignment_method
+def odometry(log: Log) -> Outcome:
+    """The poses that the odometry reports: the baseline that every other method has to beat.
+
+    Parameters
+    ----------
+    log : Log
+
+    Returns
+    -------
+    Alignment
+        Poses, (k, 3) array, metres and radians, as the log holds them. A scan without odometry
+        repeats the last motion, and counts as not used.
+
+    Examples
+    --------
+    >>> from segmap import load
+    >>> odometry(load("malaga"))
+    Alignment(odometry: 225 scans, 225 used)
+    """
+    poses = log.odometry
+    return _known_poses(log, poses, np.asarray(np.isfinite(poses).all(1)), "no odometry")
+
+
+@alignment_method
+def ground_truth(
+    log: Log,
+    *,
+    times: ArrayLike | None = None,
+    poses: ArrayLike | None = None,
+    max_gap: float = np.inf,
+    missing: str = "raise",
+) -> Outcome:
+    """Poses interpolated at the time of each scan from poses known at other times (A 3.3.3).
+
+    Linear in x and y, by the shorter way round in heading.
+
+    Parameters
+    ----------
+    log : Log
+    times : (n,) array, seconds, not decreasing, and poses : (n, 3) array, metres and radians
+        What is known, as `read_trajectory` returns it; without them the truth in the log itself.
+    max_gap : float, seconds
+        Between two poses farther apart than this nothing is known.
+    missing : "raise" or "drop"
+        What to do with a scan at whose time nothing is known.
+
+    Returns
+    -------
+    Alignment
+        A dropped scan is not used; its pose carries the odometry on.
+
+    Raises
+    ------
+    ValueError
+        Where a scan lies outside what is known or in a gap, naming it; where nothing is known.
+
+    Examples
+    --------
+    >>> from segmap import load
+    >>> ground_truth(load("malaga"), missing="drop")
+    Alignment(ground_truth: 225 scans, 224 used)
+    """
+    arrays.one_of(missing, "missing", ("raise", "drop"))
+    if len(log) == 0:
+        return Outcome([], [])
+    known_times, known_poses = _known(log, times, poses)
+    found = interpolate(known_times, known_poses, log.times, max_gap=max_gap)
+    known = np.asarray(np.isfinite(found).all(1))
+    if missing == "raise" and not known.all():
+        scan = int(np.argmin(known))
+        raise ValueError(
+            f"scan {scan} of log {log.name!r}, at {log.times[scan]:.6f} s, has no ground truth: "
+            f"that goes from {known_times[0]:.6f} to {known_times[-1]:.6f} s, with gaps of at most "
+            f'{max_gap:.6g} s allowed; missing="drop" leaves such scans out'
+        )
+    if known.any() and not known[0]:  # from the first known pose back, by the odometry
+        first = int(np.argmax(known))
+        back = between(log.odometry[first], log.odometry[0])
+        found[0] = compose(found[first], back) if np.isfinite(back).all() else found[first]
+    return _known_poses(log, found, known, "no ground truth at its time")
+
+
+def _known_poses(log: Log, poses: Array, known: NDArray[np.bool_], missing: str) -> Outcome:
+    """Poses `(k, 3)`, metres and radians, where they are known; elsewhere the odometry goes on."""
+    first = poses[0] if len(log) and np.isfinite(poses[0]).all() else None
+    trail = Trail(log, first, "" if known.all() or known[0] else missing)
+    for pose, is_known in zip(poses[1:], known[1:], strict=True):
+        trail.place(pose) if is_known else trail.carry(missing)
+    return trail.outcome()
+
+
+def _known(log: Log, times: ArrayLike | None, poses: ArrayLike | None) -> tuple[Array, Array]:
+    """Times `(n,)`, seconds, and poses `(n, 3)` that are known, in the order of time."""
+    if (times is None) != (poses is None):
+        raise ValueError("times and poses belong together: give both, or neither")
+    if times is not None and poses is not None:
+        return arrays.numbers(times, "times"), arrays.poses(poses)
+    if log.truth is None or not np.isfinite(log.truth).all(1).any():
+        raise ValueError(f"log {log.name!r} holds no ground truth: give times and poses")
+    known = np.flatnonzero(np.isfinite(log.truth).all(1))
+    known = known[np.argsort(log.times[known], kind="stable")]
+    return log.times[known], log.truth[known]
+
+
+def align_to_truth(poses: ArrayLike, truth: ArrayLike, *, best: bool = False) -> Array:
+    """Move all poses by one motion to where they can be compared with the true ones.
+
+    A method does not know where its first pose lies in the world of the truth: what it found is
+    right or wrong only up to one motion of the whole.
+
+    Parameters
+    ----------
+    poses : (k, 3) array, metres and radians
+        Rows of NaN have no pose.
+    truth : (k, 3) array, metres and radians
+        Rows of NaN are not known.
+    best : bool
+        False puts the first pose whose truth is known on that one, position and heading. True takes
+        the motion that makes the squared distances of all known positions least (Umeyama 1991).
+
+    Returns
+    -------
+    (k, 3) array, metres and radians
+        In the frame of the truth.
+
+    Raises
+    ------
+    ValueError
+        Where the shapes differ, or where no scan has both.
+
+    Examples
+    --------
+    >>> found = align_to_truth([(0, 0, 0), (1, 0, 0)], [(5, 5, np.pi / 2), (5, 6.5, np.pi / 2)])
+    >>> found[:, :2].round(6)
+    array([[5., 5.],
+           [5., 6.]])
+    """
+    p = arrays.poses(poses, missing=True)
+    q = arrays.poses(truth, "truth", count=len(p), missing=True)
+    known = np.isfinite(p).all(1) & np.isfinite(q).all(1)
+    if not known.any():
+        raise ValueError("poses and truth must share a scan where both are known, got none")
+    first = np.flatnonzero(known)[0]
+    move = _least(p[known], q[known]) if best else compose(q[first], inverse(p[first]))
+    return compose(move, p)
+
+
+def position_errors(poses: ArrayLike, truth: ArrayLike, *, best: bool = False) -> Array:
+    """Distances between found and true positions, where both are known, after `align_to_truth`.
+
+    Parameters
+    ----------
+    poses, truth, best
+        As in `align_to_truth`.
+
+    Returns
+    -------
+    (m,) array, metres
+        For the m <= k scans where both are known, in their order.
+
+    Raises
+    ------
+    ValueError
+        As `align_to_truth`.
+
+    Examples
+    --------
+    >>> truth = [(0, 0, 0), (1, 0, 0), (np.nan, np.nan, np.nan), (3, 0, 0)]
+    >>> position_errors([(2, 2, 0), (3, 2, 0), (4, 2, 0), (5, 2.1, 0)], truth).round(6)
+    array([0. , 0. , 0.1])
+    """
+    away = (align_to_truth(poses, truth, best=best) - np.asarray(truth, float))[:, :2]
+    far: Array = np.hypot(away[:, 0], away[:, 1])
+    return far[np.isfinite(far)]
+
+
+def _least(p: Array, q: Array) -> Array:
+    """Motion that brings the positions of p to those of q with the least squares."""
+    a, b = p[:, :2] - p[:, :2].mean(0), q[:, :2] - q[:, :2].mean(0)
+    turn = np.arctan2((a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]).sum(), (a * b).sum())
+    shift = q[:, :2].mean(0) - transform((0.0, 0.0, turn), p[:, :2].mean(0))
+    return np.array([*shift, turn])
