@@ -6,13 +6,9 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
-from segmap.course import Trial, draw_profile, draw_trials
+from segmap.course import Trial, draw_field, draw_profile, draw_trials
 from segmap.matching import DistanceField
-from segmap.plotting import (
-    ERROR,
-    RESULT,
-    draw_field,
-)
+from segmap.plotting import ERROR, RESULT
 from segmap.quadtree import QuadtreeMap
 
 

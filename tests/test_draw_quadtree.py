@@ -10,19 +10,9 @@ from matplotlib.colors import to_rgba
 from matplotlib.figure import Figure
 
 from segmap import load
+from segmap.course import draw_cells, draw_classes, draw_ray
 from segmap.exports import ros_classes
-from segmap.plotting import (
-    ERROR,
-    RAW,
-    RESULT,
-    draw_cells,
-    draw_classes,
-    draw_quadtree,
-    draw_quadtrees,
-    draw_ray,
-    figure_png,
-    thumbnail,
-)
+from segmap.plotting import ERROR, RAW, RESULT, draw_quadtree, draw_quadtrees, figure_png, thumbnail
 from segmap.quadtree import QuadtreeMap, build_map
 
 

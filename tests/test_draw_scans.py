@@ -7,7 +7,7 @@ import pytest
 from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 
-from segmap import plotting
+from segmap import course, plotting
 from segmap.poses import transform
 from segmap.scans import LaserScan
 
@@ -72,7 +72,7 @@ def test_poses_are_joined_in_their_order(ax):
 def test_a_scan_is_drawn_in_each_frame_with_its_valid_points():
     """Catches a pose used in the wrong picture, and readings at maximum range drawn as walls."""
     frames = {"robot": (0, 0, 0), "map": (3, 4, np.pi / 2)}
-    row = plotting.draw_frames(SCAN, frames, every=1)
+    row = course.draw_frames(SCAN, frames, every=1)
     for ax, pose in zip(row, frames.values(), strict=True):
         drawn = np.column_stack(ax.lines[0].get_data())
         np.testing.assert_allclose(drawn, transform(pose, SCAN.points()), atol=1e-12)
@@ -81,7 +81,7 @@ def test_a_scan_is_drawn_in_each_frame_with_its_valid_points():
 
 def test_only_some_beams_are_drawn_and_they_start_at_the_sensor():
     """Catches beams from the turning point of the robot, and a fan that hides the points."""
-    (ax,) = plotting.draw_frames(SCAN, {"map": (3, 4, 0)}, every=2)
+    (ax,) = course.draw_frames(SCAN, {"map": (3, 4, 0)}, every=2)
     beams = lines_of(ax)
     np.testing.assert_allclose(beams[:, 0], [(3.5, 4), (3.5, 4)])
     np.testing.assert_allclose(beams[:, 1], transform((3, 4, 0), SCAN.points()[[0, 2]]))

@@ -82,14 +82,14 @@ GOOD = {
     "metadata": {"kernelspec": {}, "language_info": {}},
     "cells": [
         markdown_cell("# 99 A chapter\n\nIt claims this."),
-        code_cell("from segmap import panels, testing\n1 + 1", 1, shown(plain="2")),
+        code_cell("from segmap import course, panels\n1 + 1", 1, shown(plain="2")),
         markdown_cell("## What goes wrong\n\nThis."),
         code_cell("panel = panels.ScanPanel(log)\npanel", 2, shown(plain="ScanPanel(at 0.5 m)")),
         code_cell("panel.step.value = 3\nassert panel.index.value == '3'", 3),
         markdown_cell("## Exercise\n\nWrite it."),
         code_cell("def my_wrap(angle):\n    return angle", 4),
         code_cell(
-            "testing.check_wrap(my_wrap)", 5, shown(plain="not yet: 3.0 s and 5 cm are apart")
+            "course.check_wrap(my_wrap)", 5, shown(plain="not yet: 3.0 s and 5 cm are apart")
         ),
         markdown_cell("## Summary\n\n[on](00_start_here.ipynb), [back](../README.md)"),
     ],
@@ -126,7 +126,7 @@ BREACHES = [
     ("has_summary", lambda c: c[-1].update(source="## Summary\n\n[back](../README.md)")),
     ("shows_what_goes_wrong", lambda c: c[2].update(source="## What goes well")),
     ("has_exercise", lambda c: c[5].update(source="## More")),
-    ("has_exercise", lambda c: c[7].update(source="testing")),
+    ("has_exercise", lambda c: c[7].update(source="course")),
     ("has_driven_panel", lambda c: c[3].update(source="panel")),
     ("has_driven_panel", lambda c: c[4].update(source="panel.step.value = 3")),
     ("has_driven_panel", lambda c: c[4].update(source="assert panel.index.value == '3'")),

@@ -14,33 +14,30 @@ from segmap.alignment import (
     odometry,
     pose_graph,
 )
-from segmap.course import LandscapePanel, MatcherPanel
-from segmap.experiments import sweep
-from segmap.extraction import extract_polylines
-from segmap.panels import (
+from segmap.course import (
     AnglePanel,
     BackbonePanel,
     BasicPanel,
     ClassesPanel,
     ClusterPanel,
-    ComparePanel,
     DistancePanel,
     FusionPanel,
     GroundTruthPanel,
     HybridPanel,
     IcpPanel,
-    LivePanel,
+    LandscapePanel,
+    MatcherPanel,
     MeanShiftPanel,
-    Panel,
     PolylinePanel,
     PoseGraphPanel,
-    QuadtreePanel,
     RayPanel,
     RoomPanel,
-    ScanPanel,
     StoragePanel,
 )
-from segmap.panels._base import VIEW, slider, text
+from segmap.experiments import sweep
+from segmap.extraction import extract_polylines
+from segmap.panels import ComparePanel, LivePanel, Panel, QuadtreePanel, ScanPanel, slider, text
+from segmap.panels._base import VIEW
 from segmap.plotting import ERROR, RESULT, TRUTH
 from segmap.quadtree import build_map
 from segmap.reduction import basic_offline, basic_online, hybrid, mean_shift

@@ -9,7 +9,7 @@ import pytest
 from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 
-from segmap import load, plotting
+from segmap import course, load, plotting
 from segmap.alignment import Alignment, Candidate, Graph, Match, PointStep, Rejected, odometry
 from segmap.metrics import distance_terms
 from segmap.plotting import MAP
@@ -115,7 +115,7 @@ STEP = PointStep(
 
 def test_each_point_has_a_red_line_to_its_wall_thin_where_it_weighs_little(ax):
     """Catches lines from wall to wall, and outliers that look as important as the rest."""
-    plotting.draw_step([(0, 0), (1, 0), (2, 0)], STEP, ax=ax)
+    course.draw_step([(0, 0), (1, 0), (2, 0)], STEP, ax=ax)
     (lines,) = ax.collections
     np.testing.assert_array_equal(lines.get_segments(), [[(0, 1), (0, 0)], [(1, 0.5), (1, 0)]])
     assert to_hex(lines.get_color()[0]) == plotting.ERROR
@@ -131,7 +131,7 @@ def test_the_ellipse_lies_along_the_direction_that_is_least_known(turn, ax):
     axes = np.array([(c, -s), (s, c)])
     covariance = np.zeros((3, 3))
     covariance[:2, :2] = axes @ np.diag([0.25, 0.01]) @ axes.T
-    plotting.draw_uncertainty(Match(np.array([3.0, 4, 1]), covariance, True), ax=ax)
+    course.draw_uncertainty(Match(np.array([3.0, 4, 1]), covariance, True), ax=ax)
     (ellipse,) = ax.patches
     ends = ellipse.get_patch_transform().transform([(1, 0), (0, 1)]) - (3, 4)
     reach = np.hypot(*ends.T)
@@ -143,7 +143,7 @@ def test_the_ellipse_lies_along_the_direction_that_is_least_known(turn, ax):
 def test_what_did_not_match_has_no_ellipse(ax):
     none = Match(np.zeros(3), np.diag([np.inf] * 3), False, "too few points")
     with pytest.raises(ValueError, match="too few points"):
-        plotting.draw_uncertainty(none, ax=ax)
+        course.draw_uncertainty(none, ax=ax)
 
 
 # ---------------------------------------------------------------------- candidates and basins
@@ -151,7 +151,7 @@ def test_a_candidate_lays_the_second_scan_on_the_first(ax):
     """Catches the first scan moved in place of the second, and the inverse motion."""
     walls, pose = np.array([[(0, 0), (2, 0)]], float), np.array([1, 2, np.pi / 2])
     guess = Candidate(pose, 3.0, 1.0, 2.0, 1, np.empty((0, 5)))
-    plotting.draw_candidate(walls, walls, guess, ax=ax, color=plotting.ERROR)
+    course.draw_candidate(walls, walls, guess, ax=ax, color=plotting.ERROR)
     below, above = ax.collections
     np.testing.assert_array_equal(below.get_segments(), walls)
     np.testing.assert_allclose(above.get_segments(), [[(1, 2), (1, 4)]])
@@ -161,7 +161,7 @@ def test_a_candidate_lays_the_second_scan_on_the_first(ax):
 
 def test_each_outcome_has_its_colour_where_it_started(ax):
     """Catches rows drawn as columns, and colours that follow the words that happen to occur."""
-    plotting.draw_basin([["free", "wrong"], ["right", "right"]], [0, 1], [5, 7], ax=ax)
+    course.draw_basin([["free", "wrong"], ["right", "right"]], [0, 1], [5, 7], ax=ax)
     (mesh,) = ax.collections
     plotting.figure_png(ax.figure)
     colors = [to_hex(color) for color in mesh.get_facecolor()]
@@ -172,7 +172,7 @@ def test_each_outcome_has_its_colour_where_it_started(ax):
 @pytest.mark.parametrize("bad", [[["right"]], [["right", "lost"]]])
 def test_outcomes_must_be_known_and_one_a_start(bad, ax):
     with pytest.raises(ValueError, match="outcomes must be"):
-        plotting.draw_basin(bad, [0, 1], [0], ax=ax)
+        course.draw_basin(bad, [0, 1], [0], ax=ax)
 
 
 # ---------------------------------------------------------------------- several ways of one log
@@ -221,7 +221,7 @@ def test_the_red_lines_are_as_long_as_the_terms(pose, flip):
     """Catches feet beside the line midway, and the gap from the wrong ends."""
     u = np.array([(0, 0), (2, 0)], float)
     v = transform(pose, [(-0.75, 0.0), (0.75, 0.0)])[::flip]
-    axes = plotting.draw_distance_terms(u, v)
+    axes = course.draw_distance_terms(u, v)
     red = [length(np.array(ax.collections[-1].get_segments())) for ax in axes]
     assert [len(part) for part in red] == [2, 1, 1]
     np.testing.assert_allclose([part.mean() for part in red], distance_terms(u, v))

@@ -6,8 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from reference_quadtree import Finer, Literal, bresenham, cell, leaves_of
 
+from segmap.course import ray_cells
 from segmap.quadtree import QuadtreeMap
-from segmap.testing import ray_cells
 
 
 def both(scans, *, cells=8, resolution=0.25, corner=(0.0, 0.0), free_resolution=None):

@@ -5,9 +5,10 @@ import pytest
 from reference_quadtree import leaves_of
 
 from segmap import Log, load
+from segmap.course import ClassesPanel, RayPanel, insert_variant
+from segmap.course._ray_variants import touched_cells
 from segmap.exports import ros_classes
-from segmap.panels import ClassesPanel, QuadtreePanel, RayPanel, insert_variant
-from segmap.panels._ray_variants import touched_cells
+from segmap.panels import QuadtreePanel
 from segmap.quadtree import QuadtreeMap, build_map
 from segmap.rooms import square_room
 

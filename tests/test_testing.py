@@ -8,14 +8,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import segmap
-from segmap import arrays, plotting, testing
+from segmap import arrays, course, plotting
 from segmap.alignment import _points_loops
 from segmap.angles import axial_difference
+from segmap.course import EXERCISES, Check
 from segmap.poses import between, interpolate
 from segmap.segments import angle, length, midpoint
 from segmap.testing import (
-    EXERCISES,
-    Check,
     assert_poses_equal,
     assert_segments_equal,
     point_zoo,
@@ -257,7 +256,7 @@ def test_each_mistake_fails_with_its_own_hint(exercise, mistake):
 
 @EACH
 def test_every_exercise_is_in_reach_under_its_name(exercise):
-    assert getattr(testing, f"check_{exercise.name}") is exercise
+    assert getattr(course, f"check_{exercise.name}") is exercise
     assert repr(exercise).startswith(f"check_{exercise.name}(your function): {exercise.name}(")
     assert len(exercise.mistakes) >= 4
 
@@ -579,9 +578,9 @@ def test_a_function_that_changes_its_arguments_spoils_nothing(exercise):
 
 
 def test_an_unknown_mistake_is_answered_with_the_first_case_that_differs():
-    found = testing.check_quality(lambda distances: 0.5)
+    found = course.check_quality(lambda distances: 0.5)
     assert found.hint == "for 2 segments before, 3 after expected 0.67032, got 0.5"
-    found = testing.check_beam_angles(np.arange)
+    found = course.check_beam_angles(np.arange)
     assert "an array (181,) that starts [-1.5708, -1.55334, -1.53589]" in found.hint
 
 
@@ -595,8 +594,8 @@ def test_a_check_shows_itself_as_text_and_in_colour():
 
 def test_the_wrong_order_of_compose_differs_from_the_right_one():
     """The hint's claim by hand: the first pose is where the robot stands."""
-    case = testing.check_compose.cases[0]
-    found = testing.check_compose.solution(*case.arguments)
+    case = course.check_compose.cases[0]
+    found = course.check_compose.solution(*case.arguments)
     assert_poses_equal(found, (1, 3, np.pi / 2))
     assert_poses_equal(between(case.arguments[0], found), case.arguments[1])
 
@@ -606,9 +605,9 @@ def test_match_and_merge_are_those_of_basic(seed):
     """Catches an exercise that teaches another method than the library has."""
     a, b = np.random.default_rng(seed).uniform(0, 1, (2, 2, 2))
     found = segmap.reduction.basic_offline(np.array([a, b]), distance=0.5, angle=0.8)
-    assert (len(found) == 1) == testing.matches(a, b, 0.5, 0.8)
+    assert (len(found) == 1) == course.matches(a, b, 0.5, 0.8)
     if len(found) == 1:
-        assert_segments_equal(found, testing.merged(a, b)[None])
+        assert_segments_equal(found, course.merged(a, b)[None])
 
 
 @given(st.integers(0, 10**6))
@@ -620,7 +619,7 @@ def test_a_step_is_that_of_mean_shift(seed):
         segmap.reduction.common_directions(segments, sigma=0.2, bandwidth=5.0, steps=k).centres
         for k in (0, 1)
     )
-    found = testing.mean_shift_step(begin, begin, 0.2, 5.0)
+    found = course.mean_shift_step(begin, begin, 0.2, 5.0)
     found[:, 2] = axial_difference(found[:, 2], one[:, 2])
     np.testing.assert_allclose(found[:, :2], one[:, :2], atol=1e-9)
     np.testing.assert_allclose(found[:, 2], 0, atol=1e-9)
@@ -639,14 +638,14 @@ def test_a_move_onto_walls_is_a_step_of_point_icp(seed):
         np.column_stack([normals, lever, offsets]), np.ones(len(points))
     )
     move = _points_loops.least_move(*equations, 1.0)
-    np.testing.assert_allclose(testing.move_onto_walls(points, feet, normals), move, atol=1e-9)
+    np.testing.assert_allclose(course.move_onto_walls(points, feet, normals), move, atol=1e-9)
 
 
 @given(st.floats(-3, 3), st.floats(-3, 3), st.floats(0, 1))
 def test_a_heading_between_is_that_of_interpolate(before, after, share):
     """Catches an exercise that teaches another heading than ground truth has."""
     poses = [(0, 0, before), (0, 0, after)]
-    found = testing.heading_between(before, after, share)
+    found = course.heading_between(before, after, share)
     assert_poses_equal([(0, 0, found)], interpolate([0, 1], poses, [share]))
 
 

@@ -57,7 +57,7 @@ def draw_curves(
     if quality is not None:
         ax.axvline(quality, color="#666666", linewidth=1, linestyle=":")
     for k, (method, part) in enumerate(by_method(chosen).items()):
-        color, marker, line = style_of(method, k)
+        color, marker, line = method_style(method, k)
         points = points_of(part)
         ax.plot(*points.T, marker, color=color, markersize=4, alpha=0.5)
         ax.plot(*front(points).T, line, color=color, linewidth=2, label=method)
@@ -93,7 +93,7 @@ def draw_online(runs: Iterable[Pace | Reduction], *, ax: Axes | None = None) -> 
     seen: dict[str, int] = {}
     for run in runs:
         pace = Pace.of(run, {}) if isinstance(run, Reduction) else run
-        color, _, _ = style_of(pace.method, len(seen))
+        color, _, _ = method_style(pace.method, len(seen))
         nth = seen[pace.method] = seen.get(pace.method, -1) + 1
         words = ", ".join(f"{k} {number_words(v)}" for k, v in pace.thresholds.items())
         label = f"{pace.method}: {words}" if words else pace.method
@@ -103,6 +103,6 @@ def draw_online(runs: Iterable[Pace | Reduction], *, ax: Axes | None = None) -> 
     return ax
 
 
-def style_of(method: str, index: int) -> tuple[str, str, str]:
+def method_style(method: str, index: int) -> tuple[str, str, str]:
     """Colour, marker and line of a method; one that is not known takes its turn."""
     return METHOD_STYLES.get(method, (GROUPS[index % len(GROUPS)], "P", "-."))

@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike
 from ..arrays import Array
 from ..poses import transform
 from ..scans import LaserScan, Log
-from ._style import ERROR, RAW, RESULT, TRUTH, axes_or_new, dressed
+from ._style import ERROR, RAW, RESULT, TRUTH, axes_or_new, map_axes
 
 #: Points that a log is drawn with; more cannot be told apart at this size.
 MOST_POINTS = 60_000
@@ -52,7 +52,7 @@ def draw_scan(
         rays = np.stack([np.broadcast_to(start, points.shape), points], 1)
         ax.add_collection(LineCollection(list(rays), colors=color, linewidths=0.3))
     draw_points(points, ax=ax, color=color)
-    return dressed(_robot(ax, pose))
+    return map_axes(draw_robot(ax, pose))
 
 
 def draw_points(
@@ -87,7 +87,7 @@ def draw_points(
     """
     ax, rows = axes_or_new(ax), np.asarray(points, float).reshape(-1, 2)
     ax.plot(*rows.T, ".", markersize=size, color=color, markeredgewidth=0, label=label)
-    return dressed(ax)
+    return map_axes(ax)
 
 
 def draw_log(
@@ -154,7 +154,7 @@ def draw_path(
     """
     ax, rows = axes_or_new(ax), np.asarray(poses, float).reshape(-1, 3)
     ax.plot(rows[:, 0], rows[:, 1], color=color, linewidth=1.2, label=label)
-    return dressed(ax)
+    return map_axes(ax)
 
 
 def draw_cloud(log: Log, poses: Array, ax: Axes, color: str = RAW) -> None:
@@ -169,7 +169,7 @@ def draw_cloud(log: Log, poses: Array, ax: Axes, color: str = RAW) -> None:
     draw_points(thinned, ax=ax, color=color, size=1.5)
 
 
-def _robot(ax: Axes, pose: ArrayLike) -> Axes:
+def draw_robot(ax: Axes, pose: ArrayLike) -> Axes:
     """A triangle of 0.2 m that points ahead."""
     corners = transform(pose, [(0.15, 0), (-0.1, 0.1), (-0.1, -0.1)])
     ax.fill(*corners.T, color=ERROR, zorder=3)

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from .. import arrays
 from ..arrays import Array, Segments
-from ._style import ERRORS, MAP, RESULT, axes_or_new, dressed, group_colors
+from ._style import ERRORS, MAP, RESULT, axes_or_new, axes_row, group_colors, map_axes
 
 #: The scale of errors reaches at least so far, in metres, lest rounding errors look like errors.
 LEAST_ERROR = 1e-3
@@ -73,7 +73,7 @@ def draw_segments(
         _scaled(ax, lines, name, values[order])
     else:
         lines.set_color(color)
-    return dressed(ax)
+    return map_axes(ax)
 
 
 def draw_before_after(before: Segments, after: Segments, *, ax: Axes | None = None) -> Axes:
@@ -100,6 +100,30 @@ def draw_before_after(before: Segments, after: Segments, *, ax: Axes | None = No
     draw_segments(before, ax=ax, width=0.5, label=_counted("before", before))
     ax.legend(loc="upper center", bbox_to_anchor=(0.5, -0.15), ncols=2, frameon=False)
     return ax
+
+
+def draw_beside(before: Segments, after: Segments) -> list[Axes]:
+    """Draw a map, black, and beside it what a method leaves of it, blue, at one scale.
+
+    Parameters
+    ----------
+    before, after : SegmentMap, Reduction or (n, 2, 2) array, metres
+
+    Returns
+    -------
+    list of Axes
+        Two, of a new figure, with titles that count the segments.
+
+    Examples
+    --------
+    >>> wall = np.array([[(0, 0), (1, 0)]])
+    >>> [ax.get_title() for ax in draw_beside(np.repeat(wall, 3, axis=0), wall)]
+    ['Before: 3 segments', 'After: 1']
+    """
+    left, right = axes_row(2, (9.0, 4.6), shared="xy")
+    draw_segments(before, ax=left).set_title(f"Before: {len(arrays.segments(before))} segments")
+    draw_segments(after, ax=right, color=RESULT).set_title(f"After: {len(arrays.segments(after))}")
+    return [left, right]
 
 
 def draw_provenance(before: Segments, reduction: Any, *, ax: Axes | None = None) -> Axes:

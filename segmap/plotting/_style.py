@@ -48,10 +48,10 @@ def group_colors(groups: NDArray[np.int64]) -> Array:
 
 def axes_or_new(ax: Axes | None, size: tuple[float, float] = SIZE) -> Axes:
     """The axes given, or those of a new pyplot figure of a size in inches."""
-    return ax if ax is not None else new_row(1, size)[0]
+    return ax if ax is not None else axes_row(1, size)[0]
 
 
-def new_row(count: int, size: tuple[float, float], *, shared: str = "") -> list[Axes]:
+def axes_row(count: int, size: tuple[float, float], *, shared: str = "") -> list[Axes]:
     """Axes side by side in a new pyplot figure of a size in inches; "y" or "xy" are shared."""
     import matplotlib.pyplot as plt
 
@@ -60,7 +60,7 @@ def new_row(count: int, size: tuple[float, float], *, shared: str = "") -> list[
     return list(figure.subplots(1, count, squeeze=False, sharex=x, sharey=y)[0])
 
 
-def dressed(ax: Axes) -> Axes:
+def map_axes(ax: Axes) -> Axes:
     """The axes with equal scales, fitted to what they hold, labelled in metres."""
     ax.autoscale_view()
     ax.set_aspect("equal")

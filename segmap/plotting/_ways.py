@@ -10,7 +10,7 @@ from ..alignment import Alignment, position_errors
 from ..arrays import Array
 from ..scans import Log
 from ._alignments import draw_alignment
-from ._lessons_scans import _pictures
+from ._maps import axes_grid
 from ._scans import draw_log
 from ._style import ERROR, RAW, RESULT, axes_or_new
 
@@ -49,7 +49,7 @@ def draw_logs(
     >>> left.lines[1].get_color() == ERROR, right.get_title()
     (True, 'In truth')
     """
-    row = _pictures(list(ways), len(ways), size)
+    row = axes_grid(list(ways), len(ways), size)
     for ax, way in zip(row, ways.values(), strict=True):
         if isinstance(way, Alignment):
             draw_alignment(log, way, ax=ax)

@@ -7,10 +7,10 @@ from numpy.typing import ArrayLike
 
 from ..arrays import Array
 from ..matching import MATCHERS, SCORES, DistanceField, Score
-from ..panels._base import Panel, slider, text
+from ..panels import Panel, slider, text
 from ..quadtree import QuadtreeMap
-from .landscape_drawings import draw_climb, draw_landscape
-from .landscapes import Landscape, landscape
+from ._landscape_drawings import draw_climb, draw_landscape
+from ._landscapes import Landscape, landscape
 
 
 class MatcherPanel(Panel):

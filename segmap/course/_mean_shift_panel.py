@@ -6,10 +6,10 @@ from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 
 from ..metrics import grade_quality, quality
+from ..panels import Panel, slider, text
 from ..plotting import RAW, draw_provenance, group_colors
 from ..reduction import Directions, Reduction, common_directions, mean_shift
 from ..segments import SegmentMap, midpoint
-from ._base import Panel, slider, text
 
 #: Pixels: two pictures side by side.
 WIDTH, HEIGHT = 760, 380

@@ -6,10 +6,8 @@ from numpy.typing import ArrayLike
 
 from ..angles import axial_mean_of_two
 from ..arrays import Array
+from ..plotting import ERROR, MAP, RAW, axes_grid, draw_segments
 from ..segments import angle, length, midpoint
-from ._lessons_scans import _pictures
-from ._segments import draw_segments
-from ._style import ERROR, MAP, RAW
 
 
 def draw_distance_terms(u: ArrayLike, v: ArrayLike) -> list[Axes]:
@@ -41,7 +39,7 @@ def draw_distance_terms(u: ArrayLike, v: ArrayLike) -> list[Axes]:
     sizes = float(length(turns).mean()), float(length(shift)), float(length(gap))
     names = ("Turned", "Shifted", "Apart")
     titles = [f"{name}: {size:.2f} m" for name, size in zip(names, sizes, strict=True)]
-    row = _pictures(titles, 3, (3.0, 2.2))
+    row = axes_grid(titles, 3, (3.0, 2.2))
     for ax, marks in zip(row, (turns, [shift], [gap]), strict=True):
         _pair(ax, both, middle, mean)
         draw_segments(np.asarray(marks), ax=ax, color=ERROR, width=2.5)

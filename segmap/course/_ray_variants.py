@@ -8,8 +8,7 @@ from numpy.typing import ArrayLike
 
 from ..arrays import Array
 from ..quadtree import QuadtreeMap
-from ..testing import ray_cells
-from ..testing._quadtree_exercises import Cell, Cells
+from ._quadtree_exercises import Cell, Cells, ray_cells
 
 #: Nearer than this to a line of the grid, in cells, is on it.
 TOUCH = 1e-9

@@ -5,11 +5,11 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from ..matching import SCORES
-from ..panels._base import Panel, slider, text
+from ..panels import Panel, slider, text
 from ..quadtree import QuadtreeMap, build_map
 from ..scans import Log
-from .landscape_drawings import draw_landscape, draw_profile
-from .landscapes import Landscape, heading_profile, landscape, peaks
+from ._landscape_drawings import draw_landscape, draw_profile
+from ._landscapes import Landscape, heading_profile, landscape, peaks
 
 
 class LandscapePanel(Panel):

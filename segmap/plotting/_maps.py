@@ -11,7 +11,7 @@ from ..arrays import Segments
 from ..scans import LaserScan
 from ._scans import draw_path, draw_scan
 from ._segments import draw_segments
-from ._style import DPI, MAP, RESULT, TRUTH, axes_or_new, dressed
+from ._style import DPI, MAP, RESULT, TRUTH, axes_or_new, map_axes
 
 #: Length of the arrow of a pose, in metres.
 ARROW = 0.3
@@ -46,44 +46,7 @@ def draw_poses(
     for x, y, heading in rows:
         ahead = ARROW * np.array([np.cos(heading), np.sin(heading)])
         ax.arrow(x, y, *ahead, width=ARROW / 10, color=color, length_includes_head=True)
-    return dressed(ax)
-
-
-def draw_frames(scan: LaserScan, frames: Mapping[str, ArrayLike], *, every: int = 30) -> list[Axes]:
-    """Draw the same scan in several frames side by side, and the axes of each frame.
-
-    Parameters
-    ----------
-    scan : LaserScan
-    frames : mapping from name to (3,) array, metres and radians
-        Where the robot stands in the frame of that name.
-    every : int
-        One beam in so many is drawn, from the sensor to its end.
-
-    Returns
-    -------
-    list of Axes
-        One a frame, in a new figure, all with the same limits.
-
-    Examples
-    --------
-    >>> axes = draw_frames(LaserScan([1.0], [0.0]), {"robot": (0, 0, 0), "map": (3, 4, 0)})
-    >>> [ax.get_title() for ax in axes]
-    ['In the frame of the robot', 'In the frame of the map']
-    >>> axes[1].lines[0].get_xdata().tolist()
-    [4.0]
-    """
-    some = slice(None, None, every)
-    few = LaserScan(
-        scan.ranges[some], scan.angles[some], sensor_pose=scan.sensor_pose, max_range=scan.max_range
-    )
-    row = _pictures([f"In the frame of the {name}" for name in frames], len(frames), (3.7, 4.0))
-    for ax, pose in zip(row, frames.values(), strict=True):
-        draw_scan(few, pose, ax=ax, beams=True)
-        draw_scan(scan, pose, ax=ax, color=RESULT)
-        ax.axhline(0, color=MAP, linewidth=0.5)
-        ax.axvline(0, color=MAP, linewidth=0.5)
-    return row
+    return map_axes(ax)
 
 
 def draw_maps(
@@ -134,7 +97,7 @@ def draw_maps(
     colors = [color] * len(maps) if color is None or isinstance(color, str) else list(color)
     if len(colors) != len(maps):
         raise ValueError(f"color must have {len(maps)} entries, one a map, got {len(colors)}")
-    pictures = _pictures(list(maps), columns or len(maps), size)
+    pictures = axes_grid(list(maps), columns or len(maps), size)
     for ax, segments, shade in zip(pictures, maps.values(), colors, strict=True):
         if truth is not None:
             draw_segments(truth, ax=ax, color=TRUTH, width=4.0)
@@ -145,7 +108,7 @@ def draw_maps(
     return pictures
 
 
-def _pictures(titles: list[str], columns: int, size: tuple[float, float]) -> list[Axes]:
+def axes_grid(titles: list[str], columns: int, size: tuple[float, float]) -> list[Axes]:
     """Axes in a new figure, one a title, in rows of so many columns, with limits in common."""
     import matplotlib.pyplot as plt
 

@@ -6,9 +6,9 @@ from matplotlib.figure import Figure
 from numpy.typing import ArrayLike
 
 from ..alignment import PointStep, match_points, point_steps
-from ..plotting import draw_step
+from ..panels import Panel, slider, text
 from ..poses import between
-from ._base import Panel, slider, text
+from ._draw_matches import draw_step
 
 
 class IcpPanel(Panel):

@@ -6,9 +6,10 @@ import numpy as np
 from matplotlib.axes import Axes
 from numpy.typing import ArrayLike
 
-from ..plotting._style import ERROR, RESULT, TRUTH, axes_or_new
-from .landscapes import Landscape, peaks, profile_peaks
-from .trials import Trial
+from ..matching import DistanceField
+from ..plotting import ERROR, RESULT, TRUTH, axes_or_new, map_axes
+from ._landscapes import Landscape, peaks, profile_peaks
+from ._trials import Trial
 
 #: Marks of matchers, used in turn.
 MARKS = "os^vDX"
@@ -115,6 +116,33 @@ def draw_profile(
         ax.plot(degrees[found], scores[found], "o", color=ERROR)
     ax.set(xlabel="heading off by [degrees]", ylabel="score")
     return ax
+
+
+def draw_field(field: DistanceField, *, ax: Axes | None = None) -> Axes:
+    """Draw a distance field: the darker, the nearer an occupied cell; a bar tells the metres.
+
+    Parameters
+    ----------
+    field : DistanceField
+    ax : matplotlib Axes or None
+
+    Returns
+    -------
+    Axes
+
+    Examples
+    --------
+    >>> from matplotlib.figure import Figure
+    >>> from segmap.quadtree import QuadtreeMap
+    >>> map = QuadtreeMap(resolution=0.1, size=1.6)
+    >>> map.insert_scan((0.2, 0.2), [(1.0, 0.2)])
+    >>> draw_field(DistanceField(map), ax=Figure().subplots()).images[0].get_array().shape
+    (16, 16)
+    """
+    ax, (left, low, right, high) = axes_or_new(ax), field.bounds
+    picture = ax.imshow(field.distance, origin="lower", extent=(left, right, low, high))
+    ax.figure.colorbar(picture, ax=ax, label="distance [m]")
+    return map_axes(ax)
 
 
 def draw_trials(trials: Iterable[Trial], *, ax: Axes | None = None) -> Axes:

@@ -5,10 +5,10 @@ from matplotlib.figure import Figure
 
 from ..alignment import Candidate, Match, angle_candidates, match_angles
 from ..extraction import extract_polylines
+from ..panels import Panel, slider, text
 from ..plotting import ERROR, MAP, RESULT, draw_segments
 from ..poses import transform
 from ..scans import Log
-from ._base import Panel, slider, text
 
 
 class AnglePanel(Panel):

@@ -3,10 +3,8 @@
 from matplotlib.axes import Axes
 
 from ..alignment import BackboneStep
+from ..plotting import ERROR, MAP, RESULT, axes_or_new, draw_robot, draw_segments, map_axes
 from ..poses import transform
-from ._scans import _robot
-from ._segments import draw_segments
-from ._style import ERROR, MAP, RESULT, axes_or_new, dressed
 
 
 def draw_backbone(step: BackboneStep, *, ax: Axes | None = None) -> Axes:
@@ -37,7 +35,7 @@ def draw_backbone(step: BackboneStep, *, ax: Axes | None = None) -> Axes:
     ax = axes_or_new(ax)
     draw_segments(transform(step.guess, step.segments), ax=ax, color=ERROR, width=1.0)
     draw_segments(transform(step.pose, step.segments), ax=ax, color=RESULT, width=2.5)
-    dressed(_robot(ax, step.pose))
+    map_axes(draw_robot(ax, step.pose))
     x, y = ax.get_xlim(), ax.get_ylim()
     along = step.lines.normal[:, ::-1] * (1, -1)
     for place, d in zip(step.lines.through, along, strict=True):

@@ -9,10 +9,10 @@ from numpy.typing import NDArray
 
 from ..alignment import Alignment, pose_graph, solve_graph
 from ..arrays import Array
+from ..panels import Panel, slider, text
 from ..plotting import draw_alignment
 from ..poses import between
 from ..scans import Log
-from ._base import Panel, slider, text
 
 #: Wheels err by so much from one key frame to the next, loops by so much: metres and radians.
 BY_WHEELS = np.linalg.inv(np.diag([0.05, 0.05, np.radians(2)]) ** 2)

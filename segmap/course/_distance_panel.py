@@ -5,9 +5,9 @@ from matplotlib.figure import Figure
 
 from ..arrays import Array
 from ..metrics import distance_terms, segment_distance
+from ..panels import Panel, slider, text
 from ..plotting import MAP, RESULT, draw_segments
 from ..poses import transform
-from ._base import Panel, slider, text
 
 #: Length of the wall that stays, metres.
 WALL = 2.0

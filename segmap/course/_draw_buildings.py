@@ -7,8 +7,7 @@ from matplotlib.axes import Axes
 
 from ..arrays import Array
 from ..experiments import THESIS_GRIDS, Record, Records, by_method, filter_change
-from ._experiments import draw_curves, style_of
-from ._style import DPI, RAW, RESULT, axes_or_new
+from ..plotting import DPI, RAW, RESULT, axes_or_new, draw_curves, method_style
 
 #: What a method calls its threshold in metres.
 LENGTHS = ("distance", "sigma", "tolerance")
@@ -128,7 +127,10 @@ def draw_times(records: Records, *, ax: Axes | None = None) -> Axes:
     ax = axes_or_new(ax, (4.0, 3.0))
     tight = [r for r in records if (r.thresholds.get("angle") or 0.0) < TIGHT]
     for k, (method, runs) in enumerate(by_method(tight).items()):
-        name, color = next(n for n in LENGTHS if n in runs[0].thresholds), style_of(method, k)[0]
+        name, color = (
+            next(n for n in LENGTHS if n in runs[0].thresholds),
+            method_style(method, k)[0],
+        )
         for filtered, line in ((False, "-"), (True, ":")):
             part = [r for r in runs if (r.filtered is not None) == filtered]
             at = _column(part, name) / _column(runs, name).max()
@@ -165,7 +167,7 @@ def draw_filter(
     """
     ax = axes_or_new(ax, (4.0, 3.0))
     for k, method in enumerate(methods):
-        color, marker, _ = style_of(method, k)
+        color, marker, _ = method_style(method, k)
         change = [filter_change(records.select(map=n), method) for n in _buildings(records)]
         ax.plot(*(100 * np.transpose(change)), marker, color=color, label=method)
     ax.set(xlabel="change of quality [points]", ylabel="change of reduction [points]")

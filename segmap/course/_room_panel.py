@@ -7,11 +7,11 @@ from matplotlib.figure import Figure
 from numpy.typing import ArrayLike
 
 from ..arrays import Segments
+from ..panels import Panel, slider, text
 from ..plotting import MAP, RESULT, draw_scan, draw_segments
 from ..scans import LaserScan
 from ..sensors import URG_04LX, Sensor
 from ..simulation import simulate
-from ._base import Panel, slider, text
 
 
 class RoomPanel(Panel):

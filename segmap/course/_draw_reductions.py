@@ -1,4 +1,4 @@
-"""What methods of reduction make of a map, and at which price."""
+"""What methods of reduction make of small maps, and at which price."""
 
 from collections.abc import Callable, Mapping
 from typing import Any
@@ -9,34 +9,9 @@ from numpy.typing import ArrayLike
 
 from .. import arrays
 from ..arrays import Segments
+from ..plotting import ERROR, MAP, RAW, RESULT, axes_or_new, axes_row, draw_segments
 from ..reduction import Reduction
 from ..segments import SegmentMap
-from ._segments import draw_segments
-from ._style import ERROR, MAP, RAW, RESULT, axes_or_new, new_row
-
-
-def draw_beside(before: Segments, after: Segments) -> list[Axes]:
-    """Draw a map, black, and beside it what a method leaves of it, blue, at one scale.
-
-    Parameters
-    ----------
-    before, after : SegmentMap, Reduction or (n, 2, 2) array, metres
-
-    Returns
-    -------
-    list of Axes
-        Two, of a new figure, with titles that count the segments.
-
-    Examples
-    --------
-    >>> wall = np.array([[(0, 0), (1, 0)]])
-    >>> [ax.get_title() for ax in draw_beside(np.repeat(wall, 3, axis=0), wall)]
-    ['Before: 3 segments', 'After: 1']
-    """
-    left, right = new_row(2, (9.0, 4.6), shared="xy")
-    draw_segments(before, ax=left).set_title(f"Before: {len(arrays.segments(before))} segments")
-    draw_segments(after, ax=right, color=RESULT).set_title(f"After: {len(arrays.segments(after))}")
-    return [left, right]
 
 
 def draw_cases(
@@ -69,7 +44,7 @@ def draw_cases(
     >>> [len(lines.get_segments()) for lines in ax.collections]
     [1, 2]
     """
-    axes = new_row(len(maps), (9.0, height), shared="y")
+    axes = axes_row(len(maps), (9.0, height), shared="y")
     for ax, (title, map) in zip(axes, maps.items(), strict=True):
         draw_segments(method(map), ax=ax, color=RESULT, width=4.0)
         draw_segments(map, ax=ax, width=1.2)

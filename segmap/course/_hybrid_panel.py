@@ -9,10 +9,10 @@ from matplotlib.figure import Figure
 
 from ..arrays import Array
 from ..metrics import grade_quality, quality
+from ..panels import Panel, slider, text
 from ..plotting import MAP, draw_provenance, group_colors
 from ..reduction import Reduction, hough, hybrid
 from ..segments import SegmentMap
-from ._base import Panel, slider, text
 
 #: Pixels: two pictures side by side.
 WIDTH, HEIGHT = 760, 380

@@ -7,10 +7,10 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from ..metrics import grade_quality, grade_reduction, quality, reduction_rate
+from ..panels import Panel, slider, text
 from ..plotting import draw_before_after
 from ..reduction import Reduction, basic_offline, basic_online
 from ..segments import SegmentMap
-from ._base import Panel, slider, text
 
 
 class BasicPanel(Panel):

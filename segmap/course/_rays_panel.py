@@ -7,13 +7,13 @@ from matplotlib.path import Path
 from numpy.typing import ArrayLike
 
 from ..arrays import Array
+from ..panels import Panel, slider, text
 from ..plotting import draw_quadtree
 from ..poses import transform
 from ..quadtree import QuadtreeMap
 from ..rooms import circular_room
 from ..sensors import Sensor
 from ..simulation import simulate
-from ._base import Panel, slider, text
 from ._ray_variants import insert_variant
 
 #: Side of the smallest leaves, metres.

@@ -7,9 +7,9 @@ from numpy.typing import ArrayLike
 from .. import arrays
 from ..arrays import Segments
 from ..experiments import Judged, judge, keep
+from ..panels import Panel, slider, text
 from ..plotting import RESULT, TRUTH, draw_quadtree, draw_segments
 from ..scans import Log
-from ._base import Panel, slider, text
 
 
 class StoragePanel(Panel):

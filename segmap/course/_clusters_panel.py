@@ -5,10 +5,10 @@ from matplotlib.figure import Figure
 
 from ..arrays import Array
 from ..extraction import extract_clusters
+from ..panels import Panel, slider, text
 from ..plotting import RESULT, draw_scan, draw_segments
 from ..scans import LaserScan
 from ..segments import length
-from ._base import Panel, slider, text
 
 
 class ClusterPanel(Panel):

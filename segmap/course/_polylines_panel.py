@@ -4,10 +4,10 @@ from matplotlib.figure import Figure
 
 from ..arrays import Array
 from ..extraction import extract_polylines
+from ..panels import Panel, slider, text
 from ..plotting import RESULT, draw_scan, draw_segments
 from ..scans import LaserScan
 from ..segments import length
-from ._base import Panel, slider, text
 
 
 class PolylinePanel(Panel):

@@ -3,9 +3,9 @@
 from matplotlib.figure import Figure
 
 from ..exports import Classes, ros_classes
-from ..plotting import draw_classes
+from ..panels import Panel, slider, text
 from ..quadtree import QuadtreeMap
-from ._base import Panel, slider, text
+from ._draw_cells import draw_classes
 
 
 class ClassesPanel(Panel):

@@ -4,9 +4,9 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from ..alignment import Alignment, ground_truth
+from ..panels import Panel, slider, text
 from ..plotting import TRUTH, draw_alignment
 from ..scans import Log
-from ._base import Panel, slider, text
 
 
 class GroundTruthPanel(Panel):

@@ -6,10 +6,9 @@ from numpy.typing import ArrayLike
 
 from .. import arrays
 from ..arrays import Segments
+from ..plotting import GROUPS, MAP, RAW, RESULT, axes_or_new, draw_segments, group_colors
 from ..reduction import hough
-from ._reductions import draw_marked
-from ._segments import draw_segments
-from ._style import GROUPS, MAP, RAW, RESULT, axes_or_new, group_colors
+from ._draw_reductions import draw_marked
 
 
 def draw_merge(

@@ -5,9 +5,10 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from ..alignment import BackboneStep, backbone_steps
-from ..plotting import RESULT, draw_backbone, draw_path
+from ..panels import Panel, slider, text
+from ..plotting import RESULT, draw_path
 from ..scans import Log
-from ._base import Panel, slider, text
+from ._draw_backbones import draw_backbone
 
 #: Metres around the way of the robot that are shown.
 MARGIN = 3.0
