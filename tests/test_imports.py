@@ -25,7 +25,8 @@ STOREYS = (
     "plotting",
     "panels",
     "course",
-    "segmap",
+    "segmap _warm",
+    "__main__",
 )
 STOREY = {room: height for height, rooms in enumerate(STOREYS) for room in rooms.split()}
 

@@ -1,0 +1,124 @@
+"""Small calls of everything that compiles, so that the first real call finds its machine code.
+
+Each case belongs to one room and returns the arrays that it found: the tests run the same cases
+with and without numba and compare.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from . import alignment, extraction, matching, metrics, quadtree, readers, reduction, simulation
+from .arrays import Array
+from .scans import Log
+from .segments import SegmentMap
+
+Found = list[Any]
+
+
+def cases() -> dict[str, Callable[[], Found]]:
+    """Name of each case, `room method`, and its call; the longest to compile come first."""
+    found: dict[str, Callable[[], Found]] = {
+        "alignment points": _points,
+        "reduction fusion": partial(_reduced, "fusion"),
+        "alignment angle_correspondence": partial(_aligned, "angle_correspondence"),
+        "matching all": _matched,
+        "quadtree all": _trees,
+    }
+    for name in reduction.METHODS:
+        found.setdefault(f"reduction {name}", partial(_reduced, name))
+    for name in alignment.METHODS:
+        found.setdefault(f"alignment {name}", partial(_aligned, name))
+    return found | {"extraction all": _extracted, "metrics all": _measured, "simulation all": _cast}
+
+
+def run(name: str) -> None:
+    """One case by its name, for a process that cannot be handed the call itself."""
+    cases()[name]()
+
+
+def _room() -> Array:
+    """(60, 2) points of a noisy rectangular room, metres."""
+    t = np.radians(np.arange(0, 360, 6.0))
+    ranges = 1 / np.maximum(np.abs(np.cos(t)) / 2, np.abs(np.sin(t)) / 1.5)
+    ranges += np.random.default_rng(3).normal(0, 0.01, 60)
+    return np.stack([ranges * np.cos(t), ranges * np.sin(t)], -1)
+
+
+def _walls() -> tuple[Array, Array]:
+    """(12, 2, 2) walls and (36, 2, 2) noisy sights of them, metres."""
+    rng = np.random.default_rng(3)
+    walls = rng.uniform(-3, 3, (12, 2, 2))
+    return walls, np.repeat(walls, 3, axis=0) + rng.normal(0, 0.01, (36, 2, 2))
+
+
+def _log() -> Log:
+    """Four scans of the bundled log whose true poses are known."""
+    log = readers.load("malaga")
+    assert log.truth is not None
+    return log[np.flatnonzero(np.isfinite(log.truth[:, 0]))[:4]]
+
+
+def _reduced(name: str) -> Found:
+    walls, seen = _walls()
+    map = SegmentMap(np.concatenate([seen, walls + 0.02]), np.repeat([0, 1], (36, 12)))
+    options = {"sigma": 1.0} if name == "mean_shift" else {}
+    done = reduction.METHODS[name](map, **options)
+    return [done.segments, done.parents]
+
+
+def _aligned(name: str) -> Found:
+    method = alignment.METHODS[name]
+    log = _log()
+    options = {"rng": np.random.default_rng(0)} if name == "angle_correspondence" else {}
+    return [method(log, **options).poses]
+
+
+def _points() -> Found:
+    points = _room()
+    match = alignment.match_points(points, points[5:] + (0.03, -0.02))
+    return [match.pose, match.covariance, *_aligned("pose_graph")]
+
+
+def _extracted() -> Found:
+    points = _room()
+    return [
+        extraction.extract_clusters(points, closed=True),
+        extraction.extract_clusters(points, fit="algebraic"),
+        extraction.extract_polylines(points, gap=0.5, closed=True),
+        extraction.fit_line(points[:9])[0],
+    ]
+
+
+def _measured() -> Found:
+    walls, seen = _walls()
+    return [metrics.errors(seen, walls), metrics.errors(SegmentMap(seen), SegmentMap(walls))]
+
+
+def _cast() -> Found:
+    angles = np.radians(np.arange(0, 360, 6.0))
+    return [simulation.cast_rays(_walls()[0], (0.1, 0.2, 0.3), angles, max_range=4.0)]
+
+
+def _trees() -> Found:
+    points = _room()
+    found: Found = []
+    for free in (None, 0.2):
+        map = quadtree.QuadtreeMap(resolution=0.1, size=1.6, free_resolution=free)
+        map.insert_scan((0.1, 0.0), points, points[:5] * 1.5)
+        found += [*map.leaves(), map.to_grid(0.2), map.occupancy(points)]
+    return found
+
+
+def _matched() -> Found:
+    points, rng = _room(), np.random.default_rng(3)
+    map = quadtree.QuadtreeMap(resolution=0.1, size=1.6)
+    map.insert_scan((0.1, 0.0), points)
+    poses = rng.normal(0, 0.2, (3, 3))
+    names = [name for name in matching.__all__ if name.endswith("_score") and name[:5] != "field"]
+    found: Found = [getattr(matching, name)(map, points, poses) for name in names]
+    return [*found, matching.hill_climb(map, points, poses[0])]
