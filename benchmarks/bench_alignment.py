@@ -13,7 +13,7 @@ from segmap import LaserScan, Log, alignment, load, read
 from segmap.alignment import Alignment, align_to_truth, match_points
 from segmap.angles import wrap
 from segmap.metrics import relation_errors
-from segmap.simulation import Wheels, drifting_odometry
+from segmap.simulation import OdometryNoise, drifting_odometry
 
 from .measure import ROOT, SHARED, Row, missing, seconds, workloads
 
@@ -92,7 +92,9 @@ def cases() -> Iterator[Case]:
 
 def drifted(log: Log, seed: int) -> Log:
     """The log with odometry that ordinary wheels would have made of its corrected poses."""
-    odometry = drifting_odometry(log.truth, wheels=Wheels(), rng=np.random.default_rng(seed))
+    odometry = drifting_odometry(
+        log.truth, odometry_noise=OdometryNoise(), rng=np.random.default_rng(seed)
+    )
     scans = [
         LaserScan(s.ranges, s.angles, s.time, wheels, s.max_range, s.sensor_pose)
         for s, wheels in zip(log, odometry, strict=True)

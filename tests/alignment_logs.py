@@ -6,26 +6,28 @@ import numpy as np
 
 from segmap.poses import between, compose
 from segmap.scans import LaserScan, Log
-from segmap.simulation import SICK_LMS200, Wheels, corridor_loop, drive, office, simulate
+from segmap.simulation import SICK_LMS200, OdometryNoise, corridor_loop, drive, office, simulate
 
 #: Wheels that err more than most: a loop of 80 m ends metres away.
-BAD_WHEELS = Wheels(turn_bias=0.05, turn_noise=0.05, heading_noise=0.02)
+BAD_WHEELS = OdometryNoise(turn_bias=0.05, turn_noise=0.05, heading_noise=0.02)
 
 
-def office_log(wheels: Wheels = Wheels(), step: float = 0.3) -> Log:
+def office_log(wheels: OdometryNoise = OdometryNoise(), step: float = 0.3) -> Log:
     """Along a corridor and into a room: some 20 scans."""
     walls = office(rng=np.random.default_rng(1), rooms=2)
     path = drive([(1, 5), (2, 5), (2, 7.5)], step=step, turn=np.radians(15))
     rng = np.random.default_rng(5)
-    return simulate(walls, path, sensor=SICK_LMS200, rng=rng, wheels=wheels, name="office")
+    return simulate(walls, path, sensor=SICK_LMS200, rng=rng, odometry_noise=wheels, name="office")
 
 
-def loop_log(wheels: Wheels = BAD_WHEELS, seed: int = 0, step: float = 0.25) -> Log:
+def loop_log(wheels: OdometryNoise = BAD_WHEELS, seed: int = 0, step: float = 0.25) -> Log:
     """Once round a corridor of 76 m and a little further: some 350 scans."""
     corners = [(1, 1), (29, 1), (29, 11), (1, 11), (1, 1), (5, 1)]
     path = drive(corners, step=step, turn=np.radians(15))
     rng = np.random.default_rng(seed)
-    return simulate(corridor_loop(), path, sensor=SICK_LMS200, rng=rng, wheels=wheels, name="loop")
+    return simulate(
+        corridor_loop(), path, sensor=SICK_LMS200, rng=rng, odometry_noise=wheels, name="loop"
+    )
 
 
 def featureless_log(step: float = 0.3) -> Log:

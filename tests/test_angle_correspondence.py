@@ -15,8 +15,15 @@ from segmap.extraction import extract_polylines
 from segmap.poses import between, compose, inverse, transform
 from segmap.scans import LaserScan, Log
 from segmap.segments import SegmentMap, length
-from segmap.sensors import URG_04LX, Sensor
-from segmap.simulation import corridor_loop, drive, polygon, rectangular_room, simulate
+from segmap.simulation import (
+    URG_04LX,
+    Sensor,
+    corridor_loop,
+    drive,
+    polygon,
+    rectangular_room,
+    simulate,
+)
 
 UTM = Sensor("UTM-30LX", 1081, np.radians(-135), np.radians(0.25), max_range=30.0, sigma=0.01)
 #: An L-shaped room with a pillar: no turn and no shift carries it onto itself.

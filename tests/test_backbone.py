@@ -24,12 +24,12 @@ from segmap.segments import angle, length
 from segmap.simulation import (
     SICK_LMS200,
     URG_04LX,
-    Wheels,
-    chain,
+    OdometryNoise,
     circular_room,
     corridor_loop,
     drive,
     polygon,
+    polyline,
     rectangular_room,
     simulate,
 )
@@ -66,7 +66,7 @@ def with_ranges(log, change):
 def straight(walls=ROOM, path=WAY, sensor=SICK):
     """A log without any error."""
     rng = np.random.default_rng(1)
-    return simulate(walls, path, sensor=sensor, rng=rng, wheels=Wheels().ideal())
+    return simulate(walls, path, sensor=sensor, rng=rng, odometry_noise=OdometryNoise().ideal())
 
 
 def misled(log, k, error):
@@ -104,7 +104,7 @@ def ring(radius, width=2.0, share=0.8):
     way = np.arange(0.02, turn[-1] - 0.05, 0.1 / (radius - width / 2))
     r = radius - width / 2
     path = np.stack([r * np.cos(way), r * np.sin(way), wrap(way + np.pi / 2)], -1)
-    return np.concatenate([chain(radius * circle), chain((radius - width) * circle)]), path
+    return np.concatenate([polyline(radius * circle), polyline((radius - width) * circle)]), path
 
 
 def corridor_about(corners, radius=12.0, width=2.0):

@@ -15,8 +15,7 @@ from segmap.hokuyo import (
     parse_scan,
     parse_scan_1,
 )
-from segmap.rooms import rectangular_room
-from segmap.sensors import URG_04LX
+from segmap.simulation import URG_04LX, rectangular_room
 
 
 class Bench:

@@ -22,7 +22,7 @@ from segmap.metrics import segment_distance
 from segmap.poses import between, compose, transform
 from segmap.scans import LaserScan, Log
 from segmap.segments import angle
-from segmap.simulation import SICK_LMS200, Wheels, drifting_odometry, drive, office, simulate
+from segmap.simulation import SICK_LMS200, OdometryNoise, drifting_odometry, drive, office, simulate
 
 WALLS = office(rng=np.random.default_rng(1), rooms=2)
 RULES = Rules(similar=0.20, angle=np.radians(15), spread=0.02, rounds=15)
@@ -169,11 +169,11 @@ def test_coming_back_does_not_leave_the_loop_out():
 
 
 # ------------------------------------------------------------------ whole logs
-def exact_log(seed: int = 5, wheels: Wheels = Wheels()) -> Log:
+def exact_log(seed: int = 5, wheels: OdometryNoise = OdometryNoise()) -> Log:
     """A robot with a laser without error, and wheels that drift, in an office."""
     path = drive([(1, 5), (2, 5), (2, 7.5)], step=0.25, turn=np.radians(15))
     rng = np.random.default_rng(seed)
-    return simulate(WALLS, path, sensor=SICK_LMS200.ideal(), rng=rng, wheels=wheels)
+    return simulate(WALLS, path, sensor=SICK_LMS200.ideal(), rng=rng, odometry_noise=wheels)
 
 
 def with_odometry(log: Log, poses: list) -> Log:
@@ -194,7 +194,7 @@ def errors(log: Log, poses: np.ndarray) -> np.ndarray:
 @pytest.mark.parametrize("seed", range(3))
 def test_a_log_without_noise_comes_out_exact(seed):
     """A correction on the wrong side, headings mixed with places, feet clamped to the segment."""
-    log = exact_log(seed, Wheels(turn_bias=0.05, turn_noise=0.05, distance_noise=0.05))
+    log = exact_log(seed, OdometryNoise(turn_bias=0.05, turn_noise=0.05, distance_noise=0.05))
     found = global_segments(log, rounds=60)
     assert errors(log, log.odometry).max() > 0.02
     assert errors(log, found.poses).max() < 0.01
@@ -246,8 +246,8 @@ def test_a_loop_is_closed():
 def test_it_is_right_or_says_that_it_is_not(seed, error):
     """Silence: where odometry is far off the answer is wrong, and must say so."""
     log = load("room")
-    wild = Wheels(turn_bias=error, turn_noise=error, distance_noise=error)
-    odometry = drifting_odometry(log.truth, wheels=wild, rng=np.random.default_rng(seed))
+    wild = OdometryNoise(turn_bias=error, turn_noise=error, distance_noise=error)
+    odometry = drifting_odometry(log.truth, odometry_noise=wild, rng=np.random.default_rng(seed))
     found = global_segments(with_odometry(log, list(odometry)))
     assert np.isfinite(found.poses).all()
     right = errors(log, found.poses).max() < 0.15

@@ -17,7 +17,7 @@ STOREYS = (
     "_compiled _display methods arrays",
     "angles literal",
     "poses segments",
-    "scans rooms sensors error_codes",
+    "scans error_codes",
     "readers simulation extraction metrics hokuyo",
     "alignment reduction quadtree emulator",
     "matching experiments exports",

@@ -19,9 +19,7 @@ from segmap.matching import (
 )
 from segmap.poses import compose, inverse, transform
 from segmap.quadtree import QuadtreeMap
-from segmap.rooms import rectangular_room
-from segmap.sensors import Sensor
-from segmap.simulation import drive, simulate
+from segmap.simulation import Sensor, drive, rectangular_room, simulate
 
 SENSOR = Sensor("it", 181, -np.pi, 2 * np.pi / 181, max_range=6.0, sigma=0.005)
 

@@ -41,8 +41,7 @@ from segmap.panels._base import VIEW
 from segmap.plotting import ERROR, RESULT, TRUTH
 from segmap.quadtree import build_map
 from segmap.reduction import basic_offline, basic_online, hybrid, mean_shift
-from segmap.sensors import URG_04LX
-from segmap.simulation import drive, rectangular_room, simulate
+from segmap.simulation import URG_04LX, drive, rectangular_room, simulate
 from segmap.testing import assert_poses_equal
 
 ROOM = rectangular_room(4.0, 3.0)

@@ -15,10 +15,10 @@ from segmap.simulation import (
     URG_04LX,
     box,
     cast_rays,
-    chain,
     corridor_loop,
     drive,
     office,
+    polyline,
     simulate,
 )
 
@@ -180,7 +180,7 @@ def repeated_offices(count: int) -> np.ndarray:
     end = (np.ptp(x, axis=1) < 1e-6) & np.isin(x[:, 0].round(6), (0.0, 4.0))
     end &= (y.min(1) > 4 - 1e-6) & (y.max(1) < 6 + 1e-6)
     assert end.sum() == 2
-    ends = [chain([(at, 4), (at, 6)]) for at in (0.0, 4.0 * count)]
+    ends = [polyline([(at, 4), (at, 6)]) for at in (0.0, 4.0 * count)]
     return np.concatenate([*(one[~end] + (4.0 * k, 0) for k in range(count)), *ends])
 
 
@@ -192,7 +192,9 @@ def test_repeated_offices_do_not_fold_the_map(sensor, most):
         path += [(2 + 4 * k, 5), (2 + 4 * k, 7.3), (2 + 4 * k, 5)]
     path = drive([*path, (23, 5), (1, 5)], step=0.25, turn=np.radians(15))
     rng = np.random.default_rng(0)
-    log = simulate(repeated_offices(6), path, sensor=sensor, rng=rng, wheels=logs.BAD_WHEELS)
+    log = simulate(
+        repeated_offices(6), path, sensor=sensor, rng=rng, odometry_noise=logs.BAD_WHEELS
+    )
     found = pose_graph(log)
     assert logs.errors(log, log.odometry)[0].max() > 2
     assert logs.errors(log, found.poses)[0].max() < most
@@ -207,7 +209,7 @@ OFFICES = office(rng=np.random.default_rng(3), rooms=4)
 def office_drive(corners: list, seed: int) -> Log:
     path = drive(corners, step=0.25, turn=np.radians(15))
     rng = np.random.default_rng(seed)
-    return simulate(OFFICES, path, sensor=SICK_LMS200, rng=rng, wheels=logs.BAD_WHEELS)
+    return simulate(OFFICES, path, sensor=SICK_LMS200, rng=rng, odometry_noise=logs.BAD_WHEELS)
 
 
 @cache

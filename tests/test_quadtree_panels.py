@@ -10,7 +10,7 @@ from segmap.course._ray_variants import touched_cells
 from segmap.exports import ros_classes
 from segmap.panels import QuadtreePanel
 from segmap.quadtree import QuadtreeMap, build_map
-from segmap.rooms import square_room
+from segmap.simulation import square_room
 
 
 @pytest.mark.parametrize("seed", range(10))

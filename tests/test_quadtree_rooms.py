@@ -5,9 +5,15 @@ import pytest
 from reference_quadtree import cell, unmasked
 
 from segmap.quadtree import QuadtreeMap, build_map
-from segmap.rooms import circular_room, rectangular_room, square_room, two_position_square
-from segmap.sensors import Sensor
-from segmap.simulation import drive, simulate
+from segmap.simulation import (
+    Sensor,
+    circular_room,
+    drive,
+    rectangular_room,
+    simulate,
+    square_room,
+    two_position_square,
+)
 
 SIDE = 0.05
 ROOMS = {

@@ -16,7 +16,7 @@ from segmap.scans import LaserScan, Log
 from segmap.segments import length
 from segmap.simulation import (
     SICK_LMS200,
-    Wheels,
+    OdometryNoise,
     cast_rays,
     corridor_loop,
     drive,
@@ -186,11 +186,11 @@ def test_thresholds_out_of_range(wrong, message):
 
 
 # ------------------------------------------------------------------ whole logs
-def exact_log(wheels: Wheels = Wheels(), turn: float = 15.0) -> Log:
+def exact_log(wheels: OdometryNoise = OdometryNoise(), turn: float = 15.0) -> Log:
     """A robot with a laser without error, wheels that drift, every 0.2 m through an office."""
     path = drive([(1, 5), (2, 5), (2, 7.5)], step=0.2, turn=np.radians(turn))
     rng = np.random.default_rng(5)
-    return simulate(WALLS, path, sensor=SICK_LMS200.ideal(), rng=rng, wheels=wheels)
+    return simulate(WALLS, path, sensor=SICK_LMS200.ideal(), rng=rng, odometry_noise=wheels)
 
 
 def errors(log: Log, poses: np.ndarray) -> np.ndarray:
@@ -208,7 +208,7 @@ def with_odometry(log: Log, poses: list) -> Log:
 
 def test_a_log_without_noise_comes_out_exact():
     """A correction that is applied twice, or composed on the wrong side."""
-    log = exact_log(Wheels(turn_bias=0.1, turn_noise=0.1, distance_noise=0.05))
+    log = exact_log(OdometryNoise(turn_bias=0.1, turn_noise=0.1, distance_noise=0.05))
     found = segment_icp(log)
     assert found.used.all()
     assert errors(log, log.odometry).max() > 0.05

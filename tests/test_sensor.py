@@ -26,8 +26,7 @@ from segmap.emulator import Emulator, Replay, Room
 from segmap.hokuyo import SensorError, SensorGone, UrgSensor, find_port, ports
 from segmap.hokuyo.__main__ import main as bench
 from segmap.hokuyo._connect import RATES
-from segmap.rooms import rectangular_room
-from segmap.sensors import URG_04LX
+from segmap.simulation import URG_04LX, rectangular_room
 
 pytest.importorskip("serial", reason="the driver opens ports with pyserial")
 pytestmark = needs_terminals

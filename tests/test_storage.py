@@ -5,9 +5,14 @@ import pytest
 
 from segmap import load
 from segmap.experiments import along, judge, keep, storage_table, wall_errors
-from segmap.rooms import circular_room, rectangular_room
-from segmap.sensors import SICK_LMS200, URG_04LX
-from segmap.simulation import drive, simulate
+from segmap.simulation import (
+    SICK_LMS200,
+    URG_04LX,
+    circular_room,
+    drive,
+    rectangular_room,
+    simulate,
+)
 
 WALLS = rectangular_room(4.02, 3.02)
 LOG = simulate(
@@ -136,7 +141,7 @@ def test_the_table_says_it_in_numbers():
 
 def test_the_corridor_of_the_chapter():
     """What chapter 66 says: three kilobytes of segments, sixty times as much in the tree."""
-    from segmap.rooms import corridor_loop
+    from segmap.simulation import corridor_loop
 
     log = load("corridor")
     found, _ = by_name(log, corridor_loop())

@@ -115,7 +115,7 @@ def draw_candidate(
     Examples
     --------
     >>> from matplotlib.figure import Figure
-    >>> from segmap.rooms import rectangular_room
+    >>> from segmap.simulation import rectangular_room
     >>> from segmap.alignment import angle_candidates
     >>> walls = rectangular_room()
     >>> best = angle_candidates(walls, walls, rng=np.random.default_rng(0))[0]

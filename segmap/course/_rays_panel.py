@@ -11,9 +11,7 @@ from ..panels import Panel, slider, text
 from ..plotting import draw_quadtree
 from ..poses import transform
 from ..quadtree import QuadtreeMap
-from ..rooms import circular_room
-from ..sensors import Sensor
-from ..simulation import simulate
+from ..simulation import Sensor, circular_room, simulate
 from ._ray_variants import insert_variant
 
 #: Side of the smallest leaves, metres.

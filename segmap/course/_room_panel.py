@@ -10,8 +10,7 @@ from ..arrays import Segments
 from ..panels import Panel, slider, text
 from ..plotting import MAP, RESULT, draw_scan, draw_segments
 from ..scans import LaserScan
-from ..sensors import URG_04LX, Sensor
-from ..simulation import simulate
+from ..simulation import URG_04LX, Sensor, simulate
 
 
 class RoomPanel(Panel):

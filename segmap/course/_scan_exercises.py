@@ -5,7 +5,7 @@ import numpy as np
 from ..angles import wrap
 from ..arrays import Array
 from ..poses import compose
-from ..readers._beams import half_turn
+from ..readers import half_turn
 from ..simulation import cast_rays
 from ._exercise import Case, Exercise, Mistake
 

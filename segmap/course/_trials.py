@@ -13,11 +13,9 @@ from ..angles import wrap
 from ..arrays import Array
 from ..matching import MATCHERS, SCORES, map_scans
 from ..quadtree import QuadtreeMap
-from ..readers._bundled import data_file
-from ..rooms import box, rectangular_room
+from ..readers import data_file
 from ..scans import Log
-from ..sensors import URG_04LX
-from ..simulation import simulate
+from ..simulation import URG_04LX, box, rectangular_room, simulate
 
 
 @dataclass(frozen=True)

@@ -9,8 +9,7 @@ from .. import arrays
 from ..arrays import Array, Segments
 from ..error_codes import LOWEST, NEIGHBOURS_BAD, NOT_MEASURED, NOTHING_MET
 from ..hokuyo import SensorError, parse_reply, parse_request, parse_scan
-from ..sensors import URG_04LX, Sensor, Wheels
-from ..simulation import box, drive, rectangular_room, simulate
+from ..simulation import URG_04LX, OdometryNoise, Sensor, box, drive, rectangular_room, simulate
 
 #: From the number of a turn to the millimetres of all its steps, `(769,)`.
 World = Callable[[int], NDArray[np.int64]]
@@ -65,8 +64,8 @@ class Room:
 
     def __call__(self, turn: int) -> NDArray[np.int64]:
         """Millimetres of all steps, `(769,)`."""
-        pose, wheels = self.pose(turn)[None], Wheels().ideal()
-        log = simulate(self.walls, pose, sensor=self.sensor, rng=self.rng, wheels=wheels)
+        pose, wheels = self.pose(turn)[None], OdometryNoise().ideal()
+        log = simulate(self.walls, pose, sensor=self.sensor, rng=self.rng, odometry_noise=wheels)
         met = np.rint(1000 * log[0].ranges)
         found = np.where(met >= LOWEST, met, NEIGHBOURS_BAD)
         steps = np.full(STEPS, NOT_MEASURED)

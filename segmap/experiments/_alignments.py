@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from .._display import Table
-from ..readers._bundled import data_file
+from ..readers import data_file
 
 
 @dataclass(frozen=True)

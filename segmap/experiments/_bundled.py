@@ -5,7 +5,7 @@ from collections.abc import Iterable, Iterator
 from math import radians
 from pathlib import Path
 
-from ..readers._bundled import data_file
+from ..readers import data_file
 from ..reduction import METHODS
 from ._records import Record, Records, Threshold, holds_records
 from ._sweep import Grid, default_thresholds

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..arrays import Array
-from ..readers._bundled import data_file
+from ..readers import data_file
 from ..reduction import Reduction
 from ._bundled import known
 from ._records import Threshold, thresholds_from, thresholds_text

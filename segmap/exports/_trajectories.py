@@ -10,8 +10,7 @@ from numpy.typing import ArrayLike
 from ..alignment import Alignment
 from ..arrays import Array
 from ..poses import between, compose
-from ..readers._beams import half_turn
-from ..readers._shots import same
+from ..readers import half_turn, same_poses
 from ..scans import NO_POSE, LaserScan, Log
 from ._files import write_lines
 
@@ -239,7 +238,7 @@ def _refuse_ambiguous(log: Log, rows: Array, lasers: _Lasers) -> None:
         mine = [k for k, scan in enumerate(log) if np.array_equal(scan.sensor_pose, place)]
         way = between(log.odometry[mine], compose(rows[mine], place)) if mine else np.empty((0, 3))
         way = way[np.isfinite(way).all(1)]
-        if len(way) and same(way, way[:1]) and not same(way, place):
+        if len(way) and same_poses(way, way[:1]) and not same_poses(way, place):
             raise ValueError(
                 "poses that lie all alike from the odometry would be read as the laser's place on "
                 "the robot: write a longer log, or one without odometry"

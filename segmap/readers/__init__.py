@@ -10,9 +10,20 @@ from pathlib import Path
 from ..arrays import Array
 from ..scans import Log
 from . import _bundled, _formats, _rawseeds
+from ._beams import half_turn
+from ._bundled import data_file
 from ._lines import LogError
+from ._shots import same_poses
 
-__all__ = ["LogError", "load", "read", "read_trajectory"]
+__all__ = [
+    "LogError",
+    "data_file",
+    "half_turn",
+    "load",
+    "read",
+    "read_trajectory",
+    "same_poses",
+]
 
 
 def read(path: str | Path, *, on_error: str = "raise") -> Log:

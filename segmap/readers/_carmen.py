@@ -37,7 +37,7 @@ from ._shots import (
     assemble,
     mount_by_offset,
     mount_by_poses,
-    same,
+    same_poses,
 )
 from ._tracks import Track, with_odometry
 
@@ -145,4 +145,4 @@ def _parse_old(fields: list[str]) -> Shot:
 def _repeats_odometry(shots: Sequence[Shot], offset: Array) -> bool:
     poses = np.array([shot.pose for shot in shots])
     wheels = np.array([shot.odometry for shot in shots])
-    return same(poses, compose(wheels, offset)) or same(poses, wheels)
+    return same_poses(poses, compose(wheels, offset)) or same_poses(poses, wheels)

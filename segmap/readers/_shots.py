@@ -56,7 +56,7 @@ class Mounted(NamedTuple):
 Mount = Callable[[str, Sequence[Shot]], Mounted]
 
 
-def same(a: Array, b: Array) -> bool:
+def same_poses(a: Array, b: Array) -> bool:
     """Whether poses `(k, 3)`, metres and radians, agree in all rows; rows of NaN tell nothing."""
     step = a - b
     step[..., 2] = wrap(step[..., 2])
@@ -82,7 +82,7 @@ def mount_by_poses(shots: Sequence[Shot], offset: Array) -> Mounted:
     poses = np.array([shot.pose for shot in shots])
     relative = between(np.array([shot.odometry for shot in shots]), poses)
     known = relative[np.isfinite(relative).all(1)]
-    if not len(known) or not same(known, known[:1]):
+    if not len(known) or not same_poses(known, known[:1]):
         return mount_by_offset(shots, offset)
     return Mounted(np.round(known[0], 6) + 0.0, np.full_like(poses, np.nan))
 

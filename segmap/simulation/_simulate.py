@@ -1,52 +1,19 @@
-"""Simulated logs: a robot drives through a room and measures, with errors of a chosen size.
+"""Rays that meet walls, drives through a room, and the log that a robot records on the way."""
 
-`simulate` answers with a `Log` that carries the truth, so that every method can be judged. All
-chance comes from one generator: the same seed gives the same log.
-"""
+from __future__ import annotations
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from . import arrays
-from ._compiled import compiled
-from .angles import axial_difference, wrap
-from .arrays import Array, Segments
-from .poses import compose
-from .rooms import (
-    box,
-    chain,
-    circular_room,
-    corridor_loop,
-    office,
-    polygon,
-    rectangular_room,
-    square_room,
-    two_position_square,
-)
-from .scans import LaserScan, Log
-from .segments import angle
-from .sensors import SICK_LMS200, URG_04LX, Sensor, Wheels, drifting_odometry, measure
-
-__all__ = [
-    "SICK_LMS200",
-    "URG_04LX",
-    "Sensor",
-    "Wheels",
-    "box",
-    "cast_rays",
-    "chain",
-    "circular_room",
-    "corridor_loop",
-    "drifting_odometry",
-    "drive",
-    "measure",
-    "office",
-    "polygon",
-    "rectangular_room",
-    "simulate",
-    "square_room",
-    "two_position_square",
-]
+from .. import arrays
+from .._compiled import compiled
+from ..angles import axial_difference, wrap
+from ..arrays import Array, Segments
+from ..poses import compose
+from ..scans import LaserScan, Log
+from ..segments import angle
+from ._rooms import polyline
+from ._sensors import OdometryNoise, Sensor, drifting_odometry, measure
 
 #: A wall at most so far from the sensor, in metres, is one that the sensor touches.
 TOUCH = 1e-9
@@ -57,8 +24,8 @@ def cast_rays(
 ) -> Array:
     """Exact ranges of beams from one place to the nearest wall.
 
-    A beam through a corner that two walls share never slips between them. A wall seen
-     exactly edge on has no width and is not met; nor is a wall that the sensor touches.
+    A beam through a corner that two walls share never slips between them. A wall seen exactly edge
+    on has no width and is not met; nor is a wall that the sensor touches.
 
     Parameters
     ----------
@@ -81,39 +48,40 @@ def cast_rays(
 
     Examples
     --------
+    >>> from segmap.simulation import rectangular_room
     >>> cast_rays(rectangular_room(4, 3), (1, 1, 0), np.radians([-90, 0, 90, 180])).round(9)
     array([1., 3., 2., 1.])
     """
-    return _meet(walls, pose, angles, max_range)[0]
+    beams = arrays.numbers(angles, "angles")
+    if beams.ndim != 1 or not np.isfinite(beams).all():
+        raise ValueError(f"angles must be (b,) and finite, got shape {beams.shape}")
+    if max_range != np.inf:
+        arrays.positive("metres", max_range=max_range)
+    return _meet(arrays.segments(walls, "walls"), arrays.pose(pose), beams, max_range)[0]
 
 
 def _meet(
-    walls: Segments, pose: ArrayLike, angles: ArrayLike, max_range: float
+    walls: Array, pose: Array, angles: Array, max_range: float = np.inf
 ) -> tuple[Array, NDArray[np.int64]]:
     """Ranges of beams, and the index of the wall that each meets (-1 for none)."""
-    place, beams = np.asarray(pose, float), np.asarray(angles, float)
-    if place.shape != (3,) or not np.isfinite(place).all():
-        raise ValueError(f"pose must be finite x, y, heading, got {place.tolist()}")
-    if beams.ndim != 1 or not np.isfinite(beams).all():
-        raise ValueError(f"angles must be (b,) and finite, got shape {beams.shape}")
-    if not max_range > 0:
-        raise ValueError(f"max_range must be positive, got {max_range}")
-    around = np.subtract(arrays.segments(walls, "walls"), place[:2], order="C")
-    turned = beams + place[2]
-    return _cast(around, np.stack([np.cos(turned), np.sin(turned)], -1), float(max_range))
+    ranges, met = np.full(len(angles), np.inf), np.full(len(angles), -1)
+    around = np.subtract(walls, pose[:2], order="C")
+    turned = angles + pose[2]
+    _cast(around, np.cos(turned), np.sin(turned), float(max_range), ranges, met)
+    return ranges, met
 
 
 @compiled
-def _cast(walls: Array, beams: Array, max_range: float) -> tuple[Array, NDArray[np.int64]]:
-    """Nearest wall of each beam; walls relative to the sensor, beams as unit vectors.
+def _cast(
+    walls: Array, cos: Array, sin: Array, max_range: float, ranges: Array, met: NDArray[np.int64]
+) -> None:
+    """Nearest wall of each beam, into `ranges` and `met`; walls are relative to the sensor.
 
     A wall is met where its end points lie on different sides of the beam. A corner shared by two
     walls gets the same side in both, bit for bit, so nothing slips through.
     """
-    ranges = np.full(len(beams), np.inf)
-    met = np.full(len(beams), -1, np.int64)
-    for i in range(len(beams)):
-        c, s = beams[i, 0], beams[i, 1]
+    for i in range(len(cos)):
+        c, s = cos[i], sin[i]
         for j in range(len(walls)):
             ax, ay, bx, by = walls[j, 0, 0], walls[j, 0, 1], walls[j, 1, 0], walls[j, 1, 1]
             side_a, side_b = c * ay - s * ax, c * by - s * bx
@@ -125,7 +93,6 @@ def _cast(walls: Array, beams: Array, max_range: float) -> tuple[Array, NDArray[
             ahead = c * (ax + part * (bx - ax)) + s * (ay + part * (by - ay))
             if TOUCH < ahead < ranges[i] and ahead <= max_range:
                 ranges[i], met[i] = ahead, j
-    return ranges, met
 
 
 def drive(waypoints: ArrayLike, *, step: float = 0.10, turn: float = np.radians(10.0)) -> Array:
@@ -156,12 +123,12 @@ def drive(waypoints: ArrayLike, *, step: float = 0.10, turn: float = np.radians(
            [1.   , 0.5  , 1.571],
            [1.   , 1.   , 1.571]])
     """
-    legs = chain(waypoints)
+    legs = polyline(arrays.points(waypoints, "waypoints"))
+    arrays.positive("metres", step=step)
+    arrays.positive("radians", turn=turn)
     d = legs[:, 1] - legs[:, 0]
     if not len(legs) or not np.all(np.hypot(*d.T) > 0):
         raise ValueError("waypoints must hold at least two points, each unlike the one before")
-    if not (step > 0 and turn > 0):
-        raise ValueError(f"step and turn must be positive, got {step:g} m and {turn:g} rad")
     headings = np.arctan2(d[:, 1], d[:, 0])
     poses = [np.array([[*legs[0, 0], headings[0]]])]
     for (start, end), heading in zip(legs, headings, strict=True):
@@ -187,7 +154,7 @@ def simulate(
     *,
     sensor: Sensor,
     rng: np.random.Generator,
-    wheels: Wheels = Wheels(),
+    odometry_noise: OdometryNoise = OdometryNoise(),
     sensor_pose: ArrayLike = (0.0, 0.0, 0.0),
     name: str = "simulated",
 ) -> Log:
@@ -202,8 +169,8 @@ def simulate(
         `sensor.ideal()` measures without error.
     rng : numpy.random.Generator
         Source of all errors.
-    wheels : Wheels
-        `wheels.ideal()` gives odometry equal to the truth.
+    odometry_noise : OdometryNoise
+        `OdometryNoise().ideal()` gives odometry equal to the truth.
     sensor_pose : (3,) array, metres and radians
         Pose of the sensor in the frame of the robot.
     name : str
@@ -221,30 +188,31 @@ def simulate(
 
     Examples
     --------
+    >>> from segmap.simulation import URG_04LX, square_room
     >>> path = drive([(1, 1), (3, 1)], step=0.5)
     >>> simulate(square_room(), path, sensor=URG_04LX, rng=np.random.default_rng(1), name="square")
     Log('square', 5 scans, odometry, truth)
     """
-    truth = np.asarray(path, float)
-    wrong = drifting_odometry(truth, wheels=wheels, rng=rng)
+    truth, offset = arrays.poses(path, "path"), arrays.pose(sensor_pose, "sensor_pose")
+    drifted = drifting_odometry(truth, odometry_noise=odometry_noise, rng=rng)
     checked = arrays.segments(walls, "walls")
     scans = [
         LaserScan(
-            _scan(checked, compose(pose, sensor_pose), sensor, rng),
+            _scan(checked, laser, sensor, rng),
             sensor.angles,
             time=i * sensor.period,
             odometry=odometry,
             max_range=sensor.max_range,
-            sensor_pose=sensor_pose,
+            sensor_pose=offset,
         )
-        for i, (pose, odometry) in enumerate(zip(truth, wrong, strict=True))
+        for i, (laser, odometry) in enumerate(zip(compose(truth, offset), drifted, strict=True))
     ]
     return Log(name, scans, truth)
 
 
 def _scan(walls: Array, pose: Array, sensor: Sensor, rng: np.random.Generator) -> Array:
     """Ranges that a sensor measures from one pose."""
-    ranges, met = _meet(walls, pose, sensor.angles, np.inf)
+    ranges, met = _meet(walls, pose, sensor.angles)
     seen = np.append(angle(walls), np.nan)[met]  # -1, nothing met, takes the last
     incidence = np.abs(axial_difference(sensor.angles + pose[2], seen))
     return measure(ranges, incidence, sensor=sensor, rng=rng)

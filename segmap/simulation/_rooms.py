@@ -5,11 +5,14 @@ it). Coordinates are rounded to the micrometre where walls of several parts meet
 a shared corner is the same number in both and no beam slips between.
 """
 
+from __future__ import annotations
+
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .arrays import Array
-from .poses import transform
+from .. import arrays
+from ..arrays import Array
+from ..poses import transform
 
 #: Width of a door, metres: an ordinary inside door.
 DOOR = 0.9
@@ -17,7 +20,7 @@ DOOR = 0.9
 THICKNESS = 0.1
 
 
-def chain(corners: ArrayLike) -> Array:
+def polyline(corners: ArrayLike) -> Array:
     """Walls from corner to corner, open at the end.
 
     Parameters
@@ -30,12 +33,10 @@ def chain(corners: ArrayLike) -> Array:
 
     Examples
     --------
-    >>> chain([(0, 0), (1, 0), (1, 2)]).shape
+    >>> polyline([(0, 0), (1, 0), (1, 2)]).shape
     (2, 2, 2)
     """
-    points = np.asarray(corners, float)
-    if points.ndim != 2 or points.shape[1] != 2:
-        raise ValueError(f"corners must have shape (k, 2), got {points.shape}")
+    points = arrays.points(corners, "corners")
     return np.stack([points[:-1], points[1:]], 1)
 
 
@@ -56,8 +57,8 @@ def polygon(corners: ArrayLike) -> Array:
     array([[0., 1.],
            [0., 0.]])
     """
-    points = np.asarray(corners, float)
-    return chain(np.concatenate([points, points[:1]]))
+    points = arrays.points(corners, "corners")
+    return polyline(np.concatenate([points, points[:1]]))
 
 
 def box(width: float, depth: float, pose: ArrayLike = (0.0, 0.0, 0.0)) -> Array:
@@ -80,8 +81,9 @@ def box(width: float, depth: float, pose: ArrayLike = (0.0, 0.0, 0.0)) -> Array:
     array([[0., 0.],
            [2., 0.]])
     """
+    arrays.positive("metres", width=width, depth=depth)
     corners = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)]) * (width / 2, depth / 2)
-    return transform(pose, polygon(corners))
+    return transform(arrays.pose(pose), polygon(corners))
 
 
 def rectangular_room(width: float = 4.0, depth: float = 3.0) -> Array:
@@ -143,8 +145,8 @@ def circular_room(radius: float = 2.0, *, sides: int = 64) -> Array:
     >>> np.allclose(np.hypot(*(walls[:, 0] - 2.0).T), 2.0)
     True
     """
-    if sides < 3:
-        raise ValueError(f"sides must be at least 3, got {sides}")
+    arrays.positive("metres", radius=radius)
+    sides = arrays.whole(sides, "sides", least=3)
     turn = 2 * np.pi * np.arange(sides) / sides
     return polygon(radius + radius * np.stack([np.cos(turn), np.sin(turn)], -1))
 
@@ -196,7 +198,8 @@ def corridor_loop(length: float = 30.0, depth: float = 12.0, *, width: float = 2
     >>> corridor_loop().min(axis=(0, 1)), corridor_loop().max(axis=(0, 1))
     (array([-0.2, -0.2]), array([30.2, 12.2]))
     """
-    if not (width > 0 and min(length, depth) - 2 * width >= 4 * DOOR):
+    arrays.positive("metres", length=length, depth=depth, width=width)
+    if min(length, depth) - 2 * width < 4 * DOOR:
         raise ValueError(
             f"the block inside must measure at least {4 * DOOR:g} m each way, got a loop of "
             f"{length:g} x {depth:g} m with a corridor of {width:g} m"
@@ -222,7 +225,7 @@ def _niches(wall: Array, *, first: float, depth: float = 0.2) -> Array:
     along = (middles[:, None] + np.array([-1, -1, 1, 1]) * DOOR / 2).ravel()
     right = np.tile([0.0, depth, depth, 0.0], count)
     line = np.stack([np.r_[0, along, reach], -np.r_[0, right, 0]], -1)
-    return transform((*start, np.arctan2(*(end - start)[::-1])), chain(line))
+    return transform((*start, np.arctan2(*(end - start)[::-1])), polyline(line))
 
 
 def office(
@@ -259,16 +262,16 @@ def office(
     >>> office(rng=np.random.default_rng(1)).max(axis=(0, 1))
     array([12., 10.])
     """
-    if width < 3 or depth < 3.5 or corridor <= 0 or rooms < 1:
-        raise ValueError(
-            "width must be at least 3 m, depth 3.5 m, rooms 1 and corridor positive, "
-            f"got {width:g} m, {depth:g} m, {rooms} and {corridor:g} m"
-        )
+    arrays.generator(rng)
+    rooms = arrays.whole(rooms, "rooms")
+    arrays.number(width, "width", least=3, unit="metres")
+    arrays.number(depth, "depth", least=3.5, unit="metres")
+    arrays.positive("metres", corridor=corridor)
     top = depth + corridor
     above = [(width * i, top, 0.0) for i in range(rooms)]
     below = [(width * (i + 1), depth, np.pi) for i in range(rooms)]
     walls = [transform(pose, _furnished(width, depth, rng)) for pose in above + below]
-    ends = [chain([(x, depth), (x, top)]) for x in (0.0, width * rooms)]
+    ends = [polyline([(x, depth), (x, top)]) for x in (0.0, width * rooms)]
     return np.round(np.concatenate([*walls, *ends]), 6)
 
 
@@ -281,7 +284,7 @@ def _furnished(width: float, depth: float, rng: np.random.Generator) -> Array:
     opening = rng.uniform(np.radians(70), np.radians(110))
     leaf = DOOR * np.array([np.cos(opening), np.sin(opening)])
     hinge = np.array([left, THICKNESS])
-    walls = [chain([*outline, (right, 0), (width, 0)]), chain([hinge, hinge + leaf])]
+    walls = [polyline([*outline, (right, 0), (width, 0)]), polyline([hinge, hinge + leaf])]
     return np.concatenate([*walls, *_furniture(near, far, depth, rng)])
 
 

@@ -1,13 +1,16 @@
-"""What robots measure with: laser scanners and wheels, and how each goes wrong."""
+"""What robots measure with: laser scanners and odometry, and how each goes wrong."""
+
+from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .angles import wrap
-from .arrays import Array
-from .poses import between
+from .. import arrays
+from ..angles import wrap
+from ..arrays import Array
+from ..poses import between
 
 
 @dataclass(frozen=True)
@@ -60,7 +63,7 @@ class Sensor:
         """Directions of the beams in the sensor's frame, (beams,) array, radians."""
         return self.first + self.step * np.arange(self.beams, dtype=np.float64)
 
-    def ideal(self) -> "Sensor":
+    def ideal(self) -> Sensor:
         """The same beams (directions in radians, ranges in metres) without any fault."""
         return replace(self, min_range=0.0, sigma=0.0, resolution=0.0, dropout=0.0, grazing=0.0)
 
@@ -124,7 +127,7 @@ def measure(
     >>> measure([0.3, 1.2, 9.0], [1.5, 1.5, 1.5], sensor=coarse, rng=np.random.default_rng(1))
     array([ nan, 1.25,  inf])
     """
-    true, angle = np.asarray(ranges, float), np.asarray(incidence, float)
+    true, angle = arrays.numbers(ranges, "ranges"), arrays.numbers(incidence, "incidence")
     found = true + sensor.sigma * rng.standard_normal(true.shape)
     if sensor.resolution > 0:
         found = np.round(found / sensor.resolution) * sensor.resolution
@@ -134,11 +137,11 @@ def measure(
 
 
 @dataclass(frozen=True)
-class Wheels:
+class OdometryNoise:
     """How odometry goes wrong: mostly when the robot turns.
 
-    Turning is where a small error of the wheel base or a slipping wheel shows. Chance errors grow
-    with the root of the way, so that they do not depend on how finely the path is cut.
+    Turning is where a small error of the wheel base or a slipping wheel shows. Random errors grow
+    with the root of the distance, so that they do not depend on how finely the path is cut.
 
     Parameters
     ----------
@@ -150,12 +153,12 @@ class Wheels:
     heading_noise : float, radians a root of metre
         Standard deviation of the heading after one metre straight on.
     distance_noise : float, metres a root of metre
-        Standard deviation of the way measured after one metre.
+        Standard deviation of the distance measured after one metre.
 
     Examples
     --------
-    >>> Wheels().ideal()
-    Wheels(turn_bias=0.0, turn_noise=0.0, heading_noise=0.0, distance_noise=0.0)
+    >>> OdometryNoise().ideal()
+    OdometryNoise(turn_bias=0.0, turn_noise=0.0, heading_noise=0.0, distance_noise=0.0)
     """
 
     turn_bias: float = 0.03
@@ -163,42 +166,48 @@ class Wheels:
     heading_noise: float = 0.005
     distance_noise: float = 0.01
 
-    def ideal(self) -> "Wheels":
-        """Wheels without error, in metres and radians."""
-        return Wheels(0.0, 0.0, 0.0, 0.0)
+    def ideal(self) -> OdometryNoise:
+        """No noise at all: the odometry then equals the truth, in metres and radians."""
+        return OdometryNoise(0.0, 0.0, 0.0, 0.0)
 
 
-def drifting_odometry(path: ArrayLike, *, wheels: Wheels, rng: np.random.Generator) -> Array:
-    """What the wheels make of a path: it starts where the path starts, then drifts.
+def drifting_odometry(
+    path: ArrayLike, *, odometry_noise: OdometryNoise, rng: np.random.Generator
+) -> Array:
+    """The odometry that a robot reports on a path: it starts where the path starts, then drifts.
 
     Parameters
     ----------
     path : (k, 3) array, metres and radians
         True poses.
-    wheels : Wheels
+    odometry_noise : OdometryNoise
     rng : numpy.random.Generator
 
     Returns
     -------
     (k, 3) array, metres and radians
 
+    Raises
+    ------
+    ValueError
+        Where the path has another shape or is not finite.
+
     Examples
     --------
     >>> square = [(0, 0, 0), (1, 0, 0), (1, 0, np.pi / 2), (1, 1, np.pi / 2)]
-    >>> exact = drifting_odometry(square, wheels=Wheels().ideal(), rng=np.random.default_rng(1))
-    >>> np.allclose(exact, square)
+    >>> still, rng = OdometryNoise().ideal(), np.random.default_rng(1)
+    >>> np.allclose(drifting_odometry(square, odometry_noise=still, rng=rng), square)
     True
     """
-    true = np.asarray(path, float)
-    if true.ndim != 2 or true.shape[1] != 3 or not np.isfinite(true).all():
-        raise ValueError(f"path must be (k, 3) finite poses, got shape {true.shape}")
+    true, noise = arrays.poses(path, "path"), odometry_noise
+    arrays.generator(rng)
     motion = between(true[:-1], true[1:])
     way, turn = np.hypot(motion[:, 0], motion[:, 1]), np.abs(motion[:, 2])
-    bias = wheels.turn_bias * rng.standard_normal()
+    bias = noise.turn_bias * rng.standard_normal()
     chance = rng.standard_normal((3, len(motion)))
-    stretch = 1 + wheels.distance_noise * chance[0] / np.sqrt(np.where(way > 0, way, np.inf))
-    turned = motion[:, 2] * (1 + bias) + wheels.turn_noise * np.sqrt(turn) * chance[1]
-    turned += wheels.heading_noise * np.sqrt(way) * chance[2]
+    stretch = 1 + noise.distance_noise * chance[0] / np.sqrt(np.where(way > 0, way, np.inf))
+    turned = motion[:, 2] * (1 + bias) + noise.turn_noise * np.sqrt(turn) * chance[1]
+    turned += noise.heading_noise * np.sqrt(way) * chance[2]
     return _chained(true[:1], np.column_stack([motion[:, :2] * stretch[:, None], turned]))
 
 
