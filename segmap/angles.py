@@ -1,14 +1,16 @@
 """Angles: headings, which wrap at a full turn, and lines, which wrap at half a turn.
 
 A segment has no direction, so its angle is *axial*: 1 and 179 degrees are two degrees apart, and
-their mean is 0, not 90. The 2012 thesis averages such angles as plain numbers; every method here
-uses the axial forms below.
+their mean is 0, not 90. Deambrogi and Ferrario (2012) average such angles as plain numbers; every
+method here uses the axial forms below.
 """
+
+from __future__ import annotations
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .arrays import Array
+from .arrays import Array, numbers
 
 
 def wrap(angle: ArrayLike) -> Array:
@@ -27,7 +29,7 @@ def wrap(angle: ArrayLike) -> Array:
     >>> np.degrees(wrap(np.radians([190.0, -180.0, 540.0]))).round(9)
     array([-170., -180., -180.])
     """
-    return (np.asarray(angle, float) + np.pi) % (2 * np.pi) - np.pi
+    return (numbers(angle, "angle") + np.pi) % (2 * np.pi) - np.pi
 
 
 def axial_difference(a: ArrayLike, b: ArrayLike) -> Array:
@@ -47,7 +49,7 @@ def axial_difference(a: ArrayLike, b: ArrayLike) -> Array:
     >>> np.degrees(axial_difference(np.radians(179.0), np.radians(1.0))).round(9)
     np.float64(-2.0)
     """
-    return (np.subtract(a, b) + np.pi / 2) % np.pi - np.pi / 2
+    return (numbers(a, "a") - numbers(b, "b") + np.pi / 2) % np.pi - np.pi / 2
 
 
 def axial_mean(angles: ArrayLike, weights: ArrayLike = 1.0) -> Array:
@@ -70,7 +72,7 @@ def axial_mean(angles: ArrayLike, weights: ArrayLike = 1.0) -> Array:
     >>> float(np.degrees(axial_mean(np.radians([1.0, 179.0, 3.0]))).round(9))
     1.0
     """
-    doubled = 2 * np.asarray(angles, float)
+    doubled = 2 * numbers(angles, "angles")
     y = np.sum(weights * np.sin(doubled), axis=-1)
     x = np.sum(weights * np.cos(doubled), axis=-1)
     found = np.arctan2(y, x) / 2 % np.pi
@@ -100,4 +102,4 @@ def axial_mean_of_two(
     0.5
     """
     share = np.divide(weight_b, np.add(weight_a, weight_b))
-    return np.asarray(a, float) + share * axial_difference(b, a)
+    return numbers(a, "a") + share * axial_difference(b, a)

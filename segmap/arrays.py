@@ -67,6 +67,32 @@ def numbers(value: object, name: str, expected: str = "an array of real numbers"
     return array.astype(float, copy=False)
 
 
+def trailing(value: object, name: str, *axes: int) -> Array:
+    """Numbers of any leading shape whose last axes are given; NaN and infinity may be among them.
+
+    Points are `(..., 2)`, poses `(..., 3)`, segments `(..., 2, 2)`. An empty list is no row.
+
+    Raises
+    ------
+    ValueError
+
+    Examples
+    --------
+    >>> trailing([[(0, 0), (1, 0)]], "segments", 2, 2).shape
+    (1, 2, 2)
+    >>> trailing((0, 0), "pose", 3)
+    Traceback (most recent call last):
+    ValueError: pose must have shape (..., 3), got (2,)
+    """
+    array = numbers(value, name)
+    if array.shape[-len(axes) :] == axes:
+        return array
+    if array.shape == (0,):
+        return np.empty((0, *axes))
+    wanted = ", ".join(["...", *map(str, axes)])
+    raise ValueError(f"{name} must have shape ({wanted}), got {array.shape}")
+
+
 def table(
     value: object,
     name: str,
@@ -150,8 +176,8 @@ def poses(
     return table(value, name, 3, unit="metres and radians", count=count, missing=missing)
 
 
-def pose(value: object, name: str = "pose") -> Array:
-    """One pose, `(3,)`: x and y in metres, heading in radians.
+def pose(value: object, name: str = "pose", *, missing: bool = False) -> Array:
+    """One pose, `(3,)`: x and y in metres, heading in radians; NaN where `missing` allows it.
 
     Raises
     ------
@@ -165,7 +191,7 @@ def pose(value: object, name: str = "pose") -> Array:
     array = numbers(value, name, "a pose (x, y, heading)")
     if array.shape != (3,):
         raise ValueError(f"{name} must be x, y, heading, got shape {array.shape}")
-    _check_values(array, name, "metres and radians", False, LIMIT)
+    _check_values(array, name, "metres and radians", missing, LIMIT)
     return array
 
 

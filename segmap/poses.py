@@ -4,11 +4,13 @@ A pose is a frame and the motion that leads to it: `a_from_b` is the pose of b i
 and carries points given in b into a. So `compose(a_from_b, b_from_c)` is `a_from_c`.
 """
 
+from __future__ import annotations
+
 import numpy as np
 from numpy.typing import ArrayLike
 
 from .angles import wrap
-from .arrays import Array
+from .arrays import Array, numbers, trailing
 
 
 def compose(a_from_b: ArrayLike, b_from_c: ArrayLike) -> Array:
@@ -27,7 +29,7 @@ def compose(a_from_b: ArrayLike, b_from_c: ArrayLike) -> Array:
     >>> compose((1, 2, np.pi / 2), (1, 0, 0)).round(6)
     array([1.      , 3.      , 1.570796])
     """
-    a, b = _check(a_from_b), _check(b_from_c)
+    a, b = trailing(a_from_b, "a_from_b", 3), trailing(b_from_c, "b_from_c", 3)
     c, s = np.cos(a[..., 2]), np.sin(a[..., 2])
     x = a[..., 0] + c * b[..., 0] - s * b[..., 1]
     y = a[..., 1] + s * b[..., 0] + c * b[..., 1]
@@ -50,7 +52,7 @@ def inverse(a_from_b: ArrayLike) -> Array:
     >>> inverse((1, 2, np.pi / 2)).round(6)
     array([-2.      ,  1.      , -1.570796])
     """
-    p = _check(a_from_b)
+    p = trailing(a_from_b, "a_from_b", 3)
     c, s = np.cos(p[..., 2]), np.sin(p[..., 2])
     x = -c * p[..., 0] - s * p[..., 1]
     y = s * p[..., 0] - c * p[..., 1]
@@ -96,9 +98,7 @@ def transform(a_from_b: ArrayLike, points: ArrayLike) -> Array:
     array([[1., 3.],
            [0., 2.]])
     """
-    pose, xy = _check(a_from_b), np.asarray(points, float)
-    if xy.shape[-1:] != (2,):
-        raise ValueError(f"points must end in an axis of 2 (x, y), got shape {xy.shape}")
+    pose, xy = trailing(a_from_b, "a_from_b", 3), trailing(points, "points", 2)
     if pose.ndim > 1:
         pose = pose[..., None, :]
     c, s = np.cos(pose[..., 2]), np.sin(pose[..., 2])
@@ -130,11 +130,11 @@ def interpolate(
     array([[ 0.5     ,  0.      , -3.141593],
            [      nan,       nan,       nan]])
     """
-    t, p, at = np.asarray(times, float), _check(poses), np.asarray(at, float)
+    t, p, at = numbers(times, "times"), trailing(poses, "poses", 3), numbers(at, "at")
     if t.ndim != 1 or p.shape != (len(t), 3):
         raise ValueError(f"poses must be ({t.size}, 3), one for each time, got {p.shape}")
-    if not len(t) or np.any(np.diff(t) < 0):
-        raise ValueError("times must hold at least one time and not decrease")
+    if not len(t) or not np.isfinite(t).all() or np.any(np.diff(t) < 0):
+        raise ValueError("times must hold at least one time, be finite and not decrease")
     after = np.clip(np.searchsorted(t, at, side="left"), 0, len(t) - 1)
     before = np.where(t[after] == at, after, np.maximum(after - 1, 0))
     span = t[after] - t[before]
@@ -145,10 +145,3 @@ def interpolate(
     found[:, 2] = wrap(found[:, 2])
     known = (at >= t[0]) & (at <= t[-1]) & (span <= max_gap)
     return np.where(known[:, None], found, np.nan)
-
-
-def _check(poses: ArrayLike) -> Array:
-    p = np.asarray(poses, float)
-    if p.shape[-1:] != (3,):
-        raise ValueError(f"a pose is x, y, heading: the last axis must be 3, got shape {p.shape}")
-    return p

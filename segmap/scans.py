@@ -1,5 +1,7 @@
 """One turn of the laser, and a log of many with what else the robot recorded."""
 
+from __future__ import annotations
+
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple, overload
@@ -7,6 +9,7 @@ from typing import Any, NamedTuple, overload
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from . import arrays
 from ._display import Pictured
 from .arrays import Array
 from .poses import transform
@@ -19,7 +22,7 @@ class LaserScan(Pictured):
     """Ranges that one turn of the laser measured.
 
     A beam is valid where its range is finite, positive and below `max_range`. Readers write `inf`
-    where nothing was met and NaN where the sensor reported an error.
+    where the beam met nothing and NaN where the sensor reported an error.
 
     Parameters
     ----------
@@ -27,8 +30,9 @@ class LaserScan(Pictured):
     angles : (n,) array, radians
         Directions of the beams in the sensor's frame, counter-clockwise, 0 ahead.
     time : float, seconds
+        NaN where it is not known.
     odometry : (3,) array, metres and radians, or None
-        Pose of the robot by its wheels, in a frame that drifts.
+        Pose of the robot by odometry, in a frame that drifts.
     max_range : float, metres
     sensor_pose : (3,) array, metres and radians
         Pose of the sensor in the frame of the robot.
@@ -38,7 +42,7 @@ class LaserScan(Pictured):
     Raises
     ------
     ValueError
-        Where shapes disagree.
+        Where shapes disagree, or where an angle or the sensor's pose is not finite.
 
     Examples
     --------
@@ -69,14 +73,16 @@ class LaserScan(Pictured):
         codes: ArrayLike | None = None,
     ) -> None:
         keep = object.__setattr__
-        keep(self, "ranges", _frozen("ranges", ranges, None))
-        count = len(self.ranges)
-        keep(self, "angles", _frozen("angles", angles, count))
-        keep(self, "time", float(time))
-        keep(self, "odometry", None if odometry is None else _frozen("odometry", odometry, 3))
-        keep(self, "max_range", float(max_range))
-        keep(self, "sensor_pose", _frozen("sensor_pose", sensor_pose, 3))
-        keep(self, "codes", None if codes is None else _frozen("codes", codes, count, np.int64))
+        keep(self, "ranges", _row(ranges, "ranges"))
+        keep(self, "angles", _row(angles, "angles", len(self.ranges)))
+        if not np.isfinite(self.angles).all():
+            raise ValueError("angles must be finite, in radians")
+        keep(self, "time", _scalar(time, "time"))
+        pose = None if odometry is None else arrays.pose(odometry, "odometry", missing=True)
+        keep(self, "odometry", None if pose is None else _frozen(pose))
+        keep(self, "max_range", _scalar(max_range, "max_range"))
+        keep(self, "sensor_pose", _frozen(arrays.pose(sensor_pose, "sensor_pose")))
+        keep(self, "codes", None if codes is None else _row(codes, "codes", len(self.ranges), int))
 
     @property
     def valid(self) -> NDArray[np.bool_]:
@@ -126,6 +132,11 @@ class Log(Pictured, Sequence[LaserScan]):
     skipped : Skipped
         What the reader left out of a damaged file.
 
+    Raises
+    ------
+    ValueError
+        Where a scan is no LaserScan, or the truth not one pose a scan.
+
     Examples
     --------
     >>> log = Log("two", [LaserScan([1.0], [0.0], time=t) for t in (0.0, 0.1)])
@@ -148,7 +159,12 @@ class Log(Pictured, Sequence[LaserScan]):
         keep = object.__setattr__
         keep(self, "name", name)
         keep(self, "scans", tuple(scans))
-        keep(self, "truth", None if truth is None else _rows("truth", truth, len(self.scans)))
+        for k, scan in enumerate(self.scans):
+            if not isinstance(scan, LaserScan):
+                raise ValueError(f"scans[{k}] must be a LaserScan, got {type(scan).__name__}")
+        count = len(self.scans)
+        rows = None if truth is None else arrays.poses(truth, "truth", count=count, missing=True)
+        keep(self, "truth", None if rows is None else _frozen(rows))
         keep(self, "skipped", skipped)
 
     @property
@@ -168,8 +184,8 @@ class Log(Pictured, Sequence[LaserScan]):
     @overload
     def __getitem__(self, index: int) -> LaserScan: ...
     @overload
-    def __getitem__(self, index: "slice | Sequence[int] | NDArray[Any]") -> "Log": ...
-    def __getitem__(self, index: Any) -> "LaserScan | Log":
+    def __getitem__(self, index: slice | Sequence[int] | NDArray[Any]) -> Log: ...
+    def __getitem__(self, index: Any) -> LaserScan | Log:
         if not isinstance(index, slice) and np.ndim(index) == 0:
             return self.scans[index]
         chosen = np.arange(len(self))[index]
@@ -181,9 +197,9 @@ class Log(Pictured, Sequence[LaserScan]):
 
     def __repr__(self) -> str:
         count = f"{len(self)} scan" + "s" * (len(self) != 1)
-        wheels = sum(scan.odometry is not None for scan in self.scans)
+        moved = sum(scan.odometry is not None for scan in self.scans)
         known = 0 if self.truth is None else int(np.isfinite(self.truth).all(1).sum())
-        parts = [count, _share(wheels, len(self), "odometry"), _share(known, len(self), "truth")]
+        parts = [count, _share(moved, len(self), "odometry"), _share(known, len(self), "truth")]
         return f"Log({self.name!r}, {', '.join(parts)})"
 
 
@@ -193,18 +209,23 @@ def _share(count: int, of: int, what: str) -> str:
     return what if count == of else f"{what} for {count}"
 
 
-def _frozen(name: str, values: ArrayLike, count: int | None, dtype: type = float) -> Any:
-    array: Any = np.array(values, dtype)
+def _row(values: ArrayLike, name: str, count: int | None = None, dtype: type = float) -> Any:
+    """One number a beam, `(n,)`, that nobody can change any more."""
+    array = arrays.numbers(values, name)
     if array.ndim != 1 or count not in (None, len(array)):
         wanted = "(n,)" if count is None else f"({count},)"
         raise ValueError(f"{name} must have shape {wanted}, got {array.shape}")
-    array.flags.writeable = False
-    return array
+    return _frozen(array, dtype)
 
 
-def _rows(name: str, values: ArrayLike, count: int) -> Array:
-    array = np.array(values, float)
-    if array.shape != (count, 3):
-        raise ValueError(f"{name} must have shape ({count}, 3), a pose a scan, got {array.shape}")
+def _scalar(value: object, name: str) -> float:
+    array = arrays.numbers(value, name, "a number")
+    if array.shape != ():
+        raise ValueError(f"{name} must be a number, got shape {array.shape}")
+    return float(array)
+
+
+def _frozen(values: Array, dtype: type = float) -> Any:
+    array: NDArray[Any] = np.array(values, dtype)
     array.flags.writeable = False
     return array

@@ -3,6 +3,8 @@
 A segment has no direction: swapping its end points gives the same segment.
 """
 
+from __future__ import annotations
+
 from collections.abc import Iterator
 from dataclasses import dataclass
 
@@ -74,7 +76,7 @@ def midpoint(segments: ArrayLike) -> Array:
     >>> midpoint([[(0, 0), (3, 4)]])
     array([[1.5, 2. ]])
     """
-    return np.asarray(segments, float).mean(axis=-2)
+    return arrays.trailing(segments, "segments", 2, 2).mean(axis=-2)
 
 
 def extreme_projections(points: ArrayLike, through: ArrayLike, angle: ArrayLike) -> Array:
@@ -98,9 +100,12 @@ def extreme_projections(points: ArrayLike, through: ArrayLike, angle: ArrayLike)
     array([[0., 0.],
            [3., 0.]])
     """
+    xy, origin = arrays.trailing(points, "points", 2), arrays.trailing(through, "through", 2)
+    if not len(xy):
+        raise ValueError("points must hold at least one point, got none")
     d = np.array([np.cos(angle), np.sin(angle)])
-    u = (np.asarray(points, float) - through) @ d
-    return through + np.array([u.min(), u.max()])[:, None] * d
+    u = (xy - origin) @ d
+    return origin + np.array([u.min(), u.max()])[:, None] * d
 
 
 def point_distance(points: ArrayLike, segments: ArrayLike) -> Array:
@@ -120,7 +125,7 @@ def point_distance(points: ArrayLike, segments: ArrayLike) -> Array:
     >>> point_distance([(1, 2), (5, 0)], [(0, 0), (2, 0)])
     array([2., 3.])
     """
-    p, s = np.asarray(points, float), np.asarray(segments, float)
+    p, s = arrays.trailing(points, "points", 2), arrays.trailing(segments, "segments", 2, 2)
     d, r = s[..., 1, :] - s[..., 0, :], p - s[..., 0, :]
     square = (d * d).sum(-1)
     t = np.clip((r * d).sum(-1) / np.where(square > 0, square, 1.0), 0, 1)
@@ -156,7 +161,7 @@ class SegmentMap(Pictured):
 
     def __init__(self, segments: Segments, scan: ArrayLike | None = None) -> None:
         array = np.array(arrays.segments(segments))
-        index = np.zeros(len(array), np.int64) if scan is None else np.array(scan, np.int64)
+        index = np.zeros(len(array), np.int64) if scan is None else _whole(scan)
         if index.shape != (len(array),):
             raise ValueError(
                 f"scan must have shape ({len(array)},), one index a segment, got {index.shape}"
@@ -165,8 +170,8 @@ class SegmentMap(Pictured):
         object.__setattr__(self, "segments", array)
         object.__setattr__(self, "scan", index)
 
-    def filtered(self, min_length: float = 0.10) -> "SegmentMap":
-        """Only the segments `(m, 2, 2)` of at least `min_length` metres (A 6.2.1: 0.10 m)."""
+    def filtered(self, min_length: float = 0.10) -> SegmentMap:
+        """Keep only the segments `(m, 2, 2)` of at least `min_length` metres (A 6.2.1: 0.10 m)."""
         keep = length(self.segments) >= min_length
         return SegmentMap(self.segments[keep], self.scan[keep])
 
@@ -184,6 +189,14 @@ class SegmentMap(Pictured):
         return f"SegmentMap({n} segment{'s' * (n != 1)} of {k} scan{'s' * (k != 1)})"
 
 
+def _whole(scan: ArrayLike) -> NDArray[np.int64]:
+    """Indices as whole numbers, a copy."""
+    given = arrays.numbers(scan, "scan")
+    if not (np.abs(given) < 2**53).all() or (given % 1 != 0).any():
+        raise ValueError("scan must be whole numbers, one index a segment")
+    return given.astype(np.int64)
+
+
 def _span(segments: ArrayLike) -> Array:
-    s = np.asarray(segments, float)
+    s = arrays.trailing(segments, "segments", 2, 2)
     return s[..., 1, :] - s[..., 0, :]

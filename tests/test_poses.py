@@ -117,10 +117,12 @@ def test_one_pose_moves_segments_end_by_end():
 @pytest.mark.parametrize(
     ("call", "message"),
     [
-        (lambda: compose((0, 0), NOWHERE), r"last axis must be 3, got shape \(2,\)"),
-        (lambda: inverse([[1, 2]]), r"last axis must be 3, got shape \(1, 2\)"),
-        (lambda: transform(NOWHERE, [1, 2, 3]), r"points must end in an axis of 2"),
-        (lambda: transform((1, 2), [(1, 2)]), "last axis must be 3"),
+        (lambda: compose((0, 0), NOWHERE), r"a_from_b must have shape \(..., 3\), got \(2,\)"),
+        (lambda: compose(NOWHERE, [(0, 0)]), r"b_from_c must have shape \(..., 3\), got \(1, 2\)"),
+        (lambda: inverse([[1, 2]]), r"a_from_b must have shape"),
+        (lambda: transform(NOWHERE, [1, 2, 3]), r"points must have shape \(..., 2\)"),
+        (lambda: transform((1, 2), [(1, 2)]), "a_from_b must have shape"),
+        (lambda: interpolate(["a"], [NOWHERE], [0]), "times must be an array of real numbers"),
     ],
 )
 def test_wrong_shapes_are_named(call, message):
@@ -198,7 +200,8 @@ def test_the_poses_given_are_left_as_they_are():
     [
         ([0, 1], [(0, 0, 0)], r"poses must be \(2, 3\), one for each time"),
         ([[0]], [(0, 0, 0)], "poses must be"),
-        ([1, 0], [(0, 0, 0), (0, 0, 0)], "times must hold at least one time and not decrease"),
+        ([1, 0], [(0, 0, 0), (0, 0, 0)], "times must .* not decrease"),
+        ([np.nan], [NOWHERE], "times must .* be finite"),
         ([], np.empty((0, 3)), "times must hold at least one time"),
     ],
 )

@@ -80,8 +80,13 @@ def test_error_codes_are_kept_as_integers():
     [
         (dict(ranges=[[1.0]]), r"ranges must have shape \(n,\), got \(1, 1\)"),
         (dict(angles=[0.0, 1.0]), r"angles must have shape \(3,\), got \(2,\)"),
-        (dict(odometry=(0, 0)), r"odometry must have shape \(3,\)"),
-        (dict(sensor_pose=(0, 0)), r"sensor_pose must have shape \(3,\)"),
+        (dict(angles=[0.0, np.nan, 1.0]), "angles must be finite"),
+        (dict(ranges=["a", "b", "c"]), "ranges must be an array of real numbers"),
+        (dict(odometry=(0, 0)), r"odometry must be x, y, heading, got shape \(2,\)"),
+        (dict(odometry=(0, np.inf, 0)), "odometry must be finite"),
+        (dict(sensor_pose=(0, np.nan, 0)), "sensor_pose must be finite"),
+        (dict(time=[0.0]), r"time must be a number, got shape \(1,\)"),
+        (dict(max_range=None), "max_range must be a number, got None"),
         (dict(codes=[1]), r"codes must have shape \(3,\)"),
     ],
 )
@@ -133,9 +138,12 @@ def test_an_empty_log_has_empty_arrays():
     assert len(empty) == 0 and empty.times.shape == (0,) and empty.odometry.shape == (0, 3)
 
 
-def test_truth_must_have_a_row_for_each_scan():
-    with pytest.raises(ValueError, match=r"truth must have shape \(4, 3\), a pose a scan"):
+def test_a_log_takes_scans_and_a_row_of_truth_for_each():
+    """Catches what would fail much later, far from where it came in."""
+    with pytest.raises(ValueError, match=r"truth must have shape \(4, 3\), got \(3, 3\)"):
         log(truth=np.zeros((3, 3)))
+    with pytest.raises(ValueError, match=r"scans\[1\] must be a LaserScan, got ndarray"):
+        Log("x", [scan(), np.zeros(3)])
 
 
 def test_truth_cannot_be_changed_through_the_log():
