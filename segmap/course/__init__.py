@@ -3,15 +3,13 @@
 `check_<name>(my_<name>)` compares a function with the library's and answers with a hint.
 """
 
-from ._angle_exercises import check_match_value, match_value
+from __future__ import annotations
+
 from ._angles_panel import AnglePanel
-from ._backbone_exercises import check_least_translation
 from ._backbone_panel import BackbonePanel
-from ._basic_exercises import check_matches, check_merged, matches, merged
 from ._basic_panel import BasicPanel
 from ._classes_panel import ClassesPanel
 from ._clusters_panel import ClusterPanel
-from ._comparison_exercises import check_reduction_at
 from ._distance_panel import DistancePanel
 from ._draw_backbones import draw_backbone
 from ._draw_buildings import draw_buildings, draw_filter, draw_initials, draw_threshold, draw_times
@@ -21,44 +19,29 @@ from ._draw_frames import draw_frames
 from ._draw_matches import draw_basin, draw_candidate, draw_step, draw_uncertainty
 from ._draw_reduction_steps import draw_centres, draw_merge, draw_normals, draw_strip
 from ._draw_reductions import draw_cases, draw_growth, draw_marked, draw_trade
-from ._exercise import Case, Check, Exercise, Mistake
-from ._fusion_panel import FusionPanel
-from ._graph_exercises import check_edge_error, edge_error
-from ._ground_truth_panel import GroundTruthPanel
-from ._hough_exercises import check_hough
-from ._hybrid_panel import HybridPanel
-from ._icp_panel import IcpPanel
-from ._landscape_drawings import draw_climb, draw_field, draw_landscape, draw_profile, draw_trials
-from ._landscape_panel import LandscapePanel
-from ._landscapes import Landscape, heading_profile, landscape, peaks, profile_peaks
-from ._laser_exercises import check_distances, check_unwrapped, unwrapped
-from ._line_exercises import check_axial_mean, check_farthest_point, check_fit_line
-from ._map_exercises import (
-    best_shift,
-    check_best_shift,
-    check_inside_strip,
+from ._exercise import Check, Exercise
+from ._exercises_lines import (
+    check_axial_mean,
+    check_farthest_point,
+    check_fit_line,
+    check_least_translation,
+    check_match_value,
+)
+from ._exercises_maps import (
+    check_mean_wall_error,
     check_quality,
+    check_reduction_at,
     check_reduction_rate,
 )
-from ._matcher_panel import MatcherPanel
-from ._matching_exercises import (
+from ._exercises_poses import (
     check_climb_step,
-    check_mean_wall_error,
+    check_edge_error,
+    check_move_onto_walls,
     check_scan_score,
-    climb_step,
+    move_onto_walls,
     scan_score,
 )
-from ._mean_shift_exercises import check_mean_shift_step, mean_shift_step
-from ._mean_shift_panel import MeanShiftPanel
-from ._point_exercises import (
-    check_heading_between,
-    check_move_onto_walls,
-    heading_between,
-    move_onto_walls,
-)
-from ._polylines_panel import PolylinePanel
-from ._pose_graph_panel import PoseGraphPanel
-from ._quadtree_exercises import (
+from ._exercises_quadtree import (
     check_cell_of,
     check_grown,
     check_occupancy,
@@ -66,10 +49,30 @@ from ._quadtree_exercises import (
     check_ray_cells,
     ray_cells,
 )
+from ._exercises_reduction import check_hough, check_matches, check_merged
+from ._exercises_scans import (
+    check_beam_angles,
+    check_cast_ray,
+    check_compose,
+    check_distances,
+    check_heading_between,
+    check_unwrapped,
+)
+from ._exercises_strips import check_best_shift, check_inside_strip, check_mean_shift_step
+from ._fusion_panel import FusionPanel
+from ._ground_truth_panel import GroundTruthPanel
+from ._hybrid_panel import HybridPanel
+from ._icp_panel import IcpPanel
+from ._landscape_drawings import draw_climb, draw_field, draw_landscape, draw_profile, draw_trials
+from ._landscape_panel import LandscapePanel
+from ._landscapes import Landscape, heading_profile, landscape, peaks, profile_peaks
+from ._matcher_panel import MatcherPanel
+from ._mean_shift_panel import MeanShiftPanel
+from ._polylines_panel import PolylinePanel
+from ._pose_graph_panel import PoseGraphPanel
 from ._ray_variants import insert_variant
 from ._rays_panel import RayPanel
 from ._room_panel import RoomPanel
-from ._scan_exercises import check_beam_angles, check_cast_ray, check_compose
 from ._storage_panel import StoragePanel
 from ._trials import (
     Trial,
@@ -84,39 +87,7 @@ from ._trials import (
 
 #: Name of each exercise -> its check.
 EXERCISES: dict[str, Exercise] = {
-    exercise.name: exercise
-    for exercise in (
-        check_compose,
-        check_beam_angles,
-        check_cast_ray,
-        check_fit_line,
-        check_farthest_point,
-        check_axial_mean,
-        check_reduction_rate,
-        check_quality,
-        check_heading_between,
-        check_match_value,
-        check_least_translation,
-        check_move_onto_walls,
-        check_edge_error,
-        check_hough,
-        check_matches,
-        check_merged,
-        check_mean_shift_step,
-        check_inside_strip,
-        check_best_shift,
-        check_reduction_at,
-        check_cell_of,
-        check_grown,
-        check_occupancy,
-        check_ray_cells,
-        check_scan_score,
-        check_climb_step,
-        check_pixel,
-        check_mean_wall_error,
-        check_distances,
-        check_unwrapped,
-    )
+    found.name: found for found in list(globals().values()) if isinstance(found, Exercise)
 }
 
 __all__ = [
@@ -124,7 +95,6 @@ __all__ = [
     "AnglePanel",
     "BackbonePanel",
     "BasicPanel",
-    "Case",
     "Check",
     "ClassesPanel",
     "ClusterPanel",
@@ -138,14 +108,12 @@ __all__ = [
     "LandscapePanel",
     "MatcherPanel",
     "MeanShiftPanel",
-    "Mistake",
     "PolylinePanel",
     "PoseGraphPanel",
     "RayPanel",
     "RoomPanel",
     "StoragePanel",
     "Trial",
-    "best_shift",
     "check_axial_mean",
     "check_beam_angles",
     "check_best_shift",
@@ -176,7 +144,6 @@ __all__ = [
     "check_reduction_rate",
     "check_scan_score",
     "check_unwrapped",
-    "climb_step",
     "draw_backbone",
     "draw_basin",
     "draw_buildings",
@@ -205,17 +172,11 @@ __all__ = [
     "draw_trade",
     "draw_trials",
     "draw_uncertainty",
-    "edge_error",
-    "heading_between",
     "heading_profile",
     "insert_variant",
     "landscape",
     "load_columns",
     "load_trials",
-    "match_value",
-    "matches",
-    "mean_shift_step",
-    "merged",
     "move_onto_walls",
     "peaks",
     "profile_peaks",
@@ -225,6 +186,5 @@ __all__ = [
     "scan_score",
     "trial_table",
     "try_pair",
-    "unwrapped",
     "write_trials",
 ]

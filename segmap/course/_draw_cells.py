@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike
 from ..exports import Classes
 from ..plotting import ERROR, RAW, RESULT, axes_or_new, map_axes, square_corners
 from ..quadtree import QuadtreeMap
-from ._quadtree_exercises import ray_cells
+from ._exercises_quadtree import ray_cells
 
 
 def draw_cells(

@@ -1,18 +1,19 @@
-"""Exercises: a student's function against the library's, with a hint for each known mistake."""
+"""Exercises: a student's function is compared with the library's; each known mistake has a hint."""
+
+from __future__ import annotations
 
 import copy
 import html
 import warnings
-from collections.abc import Callable
-from dataclasses import dataclass, field
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
+from ..angles import axial_difference
 from ..arrays import Array
-
-#: Green and red as in all pictures; the words say the same.
-PASSED, NOT_YET = "#009e73", "#d55e00"
+from ..plotting import ERROR, TRUTH
 
 
 @dataclass(frozen=True)
@@ -36,83 +37,80 @@ class Check:
         return "passed" if self.passed else f"not yet: {self.hint}"
 
     def _repr_html_(self) -> str:
-        color, sign = (PASSED, "&#10003;") if self.passed else (NOT_YET, "&#10007;")
+        color, sign = (TRUTH, "&#10003;") if self.passed else (ERROR, "&#10007;")
         style = f"border-left: 4px solid {color}; padding: 4px 10px"
         return f'<div style="{style}">{sign} {html.escape(repr(self))}</div>'
 
 
-@dataclass(frozen=True)
-class Case:
-    """Arguments to try, and words for them."""
-
-    words: str
-    arguments: tuple[Any, ...]
-
-
-@dataclass(frozen=True)
-class Mistake:
-    """A wrong answer that students give, and what to tell them."""
-
-    name: str
-    function: Callable[..., Any]
-    hint: str
-
-
-def numbers(answer: Any) -> Array | None:
-    """An answer as an array of floats, whatever its shape; None where it is none."""
-    try:
-        return None if answer is None else np.asarray(answer, float)
-    except Exception:  # an answer may be any object at all
-        return None
-
-
 def close(found: Any, expected: Any) -> bool:
     """Whether two answers have the same shape and values, to nine digits or 1e-9."""
-    a, b = numbers(found), numbers(expected)
-    if a is None or b is None or a.shape != b.shape:
-        return False
-    return np.allclose(a, b, rtol=1e-9, atol=1e-9)
+    a, b = _pair(found, expected)
+    return a.shape == b.shape and np.allclose(a, b, rtol=1e-9, atol=1e-9, equal_nan=True)
 
 
 def same_line(found: Any, expected: Any) -> bool:
     """Whether two angles, in radians, are those of one undirected line."""
-    a, b = numbers(found), numbers(expected)
-    if a is None or b is None or a.shape != () or not np.isfinite(a - b):
+    a, b = _pair(found, expected)
+    return a.shape == () and bool(np.isfinite(a) and abs(axial_difference(a, b)) < 5e-9)
+
+
+def same_segment(found: Any, expected: Any) -> bool:
+    """Whether two answers are one segment `(2, 2)`, whichever end point comes first."""
+    a, b = _pair(found, expected)
+    return a.shape == (2, 2) and (close(a, b) or close(a[::-1], b))
+
+
+def same_cells(found: Any, expected: Any) -> bool:
+    """Whether both hold the same cells `(n, 2)`, in any order."""
+    a, b = _pair(found, expected)
+    return a.shape == b.shape and a.ndim == 2 and sorted(a.tolist()) == sorted(b.tolist())
+
+
+def same_poses(found: Any, expected: Any) -> bool:
+    """Whether x and y of `(n, 3)` answers agree, and the angles as those of undirected lines."""
+    a, b = _pair(found, expected)
+    if a.shape != b.shape or not np.isfinite(a).all():
         return False
-    return bool(abs(np.exp(2j * (a - b)) - 1) < 1e-8)
+    return close(a[..., :2], b[..., :2]) and bool(
+        (np.abs(axial_difference(a[..., 2], b[..., 2])) < 1e-9).all()
+    )
 
 
-@dataclass(frozen=True, repr=False)
+@dataclass(frozen=True, repr=False, eq=False)
 class Exercise:
     """A function to be written again. Call it with yours: it answers with a `Check`, never raises.
 
     Parameters
     ----------
-    name : str
-        Of the library's function, or of the small one given here.
     task : str
-        Its signature and what it returns, with shapes and units.
+        The signature, which begins with the name, and what is returned, with shapes and units.
     solution : callable
-    cases : tuple of Case
+        The library's function.
+    cases : mapping from words to a tuple of arguments
         Chosen so that every mistake gives a wrong answer somewhere.
-    mistakes : tuple of Mistake
+    mistakes : mapping from a hint to a callable
+        Wrong functions that students write, and what to tell them.
     same : callable
         `same(found, expected) -> bool`.
 
     Examples
     --------
-    >>> double = Exercise("double", "double(x) -> 2 x", lambda x: 2 * x, (Case("x = 3", (3,)),),
-    ...                   (Mistake("squared", lambda x: x * x, "twice, not to the power of two"),))
+    >>> double = Exercise("double(x) -> 2 x", lambda x: 2 * x, {"x = 3": (3,)},
+    ...                   {"twice, not to the power of two": lambda x: x * x})
     >>> double(lambda x: x + x), double(lambda x: x**2), double(lambda x: x)
     (passed, not yet: twice, not to the power of two, not yet: for x = 3 expected 6, got 3)
     """
 
-    name: str
     task: str
     solution: Callable[..., Any]
-    cases: tuple[Case, ...]
-    mistakes: tuple[Mistake, ...] = ()
-    same: Callable[[Any, Any], bool] = field(default=close)
+    cases: Mapping[str, tuple[Any, ...]]
+    mistakes: Mapping[str, Callable[..., Any]]
+    same: Callable[[Any, Any], bool] = close
+
+    @property
+    def name(self) -> str:
+        """Of the function that is to be written."""
+        return self.task.partition("(")[0]
 
     def __call__(self, function: Callable[..., Any]) -> Check:
         """Check a student's function."""
@@ -126,49 +124,56 @@ class Exercise:
         """What to tell the author of a function; nothing where it is right."""
         if not callable(function):
             return f"give the function itself, check_{self.name}(my_{self.name}), without a call"
-        found = [_answer(function, case) for case in self.cases]
-        expected = [_answer(self.solution, case) for case in self.cases]
-        wrong = [
-            k for k, pair in enumerate(zip(found, expected, strict=True)) if not self._agree(*pair)
-        ]
-        if not wrong:
+        found, expected = self._answers(function), self._answers(self.solution)
+        right = [self._agree(*pair) for pair in zip(found, expected, strict=True)]
+        if all(right):
             return ""
         if all(answer is None or answer is ... for answer in found):
             return f"it returns nothing yet; the task is {self.task}"
-        for mistake in self.mistakes:
-            given = [_answer(mistake.function, case) for case in self.cases]
-            if all(map(self._agree, found, given)):
-                return mistake.hint
-        first = wrong[0]
-        return (
-            f"for {self.cases[first].words} expected {_text(expected[first])}, {_got(found[first])}"
+        for hint, mistake in self.mistakes.items():
+            if all(map(self._agree, found, self._answers(mistake))):
+                return hint
+        first = right.index(False)
+        return f"for {list(self.cases)[first]} expected {_text(expected[first])}, " + (
+            f"but it raised {type(found[first]).__name__}: {found[first]}"
+            if isinstance(found[first], Exception)
+            else f"got {_text(found[first])}"
         )
+
+    def _answers(self, function: Callable[..., Any]) -> list[Any]:
+        return [_answer(function, arguments) for arguments in self.cases.values()]
 
     def _agree(self, found: Any, expected: Any) -> bool:
         if isinstance(found, Exception) or isinstance(expected, Exception):
             return type(found) is type(expected)
-        return self.same(found, expected)
+        return _numbers(found) is not None and bool(self.same(found, expected))
 
 
-def _answer(function: Callable[..., Any], case: Case) -> Any:
+def _answer(function: Callable[..., Any], arguments: tuple[Any, ...]) -> Any:
     """What a function returns for copies of the arguments, or the exception that it raises."""
     with warnings.catch_warnings(), np.errstate(all="ignore"):
         warnings.simplefilter("ignore")
         try:
-            return function(*copy.deepcopy(case.arguments))
+            return function(*copy.deepcopy(arguments))
         except Exception as error:
             return error
 
 
-def _got(found: Any) -> str:
-    if isinstance(found, Exception):
-        return f"but it raised {type(found).__name__}: {found}"
-    return f"got {_text(found)}"
+def _numbers(answer: Any) -> Array | None:
+    """An answer as an array of floats, whatever its shape; None where it is none."""
+    try:
+        return None if answer is None else np.asarray(answer, float)
+    except Exception:  # an answer may be any object at all
+        return None
+
+
+def _pair(found: Any, expected: Any) -> tuple[Array, Array]:
+    return np.asarray(found, float), np.asarray(expected, float)
 
 
 def _text(answer: Any) -> str:
     """An answer to six digits; of a long array the shape and how it starts."""
-    array = numbers(answer)
+    array = _numbers(answer)
     if array is None:
         return f"something of type {type(answer).__name__}"
     if array.ndim == 0:

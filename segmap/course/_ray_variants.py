@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike
 
 from ..arrays import Array
 from ..quadtree import QuadtreeMap
-from ._quadtree_exercises import Cell, Cells, ray_cells
+from ._exercises_quadtree import Cell, Cells, ray_cells
 
 #: Nearer than this to a line of the grid, in cells, is on it.
 TOUCH = 1e-9

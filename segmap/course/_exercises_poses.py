@@ -1,0 +1,300 @@
+"""Exercises of the chapters on point ICP, pose graphs, scores and matchers."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..arrays import Array
+from ..poses import between, transform
+from ._exercise import Exercise
+
+
+# ---------------------------------------------------------------------------------- ICP
+def move_onto_walls(points: Array, feet: Array, normals: Array) -> Array:
+    """One step of point-to-line ICP: the motion that brings points nearest to their walls.
+
+    Parameters
+    ----------
+    points : (n, 2) array, metres
+    feet : (n, 2) array, metres
+        A place on the wall of each.
+    normals : (n, 2) array
+        Unit vectors across the walls.
+
+    Returns
+    -------
+    (3,) array, metres and radians
+        Shift in x and y and turn about the origin, as for a small turn; least squares, and of
+        equally good ones the smallest.
+
+    Examples
+    --------
+    >>> wall = np.array([(0.0, 0.0), (1, 0), (2, 0)])
+    >>> move_onto_walls(wall + (0, 0.5), wall, np.array([(0, 1.0)] * 3)).round(6) + 0.0
+    array([ 0. , -0.5,  0. ])
+    """
+    return -_least(_rows(points, normals), ((points - feet) * normals).sum(1))
+
+
+def _rows(points: Array, normals: Array) -> Array:
+    """How the offset of each point grows with x, y and the turn, `(n, 3)`."""
+    lever = points[:, 0] * normals[:, 1] - points[:, 1] * normals[:, 0]
+    return np.column_stack([normals, lever])
+
+
+def _least(rows: Array, offsets: Array) -> Array:
+    return np.asarray(np.linalg.lstsq(rows, offsets, rcond=1e-9)[0], float)
+
+
+def _solved(points: Array, feet: Array, normals: Array) -> Array:
+    """By the normal equations, which a corridor makes singular."""
+    rows, offsets = _rows(points, normals), ((points - feet) * normals).sum(1)
+    return -np.linalg.solve(rows.T @ rows, rows.T @ offsets)
+
+
+def _to_points(points: Array, feet: Array, _: Array) -> Array:
+    """Both coordinates of each point count, not only the one across the wall."""
+    x, y = np.repeat(np.eye(2)[:, None], len(points), 1)
+    rows = np.concatenate([_rows(points, x), _rows(points, y)])
+    return -_least(rows, (points - feet).T.ravel())
+
+
+def _without_turn(points: Array, feet: Array, normals: Array) -> Array:
+    return np.append(-_least(normals, ((points - feet) * normals).sum(1)), 0.0)
+
+
+def _room(dx: float, dy: float, degrees: float) -> tuple[Array, Array, Array]:
+    """Points moved off three walls of a room: the fourth is out of sight."""
+    s = np.linspace(-1, 1, 5)
+    feet = np.concatenate(
+        [np.stack([3 + 0 * s, 2 * s], 1), np.stack([2 * s, 2 + 0 * s], 1), -np.stack([s, s**0], 1)]
+    )
+    normals = np.repeat([(1.0, 0.0), (0, 1), (0, -1)], 5, axis=0)
+    return transform((dx, dy, np.radians(degrees)), feet), feet, normals
+
+
+def _corridor(dx: float, dy: float) -> tuple[Array, Array, Array]:
+    """Points between two walls along x."""
+    s = np.linspace(0, 4, 5)
+    feet = np.concatenate([np.stack([s, 0 * s + 1], 1), np.stack([s, 0 * s - 1], 1)])
+    return feet + (dx, dy), feet, np.repeat([(0.0, 1.0), (0, -1)], 5, axis=0)
+
+
+check_move_onto_walls = Exercise(
+    "move_onto_walls(points, feet, normals) -> (3,): the small x, y in metres and turn in radians "
+    "about the origin that minimise the squared offsets of points (n, 2) across walls through feet "
+    "(n, 2) with unit normals (n, 2)",
+    move_onto_walls,
+    {
+        "a room seen 0.2 m too far right and 0.1 m too low": _room(0.2, -0.1, 0),
+        "a room seen turned by 3 degrees": _room(0, 0, 3),
+        "a room moved and turned": _room(-0.1, 0.3, -4),
+        "a corridor, which does not fix the motion along it": _corridor(0.3, 0.1),
+    },
+    {
+        "the sign: the motion takes the offsets away, it does not add them again": (
+            lambda p, f, n: -move_onto_walls(p, f, n)
+        ),
+        "points may slide along their walls: only the part of the offset along the normal counts": (
+            _to_points
+        ),
+        "a turn moves points too: the third column is x n_y - y n_x": _without_turn,
+        "angles count counter-clockwise: a small turn moves (x, y) by (-y, x), not by (y, -x)": (
+            lambda p, f, n: move_onto_walls(p, f, n) * (1, 1, -1)
+        ),
+        "the turn is in radians: for those a small turn moves a point by turn times distance": (
+            lambda p, f, n: move_onto_walls(p, f, n) * (1, 1, 180 / np.pi)
+        ),
+        "in a corridor the equations are singular: np.linalg.lstsq takes the smallest motion": (
+            _solved
+        ),
+    },
+)
+
+
+# ----------------------------------------------------------------------------- pose graph
+def _edge_error(first: Array, second: Array, relative: Array) -> Array:
+    return between(relative, between(first, second))
+
+
+def _not_wrapped(first: Array, second: Array, relative: Array) -> Array:
+    error = _edge_error(first, second, relative)
+    return np.append(error[:2], second[2] - first[2] - relative[2])
+
+
+def _edge(*poses: ArrayLike) -> tuple[Array, ...]:
+    return tuple(np.array(pose, float) for pose in poses)
+
+
+check_edge_error = Exercise(
+    "edge_error(first, second, relative) -> (3,): pose of the second (x, y, heading) in the frame "
+    "of where the measured motion `relative`, in the frame of the first, would put it",
+    _edge_error,
+    {
+        "two poses along x, one metre measured": _edge((0, 0, 0), (1.2, 0, 0), (1, 0, 0)),
+        "a robot that looks along y": _edge((2, 1, np.pi / 2), (2, 3, np.pi / 2), (1.9, 0.1, 0)),
+        "a turn on the way": _edge((1, 2, 0.7), (2.5, 3, 1.9), (1.7, 0.2, 1.1)),
+        "a turn over half a turn": _edge((0, 0, 3.0), (-1, 0.2, -3.0), (1.0, -0.1, 0.2)),
+    },
+    {
+        "poses are not numbers: where the second lies depends on where the first one looks; "
+        "take segmap.poses.between(first, second)": lambda a, b, z: b - a - z,
+        "the difference of two motions is again one: seen from where the measurement ends, which "
+        "looks elsewhere; compose its inverse in front, do not subtract": (
+            lambda a, b, z: between(a, b) - z
+        ),
+        "the wrong way round: the measured place seen from the second pose is the inverse of what "
+        "is asked": lambda a, b, z: between(between(a, b), z),
+        "relative is the pose of the second in the frame of the first: between(first, second)": (
+            lambda a, b, z: between(z, between(b, a))
+        ),
+        "headings 3.0 and -3.0 are 0.28 apart, not 6: wrap the difference": _not_wrapped,
+        "all three parts are asked for, not only how far the place is off": (
+            lambda a, b, z: np.hypot(*_edge_error(a, b, z)[:2])
+        ),
+    },
+)
+
+
+# --------------------------------------------------------------------------------- scores
+def _distances(points: Array, pose: Array, centres: Array) -> Array:
+    return np.linalg.norm(transform(pose, points)[:, None] - centres, axis=-1)
+
+
+def scan_score(points: Array, pose: Array, centres: Array) -> float:
+    """Minus the sum of the distances from the ends to the nearest occupied cell's centre (B 4.3).
+
+    Parameters
+    ----------
+    points : (n, 2) array, metres, in the robot's frame
+    pose : (3,) array, metres and radians
+    centres : (m, 2) array, metres
+
+    Returns
+    -------
+    float, metres
+
+    Examples
+    --------
+    >>> round(scan_score(np.array([(1.0, 0.0)]), np.zeros(3), np.array([(1.0, 0.2), (3, 0)])), 6)
+    -0.2
+    """
+    return -float(_distances(points, pose, centres).min(1).sum())
+
+
+_SCAN = np.array([(1.0, 0.0), (1.0, 1.0), (0.0, 2.0), (-1.0, 0.5)])
+_CENTRES = np.array([(1.05, 0.05), (1.0, 1.2), (0.3, 2.0), (-1.2, 0.4), (3.0, 3.0)])
+
+check_scan_score = Exercise(
+    "scan_score(points, pose, centres) -> float: minus the sum of the distances of the ends "
+    "(n, 2), carried by the pose, to the nearest centre (m, 2)",
+    scan_score,
+    {
+        f"pose {pose} and {k} beams": (_SCAN[:k], np.array(pose), _CENTRES)
+        for pose, k in (
+            *(((0.0, 0.0, 0.0), 4), ((0.3, -0.2, 0.0), 4), ((0.0, 0.0, 0.5), 3)),
+            *(((0.5, 0.1, -2.0), 4), ((0.0, 0.0, 0.0), 1)),
+        )
+    },
+    {
+        "the higher the better: distances count as a loss, so the score is never above 0": (
+            lambda points, pose, centres: -scan_score(points, pose, centres)
+        ),
+        "every end looks for its nearest cell, not every cell for an end: a map holds many cells "
+        "that this scan does not see": lambda *given: -_distances(*given).min(0).sum(),
+        "only the nearest cell counts for each end": (
+            lambda points, pose, centres: -_distances(points, pose, centres).mean(1).sum()
+        ),
+        "the sum over the beams, not their mean": (
+            lambda points, pose, centres: -_distances(points, pose, centres).min(1).mean()
+        ),
+        "the heading turns counter-clockwise: x' = x cos h - y sin h, y' = x sin h + y cos h": (
+            lambda points, pose, centres: scan_score(points, pose * (1, 1, -1), centres)
+        ),
+        "the points are in the robot's frame: carry them by the pose first": (
+            lambda points, pose, centres: scan_score(points, np.zeros(3), centres)
+        ),
+        "the heading is in radians already": (
+            lambda points, pose, centres: scan_score(points, pose * (1, 1, np.pi / 180), centres)
+        ),
+        "distances, not their squares: one beam through a door would count for all others": (
+            lambda points, pose, centres: -(_distances(points, pose, centres).min(1) ** 2).sum()
+        ),
+    },
+)
+
+
+# ------------------------------------------------------------------------------ hill climb
+Value = Callable[[Array], float]
+
+_MOVES = np.array([(-1, 0, 0), (1, 0, 0), (0, -1, 0), (0, 1, 0), (0, 0, -1), (0, 0, 1)], float)
+
+
+def _climb_step(
+    value: Value,
+    pose: Array,
+    move: float,
+    turn: float,
+    *,
+    moves: Array = _MOVES,
+    stays: Callable[[float, float], bool] = lambda best, here: best <= here,
+) -> Array:
+    """The best of some moves; the pose itself where the best of their values makes it stay."""
+    tried = pose + moves * (move, move, turn)
+    values = [value(p) for p in tried]
+    return pose.copy() if stays(max(values), value(pose)) else tried[int(np.argmax(values))]
+
+
+def _first_improvement(value: Value, pose: Array, move: float, turn: float) -> Array:
+    tried = pose + _MOVES * (move, move, turn)
+    return next((p for p in tried if value(p) > value(pose)), pose.copy())
+
+
+def _along_the_robot(value: Value, pose: Array, move: float, turn: float) -> Array:
+    c, s = np.cos(pose[2]), np.sin(pose[2])
+    turned = _MOVES @ [(c, s, 0), (-s, c, 0), (0, 0, 1)]
+    return _climb_step(value, pose, move, turn, moves=turned)
+
+
+def _hill(pose: Array) -> float:
+    return -abs(pose[0] - 0.3) - 2 * abs(pose[1] + 0.2) - abs(pose[2] - 0.4)
+
+
+check_climb_step = Exercise(
+    "climb_step(value, pose, move, turn) -> (3,): the best of the moves -x, +x, -y, +y, -heading, "
+    "+heading, where it improves value(pose)",
+    _climb_step,
+    {
+        words: (value, np.array(pose, float), move, turn)
+        for words, value, pose, move, turn in (
+            ("a hill to the right", _hill, (0, 0, 0), 0.1, 0.1),
+            ("a hill, nearly there", _hill, (0.3, -0.1, 0.4), 0.1, 0.1),
+            ("on the top", _hill, (0.3, -0.2, 0.4), 0.1, 0.1),
+            ("a plain", lambda pose: 1.0, (1, 2, 0.5), 0.1, 0.1),
+            ("a valley, both ways up", lambda pose: abs(pose[1]), (0.5, 0, 0), 0.1, 0.1),
+            ("a slope, the robot turned", lambda pose: 2 * pose[0] + pose[1], (0, 0, 2), 0.1, 0.1),
+            ("a coarse turn", _hill, (0.3, -0.2, 0.0), 0.001, 1.0),
+        )
+    },
+    {
+        "an equal score is no improvement: on a plain the robot would walk for ever": (
+            lambda *given: _climb_step(*given, stays=lambda best, here: best < here)
+        ),
+        "look at all six before you move: the best counts, not the first that improves": (
+            _first_improvement
+        ),
+        "of equal moves the first in the order counts": (
+            lambda *given: _climb_step(*given, moves=_MOVES[::-1])
+        ),
+        "the moves go along the axes of the map, not along those of the robot": _along_the_robot,
+        "stay where none of the six improves the score": (
+            lambda *given: _climb_step(*given, stays=lambda best, here: False)
+        ),
+        "the higher the better: you climb down": (
+            lambda value, *rest: _climb_step(lambda p: -value(p), *rest)
+        ),
+    },
+)

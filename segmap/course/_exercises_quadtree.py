@@ -1,0 +1,217 @@
+"""Exercises of the chapters on the quadtree: cells, growth, occupancy, rays, exported pictures.
+
+`ray_cells` is the walk of B as its prose says it; the map walks leaf by leaf and takes the same.
+"""
+
+from __future__ import annotations
+
+from math import floor
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ._exercise import Exercise, same_cells
+
+Cell = tuple[int, int]
+Cells = NDArray[np.int64]
+
+
+# ------------------------------------------------------------------------------ cells
+check_cell_of = Exercise(
+    "cell_of(x, corner, resolution) -> int: the column that holds x, counted from the corner",
+    lambda x, corner, resolution: floor((x - corner) / resolution),
+    {
+        f"x = {x}, corner {c}, cells of {r} m": (x, c, r)
+        for x, c, r in (
+            *((0.26, 0.0, 0.1), (-0.05, 0.0, 0.1), (-0.31, 0.0, 0.1)),
+            *((1.0, 0.0, 0.1), (0.3, 0.0, 0.1), (2.9, 2.0, 0.25)),
+        )
+    },
+    {
+        "int() cuts towards zero: -0.5 becomes 0, so two columns share one number; use floor": (
+            lambda x, c, r: int((x - c) / r)
+        ),
+        "1.0 // 0.1 is 9, as 0.1 is a little more than a tenth: divide first, then take floor": (
+            lambda x, c, r: int((x - c) // r)
+        ),
+        "0.3 * (1 / 0.1) is 3, and 0.3 / 0.1 is a little less: divide, do not multiply": (
+            lambda x, c, r: floor((x - c) * (1 / r))
+        ),
+        "a cell begins at its left edge: floor, and not the nearest whole number": (
+            lambda x, c, r: round((x - c) / r)
+        ),
+        "columns are counted from the corner: subtract it first": lambda x, c, r: floor(x / r),
+    },
+)
+
+
+# ----------------------------------------------------------------------------- growth
+def _grown(root: tuple[int, int, int], cell: Cell) -> tuple[int, int, int]:
+    x, y, side = root
+    return x - side * (cell[0] < x), y - side * (cell[1] < y), 2 * side
+
+
+def _down_unless_above(root: tuple[int, int, int], cell: Cell) -> tuple[int, int, int]:
+    x, y, side = root
+    return x - side * (cell[0] < x), y - side * (not cell[1] >= y + side), 2 * side
+
+
+check_grown = Exercise(
+    "grown(root, cell) -> (x, y, side): root (x, y, side), doubled once towards a cell outside it",
+    _grown,
+    {
+        f"root {root} and cell {cell}": (root, cell)
+        for root, cell in (
+            *(((0, 0, 8), (3, 8)), ((0, 0, 8), (8, 3)), ((0, 0, 8), (-1, 3))),
+            *(((4, -4, 4), (5, -9)), ((0, 0, 8), (-3, 20)), ((-8, -8, 16), (100, -100))),
+        )
+    },
+    {
+        "for a cell beside the root this grows downwards for ever, as the thesis does: down only "
+        "where the cell lies below": _down_unless_above,
+        "a cell to the left or below is never reached this way: move the corner by one side": (
+            lambda root, cell: (*root[:2], 2 * root[2])
+        ),
+        "the root doubles: the new side is twice the old one": (
+            lambda root, cell: (*_grown(root, cell)[:2], root[2])
+        ),
+        "the old root must stay one quarter of the new: the corner moves by the old side": (
+            lambda root, cell: 2 * np.array(_grown(root, cell)) - (root[0], root[1], 2 * root[2])
+        ),
+    },
+)
+
+
+# -------------------------------------------------------------------------- occupancy
+check_occupancy = Exercise(
+    "occupancy(vis, occ, bias) -> float in [0, 1], 0.5 where nothing is known",
+    lambda vis, occ, bias: occ / vis if occ else max(0.5 * (bias - vis) / bias, 0.0),
+    {
+        f"vis = {v}, occ = {o}, bias = {b}": (v, o, b)
+        for v, o, b in (
+            *((0, 0, 20), (5, 0, 20), (20, 0, 20), (90, 0, 20), (4, 1, 20)),
+            *((7, 7, 20), (3, 0, 4), (2, 2, 4)),
+        )
+    },
+    {
+        "one ray would make a cell surely free: without hits it sinks slowly, over `bias` rays": (
+            lambda v, o, b: o / v if v else 0.5
+        ),
+        "after `bias` rays it is 0 and stays there": (
+            lambda v, o, b: o / v if o else 0.5 * (b - v) / b
+        ),
+        "nothing known is 0.5, not 1: half of this": (
+            lambda v, o, b: o / v if o else max((b - v) / b, 0.0)
+        ),
+        "the bias is for cells that were never hit: with hits it is occ / vis at once": (
+            lambda v, o, b: o / max(v, b) if o else max(0.5 * (b - v) / b, 0.0)
+        ),
+    },
+)
+
+
+# ------------------------------------------------------------------------------- rays
+def ray_cells(
+    start: Cell, end: Cell, *, swap: bool = True, last: int = 1, late: bool = True
+) -> Cells:
+    """Cells of a ray from cell to cell, both included, as B's loop takes them (B 4.4.1).
+
+    Parameters
+    ----------
+    start, end : (2,) int
+        Column and row.
+    swap, last, late
+        What goes wrong in the loop where they are changed.
+
+    Returns
+    -------
+    (n, 2) int array
+        One for each step along the longer axis, in increasing order.
+
+    Examples
+    --------
+    >>> ray_cells((0, 0), (-3, 1)).tolist()
+    [[-3, 1], [-2, 1], [-1, 0], [0, 0]]
+    """
+    (x0, y0), (x1, y1) = start, end
+    steep = swap and abs(y1 - y0) > abs(x1 - x0)
+    if steep:
+        x0, y0, x1, y1 = y0, x0, y1, x1
+    if x1 < x0:
+        x0, y0, x1, y1 = x1, y1, x0, y0
+    dx, dy, y, found = x1 - x0, abs(y1 - y0), y0, []
+    error = -(dx // 2)
+    for x in range(x0, x1 + last):
+        found.append((y, x) if steep else (x, y))
+        error += dy
+        if error > 0 or (not late and error == 0 and dy):
+            y += 1 if y1 > y0 else -1
+            error -= dx
+    return np.array(found, np.int64).reshape(-1, 2)
+
+
+def _from_the_start(start: Cell, end: Cell) -> Cells:
+    """Always from the start: the same cells as their mirror image, which B's are not."""
+    away = np.array(end) - start
+    dx, dy = abs(away).tolist()
+    return start + np.where(away < 0, -1, 1) * ray_cells((0, 0), (dx, dy))
+
+
+check_ray_cells = Exercise(
+    "ray_cells(start, end) -> (n, 2) cells (x, y), both ends included, by Bresenham's loop (B 4.4)",
+    ray_cells,
+    {
+        f"from {start} to {end}": (start, end)
+        for start, end in (
+            *(((0, 0), (4, 1)), ((0, 0), (7, 3)), ((4, 1), (0, 0)), ((0, 0), (1, 4))),
+            *(((2, 1), (-3, 3)), ((1, 7), (-1, -6)), ((3, 3), (3, 3)), ((0, 0), (-5, -5))),
+        )
+    },
+    {
+        "the last x belongs to the ray too: range ends one before its end": (
+            lambda start, end: ray_cells(start, end, last=0)
+        ),
+        "where the ray is steeper than 45 degrees x and y must change places, else it has gaps": (
+            lambda start, end: ray_cells(start, end, swap=False)
+        ),
+        "B walks towards larger x whichever way the ray runs: swap the ends where x decreases": (
+            _from_the_start
+        ),
+        "y moves where the error is above 0: at 0 it stays": (
+            lambda start, end: ray_cells(start, end, late=False)
+        ),
+    },
+    same_cells,
+)
+
+
+# ------------------------------------------------------------------ exported pictures
+def _pixel(x: float, y: float, origin: tuple[float, float], side: float, rows: int) -> Cell:
+    return rows - 1 - floor((y - origin[1]) / side), floor((x - origin[0]) / side)
+
+
+check_pixel = Exercise(
+    "pixel(x, y, origin, side, rows) -> (row, column) of a ROS map's picture, row 0 at the top",
+    _pixel,
+    {
+        f"({x}, {y}), origin {o}, pixels of {side} m, {rows} rows": (x, y, o, side, rows)
+        for x, y, o, side, rows in (
+            *((0.1, 0.1, (0.0, 0.0), 0.5, 6), (1.3, 0.1, (0.0, 0.0), 0.5, 6)),
+            *((1.3, 2.9, (-1.0, 0.25), 0.5, 8), (-0.9, 1.1, (-1.0, -2.0), 0.25, 20)),
+        )
+    },
+    {
+        "the picture's first row is the top one: count rows from there": (
+            lambda x, y, o, side, rows: (floor((y - o[1]) / side), floor((x - o[0]) / side))
+        ),
+        "the lowest row has number rows - 1": (
+            lambda x, y, o, side, rows: _pixel(x, y, o, side, rows + 1)
+        ),
+        "row first, then column: y decides on the row": (
+            lambda x, y, o, side, rows: _pixel(x, y, o, side, rows)[::-1]
+        ),
+        "the origin is the lower left corner of the lower left pixel, not of the upper left": (
+            lambda x, y, o, side, rows: (floor((o[1] - y) / side), floor((x - o[0]) / side))
+        ),
+    },
+)
