@@ -1,13 +1,22 @@
-"""Reduction and quality: seconds, and ratios to the literal references in one run."""
+"""Reduction and quality: seconds, and ratios to the plain methods in one run."""
 
 from collections.abc import Iterator
 
 import numpy as np
 
-from segmap import METHODS, SegmentMap, build_map, fusion, load, quality, read, reduction_rate
-from segmap.reduction import basic_offline, basic_online, hybrid, hybrid_fusion
+from segmap import (
+    METHODS,
+    SegmentMap,
+    build_map,
+    fusion,
+    literal,
+    load,
+    quality,
+    read,
+    reduction_rate,
+)
 
-from .measure import SHARED, Row, missing, once, reference, seconds, workloads
+from .measure import SHARED, Row, missing, once, seconds, workloads
 
 N = 3604
 
@@ -76,27 +85,20 @@ def real_maps() -> Iterator[Row]:
 
 
 def against_literal(made, seen: int) -> Iterator[Row]:
-    """The same work by the literal forms of the tests, at full size, once each."""
-    slow, map = reference(), redundant(made, N, seen)
+    """The same work by the plain forms of `segmap.literal`, at full size, once each."""
+    map = redundant(made, N, seen)
     s, scans, after = map.segments.tolist(), map.scan.tolist(), part_of(map)
-    pairs = {
-        "basic_offline": (
-            lambda: slow.basic(s, [0] * N, 0.2, np.pi / 18),
-            lambda: basic_offline(map),
-        ),
-        "basic_online": (
-            lambda: slow.basic(s, scans, 0.2, np.pi / 18),
-            lambda: basic_online(map),
-        ),
-        "hybrid": (lambda: slow.hybrid(s, scans, 0.2, np.pi / 18, 0.2), lambda: hybrid(map)),
-        "hybrid_fusion": (
-            lambda: slow.hybrid_fusion(s, scans, 0.2, np.pi / 18, 0.2, 0.04, 50),
-            lambda: hybrid_fusion(map),
-        ),
-        "fusion": (lambda: slow.fusion(s, 0.04), lambda: fusion(map)),
-        "quality": (lambda: slow.quality(s, after.tolist()), lambda: quality(map, after)),
-    }
-    for name, (literal, ours) in pairs.items():
-        a, b = once(literal), seconds(ours)
-        figure = f"{a:.1f} s / {1e3 * b:.1f} ms = {a / b:.0f}"
-        yield Row(f"{name}, literal / ours, n = {N}, seen {seen}", figure)
+    for name, method in METHODS.items():
+        if name != "mean_shift":  # hours
+            given = (s, scans) if method.online else (s,)
+            plain = getattr(literal, name)
+            yield ratio(name, lambda: plain(*given), lambda: method(map), seen)  # noqa: B023
+    yield ratio(
+        "quality", lambda: literal.quality(s, after.tolist()), lambda: quality(map, after), seen
+    )
+
+
+def ratio(name: str, plain, ours, seen: int) -> Row:
+    a, b = once(plain), seconds(ours)
+    figure = f"{a:.1f} s / {1e3 * b:.1f} ms = {a / b:.0f}"
+    return Row(f"{name}, literal / ours, n = {N}, seen {seen}", figure)

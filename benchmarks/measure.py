@@ -44,7 +44,7 @@ def in_turn(*calls: Callable[[], Any], repeat: int = 5) -> list[float]:
 
 
 def load(path: Path) -> Any:
-    """A module by its file: the workloads beside the project, the references of the tests."""
+    """A module by its file: the workloads beside the project."""
     spec = importlib.util.spec_from_file_location(path.stem, path)
     if spec is None or spec.loader is None or not path.exists():
         return None
@@ -57,11 +57,6 @@ def load(path: Path) -> Any:
 def workloads() -> Any:
     """The fixed workloads, or None where the folder beside the project is absent."""
     return load(SHARED / "tools" / "workloads.py")
-
-
-def reference() -> Any:
-    """The slow, literal forms that the tests compare with."""
-    return load(ROOT / "tests" / "reference.py")
 
 
 def missing(what: str) -> Iterator[Row]:

@@ -4,9 +4,8 @@ import math
 
 import numpy as np
 import pytest
-import reference
 
-from segmap import load
+from segmap import literal, load
 from segmap.alignment import angle_candidates, angle_correspondence, match_angles, match_values
 from segmap.alignment._angle_loops import refined
 from segmap.alignment._angle_pairs import is_seen_from_origin, viewpoints, wall_pairs
@@ -50,14 +49,14 @@ def directed(u, v):
     """A 2.39: the farthest point of v from the nearest of u, walked along in small steps."""
     steps = 400
     return max(
-        reference.to_segment([v[0][k] + i / steps * (v[1][k] - v[0][k]) for k in (0, 1)], u)
+        literal.point_to_segment([v[0][k] + i / steps * (v[1][k] - v[0][k]) for k in (0, 1)], u)
         for i in range(steps + 1)
     )
 
 
 def covered(u, v):
     """Length of u that v covers when projected on it."""
-    size = reference.segment_length(u)
+    size = literal.segment_length(u)
     d = [(u[1][k] - u[0][k]) / size for k in (0, 1)]
     ends = sorted(sum((e[k] - u[0][k]) * d[k] for k in (0, 1)) for e in v)
     return max(0.0, min(ends[1], size) - max(ends[0], 0.0))
@@ -81,8 +80,10 @@ def literal_value(u, v, distance, far, long):
         return 0.0
     if not intersect(u, v):
         return (on_u + on_v) / 2 * 0.95 ** (apart / distance)
-    steep = abs(reference.axial(reference.line_angle(u), reference.line_angle(v))) > math.pi / 4
-    both = min(reference.segment_length(u), reference.segment_length(v)) > long
+    steep = (
+        abs(literal.axial_difference(literal.line_angle(u), literal.line_angle(v))) > math.pi / 4
+    )
+    both = min(literal.segment_length(u), literal.segment_length(v)) > long
     return 0.0 if steep and both else (on_u + on_v) / 2
 
 

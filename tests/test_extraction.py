@@ -6,14 +6,15 @@ import math
 
 import numpy as np
 import pytest
-import reference
 from hypothesis import given
 from hypothesis import strategies as st
 
+from segmap import extraction, literal
 from segmap.extraction import build_map, extract_clusters, extract_polylines, fit_line
 from segmap.poses import transform
 from segmap.scans import LaserScan, Log
 from segmap.segments import angle, length
+from segmap.testing import assert_segments_equal
 
 GAP, TOLERANCE = 0.30, 0.03
 
@@ -42,22 +43,59 @@ def square_scan(start: float = 0.0, sigma: float = 0.0) -> np.ndarray:
 
 def assert_same(found, expected, atol=1e-9):
     """Segments agree, whichever end point comes first."""
-    assert found.shape == np.shape(expected)
-    for a, b in zip(found, np.asarray(expected), strict=True):
-        assert min(np.abs(a - b).max(), np.abs(a - b[::-1]).max()) <= atol
+    assert_segments_equal(found, np.reshape(expected, (-1, 2, 2)), ordered=True, atol=atol)
 
 
 # ----------------------------------------------------------------------------- clusters
-@pytest.mark.parametrize("seed", range(10))
-@pytest.mark.parametrize(
-    ("fit", "literal"),
-    [("total", reference.total_line), ("algebraic", reference.algebraic_line)],
-)
-def test_clusters_equal_the_literal_method(seed, fit, literal):
-    """A's loop never advances, compares with the wrong point and loses the last cluster."""
+def walk(seed: int) -> np.ndarray:
+    """Points that wander: many short pieces, most of them joined again."""
+    return np.cumsum(np.random.default_rng(seed).normal(0, 0.12, (60, 2)), axis=0) + (1, 2)
+
+
+def noisy_walls(seed: int) -> np.ndarray:
     rng = np.random.default_rng(seed)
-    points = np.cumsum(rng.normal(0, 0.12, (60, 2)), axis=0) + (1, 2)
-    assert_same(extract_clusters(points, fit=fit), reference.clusters(points, GAP, literal), 1e-6)
+    corners = np.cumsum(rng.uniform(0.4, 1.0, (6, 2)) * rng.choice([-1, 1], (6, 2)), axis=0)
+    return path(*corners) + rng.normal(0, 0.01, (len(path(*corners)), 2))
+
+
+def noisy_square(seed: int) -> np.ndarray:
+    return square_scan(seed, 0.01)
+
+
+@pytest.mark.parametrize("make", [walk, noisy_walls, noisy_square])
+@pytest.mark.parametrize("closed", [False, True])
+@pytest.mark.parametrize("seed", range(8))
+def test_equals_the_plain_method(make, closed, seed):
+    """A's loop never advances, compares with the wrong point and loses the last cluster.
+
+    In polylines: another farthest point, a merge too many, a corner that goes to the wrong wall.
+    """
+    points = make(seed)
+    for extract in ("extract_clusters", "extract_polylines"):
+        plain = getattr(literal, extract)
+        assert_same(
+            getattr(extraction, extract)(points, closed=closed),
+            plain(points.tolist(), closed=closed),
+        )
+    fine = {"gap": 0.15, "tolerance": 0.01, "min_points": 2, "min_length": 0.0, "closed": closed}
+    assert_same(
+        extract_polylines(points, **fine), literal.extract_polylines(points.tolist(), **fine)
+    )
+    found = extract_clusters(points, fit="algebraic", closed=closed)
+    plain = literal.extract_clusters(points.tolist(), fit="algebraic", closed=closed)
+    assert_same(found, plain, 1e-6)
+
+
+def test_the_plain_fits_are_least_squares():
+    """Closed forms against numpy's: the eigenvectors of the scatter, and a x + b y = 1."""
+    p = walk(3)
+    x, y, dx, dy = literal.fit_total(p.tolist())
+    along = np.linalg.eigh((p - p.mean(0)).T @ (p - p.mean(0)))[1][:, 1]
+    assert (x, y) == pytest.approx(p.mean(0))
+    assert abs(dx * along[1] - dy * along[0]) < 1e-9
+    a, b = np.linalg.lstsq(p, np.ones(len(p)), rcond=None)[0]
+    x, y, dx, dy = literal.fit_algebraic(p.tolist())
+    assert (a * x + b * y, a * dx + b * dy) == pytest.approx((1, 0), abs=1e-9)
 
 
 def test_points_exactly_a_gap_apart_are_cut():
@@ -122,7 +160,7 @@ def test_pieces_stay_within_tolerance(seed):
     corners = np.cumsum(rng.uniform(0.4, 1.0, (6, 2)) * rng.choice([-1, 1], (6, 2)), axis=0)
     points = path(*corners, spacing=0.03) + rng.uniform(-0.008, 0.008, (1, 2))
     found = extract_polylines(points, min_points=2, min_length=0)
-    distance = np.min([[reference.to_segment(p, s) for p in points] for s in found], axis=0)
+    distance = np.min([[literal.point_to_segment(p, s) for p in points] for s in found], axis=0)
     assert distance.max() <= 0.03 + TOLERANCE
 
 
@@ -147,7 +185,7 @@ def test_merged_pieces_of_a_bend_stay_near_it(tolerance):
     t = np.radians(np.arange(0, 181, 0.5))
     bend = 3 * np.stack([np.cos(t), np.sin(t)], -1)
     found = extract_polylines(bend, tolerance=tolerance)
-    off = [min(reference.to_segment(p, s) for s in found) for p in bend]
+    off = [min(literal.point_to_segment(p, s) for s in found) for p in bend]
     assert max(off) <= 1.25 * tolerance
 
 
@@ -260,12 +298,12 @@ def test_bad_thresholds(call, message):
 
 # ------------------------------------------------------------------------------ fit_line
 @given(st.integers(0, 10_000))
-def test_fit_line_equals_the_eigenvectors(seed):
+def test_fit_line_equals_the_plain_fit(seed):
     points = np.random.default_rng(seed).normal(0, 1, (7, 2)) * (1, 0.3)
     centre, turn = fit_line(points)
-    expected, direction = reference.total_line(points)
-    np.testing.assert_allclose(centre, expected, atol=1e-12)
-    assert abs(np.cos(turn) * direction[1] - np.sin(turn) * direction[0]) < 1e-9
+    x, y, dx, dy = literal.fit_total(points.tolist())
+    np.testing.assert_allclose(centre, (x, y), atol=1e-12)
+    assert abs(np.cos(turn) * dy - np.sin(turn) * dx) < 1e-9
 
 
 def test_fit_line_needs_two_points():

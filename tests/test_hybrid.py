@@ -1,112 +1,61 @@
-"""Hybrid against the literal method, its symmetries, its filter and its weaknesses."""
+"""Hybrid: its lines in Hough space, its filter and its weaknesses."""
 
 import numpy as np
 import pytest
-import reference
+from hypothesis import given
+from hypothesis import strategies as st
 
-from segmap import load
-from segmap.extraction import build_map
-from segmap.poses import transform
+from segmap import literal
 from segmap.reduction import _hybrid_loops as loops
-from segmap.reduction import hybrid
-from segmap.segments import SegmentMap
-from segmap.testing import assert_segments_equal, segment_zoo
+from segmap.reduction import hough, hybrid
+
+NUMBER = st.floats(-20, 20)
+POINT = st.tuples(NUMBER, NUMBER)
+SEGMENT = st.tuples(POINT, POINT).filter(lambda s: np.hypot(*np.subtract(*s)) > 1e-3).map(np.array)
 
 
-def random_map(rng: np.random.Generator) -> np.ndarray:
-    return rng.uniform(-1, 1, (50, 2, 2))
+@given(SEGMENT, st.floats(-10, 10))
+def test_both_end_points_lie_on_the_line(segment, near):
+    """Catches the angle of the segment, a sign lost with a half turn, a slope."""
+    rho, theta = hough(segment, near)
+    assert segment @ [np.cos(theta), np.sin(theta)] == pytest.approx(rho, abs=1e-8)
 
 
-def redundant_map(rng: np.random.Generator) -> np.ndarray:
-    """Pieces of five walls around the origin, each seen a dozen times with noise."""
-    walls = rng.uniform(-3, 3, (5, 2, 2))
-    part = rng.uniform(0, 1, (60, 2))[..., None]
-    wall = walls[rng.integers(0, 5, 60)]
-    return wall[:, :1] + part * (wall[:, 1:] - wall[:, :1]) + rng.normal(0, 0.02, (60, 2, 2))
+@given(SEGMENT, st.floats(-10, 10))
+def test_theta_is_the_nearest_to_the_one_asked_for(segment, near):
+    """Catches a turn too many, and whole turns in place of half ones."""
+    assert abs(hough(segment, near)[1] - near) <= np.pi / 2 + 1e-9
 
 
-def lattice_map(rng: np.random.Generator) -> np.ndarray:
-    """Ties, duplicates, crossings, lines through the origin, segments without length."""
-    return np.repeat(rng.integers(-3, 4, (25, 2, 2)) * 0.15, 2, axis=0)
+@given(SEGMENT)
+def test_theta_lies_in_half_a_turn(segment):
+    assert 0 <= hough(segment)[1] < np.pi
 
 
-MAPS = [random_map, redundant_map, lattice_map]
+@given(SEGMENT)
+def test_swapped_end_points_are_the_same_line(segment):
+    theta = hough(segment)[1]
+    assert hough(segment[::-1], theta) == pytest.approx(hough(segment, theta), abs=1e-6)
 
 
-@pytest.mark.parametrize("make", MAPS)
-@pytest.mark.parametrize(
-    "thresholds", [(0.1, 0.1, 0.0), (0.2, np.pi / 18, 0.2), (0.37, 0.5, 0.1), (0.2, np.pi / 2, 0.0)]
-)
-@pytest.mark.parametrize("seed", range(6))
-def test_equals_the_literal_method(make, thresholds, seed):
-    """A candidate that the grid misses, a wrong representative, a tie, a forgotten filter."""
-    rng = np.random.default_rng(seed)
-    segments = make(rng)
-    scans = rng.integers(0, 6, len(segments))
-    distance, angle, least = thresholds
-    expected, into = reference.hybrid(segments.tolist(), scans.tolist(), distance, angle, least)
-    found = hybrid(SegmentMap(segments, scans), distance=distance, angle=angle, min_length=least)
-    assert_segments_equal(found.segments, expected, ordered=True)
-    np.testing.assert_array_equal(found.parents, into)
+def test_many_lines_at_once_are_those_of_the_loops_and_of_the_literal_method():
+    """Catches two definitions that drift apart."""
+    segments = np.random.default_rng(8).uniform(-9, 9, (50, 2, 2))
+    found = hough(segments)
+    assert found == pytest.approx(np.array([loops.hough(s) for s in segments]))
+    assert found == pytest.approx(np.array([literal.hough(s) for s in segments]))
+    assert hough(segments, found[:, 1]) == pytest.approx(found)
 
 
-@pytest.mark.parametrize("turn", [0.0, 0.4, np.pi / 2])
-def test_equals_the_literal_method_on_a_real_map(turn):
-    """Turned by a right angle, theta of half of the walls lies where it wraps."""
-    log = load("malaga")
-    map = build_map(log, log.truth)
-    map = SegmentMap(transform((0, 0, turn), map.segments[:400]), map.scan[:400])
-    expected, into = reference.hybrid(
-        map.segments.tolist(), map.scan.tolist(), 0.2, np.pi / 18, 0.2
-    )
-    found = hybrid(map)
-    assert_segments_equal(found.segments, expected, ordered=True)
-    np.testing.assert_array_equal(found.parents, into)
+def test_the_origin_decides_rho_and_not_theta():
+    """The claim of chapter 52: moved by d, rho changes by d times the cosine of theta."""
+    wall = np.array([(0.0, 1.0), (4.0, 4.0)])
+    here, there = hough(wall), hough(wall + [10.0, 0.0])
+    assert there - here == pytest.approx([10 * np.cos(here[1]), 0.0])
 
 
-@pytest.mark.parametrize("name", segment_zoo())
-def test_zoo(name):
-    segments = segment_zoo()[name]
-    zeros = [0] * len(segments)
-    expected, into = reference.hybrid(segments.tolist(), zeros, 0.3, 0.3, 0.0)
-    found = hybrid(segments, distance=0.3, angle=0.3, min_length=0.0)
-    assert_segments_equal(found.segments, expected, ordered=True)
-    np.testing.assert_array_equal(found.parents, into)
-
-
-@pytest.mark.parametrize("turn", [np.pi / 2, 1.234, -3.0])
-def test_turning_about_the_origin_turns_the_result(turn):
-    """Theta wraps at half a turn, and rho changes its sign there."""
-    segments = redundant_map(np.random.default_rng(5))
-    found, expected = hybrid(transform((0, 0, turn), segments)), hybrid(segments)
-    np.testing.assert_array_equal(found.parents, expected.parents)
-    moved = transform((0, 0, turn), expected.segments)
-    assert_segments_equal(found.segments, moved, ordered=True, atol=1e-8)
-
-
-def test_moving_the_map_can_change_the_result():
-    """The counter-example: rho of a slanted wall changes with the distance of the origin."""
-    walls = np.array([[(0, 0.0), (2, 0.0)], [(1.95, 0.0), (3.9, 0.2)]])
-    there = transform((-20, 0, 0), walls)
-    assert [len(hybrid(walls)), len(hybrid(there))] == [1, 2]
-
-
-def test_scaling_every_length_scales_the_result():
-    segments = redundant_map(np.random.default_rng(6))
-    found, expected = hybrid(1000 * segments, distance=200.0), hybrid(segments, distance=0.2)
-    assert_segments_equal(found.segments, 1000 * expected.segments, ordered=True, atol=1e-6)
-
-
-def test_swapping_end_points_changes_nothing():
-    segments = redundant_map(np.random.default_rng(7))
-    assert_segments_equal(hybrid(segments[:, ::-1]).segments, hybrid(segments).segments)
-
-
-def test_walls_at_0_and_179_degrees_merge():
-    """Theta of the normal compared as plain numbers keeps them apart."""
-    for turn in (0.0, 0.3, np.pi / 2):
-        wall = np.array([[(0, 0.02), (2, -0.02)], [(0, -0.02), (2, 0.02)]])
-        assert len(hybrid(transform((0, 0, turn), wall))) == 1
+def test_no_segments_have_no_lines():
+    assert hough(np.empty((0, 2, 2))).shape == (0, 2)
 
 
 def test_nearness_is_not_symmetric():
@@ -142,11 +91,3 @@ def test_a_segment_takes_no_more_entries_than_room_is_made_for(seed):
     state.s[0] = segment
     loops.enter(state, 0, 0.2)
     assert loops.most_entries(segment, segment, 0.2) >= state.used[1] >= 1
-
-
-def test_records_each_scan():
-    map = SegmentMap(redundant_map(np.random.default_rng(1)), np.repeat([2, 5, 9], 20))
-    found = hybrid(map)
-    assert len(found.scan_seconds) == len(found.scan_live) == 3
-    assert found.scan_live[-1] == len(found)
-    assert found.scan_live[0] == len(hybrid(map.segments[:20]))

@@ -1,65 +1,12 @@
-"""Hybrid with Fusion: against the literal methods one after the other, its parents, its gains."""
+"""Hybrid with Fusion: weights and parents through both, and what it gains."""
 
 import numpy as np
 import pytest
-import reference
-from test_hybrid import MAPS, redundant_map
+from reduction_maps import MAPS, malaga
 
-from segmap import load
-from segmap.extraction import build_map
-from segmap.poses import transform
 from segmap.reduction import fusion, hybrid, hybrid_fusion
 from segmap.segments import SegmentMap
-from segmap.testing import assert_segments_equal, segment_zoo
-
-DISTANCE, ANGLE, TOLERANCE = 0.20, np.pi / 18, 0.04
-
-
-def malaga() -> SegmentMap:
-    log = load("malaga")
-    return build_map(log, log.truth)
-
-
-def assert_literal(map: SegmentMap, distance, angle, min_length, tolerance, every) -> None:
-    segments, scans = map.segments.tolist(), map.scan.tolist()
-    expected, into = reference.hybrid_fusion(
-        segments, scans, distance, angle, min_length, tolerance, every
-    )
-    found = hybrid_fusion(
-        map,
-        distance=distance,
-        angle=angle,
-        min_length=min_length,
-        tolerance=tolerance,
-        every=every,
-    )
-    assert_segments_equal(found.segments, np.reshape(expected, (-1, 2, 2)), ordered=True)
-    np.testing.assert_array_equal(found.parents, into)
-
-
-@pytest.mark.parametrize("make", MAPS)
-@pytest.mark.parametrize("every", [1, 2, 5, 100])
-@pytest.mark.parametrize("thresholds", [(0.2, ANGLE, 0.2, 0.04), (0.37, 0.5, 0.0, 0.11)])
-@pytest.mark.parametrize("seed", range(4))
-def test_equals_the_literal_methods_one_after_the_other(make, every, thresholds, seed):
-    """Counts, lines or cells of before a Fusion used after it; a Fusion too many or too few."""
-    rng = np.random.default_rng(seed)
-    segments = make(rng)
-    assert_literal(SegmentMap(segments, rng.integers(0, 12, len(segments))), *thresholds, every)
-
-
-@pytest.mark.parametrize("turn", [0.0, 0.7])
-def test_equals_the_literal_methods_on_a_real_map(turn):
-    map = malaga()
-    segments = transform((0, 0, turn), map.segments[:400])
-    assert_literal(SegmentMap(segments, map.scan[:400]), DISTANCE, ANGLE, 0.2, TOLERANCE, 7)
-
-
-@pytest.mark.parametrize("name", segment_zoo())
-def test_zoo(name):
-    segments = segment_zoo()[name]
-    scans = np.arange(len(segments)) // 2
-    assert_literal(SegmentMap(segments, scans), 0.3, 0.3, 0.0, TOLERANCE, 1)
+from segmap.testing import assert_segments_equal
 
 
 def test_a_fused_segment_weighs_as_much_as_its_parts():
@@ -124,47 +71,6 @@ def test_no_more_segments_than_hybrid_with_fusion_at_the_end_only(make, seed):
     whole = np.where(kept.parents < 0, -1, np.append(fused.parents, -1)[kept.parents])
     np.testing.assert_array_equal(found.parents, whole)
     assert len(found) <= len(kept)
-
-
-def scanned(seed: int) -> SegmentMap:
-    segments = redundant_map(np.random.default_rng(seed))
-    return SegmentMap(segments, np.arange(len(segments)) // 4)
-
-
-@pytest.mark.parametrize("turn", [np.pi / 2, 1.234, -3.0])
-def test_turning_about_the_origin_turns_the_result(turn):
-    """Theta of a fused segment that is not that of its line, or wraps wrongly."""
-    map = scanned(5)
-    there = SegmentMap(transform((0, 0, turn), map.segments), map.scan)
-    found, expected = hybrid_fusion(there, every=3), hybrid_fusion(map, every=3)
-    np.testing.assert_array_equal(found.parents, expected.parents)
-    moved = transform((0, 0, turn), expected.segments)
-    assert_segments_equal(found.segments, moved, ordered=True, atol=1e-8)
-
-
-def test_moving_the_map_can_change_the_result():
-    """The counter-example of Hybrid: rho of a slanted wall changes with the distance of the origin.
-
-    Fusion does not mend it: the second wall leaves its strip.
-    """
-    walls = np.array([[(0, 0.0), (2, 0.0)], [(1.95, 0.0), (3.9, 0.2)]])
-    there = transform((-20, 0, 0), walls)
-    assert [len(hybrid_fusion(walls)), len(hybrid_fusion(there))] == [1, 2]
-
-
-def test_scaling_every_length_scales_the_result():
-    map = scanned(6)
-    large = SegmentMap(1000 * map.segments, map.scan)
-    found = hybrid_fusion(large, distance=200.0, tolerance=40.0, every=3)
-    expected = 1000 * hybrid_fusion(map, every=3).segments
-    assert_segments_equal(found.segments, expected, ordered=True, atol=1e-6)
-
-
-def test_swapping_end_points_changes_nothing():
-    map = scanned(7)
-    swapped = SegmentMap(map.segments[:, ::-1], map.scan)
-    found, expected = hybrid_fusion(swapped, every=3), hybrid_fusion(map, every=3)
-    assert_segments_equal(found.segments, expected.segments, ordered=True)
 
 
 def test_fewer_segments_than_hybrid_on_a_real_map_and_a_smaller_map_meanwhile():

@@ -2,12 +2,11 @@
 
 import numpy as np
 import pytest
-import reference
 from conftest import shared_file
 from hypothesis import given
 from hypothesis import strategies as st
 
-from segmap import metrics, readers
+from segmap import literal, metrics, readers
 from segmap.poses import compose, transform
 from segmap.segments import SegmentMap
 
@@ -19,7 +18,7 @@ weight = st.floats(0.1, 10)
 @given(segment, segment, weight, weight)
 def test_equals_the_literal_distance(u, v, weight_u, weight_v):
     """A sign, a swapped weight, a line instead of a segment, a plain mean of angles."""
-    expected = reference.segment_distance(u, v, weight_u, weight_v)
+    expected = literal.segment_distance(u, v, weight_u, weight_v)
     found = metrics.segment_distance(u, v, weight_u, weight_v)
     assert found == pytest.approx(expected, rel=1e-7, abs=1e-9)
 
@@ -86,10 +85,10 @@ def random_maps(seed: int, n: int = 50, m: int = 20) -> tuple[np.ndarray, np.nda
 def test_quality_equals_the_literal_one(seed):
     """The fast search passes over most pairs: a bound that is too high misses the nearest."""
     before, after = random_maps(seed)
-    expected = [min(reference.segment_distance(s, t) for t in after) for s in before]
+    expected = [min(literal.segment_distance(s, t) for t in after) for s in before]
     np.testing.assert_allclose(metrics.errors(before, after), expected, atol=1e-9)
     assert metrics.quality(before, after, scale=0.4) == pytest.approx(
-        reference.quality(before, after, 0.4)
+        literal.quality(before, after, scale=0.4)
     )
 
 

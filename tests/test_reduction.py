@@ -47,6 +47,7 @@ def test_every_input_is_accounted_for(name):
     assert set(found.parents) - {-1} == set(range(len(found)))
     assert 0 < len(found) < len(map)
     assert found.seconds > 0
+    assert (found.scan_live is not None) == METHODS[name].online
     np.testing.assert_array_equal(found.members(0), np.flatnonzero(found.parents == 0))
 
 

@@ -4,9 +4,8 @@ import itertools
 
 import numpy as np
 import pytest
-import reference
 
-from segmap import load
+from segmap import literal, load
 from segmap.alignment import _segment_icp_loops as loops
 from segmap.alignment import match_segments, segment_icp
 from segmap.angles import wrap
@@ -44,23 +43,23 @@ def literal_cost(map_segments, segments, angle, distance):
         for t in map_segments:
             if not literal_match(s, t, angle, distance):
                 continue
-            long = reference.segment_length(t)
-            away += long * reference.segment_distance(s, t)
+            long = literal.segment_length(t)
+            away += long * literal.segment_distance(s, t)
             weight += long
         total += away / weight if weight else distance
     return total / len(segments)
 
 
 def literal_match(s, t, angle, distance):
-    at = reference.line_angle(s)
-    if abs(reference.axial(at, reference.line_angle(t))) >= angle:
+    at = literal.line_angle(s)
+    if abs(literal.axial_difference(at, literal.line_angle(t))) >= angle:
         return False
     middles = [[(a + b) / 2 for a, b in zip(*u, strict=True)] for u in (s, t)]
     apart = [b - a for a, b in zip(*middles, strict=True)]
     along = abs(apart[0] * np.cos(at) + apart[1] * np.sin(at))
-    if along >= (reference.segment_length(s) + reference.segment_length(t)) / 2:
+    if along >= (literal.segment_length(s) + literal.segment_length(t)) / 2:
         return False
-    return reference.segment_distance(s, t) < distance
+    return literal.segment_distance(s, t) < distance
 
 
 @pytest.mark.parametrize("seed", range(5))

@@ -1,0 +1,138 @@
+"""Extraction: clusters with one line each (A 3.2), and split and merge (A 6.2, its [4])."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from itertools import pairwise
+
+from .lines import SAME, Line, Point, extreme_projections
+
+Points = Sequence[Point]
+
+
+def fit_total(points: Points) -> Line:
+    """Line with the least sum of squared distances: the mean, and the direction of most spread."""
+    x, y = (sum(p[k] for p in points) / len(points) for k in (0, 1))
+    sxx, syy = (sum((p[k] - c) ** 2 for p in points) for k, c in ((0, x), (1, y)))
+    sxy = sum((p[0] - x) * (p[1] - y) for p in points)
+    angle = math.atan2(2 * sxy, sxx - syy) / 2
+    return x, y, math.cos(angle), math.sin(angle)
+
+
+def fit_algebraic(points: Points) -> Line | None:
+    """A 3.1-3.3: least squares on `a x + b y = 1`; None for a line through the origin."""
+    sx, sy = sum(p[0] for p in points), sum(p[1] for p in points)
+    sxx, syy = sum(p[0] ** 2 for p in points), sum(p[1] ** 2 for p in points)
+    sxy = sum(p[0] * p[1] for p in points)
+    det = sxx * syy - sxy * sxy
+    if det <= 1e-12 * (sxx + syy) ** 2:
+        return None
+    a, b = (sx * syy - sy * sxy) / det, (sy * sxx - sx * sxy) / det
+    norm = math.hypot(a, b)
+    return (a / norm**2, b / norm**2, -b / norm, a / norm) if norm > 0 else None
+
+
+def cut_at_gaps(points: Points, gap: float, closed: bool = False) -> list[list[Point]]:
+    """Runs of points that are nearer to their neighbour than the gap, metres."""
+    points = list(points)
+    if closed and len(points) > 2:
+        points = points[(k := start_of_round(points, gap)) :] + points[:k]
+    runs = [[p] for p in points[:1]]
+    for before, point in pairwise(points):
+        if math.dist(before, point) >= gap:
+            runs.append([])
+        runs[-1].append(point)
+    return runs
+
+
+def start_of_round(points: Points, gap: float) -> int:
+    """Where a scan all round begins: behind its first gap, else at the point farthest out."""
+    n = len(points)
+    behind = [k for k in range(n) if math.dist(points[k - 1], points[k]) >= gap]
+    middle = [sum(p[k] for p in points) / n for k in (0, 1)]
+    return behind[0] if behind else max(range(n), key=lambda k: math.dist(points[k], middle))
+
+
+def extract_clusters(
+    points: Points, *, gap: float = 0.30, fit: str = "total", closed: bool = False
+) -> list[list[tuple[float, float]]]:
+    """One segment for each run of more than one place (A 3.2)."""
+    found = []
+    for run in cut_at_gaps(points, gap, closed):
+        line = fit_total(run) if fit == "total" else fit_algebraic(run)
+        ends = extreme_projections(run, line) if line else [(0.0, 0.0)] * 2
+        if math.dist(*ends) > SAME:
+            found.append(ends)
+    return found
+
+
+def off_line(point: Point, line: Line) -> float:
+    """Distance of a point from a line, metres."""
+    return abs((point[1] - line[1]) * line[2] - (point[0] - line[0]) * line[3])
+
+
+def split(points: Points, tolerance: float, first: int, last: int) -> list[int]:
+    """Cut a run at the point farthest from its chord, again and again: last index of each piece."""
+    (x, y), (u, v) = points[first], points[last]
+    size = math.dist((x, y), (u, v))
+    chord = (x, y, (u - x) / size, (v - y) / size) if size >= SAME else None
+    if chord is None:  # the ends coincide: measure along the points
+        _, _, dx, dy = fit_total(points[first : last + 1])
+        chord = (x, y, -dy, dx)
+    far = max(range(first, last + 1), key=lambda k: off_line(points[k], chord))
+    if off_line(points[far], chord) <= tolerance or far in (first, last):
+        return [last]
+    return split(points, tolerance, first, far) + split(points, tolerance, far, last)
+
+
+def merge(points: Points, tolerance: float, ends: list[int]) -> list[int]:
+    """Join the two neighbours that one line fits best, while it fits within tolerance, metres."""
+    while len(ends) > 1:
+        starts, errors = [0, *ends], []
+        for k in range(len(ends) - 1):
+            both = points[starts[k] : ends[k + 1] + 1]
+            line = fit_total(both)
+            errors.append(max(off_line(p, line) for p in both))
+        if min(errors) > tolerance:
+            break
+        best = errors.index(min(errors))
+        ends = ends[:best] + ends[best + 1 :]
+    return ends
+
+
+def border(points: Points, start: int, corner: int, end: int) -> int:
+    """First point of the second of two pieces that share a corner: each to the nearer wall."""
+    if corner - start < 3:
+        return corner
+    if end - corner < 3:
+        return corner + 1
+    left, right = fit_total(points[start:corner]), fit_total(points[corner + 1 : end + 1])
+    off = [(off_line(p, left), off_line(p, right)) for p in points]
+    while corner - start > 2 and off[corner - 1][1] < off[corner - 1][0]:
+        corner -= 1
+    while end - corner > 2 and off[corner][0] < off[corner][1]:
+        corner += 1
+    return corner
+
+
+def extract_polylines(
+    points: Points,
+    *,
+    gap: float = 0.30,
+    tolerance: float = 0.03,
+    min_points: int = 5,
+    min_length: float = 0.10,
+    closed: bool = False,
+) -> list[list[tuple[float, float]]]:
+    """Split each run, merge its pieces, fit a line to each that is large enough."""
+    found = []
+    for run in cut_at_gaps(points, gap, closed):
+        ends, start = merge(run, tolerance, split(run, tolerance, 0, len(run) - 1)), 0
+        for k, end in enumerate(ends):
+            last = k + 1 == len(ends)
+            stop = end + 1 if last else border(run, start, end, ends[k + 1])
+            piece, start = run[start:stop], stop
+            if len(piece) >= max(min_points, 2):
+                found.append(extreme_projections(piece, fit_total(piece)))
+    return [s for s in found if math.dist(*s) >= min_length]

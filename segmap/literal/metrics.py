@@ -1,0 +1,39 @@
+"""Segment distance and quality (A 2.7.7, 6.2.2), term by term."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from .lines import SAME, Segment, axial_difference, line_angle, point_to_segment, segment_length
+
+
+def segment_distance(u: Segment, v: Segment, weight_u: float = 1.0, weight_v: float = 1.0) -> float:
+    """`0.66 D_ang + 0.09 D_uva + 0.25 D_uv`, metres; of two mean directions the smaller value."""
+    size_u, size_v = segment_length(u), segment_length(v)
+    at_u = line_angle(u) if size_u >= SAME else line_angle(v) if size_v >= SAME else 0.0
+    at_v = line_angle(v) if size_v >= SAME else at_u
+    share, turn = weight_v / (weight_u + weight_v), axial_difference(at_v, at_u)
+    turns = [turn] if abs(abs(turn) - math.pi / 2) > 1e-9 else [math.pi / 2, -math.pi / 2]
+    middle = [
+        (1 - share) * (u[0][k] + u[1][k]) / 2 + share * (v[0][k] + v[1][k]) / 2 for k in (0, 1)
+    ]
+    values = []
+    for direction in (at_u + share * turn for turn in turns):
+        d_ang = (1 - share) * size_u * math.tan(abs(axial_difference(at_u, direction)))
+        d_ang += share * size_v * math.tan(abs(axial_difference(at_v, direction)))
+        nx, ny = -math.sin(direction), math.cos(direction)
+        d_uva = max(abs((p[0] - middle[0]) * nx + (p[1] - middle[1]) * ny) for p in (*u, *v))
+        d_uv = min(*(point_to_segment(p, v) for p in u), *(point_to_segment(p, u) for p in v))
+        values.append(0.66 * d_ang + 0.09 * d_uva + 0.25 * d_uv)
+    return min(values)
+
+
+def quality(before: Sequence[Segment], after: Sequence[Segment], *, scale: float = 0.050) -> float:
+    """`exp(-mean distance to the nearest segment left / scale)`; scale in metres."""
+    if len(before) == 0:
+        return 1.0
+    if len(after) == 0:
+        return 0.0
+    mean = sum(min(segment_distance(s, t) for t in after) for s in before) / len(before)
+    return math.exp(-mean / scale)

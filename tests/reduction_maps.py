@@ -1,0 +1,39 @@
+"""Random maps on which the reduction methods meet their plain versions and their symmetries."""
+
+import numpy as np
+
+from segmap import load
+from segmap.extraction import build_map
+from segmap.segments import SegmentMap
+
+
+def random_map(rng: np.random.Generator, n: int = 48) -> np.ndarray:
+    """No order at all."""
+    return rng.uniform(-1, 1, (n, 2, 2))
+
+
+def redundant_map(rng: np.random.Generator, n: int = 60) -> np.ndarray:
+    """Pieces of five walls around the origin, each seen several times with noise."""
+    walls = rng.uniform(-3, 3, (5, 2, 2))
+    part = rng.uniform(0, 1, (n, 2))[..., None]
+    wall = walls[rng.integers(0, 5, n)]
+    return wall[:, :1] + part * (wall[:, 1:] - wall[:, :1]) + rng.normal(0, 0.015, (n, 2, 2))
+
+
+def lattice_map(rng: np.random.Generator, n: int = 48) -> np.ndarray:
+    """Everything ties: duplicates, crossings, lines through the origin, some without length."""
+    return np.repeat(rng.integers(-3, 4, (n // 2, 2, 2)) * 0.15, 2, axis=0)
+
+
+def corridor_map(rng: np.random.Generator, n: int = 60) -> np.ndarray:
+    """Many segments along one line: long chains and many shifts."""
+    return rng.normal(0, 1, (n, 2, 2)) * (2.0, 0.03)
+
+
+MAPS = [random_map, redundant_map, lattice_map, corridor_map]
+
+
+def malaga() -> SegmentMap:
+    """The real map that the chapters use."""
+    log = load("malaga")
+    return build_map(log, log.truth)
