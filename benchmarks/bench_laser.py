@@ -20,9 +20,10 @@ from segmap.hokuyo import (
     UrgSensor,
     encode_reply,
     encode_scan,
+    laser_scan,
     parse_reply,
+    parse_scan,
 )
-from segmap.hokuyo._turns import Turns
 from segmap.panels import LivePanel
 from segmap.scans import LaserScan
 
@@ -81,9 +82,9 @@ def parsing(scan: LaserScan, sensor: Any) -> float:
     request = ScanRequest("MD", sensor.geometry.first, sensor.geometry.last)
     met = np.where(scan.codes == 0, np.rint(1000 * np.nan_to_num(scan.ranges, posinf=0)), 0)
     answer = encode_reply(request.text, "99", encode_scan(0, met.astype(int), 3))
-    turns = Turns(sensor.geometry, sensor.rate, (0, 0, 0))
     begun = time.perf_counter()
-    turns.scan(parse_reply(answer.split(b"\n")[:-2]), request, 0.0)
+    reply = parse_reply(answer.split(b"\n")[:-2])
+    laser_scan(parse_scan(reply.body, 3), request, sensor.geometry, time=0.0)
     return time.perf_counter() - begun
 
 

@@ -6,8 +6,15 @@ import pytest
 from segmap import read
 from segmap.emulator import Replay
 from segmap.error_codes import CODES, LOWEST, as_ranges
-from segmap.hokuyo import Geometry, Reply, ScanRequest, encode_reply, encode_scan, record
-from segmap.hokuyo._turns import Turns
+from segmap.hokuyo import (
+    Geometry,
+    ScanRequest,
+    encode_reply,
+    encode_scan,
+    laser_scan,
+    parse_scan,
+    record,
+)
 from segmap.readers import _coreslam
 
 URG = Geometry(1024, 44, 725, 384, 20, 5600, 0.1)
@@ -18,8 +25,7 @@ MET = np.r_[np.arange(25), 500, 4095, 4096, 5599]
 def driven():
     """The scan that the driver makes of `MET`."""
     request = ScanRequest("GD", 370, 370 + len(MET) - 1)
-    reply = Reply(request.text, "00", tuple(encode_scan(0, MET, 3)))
-    return Turns(URG, 115200, (0, 0, 0)).scan(reply, request, 0.0)
+    return laser_scan(parse_scan(encode_scan(0, MET, 3), 3), request, URG, time=0.0)
 
 
 def as_text(tmp_path):

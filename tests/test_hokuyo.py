@@ -294,8 +294,8 @@ def test_arbitrary_bytes(data, endless):
     lines = Lines(port, lambda: port.now)
     with contextlib.suppress(SensorError):
         found = lines.reply(b"GD0044072501", 0.5)
-        if found is not None:
-            parse_scan(parse_reply(found).body, 3)
+        if found.lines is not None:
+            parse_scan(parse_reply(found.lines).body, 3)
     assert port.now < 2.0
     assert len(lines.kept) <= 512 + len(data)
 
@@ -304,7 +304,7 @@ def test_silence_forgets_what_was_heard_before():
     """Catches an old answer, or half a line, that is taken for the answer to the next request."""
     port = Wire(b"BM\n00P\n\nGD0044072501\n00P\nhalf a li")
     lines = Lines(port, lambda: port.now)
-    assert lines.reply(b"BM", 0.5) == [b"BM", b"00P"]
+    assert lines.reply(b"BM", 0.5) == ([b"BM", b"00P"], 0)
     assert lines.kept.startswith(b"GD0044072501")
     assert lines.silence(0.1)
     port.left = b"QT\n00P\n\n"

@@ -25,7 +25,7 @@ from segmap import read
 from segmap.emulator import Emulator, Replay, Room
 from segmap.hokuyo import SensorError, SensorGone, UrgSensor, find_port, ports
 from segmap.hokuyo.__main__ import main as bench
-from segmap.hokuyo._connect import RATES
+from segmap.hokuyo._stream import RATES
 from segmap.simulation import URG_04LX, rectangular_room
 
 pytest.importorskip("serial", reason="the driver opens ports with pyserial")
@@ -45,7 +45,7 @@ def nothing_is_left():
 
 
 def of(emulator, **settings):
-    return UrgSensor(emulator.port, **({"patience": 0.5} | settings))
+    return UrgSensor(emulator.port, **({"timeout": 0.5} | settings))
 
 
 def first(sensor, count, **settings):
@@ -179,7 +179,7 @@ def test_steps_that_it_has_not(wrong):
     with Emulator(**FAST) as emulator, of(emulator) as sensor:
         with pytest.raises(ValueError, match="steps must lie in order"):
             sensor.scan(**wrong)
-        with pytest.raises(ValueError, match="skip must be 0 to 9"):
+        with pytest.raises(ValueError, match=r"skip must be .* at most 9"):
             next(sensor.scans(skip=10))
 
 
@@ -363,7 +363,7 @@ def test_a_port_that_is_handed_in():
 
     with Emulator(pattern, **FAST) as emulator:
         port = serial.Serial(emulator.port, timeout=0.02)
-        with UrgSensor(port, patience=0.5) as sensor:
+        with UrgSensor(port, timeout=0.5) as sensor:
             turn_of(sensor.scan())
         assert not port.is_open
         with pytest.raises(ValueError, match="reconnect needs the name"):
@@ -373,7 +373,7 @@ def test_a_port_that_is_handed_in():
 def test_what_a_port_may_be():
     """A path as `pathlib` makes it is a device; what is no port is told so."""
     with Emulator(pattern, **FAST) as emulator:
-        with UrgSensor(Path(emulator.port), patience=0.5, reconnect=1.0) as sensor:
+        with UrgSensor(Path(emulator.port), timeout=0.5, reconnect=1.0) as sensor:
             turn_of(sensor.scan())
         with pytest.raises(ValueError, match="at least one bit rate"):
             of(emulator, rates=())
@@ -436,23 +436,44 @@ def test_the_bench(tmp_path, capsys):
     assert "is the sensor plugged in" in capsys.readouterr().err
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-def test_the_recorder_is_stopped(number, tmp_path):
-    """Catches a laser left on by `kill`, which ends Python without cleaning up."""
+#: The recorder, with SIGHUP as a terminal hands it on, whatever the runner of the tests ignores.
+HANGUP = "import runpy, signal; signal.signal(signal.SIGHUP, signal.SIG_{}); "
+RECORDER = HANGUP + "runpy.run_module('segmap.hokuyo', run_name='__main__', alter_sys=True)"
+
+
+def recording(emulator, log, hangup="DFL"):
+    """The recorder in a process of its own, once some scans are written."""
+    command = [sys.executable, "-c", RECORDER.format(hangup), "record", str(log)]
+    command += ["--port", emulator.port]
+    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    wait_for(lambda: log.exists() and log.stat().st_size > 20_000, 20)
+    return process
+
+
+@pytest.mark.parametrize("name", ["SIGINT", "SIGTERM", "SIGHUP"])
+def test_the_recorder_is_stopped(name, tmp_path):
+    """Catches a laser left on by `kill`, or by a terminal that is closed: it says so twice."""
     log = tmp_path / "until.log"
-    with Emulator(pattern, **FAST) as emulator:
-        command = [sys.executable, "-m", "segmap.hokuyo", "record", str(log)]
-        with subprocess.Popen(
-            [*command, "--port", emulator.port], stdout=subprocess.PIPE, stderr=subprocess.PIPE
-        ) as process:
-            wait_for(lambda: log.exists() and log.stat().st_size > 20_000, 20)
-            process.send_signal(number)
-            said, errors = process.communicate(timeout=20)
+    with Emulator(pattern, **FAST) as emulator, recording(emulator, log) as process:
+        process.send_signal(getattr(signal, name))
+        process.send_signal(getattr(signal, name))
+        said, errors = process.communicate(timeout=20)
         assert process.returncode == 0
         assert b" scans, 0 dropped" in said
         assert errors == b""
         wait_for(lambda: not emulator.unit.laser)
     assert len(read(log)) >= 3
+
+
+def test_nohup_outlives_the_terminal(tmp_path):
+    """Catches a recorder that stops where somebody took care that it does not."""
+    log = tmp_path / "on.log"
+    with Emulator(pattern, **FAST) as emulator, recording(emulator, log, "IGN") as process:
+        process.send_signal(signal.SIGHUP)
+        size = log.stat().st_size
+        wait_for(lambda: log.stat().st_size > size + 20_000, 20)
+        process.terminate()
+        assert process.wait(20) == 0
 
 
 @pytest.mark.parametrize("command", ["", "list", "info", "record"])

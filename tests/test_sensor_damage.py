@@ -10,8 +10,7 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from segmap.emulator import Unit
-from segmap.hokuyo import Geometry, SensorError, SensorGone, UrgSensor
-from segmap.hokuyo._session import Session
+from segmap.hokuyo import Geometry, SensorError, SensorGone, UrgSensor, _sensor
 
 URG = Geometry(1024, 44, 725, 384, 20, 5600, 0.1)
 #: Seconds of the port's own clock in which all must be over.
@@ -50,7 +49,7 @@ class Wired:
 
 
 def connected(port, **settings):
-    return UrgSensor(port, rates=(115200,), patience=0.5, clock=lambda: port.now, **settings)
+    return UrgSensor(port, rates=(115200,), timeout=0.5, clock=lambda: port.now, **settings)
 
 
 def struck(at, kind, what):
@@ -142,19 +141,32 @@ def test_a_port_that_waits_for_ever_is_refused():
 
 def test_waits_get_longer(monkeypatch):
     """Catches a driver that looks for an unplugged sensor as fast as it can, or waits too long."""
-    waits, now = [], [0.0]
+    waits, port = [], Wired()
 
     def sleep(seconds):
         waits.append(seconds)
         assert len(waits) < 50, "it looks for the sensor without end"
-        now[0] += seconds
+        port.now += seconds
 
-    monkeypatch.setattr("segmap.hokuyo._session.time.sleep", sleep)
-    session = Session("/dev/no-such-laser", (115200,), 0.5, lambda: now[0])
-    with pytest.raises(SensorGone, match="not back within 9 s"):
-        session.find_again(SensorGone("unplugged"), 9.0)
-    assert waits == pytest.approx([0.1, 0.2, 0.4, 0.8, 1.6, 2.0, 2.0, 1.9])
-    assert now == [pytest.approx(9.0)]
+    def gone(device, rate):
+        raise SensorError(f"cannot open {device}")
+
+    monkeypatch.setattr(_sensor, "open_port", lambda device, rate: port)
+    monkeypatch.setattr(_sensor.time, "sleep", sleep)
+    settings = {"timeout": 0.5, "clock": lambda: port.now}
+    with UrgSensor("/dev/laser", rates=(115200,), reconnect=9.0, **settings) as sensor:
+        monkeypatch.setattr(_sensor, "open_port", gone)
+        monkeypatch.setattr(port, "write", failing)
+        with pytest.raises(SensorGone, match="not back within 9 s: cannot open /dev/laser"):
+            sensor.scan()
+        assert waits == pytest.approx([0.1, 0.2, 0.4, 0.8, 1.6, 2.0, 2.0, 1.9])
+        with pytest.raises(SensorError, match="closed"):
+            sensor.scan()
+    assert not port.open
+
+
+def failing(data):
+    raise OSError("the port vanished")
 
 
 class EveryThird:

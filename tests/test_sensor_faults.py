@@ -43,7 +43,7 @@ def run(open_with, fault, seed) -> Outcome:
     with Emulator(pattern, speed=10, rng=rng, **open_with) as emulator:
         plan(emulator, fault, rng)
         try:
-            with UrgSensor(emulator.port, rates=(115200, 19200), patience=0.4) as sensor:
+            with UrgSensor(emulator.port, rates=(115200, 19200), timeout=0.4) as sensor:
                 assert sensor.geometry == URG
                 stream = sensor.scans() if seed % 2 else iter(sensor.scan, None)
                 for scan in itertools.islice(stream, SCANS):
@@ -130,7 +130,7 @@ def test_a_spoiled_scan_is_counted(kind):
     """In the middle of a scan, so that it must be missed: one drop, and the next is right."""
     with (
         Emulator(pattern, speed=10) as emulator,
-        UrgSensor(emulator.port, rates=(115200,), patience=0.5) as sensor,
+        UrgSensor(emulator.port, rates=(115200,), timeout=0.5) as sensor,
     ):
         stream = sensor.scans()
         turn_of(next(stream))
@@ -145,7 +145,7 @@ def test_a_spoiled_scan_is_counted(kind):
 def test_a_hardware_fault_says_what_to_do():
     with (
         Emulator(pattern, speed=10) as emulator,
-        UrgSensor(emulator.port, patience=0.5) as sensor,
+        UrgSensor(emulator.port, timeout=0.5) as sensor,
     ):
         emulator.inject("status")
         assert sensor.state()["STAT"] == "Motor does not turn."
@@ -161,7 +161,7 @@ def test_a_sensor_that_falls_silent():
     """Catches a driver that waits for ever."""
     with (
         Emulator(pattern, speed=10) as emulator,
-        UrgSensor(emulator.port, rates=(115200,), patience=0.2) as sensor,
+        UrgSensor(emulator.port, rates=(115200,), timeout=0.2) as sensor,
     ):
         stream = sensor.scans()
         next(stream)
@@ -179,7 +179,7 @@ def test_a_stream_that_runs_already():
     """Catches an acknowledgement that got lost, and a scan in its place that is called a fault."""
     with (
         Emulator(pattern, speed=10) as emulator,
-        UrgSensor(emulator.port, rates=(115200,), patience=0.5) as sensor,
+        UrgSensor(emulator.port, rates=(115200,), timeout=0.5) as sensor,
     ):
         emulator.inject("lose", after=len("MD0044072501000\n0"))
         stream = sensor.scans()

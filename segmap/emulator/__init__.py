@@ -3,8 +3,7 @@
 `python -m segmap.emulator` starts one and prints its device.
 """
 
-from ._emulator import Emulator
+from ._emulator import Emulator, Replay, Room, furnished_room
 from ._unit import Unit
-from ._worlds import Replay, Room, furnished_room
 
 __all__ = ["Emulator", "Replay", "Room", "Unit", "furnished_room"]

@@ -1,25 +1,34 @@
-"""The emulated sensor at a pseudo-terminal, which programs open as they open a serial port."""
+"""The emulated sensor, and what it sees: a simulated room, or the scans of a capture."""
 
-import contextlib
+from __future__ import annotations
+
 import os
-import select
-import threading
 import time
 import weakref
 from collections.abc import Callable
 from pathlib import Path
 from types import TracebackType
-from typing import Any, Self
+from typing import Self
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
-from ..hokuyo import SensorError
-from ._unit import RATES, Unit
-from ._wire import FAULTS, Fault, Unplugged, Wire
-from ._worlds import World, furnished_room
-
-#: The thread looks at the clock so often, seconds.
-TICK = 0.005
+from .. import arrays
+from ..arrays import Array, Segments
+from ..error_codes import LOWEST, NEIGHBOURS_BAD, NOT_MEASURED, NOTHING_MET
+from ..hokuyo import SensorError, parse_reply, parse_request, parse_scan
+from ..simulation import (
+    URG_04LX,
+    OdometryNoise,
+    Sensor,
+    box,
+    cast_rays,
+    drive,
+    rectangular_room,
+    simulate,
+)
+from ._device import FAULTS, Device, Fault, Wire
+from ._unit import FIRST, STEPS, Unit, World
 
 
 class Emulator:
@@ -91,13 +100,12 @@ class Emulator:
             speed=speed,
             clock=clock,
             stamp=stamp,
+            streaming=streaming,
+            timing=timing,
         )
-        self.unit.timing = timing
-        if streaming:
-            self.unit.start_stream()
         self.wire = Wire(time.monotonic, np.random.default_rng(1) if rng is None else rng)
         self._link = None if link is None else Path(link)
-        self._device = _Device(self.unit, self.wire, self._link)
+        self._device = Device(self.unit, self.wire, self._link)
         self._finalizer = weakref.finalize(self, self._device.stop)
         self._device.start()
 
@@ -120,9 +128,9 @@ class Emulator:
             Length of a silence.
         """
         if kind == "status":
-            self.unit.trouble = "Motor does not turn."
+            self.unit.fail("Motor does not turn.")
         elif kind == "wrap":
-            self.unit.stamp = (1 << 24) - 50 - 100 * (self.unit.turn() + 2)
+            self.unit.wrap_clock()
         elif kind in FAULTS:
             self.wire.plan(Fault(kind, after, seconds))
         else:
@@ -130,7 +138,7 @@ class Emulator:
 
     def mend(self) -> None:
         """The sensor works well again."""
-        self.unit.trouble = ""
+        self.unit.fail("")
 
     def unplug(self) -> None:
         """Pull the sensor out: the device vanishes."""
@@ -157,92 +165,105 @@ class Emulator:
         self.stop()
 
 
-class _Device:
-    """A pseudo-terminal and the thread that serves it; knows nothing of the Emulator."""
+class Room:
+    """A sensor driven through a room, one pose a turn, to the end of its path and back again.
 
-    def __init__(self, unit: Unit, wire: Wire, link: Path | None) -> None:
-        self.unit, self.wire, self.link = unit, wire, link
-        self.name = ""
-        self._ends: tuple[int, int] | None = None
-        self._thread: threading.Thread | None = None
-        self._stopping = threading.Event()
+    Parameters
+    ----------
+    walls : (n, 2, 2) array, metres
+    path : (k, 3) array, metres and radians
+    sensor : Sensor
+    rng : numpy.random.Generator
+        Of the sensor's noise.
 
-    def start(self) -> None:
-        """Open the pseudo-terminal, with its link, and serve it in a thread until `stop`."""
-        import tty
+    Raises
+    ------
+    ValueError
+        For a path without poses.
 
-        master, slave = os.openpty()
-        tty.setraw(slave)
-        os.set_blocking(master, False)
-        self.name, self._ends = os.ttyname(slave), (master, slave)
-        try:
-            self._make_link()
-        except OSError:
-            self._free()
-            raise
-        self._stopping.clear()
-        self._thread = threading.Thread(target=self._serve, name="URG emulator", daemon=True)
-        self._thread.start()
+    Examples
+    --------
+    >>> room = Room(rectangular_room(4, 3), [(1, 1, 0)], URG_04LX.ideal())
+    >>> room(0)[[384, 0]]  # straight ahead, and behind, where it does not measure
+    array([3000,   19])
+    """
 
-    def stop(self) -> None:
-        """End the thread, close both ends and remove the link; a second call does nothing."""
-        self._stopping.set()
-        if self._thread is not None and self._thread is not threading.current_thread():
-            self._thread.join()
-            self._thread = None
-        self._free()
+    def __init__(
+        self,
+        walls: Segments,
+        path: ArrayLike,
+        sensor: Sensor = URG_04LX,
+        rng: np.random.Generator | None = None,
+    ) -> None:
+        self.walls, self.path = arrays.segments(walls, "walls"), arrays.poses(path, "path")
+        if not len(self.path):
+            raise ValueError("path must hold at least one pose, (k, 3), got none")
+        self.sensor = sensor
+        self.rng = np.random.default_rng(1) if rng is None else arrays.generator(rng)
+        cast_rays(self.walls, self.path[0], [0.0])  # compiles before a driver waits for it
 
-    def _make_link(self) -> None:
-        """Name the device, in the place of a link that was left behind, but of no file."""
-        if self.link is not None:
-            if self.link.is_symlink():
-                self.link.unlink()
-            self.link.symlink_to(self.name)
+    def pose(self, turn: int) -> Array:
+        """Where the sensor is in a turn, `(3,)`, metres and radians."""
+        last = len(self.path) - 1
+        return self.path[last - abs(last - turn % (2 * last))] if last else self.path[0]
 
-    def _free(self) -> None:
-        ends, self._ends = self._ends, None
-        if self.link is not None and ends and self.link.is_symlink():
-            self.link.unlink()
-        for end in ends or ():
-            os.close(end)
+    def __call__(self, turn: int) -> NDArray[np.int64]:
+        """Millimetres of all steps, `(769,)`."""
+        pose, still = self.pose(turn)[None], OdometryNoise().ideal()
+        (scan,) = simulate(self.walls, pose, sensor=self.sensor, rng=self.rng, odometry_noise=still)
+        met = np.rint(1000 * scan.ranges)
+        found = np.where(met >= LOWEST, met, NEIGHBOURS_BAD)
+        steps = np.full(STEPS, NOT_MEASURED)
+        steps[FIRST : FIRST + len(met)] = np.where(np.isposinf(met), NOTHING_MET, found)
+        return steps
 
-    def _serve(self) -> None:
-        waiting = b""
-        try:
-            while not self._stopping.is_set() and self._ends:
-                waiting = self._step(self._ends[0], waiting)
-        except Unplugged:
-            self._free()
 
-    def _step(self, master: int, waiting: bytes) -> bytes:
-        """Read, answer, write once; the bytes that could not be written yet."""
-        select.select([master], [master] if waiting else [], [], TICK)
-        heard, fits = self._read(master), self._fits(master)
-        if fits:
-            self.unit.receive(heard)
-        elif heard:
-            waiting += self.wire.rng.bytes(len(heard))
-        if not waiting:
-            sent = self.wire.passed(self.unit.transmit())
-            waiting = sent if fits else bytes(b ^ 0xA5 for b in sent)
-        with contextlib.suppress(BlockingIOError):
-            waiting = waiting[os.write(master, waiting) :] if waiting else b""
-        return waiting
+class Replay:
+    """The scans that a sensor sent while it was recorded, again and again.
 
-    def _read(self, master: int) -> bytes:
-        try:
-            return os.read(master, 4096)
-        except BlockingIOError:
-            return b""
+    Parameters
+    ----------
+    capture : bytes
+        What came from a sensor in SCIP 2.0; other replies are passed over.
 
-    def _fits(self, master: int) -> bool:
-        """Whether the host talks at the sensor's bit rate: the terminal tells both its ends."""
-        import termios
+    Raises
+    ------
+    SensorError
+        Where a scan is damaged, or there is none.
 
-        if self.unit.usb:
-            return True
-        known: dict[Any, int] = {
-            getattr(termios, f"B{rate}"): rate for rate in RATES if hasattr(termios, f"B{rate}")
-        }
-        speed = termios.tcgetattr(master)[5]
-        return known.get(speed) == (self.unit.rate if self.unit.rate in known.values() else None)
+    Examples
+    --------
+    >>> Replay(b"GD0383038401\\n00P\\nJUGnD\\n06805m`\\n\\n")(0)[383:386]
+    array([392, 381,  19])
+    """
+
+    def __init__(self, capture: bytes) -> None:
+        replies = (reply.strip(b"\n").split(b"\n") for reply in capture.split(b"\n\n"))
+        self.turns = [_turn(lines) for lines in replies if _is_scan(lines)]
+        if not self.turns:
+            raise SensorError("the capture holds no scan of SCIP 2.0")
+
+    def __call__(self, turn: int) -> NDArray[np.int64]:
+        """Millimetres of all steps, `(769,)`."""
+        return self.turns[turn % len(self.turns)]
+
+
+def _is_scan(lines: list[bytes]) -> bool:
+    return lines[0][:2] in (b"GD", b"GS", b"MD", b"MS") and len(lines) > 3
+
+
+def _turn(lines: list[bytes]) -> NDArray[np.int64]:
+    reply = parse_reply(lines)
+    request = parse_request(reply.echo)
+    met = parse_scan(reply.body, 3 if request.kind[1] == "D" else 2).millimetres
+    steps = np.full(STEPS, NOT_MEASURED)
+    steps[request.first : request.first + len(met)] = met
+    return steps
+
+
+def furnished_room() -> Room:
+    """A room of 6 m by 4 m with a cupboard and a pillar, driven through at 0.2 m/s."""
+    pillar, cupboard = box(0.4, 0.4, (4.2, 1.4, 0.3)), box(0.5, 1.2, (0.25, 2.6, 0))
+    walls = np.concatenate([rectangular_room(6, 4), pillar, cupboard])
+    way = [(1.2, 1.0), (3.2, 1.0), (3.2, 2.8), (5.0, 2.8)]
+    return Room(walls, drive(way, step=0.02, turn=np.radians(3)))

@@ -1,5 +1,7 @@
 """A URG-04LX without its wire: what it answers to which bytes, and when (SCIP, 3 to 5)."""
 
+from __future__ import annotations
+
 import time
 from collections import deque
 from collections.abc import Callable
@@ -7,6 +9,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
+from .. import arrays
 from ..error_codes import LOWEST
 from ..hokuyo import (
     ScanRequest,
@@ -14,13 +17,16 @@ from ..hokuyo import (
     checksum,
     encode,
     encode_reply,
+    encode_reply_1,
     encode_scan,
     info_line,
     parse_request,
 )
-from ._old import OldProtocol
-from ._worlds import STEPS, World
 
+#: From the number of a turn to the millimetres of all its steps, `(769,)`.
+World = Callable[[int], NDArray[np.int64]]
+#: Steps 0 to 768 can be asked for; those from 44 to 725 are measured.
+STEPS, FIRST = 769, 44
 #: Seconds of a turn.
 TURN = 0.1
 #: No request is longer; what is, is forgotten.
@@ -36,37 +42,24 @@ VERSION = {
     "PROT": "SCIP 2.0",
     "SERI": "H0000000",
 }
+LIMITS = "DMIN:20 DMAX:5600 ARES:1024 AMIN:44 AMAX:725 AFRT:384 SCAN:600"
 PARAMETERS = {
     "MODL": "URG-04LX(Hokuyo Automatic Co.,Ltd.)",
-    "DMIN": "20",
-    "DMAX": "5600",
-    "ARES": "1024",
-    "AMIN": "44",
-    "AMAX": "725",
-    "AFRT": "384",
-    "SCAN": "600",
+    **dict(item.split(":") for item in LIMITS.split()),
 }
+#: What SCIP 1.1 answers to V.
+OLD_VERSION = (
+    "VEND:Hokuyo Automatic Co.,Ltd.",
+    "PROD:SOKUIKI Sensor URG-04LX",
+    "FIRM:3.1.04,07/08/02(20-4095[mm],240[deg],44-725[step],600[rpm])",
+    "PROT:00003,(SCIP 1.0)",
+    "SERI:H0000000",
+)
+PROTOCOLS = ("2.0", "1.1", "1.1 only")
 
 
 class Unit:
-    """The sensor: bytes in, bytes out, a clock.
-
-    Parameters
-    ----------
-    world : World
-        What it sees in each turn.
-    protocol : "2.0", "1.1" or "1.1 only"
-        What it speaks after power-up; the last has firmware that cannot switch.
-    rate : int, bits a second
-    usb : bool
-        Whether bits a second do not matter.
-    speed : float
-        Its seconds go by so much faster than the clock's.
-    clock : callable
-        Seconds.
-    stamp : int, milliseconds
-        Its own clock at power-up.
-    """
+    """The sensor: bytes in, bytes out, a clock. Its settings are those of `Emulator`."""
 
     def __init__(
         self,
@@ -78,15 +71,17 @@ class Unit:
         speed: float = 1.0,
         clock: Callable[[], float] = time.monotonic,
         stamp: int = 0,
+        streaming: bool = False,
+        timing: bool = False,
     ) -> None:
-        if protocol not in ("2.0", "1.1", "1.1 only"):
-            raise ValueError(f"protocol must be '2.0', '1.1' or '1.1 only', got {protocol!r}")
-        if rate not in RATES or not speed > 0:
-            raise ValueError(f"rate must be one of {RATES} and speed positive")
-        self.world, self.usb, self.speed, self.stamp = world, usb, speed, stamp
+        arrays.one_of(protocol, "protocol", PROTOCOLS)
+        if rate not in RATES:
+            raise ValueError(f"rate must be one of {RATES}, got {rate}")
+        self.speed = arrays.number(speed, "speed", above=0)
+        self.world, self.usb, self.stamp, self.timing = world, usb, stamp, timing
         self.rate = self.next_rate = rate
-        self.laser = self.timing = self.dead = False
-        self.old = OldProtocol(self, switches=protocol == "1.1") if protocol != "2.0" else None
+        self.old, self._switches = protocol != "2.0", protocol == "1.1"
+        self.laser, self.dead = self.old, False
         self._clock, self._begun = clock, clock()
         self.stream: ScanRequest | None = None
         self.trouble = ""
@@ -96,6 +91,9 @@ class Unit:
         self._late: deque[tuple[float, Callable[[], bytes]]] = deque()
         self._out = b""
         self._sent_at = 0.0
+        if streaming:  # left so by a host that crashed
+            self.stream, self.laser = parse_request("MD0044072501000"), True
+            self._next_turn = self.turn() + 1
 
     def now(self) -> float:
         """Its seconds since power-up."""
@@ -132,9 +130,13 @@ class Unit:
             self.rate = self.next_rate
         return data
 
-    def start_stream(self, text: str = "MD0044072501000") -> None:
-        """Be found streaming, as after a host that crashed."""
-        self.stream, self.laser, self._next_turn = parse_request(text), True, self.turn() + 1
+    def fail(self, trouble: str) -> None:
+        """Let the hardware fail: each scan is answered with status 50; no trouble mends it."""
+        self.trouble = trouble
+
+    def wrap_clock(self) -> None:
+        """Let its own clock pass the end of its 24 bits within the next turns."""
+        self.stamp = (1 << 24) - 50 - 100 * (self.turn() + 2)
 
     # -------------------------------------------------------------------- commands
     def _answer(self, text: str) -> bytes:
@@ -142,11 +144,34 @@ class Unit:
             self.dead = True
             return b""
         if self.old:
-            return self.old.answer(text)
+            return self._answer_old(text)
         act: Callable[[str], bytes] | None = getattr(self, f"_do_{text[:2].lower()}", None)
         if act is None or (self.timing and text[:2] != "TM"):
             return encode_reply(text, "0E")
         return act(text)
+
+    def _answer_old(self, text: str) -> bytes:
+        """The reply of SCIP 1.1: no check sums, one character of status."""
+        if text == "SCIP2.0" and self._switches:
+            self.old = self.laser = False
+            return encode_reply_1(text, "0")
+        if text == "V":
+            return encode_reply_1(text, "0", [line.encode("ascii") for line in OLD_VERSION])
+        if text in ("L0", "L1"):
+            already = self.laser == (text == "L1")
+            self.laser = text == "L1"
+            return encode_reply_1(text, "E" if already else "0")
+        if len(text) == 9 and text[0] == "G" and text[1:].isdigit():
+            return self._old_scan(text)
+        return encode_reply_1(text, "E")
+
+    def _old_scan(self, text: str) -> bytes:
+        first, last, cluster = int(text[1:4]), int(text[4:7]), max(int(text[7:]), 1)
+        if not first <= last < STEPS:
+            return encode_reply_1(text, "E")
+        met = self.world(max(self.turn(), 0))[first : last + 1 : cluster]
+        data = encode(np.minimum(met, 4095), 2)
+        return encode_reply_1(text, "0", [data[i : i + 64] for i in range(0, len(data), 64)])
 
     def _do_vv(self, text: str) -> bytes:
         return encode_reply(text, "00", [info_line(*item) for item in VERSION.items()])

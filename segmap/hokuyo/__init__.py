@@ -3,35 +3,43 @@
 `python -m segmap.hokuyo list`, `info` and `record` do the same from a terminal.
 """
 
-from ._clock import HostClock, host_time
-from ._coding import SensorError, checksum, decode, encode
-from ._line import Lines, Port, SensorGone
-from ._newest import Newest
-from ._ports import Found, find_port, open_port, ports
-from ._record import record
+from ._port import Lines, Port, PortInfo, SensorGone, find_port, open_port, ports
+from ._protocol import (
+    HostClock,
+    ScanRequest,
+    SensorError,
+    checksum,
+    decode,
+    encode,
+    encode_reply,
+    encode_reply_1,
+    encode_scan,
+    parse_request,
+)
+from ._record import Newest, record
 from ._replies import (
     Geometry,
     Measurement,
     Reply,
     explain,
     info_line,
+    laser_scan,
     parse_geometry,
     parse_info,
     parse_reply,
     parse_scan,
     parse_scan_1,
 )
-from ._requests import ScanRequest, encode_reply, encode_reply_1, encode_scan, parse_request
-from ._sensor import UrgSensor
+from ._sensor import UrgSensor, host_time
 
 __all__ = [
-    "Found",
     "Geometry",
     "HostClock",
     "Lines",
     "Measurement",
     "Newest",
     "Port",
+    "PortInfo",
     "Reply",
     "ScanRequest",
     "SensorError",
@@ -47,6 +55,7 @@ __all__ = [
     "find_port",
     "host_time",
     "info_line",
+    "laser_scan",
     "open_port",
     "parse_geometry",
     "parse_info",

@@ -1,9 +1,12 @@
-"""For the bench: find a sensor, ask what it is, record what it sees."""
+"""From a terminal: find a sensor, ask what it is, record what it sees."""
+
+from __future__ import annotations
 
 import argparse
 import signal
 import sys
 from pathlib import Path
+from typing import NoReturn
 
 from . import SensorError, UrgSensor, ports, record
 
@@ -11,9 +14,8 @@ from . import SensorError, UrgSensor, ports, record
 def main(arguments: list[str] | None = None) -> int:
     """Run a command; 0 where it went well, 1 with a reason where not."""
     given = _parser().parse_args(arguments)
-    if __name__ == "__main__":  # `kill` leaves as Control-C does: with the laser off
-        signal.signal(signal.SIGTERM, signal.default_int_handler)
-        signal.signal(signal.SIGINT, signal.default_int_handler)
+    if __name__ == "__main__":
+        _stop_on_signals()
     try:
         given.run(given)
     except KeyboardInterrupt:
@@ -22,6 +24,24 @@ def main(arguments: list[str] | None = None) -> int:
         print(f"{type(error).__name__}: {error}", file=sys.stderr)
         return 1
     return 0
+
+
+def _stop_on_signals() -> None:
+    """Leave with the laser off on Control-C, on `kill`, and when the terminal is closed.
+
+    Who starts the program with nohup wants it to outlive the terminal, so that stays.
+    """
+    numbers = [signal.SIGINT, signal.SIGTERM]
+    if hasattr(signal, "SIGHUP") and signal.getsignal(signal.SIGHUP) != signal.SIG_IGN:
+        numbers.append(signal.SIGHUP)
+
+    def interrupt(number: int, frame: object) -> NoReturn:
+        for number in numbers:  # a second signal must not keep the laser from being switched off
+            signal.signal(number, signal.SIG_IGN)
+        raise KeyboardInterrupt
+
+    for number in numbers:
+        signal.signal(number, interrupt)
 
 
 def _list(given: argparse.Namespace) -> None:

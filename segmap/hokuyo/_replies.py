@@ -1,15 +1,19 @@
-"""What the sensor answers, line by line: SCIP 2.0 and 1.1. Pure functions over whole replies."""
+"""What the sensor answers, line by line, and the scan that it means: pure functions."""
+
+from __future__ import annotations
 
 import re
 from collections.abc import Sequence
+from operator import index
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from ..arrays import Array
-from ._coding import SensorError, checksum, decode, unchecked
-from ._requests import BLOCK
+from ..error_codes import as_ranges
+from ..scans import LaserScan
+from ._protocol import BLOCK, CHARACTERS, ScanRequest, SensorError, checksum, decode, unchecked
 
 #: What a status means and what to do; for scans and for the commands that start them.
 STATUS = {
@@ -74,6 +78,34 @@ class Geometry(NamedTuple):
         """
         step = first + np.arange(count) * cluster + (cluster - 1) / 2
         return np.asarray((step - self.front) * 2 * np.pi / self.steps)
+
+    def request(
+        self,
+        kind: str,
+        first: int | None = None,
+        last: int | None = None,
+        cluster: int = 1,
+        skip: int = 0,
+    ) -> ScanRequest:
+        """A request for these steps; None for the outermost that the sensor measures.
+
+        Raises
+        ------
+        ValueError
+            Where the sensor has no such steps, or a number is too large.
+        TypeError
+            For a number that is not whole.
+        """
+        begin = self.first if first is None else index(first)
+        end = self.last if last is None else index(last)
+        if not (0 <= begin <= end <= self.last and cluster >= 1):
+            raise ValueError(
+                f"steps must lie in order within 0 to {self.last} and cluster be at least 1, "
+                f"got {begin} to {end} and {cluster}"
+            )
+        request = ScanRequest(kind, begin, end, index(cluster), index(skip))
+        request.check()
+        return request
 
 
 def parse_reply(lines: Sequence[bytes]) -> Reply:
@@ -183,6 +215,40 @@ def parse_scan(body: Sequence[bytes], characters: int) -> Measurement:
     if any(len(block) != BLOCK for block in blocks[:-1]) or len(b"".join(blocks[-1:])) > BLOCK:
         raise SensorError(f"a block without its {BLOCK} characters: the end of a line was lost")
     return Measurement(int(clock[0]), decode(b"".join(blocks), characters))
+
+
+def laser_scan(
+    met: Measurement,
+    request: ScanRequest,
+    geometry: Geometry,
+    *,
+    time: float,
+    sensor_pose: ArrayLike = (0.0, 0.0, 0.0),
+) -> LaserScan:
+    """The scan that a measurement means.
+
+    Parameters
+    ----------
+    met : Measurement
+        Distances in millimetres, codes below 20.
+    request : ScanRequest
+        That it answers.
+    geometry : Geometry
+        Of the sensor.
+    time : float, seconds
+    sensor_pose : (3,) array, metres and radians
+        Pose of the sensor in the frame of the robot.
+
+    Examples
+    --------
+    >>> urg, one = Geometry(1024, 44, 725, 384, 20, 5600, 0.1), ScanRequest("GD", 384, 384)
+    >>> laser_scan(Measurement(0, np.array([1500])), one, urg, time=0.0).points()
+    array([[1.5, 0. ]])
+    """
+    ranges, codes = as_ranges(met.millimetres)
+    most = min(geometry.most, 64 ** CHARACTERS[request.kind] - 1)
+    angles = geometry.angles(request.first, len(ranges), request.cluster)
+    return LaserScan(ranges, angles, time, None, most / 1000.0, sensor_pose, codes)
 
 
 def parse_scan_1(lines: Sequence[bytes]) -> NDArray[np.int64]:

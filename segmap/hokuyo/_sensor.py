@@ -1,29 +1,47 @@
 """The driver: a URG-04LX that connects, delivers scans, and is always left with its laser off."""
 
+from __future__ import annotations
+
 import contextlib
+import time
 import weakref
-from collections.abc import Iterator, Sequence
+from collections import deque
+from collections.abc import Callable, Iterator, Sequence
+from math import ceil
 from os import PathLike, fspath
 from types import TracebackType
 from typing import Self
 
+import numpy as np
 from numpy.typing import ArrayLike
 
+from .. import arrays
 from ..scans import LaserScan
-from ._asking import Asking
-from ._clock import Clock, host_time
-from ._coding import SensorError
-from ._connect import RATES
-from ._line import Port, SensorGone
-from ._replies import Geometry, parse_info
-from ._session import Session
+from ._port import Lines, Port, SensorGone, find_port, open_port
+from ._protocol import CLOCK, ScanRequest, SensorError
+from ._replies import Reply, parse_geometry, parse_info
+from ._stream import RATES, ScanStream, ask, connect, leave, period, transfer
+
+#: So many damaged or missing scans in a row are an error, not bad luck.
+MOST_FAILURES = 5
+#: Waits between attempts to find an unplugged sensor again double from the first to the last, s.
+BACK_OFF = (0.1, 2.0)
+#: Scans from which the pace of a stream is judged, and how much slower than asked is slow.
+PACE, SLOW = 11, 1.5
+
+_SINCE_1970 = time.time() - time.monotonic()
+
+
+def host_time() -> float:
+    """Seconds since 1970 that only go on, even where somebody sets the host's clock."""
+    return _SINCE_1970 + time.monotonic()
 
 
 class UrgSensor:
-    """A Hokuyo URG-04LX that is connected: use it as a context manager.
+    """A Hokuyo URG-04LX that is connected: use it as a context manager, in one thread at a time.
 
     However it ends - `close`, the end of `with`, an exception, an interrupt, or being forgotten -
-    the laser is switched off and the port freed. For one thread at a time.
+    the laser is switched off and the port freed.
 
     Parameters
     ----------
@@ -33,7 +51,7 @@ class UrgSensor:
         To look for the sensor at; it is then switched to the first. USB takes any.
     reconnect : float, seconds
         How long to look for a sensor that was unplugged while it was in use; 0 raises at once.
-    patience : float, seconds
+    timeout : float, seconds
         To wait for an answer beyond the time that measuring and sending it take.
     sensor_pose : (3,) array, metres and radians
         Pose of the sensor in the frame of the robot, passed on to the scans.
@@ -47,6 +65,7 @@ class UrgSensor:
     geometry : Geometry
         Its steps and limits, by its own word.
     rate : int, bits a second
+        At which both talk.
     delivered, dropped, reconnects : int
         Scans handed over; replies that were damaged or missing; times that it came back.
     why : str
@@ -56,11 +75,8 @@ class UrgSensor:
     ------
     SensorError
         Where it cannot be reached, with what to do.
-    ValueError
-        For no bit rate; for an open port that is to come back after unplugging, or that waits for
-        ever.
-    TypeError
-        For a port that is none.
+    ValueError, TypeError
+        For no bit rate; for what is no port, or an open one that waits for ever or is to come back.
 
     Examples
     --------
@@ -75,75 +91,39 @@ class UrgSensor:
         *,
         rates: Sequence[int] = RATES,
         reconnect: float = 0.0,
-        patience: float = 1.0,
+        timeout: float = 1.0,
         sensor_pose: ArrayLike = (0.0, 0.0, 0.0),
-        clock: Clock = host_time,
+        clock: Callable[[], float] = host_time,
     ) -> None:
-        if isinstance(port, PathLike):
-            port = fspath(port)
-        if not len(rates):
+        self._port, self._rates = _checked_port(port), tuple(rates)
+        if not self._rates:
             raise ValueError("rates must name at least one bit rate")
-        if reconnect > 0 and not isinstance(port, str):
+        if reconnect != np.inf:
+            arrays.number(reconnect, "reconnect", least=0, unit="seconds")
+        if reconnect > 0 and not isinstance(self._port, str):
             raise ValueError("reconnect needs the name of a device: an open port cannot come back")
-        self._session = Session(port, rates, patience, clock)
-        self._reconnect, self.reconnects = reconnect, 0
-        self._finalizer = weakref.finalize(self, self._session.shut)
-        self._session.open()
-        self._asking = Asking(self._session, sensor_pose)
-
-    @property
-    def info(self) -> dict[str, str]:
-        """What the sensor says of itself."""
-        return self._session.info
-
-    @property
-    def geometry(self) -> Geometry:
-        """Steps of a turn and limits, by the sensor's own word."""
-        return self._session.geometry
-
-    @property
-    def rate(self) -> int:
-        """Bits a second that both talk at."""
-        return self._session.rate
-
-    @property
-    def delivered(self) -> int:
-        """Scans handed over."""
-        return self._asking.delivered
-
-    @property
-    def dropped(self) -> int:
-        """Replies that were damaged or missing."""
-        return self._asking.dropped
-
-    @property
-    def why(self) -> str:
-        """Why the last one was dropped; empty where none was."""
-        return self._asking.why
+        self._reconnect = reconnect
+        self._timeout = arrays.number(timeout, "timeout", above=0, unit="seconds")
+        self._sensor_pose, self._clock = arrays.pose(sensor_pose, "sensor_pose"), clock
+        self.delivered = self.dropped = self.reconnects = 0
+        self.why = ""
+        self._asked: ScanRequest | None = None
+        self._stamps: deque[int] = deque(maxlen=PACE)
+        self._open()
 
     def scan(
         self, *, first: int | None = None, last: int | None = None, cluster: int = 1
     ) -> LaserScan:
         """The latest turn; the laser is switched on for it and stays on.
 
-        Parameters
-        ----------
-        first, last : int or None
-            Steps; None for all that the sensor measures.
-        cluster : int
-            Only the nearest of so many neighbours is reported.
+        The arguments are those of `scans`.
 
         Raises
         ------
         SensorError
             Where no whole scan comes after some attempts.
         """
-        request = self._asking.turns.request("GD", first, last, cluster)
-        while True:
-            try:
-                return self._asking.single(request)
-            except SensorGone as gone:
-                self._find_again(gone)
+        return self._whole(self.geometry.request("GD", first, last, cluster))
 
     def scans(
         self,
@@ -156,8 +136,8 @@ class UrgSensor:
     ) -> Iterator[LaserScan]:
         """Turn after turn, until the loop is left.
 
-        Damaged scans are left out and counted in `dropped`. Scans that are not fetched wait in the
-        port's small buffer; then the sensor waits.
+        Damaged scans are left out and counted in `dropped`. Scans that are not fetched wait in
+        the port's small buffer; where that is full, the sensor waits.
 
         Parameters
         ----------
@@ -176,34 +156,41 @@ class UrgSensor:
             Where the sensor is gone or faulty, or nothing whole has come for some time.
         """
         kind = "MS" if short else "MD"
-        request = self._asking.turns.request(kind, first, last, cluster, skip)
+        request = self.geometry.request(kind, first, last, cluster, skip)
+        self._asked, self._stamps = request, deque(maxlen=PACE)
         try:
             while True:
-                try:
-                    yield from self._asking.stream(request)
-                except SensorGone as gone:
-                    self._find_again(gone)
+                yield self._whole(request)
         finally:
             with contextlib.suppress(SensorError):
                 self.stop()
 
     def state(self) -> dict[str, str]:
         """What the sensor says of its condition: LASR, SCSP, MESM, SBPS, TIME, STAT."""
-        self.stop()
-        return parse_info(self._session.ask("II").body)
+        self._check_open()
+        self._stream.stop()
+        return parse_info(ask(self._lines, "II").body)
 
     @property
     def slow(self) -> str:
-        """Why scans arrive slower than asked and what to do; empty where they do not."""
-        return self._asking.slow
+        """Why the last stream arrived slower than asked and what to do; empty where it did not."""
+        if self._asked is None or len(self._stamps) <= PACE // 2:
+            return ""
+        wanted = period(self._asked, self.geometry)
+        found = float(np.median(np.diff(self._stamps) % CLOCK)) / 1000.0
+        if found < SLOW * wanted:
+            return ""
+        text = f"scans arrive every {found:.2f} s, asked for every {wanted:.2f} s"
+        return text + self._advice(self._asked)
 
     def stop(self) -> None:
         """End a stream and switch the laser off."""
-        self._asking.stop()
+        if self._leave.alive:
+            self._stream.stop()
 
     def close(self) -> None:
         """Switch the laser off and free the port; nothing happens the second time."""
-        self._finalizer()
+        self._leave()
 
     def __enter__(self) -> Self:
         return self
@@ -218,11 +205,97 @@ class UrgSensor:
 
     def __repr__(self) -> str:
         model = self.info.get("MODL", "unknown").partition("(")[0]
-        open_ = "closed" if self._session.opened is None else f"{self.rate} bit/s"
+        open_ = f"{self.rate} bit/s" if self._leave.alive else "closed"
         counts = f"{self.delivered} scans, {self.dropped} dropped"
         return f"UrgSensor({model}, {open_}, {counts})"
 
+    # ------------------------------------------------------------------------ scans
+    def _whole(self, request: ScanRequest) -> LaserScan:
+        """The next whole scan; damaged ones are counted, and a lost sensor is looked for."""
+        failures = 0
+        while failures < MOST_FAILURES:
+            self._check_open()
+            try:
+                scan, stamp, dropped = self._stream.take(request)
+            except SensorGone as gone:
+                self._find_again(gone)
+                failures = 0
+                continue
+            self.dropped += len(dropped)
+            self.why = dropped[-1] if dropped else self.why
+            if scan is not None:
+                self.delivered += 1
+                if request is self._asked:
+                    self._stamps.append(stamp)
+                return scan
+            failures += 1
+        advice = self._advice(request)
+        raise SensorError(f"no whole scan in {MOST_FAILURES} attempts: {self.why}{advice}")
+
+    def _advice(self, request: ScanRequest) -> str:
+        """What to do about a line that is too slow for a request; empty where it is not."""
+        takes = transfer(request, self.rate)
+        if takes <= period(request, self.geometry):
+            return ""
+        skip = min(ceil(takes / self.geometry.turn) - 1, 9)
+        return (
+            f"; at {self.rate} bit/s a scan of {request.beams} beams takes {takes:.2f} s: use "
+            f"250000 bit/s or USB, short=True, a cluster, or skip={skip}"
+        )
+
+    # ------------------------------------------------------------------- connection
+    def _open(self) -> None:
+        """Open the port and ask the sensor who it is; a failure leaves the port free."""
+        port = self._port
+        if isinstance(port, str):
+            port = open_port(find_port() if port == "auto" else port, self._rates[0])
+        lines = Lines(port, self._clock, self._timeout)
+        self._leave = weakref.finalize(self, leave, lines)
+        try:
+            self.rate = connect(lines, self._rates)
+            limits = _limits(ask(lines, "PP", check=_limits))
+            self.info = parse_info(ask(lines, "VV").body) | limits
+            self.geometry = parse_geometry(limits)
+        except BaseException:
+            self._leave()
+            raise
+        self._lines = lines
+        self._stream = ScanStream(lines, self.geometry, self.rate, self._sensor_pose)
+
+    def _check_open(self) -> None:
+        if not self._leave.alive:
+            raise SensorError("the sensor is closed: make a new UrgSensor")
+
     def _find_again(self, gone: SensorGone) -> None:
-        self._session.find_again(gone, self._reconnect)
-        self.reconnects += 1
-        self._asking.begin()
+        """Look for an unplugged sensor, at longer and longer intervals; SensorGone without one."""
+        self._leave()
+        until, wait = self._clock() + self._reconnect, BACK_OFF[0]
+        while (left := until - self._clock()) > 0:
+            time.sleep(min(wait, left))
+            wait = min(2 * wait, BACK_OFF[1])
+            try:
+                self._open()
+            except SensorError as error:
+                gone = SensorGone(f"not back within {self._reconnect:g} s: {error}")
+            else:
+                self.reconnects += 1
+                return
+        raise gone
+
+
+def _limits(reply: Reply) -> dict[str, str]:
+    """What PP says, checked: one wrong bit in it would turn every scan."""
+    limits = parse_info(reply.body, strict=True)
+    parse_geometry(limits)
+    return limits
+
+
+def _checked_port(port: str | PathLike[str] | Port) -> str | Port:
+    """A device, or an open port that does not wait for ever: pyserial's do unless told."""
+    if isinstance(port, str | PathLike):
+        return fspath(port)
+    if not callable(getattr(port, "read", None)):
+        raise TypeError(f"port must be a device, 'auto' or an open serial port, got {port!r}")
+    if getattr(port, "timeout", 0.0) is None:
+        raise ValueError("the port must have a timeout, as serial.Serial(device, timeout=0.02) has")
+    return port
