@@ -2,8 +2,9 @@
 
 import numpy as np
 import pytest
+from quadtrees import literal_of, random_map
 from scipy.ndimage import distance_transform_edt
-from test_matching import SEEDS, occupied, random_map
+from test_matching import SEEDS
 
 from segmap.matching import DistanceField, distance_score
 from segmap.quadtree import QuadtreeMap
@@ -16,7 +17,7 @@ def test_the_field_is_the_exact_transform(seed):
     field = DistanceField(map)
     taken = np.ones(field.cells.shape, bool)
     left, low, *_ = field.bounds
-    for x, y in (occupied(map) - (left, low)) / map.resolution:
+    for x, y in (np.array(literal_of(map).occupied()) - (left, low)) / map.resolution:
         taken[int(y), int(x)] = False
     expected = map.resolution * distance_transform_edt(taken)
     np.testing.assert_allclose(field.distance, expected, atol=1e-5 * map.resolution)

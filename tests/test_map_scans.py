@@ -5,7 +5,7 @@ from functools import partial
 
 import numpy as np
 import pytest
-from reference_quadtree import leaves_of, state
+from quadtrees import leaves_of, state
 
 from segmap import LaserScan, load
 from segmap.matching import (

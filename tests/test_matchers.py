@@ -2,8 +2,9 @@
 
 import numpy as np
 import pytest
-from test_matching import random_map
+from quadtrees import random_map
 
+from segmap import literal
 from segmap.matching import (
     field_score,
     hill_climb,
@@ -41,30 +42,12 @@ def bowl(x, y, heading):
     return -(abs(x - 0.1) + 2 * abs(y + 0.04) + 3 * abs(heading - 0.05))
 
 
-def literal_climb(value, start, sizes, rounds=60):
-    """B 4.3.1 by the words: the path of all accepted poses."""
-    path, k = [tuple(start)], 0
-    while len(path) <= rounds and k < len(sizes):
-        x, y, h = path[-1]
-        d, a = sizes[k]
-        best = path[-1]
-        for pose in [(x - d, y, h), (x + d, y, h), (x, y - d, h), (x, y + d, h), (x, y, h - a),
-                     (x, y, h + a)]:  # fmt: skip
-            if value(*pose) > value(*best):
-                best = pose
-        if best == path[-1]:
-            k += 1
-        else:
-            path.append(best)
-    return path
-
-
 @pytest.mark.parametrize(("steps", "sizes"), [("thesis", THESIS), ("halving", HALVING)])
 @pytest.mark.parametrize("rounds", [0, 1, 7, 60, 1000])
 @pytest.mark.parametrize("start", [(0, 0, 0), (0.1, -0.04, 0.05), (0.2, 0.1, -0.3)])
 def test_climbs_as_the_literal_loop(steps, sizes, rounds, start):
     """Catches the wrong of two equals, a halving too few, and rounds that are counted otherwise."""
-    path = literal_climb(bowl, start, sizes, rounds)
+    path = literal.hill_climb(lambda p: bowl(*p), start, sizes=sizes, rounds=rounds)
     found = hill_climb(MAP, SCAN, start, score=Watched(bowl), steps=steps, rounds=rounds)
     np.testing.assert_allclose(found, path[-1], atol=1e-12)
     values = [bowl(*pose) for pose in path]
@@ -78,7 +61,7 @@ def test_climbs_as_the_literal_loop_on_maps(seed, score):
     map, rng = random_map(seed)
     points = rng.normal(0, 20 * map.resolution, (25, 2))
     start = rng.normal(0, 0.02, 3)
-    path = literal_climb(lambda *pose: score(map, points, pose)[0], start, HALVING)
+    path = literal.hill_climb(lambda pose: score(map, points, pose)[0], start, sizes=HALVING)
     np.testing.assert_allclose(hill_climb(map, points, start, score=score), path[-1], atol=1e-9)
 
 
@@ -131,27 +114,15 @@ def test_the_heading_comes_back_wrapped(matcher):
     assert -np.pi <= found[2] < -np.pi + 0.12
 
 
-def literal_sample(value, start, rng, sigma):
-    """B 4.3.2 by the words: every pose that was ever drawn, round by round."""
-    spread = np.array([sigma[0], sigma[0], sigma[1]])
-    kept = [np.array(start, float), *(start + rng.normal(0, 2 * spread, (99, 3)))]
-    rounds = [kept]
-    for k in (1, 2, 3):
-        kept = sorted(kept, key=lambda pose: -value(*pose))[:20]
-        noise = iter(rng.normal(0, spread / k, (80, 3)))
-        drawn = [pose + next(noise) for pose in kept for _ in range(4)]
-        kept = [*kept, *drawn]
-        rounds.append(drawn)
-    return max(kept, key=lambda pose: value(*pose)), rounds
-
-
 @pytest.mark.parametrize("seed", range(5))
 def test_samples_as_the_literal_rounds(seed):
     """1 and 99 poses, then 80 in each of 3 rounds, around the best 20 so far."""
     start, sigma = np.array([0.05, 0, 0.02]), (0.03, 0.05)
-    best, rounds = literal_sample(bowl, start, np.random.default_rng(seed), sigma)
+    rng = np.random.default_rng(seed)
+    rounds = literal.sample_and_rank(lambda p: bowl(*p), start, rng=rng, sigma=sigma)
     watched, rng = Watched(bowl), np.random.default_rng(seed)
     found = sample_and_rank(MAP, SCAN, start, score=watched, rng=rng, sigma=sigma)
+    best = max((pose for drawn in rounds for pose in drawn), key=lambda pose: bowl(*pose))
     np.testing.assert_array_equal(found, best)
     assert [len(poses) for poses in watched.asked] == [100, 80, 80, 80]
     for asked, expected in zip(watched.asked, rounds, strict=True):

@@ -2,7 +2,9 @@
 
 import numpy as np
 import pytest
+from quadtrees import literal_of, random_map
 
+from segmap import literal
 from segmap.matching import (
     DistanceField,
     descent_score,
@@ -20,63 +22,23 @@ SCORES = (occupancy_score, distance_score, nearest_score, descent_score, field_s
 SEEDS = range(12)
 
 
-def random_map(seed, *, free_resolution=None):
-    """Scans of a wandering sensor: grown roots, and cells that later rays have emptied again."""
-    rng = np.random.default_rng(seed)
-    side = rng.choice([0.01, 0.05, 0.25])
-    fine = free_resolution and side * free_resolution
-    map = QuadtreeMap(
-        resolution=side, size=4 * side, corner=rng.normal(0, 1, 2), free_resolution=fine
-    )
-    for _ in range(4):
-        sensor = rng.normal(0, 20 * side, 2)
-        map.insert_scan(sensor, sensor + rng.normal(0, 25 * side, (40, 2)))
-    return map, rng
-
-
 def asked(map, rng, *, spread=30, beams=17):
     """A scan and three poses, mostly on the map."""
     poses = np.column_stack([rng.normal(0, 10 * map.resolution, (3, 2)), rng.uniform(-3, 3, 3)])
     return rng.normal(0, spread * map.resolution, (beams, 2)), poses
 
 
-def occupied(map):
-    """Centres of the occupied cells `(n, 2)`."""
-    leaves = map.leaves()
-    hit = leaves.occ / np.maximum(leaves.vis, 1) > 0.5
-    assert (leaves.side[hit] == map.resolution).all()
-    return np.stack([leaves.x[hit], leaves.y[hit]], -1) + map.resolution / 2
-
-
-def literal_distance(map, points, pose):
-    """From each end to every occupied cell, and the smallest of these."""
-    centres = occupied(map)
-    ends = [transform(pose, point[None])[0] for point in points]
-    return -sum(min(np.hypot(*(end - centre)) for centre in centres) for end in ends)
-
-
-def literal_occupancy(map, points, pose):
-    """The leaf that holds each end, by looking at all of them."""
-    total = 0.0
-    leaves = map.leaves()
-    for x, y in transform(pose, points):
-        within = (leaves.x <= x) & (x < leaves.x + leaves.side)
-        within &= (leaves.y <= y) & (y < leaves.y + leaves.side)
-        for k in np.flatnonzero(within):
-            share = leaves.occ[k] / leaves.vis[k] if leaves.vis[k] else 0.0
-            total += share if share > 0.5 else 0.0
-    return total
-
-
 @pytest.mark.parametrize("seed", SEEDS)
 def test_occupancy_score_is_the_literal_sum(seed):
     """Catches unknown cells counted as half occupied, and cells at or below 0.5 that count."""
     map, rng = random_map(seed)
+    tree = literal_of(map)
     points, poses = asked(map, rng, beams=200)
-    points[:50] = occupied(map)[rng.integers(0, len(occupied(map)), 50)]
+    points[:50] = rng.choice(tree.occupied(), 50)
     poses[0] = 0.0
     found = occupancy_score(map, points, poses)
-    np.testing.assert_allclose(found, [literal_occupancy(map, points, pose) for pose in poses])
+    expected = [literal.occupancy_score(tree, points, pose) for pose in poses]
+    np.testing.assert_allclose(found, expected)
     assert found[0] > 20
 
 
@@ -86,10 +48,20 @@ def test_occupancy_score_is_the_literal_sum(seed):
 def test_distance_is_that_of_every_cell(seed, free_resolution, score):
     """Catches distances to corners, a search that stops early, and cells emptied again."""
     map, rng = random_map(seed, free_resolution=free_resolution)
+    centres = literal_of(map).occupied()
     for spread in (3, 30, 300):
         points, poses = asked(map, rng, spread=spread)
-        expected = [literal_distance(map, points, pose) for pose in poses]
+        expected = [literal.distance_score(points, pose, centres) for pose in poses]
         np.testing.assert_allclose(score(map, points, poses), expected, rtol=1e-9)
+
+
+@pytest.mark.parametrize("seed", SEEDS[:4])
+def test_descent_is_the_literal_one(seed):
+    """Catches a child ranked by its corner, and one that holds nothing."""
+    map, rng = random_map(seed)
+    points, poses = asked(map, rng, beams=9)
+    expected = [literal.descent_score(literal_of(map), points, pose) for pose in poses]
+    np.testing.assert_allclose(descent_score(map, points, poses), expected, rtol=1e-9)
 
 
 @pytest.mark.parametrize("seed", SEEDS)

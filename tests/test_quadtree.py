@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from reference_quadtree import Finer, Literal, bresenham, cell, leaves_of
+from quadtrees import leaves_of
 
-from segmap.course import ray_cells
+from segmap import literal
 from segmap.quadtree import QuadtreeMap
 
 
@@ -18,16 +18,12 @@ def both(scans, *, cells=8, resolution=0.25, corner=(0.0, 0.0), free_resolution=
         corner=corner,
         free_resolution=free_resolution,
     )
-    literal = Literal(cells)
-    if free_resolution is not None:
-        literal = Finer(cells, round(free_resolution / resolution))
-    for scan in scans:
-        map.insert_scan(*scan)
-        sensor, *ends = (
-            [cell(p, corner, resolution) for p in np.reshape(q, (-1, 2))] for q in scan
-        )
-        literal.insert(*sensor, *ends)
-        if leaves_of(map) != literal.leaves:
+    finest = None if free_resolution is None else round(free_resolution / resolution)
+    tree = literal.Quadtree(resolution, cells, corner=tuple(corner), finest=finest)
+    for sensor, *ends in scans:
+        map.insert_scan(sensor, *ends)
+        tree.insert(tuple(sensor), *(np.reshape(points, (-1, 2)).tolist() for points in ends))
+        if leaves_of(map) != tree.leaves:
             return map, False
     return map, True
 
@@ -147,15 +143,22 @@ def test_the_order_of_beams_does_not_matter():
     assert leaves_of(maps[0]) == leaves_of(maps[1])
 
 
-def test_the_reference_walks_as_the_thesis_does():
+def test_the_literal_walk_is_that_of_the_thesis():
     """By hand: the loop starts at the smaller x, so a ray and its mirror image differ."""
     there = [(0, 0), (1, 0), (2, 0), (3, 1), (4, 1)]
-    assert bresenham((0, 0), (4, 1)) == there == bresenham((4, 1), (0, 0))
-    assert bresenham((0, 0), (-4, 1)) == [(-4, 1), (-3, 1), (-2, 1), (-1, 0), (0, 0)]
-    assert bresenham((0, 0), (1, 4)) == [(y, x) for x, y in there]
+    assert literal.ray_cells((0, 0), (4, 1)) == there == literal.ray_cells((4, 1), (0, 0))
+    back = [(-4, 1), (-3, 1), (-2, 1), (-1, 0), (0, 0)]
+    assert literal.ray_cells((0, 0), (-4, 1)) == back
+    assert literal.ray_cells((0, 0), (1, 4)) == [(y, x) for x, y in there]
 
 
 @given(LATTICE, LATTICE)
-def test_the_exercise_teaches_the_same_walk(start, end):
-    """Catches an exercise whose solution is not what the map counts."""
-    assert ray_cells(start, end).tolist() == [list(c) for c in bresenham(start, end)]
+def test_the_literal_walk_takes_the_cell_nearest_to_the_line(start, end):
+    """Catches a walk that leaves the line or breaks: one cell a column, none farther than half."""
+    cells = np.array(literal.ray_cells(start, end))
+    away = np.subtract(end, start)
+    steps = abs(away).max()
+    assert len(cells) == steps + 1 and (abs(np.diff(cells, axis=0)).max(1) == 1).all()
+    assert {start, end} <= {tuple(cell) for cell in cells.tolist()}
+    aside = abs((cells - start) @ [[0, 1], [-1, 0]] @ away)  # times the steps
+    assert (2 * aside <= steps).all()

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from reference_quadtree import leaves_of, state
+from quadtrees import leaves_of, state
 
 from segmap import load
 from segmap.alignment import Alignment

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from reference_quadtree import leaves_of, state
+from quadtrees import leaves_of, state
 
 from segmap import read
 from segmap.quadtree import QuadtreeMap

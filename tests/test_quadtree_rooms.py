@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from reference_quadtree import cell, unmasked
 
+from segmap import literal
 from segmap.quadtree import QuadtreeMap, build_map
 from segmap.simulation import (
     Sensor,
@@ -100,14 +100,18 @@ def test_the_room_of_the_workloads(workloads):
 
 
 # ---------------------------------------------------------------- what no ray entered
+def map_cells(map, points):
+    """Cells of points, counted from the first corner."""
+    return np.floor((np.array(points) - map.corner) / map.resolution).astype(int)
+
+
 def entered(map, scans):
     """Rays that crossed each finest cell of the root, `(rows, columns)`, counted one by one."""
     counts = np.zeros((1 << map.tree.level,) * 2, int)
     for sensor, ends in scans:
-        start = cell(sensor, map.corner, map.resolution)
-        for end in ends:
-            way = unmasked(start, cell(end, map.corner, map.resolution))
-            for x, y in way:
+        start, *last = (tuple(at.tolist()) for at in map_cells(map, [sensor, *ends]))
+        for end in last:
+            for x, y in literal.crossed_cells(start, end):
                 counts[y - map.tree.corner[1], x - map.tree.corner[0]] += 1
     return counts
 

@@ -39,7 +39,6 @@ from ._exercises_poses import (
     check_move_onto_walls,
     check_scan_score,
     move_onto_walls,
-    scan_score,
 )
 from ._exercises_quadtree import (
     check_cell_of,
@@ -47,7 +46,6 @@ from ._exercises_quadtree import (
     check_occupancy,
     check_pixel,
     check_ray_cells,
-    ray_cells,
 )
 from ._exercises_reduction import check_hough, check_matches, check_merged
 from ._exercises_scans import (
@@ -180,10 +178,8 @@ __all__ = [
     "move_onto_walls",
     "peaks",
     "profile_peaks",
-    "ray_cells",
     "room_walk",
     "room_walls",
-    "scan_score",
     "trial_table",
     "try_pair",
     "write_trials",

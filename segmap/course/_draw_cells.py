@@ -6,9 +6,9 @@ from matplotlib.collections import PolyCollection
 from numpy.typing import ArrayLike
 
 from ..exports import Classes
+from ..literal import crossed_cells, ray_cells
 from ..plotting import ERROR, RAW, RESULT, axes_or_new, map_axes, square_corners
 from ..quadtree import QuadtreeMap
-from ._exercises_quadtree import ray_cells
 
 
 def draw_cells(
@@ -75,10 +75,11 @@ def draw_ray(start: ArrayLike, end: ArrayLike, *, ax: Axes | None = None) -> Axe
     """
     ax, ends = axes_or_new(ax), np.array([start, end], np.int64)
     (a, b), (c, d) = ends.tolist()
-    cells = ray_cells((a, b), (c, d))
-    spared = np.abs(cells - ends[1]).max(1) <= 1
-    for part, color in ((cells[~spared], RESULT), (cells[spared], RAW)):
-        squares = square_corners(part[:, 0], part[:, 1], np.ones(len(part)))
+    crossed = crossed_cells((a, b), (c, d))
+    spared = [cell for cell in ray_cells((a, b), (c, d)) if cell not in crossed]
+    for cells, color in ((crossed, RESULT), (spared, RAW)):
+        x, y = np.reshape(cells, (-1, 2)).T
+        squares = square_corners(x, y, np.ones(len(x)))
         ax.add_collection(PolyCollection(squares, facecolor=color, linewidth=0))
     ax.plot(*(ends + 0.5).T, color=ERROR)
     (left, low), (right, high) = ends.min(0), ends.max(0) + 1

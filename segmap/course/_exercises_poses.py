@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ..arrays import Array
+from ..literal import MOVES, climb_step, distance_score
 from ..poses import between, transform
 from ._exercise import Exercise
 
@@ -164,34 +166,13 @@ def _distances(points: Array, pose: Array, centres: Array) -> Array:
     return np.linalg.norm(transform(pose, points)[:, None] - centres, axis=-1)
 
 
-def scan_score(points: Array, pose: Array, centres: Array) -> float:
-    """Minus the sum of the distances from the ends to the nearest occupied cell's centre (B 4.3).
-
-    Parameters
-    ----------
-    points : (n, 2) array, metres, in the robot's frame
-    pose : (3,) array, metres and radians
-    centres : (m, 2) array, metres
-
-    Returns
-    -------
-    float, metres
-
-    Examples
-    --------
-    >>> round(scan_score(np.array([(1.0, 0.0)]), np.zeros(3), np.array([(1.0, 0.2), (3, 0)])), 6)
-    -0.2
-    """
-    return -float(_distances(points, pose, centres).min(1).sum())
-
-
 _SCAN = np.array([(1.0, 0.0), (1.0, 1.0), (0.0, 2.0), (-1.0, 0.5)])
 _CENTRES = np.array([(1.05, 0.05), (1.0, 1.2), (0.3, 2.0), (-1.2, 0.4), (3.0, 3.0)])
 
 check_scan_score = Exercise(
     "scan_score(points, pose, centres) -> float: minus the sum of the distances of the ends "
     "(n, 2), carried by the pose, to the nearest centre (m, 2)",
-    scan_score,
+    distance_score,
     {
         f"pose {pose} and {k} beams": (_SCAN[:k], np.array(pose), _CENTRES)
         for pose, k in (
@@ -201,7 +182,7 @@ check_scan_score = Exercise(
     },
     {
         "the higher the better: distances count as a loss, so the score is never above 0": (
-            lambda points, pose, centres: -scan_score(points, pose, centres)
+            lambda points, pose, centres: -distance_score(points, pose, centres)
         ),
         "every end looks for its nearest cell, not every cell for an end: a map holds many cells "
         "that this scan does not see": lambda *given: -_distances(*given).min(0).sum(),
@@ -212,13 +193,15 @@ check_scan_score = Exercise(
             lambda points, pose, centres: -_distances(points, pose, centres).min(1).mean()
         ),
         "the heading turns counter-clockwise: x' = x cos h - y sin h, y' = x sin h + y cos h": (
-            lambda points, pose, centres: scan_score(points, pose * (1, 1, -1), centres)
+            lambda points, pose, centres: distance_score(points, pose * (1, 1, -1), centres)
         ),
         "the points are in the robot's frame: carry them by the pose first": (
-            lambda points, pose, centres: scan_score(points, np.zeros(3), centres)
+            lambda points, pose, centres: distance_score(points, (0, 0, 0), centres)
         ),
         "the heading is in radians already": (
-            lambda points, pose, centres: scan_score(points, pose * (1, 1, np.pi / 180), centres)
+            lambda points, pose, centres: distance_score(
+                points, pose * (1, 1, np.pi / 180), centres
+            )
         ),
         "distances, not their squares: one beam through a door would count for all others": (
             lambda points, pose, centres: -(_distances(points, pose, centres).min(1) ** 2).sum()
@@ -228,45 +211,47 @@ check_scan_score = Exercise(
 
 
 # ------------------------------------------------------------------------------ hill climb
-Value = Callable[[Array], float]
-
-_MOVES = np.array([(-1, 0, 0), (1, 0, 0), (0, -1, 0), (0, 1, 0), (0, 0, -1), (0, 0, 1)], float)
-
-
-def _climb_step(
-    value: Value,
-    pose: Array,
-    move: float,
-    turn: float,
-    *,
-    moves: Array = _MOVES,
-    stays: Callable[[float, float], bool] = lambda best, here: best <= here,
-) -> Array:
-    """The best of some moves; the pose itself where the best of their values makes it stay."""
-    tried = pose + moves * (move, move, turn)
-    values = [value(p) for p in tried]
-    return pose.copy() if stays(max(values), value(pose)) else tried[int(np.argmax(values))]
+#: A pose is an array or a tuple: three numbers.
+Pose = Any
+Value = Callable[[Pose], float]
 
 
-def _first_improvement(value: Value, pose: Array, move: float, turn: float) -> Array:
-    tried = pose + _MOVES * (move, move, turn)
-    return next((p for p in tried if value(p) > value(pose)), pose.copy())
+def _tried(value: Value, pose: Pose, move: float, turn: float) -> tuple[Array, list[float]]:
+    """Poses after each of the six moves, and their values."""
+    tried = pose + np.array(MOVES) * (move, move, turn)
+    return tried, [value(p) for p in tried]
 
 
-def _along_the_robot(value: Value, pose: Array, move: float, turn: float) -> Array:
+def _if_as_good(value: Value, pose: Pose, move: float, turn: float) -> Pose:
+    tried, values = _tried(value, pose, move, turn)
+    return tried[int(np.argmax(values))] if max(values) >= value(pose) else pose
+
+
+def _first_improvement(value: Value, pose: Pose, move: float, turn: float) -> Pose:
+    tried, values = _tried(value, pose, move, turn)
+    here = value(pose)
+    return next((p for p, at in zip(tried, values, strict=True) if at > here), pose)
+
+
+def _always(*given: Any) -> Pose:
+    tried, values = _tried(*given)
+    return tried[int(np.argmax(values))]
+
+
+def _along_the_robot(value: Value, pose: Pose, move: float, turn: float) -> Pose:
     c, s = np.cos(pose[2]), np.sin(pose[2])
-    turned = _MOVES @ [(c, s, 0), (-s, c, 0), (0, 0, 1)]
-    return _climb_step(value, pose, move, turn, moves=turned)
+    turned = np.array(MOVES) @ [(c, s, 0), (-s, c, 0), (0, 0, 1)]
+    return climb_step(value, pose, move, turn, turned)
 
 
-def _hill(pose: Array) -> float:
+def _hill(pose: Pose) -> float:
     return -abs(pose[0] - 0.3) - 2 * abs(pose[1] + 0.2) - abs(pose[2] - 0.4)
 
 
 check_climb_step = Exercise(
     "climb_step(value, pose, move, turn) -> (3,): the best of the moves -x, +x, -y, +y, -heading, "
     "+heading, where it improves value(pose)",
-    _climb_step,
+    climb_step,
     {
         words: (value, np.array(pose, float), move, turn)
         for words, value, pose, move, turn in (
@@ -280,21 +265,17 @@ check_climb_step = Exercise(
         )
     },
     {
-        "an equal score is no improvement: on a plain the robot would walk for ever": (
-            lambda *given: _climb_step(*given, stays=lambda best, here: best < here)
-        ),
+        "an equal score is no improvement: on a plain the robot would walk for ever": _if_as_good,
         "look at all six before you move: the best counts, not the first that improves": (
             _first_improvement
         ),
         "of equal moves the first in the order counts": (
-            lambda *given: _climb_step(*given, moves=_MOVES[::-1])
+            lambda value, at, move, turn: climb_step(value, at, move, turn, MOVES[::-1])
         ),
         "the moves go along the axes of the map, not along those of the robot": _along_the_robot,
-        "stay where none of the six improves the score": (
-            lambda *given: _climb_step(*given, stays=lambda best, here: False)
-        ),
+        "stay where none of the six improves the score": _always,
         "the higher the better: you climb down": (
-            lambda value, *rest: _climb_step(lambda p: -value(p), *rest)
+            lambda value, *rest: climb_step(lambda p: -value(p), *rest)
         ),
     },
 )

@@ -1,25 +1,31 @@
 """Exercises of the chapters on the quadtree: cells, growth, occupancy, rays, exported pictures.
 
-`ray_cells` is the walk of B as its prose says it; the map walks leaf by leaf and takes the same.
+The answers are those of `segmap.literal`.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from inspect import getsource
 from math import floor
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..literal import cell_of, grown, occupancy, ray_cells
 from ._exercise import Exercise, same_cells
 
 Cell = tuple[int, int]
 Cells = NDArray[np.int64]
+#: The line that `segmap.literal` begins with.
+FUTURE = "from __future__ import annotations"
 
 
 # ------------------------------------------------------------------------------ cells
 check_cell_of = Exercise(
     "cell_of(x, corner, resolution) -> int: the column that holds x, counted from the corner",
-    lambda x, corner, resolution: floor((x - corner) / resolution),
+    cell_of,
     {
         f"x = {x}, corner {c}, cells of {r} m": (x, c, r)
         for x, c, r in (
@@ -46,11 +52,6 @@ check_cell_of = Exercise(
 
 
 # ----------------------------------------------------------------------------- growth
-def _grown(root: tuple[int, int, int], cell: Cell) -> tuple[int, int, int]:
-    x, y, side = root
-    return x - side * (cell[0] < x), y - side * (cell[1] < y), 2 * side
-
-
 def _down_unless_above(root: tuple[int, int, int], cell: Cell) -> tuple[int, int, int]:
     x, y, side = root
     return x - side * (cell[0] < x), y - side * (not cell[1] >= y + side), 2 * side
@@ -58,7 +59,7 @@ def _down_unless_above(root: tuple[int, int, int], cell: Cell) -> tuple[int, int
 
 check_grown = Exercise(
     "grown(root, cell) -> (x, y, side): root (x, y, side), doubled once towards a cell outside it",
-    _grown,
+    grown,
     {
         f"root {root} and cell {cell}": (root, cell)
         for root, cell in (
@@ -73,10 +74,10 @@ check_grown = Exercise(
             lambda root, cell: (*root[:2], 2 * root[2])
         ),
         "the root doubles: the new side is twice the old one": (
-            lambda root, cell: (*_grown(root, cell)[:2], root[2])
+            lambda root, cell: (*grown(root, cell)[:2], root[2])
         ),
         "the old root must stay one quarter of the new: the corner moves by the old side": (
-            lambda root, cell: 2 * np.array(_grown(root, cell)) - (root[0], root[1], 2 * root[2])
+            lambda root, cell: 2 * np.array(grown(root, cell)) - (root[0], root[1], 2 * root[2])
         ),
     },
 )
@@ -85,7 +86,7 @@ check_grown = Exercise(
 # -------------------------------------------------------------------------- occupancy
 check_occupancy = Exercise(
     "occupancy(vis, occ, bias) -> float in [0, 1], 0.5 where nothing is known",
-    lambda vis, occ, bias: occ / vis if occ else max(0.5 * (bias - vis) / bias, 0.0),
+    occupancy,
     {
         f"vis = {v}, occ = {o}, bias = {b}": (v, o, b)
         for v, o, b in (
@@ -111,50 +112,28 @@ check_occupancy = Exercise(
 
 
 # ------------------------------------------------------------------------------- rays
-def ray_cells(
-    start: Cell, end: Cell, *, swap: bool = True, last: int = 1, late: bool = True
-) -> Cells:
-    """Cells of a ray from cell to cell, both included, as B's loop takes them (B 4.4.1).
+def _changed(line: str, other: str) -> Callable[[Cell, Cell], Cells]:
+    """The literal walk with one of its lines changed."""
 
-    Parameters
-    ----------
-    start, end : (2,) int
-        Column and row.
-    swap, last, late
-        What goes wrong in the loop where they are changed.
+    def walk(start: Cell, end: Cell) -> Cells:
+        scope: dict[str, Any] = {}
+        exec(f"{FUTURE}\n{getsource(ray_cells)}".replace(line, other), scope)  # our own source
+        return np.array(scope["ray_cells"](start, end), np.int64).reshape(-1, 2)
 
-    Returns
-    -------
-    (n, 2) int array
-        One for each step along the longer axis, in increasing order.
-
-    Examples
-    --------
-    >>> ray_cells((0, 0), (-3, 1)).tolist()
-    [[-3, 1], [-2, 1], [-1, 0], [0, 0]]
-    """
-    (x0, y0), (x1, y1) = start, end
-    steep = swap and abs(y1 - y0) > abs(x1 - x0)
-    if steep:
-        x0, y0, x1, y1 = y0, x0, y1, x1
-    if x1 < x0:
-        x0, y0, x1, y1 = x1, y1, x0, y0
-    dx, dy, y, found = x1 - x0, abs(y1 - y0), y0, []
-    error = -(dx // 2)
-    for x in range(x0, x1 + last):
-        found.append((y, x) if steep else (x, y))
-        error += dy
-        if error > 0 or (not late and error == 0 and dy):
-            y += 1 if y1 > y0 else -1
-            error -= dx
-    return np.array(found, np.int64).reshape(-1, 2)
+    return walk
 
 
-def _from_the_start(start: Cell, end: Cell) -> Cells:
+_end_left_out = _changed("x1 + 1)", "x1)")
+_never_steep = _changed("abs(y1 - y0) > abs(x1 - x0)", "False")
+_one_early = _changed("error > 0", "error >= 0")
+
+
+def _from_the_start(start: Cell, end: Cell) -> list[Cell]:
     """Always from the start: the same cells as their mirror image, which B's are not."""
-    away = np.array(end) - start
-    dx, dy = abs(away).tolist()
-    return start + np.where(away < 0, -1, 1) * ray_cells((0, 0), (dx, dy))
+    (x0, y0), (x1, y1) = start, end
+    right, up = (-1 if x1 < x0 else 1), (-1 if y1 < y0 else 1)
+    cells = ray_cells((0, 0), (abs(x1 - x0), abs(y1 - y0)))
+    return [(x0 + right * x, y0 + up * y) for x, y in cells]
 
 
 check_ray_cells = Exercise(
@@ -168,18 +147,14 @@ check_ray_cells = Exercise(
         )
     },
     {
-        "the last x belongs to the ray too: range ends one before its end": (
-            lambda start, end: ray_cells(start, end, last=0)
-        ),
+        "the last x belongs to the ray too: range ends one before its end": _end_left_out,
         "where the ray is steeper than 45 degrees x and y must change places, else it has gaps": (
-            lambda start, end: ray_cells(start, end, swap=False)
+            _never_steep
         ),
         "B walks towards larger x whichever way the ray runs: swap the ends where x decreases": (
             _from_the_start
         ),
-        "y moves where the error is above 0: at 0 it stays": (
-            lambda start, end: ray_cells(start, end, late=False)
-        ),
+        "y moves where the error is above 0: at 0 it stays": _one_early,
     },
     same_cells,
 )

@@ -4,11 +4,14 @@ The map itself knows neither. Both are written as the prose says them: cell by c
 """
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from ..arrays import Array
+from ..literal import cell_of, ray_cells
 from ..quadtree import QuadtreeMap
-from ._exercises_quadtree import Cell, Cells, ray_cells
+
+Cell = tuple[int, int]
+Cells = NDArray[np.int64]
 
 #: Nearer than this to a line of the grid, in cells, is on it.
 TOUCH = 1e-9
@@ -27,7 +30,7 @@ def insert_variant(
     Parameters
     ----------
     map : QuadtreeMap
-        Without `free_resolution`.
+        Without `free_resolution`. It counts more scans than one.
     sensor_xy : (2,) array, metres
     points : (n, 2) array, metres
     touched : bool
@@ -44,16 +47,28 @@ def insert_variant(
     >>> bool((maps[0].leaves().vis == maps[1].leaves().vis).all())
     True
     """
-    sensor, ends, _ = map.cells_of_scan(sensor_xy, points)
-    tree, walk = map.tree, touched_cells if touched else ray_cells
-    tree.split_to(ends, inherit=False)
-    tree.count_ends(ends)
-    for end in ends:
-        cells = walk((int(sensor[0]), int(sensor[1])), (int(end[0]), int(end[1])))
-        seen = cells[abs(cells - end).max(1) > int(mask)]
-        found = np.unique(tree.leaves_at(seen))
-        tree.vis[found[found >= 0]] += 1
-    map.scans += 1
+    ends = np.asarray(points, float)
+    map.insert_scan(sensor_xy, [])  # the root grows towards the sensor first
+    for end in ends:  # each end from its own cell, which the mask spares
+        map.insert_scan(end, [end])
+    start, *last = (_cell(map, point) for point in (sensor_xy, *ends))
+    crossed = np.concatenate([_leaves_crossed(map, start, end, touched, mask) for end in last])
+    for leaf, rays in zip(*np.unique(crossed, axis=0, return_counts=True), strict=True):
+        map.insert_scan(leaf, [], np.tile(leaf, (rays, 1)))  # rays of a single cell
+
+
+def _cell(map: QuadtreeMap, point: ArrayLike) -> Cell:
+    x, y = np.asarray(point, float).tolist()
+    left, low = map.corner.tolist()
+    return cell_of(x, left, map.resolution), cell_of(y, low, map.resolution)
+
+
+def _leaves_crossed(map: QuadtreeMap, start: Cell, end: Cell, touched: bool, mask: bool) -> Array:
+    """A place in each leaf that holds a cell of a ray, `(n, 2)`, metres."""
+    cells = np.array(touched_cells(start, end) if touched else ray_cells(start, end))
+    seen = cells[abs(cells - end).max(1) > int(mask)]
+    leaf, first = np.unique(map.tree.leaves_at(seen - map.tree.corner), return_index=True)
+    return map.corner + (seen[first[leaf >= 0]] + 0.5) * map.resolution
 
 
 def touched_cells(start: Cell, end: Cell) -> Cells:

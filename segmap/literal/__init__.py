@@ -13,27 +13,53 @@ from .extraction import extract_clusters, extract_polylines, fit_algebraic, fit_
 from .fusion import best_strip, chain, fusion
 from .hybrid import hough, hybrid, hybrid_fusion
 from .lines import axial_difference, line_angle, point_to_segment, segment_length
+from .matching import (
+    MOVES,
+    climb_step,
+    descent_score,
+    distance_score,
+    hill_climb,
+    occupancy_score,
+    placed,
+    sample_and_rank,
+)
 from .mean_shift import mean_shift
 from .metrics import quality, segment_distance
+from .quadtree import Quadtree, cell_of, crossed_cells, grown, occupancy, quarters, ray_cells
 
 __all__ = [
+    "MOVES",
+    "Quadtree",
     "axial_difference",
     "basic_offline",
     "basic_online",
     "best_strip",
+    "cell_of",
     "chain",
+    "climb_step",
+    "crossed_cells",
+    "descent_score",
+    "distance_score",
     "extract_clusters",
     "extract_polylines",
     "fit_algebraic",
     "fit_total",
     "fusion",
+    "grown",
+    "hill_climb",
     "hough",
     "hybrid",
     "hybrid_fusion",
     "line_angle",
     "mean_shift",
+    "occupancy",
+    "occupancy_score",
+    "placed",
     "point_to_segment",
     "quality",
+    "quarters",
+    "ray_cells",
+    "sample_and_rank",
     "segment_distance",
     "segment_length",
 ]

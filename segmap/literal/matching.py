@@ -1,0 +1,183 @@
+"""Scores of a scan on a quadtree, and the two greedy matchers, as B 4.3 says them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from math import cos, dist, pi, radians, sin
+from typing import Protocol
+
+from .quadtree import Point, Quadtree, Square, occupancy, quarters
+
+Pose = Sequence[float]
+#: Six moves, in the order that decides between equals: x, y and heading.
+MOVES = ((-1, 0, 0), (1, 0, 0), (0, -1, 0), (0, 1, 0), (0, 0, -1), (0, 0, 1))
+
+
+class Generator(Protocol):
+    """A source of random numbers: `numpy.random.Generator`, say."""
+
+    def normal(self, mean: float, sigma: float, /) -> float:
+        """A number drawn around a mean."""
+
+
+def placed(point: Point, pose: Pose) -> Point:
+    """A point of the robot's frame in the frame of the pose (metres, radians).
+
+    Examples
+    --------
+    >>> placed((2.0, 1.0), (5.0, 5.0, 0.0))
+    (7.0, 6.0)
+    """
+    (x, y), (at_x, at_y, heading) = point, pose
+    c, s = cos(heading), sin(heading)
+    return c * x - s * y + at_x, s * x + c * y + at_y
+
+
+def occupancy_score(tree: Quadtree, points: Iterable[Point], pose: Pose) -> float:
+    """Sum of the occupancy of the cells that the beams end in, where above one half (B 4.3).
+
+    Examples
+    --------
+    >>> tree = Quadtree(0.1, 4)
+    >>> tree.insert((0.05, 0.05), [(0.35, 0.05)])
+    >>> occupancy_score(tree, [(0.3, 0.0), (9.0, 9.0)], (0.05, 0.05, 0.0))
+    1.0
+    """
+    cells = [tree.cell(placed(point, pose)) for point in points]
+    left, low, side = tree.root
+    inside = [c for c in cells if left <= c[0] < left + side and low <= c[1] < low + side]
+    values = [occupancy(*tree.leaves[tree.leaf(cell)]) for cell in inside]
+    return sum(value for value in values if value > 0.5)
+
+
+def distance_score(points: Iterable[Point], pose: Pose, centres: Iterable[Point]) -> float:
+    """Minus the sum of the distances from the ends to the nearest of the centres, metres (B 4.3).
+
+    Examples
+    --------
+    >>> distance_score([(1.0, 0.0)], (0.0, 0.0, 0.0), [(1.0, 0.5), (3.0, 0.0)])
+    -0.5
+    """
+    known = list(centres)
+    ends = [placed(point, pose) for point in points]
+    return -sum(min(dist(end, centre) for centre in known) for end in ends)
+
+
+def descent_score(tree: Quadtree, points: Iterable[Point], pose: Pose) -> float:
+    """The same by B's descent: always into the occupied child whose centre is nearest (B 4.3).
+
+    Examples
+    --------
+    >>> tree = Quadtree(1.0, 8)
+    >>> for cell in ((4.5, 0.5), (0.5, 3.5)):
+    ...     tree.insert(cell, [cell])
+    >>> round(descent_score(tree, [(3.9, 0.5)], (0.0, 0.0, 0.0)), 3)
+    -4.534
+    """
+    centres, (left, low), size = tree.occupied(), tree.corner, tree.resolution
+
+    def centre(square: Square) -> Point:
+        x, y, side = square
+        return left + (x + side / 2) * size, low + (y + side / 2) * size
+
+    def is_occupied(square: Square) -> bool:
+        (x, y), half = centre(square), square[2] / 2 * size
+        return any(max(abs(at[0] - x), abs(at[1] - y)) < half for at in centres)
+
+    total = 0.0
+    for point in points:
+        end, square = placed(point, pose), tree.root
+        while square[2] > 1:
+            parts = [part for part in quarters(square) if is_occupied(part)]
+            square = min(parts, key=lambda part: dist(end, centre(part)))
+        total -= dist(end, centre(square))
+    return total
+
+
+def climb_step(
+    value: Callable[[Pose], float],
+    pose: Pose,
+    move: float,
+    turn: float,
+    moves: Iterable[Pose] = MOVES,
+) -> Pose:
+    """The best of six small moves, or the pose itself where none improves its value (B 4.3.1).
+
+    Examples
+    --------
+    >>> climb_step(lambda pose: -abs(pose[0] - 1), (0.0, 0.0, 0.0), 0.25, 0.1)
+    (0.25, 0.0, 0.0)
+    """
+    best, most = pose, value(pose)
+    for x, y, heading in moves:
+        tried = pose[0] + x * move, pose[1] + y * move, pose[2] + heading * turn
+        if value(tried) > most:
+            best, most = tried, value(tried)
+    return best
+
+
+def hill_climb(
+    value: Callable[[Pose], float],
+    start: Pose,
+    *,
+    sizes: Sequence[tuple[float, float]] = ((0.001, pi / 180),),
+    rounds: int = 60,
+) -> list[Pose]:
+    """The start and all poses that a climb accepts: B moves by 1 mm or 1 degree (B 4.3.1).
+
+    Each of the `sizes`, metres and radians, is used until none of its moves improves the value.
+
+    Examples
+    --------
+    >>> len(hill_climb(lambda pose: pose[0], (0.0, 0.0, 0.0)))
+    61
+    """
+    path = [start]
+    for move, turn in sizes:
+        while len(path) <= rounds:
+            pose = climb_step(value, path[-1], move, turn)
+            if pose is path[-1]:
+                break
+            path.append(pose)
+    return path
+
+
+def sample_and_rank(
+    value: Callable[[Pose], float],
+    start: Pose,
+    *,
+    rng: Generator,
+    sigma: tuple[float, float] = (0.02, radians(2.0)),
+) -> list[list[Pose]]:
+    """Poses drawn in each round; the best of all is the answer (B 4.3.2).
+
+    The start and 99 poses around it; then three times 4 poses around each of the best 20 so far.
+
+    Parameters
+    ----------
+    value : callable
+    start : (3,) floats, metres and radians
+    rng : generator
+    sigma : (2,) floats, metres and radians
+        B's heading spread is 2 radians.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> drawn = sample_and_rank(lambda p: -abs(p[0]), (0.1, 0, 0), rng=np.random.default_rng(1))
+    >>> [len(poses) for poses in drawn]
+    [100, 80, 80, 80]
+    """
+
+    def near(pose: Pose, part: float) -> Pose:
+        spread = sigma[0] / part, sigma[0] / part, sigma[1] / part
+        return tuple(at + rng.normal(0.0, away) for at, away in zip(pose, spread, strict=True))
+
+    kept: list[Pose] = [tuple(start), *(near(start, 0.5) for _ in range(99))]
+    rounds = [list(kept)]
+    for k in (1, 2, 3):
+        kept = sorted(kept, key=value, reverse=True)[:20]
+        drawn = [near(pose, k) for pose in kept for _ in range(4)]
+        kept += drawn
+        rounds.append(drawn)
+    return rounds

@@ -1,0 +1,216 @@
+"""The quadtree map of B 4 as its prose says it: a dictionary of leaves, and rays cell by cell."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from math import floor
+
+Point = tuple[float, float]
+#: Column and row, counted from the first corner of the map.
+Cell = tuple[int, int]
+#: Column and row of the lower left cell, and the side in cells.
+Square = tuple[int, int, int]
+
+
+def cell_of(x: float, corner: float, resolution: float) -> int:
+    """Column that holds a coordinate, in metres: one division and then the floor (B 4.1).
+
+    Examples
+    --------
+    >>> cell_of(1.0, 0.0, 0.1), cell_of(-0.05, 0.0, 0.1)
+    (10, -1)
+    """
+    return floor((x - corner) / resolution)
+
+
+def grown(root: Square, cell: Cell) -> Square:
+    """The root, doubled once towards a cell that lies outside it (B 4.2).
+
+    Examples
+    --------
+    >>> grown((0, 0, 8), (3, -1))
+    (0, -8, 16)
+    """
+    x, y, side = root
+    return x - side * (cell[0] < x), y - side * (cell[1] < y), 2 * side
+
+
+def occupancy(vis: int, occ: int, bias: int = 20) -> float:
+    """Occupancy of a leaf that `vis` rays crossed and `occ` beams ended in, in [0, 1] (B 4.1).
+
+    Examples
+    --------
+    >>> occupancy(0, 0), occupancy(10, 0), occupancy(4, 1)
+    (0.5, 0.25, 0.25)
+    """
+    return occ / vis if occ else max(0.5 * (bias - vis) / bias, 0.0)
+
+
+def ray_cells(start: Cell, end: Cell) -> list[Cell]:
+    """Cells of a ray, both ends included: one for each step along the longer axis (B 4.4.1).
+
+    Examples
+    --------
+    >>> ray_cells((0, 0), (-3, 1))
+    [(-3, 1), (-2, 1), (-1, 0), (0, 0)]
+    """
+    (x0, y0), (x1, y1) = start, end
+    steep = abs(y1 - y0) > abs(x1 - x0)
+    if steep:
+        x0, y0, x1, y1 = y0, x0, y1, x1
+    if x1 < x0:
+        x0, y0, x1, y1 = x1, y1, x0, y0
+    dx, dy, y, found = x1 - x0, abs(y1 - y0), y0, []
+    error = -(dx // 2)
+    for x in range(x0, x1 + 1):
+        found.append((y, x) if steep else (x, y))
+        error += dy
+        if error > 0:
+            y += 1 if y1 > y0 else -1
+            error -= dx
+    return found
+
+
+def crossed_cells(start: Cell, end: Cell) -> list[Cell]:
+    """Cells of a ray without the mask: its end and the end's eight neighbours (B 4.4.2).
+
+    Examples
+    --------
+    >>> crossed_cells((0, 0), (4, 0))
+    [(0, 0), (1, 0), (2, 0)]
+    """
+    cells = ray_cells(start, end)
+    return [(x, y) for x, y in cells if max(abs(x - end[0]), abs(y - end[1])) > 1]
+
+
+def quarters(square: Square) -> list[Square]:
+    """The four squares of half the side.
+
+    Examples
+    --------
+    >>> quarters((0, 0, 4))
+    [(0, 0, 2), (0, 2, 2), (2, 0, 2), (2, 2, 2)]
+    """
+    left, low, side = square
+    half = side // 2
+    return [(x, y, half) for x in (left, left + half) for y in (low, low + half)]
+
+
+class Quadtree:
+    """Leaves `(x, y, side)`, in cells from the first corner, with their two counts.
+
+    Parameters
+    ----------
+    resolution : float, metres
+    cells : int
+        Side of the root at first, a power of two; it grows up to `largest`.
+    corner : (2,) floats, metres
+    finest : int or None
+        The `free_resolution` of `segmap.quadtree.QuadtreeMap`, in cells: rays split leaves too,
+        splits hand their counts on, and equal children join. B has nothing like it.
+    largest : int
+
+    Examples
+    --------
+    >>> tree = Quadtree(1.0, 4)
+    >>> tree.insert((0.5, 0.5), [(3.5, 0.5)])
+    >>> tree.leaves[3, 0, 1], tree.leaves[0, 0, 2]
+    ([1, 1], [1, 0])
+    """
+
+    def __init__(
+        self,
+        resolution: float,
+        cells: int = 512,
+        *,
+        corner: Point = (0.0, 0.0),
+        finest: int | None = None,
+        largest: int = 2**16,
+    ) -> None:
+        self.resolution, self.corner, self.largest = resolution, corner, largest
+        self.root, self.finest = (0, 0, cells), finest
+        self.leaves = {square: [0, 0] for square in quarters(self.root)}
+
+    def insert(self, sensor: Point, points: Iterable[Point], free: Iterable[Point] = ()) -> None:
+        """Add the rays of a scan, metres: those that ended, and those that met nothing (B 4.2-4.4).
+
+        Raises
+        ------
+        ValueError
+            For a point beyond the largest root.
+        """
+        start, ends, last = self.cell(sensor), [*map(self.cell, points)], [*map(self.cell, free)]
+        for cell in [start, *ends, *last]:
+            self.grow(cell)
+        for end in ends:  # step 1: each end in a leaf of a single cell
+            self.split(end, 1)
+        for end in ends:  # step 2: the ends, with the ray of each but the first in a cell
+            counts = self.leaves[self.leaf(end)]
+            counts[0] += counts[1] > 0 or counts[0] == 0
+            counts[1] += 1
+        rays = [crossed_cells(start, end) for end in ends] + [ray_cells(start, end) for end in last]
+        if self.finest is not None:
+            for cell in (cell for ray in rays for cell in ray):
+                self.split(cell, self.finest)
+        for ray in rays:  # step 3: each leaf that holds a cell of a ray, once a ray
+            for leaf in {self.leaf(cell) for cell in ray}:
+                self.leaves[leaf][0] += 1
+        while self.finest is not None and any([self.join(leaf) for leaf in list(self.leaves)]):
+            pass
+
+    def cell(self, point: Point) -> Cell:
+        """Cell that holds a point, metres."""
+        (x, y), (left, low) = point, self.corner
+        return cell_of(x, left, self.resolution), cell_of(y, low, self.resolution)
+
+    def grow(self, cell: Cell) -> None:
+        """Double the root until it holds a cell."""
+        while not _holds(self.root, cell):
+            root = grown(self.root, cell)
+            if root[2] > self.largest:
+                raise ValueError(f"cell {cell} lies beyond {self.largest} cells a side")
+            self.leaves |= {square: [0, 0] for square in quarters(root) if square != self.root}
+            self.root = root
+
+    def leaf(self, cell: Cell) -> Square:
+        """Leaf that holds a cell."""
+        x, y, side = self.root
+        while (x, y, side) not in self.leaves:
+            side //= 2
+            x, y = x + side * (cell[0] >= x + side), y + side * (cell[1] >= y + side)
+        return x, y, side
+
+    def split(self, cell: Cell, least: int) -> None:
+        """Split the leaf of a cell down to this side: what a large leaf counted says nothing of its
+        parts, each of which starts with one ray."""
+        while (leaf := self.leaf(cell))[2] > least:
+            counts = self.leaves.pop(leaf)
+            first = [1, 0] if self.finest is None else counts
+            self.leaves |= {square: list(first) for square in quarters(leaf)}
+
+    def join(self, leaf: Square) -> bool:
+        """Make one leaf of four that are alike and never hit, this one being the first of them."""
+        x, y, side = leaf
+        square = x, y, 2 * side
+        counts = [self.leaves.get(part) for part in quarters(square)]
+        aligned = (x - self.root[0]) % (2 * side) == (y - self.root[1]) % (2 * side) == 0
+        alike = counts[0] is not None and not counts[0][1] and counts == 4 * counts[:1]
+        if not (aligned and alike and 2 * side < self.root[2]):
+            return False
+        self.leaves[square] = [self.leaves.pop(part) for part in quarters(square)][-1]
+        return True
+
+    def occupied(self) -> list[Point]:
+        """Centres of the cells that are occupied, above one half, metres."""
+        (left, low), size = self.corner, self.resolution
+        return [
+            (left + (x + 0.5) * size, low + (y + 0.5) * size)
+            for (x, y, side), (vis, occ) in self.leaves.items()
+            if side == 1 and occupancy(vis, occ) > 0.5
+        ]
+
+
+def _holds(square: Square, cell: Cell) -> bool:
+    """Whether a cell lies in a square."""
+    (left, low, side), (x, y) = square, cell
+    return left <= x < left + side and low <= y < low + side
