@@ -141,7 +141,7 @@ class TestWhatIsTruth:
 
 @pytest.mark.parametrize("on_error", ["ignore", None, ""])
 def test_other_values_of_on_error_are_refused(read, on_error):
-    with pytest.raises(ValueError, match="'raise' or 'skip'"):
+    with pytest.raises(ValueError, match="on_error must be one of 'raise', 'skip'"):
         read(CARMEN, on_error=on_error)
 
 

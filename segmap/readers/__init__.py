@@ -1,19 +1,24 @@
 """Log files: whatever a robot recorded becomes a `Log`.
 
 `read` recognises the format by what is in the file; `load` reads a log that comes with segmap. One
-file a format, each with what it means to the field: `_carmen` (with `_robotlaser`), `_g2o`,
-`_player`, `_rawseeds`, `_hokuyo_text`, `_coreslam`.
+file a format, each with what it means to the field: `_carmen`, `_g2o`, `_player`, `_rawseeds`,
+`_hokuyo_text`, `_coreslam`.
 """
 
-from pathlib import Path
+from __future__ import annotations
 
+from collections.abc import Callable, Sequence
+from itertools import islice
+from pathlib import Path
+from typing import NamedTuple
+
+from .. import arrays
 from ..arrays import Array
 from ..scans import Log
-from . import _bundled, _formats, _rawseeds
-from ._beams import half_turn
-from ._bundled import data_file
-from ._lines import LogError
-from ._shots import same_poses
+from . import _carmen, _coreslam, _g2o, _hokuyo_text, _player, _rawseeds
+from ._bundled import data_file, find
+from ._lines import Lines, LogError
+from ._raw_scans import half_turn, same_poses
 
 __all__ = [
     "LogError",
@@ -24,6 +29,30 @@ __all__ = [
     "read_trajectory",
     "same_poses",
 ]
+
+#: So many lines are looked at; a damaged one among them does not change what most of them say.
+FIRST = 200
+#: What a damaged line means.
+ON_ERROR = ("raise", "skip")
+
+
+class Format(NamedTuple):
+    """A reader, and how to tell its lines from others."""
+
+    name: str
+    claims: Callable[[Sequence[str]], bool]
+    read: Callable[[Path, str, str], Log]
+    separator: str | None = None
+
+
+FORMATS = (
+    Format("CARMEN", _carmen.claims, _carmen.read),
+    Format("g2o", _g2o.claims, _g2o.read),
+    Format("Player", _player.claims, _player.read),
+    Format("Hokuyo text", _hokuyo_text.claims, _hokuyo_text.read),
+    Format("CoreSLAM", _coreslam.claims, _coreslam.read),
+    Format("Rawseeds", _rawseeds.claims, _rawseeds.read, ","),
+)
 
 
 def read(path: str | Path, *, on_error: str = "raise") -> Log:
@@ -66,12 +95,12 @@ def read(path: str | Path, *, on_error: str = "raise") -> Log:
     >>> log, log.skipped.lines, log[0].valid
     (Log('two', 1 scan, odometry, no truth), 1, array([ True, False]))
     """
-    path, on_error = Path(path), _checked(on_error)
+    path, on_error = Path(path), arrays.one_of(on_error, "on_error", ON_ERROR)
     try:
         name = path.resolve().name
         if path.is_dir():
-            return _formats.read_folder(path, name, on_error)
-        return _formats.read_file(_checked_file(path), _stem(name), on_error)
+            return _read_folder(path, name, on_error)
+        return _recognise(_checked_file(path)).read(path, _stem(name), on_error)
     except OSError as fault:
         raise LogError(path, f"cannot be read ({fault.strerror or fault})") from fault
 
@@ -105,8 +134,8 @@ def read_trajectory(path: str | Path, *, on_error: str = "raise") -> tuple[Array
     ...     read_trajectory(path)
     (array([10.5]), array([[1. , 2. , 0.5]]))
     """
-    times, poses, _ = _rawseeds.read_trajectory(_checked_file(Path(path)), _checked(on_error))
-    return times, poses
+    on_error = arrays.one_of(on_error, "on_error", ON_ERROR)
+    return _rawseeds.read_trajectory(_checked_file(Path(path)), on_error)[:2]
 
 
 def load(name: str) -> Log:
@@ -132,13 +161,44 @@ def load(name: str) -> Log:
     >>> load("malaga")
     Log('malaga', 225 scans, odometry, truth for 99)
     """
-    return read(_bundled.find(name))
+    return read(find(name))
 
 
-def _checked(on_error: str) -> str:
-    if on_error not in ("raise", "skip"):
-        raise ValueError(f"on_error must be 'raise' or 'skip', got {on_error!r}")
-    return on_error
+# ---------------------------------------------------------------------------- formats
+def _recognise(path: Path) -> Format:
+    """The format that claims most of the first lines."""
+    lines = Lines(path, "skip", separator="\n")
+    sample = [line[0] for line in islice(lines, FIRST)]
+    votes = [sum(_claimed(form, line) for line in sample) for form in FORMATS]
+    if not any(votes):
+        raise lines.first or LogError(path, _unknown(lines, sample))
+    return FORMATS[votes.index(max(votes))]
+
+
+def _read_folder(folder: Path, name: str, on_error: str) -> Log:
+    """Read a folder: a Rawseeds recording, or numbered files with a Hokuyo scan in each."""
+    if files := _rawseeds.files_of(folder):
+        return _rawseeds.read_folder(files, name, on_error)
+    if scans := _hokuyo_text.numbered(folder):
+        return _hokuyo_text.read_folder(scans, name, on_error)
+    raise LogError(
+        folder,
+        "holds no log, expected a Rawseeds recording (SICK_FRONT.csv or HOKUYO_FRONT.csv, "
+        "ODOMETRY_XYT.csv, GROUNDTRUTH.csv) or numbered files with a Hokuyo scan in each",
+    )
+
+
+def _claimed(form: Format, line: str) -> bool:
+    fields = line.split(form.separator)
+    return bool(fields) and form.claims(fields)
+
+
+def _unknown(lines: Lines, sample: Sequence[str]) -> str:
+    known = ", ".join(form.name for form in FORMATS)
+    if lines.number == 0:
+        return f"is empty, expected a log ({known})"
+    first = f"it starts with {sample[0][:40]!r}" if sample else "it has comments only"
+    return f"is of no known format ({known}); {first}"
 
 
 def _checked_file(path: Path) -> Path:

@@ -1,5 +1,7 @@
 """The logs that come with segmap, and one that comes with another package."""
 
+from __future__ import annotations
+
 from importlib.util import find_spec
 from pathlib import Path
 

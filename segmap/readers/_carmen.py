@@ -4,8 +4,16 @@
 
 x y theta is the laser's pose, corrected where the log has been corrected; ox oy otheta is the
 robot's odometry; t is in seconds. RLASER is the same of a laser that faces backwards. The beams
-follow the rule of `_beams`. ROBOTLASERn and RAWLASERn are described in `_robotlaser`. A scan
-without a time gets its number in the log.
+follow the rule of `half_turn`. A scan without a time gets its number in the log. The newer lines
+state their beams:
+
+    ROBOTLASER1 type start_angle field_of_view resolution maximum_range accuracy remission_mode
+        n [n ranges] m [m remissions] laser_x laser_y laser_theta robot_x robot_y robot_theta
+        tv rv forward_safety side_safety turn_axis timestamp host logger_timestamp
+
+RAWLASERn has no poses: after the remissions come only the three fields of time. Metres, radians,
+seconds. Beam i points to `start_angle + i resolution`; where the resolution is stated as 0 the
+beams are spread evenly over the field of view, both ends included.
 
 `PARAM robot_frontlaser_offset`, `..._side_offset` and `..._angular_offset` say where the laser sits
 on the robot (`robot_rearlaser_...` alike, x forward there too); the corrected poses of the log are
@@ -15,8 +23,10 @@ the robot's. A RLASER whose stated angle looks forward is read as that much off 
 of them is where the odometry puts the laser. Then the file does not tell, and the rule is: a log
 whose laser lines carry the fields of time, with no line of a recorder in the file (ODOM, PARAM,
 ...), went through a mapper, which writes its poses twice (Freiburg 079); any other log is raw and
-has no truth. For ROBOTLASERn lines see `_shots.mount_by_poses`.
+has no truth. For ROBOTLASERn lines see `extrinsic_by_poses`.
 """
+
+from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -26,20 +36,20 @@ import numpy as np
 from ..arrays import Array
 from ..poses import compose
 from ..scans import Log
-from ._beams import half_turn, no_return
-from ._fields import counted, numbers, pose, time
-from ._lines import Lines
-from ._robotlaser import parse as parse_new
-from ._shots import (
+from ._lines import Lines, counted, numbers, pose, time
+from ._raw_scans import (
     NOWHERE,
-    Mounted,
-    Shot,
+    Extrinsic,
+    RawScan,
+    Track,
     assemble,
-    mount_by_offset,
-    mount_by_poses,
+    extrinsic_by_offset,
+    extrinsic_by_poses,
+    half_turn,
     same_poses,
+    uncorrected,
+    with_odometry,
 )
-from ._tracks import Track, with_odometry
 
 OLD = ("FLASER", "RLASER")
 NEW = tuple(f"{kind}LASER{k}" for kind in ("ROBOT", "RAW") for k in range(1, 6))
@@ -55,6 +65,8 @@ OFFSETS = tuple(
     for end in ("front", "rear")
     for kind in ("", "side_", "angular_")
 )
+#: Settings of the sensor at the start of a ROBOTLASERn or RAWLASERn line.
+HEAD = 7
 KEYWORDS = frozenset(("PARAM", "ODOM", *OLD, *NEW, *OTHERS))
 
 
@@ -67,8 +79,8 @@ class _Recording:
     """What the lines of one log said so far."""
 
     def __init__(self) -> None:
-        self.shots: list[Shot] = []
-        self.wheels = Track()
+        self.scans: list[RawScan] = []
+        self.track = Track()
         self.parameters: dict[str, float] = {}
         self.recorded = False
 
@@ -76,9 +88,9 @@ class _Recording:
         """Take in one line."""
         keyword = fields[0]
         if keyword in OLD:
-            self.shots.append(_parse_old(fields))
+            self.scans.append(_parse_old(fields))
         elif keyword in NEW:
-            self.shots.append(parse_new(fields))
+            self.scans.append(parse_robotlaser(fields))
         elif keyword in KEYWORDS:
             self.recorded = True
             self._note(keyword, fields[1:])
@@ -89,7 +101,7 @@ class _Recording:
         if keyword == "PARAM" and fields and fields[0] in OFFSETS:
             self.parameters[fields[0]] = float(pose([*fields[1:2], "0", "0"], fields[0])[0])
         elif keyword == "ODOM" and len(fields) >= 9:
-            self.wheels.add(time(fields[6]), pose(fields[:3], "the odometry"))
+            self.track.add(time(fields[6]), pose(fields[:3], "the odometry"))
 
     def offset(self, laser: str) -> Array:
         """Where the file says that a laser sits on the robot, (3,) array, metres and radians."""
@@ -101,21 +113,15 @@ class _Recording:
         ahead, aside = (self.parameters.get(name + k, 0.0) for k in ("offset", "side_offset"))
         return np.array([ahead, aside, turn])
 
-    def mount(self, laser: str, shots: Sequence[Shot]) -> Mounted:
+    def extrinsic(self, laser: str, scans: Sequence[RawScan]) -> Extrinsic:
         """Place of a laser `(3,)` and truth `(k, 3)`, metres and radians, by the rule above."""
         offset = self.offset(laser)
         if laser in NEW:
-            return mount_by_poses(shots, offset)
-        mounted = mount_by_offset(shots, offset)
-        corrected = all(shot.time is not None for shot in shots) and not self.recorded
-        if not corrected and _repeats_odometry(shots, offset):
-            return Mounted(offset, np.full_like(mounted.truth, np.nan))
-        return mounted
-
-    def limits(self) -> Array:
-        """For each shot the range from which on it met nothing, `(k,)`, metres."""
-        limit = no_return(shot.ranges for shot in self.shots)
-        return np.array([min(shot.limit, limit) for shot in self.shots])
+            return extrinsic_by_poses(scans, offset)
+        corrected = all(scan.time is not None for scan in scans) and not self.recorded
+        if not corrected and _repeats_odometry(scans, offset):
+            return uncorrected(scans, offset)
+        return extrinsic_by_offset(scans, offset)
 
 
 def read(path: Path, name: str, on_error: str = "raise") -> Log:
@@ -123,13 +129,13 @@ def read(path: Path, name: str, on_error: str = "raise") -> Log:
     lines, recording = Lines(path, on_error), _Recording()
     for _ in lines.each(recording.take):
         pass
-    if not recording.shots:
+    if not recording.scans:
         raise lines.no_scan("a FLASER, RLASER, ROBOTLASER or RAWLASER line")
-    shots = with_odometry(recording.shots, recording.wheels)
-    return Log(name, *assemble(shots, recording.mount, recording.limits()), lines.skipped)
+    raw = with_odometry(recording.scans, recording.track)
+    return Log(name, *assemble(raw, recording.extrinsic), lines.skipped)
 
 
-def _parse_old(fields: list[str]) -> Shot:
+def _parse_old(fields: list[str]) -> RawScan:
     ranges, rest = counted(fields[1:], "ranges")
     if len(rest) not in (0, 6, 9):
         raise ValueError(
@@ -139,10 +145,40 @@ def _parse_old(fields: list[str]) -> Shot:
     odometry = pose(rest[3:6], "the odometry") if rest else NOWHERE
     found = numbers(ranges, "ranges")
     when = time(rest[6]) if len(rest) == 9 else None
-    return Shot(fields[0], found, half_turn(len(found)), when, odometry, laser)
+    return RawScan(fields[0], found, half_turn(len(found)), when, odometry, laser)
 
 
-def _repeats_odometry(shots: Sequence[Shot], offset: Array) -> bool:
-    poses = np.array([shot.pose for shot in shots])
-    wheels = np.array([shot.odometry for shot in shots])
-    return same_poses(poses, compose(wheels, offset)) or same_poses(poses, wheels)
+def _repeats_odometry(scans: Sequence[RawScan], offset: Array) -> bool:
+    poses = np.array([scan.pose for scan in scans])
+    odometry = np.array([scan.odometry for scan in scans])
+    return same_poses(poses, compose(odometry, offset)) or same_poses(poses, odometry)
+
+
+def parse_robotlaser(fields: list[str]) -> RawScan:
+    """One ROBOTLASERn or RAWLASERn line; the keyword names the laser.
+
+    Ranges `(n,)`, metres, and directions `(n,)`, radians; poses in metres and radians, the time in
+    seconds.
+    """
+    head = numbers(fields[1 : HEAD + 1], "the sensor's settings")
+    if len(head) < HEAD or not np.isfinite(head[1:5]).all():
+        raise ValueError(f"expected {HEAD} finite settings of the sensor after {fields[0]}")
+    ranges, rest = counted(fields[HEAD + 1 :], "ranges")
+    _, rest = counted(rest, "remissions", least=0)
+    posed = fields[0].startswith("ROBOT")
+    wanted = 14 if posed else 3
+    if len(rest) != wanted:
+        raise ValueError(f"expected {wanted} fields after the remissions, got {len(rest)}")
+    laser = pose(rest[:3], "the laser") if posed else NOWHERE
+    odometry = pose(rest[3:6], "the robot") if posed else NOWHERE
+    limit = head[4] if head[4] > 0 else np.inf
+    found, when = numbers(ranges, "ranges"), time(rest[-3])
+    return RawScan(fields[0], found, _angles(head, len(found)), when, odometry, laser, limit)
+
+
+def _angles(head: Array, beams: int) -> Array:
+    start, field_of_view, resolution = head[1:4]
+    if not (abs(start) < 10 and 0 <= field_of_view < 10 and 0 <= resolution < 10):
+        raise ValueError(f"expected the beams' angles in radians, got {head[1:4].tolist()}")
+    step = resolution or field_of_view / max(beams - 1, 1)
+    return start + step * np.arange(beams)

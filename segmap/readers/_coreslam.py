@@ -9,6 +9,8 @@ The beams are the sensor's steps of 360/1024 degree, the middle one straight ahe
 in all. Between two lines the robot is taken to drive an exact arc; the odometry starts at 0, 0, 0.
 """
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -18,13 +20,12 @@ from ..arrays import Array
 from ..error_codes import as_ranges
 from ..poses import compose
 from ..scans import LaserScan, Log
-from ._beams import URG_REACH, URG_STEP, centred
-from ._fields import is_number, numbers, time
-from ._lines import Lines
+from ._lines import Lines, is_number, numbers, time
+from ._raw_scans import URG_REACH, URG_STEP, centred
 
 HEADER, BEAMS = 24, 683
 METRES_PER_TICK = 2 * np.pi * 0.077 / 2000
-WHEELS_APART = 0.330
+WHEEL_SEPARATION = 0.330
 SENSOR_POSE = (0.145, 0.0, 0.0)
 #: More ticks than this no wheel turns.
 MOST_TICKS = 1e12
@@ -57,7 +58,7 @@ def integrate(driven: Array) -> Array:
            [0.165 , 0.165 , 1.5708]])
     """
     left, right = driven.T
-    turn = (right - left) / WHEELS_APART
+    turn = (right - left) / WHEEL_SEPARATION
     chord = (left + right) / 2 * np.sinc(turn / (2 * np.pi))
     steps = np.stack([chord * np.cos(turn / 2), chord * np.sin(turn / 2), turn], -1)
     poses = [np.zeros(3)]

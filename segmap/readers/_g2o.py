@@ -1,12 +1,14 @@
 """g2o pose graphs that carry their scans.
 
     VERTEX2 id x y theta          (or VERTEX_SE2)
-    ROBOTLASER1 ...               as in CARMEN, see `_robotlaser`
+    ROBOTLASER1 ...               as in CARMEN, see `_carmen`
 
 The vertex before a laser line is the robot's corrected pose at that scan; a scan without a vertex
 of its own has none. The robot's pose in the laser line is its odometry, unless it is 0 0 0 in all
 of them. Edges and other lines of the graph are skipped.
 """
+
+from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -15,11 +17,9 @@ import numpy as np
 
 from ..arrays import Array
 from ..scans import Log
-from ._beams import no_return
-from ._fields import numbers, pose
-from ._lines import Lines
-from ._robotlaser import parse
-from ._shots import NOWHERE, Mounted, Shot, assemble, mount_by_poses
+from ._carmen import parse_robotlaser
+from ._lines import Lines, numbers, pose
+from ._raw_scans import NOWHERE, Extrinsic, RawScan, assemble, extrinsic_by_poses
 
 VERTICES = ("VERTEX2", "VERTEX_SE2")
 LASERS = ("ROBOTLASER1", "ROBOTLASER2")
@@ -32,8 +32,10 @@ def claims(fields: Sequence[str]) -> bool:
 
 
 class _Graph:
+    """What the lines of one graph said so far."""
+
     def __init__(self) -> None:
-        self.shots: list[Shot] = []
+        self.scans: list[RawScan] = []
         self.truth: list[Array] = []
         self.vertex = NOWHERE
 
@@ -44,7 +46,7 @@ class _Graph:
             numbers(fields[1:2], "the vertex")
             self.vertex = pose(fields[2:], "the vertex")
         elif fields[0] in LASERS:
-            self.shots.append(parse(fields))
+            self.scans.append(parse_robotlaser(fields))
             self.truth.append(self.vertex)
             self.vertex = NOWHERE
         elif fields[0] not in OTHERS:
@@ -56,21 +58,19 @@ def read(path: Path, name: str, on_error: str = "raise") -> Log:
     lines, graph = Lines(path, on_error), _Graph()
     for _ in lines.each(graph.take):
         pass
-    if not graph.shots:
+    if not graph.scans:
         raise lines.no_scan("a ROBOTLASER1 line after each vertex")
-    shots = _without_zeros(graph.shots)
-    limit = no_return(shot.ranges for shot in shots)
-    limits = np.array([min(shot.limit, limit) for shot in shots])
-    scans, _ = assemble(shots, _mount, limits)
+    raw = _without_zeros(graph.scans)
+    scans, _ = assemble(raw, _extrinsic)
     truth = np.array(graph.truth)
     return Log(name, scans, truth if np.isfinite(truth).any() else None, lines.skipped)
 
 
-def _without_zeros(shots: list[Shot]) -> list[Shot]:
-    recorded = any(shot.odometry.any() for shot in shots)
-    return shots if recorded else [s._replace(odometry=NOWHERE, pose=NOWHERE) for s in shots]
+def _without_zeros(scans: list[RawScan]) -> list[RawScan]:
+    recorded = any(scan.odometry.any() for scan in scans)
+    return scans if recorded else [s._replace(odometry=NOWHERE, pose=NOWHERE) for s in scans]
 
 
-def _mount(laser: str, shots: Sequence[Shot]) -> Mounted:
+def _extrinsic(laser: str, scans: Sequence[RawScan]) -> Extrinsic:
     backwards = np.pi if laser == "ROBOTLASER2" else 0.0
-    return mount_by_poses(shots, np.array([0.0, 0.0, backwards]))
+    return extrinsic_by_poses(scans, np.array([0.0, 0.0, backwards]))

@@ -7,6 +7,8 @@ Values below 20 mm are error codes, see `segmap.error_codes`. The files have no 
 turns in 100 ms, so scan k is given 0.1 k seconds. There is no odometry and no truth.
 """
 
+from __future__ import annotations
+
 import re
 from collections.abc import Sequence
 from itertools import islice
@@ -17,9 +19,8 @@ import numpy as np
 from ..arrays import Array
 from ..error_codes import as_ranges
 from ..scans import NOTHING_SKIPPED, LaserScan, Log, Skipped
-from ._beams import URG_REACH
-from ._fields import is_number, numbers
-from ._lines import Lines, LogError, merged
+from ._lines import Lines, LogError, is_number, merged, numbers
+from ._raw_scans import URG_REACH
 
 SECONDS_PER_TURN = 0.1
 #: A beam points nowhere beyond two turns, radians.

@@ -15,13 +15,15 @@ metres, angles in radians):
 Lines may also start with the interface (`laser index ...`, `position index ...`), the time, if any,
 after the index. What a field means is decided by how many there are: `datatime`, and all but x, y,
 heading of a position may be missing; so may the intensities, and the angles of a laser that looks
-over half a turn (then the rule of `_beams`).
+over half a turn (then the rule of `half_turn`).
 
 Odometry is the pose between the position lines around the time of the scan; outside of them, and
 where lines have no time, the last one before the scan. Of several position devices the one with the
 lowest index counts. A pose within a laser line (1 2) goes before. There is no truth. Other
 interfaces are skipped.
 """
+
+from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -31,11 +33,17 @@ import numpy as np
 
 from ..arrays import Array
 from ..scans import Log
-from ._beams import half_turn, no_return
-from ._fields import is_number, numbers, pose, time
-from ._lines import Lines
-from ._shots import NOWHERE, Mounted, Shot, assemble
-from ._tracks import Track, with_odometry
+from ._lines import Lines, is_number, numbers, pose, time
+from ._raw_scans import (
+    NOWHERE,
+    Extrinsic,
+    RawScan,
+    Track,
+    assemble,
+    half_turn,
+    uncorrected,
+    with_odometry,
+)
 
 POSITIONS = ("position", "position2d")
 OTHERS = frozenset(
@@ -71,7 +79,7 @@ class _Recording:
     """What the lines of one log said so far."""
 
     def __init__(self) -> None:
-        self.shots: list[Shot] = []
+        self.scans: list[RawScan] = []
         self.before: list[Array] = []
         self.tracks: dict[int, Track] = {}
         self.latest: dict[int, Array] = {}
@@ -96,22 +104,22 @@ class _Recording:
         if message.kind == GEOMETRY:
             self.places[_name(message)] = pose(message.body[:3], "the place of the laser")
         elif message.kind is None or message.kind in TYPED_HEADS:
-            self.shots.append(_parse_laser(message))
+            self.scans.append(_parse_laser(message))
             self.before.append(self.latest[min(self.latest)] if self.latest else NOWHERE)
 
-    def mount(self, laser: str, shots: Sequence[Shot]) -> Mounted:
+    def extrinsic(self, laser: str, scans: Sequence[RawScan]) -> Extrinsic:
         """Place of a laser on the robot, (3,) array, metres and radians; no truth."""
         place = self.places.get(laser, np.zeros(3))
         place = np.zeros(3) if np.isnan(place).any() else place
-        return Mounted(place, np.full((len(shots), 3), np.nan))
+        return uncorrected(scans, place)
 
-    def finished(self) -> list[Shot]:
+    def finished(self) -> list[RawScan]:
         """The scans with their odometry, (3,) array each, metres and radians."""
         track = self.tracks[min(self.tracks)] if self.tracks else Track()
-        shots = with_odometry(self.shots, track)
+        scans = with_odometry(self.scans, track)
         return [
-            shot._replace(odometry=before) if np.isnan(shot.odometry).any() else shot
-            for shot, before in zip(shots, self.before, strict=True)
+            scan._replace(odometry=before) if np.isnan(scan.odometry).any() else scan
+            for scan, before in zip(scans, self.before, strict=True)
         ]
 
 
@@ -120,12 +128,9 @@ def read(path: Path, name: str, on_error: str = "raise") -> Log:
     lines, recording = Lines(path, on_error), _Recording()
     for _ in lines.each(recording.take):
         pass
-    shots = recording.finished()
-    if not shots:
+    if not recording.scans:
         raise lines.no_scan("a laser message")
-    limit = no_return(shot.ranges for shot in shots)
-    limits = np.array([min(shot.limit, limit) for shot in shots])
-    return Log(name, *assemble(shots, recording.mount, limits), lines.skipped)
+    return Log(name, *assemble(recording.finished(), recording.extrinsic), lines.skipped)
 
 
 def _keyword(fields: Sequence[str]) -> int | None:
@@ -164,7 +169,7 @@ def _parse_position(message: Message) -> tuple[float | None, Array]:
     return when, pose(body[:3], "the odometry")
 
 
-def _parse_laser(message: Message) -> Shot:
+def _parse_laser(message: Message) -> RawScan:
     body = message.body
     size, ranges = _split(
         body, UNTYPED_HEADS if message.kind is None else TYPED_HEADS[message.kind]
@@ -175,7 +180,7 @@ def _parse_laser(message: Message) -> Shot:
     settings = head[-4:-1] if size > 4 else head[-3:]
     angles = half_turn(len(found)) if size < 2 else spread(settings, len(found))
     when = time(head[0]) if size in (1, 4) else message.time
-    return Shot(_name(message), found, angles, when, odometry, limit=limit)
+    return RawScan(_name(message), found, angles, when, odometry, limit=limit)
 
 
 def _split(body: list[str], heads: Sequence[int]) -> tuple[int, list[str]]:

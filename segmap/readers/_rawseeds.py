@@ -17,21 +17,29 @@ the truth in gaps longer than a second, a scan has none.
 A file of a laser may be read alone: scans without odometry and truth.
 """
 
+from __future__ import annotations
+
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
 
-from ..arrays import Array
+from ..arrays import LIMIT, Array
 from ..error_codes import as_ranges
 from ..poses import interpolate
 from ..scans import NOTHING_SKIPPED, Log, Skipped
-from ._beams import URG_REACH, URG_STEP, centred, half_turn, no_return
-from ._fields import FARTHEST, counted, is_number, numbers, pose, time
-from ._lines import Lines, LogError, merged
-from ._shots import Mounted, Shot, assemble
-from ._tracks import Track
+from ._lines import Lines, LogError, counted, is_number, merged, numbers, pose, time
+from ._raw_scans import (
+    URG_REACH,
+    URG_STEP,
+    RawScan,
+    Track,
+    assemble,
+    centred,
+    half_turn,
+    uncorrected,
+)
 
 LASERS = ("SICK_FRONT", "HOKUYO_FRONT", "SICK_REAR", "HOKUYO_REAR")
 ODOMETRY, TRUTH = "ODOMETRY_XYT", "GROUNDTRUTH"
@@ -74,22 +82,20 @@ def read_trajectory(path: Path, on_error: str = "raise") -> tuple[Array, Array, 
         track.add(when, where)
     if not track.times:
         raise LogError(path, "holds no pose, expected lines t, x, y, theta, 9 covariances")
-    order = np.argsort(track.times, kind="stable")
-    return np.array(track.times)[order], np.array(track.poses)[order], lines.skipped
+    return *track.ordered(), lines.skipped
 
 
 def _read(path: Path, name: str, files: Mapping[str, Path], on_error: str) -> Log:
     lines = Lines(path, on_error, ",")
-    shots = list(lines.each(_parse_scan))
-    if not shots:
+    raw = list(lines.each(_parse_scan))
+    if not raw:
         raise lines.no_scan("lines of a SICK or Hokuyo file")
-    times = np.array([shot.time for shot in shots], float)
+    times = np.array([scan.time for scan in raw], float)
     odometry, skipped = _poses_at(times, files.get(ODOMETRY), on_error)
     truth, more = _poses_at(times, files.get(TRUTH), on_error, TRUTH_GAP)
-    shots = [s._replace(odometry=o) for s, o in zip(shots, odometry, strict=True)]
-    limit = no_return(shot.ranges for shot in shots)
-    limits = np.array([min(shot.limit, limit) for shot in shots])
-    scans, _ = assemble(shots, _mount(path), limits)
+    raw = [scan._replace(odometry=o) for scan, o in zip(raw, odometry, strict=True)]
+    place = np.array([0.0, 0.0, np.pi if "REAR" in path.name.upper() else 0.0])
+    scans, _ = assemble(raw, lambda laser, mine: uncorrected(mine, place))
     known = truth if np.isfinite(truth).any() else None
     return Log(name, scans, known, merged(lines.skipped, merged(skipped, more)))
 
@@ -103,13 +109,7 @@ def _poses_at(
     return interpolate(when, poses, times, max_gap=gap), skipped
 
 
-def _mount(path: Path) -> Callable[[str, Sequence[Shot]], Mounted]:
-    backwards = np.pi if "REAR" in path.name.upper() else 0.0
-    place = np.array([0.0, 0.0, backwards])
-    return lambda laser, shots: Mounted(place, np.full((len(shots), 3), np.nan))
-
-
-def _parse_scan(fields: list[str]) -> Shot:
+def _parse_scan(fields: list[str]) -> RawScan:
     columns = [field.strip() for field in fields]
     if len(columns) == HOKUYO_COLUMNS:
         return _parse_hokuyo(columns)
@@ -126,13 +126,13 @@ def _parse_scan(fields: list[str]) -> Shot:
     if not abs(quarters) <= 720:
         raise ValueError(f"expected an offset in quarter degrees, got {columns[2][:40]}")
     angles = half_turn(len(ranges)) + np.radians(quarters / 4)
-    return Shot("sick", numbers(ranges, "ranges"), angles, time(columns[0]))
+    return RawScan("sick", numbers(ranges, "ranges"), angles, time(columns[0]))
 
 
-def _parse_hokuyo(columns: list[str]) -> Shot:
-    ranges, codes = as_ranges(1000 * np.clip(numbers(columns[1:], "ranges"), -FARTHEST, FARTHEST))
+def _parse_hokuyo(columns: list[str]) -> RawScan:
+    ranges, codes = as_ranges(1000 * np.clip(numbers(columns[1:], "ranges"), -LIMIT, LIMIT))
     angles = centred(len(ranges), URG_STEP)
-    return Shot("hokuyo", ranges, angles, time(columns[0]), limit=URG_REACH, codes=codes)
+    return RawScan("hokuyo", ranges, angles, time(columns[0]), limit=URG_REACH, codes=codes)
 
 
 def _parse_pose(fields: list[str]) -> tuple[float, Array]:
