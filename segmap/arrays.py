@@ -244,16 +244,17 @@ def number(
     *,
     above: float | None = None,
     least: float | None = None,
+    below: float | None = None,
     most: float | None = None,
     unit: str = "",
 ) -> float:
-    """One finite number: above one bound, or at least at it, and at most at another.
+    """One finite number: above a bound, or at least at it, and below another, or at most at it.
 
     Parameters
     ----------
     value : float
     name : str
-    above, least, most : float or None
+    above, least, below, most : float or None
     unit : str
         "metres", say: it stands in the error.
 
@@ -276,11 +277,12 @@ def number(
     array = np.asarray(value)
     fits = array.shape == () and array.dtype.kind in "fiu" and bool(np.isfinite(array))
     fits = fits and (above is None or float(array) > above)
-    fits = (
-        fits and (least is None or float(array) >= least) and (most is None or float(array) <= most)
-    )
+    fits = fits and (least is None or float(array) >= least)
+    fits = fits and (below is None or float(array) < below)
+    fits = fits and (most is None or float(array) <= most)
     if not fits:
-        bounds = [(" above", above), (" of at least", least), (" of at most", most)]
+        bounds = [(" above", above), (" of at least", least), (" below", below)]
+        bounds.append((" of at most", most))
         range_ = " and".join(f"{word} {bound:.6g}" for word, bound in bounds if bound is not None)
         suffix = f", in {unit}" if unit else ""
         kind = "a number" if range_ else "a finite number"

@@ -16,7 +16,7 @@ from segmap.alignment._global_equations import (
     solve,
     with_one_held,
 )
-from segmap.alignment._global_scans import Rules, corresponding, gathered, kept_scans
+from segmap.alignment._global_segments import kept_scans
 from segmap.angles import axial_difference, wrap
 from segmap.metrics import segment_distance
 from segmap.poses import between, compose, transform

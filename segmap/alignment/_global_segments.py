@@ -1,45 +1,33 @@
-"""Global alignment of segments (A 2.5.1, its [42]): headings of all scans, then places of all."""
+"""Global alignment of segments (A 2.5.1): all scans at once.
+
+Elseberg, Creed, Lakaemper, "A line segment based system for 2D global mapping", ICRA 2010.
+"""
 
 from __future__ import annotations
+
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from .. import arrays
+from .._metrics_loops import APART, describe
 from ..angles import wrap
 from ..arrays import Array
 from ..poses import between, compose, interpolate, inverse
 from ..scans import Log
-from ._global_doubts import (
-    BEYOND,
-    DOUBLED,
-    NOTHING_SHARED,
-    TORN,
-    beyond,
-    doubled,
-    doubts,
-    graph,
-    torn,
-)
-from ._global_equations import Indices, groups
-from ._global_scans import (
-    Rules,
-    Scans,
-    arcs_between,
-    corresponding,
-    gathered,
-    kept_scans,
-    settled,
-    travelled,
-)
-from ._result import Graph, check_positive
-from ._runner import Outcome, alignment_method
-from ._segment_icp import long_segments
+from ..segments import angle as angle_of
+from . import _global_equations as equations
+from ._global_equations import GlobalSearch, Indices, Pairs, Rules, Scans
+from ._result import Graph
+from ._runner import Outcome, alignment_method, long_segments
+from ._segment_icp import ONE_DIRECTION, SIDEWAYS
 
-#: The spread of the weights goes down by these parts when all arcs are in.
-FINER = (1.0, 1 / 4, 1 / 10)
-#: What is doubtful of a kept scan that makes those after it doubtful as well.
-BREAKS = (BEYOND, TORN, NOTHING_SHARED)
 NO_ODOMETRY = "no odometry to begin from"
+NOTHING_SHARED = "shares no two walls with the scans around it: hangs on odometry"
+TORN = "torn from its neighbours farther than segments correspond"
+BEYOND = "beyond a break: not tied to the largest group of scans"
+DOUBLED = "sees other walls than an earlier scan at the same place"
 
 
 @alignment_method
@@ -53,18 +41,19 @@ def global_segments(
     reach: float = 1.0,
     rounds: int = 15,
     min_length: float = 0.30,
+    search: GlobalSearch = GlobalSearch(),
 ) -> Outcome:
-    """Turn all scans at once until matched segments are parallel, then shift all at once; repeat.
+    """Turn all scans until matched segments are parallel, then shift all; repeat (Elseberg 2010).
 
     1. Of the scans the fewest are kept of which each shares with the next two pairs of similar
        segments that are not similar to each other. *Slip:* taken literally, a robot that comes back
        would leave its whole loop out; neighbours are at most `reach` of way apart.
     2. Every two kept scans that share so much are joined. Similar segments u, v weigh
        `exp(-D(u, v) / (2 spread))` (2.7; D as in A 2.7.7, so that sigma^2 is a length).
-    3. Headings from all weighted axial differences, then places from all end points and their feet,
-       by sparse least squares with the first pose fixed; again with new pairs until nothing moves.
-       First scans up to 2 `reach` of way apart are joined, then twice as far, at last all: so only
-       the drift round a loop, and not the whole drift, must be small.
+    3. Headings from all weighted axial differences, then positions from all end points and their
+       feet, by sparse least squares with the first pose fixed; again with new pairs until nothing
+       moves. First scans up to 2 `reach` of way apart are joined, then twice as far, at last all:
+       so only the drift round a loop, and not the whole drift, must be small.
     4. The scans between two kept ones hang on these two: the same equations, the kept ones held.
        One that shares too little is carried by odometry, its misfit spread along the way.
 
@@ -91,21 +80,18 @@ def global_segments(
     min_length : float, metres
         Shorter segments are left out: noise decides their direction, and 2.8 lets them count as
         much as long ones.
+    search : GlobalSearch
 
     Returns
     -------
     Alignment
-        `graph` holds the arcs between kept scans; residuals are the root mean square distances of
-        end points from their feet over 0.03 m, and a loop is an arc over more way than 2 `reach`.
+        `graph` holds the edges between kept scans; residuals are the root mean square distances of
+        end points from their feet over `sigma`, and a loop is an edge over more way than 2 `reach`.
 
     Raises
     ------
     ValueError
         For thresholds out of range, a start of the wrong shape or not finite.
-
-    References
-    ----------
-    Elseberg, Creed, Lakaemper, "A line segment based system for 2D global mapping", ICRA 2010.
 
     Examples
     --------
@@ -113,45 +99,60 @@ def global_segments(
     >>> global_segments(load("room"))
     Alignment(global_segments: 61 scans, 61 used)
     """
-    check_positive(
-        similar=similar,
-        angle=angle,
-        spread=spread,
-        reach=reach,
-        rounds=rounds,
-        min_length=min_length,
-    )
-    if angle >= np.pi / 2:
-        raise ValueError(f"angle must be below pi/2, in radians, got {angle}")
-    rules = Rules(similar, angle, spread, int(rounds))
-    guess = beginning(log, start)
+    arrays.positive("metres", similar=similar, spread=spread, reach=reach, min_length=min_length)
+    arrays.number(angle, "angle", above=0, below=np.pi / 2, unit="radians")
+    rules = Rules(similar, angle, spread, arrays.whole(rounds, "rounds"), search)
+    guess = initial_poses(log, start)
     if guess is None:
         return Outcome(np.zeros((len(log), 3)), ["", *[NO_ODOMETRY] * len(log)][: len(log)])
-    scans = gathered([long_segments(scan, min_length) for scan in log])
-    way = travelled(guess)
+    scans = equations.stacked([long_segments(scan, min_length) for scan in log])
+    way = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(guess[:, :2], axis=0).T))])
     kept = kept_scans(scans.world(guess), scans.first, way, reach, rules)
-    poses, joined, why = _align_kept(scans.only(kept), guess[kept], way[kept], reach, rules)
-    joined = Graph(kept[joined.edges], joined.relative, joined.loop, joined.residuals)
-    poses, reasons = _align_rest(scans, kept, hung_between(kept, poses, guess, way), why, rules)
-    return Outcome(poses, reasons, joined)
+    poses, graph, why = _align_kept(scans.only(kept), guess[kept], way[kept], reach, rules)
+    graph = replace(graph, edges=kept[graph.edges])
+    poses = hung_between(kept, poses, guess, way)
+    return Outcome(*_align_rest(scans, kept, poses, why, rules), graph)
 
 
-def beginning(log: Log, start: ArrayLike | None) -> Array | None:
+def initial_poses(log: Log, start: ArrayLike | None) -> Array | None:
     """Poses to begin from, `(k, 3)`, metres and radians; None where nothing gives any.
 
     From the origin on where the first scan has no odometry.
     """
     if start is not None:
-        given = np.array(start, float)
-        if given.shape != (len(log), 3) or not np.isfinite(given).all():
-            raise ValueError(f"start must be ({len(log)}, 3) finite poses, got shape {given.shape}")
-        return given
+        return arrays.poses(start, "start", count=len(log))
     known = np.flatnonzero(np.isfinite(log.odometry).all(1))
     if not len(known):
         return None
     at = np.clip(np.arange(len(log)), known[0], known[-1])
     found = interpolate(known, log.odometry[known], at)
     return found if known[0] == 0 else between(found[0], found)
+
+
+def kept_scans(segments: Array, first: Indices, way: Array, reach: float, rules: Rules) -> Indices:
+    """Indices of the scans that are aligned first (A 2.5.1): chains of neighbours, and the first.
+
+    A chain is the fewest scans of which each shares two walls with the next, found breadth first;
+    neighbours are at most `reach` of way apart. Where it ends, the next one begins with the next
+    scan; edges between others may join them. Segments `(n, 2, 2)`, metres, where the poses put
+    them; the way to each scan, `(k,)`, metres.
+    """
+    described, kept, start = describe(segments), {0}, 0
+    while start < len(way):
+        before, queue = {start: start}, [start]
+        for i in queue:
+            near = max(int((way[i + 1 :] - way[i] <= reach).sum()), 1)
+            new = [j for j in range(i + 1, min(i + 1 + near, len(way))) if j not in before]
+            edges = np.array([(i, j) for j in new], np.int64).reshape(-1, 2)
+            for k in np.unique(equations.shared_pairs(segments, described, first, edges, rules)[0]):
+                before[new[k]] = i
+                queue.append(new[k])
+        k = end = max(queue)
+        while k != start:
+            kept |= {k, before[k]}
+            k = before[k]
+        start = end + 1
+    return np.array(sorted(kept))
 
 
 def hung_between(kept: Indices, poses: Array, guess: Array, way: Array) -> Array:
@@ -175,33 +176,55 @@ def hung_between(kept: Indices, poses: Array, guess: Array, way: Array) -> Array
     return found
 
 
-def _stages(way: Array, reach: float, rules: Rules) -> list[tuple[float, Rules]]:
-    """How far apart on the way scans are joined, and with which spread."""
-    windows = [2 * reach]
-    while windows[-1] < way[-1]:
-        windows.append(2 * windows[-1])
-    last = [(np.inf, rules._replace(spread=part * rules.spread)) for part in FINER]
-    return [*((window, rules) for window in windows[:-1]), *last]
-
-
 def _align_kept(
     scans: Scans, guess: Array, way: Array, reach: float, rules: Rules
 ) -> tuple[Array, Graph, list[str]]:
-    """Poses of the kept scans, the arcs between them, and what speaks against each pose."""
+    """Poses of the kept scans, the edges between them, and what speaks against each pose."""
     poses, held = guess.copy(), np.arange(len(guess)) == 0
-    for window, stage in _stages(way, reach, rules):
-        arcs = arcs_between(scans, poses, way, window, stage)
-        poses = settled(scans, poses, arcs, held, stage)
-        pairs, arc = corresponding(scans, poses, arcs, stage)
-        group = groups(pairs.i, pairs.j, len(poses))
+    windows = [2 * reach]
+    while windows[-1] < way[-1]:
+        windows.append(2 * windows[-1])
+    stages = [(window, rules) for window in windows[:-1]]
+    for window, stage in [*stages, *((np.inf, finer) for finer in rules.finer())]:
+        edges = _overlapping(scans, poses, way, window, stage)
+        poses = equations.settled(scans, poses, edges, held, stage)
+        pairs, edge = equations.corresponding(scans.world(poses), scans.first, edges, stage)
+        group = equations.groups(pairs.i, pairs.j, len(poses))
         poses = _hung_groups(poses, group, guess)
+    why = _doubts(scans, poses, pairs, rules.search.across)
     begins = np.sort(np.unique(group, return_index=True)[1])[1:]
-    why, apart = doubts(scans, poses, pairs), torn(poses, group, guess, rules)
-    marks = [(begins, NOTHING_SHARED), (apart, TORN), (beyond(group, apart), BEYOND)]
-    for marked, reason in [*marks, (doubled(scans, poses, arcs[arc]), DOUBLED)]:
+    apart, again = (
+        _torn(poses, group, guess, rules),
+        _doubled(scans, poses, edges[edge], rules.search),
+    )
+    marks = [(begins, NOTHING_SHARED), (apart, TORN), (_beyond(group, apart), BEYOND)]
+    for marked, reason in [*marks, (again, DOUBLED)]:
         for k in marked:
             why[k] = why[k] or reason
-    return poses, graph(scans, poses, way, pairs, arcs, arc, 2 * reach), ["", *why[1:]]
+    joined, owner = np.unique(edge, return_inverse=True)
+    square = (equations.feet(scans.world(poses), pairs)[0] ** 2).sum(-1).reshape(4, -1).mean(0)
+    total, weight = np.bincount(owner, pairs.weight * square), np.bincount(owner, pairs.weight)
+    i, j = edges[joined].T
+    residuals = np.sqrt(total / weight) / rules.search.sigma
+    graph = Graph(
+        edges[joined], between(poses[i], poses[j]), way[j] - way[i] > 2 * reach, residuals
+    )
+    return poses, graph, ["", *why[1:]]
+
+
+def _overlapping(scans: Scans, poses: Array, way: Array, window: float, rules: Rules) -> Indices:
+    """Pairs of scans, `(m, 2)`, whose views overlap, at most `window` metres of way apart."""
+    segments, gap = scans.world(poses), rules.similar / APART
+    boxes = np.full((len(poses), 4), np.nan)
+    for k, (begin, end) in enumerate(zip(scans.first[:-1], scans.first[1:], strict=True)):
+        if end > begin:
+            points = segments[begin:end].reshape(-1, 2)
+            boxes[k] = *(points.min(0) - gap), *points.max(0)
+    i, j = np.triu_indices(len(poses), 1)
+    near = (way[j] - way[i] <= window) | (j == i + 1)
+    i, j = i[near], j[near]
+    meet = (boxes[i, :2] <= boxes[j, 2:]) & (boxes[j, :2] <= boxes[i, 2:])
+    return np.column_stack([i, j])[meet.all(1)]
 
 
 def _hung_groups(poses: Array, group: Indices, guess: Array) -> Array:
@@ -222,14 +245,52 @@ def _align_rest(
     rest = np.flatnonzero(~held)
     place = np.searchsorted(kept, rest)
     ends = np.column_stack([place - 1, np.minimum(place, len(kept) - 1)])
-    arcs = np.unique(np.column_stack([np.repeat(rest, 2), kept[ends].ravel()]), axis=0)
-    for part in FINER:
-        stage = rules._replace(spread=part * rules.spread)
-        poses = settled(scans, poses, arcs, held, stage)
-    pairs, _ = corresponding(scans, poses, arcs, stage)
-    reasons = doubts(scans, poses, pairs)
+    edges = np.unique(np.column_stack([np.repeat(rest, 2), kept[ends].ravel()]), axis=0)
+    for stage in rules.finer():
+        poses = equations.settled(scans, poses, edges, held, stage)
+    pairs, _ = equations.corresponding(scans.world(poses), scans.first, edges, stage)
+    reasons = _doubts(scans, poses, pairs, rules.search.across)
     for k, before in zip(rest, place - 1, strict=True):
-        reasons[k] = reasons[k] or (BEYOND if found[before] in BREAKS else "")
+        broken = found[before] in (BEYOND, TORN, NOTHING_SHARED)
+        reasons[k] = reasons[k] or (BEYOND if broken else "")
     for k, why in zip(kept, found, strict=True):
         reasons[k] = why
     return poses, reasons
+
+
+def _doubts(scans: Scans, poses: Array, pairs: Pairs, across: float) -> list[str]:
+    """What speaks against each pose, by the segments that it rests on; empty where nothing does."""
+    count, world = len(poses), scans.world(poses)
+    both, weight = np.r_[pairs.i, pairs.j], np.tile(pairs.weight, 2)
+    whole = np.bincount(both, weight, count)
+    ways = weight * np.exp(2j * angle_of(world[np.r_[pairs.u, pairs.v]]))
+    total = np.bincount(both, ways.real, count) + 1j * np.bincount(both, ways.imag, count)
+    one_way = (whole - np.abs(total)) / 2 < across * whole
+    marks = zip(whole > 0, one_way, strict=True)
+    return [NOTHING_SHARED if not some else ONE_DIRECTION if one else "" for some, one in marks]
+
+
+def _torn(poses: Array, group: Indices, guess: Array, rules: Rules) -> Indices:
+    """Scans that left the odometry step from the one before by more than could be matched."""
+    step = between(between(guess[:-1], guess[1:]), between(poses[:-1], poses[1:]))
+    far = np.hypot(step[:, 0], step[:, 1]) > rules.similar / SIDEWAYS
+    far |= np.abs(step[:, 2]) > rules.angle
+    return np.flatnonzero(far & (group[:-1] == group[1:])) + 1
+
+
+def _beyond(group: Indices, torn: Indices) -> Indices:
+    """Scans that belong neither to the largest group nor to the largest part of a torn one."""
+    part = np.cumsum(np.isin(np.arange(len(group)), torn))
+    label = np.unique(np.column_stack([group, part]), axis=0, return_inverse=True)[1].ravel()
+    return np.flatnonzero(label != np.bincount(label).argmax())
+
+
+def _doubled(scans: Scans, poses: Array, joined: Indices, search: GlobalSearch) -> Indices:
+    """Scans at the position of an earlier one, looking the same way, that share nothing with it."""
+    count = np.diff(scans.first)
+    i, j = np.triu_indices(len(poses), 1)
+    step = poses[j] - poses[i]
+    same = np.hypot(step[:, 0], step[:, 1]) < search.place
+    same &= (np.abs(wrap(step[:, 2])) < search.view) & (np.minimum(count[i], count[j]) > 1)
+    known = np.isin(i * len(poses) + j, joined[:, 0] * len(poses) + joined[:, 1])
+    return np.unique(j[same & ~known])

@@ -12,8 +12,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..arrays import Array
+from ..extraction import extract_polylines
 from ..poses import between, compose
-from ..scans import Log
+from ..scans import LaserScan, Log
+from ..segments import length
 from ._result import Alignment, Graph
 
 P = ParamSpec("P")
@@ -123,3 +125,9 @@ class Trail:
     def outcome(self, graph: Graph | None = None, doubt: str = "") -> Outcome:
         """All poses and reasons, for the runner."""
         return Outcome(np.reshape(self.poses, (-1, 3)), self.reasons, graph, doubt)
+
+
+def long_segments(scan: LaserScan, min_length: float) -> Array:
+    """Segments of a scan that are at least `min_length` metres long, `(n, 2, 2)`, robot frame."""
+    found = extract_polylines(scan.points())
+    return found[length(found) >= min_length]

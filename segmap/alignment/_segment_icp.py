@@ -1,4 +1,4 @@
-"""Segment ICP (A 2.5.1, its [31]): turn and shift a scan until its segments lie on the map's.
+"""Segment ICP (A 2.5.1; Amigoni, Fontana and Garigiola 2006): a scan's segments onto the map's.
 
 A compares with the whole map; here the map is the segments of the last key frames, so that the time
 for a scan does not grow and old errors are not repeated.
@@ -7,28 +7,21 @@ for a scan does not grow and old errors are not repeated.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from .. import arrays
 from .._metrics_loops import ACROSS, APART
 from ..arrays import Array, Segments
-from ..extraction import extract_polylines
 from ..poses import between, compose, transform
-from ..scans import LaserScan, Log
+from ..scans import Log
 from ..segments import MIN_LENGTH, length
 from ..segments import angle as angle_of
-from . import _segment_icp_loops as loops
-from ._result import Match, check_positive, no_match
-from ._runner import Outcome, Trail, alignment_method
+from ._result import Match, no_match
+from ._runner import Outcome, Trail, alignment_method, long_segments
+from ._segment_search import SegmentSearch, least_cost
 
-#: Segment distance of two parallel walls one metre apart.
+#: Segment distance (A 2.7.7) of two parallel walls one metre apart: follows from its weights.
 SIDEWAYS = ACROSS / 2 + APART
-#: The search begins with this part of its steps, and is widened where less than this share fits.
-NEAR, ENOUGH = 1 / 16, 0.70
-#: Standard deviation of a wall's place across, in metres, however well the segments lie.
-LEAST_SIGMA = 0.01
-#: Where fewer walls in a hundred lie across a direction, they do not fix the motion along it.
-ACROSS_SHARE = 0.02
 #: Information that every match is given, so that a free direction has a finite variance, 1e6 m^2.
 NO_INFORMATION = 1e-6
 
@@ -43,6 +36,7 @@ def match_segments(
     angle: float = np.radians(15.0),
     distance: float = 0.30,
     share: float = 0.40,
+    search: SegmentSearch = SegmentSearch(),
 ) -> Match:
     """Turn, then shift a scan's segments so that their mean distance from the map's is least.
 
@@ -66,6 +60,7 @@ def match_segments(
         moves the scan farther than that, or turns it by more than `angle`, is not believed.
     share : float
         Part of the length of `current` that must find a partner, in (0, 1].
+    search : SegmentSearch
 
     Returns
     -------
@@ -88,21 +83,57 @@ def match_segments(
     Match(none: no segments in the scan)
     """
     _check(angle, distance, share)
-    ours, theirs, guess = _with_length(current), _with_length(reference), np.array(start, float)
+    ours, theirs = _with_length(current, "current"), _with_length(reference, "reference")
+    guess = arrays.pose(start, "start")
     if not len(ours):
         return no_match(guess, "no segments in the scan")
     if not len(theirs):
         return no_match(guess, "no segments to match with")
-    ended, motion, away = _search(theirs, transform(guess, ours), angle, distance)
-    pose, found = compose(motion, guess), np.isfinite(away)
-    overlap = _part(ours, found)
+    for part in (search.near, 1.0):
+        widest = (part * angle, part * distance / SIDEWAYS / 4)
+        motion, ended, away = least_cost(
+            theirs, transform(guess, ours), angle, distance, *widest, search
+        )
+        found = np.isfinite(away)
+        overlap = float(length(ours)[found].sum() / length(ours).sum())
+        if overlap >= search.enough:
+            break
+    pose = compose(motion, guess)
     if overlap < share:
         return no_match(guess, f"too few segments found a partner: less than {share:.0%}", overlap)
     if np.hypot(*(pose - guess)[:2]) > distance / SIDEWAYS or abs(motion[2]) > angle:
         return no_match(guess, "farther from the start than segments correspond", overlap)
-    sigma = max(float(away[found].mean()) / SIDEWAYS, LEAST_SIGMA)
-    covariance, free = _certainty(ended[found], pose, sigma)
+    sigma = max(float(away[found].mean()) / SIDEWAYS, search.sigma)
+    covariance, free = _covariance(ended[found], pose, sigma, search.across)
     return Match(pose, covariance, True, "", overlap, free)
+
+
+def _covariance(
+    segments: Array, pose: Array, sigma: float, across: float
+) -> tuple[Array, Array | None]:
+    """Covariance of a pose that rests on these segments, and the direction that they leave free.
+
+    Each end point fixes the pose across its wall to within `sigma`, metres.
+    """
+    normal = angle_of(segments) + np.pi / 2
+    n = np.stack([np.cos(normal), np.sin(normal)], -1)
+    arm = segments - pose[:2]
+    swing = n[:, None, 1] * arm[..., 0] - n[:, None, 0] * arm[..., 1]
+    rows = np.concatenate([np.column_stack([n, swing[:, k]]) for k in (0, 1)])
+    covariance = np.linalg.inv(rows.T @ rows / sigma**2 + NO_INFORMATION * np.eye(3))
+    share, ways = np.linalg.eigh(n.T @ n / len(n))
+    return covariance, None if share[0] >= across else ways[:, 0]
+
+
+def _with_length(segments: Segments, name: str) -> Array:
+    found = arrays.segments(segments, name)
+    return np.ascontiguousarray(found[length(found) >= MIN_LENGTH])
+
+
+def _check(angle: float, distance: float, share: float) -> None:
+    arrays.number(angle, "angle", above=0, below=np.pi / 2, unit="radians")
+    arrays.positive("metres", distance=distance)
+    arrays.number(share, "share", above=0, most=1)
 
 
 @alignment_method
@@ -116,11 +147,12 @@ def segment_icp(
     spacing: float = 0.50,
     frames: int = 10,
     patience: int = 5,
+    search: SegmentSearch = SegmentSearch(),
 ) -> Outcome:
     """Match each scan with the segments of the last key frames, from its odometry step on.
 
     Needs odometry steps that are right to within `angle` and about 1 m; without odometry the robot
-    is thought to move on as it did last. Errors of one match pass on to all later scans: nothing
+    is assumed to repeat its last motion. Errors of one match pass on to all later scans: nothing
     here closes a loop.
 
     Parameters
@@ -137,6 +169,7 @@ def segment_icp(
         for a moment loses nothing.
     patience : int
         After so many scans in a row that match nothing, the map is begun anew where odometry is.
+    search : SegmentSearch
 
     Returns
     -------
@@ -159,16 +192,24 @@ def segment_icp(
     Alignment(segment_icp: 20 scans, 20 used)
     """
     _check(angle, distance, share)
-    check_positive(min_length=min_length, spacing=spacing, frames=frames, patience=patience)
-    trail, recent = Trail(log), _Recent(spacing, angle, int(frames))
+    arrays.positive("metres", min_length=min_length, spacing=spacing)
+    count = arrays.whole(frames, "frames")
+    arrays.whole(patience, "patience")
+    trail, map = Trail(log), _LocalMap(spacing, angle, count)
     lost = 0
     for k, scan in enumerate(log):
         segments = long_segments(scan, min_length)
         if k == 0:
-            recent.add(trail.poses[0], segments)
+            map.add(trail.poses[0], segments)
             continue
         found = match_segments(
-            recent.segments(), segments, trail.guess(), angle=angle, distance=distance, share=share
+            map.segments,
+            segments,
+            trail.guess(),
+            angle=angle,
+            distance=distance,
+            share=share,
+            search=search,
         )
         lost = 0 if found.matched else lost + bool(len(segments))
         if found.matched:
@@ -177,21 +218,26 @@ def segment_icp(
             trail.carry(found.reason)
         else:
             trail.carry(f"{found.reason}; the map begins anew")
-            recent.clear()
-        if found.matched or not recent:
-            recent.add(trail.poses[-1], segments)
+            map.frames = []
+        if found.matched or not map.frames:
+            map.add(trail.poses[-1], segments)
     return trail.outcome()
 
 
-class _Recent:
-    """The last key frames: their poses, and their segments in the frame of the map."""
+class _LocalMap:
+    """The last key frames: their poses, and their segments in the frame of the map.
+
+    Parameters
+    ----------
+    spacing : float, metres, and angle : float, radians
+        A key frame lies this far from the one before, or is turned by so much.
+    count : int
+        Key frames that are kept.
+    """
 
     def __init__(self, spacing: float, angle: float, count: int) -> None:
         self.spacing, self.angle, self.count = spacing, angle, count
         self.frames: list[tuple[Array, Array]] = []
-
-    def __len__(self) -> int:
-        return len(self.frames)
 
     def add(self, pose: Array, segments: Array) -> None:
         """Take a scan in as a key frame where it has segments and lies far enough from the last.
@@ -200,67 +246,10 @@ class _Recent:
         """
         step = between(self.frames[-1][0], pose) if self.frames else np.full(3, np.inf)
         far = np.hypot(step[0], step[1]) >= self.spacing or abs(step[2]) >= self.angle
-        if len(segments) and (far or not self.frames):
+        if len(segments) and far:
             self.frames = [*self.frames, (pose, transform(pose, segments))][-self.count :]
 
-    def clear(self) -> None:
-        """Forget all."""
-        self.frames = []
-
+    @property
     def segments(self) -> Array:
         """Segments of all key frames, `(n, 2, 2)`, metres."""
         return np.concatenate([np.empty((0, 2, 2)), *(segments for _, segments in self.frames)])
-
-
-def long_segments(scan: LaserScan, min_length: float) -> Array:
-    """Segments of a scan that are long enough, `(n, 2, 2)`, metres, in the robot's frame."""
-    found = extract_polylines(scan.points())
-    return found[length(found) >= min_length]
-
-
-def _search(
-    reference: Array, current: Array, angle: float, distance: float
-) -> tuple[Array, Array, Array]:
-    """Where the segments come to lie, the motion `(3,)` there, how far each is from its matches.
-
-    First near the guess: a wide search finds other walls as well. Metres and radians.
-    """
-    for part in (NEAR, 1.0):
-        width, step = part * angle, part * distance / SIDEWAYS / 4
-        motion, ended, away = loops.match(reference, current, angle, distance, width, step)
-        if _part(current, np.isfinite(away)) >= ENOUGH:
-            break
-    return ended, motion, away
-
-
-def _part(segments: Array, chosen: NDArray[np.bool_]) -> float:
-    """Share of the whole length that the chosen segments have."""
-    return float(length(segments)[chosen].sum() / length(segments).sum())
-
-
-def _certainty(segments: Array, pose: Array, sigma: float) -> tuple[Array, Array | None]:
-    """Covariance of a pose that rests on these segments, and the direction that they leave free.
-
-    Each end point fixes the pose across its wall to within `sigma`, metres.
-    """
-    normal = angle_of(segments) + np.pi / 2
-    n = np.stack([np.cos(normal), np.sin(normal)], -1)
-    arm = segments - pose[:2]
-    swing = n[:, None, 1] * arm[..., 0] - n[:, None, 0] * arm[..., 1]
-    rows = np.concatenate([np.column_stack([n, swing[:, k]]) for k in (0, 1)])
-    covariance = np.linalg.inv(rows.T @ rows / sigma**2 + NO_INFORMATION * np.eye(3))
-    share, ways = np.linalg.eigh(n.T @ n / len(n))
-    return covariance, None if share[0] >= ACROSS_SHARE else ways[:, 0]
-
-
-def _with_length(segments: Segments) -> Array:
-    found = arrays.segments(segments)
-    return np.ascontiguousarray(found[length(found) >= MIN_LENGTH])
-
-
-def _check(angle: float, distance: float, share: float) -> None:
-    check_positive(angle=angle, distance=distance, share=share)
-    if angle >= np.pi / 2:
-        raise ValueError(f"angle must be below pi/2, in radians, got {angle}")
-    if share > 1:
-        raise ValueError(f"share must be at most 1, got {share}")
