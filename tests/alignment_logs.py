@@ -6,18 +6,36 @@ import numpy as np
 
 from segmap.poses import between, compose
 from segmap.scans import LaserScan, Log
-from segmap.simulation import SICK_LMS200, OdometryNoise, corridor_loop, drive, office, simulate
+from segmap.simulation import (
+    SICK_LMS200,
+    OdometryNoise,
+    Sensor,
+    corridor_loop,
+    drive,
+    office,
+    simulate,
+)
 
 #: Wheels that err more than most: a loop of 80 m ends metres away.
 BAD_WHEELS = OdometryNoise(turn_bias=0.05, turn_noise=0.05, heading_noise=0.02)
 
+OFFICE = office(rng=np.random.default_rng(1), rooms=2)
+
+
+def exact_log(
+    wheels: OdometryNoise = OdometryNoise(), *, step: float = 0.25, turn: float = 15, seed: int = 5
+) -> Log:
+    """The way of `office_log`, seen by a laser without error."""
+    path = drive([(1, 5), (2, 5), (2, 7.5)], step=step, turn=np.radians(turn))
+    rng, sensor = np.random.default_rng(seed), SICK_LMS200.ideal()
+    return simulate(OFFICE, path, sensor=sensor, rng=rng, odometry_noise=wheels)
+
 
 def office_log(wheels: OdometryNoise = OdometryNoise(), step: float = 0.3) -> Log:
     """Along a corridor and into a room: some 20 scans."""
-    walls = office(rng=np.random.default_rng(1), rooms=2)
     path = drive([(1, 5), (2, 5), (2, 7.5)], step=step, turn=np.radians(15))
     rng = np.random.default_rng(5)
-    return simulate(walls, path, sensor=SICK_LMS200, rng=rng, odometry_noise=wheels, name="office")
+    return simulate(OFFICE, path, sensor=SICK_LMS200, rng=rng, odometry_noise=wheels, name="office")
 
 
 def loop_log(wheels: OdometryNoise = BAD_WHEELS, seed: int = 0, step: float = 0.25) -> Log:
@@ -30,12 +48,12 @@ def loop_log(wheels: OdometryNoise = BAD_WHEELS, seed: int = 0, step: float = 0.
     )
 
 
-def featureless_log(step: float = 0.3) -> Log:
+def featureless_log(step: float = 0.3, sensor: Sensor = SICK_LMS200) -> Log:
     """Between two endless walls: nothing says how far the robot has come."""
     walls = np.array([[(-90, -1), (90, -1)], [(-90, 1), (90, 1)]])
     path = drive([(-3, 0), (3, 0)], step=step)
     rng = np.random.default_rng(2)
-    return simulate(walls, path, sensor=SICK_LMS200, rng=rng, name="featureless")
+    return simulate(walls, path, sensor=sensor, rng=rng, name="featureless")
 
 
 def errors(log: Log, poses: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

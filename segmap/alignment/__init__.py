@@ -10,12 +10,14 @@ from ._backbone import backbone, backbone_steps
 from ._backbone_lines import least_translation, mean_rotation
 from ._backbone_steps import BackboneStep
 from ._baselines import align_to_truth, ground_truth, odometry, position_errors
+from ._global_equations import GlobalSearch
 from ._global_segments import global_segments
 from ._point_icp import match_points, point_icp
 from ._point_steps import PointStep, point_steps
 from ._pose_graph import pose_graph
 from ._result import Alignment, Graph, Match, Rejected
 from ._segment_icp import match_segments, segment_icp
+from ._segment_search import SegmentSearch
 from ._solve_graph import solve_graph
 
 #: Name of each method -> the method, with what it needs.
@@ -45,11 +47,13 @@ __all__ = [
     "Alignment",
     "BackboneStep",
     "Candidate",
+    "GlobalSearch",
     "Graph",
     "Match",
     "Method",
     "PointStep",
     "Rejected",
+    "SegmentSearch",
     "align_to_truth",
     "angle_candidates",
     "angle_correspondence",

@@ -235,15 +235,13 @@ def least_cost(
     best = (motion, current, pairs)
     while step > search.last_step:
         for _ in range(search.rounds):
-            about = current.mean((0, 1))  # a turn about the middle leaves the shift nearly alone
-            turn = best_turn(reference, r, current, pairs, distance, *about, width, search.turns)
-            turned = moved(current, 0.0, 0.0, turn, *about)
+            px, py = current.mean((0, 1))  # a turn about the middle leaves the shift nearly alone
+            turn = best_turn(reference, r, current, pairs, distance, px, py, width, search.turns)
+            turned = moved(current, 0.0, 0.0, turn, px, py)
             x, y = best_shift(reference, r, turned, pairs, distance, step, search.slope)
-            current = moved(turned, x, y, 0.0, *about)
-            c, s, (u, v) = np.cos(turn), np.sin(turn), motion[:2] - about
-            motion = np.array(
-                [about[0] + x + c * u - s * v, about[1] + y + s * u + c * v, motion[2] + turn]
-            )
+            current = moved(turned, x, y, 0.0, px, py)
+            c, s, (u, v) = np.cos(turn), np.sin(turn), motion[:2] - (px, py)
+            motion = np.array([px + x + c * u - s * v, py + y + s * u + c * v, motion[2] + turn])
             pairs = correspondences(reference, r, current, angle, distance)
             found = cost(reference, r, current, pairs, distance, away)
             if found < least:

@@ -8,9 +8,12 @@ of the fast version: `fusion(segments, tolerance=0.04)`, `hybrid(segments, scans
 returns the outputs and, for each input, the number of the output that it went into, -1 for none.
 """
 
+from .angle_correspondence import best_transform, match_value, transforms
+from .backbone import least_translation, line_partner, mean_rotation
 from .basic import basic_offline, basic_online
 from .extraction import extract_clusters, extract_polylines, fit_algebraic, fit_total
 from .fusion import best_strip, chain, fusion
+from .global_segments import best_shifts, best_turns, least_squares
 from .hybrid import hough, hybrid, hybrid_fusion
 from .lines import axial_difference, line_angle, point_to_segment, segment_length
 from .matching import (
@@ -26,6 +29,7 @@ from .matching import (
 from .mean_shift import mean_shift
 from .metrics import quality, segment_distance
 from .quadtree import Quadtree, cell_of, crossed_cells, grown, occupancy, quarters, ray_cells
+from .segment_icp import correspond, segment_cost
 
 __all__ = [
     "MOVES",
@@ -33,10 +37,14 @@ __all__ = [
     "axial_difference",
     "basic_offline",
     "basic_online",
+    "best_shifts",
     "best_strip",
+    "best_transform",
+    "best_turns",
     "cell_of",
     "chain",
     "climb_step",
+    "correspond",
     "crossed_cells",
     "descent_score",
     "distance_score",
@@ -50,7 +58,12 @@ __all__ = [
     "hough",
     "hybrid",
     "hybrid_fusion",
+    "least_squares",
+    "least_translation",
     "line_angle",
+    "line_partner",
+    "match_value",
+    "mean_rotation",
     "mean_shift",
     "occupancy",
     "occupancy_score",
@@ -60,6 +73,8 @@ __all__ = [
     "quarters",
     "ray_cells",
     "sample_and_rank",
+    "segment_cost",
     "segment_distance",
     "segment_length",
+    "transforms",
 ]
