@@ -133,7 +133,8 @@ def defined_in_segmap() -> set[str]:
         tree = ast.parse(path.read_text(encoding="utf-8"))
         if path.name == "__init__.py":
             found |= {name for node in tree.body for name in exported(node)}
-        if not path.stem.startswith("_") or path.name == "__init__.py":
+        steps = path.parent.name == "literal"  # whose small helpers no reader imports
+        if not (path.stem.startswith("_") or steps) or path.name == "__init__.py":
             kinds = (ast.FunctionDef, ast.ClassDef)
             found |= {node.name for node in tree.body if isinstance(node, kinds)}
     return {name for name in found if not name.startswith("_")}

@@ -115,7 +115,7 @@ STEP = PointStep(
 
 def test_each_point_has_a_red_line_to_its_wall_thin_where_it_weighs_little(ax):
     """Catches lines from wall to wall, and outliers that look as important as the rest."""
-    course.draw_step([(0, 0), (1, 0), (2, 0)], STEP, ax=ax)
+    course.draw_icp_step([(0, 0), (1, 0), (2, 0)], STEP, ax=ax)
     (lines,) = ax.collections
     np.testing.assert_array_equal(lines.get_segments(), [[(0, 1), (0, 0)], [(1, 0.5), (1, 0)]])
     assert to_hex(lines.get_color()[0]) == plotting.ERROR
@@ -183,7 +183,7 @@ TRUE = Log("true", [SCAN] * 4, truth=SOME)
 def test_drift_is_drawn_at_the_scans_whose_truth_is_known(ax):
     """Catches errors drawn at the wrong scans, and those of a way that is only moved as a whole."""
     ways = {"b": SOME + (0, 5, 0), "a": POSES, "graph": replace(WITH_GRAPH, poses=SOME)}
-    plotting.draw_drift(TRUE, ways, ax=ax)
+    plotting.draw_position_errors(TRUE, ways, ax=ax)
     assert [x.get_xdata().tolist() for x in ax.lines] == [[0, 2, 3]] * 3
     colors = [plotting.RAW, plotting.ERROR, plotting.RESULT]
     assert [x.get_color() for x in ax.lines] == colors
@@ -194,14 +194,14 @@ def test_drift_is_drawn_at_the_scans_whose_truth_is_known(ax):
 
 def test_drift_needs_truth(ax):
     with pytest.raises(ValueError, match="must have truth"):
-        plotting.draw_drift(LOG, {"a": POSES}, ax=ax)
+        plotting.draw_position_errors(LOG, {"a": POSES}, ax=ax)
 
 
 def test_ways_of_a_log_stand_side_by_side_and_odometry_is_red():
     """Catches a way drawn below another's title, and one that hides that it is odometry."""
     log = load("room")[:5]
     ways = {"wheels": log.odometry, "truth": log.truth, "found": odometry(log)}
-    axes = plotting.draw_logs(log, ways, size=(2, 2))
+    axes = plotting.draw_alignments(log, ways, size=(2, 2))
     assert [ax.get_title() for ax in axes] == list(ways)
     ends = [ax.lines[1].get_xydata()[-1] for ax in axes]
     np.testing.assert_array_equal(

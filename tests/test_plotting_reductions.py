@@ -45,7 +45,7 @@ def run(map, method, quality, seconds=1.0, filtered=None, **thresholds):
 
 def test_before_is_left_and_black_after_right_and_blue_at_one_scale():
     """Catches the two exchanged, and maps that look alike because each has its own limits."""
-    left, right = plotting.draw_beside(WALLS, WALLS[:1])
+    left, right = plotting.draw_side_by_side(WALLS, WALLS[:1])
     np.testing.assert_array_equal(segments_of(left, 0), WALLS)
     np.testing.assert_array_equal(segments_of(right, 0), WALLS[:1])
     assert [color_of(ax.collections[0]) for ax in (left, right)] == [plotting.MAP, plotting.RESULT]
@@ -100,7 +100,7 @@ def test_growth_needs_an_on_line_method_and_the_same_scans(reduction, ax):
 
 
 def test_a_trade_shows_reduction_blue_and_quality_red(ax):
-    course.draw_trade([1, 2, 3], [0.1, 0.2, 0.3], [0.9, 0.8, 0.7], ax=ax)
+    course.draw_trade_off([1, 2, 3], [0.1, 0.2, 0.3], [0.9, 0.8, 0.7], ax=ax)
     drawn = {line.get_label(): line for line in ax.lines}
     assert drawn["quality"].get_xydata().tolist() == [[1, 0.9], [2, 0.8], [3, 0.7]]
     assert drawn["reduction"].get_ydata().tolist() == [0.1, 0.2, 0.3]
@@ -250,7 +250,7 @@ def test_initials_stand_beside_their_dots(ax):
 ALONE = {
     "marked": lambda: course.draw_marked(WALLS, [True] * 3),
     "growth": lambda: course.draw_growth(SEEN, hybrid(SEEN)),
-    "trade": lambda: course.draw_trade([1], [0.5], [0.5]),
+    "trade": lambda: course.draw_trade_off([1], [0.5], [0.5]),
     "merge": lambda: course.draw_merge(WALLS[:1], WALLS[1]),
     "strip": lambda: course.draw_strip(WALLS, 0.0, 0.1),
     "centres": lambda: course.draw_centres(np.zeros((2, 1, 2)), [0]),

@@ -6,7 +6,7 @@ from quadtrees import leaves_of
 
 from segmap import Log, load
 from segmap.course import ClassesPanel, RayPanel, insert_variant
-from segmap.course._ray_variants import touched_cells
+from segmap.course._panels_quadtree import touched_cells
 from segmap.exports import ros_classes
 from segmap.panels import QuadtreePanel
 from segmap.quadtree import QuadtreeMap, build_map

@@ -5,20 +5,34 @@
 
 from __future__ import annotations
 
-from ._angles_panel import AnglePanel
-from ._backbone_panel import BackbonePanel
-from ._basic_panel import BasicPanel
-from ._classes_panel import ClassesPanel
-from ._clusters_panel import ClusterPanel
-from ._distance_panel import DistancePanel
-from ._draw_backbones import draw_backbone
+from ._draw_alignments import (
+    draw_backbone,
+    draw_basin,
+    draw_candidate,
+    draw_frames,
+    draw_icp_step,
+    draw_uncertainty,
+)
 from ._draw_buildings import draw_buildings, draw_filter, draw_initials, draw_threshold, draw_times
-from ._draw_cells import draw_cells, draw_classes, draw_ray
-from ._draw_distances import draw_distance_terms
-from ._draw_frames import draw_frames
-from ._draw_matches import draw_basin, draw_candidate, draw_step, draw_uncertainty
-from ._draw_reduction_steps import draw_centres, draw_merge, draw_normals, draw_strip
-from ._draw_reductions import draw_cases, draw_growth, draw_marked, draw_trade
+from ._draw_quadtrees import (
+    draw_cells,
+    draw_classes,
+    draw_climb,
+    draw_field,
+    draw_landscape,
+    draw_profile,
+    draw_ray,
+    draw_trials,
+)
+from ._draw_reductions import draw_cases, draw_growth, draw_trade_off
+from ._draw_segments import (
+    draw_centres,
+    draw_distance_terms,
+    draw_marked,
+    draw_merge,
+    draw_normals,
+    draw_strip,
+)
 from ._exercise import Check, Exercise
 from ._exercises_lines import (
     check_axial_mean,
@@ -57,21 +71,13 @@ from ._exercises_scans import (
     check_unwrapped,
 )
 from ._exercises_strips import check_best_shift, check_inside_strip, check_mean_shift_step
-from ._fusion_panel import FusionPanel
-from ._ground_truth_panel import GroundTruthPanel
-from ._hybrid_panel import HybridPanel
-from ._icp_panel import IcpPanel
-from ._landscape_drawings import draw_climb, draw_field, draw_landscape, draw_profile, draw_trials
-from ._landscape_panel import LandscapePanel
 from ._landscapes import Landscape, heading_profile, landscape, peaks, profile_peaks
-from ._matcher_panel import MatcherPanel
-from ._mean_shift_panel import MeanShiftPanel
-from ._polylines_panel import PolylinePanel
-from ._pose_graph_panel import PoseGraphPanel
-from ._ray_variants import insert_variant
-from ._rays_panel import RayPanel
-from ._room_panel import RoomPanel
-from ._storage_panel import StoragePanel
+from ._panels_alignment import AnglePanel, BackbonePanel, GroundTruthPanel
+from ._panels_graphs import IcpPanel, PoseGraphPanel
+from ._panels_matching import LandscapePanel, MatcherPanel
+from ._panels_quadtree import ClassesPanel, RayPanel, StoragePanel, insert_variant
+from ._panels_reduction import BasicPanel, FusionPanel, HybridPanel, MeanShiftPanel
+from ._panels_scans import ClusterPanel, DistancePanel, PolylinePanel, RoomPanel
 from ._trials import (
     Trial,
     load_columns,
@@ -156,6 +162,7 @@ __all__ = [
     "draw_filter",
     "draw_frames",
     "draw_growth",
+    "draw_icp_step",
     "draw_initials",
     "draw_landscape",
     "draw_marked",
@@ -163,11 +170,10 @@ __all__ = [
     "draw_normals",
     "draw_profile",
     "draw_ray",
-    "draw_step",
     "draw_strip",
     "draw_threshold",
     "draw_times",
-    "draw_trade",
+    "draw_trade_off",
     "draw_trials",
     "draw_uncertainty",
     "heading_profile",

@@ -1,4 +1,6 @@
-"""Runs on several buildings, side by side."""
+"""Drawings of the chapter on comparing methods: runs on several buildings, side by side."""
+
+from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 
@@ -10,11 +12,11 @@ from ..experiments import THESIS_GRIDS, Record, Records, by_method, filter_chang
 from ..plotting import DPI, RAW, RESULT, axes_or_new, draw_curves, method_style
 
 #: What a method calls its threshold in metres.
-LENGTHS = ("distance", "sigma", "tolerance")
+_LENGTHS = ("distance", "sigma", "tolerance")
 #: Thresholds of angle up to here, in radians, count as A's tight one of 10 degrees.
-TIGHT = 0.2
+_TIGHT = 0.2
 #: Letters nearer than this part of the picture's height are moved apart.
-LETTER = 0.08
+_LETTER = 0.08
 
 
 def draw_buildings(*groups: Records, filtered: bool = False) -> list[list[Axes]]:
@@ -125,10 +127,10 @@ def draw_times(records: Records, *, ax: Axes | None = None) -> Axes:
     ['-', ':']
     """
     ax = axes_or_new(ax, (4.0, 3.0))
-    tight = [r for r in records if (r.thresholds.get("angle") or 0.0) < TIGHT]
+    tight = [r for r in records if (r.thresholds.get("angle") or 0.0) < _TIGHT]
     for k, (method, runs) in enumerate(by_method(tight).items()):
         name, color = (
-            next(n for n in LENGTHS if n in runs[0].thresholds),
+            next(n for n in _LENGTHS if n in runs[0].thresholds),
             method_style(method, k)[0],
         )
         for filtered, line in ((False, "-"), (True, ":")):
@@ -209,8 +211,8 @@ def _only_length(method: str, records: list[Record]) -> str:
     for r in records:
         for name, value in r.thresholds.items():
             values.setdefault(name, set()).add(value)
-    varied = [n for n, found in values.items() if len(found) > 1 or n in LENGTHS]
-    if len(varied) != 1 or varied[0] not in LENGTHS:
+    varied = [n for n, found in values.items() if len(found) > 1 or n in _LENGTHS]
+    if len(varied) != 1 or varied[0] not in _LENGTHS:
         raise ValueError(f"method must be run over one length, {method} is over {sorted(varied)}")
     return varied[0]
 
@@ -228,7 +230,7 @@ def _spread_letters(ends: list[tuple[str, tuple[float, float]]], ax: Axes) -> No
     """Initials beside the ends of lines, moved apart where lines end close together."""
     low, high = ax.get_ylim()
     ordered = sorted(ends, key=lambda end: end[1][1])
-    heights = _apart(np.array([y for _, (_, y) in ordered]), LETTER * (high - low))
+    heights = _apart(np.array([y for _, (_, y) in ordered]), _LETTER * (high - low))
     for (name, (x, _)), y in zip(ordered, heights, strict=True):
         text = ax.annotate(name[0].upper(), (x, y), (6, -3), textcoords="offset points")
         text.set_fontsize("small")
@@ -236,9 +238,7 @@ def _spread_letters(ends: list[tuple[str, tuple[float, float]]], ax: Axes) -> No
 
 def _apart(values: Array, gap: float) -> Array:
     """The ascending values that are nearest to some (least squares) and at least a gap apart."""
+    from scipy.optimize import isotonic_regression
+
     steps = gap * np.arange(len(values))
-    z, n = values - steps, len(values)
-    least = [
-        [min(z[j : k + 1].mean() for k in range(i, n)) for j in range(i + 1)] for i in range(n)
-    ]
-    return np.array([max(row) for row in least]) + steps
+    return np.asarray(isotonic_regression(values - steps).x) + steps

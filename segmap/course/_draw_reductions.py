@@ -1,4 +1,6 @@
-"""What methods of reduction make of small maps, and at which price."""
+"""Drawings of the chapters on reduction: small cases, growth on-line, rates over a threshold."""
+
+from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from typing import Any
@@ -7,9 +9,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from numpy.typing import ArrayLike
 
-from .. import arrays
 from ..arrays import Segments
-from ..plotting import ERROR, MAP, RAW, RESULT, axes_or_new, axes_row, draw_segments
+from ..plotting import ERROR, MAP, RESULT, axes_or_new, axes_row, draw_segments
 from ..reduction import Reduction
 from ..segments import SegmentMap
 
@@ -53,51 +54,6 @@ def draw_cases(
     return axes
 
 
-def draw_marked(
-    segments: Segments,
-    marked: ArrayLike,
-    *,
-    ax: Axes | None = None,
-    color: str = RAW,
-    mark: str = ERROR,
-    width: float = 2.0,
-) -> Axes:
-    """Draw segments, and over them, thicker and red, those that are meant.
-
-    Parameters
-    ----------
-    segments : SegmentMap, Reduction or (n, 2, 2) array, metres
-    marked : (n,) bool array
-    ax : matplotlib Axes or None
-    color, mark : str
-        Of the rest, and of the marked ones.
-    width : float
-        Of the marked ones, in points.
-
-    Returns
-    -------
-    Axes
-
-    Raises
-    ------
-    ValueError
-        Where there is not one mark a segment.
-
-    Examples
-    --------
-    >>> from matplotlib.figure import Figure
-    >>> walls = np.array([[(0, 0), (1, 0)], [(0, 1), (1, 1)], [(0, 2), (1, 2)]])
-    >>> ax = draw_marked(walls, [True, False, False], ax=Figure().subplots())
-    >>> [len(lines.get_segments()) for lines in ax.collections]
-    [2, 1]
-    """
-    array, which = arrays.segments(segments), np.asarray(marked, bool)
-    if which.shape != (len(array),):
-        raise ValueError(f"marked must have shape ({len(array)},), got {which.shape}")
-    ax = draw_segments(array[~which], ax=ax, color=color)
-    return draw_segments(array[which], ax=ax, color=mark, width=width)
-
-
 def draw_growth(map: SegmentMap, reduction: Reduction, *, ax: Axes | None = None) -> Axes:
     """Draw how many segments an on-line method keeps while the scans come in, and how many came.
 
@@ -138,7 +94,7 @@ def draw_growth(map: SegmentMap, reduction: Reduction, *, ax: Axes | None = None
     return ax
 
 
-def draw_trade(
+def draw_trade_off(
     values: ArrayLike, reduction: ArrayLike, quality: ArrayLike, *, ax: Axes | None = None
 ) -> Axes:
     """Draw reduction, blue, and quality, red, of one method against its threshold.
@@ -158,7 +114,7 @@ def draw_trade(
     Examples
     --------
     >>> from matplotlib.figure import Figure
-    >>> ax = draw_trade([10, 20], [0.5, 0.6], [0.9, 0.8], ax=Figure().subplots())
+    >>> ax = draw_trade_off([10, 20], [0.5, 0.6], [0.9, 0.8], ax=Figure().subplots())
     >>> [line.get_label() for line in ax.lines]
     ['reduction', 'quality']
     """

@@ -1,5 +1,7 @@
 """A score around a pose: the landscape that matchers climb."""
 
+from __future__ import annotations
+
 from typing import NamedTuple
 
 import numpy as np

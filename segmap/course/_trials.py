@@ -1,5 +1,7 @@
 """Every matcher with every score on one walk: how far they are off, and what the map costs."""
 
+from __future__ import annotations
+
 import csv
 from collections.abc import Iterable
 from dataclasses import astuple, dataclass, fields

@@ -4,7 +4,9 @@ They show their still picture where no kernel runs. Set a control from Python an
 `panel.tolerance.value = 0.06; panel.count.value`.
 """
 
-from ._base import Panel, slider, text
+from __future__ import annotations
+
+from ._base import Panel, player, slider, text
 from ._compare import ComparePanel
 from ._live import LivePanel
 from ._quadtree import QuadtreePanel
@@ -16,6 +18,7 @@ __all__ = [
     "Panel",
     "QuadtreePanel",
     "ScanPanel",
+    "player",
     "slider",
     "text",
 ]

@@ -1,5 +1,7 @@
 """What all panels share: controls that redraw one picture and rewrite a few lines of text."""
 
+from __future__ import annotations
+
 from typing import Any
 
 import ipywidgets as W
@@ -66,6 +68,13 @@ def slider(name: str, value: float, least: float, most: float, step: float, unit
         layout=W.Layout(width="420px"),
         style={"description_width": "130px"},
     )
+
+
+def player(moved: Any, interval: int = 250, step: int = 1) -> Any:
+    """A play button that moves a slider of whole numbers, every so many milliseconds."""
+    play = W.Play(min=moved.min, max=moved.max, step=step, interval=interval)
+    W.jslink((play, "value"), (moved, "value"))
+    return play
 
 
 def text() -> Any:

@@ -1,5 +1,7 @@
 """Methods at equal quality: the curves of their runs, and the map that each makes."""
 
+from __future__ import annotations
+
 from collections.abc import Iterable
 from typing import Any
 

@@ -1,5 +1,7 @@
 """A map that grows while the laser turns."""
 
+from __future__ import annotations
+
 import contextlib
 import io
 import threading

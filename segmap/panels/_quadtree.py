@@ -1,6 +1,7 @@
 """A quadtree map that grows scan by scan."""
 
-import ipywidgets as W
+from __future__ import annotations
+
 import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import ArrayLike
@@ -8,7 +9,7 @@ from numpy.typing import ArrayLike
 from ..plotting import draw_quadtree
 from ..quadtree import QuadtreeMap, build_map
 from ..scans import Log
-from ._base import Panel, slider, text
+from ._base import Panel, player, slider, text
 
 #: Corners of cells: from the finest to sixteen times as wide.
 DOUBLINGS = 4
@@ -54,8 +55,7 @@ class QuadtreePanel(Panel):
             raise ValueError(f"log {log.name!r} has no truth: give poses")
         self.log, self.poses, self.resolution = log, given, resolution
         self.scans = slider("scans", len(log), 1, len(log), 1, "")
-        self.play = W.Play(min=1, max=len(log), interval=250)
-        self._link = W.jslink((self.play, "value"), (self.scans, "value"))
+        self.play = player(self.scans, interval=250)
         self.doublings = slider("doublings", 0, 0, DOUBLINGS, 1, "")
         self.leaves, self.bytes = text(), text()
         self._assemble((self.play, self.scans), self.doublings, (self.leaves, self.bytes))

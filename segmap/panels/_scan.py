@@ -1,6 +1,7 @@
 """Stepping through a log."""
 
-import ipywidgets as W
+from __future__ import annotations
+
 import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import ArrayLike
@@ -8,7 +9,7 @@ from numpy.typing import ArrayLike
 from ..plotting import ERROR, RESULT, TRUTH, draw_path, draw_scan
 from ..poses import transform
 from ..scans import LaserScan, Log
-from ._base import Panel, slider, text
+from ._base import Panel, player, slider, text
 
 #: Points of all scans together that are drawn behind the current one.
 MOST_POINTS = 4000
@@ -57,8 +58,7 @@ class ScanPanel(Panel):
             )
         self._cloud = self._all_points()
         self.step = slider("scan", 0, 0, len(self.known) - 1, 1, "")
-        self.play = W.Play(min=0, max=len(self.known) - 1, interval=250)
-        self._link = W.jslink((self.play, "value"), (self.step, "value"))
+        self.play = player(self.step, interval=250)
         self.index, self.valid = text(), text()
         self._assemble((self.play, self.step), (self.index, self.valid))
 

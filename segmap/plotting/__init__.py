@@ -4,13 +4,20 @@ Without `ax` a new pyplot figure is made, small enough for a notebook. Each colo
 every picture, and the colour-blind can tell them apart (Okabe and Ito, 2008).
 """
 
-from ._alignments import draw_alignment
+from __future__ import annotations
+
+from ._alignments import draw_alignment, draw_alignments, draw_position_errors
 from ._experiments import METHOD_STYLES, draw_curves, draw_online, method_style
-from ._maps import axes_grid, draw_maps, draw_poses
 from ._pictures import figure_png, thumbnail
 from ._quadtrees import draw_quadtree, draw_quadtrees, square_corners
-from ._scans import draw_log, draw_path, draw_points, draw_robot, draw_scan
-from ._segments import draw_before_after, draw_beside, draw_provenance, draw_segments
+from ._scans import draw_log, draw_path, draw_points, draw_poses, draw_robot, draw_scan
+from ._segments import (
+    draw_before_after,
+    draw_maps,
+    draw_provenance,
+    draw_segments,
+    draw_side_by_side,
+)
 from ._style import (
     DPI,
     ERROR,
@@ -21,12 +28,12 @@ from ._style import (
     RESULT,
     SIZE,
     TRUTH,
+    axes_grid,
     axes_or_new,
     axes_row,
     group_colors,
     map_axes,
 )
-from ._ways import draw_drift, draw_logs
 
 __all__ = [
     "DPI",
@@ -43,23 +50,23 @@ __all__ = [
     "axes_or_new",
     "axes_row",
     "draw_alignment",
+    "draw_alignments",
     "draw_before_after",
-    "draw_beside",
     "draw_curves",
-    "draw_drift",
     "draw_log",
-    "draw_logs",
     "draw_maps",
     "draw_online",
     "draw_path",
     "draw_points",
     "draw_poses",
+    "draw_position_errors",
     "draw_provenance",
     "draw_quadtree",
     "draw_quadtrees",
     "draw_robot",
     "draw_scan",
     "draw_segments",
+    "draw_side_by_side",
     "figure_png",
     "group_colors",
     "map_axes",

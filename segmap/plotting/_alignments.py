@@ -1,20 +1,25 @@
-"""Alignments, and how one scan is laid on another."""
+"""Alignments of a log: the scans along the poses found, loops, errors against the truth."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
+from numpy.typing import ArrayLike
 
-from ..alignment import Alignment
+from ..alignment import Alignment, position_errors
 from ..arrays import Array
 from ..scans import Log
-from ._scans import draw_cloud, draw_path
-from ._style import ERROR, RESULT, axes_or_new, map_axes
+from ._scans import draw_cloud, draw_log, draw_path
+from ._style import ERROR, RAW, RESULT, axes_grid, axes_or_new, map_axes
 
 
 def draw_alignment(log: Log, alignment: Alignment, *, ax: Axes | None = None) -> Axes:
-    """Draw the way that a method found, the scans along it, and what it makes no use of.
+    """Draw the path that a method found, the scans along it, and what it makes no use of.
 
-    The points of the scans that were used are grey, the way is blue, scans that were not used are
+    The points of the scans that were used are grey, the path is blue, scans that were not used are
     red crosses on it. Loops of a pose graph are thin blue lines between their two places, rejected
     ones dashed and red. A legend counts them.
 
@@ -50,14 +55,18 @@ def draw_alignment(log: Log, alignment: Alignment, *, ax: Axes | None = None) ->
         )
     ax = axes_or_new(ax)
     draw_cloud(log, alignment.trusted, ax)
-    draw_way(alignment, ax)
+    draw_aligned_path(alignment, ax)
     ax.legend(loc="upper center", bbox_to_anchor=(0.5, -0.15), ncols=2, frameon=False)
     return ax
 
 
-def draw_way(alignment: Alignment, ax: Axes) -> Axes:
-    """Draw the way of an alignment, `(k, 3)` poses, its loops and the scans that it leaves out."""
-    _loops(alignment, ax)
+def draw_aligned_path(alignment: Alignment, ax: Axes) -> Axes:
+    """Draw the path of an alignment, its loops, and the scans that it leaves out."""
+    if alignment.graph is not None:
+        graph, places = alignment.graph, alignment.poses[:, :2]
+        rejected = [(r.first, r.second) for r in graph.rejected]
+        _chords(ax, places[graph.edges[graph.loop]], "loop", RESULT, "-")
+        _chords(ax, places[np.array(rejected, int).reshape(-1, 2)], "rejected loop", ERROR, "--")
     draw_path(alignment.poses, ax=ax, color=RESULT, label=alignment.method or "aligned")
     rest = alignment.poses[~alignment.used]
     if len(rest):
@@ -66,13 +75,96 @@ def draw_way(alignment: Alignment, ax: Axes) -> Axes:
     return map_axes(ax)
 
 
-def _loops(alignment: Alignment, ax: Axes) -> None:
-    graph, places = alignment.graph, alignment.poses[:, :2]
-    if graph is None:
-        return
-    rejected = [(r.first, r.second) for r in graph.rejected]
-    _chords(ax, places[graph.edges[graph.loop]], "loop", RESULT, "-")
-    _chords(ax, places[np.array(rejected, int).reshape(-1, 2)], "rejected loop", ERROR, "--")
+def draw_alignments(
+    log: Log,
+    alignments: Mapping[str, ArrayLike | Alignment],
+    *,
+    size: tuple[float, float] = (4.5, 4.5),
+) -> list[Axes]:
+    """Draw a log along several paths side by side, on one scale.
+
+    The path is red where the poses are the log's odometry, else blue; an alignment is drawn with
+    its loops and its legend, as `draw_alignment` does.
+
+    Parameters
+    ----------
+    log : Log
+    alignments : mapping from title to (k, 3) array, metres and radians, or Alignment
+        Of this log.
+    size : (width, height) in inches
+        Of one picture.
+
+    Returns
+    -------
+    list of Axes
+        One for each, in a new figure, all with the same limits.
+
+    Raises
+    ------
+    ValueError
+        For poses or an alignment of another log.
+
+    Examples
+    --------
+    >>> from segmap import load
+    >>> log = load("room")
+    >>> left, right = draw_alignments(log, {"Odometry": log.odometry, "Truth": log.truth})
+    >>> left.lines[1].get_color() == ERROR, right.get_title()
+    (True, 'Truth')
+    """
+    row = axes_grid(list(alignments), len(alignments), size)
+    for ax, found in zip(row, alignments.values(), strict=True):
+        if isinstance(found, Alignment):
+            draw_alignment(log, found, ax=ax)
+        else:
+            raw = np.array_equal(np.asarray(found, float), log.odometry)
+            draw_log(log, found, ax=ax, path=ERROR if raw else None)
+    return row
+
+
+def draw_position_errors(
+    log: Log, alignments: Mapping[str, ArrayLike | Alignment], *, ax: Axes | None = None
+) -> Axes:
+    """Draw how far poses are from the truth, scan by scan, where the truth is known.
+
+    Parameters
+    ----------
+    log : Log
+        With truth for some of its scans.
+    alignments : mapping from label to (k, 3) array, metres and radians, or Alignment
+        The last is blue, the one before it red and dashed, others are grey and dotted.
+    ax : matplotlib Axes or None
+
+    Returns
+    -------
+    Axes
+        With a legend.
+
+    Raises
+    ------
+    ValueError
+        For a log without truth.
+
+    Examples
+    --------
+    >>> from matplotlib.figure import Figure
+    >>> from segmap import load
+    >>> log = load("room")
+    >>> ax = draw_position_errors(log, {"odometry": log.odometry}, ax=Figure().subplots())
+    >>> ax.get_ylabel(), len(ax.lines[0].get_ydata()) == len(log)
+    ('away from the truth [m]', True)
+    """
+    if log.truth is None:
+        raise ValueError(f"log must have truth, got {log!r}")
+    ax, known = axes_or_new(ax), np.isfinite(log.truth).all(1)
+    for rest, (label, found) in enumerate(alignments.items(), 1 - len(alignments)):
+        poses = np.asarray(found.poses if isinstance(found, Alignment) else found, float)
+        scans = np.flatnonzero(known & np.isfinite(poses).all(1))
+        color, style = ((RESULT, "-"), (ERROR, "--"), (RAW, ":"))[min(-rest, 2)]
+        ax.plot(scans, position_errors(poses, log.truth), style, color=color, label=label)
+    ax.set(xlabel="scan", ylabel="away from the truth [m]")
+    ax.legend()
+    return ax
 
 
 def _chords(ax: Axes, lines: Array, words: str, color: str, style: str) -> None:

@@ -1,5 +1,7 @@
 """Curves of experiments: reduction against quality, and time against scans."""
 
+from __future__ import annotations
+
 from collections.abc import Iterable
 
 from matplotlib.axes import Axes

@@ -1,5 +1,7 @@
 """Pictures as bytes: for notebooks and for panels."""
 
+from __future__ import annotations
+
 import io
 from typing import Any
 
@@ -13,7 +15,7 @@ from ..quadtree import QuadtreeMap
 from ..reduction import Reduction
 from ..scans import LaserScan, Log
 from ..segments import SegmentMap
-from ._alignments import draw_way
+from ._alignments import draw_aligned_path
 from ._quadtrees import draw_quadtree
 from ._scans import draw_log, draw_scan
 from ._segments import draw_segments
@@ -47,7 +49,7 @@ def thumbnail(value: Any) -> bytes:
     elif isinstance(value, Log):
         _draw_any_log(value, ax)
     elif isinstance(value, Alignment):
-        draw_way(value, ax)
+        draw_aligned_path(value, ax)
     elif isinstance(value, QuadtreeMap):
         draw_quadtree(value, ax=ax, outlines=False)
     else:

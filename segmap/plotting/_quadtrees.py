@@ -1,5 +1,7 @@
 """Quadtree maps: leaves as squares of grey (B 6), cells of them, rays, grids for robots."""
 
+from __future__ import annotations
+
 from collections.abc import Mapping
 from typing import Any
 

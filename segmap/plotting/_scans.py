@@ -1,5 +1,7 @@
 """Scans, logs and ways of robots."""
 
+from __future__ import annotations
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
@@ -12,6 +14,8 @@ from ._style import ERROR, RAW, RESULT, TRUTH, axes_or_new, map_axes
 
 #: Points that a log is drawn with; more cannot be told apart at this size.
 MOST_POINTS = 60_000
+#: Length of the arrow of a pose, in metres.
+ARROW = 0.3
 
 
 def draw_scan(
@@ -154,6 +158,38 @@ def draw_path(
     """
     ax, rows = axes_or_new(ax), np.asarray(poses, float).reshape(-1, 3)
     ax.plot(rows[:, 0], rows[:, 1], color=color, linewidth=1.2, label=label)
+    return map_axes(ax)
+
+
+def draw_poses(
+    poses: ArrayLike, *, ax: Axes | None = None, color: str = RESULT, label: str | None = None
+) -> Axes:
+    """Draw poses as arrows that point ahead, and a dotted line from each to the next.
+
+    Parameters
+    ----------
+    poses : (k, 3) array, metres and radians
+    ax : matplotlib Axes or None
+    color : str
+    label : str or None
+        For a legend.
+
+    Returns
+    -------
+    Axes
+
+    Examples
+    --------
+    >>> from matplotlib.figure import Figure
+    >>> ax = draw_poses([(0, 0, 0), (1, 2, 0)], ax=Figure().subplots())
+    >>> ax.lines[0].get_ydata().tolist(), len(ax.patches)
+    ([0.0, 2.0], 2)
+    """
+    ax, rows = axes_or_new(ax), np.asarray(poses, float).reshape(-1, 3)
+    draw_path(rows, ax=ax, color=color, label=label).lines[-1].set_linestyle(":")
+    for x, y, heading in rows:
+        ahead = ARROW * np.array([np.cos(heading), np.sin(heading)])
+        ax.arrow(x, y, *ahead, width=ARROW / 10, color=color, length_includes_head=True)
     return map_axes(ax)
 
 

@@ -1,5 +1,8 @@
 """Maps of segments, before and after a reduction."""
 
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -10,7 +13,19 @@ from numpy.typing import ArrayLike
 
 from .. import arrays
 from ..arrays import Array, Segments
-from ._style import ERRORS, MAP, RESULT, axes_or_new, axes_row, group_colors, map_axes
+from ..scans import LaserScan
+from ._scans import draw_scan
+from ._style import (
+    ERRORS,
+    MAP,
+    RESULT,
+    TRUTH,
+    axes_grid,
+    axes_or_new,
+    axes_row,
+    group_colors,
+    map_axes,
+)
 
 #: The scale of errors reaches at least so far, in metres, lest rounding errors look like errors.
 LEAST_ERROR = 1e-3
@@ -102,7 +117,7 @@ def draw_before_after(before: Segments, after: Segments, *, ax: Axes | None = No
     return ax
 
 
-def draw_beside(before: Segments, after: Segments) -> list[Axes]:
+def draw_side_by_side(before: Segments, after: Segments) -> list[Axes]:
     """Draw a map, black, and beside it what a method leaves of it, blue, at one scale.
 
     Parameters
@@ -117,7 +132,7 @@ def draw_beside(before: Segments, after: Segments) -> list[Axes]:
     Examples
     --------
     >>> wall = np.array([[(0, 0), (1, 0)]])
-    >>> [ax.get_title() for ax in draw_beside(np.repeat(wall, 3, axis=0), wall)]
+    >>> [ax.get_title() for ax in draw_side_by_side(np.repeat(wall, 3, axis=0), wall)]
     ['Before: 3 segments', 'After: 1']
     """
     left, right = axes_row(2, (9.0, 4.6), shared="xy")
@@ -160,6 +175,65 @@ def draw_provenance(before: Segments, reduction: Any, *, ax: Axes | None = None)
     ax = draw_segments(outputs, ax=ax, group=np.arange(len(outputs)), width=4.0)
     ax.collections[-1].set_alpha(0.45)
     return draw_segments(inputs, ax=ax, group=parents, width=0.8)
+
+
+def draw_maps(
+    maps: Mapping[str, Segments],
+    *,
+    truth: Segments | None = None,
+    scan: LaserScan | None = None,
+    color: str | Sequence[str] | None = None,
+    width: float = 2.0,
+    columns: int | None = None,
+    size: tuple[float, float] = (3.4, 2.8),
+) -> list[Axes]:
+    """Draw maps side by side at one scale, each over the same truth or the same scan.
+
+    Parameters
+    ----------
+    maps : mapping from title to SegmentMap, Reduction or (n, 2, 2) array, metres
+    truth : SegmentMap, Reduction or (n, 2, 2) array, metres, or None
+        How the walls really are: thick and green, below each map.
+    scan : LaserScan or None
+        Its points and the robot, grey and red, below each map.
+    color : str, one str a map, or None
+        None draws each segment in a colour of its own, in turn.
+    width : float
+        Of the lines, in points.
+    columns : int or None
+        None draws all maps in one row.
+    size : (width, height) in inches
+        Of one map.
+
+    Returns
+    -------
+    list of Axes
+        One a map, in a new figure, all with the same limits.
+
+    Raises
+    ------
+    ValueError
+        Where there are several colours, and not one a map.
+
+    Examples
+    --------
+    >>> wall = np.array([[(0, 0), (1, 0)]])
+    >>> axes = draw_maps({"one": wall, "two": np.concatenate([wall, wall + 1])}, color=RESULT)
+    >>> [(ax.get_title(), len(ax.collections[0].get_segments())) for ax in axes]
+    [('one', 1), ('two', 2)]
+    """
+    colors = [color] * len(maps) if color is None or isinstance(color, str) else list(color)
+    if len(colors) != len(maps):
+        raise ValueError(f"color must have {len(maps)} entries, one a map, got {len(colors)}")
+    pictures = axes_grid(list(maps), columns or len(maps), size)
+    for ax, segments, shade in zip(pictures, maps.values(), colors, strict=True):
+        if truth is not None:
+            draw_segments(truth, ax=ax, color=TRUTH, width=4.0)
+        if scan is not None:
+            draw_scan(scan, ax=ax)
+        group = np.arange(len(arrays.segments(segments))) if shade is None else None
+        draw_segments(segments, ax=ax, color=shade or MAP, group=group, width=width)
+    return pictures
 
 
 def _chosen(given: dict[str, ArrayLike | None], count: int) -> tuple[str, Array]:

@@ -1,5 +1,7 @@
 """Colours, sizes and axes that all pictures share."""
 
+from __future__ import annotations
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import LinearSegmentedColormap, to_rgba, to_rgba_array
@@ -58,6 +60,20 @@ def axes_row(count: int, size: tuple[float, float], *, shared: str = "") -> list
     figure = plt.figure(figsize=size, dpi=DPI, layout="constrained")
     x, y = "x" in shared, "y" in shared
     return list(figure.subplots(1, count, squeeze=False, sharex=x, sharey=y)[0])
+
+
+def axes_grid(titles: list[str], columns: int, size: tuple[float, float]) -> list[Axes]:
+    """Axes in a new pyplot figure, one a title, in rows of so many columns, with common limits."""
+    import matplotlib.pyplot as plt
+
+    rows = -(-len(titles) // columns)
+    whole = plt.figure(figsize=(columns * size[0], rows * size[1]), dpi=DPI, layout="constrained")
+    grid = whole.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
+    for ax in grid.flat[len(titles) :]:
+        ax.remove()
+    for ax, title in zip(grid.flat, titles, strict=False):
+        ax.set_title(title)
+    return list(grid.flat[: len(titles)])
 
 
 def map_axes(ax: Axes) -> Axes:

@@ -1,5 +1,7 @@
 """Assertions that know what is the same: segments without direction, headings that wrap."""
 
+from __future__ import annotations
+
 import numpy as np
 from numpy.typing import ArrayLike
 

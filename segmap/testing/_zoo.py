@@ -1,5 +1,7 @@
 """Inputs that every function should meet before a user brings them."""
 
+from __future__ import annotations
+
 import numpy as np
 
 from ..arrays import Array

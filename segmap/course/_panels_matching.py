@@ -1,4 +1,6 @@
-"""Both greedy matchers, step by step over the landscape of a score."""
+"""Panels of the chapters on scores and on matchers."""
+
+from __future__ import annotations
 
 import ipywidgets as W
 import numpy as np
@@ -7,10 +9,80 @@ from numpy.typing import ArrayLike
 
 from ..arrays import Array
 from ..matching import MATCHERS, SCORES, DistanceField, Score
-from ..panels import Panel, slider, text
-from ..quadtree import QuadtreeMap
-from ._landscape_drawings import draw_climb, draw_landscape
-from ._landscapes import Landscape, landscape
+from ..panels import Panel, player, slider, text
+from ..quadtree import QuadtreeMap, build_map
+from ..scans import Log
+from ._draw_quadtrees import draw_climb, draw_landscape, draw_profile
+from ._landscapes import Landscape, heading_profile, landscape, peaks
+
+
+class LandscapePanel(Panel):
+    """What a matcher could climb: a score over x and y, and over the heading (B 4.3).
+
+    Parameters
+    ----------
+    log : Log
+        With a truth for every scan.
+    resolution : float, metres
+        Of the map.
+
+    Attributes
+    ----------
+    score : drop-down
+        One of `matching.SCORES`.
+    scan : slider
+        That scan is laid on the map of those before it.
+    turn : slider, degrees
+        By so much its heading is wrong.
+    peaks, best : labels
+        Local maxima within 30 cm; where the highest lies.
+    land : Landscape
+        What is drawn.
+
+    Examples
+    --------
+    >>> from segmap.course import room_walk
+    >>> panel = LandscapePanel(room_walk(40))
+    >>> panel.peaks.value
+    '1 peak within 30 cm'
+    >>> panel.score.value = "occupancy"
+    >>> panel.peaks.value
+    '101 peaks within 30 cm'
+    """
+
+    land: Landscape
+
+    def __init__(self, log: Log, *, resolution: float = 0.01) -> None:
+        truth = log.truth
+        if truth is None or not np.isfinite(truth).all() or len(log) < 2:
+            raise ValueError(f"log {log.name!r} must have two scans or more, each with its truth")
+        self.log, self.truth, self.resolution = log, truth, resolution
+        self._maps: dict[int, QuadtreeMap] = {}
+        self.score = W.Dropdown(options=list(SCORES), description="score")
+        self.scan = slider("scan", len(log) // 4, 1, len(log) - 1, 1, "")
+        self.turn = slider("turned", 0, -20, 20, 1, "degrees")
+        self.peaks, self.best = text(), text()
+        self._assemble(self.score, self.scan, self.turn, (self.peaks, self.best), width=560)
+
+    def _draw(self, figure: Figure) -> None:
+        k, score = self.scan.value, SCORES[self.score.value]
+        if k not in self._maps:
+            poses = self.truth[:k]
+            self._maps = {k: build_map(self.log[:k], poses, resolution=self.resolution)}
+        scan = self._maps[k], self.log[k].points()
+        pose = self.truth[k] + (0, 0, np.radians(self.turn.value))
+        self.land = landscape(*scan, pose, score=score, step=0.015)
+        found = peaks(self.land.values)
+        self.peaks.value = f"{len(found)} peak{'s' * (len(found) != 1)} within 30 cm"
+        y, x = self.land.offsets[found[0]]
+        self.best.value = f"the highest {100 * np.hypot(x, y):.1f} cm off"
+        left, right = figure.subplots(1, 2)
+        draw_landscape(self.land, ax=left)
+        turn, values = heading_profile(*scan, self.truth[k], score=score)
+        draw_profile(turn, values, ax=right, tops=False).set_xticks((-180, -90, 0, 90, 180))
+
+    def __repr__(self) -> str:
+        return f"LandscapePanel({self.score.value}: {self.peaks.value}, {self.best.value})"
 
 
 class MatcherPanel(Panel):
@@ -60,8 +132,7 @@ class MatcherPanel(Panel):
         self.x, self.y = (slider(f"start off in {k}", 10, -25, 25, 1, "cm") for k in "xy")
         self.turn = slider("and turned", 3, -20, 20, 1, "degrees")
         self.step = slider("step", 0, 0, 60, 1, "")
-        self.play = W.Play(min=0, max=60, interval=300)
-        self._link = W.jslink((self.play, "value"), (self.step, "value"))
+        self.play = player(self.step, interval=300)
         self.count, self.error = text(), text()
         chosen, start = (self.matcher, self.score), (self.x, self.y, self.turn)
         texts = (self.count, self.error)

@@ -1,4 +1,8 @@
-"""How one scan is laid on another, step by step."""
+"""Drawings of the chapters on poses and on alignment: frames, backbone, ICP, candidates."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -7,19 +11,104 @@ from matplotlib.colors import ListedColormap
 from matplotlib.patches import Ellipse
 from numpy.typing import ArrayLike
 
-from ..alignment import Candidate, Match, PointStep
-from ..plotting import ERROR, GROUPS, RAW, RESULT, axes_or_new, draw_segments, map_axes
+from ..alignment import BackboneStep, Candidate, Match, PointStep
+from ..plotting import (
+    ERROR,
+    GROUPS,
+    MAP,
+    RAW,
+    RESULT,
+    axes_grid,
+    axes_or_new,
+    draw_robot,
+    draw_scan,
+    draw_segments,
+    map_axes,
+)
 from ..poses import transform
+from ..scans import LaserScan
 
 #: Lines from points to walls; more cannot be told apart.
-MOST_LINES = 120
-
-
+_MOST_LINES = 120
 #: What may come of a start -> its colour.
 OUTCOMES = {"no match": "#e8e8e8", "right": RESULT, "free": GROUPS[0], "wrong": ERROR}
 
 
-def draw_step(reference: ArrayLike, step: PointStep, *, ax: Axes | None = None) -> Axes:
+def draw_frames(scan: LaserScan, frames: Mapping[str, ArrayLike], *, every: int = 30) -> list[Axes]:
+    """Draw the same scan in several frames side by side, and the axes of each frame.
+
+    Parameters
+    ----------
+    scan : LaserScan
+    frames : mapping from name to (3,) array, metres and radians
+        Where the robot stands in the frame of that name.
+    every : int
+        One beam in so many is drawn, from the sensor to its end.
+
+    Returns
+    -------
+    list of Axes
+        One a frame, in a new figure, all with the same limits.
+
+    Examples
+    --------
+    >>> axes = draw_frames(LaserScan([1.0], [0.0]), {"robot": (0, 0, 0), "map": (3, 4, 0)})
+    >>> [ax.get_title() for ax in axes]
+    ['In the frame of the robot', 'In the frame of the map']
+    >>> axes[1].lines[0].get_xdata().tolist()
+    [4.0]
+    """
+    some = slice(None, None, every)
+    few = LaserScan(
+        scan.ranges[some], scan.angles[some], sensor_pose=scan.sensor_pose, max_range=scan.max_range
+    )
+    row = axes_grid([f"In the frame of the {name}" for name in frames], len(frames), (3.7, 4.0))
+    for ax, pose in zip(row, frames.values(), strict=True):
+        draw_scan(few, pose, ax=ax, beams=True)
+        draw_scan(scan, pose, ax=ax, color=RESULT)
+        ax.axhline(0, color=MAP, linewidth=0.5)
+        ax.axvline(0, color=MAP, linewidth=0.5)
+    return row
+
+
+def draw_backbone(step: BackboneStep, *, ax: Axes | None = None) -> Axes:
+    """Draw what the backbone method did with one scan.
+
+    The lines of the backbone are black and dashed, the relevant segments as odometry would lay them
+    red, as they were laid blue; the robot stands where it was laid.
+
+    Parameters
+    ----------
+    step : BackboneStep
+        From `alignment.backbone_steps`.
+    ax : matplotlib Axes or None
+
+    Returns
+    -------
+    Axes
+
+    Examples
+    --------
+    >>> from matplotlib.figure import Figure
+    >>> from segmap import load
+    >>> from segmap.alignment import backbone_steps
+    >>> step = backbone_steps(load("corridor")[:2])[1]
+    >>> len(draw_backbone(step, ax=Figure().subplots()).lines) == len(step.lines.angle)
+    True
+    """
+    ax = axes_or_new(ax)
+    draw_segments(transform(step.guess, step.segments), ax=ax, color=ERROR, width=1.0)
+    draw_segments(transform(step.pose, step.segments), ax=ax, color=RESULT, width=2.5)
+    map_axes(draw_robot(ax, step.pose))
+    x, y = ax.get_xlim(), ax.get_ylim()
+    along = step.lines.normal[:, ::-1] * (1, -1)
+    for place, d in zip(step.lines.through, along, strict=True):
+        ax.axline(tuple(place), tuple(place + d), color=MAP, linewidth=0.7, linestyle="--")
+    ax.set(xlim=x, ylim=y)
+    return ax
+
+
+def draw_icp_step(reference: ArrayLike, step: PointStep, *, ax: Axes | None = None) -> Axes:
     """Draw a scan as point ICP sees it: points with red lines to their places on the wall.
 
     Of many points every second or third has a line.
@@ -42,12 +131,12 @@ def draw_step(reference: ArrayLike, step: PointStep, *, ax: Axes | None = None) 
     >>> from segmap.alignment import point_steps
     >>> wall = np.array([(0.1 * k, 0) for k in range(30)])
     >>> step = point_steps(wall, wall - (0, 0.2))[0]
-    >>> len(draw_step(wall, step, ax=Figure().subplots()).collections[0].get_segments())
+    >>> len(draw_icp_step(wall, step, ax=Figure().subplots()).collections[0].get_segments())
     30
     """
     ax, walls = axes_or_new(ax), np.asarray(reference, float).reshape(-1, 2)
     ax.plot(*walls.T, ".", color=RAW, markersize=4, markeredgewidth=0)
-    some = slice(None, None, 1 + len(step.points) // MOST_LINES)
+    some = slice(None, None, 1 + len(step.points) // _MOST_LINES)
     lines, widths = np.stack([step.points, step.feet], 1)[some], 0.2 + step.weights[some]
     ax.add_collection(LineCollection(list(lines), colors=ERROR, linewidths=widths))
     ax.plot(*step.points.T, ".", color=RESULT, markersize=4, markeredgewidth=0)
