@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
+from segmap.alignment._solver import Edges, deviations, residuals, solve
 
 from segmap.alignment import _solver as solver
-from segmap.alignment._solver import Edges, deviations, residuals, solve
 from segmap.angles import wrap
 from segmap.poses import between, compose
 

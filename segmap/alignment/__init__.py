@@ -12,13 +12,13 @@ from ._backbone_steps import BackboneStep
 from ._baselines import align_to_truth, ground_truth, odometry, position_errors
 from ._global_equations import GlobalSearch
 from ._global_segments import global_segments
-from ._point_icp import match_points, point_icp
-from ._point_steps import PointStep, point_steps
-from ._pose_graph import pose_graph
-from ._result import Alignment, Graph, Match, Rejected
+from ._graph import Graph, Rejected, solve_graph
+from ._loop_closing import LoopClosing
+from ._point_icp import PointStep, match_points, point_icp, point_steps
+from ._pose_graph import Tracking, pose_graph
+from ._result import Alignment, Match
 from ._segment_icp import match_segments, segment_icp
 from ._segment_search import SegmentSearch
-from ._solve_graph import solve_graph
 
 #: Name of each method -> the method, with what it needs.
 METHODS: dict[str, Method[Alignment]] = {
@@ -49,11 +49,13 @@ __all__ = [
     "Candidate",
     "GlobalSearch",
     "Graph",
+    "LoopClosing",
     "Match",
     "Method",
     "PointStep",
     "Rejected",
     "SegmentSearch",
+    "Tracking",
     "align_to_truth",
     "angle_candidates",
     "angle_correspondence",

@@ -19,7 +19,7 @@ from ..scans import Log
 from ..segments import angle as angle_of
 from . import _global_equations as equations
 from ._global_equations import GlobalSearch, Indices, Pairs, Rules, Scans
-from ._result import Graph
+from ._graph import Graph
 from ._runner import Outcome, alignment_method, long_segments
 from ._segment_icp import ONE_DIRECTION, SIDEWAYS
 

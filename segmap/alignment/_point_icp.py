@@ -1,17 +1,23 @@
-"""Point ICP (A 2.5.1, [41]): the points of a scan moved onto the walls that other points form."""
+"""Point ICP: the points of a scan moved onto the walls that other points form.
+
+A 2.5.1, after Lu and Milios (1997); here with residuals across walls (Censi 2008).
+"""
 
 from __future__ import annotations
+
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from .. import arrays
 from ..arrays import Array
+from ..poses import transform
 from ..scans import Log
-from ._frames import not_far
-from ._point_map import PointMap
-from ._result import Match, check_positive, no_match
+from ._point_map import LAST, ROUNDS, SAMPLE, PointMap, in_range
+from ._pose_graph import FrontEnd, Tracking
+from ._result import Match, no_match
 from ._runner import Outcome, Trail, alignment_method
-from ._walk import Walk, settled
 
 
 def match_points(
@@ -20,14 +26,14 @@ def match_points(
     start: ArrayLike = (0.0, 0.0, 0.0),
     *,
     reach: float = 0.6,
+    overlap: float = 0.4,
 ) -> Match:
-    """Pose of one scan in the frame of another, by point-to-line ICP (A 2.5.1, [41]; Censi 2008).
+    """Pose of one scan in the frame of another, by point-to-line ICP (A 2.5.1; Censi 2008).
 
     Each point seeks its nearest partner; its residual is the offset across the wall that the
     partner's neighbours form, so that points may slide along walls. Residuals weigh by a Cauchy
-    function of their share of the spread (the robust trimming: a person walking through counts
-    little), partners are sought nearer and nearer, and directions that no wall fixes are left as
-    the start has them.
+    function of their share of the spread: a person walking through counts little. Partners are
+    sought nearer and nearer, and directions that no wall fixes are left as the start has them.
 
     Parameters
     ----------
@@ -38,17 +44,18 @@ def match_points(
         Supposed pose of the current scan in the frame of the reference.
     reach : float, metres
         How far partners are sought at first: more than the start may be wrong by.
+    overlap : float
+        Share of the points that must find a partner within 0.12 m in the end.
 
     Returns
     -------
     Match
         With the covariance that the Hessian gives, and `free` where a direction is not fixed.
-        Not matched where fewer than 40 % of the points find a partner within 0.12 m in the end.
 
     Raises
     ------
     ValueError
-        For arrays of another shape, or coordinates that are not finite.
+        For arrays of another shape, coordinates that are not finite, thresholds out of range.
 
     Examples
     --------
@@ -56,21 +63,23 @@ def match_points(
     >>> match_points(corner, corner - (0.05, 0.02))
     Match(0.05 m, 0.02 m, 0 deg, overlap 1.00)
     """
-    check_positive(reach=reach)
-    before, now = _points("reference", reference), not_far(_points("current", current))
-    begin = np.array(start, float)
-    if begin.shape != (3,) or not np.isfinite(begin).all():
-        raise ValueError(f"start must be a finite pose x, y, heading, got {start!r}")
+    before, now, begin = _checked(reference, current, start, reach)
+    arrays.number(overlap, "overlap", least=0, most=1)
     if min(len(before), len(now)) < 6:
         return no_match(begin, f"too few points: {len(before)} and {len(now)}")
-    return settled(PointMap(before), now, begin, reach)
+    return PointMap(before).register(now, begin, reach=reach, overlap=overlap)
 
 
 @alignment_method
 def point_icp(
-    log: Log, *, step: float = 0.5, turn: float = np.radians(30), reach: float = 0.6
+    log: Log,
+    *,
+    step: float = 0.5,
+    turn: float = np.radians(30),
+    reach: float = 0.6,
+    tracking: Tracking = Tracking(),
 ) -> Outcome:
-    """Lay scan after scan by point-to-line ICP on a map of the last key frames (A 2.5.1, [41]).
+    """Lay scan after scan by point-to-line ICP on a map of the last key frames (A 2.5.1).
 
     It starts where the odometry puts the scan and ends in the nearest minimum: odometry that is
     wrong by more than `reach` at one step leads it into a wrong one, from which it never returns.
@@ -83,6 +92,8 @@ def point_icp(
         A key frame is set where the robot has moved this far from the last one.
     reach : float, metres
         How far partners are sought at first.
+    tracking : Tracking
+        Its `frames`, `overlap`, `step_error` and `turn_error` count here.
 
     Returns
     -------
@@ -101,23 +112,115 @@ def point_icp(
     >>> point_icp(load("corridor")[:40])
     Alignment(point_icp: 40 scans, 40 used)
     """
-    check_positive(step=step, turn=turn, reach=reach)
+    arrays.positive("metres", step=step, reach=reach)
+    arrays.positive("radians", turn=turn)
     if len(log) == 0:
         return Trail(log).outcome()
-    walk = Walk(log, lambda map, points, guess: settled(map, points, guess, reach))
+
+    def matcher(map: PointMap, points: Array, guess: Array) -> Match:
+        return map.register(points, guess, reach=reach, overlap=tracking.overlap)
+
+    front = FrontEnd(log, matcher, tracking)
     for scan in range(1, len(log)):
-        match = walk.place(scan)
-        if walk.far_from_frame(scan, step, turn):
-            walk.add_frame(scan, match)
-    return walk.outcome()
+        match = front.track(scan)
+        if front.needs_frame(scan, step, turn):
+            front.add_frame(scan, match)
+    return front.outcome()
 
 
-def _points(name: str, values: ArrayLike) -> Array:
-    points = np.array(values, float)
-    if points.size == 0:
-        return np.empty((0, 2))
-    if points.ndim != 2 or points.shape[1] != 2:
-        raise ValueError(f"{name} must have shape (n, 2), got {points.shape}")
-    if not np.isfinite(points).all():
-        raise ValueError(f"{name} must be finite: leave out beams without return")
-    return points
+class PointStep(NamedTuple):
+    """One look at how a scan lies on another: which points count, and how far they are off.
+
+    Parameters
+    ----------
+    pose : (3,) array, metres and radians
+        Of the current scan in the frame of the reference.
+    reach : float, metres
+        How far partners were sought.
+    points : (m, 2) array, metres
+        Those points of the current scan, so placed, that have a wall within reach.
+    feet : (m, 2) array, metres
+        The nearest place on the wall of each.
+    weights : (m,) array
+        From 1 for a point on its wall towards 0 for one that is far off, beside the others.
+    """
+
+    pose: Array
+    reach: float
+    points: Array
+    feet: Array
+    weights: Array
+
+    @property
+    def offsets(self) -> Array:
+        """Distances to the walls, `(m,)`, metres: the residuals, without sign."""
+        away = self.points - self.feet
+        return np.hypot(away[:, 0], away[:, 1])
+
+    def __repr__(self) -> str:
+        x, y, heading = self.pose.round(4) + 0.0
+        where = f"{x:.6g} m, {y:.6g} m, {np.degrees(heading):.4g} deg"
+        return f"PointStep({where}, {len(self.points)} points within {self.reach:.2g} m)"
+
+
+def point_steps(
+    reference: ArrayLike,
+    current: ArrayLike,
+    start: ArrayLike = (0.0, 0.0, 0.0),
+    *,
+    reach: float = 0.6,
+) -> list[PointStep]:
+    """What `match_points` does, step by step, from the start to where it ends (A 2.5.1).
+
+    Parameters
+    ----------
+    reference, current : (n, 2) and (m, 2) arrays, metres
+    start : (3,) array, metres and radians
+    reach : float, metres
+        As in `match_points`.
+
+    Returns
+    -------
+    list of PointStep
+        The last has the pose of the match. At most one where fewer than six points find a wall.
+
+    Raises
+    ------
+    ValueError
+        As in `match_points`.
+
+    Examples
+    --------
+    >>> corner = np.array([(0.1 * k, 0) for k in range(30)] + [(0, 0.1 * k) for k in range(30)])
+    >>> steps = point_steps(corner, corner - (0.05, 0.02))
+    >>> steps[0]
+    PointStep(0 m, 0 m, 0 deg, 56 points within 0.6 m)
+    >>> steps[-1]
+    PointStep(0.05 m, 0.02 m, 0 deg, 56 points within 0.12 m)
+    """
+    before, now, pose = _checked(reference, current, start, reach)
+    if min(len(before), len(now)) < 6:
+        return []
+    map, steps = PointMap(before), []
+    stride, settled = 1 + len(now) // SAMPLE, False
+    for _ in range(ROUNDS + 1):
+        found = map.descend(now, pose, reach, LAST, stride, rounds=1)
+        index = found.rows[:, 5].astype(np.int64)
+        points, offsets = transform(pose, now[index]), found.rows[:, 3:4]
+        feet = points - offsets * found.rows[:, :2]
+        weights = found.rows[:, 4].copy() if len(points) >= 6 else np.ones(len(points))
+        steps.append(PointStep(pose, reach, points, feet, weights))
+        if settled or len(points) < 6:
+            break
+        pose, reach, stride, settled = found.pose, found.reach, found.stride, found.settled
+    return steps
+
+
+def _checked(
+    reference: ArrayLike, current: ArrayLike, start: ArrayLike, reach: float
+) -> tuple[Array, Array, Array]:
+    """Both clouds of points and the start, as the matcher takes them."""
+    arrays.positive("metres", reach=reach)
+    now = arrays.points(current, "current")
+    before, begin = arrays.points(reference, "reference"), arrays.pose(start, "start")
+    return before, now[in_range(now)], begin

@@ -1,38 +1,66 @@
-"""Points of walls, ready to be matched with: by descent from a start, or by search in a window."""
+"""Points of walls to match scans with: by descent from a start, or by search in a window."""
+
+from __future__ import annotations
 
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from ..angles import wrap
 from ..arrays import Array
-from . import _points_loops as loops
+from . import _point_loops as loops
 from . import _search_loops as searching
 from ._result import Match, no_match
 
+# What follows are properties of lasers and of walls, the same for every building.
 #: Side of the cells that points are sorted into, metres: about the reach of the last steps.
 CELL = 0.15
 #: Radius within which a wall's direction is fitted, metres: from ten times the noise of a laser to
-#: what holds five beams of half a degree at 25 m.
-RADII = 0.12, 1.0
-#: Smallest standard deviation, metres, that offsets from a wall are believed to have.
+#: what holds five beams of half a degree at 25 m; five points show whether they form a wall.
+RADII, ENOUGH = (0.12, 1.0), 5
+#: Smallest standard deviation, metres, that offsets from a wall are believed to have: a laser's.
 FLOOR = 0.01
-#: Cells and stamp of the search, metres: a wall is a band of this standard deviation.
+#: Cells of the search, metres: half the reach of the descent that follows; and the standard
+#: deviation of a wall in them, which a wall between two cells must not escape.
 FINE, BAND = 0.05, 0.06
-#: Maxima over 1, 2, 4 and 8 cells.
+#: Maxima over 1, 2, 4 and 8 cells: wider ones bound nothing in a window of half a metre.
 LEVELS = 4
+#: So many points of a scan are enough for the search, and far from the answer for the descent.
+SAMPLE = 250
 #: Points of a scan and map errors are not independent: measured errors are this many times the
 #: Hessian's (simulated rooms and offices, tests/test_match_points.py).
 INFLATION = 2.0
-
 #: A motion that the walls leave free is one along a direction where its shift is at least this
 #: share of it, the turn counted as the length by which it moves the scan's points.
 SHIFT = 0.7
-
 #: A wall faces a direction where its normal leans to it by more than this (cosine): normals of a
 #: straight wall err by a tenth of a radian.
 FACING = 0.3
+#: More steps are never made: most descents take 10 to 20.
+ROUNDS = 60
+#: How far partners are sought in the end, metres: ten times the noise of a laser.
+LAST = 0.12
+#: Points farther from the robot than this are left out, metres: no laser for buildings reaches so
+#: far, and one absurd range or pose would ask for a map of a million cells a side.
+FAR = 100.0
+
+
+class Descent(NamedTuple):
+    """Where point-to-line ICP stands: what `_point_loops.point_to_line` writes and returns.
+
+    Pose, (3,) array; rows, (m, 6), of the residuals before the last step; its Hessian, (3, 3).
+    """
+
+    pose: Array
+    rows: Array
+    hessian: Array
+    sigma: float
+    near: float
+    reach: float
+    stride: int
+    settled: bool
 
 
 class PointMap:
@@ -42,24 +70,39 @@ class PointMap:
     ----------
     points : (n, 2) array, metres
         At least one; order does not matter.
-    eyes : (n, 2) array, metres, or None
+    viewpoints : (n, 2) array, metres, or None
         Where each was seen from: then the far side of a thin wall is not taken for its near side.
     """
 
-    def __init__(self, points: Array, eyes: Array | None = None) -> None:
-        extent = float(np.ptp(points, axis=0).max())
-        self.cells = loops.in_cells(np.ascontiguousarray(points), max(CELL, extent / 2000))
-        self.normals = loops.normals(self.cells, *RADII, 5)
-        if eyes is not None:
-            to_eye = eyes[self.cells.order] - self.cells.points
-            behind = (self.normals * to_eye).sum(1, keepdims=True) < 0
-            self.normals = np.where(behind, -self.normals, self.normals)
-            self.cells = self.cells._replace(sided=True)
+    def __init__(self, points: Array, viewpoints: Array | None = None) -> None:
+        x, y = points[:, 0], points[:, 1]
+        low, high = np.array([x.min(), y.min()]), np.array([x.max(), y.max()])
+        size = max(CELL, float((high - low).max()) / 2000)
+        columns, rows = ((high - low) / size).astype(np.int64) + 1
+        cell = ((points - low) / size).astype(np.int64) @ (rows, 1)
+        order = np.argsort(cell, kind="stable")
+        first = np.zeros(columns * rows + 1, np.int64)
+        np.cumsum(np.bincount(cell, minlength=columns * rows), out=first[1:])
+        points, normals = points[order], np.full((len(points), 2), np.nan)
+        box = float(low[0]), float(low[1]), size, int(columns), int(rows)
+        grid = loops.PointGrid(points, normals, *box, first, False)
+        loops.fit_normals(grid, *RADII, ENOUGH)
+        if viewpoints is not None:
+            behind = (normals * (viewpoints[order] - points)).sum(1) < 0
+            normals[behind] *= -1.0
+            grid = grid._replace(sided=True)
+        self.grid = grid
 
-    def settle(
-        self, current: Array, start: ArrayLike, *, reach: float = 0.3, last: float = 0.12
+    def register(
+        self,
+        current: Array,
+        start: ArrayLike,
+        *,
+        reach: float = 0.3,
+        last: float = LAST,
+        overlap: float = 0.0,
     ) -> Match:
-        """Point-to-line ICP from a start (Censi 2008; A 2.5.1, [41]).
+        """Point-to-line ICP from a start (Censi 2008; A 2.5.1: Lu and Milios 1997).
 
         Parameters
         ----------
@@ -69,53 +112,80 @@ class PointMap:
             Its supposed pose in the map's frame.
         reach, last : float, metres
             How far partners are sought at first and in the end.
+        overlap : float
+            Share of the points that must have a partner in the end.
 
         Returns
         -------
         Match
         """
-        begin = np.array(start, float)
         if len(current) < 6:
-            return no_match(begin, f"the scan has only {len(current)} points")
-        span = float(np.sqrt((current**2).sum(1).mean())) + 1e-9
-        stride = 1 + len(current) // 250
-        pose, hessian, sigma, near, used = loops.point_to_line(
-            self.cells, self.normals, current, begin, reach, last, FLOOR, span, stride
-        )
-        if used < 6:
-            return no_match(begin, f"only {used} points lie near walls", near)
-        pose[2] = wrap(pose[2])
-        covariance, free = _uncertainty(hessian, INFLATION * sigma**2, span)
-        return Match(pose, covariance, True, "", near, free)
+            return no_match(start, f"the scan has only {len(current)} points")
+        found = self.descend(current, start, reach, last, 1 + len(current) // SAMPLE)
+        if len(found.rows) < 6:
+            return no_match(start, f"only {len(found.rows)} points lie near walls", found.near)
+        if found.near < overlap:
+            return no_match(start, "too little of it lies on the map", found.near)
+        variance = INFLATION * found.sigma**2
+        covariance, free = _uncertainty(found.hessian, variance, _span(current))
+        return Match(found.pose, covariance, True, "", found.near, free)
 
-    def faces(self, match: Match, current: Array, *, reach: float = 0.12) -> bool:
-        """Whether a wall under a scan's points `(m, 2)` faces the direction that it leaves free.
+    def descend(
+        self,
+        current: Array,
+        start: ArrayLike,
+        reach: float,
+        last: float,
+        stride: int,
+        rounds: int = ROUNDS,
+    ) -> Descent:
+        """Some steps of point-to-line ICP, from a start, with every `stride`-th point at first.
 
-        Points in the robot's frame, metres; walls are sought within `reach`, metres.
+        Points `(m, 2)`, metres; start, (3,) array, metres and radians; reach and last in metres.
         """
-        if match.free is None:
-            return True
-        rows, _ = loops.residuals(self.cells, self.normals, current, match.pose, reach, 1)
-        return bool((np.abs(rows[:, :2] @ match.free) > FACING).any())
+        pose, rows = np.array(start, float), np.empty((len(current), 6))
+        system, scratch = np.empty((3, 4)), np.empty((2, 3, 3))
+        points, reaches = np.ascontiguousarray(current), (float(reach), float(last))
+        sigma, near, used, *state = loops.point_to_line(
+            self.grid, points, pose, *reaches, FLOOR, _span(current), stride, rounds,
+            rows, system, scratch,
+        )  # fmt: skip
+        pose[2] = wrap(pose[2])
+        return Descent(pose, rows[:used], system[:, :3], sigma, near, *state)
+
+    def has_wall_facing(self, direction: Array, current: Array, pose: Array) -> bool:
+        """Whether a wall under a scan's points `(m, 2)` at a pose `(3,)` faces a direction `(2,)`.
+
+        Points in the robot's frame, metres; walls are sought within the reach of the last steps.
+        """
+        rows = np.empty((len(current), 6))
+        points = np.ascontiguousarray(current)
+        used, _ = loops.residuals(self.grid, points, pose, LAST, 1, rows)
+        return bool((np.abs(rows[:used, :2] @ direction) > FACING).any())
 
     @cached_property
-    def levels(self) -> tuple[searching.Level, ...]:
-        """Likelihoods of cells of `FINE` metres, (columns, rows) array of bytes, and their maxima.
+    def levels(self) -> searching.Levels:
+        """Likelihoods of cells of `FINE` metres and their maxima over 2, 4 and 8 cells a side.
 
-        Over 2, 4 and 8 cells a side, arrays of the same shape.
+        (4, columns, rows) array of bytes.
         """
         r = int(np.ceil(2.5 * BAND / FINE))
         away = np.arange(-r, r + 1) ** 2 * FINE**2
         stamp = (255 * np.exp(-(away[:, None] + away) / (2 * BAND**2))).astype(np.uint8)
-        columns, rows = ((self.cells.points.max(0) - self._corner) / FINE).astype(int) + r + 1
-        levels = [searching.likelihood(self.cells.points, self._corner, columns, rows, FINE, stamp)]
+        cells = ((self.grid.points - self.corner) / FINE).astype(np.int64)
+        levels = np.zeros((LEVELS, *cells.max(0) + r + 1), np.uint8)
+        searching.stamp_points(levels[0], cells, stamp)
         for k in range(LEVELS - 1):
-            levels.append(searching.widened(levels[-1], 1 << k))
-        return tuple(levels)
+            wide, step = levels[k + 1], 1 << k
+            wide[:] = levels[k]
+            np.maximum(wide[:-step], levels[k, step:], out=wide[:-step])
+            np.maximum(wide[:, :-step], wide[:, step:].copy(), out=wide[:, :-step])
+        return levels
 
     @property
-    def _corner(self) -> Array:
-        return np.asarray(self.cells.corner - 3 * BAND - 8 * FINE, np.float64)
+    def corner(self) -> Array:
+        """Lower left corner of the levels, (2,) array, metres."""
+        return np.array([self.grid.x, self.grid.y]) - 3 * BAND - 8 * FINE
 
     def search(
         self,
@@ -150,15 +220,32 @@ class PointMap:
             Mean likelihood of the points, 0 to 1, less what its distance costs.
         """
         begin, k = np.array(start, float), int(np.ceil(turn / step))
-        current = current[:: 1 + len(current) // 250]
         headings = np.linspace(-k * step, k * step, 2 * k + 1)
-        radius = int(np.ceil(reach / FINE))
+        cost = away * (headings / max(np.abs(headings).max(), 1e-9)) ** 2
+        c, s = np.cos(begin[2] + headings)[:, None], np.sin(begin[2] + headings)[:, None]
+        x, y = np.ascontiguousarray(current[:: 1 + len(current) // SAMPLE].T)
+        scans = np.empty((len(headings), len(x), 2), np.int32)
+        scans[..., 0] = np.floor((c * x - s * y + begin[0] - self.corner[0]) / FINE)
+        scans[..., 1] = np.floor((s * x + c * y + begin[1] - self.corner[1]) / FINE)
+        radius, width = int(np.ceil(reach / FINE)), 1 << (LEVELS - 1)
+        blocks = len(headings) * (2 * radius // width + 1) ** 2
+        scratch = np.empty(blocks), np.empty(blocks, np.int64)
+        todo = np.empty((4 * LEVELS, 3), np.int64), np.empty(4 * LEVELS)
         score, h, i, j = searching.search(
-            self.levels, self._corner, FINE, current, begin, headings, radius, away, least
+            self.levels, scans, cost, radius, away, least, *scratch, *todo
         )
-        if h < 0:
-            return None, score
-        return begin + (i * FINE, j * FINE, headings[h]), score
+        pose = begin + (i * FINE, j * FINE, headings[h])
+        return (pose if h >= 0 else None), score
+
+
+def in_range(points: Array) -> NDArray[np.bool_]:
+    """Which points `(n, 2)`, metres, a laser can have seen from near the origin."""
+    return np.abs(points).max(axis=1, initial=0.0) < FAR
+
+
+def _span(current: Array) -> float:
+    """Root mean square distance of points `(m, 2)` from the robot, metres."""
+    return float(np.sqrt((current**2).sum(1).mean())) + 1e-9
 
 
 def _uncertainty(hessian: Array, variance: float, span: float) -> tuple[Array, Array | None]:

@@ -1,26 +1,72 @@
-"""Pose graph: scans on a local map, loops closed, all poses solved together."""
+"""Pose graph: each scan on a map of the last key frames, loops closed, all poses solved."""
 
 from __future__ import annotations
 
-from dataclasses import replace
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from .. import arrays
 from ..arrays import Array
-from ..poses import between
+from ..poses import between, compose, transform
 from ..scans import Log
-from ._closing import Closer
-from ._point_map import PointMap
-from ._result import Match, check_positive, no_match
+from ._graph import Edge, Graph, Rejected, deviations, information, solve, stacked
+from ._loop_closing import LoopCloser, LoopClosing
+from ._point_map import PointMap, in_range
+from ._result import Match, no_match
 from ._runner import Outcome, Trail, alignment_method
-from ._walk import Walk, settled
 
-#: Above this share of a scan on the map nobody looks for a better place further away.
-SURE = 0.7
-#: A place further away has to hold this much more of the scan, and at least this much.
-BETTER, FURTHER = 0.1, 0.6
-#: After a search the descent moves by less than this, metres and radians; else it slides along.
-SLIDE = 0.3, 0.2
+#: From a map, a scan's points `(m, 2)` and a guess `(3,)` to the match.
+Matcher = Callable[[PointMap, Array, Array], Match]
+
+
+@dataclass(frozen=True)
+class Tracking:
+    """How each scan is laid on the map of the last key frames.
+
+    Parameters
+    ----------
+    frames : int
+        Key frames of the local map: one holds too little of what the next scan sees.
+    overlap : float
+        Share of a scan's points that must lie on the map.
+    sure : float
+        Above this share nobody looks for a better place in twice the window.
+    better, least : float
+        A place in twice the window has to hold this much more of the scan, and at least this much.
+    slide, slide_angle : float, metres and radians
+        A descent that goes farther from where the search began is no match: it slides along walls.
+    step_error, turn_error : float, metres and radians
+        Standard deviations of the odometry between key frames where nothing matched.
+    around : int, and near : float, metres
+        At last each scan is laid on the map of so many key frames, within this distance.
+
+    Raises
+    ------
+    ValueError
+        For a value that is not positive.
+
+    Examples
+    --------
+    >>> Tracking(frames=5).frames
+    5
+    """
+
+    frames: int = 10
+    overlap: float = 0.4
+    sure: float = 0.7
+    better: float = 0.1
+    least: float = 0.6
+    slide: float = 0.3
+    slide_angle: float = 0.2
+    step_error: float = 0.5
+    turn_error: float = np.radians(20)
+    around: int = 15
+    near: float = 4.0
+
+    def __post_init__(self) -> None:
+        arrays.positive(**vars(self))
 
 
 @alignment_method
@@ -30,17 +76,18 @@ def pose_graph(
     step: float = 0.5,
     turn: float = np.radians(30),
     window: float = 0.5,
-    wide: float = np.radians(40),
+    window_angle: float = np.radians(40),
     drift: float = 0.03,
+    tracking: Tracking = Tracking(),
+    closing: LoopClosing = LoopClosing(),
 ) -> Outcome:
     """Match each scan with a local map, close loops, and solve for all poses together.
 
     Each scan is searched for about where the odometry puts it (Olson 2009), on a map of the last
-    ten key frames, and then moved by point-to-line ICP (Censi 2008): a descent alone would end
-    where the odometry, wrong by up to a metre and a radian at a step, leads it. Key frames that
-    come back to an old place are searched for there; a loop counts only where two others go round
-    the same way. The poses are those that fit all steps and loops best (Grisetti et al. 2010), with
-    Cauchy weights. Where the log holds no odometry the robot is thought to move on as it did.
+    ten key frames, and then moved by point-to-line ICP (Censi 2008): the odometry may be wrong by a
+    metre and a radian at a step. Key frames that come back to an old place are searched for there;
+    a loop counts only where two others agree with it. The poses fit all steps and loops best, with
+    Cauchy weights (Grisetti et al. 2010). Without odometry the last motion is assumed to go on.
 
     Parameters
     ----------
@@ -49,19 +96,19 @@ def pose_graph(
     step : float, metres, and turn : float, radians
         A key frame is set where the robot has moved this far from the last one: half a metre, since
         doors and desks hide each other from one pose to the next.
-    window : float, metres, and wide : float, radians
-        Half sides of the search about the guess; twice this where less than 70 % of a scan lies on
-        the map then.
+    window : float, metres, and window_angle : float, radians
+        Half sides of the search about the guess; twice this where too little lies on the map then.
     drift : float
-        Share of the way by which the map may have bent since an old place was left: loops are
+        Share of the path by which the map may have bent since an old place was left: loops are
         sought within 1 m and this share, at most 4 m.
+    tracking : Tracking, and closing : LoopClosing
+        All other thresholds, of the local map and of loops.
 
     Returns
     -------
     Alignment
-        Poses, (k, 3) array, metres and radians, and the graph: its edges, loops and what it
-        rejected. A scan without a match carries the odometry step; what follows is tied to the rest
-        again by its loops, wherever it is.
+        Poses, (k, 3) array, metres and radians, and the graph. A scan without a match carries the
+        odometry step; loops tie what follows to the rest again.
 
     Raises
     ------
@@ -74,57 +121,196 @@ def pose_graph(
     >>> pose_graph(load("corridor")[:40])
     Alignment(pose_graph: 40 scans, 40 used)
     """
-    check_positive(step=step, turn=turn, window=window, wide=wide, drift=drift)
+    arrays.positive("metres", step=step, window=window)
+    arrays.positive("radians", turn=turn, window_angle=window_angle)
+    arrays.positive(drift=drift)
     if len(log) == 0:
         return Trail(log).outcome()
-    walk = Walk(log, lambda map, points, guess: searched(map, points, guess, window, wide))
-    closer = Closer(walk.frames, drift)
+
+    def matcher(map: PointMap, points: Array, guess: Array) -> Match:
+        return search_and_register(map, points, guess, window, window_angle, tracking)
+
+    front = FrontEnd(log, matcher, tracking)
+    closer = LoopCloser(front.frames, drift, closing)
     for scan in range(1, len(log)):
         # 1. The scan on the map of the last key frames
-        match = walk.place(scan)
-        if walk.far_from_frame(scan, step, turn):
+        match = front.track(scan)
+        if front.needs_frame(scan, step, turn):
             # 2. A new key frame, and the loops that it closes
-            walk.add_frame(scan, match)
+            front.add_frame(scan, match)
             if closer.close(confirmed=match.matched):
-                walk.frames.bend()
+                front.frames.optimize()
     # 3. All poses together, without loops that the others contradict
-    walk.frames.bend()
+    front.frames.optimize()
     if closer.drop_contradicted():
-        walk.frames.bend()
+        front.frames.optimize()
     # 4. Each scan once more, on the map that the loops have straightened
-    walk.refine()
-    return walk.outcome(tuple(closer.rejected))
+    front.refine()
+    return front.outcome(tuple(closer.rejected))
 
 
-def searched(map: PointMap, points: Array, guess: Array, window: float, wide: float) -> Match:
+def search_and_register(
+    map: PointMap, points: Array, guess: Array, window: float, angle: float, rules: Tracking
+) -> Match:
     """Search about a guess and descend from there; in twice the window where little fits.
 
     Points `(m, 2)`, metres, in the robot's frame; guess, (3,) array, metres and radians, in the
-    map's.
+    map's. Along a direction that no wall faces the match keeps what the guess says.
     """
     best = no_match(guess, "nothing like it near")
     for factor in (1.0, 2.0):
-        start, _ = map.search(points, guess, reach=factor * window, turn=factor * wide)
-        match = best if start is None else _steady(start, settled(map, points, start))
-        if match.overlap > (0.0 if factor == 1.0 else max(best.overlap + BETTER, FURTHER)):
+        match = best
+        start, _ = map.search(points, guess, reach=factor * window, turn=factor * angle)
+        if start is not None:
+            match = map.register(points, start, overlap=rules.overlap)
+            x, y, heading = between(start, match.pose)
+            if np.hypot(x, y) > rules.slide or abs(heading) > rules.slide_angle:
+                match = no_match(start, "it slides over the map", match.overlap)
+        if match.overlap > (
+            0.0 if factor == 1.0 else max(best.overlap + rules.better, rules.least)
+        ):
             best = match
-        if best.matched and best.overlap > SURE:
+        if best.matched and best.overlap > rules.sure:
             break
     if not best.matched:
         return no_match(guess, best.reason, best.overlap)
-    return best if map.faces(best, points) else _held(best, guess)
+    if best.free is None or map.has_wall_facing(best.free, points, best.pose):
+        return best
+    along = best.free @ (guess[:2] - best.pose[:2]) * best.free
+    return replace(best, pose=best.pose + (*along, 0.0))
 
 
-def _held(match: Match, guess: Array) -> Match:
-    """The match, as far as the guess says along a direction that no wall faces."""
-    assert match.free is not None
-    along = match.free @ (guess[:2] - match.pose[:2]) * match.free
-    return replace(match, pose=match.pose + (*along, 0.0))
+class KeyFrames:
+    """The scans that stand for the map, half a metre apart, with poses that loops still move.
+
+    The first has these points `(m, 2)`, metres, in the frame of the robot, and this pose `(3,)`.
+
+    Attributes
+    ----------
+    scan : list of int
+        Index in the log of each key frame.
+    points : list of (m, 2) arrays, metres
+    poses : (n, 3) array, metres and radians
+    path : list of float, metres
+        Path length from the start to each.
+    edges : list of Edge
+    """
+
+    def __init__(self, points: Array, pose: Array) -> None:
+        self.scan = [0]
+        self.points = [points]
+        self.poses = np.array([pose])
+        self.path = [0.0]
+        self.edges: list[Edge] = []
+
+    def __len__(self) -> int:
+        return len(self.scan)
+
+    def add(self, scan: int, points: Array, relative: Array, covariance: Array) -> None:
+        """Append a key frame at its motion `(3,)` from the last one, with an edge between them."""
+        new = len(self)
+        self.edges.append(Edge(new - 1, new, relative, information(covariance)))
+        self.scan.append(scan)
+        self.points.append(points)
+        self.poses = np.vstack([self.poses, compose(self.poses[-1], relative)])
+        self.path.append(self.path[-1] + float(np.hypot(relative[0], relative[1])))
+
+    def optimize(self) -> None:
+        """Move the poses to where all edges fit best."""
+        if self.edges:
+            self.poses = solve(self.poses, stacked(self.edges))
+
+    def nearest(self, frame: int, most: int, within: float) -> list[int]:
+        """The key frames nearest to one, itself first: at most so many, within metres."""
+        distance = np.hypot(*(self.poses[:, :2] - self.poses[frame, :2]).T)
+        order = np.argsort(distance, kind="stable")[:most]
+        return [int(k) for k in order if distance[k] <= within]
+
+    def points_around(self, members: Iterable[int], origin: int) -> tuple[Array, Array]:
+        """Points of some key frames, and where each was seen from: `(m, 2)` arrays, metres.
+
+        In the frame of the key frame `origin`.
+        """
+        which = list(members)
+        counts = [len(self.points[k]) for k in which]
+        poses = np.repeat(between(self.poses[origin], self.poses[which]), counts, axis=0)
+        points = transform(poses, np.concatenate([self.points[k] for k in which])[:, None])[:, 0]
+        near = in_range(points)
+        return points[near], poses[near, :2]
+
+    def map_of(self, members: Iterable[int], origin: int) -> PointMap | None:
+        """The map of some key frames in the frame of `origin`; None where they have no point."""
+        points, viewpoints = self.points_around(members, origin)
+        return PointMap(points, viewpoints) if len(points) else None
 
 
-def _steady(start: Array, match: Match) -> Match:
-    """The match, unless the descent went far from where the search had put the scan."""
-    x, y, heading = between(start, match.pose)
-    if match.matched and (np.hypot(x, y) > SLIDE[0] or abs(heading) > SLIDE[1]):
-        return no_match(start, "it slides over the map", match.overlap)
-    return match
+class FrontEnd:
+    """Tracks a robot scan by scan: each scan is laid on the map of the last key frames.
+
+    The log has at least one scan; the matcher lays a scan's points on a map, near a guess.
+    """
+
+    def __init__(self, log: Log, matcher: Matcher, rules: Tracking) -> None:
+        self.trail, self.matcher, self.rules = Trail(log), matcher, rules
+        self.points = [points[in_range(points)] for points in (scan.points() for scan in log)]
+        self.frames = KeyFrames(self.points[0], self.trail.poses[0])
+        self.frame = np.zeros(len(log), np.int64)  # the key frame of each scan,
+        self.offset = np.zeros((len(log), 3))  # and its pose there
+        self.local = self.frames.map_of([0], 0)
+
+    def track(self, scan: int) -> Match:
+        """Lay a scan on the local map, or carry it by the expected step.
+
+        The match's pose, (3,) array, metres and radians, is in the frame of the last key frame.
+        """
+        before = self.offset[scan - 1]
+        guess = compose(before, self.trail.step())
+        if self.local is None or len(self.points[scan]) < 6:
+            match = no_match(guess, "too few points")
+        else:
+            match = self.matcher(self.local, self.points[scan], guess)
+        self.frame[scan], self.offset[scan] = len(self.frames) - 1, match.pose
+        self.trail.place(compose(self.trail.poses[-1], between(before, match.pose)), match.reason)
+        return match
+
+    def needs_frame(self, scan: int, step: float, turn: float) -> bool:
+        """Whether a scan is farther from its key frame than `step` metres or `turn` radians.
+
+        It also is where there is no map yet and it has points.
+        """
+        x, y, heading = self.offset[scan]
+        moved = np.hypot(x, y) > step or abs(heading) > turn
+        return bool(moved or (self.local is None and len(self.points[scan])))
+
+    def add_frame(self, scan: int, match: Match) -> None:
+        """Make a scan the newest key frame, at its match."""
+        step, turn = self.rules.step_error, self.rules.turn_error
+        weak = np.diag([step, step, turn]) ** 2
+        covariance = match.covariance if match.matched else weak
+        self.frames.add(scan, self.points[scan], match.pose, covariance)
+        last = len(self.frames) - 1
+        self.frame[scan], self.offset[scan] = last, 0.0
+        self.local = self.frames.map_of(range(max(last - self.rules.frames + 1, 0), last + 1), last)
+
+    def refine(self) -> None:
+        """Lay each scan between key frames on the map of all that are near, whenever those were."""
+        keys, rules = np.array(self.frames.scan), self.rules
+        others = np.flatnonzero(keys[self.frame] != np.arange(len(self.frame)))
+        for frame in np.unique(self.frame[others]):
+            map = self.frames.map_of(self.frames.nearest(frame, rules.around, rules.near), frame)
+            for scan in others[self.frame[others] == frame]:
+                if map is not None and len(self.points[scan]) >= 6:
+                    start = self.offset[scan]
+                    match = map.register(self.points[scan], start, overlap=rules.overlap)
+                    self.offset[scan] = match.pose if match.matched else start
+
+    def outcome(self, rejected: tuple[Rejected, ...] = ()) -> Outcome:
+        """Poses of all scans, and the graph: edges between key frames, by the scans' indices."""
+        frames, graph = self.frames, None
+        poses = compose(frames.poses[self.frame], self.offset)
+        if frames.edges:
+            edges = stacked(frames.edges)
+            ends = np.array(frames.scan)[np.stack([edges.first, edges.second], -1)]
+            left = deviations(frames.poses, edges)
+            graph = Graph(ends, edges.relative, edges.loop, left, rejected, edges.information)
+        return Outcome(poses, self.trail.reasons, graph)

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .._display import Pictured, Table
 from ..arrays import Array
+from ._graph import Graph
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -52,47 +52,6 @@ def no_match(start: ArrayLike, reason: str, overlap: float = 0.0) -> Match:
     """The honest answer where nothing can be told of the pose, a (3,) array, metres and radians."""
     unknown = np.diag(np.full(3, np.inf))
     return Match(np.array(start, float), unknown, False, reason, overlap)
-
-
-class Rejected(NamedTuple):
-    """A loop that was proposed and not believed: the two scans, and why."""
-
-    first: int
-    second: int
-    reason: str
-
-
-@dataclass(frozen=True, eq=False)
-class Graph:
-    """What a pose graph was solved from.
-
-    Parameters
-    ----------
-    edges : (m, 2) int array
-        Indices of the scans at both ends.
-    relative : (m, 3) array, metres and radians
-        Measured pose of the second in the frame of the first.
-    loop : (m,) bool array
-        Whether the edge closes a loop (else it joins neighbours in time).
-    residuals : (m,) array
-        Length of what the solution leaves of each edge, in standard deviations.
-    rejected : tuple of Rejected
-    information : (m, 3, 3) array or None
-        Inverse covariance of each edge, metres and radians; None where the method has none.
-    """
-
-    edges: NDArray[np.int64]
-    relative: Array
-    loop: NDArray[np.bool_]
-    residuals: Array
-    rejected: tuple[Rejected, ...] = ()
-    information: Array | None = None
-
-    def __repr__(self) -> str:
-        loops = int(self.loop.sum())
-        return (
-            f"Graph({len(self.edges) - loops} steps, {loops} loops, {len(self.rejected)} rejected)"
-        )
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -16,7 +16,8 @@ from ..extraction import extract_polylines
 from ..poses import between, compose
 from ..scans import LaserScan, Log
 from ..segments import length
-from ._result import Alignment, Graph
+from ._graph import Graph
+from ._result import Alignment
 
 P = ParamSpec("P")
 

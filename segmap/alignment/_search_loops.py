@@ -3,99 +3,74 @@
 Olson (2009), with the branch and bound of Hess et al. (2016).
 """
 
+from __future__ import annotations
+
 import numpy as np
 from numpy.typing import NDArray
 
 from .._compiled import compiled
 from ..arrays import Array
 
-Level = NDArray[np.uint8]
-Indices = NDArray[np.int32]
+Levels = NDArray[np.uint8]
+Cells = NDArray[np.int32]
+Indices = NDArray[np.int64]
 
 
 @compiled
-def likelihood(
-    points: Array, corner: Array, columns: int, rows: int, cell: float, stamp: Level
-) -> Level:
-    """How likely a point is in each cell, 0 to 255: the largest of the stamps put on map points.
+def stamp_points(level: NDArray[np.uint8], cells: Indices, stamp: NDArray[np.uint8]) -> None:
+    """Raise the likelihoods around each map point to those of a stamp laid on it.
 
-    Points `(n, 2)`, metres; cells of side `cell`, metres, from the corner on; the stamp, (s, s)
-    array, s odd, lies with its middle on each point; (columns, rows) array of bytes.
+    Parameters
+    ----------
+    level : (columns, rows) array of bytes, written
+    cells : (n, 2) int array
+        Cells of the points; their stamps lie inside of the level.
+    stamp : (s, s) array of bytes, s odd
+        Its middle lies on the point.
     """
-    level, r = np.zeros((columns, rows), np.uint8), len(stamp) // 2
-    for k in range(len(points)):
-        i = int((points[k, 0] - corner[0]) / cell)
-        j = int((points[k, 1] - corner[1]) / cell)
-        for a in range(max(i - r, 0), min(i + r, columns - 1) + 1):
-            for b in range(max(j - r, 0), min(j + r, rows - 1) + 1):
-                level[a, b] = max(level[a, b], stamp[a - i + r, b - j + r])
-    return level
-
-
-@compiled
-def widened(level: Level, step: int) -> Level:
-    """Largest of each cell and those `step` cells to the right, above, and both.
-
-    Both levels are (columns, rows) array of bytes.
-    """
-    columns, rows = level.shape
-    wide = level.copy()
-    for i in range(columns - step):
-        for j in range(rows):
-            wide[i, j] = max(wide[i, j], level[i + step, j])
-    for i in range(columns):
-        for j in range(rows - step):
-            wide[i, j] = max(wide[i, j], wide[i, j + step])
-    return wide
-
-
-@compiled
-def overlay(level: Level, cells: Indices, i: int, j: int) -> float:
-    """Mean likelihood, 0 to 1, under the cells `(n, 2)` of a scan moved by (i, j) cells."""
-    columns, rows = level.shape
-    total = 0
     for k in range(len(cells)):
-        a, b = cells[k, 0] + i, cells[k, 1] + j
-        if 0 <= a < columns and 0 <= b < rows:
-            total += int(level[a, b])
-    return total / (255.0 * len(cells))
+        i, j = cells[k, 0] - len(stamp) // 2, cells[k, 1] - len(stamp) // 2
+        for a in range(len(stamp)):
+            for b in range(len(stamp)):
+                if level[i + a, j + b] < stamp[a, b]:
+                    level[i + a, j + b] = stamp[a, b]
 
 
 @compiled
-def _turned_cells(
-    current: Array, start: Array, heading: float, corner: Array, cell: float
-) -> Indices:
-    """Cells of points at the start, turned by a further heading, (n, 2) int array.
+def mean_likelihood(levels: Levels, level: int, scans: Cells, h: int, i: int, j: int) -> float:
+    """Mean likelihood, 0 to 1, under scan h moved by (i, j) cells; 0 outside of the map.
 
-    Points `(n, 2)`, metres, in the robot's frame; start, (3,) array, metres and radians.
+    Levels (l, columns, rows) of bytes, the cells of a scan at each heading (h, n, 2).
     """
-    c, s = np.cos(start[2] + heading), np.sin(start[2] + heading)
-    found = np.empty((len(current), 2), np.int32)
-    for k in range(len(current)):
-        x = c * current[k, 0] - s * current[k, 1] + start[0] - corner[0]
-        y = s * current[k, 0] + c * current[k, 1] + start[1] - corner[1]
-        found[k, 0], found[k, 1] = int(np.floor(x / cell)), int(np.floor(y / cell))
-    return found
+    total = 0
+    for k in range(scans.shape[1]):
+        a, b = scans[h, k, 0] + i, scans[h, k, 1] + j
+        if 0 <= a < levels.shape[1] and 0 <= b < levels.shape[2]:
+            total += int(levels[level, a, b])
+    return total / (255.0 * scans.shape[1])
 
 
 @compiled
-def _best_within(
-    levels: tuple[Level, ...],
-    cells: Indices,
-    block: tuple[int, int],
+def _best_of_block(
+    levels: Levels,
+    scans: Cells,
+    h: int,
+    i: int,
+    j: int,
     bound: float,
     radius: int,
     cost: float,
     away: float,
     best: float,
+    todo: Indices,
+    value: Array,
 ) -> tuple[float, int, int]:
-    """Best shift of one block of `2^top` cells a side, if better than `best`: depth first.
+    """Best shift of the block at (i, j), `2^top` cells a side, if better than `best`: depth first.
 
-    `cost` is what the heading costs, `away` what a shift by the whole radius costs.
+    `cost` is what the heading costs, `away` what a shift by the whole radius costs; `todo` (4 l, 3)
+    and `value` (4 l,) are overwritten.
     """
-    top = len(levels) - 1
-    todo, value = np.empty((4 * top + 4, 3), np.int64), np.empty(4 * top + 4)
-    todo[0, 0], todo[0, 1], todo[0, 2], value[0] = top, block[0], block[1], bound
+    todo[0, 0], todo[0, 1], todo[0, 2], value[0] = len(levels) - 1, i, j, bound
     used, at_i, at_j = 1, 0, 0
     while used:
         used -= 1
@@ -111,10 +86,12 @@ def _best_within(
         for q in range(4):
             a, b = i + half * (q // 2), j + half * (q % 2)
             if a <= radius and b <= radius:
-                score = overlay(levels[level - 1], cells, a, b) - cost
+                score = mean_likelihood(levels, level - 1, scans, h, a, b) - cost
                 m = used
                 while m > first and value[m - 1] > score:  # ascending: the best is taken first
-                    todo[m], value[m] = todo[m - 1], value[m - 1]
+                    for k in range(3):
+                        todo[m, k] = todo[m - 1, k]
+                    value[m] = value[m - 1]
                     m -= 1
                 todo[m, 0], todo[m, 1], todo[m, 2], value[m] = level - 1, a, b, score
                 used += 1
@@ -123,43 +100,64 @@ def _best_within(
 
 @compiled
 def search(
-    levels: tuple[Level, ...],
-    corner: Array,
-    cell: float,
-    current: Array,
-    start: Array,
-    headings: Array,
+    levels: Levels,
+    scans: Cells,
+    cost: Array,
     radius: int,
     away: float,
     least: float,
+    bound: Array,
+    block: Indices,
+    todo: Indices,
+    value: Array,
 ) -> tuple[float, int, int, int]:
-    """Best score of a window and its heading's index (-1: none above `least`) and shift in cells.
+    """Best score of a window, with the heading's index (-1: none above `least`) and shift in cells.
 
-    Points `(n, 2)`, metres, in the robot's frame; start, (3,) array, metres and radians, in the
-    map's; headings, (h,) array, radians, from the start's. Exact on the lattice of cells and
-    headings: blocks are looked into in the order of what they can at best hold.
+    Exact on the lattice of cells and headings: of the blocks that can hold more than the best so
+    far, the one that can hold most is looked into next (of equals the first).
+
+    Parameters
+    ----------
+    levels : (l, columns, rows) array of bytes
+        Likelihoods of cells, then their maxima over 2, 4, ... cells a side.
+    scans : (h, n, 2) int array
+        Cells of the scan at each heading.
+    cost : (h,) array
+        What each heading costs.
+    radius : int
+        Half side of the window in cells.
+    away : float
+        What a shift by the whole radius costs.
+    least : float
+    bound, block : (h * b,) arrays, overwritten, for b blocks in the window
+    todo, value : as for a block
     """
     width = 1 << (len(levels) - 1)
-    blocks = 2 * radius // width + 1
-    scans = np.empty((len(headings), len(current), 2), np.int32)
-    bound = np.empty((len(headings), blocks, blocks))
-    cost = away * (headings / max(np.abs(headings).max(), 1e-9)) ** 2
-    for h in range(len(headings)):
-        scans[h] = _turned_cells(current, start, headings[h], corner, cell)
-        for a in range(blocks):
-            for b in range(blocks):
-                i, j = a * width - radius, b * width - radius
-                bound[h, a, b] = overlay(levels[-1], scans[h], i, j) - cost[h]
+    side = 2 * radius // width + 1
+    count = 0
+    for h in range(len(scans)):
+        for b in range(side * side):
+            i, j = b // side * width - radius, b % side * width - radius
+            score = mean_likelihood(levels, len(levels) - 1, scans, h, i, j) - cost[h]
+            if score > least:
+                bound[count], block[count] = score, h * side * side + b
+                count += 1
     best, heading, shift_i, shift_j = least, -1, 0, 0
-    flat = bound.ravel()
-    for place in np.argsort(-flat):
-        if flat[place] <= best:
-            break
-        h, a, b = place // blocks**2, place // blocks % blocks, place % blocks
-        block = (a * width - radius, b * width - radius)
-        score, i, j = _best_within(
-            levels, scans[h], block, flat[place], radius, cost[h], away, best
-        )
-        if score > best:
-            best, heading, shift_i, shift_j = score, h, i, j
+    while count:
+        top = kept = 0
+        for k in range(count):
+            if bound[k] > best:
+                bound[kept], block[kept] = bound[k], block[k]
+                top = kept if bound[kept] > bound[top] else top
+                kept += 1
+        count = kept
+        if count:
+            h, b = block[top] // (side * side), block[top] % (side * side)
+            i, j = b // side * width - radius, b % side * width - radius
+            score, i, j = _best_of_block(
+                levels, scans, h, i, j, bound[top], radius, cost[h], away, best, todo, value
+            )
+            bound[top] = best
+            if score > best:
+                best, heading, shift_i, shift_j = score, h, i, j
     return best, heading, shift_i, shift_j
