@@ -7,8 +7,7 @@ from hypothesis import strategies as st
 from scipy.spatial import cKDTree
 from scipy.spatial.transform import Rotation
 
-from segmap import course, plotting
-from segmap.alignment import _points_loops
+from segmap import course, literal, plotting
 from segmap.angles import axial_difference
 from segmap.course import EXERCISES, Check
 from segmap.poses import between, transform
@@ -333,10 +332,5 @@ def test_a_move_onto_walls_is_a_step_of_point_icp(seed):
     points, angle = rng.normal(0, 2, (20, 2)), rng.uniform(-3, 3, 20)
     normals = np.stack([np.cos(angle), np.sin(angle)], 1)
     feet = points + rng.normal(0, 0.1, (20, 2))
-    lever = points[:, 0] * normals[:, 1] - points[:, 1] * normals[:, 0]
-    offsets = ((points - feet) * normals).sum(1)
-    equations = _points_loops.equations(
-        np.column_stack([normals, lever, offsets]), np.ones(len(points))
-    )
-    move = _points_loops.least_move(*equations, 1.0)
+    move = literal.point_to_line_step(points.tolist(), feet.tolist(), normals.tolist())
     np.testing.assert_allclose(course.move_onto_walls(points, feet, normals), move, atol=1e-9)

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -29,25 +29,13 @@ SETTLED = 1e-5
 
 
 class Edge(NamedTuple):
-    """A measured motion between two poses; or m of them, each field with a leading axis m.
+    """A measured motion between two poses; or m of them, each field with a leading axis m."""
 
-    Parameters
-    ----------
-    first, second : int
-        Indices of the poses.
-    relative : (3,) array, metres and radians
-        Pose of the second in the frame of the first.
-    information : (3, 3) array
-        Inverse covariance of that motion.
-    loop : bool
-        Whether it closes a loop; else it joins neighbours in time.
-    """
-
-    first: int | NDArray[np.int64]
-    second: int | NDArray[np.int64]
-    relative: Array
-    information: Array
-    loop: bool | NDArray[np.bool_] = False
+    first: Any  # index of a pose: int, or (m,) int array
+    second: Any
+    relative: Array  # (3,): pose of the second in the frame of the first, metres and radians
+    information: Array  # (3, 3): inverse covariance of that motion
+    loop: Any = False  # whether it closes a loop; else it joins neighbours in time
 
 
 class Rejected(NamedTuple):
@@ -184,10 +172,7 @@ def stacked(edges: Sequence[Edge]) -> Edge:
 
 
 def information(covariance: Array) -> Array:
-    """Information of a motion that was matched with this covariance, (3, 3) array each.
-
-    Of x, y, heading: metres and radians.
-    """
+    """Information of a motion that was matched with this covariance, (3, 3) arrays."""
     return np.asarray(np.linalg.inv(covariance + REAL))
 
 
@@ -205,24 +190,10 @@ def deviations(poses: Array, edges: Edge) -> Array:
 
 
 def solve(poses: Array, edges: Edge, *, rounds: int = 30, scale: float = SCALE) -> Array:
-    """Poses that fit all edges best; the first stays where it is.
+    """Poses `(n, 3)` that fit m edges best; the first stays where it is.
 
-    Minimises the sum of Cauchy losses of the residuals by iterated weighted Gauss-Newton.
-
-    Parameters
-    ----------
-    poses : (n, 3) array, metres and radians
-        Start; every pose must be tied to the first through edges.
-    edges : Edge
-        m of them.
-    rounds : int
-        At most so many steps.
-    scale : float
-        Residuals of so many standard deviations have half the weight; `inf`: plain least squares.
-
-    Returns
-    -------
-    (n, 3) array, metres and radians
+    Minimises the sum of Cauchy losses of the residuals by at most so many rounds of weighted
+    Gauss-Newton; every pose must be tied to the first through edges.
     """
     poses = poses.copy()
     for _ in range(rounds):
@@ -250,12 +221,8 @@ def _gauss_newton(poses: Array, edges: Edge, scale: float) -> Array:
     hessian = (jacobian.T @ right).tocsc()[3:, 3:]
     gradient = right.T @ r.ravel()
     # The matrix is symmetric and positive: pivots on the diagonal keep its factors sparse.
-    factors = splu(
-        hessian,
-        permc_spec="MMD_AT_PLUS_A",
-        diag_pivot_thresh=0.0,
-        options={"SymmetricMode": True},
-    )
+    symmetric = {"SymmetricMode": True}
+    factors = splu(hessian, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=symmetric)
     return np.asarray(factors.solve(-gradient[3:])).reshape(-1, 3)
 
 

@@ -22,34 +22,17 @@ BACK = 0.05
 
 
 class PointGrid(NamedTuple):
-    """Points of walls, sorted into square cells.
+    """Points of walls, sorted into square cells of side `size`, metres, from corner (x, y) on."""
 
-    Parameters
-    ----------
-    points : (n, 2) array, metres
-        Cell by cell; those of cell (i, j) begin at `first[i * rows + j]`.
-    normals : (n, 2) array
-        Unit normal of the wall through each; NaN where the points form no wall.
-    x, y : float, metres
-        Lower left corner of cell (0, 0).
-    size : float, metres
-        Side of a cell.
-    columns, rows : int
-    first : (columns * rows + 1,) int array
-    sided : bool
-        Whether normals point to where each point was seen from, so that the two faces of a thin
-        wall are told apart.
-    """
-
-    points: Array
-    normals: Array
+    points: Array  # (n, 2), metres, cell by cell
+    normals: Array  # (n, 2): unit normal of the wall through each; NaN where there is no wall
     x: float
     y: float
     size: float
     columns: int
     rows: int
-    first: NDArray[np.int64]
-    sided: bool
+    first: NDArray[np.int64]  # where the points of cell (i, j) begin: first[i * rows + j]
+    sided: bool  # normals point to where each point was seen from: a thin wall has two faces
 
 
 @compiled
@@ -111,25 +94,12 @@ def nearest(grid: PointGrid, x: float, y: float, reach: float) -> int:
 def residuals(
     grid: PointGrid, current: Array, pose: Array, reach: float, stride: int, rows: Array
 ) -> tuple[int, float]:
-    """Write a row for each point that has a wall within reach; their number, and the share near.
+    """Write a row for each point that has a wall within reach (metres) of it; their number.
 
-    Parameters
-    ----------
-    grid : PointGrid
-    current : (m, 2) array, metres, in the robot's frame
-        Every `stride`-th of them is asked.
-    pose : (3,) array, metres and radians
-    reach : float, metres
-    stride : int
-    rows : (m, 6) array, written
-        Derivative of the offset by x, y and heading, the offset across the wall (metres), the
-        weight (left as it is), the index of the point. A point that lies behind a wall, as seen
-        from the robot, has no row.
-
-    Returns
-    -------
-    rows written : int
-    share of the points asked that have any point within reach : float
+    Every `stride`-th of the current points `(m, 2)`, metres, in the robot's frame, is asked; one
+    that lies behind a wall, as seen from the robot, has no row. Rows, (m, 6) array: derivative of
+    the offset by x, y and heading; offset across the wall, metres; weight (left as it is); index of
+    the point. Also returned is the share of those asked that have any point within reach.
     """
     c, s = math.cos(pose[2]), math.sin(pose[2])
     used = near = 0
@@ -178,11 +148,10 @@ def _ranked(values: Array, count: int, rank: int) -> float:
 
 @compiled
 def normal_equations(rows: Array, used: int, floor: float, system: Array) -> float:
-    """Write Cauchy weights into the rows and the normal equations into `system`; the deviation.
+    """Write weights into the rows, Hessian and gradient into `system`, (3, 4) array; sigma, metres.
 
-    Weights are `1 / (1 + (offset / 2 sigma)^2)`, with sigma, metres, by the median of the offsets,
-    at least `floor`. The system, (3, 4) array, is Hessian and gradient of half the weighted sum of
-    squared offsets.
+    Of half the sum of squared offsets, with the Cauchy weights `1 / (1 + (offset / 2 sigma)^2)`;
+    sigma by the median of the offsets, at least `floor`.
     """
     size = rows[:, 4]
     for k in range(used):
@@ -207,9 +176,8 @@ def gauss_newton_step(
 ) -> tuple[float, float, float]:
     """Step in x, y (metres) and heading (radians); none along directions that no wall fixes.
 
-    The system, (3, 4) array, holds Hessian and gradient; a heading counts as the length by which it
-    moves a point at distance `span`, metres. The eigenvectors come by Jacobi's rotations in `a` and
-    `axes`, (3, 3) arrays that are overwritten.
+    A heading counts as the length by which it moves a point at distance `span`, metres. Eigenvalues
+    and eigenvectors come by Jacobi's rotations into `a` and `axes`, (3, 3) arrays.
     """
     for i in range(3):
         for j in range(3):
@@ -222,10 +190,8 @@ def gauss_newton_step(
             c, s = math.cos(angle), math.sin(angle)
             for k in range(3):
                 a[k, p], a[k, q] = c * a[k, p] - s * a[k, q], s * a[k, p] + c * a[k, q]
-                axes[k, p], axes[k, q] = (
-                    c * axes[k, p] - s * axes[k, q],
-                    s * axes[k, p] + c * axes[k, q],
-                )
+                u, v = axes[k, p], axes[k, q]
+                axes[k, p], axes[k, q] = c * u - s * v, s * u + c * v
             for k in range(3):
                 a[p, k], a[q, k] = c * a[p, k] - s * a[q, k], s * a[p, k] + c * a[q, k]
     most = max(a[0, 0], a[1, 1], a[2, 2])
@@ -255,27 +221,12 @@ def point_to_line(
     system: Array,
     scratch: Array,
 ) -> tuple[float, float, int, float, int, bool]:
-    """Point-to-line ICP from a pose, which is moved to where the scan lies best.
+    """Point-to-line ICP, at most so many rounds: moves a pose `(3,)` to where the scan lies best.
 
     Far from the answer every `stride`-th point is enough and partners are sought within `reach`;
-    near it all points count, and only partners within `last`.
-
-    Parameters
-    ----------
-    grid, current, reach, stride, rows
-        As for `residuals`.
-    pose : (3,) array, metres and radians, written
-    last, floor, span : float, metres
-        Reach at last; smallest deviation of offsets; length by which a heading counts.
-    rounds : int
-        Steps at most.
-    system : (3, 4) array, written
-        Hessian and gradient of the last step.
-    scratch : (2, 3, 3) array, overwritten
-
-    Returns
-    -------
-    deviation of the offsets, share of points near, rows used, reach, stride, whether it has settled
+    near it all points count, and only partners within `last`. Rows and system hold the last step
+    afterwards; scratch is a (2, 3, 3) array. Returned are sigma, the share of points near, the rows
+    used, reach and stride by then, and whether the pose has settled.
     """
     sigma, near, used = floor, 0.0, 0
     for _ in range(rounds):

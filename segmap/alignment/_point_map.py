@@ -48,14 +48,11 @@ FAR = 100.0
 
 
 class Descent(NamedTuple):
-    """Where point-to-line ICP stands: what `_point_loops.point_to_line` writes and returns.
+    """Where point-to-line ICP stands: what `_point_loops.point_to_line` writes and returns."""
 
-    Pose, (3,) array; rows, (m, 6), of the residuals before the last step; its Hessian, (3, 3).
-    """
-
-    pose: Array
-    rows: Array
-    hessian: Array
+    pose: Array  # (3,), metres and radians
+    rows: Array  # (m, 6): residuals before the last step
+    hessian: Array  # (3, 3)
     sigma: float
     near: float
     reach: float
@@ -146,12 +143,12 @@ class PointMap:
         pose, rows = np.array(start, float), np.empty((len(current), 6))
         system, scratch = np.empty((3, 4)), np.empty((2, 3, 3))
         points, reaches = np.ascontiguousarray(current), (float(reach), float(last))
-        sigma, near, used, *state = loops.point_to_line(
+        sigma, near, used, reach, stride, settled = loops.point_to_line(
             self.grid, points, pose, *reaches, FLOOR, _span(current), stride, rounds,
             rows, system, scratch,
         )  # fmt: skip
         pose[2] = wrap(pose[2])
-        return Descent(pose, rows[:used], system[:, :3], sigma, near, *state)
+        return Descent(pose, rows[:used], system[:, :3], sigma, near, reach, stride, settled)
 
     def has_wall_facing(self, direction: Array, current: Array, pose: Array) -> bool:
         """Whether a wall under a scan's points `(m, 2)` at a pose `(3,)` faces a direction `(2,)`.

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .. import arrays
 from ..arrays import Array
@@ -18,6 +19,7 @@ from ._result import Match, no_match
 from ._runner import Outcome, Trail, alignment_method
 
 #: From a map, a scan's points `(m, 2)` and a guess `(3,)` to the match.
+Members = Sequence[int] | NDArray[np.int64]
 Matcher = Callable[[PointMap, Array, Array], Match]
 
 
@@ -154,8 +156,7 @@ def search_and_register(
 ) -> Match:
     """Search about a guess and descend from there; in twice the window where little fits.
 
-    Points `(m, 2)`, metres, in the robot's frame; guess, (3,) array, metres and radians, in the
-    map's. Along a direction that no wall faces the match keeps what the guess says.
+    Along a direction that no wall faces the match keeps what the guess says.
     """
     best = no_match(guess, "nothing like it near")
     for factor in (1.0, 2.0):
@@ -220,35 +221,26 @@ class KeyFrames:
         if self.edges:
             self.poses = solve(self.poses, stacked(self.edges))
 
-    def nearest(self, frame: int, most: int, within: float) -> list[int]:
-        """The key frames nearest to one, itself first: at most so many, within metres."""
-        distance = np.hypot(*(self.poses[:, :2] - self.poses[frame, :2]).T)
-        order = np.argsort(distance, kind="stable")[:most]
-        return [int(k) for k in order if distance[k] <= within]
-
-    def points_around(self, members: Iterable[int], origin: int) -> tuple[Array, Array]:
+    def points_around(self, members: Members, origin: int) -> tuple[Array, Array]:
         """Points of some key frames, and where each was seen from: `(m, 2)` arrays, metres.
 
         In the frame of the key frame `origin`.
         """
-        which = list(members)
-        counts = [len(self.points[k]) for k in which]
-        poses = np.repeat(between(self.poses[origin], self.poses[which]), counts, axis=0)
-        points = transform(poses, np.concatenate([self.points[k] for k in which])[:, None])[:, 0]
+        clouds = [self.points[k] for k in members]
+        poses = between(self.poses[origin], self.poses[members])
+        poses = np.repeat(poses, [len(cloud) for cloud in clouds], axis=0)
+        points = transform(poses, np.concatenate(clouds)[:, None])[:, 0]
         near = in_range(points)
         return points[near], poses[near, :2]
 
-    def map_of(self, members: Iterable[int], origin: int) -> PointMap | None:
+    def map_of(self, members: Members, origin: int) -> PointMap | None:
         """The map of some key frames in the frame of `origin`; None where they have no point."""
         points, viewpoints = self.points_around(members, origin)
         return PointMap(points, viewpoints) if len(points) else None
 
 
 class FrontEnd:
-    """Tracks a robot scan by scan: each scan is laid on the map of the last key frames.
-
-    The log has at least one scan; the matcher lays a scan's points on a map, near a guess.
-    """
+    """Tracks a robot scan by scan: the matcher lays each on the map of the last key frames."""
 
     def __init__(self, log: Log, matcher: Matcher, rules: Tracking) -> None:
         self.trail, self.matcher, self.rules = Trail(log), matcher, rules
@@ -259,10 +251,7 @@ class FrontEnd:
         self.local = self.frames.map_of([0], 0)
 
     def track(self, scan: int) -> Match:
-        """Lay a scan on the local map, or carry it by the expected step.
-
-        The match's pose, (3,) array, metres and radians, is in the frame of the last key frame.
-        """
+        """Lay a scan on the local map, or carry it by the expected step: in the last key frame."""
         before = self.offset[scan - 1]
         guess = compose(before, self.trail.step())
         if self.local is None or len(self.points[scan]) < 6:
@@ -274,10 +263,7 @@ class FrontEnd:
         return match
 
     def needs_frame(self, scan: int, step: float, turn: float) -> bool:
-        """Whether a scan is farther from its key frame than `step` metres or `turn` radians.
-
-        It also is where there is no map yet and it has points.
-        """
+        """Whether a scan is farther from its key frame than that, or the first to have points."""
         x, y, heading = self.offset[scan]
         moved = np.hypot(x, y) > step or abs(heading) > turn
         return bool(moved or (self.local is None and len(self.points[scan])))
@@ -294,10 +280,12 @@ class FrontEnd:
 
     def refine(self) -> None:
         """Lay each scan between key frames on the map of all that are near, whenever those were."""
-        keys, rules = np.array(self.frames.scan), self.rules
+        keys, places, rules = np.array(self.frames.scan), self.frames.poses[:, :2], self.rules
         others = np.flatnonzero(keys[self.frame] != np.arange(len(self.frame)))
         for frame in np.unique(self.frame[others]):
-            map = self.frames.map_of(self.frames.nearest(frame, rules.around, rules.near), frame)
+            far = np.hypot(*(places - places[frame]).T)
+            nearest = np.argsort(far, kind="stable")[: rules.around]
+            map = self.frames.map_of(nearest[far[nearest] <= rules.near], frame)
             for scan in others[self.frame[others] == frame]:
                 if map is not None and len(self.points[scan]) >= 6:
                     start = self.offset[scan]

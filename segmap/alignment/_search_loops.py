@@ -18,15 +18,9 @@ Indices = NDArray[np.int64]
 
 @compiled
 def stamp_points(level: NDArray[np.uint8], cells: Indices, stamp: NDArray[np.uint8]) -> None:
-    """Raise the likelihoods around each map point to those of a stamp laid on it.
+    """Raise the likelihoods around each point to those of a stamp, (s, s) array, s odd, laid on it.
 
-    Parameters
-    ----------
-    level : (columns, rows) array of bytes, written
-    cells : (n, 2) int array
-        Cells of the points; their stamps lie inside of the level.
-    stamp : (s, s) array of bytes, s odd
-        Its middle lies on the point.
+    The stamps of all cells `(n, 2)` lie inside of the level, (columns, rows) array of bytes.
     """
     for k in range(len(cells)):
         i, j = cells[k, 0] - len(stamp) // 2, cells[k, 1] - len(stamp) // 2
@@ -114,23 +108,10 @@ def search(
     """Best score of a window, with the heading's index (-1: none above `least`) and shift in cells.
 
     Exact on the lattice of cells and headings: of the blocks that can hold more than the best so
-    far, the one that can hold most is looked into next (of equals the first).
-
-    Parameters
-    ----------
-    levels : (l, columns, rows) array of bytes
-        Likelihoods of cells, then their maxima over 2, 4, ... cells a side.
-    scans : (h, n, 2) int array
-        Cells of the scan at each heading.
-    cost : (h,) array
-        What each heading costs.
-    radius : int
-        Half side of the window in cells.
-    away : float
-        What a shift by the whole radius costs.
-    least : float
-    bound, block : (h * b,) arrays, overwritten, for b blocks in the window
-    todo, value : as for a block
+    far, the one that can hold most is looked into next (of equals the first). Levels `(l, columns,
+    rows)` are likelihoods of cells, then their maxima over 2, 4, ... cells a side; `scans` are the
+    cells `(h, n, 2)` of the scan at each heading, `cost` `(h,)` what a heading costs; the radius
+    counts cells; `bound` and `block` have room for all blocks.
     """
     width = 1 << (len(levels) - 1)
     side = 2 * radius // width + 1

@@ -11,8 +11,10 @@ returns the outputs and, for each input, the number of the output that it went i
 from .angle_correspondence import best_transform, match_value, transforms
 from .backbone import least_translation, line_partner, mean_rotation
 from .basic import basic_offline, basic_online
+from .correlative_search import correlative_search, likelihoods
 from .extraction import extract_clusters, extract_polylines, fit_algebraic, fit_total
 from .fusion import best_strip, chain, fusion
+from .gauss_newton import edge_residual, gauss_newton
 from .global_segments import best_shifts, best_turns, least_squares
 from .hybrid import hough, hybrid, hybrid_fusion
 from .lines import axial_difference, line_angle, point_to_segment, segment_length
@@ -28,6 +30,7 @@ from .matching import (
 )
 from .mean_shift import mean_shift
 from .metrics import quality, segment_distance
+from .point_to_line import point_to_line, point_to_line_step
 from .quadtree import Quadtree, cell_of, crossed_cells, grown, occupancy, quarters, ray_cells
 from .segment_icp import correspond, segment_cost
 
@@ -44,15 +47,18 @@ __all__ = [
     "cell_of",
     "chain",
     "climb_step",
+    "correlative_search",
     "correspond",
     "crossed_cells",
     "descent_score",
     "distance_score",
+    "edge_residual",
     "extract_clusters",
     "extract_polylines",
     "fit_algebraic",
     "fit_total",
     "fusion",
+    "gauss_newton",
     "grown",
     "hill_climb",
     "hough",
@@ -60,6 +66,7 @@ __all__ = [
     "hybrid_fusion",
     "least_squares",
     "least_translation",
+    "likelihoods",
     "line_angle",
     "line_partner",
     "match_value",
@@ -68,6 +75,8 @@ __all__ = [
     "occupancy",
     "occupancy_score",
     "placed",
+    "point_to_line",
+    "point_to_line_step",
     "point_to_segment",
     "quality",
     "quarters",
