@@ -7,6 +7,7 @@ with and without numba and compare.
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from functools import partial
 from typing import Any
 
@@ -23,7 +24,7 @@ Found = list[Any]
 def cases() -> dict[str, Callable[[], Found]]:
     """Name of each case, `room method`, and its call; the longest to compile come first."""
     found: dict[str, Callable[[], Found]] = {
-        "alignment points": _points,
+        "alignment pose_graph": partial(_aligned, "pose_graph"),
         "reduction fusion": partial(_reduced, "fusion"),
         "alignment angle_correspondence": partial(_aligned, "angle_correspondence"),
         "matching all": _matched,
@@ -33,6 +34,7 @@ def cases() -> dict[str, Callable[[], Found]]:
         found.setdefault(f"reduction {name}", partial(_reduced, name))
     for name in alignment.METHODS:
         found.setdefault(f"alignment {name}", partial(_aligned, name))
+    found["alignment match_points"] = _matched_points
     return found | {"extraction all": _extracted, "metrics all": _measured, "simulation all": _cast}
 
 
@@ -56,17 +58,21 @@ def _walls() -> tuple[Array, Array]:
     return walls, np.repeat(walls, 3, axis=0) + rng.normal(0, 0.01, (36, 2, 2))
 
 
-def _log() -> Log:
-    """Four scans of the bundled log whose true poses are known."""
+def _log(every: int = 4) -> Log:
+    """Four scans of the bundled log whose true poses are known, with a part of their beams."""
     log = readers.load("malaga")
     assert log.truth is not None
-    return log[np.flatnonzero(np.isfinite(log.truth[:, 0]))[:4]]
+    chosen = np.flatnonzero(np.isfinite(log.truth[:, 0]))[:4]
+    thin = [replace(s, ranges=s.ranges[::every], angles=s.angles[::every]) for s in log[chosen]]
+    return Log("few", thin, log.truth[chosen])
 
 
 def _reduced(name: str) -> Found:
     walls, seen = _walls()
     map = SegmentMap(np.concatenate([seen, walls + 0.02]), np.repeat([0, 1], (36, 12)))
-    options = {"sigma": 1.0} if name == "mean_shift" else {}
+    options: dict[str, float] = {}
+    if name == "mean_shift":
+        map, options = SegmentMap(seen[:9]), {"sigma": 1.0}
     done = reduction.METHODS[name](map, **options)
     return [done.segments, done.parents]
 
@@ -78,10 +84,10 @@ def _aligned(name: str) -> Found:
     return [method(log, **options).poses]
 
 
-def _points() -> Found:
+def _matched_points() -> Found:
     points = _room()
     match = alignment.match_points(points, points[5:] + (0.03, -0.02))
-    return [match.pose, match.covariance, *_aligned("pose_graph")]
+    return [match.pose, match.covariance]
 
 
 def _extracted() -> Found:

@@ -9,53 +9,21 @@ import pytest
 
 from segmap._compiled import PLAIN, compiled
 
+#: Its window of search takes half a minute in plain Python: a smaller one stands in CASE.
+SLOW = "alignment pose_graph"
+
 CASE = """
 import sys
 if {blocked}:
     sys.modules["numba"] = None
 import numpy as np
-from segmap import alignment, extraction, matching, metrics, quadtree, reduction, simulation
+from segmap import _warm
 from segmap.alignment._point_map import PointMap
-rng = np.random.default_rng(3)
-t = np.radians(np.arange(0, 360, 6.0))
-ranges = 1 / np.maximum(np.abs(np.cos(t)) / 2, np.abs(np.sin(t)) / 1.5) + rng.normal(0, 0.01, 60)
-points = np.stack([ranges * np.cos(t), ranges * np.sin(t)], -1)
-walls = rng.uniform(-3, 3, (12, 2, 2))
-seen = np.repeat(walls, 3, axis=0) + rng.normal(0, 0.01, (36, 2, 2))
-reduced = reduction.fusion(seen)
-match = alignment.match_points(points, points[5:] + (0.03, -0.02))
-path = np.array([(1.0, 5.0, 0.0), (1.3, 5.0, 0.05), (1.6, 5.1, 0.1)])
-office = simulation.office(rng=np.random.default_rng(1), rooms=2)
-log = simulation.simulate(office, path, sensor=simulation.SICK_LMS200, rng=rng)
-maps = [quadtree.QuadtreeMap(resolution=0.1, size=1.6, free_resolution=f) for f in (None, 0.2)]
-for map in maps:
-    map.insert_scan((0.1, 0.0), points, points[:5] * 1.5)
-poses = rng.normal(0, 0.2, (3, 3))
-scores = [getattr(matching, name) for name in matching.__all__ if name.endswith("_score")]
-found = [
-    *[score(maps[0], points, poses) for score in scores],
-    matching.hill_climb(maps[1], points, poses[0]),
-    *maps[0].leaves(),
-    *maps[1].leaves(),
-    maps[0].to_grid(0.2),
-    maps[1].occupancy(points),
-    extraction.extract_clusters(points, closed=True),
-    extraction.extract_clusters(points, fit="algebraic"),
-    extraction.extract_polylines(points, gap=0.5, closed=True),
-    extraction.fit_line(points[:9])[0],
-    metrics.errors(seen, reduced),
-    reduced.segments,
-    reduced.parents,
-    reduction.basic_offline(seen).segments,
-    reduction.hybrid(seen).segments,
-    reduction.mean_shift(seen[:9], sigma=1.0).segments,
-    simulation.cast_rays(walls, (0.1, 0.2, 0.3), t, max_range=4.0),
-    alignment.match_segments(walls, walls[2:8] + 0.02).pose,
-    alignment.global_segments(log).poses,
-    match.pose,
-    match.covariance,
-    PointMap(points).search(points[::3], (0.1, 0.0, 0.1), reach=0.2, turn=0.2, step=0.1)[0],
-]
+points = _warm._room()
+search = dict(reach=0.2, turn=0.2, step=0.1)
+found = [PointMap(points).search(points[::3], (0.1, 0.0, 0.1), **search)[0]]
+for name, case in _warm.cases().items():
+    found += case() if name != {slow!r} else []
 print("numba" in sys.modules and sys.modules["numba"] is not None)
 for array in found:
     print(" ".join(f"{{x:.9e}}" for x in np.ravel(array)))
@@ -65,7 +33,7 @@ for array in found:
 def run(blocked: bool = False, plain: bool = False) -> list[str]:
     environment = {**os.environ, PLAIN: "1" if plain else "0"}
     done = subprocess.run(
-        [sys.executable, "-W", "error", "-c", CASE.format(blocked=blocked)],
+        [sys.executable, "-W", "error", "-c", CASE.format(blocked=blocked, slow=SLOW)],
         capture_output=True,
         text=True,
         env=environment,
@@ -87,6 +55,32 @@ def test_plain_python_gives_the_same(how):
         np.testing.assert_allclose(
             np.array(a.split(), float), np.array(b.split(), float), 1e-6, 1e-8
         )
+
+
+OTHER = """
+import sys
+sys.path.insert(0, {folder!r})
+from outer import twice
+print(twice(1.5))
+"""
+
+
+def test_a_kernel_is_compiled_again_when_one_in_another_file_changes(tmp_path):
+    """Catches a cache that looks at a kernel's own file only, and answers as of yesterday."""
+    outer = "from inner import once\nfrom segmap._compiled import compiled\n"
+    outer += "@compiled\ndef twice(x):\n    return 2 * once(x)\n"
+    (tmp_path / "outer.py").write_text(outer)
+    said = []
+    for factor in (1, 3, 3):
+        inner = "from segmap._compiled import compiled\n@compiled\ndef once(x):\n"
+        (tmp_path / "inner.py").write_text(inner + f"    return {factor} * x\n")
+        code = OTHER.format(folder=str(tmp_path))
+        environment = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path), PLAIN: "0"}
+        environment["PYTHONDONTWRITEBYTECODE"] = "1"  # the file changes within a second
+        run = [sys.executable, "-c", code]
+        done = subprocess.run(run, capture_output=True, text=True, env=environment, check=True)
+        said.append(float(done.stdout))
+    assert said == [3.0, 9.0, 9.0]
 
 
 @compiled
