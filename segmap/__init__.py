@@ -1,7 +1,21 @@
-"""segmap: maps of line segments, and quadtree maps, from 2D laser scans.
+"""segmap: maps of buildings from a 2D laser, as line segments and as a quadtree.
 
 Metres, radians, seconds; poses are x, y, heading; `a_from_b` carries points of b into a.
+
+Most methods are those of two theses of the Politecnico di Milano, which the docstrings call A and
+B, with the number of the section, table or figure:
+
+- **A**: M. Deambrogi and M. Ferrario, *Implementazione e confronto sperimentale di metodi per la
+  riduzione di segmenti ridondanti in mappe indoor costruite da robot mobili*, 2012. "A 4.4.4" is
+  its section 4.4.4. Segments: alignment, reduction, quality.
+- **B**: M. Brenna, *Costruzione di mappe basate su quadtree*, 2007. Quadtree maps, scores,
+  matchers, and the Hokuyo URG-04LX.
 """
+
+from __future__ import annotations
+
+import importlib
+from typing import TYPE_CHECKING, Any
 
 from . import (
     _display,
@@ -24,6 +38,21 @@ from .reduction import METHODS, Reduction, fusion
 from .scans import LaserScan, Log
 from .segments import SegmentMap
 
+if TYPE_CHECKING:
+    from . import (
+        arrays,
+        course,
+        emulator,
+        experiments,
+        exports,
+        hokuyo,
+        literal,
+        matching,
+        panels,
+        plotting,
+        testing,
+    )
+
 __version__ = "0.1"
 
 __all__ = [
@@ -35,13 +64,23 @@ __all__ = [
     "SegmentMap",
     "alignment",
     "angles",
+    "arrays",
     "build_map",
+    "course",
+    "emulator",
+    "experiments",
+    "exports",
     "extract_clusters",
     "extract_polylines",
     "extraction",
     "fusion",
+    "hokuyo",
+    "literal",
     "load",
+    "matching",
     "metrics",
+    "panels",
+    "plotting",
     "poses",
     "quadtree",
     "quality",
@@ -53,7 +92,28 @@ __all__ = [
     "segment_distance",
     "segments",
     "simulation",
+    "testing",
 ]
+
+#: The extra that brings a package which not everybody has.
+_EXTRA = {"ipywidgets": "lab", "IPython": "lab", "serial": "laser"}
+
+
+def __getattr__(name: str) -> Any:
+    """The rooms that load when they are first named: some bring pandas, matplotlib or widgets."""
+    if name not in __all__:
+        raise AttributeError(f"module 'segmap' has no attribute {name!r}")
+    try:
+        return importlib.import_module(f"segmap.{name}")
+    except ModuleNotFoundError as error:
+        if (missing := error.name or "") not in _EXTRA:
+            raise
+        hint = f"segmap.{name} needs {missing}: pip install 'segmap[{_EXTRA[missing]}]'"
+        raise ImportError(hint, name=missing) from error
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})
 
 
 @_display.picture.register
