@@ -1,8 +1,9 @@
-"""What is drawn: how many lines, where, in which colours, with which labels."""
+"""What the library draws: how many lines, where, with which labels. See `test_drawings` first."""
 
 import base64
 import io
 import json
+from dataclasses import replace
 
 import matplotlib
 import matplotlib.pyplot as plt
@@ -13,7 +14,10 @@ from matplotlib.figure import Figure
 
 import segmap
 from segmap import plotting
+from segmap.alignment import Alignment, Graph, Rejected, odometry
+from segmap.plotting import ERROR, GROUPS, MAP, RAW, RESULT, TRUTH
 from segmap.poses import transform
+from segmap.quadtree import QuadtreeMap, build_map
 from segmap.reduction import Reduction
 from segmap.scans import LaserScan, Log
 from segmap.segments import SegmentMap
@@ -23,6 +27,13 @@ CROSS = np.array([[(0, 0), (4, 3)], [(0, 3), (4, 0)]], float)
 SCAN = LaserScan([1.0, 2.0, np.inf, 9.0], np.radians([-90, 0, 45, 90]), max_range=8.0)
 LOG = Log("two", [SCAN, SCAN], truth=[(1, 0, 0), (2, 0, np.pi / 2)])
 REDUCTION = Reduction(THREE[:2], np.array([0, 1, 0]), 0.0, "by hand")
+POSES = np.array([(0, 0, 0), (1, 0, 0.1), (2, 1, 0.2), (0, 1, 0.3)], float)
+USED = np.array([True, True, False, True])
+STEPS = np.array([(0, 1), (1, 2), (2, 3), (0, 3)])
+GRAPH = Graph(STEPS, np.zeros((4, 3)), np.arange(4) == 3, np.zeros(4), (Rejected(1, 3, "far"),))
+LOOPED = Alignment(POSES, USED, 0.0, "pose_graph", ("", "", "turning", ""), GRAPH)
+PLAIN = Alignment(POSES, np.full(4, True), 0.0, "odometry", ("",) * 4)
+FOUR = Log("four", [SCAN] * 4, truth=[(1, 1, 0), (np.nan,) * 3, (3, 2, 0), (2, 2, 0)])
 
 
 @pytest.fixture
@@ -46,55 +57,26 @@ def colors_of(ax, index=0):
     return [to_hex(c) for c in ax.collections[index].get_edgecolor()]
 
 
-def dots_of(ax):
-    return np.column_stack(ax.lines[0].get_data())
+def dots_of(ax, index=0):
+    return np.column_stack(ax.lines[index].get_data())
+
+
+def legend_of(ax):
+    return [text.get_text() for text in ax.get_legend().get_texts()]
 
 
 def pixels(png):
     return plt.imread(io.BytesIO(png))[..., :3]
 
 
-DRAWINGS = {
-    "scan": lambda ax: plotting.draw_scan(SCAN, ax=ax),
-    "log": lambda ax: plotting.draw_log(LOG, ax=ax),
-    "path": lambda ax: plotting.draw_path(LOG.truth, ax=ax),
-    "segments": lambda ax: plotting.draw_segments(THREE, ax=ax),
-    "before_after": lambda ax: plotting.draw_before_after(THREE, REDUCTION, ax=ax),
-    "provenance": lambda ax: plotting.draw_provenance(THREE, REDUCTION, ax=ax),
-}
-
-
-@pytest.mark.parametrize("name", DRAWINGS)
-def test_every_picture_has_equal_scales_and_axes_in_metres(name, ax):
-    """Catches walls that look longer in x than in y, and axes without a unit."""
-    assert DRAWINGS[name](ax) is ax
-    assert ax.get_aspect() == 1 and (ax.get_xlabel(), ax.get_ylabel()) == ("x [m]", "y [m]")
-
-
-@pytest.mark.parametrize("name", DRAWINGS)
-def test_without_axes_a_new_figure_is_made_and_with_axes_none(name, ax):
-    """Catches a drawing that lands in whatever figure is current."""
-    DRAWINGS[name](ax)
-    assert plt.get_fignums() == []
-    current = plt.figure()
-    drawn = DRAWINGS[name](None)
-    assert len(plt.get_fignums()) == 2 and drawn.figure is not current
-    assert drawn.figure.dpi == plotting.DPI
-
-
-# ------------------------------------------------------------------- scans, logs
-def test_a_scan_is_drawn_where_its_valid_beams_end(ax):
+# ------------------------------------------------------------------- scans, logs, poses
+def test_a_scan_is_drawn_where_its_valid_beams_end_and_the_robot_points_ahead(ax):
     """Catches readings at maximum range drawn as walls, and a pose that is left out."""
     pose = (1, 1, np.pi / 2)
     plotting.draw_scan(SCAN, pose, ax=ax)
     np.testing.assert_allclose(dots_of(ax), transform(pose, [(0, -1), (2, 0)]), atol=1e-12)
-    assert ax.lines[0].get_color() == plotting.RAW
-
-
-def test_the_robot_points_ahead(ax):
-    plotting.draw_scan(SCAN, (5, 5, np.pi / 2), ax=ax)
     corners = ax.patches[0].get_xy()
-    assert corners[np.argmax(corners[:, 1])] == pytest.approx((5, 5.15))
+    assert corners[np.argmax(corners[:, 1])] == pytest.approx((1, 1.15))
 
 
 def test_beams_run_from_the_sensor_to_their_end_points(ax):
@@ -104,31 +86,48 @@ def test_beams_run_from_the_sensor_to_their_end_points(ax):
     np.testing.assert_allclose(lines_of(ax), [[(0.5, 2), (1.5, 2)]])
 
 
-def test_a_log_is_drawn_at_its_truth_with_a_green_way(ax):
-    plotting.draw_log(LOG, ax=ax)
+def test_points_are_drawn_where_they_are(ax):
+    """Catches x exchanged with y, and dots joined by a line."""
+    points = [(0, 1), (2, 3), (5, 8)]
+    plotting.draw_points(points, ax=ax, color=MAP, label="seen")
+    np.testing.assert_array_equal(dots_of(ax), points)
+    assert (ax.lines[0].get_linestyle(), ax.lines[0].get_label()) == ("None", "seen")
+
+
+def test_an_arrow_leaves_each_pose_straight_ahead_and_a_line_joins_them_in_order(ax):
+    """Catches a heading in degrees, and an arrow whose tip goes beyond its length."""
+    plotting.draw_poses([(0, 0, 0), (1, 2, np.pi / 2)], ax=ax, label="path")
+    tips = [patch.get_xy() for patch in ax.patches]
+    assert tips[0][:, 0].max() == pytest.approx(0.3) and tips[1][:, 1].max() == pytest.approx(2.3)
+    assert np.ptp(tips[0][:, 1]) < 0.15 and np.ptp(tips[1][:, 0]) < 0.15
+    assert dots_of(ax).tolist() == [[0, 0], [1, 2]] and ax.lines[0].get_label() == "path"
+
+
+@pytest.mark.parametrize(
+    ("log", "poses", "color"),
+    [
+        (LOG, None, TRUTH),
+        (LOG, LOG.truth, RESULT),
+        (Log("raw", [replace(SCAN, odometry=tuple(p)) for p in LOG.truth]), None, ERROR),
+    ],
+)
+def test_a_log_is_drawn_at_its_poses_whose_colour_tells_their_origin(log, poses, color, ax):
+    """Catches odometry that is passed off as truth."""
+    plotting.draw_log(log, poses, ax=ax)
     expected = np.concatenate([transform(p, SCAN.points()) for p in LOG.truth])
     np.testing.assert_allclose(dots_of(ax), expected, atol=1e-12)
-    np.testing.assert_allclose(np.column_stack(ax.lines[1].get_data()), LOG.truth[:, :2])
-    assert ax.lines[1].get_color() == plotting.TRUTH
+    np.testing.assert_allclose(dots_of(ax, 1), LOG.truth[:, :2])
+    assert ax.lines[1].get_color() == color
 
 
-def test_a_log_without_truth_is_drawn_at_its_odometry_in_red(ax):
-    """Catches odometry that is passed off as truth."""
-    raw = LaserScan([1.0], [0.0], odometry=(3, 4, 0))
-    plotting.draw_log(Log("raw", [raw]), ax=ax)
-    np.testing.assert_allclose(dots_of(ax), [(4, 4)])
-    assert ax.lines[1].get_color() == plotting.ERROR
-
-
-def test_given_poses_are_results_and_scans_without_a_pose_are_left_out(ax):
+def test_scans_and_places_that_are_unknown_are_left_out(ax):
     plotting.draw_log(LOG, [(0, 0, 0), (np.nan, np.nan, np.nan)], ax=ax)
     assert len(dots_of(ax)) == 2
-    assert ax.lines[1].get_color() == plotting.RESULT
-
-
-def test_a_log_with_no_pose_at_all_draws_nothing(ax):
-    plotting.draw_log(Log("blind", [SCAN]), ax=ax)
-    assert len(dots_of(ax)) == 0
+    rows = np.array([(0, 0, 0), (np.nan,) * 3, (2, 1, 0)])
+    plotting.draw_path(rows, ax=ax, label="truth")
+    assert np.isnan(ax.lines[-1].get_xdata()).tolist() == [False, True, False]
+    with pytest.raises(ValueError, match=r"poses must have shape \(2, 3\), one a scan"):
+        plotting.draw_log(LOG, np.zeros((3, 3)), ax=ax)
 
 
 def test_a_long_log_is_thinned_evenly(ax):
@@ -139,37 +138,19 @@ def test_a_long_log_is_thinned_evenly(ax):
     assert 40_000 < len(drawn) <= 60_000 and drawn[-1] > 1.99
 
 
-def test_poses_of_another_log_are_refused(ax):
-    with pytest.raises(ValueError, match=r"poses must have shape \(2, 3\), one a scan"):
-        plotting.draw_log(LOG, np.zeros((3, 3)), ax=ax)
-
-
-def test_a_path_is_interrupted_where_it_is_unknown(ax):
-    rows = np.array([(0, 0, 0), (np.nan,) * 3, (2, 1, 0)])
-    plotting.draw_path(rows, ax=ax, label="truth")
-    assert np.isnan(ax.lines[0].get_xdata()).tolist() == [False, True, False]
-    assert ax.lines[0].get_label() == "truth"
-
-
-# ----------------------------------------------------------------------- segments
-def test_segments_are_drawn_as_one_collection_in_black(ax):
-    """Catches a loop of plot calls, which takes a minute for a large map."""
-    plotting.draw_segments(SegmentMap(THREE), ax=ax)
+# ----------------------------------------------------------------------- segments, maps
+def test_segments_are_one_collection_that_fits_into_the_picture(ax):
+    """Catches a loop of plot calls, which takes a minute, and limits that do not count it."""
+    plotting.draw_segments(SegmentMap(THREE + 100), ax=ax)
     assert len(ax.collections) == 1 and len(ax.lines) == 0
-    np.testing.assert_array_equal(lines_of(ax), THREE)
-    assert set(colors_of(ax)) == {plotting.MAP}
-
-
-def test_the_limits_hold_all_segments(ax):
-    """Catches a collection that does not count for the limits."""
-    plotting.draw_segments(THREE + 100, ax=ax)
+    np.testing.assert_array_equal(lines_of(ax), THREE + 100)
     (x0, x1), (y0, y1) = ax.get_xlim(), ax.get_ylim()
     assert 99 < x0 <= 100 and 104 <= x1 < 105 and 99 < y0 <= 100 and 103 <= y1 < 104
 
 
 def test_groups_have_a_colour_each_in_turn_and_none_is_grey(ax):
-    plotting.draw_segments(THREE, group=[1, -1, 1 + len(plotting.GROUPS)], ax=ax)
-    assert colors_of(ax) == [plotting.GROUPS[1], plotting.RAW, plotting.GROUPS[1]]
+    plotting.draw_segments(THREE, group=[1, -1, 1 + len(GROUPS)], ax=ax)
+    assert colors_of(ax) == [GROUPS[1], RAW, GROUPS[1]]
 
 
 def test_errors_run_from_grey_to_red_with_the_largest_on_top(ax):
@@ -193,128 +174,197 @@ def test_errors_that_are_none_or_infinite_keep_a_sensible_scale(errors, ax):
 
 def test_scans_run_through_the_colours_with_a_scale(ax):
     plotting.draw_segments(THREE, scan=[0, 5, 10], ax=ax)
-    assert len(set(colors_of(ax))) == 3
-    assert ax.collections[0].get_clim() == (0, 10)
+    assert len(set(colors_of(ax))) == 3 and ax.collections[0].get_clim() == (0, 10)
     assert ax.figure.axes[1].get_ylabel() == "scan"
 
 
-@pytest.mark.parametrize("options", [{}, dict(group=[]), dict(error=[]), dict(scan=[])])
-def test_an_empty_map_is_an_empty_picture(options, ax):
-    plotting.draw_segments([], ax=ax, **options)
-    assert len(ax.collections[0].get_segments()) == 0
-    assert plotting.figure_png(ax.figure)[:4] == b"\x89PNG"
-
-
 @pytest.mark.parametrize(
-    ("options", "message"),
+    ("draw", "message"),
     [
-        (dict(group=[0, 1]), r"group must have shape \(3,\), one value a segment, got \(2,\)"),
-        (dict(error=0.1), r"error must have shape \(3,\)"),
-        (dict(scan=[0, 1, 2], group=[0, 1, 2]), "only one of scan, group, error, got scan and"),
+        (lambda: plotting.draw_segments(THREE, group=[0, 1]), r"group must have shape \(3,\), one"),
+        (lambda: plotting.draw_segments(THREE, error=0.1), r"error must have shape \(3,\)"),
+        (lambda: plotting.draw_segments(THREE, scan=[0] * 3, group=[0] * 3), "got scan and group"),
+        (lambda: plotting.draw_provenance(THREE[:2], REDUCTION), r"reduction.parents .* \(2,\)"),
+        (lambda: plotting.draw_maps({"all": THREE}, color=[MAP, RAW]), "1 entries, one a map"),
+        (lambda: plotting.draw_alignment(LOG, PLAIN), "this log of 2 scans, got one of 4"),
+        (
+            lambda: plotting.draw_position_errors(FOUR, {"a": POSES[:3]}),
+            r"'a' must .* \(4, 3\), got",
+        ),
+        (lambda: plotting.draw_position_errors(Log("raw", [SCAN]), {}), "log must have truth"),
     ],
 )
-def test_columns_that_do_not_fit_are_named(options, message, ax):
+def test_what_does_not_fit_is_named(draw, message):
     with pytest.raises(ValueError, match=message):
-        plotting.draw_segments(THREE, ax=ax, **options)
+        draw()
 
 
-def test_before_is_black_over_a_thick_blue_after_and_both_are_counted(ax):
+def test_before_is_thin_over_a_thick_after_and_both_are_counted(ax):
     """Catches the roles exchanged: the reduced map is the blue one."""
     plotting.draw_before_after(SegmentMap(THREE), REDUCTION, ax=ax)
     assert [len(lines_of(ax, k)) for k in (0, 1)] == [2, 3]
-    assert set(colors_of(ax, 0)) == {plotting.RESULT} and set(colors_of(ax, 1)) == {plotting.MAP}
+    assert set(colors_of(ax, 0)) == {RESULT} and set(colors_of(ax, 1)) == {MAP}
     assert ax.collections[0].get_linewidth()[0] > ax.collections[1].get_linewidth()[0]
-    texts = [text.get_text() for text in ax.get_legend().get_texts()]
-    assert texts == ["after: 2 segments", "before: 3 segments"]
+    assert legend_of(ax) == ["after: 2 segments", "before: 3 segments"]
+    left, right = plotting.draw_side_by_side(THREE, THREE[:1])
+    assert left.get_title() == "Before: 3 segments" and right.get_title() == "After: 1"
+    assert (colors_of(left)[0], colors_of(right)[0]) == (MAP, RESULT)
 
 
 def test_each_output_shares_its_colour_with_the_inputs_that_made_it(ax):
     """Catches colours by input index, and a dropped input with the colour of the last output."""
     before = np.concatenate([THREE, [[(9, 9), (9, 9)]]])
-    reduction = Reduction(THREE[:2], np.array([1, 0, 1, -1]), 0.0)
-    plotting.draw_provenance(before, reduction, ax=ax)
+    plotting.draw_provenance(before, Reduction(THREE[:2], np.array([1, 0, 1, -1]), 0.0), ax=ax)
     outputs, inputs = (colors_of(ax, k) for k in (0, 1))
-    assert outputs == list(plotting.GROUPS[:2])
-    assert inputs == [outputs[1], outputs[0], outputs[1], plotting.RAW]
+    assert outputs == list(GROUPS[:2]) and inputs == [outputs[1], outputs[0], outputs[1], RAW]
 
 
-def test_a_reduction_of_another_map_is_refused(ax):
-    with pytest.raises(ValueError, match=r"reduction.parents must have shape \(2,\)"):
-        plotting.draw_provenance(THREE[:2], REDUCTION, ax=ax)
+def test_maps_have_their_titles_their_colours_and_the_same_truth_and_scan_below():
+    """Catches titles over the wrong maps, and a truth that covers what is compared with it."""
+    maps = {"all": THREE, "two": THREE[:2], "none": []}
+    colors = (RESULT, MAP, MAP)
+    row = plotting.draw_maps(maps, truth=CROSS, scan=SCAN, color=colors)
+    for ax, (title, map), color in zip(row, maps.items(), colors, strict=True):
+        below, above = ax.collections
+        assert ax.get_title() == title and set(colors_of(ax, 0)) == {TRUTH}
+        assert lines_of(ax, 1).tolist() == np.asarray(map).tolist()
+        assert set(colors_of(ax, 1)) <= {color} and below.get_zorder() <= above.get_zorder()
+        np.testing.assert_allclose(dots_of(ax), SCAN.points())
+    assert colors_of(plotting.draw_maps({"all": THREE})[0]) == list(GROUPS[:3])
 
 
-# ------------------------------------------------------------------------ colours
-def seen_without(cones, colors):
-    """sRGB colours as the colour-blind see them (Machado, Oliveira, Fernandes 2009)."""
-    light = np.array([to_rgba(color)[:3] for color in colors])
-    linear = np.where(light <= 0.04045, light / 12.92, ((light + 0.055) / 1.055) ** 2.4)
-    mixed = np.clip(linear @ np.transpose(cones), 0, 1)
-    return np.where(mixed <= 0.0031308, 12.92 * mixed, 1.055 * mixed ** (1 / 2.4) - 0.055)
+def test_columns_fold_the_row_and_leave_no_empty_axes():
+    row = plotting.draw_maps(dict.fromkeys("abc", THREE), columns=2)
+    assert len(row) == 3 and len(row[0].figure.axes) == 3
+    heights = [ax.get_position().y0 for ax in row]
+    assert heights[0] == pytest.approx(heights[1]) and heights[2] < heights[0]
 
 
-@pytest.mark.parametrize(
-    "cones",
-    [
-        np.eye(3),
-        [
-            (0.367322, 0.860646, -0.227968),
-            (0.280085, 0.672501, 0.047413),
-            (-0.01182, 0.04294, 0.968881),
-        ],
-        [
-            (0.152286, 1.052583, -0.204868),
-            (0.114503, 0.786281, 0.099216),
-            (-0.003882, -0.048116, 1.051998),
-        ],
-    ],
-    ids=["all", "no green", "no red"],
-)
-def test_the_colours_with_a_meaning_can_be_told_apart(cones):
-    """Catches grey dots with a green way of the same lightness: one reader in twelve loses it."""
-    named = (plotting.RAW, plotting.MAP, plotting.RESULT, plotting.TRUTH, plotting.ERROR)
-    seen = seen_without(cones, named)
-    gaps = np.linalg.norm(seen[:, None] - seen, axis=-1)
-    assert gaps[np.triu_indices(len(named), 1)].min() > 0.25
+# --------------------------------------------------------------------------- alignments
+def test_an_alignment_shows_what_was_used_and_what_was_not(ax):
+    """Catches a scan nobody could place drawn as if it were map, and a path that jumps over it."""
+    plotting.draw_alignment(FOUR, LOOPED, ax=ax)
+    drawn = {line.get_color(): np.column_stack(line.get_data()) for line in ax.lines}
+    expected = [transform(pose, SCAN.points()) for pose in POSES[USED]]
+    np.testing.assert_allclose(drawn[RAW], np.concatenate(expected))
+    np.testing.assert_array_equal(drawn[RESULT], POSES[:, :2])
+    np.testing.assert_array_equal(drawn[ERROR], POSES[[2], :2])
+    closed, rejected = ax.collections
+    np.testing.assert_array_equal(closed.get_segments(), [POSES[[0, 3], :2]])
+    np.testing.assert_array_equal(rejected.get_segments(), [POSES[[1, 3], :2]])
+    assert [to_hex(part.get_color()[0]) for part in (closed, rejected)] == [RESULT, ERROR]
+    names = ["1 loop", "1 rejected loop", "1 scan not used", "pose_graph"]
+    assert sorted(legend_of(ax)) == names
+    assert legend_of(plotting.draw_alignment(FOUR, PLAIN)) == ["odometry"]
 
 
-# ------------------------------------------------------------------- as bytes
+def test_position_errors_are_drawn_at_the_scans_whose_truth_is_known(ax):
+    """Catches errors at the wrong scans, and those of poses that are only moved as a whole."""
+    found = {"b": FOUR.truth + (0, 5, 0), "a": POSES, "graph": replace(LOOPED, poses=FOUR.truth)}
+    plotting.draw_position_errors(FOUR, found, ax=ax)
+    assert [x.get_xdata().tolist() for x in ax.lines] == [[0, 2, 3]] * 3
+    assert [x.get_color() for x in ax.lines] == [RAW, ERROR, RESULT]
+    np.testing.assert_allclose(ax.lines[0].get_ydata(), 0, atol=1e-12)
+    np.testing.assert_allclose(ax.lines[1].get_ydata(), [0, 0, 1], atol=1e-12)
+    assert legend_of(ax) == ["b", "a", "graph"]
+
+
+def test_alignments_stand_side_by_side_and_odometry_is_red():
+    """Catches poses drawn below another's title, and odometry that is not named."""
+    log = segmap.load("room")[:5]
+    found = {"wheels": log.odometry, "truth": log.truth, "found": odometry(log)}
+    axes = plotting.draw_alignments(log, found, size=(2, 2))
+    assert [ax.get_title() for ax in axes] == list(found)
+    ends = [ax.lines[1].get_xydata()[-1] for ax in axes]
+    np.testing.assert_array_equal(
+        ends, [p[-1, :2] for p in (log.odometry, log.truth, log.odometry)]
+    )
+    assert [ax.lines[1].get_color() for ax in axes] == [ERROR, RESULT, RESULT]
+    assert [ax.get_legend() is None for ax in axes] == [True, True, False]
+
+
+# --------------------------------------------------------------------------- quadtrees
+def tree():
+    """Free to the right of the sensor, a hit at the right edge, unknown above."""
+    map = QuadtreeMap(resolution=1, size=16, bias=1)
+    map.insert_scan((0.5, 0.5), [(15.5, 0.5)])
+    return map
+
+
+def test_each_point_has_the_grey_of_its_leaf_and_leaves_leave_no_gap():
+    """Catches occupied drawn white, rows upside down, x exchanged with y, seams of squares."""
+    map, ax = tree(), Figure(figsize=(4, 4), dpi=64).add_axes((0, 0, 1, 1))
+    plotting.draw_quadtree(map, ax=ax, outlines=False, whole=True).axis("off")
+    image = pixels(plotting.figure_png(ax.figure))[::-1]
+    centres = np.arange(16) + 0.5
+    at = (centres * len(image) / 16).astype(int)
+    places = np.stack(np.meshgrid(centres, centres), -1).reshape(-1, 2)
+    expected = 1 - map.occupancy(places).reshape(16, 16)
+    for channel in range(3):
+        np.testing.assert_allclose(image[np.ix_(at, at)][..., channel], expected, atol=0.01)
+    assert (expected[0, 15], expected[0, 0], expected[15, 0]) == (0, 1, 0.5)
+    assert set(np.unique(image.round(2))) == {0.0, 0.5, 1.0}
+
+
+def test_outlines_are_drawn_where_leaves_are_large_and_the_robot_where_it_is(ax):
+    """Catches a picture in which walls are blue instead of black."""
+    plotting.draw_quadtree(tree(), ax=ax, whole=True, robot=(3, 5, 1.0))
+    assert len(ax.collections) == 2 and len(ax.collections[1].get_paths()) == 13
+    assert dots_of(ax).tolist() == [[3, 5]]
+    log = segmap.load("room")
+    map = build_map(log, log.truth, resolution=0.01)
+    squares, outlines = plotting.draw_quadtree(map).collections
+    assert len(squares.get_array()) == len(map.leaves().x)
+    assert 100 < len(outlines.get_paths()) < 0.3 * len(map.leaves().x)
+
+
+def test_the_part_that_was_hit_is_shown_or_the_whole_root(ax):
+    """Catches a room of 4 m as a dot in a root of 655 m."""
+    map = QuadtreeMap(resolution=0.1)
+    assert plotting.draw_quadtree(map, ax=ax).get_xlim() == (0, 51.2)
+    map.insert_scan((1, 1), [(2, 1), (-200, 1)], [(0, 900.0)])
+    (left, right), (low, high) = plotting.draw_quadtree(map, ax=ax).get_xlim(), ax.get_ylim()
+    assert -220 < left < -200 < 2 < right < 20 and high - low < 40
+    assert plotting.draw_quadtree(map, ax=ax, whole=True).get_xlim() == map.bounds[0::2]
+
+
+def test_quadtrees_side_by_side_have_their_titles_limits_and_options():
+    other = QuadtreeMap(resolution=1, size=8, corner=(-4, 2))
+    maps = {"one": tree(), "other": other}
+    left, right = plotting.draw_quadtrees(maps, whole=True, outlines=False)
+    assert (left.get_title(), right.get_title()) == ("one", "other")
+    assert left.get_xlim() == (0, 16) and (*right.get_xlim(), *right.get_ylim()) == (-4, 4, 2, 10)
+    assert len(left.collections) == len(right.collections) == 1
+
+
+# ------------------------------------------------------------------------ as bytes
 @pytest.mark.parametrize(
     ("value", "color"),
-    [(SCAN, plotting.ERROR), (LOG, plotting.TRUTH), (SegmentMap(CROSS), plotting.MAP)]
-    + [(Reduction(CROSS, np.array([0, 1]), 0.0), plotting.RESULT)],
+    [
+        *((SCAN, ERROR), (LOG, TRUTH), (SegmentMap(CROSS), MAP), (LOOPED, RESULT), (tree(), MAP)),
+        (Reduction(CROSS, np.array([0, 1]), 0.0), RESULT),
+    ],
+    ids=lambda value: type(value).__name__,
 )
-def test_a_thumbnail_is_a_small_png_that_shows_the_thing_in_its_colour(value, color):
-    """Catches a picture that is empty. Of a scan the robot is looked for."""
-    png = plotting.thumbnail(value)
-    picture = pixels(png)
-    assert picture.shape == (240, 320, 3) and len(png) < 30_000
-    middle = picture[20:200, 70:250] if color != plotting.MAP else picture[80:150, 130:210]
+def test_a_notebook_gets_text_and_a_small_picture_in_the_colour_of_the_thing(value, color):
+    """Catches bytes, which a notebook file cannot hold, and a picture that is empty."""
+    bundle = json.loads(json.dumps(value._repr_mimebundle_()))
+    png = base64.b64decode(bundle["image/png"])
+    assert bundle["text/plain"] == repr(value) and png == plotting.thumbnail(value)
+    assert pixels(png).shape == (240, 320, 3) and len(png) < 30_000 and b"atplotlib" not in png
+    middle = pixels(png)[20:205, 70:300]
     assert (np.linalg.norm(middle - to_rgba(color)[:3], axis=-1) < 0.3).sum() >= 10
     assert plt.get_fignums() == []
 
 
-@pytest.mark.parametrize("value", [SegmentMap([]), Log("no", []), LaserScan([], [])])
-def test_even_nothing_has_a_thumbnail(value):
-    assert pixels(plotting.thumbnail(value)).shape == (240, 320, 3)
-
-
-def test_the_thumbnail_of_a_log_without_poses_shows_its_first_scan():
-    """Catches empty axes for Hokuyo text, which knows neither odometry nor truth."""
+def test_thumbnails_of_nothing_and_of_what_differs():
+    """Catches empty axes for a log without poses, and one picture for a method that failed."""
+    for nothing in (SegmentMap([]), Log("no", []), LaserScan([], []), odometry(Log("no", []))):
+        assert pixels(plotting.thumbnail(nothing)).shape == (240, 320, 3)
     bare = LaserScan([1.0, 2.0, 1.5], [0.0, 0.5, 1.0])
     assert plotting.thumbnail(Log("bare", [bare, bare])) == plotting.thumbnail(bare)
-
-
-@pytest.mark.parametrize("value", [SCAN, LOG, SegmentMap(THREE), REDUCTION])
-def test_a_notebook_gets_text_and_a_picture_as_base64(value):
-    """Catches bytes, which a notebook file cannot hold."""
-    bundle = json.loads(json.dumps(value._repr_mimebundle_()))
-    assert bundle["text/plain"] == repr(value)
-    assert base64.b64decode(bundle["image/png"]) == plotting.thumbnail(value)
-
-
-def test_the_same_drawing_gives_the_same_bytes_and_names_no_version():
-    first, again = (plotting.thumbnail(SegmentMap(THREE)) for _ in range(2))
-    assert first == again and b"atplotlib" not in first
+    unused = replace(LOOPED, used=np.full(4, True), reasons=("",) * 4)
+    assert len({plotting.thumbnail(a) for a in (LOOPED, PLAIN, unused)}) == 3
 
 
 def test_a_figure_becomes_a_png_without_leaving_its_canvas():
@@ -325,10 +375,9 @@ def test_a_figure_becomes_a_png_without_leaving_its_canvas():
     assert figure.canvas is canvas
 
 
-@pytest.mark.parametrize("name", ["room", "malaga"])
-def test_a_real_map_fits_into_a_small_picture(name):
+def test_a_real_map_fits_into_a_small_picture():
     """Catches pictures of megabytes in the chapters."""
-    log = segmap.load(name)[::4]
+    log = segmap.load("malaga")[::4]
     map = segmap.build_map(log, log.truth)
     ax = plotting.draw_before_after(map, segmap.fusion(map))
     assert 3_000 < len(plotting.figure_png(ax.figure)) < 40_000

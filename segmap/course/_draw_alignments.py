@@ -99,7 +99,7 @@ def draw_backbone(step: BackboneStep, *, ax: Axes | None = None) -> Axes:
     ax = axes_or_new(ax)
     draw_segments(transform(step.guess, step.segments), ax=ax, color=ERROR, width=1.0)
     draw_segments(transform(step.pose, step.segments), ax=ax, color=RESULT, width=2.5)
-    map_axes(draw_robot(ax, step.pose))
+    draw_robot(step.pose, ax=ax)
     x, y = ax.get_xlim(), ax.get_ylim()
     along = step.lines.normal[:, ::-1] * (1, -1)
     for place, d in zip(step.lines.through, along, strict=True):

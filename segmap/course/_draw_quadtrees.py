@@ -193,14 +193,14 @@ def draw_landscape(
     return ax
 
 
-def draw_climb(offsets: ArrayLike, *, ax: Axes, joined: bool = True) -> Axes:
+def draw_climb(offsets: ArrayLike, *, ax: Axes | None = None, joined: bool = True) -> Axes:
     """Draw poses of a matcher over a landscape: in blue, the last one larger.
 
     Parameters
     ----------
     offsets : (k, 2) or (k, 3) array, metres
         From the middle of the landscape.
-    ax : matplotlib Axes
+    ax : matplotlib Axes or None
     joined : bool
         A line through them in their order; else dots.
 
@@ -215,7 +215,7 @@ def draw_climb(offsets: ArrayLike, *, ax: Axes, joined: bool = True) -> Axes:
     >>> len(ax.lines)
     2
     """
-    way = np.asarray(offsets, float)[:, :2]
+    ax, way = axes_or_new(ax), np.asarray(offsets, float)[:, :2]
     ax.plot(*way.T, "-o" if joined else ".", color=RESULT, markersize=3, linewidth=1)
     ax.plot(*way[-1], "o", color=RESULT, markersize=8, markeredgecolor="white")
     return ax

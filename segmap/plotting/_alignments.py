@@ -143,7 +143,7 @@ def draw_position_errors(
     Raises
     ------
     ValueError
-        For a log without truth.
+        For a log without truth, and for poses that are not one a scan.
 
     Examples
     --------
@@ -159,6 +159,8 @@ def draw_position_errors(
     ax, known = axes_or_new(ax), np.isfinite(log.truth).all(1)
     for rest, (label, found) in enumerate(alignments.items(), 1 - len(alignments)):
         poses = np.asarray(found.poses if isinstance(found, Alignment) else found, float)
+        if poses.shape != log.truth.shape:
+            raise ValueError(f"{label!r} must have shape {log.truth.shape}, got {poses.shape}")
         scans = np.flatnonzero(known & np.isfinite(poses).all(1))
         color, style = ((RESULT, "-"), (ERROR, "--"), (RAW, ":"))[min(-rest, 2)]
         ax.plot(scans, position_errors(poses, log.truth), style, color=color, label=label)

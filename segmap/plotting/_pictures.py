@@ -26,7 +26,7 @@ def thumbnail(value: Any) -> bytes:
     """A small picture of a scan, a log, a way, a map or a reduction, as a notebook shows it.
 
     Of a log without any pose it shows the first scan; of an alignment, which knows no scans, the
-    way, its loops, and red crosses where a scan was not used.
+    path, its loops, and red crosses where a scan was not used.
 
     Parameters
     ----------

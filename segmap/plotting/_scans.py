@@ -1,4 +1,4 @@
-"""Scans, logs and ways of robots."""
+"""Scans, logs, poses and paths of robots."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ def draw_scan(
         rays = np.stack([np.broadcast_to(start, points.shape), points], 1)
         ax.add_collection(LineCollection(list(rays), colors=color, linewidths=0.3))
     draw_points(points, ax=ax, color=color)
-    return map_axes(draw_robot(ax, pose))
+    return draw_robot(pose, ax=ax)
 
 
 def draw_points(
@@ -102,7 +102,7 @@ def draw_log(
     color: str = RAW,
     path: str | None = None,
 ) -> Axes:
-    """Draw the end points of all scans at their poses, and the way of the robot.
+    """Draw the end points of all scans at their poses, and the path of the robot.
 
     Parameters
     ----------
@@ -114,7 +114,7 @@ def draw_log(
     color : str
         Of the points.
     path : str or None
-        Of the way; None takes green for truth, red for odometry, blue for poses given here.
+        Of the path; None takes green for truth, red for odometry, blue for poses given here.
 
     Returns
     -------
@@ -135,7 +135,7 @@ def draw_log(
 def draw_path(
     poses: ArrayLike, *, ax: Axes | None = None, color: str = TRUTH, label: str | None = None
 ) -> Axes:
-    """Draw the way of a robot; rows of NaN interrupt it.
+    """Draw the path of a robot; rows of NaN interrupt it.
 
     Parameters
     ----------
@@ -205,11 +205,28 @@ def draw_cloud(log: Log, poses: Array, ax: Axes, color: str = RAW) -> None:
     draw_points(thinned, ax=ax, color=color, size=1.5)
 
 
-def draw_robot(ax: Axes, pose: ArrayLike) -> Axes:
-    """A triangle of 0.2 m that points ahead."""
+def draw_robot(pose: ArrayLike, *, ax: Axes | None = None) -> Axes:
+    """Draw where a robot stands: a red triangle of 0.2 m that points ahead.
+
+    Parameters
+    ----------
+    pose : (3,) array, metres and radians
+    ax : matplotlib Axes or None
+
+    Returns
+    -------
+    Axes
+
+    Examples
+    --------
+    >>> from matplotlib.figure import Figure
+    >>> draw_robot((1, 2, 0), ax=Figure().subplots()).patches[0].get_xy()[0].tolist()
+    [1.15, 2.0]
+    """
+    ax = axes_or_new(ax)
     corners = transform(pose, [(0.15, 0), (-0.1, 0.1), (-0.1, -0.1)])
     ax.fill(*corners.T, color=ERROR, zorder=3)
-    return ax
+    return map_axes(ax)
 
 
 def _poses(log: Log, poses: ArrayLike | None) -> tuple[Array, str]:
