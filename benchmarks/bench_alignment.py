@@ -9,13 +9,14 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from segmap import LaserScan, Log, alignment, load, read
-from segmap.alignment import Alignment, align_to_truth, match_points
+from segmap import LaserScan, Log, alignment, literal, load, read
+from segmap.alignment import Alignment, align_to_truth, match_points, solve_graph
 from segmap.angles import wrap
 from segmap.metrics import relation_errors
+from segmap.poses import between, compose
 from segmap.simulation import OdometryNoise, drifting_odometry
 
-from .measure import ROOT, SHARED, Row, missing, seconds, workloads
+from .measure import ROOT, SHARED, Row, in_turn, missing, seconds, workloads
 
 Array = NDArray[np.float64]
 TARGET = ROOT / "data" / "records" / "alignment.csv"
@@ -32,6 +33,7 @@ class Case(NamedTuple):
 
 def rows() -> Iterator[Row]:
     yield from matches()
+    yield from against_literal()
     records = []
     for case in cases():
         for name, method in alignment.METHODS.items():
@@ -66,6 +68,50 @@ def matches() -> Iterator[Row]:
             f"{1e3 * took:.2f} ms, median {1e3 * np.median(far):.2f} mm, {wrong} of {len(far)} off",
             "<= 2.1 ms, 1.5 mm, none off" if "room" in name else "",
         )
+
+
+def against_literal() -> Iterator[Row]:
+    """The same work by the plain loops of `segmap.literal`."""
+    log = load("malaga")
+    before, now = log[20].points(), log[23].points()
+    plain = before.tolist(), now.tolist(), (0.0, 0.0, 0.0)
+    match_points(before, now)
+    took = in_turn(lambda: literal.point_to_line(*plain), lambda: match_points(before, now))
+    yield Row("match_points, literal / ours", f"{took[0] / took[1]:.0f} x")
+    start, ends, motions = circle(60)
+    edges = [
+        (i, j, m, np.eye(3).tolist()) for (i, j), m in zip(ends, motions.tolist(), strict=True)
+    ]
+    weights = np.tile(np.eye(3), (len(ends), 1, 1))
+    step = literal.gauss_newton(start.tolist(), edges)
+    solved = solve_graph(start, ends, motions, information=weights, scale=np.inf)
+    assert np.abs(np.array(step) - solved)[:, :2].max() < 0.1
+    took = in_turn(
+        lambda: literal.gauss_newton(start.tolist(), edges),
+        lambda: solve_graph(start, ends, motions, information=weights, scale=np.inf),
+    )
+    yield Row(
+        "solve_graph, 60 poses, one literal step / ours to the end", f"{took[0] / took[1]:.0f} x"
+    )
+    for count in (1000, 10000):
+        start, ends, motions = circle(count)
+        took = in_turn(lambda s=start, e=ends, m=motions: solve_graph(s, e, m), repeat=3)
+        yield Row(f"solve_graph, {count} poses, {len(ends)} edges", f"{took[0]:.2f} s")
+
+
+def circle(count: int) -> tuple[Array, NDArray[np.int64], Array]:
+    """Poses by noisy steps four times round a circle, and the edges: steps, and loops each turn."""
+    rng = np.random.default_rng(0)
+    angle = 8 * np.pi * np.arange(count) / count
+    truth = np.column_stack([10 * np.cos(angle), 10 * np.sin(angle), wrap(angle + np.pi / 2)])
+    k, lap = np.arange(count), count // 4
+    ends = np.concatenate([np.stack([k[:-1], k[1:]], -1), np.stack([k[:-lap:3], k[lap::3]], -1)])
+    motions = between(truth[ends[:, 0]], truth[ends[:, 1]])
+    motions += rng.normal(0, 1, motions.shape) * (0.02, 0.02, 0.002)
+    start = [truth[0]]
+    for motion in motions[: count - 1]:
+        start.append(compose(start[-1], motion))
+    return np.array(start), ends, motions
 
 
 def cases() -> Iterator[Case]:

@@ -18,8 +18,8 @@ from ._point_map import PointMap, in_range
 from ._result import Match, no_match
 from ._runner import Outcome, Trail, alignment_method
 
-#: From a map, a scan's points `(m, 2)` and a guess `(3,)` to the match.
 Members = Sequence[int] | NDArray[np.int64]
+#: From a map, a scan's points `(m, 2)` and a guess `(3,)` to the match.
 Matcher = Callable[[PointMap, Array, Array], Match]
 
 
@@ -104,7 +104,7 @@ def pose_graph(
         Share of the path by which the map may have bent since an old place was left: loops are
         sought within 1 m and this share, at most 4 m.
     tracking : Tracking, and closing : LoopClosing
-        All other thresholds, of the local map and of loops.
+        All other thresholds.
 
     Returns
     -------
@@ -184,13 +184,11 @@ def search_and_register(
 class KeyFrames:
     """The scans that stand for the map, half a metre apart, with poses that loops still move.
 
-    The first has these points `(m, 2)`, metres, in the frame of the robot, and this pose `(3,)`.
-
     Attributes
     ----------
     scan : list of int
         Index in the log of each key frame.
-    points : list of (m, 2) arrays, metres
+    points : list of (m, 2) arrays, metres, in the frame of the robot
     poses : (n, 3) array, metres and radians
     path : list of float, metres
         Path length from the start to each.

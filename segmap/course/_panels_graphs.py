@@ -19,7 +19,7 @@ from ._draw_alignments import draw_icp_step
 
 
 class IcpPanel(Panel):
-    """Two scans, and how one descends onto the other from a start that is wrong (A 2.5.1, [41]).
+    """Two scans, and how one descends onto the other from a start that is wrong (A 2.5.1).
 
     Parameters
     ----------
