@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import gzip
+import lzma
+import stat
 import zipfile
 import zlib
 from collections.abc import Callable, Iterator, Sequence
@@ -17,7 +19,20 @@ from ..scans import NOTHING_SKIPPED, Skipped
 #: No line of a log is longer, in bytes: 1000 beams with intensities take 20 000.
 MAX_LINE = 1 << 20
 #: What a damaged gzip or zip file raises while it is read.
-BROKEN = (EOFError, gzip.BadGzipFile, zlib.error, zipfile.BadZipFile, NotImplementedError)
+BROKEN = (
+    EOFError,
+    gzip.BadGzipFile,
+    zlib.error,
+    lzma.LZMAError,
+    zipfile.BadZipFile,
+    NotImplementedError,
+    UnicodeDecodeError,
+)
+#: A packed file unpacks to at most this many bytes, or to this many times its own: logs shrink to a
+#: third or a fifth, and what shrinks to a thousandth is made to fill the memory.
+UNPACKED, RATIO = 1 << 20, 50
+#: So many lines in a row hold nothing, or a comment: no log has a head of this length.
+MAX_EMPTY = 100_000
 
 #: Later than this, in seconds, no clock stands.
 LATEST = 1e12
@@ -102,10 +117,14 @@ class Lines:
             self.damaged(reason)
 
     def __iter__(self) -> Iterator[list[str]]:
+        empty = 0
         for line in self._decoded():
             fields = line.split(self.separator)
             if line and not line.startswith("#") and fields:
+                empty = 0
                 yield fields
+            elif (empty := empty + 1) > MAX_EMPTY:
+                raise self.error(f"{MAX_EMPTY} lines in a row are empty, expected a log")
 
     def _decoded(self) -> Iterator[str]:
         try:
@@ -117,16 +136,27 @@ class Lines:
             raise LogError(self.path, f"cannot be read ({fault.strerror or fault})") from fault
 
     def _bounded(self, file: IO[bytes]) -> Iterator[str]:
-        self.number = 0
+        self.number, read = 0, 0
+        most = max(UNPACKED, RATIO * self.path.stat().st_size)
         while line := file.readline(MAX_LINE + 1):
-            self.number += 1
+            self.number, read = self.number + 1, read + len(line)
             if len(line) > MAX_LINE:
                 raise self.error(f"longer than {MAX_LINE} bytes, expected a line of a log")
+            if read > most:
+                raise self.error(f"unpacks to more than {most} bytes: unpack it, if it is a log")
             yield line.decode("ascii", "replace").strip()
 
 
 def open_bytes(path: Path) -> IO[bytes]:
-    """Open a file for reading, through gzip or zip where its first bytes say so."""
+    """Open a file for reading, through gzip or zip where its first bytes say so.
+
+    Raises
+    ------
+    LogError
+        For what is no regular file: a pipe would wait for ever.
+    """
+    if not stat.S_ISREG(path.stat().st_mode):
+        raise LogError(path, "is no regular file, expected a log")
     with path.open("rb") as file:
         magic = file.read(4)
     if magic.startswith(b"\x1f\x8b"):
