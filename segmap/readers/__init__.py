@@ -173,7 +173,8 @@ def _recognise(path: Path) -> Format:
     """The format that claims most of the first lines."""
     lines = Lines(path, "skip", separator="\n")
     sample = [line[0] for line in islice(lines, FIRST)]
-    votes = [sum(_claimed(form, line) for line in sample) for form in FORMATS]
+    split = {separator: [line.split(separator) for line in sample] for separator in (None, ",")}
+    votes = [sum(map(form.claims, filter(None, split[form.separator]))) for form in FORMATS]
     if not any(votes):
         raise lines.first or LogError(path, _unknown(lines, sample))
     return FORMATS[votes.index(max(votes))]
@@ -190,11 +191,6 @@ def _read_folder(folder: Path, name: str, on_error: str) -> Log:
         "holds no log, expected a Rawseeds recording (SICK_FRONT.csv or HOKUYO_FRONT.csv, "
         "ODOMETRY_XYT.csv, GROUNDTRUTH.csv) or numbered files with a Hokuyo scan in each",
     )
-
-
-def _claimed(form: Format, line: str) -> bool:
-    fields = line.split(form.separator)
-    return bool(fields) and form.claims(fields)
 
 
 def _unknown(lines: Lines, sample: Sequence[str]) -> str:
