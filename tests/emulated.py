@@ -1,14 +1,20 @@
-"""A world whose scans betray a single wrong range, and what the laser's tests share."""
+"""A world whose scans betray a single wrong range, and sensors that the laser's tests share."""
 
 import os
 import sys
 import threading
+import time
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from segmap.emulator import Unit
+from segmap.emulator._device import Unplugged, Wire
+from segmap.hokuyo import Geometry, UrgSensor
+
 SHARED = Path(__file__).resolve().parents[1].parent / "shared" / "data"
+URG = Geometry(1024, 44, 725, 384, 20, 5600, 0.1)
 
 needs_terminals = pytest.mark.skipif(
     not hasattr(os, "openpty") or sys.platform == "win32",
@@ -38,6 +44,71 @@ def turn_of(scan, first: int = 44) -> int:
     starts = (met - 100 - 31 * (first + np.arange(len(met)))) % 3900
     assert (starts == starts[0]).all(), "a range that the sensor never measured"
     return int(starts[0]) * pow(7919, -1, 3900) % 3900
+
+
+class Wired:
+    """A port with a sensor in the same thread; reading moves the clock of both.
+
+    What the sensor sends passes the wire, where faults are planned, then `spoil(bytes, position)`.
+    Where the rates of both ends differ each gets noise, as on RS-232.
+    """
+
+    def __init__(self, spoil=lambda data, at: data, *, world=pattern, seed=1, **state):
+        self.now, self.kept, self.sent, self.spoil = 0.0, b"", 0, spoil
+        self.wire = Wire(lambda: self.now, np.random.default_rng(seed))
+        self.unit = Unit(world, clock=lambda: self.now, **state)
+        self.baudrate, self.open, self.gone = 19200, True, False
+
+    @property
+    def in_waiting(self):
+        self._check()
+        fits = self._fits()
+        try:
+            data = self.wire.passed(self.unit.transmit())
+        except Unplugged:
+            self.gone = True
+            self._check()
+        data = data if fits else bytes(byte ^ 0xA5 for byte in data)
+        self.kept += self.spoil(data, self.sent)
+        self.sent += len(data)
+        return len(self.kept)
+
+    def read(self, size=1, /):
+        self.now += 0.01
+        assert self.now < 60, "the driver reads without end"
+        data, self.kept = self.kept[:size], self.kept[size:]
+        return data
+
+    def write(self, data, /):
+        self._check()
+        if self._fits():
+            self.unit.receive(data)
+        else:
+            self.kept += self.wire.rng.bytes(len(data))
+        return len(data)
+
+    def close(self):
+        self.open = False
+
+    def _fits(self):
+        return self.unit.usb or self.baudrate == self.unit.rate
+
+    def _check(self):
+        if self.gone:
+            raise OSError("device reports readiness to read but returned no data")
+
+
+def connected(port, **settings):
+    """The driver at a `Wired` port, by the port's clock."""
+    settings = {"rates": (115200,), "timeout": 0.5, "clock": lambda: port.now} | settings
+    return UrgSensor(port, **settings)
+
+
+def wait_for(true, seconds=20.0):
+    until = time.monotonic() + seconds
+    while not true() and time.monotonic() < until:
+        time.sleep(0.005)
+    assert true()
 
 
 def open_files() -> int:

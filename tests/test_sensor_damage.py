@@ -5,51 +5,11 @@ import itertools
 
 import numpy as np
 import pytest
-from emulated import pattern, turn_of
+from emulated import URG, Wired, connected, turn_of
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from segmap.emulator import Unit
-from segmap.hokuyo import Geometry, SensorError, SensorGone, UrgSensor, _sensor
-
-URG = Geometry(1024, 44, 725, 384, 20, 5600, 0.1)
-#: Seconds of the port's own clock in which all must be over.
-BOUND = 60.0
-
-
-class Wired:
-    """A sensor without a terminal; what it sends passes `spoil(bytes, position)`."""
-
-    baudrate = 19200
-
-    def __init__(self, spoil=lambda data, at: data, **state):
-        self.now, self.kept, self.sent, self.spoil = 0.0, b"", 0, spoil
-        self.unit = Unit(pattern, clock=lambda: self.now, **state)
-        self.open = True
-
-    @property
-    def in_waiting(self):
-        data = self.unit.transmit()
-        self.kept += self.spoil(data, self.sent)
-        self.sent += len(data)
-        return len(self.kept)
-
-    def read(self, size=1, /):
-        self.now += 0.01
-        assert self.now < 2 * BOUND, "the driver reads without end"
-        data, self.kept = self.kept[:size], self.kept[size:]
-        return data
-
-    def write(self, data, /):
-        self.unit.receive(data)
-        return len(data)
-
-    def close(self):
-        self.open = False
-
-
-def connected(port, **settings):
-    return UrgSensor(port, rates=(115200,), timeout=0.5, clock=lambda: port.now, **settings)
+from segmap.hokuyo import SensorError, SensorGone, UrgSensor, _sensor
 
 
 def struck(at, kind, what):
@@ -90,7 +50,6 @@ def test_one_damage_anywhere(spoil, state, streams):
             turn_of(scan)
             assert scan.angles[384 - 44] == 0.0
         assert sensor.delivered == 3
-    assert port.now < BOUND
     assert not port.open
     assert not port.unit.laser
 
@@ -127,7 +86,6 @@ def test_something_else_at_the_port(words, endless):
     port = Babbling(words, endless)
     with pytest.raises(SensorError, match=r".{20}"):
         connected(port)
-    assert port.now < BOUND
     assert not port.open
 
 
@@ -153,20 +111,15 @@ def test_waits_get_longer(monkeypatch):
 
     monkeypatch.setattr(_sensor, "open_port", lambda device, rate: port)
     monkeypatch.setattr(_sensor.time, "sleep", sleep)
-    settings = {"timeout": 0.5, "clock": lambda: port.now}
-    with UrgSensor("/dev/laser", rates=(115200,), reconnect=9.0, **settings) as sensor:
+    with UrgSensor("/dev/laser", reconnect=9.0, clock=lambda: port.now) as sensor:
         monkeypatch.setattr(_sensor, "open_port", gone)
-        monkeypatch.setattr(port, "write", failing)
+        port.gone = True
         with pytest.raises(SensorGone, match="not back within 9 s: cannot open /dev/laser"):
             sensor.scan()
         assert waits == pytest.approx([0.1, 0.2, 0.4, 0.8, 1.6, 2.0, 2.0, 1.9])
         with pytest.raises(SensorError, match="closed"):
             sensor.scan()
     assert not port.open
-
-
-def failing(data):
-    raise OSError("the port vanished")
 
 
 class EveryThird:
