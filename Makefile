@@ -7,9 +7,13 @@ CHAPTERS ?= $(sort $(wildcard notebooks/*.ipynb))
 SHELL := /bin/sh
 RUN := .venv/bin/python
 SETUP := .venv/segmap-is-installed
-# No question about news at the first start: a classroom may be offline.
-LAB = --ip=127.0.0.1 $(if $(PORT),--port=$(PORT) --ServerApp.port_retries=0) --allow-root \
-	--ServerApp.log_level=WARN --LabApp.news_url=None --LabApp.default_url=/lab/tree/notebooks/00_start_here.ipynb
+WARM := .venv/segmap-is-warm
+# A worker for each core; a worker runs whole files, so that what a file prepares is prepared once.
+SPREAD := -n logical --dist loadscope
+# page_config.json in that folder keeps Lab from asking about news: a classroom may be offline.
+LAB = JUPYTER_CONFIG_PATH="$(CURDIR)/notebooks/tools/jupyter$${JUPYTER_CONFIG_PATH:+:$$JUPYTER_CONFIG_PATH}" \
+	$(RUN) -m jupyterlab --ip=127.0.0.1 $(if $(PORT),--port=$(PORT) --ServerApp.port_retries=0) \
+	--allow-root --ServerApp.log_level=WARN --LabApp.default_url=/lab/tree/notebooks/00_start_here.ipynb
 # Without a display the address is printed, and served until Control-C.
 BROWSER = $(if $(DISPLAY)$(WAYLAND_DISPLAY)$(filter Darwin,$(shell uname)),,--no-browser)
 NBVAL := --nbval --nbval-current-env --nbval-cell-timeout=120 \
@@ -20,16 +24,15 @@ NBVAL := --nbval --nbval-current-env --nbval-cell-timeout=120 \
 help: ## list the targets
 	@sed -n 's/^\([a-z]*\):.*## \(.*\)/  make \1\t\2/p' Makefile
 
-lab: $(SETUP) ## set up, then open the chapters in JupyterLab (PORT=8890 chooses the port)
-	@$(RUN) -m jupyterlab $(LAB) $(BROWSER)
+lab: $(WARM) ## set up, then open the chapters in JupyterLab (PORT=8890 chooses the port)
+	@$(LAB) $(BROWSER)
 
-test: $(SETUP) ## set up, then prove it: style, types, tests, examples and every chapter
+test: $(WARM) ## set up, then prove it: style, types, tests, examples and every chapter
 	$(RUN) -m ruff check .
 	$(RUN) -m ruff format --check .
 	$(RUN) -m mypy
-	$(RUN) -m pytest
-	$(RUN) -c "import matplotlib.pyplot"
-	PYTHONWARNINGS=error::DeprecationWarning:__main__ $(RUN) -m pytest $(NBVAL) notebooks/*.ipynb
+	$(RUN) -m pytest $(SPREAD)
+	PYTHONWARNINGS=error::DeprecationWarning:__main__ $(RUN) -m pytest $(SPREAD) $(NBVAL) notebooks/*.ipynb
 
 refresh: $(SETUP) ## run the chapters again and store what they show (CHAPTERS="..." for some)
 	$(RUN) notebooks/tools/refresh.py $(CHAPTERS)
@@ -58,4 +61,9 @@ $(SETUP): pyproject.toml
 	    echo "No virtual environment: on Debian and Ubuntu, apt install python3-venv"; exit 1; }; } && \
 	  $(RUN) -m pip install --quiet --disable-pip-version-check --editable '.[dev]'; \
 	fi
+	@touch $@
+
+# Once more whenever a source has changed; what did not change is not compiled again.
+$(WARM): $(SETUP) $(wildcard segmap/*.py segmap/*/*.py)
+	@$(RUN) -m segmap warm
 	@touch $@

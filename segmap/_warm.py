@@ -6,6 +6,7 @@ with and without numba and compare.
 
 from __future__ import annotations
 
+import importlib
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
@@ -35,7 +36,12 @@ def cases() -> dict[str, Callable[[], Found]]:
     for name in alignment.METHODS:
         found.setdefault(f"alignment {name}", partial(_aligned, name))
     found["alignment match_points"] = _matched_points
-    return found | {"extraction all": _extracted, "metrics all": _measured, "simulation all": _cast}
+    return found | {
+        "extraction all": _extracted,
+        "metrics all": _measured,
+        "simulation all": _cast,
+        "plotting fonts": _fonts,
+    }
 
 
 def run(name: str) -> None:
@@ -79,9 +85,8 @@ def _reduced(name: str) -> Found:
 
 def _aligned(name: str) -> Found:
     method = alignment.METHODS[name]
-    log = _log()
     options = {"rng": np.random.default_rng(0)} if name == "angle_correspondence" else {}
-    return [method(log, **options).poses]
+    return [method(_log(1 if name == "angle_correspondence" else 4), **options).poses]
 
 
 def _matched_points() -> Found:
@@ -128,3 +133,9 @@ def _matched() -> Found:
     names = [name for name in matching.__all__ if name.endswith("_score") and name[:5] != "field"]
     found: Found = [getattr(matching, name)(map, points, poses) for name in names]
     return [*found, matching.hill_climb(map, points, poses[0])]
+
+
+def _fonts() -> Found:
+    """matplotlib lists the fonts of a machine when it is first imported there."""
+    importlib.import_module("matplotlib.font_manager")
+    return []

@@ -7,6 +7,8 @@ left at build/browser/chapter_00.png.
 import base64
 import json
 import os
+import re
+import shlex
 import shutil
 import signal
 import socket
@@ -22,6 +24,7 @@ from typing import Any
 
 import nbformat
 import pytest
+from makefile import lab_command
 
 ROOT = Path(__file__).resolve().parents[1]
 CHAPTER = ROOT / "notebooks" / "00_start_here.ipynb"
@@ -46,6 +49,9 @@ IDLE = """
 const i = document.querySelector('.jp-Notebook-ExecutionIndicator');
 const k = document.querySelector('.jp-KernelName');
 return i !== null && i.dataset.status === 'idle' && k !== null && /Python/.test(k.textContent)"""
+#: What Lab says in its corner: within a second of the start it asks whether it may fetch news.
+NOTES = """
+return [...document.querySelectorAll('.Toastify__toast')].map(e => e.textContent).join()"""
 UNFINISHED = """
 const p = [...document.querySelectorAll('.jp-CodeCell .jp-InputPrompt')].map(e => e.textContent);
 return p.filter(t => !/\\[\\d+\\]/.test(t)).length + (p.length ? 0 : 1)"""
@@ -158,9 +164,9 @@ def chapter(tmp_path: Path) -> Iterator[str]:
     nbformat.write(notebook, folder / CHAPTER.name)
     own = {"JUPYTER_CONFIG_DIR": "config", "JUPYTER_DATA_DIR": "data", "IPYTHONDIR": "ipython"}
     env = os.environ | {name: str(tmp_path / place) for name, place in own.items()}
-    options = f"--no-browser --allow-root --ip=127.0.0.1 --port={port} --ServerApp.port_retries=0"
-    command = [sys.executable, "-m", "jupyterlab", *options.split()]
-    command += [f"--IdentityProvider.token={TOKEN}"]
+    lab = lab_command(port).replace(".venv/bin/python", shlex.quote(sys.executable))
+    options = f"--IdentityProvider.token={TOKEN} --LabApp.default_url=/lab --ServerApp.root_dir=."
+    command = ["sh", "-c", f"{lab} {options}"]
     with running(command, tmp_path / "lab.log", cwd=folder, env=env):
         api = f"http://127.0.0.1:{port}/api/status?token={TOKEN}"
         wait("JupyterLab", lambda: urllib.request.urlopen(api, timeout=5).status == 200)
@@ -190,6 +196,7 @@ def test_the_slider_of_chapter_00_answers(browser, chapter):
     time.sleep(0.5)  # the second key's picture
     browser.screenshot(SCREENSHOT)
     assert int(browser.run(COUNT).split()[0]) < int(count.split()[0])
+    assert not re.search("news", browser.run(NOTES)), "Lab asks about news: see the Makefile"
     assert browser.run("return document.querySelectorAll('[data-mime-type*=stderr]').length") == 0
     browser.run("console.error('planted, to prove that errors are seen')")
     found = browser.errors()

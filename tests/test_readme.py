@@ -1,16 +1,11 @@
 """What README.md, environment.md and the Makefile tell a newcomer is true."""
 
-import os
 import re
-import shutil
-import subprocess
-import sys
 import tomllib
-from pathlib import Path
 
 import pytest
+from makefile import ROOT, lab_command, make
 
-ROOT = Path(__file__).resolve().parents[1]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 ENVIRONMENT = (ROOT / "environment.md").read_text(encoding="utf-8")
 
@@ -74,16 +69,6 @@ def test_commands_that_the_texts_name_exist():
     assert {"lab", "test"} <= named <= targets()
 
 
-def make(*arguments):
-    """Lines that make prints, free of the make that may run this test."""
-    if shutil.which("make") is None or sys.platform == "darwin":
-        pytest.skip("make is not installed, or every machine of this kind has a display")
-    env = {k: v for k, v in os.environ.items() if "MAKE" not in k and k != "MFLAGS"}
-    run = subprocess.run(["make", *arguments], cwd=ROOT, env=env, capture_output=True, text=True)
-    assert run.returncode == 0, run.stderr
-    return run.stdout.splitlines()
-
-
 def test_make_alone_lists_every_target():
     lines = make()
     listed = [line.split()[1] for line in lines]
@@ -101,9 +86,8 @@ def test_make_alone_lists_every_target():
 )
 def test_make_lab_serves_this_machine_only(display, port, wanted):
     """Catches a server that listens to the network, and a browser where there is no display."""
-    lines = make("-n", "lab", f"DISPLAY={display}", "WAYLAND_DISPLAY=", f"PORT={port}")
-    command = next(line for line in lines if "jupyterlab" in line).split()
-    chosen = [w for w in command if w.startswith(("--ip=", "--port=", "--no-browser"))]
+    command = lab_command(port, display)
+    chosen = [w for w in command.split() if w.startswith(("--ip=", "--port=", "--no-browser"))]
     assert chosen == wanted
 
 
