@@ -10,10 +10,11 @@ from dataclasses import replace
 from functools import cache
 
 import numpy as np
+import pandas as pd
 
 from segmap import METHODS, Log, SegmentMap, build_map, load, read
-from segmap.experiments import THESIS_FILTERS, Pace, Records, sweep
-from segmap.experiments._online import write_pace
+from segmap.course import THESIS_FILTERS
+from segmap.experiments import growth, online_times, sweep, write_records
 from segmap.simulation import SICK_LMS200, drive, office, simulate
 
 from .measure import ROOT, SHARED, Row, missing
@@ -49,17 +50,16 @@ def rows() -> Iterator[Row]:
     for name, map in maps().items():
         filters = (None,) if name.endswith("_default") else THESIS_FILTERS
         # method by method: filtered and unfiltered runs are measured close to each other
-        found = [
-            record
-            for method in METHODS
-            for record in sweep(
-                {name: map}, [method], GRIDS, filters=filters, repeat=repeat(method)
-            )
-        ]
+        found = pd.concat(
+            [
+                sweep({name: map}, [method], GRIDS, filters=filters, repeat=repeat(method))
+                for method in METHODS
+            ]
+        )
         FOLDER.mkdir(exist_ok=True)
-        Records(sorted(found, key=lambda r: r.filtered or 0)).write(FOLDER / f"{name}.csv")
-        total = sum(record.seconds for record in found)
-        yield Row(f"{name}, {len(map)} segments", f"{len(found)} runs of {total:.1f} s in all")
+        write_records(found.sort_values("filtered", kind="stable"), FOLDER / f"{name}.csv")
+        total = f"{found['seconds'].sum():.1f} s in all"
+        yield Row(f"{name}, {len(map)} segments", f"{len(found)} runs of {total}")
     if intel() is None:
         yield from missing("Intel and FR079: their stored records stay")
         return
@@ -103,19 +103,19 @@ def online() -> Row:
     """Time against scans on all of Intel: the median of three runs at every scan."""
     log = intel()
     map = build_map(log, log.truth, **PIECES)
-    paces = [
-        pace(name, map, thresholds)
+    runs = [
+        times(name, map, thresholds)
         for name in METHODS
         if METHODS[name].online
         for thresholds in ONLINE
     ]
     (FOLDER / "online").mkdir(exist_ok=True)
-    write_pace(paces, FOLDER / "online" / "intel.csv")
-    powers = ", ".join(f"{p.method} {p.growth():.2f}" for p in paces)
+    write_records(pd.concat(runs), FOLDER / "online" / "intel.csv")
+    powers = ", ".join(f"{run['method'].iloc[0]} {growth(run):.2f}" for run in runs)
     return Row(f"on-line on {len(log)} scans", f"time ~ scans ^ ({powers})")
 
 
-def pace(name: str, map: SegmentMap, thresholds: dict[str, float]) -> Pace:
+def times(name: str, map: SegmentMap, thresholds: dict[str, float]) -> pd.DataFrame:
     runs = [METHODS[name](map, **thresholds) for _ in range(3)]
     took = np.median([found.scan_seconds for found in runs], axis=0)
-    return Pace.of(replace(runs[0], scan_seconds=took), thresholds, every=EVERY)
+    return online_times(replace(runs[0], scan_seconds=took), thresholds, every=EVERY)

@@ -188,6 +188,6 @@ def test_why_counts_the_reasons():
     reasons = ("", "turning", "", "turning", "too few points")
     used = np.array([not r for r in reasons])
     found = Alignment(np.zeros((5, 3)), used, 0.1, "backbone", reasons)
-    assert list(found.why().rows) == [("2", "turning"), ("1", "too few points")]
+    assert list(found.why()["scans"].items()) == [("turning", 2), ("too few points", 1)]
     assert np.isnan(found.trusted).all(1).tolist() == (~used).tolist()
     assert repr(found) == "Alignment(backbone: 5 scans, 2 used)"

@@ -279,19 +279,18 @@ def test_the_compare_panel_shows_the_run_that_reduces_most_at_a_quality():
     for name in ("fusion", "hybrid"):
         for wanted in (40, 72, 96):
             panel.method.value, panel.wanted.value = name, wanted
-            good = [r for r in RUNS.select(method=name) if r.quality >= wanted / 100]
-            most = max(good, key=lambda r: r.reduction)
-            assert panel.record == most
-            assert len(panel.reduction) == panel.record.n_after
+            good = RUNS[(RUNS["method"] == name) & (RUNS["quality"] >= wanted / 100)]
+            assert panel.run["reduction"] == good["reduction"].max()
+            assert len(panel.reduction) == panel.run["n_after"]
             assert panel.reduction.method == name
 
 
 def test_the_compare_panel_shows_the_best_run_where_none_is_good_enough():
     """Catches an empty choice, and the run that reduces most."""
-    poor = [r for r in RUNS.select(method="fusion") if r.quality < 0.97]
+    poor = RUNS[(RUNS["method"] == "fusion") & (RUNS["quality"] < 0.97)]
     panel = ComparePanel(WALLS, poor)
     panel.wanted.value = 98
-    assert len(poor) > 1 and panel.record == max(poor, key=lambda r: r.quality)
+    assert len(poor) > 1 and panel.run["quality"] == poor["quality"].max()
 
 
 def test_angle_panel_shows_what_match_angles_finds():

@@ -116,12 +116,12 @@ def test_bytes_a_leaf(room):
 
 
 def test_statistics_count_the_leaves_by_side(room):
-    rows = dict(room.statistics().rows)
-    by_side = {k: int(v) for k, v in rows.items() if k.startswith("leaves of")}
+    rows = room.statistics()["count"].to_dict()
+    by_side = {k: v for k, v in rows.items() if k.startswith("leaves of")}
     assert by_side["leaves of 0.02 m"] == np.isclose(room.leaves().side, 0.02).sum()
-    assert sum(by_side.values()) == int(rows["leaves"]) == len(room.leaves().x)
-    assert int(rows["bytes"]) == room.nbytes
-    assert int(rows["bytes of a grid"]) == round(room.side / 0.02) ** 2
+    assert sum(by_side.values()) == rows["leaves"] == len(room.leaves().x)
+    assert rows["bytes"] == room.nbytes
+    assert rows["bytes of a grid"] == round(room.side / 0.02) ** 2
 
 
 # ------------------------------------------------------------------------- refused

@@ -1,24 +1,24 @@
-"""Sweeps that are stopped and taken up again, and the files of records."""
+"""Sweeps that are stopped and taken up again, and the files of runs."""
 
-import json
 import os
 import signal
 import subprocess
 import sys
 import textwrap
 import time
-import types
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import replace
-from math import radians
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
+import tqdm
+from pandas.testing import assert_frame_equal
 from sweep_samples import GRIDS, HALL, MAPS, NAMES, keep_all, slow_start, without_seconds
 
 from segmap import SegmentMap
-from segmap.experiments import Record, Records, sweep
+from segmap.experiments import read_records, select, sweep, thresholds_of, write_records
+from segmap.readers import _bundled
 
 
 @pytest.fixture(scope="module")
@@ -26,25 +26,44 @@ def expected():
     return sweep(MAPS, NAMES, GRIDS, filters=(None, 0.10))
 
 
+def notes(stop=None):
+    """A kind of bar that notes how many runs are done, and may be stopped by hand."""
+
+    class Notes(tqdm.tqdm):
+        seen = []  # noqa: RUF012
+
+        def __init__(self, *args, **options):
+            super().__init__(*args, **options)
+            self.seen.append(self.n)
+
+        def update(self, n=1):
+            super().update(n)
+            self.seen.append(self.n)
+            if self.n == stop:
+                raise KeyboardInterrupt
+
+    return Notes
+
+
+def run(**changed):
+    """A frame of one run."""
+    row = {"map": "hall", "method": "fusion", "tolerance": 0.02, "filtered": 0.0}
+    row |= {"n_before": 60, "n_after": 20, "reduction": 0.5, "quality": 0.9, "seconds": 0.1}
+    return pd.DataFrame([row | {"digest": "ab"} | changed])
+
+
 # ------------------------------------------------------------------ stopped, and taken up again
 
 
 def test_a_sweep_goes_on_where_it_was_stopped(tmp_path, expected):
-    """Catches a second beginning, and records that a file gives back changed."""
-    path = tmp_path / "runs.csv"
-    half = sweep({"hall": HALL}, NAMES, GRIDS, filters=(None, 0.10), records=path)
-    seen = []
-    found = sweep(
-        MAPS,
-        NAMES,
-        GRIDS,
-        filters=(None, 0.10),
-        records=path,
-        progress=lambda done, total, record: seen.append((done, total)),
-    )
-    assert found[:8] == half and without_seconds(found) == without_seconds(expected)
-    assert seen == [(done, 16) for done in range(8, 17)]
-    assert Records.read(path) == found
+    """Catches a second beginning, and runs that a file gives back changed."""
+    path, bar, options = tmp_path / "runs.csv", notes(), {"filters": (None, 0.10)}
+    half = sweep({"hall": HALL}, NAMES, GRIDS, records=path, **options)
+    found = sweep(MAPS, NAMES, GRIDS, records=path, progress=bar, **options)
+    assert_frame_equal(found[:8], half)
+    assert_frame_equal(without_seconds(found), without_seconds(expected))
+    assert_frame_equal(read_records(path), found)
+    assert bar.seen == list(range(8, 17))
 
 
 def test_a_stop_by_hand_keeps_what_is_finished_and_cancels_the_rest(tmp_path):
@@ -56,14 +75,10 @@ def test_a_stop_by_hand_keeps_what_is_finished_and_cancels_the_rest(tmp_path):
         time.sleep(0.02)
         return keep_all(map)
 
-    def stop(done, total, record):
-        if done == 3:
-            raise KeyboardInterrupt
-
     with ThreadPoolExecutor(1) as pool, pytest.raises(KeyboardInterrupt):
-        grids = {"mine": {"number": list(range(50))}}
-        sweep({"hall": HALL}, {"mine": method}, grids, executor=pool, records=path, progress=stop)
-    numbers = [r.thresholds["number"] for r in Records.read(path)]
+        grids, options = {"mine": {"number": list(range(50))}}, {"executor": pool, "records": path}
+        sweep({"hall": HALL}, {"mine": method}, grids, progress=notes(3), **options)
+    numbers = list(read_records(path)["number"])
     assert numbers[:3] == [0, 1, 2] and len(set(started)) < 10
     assert set(numbers) <= set(started)
 
@@ -72,7 +87,7 @@ def test_an_error_keeps_what_is_finished(tmp_path):
     path = tmp_path / "runs.csv"
     with pytest.raises(ValueError, match="tolerance=-1"):
         sweep({"hall": HALL}, ["fusion"], {"fusion": {"tolerance": [0.1, -1]}}, records=path)
-    assert [r.thresholds for r in Records.read(path)] == [{"tolerance": 0.1}]
+    assert list(read_records(path)["tolerance"]) == [0.1]
 
 
 KILLED = """
@@ -101,63 +116,44 @@ def test_a_killed_process_loses_only_the_run_that_it_was_in(tmp_path):
         os.kill(process.pid, signal.SIGKILL)
         process.wait()
     assert process.returncode == -signal.SIGKILL
-    assert [r.thresholds["wait"] for r in Records.read(path)] == [0.0, 0.001]
+    assert list(read_records(path)["wait"]) == [0.0, 0.001]
     whole = path.read_bytes()
     path.write_bytes(whole + b"hall,mine,wait=0.0")  # as if it had been killed while it wrote
-    seen = []
-    found = sweep(
-        {"hall": HALL},
-        {"mine": slow_start},
-        {"mine": {"wait": [0.0, 0.001, 0.002]}},
-        records=path,
-        progress=lambda done, total, record: seen.append(done),
-    )
-    assert seen == [2, 3] and len(found) == 3
-    assert path.read_bytes().startswith(whole) and Records.read(path) == found
+    bar, grids = notes(), {"mine": {"wait": [0.0, 0.001, 0.002]}}
+    found = sweep({"hall": HALL}, {"mine": slow_start}, grids, records=path, progress=bar)
+    assert bar.seen == [2, 3] and len(found) == 3
+    assert path.read_bytes().startswith(whole)
+    assert_frame_equal(read_records(path), found)
 
 
-def test_a_changed_map_is_not_resumed(tmp_path):
-    """Catches records of an old map under the name of the new one."""
+@pytest.mark.parametrize(
+    "other",
+    [SegmentMap(HALL.segments + 1e-6, HALL.scan), SegmentMap(HALL.segments, HALL.scan + 1)],
+)
+def test_a_changed_map_is_not_resumed(tmp_path, other):
+    """Catches runs on an old map under the name of the new one."""
     path = tmp_path / "runs.csv"
     sweep({"hall": HALL}, ["fusion"], records=path)
-    moved = SegmentMap(HALL.segments + 1e-6, HALL.scan)
     with pytest.raises(ValueError, match="records of another map called 'hall'"):
-        sweep({"hall": moved}, ["fusion"], records=path)
-    rescanned = SegmentMap(HALL.segments, HALL.scan + 1)
-    with pytest.raises(ValueError, match="another map"):
-        sweep({"hall": rescanned}, ["fusion"], records=path)
+        sweep({"hall": other}, ["fusion"], records=path)
 
 
 def test_other_thresholds_and_filters_are_other_runs(tmp_path):
     """Catches a key that forgets one of them, and one that hangs on the order of thresholds."""
     path, seen = tmp_path / "runs.csv", []
-
-    def count(done, total, record):
-        seen.append(record is not None)
-
     one, two = {"distance": 0.1, "angle": 0.2}, {"angle": 0.2, "distance": 0.1}
-    for grid, least in (
-        ([one], None),
-        ([two], None),
-        ([one], 0.10),
-        ([{"distance": 0.1}], None),
-    ):
-        sweep(
-            {"hall": HALL},
-            ["hybrid"],
-            {"hybrid": grid},
-            filters=(least,),
-            records=path,
-            progress=count,
-        )
-    assert seen == [False, True, False, False, True, False, True]
+    for row, least in ((one, None), (two, None), (one, 0.10), ({"distance": 0.1}, None)):
+        bar, options = notes(), {"filters": (least,), "records": path}
+        sweep({"hall": HALL}, ["hybrid"], {"hybrid": [row]}, progress=bar, **options)
+        seen.append(bar.seen)
+    assert seen == [[0, 1], [1], [0, 1], [0, 1]]
 
 
 @pytest.mark.parametrize("text", ["", "map,meth"])
 def test_a_file_stopped_within_its_head_is_begun_again(tmp_path, text):
     path = tmp_path / "runs.csv"
     path.write_text(text)
-    assert sweep({"hall": HALL}, ["fusion"], records=path) == Records.read(path)
+    assert_frame_equal(sweep({"hall": HALL}, ["fusion"], records=path), read_records(path))
 
 
 @pytest.mark.parametrize("text", ["a,b\n1,2\n3", "a poem", "\n"])
@@ -170,31 +166,25 @@ def test_a_file_of_something_else_is_left_alone(tmp_path, text):
     assert path.read_text() == text
 
 
-# ------------------------------------------------------------------ records
+# ------------------------------------------------------------------ files
 
 
 def test_files_give_back_what_they_got(tmp_path, expected):
-    """Catches rounding, lost thresholds, names with commas and quotes."""
+    """Catches rounding, lost thresholds, whole numbers made floats, names with commas, quotes."""
     path = tmp_path / "runs.csv"
-    odd = replace(expected[0], map='a "hall", with =;', thresholds={"a": 1, "b": 1e-17, "c": 2.0})
-    records = Records([*expected, odd])
-    records.write(path)
-    assert Records.read(path) == records
-    assert {type(v) for v in Records.read(path)[-1].thresholds.values()} == {int, float}
-    assert [p.name for p in tmp_path.iterdir()] == ["runs.csv"]
-
-
-def test_numbers_of_numpy_are_written_as_numbers(tmp_path):
-    """Catches `np.float64(0.17)` in a file, which nobody can read back."""
-    record = Record("hall", "hybrid", {"angle": np.radians(10)}, None, 9, 8, 0.1, 0.9, 0.5)
-    Records([record]).write(tmp_path / "runs.csv")
-    assert Records.read(tmp_path / "runs.csv")[0] == record
+    odd = run(map='a "hall", with =;', a=1, b=1e-17, angle=np.radians(10))
+    odd["a"] = odd["a"].astype("Int64")
+    frame = pd.concat([expected, odd], ignore_index=True)
+    write_records(frame, path)
+    assert_frame_equal(read_records(path), frame, check_like=True)
+    assert type(thresholds_of(read_records(path).iloc[-1])["a"]) is int
+    assert "np." not in path.read_text() and [p.name for p in tmp_path.iterdir()] == ["runs.csv"]
 
 
 def test_writing_is_whole_or_not_at_all(tmp_path, expected, monkeypatch):
     """Catches a file that is emptied before the new one is there."""
     path = tmp_path / "runs.csv"
-    expected[:1].write(path)
+    write_records(expected[:1], path)
     before = path.read_bytes()
 
     def full(self, target):
@@ -202,7 +192,7 @@ def test_writing_is_whole_or_not_at_all(tmp_path, expected, monkeypatch):
 
     monkeypatch.setattr("pathlib.Path.replace", full)
     with pytest.raises(OSError, match="no space"):
-        expected.write(path)
+        write_records(expected, path)
     assert path.read_bytes() == before and [p.name for p in tmp_path.iterdir()] == ["runs.csv"]
 
 
@@ -212,63 +202,41 @@ def test_writing_is_whole_or_not_at_all(tmp_path, expected, monkeypatch):
 def test_a_damaged_line_is_named(tmp_path, old, new, line):
     """Catches damage that passes, and thresholds that are run as code."""
     path = tmp_path / "runs.csv"
-    record = Record("hall", "fusion", {"tolerance": 0.02}, None, 60, 20, 0.5, 0.9, 0.1, "ab")
-    Records([record, replace(record, thresholds={"tolerance": 0.06})]).write(path)
+    write_records(pd.concat([run(), run(tolerance=0.06)]), path)
     lines = path.read_text().splitlines(keepends=True)
     lines[line - 1] = lines[line - 1].replace(old, new)
     path.write_text("".join(lines))
-    with pytest.raises(ValueError, match=rf"runs.csv, line {line}: expected a record, got"):
-        Records.read(path)
+    with pytest.raises(ValueError, match=rf"runs.csv, line {line}: expected map,method,.*, got"):
+        read_records(path)
 
 
 def test_select(expected):
     """Catches a filter that is taken for none, and thresholds compared digit by digit."""
-    assert len(expected.select()) == 16
-    assert len(expected.select(map="hall", method="fusion")) == 4
-    assert {r.filtered for r in expected.select(filtered=True)} == {0.10}
-    assert {r.filtered for r in expected.select(filtered=False)} == {None}
-    assert {r.filtered for r in expected.select(filtered=0.1 + 1e-12)} == {0.10}
-    assert len(expected.select(filtered=0.2)) == 0
-    assert {r.method for r in expected.select(tolerance=0.06 + 1e-12)} == {"fusion"}
-    assert len(expected.select(distance=0.3, angle=radians(10))) == 4
+    assert len(select(expected)) == 16
+    assert len(select(expected, map="hall", method="fusion")) == 4
+    for filtered, found in ((True, {0.1}), (False, {0}), (0.1 + 1e-12, {0.1}), (0.2, set())):
+        assert set(select(expected, filtered=filtered)["filtered"]) == found
+    assert set(select(expected, tolerance=0.06 + 1e-12)["method"]) == {"fusion"}
+    assert len(select(expected, distance=0.3, angle=np.radians(10))) == 4
 
 
-def test_sequence(expected):
-    assert expected[-1] is list(expected)[15] and isinstance(expected[2:4], Records)
-    assert expected[2:4][1] == expected[3] and expected[0] in expected
+def test_records_by_name(tmp_path, monkeypatch):
+    """Catches a traceback of paths for a name that is not there, and other tables read as runs."""
+    from segmap.experiments import load_records
+
+    folder = tmp_path / "records"
+    folder.mkdir()
+    write_records(pd.concat([run()] * 3), folder / "hall.csv")
+    write_records(run(map="room"), folder / "room.csv")
+    (folder / "alignment.csv").write_text("log,method\nhall,backbone\n", encoding="utf-8")
+    monkeypatch.setattr(_bundled, "PLACES", (tmp_path / "absent", tmp_path))
+    assert list(load_records("hall")["map"]) == ["hall"] * 3 and len(load_records()) == 4
+    with pytest.raises(ValueError, match="name must be of alignment, hall, room, got 'attic'"):
+        load_records("attic")
 
 
-def test_what_a_notebook_shows(expected):
-    """Catches a page of 264 rows, and names taken for HTML."""
-    many = Records([*expected, *expected, replace(expected[0], map="<hall>")])
-    shown = many._repr_html_()
-    assert shown.count("<tr>") == 21 and "and 13 more" in shown
-    assert "&lt;hall&gt;" in many[-1:]._repr_html_()
-    assert repr(many).endswith("and 13 more") and repr(Records()) == "no records"
-    assert "tolerance 0.02" in repr(expected) and "0.10 m" in repr(expected)
-    assert "seconds" not in repr(expected.table("map", "quality"))
-
-
-def test_dictionaries_can_be_stored_as_json(expected):
-    """Catches numbers of numpy, which json refuses."""
-    assert json.loads(json.dumps(expected.to_dicts()))[0]["thresholds"] == expected[0].thresholds
-
-
-def test_numbers_of_numpy_become_pythons_own():
+def test_numbers_of_numpy_become_pythons_own(tmp_path):
+    """Catches `np.float64(0.05)` in a file, which nobody can read back."""
     grid = {"fusion": {"tolerance": np.array([0.05, 0.06])}}
-    found = sweep({"hall": HALL}, ["fusion"], grid)
-    assert [type(r.thresholds["tolerance"]) for r in found] == [float, float]
-
-
-def test_a_frame_has_a_column_for_each_threshold(expected, monkeypatch):
-    """Catches dictionaries in cells; pandas itself need not be there."""
-    frame = types.SimpleNamespace(DataFrame=lambda rows: rows)
-    monkeypatch.setitem(sys.modules, "pandas", frame)
-    first = expected.to_frame()[0]
-    assert first["distance"] == 0.1 and first["n_before"] == 70 and "thresholds" not in first
-
-
-def test_without_pandas_the_error_says_what_to_do(expected, monkeypatch):
-    monkeypatch.setitem(sys.modules, "pandas", None)
-    with pytest.raises(ImportError, match="pip install pandas"):
-        expected.to_frame()
+    sweep({"hall": HALL}, ["fusion"], grid, records=tmp_path / "runs.csv")
+    assert list(read_records(tmp_path / "runs.csv")["tolerance"]) == [0.05, 0.06]

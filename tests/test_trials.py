@@ -95,10 +95,10 @@ def test_foreign_files_are_named(tmp_path, text, message):
 
 def test_the_table_holds_medians():
     table = trial_table([t for t in load_trials() if t.score == "field"])
-    assert [row[0] for row in table.rows] == list(MATCHERS)
+    assert list(table["matcher"]) == list(MATCHERS)
     best = [t for t in load_trials() if (t.matcher, t.score) == ("hill climbing", "field")]
-    assert table.rows[0][2] == f"{1e3 * np.median([t.median for t in best]):.0f}"
-    assert table.rows[0][6] == f"{1e3 * np.median([t.seconds for t in best]):.1f}"
+    assert table["median [mm]"][0] == round(1e3 * np.median([t.median for t in best]))
+    assert table["step [ms]"][0] == round(1e3 * np.median([t.seconds for t in best]), 1)
 
 
 @pytest.mark.parametrize(

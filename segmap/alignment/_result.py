@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._display import Pictured, Table
+from .._display import Pictured
 from ..arrays import Array
 from ._graph import Graph
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -98,13 +103,13 @@ class Alignment(Pictured):
         """
         return np.where(self.used[:, None], self.poses, np.nan)
 
-    def why(self) -> Table:
-        """How many scans were not used, by reason."""
-        counts: dict[str, int] = {}
-        for reason in self.reasons:
-            counts[reason] = counts.get(reason, 0) + bool(reason)
-        rows = sorted(((n, why) for why, n in counts.items() if n), reverse=True)
-        return Table(["scans", "not used because"], rows)
+    def why(self) -> pd.DataFrame:
+        """How many scans were not used: a row for each reason, a column `scans`."""
+        import pandas as pd
+
+        counts = Counter(reason for reason in self.reasons if reason)
+        rows = sorted(((n, reason) for reason, n in counts.items()), reverse=True)
+        return pd.DataFrame([n for n, _ in rows], [reason for _, reason in rows], ["scans"])
 
     def __len__(self) -> int:
         return len(self.poses)

@@ -5,6 +5,7 @@
 
 from __future__ import annotations
 
+from ._conclusions import conclusions, density, filter_change
 from ._draw_alignments import (
     draw_backbone,
     draw_basin,
@@ -78,6 +79,22 @@ from ._panels_matching import LandscapePanel, MatcherPanel
 from ._panels_quadtree import ClassesPanel, RayPanel, StoragePanel, insert_variant
 from ._panels_reduction import BasicPanel, FusionPanel, HybridPanel, MeanShiftPanel
 from ._panels_scans import ClusterPanel, DistancePanel, PolylinePanel, RoomPanel
+from ._storage import (
+    Representation,
+    compare_with_walls,
+    occupied_centres,
+    represent,
+    sample_points,
+    wall_errors,
+)
+from ._thesis import (
+    PUBLISHED,
+    THESIS_FILTERS,
+    THESIS_GRIDS,
+    alignment_table,
+    thesis_grid,
+    thesis_results,
+)
 from ._trials import (
     Trial,
     load_columns,
@@ -96,6 +113,9 @@ EXERCISES: dict[str, Exercise] = {
 
 __all__ = [
     "EXERCISES",
+    "PUBLISHED",
+    "THESIS_FILTERS",
+    "THESIS_GRIDS",
     "AnglePanel",
     "BackbonePanel",
     "BasicPanel",
@@ -115,9 +135,11 @@ __all__ = [
     "PolylinePanel",
     "PoseGraphPanel",
     "RayPanel",
+    "Representation",
     "RoomPanel",
     "StoragePanel",
     "Trial",
+    "alignment_table",
     "check_axial_mean",
     "check_beam_angles",
     "check_best_shift",
@@ -148,6 +170,9 @@ __all__ = [
     "check_reduction_rate",
     "check_scan_score",
     "check_unwrapped",
+    "compare_with_walls",
+    "conclusions",
+    "density",
     "draw_backbone",
     "draw_basin",
     "draw_buildings",
@@ -176,17 +201,24 @@ __all__ = [
     "draw_trade_off",
     "draw_trials",
     "draw_uncertainty",
+    "filter_change",
     "heading_profile",
     "insert_variant",
     "landscape",
     "load_columns",
     "load_trials",
     "move_onto_walls",
+    "occupied_centres",
     "peaks",
     "profile_peaks",
+    "represent",
     "room_walk",
     "room_walls",
+    "sample_points",
+    "thesis_grid",
+    "thesis_results",
     "trial_table",
     "try_pair",
+    "wall_errors",
     "write_trials",
 ]

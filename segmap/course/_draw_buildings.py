@@ -3,13 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.axes import Axes
 
-from ..arrays import Array
-from ..experiments import THESIS_GRIDS, Record, Records, by_method, filter_change
+from ..experiments import select, thresholds_of
 from ..plotting import DPI, RAW, RESULT, axes_or_new, draw_curves, method_style
+from ._conclusions import filter_change
+from ._thesis import THESIS_GRIDS
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 #: What a method calls its threshold in metres.
 _LENGTHS = ("distance", "sigma", "tolerance")
@@ -19,13 +24,13 @@ _TIGHT = 0.2
 _LETTER = 0.08
 
 
-def draw_buildings(*groups: Records, filtered: bool = False) -> list[list[Axes]]:
-    """Draw reduction against quality for many buildings: a row for each group of records.
+def draw_buildings(*groups: pd.DataFrame, filtered: bool = False) -> list[list[Axes]]:
+    """Draw reduction against quality for many buildings: a row for each group of runs.
 
     Parameters
     ----------
-    *groups : Records
-        Each of as many maps.
+    *groups : DataFrame
+        Runs of `experiments.sweep`, each on as many maps.
     filtered : bool
         Which of their runs.
 
@@ -36,7 +41,7 @@ def draw_buildings(*groups: Records, filtered: bool = False) -> list[list[Axes]]
 
     Examples
     --------
-    >>> from segmap.experiments import thesis_results
+    >>> from segmap.course import thesis_results
     >>> axes = draw_buildings(thesis_results())
     >>> [ax.get_title() for ax in axes[0]]
     ['polimi', 'stanford', 'bicocca', 'usc']
@@ -50,7 +55,7 @@ def draw_buildings(*groups: Records, filtered: bool = False) -> list[list[Axes]]
     )
     for row, group, maps in zip(axes, groups, names, strict=True):
         for ax, name in zip(row, maps, strict=True):
-            draw_curves(group.select(map=name, filtered=filtered), ax=ax).set_title(name)
+            draw_curves(select(group, map=name, filtered=filtered), ax=ax).set_title(name)
             ax.label_outer()
     axes[0, 0].set(xlim=(0.4, 1), ylim=(0.2, 1))
     named = axes[-1, 0].get_legend_handles_labels()
@@ -59,12 +64,12 @@ def draw_buildings(*groups: Records, filtered: bool = False) -> list[list[Axes]]
     return [list(row) for row in axes]
 
 
-def draw_threshold(*groups: Records, method: str, ax: Axes | None = None) -> Axes:
+def draw_threshold(*groups: pd.DataFrame, method: str, ax: Axes | None = None) -> Axes:
     """Draw quality against the one length that a method was run over: a line for each building.
 
     Parameters
     ----------
-    *groups : Records
+    *groups : DataFrame
         One or two: the last is blue, another grey. Runs with a filter are left out.
     method : str
         One whose other thresholds stay the same.
@@ -83,18 +88,18 @@ def draw_threshold(*groups: Records, method: str, ax: Axes | None = None) -> Axe
     Examples
     --------
     >>> from matplotlib.figure import Figure
-    >>> from segmap.experiments import thesis_results
+    >>> from segmap.course import thesis_results
     >>> ax = draw_threshold(thesis_results(), method="fusion", ax=Figure().subplots())
     >>> ax.get_xlabel(), [text.get_text() for text in ax.texts]  # upwards
     ('tolerance [mm]', ['S', 'P', 'B', 'U'])
     """
-    runs = [group.select(method=method, filtered=False) for group in groups]
-    name = _only_length(method, [r for group in runs for r in group])
+    runs = [select(group, method=method, filtered=False) for group in groups]
+    name = _only_length(method, runs)
     ax, ends = axes_or_new(ax, (4.0, 3.0)), []
     for group, color in zip(runs, (RAW, RESULT)[-len(runs) :], strict=True):
         for building in _buildings(group):
-            part = group.select(map=building)
-            points = list(zip(1000 * _column(part, name), [r.quality for r in part], strict=True))
+            part = select(group, map=building)
+            points = list(zip(1000 * part[name], part["quality"], strict=True))
             ax.plot(*np.transpose(points), "o-", color=color)
             ends.append((building, points[-1]))
     ax.set(xlabel=f"{name} [mm]", ylabel="quality")
@@ -103,14 +108,14 @@ def draw_threshold(*groups: Records, method: str, ax: Axes | None = None) -> Axe
     return ax
 
 
-def draw_times(records: Records, *, ax: Axes | None = None) -> Axes:
+def draw_times(frame: pd.DataFrame, *, ax: Axes | None = None) -> Axes:
     """Draw the time of methods on one building against their threshold, as a share of the loosest.
 
     Runs with a filter are dotted; of methods with an angle only those at a tight one are drawn.
 
     Parameters
     ----------
-    records : Records
+    frame : DataFrame
         Of one building.
     ax : matplotlib Axes or None
 
@@ -121,35 +126,33 @@ def draw_times(records: Records, *, ax: Axes | None = None) -> Axes:
     Examples
     --------
     >>> from matplotlib.figure import Figure
-    >>> from segmap.experiments import thesis_results
-    >>> ax = draw_times(thesis_results().select(map="usc"), ax=Figure().subplots())
+    >>> from segmap.course import thesis_results
+    >>> ax = draw_times(select(thesis_results(), map="usc"), ax=Figure().subplots())
     >>> [line.get_linestyle() for line in ax.lines[:2]]
     ['-', ':']
     """
     ax = axes_or_new(ax, (4.0, 3.0))
-    tight = [r for r in records if (r.thresholds.get("angle") or 0.0) < _TIGHT]
-    for k, (method, runs) in enumerate(by_method(tight).items()):
-        name, color = (
-            next(n for n in _LENGTHS if n in runs[0].thresholds),
-            method_style(method, k)[0],
-        )
+    tight = frame[~(frame["angle"] >= _TIGHT)] if "angle" in frame else frame
+    for k, (method, runs) in enumerate(tight.groupby("method", sort=False)):
+        name = next(n for n in _LENGTHS if n in thresholds_of(runs.iloc[0]))
+        color = method_style(str(method), k)[0]
         for filtered, line in ((False, "-"), (True, ":")):
-            part = [r for r in runs if (r.filtered is not None) == filtered]
-            at = _column(part, name) / _column(runs, name).max()
-            label = None if filtered else method
-            ax.plot(at, [r.seconds for r in part], line, color=color, label=label)
+            part = select(runs, filtered=filtered)
+            label = None if filtered else str(method)
+            at = part[name] / runs[name].max()
+            ax.plot(at, part["seconds"], line, color=color, label=label)
     ax.set(yscale="log", xlabel="threshold, share of the loosest", ylabel="time [s]")
     return ax
 
 
 def draw_filter(
-    records: Records, *, methods: Iterable[str] = tuple(THESIS_GRIDS), ax: Axes | None = None
+    frame: pd.DataFrame, *, methods: Iterable[str] = tuple(THESIS_GRIDS), ax: Axes | None = None
 ) -> Axes:
     """Draw what the filter adds to the mean quality and reduction: a dot a method and building.
 
     Parameters
     ----------
-    records : Records
+    frame : DataFrame
         Filtered and not.
     methods : iterable of str
     ax : matplotlib Axes or None
@@ -162,7 +165,7 @@ def draw_filter(
     Examples
     --------
     >>> from matplotlib.figure import Figure
-    >>> from segmap.experiments import thesis_results
+    >>> from segmap.course import thesis_results
     >>> ax = draw_filter(thesis_results(), methods=["hybrid"], ax=Figure().subplots())
     >>> len(ax.lines[0].get_xdata())
     4
@@ -170,7 +173,7 @@ def draw_filter(
     ax = axes_or_new(ax, (4.0, 3.0))
     for k, method in enumerate(methods):
         color, marker, _ = method_style(method, k)
-        change = [filter_change(records.select(map=n), method) for n in _buildings(records)]
+        change = [filter_change(select(frame, map=n), method) for n in _buildings(frame)]
         ax.plot(*(100 * np.transpose(change)), marker, color=color, label=method)
     ax.set(xlabel="change of quality [points]", ylabel="change of reduction [points]")
     return ax
@@ -205,40 +208,31 @@ def draw_initials(
     return ax
 
 
-def _only_length(method: str, records: list[Record]) -> str:
+def _only_length(method: str, groups: list[pd.DataFrame]) -> str:
     """The threshold that is a length; refuses runs without one, and those at several angles."""
     values: dict[str, set[object]] = {}
-    for r in records:
-        for name, value in r.thresholds.items():
-            values.setdefault(name, set()).add(value)
+    for group in groups:
+        for _, run in group.iterrows():
+            for name, value in thresholds_of(run).items():
+                values.setdefault(name, set()).add(value)
     varied = [n for n, found in values.items() if len(found) > 1 or n in _LENGTHS]
     if len(varied) != 1 or varied[0] not in _LENGTHS:
         raise ValueError(f"method must be run over one length, {method} is over {sorted(varied)}")
     return varied[0]
 
 
-def _column(records: Iterable[Record], name: str) -> Array:
-    """A threshold of each run."""
-    return np.array([r.thresholds[name] for r in records], float)
-
-
-def _buildings(records: Records) -> list[str]:
-    return list(dict.fromkeys(r.map for r in records))
+def _buildings(frame: pd.DataFrame) -> list[str]:
+    return list(dict.fromkeys(frame["map"]))
 
 
 def _spread_letters(ends: list[tuple[str, tuple[float, float]]], ax: Axes) -> None:
     """Initials beside the ends of lines, moved apart where lines end close together."""
+    from scipy.optimize import isotonic_regression
+
     low, high = ax.get_ylim()
     ordered = sorted(ends, key=lambda end: end[1][1])
-    heights = _apart(np.array([y for _, (_, y) in ordered]), _LETTER * (high - low))
+    steps = _LETTER * (high - low) * np.arange(len(ordered))
+    heights = isotonic_regression([y for _, (_, y) in ordered] - steps).x + steps
     for (name, (x, _)), y in zip(ordered, heights, strict=True):
         text = ax.annotate(name[0].upper(), (x, y), (6, -3), textcoords="offset points")
         text.set_fontsize("small")
-
-
-def _apart(values: Array, gap: float) -> Array:
-    """The ascending values that are nearest to some (least squares) and at least a gap apart."""
-    from scipy.optimize import isotonic_regression
-
-    steps = gap * np.arange(len(values))
-    return np.asarray(isotonic_regression(values - steps).x) + steps

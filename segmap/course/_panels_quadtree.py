@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING, Any
+
 import ipywidgets as W
 import numpy as np
 from matplotlib.figure import Figure
@@ -10,7 +12,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from .. import arrays
 from ..arrays import Array, Segments
-from ..experiments import Judged, judge, keep
 from ..exports import Classes, ros_classes
 from ..literal import cell_of, ray_cells
 from ..panels import Panel, slider, text
@@ -20,6 +21,10 @@ from ..quadtree import QuadtreeMap
 from ..scans import Log
 from ..simulation import Sensor, circular_room, simulate
 from ._draw_quadtrees import draw_classes
+from ._storage import compare_with_walls, represent
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 Cell = tuple[int, int]
 Cells = NDArray[np.int64]
@@ -268,7 +273,8 @@ class StoragePanel(Panel):
     tree : box to tick
         Which of the two is drawn, under the true walls in green.
     segments, squares : labels
-    judged : dict of str -> Judged
+    compared : DataFrame
+        Of `compare_with_walls`.
 
     Examples
     --------
@@ -278,7 +284,7 @@ class StoragePanel(Panel):
     '12 segments, 0.4 kB, 0.8 mm off'
     """
 
-    judged: dict[str, Judged]
+    compared: pd.DataFrame
 
     def __init__(self, log: Log, poses: ArrayLike, walls: Segments) -> None:
         self.log, self.poses, self.walls = log, poses, arrays.segments(walls)
@@ -293,21 +299,21 @@ class StoragePanel(Panel):
             "resolution": self.resolution.value / 100,
             "tolerance": self.tolerance.value / 100,
         }
-        ways = keep(self.log, self.poses, **sizes)
-        self.judged = {found.kept.name: found for found in judge(ways.kept, self.walls)}
-        self.segments.value = _words(self.judged["reduced segments"], "segments")
-        self.squares.value = _words(self.judged["quadtree"], "leaves")
+        found = represent(self.log, self.poses, **sizes)
+        self.compared = compare_with_walls(found, self.walls)
+        self.segments.value = _words(self.compared.loc["reduced segments"], "segments")
+        self.squares.value = _words(self.compared.loc["quadtree"], "leaves")
         ax = figure.subplots()
         if self.tree.value:
-            draw_quadtree(ways.map, ax=ax)
+            draw_quadtree(found["quadtree"].map, ax=ax)
         else:
-            draw_segments(ways.reduced, ax=ax, color=RESULT, width=2.5)
+            draw_segments(found["reduced segments"].map, ax=ax, color=RESULT, width=2.5)
         draw_segments(self.walls, ax=ax, color=TRUTH, width=0.8)
 
     def __repr__(self) -> str:
         return f"StoragePanel({self.segments.value}; {self.squares.value})"
 
 
-def _words(found: Judged, parts: str) -> str:
-    kept = found.kept
-    return f"{kept.parts} {parts}, {kept.nbytes / 1e3:.1f} kB, {1e3 * found.error:.1f} mm off"
+def _words(found: Any, parts: str) -> str:
+    count, size, error = int(found["parts"]), found["nbytes"] / 1e3, 1e3 * found["error"]
+    return f"{count} {parts}, {size:.1f} kB, {error:.1f} mm off"

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import csv
 from collections.abc import Iterable
-from dataclasses import astuple, dataclass, fields
+from dataclasses import asdict, astuple, dataclass, fields
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .._display import Table
 from ..angles import wrap
 from ..arrays import Array
 from ..matching import MATCHERS, SCORES, map_scans
@@ -18,6 +18,9 @@ from ..quadtree import QuadtreeMap
 from ..readers import data_file
 from ..scans import Log
 from ..simulation import URG_04LX, box, rectangular_room, simulate
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 
 @dataclass(frozen=True)
@@ -250,25 +253,26 @@ def write_trials(trials: Iterable[Trial], path: Path) -> None:
     part.replace(path)
 
 
-def trial_table(trials: Iterable[Trial]) -> Table:
+def trial_table(trials: Iterable[Trial]) -> pd.DataFrame:
     """Trials as a table: medians over the seeds of each pair, in their order.
 
     Examples
     --------
-    >>> trial_table([Trial("it", "hill climbing", "field", 0, 0.0141, 0.03, 0.01, 99, 800, 0.1)])
-    matcher        score  median [mm]  largest [mm]  heading [deg]  leaves  step [ms]  seeds
-    hill climbing  field  14           30            0.6            99      100.0      1
+    >>> trial = Trial("it", "hill climbing", "field", 0, 0.0141, 0.03, 0.01, 99, 800, 0.1)
+    >>> trial_table([trial])[["matcher", "median [mm]", "heading [deg]", "step [ms]", "seeds"]]
+             matcher  median [mm]  heading [deg]  step [ms]  seeds
+    0  hill climbing           14            0.6      100.0      1
     """
-    groups: dict[tuple[str, str], list[Trial]] = {}
-    for trial in trials:
-        groups.setdefault((trial.matcher, trial.score), []).append(trial)
-    head = ["matcher", "score", "median [mm]", "largest [mm]", "heading [deg]"]
-    head += ["leaves", "step [ms]", "seeds"]
-    return Table(head, ((*pair, *_medians(group)) for pair, group in groups.items()))
+    import pandas as pd
 
-
-def _medians(group: list[Trial]) -> list[str]:
-    values = [(t.median, t.largest, t.heading, t.leaves, t.seconds) for t in group]
-    median, largest, heading, leaves, seconds = np.median(values, axis=0)
-    errors = [f"{1e3 * median:.0f}", f"{1e3 * largest:.0f}", f"{np.degrees(heading):.1f}"]
-    return [*errors, f"{leaves:.0f}", f"{1e3 * seconds:.1f}", str(len(group))]
+    groups = pd.DataFrame(map(asdict, trials)).groupby(["matcher", "score"], sort=False)
+    median = groups[["median", "largest", "heading", "leaves", "seconds"]].median()
+    table = {
+        "median [mm]": (1e3 * median["median"]).round().astype(int),
+        "largest [mm]": (1e3 * median["largest"]).round().astype(int),
+        "heading [deg]": np.degrees(median["heading"]).round(1),
+        "leaves": median["leaves"].round().astype(int),
+        "step [ms]": (1e3 * median["seconds"]).round(1),
+        "seeds": groups.size(),
+    }
+    return pd.DataFrame(table).reset_index()

@@ -1,86 +1,41 @@
 """Experiments: methods over thresholds and maps, and what they reach at equal quality.
 
-`sweep` runs them, here or on any `concurrent.futures.Executor`; `equal_quality` and `pareto`
-compare. `thesis_results` and `load_records` give the runs that come with segmap.
+`sweep` runs them, here or on any `concurrent.futures.Executor`, and returns a pandas DataFrame with
+one row a run; `equal_quality` and `pareto` compare. `load_records`, `load_online` and
+`load_alignments` give the runs that come with segmap.
 """
 
-from ._alignments import (
-    PUBLISHED,
-    AlignmentRun,
-    Published,
-    alignment_table,
+from ._compare import equal_quality, front, pareto, reduction_at
+from ._online import growth, online_times
+from ._plan import default_thresholds, digest
+from ._records import (
     load_alignments,
-    read_alignments,
+    load_online,
+    load_records,
+    read_records,
+    select,
+    thresholds_of,
+    thresholds_text,
+    write_records,
 )
-from ._bundled import THESIS_FILTERS, THESIS_GRIDS, load_records, thesis_grid, thesis_results
-from ._compare import (
-    Standing,
-    Standings,
-    by_method,
-    by_setting,
-    equal_quality,
-    front,
-    pareto,
-    points_of,
-    reduction_at,
-)
-from ._conclusions import Answer, Conclusion, conclusion_table, conclusions, density, filter_change
-from ._online import Pace, load_pace
-from ._records import Record, Records, number_words
-from ._storage import (
-    Judged,
-    Kept,
-    Ways,
-    along,
-    judge,
-    keep,
-    occupied_centres,
-    storage_table,
-    wall_errors,
-)
-from ._sweep import digest, sweep
+from ._sweep import sweep
 
 __all__ = [
-    "PUBLISHED",
-    "THESIS_FILTERS",
-    "THESIS_GRIDS",
-    "AlignmentRun",
-    "Answer",
-    "Conclusion",
-    "Judged",
-    "Kept",
-    "Pace",
-    "Published",
-    "Record",
-    "Records",
-    "Standing",
-    "Standings",
-    "Ways",
-    "alignment_table",
-    "along",
-    "by_method",
-    "by_setting",
-    "conclusion_table",
-    "conclusions",
-    "density",
+    "default_thresholds",
     "digest",
     "equal_quality",
-    "filter_change",
     "front",
-    "judge",
-    "keep",
+    "growth",
     "load_alignments",
-    "load_pace",
+    "load_online",
     "load_records",
-    "number_words",
-    "occupied_centres",
+    "online_times",
     "pareto",
-    "points_of",
-    "read_alignments",
+    "read_records",
     "reduction_at",
-    "storage_table",
+    "select",
     "sweep",
-    "thesis_grid",
-    "thesis_results",
-    "wall_errors",
+    "thresholds_of",
+    "thresholds_text",
+    "write_records",
 ]

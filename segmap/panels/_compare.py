@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import ipywidgets as W
 from matplotlib.figure import Figure
 
-from ..experiments import Record, Records
+from ..experiments import select, thresholds_of, thresholds_text
 from ..plotting import ERROR, draw_before_after, draw_curves
 from ..reduction import METHODS, Reduction
 from ..segments import SegmentMap
 from ._base import Panel, slider, text
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 #: Pixels: two pictures side by side.
 WIDTH, HEIGHT = 600, 270
@@ -24,8 +26,8 @@ class ComparePanel(Panel):
     Parameters
     ----------
     map : SegmentMap
-    records : iterable of Record
-        Runs on this map, unfiltered.
+    runs : DataFrame
+        Of `experiments.sweep`, on this map, unfiltered.
 
     Attributes
     ----------
@@ -33,7 +35,7 @@ class ComparePanel(Panel):
     wanted : slider, per cent
         Least quality. Where no run reaches it the best one is shown.
     thresholds, rate, kept : labels
-    record : Record
+    run : Series
         The run that is shown.
     reduction : Reduction
         Made anew with its thresholds.
@@ -49,12 +51,12 @@ class ComparePanel(Panel):
     ('tolerance 0.01', 'reduction 0.0%: 3 of 3 left')
     """
 
-    record: Record
+    run: pd.Series[Any]
     reduction: Reduction
 
-    def __init__(self, map: SegmentMap, records: Iterable[Record]) -> None:
-        self.map, self.records = map, Records(records)
-        names = list(dict.fromkeys(record.method for record in self.records))
+    def __init__(self, map: SegmentMap, runs: pd.DataFrame) -> None:
+        self.map, self.runs = map, runs
+        names = list(dict.fromkeys(runs["method"]))
         first = "fusion" if "fusion" in names else names[0]
         self.method: Any = W.Dropdown(options=names, value=first, description="method")
         self.wanted = slider("least quality", 80, 40, 98, 1, "%")
@@ -63,27 +65,26 @@ class ComparePanel(Panel):
         self._assemble(self.method, self.wanted, texts, width=WIDTH, height=HEIGHT)
 
     def _draw(self, figure: Figure) -> None:
-        self.record = self._chosen()
-        self.reduction = METHODS[self.record.method].function(self.map, **self.record.thresholds)
-        self.thresholds.value = self.record.words
+        self.run = run = self._chosen()
+        self.reduction = METHODS[run["method"]].function(self.map, **thresholds_of(run))
+        self.thresholds.value = thresholds_text(run)
         left = f"{len(self.reduction)} of {len(self.map)} left"
-        self.rate.value = f"reduction {self.record.reduction:.1%}: {left}"
-        self.kept.value = f"quality {self.record.quality:.1%}"
+        self.rate.value = f"reduction {run['reduction']:.1%}: {left}"
+        self.kept.value = f"quality {run['quality']:.1%}"
         curves, walls = figure.subplots(1, 2)
-        draw_curves(self.records, ax=curves, quality=self.wanted.value / 100)
-        here = (self.record.quality, self.record.reduction)
+        draw_curves(self.runs, ax=curves, quality=self.wanted.value / 100)
+        here = (run["quality"], run["reduction"])
         curves.plot(
             *here, "o", markersize=12, markerfacecolor="none", color=ERROR, markeredgewidth=2
         )
         curves.legend(fontsize="x-small")
         draw_before_after(self.map, self.reduction, ax=walls)
 
-    def _chosen(self) -> Record:
-        runs = self.records.select(method=self.method.value)
-        good = [run for run in runs if run.quality >= self.wanted.value / 100]
-        if good:
-            return max(good, key=lambda run: run.reduction)
-        return max(runs, key=lambda run: run.quality)
+    def _chosen(self) -> pd.Series[Any]:
+        runs = select(self.runs, method=self.method.value)
+        good = runs[runs["quality"] >= self.wanted.value / 100]
+        best = good["reduction"].argmax() if len(good) else runs["quality"].argmax()
+        return (good if len(good) else runs).iloc[best]
 
     def __repr__(self) -> str:
         wanted = f"{self.method.value} at {self.wanted.value} %"

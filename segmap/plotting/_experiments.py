@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from typing import TYPE_CHECKING
 
 from matplotlib.axes import Axes
 from matplotlib.ticker import PercentFormatter
 
-from ..experiments import Pace, Record, by_method, by_setting, front, number_words, points_of
-from ..reduction import Reduction
+from ..experiments import front, thresholds_text
 from ._style import GROUPS, axes_or_new
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 #: Method -> colour, marker and line, the same in all pictures.
 METHOD_STYLES = {
@@ -23,14 +25,15 @@ METHOD_STYLES = {
 
 
 def draw_curves(
-    records: Iterable[Record], *, ax: Axes | None = None, quality: float | None = None
+    frame: pd.DataFrame, *, ax: Axes | None = None, quality: float | None = None
 ) -> Axes:
     """Draw reduction against quality: a dot for each run, a line along the best of each method.
 
     Parameters
     ----------
-    records : iterable of Record
-        Of one map, all filtered alike: others cannot be compared (A 6.2.3).
+    frame : DataFrame
+        Runs of `experiments.sweep` on one map, all filtered alike: others cannot be compared
+        (A 6.2.3).
     ax : matplotlib Axes or None
     quality : float or None
         Where to draw an upright line.
@@ -42,25 +45,25 @@ def draw_curves(
     Raises
     ------
     ValueError
-        For records of several maps, or filtered and unfiltered ones.
+        For runs on several maps, or filtered and unfiltered ones.
 
     Examples
     --------
     >>> from matplotlib.figure import Figure
-    >>> from segmap.experiments import thesis_results
-    >>> ax = draw_curves(thesis_results().select(map="usc", filtered=False), ax=Figure().subplots())
-    >>> len(ax.lines)
-    10
+    >>> from segmap.experiments import load_records, select
+    >>> runs = select(load_records("malaga"), filtered=False)
+    >>> len(draw_curves(runs, ax=Figure().subplots()).lines)
+    12
     """
-    chosen = list(records)
-    if len(settings := by_setting(chosen)) > 1:
-        raise ValueError(f"records must be of one map, filtered or not, got {list(settings)}")
+    if len(settings := frame[["map", "filtered"]].drop_duplicates()) > 1:
+        found = settings.to_numpy().tolist()
+        raise ValueError(f"frame must hold runs on one map, with one filter, got {found}")
     ax = axes_or_new(ax)
     if quality is not None:
         ax.axvline(quality, color="#666666", linewidth=1, linestyle=":")
-    for k, (method, part) in enumerate(by_method(chosen).items()):
-        color, marker, line = method_style(method, k)
-        points = points_of(part)
+    for k, (method, runs) in enumerate(frame.groupby("method", sort=False)):
+        color, marker, line = method_style(str(method), k)
+        points = runs[["quality", "reduction"]].to_numpy(float)
         ax.plot(*points.T, marker, color=color, markersize=4, alpha=0.5)
         ax.plot(*front(points).T, line, color=color, linewidth=2, label=method)
     for axis in (ax.xaxis, ax.yaxis):
@@ -69,13 +72,13 @@ def draw_curves(
     return ax
 
 
-def draw_online(runs: Iterable[Pace | Reduction], *, ax: Axes | None = None) -> Axes:
+def draw_online(frame: pd.DataFrame, *, ax: Axes | None = None) -> Axes:
     """Draw how the time of on-line methods adds up as the scans come in.
 
     Parameters
     ----------
-    runs : iterable of Pace or Reduction
-        Of one log.
+    frame : DataFrame
+        Of `experiments.online_times`: one run or more, of one log.
     ax : matplotlib Axes or None
 
     Returns
@@ -86,21 +89,23 @@ def draw_online(runs: Iterable[Pace | Reduction], *, ax: Axes | None = None) -> 
     --------
     >>> from matplotlib.figure import Figure
     >>> from segmap import METHODS, SegmentMap
+    >>> from segmap.experiments import online_times
     >>> wall = SegmentMap([[(0, 0), (1, 0)], [(0, 0), (0, 1)]], [0, 1])
-    >>> ax = draw_online([METHODS["hybrid"](wall)], ax=Figure().subplots())
+    >>> ax = draw_online(online_times(METHODS["hybrid"](wall), {}), ax=Figure().subplots())
     >>> ax.lines[0].get_xdata().tolist()
     [0, 1, 2]
     """
     ax = axes_or_new(ax)
     seen: dict[str, int] = {}
-    for run in runs:
-        pace = Pace.of(run, {}) if isinstance(run, Reduction) else run
-        color, _, _ = method_style(pace.method, len(seen))
-        nth = seen[pace.method] = seen.get(pace.method, -1) + 1
-        words = ", ".join(f"{k} {number_words(v)}" for k, v in pace.thresholds.items())
-        label = f"{pace.method}: {words}" if words else pace.method
-        times = [0.0, *pace.seconds]
-        ax.plot([0, *pace.scans], times, "-" if nth == 0 else "--", color=color, label=label)
+    thresholds = frame.columns.difference(["scans", "seconds", "live"], sort=False)
+    for _, run in frame.groupby(list(thresholds), sort=False, dropna=False):
+        method = str(run["method"].iloc[0])
+        color, _, _ = method_style(method, len(seen))
+        nth = seen[method] = seen.get(method, -1) + 1
+        words = thresholds_text(run.iloc[0])
+        label = f"{method}: {words}" if words else method
+        line = "-" if nth == 0 else "--"
+        ax.plot([0, *run["scans"]], [0.0, *run["seconds"]], line, color=color, label=label)
     ax.set(xlabel="scans", ylabel="total time [s]")
     return ax
 

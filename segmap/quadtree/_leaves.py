@@ -1,12 +1,16 @@
 """Leaves of a quadtree as arrays, and their numbers as a table."""
 
-from typing import NamedTuple
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .._display import Table
 from ..arrays import Array
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 
 class Leaves(NamedTuple):
@@ -26,12 +30,12 @@ class Leaves(NamedTuple):
     occ: NDArray[np.int32]
 
 
-def counted(level: NDArray[np.int64], resolution: float, nbytes: int, top: int) -> Table:
+def counted(level: NDArray[np.int64], resolution: float, nbytes: int, top: int) -> pd.DataFrame:
     """Leaves by side from their levels, and the bytes of a tree of `2^top` cells a side."""
+    import pandas as pd
+
     sides, counts = np.unique(level, return_counts=True)
-    rows: list[tuple[object, object]] = [
-        (f"leaves of {np.ldexp(resolution, side):.6g} m", count)
-        for side, count in zip(sides.tolist(), counts.tolist(), strict=True)
-    ]
-    rows += [("leaves", len(level)), ("bytes", nbytes)]
-    return Table(["", "count"], [*rows, ("bytes of a grid", 4**top)])
+    names = [f"leaves of {side:.6g} m" for side in np.ldexp(resolution, sides)]
+    rows = dict(zip(names, counts.tolist(), strict=True))
+    rows |= {"leaves": len(level), "bytes": nbytes, "bytes of a grid": 4**top}
+    return pd.DataFrame({"count": rows})

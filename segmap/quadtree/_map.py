@@ -1,11 +1,14 @@
 """The occupancy map in a quadtree that grows by itself (B 4)."""
 
+from __future__ import annotations
+
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .._display import Pictured, Table
+from .._display import Pictured
 from ..arrays import Array
 from . import _loops as loops
 from ._arguments import check_finite, check_whole, level_of, levels_of, point
@@ -14,6 +17,9 @@ from ._file import read_map, write_map
 from ._leaves import Leaves, counted
 from ._tree import Tree
 from ._whole_loops import painted
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 
 class QuadtreeMap(Pictured):
@@ -191,17 +197,17 @@ class QuadtreeMap(Pictured):
             raise ValueError(f"resolution {resolution} is larger than the map, {self.side:.6g} m")
         return k
 
-    def statistics(self) -> Table:
+    def statistics(self) -> pd.DataFrame:
         """Leaves by side, and the bytes that they and a grid of single bytes take.
 
         Examples
         --------
         >>> QuadtreeMap(resolution=0.5, size=2).statistics()
                          count
-        leaves of 1 m    4
-        leaves           4
-        bytes            32
-        bytes of a grid  16
+        leaves of 1 m        4
+        leaves               4
+        bytes               32
+        bytes of a grid     16
         """
         level = self.tree.leaves()[2]
         return counted(level, self.resolution, self.nbytes, self.tree.level)
@@ -241,7 +247,7 @@ class QuadtreeMap(Pictured):
         write_map(Path(path), self)
 
     @classmethod
-    def load(cls, path: str | Path) -> "QuadtreeMap":
+    def load(cls, path: str | Path) -> QuadtreeMap:
         """Read what `save` wrote; an example is there.
 
         Raises

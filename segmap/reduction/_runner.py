@@ -6,16 +6,19 @@ import time
 from collections.abc import Callable, Generator, Iterator
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .. import arrays
-from .._display import Pictured, Table
+from .._display import Pictured
 from ..arrays import Array, Segments
 from ..methods import Method
 from ..segments import MIN_LENGTH, SegmentMap, length
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 Indices = NDArray[np.int64]
 #: What a method returns: outputs `(m, 2, 2)`, metres, and the output of each of its rows, `(k,)`.
@@ -69,26 +72,28 @@ class Methods(dict[str, Method[Reduction]]):
     >>> def nothing(map):
     ...     return Reduction(map.segments, np.arange(len(map)), 0.0)
     >>> Methods(nothing=Method(nothing, "A 4", merges="2 -> 1", keeps="end points"))
-    method   in   merges  runs      needs     keeps       published by
+              in  merges      runs     needs       keeps published by
     nothing  A 4  2 -> 1  off-line  segments  end points
     """
 
-    def table(self) -> Table:
+    def table(self) -> pd.DataFrame:
         """Class of reduction, process, what each method needs and keeps (A 2.8, table 2.16)."""
-        head = ("method", "in", "merges", "runs", "needs", "keeps", "published by")
-        return Table(head, (_row(name, method) for name, method in self.items()))
+        import pandas as pd
+
+        head = ["in", "merges", "runs", "needs", "keeps", "published by"]
+        return pd.DataFrame([_row(method) for method in self.values()], list(self), head)
 
     def __repr__(self) -> str:
-        return repr(self.table())
+        return self.table().to_string()
 
     def _repr_html_(self) -> str:
-        return self.table()._repr_html_()
+        return self.table().to_html()
 
 
-def _row(name: str, method: Method[Reduction]) -> tuple[str, ...]:
+def _row(method: Method[Reduction]) -> tuple[str, ...]:
     runs = "on-line" if method.online else "off-line"
     needs = "points" if method.needs_points else "segments"
-    return name, method.source, method.merges, runs, needs, method.keeps, method.paper
+    return method.source, method.merges, runs, needs, method.keeps, method.paper
 
 
 class Rows(NamedTuple):

@@ -1,0 +1,146 @@
+"""The runs of a sweep, from maps, methods and grids, checked before anything runs."""
+
+from __future__ import annotations
+
+import hashlib
+import inspect
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from itertools import product
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from .. import arrays
+from ..arrays import Segments
+from ..reduction import METHODS, Method, Reduction
+from ..segments import SegmentMap
+from ._files import NAMES, Row, Threshold
+
+Function = Callable[..., Reduction]
+Thresholds = dict[str, Threshold]
+Items = tuple[tuple[str, Threshold], ...]
+Grid = Mapping[str, Any] | Iterable[Mapping[str, Threshold]]
+
+
+class Job(NamedTuple):
+    """One run to come.
+
+    `row` says which, `segments` are what the filter has left, and `first` are thresholds of
+    the same kinds, with which the method is called once before.
+    """
+
+    row: Row
+    segments: SegmentMap
+    function: Function
+    first: Items
+    repeat: int
+
+
+def digest(map: SegmentMap) -> str:
+    """Twelve hexadecimal digits that differ where segments, to the nanometre, or scans do.
+
+    Segments `(n, 2, 2)`, metres; scans `(n,)`.
+
+    Examples
+    --------
+    >>> wall = SegmentMap([[(0, 0), (1, 0)]])
+    >>> [digest(SegmentMap(wall.segments + shift)) == digest(wall) for shift in (1e-12, 1e-6)]
+    [True, False]
+    """
+    grid = np.round(map.segments * 1e9).astype("<i8")
+    found = hashlib.sha256(grid.tobytes() + map.scan.astype("<i8").tobytes())
+    return found.hexdigest()[:12]
+
+
+def default_thresholds(function: Function) -> Thresholds | None:
+    """Thresholds of a method and their defaults; None where it takes any.
+
+    Examples
+    --------
+    >>> default_thresholds(METHODS["fusion"].function)
+    {'tolerance': 0.04}
+    """
+    parameters = inspect.signature(function).parameters.values()
+    if any(p.kind is p.VAR_KEYWORD for p in parameters):
+        return None
+    return {p.name: None if p.default is p.empty else p.default for p in list(parameters)[1:]}
+
+
+def planned(
+    maps: Mapping[str, Segments],
+    methods: Iterable[str] | Mapping[str, Function],
+    grids: Mapping[str, Grid],
+    filters: Iterable[float | None],
+    repeat: int,
+) -> list[Job]:
+    """All runs of a sweep in the order of the request; arguments and errors as of `sweep`."""
+    least = [None if f is None else _length(f) for f in filters]
+    functions = _functions(methods)
+    for name in set(grids) - set(METHODS):
+        arrays.one_of(name, "grids", functions)
+    plans = {name: _combinations(name, f, grids.get(name, [{}])) for name, f in functions.items()}
+    return [
+        Job({**known, "method": method, "thresholds": row}, part, functions[method], first, repeat)
+        for name, map in maps.items()
+        for known, part in _filtered(name, map, least)
+        for method, plan in plans.items()
+        for row, first in plan
+    ]
+
+
+def _functions(methods: Iterable[str] | Mapping[str, Function]) -> dict[str, Function]:
+    """Methods by name, as functions that say what thresholds they have."""
+    if isinstance(methods, Mapping):
+        return {k: m.function if isinstance(m, Method) else m for k, m in methods.items()}
+    names = [methods] if isinstance(methods, str) else list(methods)
+    return {arrays.one_of(name, "methods", METHODS): METHODS[name].function for name in names}
+
+
+def _length(least: float) -> float:
+    return arrays.number(least, "filters", above=0, unit="metres, or None")
+
+
+def _filtered(
+    name: str, map: Segments, filters: list[float | None]
+) -> Iterator[tuple[Row, SegmentMap]]:
+    """A map after each filter, and what a row says of it."""
+    if "\n" in name or "\r" in name:
+        raise ValueError(f"maps must have names of one line, got {name!r}")
+    whole = map if isinstance(map, SegmentMap) else SegmentMap(map)
+    mark = digest(whole)
+    for least in filters:
+        part = whole if least is None else whole.filtered(least)
+        yield {"map": name, "filtered": least or 0.0, "digest": mark}, part
+
+
+def _combinations(name: str, function: Function, grid: Grid) -> list[tuple[Thresholds, Items]]:
+    """Thresholds of each run, and those of the first run with numbers of the same kinds.
+
+    Defaults that the grid leaves out are filled in.
+    """
+    if isinstance(grid, Mapping):
+        lists = [np.atleast_1d(np.asarray(values, object)) for values in grid.values()]
+        grid = [dict(zip(grid, values, strict=True)) for values in product(*lists)]
+    defaults = default_thresholds(function)
+    found = [{**(defaults or {}), **{k: _plain(v) for k, v in row.items()}} for row in grid]
+    for row in found:
+        if defaults is not None and (strange := set(row) - set(defaults)):
+            known = ", ".join(defaults)
+            raise ValueError(f"grids[{name!r}] must be of {known}, got {', '.join(strange)}")
+        if taken := NAMES & set(row):
+            raise ValueError(f"{name} must not call a threshold {taken.pop()!r}: a column is")
+    found = [{k: v for k, v in row.items() if v is not None or defaults is None} for row in found]
+    first: dict[tuple[type, ...], Items] = {}
+    return [(row, first.setdefault(_kinds(row), tuple(row.items()))) for row in found]
+
+
+def _kinds(thresholds: Thresholds) -> tuple[type, ...]:
+    return tuple(type(value) for value in thresholds.values())
+
+
+def _plain(value: Any) -> Threshold:
+    """A number of Python's own, as a file keeps it."""
+    plain = value.item() if isinstance(value, np.generic) else value
+    if plain is None or isinstance(plain, int | float):
+        return plain
+    raise ValueError(f"grids must hold numbers or None, got {value!r}")
