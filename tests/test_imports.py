@@ -17,7 +17,7 @@ STOREYS = (
     "_compiled _display methods arrays",
     "angles literal",
     "poses segments",
-    "scans error_codes",
+    "scans kernels error_codes",
     "readers simulation extraction metrics hokuyo",
     "alignment reduction quadtree emulator",
     "matching experiments exports",
@@ -35,7 +35,7 @@ HEAVY = ("matplotlib", "ipywidgets", "serial", "numba", "IPython", "pandas", "tq
 
 
 def room_of(module: str) -> str:
-    """`segmap.reduction._fusion` lives in reduction, `segmap._metrics_loops` in metrics."""
+    """`segmap.reduction._fusion` lives in reduction, `segmap._extraction_loops` in extraction."""
     parts = module.split(".")
     room = parts[1] if len(parts) > 1 else "segmap"
     return room.removeprefix("_").removesuffix("_loops") if room.endswith("_loops") else room
@@ -84,7 +84,7 @@ def test_imports_run_downwards(path):
         ("segmap.scans", "import segmap.readers._carmen"),
         ("segmap.scans", "def f():\n    from segmap import readers"),
         ("segmap.poses", "from .segments import length"),
-        ("segmap._metrics_loops", "from .extraction import fit_line"),
+        ("segmap.metrics", "from .extraction import fit_line"),
         ("segmap.reduction._fusion", "from ..plotting import draw_segments"),
         ("segmap.scans", "import importlib\nimportlib.import_module('segmap.plotting')"),
     ],

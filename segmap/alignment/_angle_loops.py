@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._compiled import compiled
-from .._metrics_loops import describe, off_segment
 from ..arrays import Array
+from ..kernels import describe, off_segment
 from ._sight_loops import least_hidden
 
 #: Thresholds of a match: distance, far and long in metres, and whether D is of whole segments.

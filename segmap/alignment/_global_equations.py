@@ -16,9 +16,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._compiled import compiled
-from .._metrics_loops import APART, describe
 from ..angles import axial_difference, wrap
 from ..arrays import Array
+from ..kernels import APART, describe
 from ..poses import transform
 from ..segments import angle
 from ._segment_search import distance_below

@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .. import arrays
-from .._metrics_loops import APART, describe
 from ..angles import wrap
 from ..arrays import Array
+from ..kernels import APART, describe
 from ..poses import between, compose, interpolate, inverse
 from ..scans import Log
 from ..segments import angle as angle_of

@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .. import arrays
-from .._metrics_loops import ACROSS, APART
 from ..arrays import Array, Segments
+from ..kernels import ACROSS, APART
 from ..poses import between, compose, transform
 from ..scans import Log
 from ..segments import MIN_LENGTH, length

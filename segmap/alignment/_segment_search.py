@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._compiled import compiled
-from .._metrics_loops import ACROSS, ANGULAR, APART, apart, describe, mean_line_terms
 from ..arrays import Array
+from ..kernels import ACROSS, ANGULAR, APART, apart, describe, mean_line_terms
 
 Indices = NDArray[np.int64]
 

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from .._compiled import compiled
 from ..arrays import Array
-from ._cells import slot_of
+from ..kernels import slot_of
 
 Indices = NDArray[np.int64]
 

@@ -5,10 +5,13 @@ A moves the line greedily and can miss the best strip; the sweep over all shifts
 
 from __future__ import annotations
 
+import numpy as np
+
 from .. import arrays
-from ..arrays import Segments
-from . import _fusion_loops as loops
-from ._runner import Reduction, run
+from ..arrays import Array, Segments
+from ..kernels import slots_of
+from ._fusion_loops import Grid, Room, fuse_all
+from ._runner import Indices, Reduction, run
 
 
 def fusion(map: Segments, *, tolerance: float = 0.04) -> Reduction:
@@ -47,4 +50,39 @@ def fusion(map: Segments, *, tolerance: float = 0.04) -> Reduction:
            [3., 0.]])
     """
     arrays.positive("metres", tolerance=tolerance)
-    return run("fusion", map, lambda rows: loops.fuse(rows.segments, tolerance))
+    return run("fusion", map, lambda rows: fuse(rows.segments, tolerance))
+
+
+def fuse(s: Array, tolerance: float) -> tuple[Array, Indices]:
+    """Fusion of segments that all have a length: outputs `(m, 2, 2)`, metres, parents `(n,)`."""
+    if not len(s):
+        return np.empty((0, 2, 2)), np.empty(0, np.int64)
+    lengths = np.hypot(s[:, 1, 0] - s[:, 0, 0], s[:, 1, 1] - s[:, 0, 1])
+    grid = _grid_of(s, lengths, max(4 * tolerance, lengths.mean()))
+    falling = np.argsort(-lengths, kind="stable")
+    out, parents = np.empty((len(s), 2, 2)), np.full(len(s), -1)
+    count = fuse_all(s, lengths, falling, tolerance, grid, _room_for(len(s)), out, parents)
+    return out[:count], parents
+
+
+def _grid_of(s: Array, lengths: Array, cell: float) -> Grid:
+    """Enter each segment into the cells of samples of it, at most half a cell apart."""
+    steps = np.ceil(2 * lengths / cell).astype(np.int64)
+    owner = np.repeat(np.arange(len(s)), steps + 1)
+    nth = np.arange(len(owner)) - (np.cumsum(steps + 1) - steps - 1)[owner]
+    sample = s[owner, 0] + (nth / steps[owner])[:, None] * (s[owner, 1] - s[owner, 0])
+    column, row = np.floor(sample / cell).astype(np.int64).T
+    slots = 1 << int(np.ceil(np.log2(4 * len(s))))
+    slot = slots_of(column, row, slots)
+    new = np.append(True, (np.diff(slot) != 0) | (np.diff(owner) != 0))
+    slot, owner = slot[new][::-1], owner[new][::-1]
+    stop = np.cumsum(np.bincount(slot, minlength=slots))
+    held = owner[np.argsort(slot, kind="stable")]
+    return Grid(np.append(0, stop[:-1]), stop, held, cell)
+
+
+def _room_for(n: int) -> Room:
+    near, order, seen = np.full((3, n), -1)
+    tried, chosen = np.zeros((2, n), np.bool_)
+    measured, shifts = np.empty((n + 1, 4)), np.empty((2 * n + 1, 2))
+    return Room(near, measured, np.empty(n), order, tried, chosen, shifts, seen)

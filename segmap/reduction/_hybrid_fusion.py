@@ -8,8 +8,9 @@ import numpy as np
 
 from .. import arrays
 from ..arrays import Segments
-from . import _fusion_loops, _hybrid_loops
+from . import _hybrid_loops
 from ._basic import check_match
+from ._fusion import fuse
 from ._hybrid import least_length
 from ._runner import Indices, Reduction, Rows, Steps, rows_of, run_online
 
@@ -97,7 +98,7 @@ def _fused(
 ) -> tuple[_hybrid_loops.State, Indices]:
     """The map after Fusion, and where each of its segments went, -1 for one without length."""
     live, count = rows_of(state.s[: state.used[0]])
-    fused, into = _fusion_loops.fuse(live.segments, tolerance)
+    fused, into = fuse(live.segments, tolerance)
     counts = np.bincount(into, state.lines[live.row, 2]).astype(float)
     moved = np.full(count, -1, np.int64)
     moved[live.row] = into

@@ -1,29 +1,33 @@
-"""The loop of the quality measure: for each segment, the nearest of another map.
+"""Small compiled loops that the kernels of several rooms call: segments apart, cells of a grid.
 
-It computes `metrics.segment_distance` with equal weights, without trigonometry, and passes over
-every pair whose lower bound exceeds the best pair found so far; so the minimum is exact.
+They take plain numbers and rows of arrays, check nothing, and are called from compiled loops only.
 """
 
+from __future__ import annotations
+
 import numpy as np
+from numpy.typing import NDArray
 
 from ._compiled import compiled
 from .arrays import Array
 from .segments import MIN_LENGTH
 
+#: Weights of the three terms of the segment distance (A 2.7.7).
 ANGULAR, ACROSS, APART = 0.66, 0.09, 0.25
+#: Segments whose angle is this near to a right one, radians, have two mean directions.
 PERPENDICULAR = 1e-9
 
 
 @compiled
 def describe(s: Array) -> Array:
     """Middle, unit direction (0 without length) and half length of segments, `(n, 5)`, metres."""
-    out = np.zeros((len(s), 5))
+    out = np.empty((len(s), 5))
     for i in range(len(s)):
         out[i, 0] = (s[i, 0, 0] + s[i, 1, 0]) / 2
         out[i, 1] = (s[i, 0, 1] + s[i, 1, 1]) / 2
         dx, dy = s[i, 1, 0] - s[i, 0, 0], s[i, 1, 1] - s[i, 0, 1]
         norm = np.hypot(dx, dy)
-        out[i, 4] = norm / 2
+        out[i, 2], out[i, 3], out[i, 4] = 0.0, 0.0, norm / 2
         if norm >= MIN_LENGTH:
             out[i, 2], out[i, 3] = dx / norm, dy / norm
     return out
@@ -82,33 +86,15 @@ def mean_line_terms(u: Array, v: Array, a: Array, b: Array) -> tuple[float, floa
 
 
 @compiled
-def nearest_distances(before: Array, after: Array) -> Array:
-    """Distance of each segment of `before` to the nearest one of `after`, `(n,)`, metres."""
-    order = np.argsort(after[:, 0, 0] + after[:, 1, 0])
-    after = after[order]
-    a, b = describe(before), describe(after)
-    longest = b[:, 4].max()
-    found = np.empty(len(before))
-    for i in range(len(before)):
-        best = np.inf
-        right = int(np.searchsorted(b[:, 0], a[i, 0]))
-        left = right - 1
-        reach = a[i, 4] + longest
-        while left >= 0 or right < len(b):  # outwards from the middle of segment i
-            go_left = right >= len(b) or (
-                left >= 0 and a[i, 0] - b[left, 0] < b[right, 0] - a[i, 0]
-            )
-            j = left if go_left else right
-            left, right = (left - 1, right) if go_left else (left, right + 1)
-            dx, dy = abs(b[j, 0] - a[i, 0]), b[j, 1] - a[i, 1]
-            if APART * (dx - reach) >= best:
-                break
-            bound = np.sqrt(dx * dx + dy * dy) - a[i, 4] - b[j, 4]
-            if APART * bound >= best:
-                continue
-            angular, most = mean_line_terms(before[i], after[j], a[i], b[j])
-            so_far = ANGULAR * angular + ACROSS * most
-            if so_far + APART * max(bound, 0.0) < best:
-                best = min(best, so_far + APART * apart(before[i], after[j]))
-        found[i] = best
-    return found
+def slot_of(column: int, row: int, slots: int) -> int:
+    """Slot of the cell in a column and row of a grid, of `slots`, a power of two; some share one.
+
+    Bounding the grid is not needed: a segment a kilometre away takes no memory. Cells of a column
+    lie side by side, so that loops over rows inside columns find neighbours in the same cache line.
+    """
+    return (column * 73856093 + row) & (slots - 1)
+
+
+def slots_of(columns: NDArray[np.int64], rows: NDArray[np.int64], slots: int) -> NDArray[np.int64]:
+    """`slot_of` of many cells, `(n,)` each."""
+    return (columns * 73856093 + rows) & (slots - 1)
