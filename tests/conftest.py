@@ -21,6 +21,24 @@ def shared_file(name: str) -> Path:
 
 
 @pytest.fixture
+def read(tmp_path):
+    """Read a text, or a folder of texts by name, as if it were a log of that name."""
+    from segmap import readers
+
+    def read_texts(content, name="some.log", **settings):
+        path = tmp_path / name
+        if isinstance(content, str):
+            path.write_text(content)
+        else:
+            path.mkdir()
+            for file, part in content.items():
+                (path / file).write_text(part)
+        return readers.read(path, **settings)
+
+    return read_texts
+
+
+@pytest.fixture
 def workloads():
     """The module of fixed synthetic workloads beside the project."""
     import importlib.util

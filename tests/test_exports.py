@@ -129,14 +129,10 @@ def test_a_far_wall_stays_beside_beams_that_met_nothing(largest, tmp_path):
         assert found[0].valid.tolist() == [True, False, True, True, True]
 
 
-def test_a_scan_without_odometry_stays_without(tmp_path):
-    """Catches zeros where nothing is known."""
+def test_what_is_not_known_stays_so(tmp_path):
+    """Catches zeros for a scan without odometry, and poses made up for a raw log."""
     found = written(tmp_path, log_of([shot(0), shot(1, wheels=None), shot(2)]))
     assert found[1].odometry is None and found[2].odometry is not None
-
-
-def test_a_log_without_any_pose_is_one_without_truth(tmp_path):
-    """Catches poses made up: raw logs are written too."""
     for log in (OLD, NEW):
         assert written(tmp_path, log_of(log.scans, None)).truth is None
 
@@ -151,18 +147,12 @@ def test_a_baseline_of_odometry_is_truth_only_where_the_format_can_tell(tmp_path
         np.testing.assert_allclose(found[0].sensor_pose, AHEAD, atol=1e-5)
 
 
-def test_times_keep_their_microseconds_long_after_1970(tmp_path):
-    """Catches six significant digits, which round such times to hours."""
-    late = [LaserScan(RANGES, HALF_TURN, 1137838384.123456 + k, WHEELS[k]) for k in range(3)]
-    found = written(tmp_path, log_of(late))
-    assert found.times.tolist() == pytest.approx([s.time for s in late], abs=1e-6, rel=0)
-
-
-def test_equal_and_exchanged_times_are_kept_in_their_order(tmp_path):
-    """Catches an export that sorts by time."""
-    times = (5.0, 5.0, 3.0)
-    scans = [LaserScan(RANGES, HALF_TURN, t, w) for t, w in zip(times, WHEELS, strict=True)]
-    assert tuple(written(tmp_path, log_of(scans)).times) == times
+def test_times_keep_their_microseconds_and_their_order(tmp_path):
+    """Catches six significant digits, which round such times to hours, and sorted scans."""
+    for times in ([1137838384.123456 + k for k in range(3)], [5.0, 5.0, 3.0]):
+        scans = [LaserScan(RANGES, HALF_TURN, t, w) for t, w in zip(times, WHEELS, strict=True)]
+        found = written(tmp_path, log_of(scans))
+        assert found.times.tolist() == pytest.approx(times, abs=1e-6, rel=0)
 
 
 # ----------------------------------------------------------------------------- refused
@@ -173,9 +163,9 @@ AHEAD_TWICE = log_of([shot(0), shot(1, place=(0, 0, 0)), shot(2)])
 THREE_PLACES = log_of([shot(0), shot(1, place=BACK), shot(2, place=(0, 0, 0))])
 REFUSED = {
     "no scan": (Log("none", []), None, "log 'none' holds no scan"),
-    "poses of another log": (OLD, TRUTH[:2], r"poses must have shape \(3, 3\), one a scan, got"),
-    "an endless pose": (OLD, ENDLESS, r"the pose of scan 1 must be finite, got \[inf, 0.0, 0.0\]"),
-    "no time": (TIMELESS, None, r"the time of scan 2 must be finite, got \[nan\]"),
+    "poses of another log": (OLD, TRUTH[:2], r"poses must have shape \(3, 3\), got \(2, 3\)"),
+    "an endless pose": (OLD, ENDLESS, r"poses must be finite, .* poses\[1\] is \[inf, 0.0, 0.0\]"),
+    "no time": (TIMELESS, None, "the time of scan 2 must be finite, got nan"),
     "uneven": (log_of([shot(0), shot(1, UNEVEN), shot(2)]), None, "beams of scan 1 must be evenly"),
     "clockwise": (log_of([shot(k, -HALF_TURN) for k in range(3)]), None, "counter-clockwise"),
     "no beam": (Log("x", [LaserScan([], [])], [(0, 0, 0)]), None, "scan 0 has no beam"),
@@ -221,12 +211,6 @@ def test_another_reader_finds_the_trajectory(tmp_path):
     way = np.stack([np.cos(TRUTH[:, 2]), np.sin(TRUTH[:, 2]), np.zeros(3)], 1)
     np.testing.assert_allclose(ahead, way, atol=1e-8)
     np.testing.assert_allclose(up, [(0, 0, 1)] * 3, atol=1e-8)
-
-
-def test_the_way_from_pose_to_pose_survives(tmp_path):
-    """Catches headings and places of different frames: the relative motion, by quaternions."""
-    exports.write_tum(tmp_path / "t.tum", OLD, TRUTH)
-    _, places, ahead, _ = read_tum(tmp_path / "t.tum")
     step = compose(inverse(TRUTH[0]), TRUTH[1])
     assert ahead[0] @ (places[1] - places[0]) == pytest.approx(step[0], abs=1e-5)
 
@@ -250,52 +234,20 @@ def test_an_alignment_is_a_trajectory_too(tmp_path):
     np.testing.assert_allclose(places[:, :2], log.odometry[:, :2], atol=1e-6)
 
 
-def test_an_empty_log_is_an_empty_trajectory(tmp_path):
+def test_an_empty_log_is_an_empty_trajectory_and_that_of_another_log_is_refused(tmp_path):
     exports.write_tum(tmp_path / "t.tum", Log("none", []), [])
     assert (tmp_path / "t.tum").read_text() == "# time x y z qx qy qz qw\n"
-
-
-def test_a_trajectory_of_another_log_is_refused(tmp_path):
     with pytest.raises(ValueError, match=r"poses must have shape \(3, 3\)"):
         exports.write_tum(tmp_path / "t.tum", OLD, TRUTH[:2])
 
 
 # ------------------------------------------------------------------------------- files
-def test_a_failure_leaves_what_stood_there(tmp_path, monkeypatch):
-    """Catches a file that is opened, emptied, and then not written."""
-    path = tmp_path / "t.tum"
-    path.write_text("before")
-
-    def full(self, data):
-        with self.open("wb") as file:
-            file.write(data[:5])
-        raise OSError(28, "No space left on device")
-
-    monkeypatch.setattr(type(path), "write_bytes", full)
-    with pytest.raises(OSError, match="No space left"):
-        exports.write_tum(path, OLD, TRUTH)
-    assert path.read_text() == "before" and list(tmp_path.iterdir()) == [path]
-
-
-def test_an_older_file_is_replaced(tmp_path):
-    path = tmp_path / "t.tum"
-    path.write_text("before" * 1000)
-    exports.write_tum(path, OLD, TRUTH)
-    assert len(path.read_text().splitlines()) == 4 and list(tmp_path.iterdir()) == [path]
-
-
 def test_a_packed_file_is_the_same_each_time(tmp_path):
     """Catches a time stamp in the packed file."""
     for name in ("one.tum.gz", "two.tum.gz"):
         exports.write_tum(tmp_path / name, OLD, TRUTH)
     one, two = ((tmp_path / name).read_bytes() for name in ("one.tum.gz", "two.tum.gz"))
     assert one == two and one[4:8] == bytes(4) and gzip.decompress(one).startswith(b"# time")
-
-
-def test_a_missing_folder_is_named(tmp_path):
-    path = tmp_path / "none" / "t.tum"
-    with pytest.raises(FileNotFoundError, match=r"cannot write .*t\.tum: the folder .*none does"):
-        exports.write_tum(path, OLD, TRUTH)
 
 
 def test_a_name_that_is_not_plain_ascii_does_not_break_the_log(tmp_path):

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from segmap import load
-from segmap.exports import write_geojson, write_ros_map, write_svg
+from segmap.exports import write_geojson, write_ros_map, write_svg, write_tum
 from segmap.quadtree import QuadtreeMap, build_map
 
 
@@ -151,18 +151,28 @@ def test_what_cannot_be_written_is_refused_and_leaves_no_file(name, options, mes
     assert list(tmp_path.iterdir()) == []
 
 
-@pytest.mark.parametrize("write", [write_ros_map, write_geojson, write_svg])
-def test_a_failure_leaves_what_stood_there(write, tmp_path, monkeypatch):
-    """Catches a file that is opened, emptied, and then not written."""
+def write_trajectory(path, map):
+    """One pose for a map that holds something, none for an empty one."""
+    log = load("room")[: int(map.leaf_occupancy().max() > 0.5)]
+    write_tum(path, log, log.odometry)
+
+
+@pytest.mark.parametrize("write", [write_ros_map, write_geojson, write_svg, write_trajectory])
+def test_files_are_whole_or_not_there(write, tmp_path, monkeypatch):
+    """Catches a file that is opened, emptied, and then not written, and one that is added to."""
     path = tmp_path / "it.yaml"
+    path.write_text("something older" * 1000)
     write(path, corner_map())
     before = {p.name: p.read_bytes() for p in tmp_path.iterdir()}
+    assert b"older" not in before["it.yaml"]
 
     def full(self, data):
         with self.open("wb") as file:
             file.write(data[:5])
         raise OSError(28, "No space left on device")
 
+    with pytest.raises(FileNotFoundError, match=r"cannot write .*it\.\w+: the folder .*none does"):
+        write(tmp_path / "none" / "it.yaml", corner_map())
     monkeypatch.setattr(type(path), "write_bytes", full)
     with pytest.raises(OSError, match="No space left"):
         write(path, QuadtreeMap())
@@ -175,12 +185,6 @@ def test_no_description_of_a_picture_that_is_not_there(tmp_path):
     with pytest.raises(OSError, match=r"it\.pgm"):
         write_ros_map(tmp_path / "it.yaml", corner_map())
     assert [path.name for path in tmp_path.iterdir()] == ["it.pgm"]
-
-
-@pytest.mark.parametrize("write", [write_ros_map, write_geojson, write_svg])
-def test_a_missing_folder_is_named(write, tmp_path):
-    with pytest.raises(FileNotFoundError, match=r"the folder .*none does not exist"):
-        write(tmp_path / "none" / "it.yaml", corner_map())
 
 
 # ----------------------------------------------------------------- GeoJSON and SVG

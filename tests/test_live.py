@@ -8,12 +8,18 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from emulated import emulator_threads, needs_terminals, pattern
+from emulated import emulator_threads, needs_terminals, pattern, wait_for
 
 from segmap import LaserScan, load
 from segmap.emulator import Emulator, furnished_room
 from segmap.hokuyo import Newest, SensorError, UrgSensor
 from segmap.panels import LivePanel
+
+
+@pytest.fixture(scope="module", autouse=True)
+def compiled():
+    """Loops are compiled before a sensor or a deadline waits for them."""
+    LivePanel(load("room")).run(3)
 
 
 def many(count, seconds=0.0):
@@ -67,9 +73,7 @@ def test_start_and_stop():
     with Emulator(room) as emulator, UrgSensor(emulator.port) as sensor:
         panel = LivePanel(sensor, start=room.pose(0))
         panel.start.click()
-        until = time.monotonic() + 20
-        while panel.taken < 5 and time.monotonic() < until:
-            time.sleep(0.02)
+        wait_for(lambda: panel.taken >= 5)
         panel.stop.click()
         assert panel.taken >= 5
         assert panel.state.value == "stopped"
@@ -77,10 +81,8 @@ def test_start_and_stop():
         assert "live map" not in [thread.name for thread in threading.enumerate()]
         first = panel.taken
         panel.start.click()
-        while panel.taken == first and time.monotonic() < until:
-            time.sleep(0.02)
+        wait_for(lambda: panel.taken > first)
         panel.stop.click()
-        assert panel.taken > first
         leaves = panel.map.leaves()
         assert np.ptp(leaves.y[leaves.occ > 0]) > 3.5
     assert emulator_threads() == []
@@ -93,13 +95,9 @@ def test_the_panel_tells_of_a_lost_sensor():
     with Emulator(pattern) as emulator, UrgSensor(emulator.port) as sensor:
         panel = LivePanel(sensor)
         panel.start.click()
-        until = time.monotonic() + 20
-        while not panel.taken and time.monotonic() < until:
-            time.sleep(0.02)
+        wait_for(lambda: panel.taken)
         emulator.unplug()
-        while "gone" not in panel.state.value and time.monotonic() < until:
-            time.sleep(0.02)
-        assert "the sensor is gone" in panel.state.value
+        wait_for(lambda: "the sensor is gone" in panel.state.value)
         panel.stop.click()
 
 
@@ -157,12 +155,9 @@ def test_the_panel_of_the_chapter_starts_after_its_last_cell():
         exec(compile(quick.replace("taken == 40", "taken == 4"), chapter.name, "exec"), scope)
     panel = scope["panel"]
     panel.start.click()
-    until = time.monotonic() + 20
-    while panel.taken < 8 and time.monotonic() < until:
-        time.sleep(0.02)
+    wait_for(lambda: panel.taken >= 8)
     panel.stop.click()
     assert panel.state.value == "stopped"
-    assert panel.taken >= 8
     for laser, unit in (("sensor", "device"), ("again", "second")):
         scope[laser].close()
         scope[unit].stop()
@@ -186,10 +181,7 @@ def test_a_fault_of_the_source_ends_in_words(source, words):
     """Catches a state that says "running" while the thread has died."""
     panel = LivePanel(source)
     panel.start.click()
-    until = time.monotonic() + 20
-    while words not in panel.state.value and time.monotonic() < until:
-        time.sleep(0.02)
-    assert words in panel.state.value
+    wait_for(lambda: words in panel.state.value)
 
 
 def test_stop_does_not_wait_for_ever(monkeypatch):
@@ -203,14 +195,10 @@ def test_stop_does_not_wait_for_ever(monkeypatch):
 
     panel = LivePanel(silent())
     panel.start.click()
-    until = time.monotonic() + 20
-    while not panel.taken and time.monotonic() < until:
-        time.sleep(0.02)
+    wait_for(lambda: panel.taken)
     begun = time.monotonic()
     panel.stop.click()
     assert time.monotonic() - begun < 5
     assert panel.state.value.startswith("stops when the sensor")
     here.set()
-    while panel.state.value != "stopped" and time.monotonic() < until:
-        time.sleep(0.02)
-    assert panel.state.value == "stopped"
+    wait_for(lambda: panel.state.value == "stopped")

@@ -15,18 +15,6 @@ from segmap import poses, readers
 from segmap.readers import LogError, _bundled
 
 
-@pytest.fixture
-def read(tmp_path):
-    """Read a text as if it were a file of that name."""
-
-    def read_text(content, name="some.log", **kwargs):
-        path = tmp_path / name
-        path.write_text(content)
-        return readers.read(path, **kwargs)
-
-    return read_text
-
-
 def beams(log):
     return np.degrees(log[0].angles)
 

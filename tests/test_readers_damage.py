@@ -6,7 +6,6 @@ The last test mutates lines of every format: `MUTANTS` damaged files in all, eac
 import gzip
 import os
 import random
-import time
 import tracemalloc
 import zipfile
 
@@ -158,8 +157,8 @@ LIGHT, HEAVY, IN_FOLDER = 1100, 400, 300
 COUNTS = {name: LIGHT if len(text) < 2000 else HEAVY for name, text in SAMPLES.items()}
 MUTANTS = sum(COUNTS.values()) + IN_FOLDER * len(RAWSEEDS)
 
-#: Other mutants in each run; a failure names the seed that repeats it.
-SEED = os.environ.get("SEGMAP_SEED", str(time.time_ns()))
+#: The same mutants in each run; another seed makes others.
+SEED = os.environ.get("SEGMAP_SEED", "1")
 
 ODD = ["nan", "inf", "-inf", "-1", "0", "1e999", "1e308", "-1e308", "1e-320", "1_0", "²", "x", "#"]
 ODD += ["1000000000", "9" * 400, "FLASER", "laser", "VERTEX2", "ROBOTLASER1", "\n", ",", "\0", " "]

@@ -25,23 +25,6 @@ from segmap.readers import LogError
 from segmap.readers._coreslam import integrate
 
 
-@pytest.fixture
-def read(tmp_path):
-    """Read a text, or a folder of texts by name."""
-
-    def read_texts(content, **kwargs):
-        path = tmp_path / "run"
-        if isinstance(content, str):
-            path.write_text(content)
-        else:
-            path.mkdir()
-            for name, part in content.items():
-                (path / name).write_text(part)
-        return readers.read(path, **kwargs)
-
-    return read_texts
-
-
 class TestRobotLaser:
     def test_beams_start_where_the_line_says(self, read):
         """The rule for half a turn does not hold for a sensor that states its angles."""
@@ -150,7 +133,7 @@ class TestRawseeds:
     def test_ground_truth_alone_is_no_log_but_a_trajectory(self, read, tmp_path):
         with pytest.raises(LogError, match=r"line 1: holds poses and no scan.*read_trajectory"):
             read(GROUNDTRUTH)
-        times, where = readers.read_trajectory(tmp_path / "run")
+        times, where = readers.read_trajectory(tmp_path / "some.log")
         assert times == pytest.approx(TIMES) and where == pytest.approx(np.array(TRUTH))
 
     def test_skipped_lines_of_all_files_are_counted(self, read):

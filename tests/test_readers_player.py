@@ -4,22 +4,11 @@ import numpy as np
 import pytest
 from log_samples import ODOMETRY, PLAYER_1, PLAYER_2, PLAYER_BARE, TIMES, text
 
-from segmap import readers
 from segmap.readers import LogError
 from segmap.readers._player import spread
 
 HEAD = "1000.500 16777343 6665"
 SCAN = "-1.5708 +1.5708 +1.5708"
-
-
-@pytest.fixture
-def read(tmp_path):
-    def read_text(content, **kwargs):
-        path = tmp_path / "player.log"
-        path.write_text(content)
-        return readers.read(path, **kwargs)
-
-    return read_text
 
 
 @pytest.mark.parametrize("content", [PLAYER_1, PLAYER_2, PLAYER_BARE])

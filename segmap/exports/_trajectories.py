@@ -1,5 +1,7 @@
 """Trajectories, and logs with corrected poses."""
 
+from __future__ import annotations
+
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import NamedTuple
@@ -7,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
+from .. import arrays
 from ..alignment import Alignment
 from ..arrays import Array
 from ..poses import between, compose
@@ -107,13 +110,13 @@ def write_carmen(path: str | Path, log: Log, poses: Alignment | ArrayLike | None
     if not old:
         _refuse_ambiguous(log, rows, lasers)
     head = [f"# written by segmap: {log.name!a}", *_parameters(lasers)]
-    shots = (
+    scans = (
         _flaser(scan, pose, lasers, log[0].time)
         if old
         else _robotlaser(scan, pose, lasers, log[0].time)
         for scan, pose in zip(log, rows, strict=True)
     )
-    write_lines(Path(path), [*head, *shots])
+    write_lines(Path(path), [*head, *scans])
 
 
 # ------------------------------------------------------------------------------ lines
@@ -177,17 +180,12 @@ def _numbers(values: Iterable[float]) -> str:
 def _poses(log: Log, poses: Alignment | ArrayLike | None) -> Array:
     """Poses to write, `(k, 3)`: finite, or NaN where a scan has none."""
     given = poses.poses if isinstance(poses, Alignment) else poses
-    rows = np.full((len(log), 3), np.nan) if given is None else np.array(given, float)
-    if rows.size == 0 and not len(log):
-        rows = rows.reshape(0, 3)
-    if rows.shape != (len(log), 3):
-        raise ValueError(f"poses must have shape ({len(log)}, 3), one a scan, got {rows.shape}")
-    for what, values in (("pose", np.where(np.isnan(rows), 0, rows)), ("time", log.times[:, None])):
-        if not np.isfinite(values).all():
-            bad = int(np.argmin(np.isfinite(values).all(1)))
-            raise ValueError(f"the {what} of scan {bad} must be finite, got {values[bad].tolist()}")
-    rows[np.isnan(rows).any(1)] = np.nan
-    return rows
+    given = np.full((len(log), 3), np.nan) if given is None else given
+    rows = arrays.poses(given, "poses", count=len(log), missing=True)
+    if not np.isfinite(log.times).all():
+        bad = int(np.argmin(np.isfinite(log.times)))
+        raise ValueError(f"the time of scan {bad} must be finite, got {log.times[bad]}")
+    return np.where(np.isnan(rows).any(axis=1, keepdims=True), np.nan, rows)
 
 
 def _step(scan: LaserScan) -> float:
