@@ -226,7 +226,7 @@ def segments(value: Segments, name: str = "segments") -> Array:
     >>> segments([]).shape
     (0, 2, 2)
     """
-    given = value.segments if isinstance(value, HasSegments) else value
+    given = getattr(value, "segments", value)
     array = numbers(given, name, "a map or an (n, 2, 2) array")
     if array.size == 0 and array.ndim in (1, 3):
         return np.empty((0, 2, 2))
@@ -371,6 +371,8 @@ def generator(value: Any, name: str = "rng") -> np.random.Generator:
 
 def _check_values(array: Array, name: str, unit: str, missing: bool, limit: float) -> None:
     """Refuse what is not finite, unless it may be missing, and what is beyond the limit."""
+    if np.abs(array).max(initial=0.0) <= limit:  # False where NaN is among them
+        return
     rows = array.reshape(len(array), -1) if array.ndim > 1 else array[None]
     infinite = (np.isinf(rows) if missing else ~np.isfinite(rows)).any(1)
     wrong = infinite if infinite.any() else (np.abs(rows) > limit).any(1)

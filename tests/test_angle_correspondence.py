@@ -1,18 +1,18 @@
 """Angle correspondence: match values against a literal form, symmetries, accuracy, honesty."""
 
-import math
-
+import alignment_logs as logs
 import numpy as np
 import pytest
+from scipy.spatial import cKDTree
 
 from segmap import literal, load
 from segmap.alignment import angle_candidates, angle_correspondence, match_angles, match_values
-from segmap.alignment._angle_loops import refined
-from segmap.alignment._angle_pairs import is_seen_from_origin, viewpoints, wall_pairs
+from segmap.alignment._angle_loops import refine
+from segmap.alignment._angle_scenes import is_seen_from_origin, viewpoints, wall_pairs
 from segmap.angles import wrap
 from segmap.extraction import extract_polylines
 from segmap.poses import between, compose, inverse, transform
-from segmap.scans import LaserScan, Log
+from segmap.scans import Log
 from segmap.segments import SegmentMap, length
 from segmap.simulation import (
     URG_04LX,
@@ -25,13 +25,11 @@ from segmap.simulation import (
 )
 
 UTM = Sensor("UTM-30LX", 1081, np.radians(-135), np.radians(0.25), max_range=30.0, sigma=0.01)
+L_SHAPE = polygon([(0, 0), (5, 0), (5, 3), (3, 3), (3, 4.5), (0, 4.5)])
 #: An L-shaped room with a pillar: no turn and no shift carries it onto itself.
-ROOM = np.concatenate(
-    [
-        polygon([(0, 0), (5, 0), (5, 3), (3, 3), (3, 4.5), (0, 4.5)]),
-        polygon([(1.0, 2.8), (1.5, 2.8), (1.5, 3.2), (1.0, 3.2)]),
-    ]
-)
+ROOM = np.concatenate([L_SHAPE, polygon([(1.0, 2.8), (1.5, 2.8), (1.5, 3.2), (1.0, 3.2)])])
+OTHER_ROOM = polygon([(0, 0), (2.2, 0), (2.2, 1.6), (6, 1.6), (6, 7), (0, 7)])
+NO_CORNER = "no two walls of one stand at an angle that the other has too"
 
 
 def rng(seed=1):
@@ -45,69 +43,38 @@ def scene(pose, seed=1, sensor=UTM):
 
 
 # -------------------------------------------------------------------------- match values
-def directed(u, v):
-    """A 2.39: the farthest point of v from the nearest of u, walked along in small steps."""
-    steps = 400
-    return max(
-        literal.point_to_segment([v[0][k] + i / steps * (v[1][k] - v[0][k]) for k in (0, 1)], u)
-        for i in range(steps + 1)
-    )
-
-
-def covered(u, v):
-    """Length of u that v covers when projected on it."""
-    size = literal.segment_length(u)
-    d = [(u[1][k] - u[0][k]) / size for k in (0, 1)]
-    ends = sorted(sum((e[k] - u[0][k]) * d[k] for k in (0, 1)) for e in v)
-    return max(0.0, min(ends[1], size) - max(ends[0], 0.0))
-
-
-def intersect(u, v):
-    """Whether a u-point equals a v-point, by solving for both parameters."""
-    ax, ay = u[1][0] - u[0][0], u[1][1] - u[0][1]
-    bx, by = v[1][0] - v[0][0], v[1][1] - v[0][1]
-    det = ax * by - ay * bx
-    rx, ry = v[0][0] - u[0][0], v[0][1] - u[0][1]
-    t, s = (rx * by - ry * bx) / det, (rx * ay - ry * ax) / det
-    return 0 <= t <= 1 and 0 <= s <= 1
-
-
-def literal_value(u, v, distance, far, long):
-    """A 2.7.10, sentence by sentence, with the angle that a crossing needs."""
-    on_u, on_v = covered(u, v), covered(v, u)
-    apart = min(directed(u, v), directed(v, u))
-    if apart > far or on_u == 0 or on_v == 0:
-        return 0.0
-    if not intersect(u, v):
-        return (on_u + on_v) / 2 * 0.95 ** (apart / distance)
-    steep = (
-        abs(literal.axial_difference(literal.line_angle(u), literal.line_angle(v))) > math.pi / 4
-    )
-    both = min(literal.segment_length(u), literal.segment_length(v)) > long
-    return 0.0 if steep and both else (on_u + on_v) / 2
-
-
 @pytest.mark.parametrize("seed", range(3))
 @pytest.mark.parametrize(("far", "long"), [(0.3, 0.3), (1.0, 0.8)])
 def test_match_values_equal_the_literal_form(seed, far, long):
     """Catches a covered length of one side only, the larger Hausdorff distance, a lost penalty."""
-    chance = rng(seed)
-    u, v = chance.uniform(0, 1.5, (2, 25, 2, 2))
-    found = match_values(u, v, distance=0.1, far=far, long=long, whole=True)
-    expected = [[literal_value(a, b, 0.1, far, long) for b in v.tolist()] for a in u.tolist()]
+    u, v = rng(seed).uniform(0, 1.5, (2, 25, 2, 2))
+    rule = {"distance": 0.1, "far": far, "long": long}
+    found = match_values(u, v, whole=True, **rule)
+    expected = [[literal.match_value(a, b, **rule) for b in v.tolist()] for a in u.tolist()]
     np.testing.assert_allclose(found, expected, atol=1e-9)
     assert 20 < np.count_nonzero(found) < 0.8 * found.size
 
 
-def test_two_looks_at_one_wall_match_by_their_common_part():
-    """A's distance takes them for 1 m apart, because each sees an end that the other does not."""
+@pytest.mark.parametrize("seed", range(3))
+def test_the_best_candidate_is_that_of_the_literal_search(seed):
+    """Catches pairs of angles that are never tried, and the value of another transform."""
+    there = np.array([*rng(seed).uniform(-1, 1, 2), rng(seed).uniform(-3, 3)])
+    walls = ROOM[:7] + rng(seed).normal(0, 0.005, (7, 2, 2))
+    seen = transform(inverse(there), ROOM[:7])
+    value, pose = literal.best_transform(walls.tolist(), seen.tolist())
+    best = angle_candidates(walls, seen, rng=rng(), whole=True, penalty=0)[0]
+    assert np.abs(between(pose, best.pose)).max() < 0.03
+    assert best.value == pytest.approx(value, rel=0.05) and best.value > 10
+
+
+def test_two_looks_at_one_wall_match():
+    """A's distance takes them for 1 m apart, because each sees an end that the other does not.
+
+    And A's words, that long segments which cross never match, would lose the best matches of all.
+    """
     u, v = [[(0, 0), (3, 0)]], [[(1, 0.05), (4, 0.05)]]
     assert match_values(u, v, distance=0.05) == pytest.approx(2 * 0.95)
     assert match_values(u, v, distance=0.05, whole=True) == 0
-
-
-def test_two_looks_at_one_long_wall_that_cross_at_next_to_no_angle_match():
-    """A's words, that long segments which cross never match, would lose the best matches of all."""
     u, v = [[(0, 0.0), (4, 0.02)]], [[(0, 0.02), (4, 0.0)]]
     assert match_values(u, v, whole=True) == pytest.approx(4, abs=1e-3)
 
@@ -161,10 +128,11 @@ def test_moving_both_sets_moves_the_pose(moves):
 
 def test_refining_brings_a_guess_home():
     """Catches a step or a turn that goes the wrong way, or about another place."""
-    rule = (0.05, 0.10, 0.30, False)
+    rule, room = (0.05, 0.10, 0.30, False), np.empty((2 * len(ROOM) ** 2, 5))
     for guess in ((0.03, -0.02, 0.0), (0.0, 0.0, 0.012), (-0.02, 0.03, -0.008)):
-        found = refined(ROOM, ROOM, np.array(guess), 4, rule)
-        assert np.abs(found).max() < 1e-4
+        pose = np.array(guess)
+        refine(ROOM, ROOM, pose, 4, rule, room)
+        assert np.abs(pose).max() < 1e-4
 
 
 def test_the_pose_is_that_of_the_current_scan_in_the_reference():
@@ -214,8 +182,6 @@ def test_the_same_generator_gives_the_same_match():
 # ------------------------------------------------------------------------------- accuracy
 def overlapping_pairs(walls, path, sensor, count, seed):
     """Scans from random places near each other, turned anyhow, half of whose points coincide."""
-    from scipy.spatial import cKDTree
-
     chance, found = rng(seed), []
     while len(found) < count:
         p = path[chance.integers(len(path))].copy()
@@ -243,7 +209,7 @@ def outcome(pairs, **options):
 
 @pytest.mark.parametrize("sensor", [UTM, URG_04LX], ids=["utm", "urg"])
 def test_scans_of_a_room_that_overlap_by_half_are_found_from_any_start(workloads, sensor):
-    """The figure of the issue: at least 95 of 100, at most 1 wrong."""
+    """At least 95 of 100 are right, and at most 1 is wrong."""
     walls = workloads.room().reshape(-1, 2, 2)
     right, wrong = outcome(overlapping_pairs(walls, workloads.path("room", 200), sensor, 100, 3))
     assert right >= 95 and wrong <= 1
@@ -277,8 +243,7 @@ def test_a_square_room_could_lie_in_four_ways():
 
 def test_another_room_is_not_taken_for_this_one():
     """A corner of 5 m and 3 m lies in many rooms; that alone is no evidence."""
-    other = polygon([(0, 0), (2.2, 0), (2.2, 1.6), (6, 1.6), (6, 7), (0, 7)])
-    assert refused(ROOM, other) == "too little of the walls matches"
+    assert refused(ROOM, OTHER_ROOM) == "too little of the walls matches"
 
 
 #: A corridor of 2 m closed at both ends, with a stub: one scan sees an end, another the other end.
@@ -304,16 +269,9 @@ def test_what_looks_right_and_hides_nothing_is_beyond_the_method():
     assert found.matched and np.abs(between((2, 0, np.pi), found.pose)).max() < 1e-6
 
 
-def test_parallel_walls_hold_no_angle():
-    corridor = np.array([[(0, 0), (8, 0)], [(0, 2), (8, 2)]])
-    assert (
-        refused(corridor, corridor)
-        == "no two walls of one stand at an angle that the other has too"
-    )
-
-
 def test_a_short_stub_does_not_fix_the_way_along_a_corridor():
     corridor = np.array([[(0, 0), (8, 0)], [(0, 2), (8, 2)], [(3, 0), (3, 0.2)]])
+    assert refused(corridor[:2], corridor[:2]) == NO_CORNER
     match = match_angles(corridor, corridor, rng=rng(), rival=1.0)
     assert match.reason == "too little wall fixes the motion along the others"
 
@@ -321,23 +279,29 @@ def test_a_short_stub_does_not_fix_the_way_along_a_corridor():
 @pytest.mark.parametrize("few", [np.empty((0, 2, 2)), ROOM[:1], np.zeros((3, 2, 2))])
 def test_too_few_segments(few):
     for a, b in ((few, ROOM), (ROOM, few), (few, few)):
-        assert "at an angle" in refused(a, b)
+        assert refused(a, b) == NO_CORNER
 
 
-def test_wrong_arguments_are_named():
-    with pytest.raises(ValueError, match="reference_segments must have shape"):
-        match_angles(np.zeros((3, 4)), ROOM, rng=rng())
-    with pytest.raises(ValueError, match="current_segments must be finite"):
-        match_angles(ROOM, ROOM * np.nan, rng=rng())
-    with pytest.raises(ValueError, match=r"heuristic must be one of .*, got 'best'"):
-        match_angles(ROOM, ROOM, rng=rng(), heuristic="best")
-    for name in ("distance", "far", "long", "most_pairs", "least_share", "least_across", "rival"):
-        with pytest.raises(ValueError, match=f"{name} must be positive and finite, got 0"):
-            match_angles(ROOM, ROOM, rng=rng(), **{name: 0})
-    with pytest.raises(ValueError, match="penalty must not be negative"):
-        match_angles(ROOM, ROOM, rng=rng(), penalty=-1.0)
-    with pytest.raises(ValueError, match="viewpoint of current_segments must be"):
-        match_angles(ROOM, ROOM, rng=rng(), viewpoints=(None, (0, 0, 0)))
+@pytest.mark.parametrize(
+    ("wrong", "message"),
+    [
+        ({"reference_segments": np.zeros((3, 4))}, "reference_segments must have shape"),
+        ({"current_segments": ROOM * np.nan}, "current_segments must be finite"),
+        ({"heuristic": "best"}, r"heuristic must be one of .*, got 'best'"),
+        ({"most_pairs": 0}, "most_pairs must be a whole number"),
+        ({"penalty": -1.0}, "penalty must be a number of at least 0"),
+        ({"viewpoints": (None, (0, 0, 0))}, "viewpoints of current_segments must have shape"),
+        ({"rng": 7}, "rng must be a generator"),
+        *(
+            ({name: 0}, f"{name} must be a number above 0")
+            for name in ("distance", "far", "long", "least_share", "least_across", "rival")
+        ),
+    ],
+)
+def test_wrong_arguments_are_named(wrong, message):
+    given = {"reference_segments": ROOM, "current_segments": ROOM, "rng": rng()}
+    with pytest.raises(ValueError, match=message):
+        match_angles(**(given | wrong))
 
 
 # --------------------------------------------------------------------- pairs and viewpoints
@@ -365,57 +329,27 @@ def test_a_scan_is_known_by_the_order_of_its_segments():
 
 def test_viewpoints_see_all_walls():
     """Catches a place outside a room, or behind the corner of an L."""
-    walls = polygon([(0, 0), (5, 0), (5, 3), (3, 3), (3, 4.5), (0, 4.5)])
-    for x, y in viewpoints(walls, margin=0.1):
+    for x, y in viewpoints(L_SHAPE):
         assert 0 < x < 3 and 0 < y < 3
 
 
 # ------------------------------------------------------------------------------------ logs
-def aligned_errors(alignment, log):
-    """Distance of each pose from the truth, both from the first scan, metres."""
-    off = between(between(log.truth[0], log.truth), between(alignment.poses[0], alignment.poses))
-    return np.hypot(off[:, 0], off[:, 1])
-
-
 def test_a_room_without_odometry():
     """Catches a chain composed the wrong way round, and odometry that is needed after all."""
-    log = load("room")
-    bare = Log(
-        "bare", [LaserScan(s.ranges, s.angles, max_range=s.max_range) for s in log], log.truth
-    )
+    bare = logs.without_odometry(load("room"))
     found = angle_correspondence(bare)
     assert found.used.mean() > 0.95
-    assert aligned_errors(found, bare).max() < 0.10
+    assert logs.errors(bare, found.poses)[0].max() < 0.10
 
 
 def test_kidnapped_the_scan_before_is_the_reference():
     """After a jump to another room nothing matches the old reference ever again."""
     path = drive([(1, 1), (2, 1.5)], step=0.2)
-    far = path + [0, 0, 0]
     here = simulate(ROOM, path, sensor=UTM, rng=rng(1))
-    other = polygon([(0, 0), (2.2, 0), (2.2, 1.6), (6, 1.6), (6, 7), (0, 7)])
-    there = simulate(other, far + [0, 2, 0], sensor=UTM, rng=rng(2))
-    log = Log("kidnapped", [*here, *there])
-    found = angle_correspondence(log)
+    there = simulate(OTHER_ROOM, path + [0, 2, 0], sensor=UTM, rng=rng(2))
+    found = angle_correspondence(Log("kidnapped", [*here, *there]))
     jump = len(path)
     assert not found.used[jump] and found.reasons[jump]
     assert found.used[:jump].all() and found.used[jump + 1 :].all()
     steps = between(found.poses[jump:-1], found.poses[jump + 1 :])
     assert steps == pytest.approx(between(path[:-1], path[1:]), abs=0.05)
-
-
-@pytest.mark.parametrize("scans", [0, 1])
-def test_hardly_a_log(scans):
-    found = angle_correspondence(load("room")[:scans])
-    assert len(found) == scans and found.used.all()
-
-
-def test_a_scan_without_points_carries_the_odometry_on():
-    log = load("room")[:6]
-    blind = LaserScan(np.full(5, np.inf), np.zeros(5), odometry=log[3].odometry)
-    found = angle_correspondence(Log("blind", [*log[:3], blind, *log[4:]]))
-    assert found.used.tolist() == [True, True, True, False, True, True]
-    assert found.reasons[3] == "no two walls of one stand at an angle that the other has too"
-    assert between(found.poses[2], found.poses[3]) == pytest.approx(
-        between(log.odometry[2], log.odometry[3])
-    )

@@ -4,8 +4,8 @@ Every method has one signature, `method(log, *, thresholds) -> Alignment`, and s
 """
 
 from ..methods import Method
-from ._angle_candidates import Candidate, angle_candidates, match_values
-from ._angle_correspondence import angle_correspondence, match_angles
+from ._angle_correspondence import angle_candidates, angle_correspondence, match_angles
+from ._angle_scenes import AngleSearch, Candidate, match_values
 from ._backbone import backbone, backbone_steps
 from ._backbone_lines import least_translation, mean_rotation
 from ._backbone_steps import BackboneStep
@@ -45,6 +45,7 @@ METHODS: dict[str, Method[Alignment]] = {
 __all__ = [
     "METHODS",
     "Alignment",
+    "AngleSearch",
     "BackboneStep",
     "Candidate",
     "GlobalSearch",

@@ -1,7 +1,8 @@
-"""Angle correspondence (A 2.5.1, 3.3.1, after its [30]): how two scans lie, from their walls alone.
+"""Angle correspondence (A 2.5.1, 3.3.1): how two scans lie, from their walls alone.
 
 An angle between two walls of one scan is laid on a similar angle of the other; every such guess is
-judged by the length of wall on which both scans then agree. No odometry is needed.
+judged by the length of wall on which both scans then agree. No odometry is needed (Amigoni,
+Gasparini and Gini 2006).
 """
 
 from __future__ import annotations
@@ -10,21 +11,156 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from .. import arrays
 from ..arrays import Array, Segments
 from ..extraction import extract_polylines
-from ..poses import compose
+from ..kernels import describe
+from ..poses import compose, transform
 from ..scans import Log
 from ..segments import length
-from ._angle_candidates import Candidate, angle_candidates
-from ._result import Match, check_positive, no_match
+from . import _angle_loops as loops
+from ._angle_scenes import AngleSearch, Candidate, Heuristic, Scene, corners, match_rule, scene
+from ._result import Match, no_match
 from ._runner import Outcome, Trail, alignment_method
 
-#: Least standard deviation of an end point, in metres, that a covariance rests on.
-SIGMA = 0.01
-#: As many matched walls, or more, are all the evidence that can be asked for.
-ENOUGH_WALLS = 4
+
+def angle_candidates(
+    reference_segments: Segments,
+    current_segments: Segments,
+    *,
+    rng: np.random.Generator,
+    heuristic: Heuristic = "all",
+    distance: float = 0.05,
+    far: float = 0.10,
+    long: float = 0.30,
+    whole: bool = False,
+    min_length: float = 0.10,
+    most_pairs: int = 50,
+    penalty: float = 4.0,
+    viewpoints: tuple[ArrayLike | None, ArrayLike | None] = (None, None),
+    search: AngleSearch = AngleSearch(),
+) -> list[Candidate]:
+    """Guesses of how one set of segments lies on another, best first (A 3.3.1, steps 1 and 2).
+
+    Each is refined by least squares on the offsets and angles of the segments that it matches.
+
+    Parameters
+    ----------
+    reference_segments, current_segments : SegmentMap or (n, 2, 2) array, metres
+        In the order of the beams, each in its own frame.
+    rng : numpy.random.Generator
+        Draws the pairs of the heuristic "random".
+    heuristic : "all", "consecutive", "random" or "perpendicular"
+        Which pairs of segments are tried as corners.
+    distance, far, long, whole
+        As in `match_values`.
+    min_length : float, metres
+        Shorter segments are left out: their direction is noise.
+    most_pairs : int
+        Pairs drawn by chance, and perpendicular pairs, of each set.
+    penalty : float
+        What a metre of wall that one set has seen through a wall of the other counts, against a
+        metre that matches. A looks at what matches alone, which is 0.
+    viewpoints : pair of (2,) or (k, 2) array, metres, or None
+        Where each set was seen from, in its own frame. None: from the origin if its segments follow
+        each other about it as those of a scan do; else from places with all of them in sight.
+    search : AngleSearch
+
+    Returns
+    -------
+    list of Candidate
+        At most 10, each at least 0.3 m or 10 degrees from all before it.
+
+    Raises
+    ------
+    ValueError
+        For coordinates that are not finite, and thresholds out of range.
+
+    Examples
+    --------
+    >>> corner = np.array([[(0, 0), (3, 0)], [(0, 0), (0, 2)]])
+    >>> angle_candidates(corner, corner + [1, 0], rng=np.random.default_rng(1))[0]
+    Candidate(-1 m, 0 m, 0 deg: 5.00 m match, 0.00 m hidden)
+    """
+    rule = match_rule(distance, far, long, whole)
+    most = arrays.whole(most_pairs, "most_pairs")
+    least = arrays.number(min_length, "min_length", least=0, unit="metres")
+    arrays.number(penalty, "penalty", least=0)
+    given = {"reference_segments": reference_segments, "current_segments": current_segments}
+    s, t = (
+        scene(segments, name, stood, heuristic, most, least, search, arrays.generator(rng))
+        for (name, segments), stood in zip(given.items(), viewpoints, strict=True)
+    )
+    poses = _refined_poses(s, t, rule, search)
+    value, hidden = np.empty(len(poses)), _hidden(poses, s, t, search.margin)
+    loops.values(s.segments, t.segments, poses, rule, value)
+    score = value - penalty * hidden
+    outside = compose(poses, (*-t.middle, 0.0)) + [*s.middle, 0.0]
+    best = _distinct(poses, score, search.refined, search.same)
+    columns = outside[best], *np.array([value, hidden, score])[:, best].tolist()
+    return [
+        Candidate(*row, *walls)
+        for *row, walls in zip(*columns, _matched(poses[best], s, t, rule), strict=True)
+    ]
+
+
+def _refined_poses(s: Scene, t: Scene, rule: loops.Rule, search: AngleSearch) -> Array:
+    """The most valuable distinct poses of scene t in scene s, refined, `(k, 3)`."""
+    count = len(s.segments)
+    both_ways = np.concatenate([t.pairs, t.pairs[:, ::-1]]) + count
+    rows = corners(np.concatenate([s.segments, t.segments]), np.concatenate([s.pairs, both_ways]))
+    first, second = rows[: len(s.pairs)], rows[len(s.pairs) :]
+    tried, alike = np.empty((1024, 4)), (search.similar, search.covered)
+    while (count := loops.superpose(first, second, *alike, tried)) > len(tried):
+        tried = np.empty((count, 4))
+    tried = tried[:count]
+    best = _distinct(tried, tried[:, 3], search.tried, search.near)
+    poses, worth = tried[best, :3].copy(), np.empty(len(best))
+    loops.values(s.segments, t.segments, poses, rule, worth)
+    poses = poses[_distinct(poses, worth, search.refined, search.same)]
+    room = np.empty((2 * len(s.segments) * len(t.segments), 5))
+    for pose in poses:
+        loops.refine(s.segments, t.segments, pose, search.rounds, rule, room)
+    return poses
+
+
+def _distinct(
+    poses: Array, worth: Array, most: int, near: tuple[float, float]
+) -> NDArray[np.int64]:
+    """Indices of at most so many of the best poses, best first, each unlike all before it."""
+    chosen = np.empty(most, np.int64)
+    return chosen[: loops.distinct(poses, np.argsort(-worth, kind="stable"), *near, chosen)]
+
+
+def _hidden(poses: Array, s: Scene, t: Scene, margin: float) -> Array:
+    """Length of wall, (k,) array, metres, that one scene has seen through a wall of the other."""
+    found, stood = np.zeros(len(poses)), transform(poses, t.places)
+    for k, pose in enumerate(poses):
+        there = loops.moved(t.segments, *pose)
+        looks = ((s.places, s.segments, there), (stood[k], there, s.segments))
+        for places, segments, walls in looks:
+            least = np.inf  # from the best of the places
+            for x, y in places:
+                least = min(least, loops.hidden(x, y, segments, walls, margin, least))
+            found[k] += least
+    return found
+
+
+def _matched(poses: Array, s: Scene, t: Scene, rule: loops.Rule) -> list[tuple[int, Array]]:
+    """For each pose how many walls match, and the constraints about where the current frame is."""
+    found, described = [], describe(s.segments)
+    value = np.empty((len(s.segments), len(t.segments)))
+    for pose, (x, y) in zip(poses, transform(poses, -t.middle[None])[:, 0], strict=True):
+        there = loops.moved(t.segments, *pose)
+        loops.fill_values(s.segments, described, there, rule, value)
+        some = value > 0
+        rows = np.empty((2 * np.count_nonzero(some), 5))
+        loops.constraints(s.segments, described, there, value, rows)
+        rows[:, 2] -= rows[:, 1] * x - rows[:, 0] * y
+        found.append((int(min(some.any(0).sum(), some.any(1).sum())), rows))
+    return found
 
 
 def match_angles(
@@ -35,7 +171,8 @@ def match_angles(
     least_share: float = 0.40,
     least_across: float = 0.25,
     rival: float = 0.88,
-    **search: Any,
+    search: AngleSearch = AngleSearch(),
+    **options: Any,
 ) -> Match:
     """How one scan lies on another, from their walls alone and from any start (A 3.3.1).
 
@@ -53,8 +190,8 @@ def match_angles(
         noise decide the place along a corridor.
     rival : float
         Where another candidate scores more than this share of the best, nothing is claimed.
-    **search
-        Handed to `angle_candidates`.
+    search, **options
+        As in `angle_candidates`.
 
     Returns
     -------
@@ -75,17 +212,17 @@ def match_angles(
     >>> match_angles(square, square, rng=np.random.default_rng(1))
     Match(none: another place fits nearly as well)
     """
-    check_positive(least_share=least_share, least_across=least_across, rival=rival)
-    found = angle_candidates(reference_segments, current_segments, rng=rng, **search)
-    of_reference, of_current = (
-        float(length(arrays.segments(given)).sum())
-        for given in (reference_segments, current_segments)
+    arrays.positive(least_share=least_share, least_across=least_across, rival=rival)
+    found = angle_candidates(
+        reference_segments, current_segments, rng=rng, search=search, **options
     )
-    doubt = _doubt(found, least_share * min(of_reference, of_current), least_across, rival)
-    if doubt:
+    given = (reference_segments, current_segments)
+    sizes = [float(length(arrays.segments(segments)).sum()) for segments in given]
+    least = least_share * min(sizes)
+    if doubt := _doubt(found, least, least_across, rival, search.enough_walls):
         return no_match(np.zeros(3), doubt)
-    overlap = min(1.0, found[0].value / of_current)
-    return Match(found[0].pose, _covariance(found[0]), True, overlap=overlap)
+    overlap = min(1.0, found[0].value / sizes[1])
+    return Match(found[0].pose, found[0].covariance(search.sigma), True, overlap=overlap)
 
 
 @alignment_method
@@ -132,15 +269,14 @@ def angle_correspondence(
     >>> angle_correspondence(load("room")[:20])
     Alignment(angle_correspondence: 20 scans, 20 used)
     """
-    check_positive(new_reference=new_reference)
+    arrays.positive(new_reference=new_reference)
     chance, trail = np.random.default_rng(0) if rng is None else rng, Trail(log)
     seen = [(extract(scan.points()), scan.sensor_pose[:2]) for scan in log]
     reference = 0
     for k in range(1, len(log)):
         for known in dict.fromkeys((reference, k - 1)):
-            pair = (seen[known][0], seen[k][0])
-            from_where = (seen[known][1], seen[k][1])
-            match = match_angles(*pair, rng=chance, viewpoints=from_where, **thresholds)
+            sets, stood = zip(seen[known], seen[k], strict=True)
+            match = match_angles(*sets, rng=chance, viewpoints=stood, **thresholds)
             if match.matched and (known == k - 1 or match.overlap >= new_reference):
                 trail.place(compose(trail.poses[known], match.pose))
                 reference = known
@@ -150,28 +286,15 @@ def angle_correspondence(
     return trail.outcome()
 
 
-def _doubt(found: list[Candidate], least: float, across: float, rival: float) -> str:
+def _doubt(found: list[Candidate], least: float, across: float, rival: float, enough: int) -> str:
     """Why the best of the candidates is not to be believed; empty where it is."""
     if not found:
         return "no two walls of one stand at an angle that the other has too"
     best, second = found[0], found[1].score if len(found) > 1 else -np.inf
-    if best.score < least * 3 / min(max(best.walls, 1), ENOUGH_WALLS):
+    if best.score < least * 3 / min(max(best.walls, 1), enough):
         return "too little of the walls matches"
     if second > rival * best.score:
         return "another place fits nearly as well"
-    if _wall_across(best) < across:
+    if best.wall_across() < across:
         return "too little wall fixes the motion along the others"
     return ""
-
-
-def _wall_across(candidate: Candidate) -> float:
-    """Length of matched wall, metres, across the direction that is fixed least."""
-    normals, weight = candidate.constraints[:, :2], candidate.constraints[:, 4] / 2
-    return float(np.linalg.eigvalsh((normals.T * weight) @ normals)[0])
-
-
-def _covariance(candidate: Candidate) -> Array:
-    """Covariance of a pose from what is left of the offsets, at least 10 mm each."""
-    rows = candidate.constraints
-    sigma = max(SIGMA, float(np.sqrt(np.mean(rows[:, 3] ** 2))))
-    return np.asarray(sigma**2 * np.linalg.inv(rows[:, :3].T @ rows[:, :3]), float)

@@ -1,9 +1,12 @@
-"""The loops of angle correspondence: plain Python, compiled when called.
+"""The loops of angle correspondence: corners laid on each other, match values, and what is hidden.
 
 A *corner* is a row of 10 numbers for two segments i, j that are not parallel: where their lines
 meet (x, y), the direction of i, the turn from i to j in (0, pi), between which distances from the
-meeting point i lies along its direction and j along its own, and the lengths of both.
+meeting point i lies along its direction and j along its own, and the lengths of both. Segments are
+`(n, 2, 2)` arrays in metres; `a` describes s and `b` describes t, `(n, 5)` each.
 """
+
+from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,94 +14,84 @@ from numpy.typing import NDArray
 from .._compiled import compiled
 from ..arrays import Array
 from ..kernels import describe, off_segment
-from ._sight_loops import least_hidden
 
 #: Thresholds of a match: distance, far and long in metres, and whether D is of whole segments.
 Rule = tuple[float, float, float, bool]
 
 #: A 2.7.10: what remains of a match value for each T_p between two segments that do not meet.
 FADING = 0.95
-#: A pivot of less than this share of the whole says nothing.
+#: A pivot of less than this share of the whole is rounding.
 SINGULAR = 1e-9
 
 
 @compiled
-def _extent(s: Array, x: float, y: float, dx: float, dy: float) -> tuple[float, float]:
-    """Between which distances from (x, y) along (dx, dy) a segment `(2, 2)` lies, metres."""
-    a = (s[0, 0] - x) * dx + (s[0, 1] - y) * dy
-    b = (s[1, 0] - x) * dx + (s[1, 1] - y) * dy
-    return min(a, b), max(a, b)
+def superpose(first: Array, second: Array, angle: float, share: float, found: Array) -> int:
+    """Poses that superpose similar corners, and by how many metres of wall: rows of `found`.
 
-
-@compiled
-def corners(s: Array, pairs: NDArray[np.int64]) -> Array:
-    """Corners `(k, 10)` of pairs `(k, 2)` of segments `(n, 2, 2)`, metres and radians."""
-    found = np.empty((len(pairs), 10))
-    for k in range(len(pairs)):
-        p, q = s[pairs[k, 0]], s[pairs[k, 1]]
-        px, py, qx, qy = p[1, 0] - p[0, 0], p[1, 1] - p[0, 1], q[1, 0] - q[0, 0], q[1, 1] - q[0, 1]
-        angle = np.arctan2(py, px)
-        turn = (np.arctan2(qy, qx) - angle) % np.pi
-        ux, uy, vx, vy = np.cos(angle), np.sin(angle), np.cos(angle + turn), np.sin(angle + turn)
-        far = ((q[0, 0] - p[0, 0]) * vy - (q[0, 1] - p[0, 1]) * vx) / (ux * vy - uy * vx)
-        x, y = p[0, 0] + far * ux, p[0, 1] + far * uy
-        found[k, :4] = np.array((x, y, angle, turn))
-        found[k, 4], found[k, 5] = _extent(p, x, y, ux, uy)
-        found[k, 6], found[k, 7] = _extent(q, x, y, vx, vy)
-        found[k, 8], found[k, 9] = np.hypot(px, py), np.hypot(qx, qy)
-    return found
-
-
-@compiled
-def _shared(a: float, b: float, c: float, d: float, way: int) -> float:
-    """Length that the intervals a..b and c..d (looked at the other way for -1) share, metres."""
-    return min(b, d) - max(a, c) if way == 1 else min(b, -c) - max(a, -d)
-
-
-@compiled
-def _superposed(a: Array, b: Array, way: int) -> tuple[float, float, float]:
-    """Pose that carries corner b onto corner a, `(10,)` each; metres and radians.
-
-    The longer walls decide the turn (A 3.3.1).
+    Both walls of the one must cover those of the other by a share of the shorter; the longer walls
+    decide the turn (A 3.3.1). Returns how many there are; those beyond the last row are not
+    written.
     """
-    at_i, at_j = min(a[8], b[8]) ** 2, min(a[9], b[9]) ** 2
-    heading = a[2] - b[2] + at_j / (at_i + at_j) * (a[3] - b[3]) + (0.0 if way == 1 else np.pi)
-    c, s = np.cos(heading), np.sin(heading)
-    return a[0] - c * b[0] + s * b[1], a[1] - s * b[0] - c * b[1], heading
-
-
-@compiled
-def superpose(first: Array, second: Array, angle: float, share: float) -> Array:
-    """Poses that superpose similar corners, and by how many metres of wall: `(m, 4)`.
-
-    Both walls of the one must cover those of the other by a share of the shorter.
-    """
-    found, count = np.empty((1024, 4)), 0
-    for a in first:
-        for b in second:
+    count = 0
+    for i in range(len(first)):
+        for j in range(len(second)):
+            a, b = first[i], second[j]
             if abs(a[3] - b[3]) > angle:
                 continue
-            for way in (1, -1):  # a line has no direction: half a turn more is as good
-                on_i = _shared(a[4], a[5], b[4], b[5], way)
-                on_j = _shared(a[6], a[7], b[6], b[7], way)
-                if on_i < share * min(a[8], b[8]) or on_j < share * min(a[9], b[9]):
+            at_i, at_j = min(a[8], b[8]), min(a[9], b[9])
+            turn = at_j * at_j / (at_i * at_i + at_j * at_j) * (a[3] - b[3])
+            for way in range(2):  # a line has no direction: half a turn more is as good
+                if way == 0:
+                    on_i = min(a[5], b[5]) - max(a[4], b[4])
+                    on_j = min(a[7], b[7]) - max(a[6], b[6])
+                else:
+                    on_i = min(a[5], -b[4]) - max(a[4], -b[5])
+                    on_j = min(a[7], -b[6]) - max(a[6], -b[7])
+                if on_i < share * at_i or on_j < share * at_j:
                     continue
-                if count == len(found):
-                    found = np.concatenate((found, np.empty_like(found)))
-                x, y, heading = _superposed(a, b, way)
-                found[count] = np.array((x, y, heading, on_i + on_j))
+                if count < len(found):
+                    heading = a[2] - b[2] + turn + way * np.pi
+                    c, s = np.cos(heading), np.sin(heading)
+                    found[count, 0] = a[0] - c * b[0] + s * b[1]
+                    found[count, 1] = a[1] - s * b[0] - c * b[1]
+                    found[count, 2] = heading
+                    found[count, 3] = on_i + on_j
                 count += 1
-    return found[:count]
+    return count
 
 
 @compiled
-def moved(s: Array, pose: Array) -> Array:
-    """Segments `(n, 2, 2)`, metres, carried by a pose `(3,)`, metres and radians."""
-    out, cos, sin = np.empty_like(s), np.cos(pose[2]), np.sin(pose[2])
+def distinct(
+    poses: Array, order: NDArray[np.int64], place: float, turn: float, chosen: NDArray[np.int64]
+) -> int:
+    """Write the indices of poses unlike all before them in an order; return how many.
+
+    Two poses are alike within `place` metres and `turn` radians; no more than `chosen` holds.
+    """
+    count = 0
+    for k in order:
+        new = True
+        for n in range(count):
+            c = chosen[n]
+            dx, dy = poses[k, 0] - poses[c, 0], poses[k, 1] - poses[c, 1]
+            around = abs((poses[k, 2] - poses[c, 2] + np.pi) % (2 * np.pi) - np.pi)
+            new = new and (dx * dx + dy * dy > place * place or around > turn)
+        if new:
+            chosen[count] = k
+            count += 1
+        if count == len(chosen):
+            break
+    return count
+
+
+@compiled
+def moved(s: Array, x: float, y: float, heading: float) -> Array:
+    """Segments `(n, 2, 2)`, metres, carried by a pose, metres and radians."""
+    out, c, z = np.empty_like(s), np.cos(heading), np.sin(heading)
     for i in range(len(s)):
         for k in range(2):
-            out[i, k, 0] = pose[0] + cos * s[i, k, 0] - sin * s[i, k, 1]
-            out[i, k, 1] = pose[1] + sin * s[i, k, 0] + cos * s[i, k, 1]
+            out[i, k, 0] = x + c * s[i, k, 0] - z * s[i, k, 1]
+            out[i, k, 1] = y + z * s[i, k, 0] + c * s[i, k, 1]
     return out
 
 
@@ -126,18 +119,16 @@ def _common(s: Array, a: Array, i: int, t: Array, j: int, far: float) -> tuple[f
 @compiled
 def _hausdorff(u: Array, v: Array) -> float:
     """The smaller of the two directed Hausdorff distances of segments `(2, 2)` (A 2.39), metres."""
-    there = max(off_segment(v[0, 0], v[0, 1], u), off_segment(v[1, 0], v[1, 1], u))
-    back = max(off_segment(u[0, 0], u[0, 1], v), off_segment(u[1, 0], u[1, 1], v))
+    there = back = 0.0
+    for k in range(2):
+        there = max(there, off_segment(v[k, 0], v[k, 1], u))
+        back = max(back, off_segment(u[k, 0], u[k, 1], v))
     return min(there, back)
 
 
 @compiled
-def match_value(s: Array, a: Array, i: int, t: Array, b: Array, j: int, rule: Rule) -> float:
-    """Length, in metres, that two described segments say together (A 2.7.10); 0 for no match.
-
-    Segment i of s `(n, 2, 2)`, which a `(n, 5)` describes, and j of t `(m, 2, 2)`, which b does, in
-    one frame, metres.
-    """
+def _match_value(s: Array, a: Array, i: int, t: Array, b: Array, j: int, rule: Rule) -> float:
+    """Length, metres, on which segment i of s and j of t agree (A 2.7.10); 0 for no match."""
     distance, far, long, whole = rule
     on_i, off_i, past_i = _common(s, a, i, t, j, far)
     if on_i == 0.0:
@@ -157,125 +148,145 @@ def match_value(s: Array, a: Array, i: int, t: Array, b: Array, j: int, rule: Ru
 
 
 @compiled
-def match_values(s: Array, t: Array, rule: Rule) -> Array:
-    """Match value of every pair, `(n, m)`, metres, of segments in one frame."""
-    a, b, found = describe(s), describe(t), np.empty((len(s), len(t)))
+def fill_values(s: Array, a: Array, t: Array, rule: Rule, found: Array) -> float:
+    """Write the match value of every pair, metres, to `found`, (n, m) array; return their sum."""
+    b, total = describe(t), 0.0
     for i in range(len(s)):
         for j in range(len(t)):
-            found[i, j] = match_value(s, a, i, t, b, j, rule)
-    return found
+            found[i, j] = _match_value(s, a, i, t, b, j, rule)
+            total += found[i, j]
+    return total
 
 
 @compiled
-def values(s: Array, t: Array, poses: Array, rule: Rule) -> Array:
-    """Value of each pose `(k, 3)` of t in the frame of s: the sum of match values, metres."""
-    a, found = describe(s), np.zeros(len(poses))
+def values(s: Array, t: Array, poses: Array, rule: Rule, found: Array) -> None:
+    """Value of each pose `(k, 3)` of t in the frame of s, metres: the sum of match values."""
+    a, pairs = describe(s), np.empty((len(s), len(t)))
     for k in range(len(poses)):
-        there = moved(t, poses[k])
-        b = describe(there)
-        for i in range(len(s)):
-            for j in range(len(there)):
-                found[k] += match_value(s, a, i, there, b, j, rule)
-    return found
+        there = moved(t, poses[k, 0], poses[k, 1], poses[k, 2])
+        found[k] = fill_values(s, a, there, rule, pairs)
 
 
 @compiled
-def distinct(poses: Array, worth: Array, most: int, place: float, turn: float) -> NDArray[np.int64]:
-    """Indices `(k,)` of the best poses, best first, each unlike all before it (metres, radians)."""
-    chosen, count = np.empty(most, np.int64), 0
-    for k in np.argsort(-worth, kind="mergesort"):
-        new = True
-        for c in chosen[:count]:
-            dx, dy = poses[k, 0] - poses[c, 0], poses[k, 1] - poses[c, 1]
-            around = abs((poses[k, 2] - poses[c, 2] + np.pi) % (2 * np.pi) - np.pi)
-            new = new and (dx * dx + dy * dy > place * place or around > turn)
-        if new:
-            chosen[count] = k
-            count += 1
-        if count == most:
-            break
-    return chosen[:count]
+def constraints(s: Array, a: Array, t: Array, value: Array, rows: Array) -> int:
+    """What matched segments say of a small motion of t: both ends of each common part.
 
-
-@compiled
-def constraints(s: Array, t: Array, value: Array) -> Array:
-    """What matched segments say of a small motion of t, `(k, 5)`: both ends of each common part.
-
-    A row holds the normal of the segment of s, the lever of a turn about the origin, the offset
-    (metres) that the motion should undo, and the match value (metres) as its weight.
+    A row, of 5, holds the normal of the segment of s, the lever of a turn about the origin, the
+    offset (metres) that the motion should undo, and the match value (metres) as its weight. Returns
+    how many rows it wrote: two for each `value` above 0, (n, m) array, metres.
     """
-    found, count = np.empty((2 * int(np.sum(value > 0)), 5)), 0
+    count = 0
     for i in range(len(s)):
-        x, y = s[i, 0, 0], s[i, 0, 1]
-        length = np.hypot(s[i, 1, 0] - x, s[i, 1, 1] - y)
-        dx, dy = (s[i, 1, 0] - x) / length, (s[i, 1, 1] - y) / length
+        x, y, dx, dy, size = s[i, 0, 0], s[i, 0, 1], a[i, 2], a[i, 3], 2 * a[i, 4]
         for j in range(len(t)):
             if value[i, j] <= 0:
                 continue
             low = (t[j, 0, 0] - x) * dx + (t[j, 0, 1] - y) * dy
             high = (t[j, 1, 0] - x) * dx + (t[j, 1, 1] - y) * dy
             for k in range(2):
-                inside = min(max(low if k == 0 else high, 0.0), length)
-                part = (inside - low) / (high - low)
+                part = (min(max(high if k else low, 0.0), size) - low) / (high - low)
                 px = t[j, 0, 0] + part * (t[j, 1, 0] - t[j, 0, 0])
                 py = t[j, 0, 1] + part * (t[j, 1, 1] - t[j, 0, 1])
-                off = (py - y) * dx - (px - x) * dy
-                found[count] = np.array((-dy, dx, px * dx + py * dy, off, value[i, j]))
+                rows[count, 0], rows[count, 1], rows[count, 2] = -dy, dx, px * dx + py * dy
+                rows[count, 3], rows[count, 4] = (py - y) * dx - (px - x) * dy, value[i, j]
                 count += 1
-    return found
+    return count
 
 
 @compiled
-def _solved(rows: Array) -> tuple[float, float, float]:
-    """Small motion x, y, turn that undoes the offsets of weighted `constraints`, rows `(k, 5)`.
+def _least_move(rows: Array, count: int) -> tuple[float, float, float]:
+    """Small motion x, y, turn that undoes the offsets of so many `constraints`, by least squares.
 
     Metres and radians; 0 where they do not fix it.
     """
-    m = np.zeros((3, 4))
-    for r in rows:
-        for i in range(3):
-            for k in range(4):
-                m[i, k] += r[4] * r[i] * r[k]
-    size = m[0, 0] + m[1, 1] + m[2, 2]
-    for i in range(3):
-        if m[i, i] <= SINGULAR * size:
-            return 0.0, 0.0, 0.0
-        for j in range(i + 1, 3):
-            m[j] -= m[j, i] / m[i, i] * m[i]
-    turn = -m[2, 3] / m[2, 2]
-    y = -(m[1, 3] + m[1, 2] * turn) / m[1, 1]
-    return -(m[0, 3] + m[0, 2] * turn + m[0, 1] * y) / m[0, 0], y, turn
+    xx = xy = xt = xo = yy = yt = yo = tt = to = 0.0
+    for k in range(count):
+        x, y, t, off, weight = rows[k, 0], rows[k, 1], rows[k, 2], rows[k, 3], rows[k, 4]
+        xx, xy, xt, xo = (
+            xx + weight * x * x,
+            xy + weight * x * y,
+            xt + weight * x * t,
+            xo + weight * x * off,
+        )
+        yy, yt, yo = yy + weight * y * y, yt + weight * y * t, yo + weight * y * off
+        tt, to = tt + weight * t * t, to + weight * t * off
+    least = SINGULAR * (xx + yy + tt)
+    if xx <= least:
+        return 0.0, 0.0, 0.0
+    yy, yt, yo = yy - xy / xx * xy, yt - xy / xx * xt, yo - xy / xx * xo
+    tt, to = tt - xt / xx * xt, to - xt / xx * xo
+    if yy <= least:
+        return 0.0, 0.0, 0.0
+    tt, to = tt - yt / yy * yt, to - yt / yy * yo
+    if tt <= least:
+        return 0.0, 0.0, 0.0
+    turn = -to / tt
+    dy = -(yo + yt * turn) / yy
+    return -(xo + xt * turn + xy * dy) / xx, dy, turn
 
 
 @compiled
-def refined(s: Array, t: Array, pose: Array, rounds: int, rule: Rule) -> Array:
-    """The pose of t in the frame of s, (3,) array, metres and radians, made better.
+def refine(s: Array, t: Array, pose: Array, rounds: int, rule: Rule, rows: Array) -> None:
+    """Move a pose of t in the frame of s, (3,) array, metres and radians, until matches lie on it.
 
-    Segments s `(n, 2, 2)` and t `(m, 2, 2)`, metres: it moves until matched ones lie on each other,
-    where that gains value.
+    By weighted least squares on the `constraints`, where that gains value. `rows` is room for
+    these, (2 n m, 5) array.
     """
-    found, worth = pose.copy(), match_values(s, moved(t, pose), rule).sum()
-    for _ in range(rounds):
-        there = moved(t, found)
-        x, y, turn = _solved(constraints(s, there, match_values(s, there, rule)))
-        c, d, at_x, at_y = np.cos(turn), np.sin(turn), found[0], found[1]
-        found = np.array((x + c * at_x - d * at_y, y + d * at_x + c * at_y, found[2] + turn))
-    return found if match_values(s, moved(t, found), rule).sum() >= worth else pose
+    a, value = describe(s), np.empty((len(s), len(t)))
+    x, y, heading = pose[0], pose[1], pose[2]
+    before = worth = 0.0
+    for k in range(rounds + 1):
+        there = moved(t, x, y, heading)
+        worth = fill_values(s, a, there, rule, value)
+        if k == 0:
+            before = worth
+        if k < rounds:
+            dx, dy, turn = _least_move(rows, constraints(s, a, there, value, rows))
+            c, d = np.cos(turn), np.sin(turn)
+            x, y, heading = dx + c * x - d * y, dy + d * x + c * y, heading + turn
+    if worth >= before:
+        pose[0], pose[1], pose[2] = x, y, heading
 
 
 @compiled
-def weighed(
-    s: Array, from_s: Array, t: Array, from_t: Array, poses: Array, margin: float, rule: Rule
-) -> Array:
-    """Value of each pose, and length hidden from places `from_s` and `from_t`: `(k, 2)`, metres."""
-    found = np.empty((len(poses), 2))
-    for k in range(len(poses)):
-        there, places = moved(t, poses[k]), from_t.copy()
-        c, d = np.cos(poses[k, 2]), np.sin(poses[k, 2])
-        for i in range(len(places)):
-            places[i, 0] = poses[k, 0] + c * from_t[i, 0] - d * from_t[i, 1]
-            places[i, 1] = poses[k, 1] + d * from_t[i, 0] + c * from_t[i, 1]
-        found[k, 0] = match_values(s, there, rule).sum()
-        found[k, 1] = least_hidden(from_s, s, there, margin)
-        found[k, 1] += least_hidden(places, there, s, margin)
-    return found
+def _is_hidden(px: float, py: float, x: float, y: float, walls: Array, margin: float) -> bool:
+    """Whether a wall stands between (px, py) and (x, y), clear of both and not by its end only.
+
+    Walls `(n, 2, 2)`, metres; one whose line passes within `margin` metres of (x, y) hides nothing.
+    """
+    reach = np.hypot(x - px, y - py)
+    if reach <= margin:
+        return False
+    dx, dy = (x - px) / reach, (y - py) / reach
+    for k in range(len(walls)):
+        x0, y0, x1, y1 = walls[k, 0, 0], walls[k, 0, 1], walls[k, 1, 0], walls[k, 1, 1]
+        a, b = dx * (y0 - py) - dy * (x0 - px), dx * (y1 - py) - dy * (x1 - px)
+        if a * b >= 0:
+            continue
+        wx, wy = x1 - x0, y1 - y0
+        size, part = np.hypot(wx, wy), a / (a - b)
+        ahead = dx * (x0 + part * wx - px) + dy * (y0 + part * wy - py)
+        off = abs((x - x0) * wy - (y - y0) * wx) / size
+        clear = margin / 3 < ahead < reach and off > margin
+        if clear and min(part, 1 - part) * size > margin / 3:
+            return True
+    return False
+
+
+@compiled
+def hidden(px: float, py: float, s: Array, walls: Array, margin: float, most: float) -> float:
+    """Length of segments, metres, that walls hide from (px, py); it stops counting above `most`.
+
+    Segments `(n, 2, 2)` and walls `(m, 2, 2)`, metres, in one frame; five points of each segment
+    are looked at.
+    """
+    lost = 0.0
+    for i in range(len(s)):
+        wx, wy = s[i, 1, 0] - s[i, 0, 0], s[i, 1, 1] - s[i, 0, 1]
+        for k in range(5):
+            part = (k + 0.5) / 5
+            if _is_hidden(px, py, s[i, 0, 0] + part * wx, s[i, 0, 1] + part * wy, walls, margin):
+                lost += np.hypot(wx, wy) / 5
+        if lost > most:
+            break
+    return lost
