@@ -155,10 +155,8 @@ class PointMap:
 
         Points in the robot's frame, metres; walls are sought within the reach of the last steps.
         """
-        rows = np.empty((len(current), 6))
-        points = np.ascontiguousarray(current)
-        used, _ = loops.residuals(self.grid, points, pose, LAST, 1, rows)
-        return bool((np.abs(rows[:used, :2] @ direction) > FACING).any())
+        rows = self.descend(current, pose, LAST, LAST, stride=1, rounds=1).rows
+        return bool((np.abs(rows[:, :2] @ direction) > FACING).any())
 
     @cached_property
     def levels(self) -> searching.Levels:
