@@ -269,6 +269,9 @@ def test_every_other_threshold_is_checked(rules):
     for field in fields(rules):
         with pytest.raises(ValueError, match=f"{field.name} must be a number above 0, got 0"):
             rules(**{field.name: 0})
+        if field.type == "int":
+            with pytest.raises(ValueError, match=f"{field.name} must be a whole number"):
+                rules(**{field.name: 2.5})
 
 
 @pytest.mark.parametrize(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -72,12 +72,13 @@ class LoopClosing:
     Raises
     ------
     ValueError
-        For a value that is not positive.
+        For a value that is not positive, or a number that is not whole.
 
     Examples
     --------
-    >>> LoopClosing(witnesses=4).witnesses
-    4
+    >>> LoopClosing(witnesses=0)
+    Traceback (most recent call last):
+    ValueError: witnesses must be a number above 0, got 0
     """
 
     min_path: float = 10.0
@@ -101,7 +102,9 @@ class LoopClosing:
     contradicted: float = 15.0
 
     def __post_init__(self) -> None:
-        arrays.positive(**asdict(self))
+        arrays.positive(**vars(self))
+        for name in ("old_frames", "new_frames", "witnesses", "lost_witnesses"):
+            arrays.whole(getattr(self, name), name)
 
 
 class Window(NamedTuple):

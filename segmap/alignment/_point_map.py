@@ -85,8 +85,8 @@ class PointMap:
         grid = loops.PointGrid(points, normals, *box, first, False)
         loops.fit_normals(grid, *RADII, ENOUGH)
         if viewpoints is not None:
-            behind = (normals * (viewpoints[order] - points)).sum(1) < 0
-            normals[behind] *= -1.0
+            towards = np.einsum("ni,ni->n", normals, viewpoints[order] - points)
+            normals[towards < 0] *= -1.0
             grid = grid._replace(sided=True)
         self.grid = grid
 
@@ -235,7 +235,7 @@ class PointMap:
 
 def in_range(points: Array) -> NDArray[np.bool_]:
     """Which points `(n, 2)`, metres, a laser can have seen from near the origin."""
-    return np.abs(points).max(axis=1, initial=0.0) < FAR
+    return (np.abs(points[:, 0]) < FAR) & (np.abs(points[:, 1]) < FAR)
 
 
 def _span(current: Array) -> float:

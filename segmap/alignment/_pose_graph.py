@@ -47,12 +47,7 @@ class Tracking:
     Raises
     ------
     ValueError
-        For a value that is not positive.
-
-    Examples
-    --------
-    >>> Tracking(frames=5).frames
-    5
+        For a value that is not positive, or a number that is not whole.
     """
 
     frames: int = 10
@@ -69,6 +64,8 @@ class Tracking:
 
     def __post_init__(self) -> None:
         arrays.positive(**vars(self))
+        arrays.whole(self.frames, "frames")
+        arrays.whole(self.around, "around")
 
 
 @alignment_method
