@@ -1,14 +1,73 @@
-"""Bugs that were planted once and must still be caught: (text of the package, instead, tests).
+# ruff: noqa: E501
+"""Bugs that were planted once and must still be caught: text of the package, what replaces it, tests.
 
-The text stands once in segmap, wherever its file is now. Where no tests are named, those of the
-room must fail.
+Each text stands once in segmap, in whatever file it is now. The tests are the files that must fail:
+`angles` is `tests/test_angles.py`; none means those of the room.
 """
 
 PLANTED = (
-    # angles and poses
-    (
-        "(np.subtract(a, b) + np.pi / 2) % np.pi - np.pi / 2",
-        "(np.subtract(a, b) + np.pi / 2) % (2 * np.pi) - np.pi / 2",
-        "angles",
-    ),
-)
+    # angles and poses: a wrap, a sign, a half turn
+    ("+ np.pi / 2) % np.pi - np.pi / 2\n\n\ndef axial_mean(", "+ np.pi / 2) % (2 * np.pi) - np.pi / 2\n\n\ndef axial_mean(", "angles"),
+    ("% (2 * np.pi) - np.pi\n\n\ndef axial", "% (2 * np.pi)\n\n\ndef axial", "angles"),
+    ("found = np.arctan2(y, x) / 2 % np.pi", "found = np.arctan2(y, x) % np.pi", "angles"),
+    ("x = -c * p[..., 0] - s * p[..., 1]", "x = -c * p[..., 0] + s * p[..., 1]", "poses"),
+    ("wrap(a[..., 2] + b[..., 2])", "a[..., 2] + b[..., 2]", "poses"),
+    ("(span <= max_gap)", "(span < max_gap)", "poses"),
+    # extraction
+    ("(b[1] - a[1]) ** 2 >= gap * gap", "(b[1] - a[1]) ** 2 > gap * gap", "extraction"),
+    ("turn = 0.5 * np.arctan2(2 * sxy, sxx - syy)", "turn = 0.5 * np.arctan2(sxy, sxx - syy)", "extraction"),
+    ("if first < 0 and _is_cut(p[i - 1], p[i], gap):", "if first < 0 and i and _is_cut(p[i - 1], p[i], gap):", "extraction"),
+    # distance and quality
+    ("if APART * (dx - reach) >= best:", "if dx - reach >= best:", "metrics"),
+    ("if dot < 0.0:\n", "if dot > 0.0:\n", "metrics"),
+    ("if abs(dot) <= PERPENDICULAR:", "if abs(dot) <= -PERPENDICULAR:", "metrics"),
+    ("np.where(wanted - t[before] <= t[after] - wanted, before, after)", "np.where(wanted - t[before] < t[after] - wanted, before, after)", "metrics"),
+    # Basic
+    ("turn = (state.angles[a] - state.angles[b] + np.pi / 2) % np.pi - np.pi / 2", "turn = state.angles[a] - state.angles[b]", "basic"),
+    ("turn = (state.angles[b] - state.angles[a] + np.pi / 2) % np.pi - np.pi / 2", "turn = state.angles[b] - state.angles[a]", "basic"),
+    ("if dx * dx + dy * dy >= distance * distance:", "if dx * dx + dy * dy > distance * distance:", "basic"),
+    ("return abs(turn) < angle\n", "return abs(turn) < np.radians(angle)\n", "basic reduction_properties"),
+    ("heapq.heappush(heap if b > a else later, b)", "heapq.heappush(heap, b)", "basic"),
+    # Hybrid
+    ("line[0] = (line[2] * line[0] + sign * rho) / (line[2] + 1)", "line[0] = (line[2] * line[0] + rho) / (line[2] + 1)", "hybrid"),
+    ("if 0.0 <= along <= length * length:", "if along <= length * length:", "hybrid"),
+    ("line[1] = (line[2] * line[1] + theta + turns * np.pi) / (line[2] + 1)", "line[1] = (line[2] * line[1] + theta) / (line[2] + 1)", "hybrid"),
+    ("if b < best if tie else near < least:", "if near < least:", "hybrid"),
+    ("np.where(turns % 2 == 0, rho, -rho)", "rho", "hybrid"),
+    # mean shift
+    ("da = da - period if da >= half else da", "da = da", "mean_shift"),
+    ("np.ceil(length(segments) / sigma - 1e-9)", "np.ceil(length(segments) / sigma)", "mean_shift"),
+    ("if dx * dx + dy * dy + da * da < reach * reach:", "if dx * dx + dy * dy < reach * reach:", "mean_shift"),
+    ("if count == 0 or low[i] > end[count - 1] + SAME:", "if count == 0 or low[i] > end[count - 1] - SAME:", "mean_shift"),
+    # Fusion
+    ("edge = measured[i, 2] + half if k % 2 else measured[i, 3] - half", "edge = measured[i, 3] - half", "fusion"),
+    ("if measured[i, 0] > reach + SAME:", "if measured[i, 0] > reach - SAME:", "fusion"),
+    ("if shifts[k, 1] < most - SAME or abs(shift) > least + SAME:", "if shifts[k, 1] < most - SAME:", "fusion"),
+    # pose graph
+    ("left[..., 2] = wrap(left[..., 2])", "left[..., 2] = left[..., 2]", "graph"),
+    ("blocks[:, 1, 0, 1] = np.sin(heading)", "blocks[:, 1, 0, 1] = -np.sin(heading)", "graph"),
+    ("1.4826 * 0.5 *", "0.5 *", "match_points point_map"),
+    ("if a.second == b.second or abs(path[a.second] - path[b.second]) > rules.stretch:", "if abs(path[a.second] - path[b.second]) > rules.stretch:", "pose_graph"),
+    ("return bool(np.hypot(x, y) < rules.tolerance and abs(heading) < rules.angle)", "return True", "pose_graph"),
+    # quadtree and matching: see the end of the list
+    # readers
+    ("endpoint=count % 2 == 1", "endpoint=True", "readers readers_real readers_formats"),
+    ("np.where(ranges >= limit, np.inf, np.where(ranges > 0, ranges, np.nan))", "np.where(ranges > limit, np.inf, np.where(ranges > 0, ranges, np.nan))", ""),
+    ("(np.arange(count, dtype=float) - (count - 1) / 2) * step", "(np.arange(count, dtype=float) - count / 2) * step", "readers_formats readers_player readers_real"),
+    ("step = resolution or field_of_view / max(beams - 1, 1)", "step = resolution or field_of_view / max(beams, 1)", "readers readers_formats readers_real"),
+    ("if rear and np.cos(turn) >= 0:", "if rear and np.cos(turn) < 0:", "readers readers_formats readers_real exports"),
+    # the laser
+    ("checksum(line[:-1]) != line[-1:]", "False", "hokuyo sensor_damage"),
+    ("step = first + np.arange(count) * cluster + (cluster - 1) / 2", "step = first + np.arange(count) * cluster + (cluster - 1) // 2", "hokuyo"),
+    ("since = (stamp - self._last[0]) % CLOCK / 1000.0", "since = (stamp - self._last[0]) / 1000.0", "hokuyo sensor sensor_damage"),
+    ("return self.last - self.first + 1\n", "return self.last - self.first\n", "hokuyo sensor_damage"),
+    ("if any(len(block) != BLOCK for block in blocks[:-1])", "if any(False for block in blocks[:-1])", "hokuyo sensor_damage"),
+    # simulation
+    ("if (side_a < 0) == (side_b < 0) and side_a != 0 and side_b != 0:", "if (side_a < 0) == (side_b < 0):", "simulation"),
+    ("if TOUCH < ahead < ranges[i] and ahead <= max_range:", "if TOUCH < ahead and ahead <= max_range:", "simulation"),
+    ("(angle < sensor.grazing)", "(angle > sensor.grazing)", "simulation"),
+    ("here[2] + wrap(heading - here[2])", "heading", "simulation"),
+    # exports
+    ("np.select([value > occupied, value <= free], [2.0, 0.0], 1.0)", "np.select([value >= occupied, value <= free], [2.0, 0.0], 1.0)", "exports_maps"),
+    ("{np.sin(heading / 2):.9f} {np.cos(heading / 2):.9f}", "{np.cos(heading / 2):.9f} {np.sin(heading / 2):.9f}", "exports"),
+)  # fmt: skip
