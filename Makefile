@@ -19,7 +19,7 @@ BROWSER = $(if $(DISPLAY)$(WAYLAND_DISPLAY)$(filter Darwin,$(shell uname)),,--no
 NBVAL := --nbval --nbval-current-env --nbval-cell-timeout=120 \
 	--nbval-sanitize-with=tests/nbval.cfg -p no:cacheprovider
 
-.PHONY: help lab test refresh bench book clean
+.PHONY: help lab test refresh mutants bench book clean
 
 help: ## list the targets
 	@sed -n 's/^\([a-z]*\):.*## \(.*\)/  make \1\t\2/p' Makefile
@@ -36,6 +36,9 @@ test: $(WARM) ## set up, then prove it: style, types, tests, examples and every 
 
 refresh: $(SETUP) ## run the chapters again and store what they show (CHAPTERS="..." for some)
 	$(RUN) notebooks/tools/refresh.py $(CHAPTERS)
+
+mutants: $(WARM) ## plant bugs and see a test fail (ARGS="--random 300" makes them by rule)
+	$(RUN) tests/mutants.py $(ARGS)
 
 bench: $(SETUP) ## measure speed against the references, as ratios from one run
 	$(RUN) -m benchmarks
