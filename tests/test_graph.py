@@ -144,15 +144,6 @@ def test_a_false_loop_is_outvoted_by_weights_and_believed_by_least_squares():
     assert np.abs(robust - poses)[:, :2].max() < 0.1 < 1 < np.abs(plain - poses)[:, :2].max()
 
 
-def test_information_decides_who_gives_way():
-    """Catches weights that are not used: of two measured motions the surer one holds."""
-    weak, strong = np.eye(3), 1e4 * np.eye(3)
-    edges, motions = [(0, 1), (0, 1)], [(1.0, 0, 0), (2.0, 0, 0)]
-    for weights, x in (([weak, strong], 2.0), ([strong, weak], 1.0)):
-        found = solve_graph(np.zeros((2, 3)), edges, motions, information=weights, scale=np.inf)
-        assert found[1, 0] == pytest.approx(x, abs=0.01)
-
-
 def test_a_pose_graph_solved_again_stays():
     """Catches a graph that keeps other ends, motions or weights than it was solved from."""
     found = pose_graph(load("corridor")[:150])

@@ -174,41 +174,22 @@ SEARCHES = {
 
 @pytest.mark.parametrize("name", SEARCHES)
 def test_the_search_is_that_of_the_plain_loops(name):
-    """A bound that is none: the best place would be cut off with its block."""
+    """A bound that is none cuts off the best place; a pose although none exceeds the least."""
     start, reach, away = SEARCHES[name]
     map, current = PointMap(scan_points()), scan_points((2.1, 5.0, 0.35), seed=1)[::4]
     turn = 0.0 if name == "one heading" else 0.21
-    found, score = map.search(
-        current, start, reach=reach, turn=turn, step=0.03, away=away, least=-9
-    )
+    window = {"reach": reach, "turn": turn, "step": 0.03, "away": away}
+    found, score = map.search(current, start, least=-9, **window)
+    assert map.search(current, start, least=score, **window) == (None, score)
     headings = np.linspace(-turn, turn, 15 if turn else 1).tolist()
     corner, radius = map.corner.tolist(), round(reach / FINE)
     cells = literal.likelihoods(map.grid.points.tolist(), corner)
-    window = literal.correlative_search(
+    plain = literal.correlative_search(
         cells, corner, current.tolist(), start, radius, headings, away
     )
-    scores = {tuple(np.round(pose, 6)): value for value, pose in window}
+    scores = {tuple(np.round(pose, 6)): value for value, pose in plain}
     assert score == pytest.approx(max(scores.values()), abs=1e-12)
     assert scores[tuple(np.round(found, 6))] == pytest.approx(score, abs=1e-12)
-
-
-def test_the_search_finds_what_lies_in_its_window_and_only_that():
-    """A window half as large as was asked, or a pose although nothing exceeds the least."""
-    map, here = PointMap(scan_points()), scan_points(seed=1)
-    found, score = map.search(here, (0.45, -0.45, 0.6), reach=0.5, turn=0.7)
-    np.testing.assert_allclose(found, np.zeros(3), atol=0.05)
-    assert score > 0.6
-    assert map.search(here, (30.0, 30.0, 0.0), least=0.3) == (None, 0.3)
-
-
-def test_of_equal_places_the_nearest_is_taken():
-    """Along a corridor all places are equal: a scan must not be thrown to the window's edge."""
-    wall = np.stack([np.linspace(-10, 10, 400), np.zeros(400)], -1)
-    both = np.concatenate([wall, wall + (0, 2)])
-    seen = both[np.abs(both[:, 0]) < 3] - (0, 1.0)
-    found, _ = PointMap(both).search(seen, (0.31, 0.93, 0.05))
-    np.testing.assert_allclose(found[:2], (0.31, 1.0), atol=0.03)
-    assert abs(found[2]) < 0.011
 
 
 def test_levels_hold_the_stamps_and_the_maxima_of_their_blocks():
