@@ -19,10 +19,10 @@ BROWSER = $(if $(DISPLAY)$(WAYLAND_DISPLAY)$(filter Darwin,$(shell uname)),,--no
 NBVAL := --nbval --nbval-current-env --nbval-cell-timeout=120 \
 	--nbval-sanitize-with=tests/nbval.cfg -p no:cacheprovider
 
-.PHONY: help lab test refresh mutants bench book clean
+.PHONY: help lab test test-lowest mutants refresh bench book clean
 
 help: ## list the targets
-	@sed -n 's/^\([a-z]*\):.*## \(.*\)/  make \1\t\2/p' Makefile
+	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/  make \1\t\2/p' Makefile
 
 lab: $(WARM) ## set up, then open the chapters in JupyterLab (PORT=8890 chooses the port)
 	@$(LAB) $(BROWSER)
@@ -33,6 +33,16 @@ test: $(WARM) ## set up, then prove it: style, types, tests, examples and every 
 	$(RUN) -m mypy
 	$(RUN) -m pytest $(SPREAD)
 	PYTHONWARNINGS=error::DeprecationWarning:__main__ $(RUN) -m pytest $(SPREAD) $(NBVAL) notebooks/*.ipynb
+
+test-lowest: ## the tests once more, in .venv-lowest, with the oldest packages that pyproject.toml allows
+	rm -rf .venv-lowest
+	if command -v uv > /dev/null; then uv venv --quiet --python "$$(command -v $(PYTHON))" .venv-lowest && \
+	  uv pip install --quiet --python .venv-lowest/bin/python --resolution lowest-direct --editable '.[dev]'; \
+	else $(PYTHON) -m venv .venv-lowest && $(PYTHON) tests/lowest.py > .venv-lowest/lowest.txt && \
+	  .venv-lowest/bin/python -m pip install --quiet --disable-pip-version-check \
+	    --constraint .venv-lowest/lowest.txt --editable '.[dev]'; \
+	fi
+	.venv-lowest/bin/python -m pytest $(SPREAD)
 
 refresh: $(SETUP) ## run the chapters again and store what they show (CHAPTERS="..." for some)
 	$(RUN) notebooks/tools/refresh.py $(CHAPTERS)
@@ -47,7 +57,7 @@ book: $(SETUP) ## run the chapters into linked web pages, build/book/index.html,
 	$(RUN) notebooks/tools/book.py
 
 clean: ## remove everything that make made, the environment too
-	rm -rf .venv build dist .pytest_cache .mypy_cache .ruff_cache .hypothesis
+	rm -rf .venv .venv-lowest build dist .pytest_cache .mypy_cache .ruff_cache .hypothesis
 	find . -name __pycache__ -prune -exec rm -rf {} +
 	find . -name .ipynb_checkpoints -prune -exec rm -rf {} +
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import importlib
 import os
 import sys
 import time
@@ -26,6 +27,7 @@ def _warm_up(given: argparse.Namespace) -> None:
     jobs = max(1, min(given.jobs or _cores(), len(names)))
     where = "one core" if jobs == 1 else f"{jobs} cores"
     print(f"Compiling the loops of segmap on {where}, which is kept for later ...", flush=True)
+    importlib.import_module("matplotlib.font_manager")  # lists the machine's fonts, once
     # On a terminal only; a log keeps the two lines.
     with tqdm(total=len(names), unit="method", disable=None, leave=False) as bar:
         if jobs == 1:

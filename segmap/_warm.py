@@ -6,7 +6,6 @@ with and without numba and compare.
 
 from __future__ import annotations
 
-import importlib
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
@@ -40,7 +39,6 @@ def cases() -> dict[str, Callable[[], Found]]:
         "extraction all": _extracted,
         "metrics all": _measured,
         "simulation all": _cast,
-        "plotting fonts": _fonts,
     }
 
 
@@ -133,9 +131,3 @@ def _matched() -> Found:
     names = [name for name in matching.__all__ if name.endswith("_score") and name[:5] != "field"]
     found: Found = [getattr(matching, name)(map, points, poses) for name in names]
     return [*found, matching.hill_climb(map, points, poses[0])]
-
-
-def _fonts() -> Found:
-    """matplotlib lists the fonts of a machine when it is first imported there."""
-    importlib.import_module("matplotlib.font_manager")
-    return []

@@ -60,12 +60,12 @@ def test_the_extra_of_the_chapters_opens_ports():
 def targets():
     """Targets that `make` lists, as the Makefile has them."""
     text = (ROOT / "Makefile").read_text(encoding="utf-8")
-    return set(re.findall(r"^(\w+):.*##", text, re.MULTILINE))
+    return set(re.findall(r"^([\w-]+):.*##", text, re.MULTILINE))
 
 
 def test_commands_that_the_texts_name_exist():
-    named = set(re.findall(r"\bmake (?!without)([a-z]+)\b", re.sub(r"[^`\n]*```", "", README)))
-    named |= set(re.findall(r"`make ([a-z]+)", README + ENVIRONMENT))
+    named = set(re.findall(r"\bmake (?!without)([a-z-]+)\b", re.sub(r"[^`\n]*```", "", README)))
+    named |= set(re.findall(r"`make ([a-z-]+)", README + ENVIRONMENT))
     assert {"lab", "test"} <= named <= targets()
 
 
