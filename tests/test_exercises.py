@@ -104,10 +104,6 @@ def met_by_solving(wall, pose, turn):
     return r if r > 0 and 0 <= part <= 1 and r < 1e6 else float("inf")
 
 
-def direction_by_svd(points):
-    return np.arctan2(*np.linalg.svd(points - points.mean(axis=0))[2][0][::-1])
-
-
 def farthest_in_a_loop(points):
     (x0, y0), (x1, y1) = points[0], points[-1]
     off = [abs((x1 - x0) * (y - y0) - (y1 - y0) * (x - x0)) for x, y in points]
@@ -135,24 +131,6 @@ def hough_by_complex_numbers(segment, near):
     return [(a * np.exp(-1j * theta)).real, theta]
 
 
-def matches_in_a_loop(a, b, distance, angle):
-    slopes = [np.arctan2(*(s[1] - s[0])[::-1]) for s in (a, b)]
-    near = any(np.linalg.norm(p - q) < distance for p in a for q in b)
-    return near and abs(np.arcsin(np.sin(slopes[0] - slopes[1]))) < angle
-
-
-def merged_by_vectors(a, b):
-    """Weights and the shorter turn by hand, ends in the other order."""
-    (la, ta), (lb, tb) = ((np.hypot(*v), np.arctan2(*v[::-1])) for v in (a[1] - a[0], b[0] - b[1]))
-    turn = (la * ta + lb * (tb - np.pi * round((tb - ta) / np.pi))) / (la + lb)
-    way, centre = (
-        np.array([np.cos(turn), np.sin(turn)]),
-        (la * a.mean(0) + lb * b.mean(0)) / (la + lb),
-    )
-    along = [(p - centre) @ way for p in (*a, *b)]
-    return [centre + max(along) * way, centre + min(along) * way]
-
-
 def reduction_by_hand(points, quality):
     reached = [tuple(p) for p in points if not any((q > p).all() for q in points)]
     above, below = ([p for p in reached if (p[0] >= quality) == up] for up in (True, False))
@@ -167,19 +145,6 @@ def moved_by_pseudo_inverse(points, feet, normals):
     return np.linalg.pinv(rows) @ ((feet - points) * normals).sum(1)
 
 
-def match_value_by_complex_numbers(u, v, distance):
-    """The real part runs along a segment, the imaginary part off it."""
-    u, v = ([complex(*end) for end in s] for s in (u, v))
-    lengths, apart = [], []
-    for a, b in ((u, v), (v, u)):
-        size, way = abs(a[1] - a[0]), (a[1] - a[0]) / abs(a[1] - a[0])
-        ends = [(end - a[0]) / way for end in b]
-        inside = [min(max(end.real, 0), size) for end in ends]
-        lengths.append(abs(inside[1] - inside[0]))
-        apart.append(max(abs(e - i) for e, i in zip(ends, inside, strict=True)))
-    return sum(lengths) / 2 * 0.95 ** (min(apart) / distance)
-
-
 def step_in_a_loop(centres, pieces, sigma, bandwidth):
     moved = []
     for c in centres:
@@ -189,15 +154,6 @@ def step_in_a_loop(centres, pieces, sigma, bandwidth):
         x, y = np.average(pieces[:, :2], axis=0, weights=w)
         moved.append([x, y, (c[2] + np.average(turns, weights=w)) % np.pi])
     return moved
-
-
-def moved_along_what_is_held(normals, offsets, weights):
-    """Only along the directions that the lines hold."""
-    root = np.sqrt(weights)[:, None] * normals
-    values, axes = np.linalg.eigh(root.T @ root)
-    held = axes[:, values > 1e-9 * values.max()]
-    right = -held.T @ root.T @ (np.sqrt(weights) * offsets)
-    return held @ np.linalg.solve(held.T @ root.T @ root @ held, right)
 
 
 def grown_by_arrays(root, cell):
@@ -272,10 +228,10 @@ OTHER_WAYS = {
     "distances": distances_bit_by_bit,
     "unwrapped": unwrapped_in_a_loop,
     "axial_mean": lambda angles: np.angle(np.mean(np.exp(2j * angles))) / 2,
-    "fit_line": direction_by_svd,
+    "fit_line": lambda points: np.arctan2(*literal.fit_total(points)[:1:-1]),
     "farthest_point": farthest_in_a_loop,
-    "match_value": match_value_by_complex_numbers,
-    "least_translation": moved_along_what_is_held,
+    "match_value": lambda u, v, d: literal.match_value(u, v, distance=d, far=9.0, long=9.0),
+    "least_translation": literal.least_translation,
     "move_onto_walls": moved_by_pseudo_inverse,
     "edge_error": edge_error_by_matrices,
     "reduction_rate": lambda a, b: 1 - len(b) / len(a) if len(a) else 0,
@@ -283,8 +239,8 @@ OTHER_WAYS = {
     "reduction_at": reduction_by_hand,
     "mean_wall_error": wall_error_along_and_aside,
     "hough": hough_by_complex_numbers,
-    "matches": matches_in_a_loop,
-    "merged": merged_by_vectors,
+    "matches": literal.basic.match,
+    "merged": literal.basic.merge,
     "mean_shift_step": step_in_a_loop,
     "inside_strip": inside_in_a_loop,
     "best_shift": shift_in_a_loop,
@@ -320,17 +276,6 @@ def test_a_step_is_that_of_mean_shift(seed):
     begin, one = (
         common_directions(segments, sigma=0.2, bandwidth=5.0, steps=k).centres for k in (0, 1)
     )
-    found = course.check_mean_shift_step.solution(begin, begin, 0.2, 5.0)
+    found = np.array(course.check_mean_shift_step.solution(begin, begin, 0.2, 5.0))
     np.testing.assert_allclose(found[:, :2], one[:, :2], atol=1e-9)
     np.testing.assert_allclose(axial_difference(found[:, 2], one[:, 2]), 0, atol=1e-9)
-
-
-@given(st.integers(0, 10**6))
-def test_a_move_onto_walls_is_a_step_of_point_icp(seed):
-    """Catches an exercise that teaches another step than the matcher makes."""
-    rng = np.random.default_rng(seed)
-    points, angle = rng.normal(0, 2, (20, 2)), rng.uniform(-3, 3, 20)
-    normals = np.stack([np.cos(angle), np.sin(angle)], 1)
-    feet = points + rng.normal(0, 0.1, (20, 2))
-    move = literal.point_to_line_step(points.tolist(), feet.tolist(), normals.tolist())
-    np.testing.assert_allclose(course.move_onto_walls(points, feet, normals), move, atol=1e-9)

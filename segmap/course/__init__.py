@@ -53,7 +53,6 @@ from ._exercises_poses import (
     check_edge_error,
     check_move_onto_walls,
     check_scan_score,
-    move_onto_walls,
 )
 from ._exercises_quadtree import (
     check_cell_of,
@@ -207,7 +206,6 @@ __all__ = [
     "landscape",
     "load_columns",
     "load_trials",
-    "move_onto_walls",
     "occupied_centres",
     "peaks",
     "profile_peaks",

@@ -9,38 +9,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..arrays import Array
-from ..literal import MOVES, climb_step, distance_score
+from ..literal import MOVES, climb_step, distance_score, point_to_line_step
 from ..poses import between, transform
 from ._exercise import Exercise
 
 
 # ---------------------------------------------------------------------------------- ICP
-def move_onto_walls(points: Array, feet: Array, normals: Array) -> Array:
-    """One step of point-to-line ICP: the motion that brings points nearest to their walls.
-
-    Parameters
-    ----------
-    points : (n, 2) array, metres
-    feet : (n, 2) array, metres
-        A place on the wall of each.
-    normals : (n, 2) array
-        Unit vectors across the walls.
-
-    Returns
-    -------
-    (3,) array, metres and radians
-        Shift in x and y and turn about the origin, as for a small turn; least squares, and of
-        equally good ones the smallest.
-
-    Examples
-    --------
-    >>> wall = np.array([(0.0, 0.0), (1, 0), (2, 0)])
-    >>> move_onto_walls(wall + (0, 0.5), wall, np.array([(0, 1.0)] * 3)).round(6) + 0.0
-    array([ 0. , -0.5,  0. ])
-    """
-    return -_least(_rows(points, normals), ((points - feet) * normals).sum(1))
-
-
 def _rows(points: Array, normals: Array) -> Array:
     """How the offset of each point grows with x, y and the turn, `(n, 3)`."""
     lever = points[:, 0] * normals[:, 1] - points[:, 1] * normals[:, 0]
@@ -89,7 +63,7 @@ check_move_onto_walls = Exercise(
     "move_onto_walls(points, feet, normals) -> (3,): the small x, y in metres and turn in radians "
     "about the origin that minimise the squared offsets of points (n, 2) across walls through feet "
     "(n, 2) with unit normals (n, 2)",
-    move_onto_walls,
+    point_to_line_step,
     {
         "a room seen 0.2 m too far right and 0.1 m too low": _room(0.2, -0.1, 0),
         "a room seen turned by 3 degrees": _room(0, 0, 3),
@@ -98,17 +72,17 @@ check_move_onto_walls = Exercise(
     },
     {
         "the sign: the motion takes the offsets away, it does not add them again": (
-            lambda p, f, n: -move_onto_walls(p, f, n)
+            lambda p, f, n: -np.array(point_to_line_step(p, f, n))
         ),
         "points may slide along their walls: only the part of the offset along the normal counts": (
             _to_points
         ),
         "a turn moves points too: the third column is x n_y - y n_x": _without_turn,
         "angles count counter-clockwise: a small turn moves (x, y) by (-y, x), not by (y, -x)": (
-            lambda p, f, n: move_onto_walls(p, f, n) * (1, 1, -1)
+            lambda p, f, n: point_to_line_step(p, f, n) * np.array((1, 1, -1))
         ),
         "the turn is in radians: for those a small turn moves a point by turn times distance": (
-            lambda p, f, n: move_onto_walls(p, f, n) * (1, 1, 180 / np.pi)
+            lambda p, f, n: point_to_line_step(p, f, n) * np.array((1, 1, 180 / np.pi))
         ),
         "in a corridor the equations are singular: np.linalg.lstsq takes the smallest motion": (
             _solved

@@ -8,10 +8,22 @@ import numpy as np
 
 from ..angles import axial_difference
 from ..arrays import Array
+from ..literal import best_strip
+from ..literal.mean_shift import mean_difference
 from ._exercise import Exercise, same_poses
 
 
 # ------------------------------------------------------------------------- mean shift
+def _literal_step(centres: Array, pieces: Array, sigma: float, bandwidth: float) -> list[Any]:
+    """One step of phase 1 (A 4.8)."""
+
+    def square(d: Any) -> float:
+        return float((d[0] ** 2 + d[1] ** 2 + (d[2] / bandwidth) ** 2) / sigma**2)
+
+    points = pieces.tolist()
+    return [at + mean_difference(points, at.tolist(), square) for at in centres]
+
+
 def _mean_shift_step(
     centres: Array,
     pieces: Array,
@@ -22,7 +34,7 @@ def _mean_shift_step(
     axial: bool = True,
     normal: bool = True,
 ) -> Array:
-    """One step of phase 1 (A 4.8), with the details that the mistakes change."""
+    """The same in arrays, with the details that the mistakes change."""
     d = pieces - centres[:, None]
     if axial:
         d[..., 2] = axial_difference(d[..., 2], 0.0)
@@ -54,7 +66,7 @@ def _case(centres: Any, pieces: Any, sigma: float, slack: float) -> tuple[Any, .
 check_mean_shift_step = Exercise(
     "mean_shift_step(centres, pieces, sigma, bandwidth) -> (n, 3): centres (n, 3), as x and y in "
     "metres and the angle in radians, after one step towards the pieces (m, 3)",
-    _mean_shift_step,
+    _literal_step,
     {
         "two parallel pieces": _case([(0, 0, 30)], [(0, 0, 30), (0, 0.1, 30)], 0.2, 10),
         "two centres among three pieces": _case(
@@ -163,7 +175,9 @@ def _within(shifts: Array, tolerance: float) -> Array:
 
 
 def _best_shift(offsets: Array, lengths: Array, tolerance: float) -> float:
-    return _best(offsets, lengths, tolerance, _within(_shifts(offsets, tolerance), tolerance))
+    """The sweep of `literal.fusion` over segments that all overlap, the longest first."""
+    spans = [(0.0, 1.0)] * len(offsets)
+    return best_strip(spans, np.sort(offsets).tolist(), lengths.tolist(), 0, tolerance)[0]
 
 
 check_best_shift = Exercise(
