@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from segmap import course, load, plotting
 from segmap.alignment import Alignment, angle_candidates, backbone_steps, odometry, point_steps
 from segmap.alignment import Match as Matched
-from segmap.experiments import thesis_results
+from segmap.experiments import online_times, select
 from segmap.exports import ros_classes
 from segmap.matching import DistanceField
 from segmap.plotting import ERROR, GROUPS, MAP, METHOD_STYLES, RAW, RESULT, TRUTH
@@ -34,10 +34,10 @@ POINTS = np.array([(0.1 * k, 0) for k in range(30)])
 TREE = QuadtreeMap(resolution=0.5, size=8, bias=1)
 TREE.insert_scan((1, 1), [(3.25, 1.25)])
 LAND = course.Landscape(np.array([-0.1, 0, 0.1]), np.diag([0.0, 2.0, 0.0]))
-RUNS = thesis_results()
-USC = RUNS.select(map="usc", filtered=False)
+RUNS = course.thesis_results()
+USC = select(RUNS, map="usc", filtered=False)
 #: Of the methods that the thesis compares.
-THESIS = {METHOD_STYLES[run.method][0] for run in USC}
+THESIS = {METHOD_STYLES[method][0] for method in USC["method"]}
 
 #: Each drawing on given axes, and the colours that it uses: every meaning has its own everywhere.
 DRAWINGS = {
@@ -83,7 +83,7 @@ DRAWINGS = {
     "merge": (lambda ax: course.draw_merge(WALLS[:2], WALLS[2], ax=ax), {RAW, MAP, RESULT}),
     "normals": (lambda ax: course.draw_normals(WALLS, ax=ax), {MAP, *GROUPS[:3]}),
     "online": (
-        lambda ax: plotting.draw_online([hybrid(SEEN)], ax=ax),
+        lambda ax: plotting.draw_online(online_times(hybrid(SEEN), {}), ax=ax),
         {GROUPS[5]},
     ),
     "path": (lambda ax: plotting.draw_path(POSES, ax=ax), {TRUTH}),
