@@ -113,10 +113,12 @@ def main(arguments: list[str]) -> int:
     parser.add_argument("rooms", nargs="*")
     parser.add_argument("--chapter", help="its number, such as 00")
     parser.add_argument("--cache", help="a folder to use as cache; by default a new, empty one")
+    parser.add_argument("--kept", action="store_true", help="use the cache that is always used")
     parser.add_argument("--json", action="store_true", help="print sum, count and longest call")
     asked = parser.parse_args(arguments)
     with tempfile.TemporaryDirectory() as empty:
-        os.environ["NUMBA_CACHE_DIR"] = asked.cache or empty  # before numba is imported
+        if not asked.kept:  # numba looks at it when it is imported
+            os.environ["NUMBA_CACHE_DIR"] = asked.cache or empty
         done, took = measure(cells(asked.chapter) if asked.chapter else cases(asked.rooms))
     total = sum(each.total for each in done)
     if asked.json:
