@@ -13,7 +13,6 @@ from segmap import _warm
 from segmap.__main__ import main
 from segmap._compiled import Compiled
 
-
 #: Kernels that run after an interrupt only.
 RARE = {"reached"}
 
