@@ -6,9 +6,8 @@ Every method has one signature, `method(log, *, thresholds) -> Alignment`, and s
 from ..methods import Method
 from ._angle_correspondence import angle_candidates, angle_correspondence, match_angles
 from ._angle_scenes import AngleSearch, Candidate, match_values
-from ._backbone import backbone, backbone_steps
-from ._backbone_lines import least_translation, mean_rotation
-from ._backbone_steps import BackboneStep
+from ._backbone import BackboneCheck, backbone, backbone_steps
+from ._backbone_lines import BackboneStep, least_translation, mean_rotation
 from ._baselines import align_to_truth, ground_truth, odometry, position_errors
 from ._global_equations import GlobalSearch
 from ._global_segments import global_segments
@@ -46,6 +45,7 @@ __all__ = [
     "METHODS",
     "Alignment",
     "AngleSearch",
+    "BackboneCheck",
     "BackboneStep",
     "Candidate",
     "GlobalSearch",

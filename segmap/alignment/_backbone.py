@@ -6,12 +6,12 @@ onto lines that were learned before the last turn, the rotation first, then the 
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from typing import NamedTuple
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from .. import arrays
 from ..angles import axial_difference, wrap
 from ..arrays import Array
 from ..extraction import extract_polylines
@@ -19,23 +19,50 @@ from ..poses import transform
 from ..scans import LaserScan, Log
 from ..segments import angle as angle_of
 from ..segments import length
-from ._backbone_lines import (
-    NO_LINES,
-    NO_WALLS,
-    agreed_rotation,
-    least_translation,
-    parallels,
-    partners,
-    support_lines,
-    with_segments,
-)
-from ._backbone_steps import BackboneStep, Doubt, doubt_of
-from ._result import check_positive
+from . import _backbone_lines as geometry
+from ._backbone_lines import BackboneStep, Indices
 from ._runner import Outcome, Trail, alignment_method
 
-#: A direction unlike all others needs three times the length of a relevant segment: a chord across
-#: a door seen once is no corridor.
-FOUNDS = 3.0
+
+@dataclass(frozen=True)
+class BackboneCheck:
+    """What `backbone` expects of an orthogonal building before it believes its own result.
+
+    Parameters
+    ----------
+    follows : float, radians
+        A segment follows a direction to within this: six standard deviations of a wall of 1 m, seen
+        with 20 beams and 10 mm of noise.
+    spread : float, radians
+        Walls of one scan that leave more after the best common rotation are bent: straight ones
+        left 0.02 to 0.6 degrees in all logs, a ring of 30 m radius 1.8.
+    stretch : float, metres, and bend : float, radians
+        Corrections of more than `bend` in a straight stretch come from a gentle bend as well as
+        from bad odometry: real logs needed up to 3.7 degrees, a ring of 60 m radius 9.
+    """
+
+    follows: float = np.radians(3.0)
+    spread: float = np.radians(1.0)
+    stretch: float = 10.0
+    bend: float = np.radians(4.0)
+
+
+@dataclass(frozen=True)
+class Thresholds:
+    """The thresholds of `backbone`, metres and radians."""
+
+    min_length: float = 1.0
+    step: float = 0.25
+    turning: float = np.pi / 36
+    rotation: float = np.pi / 6
+    distance: float = 0.20
+    angle: float = np.pi / 18
+    parallel: float = np.pi / 36
+    new_direction: float = 3.0
+    follow: bool = True
+
+    def __post_init__(self) -> None:
+        arrays.positive(**{name: value for name, value in vars(self).items() if name != "follow"})
 
 
 @alignment_method
@@ -49,8 +76,10 @@ def backbone(
     distance: float = 0.20,
     angle: float = np.pi / 18,
     parallel: float = np.pi / 36,
+    new_direction: float = 3.0,
     orthogonal: float = 0.75,
     follow: bool = True,
+    check: BackboneCheck = BackboneCheck(),
 ) -> Outcome:
     """Lay straight stretches onto the lines of an orthogonal building (A 3.3.2).
 
@@ -61,10 +90,9 @@ def backbone(
     rotation. Each correction stays: the next odometry step starts from the corrected pose.
 
     It goes beyond A: a new line takes the direction of an older one (A) or its normal; segments
-    that disagree with the mean rotation by more than `parallel` have no say; a scan that is not
-    used still takes its heading from the directions of the backbone, as the robot would turn
-    blindly otherwise; and a scan that matches no line at all has the backbone built anew for the
-    next. The last two only while `follow` is True.
+    that disagree with the mean rotation by more than `parallel` have no say; while `follow` is True
+    a scan that is not used still takes its heading from the directions of the backbone, and one
+    that matches no line has the backbone built anew for the next.
 
     The building must be orthogonal, and the method says where it is not: see `orthogonal`. Errors
     are passed on from scan to scan; no loop is closed; corridors so wide that their walls come back
@@ -89,6 +117,9 @@ def backbone(
         And a direction this near the line's; 10 degrees hold what a turn gets wrong.
     parallel : float, radians
         Lines nearer in direction than this are taken for parallel.
+    new_direction : float
+        A direction unlike all others needs so many times `min_length` of wall: a chord across a
+        door, seen once, is no corridor.
     orthogonal : float
         Share, in [0, 1], of the wall seen that must follow two perpendicular directions. Walls in
         any direction reach 0.07, three directions 0.33, a wing at 45 degrees 0.5; furnished
@@ -97,6 +128,7 @@ def backbone(
         `.reasons` say why. 0 insists on aligning all the same.
     follow : bool
         False leaves the headings of scans that are not used to odometry, as A does.
+    check : BackboneCheck
 
     Returns
     -------
@@ -120,35 +152,16 @@ def backbone(
     >>> backbone(simulate(circular_room(5), path, sensor=SICK_LMS200, rng=rng)).doubt[:18]
     'the assumption fai'
     """
-    check_positive(
-        min_length=min_length,
-        step=step,
-        turning=turning,
-        rotation=rotation,
-        distance=distance,
-        angle=angle,
-        parallel=parallel,
-    )
-    if not 0 <= orthogonal <= 1:
-        raise ValueError(f"orthogonal must be a share between 0 and 1, got {orthogonal}")
-    t = Thresholds(min_length, step, turning, rotation, distance, angle, parallel, follow)
-    walk = _Walk(log, t)
-    doubt = doubt_of(list(walk), orthogonal)
-    trail = _carried(log, doubt) if doubt.fails else walk.trail
-    return trail.outcome(doubt=doubt.words)
-
-
-class Thresholds(NamedTuple):
-    """The thresholds of `backbone`, metres and radians."""
-
-    min_length: float = 1.0
-    step: float = 0.25
-    turning: float = np.pi / 36
-    rotation: float = np.pi / 6
-    distance: float = 0.20
-    angle: float = np.pi / 18
-    parallel: float = np.pi / 36
-    follow: bool = True
+    t = (min_length, step, turning, rotation, distance, angle, parallel, new_direction, follow)
+    arrays.number(orthogonal, "orthogonal", least=0, most=1)
+    walk = _Backbone(log, Thresholds(*t))
+    doubt, fails = _doubt(list(walk), orthogonal, check)
+    if not fails:
+        return walk.trail.outcome(doubt=doubt)
+    trail = Trail(log)
+    for _ in range(1, len(log)):
+        trail.carry(doubt)
+    return trail.outcome(doubt=doubt)
 
 
 def backbone_steps(log: Log, **thresholds: float) -> list[BackboneStep]:
@@ -158,7 +171,7 @@ def backbone_steps(log: Log, **thresholds: float) -> list[BackboneStep]:
     ----------
     log : Log
     **thresholds : metres and radians
-        Those of `backbone`, but `orthogonal`.
+        Those of `backbone`, but `orthogonal` and `check`.
 
     Returns
     -------
@@ -170,23 +183,15 @@ def backbone_steps(log: Log, **thresholds: float) -> list[BackboneStep]:
     >>> step.pose, len(step.segments), step.lines
     (array([1., 2., 0.]), 0, Lines(0 in 0 directions))
     """
-    return list(_Walk(log, Thresholds(**thresholds)))  # type: ignore[arg-type]
+    return list(_Backbone(log, Thresholds(**thresholds)))  # type: ignore[arg-type]
 
 
-def _carried(log: Log, doubt: Doubt) -> Trail:
-    """Nothing but odometry, with the reason."""
-    trail = Trail(log)
-    for _ in range(1, len(log)):
-        trail.carry(doubt.words)
-    return trail
-
-
-class _Walk:
+class _Backbone:
     """The steps of A 5.2, scan by scan."""
 
     def __init__(self, log: Log, thresholds: Thresholds) -> None:
         self.log, self.t, self.trail = log, thresholds, Trail(log)
-        self.lines, self.known, self.walls = NO_LINES, np.empty(0), NO_WALLS
+        self.lines, self.known, self.walls = geometry.NO_LINES, np.empty(0), geometry.NO_WALLS
         self.last = np.full(3, np.inf)  # pose of the last scan used
         self.built = 0.0  # heading at which the backbone was built
         self.lost = False  # whether the last scan used matched nothing
@@ -204,16 +209,14 @@ class _Walk:
         if k:
             self.trail.place(pose, reason)
         if not skipped:
-            self._learn(transform(pose, seen), pose)
-            self.lost = bool(reason and len(seen))
-        reason = reason if k else ""
-        return BackboneStep(
-            *(guess, pose, seen, partner, self.lines, self.known),
-            *(bool(skipped), rebuilt, reason),
-        )
+            self.last, self.lost = pose, bool(reason and len(seen))
+            laid = transform(pose, seen)  # step 8; A merges them before they are moved
+            self.walls = geometry.merged(self.walls, laid, self.t.distance / 2, self.t.parallel)
+        known = (guess, pose, seen, partner, self.lines, self.known)
+        return BackboneStep(*known, bool(skipped), rebuilt, reason if k else "")
 
     def _skipped(self, k: int, guess: Array) -> str:
-        """Why a scan is not looked at; empty where it is (A 3.3.2, step 2)."""
+        """Why a scan is left out; empty where it is not (A 3.3.2, step 2)."""
         if k and not np.isfinite(self.trail.steps[k - 1]).all():
             return "no odometry from the scan before"
         if k and abs(self.trail.step()[2]) > self.t.turning:
@@ -228,57 +231,71 @@ class _Walk:
         if not due or not len(self.walls.weight):
             return False
         t, self.built = self.t, float(guess[2])
-        self.lines, self.known = support_lines(
-            self.walls, self.known, t.distance / 2, t.parallel, FOUNDS * t.min_length
+        self.lines, self.known = geometry.support_lines(
+            self.walls, self.known, t.distance / 2, t.parallel, t.new_direction * t.min_length
         )
         return True
 
-    def _laid(
-        self, seen: Array, guess: Array, skipped: str
-    ) -> tuple[NDArray[np.int64], Array, str]:
-        """Partners, pose and reason of a scan whose relevant segments are seen."""
-        partner = partners(transform(guess, seen), self.lines, self.t.distance, self.t.angle)
-        missing = self._missing(seen, partner)
-        if not skipped and not missing:
-            on = partner >= 0
-            pose = self._turned(seen[on], self.lines.angle[partner[on]], guess)
-            return partner, self._moved(seen[on], partner[on], pose), ""
-        partner = parallels(transform(guess, seen), self.lines, self.t.angle)
-        partner[:] = partner if self.t.follow else -1
-        on = partner >= 0
-        pose = self._turned(seen[on], self.lines.angle[partner[on]], guess) if on.any() else guess
+    def _laid(self, seen: Array, guess: Array, skipped: str) -> tuple[Indices, Array, str]:
+        """Partners, pose and reason of a scan whose relevant segments are seen (steps 5 to 7)."""
+        t, there = self.t, transform(guess, seen)
+        partner = geometry.partners(there, self.lines, t.distance, t.angle)
+        missing = "" if (partner >= 0).any() else "no segment on a line of the backbone"
+        if not len(seen):
+            missing = f"no segment longer than {t.min_length:g} m"
+        elif not len(self.lines.angle):
+            missing = "no backbone yet"
+        if skipped or missing:
+            partner = geometry.parallels(there, self.lines, t.angle)
+            partner[:] = partner if t.follow else -1
+        pose = geometry.turned(guess, seen, self.lines, partner, t.parallel)
+        if not (skipped or missing):
+            pose = geometry.moved(pose, seen, self.lines, partner)
         return partner, pose, skipped or missing
 
-    def _missing(self, seen: Array, partner: NDArray[np.int64]) -> str:
-        """Why a scan cannot be laid; empty where a segment has found its line."""
-        if not len(seen):
-            return f"no segment longer than {self.t.min_length:g} m"
-        if not len(self.lines.angle):
-            return "no backbone yet"
-        return "" if (partner >= 0).any() else "no segment on a line of the backbone"
 
-    def _turned(self, seen: Array, onto: Array, guess: Array) -> Array:
-        """The guess turned about the robot (A 3.3.2, step 6).
+def _doubt(
+    steps: Sequence[BackboneStep], orthogonal: float, check: BackboneCheck
+) -> tuple[str, bool]:
+    """What speaks against the assumption of the method, and whether its result is thrown away."""
+    if not steps or not len(steps[-1].known):
+        blind = sum(not s.skipped for s in steps) > 1
+        return "no backbone: no scan shows a wall long enough" * blind, False
+    share, spread = _share_followed(steps, check.follows), geometry.spread_left(steps)
+    wrong = []
+    if share < orthogonal:
+        wrong.append(
+            f"{share:.0%} of the wall seen follows two perpendicular directions, expected at "
+            f"least {orthogonal:.0%}"
+        )
+    if spread > check.spread:
+        wrong.append(f"the walls of a scan disagree by {np.degrees(spread):.1f} degrees")
+    if wrong and orthogonal > 0:
+        reason = "(not an orthogonal building, or odometry too bad)"
+        return f"the assumption fails: {'; '.join(wrong)} {reason}", True
+    bend = _bend_corrected(steps, check.stretch)
+    words = (
+        f"the assumption is doubtful: straight stretches were turned by {np.degrees(bend):.1f} "
+        f"degrees in {check.stretch:g} m (a gentle bend, or bad odometry)"
+    )
+    return words if bend > check.bend else "", False
 
-        A segment weighs the cube of its length: the variance of its direction is as the inverse.
-        """
-        differences = axial_difference(onto, angle_of(transform(guess, seen)))
-        turn = agreed_rotation(differences, length(seen) ** 3, self.t.parallel)
-        return np.array([guess[0], guess[1], float(wrap(guess[2] + turn))])
 
-    def _moved(self, seen: Array, partner: NDArray[np.int64], pose: Array) -> Array:
-        """The pose moved, by the ends of the segments as already turned (A 3.3.2, step 7).
+def _share_followed(steps: Sequence[BackboneStep], follows: float) -> float:
+    """Largest share of the wall seen that follows a direction of the backbone or its normal."""
+    looked = [s for s in steps if not s.skipped and len(s.segments)]
+    if not looked:
+        return 1.0
+    laid = np.concatenate([transform(s.pose, s.segments) for s in looked])
+    angles, weight = angle_of(laid), length(laid)
+    off = np.abs(axial_difference(2 * angles, 2 * steps[-1].known[:, None])) / 2
+    return float(((off < follows) @ weight).max() / weight.sum())
 
-        Slip: A takes them as they were before the rotation.
-        """
-        turned, normal = transform(pose, seen), self.lines.normal[partner]
-        apart = turned - self.lines.through[partner][:, None]
-        offsets = (apart * normal[:, None]).sum(-1)
-        weight = np.repeat(length(seen), 2)
-        shift = least_translation(np.repeat(normal, 2, axis=0), offsets.ravel(), weight)
-        return pose + np.append(shift, 0.0)
 
-    def _learn(self, laid: Array, pose: Array) -> None:
-        """Merge segments into the significant ones (A 3.3.2, step 8): as laid, not as guessed."""
-        t, self.last = self.t, pose
-        self.walls = with_segments(self.walls, laid, t.distance / 2, t.parallel)
+def _bend_corrected(steps: Sequence[BackboneStep], stretch: float) -> float:
+    """Median over whole stretches, metres, of the sum of rotations while not turning, radians."""
+    poses: Array = np.array([s.pose for s in steps])
+    way = np.append(0.0, np.cumsum(np.hypot(*np.diff(poses[:, :2], axis=0).T)))
+    straight = [0.0 if "turning" in s.reason else s.rotation for s in steps]
+    sums = np.bincount((way // stretch).astype(int), straight)[: int(way[-1] // stretch)]
+    return float(np.median(np.abs(sums))) if len(sums) else 0.0

@@ -1,33 +1,26 @@
-"""Lines of a backbone: which segment lies on which, and how a scan turns and moves onto them.
+"""Lines of a backbone (A 3.3.2): which segment lies on which, and how a scan moves onto them.
 
-A 3.3.2. Everything here is plain geometry of arrays; `_backbone.py` is the method.
+Everything here is plain geometry of arrays; `_backbone.py` is the method.
 """
 
+from __future__ import annotations
+
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..angles import axial_difference, axial_mean, axial_mean_of_two
+from ..angles import axial_difference, axial_mean, axial_mean_of_two, wrap
 from ..arrays import Array
+from ..poses import transform
 from ..segments import angle, extreme_projections, length, midpoint
 
-#: Lines count as parallel where they hold one direction less than this share of the other
-#: (singular values): two lines of equal weight within 33 degrees of each other, or an end wall of a
-#: tenth of the weight. At 0.1 a match of 0.2 m could move the robot by a metre along the lines.
-HELD = 0.3
+Indices = NDArray[np.int64]
 
 
 class Lines(NamedTuple):
-    """Infinite lines.
-
-    Parameters
-    ----------
-    through : (n, 2) array, metres
-        A point of each.
-    angle : (n,) array, radians
-        Axial directions.
-    """
+    """Infinite lines: a point of each, `(n, 2)`, metres, and axial directions, `(n,)`, radians."""
 
     through: Array
     angle: Array
@@ -46,24 +39,57 @@ class Lines(NamedTuple):
 
 
 class Walls(NamedTuple):
-    """The significant segments of the map so far, and how much wall was seen behind each.
+    """The significant segments of the map so far, `(n, 2, 2)`, metres.
 
-    Parameters
-    ----------
-    segments : (n, 2, 2) array, metres
-    weight : (n,) array, metres
-        Total length of the segments merged into it.
+    The weight of each, `(n,)`, is the total length of the segments merged into it, metres.
     """
 
     segments: Array
     weight: Array
 
 
+class BackboneStep(NamedTuple):
+    """What `backbone` did with one scan.
+
+    Parameters
+    ----------
+    guess, pose : (3,) array, metres and radians
+        By odometry from the last pose, and as laid.
+    segments : (m, 2, 2) array, metres
+        The segments longer than `min_length`, in the robot's frame.
+    partner : (m,) int array
+        Line that each was laid on; -1 for none.
+    lines : Lines
+        The backbone at that time.
+    known : (d,) array, radians
+        Its directions so far.
+    skipped, rebuilt : bool
+        Whether the scan was left out, and whether the backbone was built anew for it.
+    reason : str
+        Why the scan was not used; empty where it was.
+    """
+
+    guess: Array
+    pose: Array
+    segments: Array
+    partner: Indices
+    lines: Lines
+    known: Array
+    skipped: bool
+    rebuilt: bool
+    reason: str
+
+    @property
+    def rotation(self) -> float:
+        """By how much the guess was turned, radians."""
+        return float(wrap(self.pose[2] - self.guess[2]))
+
+
 NO_LINES = Lines(np.empty((0, 2)), np.empty(0))
 NO_WALLS = Walls(np.empty((0, 2, 2)), np.empty(0))
 
 
-def partners(segments: Array, lines: Lines, distance: float, turn: float) -> NDArray[np.int64]:
+def partners(segments: Array, lines: Lines, distance: float, turn: float) -> Indices:
     """Index of the line on which each segment lies, `(m,)`; -1 for none (A 3.3.2, step 5).
 
     Both ends are nearer than `distance` (metres) and the directions differ by less than `turn`
@@ -73,7 +99,7 @@ def partners(segments: Array, lines: Lines, distance: float, turn: float) -> NDA
     return _least(np.where((off < distance) & (_apart(segments, lines) < turn), off, np.inf))
 
 
-def parallels(segments: Array, lines: Lines, turn: float) -> NDArray[np.int64]:
+def parallels(segments: Array, lines: Lines, turn: float) -> Indices:
     """Index of the line that is most nearly parallel to each segment, wherever it lies, `(m,)`.
 
     Segments `(m, 2, 2)`, metres; -1 where none is within `turn`, radians.
@@ -87,7 +113,7 @@ def _apart(segments: Array, lines: Lines) -> Array:
     return np.abs(axial_difference(lines.angle, angle(segments)[:, None]))
 
 
-def _least(cost: Array) -> NDArray[np.int64]:
+def _least(cost: Array) -> Indices:
     """Column of the least cost in each row; -1 where all are infinite."""
     if not cost.shape[1]:
         return np.full(len(cost), -1)
@@ -117,7 +143,7 @@ def mean_rotation(differences: Array, weights: Array) -> float:
     return float(np.arctan2(y, x) / 2)
 
 
-def agreed_rotation(differences: Array, weights: Array, apart: float) -> float:
+def robust_rotation(differences: Array, weights: Array, apart: float) -> float:
     """The mean of those differences that lie nearer than `apart` to the mean of all, radians.
 
     Axial differences, `(m,)` array, radians, and their weights, `(m,)` array. A chord across a
@@ -128,7 +154,9 @@ def agreed_rotation(differences: Array, weights: Array, apart: float) -> float:
     return mean_rotation(differences[agree], weights[agree]) if agree.any() else mean
 
 
-def least_translation(normals: Array, offsets: Array, weights: Array) -> Array:
+def least_translation(
+    normals: Array, offsets: Array, weights: Array, *, parallel: float = 0.3
+) -> Array:
     """Shift that brings points onto lines, by weighted least squares (A 3.3.2, step 7).
 
     Where all lines are parallel it is the shortest of the best ones: a corridor does not fix the
@@ -141,6 +169,10 @@ def least_translation(normals: Array, offsets: Array, weights: Array) -> Array:
     offsets : (m,) array, metres
         How far each point lies from its line, positive on the side of the normal.
     weights : (m,) array, not negative
+    parallel : float
+        Lines count as parallel where they hold one direction less than this share of the other
+        (singular values): two of equal weight within 33 degrees of each other, or an end wall of a
+        tenth of the weight. At 0.1 a match of 0.2 m could move the robot by a metre along them.
 
     Returns
     -------
@@ -153,10 +185,37 @@ def least_translation(normals: Array, offsets: Array, weights: Array) -> Array:
     array([ 0. , -0.2])
     """
     root = np.sqrt(weights)
-    return np.asarray(np.linalg.lstsq(root[:, None] * normals, -root * offsets, HELD)[0], float)
+    return np.asarray(np.linalg.lstsq(root[:, None] * normals, -root * offsets, parallel)[0], float)
 
 
-def with_segments(walls: Walls, segments: Array, distance: float, parallel: float) -> Walls:
+def turned(pose: Array, seen: Array, lines: Lines, partner: Indices, parallel: float) -> Array:
+    """A pose, (3,) array, turned about the robot towards the partners (A 3.3.2, step 6).
+
+    Segments seen `(m, 2, 2)`, metres, robot frame. One weighs the cube of its length: the variance
+    of its direction is as the inverse. `parallel`, radians, as in `robust_rotation`.
+    """
+    on = partner >= 0
+    if not on.any():
+        return pose
+    differences = axial_difference(lines.angle[partner[on]], angle(transform(pose, seen[on])))
+    turn = robust_rotation(differences, length(seen[on]) ** 3, parallel)
+    return np.array([pose[0], pose[1], float(wrap(pose[2] + turn))])
+
+
+def moved(pose: Array, seen: Array, lines: Lines, partner: Indices) -> Array:
+    """A pose, (3,) array, moved by the ends of the segments, as already turned (step 7).
+
+    Slip: A takes them as they were before the rotation.
+    """
+    on = partner >= 0
+    ends, normal = transform(pose, seen[on]), lines.normal[partner[on]]
+    offsets = ((ends - lines.through[partner[on]][:, None]) * normal[:, None]).sum(-1)
+    weight = np.repeat(length(seen[on]), 2)
+    shift = least_translation(np.repeat(normal, 2, axis=0), offsets.ravel(), weight)
+    return pose + np.append(shift, 0.0)
+
+
+def merged(walls: Walls, segments: Array, distance: float, parallel: float) -> Walls:
     """The significant segments with those of another scan merged in (A 3.3.2, step 8).
 
     Segments `(m, 2, 2)`, metres, in the frame of the walls. One is a piece of a wall where both its
@@ -165,7 +224,11 @@ def with_segments(walls: Walls, segments: Array, distance: float, parallel: floa
     """
     for segment in segments:
         same = _same(walls, segment, distance, parallel)
-        walls = _longer(walls, same, segment) if same >= 0 else _with_one_more(walls, segment)
+        if same < 0:
+            more = np.concatenate([walls.segments, segment[None]])
+            walls = Walls(more, np.append(walls.weight, length(segment)))
+        else:
+            walls = _longer(walls, same, segment)
     return walls
 
 
@@ -193,11 +256,6 @@ def _longer(walls: Walls, index: int, segment: Array) -> Walls:
     return Walls(segments, weight)
 
 
-def _with_one_more(walls: Walls, segment: Array) -> Walls:
-    segments = np.concatenate([walls.segments, segment[None]])
-    return Walls(segments, np.append(walls.weight, length(segment)))
-
-
 def support_lines(
     walls: Walls, known: Array, distance: float, parallel: float, least: float = 0.0
 ) -> tuple[Lines, Array]:
@@ -212,19 +270,30 @@ def support_lines(
     for i in np.argsort(-walls.weight, kind="stable"):
         square = np.concatenate([known, (known + np.pi / 2) % np.pi])
         apart: Array = np.abs(axial_difference(square, angles[i]))
-        if apart.min(initial=np.inf) >= parallel:
+        if apart.min(initial=np.inf) < parallel:
+            direction = square[apart.argmin()]
+        else:
             family = np.abs(axial_difference(angles, angles[i])) < parallel
             if len(known) and walls.weight[family].sum() < least:
                 continue
-            new = axial_mean(angles[family], walls.weight[family])
-            known, square, apart = (
-                np.append(known, new),
-                np.append(square, new),
-                np.append(apart, [0]),
-            )
-        direction, middle = square[apart.argmin()], midpoint(walls.segments[i])
+            direction = float(axial_mean(angles[family], walls.weight[family]))
+            known = np.append(known, direction)
+        middle = midpoint(walls.segments[i])
         near = np.abs(lines.offsets(middle)) < distance
         if not (near & (lines.angle == direction)).any():
             through = np.concatenate([lines.through, middle[None]])
             lines = Lines(through, np.append(lines.angle, direction))
     return lines, known
+
+
+def spread_left(steps: Sequence[BackboneStep]) -> float:
+    """Median over scans of the weighted root mean square angle left between walls and lines."""
+    left = []
+    for s in steps:
+        on = s.partner >= 0
+        if not s.reason and on.sum() > 1:
+            weight, laid = length(s.segments[on]) ** 3, transform(s.pose, s.segments[on])
+            off = axial_difference(s.lines.angle[s.partner[on]], angle(laid))
+            off = axial_difference(off, mean_rotation(off, weight))
+            left.append(float(np.sqrt(weight @ off**2 / weight.sum())))
+    return float(np.median(left)) if left else 0.0
