@@ -22,8 +22,7 @@ from ..scans import Log
 from ..segments import length
 from . import _angle_loops as loops
 from ._angle_scenes import AngleSearch, Candidate, Heuristic, Scene, corners, match_rule, scene
-from ._result import Match, no_match
-from ._runner import Outcome, Trail, alignment_method
+from ._result import Match, Outcome, Trail, alignment_method, no_match
 
 
 def angle_candidates(

@@ -21,7 +21,7 @@ from ..segments import angle as angle_of
 from ..segments import length
 from . import _backbone_lines as geometry
 from ._backbone_lines import BackboneStep, Indices
-from ._runner import Outcome, Trail, alignment_method
+from ._result import Outcome, Trail, alignment_method
 
 
 @dataclass(frozen=True)
@@ -264,15 +264,13 @@ def _doubt(
     share, spread = _share_followed(steps, check.follows), geometry.spread_left(steps)
     wrong = []
     if share < orthogonal:
-        wrong.append(
-            f"{share:.0%} of the wall seen follows two perpendicular directions, expected at "
-            f"least {orthogonal:.0%}"
-        )
+        wrong = [f"{share:.0%} of the wall seen follows two perpendicular directions"]
+        wrong[0] += f", expected at least {orthogonal:.0%}"
     if spread > check.spread:
         wrong.append(f"the walls of a scan disagree by {np.degrees(spread):.1f} degrees")
     if wrong and orthogonal > 0:
-        reason = "(not an orthogonal building, or odometry too bad)"
-        return f"the assumption fails: {'; '.join(wrong)} {reason}", True
+        why = "(not an orthogonal building, or odometry too bad)"
+        return f"the assumption fails: {'; '.join(wrong)} {why}", True
     bend = _bend_corrected(steps, check.stretch)
     words = (
         f"the assumption is doubtful: straight stretches were turned by {np.degrees(bend):.1f} "

@@ -9,7 +9,7 @@ from .. import arrays
 from ..arrays import Array
 from ..poses import between, compose, interpolate, inverse, transform
 from ..scans import Log
-from ._runner import Outcome, Trail, alignment_method
+from ._result import Outcome, Trail, alignment_method
 
 
 @alignment_method

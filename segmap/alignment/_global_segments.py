@@ -20,7 +20,7 @@ from ..segments import angle as angle_of
 from . import _global_equations as equations
 from ._global_equations import GlobalSearch, Indices, Pairs, Rules, Scans
 from ._graph import Graph
-from ._runner import Outcome, alignment_method, long_segments
+from ._result import Outcome, alignment_method, long_segments
 from ._segment_icp import ONE_DIRECTION, SIDEWAYS
 
 NO_ODOMETRY = "no odometry to begin from"

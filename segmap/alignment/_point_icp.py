@@ -16,8 +16,7 @@ from ..poses import transform
 from ..scans import Log
 from ._point_map import LAST, ROUNDS, SAMPLE, PointMap, in_range
 from ._pose_graph import FrontEnd, Tracking
-from ._result import Match, no_match
-from ._runner import Outcome, Trail, alignment_method
+from ._result import Match, Outcome, Trail, alignment_method, no_match
 
 
 def match_points(

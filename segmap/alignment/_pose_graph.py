@@ -15,8 +15,7 @@ from ..scans import Log
 from ._graph import Edge, Graph, Rejected, deviations, information, solve, stacked
 from ._loop_closing import LoopCloser, LoopClosing
 from ._point_map import PointMap, in_range
-from ._result import Match, no_match
-from ._runner import Outcome, Trail, alignment_method
+from ._result import Match, Outcome, Trail, alignment_method, no_match
 
 Members = Sequence[int] | NDArray[np.int64]
 #: From a map, a scan's points `(m, 2)` and a guess `(3,)` to the match.

@@ -16,8 +16,7 @@ from ..poses import between, compose, transform
 from ..scans import Log
 from ..segments import MIN_LENGTH, length
 from ..segments import angle as angle_of
-from ._result import Match, no_match
-from ._runner import Outcome, Trail, alignment_method, long_segments
+from ._result import Match, Outcome, Trail, alignment_method, long_segments, no_match
 from ._segment_search import SegmentSearch, least_cost
 
 #: Segment distance (A 2.7.7) of two parallel walls one metre apart: follows from its weights.
