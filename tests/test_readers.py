@@ -46,13 +46,10 @@ def test_no_return_depends_on_the_measuring_mode(read, ranges, limit, valid):
     assert np.isposinf(log[0].ranges[~log[0].valid]).all()
 
 
-def test_the_mode_is_that_of_the_whole_log(read):
+def test_the_mode_is_that_of_the_whole_log_and_odd_values_are_errors(read):
     """Deciding scan by scan would call a wall at 8.18 m in a narrow place no return."""
     near, far = (flaser(TRUTH[0], ODOMETRY[0], ranges=r) for r in ("1 8.18", "1 81.83"))
     assert read(text([near, far]))[0].valid.tolist() == [True, True]
-
-
-def test_negative_and_odd_values_are_errors_not_walls(read):
     log = read(text([flaser(TRUTH[0], ODOMETRY[0], ranges="1 -5 nan 0 inf -inf")]))
     assert log[0].valid.tolist() == [True, False, False, False, False, False]
     assert np.isnan(log[0].ranges).tolist() == [False, True, True, True, False, True]
@@ -67,19 +64,16 @@ def test_truth_is_the_robots_pose_not_the_lasers(read):
     assert log.times == pytest.approx(TIMES)
 
 
-def test_side_and_angular_offsets_are_honoured(read):
-    lines = ["PARAM robot_frontlaser_side_offset -0.2", "PARAM robot_frontlaser_angular_offset 0.4"]
-    log = read(text([*lines, flaser(TRUTH[0], ODOMETRY[0])]))
-    assert log[0].sensor_pose.tolist() == [0, -0.2, 0.4]
-
-
 @pytest.mark.parametrize("stated", [None, "0.0", "3.141592653589793"])
-def test_rear_lasers_face_backwards(read, stated):
+def test_offsets_are_honoured_and_rear_lasers_face_backwards(read, stated):
     """A rear scan drawn forwards is a building turned inside out."""
-    lines = ["PARAM robot_rearlaser_offset -0.25 robot 0"]
+    lines = ["PARAM robot_frontlaser_side_offset -0.2", "PARAM robot_frontlaser_angular_offset 0.4"]
+    lines += ["PARAM robot_rearlaser_offset -0.25 robot 0"]
     lines += [] if stated is None else [f"PARAM robot_rearlaser_angular_offset {stated}"]
-    log = read(text([*lines, flaser(TRUTH[0], ODOMETRY[0], keyword="RLASER", ranges="1 2 1")]))
-    assert log[0].points()[1] == pytest.approx([-2.25, 0])
+    rear = flaser(TRUTH[0], ODOMETRY[0], keyword="RLASER", ranges="1 2 1")
+    log = read(text([*lines, flaser(TRUTH[0], ODOMETRY[0]), rear]))
+    assert log[0].sensor_pose.tolist() == [0, -0.2, 0.4]
+    assert log[1].points()[1] == pytest.approx([-2.25, 0])
 
 
 def test_lines_without_times_are_numbered(read):
@@ -103,28 +97,31 @@ def test_nan_laser_poses_are_scans_without_truth(read):
     assert "truth for 1" in repr(log)
 
 
-class TestWhatIsTruth:
-    """Poses that repeat the odometry: a map drawn with them as truth would be the raw one."""
+AHEAD = [flaser(poses.compose(o, (0.3, 0, 0)), o, 1.0) for o in ODOMETRY]
 
-    def test_mapped_logs_that_repeat_their_poses_have_truth(self, read):
-        log = read(text(flaser(t, t, time) for t, time in zip(TRUTH, TIMES, strict=True)))
-        assert log.truth == pytest.approx(np.array(TRUTH))
 
-    def test_without_time_fields_they_are_raw(self, read):
-        assert read(text(flaser(t, t) for t in TRUTH)).truth is None
+@pytest.mark.parametrize(
+    "lines",
+    [
+        [flaser(t, t) for t in TRUTH],
+        *(
+            [line, *(flaser(t, t, 1.0) for t in TRUTH)]
+            for line in ("ODOM 0 0 0 0 0 0 1 r 0", "PARAM robot_length 0.6", "SYNC x")
+        ),
+        ["PARAM robot_frontlaser_offset 0.3", *AHEAD],  # the laser's offset is no correction
+    ],
+)
+def test_poses_that_repeat_the_odometry_are_no_truth(read, lines):
+    """A map drawn with them as truth would be the raw one."""
+    assert read(text(lines)).truth is None
 
-    @pytest.mark.parametrize("line", ["ODOM 0 0 0 0 0 0 1 r 0", "PARAM robot_length 0.6", "SYNC x"])
-    def test_with_lines_of_a_recorder_they_are_raw(self, read, line):
-        assert read(text([line, *(flaser(t, t, 1.0) for t in TRUTH)])).truth is None
 
-    def test_the_lasers_offset_is_no_correction(self, read):
-        """Recorders write the laser's pose beside the robot's: they differ by the offset."""
-        lines = [flaser(poses.compose(o, (0.3, 0, 0)), o, 1.0) for o in ODOMETRY]
-        assert read(text(["PARAM robot_frontlaser_offset 0.3", *lines])).truth is None
-
-    def test_one_corrected_line_makes_the_log_a_corrected_one(self, read):
-        lines = [flaser(ODOMETRY[0], ODOMETRY[0]), flaser(TRUTH[1], ODOMETRY[1])]
-        assert read(text(lines)).truth == pytest.approx(np.array([ODOMETRY[0], TRUTH[1]]))
+def test_poses_of_a_mapper_and_corrected_ones_are_truth(read):
+    """A mapper writes its poses twice; one corrected line makes the log a corrected one."""
+    log = read(text(flaser(t, t, time) for t, time in zip(TRUTH, TIMES, strict=True)))
+    assert log.truth == pytest.approx(np.array(TRUTH))
+    log = read(text([flaser(ODOMETRY[0], ODOMETRY[0]), flaser(TRUTH[1], ODOMETRY[1])]))
+    assert log.truth == pytest.approx(np.array([ODOMETRY[0], TRUTH[1]]))
 
 
 @pytest.mark.parametrize("on_error", ["ignore", None, ""])

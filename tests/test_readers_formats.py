@@ -26,15 +26,18 @@ from segmap.readers._coreslam import integrate
 
 
 class TestRobotLaser:
-    def test_beams_start_where_the_line_says(self, read):
+    @pytest.mark.parametrize(
+        ("old", "new", "degrees"),
+        [
+            ("-1.570796 3.141593 0.785398", "-0.5 1.0 0.25", np.degrees([-0.5, 0.5])),
+            ("0.785398", "0.0", [-90, 90]),  # without a resolution they fill the field of view
+        ],
+    )
+    def test_beams_start_where_the_line_says(self, read, old, new, degrees):
         """The rule for half a turn does not hold for a sensor that states its angles."""
-        line = robotlaser((0, 0, 0), (0, 0, 0), 1.0)
-        line = line.replace("-1.570796 3.141593 0.785398", "-0.4 1.0 0.25")
-        assert read(text([line]))[0].angles == pytest.approx([-0.4, -0.15, 0.1, 0.35, 0.6])
-
-    def test_without_a_resolution_beams_fill_the_field_of_view(self, read):
-        line = robotlaser((0, 0, 0), (0, 0, 0), 1.0).replace("0.785398", "0.0")
-        assert read(text([line]))[0].angles[[0, -1]] == pytest.approx([-1.570796, 1.570797])
+        line = robotlaser((0, 0, 0), (0, 0, 0), 1.0).replace(old, new)
+        angles = np.degrees(read(text([line]))[0].angles)
+        assert angles == pytest.approx(np.linspace(*degrees, 5), abs=1e-4)
 
     def test_a_steady_offset_is_the_lasers_place_on_the_robot(self, read):
         place = (0.2, 0.1, 0.05)
@@ -47,25 +50,18 @@ class TestRobotLaser:
         assert poses.compose(log.truth, (0.3, 0, 0)) == pytest.approx(np.array(TRUTH))
         assert log.odometry == pytest.approx(np.array(ODOMETRY))
 
-    def test_remissions_are_no_ranges(self, read):
+    def test_remissions_are_no_ranges_and_the_stated_maximum_is_no_return(self, read):
         line = robotlaser((0, 0, 0), (0, 0, 0), 7.5, remissions="9 9 9 9 9")
-        log = read(text([line]))
+        log = read(text([line.replace(" 50.0 ", " 2.5 ")]))
         assert len(log[0]) == 5 and log[0].time == 7.5
+        assert log[0].max_range == 2.5 and log[0].valid.tolist() == [True, True, *[False] * 3]
 
     def test_rear_and_front_have_each_its_place(self, read):
         rear = poses.compose(ODOMETRY[1], (-0.2, 0, np.pi))
-        lines = [
-            robotlaser(ODOMETRY[0], ODOMETRY[0], 1.0),
-            robotlaser(rear, ODOMETRY[1], 2.0, keyword="ROBOTLASER2"),
-        ]
-        log = read(text(lines))
+        front = robotlaser(ODOMETRY[0], ODOMETRY[0], 1.0)
+        log = read(text([front, robotlaser(rear, ODOMETRY[1], 2.0, keyword="ROBOTLASER2")]))
         assert log[0].sensor_pose.tolist() == [0, 0, 0]
         assert abs(log[1].sensor_pose) == pytest.approx([0.2, 0, np.pi], abs=1e-5)
-
-    def test_the_stated_maximum_is_no_return(self, read):
-        line = robotlaser((0, 0, 0), (0, 0, 0), 1.0).replace(" 50.0 ", " 2.5 ")
-        log = read(text([line]))
-        assert log[0].max_range == 2.5 and log[0].valid.tolist() == [True, True, *[False] * 3]
 
 
 class TestG2o:
@@ -98,32 +94,25 @@ class TestRawseeds:
         assert log.odometry[1] == pytest.approx([0.5, 0, 0.05])
         assert log.truth[1] == pytest.approx([5.45, 2.25, 0.56])
 
-    def test_outside_of_them_there_is_none(self, read):
-        late = SICK.replace(str(TIMES[1]), "2000.0")
-        log = read(RAWSEEDS | {"SICK_FRONT.csv": late})
+    def test_outside_of_them_and_in_long_gaps_there_is_none(self, read):
+        """The cameras that gave the truth saw the robot in some places only."""
+        late, long = SICK.replace(str(TIMES[1]), "2000.0"), GROUNDTRUTH.replace("1001.25", "1010.0")
+        log = read(RAWSEEDS | {"SICK_FRONT.csv": late}, "late")
         assert log[1].odometry is None and np.isnan(log.truth[1]).all()
-
-    def test_truth_is_not_interpolated_over_long_gaps(self, read):
-        """The cameras that gave it saw the robot in some places only."""
-        long = GROUNDTRUTH.replace(str(TIMES[1]), "1010.0")
-        log = read(RAWSEEDS | {"run-GROUNDTRUTH.csv": long})
+        log = read(RAWSEEDS | {"run-GROUNDTRUTH.csv": long}, "long")
         assert np.isfinite(log.truth).all(axis=1).tolist() == [True, False]
 
-    def test_the_front_sick_goes_first(self, read):
-        assert len(read(RAWSEEDS)[0]) == 181
-
-    def test_hokuyo_beams_are_steps_of_its_own(self, read):
-        log = read({k: v for k, v in RAWSEEDS.items() if "SICK" not in k})
+    def test_the_front_sick_goes_first_then_the_hokuyo(self, read):
+        assert len(read(RAWSEEDS, "all")[0]) == 181
+        log = read({k: v for k, v in RAWSEEDS.items() if "SICK" not in k}, "some")
         assert np.diff(log[0].angles) == pytest.approx(2 * np.pi / 1024)
         assert log[0].angles[340] == 0
         assert log[0].codes[-1] == 7 and np.isnan(log[0].ranges[-1]) and log[0].ranges[0] == 1.25
 
-    def test_the_offset_is_in_quarter_degrees(self, read):
+    def test_the_offset_is_in_quarter_degrees_and_rear_lasers_face_backwards(self, read):
         log = read(SICK.replace("181, 0,", "181, 2,"))
         assert np.degrees(log[0].angles[[0, -1]]) == pytest.approx([-89.5, 90.5])
-
-    def test_rear_lasers_face_backwards(self, read):
-        log = read({"SICK_REAR.csv": SICK})
+        log = read({"SICK_REAR.csv": SICK}, "rear")
         assert log[0].points()[90] == pytest.approx([-2.5, 0])
 
     def test_only_ground_truth_says_what_is_missing(self, read):
@@ -157,14 +146,12 @@ class TestHokuyoText:
         assert [scan.ranges[0] for scan in log] == pytest.approx([0.1, 0.2, 1.0])
         assert log.times == pytest.approx([0, 0.1, 0.2])
 
-    def test_a_damaged_file_is_left_out_where_asked(self, read):
+    def test_a_damaged_file_is_an_error_or_left_out(self, read):
         files = {"1.txt": "1000 0\n", "2.txt": "what\n", "3.txt": "1000 0\nx 1\n"}
-        log = read(files, on_error="skip")
+        log = read(files, "skip", on_error="skip")
         assert len(log) == 2 and log.skipped.lines == 2 and "2.txt" in log.skipped.reason
-
-    def test_a_damaged_file_is_an_error_otherwise(self, read):
         with pytest.raises(LogError, match=r"2\.txt, line 1"):
-            read({"1.txt": "1000 0\n", "2.txt": "what 1\n"})
+            read(files, "raise")
 
     def test_more_beams_than_a_turn_can_hold_are_refused(self, read):
         with pytest.raises(LogError, match="more than 100000 beams"):

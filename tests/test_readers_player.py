@@ -27,12 +27,9 @@ def test_the_host_may_be_empty(read):
     assert log.odometry == pytest.approx(np.array(ODOMETRY))
 
 
-def test_the_geometry_says_where_the_laser_sits(read):
+def test_each_laser_has_its_own_place(read):
     log = read(PLAYER_2)
     assert log[0].sensor_pose == pytest.approx([0.3, 0.1, 0]) and log[0].max_range == 8.0
-
-
-def test_each_laser_has_its_own_place(read):
     scan = f"laser {{}} 001 001 0001 {SCAN} +8.0000 0003 1.0 0 1.0 0 1.0 0"
     place = f"{HEAD} laser 01 004 001 -0.200 +0.000 +3.142 0.1 0.1"
     log = read(text([place, *(f"{HEAD} {scan.format(k)}" for k in ("00", "01"))]))
@@ -47,26 +44,17 @@ def test_a_pose_within_the_laser_line_goes_first(read):
     assert log[0].ranges.tolist() == [1, 2, 1]
 
 
-def test_odometry_is_interpolated_between_position_lines(read):
-    """The last line before a scan is late by up to a tenth of a second: centimetres."""
+@pytest.mark.parametrize("order", [(0, 1, 2), (2, 1, 0)])
+def test_odometry_is_interpolated_between_position_lines(read, order):
+    """The last line before a scan is late by a tenth of a second; and lines come in any order."""
     lines = [f"position 0 {t}.0 {x} 0 0" for t, x in ((0, 0), (1, 1), (5, 2))]
-    log = read(text([*lines[:2], f"laser 0 3.0 {SCAN} 3 1 1 1", lines[2]]))
+    log = read(text([*(lines[k] for k in order), f"laser 0 3.0 {SCAN} 3 1 1 1"]))
     assert log.odometry[0].tolist() == [1.5, 0, 0]
 
 
-def test_position_lines_may_come_late(read):
-    """Drivers write when they get round to it: times in a log do not always ascend."""
-    lines = [f"position 0 {t}.0 {x} 0 0" for t, x in ((5, 2), (1, 1))]
-    log = read(text([*lines, f"laser 0 3.0 {SCAN} 3 1 1 1"]))
-    assert log.odometry[0].tolist() == [1.5, 0, 0]
-
-
-def test_after_the_last_position_line_the_odometry_stays(read):
+def test_beyond_the_position_lines_and_without_times_the_last_one_counts(read):
     log = read(text(["position 0 1.0 1 2 0.5", f"laser 0 3.0 {SCAN} 3 1 1 1"]))
     assert log.odometry[0].tolist() == [1, 2, 0.5]
-
-
-def test_lines_without_times_take_the_last_position(read):
     log = read(text(["position 0 1 2 0.5", "laser 0 3 1 2 1", "position 0 2 2 0.5"]))
     assert log.odometry[0].tolist() == [1, 2, 0.5] and log.times.tolist() == [0]
     assert np.degrees(log[0].angles) == pytest.approx([-90, 0, 90])

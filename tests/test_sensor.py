@@ -124,6 +124,7 @@ def test_two_streams_by_turns():
         part = stack.enter_context(contextlib.closing(sensor.scans(first=384, last=400)))
         for _ in range(3):
             assert [len(next(wide)), len(next(part)), len(sensor.scan())] == [682, 17, 682]
+        assert sensor.dropped == 0
 
 
 def test_skip_cluster_part_and_short():

@@ -59,14 +59,11 @@ def test_ranges_equal_the_linear_system_solved_pair_by_pair():
     np.testing.assert_allclose(cast_rays(walls, pose, ALL_ROUND), expected, atol=1e-9)
 
 
-def test_ranges_in_a_square_are_half_the_side_over_the_larger_cosine():
+def test_ranges_in_a_square_and_in_a_round_room():
     """Catches a range measured along an axis instead of along the beam."""
     expected = 2 / np.maximum(np.abs(np.cos(ALL_ROUND)), np.abs(np.sin(ALL_ROUND)))
     found = cast_rays(simulation.square_room(4), (2, 2, 0), ALL_ROUND)
     np.testing.assert_allclose(found, expected, rtol=1e-12)
-
-
-def test_ranges_from_the_middle_of_a_round_room_lie_between_the_two_circles():
     found = cast_rays(simulation.circular_room(2, sides=64), (2, 2, 0.1), ALL_ROUND)
     assert found.min() >= 2 * np.cos(np.pi / 64) - 1e-12 and found.max() <= 2 + 1e-12
 
@@ -112,13 +109,10 @@ def test_no_beam_slips_through_a_shared_corner(seed, sides):
     )
 
 
-def test_from_on_a_wall_that_wall_is_not_met():
+def test_a_wall_that_is_touched_is_not_met_and_one_at_the_maximum_range_is():
     """Catches a robot that touches a wall and sees nothing but zeros."""
     found = cast_rays(simulation.square_room(4), (2, 0, 0), np.radians([0, 90, 180, -90]))
     np.testing.assert_allclose(found, [2, 4, 2, np.inf], rtol=1e-12)
-
-
-def test_beyond_the_maximum_range_nothing_is_met_and_exactly_there_something_is():
     assert cast_rays([WALL], (0, 0, 0), [0.0], max_range=1.0).tolist() == [1.0]
     assert cast_rays([WALL], (0, 0, 0), [0.0], max_range=0.999).tolist() == [np.inf]
 
@@ -243,14 +237,11 @@ def test_offices_differ_by_their_seed_alone():
 
 
 # ---------------------------------------------------------------------- sensors
-def test_the_urg_has_its_682_beams_where_the_protocol_puts_them():
+def test_beams_of_both_sensors():
     """Catches an end point counted twice, and a fan centred on 0 instead of on step 384."""
     assert URG_04LX.beams == 682 and URG_04LX.angles[384 - 44] == 0
     np.testing.assert_allclose(np.degrees(URG_04LX.angles[[0, -1]]), [-119.53, 119.88], atol=5e-3)
     np.testing.assert_allclose(np.diff(URG_04LX.angles), 2 * np.pi / 1024)
-
-
-def test_the_sick_includes_both_ends_of_its_half_turn():
     np.testing.assert_allclose(np.degrees(SICK_LMS200.angles), np.arange(-90, 91), atol=1e-12)
 
 
@@ -261,31 +252,21 @@ def measured(exact, incidence=1.0, seed=1, *, sensor=SICK_LMS200, **changed):
     return measure(exact, incidence, sensor=replace(sensor, **changed), rng=rng)
 
 
-def test_noise_has_the_stated_size_and_no_bias():
+def test_errors_have_their_stated_size():
+    """Catches a bias, another share of lost beams, and ranges cut where they should be rounded."""
     error = measured(np.full(40_000, 3.0), seed=5, resolution=0.0) - 3
     assert abs(error.std() / 0.010 - 1) < 0.02 and abs(error.mean()) < 2e-4
-
-
-def test_ranges_are_rounded_to_the_nearest_step_not_cut():
-    """Catches truncation, which shortens every range by half a step."""
-    found = measured([1.004, 1.006, 2.0], sigma=0.0)
-    np.testing.assert_allclose(found, [1.00, 1.01, 2.0], atol=1e-12)
-
-
-def test_beams_are_lost_by_chance_as_often_as_stated():
-    found = measured(np.full(20_000, 2.0), seed=6, sensor=URG_04LX, dropout=0.05)
-    assert abs(np.isinf(found).mean() - 0.05) < 0.005
+    lost = np.isinf(measured(np.full(20_000, 2.0), seed=6, sensor=URG_04LX, dropout=0.05))
+    assert abs(lost.mean() - 0.05) < 0.005
+    np.testing.assert_allclose(measured([1.004, 1.006, 2.0], sigma=0.0), [1.00, 1.01, 2.0])
 
 
 def test_faults_come_back_as_infinity_or_nan_never_as_a_wall():
     exact, incidence = [0.01, 5.0, np.inf, 2.0, 2.0], [1, 1, np.nan, 0.05, 0.2]
     found = measured(exact, incidence, sensor=URG_04LX.ideal(), min_range=0.02, grazing=0.1)
     np.testing.assert_array_equal(found, [np.nan, np.inf, np.inf, np.inf, 2.0])
-
-
-def test_noise_never_lifts_a_range_beyond_the_maximum():
-    found = measured(np.full(500, 3.999), seed=7, sensor=URG_04LX)
-    assert np.isinf(found).any() and found[np.isfinite(found)].max() < URG_04LX.max_range
+    far = measured(np.full(500, 3.999), seed=7, sensor=URG_04LX)  # noise lifts some too far
+    assert np.isinf(far).any() and far[np.isfinite(far)].max() < URG_04LX.max_range
 
 
 def test_an_ideal_sensor_draws_as_much_as_a_real_one():
