@@ -11,6 +11,7 @@ from matplotlib.colors import ListedColormap
 from matplotlib.patches import Ellipse
 from numpy.typing import ArrayLike
 
+from .. import arrays
 from ..alignment import BackboneStep, Candidate, Match, PointStep
 from ..plotting import (
     ERROR,
@@ -134,7 +135,7 @@ def draw_icp_step(reference: ArrayLike, step: PointStep, *, ax: Axes | None = No
     >>> len(draw_icp_step(wall, step, ax=Figure().subplots()).collections[0].get_segments())
     30
     """
-    ax, walls = axes_or_new(ax), np.asarray(reference, float).reshape(-1, 2)
+    ax, walls = axes_or_new(ax), arrays.points(reference, "reference")
     ax.plot(*walls.T, ".", color=RAW, markersize=4, markeredgewidth=0)
     some = slice(None, None, 1 + len(step.points) // _MOST_LINES)
     lines, widths = np.stack([step.points, step.feet], 1)[some], 0.2 + step.weights[some]

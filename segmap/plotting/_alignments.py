@@ -9,6 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from numpy.typing import ArrayLike
 
+from .. import arrays
 from ..alignment import Alignment, position_errors
 from ..arrays import Array
 from ..scans import Log
@@ -158,9 +159,8 @@ def draw_position_errors(
         raise ValueError(f"log must have truth, got {log!r}")
     ax, known = axes_or_new(ax), np.isfinite(log.truth).all(1)
     for rest, (label, found) in enumerate(alignments.items(), 1 - len(alignments)):
-        poses = np.asarray(found.poses if isinstance(found, Alignment) else found, float)
-        if poses.shape != log.truth.shape:
-            raise ValueError(f"{label!r} must have shape {log.truth.shape}, got {poses.shape}")
+        given = found.poses if isinstance(found, Alignment) else found
+        poses = arrays.poses(given, label, count=len(log), missing=True)
         scans = np.flatnonzero(known & np.isfinite(poses).all(1))
         color, style = ((RESULT, "-"), (ERROR, "--"), (RAW, ":"))[min(-rest, 2)]
         ax.plot(scans, position_errors(poses, log.truth), style, color=color, label=label)

@@ -7,6 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from numpy.typing import ArrayLike
 
+from .. import arrays
 from ..arrays import Array
 from ..poses import transform
 from ..scans import LaserScan, Log
@@ -89,7 +90,7 @@ def draw_points(
     >>> draw_points([(0, 1), (2, 3)], ax=Figure().subplots()).lines[0].get_ydata().tolist()
     [1.0, 3.0]
     """
-    ax, rows = axes_or_new(ax), np.asarray(points, float).reshape(-1, 2)
+    ax, rows = axes_or_new(ax), arrays.points(points)
     ax.plot(*rows.T, ".", markersize=size, color=color, markeredgewidth=0, label=label)
     return map_axes(ax)
 
@@ -156,7 +157,7 @@ def draw_path(
     >>> draw_path([(0, 0, 0), (1, 2, 0)], ax=Figure().subplots()).lines[0].get_ydata().tolist()
     [0.0, 2.0]
     """
-    ax, rows = axes_or_new(ax), np.asarray(poses, float).reshape(-1, 3)
+    ax, rows = axes_or_new(ax), arrays.poses(poses, missing=True)
     ax.plot(rows[:, 0], rows[:, 1], color=color, linewidth=1.2, label=label)
     return map_axes(ax)
 
@@ -185,7 +186,7 @@ def draw_poses(
     >>> ax.lines[0].get_ydata().tolist(), len(ax.patches)
     ([0.0, 2.0], 2)
     """
-    ax, rows = axes_or_new(ax), np.asarray(poses, float).reshape(-1, 3)
+    ax, rows = axes_or_new(ax), arrays.poses(poses, missing=True)
     draw_path(rows, ax=ax, color=color, label=label).lines[-1].set_linestyle(":")
     for x, y, heading in rows:
         ahead = ARROW * np.array([np.cos(heading), np.sin(heading)])
@@ -233,7 +234,4 @@ def _poses(log: Log, poses: ArrayLike | None) -> tuple[Array, str]:
     """Poses to draw a log at, and the colour that tells where they are from."""
     if poses is None:
         return (log.odometry, ERROR) if log.truth is None else (log.truth, TRUTH)
-    rows = np.asarray(poses, float)
-    if rows.shape != (len(log), 3):
-        raise ValueError(f"poses must have shape ({len(log)}, 3), one a scan, got {rows.shape}")
-    return rows, RESULT
+    return arrays.poses(poses, count=len(log), missing=True), RESULT
