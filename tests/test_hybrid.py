@@ -6,8 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from segmap import literal
-from segmap.reduction import _hybrid_loops as loops
 from segmap.reduction import hough, hybrid
+from segmap.reduction._hybrid import line_of
 
 NUMBER = st.floats(-20, 20)
 POINT = st.tuples(NUMBER, NUMBER)
@@ -42,7 +42,7 @@ def test_many_lines_at_once_are_those_of_the_loops_and_of_the_literal_method():
     """Catches two definitions that drift apart."""
     segments = np.random.default_rng(8).uniform(-9, 9, (50, 2, 2))
     found = hough(segments)
-    assert found == pytest.approx(np.array([loops.hough(s) for s in segments]))
+    assert found == pytest.approx(np.array([line_of(segments, i) for i in range(50)]))
     assert found == pytest.approx(np.array([literal.hough(s) for s in segments]))
     assert hough(segments, found[:, 1]) == pytest.approx(found)
 
@@ -80,14 +80,3 @@ def test_the_filter_drops_what_neither_matches_nor_is_long_enough():
 def test_the_filter_keeps_what_is_exactly_long_enough():
     assert len(hybrid([[(0, 0), (0.25, 0)]], min_length=0.25)) == 1
     assert len(hybrid([[(0, 0), (0.25, 0)]], min_length=0.2500001)) == 0
-
-
-@pytest.mark.parametrize("seed", range(40))
-def test_a_segment_takes_no_more_entries_than_room_is_made_for(seed):
-    """One entry too many is written beside the grid, into other memory."""
-    rng = np.random.default_rng(seed)
-    segment = rng.uniform(-1, 1, (2, 2)) * rng.choice([0.05, 0.5, 20.0])
-    state = loops.with_room(loops.start(1), 10_000)
-    state.s[0] = segment
-    loops.enter(state, 0, 0.2)
-    assert loops.most_entries(segment, segment, 0.2) >= state.used[1] >= 1

@@ -8,10 +8,9 @@ import numpy as np
 
 from .. import arrays
 from ..arrays import Segments
-from . import _hybrid_loops
 from ._basic import check_match
 from ._fusion import fuse
-from ._hybrid import least_length
+from ._hybrid import State, add, empty_map, least_length, replace_map
 from ._runner import Indices, Reduction, Rows, Steps, rows_of, run_online
 
 
@@ -80,29 +79,26 @@ def hybrid_fusion(
 def _steps(
     rows: Rows, distance: float, angle: float, min_length: float, tolerance: float, every: int
 ) -> Steps:
-    state = _hybrid_loops.start(len(rows.segments))
+    state = empty_map(len(rows.segments))
     parents = np.full(len(rows.segments), -1, np.int64)
     moves: list[tuple[int, Indices]] = []  # inputs so far, where each segment of the map went
     for done, (first, stop) in enumerate(rows.scans(), 1):
-        new = rows.segments[first:stop]
-        state = _hybrid_loops.add_scan(state, new, first, distance, angle, min_length, parents)
+        add(state, rows.segments, first, stop, distance, angle, min_length, parents)
         if done % every == 0 or stop == len(rows.segments):
-            state, moved = _fused(state, distance, tolerance)
-            moves.append((stop, moved))
+            moves.append((stop, _fuse_map(state, distance, tolerance)))
         yield int(state.used[0])
     return state.s[: state.used[0]].copy(), _followed(parents, moves)
 
 
-def _fused(
-    state: _hybrid_loops.State, distance: float, tolerance: float
-) -> tuple[_hybrid_loops.State, Indices]:
-    """The map after Fusion, and where each of its segments went, -1 for one without length."""
+def _fuse_map(state: State, distance: float, tolerance: float) -> Indices:
+    """Replace the map by its Fusion; where each wall went, -1 for one without length."""
     live, count = rows_of(state.s[: state.used[0]])
     fused, into = fuse(live.segments, tolerance)
     counts = np.bincount(into, state.lines[live.row, 2]).astype(float)
+    replace_map(state, fused, counts, distance)
     moved = np.full(count, -1, np.int64)
     moved[live.row] = into
-    return _hybrid_loops.replace_map(state, fused, counts, distance), moved
+    return moved
 
 
 def _followed(parents: Indices, moves: list[tuple[int, Indices]]) -> Indices:
