@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from segmap import literal
 from segmap.reduction import hough, hybrid
-from segmap.reduction._hybrid import line_of
+from segmap.reduction._hough import line_of
 
 NUMBER = st.floats(-20, 20)
 POINT = st.tuples(NUMBER, NUMBER)

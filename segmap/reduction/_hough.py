@@ -1,8 +1,11 @@
 """Hough space (A 4.2.1): a line as its distance from the origin and the angle of its normal."""
 
+from __future__ import annotations
+
 import numpy as np
 from numpy.typing import ArrayLike
 
+from .._compiled import compiled
 from ..arrays import Array
 from ..segments import angle, midpoint
 
@@ -40,3 +43,12 @@ def hough(segments: ArrayLike, near: ArrayLike | None = None) -> Array:
     # A 5.4.2 compares rho and theta as they come: two upright walls would then seldom agree.
     turns = np.zeros_like(theta) if near is None else np.round(np.subtract(near, theta) / np.pi)
     return np.stack([np.where(turns % 2 == 0, rho, -rho), theta + turns * np.pi], axis=-1)
+
+
+@compiled
+def line_of(s: Array, i: int) -> tuple[float, float]:
+    """Rho, metres, and theta of the normal, in `[0, pi)`, of one of `(n, 2, 2)` segments."""
+    theta = (np.arctan2(s[i, 1, 1] - s[i, 0, 1], s[i, 1, 0] - s[i, 0, 0]) + np.pi / 2) % np.pi
+    theta = 0.0 if theta == np.pi else theta
+    x, y = (s[i, 0, 0] + s[i, 1, 0]) / 2, (s[i, 0, 1] + s[i, 1, 1]) / 2
+    return x * np.cos(theta) + y * np.sin(theta), theta
