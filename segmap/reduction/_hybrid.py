@@ -72,13 +72,7 @@ def hybrid(
 
 
 def least_length(distance: float, min_length: float | None) -> float:
-    """Length, metres, below which a segment without a match is dropped.
-
-    Raises
-    ------
-    ValueError
-        Naming the argument and what was expected.
-    """
+    """Length, metres, below which a segment without a match is dropped; ValueError for none."""
     if min_length is None:
         return distance
     return arrays.number(min_length, "min_length", least=0, unit="metres")
@@ -278,7 +272,7 @@ def add(
 ) -> None:
     """Match the segments `first` to `stop` of `(n, 2, 2)` with the map; those without may join.
 
-    Writes where each went, -1 where dropped, into `parents`, `(n,)`. Metres and radians.
+    Writes where each went, -1 where dropped, into `parents`, `(n,)`; metres and radians.
     """
     for i in range(first, stop):
         rho, theta = line_of(new, i)
