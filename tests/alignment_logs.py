@@ -1,11 +1,12 @@
 """Small simulated logs for the tests of alignment, and ways to spoil them."""
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from segmap.poses import between, compose
-from segmap.scans import LaserScan, Log
+from segmap.scans import Log
 from segmap.simulation import (
     SICK_LMS200,
     OdometryNoise,
@@ -70,18 +71,12 @@ def changed(
     times: Sequence | np.ndarray | None = None,
 ) -> Log:
     """The log with other ranges, odometry or times."""
-    scans = [
-        LaserScan(
-            s.ranges if ranges is None else ranges(k, s.ranges.copy()),
-            s.angles,
-            s.time if times is None else times[k],
-            s.odometry if odometry is None else odometry[k],
-            s.max_range,
-            s.sensor_pose,
-        )
-        for k, s in enumerate(log)
-    ]
-    return Log(log.name, scans, log.truth)
+    for name, new in (("ranges", ranges), ("odometry", odometry), ("time", times)):
+        if new is not None:
+            rows = [new(k, s.ranges.copy()) for k, s in enumerate(log)] if callable(new) else new
+            scans = [replace(s, **{name: row}) for s, row in zip(log, rows, strict=False)]
+            log = Log(log.name, scans, log.truth)
+    return log
 
 
 def person(log: Log, seed: int = 3) -> Log:

@@ -30,7 +30,7 @@ LONGEST = 400
 #: The tests of a room, where their names do not begin with its own; doctests come with it.
 TESTS = {
     "alignment": "alignment angle_correspondence backbone global_segments graph match_points "
-    "odometry point_map pose_graph segment_icp",
+    "baselines point_map pose_graph segment_icp",
     "extraction": "extraction",
     "hokuyo": "hokuyo record sensor",
     "matching": "match distance_field map_scans",

@@ -1,0 +1,158 @@
+"""The two ends of the scale, odometry and ground truth, and errors against the truth."""
+
+import alignment_logs as logs
+import numpy as np
+import pytest
+
+from segmap.alignment import align_to_truth, ground_truth, odometry, position_errors
+from segmap.angles import wrap
+from segmap.poses import between, compose
+from segmap.scans import LaserScan, Log
+
+NOT = (np.nan, np.nan, np.nan)
+TIMES = np.array([0.0, 1.0, 2.0, 3.0])
+
+
+def log_at(*times: float, odometry=None, truth=None) -> Log:
+    poses = [None] * len(times) if odometry is None else odometry
+    scans = [LaserScan([1.0], [0.0], t, o) for t, o in zip(times, poses, strict=True)]
+    return Log("four", scans, truth)
+
+
+# ------------------------------------------------------------------ odometry
+def test_a_scan_without_odometry_moves_on_as_the_robot_did():
+    """The robot would stop, or the motion be taken in the world's axes."""
+    poses = [np.array([3.0, 2.0, 1.0])]
+    for _ in range(5):
+        poses.append(compose(poses[-1], (0.5, 0.1, 0.2)))
+    gaps = [pose if k not in (2, 3) else None for k, pose in enumerate(poses)]
+    found = odometry(log_at(*range(6), odometry=gaps))
+    np.testing.assert_allclose(found.poses, poses, atol=1e-12)
+    assert found.reasons == ("", "", "no odometry", "no odometry", "", "")
+
+
+def test_a_log_without_odometry_stays_where_it_began():
+    """A first scan without odometry that counts as used."""
+    found = odometry(log_at(0, 1, 2))
+    assert found.poses.tolist() == [[0, 0, 0]] * 3
+    assert not found.used.any()
+
+
+# ------------------------------------------------------------------ ground truth
+def test_poses_are_interpolated_at_the_times_of_the_scans():
+    """A 3.3.3: linear in x and y, by the shorter way round in heading."""
+    poses = [(0, 0, 3.0), (1, 2, -3.0), (3, 2, -2.0), (3, 0, 0.0)]
+    found = ground_truth(log_at(0, 0.25, 2, 2.5), times=TIMES, poses=poses)
+    to_seam = 2 * np.pi - 6.0
+    expected = [(0, 0, 3.0), (0.25, 0.5, 3.0 + to_seam / 4), (3, 2, -2.0), (3, 1, -1.0)]
+    np.testing.assert_allclose(found.poses, expected, atol=1e-12)
+    assert found.used.all()
+
+
+def test_the_truth_of_the_log_itself():
+    """Scans that are not in the order of time; a scan without truth between two with."""
+    log = logs.office_log()
+    shuffled = np.random.default_rng(1).permutation(len(log)).astype(float)
+    found = ground_truth(logs.changed(log, times=shuffled))
+    np.testing.assert_allclose(found.poses, log.truth, atol=1e-12)
+    gap = log_at(0, 0.5, 2, truth=[(0, 0, 0), NOT, (2, 0, 1.0)])
+    np.testing.assert_allclose(ground_truth(gap).poses[1], (0.5, 0, 0.25))
+    with pytest.raises(ValueError, match=r"scan 1 of log 'four', at 0\.500000 s"):
+        ground_truth(gap, max_gap=1.0)
+
+
+@pytest.mark.parametrize(("times", "scan"), [((-0.1, 1), 0), ((0, 3.5, 9), 1), ((0, 1, 1.5), 2)])
+def test_a_time_of_which_nothing_is_known_is_an_error_that_names_the_scan(times, scan):
+    """Poses made up outside of what is known, or within a gap."""
+    known = {"times": np.array([0.0, 1.0, 3.0]), "poses": np.zeros((3, 3))}
+    with pytest.raises(ValueError, match=f"scan {scan} of log 'four', at {times[scan]:.6f} s"):
+        ground_truth(log_at(*times), max_gap=1.5, **known)
+
+
+def test_such_scans_are_dropped_when_asked():
+    """The odometry carries on from the last pose that is known, and back from the first."""
+    moved = compose((5, 5, 1.0), [(-1, 0, 0), (0, 0, 0), (1, 0, 0.5), (2, 0, 0.5), (3, 0, 0.5)])
+    known = np.array([(0, 0, 0.0), (1, 0, 0.5)])
+    log = log_at(-1, 0, 1, 2, 3, odometry=moved)
+    found = ground_truth(log, times=[0, 1], poses=known, missing="drop")
+    assert found.used.tolist() == [False, True, True, False, False]
+    assert found.reasons[3] == found.reasons[0] == "no ground truth at its time"
+    np.testing.assert_allclose(found.poses[1:3], known, atol=1e-12)
+    left = between(between(moved[1], moved), between(found.poses[1], found.poses))
+    np.testing.assert_allclose(left, 0, atol=1e-12)
+    bare = ground_truth(log_at(-1, 0), times=[0], poses=[(4, 5, 1)], missing="drop")
+    np.testing.assert_allclose(bare.poses, [(4, 5, 1), (4, 5, 1)])
+
+
+def test_nothing_known_at_any_scan():
+    """An index into an empty list of poses that are known."""
+    log = log_at(7, 8, odometry=[(1, 1, 1), (2, 1, 1)])
+    found = ground_truth(log, times=[0], poses=np.zeros((1, 3)), missing="drop")
+    np.testing.assert_array_equal(found.poses, log.odometry)
+    assert not found.used.any()
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ({}, "log 'four' holds no ground truth"),
+        ({"times": [0, 1]}, "times and poses belong together"),
+        ({"poses": np.zeros((2, 3))}, "times and poses belong together"),
+        ({"times": [1, 0], "poses": np.zeros((2, 3))}, "not decrease"),
+        ({"times": [0], "poses": np.zeros((2, 3))}, r"poses must be \(1, 3\)"),
+        ({"missing": "skip"}, "missing must be one of 'raise', 'drop', got 'skip'"),
+    ],
+)
+def test_wrong_arguments_are_named(given, message):
+    with pytest.raises(ValueError, match=message):
+        ground_truth(log_at(0, 1), **given)
+
+
+# ------------------------------------------------------------------ errors against the truth
+@pytest.fixture
+def truth():
+    rng = np.random.default_rng(7)
+    return np.column_stack([rng.uniform(-5, 5, (12, 2)), rng.uniform(-np.pi, np.pi, 12)])
+
+
+@pytest.mark.parametrize("best", [False, True])
+def test_one_motion_of_the_whole_is_no_error(best, truth):
+    """Catches a motion applied the wrong way round, or on the wrong side."""
+    moved = compose((3.0, -2.0, 2.5), truth)
+    found = align_to_truth(moved, truth, best=best)
+    np.testing.assert_allclose(found[:, :2], truth[:, :2], atol=1e-9)
+    np.testing.assert_allclose(wrap(found[:, 2] - truth[:, 2]), 0, atol=1e-9)
+    np.testing.assert_allclose(position_errors(moved, truth, best=best), 0, atol=1e-9)
+
+
+def test_the_first_known_pose_is_laid_on_its_true_one_with_its_heading(truth):
+    """Catches the first row taken where its truth is not known, and headings left out."""
+    poses = np.random.default_rng(8).normal(size=(12, 3))
+    poses[5], truth[:2] = NOT, NOT
+    found, away = align_to_truth(poses, truth), position_errors(poses, truth)
+    np.testing.assert_allclose(found[2, :2], truth[2, :2], atol=1e-12)
+    np.testing.assert_allclose(between(found[2], found), between(poses[2], poses), atol=1e-9)
+    assert len(away) == 9 and away[0] < 1e-12
+
+
+def test_the_best_motion_leaves_less_than_any_other(truth):
+    """Catches a turn of the wrong sign, and means that are not those of the positions."""
+    poses = compose((1.0, 2.0, -1.0), truth + np.random.default_rng(9).normal(0, 0.2, (12, 3)))
+    least = (position_errors(poses, truth, best=True) ** 2).sum()
+    assert least < (position_errors(poses, truth) ** 2).sum()
+    best = align_to_truth(poses, truth, best=True)
+    for small in np.vstack([np.eye(3), -np.eye(3)]) * 0.01:
+        assert (np.hypot(*(compose(small, best) - truth)[:, :2].T) ** 2).sum() > least
+
+
+@pytest.mark.parametrize(
+    ("poses", "truth", "words"),
+    [
+        (np.zeros((2, 3)), np.zeros((3, 3)), r"truth must have shape \(2, 3\), got \(3, 3\)"),
+        (np.zeros((2, 2)), np.zeros((2, 2)), r"poses must have shape \(n, 3\)"),
+        ([NOT], [(0, 0, 0)], "got none"),
+    ],
+)
+def test_what_cannot_be_compared_is_refused(poses, truth, words):
+    with pytest.raises(ValueError, match=words):
+        align_to_truth(poses, truth)
