@@ -360,7 +360,7 @@ def test_pose_graph_panel_shows_the_graph_as_it_is():
 def test_pose_graph_panel_takes_loops_only_when_they_are_found_and_wanted():
     """Catches a box without effect, and a loop known before its second end was seen."""
     panel = PoseGraphPanel(LOOP)
-    panel.wheels.value = True
+    panel.odometry.value = True
     assert float(panel.gap.value.split()[-2]) < 0.1
     panel.loops.value = False
     assert_poses_equal(panel.poses, LOOP.odometry, atol=1e-6)
@@ -370,9 +370,9 @@ def test_pose_graph_panel_takes_loops_only_when_they_are_found_and_wanted():
     assert panel.count.value.endswith(" 0 loops")
 
 
-def test_pose_graph_panel_without_odometry_offers_no_wheels():
+def test_pose_graph_panel_without_odometry_offers_no_odometry():
     scans = [LaserScan(s.ranges, s.angles, s.time) for s in LOOP[:10]]
-    assert PoseGraphPanel(Log("bare", scans)).wheels.disabled
+    assert PoseGraphPanel(Log("bare", scans)).odometry.disabled
 
 
 @pytest.mark.parametrize(

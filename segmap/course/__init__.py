@@ -75,11 +75,12 @@ from ._landscapes import Landscape, heading_profile, landscape, peaks, profile_p
 from ._panels_alignment import AnglePanel, BackbonePanel, GroundTruthPanel
 from ._panels_graphs import IcpPanel, PoseGraphPanel
 from ._panels_matching import LandscapePanel, MatcherPanel
-from ._panels_quadtree import ClassesPanel, RayPanel, StoragePanel, insert_variant
+from ._panels_quadtree import ClassesPanel, RayPanel, insert_variant
 from ._panels_reduction import BasicPanel, FusionPanel, HybridPanel, MeanShiftPanel
 from ._panels_scans import ClusterPanel, DistancePanel, PolylinePanel, RoomPanel
 from ._storage import (
     Representation,
+    StoragePanel,
     compare_with_walls,
     occupied_centres,
     represent,

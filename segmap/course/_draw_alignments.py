@@ -42,7 +42,7 @@ def draw_frames(scan: LaserScan, frames: Mapping[str, ArrayLike], *, every: int 
     ----------
     scan : LaserScan
     frames : mapping from name to (3,) array, metres and radians
-        Where the robot stands in the frame of that name.
+        Pose of the robot in the frame of that name.
     every : int
         One beam in so many is drawn, from the sensor to its end.
 
@@ -75,8 +75,8 @@ def draw_frames(scan: LaserScan, frames: Mapping[str, ArrayLike], *, every: int 
 def draw_backbone(step: BackboneStep, *, ax: Axes | None = None) -> Axes:
     """Draw what the backbone method did with one scan.
 
-    The lines of the backbone are black and dashed, the relevant segments as odometry would lay them
-    red, as they were laid blue; the robot stands where it was laid.
+    The lines of the backbone are black and dashed. The relevant segments of the scan are red where
+    odometry would place them, and blue where the method placed them, with the robot there.
 
     Parameters
     ----------
@@ -112,7 +112,7 @@ def draw_backbone(step: BackboneStep, *, ax: Axes | None = None) -> Axes:
 def draw_icp_step(reference: ArrayLike, step: PointStep, *, ax: Axes | None = None) -> Axes:
     """Draw a scan as point ICP sees it: points with red lines to their places on the wall.
 
-    Of many points every second or third has a line.
+    Where there are many points, only every second or third has a line.
 
     Parameters
     ----------
@@ -186,7 +186,7 @@ def draw_uncertainty(match: Match, *, ax: Axes | None = None, deviations: float 
 def draw_candidate(
     first: ArrayLike, second: ArrayLike, guess: Candidate, *, ax: Axes | None = None, color: str
 ) -> Axes:
-    """Draw two scans, one laid on the other as a candidate of angle correspondence says.
+    """Draw two scans, the second placed by a candidate of angle correspondence.
 
     Parameters
     ----------
@@ -219,7 +219,7 @@ def draw_candidate(
 
 
 def draw_basin(outcomes: ArrayLike, x: ArrayLike, y: ArrayLike, *, ax: Axes | None = None) -> Axes:
-    """Draw what comes of each start of a descent: the basin of attraction is blue.
+    """Draw the outcome of a match from each start: the basin of attraction is blue.
 
     Parameters
     ----------

@@ -65,7 +65,7 @@ def draw_buildings(*groups: pd.DataFrame, filtered: bool = False) -> list[list[A
 
 
 def draw_threshold(*groups: pd.DataFrame, method: str, ax: Axes | None = None) -> Axes:
-    """Draw quality against the one length that a method was run over: a line for each building.
+    """Draw quality against the threshold of a method, a length: a line for each building.
 
     Parameters
     ----------
@@ -182,7 +182,7 @@ def draw_filter(
 def draw_initials(
     values: Mapping[str, tuple[float, float]], *, ax: Axes | None = None, color: str = RESULT
 ) -> Axes:
-    """Draw two numbers of each building: a dot with its initial.
+    """Draw two numbers of each building as a dot with the initial of its name.
 
     Parameters
     ----------

@@ -64,7 +64,7 @@ def draw_cells(
 
 
 def draw_ray(start: ArrayLike, end: ArrayLike, *, ax: Axes | None = None) -> Axes:
-    """Draw the cells of a ray (B 4.4): blue what it crosses, grey what the mask at its end spares.
+    """Draw the cells of a ray (B 4.4): blue the crossed ones, grey those that the mask leaves out.
 
     Parameters
     ----------
@@ -194,7 +194,7 @@ def draw_landscape(
 
 
 def draw_climb(offsets: ArrayLike, *, ax: Axes | None = None, joined: bool = True) -> Axes:
-    """Draw poses of a matcher over a landscape: in blue, the last one larger.
+    """Draw the poses that a matcher visits, in blue over a landscape; the last one is larger.
 
     Parameters
     ----------
@@ -258,9 +258,10 @@ def draw_profile(
 
 
 def draw_trials(trials: Iterable[Trial], *, ax: Axes | None = None) -> Axes:
-    """Draw the error of each trial over the leaves of its map, a mark a matcher (B Fig. 6.17).
+    """Draw the error of each trial over the leaves of its map, as B Fig. 6.17.
 
-    Those with the thesis' steps are red, the others blue. Both axes are logarithmic.
+    Each matcher has a mark. Those with the thesis' steps are red, the others blue. Both axes are
+    logarithmic.
 
     Parameters
     ----------

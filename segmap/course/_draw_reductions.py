@@ -55,7 +55,7 @@ def draw_cases(
 
 
 def draw_growth(map: SegmentMap, reduction: Reduction, *, ax: Axes | None = None) -> Axes:
-    """Draw how many segments an on-line method keeps while the scans come in, and how many came.
+    """Draw how many segments were seen up to each scan, and how many an on-line method keeps.
 
     Parameters
     ----------

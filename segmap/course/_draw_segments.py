@@ -27,8 +27,8 @@ from ..segments import angle, length, midpoint
 def draw_distance_terms(u: ArrayLike, v: ArrayLike) -> list[Axes]:
     """Draw, red, where the three terms of the distance between two segments are measured.
 
-    *Turned* is the mean of the lengths of the two red lines; from where both are laid off, a dotted
-    line runs parallel to the line midway. *Shifted* and *apart* are one red line each.
+    *Turned* is the mean length of two red lines, each from the end of a segment to the dotted
+    parallel of the line midway. *Shifted* and *apart* are one red line each.
 
     Parameters
     ----------
@@ -109,7 +109,7 @@ def draw_marked(
     mark: str = ERROR,
     width: float = 2.0,
 ) -> Axes:
-    """Draw segments, and over them, thicker and red, those that are meant.
+    """Draw segments, and the marked ones over them, thicker and red.
 
     Parameters
     ----------
@@ -214,7 +214,7 @@ def draw_strip(walls: Segments, shift: float, tolerance: float, *, ax: Axes | No
 
 
 def draw_centres(ways: ArrayLike, group: ArrayLike, *, ax: Axes | None = None) -> Axes:
-    """Draw how the centres of mean shift climb: grey ways from black dots to coloured ones.
+    """Draw how the centres of mean shift climb: grey paths from black dots to coloured ones.
 
     Parameters
     ----------
@@ -247,9 +247,9 @@ def draw_centres(ways: ArrayLike, group: ArrayLike, *, ax: Axes | None = None) -
 
 
 def draw_normals(walls: Segments, *, ax: Axes | None = None) -> Axes:
-    """Draw walls, and dashed from the origin the normal of each one's line, in one colour (A 4.2).
+    """Draw walls, each with the normal of its line, dashed from the origin (A 4.2).
 
-    Where the foot of the normal lies beside the wall, the line is dotted up to its middle.
+    A wall and its normal have one colour; a dotted line joins the foot to the middle of the wall.
 
     Parameters
     ----------

@@ -109,7 +109,7 @@ class Exercise:
 
     @property
     def name(self) -> str:
-        """Of the function that is to be written."""
+        """The name of the function that is to be written."""
         return self.task.partition("(")[0]
 
     def __call__(self, function: Callable[..., Any]) -> Check:
@@ -121,7 +121,7 @@ class Exercise:
         return f"check_{self.name}(your function): {self.task}"
 
     def _hint(self, function: Callable[..., Any]) -> str:
-        """What to tell the author of a function; nothing where it is right."""
+        """The hint for a function; empty where it is right."""
         if not callable(function):
             return f"give the function itself, check_{self.name}(my_{self.name}), without a call"
         found, expected = self._answers(function), self._answers(self.solution)

@@ -137,7 +137,7 @@ def _match_value(u: Array, v: Array, distance: float) -> float:
 
 
 def _covered(u: Array, v: Array, least: float = 0.0) -> float:
-    """Length of u that v covers when projected on it; a gap counts as negative where it may."""
+    """Length of u that v covers when projected on it; -inf as the least counts gaps too."""
     low, high = np.sort((v - u[0]) @ (u[1] - u[0]) / length(u))
     return float(max(least, min(high, length(u)) - max(low, 0)))
 

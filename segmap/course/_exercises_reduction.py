@@ -141,7 +141,7 @@ def _farthest(a: Array, b: Array) -> Array:
 
 
 def _of_length(a: Array, b: Array) -> Array:
-    """As long as both together, about the mean middle."""
+    """A segment as long as both together, about the mean middle."""
     way = _direction(a, b)
     half = (length(a) + length(b)) / 2 * np.array([np.cos(way), np.sin(way)])
     return _middle(a, b) + np.array([-half, half])
@@ -198,7 +198,7 @@ def _brought(rho: float, theta: float, near: float) -> Array:
 
 
 def _by_slope(segment: Array, near: float) -> Array:
-    """Through y = m x + q, which upright walls have not."""
+    """By y = m x + q, which does not exist for upright walls."""
     (x, y), (dx, dy) = segment[0], segment[1] - segment[0]
     slope = dy / dx
     theta = np.arctan2(1.0, -slope)

@@ -36,7 +36,7 @@ class GroundTruthPanel(Panel):
     Attributes
     ----------
     every : slider
-        Only each so many-th true pose is given; the others tell how wrong the places are.
+        Only every so many-th true pose is given; the others tell how wrong the placed scans are.
     max_gap : slider, seconds
     late : slider, seconds
         How much the clock of the truth is ahead of the laser's.
@@ -101,8 +101,8 @@ class GroundTruthPanel(Panel):
 class AnglePanel(Panel):
     """Pairs of scans, and the candidates of angle correspondence by rank (A 3.3.1).
 
-    The walls of the first scan are black, those of the second lie as the candidate says: blue where
-    it is the match, red where nobody believes it.
+    The walls of the first scan are black. Those of the second are placed by the candidate: blue
+    where it is the match, red where it is rejected.
 
     Parameters
     ----------
@@ -171,15 +171,15 @@ class AnglePanel(Panel):
         return f"AnglePanel({pair}: {self.found.value}; {self.verdict.value})"
 
 
-#: Metres around the way of the robot that are shown.
+#: Margin around the path of the robot, metres.
 _MARGIN = 3.0
 
 
 class BackbonePanel(Panel):
-    """A log, scan by scan: the lines of the backbone, and how the scan is turned and laid on them.
+    """A log, scan by scan: the lines of the backbone, and how the scan is turned and placed.
 
-    Lines are black, the relevant segments red where odometry would lay them and blue where they
-    were laid, the way so far blue.
+    Lines are black. The relevant segments are red where odometry would place them and blue where
+    the method placed them. The path so far is blue.
 
     Parameters
     ----------

@@ -19,22 +19,22 @@ from ._draw_alignments import draw_icp_step
 
 
 class IcpPanel(Panel):
-    """Two scans, and how one descends onto the other from a start that is wrong (A 2.5.1).
+    """Two scans, and how ICP moves one onto the other from a wrong start (A 2.5.1).
 
     Parameters
     ----------
     reference, current : (n, 2) and (m, 2) arrays, metres
         Points of the two scans, each in its own frame.
     pose : (3,) array, metres and radians
-        Where the current scan belongs, or nearly so: the match from there is held for right.
+        Nearly where the current scan belongs: the match from there is taken as the truth.
     reach : float, metres
-        How far partners are sought at first.
+        How far partners are searched, at first.
 
     Attributes
     ----------
     x, y : sliders, metres
     turn : slider, degrees
-        By these the start is wrong.
+        Offset of the start from the right pose.
     step : slider
         Beyond the last step it stays there.
     play : play button, which moves the slider
@@ -98,15 +98,16 @@ class IcpPanel(Panel):
         return f"IcpPanel(from {start}: {self.count.value}, {self.error.value})"
 
 
-#: Wheels err by so much from one key frame to the next, loops by so much: metres and radians.
-_BY_WHEELS = np.linalg.inv(np.diag([0.05, 0.05, np.radians(2)]) ** 2)
+#: Inverse covariances: 5 cm and 2 degrees from one key frame to the next by odometry, 2 cm and
+#: 0.3 degrees for a loop.
+_BY_ODOMETRY = np.linalg.inv(np.diag([0.05, 0.05, np.radians(2)]) ** 2)
 _BY_LOOPS = np.linalg.inv(np.diag([0.02, 0.02, np.radians(0.3)]) ** 2)
-#: Metres around the way of the robot that are shown.
+#: Margin around the path of the robot, metres.
 _MARGIN = 6.0
 
 
 class PoseGraphPanel(Panel):
-    """A log scan by scan with what its pose graph knows by then; loops can be left out.
+    """A log scan by scan, with its pose graph so far; loops can be left out.
 
     Parameters
     ----------
@@ -122,11 +123,11 @@ class PoseGraphPanel(Panel):
     play : play button, which moves the slider
     loops : checkbox
         Whether the loops found so far count.
-    wheels : checkbox
+    odometry : checkbox
         Take the motion from key frame to key frame from the odometry, not from the scans; all by
-        plain least squares, since loops contradict the wheels.
+        plain least squares, since loops contradict the odometry.
     count, gap : labels
-        Of the key frames and loops; the largest distance that a loop is left open by.
+        How many key frames and loops there are; the largest distance that a loop stays open.
     poses : (k, 3) array, metres and radians
         Of the scans so far.
 
@@ -139,7 +140,7 @@ class PoseGraphPanel(Panel):
     --------
     >>> from segmap import load
     >>> panel = PoseGraphPanel(load("corridor"))
-    >>> panel.loops.value, panel.wheels.value = False, True
+    >>> panel.loops.value, panel.odometry.value = False, True
     >>> panel.count.value.split(", ")[1], panel.gap.value[:-3]
     ('4 loops not used', 'loops stay open by up to 2.3')
     """
@@ -156,12 +157,12 @@ class PoseGraphPanel(Panel):
         self.play = player(self.scan, step=3, interval=250)
         self.loops = W.Checkbox(value=True, description="loops")
         known = bool(np.isfinite(log.odometry).all())
-        self.wheels = W.Checkbox(description="wheels in place of scans", disabled=not known)
+        self.odometry = W.Checkbox(description="odometry, not scans", disabled=not known)
         self.count, self.gap = text(), text()
         ways = [found.poses[:, :2], *([log.odometry[:, :2]] if known else [])]
         low, high = (f([f(way, axis=0) for way in ways], axis=0) for f in (np.min, np.max))
         self._limits = np.array([low - _MARGIN, high + _MARGIN])
-        rows = (self.loops, self.wheels), (self.count, self.gap)
+        rows = (self.loops, self.odometry), (self.count, self.gap)
         self._assemble((self.play, self.scan), *rows, height=400)
 
     def _draw(self, figure: Figure) -> None:
@@ -169,7 +170,7 @@ class PoseGraphPanel(Panel):
         known = graph.edges.max(axis=1) < k
         counted = known & (self.loops.value | ~graph.loop)
         self.poses = (
-            self._by_wheels(k, counted) if self.wheels.value else self._by_scans(k, counted)
+            self._by_odometry(k, counted) if self.odometry.value else self._by_scans(k, counted)
         )
         frames, closed = len(np.unique(graph.edges[known])) or 1, known & graph.loop
         unused = "" if self.loops.value or not closed.any() else " not used"
@@ -195,13 +196,13 @@ class PoseGraphPanel(Panel):
             start, graph.edges[counted], graph.relative[counted], information=weights
         )
 
-    def _by_wheels(self, k: int, counted: NDArray[np.bool_]) -> Array:
+    def _by_odometry(self, k: int, counted: NDArray[np.bool_]) -> Array:
         """The same with the steps of the odometry between key frames."""
         graph, start = self.graph, self.log.odometry[:k]
         edges, loop = graph.edges[counted], graph.loop[counted, None]
         steps = between(start[edges[:, 0]], start[edges[:, 1]])
         motions = np.where(loop, graph.relative[counted], steps)
-        weights = np.where(loop[..., None], _BY_LOOPS, _BY_WHEELS)
+        weights = np.where(loop[..., None], _BY_LOOPS, _BY_ODOMETRY)
         return solve_graph(start, edges, motions, information=weights, scale=np.inf)
 
     def _gap(self, closed: NDArray[np.bool_]) -> float:
@@ -212,7 +213,7 @@ class PoseGraphPanel(Panel):
         return float(np.hypot(rest[:, 0], rest[:, 1]).max(initial=0.0))
 
     def __repr__(self) -> str:
-        by = "wheels" if self.wheels.value else "scans"
+        by = "odometry" if self.odometry.value else "scans"
         return (
             f"PoseGraphPanel(scan {self.scan.value} by {by}: {self.count.value}, {self.gap.value})"
         )

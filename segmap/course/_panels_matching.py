@@ -33,7 +33,7 @@ class LandscapePanel(Panel):
     scan : slider
         That scan is laid on the map of those before it.
     turn : slider, degrees
-        By so much its heading is wrong.
+        Error of its heading.
     peaks, best : labels
         Local maxima within 30 cm; where the highest lies.
     land : Landscape
@@ -101,7 +101,7 @@ class MatcherPanel(Panel):
         Of `matching.MATCHERS` and `matching.SCORES`.
     x, y : sliders, centimetres
     turn : slider, degrees
-        By these the start is wrong.
+        Offset of the start from the right pose.
     step : slider
         An accepted move of hill climbing, a round of sampling; beyond the last it stays there.
     play : play button, which moves the slider
@@ -154,7 +154,7 @@ class MatcherPanel(Panel):
         draw_climb(way - self.pose, ax=ax, joined=climbs)
 
     def _land(self) -> Landscape:
-        """Computed once a score."""
+        """The landscape of the score chosen, computed once for each."""
         name = self.score.value
         if name not in self._lands:
             scan = self.map, self.points, self.pose
@@ -162,7 +162,7 @@ class MatcherPanel(Panel):
         return self._lands[name]
 
     def _asked(self, start: Array) -> Score:
-        """The score chosen, with one field for all that is asked."""
+        """The score chosen; for "field" one distance field serves all calls."""
         if self.score.value == "field":
             field = DistanceField.around(self.map, self.points, start)
             return lambda map, points, poses: field.score(points, poses)

@@ -1,8 +1,6 @@
-"""Panels of the chapters on rays, on maps for others and on two maps; rays that fail (B 4.4)."""
+"""Panels of the chapters on rays and on maps for others, and rays that fail (B 4.4)."""
 
 from __future__ import annotations
-
-from typing import TYPE_CHECKING, Any
 
 import ipywidgets as W
 import numpy as np
@@ -10,21 +8,15 @@ from matplotlib.figure import Figure
 from matplotlib.path import Path
 from numpy.typing import ArrayLike, NDArray
 
-from .. import arrays
-from ..arrays import Array, Segments
+from ..arrays import Array
 from ..exports import Classes, ros_classes
 from ..literal import cell_of, ray_cells
 from ..panels import Panel, slider, text
-from ..plotting import RESULT, TRUTH, draw_quadtree, draw_segments
+from ..plotting import draw_quadtree
 from ..poses import transform
 from ..quadtree import QuadtreeMap
-from ..scans import Log
 from ..simulation import Sensor, circular_room, simulate
 from ._draw_quadtrees import draw_classes
-from ._storage import compare_with_walls, represent
-
-if TYPE_CHECKING:
-    import pandas as pd
 
 Cell = tuple[int, int]
 Cells = NDArray[np.int64]
@@ -115,7 +107,7 @@ def touched_cells(start: Cell, end: Cell) -> Cells:
 
 
 def _cuts(a: float, b: float) -> Array:
-    """Where on its way from a to b a coordinate is whole, as parts of the way, with both ends."""
+    """Shares of the way from a to b at which a coordinate is a whole number, with both ends."""
     lines = np.arange(min(a, b), max(a, b) + 1)
     return np.append((lines - a) / (b - a), (0.0, 1.0)) if a != b else np.array([0.0, 1.0])
 
@@ -212,7 +204,7 @@ class ClassesPanel(Panel):
     Attributes
     ----------
     occupied, free : sliders
-        Occupancy above, and at most which, a cell is so.
+        A cell above the one is occupied, up to the other free.
     doublings : slider
         How often the side of a pixel is doubled.
     counts, size : labels
@@ -253,67 +245,3 @@ class ClassesPanel(Panel):
 
     def __repr__(self) -> str:
         return f"ClassesPanel({self.counts.value})"
-
-
-class StoragePanel(Panel):
-    """An aligned log kept as reduced segments and as a quadtree (A and B of one building).
-
-    Parameters
-    ----------
-    log : Log
-    poses : (k, 3) array, metres and radians
-    walls : (n, 2, 2) array, metres
-        The truth.
-
-    Attributes
-    ----------
-    resolution : slider, centimetres
-    tolerance : slider, centimetres
-        Of the reduction by Fusion.
-    tree : box to tick
-        Which of the two is drawn, under the true walls in green.
-    segments, squares : labels
-    compared : DataFrame
-        Of `compare_with_walls`.
-
-    Examples
-    --------
-    >>> from segmap.course import room_walk, room_walls
-    >>> log = room_walk(20)
-    >>> StoragePanel(log, log.truth, room_walls()).segments.value
-    '12 segments, 0.4 kB, 0.8 mm off'
-    """
-
-    compared: pd.DataFrame
-
-    def __init__(self, log: Log, poses: ArrayLike, walls: Segments) -> None:
-        self.log, self.poses, self.walls = log, poses, arrays.segments(walls)
-        self.resolution = slider("cells", 5.0, 1.0, 20.0, 0.5, "cm")
-        self.tolerance = slider("tolerance", 4.0, 1.0, 20.0, 0.5, "cm")
-        self.tree = W.Checkbox(value=True, description="draw the quadtree")
-        self.segments, self.squares = text(), text()
-        self._assemble(self.resolution, self.tolerance, self.tree, (self.segments, self.squares))
-
-    def _draw(self, figure: Figure) -> None:
-        sizes = {
-            "resolution": self.resolution.value / 100,
-            "tolerance": self.tolerance.value / 100,
-        }
-        found = represent(self.log, self.poses, **sizes)
-        self.compared = compare_with_walls(found, self.walls)
-        self.segments.value = _words(self.compared.loc["reduced segments"], "segments")
-        self.squares.value = _words(self.compared.loc["quadtree"], "leaves")
-        ax = figure.subplots()
-        if self.tree.value:
-            draw_quadtree(found["quadtree"].map, ax=ax)
-        else:
-            draw_segments(found["reduced segments"].map, ax=ax, color=RESULT, width=2.5)
-        draw_segments(self.walls, ax=ax, color=TRUTH, width=0.8)
-
-    def __repr__(self) -> str:
-        return f"StoragePanel({self.segments.value}; {self.squares.value})"
-
-
-def _words(found: Any, parts: str) -> str:
-    count, size, error = int(found["parts"]), found["nbytes"] / 1e3, 1e3 * found["error"]
-    return f"{count} {parts}, {size:.1f} kB, {error:.1f} mm off"

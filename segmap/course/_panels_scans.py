@@ -195,7 +195,7 @@ class PolylinePanel(_ExtractionPanel):
 
 
 class DistancePanel(Panel):
-    """A wall of 2 m and a second segment to turn, shift and shorten: what each term punishes.
+    """A wall of 2 m and a second segment to turn, shift and shorten: what each term measures.
 
     Attributes
     ----------

@@ -100,7 +100,7 @@ def room_walk(scans: int = 200, *, seed: int = 0) -> Log:
 
 
 def room_walls() -> Array:
-    """That room: a cupboard, a table, and a crate that stands askew, (16, 2, 2) array, metres.
+    """Walls of the room of `room_walk`, `(16, 2, 2)`, metres: a cupboard, a table, a tilted crate.
 
     Examples
     --------

@@ -55,7 +55,7 @@ class Panel:
 
 
 def slider(name: str, value: float, least: float, most: float, step: float, unit: str = "m") -> Any:
-    """A slider that answers when it is let go: a drawing takes longer than a movement."""
+    """A slider that redraws when it is released: a drawing takes longer than a movement."""
     kind, form = (W.IntSlider, "d") if isinstance(step, int) else (W.FloatSlider, _decimals(step))
     return kind(
         value=value,
@@ -71,14 +71,14 @@ def slider(name: str, value: float, least: float, most: float, step: float, unit
 
 
 def player(moved: Any, interval: int = 250, step: int = 1) -> Any:
-    """A play button that moves a slider of whole numbers, every so many milliseconds."""
+    """A play button that moves an integer slider by a step every so many milliseconds."""
     play = W.Play(min=moved.min, max=moved.max, step=step, interval=interval)
     W.jslink((play, "value"), (moved, "value"))
     return play
 
 
 def text() -> Any:
-    """A line of text beside others of the same width."""
+    """A label as wide as the others beside it."""
     return W.Label(layout=W.Layout(width="235px"))
 
 

@@ -30,11 +30,11 @@ from ..quadtree import QuadtreeMap, extent
 from ..scans import LaserScan
 from ._base import DPI, HEIGHT, WIDTH, Panel, slider, text
 
-#: Scans whose times tell the rate.
+#: Number of scans over which the rate is measured.
 RATE = 20
-#: Stop waits so long for a sensor that is silent or gone, seconds; it then ends by itself.
+#: Seconds that stop waits for a silent or lost sensor; its thread then ends by itself.
 LEAVE = 3.0
-#: Side of the leaves down to which rays split, over that of the smallest.
+#: Side of the smallest leaves that rays split off, in sides of the smallest leaf.
 COARSE = 16
 #: Of 0 to 9: a third of the size of no packing, in a tenth of the time of the best.
 PACKING = 2
@@ -43,17 +43,17 @@ SHARP: Any = {"interpolation": "nearest"}
 
 
 class LivePanel(Panel):
-    """Scan, segments and quadtree of a sensor that moves, as they come.
+    """The scan, the segments and the quadtree of a moving sensor, as they arrive.
 
-    Start and stop are buttons. A thread reads, another maps and draws what is newest: while that
-    lasts, scans are left out and never queued. Stop it before the sensor is used elsewhere.
+    Start and stop are buttons. One thread reads scans, another maps and draws the newest; scans
+    that arrive meanwhile are left out, never queued. Stop it before you use the sensor elsewhere.
 
     Parameters
     ----------
     source : UrgSensor, or any iterable of LaserScan
     resolution : float, metres
         Side of the smallest leaves: with coarser ones the poses drift sooner. Rays split leaves
-        down to sixteen times as much, so that what nobody looked at is not white.
+        down to sixteen times as much, so that what was not seen is not white.
     start : (3,) array, metres and radians
         Pose of the first scan.
 
@@ -65,7 +65,7 @@ class LivePanel(Panel):
     count, leaves, rate, dropped, state : labels
     map : QuadtreeMap
     seconds : float
-        Of the last whole step, drawing included.
+        Duration of the last step, drawing included.
 
     Examples
     --------
@@ -108,7 +108,7 @@ class LivePanel(Panel):
         )
 
     def run(self, scans: int) -> None:
-        """Take so many scans, here and now, none left out."""
+        """Take so many scans in the calling thread, and leave none out."""
         _warm_up()
         with contextlib.closing(self._scans()) as stream:
             for scan in islice(stream, scans):
@@ -176,7 +176,7 @@ class LivePanel(Panel):
     def _begun(self) -> Iterator[Step]:
         """Steps from the start, or from the last one that went well.
 
-        The first scan of new steps goes in unmatched: it is the one whose place is known, again.
+        The first scan of the new steps is inserted without a match, since its pose is known.
         """
         pose = self._begin if self._step is None else self._step.pose
         steps = map_scans(self._fed(), map=self.map, start=pose)
@@ -265,7 +265,7 @@ class _Picture:
 
 
 def _view(map: QuadtreeMap) -> tuple[float, float, float, float]:
-    """Whole metres around what was seen: the frame changes only where it grows."""
+    """Bounds of what was seen, in whole metres, so that the frame changes only when it grows."""
     left, low, right, high = extent(map)
     return (floor(left), floor(low), ceil(right), ceil(high))
 

@@ -23,7 +23,7 @@ class ScanPanel(Panel):
     log : Log
     poses : (k, 3) array, metres and radians, or None
         None takes the log's truth, or its odometry where it has none. Scans whose pose is NaN are
-        left out. The way is drawn green for truth, red for odometry, blue for poses given here.
+        left out. The path is drawn green for truth, red for odometry, blue for poses given here.
 
     Attributes
     ----------

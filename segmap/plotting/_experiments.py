@@ -111,5 +111,5 @@ def draw_online(frame: pd.DataFrame, *, ax: Axes | None = None) -> Axes:
 
 
 def method_style(method: str, index: int) -> tuple[str, str, str]:
-    """Colour, marker and line of a method; one that is not known takes its turn."""
+    """Colour, marker and line of a method; an unknown one takes the next colour."""
     return METHOD_STYLES.get(method, (GROUPS[index % len(GROUPS)], "P", "-."))

@@ -23,7 +23,7 @@ from ._style import DPI, MAP, RESULT
 
 
 def thumbnail(value: Any) -> bytes:
-    """A small picture of a scan, a log, a way, a map or a reduction, as a notebook shows it.
+    """A small picture of a scan, a log, an alignment, a map or a reduction, as a notebook shows it.
 
     Of a log without any pose it shows the first scan; of an alignment, which knows no scans, the
     path, its loops, and red crosses where a scan was not used.

@@ -27,7 +27,7 @@ from ._style import (
     map_axes,
 )
 
-#: The scale of errors reaches at least so far, in metres, lest rounding errors look like errors.
+#: Least end of the scale of errors, metres, so that rounding errors do not look like errors.
 LEAST_ERROR = 1e-3
 
 
@@ -49,7 +49,7 @@ def draw_segments(
     segments : SegmentMap, Reduction or (n, 2, 2) array, metres
     ax : matplotlib Axes or None
     color : str
-        Where nothing else decides.
+        Used where none of `scan`, `group`, `error` is given.
     width : float
         Of the lines, in points.
     scan : (n,) int array or None
