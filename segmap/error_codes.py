@@ -1,7 +1,9 @@
-"""Error codes of the Hokuyo URG-04LX: values below 20 mm are reasons, and no distances.
+"""Error codes of the Hokuyo URG-04LX: a value below 20 mm says why there is no distance.
 
 One table for all who meet them: the driver, the emulator, and the readers of logs.
 """
+
+from __future__ import annotations
 
 from typing import NamedTuple
 
@@ -15,7 +17,7 @@ LOWEST = 20
 
 
 class Meaning(NamedTuple):
-    """What a code means: words, and `inf` where nothing is in reach, NaN where nothing is known."""
+    """A code in words, and as a range: `inf` for nothing in reach, NaN for an error."""
 
     words: str
     range: float

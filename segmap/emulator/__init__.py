@@ -1,4 +1,4 @@
-"""A URG-04LX that is not there: SCIP 1.1 and 2.0 behind a pseudo-terminal, faults on demand.
+"""An emulated URG-04LX: SCIP 1.1 and 2.0 behind a pseudo-terminal, with faults on demand.
 
 `python -m segmap.emulator` starts one and prints its device.
 """

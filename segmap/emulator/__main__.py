@@ -1,5 +1,7 @@
 """Start an emulated sensor and print the device to open, until Control-C."""
 
+from __future__ import annotations
+
 import argparse
 import contextlib
 import gzip
@@ -13,7 +15,7 @@ from . import Emulator, Replay
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Run it; 0 at the end, 1 with a reason where it cannot be."""
+    """Run it and return its exit code: 0, or 1 after a line that says what went wrong."""
     given = _parser().parse_args(arguments)
     try:
         _run(given)

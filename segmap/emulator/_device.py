@@ -54,12 +54,12 @@ class Wire:
         self._stopped = False
 
     def plan(self, fault: Fault) -> None:
-        """Let a fault happen."""
+        """Add a fault to those that will happen."""
         with self._lock:
             self._planned = sorted([*self._planned, fault], key=lambda f: f.after)
 
     def passed(self, data: bytes) -> bytes:
-        """What arrives of some bytes.
+        """The bytes that arrive of those that are sent.
 
         Raises
         ------
@@ -76,7 +76,7 @@ class Wire:
             return arrived + self._quiet(data)
 
     def _struck(self, fault: Fault, data: bytes) -> bytes:
-        """The bytes from where the fault strikes."""
+        """The bytes after a fault at the first of them."""
         self.happened.append(fault.kind)
         if fault.kind == "unplug":
             raise Unplugged
@@ -92,7 +92,7 @@ class Wire:
         return data
 
     def _quiet(self, data: bytes) -> bytes:
-        """Nothing while it is silent, or up to the end of a reply that stopped."""
+        """Nothing while the wire is silent, and nothing of the rest of a reply that stopped."""
         if self.clock() < self._mute_until:
             return b""
         if self._stopped:
@@ -137,7 +137,7 @@ class Device:
         self._free()
 
     def _make_link(self) -> None:
-        """Name the device, in the place of a link that was left behind, but of no file."""
+        """Link to the device: a link that was left behind is replaced, a file never."""
         if self.link is not None:
             if self.link.is_symlink():
                 self.link.unlink()

@@ -115,7 +115,7 @@ class Emulator:
         return str(self._link or self._device.name)
 
     def inject(self, kind: str, *, after: int = 0, seconds: float = 0.5) -> None:
-        """Let a fault happen.
+        """Plan a fault.
 
         Parameters
         ----------
@@ -137,7 +137,7 @@ class Emulator:
             raise ValueError(f"kind must be one of {(*FAULTS, 'status', 'wrap')}, got {kind!r}")
 
     def mend(self) -> None:
-        """The sensor works well again."""
+        """Repair the sensor: its scans are whole again."""
         self.unit.fail("")
 
     def unplug(self) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections import deque
 from collections.abc import Callable
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -86,11 +87,9 @@ class Unit:
         self.stream: ScanRequest | None = None
         self.trouble = ""
         self.received: list[str] = []
-        self._next_turn = 0
-        self._line = b""
+        self._next_turn, self._line = 0, b""
         self._late: deque[tuple[float, Callable[[], bytes]]] = deque()
-        self._out = b""
-        self._sent_at = 0.0
+        self._out, self._sent_at = b"", 0.0
         if streaming:  # left so by a host that crashed
             self.stream, self.laser = parse_request("MD0044072501000"), True
             self._next_turn = self.turn() + 1
@@ -103,7 +102,6 @@ class Unit:
         """Number of the turn that was finished last; -1 before the first."""
         return int(self.now() / TURN) - 1
 
-    # ------------------------------------------------------------------------ wire
     def receive(self, data: bytes) -> None:
         """Take bytes of the host, and act on each whole line."""
         *lines, self._line = (self._line + data).replace(b"\r", b"\n").split(b"\n")
@@ -138,7 +136,6 @@ class Unit:
         """Let its own clock pass the end of its 24 bits within the next turns."""
         self.stamp = (1 << 24) - 50 - 100 * (self.turn() + 2)
 
-    # -------------------------------------------------------------------- commands
     def _answer(self, text: str) -> bytes:
         if text[:2] in DEADLY:
             self.dead = True
@@ -240,8 +237,7 @@ class Unit:
         request, status = _checked(text)
         if request is None or not self.laser:
             return encode_reply(text, status or "10")
-        wanted = request
-        self._late.append(((self.turn() + 2) * TURN, lambda: self._single(wanted)))
+        self._late.append(((self.turn() + 2) * TURN, partial(self._single, request)))
         return b""
 
     _do_gs = _do_gd
@@ -254,7 +250,6 @@ class Unit:
 
     _do_ms = _do_md
 
-    # ----------------------------------------------------------------------- scans
     def _single(self, request: ScanRequest) -> bytes:
         if self.trouble:
             return encode_reply(request.text, "50")

@@ -7,7 +7,7 @@ from pathlib import Path
 
 
 def write_lines(path: Path, lines: Iterable[str]) -> None:
-    """Write lines of plain letters."""
+    """Write lines of ASCII text."""
     write_bytes(path, "".join(f"{line}\n" for line in lines).encode("ascii"))
 
 

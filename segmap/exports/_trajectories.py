@@ -194,7 +194,7 @@ def _step(scan: LaserScan) -> float:
 
 
 def _looks_over_half_a_turn(number: int, scan: LaserScan) -> bool:
-    """Whether the beams are those that an old line takes for granted; refuses what none can say."""
+    """Whether the beams are those of a FLASER line; beams that no line can state are refused."""
     if not len(scan):
         raise ValueError(f"scan {number} has no beam: a line of a CARMEN log holds at least one")
     even = scan.angles[0] + _step(scan) * np.arange(len(scan))
@@ -231,7 +231,7 @@ def _parameters(lasers: _Lasers) -> Iterator[str]:
 
 
 def _refuse_ambiguous(log: Log, rows: Array, lasers: _Lasers) -> None:
-    """Lines of one laser with one and the same way from odometry to laser state its place."""
+    """Refuse poses that all differ alike from the odometry: they would be read as an extrinsic."""
     for place in lasers.places():
         mine = [k for k, scan in enumerate(log) if np.array_equal(scan.sensor_pose, place)]
         way = between(log.odometry[mine], compose(rows[mine], place)) if mine else np.empty((0, 3))

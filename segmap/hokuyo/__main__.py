@@ -12,7 +12,7 @@ from . import SensorError, UrgSensor, ports, record
 
 
 def main(arguments: list[str] | None = None) -> int:
-    """Run a command; 0 where it went well, 1 with a reason where not."""
+    """Run a command and return its exit code: 0, or 1 after a line that says what went wrong."""
     given = _parser().parse_args(arguments)
     if __name__ == "__main__":
         _stop_on_signals()

@@ -43,7 +43,7 @@ class SensorGone(SensorError):
 
 
 class PortInfo(NamedTuple):
-    """A serial port: its device, what it says of itself, and whether Hokuyo made it."""
+    """A serial port: its device, its description, and whether Hokuyo made what is plugged in."""
 
     device: str
     description: str
@@ -83,7 +83,7 @@ def find_port() -> str:
 
 
 def open_port(device: str, rate: int) -> Port:
-    """Open a serial port for oneself alone.
+    """Open a serial port that no other program uses, and keep others from it.
 
     Raises
     ------
@@ -256,7 +256,7 @@ class Lines:
         return found
 
     def _read(self) -> bytes:
-        """What waits, or the next byte within the port's own timeout."""
+        """The bytes that wait, or the next one that comes within the port's own timeout."""
         try:
             return self.port.read(min(max(self.port.in_waiting, 1), 1 << 16))
         except LOST as error:

@@ -1,4 +1,4 @@
-"""What is said on the line: numbers as characters, check sums, requests, and whole replies.
+"""The bytes on the serial line: numbers as characters, check sums, requests, and whole replies.
 
 Pure functions of SCIP 1.1 and 2.0, for the driver and for the emulator.
 """
@@ -35,7 +35,7 @@ class SensorError(RuntimeError):
 
 
 def encode(values: ArrayLike, characters: int) -> bytes:
-    """Whole numbers as so many characters each, most significant first.
+    """Whole numbers as characters, the same count for each, most significant first.
 
     Parameters
     ----------
@@ -151,7 +151,7 @@ class ScanRequest(NamedTuple):
 
     @property
     def text(self) -> str:
-        """As it is sent, without its end of line.
+        """The text that is sent, without its end of line.
 
         Examples
         --------
@@ -190,7 +190,7 @@ class ScanRequest(NamedTuple):
 
 
 def parse_request(text: str) -> ScanRequest:
-    """The request for scans that a text is.
+    """Read the text of a request for scans.
 
     Raises
     ------

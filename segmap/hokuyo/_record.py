@@ -84,7 +84,7 @@ def record(
 
 
 def _append_line(path: Path, scan: LaserScan) -> None:
-    """Write a comment, then make it a line of the log: one byte is there or it is not."""
+    """Write the line as a comment, then replace its first byte: only then it is a scan."""
     line = _rawlaser(scan).encode("ascii")
     file = os.open(path, os.O_RDWR | os.O_CREAT | getattr(os, "O_BINARY", 0), 0o666)
     try:
@@ -129,7 +129,7 @@ def _step(scan: LaserScan) -> float:
 
 
 def _write_file(folder: Path, number: int, scan: LaserScan) -> None:
-    """Write beside its place, out of the readers' sight, then move it there."""
+    """Write a hidden file beside the place, then move it there."""
     beams = zip(_millimetres(scan), scan.angles, strict=True)
     part = folder / f".scan.{os.getpid()}.part"
     part.write_text("".join(f"{r} {a:.9f}\n" for r, a in beams), encoding="ascii")
@@ -142,7 +142,7 @@ def _number(path: Path) -> int:
 
 
 def _millimetres(scan: LaserScan) -> NDArray[np.int64]:
-    """Ranges as the sensor gave them, codes in place of those that are none."""
+    """Ranges in millimetres as the sensor gave them, and codes for beams without a range."""
     codes = np.zeros(len(scan), np.int64) if scan.codes is None else scan.codes
     met: Array = np.rint(1000 * np.where(np.isposinf(scan.ranges), 0.0, scan.ranges))
     is_range = met >= LOWEST
@@ -156,7 +156,7 @@ LOOK = 0.05
 
 
 class Newest:
-    """Scans as they come, of which a slow reader gets the newest; older ones are left out.
+    """Hands a slow reader the newest scan; older ones that it did not take are left out.
 
     A thread of its own reads; nothing else may use the sensor meanwhile. It ends at the end of
     `with`.

@@ -174,7 +174,7 @@ def info_line(key: str, text: str) -> bytes:
 
 
 def parse_geometry(info: dict[str, str]) -> Geometry:
-    """What PP says of the geometry.
+    """The geometry in the answer to PP.
 
     Raises
     ------
@@ -262,7 +262,7 @@ def parse_scan_1(lines: Sequence[bytes]) -> NDArray[np.int64]:
 
 
 def explain(status: str) -> str:
-    """What a status means, for people."""
+    """What a status means, in words."""
     if status in STATUS:
         return STATUS[status]
     if status.isdigit() and 50 <= int(status) < 98:

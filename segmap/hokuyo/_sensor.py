@@ -229,8 +229,8 @@ class UrgSensor:
                     self._stamps.append(stamp)
                 return scan
             failures += 1
-        advice = self._advice(request)
-        raise SensorError(f"no whole scan in {MOST_FAILURES} attempts: {self.why}{advice}")
+        text = f"no whole scan in {MOST_FAILURES} attempts: {self.why}"
+        raise SensorError(text + self._advice(request))
 
     def _advice(self, request: ScanRequest) -> str:
         """What to do about a line that is too slow for a request; empty where it is not."""
@@ -243,7 +243,6 @@ class UrgSensor:
             f"250000 bit/s or USB, short=True, a cluster, or skip={skip}"
         )
 
-    # ------------------------------------------------------------------- connection
     def _open(self) -> None:
         """Open the port and ask the sensor who it is; a failure leaves the port free."""
         port = self._port
@@ -284,7 +283,7 @@ class UrgSensor:
 
 
 def _limits(reply: Reply) -> dict[str, str]:
-    """What PP says, checked: one wrong bit in it would turn every scan."""
+    """The answer to PP, checked: one wrong bit in it would turn every scan."""
     limits = parse_info(reply.body, strict=True)
     parse_geometry(limits)
     return limits

@@ -1,4 +1,4 @@
-"""Commands to a sensor, from the first greeting to the scans; what comes damaged is told."""
+"""Commands to a sensor, from finding its bit rate to asking for scans."""
 
 from __future__ import annotations
 
@@ -116,7 +116,7 @@ def _search(lines: Lines, rates: Sequence[int]) -> int:
 
 
 def _greet(lines: Lines) -> bool:
-    """Stop whatever the sensor does; whether it then listens in SCIP 2.0."""
+    """Stop whatever the sensor does, and tell whether it then listens in SCIP 2.0."""
     silent = refused = 0
     while silent < 2 and refused < TRIES:
         answer = quit(lines)
@@ -140,7 +140,7 @@ def _greet(lines: Lines) -> bool:
 
 
 def _switch(lines: Lines) -> bool:
-    """From SCIP 1.1 to 2.0; one that has switched already does not know the command."""
+    """Switch from SCIP 1.1 to 2.0; a sensor that has switched does not know the command."""
     status = _status(lines, b"SCIP2.0")
     if status is not None:
         lines.silence(lines.quiet / 4)

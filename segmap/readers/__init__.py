@@ -210,7 +210,7 @@ def _path(path: str | Path) -> Path:
 
 @contextmanager
 def _asking(path: Path) -> Iterator[None]:
-    """What the operating system refuses, or links that lead round in a circle, is a LogError."""
+    """Turn what the operating system refuses, links in a circle too, into a LogError."""
     try:
         yield
     except (OSError, RuntimeError) as fault:

@@ -98,14 +98,14 @@ class Lines:
         self.skipped = Skipped(self.skipped.lines + 1, str(self.first))
 
     def no_scan(self, expected: str) -> LogError:
-        """An error about a file that has been read to its end in vain."""
+        """An error about a file that was read to its end and holds no scan."""
         if self.number == 0:
             return LogError(self.path, f"is empty, expected {expected}")
         found = f"; damaged line {self.first.line}: {self.first.reason}" if self.first else ""
         return LogError(self.path, f"holds no scan, expected {expected}{found}")
 
     def each(self, parse: Callable[[list[str]], T]) -> Iterator[T]:
-        """What `parse` makes of the fields of each line; its ValueError tells of a damaged one."""
+        """The fields of each line, parsed; a ValueError of `parse` marks the line as damaged."""
         for fields in self:
             try:
                 parsed = parse(fields)
@@ -192,7 +192,7 @@ def numbers(fields: Sequence[str], what: str) -> Array:
 
 
 def is_number(field: str) -> bool:
-    """Whether a field reads as a number: Python's underscores are no part of one."""
+    """Whether a field is a number; underscores, which Python allows in one, are refused."""
     try:
         float(field)
     except ValueError:

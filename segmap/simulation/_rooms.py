@@ -1,8 +1,8 @@
 """Rooms to simulate: each is an array of walls, segments `(n, 2, 2)` in metres.
 
 Rooms lie with their lower left corner at the origin (only the niches of `corridor_loop` reach below
-it). Coordinates are rounded to the micrometre where walls of several parts meet, so that
-a shared corner is the same number in both and no beam slips between.
+it). Where walls of several parts meet, coordinates are rounded to the micrometre, so that a shared
+corner is the same number in both and no beam slips between.
 """
 
 from __future__ import annotations
@@ -200,10 +200,9 @@ def corridor_loop(length: float = 30.0, depth: float = 12.0, *, width: float = 2
     """
     arrays.positive("metres", length=length, depth=depth, width=width)
     if min(length, depth) - 2 * width < 4 * DOOR:
-        raise ValueError(
-            f"the block inside must measure at least {4 * DOOR:g} m each way, got a loop of "
-            f"{length:g} x {depth:g} m with a corridor of {width:g} m"
-        )
+        size = f"{length:g} x {depth:g} m with a corridor of {width:g} m"
+        least = f"the block inside must measure at least {4 * DOOR:g} m each way"
+        raise ValueError(f"{least}, got a loop of {size}")
     outer = rectangular_room(length, depth)
     block = box(length - 2 * width, depth - 2 * width, (length / 2, depth / 2, 0))
     facing = [*outer, *block[:, ::-1]]
@@ -289,7 +288,7 @@ def _furnished(width: float, depth: float, rng: np.random.Generator) -> Array:
 
 
 def _furniture(near: float, far: float, depth: float, rng: np.random.Generator) -> list[Array]:
-    """A desk at the back wall, a cupboard at a side wall, a chair turned anyhow."""
+    """A desk at the back wall, a cupboard at a side wall, a chair at any angle."""
     desk, cupboard = rng.uniform(1.0, 1.6), rng.uniform(0.6, depth / 2 - 0.75)
     at = rng.uniform(near + desk / 2 + 0.3, far - desk / 2 - 0.3)
     side = near + 0.2 if rng.random() < 0.5 else far - 0.2
