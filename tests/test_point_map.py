@@ -178,7 +178,7 @@ def test_the_search_is_that_of_the_plain_loops(name):
     start, reach, away = SEARCHES[name]
     map, current = PointMap(scan_points()), scan_points((2.1, 5.0, 0.35), seed=1)[::4]
     turn = 0.0 if name == "one heading" else 0.21
-    window = {"reach": reach, "turn": turn, "step": 0.03, "away": away}
+    window = {"reach": reach, "turn": turn, "step": 0.03, "reach_cost": away}
     found, score = map.search(current, start, least=-9, **window)
     assert map.search(current, start, least=score, **window) == (None, score)
     headings = np.linspace(-turn, turn, 15 if turn else 1).tolist()

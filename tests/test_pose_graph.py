@@ -298,3 +298,5 @@ def test_the_rules_of_tracking_count(method):
     assert "too little of it lies on the map" in found.reasons
     one, ten = (method(log, tracking=Tracking(frames=n)).poses for n in (1, 10))
     assert not np.array_equal(one, ten)
+    own = method(log, tracking=Tracking(near=1e-6)).poses  # at last on its own key frame alone
+    assert np.array_equal(own, ten) == (method is point_icp)

@@ -25,7 +25,7 @@ SCALE = 3.0
 REAL = np.diag([0.02, 0.02, np.radians(0.3)]) ** 2
 #: Steps of the solver end where no pose moves by more than this, metres and radians: a hundredth of
 #: what a laser sees.
-SETTLED = 1e-5
+CONVERGED = 1e-5
 
 
 class Edge(NamedTuple):
@@ -200,7 +200,7 @@ def solve(poses: Array, edges: Edge, *, rounds: int = 30, scale: float = SCALE) 
         move = _gauss_newton(poses, edges, scale)
         poses[1:] += move
         poses[:, 2] = wrap(poses[:, 2])
-        if np.abs(move).max(initial=0.0) < SETTLED:
+        if np.abs(move).max(initial=0.0) < CONVERGED:
             break
     return poses
 

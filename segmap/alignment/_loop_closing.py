@@ -194,7 +194,7 @@ class LoopCloser:
             window.guess,
             reach=window.reach,
             turn=window.turn,
-            away=0.05,
+            reach_cost=0.05,
             least=rules.likelihood,
         )
         if start is None:

@@ -201,7 +201,7 @@ def point_steps(
     if min(len(before), len(now)) < 6:
         return []
     map, steps = PointMap(before), []
-    stride, settled = 1 + len(now) // SAMPLE, False
+    stride, converged = 1 + len(now) // SAMPLE, False
     for _ in range(ROUNDS + 1):
         found = map.descend(now, pose, reach, LAST, stride, rounds=1)
         index = found.rows[:, 5].astype(np.int64)
@@ -209,9 +209,9 @@ def point_steps(
         feet = points - offsets * found.rows[:, :2]
         weights = found.rows[:, 4].copy() if len(points) >= 6 else np.ones(len(points))
         steps.append(PointStep(pose, reach, points, feet, weights))
-        if settled or len(points) < 6:
+        if converged or len(points) < 6:
             break
-        pose, reach, stride, settled = found.pose, found.reach, found.stride, found.settled
+        pose, reach, stride, converged = found.pose, found.reach, found.stride, found.converged
     return steps
 
 

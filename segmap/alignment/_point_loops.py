@@ -226,7 +226,7 @@ def point_to_line(
     Far from the answer every `stride`-th point is enough and partners are sought within `reach`;
     near it all points count, and only partners within `last`. Rows and system hold the last step
     afterwards; scratch is a (2, 3, 3) array. Returned are sigma, the share of points near, the rows
-    used, reach and stride by then, and whether the pose has settled.
+    used, reach and stride by then, and whether it has converged.
     """
     sigma, near, used = floor, 0.0, 0
     for _ in range(rounds):

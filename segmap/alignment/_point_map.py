@@ -57,7 +57,7 @@ class Descent(NamedTuple):
     near: float
     reach: float
     stride: int
-    settled: bool
+    converged: bool
 
 
 class PointMap:
@@ -143,12 +143,12 @@ class PointMap:
         pose, rows = np.array(start, float), np.empty((len(current), 6))
         system, scratch = np.empty((3, 4)), np.empty((2, 3, 3))
         points, reaches = np.ascontiguousarray(current), (float(reach), float(last))
-        sigma, near, used, reach, stride, settled = loops.point_to_line(
+        sigma, near, used, reach, stride, converged = loops.point_to_line(
             self.grid, points, pose, *reaches, FLOOR, _span(current), stride, rounds,
             rows, system, scratch,
         )  # fmt: skip
         pose[2] = wrap(pose[2])
-        return Descent(pose, rows[:used], system[:, :3], sigma, near, reach, stride, settled)
+        return Descent(pose, rows[:used], system[:, :3], sigma, near, reach, stride, converged)
 
     def has_wall_facing(self, direction: Array, current: Array, pose: Array) -> bool:
         """Whether a wall under a scan's points `(m, 2)` at a pose `(3,)` faces a direction `(2,)`.
@@ -190,7 +190,7 @@ class PointMap:
         reach: float = 0.5,
         turn: float = np.radians(40),
         step: float = np.radians(1.0),
-        away: float = 0.1,
+        reach_cost: float = 0.1,
         least: float = 0.0,
     ) -> tuple[Array | None, float]:
         """Best pose of a window about a start, wherever the descent would end (Olson 2009).
@@ -203,7 +203,7 @@ class PointMap:
             Half sides of the window.
         step : float, radians
             Between headings; cells are 5 cm.
-        away : float
+        reach_cost : float
             What a pose at the window's edge costs, so that of equals the nearest is taken.
         least : float
             A mean likelihood that the best has to exceed.
@@ -216,7 +216,7 @@ class PointMap:
         """
         begin, k = np.array(start, float), int(np.ceil(turn / step))
         headings = np.linspace(-k * step, k * step, 2 * k + 1)
-        cost = away * (headings / max(np.abs(headings).max(), 1e-9)) ** 2
+        cost = reach_cost * (headings / max(np.abs(headings).max(), 1e-9)) ** 2
         c, s = np.cos(begin[2] + headings)[:, None], np.sin(begin[2] + headings)[:, None]
         x, y = np.ascontiguousarray(current[:: 1 + len(current) // SAMPLE].T)
         scans = np.empty((len(headings), len(x), 2), np.int32)
@@ -227,7 +227,7 @@ class PointMap:
         scratch = np.empty(blocks), np.empty(blocks, np.int64)
         todo = np.empty((4 * LEVELS, 3), np.int64), np.empty(4 * LEVELS)
         score, h, i, j = searching.search(
-            self.levels, scans, cost, radius, away, least, *scratch, *todo
+            self.levels, scans, cost, radius, reach_cost, least, *scratch, *todo
         )
         pose = begin + (i * FINE, j * FINE, headings[h])
         return (pose if h >= 0 else None), score

@@ -54,15 +54,15 @@ def _best_of_block(
     bound: float,
     radius: int,
     cost: float,
-    away: float,
+    reach_cost: float,
     best: float,
     todo: Indices,
     value: Array,
 ) -> tuple[float, int, int]:
     """Best shift of the block at (i, j), `2^top` cells a side, if better than `best`: depth first.
 
-    `cost` is what the heading costs, `away` what a shift by the whole radius costs; `todo` (4 l, 3)
-    and `value` (4 l,) are overwritten.
+    `cost` is what the heading costs, `reach_cost` what a shift by the whole radius costs; `todo`
+    (4 l, 3) and `value` (4 l,) are overwritten.
     """
     todo[0, 0], todo[0, 1], todo[0, 2], value[0] = len(levels) - 1, i, j, bound
     used, at_i, at_j = 1, 0, 0
@@ -72,7 +72,7 @@ def _best_of_block(
         if value[used] <= best:
             continue
         if level == 0:
-            score = value[used] - away * (i * i + j * j) / (radius * radius)
+            score = value[used] - reach_cost * (i * i + j * j) / (radius * radius)
             if score > best:
                 best, at_i, at_j = score, i, j
             continue
@@ -98,7 +98,7 @@ def search(
     scans: Cells,
     cost: Array,
     radius: int,
-    away: float,
+    reach_cost: float,
     least: float,
     bound: Array,
     block: Indices,
@@ -136,7 +136,7 @@ def search(
             h, b = block[top] // (side * side), block[top] % (side * side)
             i, j = b // side * width - radius, b % side * width - radius
             score, i, j = _best_of_block(
-                levels, scans, h, i, j, bound[top], radius, cost[h], away, best, todo, value
+                levels, scans, h, i, j, bound[top], radius, cost[h], reach_cost, best, todo, value
             )
             bound[top] = best
             if score > best:

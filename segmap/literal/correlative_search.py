@@ -46,7 +46,7 @@ def correlative_search(
     start: Point,
     radius: int,
     headings: Sequence[float],
-    away: float = 0.1,
+    reach_cost: float = 0.1,
 ) -> Iterator[tuple[float, tuple[float, float, float]]]:
     """Score of every pose of a window: the best one is where the scan lies best on the map.
 
@@ -59,7 +59,7 @@ def correlative_search(
     radius : int
         Half side of the window in cells.
     headings : radians, from the start's
-    away : float
+    reach_cost : float
         What a pose at the window's edge costs.
 
     Yields
@@ -87,6 +87,6 @@ def correlative_search(
         for i in range(-radius, radius + 1):
             for j in range(-radius, radius + 1):
                 total = sum(cells.get((a + i, b + j), 0) for a, b in at)
-                cost = away * ((i * i + j * j) / radius**2 + (h / widest) ** 2)
+                cost = reach_cost * ((i * i + j * j) / radius**2 + (h / widest) ** 2)
                 pose = start[0] + 0.05 * i, start[1] + 0.05 * j, start[2] + h
                 yield total / 255 / len(current) - cost, pose
