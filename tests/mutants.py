@@ -31,6 +31,7 @@ LONGEST = 400
 TESTS = {
     "alignment": "alignment angle_correspondence backbone global_segments graph match_points "
     "baselines point_map pose_graph segment_icp",
+    "experiments": "experiments records comparison",
     "extraction": "extraction",
     "hokuyo": "hokuyo record sensor",
     "matching": "match distance_field map_scans",

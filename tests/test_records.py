@@ -12,37 +12,24 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
-import tqdm
 from pandas.testing import assert_frame_equal
-from sweep_samples import GRIDS, HALL, MAPS, NAMES, keep_all, slow_start, without_seconds
+from sweep_samples import GRIDS, HALL, MAPS, NAMES, keep_all, notes, slow_start, without_seconds
 
 from segmap import SegmentMap
-from segmap.experiments import read_records, select, sweep, thresholds_of, write_records
+from segmap.experiments import (
+    load_records,
+    read_records,
+    select,
+    sweep,
+    thresholds_of,
+    write_records,
+)
 from segmap.readers import _bundled
 
 
 @pytest.fixture(scope="module")
 def expected():
     return sweep(MAPS, NAMES, GRIDS, filters=(None, 0.10))
-
-
-def notes(stop=None):
-    """A kind of bar that notes how many runs are done, and may be stopped by hand."""
-
-    class Notes(tqdm.tqdm):
-        seen = []  # noqa: RUF012
-
-        def __init__(self, *args, **options):
-            super().__init__(*args, **options)
-            self.seen.append(self.n)
-
-        def update(self, n=1):
-            super().update(n)
-            self.seen.append(self.n)
-            if self.n == stop:
-                raise KeyboardInterrupt
-
-    return Notes
 
 
 def run(**changed):
@@ -79,14 +66,14 @@ def test_a_stop_by_hand_keeps_what_is_finished_and_cancels_the_rest(tmp_path):
         grids, options = {"mine": {"number": list(range(50))}}, {"executor": pool, "records": path}
         sweep({"hall": HALL}, {"mine": method}, grids, progress=notes(3), **options)
     numbers = list(read_records(path)["number"])
-    assert numbers[:3] == [0, 1, 2] and len(set(started)) < 10
-    assert set(numbers) <= set(started)
+    assert numbers[:5] == [0, 1, 2, 3, 4] and len(numbers) <= len(started) < 45
 
 
 def test_an_error_keeps_what_is_finished(tmp_path):
-    path = tmp_path / "runs.csv"
+    """Catches `np.float64(0.1)` in a file as well, which nobody can read back."""
+    path, grids = tmp_path / "runs.csv", {"fusion": {"tolerance": np.array([0.1, -1])}}
     with pytest.raises(ValueError, match="tolerance=-1"):
-        sweep({"hall": HALL}, ["fusion"], {"fusion": {"tolerance": [0.1, -1]}}, records=path)
+        sweep({"hall": HALL}, ["fusion"], grids, records=path)
     assert list(read_records(path)["tolerance"]) == [0.1]
 
 
@@ -141,27 +128,25 @@ def test_a_changed_map_is_not_resumed(tmp_path, other):
 def test_other_thresholds_and_filters_are_other_runs(tmp_path):
     """Catches a key that forgets one of them, and one that hangs on the order of thresholds."""
     path, seen = tmp_path / "runs.csv", []
-    one, two = {"distance": 0.1, "angle": 0.2}, {"angle": 0.2, "distance": 0.1}
-    for row, least in ((one, None), (two, None), (one, 0.10), ({"distance": 0.1}, None)):
+    one = {"distance": 0.1, "angle": 0.2}
+    for row, least in ((one, None), (one, None), (one, 0.10), ({"distance": 0.1}, None)):
         bar, options = notes(), {"filters": (least,), "records": path}
         sweep({"hall": HALL}, ["hybrid"], {"hybrid": [row]}, progress=bar, **options)
         seen.append(bar.seen)
+        text = path.read_text()
+        path.write_text(text.replace("distance=0.1;angle=0.2", "angle=0.2;distance=0.1"))
     assert seen == [[0, 1], [1], [0, 1], [0, 1]]
 
 
-@pytest.mark.parametrize("text", ["", "map,meth"])
-def test_a_file_stopped_within_its_head_is_begun_again(tmp_path, text):
+@pytest.mark.parametrize("text", ["", "map,meth", "a,b\n1,2\n3", "a poem", "\n"])
+def test_a_file_cut_within_its_head_is_begun_again_and_another_is_left_alone(tmp_path, text):
+    """Catches a sweep that mends, and so destroys, a file that is not its own."""
     path = tmp_path / "runs.csv"
     path.write_text(text)
-    assert_frame_equal(sweep({"hall": HALL}, ["fusion"], records=path), read_records(path))
-
-
-@pytest.mark.parametrize("text", ["a,b\n1,2\n3", "a poem", "\n"])
-def test_a_file_of_something_else_is_left_alone(tmp_path, text):
-    """Catches a sweep that mends, and so destroys, a file that is not its own."""
-    path = tmp_path / "poem.csv"
-    path.write_text(text)
-    with pytest.raises(ValueError, match=r"poem.csv, line 1: expected the head"):
+    if "map,method".startswith(text):
+        assert_frame_equal(sweep({"hall": HALL}, ["fusion"], records=path), read_records(path))
+        return
+    with pytest.raises(ValueError, match=r"runs.csv, line 1: expected the head"):
         sweep({"hall": HALL}, ["fusion"], records=path)
     assert path.read_text() == text
 
@@ -222,8 +207,6 @@ def test_select(expected):
 
 def test_records_by_name(tmp_path, monkeypatch):
     """Catches a traceback of paths for a name that is not there, and other tables read as runs."""
-    from segmap.experiments import load_records
-
     folder = tmp_path / "records"
     folder.mkdir()
     write_records(pd.concat([run()] * 3), folder / "hall.csv")
@@ -233,10 +216,3 @@ def test_records_by_name(tmp_path, monkeypatch):
     assert list(load_records("hall")["map"]) == ["hall"] * 3 and len(load_records()) == 4
     with pytest.raises(ValueError, match="name must be of alignment, hall, room, got 'attic'"):
         load_records("attic")
-
-
-def test_numbers_of_numpy_become_pythons_own(tmp_path):
-    """Catches `np.float64(0.05)` in a file, which nobody can read back."""
-    grid = {"fusion": {"tolerance": np.array([0.05, 0.06])}}
-    sweep({"hall": HALL}, ["fusion"], grid, records=tmp_path / "runs.csv")
-    assert list(read_records(tmp_path / "runs.csv")["tolerance"]) == [0.05, 0.06]

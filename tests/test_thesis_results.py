@@ -1,7 +1,6 @@
 """The runs of the thesis, those of its grid that come with segmap, and published errors."""
 
 import csv
-from collections import Counter
 from math import radians
 
 import numpy as np
@@ -15,7 +14,7 @@ from segmap.course import (
     thesis_grid,
     thesis_results,
 )
-from segmap.experiments import load_alignments, select, sweep, thresholds_of
+from segmap.experiments import load_alignments, select, sweep
 from segmap.readers import data_file
 
 FOUND = thesis_results()
@@ -55,20 +54,9 @@ def test_what_the_text_of_a_says_of_its_runs():
 
 def test_the_grid_is_that_of_the_thesis():
     """Catches a threshold that is missing: 33 runs, 66 with the filter, 264 on four buildings."""
-
-    def runs(frame):
-        return Counter(
-            (run["map"], run["method"], run["filtered"], *sorted(thresholds_of(run).items()))
-            for _, run in frame.round(9).iterrows()
-        )
-
-    def nothing(map, **thresholds):
-        return METHODS["fusion"].function(map)
-
-    maps = dict.fromkeys(FOUND["map"], np.empty((0, 2, 2)))
-    methods = dict.fromkeys(THESIS_GRIDS, nothing)
-    found = sweep(maps, methods, THESIS_GRIDS, filters=THESIS_FILTERS)
-    assert len(found) == 264 and runs(found) == runs(FOUND)
+    runs = 8 * sum(np.prod([len(v) for v in grid.values()]) for grid in THESIS_GRIDS.values())
+    names = ["map", "method", "filtered", "angle", "distance", "sigma", "tolerance"]
+    assert runs == len(thesis_grid(FOUND)) == len(FOUND.drop_duplicates(names)) == 264
 
 
 def test_a_sweep_over_the_grid_of_the_thesis_is_in_it_and_others_are_not():
@@ -77,13 +65,9 @@ def test_a_sweep_over_the_grid_of_the_thesis_is_in_it_and_others_are_not():
     grids = {**THESIS_GRIDS, "hybrid_fusion": [{}]}
     found = sweep({"wall": wall}, METHODS, grids, filters=THESIS_FILTERS)
     assert len(thesis_grid(found)) == 66
-    other = {
-        "mean_shift": [{"sigma": 0.1, "bandwidth": 0.5}],
-        "fusion": [{"tolerance": 0.03}],
-        "hybrid": [{"distance": 0.1, "min_length": 0.1}],
-    }
-    others = sweep({"wall": wall}, list(other), other, filters=(None, 0.05))
-    assert len(thesis_grid(others)) == 0
+    other = {"mean_shift": {"sigma": 0.1, "bandwidth": 0.5}, "fusion": {"tolerance": 0.03}}
+    other["hybrid"] = {"distance": 0.1, "min_length": 0.1}
+    assert len(thesis_grid(sweep({"wall": wall}, list(other), other, filters=(None, 0.05)))) == 0
     assert len(thesis_grid(sweep({"wall": wall}, ["fusion"], filters=(0.05,)))) == 0
 
 

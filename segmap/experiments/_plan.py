@@ -37,9 +37,9 @@ class Job(NamedTuple):
 
 
 def digest(map: SegmentMap) -> str:
-    """Twelve hexadecimal digits that differ where segments, to the nanometre, or scans do.
+    """Twelve hexadecimal digits that identify a map.
 
-    Segments `(n, 2, 2)`, metres; scans `(n,)`.
+    They change with any of its segments `(n, 2, 2)`, to the nanometre, and scans `(n,)`.
 
     Examples
     --------

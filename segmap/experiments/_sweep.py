@@ -29,7 +29,7 @@ TINY = SegmentMap([[(0, 0), (2, 0)], [(1, 0), (3, 0)], [(0, 0), (0, 2)]], [0, 1,
 
 def sweep(
     maps: Mapping[str, Segments],
-    methods: Iterable[str] | Mapping[str, Function] = METHODS,
+    methods: Iterable[str] | Mapping[str, Function] | None = None,
     grids: Mapping[str, Grid] | None = None,
     *,
     filters: Iterable[float | None] = (None,),
@@ -44,8 +44,8 @@ def sweep(
     ----------
     maps : mapping
         Name of a building -> SegmentMap, Reduction or (n, 2, 2) array, metres.
-    methods : names in `reduction.METHODS`, or mapping of a name -> method
-        A method of your own is `method(map, *, thresholds) -> Reduction`.
+    methods : names in `reduction.METHODS`, mapping of a name -> method, or None
+        A method of your own is `method(map, *, thresholds) -> Reduction`. None: all of METHODS.
     grids : mapping
         Name of a method -> list of thresholds (dictionaries), or dictionary of lists: all
         combinations, the last name running fastest. A method without a grid runs once. Defaults
@@ -95,7 +95,8 @@ def sweep(
     2       0.1       0.01         2        2
     3       0.1       0.04         2        1
     """
-    jobs = planned(maps, methods, grids or {}, filters, arrays.whole(repeat, "repeat"))
+    chosen = METHODS if methods is None else methods
+    jobs = planned(maps, chosen, grids or {}, filters, arrays.whole(repeat, "repeat"))
     done: dict[int, Row] = {}
     with journal(records) as (found, add):
         done |= _known(jobs, found, records)
@@ -183,7 +184,7 @@ def _finished(
 
 
 def _bar(progress: bool | Callable[..., Any]) -> Callable[..., Any]:
-    """The kind of bar: tqdm's, which shows nothing unless somebody looks."""
+    """The class of the progress bar: tqdm's, which stays silent unless it can be seen."""
     if callable(progress):
         return progress
     from tqdm.auto import tqdm
