@@ -77,7 +77,7 @@ def extract_polylines(
     min_length: float = 0.10,
     closed: bool = False,
 ) -> Array:
-    """Segments that follow the points within `tolerance`: split and merge (A 6.2, its [4]).
+    """Split and merge: segments within `tolerance` (A 6.2; Gonzalez-Banos and Latombe 2002).
 
     Parameters
     ----------

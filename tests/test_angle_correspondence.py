@@ -149,12 +149,6 @@ def test_the_pose_is_that_of_the_current_scan_in_the_reference():
     assert (ratio > 0.1).all() and (ratio < 3).all()
 
 
-def test_exchanging_the_sets_gives_the_inverse():
-    a, b = scene(POSE_A, 1), scene(POSE_B, 2)
-    there, back = match_angles(a, b, rng=rng()).pose, match_angles(b, a, rng=rng()).pose
-    assert np.abs(compose(there, back)).max() < 0.01
-
-
 @pytest.mark.parametrize("heuristic", ["all", "consecutive", "random", "perpendicular"])
 def test_end_points_have_no_order(heuristic):
     """Catches a direction taken from the first to the second end point."""
@@ -173,8 +167,10 @@ def test_match_values_scale_with_all_lengths():
     assert 2 * match_values(a, b) == pytest.approx(twice) and twice.sum() > 10
 
 
-def test_the_same_generator_gives_the_same_match():
+def test_exchanged_sets_give_the_inverse_and_the_same_generator_the_same_match():
     a, b = scene(POSE_A, 1), scene(POSE_B, 2)
+    there, back = match_angles(a, b, rng=rng()).pose, match_angles(b, a, rng=rng()).pose
+    assert np.abs(compose(there, back)).max() < 0.01
     found = [match_angles(a, b, rng=rng(7), heuristic="random", most_pairs=6) for _ in range(2)]
     assert np.array_equal(found[0].pose, found[1].pose)
 
@@ -207,25 +203,19 @@ def outcome(pairs, **options):
     return right, wrong
 
 
-@pytest.mark.parametrize("sensor", [UTM, URG_04LX], ids=["utm", "urg"])
-def test_scans_of_a_room_that_overlap_by_half_are_found_from_any_start(workloads, sensor):
-    """At least 95 of 100 are right, and at most 1 is wrong."""
-    walls = workloads.room().reshape(-1, 2, 2)
-    right, wrong = outcome(overlapping_pairs(walls, workloads.path("room", 200), sensor, 100, 3))
-    assert right >= 95 and wrong <= 1
+@pytest.mark.parametrize(
+    ("place", "sensor", "least"),
+    [("room", UTM, 95), ("room", URG_04LX, 95), ("office", UTM, 95), ("loop", UTM, 85)],
+)
+def test_scans_that_overlap_by_half_are_found_from_any_start(workloads, place, sensor, least):
+    """At least so many of 100 are right, and at most 1 is wrong.
 
-
-def test_scans_of_an_office_at_twice_the_scale(workloads):
-    walls = workloads.office().reshape(-1, 2, 2)
-    right, wrong = outcome(overlapping_pairs(walls, workloads.path("office", 200), UTM, 100, 3))
-    assert right >= 95 and wrong <= 1
-
-
-def test_in_a_corridor_it_rather_says_nothing(workloads):
-    """Long walls, and niches that look alike: fewer are found, but hardly one is wrong."""
-    path = workloads.path("loop", 200)
-    right, wrong = outcome(overlapping_pairs(corridor_loop(), path, UTM, 100, 3))
-    assert right >= 85 and wrong <= 1
+    In the corridor, with long walls and niches that look alike, it rather says nothing.
+    """
+    walls = corridor_loop() if place == "loop" else getattr(workloads, place)().reshape(-1, 2, 2)
+    pairs = overlapping_pairs(walls, workloads.path(place, 200), sensor, 100, 3)
+    right, wrong = outcome(pairs)
+    assert right >= least and wrong <= 1
 
 
 # -------------------------------------------------------------------------------- honesty
@@ -236,13 +226,10 @@ def refused(a, b, **options):
     return match.reason
 
 
-def test_a_square_room_could_lie_in_four_ways():
+def test_a_room_that_could_lie_in_four_ways_and_another_room():
+    """A corner of 5 m and 3 m lies in many rooms; that alone is no evidence."""
     square = rectangular_room(4, 4)
     assert refused(square, square) == "another place fits nearly as well"
-
-
-def test_another_room_is_not_taken_for_this_one():
-    """A corner of 5 m and 3 m lies in many rooms; that alone is no evidence."""
     assert refused(ROOM, OTHER_ROOM) == "too little of the walls matches"
 
 

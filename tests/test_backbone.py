@@ -161,38 +161,26 @@ def test_moving_the_log_moves_the_poses(motion):
 TURNED = (0.0, 0.0, np.radians(1.5))
 
 
-def test_translation_is_computed_from_turned_segments():
-    """Slip: from segments not yet turned, a wrong heading alone would move the robot."""
+def test_segments_are_turned_before_they_move_the_robot_and_moved_before_they_are_learned():
+    """Slips: a wrong heading alone would move the robot, and be brought into the backbone."""
     log = misled(straight(), 3, TURNED)
-    found = backbone(log)
-    assert found.used[3]
-    np.testing.assert_allclose(found.poses[3], log.truth[3], atol=1e-3)
-
-
-def test_segments_join_the_significant_ones_after_they_were_moved():
-    """Slip: added before, they bring the error that was just corrected into the backbone."""
-    walk = _Backbone(misled(straight(), 3, TURNED), Thresholds())
-    list(walk)
+    walk = _Backbone(log, Thresholds())
+    step = list(walk)[3]
+    assert not step.reason
+    np.testing.assert_allclose(step.pose, log.truth[3], atol=1e-3)
     tilt = np.abs(axial_difference(2 * angle(walk.walls.segments), 0)) / 2
     assert len(walk.walls.segments) == 3
     assert np.degrees(tilt.max()) < 0.1
 
 
-def test_a_correction_composes_with_the_next_odometry_step():
-    """Slip: never carried forward, the wrong step is back as soon as nothing is matched."""
-    log = logs.blind(misled(straight(), 3, TURNED), 4)
-    found = backbone(log)
-    assert found.reasons[4] == "no segment longer than 1 m"
-    np.testing.assert_allclose(found.poses[4], log.truth[4], atol=2e-3)
-
-
-def test_an_old_correction_is_not_applied_again():
-    """Slip: where nothing matches, A uses the rotation and shift of the scan before."""
+def test_a_correction_is_carried_by_the_odometry_and_made_once():
+    """Slips: lost as soon as nothing matches, or used again there."""
     log = logs.blind(misled(straight(), 3, (0.0, 0.05, np.radians(1.5))), 4)
     steps = backbone_steps(log)
     assert steps[3].rotation < -0.02
-    assert steps[4].rotation == 0.0
+    assert steps[4].reason == "no segment longer than 1 m" and steps[4].rotation == 0.0
     np.testing.assert_array_equal(steps[4].pose, steps[4].guess)
+    np.testing.assert_allclose(steps[4].pose, log.truth[4], atol=2e-3)
 
 
 CORRIDOR = np.array([[(0, 0), (60, 0)], [(0, 2), (60, 2)]], float)
@@ -224,45 +212,17 @@ def test_scans_taken_while_turning_and_near_ones_are_not_used():
 
 def test_the_backbone_is_rebuilt_after_a_relevant_rotation_only():
     """Catches a backbone built anew at every scan, with all the drift since the last turn."""
-    bent = drive([(2, 2), (4, 2), (6, 2.6), (6, 5)], step=0.5)
-    log = straight(ROOM, bent)
-    steps = backbone_steps(log)
-    built = [k for k, step in enumerate(steps) if step.rebuilt]
-    headings = np.degrees([steps[k].guess[2] for k in built])
-    np.testing.assert_allclose(headings, [0, 90], atol=0.5)
-
-
-def test_a_turn_of_less_than_the_threshold_is_not_relevant():
-    log = straight(ROOM, drive([(2, 2), (4, 2), (6, 2.6)], step=0.5))
-    assert sum(step.rebuilt for step in backbone_steps(log)) == 1
-    assert sum(step.rebuilt for step in backbone_steps(log, rotation=np.radians(10))) == 2
-
-
-def test_a_segment_lies_on_a_line_with_both_ends():
-    """Catches a test of one end, of the middle, or of the direction as a plain number."""
-    lines = Lines(np.array([(0.0, 0.0), (0.0, 0.15)]), np.radians([0.0, 0.0]))
-    segments = np.array(
-        [
-            [(5, 0.05), (7, -0.05)],  # across the first
-            [(5, 0.1), (7, 0.12)],  # nearer to the second, at 179.4 degrees seen from behind
-            [(7, 0.12), (5, 0.1)],
-            [(5, 0.1), (9, 0.5)],  # one end is off
-            [(5, -0.1), (5, 0.1)],  # perpendicular
-        ],
-        float,
-    )
-    assert partners(segments, lines, 0.2, np.radians(10)).tolist() == [0, 1, 1, -1, -1]
+    log = straight(ROOM, drive([(2, 2), (4, 2), (6, 2.6), (6, 5)], step=0.5))
+    for threshold, headings in ((30, [0, 90]), (10, [0, 17, 90])):
+        steps = backbone_steps(log, rotation=np.radians(threshold))
+        found = np.degrees([step.guess[2] for step in steps if step.rebuilt])
+        np.testing.assert_allclose(found, headings, atol=0.5)
 
 
 def test_parallels_look_at_directions_only():
     lines = Lines(np.zeros((2, 2)), np.radians([1.0, 91.0]))
     far = np.array([[(50, 50), (60, 49.9)], [(50, 50), (50, 60)], [(0, 0), (1, 1)]], float)
     assert parallels(far, lines, np.radians(10)).tolist() == [0, 1, -1]
-
-
-def test_no_line_is_nobodys_partner():
-    assert partners(ROOM, NO_LINES, 0.2, 0.2).tolist() == [-1] * 4
-    assert partners(np.empty((0, 2, 2)), NO_LINES, 0.2, 0.2).shape == (0,)
 
 
 @pytest.mark.parametrize("seed", range(5))
@@ -277,6 +237,8 @@ def test_matching_turning_and_moving_equal_their_literal_forms(seed):
     found = partners(seen, lines, 0.3, 0.2)
     assert found.tolist() == [literal.line_partner(s, rows, 0.3, 0.2) for s in seen.tolist()]
     assert 0 < (found >= 0).sum() < 12
+    assert partners(seen, NO_LINES, 0.3, 0.2).tolist() == [-1] * 12
+    assert partners(seen[:0], NO_LINES, 0.3, 0.2).shape == (0,)
     differences, weights = rng.uniform(-7, 7, 6), rng.uniform(0.1, 2, 6)
     turn = literal.mean_rotation(differences, weights)
     assert mean_rotation(differences, weights) == pytest.approx(turn, abs=1e-12)

@@ -1,4 +1,4 @@
-"""Extraction: clusters with one line each (A 3.2), and split and merge (A 6.2, its [4])."""
+"""Extraction: clusters (A 3.2); split and merge (A 6.2; Gonzalez-Banos and Latombe 2002)."""
 
 from __future__ import annotations
 
