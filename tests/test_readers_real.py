@@ -39,15 +39,11 @@ class TestMalaga:
         driven = np.hypot(*np.diff(log.odometry[:, :2], axis=0).T).sum()
         assert driven == pytest.approx(76, abs=0.5)
 
-    def test_the_checksum_is_that_of_the_file(self):
+    def test_the_checksum_is_that_of_the_file_the_notice_is_there_and_all_data_is_small(self):
         stated = re.search(r"sha256\s+(\w{64})", (MALAGA / "README.md").read_text())
         assert stated and stated[1] == hashlib.sha256(_read_bytes("malaga.log.gz")).hexdigest()
-
-    def test_the_notice_is_there(self):
         notice = (MALAGA / "LICENSE").read_text(encoding="utf-8")
         assert "Redistribution and use" in notice and "Jose-Luis Blanco-Claraco" in notice
-
-    def test_all_data_is_small(self):
         files = (path for path in MALAGA.parent.rglob("*") if path.is_file())
         assert sum(path.stat().st_size for path in files) < 1e6
 

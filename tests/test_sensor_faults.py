@@ -11,7 +11,6 @@ import os
 import time
 from concurrent.futures import ThreadPoolExecutor
 from functools import partial
-from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -98,7 +97,7 @@ def run(sensor_at, unit, wire, fault, seed) -> Outcome:
 
 
 @pytest.mark.parametrize("fault", FAULTS)
-def test_faults(fault, record_property):
+def test_faults(fault):
     """Catches a wrong range, a loop without end, a laser left on, and an error without advice."""
     found = []
     for seed in range(RUNS):
@@ -108,23 +107,13 @@ def test_faults(fault, record_property):
         assert not port.open
         assert port.gone or port.unit.trouble or not port.unit.laser
     errors = [one.error for one in found if one.error]
-    record_property("outcome", summary(found))
-    if os.environ.get("SEGMAP_TABLE"):
-        with Path(os.environ["SEGMAP_TABLE"]).open("a") as file:
-            print(f"{fault:<20} {summary(found)}", file=file)
     assert sum(one.happened for one in found) >= RUNS * 3 // 4
     if fault in FINAL:
         assert len(errors) >= RUNS // 2
     else:
         assert len(errors) <= RUNS // 4, errors
-
-
-def summary(found) -> str:
-    struck = sum(one.happened for one in found)
-    whole = sum(one.scans == SCANS and not one.dropped for one in found)
-    drops = [one.dropped for one in found if one.scans == SCANS and one.dropped]
-    failed = sum(bool(one.error) for one in found)
-    return f"{struck} struck: {whole} right, {len(drops)} with {sum(drops)} drops, {failed} errors"
+    if fault in ("flip", "lose", "stop"):  # nearly all strike a scan, which must be missed
+        assert sum(one.dropped in (1, 2) for one in found) >= RUNS * 3 // 4
 
 
 def through_a_terminal(fault, seed) -> float:
@@ -176,19 +165,6 @@ def test_a_sensor_that_falls_silent():
         assert port.now - begun < 10
         assert sensor.dropped == 1
         assert "nothing came" in sensor.why
-
-
-def test_a_spoiled_scan_is_counted():
-    """In the middle of a scan, so that it must be missed: one drop, and the next is right."""
-    for kind in ("flip", "lose", "stop"):
-        port = Wired()
-        with connected(port) as sensor, contextlib.closing(sensor.scans()) as stream:
-            turn_of(next(stream))
-            port.wire.plan(Fault(kind, 3000))
-            for _ in range(5):
-                turn_of(next(stream))
-            assert port.wire.happened == [kind]
-            assert sensor.dropped in (1, 2)
 
 
 @pytest.mark.parametrize("late", [False, True])
