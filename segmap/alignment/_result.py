@@ -114,7 +114,10 @@ class Alignment(Pictured):
         return np.where(self.used[:, None], self.poses, np.nan)
 
     def why(self) -> pd.DataFrame:
-        """How many scans were not used: a row for each reason, a column `scans`."""
+        """How many scans were not used: a row for each reason, a column `scans`.
+
+        `print(alignment.why().to_string())` shows long reasons whole.
+        """
         import pandas as pd
 
         counts = Counter(reason for reason in self.reasons if reason)
