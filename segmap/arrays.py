@@ -5,6 +5,7 @@ Every public function passes its arguments through these, so that what is wrong 
 check nothing.
 """
 
+import sys
 from collections.abc import Collection
 from typing import Any, Protocol, runtime_checkable
 
@@ -28,7 +29,18 @@ class HasSegments(Protocol):
         ...
 
 
+@runtime_checkable
+class HasPoses(Protocol):
+    """Anything with `.poses`, `(k, 3)`: an alignment."""
+
+    @property
+    def poses(self) -> Array:
+        """Poses, `(k, 3)` array, metres and radians."""
+        ...
+
+
 Segments = HasSegments | ArrayLike
+Poses = HasPoses | ArrayLike
 
 
 def numbers(value: object, name: str, expected: str = "an array of real numbers") -> Array:
@@ -159,9 +171,11 @@ def points(value: object, name: str = "points") -> Array:
 
 
 def poses(
-    value: object, name: str = "poses", *, count: int | None = None, missing: bool = False
+    value: Poses, name: str = "poses", *, count: int | None = None, missing: bool = False
 ) -> Array:
-    """Poses, `(k, 3)`, metres and radians; rows of NaN where `missing` allows them.
+    """Poses of an alignment or an array, `(k, 3)`, metres and radians.
+
+    Rows of NaN may be among them where `missing` allows it.
 
     Raises
     ------
@@ -173,7 +187,8 @@ def poses(
     Traceback (most recent call last):
     ValueError: poses must have shape (2, 3), got (1, 3)
     """
-    return table(value, name, 3, unit="metres and radians", count=count, missing=missing)
+    given = getattr(value, "poses", value)
+    return table(given, name, 3, unit="metres and radians", count=count, missing=missing)
 
 
 def pose(value: object, name: str = "pose", *, missing: bool = False) -> Array:
@@ -371,7 +386,7 @@ def generator(value: Any, name: str = "rng") -> np.random.Generator:
 
 def _check_values(array: Array, name: str, unit: str, missing: bool, limit: float) -> None:
     """Refuse what is not finite, unless it may be missing, and what is beyond the limit."""
-    if np.abs(array).max(initial=0.0) <= limit:  # False where NaN is among them
+    if np.abs(array).max(initial=0.0) <= min(limit, sys.float_info.max):  # False for NaN
         return
     rows = array.reshape(len(array), -1) if array.ndim > 1 else array[None]
     infinite = (np.isinf(rows) if missing else ~np.isfinite(rows)).any(1)

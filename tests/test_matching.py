@@ -13,8 +13,7 @@ from segmap.matching import (
     nearest_score,
     occupancy_score,
 )
-from segmap.matching import _search_loops as loops
-from segmap.matching._scores import held
+from segmap.matching import _loops as loops
 from segmap.poses import compose, transform
 from segmap.quadtree import QuadtreeMap
 
@@ -79,21 +78,29 @@ def test_nearest_is_the_kd_tree_everywhere(seed):
     assert (descent_score(map, [(0, 0)], poses) <= exact + 1e-9).all()
 
 
+class Watched:
+    """An array that remembers what was asked of it."""
+
+    def __init__(self, array):
+        self.array, self.asked = array, []
+
+    def __getitem__(self, at):
+        self.asked.append(at)
+        return self.array[at]
+
+
 @pytest.mark.parametrize("seed", SEEDS)
-def test_the_search_looks_into_few_blocks(seed, monkeypatch):
+def test_the_search_looks_into_few_blocks(seed):
     """Nearest first: two of a hundred blocks of cells are looked into for a place, where the other
     order looks into 4 to 18 and finds the same.
     """
     map, rng = random_map(seed)
-    looked, four = [], loops._nearest_of_four.plain
-    monkeypatch.setattr(loops, "_nearest_of_four", lambda *a: looked.append(a[2]) or four(*a))
-    monkeypatch.setattr(loops, "_nearest_below", loops._nearest_below.plain)
     tree, path = map.tree, np.full(map.tree.level + 1, map.tree.block)
-    todo = np.empty((3 * tree.level + 4, 4), np.int64)
-    for x, y in rng.uniform(0, 1 << tree.level, (300, 2)):
-        nodes = tree.vis, tree.occ, held(map), tree.level
-        loops._nearest_square.plain(*nodes, x, y, path, todo)
-    assert len(set(looked)) > 10 and len(looked) < 3 * 300
+    todo, occ = np.empty((3 * tree.level + 4, 4), np.int64), Watched(tree.occ)
+    places, found = rng.uniform(0, 1 << tree.level, (1, 300, 2)), np.empty(1)
+    scan = places, path, todo, found
+    loops.nearest_distances.plain(tree.vis, occ, tree.occupied_blocks(), *scan)
+    assert len({node // 4 for node in occ.asked}) > 10 and len(occ.asked) < 4 * 3 * 300
 
 
 def test_the_root_may_double_on_any_side():

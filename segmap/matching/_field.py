@@ -1,5 +1,7 @@
 """A distance field: distances to the nearest occupied cell, transformed once and then looked up."""
 
+from __future__ import annotations
+
 from collections.abc import Callable
 
 import numpy as np
@@ -7,8 +9,8 @@ from numpy.typing import ArrayLike
 
 from ..arrays import Array
 from ..quadtree import QuadtreeMap
-from . import _field_loops as loops
-from ._scores import all_placed, checked, held
+from . import _loops as loops
+from ._scores import all_placed, occupied_blocks, scan_and_poses
 
 #: Distances are whole numbers, the longest in a window below this: 32 bits.
 MOST = 2**31 - 1
@@ -60,21 +62,22 @@ class DistanceField:
 
     def __init__(self, map: QuadtreeMap, window: ArrayLike | None = None) -> None:
         first, (columns, rows) = _cells_of_window(map, window)
-        tree, grid = map.tree, np.full((rows, columns), loops.FAR, np.int32)
-        left, low = (first - tree.corner).tolist()
-        nodes = tree.vis, tree.occ, held(map), tree.block, tree.level
-        if not loops.paint(*nodes, left, low, grid):
+        occupied_blocks(map)
+        left, low = first - map.tree.corner
+        x, y = map.tree.occupied_cells(np.array([left, low, left + columns, low + rows])).T
+        if not len(x):
             raise NothingNear("the window holds no occupied cell, so no pose in it has a score")
-        loops.transform_columns(grid)
-        self.unit = MOST // (columns + rows)
-        loops.transform_rows(grid, self.unit)
+        self.unit, grid = MOST // (columns + rows), np.full((rows, columns), loops.FAR, np.int32)
+        grid[y - low, x - left] = 0
+        room, share = np.empty((columns, 3), np.int64), 0.5 / np.arange(1, columns + 1)
+        loops.transform(grid, self.unit, room, share)
         self.cells = grid
         corner = map.corner + first * map.resolution
         worth = -map.resolution / self.unit
         self._frame = np.array([*corner, map.resolution, columns, rows, worth])
 
     @classmethod
-    def around(cls, map: QuadtreeMap, points: ArrayLike, poses: ArrayLike) -> "DistanceField":
+    def around(cls, map: QuadtreeMap, points: ArrayLike, poses: ArrayLike) -> DistanceField:
         """The field that a scan needs near poses: a box about robot and ends, and half a metre.
 
         Parameters
@@ -95,7 +98,7 @@ class DistanceField:
         >>> DistanceField.around(map, [(1.05, 0.05)], (0, 0, 0))
         DistanceField(21 x 11 cells of 0.1 m)
         """
-        ends, at = checked(points, poses)
+        ends, at = scan_and_poses(points, poses)
         if not len(at):
             raise ValueError("poses must hold at least one pose, to know where the scan is")
         placed = np.concatenate([at[:, :2], all_placed(ends, at)])
@@ -129,7 +132,7 @@ class DistanceField:
         ValueError
             For other shapes, or values that are not finite.
         """
-        ends, at = checked(points, poses)
+        ends, at = scan_and_poses(points, poses)
         return self.scorer(ends)(at)
 
     def scorer(self, points: ArrayLike) -> Callable[[Array], Array]:
@@ -154,10 +157,17 @@ class DistanceField:
         >>> values(np.array([(0.3, 0.0, 0.0)])).round(6)
         array([-0.3])
         """
-        near = np.clip(checked(points, np.zeros(3))[0], -FAR_AWAY, FAR_AWAY)
+        near = np.clip(scan_and_poses(points, np.zeros(3))[0], -FAR_AWAY, FAR_AWAY)
         ends = np.ascontiguousarray(near.T, np.float32)
-        flat, frame = self.cells.ravel(), self._frame
-        return lambda poses: loops.look_up(flat, frame, ends, poses)
+        flat, cells = self.cells.ravel(), np.empty(len(near), np.int32)
+
+        def score(poses: Array) -> Array:
+            """The score at each pose."""
+            found = np.empty(len(poses))
+            loops.look_up(flat, self._frame, ends, poses, cells, found)
+            return found
+
+        return score
 
     def __repr__(self) -> str:
         rows, columns = self.cells.shape

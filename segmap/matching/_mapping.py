@@ -11,20 +11,19 @@ from numpy.typing import ArrayLike
 
 from ..arrays import Array
 from ..poses import compose, transform
-from ..quadtree import QuadtreeMap
-from ..quadtree._build import unmet
+from ..quadtree import QuadtreeMap, free_ends
 from ..scans import LaserScan
 from ._field import NothingNear
 from ._matchers import (
     Score,
     check_score,
-    checked_start,
     field_score,
     hill_climb,
     prepared,
     sample_and_rank,
+    scan_and_pose,
 )
-from ._scores import checked, descent_score, nearest_score, occupancy_score
+from ._scores import descent_score, nearest_score, occupancy_score, scan_and_poses
 
 #: From a map, points and a start, with a score, to a pose.
 Matcher = Callable[..., Array]
@@ -119,7 +118,7 @@ def map_scans(
     if not settle >= 1:
         raise ValueError(f"settle must be at least 1: the first scan has no map, got {settle}")
     check_score(score)
-    pose = checked_start([], start)[1]
+    pose = scan_and_pose([], start)[1]
     tree = QuadtreeMap() if map is None else map
     return _steps(log, tree, pose, settle, free, partial(_matched, _ready(matcher, rng), score))
 
@@ -148,7 +147,7 @@ def _steps(
                 pose, value = match(map, points, pose)
             if len(points):
                 sensor = compose(pose, scan.sensor_pose)
-                unseen = unmet(scan, sensor) if free else None
+                unseen = free_ends(scan, sensor) if free else None
                 map.insert_scan(sensor[:2], transform(pose, points), unseen)
                 inserted += 1
         except ValueError as error:
@@ -167,7 +166,7 @@ def _matched(
 
     def ask(map: QuadtreeMap, ends: ArrayLike, poses: ArrayLike) -> Array:
         """The score at poses `(k, 3)`, metres and radians; the prepared one for the same points."""
-        return values(checked(ends, poses)[1]) if ends is points else score(map, ends, poses)
+        return values(scan_and_poses(ends, poses)[1]) if ends is points else score(map, ends, poses)
 
     pose = matcher(map, points, start, score=ask)
     return pose, float(values(pose[None])[0])

@@ -10,7 +10,7 @@ from ..angles import wrap
 from ..arrays import Array
 from ..quadtree import QuadtreeMap
 from ._field import DistanceField
-from ._scores import checked, occupancy_score
+from ._scores import occupancy_score, scan_and_poses
 
 #: From a map, points and poses to scores, the higher the better.
 Score = Callable[[QuadtreeMap, ArrayLike, ArrayLike], Array]
@@ -53,7 +53,7 @@ def field_score(map: QuadtreeMap, points: ArrayLike, poses: ArrayLike) -> Array:
     >>> field_score(map, [(1.05, 0.05)], (0.3, 0, 0)).round(6)
     array([-0.3])
     """
-    ends, at = checked(points, poses)
+    ends, at = scan_and_poses(points, poses)
     if not ends.size * at.size:
         return occupancy_score(map, ends, at)  # nothing to sum, but for an empty map an error
     return DistanceField.around(map, ends, at).score(ends, at)
@@ -108,7 +108,7 @@ def hill_climb(
         raise ValueError(f"steps must be one of {', '.join(STEPS)}, got {steps!r}")
     if not (0 <= rounds < np.inf and int(rounds) == rounds):
         raise ValueError(f"rounds must be a whole number of at least 0, got {rounds}")
-    ends, pose = checked_start(points, start)
+    ends, pose = scan_and_pose(points, start)
     values = prepared(score, map, ends, pose)
     best = float(values(pose[None])[0])
     sizes = list(STEPS[steps])
@@ -169,7 +169,7 @@ def sample_and_rank(
     spread = _spread(sigma)
     if not isinstance(rng, np.random.Generator):
         raise ValueError(f"rng must be a generator, numpy.random.default_rng(1) say, got {rng!r}")
-    ends, pose = checked_start(points, start)
+    ends, pose = scan_and_pose(points, start)
     values = prepared(score, map, ends, pose)
     poses = np.concatenate([pose[None], pose + rng.normal(0, 2 * spread, (99, 3))])
     found = values(poses)
@@ -198,14 +198,14 @@ def wrapped(pose: Array) -> Array:
     return np.array(turned)
 
 
-def checked_start(points: ArrayLike, start: ArrayLike) -> tuple[Array, Array]:
+def scan_and_pose(points: ArrayLike, start: ArrayLike) -> tuple[Array, Array]:
     """Points `(n, 2)`, metres, and one pose `(3,)`, metres and radians, as arrays.
 
     Raises
     ------
     ValueError
     """
-    ends, at = checked(points, start)
+    ends, at = scan_and_poses(points, start)
     if np.shape(start) != (3,):
         raise ValueError(f"start must be x, y, heading, got shape {np.shape(start)}")
     return ends, at[0]

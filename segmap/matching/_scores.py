@@ -1,19 +1,17 @@
-"""How well a scan lies on a quadtree map at a pose: three scores, the higher the better (B 4.3)."""
+"""How well a scan lies on a quadtree map at a pose: scores, the higher the better (B 4.3)."""
 
-from weakref import WeakKeyDictionary
+from __future__ import annotations
+
+import math
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from .. import arrays
 from ..arrays import Array
-from ..quadtree import QuadtreeMap
-from . import _search_loops as loops
-
-#: What `held` found last, after how many scans, in how many blocks of which array: an interrupted
-#: scan changes the tree and is not counted.
-_HELD: WeakKeyDictionary[QuadtreeMap, tuple[tuple[int, int], loops.Counts, loops.Holds]] = (
-    WeakKeyDictionary()
-)
+from ..quadtree import QuadtreeMap, Tree
+from . import _loops as loops
+from ._loops import Holds
 
 
 def occupancy_score(map: QuadtreeMap, points: ArrayLike, poses: ArrayLike) -> Array:
@@ -44,8 +42,8 @@ def occupancy_score(map: QuadtreeMap, points: ArrayLike, poses: ArrayLike) -> Ar
     >>> occupancy_score(map, [(1, 0), (1, 0.5)], [(0, 0, 0), (0.3, 0, 0)])
     array([2., 0.])
     """
-    held(map)
-    ends, at = checked(points, poses)
+    occupied_blocks(map)
+    ends, at = scan_and_poses(points, poses)
     value = map.occupancy(all_placed(ends, at)).reshape(len(at), len(ends))
     return np.where(value > 0.5, value, 0.0).sum(1)
 
@@ -69,8 +67,8 @@ def distance_score(map: QuadtreeMap, points: ArrayLike, poses: ArrayLike) -> Arr
     """
     from scipy.spatial import cKDTree
 
-    held(map)
-    ends, at = checked(points, poses)
+    occupied_blocks(map)
+    ends, at = scan_and_poses(points, poses)
     leaves = map.leaves()
     occupied = leaves.occ > leaves.vis - leaves.occ
     corner = np.stack([leaves.x[occupied], leaves.y[occupied]], -1)
@@ -95,7 +93,11 @@ def nearest_score(map: QuadtreeMap, points: ArrayLike, poses: ArrayLike) -> Arra
     >>> nearest_score(map, [(1.05, 0.05)], (0.3, 0, 0)).round(6)
     array([-0.3])
     """
-    return _searched(map, points, poses, exact=True)
+    tree, holds, places, found = _searched(map, points, poses)
+    path, todo = np.empty(tree.level + 1, np.int64), np.empty((3 * tree.level + 4, 4), np.int64)
+    path[-1] = tree.block
+    loops.nearest_distances(tree.vis, tree.occ, holds, places, path, todo, found)
+    return -map.resolution * found
 
 
 def descent_score(map: QuadtreeMap, points: ArrayLike, poses: ArrayLike) -> Array:
@@ -116,15 +118,29 @@ def descent_score(map: QuadtreeMap, points: ArrayLike, poses: ArrayLike) -> Arra
     >>> descent_score(map, [(1.05, 0.05)], (0.3, 0, 0)).round(6)
     array([-0.3])
     """
-    return _searched(map, points, poses, exact=False)
-
-
-def _searched(map: QuadtreeMap, points: ArrayLike, poses: ArrayLike, *, exact: bool) -> Array:
-    """Minus the sum of the distances that a search of the tree finds."""
-    (ends, at), tree, holds = checked(points, poses), map.tree, held(map)
-    frame = np.append(map.corner + tree.corner * map.resolution, map.resolution)
+    tree, holds, places, found = _searched(map, points, poses)
     nodes = tree.vis, tree.occ, holds, tree.block, tree.level
-    return -map.resolution * loops.distances(*nodes, frame, ends, at, exact)
+    loops.descent_distances(*nodes, places, found)
+    return -map.resolution * found
+
+
+def _searched(
+    map: QuadtreeMap, points: ArrayLike, poses: ArrayLike
+) -> tuple[Tree, Holds, Array, Array]:
+    """What a search needs: the tree, blocks that hold something, ends `(k, n, 2)` in cells of the
+    root, and room for the answers `(k,)`."""
+    holds = occupied_blocks(map)
+    ends, at = scan_and_poses(points, poses)
+    x, y, _ = at.T[:, :, None]
+    c, s = (
+        np.array([turn(angle) for angle in at[:, 2]]).reshape(-1, 1)
+        for turn in (math.cos, math.sin)
+    )
+    left, low = map.corner + map.tree.corner * map.resolution
+    places = np.empty((len(at), len(ends), 2))
+    places[:, :, 0] = (c * ends[:, 0] - s * ends[:, 1] + (x - left)) / map.resolution
+    places[:, :, 1] = (s * ends[:, 0] + c * ends[:, 1] + (y - low)) / map.resolution
+    return map.tree, holds, places, np.empty(len(at))
 
 
 def all_placed(points: Array, poses: Array) -> Array:
@@ -135,39 +151,29 @@ def all_placed(points: Array, poses: Array) -> Array:
     return placed.reshape(-1, 2)
 
 
-def held(map: QuadtreeMap) -> loops.Holds:
-    """Which blocks of a map hold an occupied cell, (b,) bool array; kept until the next scan.
+def occupied_blocks(map: QuadtreeMap) -> Holds:
+    """Which blocks of a map hold an occupied cell, (b,) bool array.
 
     Raises
     ------
     ValueError
         Where none does: an empty map has no score.
     """
-    tree, (state, vis, holds) = map.tree, _HELD.get(map, (None, None, None))
-    if holds is None or state != (map.scans, tree.used) or vis is not tree.vis:
-        holds = loops.occupied_blocks(tree.vis, tree.occ, tree.block, tree.used)
-        _HELD[map] = (map.scans, tree.used), tree.vis, holds
-    if not holds[tree.block]:
+    holds = map.tree.occupied_blocks()
+    if not holds[map.tree.block]:
         raise ValueError("the map holds no occupied cell, so no pose has a score: insert a scan")
     return holds
 
 
-def checked(points: ArrayLike, poses: ArrayLike) -> tuple[Array, Array]:
-    """Points `(n, 2)`, metres, and poses `(k, 3)`, metres and radians, as arrays.
+def scan_and_poses(points: ArrayLike, poses: ArrayLike) -> tuple[Array, Array]:
+    """Points `(n, 2)`, metres, and poses `(k, 3)` or one, metres and radians, as arrays.
 
     Raises
     ------
     ValueError
         For other shapes, or values that are not finite.
     """
-    ends, at = np.asarray(points, float), np.atleast_2d(np.asarray(poses, float))
-    ends = ends.reshape(-1, 2) if ends.size == 0 else ends
-    if ends.ndim != 2 or ends.shape[1] != 2:
-        raise ValueError(f"points must have shape (n, 2), got {ends.shape}")
-    if at.ndim != 2 or at.shape[1] != 3:
-        raise ValueError(f"poses must have shape (k, 3), got {np.shape(poses)}")
-    for name, values in (("points", ends), ("poses", at)):
-        if not np.isfinite(values).all():
-            row = int(np.isfinite(values).all(1).argmin())
-            raise ValueError(f"{name} must be finite, got {values[row].tolist()} at row {row}")
-    return ends, at
+    ends = arrays.table(points, "points", 2, limit=np.inf)
+    at = arrays.numbers(poses, "poses", "a (k, 3) array")
+    at = at[None] if at.ndim == 1 and at.size else at
+    return ends, arrays.table(at, "poses", 3, unit="metres and radians", limit=np.inf)

@@ -1,8 +1,7 @@
 """Occupancy in a quadtree: a map that grows by itself, small and built scan by scan (B 4)."""
 
-from ._build import build_map
-from ._extent import extent
-from ._leaves import Leaves
+from ._build import build_map, extent, free_ends
 from ._map import QuadtreeMap
+from ._tree import Leaves, Tree
 
-__all__ = ["Leaves", "QuadtreeMap", "build_map", "extent"]
+__all__ = ["Leaves", "QuadtreeMap", "Tree", "build_map", "extent", "free_ends"]

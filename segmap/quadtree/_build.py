@@ -1,25 +1,28 @@
-"""A quadtree of an aligned log."""
+"""A quadtree of an aligned log, and the part of it that is worth looking at."""
+
+from __future__ import annotations
 
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..arrays import Array
+from .. import arrays
+from ..arrays import Array, Poses
 from ..poses import compose, transform
 from ..scans import LaserScan, Log
 from ._map import QuadtreeMap
 
 
 def build_map(
-    log: Log, poses: ArrayLike, *, resolution: float = 0.05, free: bool = False, **options: Any
+    log: Log, poses: Poses, *, resolution: float = 0.05, free: bool = False, **options: Any
 ) -> QuadtreeMap:
     """Insert every scan of a log from its pose, in the frame of the poses (B 4.2 to 4.4).
 
     Parameters
     ----------
     log : Log
-    poses : (k, 3) array, metres and radians
+    poses : (k, 3) array, metres and radians, or Alignment
         One a scan; scans with NaN in their pose are left out.
     resolution : float, metres
     free : bool
@@ -46,13 +49,7 @@ def build_map(
     >>> build_map(log, log.truth, resolution=0.05)
     QuadtreeMap(25.6 m, 4279 leaves of 0.05 m and more, 61 scans)
     """
-    where = _numbers(poses)
-    if where.shape != (len(log), 3):
-        raise ValueError(f"poses must have shape ({len(log)}, 3), one a scan, got {where.shape}")
-    if np.isinf(where).any():
-        raise ValueError(
-            f"poses must not be infinite, got one at {np.isinf(where).any(1).argmax()}"
-        )
+    where = arrays.poses(poses, count=len(log), missing=True)
     used = np.flatnonzero(np.isfinite(where).all(1)).tolist()
     map = QuadtreeMap(resolution=resolution, **options)
     if "corner" not in options and used:
@@ -62,29 +59,68 @@ def build_map(
         sensor = compose(where[k], log[k].sensor_pose)
         ends = transform(where[k], log[k].points())
         try:
-            map.insert_scan(sensor[:2], ends, unmet(log[k], sensor) if free else None)
+            map.insert_scan(sensor[:2], ends, free_ends(log[k], sensor) if free else None)
         except ValueError as error:
             raise ValueError(f"scan {k}: {error}") from error
     return map
 
 
-def _numbers(poses: ArrayLike) -> Array:
-    """Poses as an array of floats."""
-    try:
-        return np.asarray(poses, float)
-    except TypeError:
-        kind = type(poses).__name__
-        raise ValueError(
-            f"poses must be an array (k, 3), got {kind}: of an alignment give `.poses`"
-        ) from None
-
-
-def unmet(scan: LaserScan, sensor: Array) -> Array:
+def free_ends(scan: LaserScan, sensor: ArrayLike) -> Array:
     """Where beams that met nothing leave the sensor's range, `(m, 2)`, metres, in the map.
 
-    Empty where the largest range is not known. `sensor` is the sensor's pose in the map.
+    Parameters
+    ----------
+    scan : LaserScan
+    sensor : (3,) array, metres and radians
+        Pose of the sensor in the map.
+
+    Returns
+    -------
+    (m, 2) array, metres
+        Empty where the largest range is not known.
+
+    Examples
+    --------
+    >>> free_ends(LaserScan([1.0, np.inf], [0.0, 0.0], max_range=4.0), (2, 1, 0))
+    array([[6., 1.]])
     """
+    x, y, heading = arrays.pose(sensor, "sensor")
     if not np.isfinite(scan.max_range):
         return np.empty((0, 2))
-    angle = sensor[2] + scan.angles[scan.ranges >= scan.max_range]
-    return sensor[:2] + scan.max_range * np.stack([np.cos(angle), np.sin(angle)], -1)
+    angle = heading + scan.angles[scan.ranges >= scan.max_range]
+    return np.array([x, y]) + scan.max_range * np.stack([np.cos(angle), np.sin(angle)], -1)
+
+
+def extent(map: QuadtreeMap, *, margin: float = 0.08) -> tuple[float, float, float, float]:
+    """Left, low, right and high edge of where beams ended; the whole root where none did.
+
+    Parameters
+    ----------
+    map : QuadtreeMap
+    margin : float
+        Space around it, as a part of the larger of width and height.
+
+    Returns
+    -------
+    (4,) tuple, metres
+
+    Raises
+    ------
+    ValueError
+        For a margin that is negative or not finite.
+
+    Examples
+    --------
+    >>> map = QuadtreeMap(resolution=0.5)
+    >>> map.insert_scan((0, 0), [(10, 2)])
+    >>> extent(map, margin=1)
+    (9.5, 1.5, 11.0, 3.0)
+    """
+    part, leaves = arrays.number(margin, "margin", least=0), map.leaves()
+    hit = leaves.occ > 0
+    if not hit.any():
+        return map.bounds
+    x, y, side = leaves.x[hit], leaves.y[hit], leaves.side[hit]
+    left, low, right, high = x.min(), y.min(), (x + side).max(), (y + side).max()
+    space = part * max(right - left, high - low)
+    return float(left - space), float(low - space), float(right + space), float(high + space)

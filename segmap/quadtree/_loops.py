@@ -4,7 +4,14 @@ A tree is an array of nodes in blocks of four, the children of one square. `vis[
 the number of rays that crossed it; of an inner node it is `~block` (negative), the block of its
 children. Cells are counted from the root's lower left corner. `path[level]` is the block of the
 square of `2^level` cells that holds the cell found last: the next cell is mostly near.
+
+What a loop does is also chosen by how long it takes to compile: callers bring all arrays, numbers
+have 64 bits, and one loop follows another only where it must.
 """
+
+from __future__ import annotations
+
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +21,10 @@ from ..arrays import Array
 
 Counts = NDArray[np.int32]
 Cells = NDArray[np.int64]
+Holds = NDArray[np.bool_]
 
+#: Makes 64 bits of a number: numba compiles a loop anew for the literal 0, and for 32 bits.
+whole: Any = np.int64
 #: Levels that a path can hold: no root is larger than 2^31 cells a side.
 DEPTH = 32
 #: Counts stop here: one more and `vis` would turn into a place. At ten scans a second of 682 beams
@@ -24,52 +34,65 @@ MOST = 2**31 - 1
 FAR = 2.0**60
 
 
+# ------------------------------------------------------------------------ single leaves
 @compiled
 def cells_of(
-    points: Array, corner: Array, resolution: float, root: Cells, side: int
-) -> tuple[Cells, bool, bool]:
-    """Cells of points `(n, 2)` counted from the root's; whether all are finite, and inside it.
+    points: Array, corner: Array, resolution: float, root: Cells, side: int, cells: Cells
+) -> int:
+    """Write the cells of points `(n, 2)`, counted from the root's, into `cells`, `(n, 2)`.
 
-    One division and then the floor: `//` and multiplying by the inverse give other cells.
+    One division and then the floor: `//` and multiplying by the inverse give other cells. Returns 0
+    where all lie inside the root, 1 where one lies outside, 2 where one is not finite.
     """
-    cells, finite, inside = np.empty(points.shape, np.int64), True, True
+    found = 0
     for k in range(len(points)):
         for i in range(2):
-            away = points[k, i] - corner[i]
-            if abs(away) < FAR * resolution:
-                at = np.int64(np.floor(away / resolution)) - root[i]
-            else:
-                at = np.int64(FAR if away > 0 else -FAR)
-                finite = finite and np.isfinite(away)
-            inside = inside and 0 <= at < side
-            cells[k, i] = at
-    return cells, finite, inside
+            at = np.floor((points[k, i] - corner[i]) / resolution)
+            if not abs(at) < FAR:
+                if not abs(points[k, i]) < np.inf:
+                    found = 2
+                at = FAR if at > 0 else -FAR
+            cells[k, i] = whole(at) - root[i]
+            if found == 0 and not 0 <= cells[k, i] < side:
+                found = 1
+    return found
 
 
 @compiled
-def _common(x: int, y: int, other_x: int, other_y: int, level: int) -> int:
-    """Level, from this one up, of the smallest square that holds both cells."""
-    differ = (x ^ other_x) | (y ^ other_y)
+def _find(
+    vis: Counts, path: Cells, level: int, x: int, y: int, last_x: int, last_y: int
+) -> tuple[int, int]:
+    """Leaf that holds a cell, and the level of its side.
+
+    The search begins at the smallest square, from `level` up, that holds the last cell too.
+    """
+    differ = (x ^ last_x) | (y ^ last_y)
     while differ >> level:
         level += 1
-    return level
-
-
-@compiled
-def _descend(vis: Counts, path: Cells, level: int, x: int, y: int) -> tuple[int, int]:
-    """Leaf that holds a cell, and the level of its side, from the block `path[level]` down."""
     block = path[level]
     while True:
         level -= 1
         node = 4 * block + ((x >> level) & 1) + 2 * ((y >> level) & 1)
-        if vis[node] >= 0:
+        block = ~whole(vis[node])
+        if block < 0:
             return node, level
-        block = ~np.int64(vis[node])
         path[level] = block
 
 
 @compiled
-def _split_down(
+def leaves_at(vis: Counts, top: int, cells: Cells, path: Cells, found: Cells) -> None:
+    """Write the leaf of each cell `(n, 2)` into `found`, `(n,)`; -1 outside the root."""
+    side, level, x, y = 1 << top, top, whole(0), whole(0)
+    for k in range(len(cells)):
+        found[k] = -1
+        if 0 <= cells[k, 0] < side and 0 <= cells[k, 1] < side:
+            found[k], level = _find(vis, path, level, cells[k, 0], cells[k, 1], x, y)
+            x, y, level = cells[k, 0], cells[k, 1], level + 1
+
+
+# ----------------------------------------------------------------------------- insertion
+@compiled
+def _split(
     vis: Counts,
     occ: Counts,
     path: Cells,
@@ -80,8 +103,11 @@ def _split_down(
     x: int,
     y: int,
     first: int,
-) -> tuple[int, int, int]:
-    """Split a leaf about a cell down to level `last`; new leaves start with `vis = first`."""
+) -> tuple[int, int]:
+    """Split a leaf about a cell down to level `last`; new leaves start with `vis = first`.
+
+    Returns the leaf that holds the cell then, and the blocks used.
+    """
     while level > last:
         for child in range(4 * used, 4 * used + 4):
             vis[child], occ[child] = first, 0
@@ -90,49 +116,42 @@ def _split_down(
         level -= 1
         node = 4 * used + ((x >> level) & 1) + 2 * ((y >> level) & 1)
         used += 1
-    return node, level, used
+    return node, used
 
 
 @compiled
-def split_to_cells(
-    vis: Counts, occ: Counts, used: int, root: int, top: int, cells: Cells, done: int, inherit: bool
+def insert_ends(
+    vis: Counts,
+    occ: Counts,
+    used: int,
+    top: int,
+    cells: Cells,
+    ends: int,
+    done: int,
+    inherit: bool,
+    path: Cells,
 ) -> tuple[int, int]:
-    """Split the leaves of cells `(n, 2)` down to single cells (B 4.2.2), from cell `done` on.
+    """Steps 1 and 2: split the leaf of each end down to a cell, and count the end there (B 4.2.2).
 
-    Returns the blocks used and the cells done: it stops early where the arrays get full.
+    Ends are `cells[1]` to `cells[ends]`. A leaf that is split hands its count on to its children
+    where they `inherit`, else these start with 1. No split touches a cell that was counted before.
+    Returns the blocks used and the cells done, from cell `done` on: it stops early where the arrays
+    get full.
     """
-    path = np.zeros(DEPTH, np.int64)
-    path[top] = root
-    level, x, y = top, 0, 0
-    for k in range(done, len(cells)):
+    level, x, y = top, cells[0, 0], cells[0, 1]
+    for k in range(done, ends + 1):
         if 4 * (used + top) > len(vis):
             return used, k
-        level = _common(x, y, cells[k, 0], cells[k, 1], level)
+        node, level = _find(vis, path, level, cells[k, 0], cells[k, 1], x, y)
         x, y = cells[k, 0], cells[k, 1]
-        node, level = _descend(vis, path, level, x, y)
-        first = vis[node] if inherit else 1
-        node, level, used = _split_down(vis, occ, path, node, used, level, 0, x, y, first)
-        level += 1
-    return used, len(cells)
-
-
-@compiled
-def count_ends(vis: Counts, occ: Counts, root: int, top: int, cells: Cells) -> None:
-    """Count end points in their cells, and the ray of each where it is not the cell's first.
-
-    Cells `(n, 2)` are counted from the lower left one of the root.
-    """
-    path = np.zeros(DEPTH, np.int64)
-    path[top] = root
-    level, x, y = top, 0, 0
-    for k in range(len(cells)):
-        level = _common(x, y, cells[k, 0], cells[k, 1], level)
-        x, y = cells[k, 0], cells[k, 1]
-        node, level = _descend(vis, path, level, x, y)
-        if occ[node] > 0 or vis[node] == 0:
-            vis[node] = min(vis[node], MOST - 1) + 1
-        occ[node] = min(occ[node], MOST - 1) + 1
-        level += 1
+        first = whole(vis[node] if inherit else 1)
+        node, used = _split(vis, occ, path, node, used, level, whole(0), x, y, first)
+        if (occ[node] > 0 or vis[node] == 0) and vis[node] < MOST:  # each ray but the first
+            vis[node] += 1
+        if occ[node] < MOST:
+            occ[node] += 1
+        level = 1
+    return used, ends + 1
 
 
 @compiled
@@ -140,99 +159,158 @@ def walk_rays(
     vis: Counts,
     occ: Counts,
     used: int,
-    root: int,
     top: int,
-    sensor: Cells,
-    ends: Cells,
+    cells: Cells,
+    ends: int,
     done: int,
-    masked: int,
     largest: int,
     add: int,
+    path: Cells,
 ) -> tuple[int, int]:
-    """Add to `vis` of every leaf that holds a cell of a ray, but for its last `masked` steps (B
-    4.4).
+    """Step 3: add to `vis` of every leaf that holds a cell of a ray, but for the mask (B 4.4).
 
-    The sensor's cell, (2,) int array, and the ends', `(n, 2)`, are counted from the root's corner.
-    Of the cells that Bresenham takes, the end's and its neighbours are those of the last two steps
-    along the longer axis. A square is entered and left once, so each leaf counts once a ray. Leaves
-    above level `largest` are split on the way, handing their counts on. Returns the blocks used and
-    the rays done, from ray `done` on: it stops early where the arrays get full.
+    Rays run from `cells[0]` to each other cell. The first `ends` of them leave out their end and
+    its neighbours: of the cells that Bresenham takes, those of the last two steps along the longer
+    axis. A square is entered and left once, so each leaf counts once a ray. Leaves above level
+    `largest` are split on the way, handing their counts on. Returns the blocks used and the cells
+    done, from cell `done` on: it stops early where the arrays get full.
     """
-    path = np.zeros(DEPTH, np.int64)
-    path[top] = root
-    level, x, y = top, sensor[0], sensor[1]
-    for k in range(done, len(ends)):
-        dx, dy = ends[k, 0] - sensor[0], ends[k, 1] - sensor[1]
-        long, short, steep, rest = _slope_of(dx, dy)
-        last = max(abs(dx), abs(dy)) - masked
+    level, x, y = top, cells[0, 0], cells[0, 1]
+    for k in range(done, len(cells)):
+        dx, dy = cells[k, 0] - cells[0, 0], cells[k, 1] - cells[0, 1]
         sign_x, sign_y = (1 if dx >= 0 else -1), (1 if dy >= 0 else -1)
-        step, across = 0, 0
+        steep = abs(dy) > abs(dx)
+        long, short = (abs(dy), abs(dx)) if steep else (abs(dx), abs(dy))
+        last = long - 2 if k <= ends else long
+        # after n steps along the longer side `(n short + rest) // long` along the shorter are made,
+        # from either end: Bresenham's loop always runs in increasing order
+        long += long == 0
+        half = (long - 1) // 2
+        rest = half if (dy if steep else dx) > 0 else long - 1 - half
+        step, across = whole(0), whole(0)
         while step <= last:
-            new_x = sensor[0] + sign_x * (across if steep else step)
-            new_y = sensor[1] + sign_y * (step if steep else across)
-            level = _common(x, y, new_x, new_y, level)
+            new_x = cells[0, 0] + sign_x * (across if steep else step)
+            new_y = cells[0, 1] + sign_y * (step if steep else across)
+            node, level = _find(vis, path, level, new_x, new_y, x, y)
             x, y = new_x, new_y
-            node, level = _descend(vis, path, level, x, y)
             if level > largest:
                 if 4 * (used + top) > len(vis):
                     return used, k
-                node, level, used = _split_down(
-                    vis, occ, path, node, used, level, largest, x, y, vis[node]
-                )
-            vis[node] = min(vis[node], MOST - add) + add
-            to_x, to_y = _room_ahead(x, sign_x, level), _room_ahead(y, sign_y, level)
+                first = whole(vis[node])
+                node, used = _split(vis, occ, path, node, used, level, largest, x, y, first)
+                level = largest
+            if vis[node] < MOST:
+                vis[node] += add
+            # cells to the first beyond the leaf, along both axes
+            mask = (1 << level) - 1
+            to_x = mask + 1 - (x & mask) if sign_x > 0 else (x & mask) + 1
+            to_y = mask + 1 - (y & mask) if sign_y > 0 else (y & mask) + 1
             along, aside = (to_y, to_x) if steep else (to_x, to_y)
-            step, across = _beyond(step, across, along, aside, long, short, rest)
+            reach = (step + along) * short + rest
+            if reach < (across + aside) * long:
+                step, across = step + along, reach // long
+            else:
+                across += aside
+                step = (across * long - rest + short - 1) // short
             level += 1
-    return used, len(ends)
+    return used, len(cells)
 
 
+# ------------------------------------------------------------------------- the whole tree
 @compiled
-def _beyond(
-    step: int, across: int, along: int, aside: int, long: int, short: int, rest: int
-) -> tuple[int, int]:
-    """The first step past the end of a leaf `along` steps ahead, or past its side `aside` across.
+def leaves_in(
+    vis: Counts, occ: Counts, holds: Holds, window: Cells, todo: Cells, found: Cells
+) -> int:
+    """Write node, x, y (cells) and level of the leaves in a window into `found`, `(n, 4)`.
 
-    Also how many steps across are made by then.
+    All of them, or where blocks that hold an occupied cell are marked in `holds`, `(b,)`, occupied
+    cells alone. `window` is left, low, right and high; `todo`, `(4 DEPTH, 4)`, is room to work in,
+    its first row holds the root. Returns the number of leaves.
     """
-    reach = (step + along) * short + rest
-    if reach < (across + aside) * long:
-        return step + along, reach // long
-    across += aside
-    return (across * long - rest + short - 1) // short, across
+    count, waiting, every = 0, 1, len(holds) == 0
+    while waiting > 0:
+        waiting -= 1
+        block, x, y = todo[waiting, 0], todo[waiting, 1], todo[waiting, 2]
+        level = todo[waiting, 3] - 1
+        side = 1 << level
+        for q in range(4):
+            at_x, at_y = x + side * (q & 1), y + side * (q >> 1)
+            if at_x >= window[2] or at_y >= window[3]:
+                continue
+            if at_x + side <= window[0] or at_y + side <= window[1]:
+                continue
+            node = 4 * block + q
+            child = ~whole(vis[node])
+            if child >= 0 and (every or holds[child]):
+                todo[waiting, 0], todo[waiting, 1] = child, at_x
+                todo[waiting, 2], todo[waiting, 3] = at_y, level
+                waiting += 1
+            elif child < 0 and (every or 2 * whole(occ[node]) > vis[node]):
+                found[count, 0], found[count, 1] = node, at_x
+                found[count, 2], found[count, 3] = at_y, level
+                count += 1
+    return count
 
 
 @compiled
-def _slope_of(dx: int, dy: int) -> tuple[int, int, bool, int]:
-    """Longer and shorter side of a ray, whether y is the longer, and what rounds its steps.
+def compact(
+    vis: Counts,
+    occ: Counts,
+    root: int,
+    join: bool,
+    order: Cells,
+    above: Cells,
+    new_vis: Counts,
+    new_occ: Counts,
+) -> int:
+    """Copy the blocks that the root reaches into new arrays, parents first; returns their number.
 
-    After k steps along the longer side, `(k short + rest) // long` along the shorter are made, from
-    either end: Bresenham's loop always runs in increasing order.
+    The root becomes block 0. Where told to `join`, squares whose four children are alike, never hit
+    and equally often crossed become leaves; their blocks stay for the next call to leave out.
+    `order` and `above`, `(b,)`, are room to work in: the blocks copied, and the node above each.
     """
-    steep = abs(dy) > abs(dx)
-    long, short = max(abs(dx), abs(dy), 1), min(abs(dx), abs(dy))
-    half = (long - 1) // 2
-    return long, short, steep, half if (dy if steep else dx) > 0 else long - 1 - half
+    order[0], count, k = root, 1, 0
+    while k < count:
+        for q in range(4):
+            node = 4 * order[k] + q
+            child = ~whole(vis[node])
+            new_vis[4 * k + q], new_occ[4 * k + q] = vis[node], occ[node]
+            if child >= 0:
+                new_vis[4 * k + q] = ~count
+                order[count], above[count] = child, 4 * k + q
+                count += 1
+        k += 1
+    for k in range(count - 1, 0 if join else count, -1):
+        first = 4 * k
+        same = new_vis[first] >= 0 and new_occ[first] == 0
+        for node in range(first + 1, first + 4):
+            same = same and new_vis[node] == new_vis[first] and new_occ[node] == 0
+        if same:
+            new_vis[above[k]] = new_vis[first]
+    return count
 
 
 @compiled
-def _room_ahead(at: int, sign: int, level: int) -> int:
-    """Cells from this one, in a direction, to the first beyond its square of `2^level` cells."""
-    inside = at & ((1 << level) - 1)
-    return (1 << level) - inside if sign > 0 else inside + 1
+def occupied_blocks(vis: Counts, occ: Counts, order: Cells, holds: Holds) -> None:
+    """Mark in `holds`, `(b,)`, the blocks with an occupied cell, themselves or below.
+
+    `order`, `(b,)`, has each block after those below it.
+    """
+    for block in order:
+        for node in range(4 * block, 4 * block + 4):
+            child = ~whole(vis[node])
+            if holds[child] if child >= 0 else 2 * whole(occ[node]) > vis[node]:
+                holds[block] = True
 
 
 @compiled
-def leaves_at(vis: Counts, root: int, top: int, cells: Cells) -> Cells:
-    """Leaf of each cell `(n, 2)`; -1 outside the root."""
-    path = np.zeros(DEPTH, np.int64)
-    path[top] = root
-    side, level, x, y = 1 << top, top, 0, 0
-    found = np.full(len(cells), -1, np.int64)
-    for k in range(len(cells)):
-        if 0 <= cells[k, 0] < side and 0 <= cells[k, 1] < side:
-            level = _common(x, y, cells[k, 0], cells[k, 1], level)
-            x, y = cells[k, 0], cells[k, 1]
-            found[k], level = _descend(vis, path, level, x, y)
-            level += 1
-    return found
+def paint(first: Cells, last: Cells, value: Array, grid: Array) -> None:
+    """Raise cells of a grid `(rows, columns)` to values `(n,)`, from cell x, y to before another.
+
+    Cells `first` and `last`, `(n, 2)`, lie within the grid.
+    """
+    for k in range(len(value)):
+        for j in range(first[k, 1], last[k, 1]):
+            for i in range(first[k, 0], last[k, 0]):
+                if value[k] > grid[j, i]:
+                    grid[j, i] = value[k]

@@ -3,20 +3,16 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from .. import arrays
 from .._display import Pictured
 from ..arrays import Array
 from . import _loops as loops
-from ._arguments import check_finite, check_whole, level_of, levels_of, point
-from ._arguments import points as pairs
-from ._file import read_map, write_map
-from ._leaves import Leaves, counted
-from ._tree import Tree
-from ._whole_loops import painted
+from ._tree import UNIT, Leaves, Stored, Tree, level_of, pairs, read, write
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -71,14 +67,24 @@ class QuadtreeMap(Pictured):
         bias: int = 20,
         free_resolution: float | None = None,
     ) -> None:
-        level, largest = levels_of(resolution, size, max_size, loops.DEPTH - 1)
-        self.resolution, self.scans = float(resolution), 0
-        self.bias = check_whole("bias", bias, 2**31 - 1)
-        self.corner = point("corner", corner)
-        check_finite(corner=self.corner)
-        self.free_resolution = free_resolution
-        finest = resolution if free_resolution is None else free_resolution
-        self._free = level_of("free_resolution", finest, resolution)
+        self.resolution = arrays.number(resolution, "resolution", above=0, unit="metres")
+        level = 9 if size is None else level_of("size", size, self.resolution, least=2)
+        largest = (
+            max(level, 16)
+            if max_size is None
+            else level_of("max_size", max_size, self.resolution, least=2)
+        )
+        if not level <= largest < loops.DEPTH:
+            raise ValueError(
+                f"max_size must not be below the size, {self._metres(level):.6g} m, nor have more "
+                f"than 2^{loops.DEPTH - 1} cells a side, got {max_size}"
+            )
+        self.bias = arrays.whole(bias, "bias", most=loops.MOST)
+        self.corner = arrays.point(corner, "corner")
+        self.free_resolution, self.scans = free_resolution, 0
+        self._finest = None
+        if free_resolution is not None:
+            self._finest = level_of("free_resolution", free_resolution, self.resolution)
         self.tree = Tree(level, largest)
 
     def insert_scan(
@@ -108,46 +114,33 @@ class QuadtreeMap(Pictured):
         >>> map.occupancy([(3.5, 0.5), (0.5, 3.5), (3.5, 3.5)])
         array([1.   , 0.475, 0.5  ])
         """
-        cells = self.cells_of_scan(sensor_xy, points, free_points)
+        free_points = () if free_points is None else free_points
+        named: dict[str, Any] = {
+            "sensor_xy": [sensor_xy],
+            "points": points,
+            "free_points": free_points,
+        }
+        ends = {name: pairs(name, values) for name, values in named.items()}
+        cells, inside = self._cells(ends)
+        cells = cells if inside else self._grow(cells)
         try:
-            self._insert(*cells)
+            self.tree.insert(cells, len(ends["points"]), self._finest)
+            self.scans += 1
         except BaseException:  # interrupted: half a scan may be in, but in a tree
             self.tree.mend()
             raise
 
-    def _insert(self, sensor: loops.Cells, ends: loops.Cells, free: loops.Cells) -> None:
-        tree, split_free = self.tree, self.free_resolution is not None
-        # Steps 1 and 2: end points, each in a cell of its own
-        tree.split_to(ends, inherit=split_free)
-        tree.count_ends(ends)
-        # Step 3: rays, on the tree as it is now; those that ended leave out their last two steps
-        if split_free:
-            tree.split_along(sensor, ends, 2, self._free)
-            tree.split_along(sensor, free, 0, self._free)
-        tree.count_rays(sensor, ends, 2)
-        tree.count_rays(sensor, free, 0)
-        if split_free:
-            tree.join()
-        self.scans += 1
-
     def occupancy(self, points: ArrayLike) -> Array:
-        """How sure it is that something stands at each point, `(n,)` in [0, 1] (B 4.1).
+        """How sure it is that something stands at points `(n, 2)`, metres; `(n,)` in 0..1 (B 4.1).
 
-        Parameters
-        ----------
-        points : (n, 2) array, metres
-
-        Returns
-        -------
-        (n,) array
-            `occ / vis` where ends were seen; else from 0.5 (unknown) down to 0 (surely free).
+        `occ / vis` where ends were seen; else from 0.5 (unknown) down to 0 (surely free).
 
         Raises
         ------
         ValueError
             For another shape, or values that are not finite.
         """
-        leaf = self.tree.leaves_at(self._cells(points=pairs("points", points))[0])
+        leaf = self.tree.leaves_at(self._cells({"points": pairs("points", points)})[0])
         inside = leaf >= 0
         return np.where(inside, self._occupancy(np.where(inside, leaf, 0)), 0.5)
 
@@ -184,18 +177,42 @@ class QuadtreeMap(Pictured):
         array([[0.475, 1.   ],
                [0.5  , 0.5  ]])
         """
-        k = self.level_of(resolution)
-        node, cell, level = self.tree.leaves()
-        side = 1 << (self.tree.level - k)
-        return painted(side, side, cell >> k, level - k, self._occupancy(node))
+        return self.rasterize(self.leaf_occupancy(), resolution=resolution)[0]
 
-    def level_of(self, resolution: float | None) -> int:
-        """How often the map's cells double up to this side, metres; errors as `to_grid`."""
-        wanted = self.resolution if resolution is None else resolution
-        k = level_of("resolution", wanted, self.resolution)
+    def rasterize(
+        self,
+        values: ArrayLike,
+        *,
+        shown: ArrayLike | None = None,
+        resolution: float | None = None,
+    ) -> tuple[Array, float, float, float]:
+        """Values of the leaves, `(n,)`, on a grid: of several in one cell the largest counts.
+
+        The grid `(rows, columns)`, row 0 lowest, is the smallest that holds the leaves that are
+        `shown`, (n,) bool array, or the whole root. Returned with it are its lower left corner and
+        the side of a cell, metres; `resolution` and errors are as in `to_grid`.
+
+        Examples
+        --------
+        >>> map = QuadtreeMap(resolution=1, size=4)
+        >>> map.rasterize([0, 1, 2, 3], shown=[0, 0, 1, 1])
+        (array([[2., 2., 3., 3.],
+               [2., 2., 3., 3.]]), 0.0, 2.0, 1.0)
+        """
+        k = 0 if resolution is None else level_of("resolution", resolution, self.resolution)
         if k > self.tree.level:
             raise ValueError(f"resolution {resolution} is larger than the map, {self.side:.6g} m")
-        return k
+        _, cell, level = self.tree.leaves()
+        start, end = np.zeros(2, np.int64), np.full(2, 1 << (self.tree.level - k))
+        if shown is not None:
+            part, sides = cell[chosen := np.asarray(shown, bool)], 1 << level[chosen]
+            start, end = (part >> k).min(0), ((part + sides[:, None] - 1) >> k).max(0) + 1
+        grid = np.full((end - start)[::-1], -np.inf)
+        first, last = (cell >> k) - start, ((cell + (1 << level)[:, None] - 1) >> k) + 1 - start
+        within = np.clip(first, 0, end - start), np.clip(last, 0, end - start)
+        loops.paint(*within, np.asarray(values, float), grid)
+        corner = self.corner + (self.tree.corner + (start << k)) * self.resolution
+        return grid, *corner.tolist(), self._metres(k)
 
     def statistics(self) -> pd.DataFrame:
         """Leaves by side, and the bytes that they and a grid of single bytes take.
@@ -209,8 +226,12 @@ class QuadtreeMap(Pictured):
         bytes               32
         bytes of a grid     16
         """
-        level = self.tree.leaves()[2]
-        return counted(level, self.resolution, self.nbytes, self.tree.level)
+        import pandas as pd
+
+        counts = np.bincount(self.tree.leaves()[2]).tolist()
+        rows = {f"leaves of {self._metres(k):.6g} m": n for k, n in enumerate(counts) if n}
+        rows |= {"leaves": sum(counts), "bytes": self.nbytes}
+        return pd.DataFrame({"count": rows | {"bytes of a grid": 4**self.tree.level}})
 
     @property
     def nbytes(self) -> int:
@@ -220,7 +241,7 @@ class QuadtreeMap(Pictured):
     @property
     def side(self) -> float:
         """Side of the root now, metres."""
-        return float(np.ldexp(self.resolution, self.tree.level))
+        return self._metres(self.tree.level)
 
     @property
     def bounds(self) -> tuple[float, float, float, float]:
@@ -244,7 +265,11 @@ class QuadtreeMap(Pictured):
         ...     QuadtreeMap.load(f"{folder}/it.npz")
         QuadtreeMap(2 m, 4 leaves of 0.5 m and more, 0 scans)
         """
-        write_map(Path(path), self)
+        tree = self.tree
+        state = [tree.block, tree.level, tree.largest, *tree.corner, self.bias, self.scans]
+        lengths = [self.resolution, *self.corner, self.free_resolution or 0.0]
+        nodes = tree.vis[: 4 * tree.used], tree.occ[: 4 * tree.used]
+        write(Path(path), Stored(np.array(state), np.array(lengths), *nodes))
 
     @classmethod
     def load(cls, path: str | Path) -> QuadtreeMap:
@@ -256,7 +281,18 @@ class QuadtreeMap(Pictured):
             For a file that is damaged or foreign, saying what is wrong with it.
         FileNotFoundError
         """
-        return read_map(Path(path), cls)
+        found = read(Path(path))
+        resolution, x, y, free = found.lengths.tolist()
+        _, level, largest, _, _, bias, scans = found.state.tolist()
+        sizes = {"size": np.ldexp(resolution, level), "max_size": np.ldexp(resolution, largest)}
+        options = {"corner": (x, y), "bias": bias, "free_resolution": free or None}
+        try:
+            map = cls(resolution=resolution, **sizes, **options)
+        except ValueError as error:
+            raise ValueError(f"{path}: damaged, {error}") from None
+        map.scans = scans
+        map.tree.restore(found)
+        return map
 
     def __repr__(self) -> str:
         leaves, count = 3 * self.tree.used + 1, f"{self.scans} scan" + "s" * (self.scans != 1)
@@ -265,39 +301,34 @@ class QuadtreeMap(Pictured):
             f"{count})"
         )
 
-    def cells_of_scan(
-        self, sensor_xy: ArrayLike, points: ArrayLike, free_points: ArrayLike | None = None
-    ) -> tuple[loops.Cells, loops.Cells, loops.Cells]:
-        """Cells of the sensor and of both kinds of ends, in a root that holds them all."""
-        sensor = point("sensor_xy", sensor_xy)[None]
-        ends, last = pairs("points", points), pairs("free_points", free_points)
-        cells, inside = self._cells(sensor_xy=sensor, points=ends, free_points=last)
-        cells = cells if inside else cells + self._grow(cells)
-        return cells[0], cells[1 : len(ends) + 1], cells[len(ends) + 1 :]
-
-    def _cells(self, **named: Array) -> tuple[loops.Cells, bool]:
+    def _cells(self, named: dict[str, Array]) -> tuple[loops.Cells, bool]:
         """Cells of points `(n, 2)`, counted from the root's, and whether it holds them all."""
-        root = self.tree.corner, 1 << self.tree.level
         together = np.concatenate(list(named.values()))
-        cells, finite, inside = loops.cells_of(together, self.corner, self.resolution, *root)
-        if not finite:
-            check_finite(**named)
-        return cells, inside
+        cells = np.empty(together.shape, np.int64)
+        root = self.tree.corner, 1 << self.tree.level
+        found = loops.cells_of(together, self.corner, self.resolution, *root, cells)
+        if found == 2:
+            for name, points in named.items():
+                arrays.table(points, name, 2, unit=UNIT, limit=np.inf)
+        return cells, found == 0
 
     def _grow(self, cells: loops.Cells) -> loops.Cells:
-        """Grow to hold cells `(n, 2)`; returns `(2,)`, how much further the root's corner is."""
+        """Grow to hold cells `(n, 2)`; returns them, counted from the grown root's corner."""
         before = self.tree.corner
         try:
             self.tree.grow(cells)
         except ValueError as error:
-            most = np.ldexp(self.resolution, self.tree.largest)
             raise ValueError(
-                f"the scan reaches beyond max_size, {most:.6g} m, with {error} of "
-                f"{self.resolution:.6g} m: the map is as it was"
+                f"the scan reaches beyond max_size, {self._metres(self.tree.largest):.6g} m, with "
+                f"{error} of {self.resolution:.6g} m: the map is as it was"
             ) from None
-        return before - self.tree.corner
+        return cells + (before - self.tree.corner)
 
     def _occupancy(self, node: loops.Cells) -> Array:
         vis, occ = self.tree.vis[node], self.tree.occ[node]
         empty = np.maximum(0.5 * (self.bias - vis) / self.bias, 0.0)
         return np.where(occ > 0, occ / np.maximum(vis, 1), empty)
+
+    def _metres(self, level: int) -> float:
+        """Side of squares of a level."""
+        return float(np.ldexp(self.resolution, level))

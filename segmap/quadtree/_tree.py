@@ -1,13 +1,38 @@
-"""The tree itself, in whole cells: blocks of four nodes that double, split and join (B 4.2)."""
+"""The tree itself, in whole cells: blocks of four nodes that double, split and join; its file."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
+from .. import arrays
+from ..arrays import Array
 from . import _loops as loops
-from . import _whole_loops as whole
 
-Cells = loops.Cells
-Counts = loops.Counts
+FORMAT, VERSION = "segmap quadtree", 1
+#: What an error says of coordinates.
+UNIT = "metres (leave out beams without return)"
+
+
+class Leaves(NamedTuple):
+    """Leaves as arrays `(n,)`: lower left corner and side in metres, rays that crossed, ends.
+
+    Examples
+    --------
+    >>> from segmap.quadtree import QuadtreeMap
+    >>> QuadtreeMap(resolution=0.5, size=2).leaves().side
+    array([1., 1., 1., 1.])
+    """
+
+    x: Array
+    y: Array
+    side: Array
+    vis: NDArray[np.int32]
+    occ: NDArray[np.int32]
 
 
 class Tree:
@@ -23,17 +48,21 @@ class Tree:
         Blocks in use.
     block, level : int
         Block of the root's children, and the level of the root: 2^level cells a side.
+    largest : int
+        The level that the root never exceeds.
     corner : (2,) int array
         The root's lower left cell, counted from where it was at first.
+    version : int
+        Grows with every change: what was computed from another version is out of date.
     """
 
     def __init__(self, level: int, largest: int) -> None:
         self.vis, self.occ = np.zeros(64, np.int32), np.zeros(64, np.int32)
-        self.used, self.block, self.level = 1, 0, level
-        self.corner = np.zeros(2, np.int64)
-        self.largest = largest
+        self.used, self.block, self.level, self.largest = 1, 0, level, largest
+        self.corner, self.version = np.zeros(2, np.int64), 0
+        self._occupied: tuple[int, loops.Holds] = (-1, np.zeros(0, np.bool_))
 
-    def grow(self, cells: Cells) -> None:
+    def grow(self, cells: loops.Cells) -> None:
         """Double the root until it holds all cells `(n, 2)`, in their order; first see that it may.
 
         Raises
@@ -62,65 +91,103 @@ class Tree:
         self.vis[4 * self.used + quarter] = ~self.block
         corner = self.corner - np.array([quarter & 1, quarter >> 1]) * (1 << self.level)
         self.corner, self.level = corner, self.level + 1
-        self.block, self.used = self.used, self.used + 1
+        self.block, self.used, self.version = self.used, self.used + 1, self.version + 1
 
-    def split_to(self, cells: Cells, *, inherit: bool) -> None:
-        """Split the leaves of cells `(n, 2)` down to single cells."""
-        done = 0
+    def insert(self, cells: loops.Cells, ends: int, finest: int | None) -> None:
+        """Insert a scan: the cells of the sensor, of `ends` beams that ended and of those that did
+        not, `(n, 2)` in all (B 4.2 to 4.4).
+
+        Rays too split leaves above the level `finest`, where there is one: splits then hand their
+        counts on, and leaves that are alike join in the end.
+        """
+        done, inherit = 1, finest is not None
+        while done <= ends:
+            self._make_room(self.level)
+            tree = self.vis, self.occ, self.used, self.level
+            self.used, done = loops.insert_ends(*tree, cells, ends, done, inherit, self._path())
+            self.version += 1
+        if finest is not None:
+            self._walk(cells, ends, finest, 0)
+        self._walk(cells, ends, self.level, 1)
+        if finest is not None:
+            self._compact(self.used, join=True)
+            self._compact(self.used, join=False)
+
+    def _walk(self, cells: loops.Cells, ends: int, largest: int, add: int) -> None:
+        """Split the leaves above a level that rays cross, and add to the counts of all of them"""
+        done = 1
         while done < len(cells):
             self._make_room(self.level)
-            self.used, done = loops.split_to_cells(
-                self.vis, self.occ, self.used, self.block, self.level, cells, done, inherit
-            )
-
-    def count_ends(self, cells: Cells) -> None:
-        """Count end points in their cells `(n, 2)`, which are leaves."""
-        loops.count_ends(self.vis, self.occ, self.block, self.level, cells)
-
-    def split_along(self, sensor: Cells, ends: Cells, masked: int, level: int) -> None:
-        """Split what rays cross above this level, all but their last `masked` steps.
-
-        The sensor's cell, (2,) int array, and the ends', `(n, 2)`, are counted from the root's
-        corner.
-        """
-        done = 0
-        while done < len(ends):
-            self._make_room(self.level)
-            done = self._walk(sensor, ends, done, masked, level, 0)
-
-    def count_rays(self, sensor: Cells, ends: Cells, masked: int) -> None:
-        """Count the rays that cross each leaf, all but their last `masked` steps.
-
-        The same cells as in `split_along`.
-        """
-        self._walk(sensor, ends, 0, masked, self.level, 1)
-
-    def _walk(
-        self, sensor: Cells, ends: Cells, done: int, masked: int, level: int, add: int
-    ) -> int:
-        tree = self.vis, self.occ, self.used, self.block, self.level
-        self.used, done = loops.walk_rays(*tree, sensor, ends, done, masked, level, add)
-        return done
-
-    def join(self) -> None:
-        """Make one leaf of every four children that are alike and never hit."""
-        self.vis, self.occ, self.used = whole.joined(self.vis, self.occ, self.block, self.used)
-        self.block = 0
+            tree = self.vis, self.occ, self.used, self.level
+            self.used, done = loops.walk_rays(*tree, cells, ends, done, largest, add, self._path())
+            self.version += 1
 
     def mend(self) -> None:
-        """Keep the blocks that the root reaches: a loop may have ended unheard, interrupted."""
-        room = len(self.vis) // 4
-        self.vis, self.occ, self.used = whole.reached(self.vis, self.occ, self.block, room)
-        self.block = 0
+        """Keep the blocks that the root reaches: an interrupt may have hidden how many are used."""
+        self._compact(len(self.vis) // 4, join=False)
 
-    def leaves_at(self, cells: Cells) -> Cells:
+    def _compact(self, blocks: int, *, join: bool) -> None:
+        """Renumber the blocks; first of all there are so many."""
+        order, above = np.empty(blocks, np.int64), np.empty(blocks, np.int64)
+        new_vis, new_occ = np.empty(4 * blocks, np.int32), np.empty(4 * blocks, np.int32)
+        tree = self.vis, self.occ, self.block, join
+        self.used = loops.compact(*tree, order, above, new_vis, new_occ)
+        self.vis, self.occ, self.block, self.version = new_vis, new_occ, 0, self.version + 1
+
+    def leaves_at(self, cells: loops.Cells) -> loops.Cells:
         """Leaf of each cell `(n, 2)`; -1 outside the root."""
-        return loops.leaves_at(self.vis, self.block, self.level, cells)
+        found = np.empty(len(cells), np.int64)
+        loops.leaves_at(self.vis, self.level, cells, self._path(), found)
+        return found
 
-    def leaves(self) -> tuple[Cells, Cells, Cells]:
+    def leaves(self) -> tuple[loops.Cells, loops.Cells, loops.Cells]:
         """Nodes `(n,)`, lower left cells `(n, 2)` and levels `(n,)` of all leaves."""
-        found = whole.all_leaves(self.vis, self.block, self.level, self.used)
+        side = 1 << self.level
+        found = self._leaves_in(np.array([0, 0, side, side]), np.zeros(0, np.bool_))
         return found[:, 0], found[:, 1:3], found[:, 3]
+
+    def occupied_cells(self, window: loops.Cells) -> loops.Cells:
+        """The occupied cells `(n, 2)` of a window: left, low, right and high, `(4,)`, in cells."""
+        return self._leaves_in(window, self.occupied_blocks())[:, 1:3]
+
+    def _leaves_in(self, window: loops.Cells, holds: loops.Holds) -> loops.Cells:
+        found = np.empty((3 * self.used + 1, 4), np.int64)
+        todo = np.empty((4 * loops.DEPTH, 4), np.int64)
+        todo[0] = self.block, 0, 0, self.level
+        return found[: loops.leaves_in(self.vis, self.occ, holds, window, todo, found)]
+
+    def occupied_blocks(self) -> loops.Holds:
+        """Which blocks hold an occupied cell (occupancy above 0.5), `(b,)`; kept until a change."""
+        version, holds = self._occupied
+        if version != self.version:
+            version, holds = self.version, np.zeros(self.used, np.bool_)
+            order = np.append(np.arange(self.used)[::-1], self._doubled())
+            loops.occupied_blocks(self.vis, self.occ, order, holds)
+            self._occupied = version, holds
+        return holds
+
+    def _doubled(self) -> list[int]:
+        """The blocks of doubled roots, each after the one below it.
+
+        All other blocks come before those below them.
+        """
+        found, block = [], self.block
+        while block >= 0:
+            found.append(block)
+            below = ~self.vis[4 * block : 4 * block + 4]
+            block = int(below.max(where=below < block, initial=-1))
+        return found[::-1]
+
+    def restore(self, stored: Stored) -> None:
+        """Take over what a file holds."""
+        self.block, _, _, *corner, _, _ = stored.state.tolist()
+        self.vis, self.occ, self.used = stored.vis, stored.occ, len(stored.vis) // 4
+        self.corner, self.version = np.array(corner, np.int64), self.version + 1
+
+    def _path(self) -> loops.Cells:
+        path = np.empty(loops.DEPTH, np.int64)
+        path[self.level] = self.block
+        return path
 
     def _make_room(self, blocks: int) -> None:
         """Make sure that so many blocks can be added."""
@@ -130,6 +197,120 @@ class Tree:
             self.vis, self.occ = np.resize(self.vis, room), np.resize(self.occ, room)
 
 
-def in_use(tree: Tree) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
-    """Copies of the counts of the nodes in use, `(4 b,)` each."""
-    return tree.vis[: 4 * tree.used].copy(), tree.occ[: 4 * tree.used].copy()
+def level_of(name: str, length: object, resolution: float, *, least: int = 0) -> int:
+    """The level of squares of a side in metres, which must be a power of two of cells.
+
+    Raises
+    ------
+    ValueError
+        For another length, or below `2^least` cells.
+    """
+    count = arrays.number(length, name, unit="metres") / resolution
+    level = round(np.log2(count)) if 0 < count < 2.0**60 else -1
+    if level < least or not np.isclose(count, 2.0**level, rtol=1e-9, atol=0):
+        raise ValueError(
+            f"{name} must be a power of two of cells of {resolution:.6g} m, at least {1 << least}, "
+            f"got {length} m: {count:.6g} cells"
+        )
+    return level
+
+
+def pairs(name: str, values: ArrayLike) -> Array:
+    """Points as an array `(n, 2)`; whether they are finite is seen where their cells are found."""
+    if isinstance(values, np.ndarray) and values.dtype == float and values.shape[1:] == (2,):
+        return values
+    return arrays.table(values, name, 2, unit=UNIT, limit=np.inf)
+
+
+# -------------------------------------------------------------------------------- its file
+class Stored(NamedTuple):
+    """What a file holds.
+
+    `state` is block, level, largest, corner, bias and scans; `lengths` in metres are resolution,
+    corner and free resolution; `vis` and `occ` are the counts of the nodes.
+    """
+
+    state: NDArray[np.int64]
+    lengths: Array
+    vis: loops.Counts
+    occ: loops.Counts
+
+
+def write(path: Path, stored: Stored) -> None:
+    """Write under a temporary name, then rename: the file is whole or absent."""
+    if not path.parent.is_dir():
+        raise FileNotFoundError(f"cannot write {path}: the folder {path.parent} does not exist")
+    part = path.with_name(f".{path.name}.{os.getpid()}.part")
+    kind = np.array(f"{FORMAT} {VERSION}")
+    try:
+        with part.open("wb") as target:
+            np.savez_compressed(target, format=kind, **stored._asdict())
+            target.flush()
+            os.fsync(target.fileno())
+        part.replace(path)
+    finally:
+        part.unlink(missing_ok=True)
+
+
+def read(path: Path) -> Stored:
+    """Read and check a file.
+
+    Raises
+    ------
+    ValueError
+        For a damaged or foreign file, saying what is wrong with it.
+    """
+    try:
+        with path.open("rb") as source:
+            if source.read(2) != b"PK":  # else numpy would speak of pickles
+                raise ValueError("it does not begin like one")
+            source.seek(0)
+            with np.load(source, allow_pickle=False) as held:
+                arrays: dict[str, Any] = {name: held[name] for name in held.files}
+    except (FileNotFoundError, IsADirectoryError, PermissionError):
+        raise
+    except Exception as error:  # zipfile, zlib and numpy raise a dozen kinds for damaged bytes
+        raise ValueError(f"{path}: not a readable NPZ file ({error})") from None
+    kind = str(arrays.pop("format", ""))
+    if not kind.startswith(FORMAT):
+        raise ValueError(f"{path}: not a quadtree of segmap, holds {sorted(arrays)}")
+    if kind != f"{FORMAT} {VERSION}":
+        raise ValueError(f"{path}: written as {kind!r}, this version reads {VERSION}")
+    if wrong := _fault(arrays):
+        raise ValueError(f"{path}: damaged, {wrong}")
+    return Stored(**arrays)
+
+
+def _fault(arrays: dict[str, Any]) -> str:
+    """What keeps the arrays from being a map; empty where nothing does."""
+    if set(arrays) != set(Stored._fields):
+        return f"it holds {sorted(arrays)}, expected {sorted(Stored._fields)}"
+    state, lengths, vis, occ = (arrays[name] for name in Stored._fields)
+    kinds = [(state, np.int64, 7), (lengths, np.float64, 4), (vis, np.int32, vis.size)]
+    for array, kind, count in [*kinds, (occ, np.int32, vis.size)]:
+        if array.dtype != kind or array.shape != (count,):
+            return f"an array is {array.dtype} {array.shape}, expected {np.dtype(kind)} ({count},)"
+    _, level, largest, _, _, bias, scans = state.tolist()
+    sizes = np.isfinite(lengths).all() and lengths[0] > 0 and 2 <= level <= largest < loops.DEPTH
+    if not (sizes and bias >= 1 and scans >= 0 and (abs(state[3:5]) < loops.FAR).all()):
+        return "its sizes make no sense"
+    return _fault_of_tree(vis, occ, int(state[0]), int(state[1]))
+
+
+def _fault_of_tree(vis: loops.Counts, occ: loops.Counts, root: int, level: int) -> str:
+    """Every block must be reached once, from the root, and counts must be possible."""
+    blocks = vis.size // 4
+    inner = vis < 0
+    child = np.append(~vis[inner].astype(np.int64), root)
+    if vis.size % 4 or not np.array_equal(np.sort(child), np.arange(blocks)):
+        return "its blocks do not hang together"
+    if (occ < 0).any() or (occ > vis)[~inner].any() or occ[inner].any():
+        return "a leaf was hit more often than crossed"
+    layer, depth, seen = np.array([root]), 0, 1
+    while len(layer):
+        nodes = (4 * layer[:, None] + np.arange(4)).ravel()
+        layer = ~vis[nodes[vis[nodes] < 0]].astype(np.int64)
+        depth, seen = depth + 1, seen + len(layer)
+        if depth > level:
+            return "a leaf is smaller than a cell"
+    return "" if seen == blocks else "its blocks do not hang together"
