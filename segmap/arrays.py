@@ -46,21 +46,7 @@ Poses = HasPoses | ArrayLike
 def numbers(value: object, name: str, expected: str = "an array of real numbers") -> Array:
     """Real numbers of any shape as floats: no text, no complex numbers, no objects.
 
-    Parameters
-    ----------
-    value : array-like
-    name : str
-        How an error calls the argument.
-    expected : str
-        What the error says that it should have been.
-
-    Returns
-    -------
-    (...) array
-
-    Raises
-    ------
-    ValueError
+    An error calls the argument by its `name`, and says what was `expected`.
 
     Examples
     --------
@@ -83,10 +69,6 @@ def trailing(value: object, name: str, *axes: int) -> Array:
     """Numbers of any leading shape whose last axes are given; NaN and infinity may be among them.
 
     Points are `(..., 2)`, poses `(..., 3)`, segments `(..., 2, 2)`. An empty list is no row.
-
-    Raises
-    ------
-    ValueError
 
     Examples
     --------
@@ -117,32 +99,8 @@ def table(
 ) -> Array:
     """Rows of numbers, `(n, columns)`; nothing at all is no row.
 
-    Parameters
-    ----------
-    value : array-like
-    name : str
-    columns : int
-    unit : str
-        What the error says that the numbers are.
-    count : int or None
-        Rows that there must be.
-    missing : bool
-        Whether rows may hold NaN.
-    limit : float
-        Largest absolute value, in the unit.
-
-    Returns
-    -------
-    (n, columns) array
-
-    Raises
-    ------
-    ValueError
-
-    Examples
-    --------
-    >>> table([(0, 0, 0), (1, 0, 0)], "poses", 3).shape
-    (2, 3)
+    There must be `count` of them, if given. Values are in `unit`, at most `limit`; they may be NaN
+    where `missing` allows it.
     """
     wanted = f"({'n' if count is None else count}, {columns})"
     array = numbers(value, name, f"a {wanted} array")
@@ -156,10 +114,6 @@ def table(
 
 def points(value: object, name: str = "points") -> Array:
     """Points, `(n, 2)`, metres: finite, and no building away.
-
-    Raises
-    ------
-    ValueError
 
     Examples
     --------
@@ -177,10 +131,6 @@ def poses(
 
     Rows of NaN may be among them where `missing` allows it.
 
-    Raises
-    ------
-    ValueError
-
     Examples
     --------
     >>> poses([(0, 0, 0)], count=2)
@@ -192,17 +142,7 @@ def poses(
 
 
 def pose(value: object, name: str = "pose", *, missing: bool = False) -> Array:
-    """One pose, `(3,)`: x and y in metres, heading in radians; NaN where `missing` allows it.
-
-    Raises
-    ------
-    ValueError
-
-    Examples
-    --------
-    >>> pose((1, 2, 0.5))
-    array([1. , 2. , 0.5])
-    """
+    """One pose, `(3,)`: x and y in metres, heading in radians; NaN where `missing` allows it."""
     array = numbers(value, name, "a pose (x, y, heading)")
     if array.shape != (3,):
         raise ValueError(f"{name} must be x, y, heading, got shape {array.shape}")
@@ -210,37 +150,17 @@ def pose(value: object, name: str = "pose", *, missing: bool = False) -> Array:
     return array
 
 
-def point(value: object, name: str = "point") -> Array:
-    """One point, `(2,)`, metres.
-
-    Raises
-    ------
-    ValueError
-
-    Examples
-    --------
-    >>> point((1, 2))
-    array([1., 2.])
-    """
+def point(value: object, name: str = "point", *, limit: float = LIMIT) -> Array:
+    """One point, `(2,)`, metres, no coordinate above a limit."""
     array = numbers(value, name, "a point (x, y)")
     if array.shape != (2,):
         raise ValueError(f"{name} must be x, y, got shape {array.shape}")
-    _check_values(array, name, "metres", False, LIMIT)
+    _check_values(array, name, "metres", False, limit)
     return array
 
 
 def segments(value: Segments, name: str = "segments") -> Array:
-    """Segments of a map, a reduction or an array, `(n, 2, 2)`, metres.
-
-    Raises
-    ------
-    ValueError
-
-    Examples
-    --------
-    >>> segments([]).shape
-    (0, 2, 2)
-    """
+    """Segments of a map, a reduction or an array, `(n, 2, 2)`, metres."""
     given = getattr(value, "segments", value)
     array = numbers(given, name, "a map or an (n, 2, 2) array")
     if array.size == 0 and array.ndim in (1, 3):
@@ -264,22 +184,6 @@ def number(
     unit: str = "",
 ) -> float:
     """One finite number: above a bound, or at least at it, and below another, or at most at it.
-
-    Parameters
-    ----------
-    value : float
-    name : str
-    above, least, below, most : float or None
-    unit : str
-        "metres", say: it stands in the error.
-
-    Returns
-    -------
-    float
-
-    Raises
-    ------
-    ValueError
 
     Examples
     --------
@@ -308,10 +212,6 @@ def number(
 def positive(unit: str = "", **values: object) -> None:
     """Refuse each named value that is not one positive, finite number.
 
-    Raises
-    ------
-    ValueError
-
     Examples
     --------
     >>> positive("metres", distance=0.2, gap=0)
@@ -324,10 +224,6 @@ def positive(unit: str = "", **values: object) -> None:
 
 def whole(value: object, name: str, *, least: int = 1, most: int | None = None) -> int:
     """One whole number.
-
-    Raises
-    ------
-    ValueError
 
     Examples
     --------
@@ -348,10 +244,6 @@ def whole(value: object, name: str, *, least: int = 1, most: int | None = None) 
 def one_of(value: object, name: str, choices: Collection[str]) -> str:
     """One word of several.
 
-    Raises
-    ------
-    ValueError
-
     Examples
     --------
     >>> one_of("best", "fit", ("total", "algebraic"))
@@ -366,10 +258,6 @@ def one_of(value: object, name: str, choices: Collection[str]) -> str:
 
 def generator(value: Any, name: str = "rng") -> np.random.Generator:
     """A source of random numbers.
-
-    Raises
-    ------
-    ValueError
 
     Examples
     --------

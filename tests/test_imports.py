@@ -131,10 +131,7 @@ def test_a_notebook_draws_though_only_segmap_was_imported():
 # ------------------------------------------------------------------ what is private stays inside
 
 #: Imports of private names across rooms that are still to go: nothing may be added.
-STILL_PRIVATE = {
-    "segmap.exports._grids: segmap.quadtree._whole_loops.painted",
-    "segmap.matching._mapping: segmap.quadtree._build.unmet",
-}
+STILL_PRIVATE: set[str] = set()
 
 
 def crossing(source: str, module: str, is_package: bool = False) -> list[str]:
@@ -214,7 +211,7 @@ def test_a_missing_package_is_named_with_the_extra_that_brings_it():
 # ------------------------------------------------------------------ the house stays small
 
 #: Files with more than 300 lines that are still to be cut: nothing may be added.
-STILL_LONG = {"quadtree/_map.py", "metrics.py", "arrays.py"}
+STILL_LONG = {"quadtree/_map.py", "metrics.py"}
 #: The goal is 130.
 MOST_FILES = 165
 

@@ -4,16 +4,15 @@ import numpy as np
 import pytest
 
 from segmap.matching import distance_score, nearest_score
-from segmap.quadtree import QuadtreeMap, _loops, _tree, _whole_loops
+from segmap.quadtree import QuadtreeMap, Tree, _loops
 
 #: More than the last call of each loop in a scan that grows, splits and joins.
 CALLS = range(6)
 LOOPS = [
-    (_loops, "split_to_cells"),
-    (_loops, "count_ends"),
+    (_loops, "insert_ends"),
     (_loops, "walk_rays"),
-    (_whole_loops, "joined"),
-    (_tree.Tree, "_double"),
+    (_loops, "compact"),
+    (Tree, "_double"),
 ]
 
 

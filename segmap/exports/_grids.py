@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..quadtree import QuadtreeMap
-from ..quadtree._whole_loops import painted
 from ._files import write_bytes
 
 #: Grey values of classes: free, unknown, occupied.
@@ -67,17 +66,10 @@ def ros_classes(
     """
     if not 0 <= free < 0.5 <= occupied < 1:
         raise ValueError(f"wanted 0 <= free < 0.5 <= occupied < 1, got {free} and {occupied}")
-    k = map.level_of(resolution)
-    _, cell, level = map.tree.leaves()
     value = map.leaf_occupancy()
     kind = np.select([value > occupied, value <= free], [2.0, 0.0], 1.0)
-    first, last = cell >> k, (cell + (1 << level)[:, None] - 1) >> k
-    known = kind != 1 if (kind != 1).any() else kind == 1
-    start, end = first[known].min(0), last[known].max(0) + 1
-    columns, rows = (end - start).tolist()
-    grid = painted(rows, columns, first - start, level - k, kind)
-    left, low = (map.corner + (map.tree.corner + (start << k)) * map.resolution).tolist()
-    side = float(np.ldexp(map.resolution, k))
+    known = kind != 1 if (kind != 1).any() else None
+    grid, left, low, side = map.rasterize(kind, shown=known, resolution=resolution)
     return Classes(GREYS[grid.astype(np.int64)], left, low, side)
 
 

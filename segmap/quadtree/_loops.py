@@ -3,10 +3,10 @@
 A tree is an array of nodes in blocks of four, the children of one square. `vis[node]` of a leaf is
 the number of rays that crossed it; of an inner node it is `~block` (negative), the block of its
 children. Cells are counted from the root's lower left corner. `path[level]` is the block of the
-square of `2^level` cells that holds the cell found last: the next cell is mostly near.
+square of `2^level` cells that holds the cell found last, since the next cell is mostly near; the
+last of `path` is the root.
 
-What a loop does is also chosen by how long it takes to compile: callers bring all arrays, numbers
-have 64 bits, and one loop follows another only where it must.
+Callers bring all arrays, since each that a loop makes for itself takes long to compile.
 """
 
 from __future__ import annotations
@@ -80,9 +80,10 @@ def _find(
 
 
 @compiled
-def leaves_at(vis: Counts, top: int, cells: Cells, path: Cells, found: Cells) -> None:
+def leaves_at(vis: Counts, cells: Cells, path: Cells, found: Cells) -> None:
     """Write the leaf of each cell `(n, 2)` into `found`, `(n,)`; -1 outside the root."""
-    side, level, x, y = 1 << top, top, whole(0), whole(0)
+    level, x, y = len(path) - 1, whole(0), whole(0)
+    side = 1 << level
     for k in range(len(cells)):
         found[k] = -1
         if 0 <= cells[k, 0] < side and 0 <= cells[k, 1] < side:
@@ -121,30 +122,21 @@ def _split(
 
 @compiled
 def insert_ends(
-    vis: Counts,
-    occ: Counts,
-    used: int,
-    top: int,
-    cells: Cells,
-    ends: int,
-    done: int,
-    inherit: bool,
-    path: Cells,
+    vis: Counts, occ: Counts, used: int, cells: Cells, ends: int, done: int, keep: bool, path: Cells
 ) -> tuple[int, int]:
     """Steps 1 and 2: split the leaf of each end down to a cell, and count the end there (B 4.2.2).
 
-    Ends are `cells[1]` to `cells[ends]`. A leaf that is split hands its count on to its children
-    where they `inherit`, else these start with 1. No split touches a cell that was counted before.
-    Returns the blocks used and the cells done, from cell `done` on: it stops early where the arrays
-    get full.
+    Ends are `cells[1]` to `cells[ends]`. Children of a leaf `keep` its count where told to, else
+    they start with 1. No split touches a cell that was counted before. Returns the blocks used and
+    the cells done, from cell `done` on: it stops early where the arrays get full.
     """
-    level, x, y = top, cells[0, 0], cells[0, 1]
+    level, x, y = len(path) - 1, cells[0, 0], cells[0, 1]
     for k in range(done, ends + 1):
-        if 4 * (used + top) > len(vis):
+        if 4 * (used + len(path)) > len(vis):
             return used, k
         node, level = _find(vis, path, level, cells[k, 0], cells[k, 1], x, y)
         x, y = cells[k, 0], cells[k, 1]
-        first = whole(vis[node] if inherit else 1)
+        first = whole(vis[node] if keep else 1)
         node, used = _split(vis, occ, path, node, used, level, whole(0), x, y, first)
         if (occ[node] > 0 or vis[node] == 0) and vis[node] < MOST:  # each ray but the first
             vis[node] += 1
@@ -156,26 +148,18 @@ def insert_ends(
 
 @compiled
 def walk_rays(
-    vis: Counts,
-    occ: Counts,
-    used: int,
-    top: int,
-    cells: Cells,
-    ends: int,
-    done: int,
-    largest: int,
-    add: int,
-    path: Cells,
+    vis: Counts, occ: Counts, used: int, cells: Cells, ends: int, done: int, least: int, path: Cells
 ) -> tuple[int, int]:
-    """Step 3: add to `vis` of every leaf that holds a cell of a ray, but for the mask (B 4.4).
+    """Step 3: add 1 to `vis` of every leaf that holds a cell of a ray, but for the mask (B 4.4).
 
     Rays run from `cells[0]` to each other cell. The first `ends` of them leave out their end and
     its neighbours: of the cells that Bresenham takes, those of the last two steps along the longer
-    axis. A square is entered and left once, so each leaf counts once a ray. Leaves above level
-    `largest` are split on the way, handing their counts on. Returns the blocks used and the cells
-    done, from cell `done` on: it stops early where the arrays get full.
+    axis. A square is entered and left once, so each leaf counts once a ray. With a level `least`
+    below the root's, leaves above it are split instead, and nothing is counted. Returns as
+    `insert_ends`.
     """
-    level, x, y = top, cells[0, 0], cells[0, 1]
+    top = len(path) - 1
+    level, x, y, add = top, cells[0, 0], cells[0, 1], least >= top
     for k in range(done, len(cells)):
         dx, dy = cells[k, 0] - cells[0, 0], cells[k, 1] - cells[0, 1]
         sign_x, sign_y = (1 if dx >= 0 else -1), (1 if dy >= 0 else -1)
@@ -193,12 +177,12 @@ def walk_rays(
             new_y = cells[0, 1] + sign_y * (step if steep else across)
             node, level = _find(vis, path, level, new_x, new_y, x, y)
             x, y = new_x, new_y
-            if level > largest:
+            if level > least:
                 if 4 * (used + top) > len(vis):
                     return used, k
                 first = whole(vis[node])
-                node, used = _split(vis, occ, path, node, used, level, largest, x, y, first)
-                level = largest
+                node, used = _split(vis, occ, path, node, used, level, least, x, y, first)
+                level = least
             if vis[node] < MOST:
                 vis[node] += add
             # cells to the first beyond the leaf, along both axes

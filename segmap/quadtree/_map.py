@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -38,9 +38,8 @@ class QuadtreeMap(Pictured):
         Rays that have to cross a leaf until it counts as surely free.
     free_resolution : float, metres, or None
         Where given, space counts as free only where rays went, to this side: rays too split leaves
-        larger than it (step 3, before any is counted), all splits hand their counts on to the
-        children instead of resetting them, and after the scan four children that hold no end
-        and as many rays each join again. A power of two of cells.
+        larger than it, children keep the count of a leaf that is split, and after the scan four
+        children that hold no end and as many rays each join again. A power of two of cells.
 
     Raises
     ------
@@ -67,25 +66,21 @@ class QuadtreeMap(Pictured):
         bias: int = 20,
         free_resolution: float | None = None,
     ) -> None:
-        self.resolution = arrays.number(resolution, "resolution", above=0, unit="metres")
-        level = 9 if size is None else level_of("size", size, self.resolution, least=2)
-        largest = (
-            max(level, 16)
-            if max_size is None
-            else level_of("max_size", max_size, self.resolution, least=2)
-        )
+        self.resolution = cell = arrays.number(resolution, "resolution", above=0, unit="metres")
+        level = 9 if size is None else level_of("size", size, cell, least=2)
+        largest = max(level, 16) if max_size is None else level_of("max_size", max_size, cell)
         if not level <= largest < loops.DEPTH:
             raise ValueError(
                 f"max_size must not be below the size, {self._metres(level):.6g} m, nor have more "
                 f"than 2^{loops.DEPTH - 1} cells a side, got {max_size}"
             )
         self.bias = arrays.whole(bias, "bias", most=loops.MOST)
-        self.corner = arrays.point(corner, "corner")
-        self.free_resolution, self.scans = free_resolution, 0
-        self._finest = None
-        if free_resolution is not None:
-            self._finest = level_of("free_resolution", free_resolution, self.resolution)
-        self.tree = Tree(level, largest)
+        self.corner = arrays.point(corner, "corner", limit=np.inf)
+        free = (
+            None if free_resolution is None else level_of("free_resolution", free_resolution, cell)
+        )
+        self.free_resolution, self._finest = free_resolution, free
+        self.tree, self.scans = Tree(level, largest), 0
 
     def insert_scan(
         self, sensor_xy: ArrayLike, points: ArrayLike, free_points: ArrayLike | None = None
@@ -114,17 +109,12 @@ class QuadtreeMap(Pictured):
         >>> map.occupancy([(3.5, 0.5), (0.5, 3.5), (3.5, 3.5)])
         array([1.   , 0.475, 0.5  ])
         """
-        free_points = () if free_points is None else free_points
-        named: dict[str, Any] = {
-            "sensor_xy": [sensor_xy],
-            "points": points,
-            "free_points": free_points,
-        }
-        ends = {name: pairs(name, values) for name, values in named.items()}
-        cells, inside = self._cells(ends)
-        cells = cells if inside else self._grow(cells)
+        sensor, ends = pairs("sensor_xy", np.array([sensor_xy])), pairs("points", points)
+        free = pairs("free_points", () if free_points is None else free_points)
+        cells, inside = self._cells(sensor_xy=sensor, points=ends, free_points=free)
+        cells = cells if inside else self.tree.grow(cells, self.resolution)
         try:
-            self.tree.insert(cells, len(ends["points"]), self._finest)
+            self.tree.insert(cells, len(ends), self._finest)
             self.scans += 1
         except BaseException:  # interrupted: half a scan may be in, but in a tree
             self.tree.mend()
@@ -140,7 +130,7 @@ class QuadtreeMap(Pictured):
         ValueError
             For another shape, or values that are not finite.
         """
-        leaf = self.tree.leaves_at(self._cells({"points": pairs("points", points)})[0])
+        leaf = self.tree.leaves_at(self._cells(points=pairs("points", points))[0])
         inside = leaf >= 0
         return np.where(inside, self._occupancy(np.where(inside, leaf, 0)), 0.5)
 
@@ -180,17 +170,13 @@ class QuadtreeMap(Pictured):
         return self.rasterize(self.leaf_occupancy(), resolution=resolution)[0]
 
     def rasterize(
-        self,
-        values: ArrayLike,
-        *,
-        shown: ArrayLike | None = None,
-        resolution: float | None = None,
+        self, values: ArrayLike, *, shown: ArrayLike | None = None, resolution: float | None = None
     ) -> tuple[Array, float, float, float]:
         """Values of the leaves, `(n,)`, on a grid: of several in one cell the largest counts.
 
-        The grid `(rows, columns)`, row 0 lowest, is the smallest that holds the leaves that are
-        `shown`, (n,) bool array, or the whole root. Returned with it are its lower left corner and
-        the side of a cell, metres; `resolution` and errors are as in `to_grid`.
+        The grid `(rows, columns)`, row 0 lowest, holds the leaves that are `shown`, (n,) bool
+        array, or the whole root. Returned with it are its lower left corner and the side of a cell,
+        metres; `resolution` and errors are as in `to_grid`.
 
         Examples
         --------
@@ -203,14 +189,16 @@ class QuadtreeMap(Pictured):
         if k > self.tree.level:
             raise ValueError(f"resolution {resolution} is larger than the map, {self.side:.6g} m")
         _, cell, level = self.tree.leaves()
+        value = np.empty(level.shape)
+        value[:] = values
+        first, last = cell >> k, ((cell + (1 << level)[:, None] - 1) >> k) + 1
         start, end = np.zeros(2, np.int64), np.full(2, 1 << (self.tree.level - k))
         if shown is not None:
-            part, sides = cell[chosen := np.asarray(shown, bool)], 1 << level[chosen]
-            start, end = (part >> k).min(0), ((part + sides[:, None] - 1) >> k).max(0) + 1
+            start, end = first[(part := np.asarray(shown, bool))].min(0), last[part].max(0)
         grid = np.full((end - start)[::-1], -np.inf)
-        first, last = (cell >> k) - start, ((cell + (1 << level)[:, None] - 1) >> k) + 1 - start
-        within = np.clip(first, 0, end - start), np.clip(last, 0, end - start)
-        loops.paint(*within, np.asarray(values, float), grid)
+        loops.paint(
+            np.clip(first, start, end) - start, np.clip(last, start, end) - start, value, grid
+        )
         corner = self.corner + (self.tree.corner + (start << k)) * self.resolution
         return grid, *corner.tolist(), self._metres(k)
 
@@ -273,21 +261,20 @@ class QuadtreeMap(Pictured):
 
     @classmethod
     def load(cls, path: str | Path) -> QuadtreeMap:
-        """Read what `save` wrote; an example is there.
+        """Read what `save` wrote.
 
         Raises
         ------
         ValueError
             For a file that is damaged or foreign, saying what is wrong with it.
-        FileNotFoundError
         """
         found = read(Path(path))
         resolution, x, y, free = found.lengths.tolist()
         _, level, largest, _, _, bias, scans = found.state.tolist()
         sizes = {"size": np.ldexp(resolution, level), "max_size": np.ldexp(resolution, largest)}
-        options = {"corner": (x, y), "bias": bias, "free_resolution": free or None}
+        sizes |= {"corner": (x, y), "bias": bias, "free_resolution": free or None}
         try:
-            map = cls(resolution=resolution, **sizes, **options)
+            map = cls(resolution=resolution, **sizes)
         except ValueError as error:
             raise ValueError(f"{path}: damaged, {error}") from None
         map.scans = scans
@@ -295,13 +282,11 @@ class QuadtreeMap(Pictured):
         return map
 
     def __repr__(self) -> str:
-        leaves, count = 3 * self.tree.used + 1, f"{self.scans} scan" + "s" * (self.scans != 1)
-        return (
-            f"QuadtreeMap({self.side:.6g} m, {leaves} leaves of {self.resolution:.6g} m and more, "
-            f"{count})"
-        )
+        leaves = f"{3 * self.tree.used + 1} leaves of {self.resolution:.6g} m and more"
+        scans = f"{self.scans} scan" + "s" * (self.scans != 1)
+        return f"QuadtreeMap({self.side:.6g} m, {leaves}, {scans})"
 
-    def _cells(self, named: dict[str, Array]) -> tuple[loops.Cells, bool]:
+    def _cells(self, **named: Array) -> tuple[loops.Cells, bool]:
         """Cells of points `(n, 2)`, counted from the root's, and whether it holds them all."""
         together = np.concatenate(list(named.values()))
         cells = np.empty(together.shape, np.int64)
@@ -311,18 +296,6 @@ class QuadtreeMap(Pictured):
             for name, points in named.items():
                 arrays.table(points, name, 2, unit=UNIT, limit=np.inf)
         return cells, found == 0
-
-    def _grow(self, cells: loops.Cells) -> loops.Cells:
-        """Grow to hold cells `(n, 2)`; returns them, counted from the grown root's corner."""
-        before = self.tree.corner
-        try:
-            self.tree.grow(cells)
-        except ValueError as error:
-            raise ValueError(
-                f"the scan reaches beyond max_size, {self._metres(self.tree.largest):.6g} m, with "
-                f"{error} of {self.resolution:.6g} m: the map is as it was"
-            ) from None
-        return cells + (before - self.tree.corner)
 
     def _occupancy(self, node: loops.Cells) -> Array:
         vis, occ = self.tree.vis[node], self.tree.occ[node]

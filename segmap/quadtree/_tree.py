@@ -36,9 +36,7 @@ class Leaves(NamedTuple):
 
 
 class Tree:
-    """Nodes in blocks of four, and the root square that they divide.
-
-    Cells are counted from the root's lower left one, but for `corner`.
+    """Nodes in blocks of four in a square root; cells count from its lower left but for `corner`.
 
     Attributes
     ----------
@@ -62,26 +60,31 @@ class Tree:
         self.corner, self.version = np.zeros(2, np.int64), 0
         self._occupied: tuple[int, loops.Holds] = (-1, np.zeros(0, np.bool_))
 
-    def grow(self, cells: loops.Cells) -> None:
-        """Double the root until it holds all cells `(n, 2)`, in their order; first see that it may.
+    def grow(self, cells: loops.Cells, resolution: float) -> loops.Cells:
+        """Double the root until it holds all cells `(n, 2)`, in their order.
+
+        Returns them counted from the corner of the new root.
 
         Raises
         ------
         ValueError
             Where a cell lies beyond the largest root; the tree is then as it was.
         """
-        x, y, level = 0, 0, self.level
-        steps: list[int] = []
-        outside = ((cells < 0) | (cells >= 1 << level)).any(1)
-        for cell_x, cell_y in cells[outside].tolist():
+        x, y, level, steps = 0, 0, self.level, []
+        for cell_x, cell_y in cells.tolist():
             while not (0 <= cell_x - x < 1 << level and 0 <= cell_y - y < 1 << level):
                 if level == self.largest:
-                    raise ValueError(f"cell {(self.corner + (cell_x, cell_y)).tolist()}")
+                    raise ValueError(
+                        f"the scan reaches beyond max_size, {np.ldexp(resolution, level):.6g} m, "
+                        f"with cell {(self.corner + (cell_x, cell_y)).tolist()} of "
+                        f"{resolution:.6g} m: the map is as it was"
+                    )
                 left, down = cell_x < x, cell_y < y
                 steps.append(left + 2 * down)
                 x, y, level = x - left * (1 << level), y - down * (1 << level), level + 1
         for quarter in steps:
             self._double(quarter)
+        return cells - (x, y)
 
     def _double(self, quarter: int) -> None:
         """Put the root into one quarter of a new one, whose other quarters nothing has crossed."""
@@ -94,32 +97,32 @@ class Tree:
         self.block, self.used, self.version = self.used, self.used + 1, self.version + 1
 
     def insert(self, cells: loops.Cells, ends: int, finest: int | None) -> None:
-        """Insert a scan: the cells of the sensor, of `ends` beams that ended and of those that did
-        not, `(n, 2)` in all (B 4.2 to 4.4).
+        """Insert a scan (B 4.2 to 4.4).
 
-        Rays too split leaves above the level `finest`, where there is one: splits then hand their
-        counts on, and leaves that are alike join in the end.
+        Cells `(n, 2)` are that of the sensor, of `ends` beams that ended and of those that did not.
+        Rays too split leaves above the level `finest`, where there is one: children then keep the
+        count, and leaves that are alike join in the end.
         """
-        done, inherit = 1, finest is not None
+        done, keep = 1, finest is not None
         while done <= ends:
             self._make_room(self.level)
-            tree = self.vis, self.occ, self.used, self.level
-            self.used, done = loops.insert_ends(*tree, cells, ends, done, inherit, self._path())
+            tree = self.vis, self.occ, self.used
+            self.used, done = loops.insert_ends(*tree, cells, ends, done, keep, self._path())
             self.version += 1
-        if finest is not None:
-            self._walk(cells, ends, finest, 0)
-        self._walk(cells, ends, self.level, 1)
+        if finest is not None and finest < self.level:
+            self._walk(cells, ends, finest)
+        self._walk(cells, ends, self.level)
         if finest is not None:
             self._compact(self.used, join=True)
             self._compact(self.used, join=False)
 
-    def _walk(self, cells: loops.Cells, ends: int, largest: int, add: int) -> None:
-        """Split the leaves above a level that rays cross, and add to the counts of all of them"""
+    def _walk(self, cells: loops.Cells, ends: int, least: int) -> None:
+        """Count the rays in all leaves that they cross, or split these leaves down to a level."""
         done = 1
         while done < len(cells):
             self._make_room(self.level)
-            tree = self.vis, self.occ, self.used, self.level
-            self.used, done = loops.walk_rays(*tree, cells, ends, done, largest, add, self._path())
+            tree = self.vis, self.occ, self.used
+            self.used, done = loops.walk_rays(*tree, cells, ends, done, least, self._path())
             self.version += 1
 
     def mend(self) -> None:
@@ -137,7 +140,7 @@ class Tree:
     def leaves_at(self, cells: loops.Cells) -> loops.Cells:
         """Leaf of each cell `(n, 2)`; -1 outside the root."""
         found = np.empty(len(cells), np.int64)
-        loops.leaves_at(self.vis, self.level, cells, self._path(), found)
+        loops.leaves_at(self.vis, cells, self._path(), found)
         return found
 
     def leaves(self) -> tuple[loops.Cells, loops.Cells, loops.Cells]:
@@ -167,10 +170,7 @@ class Tree:
         return holds
 
     def _doubled(self) -> list[int]:
-        """The blocks of doubled roots, each after the one below it.
-
-        All other blocks come before those below them.
-        """
+        """Roots that were doubled, the last at the end; other blocks come before those below."""
         found, block = [], self.block
         while block >= 0:
             found.append(block)
@@ -185,8 +185,8 @@ class Tree:
         self.corner, self.version = np.array(corner, np.int64), self.version + 1
 
     def _path(self) -> loops.Cells:
-        path = np.empty(loops.DEPTH, np.int64)
-        path[self.level] = self.block
+        path = np.empty(self.level + 1, np.int64)
+        path[-1] = self.block
         return path
 
     def _make_room(self, blocks: int) -> None:
@@ -198,13 +198,7 @@ class Tree:
 
 
 def level_of(name: str, length: object, resolution: float, *, least: int = 0) -> int:
-    """The level of squares of a side in metres, which must be a power of two of cells.
-
-    Raises
-    ------
-    ValueError
-        For another length, or below `2^least` cells.
-    """
+    """The level of squares of a side in metres: a power of two of cells, at least `2^least`."""
     count = arrays.number(length, name, unit="metres") / resolution
     level = round(np.log2(count)) if 0 < count < 2.0**60 else -1
     if level < least or not np.isclose(count, 2.0**level, rtol=1e-9, atol=0):
@@ -224,14 +218,10 @@ def pairs(name: str, values: ArrayLike) -> Array:
 
 # -------------------------------------------------------------------------------- its file
 class Stored(NamedTuple):
-    """What a file holds.
+    """What a file holds."""
 
-    `state` is block, level, largest, corner, bias and scans; `lengths` in metres are resolution,
-    corner and free resolution; `vis` and `occ` are the counts of the nodes.
-    """
-
-    state: NDArray[np.int64]
-    lengths: Array
+    state: NDArray[np.int64]  #: block, level, largest, x and y of the corner, bias, scans
+    lengths: Array  #: resolution, x and y of the corner, free resolution or 0, metres
     vis: loops.Counts
     occ: loops.Counts
 
@@ -253,13 +243,7 @@ def write(path: Path, stored: Stored) -> None:
 
 
 def read(path: Path) -> Stored:
-    """Read and check a file.
-
-    Raises
-    ------
-    ValueError
-        For a damaged or foreign file, saying what is wrong with it.
-    """
+    """Read a file and check it: compiled loops rely on what it holds."""
     try:
         with path.open("rb") as source:
             if source.read(2) != b"PK":  # else numpy would speak of pickles
@@ -299,8 +283,7 @@ def _fault(arrays: dict[str, Any]) -> str:
 
 def _fault_of_tree(vis: loops.Counts, occ: loops.Counts, root: int, level: int) -> str:
     """Every block must be reached once, from the root, and counts must be possible."""
-    blocks = vis.size // 4
-    inner = vis < 0
+    blocks, inner = vis.size // 4, vis < 0
     child = np.append(~vis[inner].astype(np.int64), root)
     if vis.size % 4 or not np.array_equal(np.sort(child), np.arange(blocks)):
         return "its blocks do not hang together"
@@ -309,7 +292,7 @@ def _fault_of_tree(vis: loops.Counts, occ: loops.Counts, root: int, level: int) 
     layer, depth, seen = np.array([root]), 0, 1
     while len(layer):
         nodes = (4 * layer[:, None] + np.arange(4)).ravel()
-        layer = ~vis[nodes[vis[nodes] < 0]].astype(np.int64)
+        layer = ~vis[nodes[inner[nodes]]].astype(np.int64)
         depth, seen = depth + 1, seen + len(layer)
         if depth > level:
             return "a leaf is smaller than a cell"
