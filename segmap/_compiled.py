@@ -63,7 +63,8 @@ class Compiled(Generic[P, R]):
         scope = dict(function.__globals__)
         for name, kernel in self._called():
             if kernel._inner is None:
-                kernel._inner = kernel._jit(njit, no_cpython_wrapper=True, no_cfunc_wrapper=True)
+                inner = kernel._jit(njit, no_cpython_wrapper=True, no_cfunc_wrapper=True)
+                kernel._inner = _for_any_number(inner)
             scope[name] = kernel._inner
         linked = types.FunctionType(function.__code__, scope, function.__name__)
         linked.__defaults__, linked.__module__ = function.__defaults__, function.__module__
@@ -87,6 +88,16 @@ class Compiled(Generic[P, R]):
         others = sorted(self._files() - {self._code.co_filename})
         sources = b"".join(Path(file).read_bytes() for file in others)
         return f"-{zlib.crc32(sources):08x}" if others else ""
+
+
+def _for_any_number(inner: Any) -> Any:
+    """Let a call with a constant use the code for any number: numba makes one for each constant."""
+    from numba.core.types import unliteral
+
+    number: Callable[[Any], Any] = unliteral
+    chosen = inner.get_call_template
+    inner.get_call_template = lambda args, kws: chosen([number(arg) for arg in args], kws)
+    return inner
 
 
 def compiled(function: Callable[P, R]) -> Compiled[P, R]:
