@@ -132,7 +132,7 @@ def insert_ends(
     """
     level, x, y = len(path) - 1, cells[0, 0], cells[0, 1]
     for k in range(done, ends + 1):
-        if 4 * (used + len(path)) > len(vis):
+        if 4 * (used + len(path) - 1) > len(vis):
             return used, k
         node, level = _find(vis, path, level, cells[k, 0], cells[k, 1], x, y)
         x, y = cells[k, 0], cells[k, 1]
