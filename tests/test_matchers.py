@@ -215,9 +215,9 @@ class TestBothOnAMap:
     @pytest.mark.parametrize(
         ("points", "start", "options", "message"),
         [
-            ([(1, 0)], (0, 0), {}, r"poses must have shape \(k, 3\), got \(2,\)"),
+            ([(1, 0)], (0, 0), {}, r"start must be x, y, heading, got shape \(2,\)"),
             ([(1, 0)], [(0, 0, 0)], {}, r"start must be x, y, heading, got shape \(1, 3\)"),
-            ([(1, 0)], (0, 0, np.nan), {}, "poses must be finite"),
+            ([(1, 0)], (0, 0, np.nan), {}, "start must be finite"),
             ([(1, np.inf)], (0, 0, 0), {}, "points must be finite"),
             ([1, 0], (0, 0, 0), {}, r"points must have shape \(n, 2\)"),
             ([(50, 0)], (40, 40, 0), {}, "no occupied cell"),
@@ -245,8 +245,8 @@ def test_sigma_must_be_positive(sigma):
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"steps": "small"}, "steps must be one of thesis, halving, got 'small'"),
-        ({"steps": [(0.001, 0.02)]}, "steps must be one of thesis, halving, got "),
+        ({"steps": "small"}, "steps must be one of 'thesis', 'halving', got 'small'"),
+        ({"steps": [(0.001, 0.02)]}, "steps must be one of 'thesis', 'halving', got "),
         ({"rounds": -1}, "rounds must be a whole number of at least 0, got -1"),
         ({"rounds": 2.5}, "rounds must be a whole number"),
         ({"rounds": np.inf}, "rounds must be a whole number .* got inf"),

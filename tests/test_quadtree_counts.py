@@ -127,16 +127,18 @@ def test_statistics_count_the_leaves_by_side(room):
 # ------------------------------------------------------------------------- refused
 FAR = 10_000.0
 REFUSED = {
-    "NaN sensor": (((np.nan, 0), [(1, 1)], []), r"sensor_xy must be finite.*\[0\] = \[nan, 0.0\]"),
-    "endless end": (((0, 0), [(1, 1), (np.inf, 0)], []), r"points\[1\] = \[inf, 0.0\]: leave out"),
-    "NaN free": (((0, 0), [(1, 1)], [(0, np.nan)]), r"free_points\[0\] = \[0.0, nan\]"),
+    "NaN sensor": (((np.nan, 0), [(1, 1)], []), r"sensor_xy must be finite.*\[0\] is \[nan, 0.0\]"),
+    "endless end": (
+        ((0, 0), [(1, 1), (np.inf, 0)], []),
+        r"leave out .* points\[1\] is \[inf, 0.0\]",
+    ),
+    "NaN free": (((0, 0), [(1, 1)], [(0, np.nan)]), r"free_points\[0\] is \[0.0, nan\]"),
     "10 km": (((0, 0), [(99, 99), (FAR, 0)], []), r"max_size, 655.36 m, with cell \[1000000, 0\]"),
     "10 km free": (((0, 0), [(-9, 0)], [(0, -FAR)]), r"beyond max_size.*\[0, -1000000\]"),
     "sensor at 10 km": (((FAR, FAR), [], []), "beyond max_size"),
     "too far to count": (((0, 0), [(-1e300, 0)], []), "beyond max_size"),
     "no pairs": (((0, 0), [1.0, 2.0], []), r"points must have shape \(n, 2\), got \(2,\)"),
-    "three columns": (((0, 0), [(1, 2, 3)], []), r"points must have shape \(n, 2\), got \(1, 3\)"),
-    "two sensors": (([(0, 0), (1, 1)], [], []), r"sensor_xy must have shape \(2,\), got \(2, 2\)"),
+    "two sensors": (([(0, 0), (1, 1)], [], []), r"sensor_xy must have shape .* got \(1, 2, 2\)"),
 }
 
 
@@ -147,9 +149,10 @@ def test_a_failed_insertion_leaves_the_map_as_it_was(name):
     map.insert_scan((1, 1), [(2, 1), (-3, 0.5)])
     before = state(map)
     scan, message = REFUSED[name]
-    with pytest.raises(ValueError, match=message):
-        map.insert_scan(*scan)
-    assert state(map) == before
+    for arrays in (scan, [np.asarray(part, float) for part in scan]):
+        with pytest.raises(ValueError, match=message):
+            map.insert_scan(*arrays)
+        assert state(map) == before
     map.insert_scan((1, 1), [(2, 1)])
     assert map.scans == 2
 
@@ -166,24 +169,18 @@ def test_the_largest_size_is_reached_and_not_passed():
 @pytest.mark.parametrize(
     ("wrong", "message"),
     [
-        ({"resolution": 0.0}, "resolution must be positive and finite, in metres, got 0.0"),
-        ({"resolution": -0.01}, "resolution must be positive"),
-        ({"resolution": np.nan}, "resolution must be positive"),
+        ({"resolution": 0.0}, "resolution must be a number above 0 .* in metres, got 0.0"),
+        ({"resolution": 1e308}, "resolution must be a number above 0 and of at most"),
         ({"size": 5.0}, r"size must be a power of two of cells of 0.01 m.*got 5.0 m: 500 cells"),
         ({"size": 5.125}, "size must be a power of two"),
         ({"size": -5.12}, "size must be a power of two"),
-        ({"size": np.inf}, "size must be a power of two"),
         ({"size": 0.02}, "at least 4, got 0.02 m: 2 cells"),
         ({"max_size": 2.56}, "max_size must not be below the size, 5.12 m"),
         ({"max_size": 7.0}, "max_size must be a power of two"),
         ({"max_size": 0.01 * 2.0**32}, r"nor have more than 2\^31 cells"),
-        ({"bias": 0}, "bias must be a whole number of at least 1, got 0"),
-        ({"bias": 2.5}, "bias must be a whole number"),
-        ({"bias": np.inf}, "bias must be a whole number"),
-        ({"bias": 2**31}, "got 2147483648 .the most is 2147483647."),
-        ({"resolution": 1e308}, "resolution must be positive and finite"),
+        ({"bias": 0}, "bias must be a whole number of at least 1"),
+        ({"bias": 2**31}, "at most 2147483647, got 2147483648"),
         ({"corner": (0, np.nan)}, "corner must be finite"),
-        ({"corner": (0, 0, 0)}, r"corner must have shape \(2,\)"),
         ({"free_resolution": 0.03}, "free_resolution must be a power of two"),
         ({"free_resolution": 0.0}, "free_resolution must be a power of two"),
     ],
@@ -193,10 +190,16 @@ def test_sizes_that_do_not_fit_are_refused(wrong, message):
         QuadtreeMap(**wrong)
 
 
-@pytest.mark.parametrize("resolution", [0.03, -0.02, np.nan, 100.0, 0.01])
+@pytest.mark.parametrize("resolution", [0.03, -0.02, 100.0, 0.01])
 def test_a_grid_that_does_not_fit_is_refused(room, resolution):
     with pytest.raises(ValueError, match="resolution"):
         room.to_grid(resolution)
+
+
+def test_values_of_other_leaves_are_refused(room):
+    """Catches a loop that reads beyond the leaves."""
+    with pytest.raises(ValueError, match="could not broadcast"):
+        room.rasterize(np.zeros(len(room.leaves().x) + 1))
 
 
 # ------------------------------------------------------------------------ of a log
@@ -215,15 +218,16 @@ def test_a_log_is_inserted_scan_by_scan():
     """Catches the robot's pose taken for the sensor's, and a maximum taken for a wall."""
     angles, place = np.radians([0, 90, 180]), (0.5, 0, np.pi / 2)
     scan = LaserScan([2.0, np.inf, 4.0], angles, 0.0, None, 4.0, place)
-    log = Log("one", [scan, scan], None)
-    poses = [(1, 1, np.pi / 2), (np.nan, 0, 0)]
-    by_hand = QuadtreeMap(resolution=0.25, size=16, corner=(-8 + 1, -8 + 1))
-    by_hand.insert_scan((1, 1.5), [(-1, 1.5)], [(1, 1.5 - 4), (1 + 4, 1.5)])
-    map = build_map(log, poses, resolution=0.25, size=16, free=True)
-    assert leaves_of(map) == leaves_of(by_hand)
-    bare = QuadtreeMap(resolution=0.25, size=16, corner=(-8 + 1, -8 + 1))
-    bare.insert_scan((1, 1.5), [(-1, 1.5)])
-    assert leaves_of(build_map(log, poses, resolution=0.25, size=16)) == leaves_of(bare)
+    log, size = Log("one", [scan, scan], None), {"resolution": 0.25, "size": 16}
+    poses = np.array([(1, 1, np.pi / 2), (np.nan, 0, 0)])
+    expected = [QuadtreeMap(corner=(-8 + 1, -8 + 1), **size) for _ in range(2)]
+    expected[0].insert_scan((1, 1.5), [(-1, 1.5)])
+    expected[1].insert_scan((1, 1.5), [(-1, 1.5)], [(1, 1.5 - 4), (1 + 4, 1.5)])
+    done = Alignment(poses, np.array([True, False]), 0.0, "it", ("", ""))
+    for free, by_hand in enumerate(expected):
+        for given in (poses, done):
+            map = build_map(log, given, free=bool(free), **size)
+            assert leaves_of(map) == leaves_of(by_hand) and map.scans == 1
 
 
 def test_a_log_without_poses_is_an_empty_map():
@@ -234,19 +238,14 @@ def test_a_log_without_poses_is_an_empty_map():
 @pytest.mark.parametrize(
     ("poses", "options", "message"),
     [
-        ([(0, 0, 0)] * 2, {}, r"poses must have shape \(1, 3\), one a scan, got \(2, 3\)"),
-        ([(np.inf, 0, 0)], {}, "poses must not be infinite, got one at 0"),
-        ("pose_graph", {}, r"poses must be an array \(k, 3\), got Alignment: .* give `.poses`"),
-        ([(0, 0, 0)], {"resolution": -1}, "resolution must be positive"),
+        ([(0, 0, 0)] * 2, {}, r"poses must have shape \(1, 3\), got \(2, 3\)"),
+        ([(np.inf, 0, 0)], {}, "poses must be finite"),
         ([(0, 0, 0)], {"resolution": 0.1, "max_size": 51.2, "corner": (900, 0)}, "max_size"),
     ],
 )
 def test_a_log_that_cannot_be_mapped_is_refused(poses, options, message):
-    log = Log("one", [LaserScan([1.0], [0.0])])
-    if poses == "pose_graph":
-        poses = Alignment(np.zeros((1, 3)), np.array([True]), 0.0, "it", ("",))
     with pytest.raises(ValueError, match=message):
-        build_map(log, poses, **options)
+        build_map(Log("one", [LaserScan([1.0], [0.0])]), poses, **options)
 
 
 @pytest.mark.parametrize(
@@ -260,7 +259,7 @@ def test_a_log_that_cannot_be_mapped_is_refused(poses, options, message):
 def test_the_scan_that_cannot_be_inserted_is_named(scan, pose):
     """Among thousands: the message must say which, and not only which cell."""
     log = Log("two", [LaserScan([1.0], [0.0]), scan])
-    with pytest.raises(ValueError, match=r"^scan 1: .*(beyond max_size|must be finite)"):
+    with pytest.raises(ValueError, match=r"^scan 1: .*beyond max_size"):
         build_map(log, [(0, 0, 0), pose], resolution=0.01, free=True)
 
 
@@ -271,7 +270,6 @@ def test_an_error_of_the_sensor_is_no_free_space():
     assert leaves_of(maps[0]) == leaves_of(maps[1])
 
 
-@pytest.mark.parametrize("margin", [-0.1, np.nan, np.inf])
-def test_a_margin_is_not_negative(margin):
-    with pytest.raises(ValueError, match="margin must be at least 0, got"):
-        extent(QuadtreeMap(), margin=margin)
+def test_a_margin_is_not_negative():
+    with pytest.raises(ValueError, match="margin must be a number of at least 0"):
+        extent(QuadtreeMap(), margin=-0.1)

@@ -34,10 +34,9 @@ def test_an_interrupt_leaves_a_tree(where, name, call, free_resolution, monkeypa
     loop, left = getattr(where, name), [call]
 
     def interrupted(*given):
-        found = loop(*given)
-        if not left[0]:
+        found, left[0] = loop(*given), left[0] - 1
+        if left[0] == -1:
             raise KeyboardInterrupt
-        left[0] -= 1
         return found
 
     monkeypatch.setattr(where, name, interrupted)

@@ -1,23 +1,26 @@
-"""A distance field: distances to the nearest occupied cell, transformed once and then looked up."""
+"""A distance field: the distance to the nearest occupied cell, computed once for a window."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
+from .._compiled import compiled
 from ..arrays import Array
 from ..quadtree import QuadtreeMap
-from . import _loops as loops
-from ._scores import all_placed, occupied_blocks, scan_and_poses
+from ._scores import Cells, Counts, all_placed, occupied_blocks, scan_and_poses, whole
 
+Singles = NDArray[np.float32]
 #: Distances are whole numbers, the longest in a window below this: 32 bits.
 MOST = 2**31 - 1
-#: Around the ends of a scan at its start: what a matcher may move them by, metres.
+#: Around the ends of a scan at its start, metres: how far a matcher may move them.
 MARGIN = 0.5
 #: Cells of a window: a side, so that 32 bits hold every distance, and in all, a quarter of a GB.
 MOST_SIDE, MOST_CELLS = 2**14, 2**26
+#: Stands for a column without an occupied cell: more cells than a window may have a side.
+FAR = 30_000
 #: Points beyond lie outside every window, metres.
 FAR_AWAY = 1e9
 
@@ -31,21 +34,22 @@ class DistanceField:
 
     A point counts as its cell's centre: the score differs from `distance_score` by at most
     `resolution / sqrt(2)` a beam where the window holds all ends and the cells nearest to them.
-    What lies outside is not seen, which can only lower the score of ends inside.
+    Occupied cells outside the window do not count, which can only lower the score of ends inside.
 
     Parameters
     ----------
     map : QuadtreeMap
-        As it is now: later scans do not change the field.
+        Scans that are inserted later do not change the field.
     window : (4,) sequence, metres, or None
         Left, low, right, high edge; the whole root by default. A point beyond counts as on it.
 
     Attributes
     ----------
     cells : (rows, columns) int32 array
-        Distances, row 0 lowest, in fractions of a cell: 1 / `unit`. The exact Euclidean transform
+        Distances, row 0 lowest, in parts of a cell. They are the exact Euclidean distance transform
         of Meijster, Roerdink and Hesselink (2000); B has none.
     unit : int
+        How many parts a cell has.
 
     Raises
     ------
@@ -67,10 +71,10 @@ class DistanceField:
         x, y = map.tree.occupied_cells(np.array([left, low, left + columns, low + rows])).T
         if not len(x):
             raise NothingNear("the window holds no occupied cell, so no pose in it has a score")
-        self.unit, grid = MOST // (columns + rows), np.full((rows, columns), loops.FAR, np.int32)
+        self.unit, grid = MOST // (columns + rows), np.full((rows, columns), FAR, np.int32)
         grid[y - low, x - left] = 0
         room, share = np.empty((columns, 3), np.int64), 0.5 / np.arange(1, columns + 1)
-        loops.transform(grid, self.unit, room, share)
+        transform(grid, self.unit, room, share)
         self.cells = grid
         corner = map.corner + first * map.resolution
         worth = -map.resolution / self.unit
@@ -136,9 +140,9 @@ class DistanceField:
         return self.scorer(ends)(at)
 
     def scorer(self, points: ArrayLike) -> Callable[[Array], Array]:
-        """The score as a function of poses `(k, 3)` alone, for those who ask often.
+        """The score as a function of poses `(k, 3)` alone, for a matcher, which asks often.
 
-        The poses are not looked at: they must be finite floats.
+        It does not check the poses: they must be an array of finite floats.
 
         Parameters
         ----------
@@ -164,7 +168,7 @@ class DistanceField:
         def score(poses: Array) -> Array:
             """The score at each pose."""
             found = np.empty(len(poses))
-            loops.look_up(flat, self._frame, ends, poses, cells, found)
+            look_up(flat, self._frame, ends, poses, cells, found)
             return found
 
         return score
@@ -174,9 +178,7 @@ class DistanceField:
         return f"DistanceField({columns} x {rows} cells of {self._frame[2]:.6g} m)"
 
 
-def _cells_of_window(
-    map: QuadtreeMap, window: ArrayLike | None
-) -> tuple[loops.Whole, tuple[int, int]]:
+def _cells_of_window(map: QuadtreeMap, window: ArrayLike | None) -> tuple[Cells, tuple[int, int]]:
     """First cell of a window, counted from the map's first corner, and its columns and rows."""
     edges = np.array(map.bounds if window is None else window, float)
     if edges.shape != (4,) or not np.isfinite(edges).all() or (edges[2:] <= edges[:2]).any():
@@ -192,3 +194,68 @@ def _cells_of_window(
     if (abs(first) > 2.0**60).any():
         raise NothingNear(f"the window {window!r} lies beyond every map")
     return first.astype(np.int64), (int(count[0]), int(count[1]))
+
+
+# ---------------------------------------------------------------------------------- loops
+@compiled
+def transform(grid: Counts, unit: int, room: Cells, share: Array) -> None:
+    """Replace each cell of a grid `(rows, columns)` of 0 and FAR by its distance to the nearest 0.
+
+    In place, in cells / `unit`. First along the columns; then, in each row, by the lower envelope
+    of the parabolas that stand on its columns, left to right, which is exact (Meijster, Roerdink
+    and Hesselink 2000). Of each parabola that is lowest anywhere `room`, `(columns, 3)`, holds its
+    column, where it begins to be lowest, and its height; `share[k]` is `1 / (2 k + 2)`.
+    """
+    rows, columns = grid.shape
+    for k in range(1, 2 * rows - 1):  # down, and up again
+        i, before = (k, k - 1) if k < rows else (2 * rows - 2 - k, 2 * rows - 1 - k)
+        for j in range(columns):
+            grid[i, j] = grid[before, j] + 1 if grid[before, j] < grid[i, j] else grid[i, j]
+    for i in range(rows):
+        last = -1
+        for j in range(columns):
+            if grid[i, j] >= FAR:
+                continue
+            g, begin = whole(grid[i, j]) * grid[i, j], 0
+            while last >= 0:
+                v, t, h = room[last, 0], room[last, 1], room[last, 2]
+                if (t - v) * (t - v) + h <= (t - j) * (t - j) + g:
+                    begin = whole((g + j * j - h - v * v) * share[j - v - 1]) + 1
+                    break
+                last -= 1
+            if begin < columns:
+                last += 1
+                room[last, 0], room[last, 1], room[last, 2] = j, begin, g
+        until = columns
+        for k in range(last, -1, -1):
+            for j in range(room[k, 1], until):
+                square = (j - room[k, 0]) * (j - room[k, 0]) + room[k, 2]
+                grid[i, j] = whole(np.sqrt(square) * unit + 0.5)
+            until = room[k, 1]
+
+
+@compiled
+def look_up(
+    field: Counts, frame: Array, points: Singles, poses: Array, cells: Counts, found: Array
+) -> None:
+    """Write the sum of the field under points `(2, n)` at each pose `(k, 3)`.
+
+    A point beyond the edge counts as on it.
+    `frame` holds left and low edge, cell side, columns, rows, and what the field's unit is worth;
+    `cells`, `(n,)`, is room to work in. Single precision and whole numbers let the compiler take
+    eight beams at a time.
+    """
+    left, low, side, columns = frame[0], frame[1], frame[2], np.int32(frame[3])
+    zero, most_x, most_y = np.float32(0.0), np.float32(frame[3] - 1.0), np.float32(frame[4] - 1.0)
+    for k in range(len(poses)):
+        c, s = np.float32(np.cos(poses[k, 2]) / side), np.float32(np.sin(poses[k, 2]) / side)
+        dx, dy = np.float32((poses[k, 0] - left) / side), np.float32((poses[k, 1] - low) / side)
+        for m in range(points.shape[1]):
+            x = c * points[0, m] - s * points[1, m] + dx
+            y = s * points[0, m] + c * points[1, m] + dy
+            x, y = min(most_x, max(zero, x)), min(most_y, max(zero, y))
+            cells[m] = np.int32(y) * columns + np.int32(x)
+        total = whole(0)
+        for m in range(points.shape[1]):
+            total += field[cells[m]]
+        found[k] = total * frame[5]

@@ -1,5 +1,7 @@
 """Map and place together: a quadtree from a log without odometry, scan by scan (B 4.3, 6)."""
 
+from __future__ import annotations
+
 import time
 from collections.abc import Callable, Iterable, Iterator
 from functools import partial
@@ -9,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
+from .. import arrays
 from ..arrays import Array
 from ..poses import compose, transform
 from ..quadtree import QuadtreeMap, free_ends
@@ -16,12 +19,11 @@ from ..scans import LaserScan
 from ._field import NothingNear
 from ._matchers import (
     Score,
-    check_score,
+    check_callable,
     field_score,
     hill_climb,
     prepared,
     sample_and_rank,
-    scan_and_pose,
 )
 from ._scores import descent_score, nearest_score, occupancy_score, scan_and_poses
 
@@ -46,8 +48,10 @@ SCORES: dict[str, Score] = {
 
 
 class Step(NamedTuple):
-    """One scan inserted: the robot's pose `(3,)` in the map, metres and radians; its score there on
-    the map before it, in the score's unit; and the seconds that the whole step took.
+    """One scan inserted.
+
+    `pose`, (3,) array, is the robot's in the map, metres and radians; `score` is that of the scan
+    there, on the map before it, in the score's unit; `seconds` is what the whole step took.
 
     Examples
     --------
@@ -71,9 +75,9 @@ def map_scans(
     free: bool = False,
     rng: np.random.Generator | None = None,
 ) -> Iterator[Step]:
-    """Match each scan with the map of those before, insert it, and say where it was.
+    """Match each scan with the map of the scans before it, insert it, and say where it was.
 
-    Nothing is looked at but ranges: no odometry, and no scan ahead, so it serves a live sensor.
+    It uses ranges alone, no odometry and no scan ahead, so that it also serves a live sensor.
 
     Parameters
     ----------
@@ -82,31 +86,31 @@ def map_scans(
         `hill_climb`, `sample_and_rank`, or any `matcher(map, points, start, score=score) -> (3,)`.
     score : callable
     settle : int
-        The first scans are inserted unmatched, at the start. B inserts five while the sensor
-        stands; while it moves that ruins every matcher.
+        So many scans are inserted at the start pose without a match. B inserts five while the
+        sensor stands still; with a sensor that moves this ruins every matcher.
     map : QuadtreeMap or None
-        Where scans go: give one to look at it as it grows.
+        Scans are inserted here; a new map by default.
     start : (3,) array, metres and radians
         Pose of the robot at the first scan.
     free : bool
         Whether beams that met nothing count as free up to the sensor's largest range, where the
-        scan knows that. A real sensor answers the same for a dark or slanted wall: half the beams
-        of the CoreSLAM log do, and erase four fifths of what stands there.
+        scan knows that. A real sensor gives the same answer for a dark or slanted wall: in the
+        CoreSLAM log half the beams do, and erase four fifths of the walls.
     rng : numpy.random.Generator or None
-        Handed to a matcher that takes one, as `sample_and_rank` must.
+        For a matcher that takes one; `sample_and_rank` needs it.
 
     Yields
     ------
     Step
-        After each scan. A scan stays where the one before was, with NaN for its score, where it is
-        one of the first, has no return, or lies so far off that the field about it is empty.
+        After each scan. A scan gets the pose of the one before, and NaN for its score, if it is one
+        of the first, has no return, or if the map holds nothing near it.
 
     Raises
     ------
     ValueError
         At once for a `settle` below 1, a start that is no pose, a matcher or score that is no
-        function, `sample_and_rank` without a generator. Naming the scan, with the map as it was
-        before it, where one is no LaserScan, is not finite or reaches beyond the map's `max_size`.
+        function, `sample_and_rank` without a generator. Later it names the scan that is no
+        LaserScan, or reaches beyond the map's `max_size`; the map is then as before that scan.
 
     Examples
     --------
@@ -115,18 +119,15 @@ def map_scans(
     >>> len(steps), steps[0].pose
     (5, array([0., 0., 0.]))
     """
-    if not settle >= 1:
-        raise ValueError(f"settle must be at least 1: the first scan has no map, got {settle}")
-    check_score(score)
-    pose = scan_and_pose([], start)[1]
+    check_callable("score", score, "of map, points and poses, nearest_score")
+    first, pose = arrays.whole(settle, "settle"), arrays.pose(start, "start")
     tree = QuadtreeMap() if map is None else map
-    return _steps(log, tree, pose, settle, free, partial(_matched, _ready(matcher, rng), score))
+    return _steps(log, tree, pose, first, free, partial(_matched, _ready(matcher, rng), score))
 
 
 def _ready(matcher: Matcher, rng: np.random.Generator | None) -> Matcher:
     """The matcher, with the generator where it takes one."""
-    if not callable(matcher):
-        raise ValueError(f"matcher must be a function, hill_climb say, got {matcher!r}")
+    check_callable("matcher", matcher, "of map, points and start, hill_climb")
     if matcher is sample_and_rank and rng is None:
         raise ValueError("sample_and_rank draws poses: give rng, numpy.random.default_rng(1) say")
     takes = rng is not None and "rng" in signature(matcher).parameters

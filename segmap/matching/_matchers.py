@@ -1,11 +1,14 @@
 """The two greedy matchers of B (4.3): hill climbing, and drawing poses and ranking them."""
 
+from __future__ import annotations
+
 from collections.abc import Callable
 from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from .. import arrays
 from ..angles import wrap
 from ..arrays import Array
 from ..quadtree import QuadtreeMap
@@ -26,9 +29,9 @@ STEPS = {
 def field_score(map: QuadtreeMap, points: ArrayLike, poses: ArrayLike) -> Array:
     """`distance_score` (B 4.3) looked up in a field: what the matchers use by default.
 
-    A matcher transforms the field once, around its start, and asks it for all poses. What the map
-    holds beyond half a metre around the scan is not seen, so a beam farther from all walls than
-    that may score lower than in `distance_score`, and one that leaves this window higher.
+    A matcher transforms the field once, around its start, and asks it for all poses. The field ends
+    half a metre around the scan, so a beam that is farther from all walls may score lower than in
+    `distance_score`, and one that leaves this window higher.
 
     Parameters
     ----------
@@ -55,7 +58,7 @@ def field_score(map: QuadtreeMap, points: ArrayLike, poses: ArrayLike) -> Array:
     """
     ends, at = scan_and_poses(points, poses)
     if not ends.size * at.size:
-        return occupancy_score(map, ends, at)  # nothing to sum, but for an empty map an error
+        return occupancy_score(map, ends, at)  # nothing to sum, but an empty map is an error
     return DistanceField.around(map, ends, at).score(ends, at)
 
 
@@ -81,7 +84,7 @@ def hill_climb(
         One of the scores of this room, or any function of map, points and poses.
     steps : "halving" or "thesis"
         16 mm and 1.6 degrees, halved four times when no move improves; or B's 1 mm and 1 degree,
-        which gets lost: its one degree is too coarse.
+        with which the robot gets lost, since one degree is too coarse.
     rounds : int
         Accepted moves at most.
 
@@ -104,15 +107,12 @@ def hill_climb(
     >>> hill_climb(map, walls, (0.03, -0.02, 0.0)).round(2) + 0
     array([0., 0., 0.])
     """
-    if not isinstance(steps, str) or steps not in STEPS:
-        raise ValueError(f"steps must be one of {', '.join(STEPS)}, got {steps!r}")
-    if not (0 <= rounds < np.inf and int(rounds) == rounds):
-        raise ValueError(f"rounds must be a whole number of at least 0, got {rounds}")
-    ends, pose = scan_and_pose(points, start)
+    sizes = list(STEPS[arrays.one_of(steps, "steps", STEPS)])
+    most = arrays.whole(rounds, "rounds", least=0)
+    ends, pose = arrays.points(points), arrays.pose(start, "start")
     values = prepared(score, map, ends, pose)
     best = float(values(pose[None])[0])
-    sizes = list(STEPS[steps])
-    for _ in range(int(rounds)):
+    for _ in range(most):
         while sizes:
             tried = pose + MOVES * (sizes[0][0], sizes[0][0], sizes[0][1])
             found = values(tried)
@@ -166,10 +166,8 @@ def sample_and_rank(
     >>> bool(np.abs(found).max() < 0.02)
     True
     """
-    spread = _spread(sigma)
-    if not isinstance(rng, np.random.Generator):
-        raise ValueError(f"rng must be a generator, numpy.random.default_rng(1) say, got {rng!r}")
-    ends, pose = scan_and_pose(points, start)
+    spread, rng = _spread(sigma), arrays.generator(rng)
+    ends, pose = arrays.points(points), arrays.pose(start, "start")
     values = prepared(score, map, ends, pose)
     poses = np.concatenate([pose[None], pose + rng.normal(0, 2 * spread, (99, 3))])
     found = values(poses)
@@ -183,14 +181,14 @@ def sample_and_rank(
 
 def _spread(sigma: tuple[float, float]) -> Array:
     """Standard deviations of x, y and heading, `(3,)`."""
-    both = np.asarray(sigma, float)
+    both = arrays.numbers(sigma, "sigma")
     if both.shape != (2,) or not ((both > 0) & np.isfinite(both)).all():
         raise ValueError(f"sigma must be positive, one of metres, one of radians, got {sigma}")
     return both[[0, 0, 1]]
 
 
 def wrapped(pose: Array) -> Array:
-    """The pose with its heading in [-pi, pi); bit for bit itself where it is there already.
+    """The pose with its heading in [-pi, pi); one that is there already keeps every bit.
 
     A (3,) array, metres and radians.
     """
@@ -198,41 +196,25 @@ def wrapped(pose: Array) -> Array:
     return np.array(turned)
 
 
-def scan_and_pose(points: ArrayLike, start: ArrayLike) -> tuple[Array, Array]:
-    """Points `(n, 2)`, metres, and one pose `(3,)`, metres and radians, as arrays.
+def check_callable(name: str, function: object, words: str) -> None:
+    """Refuse the name of a function, and what else cannot be called; words say what is expected.
 
     Raises
     ------
     ValueError
     """
-    ends, at = scan_and_poses(points, start)
-    if np.shape(start) != (3,):
-        raise ValueError(f"start must be x, y, heading, got shape {np.shape(start)}")
-    return ends, at[0]
-
-
-def check_score(score: Score) -> None:
-    """Refuse the name of a score, and what else cannot be called.
-
-    Raises
-    ------
-    ValueError
-    """
-    if not callable(score):
-        raise ValueError(
-            f"score must be a function of map, points and poses, nearest_score say, got {score!r}"
-        )
+    if not callable(function):
+        raise ValueError(f"{name} must be a function {words} say, got {function!r}")
 
 
 def prepared(
     score: Score, map: QuadtreeMap, points: Array, start: Array
 ) -> Callable[[Array], Array]:
-    """The score as a function of poses `(k, 3)` alone, metres and radians.
+    """The score of points `(n, 2)` as a function of poses `(k, 3)` alone, metres and radians.
 
-    Of points `(n, 2)`, metres. A field is transformed once, around where the start `(3,)` puts
-    them.
+    A field is transformed once, around where the start `(3,)` puts the points.
     """
-    check_score(score)
+    check_callable("score", score, "of map, points and poses, nearest_score")
     if score is field_score and len(points):
         return DistanceField.around(map, points, start).scorer(points)
     return lambda poses: score(map, points, poses)

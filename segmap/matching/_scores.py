@@ -3,21 +3,27 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from .. import arrays
+from .._compiled import compiled
 from ..arrays import Array
 from ..quadtree import QuadtreeMap, Tree
-from . import _loops as loops
-from ._loops import Holds
+
+Counts = NDArray[np.int32]
+Cells = NDArray[np.int64]
+Holds = NDArray[np.bool_]
+#: Makes 64 bits of a number.
+whole: Any = np.int64
 
 
 def occupancy_score(map: QuadtreeMap, points: ArrayLike, poses: ArrayLike) -> Array:
     """Sum of the occupancy of the cells that the beams end in, where above 0.5 (B 4.3).
 
-    Flat wherever no beam meets an occupied cell: it knows where it is, not where to go.
+    It is flat wherever no beam meets an occupied cell, so it does not tell which way to go.
 
     Parameters
     ----------
@@ -51,8 +57,8 @@ def occupancy_score(map: QuadtreeMap, points: ArrayLike, poses: ArrayLike) -> Ar
 def distance_score(map: QuadtreeMap, points: ArrayLike, poses: ArrayLike) -> Array:
     """Minus the sum of the distances from the ends to the nearest occupied cell's centre, exact.
 
-    Over all occupied cells, by a kd-tree; parameters, errors as `occupancy_score`. B 4.3 measures
-    to the corners of cells, from ends cut to whole centimetres.
+    A kd-tree holds all occupied cells. Parameters and errors are those of `occupancy_score`. B 4.3
+    measures to the corners of cells, from ends cut to whole centimetres.
 
     Returns
     -------
@@ -80,7 +86,7 @@ def nearest_score(map: QuadtreeMap, points: ArrayLike, poses: ArrayLike) -> Arra
     """The value of `distance_score`, found in the tree: nearest squares first, exact.
 
     Squares farther than the best so far are not entered (Roussopoulos, Kelley and Vincent 1995; B
-    names such a score as future work). Parameters, errors as `occupancy_score`.
+    names such a score as future work). Parameters and errors are those of `occupancy_score`.
 
     Returns
     -------
@@ -96,15 +102,15 @@ def nearest_score(map: QuadtreeMap, points: ArrayLike, poses: ArrayLike) -> Arra
     tree, holds, places, found = _searched(map, points, poses)
     path, todo = np.empty(tree.level + 1, np.int64), np.empty((3 * tree.level + 4, 4), np.int64)
     path[-1] = tree.block
-    loops.nearest_distances(tree.vis, tree.occ, holds, places, path, todo, found)
+    nearest_distances(tree.vis, tree.occ, holds, places, path, todo, found)
     return -map.resolution * found
 
 
 def descent_score(map: QuadtreeMap, points: ArrayLike, poses: ArrayLike) -> Array:
     """The same by B's greedy descent, which can miss the nearest cell (B 4.3; for comparison).
 
-    Always into the child that holds something and whose centre is nearest. Parameters, errors as
-    `occupancy_score`.
+    It always enters the child that holds something and whose centre is nearest. Parameters and
+    errors are those of `occupancy_score`.
 
     Returns
     -------
@@ -120,7 +126,7 @@ def descent_score(map: QuadtreeMap, points: ArrayLike, poses: ArrayLike) -> Arra
     """
     tree, holds, places, found = _searched(map, points, poses)
     nodes = tree.vis, tree.occ, holds, tree.block, tree.level
-    loops.descent_distances(*nodes, places, found)
+    descent_distances(*nodes, places, found)
     return -map.resolution * found
 
 
@@ -177,3 +183,107 @@ def scan_and_poses(points: ArrayLike, poses: ArrayLike) -> tuple[Array, Array]:
     at = arrays.numbers(poses, "poses", "a (k, 3) array")
     at = at[None] if at.ndim == 1 and at.size else at
     return ends, arrays.table(at, "poses", 3, unit="metres and radians", limit=np.inf)
+
+
+# ---------------------------------------------------------------------------------- loops
+# Callers bring all arrays, since each that a loop makes for itself takes long to compile.
+@compiled
+def nearest_distances(
+    vis: Counts,
+    occ: Counts,
+    holds: Holds,
+    places: Array,
+    path: Cells,
+    todo: Cells,
+    found: Array,
+) -> None:
+    """Write the sum over places `(k, n, 2)` of the distance to the nearest occupied cell's centre.
+
+    In cells of the root. From the leaf that holds a place the search goes upwards, until nothing
+    nearer lies outside. Squares wait in `todo`, as block, x, y and level, the one to look into
+    first as the last; those beyond the best so far are not entered. The last of `path`,
+    `(top + 1,)`, is the root's block; the rest of it and `todo` are room to work in.
+    """
+    top = len(path) - 1
+    most = (1 << top) - 1.0
+    for k in range(len(places)):
+        found[k] = 0.0
+        for m in range(places.shape[1]):
+            x, y = places[k, m, 0], places[k, m, 1]
+            i, j = whole(min(max(x, 0.0), most)), whole(min(max(y, 0.0), most))
+            level, child = top, path[top]
+            while child >= 0:  # down to the leaf
+                path[level] = child
+                level -= 1
+                child = ~whole(vis[4 * child + ((i >> level) & 1) + 2 * ((j >> level) & 1)])
+            best, count = np.inf, 0
+            if level == 0:  # a cell: first its block of four
+                todo[0, 0], todo[0, 1], todo[0, 2], todo[0, 3] = path[1], i & -2, j & -2, 1
+                level, count = 1, 1
+            while count > 0 or level < top:
+                if count == 0:  # up: the three sisters of the square
+                    width, quarter = 1 << level, ((i >> level) & 1) + 2 * ((j >> level) & 1)
+                    left, low = i & -width, j & -width
+                    border = (
+                        min(min(x - left, left + width - x), min(y - low, low + width - y)) + 0.5
+                    )
+                    if border > 0 and border * border >= best:
+                        break
+                    level += 1
+                    for turn in range(3, 0, -1):
+                        child = ~whole(vis[4 * path[level] + (quarter ^ turn)])
+                        if child >= 0 and holds[child]:
+                            todo[count, 0], todo[count, 3] = child, level - 1
+                            todo[count, 1] = left ^ (width * (turn & 1))
+                            todo[count, 2] = low ^ (width * (turn >> 1))
+                            count += 1
+                    continue
+                count -= 1
+                block, left, low = todo[count, 0], todo[count, 1], todo[count, 2]
+                below = todo[count, 3] - 1
+                half = 1 << below
+                dx = max(max(left + 0.5 - x, x - (left + 2 * half - 0.5)), 0.0)
+                dy = max(max(low + 0.5 - y, y - (low + 2 * half - 0.5)), 0.0)
+                if dx * dx + dy * dy >= best:
+                    continue
+                dx, dy = left + half - x, low + half - y
+                nearest = (dx <= 0) + 2 * (dy <= 0)
+                flip = 1 if abs(dx) > abs(dy) else 2
+                for turn in (3, flip, 3 - flip, 0):  # the nearest quarter last
+                    q = nearest ^ turn
+                    child = ~whole(vis[4 * block + q])
+                    if child >= 0 and holds[child]:
+                        todo[count, 0], todo[count, 3] = child, below
+                        todo[count, 1], todo[count, 2] = (
+                            left + half * (q & 1),
+                            low + half * (q >> 1),
+                        )
+                        count += 1
+                    elif below == 0 and 2 * whole(occ[4 * block + q]) > vis[4 * block + q]:
+                        dx, dy = left + 0.5 - x + (q & 1), low + 0.5 - y + (q >> 1)
+                        best = min(best, dx * dx + dy * dy)
+            found[k] += np.sqrt(best)
+
+
+@compiled
+def descent_distances(
+    vis: Counts, occ: Counts, holds: Holds, root: int, top: int, places: Array, found: Array
+) -> None:
+    """The same by B's descent: always into the occupied child whose centre is nearest (B 4.3)."""
+    for k in range(len(places)):
+        found[k] = 0.0
+        for m in range(places.shape[1]):
+            x, y = places[k, m, 0], places[k, m, 1]
+            best, left, low, block = np.inf, 0.0, 0.0, root
+            for level in range(top - 1, -1, -1):
+                half, chosen, best = 0.5 * (1 << level), 0, np.inf
+                for q in range(4):
+                    child = ~whole(vis[4 * block + q])
+                    dx = left + half + 2 * half * (q & 1) - x
+                    dy = low + half + 2 * half * (q >> 1) - y
+                    cell = 2 * whole(occ[4 * block + q]) > vis[4 * block + q]
+                    if (holds[child] if child >= 0 else cell) and dx * dx + dy * dy < best:
+                        best, chosen = dx * dx + dy * dy, q
+                left, low = left + 2 * half * (chosen & 1), low + 2 * half * (chosen >> 1)
+                block = ~whole(vis[4 * block + chosen])
+            found[k] += np.sqrt(best)

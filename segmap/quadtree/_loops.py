@@ -41,8 +41,8 @@ def cells_of(
 ) -> int:
     """Write the cells of points `(n, 2)`, counted from the root's, into `cells`, `(n, 2)`.
 
-    One division and then the floor: `//` and multiplying by the inverse give other cells. Returns 0
-    where all lie inside the root, 1 where one lies outside, 2 where one is not finite.
+    By one division and the floor: `//` and multiplying by the inverse give others. Returns 0 where
+    all lie inside the root, 1 where one lies outside, 2 where one is not finite.
     """
     found = 0
     for k in range(len(points)):
@@ -130,9 +130,10 @@ def insert_ends(
     they start with 1. No split touches a cell that was counted before. Returns the blocks used and
     the cells done, from cell `done` on: it stops early where the arrays get full.
     """
-    level, x, y = len(path) - 1, cells[0, 0], cells[0, 1]
+    top = len(path) - 1
+    level, x, y = top, cells[0, 0], cells[0, 1]
     for k in range(done, ends + 1):
-        if 4 * (used + len(path) - 1) > len(vis):
+        if 4 * (used + top) > len(vis):
             return used, k
         node, level = _find(vis, path, level, cells[k, 0], cells[k, 1], x, y)
         x, y = cells[k, 0], cells[k, 1]
@@ -166,10 +167,9 @@ def walk_rays(
         steep = abs(dy) > abs(dx)
         long, short = (abs(dy), abs(dx)) if steep else (abs(dx), abs(dy))
         last = long - 2 if k <= ends else long
-        # after n steps along the longer side `(n short + rest) // long` along the shorter are made,
-        # from either end: Bresenham's loop always runs in increasing order
+        # after n steps along the longer side `(n short + rest) // long` along the shorter are made
         long += long == 0
-        half = (long - 1) // 2
+        half = (long - 1) // 2  # Bresenham's loop always runs in increasing order
         rest = half if (dy if steep else dx) > 0 else long - 1 - half
         step, across = whole(0), whole(0)
         while step <= last:

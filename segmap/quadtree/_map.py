@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from .. import arrays
 from .._display import Pictured
-from ..arrays import Array
+from ..arrays import LIMIT, Array
 from . import _loops as loops
 from ._tree import UNIT, Leaves, Stored, Tree, level_of, pairs, read, write
 
@@ -66,13 +66,13 @@ class QuadtreeMap(Pictured):
         bias: int = 20,
         free_resolution: float | None = None,
     ) -> None:
-        self.resolution = cell = arrays.number(resolution, "resolution", above=0, unit="metres")
+        cell = arrays.number(resolution, "resolution", above=0, most=LIMIT, unit="metres")
         level = 9 if size is None else level_of("size", size, cell, least=2)
         largest = max(level, 16) if max_size is None else level_of("max_size", max_size, cell)
         if not level <= largest < loops.DEPTH:
             raise ValueError(
-                f"max_size must not be below the size, {self._metres(level):.6g} m, nor have more "
-                f"than 2^{loops.DEPTH - 1} cells a side, got {max_size}"
+                f"max_size must not be below the size, {np.ldexp(cell, level):.6g} m, nor have "
+                f"more than 2^{loops.DEPTH - 1} cells a side, got {max_size}"
             )
         self.bias = arrays.whole(bias, "bias", most=loops.MOST)
         self.corner = arrays.point(corner, "corner", limit=np.inf)
@@ -80,7 +80,7 @@ class QuadtreeMap(Pictured):
             None if free_resolution is None else level_of("free_resolution", free_resolution, cell)
         )
         self.free_resolution, self._finest = free_resolution, free
-        self.tree, self.scans = Tree(level, largest), 0
+        self.resolution, self.tree, self.scans = cell, Tree(level, largest), 0
 
     def insert_scan(
         self, sensor_xy: ArrayLike, points: ArrayLike, free_points: ArrayLike | None = None
@@ -99,8 +99,7 @@ class QuadtreeMap(Pictured):
         Raises
         ------
         ValueError
-            For other shapes, coordinates that are not finite or lie beyond `max_size`; the map is
-            then as it was.
+            For other shapes, coordinates not finite or beyond `max_size`; the map stays as it is.
 
         Examples
         --------
@@ -151,13 +150,13 @@ class QuadtreeMap(Pictured):
         Parameters
         ----------
         resolution : float, metres, or None
-            The map's own by default, or this times a power of two: then the largest occupancy of
-            each cell counts, so that no obstacle gets lost.
+            The map's own by default, or this times a power of two, up to the map's side: then the
+            largest occupancy of each cell counts, so that no obstacle gets lost.
 
         Raises
         ------
         ValueError
-            For a resolution that is no power of two of cells, or larger than the map.
+            For another resolution.
 
         Examples
         --------
@@ -189,18 +188,15 @@ class QuadtreeMap(Pictured):
         if k > self.tree.level:
             raise ValueError(f"resolution {resolution} is larger than the map, {self.side:.6g} m")
         _, cell, level = self.tree.leaves()
-        value = np.empty(level.shape)
-        value[:] = values
-        first, last = cell >> k, ((cell + (1 << level)[:, None] - 1) >> k) + 1
-        start, end = np.zeros(2, np.int64), np.full(2, 1 << (self.tree.level - k))
+        value, part = np.full(level.shape, values, float), np.full(level.shape, True)
         if shown is not None:
-            start, end = first[(part := np.asarray(shown, bool))].min(0), last[part].max(0)
+            part &= np.asarray(shown, bool)
+        first, last = cell >> k, ((cell + (1 << level)[:, None] - 1) >> k) + 1
+        start, end = first[part].min(0), last[part].max(0)
         grid = np.full((end - start)[::-1], -np.inf)
-        loops.paint(
-            np.clip(first, start, end) - start, np.clip(last, start, end) - start, value, grid
-        )
+        loops.paint(*(np.clip(edge, start, end) - start for edge in (first, last)), value, grid)
         corner = self.corner + (self.tree.corner + (start << k)) * self.resolution
-        return grid, *corner.tolist(), self._metres(k)
+        return grid, *corner.tolist(), float(np.ldexp(self.resolution, k))
 
     def statistics(self) -> pd.DataFrame:
         """Leaves by side, and the bytes that they and a grid of single bytes take.
@@ -216,10 +212,11 @@ class QuadtreeMap(Pictured):
         """
         import pandas as pd
 
-        counts = np.bincount(self.tree.leaves()[2]).tolist()
-        rows = {f"leaves of {self._metres(k):.6g} m": n for k, n in enumerate(counts) if n}
-        rows |= {"leaves": sum(counts), "bytes": self.nbytes}
-        return pd.DataFrame({"count": rows | {"bytes of a grid": 4**self.tree.level}})
+        sides, counts = np.unique(self.leaves().side, return_counts=True)
+        names = [f"leaves of {side:.6g} m" for side in sides]
+        rows = dict(zip(names, counts.tolist(), strict=True)) | {"leaves": int(counts.sum())}
+        rows |= {"bytes": self.nbytes, "bytes of a grid": 4**self.tree.level}
+        return pd.DataFrame({"count": rows})
 
     @property
     def nbytes(self) -> int:
@@ -229,7 +226,7 @@ class QuadtreeMap(Pictured):
     @property
     def side(self) -> float:
         """Side of the root now, metres."""
-        return self._metres(self.tree.level)
+        return float(np.ldexp(self.resolution, self.tree.level))
 
     @property
     def bounds(self) -> tuple[float, float, float, float]:
@@ -301,7 +298,3 @@ class QuadtreeMap(Pictured):
         vis, occ = self.tree.vis[node], self.tree.occ[node]
         empty = np.maximum(0.5 * (self.bias - vis) / self.bias, 0.0)
         return np.where(occ > 0, occ / np.maximum(vis, 1), empty)
-
-    def _metres(self, level: int) -> float:
-        """Side of squares of a level."""
-        return float(np.ldexp(self.resolution, level))

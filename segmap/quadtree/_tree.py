@@ -36,7 +36,9 @@ class Leaves(NamedTuple):
 
 
 class Tree:
-    """Nodes in blocks of four in a square root; cells count from its lower left but for `corner`.
+    """Nodes in blocks of four, and the root square that they divide.
+
+    Cells are counted from the root's lower left one, but for `corner`.
 
     Attributes
     ----------
@@ -133,8 +135,8 @@ class Tree:
         """Renumber the blocks; first of all there are so many."""
         order, above = np.empty(blocks, np.int64), np.empty(blocks, np.int64)
         new_vis, new_occ = np.empty(4 * blocks, np.int32), np.empty(4 * blocks, np.int32)
-        tree = self.vis, self.occ, self.block, join
-        self.used = loops.compact(*tree, order, above, new_vis, new_occ)
+        tree = self.vis, self.occ, self.block
+        self.used = loops.compact(*tree, join, order, above, new_vis, new_occ)
         self.vis, self.occ, self.block, self.version = new_vis, new_occ, 0, self.version + 1
 
     def leaves_at(self, cells: loops.Cells) -> loops.Cells:
@@ -145,8 +147,7 @@ class Tree:
 
     def leaves(self) -> tuple[loops.Cells, loops.Cells, loops.Cells]:
         """Nodes `(n,)`, lower left cells `(n, 2)` and levels `(n,)` of all leaves."""
-        side = 1 << self.level
-        found = self._leaves_in(np.array([0, 0, side, side]), np.zeros(0, np.bool_))
+        found = self._leaves_in(np.array([0, 0, 1, 1]) << self.level, np.zeros(0, np.bool_))
         return found[:, 0], found[:, 1:3], found[:, 3]
 
     def occupied_cells(self, window: loops.Cells) -> loops.Cells:
@@ -161,13 +162,12 @@ class Tree:
 
     def occupied_blocks(self) -> loops.Holds:
         """Which blocks hold an occupied cell (occupancy above 0.5), `(b,)`; kept until a change."""
-        version, holds = self._occupied
-        if version != self.version:
+        if self._occupied[0] != self.version:
             version, holds = self.version, np.zeros(self.used, np.bool_)
             order = np.append(np.arange(self.used)[::-1], self._doubled())
             loops.occupied_blocks(self.vis, self.occ, order, holds)
             self._occupied = version, holds
-        return holds
+        return self._occupied[1]
 
     def _doubled(self) -> list[int]:
         """Roots that were doubled, the last at the end; other blocks come before those below."""
@@ -283,7 +283,8 @@ def _fault(arrays: dict[str, Any]) -> str:
 
 def _fault_of_tree(vis: loops.Counts, occ: loops.Counts, root: int, level: int) -> str:
     """Every block must be reached once, from the root, and counts must be possible."""
-    blocks, inner = vis.size // 4, vis < 0
+    blocks = vis.size // 4
+    inner = vis < 0
     child = np.append(~vis[inner].astype(np.int64), root)
     if vis.size % 4 or not np.array_equal(np.sort(child), np.arange(blocks)):
         return "its blocks do not hang together"
@@ -292,7 +293,7 @@ def _fault_of_tree(vis: loops.Counts, occ: loops.Counts, root: int, level: int) 
     layer, depth, seen = np.array([root]), 0, 1
     while len(layer):
         nodes = (4 * layer[:, None] + np.arange(4)).ravel()
-        layer = ~vis[nodes[inner[nodes]]].astype(np.int64)
+        layer = ~vis[nodes[vis[nodes] < 0]].astype(np.int64)
         depth, seen = depth + 1, seen + len(layer)
         if depth > level:
             return "a leaf is smaller than a cell"
