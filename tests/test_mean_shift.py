@@ -7,11 +7,14 @@ from reduction_maps import MAPS, malaga, redundant_map
 from segmap import metrics
 from segmap.literal.mean_shift import cut
 from segmap.poses import transform
-from segmap.reduction import _climb_loops as climbing
 from segmap.reduction import common_directions, mean_shift
+from segmap.reduction._climb import climb
 from segmap.reduction._mean_shift import pieces_of
 from segmap.segments import length
 from segmap.testing import assert_segments_equal
+
+#: Two points of one group.
+ALIKE = np.zeros(2, int)
 
 
 @pytest.mark.parametrize("turn", [np.pi / 2, 0.3, 2.0])
@@ -54,7 +57,7 @@ def test_pieces_are_as_few_as_are_no_longer_than_sigma(wall, pieces):
 def test_two_points_attract_as_their_kernel_says():
     """The closed form: at distance h, the weights are 1 and exp(-h^2 / 2)."""
     points = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]])
-    centres, steps = climbing.climb(points, np.inf, 10.0, np.inf)
+    centres, steps = climb(points, ALIKE, np.inf, 10.0)
     share = np.exp(-0.5) / (1 + np.exp(-0.5))
     assert steps == 1
     np.testing.assert_allclose(centres, [(share, 0, 0), (1 - share, 0, 0)], atol=1e-12)
@@ -64,13 +67,13 @@ def test_points_at_three_deviations_pull_and_those_beyond_do_not():
     """Equal pieces of one wall lie at whole multiples of sigma: rounding must not choose."""
     for gap, share in ((3.0 + 1e-12, np.exp(-4.5) / (1 + np.exp(-4.5))), (3.0 + 1e-6, 0.0)):
         points = np.array([[0.0, 0.0, 0.0], [0.0, gap, 0.0]])
-        centres, _ = climbing.climb(points, np.inf, 10.0, np.inf)
+        centres, _ = climb(points, ALIKE, np.inf, 10.0)
         assert centres[0, 1] == pytest.approx(gap * share, abs=1e-12)
 
 
 def test_a_perpendicular_point_attracts_but_does_not_turn():
     points = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 1.0]])
-    centres, _ = climbing.climb(points, 2.0, 10.0, np.inf)
+    centres, _ = climb(points, ALIKE, 2.0, 10.0)
     assert centres[0, 0] > 0.1
     assert centres[:, 2].tolist() == [0.0, 1.0]
 
@@ -79,8 +82,8 @@ def test_all_climb_until_the_slowest_rests():
     """A stop of each centre by itself, or a freeze below the stop: the others go on a little."""
     crowd = np.abs(np.random.default_rng(0).normal(0, 1.5, (60, 3)))
     slow = np.array([[900.0, 0.0, 0.0], [902.0, 0.0, 0.0]])
-    alone, steps = climbing.climb(crowd, 100.0, 1 / 200, np.inf)
-    both, more = climbing.climb(np.concatenate([crowd, slow]), 100.0, 1 / 200, np.inf)
+    alone, steps = climb(crowd, np.zeros(60, int), 100.0, 1 / 200)
+    both, more = climb(np.concatenate([crowd, slow]), np.zeros(62, int), 100.0, 1 / 200)
     assert more > steps
     assert 1e-6 < np.abs(both[:60] - alone).max() < 0.05
 

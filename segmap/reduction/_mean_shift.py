@@ -8,17 +8,20 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .. import arrays
+from .._compiled import compiled
 from ..arrays import Array, Segments
 from ..segments import angle, length, midpoint
-from . import _mean_shift_loops as loops
-from ._climb_loops import climb, link
-from ._runner import Found, Reduction, Rows, rows_of, run
+from ._climb import climb, link
+from ._runner import Found, Indices, Reduction, Rows, rows_of, run
 
 #: More pieces than this are refused: a slip in the unit of sigma would fill the memory.
 MOST_PIECES = 20_000_000
+#: Climbing ends when no centre moves by more than this part of sigma, or of (sx, sy) in phase 2.
+STOP = 1 / 200
+#: Intervals at most this far apart, in metres, are joined.
+SAME = 1e-9
 
 
 def mean_shift(
@@ -72,17 +75,67 @@ def mean_shift(
     (Reduction(mean_shift: 3 -> 2 segments), array([0, 0, 1]))
     """
     check_scales(sigma, bandwidth)
-    return run("mean_shift", map, lambda rows: _lines(rows, sigma, bandwidth), splits=True)
+    return run("mean_shift", map, lambda rows: _reduce(rows, sigma, bandwidth), splits=True)
 
 
-def _lines(rows: Rows, sigma: float, bandwidth: float) -> Found:
+def _reduce(rows: Rows, sigma: float, bandwidth: float) -> Found:
     """Both phases."""
-    pieces, owner, _, cluster, theta = _directions(rows.segments, sigma, bandwidth, np.inf)
-    origin = pieces.mean(axis=(0, 1)) if len(pieces) else np.zeros(2)
+    found = _directions(rows.segments, sigma, bandwidth, np.inf)
+    if not len(found.pieces):
+        return found.pieces, found.owner
+    out, into = _lines(found.pieces, found.cluster, found.theta, sigma)
+    lowest = np.argsort(np.unique(into, return_index=True)[1])  # outputs by their first piece
+    into = np.argsort(lowest)[into]
+    return out[lowest], _longest_share(len(rows.segments), found.owner, into)
+
+
+def _lines(pieces: Array, cluster: Indices, theta: Array, sigma: float) -> tuple[Array, Indices]:
+    """Phase 2 (A 4.3.4, 4.3.5): outputs `(m, 2, 2)`, metres, and that of each piece, `(p,)`.
+
+    In units of the kernel's deviations, sqrt(2) sx along and sqrt(2) sy across, phase 2 is phase 1
+    without an angle, in each cluster, of direction theta. A has the sign of b reversed in eq. 4.15.
+    """
+    along, across = np.sqrt(2.0) * 2 * sigma, np.sqrt(2.0) * sigma / 10
+    origin = pieces.mean(axis=(0, 1))
     middle, half = midpoint(pieces) - origin, (pieces[:, 1] - pieces[:, 0]) / 2
-    found, into = loops.lines(middle, half, cluster, theta, sigma)
-    found, into = _by_lowest(found + origin, into)
-    return found, _longest_share(len(rows.segments), owner, into)
+    dx, dy = np.cos(theta)[cluster], np.sin(theta)[cluster]
+    u, v = middle[:, 0] * dx + middle[:, 1] * dy, middle[:, 1] * dx - middle[:, 0] * dy
+    points = np.column_stack([u / along, v / across, np.zeros(len(u))])
+    centres, _ = climb(points, cluster, np.inf, STOP / np.sqrt(2.0))
+    chain = np.unique(link(centres, cluster, np.inf, np.sqrt(0.5)), return_inverse=True)[1]
+    offset = np.bincount(chain, centres[:, 1]) / np.bincount(chain) * across
+    reach = np.abs(half[:, 0] * dx + half[:, 1] * dy)
+    low, high = u - reach, u + reach
+    into, end = np.empty(len(u), np.int64), np.empty(len(u))
+    count = _join(np.lexsort((low, chain)), chain, low, high, into, end)
+    first = np.unique(into, return_index=True)[1]  # a piece of each output
+    w = np.stack([_lowest(low, into, count), end[:count]], axis=1)
+    dx, dy, offset = dx[first, None], dy[first, None], offset[chain[first], None]
+    return np.stack([w * dx - offset * dy, w * dy + offset * dx], axis=2) + origin, into
+
+
+def _lowest(low: Array, into: Indices, count: int) -> Array:
+    found = np.full(count, np.inf)
+    np.minimum.at(found, into, low)
+    return found
+
+
+@compiled
+def _join(
+    order: Indices, chain: Indices, low: Array, high: Array, into: Indices, end: Array
+) -> int:
+    """Union of the intervals of each chain, metres, sorted by chain and low: the number of parts.
+
+    Writes the part of each interval and the end of each part.
+    """
+    count, last = 0, -1
+    for i in order:
+        if chain[i] != last or low[i] > end[count - 1] + SAME:
+            last, end[count] = chain[i], high[i]
+            count += 1
+        end[count - 1] = max(end[count - 1], high[i])
+        into[i] = count - 1
+    return count
 
 
 class Directions(NamedTuple):
@@ -102,9 +155,9 @@ class Directions(NamedTuple):
     """
 
     pieces: Array
-    owner: NDArray[np.int64]
+    owner: Indices
     centres: Array
-    cluster: NDArray[np.int64]
+    cluster: Indices
     theta: Array
 
 
@@ -160,23 +213,16 @@ def _directions(segments: Array, sigma: float, bandwidth: float, steps: float) -
     middle = midpoint(pieces)
     origin = middle.mean(axis=0)
     points = np.column_stack([(middle - origin) / sigma, angle(pieces) / unit])
-    centres, _ = climb(points, np.pi / unit, loops.STOP, float(steps))
-    label = link(centres, np.pi / unit, 2.0)
+    alike = np.zeros(len(points), np.int64)
+    centres, _ = climb(points, alike, np.pi / unit, STOP, float(steps))
+    label = link(centres, alike, np.pi / unit, 2.0)
     centres = centres * (sigma, sigma, unit) + (*origin, 0.0)
     cluster = np.unique(label, return_inverse=True)[1]
     sine, cosine = (np.bincount(cluster, f(2 * centres[:, 2])) for f in (np.sin, np.cos))
     return Directions(pieces, owner, centres, cluster, np.arctan2(sine, cosine) / 2)
 
 
-def _by_lowest(segments: Array, into: NDArray[np.int64]) -> tuple[Array, NDArray[np.int64]]:
-    """Segments `(m, 2, 2)` in the order of their first piece, and that of each piece, `(p,)`."""
-    order = np.argsort(np.unique(into, return_index=True)[1])
-    return segments[order], np.argsort(order)[into]
-
-
-def _longest_share(
-    count: int, owner: NDArray[np.int64], into: NDArray[np.int64]
-) -> NDArray[np.int64]:
+def _longest_share(count: int, owner: Indices, into: Indices) -> Indices:
     """Most frequent output of the pieces `(p,)` of each owner, the first of equals: `(count,)`.
 
     All pieces of an owner are equally long. -1 for one without pieces.
@@ -189,7 +235,7 @@ def _longest_share(
     return parents
 
 
-def pieces_of(segments: Array, sigma: float) -> tuple[Array, NDArray[np.int64]]:
+def pieces_of(segments: Array, sigma: float) -> tuple[Array, Indices]:
     """Equal pieces `(p, 2, 2)` of `(n, 2, 2)` segments, at most `sigma` long, and their segments.
 
     Pieces are as few as can be, in the order of their segments, from end point 0; metres.
