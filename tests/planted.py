@@ -84,6 +84,8 @@ PLANTED = (
     ("return Edge(window.old, new, match.pose", "return Edge(new, window.old, match.pose", "pose_graph"),
     ("self.lost_since = self.lost_since if confirmed else new", "self.lost_since = None", "pose_graph"),
     ("if best.free is None or map.has_wall_facing", "if True or map.has_wall_facing", "pose_graph"),
+    ("for factor in (1.0, 2.0):", "for factor in (1.0,):", "pose_graph"),
+    ("    front.refine()\n", "", "pose_graph"),
     ("PointMap(points, viewpoints)", "PointMap(points)", "pose_graph"),
     # quadtree and matching: see the end of the list
     # readers

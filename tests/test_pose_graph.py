@@ -9,6 +9,8 @@ import pytest
 
 from segmap import load
 from segmap.alignment import Alignment, LoopClosing, Tracking, point_icp, pose_graph
+from segmap.alignment._point_map import PointMap
+from segmap.alignment._pose_graph import search_and_register
 from segmap.poses import between, compose
 from segmap.scans import LaserScan, Log
 from segmap.simulation import (
@@ -236,6 +238,14 @@ def test_a_kidnapped_robot(onwards, regained):
     if regained:
         assert far[cut:][found.used[cut:]].max() < 0.15
         assert turned[cut:][found.used[cut:]].max() < np.radians(1)
+
+
+def test_a_scan_that_does_not_lie_in_the_window_is_sought_in_twice_the_window():
+    """The odometry is off by 0.9 m and 60 degrees: only the wider search finds the place."""
+    points = logs.office_log()[0].points()
+    guess, map = np.array([0.8, -0.4, np.radians(60)]), PointMap(points)
+    found = search_and_register(map, points, guess, 0.5, np.radians(40), Tracking())
+    np.testing.assert_allclose(found.pose, 0, atol=0.01)
 
 
 # ------------------------------------------------------------------ nothing to go by
