@@ -7,8 +7,13 @@ from scipy.spatial import cKDTree
 
 from segmap import literal, load
 from segmap.alignment import angle_candidates, angle_correspondence, match_angles, match_values
-from segmap.alignment._angle_loops import refine
-from segmap.alignment._angle_scenes import is_seen_from_origin, viewpoints, wall_pairs
+from segmap.alignment._angle_loops import refine, superpose
+from segmap.alignment._angle_scenes import (
+    corners,
+    is_seen_from_origin,
+    viewpoints,
+    wall_pairs,
+)
 from segmap.angles import wrap
 from segmap.extraction import extract_polylines
 from segmap.poses import between, compose, inverse, transform
@@ -124,6 +129,18 @@ def test_moving_both_sets_moves_the_pose(moves):
     turn[:2, :2] = transform((0, 0, there[0][2]), np.eye(2)).T
     expected = turn @ carry @ one.covariance @ carry.T @ turn.T
     np.testing.assert_allclose(two.covariance, expected, rtol=1e-3, atol=1e-9)
+
+
+@pytest.mark.parametrize(("sizes", "turn"), [((9.0, 0.5), 0), ((0.5, 9.0), -5)])
+def test_of_two_corners_the_longer_walls_decide_the_turn(sizes, turn):
+    """Catches weights exchanged, or a turn to the other side (A 3.3.1)."""
+    i, lean = np.array([(0, 0), (sizes[0], 0)]), np.radians([90, 95])
+    walls = [np.stack([i, [(0, 0), (sizes[1] * np.cos(t), sizes[1] * np.sin(t))]]) for t in lean]
+    first, second = (corners(both, np.array([[0, 1]])) for both in walls)
+    found = np.empty((4, 4))
+    count = superpose(first, second, np.radians(8), 0.3, found)
+    headings = np.degrees(found[:count, 2])
+    assert np.abs(headings - turn).min() < 0.1
 
 
 def test_refining_brings_a_guess_home():
