@@ -90,13 +90,13 @@ def backbone(
     rotation. Each correction stays: the next odometry step starts from the corrected pose.
 
     It goes beyond A: a new line takes the direction of an older one (A) or its normal; segments
-    that disagree with the mean rotation by more than `parallel` have no say; while `follow` is True
+    that disagree with the mean rotation by more than `parallel` are left out; while `follow` is set
     a scan that is not used still takes its heading from the directions of the backbone, and one
     that matches no line has the backbone built anew for the next.
 
     The building must be orthogonal, and the method says where it is not: see `orthogonal`. Errors
-    are passed on from scan to scan; no loop is closed; corridors so wide that their walls come back
-    short or imprecise do not hold it.
+    pass from scan to scan, and no loop is closed. In corridors so wide that their walls come back
+    short or imprecise it does not work.
 
     Parameters
     ----------
@@ -105,7 +105,7 @@ def backbone(
     min_length : float, metres
         Shorter segments are furniture as often as walls, and say little about a direction.
     step : float, metres
-        Scans nearer than this to the last one used tell nothing new.
+        Scans nearer than this to the last one used add nothing new.
     turning : float, radians
         A scan to which the robot turned by more than this since the one before is skipped: five
         degrees are more than any drift between two scans, less than a turn on the spot.
@@ -114,7 +114,7 @@ def backbone(
     distance : float, metres
         A match needs both ends nearer than this to the line: noise and drift, not a door niche.
     angle : float, radians
-        And a direction this near the line's; 10 degrees hold what a turn gets wrong.
+        And a direction this near the line's: 10 degrees are more than a turn gets wrong.
     parallel : float, radians
         Lines nearer in direction than this are taken for parallel.
     new_direction : float

@@ -64,7 +64,7 @@ class Match:
 
 
 def no_match(start: ArrayLike, reason: str, overlap: float = 0.0) -> Match:
-    """The honest answer where nothing can be told of the pose, a (3,) array, metres and radians."""
+    """A match that found nothing: it keeps the start, (3,) array, and knows nothing of the pose."""
     unknown = np.diag(np.full(3, np.inf))
     return Match(np.array(start, float), unknown, False, reason, overlap)
 
