@@ -5,16 +5,20 @@ from dataclasses import replace
 import matplotlib
 import matplotlib.pyplot as plt
 import numpy as np
+import pandas as pd
 import pytest
+from matplotlib.collections import LineCollection
 from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 
 from segmap import course
 from segmap.alignment import Candidate, Match, PointStep
+from segmap.course import filter_change, thesis_results
+from segmap.experiments import select
 from segmap.exports import ros_classes
 from segmap.matching import DistanceField
 from segmap.metrics import distance_terms
-from segmap.plotting import ERROR, GROUPS, RAW, RESULT, figure_png
+from segmap.plotting import ERROR, GROUPS, MAP, METHOD_STYLES, RAW, RESULT, figure_png
 from segmap.poses import transform
 from segmap.quadtree import QuadtreeMap
 from segmap.reduction import fusion, hough, hybrid
@@ -24,11 +28,15 @@ from segmap.segments import SegmentMap, length
 SCAN = LaserScan(
     [1.0, 2.0, np.inf, 9.0, 3.0], [-1, 0, 1, 2, 3], sensor_pose=(0.5, 0, 0), max_range=8.0
 )
-STEP = PointStep(
-    np.zeros(3), 0.6, np.array([(0, 1.0), (1, 0.5)]), np.array([(0, 0.0), (1, 0)]), np.array([1, 0])
-)
+TWO, FEET = np.array([(0, 1.0), (1, 0.5)]), np.array([(0, 0.0), (1, 0)])
+STEP = PointStep(np.zeros(3), 0.6, TWO, FEET, np.array([1, 0]))
+LEFT = Candidate(np.array([1, 2, np.pi / 2]), 3.0, 1.0, 2.0, 1, np.empty((0, 5)))
 WALLS = np.array([[(0, 0), (4, 0)], [(0, 0.06), (4, 0.03)], [(0, 2), (0, 3)]])
 SEEN = SegmentMap(WALLS[[0, 0, 2, 0]], [0, 0, 1, 2])
+#: In the strip with both ends, with one, and on the border.
+STRIP = np.array([[(0, y), (1, z)] for y, z in ((0, 0), (0.03, 0.07), (0.06, 0.06))])
+TRIAL = course.Trial("it", "hill climbing", "field", 0, 0.013, 0.03, 0.01, 900, 800, 0.1)
+LOST = replace(TRIAL, matcher="hill climbing, thesis")
 
 
 @pytest.fixture
@@ -47,7 +55,123 @@ def lines_of(ax, index=0):
     return np.array(ax.collections[index].get_segments())
 
 
-# ------------------------------------------------------------------ poses and alignments
+def content(ax):
+    """Every line and every collection of lines: its colour and its coordinates, from below."""
+    lines = [(line.get_color(), line.get_xydata()) for line in ax.lines]
+    parts = [c for c in ax.collections if isinstance(c, LineCollection)]
+    lines += [(to_hex(c.get_color()[0]), np.array(c.get_segments())) for c in parts]
+    return [(color, (np.round(places, 9) + 0.0).tolist()) for color, places in lines]
+
+
+def run(map, method, quality, seconds=1.0, filtered=0.0, **thresholds):
+    row = {"map": map, "method": method, "filtered": filtered, "seconds": seconds}
+    return pd.DataFrame([{**row, "quality": quality, "reduction": 0.5, **thresholds}])
+
+
+HALL = [run("hall", "fusion", q, tolerance=t) for q, t in ((0.9, 0.02), (0.8, 0.04))]
+NOISE = run("hall", "fusion", 0.1, filtered=0.1, tolerance=0.02)
+SHIFTED = [run("hall", "mean_shift", 0.5, sigma=s, bandwidth=0.9) for s in (0.1, 0.2)]
+TIMED = [
+    run("hall", "hybrid", 0.9, seconds, filtered, distance=d, angle=angle)
+    for seconds, filtered, d, angle in (
+        *((1, 0, 0.1, 0.17), (2, 0, 0.4, 0.17), (9, 0, 0.4, 0.35)),
+        *((3, 0.1, 0.1, 0.17), (4, 0.1, 0.4, 0.17)),
+    )
+]
+HYBRID = METHOD_STYLES["hybrid"][0]
+
+#: What each drawing consists of, and what its labels, its title or its letters say.
+DRAWN = {
+    "points have lines to their walls, not walls to walls": (
+        lambda ax: course.draw_icp_step(FEET, STEP, ax=ax),
+        [(RAW, FEET), (RESULT, TWO), (ERROR, [[(0, 1), (0, 0)], [(1, 0.5), (1, 0)]])],
+        [],
+    ),
+    "the second scan moves, by the pose and not by its inverse": (
+        lambda ax: course.draw_candidate(WALLS[:1], WALLS[:1], LEFT, ax=ax, color=ERROR),
+        [(MAP, WALLS[:1]), (ERROR, [[(1, 2), (1, 6)]])],
+        ["3.0 m agree, 1.0 m seen through walls"],
+    ),
+    "marked segments lie over the rest": (
+        lambda ax: course.draw_marked(WALLS, [False, True, False], ax=ax),
+        [(RAW, WALLS[[0, 2]]), (ERROR, WALLS[[1]])],
+        [],
+    ),
+    "all segments up to a scan count, and the first scan is 1": (
+        lambda ax: course.draw_growth(SEEN, hybrid(SEEN), ax=ax),
+        [(MAP, [(1, 2), (2, 3), (3, 4)]), (RESULT, [(1, 1), (2, 2), (3, 2)])],
+        ["segments seen", "segments in the map"],
+    ),
+    "rates are not exchanged": (
+        lambda ax: course.draw_trade_off([1, 2], [0.1, 0.2], [0.9, 0.8], ax=ax),
+        [(RESULT, [(1, 0.1), (2, 0.2)]), (ERROR, [(1, 0.9), (2, 0.8)])],
+        ["reduction", "quality"],
+    ),
+    "ends fall at right angles on the line, beyond the wall too": (
+        lambda ax: course.draw_merge([[(-1, 1), (3, 3)]], [(0, 0), (2, 1)], ax=ax),
+        [
+            (RAW, [[(-1, 1), (-0.4, -0.2)], [(3, 3), (3.6, 1.8)]]),
+            *((RESULT, [[(0, 0), (2, 1)]]), (MAP, [[(-1, 1), (3, 3)]])),
+        ],
+        ["merged", "its parts"],
+    ),
+    "a strip holds what lies in it with both ends, up to its border": (
+        lambda ax: course.draw_strip(STRIP, 0.02, 0.04, ax=ax),
+        [(MAP, STRIP[[0, 2]]), (ERROR, STRIP[[1]])],
+        [],
+    ),
+    "a profile is in degrees, with its peaks": (
+        lambda ax: course.draw_profile(np.radians([-90, 0, 90, 180]), [1, 3, 0, 2], ax=ax),
+        [(RESULT, [(-90, 1), (0, 3), (90, 0), (180, 2)]), (ERROR, [(0, 3), (180, 2)])],
+        [],
+    ),
+    "a profile may be drawn without its peaks": (
+        lambda ax: course.draw_profile([0, 0], [0, 1], ax=ax, tops=False),
+        [(RESULT, [(0, 0), (0, 1)])],
+        [],
+    ),
+    "errors of trials are in millimetres, the thesis apart": (
+        lambda ax: course.draw_trials([TRIAL, LOST, replace(TRIAL, median=0.02)], ax=ax),
+        [(RESULT, [(900, 13), (900, 20)]), (ERROR, [(900, 13)])],
+        ["hill climbing", "hill climbing, thesis"],
+    ),
+    "thresholds are in millimetres, filtered runs left out, the last group blue": (
+        lambda ax: course.draw_threshold(
+            run("room", "fusion", 0.7, tolerance=0.02),
+            pd.concat([*HALL, NOISE]),
+            method="fusion",
+            ax=ax,
+        ),
+        [(RAW, [(20, 0.7)]), (RESULT, [(20, 0.9), (40, 0.8)])],
+        ["R", "H"],
+    ),
+    "a threshold that stays the same does not count": (
+        lambda ax: course.draw_threshold(pd.concat(SHIFTED), method="mean_shift", ax=ax),
+        [(RESULT, [(100, 0.5), (200, 0.5)])],
+        ["H"],
+    ),
+    "times are of tight angles, thresholds shares of the loosest": (
+        lambda ax: course.draw_times(pd.concat(TIMED), ax=ax),
+        [(HYBRID, [(0.25, 1), (1, 2)]), (HYBRID, [(0.25, 3), (1, 4)])],
+        ["hybrid"],
+    ),
+    "initials stand beside their dots": (
+        lambda ax: course.draw_initials({"hall": (1, 2), "room": (3, 4)}, ax=ax, color=MAP),
+        [(MAP, [(1, 2)]), (MAP, [(3, 4)])],
+        ["H", "R"],
+    ),
+}
+
+
+@pytest.mark.parametrize("claim", DRAWN)
+def test_a_drawing_consists_of(claim, ax):
+    draw, parts, words = DRAWN[claim]
+    draw(ax)
+    expected = [(color, np.array(places, float).tolist()) for color, places in parts]
+    assert content(ax) == expected
+    named = [line.get_label() for line in (*ax.lines, *ax.collections)]
+    said = [ax.get_title(), *(text.get_text() for text in ax.texts), *named]
+    assert [word for word in said if word and not word.startswith("_")] == words
 
 
 def test_a_scan_is_drawn_in_each_frame_with_its_valid_points():
@@ -69,16 +193,6 @@ def test_only_some_beams_are_drawn_and_they_start_at_the_sensor():
     assert len(ax.lines[1].get_xdata()) == 3  # all valid points
 
 
-def test_each_point_has_a_line_to_its_wall_thin_where_it_weighs_little(ax):
-    """Catches lines from wall to wall, and outliers that look as important as the rest."""
-    course.draw_icp_step([(0, 0), (1, 0), (2, 0)], STEP, ax=ax)
-    np.testing.assert_array_equal(lines_of(ax), [[(0, 1), (0, 0)], [(1, 0.5), (1, 0)]])
-    thick, thin = ax.collections[0].get_linewidth()
-    assert thick > 3 * thin
-    walls, points = (line.get_xydata() for line in ax.lines)
-    assert len(walls) == 3 and points.tolist() == STEP.points.tolist()
-
-
 @pytest.mark.parametrize("turn", [0.0, 0.5, 2.0])
 def test_the_ellipse_lies_along_the_direction_that_is_least_known(turn, ax):
     """Catches the transpose of the axes, variances as deviations, and half axes as whole ones."""
@@ -93,16 +207,6 @@ def test_the_ellipse_lies_along_the_direction_that_is_least_known(turn, ax):
     assert sorted(reach) == pytest.approx([0.2, 1.0])
     longest = ends[np.argmax(reach)]
     assert abs(longest @ (c, s)) == pytest.approx(1.0)
-
-
-def test_a_candidate_lays_the_second_scan_on_the_first(ax):
-    """Catches the first scan moved in place of the second, and the inverse motion."""
-    walls, pose = np.array([[(0, 0), (2, 0)]], float), np.array([1, 2, np.pi / 2])
-    guess = Candidate(pose, 3.0, 1.0, 2.0, 1, np.empty((0, 5)))
-    course.draw_candidate(walls, walls, guess, ax=ax, color=ERROR)
-    np.testing.assert_array_equal(lines_of(ax, 0), walls)
-    np.testing.assert_allclose(lines_of(ax, 1), [[(1, 2), (1, 4)]])
-    assert ax.get_title() == "3.0 m agree, 1.0 m seen through walls"
 
 
 def test_each_outcome_has_its_colour_where_it_started(ax):
@@ -129,6 +233,14 @@ def test_each_outcome_has_its_colour_where_it_started(ax):
             r"cells must be .* square grid, got shape \(3, 4\)",
         ),
         (
+            lambda: course.draw_threshold(thesis_results(), method="hybrid"),
+            "method must be run over one length, hybrid is over",
+        ),
+        (
+            lambda: course.draw_threshold(thesis_results(), method="nothing"),
+            "method must be run over one length, nothing is over",
+        ),
+        (
             lambda: course.draw_uncertainty(
                 Match(np.zeros(3), np.diag([np.inf] * 3), False, "too few points")
             ),
@@ -139,9 +251,6 @@ def test_each_outcome_has_its_colour_where_it_started(ax):
 def test_what_cannot_be_drawn_is_named(draw, message):
     with pytest.raises(ValueError, match=message):
         draw()
-
-
-# ---------------------------------------------------------------- segments and reductions
 
 
 @pytest.mark.parametrize("pose", [(2.8, 0.75, 0.5), (0.3, 1.0, -0.7), (-3.0, 0.2, 0.1)])
@@ -169,48 +278,6 @@ def test_each_case_is_reduced_by_itself_and_lies_over_what_is_left():
         np.testing.assert_array_equal(lines_of(ax, 1), map)
 
 
-def test_marked_segments_lie_over_the_rest_and_all_are_drawn(ax):
-    """Catches a mask that is turned round."""
-    course.draw_marked(WALLS, [False, True, False], ax=ax)
-    np.testing.assert_array_equal(lines_of(ax, 0), WALLS[[0, 2]])
-    np.testing.assert_array_equal(lines_of(ax, 1), WALLS[[1]])
-
-
-def test_growth_counts_what_was_seen_up_to_each_scan(ax):
-    """Catches counts of single scans, and the first scan drawn at 0."""
-    course.draw_growth(SEEN, hybrid(SEEN), ax=ax)
-    seen, live = ax.lines
-    assert seen.get_xdata().tolist() == [1, 2, 3] and seen.get_ydata().tolist() == [2, 3, 4]
-    assert live.get_ydata().tolist() == [1, 2, 2] and live.get_color() == RESULT
-
-
-def test_a_trade_off_shows_both_rates(ax):
-    course.draw_trade_off([1, 2, 3], [0.1, 0.2, 0.3], [0.9, 0.8, 0.7], ax=ax)
-    drawn = {line.get_label(): line for line in ax.lines}
-    assert drawn["quality"].get_xydata().tolist() == [[1, 0.9], [2, 0.8], [3, 0.7]]
-    assert drawn["reduction"].get_ydata().tolist() == [0.1, 0.2, 0.3]
-
-
-def test_ends_fall_at_right_angles_on_the_line_of_the_merged_wall(ax):
-    """Catches feet that are cut off at the ends of the wall."""
-    wall = np.array([(0, 0), (2, 1)])
-    course.draw_merge([[(-1, 1), (3, 3)]], wall, ax=ax)
-    dotted = lines_of(ax, 0)
-    np.testing.assert_array_equal(dotted[:, 0], [(-1, 1), (3, 3)])
-    assert np.allclose((dotted[:, 1] - dotted[:, 0]) @ (2, 1), 0)
-    np.testing.assert_allclose(dotted[:, 1], [(-0.4, -0.2), (3.6, 1.8)], atol=1e-12)
-
-
-def test_a_strip_holds_what_lies_in_it_with_both_ends_up_to_its_border(ax):
-    """Catches a shift with the wrong sign, one end that is enough, and < for <=."""
-    walls = np.array([[(0, y), (1, z)] for y, z in ((0, 0), (0.03, 0.07), (0.06, 0.06))])
-    course.draw_strip(walls, 0.02, 0.04, ax=ax)
-    np.testing.assert_array_equal(lines_of(ax, 0), walls[[0, 2]])
-    np.testing.assert_array_equal(lines_of(ax, 1), walls[[1]])
-    box = ax.patches[0].get_bbox()
-    assert (box.y0, box.y1) == pytest.approx((-0.02, 0.06))
-
-
 def test_centres_go_from_black_dots_to_those_of_their_group(ax):
     """Catches ways drawn across the centres in place of along the steps."""
     ways = np.array([[(0, 0), (1, 0), (5, 5)], [(0.4, 0), (0.6, 0), (5, 5)]])
@@ -235,9 +302,6 @@ def test_normals_end_on_the_lines_of_their_walls_in_their_colours(ax):
     assert np.allclose((feet * across).sum(1), 0)
     assert [line.get_color() for line in normals] == list(GROUPS[:2])
     assert [to_hex(c) for c in ax.collections[0].get_edgecolor()] == list(GROUPS[:2])
-
-
-# ---------------------------------------------------------------- quadtrees and matching
 
 
 def squares(ax, index=0):
@@ -283,15 +347,6 @@ def test_classes_are_drawn_at_their_place_the_lowest_row_below(ax):
     assert tuple(image.get_extent()) == edges and image.get_clim() == (0, 254)
 
 
-def test_a_profile_is_in_degrees_and_its_peaks_are_red(ax):
-    """Catches radians on an axis of degrees, and dots that are not on the line."""
-    course.draw_profile(np.radians([-90, 0, 90, 180]), [1, 3, 0, 2], ax=ax)
-    line, dots = ax.lines
-    np.testing.assert_allclose(line.get_xydata(), [(-90, 1), (0, 3), (90, 0), (180, 2)])
-    np.testing.assert_allclose(dots.get_xydata(), [(0, 3), (180, 2)])
-    assert line.get_color() == RESULT and dots.get_color() == ERROR
-
-
 def test_a_field_lies_where_its_window_is(ax):
     """Catches rows upside down, x for y, and a bar without its unit."""
     map = QuadtreeMap(resolution=0.5, size=8)
@@ -305,11 +360,34 @@ def test_a_field_lies_where_its_window_is(ax):
     assert bar.get_ylabel() == "distance [m]"
 
 
-def test_trials_have_a_mark_a_matcher_and_the_thesis_is_red(ax):
-    one = course.Trial("it", "hill climbing", "field", 0, 0.013, 0.03, 0.01, 900, 800, 0.1)
-    two, lost = replace(one, median=0.02), replace(one, matcher="hill climbing, thesis")
-    course.draw_trials([one, lost, two], ax=ax)
-    assert [line.get_label() for line in ax.lines] == ["hill climbing", "hill climbing, thesis"]
-    assert [line.get_color() for line in ax.lines] == [RESULT, ERROR]
-    assert ax.lines[0].get_marker() != ax.lines[1].get_marker()
-    np.testing.assert_allclose(ax.lines[0].get_xydata(), [(900, 13), (900, 20)])
+def test_a_row_for_each_group_and_a_picture_for_each_of_its_buildings():
+    """Catches filtered runs among the others, and a legend that names no method."""
+    runs = thesis_results()
+    axes = course.draw_buildings(runs, runs, filtered=True)
+    assert [len(row) for row in axes] == [4, 4] and axes[1][3].get_title() == "usc"
+    drawn = axes[0][0].lines[0].get_xydata()
+    chosen = select(runs, map="polimi", filtered=True, method="basic_offline")
+    np.testing.assert_allclose(drawn, chosen[["quality", "reduction"]])
+    names = [text.get_text() for text in axes[0][0].figure.legends[0].get_texts()]
+    assert "mean_shift" in names and axes[0][0].get_xlim() == axes[1][3].get_xlim()
+
+
+def test_letters_of_lines_that_end_together_do_not_cover_each_other(ax):
+    """Catches eight letters on one heap."""
+    runs = [run(name, "fusion", 0.5, tolerance=0.04) for name in ("ash", "box", "cot")]
+    runs += [run("den", "fusion", 0.9, tolerance=0.04)]
+    course.draw_threshold(pd.concat(runs), method="fusion", ax=ax)
+    places = {text.get_text(): text.xy[1] for text in ax.texts}
+    low, high = ax.get_ylim()
+    assert np.diff(sorted(places.values())).min() >= 0.05 * (high - low)
+    assert places["D"] == 0.9 and places["A"] < places["B"] < places["C"]
+    assert np.mean([places[k] for k in "ABC"]) == pytest.approx(0.5)
+
+
+def test_the_filter_changes_quality_and_reduction_in_points(ax):
+    """Catches rates in place of points, and the axes exchanged."""
+    runs = thesis_results()
+    course.draw_filter(runs, methods=["fusion", "hybrid"], ax=ax)
+    expected = [filter_change(select(runs, map=n), "hybrid") for n in ("polimi", "stanford")]
+    np.testing.assert_allclose(ax.lines[1].get_xydata()[:2], 100 * np.array(expected))
+    assert ax.lines[1].get_label() == "hybrid"
