@@ -97,3 +97,19 @@ def test_python_is_the_same_everywhere():
     least = project["requires-python"].removeprefix(">=")
     assert f"Python {least}" in README and f"{least} or later" in ENVIRONMENT
     assert f"({least.replace('.', ', ')})" in (ROOT / "Makefile").read_text()
+
+
+def test_the_changelog_names_what_there_is():
+    """Catches a table of new names that outlives the next renaming."""
+    import segmap
+
+    text = (ROOT / "CHANGELOG.md").read_text(encoding="utf-8")
+    rows = re.findall(r"^\| (`.*) \| (.*) \|$", text, re.MULTILINE)
+    named = [re.findall(r"`(\w+)\.([A-Za-z]\w*)", column) for row in rows for column in row]
+    before, now = ({pair for pairs in named[k::2] for pair in pairs} for k in (0, 1))
+    rooms = set(segmap.__all__)
+    assert len(now) > 10
+    for room, name in sorted(pair for pair in now if pair[0] in rooms):
+        assert hasattr(getattr(segmap, room), name), f"segmap.{room}.{name} is not there"
+    for room, name in sorted(pair for pair in before - now if pair[0] in rooms):
+        assert not hasattr(getattr(segmap, room), name), f"segmap.{room}.{name} is still there"
