@@ -214,6 +214,7 @@ def test_a_geometry_that_cannot_be():
     geometry = parse_geometry(TOLD)
     assert geometry.angles(384, 2).tolist() == [0.0, 2 * np.pi / 1024]
     assert np.degrees(geometry.angles(44, 1))[0] == pytest.approx(-119.53, abs=0.005)
+    assert geometry.angles(383, 1, 2).tolist() == [-np.pi / 1024]  # the middle of two steps
     for change in (*CANNOT_BE, *({key: "9" * 400} for key in ("SCAN", "AFRT", "DMAX"))):
         with pytest.raises(SensorError, match="PP told"):
             parse_geometry(TOLD | change)
