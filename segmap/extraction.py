@@ -4,6 +4,8 @@ Points come in the order of the beams. Both methods first cut that order where t
 at least `gap` apart; a polyline is then split and merged until it follows the points.
 """
 
+from __future__ import annotations
+
 from collections.abc import Callable
 from typing import Any, Literal
 
@@ -11,6 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from . import _extraction_loops as loops
+from . import arrays
 from .arrays import Array
 from .poses import transform
 from .scans import Log
@@ -62,10 +65,10 @@ def extract_clusters(
            [[2. , 0. ],
             [2. , 0.2]]])
     """
-    if fit not in ("total", "algebraic"):
-        raise ValueError(f'fit must be "total" or "algebraic", got {fit!r}')
-    _positive(gap=gap)
-    return loops.clusters(_points(points), gap, fit == "total", closed)
+    total = arrays.one_of(fit, "fit", ("total", "algebraic")) == "total"
+    p = _in_order(points, gap, closed)
+    out = np.empty((len(p) // 2 + 1, 2, 2))
+    return out[: loops.clusters(p, gap, total, out)]
 
 
 def extract_polylines(
@@ -121,13 +124,13 @@ def extract_polylines(
            [[1. , 0.1],
             [1. , 1. ]]])
     """
-    _positive(gap=gap, tolerance=tolerance)
-    if not (min_points >= 0 and min_points % 1 == 0):
-        raise ValueError(f"min_points must be a whole number, at least 0, got {min_points}")
-    if not min_length >= 0:
-        raise ValueError(f"min_length must be at least 0, in metres, got {min_length}")
-    least = max(int(min_points), 2)
-    return loops.polylines(_points(points), gap, tolerance, least, float(min_length), closed)
+    arrays.positive("metres", tolerance=tolerance)
+    arrays.number(min_length, "min_length", least=0, unit="metres")
+    least = max(arrays.whole(min_points, "min_points", least=0), 2)
+    p = _in_order(points, gap, closed)
+    out, room = np.empty((len(p) // least + 1, 2, 2)), np.empty((2, len(p) + 1), np.int64)
+    found = loops.polylines(p, gap, tolerance, least, min_length, out, room, np.empty(len(p) + 1))
+    return out[:found]
 
 
 def build_map(
@@ -199,26 +202,17 @@ def fit_line(points: ArrayLike) -> tuple[Array, float]:
     >>> centre.tolist(), float(np.degrees(angle).round(6))
     ([1.0, 2.0], 90.0)
     """
-    p = _points(points)
+    p = arrays.points(points)
     if len(p) < 2:
         raise ValueError(f"points must hold at least 2 points, got {len(p)}")
-    x, y, dx, dy = loops.fit_total(p)
+    x, y, dx, dy = loops.fit_total(p, 0, len(p))
     return np.array([x, y]), float(np.arctan2(dy, dx) % np.pi)
 
 
-def _points(points: ArrayLike) -> Array:
-    p = np.ascontiguousarray(points, float)
-    if p.size == 0:
-        return np.empty((0, 2))
-    if p.ndim != 2 or p.shape[1] != 2:
-        raise ValueError(f"points must have shape (n, 2), got {p.shape}")
-    if not np.isfinite(p).all():
-        bad = int(np.argmin(np.isfinite(p).all(1)))
-        raise ValueError(f"points must be finite, but point {bad} is {p[bad].tolist()}")
-    return p
-
-
-def _positive(**lengths: float) -> None:
-    for name, value in lengths.items():
-        if not value > 0:
-            raise ValueError(f"{name} must be positive, in metres, got {value}")
+def _in_order(points: ArrayLike, gap: float, closed: bool) -> Array:
+    """Points `(n, 2)`, metres; those of a closed scan from where a round best begins."""
+    arrays.positive("metres", gap=gap)
+    p = np.ascontiguousarray(arrays.points(points))
+    if not closed or len(p) < 3:
+        return p
+    return np.roll(p, -loops.start_of_round(p, gap), axis=0)

@@ -4,8 +4,7 @@ Every file is written beside its place and then moved there: nobody ever reads h
 stood there before stays until the new one is complete. A name that ends in `.gz` is packed.
 """
 
-from ._drawings import write_geojson, write_svg
-from ._grids import Classes, ros_classes, write_ros_map
+from ._maps import Classes, ros_classes, write_geojson, write_ros_map, write_svg
 from ._trajectories import NOTHING_MET, write_carmen, write_tum
 
 __all__ = [

@@ -1,5 +1,7 @@
 """Files that appear only when they are complete."""
 
+from __future__ import annotations
+
 import gzip
 import os
 from collections.abc import Iterable

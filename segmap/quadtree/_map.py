@@ -194,7 +194,8 @@ class QuadtreeMap(Pictured):
         first, last = cell >> k, ((cell + (1 << level)[:, None] - 1) >> k) + 1
         start, end = first[part].min(0), last[part].max(0)
         grid = np.full((end - start)[::-1], -np.inf)
-        loops.paint(*(np.clip(edge, start, end) - start for edge in (first, last)), value, grid)
+        first, last = (np.clip(edge, start, end) - start for edge in (first, last))
+        loops.paint(first, last, value, grid)
         corner = self.corner + (self.tree.corner + (start << k)) * self.resolution
         return grid, *corner.tolist(), float(np.ldexp(self.resolution, k))
 

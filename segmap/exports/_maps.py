@@ -1,0 +1,259 @@
+"""Quadtree maps for other programs: ROS' map_server (PGM and YAML), GeoJSON, and SVG."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..quadtree import QuadtreeMap, extent
+from ._files import write_bytes
+
+#: Grey values of classes: free, unknown, occupied.
+GREYS = np.array([254, 205, 0], np.uint8)
+#: What the YAML states for `(255 - grey) / 255`: 205 lies between the two.
+OCCUPIED_THRESH, FREE_THRESH = 0.65, 0.196
+#: Outlines of leaves, and their width as a part of the drawing's, which is so many pixels.
+BLUE, THIN, WIDTH = "#0072b2", 1 / 2000, 800
+
+
+class Classes(NamedTuple):
+    """Grey values `(rows, columns)`, row 0 lowest; lower left corner and side of a cell, metres.
+
+    Examples
+    --------
+    >>> ros_classes(QuadtreeMap(resolution=0.5, size=2)).side
+    0.5
+    """
+
+    greys: NDArray[np.uint8]
+    left: float
+    low: float
+    side: float
+
+
+def ros_classes(
+    map: QuadtreeMap,
+    *,
+    resolution: float | None = None,
+    occupied: float = 0.5,
+    free: float = 0.25,
+) -> Classes:
+    """The grid that `write_ros_map` writes: 254 free, 205 unknown, 0 occupied.
+
+    Parameters
+    ----------
+    map : QuadtreeMap
+    resolution, occupied, free
+        As in `write_ros_map`.
+
+    Returns
+    -------
+    Classes
+        Of the part where something is known; the whole root where nothing is. Greys are
+        a (rows, columns) array; corner and side in metres.
+
+    Raises
+    ------
+    ValueError
+        For thresholds out of order, a resolution that does not fit.
+
+    Examples
+    --------
+    >>> map = QuadtreeMap(resolution=0.5, size=4, bias=1)
+    >>> map.insert_scan((0.2, 0.2), [(1.2, 0.2)])
+    >>> ros_classes(map).greys[0]
+    array([254, 254,   0, 254], dtype=uint8)
+    """
+    if not 0 <= free < 0.5 <= occupied < 1:
+        raise ValueError(f"wanted 0 <= free < 0.5 <= occupied < 1, got {free} and {occupied}")
+    value = map.leaf_occupancy()
+    kind = np.select([value > occupied, value <= free], [2.0, 0.0], 1.0)
+    known = kind != 1 if (kind != 1).any() else None
+    grid, left, low, side = map.rasterize(kind, shown=known, resolution=resolution)
+    return Classes(GREYS[grid.astype(np.int64)], left, low, side)
+
+
+def write_ros_map(
+    path: str | Path,
+    map: QuadtreeMap,
+    *,
+    resolution: float | None = None,
+    occupied: float = 0.5,
+    free: float = 0.25,
+) -> None:
+    """Write a map for ROS: a YAML and, beside it, a PGM of the same name.
+
+    White (254) is free, grey (205) unknown, black (0) occupied; row 0 of the picture is the top,
+    `origin` the lower left corner of its lower left pixel. Only the part where something is known
+    is written.
+
+    Parameters
+    ----------
+    path : str or Path
+        Of the YAML; must end in `.yaml`.
+    map : QuadtreeMap
+    resolution : float, metres, or None
+        Side of a pixel: the map's own by default, or this times a power of two. A pixel that holds
+        several cells is occupied where one is, and free where all are.
+    occupied : float
+        Cells of greater occupancy are occupied.
+    free : float
+        Cells of at most this occupancy are free: by default those that half the `bias` crossed.
+
+    Raises
+    ------
+    ValueError
+        For another name, thresholds out of order, a resolution that does not fit.
+    OSError
+        A folder that does not exist, or cannot be written to.
+
+    Notes
+    -----
+    The picture comes first, so that a new YAML never names a picture that is not there.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> map = QuadtreeMap(resolution=0.5, size=4, bias=1)
+    >>> map.insert_scan((0.2, 0.2), [(1.2, 0.2)], [(0.2, 1.2)] * 2)
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     write_ros_map(Path(folder) / "it.yaml", map)
+    ...     print((Path(folder) / "it.yaml").read_text().splitlines()[0])
+    image: "it.pgm"
+    """
+    place = Path(path)
+    if place.suffix != ".yaml":
+        raise ValueError(f"the name must end in .yaml, got {place.name!r}")
+    found = ros_classes(map, resolution=resolution, occupied=occupied, free=free)
+    rows, columns = found.greys.shape
+    picture, pixels = place.with_suffix(".pgm"), np.flipud(found.greys).tobytes()
+    write_bytes(picture, f"P5\n{columns} {rows}\n255\n".encode("ascii") + pixels)
+    thresholds = f"free: occupancy <= {free:g}, occupied: occupancy > {occupied:g}"
+    lines = [
+        f"image: {json.dumps(picture.name, ensure_ascii=False)}",
+        f"resolution: {_number(found.side)}",
+        f"origin: [{_number(found.left)}, {_number(found.low)}, 0.0]",
+        "negate: 0",
+        f"occupied_thresh: {OCCUPIED_THRESH}",
+        f"free_thresh: {FREE_THRESH}",
+        "mode: trinary",
+        f"# {thresholds}, else unknown; bias {map.bias}",
+    ]
+    write_bytes(place, "".join(f"{line}\n" for line in lines).encode())
+
+
+def _number(value: float) -> str:
+    """A number with a point in it: some YAML readers take 1e-05 for a word."""
+    mantissa, mark, power = repr(value).partition("e")
+    return mantissa + (".0" if mark and "." not in mantissa else "") + mark + power
+
+
+# ------------------------------------------------------------------------- drawings
+def write_geojson(path: str | Path, map: QuadtreeMap, *, occupied: float = 0.5) -> None:
+    """Write the occupied leaves as squares, with their occupancy and both counts.
+
+    Coordinates are metres in the map's frame, x before y: GeoJSON programs that take them for
+    degrees must be told (QGIS: set the layer's reference system to one in metres).
+
+    Parameters
+    ----------
+    path : str or Path
+    map : QuadtreeMap
+    occupied : float
+        Leaves of greater occupancy are written.
+
+    Raises
+    ------
+    ValueError
+        For a threshold outside `[0, 1)`.
+    OSError
+        A folder that does not exist, or cannot be written to.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> map = QuadtreeMap(resolution=0.5, size=4)
+    >>> map.insert_scan((0.2, 0.2), [(1.2, 0.2)])
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     write_geojson(Path(folder) / "it.geojson", map)
+    ...     found = json.loads((Path(folder) / "it.geojson").read_text())
+    >>> found["features"][0]["geometry"]["coordinates"][0][0]
+    [1.0, 0.0]
+    """
+    if not 0 <= occupied < 1:
+        raise ValueError(f"occupied must be at least 0 and below 1, got {occupied}")
+    features = list(_features(map, occupied))
+    text = json.dumps({"type": "FeatureCollection", "features": features}, separators=(",", ":"))
+    write_bytes(Path(path), text.encode("ascii"))
+
+
+def _features(map: QuadtreeMap, occupied: float) -> Iterator[dict[str, object]]:
+    value = map.leaf_occupancy()
+    digits = _digits(map.resolution)
+    table = np.stack([*map.leaves(), value], -1)[value > occupied]
+    for x, y, side, vis, occ, occupancy in table.tolist():
+        left, low, right, high = (round(v, digits) for v in (x, y, x + side, y + side))
+        ring = [(left, low), (right, low), (right, high), (left, high), (left, low)]
+        yield {
+            "type": "Feature",
+            "properties": {"occupancy": round(occupancy, 6), "vis": int(vis), "occ": int(occ)},
+            "geometry": {"type": "Polygon", "coordinates": [ring]},
+        }
+
+
+def write_svg(path: str | Path, map: QuadtreeMap, *, outlines: bool = True) -> None:
+    """Write all leaves as squares of grey, black where occupied; y upwards, units are metres.
+
+    The picture shows where beams ended, with a margin; the other leaves lie beyond its border.
+
+    Parameters
+    ----------
+    path : str or Path
+    map : QuadtreeMap
+    outlines : bool
+        Blue ones, as the thesis draws them.
+
+    Raises
+    ------
+    OSError
+        A folder that does not exist, or cannot be written to.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     write_svg(Path(folder) / "it.svg", QuadtreeMap(resolution=0.5, size=4))
+    ...     (Path(folder) / "it.svg").read_text().count("<path")
+    1
+    """
+    left, low, right, high = extent(map)
+    wide, tall = right - left, high - low
+    line = f' stroke="{BLUE}" stroke-width="{THIN * wide:.6g}"' if outlines else ""
+    head = (
+        f'<svg xmlns="http://www.w3.org/2000/svg" width="{WIDTH}" '
+        f'height="{WIDTH * tall / wide:.0f}" '
+        f'viewBox="{left:.9g} {-high:.9g} {wide:.9g} {tall:.9g}">\n'
+        f'<g transform="scale(1 -1)" shape-rendering="crispEdges"{line}>\n'
+    )
+    text = head + "\n".join(_paths(map)) + "\n</g>\n</svg>\n"
+    write_bytes(Path(path), text.encode("ascii"))
+
+
+def _paths(map: QuadtreeMap) -> Iterator[str]:
+    """For each grey a path that holds all its squares."""
+    x, y, side = (v.round(_digits(map.resolution)) for v in map.leaves()[:3])
+    greys = np.rint(255 * (1 - map.leaf_occupancy())).astype(int)
+    for grey in np.unique(greys).tolist():
+        rows = np.stack([x, y, side], -1)[greys == grey].tolist()
+        squares = "".join(f"M{x:.15g} {y:.15g}h{a:.15g}v{a:.15g}h-{a:.15g}z" for x, y, a in rows)
+        yield f'<path fill="#{3 * f"{grey:02x}"}" d="{squares}"/>'
+
+
+def _digits(resolution: float) -> int:
+    """How many decimals keep a thousandth of a cell."""
+    return max(0, 3 - int(np.floor(np.log10(resolution))))
