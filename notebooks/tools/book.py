@@ -111,7 +111,7 @@ def build(folder: Path, chapters: list[Path]) -> list[Path]:
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True)
     style = STYLE + HtmlFormatter().get_style_defs(".highlight")
-    texts = {"index": ROOT / "README.md", "environment": ROOT / "environment.md"}
+    texts = {"index" if p.stem == "README" else p.stem: p for p in sorted(ROOT.glob("*.md"))}
     texts |= {p.parent.name: p for p in sorted((ROOT / "data").glob("*/README.md"))}
     pages = {n: markdown(p.read_text(encoding="utf-8"), p.parent) for n, p in texts.items()}
     for path in chapters:
