@@ -185,6 +185,8 @@ def number(
 ) -> float:
     """One finite number: above a bound, or at least at it, and below another, or at most at it.
 
+    Infinity is allowed where `most` is infinite.
+
     Examples
     --------
     >>> number(0.04, "tolerance", above=0, unit="metres")
@@ -194,7 +196,8 @@ def number(
     ValueError: tolerance must be a number above 0, in metres, got -1
     """
     array = np.asarray(value)
-    fits = array.shape == () and array.dtype.kind in "fiu" and bool(np.isfinite(array))
+    fits = array.shape == () and array.dtype.kind in "fiu"
+    fits = fits and bool(np.isfinite(array) or array == most == np.inf)
     fits = fits and (above is None or float(array) > above)
     fits = fits and (least is None or float(array) >= least)
     fits = fits and (below is None or float(array) < below)
@@ -202,7 +205,9 @@ def number(
     if not fits:
         bounds = [(" above", above), (" of at least", least), (" below", below)]
         bounds.append((" of at most", most))
-        range_ = " and".join(f"{word} {bound:.6g}" for word, bound in bounds if bound is not None)
+        range_ = " and".join(
+            f"{word} {bound:.6g}" for word, bound in bounds if bound not in (None, np.inf)
+        )
         suffix = f", in {unit}" if unit else ""
         kind = "a number" if range_ else "a finite number"
         raise ValueError(f"{name} must be {kind}{range_}{suffix}, got {_brief(value)}")

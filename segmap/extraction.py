@@ -211,7 +211,7 @@ def fit_line(points: ArrayLike) -> tuple[Array, float]:
 
 def _in_order(points: ArrayLike, gap: float, closed: bool) -> Array:
     """Points `(n, 2)`, metres; those of a closed scan from where a round best begins."""
-    arrays.positive("metres", gap=gap)
+    arrays.number(gap, "gap", above=0, most=np.inf, unit="metres")
     p = np.ascontiguousarray(arrays.points(points))
     if not closed or len(p) < 3:
         return p

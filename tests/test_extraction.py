@@ -299,6 +299,12 @@ def test_bad_thresholds(call, message):
         call([(0, 0), (1, 1)])
 
 
+@pytest.mark.parametrize("extract", [extract_clusters, extract_polylines])
+def test_an_infinite_gap_cuts_nowhere(extract):
+    """Chapter 21 shows what a wall becomes without gaps."""
+    assert len(extract([(0, 0), (1, 0), (2000, 0), (2001, 0)], gap=np.inf)) == 1
+
+
 # ------------------------------------------------------------------------------ fit_line
 @given(st.integers(0, 10_000))
 def test_fit_line_equals_the_plain_fit(seed):
