@@ -25,6 +25,8 @@ class Method(Generic[R]):
         Reduction: how many segments one step turns into how many, "2 -> 1", "m -> 1" or "m -> n".
     keeps : str
         Reduction: what a map holds of each segment while the method runs.
+    varies : str
+        Reduction: the threshold that trades quality for fewer segments, which a sweep varies.
     online : bool
         Whether it takes the scans one by one.
     needs_points : bool
@@ -39,6 +41,7 @@ class Method(Generic[R]):
     works: str = ""
     merges: str = ""
     keeps: str = ""
+    varies: str = ""
     online: bool = False
     needs_points: bool = False
     needs_odometry: bool = False

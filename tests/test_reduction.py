@@ -34,6 +34,7 @@ def test_metadata_and_signature(name):
     first, *others = inspect.signature(method.function).parameters.values()
     assert first.name == "map"
     assert all(p.kind is p.KEYWORD_ONLY and p.default is not p.empty for p in others)
+    assert method.varies in {p.name for p in others}
 
 
 @methods
