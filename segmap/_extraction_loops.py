@@ -117,13 +117,17 @@ def _end_of_cluster(p: Array, start: int, gap: float) -> int:
 
 
 @compiled
-def clusters(p: Array, gap: float, total: bool, out: Array) -> int:
-    """Write a segment, metres, for each cluster of more than one point (A 3.2); how many."""
+def clusters(p: Array, gap: float, total: bool, out: Array, runs: Indices) -> int:
+    """Write a segment, metres, for each cluster of more than one point (A 3.2); how many.
+
+    `runs`, (2, n / 2 + 1), gets the first point of each, and the one behind its last.
+    """
     start, k = 0, 0
     while start < len(p):
         stop = _end_of_cluster(p, start, gap)
         if stop - start > 1:
             line = fit_total(p, start, stop) if total else _fit_algebraic(p, start, stop)
+            runs[0, k], runs[1, k] = start, stop
             k += _span(p, start, stop, line, out, k) > MIN_LENGTH
         start = stop
     return k
@@ -222,7 +226,8 @@ def polylines(
 ) -> int:
     """Write the segments of all clusters, split and merged, metres; how many.
 
-    `room`, (2, n + 1), and `errors`, (n + 1,), are room to work.
+    `room`, (4, n + 1), and `errors`, (n + 1,), are room to work. The last two rows of `room` get
+    the first point of each segment, and the one behind its last.
     """
     ends, todo, begin, found = room[0], room[1], 0, 0
     while begin < len(p):
@@ -235,6 +240,7 @@ def polylines(
             if k + 1 < count:
                 end = _border(p, start, ends[k], ends[k + 1])
             if end - start >= min_points:
+                room[2, found], room[3, found] = start, end
                 length = _span(p, start, end, fit_total(p, start, end), out, found)
                 found += length >= min_length
             start = end

@@ -7,10 +7,11 @@ at least `gap` apart; a polyline is then split and merged until it follows the p
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, Literal
+from functools import partial
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from . import _extraction_loops as loops
 from . import arrays
@@ -65,10 +66,7 @@ def extract_clusters(
            [[2. , 0. ],
             [2. , 0.2]]])
     """
-    total = arrays.one_of(fit, "fit", ("total", "algebraic")) == "total"
-    p = _in_order(points, gap, closed)
-    out = np.empty((len(p) // 2 + 1, 2, 2))
-    return out[: loops.clusters(p, gap, total, out)]
+    return _cluster_runs(points, gap=gap, fit=fit, closed=closed).segments
 
 
 def extract_polylines(
@@ -124,13 +122,14 @@ def extract_polylines(
            [[1. , 0.1],
             [1. , 1. ]]])
     """
-    arrays.positive("metres", tolerance=tolerance)
-    arrays.number(min_length, "min_length", least=0, unit="metres")
-    least = max(arrays.whole(min_points, "min_points", least=0), 2)
-    p = _in_order(points, gap, closed)
-    out, room = np.empty((len(p) // least + 1, 2, 2)), np.empty((2, len(p) + 1), np.int64)
-    found = loops.polylines(p, gap, tolerance, least, min_length, out, room, np.empty(len(p) + 1))
-    return out[:found]
+    return _polyline_runs(
+        points,
+        gap=gap,
+        tolerance=tolerance,
+        min_points=min_points,
+        min_length=min_length,
+        closed=closed,
+    ).segments
 
 
 def build_map(
@@ -138,6 +137,7 @@ def build_map(
     poses: ArrayLike,
     *,
     extract: Callable[..., Array] = extract_polylines,
+    keep_points: bool = False,
     **thresholds: Any,
 ) -> SegmentMap:
     """Segments of every scan, carried into one frame.
@@ -150,6 +150,9 @@ def build_map(
         is NaN is left out.
     extract : function
         `extract(points, **thresholds) -> (n, 2, 2)`.
+    keep_points : bool
+        Keep the points behind each segment and the place of the sensor at each scan. Only
+        `extract_polylines` and `extract_clusters` tell which points those are.
     **thresholds
         Handed to `extract`.
 
@@ -161,7 +164,7 @@ def build_map(
     Raises
     ------
     ValueError
-        Where there is not one pose for each scan.
+        Where there is not one pose for each scan; for `keep_points` with another `extract`.
 
     Examples
     --------
@@ -169,6 +172,8 @@ def build_map(
     >>> wall = LaserScan(1 / np.cos(np.radians(range(-30, 31))), np.radians(range(-30, 31)))
     >>> build_map(Log("wall", [wall, wall]), [(0, 0, 0), (5, 0, np.pi / 2)])
     SegmentMap(2 segments of 2 scans)
+    >>> build_map(Log("wall", [wall]), [(5, 0, 0)], keep_points=True).sensors
+    array([[5., 0.]])
     """
     rows = np.asarray(poses, float)
     if rows.shape != (len(log), 3):
@@ -177,6 +182,8 @@ def build_map(
             + (": this log has no such poses" if poses is None else "")
         )
     known = np.flatnonzero(np.isfinite(rows).all(1))
+    if keep_points:
+        return _map_with_points(log, rows, known, _runs_of(extract, thresholds))
     found = [transform(rows[k], extract(log.scans[k].points(), **thresholds)) for k in known]
     counts = [len(segments) for segments in found]
     return SegmentMap(np.concatenate([np.empty((0, 2, 2)), *found]), np.repeat(known, counts))
@@ -207,6 +214,80 @@ def fit_line(points: ArrayLike) -> tuple[Array, float]:
         raise ValueError(f"points must hold at least 2 points, got {len(p)}")
     x, y, dx, dy = loops.fit_total(p, 0, len(p))
     return np.array([x, y]), float(np.arctan2(dy, dx) % np.pi)
+
+
+class Runs(NamedTuple):
+    """Segments `(k, 2, 2)`; all points `(n, 2)` in their order, metres; first and stop of each."""
+
+    segments: Array
+    points: Array
+    start: loops.Indices
+    stop: loops.Indices
+
+
+def _cluster_runs(
+    points: ArrayLike, *, gap: float, fit: Literal["total", "algebraic"], closed: bool
+) -> Runs:
+    total = arrays.one_of(fit, "fit", ("total", "algebraic")) == "total"
+    p = _in_order(points, gap, closed)
+    out, runs = np.empty((len(p) // 2 + 1, 2, 2)), np.empty((2, len(p) // 2 + 1), np.int64)
+    found = loops.clusters(p, gap, total, out, runs)
+    return Runs(out[:found], p, runs[0, :found], runs[1, :found])
+
+
+def _polyline_runs(
+    points: ArrayLike,
+    *,
+    gap: float,
+    tolerance: float,
+    min_points: int,
+    min_length: float,
+    closed: bool,
+) -> Runs:
+    arrays.positive("metres", tolerance=tolerance)
+    arrays.number(min_length, "min_length", least=0, unit="metres")
+    least = max(arrays.whole(min_points, "min_points", least=0), 2)
+    p = _in_order(points, gap, closed)
+    out, room = np.empty((len(p) // least + 1, 2, 2)), np.empty((4, len(p) + 1), np.int64)
+    found = loops.polylines(p, gap, tolerance, least, min_length, out, room, np.empty(len(p) + 1))
+    return Runs(out[:found], p, room[2, :found], room[3, :found])
+
+
+def _runs_of(
+    extract: Callable[..., Array], thresholds: dict[str, Any]
+) -> Callable[[ArrayLike], Runs]:
+    """The form of an extraction that tells the points, with its defaults filled in."""
+    known: dict[Callable[..., Array], Callable[..., Runs]] = {
+        extract_polylines: _polyline_runs,
+        extract_clusters: _cluster_runs,
+    }
+    if extract not in known:
+        name = getattr(extract, "__name__", extract)
+        raise ValueError(
+            "extract must be extract_polylines or extract_clusters where keep_points is asked for, "
+            f"got {name!r}: it does not tell its points"
+        )
+    return partial(known[extract], **{**(extract.__kwdefaults__ or {}), **thresholds})
+
+
+def _map_with_points(
+    log: Log, poses: Array, known: NDArray[np.int64], runs_of: Callable[[ArrayLike], Runs]
+) -> SegmentMap:
+    """Segments `(n, 2, 2)`, points and places of the sensor, metres, of scans of known pose."""
+    found = {int(k): runs_of(log.scans[k].points()) for k in known}
+    behind = [
+        transform(poses[k], runs.points[a:b])
+        for k, runs in found.items()
+        for a, b in zip(runs.start, runs.stop, strict=True)
+    ]
+    places = [transform(pose, scan.sensor_pose[:2]) for pose, scan in zip(poses, log, strict=True)]
+    return SegmentMap(
+        np.concatenate([np.empty((0, 2, 2)), *(transform(poses[k], found[k][0]) for k in found)]),
+        np.repeat(known, [len(runs.segments) for runs in found.values()]),
+        points=np.concatenate([np.empty((0, 2)), *behind]),
+        first=np.cumsum([0, *map(len, behind)]),
+        sensors=np.reshape(places, (-1, 2)),
+    )
 
 
 def _in_order(points: ArrayLike, gap: float, closed: bool) -> Array:

@@ -6,7 +6,7 @@ A segment has no direction: swapping its end points gives the same segment.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -135,7 +135,7 @@ def point_distance(points: ArrayLike, segments: ArrayLike) -> Array:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class SegmentMap(Pictured):
-    """Segments of a map and the scan from which each came.
+    """Segments of a map, the scan from which each came, and what lies behind them if it was kept.
 
     Parameters
     ----------
@@ -143,6 +143,12 @@ class SegmentMap(Pictured):
         In the frame of the map.
     scan : (n,) int array or None
         Index of the scan of each segment; None puts all into scan 0.
+    points : (p, 2) array, metres, or None
+        Points behind the segments, those of segment i are `points[first[i] : first[i + 1]]`.
+    first : (n + 1,) int array or None
+        Given with `points`: at least two points a segment.
+    sensors : (k, 2) array, metres, or None
+        Where the sensor was at each scan; NaN for a scan without segments.
 
     Raises
     ------
@@ -152,28 +158,54 @@ class SegmentMap(Pictured):
     Examples
     --------
     >>> map = SegmentMap([[(0, 0), (1, 0)], [(0, 1), (0.05, 1)]], scan=[0, 3])
-    >>> map, map.filtered()
-    (SegmentMap(2 segments of 2 scans), SegmentMap(1 segment of 1 scan))
+    >>> map, map.filtered(), map[1:]
+    (SegmentMap(2 segments of 2 scans), SegmentMap(1 segment of 1 scan), \
+SegmentMap(1 segment of 1 scan))
     """
 
     segments: Array
     scan: NDArray[np.int64]
+    points: Array | None
+    first: NDArray[np.int64] | None
+    sensors: Array | None
 
-    def __init__(self, segments: Segments, scan: ArrayLike | None = None) -> None:
+    def __init__(
+        self,
+        segments: Segments,
+        scan: ArrayLike | None = None,
+        *,
+        points: ArrayLike | None = None,
+        first: ArrayLike | None = None,
+        sensors: ArrayLike | None = None,
+    ) -> None:
         array = np.array(arrays.segments(segments))
-        index = np.zeros(len(array), np.int64) if scan is None else _whole(scan)
+        index = np.zeros(len(array), np.int64) if scan is None else _whole(scan, "scan")
         if index.shape != (len(array),):
             raise ValueError(
                 f"scan must have shape ({len(array)},), one index a segment, got {index.shape}"
             )
-        array.flags.writeable = index.flags.writeable = False
-        object.__setattr__(self, "segments", array)
-        object.__setattr__(self, "scan", index)
+        behind = _behind(points, first, len(array))
+        places = None if sensors is None else _places(sensors, index)
+        values = (array, index, *behind, places)
+        for field, value in zip(fields(self), values, strict=True):
+            if value is not None:
+                value.flags.writeable = False
+            object.__setattr__(self, field.name, value)
 
     def filtered(self, min_length: float = 0.10) -> SegmentMap:
         """Keep only the segments `(m, 2, 2)` of at least `min_length` metres (A 6.2.1: 0.10 m)."""
-        keep = length(self.segments) >= min_length
-        return SegmentMap(self.segments[keep], self.scan[keep])
+        return self[length(self.segments) >= min_length]
+
+    def __getitem__(self, rows: slice | ArrayLike) -> SegmentMap:
+        """Some of the segments, by a slice, a mask or indices, with all that lies behind them."""
+        index = np.arange(len(self))[rows if isinstance(rows, slice) else np.asarray(rows)]
+        if index.ndim != 1:
+            raise TypeError(f"take a slice, a mask or indices of segments, got {rows!r}")
+        points, first = self.points, self.first
+        if points is not None and first is not None:
+            points, first = take_points(points, first, index)
+        kept, scan = self.segments[index], self.scan[index]
+        return SegmentMap(kept, scan, points=points, first=first, sensors=self.sensors)
 
     def by_scan(self) -> Iterator[Array]:
         """Segments `(m, 2, 2)`, metres, of each scan that has some, ascending, input order kept."""
@@ -186,14 +218,72 @@ class SegmentMap(Pictured):
 
     def __repr__(self) -> str:
         n, k = len(self), len(np.unique(self.scan))
-        return f"SegmentMap({n} segment{'s' * (n != 1)} of {k} scan{'s' * (k != 1)})"
+        behind = "" if self.points is None else f", {len(self.points)} points"
+        return f"SegmentMap({n} segment{'s' * (n != 1)} of {k} scan{'s' * (k != 1)}{behind})"
 
 
-def _whole(scan: ArrayLike) -> NDArray[np.int64]:
+def take_points(
+    points: Array, first: NDArray[np.int64], rows: NDArray[np.int64]
+) -> tuple[Array, NDArray[np.int64]]:
+    """Points of some of the segments, and where those of each begin.
+
+    Parameters
+    ----------
+    points : (p, 2) array, metres
+    first : (n + 1,) int array
+    rows : (m,) int array
+
+    Returns
+    -------
+    (q, 2) array, metres, and (m + 1,) int array
+
+    Examples
+    --------
+    >>> points, first = np.arange(10.0).reshape(5, 2), np.array([0, 2, 5])
+    >>> take_points(points, first, np.array([1]))[0][:, 0], take_points(points, first, [1])[1]
+    (array([4., 6., 8.]), array([0, 3]))
+    """
+    counts = np.diff(first)[rows]
+    starts = np.append(0, np.cumsum(counts))
+    shift = np.repeat(first[:-1][rows] - starts[:-1], counts)
+    return points[np.arange(starts[-1]) + shift], starts
+
+
+def _behind(
+    points: ArrayLike | None, first: ArrayLike | None, count: int
+) -> tuple[Array | None, NDArray[np.int64] | None]:
+    """Copies of the points behind `count` segments, metres, and where those of each begin."""
+    if points is None and first is None:
+        return None, None
+    if points is None or first is None:
+        raise ValueError("points and first must be given together, or neither of them")
+    p, starts = np.array(arrays.points(points)), _whole(first, "first")
+    counts = np.diff(starts) if starts.shape == (count + 1,) else np.zeros(1)
+    if starts.shape != (count + 1,) or (counts < 2).any() or [starts[0], starts[-1]] != [0, len(p)]:
+        raise ValueError(
+            f"first must rise from 0 to {len(p)}, the number of points, in {count} steps of at "
+            f"least 2 points a segment, got {len(starts)} values"
+        )
+    return p, starts
+
+
+def _places(sensors: ArrayLike, scan: NDArray[np.int64]) -> Array:
+    """A copy of the places of the sensor, metres, of which each scan with segments has one."""
+    places = np.array(arrays.table(sensors, "sensors", 2, missing=True))
+    low, high = (scan.min(), scan.max()) if len(scan) else (0, -1)
+    if low < 0 or high >= len(places) or not np.isfinite(places[scan]).all():
+        raise ValueError(
+            f"sensors must hold a place for each scan that has segments, {low} to {high}, "
+            f"got {len(places)} places"
+        )
+    return places
+
+
+def _whole(values: ArrayLike, name: str) -> NDArray[np.int64]:
     """Indices as whole numbers, a copy."""
-    given = arrays.numbers(scan, "scan")
+    given = arrays.numbers(values, name)
     if not (np.abs(given) < 2**53).all() or (given % 1 != 0).any():
-        raise ValueError("scan must be whole numbers, one index a segment")
+        raise ValueError(f"{name} must be whole numbers, one index a segment")
     return given.astype(np.int64)
 
 

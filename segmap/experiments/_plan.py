@@ -39,7 +39,8 @@ class Job(NamedTuple):
 def digest(map: SegmentMap) -> str:
     """Twelve hexadecimal digits that identify a map.
 
-    They change with any of its segments `(n, 2, 2)`, to the nanometre, and scans `(n,)`.
+    They change with any of its segments `(n, 2, 2)`, to the nanometre, and scans `(n,)`; where it
+    keeps points and places of the sensor, with these too.
 
     Examples
     --------
@@ -49,6 +50,9 @@ def digest(map: SegmentMap) -> str:
     """
     grid = np.round(map.segments * 1e9).astype("<i8")
     found = hashlib.sha256(grid.tobytes() + map.scan.astype("<i8").tobytes())
+    for behind in (map.points, map.first, map.sensors):
+        if behind is not None:
+            found.update(np.round(np.nan_to_num(behind) * 1e9).astype("<i8").tobytes())
     return found.hexdigest()[:12]
 
 

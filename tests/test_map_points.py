@@ -1,0 +1,135 @@
+"""Maps that keep the points behind their segments, and the places of the sensor."""
+
+import pickle
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose, assert_array_equal
+
+from segmap import extraction, load
+from segmap.experiments import digest
+from segmap.extraction import build_map, extract_clusters, extract_polylines, fit_line
+from segmap.scans import Log
+from segmap.segments import SegmentMap, extreme_projections
+
+PIECES = [extract_polylines, extract_clusters]
+
+
+def a_map(extract=extract_polylines, **thresholds) -> SegmentMap:
+    log = load("room")
+    return build_map(log[:8], log.truth[:8], extract=extract, keep_points=True, **thresholds)
+
+
+def behind(map: SegmentMap, i: int) -> np.ndarray:
+    return map.points[map.first[i] : map.first[i + 1]]
+
+
+@pytest.mark.parametrize("extract", PIECES)
+@pytest.mark.parametrize("closed", [False, True])
+def test_each_segment_is_the_line_through_its_points(extract, closed):
+    """Catches runs that are off by one, or of a rolled scan; points left in the robot's frame."""
+    map = a_map(extract, closed=closed)
+    assert len(map) > 8
+    for i, segment in enumerate(map.segments):
+        found = extreme_projections(behind(map, i), *fit_line(behind(map, i)))
+        if np.dot(found[1] - found[0], segment[1] - segment[0]) < 0:
+            found = found[::-1]
+        assert_allclose(found, segment, atol=1e-9)
+
+
+@pytest.mark.parametrize("extract", PIECES)
+def test_segments_are_the_same_with_and_without_points(extract):
+    log = load("room")
+    plain = build_map(log[:8], log.truth[:8], extract=extract)
+    assert_array_equal(a_map(extract).segments, plain.segments)
+    assert_array_equal(a_map(extract).scan, plain.scan)
+    assert plain.points is None and plain.first is None and plain.sensors is None
+
+
+def test_no_point_stands_behind_two_segments():
+    """Catches pieces of a polyline that share their corner."""
+    map = a_map()
+    assert len(np.unique(map.points, axis=0)) == len(map.points) > 5 * len(map)
+
+
+def test_sensors_stand_where_the_laser_was_mounted():
+    """Catches the place of the robot in the place of its laser, and a pose that is turned back."""
+    scan = replace(load("room")[0], sensor_pose=(0.2, 0.1, 0.0))
+    log = Log("mounted", [scan, scan])
+    map = build_map(log, [(1, 2, np.pi / 2), (np.nan,) * 3], keep_points=True)
+    assert_allclose(map.sensors, [(0.9, 2.2), (np.nan, np.nan)])
+    assert set(map.scan) == {0}
+
+
+def test_slices_and_the_filter_carry_points_and_sensors():
+    """Catches points that stay where they were, so that segments get those of others."""
+    map = a_map()
+    keep = np.flatnonzero(np.hypot(*(map.segments[:, 1] - map.segments[:, 0]).T) >= 0.5)
+    for part in (map.filtered(0.5), map[keep]):
+        assert 0 < len(part) < len(map)
+        assert_array_equal(part.segments, map.segments[keep])
+        assert_array_equal(part.sensors, map.sensors)
+        for i, k in enumerate(keep):
+            assert_array_equal(behind(part, i), behind(map, k))
+    assert_array_equal(map[2:5].points, map.points[map.first[2] : map.first[5]])
+    assert_array_equal(map[[4, 1]].scan, map.scan[[4, 1]])
+    assert len(map[:0].points) == 0 and map[:0].first.tolist() == [0]
+    assert len(map[np.zeros(len(map), bool)]) == 0
+    with pytest.raises(TypeError, match="take a slice, a mask or indices of segments, got 3"):
+        map[3]
+
+
+def test_a_map_with_points_can_be_stored_and_shown():
+    map = a_map()
+    again = pickle.loads(pickle.dumps(map))
+    assert repr(again) == repr(map) and repr(map).endswith(f", {len(map.points)} points)")
+    assert_array_equal(again.points, map.points)
+    assert_array_equal(replace(map, scan=map.scan + 0).first, map.first)
+    assert not map.points.flags.writeable
+    assert "points" not in repr(map.segments) + repr(SegmentMap(map.segments))
+
+
+def test_the_digest_tells_maps_with_points_apart():
+    """Catches a sweep that takes the records of a map without points for those of one with."""
+    map = a_map()
+    moved = replace(map, points=map.points + 1e-3)
+    placed = replace(map, sensors=map.sensors + 1e-3)
+    bare = SegmentMap(map.segments, map.scan)
+    assert len({digest(m) for m in (map, moved, placed, bare)}) == 4
+    assert digest(map) == digest(a_map())
+
+
+WALLS = np.array([[(0, 0), (1, 0)], [(0, 1), (1, 1)]], float)
+FOUR = np.zeros((4, 2))
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ({"points": FOUR}, "points and first must be given together"),
+        ({"first": [0, 2, 4]}, "points and first must be given together"),
+        ({"points": FOUR, "first": [0, 4]}, "first must rise from 0 to 4"),
+        ({"points": FOUR, "first": [0, 3, 4]}, "at least 2 points a segment"),
+        ({"points": FOUR, "first": [0, 2, 5]}, "first must rise from 0 to 4"),
+        ({"points": FOUR, "first": [0, 2.5, 4]}, "first must be whole numbers"),
+        ({"points": FOUR * np.nan, "first": [0, 2, 4]}, "points must be finite"),
+        ({"sensors": FOUR[:1], "scan": [0, 1]}, "sensors must hold a place for each scan"),
+        ({"sensors": FOUR, "scan": [0, -1]}, "sensors must hold a place for each scan"),
+        ({"sensors": [(0, 0), (np.nan, 0)], "scan": [0, 1]}, "sensors must hold a place"),
+        ({"sensors": [(0, 0, 0)]}, r"sensors must have shape \(n, 2\)"),
+    ],
+)
+def test_what_does_not_fit_is_refused(given, message):
+    with pytest.raises(ValueError, match=message):
+        SegmentMap(WALLS, **given)
+
+
+def test_an_extraction_of_ones_own_does_not_tell_its_points():
+    log = load("room")
+    with pytest.raises(ValueError, match=r"extract must be .*got 'mine': it does not tell"):
+
+        def mine(points):
+            return extraction.extract_polylines(points)
+
+        build_map(log[:1], log.truth[:1], extract=mine, keep_points=True)
