@@ -10,35 +10,54 @@ its room, must fail there. What survives is listed: a test is missing, or the bu
 
 import argparse
 import ast
+import contextlib
+import importlib
+import multiprocessing
 import os
 import random
 import shutil
-import subprocess
+import signal
 import sys
 import tempfile
 from collections import Counter
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
-from queue import Queue
 from typing import NamedTuple
 
+import pytest
 from planted import PLANTED
 
 ROOT = Path(__file__).resolve().parents[1]
 #: Seconds after which a run counts as failed: the bug made it hang.
-LONGEST = 400
-#: The tests of a room, where their names do not begin with its own; doctests come with it.
+LONGEST = 200
+FORK = multiprocessing.get_context("fork")
+#: The tests of a room, or of the files of a room that begin so, where their names do not begin with
+#: the room's own; the examples of the file come with them.
 TESTS = {
-    "alignment": "alignment angle_correspondence backbone global_segments graph match_points "
-    "baselines point_map pose_graph segment_icp",
+    "alignment": "alignment baselines",
+    "alignment/_angle": "angle_correspondence",
+    "alignment/_backbone": "backbone",
+    "alignment/_global": "global_segments",
+    "alignment/_graph": "graph pose_graph",
+    "alignment/_loop_closing": "pose_graph",
+    "alignment/_point": "match_points point_map",
+    "alignment/_pose_graph": "pose_graph",
+    "alignment/_search_loops": "match_points point_map pose_graph",
+    "alignment/_segment": "segment_icp global_segments",
+    "arrays": "doors segments poses scans metrics extraction quadtree",
     "experiments": "experiments records comparison",
-    "extraction": "extraction",
     "hokuyo": "hokuyo record sensor",
-    "matching": "match distance_field map_scans",
-    "metrics": "metrics",
+    "kernels": "metrics basic hybrid mean_shift fusion",
+    "matching": "matchers matching distance_field map_scans",
+    "methods": "alignment reduction",
     "quadtree": "quadtree distance_field",
     "readers": "readers hostile_files error_codes",
-    "reduction": "basic fusion hybrid mean_shift reduction",
+    "reduction": "reduction",
+    "reduction/_basic": "basic reduction",
+    "reduction/_climb": "mean_shift reduction",
+    "reduction/_fusion": "fusion reduction",
+    "reduction/_hybrid": "hybrid reduction",
+    "reduction/_mean_shift": "mean_shift reduction",
     "simulation": "simulation simulated_data",
 }
 
@@ -68,11 +87,12 @@ def room_of(path: Path) -> str:
 
 
 def tests_of(path: Path) -> tuple[str, ...]:
-    """The tests of the room that a file belongs to, and its examples."""
-    room = room_of(path)
-    begins = tuple(f"test_{word}" for word in TESTS.get(room, room).split())
+    """The examples of a file, and the tests of it or its room."""
+    name = path.relative_to(ROOT / "segmap").as_posix()
+    words = [TESTS[key] for key in sorted(TESTS, key=len) if name.startswith(key)]
+    begins = tuple(f"test_{word}" for word in (words or [room_of(path)])[-1].split())
     found = [p for p in sorted((ROOT / "tests").glob("test_*.py")) if p.stem.startswith(begins)]
-    return tuple(str(p.relative_to(ROOT)) for p in [*found, path])
+    return tuple(str(p.relative_to(ROOT)) for p in [path, *found])
 
 
 # ------------------------------------------------------------------ planted by hand
@@ -182,24 +202,88 @@ def _code(tree: ast.AST):
 
 
 # ------------------------------------------------------------------ run
-def survives(bug: Bug, copy: Path) -> bool:
-    """Whether the tests pass with the bug in a copy of the project."""
-    path = copy / bug.path.relative_to(ROOT)
-    text, stamp = bug.path.read_text(), path.stat()
-    stop = bug.place + len(bug.old)
-    path.write_text(text[: bug.place] + bug.new + text[stop:])
-    command = [sys.executable, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider", *bug.tests]
-    try:
-        done = subprocess.run(
-            command, cwd=copy, env={**os.environ, "PYTHONPATH": str(copy)}, timeout=LONGEST,
-            stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
-        )  # fmt: skip
-        return done.returncode == 0
-    except subprocess.TimeoutExpired:
-        return False
-    finally:
-        path.write_text(text)
-        os.utime(path, ns=(stamp.st_atime_ns, stamp.st_mtime_ns))
+class Worker:
+    """A copy of the project that takes one bug after the other.
+
+    Each test run is a fork of this process, which has the large packages in memory already.
+    """
+
+    def __init__(self, folder: str) -> None:
+        self.copy = Path(folder) / str(os.getpid()) / "segmap"
+        leave = shutil.ignore_patterns(".git", ".venv", "build", ".mypy_cache", ".ruff_cache")
+        shutil.copytree(ROOT, self.copy, ignore=leave)  # machine code included; times are kept
+
+    def survives(self, bug: Bug) -> bool:
+        """Whether the tests pass with the bug; the copy, its machine code too, is as before."""
+        path = self.copy / bug.path.relative_to(ROOT)
+        text, stamp = bug.path.read_text(), path.stat()
+        code = {p: p.read_bytes() for p in path.parent.glob(f"__pycache__/{path.stem}.*.nb?")}
+        stop = bug.place + len(bug.old)
+        path.write_text(text[: bug.place] + bug.new + text[stop:])
+        try:
+            return self._pass(bug.tests)
+        finally:
+            path.write_text(text)
+            os.utime(path, ns=(stamp.st_atime_ns, stamp.st_mtime_ns))
+            for file, data in code.items():
+                file.write_bytes(data)
+
+    def _pass(self, tests: tuple[str, ...]) -> bool:
+        child = FORK.Process(target=_run_tests, args=(self.copy, tests))
+        child.start()
+        child.join(LONGEST)
+        hangs = child.exitcode is None
+        with contextlib.suppress(ProcessLookupError):  # what the tests started goes too
+            os.killpg(child.pid, signal.SIGKILL)
+        child.join()
+        if child.exitcode == pytest.ExitCode.USAGE_ERROR:
+            raise SystemExit(f"pytest cannot run {tests}")
+        return not hangs and child.exitcode in (0, pytest.ExitCode.NO_TESTS_COLLECTED)
+
+
+def _run_tests(copy: Path, tests: tuple[str, ...]) -> None:
+    """In a process of its own: run tests of the copy in silence, stop at the first that fails."""
+    os.setsid()
+    silence = os.open(os.devnull, os.O_RDWR)
+    for stream in range(3):
+        os.dup2(silence, stream)
+    os.chdir(copy)
+    os.environ["PYTHONPATH"] = str(copy)
+    own = {str(ROOT), str(ROOT / "tests")}
+    sys.path[:] = [str(copy), *(folder for folder in sys.path if folder not in own)]
+    os._exit(pytest.main(["-x", "-q", "-p", "no:cacheprovider", *tests]))
+
+
+def _load_packages() -> None:
+    """What most tests import, and the compiler: once, for all forks."""
+    packages = "scipy.spatial scipy.sparse.linalg pandas matplotlib.pyplot hypothesis numba"
+    for name in packages.split():
+        importlib.import_module(name)
+    sys.modules["numba"].njit(lambda x: x)(1)
+
+
+def _begin(folder: str) -> None:
+    global WORKER
+    WORKER = Worker(folder)
+
+
+def _survives(bug: Bug) -> bool:
+    return WORKER.survives(bug)
+
+
+def _check_without_bugs(bugs: list[Bug], pool: ProcessPoolExecutor) -> None:
+    """Stop where the tests of a room fail without any bug: all its bugs would count as killed."""
+    rooms = sorted({bug.room for bug in bugs})
+    none = [_no_bug([bug for bug in bugs if bug.room == room]) for room in rooms]
+    for room, passes in zip(rooms, pool.map(_survives, none), strict=True):
+        if not passes:
+            raise SystemExit(f"{room}: its tests fail, or take {LONGEST} s, without any bug")
+
+
+def _no_bug(bugs: list[Bug]) -> Bug:
+    """A change that changes nothing, and the tests of all these bugs."""
+    tests = dict.fromkeys(test for bug in bugs for test in bug.tests)
+    return bugs[0]._replace(new=bugs[0].old, tests=tuple(tests))
 
 
 def main() -> int:
@@ -212,19 +296,13 @@ def main() -> int:
     bugs = made(given.random, given.seed) if given.random else planted()
     bugs = [bug for bug in bugs if not given.only or bug.room in given.only]
     killed, left = Counter(), []
-    with tempfile.TemporaryDirectory() as folder, ThreadPoolExecutor(given.jobs) as pool:
-        copies: Queue[Path] = Queue()
-        for k in range(given.jobs):
-            copies.put(_copy(Path(folder) / str(k) / "segmap"))
-
-        def run(bug: Bug) -> bool:
-            copy = copies.get()
-            try:
-                return survives(bug, copy)
-            finally:
-                copies.put(copy)
-
-        for bug, lives in zip(bugs, pool.map(run, bugs), strict=True):
+    _load_packages()
+    with (
+        tempfile.TemporaryDirectory() as folder,
+        ProcessPoolExecutor(given.jobs, FORK, _begin, (folder,)) as pool,
+    ):
+        _check_without_bugs(bugs, pool)
+        for bug, lives in zip(bugs, pool.map(_survives, bugs), strict=True):
             killed[bug.room] += not lives
             if lives:
                 left.append(bug)
@@ -233,13 +311,6 @@ def main() -> int:
         print(f"{room:14} {killed[room]:4} of {count:4} killed")
     print(f"{'all':14} {sum(killed.values()):4} of {len(bugs):4} killed")
     return bool(left) and not given.random
-
-
-def _copy(to: Path) -> Path:
-    """A copy of the project without its environment, machine code included (times are kept)."""
-    leave = shutil.ignore_patterns(".git", ".venv", "build", ".mypy_cache", ".ruff_cache")
-    shutil.copytree(ROOT, to, ignore=leave)
-    return to
 
 
 if __name__ == "__main__":
