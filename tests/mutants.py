@@ -29,7 +29,7 @@ from planted import PLANTED
 
 ROOT = Path(__file__).resolve().parents[1]
 #: Seconds after which a run counts as failed: the bug made it hang.
-LONGEST = 200
+LONGEST = 300
 FORK = multiprocessing.get_context("fork")
 #: The tests of a room, or of the files of a room that begin so, where their names do not begin with
 #: the room's own; the examples of the file come with them.
@@ -256,7 +256,7 @@ def _run_tests(copy: Path, tests: tuple[str, ...]) -> None:
 
 def _load_packages() -> None:
     """What most tests import, and the compiler: once, for all forks."""
-    packages = "scipy.spatial scipy.sparse.linalg pandas matplotlib.pyplot hypothesis numba"
+    packages = "scipy.spatial scipy.sparse.linalg pandas matplotlib.pyplot numba"
     for name in packages.split():
         importlib.import_module(name)
     sys.modules["numba"].njit(lambda x: x)(1)

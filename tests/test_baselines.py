@@ -49,16 +49,34 @@ def test_poses_are_interpolated_at_the_times_of_the_scans():
     assert found.used.all()
 
 
-def test_the_truth_of_the_log_itself():
-    """Scans that are not in the order of time; a scan without truth between two with."""
+@pytest.mark.parametrize("damage", ["shuffled", "equal", "far away", "nan"])
+def test_a_scan_with_a_true_pose_has_that_one_whatever_its_time(damage):
+    """Catches the truth looked up by time: damaged times put scans 50 m away, all of them used."""
     log = logs.office_log()
-    shuffled = np.random.default_rng(1).permutation(len(log)).astype(float)
-    found = ground_truth(logs.changed(log, times=shuffled))
-    np.testing.assert_allclose(found.poses, log.truth, atol=1e-12)
-    gap = log_at(0, 0.5, 2, truth=[(0, 0, 0), NOT, (2, 0, 1.0)])
-    np.testing.assert_allclose(ground_truth(gap).poses[1], (0.5, 0, 0.25))
-    with pytest.raises(ValueError, match=r"scan 1 of log 'four', at 0\.500000 s"):
+    times = np.random.default_rng(1).permutation(len(log)).astype(float)
+    times[::3] = {"shuffled": times[::3], "equal": 7.0, "far away": 1e9, "nan": np.nan}[damage]
+    found = ground_truth(logs.changed(log, times=times))
+    np.testing.assert_array_equal(found.poses, log.truth)
+    assert found.used.all()
+
+
+def test_a_scan_without_true_pose_lies_between_its_neighbours_in_the_log():
+    """Catches a bridge between scans that are neighbours by a damaged time only."""
+    truth = [(0, 0, 0), NOT, (2, 0, 1.0), (9, 9, 2.0)]
+    gap = log_at(0, 0.5, 2, 0.6, truth=truth)
+    np.testing.assert_allclose(ground_truth(gap).poses[1:3], [(0.5, 0, 0.25), truth[2]])
+    with pytest.raises(ValueError, match=r"scan 1 of log 'four', at 0\.500000 s.*at most 1 s"):
         ground_truth(gap, max_gap=1.0)
+    for time in (-0.1, 2.1, np.nan):
+        found = ground_truth(log_at(0, time, 2, 3, truth=truth), missing="drop")
+        assert found.used.tolist() == [True, False, True, True]
+
+
+def test_scans_before_the_first_and_behind_the_last_true_pose_are_not_known():
+    """Catches poses made up outside of the truth."""
+    log = log_at(0, 1, 2, 3, truth=[NOT, (1, 1, 1), (2, 1, 1), NOT])
+    found = ground_truth(log, missing="drop")
+    assert found.used.tolist() == [False, True, True, False]
 
 
 @pytest.mark.parametrize(("times", "scan"), [((-0.1, 1), 0), ((0, 3.5, 9), 1), ((0, 1, 1.5), 2)])

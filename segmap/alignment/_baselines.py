@@ -45,15 +45,18 @@ def ground_truth(
     max_gap: float = np.inf,
     missing: str = "raise",
 ) -> Outcome:
-    """Poses interpolated at the time of each scan from poses known at other times (A 3.3.3).
+    """True pose of each scan: its own row of the log's truth, or a track's at its time (A 3.3.3).
 
+    A track is poses known at other times. Between two of them the pose at the time of a scan is
+    interpolated; so is that of a scan without a row of its own, between the scans before and after
+    it that have one. The times of scans that have one do not matter.
     Linear in x and y, by the shorter way round in heading.
 
     Parameters
     ----------
     log : Log
     times : (n,) array, seconds, not decreasing, and poses : (n, 3) array, metres and radians
-        What is known, as `read_trajectory` returns it; without them the truth in the log itself.
+        A track, as `read_trajectory` returns it; without one the truth in the log itself.
     max_gap : float, seconds
         Between two poses farther apart than this nothing is known.
     missing : "raise" or "drop"
@@ -78,15 +81,14 @@ def ground_truth(
     arrays.one_of(missing, "missing", ("raise", "drop"))
     if len(log) == 0:
         return Outcome([], [])
-    known_times, known_poses = _known(log, times, poses)
-    found = interpolate(known_times, known_poses, log.times, max_gap=max_gap)
+    found, source = _true_poses(log, times, poses, max_gap)
     known = np.asarray(np.isfinite(found).all(1))
     if missing == "raise" and not known.all():
         scan = int(np.argmin(known))
         raise ValueError(
             f"scan {scan} of log {log.name!r}, at {log.times[scan]:.6f} s, has no ground truth: "
-            f"that goes from {known_times[0]:.6f} to {known_times[-1]:.6f} s, with gaps of at most "
-            f'{max_gap:.6g} s allowed; missing="drop" leaves such scans out'
+            f"{source}, with gaps of at most {max_gap:.6g} s allowed; "
+            'missing="drop" leaves such scans out'
         )
     if known.any() and not known[0]:  # from the first known pose back, by the odometry
         first = int(np.argmax(known))
@@ -104,17 +106,35 @@ def _known_poses(log: Log, poses: Array, known: NDArray[np.bool_], missing: str)
     return trail.outcome()
 
 
-def _known(log: Log, times: ArrayLike | None, poses: ArrayLike | None) -> tuple[Array, Array]:
-    """Times `(n,)`, seconds, and poses `(n, 3)` that are known, in the order of time."""
+def _true_poses(
+    log: Log, times: ArrayLike | None, poses: ArrayLike | None, max_gap: float
+) -> tuple[Array, str]:
+    """True pose of each scan, `(k, 3)`, metres and radians, NaN for none; and where from."""
     if (times is None) != (poses is None):
         raise ValueError("times and poses belong together: give both, or neither")
     if times is not None and poses is not None:
-        return arrays.numbers(times, "times"), arrays.poses(poses)
+        t, track = arrays.numbers(times, "times"), arrays.poses(poses)
+        found = interpolate(t, track, log.times, max_gap=max_gap)
+        return found, f"that goes from {t[0]:.6f} to {t[-1]:.6f} s"
     if log.truth is None or not np.isfinite(log.truth).all(1).any():
         raise ValueError(f"log {log.name!r} holds no ground truth: give times and poses")
-    known = np.flatnonzero(np.isfinite(log.truth).all(1))
-    known = known[np.argsort(log.times[known], kind="stable")]
-    return log.times[known], log.truth[known]
+    return _bridged(
+        log.truth, log.times, max_gap
+    ), "the scans before and after it with one must have times around its own"
+
+
+def _bridged(truth: Array, times: Array, max_gap: float) -> Array:
+    """The rows of a truth; those of NaN between the rows before and after, in the order of scans.
+
+    Only where its time, in seconds, lies between theirs, which are at most `max_gap` apart.
+    """
+    found, known = truth.copy(), np.flatnonzero(np.isfinite(truth).all(1))
+    found[~np.isfinite(truth).all(1)] = np.nan
+    for k in np.setdiff1d(np.arange(known[0], known[-1]), known):
+        around = known[np.searchsorted(known, k) + np.array([-1, 0])]
+        if times[around[0]] <= times[k] <= times[around[1]]:
+            found[k] = interpolate(times[around], truth[around], times[[k]], max_gap=max_gap)[0]
+    return found
 
 
 def align_to_truth(poses: ArrayLike, truth: ArrayLike, *, best: bool = False) -> Array:
