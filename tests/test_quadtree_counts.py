@@ -169,8 +169,11 @@ def test_the_largest_size_is_reached_and_not_passed():
 @pytest.mark.parametrize(
     ("wrong", "message"),
     [
-        ({"resolution": 0.0}, "resolution must be a number above 0 .* in metres, got 0.0"),
-        ({"resolution": 1e308}, "resolution must be a number above 0 and of at most"),
+        (
+            {"resolution": 0.0},
+            "resolution must be a number of at least 1e-06 .*, got 0.0",
+        ),
+        ({"resolution": 1e308}, "resolution must be a number of at least 1e-06 and of at most"),
         ({"size": 5.0}, r"size must be a power of two of cells of 0.01 m.*got 5.0 m: 500 cells"),
         ({"size": 5.125}, "size must be a power of two"),
         ({"size": -5.12}, "size must be a power of two"),
@@ -181,6 +184,7 @@ def test_the_largest_size_is_reached_and_not_passed():
         ({"bias": 0}, "bias must be a whole number of at least 1"),
         ({"bias": 2**31}, "at most 2147483647, got 2147483648"),
         ({"corner": (0, np.nan)}, "corner must be finite"),
+        ({"corner": (0, 1e9)}, r"corner must be within 1e\+07"),
         ({"free_resolution": 0.03}, "free_resolution must be a power of two"),
         ({"free_resolution": 0.0}, "free_resolution must be a power of two"),
     ],

@@ -1,15 +1,19 @@
 """A quadtree on disk: it comes back bit for bit, or says what is wrong with the file."""
 
 import os
+import random
 import signal
 import subprocess
 import sys
+import tracemalloc
 import zipfile
 
+import damaged_maps
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from numpy.lib import format as npy
 from quadtrees import leaves_of, state
 
 from segmap import read
@@ -106,7 +110,12 @@ TAMPERED = {
     "hit but not crossed": ({"occ": ("leaf", 99)}, "hit more often than crossed"),
     "hit below zero": ({"occ": ("leaf", -1)}, "hit more often than crossed"),
     "an inner hit": ({"occ": ("inner", 1)}, "hit more often than crossed"),
-    "too deep": ({"state": (1, 2)}, "a leaf is smaller than a cell"),
+    "too deep": ({"state": ("level", (2, 0, 0))}, "a leaf is smaller than a cell"),
+    "more scans than can be counted": ({"state": (6, 2**62)}, "its sizes make no sense"),
+    "a corner that the root lost": ({"state": (3, 1)}, "its sizes make no sense"),
+    "a corner that has no opposite": ({"state": (3, -(2**63))}, "its sizes make no sense"),
+    "cells too small": ({"lengths": (0, 1e-300)}, "damaged, resolution must be"),
+    "a corner beyond all maps": ({"lengths": (1, 1e200)}, "damaged, corner must be within"),
     "root above the largest": ({"state": (2, 3)}, "its sizes make no sense"),
     "root too large": ({"state": (1, 99)}, "its sizes make no sense"),
     "no bias": ({"state": (5, 0)}, "its sizes make no sense"),
@@ -125,7 +134,7 @@ def tampered(arrays: dict, changes: dict) -> dict:
         array = arrays.get(name)
         if isinstance(change, tuple):
             at, value = change
-            at = inner[at] if name == "vis" else nodes.get(at, at)
+            at = [1, 3, 4] if at == "level" else inner[at] if name == "vis" else nodes.get(at, at)
             array[at] = array[inner[2]] if isinstance(value, str) else value
         else:
             arrays[name] = array[:-change] if isinstance(change, int) else change
@@ -222,3 +231,76 @@ def test_a_write_that_is_killed_leaves_the_old_file(tmp_path):
     assert done.returncode == -signal.SIGKILL
     assert state(QuadtreeMap.load(path)) == state(example())
     example().save(path)
+
+
+# ------------------------------------------------------------------------ crafted files
+def test_the_leaf_that_wrote_beyond_its_field(tmp_path):
+    """A large leaf that holds hits: the distance field wrote outside of its array."""
+    nodes = np.full(4, 5, np.int32)
+    state, lengths = np.array([0, 16, 16, 0, 0, 20, 1]), np.array([0.01, 0, 0, 0])
+    crafted = {"state": state, "lengths": lengths, "vis": nodes, "occ": nodes}
+    damaged_maps.write(tmp_path / "crafted.npz", crafted)
+    with pytest.raises(ValueError, match=r"crafted\.npz: damaged, a leaf larger than a cell"):
+        QuadtreeMap.load(tmp_path / "crafted.npz")
+
+
+def test_a_crafted_file_is_refused_or_everything_works_on_its_map(tmp_path):
+    """Catches an invariant that a loop relies on and that nobody checks: 1200 crafted maps."""
+    rng, path = random.Random(5), tmp_path / "crafted.npz"
+    accepted = 0
+    for number in range(1200):
+        arrays = damaged_maps.damaged(rng)
+        damaged_maps.write(path, arrays)
+        try:
+            accepted += damaged_maps.outcome(path) is not None
+        except BaseException as fault:
+            fault.add_note(f"mutant {number}: {arrays}")
+            raise
+    assert accepted > 200
+
+
+def refused_in_little_memory(path, reason):
+    tracemalloc.start()
+    with pytest.raises(ValueError, match=rf"{path.name}: not a readable NPZ file \(.*{reason}"):
+        QuadtreeMap.load(path)
+    assert tracemalloc.get_traced_memory()[1] < 8e6
+    tracemalloc.stop()
+
+
+def test_a_small_file_does_not_fill_the_memory(tmp_path):
+    """Catches 2 MB of NPZ that become 2.9 GB."""
+    path = tmp_path / "bomb.npz"
+    np.savez_compressed(path, **damaged_maps.sound() | {"vis": np.zeros(5 * 10**6, np.int32)})
+    assert path.stat().st_size < 50_000
+    refused_in_little_memory(path, "unpacks to more than 1048576 bytes")
+
+
+@pytest.mark.parametrize("shape", [(2**40,), (2**31, 2**33), (-1,), (3,)])
+def test_a_header_gets_no_more_than_there_is(shape, tmp_path):
+    """Catches an array that is made as large as its header says, before it is read."""
+    with zipfile.ZipFile(tmp_path / "asks.npz", "w") as held, held.open("vis.npy", "w") as member:
+        npy.write_array_header_1_0(member, {"descr": "<i4", "fortran_order": False, "shape": shape})
+        member.write(bytes(16))
+    refused_in_little_memory(tmp_path / "asks.npz", r"vis\.npy holds 16 bytes, no int32")
+
+
+def test_other_ways_to_pack_are_refused(tmp_path):
+    """Catches bzip2, which Python's zip files unpack without a bound."""
+    with zipfile.ZipFile(tmp_path / "packed.npz", "w", zipfile.ZIP_BZIP2) as held:
+        held.writestr("vis.npy", bytes(1000))
+    refused_in_little_memory(tmp_path / "packed.npz", "as numpy never does")
+
+
+def test_the_most_regular_tree_is_no_bomb(tmp_path):
+    """Catches a bound that a map of our own meets: 4^8 leaves that nothing has crossed."""
+    map, blocks = QuadtreeMap(resolution=1, size=2**8), (4**8 - 1) // 3
+    map.tree.vis, map.tree.occ = np.zeros((2, 4 * blocks), np.int32)
+    map.tree.vis[: blocks - 1], map.tree.used = ~np.arange(1, blocks, dtype=np.int32), blocks
+    map.save(tmp_path / "full.npz")
+    assert len(QuadtreeMap.load(tmp_path / "full.npz").leaves().x) == 4**8
+
+
+def test_a_pipe_is_not_waited_for(tmp_path):
+    os.mkfifo(tmp_path / "pipe.npz")
+    with pytest.raises(ValueError, match=r"pipe\.npz is a device or a pipe, no regular file"):
+        QuadtreeMap.load(tmp_path / "pipe.npz")

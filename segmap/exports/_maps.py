@@ -10,8 +10,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from .._files import write_bytes
 from ..quadtree import QuadtreeMap, extent
-from ._files import write_bytes
 
 #: Grey values of classes: free, unknown, occupied.
 GREYS = np.array([254, 205, 0], np.uint8)

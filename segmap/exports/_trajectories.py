@@ -10,12 +10,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .. import arrays
+from .._files import write_lines
 from ..alignment import Alignment
 from ..arrays import Array
 from ..poses import between, compose
 from ..readers import half_turn, same_poses
 from ..scans import NO_POSE, LaserScan, Log
-from ._files import write_lines
 
 #: What a SICK answers where nothing was met, metres: every reader of CARMEN logs knows it.
 NOTHING_MET = 81.83

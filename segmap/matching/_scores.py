@@ -276,14 +276,15 @@ def descent_distances(
             x, y = places[k, m, 0], places[k, m, 1]
             best, left, low, block = np.inf, 0.0, 0.0, root
             for level in range(top - 1, -1, -1):
-                half, chosen, best = 0.5 * (1 << level), 0, np.inf
+                half, chosen, best = 0.5 * (1 << level), -1, np.inf
                 for q in range(4):
                     child = ~whole(vis[4 * block + q])
                     dx = left + half + 2 * half * (q & 1) - x
                     dy = low + half + 2 * half * (q >> 1) - y
                     cell = 2 * whole(occ[4 * block + q]) > vis[4 * block + q]
-                    if (holds[child] if child >= 0 else cell) and dx * dx + dy * dy < best:
-                        best, chosen = dx * dx + dy * dy, q
+                    far = dx * dx + dy * dy
+                    if (holds[child] if child >= 0 else cell) and (chosen < 0 or far < best):
+                        best, chosen = far, q
                 left, low = left + 2 * half * (chosen & 1), low + 2 * half * (chosen >> 1)
                 block = ~whole(vis[4 * block + chosen])
             found[k] += np.sqrt(best)

@@ -12,7 +12,8 @@ from .. import arrays
 from .._display import Pictured
 from ..arrays import LIMIT, Array
 from . import _loops as loops
-from ._tree import UNIT, Leaves, Stored, Tree, level_of, pairs, read, write
+from ._file import Stored, read, write
+from ._tree import LEAST, UNIT, Leaves, Tree, level_of, pairs
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -66,7 +67,7 @@ class QuadtreeMap(Pictured):
         bias: int = 20,
         free_resolution: float | None = None,
     ) -> None:
-        cell = arrays.number(resolution, "resolution", above=0, most=LIMIT, unit="metres")
+        cell = arrays.number(resolution, "resolution", least=LEAST, most=LIMIT, unit="metres")
         level = 9 if size is None else level_of("size", size, cell, least=2)
         largest = max(level, 16) if max_size is None else level_of("max_size", max_size, cell)
         if not level <= largest < loops.DEPTH:
@@ -75,7 +76,7 @@ class QuadtreeMap(Pictured):
                 f"more than 2^{loops.DEPTH - 1} cells a side, got {max_size}"
             )
         self.bias = arrays.whole(bias, "bias", most=loops.MOST)
-        self.corner = arrays.point(corner, "corner", limit=np.inf)
+        self.corner = arrays.point(corner, "corner")
         free = (
             None if free_resolution is None else level_of("free_resolution", free_resolution, cell)
         )
@@ -264,7 +265,8 @@ class QuadtreeMap(Pictured):
         Raises
         ------
         ValueError
-            For a file that is damaged or foreign, saying what is wrong with it.
+            For a file that is damaged or foreign, or unpacks to more than 1 MB and 50 times its
+            size, saying what is wrong with it.
         """
         found = read(Path(path))
         resolution, x, y, free = found.lengths.tolist()

@@ -1,10 +1,8 @@
-"""The tree itself, in whole cells: blocks of four nodes that double, split and join; its file."""
+"""The tree itself, in whole cells: blocks of four nodes that double, split and join."""
 
 from __future__ import annotations
 
-import os
-from pathlib import Path
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -13,9 +11,13 @@ from .. import arrays
 from ..arrays import Array
 from . import _loops as loops
 
-FORMAT, VERSION = "segmap quadtree", 1
+if TYPE_CHECKING:
+    from ._file import Stored
+
 #: What an error says of coordinates.
 UNIT = "metres (leave out beams without return)"
+#: No cell is smaller, metres: single precision must hold coordinates counted in cells.
+LEAST = 1e-6
 
 
 class Leaves(NamedTuple):
@@ -214,87 +216,3 @@ def pairs(name: str, values: ArrayLike) -> Array:
     if isinstance(values, np.ndarray) and values.dtype == float and values.shape[1:] == (2,):
         return values
     return arrays.table(values, name, 2, unit=UNIT, limit=np.inf)
-
-
-# -------------------------------------------------------------------------------- its file
-class Stored(NamedTuple):
-    """What a file holds."""
-
-    state: NDArray[np.int64]  #: block, level, largest, x and y of the corner, bias, scans
-    lengths: Array  #: resolution, x and y of the corner, free resolution or 0, metres
-    vis: loops.Counts
-    occ: loops.Counts
-
-
-def write(path: Path, stored: Stored) -> None:
-    """Write under a temporary name, then rename: the file is whole or absent."""
-    if not path.parent.is_dir():
-        raise FileNotFoundError(f"cannot write {path}: the folder {path.parent} does not exist")
-    part = path.with_name(f".{path.name}.{os.getpid()}.part")
-    kind = np.array(f"{FORMAT} {VERSION}")
-    try:
-        with part.open("wb") as target:
-            np.savez_compressed(target, format=kind, **stored._asdict())
-            target.flush()
-            os.fsync(target.fileno())
-        part.replace(path)
-    finally:
-        part.unlink(missing_ok=True)
-
-
-def read(path: Path) -> Stored:
-    """Read a file and check it: compiled loops rely on what it holds."""
-    try:
-        with path.open("rb") as source:
-            if source.read(2) != b"PK":  # else numpy would speak of pickles
-                raise ValueError("it does not begin like one")
-            source.seek(0)
-            with np.load(source, allow_pickle=False) as held:
-                arrays: dict[str, Any] = {name: held[name] for name in held.files}
-    except (FileNotFoundError, IsADirectoryError, PermissionError):
-        raise
-    except Exception as error:  # zipfile, zlib and numpy raise a dozen kinds for damaged bytes
-        raise ValueError(f"{path}: not a readable NPZ file ({error})") from None
-    kind = str(arrays.pop("format", ""))
-    if not kind.startswith(FORMAT):
-        raise ValueError(f"{path}: not a quadtree of segmap, holds {sorted(arrays)}")
-    if kind != f"{FORMAT} {VERSION}":
-        raise ValueError(f"{path}: written as {kind!r}, this version reads {VERSION}")
-    if wrong := _fault(arrays):
-        raise ValueError(f"{path}: damaged, {wrong}")
-    return Stored(**arrays)
-
-
-def _fault(arrays: dict[str, Any]) -> str:
-    """What keeps the arrays from being a map; empty where nothing does."""
-    if set(arrays) != set(Stored._fields):
-        return f"it holds {sorted(arrays)}, expected {sorted(Stored._fields)}"
-    state, lengths, vis, occ = (arrays[name] for name in Stored._fields)
-    kinds = [(state, np.int64, 7), (lengths, np.float64, 4), (vis, np.int32, vis.size)]
-    for array, kind, count in [*kinds, (occ, np.int32, vis.size)]:
-        if array.dtype != kind or array.shape != (count,):
-            return f"an array is {array.dtype} {array.shape}, expected {np.dtype(kind)} ({count},)"
-    _, level, largest, _, _, bias, scans = state.tolist()
-    sizes = np.isfinite(lengths).all() and lengths[0] > 0 and 2 <= level <= largest < loops.DEPTH
-    if not (sizes and bias >= 1 and scans >= 0 and (abs(state[3:5]) < loops.FAR).all()):
-        return "its sizes make no sense"
-    return _fault_of_tree(vis, occ, int(state[0]), int(state[1]))
-
-
-def _fault_of_tree(vis: loops.Counts, occ: loops.Counts, root: int, level: int) -> str:
-    """Every block must be reached once, from the root, and counts must be possible."""
-    blocks = vis.size // 4
-    inner = vis < 0
-    child = np.append(~vis[inner].astype(np.int64), root)
-    if vis.size % 4 or not np.array_equal(np.sort(child), np.arange(blocks)):
-        return "its blocks do not hang together"
-    if (occ < 0).any() or (occ > vis)[~inner].any() or occ[inner].any():
-        return "a leaf was hit more often than crossed"
-    layer, depth, seen = np.array([root]), 0, 1
-    while len(layer):
-        nodes = (4 * layer[:, None] + np.arange(4)).ravel()
-        layer = ~vis[nodes[vis[nodes] < 0]].astype(np.int64)
-        depth, seen = depth + 1, seen + len(layer)
-        if depth > level:
-            return "a leaf is smaller than a cell"
-    return "" if seen == blocks else "its blocks do not hang together"

@@ -1,0 +1,82 @@
+"""Files that appear only when they are complete; what is no regular file is left alone."""
+
+from __future__ import annotations
+
+import gzip
+import os
+import stat
+import threading
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from typing import IO
+
+
+def existing(path: Path) -> os.stat_result | None:
+    """The regular file that a path or its link leads to; None where nothing is there yet.
+
+    Raises
+    ------
+    ValueError
+        For a folder, a device or a pipe: reading could wait for ever, replacing would destroy it.
+    OSError
+        Where the path cannot be asked for, links in a circle for instance.
+    """
+    try:
+        found = path.stat()
+    except FileNotFoundError:
+        return None
+    if not stat.S_ISREG(found.st_mode):
+        kind = "a folder" if stat.S_ISDIR(found.st_mode) else "a device or a pipe"
+        raise ValueError(f"{path} is {kind}, no regular file: name a file")
+    return found
+
+
+@contextmanager
+def replacing(path: Path) -> Iterator[IO[bytes]]:
+    """A file written beside its place, and moved there once it is complete.
+
+    A file that was there keeps its mode, and its owner where this user may give files away. A
+    symbolic link stays, and what it leads to is replaced.
+
+    Raises
+    ------
+    ValueError, OSError
+        As `existing`; for a folder that does not exist, or cannot be written to.
+    """
+    old, place = existing(path), Path(os.path.realpath(path))
+    if not place.parent.is_dir():
+        raise FileNotFoundError(f"cannot write {path}: the folder {place.parent} does not exist")
+    part = place.with_name(f".segmap-{os.getpid()}-{threading.get_ident()}.part")
+    mode = 0o666 if old is None else 0o600
+    try:
+        with open(part, "wb", opener=lambda name, how: os.open(name, how, mode)) as target:
+            yield target
+            target.flush()
+            os.fsync(target.fileno())
+        if old is not None:
+            _give(part, old)
+        part.replace(place)
+    finally:
+        part.unlink(missing_ok=True)
+
+
+def _give(part: Path, old: os.stat_result) -> None:
+    """Give a new file the owner and the mode of the old one."""
+    new = part.stat()
+    if (new.st_uid, new.st_gid) != (old.st_uid, old.st_gid):
+        for owner in (-1, old.st_uid):
+            with suppress(PermissionError):
+                os.chown(part, owner, old.st_gid)
+    part.chmod(old.st_mode & 0o777)
+
+
+def write_lines(path: Path, lines: Iterable[str]) -> None:
+    """Write lines of ASCII text."""
+    write_bytes(path, "".join(f"{line}\n" for line in lines).encode("ascii"))
+
+
+def write_bytes(path: Path, data: bytes) -> None:
+    """Write bytes, packed where the name ends in `.gz`."""
+    with replacing(path) as target:
+        target.write(gzip.compress(data, mtime=0) if path.suffix == ".gz" else data)
