@@ -53,7 +53,7 @@ def rows() -> Iterator[Row]:
         found = pd.concat(
             [
                 sweep({name: map}, [method], GRIDS, filters=filters, repeat=repeat(method))
-                for method in METHODS
+                for method in GRIDS
             ]
         )
         FOLDER.mkdir(exist_ok=True)
@@ -105,7 +105,7 @@ def online() -> Row:
     map = build_map(log, log.truth, **PIECES)
     runs = [
         times(name, map, thresholds)
-        for name in METHODS
+        for name in GRIDS
         if METHODS[name].online
         for thresholds in ONLINE
     ]

@@ -36,4 +36,4 @@ MAPS = [random_map, redundant_map, lattice_map, corridor_map]
 def malaga() -> SegmentMap:
     """The real map that the chapters use."""
     log = load("malaga")
-    return build_map(log, log.truth)
+    return build_map(log, log.truth, keep_points=True)

@@ -108,6 +108,10 @@ REFUSED = {
     "tolerance": (0.0, -1.0, np.nan, np.inf),
     "every": (0, 2.5, np.nan, np.inf),
     "sigma": (0.0, -1.0, np.nan, np.inf),
+    "chi2": (0.0, -1.0, np.nan, np.inf),
+    "gap": (-0.1, np.nan),
+    "spacing": (0.0, np.nan, np.inf),
+    "turn": (0.0, 1.6, np.nan),
     "bandwidth": (0.0, -1.0, np.nan, np.inf),
 }
 

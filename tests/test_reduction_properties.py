@@ -1,5 +1,7 @@
 """Every method against its plain version, and what the thesis says of all of them."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from conftest import shared_file
@@ -47,6 +49,15 @@ THRESHOLDS = {
     ],
 }
 THRESHOLDS["basic_online"] = THRESHOLDS["basic_offline"]
+THRESHOLDS["weighted_line_fitting"] = [
+    {},
+    {"chi2": 2.0, "gap": np.inf, "turn": np.pi / 2},
+    {"sigma_place": 0.1, "sigma_heading": 0.1, "gap": 0.0},
+    {"sigma_bearing": 0.05, "spacing": 0.2, "chi2": 30.0},
+]
+#: Thresholds that are lengths, or in the case of the bandwidth one over a length.
+LENGTHS = {"distance", "tolerance", "sigma", "bandwidth", "gap"}
+LENGTHS |= {"sigma_range", "sigma_place", "spacing"}
 #: Mean shift looks at every piece from every piece: smaller maps, nearer together.
 SMALL = {"mean_shift": (12, 0.5)}
 CASES = [
@@ -62,16 +73,25 @@ def made(make, name: str, seed: int) -> SegmentMap:
     rng = np.random.default_rng(seed)
     n, scale = SMALL.get(name, (48, 1.0))
     segments = make(rng, n) * scale
-    return SegmentMap(segments, rng.integers(0, 9, len(segments)))
+    scans, sensors = rng.integers(0, 9, len(segments)), rng.uniform(-1, 1, (9, 2)) * scale
+    return SegmentMap(segments, scans, sensors=sensors)
 
 
 def assert_literal(name: str, map: SegmentMap, **thresholds) -> None:
     """The same segments in the same order, and the same parents."""
     scans = [map.scan.tolist()] if METHODS[name].online else []
-    out, parents = getattr(literal, name)(map.segments.tolist(), *scans, **thresholds)
+    behind = plain_behind(map) if METHODS[name].needs_points else {}
+    out, parents = getattr(literal, name)(map.segments.tolist(), *scans, **behind, **thresholds)
     found = METHODS[name](map, **thresholds)
     assert_segments_equal(found.segments, np.reshape(out, (-1, 2, 2)), ordered=True)
     np.testing.assert_array_equal(found.parents, parents)
+
+
+def plain_behind(map: SegmentMap) -> dict[str, list]:
+    """What a map keeps behind its segments, as plain lists."""
+    points = [] if map.points is None else np.split(map.points, map.first[1:-1])
+    found = {"points": [run.tolist() for run in points]} if points else {}
+    return found if map.sensors is None else {**found, "sensors": map.sensors.tolist()}
 
 
 @pytest.mark.parametrize(("name", "case", "seed"), CASES)
@@ -88,10 +108,11 @@ def test_equals_the_plain_method_in_the_zoo(name, zoo):
     segments = segment_zoo()[zoo]
     wide = {"sigma": max(0.3, length(segments).sum() / 120)}
     near = {"distance": 0.3, "angle": 0.3}
-    thresholds = {"mean_shift": wide, "fusion": {}}.get(name, near)
+    thresholds = wide if name == "mean_shift" else near if name.startswith("basic") else {}
     if name.startswith("hybrid"):
         thresholds = {**near, "min_length": 0.0}
-    assert_literal(name, SegmentMap(segments, np.arange(len(segments)) // 2), **thresholds)
+    scans, sensors = np.arange(len(segments)) // 2, np.zeros((len(segments), 2))
+    assert_literal(name, SegmentMap(segments, scans, sensors=sensors), **thresholds)
 
 
 @methods
@@ -99,7 +120,7 @@ def test_equals_the_plain_method_in_the_zoo(name, zoo):
 def test_equals_the_plain_method_on_a_real_map(name, turn):
     """Long walls that cross many cells; rounding, where walls along the axes are slanted."""
     map, n = malaga(), 25 if name == "mean_shift" else 300
-    there = SegmentMap(transform((0, 0, turn), map.segments[:n]), map.scan[:n])
+    there = carried(map[:n], (0, 0, turn))
     thresholds = {"mean_shift": {"sigma": 0.4}, "hybrid_fusion": {"every": 7}}.get(name, {})
     assert_literal(name, there, **thresholds)
 
@@ -108,8 +129,7 @@ def test_equals_the_plain_method_on_a_real_map(name, turn):
 def test_equals_the_plain_method_on_a_second_building(name):
     """A denser real map, each wall seen from everywhere, in its scans."""
     log = read(shared_file("data/intel.log.gz"))[: 4 if name == "mean_shift" else 60]
-    map = build_map(log, log.truth)
-    map = SegmentMap(transform((0, 0, 1.0), map.segments[:400]), map.scan[:400])
+    map = carried(build_map(log, log.truth, keep_points=True)[:400], (0, 0, 1.0))
     if name == "mean_shift":
         assert_literal(name, SegmentMap(map.segments[:25]), sigma=0.3)
     else:
@@ -117,9 +137,16 @@ def test_equals_the_plain_method_on_a_second_building(name):
 
 
 # ----------------------------------------------------------------------------- symmetries
+def carried(map: SegmentMap, pose, scale: float = 1.0) -> SegmentMap:
+    """A map, its points and the places of its sensor, scaled and then carried along by a pose."""
+    given = {"segments": map.segments, "points": map.points, "sensors": map.sensors}
+    kept = {k: transform(pose, scale * v) for k, v in given.items() if v is not None}
+    return replace(map, **kept)
+
+
 def moved(name: str, pose, make) -> None:
     map = made(make, name, 5)
-    there = SegmentMap(transform(pose, map.segments), map.scan)
+    there = carried(map, pose)
     found, expected = METHODS[name](there), METHODS[name](map)
     np.testing.assert_array_equal(found.parents, expected.parents)
     back = transform(pose, expected.segments)
@@ -159,10 +186,12 @@ def test_moving_the_map_can_change_the_result_of_hybrid(name):
 def test_scaling_every_length_scales_the_result(name, make, scale):
     """An absolute length hidden in the loops. Mean shift's bandwidth is an angle a metre."""
     map = made(make, name, 6)
-    lengths = {"distance": 0.2, "tolerance": 0.04, "sigma": 0.2, "bandwidth": TEN / 0.2}
-    scaled = {k: v / scale if k == "bandwidth" else v * scale for k, v in lengths.items()}
-    own = [k for k in lengths if k in METHODS[name].function.__kwdefaults__]
-    found = METHODS[name](SegmentMap(scale * map.segments, map.scan), **{k: scaled[k] for k in own})
+    scaled = {
+        k: v / scale if k == "bandwidth" else v * scale
+        for k, v in METHODS[name].function.__kwdefaults__.items()
+        if k in LENGTHS and v is not None
+    }
+    found = METHODS[name](carried(map, (0, 0, 0), scale), **scaled)
     expected = METHODS[name](map)
     np.testing.assert_array_equal(found.parents, expected.parents)
     assert_segments_equal(found.segments, scale * expected.segments, atol=1e-9 * max(scale, 1))
@@ -173,7 +202,7 @@ def test_scaling_every_length_scales_the_result(name, make, scale):
 def test_swapping_end_points_changes_nothing(name, make):
     """A segment has no direction."""
     map = made(make, name, 7)
-    swapped = SegmentMap(map.segments[:, ::-1], map.scan)
+    swapped = replace(map, segments=map.segments[:, ::-1])
     assert_segments_equal(METHODS[name](swapped).segments, METHODS[name](map).segments)
 
 

@@ -33,6 +33,7 @@ from .metrics import quality, segment_distance
 from .point_to_line import point_to_line, point_to_line_step
 from .quadtree import Quadtree, cell_of, crossed_cells, grown, occupancy, quarters, ray_cells
 from .segment_icp import correspond, segment_cost
+from .weighted_line_fitting import weighted_line_fitting
 
 __all__ = [
     "MOVES",
@@ -86,4 +87,5 @@ __all__ = [
     "segment_distance",
     "segment_length",
     "transforms",
+    "weighted_line_fitting",
 ]

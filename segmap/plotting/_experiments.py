@@ -21,6 +21,7 @@ METHOD_STYLES = {
     "mean_shift": ("#999933", "D", "-"),
     "fusion": ("#0072b2", "v", "-"),
     "hybrid_fusion": ("#882255", "X", "--"),
+    "weighted_line_fitting": ("#009e73", "P", "-"),
 }
 
 

@@ -27,6 +27,7 @@ from ._hybrid import hybrid
 from ._hybrid_fusion import hybrid_fusion
 from ._mean_shift import Directions, common_directions, mean_shift
 from ._runner import Methods, Reduction
+from ._weighted_line_fitting import weighted_line_fitting
 
 #: Name of each method -> the method, with its place in A's table 2.16. A calls the class of Basic
 #: "simple", after its conditions; like the class 2 -> 1 it makes one segment of two.
@@ -81,6 +82,16 @@ METHODS = Methods(
         varies="tolerance",
         online=True,
     ),
+    weighted_line_fitting=Method(
+        weighted_line_fitting,
+        "A 2.7.3",
+        "Pfister, Roumeliotis, Burdick 2003",
+        merges="2 -> 1",
+        keeps="line, covariance, end points",
+        varies="chi2",
+        online=True,
+        needs_points=True,
+    ),
 )
 
 __all__ = [
@@ -97,4 +108,5 @@ __all__ = [
     "hybrid",
     "hybrid_fusion",
     "mean_shift",
+    "weighted_line_fitting",
 ]

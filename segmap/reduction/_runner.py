@@ -222,6 +222,22 @@ def rows_of(map: Segments, *, by_scan: bool = False) -> tuple[Rows, int]:
     return Rows(np.ascontiguousarray(segments[index]), index, cuts), len(segments)
 
 
+def by_lowest(into: Indices, row: Indices, count: int) -> tuple[Indices, Indices]:
+    """Sort outputs by their lowest input: their order `(m,)`, and the parents `(k,)` renumbered.
+
+    Examples
+    --------
+    >>> by_lowest(np.array([1, 0, 1]), np.array([4, 7, 9]), 2)
+    (array([1, 0]), array([0, 1, 0]))
+    """
+    lowest = np.full(count, np.iinfo(np.int64).max)
+    np.minimum.at(lowest, into[into >= 0], row[into >= 0])
+    order = np.argsort(lowest, kind="stable")
+    place = np.full(count + 1, -1)  # its last element: what was dropped stays so
+    place[order] = np.arange(count)
+    return order, place[into]
+
+
 def _check(name: str, count: int, rows: Rows, found: Found, splits: bool) -> Indices:
     """Parents of all `count` segments of the map, `(n,)`, once the method's result is sound."""
     out, into = found[0], np.asarray(found[1])

@@ -1,0 +1,70 @@
+"""The points behind the segments that a method works on: those of the map, or others instead."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from .. import arrays
+from ..arrays import Array, Segments
+from ..segments import SegmentMap, length, take_points
+from ._runner import Indices, Rows
+
+#: More points than this, 16 bytes each, are a mistake in the spacing.
+MOST_POINTS = 20_000_000
+
+
+class Behind(NamedTuple):
+    """What lies behind k segments.
+
+    Parameters
+    ----------
+    points : (p, 2) array, metres
+    first : (k + 1,) int array
+        Points of segment i are `points[first[i] : first[i + 1]]`.
+    sensors : (k, 2) array, metres
+        Where the sensor was when it saw each; NaN where the map does not tell.
+    kept : bool
+        Whether they are the points of the map, and no others instead.
+    """
+
+    points: Array
+    first: Indices
+    sensors: Array
+    kept: bool
+
+
+def points_behind(map: Segments, rows: Rows, spacing: float) -> Behind:
+    """Points and places of the sensor of the rows of a map.
+
+    A map without points gets one each `spacing` metres along its segments, at least two a segment.
+    """
+    sensors, points, first = np.full((len(rows.row), 2), np.nan), None, None
+    if isinstance(map, SegmentMap):
+        points, first = map.points, map.first
+        if map.sensors is not None:
+            sensors = map.sensors[map.scan[rows.row]]
+    if points is not None and first is not None:
+        return Behind(*take_points(points, first, rows.row), sensors, True)
+    return Behind(*stand_ins(rows.segments, spacing), sensors, False)
+
+
+def stand_ins(segments: Array, spacing: float) -> tuple[Array, Indices]:
+    """Points `(p, 2)` evenly along segments `(k, 2, 2)`, metres; where those of each begin."""
+    share = np.floor(length(segments) / spacing + 1e-9)
+    if share.sum() > MOST_POINTS:
+        raise ValueError(
+            f"spacing must make at most {MOST_POINTS} points of this map, "
+            f"got {spacing} m, which makes {share.sum():.3g}: is it in metres?"
+        )
+    count = np.maximum(share.astype(np.int64) + 1, 2)
+    first = np.append(0, np.cumsum(count))
+    owner = np.repeat(np.arange(len(count)), count)
+    t = (np.arange(first[-1]) - first[owner] + 0.5) / count[owner]
+    return segments[owner, 0] + t[:, None] * (segments[:, 1] - segments[:, 0])[owner], first
+
+
+def check_spacing(spacing: float) -> None:
+    """Refuse a spacing, metres, that is none: ValueError."""
+    arrays.positive("metres", spacing=spacing)
