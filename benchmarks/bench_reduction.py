@@ -28,6 +28,7 @@ TARGETS = {
     "hybrid": "<= 10 ms",
     "mean_shift": "<= 1000 ms",
     "fusion": "<= 50 ms",
+    "segment_similarity": "<= 200 ms",
 }
 
 

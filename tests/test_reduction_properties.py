@@ -47,6 +47,7 @@ THRESHOLDS = {
         for every in (1, 2, 5, 100)
         for others in ({}, {"distance": 0.37, "angle": 0.5, "min_length": 0.0, "tolerance": 0.11})
     ],
+    "segment_similarity": [{"distance": d} for d in (0.01, 0.03, 0.1, 0.4)],
 }
 THRESHOLDS["basic_online"] = THRESHOLDS["basic_offline"]
 THRESHOLDS["weighted_line_fitting"] = [
@@ -107,10 +108,9 @@ def test_equals_the_plain_method_in_the_zoo(name, zoo):
     """Empty, points, duplicates, crossings, a map far from the origin."""
     segments = segment_zoo()[zoo]
     wide = {"sigma": max(0.3, length(segments).sum() / 120)}
-    near = {"distance": 0.3, "angle": 0.3}
-    thresholds = wide if name == "mean_shift" else near if name.startswith("basic") else {}
-    if name.startswith("hybrid"):
-        thresholds = {**near, "min_length": 0.0}
+    near = {"distance": 0.3, "angle": 0.3, "min_length": 0.0}
+    near = {k: v for k, v in near.items() if k in METHODS[name].function.__kwdefaults__}
+    thresholds = wide if name == "mean_shift" else near
     scans, sensors = np.arange(len(segments)) // 2, np.zeros((len(segments), 2))
     assert_literal(name, SegmentMap(segments, scans, sensors=sensors), **thresholds)
 

@@ -29,10 +29,11 @@ from .matching import (
     sample_and_rank,
 )
 from .mean_shift import mean_shift
-from .metrics import quality, segment_distance
+from .metrics import mean_lines, quality, segment_distance
 from .point_to_line import point_to_line, point_to_line_step
 from .quadtree import Quadtree, cell_of, crossed_cells, grown, occupancy, quarters, ray_cells
 from .segment_icp import correspond, segment_cost
+from .segment_similarity import mean_segment, segment_similarity
 from .weighted_line_fitting import weighted_line_fitting
 
 __all__ = [
@@ -71,7 +72,9 @@ __all__ = [
     "line_angle",
     "line_partner",
     "match_value",
+    "mean_lines",
     "mean_rotation",
+    "mean_segment",
     "mean_shift",
     "occupancy",
     "occupancy_score",
@@ -86,6 +89,7 @@ __all__ = [
     "segment_cost",
     "segment_distance",
     "segment_length",
+    "segment_similarity",
     "transforms",
     "weighted_line_fitting",
 ]

@@ -21,7 +21,10 @@ METHOD_STYLES = {
     "mean_shift": ("#999933", "D", "-"),
     "fusion": ("#0072b2", "v", "-"),
     "hybrid_fusion": ("#882255", "X", "--"),
-    "weighted_line_fitting": ("#009e73", "P", "-"),
+    "weighted_line_fitting": ("#117733", "P", "-"),
+    "segment_similarity": ("#009e73", "p", "-"),
+    "uncertain_parameters": ("#d55e00", "h", "--"),
+    "polyline": ("#332288", "*", "--"),
 }
 
 

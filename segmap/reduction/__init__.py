@@ -27,6 +27,7 @@ from ._hybrid import hybrid
 from ._hybrid_fusion import hybrid_fusion
 from ._mean_shift import Directions, common_directions, mean_shift
 from ._runner import Methods, Reduction
+from ._segment_similarity import segment_similarity
 from ._weighted_line_fitting import weighted_line_fitting
 
 #: Name of each method -> the method, with its place in A's table 2.16. A calls the class of Basic
@@ -82,6 +83,14 @@ METHODS = Methods(
         varies="tolerance",
         online=True,
     ),
+    segment_similarity=Method(
+        segment_similarity,
+        "A 2.7.7",
+        "Elseberg, Creed, Lakaemper 2010",
+        merges="2 -> 1",
+        keeps="end points, weight",
+        varies="distance",
+    ),
     weighted_line_fitting=Method(
         weighted_line_fitting,
         "A 2.7.3",
@@ -108,5 +117,6 @@ __all__ = [
     "hybrid",
     "hybrid_fusion",
     "mean_shift",
+    "segment_similarity",
     "weighted_line_fitting",
 ]

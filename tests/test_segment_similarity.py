@@ -1,0 +1,102 @@
+"""Segment similarity: what it costs, which pair comes first, and how a chain of groups drifts."""
+
+import numpy as np
+import pytest
+from reduction_maps import MAPS, malaga, redundant_map
+
+from segmap.metrics import segment_distance
+from segmap.reduction import segment_similarity
+from segmap.segments import SegmentMap
+from segmap.testing import assert_segments_equal
+
+WALL = [(0.0, 0.0), (2.0, 0.0)]
+
+
+def test_two_walls_become_their_mean_and_a_third_pulls_half_as_much():
+    """Catches weights that count length, or that stay at 1 after a merge."""
+    two = [WALL, [(1, 0.1), (3, 0.1)]]
+    found = segment_similarity(two)
+    assert_segments_equal(found, [[(0, 0.05), (3, 0.05)]])
+    three = segment_similarity([*two, [(0, 0.04), (3, 0.04)]])
+    assert_segments_equal(three, [[(0, 0.14 / 3), (3, 0.14 / 3)]])
+    assert three.parents.tolist() == [0, 0, 0]
+
+
+def test_the_cheapest_pair_comes_first():
+    """Catches a method that merges whatever it meets first: the first would pull in the last."""
+    rows = [WALL, [(0, 0.06), (2, 0.06)], [(0, 0.11), (2, 0.11)]]
+    found = segment_similarity(rows, distance=0.02)
+    assert found.parents.tolist() == [0, 1, 1]
+
+
+@pytest.mark.parametrize(("distance", "left"), [(0.05, 1), (0.02, 2)])
+def test_a_gap_costs_a_quarter_of_its_length(distance, left):
+    found = segment_similarity([WALL, [(2.1, 0), (3, 0)]], distance=distance)
+    assert len(found) == left
+    if left == 1:
+        assert_segments_equal(found, [[(0, 0), (3, 0)]])
+
+
+@pytest.mark.parametrize("distance", [0.01, 0.03, 0.1])
+@pytest.mark.parametrize("make", [*MAPS, lambda rng: malaga().segments[:600]])
+def test_no_two_that_are_left_cost_less(make, distance):
+    """Catches a pair that the grid hides, a group that does not look again when it has grown."""
+    segments = make(np.random.default_rng(3))
+    found = segment_similarity(segments, distance=distance)
+    weights = np.bincount(found.parents[found.parents >= 0])
+    assert weights.sum() == (np.ptp(segments, axis=1).max(1) > 0).sum()
+    s = found.segments
+    cost = segment_distance(s[:, None], s[None], weights[:, None], weights[None])
+    cost[np.diag_indices(len(s))] = np.inf
+    assert cost.min() >= distance - 1e-9
+
+
+def test_of_equal_costs_the_lowest_indices_come_first():
+    """Catches ties that rounding or the order of the cells decides: all these pairs cost 0."""
+    x = [0.0, 3.0, 1.0, 2.0]  # pieces of one line, out of order: 0-1, 3-4, 1-2, 2-3
+    found = segment_similarity([[(a, 0), (a + 1, 0)] for a in x], distance=1e-6)
+    assert found.parents.tolist() == [0, 0, 0, 0]
+    two_ways = [WALL, [(0, 0.05), (2, 0.05)], [(0, -0.05), (2, -0.05)]]
+    assert segment_similarity(two_ways, distance=0.018).parents.tolist() == [0, 0, 1]
+
+
+@pytest.mark.parametrize("turn", [0.0, 0.7, 2.0])
+def test_perpendicular_scraps_take_the_cheaper_of_both_directions(turn):
+    """Catches an axial mean that jumps: the end of the second one lies on the left or the right."""
+    c, s = np.cos(turn), np.sin(turn)
+    for side in (1, -1):
+        scraps = np.array([[(0, 0), (0.02, 0)], [(0.02, 0), (0.02, side * 0.02)]])
+        found = segment_similarity(scraps @ [(c, s), (-s, c)])
+        assert len(found) == 1
+        d = (found.segments[0, 1] - found.segments[0, 0]) @ [(c, -s), (s, c)]
+        assert d[1] / d[0] == pytest.approx(side)
+
+
+def test_weakness_a_scrap_pulls_as_much_as_the_whole_wall():
+    """The counter-example of the chapter: a weight counts looks, not length."""
+    found = segment_similarity([[(0, 0), (5, 0)], [(2.45, 0.08), (2.55, 0.08)]])
+    assert_segments_equal(found, [[(0, 0.04), (5, 0.04)]])
+
+
+def test_weakness_touching_pieces_of_a_line_cost_nothing():
+    """A corridor's two halves become one whatever their lengths, and whatever the distance."""
+    assert len(segment_similarity([WALL, [(2, 0), (50, 0)]], distance=1e-6)) == 1
+
+
+def test_weakness_a_chain_drifts():
+    """Nothing bounds a group: walls 0.175 m apart become one through those between them."""
+    rows = [[(0, y), (2, y)] for y in np.linspace(0, 0.175, 8)]
+    assert len(segment_similarity(rows)) == 1
+    assert len(segment_similarity([rows[0], rows[-1]])) == 2
+
+
+def test_every_segment_twice_leaves_as_many():
+    map = redundant_map(np.random.default_rng(4))
+    once, twice = segment_similarity(map), segment_similarity(np.concatenate([map, map]))
+    assert_segments_equal(twice, once)
+
+
+def test_scans_do_not_matter():
+    map = redundant_map(np.random.default_rng(4))
+    found = segment_similarity(SegmentMap(map, np.arange(len(map)) % 7))
+    np.testing.assert_array_equal(found.parents, segment_similarity(map).parents)
