@@ -1,6 +1,7 @@
 """Exports: another program finds what was meant, and `read` takes in again what was written."""
 
 import gzip
+import random
 
 import numpy as np
 import pytest
@@ -254,3 +255,81 @@ def test_a_name_that_is_not_plain_ascii_does_not_break_the_log(tmp_path):
     """Catches a comment that runs over its line, and a letter that no file can hold."""
     odd = Log("Málaga\nFLASER 1", OLD.scans, TRUTH)
     assert len(written(tmp_path, odd)) == 3
+
+
+# ------------------------------------------------------------- nothing that `read` refuses
+ODD = [0.0, 1e-9, 1e-6, 0.5, 1.0, 8.19, 81.83, 1e3, 9.9e6, 1e7, 1e13, 1e300, -1.0, np.inf, np.nan]
+
+
+def odd_scan(chance, angles):
+    """A scan with some odd values; those that LaserScan itself refuses are left out."""
+
+    def odd(usual):
+        return chance.choice(ODD) if chance.random() < 0.02 else usual
+
+    ranges = [odd(chance.uniform(0.1, 9)) for _ in angles]
+    wheels = [odd(chance.uniform(-3, 3)) for _ in range(3)]
+    place = chance.choice([(0, 0, 0), AHEAD, AHEAD, (9e6, 0, 0), (0, 0, 3.0)])
+    try:
+        return LaserScan(ranges, angles, odd(1.5), wheels, odd(30.0), place)
+    except ValueError:
+        return LaserScan(ranges, angles)
+
+
+def odd_log(chance):
+    step, count = chance.choice([0.0, 0.01, 0.1, 9.0]), chance.choice([1, 2, 5, 5, 9])
+    angles = chance.choice([0.0, -0.3, 0.0, 20.0]) + step * np.arange(count)
+    angles = HALF_TURN if chance.random() < 0.4 else angles
+    scans = [odd_scan(chance, angles) for _ in range(chance.randint(1, 4))]
+    poses = [[chance.choice([0.0, 1.0, 2.5, 9.9e6, np.nan]) for _ in range(3)] for _ in scans]
+    return Log(chance.choice(["x", "é\n", "FLASER 1", "#"]), scans, poses)
+
+
+def test_what_is_written_can_be_read(tmp_path):
+    """Catches a log that its own reader refuses: 600 odd logs come back, or are not written."""
+    chance, path, done = random.Random(3), tmp_path / "it.log", 0
+    for number in range(600):
+        log = odd_log(chance)
+        try:
+            exports.write_carmen(path, log)
+        except ValueError:
+            assert not path.exists()
+            continue
+        found = read(path)
+        assert len(found) == len(log), number
+        for a, b in zip(found, log, strict=True):
+            shown = b.valid & (b.ranges > 1e-5) & (b.ranges < 8.18)
+            np.testing.assert_allclose(a.ranges[shown], b.ranges[shown], atol=1e-6)
+            np.testing.assert_allclose(a.angles, b.angles, atol=2e-6)
+        path.unlink()
+        done += 1
+    assert 100 < done < 500
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    ("log", "reason"),
+    [
+        (Log("late", [LaserScan([1.0], [0.0], time=1e13)]), "expected seconds for the time"),
+        (Log("turned", [LaserScan([1.0], [20.0])]), "expected the beams' angles in radians"),
+        (Log("n" * 2**21, OLD.scans), "line 1: longer than 1048576 bytes"),
+        (Log("far", NEW.scans[:2], [(1e7, 0, 0), (1e7, 1, 0)]), "expected metres and radians"),
+    ],
+)
+def test_what_read_would_refuse_is_named(log, reason, tmp_path):
+    with pytest.raises(ValueError, match=rf"it\.log cannot hold this log, .*{reason}"):
+        exports.write_carmen(tmp_path / "it.log", log)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_scans_that_are_all_alike_are_packed_no_smaller_than_read_allows(tmp_path):
+    """Catches a packed log of a robot that stands still, which `read` takes for a bomb."""
+    still = Log("still", [LaserScan([1.5] * 181, np.linspace(-1, 1, 181))] * 3000)
+    assert len(written(tmp_path, still, name="it.log.gz")) == 3000
+
+
+def test_odometry_that_is_known_in_part_is_not_known(tmp_path):
+    """Catches `1 nan 0`, which `read` refuses."""
+    partly = shot(1, wheels=[WHEELS[0], (1, np.nan, 0)])
+    found = written(tmp_path, log_of([shot(0), partly, shot(2)]))
+    assert [scan.odometry is None for scan in found] == [False, True, False]

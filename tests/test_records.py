@@ -182,7 +182,31 @@ def test_writing_is_whole_or_not_at_all(tmp_path, expected, monkeypatch):
 
 
 @pytest.mark.parametrize(
-    ("old", "new", "line"), [("0.06", "0,06", 3), ("0.02", "open()", 2), (",60,", ",x,", 3)]
+    ("old", "new", "line"),
+    [
+        ("0.06", "0,06", 3),
+        ("0.02", "open()", 2),
+        (",60,", ",x,", 3),
+        (",60,", ",-10,", 2),
+        (",60,", ",6_0,", 2),
+        (",60,", f",{'9' * 30},", 2),
+        (",60,", f",{'9' * 5000},", 2),
+        (",0.9,", ",1e308,", 2),
+        (",0.9,", ",-0.1,", 3),
+        (",0.9,", ",inf,", 3),
+        (",0.5,", ",1.5,", 2),
+        (",0.1,ab", ",-1,ab", 2),
+        (",0.1,ab", ",1e999,ab", 2),
+        ("=0.02", "=nan", 2),
+        ("=0.02", "=[1]", 2),
+        ("=0.02", "='a'", 2),
+        ("=0.02", "=1_0", 2),
+        ("=0.02", "=(" * 9000, 2),
+        ("tolerance=0.02", "quality=0.02", 2),
+        ("tolerance=0.02", "a b=0.02", 2),
+        ("tolerance=0.02", "a=1;a=2", 2),
+        ("tolerance=0.02", "a=1=2", 2),
+    ],
 )
 def test_a_damaged_line_is_named(tmp_path, old, new, line):
     """Catches damage that passes, and thresholds that are run as code."""
@@ -193,6 +217,71 @@ def test_a_damaged_line_is_named(tmp_path, old, new, line):
     path.write_text("".join(lines))
     with pytest.raises(ValueError, match=rf"runs.csv, line {line}: expected map,method,.*, got"):
         read_records(path)
+
+
+@pytest.mark.parametrize(
+    ("junk", "message"),
+    [
+        (b'"' + b"x" * 200_000 + b'",a\n', "line 3: expected a CSV line, field larger"),
+        (b'"hall\n', "line 3: expected a CSV line"),
+        (b"\xff\xfe\n", "line 3: expected text in UTF-8"),
+        (b"\0\0\n", "line 3: expected"),
+    ],
+)
+def test_what_is_no_table_is_named_by_file_and_line(junk, message, tmp_path):
+    """Catches csv.Error and UnicodeDecodeError, which name neither; in a sweep's file too."""
+    path = tmp_path / "runs.csv"
+    write_records(run(), path)
+    before = path.read_bytes() + junk
+    path.write_bytes(before)
+    for read in (read_records, lambda path: sweep({"hall": HALL}, ["fusion"], records=path)):
+        with pytest.raises(ValueError, match=rf"runs\.csv, {message}"):
+            read(path)
+    assert path.read_bytes() == before
+
+
+def test_many_names_of_thresholds_do_not_fill_the_memory(tmp_path):
+    """Catches a table of all names times all lines: a MB of text would become 3 GB."""
+    path = tmp_path / "runs.csv"
+    write_records(run(), path)
+    line = path.read_text().splitlines()[1]
+    lines = (line.replace("tolerance", f"t{k}") for k in range(5000))
+    path.write_text(path.read_text() + "\n".join(lines) + "\n")
+    with pytest.raises(ValueError, match=r"runs\.csv, line 202: expected at most 200 names"):
+        read_records(path)
+
+
+@pytest.mark.parametrize(
+    "odd",
+    [{"quality": 1e308}, {"n_before": -10}, {"n_after": 2.5}, {"map": "a\rb"}, {"tolerance": "x"}],
+)
+def test_what_cannot_be_read_is_not_written(odd, tmp_path):
+    """Catches a file that its own reader refuses; what was there before stays."""
+    path = tmp_path / "runs.csv"
+    write_records(run(), path)
+    before = path.read_bytes()
+    try:
+        write_records(run(**odd), path)
+    except ValueError as error:
+        assert "runs.csv, line 2: expected map,method" in str(error)
+        assert path.read_bytes() == before
+    else:
+        assert read_records(path)["map"][0] == odd["map"]
+
+
+def test_unknown_numbers_and_endless_thresholds_come_back(tmp_path):
+    """Catches a sweep over an empty map, or with a threshold of infinity, that cannot go on."""
+    path = tmp_path / "runs.csv"
+    write_records(run(quality=np.nan, reduction=np.nan, tolerance=np.inf), path)
+    found = read_records(path)
+    assert np.isnan(found["quality"][0]) and found["tolerance"][0] == np.inf
+
+
+def test_a_pipe_is_not_waited_for(tmp_path):
+    os.mkfifo(tmp_path / "runs.csv")
+    for read in (read_records, lambda path: sweep({"hall": HALL}, ["fusion"], records=path)):
+        with pytest.raises(ValueError, match="a device or a pipe, no regular file"):
+            read(tmp_path / "runs.csv")
 
 
 def test_select(expected):

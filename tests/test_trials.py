@@ -80,8 +80,8 @@ def test_records_survive_a_file(tmp_path):
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("", "some.csv, line 1: expected log,matcher"),
-        ("log,matcher\n", "some.csv, line 1: expected log,matcher"),
+        ("", "some.csv, line 1: expected the head log,matcher"),
+        ("log,matcher\n", "some.csv, line 1: expected the head log,matcher"),
         ("HEAD\na,b,c\n", "some.csv, line 2: expected a trial, got"),
         ("HEAD\na,b,c,0,x,1,1,1,1,1\n", "some.csv, line 2: expected a trial"),
     ],

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 from collections.abc import Iterable
 from dataclasses import asdict, astuple, dataclass, fields
 from pathlib import Path
@@ -11,6 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from .._files import read_table, replacing, table_text
 from ..angles import wrap
 from ..arrays import Array
 from ..matching import MATCHERS, SCORES, map_scans
@@ -60,6 +60,8 @@ class Trial:
 
 
 HEAD = tuple(f.name for f in fields(Trial))
+#: No number of a trial is larger.
+MOST = 2**53
 KINDS = (str, str, str, int, float, float, float, int, int, float)
 
 
@@ -184,11 +186,7 @@ def load_trials(path: Path | None = None) -> list[Trial]:
     ('hill climbing', True)
     """
     source = path or data_file("records/matching.csv")
-    with source.open(encoding="utf-8", newline="") as lines:
-        rows = csv.reader(lines)
-        if (head := tuple(next(rows, ()))) != HEAD:
-            raise ValueError(f"{source.name}, line 1: expected {','.join(HEAD)}, got {head}")
-        return [_trial(row, f"{source.name}, line {rows.line_num}") for row in rows]
+    return [_trial(row, where) for row, where in read_table(source, HEAD)]
 
 
 def load_columns(name: str) -> NDArray[np.void]:
@@ -220,8 +218,11 @@ def load_columns(name: str) -> NDArray[np.void]:
 
 def _trial(row: list[str], where: str) -> Trial:
     try:
-        return Trial(*[kind(cell) for kind, cell in zip(KINDS, row, strict=True)])
-    except ValueError as error:
+        found = Trial(*[kind(cell) for kind, cell in zip(KINDS, row, strict=True)])
+        if not all(0 <= number <= MOST for number in astuple(found)[3:]):
+            raise ValueError(f"expected numbers from 0 to {MOST}")
+        return found
+    except (ValueError, OverflowError) as error:
         raise ValueError(f"{where}: expected a trial, got {row}") from error
 
 
@@ -246,11 +247,8 @@ def write_trials(trials: Iterable[Trial], path: Path) -> None:
     ...     len(load_trials(Path(folder) / "it.csv"))
     2
     """
-    part = path.with_suffix(".part")
-    with part.open("w", encoding="utf-8", newline="") as target:
-        table = csv.writer(target, lineterminator="\n")
-        table.writerows([HEAD, *map(astuple, trials)])
-    part.replace(path)
+    with replacing(path) as target:
+        target.write(table_text([HEAD, *map(astuple, trials)]).encode())
 
 
 def trial_table(trials: Iterable[Trial]) -> pd.DataFrame:

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import ast
-import csv
-import io
 import os
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+
+from .._files import existing, read_table, table_text
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -22,10 +21,50 @@ Row = dict[str, Any]
 Columns = Mapping[str, Callable[[str], Any]]
 
 
+#: Words that are thresholds.
+WORDS: dict[str, Threshold] = {"None": None, "True": True, "False": False}
+#: A count and a number are at most this; as many thresholds have all methods together, at most.
+LARGEST, MOST_NAMES = 2**53, 200
+
+
+def _whole(cell: str) -> int:
+    """A count."""
+    if not (cell.isascii() and cell.isdigit() and len(cell) < 17 and int(cell) <= LARGEST):
+        raise ValueError(cell)
+    return int(cell)
+
+
+def _number(cell: str, least: float = 0.0, most: float = LARGEST) -> float:
+    """A number within bounds, or NaN where nothing was measured."""
+    value = float(cell)
+    if "_" in cell or value < least or value > most:
+        raise ValueError(cell)
+    return value
+
+
+def _share(cell: str) -> float:
+    """A part of one; segments may become more, so that a reduction may be below 0."""
+    return _number(cell, most=1.0)
+
+
+def _threshold(text: str) -> Threshold:
+    if text in WORDS:
+        return WORDS[text]
+    if text.lstrip("-").isdigit() and text.isascii():
+        return int(text) if abs(float(text)) <= LARGEST else _number(text)
+    value = float(text)
+    if "_" in text or value != value:  # NaN is a threshold that a method does not have
+        raise ValueError(text)
+    return value
+
+
 def _thresholds(text: str) -> dict[str, Threshold]:
     """Thresholds as a file keeps them, to the last digit: `distance=0.2;angle=0.1745`."""
-    pairs = (pair.split("=") for pair in text.split(";") if pair)
-    return {name: ast.literal_eval(value) for name, value in pairs}
+    pairs = [pair.split("=") for pair in text.split(";") if pair]
+    found = {name: _threshold(value) for name, value in pairs}
+    if len(found) < len(pairs) or any(not n.isidentifier() or n in NAMES for n in found):
+        raise ValueError(text)
+    return found
 
 
 #: What a sweep writes. A filter of 0 m, an empty cell, drops nothing.
@@ -33,26 +72,27 @@ RUNS: Columns = {
     "map": str,
     "method": str,
     "thresholds": _thresholds,
-    "filtered": lambda cell: float(cell or 0),
-    "n_before": int,
-    "n_after": int,
-    "reduction": float,
-    "quality": float,
-    "seconds": float,
+    "filtered": lambda cell: _number(cell or "0", most=1e7),
+    "n_before": _whole,
+    "n_after": _whole,
+    "reduction": lambda cell: _number(cell, -LARGEST, 1.0),
+    "quality": _share,
+    "seconds": _number,
     "digest": str,
 }
 ONLINE: Columns = {
     "method": str,
     "thresholds": _thresholds,
-    "scans": int,
-    "seconds": float,
-    "live": int,
+    "scans": _whole,
+    "seconds": _number,
+    "live": _whole,
 }
 ALIGNMENTS: Columns = {
     **dict.fromkeys(("log", "method"), str),
-    **dict.fromkeys(("scans", "used", "compared"), int),
-    **dict.fromkeys(("mean", "deviation", "rms", "p95", "largest", "above_0.2"), float),
-    **dict.fromkeys(("heading", "seconds"), float),
+    **dict.fromkeys(("scans", "used", "compared"), _whole),
+    **dict.fromkeys(("mean", "deviation", "rms", "p95", "largest"), _number),
+    "above_0.2": _share,
+    **dict.fromkeys(("heading", "seconds"), _number),
 }
 #: Every column that is no threshold.
 NAMES = {*RUNS, *ONLINE} - {"thresholds"}
@@ -82,20 +122,29 @@ def read_rows(path: Path, columns: Columns) -> list[Row]:
     ValueError
         Naming the file, the line and what was expected there.
     """
-    text = path.read_bytes().decode("utf-8")
-    lines = csv.reader(io.StringIO(text[: text.rfind("\n") + 1]))
-    if (head := next(lines, [])) != list(columns):
-        said = ",".join(head) or text
-        raise ValueError(f"{path.name}, line 1: expected the head {','.join(columns)}, got {said}")
-    return [_row(cells, columns, f"{path.name}, line {lines.line_num}") for cells in lines]
+    return checked(read_table(path, list(columns)), columns)
+
+
+def checked(lines: Iterable[tuple[list[str], str]], columns: Columns) -> list[Row]:
+    """Rows of cells with their places, each cell as its column wants it."""
+    rows: list[Row] = []
+    names: set[str] = set()
+    for cells, where in lines:
+        row = _row(cells, columns, where)
+        names.update(row.get("thresholds", ()))
+        if len(names) > MOST_NAMES:  # each becomes a column as long as the file
+            raise ValueError(f"{where}: expected at most {MOST_NAMES} names of thresholds in all")
+        rows.append(row)
+    return rows
 
 
 def _row(cells: list[str], columns: Columns, where: str) -> Row:
     try:
         pairs = zip(columns.items(), cells, strict=True)
         return {name: kind(cell) for (name, kind), cell in pairs}
-    except (ValueError, SyntaxError) as error:
-        raise ValueError(f"{where}: expected {','.join(columns)}, got {cells}") from error
+    except (ValueError, OverflowError) as error:
+        said = str(cells)[:300]
+        raise ValueError(f"{where}: expected {','.join(columns)}, got {said}") from error
 
 
 def line_of(row: Row, columns: Columns = RUNS) -> str:
@@ -111,9 +160,7 @@ def line_of(row: Row, columns: Columns = RUNS) -> str:
 
 def csv_line(cells: Iterable[object]) -> str:
     """Cells as one line of CSV text with its end."""
-    target = io.StringIO()
-    csv.writer(target, lineterminator="\n").writerow(cells)
-    return target.getvalue()
+    return table_text([list(cells)])
 
 
 @contextmanager
@@ -131,7 +178,8 @@ def journal(path: str | Path | None) -> Iterator[tuple[list[Row], Callable[[Row]
         yield [], lambda row: None
         return
     path = Path(path)
-    begun = path.exists() and not csv_line(RUNS).startswith(path.read_bytes().decode("utf-8"))
+    head = csv_line(RUNS).encode()
+    begun = existing(path) is not None and not head.startswith(path.read_bytes())
     rows = read_rows(path, RUNS) if begun else []  # before anything changes: it may be another file
     if path.exists():
         os.truncate(path, path.read_bytes().rfind(b"\n") + 1)

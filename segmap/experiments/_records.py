@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from .._files import replacing, table_lines
 from ..readers import data_file
 from ._files import (
     ALIGNMENTS,
@@ -17,6 +17,7 @@ from ._files import (
     RUNS,
     Threshold,
     as_frame,
+    checked,
     csv_line,
     line_of,
     read_rows,
@@ -49,25 +50,29 @@ def read_records(path: str | Path) -> pd.DataFrame:
 
 
 def write_records(frame: pd.DataFrame, path: str | Path) -> None:
-    """Write runs to a CSV file, whole or not at all: under another name first, then renamed.
+    """Write runs to a CSV file, whole or not at all.
 
     Parameters
     ----------
     frame : DataFrame
         Of `sweep` or of `online_times`.
     path : path
+
+    Raises
+    ------
+    ValueError
+        For what `read_records` would refuse, naming the line; for a path that is no regular file.
+    OSError
+        For a folder that does not exist, or cannot be written to.
     """
     columns = ONLINE if "scans" in frame else RUNS
     path = Path(path)
-    beside = path.with_name(f".{path.name}.{os.getpid()}")
     plain = ({str(k): v for k, v in row.items()} for row in frame.to_dict("records"))
     rows = (row | {"thresholds": thresholds_of(row)} for row in plain)
-    try:
-        text = csv_line(columns) + "".join(line_of(row, columns) for row in rows)
-        beside.write_text(text, encoding="utf-8", newline="")
-        beside.replace(path)
-    finally:
-        beside.unlink(missing_ok=True)
+    data = (csv_line(columns) + "".join(line_of(row, columns) for row in rows)).encode()
+    checked(table_lines(data, path.name, list(columns)), columns)
+    with replacing(path) as target:
+        target.write(data)
 
 
 def load_records(*names: str) -> pd.DataFrame:

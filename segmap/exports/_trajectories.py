@@ -10,11 +10,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .. import arrays
-from .._files import write_lines
+from .._files import packed, replacing, write_lines
 from ..alignment import Alignment
 from ..arrays import Array
 from ..poses import between, compose
-from ..readers import half_turn, same_poses
+from ..readers import LogError, half_turn, read, same_poses
 from ..scans import NO_POSE, LaserScan, Log
 
 #: What a SICK answers where nothing was met, metres: every reader of CARMEN logs knows it.
@@ -81,7 +81,8 @@ def write_carmen(path: str | Path, log: Log, poses: Alignment | ArrayLike | None
         Poses of another shape or infinite, a time that is not finite; a log without scans; beams
         that are not evenly spaced, or none; lasers at more than two places, or two that look ahead.
         In ROBOTLASER1 lines, poses that lie all alike from the odometry: they would be read as the
-        laser's place on the robot.
+        laser's place on the robot. Whatever `read` would refuse: angles of more than 10 radians,
+        places beyond 10 000 km, times beyond 10^12 s, lines of more than a megabyte.
     OSError
         A folder that does not exist, or cannot be written to.
 
@@ -116,7 +117,22 @@ def write_carmen(path: str | Path, log: Log, poses: Alignment | ArrayLike | None
         else _robotlaser(scan, pose, lasers, log[0].time)
         for scan, pose in zip(log, rows, strict=True)
     )
-    write_lines(Path(path), [*head, *scans])
+    with replacing(Path(path)) as target:
+        data = "".join(f"{line}\n" for line in [*head, *scans]).encode("ascii")
+        target.write(packed(data) if Path(path).suffix == ".gz" else data)
+        target.flush()
+        _check_readable(Path(target.name), log, Path(path).name)
+
+
+def _check_readable(written: Path, log: Log, name: str) -> None:
+    """Refuse a log that `read` would not take in again, before it is moved to its place."""
+    try:
+        count = len(read(written))
+    except LogError as fault:
+        where = f"line {fault.line}" if fault.line else "the file"
+        raise ValueError(f"{name} cannot hold this log, {where}: {fault.reason}") from None
+    if count != len(log):
+        raise ValueError(f"{name} cannot hold this log: {count} of {len(log)} scans come back")
 
 
 # ------------------------------------------------------------------------------ lines
@@ -163,7 +179,8 @@ def _written(scan: LaserScan, nothing: float) -> Array:
 
 def _placed(scan: LaserScan, pose: Array) -> str:
     """The laser's corrected pose and the robot's odometry."""
-    odometry = np.array(NO_POSE) if scan.odometry is None else scan.odometry
+    known = scan.odometry is not None and np.isfinite(scan.odometry).all()
+    odometry = scan.odometry if known and scan.odometry is not None else np.array(NO_POSE)
     return _numbers(np.concatenate([compose(pose, scan.sensor_pose), odometry]))
 
 

@@ -12,14 +12,11 @@ import numpy as np
 from numpy.lib import format as npy
 from numpy.typing import NDArray
 
-from .._files import existing, replacing
+from .._files import RATIO, UNPACKED, existing, replacing
 from ..arrays import Array
 from . import _loops as loops
 
 FORMAT, VERSION = "segmap quadtree", 1
-#: A file unpacks to at most this many bytes, or to this many times its own: trees shrink to a fifth
-#: or sixth, the most regular one to a 23rd, and zeros that fill the memory to a thousandth.
-UNPACKED, RATIO = 1 << 20, 50
 #: What numpy writes: other ways to pack cannot be unpacked piece by piece.
 PACKED = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
 

@@ -13,6 +13,7 @@ from typing import IO, TypeVar, cast
 
 import numpy as np
 
+from .._files import RATIO, UNPACKED
 from ..arrays import LIMIT, Array
 from ..scans import NOTHING_SKIPPED, Skipped
 
@@ -28,9 +29,6 @@ BROKEN = (
     NotImplementedError,
     UnicodeDecodeError,
 )
-#: A packed file unpacks to at most this many bytes, or to this many times its own: logs shrink to a
-#: third or a fifth, and what shrinks to a thousandth is made to fill the memory.
-UNPACKED, RATIO = 1 << 20, 50
 #: So many lines in a row hold nothing, or a comment: no log has a head of this length.
 MAX_EMPTY = 100_000
 
