@@ -29,6 +29,8 @@ TARGETS = {
     "mean_shift": "<= 1000 ms",
     "fusion": "<= 50 ms",
     "segment_similarity": "<= 200 ms",
+    "uncertain_parameters": "<= 100 ms",
+    "polyline": "<= 200 ms",
 }
 
 

@@ -112,6 +112,7 @@ REFUSED = {
     "gap": (-0.1, np.nan),
     "spacing": (0.0, np.nan, np.inf),
     "turn": (0.0, 1.6, np.nan),
+    "eps": (0.0, -1.0, np.nan, np.inf),
     "bandwidth": (0.0, -1.0, np.nan, np.inf),
 }
 

@@ -34,6 +34,7 @@ from .point_to_line import point_to_line, point_to_line_step
 from .quadtree import Quadtree, cell_of, crossed_cells, grown, occupancy, quarters, ray_cells
 from .segment_icp import correspond, segment_cost
 from .segment_similarity import mean_segment, segment_similarity
+from .uncertain_parameters import uncertain_parameters
 from .weighted_line_fitting import weighted_line_fitting
 
 __all__ = [
@@ -91,5 +92,6 @@ __all__ = [
     "segment_length",
     "segment_similarity",
     "transforms",
+    "uncertain_parameters",
     "weighted_line_fitting",
 ]

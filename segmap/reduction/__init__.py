@@ -28,6 +28,7 @@ from ._hybrid_fusion import hybrid_fusion
 from ._mean_shift import Directions, common_directions, mean_shift
 from ._runner import Methods, Reduction
 from ._segment_similarity import segment_similarity
+from ._uncertain_parameters import uncertain_parameters
 from ._weighted_line_fitting import weighted_line_fitting
 
 #: Name of each method -> the method, with its place in A's table 2.16. A calls the class of Basic
@@ -91,6 +92,17 @@ METHODS = Methods(
         keeps="end points, weight",
         varies="distance",
     ),
+    # 2 -> 1 in A's text and table; in effect a new segment takes in all its matches at once
+    uncertain_parameters=Method(
+        uncertain_parameters,
+        "A 2.7.8",
+        "Amigoni, Fontana, Garigiola 2006",
+        merges="2 -> 1",
+        keeps="rho, theta, both sigmas, end points",
+        varies="distance",
+        online=True,
+        needs_points=True,
+    ),
     weighted_line_fitting=Method(
         weighted_line_fitting,
         "A 2.7.3",
@@ -118,5 +130,6 @@ __all__ = [
     "hybrid_fusion",
     "mean_shift",
     "segment_similarity",
+    "uncertain_parameters",
     "weighted_line_fitting",
 ]
