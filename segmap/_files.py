@@ -43,11 +43,12 @@ def existing(path: Path) -> os.stat_result | None:
 
 
 @contextmanager
-def replacing(path: Path) -> Iterator[IO[bytes]]:
+def replacing(path: Path, *, sync: bool = True) -> Iterator[IO[bytes]]:
     """A file written beside its place, and moved there once it is complete.
 
     A file that was there keeps its mode, and its owner where this user may give files away. A
-    symbolic link stays, and what it leads to is replaced.
+    symbolic link stays, and what it leads to is replaced. With `sync` the disk has it all before;
+    a recorder has no time for that.
 
     Raises
     ------
@@ -63,7 +64,8 @@ def replacing(path: Path) -> Iterator[IO[bytes]]:
         with open(part, "wb", opener=lambda name, how: os.open(name, how, mode)) as target:
             yield target
             target.flush()
-            os.fsync(target.fileno())
+            if sync:
+                os.fsync(target.fileno())
         if old is not None:
             _give(part, old)
         part.replace(place)

@@ -3,6 +3,7 @@
 import itertools
 import json
 import os
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -13,6 +14,7 @@ from emulated import needs_terminals, pattern, turn_of
 
 from segmap import LaserScan, read
 from segmap.hokuyo import record
+from segmap.hokuyo.__main__ import main as program
 
 ANGLES = (np.arange(682) - 340) * 2 * np.pi / 1024
 
@@ -99,6 +101,138 @@ def test_from_a_sensor(tmp_path):
         assert record(sensor, tmp_path / "folder", count=4) == 4
     turns = [turn_of(one) for one in read(tmp_path / "folder")]
     assert (np.diff(turns) > 0).all()
+
+
+# ---------------------------------------------------------------- before the sensor is asked
+class NotAsked:
+    """Stands for the scans of a sensor that nobody may ask yet."""
+
+    def __iter__(self):
+        pytest.fail("the sensor was asked before the recording could start")
+
+
+def cannot_be_recorded(folder: Path, name: str) -> Path:
+    """A path that no recording can go to."""
+    (folder / "file").write_text("mine")
+    (folder / "folder.log").mkdir()
+    os.mkfifo(folder / "pipe.log")
+    os.mkfifo(folder / "pipe")
+    (folder / "device.log").symlink_to("/dev/full")
+    (folder / "circle.log").symlink_to(folder / "circle.log")
+    return folder / name
+
+
+IMPOSSIBLE = {
+    "file": "is a file: name a folder, or a log that ends in .log",
+    "folder.log": "is a folder, no regular file",
+    "pipe.log": "is a device or a pipe",
+    "pipe": "is a file: name a folder",
+    "device.log": "is a device or a pipe",
+    "circle.log": "circle.log",
+    "none/it.log": "cannot record .*: no folder .*none exists",
+    "none/it": "cannot record .*: no folder .*none exists",
+    "packed.log.gz": "a packed file cannot be added to",
+}
+
+
+@pytest.mark.parametrize("name", IMPOSSIBLE)
+def test_what_cannot_be_recorded_is_told_before_a_sensor_is_asked(name, tmp_path, capsys):
+    """Catches a laser switched on, or a minute's wait for a sensor, for nothing."""
+    path = cannot_be_recorded(tmp_path, name)
+    before = sorted(tmp_path.iterdir())
+    with pytest.raises((ValueError, OSError), match=IMPOSSIBLE[name]):
+        record(NotAsked(), path)
+    assert program(["record", str(path), "--port", "/no-port"]) == 1
+    said = capsys.readouterr().err
+    assert re.search(IMPOSSIBLE[name], said) and "/no-port" not in said
+    assert sorted(tmp_path.iterdir()) == before
+
+
+@pytest.mark.parametrize("count", ["-3", "0"])
+def test_a_count_below_one_is_told_plainly(count, tmp_path, capsys):
+    assert program(["record", str(tmp_path / "it"), "--port", "/no-port", "--count", count]) == 1
+    wanted = f"count must be a whole number of at least 1, got {count}"
+    assert wanted in capsys.readouterr().err
+    with pytest.raises(ValueError, match=wanted):
+        record(NotAsked(), tmp_path / "it", count=int(count))
+
+
+@pytest.mark.parametrize("name", ["new.log", "new", "old.log", "old"])
+def test_trying_out_leaves_nothing(name, tmp_path):
+    """Catches an empty log, or folder, of a recording that never began."""
+    (tmp_path / "old").mkdir()
+    (tmp_path / "old.log").write_text("mine")
+    before = sorted(tmp_path.rglob("*"))
+    assert program(["record", str(tmp_path / name), "--port", "/no-port"]) == 1
+    assert sorted(tmp_path.rglob("*")) == before
+    assert (tmp_path / "old.log").read_text() == "mine"
+
+
+@pytest.mark.parametrize("name", ["new.log", "new", "old.log", "old"])
+def test_what_may_not_be_written_is_told_before_a_sensor_is_asked(
+    name, tmp_path, capsys, monkeypatch
+):
+    """A folder of somebody else; root, who may run the tests, is refused nothing by itself."""
+    (tmp_path / "old").mkdir()
+    (tmp_path / "old.log").write_text("mine")
+
+    def refused(*arguments, **named):
+        raise PermissionError(13, "Permission denied", name)
+
+    monkeypatch.setattr(os, "open", refused)
+    monkeypatch.setattr(Path, "mkdir", refused)
+    assert program(["record", str(tmp_path / name), "--port", "/no-port"]) == 1
+    assert capsys.readouterr().err.startswith("PermissionError: [Errno 13] Permission denied")
+
+
+# ----------------------------------------------------------------------- nothing left behind
+@pytest.mark.parametrize("where", ["pathlib.Path.replace", "pathlib.Path.stat"])
+def test_an_interrupt_leaves_no_part(where, tmp_path, monkeypatch):
+    """Control-C, TERM and HUP reach the recorder as KeyboardInterrupt, at any of its steps."""
+    path = tmp_path / "folder"
+    record([scan(0)], path)
+
+    def scans():
+        def interrupt(*arguments, **named):
+            raise KeyboardInterrupt
+
+        monkeypatch.setattr(where, interrupt)
+        yield scan(1)
+
+    with pytest.raises(KeyboardInterrupt):
+        record(scans(), path)
+    monkeypatch.undo()
+    assert [p.name for p in path.iterdir()] == ["scan000001.txt"]
+
+
+# ------------------------------------------------------------- nothing that `read` refuses
+ODD_SCANS = {
+    "no beam": LaserScan([], []),
+    "no time": LaserScan([1.0], [0.0], time=np.nan),
+    "late": LaserScan([1.0], [0.0], time=1e13),
+    "turned": LaserScan([1.0], [20.0]),
+    "wide": LaserScan([1.0, 1.0], [-5.5, 5.5]),
+    "far": LaserScan([1e300], [0.0]),
+    "many": LaserScan(np.ones(200_000), np.linspace(-1, 1, 200_000)),
+    "no limit": LaserScan([1.0, np.inf], [0.0, 0.1], max_range=np.nan),
+    "limit below zero": LaserScan([1.0, np.inf], [0.0, 0.1], max_range=-1.0),
+    "short": LaserScan([1e-9, 1e-4, 1.0], [0.0, 0.1, 0.2]),
+    "errors only": LaserScan([np.nan] * 3, [0.0, 0.1, 0.2]),
+}
+
+
+@pytest.mark.parametrize("name", ODD_SCANS)
+@pytest.mark.parametrize("target", ["it.log", "it"])
+def test_what_is_recorded_can_be_read(name, target, tmp_path):
+    """Catches one odd scan that spoils the whole log for its reader."""
+    path = tmp_path / target
+    record([scan(0)], path)
+    try:
+        record([ODD_SCANS[name]], path)
+    except ValueError:
+        assert len(read(path)) == 1
+    else:
+        assert [len(one) for one in read(path)] == [682, len(ODD_SCANS[name])]
 
 
 KILLER = """

@@ -219,6 +219,22 @@ def test_the_recorder_is_stopped(name, tmp_path):
     assert len(read(log)) >= 3
 
 
+@pytest.mark.parametrize("name", ["SIGINT", "SIGTERM", "SIGHUP"])
+def test_a_folder_recording_that_is_stopped_leaves_whole_scans_only(name, tmp_path):
+    """Catches a file that is half written, or left under another name."""
+    folder = tmp_path / "folder"
+    command = [sys.executable, "-c", RECORDER.format("DFL"), "record", str(folder), "--port"]
+    with Emulator(pattern, **FAST) as emulator:
+        with subprocess.Popen([*command, emulator.port], stdout=subprocess.PIPE) as process:
+            wait_for(lambda: (folder / "scan000005.txt").exists())
+            process.send_signal(getattr(signal, name))
+            assert process.wait(20) == 0
+        wait_for(lambda: not emulator.unit.laser)
+    names = sorted(path.name for path in folder.iterdir())
+    assert names == [f"scan{k + 1:06}.txt" for k in range(len(names))]
+    assert len(read(folder)) == len(names)
+
+
 def test_nohup_outlives_the_terminal(tmp_path):
     """Catches a recorder that stops where somebody took care that it does not."""
     log = tmp_path / "on.log"

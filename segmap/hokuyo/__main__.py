@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import NoReturn
 
 from . import SensorError, UrgSensor, ports, record
+from ._record import check_target
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -61,6 +62,7 @@ def _info(given: argparse.Namespace) -> None:
 
 
 def _record(given: argparse.Namespace) -> None:
+    check_target(given.path, given.count)  # before the sensor is asked for anything
     with UrgSensor(given.port, reconnect=given.reconnect) as sensor:
         try:
             record(sensor, given.path, count=given.count)

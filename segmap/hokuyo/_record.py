@@ -13,13 +13,18 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
-from ..arrays import Array
+from .. import arrays
+from .._files import existing, replacing
+from ..arrays import LIMIT, Array
 from ..error_codes import LOWEST, NOT_MEASURED
 from ..scans import LaserScan
 from ._sensor import UrgSensor
 
 #: Endings of CARMEN logs; any other path is a folder of Hokuyo texts.
 CARMEN = (".log", ".clf", ".carmen")
+#: What readers take in: beams of a scan, their directions and their field of view in radians, and
+#: times in seconds.
+MOST_BEAMS, MOST_TURN, MOST_VIEW, LATEST = 10_000, 9.0, 9.0, 1e12
 
 
 def record(
@@ -51,9 +56,12 @@ def record(
     SensorError
         As `UrgSensor.scans`; what came before is kept.
     ValueError
-        For a packed file, which cannot be added to, or beams that are not evenly spaced.
+        For a packed file, which cannot be added to, what is neither a file nor a folder, a count
+        below 1; for a scan that `read` would refuse: without beams, or without a time or with
+        beams not evenly spaced in a CARMEN log.
     OSError
-        A folder that does not exist, or a full disk.
+        A folder that does not exist or may not be written to, before a scan is asked for; a full
+        disk.
 
     Examples
     --------
@@ -65,9 +73,7 @@ def record(
     1
     Log('one', 1 scan, no odometry, no truth)
     """
-    target = Path(path)
-    if target.suffix.lower() == ".gz":
-        raise ValueError(f"{target.name}: a packed file cannot be added to, leave .gz out")
+    target = check_target(path, count)
     scans = sensor.scans() if isinstance(sensor, UrgSensor) else iter(sensor)
     written = 0
     if target.suffix.lower() in CARMEN:
@@ -81,6 +87,37 @@ def record(
         written += 1
         _write_file(target, before + written, scan)
     return written
+
+
+def check_target(path: str | Path, count: int | None = None) -> Path:
+    """Where a recording goes, tried out: no sensor need be asked for scans that cannot be kept.
+
+    Nothing is left there. Raises as `record` does.
+    """
+    target = Path(path)
+    if count is not None:
+        arrays.whole(count, "count")
+    if target.suffix.lower() == ".gz":
+        raise ValueError(f"{target.name}: a packed file cannot be added to, leave .gz out")
+    if not target.parent.is_dir():
+        raise FileNotFoundError(f"cannot record {path}: no folder {target.parent} exists")
+    if target.suffix.lower() in CARMEN:
+        _try_out(Path(os.path.realpath(target)), new=existing(target) is None)
+    elif target.is_dir():
+        _try_out(target / f".segmap-{os.getpid()}.part", new=True)
+    elif target.exists():
+        raise ValueError(f"{path} is a file: name a folder, or a log that ends in {CARMEN[0]}")
+    else:
+        target.mkdir()
+        target.rmdir()
+    return target
+
+
+def _try_out(path: Path, *, new: bool) -> None:
+    """Open a file as the recording will; a new one is removed again."""
+    os.close(os.open(path, os.O_RDWR | os.O_CREAT, 0o666))
+    if new:
+        path.unlink()
 
 
 def _append_line(path: Path, scan: LaserScan) -> None:
@@ -110,13 +147,29 @@ def _write_all(file: int, data: bytes) -> None:
 
 def _rawlaser(scan: LaserScan) -> str:
     """RAWLASER1 type start field step maximum accuracy mode n ranges 0 time host time."""
+    _check(scan)
     step = _step(scan)
+    if step * (len(scan) - 1) > MOST_VIEW:
+        raise ValueError(f"a CARMEN log holds beams over at most {MOST_VIEW} radians")
+    if not abs(scan.time) <= LATEST:
+        raise ValueError(f"a CARMEN log holds the time of each scan, in seconds, got {scan.time}")
     limit = scan.max_range if np.isfinite(scan.max_range) else 81.83
     met = np.where(scan.valid, scan.ranges, np.where(np.isnan(scan.ranges), 0.0, limit))
     ranges = " ".join(f"{value:.6f}".rstrip("0").rstrip(".") for value in met)
     turn = f"{float(scan.angles[0])!r} {step * (len(scan) - 1)!r} {step!r} {limit:.6f}"
     stamp = f"{scan.time:.6f}"
     return f"RAWLASER1 0 {turn} 0.010 0 {len(scan)} {ranges} 0 {stamp} segmap {stamp}"
+
+
+def _check(scan: LaserScan) -> None:
+    """Refuse a scan that no reader takes in again."""
+    if not 0 < len(scan) <= MOST_BEAMS:
+        raise ValueError(f"a scan must have 1 to {MOST_BEAMS} beams, got {len(scan)}")
+    if np.abs(scan.angles).max() > MOST_TURN:
+        turn = scan.angles[np.abs(scan.angles).argmax()]
+        raise ValueError(f"angles must be within {MOST_TURN:.4g} radians, got {turn:.6g}")
+    if scan.ranges[scan.valid].max(initial=0.0) > LIMIT:
+        raise ValueError(f"ranges must be within {LIMIT:.0e} metres")
 
 
 def _step(scan: LaserScan) -> float:
@@ -130,10 +183,10 @@ def _step(scan: LaserScan) -> float:
 
 def _write_file(folder: Path, number: int, scan: LaserScan) -> None:
     """Write a hidden file beside the place, then move it there."""
+    _check(scan)
     beams = zip(_millimetres(scan), scan.angles, strict=True)
-    part = folder / f".scan.{os.getpid()}.part"
-    part.write_text("".join(f"{r} {a:.9f}\n" for r, a in beams), encoding="ascii")
-    part.replace(folder / f"scan{number:06}.txt")
+    with replacing(folder / f"scan{number:06}.txt", sync=False) as target:
+        target.write("".join(f"{r} {a:.9f}\n" for r, a in beams).encode("ascii"))
 
 
 def _number(path: Path) -> int:
