@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterable, Iterator
-from functools import partial
+from functools import lru_cache, partial
 from inspect import signature
 from typing import NamedTuple
 
@@ -77,7 +77,8 @@ def map_scans(
 ) -> Iterator[Step]:
     """Match each scan with the map of the scans before it, insert it, and say where it was.
 
-    It uses ranges alone, no odometry and no scan ahead, so that it also serves a live sensor.
+    It uses ranges alone, no odometry and no scan ahead, so that it also serves a live sensor. What
+    is compiled is loaded before the first scan is asked for: the laser is still off then.
 
     Parameters
     ----------
@@ -122,7 +123,8 @@ def map_scans(
     check_callable("score", score, "of map, points and poses, nearest_score")
     first, pose = arrays.whole(settle, "settle"), arrays.pose(start, "start")
     tree = QuadtreeMap() if map is None else map
-    return _steps(log, tree, pose, first, free, partial(_matched, _ready(matcher, rng), score))
+    match = partial(_matched, _ready(matcher, rng), score)
+    return _steps(log, tree, pose, first, free, match, score)
 
 
 def _ready(matcher: Matcher, rng: np.random.Generator | None) -> Matcher:
@@ -135,8 +137,15 @@ def _ready(matcher: Matcher, rng: np.random.Generator | None) -> Matcher:
 
 
 def _steps(
-    log: Iterable[LaserScan], map: QuadtreeMap, pose: Array, settle: int, free: bool, match: Place
+    log: Iterable[LaserScan],
+    map: QuadtreeMap,
+    pose: Array,
+    settle: int,
+    free: bool,
+    match: Place,
+    score: Score,
 ) -> Iterator[Step]:
+    _warm(score if score in SCORES.values() else field_score)
     inserted = 0
     for k, scan in enumerate(log):
         if not isinstance(scan, LaserScan):
@@ -154,6 +163,18 @@ def _steps(
         except ValueError as error:
             raise ValueError(f"scan {k}: {error}") from error
         yield Step(pose.copy(), value, time.perf_counter() - begun)
+
+
+@lru_cache  # once in each process
+def _warm(score: Score) -> None:
+    """Load or compile all that a scan needs, before a live sensor is asked for the first one.
+
+    Compiling takes up to a minute, once on a machine, and a robot would go on meanwhile.
+    """
+    map, points = QuadtreeMap(resolution=0.1, size=1.6, free_resolution=0.2), np.eye(2)
+    for _ in range(2):
+        map.insert_scan((0.05, 0.05), points, -points)
+        _matched(hill_climb, score, map, points, np.zeros(3))
 
 
 def _matched(

@@ -139,7 +139,7 @@ class LivePanel(Panel):
                 self.state.value = "stops when the sensor answers or is given up"
 
     def _follow(self) -> None:
-        self.state.value = "getting ready"
+        self.state.value = "getting ready: the first time on a machine it compiles, for a minute"
         _warm_up()
         self.state.value = "running"
         try:
@@ -212,10 +212,13 @@ class LivePanel(Panel):
 
 
 def _warm_up() -> None:
-    """Load what is compiled before scans wait for it."""
-    scan = LaserScan([1.0, 1.0, 1.0], [0.0, 0.1, 0.2])
-    extract_polylines(scan.points())
-    list(map_scans([scan, scan]))
+    """Load what is compiled, and draw once, before the laser is on and scans wait for it."""
+    scan, map = LaserScan([1.0, 1.0, 1.0], [0.0, 0.1, 0.2]), QuadtreeMap(resolution=0.1)
+    segments = extract_polylines(scan.points())
+    picture = _Picture()
+    for step in map_scans([scan, scan], map=map):
+        picture.show(map, scan, step.pose, segments)
+        picture.png()
 
 
 class _Picture:
