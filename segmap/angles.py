@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .arrays import Array, numbers
+from .arrays import Array, share, values
 
 
 def wrap(angle: ArrayLike) -> Array:
@@ -29,7 +29,7 @@ def wrap(angle: ArrayLike) -> Array:
     >>> np.degrees(wrap(np.radians([190.0, -180.0, 540.0]))).round(9)
     array([-170., -180., -180.])
     """
-    return (numbers(angle, "angle") + np.pi) % (2 * np.pi) - np.pi
+    return (values(angle, "angle") + np.pi) % (2 * np.pi) - np.pi
 
 
 def axial_difference(a: ArrayLike, b: ArrayLike) -> Array:
@@ -49,7 +49,7 @@ def axial_difference(a: ArrayLike, b: ArrayLike) -> Array:
     >>> np.degrees(axial_difference(np.radians(179.0), np.radians(1.0))).round(9)
     np.float64(-2.0)
     """
-    return (numbers(a, "a") - numbers(b, "b") + np.pi / 2) % np.pi - np.pi / 2
+    return (values(a, "a") - values(b, "b") + np.pi / 2) % np.pi - np.pi / 2
 
 
 def axial_mean(angles: ArrayLike, weights: ArrayLike = 1.0) -> Array:
@@ -72,7 +72,9 @@ def axial_mean(angles: ArrayLike, weights: ArrayLike = 1.0) -> Array:
     >>> float(np.degrees(axial_mean(np.radians([1.0, 179.0, 3.0]))).round(9))
     1.0
     """
-    doubled = 2 * numbers(angles, "angles")
+    doubled, weights = 2 * values(angles, "angles"), values(weights, "weights")
+    if not doubled.ndim:
+        raise ValueError("angles must be (..., n), got one number")
     y = np.sum(weights * np.sin(doubled), axis=-1)
     x = np.sum(weights * np.cos(doubled), axis=-1)
     found = np.arctan2(y, x) / 2 % np.pi
@@ -101,5 +103,5 @@ def axial_mean_of_two(
     >>> float(np.degrees(axial_mean_of_two(np.radians(1.0), np.radians(179.0), 3.0, 1.0)).round(9))
     0.5
     """
-    share = np.divide(weight_b, np.add(weight_a, weight_b))
-    return numbers(a, "a") + share * axial_difference(b, a)
+    part = share(weight_a, weight_b, ("weight_a", "weight_b"))
+    return values(a, "a") + part * axial_difference(b, a)

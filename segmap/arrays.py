@@ -6,17 +6,39 @@ check nothing.
 """
 
 import sys
-from collections.abc import Collection
-from typing import Any, Protocol, runtime_checkable
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-Array = NDArray[np.float64]
+from ._arguments import (
+    LEAST,
+    LIMIT,
+    MOST,
+    Settings,
+    brief,
+    file,
+    function,
+    generator,
+    instance,
+    number,
+    one_of,
+    positive,
+    switch,
+    whole,
+)
 
-#: No coordinate of a map of a building is larger, metres. Compiled loops count cells in 64 bits,
-#: and cells of a hundredth of a millimetre still fit.
-LIMIT = 1e7
+__all__ = [
+    "FAR", "LEAST", "LIMIT", "MOST", "Array", "HasPoses", "HasSegments", "Poses", "Segments",
+    "Settings", "file", "function", "generator", "indices", "instance", "number", "numbers",
+    "one_of", "point", "points", "pose", "poses", "positive", "row", "segments", "share", "switch",
+    "table", "trailing", "values", "weights", "whole",
+]  # fmt: skip
+
+#: Squares of numbers up to here are still numbers: enough for arithmetic that counts no cells.
+FAR = 1e100
+
+Array = NDArray[np.float64]
 
 
 @runtime_checkable
@@ -61,12 +83,87 @@ def numbers(value: object, name: str, expected: str = "an array of real numbers"
     except (TypeError, ValueError):
         array = np.empty(0, object)  # rows of different lengths
     if array.dtype.kind not in "fiub":
-        raise ValueError(f"{name} must be {expected}, got {_brief(value)}")
+        raise ValueError(f"{name} must be {expected}, got {brief(value)}")
     return array.astype(float, copy=False)
 
 
+def values(value: object, name: str) -> Array:
+    """Real numbers of any shape that arithmetic stands: NaN may be among them, infinity may not.
+
+    Examples
+    --------
+    >>> values([1.0, np.inf], "angles")
+    Traceback (most recent call last):
+    ValueError: angles must be finite and within 1e+100, got [1.0, inf]
+    """
+    array = numbers(value, name)
+    if np.fmax.reduce(np.abs(array), axis=None, initial=0.0) > FAR:
+        raise ValueError(f"{name} must be finite and within {FAR:.0e}, got {brief(value)}")
+    return array
+
+
+def indices(value: object, name: str) -> NDArray[np.int64]:
+    """Whole numbers of any shape, a copy.
+
+    Examples
+    --------
+    >>> indices([0, 0.5], "scan")
+    Traceback (most recent call last):
+    ValueError: scan must be whole numbers, got [0, 0.5]
+    """
+    given = numbers(value, name)
+    if not (np.abs(given) < 2**53).all() or (given % 1 != 0).any():
+        raise ValueError(f"{name} must be whole numbers, got {brief(value)}")
+    return given.astype(np.int64)
+
+
+def row(value: object, name: str, count: int | None = None) -> Array:
+    """Finite numbers in a row, `(n,)`: `count` of them, if given.
+
+    Examples
+    --------
+    >>> row([1, 2], "weights", 3)
+    Traceback (most recent call last):
+    ValueError: weights must have shape (3,), finite, got [1, 2]
+    """
+    array = values(value, name)
+    if array.ndim != 1 or count not in (None, len(array)) or not np.isfinite(array).all():
+        wanted = "n" if count is None else count
+        raise ValueError(f"{name} must have shape ({wanted},), finite, got {brief(value)}")
+    return array
+
+
+def weights(value: object, count: int) -> Array:
+    """Weights of `count` things, `(count,)`, not negative.
+
+    Examples
+    --------
+    >>> weights([1, -1], 2)
+    Traceback (most recent call last):
+    ValueError: weights must not be negative, got -1
+    """
+    array = row(value, "weights", count)
+    if (array < 0).any():
+        raise ValueError(f"weights must not be negative, got {array.min():g}")
+    return array
+
+
+def share(first: object, second: object, names: tuple[str, str]) -> Array:
+    """Share of the second of two weights in their sum, 0 to 1.
+
+    Examples
+    --------
+    >>> share(1, 0.25, ("weight_a", "weight_b"))
+    array(0.2)
+    """
+    a, b = values(first, names[0]), values(second, names[1])
+    if not (np.all(a >= 0) and np.all(b >= 0) and np.all(a + b > 0)):
+        raise ValueError(f"{' and '.join(names)} must not be negative, and not both zero")
+    return np.asarray(b / (a + b))
+
+
 def trailing(value: object, name: str, *axes: int) -> Array:
-    """Numbers of any leading shape whose last axes are given; NaN and infinity may be among them.
+    """Numbers of any leading shape whose last axes are given; NaN may be among them.
 
     Points are `(..., 2)`, poses `(..., 3)`, segments `(..., 2, 2)`. An empty list is no row.
 
@@ -78,7 +175,7 @@ def trailing(value: object, name: str, *axes: int) -> Array:
     Traceback (most recent call last):
     ValueError: pose must have shape (..., 3), got (2,)
     """
-    array = numbers(value, name)
+    array = values(value, name)
     if array.shape[-len(axes) :] == axes:
         return array
     if array.shape == (0,):
@@ -173,110 +270,6 @@ def segments(value: Segments, name: str = "segments") -> Array:
     return array
 
 
-def number(
-    value: object,
-    name: str,
-    *,
-    above: float | None = None,
-    least: float | None = None,
-    below: float | None = None,
-    most: float | None = None,
-    unit: str = "",
-) -> float:
-    """One finite number: above a bound, or at least at it, and below another, or at most at it.
-
-    Infinity is allowed where `most` is infinite.
-
-    Examples
-    --------
-    >>> number(0.04, "tolerance", above=0, unit="metres")
-    0.04
-    >>> number(-1, "tolerance", above=0, unit="metres")
-    Traceback (most recent call last):
-    ValueError: tolerance must be a number above 0, in metres, got -1
-    """
-    array = np.asarray(value)
-    fits = array.shape == () and array.dtype.kind in "fiu"
-    fits = fits and bool(np.isfinite(array) or array == most == np.inf)
-    fits = fits and (above is None or float(array) > above)
-    fits = fits and (least is None or float(array) >= least)
-    fits = fits and (below is None or float(array) < below)
-    fits = fits and (most is None or float(array) <= most)
-    if not fits:
-        bounds = [(" above", above), (" of at least", least), (" below", below)]
-        bounds.append((" of at most", most))
-        range_ = " and".join(
-            f"{word} {bound:.6g}" for word, bound in bounds if bound not in (None, np.inf)
-        )
-        suffix = f", in {unit}" if unit else ""
-        kind = "a number" if range_ else "a finite number"
-        raise ValueError(f"{name} must be {kind}{range_}{suffix}, got {_brief(value)}")
-    return float(array)
-
-
-def positive(unit: str = "", **values: object) -> None:
-    """Refuse each named value that is not one positive, finite number.
-
-    Examples
-    --------
-    >>> positive("metres", distance=0.2, gap=0)
-    Traceback (most recent call last):
-    ValueError: gap must be a number above 0, in metres, got 0
-    """
-    for name, value in values.items():
-        number(value, name, above=0, unit=unit)
-
-
-def whole(value: object, name: str, *, least: int = 1, most: int | None = None) -> int:
-    """One whole number.
-
-    Examples
-    --------
-    >>> whole(3.0, "every")
-    3
-    """
-    array = np.asarray(value)
-    fits = array.shape == () and array.dtype.kind in "fiu" and bool(np.isfinite(array))
-    fits = fits and float(array).is_integer() and least <= int(array)
-    if not fits or (most is not None and int(array) > most):
-        upper = "" if most is None else f" and at most {most}"
-        raise ValueError(
-            f"{name} must be a whole number of at least {least}{upper}, got {_brief(value)}"
-        )
-    return int(array)
-
-
-def one_of(value: object, name: str, choices: Collection[str]) -> str:
-    """One word of several.
-
-    Examples
-    --------
-    >>> one_of("best", "fit", ("total", "algebraic"))
-    Traceback (most recent call last):
-    ValueError: fit must be one of 'total', 'algebraic', got 'best'
-    """
-    if not (isinstance(value, str) and value in choices):
-        known = ", ".join(repr(choice) for choice in choices)
-        raise ValueError(f"{name} must be one of {known}, got {_brief(value)}")
-    return value
-
-
-def generator(value: Any, name: str = "rng") -> np.random.Generator:
-    """A source of random numbers.
-
-    Examples
-    --------
-    >>> generator(7)
-    Traceback (most recent call last):
-    ValueError: rng must be a generator, numpy.random.default_rng(1) say, got 7
-    """
-    if not isinstance(value, np.random.Generator):
-        raise ValueError(
-            f"{name} must be a generator, numpy.random.default_rng(1) say, got {_brief(value)}"
-        )
-    return value
-
-
 def _check_values(array: Array, name: str, unit: str, missing: bool, limit: float) -> None:
     """Refuse what is not finite, unless it may be missing, and what is beyond the limit."""
     if np.abs(array).max(initial=0.0) <= min(limit, sys.float_info.max):  # False for NaN
@@ -289,8 +282,3 @@ def _check_values(array: Array, name: str, unit: str, missing: bool, limit: floa
         where = f"{name}[{wrong.argmax()}]" if array.ndim > 1 else name
         got = (array[wrong.argmax()] if array.ndim > 1 else array).tolist()
         raise ValueError(f"{name} must be {fault}, in {unit}, but {where} is {got}")
-
-
-def _brief(value: object) -> str:
-    text = repr(value)
-    return text if len(text) <= 60 else f"{text[:57]}..."

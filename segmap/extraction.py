@@ -175,12 +175,13 @@ def build_map(
     >>> build_map(Log("wall", [wall]), [(5, 0, 0)], keep_points=True).sensors
     array([[5., 0.]])
     """
-    rows = np.asarray(poses, float)
-    if rows.shape != (len(log), 3):
+    arrays.instance(log, "log", Log), arrays.function(extract, "extract", "of points")
+    arrays.switch(keep_points, "keep_points")
+    if poses is None:
         raise ValueError(
-            f"poses must have shape ({len(log)}, 3), one pose for each scan, got {rows.shape}"
-            + (": this log has no such poses" if poses is None else "")
+            f"poses must have shape ({len(log)}, 3), got None: this log has no such poses"
         )
+    rows = arrays.poses(poses, count=len(log), missing=True)
     known = np.flatnonzero(np.isfinite(rows).all(1))
     if keep_points:
         return _map_with_points(log, rows, known, _runs_of(extract, thresholds))
@@ -294,6 +295,6 @@ def _in_order(points: ArrayLike, gap: float, closed: bool) -> Array:
     """Points `(n, 2)`, metres; those of a closed scan from where a round best begins."""
     arrays.number(gap, "gap", above=0, most=np.inf, unit="metres")
     p = np.ascontiguousarray(arrays.points(points))
-    if not closed or len(p) < 3:
+    if not arrays.switch(closed, "closed") or len(p) < 3:
         return p
     return np.roll(p, -loops.start_of_round(p, gap), axis=0)

@@ -103,8 +103,8 @@ def distance_terms(
     >>> [round(float(term), 6) for term in terms]
     [0.0, 0.05, 0.1]
     """
-    u, v = np.asarray(u, float), np.asarray(v, float)
-    share = _share(weight_u, weight_v)
+    u, v = arrays.trailing(u, "u", 2, 2), arrays.trailing(v, "v", 2, 2)
+    share = arrays.share(weight_u, weight_v, ("weight_u", "weight_v"))
     at_u, at_v = _directions(u, v)
     turn = axial_difference(at_v, at_u)
     apart = np.minimum(
@@ -168,8 +168,7 @@ def quality(before: Segments, after: Segments, *, scale: float = 0.050) -> float
     >>> quality(wall, wall), round(quality(wall, wall + 0.1), 3)
     (1.0, 0.554)
     """
-    if not scale > 0:
-        raise ValueError(f"scale must be positive, in metres, got {scale}")
+    arrays.positive("metres", scale=scale)
     found = errors(before, after)
     return float(np.exp(-found.mean() / scale)) if len(found) else 1.0
 
@@ -202,7 +201,7 @@ def grade_reduction(rate: float) -> str:
     >>> grade_reduction(0.66), grade_reduction(0.45)
     ('excellent', 'good')
     """
-    return _grade(rate, REDUCTION_GRADES)
+    return _grade(arrays.number(rate, "rate", most=1), REDUCTION_GRADES)
 
 
 def grade_quality(value: float) -> str:
@@ -213,7 +212,7 @@ def grade_quality(value: float) -> str:
     >>> grade_quality(0.85), grade_quality(0.1)
     ('excellent', 'very poor')
     """
-    return _grade(value, QUALITY_GRADES)
+    return _grade(arrays.number(value, "value", least=0, most=1), QUALITY_GRADES)
 
 
 def relation_errors(
@@ -251,12 +250,12 @@ def relation_errors(
     >>> far.round(6), turned.round(6)
     (array([0.1]), array([0.2]))
     """
-    t, p = np.asarray(times, float), np.asarray(poses, float)
-    wanted = np.asarray(relations, float)
-    if p.shape != (t.size, 3):
-        raise ValueError(f"poses must have shape ({t.size}, 3), one for each time, got {p.shape}")
-    if wanted.ndim != 2 or wanted.shape[1] != 8:
-        raise ValueError(f"relations must have shape (m, 8), got {wanted.shape}")
+    t = arrays.values(times, "times").ravel()
+    p = arrays.poses(poses, count=len(t), missing=True)
+    wanted = arrays.table(
+        relations, "relations", 8, unit="seconds, metres and radians", limit=arrays.FAR
+    )
+    arrays.number(tolerance, "tolerance", least=0, unit="seconds")
     known = np.isfinite(p).all(1)
     order = np.argsort(t[known], kind="stable")
     t, p = t[known][order], p[known][order]
@@ -267,14 +266,6 @@ def relation_errors(
     found = between(p[ends[near, 0]], p[ends[near, 1]])
     d = between(wanted[near][:, [2, 3, 7]], found)
     return np.hypot(d[:, 0], d[:, 1]), np.abs(wrap(d[:, 2]))
-
-
-def _share(weight_u: ArrayLike, weight_v: ArrayLike) -> Array:
-    """How far the mean line goes from u to v, 0 to 1."""
-    a, b = np.asarray(weight_u, float), np.asarray(weight_v, float)
-    if not (np.all(a >= 0) and np.all(b >= 0) and np.all(a + b > 0)):
-        raise ValueError("weight_u and weight_v must not be negative, and not both zero")
-    return b / (a + b)
 
 
 def _directions(u: Array, v: Array) -> tuple[Array, Array]:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .angles import wrap
-from .arrays import Array, numbers, trailing
+from .arrays import Array, number, numbers, trailing, values
 
 
 def compose(a_from_b: ArrayLike, b_from_c: ArrayLike) -> Array:
@@ -75,7 +75,7 @@ def between(a: ArrayLike, b: ArrayLike) -> Array:
     >>> between((1, 2, np.pi / 2), (1, 3, np.pi / 2)).round(6)
     array([1., 0., 0.])
     """
-    return compose(inverse(a), b)
+    return compose(inverse(trailing(a, "a", 3)), trailing(b, "b", 3))
 
 
 def transform(a_from_b: ArrayLike, points: ArrayLike) -> Array:
@@ -130,11 +130,14 @@ def interpolate(
     array([[ 0.5     ,  0.      , -3.141593],
            [      nan,       nan,       nan]])
     """
-    t, p, at = numbers(times, "times"), trailing(poses, "poses", 3), numbers(at, "at")
+    t, p, at = numbers(times, "times"), trailing(poses, "poses", 3), values(at, "at")
+    number(max_gap, "max_gap", least=0, most=np.inf, unit="seconds")
     if t.ndim != 1 or p.shape != (len(t), 3):
         raise ValueError(f"poses must be ({t.size}, 3), one for each time, got {p.shape}")
     if not len(t) or not np.isfinite(t).all() or np.any(np.diff(t) < 0):
         raise ValueError("times must hold at least one time, be finite and not decrease")
+    if at.ndim != 1:
+        raise ValueError(f"at must have shape (m,), got {at.shape}")
     after = np.clip(np.searchsorted(t, at, side="left"), 0, len(t) - 1)
     before = np.where(t[after] == at, after, np.maximum(after - 1, 0))
     span = t[after] - t[before]

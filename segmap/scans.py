@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple, overload
 
@@ -81,6 +81,8 @@ class LaserScan(Pictured):
         pose = None if odometry is None else arrays.pose(odometry, "odometry", missing=True)
         keep(self, "odometry", None if pose is None else _frozen(pose))
         keep(self, "max_range", _scalar(max_range, "max_range"))
+        if np.isnan(self.max_range):
+            raise ValueError("max_range must be a number, in metres, got nan")
         keep(self, "sensor_pose", _frozen(arrays.pose(sensor_pose, "sensor_pose")))
         keep(self, "codes", None if codes is None else _row(codes, "codes", len(self.ranges), int))
 
@@ -158,6 +160,8 @@ class Log(Pictured, Sequence[LaserScan]):
     ) -> None:
         keep = object.__setattr__
         keep(self, "name", name)
+        if not isinstance(scans, Iterable):
+            raise ValueError(f"scans must be a list of LaserScan, got {type(scans).__name__}")
         keep(self, "scans", tuple(scans))
         for k, scan in enumerate(self.scans):
             if not isinstance(scan, LaserScan):
@@ -211,7 +215,7 @@ def _share(count: int, of: int, what: str) -> str:
 
 def _row(values: ArrayLike, name: str, count: int | None = None, dtype: type = float) -> Any:
     """One number a beam, `(n,)`, that nobody can change any more."""
-    array = arrays.numbers(values, name)
+    array = arrays.indices(values, name) if dtype is int else arrays.numbers(values, name)
     if array.ndim != 1 or count not in (None, len(array)):
         wanted = "(n,)" if count is None else f"({count},)"
         raise ValueError(f"{name} must have shape {wanted}, got {array.shape}")
@@ -225,7 +229,7 @@ def _scalar(value: object, name: str) -> float:
     return float(array)
 
 
-def _frozen(values: Array, dtype: type = float) -> Any:
+def _frozen(values: NDArray[Any], dtype: type = float) -> Any:
     array: NDArray[Any] = np.array(values, dtype)
     array.flags.writeable = False
     return array

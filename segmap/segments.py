@@ -100,7 +100,8 @@ def extreme_projections(points: ArrayLike, through: ArrayLike, angle: ArrayLike)
     array([[0., 0.],
            [3., 0.]])
     """
-    xy, origin = arrays.trailing(points, "points", 2), arrays.trailing(through, "through", 2)
+    xy, origin = arrays.points(points), arrays.point(through, "through")
+    arrays.number(angle, "angle", unit="radians")
     if not len(xy):
         raise ValueError("points must hold at least one point, got none")
     d = np.array([np.cos(angle), np.sin(angle)])
@@ -179,7 +180,7 @@ SegmentMap(1 segment of 1 scan))
         sensors: ArrayLike | None = None,
     ) -> None:
         array = np.array(arrays.segments(segments))
-        index = np.zeros(len(array), np.int64) if scan is None else _whole(scan, "scan")
+        index = np.zeros(len(array), np.int64) if scan is None else arrays.indices(scan, "scan")
         if index.shape != (len(array),):
             raise ValueError(
                 f"scan must have shape ({len(array)},), one index a segment, got {index.shape}"
@@ -194,7 +195,8 @@ SegmentMap(1 segment of 1 scan))
 
     def filtered(self, min_length: float = 0.10) -> SegmentMap:
         """Keep only the segments `(m, 2, 2)` of at least `min_length` metres (A 6.2.1: 0.10 m)."""
-        return self[length(self.segments) >= min_length]
+        least = arrays.number(min_length, "min_length", least=0, unit="metres")
+        return self[length(self.segments) >= least]
 
     def __getitem__(self, rows: slice | ArrayLike) -> SegmentMap:
         """Some of the segments, by a slice, a mask or indices, with all that lies behind them."""
@@ -257,7 +259,7 @@ def _behind(
         return None, None
     if points is None or first is None:
         raise ValueError("points and first must be given together, or neither of them")
-    p, starts = np.array(arrays.points(points)), _whole(first, "first")
+    p, starts = np.array(arrays.points(points)), arrays.indices(first, "first")
     counts = np.diff(starts) if starts.shape == (count + 1,) else np.zeros(1)
     if starts.shape != (count + 1,) or (counts < 2).any() or [starts[0], starts[-1]] != [0, len(p)]:
         raise ValueError(
@@ -277,14 +279,6 @@ def _places(sensors: ArrayLike, scan: NDArray[np.int64]) -> Array:
             f"got {len(places)} places"
         )
     return places
-
-
-def _whole(values: ArrayLike, name: str) -> NDArray[np.int64]:
-    """Indices as whole numbers, a copy."""
-    given = arrays.numbers(values, name)
-    if not (np.abs(given) < 2**53).all() or (given % 1 != 0).any():
-        raise ValueError(f"{name} must be whole numbers, one index a segment")
-    return given.astype(np.int64)
 
 
 def _span(segments: ArrayLike) -> Array:

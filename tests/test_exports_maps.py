@@ -142,7 +142,7 @@ def test_an_empty_map_is_all_unknown(tmp_path):
         ("it.yaml", {"resolution": 8.0}, "larger than the map"),
         ("it.yaml", {"free": 0.5}, "wanted 0 <= free < 0.5 <= occupied < 1, got 0.5 and 0.5"),
         ("it.yaml", {"occupied": 1.0}, "wanted 0 <= free"),
-        ("it.yaml", {"free": np.nan}, "wanted 0 <= free"),
+        ("it.yaml", {"free": np.nan}, "free must be a finite number"),
     ],
 )
 def test_what_cannot_be_written_is_refused_and_leaves_no_file(name, options, message, tmp_path):
@@ -231,7 +231,9 @@ def test_geojson_below_another_threshold(room, tmp_path):
     write_geojson(tmp_path / "it.geojson", room, occupied=0.9)
     found = json.loads((tmp_path / "it.geojson").read_text())["features"]
     assert 0 < len(found) == (room.leaf_occupancy() > 0.9).sum()
-    with pytest.raises(ValueError, match="occupied must be at least 0 and below 1, got 1"):
+    with pytest.raises(
+        ValueError, match="occupied must be a number of at least 0 and below 1, got 1"
+    ):
         write_geojson(tmp_path / "it.geojson", room, occupied=1)
 
 

@@ -163,8 +163,8 @@ def test_a_pose_graph_solved_again_stays():
         ({"edges": EDGES + 2}, "scans 0 to 7, got 2 to 8"),
         ({"edges": EDGES - 1}, "got -1 to 5"),
         ({"edges": [(0, 2), (2, 0), (4, 6), (6, 4)]}, "scan 4 is not tied"),
-        ({"scale": 0.0}, "scale must be positive"),
-        ({"scale": np.nan}, "scale must be positive"),
+        ({"scale": 0.0}, "scale must be a number of at least 1e-09"),
+        ({"scale": np.nan}, "scale must be a number of at least 1e-09"),
     ],
 )
 def test_what_cannot_be_solved_is_refused(change, message):

@@ -14,6 +14,7 @@ PACKAGE = Path(segmap.__file__).parent
 
 #: From the ground up. A room imports rooms of lower storeys only; a folder is one room.
 STOREYS = (
+    "_arguments",
     "_compiled _display _files methods arrays",
     "angles literal",
     "poses segments",

@@ -117,7 +117,7 @@ def test_quality_does_not_change_when_both_maps_move(pose):
 
 @pytest.mark.parametrize("scale", [0, -1, np.nan])
 def test_scale_must_be_positive(scale):
-    with pytest.raises(ValueError, match="scale must be positive"):
+    with pytest.raises(ValueError, match="scale must be a number above 0, in metres"):
         metrics.quality(np.zeros((1, 2, 2)), np.zeros((1, 2, 2)), scale=scale)
 
 
@@ -219,7 +219,7 @@ def test_no_poses_no_errors():
 
 @pytest.mark.parametrize(
     ("poses", "relations", "message"),
-    [(np.zeros((2, 3)), np.zeros((1, 8)), "poses must"), (np.zeros((1, 3)), [[0, 1]], r"\(m, 8\)")],
+    [(np.zeros((2, 3)), np.zeros((1, 8)), "poses must"), (np.zeros((1, 3)), [[0, 1]], r"\(n, 8\)")],
 )
 def test_shapes_must_agree(poses, relations, message):
     with pytest.raises(ValueError, match=message):

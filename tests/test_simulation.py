@@ -164,7 +164,7 @@ def test_walls_may_be_a_map_or_in_column_order():
         (lambda: cast_rays([WALL], STILL_AT, 0.0), r"angles must be \(b,\) and finite"),
         (lambda: cast_rays([WALL], STILL_AT, [np.nan]), r"angles must be \(b,\) and finite"),
         (lambda: cast_rays([WALL], STILL_AT, [0.0], max_range=np.nan), "max_range must be"),
-        (lambda: simulation.circular_room(sides=2), "sides must be .* at least 3, got 2"),
+        (lambda: simulation.circular_room(sides=2), "sides must be .* at least 3 .*, got 2"),
         (lambda: simulation.corridor_loop(30, 5), "block inside must measure"),
         (lambda: simulation.office(rng=RNG, depth=2), "depth must be .* at least 3.5"),
         (lambda: simulation.office(rng=1), "rng must be a generator"),

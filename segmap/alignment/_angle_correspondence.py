@@ -84,9 +84,12 @@ def angle_candidates(
     Candidate(-1 m, 0 m, 0 deg: 5.00 m match, 0.00 m hidden)
     """
     rule = match_rule(distance, far, long, whole)
+    arrays.instance(search, "search", AngleSearch)
     most = arrays.whole(most_pairs, "most_pairs")
     least = arrays.number(min_length, "min_length", least=0, unit="metres")
-    arrays.number(penalty, "penalty", least=0)
+    arrays.number(penalty, "penalty", least=0, most=arrays.MOST)
+    if not isinstance(viewpoints, tuple | list | np.ndarray) or len(viewpoints) != 2:
+        raise ValueError(f"viewpoints must be two, each a place or None, got {viewpoints!r}")
     given = {"reference_segments": reference_segments, "current_segments": current_segments}
     s, t = (
         scene(segments, name, stood, heuristic, most, least, search, arrays.generator(rng))
@@ -212,13 +215,10 @@ def match_angles(
     Match(none: another place fits nearly as well)
     """
     arrays.positive(least_share=least_share, least_across=least_across, rival=rival)
-    found = angle_candidates(
-        reference_segments, current_segments, rng=rng, search=search, **options
-    )
     given = (reference_segments, current_segments)
+    found = angle_candidates(*given, rng=rng, search=search, **options)
     sizes = [float(length(arrays.segments(segments)).sum()) for segments in given]
-    least = least_share * min(sizes)
-    if doubt := _doubt(found, least, least_across, rival, search.enough_walls):
+    if doubt := _doubt(found, least_share * min(sizes), least_across, rival, search.enough_walls):
         return no_match(np.zeros(3), doubt)
     overlap = min(1.0, found[0].value / sizes[1])
     return Match(found[0].pose, found[0].covariance(search.sigma), True, overlap=overlap)
@@ -269,6 +269,7 @@ def angle_correspondence(
     Alignment(angle_correspondence: 20 scans, 20 used)
     """
     arrays.positive(new_reference=new_reference)
+    arrays.function(extract, "extract", "of points")
     chance, trail = np.random.default_rng(0) if rng is None else rng, Trail(log)
     seen = [(extract(scan.points()), scan.sensor_pose[:2]) for scan in log]
     reference = 0

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .. import arrays
 from ..angles import axial_difference, wrap
-from ..arrays import Array, Segments
+from ..arrays import Array, Segments, Settings
 from ..kernels import describe
 from ..segments import MIN_LENGTH, angle, length, midpoint
 from . import _angle_loops as loops
@@ -23,7 +23,7 @@ Heuristic = Literal["all", "consecutive", "random", "perpendicular"]
 
 
 @dataclass(frozen=True)
-class AngleSearch:
+class AngleSearch(Settings):
     """How angle correspondence looks for candidates.
 
     Parameters
@@ -297,4 +297,4 @@ def match_values(
 def match_rule(distance: float, far: float, long: float, whole: bool) -> loops.Rule:
     """The thresholds of `match_values` as its loop takes them."""
     arrays.positive("metres", distance=distance, far=far, long=long)
-    return float(distance), float(far), float(long), bool(whole)
+    return float(distance), float(far), float(long), arrays.switch(whole, "whole")

@@ -13,7 +13,7 @@ import numpy as np
 
 from .. import arrays
 from ..angles import axial_difference, wrap
-from ..arrays import Array
+from ..arrays import Array, Settings
 from ..extraction import extract_polylines
 from ..poses import transform
 from ..scans import LaserScan, Log
@@ -25,7 +25,7 @@ from ._result import Outcome, Trail, alignment_method
 
 
 @dataclass(frozen=True)
-class BackboneCheck:
+class BackboneCheck(Settings):
     """What `backbone` expects of an orthogonal building before it believes its own result.
 
     Parameters
@@ -48,7 +48,7 @@ class BackboneCheck:
 
 
 @dataclass(frozen=True)
-class Thresholds:
+class Thresholds(Settings):
     """The thresholds of `backbone`, metres and radians."""
 
     min_length: float = 1.0
@@ -60,9 +60,6 @@ class Thresholds:
     parallel: float = np.pi / 36
     new_direction: float = 3.0
     follow: bool = True
-
-    def __post_init__(self) -> None:
-        arrays.positive(**{name: value for name, value in vars(self).items() if name != "follow"})
 
 
 @alignment_method
@@ -154,6 +151,7 @@ def backbone(
     """
     t = (min_length, step, turning, rotation, distance, angle, parallel, new_direction, follow)
     arrays.number(orthogonal, "orthogonal", least=0, most=1)
+    arrays.instance(check, "check", BackboneCheck)
     walk = _Backbone(log, Thresholds(*t))
     doubt, fails = _doubt(list(walk), orthogonal, check)
     if not fails:
@@ -183,6 +181,7 @@ def backbone_steps(log: Log, **thresholds: float) -> list[BackboneStep]:
     >>> step.pose, len(step.segments), step.lines
     (array([1., 2., 0.]), 0, Lines(0 in 0 directions))
     """
+    arrays.instance(log, "log", Log)
     return list(_Backbone(log, Thresholds(**thresholds)))  # type: ignore[arg-type]
 
 

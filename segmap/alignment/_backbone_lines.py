@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from .. import arrays
 from ..angles import axial_difference, axial_mean, axial_mean_of_two, wrap
 from ..arrays import Array
 from ..poses import transform
@@ -139,8 +140,9 @@ def mean_rotation(differences: Array, weights: Array) -> float:
     >>> float(np.degrees(mean_rotation(np.radians([3.0, -179.0]), np.ones(2))).round(9))
     2.0
     """
-    y, x = weights @ np.sin(2 * differences), weights @ np.cos(2 * differences)
-    return float(np.arctan2(y, x) / 2)
+    doubled = 2 * arrays.row(differences, "differences")
+    each = arrays.weights(weights, len(doubled))
+    return float(np.arctan2(each @ np.sin(doubled), each @ np.cos(doubled)) / 2)
 
 
 def robust_rotation(differences: Array, weights: Array, apart: float) -> float:
@@ -184,8 +186,11 @@ def least_translation(
     >>> least_translation(corridor, np.array([0.1, 0.3]), np.ones(2)).round(9) + 0.0
     array([ 0. , -0.2])
     """
-    root = np.sqrt(weights)
-    return np.asarray(np.linalg.lstsq(root[:, None] * normals, -root * offsets, parallel)[0], float)
+    lines = arrays.table(normals, "normals", 2)
+    root = np.sqrt(arrays.weights(weights, len(lines)))
+    away = -root * arrays.row(offsets, "offsets", len(lines))
+    least = arrays.number(parallel, "parallel", least=0, most=1)
+    return np.asarray(np.linalg.lstsq(root[:, None] * lines, away, least)[0], float)
 
 
 def turned(pose: Array, seen: Array, lines: Lines, partner: Indices, parallel: float) -> Array:
@@ -203,10 +208,7 @@ def turned(pose: Array, seen: Array, lines: Lines, partner: Indices, parallel: f
 
 
 def moved(pose: Array, seen: Array, lines: Lines, partner: Indices) -> Array:
-    """A pose, (3,) array, moved by the ends of the segments, as already turned (step 7).
-
-    Slip: A takes them as they were before the rotation.
-    """
+    """A pose, (3,) array, moved by the ends of the segments as turned (step 7; A: not turned)."""
     on = partner >= 0
     ends, normal = transform(pose, seen[on]), lines.normal[partner[on]]
     offsets = ((ends - lines.through[partner[on]][:, None]) * normal[:, None]).sum(-1)
@@ -239,8 +241,7 @@ def _same(walls: Walls, segment: Array, distance: float, parallel: float) -> int
     upright = Lines(lines.through, lines.angle - np.pi / 2)  # its normals run along the walls
     u = np.sort(upright.offsets(segment), axis=0)
     gap = np.maximum(u[0], -u[1]) - length(walls.segments) / 2
-    turn = _apart(segment[None], lines)[0]
-    fits = (across < distance) & (gap < distance) & (turn < parallel)
+    fits = (across < distance) & (gap < distance) & (_apart(segment[None], lines)[0] < parallel)
     return int(np.where(fits, across, np.inf).argmin()) if fits.any() else -1
 
 

@@ -170,6 +170,7 @@ def align_to_truth(poses: ArrayLike, truth: ArrayLike, *, best: bool = False) ->
     array([[5., 5.],
            [5., 6.]])
     """
+    arrays.switch(best, "best")
     p = arrays.poses(poses, missing=True)
     q = arrays.poses(truth, "truth", count=len(p), missing=True)
     known = np.isfinite(p).all(1) & np.isfinite(q).all(1)
@@ -204,7 +205,8 @@ def position_errors(poses: ArrayLike, truth: ArrayLike, *, best: bool = False) -
     >>> position_errors([(2, 2, 0), (3, 2, 0), (4, 2, 0), (5, 2.1, 0)], truth).round(6)
     array([0. , 0. , 0.1])
     """
-    away = (align_to_truth(poses, truth, best=best) - np.asarray(truth, float))[:, :2]
+    known = arrays.poses(truth, "truth", missing=True)
+    away = (align_to_truth(poses, known, best=best) - known)[:, :2]
     far: Array = np.hypot(away[:, 0], away[:, 1])
     return far[np.isfinite(far)]
 

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from .._compiled import compiled
 from ..angles import axial_difference, wrap
-from ..arrays import Array
+from ..arrays import Array, Settings
 from ..kernels import APART, describe
 from ..poses import transform
 from ..segments import angle
@@ -27,7 +27,7 @@ Indices = NDArray[np.int64]
 
 
 @dataclass(frozen=True)
-class GlobalSearch:
+class GlobalSearch(Settings):
     """When `global_segments` stops, and what it does not believe.
 
     Parameters

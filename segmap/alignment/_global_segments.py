@@ -101,6 +101,7 @@ def global_segments(
     """
     arrays.positive("metres", similar=similar, spread=spread, reach=reach, min_length=min_length)
     arrays.number(angle, "angle", above=0, below=np.pi / 2, unit="radians")
+    arrays.instance(search, "search", GlobalSearch)
     rules = Rules(similar, angle, spread, arrays.whole(rounds, "rounds"), search)
     guess = initial_poses(log, start)
     if guess is None:

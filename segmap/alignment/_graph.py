@@ -26,6 +26,8 @@ REAL = np.diag([0.02, 0.02, np.radians(0.3)]) ** 2
 #: Steps of the solver end where no pose moves by more than this, metres and radians: a hundredth of
 #: what a laser sees.
 CONVERGED = 1e-5
+#: Information may lack so much of symmetry by rounding, as a part of its largest entry.
+SYMMETRIC = 1e-9
 
 
 class Edge(NamedTuple):
@@ -111,7 +113,8 @@ def solve_graph(
     ------
     ValueError
         For arrays of the wrong shape, values that are not finite, an edge to a scan that does not
-        exist, a scan that has edges but is not tied to the first one, a scale that is not positive.
+        exist, a scan that has edges but is not tied to the first one, a scale that is not positive;
+        for information that is negative, not symmetric, or leaves a pose free.
 
     Examples
     --------
@@ -127,8 +130,7 @@ def solve_graph(
     ends = arrays.table(edges, "edges", 2, unit="numbers of scans").astype(np.int64)
     motion = arrays.poses(relative, "relative", count=len(ends))
     weight = _information(information, len(ends))
-    if not scale > 0:
-        raise ValueError(f"scale must be positive, got {scale}")
+    arrays.number(scale, "scale", least=arrays.LEAST, most=np.inf)
     if not len(ends):
         return start
     if ends.min() < 0 or ends.max() >= len(start):
@@ -137,7 +139,12 @@ def solve_graph(
     key, index = np.unique(ends, return_inverse=True)
     first, second = index.reshape(-1, 2).T
     _check_tied(key, first, second)
-    solved = solve(start[key], Edge(first, second, motion, weight), scale=scale)
+    try:
+        solved = solve(start[key], Edge(first, second, motion, weight), scale=scale)
+    except RuntimeError:  # the solver's word for a singular matrix
+        solved = np.full((len(key), 3), np.nan)
+    if not np.isfinite(solved).all():
+        raise ValueError("information must fix every pose, but leaves some of them free")
     on = np.maximum(np.searchsorted(key, np.arange(len(start)), side="right") - 1, 0)
     return compose(solved[on], between(start[key[on]], start))
 
@@ -146,9 +153,17 @@ def _information(value: ArrayLike | None, m: int) -> Array:
     """Information of m edges `(m, 3, 3)`, as given or as matches of real scans have it."""
     if value is None:
         return np.broadcast_to(np.linalg.inv(REAL), (m, 3, 3))
-    weight = arrays.numbers(value, "information")
+    weight = arrays.values(value, "information")
     if weight.shape != (m, 3, 3) or not np.isfinite(weight).all():
         raise ValueError(f"information must be ({m}, 3, 3) and finite, got shape {weight.shape}")
+    turned, size = weight.swapaxes(1, 2), np.abs(weight).max(axis=(1, 2))
+    wrong = np.abs(weight - turned).max(axis=(1, 2)) > SYMMETRIC * size
+    wrong |= np.linalg.eigvalsh((weight + turned) / 2)[:, 0] < -SYMMETRIC * size
+    if wrong.any():
+        raise ValueError(
+            "information must be symmetric and nowhere negative, the inverse of a covariance, but "
+            f"information[{wrong.argmax()}] is {weight[wrong.argmax()].tolist()}"
+        )
     return weight
 
 

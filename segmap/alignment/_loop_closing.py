@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .. import arrays
-from ..arrays import Array
+from ..arrays import Array, Settings
 from ..poses import between, compose
 from ._graph import Edge, Rejected, deviations, information, residuals, stacked
 from ._point_map import PointMap
@@ -31,7 +30,7 @@ KEPT = 40
 
 
 @dataclass(frozen=True)
-class LoopClosing:
+class LoopClosing(Settings):
     """How loops are sought, and which of them are believed.
 
     Parameters
@@ -100,11 +99,6 @@ class LoopClosing:
     strain: float = 0.05
     strain_angle: float = np.radians(0.5)
     contradicted: float = 15.0
-
-    def __post_init__(self) -> None:
-        arrays.positive(**vars(self))
-        for name in ("old_frames", "new_frames", "witnesses", "lost_witnesses"):
-            arrays.whole(getattr(self, name), name)
 
 
 class Window(NamedTuple):

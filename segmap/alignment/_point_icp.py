@@ -111,6 +111,7 @@ def point_icp(
     >>> point_icp(load("corridor")[:40])
     Alignment(point_icp: 40 scans, 40 used)
     """
+    arrays.instance(tracking, "tracking", Tracking)
     arrays.positive("metres", step=step, reach=reach)
     arrays.positive("radians", turn=turn)
     if len(log) == 0:

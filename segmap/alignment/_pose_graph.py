@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import arrays
-from ..arrays import Array
+from ..arrays import Array, Settings
 from ..poses import between, compose, transform
 from ..scans import Log
 from ._graph import Edge, Graph, Rejected, deviations, information, solve, stacked
@@ -23,7 +23,7 @@ Matcher = Callable[[PointMap, Array, Array], Match]
 
 
 @dataclass(frozen=True)
-class Tracking:
+class Tracking(Settings):
     """How each scan is laid on the map of the last key frames.
 
     Parameters
@@ -61,11 +61,6 @@ class Tracking:
     around: int = 15
     near: float = 4.0
 
-    def __post_init__(self) -> None:
-        arrays.positive(**vars(self))
-        arrays.whole(self.frames, "frames")
-        arrays.whole(self.around, "around")
-
 
 @alignment_method
 def pose_graph(
@@ -95,7 +90,8 @@ def pose_graph(
         A key frame is set where the robot has moved this far from the last one: half a metre, since
         doors and desks hide each other from one pose to the next.
     window : float, metres, and window_angle : float, radians
-        Half sides of the search about the guess; twice this where too little lies on the map then.
+        Half sides of the search about the guess, at most 20 m and pi; twice this where too little
+        lies on the map then.
     drift : float
         Share of the path by which the map may have bent since an old place was left: loops are
         sought within 1 m and this share, at most 4 m.
@@ -111,7 +107,7 @@ def pose_graph(
     Raises
     ------
     ValueError
-        For thresholds that are not positive.
+        For thresholds that are not positive, or too large.
 
     Examples
     --------
@@ -119,8 +115,12 @@ def pose_graph(
     >>> pose_graph(load("corridor")[:40])
     Alignment(pose_graph: 40 scans, 40 used)
     """
-    arrays.positive("metres", step=step, window=window)
-    arrays.positive("radians", turn=turn, window_angle=window_angle)
+    arrays.instance(tracking, "tracking", Tracking)
+    arrays.instance(closing, "closing", LoopClosing)
+    arrays.positive("metres", step=step)
+    arrays.number(window, "window", above=0, most=20, unit="metres")
+    arrays.positive("radians", turn=turn)
+    arrays.number(window_angle, "window_angle", above=0, most=np.pi, unit="radians")
     arrays.positive(drift=drift)
     if len(log) == 0:
         return Trail(log).outcome()

@@ -81,7 +81,7 @@ def match_segments(
     >>> match_segments(room, np.empty((0, 2, 2)))
     Match(none: no segments in the scan)
     """
-    _check(angle, distance, share)
+    _check(angle, distance, share, search)
     ours, theirs = _with_length(current, "current"), _with_length(reference, "reference")
     guess = arrays.pose(start, "start")
     if not len(ours):
@@ -129,7 +129,8 @@ def _with_length(segments: Segments, name: str) -> Array:
     return np.ascontiguousarray(found[length(found) >= MIN_LENGTH])
 
 
-def _check(angle: float, distance: float, share: float) -> None:
+def _check(angle: float, distance: float, share: float, search: SegmentSearch) -> None:
+    arrays.instance(search, "search", SegmentSearch)
     arrays.number(angle, "angle", above=0, below=np.pi / 2, unit="radians")
     arrays.positive("metres", distance=distance)
     arrays.number(share, "share", above=0, most=1)
@@ -190,7 +191,7 @@ def segment_icp(
     >>> segment_icp(load("room")[:20])
     Alignment(segment_icp: 20 scans, 20 used)
     """
-    _check(angle, distance, share)
+    _check(angle, distance, share, search)
     arrays.positive("metres", min_length=min_length, spacing=spacing)
     count = arrays.whole(frames, "frames")
     arrays.whole(patience, "patience")

@@ -11,8 +11,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from .. import arrays
 from .._compiled import compiled
-from ..arrays import Array
+from ..arrays import Array, Settings
 from ..kernels import ACROSS, ANGULAR, APART, apart, describe, mean_line_terms
 
 Indices = NDArray[np.int64]
@@ -24,7 +25,7 @@ SAME_WAY = 0.02
 
 
 @dataclass(frozen=True)
-class SegmentSearch:
+class SegmentSearch(Settings):
     """How segment ICP looks for the best turn and shift, and how it judges what it found.
 
     Parameters
@@ -60,6 +61,10 @@ class SegmentSearch:
     slope: float = 0.004
     sigma: float = 0.01
     across: float = 0.02
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        arrays.number(self.finer, "finer", above=1)
 
 
 @compiled

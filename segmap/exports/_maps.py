@@ -10,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from .. import arrays
 from .._files import write_bytes
 from ..quadtree import QuadtreeMap, extent
 
@@ -69,6 +70,8 @@ def ros_classes(
     >>> ros_classes(map).greys[0]
     array([254, 254,   0, 254], dtype=uint8)
     """
+    arrays.instance(map, "map", QuadtreeMap)
+    arrays.number(occupied, "occupied"), arrays.number(free, "free")
     if not 0 <= free < 0.5 <= occupied < 1:
         raise ValueError(f"wanted 0 <= free < 0.5 <= occupied < 1, got {free} and {occupied}")
     value = map.leaf_occupancy()
@@ -126,9 +129,9 @@ def write_ros_map(
     ...     print((Path(folder) / "it.yaml").read_text().splitlines()[0])
     image: "it.pgm"
     """
-    place = Path(path)
+    place = arrays.file(path)
     if place.suffix != ".yaml":
-        raise ValueError(f"the name must end in .yaml, got {place.name!r}")
+        raise ValueError(f"path: the name must end in .yaml, got {place.name!r}")
     found = ros_classes(map, resolution=resolution, occupied=occupied, free=free)
     rows, columns = found.greys.shape
     picture, pixels = place.with_suffix(".pgm"), np.flipud(found.greys).tobytes()
@@ -185,11 +188,11 @@ def write_geojson(path: str | Path, map: QuadtreeMap, *, occupied: float = 0.5) 
     >>> found["features"][0]["geometry"]["coordinates"][0][0]
     [1.0, 0.0]
     """
-    if not 0 <= occupied < 1:
-        raise ValueError(f"occupied must be at least 0 and below 1, got {occupied}")
+    arrays.instance(map, "map", QuadtreeMap)
+    arrays.number(occupied, "occupied", least=0, below=1)
     features = list(_features(map, occupied))
     text = json.dumps({"type": "FeatureCollection", "features": features}, separators=(",", ":"))
-    write_bytes(Path(path), text.encode("ascii"))
+    write_bytes(arrays.file(path), text.encode("ascii"))
 
 
 def _features(map: QuadtreeMap, occupied: float) -> Iterator[dict[str, object]]:
@@ -231,6 +234,7 @@ def write_svg(path: str | Path, map: QuadtreeMap, *, outlines: bool = True) -> N
     ...     (Path(folder) / "it.svg").read_text().count("<path")
     1
     """
+    arrays.switch(outlines, "outlines")
     left, low, right, high = extent(map)
     wide, tall = right - left, high - low
     line = f' stroke="{BLUE}" stroke-width="{THIN * wide:.6g}"' if outlines else ""
@@ -241,7 +245,7 @@ def write_svg(path: str | Path, map: QuadtreeMap, *, outlines: bool = True) -> N
         f'<g transform="scale(1 -1)" shape-rendering="crispEdges"{line}>\n'
     )
     text = head + "\n".join(_paths(map)) + "\n</g>\n</svg>\n"
-    write_bytes(Path(path), text.encode("ascii"))
+    write_bytes(arrays.file(path), text.encode("ascii"))
 
 
 def _paths(map: QuadtreeMap) -> Iterator[str]:

@@ -52,10 +52,13 @@ def write_tum(path: str | Path, log: Log, poses: Alignment | ArrayLike) -> None:
     # time x y z qx qy qz qw
     2.500000 1.000000 2.000000 0 0 0 1.000000000 0.000000000
     """
+    arrays.instance(log, "log", Log)
+    if poses is None:
+        raise ValueError("poses must be one a scan, or an alignment, got None")
     rows = _poses(log, poses)
     known = np.flatnonzero(np.isfinite(rows).all(1))
     lines = (_tum(time, pose) for time, pose in zip(log.times[known], rows[known], strict=True))
-    write_lines(Path(path), ["# time x y z qx qy qz qw", *lines])
+    write_lines(arrays.file(path), ["# time x y z qx qy qz qw", *lines])
 
 
 def write_carmen(path: str | Path, log: Log, poses: Alignment | ArrayLike | None = None) -> None:
@@ -103,7 +106,7 @@ def write_carmen(path: str | Path, log: Log, poses: Alignment | ArrayLike | None
     ...     read(Path(folder) / "aligned.log.gz")
     Log('aligned', 5 scans, odometry, truth)
     """
-    if not len(log):
+    if not len(arrays.instance(log, "log", Log)):
         raise ValueError(f"log {log.name!r} holds no scan: there is nothing to write")
     rows = _poses(log, log.truth if poses is None else poses)
     old = all(_looks_over_half_a_turn(k, scan) for k, scan in enumerate(log))
@@ -117,11 +120,12 @@ def write_carmen(path: str | Path, log: Log, poses: Alignment | ArrayLike | None
         else _robotlaser(scan, pose, lasers, log[0].time)
         for scan, pose in zip(log, rows, strict=True)
     )
-    with replacing(Path(path)) as target:
+    place = arrays.file(path)
+    with replacing(place) as target:
         data = "".join(f"{line}\n" for line in [*head, *scans]).encode("ascii")
-        target.write(packed(data) if Path(path).suffix == ".gz" else data)
+        target.write(packed(data) if place.suffix == ".gz" else data)
         target.flush()
-        _check_readable(Path(target.name), log, Path(path).name)
+        _check_readable(Path(target.name), log, place.name)
 
 
 def _check_readable(written: Path, log: Log, name: str) -> None:
@@ -196,8 +200,7 @@ def _numbers(values: Iterable[float]) -> str:
 # ---------------------------------------------------------------------------- the log
 def _poses(log: Log, poses: Alignment | ArrayLike | None) -> Array:
     """Poses to write, `(k, 3)`: finite, or NaN where a scan has none."""
-    given = poses.poses if isinstance(poses, Alignment) else poses
-    given = np.full((len(log), 3), np.nan) if given is None else given
+    given = np.full((len(log), 3), np.nan) if poses is None else poses
     rows = arrays.poses(given, "poses", count=len(log), missing=True)
     if not np.isfinite(log.times).all():
         bad = int(np.argmin(np.isfinite(log.times)))

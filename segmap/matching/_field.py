@@ -7,6 +7,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from .. import arrays
 from .._compiled import compiled
 from ..arrays import Array
 from ..quadtree import QuadtreeMap
@@ -102,6 +103,7 @@ class DistanceField:
         >>> DistanceField.around(map, [(1.05, 0.05)], (0, 0, 0))
         DistanceField(21 x 11 cells of 0.1 m)
         """
+        arrays.instance(map, "map", QuadtreeMap)
         ends, at = scan_and_poses(points, poses)
         if not len(at):
             raise ValueError("poses must hold at least one pose, to know where the scan is")
@@ -180,7 +182,8 @@ class DistanceField:
 
 def _cells_of_window(map: QuadtreeMap, window: ArrayLike | None) -> tuple[Cells, tuple[int, int]]:
     """First cell of a window, counted from the map's first corner, and its columns and rows."""
-    edges = np.array(map.bounds if window is None else window, float)
+    arrays.instance(map, "map", QuadtreeMap)
+    edges = arrays.numbers(map.bounds if window is None else window, "window")
     if edges.shape != (4,) or not np.isfinite(edges).all() or (edges[2:] <= edges[:2]).any():
         raise ValueError(f"window must be left, low, right, high in metres, got {window!r}")
     edges = (edges.reshape(2, 2) - map.corner) / map.resolution

@@ -19,7 +19,6 @@ from ..scans import LaserScan
 from ._field import NothingNear
 from ._matchers import (
     Score,
-    check_callable,
     field_score,
     hill_climb,
     prepared,
@@ -120,16 +119,21 @@ def map_scans(
     >>> len(steps), steps[0].pose
     (5, array([0., 0., 0.]))
     """
-    check_callable("score", score, "of map, points and poses, nearest_score")
+    arrays.function(score, "score", "of map, points and poses, nearest_score say")
+    arrays.switch(free, "free")
     first, pose = arrays.whole(settle, "settle"), arrays.pose(start, "start")
-    tree = QuadtreeMap() if map is None else map
+    tree = QuadtreeMap() if map is None else arrays.instance(map, "map", QuadtreeMap)
+    if not isinstance(log, Iterable):
+        raise ValueError(f"log must be a Log, or give scans one by one, got {type(log).__name__}")
+    if rng is not None:
+        arrays.generator(rng)
     match = partial(_matched, _ready(matcher, rng), score)
     return _steps(log, tree, pose, first, free, match, score)
 
 
 def _ready(matcher: Matcher, rng: np.random.Generator | None) -> Matcher:
     """The matcher, with the generator where it takes one."""
-    check_callable("matcher", matcher, "of map, points and start, hill_climb")
+    arrays.function(matcher, "matcher", "of map, points and start, hill_climb say")
     if matcher is sample_and_rank and rng is None:
         raise ValueError("sample_and_rank draws poses: give rng, numpy.random.default_rng(1) say")
     takes = rng is not None and "rng" in signature(matcher).parameters

@@ -57,6 +57,7 @@ def field_score(map: QuadtreeMap, points: ArrayLike, poses: ArrayLike) -> Array:
     array([-0.3])
     """
     ends, at = scan_and_poses(points, poses)
+    arrays.instance(map, "map", QuadtreeMap)
     if not ends.size * at.size:
         return occupancy_score(map, ends, at)  # nothing to sum, but an empty map is an error
     return DistanceField.around(map, ends, at).score(ends, at)
@@ -182,7 +183,7 @@ def sample_and_rank(
 def _spread(sigma: tuple[float, float]) -> Array:
     """Standard deviations of x, y and heading, `(3,)`."""
     both = arrays.numbers(sigma, "sigma")
-    if both.shape != (2,) or not ((both > 0) & np.isfinite(both)).all():
+    if both.shape != (2,) or not ((both > 0) & (both <= arrays.LIMIT)).all():
         raise ValueError(f"sigma must be positive, one of metres, one of radians, got {sigma}")
     return both[[0, 0, 1]]
 
@@ -196,17 +197,6 @@ def wrapped(pose: Array) -> Array:
     return np.array(turned)
 
 
-def check_callable(name: str, function: object, words: str) -> None:
-    """Refuse the name of a function, and what else cannot be called; words say what is expected.
-
-    Raises
-    ------
-    ValueError
-    """
-    if not callable(function):
-        raise ValueError(f"{name} must be a function {words} say, got {function!r}")
-
-
 def prepared(
     score: Score, map: QuadtreeMap, points: Array, start: Array
 ) -> Callable[[Array], Array]:
@@ -214,7 +204,8 @@ def prepared(
 
     A field is transformed once, around where the start `(3,)` puts the points.
     """
-    check_callable("score", score, "of map, points and poses, nearest_score")
+    arrays.function(score, "score", "of map, points and poses, nearest_score say")
+    arrays.instance(map, "map", QuadtreeMap)
     if score is field_score and len(points):
         return DistanceField.around(map, points, start).scorer(points)
     return lambda poses: score(map, points, poses)

@@ -16,6 +16,8 @@ from ..quadtree import QuadtreeMap, Tree
 Counts = NDArray[np.int32]
 Cells = NDArray[np.int64]
 Holds = NDArray[np.bool_]
+#: Ends of beams and poses may lie so far away, metres: they count as on the edge of the map.
+BEYOND = 1e300
 #: Makes 64 bits of a number.
 whole: Any = np.int64
 
@@ -165,6 +167,7 @@ def occupied_blocks(map: QuadtreeMap) -> Holds:
     ValueError
         Where none does: an empty map has no score.
     """
+    arrays.instance(map, "map", QuadtreeMap)
     holds = map.tree.occupied_blocks()
     if not holds[map.tree.block]:
         raise ValueError("the map holds no occupied cell, so no pose has a score: insert a scan")
@@ -179,10 +182,10 @@ def scan_and_poses(points: ArrayLike, poses: ArrayLike) -> tuple[Array, Array]:
     ValueError
         For other shapes, or values that are not finite.
     """
-    ends = arrays.table(points, "points", 2, limit=np.inf)
+    ends = arrays.table(points, "points", 2, limit=BEYOND)
     at = arrays.numbers(poses, "poses", "a (k, 3) array")
     at = at[None] if at.ndim == 1 and at.size else at
-    return ends, arrays.table(at, "poses", 3, unit="metres and radians", limit=np.inf)
+    return ends, arrays.table(at, "poses", 3, unit="metres and radians", limit=BEYOND)
 
 
 # ---------------------------------------------------------------------------------- loops

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .. import arrays
-from ..arrays import Array, Poses
+from ..arrays import LIMIT, Array, Poses
 from ..poses import compose, transform
 from ..scans import LaserScan, Log
 from ._map import QuadtreeMap
@@ -49,6 +49,8 @@ def build_map(
     >>> build_map(log, log.truth, resolution=0.05)
     QuadtreeMap(25.6 m, 4279 leaves of 0.05 m and more, 61 scans)
     """
+    arrays.instance(log, "log", Log)
+    arrays.switch(free, "free")
     where = arrays.poses(poses, count=len(log), missing=True)
     used = np.flatnonzero(np.isfinite(where).all(1)).tolist()
     map = QuadtreeMap(resolution=resolution, **options)
@@ -84,6 +86,7 @@ def free_ends(scan: LaserScan, sensor: ArrayLike) -> Array:
     >>> free_ends(LaserScan([1.0, np.inf], [0.0, 0.0], max_range=4.0), (2, 1, 0))
     array([[6., 1.]])
     """
+    arrays.instance(scan, "scan", LaserScan)
     x, y, heading = arrays.pose(sensor, "sensor")
     if not np.isfinite(scan.max_range):
         return np.empty((0, 2))
@@ -116,7 +119,8 @@ def extent(map: QuadtreeMap, *, margin: float = 0.08) -> tuple[float, float, flo
     >>> extent(map, margin=1)
     (9.5, 1.5, 11.0, 3.0)
     """
-    part, leaves = arrays.number(margin, "margin", least=0), map.leaves()
+    part = arrays.number(margin, "margin", least=0, most=LIMIT)
+    leaves = arrays.instance(map, "map", QuadtreeMap).leaves()
     hit = leaves.occ > 0
     if not hit.any():
         return map.bounds

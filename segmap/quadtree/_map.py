@@ -77,10 +77,9 @@ class QuadtreeMap(Pictured):
             )
         self.bias = arrays.whole(bias, "bias", most=loops.MOST)
         self.corner = arrays.point(corner, "corner")
-        free = (
-            None if free_resolution is None else level_of("free_resolution", free_resolution, cell)
-        )
-        self.free_resolution, self._finest = free_resolution, free
+        self.free_resolution, self._finest = free_resolution, None
+        if free_resolution is not None:
+            self._finest = level_of("free_resolution", free_resolution, cell)
         self.resolution, self.tree, self.scans = cell, Tree(level, largest), 0
 
     def insert_scan(
@@ -109,9 +108,9 @@ class QuadtreeMap(Pictured):
         >>> map.occupancy([(3.5, 0.5), (0.5, 3.5), (3.5, 3.5)])
         array([1.   , 0.475, 0.5  ])
         """
-        sensor, ends = pairs("sensor_xy", np.array([sensor_xy])), pairs("points", points)
+        at, ends = arrays.point(sensor_xy, "sensor_xy", limit=np.inf)[None], pairs("points", points)
         free = pairs("free_points", () if free_points is None else free_points)
-        cells, inside = self._cells(sensor_xy=sensor, points=ends, free_points=free)
+        cells, inside = self._cells(sensor_xy=at, points=ends, free_points=free)
         cells = cells if inside else self.tree.grow(cells, self.resolution)
         try:
             self.tree.insert(cells, len(ends), self._finest)
@@ -189,9 +188,10 @@ class QuadtreeMap(Pictured):
         if k > self.tree.level:
             raise ValueError(f"resolution {resolution} is larger than the map, {self.side:.6g} m")
         _, cell, level = self.tree.leaves()
-        value, part = np.full(level.shape, values, float), np.full(level.shape, True)
-        if shown is not None:
-            part &= np.asarray(shown, bool)
+        value = np.full(level.shape, arrays.numbers(values, "values"))
+        part = np.full(level.shape, arrays.numbers(1 if shown is None else shown, "shown") != 0)
+        if not part.any():
+            raise ValueError("shown must hold at least one leaf, got none")
         first, last = cell >> k, ((cell + (1 << level)[:, None] - 1) >> k) + 1
         start, end = first[part].min(0), last[part].max(0)
         grid = np.full((end - start)[::-1], -np.inf)
@@ -256,7 +256,7 @@ class QuadtreeMap(Pictured):
         state = [tree.block, tree.level, tree.largest, *tree.corner, self.bias, self.scans]
         lengths = [self.resolution, *self.corner, self.free_resolution or 0.0]
         nodes = tree.vis[: 4 * tree.used], tree.occ[: 4 * tree.used]
-        write(Path(path), Stored(np.array(state), np.array(lengths), *nodes))
+        write(arrays.file(path), Stored(np.array(state), np.array(lengths), *nodes))
 
     @classmethod
     def load(cls, path: str | Path) -> QuadtreeMap:
@@ -268,7 +268,7 @@ class QuadtreeMap(Pictured):
             For a file that is damaged or foreign, or unpacks to more than 1 MB and 50 times its
             size, saying what is wrong with it.
         """
-        found = read(Path(path))
+        found = read(arrays.file(path))
         resolution, x, y, free = found.lengths.tolist()
         _, level, largest, _, _, bias, scans = found.state.tolist()
         sizes = {"size": np.ldexp(resolution, level), "max_size": np.ldexp(resolution, largest)}

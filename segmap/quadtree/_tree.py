@@ -201,7 +201,7 @@ class Tree:
 
 def level_of(name: str, length: object, resolution: float, *, least: int = 0) -> int:
     """The level of squares of a side in metres: a power of two of cells, at least `2^least`."""
-    count = arrays.number(length, name, unit="metres") / resolution
+    count = arrays.number(length, name, most=1e300, unit="metres") / resolution
     level = round(np.log2(count)) if 0 < count < 2.0**60 else -1
     if level < least or not np.isclose(count, 2.0**level, rtol=1e-9, atol=0):
         raise ValueError(

@@ -7,7 +7,6 @@ file a format, each with what it means to the field: `_carmen`, `_g2o`, `_player
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from itertools import islice
@@ -99,7 +98,7 @@ def read(path: str | Path, *, on_error: str = "raise") -> Log:
     >>> log, log.skipped.lines, log[0].valid
     (Log('two', 1 scan, odometry, no truth), 1, array([ True, False]))
     """
-    path, on_error = _path(path), arrays.one_of(on_error, "on_error", ON_ERROR)
+    path, on_error = arrays.file(path), arrays.one_of(on_error, "on_error", ON_ERROR)
     with _asking(path):
         name = path.resolve().name
         if path.is_dir():
@@ -137,7 +136,7 @@ def read_trajectory(path: str | Path, *, on_error: str = "raise") -> tuple[Array
     (array([10.5]), array([[1. , 2. , 0.5]]))
     """
     on_error = arrays.one_of(on_error, "on_error", ON_ERROR)
-    path = _path(path)
+    path = arrays.file(path)
     with _asking(path):
         return _rawseeds.read_trajectory(_checked_file(path), on_error)[:2]
 
@@ -199,13 +198,6 @@ def _unknown(lines: Lines, sample: Sequence[str]) -> str:
         return f"is empty, expected a log ({known})"
     first = f"it starts with {sample[0][:40]!r}" if sample else "it has comments only"
     return f"is of no known format ({known}); {first}"
-
-
-def _path(path: str | Path) -> Path:
-    """A path that the operating system can be asked for."""
-    if not isinstance(path, str | os.PathLike) or "\0" in os.fspath(path):
-        raise ValueError(f"path must be the path of a file or folder, got {path!r}")
-    return Path(path)
 
 
 @contextmanager

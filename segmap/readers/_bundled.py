@@ -5,6 +5,8 @@ from __future__ import annotations
 from importlib.util import find_spec
 from pathlib import Path
 
+from .. import arrays
+
 PACKAGE = Path(__file__).parents[1]
 #: In a clone the data lies beside the package, in an installed wheel inside it.
 PLACES = (PACKAGE.parent / "data", PACKAGE / "data")
@@ -17,7 +19,7 @@ def find(name: str) -> Path:
     if name == KILLIAN:
         return _killian()
     logs = _all()
-    if name not in logs:
+    if not isinstance(name, str) or name not in logs:
         known = ", ".join(repr(known) for known in sorted(logs)) or "none"
         raise ValueError(f"name must be that of a bundled log ({known}), got {name!r}")
     return logs[name]
@@ -25,6 +27,7 @@ def find(name: str) -> Path:
 
 def data_file(name: str) -> Path:
     """A file or folder that comes with segmap, in a clone or in an installed wheel."""
+    arrays.file(name, "name")
     for place in PLACES:
         if (path := place / name).exists():
             return path

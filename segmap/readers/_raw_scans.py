@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from .. import arrays
 from ..angles import wrap
 from ..arrays import Array
 from ..poses import between, compose, interpolate, inverse
@@ -75,6 +76,7 @@ def half_turn(count: int) -> Array:
     >>> np.degrees(half_turn(5)), np.degrees(half_turn(4))
     (array([-90., -45.,   0.,  45.,  90.]), array([-90., -45.,   0.,  45.]))
     """
+    count = arrays.whole(count, "count", least=0, most=1_000_000)
     if count == 1:
         return np.zeros(1)
     return np.linspace(-np.pi / 2, np.pi / 2, count, endpoint=count % 2 == 1)
@@ -158,7 +160,7 @@ def with_odometry(scans: Sequence[RawScan], track: Track) -> list[RawScan]:
 
 def same_poses(a: Array, b: Array) -> bool:
     """Whether poses `(k, 3)`, metres and radians, agree in all rows; rows of NaN tell nothing."""
-    step = a - b
+    step = arrays.trailing(a, "a", 3) - arrays.trailing(b, "b", 3)
     step[..., 2] = wrap(step[..., 2])
     return not bool((np.abs(step) > SAME).any())
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
+from .. import arrays
 from .._compiled import compiled
 from ..arrays import Array
 from ..segments import angle, midpoint
@@ -41,7 +42,8 @@ def hough(segments: ArrayLike, near: ArrayLike | None = None) -> Array:
     middle = midpoint(segments)
     rho = middle[..., 0] * np.cos(theta) + middle[..., 1] * np.sin(theta)
     # A 5.4.2 compares rho and theta as they come: two upright walls would then seldom agree.
-    turns = np.zeros_like(theta) if near is None else np.round(np.subtract(near, theta) / np.pi)
+    wanted = theta if near is None else arrays.values(near, "near")
+    turns = np.round((wanted - theta) / np.pi)
     return np.stack([np.where(turns % 2 == 0, rho, -rho), theta + turns * np.pi], axis=-1)
 
 

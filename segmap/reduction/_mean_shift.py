@@ -197,6 +197,7 @@ def common_directions(
     (array([0, 0, 1, 1]), array([0, 0, 1, 1]), array([ 0., 90.]))
     """
     check_scales(sigma, bandwidth)
+    arrays.number(steps, "steps", least=0, most=np.inf)
     rows, _ = rows_of(map)
     found = _directions(rows.segments, sigma, bandwidth, steps)
     return found._replace(owner=rows.row[found.owner])

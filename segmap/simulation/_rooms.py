@@ -1,8 +1,7 @@
 """Rooms to simulate: each is an array of walls, segments `(n, 2, 2)` in metres.
 
-Rooms lie with their lower left corner at the origin (only the niches of `corridor_loop` reach below
-it). Where walls of several parts meet, coordinates are rounded to the micrometre, so that a shared
-corner is the same number in both and no beam slips between.
+Rooms lie with their lower left corner at the origin; only the niches of `corridor_loop` lie beyond.
+Where walls of several parts meet, coordinates are rounded to the micrometre: no beam slips between.
 """
 
 from __future__ import annotations
@@ -16,6 +15,8 @@ from ..poses import transform
 
 #: Width of a door, metres: an ordinary inside door.
 DOOR = 0.9
+#: No side of a building is longer, metres.
+LONGEST = 1e5
 #: Thickness of the walls between rooms, metres: a light partition.
 THICKNESS = 0.1
 
@@ -102,7 +103,7 @@ def rectangular_room(width: float = 4.0, depth: float = 3.0) -> Array:
     >>> rectangular_room(4, 3).max(axis=(0, 1))
     array([4., 3.])
     """
-    return box(width, depth, (width / 2, depth / 2, 0))
+    return box(width, depth) + (width / 2, depth / 2)
 
 
 def square_room(side: float = 4.0) -> Array:
@@ -121,6 +122,7 @@ def square_room(side: float = 4.0) -> Array:
     >>> square_room(2).max(axis=(0, 1))
     array([2., 2.])
     """
+    arrays.positive("metres", side=side)
     return rectangular_room(side, side)
 
 
@@ -145,9 +147,8 @@ def circular_room(radius: float = 2.0, *, sides: int = 64) -> Array:
     >>> np.allclose(np.hypot(*(walls[:, 0] - 2.0).T), 2.0)
     True
     """
-    arrays.positive("metres", radius=radius)
-    sides = arrays.whole(sides, "sides", least=3)
-    turn = 2 * np.pi * np.arange(sides) / sides
+    arrays.positive("metres", LONGEST, radius=radius)
+    turn = 2 * np.pi * np.arange(arrays.whole(sides, "sides", least=3, most=100_000)) / sides
     return polygon(radius + radius * np.stack([np.cos(turn), np.sin(turn)], -1))
 
 
@@ -172,8 +173,7 @@ def two_position_square(side: float = 4.0) -> tuple[Array, Array]:
     array([[1., 3., 0.],
            [3., 1., 0.]])
     """
-    near, far = side / 4, 3 * side / 4
-    return square_room(side), np.array([(near, far, 0.0), (far, near, 0.0)])
+    return square_room(side), np.array([(1, 3, 0), (3, 1, 0)]) * (side / 4, side / 4, 1)
 
 
 def corridor_loop(length: float = 30.0, depth: float = 12.0, *, width: float = 2.0) -> Array:
@@ -198,11 +198,11 @@ def corridor_loop(length: float = 30.0, depth: float = 12.0, *, width: float = 2
     >>> corridor_loop().min(axis=(0, 1)), corridor_loop().max(axis=(0, 1))
     (array([-0.2, -0.2]), array([30.2, 12.2]))
     """
-    arrays.positive("metres", length=length, depth=depth, width=width)
+    arrays.positive("metres", LONGEST, length=length, depth=depth, width=width)
     if min(length, depth) - 2 * width < 4 * DOOR:
-        size = f"{length:g} x {depth:g} m with a corridor of {width:g} m"
-        least = f"the block inside must measure at least {4 * DOOR:g} m each way"
-        raise ValueError(f"{least}, got a loop of {size}")
+        got = f"{length:g} x {depth:g} m with a corridor of {width:g} m"
+        least = f"the block inside must measure at least {4 * DOOR:g} m in length and depth"
+        raise ValueError(f"{least}, got a loop of {got}")
     outer = rectangular_room(length, depth)
     block = box(length - 2 * width, depth - 2 * width, (length / 2, depth / 2, 0))
     facing = [*outer, *block[:, ::-1]]
@@ -262,10 +262,10 @@ def office(
     array([12., 10.])
     """
     arrays.generator(rng)
-    rooms = arrays.whole(rooms, "rooms")
-    arrays.number(width, "width", least=3, unit="metres")
-    arrays.number(depth, "depth", least=3.5, unit="metres")
-    arrays.positive("metres", corridor=corridor)
+    rooms = arrays.whole(rooms, "rooms", most=1000)
+    arrays.number(width, "width", least=3, most=LONGEST, unit="metres")
+    arrays.number(depth, "depth", least=3.5, most=LONGEST, unit="metres")
+    arrays.positive("metres", LONGEST, corridor=corridor)
     top = depth + corridor
     above = [(width * i, top, 0.0) for i in range(rooms)]
     below = [(width * (i + 1), depth, np.pi) for i in range(rooms)]

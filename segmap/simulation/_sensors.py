@@ -12,6 +12,11 @@ from ..angles import wrap
 from ..arrays import Array
 from ..poses import between
 
+#: No scanner has more beams in one scan.
+MOST_BEAMS = 1_000_000
+#: No odometry is worse: a hundred radians a radian, a hundred metres a metre.
+MOST_NOISE = 100.0
+
 
 @dataclass(frozen=True)
 class Sensor:
@@ -57,6 +62,17 @@ class Sensor:
     dropout: float = 0.0
     grazing: float = 0.0
     period: float = 0.1
+
+    def __post_init__(self) -> None:
+        arrays.whole(self.beams, "beams", most=MOST_BEAMS)
+        arrays.number(self.first, "first", unit="radians")
+        arrays.number(self.step, "step", unit="radians")
+        arrays.number(self.max_range, "max_range", above=0, most=np.inf, unit="metres")
+        for name in ("min_range", "sigma", "resolution"):
+            arrays.number(getattr(self, name), name, least=0, unit="metres")
+        arrays.number(self.dropout, "dropout", least=0, most=1)
+        arrays.number(self.grazing, "grazing", least=0, unit="radians")
+        arrays.number(self.period, "period", above=0, unit="seconds")
 
     @property
     def angles(self) -> Array:
@@ -127,10 +143,16 @@ def measure(
     >>> measure([0.3, 1.2, 9.0], [1.5, 1.5, 1.5], sensor=coarse, rng=np.random.default_rng(1))
     array([ nan, 1.25,  inf])
     """
+    arrays.instance(sensor, "sensor", Sensor)
+    arrays.generator(rng)
     true, angle = arrays.numbers(ranges, "ranges"), arrays.numbers(incidence, "incidence")
+    if true.ndim != 1 or angle.shape != true.shape:
+        shapes = f"{true.shape} and {angle.shape}"
+        raise ValueError(f"ranges and incidence must have one shape, (n,), got {shapes}")
     found = true + sensor.sigma * rng.standard_normal(true.shape)
     if sensor.resolution > 0:
-        found = np.round(found / sensor.resolution) * sensor.resolution
+        with np.errstate(over="ignore"):  # infinite is beyond every sensor's range
+            found = np.round(found / sensor.resolution) * sensor.resolution
     lost = (rng.random(true.shape) < sensor.dropout) | (angle < sensor.grazing)
     found = np.where(found < sensor.min_range, np.nan, found)
     return np.where(lost | (found >= sensor.max_range), np.inf, found)
@@ -165,6 +187,10 @@ class OdometryNoise:
     turn_noise: float = 0.03
     heading_noise: float = 0.005
     distance_noise: float = 0.01
+
+    def __post_init__(self) -> None:
+        for name, value in vars(self).items():
+            arrays.number(value, name, least=0, most=MOST_NOISE)
 
     def ideal(self) -> OdometryNoise:
         """No noise at all: the odometry then equals the truth, in metres and radians."""
@@ -201,6 +227,7 @@ def drifting_odometry(
     """
     true, noise = arrays.poses(path, "path"), odometry_noise
     arrays.generator(rng)
+    arrays.instance(noise, "odometry_noise", OdometryNoise)
     motion = between(true[:-1], true[1:])
     way, turn = np.hypot(motion[:, 0], motion[:, 1]), np.abs(motion[:, 2])
     bias = noise.turn_bias * rng.standard_normal()

@@ -17,6 +17,8 @@ from ._sensors import OdometryNoise, Sensor, drifting_odometry, measure
 
 #: A wall at most so far from the sensor, in metres, is one that the sensor touches.
 TOUCH = 1e-9
+#: No drive has more poses: more would fill the memory.
+MOST_POSES = 1_000_000
 
 
 def cast_rays(
@@ -52,11 +54,10 @@ def cast_rays(
     >>> cast_rays(rectangular_room(4, 3), (1, 1, 0), np.radians([-90, 0, 90, 180])).round(9)
     array([1., 3., 2., 1.])
     """
-    beams = arrays.numbers(angles, "angles")
+    beams = arrays.values(angles, "angles")
     if beams.ndim != 1 or not np.isfinite(beams).all():
         raise ValueError(f"angles must be (b,) and finite, got shape {beams.shape}")
-    if max_range != np.inf:
-        arrays.positive("metres", max_range=max_range)
+    arrays.number(max_range, "max_range", above=0, most=np.inf, unit="metres")
     return _meet(arrays.segments(walls, "walls"), arrays.pose(pose), beams, max_range)[0]
 
 
@@ -130,6 +131,9 @@ def drive(waypoints: ArrayLike, *, step: float = 0.10, turn: float = np.radians(
     if not len(legs) or not np.all(np.hypot(*d.T) > 0):
         raise ValueError("waypoints must hold at least two points, each unlike the one before")
     headings = np.arctan2(d[:, 1], d[:, 0])
+    count = np.hypot(*d.T).sum() / step + np.pi * len(d) / turn
+    if count > MOST_POSES:
+        raise ValueError(f"step and turn must be larger: they ask for up to {count:.0e} poses")
     poses = [np.array([[*legs[0, 0], headings[0]]])]
     for (start, end), heading in zip(legs, headings, strict=True):
         here = poses[-1][-1]
@@ -193,6 +197,7 @@ def simulate(
     >>> simulate(square_room(), path, sensor=URG_04LX, rng=np.random.default_rng(1), name="square")
     Log('square', 5 scans, odometry, truth)
     """
+    arrays.instance(sensor, "sensor", Sensor)
     truth, offset = arrays.poses(path, "path"), arrays.pose(sensor_pose, "sensor_pose")
     drifted = drifting_odometry(truth, odometry_noise=odometry_noise, rng=rng)
     checked = arrays.segments(walls, "walls")
