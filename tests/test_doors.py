@@ -83,7 +83,7 @@ GOOD = {
     "times": np.array([0.0, 1.0]), "truth": PATH, "u": WALLS[0], "v": WALLS[1], "value": 0.5,
     "rasterize.values": np.zeros(len(TREE.leaves().x)), "walls": WALLS,
     "rasterize.shown": np.ones(len(TREE.leaves().x)), "waypoints": PATH[:, :2],
-    "window": np.array([0.0, 0.0, 3.0, 2.0]),
+    "origin": "map", "window": np.array([0.0, 0.0, 3.0, 2.0]),
 }  # fmt: skip
 #: Parameters that may be anything.
 FREE = {"Log.name", "simulate.name", "Log.skipped", "Sensor.name"}
@@ -238,7 +238,9 @@ def complaint(room, door, function, name, bad, must):
         try:
             found = call(room, door, function, **{name: bad})
         except ValueError as error:
-            words = ["max_size", "window", r"scan \d"] + [p.name for p in parameters(function)]
+            words = ["max_size", "window", "corner", r"scan \d"] + [
+                p.name for p in parameters(function)
+            ]
             named = any(re.search(rf"\b{word}\b", str(error)) for word in words)
             return "" if named or "broadcast" in str(error) else f"does not name {name}: {error}"
         except Exception as error:

@@ -79,6 +79,7 @@ def ground_truth(
     Alignment(ground_truth: 225 scans, 224 used)
     """
     arrays.one_of(missing, "missing", ("raise", "drop"))
+    arrays.number(max_gap, "max_gap", least=0, most=np.inf, unit="seconds")
     if len(log) == 0:
         return Outcome([], [])
     found, source = _true_poses(log, times, poses, max_gap)

@@ -88,8 +88,7 @@ def weighted_line_fitting(
     (Reduction(weighted_line_fitting: 3 -> 2 segments), array([0, 0, 1]))
     """
     arrays.positive(chi2=chi2)
-    if gap != np.inf:
-        arrays.number(gap, "gap", least=0, unit="metres")
+    arrays.number(gap, "gap", least=0, most=np.inf, unit="metres")
     arrays.positive("metres", sigma_range=sigma_range)
     arrays.number(sigma_bearing, "sigma_bearing", least=0, unit="radians")
     arrays.number(sigma_place, "sigma_place", least=0, unit="metres")
