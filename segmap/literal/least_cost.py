@@ -1,0 +1,215 @@
+"""Least cost as one page of plain Python: the yardstick of `reduction.least_cost`.
+
+Clusters of segments merge in the order of what a merge costs: how far each member then is from the
+one segment that stands for all, what this segment invents, and what it misses.
+"""
+
+import heapq
+import math
+from itertools import combinations
+
+from .lines import point_to_segment as to_segment
+from .lines import segment_length as length
+from .metrics import segment_distance
+
+KEPT_DISTANCE, KEPT_ANGLE, GAP = 0.05, math.radians(5), 0.05
+HARD, NEIGHBOURS, STEPS, WIDE = 2.0, 8, 6, 3.0
+
+
+def least_cost(segments, penalty=0.05, distance=KEPT_DISTANCE, angle=KEPT_ANGLE, gap=GAP):
+    """Reduced segments, and the index of the output that each of the inputs went into.
+
+    Examples
+    --------
+    >>> wall = [((0, 0), (2, 0)), ((1, 0.01), (3, 0.01)), ((0, 1), (2, 1))]
+    >>> least_cost(wall)[1]
+    [0, 0, 1]
+    """
+    limits = max(0.1, penalty / 2), distance, math.sin(angle), gap
+    members = {i: [i] for i in range(len(segments))}
+    drawn = dict(enumerate(segments))
+    cost = dict.fromkeys(members, 0.0)
+    version = dict.fromkeys(members, 0)
+    near = neighbour_sets(segments, penalty, distance, gap)
+    heap = []
+
+    def estimate(a, b):  # step 3
+        q = estimated(segments, members, drawn, cost, a, b, gap)
+        if q <= WIDE * penalty:
+            heapq.heappush(heap, (max(q, 0.0) / WIDE, a, b, version[a], version[b], False))
+
+    for a, others in near.items():
+        for b in others:
+            if a < b:
+                estimate(a, b)
+    while heap:  # step 4
+        key, a, b, of_a, of_b, exact = heapq.heappop(heap)
+        if version.get(a) != of_a or version.get(b) != of_b:
+            continue
+        before = cost[a] + cost[b]
+        segment, found = fit(segments, members[a] + members[b], drawn[a], drawn[b], before, penalty, limits)
+        delta = found - before
+        if not exact:
+            if delta > penalty:
+                continue
+            if heap and delta > heap[0][0]:
+                heapq.heappush(heap, (delta, a, b, of_a, of_b, True))
+                continue
+        members[a] += members.pop(b)
+        drawn[a], cost[a], version[a] = segment, found, of_a + 1
+        del version[b], drawn[b], cost[b]
+        near[a] = (near[a] | near.pop(b)) - {a, b}
+        for c in near[a]:
+            near[c] = (near[c] - {b}) | {a}
+            estimate(min(a, c), max(a, c))
+    order = sorted(members, key=lambda a: min(members[a]))
+    parents = [0] * len(segments)
+    for output, a in enumerate(order):
+        for i in members[a]:
+            parents[i] = output
+    return [drawn[a] for a in order], parents
+
+
+def neighbour_sets(segments, penalty, distance, gap):
+    """Step 1: pairs nearer than the reach that are among the nearest of one of them."""
+    reach = min(max(penalty / 0.3, gap), 2 * distance)
+    costs = {i: [] for i in range(len(segments))}
+    for i, j in combinations(range(len(segments)), 2):
+        if segments_apart(segments[i], segments[j]) <= reach:
+            d = segment_distance(segments[i], segments[j])
+            costs[i].append((d, i, j))
+            costs[j].append((d, i, j))
+    near = {i: set() for i in costs}
+    for pairs in costs.values():
+        for _, i, j in sorted(pairs)[:NEIGHBOURS]:
+            near[i].add(j)
+            near[j].add(i)
+    return near
+
+
+def estimated(segments, members, drawn, cost, a, b, gap):
+    """Step 3: what it costs to draw the larger cluster's segment out over the smaller one's."""
+    longer = a if length(drawn[a]) >= length(drawn[b]) else b
+    low_a, high_a = span_on(drawn[longer], drawn[a])
+    low_b, high_b = span_on(drawn[longer], drawn[b])
+    if max(low_a, low_b) - min(high_a, high_b) > gap:
+        return math.inf
+    size_a, size_b = (len(members[a]), length(drawn[a])), (len(members[b]), length(drawn[b]))
+    big, small = (a, b) if size_a >= size_b else (b, a)
+    (x, y), (dx, dy) = start_and_direction(drawn[big])
+    out = spanning(x, y, math.atan2(dy, dx), [*drawn[a], *drawn[b]])
+    return sum(segment_distance(segments[i], out) for i in members[small]) - cost[small]
+
+
+def fit(segments, members, of_a, of_b, before, penalty, limits):
+    """Step 5: the segment of least cost for all members, and its cost; `inf` where too dear."""
+    ends = [p for i in members for p in segments[i]]
+    longer = of_a if length(of_a) >= length(of_b) else of_b
+    best, at, most = math.inf, None, before + WIDE * penalty
+    for x, y, theta in (total_least_squares(segments, members), middle_line(longer)):
+        found = cost_of(segments, members, spanning(x, y, theta, ends), limits, most)
+        if found < min(best, most):
+            best, at = found, (x, y, theta, 0.0)
+    if at is None:
+        return None, math.inf
+    x, y, theta, offset = at
+    turn = min(0.1, 0.04 / max(length(line_at(x, y, theta, offset, ends)), 0.02))
+    shift = 0.01
+    for _ in range(STEPS):
+        tries = []
+        for d_theta, d_offset in ((turn, 0.0), (-turn, 0.0), (0.0, shift), (0.0, -shift)):
+            line = line_at(x, y, theta + d_theta, offset + d_offset, ends)
+            tries.append((cost_of(segments, members, line, limits), d_theta, d_offset))
+        found, d_theta, d_offset = min(tries, key=lambda each: each[0])
+        if found < best - 1e-12:
+            best, theta, offset = found, theta + d_theta, offset + d_offset
+        else:
+            turn, shift = turn / 2, shift / 2
+    return line_at(x, y, theta, offset, ends), best
+
+
+def cost_of(segments, members, line, limits, most=math.inf):
+    """Cost of one segment for its members: distances, metres missed and metres invented."""
+    price, distance, sine, gap = limits
+    (x, y), (dx, dy) = start_and_direction(line)
+    total, kept = 0.0, []
+    for i in members:
+        (x0, y0), (x1, y1) = segments[i]
+        off = max(abs((x0 - x) * dy - (y0 - y) * dx), abs((x1 - x) * dy - (y1 - y) * dx))
+        if off > HARD * distance:
+            return math.inf
+        total += segment_distance(segments[i], line)
+        (_, _), (ex, ey) = start_and_direction(segments[i])
+        if max(abs(dx * ey - dy * ex) / sine, off / distance) > 1:
+            total += price * length(segments[i])
+        else:
+            kept.append(span_on(line, segments[i]))
+        if total >= most:
+            return math.inf
+    return total + price * invented(kept, length(line), gap)
+
+
+def invented(spans, whole, gap):
+    """Metres of a segment in gaps longer than `gap` between the members that it keeps."""
+    reached, metres = 0.0, 0.0
+    for low, high in [*sorted(spans), (whole, whole)]:
+        if not spans or low - reached > gap:
+            metres += low - reached
+        reached = max(reached, high)
+    return metres
+
+
+def total_least_squares(segments, members):
+    """Centre and angle of the line that lies nearest to all the material of the members."""
+    w, cx, cy, xx, xy, yy = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    for i in members:
+        n, ((x0, y0), (x1, y1)) = length(segments[i]), segments[i]
+        mx, my, dx, dy = (x0 + x1) / 2 - cx, (y0 + y1) / 2 - cy, x1 - x0, y1 - y0
+        part = w * n / (w + n)
+        xx, xy = xx + n * dx * dx / 12 + part * mx * mx, xy + n * dx * dy / 12 + part * mx * my
+        yy += n * dy * dy / 12 + part * my * my
+        w, cx, cy = w + n, cx + n / (w + n) * mx, cy + n / (w + n) * my
+    return cx, cy, math.atan2(2 * xy, xx - yy) / 2
+
+
+def middle_line(s):
+    """Middle of a segment, and its angle."""
+    (x0, y0), (x1, y1) = s
+    return (x0 + x1) / 2, (y0 + y1) / 2, math.atan2(y1 - y0, x1 - x0)
+
+
+def line_at(x, y, theta, offset, ends):
+    """The span of all end points on a line that is shifted across by `offset`."""
+    return spanning(x - offset * math.sin(theta), y + offset * math.cos(theta), theta, ends)
+
+
+def spanning(x, y, theta, ends):
+    """The segment through (x, y) at the angle `theta` that spans the projections of points."""
+    dx, dy = math.cos(theta), math.sin(theta)
+    along = [(px - x) * dx + (py - y) * dy for px, py in ends]
+    low, high = min(along), max(along)
+    return (x + low * dx, y + low * dy), (x + high * dx, y + high * dy)
+
+
+def start_and_direction(s):
+    """First end point of a segment, and its unit direction."""
+    (x0, y0), (x1, y1) = s
+    n = length(s)
+    return (x0, y0), ((x1 - x0) / n, (y1 - y0) / n)
+
+
+def span_on(line, s):
+    """Low and high projection of a segment on another, from its first end point on."""
+    (x, y), (dx, dy) = start_and_direction(line)
+    u = [(px - x) * dx + (py - y) * dy for px, py in s]
+    return min(u), max(u)
+
+
+def segments_apart(u, v):
+    """Smallest distance between two segments, 0 where they cross."""
+    def side(a, b, p):
+        return (b[0] - a[0]) * (p[1] - a[1]) - (b[1] - a[1]) * (p[0] - a[0])
+
+    if side(*u, v[0]) * side(*u, v[1]) < 0 and side(*v, u[0]) * side(*v, u[1]) < 0:
+        return 0.0
+    return min(*(to_segment(p, v) for p in u), *(to_segment(p, u) for p in v))
