@@ -10,6 +10,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from . import arrays
 from ._compiled import compiled
+from ._coverage import invented as invented
+from ._coverage import missed as missed
 from .angles import axial_difference, wrap
 from .arrays import Array, Segments
 from .kernels import (

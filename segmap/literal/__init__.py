@@ -17,6 +17,7 @@ from .fusion import best_strip, chain, fusion
 from .gauss_newton import edge_residual, gauss_newton
 from .global_segments import best_shifts, best_turns, least_squares
 from .hybrid import hough, hybrid, hybrid_fusion
+from .least_cost import least_cost
 from .lines import axial_difference, line_angle, point_to_segment, segment_length
 from .matching import (
     MOVES,
@@ -67,6 +68,7 @@ __all__ = [
     "hough",
     "hybrid",
     "hybrid_fusion",
+    "least_cost",
     "least_squares",
     "least_translation",
     "likelihoods",

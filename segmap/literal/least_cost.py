@@ -4,19 +4,30 @@ Clusters of segments merge in the order of what a merge costs: how far each memb
 one segment that stands for all, what this segment invents, and what it misses.
 """
 
+from __future__ import annotations
+
 import heapq
 import math
+from collections.abc import Sequence
 from itertools import combinations
 
-from .lines import point_to_segment as to_segment
-from .lines import segment_length as length
+from .lines import Line, Point, Segment, point_to_segment, segment_length
 from .metrics import segment_distance
 
-KEPT_DISTANCE, KEPT_ANGLE, GAP = 0.05, math.radians(5), 0.05
+#: Price of a metre, distance, sine of the angle, and gap.
+Limits = tuple[float, float, float, float]
+
+#: Constants of `reduction.least_cost`.
 HARD, NEIGHBOURS, STEPS, WIDE = 2.0, 8, 6, 3.0
 
 
-def least_cost(segments, penalty=0.05, distance=KEPT_DISTANCE, angle=KEPT_ANGLE, gap=GAP):
+def least_cost(
+    segments: Sequence[Segment],
+    penalty: float = 0.05,
+    distance: float = 0.05,
+    angle: float = math.radians(5),
+    gap: float = 0.05,
+) -> tuple[list[Segment], list[int]]:
     """Reduced segments, and the index of the output that each of the inputs went into.
 
     Examples
@@ -31,9 +42,9 @@ def least_cost(segments, penalty=0.05, distance=KEPT_DISTANCE, angle=KEPT_ANGLE,
     cost = dict.fromkeys(members, 0.0)
     version = dict.fromkeys(members, 0)
     near = neighbour_sets(segments, penalty, distance, gap)
-    heap = []
+    heap: list[tuple[float, int, int, int, int, bool]] = []
 
-    def estimate(a, b):  # step 3
+    def estimate(a: int, b: int) -> None:  # step 3
         q = estimated(segments, members, drawn, cost, a, b, gap)
         if q <= WIDE * penalty:
             heapq.heappush(heap, (max(q, 0.0) / WIDE, a, b, version[a], version[b], False))
@@ -43,11 +54,12 @@ def least_cost(segments, penalty=0.05, distance=KEPT_DISTANCE, angle=KEPT_ANGLE,
             if a < b:
                 estimate(a, b)
     while heap:  # step 4
-        key, a, b, of_a, of_b, exact = heapq.heappop(heap)
+        _, a, b, of_a, of_b, exact = heapq.heappop(heap)
         if version.get(a) != of_a or version.get(b) != of_b:
             continue
         before = cost[a] + cost[b]
-        segment, found = fit(segments, members[a] + members[b], drawn[a], drawn[b], before, penalty, limits)
+        both = [segments[i] for i in members[a] + members[b]]
+        segment, found = fit(both, drawn[a], drawn[b], before + WIDE * penalty, limits)
         delta = found - before
         if not exact:
             if delta > penalty:
@@ -70,16 +82,18 @@ def least_cost(segments, penalty=0.05, distance=KEPT_DISTANCE, angle=KEPT_ANGLE,
     return [drawn[a] for a in order], parents
 
 
-def neighbour_sets(segments, penalty, distance, gap):
+def neighbour_sets(
+    segments: Sequence[Segment], penalty: float, distance: float, gap: float
+) -> dict[int, set[int]]:
     """Step 1: pairs nearer than the reach that are among the nearest of one of them."""
     reach = min(max(penalty / 0.3, gap), 2 * distance)
-    costs = {i: [] for i in range(len(segments))}
+    costs: dict[int, list[tuple[float, int, int]]] = {i: [] for i in range(len(segments))}
     for i, j in combinations(range(len(segments)), 2):
         if segments_apart(segments[i], segments[j]) <= reach:
             d = segment_distance(segments[i], segments[j])
             costs[i].append((d, i, j))
             costs[j].append((d, i, j))
-    near = {i: set() for i in costs}
+    near: dict[int, set[int]] = {i: set() for i in costs}
     for pairs in costs.values():
         for _, i, j in sorted(pairs)[:NEIGHBOURS]:
             near[i].add(j)
@@ -87,39 +101,52 @@ def neighbour_sets(segments, penalty, distance, gap):
     return near
 
 
-def estimated(segments, members, drawn, cost, a, b, gap):
+def estimated(
+    segments: Sequence[Segment],
+    members: dict[int, list[int]],
+    drawn: dict[int, Segment],
+    cost: dict[int, float],
+    a: int,
+    b: int,
+    gap: float,
+) -> float:
     """Step 3: what it costs to draw the larger cluster's segment out over the smaller one's."""
-    longer = a if length(drawn[a]) >= length(drawn[b]) else b
+    longer = a if segment_length(drawn[a]) >= segment_length(drawn[b]) else b
     low_a, high_a = span_on(drawn[longer], drawn[a])
     low_b, high_b = span_on(drawn[longer], drawn[b])
     if max(low_a, low_b) - min(high_a, high_b) > gap:
         return math.inf
-    size_a, size_b = (len(members[a]), length(drawn[a])), (len(members[b]), length(drawn[b]))
+    size_a, size_b = (
+        (len(members[a]), segment_length(drawn[a])),
+        (len(members[b]), segment_length(drawn[b])),
+    )
     big, small = (a, b) if size_a >= size_b else (b, a)
-    (x, y), (dx, dy) = start_and_direction(drawn[big])
+    x, y, dx, dy = line_of(drawn[big])
     out = spanning(x, y, math.atan2(dy, dx), [*drawn[a], *drawn[b]])
     return sum(segment_distance(segments[i], out) for i in members[small]) - cost[small]
 
 
-def fit(segments, members, of_a, of_b, before, penalty, limits):
-    """Step 5: the segment of least cost for all members, and its cost; `inf` where too dear."""
-    ends = [p for i in members for p in segments[i]]
-    longer = of_a if length(of_a) >= length(of_b) else of_b
-    best, at, most = math.inf, None, before + WIDE * penalty
-    for x, y, theta in (total_least_squares(segments, members), middle_line(longer)):
-        found = cost_of(segments, members, spanning(x, y, theta, ends), limits, most)
-        if found < min(best, most):
-            best, at = found, (x, y, theta, 0.0)
+def fit(
+    members: Sequence[Segment], of_a: Segment, of_b: Segment, most: float, limits: Limits
+) -> tuple[Segment, float]:
+    """Step 5: the segment of least cost for all members, and its cost; `inf` from `most` on."""
+    ends = [p for s in members for p in s]
+    longer = of_a if segment_length(of_a) >= segment_length(of_b) else of_b
+    best, at = most, None
+    for x, y, theta in (total_least_squares(members), middle_line(longer)):
+        found = cost_of(members, spanning(x, y, theta, ends), limits, best)
+        if found < best:
+            best, at = found, (x, y, theta)
     if at is None:
-        return None, math.inf
-    x, y, theta, offset = at
-    turn = min(0.1, 0.04 / max(length(line_at(x, y, theta, offset, ends)), 0.02))
+        return of_a, math.inf
+    (x, y, theta), offset = at, 0.0
+    turn = min(0.1, 0.04 / max(segment_length(line_at(x, y, theta, offset, ends)), 0.02))
     shift = 0.01
     for _ in range(STEPS):
         tries = []
         for d_theta, d_offset in ((turn, 0.0), (-turn, 0.0), (0.0, shift), (0.0, -shift)):
             line = line_at(x, y, theta + d_theta, offset + d_offset, ends)
-            tries.append((cost_of(segments, members, line, limits), d_theta, d_offset))
+            tries.append((cost_of(members, line, limits), d_theta, d_offset))
         found, d_theta, d_offset = min(tries, key=lambda each: each[0])
         if found < best - 1e-12:
             best, theta, offset = found, theta + d_theta, offset + d_offset
@@ -128,28 +155,28 @@ def fit(segments, members, of_a, of_b, before, penalty, limits):
     return line_at(x, y, theta, offset, ends), best
 
 
-def cost_of(segments, members, line, limits, most=math.inf):
+def cost_of(
+    members: Sequence[Segment], line: Segment, limits: Limits, most: float = math.inf
+) -> float:
     """Cost of one segment for its members: distances, metres missed and metres invented."""
     price, distance, sine, gap = limits
-    (x, y), (dx, dy) = start_and_direction(line)
+    x, y, dx, dy = line_of(line)
     total, kept = 0.0, []
-    for i in members:
-        (x0, y0), (x1, y1) = segments[i]
-        off = max(abs((x0 - x) * dy - (y0 - y) * dx), abs((x1 - x) * dy - (y1 - y) * dx))
+    for s in members:
+        off = max(abs((px - x) * dy - (py - y) * dx) for px, py in s)
         if off > HARD * distance:
             return math.inf
-        total += segment_distance(segments[i], line)
-        (_, _), (ex, ey) = start_and_direction(segments[i])
-        if max(abs(dx * ey - dy * ex) / sine, off / distance) > 1:
-            total += price * length(segments[i])
+        total += segment_distance(s, line)
+        _, _, ex, ey = line_of(s)
+        if off > distance or abs(dx * ey - dy * ex) > sine:
+            total += price * segment_length(s)
         else:
-            kept.append(span_on(line, segments[i]))
-        if total >= most:
-            return math.inf
-    return total + price * invented(kept, length(line), gap)
+            kept.append(span_on(line, s))
+    total += price * invented(kept, segment_length(line), gap)
+    return total if total < most else math.inf
 
 
-def invented(spans, whole, gap):
+def invented(spans: list[tuple[float, float]], whole: float, gap: float) -> float:
     """Metres of a segment in gaps longer than `gap` between the members that it keeps."""
     reached, metres = 0.0, 0.0
     for low, high in [*sorted(spans), (whole, whole)]:
@@ -159,11 +186,11 @@ def invented(spans, whole, gap):
     return metres
 
 
-def total_least_squares(segments, members):
+def total_least_squares(members: Sequence[Segment]) -> tuple[float, float, float]:
     """Centre and angle of the line that lies nearest to all the material of the members."""
     w, cx, cy, xx, xy, yy = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    for i in members:
-        n, ((x0, y0), (x1, y1)) = length(segments[i]), segments[i]
+    for s in members:
+        n, ((x0, y0), (x1, y1)) = segment_length(s), s
         mx, my, dx, dy = (x0 + x1) / 2 - cx, (y0 + y1) / 2 - cy, x1 - x0, y1 - y0
         part = w * n / (w + n)
         xx, xy = xx + n * dx * dx / 12 + part * mx * mx, xy + n * dx * dy / 12 + part * mx * my
@@ -172,18 +199,18 @@ def total_least_squares(segments, members):
     return cx, cy, math.atan2(2 * xy, xx - yy) / 2
 
 
-def middle_line(s):
+def middle_line(s: Segment) -> tuple[float, float, float]:
     """Middle of a segment, and its angle."""
     (x0, y0), (x1, y1) = s
     return (x0 + x1) / 2, (y0 + y1) / 2, math.atan2(y1 - y0, x1 - x0)
 
 
-def line_at(x, y, theta, offset, ends):
+def line_at(x: float, y: float, theta: float, offset: float, ends: Sequence[Point]) -> Segment:
     """The span of all end points on a line that is shifted across by `offset`."""
     return spanning(x - offset * math.sin(theta), y + offset * math.cos(theta), theta, ends)
 
 
-def spanning(x, y, theta, ends):
+def spanning(x: float, y: float, theta: float, ends: Sequence[Point]) -> Segment:
     """The segment through (x, y) at the angle `theta` that spans the projections of points."""
     dx, dy = math.cos(theta), math.sin(theta)
     along = [(px - x) * dx + (py - y) * dy for px, py in ends]
@@ -191,25 +218,27 @@ def spanning(x, y, theta, ends):
     return (x + low * dx, y + low * dy), (x + high * dx, y + high * dy)
 
 
-def start_and_direction(s):
+def line_of(s: Segment) -> Line:
     """First end point of a segment, and its unit direction."""
     (x0, y0), (x1, y1) = s
-    n = length(s)
-    return (x0, y0), ((x1 - x0) / n, (y1 - y0) / n)
+    n = segment_length(s)
+    return x0, y0, (x1 - x0) / n, (y1 - y0) / n
 
 
-def span_on(line, s):
+def span_on(line: Segment, s: Segment) -> tuple[float, float]:
     """Low and high projection of a segment on another, from its first end point on."""
-    (x, y), (dx, dy) = start_and_direction(line)
+    x, y, dx, dy = line_of(line)
     u = [(px - x) * dx + (py - y) * dy for px, py in s]
     return min(u), max(u)
 
 
-def segments_apart(u, v):
+def segments_apart(u: Segment, v: Segment) -> float:
     """Smallest distance between two segments, 0 where they cross."""
-    def side(a, b, p):
-        return (b[0] - a[0]) * (p[1] - a[1]) - (b[1] - a[1]) * (p[0] - a[0])
 
-    if side(*u, v[0]) * side(*u, v[1]) < 0 and side(*v, u[0]) * side(*v, u[1]) < 0:
+    def side(s: Segment, p: Point) -> float:
+        (x, y), (ex, ey) = s
+        return (ex - x) * (p[1] - y) - (ey - y) * (p[0] - x)
+
+    if side(u, v[0]) * side(u, v[1]) < 0 and side(v, u[0]) * side(v, u[1]) < 0:
         return 0.0
-    return min(*(to_segment(p, v) for p in u), *(to_segment(p, u) for p in v))
+    return min(*(point_to_segment(p, v) for p in u), *(point_to_segment(p, u) for p in v))

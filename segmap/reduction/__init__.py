@@ -25,6 +25,7 @@ from ._fusion import fusion
 from ._hough import hough
 from ._hybrid import hybrid
 from ._hybrid_fusion import hybrid_fusion
+from ._least_cost import least_cost, reduce_to
 from ._mean_shift import Directions, common_directions, mean_shift
 from ._runner import Methods, Reduction
 from ._segment_similarity import segment_similarity
@@ -113,6 +114,13 @@ METHODS = Methods(
         online=True,
         needs_points=True,
     ),
+    least_cost=Method(
+        least_cost,
+        "ours",
+        merges="m -> 1",
+        keeps="end points, sums, members",
+        varies="penalty",
+    ),
 )
 
 __all__ = [
@@ -128,7 +136,9 @@ __all__ = [
     "hough",
     "hybrid",
     "hybrid_fusion",
+    "least_cost",
     "mean_shift",
+    "reduce_to",
     "segment_similarity",
     "uncertain_parameters",
     "weighted_line_fitting",

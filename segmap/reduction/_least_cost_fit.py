@@ -140,7 +140,10 @@ def line_cost(
         else:
             i = room.who[k]
             total += distance_between(s[i], room.line, room.about[k], room.frame)
-        if off > limits.distance or abs(dx * room.about[k, 3] - dy * room.about[k, 2]) > limits.sine:
+        if (
+            off > limits.distance
+            or abs(dx * room.about[k, 3] - dy * room.about[k, 2]) > limits.sine
+        ):
             total += limits.price * 2.0 * room.about[k, 4]
         elif not covered:
             room.spans[kept, 0], room.spans[kept, 1] = low, high

@@ -20,7 +20,6 @@ from ._least_cost_fit import (
     Room,
     describe_one,
     distance_between,
-    distance_inside,
     draw,
     fit,
     join_sums,
@@ -118,6 +117,9 @@ def nearest_neighbours(
                 if j < i or state.mark[j] == i:
                     continue
                 state.mark[j] = i
+                dx, dy, most = d[i, 0] - d[j, 0], d[i, 1] - d[j, 1], d[i, 4] + d[j, 4] + reach
+                if dx * dx + dy * dy > most * most:
+                    continue
                 if apart(s[i], s[j]) <= reach or crosses(s[i], s[j]):
                     value = distance_between(s[i], s[j], d[i], d[j])
                     keep(nearest, who, i, j, value)
@@ -176,7 +178,10 @@ def gather(state: State, room: Room, a: int, b: int) -> int:
         while i >= 0:
             room.who[count] = i
             for k in range(2):
-                room.ends[count, 2 * k], room.ends[count, 2 * k + 1] = state.s[i, k, 0], state.s[i, k, 1]
+                room.ends[count, 2 * k], room.ends[count, 2 * k + 1] = (
+                    state.s[i, k, 0],
+                    state.s[i, k, 1],
+                )
             for k in range(5):
                 room.about[count, k] = state.d[i, k]
             i, count = state.after[i], count + 1
