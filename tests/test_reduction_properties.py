@@ -48,6 +48,12 @@ THRESHOLDS = {
         for others in ({}, {"distance": 0.37, "angle": 0.5, "min_length": 0.0, "tolerance": 0.11})
     ],
     "segment_similarity": [{"distance": d} for d in (0.01, 0.03, 0.1, 0.4)],
+    "least_cost": [
+        {},
+        {"penalty": 0.2, "gap": 0.3},
+        {"penalty": 0.01, "angle": 0.3},
+        {"penalty": 0.7, "distance": 0.11},
+    ],
 }
 THRESHOLDS["basic_online"] = THRESHOLDS["basic_offline"]
 THRESHOLDS["weighted_line_fitting"] = [
@@ -63,7 +69,7 @@ THRESHOLDS["uncertain_parameters"] = [
 ]
 #: Thresholds that are lengths, or in the case of the bandwidth one over a length.
 LENGTHS = {"distance", "tolerance", "sigma", "bandwidth", "gap"}
-LENGTHS |= {"sigma_range", "sigma_place", "spacing", "eps"}
+LENGTHS |= {"sigma_range", "sigma_place", "spacing", "eps", "penalty"}
 #: Mean shift looks at every piece from every piece: smaller maps, nearer together.
 SMALL = {"mean_shift": (12, 0.5)}
 CASES = [

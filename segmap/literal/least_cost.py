@@ -11,7 +11,7 @@ import math
 from collections.abc import Sequence
 from itertools import combinations
 
-from .lines import Line, Point, Segment, point_to_segment, segment_length
+from .lines import SAME, Line, Point, Segment, point_to_segment, segment_length
 from .metrics import segment_distance
 
 #: Price of a metre, distance, sine of the angle, and gap.
@@ -19,6 +19,8 @@ Limits = tuple[float, float, float, float]
 
 #: Constants of `reduction.least_cost`.
 HARD, NEIGHBOURS, STEPS, WIDE = 2.0, 8, 6, 3.0
+#: Costs that differ by less are equal, metres: then the lower index comes first. In decimals, too.
+EQUAL, DECIMALS = 1e-12, 12
 
 
 def least_cost(
@@ -36,18 +38,19 @@ def least_cost(
     >>> least_cost(wall)[1]
     [0, 0, 1]
     """
-    limits = max(0.1, penalty / 2), distance, math.sin(angle), gap
-    members = {i: [i] for i in range(len(segments))}
-    drawn = dict(enumerate(segments))
+    limits = max(0.1, penalty / distance / 40), distance, math.sin(angle), gap
+    members = {i: [i] for i, s in enumerate(segments) if segment_length(s) >= SAME}
+    drawn = {i: segments[i] for i in members}
     cost = dict.fromkeys(members, 0.0)
     version = dict.fromkeys(members, 0)
-    near = neighbour_sets(segments, penalty, distance, gap)
+    near = neighbour_sets(drawn, penalty, distance, gap)
     heap: list[tuple[float, int, int, int, int, bool]] = []
 
     def estimate(a: int, b: int) -> None:  # step 3
         q = estimated(segments, members, drawn, cost, a, b, gap)
         if q <= WIDE * penalty:
-            heapq.heappush(heap, (max(q, 0.0) / WIDE, a, b, version[a], version[b], False))
+            key = round(max(q, 0.0) / WIDE, DECIMALS)
+            heapq.heappush(heap, (key, a, b, version[a], version[b], False))
 
     for a, others in near.items():
         for b in others:
@@ -60,7 +63,7 @@ def least_cost(
         before = cost[a] + cost[b]
         both = [segments[i] for i in members[a] + members[b]]
         segment, found = fit(both, drawn[a], drawn[b], before + WIDE * penalty, limits)
-        delta = found - before
+        delta = round(found - before, DECIMALS) if found < math.inf else math.inf
         if not exact:
             if delta > penalty:
                 continue
@@ -75,7 +78,7 @@ def least_cost(
             near[c] = (near[c] - {b}) | {a}
             estimate(min(a, c), max(a, c))
     order = sorted(members, key=lambda a: min(members[a]))
-    parents = [0] * len(segments)
+    parents = [-1] * len(segments)
     for output, a in enumerate(order):
         for i in members[a]:
             parents[i] = output
@@ -83,14 +86,14 @@ def least_cost(
 
 
 def neighbour_sets(
-    segments: Sequence[Segment], penalty: float, distance: float, gap: float
+    segments: dict[int, Segment], penalty: float, distance: float, gap: float
 ) -> dict[int, set[int]]:
     """Step 1: pairs nearer than the reach that are among the nearest of one of them."""
     reach = min(max(penalty / 0.3, gap), 2 * distance)
-    costs: dict[int, list[tuple[float, int, int]]] = {i: [] for i in range(len(segments))}
-    for i, j in combinations(range(len(segments)), 2):
+    costs: dict[int, list[tuple[float, int, int]]] = {i: [] for i in segments}
+    for i, j in combinations(segments, 2):
         if segments_apart(segments[i], segments[j]) <= reach:
-            d = segment_distance(segments[i], segments[j])
+            d = round(segment_distance(segments[i], segments[j]), DECIMALS)
             costs[i].append((d, i, j))
             costs[j].append((d, i, j))
     near: dict[int, set[int]] = {i: set() for i in costs}
@@ -111,16 +114,14 @@ def estimated(
     gap: float,
 ) -> float:
     """Step 3: what it costs to draw the larger cluster's segment out over the smaller one's."""
-    longer = a if segment_length(drawn[a]) >= segment_length(drawn[b]) else b
+    longer = b if is_longer(drawn[b], drawn[a]) else a
     low_a, high_a = span_on(drawn[longer], drawn[a])
     low_b, high_b = span_on(drawn[longer], drawn[b])
     if max(low_a, low_b) - min(high_a, high_b) > gap:
         return math.inf
-    size_a, size_b = (
-        (len(members[a]), segment_length(drawn[a])),
-        (len(members[b]), segment_length(drawn[b])),
-    )
-    big, small = (a, b) if size_a >= size_b else (b, a)
+    more = len(members[b]) - len(members[a])
+    larger = more > 0 or (more == 0 and is_longer(drawn[b], drawn[a]))
+    big, small = (b, a) if larger else (a, b)
     x, y, dx, dy = line_of(drawn[big])
     out = spanning(x, y, math.atan2(dy, dx), [*drawn[a], *drawn[b]])
     return sum(segment_distance(segments[i], out) for i in members[small]) - cost[small]
@@ -131,25 +132,28 @@ def fit(
 ) -> tuple[Segment, float]:
     """Step 5: the segment of least cost for all members, and its cost; `inf` from `most` on."""
     ends = [p for s in members for p in s]
-    longer = of_a if segment_length(of_a) >= segment_length(of_b) else of_b
+    longer = of_b if is_longer(of_b, of_a) else of_a
     best, at = most, None
     for x, y, theta in (total_least_squares(members), middle_line(longer)):
         found = cost_of(members, spanning(x, y, theta, ends), limits, best)
-        if found < best:
+        if found < best - (EQUAL if at else 0.0):
             best, at = found, (x, y, theta)
     if at is None:
         return of_a, math.inf
     (x, y, theta), offset = at, 0.0
-    turn = min(0.1, 0.04 / max(segment_length(line_at(x, y, theta, offset, ends)), 0.02))
-    shift = 0.01
+    shift = 0.2 * limits[1]
+    whole = segment_length(line_at(x, y, theta, offset, ends))
+    turn = min(0.1, 4 * shift / max(whole, 2 * shift))
     for _ in range(STEPS):
-        tries = []
-        for d_theta, d_offset in ((turn, 0.0), (-turn, 0.0), (0.0, shift), (0.0, -shift)):
+        moves = ((turn, 0.0), (-turn, 0.0), (0.0, shift), (0.0, -shift))
+        better = None
+        for d_theta, d_offset in moves:
             line = line_at(x, y, theta + d_theta, offset + d_offset, ends)
-            tries.append((cost_of(members, line, limits), d_theta, d_offset))
-        found, d_theta, d_offset = min(tries, key=lambda each: each[0])
-        if found < best - 1e-12:
-            best, theta, offset = found, theta + d_theta, offset + d_offset
+            found = cost_of(members, line, limits)
+            if found < best - EQUAL:
+                best, better = found, (theta + d_theta, offset + d_offset)
+        if better:
+            theta, offset = better
         else:
             turn, shift = turn / 2, shift / 2
     return line_at(x, y, theta, offset, ends), best
@@ -216,6 +220,11 @@ def spanning(x: float, y: float, theta: float, ends: Sequence[Point]) -> Segment
     along = [(px - x) * dx + (py - y) * dy for px, py in ends]
     low, high = min(along), max(along)
     return (x + low * dx, y + low * dy), (x + high * dx, y + high * dy)
+
+
+def is_longer(u: Segment, v: Segment) -> bool:
+    """Whether a segment is longer than another."""
+    return segment_length(u) > segment_length(v) + SAME
 
 
 def line_of(s: Segment) -> Line:

@@ -24,6 +24,7 @@ METHOD_STYLES = {
     "weighted_line_fitting": ("#117733", "P", "-"),
     "segment_similarity": ("#009e73", "p", "-"),
     "uncertain_parameters": ("#d55e00", "h", "--"),
+    "least_cost": ("#000000", "d", "-"),
     "polyline": ("#332288", "*", "--"),
 }
 

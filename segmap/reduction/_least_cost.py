@@ -45,7 +45,7 @@ def least_cost(
     map : SegmentMap, Reduction or (n, 2, 2) array, metres
     penalty : float, metres
         What one segment fewer may cost; useful from 0.008 to 0.3. A metre missed or invented costs
-        half of it, at least 0.1.
+        0.1, and more where the penalty is above 4 times the distance.
     distance : float, metres
         A segment whose end lies farther off the line of its output counts as missed.
     angle : float, radians
@@ -72,7 +72,7 @@ def least_cost(
     arrays.positive("metres", penalty=penalty, distance=distance)
     arrays.number(angle, "angle", above=0, most=np.pi / 2, unit="radians")
     arrays.number(gap, "gap", least=0, unit="metres")
-    price = max(0.1, penalty / 2)
+    price = max(0.1, penalty / distance / 40)
     limits = Limits(float(penalty), price, float(distance), float(np.sin(angle)), float(gap))
     return run("least_cost", map, lambda rows: _reduce(rows.segments, limits))
 

@@ -22,6 +22,8 @@ WIDE = 3.0
 HARD = 2.0
 #: Rounds in which a line is turned and shifted; each halves what it tried where nothing helped.
 STEPS = 6
+#: Costs that differ by less are equal, metres: then what was tried first counts.
+EQUAL = 1e-12
 
 
 class Limits(NamedTuple):
@@ -195,35 +197,32 @@ def fit(s: Array, room: Room, count: int, limits: Limits, longer: Array, most: f
     From the line of total least squares, `room.sums`, or that of the longer cluster's segment,
     whichever costs less, to the best of four moves, or of half of each, again and again.
     """
-    sums = room.sums
-    turned = np.arctan2(2.0 * sums[4], sums[3] - sums[5]) / 2.0
-    best, x, y, theta = most, sums[1], sums[2], turned
-    found = line_cost(s, room, count, limits, (x, y, theta), most)
-    best = min(best, found)
+    x, y = room.sums[1], room.sums[2]
+    theta = np.arctan2(2.0 * room.sums[4], room.sums[3] - room.sums[5]) / 2.0
+    best = line_cost(s, room, count, limits, (x, y, theta), most)
     mx, my = (longer[0, 0] + longer[1, 0]) / 2.0, (longer[0, 1] + longer[1, 1]) / 2.0
     along = np.arctan2(longer[1, 1] - longer[0, 1], longer[1, 0] - longer[0, 0])
-    other = line_cost(s, room, count, limits, (mx, my, along), best)
-    if other < best:
-        best, x, y, theta = other, mx, my, along
-    if min(found, other) == np.inf:
+    found = line_cost(s, room, count, limits, (mx, my, along), min(best - EQUAL, most))
+    if found < best:
+        best, x, y, theta = found, mx, my, along
+    if best == np.inf:
         return np.inf
     whole = spread(room, count, x, y, np.cos(theta), np.sin(theta))
-    turn, shift, offset = min(0.1, 0.04 / max(whole, 0.02)), 0.01, 0.0
+    shift, offset = 0.2 * limits.distance, 0.0
+    turn = min(0.1, 4.0 * shift / max(whole, 2.0 * shift))
     for _ in range(STEPS):
-        least, move = best - 1e-12, -1
+        move = -1
         for k in range(4):
             t = theta + (turn if k == 0 else -turn if k == 1 else 0.0)
             o = offset + (shift if k == 2 else -shift if k == 3 else 0.0)
             at = (x - o * np.sin(t), y + o * np.cos(t), t)
-            found = line_cost(s, room, count, limits, at, least)
-            if found < least:
-                least, move = found, k
-        if move < 0:
-            turn, shift = turn / 2.0, shift / 2.0
-            continue
-        best = least
+            found = line_cost(s, room, count, limits, at, best - EQUAL)
+            if found < best:
+                best, move = found, k
         theta += turn if move == 0 else -turn if move == 1 else 0.0
         offset += shift if move == 2 else -shift if move == 3 else 0.0
+        if move < 0:
+            turn, shift = turn / 2.0, shift / 2.0
     at = (x - offset * np.sin(theta), y + offset * np.cos(theta), theta)
     spread(room, count, at[0], at[1], np.cos(theta), np.sin(theta))
     return best

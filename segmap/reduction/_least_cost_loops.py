@@ -13,7 +13,9 @@ import numpy as np
 from .._compiled import compiled
 from ..arrays import Array
 from ..kernels import apart, slot_of
+from ..segments import MIN_LENGTH
 from ._least_cost_fit import (
+    EQUAL,
     WIDE,
     Indices,
     Limits,
@@ -43,6 +45,18 @@ class State(NamedTuple):
     mark: Indices  # (n,) when a cluster was last seen in a list of neighbours
     fitted: Indices  # (n, 3) the last fit of each cluster: with which other, versions of both
     fits: Array  # (n, 5) its segment and cost
+
+
+@compiled
+def rounded(cost: float) -> float:
+    """Costs that are equal but for rounding become the same number."""
+    return np.floor(cost / EQUAL + 0.5) * EQUAL
+
+
+@compiled
+def longer(state: State, a: int, b: int) -> bool:
+    """Whether the segment of b is longer than that of a."""
+    return length_of(state.drawn[b]) > length_of(state.drawn[a]) + MIN_LENGTH
 
 
 # ------------------------------------------------------------------ step 1: who may merge
@@ -121,7 +135,7 @@ def nearest_neighbours(
                 if dx * dx + dy * dy > most * most:
                     continue
                 if apart(s[i], s[j]) <= reach or crosses(s[i], s[j]):
-                    value = distance_between(s[i], s[j], d[i], d[j])
+                    value = rounded(distance_between(s[i], s[j], d[i], d[j]))
                     keep(nearest, who, i, j, value)
                     keep(nearest, who, j, i, value)
 
@@ -138,14 +152,13 @@ def span(s: Array, frame: Array) -> tuple[float, float]:
 @compiled
 def estimate(state: State, room: Room, a: int, b: int, limits: Limits) -> float:
     """What it costs to draw the larger cluster's segment out over the smaller one's, metres."""
-    drawn, link = state.drawn, state.link
-    length_a, length_b = length_of(drawn[a]), length_of(drawn[b])
-    describe_one(drawn[a if length_a >= length_b else b], room.frame)
+    drawn, link, members = state.drawn, state.link, state.link[b, 2] - state.link[a, 2]
+    describe_one(drawn[b if longer(state, a, b) else a], room.frame)
     low_a, high_a = span(drawn[a], room.frame)
     low_b, high_b = span(drawn[b], room.frame)
     if max(low_a, low_b) - min(high_a, high_b) > limits.gap:
         return np.inf
-    larger = link[b, 2] > link[a, 2] or (link[b, 2] == link[a, 2] and length_b > length_a)
+    larger = members > 0 or (members == 0 and longer(state, a, b))
     big, small = (b, a) if larger else (a, b)
     describe_one(drawn[big], room.frame)
     x, y, dx, dy = room.frame[0], room.frame[1], room.frame[2], room.frame[3]
@@ -164,7 +177,7 @@ def push(heap: list[Entry], state: State, room: Room, a: int, b: int, limits: Li
     """Put a pair on the heap by its estimate, unless that is far too dear."""
     q = estimate(state, room, a, b, limits)
     if q <= WIDE * limits.penalty:
-        key = max(q, 0.0) / WIDE
+        key = rounded(max(q, 0.0) / WIDE)
         heapq.heappush(heap, (key, a, b, state.link[a, 1], state.link[b, 1], 0))
 
 
@@ -196,8 +209,8 @@ def fit_pair(state: State, room: Room, a: int, b: int, limits: Limits) -> float:
         return fits[a, 4]
     most = state.sums[a, 6] + state.sums[b, 6] + WIDE * limits.penalty
     join_sums(state.sums[a], state.sums[b], room.sums)
-    longer = drawn[a if length_of(drawn[a]) >= length_of(drawn[b]) else b]
-    cost = fit(state.s, room, gather(state, room, a, b), limits, longer, most)
+    long = drawn[b if longer(state, a, b) else a]
+    cost = fit(state.s, room, gather(state, room, a, b), limits, long, most)
     fitted[a, 0], fitted[a, 1], fitted[a, 2] = b, link[a, 1], link[b, 1]
     for k in range(4):
         fits[a, k] = room.line[k // 2, k % 2]
@@ -269,7 +282,8 @@ def merge_all(state: State, room: Room, limits: Limits) -> None:
         _, a, b, of_a, of_b, exact = heapq.heappop(heap)
         if link[a, 0] != a or link[b, 0] != b or link[a, 1] != of_a or link[b, 1] != of_b:
             continue
-        delta = fit_pair(state, room, a, b, limits) - state.sums[a, 6] - state.sums[b, 6]
+        cost = fit_pair(state, room, a, b, limits)
+        delta = rounded(cost - (state.sums[a, 6] + state.sums[b, 6]))
         if not exact:
             if not delta <= limits.penalty:
                 continue
