@@ -105,7 +105,8 @@ def _extracted() -> Found:
 
 def _measured() -> Found:
     walls, seen = _walls()
-    return [metrics.errors(seen, walls), metrics.errors(SegmentMap(seen), SegmentMap(walls))]
+    found = [metrics.errors(seen, walls), metrics.errors(SegmentMap(seen), SegmentMap(walls))]
+    return [*found, metrics.missed(seen, walls)]
 
 
 def _cast() -> Found:
