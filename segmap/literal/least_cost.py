@@ -25,6 +25,7 @@ EQUAL, DECIMALS = 1e-12, 12
 
 def least_cost(
     segments: Sequence[Segment],
+    *,
     penalty: float = 0.05,
     distance: float = 0.05,
     angle: float = math.radians(5),
@@ -38,7 +39,7 @@ def least_cost(
     >>> least_cost(wall)[1]
     [0, 0, 1]
     """
-    limits = max(0.1, penalty / distance / 40), distance, math.sin(angle), gap
+    limits = max(0.25, penalty / distance / 40), distance, math.sin(angle), gap
     members = {i: [i] for i, s in enumerate(segments) if segment_length(s) >= SAME}
     drawn = {i: segments[i] for i in members}
     cost = dict.fromkeys(members, 0.0)
