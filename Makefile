@@ -19,7 +19,7 @@ BROWSER = $(if $(DISPLAY)$(WAYLAND_DISPLAY)$(filter Darwin,$(shell uname)),,--no
 NBVAL := --nbval --nbval-current-env --nbval-cell-timeout=120 \
 	--nbval-sanitize-with=tests/nbval.cfg -p no:cacheprovider
 
-.PHONY: help lab test test-lowest mutants refresh bench book clean
+.PHONY: help lab test test-lowest mutants fuzz refresh bench book clean
 
 help: ## list the targets
 	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/  make \1\t\2/p' Makefile
@@ -49,6 +49,9 @@ refresh: $(SETUP) ## run the chapters again and store what they show (CHAPTERS="
 
 mutants: $(WARM) ## plant bugs and see a test fail (ARGS="--random 300" makes them by rule)
 	$(RUN) tests/mutants.py $(ARGS)
+
+fuzz: $(WARM) ## read 100 000 damaged files: logs, maps, records (ARGS="500 carmen" for fewer)
+	$(RUN) tests/fuzz.py $(ARGS)
 
 bench: $(SETUP) ## measure speed against the references, as ratios from one run
 	$(RUN) -m benchmarks

@@ -252,7 +252,8 @@ def test_nothing_but_log_errors_comes_out_of_damaged_files(tmp_path, name):
 @pytest.mark.parametrize("name", RAWSEEDS)
 def test_nothing_but_log_errors_comes_out_of_damaged_folders(tmp_path, name):
     for part, content in RAWSEEDS.items():
-        (tmp_path / part).write_bytes(content.encode())
+        if part == name or part != "SICK_FRONT.csv":  # beside it the Hokuyo is not read
+            (tmp_path / part).write_bytes(content.encode())
     check(tmp_path, tmp_path / name, name)
 
 
