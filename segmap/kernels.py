@@ -16,6 +16,24 @@ from .segments import MIN_LENGTH
 ANGULAR, ACROSS, APART = 0.66, 0.09, 0.25
 #: Segments whose angle is this near to a right one, radians, have two mean directions.
 PERPENDICULAR = 1e-9
+#: What is shorter, in metres, is rounding; so is a sine that much larger than a cosine.
+SAME = 1e-9
+#: A 2.7.10: what remains of a match value for each T_p between two segments that do not meet.
+FADING = 0.95
+#: Thresholds of a match: distance, far and long in metres, and whether D is of whole segments.
+Rule = tuple[float, float, float, bool]
+
+
+@compiled
+def describe_one(s: Array, i: int, out: Array) -> None:
+    """Row i of what `describe` returns."""
+    out[i, 0] = (s[i, 0, 0] + s[i, 1, 0]) / 2
+    out[i, 1] = (s[i, 0, 1] + s[i, 1, 1]) / 2
+    dx, dy = s[i, 1, 0] - s[i, 0, 0], s[i, 1, 1] - s[i, 0, 1]
+    norm = np.hypot(dx, dy)
+    out[i, 2], out[i, 3], out[i, 4] = 0.0, 0.0, norm / 2
+    if norm >= MIN_LENGTH:
+        out[i, 2], out[i, 3] = dx / norm, dy / norm
 
 
 @compiled
@@ -23,13 +41,7 @@ def describe(s: Array) -> Array:
     """Middle, unit direction (0 without length) and half length of segments, `(n, 5)`, metres."""
     out = np.empty((len(s), 5))
     for i in range(len(s)):
-        out[i, 0] = (s[i, 0, 0] + s[i, 1, 0]) / 2
-        out[i, 1] = (s[i, 0, 1] + s[i, 1, 1]) / 2
-        dx, dy = s[i, 1, 0] - s[i, 0, 0], s[i, 1, 1] - s[i, 0, 1]
-        norm = np.hypot(dx, dy)
-        out[i, 2], out[i, 3], out[i, 4] = 0.0, 0.0, norm / 2
-        if norm >= MIN_LENGTH:
-            out[i, 2], out[i, 3] = dx / norm, dy / norm
+        describe_one(s, i, out)
     return out
 
 
@@ -83,6 +95,58 @@ def mean_line_terms(u: Array, v: Array, a: Array, b: Array) -> tuple[float, floa
         norm = np.hypot(ax - bx, ay - by)
         most = min(most, across(u, v, x, y, (ax - bx) / norm, (ay - by) / norm))
     return (a[4] + b[4]) * abs(cross) / (1.0 + abs(dot)), most
+
+
+@compiled
+def _common(s: Array, a: Array, i: int, t: Array, j: int, far: float) -> tuple[float, float, bool]:
+    """What segment j of t says to the described segment i of s, both in one frame, metres.
+
+    The length of i that it covers when projected on it; how far it lies off the line of i there
+    (infinite where all of it is farther than `far`); and whether it reaches both sides of the line.
+    """
+    x, y, dx, dy = s[i, 0, 0], s[i, 0, 1], a[i, 2], a[i, 3]
+    x0, y0, x1, y1 = t[j, 0, 0] - x, t[j, 0, 1] - y, t[j, 1, 0] - x, t[j, 1, 1] - y
+    v0, v1 = y0 * dx - x0 * dy, y1 * dx - x1 * dy
+    if min(v0, v1) > far or max(v0, v1) < -far:
+        return 0.0, np.inf, False
+    u0, u1 = x0 * dx + y0 * dy, x1 * dx + y1 * dy
+    low, high = max(min(u0, u1), 0.0), min(max(u0, u1), 2 * a[i, 4])
+    if high - low <= SAME:
+        return 0.0, np.inf, False
+    slope = (v1 - v0) / (u1 - u0)
+    off = max(abs(v0 + slope * (low - u0)), abs(v0 + slope * (high - u0)))
+    return high - low, off, min(v0, v1) <= SAME and max(v0, v1) >= -SAME
+
+
+@compiled
+def hausdorff(u: Array, v: Array) -> float:
+    """The smaller of the two directed Hausdorff distances of segments `(2, 2)` (A 2.39), metres."""
+    there = back = 0.0
+    for k in range(2):
+        there = max(there, off_segment(v[k, 0], v[k, 1], u))
+        back = max(back, off_segment(u[k, 0], u[k, 1], v))
+    return min(there, back)
+
+
+@compiled
+def match_value(s: Array, a: Array, i: int, t: Array, b: Array, j: int, rule: Rule) -> float:
+    """Length, metres, on which segment i of s and j of t agree (A 2.7.10); 0 for no match."""
+    distance, far, long, whole = rule
+    on_i, off_i, past_i = _common(s, a, i, t, j, far)
+    if on_i == 0.0:
+        return 0.0
+    on_j, off_j, past_j = _common(t, b, j, s, i, far)
+    if on_j == 0.0:
+        return 0.0
+    apart = hausdorff(s[i], t[j]) if whole else min(off_i, off_j)
+    if apart > far:
+        return 0.0
+    if not (past_i and past_j):
+        return (on_i + on_j) / 2 * FADING ** (apart / distance)
+    # two looks at one long wall cross as well, at next to no angle: A would lose them
+    across = abs(a[i, 2] * b[j, 3] - a[i, 3] * b[j, 2])
+    steep = across > abs(a[i, 2] * b[j, 2] + a[i, 3] * b[j, 3]) + SAME
+    return 0.0 if steep and 2 * min(a[i, 4], b[j, 4]) > long else (on_i + on_j) / 2
 
 
 @compiled

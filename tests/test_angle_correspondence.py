@@ -49,12 +49,14 @@ def scene(pose, seed=1, sensor=UTM):
 
 # -------------------------------------------------------------------------- match values
 @pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("whole", [True, False])
 @pytest.mark.parametrize(("far", "long"), [(0.3, 0.3), (1.0, 0.8)])
-def test_match_values_equal_the_literal_form(seed, far, long):
+def test_match_values_equal_the_literal_form(seed, whole, far, long):
     """Catches a covered length of one side only, the larger Hausdorff distance, a lost penalty."""
     u, v = rng(seed).uniform(0, 1.5, (2, 25, 2, 2))
     rule = {"distance": 0.1, "far": far, "long": long}
-    found = match_values(u, v, whole=True, **rule)
+    rule["whole"] = whole
+    found = match_values(u, v, **rule)
     expected = [[literal.match_value(a, b, **rule) for b in v.tolist()] for a in u.tolist()]
     np.testing.assert_allclose(found, expected, atol=1e-9)
     assert 20 < np.count_nonzero(found) < 0.8 * found.size

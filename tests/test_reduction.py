@@ -65,7 +65,8 @@ def test_the_map_is_left_as_it_was(name):
 def test_maps_arrays_and_reductions_are_all_accepted(name):
     map = noisy_building()
     once = METHODS[name](map)
-    np.testing.assert_array_equal(METHODS[name](map.segments).segments, once.segments)
+    alone = METHODS[name](SegmentMap(map.segments))
+    np.testing.assert_array_equal(METHODS[name](map.segments).segments, alone.segments)
     assert len(METHODS[name](once)) <= len(once)
 
 
@@ -112,6 +113,9 @@ REFUSED = {
     "gap": (-0.1, np.nan),
     "spacing": (0.0, np.nan, np.inf),
     "turn": (0.0, 1.6, np.nan),
+    "far": (0.0, np.nan, np.inf),
+    "long": (0.0, np.nan, np.inf),
+    "bridge": (-0.1, np.nan),
     "eps": (0.0, -1.0, np.nan, np.inf),
     "bandwidth": (0.0, -1.0, np.nan, np.inf),
 }

@@ -67,19 +67,21 @@ THRESHOLDS["uncertain_parameters"] = [
     {"distance": 0.37, "angle": 0.5, "eps": 0.03},
     {"angle": np.pi / 2, "origin": "map"},
 ]
+THRESHOLDS["polyline"] = [
+    {},
+    {"tolerance": 0.01, "bridge": 0.0},
+    {"tolerance": 0.213, "far": 0.31, "long": 0.11, "bridge": np.inf},
+]
 #: Thresholds that are lengths, or in the case of the bandwidth one over a length.
 LENGTHS = {"distance", "tolerance", "sigma", "bandwidth", "gap"}
-LENGTHS |= {"sigma_range", "sigma_place", "spacing", "eps", "penalty"}
+LENGTHS |= {"sigma_range", "sigma_place", "spacing", "eps", "penalty", "far", "long", "bridge"}
 #: Mean shift looks at every piece from every piece: smaller maps, nearer together; the plain least
 #: cost tries thousands of lines.
 SMALL = {"mean_shift": (12, 0.5), "least_cost": (24, 0.7)}
 #: Segments of a real map that the plain versions of these can bear; the others take 300.
 REAL = {"mean_shift": 25, "least_cost": 80, "segment_similarity": 150}
 CASES = [
-    (name, k, seed)
-    for name in METHODS
-    for k in range(len(THRESHOLDS[name]))
-    for seed in range(2)
+    (name, k, seed) for name in METHODS for k in range(len(THRESHOLDS[name])) for seed in range(2)
 ]
 
 
@@ -266,7 +268,7 @@ def test_no_wall_is_lost_and_none_invented(name, seed):
     np.testing.assert_array_equal(found.parents >= 0, length(map.segments) >= 1e-9)
     if name == "mean_shift":  # it cuts walls into pieces, and does not always join them again
         assert length(found.segments).sum() <= length(map.segments).sum() + 1e-9
-    else:
+    elif name != "polyline":  # its links, too, are segments
         assert 0 < len(found) <= len(map)
 
 

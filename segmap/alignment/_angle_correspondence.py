@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 from .. import arrays
 from ..arrays import Array, Segments
 from ..extraction import extract_polylines
-from ..kernels import describe
+from ..kernels import Rule, describe
 from ..poses import compose, transform
 from ..scans import Log
 from ..segments import length
@@ -108,7 +108,7 @@ def angle_candidates(
     ]
 
 
-def _refined_poses(s: Scene, t: Scene, rule: loops.Rule, search: AngleSearch) -> Array:
+def _refined_poses(s: Scene, t: Scene, rule: Rule, search: AngleSearch) -> Array:
     """The most valuable distinct poses of scene t in scene s, refined, `(k, 3)`."""
     count = len(s.segments)
     both_ways = np.concatenate([t.pairs, t.pairs[:, ::-1]]) + count
@@ -150,7 +150,7 @@ def _hidden(poses: Array, s: Scene, t: Scene, margin: float) -> Array:
     return found
 
 
-def _matched(poses: Array, s: Scene, t: Scene, rule: loops.Rule) -> list[tuple[int, Array]]:
+def _matched(poses: Array, s: Scene, t: Scene, rule: Rule) -> list[tuple[int, Array]]:
     """For each pose how many walls match, and the constraints about where the current frame is."""
     found, described = [], describe(s.segments)
     value = np.empty((len(s.segments), len(t.segments)))

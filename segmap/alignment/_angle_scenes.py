@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from .. import arrays
 from ..angles import axial_difference, wrap
 from ..arrays import Array, Segments, Settings
-from ..kernels import describe
+from ..kernels import Rule, describe
 from ..segments import MIN_LENGTH, angle, length, midpoint
 from . import _angle_loops as loops
 
@@ -294,7 +294,7 @@ def match_values(
     return found
 
 
-def match_rule(distance: float, far: float, long: float, whole: bool) -> loops.Rule:
+def match_rule(distance: float, far: float, long: float, whole: bool) -> Rule:
     """The thresholds of `match_values` as its loop takes them."""
     arrays.positive("metres", distance=distance, far=far, long=long)
     return float(distance), float(far), float(long), arrays.switch(whole, "whole")

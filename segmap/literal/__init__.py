@@ -32,6 +32,7 @@ from .matching import (
 from .mean_shift import mean_shift
 from .metrics import mean_lines, quality, segment_distance
 from .point_to_line import point_to_line, point_to_line_step
+from .polyline import polyline, polyline_through
 from .quadtree import Quadtree, cell_of, crossed_cells, grown, occupancy, quarters, ray_cells
 from .segment_icp import correspond, segment_cost
 from .segment_similarity import mean_segment, segment_similarity
@@ -85,6 +86,8 @@ __all__ = [
     "point_to_line",
     "point_to_line_step",
     "point_to_segment",
+    "polyline",
+    "polyline_through",
     "quality",
     "quarters",
     "ray_cells",

@@ -6,7 +6,7 @@ import itertools
 import math
 from collections.abc import Iterator, Sequence
 
-from .lines import Segment, axial_difference, line_angle, point_to_segment, segment_length
+from .lines import SAME, Segment, axial_difference, line_angle, point_to_segment, segment_length
 
 Pose = tuple[float, float, float]
 
@@ -25,24 +25,42 @@ def directed_distance(u: Segment, v: Segment) -> float:
 
 
 def intersect(u: Segment, v: Segment) -> bool:
-    """Whether two segments that are not parallel share a point."""
+    """Whether two segments that are not parallel share a point, or nearly so."""
     ax, ay, bx, by = (w[1][k] - w[0][k] for w in (u, v) for k in (0, 1))
     rx, ry, det = v[0][0] - u[0][0], v[0][1] - u[0][1], ax * by - ay * bx
-    return det != 0 and 0 <= (rx * by - ry * bx) / det <= 1 and 0 <= (rx * ay - ry * ax) / det <= 1
+    on_u, on_v = rx * by - ry * bx, rx * ay - ry * ax
+    return det != 0 and all(-SAME <= part / det <= 1 + SAME for part in (on_u, on_v))
 
 
-def match_value(u: Segment, v: Segment, *, distance: float, far: float, long: float) -> float:
+def distance_beside(u: Segment, v: Segment) -> float:
+    """Largest distance from the line of u, metres, of the part of v that lies beside u."""
+    size = segment_length(u)
+    dx, dy = (u[1][0] - u[0][0]) / size, (u[1][1] - u[0][1]) / size
+    (a, off_a), (b, off_b) = sorted(
+        (x * dx + y * dy, y * dx - x * dy) for x, y in ((p[0] - u[0][0], p[1] - u[0][1]) for p in v)
+    )
+    slope = (off_b - off_a) / (b - a)
+    return max(abs(off_a + slope * (t - a)) for t in (max(a, 0.0), min(b, size)))
+
+
+def match_value(
+    u: Segment, v: Segment, *, distance: float, far: float, long: float, whole: bool = True
+) -> float:
     """A 2.7.10: the length, metres, on which two segments agree, less what they lie apart.
 
     Zero where they are farther apart than `far`, or cross steeply and are both longer than `long`.
+    How far they are apart is A's 2.39, or where not `whole` that of the part that both cover.
     """
     lengths = covered(u, v), covered(v, u)
-    apart = min(directed_distance(u, v), directed_distance(v, u))
-    if min(lengths) == 0 or apart > far:
+    if min(lengths) <= SAME:
+        return 0.0
+    between = directed_distance if whole else distance_beside
+    apart = min(between(u, v), between(v, u))
+    if apart > far:
         return 0.0
     if not intersect(u, v):
         return sum(lengths) / 2 * 0.95 ** (apart / distance)
-    steep = abs(axial_difference(line_angle(u), line_angle(v))) > math.pi / 4
+    steep = abs(axial_difference(line_angle(u), line_angle(v))) > math.pi / 4 + SAME
     both_long = min(segment_length(u), segment_length(v)) > long
     return 0.0 if steep and both_long else sum(lengths) / 2
 

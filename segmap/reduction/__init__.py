@@ -27,6 +27,7 @@ from ._hybrid import hybrid
 from ._hybrid_fusion import hybrid_fusion
 from ._least_cost import least_cost, reduce_to
 from ._mean_shift import Directions, common_directions, mean_shift
+from ._polyline import polyline
 from ._runner import Methods, Reduction
 from ._segment_similarity import segment_similarity
 from ._uncertain_parameters import uncertain_parameters
@@ -85,6 +86,16 @@ METHODS = Methods(
         varies="tolerance",
         online=True,
     ),
+    # m -> 1 in A's text, m -> n in its table, which is right: a chain becomes several pieces
+    polyline=Method(
+        polyline,
+        "A 2.7.10",
+        "Amigoni, Gasparini, Gini 2006",
+        merges="m -> n",
+        keeps="end points",
+        varies="tolerance",
+        online=True,
+    ),
     segment_similarity=Method(
         segment_similarity,
         "A 2.7.7",
@@ -138,6 +149,7 @@ __all__ = [
     "hybrid_fusion",
     "least_cost",
     "mean_shift",
+    "polyline",
     "reduce_to",
     "segment_similarity",
     "uncertain_parameters",

@@ -60,6 +60,15 @@ def empty_cells(segments: Array, reach: float, count: int) -> Cells:
     return Cells(reach, smallest, head, after, before, level, levels, middle)
 
 
+def wider(cells: Cells, more: int) -> Cells:
+    """The same cells, with room for so many more segments."""
+    after, before, level = (
+        np.append(old, np.zeros(more, np.int64)) for old in (cells.after, cells.before, cells.level)
+    )
+    middle = np.concatenate([cells.middle, np.zeros((more, 3))])
+    return cells._replace(after=after, before=before, level=level, middle=middle)
+
+
 @compiled
 def _slot(column: int, row: int, level: int, slots: int) -> int:
     return slot_of(column + 7919 * level, row, slots)

@@ -106,11 +106,11 @@ def _steps(rows: Rows, eps: Array, distance: float, angle: float, local: bool) -
     for first, stop in rows.scans():
         _add(state, rows.segments, sigma, first, stop, angle, local, walls)
         yield int(state.counts[1])
-    alive = state.into == np.arange(len(state.into))
-    while not alive[walls].all():
-        walls = state.into[walls]
-    alive[state.counts[0] :] = False
-    return state.s[alive], (np.cumsum(alive) - 1)[walls]
+    into = state.into[: state.counts[0]]
+    alive = into == np.arange(len(into))
+    while not alive[into].all():
+        into = into[into]
+    return state.s[: len(into)][alive], (np.cumsum(alive) - 1)[into[walls]]
 
 
 class State(NamedTuple):
