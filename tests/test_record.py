@@ -214,7 +214,6 @@ ODD_SCANS = {
     "wide": LaserScan([1.0, 1.0], [-5.5, 5.5]),
     "far": LaserScan([1e300], [0.0]),
     "many": LaserScan(np.ones(200_000), np.linspace(-1, 1, 200_000)),
-    "no limit": LaserScan([1.0, np.inf], [0.0, 0.1], max_range=np.nan),
     "limit below zero": LaserScan([1.0, np.inf], [0.0, 0.1], max_range=-1.0),
     "short": LaserScan([1e-9, 1e-4, 1.0], [0.0, 0.1, 0.2]),
     "errors only": LaserScan([np.nan] * 3, [0.0, 0.1, 0.2]),
