@@ -137,6 +137,9 @@ def attack(name: str, count: int) -> Found:
     target = targets()[name]
     load_records("malaga")  # pandas is there
     with tempfile.TemporaryDirectory() as folder:
+        if name.startswith("map"):  # what is compiled too
+            damaged_maps.write(Path(folder) / "it.npz", damaged_maps.sound())
+            damaged_maps.outcome(Path(folder) / "it.npz")
         for number in range(count):
             begun = time.process_time()
             try:
@@ -145,7 +148,7 @@ def attack(name: str, count: int) -> Found:
                 ends[f"FAULT {type(fault).__name__}"] += 1
                 print(f"{name}, mutant {number} of SEGMAP_SEED={SEED}:", file=sys.stderr)
                 traceback.print_exception(fault, limit=-4)
-            if number:  # the first one loads what is compiled
+            if number:  # the first one loads modules
                 slowest = max(slowest, time.process_time() - begun)
     memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
     return Found(name, count, ends, slowest, memory)
