@@ -31,6 +31,8 @@ class Method(Generic[R]):
         Whether it takes the scans one by one.
     needs_points : bool
         Whether it needs the points behind the segments.
+    needs_sensors : bool
+        Whether it needs the places of the sensor.
     needs_odometry : bool
         Whether it needs odometry that is right to within its thresholds.
     """
@@ -44,6 +46,7 @@ class Method(Generic[R]):
     varies: str = ""
     online: bool = False
     needs_points: bool = False
+    needs_sensors: bool = False
     needs_odometry: bool = False
 
     def __call__(self, data: object, **thresholds: object) -> R:

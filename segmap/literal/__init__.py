@@ -37,6 +37,7 @@ from .quadtree import Quadtree, cell_of, crossed_cells, grown, occupancy, quarte
 from .segment_icp import correspond, segment_cost
 from .segment_similarity import mean_segment, segment_similarity
 from .uncertain_parameters import uncertain_parameters
+from .viewing_sector import viewing_sector
 from .weighted_line_fitting import weighted_line_fitting
 
 __all__ = [
@@ -98,5 +99,6 @@ __all__ = [
     "segment_similarity",
     "transforms",
     "uncertain_parameters",
+    "viewing_sector",
     "weighted_line_fitting",
 ]

@@ -31,6 +31,7 @@ from ._polyline import polyline
 from ._runner import Methods, Reduction
 from ._segment_similarity import segment_similarity
 from ._uncertain_parameters import uncertain_parameters
+from ._viewing_sector import viewing_sector
 from ._weighted_line_fitting import weighted_line_fitting
 
 #: Name of each method -> the method, with its place in A's table 2.16. A calls the class of Basic
@@ -131,6 +132,16 @@ METHODS = Methods(
         merges="m -> 1",
         keeps="end points, sums, members",
         varies="penalty",
+    viewing_sector=Method(
+        viewing_sector,
+        "A 2.7.5",
+        "Gonzalez, Ollero, Reina 1994",
+        merges="2 -> 1",
+        keeps="end points, running sums",
+        varies="distance",
+        online=True,
+        needs_points=True,
+        needs_sensors=True,
     ),
 )
 
@@ -153,5 +164,6 @@ __all__ = [
     "reduce_to",
     "segment_similarity",
     "uncertain_parameters",
+    "viewing_sector",
     "weighted_line_fitting",
 ]
