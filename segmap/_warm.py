@@ -73,7 +73,9 @@ def _log(every: int = 4) -> Log:
 
 def _reduced(name: str) -> Found:
     walls, seen = _walls()
-    map = SegmentMap(np.concatenate([seen, walls + 0.02]), np.repeat([0, 1], (36, 12)))
+    map = SegmentMap(
+        np.concatenate([seen, walls + 0.02]), np.repeat([0, 1], (36, 12)), sensors=np.zeros((2, 2))
+    )
     options: dict[str, float] = {}
     if name == "mean_shift":
         map, options = SegmentMap(seen[:9]), {"sigma": 1.0}

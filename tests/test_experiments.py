@@ -61,7 +61,11 @@ def test_the_order_is_that_of_the_request(expected):
 def test_all_methods_run_with_their_defaults_and_those_that_are_none_are_left_out():
     """Catches runs that do not say with what they were made, and whole numbers made floats."""
     found = sweep({"room": ROOM})
-    assert list(found["method"]) == list(METHODS)
+    assert list(found["method"]) == [n for n in METHODS if not METHODS[n].needs_sensors]
+    placed = replace(ROOM, sensors=np.ones((ROOM.scan.max() + 1, 2)))
+    assert list(sweep({"room": placed})["method"]) == list(METHODS)
+    with pytest.raises(ValueError, match=r"map must tell where its sensor was"):
+        sweep({"room": ROOM}, ["viewing_sector"])
     runs = {run["method"]: thresholds_of(run) for _, run in found.iterrows()}
     assert runs["fusion"] == {"tolerance": 0.04}
     assert runs["hybrid"] == {"distance": 0.20, "angle": np.pi / 18}

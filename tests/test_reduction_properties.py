@@ -72,9 +72,16 @@ THRESHOLDS["polyline"] = [
     {"tolerance": 0.01, "bridge": 0.0},
     {"tolerance": 0.213, "far": 0.31, "long": 0.11, "bridge": np.inf},
 ]
+THRESHOLDS["viewing_sector"] = [
+    {},
+    {"distance": 0.3, "forget": False},
+    {"distance": 0.05, "min_length": 0.01},
+    {"rejoin": False, "spacing": 0.2},
+]
 #: Thresholds that are lengths, or in the case of the bandwidth one over a length.
 LENGTHS = {"distance", "tolerance", "sigma", "bandwidth", "gap"}
 LENGTHS |= {"sigma_range", "sigma_place", "spacing", "eps", "penalty", "far", "long", "bridge"}
+LENGTHS |= {"min_length"}
 #: Mean shift looks at every piece from every piece: smaller maps, nearer together; the plain least
 #: cost tries thousands of lines.
 SMALL = {"mean_shift": (12, 0.5), "least_cost": (24, 0.7)}
@@ -230,12 +237,13 @@ def test_swapping_end_points_changes_nothing(name, make):
 def test_walls_at_0_and_180_degrees_merge_like_walls_at_90(name, turn):
     """Angles compared, or averaged, as plain numbers: two walls, or one across."""
     seen = [[(0.0, 1.01), (2.0, 0.99)], [(0.05, 0.99), (2.05, 1.01)], [(2.0, 1.0), (0.0, 1.0)]]
-    map = SegmentMap(transform((0, 0, turn), np.array(seen)), [0, 1, 2])
+    map = carried(SegmentMap(seen, [0, 1, 2], sensors=np.ones((3, 2)) * (1, 3)), (0, 0, turn))
     found = METHODS[name](map)
     assert len(found) == 1
     back = transform((0, 0, -turn), found.segments)
     np.testing.assert_allclose(back[0, :, 1], 1.0, atol=0.03)
-    np.testing.assert_allclose(np.sort(back[0, :, 0]), (0.0, 2.05), atol=0.03)
+    end = 2.0 if name == "viewing_sector" else 2.05  # what is short is not added
+    np.testing.assert_allclose(np.sort(back[0, :, 0]), (0.0, end), atol=0.03)
 
 
 # ------------------------------------------------------------------- what may come out
@@ -251,7 +259,10 @@ def room() -> np.ndarray:
 def test_a_map_without_redundancy_is_kept(name, turn):
     """Corners that are cut, walls that are joined through a door: quality below 1."""
     walls = transform((0, 0, turn), room())
-    found = METHODS[name](SegmentMap(walls, np.arange(len(walls)) // 2))
+    sensors = transform((0, 0, turn), np.tile((0.5, 1.5), (len(walls), 1)))
+    options = {"forget": False} if name == "viewing_sector" else {}
+    map = SegmentMap(walls, np.arange(len(walls)) // 2, sensors=sensors)
+    found = METHODS[name](map, **options)
     assert quality(walls, found) == pytest.approx(1.0, abs=1e-9)
     assert sorted(found.parents) == list(range(len(walls)))
     assert_segments_equal(found.segments[found.parents], walls, ordered=True, atol=1e-9)
@@ -265,6 +276,11 @@ def test_no_wall_is_lost_and_none_invented(name, seed):
     map = made(MAPS[seed % 4], name, seed)
     free = {"min_length": 0.0} if name.startswith("hybrid") else {}
     found = METHODS[name](map, **free)
+    if name == "viewing_sector":  # it forgets, and leaves out what is short
+        assert np.isin(
+            np.flatnonzero(length(map.segments) < 1e-9), np.where(found.parents < 0)
+        ).all()
+        return
     np.testing.assert_array_equal(found.parents >= 0, length(map.segments) >= 1e-9)
     if name == "mean_shift":  # it cuts walls into pieces, and does not always join them again
         assert length(found.segments).sum() <= length(map.segments).sum() + 1e-9
@@ -298,7 +314,9 @@ def test_hybrid_is_not_idempotent_because_it_never_compares_its_own_segments():
 def test_online_methods_record_each_scan(name):
     """Counts of another map: after the first scan it is what that scan alone gives."""
     segments = redundant_map(np.random.default_rng(1))
-    found = METHODS[name](SegmentMap(segments, np.repeat([2, 5, 9], 20)))
+    sensors = np.zeros((10, 2))
+    found = METHODS[name](SegmentMap(segments, np.repeat([2, 5, 9], 20), sensors=sensors))
     assert len(found.scan_seconds) == len(found.scan_live) == 3
-    first = METHODS["hybrid" if name == "hybrid_fusion" else name](segments[:20])
+    alone = SegmentMap(segments[:20], sensors=sensors)
+    first = METHODS["hybrid" if name == "hybrid_fusion" else name](alone)
     assert found.scan_live[0] == len(first)

@@ -82,14 +82,21 @@ def planned(
     functions = _functions(methods)
     for name in set(grids) - set(METHODS):
         arrays.one_of(name, "grids", functions)
+    anywhere = not isinstance(methods, Mapping)
     plans = {name: _combinations(name, f, grids.get(name, [{}])) for name, f in functions.items()}
     return [
         Job({**known, "method": method, "thresholds": row}, part, functions[method], first, repeat)
         for name, map in maps.items()
         for known, part in _filtered(name, map, least)
         for method, plan in plans.items()
+        if anywhere or part.sensors is not None or not _needs_sensors(methods, method)
         for row, first in plan
     ]
+
+
+def _needs_sensors(methods: Iterable[str] | Mapping[str, Function], name: str) -> bool:
+    method = methods[name] if isinstance(methods, Mapping) else METHODS[name]
+    return isinstance(method, Method) and method.needs_sensors
 
 
 def _functions(methods: Iterable[str] | Mapping[str, Function]) -> dict[str, Function]:

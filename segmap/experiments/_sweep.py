@@ -24,7 +24,9 @@ if TYPE_CHECKING:
     import pandas as pd
 
 #: Two walls and a piece of one, in two scans: enough to load what a method has compiled.
-TINY = SegmentMap([[(0, 0), (2, 0)], [(1, 0), (3, 0)], [(0, 0), (0, 2)]], [0, 1, 1])
+TINY = SegmentMap(
+    [[(0, 0), (2, 0)], [(1, 0), (3, 0)], [(0, 0), (0, 2)]], [0, 1, 1], sensors=[(1, 1), (1, 1)]
+)
 
 
 def sweep(
@@ -46,6 +48,8 @@ def sweep(
         Name of a building -> SegmentMap, Reduction or (n, 2, 2) array, metres.
     methods : names in `reduction.METHODS`, mapping of a name -> method, or None
         A method of your own is `method(map, *, thresholds) -> Reduction`. None: all of METHODS.
+        One that needs the places of the sensor is left out on maps that have none, unless it is
+        asked for by its name.
     grids : mapping
         Name of a method -> list of thresholds (dictionaries), or dictionary of lists: all
         combinations, the last name running fastest. A method without a grid runs once. Defaults

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from itertools import pairwise
 from typing import NamedTuple
 
 from .hybrid import Found, by_scan
@@ -74,7 +75,7 @@ def views(wall: Segment, s: Segment, p: Point, distance: float) -> list[View]:
     cuts = [(bound - h0) / (h1 - h0) for bound in (distance, -distance) if h1 != h0]
     cuts = [t0, *sorted(t for t in cuts if t0 < t < t1), t1]
     found = []
-    for begin, end in zip(cuts, cuts[1:], strict=False):
+    for begin, end in pairwise(cuts):
         if (end - begin) * segment_length(s) <= SAME:
             continue
         h = h0 + (begin + end) / 2 * (h1 - h0)
@@ -157,7 +158,9 @@ def joined(wall: Wall, parts: Sequence[Wall]) -> Wall:
         sums = sums + other.sums
         for i, held in other.shares.items():
             shares[i] = shares.get(i, 0.0) + held
-    theta = sums.direction()
+    theta, (a, b) = sums.direction(), wall.ends
+    if (b[0] - a[0]) * math.cos(theta) + (b[1] - a[1]) * math.sin(theta) < 0:
+        theta += math.pi
     ends = [q for one in (wall, *parts) for q in one.ends]
     line = sums.x, sums.y, math.cos(theta), math.sin(theta)
     return Wall(extreme_projections(ends, line), sums, shares)
@@ -167,7 +170,7 @@ def stretches(claims: Sequence[tuple[int, View]], size: float) -> list[tuple[flo
     """Step 4: each stretch of a scan segment and the claim that gets it, -1 for none."""
     cuts = sorted({0.0, 1.0, *(t for _, v in claims for t in (v.t0, v.t1))})
     found: list[tuple[float, float, int]] = []
-    for begin, end in zip(cuts, cuts[1:], strict=False):
+    for begin, end in pairwise(cuts):
         if (end - begin) * size <= SAME:
             continue
         middle = (begin + end) / 2
@@ -193,7 +196,7 @@ def take_scan(
     seen = [[views(w.ends, s.ends, p, distance) for s in scan] for w in walls]
     sizes = [segment_length(w.ends) for w in walls]
     pieces = [
-        kept_pieces(size, sum(row, []), min_length, forget, rejoin)
+        kept_pieces(size, [v for its in row for v in its], min_length, forget, rejoin)
         for size, row in zip(sizes, seen, strict=True)
     ]
     parts: list[list[list[Wall]]] = [[[] for _ in row] for row in pieces]
@@ -242,7 +245,7 @@ def viewing_sector(
     scans: Sequence[int],
     *,
     points: Sequence[Sequence[Point]] | None = None,
-    sensors: Sequence[Point],
+    sensors: Sequence[Point] = (),
     distance: float = 0.10,
     min_length: float = 0.10,
     forget: bool = True,
@@ -252,9 +255,10 @@ def viewing_sector(
     """Scan after scan against the map as it was before; step 7 is the order of the map."""
     walls: list[Wall] = []
     for new in by_scan(segments, scans):
-        scan = [wall_of(i, segments[i], points and points[i], spacing) for i in new]
         p = sensors[scans[new[0]]]
-        walls = take_scan(walls, scan, p, (distance, min_length), forget, rejoin)
+        seen = {i: s if cross(p, s[0], s[1]) <= 0 else s[::-1] for i in new for s in [segments[i]]}
+        scan = [wall_of(i, s, points[i] if points else None, spacing) for i, s in seen.items()]
+        walls = take_scan(walls, scan, p, (distance, max(min_length, 10 * SAME)), forget, rejoin)
     parents = []
     for i in range(len(segments)):
         held = [wall.shares.get(i, 0.0) for wall in walls]

@@ -26,6 +26,10 @@ METHOD_STYLES = {
     "uncertain_parameters": ("#d55e00", "h", "--"),
     "least_cost": ("#000000", "d", "-"),
     "polyline": ("#332288", "*", "--"),
+    "viewing_sector": ("#aa4499", "<", "-"),
+    "fusion_online": ("#4477aa", ">", "--"),
+    "fuzzy_set": ("#bbbb00", "d", "-"),
+    "fuzzy_clustering": ("#663300", "8", "--"),
 }
 
 

@@ -132,6 +132,7 @@ METHODS = Methods(
         merges="m -> 1",
         keeps="end points, sums, members",
         varies="penalty",
+    ),
     viewing_sector=Method(
         viewing_sector,
         "A 2.7.5",

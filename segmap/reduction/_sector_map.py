@@ -143,7 +143,7 @@ def share_out(scan: Walls, claims: Claims, found: int, room: Room) -> int:
 def _nearest_piece(
     map: Walls, k: int, s: Array, t0: float, t1: float, p: Array, first: Indices, out: Walls
 ) -> int:
-    """The piece of wall k beside the middle of where a stretch falls on it; -1 where all is gone."""
+    """The piece of wall k beside the middle of where a stretch falls on it; -1: all gone."""
     wall, size, total = map.s[k], size_of(map.s[k]), 0.0
     q = np.empty(2)
     for t in (t0, t1):
@@ -213,7 +213,10 @@ def _span_all(scan: Walls, stretches: int, room: Room, out: Walls, pieces: int) 
             continue
         sums = out.sums[w]
         if high[w] < low[w]:
-            turn[w] = 0.5 * np.arctan2(2 * sums[4], sums[3] - sums[5])
+            turn[w], own = 0.5 * np.arctan2(2 * sums[4], sums[3] - sums[5]), out.s[w]
+            dx, dy = own[1, 0] - own[0, 0], own[1, 1] - own[0, 1]
+            if dx * np.cos(turn[w]) + dy * np.sin(turn[w]) < 0.0:
+                turn[w] += np.pi
         dx, dy, s, own = np.cos(turn[w]), np.sin(turn[w]), scan.s[room.owner[r, 0]], out.s[w]
         for e in range(2):
             t = room.stretch[r, e]

@@ -1,6 +1,7 @@
 """The viewing sector, steps 1 to 3 and 5: what a scan says of the map; compiled when called.
 
-Lengths are in metres. A stretch of a segment is named by the shares t0 to t1 of its length, a stretch of a wall by metres.
+Lengths are in metres. A stretch of a segment of the scan is named by the shares t0 to t1 of its
+length, a stretch of a wall by metres.
 """
 
 from __future__ import annotations

@@ -22,7 +22,7 @@ def viewing_sector(
     rejoin: bool = True,
     spacing: float = 0.05,
 ) -> Reduction:
-    """Compare what a scan has in the sector of each segment with it (A 2.7.5; Gonzalez et al. 1994).
+    """Compare each segment with what a scan has in its sector (A 2.7.5; Gonzalez et al. 1994).
 
     From its place the sensor sees a segment of the map inside a sector. A stretch of the scan in
     this sector and within `distance` of its line matches: its points join those of the segment,
@@ -79,9 +79,14 @@ def viewing_sector(
            [-2.,  2.]]), array([0, 0, 1, 2]))
     """
     arrays.positive("metres", distance=distance)
-    arrays.number(min_length, "min_length", above=0, unit="metres")
+    arrays.number(min_length, "min_length", least=0, unit="metres")
     check_spacing(spacing)
-    limits = float(distance), float(min_length), _flag(forget, "forget"), _flag(rejoin, "rejoin")
+    limits = (
+        float(distance),
+        max(float(min_length), 10 * SAME),
+        _flag(forget, "forget"),
+        _flag(rejoin, "rejoin"),
+    )
     return run_online(
         "viewing_sector", map, lambda rows: _steps(map, rows, limits, spacing), splits=True
     )
@@ -102,7 +107,8 @@ def _steps(
             "map must tell where its sensor was: build_map(log, poses, keep_points=True) does, or "
             "SegmentMap(segments, scan, sensors=...)"
         )
-    s, (distance, min_length, forget, rejoin) = rows.segments, limits
+    distance, min_length, forget, rejoin = limits
+    s = _clockwise(rows.segments, sensors)
     inputs = Walls(s, np.empty((len(s), 6)), rows.row)
     if kept:
         _sum_points(points, first, inputs.sums)
@@ -147,6 +153,13 @@ def _steps(
         before, after = after, before
         yield count
     return before.s[:count].copy(), tree.parents(before.node[:count], rows.row)
+
+
+def _clockwise(s: Array, sensors: Array) -> Array:
+    """Segments whose ends their sensor sees clockwise, whichever was given first."""
+    a, b = s[:, 0] - sensors, s[:, 1] - sensors
+    turned = a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0] > 0
+    return np.where(turned[:, None, None], s[:, ::-1], s)
 
 
 def _empty_walls(count: int) -> Walls:
