@@ -1,6 +1,7 @@
 """What every reduction method promises, whatever it does inside."""
 
 import inspect
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -70,7 +71,7 @@ def test_the_map_is_left_as_it_was(name):
 
 @anywhere
 def test_maps_arrays_and_reductions_are_all_accepted(name):
-    map = noisy_building()
+    map = replace(noisy_building(), sensors=None)
     once = METHODS[name](map)
     alone = METHODS[name](SegmentMap(map.segments))
     np.testing.assert_array_equal(METHODS[name](map.segments).segments, alone.segments)

@@ -28,7 +28,7 @@ METHOD_STYLES = {
     "polyline": ("#332288", "*", "--"),
     "viewing_sector": ("#aa4499", "<", "-"),
     "fusion_online": ("#4477aa", ">", "--"),
-    "fuzzy_set": ("#bbbb00", "d", "-"),
+    "fuzzy_set": ("#bbbb00", "H", "-"),
     "fuzzy_clustering": ("#663300", "8", "--"),
 }
 
