@@ -4,11 +4,12 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from reduction_maps import MAPS, corridor_map
+from reduction_maps import MAPS, corridor_map, malaga
 
 from segmap.poses import transform
-from segmap.reduction import fusion
-from segmap.segments import length
+from segmap.reduction import fusion, fusion_online
+from segmap.segments import SegmentMap, length
+from segmap.testing import assert_segments_equal
 
 TOLERANCE = 0.04
 
@@ -74,3 +75,26 @@ def test_of_equal_chains_the_first_indices_win(side, turn):
     rows.append([(1, -0.0625 * side), (2, -0.0625 * side)])
     found = fusion(transform((0, 0, turn), rows), tolerance=0.05)
     assert found.parents.tolist() == [0, 0, 1]
+
+
+# ------------------------------------------------------------------ after every scan
+
+
+def test_on_line_every_pass_widens_what_a_strip_reaches():
+    """The counter-example: looks that drift away are one wall on-line and two off-line.
+
+    A wall that has taken in a look 8 cm beside it stands between both, and reaches the next.
+    """
+    drift = [[(0, y), (2, y)] for y in (0.0, 0.08, 0.12, 0.14)]
+    map = SegmentMap(drift, range(4))
+    found = fusion_online(map, tolerance=0.05)
+    assert found.scan_live.tolist() == [1, 1, 1, 1]
+    assert len(fusion(map, tolerance=0.05)) == 2
+
+
+def test_on_line_with_one_scan_is_off_line():
+    """Catches a last pass too many, or one that is left out."""
+    map = malaga()
+    once = SegmentMap(map.segments)
+    assert_segments_equal(fusion_online(once), fusion(map), ordered=True)
+    assert len(fusion_online(map)) < len(fusion(map))

@@ -72,6 +72,7 @@ THRESHOLDS["polyline"] = [
     {"tolerance": 0.01, "bridge": 0.0},
     {"tolerance": 0.213, "far": 0.31, "long": 0.11, "bridge": np.inf},
 ]
+THRESHOLDS["fusion_online"] = THRESHOLDS["fusion"]
 THRESHOLDS["viewing_sector"] = [
     {},
     {"distance": 0.3, "forget": False},

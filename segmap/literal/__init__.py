@@ -14,6 +14,7 @@ from .basic import basic_offline, basic_online
 from .correlative_search import correlative_search, likelihoods
 from .extraction import extract_clusters, extract_polylines, fit_algebraic, fit_total
 from .fusion import best_strip, chain, fusion
+from .fusion_online import fusion_online
 from .gauss_newton import edge_residual, gauss_newton
 from .global_segments import best_shifts, best_turns, least_squares
 from .hybrid import hough, hybrid, hybrid_fusion
@@ -64,6 +65,7 @@ __all__ = [
     "fit_algebraic",
     "fit_total",
     "fusion",
+    "fusion_online",
     "gauss_newton",
     "grown",
     "hill_climb",

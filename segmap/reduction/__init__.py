@@ -21,7 +21,7 @@ from __future__ import annotations
 
 from ..methods import Method
 from ._basic import basic_offline, basic_online
-from ._fusion import fusion
+from ._fusion import fusion, fusion_online
 from ._hough import hough
 from ._hybrid import hybrid
 from ._hybrid_fusion import hybrid_fusion
@@ -133,6 +133,15 @@ METHODS = Methods(
         keeps="end points, sums, members",
         varies="penalty",
     ),
+    fusion_online=Method(
+        fusion_online,
+        "A 2.7.9",
+        "Amigoni, Vailati 2009",
+        merges="m -> 1",
+        keeps="end points",
+        varies="tolerance",
+        online=True,
+    ),
     viewing_sector=Method(
         viewing_sector,
         "A 2.7.5",
@@ -156,6 +165,7 @@ __all__ = [
     "basic_online",
     "common_directions",
     "fusion",
+    "fusion_online",
     "hough",
     "hybrid",
     "hybrid_fusion",

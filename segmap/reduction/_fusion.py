@@ -11,7 +11,7 @@ from .. import arrays
 from ..arrays import Array, Segments
 from ..kernels import slots_of
 from ._fusion_loops import Grid, Room, fuse_all
-from ._runner import Indices, Reduction, run
+from ._runner import Indices, Reduction, Rows, Steps, run, run_online
 
 
 def fusion(map: Segments, *, tolerance: float = 0.04) -> Reduction:
@@ -51,6 +51,56 @@ def fusion(map: Segments, *, tolerance: float = 0.04) -> Reduction:
     """
     arrays.positive("metres", tolerance=tolerance)
     return run("fusion", map, lambda rows: fuse(rows.segments, tolerance))
+
+
+def fusion_online(map: Segments, *, tolerance: float = 0.04) -> Reduction:
+    """Fusion of the map and each new scan, one scan after the other (A 2.7.9, table 2.16).
+
+    A names both ways and builds the off-line one. Each pass fuses the whole map again, and a second
+    pass finds more than the first: strips around fused segments reach what those around their
+    members did not. So the map has fewer segments than `fusion` gives, and drifts farther from
+    what was seen: compare both at equal quality.
+
+    The time of a scan grows with the map: that of all scans with scans times map.
+
+    Parameters
+    ----------
+    map : SegmentMap, Reduction or (n, 2, 2) array, metres
+        Scans come in ascending order.
+    tolerance : float, metres
+        As in `fusion`.
+
+    Returns
+    -------
+    Reduction
+        Longest first; with seconds and segments in the map for each scan.
+
+    Raises
+    ------
+    ValueError
+        As `fusion`.
+
+    Examples
+    --------
+    >>> from segmap import SegmentMap
+    >>> wall = [[(0, 0), (2, 0)], [(1.5, 0.05), (3, 0.05)], [(1, 0.1), (2, 0.1)]]
+    >>> found = fusion_online(SegmentMap(wall, [0, 1, 2]), tolerance=0.05)
+    >>> found.scan_live, found.parents
+    (array([1, 1, 1]), array([0, 0, 0]))
+    """
+    arrays.positive("metres", tolerance=tolerance)
+    return run_online("fusion_online", map, lambda rows: _steps(rows, tolerance))
+
+
+def _steps(rows: Rows, tolerance: float) -> Steps:
+    walls, parents = np.empty((0, 2, 2)), np.empty(len(rows.segments), np.int64)
+    for first, stop in rows.scans():
+        old = len(walls)
+        walls, into = fuse(np.concatenate([walls, rows.segments[first:stop]]), tolerance)
+        parents[:first] = into[parents[:first]]
+        parents[first:stop] = into[old:]
+        yield len(walls)
+    return walls, parents
 
 
 def fuse(s: Array, tolerance: float) -> tuple[Array, Indices]:
