@@ -73,6 +73,11 @@ THRESHOLDS["polyline"] = [
     {"tolerance": 0.213, "far": 0.31, "long": 0.11, "bridge": np.inf},
 ]
 THRESHOLDS["fusion_online"] = THRESHOLDS["fusion"]
+THRESHOLDS["fuzzy_set"] = [
+    {},
+    {"across": 0.5, "along": 0.05, "angle": np.pi / 4},
+    {"axes": 0.3, "error": 0.1},
+]
 THRESHOLDS["viewing_sector"] = [
     {},
     {"distance": 0.3, "forget": False},
@@ -82,12 +87,12 @@ THRESHOLDS["viewing_sector"] = [
 #: Thresholds that are lengths, or in the case of the bandwidth one over a length.
 LENGTHS = {"distance", "tolerance", "sigma", "bandwidth", "gap"}
 LENGTHS |= {"sigma_range", "sigma_place", "spacing", "eps", "penalty", "far", "long", "bridge"}
-LENGTHS |= {"min_length"}
+LENGTHS |= {"min_length", "across", "along", "error"}
 #: Mean shift looks at every piece from every piece: smaller maps, nearer together; the plain least
 #: cost tries thousands of lines.
 SMALL = {"mean_shift": (12, 0.5), "least_cost": (24, 0.7)}
 #: Segments of a real map that the plain versions of these can bear; the others take 300.
-REAL = {"mean_shift": 25, "least_cost": 80, "segment_similarity": 150}
+REAL = {"mean_shift": 25, "least_cost": 80, "segment_similarity": 150, "fuzzy_set": 150}
 CASES = [
     (name, k, seed) for name in METHODS for k in range(len(THRESHOLDS[name])) for seed in range(2)
 ]

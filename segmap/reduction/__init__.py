@@ -22,6 +22,7 @@ from __future__ import annotations
 from ..methods import Method
 from ._basic import basic_offline, basic_online
 from ._fusion import fusion, fusion_online
+from ._fuzzy_set import fuzzy_set
 from ._hough import hough
 from ._hybrid import hybrid
 from ._hybrid_fusion import hybrid_fusion
@@ -142,6 +143,16 @@ METHODS = Methods(
         varies="tolerance",
         online=True,
     ),
+    # the table's row drops e, which the text has
+    fuzzy_set=Method(
+        fuzzy_set,
+        "A 2.7.4",
+        "Lopez-Sanchez, Esteva, Lopez de Mantaras, Sierra 1998",
+        merges="2 -> 1",
+        keeps="end points, e, e1, e2",
+        varies="across",
+        needs_points=True,
+    ),
     viewing_sector=Method(
         viewing_sector,
         "A 2.7.5",
@@ -166,6 +177,7 @@ __all__ = [
     "common_directions",
     "fusion",
     "fusion_online",
+    "fuzzy_set",
     "hough",
     "hybrid",
     "hybrid_fusion",

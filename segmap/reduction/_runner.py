@@ -44,6 +44,8 @@ class Reduction(Pictured):
         Time that an on-line method took for each scan that has segments.
     scan_live : (k,) int array or None
         Segments in its map after each of these scans.
+    doubt : str
+        Why the method may not suit this map; nothing where it does.
     """
 
     segments: Array
@@ -52,6 +54,7 @@ class Reduction(Pictured):
     method: str = ""
     scan_seconds: Array | None = None
     scan_live: Indices | None = None
+    doubt: str = ""
 
     def members(self, index: int) -> Indices:
         """Input segments that went into one output, ascending, `(k,)` int array."""
