@@ -62,7 +62,10 @@ def number(
         )
         suffix = f", in {unit}" if unit else ""
         kind = "a number" if range_ else "a finite number"
-        raise ValueError(f"{name} must be {kind}{range_}{suffix}, got {brief(value)}")
+        upper = most if below is None else below
+        degrees = unit == "radians" and array.dtype.kind in "fiu" and upper and array > upper
+        hint = f" (of degrees np.radians({brief(value)}))" if degrees else ""
+        raise ValueError(f"{name} must be {kind}{range_}{suffix}{hint}, got {brief(value)}")
     size = abs(float(array))
     most = LIMIT if most is None else most
     if unit.startswith("metres") and size and not LEAST <= size <= most:
@@ -73,12 +76,15 @@ def number(
 def positive(unit: str = "", most: float | None = None, /, **values: object) -> None:
     """Refuse each named value that is not one positive, finite number, at most `most`.
 
+    An angle in radians is at most a whole turn.
+
     Examples
     --------
     >>> positive("metres", distance=0.2, gap=0)
     Traceback (most recent call last):
     ValueError: gap must be a number above 0, in metres, got 0
     """
+    most = 2 * np.pi if most is None and unit == "radians" else most
     for name, value in values.items():
         number(value, name, above=0, most=most, unit=unit)
 

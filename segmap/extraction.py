@@ -14,8 +14,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import _extraction_loops as loops
-from . import arrays
-from .arrays import Array
+from . import _units, arrays
+from ._placed import poses_for, warn_of_nothing
+from .arrays import Array, Poses
 from .poses import transform
 from .scans import Log
 from .segments import SegmentMap
@@ -134,7 +135,7 @@ def extract_polylines(
 
 def build_map(
     log: Log,
-    poses: ArrayLike,
+    poses: Poses,
     *,
     extract: Callable[..., Array] = extract_polylines,
     keep_points: bool = False,
@@ -145,9 +146,8 @@ def build_map(
     Parameters
     ----------
     log : Log
-    poses : (k, 3) array, metres and radians
-        Pose of the robot at each scan, as an alignment gives it, or `log.truth`. A scan whose pose
-        is NaN is left out.
+    poses : (k, 3) array, metres and radians, or Alignment
+        Pose of the robot at each scan, such as `log.truth`; a scan with NaN in it is left out.
     extract : function
         `extract(points, **thresholds) -> (n, 2, 2)`.
     keep_points : bool
@@ -159,7 +159,7 @@ def build_map(
     Returns
     -------
     SegmentMap
-        `.scan` holds the index of the scan in `log`.
+        `.scan` holds the index of the scan in `log`. A warning says why a map is empty.
 
     Raises
     ------
@@ -175,19 +175,17 @@ def build_map(
     >>> build_map(Log("wall", [wall]), [(5, 0, 0)], keep_points=True).sensors
     array([[5., 0.]])
     """
-    arrays.instance(log, "log", Log), arrays.function(extract, "extract", "of points")
-    arrays.switch(keep_points, "keep_points")
-    if poses is None:
-        raise ValueError(
-            f"poses must have shape ({len(log)}, 3), got None: this log has no such poses"
-        )
-    rows = arrays.poses(poses, count=len(log), missing=True)
+    arrays.function(extract, "extract", "of points")
+    rows = poses_for(log, poses)
     known = np.flatnonzero(np.isfinite(rows).all(1))
-    if keep_points:
-        return _map_with_points(log, rows, known, _runs_of(extract, thresholds))
-    found = [transform(rows[k], extract(log.scans[k].points(), **thresholds)) for k in known]
-    counts = [len(segments) for segments in found]
-    return SegmentMap(np.concatenate([np.empty((0, 2, 2)), *found]), np.repeat(known, counts))
+    if arrays.switch(keep_points, "keep_points"):
+        map = _map_with_points(log, rows, known, _runs_of(extract, thresholds))
+    else:
+        found = [transform(rows[k], extract(log[int(k)].points(), **thresholds)) for k in known]
+        scan = np.repeat(known, [len(segments) for segments in found])
+        map = SegmentMap(np.concatenate([np.empty((0, 2, 2)), *found]), scan)
+    warn_of_nothing(not len(map), log, rows, "without a segment (too few points, or too short)")
+    return map
 
 
 def fit_line(points: ArrayLike) -> tuple[Array, float]:
@@ -249,6 +247,7 @@ def _polyline_runs(
     arrays.number(min_length, "min_length", least=0, unit="metres")
     least = max(arrays.whole(min_points, "min_points", least=0), 2)
     p = _in_order(points, gap, closed)
+    _units.check_lengths(p, tolerance=tolerance, min_length=min_length)
     out, room = np.empty((len(p) // least + 1, 2, 2)), np.empty((4, len(p) + 1), np.int64)
     found = loops.polylines(p, gap, tolerance, least, min_length, out, room, np.empty(len(p) + 1))
     return Runs(out[:found], p, room[2, :found], room[3, :found])
@@ -295,6 +294,7 @@ def _in_order(points: ArrayLike, gap: float, closed: bool) -> Array:
     """Points `(n, 2)`, metres; those of a closed scan from where a round best begins."""
     arrays.number(gap, "gap", above=0, most=np.inf, unit="metres")
     p = np.ascontiguousarray(arrays.points(points))
+    _units.check_lengths(p, most=_units.MOST_GAP, share=1.0, gap=gap)
     if not arrays.switch(closed, "closed") or len(p) < 3:
         return p
     return np.roll(p, -loops.start_of_round(p, gap), axis=0)

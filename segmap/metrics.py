@@ -5,6 +5,8 @@ Segment distance and quality: A 2.7.7 and 6.2.2; grades: A 6.2.3; relation error
 
 from __future__ import annotations
 
+import warnings
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -157,12 +159,18 @@ def quality(before: Segments, after: Segments, *, scale: float = 0.050) -> float
     Returns
     -------
     float
-        1 for an unchanged or an empty map, 0 where nothing is left of a map.
+        1 for an unchanged map, or where there was nothing to lose; 0 where nothing is left; NaN
+        where both are empty.
 
     Raises
     ------
     ValueError
         For a scale that is not positive, coordinates that are not finite.
+
+    Warns
+    -----
+    UserWarning
+        Where both are empty: that nothing became nothing says nothing about a method.
 
     Examples
     --------
@@ -172,7 +180,13 @@ def quality(before: Segments, after: Segments, *, scale: float = 0.050) -> float
     """
     arrays.positive("metres", scale=scale)
     found = errors(before, after)
-    return float(np.exp(-found.mean() / scale)) if len(found) else 1.0
+    if len(found):
+        return float(np.exp(-found.mean() / scale))
+    if len(arrays.segments(after, "after")):
+        return 1.0
+    text = "quality is NaN: neither map holds a segment, before or after"
+    warnings.warn(text, UserWarning, stacklevel=2)
+    return np.nan
 
 
 def reduction_rate(before: Segments, after: Segments) -> float:

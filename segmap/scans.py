@@ -9,7 +9,7 @@ from typing import Any, NamedTuple, overload
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from . import arrays
+from . import _units, arrays
 from ._display import Pictured
 from .arrays import Array
 from .poses import transform
@@ -42,7 +42,12 @@ class LaserScan(Pictured):
     Raises
     ------
     ValueError
-        Where shapes disagree, or where an angle or the sensor's pose is not finite.
+        Where shapes disagree, or where an angle or the sensor's pose is not finite or in degrees.
+
+    Warns
+    -----
+    UserWarning
+        Where half of the ranges are above 1 000 m: they look like millimetres.
 
     Examples
     --------
@@ -77,13 +82,16 @@ class LaserScan(Pictured):
         keep(self, "angles", _row(angles, "angles", len(self.ranges)))
         if not np.isfinite(self.angles).all():
             raise ValueError("angles must be finite, in radians")
+        _units.check_angles(self.angles, "angles")
         keep(self, "time", _scalar(time, "time"))
         pose = None if odometry is None else arrays.pose(odometry, "odometry", missing=True)
         keep(self, "odometry", None if pose is None else _frozen(pose))
         keep(self, "max_range", _scalar(max_range, "max_range"))
         if np.isnan(self.max_range):
             raise ValueError("max_range must be a number, in metres, got nan")
+        _units.check_ranges(self.ranges, self.max_range)
         keep(self, "sensor_pose", _frozen(arrays.pose(sensor_pose, "sensor_pose")))
+        _units.check_angles(self.sensor_pose[2], "sensor_pose[2]")
         keep(self, "codes", None if codes is None else _row(codes, "codes", len(self.ranges), int))
 
     @property
@@ -139,6 +147,11 @@ class Log(Pictured, Sequence[LaserScan]):
     ValueError
         Where a scan is no LaserScan, or the truth not one pose a scan.
 
+    Warns
+    -----
+    UserWarning
+        Where the headings of odometry or truth look like degrees.
+
     Examples
     --------
     >>> log = Log("two", [LaserScan([1.0], [0.0], time=t) for t in (0.0, 0.1)])
@@ -170,6 +183,9 @@ class Log(Pictured, Sequence[LaserScan]):
         rows = None if truth is None else arrays.poses(truth, "truth", count=count, missing=True)
         keep(self, "truth", None if rows is None else _frozen(rows))
         keep(self, "skipped", skipped)
+        _units.check_headings(self.odometry, "the odometry")
+        if self.truth is not None:
+            _units.check_headings(self.truth, "the truth")
 
     @property
     def times(self) -> Array:
@@ -194,7 +210,11 @@ class Log(Pictured, Sequence[LaserScan]):
             return self.scans[index]
         chosen = np.arange(len(self))[index]
         truth = None if self.truth is None else self.truth[chosen]
-        return Log(self.name, [self.scans[k] for k in chosen], truth, self.skipped)
+        part = object.__new__(Log)  # the units of the whole are checked, a part may be thin
+        scans = tuple(self.scans[k] for k in chosen)
+        known = None if truth is None else _frozen(truth)
+        vars(part).update(name=self.name, scans=scans, truth=known, skipped=self.skipped)
+        return part
 
     def __iter__(self) -> Iterator[LaserScan]:
         return iter(self.scans)

@@ -63,6 +63,19 @@ def test_filtered_and_unfiltered_runs_never_meet():
     np.testing.assert_allclose(found["hybrid"], [np.nan, np.nan, 0.99])
 
 
+def test_runs_on_an_empty_map_are_on_no_curve():
+    """Catches a quality of NaN that nothing beats, and that stands on the front."""
+    empty = [("fusion", np.nan, 0.0, "yard", 0.0), ("hybrid", np.nan, 0.0, "hall", 0.0)]
+    frame = runs(*FUSION, *empty)
+    found = equal_quality(frame, 0.85).set_index("map")
+    expected = equal_quality(runs(*FUSION), 0.85)
+    assert found.loc["hall", "fusion"] == expected["fusion"].item()
+    assert found.loc["hall", "reason"] == "hybrid has no quality, its map is empty"
+    assert np.isnan(found.loc["yard", "fusion"])
+    assert pareto(frame)["quality"].notna().all()
+    assert len(front([(np.nan, 0.0), (0.5, 0.5)])) == 1
+
+
 @pytest.mark.parametrize("quality", [0.0, 85.0])
 def test_quality_is_a_share(quality):
     with pytest.raises(ValueError, match="quality must be a number above 0 and of at most 1"):

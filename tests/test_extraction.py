@@ -9,7 +9,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from segmap import extraction, literal
+from segmap import extraction, literal, load
+from segmap.alignment import odometry
 from segmap.extraction import build_map, extract_clusters, extract_polylines, fit_line
 from segmap.poses import transform
 from segmap.scans import LaserScan, Log
@@ -339,6 +340,35 @@ def test_build_map_hands_thresholds_on():
     poses = np.zeros((1, 3))
     assert len(build_map(log, poses, tolerance=0.2)) < len(build_map(log, poses, tolerance=0.01))
     assert len(build_map(log, poses, extract=extract_clusters)) == 1
+
+
+@pytest.mark.parametrize("keep_points", [False, True])
+def test_a_map_that_is_empty_says_why(keep_points):
+    """Catches three scans without a segment, each for another reason, and no word of it."""
+    wall = np.ones(9)
+    blind = LaserScan([np.nan, np.inf, 0.0, -1.0, 6.0, 6.0, 9.0], np.arange(7) / 10, max_range=6.0)
+    short = LaserScan(wall, np.arange(9) * 1e-3)
+    log, poses = Log("dim", [blind, short, short]), np.zeros((3, 3))
+    poses[2, 0] = np.nan
+    with pytest.warns(UserWarning, match="the map of log 'dim' is empty") as caught:
+        assert len(build_map(log, poses, keep_points=keep_points)) == 0
+    said = str(caught[0].message)
+    assert "1 of 3 scans without a pose (NaN), " in said
+    assert "no valid beam (of their 7 beams 2 not finite, 2 not above 0, 3 at max_range" in said
+    assert said.endswith("1 of 3 scans without a segment (too few points, or too short)")
+    assert caught[0].filename == __file__
+
+
+def test_a_log_without_scans_gives_an_empty_map_in_silence():
+    assert len(build_map(Log("none", []), np.empty((0, 3)))) == 0
+
+
+def test_build_map_takes_an_alignment():
+    log = load("room")
+    found = odometry(log)
+    np.testing.assert_array_equal(
+        build_map(log, found).segments, build_map(log, found.poses).segments
+    )
 
 
 @pytest.mark.parametrize("poses", [None, np.zeros((2, 3)), np.zeros(3)])

@@ -16,10 +16,10 @@ PACKAGE = Path(segmap.__file__).parent
 STOREYS = (
     "_arguments",
     "_compiled _display _files methods arrays",
-    "angles literal",
+    "_units angles literal",
     "poses segments",
     "scans kernels error_codes",
-    "_coverage",
+    "_coverage _placed",
     "readers simulation extraction metrics hokuyo",
     "alignment reduction quadtree emulator",
     "matching experiments exports",

@@ -97,8 +97,16 @@ def test_quality_at_its_ends():
     empty = np.empty((0, 2, 2))
     assert metrics.quality(before, before) == pytest.approx(1, abs=1e-12)
     assert metrics.quality(before, empty) == 0
-    assert metrics.quality(empty, before) == metrics.quality(empty, empty) == 1
+    assert metrics.quality(empty, before) == literal.quality(empty, before) == 1
     assert metrics.quality(SegmentMap(before), before[::-1]) == pytest.approx(1, abs=1e-12)
+
+
+def test_nothing_reduced_to_nothing_has_no_quality():
+    """Catches an empty map, after a slip of units say, that is reported as perfect."""
+    empty = np.empty((0, 2, 2))
+    with pytest.warns(UserWarning, match="neither map holds a segment"):
+        assert np.isnan(metrics.quality(empty, SegmentMap(empty)))
+    assert np.isnan(literal.quality([], []))
 
 
 def test_quality_asks_what_was_lost_not_what_was_invented():

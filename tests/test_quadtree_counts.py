@@ -236,7 +236,15 @@ def test_a_log_is_inserted_scan_by_scan():
 
 def test_a_log_without_poses_is_an_empty_map():
     log = Log("lost", [LaserScan([1.0], [0.0])])
-    assert build_map(log, [(np.nan,) * 3]).scans == 0
+    with pytest.warns(UserWarning, match=r"empty: 1 of 1 scans without a pose \(NaN\)$"):
+        assert build_map(log, [(np.nan,) * 3]).scans == 0
+
+
+def test_a_log_without_valid_beams_says_so():
+    """Catches ranges in millimetres beyond the largest range in metres, and no word of it."""
+    log = Log("blind", [LaserScan([4000.0, 0.0], [0.0, 1.0], max_range=8.0)])
+    with pytest.warns(UserWarning, match="0 not finite, 1 not above 0, 1 at max_range or beyond"):
+        build_map(log, [(0, 0, 0)])
 
 
 @pytest.mark.parametrize(

@@ -166,6 +166,17 @@ def test_files_give_back_what_they_got(tmp_path, expected):
     assert "np." not in path.read_text() and [p.name for p in tmp_path.iterdir()] == ["runs.csv"]
 
 
+def test_a_run_on_an_empty_map_has_no_quality_and_is_kept(tmp_path):
+    """Catches a filter that leaves nothing, reported as perfect, or run again at each start."""
+    walls = SegmentMap([[(0, 0), (0.05, 0)]])
+    file = tmp_path / "runs.csv"
+    found = sweep({"yard": walls}, ["fusion"], filters=(0.10,), records=file)
+    assert np.isnan(found["quality"].item()) and found["n_before"].item() == 0
+    again = sweep({"yard": walls}, ["fusion"], filters=(0.10,), records=file)
+    pd.testing.assert_frame_equal(found, again)
+    pd.testing.assert_frame_equal(found, read_records(file))
+
+
 def test_writing_is_whole_or_not_at_all(tmp_path, expected, monkeypatch):
     """Catches a file that is emptied before the new one is there."""
     path = tmp_path / "runs.csv"

@@ -10,7 +10,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .. import arrays
+from .. import _units, arrays
 from ..angles import wrap
 from ..arrays import Array
 from ..kernels import APART, describe
@@ -99,7 +99,9 @@ def global_segments(
     >>> global_segments(load("room"))
     Alignment(global_segments: 61 scans, 61 used)
     """
-    arrays.positive("metres", similar=similar, spread=spread, reach=reach, min_length=min_length)
+    lengths = {"similar": similar, "spread": spread, "reach": reach, "min_length": min_length}
+    arrays.positive("metres", **lengths)
+    _units.check_lengths(**lengths)
     arrays.number(angle, "angle", above=0, below=np.pi / 2, unit="radians")
     arrays.instance(search, "search", GlobalSearch)
     rules = Rules(similar, angle, spread, arrays.whole(rounds, "rounds"), search)

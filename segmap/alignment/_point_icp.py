@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .. import arrays
+from .. import _units, arrays
 from ..arrays import Array
 from ..poses import transform
 from ..scans import Log
@@ -113,6 +113,7 @@ def point_icp(
     """
     arrays.instance(tracking, "tracking", Tracking)
     arrays.positive("metres", step=step, reach=reach)
+    _units.check_lengths(step=step, reach=reach)
     arrays.positive("radians", turn=turn)
     if len(log) == 0:
         return Trail(log).outcome()
@@ -221,6 +222,7 @@ def _checked(
 ) -> tuple[Array, Array, Array]:
     """Both clouds of points and the start, as the matcher takes them."""
     arrays.positive("metres", reach=reach)
+    _units.check_lengths(reach=reach)
     now = arrays.points(current, "current")
     before, begin = arrays.points(reference, "reference"), arrays.pose(start, "start")
     return before, now[in_range(now)], begin

@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .. import arrays
+from .. import _units, arrays
 from ..arrays import Array, Segments
 from ..kernels import ACROSS, APART
 from ..poses import between, compose, transform
@@ -133,6 +133,7 @@ def _check(angle: float, distance: float, share: float, search: SegmentSearch) -
     arrays.instance(search, "search", SegmentSearch)
     arrays.number(angle, "angle", above=0, below=np.pi / 2, unit="radians")
     arrays.positive("metres", distance=distance)
+    _units.check_lengths(distance=distance)
     arrays.number(share, "share", above=0, most=1)
 
 
@@ -193,6 +194,7 @@ def segment_icp(
     """
     _check(angle, distance, share, search)
     arrays.positive("metres", min_length=min_length, spacing=spacing)
+    _units.check_lengths(min_length=min_length, spacing=spacing)
     count = arrays.whole(frames, "frames")
     arrays.whole(patience, "patience")
     trail, map = Trail(log), _LocalMap(spacing, angle, count)

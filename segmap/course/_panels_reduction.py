@@ -42,10 +42,13 @@ class _ReductionPanel(Panel):
 
     def _tell(self, found: Reduction) -> None:
         self.reduction = found
-        rate, kept = reduction_rate(self.map, found), quality(self.map, found)
+        rate = reduction_rate(self.map, found)
         self.count.value = f"{len(found)} of {len(self.map)} segments left"
         self.rate.value = f"reduction {rate:.1%}: {grade_reduction(rate)}"
-        self.quality.value = f"quality {kept:.1%}: {grade_quality(kept)}"
+        self.quality.value = "no quality: the map is empty"
+        if len(self.map):
+            kept = quality(self.map, found)
+            self.quality.value = f"quality {kept:.1%}: {grade_quality(kept)}"
 
 
 class BasicPanel(_ReductionPanel):

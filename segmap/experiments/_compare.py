@@ -64,8 +64,10 @@ def equal_quality(frame: pd.DataFrame, quality: float) -> pd.DataFrame:
         for method, runs in here.groupby("method", sort=False):
             points = _points(runs)
             row[str(method)] = reached = reduction_at(points, quality)
-            if np.isnan(reached):
-                reasons.append(f"{method} reaches {points[:, 0].max():.4g} at most")
+            if np.isnan(points[:, 0]).all():
+                reasons.append(f"{method} has no quality, its map is empty")
+            elif np.isnan(reached):
+                reasons.append(f"{method} reaches {np.nanmax(points[:, 0]):.4g} at most")
         rows.append(row | {"reason": ", ".join(reasons)})
     return pd.DataFrame(rows, columns=[*SETTING, *methods, "reason"])
 
@@ -103,7 +105,7 @@ def pareto(frame: pd.DataFrame, *, each_method: bool = False) -> pd.DataFrame:
 
 
 def front(points: ArrayLike) -> Array:
-    """The points that no other beats in both coordinates, by ascending first one.
+    """The points that no other beats in both coordinates, by ascending first one; none of NaN.
 
     Parameters
     ----------
@@ -155,7 +157,11 @@ def _points(frame: pd.DataFrame) -> Array:
 
 
 def _beaten(points: Array) -> NDArray[np.bool_]:
-    """Which points another one is at least as good as in both, and better in one; `(n,)`."""
+    """Which points another one is at least as good as in both, and better in one; `(n,)`.
+
+    The quality of an empty map, NaN, is beaten by everything.
+    """
     q, r = points[:, 0], points[:, 1]
     better = (q[None] > q[:, None]) | (r[None] > r[:, None])
-    return np.any((q[None] >= q[:, None]) & (r[None] >= r[:, None]) & better, axis=1)
+    beaten = np.any((q[None] >= q[:, None]) & (r[None] >= r[:, None]) & better, axis=1)
+    return beaten | np.isnan(q)

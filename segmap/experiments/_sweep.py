@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import sys
 from collections.abc import Callable, Generator, Iterable, Mapping
 from concurrent.futures import Executor, as_completed
@@ -129,7 +130,8 @@ def run(job: Job) -> Row:
         thresholds = job.row["thresholds"]
         runs = [job.function(job.segments, **thresholds) for _ in range(job.repeat)]
         found, seconds = runs[-1], median(each.seconds for each in runs)
-        kept, rate = quality(job.segments, found), reduction_rate(job.segments, found)
+        kept = quality(job.segments, found) if len(job.segments) else math.nan
+        rate = reduction_rate(job.segments, found)
     except Exception as error:
         kind = ValueError if isinstance(error, ValueError) else RuntimeError
         raise kind(f"{_words(job.row)}: {type(error).__name__}: {error}") from error

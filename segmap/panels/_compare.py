@@ -83,7 +83,7 @@ class ComparePanel(Panel):
     def _chosen(self) -> pd.Series[Any]:
         runs = select(self.runs, method=self.method.value)
         good = runs[runs["quality"] >= self.wanted.value / 100]
-        best = good["reduction"].argmax() if len(good) else runs["quality"].argmax()
+        best = good["reduction"].argmax() if len(good) else runs["quality"].fillna(0.0).argmax()
         return (good if len(good) else runs).iloc[best]
 
     def __repr__(self) -> str:

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .. import arrays
+from .._placed import poses_for, warn_of_nothing
 from ..arrays import LIMIT, Array, Poses
 from ..poses import compose, transform
 from ..scans import LaserScan, Log
@@ -42,6 +43,11 @@ def build_map(
         Where shapes disagree or a pose is infinite; naming the scan, where one is not finite or
         reaches beyond `max_size`.
 
+    Warns
+    -----
+    UserWarning
+        Saying why, where no beam of any scan ends in the map; where headings look like degrees.
+
     Examples
     --------
     >>> from segmap import load
@@ -49,9 +55,8 @@ def build_map(
     >>> build_map(log, log.truth, resolution=0.05)
     QuadtreeMap(25.6 m, 4279 leaves of 0.05 m and more, 61 scans)
     """
-    arrays.instance(log, "log", Log)
     arrays.switch(free, "free")
-    where = arrays.poses(poses, count=len(log), missing=True)
+    where = poses_for(log, poses)
     used = np.flatnonzero(np.isfinite(where).all(1)).tolist()
     map = QuadtreeMap(resolution=resolution, **options)
     if "corner" not in options and used:
@@ -64,6 +69,8 @@ def build_map(
             map.insert_scan(sensor[:2], ends, free_ends(log[k], sensor) if free else None)
         except ValueError as error:
             raise ValueError(f"scan {k}: {error}") from error
+    empty = not any(log[k].valid.any() for k in used)
+    warn_of_nothing(empty, log, where, "without an end point")
     return map
 
 

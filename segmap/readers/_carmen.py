@@ -33,6 +33,7 @@ from pathlib import Path
 
 import numpy as np
 
+from .. import _units
 from ..arrays import Array
 from ..poses import compose
 from ..scans import Log
@@ -99,7 +100,10 @@ class _Recording:
 
     def _note(self, keyword: str, fields: list[str]) -> None:
         if keyword == "PARAM" and fields and fields[0] in OFFSETS:
-            self.parameters[fields[0]] = float(pose([*fields[1:2], "0", "0"], fields[0])[0])
+            value = pose([*fields[1:2], "0", "0"], fields[0])[0]
+            if "angular" in fields[0]:
+                _units.check_angles(value, fields[0])
+            self.parameters[fields[0]] = float(value)
         elif keyword == "ODOM" and len(fields) >= 9:
             self.track.add(time(fields[6]), pose(fields[:3], "the odometry"))
 
@@ -181,4 +185,6 @@ def _angles(head: Array, beams: int) -> Array:
     if not (abs(start) < 10 and 0 <= field_of_view < 10 and 0 <= resolution < 10):
         raise ValueError(f"expected the beams' angles in radians, got {head[1:4].tolist()}")
     step = resolution or field_of_view / max(beams - 1, 1)
-    return start + step * np.arange(beams)
+    angles = start + step * np.arange(beams)
+    _units.check_angles(angles, "angles")
+    return angles

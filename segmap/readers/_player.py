@@ -31,6 +31,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from .. import _units
 from ..arrays import Array
 from ..scans import Log
 from ._lines import Lines, is_number, numbers, pose, time
@@ -102,7 +103,9 @@ class _Recording:
 
     def _take_laser(self, message: Message) -> None:
         if message.kind == GEOMETRY:
-            self.places[_name(message)] = pose(message.body[:3], "the place of the laser")
+            place = pose(message.body[:3], "the place of the laser")
+            _units.check_angles(place[2], "the laser's heading")
+            self.places[_name(message)] = place
         elif message.kind is None or message.kind in TYPED_HEADS:
             self.scans.append(_parse_laser(message))
             self.before.append(self.latest[min(self.latest)] if self.latest else NOWHERE)
@@ -222,4 +225,6 @@ def spread(settings: Sequence[str], count: int) -> Array:
         for parts in ends:
             if parts and abs(abs(turn) / parts - abs(step)) <= tolerance:
                 return first + turn / parts * np.arange(count)
-    return first + np.copysign(step, turn) * np.arange(count)
+    angles = first + np.copysign(step, turn) * np.arange(count)
+    _units.check_angles(angles, "angles")
+    return angles

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .. import arrays
+from .. import _units, arrays
 from .._compiled import compiled
 from ..arrays import Array, Segments
 from ..kernels import slot_of
@@ -49,7 +49,7 @@ def basic_offline(map: Segments, *, distance: float = 0.20, angle: float = np.pi
     >>> found, found.parents
     (Reduction(basic_offline: 3 -> 2 segments), array([0, 0, 1]))
     """
-    check_match(distance, angle)
+    check_match(map, distance, angle)
     return run("basic_offline", map, lambda rows: _offline(rows, distance, angle))
 
 
@@ -81,11 +81,11 @@ def basic_online(map: Segments, *, distance: float = 0.20, angle: float = np.pi 
     >>> basic_online(wall).scan_live
     array([1, 2])
     """
-    check_match(distance, angle)
+    check_match(map, distance, angle)
     return run_online("basic_online", map, lambda rows: _online(rows, distance, angle))
 
 
-def check_match(distance: float, angle: float) -> None:
+def check_match(map: Segments, distance: float, angle: float) -> None:
     """Refuse a distance that is not positive, metres, or an angle beyond a quarter turn, radians.
 
     Raises
@@ -94,6 +94,7 @@ def check_match(distance: float, angle: float) -> None:
         Naming the argument and what was expected.
     """
     arrays.positive("metres", distance=distance)
+    _units.check_lengths(map, distance=distance)
     arrays.number(angle, "angle", above=0, most=np.pi / 2, unit="radians")
 
 

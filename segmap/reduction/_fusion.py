@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from .. import arrays
+from .. import _units, arrays
 from ..arrays import Array, Segments
 from ..kernels import slots_of
 from ._fusion_loops import Grid, Room, fuse_all
@@ -50,6 +50,7 @@ def fusion(map: Segments, *, tolerance: float = 0.04) -> Reduction:
            [3., 0.]])
     """
     arrays.positive("metres", tolerance=tolerance)
+    _units.check_lengths(map, tolerance=tolerance)
     return run("fusion", map, lambda rows: fuse(rows.segments, tolerance))
 
 

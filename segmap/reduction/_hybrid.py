@@ -66,7 +66,7 @@ def hybrid(
     >>> found, found.parents
     (Reduction(hybrid: 3 -> 1 segments), array([ 0,  0, -1]))
     """
-    check_match(distance, angle)
+    check_match(map, distance, angle)
     least = least_length(distance, min_length)
     return run_online("hybrid", map, lambda rows: _steps(rows, distance, angle, least))
 

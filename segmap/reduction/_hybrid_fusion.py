@@ -6,7 +6,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from .. import arrays
+from .. import _units, arrays
 from ..arrays import Segments
 from ._basic import check_match
 from ._fusion import fuse
@@ -68,8 +68,9 @@ def hybrid_fusion(
     >>> len(hybrid(wall)), len(hybrid_fusion(wall))
     (2, 1)
     """
-    check_match(distance, angle)
+    check_match(map, distance, angle)
     arrays.positive("metres", tolerance=tolerance)
+    _units.check_lengths(map, tolerance=tolerance)
     every, least = arrays.whole(every, "every"), least_length(distance, min_length)
     return run_online(
         "hybrid_fusion", map, lambda rows: _steps(rows, distance, angle, least, tolerance, every)

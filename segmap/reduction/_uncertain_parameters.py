@@ -76,7 +76,7 @@ def uncertain_parameters(
     >>> found, found.parents
     (Reduction(uncertain_parameters: 3 -> 2 segments), array([0, 0, 1]))
     """
-    check_match(distance, angle)
+    check_match(map, distance, angle)
     arrays.positive("metres", eps=eps)
     if origin is not None:
         arrays.one_of(origin, "origin", ("map",))

@@ -1,0 +1,182 @@
+"""Slips of units, millimetres for metres, degrees for radians, are told; what is right is not."""
+
+import warnings
+
+import numpy as np
+import pytest
+from conftest import SHARED
+
+from segmap import SegmentMap, load, quadtree, readers
+from segmap.alignment import METHODS as ALIGNMENTS
+from segmap.extraction import build_map, extract_clusters, extract_polylines
+from segmap.reduction import METHODS
+from segmap.scans import LaserScan, Log
+
+WALLS = SegmentMap([[(0, 0), (2, 0)], [(1.5, 0.03), (3, 0.03)], [(5, 0), (6, 0)]])
+POINTS = np.column_stack([np.linspace(0, 1, 21), np.ones(21)])
+ANGLES = np.radians(np.arange(-90, 91))
+
+
+def turned(headings) -> np.ndarray:
+    """Poses in one place, with these headings."""
+    return np.column_stack([np.zeros((len(headings), 2)), headings])
+
+
+def log_of(count: int, *, odometry=None, truth=None) -> Log:
+    rows = [None] * count if odometry is None else odometry
+    ranges = np.full(len(ANGLES), 2.0)
+    return Log("test", [LaserScan(ranges, ANGLES, odometry=row) for row in rows], truth)
+
+
+# ------------------------------------------------------------------ beams
+def test_directions_in_degrees_are_refused():
+    """Catches 181 beams in a star, and a laser that looks somewhere."""
+    with pytest.raises(ValueError, match=r"angles must be in radians, .* degrees, np.radians$"):
+        LaserScan(np.ones(181), np.arange(-90, 91))
+    with pytest.raises(ValueError, match=r"sensor_pose\[2\] must be in radians, .* got 90"):
+        LaserScan([1.0], [0.0], sensor_pose=(0, 0, 90))
+
+
+def test_two_turns_either_way_are_directions():
+    LaserScan([1.0, 1.0], [-4 * np.pi, 4 * np.pi], sensor_pose=(0, 0, -2 * np.pi))
+
+
+@pytest.mark.parametrize("max_range", [np.inf, 5.6])
+def test_ranges_in_millimetres_are_told(max_range):
+    """Catches a map of four kilometres; with a largest range in metres there is no valid beam."""
+    with pytest.warns(UserWarning, match="look like millimetres, ranges / 1000"):
+        LaserScan(np.linspace(900, 4000, 181), ANGLES, max_range=max_range)
+    with pytest.warns(UserWarning, match="look like millimetres"):
+        LaserScan([2000.0, 2000.0, 2000.0, np.inf, np.nan, 0], np.arange(6))
+
+
+@pytest.mark.parametrize(
+    "ranges", [[65535.0] * 9, [1e6, np.inf], [65535.0] * 7 + [1.0, 2.0], [999.0] * 5 + [5000.0] * 4]
+)
+def test_a_number_that_stands_for_nothing_is_no_range(ranges):
+    LaserScan(ranges, np.zeros(len(ranges)), max_range=5.6 if ranges[0] > 1e4 else np.inf)
+
+
+# ------------------------------------------------------------------ headings
+@pytest.mark.parametrize("name", ["malaga", "room", "corridor"])
+def test_headings_in_degrees_are_told_wherever_they_come_in(name):
+    """Catches 157 wrong segments without a word."""
+    log, degrees = load(name), np.array([1, 1, 180 / np.pi])
+    poses = log.truth * degrees
+    with pytest.warns(UserWarning, match="headings of the truth look like degrees: np.radians"):
+        Log(name, log.scans, poses)
+    for make in (build_map, quadtree.build_map):
+        with pytest.warns(UserWarning, match="headings of the poses look like degrees") as caught:
+            make(log, poses)
+        assert caught[0].filename == __file__
+    scans = [
+        LaserScan(s.ranges, s.angles, s.time, s.odometry * degrees, s.max_range) for s in log.scans
+    ]
+    with pytest.warns(UserWarning, match="headings of the odometry look like degrees"):
+        Log(name, scans)
+
+
+@pytest.mark.parametrize("headings", [[90], [0, 90], [90, 90, 90], [180, np.nan, 270]])
+def test_few_headings_in_degrees_are_told(headings):
+    with pytest.warns(UserWarning, match="headings of the poses look like degrees"):
+        build_map(log_of(len(headings)), turned(headings))
+
+
+@pytest.mark.parametrize(
+    "headings", [[6.28, 0, 6.28, 0], [-100.3], [np.nan, 50.1, 49.9], [0, 65535, 0]]
+)
+def test_headings_in_radians_are_not(headings):
+    rows = turned(headings)
+    rows[np.isnan(headings)] = np.nan
+    log_of(len(rows), odometry=rows, truth=rows)
+
+
+def test_headings_may_wind_up():
+    """Catches magnitude alone: a robot that turned ten times, and a part of its log."""
+    wound = turned(np.linspace(0, 62, 300))
+    log = log_of(300, odometry=wound, truth=wound)
+    for part in (log, log[::40], log[np.arange(300) % 60 == 0]):
+        build_map(part, part.truth)
+        build_map(part, part.odometry)
+    wound[150:, 2] -= 30  # the gyroscope is set back
+    log_of(300, truth=wound)
+
+
+def test_no_log_that_we_have_looks_like_another_unit():
+    files = [p for p in sorted(SHARED.glob("data/**/*")) if p.suffix in (".gz", ".log", ".dat")]
+    for path in files:
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            try:
+                log = readers.read(path, on_error="skip")
+            except readers.LogError:
+                continue
+            wound = log.odometry
+            known = np.isfinite(wound).all(1)
+            wound[known, 2] = np.unwrap(wound[known, 2])
+            Log("wound", log.scans, wound)
+
+
+# ------------------------------------------------------------------ thresholds
+@pytest.mark.parametrize(
+    ("name", "threshold"),
+    [
+        *[(name, {"distance": 200}) for name in METHODS if name[:5] in ("basic", "hybri")],
+        ("fusion", {"tolerance": 40}),
+        ("hybrid_fusion", {"tolerance": 40}),
+        ("mean_shift", {"sigma": 200.0, "bandwidth": 1e-3}),
+    ],
+)
+def test_thresholds_in_millimetres_are_told(name, threshold):
+    """Catches `fusion(tolerance=40)`: everything in one strip."""
+    with pytest.warns(UserWarning, match=r"this looks like millimetres, [a-z_]+ / 1000"):
+        METHODS[name](WALLS, **threshold)
+
+
+@pytest.mark.parametrize("name", [n for n in METHODS if n[:5] in ("basic", "hybri")])
+def test_angles_in_degrees_are_refused(name):
+    with pytest.raises(ValueError, match=r"in radians \(of degrees np.radians\(10\)\), got"):
+        METHODS[name](WALLS, angle=10)
+    METHODS[name](WALLS, angle=np.pi / 2, distance=10.0)
+
+
+def test_a_bandwidth_in_degrees_is_told():
+    with pytest.warns(UserWarning, match="look like degrees"):
+        METHODS["mean_shift"](WALLS, bandwidth=50.0)
+    METHODS["mean_shift"](WALLS, sigma=0.01, bandwidth=np.radians(10) / 0.01)
+
+
+@pytest.mark.parametrize("slip", [{"tolerance": 30}, {"gap": 300}, {"min_length": 100}])
+def test_extraction_in_millimetres_is_told(slip):
+    with pytest.warns(UserWarning, match="looks like millimetres"):
+        extract_polylines(POINTS, **slip)
+
+
+def test_a_map_in_millimetres_by_intent_is_left_alone():
+    """Catches a bound that knows no scale: every length of a map may be scaled."""
+    big = WALLS.segments * 1000
+    for name, threshold in (("fusion", "tolerance"), ("basic_offline", "distance")):
+        METHODS[name](big, **{threshold: 40.0})
+    extract_polylines(POINTS * 10_000, tolerance=30.0, gap=600.0, min_length=100.0)
+
+
+def test_a_gap_may_be_wide():
+    assert len(extract_clusters(POINTS, gap=np.inf)) == len(extract_clusters(POINTS, gap=100)) == 1
+
+
+@pytest.mark.parametrize(
+    ("name", "slip"),
+    [
+        ("segment_icp", {"distance": 500}),
+        ("point_icp", {"reach": 500}),
+        ("global_segments", {"reach": 500}),
+    ],
+)
+def test_alignments_in_millimetres_are_told(name, slip):
+    with pytest.warns(UserWarning, match="looks like millimetres"):
+        ALIGNMENTS[name](load("room")[:2], **slip)
+
+
+def test_a_turn_in_degrees_is_refused():
+    with pytest.raises(ValueError, match=r"of degrees np.radians\(20\)"):
+        ALIGNMENTS["point_icp"](load("room")[:2], turn=20)
