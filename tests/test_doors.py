@@ -261,7 +261,7 @@ def test_bad_arguments_are_value_errors(room, door, function):
     """Catches a traceback of numpy, numba or scipy, nonsense that passes in silence, and a hang."""
     wrong = []
     for name, word, bad, must in cases(room, door, function):
-        faulthandler.dump_traceback_later(60, exit=True)
+        faulthandler.dump_traceback_later(300, exit=True)
         if said := complaint(room, door, function, name, bad, must):
             wrong.append(f"{door}({name}={word}) {said}")
         faulthandler.cancel_dump_traceback_later()

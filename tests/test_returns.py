@@ -1,7 +1,7 @@
 """Every reduction and alignment method comes to an end, however large the walls beside a threshold.
 
 `hybrid` once never returned for a wall longer than 1536 times its distance. A call that takes
-longer than a minute ends the whole run, and shows where it hung.
+longer than five minutes ends the whole run, and shows where it hung.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ ROOM = np.array([(0, 0), (1, 0), (1, 0.7), (0.6, 0.7), (0.6, 0.9), (0, 0.9)])
 
 @pytest.fixture(autouse=True)
 def watch():
-    faulthandler.dump_traceback_later(60, exit=True)
+    faulthandler.dump_traceback_later(300, exit=True)
     yield
     faulthandler.cancel_dump_traceback_later()
 

@@ -17,6 +17,9 @@ NEIGHBOURS = 8
 #: What a metre missed or invented costs, in metres of summed distance. At 0.1, one or two segments
 #: of a hundred fewer remain, but at low quality more is invented than by Fusion (chapter 58).
 PRICE = 0.25
+#: A segment has at most about so many samples, on average, that its neighbours are found by: cells
+#: are as large as that takes, or a wall of a kilometre would fill the memory.
+SAMPLES = 64
 #: Two segments at a distance d across cost together about this share of d.
 SHARE = 0.3
 #: Least and largest penalty that `reduce_to` tries, metres.
@@ -160,7 +163,8 @@ def _singles(s: Array) -> loops.State:
 
 def _neighbours(state: loops.State, reach: float) -> Indices:
     """Pairs that may merge, `(p, 2)`, both ways, ascending: those nearest to one of them."""
-    cell, half = 2 * reach, state.d[:, 4]
+    half = state.d[:, 4]
+    cell = max(2 * reach, 4 * half.sum() / (SAMPLES * max(len(half), 1)))
     steps = np.maximum(np.ceil(4 * half / cell), 1).astype(np.int64)
     slots = 1 << int(np.ceil(np.log2(max(4 * len(half), 16))))
     begin = np.zeros(slots + 1, np.int64)
@@ -169,7 +173,7 @@ def _neighbours(state: loops.State, reach: float) -> Indices:
     held = np.empty(begin[-1], np.int64)
     loops.fill(state.s, steps, cell, begin, held)
     who = np.full((len(half), NEIGHBOURS), -1)
-    loops.nearest_neighbours(state, steps, begin, held, reach, who)
+    loops.nearest_neighbours(state, np.array([cell, reach]), steps, begin, held, who)
     i, k = np.nonzero(who >= 0)
     pairs = np.column_stack([i, who[i, k]])
     return np.unique(np.concatenate([pairs, pairs[:, ::-1]]), axis=0)

@@ -114,18 +114,20 @@ def keep(nearest: Array, who: Indices, i: int, j: int, value: float) -> None:
 
 @compiled
 def nearest_neighbours(
-    state: State, steps: Indices, begin: Indices, held: Indices, reach: float, who: Indices
+    state: State, sizes: Array, steps: Indices, begin: Indices, held: Indices, who: Indices
 ) -> None:
     """Write the indices of the nearest of each input, `(n, k)`, -1 where there are no more.
 
-    Of those nearer than `reach`, metres, by the distance of quality. Cells are twice the reach,
-    samples half a cell apart: who is within reach has a sample in one of nine cells.
+    Of those nearer than the reach, by the distance of quality. `sizes` are the side of a cell, twice
+    the reach or more, and the reach, metres. Samples are half a cell apart: who is within reach has
+    one in one of nine cells.
     """
+    cell, reach = sizes[0], sizes[1]
     s, d, nearest = state.s, state.d, np.full(who.shape, np.inf)
     for i in range(len(s)):
         state.mark[i] = i
         for at in range(9 * (steps[i] + 1)):
-            slot = cell_of(s[i], at // 9, steps[i], 2.0 * reach, len(begin) - 1, at % 9)
+            slot = cell_of(s[i], at // 9, steps[i], cell, len(begin) - 1, at % 9)
             for k in range(begin[slot], begin[slot + 1]):
                 j = held[k]
                 if j < i or state.mark[j] == i:
