@@ -118,9 +118,9 @@ def nearest_neighbours(
 ) -> None:
     """Write the indices of the nearest of each input, `(n, k)`, -1 where there are no more.
 
-    Of those nearer than the reach, by the distance of quality. `sizes` are the side of a cell, twice
-    the reach or more, and the reach, metres. Samples are half a cell apart: who is within reach has
-    one in one of nine cells.
+    Of those nearer than the reach, by the distance of quality. `sizes` are the side of a cell and
+    the reach, metres; a cell is twice the reach or more. Samples are half a cell apart: who is
+    within reach has one in one of nine cells.
     """
     cell, reach = sizes[0], sizes[1]
     s, d, nearest = state.s, state.d, np.full(who.shape, np.inf)
