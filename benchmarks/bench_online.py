@@ -17,7 +17,7 @@ def rows() -> Iterator[Row]:
     for log in logs:
         map = build_map(log, log.truth)
         for name, method in METHODS.items():
-            if method.online:
+            if method.online and not method.needs_sensors:
                 yield scans(f"{name}, {log.name}", method, map)
     if not path.exists():
         yield from missing("Intel, 2672 scans")

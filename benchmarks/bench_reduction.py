@@ -45,9 +45,15 @@ def rows() -> Iterator[Row]:
         yield from against_literal(made, seen)
 
 
+#: Methods whose plain forms take minutes to hours for this many segments.
+SLOW = ("mean_shift", "segment_similarity", "polyline", "least_cost")
+
+
 def same_size(made, seen: int) -> Iterator[Row]:
     map, what = redundant(made, N, seen), f"n = {N}, seen {seen}"
     for name, method in METHODS.items():
+        if method.needs_sensors:
+            continue
         took = seconds(lambda: method(map))  # noqa: B023
         yield Row(
             f"{name}, {what}",
@@ -92,7 +98,7 @@ def against_literal(made, seen: int) -> Iterator[Row]:
     map = redundant(made, N, seen)
     s, scans, after = map.segments.tolist(), map.scan.tolist(), part_of(map)
     for name, method in METHODS.items():
-        if name != "mean_shift":  # hours
+        if name not in SLOW and not method.needs_sensors:
             given = (s, scans) if method.online else (s,)
             plain = getattr(literal, name)
             yield ratio(name, lambda: plain(*given), lambda: method(map), seen)  # noqa: B023
