@@ -19,7 +19,7 @@ PLANTED = (
     ("if _is_cut(p, (i - 1) % n, i, gap):", "if i and _is_cut(p, (i - 1) % n, i, gap):", "extraction"),
     # distance and quality
     ("if APART * (dx - reach) >= best:", "if dx - reach >= best:", "metrics"),
-    ("if dot < 0.0:\n", "if dot > 0.0:\n", "metrics"),
+    ("if dot < 0.0:\n        bx, by = -bx, -by\n    x, y", "if dot > 0.0:\n        bx, by = -bx, -by\n    x, y", "metrics"),
     ("if abs(dot) <= PERPENDICULAR:", "if abs(dot) <= -PERPENDICULAR:", "metrics"),
     ("np.where(wanted - t[before] <= t[after] - wanted, before, after)", "np.where(wanted - t[before] < t[after] - wanted, before, after)", "metrics"),
     # Basic
@@ -34,6 +34,15 @@ PLANTED = (
     ("theta = (count * lines[b, 1] + theta + turns * np.pi) / (count + 1)", "theta = (count * lines[b, 1] + theta) / (count + 1)", "hybrid reduction reduction_properties"),
     ("if b < best if tie else near < least:", "if near < least:", "hybrid reduction reduction_properties"),
     ("np.where(turns % 2 == 0, rho, -rho)", "rho", "hybrid reduction reduction_properties"),
+    # least cost, metres invented and missed
+    ("total += limits.price * 2.0 * room.about[k, 4]", "total += 0.0", "reduction_properties"),
+    ("if off > HARD * limits.distance:", "if off > 99 * limits.distance:", "least_cost reduction_properties"),
+    ("metres + (whole - reached if whole - reached > gap else 0.0)", "metres", "reduction_properties"),
+    ("inside = one * other >= 0.0 or", "inside = True or", "reduction_properties"),
+    ("total, i = -state.sums[small, 6], link[small, 3]", "total, i = 0.0, link[small, 3]", "reduction_properties"),
+    ("if measured(map, found) >= quality:", "if measured(map, found) <= quality:", "least_cost"),
+    ("if start > end or (p == q and abs(p) > distance):", "if p == q and abs(p) > distance:", "coverage"),
+    ("reached = max(reached, spans[k, 1])", "reached = spans[k, 1]", "coverage"),
     # mean shift
     ("da = da - period if da >= half else da", "da = da", "mean_shift reduction reduction_properties"),
     ("np.ceil(length(segments) / sigma - 1e-9)", "np.ceil(length(segments) / sigma)", "mean_shift reduction reduction_properties"),
@@ -50,8 +59,8 @@ PLANTED = (
     ("rows[:, 2] -= rows[:, 1] * x - rows[:, 0] * y", "rows[:, 2] += rows[:, 1] * x - rows[:, 0] * y", "angle_correspondence"),
     ("score = value - penalty * hidden", "score = value", "angle_correspondence"),
     ("if second > rival * best.score:", "if False:", "angle_correspondence"),
-    ("return float(np.arctan2(y, x) / 2)", "return float(np.arctan2(y, x))", "backbone"),
-    ("-root * offsets, parallel", "root * offsets, parallel", "backbone"),
+    ("each @ np.cos(doubled)) / 2)", "each @ np.cos(doubled)))", "backbone"),
+    ("away = -root * arrays.row(", "away = root * arrays.row(", "backbone"),
     ("laid = transform(pose, seen)  # step 8", "laid = transform(guess, seen)  # step 8", "backbone"),
     ("ends, normal = transform(pose, seen[on]), lines.normal[partner[on]]", "ends, normal = transform((*pose[:2], 0.0), seen[on]), lines.normal[partner[on]]", "backbone"),
     ("np.add.at(right, i, -weight[:, None] * gap)", "np.add.at(right, i, weight[:, None] * gap)", "global_segments"),
