@@ -23,6 +23,21 @@ def in_scans(segments) -> SegmentMap:
     return SegmentMap(segments, np.arange(len(segments)))
 
 
+def test_two_segments_of_a_scan_meet_through_a_wall_of_the_map():
+    """Catches a chain that holds what one segment matches, and no more."""
+    wall = [[(0, 0), (3, 0)], [(0.2, 0.01), (1, 0.01)], [(2, 0.01), (2.8, 0.01)]]
+    found = polyline(SegmentMap(wall, [0, 1, 1]))
+    assert found.parents.tolist() == [0, 0, 0]
+
+
+def test_a_segment_is_put_in_by_the_shorter_links():
+    """Catches a segment that is put in as it was drawn: the line would run there and back."""
+    bend = [[(0, 0), (1, 0)], [(2, 0.5), (0.9, 0.02)], [(1.8, 0.5), (3, 0.5)]]
+    assert_literal("polyline", SegmentMap(bend, [0, 1, 0]))
+    found = polyline(SegmentMap(bend, [0, 1, 0]))
+    assert length(found.segments).sum() < 3.4
+
+
 def test_match_values_of_the_survey():
     wall, beside, half = [[(0, 0), (2, 0)]], [[(0, 0.05), (2, 0.05)]], [[(1, 0.05), (3, 0.05)]]
     assert match_values(wall, beside) == pytest.approx(1.9)
@@ -89,14 +104,21 @@ def test_pieces_stand_in_the_place_of_the_first_of_their_chain():
     assert found.parents.tolist() == [0, 1, 2, 1]
 
 
-def test_a_line_that_bends_at_every_scan_keeps_its_place():
-    """Catches labels between two walls that have become too narrow: halved 80 times."""
-    turn = np.cumsum(np.where(np.arange(80) % 2, 0.6, -0.6))
-    ends = np.cumsum(np.stack([np.cos(turn), np.sin(turn)], -1), 0) + (0, 5)
-    ends = np.concatenate([[(0, 5)], ends])
-    pieces = np.stack([ends[:-1], ends[1:] + 0.02 * np.diff(ends, axis=0)], 1)
-    walls = [[(0, 0), (9, 0)], *pieces[:1], [(0, -2), (9, -2)], *pieces[1:]]
-    assert_literal("polyline", SegmentMap(walls, np.maximum(np.arange(len(walls)) - 2, 0)))
+@pytest.mark.parametrize("way", [range(60, 79), range(78, 59, -1)])
+def test_a_line_that_bends_at_every_scan_keeps_its_place(way):
+    """Catches labels between two walls that have become too narrow: halved 80 times.
+
+    At the end a scan sees all bends again: the chain is long, and its pieces must come in the order
+    of the map.
+    """
+    x = np.arange(82.0)
+    ends = np.stack([x, 5 + 0.3 * (x % 2)], -1)
+    bends = np.stack([ends[:-1], ends[1:]], 1)
+    bends[:, 1] += 0.02 * (bends[:, 1] - bends[:, 0])
+    walls = [[(0, 0), (9, 0)], bends[0], [(0, -2), (9, -2)], *bends[1:]]
+    again = [(bends[k, 0] + bends[k, 1]) / 2 + [(0, 0.02), (1, 0.02)] for k in way]
+    scans = [*np.maximum(np.arange(len(walls)) - 2, 0), *[99] * len(again)]
+    assert_literal("polyline", SegmentMap([*walls, *again], scans), far=0.3)
 
 
 def test_more_pieces_than_the_room_that_was_made():

@@ -73,6 +73,13 @@ def test_a_segment_takes_in_all_its_matches():
     assert together.parents.tolist() == [0, 0, 0, 0]
 
 
+def test_the_fused_wall_stands_where_the_first_of_them_stood():
+    """Catches walls that are fused in the order of the cells: another would keep its place."""
+    walls = [[(0, 0), (1.2, 0)], [(0, 1), (1, 1)], [(1.9, 0), (3, 0)], [(1, 0), (2, 0)]]
+    for turned in (walls, [walls[2], walls[1], walls[0], walls[3]]):
+        assert uncertain_parameters(in_scans(turned)).parents.tolist() == [0, 1, 0, 0]
+
+
 def test_what_is_known_well_hardly_moves():
     """The weakness: after a hundred looks the next one weighs next to nothing."""
     looks = [[(0, 0), (2, 0)]] * 100
