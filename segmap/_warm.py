@@ -79,8 +79,11 @@ def _reduced(name: str) -> Found:
     options: dict[str, float] = {}
     if name == "mean_shift":
         map, options = SegmentMap(seen[:9]), {"sigma": 1.0}
-    done = reduction.METHODS[name](map, **options)
-    return [done.segments, done.parents]
+    done = [reduction.METHODS[name](map, **options)]
+    if reduction.METHODS[name].needs_points:
+        ends, first = map.segments.reshape(-1, 2), 2 * np.arange(len(map) + 1)
+        done.append(reduction.METHODS[name](replace(map, points=ends, first=first), **options))
+    return [part for each in done for part in (each.segments, each.parents)]
 
 
 def _aligned(name: str) -> Found:

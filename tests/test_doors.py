@@ -64,7 +64,9 @@ GOOD = {
     "information": np.tile(np.eye(3), (3, 1, 1)), "interpolate.poses": PATH[:2],
     "LaserScan.angles": LOG[0].angles, "LaserScan.codes": np.zeros(181),
     "LaserScan.odometry": PATH[0], "LaserScan.ranges": LOG[0].ranges, "least_translation.weights":
-    np.ones(4), "load.name": "room", "load.path": "map.npz", "log": LOG, "map": WALLS,
+    np.ones(4), "fuzzy_set.axes": 0.1,
+    "viewing_sector.map": segments.SegmentMap(WALLS, sensors=[(0.0, 0.0)]),
+    "load.name": "room", "load.path": "map.npz", "log": LOG, "map": WALLS,
     "map_scans.map": quadtree.QuadtreeMap(), "map_scans.rng": rng(), "match_segments.current":
     WALLS, "match_segments.reference": WALLS, "matching.map": TREE, "max_size": 5.12,
     "mean_rotation.weights": np.ones(2), "min_length": 0.1, "near": 0.3,

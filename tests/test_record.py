@@ -210,7 +210,6 @@ ODD_SCANS = {
     "no beam": LaserScan([], []),
     "no time": LaserScan([1.0], [0.0], time=np.nan),
     "late": LaserScan([1.0], [0.0], time=1e13),
-    "turned": LaserScan([1.0], [20.0]),
     "wide": LaserScan([1.0, 1.0], [-5.5, 5.5]),
     "far": LaserScan([1e300], [0.0]),
     "many": LaserScan(np.ones(200_000), np.linspace(-1, 1, 200_000)),

@@ -210,6 +210,7 @@ def test_moving_the_map_can_change_the_result_of_hybrid(name):
     assert [len(METHODS[name](walls)), len(METHODS[name](there))] == [1, 2]
 
 
+@pytest.mark.filterwarnings("ignore:.*millimetres:UserWarning")
 @methods
 @pytest.mark.parametrize("scale", [0.01, 1000.0])
 @pytest.mark.parametrize("make", [random_map, redundant_map])
@@ -276,7 +277,7 @@ def test_a_map_without_redundancy_is_kept(name, turn):
 
 @methods
 @given(seed=st.integers(0, 10_000))
-@settings(max_examples=25)
+@settings(max_examples=10)
 def test_no_wall_is_lost_and_none_invented(name, seed):
     """A segment that is listed twice; one that vanishes although no filter asks for it."""
     map = made(MAPS[seed % 4], name, seed)

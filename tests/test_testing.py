@@ -171,12 +171,13 @@ def test_each_call_gives_new_arrays():
 def test_every_map_of_the_zoo_is_measured_reduced_and_drawn(name):
     """Catches NaN, and divisions by a length of zero."""
     segments = SEGMENTS[name]
-    assert segmap.quality(segments, segments) == pytest.approx(1, abs=1e-12)
+    if len(segments):  # else NaN, and a word about it: see test_metrics
+        assert segmap.quality(segments, segments) == pytest.approx(1, abs=1e-12)
+        assert 0 <= segmap.quality(segments, segmap.fusion(segments)) <= 1
     assert np.isfinite(midpoint(segments)).all() and np.isfinite(angle(segments)).all()
     found = segmap.fusion(segments)
     assert np.isfinite(found.segments).all() and found.parents.shape == (len(segments),)
     assert ((found.parents < 0) == (length(segments) < 1e-9)).all()
-    assert 0 <= segmap.quality(segments, found) <= 1
     if len(segments) > 1:
         pairs = segmap.segment_distance(segments[:, None], segments)
         assert np.isfinite(pairs).all() and np.allclose(pairs, pairs.T, atol=1e-9)
@@ -209,6 +210,7 @@ WALLS = {
 }
 
 
+@pytest.mark.filterwarnings("ignore:the map of log:UserWarning")
 @pytest.mark.parametrize("name", SCANS)
 def test_every_scan_of_the_zoo_becomes_a_map(name):
     scan = SCANS[name]

@@ -20,7 +20,7 @@ def _matches(a: Array, b: Array, distance: float, angle: float) -> bool:
 
 
 def _merged(a: Array, b: Array) -> Array:
-    return basic_offline([a, b], distance=1e6, angle=np.pi / 2).segments[0]
+    return basic_offline([a, b], distance=10.0, angle=np.pi / 2).segments[0]
 
 
 def _gaps(a: Array, b: Array) -> Array:

@@ -72,8 +72,7 @@ def polyline(
     """
     lengths = {"tolerance": tolerance, "distance": distance, "far": far, "long": long}
     arrays.positive("metres", **lengths)
-    if bridge != np.inf:
-        arrays.number(bridge, "bridge", least=0, unit="metres")
+    arrays.number(bridge, "bridge", least=0, most=np.inf, unit="metres")
     rule = float(distance), float(far), float(long), False
     return run_online(
         "polyline",
