@@ -286,6 +286,7 @@ def odd_log(chance):
     return Log(chance.choice(["x", "é\n", "FLASER 1", "#"]), scans, poses)
 
 
+@pytest.mark.filterwarnings("ignore:.*look like degrees:UserWarning")
 def test_what_is_written_can_be_read(tmp_path):
     """Catches a log that its own reader refuses: 600 odd logs come back, or are not written."""
     chance, path, done = random.Random(3), tmp_path / "it.log", 0
