@@ -5,6 +5,7 @@
 
 import ast
 import base64
+import functools
 import json
 import re
 from collections.abc import Iterator
@@ -126,6 +127,7 @@ def short_cells(notebook: dict) -> list[str]:
     return [f"cell {number}: {count} lines" for number, count in counts if count > MOST_LINES]
 
 
+@functools.cache
 def defined_in_segmap() -> set[str]:
     """Names that a reader can import: what packages export, and what modules define in public."""
     found: set[str] = set()
