@@ -20,7 +20,7 @@ BROWSER = $(if $(DISPLAY)$(WAYLAND_DISPLAY)$(filter Darwin,$(shell uname)),,--no
 NBVAL := --nbval --nbval-current-env --nbval-cell-timeout=120 \
 	--nbval-sanitize-with=tests/nbval.cfg -p no:cacheprovider
 
-.PHONY: help lab test test-lowest mutants fuzz refresh bench book clean
+.PHONY: help lab test test-all test-lowest mutants fuzz refresh bench book clean
 
 help: ## list the targets
 	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/  make \1\t\2/p' Makefile
@@ -32,8 +32,11 @@ test: $(WARM) ## set up, then prove it: style, types, tests, examples and every 
 	$(RUN) -m ruff check .
 	$(RUN) -m ruff format --check .
 	$(RUN) -m mypy
-	$(RUN) -m pytest $(SPREAD)
+	$(RUN) -m pytest $(SPREAD) -m "not slow"
 	PYTHONWARNINGS=error::DeprecationWarning:__main__ $(RUN) -m pytest $(SPREAD) $(NBVAL) notebooks/*.ipynb
+
+test-all: test ## the same, then the tests that are marked slow
+	$(RUN) -m pytest $(SPREAD) -m slow
 
 test-lowest: ## the tests once more, in .venv-lowest, with the oldest packages that pyproject.toml allows
 	rm -rf .venv-lowest

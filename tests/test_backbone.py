@@ -36,6 +36,8 @@ from segmap.simulation import (
     simulate,
 )
 
+pytestmark = pytest.mark.slow
+
 LOOP = drive([(1, 1), (29, 1), (29, 11), (1, 11), (1, 1), (10, 1)])
 #: A room that looks different along x and y, and a way through it without a symmetry.
 ROOM = rectangular_room(9.0, 7.0)

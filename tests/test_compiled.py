@@ -9,6 +9,8 @@ import pytest
 
 from segmap._compiled import PLAIN, compiled
 
+pytestmark = pytest.mark.slow
+
 #: Its window of search takes half a minute in plain Python: a smaller one stands in CASE.
 SLOW = "alignment pose_graph"
 

@@ -17,6 +17,8 @@ from segmap.scans import Log
 from segmap.segments import angle
 from segmap.simulation import SICK_LMS200, OdometryNoise, drifting_odometry
 
+pytestmark = pytest.mark.slow
+
 RULES = equations.Rules(similar=0.20, angle=np.radians(15), spread=0.02, rounds=15)
 ONE_DIRECTION = "walls in one direction only: along them the guess was kept"
 ALONE = "shares no two walls with the scans around it: hangs on odometry"

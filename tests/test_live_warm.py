@@ -5,6 +5,8 @@ import sys
 
 import pytest
 
+pytestmark = pytest.mark.slow
+
 #: In a process of its own, where nothing is loaded: kernels and their signatures, before the first
 #: scan is asked for and after the last.
 CODE = """

@@ -25,6 +25,8 @@ from segmap.simulation import (
     simulate,
 )
 
+pytestmark = pytest.mark.slow
+
 
 @cache
 def loop(change: str = "") -> tuple[Log, Alignment]:

@@ -17,6 +17,8 @@ from segmap.reduction import METHODS
 from segmap.segments import SegmentMap, length
 from segmap.testing import assert_segments_equal, segment_zoo
 
+pytestmark = pytest.mark.slow
+
 methods = pytest.mark.parametrize("name", METHODS)
 TEN = np.pi / 18
 

@@ -26,7 +26,7 @@ REFUSED = {"sigma must cut the map", "window must be"}
 #: So many pieces `mean_shift` works on for seconds to minutes: 30 microseconds each.
 LONG = (30_000, 20_000_000)
 
-pytestmark = pytest.mark.filterwarnings("ignore:.*millimetres:UserWarning")
+pytestmark = [pytest.mark.slow, pytest.mark.filterwarnings("ignore:.*millimetres:UserWarning")]
 ROOM = np.array([(0, 0), (1, 0), (1, 0.7), (0.6, 0.7), (0.6, 0.9), (0, 0.9)])
 
 
