@@ -21,6 +21,8 @@ from segmap.poses import compose, inverse, transform
 from segmap.quadtree import QuadtreeMap
 from segmap.simulation import Sensor, drive, rectangular_room, simulate
 
+pytestmark = pytest.mark.slow
+
 SENSOR = Sensor("it", 181, -np.pi, 2 * np.pi / 181, max_range=6.0, sigma=0.005)
 
 

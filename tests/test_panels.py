@@ -48,6 +48,8 @@ from segmap.reduction import basic_offline, basic_online, hybrid, mean_shift
 from segmap.simulation import URG_04LX, drive, rectangular_room, simulate, square_room
 from segmap.testing import assert_poses_equal
 
+pytestmark = pytest.mark.slow
+
 ROOM = rectangular_room(4.0, 3.0)
 LOG = simulate(
     ROOM, drive([(1, 1), (3, 1)], step=0.5), sensor=URG_04LX, rng=np.random.default_rng(2)
