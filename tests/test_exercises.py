@@ -10,6 +10,7 @@ from scipy.spatial.transform import Rotation
 from segmap import course, literal, plotting
 from segmap.angles import axial_difference
 from segmap.course import EXERCISES, Check
+from segmap.literal.viewing_sector import views
 from segmap.poses import between, transform
 from segmap.reduction import common_directions
 from segmap.testing import assert_poses_equal
@@ -218,6 +219,32 @@ def wall_error_along_and_aside(points, walls):
     return total / len(points)
 
 
+def pose_covariance_by_moving(centre, alpha, sensor, place, heading):
+    """From what the line becomes when x, y and heading of the sensor move by a little."""
+    n, columns = np.array([np.cos(alpha), np.sin(alpha)]), []
+    for move in (*np.eye(3) * 1e-5, *np.eye(3) * -1e-5):
+        ends = [[*(centre - sensor)], [*(centre - sensor + [-n[1], n[0]])]]
+        a, b = transform(move, np.array(ends)) + sensor
+        turned = np.arctan2(*(b - a)[::-1]) - np.pi / 2
+        normal = np.array([np.cos(turned), np.sin(turned)])
+        change = axial_difference(turned, alpha)
+        offset = (a - centre) @ normal  # of the new line, about the old centre
+        columns.append([offset, change])
+    jacobian = (np.array(columns[:3]) - columns[3:]).T / 2e-5
+    return jacobian @ np.diag([place, place, heading]) ** 2 @ jacobian.T
+
+
+def verdict_by_complex_numbers(wall, point, sensor, distance):
+    a, b, q = (complex(*end) - complex(*sensor) for end in (*wall, point))
+    middle = np.angle(b / a) / 2
+    turn = np.angle(q / a / np.exp(1j * middle))
+    if abs(turn) > abs(middle) + 1e-12:
+        return float("nan")
+    normal = 1j * (b - a) / abs(b - a)
+    before = ((a - q) * normal.conjugate()).real * np.sign((a * normal.conjugate()).real)
+    return 0 if abs(before) <= distance else np.sign(before)
+
+
 OTHER_WAYS = {
     "compose": rotated_step,
     "heading_between": lambda a, b, t: np.angle(
@@ -251,6 +278,8 @@ OTHER_WAYS = {
     "pixel": lambda x, y, o, side, n: (int((o[1] + n * side - y) / side), int((x - o[0]) / side)),
     "scan_score": lambda p, pose, c: -cKDTree(c).query(transform(pose, p))[0].sum(),
     "climb_step": climb_in_a_loop,
+    "pose_covariance": pose_covariance_by_moving,
+    "verdict": verdict_by_complex_numbers,
 }
 
 
@@ -279,3 +308,15 @@ def test_a_step_is_that_of_mean_shift(seed):
     found = np.array(course.check_mean_shift_step.solution(begin, begin, 0.2, 5.0))
     np.testing.assert_allclose(found[:, :2], one[:, :2], atol=1e-9)
     np.testing.assert_allclose(axial_difference(found[:, 2], one[:, 2]), 0, atol=1e-9)
+
+
+@given(st.integers(0, 10**6))
+def test_a_verdict_is_that_of_the_viewing_sector(seed):
+    """Catches an exercise that teaches another rule than the method keeps."""
+    rng = np.random.default_rng(seed)
+    wall, point, sensor = rng.uniform(-2, 2, (2, 2)), rng.uniform(-3, 3, 2), rng.uniform(-1, 1, 2)
+    tiny = [point, point + rng.uniform(-1, 1, 2) * 1e-7]
+    said = {view.says for view in views(wall, tiny, sensor, 0.3)}
+    answer = course.check_verdict.solution(wall, point, sensor, 0.3)
+    words = {1: "hides", 0: "matches", -1: "gone"}
+    assert said == (set() if np.isnan(answer) else {words[answer]})

@@ -33,7 +33,9 @@ from segmap.course import (
     PoseGraphPanel,
     RayPanel,
     RoomPanel,
+    SectorPanel,
     StoragePanel,
+    WeightedPanel,
     insert_variant,
 )
 from segmap.course._panels_quadtree import touched_cells
@@ -44,7 +46,14 @@ from segmap.panels import ComparePanel, LivePanel, Panel, QuadtreePanel, ScanPan
 from segmap.panels._base import VIEW
 from segmap.plotting import ERROR, RESULT, TRUTH
 from segmap.quadtree import QuadtreeMap, build_map
-from segmap.reduction import basic_offline, basic_online, hybrid, mean_shift
+from segmap.reduction import (
+    basic_offline,
+    basic_online,
+    hybrid,
+    mean_shift,
+    viewing_sector,
+    weighted_line_fitting,
+)
 from segmap.simulation import URG_04LX, drive, rectangular_room, simulate, square_room
 from segmap.testing import assert_poses_equal
 
@@ -57,7 +66,12 @@ LOG = simulate(
 WALLS = SegmentMap([[(0, y), (2, y)] for y in (0.0, 0.03, 0.10, 0.15, 1.0)])
 #: Two that touch at (2, 0), six degrees apart: rho of both is near 0 there, and not elsewhere.
 LEANING = SegmentMap([[(0, 0), (2, 0)], [(1.95, 0), (3.9, 0.2)], [(9, 9), (9, 9.1)]])
-
+#: A door in the wall at y = 3: shut in scan 0, open in scan 1, which sees the wall behind.
+DOOR = SegmentMap(
+    [[(-2, 3), (2, 3)], [(-2, 3), (-1, 3)], [(1, 3.05), (2, 3.05)], [(-2, 5), (2, 5)]],
+    [0, 1, 1, 1],
+    sensors=[(0, 0), (0, 0)],
+)
 LOOP = load("corridor")
 TREE = build_map(LOG[:1], LOG.truth[:1], resolution=0.02)
 
@@ -96,7 +110,9 @@ PANELS = {
     "RayPanel": (RayPanel, "mask", False),
     "RoomPanel": (lambda: RoomPanel(ROOM, (1, 1, 0)), "beams", 51),
     "ScanPanel": (lambda: ScanPanel(LOG), "step", 3),
+    "SectorPanel": (lambda: SectorPanel(DOOR), "scan", 0),
     "StoragePanel": (lambda: StoragePanel(LOG, LOG.truth, ROOM), "resolution", 10.0),
+    "WeightedPanel": (lambda: WeightedPanel(WALLS), "place", 0.10),
 }
 
 
@@ -189,6 +205,29 @@ NARROW = {"distance": 0.15, "angle": np.radians(4)}
             )
             for sigma, angle in ((0.2, 10), (0.5, 10), (0.5, 1))
         ),
+        *(
+            (
+                lambda: WeightedPanel(WALLS),
+                {"place": place, "heading": heading, "chi2": chi2, "gap": gap},
+                weighted_line_fitting,
+                {
+                    "sigma_place": place,
+                    "sigma_heading": np.radians(heading),
+                    "chi2": chi2,
+                    "gap": gap,
+                },
+            )
+            for place, heading, chi2, gap in ((0, 0, 9.2, 0.3), (0.1, 2, 3, 0), (0.2, 0, 30, 1))
+        ),
+        *(
+            (lambda: SectorPanel(DOOR), {name: value}, viewing_sector, {name: value})
+            for name, value in (
+                ("forget", False),
+                ("rejoin", False),
+                ("distance", 0.02),
+                ("min_length", 1.0),
+            )
+        ),
     ],
 )
 def test_a_panel_of_a_reduction_shows_what_the_method_finds(panel, settings, method, thresholds):
@@ -201,6 +240,16 @@ def test_a_panel_of_a_reduction_shows_what_the_method_finds(panel, settings, met
     assert shown.reduction.method == method.__name__
     assert shown.count.value == f"{len(found)} of {len(shown.map)} segments left"
     assert shown.quality.value.startswith(f"quality {quality(shown.map, found):.1%}")
+
+
+def test_sector_panel_forgets_the_door_when_it_has_seen_through_it():
+    """Catches a panel that shows all scans whichever is chosen, or the sensor of another one."""
+    panel, figure = SectorPanel(DOOR), Figure()
+    assert panel.count.value == "3 of 4 segments left" and len(panel.map) == 4
+    panel.scan.value = 0
+    assert panel.count.value == "1 of 1 segments left" and len(panel.map) == 1
+    panel._draw(figure)
+    assert figure.axes[0].lines[-1].get_xydata().tolist() == [[0, 0]]
 
 
 def test_hybrid_panel_moves_the_origin_and_not_the_map():

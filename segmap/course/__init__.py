@@ -47,6 +47,7 @@ from ._exercises_maps import (
     check_quality,
     check_reduction_at,
     check_reduction_rate,
+    check_verdict,
 )
 from ._exercises_poses import (
     check_climb_step,
@@ -70,7 +71,12 @@ from ._exercises_scans import (
     check_heading_between,
     check_unwrapped,
 )
-from ._exercises_strips import check_best_shift, check_inside_strip, check_mean_shift_step
+from ._exercises_strips import (
+    check_best_shift,
+    check_inside_strip,
+    check_mean_shift_step,
+    check_pose_covariance,
+)
 from ._landscapes import Landscape, heading_profile, landscape, peaks, profile_peaks
 from ._panels_alignment import AnglePanel, BackbonePanel, GroundTruthPanel
 from ._panels_graphs import IcpPanel, PoseGraphPanel
@@ -78,6 +84,7 @@ from ._panels_matching import LandscapePanel, MatcherPanel
 from ._panels_quadtree import ClassesPanel, RayPanel, insert_variant
 from ._panels_reduction import BasicPanel, FusionPanel, HybridPanel, MeanShiftPanel
 from ._panels_scans import ClusterPanel, DistancePanel, PolylinePanel, RoomPanel
+from ._panels_surveyed import SectorPanel, WeightedPanel
 from ._storage import (
     Representation,
     StoragePanel,
@@ -137,8 +144,10 @@ __all__ = [
     "RayPanel",
     "Representation",
     "RoomPanel",
+    "SectorPanel",
     "StoragePanel",
     "Trial",
+    "WeightedPanel",
     "alignment_table",
     "check_axial_mean",
     "check_beam_angles",
@@ -164,12 +173,14 @@ __all__ = [
     "check_move_onto_walls",
     "check_occupancy",
     "check_pixel",
+    "check_pose_covariance",
     "check_quality",
     "check_ray_cells",
     "check_reduction_at",
     "check_reduction_rate",
     "check_scan_score",
     "check_unwrapped",
+    "check_verdict",
     "compare_with_walls",
     "conclusions",
     "density",
