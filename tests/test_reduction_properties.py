@@ -20,6 +20,8 @@ from segmap.testing import assert_segments_equal, segment_zoo
 pytestmark = pytest.mark.slow
 
 methods = pytest.mark.parametrize("name", METHODS)
+#: All but the one whose cells lie along the axes of the map: tests/test_fuzzy_clustering.py.
+anyhow = pytest.mark.parametrize("name", [n for n in METHODS if n != "fuzzy_clustering"])
 TEN = np.pi / 18
 
 #: Thresholds at which each method meets its plain version, and how many segments that can bear.
@@ -80,6 +82,11 @@ THRESHOLDS["fuzzy_set"] = [
     {"across": 0.5, "along": 0.05, "angle": np.pi / 4},
     {"axes": 0.3, "error": 0.1},
 ]
+THRESHOLDS["fuzzy_clustering"] = [
+    {},
+    {"cell": 0.7, "corner": (0.3, -0.2), "every": 1, "min_points": 3},
+    {"noise": 0.5, "angle": 0.5, "distance": 0.37, "gap": 0.0, "every": 2, "min_length": 0.0},
+]
 THRESHOLDS["viewing_sector"] = [
     {},
     {"distance": 0.3, "forget": False},
@@ -89,7 +96,7 @@ THRESHOLDS["viewing_sector"] = [
 #: Thresholds that are lengths, or in the case of the bandwidth one over a length.
 LENGTHS = {"distance", "tolerance", "sigma", "bandwidth", "gap"}
 LENGTHS |= {"sigma_range", "sigma_place", "spacing", "eps", "penalty", "far", "long", "bridge"}
-LENGTHS |= {"min_length", "across", "along", "error"}
+LENGTHS |= {"min_length", "across", "along", "error", "cell", "noise"}
 #: Mean shift looks at every piece from every piece: smaller maps, nearer together; the plain least
 #: cost tries thousands of lines.
 SMALL = {"mean_shift": (12, 0.5), "least_cost": (24, 0.7)}
@@ -185,7 +192,7 @@ def moved(name: str, pose, make) -> None:
     assert_segments_equal(found.segments, back, ordered=True, atol=1e-8)
 
 
-@methods
+@anyhow
 @pytest.mark.parametrize("turn", [np.pi / 2, 1.234, -3.0])
 @pytest.mark.parametrize("make", [random_map, redundant_map])
 def test_turning_the_map_about_the_origin_turns_the_result(name, make, turn):
@@ -198,6 +205,8 @@ def test_turning_the_map_about_the_origin_turns_the_result(name, make, turn):
 @pytest.mark.parametrize("make", [random_map, redundant_map, corridor_map])
 def test_moving_the_map_moves_the_result(name, make, pose):
     """A grid that forgets negative cells, a line that depends on the origin."""
+    if name == "fuzzy_clustering":
+        pose = (2 * pose[0], pose[1], 0)  # by whole cells
     moved(name, pose, make)
 
 
@@ -218,8 +227,8 @@ def test_moving_the_map_can_change_the_result_of_hybrid(name):
 @pytest.mark.parametrize("make", [random_map, redundant_map])
 def test_scaling_every_length_scales_the_result(name, make, scale):
     """An absolute length hidden in the loops. Mean shift's bandwidth is an angle a metre."""
-    if name == "uncertain_parameters" and scale < 1:
-        scale = 100.0  # no line is known to less than a millimetre
+    if name in ("uncertain_parameters", "fuzzy_clustering") and scale < 1:
+        scale = 100.0  # no line is known to less than a millimetre, or a point to a micrometre
     map = made(make, name, 6)
     scaled = {
         k: v / scale if k == "bandwidth" else v * scale
@@ -247,7 +256,8 @@ def test_walls_at_0_and_180_degrees_merge_like_walls_at_90(name, turn):
     """Angles compared, or averaged, as plain numbers: two walls, or one across."""
     seen = [[(0.0, 1.01), (2.0, 0.99)], [(0.05, 0.99), (2.05, 1.01)], [(2.0, 1.0), (0.0, 1.0)]]
     map = carried(SegmentMap(seen, [0, 1, 2], sensors=np.ones((3, 2)) * (1, 3)), (0, 0, turn))
-    found = METHODS[name](map)
+    one_cell = {"cell": 9.0, "corner": (-4, -4)} if name == "fuzzy_clustering" else {}
+    found = METHODS[name](map, **one_cell)
     assert len(found) == 1
     back = transform((0, 0, -turn), found.segments)
     np.testing.assert_allclose(back[0, :, 1], 1.0, atol=0.03)
@@ -263,7 +273,7 @@ def room() -> np.ndarray:
     return np.array(across + [[(u, y[0]), (u, y[1])] for u in x])
 
 
-@methods
+@anyhow
 @pytest.mark.parametrize("turn", [0.0, np.pi / 2, 0.3, -1.2, np.pi - 1e-9])
 def test_a_map_without_redundancy_is_kept(name, turn):
     """Corners that are cut, walls that are joined through a door: quality below 1."""
@@ -285,7 +295,7 @@ def test_no_wall_is_lost_and_none_invented(name, seed):
     map = made(MAPS[seed % 4], name, seed)
     free = {"min_length": 0.0} if name.startswith("hybrid") else {}
     found = METHODS[name](map, **free)
-    if name == "viewing_sector":  # it forgets, and leaves out what is short
+    if name in ("viewing_sector", "fuzzy_clustering"):  # they leave out what is short, or gone
         assert np.isin(
             np.flatnonzero(length(map.segments) < 1e-9), np.where(found.parents < 0)
         ).all()
@@ -324,8 +334,9 @@ def test_online_methods_record_each_scan(name):
     """Counts of another map: after the first scan it is what that scan alone gives."""
     segments = redundant_map(np.random.default_rng(1))
     sensors = np.zeros((10, 2))
-    found = METHODS[name](SegmentMap(segments, np.repeat([2, 5, 9], 20), sensors=sensors))
+    each = {"every": 1} if name == "fuzzy_clustering" else {}
+    found = METHODS[name](SegmentMap(segments, np.repeat([2, 5, 9], 20), sensors=sensors), **each)
     assert len(found.scan_seconds) == len(found.scan_live) == 3
     alone = SegmentMap(segments[:20], sensors=sensors)
-    first = METHODS["hybrid" if name == "hybrid_fusion" else name](alone)
+    first = METHODS["hybrid" if name == "hybrid_fusion" else name](alone, **each)
     assert found.scan_live[0] == len(first)

@@ -15,6 +15,7 @@ from .correlative_search import correlative_search, likelihoods
 from .extraction import extract_clusters, extract_polylines, fit_algebraic, fit_total
 from .fusion import best_strip, chain, fusion
 from .fusion_online import fusion_online
+from .fuzzy_clustering import fuzzy_clustering
 from .fuzzy_set import fuzzy_set
 from .gauss_newton import edge_residual, gauss_newton
 from .global_segments import best_shifts, best_turns, least_squares
@@ -67,6 +68,7 @@ __all__ = [
     "fit_total",
     "fusion",
     "fusion_online",
+    "fuzzy_clustering",
     "fuzzy_set",
     "gauss_newton",
     "grown",

@@ -22,6 +22,7 @@ from __future__ import annotations
 from ..methods import Method
 from ._basic import basic_offline, basic_online
 from ._fusion import fusion, fusion_online
+from ._fuzzy_clustering import fuzzy_clustering
 from ._fuzzy_set import fuzzy_set
 from ._hough import hough
 from ._hybrid import hybrid
@@ -153,6 +154,18 @@ METHODS = Methods(
         varies="across",
         needs_points=True,
     ),
+    # A reconstruction: A has the frame and no formula. The table says 2 -> 1, and a weight where
+    # eq. 2.30 has the centre
+    fuzzy_clustering=Method(
+        fuzzy_clustering,
+        "A 2.7.6",
+        "Ip, Rad, Chow, Wong 2002 (reconstruction)",
+        merges="m -> 1",
+        keeps="direction, mixing, end points, centre",
+        varies="distance",
+        online=True,
+        needs_points=True,
+    ),
     viewing_sector=Method(
         viewing_sector,
         "A 2.7.5",
@@ -177,6 +190,7 @@ __all__ = [
     "common_directions",
     "fusion",
     "fusion_online",
+    "fuzzy_clustering",
     "fuzzy_set",
     "hough",
     "hybrid",

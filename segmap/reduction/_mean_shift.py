@@ -87,7 +87,7 @@ def _reduce(rows: Rows, sigma: float, bandwidth: float) -> Found:
     out, into = _lines(found.pieces, found.cluster, found.theta, sigma)
     lowest = np.argsort(np.unique(into, return_index=True)[1])  # outputs by their first piece
     into = np.argsort(lowest)[into]
-    return out[lowest], _longest_share(len(rows.segments), found.owner, into)
+    return out[lowest], longest_share(len(rows.segments), found.owner, into)
 
 
 def _lines(pieces: Array, cluster: Indices, theta: Array, sigma: float) -> tuple[Array, Indices]:
@@ -224,7 +224,7 @@ def _directions(segments: Array, sigma: float, bandwidth: float, steps: float) -
     return Directions(pieces, owner, centres, cluster, np.arctan2(sine, cosine) / 2)
 
 
-def _longest_share(count: int, owner: Indices, into: Indices) -> Indices:
+def longest_share(count: int, owner: Indices, into: Indices) -> Indices:
     """Most frequent output of the pieces `(p,)` of each owner, the first of equals: `(count,)`.
 
     All pieces of an owner are equally long. -1 for one without pieces.
