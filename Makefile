@@ -32,7 +32,7 @@ test: $(WARM) ## set up, then prove it: style, types, tests, examples and every 
 	$(RUN) -m ruff check .
 	$(RUN) -m ruff format --check .
 	$(RUN) -m mypy
-	$(RUN) -m pytest $(SPREAD) -m "not slow"
+	$(RUN) -m pytest $(SPREAD) -m "not slow" -p no:nbval
 	PYTHONWARNINGS=error::DeprecationWarning:__main__ $(RUN) -m pytest $(SPREAD) $(NBVAL) notebooks/*.ipynb
 
 test-all: test ## the same, then the tests that are marked slow

@@ -26,7 +26,8 @@ class Compiled(Generic[P, R]):
 
     Kernels may call other kernels, of other files too: a change there is seen. For its callers in
     Python a kernel gets a wrapper that unpacks arrays, which costs a sixth of the compiling; for
-    other kernels it is compiled without. Never `fastmath`: it breaks `isfinite`.
+    other kernels it is compiled without. Never `fastmath`: it breaks `isfinite`. What is annotated
+    `float` is handed over as one: numba would compile everything once more for `tolerance=1`.
     """
 
     def __init__(self, plain: Callable[P, R]) -> None:
@@ -35,11 +36,16 @@ class Compiled(Generic[P, R]):
         self._fast: Callable[P, R] | None = None
         self._inner: Callable[P, R] | None = None
         self._code = cast(types.FunctionType, plain).__code__
+        names = self._code.co_varnames[: self._code.co_argcount]
+        self._floats = [k for k, n in enumerate(names) if plain.__annotations__.get(n) == "float"]
 
     def __call__(self, *args: P.args, **kwargs: P.kwargs) -> R:
         if self._fast is None:
             self._fast = self._build()
-        return self._fast(*args, **kwargs)
+        given: list[Any] = list(args)
+        for k in self._floats:
+            given[k] = float(given[k])
+        return self._fast(*given, **kwargs)
 
     def _build(self) -> Callable[P, R]:
         if os.environ.get(PLAIN) == "1":

@@ -12,6 +12,7 @@ from ._compiled import compiled
 from .arrays import Array
 from .segments import MIN_LENGTH
 
+Indices = NDArray[np.int64]
 #: Weights of the three terms of the segment distance (A 2.7.7).
 ANGULAR, ACROSS, APART = 0.66, 0.09, 0.25
 #: Segments whose angle is this near to a right one, radians, have two mean directions.
@@ -162,3 +163,47 @@ def slot_of(column: int, row: int, slots: int) -> int:
 def slots_of(columns: NDArray[np.int64], rows: NDArray[np.int64], slots: int) -> NDArray[np.int64]:
     """`slot_of` of many cells, `(n,)` each."""
     return (columns * 73856093 + rows) & (slots - 1)
+
+
+@compiled
+def put_in(head: Indices, after: Indices, before: Indices, slot: int, b: int) -> None:
+    """Put b first into the list of a slot.
+
+    `head[slot]` is the first of a list, -1 for none; `after` is the next of each, and `before` the
+    one before it, or -1 - slot for the first.
+    """
+    after[b], before[b] = head[slot], -1 - slot
+    if head[slot] >= 0:
+        before[head[slot]] = b
+    head[slot] = b
+
+
+@compiled
+def take_out(head: Indices, after: Indices, before: Indices, b: int) -> None:
+    """Take b out of the list that it is in, as `put_in` has them."""
+    if before[b] < 0:
+        head[-1 - before[b]] = after[b]
+    else:
+        after[before[b]] = after[b]
+    if after[b] >= 0:
+        before[after[b]] = before[b]
+
+
+@compiled
+def become_mean(s: Array, a: int, b: int, share: float, direction: float) -> float:
+    """Row a of `(n, 2, 2)`, metres, becomes the mean of rows a and b; its length.
+
+    It runs in a direction, radians, through the mean of both middles, that of b with a share, and
+    spans the projections of all four end points.
+    """
+    dx, dy = np.cos(direction), np.sin(direction)
+    x = (1 - share) * (s[a, 0, 0] + s[a, 1, 0]) / 2 + share * (s[b, 0, 0] + s[b, 1, 0]) / 2
+    y = (1 - share) * (s[a, 0, 1] + s[a, 1, 1]) / 2 + share * (s[b, 0, 1] + s[b, 1, 1]) / 2
+    low, high = np.inf, -np.inf
+    for k in range(2):
+        u = (s[a, k, 0] - x) * dx + (s[a, k, 1] - y) * dy
+        v = (s[b, k, 0] - x) * dx + (s[b, k, 1] - y) * dy
+        low, high = min(low, u, v), max(high, u, v)
+    s[a, 0, 0], s[a, 0, 1] = x + low * dx, y + low * dy
+    s[a, 1, 0], s[a, 1, 1] = x + high * dx, y + high * dy
+    return high - low

@@ -20,6 +20,11 @@ def shared_file(name: str) -> Path:
     return path
 
 
+def slow(*values: object) -> object:
+    """A case of a parametrized test that only `make test-all` runs; `make test` runs others."""
+    return pytest.param(*values, marks=pytest.mark.slow)
+
+
 @pytest.fixture
 def read(tmp_path):
     """Read a text, or a folder of texts by name, as if it were a log of that name."""

@@ -49,7 +49,7 @@ PLANTED = (
     ("if b < best if tie else near < least:", "if near < least:", "hybrid"),
     ("np.where(turns % 2 == 0, rho, -rho)", "rho", "hybrid"),
     # segment similarity, uncertain parameters, polyline
-    ("lines[i, 2] + lines[j, 2]\n", "lines[i, 2]\n", "segment_similarity"),
+    ("lines[i, 2] += lines[j, 2]\n", "lines[i, 2] += 0.0\n", "segment_similarity"),
     ("if state.alive[j] == 0 or state.changed[j] > state.looked[i]:", "if state.alive[j] == 0:", "segment_similarity"),
     ("return -np.pi / 2 if right < left - STEP else np.pi / 2", "return np.pi / 2", "segment_similarity"),
     ("_look(state, i, distance, merges, True)", "_look(state, i, distance, merges, False)", "segment_similarity"),

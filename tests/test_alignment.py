@@ -14,8 +14,6 @@ from segmap.alignment._result import Outcome, alignment_method
 from segmap.poses import between, compose
 from segmap.scans import Log
 
-pytestmark = pytest.mark.slow
-
 methods = pytest.mark.parametrize("name", METHODS)
 
 #: What a method needs beside the log.

@@ -26,8 +26,6 @@ import nbformat
 import pytest
 from makefile import lab_command
 
-pytestmark = pytest.mark.slow
-
 ROOT = Path(__file__).resolve().parents[1]
 CHAPTER = ROOT / "notebooks" / "00_start_here.ipynb"
 SCREENSHOT = ROOT / "build" / "browser" / "chapter_00.png"

@@ -1,15 +1,16 @@
 """Every compiled loop gives the same result as plain Python, with and without numba."""
 
+from __future__ import annotations
+
 import os
 import subprocess
 import sys
 
 import numpy as np
 import pytest
+from conftest import slow
 
 from segmap._compiled import PLAIN, compiled
-
-pytestmark = pytest.mark.slow
 
 #: Its window of search takes half a minute in plain Python: a smaller one stands in CASE.
 SLOW = "alignment pose_graph"
@@ -46,7 +47,7 @@ def run(blocked: bool = False, plain: bool = False) -> list[str]:
     return done.stdout.splitlines()
 
 
-@pytest.mark.parametrize("how", [{"blocked": True}, {"plain": True}])
+@pytest.mark.parametrize("how", [slow({"blocked": True}), {"plain": True}])
 def test_plain_python_gives_the_same(how):
     """A loop that only numba accepts, or that wraps, divides or clips differently there."""
     used, *expected = run()
@@ -99,6 +100,16 @@ def _four_times(x: float) -> float:
 def test_kernels_call_kernels():
     assert _four_times(1.5) == _four_times.plain(1.5) == 6.0
     assert _double.__doc__ == "Twice."
+
+
+def test_a_whole_number_is_no_new_signature():
+    """Catches `fusion(walls, tolerance=1)` that waits eight seconds, everything warm."""
+    from segmap import fusion
+    from segmap.reduction._fusion_loops import fuse_all
+
+    for tolerance in (1, 1.0, np.float32(1)):
+        fusion([[(0, 0), (1, 0)], [(0, 5), (3, 5)]], tolerance=tolerance)
+    assert len(fuse_all._fast.signatures) == 1
 
 
 def test_falls_back_where_no_cache_can_be_written(monkeypatch):

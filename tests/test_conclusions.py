@@ -6,8 +6,6 @@ import pytest
 from segmap.course import THESIS_GRIDS, conclusions, density, thesis_results
 from segmap.experiments import select
 
-pytestmark = pytest.mark.slow
-
 THESIS = thesis_results()
 #: (i) and (l) fail on Stanford already; (d) on USC, where mean shift changes more.
 ON_ITS_OWN = {

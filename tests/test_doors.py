@@ -23,8 +23,6 @@ import pytest
 from segmap import matching, quadtree, readers, segments, simulation
 from segmap.scans import LaserScan
 
-pytestmark = pytest.mark.slow
-
 #: The library as far as it takes arrays and numbers. `literal` is loops to read, without checks.
 ROOMS = [
     "angles", "poses", "segments", "scans", "extraction", "metrics", "simulation", "alignment",

@@ -26,8 +26,6 @@ from sweep_samples import (
 from segmap import METHODS, metrics
 from segmap.experiments import digest, select, sweep, thresholds_of
 
-pytestmark = pytest.mark.slow
-
 
 @pytest.fixture(scope="module")
 def expected():

@@ -10,8 +10,6 @@ from segmap.metrics import invented, missed, quality
 from segmap.reduction import fusion, least_cost, reduce_to
 from segmap.segments import length
 
-pytestmark = pytest.mark.slow
-
 
 @given(st.integers(0, 10_000), st.sampled_from([0.01, 0.05, 0.3]))
 @settings(max_examples=40)

@@ -4,8 +4,7 @@ import subprocess
 import sys
 
 import pytest
-
-pytestmark = pytest.mark.slow
+from conftest import slow
 
 #: In a process of its own, where nothing is loaded: kernels and their signatures, before the first
 #: scan is asked for and after the last.
@@ -46,7 +45,7 @@ USES = {
 }
 
 
-@pytest.mark.parametrize("use", USES)
+@pytest.mark.parametrize("use", [use if use in ("default", "panel") else slow(use) for use in USES])
 def test_nothing_compiles_between_the_first_scan_and_the_last(use):
     """Catches the first live poses, 0.7 m off, of a machine that compiles while the robot moves."""
     if use == "panel":

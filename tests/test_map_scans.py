@@ -5,6 +5,7 @@ from functools import partial
 
 import numpy as np
 import pytest
+from conftest import slow
 from quadtrees import leaves_of, state
 
 from segmap import LaserScan, load
@@ -20,8 +21,6 @@ from segmap.matching import (
 from segmap.poses import compose, inverse, transform
 from segmap.quadtree import QuadtreeMap
 from segmap.simulation import Sensor, drive, rectangular_room, simulate
-
-pytestmark = pytest.mark.slow
 
 SENSOR = Sensor("it", 181, -np.pi, 2 * np.pi / 181, max_range=6.0, sigma=0.005)
 
@@ -281,8 +280,11 @@ def test_the_room_path_without_odometry(workloads):
     ("options", "largest"),
     [
         ({"matcher": partial(hill_climb, steps="thesis")}, 0.08),
-        ({"matcher": partial(hill_climb, steps="thesis"), "score": occupancy_score}, 1.0),
-        ({"matcher": partial(sample_and_rank, rng=np.random.default_rng(1), sigma=(0.02, 2))}, 0.2),
+        slow({"matcher": partial(hill_climb, steps="thesis"), "score": occupancy_score}, 1.0),
+        slow(
+            {"matcher": partial(sample_and_rank, rng=np.random.default_rng(1), sigma=(0.02, 2))},
+            0.2,
+        ),
     ],
 )
 def test_what_the_thesis_printed_loses_its_way(workloads, options, largest):

@@ -19,8 +19,6 @@ from quadtrees import leaves_of, state
 from segmap import read
 from segmap.quadtree import QuadtreeMap
 
-pytestmark = pytest.mark.slow
-
 
 def example(**options) -> QuadtreeMap:
     """Grown to the left and downwards, with counts of all kinds."""

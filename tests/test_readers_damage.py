@@ -17,8 +17,6 @@ from log_samples import CARMEN, RAWSEEDS, SINGLE_FILES, flaser
 from segmap import readers
 from segmap.readers import LogError, _bundled
 
-pytestmark = pytest.mark.slow
-
 GOOD = flaser((1, 2, 0.5), (0, 0, 0), 1.0)
 
 

@@ -17,8 +17,6 @@ from segmap.reduction import METHODS
 from segmap.segments import SegmentMap, length
 from segmap.testing import assert_segments_equal, segment_zoo
 
-pytestmark = pytest.mark.slow
-
 methods = pytest.mark.parametrize("name", METHODS)
 #: All but the one whose cells lie along the axes of the map: tests/test_fuzzy_clustering.py.
 anyhow = pytest.mark.parametrize("name", [n for n in METHODS if n != "fuzzy_clustering"])
@@ -111,6 +109,7 @@ def made(make, name: str, seed: int) -> SegmentMap:
     """A random map whose scans come in any order; some have no segment."""
     rng = np.random.default_rng(seed)
     n, scale = SMALL.get(name, (48, 1.0))
+    scale /= 2 if make is corridor_map and name == "mean_shift" else 1  # long: many pieces
     segments = make(rng, n) * scale
     scans, sensors = rng.integers(0, 9, len(segments)), rng.uniform(-1, 1, (9, 2)) * scale
     return SegmentMap(segments, scans, sensors=sensors)
@@ -146,7 +145,7 @@ def test_equals_the_plain_method(name, case, seed, make):
 def test_equals_the_plain_method_in_the_zoo(name, zoo):
     """Empty, points, duplicates, crossings, a map far from the origin."""
     segments = segment_zoo()[zoo]
-    wide = {"sigma": max(0.3, length(segments).sum() / 120)}
+    wide = {"sigma": max(0.3, length(segments).sum() / 60)}
     near = {"distance": 0.3, "angle": 0.3, "min_length": 0.0}
     near = {k: v for k, v in near.items() if k in METHODS[name].function.__kwdefaults__}
     thresholds = wide if name == "mean_shift" else near
@@ -318,8 +317,9 @@ def test_basic_is_idempotent(name, make):
 @pytest.mark.parametrize("name", ["hybrid", "fusion", "hybrid_fusion", "mean_shift"])
 def test_the_others_are_not_idempotent(name):
     """The counter-example: what has grown together is near what it was far from, or cut anew."""
-    once = METHODS[name](malaga())
-    assert len(METHODS[name](once)) != len(once)
+    coarse = {"sigma": 0.4} if name == "mean_shift" else {}
+    once = METHODS[name](malaga(), **coarse)
+    assert len(METHODS[name](once, **coarse)) != len(once)
 
 
 def test_hybrid_is_not_idempotent_because_it_never_compares_its_own_segments():

@@ -10,7 +10,7 @@ import numpy as np
 from .. import _units, arrays
 from .._compiled import compiled
 from ..arrays import Array, Segments
-from ..kernels import slot_of
+from ..kernels import become_mean, put_in, slot_of, take_out
 from ._runner import Found, Indices, Reduction, Rows, Steps, run, run_online
 
 
@@ -166,27 +166,17 @@ def _start(segments: Array) -> State:
 @compiled
 def _enter(state: State, i: int, cell: float) -> None:
     """Put both end points of segment i into the grid of cells of a side, metres."""
-    s, head, after, before = state.s, state.head, state.after, state.before
+    s, head = state.s, state.head
     for k in range(2):
         column, row = int(np.floor(s[i, k, 0] / cell)), int(np.floor(s[i, k, 1] / cell))
-        slot, e = slot_of(column, row, len(head)), 2 * i + k
-        after[e], before[e] = head[slot], -1 - slot
-        if head[slot] >= 0:
-            before[head[slot]] = e
-        head[slot] = e
+        put_in(head, state.after, state.before, slot_of(column, row, len(head)), 2 * i + k)
 
 
 @compiled
 def _leave(state: State, i: int) -> None:
     """Take both end points of a segment out of the grid."""
-    head, after, before = state.head, state.after, state.before
     for e in range(2 * i, 2 * i + 2):
-        if before[e] < 0:
-            head[-1 - before[e]] = after[e]
-        else:
-            after[before[e]] = after[e]
-        if after[e] >= 0:
-            before[after[e]] = before[e]
+        take_out(state.head, state.after, state.before, e)
 
 
 @compiled
@@ -216,23 +206,12 @@ def _merge(state: State, a: int, b: int, distance: float) -> None:
 
     Writes to rows a and b of the state's arrays; cells of the grid have the side `distance`.
     """
-    s, la, lb = state.s, state.lengths[a], state.lengths[b]
-    share = lb / (la + lb)
+    share = state.lengths[b] / (state.lengths[a] + state.lengths[b])
     turn = (state.angles[b] - state.angles[a] + np.pi / 2) % np.pi - np.pi / 2
-    direction = state.angles[a] + share * turn
-    dx, dy = np.cos(direction), np.sin(direction)
-    x = (1 - share) * (s[a, 0, 0] + s[a, 1, 0]) / 2 + share * (s[b, 0, 0] + s[b, 1, 0]) / 2
-    y = (1 - share) * (s[a, 0, 1] + s[a, 1, 1]) / 2 + share * (s[b, 0, 1] + s[b, 1, 1]) / 2
-    low, high = np.inf, -np.inf
-    for k in range(2):
-        u = (s[a, k, 0] - x) * dx + (s[a, k, 1] - y) * dy
-        v = (s[b, k, 0] - x) * dx + (s[b, k, 1] - y) * dy
-        low, high = min(low, u, v), max(high, u, v)
     _leave(state, a)
     _leave(state, b)
-    s[a, 0, 0], s[a, 0, 1] = x + low * dx, y + low * dy
-    s[a, 1, 0], s[a, 1, 1] = x + high * dx, y + high * dy
-    state.angles[a], state.lengths[a] = direction, high - low
+    state.angles[a] += share * turn
+    state.lengths[a] = become_mean(state.s, a, b, share, state.angles[a])
     state.alive[b], state.parents[b] = 0, a
     _enter(state, a, distance)
 

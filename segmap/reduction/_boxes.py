@@ -13,7 +13,7 @@ import numpy as np
 
 from .._compiled import compiled
 from ..arrays import Array
-from ..kernels import slot_of
+from ..kernels import put_in, slot_of, take_out
 from ._runner import Indices
 
 
@@ -56,7 +56,7 @@ def empty_boxes(count: int, unit: float) -> Boxes:
     cell, levels = np.full((count, 3), -1), np.zeros(64, np.int64)
     corners = np.empty((2, count, 2))
     top = np.zeros(1, np.int64)
-    return Boxes(corners[0], corners[1], head, after, before, cell, levels, top, unit)
+    return Boxes(corners[0], corners[1], head, after, before, cell, levels, top, float(unit))
 
 
 @compiled
@@ -71,10 +71,7 @@ def enter(boxes: Boxes, b: int) -> None:
     row = int(np.floor((low[b, 1] + high[b, 1]) / 2 / side))
     cell[b, 0], cell[b, 1], cell[b, 2] = column, row, level
     slot = slot_of(column + 7919 * level, row, len(head))
-    boxes.after[b], boxes.before[b] = head[slot], -1 - slot
-    if head[slot] >= 0:
-        boxes.before[head[slot]] = b
-    head[slot] = b
+    put_in(head, boxes.after, boxes.before, slot, b)
     boxes.levels[level] += 1
     boxes.top[0] = max(boxes.top[0], b + 1)
 
@@ -82,13 +79,7 @@ def enter(boxes: Boxes, b: int) -> None:
 @compiled
 def leave(boxes: Boxes, b: int) -> None:
     """Take box b out of the index."""
-    after, before = boxes.after, boxes.before
-    if before[b] < 0:
-        boxes.head[-1 - before[b]] = after[b]
-    else:
-        after[before[b]] = after[b]
-    if after[b] >= 0:
-        before[after[b]] = before[b]
+    take_out(boxes.head, boxes.after, boxes.before, b)
     boxes.levels[boxes.cell[b, 2]] -= 1
     boxes.cell[b, 2] = -1
 

@@ -13,7 +13,7 @@ import numpy as np
 
 from .._compiled import compiled
 from ..arrays import Array
-from ..kernels import apart, slot_of
+from ..kernels import apart, put_in, slot_of, take_out
 from ..segments import length
 from ._runner import Indices
 
@@ -57,7 +57,7 @@ def empty_cells(segments: Array, reach: float, count: int) -> Cells:
     mean = float(length(segments).mean()) if len(segments) else 0.0
     smallest = max(2 * reach, mean / 2)
     levels, middle = np.zeros(64, np.int64), np.empty((count, 3))
-    return Cells(reach, smallest, head, after, before, level, levels, middle)
+    return Cells(float(reach), float(smallest), head, after, before, level, levels, middle)
 
 
 def wider(cells: Cells, more: int) -> Cells:
@@ -77,7 +77,7 @@ def _slot(column: int, row: int, level: int, slots: int) -> int:
 @compiled
 def enter(cells: Cells, s: Array, b: int) -> None:
     """Put segment b of `(n, 2, 2)`, metres, into its cell."""
-    head, after, before, middle = cells.head, cells.after, cells.before, cells.middle
+    head, middle = cells.head, cells.middle
     x, y = (s[b, 0, 0] + s[b, 1, 0]) / 2, (s[b, 0, 1] + s[b, 1, 1]) / 2
     half = np.hypot(s[b, 1, 0] - s[b, 0, 0], s[b, 1, 1] - s[b, 0, 1]) / 2
     middle[b, 0], middle[b, 1], middle[b, 2] = x, y, half
@@ -85,10 +85,7 @@ def enter(cells: Cells, s: Array, b: int) -> None:
     while side < half + WIDER * cells.reach:
         level, side = level + 1, 2 * side
     slot = _slot(int(np.floor(x / side)), int(np.floor(y / side)), level, len(head))
-    after[b], before[b] = head[slot], -1 - slot
-    if head[slot] >= 0:
-        before[head[slot]] = b
-    head[slot] = b
+    put_in(head, cells.after, cells.before, slot, b)
     cells.level[b] = level
     cells.levels[level] += 1
 
@@ -96,13 +93,7 @@ def enter(cells: Cells, s: Array, b: int) -> None:
 @compiled
 def leave(cells: Cells, b: int) -> None:
     """Take segment b out of its list."""
-    after, before = cells.after, cells.before
-    if before[b] < 0:
-        cells.head[-1 - before[b]] = after[b]
-    else:
-        after[before[b]] = after[b]
-    if after[b] >= 0:
-        before[after[b]] = before[b]
+    take_out(cells.head, cells.after, cells.before, b)
     cells.levels[cells.level[b]] -= 1
 
 

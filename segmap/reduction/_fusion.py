@@ -109,7 +109,7 @@ def fuse(s: Array, tolerance: float) -> tuple[Array, Indices]:
     if not len(s):
         return np.empty((0, 2, 2)), np.empty(0, np.int64)
     lengths = np.hypot(s[:, 1, 0] - s[:, 0, 0], s[:, 1, 1] - s[:, 0, 1])
-    grid = _grid_of(s, lengths, max(4 * tolerance, lengths.mean()))
+    grid = _grid_of(s, lengths, float(max(4 * tolerance, lengths.mean())))
     falling = np.argsort(-lengths, kind="stable")
     out, parents = np.empty((len(s), 2, 2)), np.full(len(s), -1)
     count = fuse_all(s, lengths, falling, tolerance, grid, _room_for(len(s)), out, parents)

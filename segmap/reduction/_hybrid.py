@@ -9,7 +9,7 @@ import numpy as np
 from .. import arrays
 from .._compiled import compiled
 from ..arrays import Array, Segments
-from ..kernels import slot_of
+from ..kernels import put_in, slot_of, take_out
 from ._basic import check_match
 from ._hough import line_of
 from ._runner import Indices, Reduction, Rows, Steps, run_online
@@ -143,17 +143,14 @@ def _slot(column: int, row: int, level: int, slots: int) -> int:
 @compiled
 def _enter(state: State, b: int, distance: float) -> None:
     """Put wall b into the list of its cell; metres."""
-    s, head, after, before = state.s, state.head, state.after, state.before
+    s, head = state.s, state.head
     length = np.hypot(s[b, 1, 0] - s[b, 0, 0], s[b, 1, 1] - s[b, 0, 1])
     level, cell = 0, 4 * distance
     while cell < length + 2 * distance:
         level, cell = level + 1, 2 * cell
     x, y = (s[b, 0, 0] + s[b, 1, 0]) / 2, (s[b, 0, 1] + s[b, 1, 1]) / 2
     slot = _slot(int(np.floor(x / cell)), int(np.floor(y / cell)), level, len(head))
-    after[b], before[b] = head[slot], -1 - slot
-    if head[slot] >= 0:
-        before[head[slot]] = b
-    head[slot] = b
+    put_in(head, state.after, state.before, slot, b)
     state.level[b] = level
     state.levels[level] += 1
 
@@ -161,13 +158,7 @@ def _enter(state: State, b: int, distance: float) -> None:
 @compiled
 def _leave(state: State, b: int) -> None:
     """Take wall b out of its list."""
-    after, before = state.after, state.before
-    if before[b] < 0:
-        state.head[-1 - before[b]] = after[b]
-    else:
-        after[before[b]] = after[b]
-    if after[b] >= 0:
-        before[after[b]] = before[b]
+    take_out(state.head, state.after, state.before, b)
     state.levels[state.level[b]] -= 1
 
 

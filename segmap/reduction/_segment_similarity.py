@@ -9,7 +9,7 @@ import numpy as np
 from .. import arrays
 from .._compiled import compiled
 from ..arrays import Array, Segments
-from ..kernels import ACROSS, ANGULAR, APART, PERPENDICULAR, across, apart
+from ..kernels import ACROSS, ANGULAR, APART, PERPENDICULAR, across, apart, become_mean
 from ..segments import angle, length
 from ._cells import Cells, empty_cells, enter, leave, near
 from ._runner import Found, Indices, Reduction, Rows, run
@@ -216,19 +216,10 @@ def _merge(state: State, i: int, j: int) -> None:
     s, lines = state.s, state.lines
     share = lines[j, 2] / (lines[i, 2] + lines[j, 2])
     direction = lines[i, 0] + share * _turn(s, lines, i, j, share)
-    dx, dy = np.cos(direction), np.sin(direction)
-    x = (1 - share) * (s[i, 0, 0] + s[i, 1, 0]) / 2 + share * (s[j, 0, 0] + s[j, 1, 0]) / 2
-    y = (1 - share) * (s[i, 0, 1] + s[i, 1, 1]) / 2 + share * (s[j, 0, 1] + s[j, 1, 1]) / 2
-    low, high = np.inf, -np.inf
-    for k in range(2):
-        u = (s[i, k, 0] - x) * dx + (s[i, k, 1] - y) * dy
-        v = (s[j, k, 0] - x) * dx + (s[j, k, 1] - y) * dy
-        low, high = min(low, u, v), max(high, u, v)
     leave(state.cells, i)
     leave(state.cells, j)
-    s[i, 0, 0], s[i, 0, 1] = x + low * dx, y + low * dy
-    s[i, 1, 0], s[i, 1, 1] = x + high * dx, y + high * dy
-    lines[i, 0], lines[i, 1], lines[i, 2] = direction, high - low, lines[i, 2] + lines[j, 2]
+    lines[i, 0], lines[i, 1] = direction, become_mean(s, i, j, share, direction)
+    lines[i, 2] += lines[j, 2]
     state.alive[j], state.parents[j], state.costs[j] = 0, i, np.inf
     enter(state.cells, s, i)
 
