@@ -31,6 +31,7 @@ TARGETS = {
     "segment_similarity": "<= 200 ms",
     "uncertain_parameters": "<= 100 ms",
     "polyline": "<= 200 ms",
+    "fuzzy_clustering": "<= 100 ms",
 }
 
 

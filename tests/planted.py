@@ -65,6 +65,12 @@ PLANTED = (
     ("if count > 2:\n        count = _prune", "if count > 99:\n        count = _prune", "polyline"),
     ("owned = np.hypot(x2 - x, y2 - y) <= bridge", "owned = True", "polyline"),
     ("root[_root(root, i)] = _root(root, state.chain[b])", "pass", "polyline"),
+    # fuzzy clustering
+    ("if q[j, 5] >= 2.0:", "if q[j, 5] >= 1.0:", "fuzzy_clustering"),
+    ("q[j, 4] = 1 - max(xx + yy - spread, 0.0)", "q[j, 4] = 0 * max(xx + yy - spread, 0.0)", "fuzzy_clustering"),
+    ("if mine != i and mine != its:", "if False:", "fuzzy_clustering"),
+    ("if mine != its:\n                    s.used[0] -= 1", "s.used[0] -= 1", "fuzzy_clustering"),
+    ("np.add.outer([-ROW, 0, ROW], [-1, 0, 1])", "np.add.outer([0], [-1, 0, 1])", "fuzzy_clustering"),
     # mean shift
     ("da = da - period if da >= half else da", "da = da", "mean_shift reduction reduction_properties"),
     ("np.ceil(length(segments) / sigma - 1e-9)", "np.ceil(length(segments) / sigma)", "mean_shift reduction reduction_properties"),

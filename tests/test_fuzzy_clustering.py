@@ -156,9 +156,28 @@ def test_few_points_and_short_walls_are_dropped():
 
 def test_a_later_look_joins_the_wall_that_its_cell_knows():
     """Catches a buffer that forgets its members: a bent end is near its piece, and not the wall."""
-    wall, bend = [(0.2, 1.0), (11.8, 1.0)], [(10.2, 1.0), (11.8, 1.05)]
+    wall, bend = [(0.2, 1.0), (11.2, 1.0)], [(10.2, 1.0), (11.8, 1.05)]
     found = fuzzy_clustering(SegmentMap([wall, bend], [0, 1]), every=1)
     assert len(found) == 1 and found.parents.tolist() == [0, 0]
+    assert_segments_equal(found, [[(0.2, 1.0), (11.8, 1.0)]], atol=0.05)
+
+
+def test_walls_of_the_buffer_that_a_look_joins_are_one_segment():
+    """Catches pieces beside each other that stay two in the buffer, or are counted twice."""
+    half, other, both = [(0.2, 0.5), (0.8, 0.5)], [(1.2, 0.5), (1.8, 0.5)], [(0.6, 0.5), (1.4, 0.5)]
+    found = fuzzy_clustering(SegmentMap([half, other, both], [0, 1, 2]), every=2)
+    assert found.scan_live.tolist() == [1, 2, 1]
+    found = fuzzy_clustering(SegmentMap([half, other, both, half], [0, 1, 2, 3]), every=2)
+    assert found.scan_live.tolist() == [1, 2, 1, 1]
+    assert_segments_equal(found, [[(0.2, 0.5), (1.8, 0.5)]], atol=0.05)
+
+
+def test_many_looks_in_one_scan_vanish():
+    """Weak: 17 looks of 33 points share them, and no sum of squares, 33 / 17, is as large as 2."""
+    look = [[(0.2, 0.5), (1.8, 0.5)]]
+    assert fuzzy_clustering(np.tile(look, (16, 1, 1))).parents.tolist() == [0] * 16
+    assert len(fuzzy_clustering(np.tile(look, (17, 1, 1)))) == 0
+    assert len(fuzzy_clustering(looks(look, 17))) == 1
 
 
 @pytest.mark.parametrize(("cell", "what"), [(1e-9, "larger"), (1e4, "smaller")])
