@@ -44,10 +44,10 @@ def fuzzy_clustering(
     each scan the clusters of a cell that are parallel, on one line and near become one; now and
     then, and at the end, so do those of neighbouring cells, in a global buffer.
 
-    Along its line a cluster knows no distance: a door in one cell of one scan is walled up. Looks at
-    one wall share its points, so that more than some 15 of them in one scan vanish. Walls
-    end at cells until they are grouped, and what is short there is dropped. Moving the map by whole
-    cells moves the result; other moves and turns change which points share a cell.
+    Along its line a cluster knows no distance: a door in one cell of one scan is walled up. Looks
+    at one wall share its points, so that more than some 15 of them in one scan vanish. Walls end at
+    cells until they are grouped, and what is short there is dropped. Moving the map by whole cells
+    moves the result; other moves and turns change which points share a cell.
 
     Parameters
     ----------
