@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from .hybrid import Found
-from .lines import SAME, Point, Segment, axial_difference, line_angle, segment_length
+from .lines import SAME, Point, Segment, axial_difference, line_angle, parents_of, segment_length
 
 
 @dataclass
@@ -126,8 +126,4 @@ def fuzzy_set(
         corners = [(r.across, u) if r.upright else (u, r.across) for u in (r.low, r.high)]
         ends.append((min(r.members), r.members, [turned(p, axis) for p in corners]))
     ends.sort(key=lambda entry: entry[0])
-    parents = [-1] * len(segments)
-    for k, (_, members, _) in enumerate(ends):
-        for i in members:
-            parents[i] = k
-    return [s for _, _, s in ends], parents
+    return [s for _, _, s in ends], parents_of((who for _, who, _ in ends), len(segments))

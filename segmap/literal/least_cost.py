@@ -11,7 +11,7 @@ import math
 from collections.abc import Sequence
 from itertools import combinations
 
-from .lines import SAME, Line, Point, Segment, point_to_segment, segment_length
+from .lines import SAME, Line, Point, Segment, parents_of, point_to_segment, segment_length
 from .metrics import segment_distance
 
 #: Price of a metre, distance, sine of the angle, and gap.
@@ -79,11 +79,7 @@ def least_cost(
             near[c] = (near[c] - {b}) | {a}
             estimate(min(a, c), max(a, c))
     order = sorted(members, key=lambda a: min(members[a]))
-    parents = [-1] * len(segments)
-    for output, a in enumerate(order):
-        for i in members[a]:
-            parents[i] = output
-    return [drawn[a] for a in order], parents
+    return [drawn[a] for a in order], parents_of((members[a] for a in order), len(segments))
 
 
 def neighbour_sets(

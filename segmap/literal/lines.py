@@ -6,7 +6,7 @@ A point is (x, y) in metres, a segment a pair of points, an angle is in radians.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 
 Point = Sequence[float]
 Segment = Sequence[Point]
@@ -25,6 +25,15 @@ def segment_length(s: Segment) -> float:
 def line_angle(s: Segment) -> float:
     """Angle of a segment from its first end to its second, radians, of either sign."""
     return math.atan2(s[1][1] - s[0][1], s[1][0] - s[0][0])
+
+
+def parents_of(groups: Iterable[Iterable[int]], count: int) -> list[int]:
+    """Of each of so many segments the index of the group that it is in; -1 for none."""
+    parents = [-1] * count
+    for k, group in enumerate(groups):
+        for i in group:
+            parents[i] = k
+    return parents
 
 
 def axial_difference(a: float, b: float) -> float:

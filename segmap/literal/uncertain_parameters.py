@@ -14,6 +14,7 @@ from .lines import (
     axial_difference,
     extreme_projections,
     line_angle,
+    parents_of,
     point_to_segment,
     segment_length,
 )
@@ -110,8 +111,6 @@ def uncertain_parameters(
             continue
         walls[same[0]] = fused([*(walls[k] for k in same), new], origin)
         walls = [wall for k, wall in enumerate(walls) if k not in same[1:]]
-    parents = [-1] * len(segments)
-    for k, wall in enumerate(walls):
-        for i in wall.members:
-            parents[i] = k
-    return [wall.ends for wall in walls], parents
+    return [wall.ends for wall in walls], parents_of(
+        (wall.members for wall in walls), len(segments)
+    )

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from .hybrid import Found, by_scan
-from .lines import SAME, Point, Segment, axial_difference, extreme_projections
+from .lines import SAME, Point, Segment, axial_difference, extreme_projections, parents_of
 from .points import points_behind
 
 
@@ -155,8 +155,6 @@ def weighted_line_fitting(
             wall = wall_of(merged, wall.points + other.points, wall.members + other.members)
         walls.append(wall)
     walls.sort(key=lambda wall: min(wall.members))
-    parents = [-1] * len(segments)
-    for k, wall in enumerate(walls):
-        for i in wall.members:
-            parents[i] = k
-    return [wall.ends for wall in walls], parents
+    return [wall.ends for wall in walls], parents_of(
+        (wall.members for wall in walls), len(segments)
+    )
