@@ -207,3 +207,18 @@ def become_mean(s: Array, a: int, b: int, share: float, direction: float) -> flo
     s[a, 0, 0], s[a, 0, 1] = x + low * dx, y + low * dy
     s[a, 1, 0], s[a, 1, 1] = x + high * dx, y + high * dy
     return high - low
+
+
+@compiled
+def gap_along(u: Array, v: Array, dx: float, dy: float) -> float:
+    """Metres between two segments, (2, 2) each, along a unit direction; below 0 they overlap."""
+    u0, u1 = u[0, 0] * dx + u[0, 1] * dy, u[1, 0] * dx + u[1, 1] * dy
+    v0, v1 = v[0, 0] * dx + v[0, 1] * dy, v[1, 0] * dx + v[1, 1] * dy
+    return max(min(u0, u1), min(v0, v1)) - min(max(u0, u1), max(v0, v1))
+
+
+@compiled
+def lay(s: Array, x: float, y: float, dx: float, dy: float, low: float, high: float) -> None:
+    """Put a segment, (2, 2), on the line through (x, y), from `low` to `high` along (dx, dy)."""
+    s[0, 0], s[0, 1] = x + low * dx, y + low * dy
+    s[1, 0], s[1, 1] = x + high * dx, y + high * dy

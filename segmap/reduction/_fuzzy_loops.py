@@ -8,6 +8,7 @@ import numpy as np
 
 from .._compiled import compiled
 from ..arrays import Array
+from ..kernels import gap_along, lay
 from ._least_cost_fit import join_sums
 from ._runner import Indices
 
@@ -116,13 +117,12 @@ def _settle(x: Array, q: Array, k: int, noise: float, u: Array) -> int:
 def _span(state: State, c: int, points: Array, label: Indices, lo: int) -> None:
     """End points of a cluster from the points, `(p, 2)`, that have its label from `lo` on."""
     cos, sin = np.cos(state.theta[c]), np.sin(state.theta[c])
-    x, y, ends, low, high = state.sums[c, 1], state.sums[c, 2], state.ends[c], np.inf, -np.inf
+    x, y, low, high = state.sums[c, 1], state.sums[c, 2], np.inf, -np.inf
     for i in range(len(points)):
         if label[lo + i] == c:
             along = (points[i, 0] - x) * cos + (points[i, 1] - y) * sin
             low, high = min(low, along), max(high, along)
-    ends[0, 0], ends[0, 1] = x + low * cos, y + low * sin
-    ends[1, 0], ends[1, 1] = x + high * cos, y + high * sin
+    lay(state.ends[c], x, y, cos, sin, low, high)
 
 
 @compiled
@@ -178,9 +178,7 @@ def _alike(s: State, a: int, b: int, limits: Array) -> bool:
         if abs(y * np.cos(theta[j]) - x * np.sin(theta[j])) >= limits[1]:
             return False
     cos, sin = np.cos(theta[b] + turn / 2), np.sin(theta[b] + turn / 2)
-    u0, u1 = ends[a, 0, 0] * cos + ends[a, 0, 1] * sin, ends[a, 1, 0] * cos + ends[a, 1, 1] * sin
-    v0, v1 = ends[b, 0, 0] * cos + ends[b, 0, 1] * sin, ends[b, 1, 0] * cos + ends[b, 1, 1] * sin
-    return max(min(u0, u1), min(v0, v1)) - min(max(u0, u1), max(v0, v1)) <= limits[2] + SAME
+    return gap_along(ends[a], ends[b], cos, sin) <= limits[2] + SAME
 
 
 @compiled
@@ -194,8 +192,7 @@ def _absorb(s: State, a: int, b: int) -> None:
         for e in range(2):
             along = (s.ends[i, e, 0] - x) * cos + (s.ends[i, e, 1] - y) * sin
             low, high = min(low, along), max(high, along)
-    s.ends[a, 0, 0], s.ends[a, 0, 1] = x + low * cos, y + low * sin
-    s.ends[a, 1, 0], s.ends[a, 1, 1] = x + high * cos, y + high * sin
+    lay(s.ends[a], x, y, cos, sin, low, high)
 
 
 @compiled

@@ -9,6 +9,7 @@ import numpy as np
 from .. import arrays
 from .._compiled import compiled
 from ..arrays import Array, Segments
+from ..kernels import gap_along, lay
 from ._boxes import Boxes, empty_boxes, enter, leave, meeting
 from ._line_fits import compare, fit_all
 from ._points import check_spacing, points_behind
@@ -180,10 +181,8 @@ def _may_meet(state: State, a: int, b: int, gap: float, turn: float) -> bool:
     if abs(alpha - beta - turns * np.pi) > turn + SAME:
         return False
     mean = (alpha + beta + turns * np.pi) / 2
-    c, s, ends = np.cos(mean), np.sin(mean), state.ends
-    u0, u1 = ends[a, 0, 1] * c - ends[a, 0, 0] * s, ends[a, 1, 1] * c - ends[a, 1, 0] * s
-    v0, v1 = ends[b, 0, 1] * c - ends[b, 0, 0] * s, ends[b, 1, 1] * c - ends[b, 1, 0] * s
-    return max(min(u0, u1), min(v0, v1)) - min(max(u0, u1), max(v0, v1)) <= gap + SAME
+    found = gap_along(state.ends[a], state.ends[b], -np.sin(mean), np.cos(mean))
+    return found <= gap + SAME
 
 
 @compiled
@@ -220,8 +219,7 @@ def _settle(state: State, a: int, points: Array, first: Indices, limits: Array) 
             low, high = min(low, u), max(high, u)
         i = state.after[i]
     ends, boxes, gap, off = state.ends, state.boxes, 0.75 * limits[1], 0.0
-    ends[a, 0, 0], ends[a, 0, 1] = x - low * s, y + low * c
-    ends[a, 1, 0], ends[a, 1, 1] = x - high * s, y + high * c
+    lay(ends[a], x, y, -s, c, low, high)
     for u in (low - gap, high + gap):
         rr = state.lines[a, 3] - 2 * u * state.lines[a, 4] + u * u * state.lines[a, 5]
         wide = state.lines[a, 3] + 2 * u * state.lines[a, 4] + u * u * state.lines[a, 5]
