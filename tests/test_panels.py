@@ -249,6 +249,7 @@ def test_sector_panel_forgets_the_door_when_it_has_seen_through_it():
     assert panel.count.value == "1 of 1 segments left" and len(panel.map) == 1
     panel._draw(figure)
     assert figure.axes[0].lines[-1].get_xydata().tolist() == [[0, 0]]
+    assert figure.axes[0].get_ylim() == pytest.approx((-0.3, 5.3))  # of the whole map
 
 
 def test_hybrid_panel_moves_the_origin_and_not_the_map():

@@ -12,6 +12,9 @@ from ..reduction import viewing_sector, weighted_line_fitting
 from ..segments import SegmentMap
 from ._panels_reduction import _ReductionPanel
 
+#: Around all that is seen in the end, so that the picture stays while the scans pass, metres.
+_MARGIN = 0.3
+
 
 class WeightedPanel(_ReductionPanel):
     """A map and its weighted line fitting, for each error that poses may have (A 2.7.3).
@@ -46,11 +49,11 @@ class WeightedPanel(_ReductionPanel):
     def __init__(self, map: SegmentMap) -> None:
         super().__init__(map)
         self.place = slider("error of place", 0.03, 0.0, 0.20, 0.005)
-        self.heading = slider("of heading", 0.5, 0.0, 3.0, 0.1, "degrees")
+        self.heading = slider("heading", 0.5, 0.0, 3.0, 0.1, "degrees")
         self.chi2 = slider("chi2", 9.2, 1.0, 30.0, 0.2, "")
         self.gap = slider("gap", 0.30, 0.0, 2.0, 0.05)
-        texts = (self.count, self.rate, self.quality)
-        self._assemble(self.place, self.heading, self.chi2, self.gap, texts)
+        rows = (self.chi2, self.gap, self.count, (self.rate, self.quality))
+        self._assemble(self.place, self.heading, *rows)
 
     def _draw(self, figure: Figure) -> None:
         found = weighted_line_fitting(
@@ -111,9 +114,8 @@ class SectorPanel(_ReductionPanel):
         self.min_length = slider("min_length", 0.10, 0.0, 1.0, 0.05)
         self.forget = W.Checkbox(value=True, description="forget", indent=False)
         self.rejoin = W.Checkbox(value=True, description="rejoin", indent=False)
-        texts = (self.count, self.rate, self.quality)
-        boxes = (self.forget, self.rejoin)
-        self._assemble((self.play, self.scan), self.distance, self.min_length, boxes, texts)
+        rows = (self.forget, self.rejoin), self.count, (self.rate, self.quality)
+        self._assemble((self.play, self.scan), self.distance, self.min_length, *rows)
 
     def _draw(self, figure: Figure) -> None:
         self.map = self.whole[self.whole.scan <= self.scan.value]
@@ -128,6 +130,9 @@ class SectorPanel(_ReductionPanel):
         ax = draw_before_after(self.map, found, ax=figure.subplots())
         if self.map.sensors is not None:
             ax.plot(*self.map.sensors[self.scan.value], "o", color=ERROR)
+            corners = np.concatenate([self.map.sensors, self.whole.segments.reshape(-1, 2)])
+            low, high = np.nanmin(corners, axis=0) - _MARGIN, np.nanmax(corners, axis=0) + _MARGIN
+            ax.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]))
 
     def __repr__(self) -> str:
         return f"SectorPanel(after scan {self.scan.value}: {self.count.value})"
