@@ -30,6 +30,8 @@ from planted import PLANTED
 ROOT = Path(__file__).resolve().parents[1]
 #: Seconds after which a run counts as failed: the bug made it hang.
 LONGEST = 300
+#: Seconds for all tests of a room without a bug.
+WHOLE_ROOM = 1500
 FORK = multiprocessing.get_context("fork")
 #: The tests of a room, or of the files of a room that begin so, where their names do not begin with
 #: the room's own; the examples of the file come with them.
@@ -213,7 +215,7 @@ class Worker:
         leave = shutil.ignore_patterns(".git", ".venv", "build", ".mypy_cache", ".ruff_cache")
         shutil.copytree(ROOT, self.copy, ignore=leave)  # machine code included; times are kept
 
-    def survives(self, bug: Bug) -> bool:
+    def survives(self, bug: Bug, longest: float = LONGEST) -> bool:
         """Whether the tests pass with the bug; the copy, its machine code too, is as before."""
         path = self.copy / bug.path.relative_to(ROOT)
         text, stamp = bug.path.read_text(), path.stat()
@@ -221,17 +223,17 @@ class Worker:
         stop = bug.place + len(bug.old)
         path.write_text(text[: bug.place] + bug.new + text[stop:])
         try:
-            return self._pass(bug.tests)
+            return self._pass(bug.tests, longest)
         finally:
             path.write_text(text)
             os.utime(path, ns=(stamp.st_atime_ns, stamp.st_mtime_ns))
             for file, data in code.items():
                 file.write_bytes(data)
 
-    def _pass(self, tests: tuple[str, ...]) -> bool:
+    def _pass(self, tests: tuple[str, ...], longest: float) -> bool:
         child = FORK.Process(target=_run_tests, args=(self.copy, tests))
         child.start()
-        child.join(LONGEST)
+        child.join(longest)
         hangs = child.exitcode is None
         with contextlib.suppress(ProcessLookupError):  # what the tests started goes too
             os.killpg(child.pid, signal.SIGKILL)
@@ -251,7 +253,7 @@ def _run_tests(copy: Path, tests: tuple[str, ...]) -> None:
     os.environ["PYTHONPATH"] = str(copy)
     own = {str(ROOT), str(ROOT / "tests")}
     sys.path[:] = [str(copy), *(folder for folder in sys.path if folder not in own)]
-    os._exit(pytest.main(["-x", "-q", "-p", "no:cacheprovider", *tests]))
+    os._exit(pytest.main(["-x", "-q", "-p", "no:cacheprovider", "-p", "no:nbval", *tests]))
 
 
 def _load_packages() -> None:
@@ -271,13 +273,17 @@ def _survives(bug: Bug) -> bool:
     return WORKER.survives(bug)
 
 
+def _passes_whole(bug: Bug) -> bool:
+    return WORKER.survives(bug, WHOLE_ROOM)
+
+
 def _check_without_bugs(bugs: list[Bug], pool: ProcessPoolExecutor) -> None:
     """Stop where the tests of a room fail without any bug: all its bugs would count as killed."""
     rooms = sorted({bug.room for bug in bugs})
     none = [_no_bug([bug for bug in bugs if bug.room == room]) for room in rooms]
-    for room, passes in zip(rooms, pool.map(_survives, none), strict=True):
+    for room, passes in zip(rooms, pool.map(_passes_whole, none), strict=True):
         if not passes:
-            raise SystemExit(f"{room}: its tests fail, or take {LONGEST} s, without any bug")
+            raise SystemExit(f"{room}: its tests fail, or take {WHOLE_ROOM} s, without any bug")
 
 
 def _no_bug(bugs: list[Bug]) -> Bug:

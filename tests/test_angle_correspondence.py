@@ -6,7 +6,14 @@ import pytest
 from scipy.spatial import cKDTree
 
 from segmap import literal, load
-from segmap.alignment import angle_candidates, angle_correspondence, match_angles, match_values
+from segmap.alignment import (
+    align_to_truth,
+    angle_candidates,
+    angle_correspondence,
+    match_angles,
+    match_values,
+    position_errors,
+)
 from segmap.alignment._angle_loops import refine, superpose
 from segmap.alignment._angle_scenes import (
     corners,
@@ -359,3 +366,21 @@ def test_kidnapped_the_scan_before_is_the_reference():
     assert found.used[:jump].all() and found.used[jump + 1 :].all()
     steps = between(found.poses[jump:-1], found.poses[jump + 1 :])
     assert steps == pytest.approx(between(path[:-1], path[1:]), abs=0.05)
+
+
+def test_on_a_growing_map_errors_do_not_add_up_while_the_place_is_known():
+    """Catches a map that stays the first scan, and chains laid in the frame of the robot."""
+    log = logs.without_odometry(load("malaga")[:60])
+    for grow, least, most in ((True, 0.0, 0.3), (False, 0.7, 1.0)):
+        found = angle_correspondence(log, grow=grow)
+        errors = position_errors(align_to_truth(found.poses, log.truth), log.truth)
+        assert found.used.mean() > 0.85 and least < np.nanmax(errors) < most
+
+
+def test_a_map_has_forgotten_what_hides_what():
+    """The counter-example: a room that is nearly symmetric fits from the wrong side as well."""
+    log = load("room")
+    for part, grow, least, most in ((log, False, 0, 0.02), (log[:26], True, 0, 0.05)):
+        found = angle_correspondence(part, grow=grow)
+        assert least <= logs.errors(part, found.poses)[0].max() < most
+    assert logs.errors(log, angle_correspondence(log, grow=True).poses)[0].max() > 1.0

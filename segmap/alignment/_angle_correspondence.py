@@ -11,15 +11,16 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from .. import arrays
 from ..arrays import Array, Segments
 from ..extraction import extract_polylines
-from ..kernels import Rule, describe
+from ..kernels import Rule
 from ..poses import compose, transform
+from ..reduction import polyline
 from ..scans import Log
-from ..segments import length
+from ..segments import SegmentMap, length, point_distance
 from . import _angle_loops as loops
 from ._angle_scenes import AngleSearch, Candidate, Heuristic, Scene, corners, match_rule, scene
 from ._result import Match, Outcome, Trail, alignment_method, no_match
@@ -96,15 +97,15 @@ def angle_candidates(
         for (name, segments), stood in zip(given.items(), viewpoints, strict=True)
     )
     poses = _refined_poses(s, t, rule, search)
-    value, hidden = np.empty(len(poses)), _hidden(poses, s, t, search.margin)
+    value, hidden = np.empty(len(poses)), loops.hidden_lengths(poses, s, t, search.margin)
     loops.values(s.segments, t.segments, poses, rule, value)
     score = value - penalty * hidden
     outside = compose(poses, (*-t.middle, 0.0)) + [*s.middle, 0.0]
-    best = _distinct(poses, score, search.refined, search.same)
+    best = loops.best_distinct(poses, score, search.refined, search.same)
     columns = outside[best], *np.array([value, hidden, score])[:, best].tolist()
     return [
         Candidate(*row, *walls)
-        for *row, walls in zip(*columns, _matched(poses[best], s, t, rule), strict=True)
+        for *row, walls in zip(*columns, loops.matched(poses[best], s, t, rule), strict=True)
     ]
 
 
@@ -118,51 +119,14 @@ def _refined_poses(s: Scene, t: Scene, rule: Rule, search: AngleSearch) -> Array
     while (count := loops.superpose(first, second, *alike, tried)) > len(tried):
         tried = np.empty((count, 4))
     tried = tried[:count]
-    best = _distinct(tried, tried[:, 3], search.tried, search.near)
+    best = loops.best_distinct(tried, tried[:, 3], search.tried, search.near)
     poses, worth = tried[best, :3].copy(), np.empty(len(best))
     loops.values(s.segments, t.segments, poses, rule, worth)
-    poses = poses[_distinct(poses, worth, search.refined, search.same)]
+    poses = poses[loops.best_distinct(poses, worth, search.refined, search.same)]
     room = np.empty((2 * len(s.segments) * len(t.segments), 5))
     for pose in poses:
         loops.refine(s.segments, t.segments, pose, search.rounds, rule, room)
     return poses
-
-
-def _distinct(
-    poses: Array, worth: Array, most: int, near: tuple[float, float]
-) -> NDArray[np.int64]:
-    """Indices of at most so many of the best poses, best first, each unlike all before it."""
-    chosen = np.empty(most, np.int64)
-    return chosen[: loops.distinct(poses, np.argsort(-worth, kind="stable"), *near, chosen)]
-
-
-def _hidden(poses: Array, s: Scene, t: Scene, margin: float) -> Array:
-    """Length of wall, (k,) array, metres, that one scene has seen through a wall of the other."""
-    found, stood = np.zeros(len(poses)), transform(poses, t.places)
-    for k, pose in enumerate(poses):
-        there = loops.moved(t.segments, *pose)
-        looks = ((s.places, s.segments, there), (stood[k], there, s.segments))
-        for places, segments, walls in looks:
-            least = np.inf  # from the best of the places
-            for x, y in places:
-                least = min(least, loops.hidden(x, y, segments, walls, margin, least))
-            found[k] += least
-    return found
-
-
-def _matched(poses: Array, s: Scene, t: Scene, rule: Rule) -> list[tuple[int, Array]]:
-    """For each pose how many walls match, and the constraints about where the current frame is."""
-    found, described = [], describe(s.segments)
-    value = np.empty((len(s.segments), len(t.segments)))
-    for pose, (x, y) in zip(poses, transform(poses, -t.middle[None])[:, 0], strict=True):
-        there = loops.moved(t.segments, *pose)
-        loops.fill_values(s.segments, described, there, rule, value)
-        some = value > 0
-        rows = np.empty((2 * np.count_nonzero(some), 5))
-        loops.constraints(s.segments, described, there, value, rows)
-        rows[:, 2] -= rows[:, 1] * x - rows[:, 0] * y
-        found.append((int(min(some.any(0).sum(), some.any(1).sum())), rows))
-    return found
 
 
 def match_angles(
@@ -231,15 +195,17 @@ def angle_correspondence(
     rng: np.random.Generator | None = None,
     new_reference: float = 0.60,
     extract: Callable[..., Array] = extract_polylines,
+    grow: bool = False,
     **thresholds: Any,
 ) -> Outcome:
     """Poses from angle correspondences between scans, without any odometry (A 2.5.1, 3.3.1).
 
     Each scan is matched to a reference scan, and where they share too little to the scan just
-    before it, which then is the reference. So errors add up from reference to reference and not
-    from scan to scan. (A replaces each chain of matched segments by a polyline and matches with
-    that map. A single scan has a place from which it was seen, and so can tell what hides what.)
-    Where nothing matches the log's odometry carries the pose on.
+    before it, the next reference: errors add up from reference to reference, not from scan to
+    scan. Where nothing matches the log's odometry carries the pose on. With `grow` each scan is
+    matched to the map of all before it, in which chains of segments that match are polylines
+    (A 3.3.1, step 3). Only a scan has a place from which it tells what hides what: in a symmetric
+    room the wrong side of the map fits as well.
 
     Parameters
     ----------
@@ -250,6 +216,8 @@ def angle_correspondence(
         Where less than this share of a scan is matched another reference is taken.
     extract : function
         `extract(points) -> (n, 2, 2)` segments of one scan, metres, in the frame of the robot.
+    grow : bool
+        Match with a map that grows; `new_reference` is not used then.
     **thresholds
         Handed to `match_angles`.
 
@@ -272,6 +240,8 @@ def angle_correspondence(
     arrays.function(extract, "extract", "of points")
     chance, trail = np.random.default_rng(0) if rng is None else rng, Trail(log)
     seen = [(extract(scan.points()), scan.sensor_pose[:2]) for scan in log]
+    if arrays.switch(grow, "grow"):
+        return _on_a_growing_map(trail, [walls for walls, _ in seen], chance, thresholds)
     reference = 0
     for k in range(1, len(log)):
         for known in dict.fromkeys((reference, k - 1)):
@@ -283,6 +253,25 @@ def angle_correspondence(
                 break
         else:
             trail.carry(match.reason)
+    return trail.outcome()
+
+
+def _on_a_growing_map(
+    trail: Trail, seen: list[Array], rng: np.random.Generator, thresholds: dict[str, Any]
+) -> Outcome:
+    """A 3.3.1, step 3: the segments of each scan, (n, 2, 2) arrays, metres, on those before it."""
+    rule = {name: thresholds[name] for name in ("distance", "far", "long") if name in thresholds}
+    grown = transform(trail.poses[0], seen[0]) if seen else np.empty((0, 2, 2))
+    for walls in seen[1:]:
+        reach = 1.5 * np.hypot(*walls.reshape(-1, 2).T).max(initial=0.0)  # the scan's, and some
+        near = grown[point_distance(trail.poses[-1][:2], grown) <= reach]
+        match = match_angles(near, walls, rng=rng, **{"penalty": 0.0} | thresholds)
+        if not match.matched:
+            trail.carry(match.reason)
+            continue
+        trail.place(match.pose)
+        both = np.concatenate([grown, transform(match.pose, walls)])
+        grown = polyline(SegmentMap(both, np.arange(len(both)) >= len(grown)), **rule).segments
     return trail.outcome()
 
 

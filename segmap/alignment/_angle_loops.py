@@ -8,12 +8,18 @@ meeting point i lies along its direction and j along its own, and the lengths of
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 from numpy.typing import NDArray
 
 from .._compiled import compiled
 from ..arrays import Array
 from ..kernels import Rule, describe, match_value
+from ..poses import transform
+
+if TYPE_CHECKING:
+    from ._angle_scenes import Scene
 
 #: A pivot of less than this share of the whole is rounding.
 SINGULAR = 1e-9
@@ -233,3 +239,40 @@ def hidden(px: float, py: float, s: Array, walls: Array, margin: float, most: fl
         if lost > most:
             break
     return lost
+
+
+def best_distinct(
+    poses: Array, worth: Array, most: int, near: tuple[float, float]
+) -> NDArray[np.int64]:
+    """Indices of at most so many of the best poses, best first, each unlike all before it."""
+    chosen = np.empty(most, np.int64)
+    return chosen[: distinct(poses, np.argsort(-worth, kind="stable"), *near, chosen)]
+
+
+def hidden_lengths(poses: Array, s: Scene, t: Scene, margin: float) -> Array:
+    """Length of wall, (k,) array, metres, that one scene has seen through a wall of the other."""
+    found, stood = np.zeros(len(poses)), transform(poses, t.places)
+    for k, pose in enumerate(poses):
+        there = moved(t.segments, *pose)
+        looks = ((s.places, s.segments, there), (stood[k], there, s.segments))
+        for places, segments, walls in looks:
+            least = np.inf  # from the best of the places
+            for x, y in places:
+                least = min(least, hidden(x, y, segments, walls, margin, least))
+            found[k] += least
+    return found
+
+
+def matched(poses: Array, s: Scene, t: Scene, rule: Rule) -> list[tuple[int, Array]]:
+    """For each pose how many walls match, and the constraints about where the current frame is."""
+    found, described = [], describe(s.segments)
+    value = np.empty((len(s.segments), len(t.segments)))
+    for pose, (x, y) in zip(poses, transform(poses, -t.middle[None])[:, 0], strict=True):
+        there = moved(t.segments, *pose)
+        fill_values(s.segments, described, there, rule, value)
+        some = value > 0
+        rows = np.empty((2 * np.count_nonzero(some), 5))
+        constraints(s.segments, described, there, value, rows)
+        rows[:, 2] -= rows[:, 1] * x - rows[:, 0] * y
+        found.append((int(min(some.any(0).sum(), some.any(1).sum())), rows))
+    return found
