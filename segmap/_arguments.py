@@ -5,7 +5,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Iterable
 from dataclasses import fields
 from os import PathLike
 from pathlib import Path
@@ -152,6 +152,28 @@ def instance(value: T, name: str, kind: type) -> T:
     """
     if not isinstance(value, kind):
         raise ValueError(f"{name} must be a {kind.__name__}, got {brief(value)}")
+    return value
+
+
+def frame(value: Any, columns: Iterable[str] = (), numbers: Iterable[str] = ()) -> Any:
+    """A DataFrame with some columns, and with others that hold numbers.
+
+    Examples
+    --------
+    >>> frame({"quality": 0.9}, numbers=["quality"])
+    Traceback (most recent call last):
+    ValueError: frame must be a pandas DataFrame, got {'quality': 0.9}
+    """
+    import pandas as pd
+
+    if not isinstance(value, pd.DataFrame):
+        raise ValueError(f"frame must be a pandas DataFrame, got {brief(value)}")
+    if missing := [name for name in [*columns, *numbers] if name not in value]:
+        had = ", ".join(map(str, value.columns))
+        raise ValueError(f"frame must have columns {', '.join(missing)}, but has {had or 'none'}")
+    words = [name for name in numbers if not pd.api.types.is_numeric_dtype(value[name])]
+    if words and len(value):
+        raise ValueError(f"frame must hold numbers in its columns {', '.join(words)}")
     return value
 
 

@@ -18,6 +18,7 @@ from ._arguments import (
     Settings,
     brief,
     file,
+    frame,
     function,
     generator,
     instance,
@@ -30,9 +31,9 @@ from ._arguments import (
 
 __all__ = [
     "FAR", "LEAST", "LIMIT", "MOST", "Array", "HasPoses", "HasSegments", "Poses", "Segments",
-    "Settings", "file", "function", "generator", "indices", "instance", "number", "numbers",
-    "one_of", "point", "points", "pose", "poses", "positive", "row", "segments", "share", "switch",
-    "table", "trailing", "values", "weights", "whole",
+    "Settings", "brief", "file", "frame", "function", "generator", "indices", "instance", "number",
+    "numbers", "one_of", "point", "points", "pose", "poses", "positive", "row", "segments",
+    "share", "switch", "table", "trailing", "values", "weights", "whole",
 ]  # fmt: skip
 
 #: Squares of numbers up to here are still numbers: enough for arithmetic that counts no cells.

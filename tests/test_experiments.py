@@ -89,7 +89,7 @@ def test_a_method_of_ones_own():
         ((MAPS, ["fusion"], {"fusion": {"tolerance": ["a"]}}), "numbers or None, got 'a'"),
         ((MAPS, {"mine": lambda map, **all: 0}, {"mine": [{"seconds": 1}]}), "threshold 'seconds'"),
         (({"two\nlines": HALL}, ["fusion"]), "names of one line"),
-        (({"bad": [[(0, np.nan), (1, 1)]]}, ["fusion"]), r"segments\[0\] is"),
+        (({"bad": [[(0, np.nan), (1, 1)]]}, ["fusion"]), r"maps\['bad'\]\[0\] is"),
     ],
 )
 def test_mistakes_are_found_before_anything_runs(arguments, said, monkeypatch):

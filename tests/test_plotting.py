@@ -189,7 +189,7 @@ def test_scans_run_through_the_colours_with_a_scale(ax):
         (lambda: plotting.draw_alignment(LOG, PLAIN), "this log of 2 scans, got one of 4"),
         (
             lambda: plotting.draw_position_errors(FOUR, {"a": POSES[:3]}),
-            r"a must .* \(4, 3\), got",
+            r"alignments\[.a.\] must .* \(4, 3\), got",
         ),
         (lambda: plotting.draw_position_errors(Log("raw", [SCAN]), {}), "log must have truth"),
     ],

@@ -314,5 +314,5 @@ def test_records_by_name(tmp_path, monkeypatch):
     (folder / "alignment.csv").write_text("log,method\nhall,backbone\n", encoding="utf-8")
     monkeypatch.setattr(_bundled, "PLACES", (tmp_path / "absent", tmp_path))
     assert list(load_records("hall")["map"]) == ["hall"] * 3 and len(load_records()) == 4
-    with pytest.raises(ValueError, match="name must be of alignment, hall, room, got 'attic'"):
+    with pytest.raises(ValueError, match="names must be of alignment, hall, room, got 'attic'"):
         load_records("attic")

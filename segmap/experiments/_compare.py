@@ -15,6 +15,8 @@ if TYPE_CHECKING:
 
 #: Only runs of the same map and filter may be compared.
 SETTING = ["map", "filtered"]
+#: Columns that are compared.
+NUMBERS = ["filtered", "quality", "reduction"]
 
 
 def equal_quality(frame: pd.DataFrame, quality: float) -> pd.DataFrame:
@@ -56,6 +58,7 @@ def equal_quality(frame: pd.DataFrame, quality: float) -> pd.DataFrame:
     import pandas as pd
 
     arrays.number(quality, "quality", above=0, most=1)
+    arrays.frame(frame, ["map", "method"], NUMBERS)
     methods = list(dict.fromkeys(frame["method"]))
     rows = []
     for setting, here in frame.groupby(SETTING, sort=False):
@@ -97,8 +100,10 @@ def pareto(frame: pd.DataFrame, *, each_method: bool = False) -> pd.DataFrame:
     0      0.9        0.4  hall       0.0
     2      0.8        0.6  hall       0.0
     """
+    by = [*SETTING, "method"] if arrays.switch(each_method, "each_method") else SETTING
+    arrays.frame(frame, by, NUMBERS)
     points, kept = _points(frame), np.zeros(len(frame), bool)
-    groups = frame.groupby([*SETTING, "method"] if each_method else SETTING, sort=False)
+    groups = frame.groupby(by, sort=False)
     for places in groups.indices.values():
         kept[places] = ~_beaten(points[places])
     return frame[kept]
@@ -123,7 +128,7 @@ def front(points: ArrayLike) -> Array:
     array([[0.8, 0.6],
            [0.9, 0.4]])
     """
-    array = np.asarray(points, float).reshape(-1, 2)
+    array = arrays.table(points, "points", 2, unit="shares", missing=True)
     return np.unique(array[~_beaten(array)], axis=0)
 
 
@@ -146,7 +151,7 @@ def reduction_at(points: ArrayLike, quality: float) -> float:
     >>> reduction_at([(0.9, 0.4), (0.8, 0.3), (0.8, 0.6)], 0.85)
     0.5
     """
-    ends = front(points)
+    ends, quality = front(points), arrays.number(quality, "quality")
     found = np.interp(quality, ends[:, 0], ends[:, 1], right=np.nan) if len(ends) else np.nan
     return round(float(found), 12)
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..arrays import whole
+from .. import arrays
 from ..reduction import Reduction
 from ._files import ONLINE, Threshold, as_frame
 
@@ -49,9 +49,11 @@ def online_times(
     0      2     2
     1      3     2
     """
+    arrays.instance(reduction, "reduction", Reduction)
+    arrays.instance(thresholds, "thresholds", Mapping)
     if reduction.scan_seconds is None or reduction.scan_live is None:
         raise ValueError(f"reduction must be of an on-line method, got {reduction!r}")
-    count, every = len(reduction.scan_seconds), whole(every, "every")
+    count, every = len(reduction.scan_seconds), arrays.whole(every, "every")
     named = {"method": reduction.method, "thresholds": dict(thresholds)}
     seconds = np.cumsum(reduction.scan_seconds)
     rows = [
@@ -72,6 +74,12 @@ def growth(frame: pd.DataFrame, *, after: float = 0.25) -> float:
     frame : DataFrame
         Rows of one run, as `online_times` gives them.
     after : float
+        Of 0 to 1.
+
+    Raises
+    ------
+    ValueError
+        For fewer than two rows there, or times that are not above 0.
 
     Examples
     --------
@@ -80,5 +88,11 @@ def growth(frame: pd.DataFrame, *, after: float = 0.25) -> float:
     >>> round(growth(times), 9)
     2.0
     """
-    late = frame[frame["scans"] >= frame["scans"].max() * after]
+    arrays.frame(frame, numbers=["scans", "seconds"])
+    share = arrays.number(after, "after", least=0, most=1)
+    late = frame[frame["scans"] >= frame["scans"].max() * share]
+    if late["scans"].nunique() < 2 or not (late[["scans", "seconds"]] > 0).all(axis=None):
+        raise ValueError(
+            f"frame must hold two rows or more after {share:g} of the scans, above 0 s"
+        )
     return float(np.polyfit(np.log(late["scans"]), np.log(late["seconds"]), 1)[0])

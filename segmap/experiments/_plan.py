@@ -6,7 +6,7 @@ import hashlib
 import inspect
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from itertools import product
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 
@@ -19,6 +19,7 @@ from ._files import NAMES, Row, Threshold
 Function = Callable[..., Reduction]
 Thresholds = dict[str, Threshold]
 Items = tuple[tuple[str, Threshold], ...]
+T = TypeVar("T")
 Grid = Mapping[str, Any] | Iterable[Mapping[str, Threshold]]
 
 
@@ -48,6 +49,7 @@ def digest(map: SegmentMap) -> str:
     >>> [digest(SegmentMap(wall.segments + shift)) == digest(wall) for shift in (1e-12, 1e-6)]
     [True, False]
     """
+    arrays.instance(map, "map", SegmentMap)
     grid = np.round(map.segments * 1e9).astype("<i8")
     found = hashlib.sha256(grid.tobytes() + map.scan.astype("<i8").tobytes())
     for behind in (map.points, map.first, map.sensors):
@@ -64,6 +66,7 @@ def default_thresholds(function: Function) -> Thresholds | None:
     >>> default_thresholds(METHODS["fusion"].function)
     {'tolerance': 0.04}
     """
+    arrays.function(function, "function", "of a map and thresholds")
     parameters = inspect.signature(function).parameters.values()
     if any(p.kind is p.VAR_KEYWORD for p in parameters):
         return None
@@ -78,7 +81,7 @@ def planned(
     repeat: int,
 ) -> list[Job]:
     """All runs of a sweep in the order of the request; arguments and errors as of `sweep`."""
-    least = [None if f is None else _length(f) for f in filters]
+    least = [None if f is None else _length(f) for f in _listed(filters, "filters")]
     functions = _functions(methods)
     for name in set(grids) - set(METHODS):
         arrays.one_of(name, "grids", functions)
@@ -102,9 +105,19 @@ def _needs_sensors(methods: Iterable[str] | Mapping[str, Function], name: str) -
 def _functions(methods: Iterable[str] | Mapping[str, Function]) -> dict[str, Function]:
     """Methods by name, as functions that say what thresholds they have."""
     if isinstance(methods, Mapping):
-        return {k: m.function if isinstance(m, Method) else m for k, m in methods.items()}
-    names = [methods] if isinstance(methods, str) else list(methods)
+        found = {k: m.function if isinstance(m, Method) else m for k, m in methods.items()}
+        words = "of a map and thresholds"
+        return {k: arrays.function(f, f"methods[{k!r}]", words) for k, f in found.items()}
+    names = [methods] if isinstance(methods, str) else _listed(methods, "methods")
     return {arrays.one_of(name, "methods", METHODS): METHODS[name].function for name in names}
+
+
+def _listed(values: Iterable[T], name: str) -> list[T]:
+    """What can be walked through, as a list."""
+    try:
+        return list(values)
+    except TypeError as error:
+        raise ValueError(f"{name} must be a list, got {arrays.brief(values)}") from error
 
 
 def _length(least: float) -> float:
@@ -115,8 +128,10 @@ def _filtered(
     name: str, map: Segments, filters: list[float | None]
 ) -> Iterator[tuple[Row, SegmentMap]]:
     """A map after each filter, and what a row says of it."""
+    arrays.instance(name, "maps: a name", str)
     if "\n" in name or "\r" in name:
         raise ValueError(f"maps must have names of one line, got {name!r}")
+    arrays.segments(map, f"maps[{name!r}]")
     whole = map if isinstance(map, SegmentMap) else SegmentMap(map)
     mark = digest(whole)
     for least in filters:
@@ -132,7 +147,8 @@ def _combinations(name: str, function: Function, grid: Grid) -> list[tuple[Thres
     if isinstance(grid, Mapping):
         lists = [np.atleast_1d(np.asarray(values, object)) for values in grid.values()]
         grid = [dict(zip(grid, values, strict=True)) for values in product(*lists)]
-    defaults = default_thresholds(function)
+    defaults, words = default_thresholds(function), f"grids[{name!r}]"
+    grid = [arrays.instance(row, words, Mapping) for row in _listed(grid, words)]
     found = [{**(defaults or {}), **{k: _plain(v) for k, v in row.items()}} for row in grid]
     for row in found:
         if defaults is not None and (strange := set(row) - set(defaults)):

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from .. import arrays
 from .._files import replacing, table_lines
 from ..readers import data_file
 from ._files import (
@@ -46,7 +47,7 @@ def read_records(path: str | Path) -> pd.DataFrame:
     ValueError
         Naming the file, the line and what was expected there.
     """
-    return as_frame(read_rows(Path(path), RUNS), RUNS)
+    return as_frame(read_rows(arrays.file(path), RUNS), RUNS)
 
 
 def write_records(frame: pd.DataFrame, path: str | Path) -> None:
@@ -65,8 +66,9 @@ def write_records(frame: pd.DataFrame, path: str | Path) -> None:
     OSError
         For a folder that does not exist, or cannot be written to.
     """
-    columns = ONLINE if "scans" in frame else RUNS
-    path = Path(path)
+    columns = ONLINE if "scans" in arrays.frame(frame, numbers=["seconds"]) else RUNS
+    arrays.frame(frame, [name for name in columns if name != "thresholds"])
+    path = arrays.file(path)
     plain = ({str(k): v for k, v in row.items()} for row in frame.to_dict("records"))
     rows = (row | {"thresholds": thresholds_of(row)} for row in plain)
     data = (csv_line(columns) + "".join(line_of(row, columns) for row in rows)).encode()
@@ -103,7 +105,7 @@ def load_records(*names: str) -> pd.DataFrame:
     """
     place = data_file("records")
     chosen = names or sorted(path.stem for path in place.glob("*.csv") if _holds_runs(path))
-    rows = [row for name in chosen for row in read_rows(_named(place, name), RUNS)]
+    rows = [row for name in chosen for row in read_rows(_named(place, name, "names"), RUNS)]
     return as_frame(rows, RUNS)
 
 
@@ -146,7 +148,7 @@ def load_alignments(log: str = "", *, path: Path | None = None) -> pd.DataFrame:
     Raises
     ------
     ValueError
-        Naming the file, the line and what was expected there.
+        Naming the file, the line and what was expected there; where no log begins like this.
 
     Examples
     --------
@@ -155,8 +157,14 @@ def load_alignments(log: str = "", *, path: Path | None = None) -> pd.DataFrame:
     0      odometry  3.53
     1  ground_truth  0.04
     """
+    arrays.instance(log, "log", str)
+    path = None if path is None else arrays.file(path)
     frame = as_frame(read_rows(path or data_file("records/alignment.csv"), ALIGNMENTS), ALIGNMENTS)
-    return frame[frame["log"].str.startswith(log)].reset_index(drop=True)
+    found = frame[frame["log"].str.startswith(log)].reset_index(drop=True)
+    if log and not len(found):
+        known = ", ".join(dict.fromkeys(frame["log"]))
+        raise ValueError(f"log must be the beginning of one of {known}, got {log!r}")
+    return found
 
 
 def select(
@@ -191,16 +199,17 @@ def select(
        method  tolerance
     1  fusion        0.3
     """
-    kept = np.ones(len(frame), bool)
+    kept = np.ones(len(arrays.frame(frame)), bool)
     for name, word in (("map", map), ("method", method)):
         if word is not None:
-            kept &= frame[name] == word
+            kept &= arrays.frame(frame, [name])[name] == arrays.instance(word, name, str)
     if isinstance(filtered, bool):
-        kept &= (frame["filtered"] > 0) == filtered
+        kept &= (arrays.frame(frame, numbers=["filtered"])["filtered"] > 0) == filtered
     elif filtered is not None:
         thresholds["filtered"] = filtered
     for name, value in thresholds.items():
-        kept &= np.isclose(frame[name].astype(float), value, rtol=1e-9, atol=0)
+        column = arrays.frame(frame, numbers=[name])[name].astype(float)
+        kept &= np.isclose(column, arrays.number(value, name), rtol=1e-9, atol=0)
     return frame[kept]
 
 
@@ -214,6 +223,11 @@ def thresholds_of(run: Mapping[str, Any] | pd.Series) -> dict[str, Threshold]:
     """
     import pandas as pd
 
+    if not isinstance(run, pd.Series):
+        arrays.instance(run, "run", Mapping)
+    for name, value in run.items():
+        if not (pd.api.types.is_scalar(value) or isinstance(value, tuple)):
+            raise ValueError(f"run must hold one value for {name!r}, got {arrays.brief(value)}")
     plain = {k: v.item() if isinstance(v, np.generic) else v for k, v in run.items()}
     return {str(k): v for k, v in plain.items() if k not in NAMES and not pd.isna(v)}
 
@@ -240,9 +254,9 @@ def _holds_runs(path: Path) -> bool:
         return lines.readline() == csv_line(RUNS)
 
 
-def _named(place: Path, name: str) -> Path:
-    """The file of that name in a folder of CSV files."""
+def _named(place: Path, name: str, word: str = "name") -> Path:
+    """The file of that name in a folder of CSV files; errors call the argument by a word."""
     paths = {path.stem: path for path in place.glob("*.csv")}
-    if name not in paths:
-        raise ValueError(f"name must be of {', '.join(sorted(paths))}, got {name!r}")
+    if arrays.instance(name, word, str) not in paths:
+        raise ValueError(f"{word} must be of {', '.join(sorted(paths))}, got {name!r}")
     return paths[name]

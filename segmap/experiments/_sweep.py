@@ -101,7 +101,12 @@ def sweep(
     3       0.1       0.04         2        1
     """
     chosen = METHODS if methods is None else methods
-    jobs = planned(maps, chosen, grids or {}, filters, arrays.whole(repeat, "repeat"))
+    arrays.instance(maps, "maps", Mapping)
+    grids = arrays.instance({} if grids is None else grids, "grids", Mapping)
+    if executor is not None:
+        arrays.instance(executor, "executor", Executor)
+    records = None if records is None else arrays.file(records, "records")
+    jobs = planned(maps, chosen, grids, filters, arrays.whole(repeat, "repeat"))
     done: dict[int, Row] = {}
     with journal(records) as (found, add):
         done |= _known(jobs, found, records)
@@ -193,6 +198,7 @@ def _bar(progress: bool | Callable[..., Any]) -> Callable[..., Any]:
     """The class of the progress bar: tqdm's, which stays silent unless it can be seen."""
     if callable(progress):
         return progress
+    arrays.switch(progress, "progress")
     from tqdm.auto import tqdm
 
     notebook = "tqdm_notebook" in {base.__name__ for base in tqdm.__mro__}

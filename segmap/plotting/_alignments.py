@@ -14,7 +14,7 @@ from ..alignment import Alignment, position_errors
 from ..arrays import Array
 from ..scans import Log
 from ._scans import draw_cloud, draw_log, draw_path
-from ._style import ERROR, RAW, RESULT, axes_grid, axes_or_new, map_axes
+from ._style import ERROR, RAW, RESULT, axes_grid, axes_or_new, map_axes, titled
 
 
 def draw_alignment(log: Log, alignment: Alignment, *, ax: Axes | None = None) -> Axes:
@@ -50,7 +50,8 @@ def draw_alignment(log: Log, alignment: Alignment, *, ax: Axes | None = None) ->
     >>> [text.get_text() for text in ax.get_legend().get_texts()]
     ['by hand', '1 scan not used']
     """
-    if len(log) != len(alignment):
+    arrays.instance(log, "log", Log)
+    if len(log) != len(arrays.instance(alignment, "alignment", Alignment)):
         raise ValueError(
             f"alignment must be one of this log of {len(log)} scans, got one of {len(alignment)}"
         )
@@ -113,12 +114,17 @@ def draw_alignments(
     >>> left.lines[1].get_color() == ERROR, right.get_title()
     (True, 'Truth')
     """
-    row = axes_grid(list(alignments), len(alignments), size)
-    for ax, found in zip(row, alignments.values(), strict=True):
+    arrays.instance(log, "log", Log)
+    drawn = {
+        title: _found(found, title, log)
+        for title, found in titled(alignments, "alignments").items()
+    }
+    row = axes_grid(list(drawn), len(drawn), size)
+    for ax, found in zip(row, drawn.values(), strict=True):
         if isinstance(found, Alignment):
             draw_alignment(log, found, ax=ax)
         else:
-            raw = np.array_equal(np.asarray(found, float), log.odometry)
+            raw = np.array_equal(found, log.odometry)
             draw_log(log, found, ax=ax, path=ERROR if raw else None)
     return row
 
@@ -155,18 +161,31 @@ def draw_position_errors(
     >>> ax.get_ylabel(), len(ax.lines[0].get_ydata()) == len(log)
     ('away from the truth [m]', True)
     """
+    arrays.instance(log, "log", Log)
     if log.truth is None:
         raise ValueError(f"log must have truth, got {log!r}")
+    titled(alignments, "alignments")
     ax, known = axes_or_new(ax), np.isfinite(log.truth).all(1)
     for rest, (label, found) in enumerate(alignments.items(), 1 - len(alignments)):
-        given = found.poses if isinstance(found, Alignment) else found
-        poses = arrays.poses(given, label, count=len(log), missing=True)
+        poses = _poses(found, label, log)
         scans = np.flatnonzero(known & np.isfinite(poses).all(1))
         color, style = ((RESULT, "-"), (ERROR, "--"), (RAW, ":"))[min(-rest, 2)]
         ax.plot(scans, position_errors(poses, log.truth), style, color=color, label=label)
     ax.set(xlabel="scan", ylabel="away from the truth [m]")
     ax.legend()
     return ax
+
+
+def _poses(found: ArrayLike | Alignment, title: str, log: Log) -> Array:
+    """Poses, one a scan."""
+    name = f"alignments[{title!r}]"
+    return arrays.poses(found, name, count=len(log), missing=True)
+
+
+def _found(found: ArrayLike | Alignment, title: str, log: Log) -> Array | Alignment:
+    """Poses or an alignment, one pose a scan."""
+    poses = _poses(found, title, log)
+    return found if isinstance(found, Alignment) else poses
 
 
 def _chords(ax: Axes, lines: Array, words: str, color: str, style: str) -> None:

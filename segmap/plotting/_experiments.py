@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from matplotlib.axes import Axes
 from matplotlib.ticker import PercentFormatter
 
+from .. import arrays
 from ..experiments import front, thresholds_text
 from ._style import GROUPS, axes_or_new
 
@@ -64,12 +65,13 @@ def draw_curves(
     >>> len(draw_curves(runs, ax=Figure().subplots()).lines)
     12
     """
+    arrays.frame(frame, ["map", "method"], ["filtered", "quality", "reduction"])
     if len(settings := frame[["map", "filtered"]].drop_duplicates()) > 1:
         found = settings.to_numpy().tolist()
         raise ValueError(f"frame must hold runs on one map, with one filter, got {found}")
     ax = axes_or_new(ax)
     if quality is not None:
-        ax.axvline(quality, color="#666666", linewidth=1, linestyle=":")
+        ax.axvline(arrays.number(quality, "quality"), color="#666666", linewidth=1, linestyle=":")
     for k, (method, runs) in enumerate(frame.groupby("method", sort=False)):
         color, marker, line = method_style(str(method), k)
         points = runs[["quality", "reduction"]].to_numpy(float)
@@ -104,6 +106,7 @@ def draw_online(frame: pd.DataFrame, *, ax: Axes | None = None) -> Axes:
     >>> ax.lines[0].get_xdata().tolist()
     [0, 1, 2]
     """
+    arrays.frame(frame, ["method"], ["scans", "seconds"])
     ax = axes_or_new(ax)
     seen: dict[str, int] = {}
     thresholds = frame.columns.difference(["scans", "seconds", "live"], sort=False)

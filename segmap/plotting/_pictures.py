@@ -9,6 +9,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from .. import arrays
 from .._display import picture
 from ..alignment import Alignment
 from ..quadtree import QuadtreeMap
@@ -53,6 +54,7 @@ def thumbnail(value: Any) -> bytes:
     elif isinstance(value, QuadtreeMap):
         draw_quadtree(value, ax=ax, outlines=False)
     else:
+        arrays.segments(value, "value")
         draw_segments(value, ax=ax, color=RESULT if hasattr(value, "parents") else MAP, width=1.2)
     return figure_png(figure)
 
@@ -87,5 +89,6 @@ def figure_png(figure: Figure) -> bytes:
     b'\\x89PNG'
     """
     target = io.BytesIO()
+    arrays.instance(figure, "figure", Figure)
     figure.savefig(target, format="png", dpi="figure", metadata={"Software": None})
     return target.getvalue()

@@ -10,9 +10,10 @@ from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
 from numpy.typing import ArrayLike, NDArray
 
+from .. import arrays
 from ..arrays import Array
 from ..quadtree import QuadtreeMap, extent
-from ._style import ERROR, RESULT, axes_or_new, axes_row, map_axes
+from ._style import ERROR, RESULT, axes_or_new, axes_row, inches, map_axes, titled
 
 #: Outlines of leaves smaller than this part of the picture would hide what they surround.
 SMALLEST = 1 / 80
@@ -53,19 +54,21 @@ def draw_quadtree(
     >>> len(ax.collections[0].get_array())
     13
     """
-    ax, leaves = axes_or_new(ax), map.leaves()
+    leaves = arrays.instance(map, "map", QuadtreeMap).leaves()
+    place = None if robot is None else arrays.row(robot, "robot")[:2]
+    ax, outlines = axes_or_new(ax), arrays.switch(outlines, "outlines")
     squares = square_corners(leaves.x, leaves.y, leaves.side)
     grey = PolyCollection(squares, cmap="gray", antialiased=False, linewidth=0)
     grey.set_array(1 - map.leaf_occupancy())
     grey.set_clim(0, 1)
     ax.add_collection(grey, autolim=False)
-    left, low, right, high = map.bounds if whole else extent(map)
+    left, low, right, high = map.bounds if arrays.switch(whole, "whole") else extent(map)
     if outlines:
         seen = leaves.side >= SMALLEST * max(right - left, high - low)
         lines = PolyCollection(squares[seen], edgecolor=RESULT, facecolor="none", linewidth=0.4)
         ax.add_collection(lines, autolim=False)
-    if robot is not None:
-        ax.plot(*np.asarray(robot, float)[:2], "s", color=ERROR, markersize=5)
+    if place is not None:
+        ax.plot(*arrays.point(place, "robot"), "s", color=ERROR, markersize=5)
     map_axes(ax).set(xlim=(left, right), ylim=(low, high))
     return ax
 
@@ -94,7 +97,10 @@ def draw_quadtrees(
     >>> [(ax.get_title(), float(ax.get_xlim()[1])) for ax in draw_quadtrees(maps, whole=True)]
     [('4 m', 4.0), ('8 m', 8.0)]
     """
-    row = axes_row(len(maps), (len(maps) * size[0], size[1]))
+    width, height = inches(size)
+    for title, map in titled(maps, "maps").items():
+        arrays.instance(map, f"maps[{title!r}]", QuadtreeMap)
+    row = axes_row(len(maps), (len(maps) * width, height))
     for ax, (title, map) in zip(row, maps.items(), strict=True):
         draw_quadtree(map, ax=ax, **options).set_title(title, fontsize=10)
     return row

@@ -11,7 +11,7 @@ from .. import arrays
 from ..arrays import Array
 from ..poses import transform
 from ..scans import LaserScan, Log
-from ._style import ERROR, RAW, RESULT, TRUTH, axes_or_new, map_axes
+from ._style import ERROR, RAW, RESULT, TRUTH, axes_or_new, map_axes, shade, thickness
 
 #: Points that a log is drawn with; more cannot be told apart at this size.
 MOST_POINTS = 60_000
@@ -50,12 +50,12 @@ def draw_scan(
     >>> ax.get_xlabel(), len(ax.lines[0].get_xdata())
     ('x [m]', 2)
     """
-    ax = axes_or_new(ax)
-    points = transform(pose, scan.points())
-    if beams:
+    ax, points = axes_or_new(ax), arrays.instance(scan, "scan", LaserScan).points()
+    points = transform(arrays.pose(pose), points)
+    if arrays.switch(beams, "beams"):
         start = transform(pose, scan.sensor_pose[:2])
         rays = np.stack([np.broadcast_to(start, points.shape), points], 1)
-        ax.add_collection(LineCollection(list(rays), colors=color, linewidths=0.3))
+        ax.add_collection(LineCollection(list(rays), colors=shade(color), linewidths=0.3))
     draw_points(points, ax=ax, color=color)
     return draw_robot(pose, ax=ax)
 
@@ -91,7 +91,8 @@ def draw_points(
     [1.0, 3.0]
     """
     ax, rows = axes_or_new(ax), arrays.points(points)
-    ax.plot(*rows.T, ".", markersize=size, color=color, markeredgewidth=0, label=label)
+    look = {"markersize": thickness(size, "size"), "color": shade(color), "markeredgewidth": 0}
+    ax.plot(*rows.T, ".", **look, label=label)
     return map_axes(ax)
 
 
@@ -128,9 +129,11 @@ def draw_log(
     >>> len(draw_log(log, ax=Figure().subplots()).lines)
     2
     """
-    ax, (rows, origin) = axes_or_new(ax), _poses(log, poses)
+    rows, origin = _poses(arrays.instance(log, "log", Log), poses)
+    line = origin if path is None else shade(path, "path")
+    ax = axes_or_new(ax)
     draw_cloud(log, rows, ax, color)
-    return draw_path(rows[np.isfinite(rows).all(1)], ax=ax, color=path or origin)
+    return draw_path(rows[np.isfinite(rows).all(1)], ax=ax, color=line)
 
 
 def draw_path(
@@ -158,7 +161,7 @@ def draw_path(
     [0.0, 2.0]
     """
     ax, rows = axes_or_new(ax), arrays.poses(poses, missing=True)
-    ax.plot(rows[:, 0], rows[:, 1], color=color, linewidth=1.2, label=label)
+    ax.plot(rows[:, 0], rows[:, 1], color=shade(color), linewidth=1.2, label=label)
     return map_axes(ax)
 
 
@@ -225,7 +228,7 @@ def draw_robot(pose: ArrayLike, *, ax: Axes | None = None) -> Axes:
     [1.15, 2.0]
     """
     ax = axes_or_new(ax)
-    corners = transform(pose, [(0.15, 0), (-0.1, 0.1), (-0.1, -0.1)])
+    corners = transform(arrays.pose(pose), [(0.15, 0), (-0.1, 0.1), (-0.1, -0.1)])
     ax.fill(*corners.T, color=ERROR, zorder=3)
     return map_axes(ax)
 

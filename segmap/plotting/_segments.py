@@ -25,6 +25,9 @@ from ._style import (
     axes_row,
     group_colors,
     map_axes,
+    shade,
+    thickness,
+    titled,
 )
 
 #: Least end of the scale of errors, metres, so that rounding errors do not look like errors.
@@ -79,11 +82,12 @@ def draw_segments(
     array = arrays.segments(segments)
     name, values = _chosen({"scan": scan, "group": group, "error": error}, len(array))
     order = np.argsort(values, kind="stable") if name == "error" else slice(None)  # largest on top
-    ax = axes_or_new(ax)
+    shade(color)
+    ax, width = axes_or_new(ax), thickness(width, "width")
     lines = LineCollection(list(array[order]), linewidths=width, label=label)
     ax.add_collection(lines)
     if name == "group":
-        lines.set(color=group_colors(values.astype(np.int64)))
+        lines.set(color=group_colors(arrays.indices(values, "group")))
     elif name:
         _scaled(ax, lines, name, values[order])
     else:
@@ -111,6 +115,7 @@ def draw_before_after(before: Segments, after: Segments, *, ax: Axes | None = No
     >>> [text.get_text() for text in ax.get_legend().get_texts()]
     ['after: 1 segment', 'before: 1 segment']
     """
+    before, after = arrays.segments(before, "before"), arrays.segments(after, "after")
     ax = draw_segments(after, ax=ax, color=RESULT, width=3.0, label=_counted("after", after))
     draw_segments(before, ax=ax, width=0.5, label=_counted("before", before))
     ax.legend(loc="upper center", bbox_to_anchor=(0.5, -0.15), ncols=2, frameon=False)
@@ -135,9 +140,10 @@ def draw_side_by_side(before: Segments, after: Segments) -> list[Axes]:
     >>> [ax.get_title() for ax in draw_side_by_side(np.repeat(wall, 3, axis=0), wall)]
     ['Before: 3 segments', 'After: 1']
     """
+    before, after = arrays.segments(before, "before"), arrays.segments(after, "after")
     left, right = axes_row(2, (9.0, 4.6), shared="xy")
-    draw_segments(before, ax=left).set_title(f"Before: {len(arrays.segments(before))} segments")
-    draw_segments(after, ax=right, color=RESULT).set_title(f"After: {len(arrays.segments(after))}")
+    draw_segments(before, ax=left).set_title(f"Before: {len(before)} segments")
+    draw_segments(after, ax=right, color=RESULT).set_title(f"After: {len(after)}")
     return [left, right]
 
 
@@ -171,7 +177,8 @@ def draw_provenance(before: Segments, reduction: Any, *, ax: Axes | None = None)
     [1, 2]
     """
     inputs, outputs = arrays.segments(before, "before"), arrays.segments(reduction, "reduction")
-    parents = _column("reduction.parents", reduction.parents, len(inputs))
+    given = getattr(reduction, "parents", None)
+    parents = _column("reduction.parents", given, len(inputs))
     ax = draw_segments(outputs, ax=ax, group=np.arange(len(outputs)), width=4.0)
     ax.collections[-1].set_alpha(0.45)
     return draw_segments(inputs, ax=ax, group=parents, width=0.8)
@@ -222,18 +229,31 @@ def draw_maps(
     >>> [(ax.get_title(), len(ax.collections[0].get_segments())) for ax in axes]
     [('one', 1), ('two', 2)]
     """
-    colors = [color] * len(maps) if color is None or isinstance(color, str) else list(color)
-    if len(colors) != len(maps):
-        raise ValueError(f"color must have {len(maps)} entries, one a map, got {len(colors)}")
-    pictures = axes_grid(list(maps), columns or len(maps), size)
-    for ax, segments, shade in zip(pictures, maps.values(), colors, strict=True):
-        if truth is not None:
-            draw_segments(truth, ax=ax, color=TRUTH, width=4.0)
+    drawn = titled(maps, "maps").items()
+    walls = {name: arrays.segments(map, f"maps[{name!r}]") for name, map in drawn}
+    below = None if truth is None else arrays.segments(truth, "truth")
+    columns = len(maps) if columns is None else arrays.whole(columns, "columns", most=100)
+    colors, width = _colors(color, len(maps)), thickness(width, "width")
+    if scan is not None:
+        arrays.instance(scan, "scan", LaserScan)
+    pictures = axes_grid(list(maps), columns, size)
+    for ax, segments, one in zip(pictures, walls.values(), colors, strict=True):
+        if below is not None:
+            draw_segments(below, ax=ax, color=TRUTH, width=4.0)
         if scan is not None:
             draw_scan(scan, ax=ax)
-        group = np.arange(len(arrays.segments(segments))) if shade is None else None
-        draw_segments(segments, ax=ax, color=shade or MAP, group=group, width=width)
+        group = np.arange(len(segments)) if one is None else None
+        draw_segments(segments, ax=ax, color=one or MAP, group=group, width=width)
     return pictures
+
+
+def _colors(color: str | Sequence[str] | None, count: int) -> list[str | None]:
+    """A colour for each map; None colours each of its segments in turn."""
+    if color is None or isinstance(color, str):
+        return [None if color is None else shade(color)] * count
+    if not np.ndim(color) or len(color) != count:
+        raise ValueError(f"color must have {count} entries, one a map, got {arrays.brief(color)}")
+    return [shade(one) for one in color]
 
 
 def _chosen(given: dict[str, ArrayLike | None], count: int) -> tuple[str, Array]:
@@ -257,7 +277,7 @@ def _scaled(ax: Axes, lines: LineCollection, name: str, values: Array) -> None:
 
 
 def _column(name: str, values: ArrayLike | None, count: int) -> Array:
-    column = np.asarray(values, float)
+    column = arrays.numbers(values, name)
     if column.shape != (count,):
         raise ValueError(
             f"{name} must have shape ({count},), one value a segment, got {column.shape}"

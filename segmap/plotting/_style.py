@@ -2,12 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from typing import Any, TypeVar
+
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.colors import LinearSegmentedColormap, to_rgba, to_rgba_array
+from matplotlib.colors import LinearSegmentedColormap, is_color_like, to_rgba, to_rgba_array
 from numpy.typing import NDArray
 
+from .. import arrays
 from ..arrays import Array
+
+T = TypeVar("T")
 
 RAW = "#b0b0b0"  #: light grey: what the sensor measured, and what a method dropped
 MAP = "#000000"  #: black: a map of segments
@@ -50,14 +56,42 @@ def group_colors(groups: NDArray[np.int64]) -> Array:
 
 def axes_or_new(ax: Axes | None, size: tuple[float, float] = SIZE) -> Axes:
     """The axes given, or those of a new pyplot figure of a size in inches."""
-    return ax if ax is not None else axes_row(1, size)[0]
+    return arrays.instance(ax, "ax", Axes) if ax is not None else axes_row(1, size)[0]
+
+
+def shade(color: Any, name: str = "color") -> Any:
+    """One colour that matplotlib knows, called by the name of an argument."""
+    if color is None or not is_color_like(color):
+        said = f"must be a colour, '{RESULT}' or 'red' say, got {arrays.brief(color)}"
+        raise ValueError(f"{name} {said}")
+    return color
+
+
+def thickness(value: float, name: str) -> float:
+    """The width of a line or the size of a dot, in points."""
+    return arrays.number(value, name, least=0, most=1000, unit="points")
+
+
+def titled(things: Mapping[str, T], name: str) -> Mapping[str, T]:
+    """What is drawn side by side: one picture at least."""
+    if not arrays.instance(things, name, Mapping):
+        raise ValueError(f"{name} must hold one thing to draw at least, got none")
+    return things
+
+
+def inches(size: tuple[float, float]) -> tuple[float, float]:
+    """Width and height of a picture."""
+    width, height = arrays.row(size, "size", 2)
+    arrays.positive("inches", 1000.0, size=min(width, height))
+    arrays.positive("inches", 1000.0, size=max(width, height))
+    return float(width), float(height)
 
 
 def axes_row(count: int, size: tuple[float, float], *, shared: str = "") -> list[Axes]:
     """Axes side by side in a new pyplot figure of a size in inches; "y" or "xy" are shared."""
     import matplotlib.pyplot as plt
 
-    figure = plt.figure(figsize=size, dpi=DPI, layout="constrained")
+    figure = plt.figure(figsize=inches(size), dpi=DPI, layout="constrained")
     x, y = "x" in shared, "y" in shared
     return list(figure.subplots(1, count, squeeze=False, sharex=x, sharey=y)[0])
 
@@ -66,8 +100,8 @@ def axes_grid(titles: list[str], columns: int, size: tuple[float, float]) -> lis
     """Axes in a new pyplot figure, one a title, in rows of so many columns, with common limits."""
     import matplotlib.pyplot as plt
 
-    rows = -(-len(titles) // columns)
-    whole = plt.figure(figsize=(columns * size[0], rows * size[1]), dpi=DPI, layout="constrained")
+    rows, (width, height) = -(-len(titles) // arrays.whole(columns, "columns")), inches(size)
+    whole = plt.figure(figsize=(columns * width, rows * height), dpi=DPI, layout="constrained")
     grid = whole.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
     for ax in grid.flat[len(titles) :]:
         ax.remove()

@@ -1,0 +1,157 @@
+"""What the walk through all doors brings along: a good value for every parameter, and the bad ones.
+
+See test_doors.
+"""
+
+from __future__ import annotations
+
+from concurrent.futures import ThreadPoolExecutor
+
+import numpy as np
+import pandas as pd
+from matplotlib.figure import Figure
+
+from segmap import alignment, experiments, matching, quadtree, reduction, segments, simulation
+from segmap.scans import LaserScan
+
+WALLS = np.array([[(0, 0), (3, 0)], [(3, 0), (3, 2)], [(3, 2), (0, 2)], [(0, 2), (0, 0)]], float)
+PATH = np.array([(1 + k / 20, 1, 0.02 * k) for k in range(4)])
+
+
+def rng():
+    return np.random.default_rng(1)
+
+
+LOG = simulation.simulate(WALLS, PATH, sensor=simulation.SICK_LMS200, rng=rng())
+POINTS = LOG[0].points()
+ALIGNMENT = alignment.Alignment(PATH, np.ones(4, bool), 0.0)
+TREE = quadtree.build_map(LOG, PATH, resolution=0.05)
+MAP = segments.SegmentMap(WALLS)
+REDUCTION = reduction.METHODS["hybrid"](MAP)
+RUNS = experiments.sweep({"it": MAP}, ["fusion"], {"fusion": {"tolerance": [0.01, 0.04]}})
+TIMES = pd.DataFrame(
+    {"method": "hybrid", "scans": [1, 2, 4], "seconds": [1.0, 4.0, 16.0], "live": 2}
+)
+#: Objects whose public methods are doors too.
+OBJECTS = {"matching": [matching.DistanceField(TREE)], "quadtree": [TREE], "segments": [MAP],
+           "scans": [LOG, LOG[0]], "simulation": [simulation.URG_04LX]}  # fmt: skip
+
+#: Good values by the name of a parameter; `function.parameter` comes first, then `room.parameter`.
+#: A parameter that is not here keeps its default.
+GOOD = {
+    "angle_candidates.viewpoints": np.zeros((2, 2)), "write_ros_map.path": "written.yaml",
+    "read_trajectory.path": "poses.csv", "data_file.name": "room", "a": PATH, "a_from_b": PATH,
+    "after": WALLS[:2], "angles.a": 0.1, "angles.angle": 0.1,
+    "angles.b": 0.1, "at": np.array([0.5]), "axial_mean.angles": np.array([0.1, 0.2]), "b": PATH,
+    "b_from_c": PATH, "before": WALLS, "box.depth": 3.0, "box.width": 3.0,
+    "corners": WALLS[:, 0], "current": POINTS, "current_segments": WALLS,
+    "differences": np.array([0.1, 0.2]), "edges": np.array([(0, 1), (1, 2), (2, 3)]),
+    "exports.map": TREE, "exports.path": "written.log", "extreme_projections.angle": 0.1,
+    "file": "room", "first": WALLS, "free_ends.sensor": PATH[0], "free_points": POINTS,
+    "free_resolution": 0.02, "global_segments.start": PATH, "ground_truth.times": None,
+    "ground_truth.poses": None, "hill_climb.start": PATH[0], "incidence": np.ones(4),
+    "information": np.tile(np.eye(3), (3, 1, 1)), "interpolate.poses": PATH[:2],
+    "LaserScan.angles": LOG[0].angles, "LaserScan.codes": np.zeros(181),
+    "LaserScan.odometry": PATH[0], "LaserScan.ranges": LOG[0].ranges, "least_translation.weights":
+    np.ones(4), "fuzzy_set.axes": 0.1,
+    "viewing_sector.map": segments.SegmentMap(WALLS, sensors=[(0.0, 0.0)]),
+    "load.name": "room", "load.path": "map.npz", "log": LOG, "map": WALLS,
+    "map_scans.map": quadtree.QuadtreeMap(), "map_scans.rng": rng(), "match_segments.current":
+    WALLS, "match_segments.reference": WALLS, "matching.map": TREE, "max_size": 5.12,
+    "mean_rotation.weights": np.ones(2), "min_length": 0.1, "near": 0.3,
+    "normals": np.eye(2)[[0, 1, 0, 1]], "odometry_noise": simulation.OdometryNoise(), "offsets":
+    np.ones(4), "path": PATH, "point_distance.points": POINTS[:4], "points": POINTS,
+    "pose": PATH[0], "poses": PATH, "quadtree.map": TREE, "ranges": np.ones(4),
+    "beams": 9, "Sensor.first": 0.0, "step": 0.1, "max_range": 4.0, "cast_rays.angles": np.ones(3),
+    "SegmentMap.sensors": PATH[:, :2], "SegmentMap.points": None, "SegmentMap.first": None,
+    "count": 9,
+    "rate": 0.5, "readers.path": "good.log.gz", "reference": POINTS, "reference_segments": WALLS,
+    "relation_errors.times": np.arange(4), "relations": np.array([[0, 1, 0.05, 0, 0, 0, 0, 0.02]]),
+    "relative": np.tile((0.05, 0.0, 0.02), (3, 1)), "resolution": 0.05, "rng": rng(),
+    "save.path": "saved.npz", "scan": LOG[0], "scans": LOG.scans, "second": WALLS,
+    "segments": WALLS, "SegmentMap.scan": np.arange(4), "sensor": simulation.SICK_LMS200,
+    "sensor_xy": PATH[0, :2], "size": 2.56, "start": PATH[0], "through": np.zeros(2),
+    "times": np.array([0.0, 1.0]), "truth": PATH, "u": WALLS[0], "v": WALLS[1], "value": 0.5,
+    "rasterize.values": np.zeros(len(TREE.leaves().x)), "walls": WALLS,
+    "rasterize.shown": np.ones(len(TREE.leaves().x)), "waypoints": PATH[:, :2],
+    "origin": "map", "window": np.array([0.0, 0.0, 3.0, 2.0]),
+}  # fmt: skip
+GOOD |= {
+    "plotting.ax": Figure().subplots(), "alignment": ALIGNMENT, "alignments": {"it": PATH},
+    "maps": {"it": MAP}, "draw_quadtree.map": TREE, "draw_quadtrees.maps": {"it": TREE},
+    "frame": RUNS, "quality": 0.9,
+    "draw_online.frame": TIMES, "growth.frame": TIMES, "reduction": REDUCTION,     "columns": 1,
+    "draw_maps.color": "#000000", "draw_maps.truth": WALLS, "draw_maps.scan": LOG[0],
+    "draw_log.path": "#000000", "draw_log.poses": PATH, "robot": PATH[0], "figure": Figure((1, 1)),
+    "draw_segments.scan": None, "draw_segments.group": np.zeros(4),
+    "thumbnail.value": LOG[0], "label": None,
+    "draw_segments.error": None, "sweep.executor": ThreadPoolExecutor(1),
+    "function": reduction.METHODS["fusion"].function, "digest.map": MAP, "front.points":
+    PATH[:, :2], "reduction_at.points": PATH[:, :2], "names": "malaga", "load_online.name":
+    "intel", "read_records.path": "runs.csv", "write_records.path": "saved.csv",
+    "load_alignments.path": "alignment.csv", "sweep.methods": ["fusion"], "select.method": "fusion",
+    "select.map": "it", "filtered": 0.0, "sweep.filters": (0.1,), "sweep.records": "swept.csv",
+    "thresholds": {"distance": 0.2}, "run": {"distance": 0.2}, "sweep.grids":
+    {"fusion": {"tolerance": [0.04]}},
+}  # fmt: skip
+#: Parameters that may be anything.
+FREE = {"Log.name", "simulate.name", "Log.skipped", "Sensor.name"}
+#: NaN is what these say of a time or scan that has none.
+NAN_IS_MEANT = {"interpolate", "map_scans", "measure", "reduction_at"}
+#: What else is meant, though it looks bad: a name that no run has selects none.
+MEANT = {"LaserScan.time=nan", "select.map=NUL", "select.method=NUL",
+         "sweep.filters=objects"}  # fmt: skip
+#: Numbers that may be arrays: these functions work on many at once.
+ARRAYS = {"angle", "a", "b", "weight_a", "weight_b", "weight_u", "weight_v", "weights", "near"}
+
+
+def spoilt(value, many):
+    """What must be refused in the place of a good value, by a word for it."""
+    kinds = {"nothing": None, "a word": "two", "an object": object(), "ragged": [[1], [1, 2]]}
+    if isinstance(value, str):
+        return {"a number": 3, "nothing": None, "a list": [1, 2], "NUL": "a\0b"}
+    if isinstance(value, bool):
+        return {"a word": "no", "nothing": None, "many": np.ones(3)}
+    if isinstance(value, int | float | np.number):
+        kinds |= {"complex": 1 + 2j, "a map": MAP, "a tree": TREE}
+        return kinds if many else kinds | {"many": np.ones(3), "nan": np.nan}
+    if isinstance(value, np.ndarray) or (isinstance(value, tuple) and np.ndim(value[0]) < 2
+                                         and not isinstance(value[0], LaserScan)):  # fmt: skip
+        array = np.array(value, float)
+        return kinds | {"complex": array + 1j, "words": array.astype(str), "a tree": TREE,
+                        "objects": np.full(array.shape, None), "a log": LOG}  # fmt: skip
+    kinds |= {"a number": 7, "numbers": PATH}
+    if isinstance(value, pd.DataFrame):
+        return kinds | {"no columns": value.iloc[:, :0], "a dictionary": {"method": "fusion"}}
+    if isinstance(value, dict):
+        return kinds | (held(value, kinds) if not isinstance(value[min(value)], float) else {})
+    return kinds
+
+
+def held(value, kinds):
+    """A dictionary with bad values."""
+    return {f"holding {word}": dict.fromkeys(value, bad) for word, bad in kinds.items()
+            if word != "numbers"}  # fmt: skip
+
+
+def odd(value):
+    """What may be refused or not, but must not come out as anything else."""
+    if isinstance(value, bool | str) or value is None:
+        return {}
+    if isinstance(value, int | float | np.number):
+        found = {"zero": 0, "negative": -1.0, "infinite": np.inf, "large": 1e7, "part": 2.5}
+        return found | {"huge": 1e19, "far": 1e155, "end": 1e308, "tiny": 1e-300, "small": 1e-9}
+    if isinstance(value, np.ndarray | tuple) and not isinstance(value[0], LaserScan):
+        array, found = np.array(value, float), {"none": [], "one number": 1.0, "a map": MAP}
+        for word, bad in (("nan", np.nan), ("inf", np.inf), ("minus", -1), ("huge", 1e19)):
+            found[f"with {word}"] = array.copy()
+            found[f"with {word}"].flat[-1] = bad
+        found |= {"all nan": array * np.nan, "all zero": array * 0, "too deep": array[None]}
+        found |= {"turned": array.T, "far": array * 1e155, "end": array + 1e308}
+        return found | {"cut": array[..., :-1], "shorter": array[:-1], "one": array[:1]}
+    found = {"a tree": TREE, "a map": MAP, "a log": LOG, "none": []}
+    if isinstance(value, pd.DataFrame):
+        return found | {"no rows": value[:0], "words": value.astype(str), "nan": value.assign(
+            **dict.fromkeys(value.select_dtypes("number"), np.nan))}  # fmt: skip
+    found |= {"nobody": {}, "of 3": {3: WALLS}, "of words": {"a": "b"}}
+    return found | (held(value, spoilt(1.0, False)) if isinstance(value, dict) else {})
