@@ -6,6 +6,7 @@ import re
 from copy import deepcopy
 
 import book
+import mutants
 import nbformat
 import numpy as np
 import pytest
@@ -176,3 +177,8 @@ def test_every_formula_of_the_chapters_can_be_shown():
     )
     shown = re.findall(r"<math.*?</math>", book.markdown(texts, ROOT / "notebooks"), re.DOTALL)
     assert shown and [formula for formula in shown if "\\" in formula] == []
+
+
+def test_every_planted_bug_has_its_place():
+    """Catches a list for `make mutants` that the sources have left behind."""
+    assert len(mutants.planted()) >= 200
