@@ -155,7 +155,9 @@ def instance(value: T, name: str, kind: type) -> T:
     return value
 
 
-def frame(value: Any, columns: Iterable[str] = (), numbers: Iterable[str] = ()) -> Any:
+def frame(
+    value: Any, columns: Iterable[str] = (), numbers: Iterable[str] = (), name: str = "frame"
+) -> Any:
     """A DataFrame with some columns, and with others that hold numbers.
 
     Examples
@@ -167,13 +169,13 @@ def frame(value: Any, columns: Iterable[str] = (), numbers: Iterable[str] = ()) 
     import pandas as pd
 
     if not isinstance(value, pd.DataFrame):
-        raise ValueError(f"frame must be a pandas DataFrame, got {brief(value)}")
-    if missing := [name for name in [*columns, *numbers] if name not in value]:
+        raise ValueError(f"{name} must be a pandas DataFrame, got {brief(value)}")
+    if missing := [each for each in [*columns, *numbers] if each not in value]:
         had = ", ".join(map(str, value.columns))
-        raise ValueError(f"frame must have columns {', '.join(missing)}, but has {had or 'none'}")
-    words = [name for name in numbers if not pd.api.types.is_numeric_dtype(value[name])]
+        raise ValueError(f"{name} must have columns {', '.join(missing)}, but has {had or 'none'}")
+    words = [each for each in numbers if not pd.api.types.is_numeric_dtype(value[each])]
     if words and len(value):
-        raise ValueError(f"frame must hold numbers in its columns {', '.join(words)}")
+        raise ValueError(f"{name} must hold numbers in its columns {', '.join(words)}")
     return value
 
 

@@ -85,7 +85,10 @@ GOOD |= {
     "draw_log.path": "#000000", "draw_log.poses": PATH, "robot": PATH[0], "figure": Figure((1, 1)),
     "draw_segments.scan": None, "draw_segments.group": np.zeros(4),
     "thumbnail.value": LOG[0], "label": None,
-    "draw_segments.error": None, "sweep.executor": ThreadPoolExecutor(1),
+    "ComparePanel.map": MAP, "ComparePanel.runs": RUNS, "source": LOG, "panels.poses": PATH,
+    "actual": PATH, "expected": PATH, "assert_segments_equal.actual": WALLS,
+    "assert_segments_equal.expected": WALLS, "draw_segments.error": None,
+    "sweep.executor": ThreadPoolExecutor(1),
     "function": reduction.METHODS["fusion"].function, "digest.map": MAP, "front.points":
     PATH[:, :2], "reduction_at.points": PATH[:, :2], "names": "malaga", "load_online.name":
     "intel", "read_records.path": "runs.csv", "write_records.path": "saved.csv",
@@ -97,7 +100,7 @@ GOOD |= {
 #: Parameters that may be anything.
 FREE = {"Log.name", "simulate.name", "Log.skipped", "Sensor.name"}
 #: NaN is what these say of a time or scan that has none.
-NAN_IS_MEANT = {"interpolate", "map_scans", "measure", "reduction_at"}
+NAN_IS_MEANT = {"LivePanel.source=a log", "interpolate", "map_scans", "measure", "reduction_at"}
 #: What else is meant, though it looks bad: a name that no run has selects none.
 MEANT = {"LaserScan.time=nan", "select.map=NUL", "select.method=NUL",
          "sweep.filters=objects"}  # fmt: skip

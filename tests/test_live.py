@@ -173,7 +173,7 @@ def broken_source():
 @pytest.mark.parametrize(
     ("source", "words"),
     [
-        ([1.0, 2.0], "scan 0: wanted a LaserScan"),
+        (iter([1.0, 2.0]), "scan 0: wanted a LaserScan"),
         (broken_source(), "AttributeError: no such port"),
     ],
 )

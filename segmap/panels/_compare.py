@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import ipywidgets as W
 from matplotlib.figure import Figure
 
+from .. import arrays
 from ..experiments import select, thresholds_of, thresholds_text
 from ..plotting import ERROR, draw_before_after, draw_curves
 from ..reduction import METHODS, Reduction
@@ -55,7 +56,12 @@ class ComparePanel(Panel):
     reduction: Reduction
 
     def __init__(self, map: SegmentMap, runs: pd.DataFrame) -> None:
-        self.map, self.runs = map, runs
+        self.map, self.runs = arrays.instance(map, "map", SegmentMap), runs
+        columns = ["map", "method"], ["filtered", "quality", "reduction"]
+        if not len(arrays.frame(runs, *columns, name="runs")):
+            raise ValueError("runs must hold one run at least, got none")
+        for method in runs["method"]:
+            arrays.one_of(method, "runs: a method", METHODS)
         names = list(dict.fromkeys(runs["method"]))
         first = "fusion" if "fusion" in names else names[0]
         self.method: Any = W.Dropdown(options=names, value=first, description="method")

@@ -7,7 +7,7 @@ import io
 import threading
 import time
 from collections import deque
-from collections.abc import Generator, Iterable, Iterator
+from collections.abc import Generator, Iterable, Iterator, Sized
 from itertools import islice
 from math import ceil, floor
 from typing import Any
@@ -20,6 +20,7 @@ from matplotlib.figure import Figure
 from numpy.typing import ArrayLike
 from PIL import Image
 
+from .. import arrays
 from ..arrays import Array
 from ..extraction import extract_polylines
 from ..hokuyo import Newest, SensorError, UrgSensor
@@ -83,7 +84,9 @@ class LivePanel(Panel):
         resolution: float = 0.02,
         start: ArrayLike = (0.0, 0.0, 0.0),
     ) -> None:
-        self.source = source
+        self.source = _checked(source)
+        arrays.positive("metres", resolution=resolution)
+        start = arrays.pose(start, "start")
         self.map = QuadtreeMap(resolution=resolution, free_resolution=COARSE * resolution)
         self.seconds, self.taken, self._begin = 0.0, 0, start
         self._scan: LaserScan | None = None
@@ -109,6 +112,7 @@ class LivePanel(Panel):
 
     def run(self, scans: int) -> None:
         """Take so many scans in the calling thread, and leave none out."""
+        scans = arrays.whole(scans, "scans", least=0)
         _warm_up()
         with contextlib.closing(self._scans()) as stream:
             for scan in islice(stream, scans):
@@ -209,6 +213,17 @@ class LivePanel(Panel):
     def __repr__(self) -> str:
         found = f": {self.count.value}" if self.taken else ""
         return f"LivePanel({self.taken} scans{found})"
+
+
+def _checked(source: UrgSensor | Iterable[LaserScan]) -> UrgSensor | Iterable[LaserScan]:
+    """A sensor, or what gives scans; those of a list are looked at, others when they come."""
+    if isinstance(source, UrgSensor):
+        return source
+    listed = arrays.instance(source, "source", Iterable)
+    if isinstance(listed, Sized) and not all(isinstance(scan, LaserScan) for scan in listed):
+        said = arrays.brief(source)
+        raise ValueError(f"source must be a sensor, or give scans (LaserScan), got {said}")
+    return source
 
 
 def _warm_up() -> None:

@@ -6,6 +6,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import ArrayLike
 
+from .. import arrays
 from ..plotting import draw_quadtree
 from ..quadtree import QuadtreeMap, build_map
 from ..scans import Log
@@ -50,7 +51,12 @@ class QuadtreePanel(Panel):
     def __init__(
         self, log: Log, poses: ArrayLike | None = None, *, resolution: float = 0.05
     ) -> None:
-        given = log.truth if poses is None else np.asarray(poses, float)
+        if not len(arrays.instance(log, "log", Log)):
+            raise ValueError("log must hold one scan at least, got none")
+        arrays.positive("metres", resolution=resolution)
+        given = log.truth
+        if poses is not None:
+            given = arrays.poses(poses, count=len(log), missing=True)
         if given is None:
             raise ValueError(f"log {log.name!r} has no truth: give poses")
         self.log, self.poses, self.resolution = log, given, resolution

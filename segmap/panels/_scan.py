@@ -6,6 +6,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import ArrayLike
 
+from .. import arrays
 from ..plotting import ERROR, RESULT, TRUTH, draw_path, draw_scan
 from ..poses import transform
 from ..scans import LaserScan, Log
@@ -46,10 +47,10 @@ class ScanPanel(Panel):
     scan: LaserScan
 
     def __init__(self, log: Log, poses: ArrayLike | None = None) -> None:
-        self.log = log
+        self.log = arrays.instance(log, "log", Log)
         own = (log.odometry, ERROR) if log.truth is None else (log.truth, TRUTH)
         chosen, self._color = own if poses is None else (poses, RESULT)
-        self.poses = np.asarray(chosen, float)
+        self.poses = arrays.poses(chosen, missing=True)
         self.known = np.flatnonzero(np.isfinite(self.poses).all(1))
         if len(self.poses) != len(log) or not len(self.known):
             raise ValueError(

@@ -42,6 +42,8 @@ def assert_segments_equal(
     """
     __tracebackhide__ = True
     a, b = arrays.segments(actual, "actual"), arrays.segments(expected, "expected")
+    arrays.number(atol, "atol", least=0, unit="metres")
+    ordered = arrays.switch(ordered, "ordered")
     if len(a) != len(b):
         names = f"actual holds {len(a)} segments, expected {len(b)}"
         longer, other = (("actual", a), ("expected", b))[:: 1 if len(a) > len(b) else -1]
@@ -72,6 +74,8 @@ def assert_poses_equal(actual: ArrayLike, expected: ArrayLike, *, atol: float = 
     ------
     AssertionError
         Naming the shapes, or the first pose that differs.
+    ValueError
+        Where either does not hold numbers, or infinite ones.
 
     Examples
     --------
@@ -81,7 +85,8 @@ def assert_poses_equal(actual: ArrayLike, expected: ArrayLike, *, atol: float = 
     AssertionError: pose 1 differs by 0 m and 0.5 rad: actual [1, 2, 0], expected [1, 2, 0.5]
     """
     __tracebackhide__ = True
-    a, b = np.asarray(actual, float), np.asarray(expected, float)
+    a, b = arrays.values(actual, "actual"), arrays.values(expected, "expected")
+    arrays.number(atol, "atol", least=0, most=np.inf)
     if a.shape != b.shape or a.shape[-1:] != (3,):
         raise AssertionError(f"expected poses of shape {b.shape}, got {a.shape}")
     a, b = a.reshape(-1, 3), b.reshape(-1, 3)
