@@ -2,7 +2,8 @@
 
 Maps hold every piece of two points or more, whatever its length, as A's extraction does: with the
 defaults (five points, 0.10 m) the filter of 0.10 m would find nothing to do. Those are run too,
-unfiltered, as `malaga_default` and `intel_default`. Logs are thinned to the sizes of A's maps.
+unfiltered, as `malaga_default` and `intel_default`. Logs are thinned to the sizes of A's maps. The
+maps keep the points and the places of the sensor, for the methods that need them.
 """
 
 from collections.abc import Iterator
@@ -13,7 +14,7 @@ import numpy as np
 import pandas as pd
 
 from segmap import METHODS, Log, SegmentMap, build_map, load, read
-from segmap.course import THESIS_FILTERS
+from segmap.course import THESIS_FILTERS, THESIS_GRIDS
 from segmap.experiments import growth, online_times, sweep, write_records
 from segmap.simulation import SICK_LMS200, drive, office, simulate
 
@@ -37,7 +38,21 @@ GRIDS = {
         "distance": [0.02, 0.05, 0.10, 0.20],
         "tolerance": [0.01, 0.02, 0.04],
     },
+    "polyline": {"tolerance": [0.015, 0.02, 0.03, 0.05, 0.10, 0.20]},
+    "segment_similarity": {"distance": [0.005, 0.01, 0.02, 0.03, 0.05, 0.10]},
+    "uncertain_parameters": {
+        "angle": np.radians([2.5, 5, 10]),
+        "distance": [0.005, 0.01, 0.02, 0.05, 0.10, 0.20],
+    },
+    "weighted_line_fitting": {"chi2": [0.25, 0.5, 1.0, 3.0, 9.21, 30.0]},
+    "least_cost": {"penalty": [0.02, 0.05, 0.08, 0.12, 0.20, 0.30, 0.50]},
+    "fusion_online": {"tolerance": [0.005, 0.01, 0.02, 0.04, 0.06, 0.10]},
+    "fuzzy_set": {"across": [0.005, 0.01, 0.02, 0.05, 0.10, 0.20]},
+    "fuzzy_clustering": {"noise": [0.02, 0.05, 0.10], "distance": [0.01, 0.03, 0.10]},
+    "viewing_sector": {"distance": [0.005, 0.01, 0.02, 0.05, 0.10, 0.20]},
 }
+#: Methods whose time against scans is kept.
+TIMED = ("basic_online", "hybrid", "hybrid_fusion")
 #: A's figures of time against scans show these two settings (A 6.3).
 ONLINE = [
     {"distance": 0.10, "angle": np.radians(10)},
@@ -67,8 +82,8 @@ def rows() -> Iterator[Row]:
 
 
 def repeat(method: str) -> int:
-    """Mean shift runs for seconds and is measured once; the others run for milliseconds."""
-    return 1 if method == "mean_shift" else 5
+    """Mean shift runs for seconds and is measured once; A's others run for milliseconds."""
+    return {"mean_shift": 1}.get(method, 5 if method in [*THESIS_GRIDS, "hybrid_fusion"] else 3)
 
 
 def maps() -> dict[str, SegmentMap]:
@@ -76,9 +91,11 @@ def maps() -> dict[str, SegmentMap]:
     found = {"malaga": load("malaga"), "office": simulated()}
     if (log := intel()) is not None:
         found |= {"intel": log[::8], "fr079": read(SHARED / "data" / "fr079.log.gz")[::32]}
-    made = {name: build_map(log, log.truth, **PIECES) for name, log in found.items()}
+    made = {
+        name: build_map(log, log.truth, keep_points=True, **PIECES) for name, log in found.items()
+    }
     for name in {"malaga", "intel"} & set(found):
-        made[f"{name}_default"] = build_map(found[name], found[name].truth)
+        made[f"{name}_default"] = build_map(found[name], found[name].truth, keep_points=True)
     return made
 
 
@@ -103,12 +120,7 @@ def online() -> Row:
     """Time against scans on all of Intel: the median of three runs at every scan."""
     log = intel()
     map = build_map(log, log.truth, **PIECES)
-    runs = [
-        times(name, map, thresholds)
-        for name in GRIDS
-        if METHODS[name].online
-        for thresholds in ONLINE
-    ]
+    runs = [times(name, map, thresholds) for name in TIMED for thresholds in ONLINE]
     (FOLDER / "online").mkdir(exist_ok=True)
     write_records(pd.concat(runs), FOLDER / "online" / "intel.csv")
     powers = ", ".join(f"{run['method'].iloc[0]} {growth(run):.2f}" for run in runs)

@@ -24,7 +24,7 @@ from sweep_samples import (
 )
 
 from segmap import METHODS, metrics
-from segmap.experiments import digest, select, sweep, thresholds_of
+from segmap.experiments import digest, read_records, select, sweep, thresholds_of
 
 
 @pytest.fixture(scope="module")
@@ -45,6 +45,8 @@ def test_runs_are_those_of_the_methods_run_by_hand(expected):
         assert (run["n_before"], run["n_after"]) == (len(before), len(after))
         assert run["quality"] == pytest.approx(metrics.quality(before, after), abs=1e-9)
         assert run["reduction"] == pytest.approx(metrics.reduction_rate(before, after), abs=1e-9)
+        wasted, lost = metrics.invented(before, after), metrics.missed(before, after)
+        assert (run["invented"], run["missed"]) == pytest.approx((wasted, lost), abs=1e-4)
         assert run["seconds"] > 0 and run["digest"] == digest(MAPS[run["map"]])
 
 
@@ -70,6 +72,15 @@ def test_all_methods_run_with_their_defaults_and_those_that_are_none_are_left_ou
     assert runs["fusion"] == {"tolerance": 0.04}
     assert runs["hybrid"] == {"distance": 0.20, "angle": np.pi / 18}
     assert type(runs["hybrid_fusion"]["every"]) is int
+
+
+def test_the_defaults_of_every_method_survive_a_file(tmp_path):
+    """Catches `np.float64(0.1)` and places, which nobody can read back, among the defaults."""
+    placed, path = replace(ROOM, sensors=np.ones((ROOM.scan.max() + 1, 2))), tmp_path / "runs.csv"
+    found = sweep({"room": placed}, records=path)
+    assert_frame_equal(read_records(path), found)
+    for _, run in found.iterrows():
+        assert len(METHODS[run["method"]](placed, **thresholds_of(run))) == run["n_after"]
 
 
 def test_a_method_of_ones_own():

@@ -316,3 +316,30 @@ def test_records_by_name(tmp_path, monkeypatch):
     assert list(load_records("hall")["map"]) == ["hall"] * 3 and len(load_records()) == 4
     with pytest.raises(ValueError, match="names must be of alignment, hall, room, got 'attic'"):
         load_records("attic")
+
+
+FORMER_HEAD = "map,method,thresholds,filtered,n_before,n_after,reduction,quality,seconds,digest\n"
+
+
+def test_a_file_of_before_the_metres_is_read_and_gone_on_with(tmp_path):
+    """Catches old records refused, and a line with more cells than the head of its file."""
+    path = tmp_path / "runs.csv"
+    found = sweep({"hall": HALL}, ["fusion"], GRIDS, records=path)
+    cut = [line.rsplit(",", 2)[0] for line in path.read_text().splitlines()]
+    path.write_text("\n".join(cut[:2]) + "\n")
+    assert cut[0] + "\n" == FORMER_HEAD
+    again = sweep({"hall": HALL}, ["fusion"], GRIDS, records=path)
+    assert path.read_text().startswith(FORMER_HEAD) and len(path.read_text().splitlines()) == 3
+    assert_frame_equal(without_seconds(again)[1:], without_seconds(found)[1:])
+    old = read_records(path)
+    assert list(old) == list(found) and old[["invented", "missed"]].isna().all(axis=None)
+    assert (found[["invented", "missed"]] >= 0).all(axis=None)
+
+
+@pytest.mark.parametrize("metres", ["-1", "x", "inf", "1_0"])
+def test_metres_that_cannot_be_are_named(tmp_path, metres):
+    path = tmp_path / "runs.csv"
+    write_records(run(invented=0.5, missed=2.25), path)
+    path.write_text(path.read_text().replace("2.25", metres))
+    with pytest.raises(ValueError, match=r"runs.csv, line 2: expected map,method,.*missed, got"):
+        read_records(path)

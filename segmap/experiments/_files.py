@@ -79,7 +79,11 @@ RUNS: Columns = {
     "quality": _share,
     "seconds": _number,
     "digest": str,
+    "invented": lambda cell: _number(cell or "nan"),
+    "missed": lambda cell: _number(cell or "nan"),
 }
+#: What a sweep wrote before it measured metres: such files are read, and gone on with, as they are.
+FORMER: Columns = {name: kind for name, kind in RUNS.items() if name not in ("invented", "missed")}
 ONLINE: Columns = {
     "method": str,
     "thresholds": _thresholds,
@@ -112,6 +116,14 @@ def as_frame(rows: Iterable[Row], columns: Columns) -> pd.DataFrame:
         if {type(row["thresholds"].get(name)) for row in kept} <= {int, type(None)}
     }
     return frame.astype(whole)
+
+
+def columns_of(path: Path) -> Columns:
+    """The columns of a file of runs: those of now, but where its head is the former one."""
+    existing(path)
+    with path.open("rb") as file:
+        former = csv_line(FORMER).encode()
+        return FORMER if file.readline(len(former)) == former else RUNS
 
 
 def read_rows(path: Path, columns: Columns) -> list[Row]:
@@ -167,7 +179,8 @@ def csv_line(cells: Iterable[object]) -> str:
 def journal(path: str | Path | None) -> Iterator[tuple[list[Row], Callable[[Row], None]]]:
     """The rows of a file, which may not be there yet, and a function that adds one at once.
 
-    A file that was cut off within a line, or within its head, is mended first. None keeps nothing.
+    A file that was cut off within a line, or within its head, is mended first; one with the former
+    columns keeps them. None keeps nothing.
 
     Raises
     ------
@@ -180,7 +193,8 @@ def journal(path: str | Path | None) -> Iterator[tuple[list[Row], Callable[[Row]
     path = Path(path)
     head = csv_line(RUNS).encode()
     begun = existing(path) is not None and not head.startswith(path.read_bytes())
-    rows = read_rows(path, RUNS) if begun else []  # before anything changes: it may be another file
+    columns = columns_of(path) if begun else RUNS
+    rows = read_rows(path, columns) if begun else []  # before it changes: it may be another file
     if path.exists():
         os.truncate(path, path.read_bytes().rfind(b"\n") + 1)
     with path.open("a", encoding="utf-8", newline="") as file:
@@ -192,4 +206,4 @@ def journal(path: str | Path | None) -> Iterator[tuple[list[Row], Callable[[Row]
 
         if path.stat().st_size == 0:
             add(csv_line(RUNS))
-        yield rows, lambda row: add(line_of(row))
+        yield rows, lambda row: add(line_of(row, columns))

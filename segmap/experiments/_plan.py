@@ -142,14 +142,16 @@ def _filtered(
 def _combinations(name: str, function: Function, grid: Grid) -> list[tuple[Thresholds, Items]]:
     """Thresholds of each run, and those of the first run with numbers of the same kinds.
 
-    Defaults that the grid leaves out are filled in.
+    Defaults that the grid leaves out are filled in; one that is no number is left to the method.
     """
     if isinstance(grid, Mapping):
         lists = [np.atleast_1d(np.asarray(values, object)) for values in grid.values()]
         grid = [dict(zip(grid, values, strict=True)) for values in product(*lists)]
     defaults, words = default_thresholds(function), f"grids[{name!r}]"
     grid = [arrays.instance(row, words, Mapping) for row in _listed(grid, words)]
-    found = [{**(defaults or {}), **{k: _plain(v) for k, v in row.items()}} for row in grid]
+    numbers = {k: v for k, v in (defaults or {}).items() if v is None or isinstance(v, int | float)}
+    kept = {name: _plain(value) for name, value in numbers.items()}
+    found = [{**kept, **{k: _plain(v) for k, v in row.items()}} for row in grid]
     for row in found:
         if defaults is not None and (strange := set(row) - set(defaults)):
             known = ", ".join(defaults)

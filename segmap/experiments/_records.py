@@ -13,12 +13,14 @@ from .._files import replacing, table_lines
 from ..readers import data_file
 from ._files import (
     ALIGNMENTS,
+    FORMER,
     NAMES,
     ONLINE,
     RUNS,
     Threshold,
     as_frame,
     checked,
+    columns_of,
     csv_line,
     line_of,
     read_rows,
@@ -40,14 +42,15 @@ def read_records(path: str | Path) -> pd.DataFrame:
     Returns
     -------
     DataFrame
-        With the columns of `sweep`.
+        With the columns of `sweep`; metres are NaN where the file is older than they are.
 
     Raises
     ------
     ValueError
         Naming the file, the line and what was expected there.
     """
-    return as_frame(read_rows(arrays.file(path), RUNS), RUNS)
+    path = arrays.file(path)
+    return as_frame(read_rows(path, columns_of(path)), RUNS)
 
 
 def write_records(frame: pd.DataFrame, path: str | Path) -> None:
@@ -105,7 +108,8 @@ def load_records(*names: str) -> pd.DataFrame:
     """
     place = data_file("records")
     chosen = names or sorted(path.stem for path in place.glob("*.csv") if _holds_runs(path))
-    rows = [row for name in chosen for row in read_rows(_named(place, name, "names"), RUNS)]
+    paths = [_named(place, name, "names") for name in chosen]
+    rows = [row for path in paths for row in read_rows(path, columns_of(path))]
     return as_frame(rows, RUNS)
 
 
@@ -251,7 +255,7 @@ def number_text(value: Threshold) -> str:
 def _holds_runs(path: Path) -> bool:
     """Whether a CSV file holds runs, by its head: other records lie beside them."""
     with path.open(encoding="utf-8", newline="") as lines:
-        return lines.readline() == csv_line(RUNS)
+        return lines.readline() in (csv_line(RUNS), csv_line(FORMER))
 
 
 def _named(place: Path, name: str, word: str = "name") -> Path:

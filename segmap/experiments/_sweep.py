@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 from .. import arrays
 from ..arrays import Segments
-from ..metrics import quality, reduction_rate
+from ..metrics import invented, missed, quality, reduction_rate
 from ..reduction import METHODS
 from ..segments import SegmentMap
 from ._files import RUNS, Row, as_frame, journal
@@ -78,7 +78,8 @@ def sweep(
         - reduction, quality: in [0, 1], against what the filter has left (A 6.2.1);
         - seconds: the method's own, after a first call in each process that loads what is compiled.
           Only runs that have a core to themselves can be compared;
-        - digest: of the map before the filter.
+        - digest: of the map before the filter;
+        - invented, missed: metres that quality does not see (`metrics.invented`, `metrics.missed`).
 
     Raises
     ------
@@ -146,6 +147,8 @@ def run(job: Job) -> Row:
         "reduction": round(rate, 9),
         "quality": round(kept, 9),
         "seconds": round(seconds, 6),
+        "invented": round(invented(job.segments, found), 4),
+        "missed": round(missed(job.segments, found), 4),
     }
 
 
