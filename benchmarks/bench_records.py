@@ -14,7 +14,7 @@ import numpy as np
 import pandas as pd
 
 from segmap import METHODS, Log, SegmentMap, build_map, load, read
-from segmap.course import THESIS_FILTERS, THESIS_GRIDS
+from segmap.course import THESIS_FILTERS
 from segmap.experiments import growth, online_times, sweep, write_records
 from segmap.simulation import SICK_LMS200, drive, office, simulate
 
@@ -82,8 +82,8 @@ def rows() -> Iterator[Row]:
 
 
 def repeat(method: str) -> int:
-    """Mean shift runs for seconds and is measured once; A's others run for milliseconds."""
-    return {"mean_shift": 1}.get(method, 5 if method in [*THESIS_GRIDS, "hybrid_fusion"] else 3)
+    """Methods of milliseconds run five times, mean shift and those that A only surveys once."""
+    return 5 if method in TIMED or method in ("basic_offline", "fusion") else 1
 
 
 def maps() -> dict[str, SegmentMap]:

@@ -59,7 +59,7 @@ def write_records(frame: pd.DataFrame, path: str | Path) -> None:
     Parameters
     ----------
     frame : DataFrame
-        Of `sweep` or of `online_times`.
+        Of `sweep`, which may lack the metres, or of `online_times`.
     path : path
 
     Raises
@@ -69,7 +69,8 @@ def write_records(frame: pd.DataFrame, path: str | Path) -> None:
     OSError
         For a folder that does not exist, or cannot be written to.
     """
-    columns = ONLINE if "scans" in arrays.frame(frame, numbers=["seconds"]) else RUNS
+    had = set(arrays.frame(frame, numbers=["seconds"]))
+    columns = ONLINE if "scans" in had else RUNS if {"invented", "missed"} & had else FORMER
     arrays.frame(frame, [name for name in columns if name != "thresholds"])
     path = arrays.file(path)
     plain = ({str(k): v for k, v in row.items()} for row in frame.to_dict("records"))
