@@ -27,6 +27,7 @@ from segmap.course import (
     HybridPanel,
     IcpPanel,
     LandscapePanel,
+    LeastCostPanel,
     MatcherPanel,
     MeanShiftPanel,
     PolylinePanel,
@@ -50,6 +51,7 @@ from segmap.reduction import (
     basic_offline,
     basic_online,
     hybrid,
+    least_cost,
     mean_shift,
     viewing_sector,
     weighted_line_fitting,
@@ -70,6 +72,8 @@ DOOR = SegmentMap(
     [0, 1, 1, 1],
     sensors=[(0, 0), (0, 0)],
 )
+#: A wall with a hole of 0.08 m.
+BROKEN = SegmentMap([[(0, 0), (2, 0)], [(2.08, 0), (4, 0)]])
 LOOP = load("corridor")
 TREE = build_map(LOG[:1], LOG.truth[:1], resolution=0.02)
 
@@ -101,6 +105,7 @@ PANELS = {
     "MeanShiftPanel": (lambda: MeanShiftPanel(WALLS), "sigma", 0.60),
     "IcpPanel": (lambda: IcpPanel(LOG[0].points(), LOG[1].points(), (0.5, 0, 0)), "x", -0.2),
     "LandscapePanel": (lambda: LandscapePanel(LOG), "turn", 12),
+    "LeastCostPanel": (lambda: LeastCostPanel(WALLS), "penalty", 0.005),
     "LivePanel": (lambda: lived(LivePanel(LOG)), "tolerance", 0.005),
     "PolylinePanel": (lambda: PolylinePanel(LOG[0]), "tolerance", 0.005),
     "PoseGraphPanel": (lambda: PoseGraphPanel(LOOP), "scan", 60),
@@ -219,6 +224,11 @@ NARROW = {"distance": 0.15, "angle": np.radians(4)}
             for place, heading, chi2, gap in ((0, 0, 9.2, 0.3), (0.1, 2, 3, 0), (0.2, 0, 30, 1))
         ),
         *(
+            (lambda: LeastCostPanel(WALLS), given, least_cost, given)
+            for given in ({"penalty": 0.005}, {"distance": 0.02}, {"penalty": 0.4, "distance": 0.2})
+        ),
+        (lambda: LeastCostPanel(BROKEN), {"gap": 0.09}, least_cost, {"gap": 0.09}),
+        *(
             (lambda: SectorPanel(DOOR), {name: value}, viewing_sector, {name: value})
             for name, value in (
                 ("forget", False),
@@ -250,6 +260,15 @@ def test_sector_panel_forgets_the_door_when_it_has_seen_through_it():
     panel._draw(figure)
     assert figure.axes[0].lines[-1].get_xydata().tolist() == [[0, 0]]
     assert figure.axes[0].get_ylim() == pytest.approx((-0.3, 5.3))  # of the whole map
+
+
+def test_least_cost_panel_tells_what_is_promised_and_what_quality_does_not_see():
+    """Catches a promise in per cent of the penalty alone, and metres that are swapped."""
+    panel = LeastCostPanel(BROKEN)
+    assert panel.promised.value == "quality promised 100.0%"  # nothing merged, nothing lost
+    panel.gap.value = 0.09
+    assert panel.unseen.value == "invented 0.08 m, missed 0.00 m"
+    assert panel.promised.value == f"quality promised {np.exp(-0.05 * 1 / 2 / 0.05):.1%}"
 
 
 def test_hybrid_panel_moves_the_origin_and_not_the_map():

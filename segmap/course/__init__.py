@@ -39,6 +39,7 @@ from ._exercises_lines import (
     check_axial_mean,
     check_farthest_point,
     check_fit_line,
+    check_invented_metres,
     check_least_translation,
     check_match_value,
 )
@@ -84,7 +85,7 @@ from ._panels_matching import LandscapePanel, MatcherPanel
 from ._panels_quadtree import ClassesPanel, RayPanel, insert_variant
 from ._panels_reduction import BasicPanel, FusionPanel, HybridPanel, MeanShiftPanel
 from ._panels_scans import ClusterPanel, DistancePanel, PolylinePanel, RoomPanel
-from ._panels_surveyed import SectorPanel, WeightedPanel
+from ._panels_surveyed import LeastCostPanel, SectorPanel, WeightedPanel
 from ._storage import (
     Representation,
     StoragePanel,
@@ -137,6 +138,7 @@ __all__ = [
     "IcpPanel",
     "Landscape",
     "LandscapePanel",
+    "LeastCostPanel",
     "MatcherPanel",
     "MeanShiftPanel",
     "PolylinePanel",
@@ -164,6 +166,7 @@ __all__ = [
     "check_heading_between",
     "check_hough",
     "check_inside_strip",
+    "check_invented_metres",
     "check_least_translation",
     "check_match_value",
     "check_matches",

@@ -1,6 +1,8 @@
-"""Exercises of the chapters on clusters, polylines, and the alignment of scans."""
+"""Exercises on clusters, polylines, the alignment of scans, and least cost."""
 
 from __future__ import annotations
+
+from typing import Any
 
 import numpy as np
 
@@ -8,6 +10,7 @@ from ..alignment import least_translation, match_values
 from ..angles import axial_mean
 from ..arrays import Array
 from ..extraction import fit_line
+from ..literal.least_cost import invented
 from ..segments import length, midpoint, point_distance
 from ._exercise import Exercise, same_line
 
@@ -246,5 +249,52 @@ check_least_translation = Exercise(
         "direction: solve for the shift": lambda normals, offsets, weights: (
             -(normals * (weights * offsets)[:, None]).sum(0) / weights.sum()
         ),
+    },
+)
+
+
+# ------------------------------------------------------------------------- least cost
+def _gaps(
+    order: str = "sorted", least: float = 1.0, most: bool = True, around: str = "both"
+) -> Any:
+    """Metres in gaps, with the details that mistakes change."""
+
+    def metres(spans: Array, whole: float, gap: float) -> float:
+        spans = spans if order == "as given" else spans[np.argsort(spans[:, 0])]
+        if not len(spans):
+            return float(whole * (order != "none kept" or whole > gap))
+        reached, found = 0.0 if around == "both" else spans[0, 0], 0.0
+        for low, high in [*spans, (whole, whole)][: len(spans) + (around != "between")]:
+            found += (low - reached) * (low - reached > least * gap)
+            reached = max(reached, high) if most else high
+        return found
+
+    return metres
+
+
+check_invented_metres = Exercise(
+    "invented_metres(spans, whole, gap) -> metres of a segment, from 0 to whole, in gaps longer "
+    "than gap between spans (k, 2), low and high, of the members that it keeps",
+    lambda spans, whole, gap: invented([(a, b) for a, b in spans.tolist()], whole, gap),
+    {
+        words: (np.array(spans, float).reshape(-1, 2), np.array(whole), np.array(0.05))
+        for words, spans, whole in (
+            ("one member as long as the segment", [(0, 2)], 2.0),
+            ("two members and a hole of 1 m", [(3, 5), (0, 2)], 5.0),
+            ("a short member inside a long one", [(0, 4), (1, 2), (4.5, 6)], 6.0),
+            ("a gap of 0.03 m", [(0, 2), (2.03, 4)], 4.0),
+            ("nothing kept at the start", [(0.5, 2)], 2.0),
+            ("nothing kept at the end", [(0, 1), (1, 1.5)], 2.0),
+            ("no member at all", [], 3.0),
+            ("no member, a segment shorter than the gap", [], 0.04),
+        )
+    },
+    {
+        "sort the members along the segment first": _gaps("as given"),
+        "a short member inside a long one does not end it: keep the highest end": _gaps(most=False),
+        "a gap up to `gap` costs nothing": _gaps(least=0.0),
+        "look before the first member and behind the last one too": _gaps(around="between"),
+        "behind the last member you look; look before the first one too": _gaps(around="end"),
+        "where no member is kept, all is invented, however short": _gaps("none kept"),
     },
 )

@@ -1,4 +1,4 @@
-"""Panels of the chapters on the methods that A surveys: lines that err, and the viewing sector."""
+"""Panels on lines that err, on the viewing sector, and on least cost."""
 
 from __future__ import annotations
 
@@ -6,14 +6,17 @@ import ipywidgets as W
 import numpy as np
 from matplotlib.figure import Figure
 
-from ..panels import player, slider
+from ..metrics import invented, missed
+from ..panels import player, slider, text
 from ..plotting import ERROR, draw_before_after
-from ..reduction import viewing_sector, weighted_line_fitting
+from ..reduction import least_cost, viewing_sector, weighted_line_fitting
 from ..segments import SegmentMap
 from ._panels_reduction import _ReductionPanel
 
 #: Around all that is seen in the end, so that the picture stays while the scans pass, metres.
 _MARGIN = 0.3
+#: Of quality, metres.
+_SCALE = 0.050
 
 
 class WeightedPanel(_ReductionPanel):
@@ -136,3 +139,60 @@ class SectorPanel(_ReductionPanel):
 
     def __repr__(self) -> str:
         return f"SectorPanel(after scan {self.scan.value}: {self.count.value})"
+
+
+class LeastCostPanel(_ReductionPanel):
+    """A map and what least cost leaves of it, for each penalty; and what quality does not see.
+
+    Parameters
+    ----------
+    map : SegmentMap, at least one segment
+
+    Attributes
+    ----------
+    penalty : slider, metres
+        What one segment fewer may cost.
+    distance : slider, metres
+        A segment that lies farther off its output counts as missed.
+    gap : slider, metres
+        Bridged at no cost.
+    count, rate, quality : labels
+    promised : label
+        The quality that the penalty guarantees.
+    unseen : label
+        Metres invented and metres missed.
+    reduction : Reduction
+        What is drawn.
+
+    Examples
+    --------
+    >>> panel = LeastCostPanel(SegmentMap([[(0, 0), (2, 0)], [(0, 0.05), (2, 0.05)]]))
+    >>> panel.count.value, panel.promised.value
+    ('1 of 2 segments left', 'quality promised 60.7%')
+    >>> panel.penalty.value = 0.01
+    >>> panel.count.value
+    '2 of 2 segments left'
+    """
+
+    def __init__(self, map: SegmentMap) -> None:
+        super().__init__(map)
+        self.penalty = slider("penalty", 0.05, 0.005, 0.5, 0.005)
+        self.distance = slider("distance", 0.05, 0.01, 0.20, 0.01)
+        self.gap = slider("gap", 0.05, 0.0, 0.10, 0.01)
+        self.promised, self.unseen = text(), text()
+        rows = self.count, (self.rate, self.quality), (self.promised, self.unseen)
+        self._assemble(self.penalty, self.distance, self.gap, *rows)
+
+    def _draw(self, figure: Figure) -> None:
+        thresholds = {name: getattr(self, name).value for name in ("penalty", "distance", "gap")}
+        found = least_cost(self.map, **thresholds)
+        self._tell(found)
+        given = (found.parents >= 0).sum()
+        spent = thresholds["penalty"] * (given - len(found)) / max(given, 1)
+        self.promised.value = f"quality promised {np.exp(-spent / _SCALE):.1%}"
+        metres = [measure(self.map, found) for measure in (invented, missed)]
+        self.unseen.value = f"invented {metres[0]:.2f} m, missed {metres[1]:.2f} m"
+        draw_before_after(self.map, found, ax=figure.subplots())
+
+    def __repr__(self) -> str:
+        return f"LeastCostPanel(penalty {self.penalty.value:.3f} m: {self.count.value})"
