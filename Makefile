@@ -20,10 +20,8 @@ BROWSER = $(if $(DISPLAY)$(WAYLAND_DISPLAY)$(filter Darwin,$(shell uname)),,--no
 NBVAL := --nbval --nbval-current-env --nbval-cell-timeout=120 \
 	--nbval-sanitize-with=tests/nbval.cfg -p no:cacheprovider
 
-# What compiled loops run on: maps, logs and points, sound and damaged.
-INDEXED := $(foreach name,alignment backbone basic cells distance_field doors extraction fusion fuzzy \
-	global hybrid least_cost match mean_shift metrics point polyline quadtree reduction returns \
-	segment simulation uncertain viewing weighted,$(wildcard tests/test_$(name)*.py))
+# Every compiled loop on small cases, on bad arguments, on extreme lengths and on damaged maps.
+INDEXED := $(foreach name,warm doors returns quadtree_files reduction_properties,tests/test_$(name).py)
 
 .PHONY: help lab test test-all test-lowest mutants fuzz bounds refresh bench book clean
 
@@ -62,7 +60,7 @@ mutants: $(WARM) ## plant bugs and see a test fail (ARGS="--random 300" makes th
 fuzz: $(WARM) ## read 100 000 damaged files: logs, maps, records (ARGS="500 carmen" for fewer)
 	$(RUN) tests/fuzz.py $(ARGS)
 
-bounds: $(SETUP) ## the tests of all compiled loops once more, with every index checked
+bounds: $(SETUP) ## run every compiled loop with each index checked
 	NUMBA_BOUNDSCHECK=1 NUMBA_CACHE_DIR=build/bounds $(RUN) -m pytest $(SPREAD) -p no:nbval $(INDEXED)
 
 bench: $(SETUP) ## measure speed against the references, as ratios from one run
