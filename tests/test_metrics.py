@@ -92,6 +92,22 @@ def test_quality_equals_the_literal_one(seed):
     )
 
 
+@pytest.mark.parametrize(
+    "after",
+    [
+        [[(0.25, -0.433), (0.75, 0.433)], [(2, 0), (3, 0)]],  # one across it, one along its line
+        [[(2, 0), (2, 3)]],
+        [[(2, 3), (2, 0)]],
+        [[(0.25, 2), (0.25, 0.5)]],
+    ],
+)
+def test_the_nearest_is_nearest_by_the_whole_distance(after):
+    """Catches a bound of the search that is too high, and right angles with one mean direction."""
+    wall = [(0, 0), (1, 0)]
+    least = min(literal.segment_distance(wall, other) for other in after)
+    assert metrics.errors([wall], after) == pytest.approx([least])
+
+
 def test_quality_at_its_ends():
     before, _ = random_maps(1)
     empty = np.empty((0, 2, 2))
