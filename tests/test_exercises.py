@@ -10,6 +10,7 @@ from scipy.spatial.transform import Rotation
 from segmap import course, literal, plotting
 from segmap.angles import axial_difference
 from segmap.course import EXERCISES, Check
+from segmap.literal.fuzzy_clustering import Prototype, memberships
 from segmap.literal.viewing_sector import views
 from segmap.poses import between, transform
 from segmap.reduction import common_directions
@@ -290,6 +291,9 @@ OTHER_WAYS = {
     "pose_covariance": pose_covariance_by_moving,
     "verdict": verdict_by_complex_numbers,
     "invented_metres": metres_by_small_steps,
+    "memberships": lambda squares, noise: memberships(
+        (0.0, 0.0), [Prototype(s**0.5, 0.0, 1.0, 0.0, 0.0) for s in squares], float(noise)
+    ),
 }
 
 

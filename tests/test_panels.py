@@ -19,6 +19,7 @@ from segmap.course import (
     AnglePanel,
     BackbonePanel,
     BasicPanel,
+    ChainPanel,
     ClassesPanel,
     ClusterPanel,
     DistancePanel,
@@ -53,6 +54,7 @@ from segmap.reduction import (
     hybrid,
     least_cost,
     mean_shift,
+    polyline,
     viewing_sector,
     weighted_line_fitting,
 )
@@ -74,6 +76,11 @@ DOOR = SegmentMap(
 )
 #: A wall with a hole of 0.08 m.
 BROKEN = SegmentMap([[(0, 0), (2, 0)], [(2.08, 0), (4, 0)]])
+#: Three walls in two scans that are a chain, and one 0.2 m beside them.
+BENT = SegmentMap(
+    [[(0, 0), (1, 0)], [(0.9, 0.02), (2, 0.3)], [(1.8, 0.3), (3, 0.3)], [(2, 0.5), (4, 0.5)]],
+    [0, 1, 0, 2],
+)
 LOOP = load("corridor")
 TREE = build_map(LOG[:1], LOG.truth[:1], resolution=0.02)
 
@@ -94,6 +101,7 @@ PANELS = {
     "AnglePanel": (lambda: AnglePanel(LOG), "rank", 1),
     "BackbonePanel": (lambda: BackbonePanel(LOG), "scan", 3),
     "BasicPanel": (lambda: BasicPanel(WALLS), "distance", 0.05),
+    "ChainPanel": (lambda: ChainPanel(BENT), "tolerance", 0.4),
     "ClassesPanel": (lambda: ClassesPanel(build_map(LOG, LOG.truth)), "occupied", 0.9),
     "ClusterPanel": (lambda: ClusterPanel(LOG[0]), "gap", 0.05),
     "ComparePanel": (lambda: ComparePanel(WALLS, RUNS), "wanted", 50),
@@ -226,6 +234,10 @@ NARROW = {"distance": 0.15, "angle": np.radians(4)}
         *(
             (lambda: LeastCostPanel(WALLS), given, least_cost, given)
             for given in ({"penalty": 0.005}, {"distance": 0.02}, {"penalty": 0.4, "distance": 0.2})
+        ),
+        *(
+            (lambda: ChainPanel(BENT), {name: value}, polyline, {name: value})
+            for name, value in (("tolerance", 0.4), ("far", 0.25), ("bridge", 0.0))
         ),
         (lambda: LeastCostPanel(BROKEN), {"gap": 0.09}, least_cost, {"gap": 0.09}),
         *(

@@ -63,7 +63,12 @@ from ._exercises_quadtree import (
     check_pixel,
     check_ray_cells,
 )
-from ._exercises_reduction import check_hough, check_matches, check_merged
+from ._exercises_reduction import (
+    check_hough,
+    check_matches,
+    check_memberships,
+    check_merged,
+)
 from ._exercises_scans import (
     check_beam_angles,
     check_cast_ray,
@@ -85,7 +90,7 @@ from ._panels_matching import LandscapePanel, MatcherPanel
 from ._panels_quadtree import ClassesPanel, RayPanel, insert_variant
 from ._panels_reduction import BasicPanel, FusionPanel, HybridPanel, MeanShiftPanel
 from ._panels_scans import ClusterPanel, DistancePanel, PolylinePanel, RoomPanel
-from ._panels_surveyed import LeastCostPanel, SectorPanel, WeightedPanel
+from ._panels_surveyed import ChainPanel, LeastCostPanel, SectorPanel, WeightedPanel
 from ._storage import (
     Representation,
     StoragePanel,
@@ -127,6 +132,7 @@ __all__ = [
     "AnglePanel",
     "BackbonePanel",
     "BasicPanel",
+    "ChainPanel",
     "Check",
     "ClassesPanel",
     "ClusterPanel",
@@ -172,6 +178,7 @@ __all__ = [
     "check_matches",
     "check_mean_shift_step",
     "check_mean_wall_error",
+    "check_memberships",
     "check_merged",
     "check_move_onto_walls",
     "check_occupancy",

@@ -1,4 +1,4 @@
-"""Exercises of the chapters on Basic and Hybrid."""
+"""Exercises of the chapters on Basic, Hybrid and fuzzy clustering."""
 
 from __future__ import annotations
 
@@ -261,5 +261,32 @@ check_hough = Exercise(
         "the segment": lambda segment, near: _with(segment, near, rho=np.hypot(*midpoint(segment))),
         "rho comes first, then theta": lambda segment, near: hough(segment, near)[::-1],
         "theta is wanted in radians": lambda segment, near: hough(segment, near) * [1, 180 / np.pi],
+    },
+)
+
+
+# ------------------------------------------------------------------ fuzzy clustering
+def _shares(squares: Array, noise: float, power: float = 1.0) -> Array:
+    weights = squares**-power
+    return np.asarray(weights / (weights.sum() + noise ** (-2 * power)))
+
+
+check_memberships = Exercise(
+    "memberships(squares, noise) -> (k,): the share of a point in each of k prototypes, from its "
+    "squared distances (k,), m^2, above 0; the noise, always noise metres away, has the rest",
+    _shares,
+    {
+        "on one wall, far from another": (np.array([1e-4, 0.25]), np.array(0.1)),
+        "between two walls": (np.array([0.01, 0.01]), np.array(0.1)),
+        "far from all": (np.array([0.36, 0.25, 1.0]), np.array(0.2)),
+    },
+    {
+        "the noise has a share too: the memberships add up to less than 1": (
+            lambda squares, noise: 1 / squares / (1 / squares).sum()
+        ),
+        "the noise is a distance: square it": lambda s, noise: _shares(s, noise**0.5),
+        "weights go with 1 / squares, not with 1 / distance": lambda s, n: _shares(s, n, 0.5),
+        "squares are squared already": lambda s, n: _shares(s, n, 2.0),
+        "the nearer a prototype, the larger its share": lambda s, n: _shares(s, n, -1.0),
     },
 )

@@ -1,4 +1,4 @@
-"""Panels on lines that err, on the viewing sector, and on least cost."""
+"""Panels on lines that err, on the viewing sector, on least cost, and on polylines."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from ..metrics import invented, missed
 from ..panels import player, slider, text
 from ..plotting import ERROR, draw_before_after
-from ..reduction import least_cost, viewing_sector, weighted_line_fitting
+from ..reduction import least_cost, polyline, viewing_sector, weighted_line_fitting
 from ..segments import SegmentMap
 from ._panels_reduction import _ReductionPanel
 
@@ -196,3 +196,47 @@ class LeastCostPanel(_ReductionPanel):
 
     def __repr__(self) -> str:
         return f"LeastCostPanel(penalty {self.penalty.value:.3f} m: {self.count.value})"
+
+
+class ChainPanel(_ReductionPanel):
+    """A map and its polylines, for each tolerance and bridge (A 2.7.10).
+
+    Parameters
+    ----------
+    map : SegmentMap
+
+    Attributes
+    ----------
+    tolerance : slider, metres
+        How far a segment may lie off its polyline.
+    far : slider, metres
+        Segments farther apart do not match.
+    bridge : slider, metres
+        Longer links that nobody saw are left out.
+    count, rate, quality : labels
+    reduction : Reduction
+        What is drawn.
+
+    Examples
+    --------
+    >>> panel = ChainPanel(SegmentMap([[(0, 0), (2, 0)], [(1, 0.05), (3, 0.05)]], [0, 1]))
+    >>> panel.count.value
+    '1 of 2 segments left'
+    """
+
+    def __init__(self, map: SegmentMap) -> None:
+        super().__init__(map)
+        self.tolerance = slider("tolerance", 0.05, 0.01, 0.40, 0.01)
+        self.far = slider("far", 0.10, 0.02, 0.30, 0.01)
+        self.bridge = slider("bridge", 0.30, 0.0, 2.0, 0.1)
+        rows = self.bridge, self.count, (self.rate, self.quality)
+        self._assemble(self.tolerance, self.far, *rows)
+
+    def _draw(self, figure: Figure) -> None:
+        thresholds = {name: getattr(self, name).value for name in ("tolerance", "far", "bridge")}
+        found = polyline(self.map, **thresholds)
+        self._tell(found)
+        draw_before_after(self.map, found, ax=figure.subplots())
+
+    def __repr__(self) -> str:
+        return f"ChainPanel(tolerance {self.tolerance.value:.2f} m: {self.count.value})"
