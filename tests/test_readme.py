@@ -6,6 +6,9 @@ import tomllib
 import pytest
 from makefile import ROOT, lab_command, make
 
+from segmap import METHODS, fusion, quality
+from segmap.metrics import invented, missed
+
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 ENVIRONMENT = (ROOT / "environment.md").read_text(encoding="utf-8")
 
@@ -31,8 +34,19 @@ def test_the_ten_lines_run_and_mean_what_they_say(names):
 def test_the_figures_below_the_picture_are_those_of_the_ten_lines(names):
     """Catches a caption that outlives a change of extraction or Fusion."""
     found = re.search(r"(\d+) segments from (\d+) scans, and the same walls in (\d+)", README)
-    map, small = names["map"], names["small"]
+    map, small = names["map"], fusion(names["map"], tolerance=0.04)
     assert [int(n) for n in found.groups()] == [len(map), len(set(map.scan)), len(small)]
+
+
+def test_least_cost_is_as_much_better_than_fusion_as_the_text_says(names):
+    """Catches praise that outlives a change of either method."""
+    said = r"leaves (\d+) segments here at quality (\d+) %, where Fusion.*?leaves (\d+) at (\d+) %"
+    found = re.search(said, README, re.DOTALL)
+    map, ours, fused = names["map"], names["small"], fusion(names["map"], tolerance=0.04)
+    kept = [round(100 * quality(map, small)) for small in (ours, fused)]
+    assert [int(n) for n in found.groups()] == [len(ours), kept[0], len(fused), kept[1]]
+    assert 2 * missed(map, ours) < missed(map, fused) and invented(map, ours) < invented(map, fused)
+    assert len(METHODS) == 15 and "all fifteen" in README
 
 
 def test_the_lines_for_a_sensor_run(tmp_path, monkeypatch, capsys):

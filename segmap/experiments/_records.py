@@ -82,7 +82,7 @@ def write_records(frame: pd.DataFrame, path: str | Path) -> None:
 
 
 def load_records(*names: str) -> pd.DataFrame:
-    """Runs of the thesis' grid on buildings that it never saw, as `make bench` wrote them.
+    """Runs of all methods on buildings that the thesis never saw, as `make bench` wrote them.
 
     Parameters
     ----------
@@ -105,7 +105,7 @@ def load_records(*names: str) -> pd.DataFrame:
     >>> runs[["filtered", "n_before", "n_after"]]
          filtered  n_before  n_after
     80        0.0      4240     1086
-    188       0.1      3840     1036
+    260       0.1      3840     1036
     """
     place = data_file("records")
     chosen = names or sorted(path.stem for path in place.glob("*.csv") if _holds_runs(path))
