@@ -217,7 +217,7 @@ PLANTED = (
     ("        _load(job.function, job.first)\n", "", "experiments"),
     ("first.setdefault(_kinds(row), tuple(row.items()))", "tuple(row.items())", "experiments"),
     ("part = whole if least is None else whole.filtered(least)", "part = whole", "experiments"),
-    ("found = [{**(defaults or {}), ", "found = [{", "experiments"),
+    ("found = [{**kept, ", "found = [{", "experiments"),
     ("return as_frame((done[index] for index in range(len(jobs))), RUNS)", "return as_frame(done.values(), RUNS)", "experiments records"),
     ("(notebook or sys.stderr.isatty())", "True", "experiments"),
     ("kind = ValueError if isinstance(error, ValueError) else RuntimeError", "raise", "experiments"),
