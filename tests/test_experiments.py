@@ -10,6 +10,7 @@ from multiprocessing import get_context
 import numpy as np
 import pytest
 import tqdm
+from conftest import slow
 from pandas.testing import assert_frame_equal
 from sweep_samples import (
     GRIDS,
@@ -162,7 +163,7 @@ def dask(folder):
         yield client.get_executor()
 
 
-@pytest.mark.parametrize("kind", ["processes", "dask"])
+@pytest.mark.parametrize("kind", ["processes", slow("dask")])
 def test_a_pool_gives_the_same_runs(kind, expected, tmp_path):
     """Catches runs in the order of finishing, and what cannot be sent to a process or cluster."""
     spawned = ProcessPoolExecutor(2, mp_context=get_context("spawn"))

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from conftest import shared_file
+from conftest import shared_file, slow
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from reduction_maps import MAPS, corridor_map, malaga, random_map, redundant_map
@@ -101,7 +101,10 @@ SMALL = {"mean_shift": (12, 0.5), "least_cost": (24, 0.7)}
 #: Segments of a real map that the plain versions of these can bear; the others take 200.
 REAL = {"mean_shift": 25, "least_cost": 80, "segment_similarity": 150, "fuzzy_set": 150}
 CASES = [
-    (name, k, seed) for name in METHODS for k in range(len(THRESHOLDS[name])) for seed in range(2)
+    case
+    for name in METHODS
+    for k in range(len(THRESHOLDS[name]))
+    for case in ((name, k, 0), slow(name, k, 1))
 ]
 
 
@@ -154,7 +157,7 @@ def test_equals_the_plain_method_in_the_zoo(name, zoo):
 
 
 @methods
-@pytest.mark.parametrize("turn", [0.0, 0.4])
+@pytest.mark.parametrize("turn", [slow(0.0), 0.4])
 def test_equals_the_plain_method_on_a_real_map(name, turn):
     """Long walls that cross many cells; rounding, where walls along the axes are slanted."""
     map, n = malaga(), REAL.get(name, 200)
