@@ -3,6 +3,7 @@
 import alignment_logs as logs
 import numpy as np
 import pytest
+from conftest import slow
 from scipy.spatial import cKDTree
 
 from segmap import literal, load
@@ -231,7 +232,7 @@ def outcome(pairs, **options):
 
 @pytest.mark.parametrize(
     ("place", "sensor", "least"),
-    [("room", UTM, 95), ("room", URG_04LX, 95), ("office", UTM, 95), ("loop", UTM, 85)],
+    [("room", UTM, 95), slow("room", URG_04LX, 95), slow("office", UTM, 95), ("loop", UTM, 85)],
 )
 def test_scans_that_overlap_by_half_are_found_from_any_start(workloads, place, sensor, least):
     """At least so many of 100 are right, and at most 1 is wrong.

@@ -4,6 +4,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from conftest import slow
 from reduction_maps import malaga, redundant_map
 from test_reduction_properties import assert_literal
 
@@ -104,7 +105,7 @@ def test_pieces_stand_in_the_place_of_the_first_of_their_chain():
     assert found.parents.tolist() == [0, 1, 2, 1]
 
 
-@pytest.mark.parametrize("way", [range(60, 79), range(78, 59, -1)])
+@pytest.mark.parametrize("way", [range(60, 79), slow(range(78, 59, -1))])
 def test_a_line_that_bends_at_every_scan_keeps_its_place(way):
     """Catches labels between two walls that have become too narrow: halved 80 times.
 
