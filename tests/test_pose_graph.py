@@ -89,7 +89,7 @@ def test_a_loop_is_closed():
         ("no odometry", 0.15, 0),
         slow("odometry for some", 0.10, 0),
         ("a person comes by", 0.10, 0),
-        ("blind", 0.40, 4),
+        slow("blind", 0.40, 4),
         slow("blind at first", 0.50, 1),
     ],
 )
@@ -218,7 +218,7 @@ def tour() -> Log:
     [
         ([(2, 7.5), (2, 2.5), (2, 5), (9, 5)], True),
         slow([(14, 2.5), (14, 5), (6, 5), (6, 7.5)], False),
-        ([(6, 2.5), (6, 7.5)], False),
+        slow([(6, 2.5), (6, 7.5)], False),
     ],
 )
 def test_a_kidnapped_robot(onwards, regained):
@@ -287,12 +287,12 @@ def test_every_other_threshold_is_checked(rules):
     ("rule", "reason"),
     [
         ({"witnesses": 1000}, ""),
-        ({"tolerance": 1e-6}, ""),
-        ({"stretch": 1e-6}, "no other loop agrees with it"),
+        slow({"tolerance": 1e-6}, ""),
+        slow({"stretch": 1e-6}, "no other loop agrees with it"),
         ({"likelihood": 1.0}, "the two places look different"),
-        ({"overlap": 1.01}, "too little of the new place is in the old one"),
+        slow({"overlap": 1.01}, "too little of the new place is in the old one"),
         ({"contradicted": 1e-6}, "the rest of the graph contradicts it"),
-        ({"min_path": 1000.0}, ""),
+        slow({"min_path": 1000.0}, ""),
     ],
 )
 def test_the_rules_of_loop_closing_count(rule, reason):
