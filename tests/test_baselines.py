@@ -20,6 +20,13 @@ def log_at(*times: float, odometry=None, truth=None) -> Log:
 
 
 # ------------------------------------------------------------------ odometry
+@pytest.mark.parametrize("times", [(1.0, 0.5, 0.0), (0.0, 5.0, 1.0)])
+def test_a_time_that_is_not_between_those_of_its_neighbours_bridges_nothing(times):
+    """Catches a pose of the truth that is made from times that run backwards."""
+    log = log_at(*times, truth=[(0.0, 0, 0), NOT, (1.0, 0, 0)])
+    assert ground_truth(log, missing="drop").used.tolist() == [True, False, True]
+
+
 def test_a_scan_without_odometry_moves_on_as_the_robot_did():
     """The robot would stop, or the motion be taken in the world's axes."""
     poses = [np.array([3.0, 2.0, 1.0])]

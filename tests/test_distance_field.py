@@ -20,7 +20,8 @@ def test_the_field_is_the_exact_transform(seed):
     for x, y in (np.array(literal_of(map).occupied()) - (left, low)) / map.resolution:
         taken[int(y), int(x)] = False
     expected = map.resolution * distance_transform_edt(taken)
-    np.testing.assert_allclose(field.distance, expected, atol=1e-5 * map.resolution)
+    rounding = 0.501 * map.resolution / field.unit
+    np.testing.assert_allclose(field.distance, expected, rtol=0, atol=rounding)
 
 
 @pytest.mark.parametrize("shape", [(1, 40), (40, 1), (7, 90), (90, 7)])

@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 
 from segmap import course, literal, plotting
 from segmap.angles import axial_difference
-from segmap.course import EXERCISES, Check
+from segmap.course import EXERCISES, Check, _exercise
 from segmap.literal.fuzzy_clustering import Prototype, memberships
 from segmap.literal.viewing_sector import views
 from segmap.poses import between, transform
@@ -334,3 +334,11 @@ def test_a_verdict_is_that_of_the_viewing_sector(seed):
     answer = course.check_verdict.solution(wall, point, sensor, 0.3)
     words = {1: "hides", 0: "matches", -1: "gone"}
     assert said == (set() if np.isnan(answer) else {words[answer]})
+
+
+def test_a_milliradian_is_a_mistake():
+    """Catches tolerances that let a slip through."""
+    assert _exercise.same_line(0.5 + 1e-9, 0.5) and not _exercise.same_line(0.501, 0.5)
+    poses = np.array([[1.0, 2.0, 0.5]])
+    assert _exercise.same_poses(poses, poses)
+    assert not _exercise.same_poses(poses + [0, 0, 1e-6], poses)

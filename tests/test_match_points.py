@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from segmap import literal, load
-from segmap.alignment import match_points, point_steps
+from segmap.alignment import _point_map, match_points, point_steps
 from segmap.angles import wrap
 from segmap.poses import between, compose, transform
 from segmap.simulation import (
@@ -303,3 +303,13 @@ def test_a_point_far_off_the_others_weighs_little():
     step = point_steps(ONE_WALL, now)[0]
     far = step.offsets > 0.4
     assert far.sum() == 2 and step.weights[far].max() < 0.1 < step.weights[~far].min()
+
+
+def test_the_covariance_grows_as_the_inflation(monkeypatch):
+    """Catches an inflation that is squared, or another one than its reason beside it."""
+    scan = load("room")[0].points()
+    assert _point_map.INFLATION == 2.0
+    found = match_points(scan, scan, (0.01, 0.0, 0.0)).covariance
+    monkeypatch.setattr(_point_map, "INFLATION", 3.0)
+    again = match_points(scan, scan, (0.01, 0.0, 0.0)).covariance
+    np.testing.assert_allclose(again, 1.5 * found, rtol=1e-6)
