@@ -1,6 +1,8 @@
 """Settings that all tests share."""
 
+from importlib import import_module
 from pathlib import Path
+from typing import Any
 
 import pytest
 from hypothesis import settings
@@ -23,6 +25,18 @@ def shared_file(name: str) -> Path:
 def slow(*values: object) -> object:
     """A case of a parametrized test that only `make test-all` runs; `make test` runs others."""
     return pytest.param(*values, marks=pytest.mark.slow)
+
+
+class later:
+    """A module that is imported when it is first used: every worker collects every test file."""
+
+    def __init__(self, name: str) -> None:
+        self._name = name
+
+    def __getattr__(self, name: str) -> Any:
+        if name.startswith("_"):  # pytest asks everything that stands in a test file
+            raise AttributeError(name)
+        return getattr(import_module(self._name), name)
 
 
 @pytest.fixture

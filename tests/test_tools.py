@@ -3,32 +3,35 @@
 import base64
 import io
 import re
-from copy import deepcopy
 
-import book
 import mutants
-import nbformat
 import numpy as np
 import pytest
-import refresh
 from chapter_rules import CHAPTERS, ROOT
-from nbformat.v4 import new_code_cell, new_markdown_cell, new_notebook
+from conftest import later
 from PIL import Image
 
+book, nbformat, refresh = later("book"), later("nbformat"), later("refresh")
+TITLE = "# 99 A try\n\nHalf is $\\frac{1}{2}$, see [fusion](54_fusion.ipynb#why)."
 CELLS = [
-    new_markdown_cell("# 99 A try\n\nHalf is $\\frac{1}{2}$, see [fusion](54_fusion.ipynb#why)."),
-    new_code_cell("import ipywidgets\nimport matplotlib.pyplot as plt"),
-    new_code_cell("plt.figure(figsize=(2, 1))\nplt.plot([0, 1])\nplt.show()"),
-    new_code_cell("ipywidgets.IntSlider(3)"),
-    new_code_cell("for n in range(3):\n    print(n)"),
+    "import ipywidgets\nimport matplotlib.pyplot as plt",
+    "plt.figure(figsize=(2, 1))\nplt.plot([0, 1])\nplt.show()",
+    "ipywidgets.IntSlider(3)",
+    "for n in range(3):\n    print(n)",
 ]
+
+
+def notebook_of(*cells, title=None):
+    """A new notebook with these cells of code, below a title."""
+    above = [nbformat.v4.new_markdown_cell(title)] if title else []
+    return nbformat.v4.new_notebook(cells=above + [nbformat.v4.new_code_cell(c) for c in cells])
 
 
 @pytest.fixture(scope="module")
 def refreshed(tmp_path_factory):
     """A notebook as Lab would store it; what refresh said of it at once, and again."""
     path = tmp_path_factory.mktemp("chapters") / "99_a_try.ipynb"
-    notebook = new_notebook(cells=deepcopy(CELLS))
+    notebook = notebook_of(*CELLS, title=TITLE)
     notebook.metadata["widgets"] = {"state": {}}
     notebook.cells[1].metadata["execution"] = {"iopub.status.busy": "2026-11-21T10:00:00"}
     nbformat.write(notebook, path)
@@ -53,15 +56,15 @@ def test_refresh_stores_outputs_and_nothing_of_the_run(refreshed):
 
 def test_identifiers_of_cells_follow_their_content():
     """Catches identifiers by position, which all change when a cell is put in."""
-    one, two = (refresh.tidy(new_notebook(cells=deepcopy(CELLS[k:]))) for k in (0, 1))
+    one, two = (refresh.tidy(notebook_of(*CELLS, title=title)) for title in (TITLE, None))
     assert [c.id for c in one.cells[1:]] == [c.id for c in two.cells]
-    twice = refresh.tidy(new_notebook(cells=[new_code_cell("1"), new_code_cell("1")]))
+    twice = refresh.tidy(notebook_of("1", "1"))
     assert len({cell.id for cell in twice.cells}) == 2
 
 
 def test_a_failing_chapter_is_left_as_it_was(tmp_path, capsys):
     path = tmp_path / "98_broken.ipynb"
-    nbformat.write(new_notebook(cells=[new_code_cell("1 / 0")]), path)
+    nbformat.write(notebook_of("1 / 0"), path)
     before = path.read_bytes()
     assert refresh.main([str(path)]) == 1
     assert path.read_bytes() == before and list(tmp_path.iterdir()) == [path]
