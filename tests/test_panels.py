@@ -127,6 +127,15 @@ PANELS = {
 }
 
 
+@pytest.fixture
+def no_png(monkeypatch):
+    """A panel draws its figure, which takes its time as a picture: most tests only read it."""
+    monkeypatch.setattr("segmap.panels._base.figure_png", lambda figure: bytes(24))
+
+
+unpainted = pytest.mark.usefixtures("no_png")
+
+
 def seen(panel):
     """The picture, the texts, and the panel in words."""
     labels = tuple(v.value for v in vars(panel).values() if type(v).__name__ == "Label")
@@ -200,6 +209,7 @@ CORNER = SegmentMap([[(0, 0), (2, 0)], [(0, 0.01), (1.95, 0.3)]])
 NARROW = {"distance": 0.15, "angle": np.radians(4)}
 
 
+@unpainted
 @pytest.mark.parametrize(
     ("panel", "settings", "method", "thresholds"),
     [
@@ -263,6 +273,7 @@ def test_a_panel_of_a_reduction_shows_what_the_method_finds(panel, settings, met
     assert shown.quality.value.startswith(f"quality {quality(shown.map, found):.1%}")
 
 
+@unpainted
 def test_sector_panel_forgets_the_door_when_it_has_seen_through_it():
     """Catches a panel that shows all scans whichever is chosen, or the sensor of another one."""
     panel, figure = SectorPanel(DOOR), Figure()
@@ -274,6 +285,7 @@ def test_sector_panel_forgets_the_door_when_it_has_seen_through_it():
     assert figure.axes[0].get_ylim() == pytest.approx((-0.3, 5.3))  # of the whole map
 
 
+@unpainted
 def test_least_cost_panel_tells_what_is_promised_and_what_quality_does_not_see():
     """Catches a promise in per cent of the penalty alone, and metres that are swapped."""
     panel = LeastCostPanel(BROKEN)
@@ -283,6 +295,7 @@ def test_least_cost_panel_tells_what_is_promised_and_what_quality_does_not_see()
     assert panel.promised.value == f"quality promised {np.exp(-0.05 * 1 / 2 / 0.05):.1%}"
 
 
+@unpainted
 def test_hybrid_panel_moves_the_origin_and_not_the_map():
     """Catches a result in the frame of the moved origin, or moved the wrong way; a lost filter."""
     panel = HybridPanel(LEANING)
@@ -295,6 +308,7 @@ def test_hybrid_panel_moves_the_origin_and_not_the_map():
     assert panel.count.value == "2 of 3 segments left"
 
 
+@unpainted
 def test_hybrid_panel_draws_every_line_in_the_box_of_its_result():
     """Catches dots drawn by the other representative, far from the result of the same colour."""
     upright = np.array([[(1, 0), (1.1, 3)], [(1.1, 0), (1, 3)], [(1, 0), (1.1, 3)]])
@@ -305,6 +319,7 @@ def test_hybrid_panel_draws_every_line_in_the_box_of_its_result():
     assert (abs(dots - cross) < [10, 0.20]).all()
 
 
+@unpainted
 def test_mean_shift_panel_draws_each_way_from_its_piece_to_its_centre():
     """Catches ways drawn in another order than the pieces, and clusters that share a colour."""
     figure, panel = Figure(), MeanShiftPanel(CORNER)
@@ -317,6 +332,7 @@ def test_mean_shift_panel_draws_each_way_from_its_piece_to_its_centre():
     assert len(np.unique(end.get_facecolors(), axis=0)) == len(panel.directions.theta)
 
 
+@unpainted
 def test_distance_panel_turned_wall():
     """Catches degrees taken for radians: 2 m turned by 90 degrees about the common middle."""
     panel = DistancePanel()
@@ -325,6 +341,7 @@ def test_distance_panel_turned_wall():
     assert panel.apart.value == "apart 1.000 m" and panel.angular.value == "angular 2.000 m"
 
 
+@unpainted
 def test_room_panel_without_noise_measures_exactly_and_keeps_the_field_of_view():
     """Catches beams that are left out at one side instead of spread."""
     panel = RoomPanel(ROOM, (1, 1, 0))
@@ -334,6 +351,7 @@ def test_room_panel_without_noise_measures_exactly_and_keeps_the_field_of_view()
     assert panel.scan.angles[[0, -1]] == pytest.approx(URG_04LX.angles[[0, -1]])
 
 
+@unpainted
 @pytest.mark.parametrize(
     ("log", "poses", "color"),
     [(LOG, None, TRUTH), (Log("raw", LOG.scans), None, ERROR), (LOG, LOG.truth, RESULT)],
@@ -346,6 +364,7 @@ def test_the_path_is_drawn_in_the_colour_of_its_origin(log, poses, color):
     assert [line.get_color() for line in paths] == [color]
 
 
+@unpainted
 def test_scan_panel_leaves_out_scans_without_a_pose():
     """Catches an index into all scans where only some have a pose."""
     truth = np.array([(np.nan,) * 3, (1, 1, 0), (np.nan,) * 3, (2, 1, 0)])
@@ -355,6 +374,7 @@ def test_scan_panel_leaves_out_scans_without_a_pose():
     assert panel.index.value.startswith("scan 3 of 4")
 
 
+@unpainted
 def test_the_compare_panel_shows_the_run_that_reduces_most_at_a_quality():
     """Catches the nearest run, one that falls short, and a map made with other thresholds."""
     panel = ComparePanel(WALLS, RUNS)
@@ -367,6 +387,7 @@ def test_the_compare_panel_shows_the_run_that_reduces_most_at_a_quality():
             assert panel.reduction.method == name
 
 
+@unpainted
 def test_the_compare_panel_shows_the_best_run_where_none_is_good_enough():
     """Catches an empty choice, and the run that reduces most."""
     poor = RUNS[(RUNS["method"] == "fusion") & (RUNS["quality"] < 0.97)]
@@ -375,6 +396,7 @@ def test_the_compare_panel_shows_the_best_run_where_none_is_good_enough():
     assert len(poor) > 1 and panel.run["quality"] == poor["quality"].max()
 
 
+@unpainted
 def test_angle_panel_shows_what_match_angles_finds():
     """Catches the wrong pair of scans, a rank beyond the last, a second scan beyond the log."""
     panel = AnglePanel(load("room"), scan=3, apart=2)
@@ -390,6 +412,7 @@ def test_angle_panel_shows_what_match_angles_finds():
     assert panel.verdict.value.startswith("match")  # the last two scans
 
 
+@unpainted
 def test_ground_truth_panel_measures_the_scans_whose_pose_it_withholds():
     """Catches an error over the poses that were given, a clock that is moved the other way."""
     panel = GroundTruthPanel(LOG, max_gap=10.0)
@@ -404,6 +427,7 @@ def test_ground_truth_panel_measures_the_scans_whose_pose_it_withholds():
     assert panel.alignment.used.tolist() == [True, True, True, True, False][: len(LOG)]
 
 
+@unpainted
 def test_icp_panel_ends_in_the_match_and_starts_where_it_is_told():
     """Catches degrees taken for radians, and a step beyond the last."""
     before, now = LOG[0].points(), LOG[1].points()
@@ -417,6 +441,7 @@ def test_icp_panel_ends_in_the_match_and_starts_where_it_is_told():
     assert panel.count.value.startswith(f"step {last} of {last}: ")
 
 
+@unpainted
 def test_backbone_panel_shows_what_the_method_does():
     """Catches a panel one scan off, a rotation in radians, and a threshold without effect."""
     log = load("corridor")[:60]
@@ -430,6 +455,7 @@ def test_backbone_panel_shows_what_the_method_does():
     assert len(panel.step.segments) < len(steps[50].segments)
 
 
+@unpainted
 def test_pose_graph_panel_shows_the_graph_as_it_is():
     """Catches a graph solved with other weights than the method's, and scans that are left out."""
     found = pose_graph(LOOP)
@@ -439,6 +465,7 @@ def test_pose_graph_panel_shows_the_graph_as_it_is():
     assert loops and panel.count.value.endswith(f" {loops} loops")
 
 
+@unpainted
 def test_pose_graph_panel_takes_loops_only_when_they_are_found_and_wanted():
     """Catches a box without effect, and a loop known before its second end was seen."""
     panel = PoseGraphPanel(LOOP)
@@ -452,11 +479,13 @@ def test_pose_graph_panel_takes_loops_only_when_they_are_found_and_wanted():
     assert panel.count.value.endswith(" 0 loops")
 
 
+@unpainted
 def test_pose_graph_panel_without_odometry_offers_no_odometry():
     scans = [LaserScan(s.ranges, s.angles, s.time) for s in LOOP[:10]]
     assert PoseGraphPanel(Log("bare", scans)).odometry.disabled
 
 
+@unpainted
 @pytest.mark.parametrize(
     ("make", "message"),
     [
@@ -524,6 +553,7 @@ def test_touched_cells_are_those_whose_square_the_segment_meets(seed):
     assert {tuple(c) for c in found.tolist()} == expected
 
 
+@unpainted
 def test_both_failures_do_what_the_thesis_shows():
     """B fig. 4.5: walls turn grey, and space outside turns free; the mask alone cures the first."""
     panel = RayPanel()
@@ -537,6 +567,7 @@ def test_both_failures_do_what_the_thesis_shows():
     assert int(share[True, False][0]) < 50 and share[True, False][1] > share[False, False][1]
 
 
+@unpainted
 def test_free_outside_is_measured_beyond_the_walls():
     """Catches an area that counts the room itself, or leaves that the walls cut."""
     panel = RayPanel(square_room(4.0), [(1.5, 1.6, 0.2)])
@@ -546,6 +577,7 @@ def test_free_outside_is_measured_beyond_the_walls():
     assert 0 < panel.free_outside() < (leaves.side**2).sum() - 16
 
 
+@unpainted
 def test_quadtree_panel_shows_the_map_of_the_first_scans():
     """Catches a slider that is one scan late, and scans without a pose that stop it."""
     log = load("room")
@@ -560,6 +592,7 @@ def test_quadtree_panel_shows_the_map_of_the_first_scans():
     assert panel.map.scans == 1
 
 
+@unpainted
 def test_classes_panel_shows_what_is_exported():
     """Catches thresholds that are not handed on."""
     log = load("room")
