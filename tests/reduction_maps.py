@@ -1,8 +1,11 @@
 """Random maps on which the reduction methods meet their plain versions and their symmetries."""
 
-import numpy as np
+from functools import cache
 
-from segmap import load
+import numpy as np
+from conftest import shared_file
+
+from segmap import load, read
 from segmap.extraction import build_map
 from segmap.segments import SegmentMap
 
@@ -33,7 +36,15 @@ def corridor_map(rng: np.random.Generator, n: int = 60) -> np.ndarray:
 MAPS = [random_map, redundant_map, lattice_map, corridor_map]
 
 
+@cache
 def malaga() -> SegmentMap:
     """The real map that the chapters use."""
     log = load("malaga")
+    return build_map(log, log.truth, keep_points=True)
+
+
+@cache
+def second_building() -> SegmentMap:
+    """A denser real map, each wall seen from everywhere; skips the test where it is absent."""
+    log = read(shared_file("data/intel.log.gz"))[:60]
     return build_map(log, log.truth, keep_points=True)
