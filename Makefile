@@ -10,7 +10,7 @@ SETUP := .venv/segmap-is-installed
 WARM := .venv/segmap-is-warm
 # A worker more than there are cores, since many tests wait for other programs; a worker runs whole
 # files, so that what a file prepares is prepared once.
-SPREAD := -n $(shell $(PYTHON) -c 'import os; print(os.cpu_count() + 1)') --dist loadscope
+SPREAD := -n $(shell $(PYTHON) -c 'import os; print(os.cpu_count() + 1)') --dist loadscope --no-loadscope-reorder
 # page_config.json in that folder keeps Lab from asking about news: a classroom may be offline.
 LAB = JUPYTER_CONFIG_PATH="$(CURDIR)/notebooks/tools/jupyter$${JUPYTER_CONFIG_PATH:+:$$JUPYTER_CONFIG_PATH}" \
 	$(RUN) -m jupyterlab --ip=127.0.0.1 $(if $(PORT),--port=$(PORT) --ServerApp.port_retries=0) \

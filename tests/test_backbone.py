@@ -108,11 +108,10 @@ NOT_ORTHOGONAL = {
     "octagon": corridor_about(8),
     "round hall": (circular_room(8.0), drive([(4, 4), (12, 4), (12, 12), (4, 12)])),
 }
-FEW = ("ring of 30 m", "triangle", "round hall")
 
 
 @pytest.mark.parametrize("sensor", [SICK_LMS200, URG_04LX], ids=lambda s: s.name)
-@pytest.mark.parametrize("name", [name if name in FEW else slow(name) for name in NOT_ORTHOGONAL])
+@pytest.mark.parametrize("name", NOT_ORTHOGONAL)
 def test_it_says_so_where_the_building_is_not_orthogonal(name, sensor):
     """Catches a method that bends a curved building straight and is content."""
     walls, path = NOT_ORTHOGONAL[name]

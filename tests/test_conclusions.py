@@ -2,7 +2,6 @@
 
 import pandas as pd
 import pytest
-from conftest import slow
 
 from segmap.course import THESIS_GRIDS, conclusions, density, thesis_results
 from segmap.experiments import select
@@ -66,7 +65,7 @@ CHANGES = {
 }
 
 
-@pytest.mark.parametrize("letter", [k if k in "acegik" else slow(k) for k in CHANGES])
+@pytest.mark.parametrize("letter", CHANGES)
 def test_runs_that_say_otherwise_are_heard(letter):
     """Catches a claim that holds whatever the runs say."""
     column, change, which = CHANGES[letter]

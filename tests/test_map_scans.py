@@ -5,7 +5,6 @@ from functools import partial
 
 import numpy as np
 import pytest
-from conftest import slow
 from quadtrees import leaves_of, state
 
 from segmap import LaserScan, load
@@ -280,11 +279,8 @@ def test_the_room_path_without_odometry(workloads):
     ("options", "largest"),
     [
         ({"matcher": partial(hill_climb, steps="thesis")}, 0.08),
-        slow({"matcher": partial(hill_climb, steps="thesis"), "score": occupancy_score}, 1.0),
-        slow(
-            {"matcher": partial(sample_and_rank, rng=np.random.default_rng(1), sigma=(0.02, 2))},
-            0.2,
-        ),
+        ({"matcher": partial(hill_climb, steps="thesis"), "score": occupancy_score}, 1.0),
+        ({"matcher": partial(sample_and_rank, rng=np.random.default_rng(1), sigma=(0.02, 2))}, 0.2),
     ],
 )
 def test_what_the_thesis_printed_loses_its_way(workloads, options, largest):

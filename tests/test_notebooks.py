@@ -101,7 +101,7 @@ BREACHES = [
     ("executed_in_order", lambda c: c.__delitem__(slice(1, 2))),
     ("no_errors", lambda c: put(c, {"output_type": "error", "ename": "ValueError"})),
     ("no_errors", lambda c: put(c, stream("Warning: old", "stderr"))),
-    ("small", lambda c: put(c, stream("x" * 250_000))),
+    ("small", lambda c: put(c, stream("x" * 200_000))),
     ("small_pictures", lambda c: put(c, shown(png=base64.b64encode(b"x" * 30_001).decode()))),
     ("steady_outputs", lambda c: put(c, shown(plain="<Thing object at 0x7f3a5c0d>"))),
     ("steady_outputs", lambda c: put(c, shown(page=["<b>/home/me", "/log.gz</b>"]))),

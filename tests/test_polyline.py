@@ -122,10 +122,11 @@ def test_a_line_that_bends_at_every_scan_keeps_its_place(way):
     assert_literal("polyline", SegmentMap([*walls, *again], scans), far=0.3)
 
 
-def test_more_pieces_than_the_room_that_was_made():
+@pytest.mark.parametrize("count", [100, slow(200)])
+def test_more_pieces_than_the_room_that_was_made(count):
     """Catches a map that ends where its arrays do: few long walls and many short scans."""
-    map = redundant_map(np.random.default_rng(1), 100)
-    assert_literal("polyline", SegmentMap(map, np.arange(100) // 2), tolerance=0.005, bridge=5.0)
+    map = redundant_map(np.random.default_rng(1), count)
+    assert_literal("polyline", SegmentMap(map, np.arange(count) // 2), tolerance=0.005, bridge=5.0)
 
 
 def test_weakness_the_noise_of_end_points_stays():

@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from conftest import slow
 
 from segmap.matching import distance_score, nearest_score
 from segmap.quadtree import QuadtreeMap, Tree, _loops
@@ -23,7 +22,7 @@ def scan(seed):
     return rng.uniform(0, 4, 2), rng.uniform(-9, 13, (60, 2)), rng.uniform(0, 4, (9, 2))
 
 
-@pytest.mark.parametrize("free_resolution", [slow(None), 0.4])
+@pytest.mark.parametrize("free_resolution", [None, 0.4])
 @pytest.mark.parametrize("call", CALLS)
 @pytest.mark.parametrize(("where", "name"), LOOPS)
 def test_an_interrupt_leaves_a_tree(where, name, call, free_resolution, monkeypatch, tmp_path):

@@ -12,12 +12,13 @@ from itertools import product
 
 import numpy as np
 import pytest
+from conftest import slow
 
 from segmap import alignment, reduction, simulation
 from segmap.segments import SegmentMap
 
 #: Sizes of a room from a millimetre to a hundred kilometres, and lengths of thresholds, metres.
-SIZES, LENGTHS = (1e-3, 10, 1e5), (1e-4, 0.2, 1e3)
+SIZES, LENGTHS = (1e-3, slow(0.1), 10, slow(310), slow(1e3), 1e5), (1e-4, 1e-2, 0.2, 10, 1e3)
 #: Parameters that are lengths; the other thresholds are angles, shares and counts.
 NAMED = {"distance", "min_length", "reach", "sigma", "similar", "spacing", "spread", "step",
          "tolerance", "window", "gap"}  # fmt: skip
@@ -26,7 +27,7 @@ REFUSED = {"sigma must cut the map", "window must be"}
 #: So many pieces `mean_shift` works on for seconds to minutes: 30 microseconds each.
 LONG = (30_000, 20_000_000)
 
-pytestmark = [pytest.mark.slow, pytest.mark.filterwarnings("ignore:.*millimetres:UserWarning")]
+pytestmark = pytest.mark.filterwarnings("ignore:.*millimetres:UserWarning")
 ROOM = np.array([(0, 0), (1, 0), (1, 0.7), (0.6, 0.7), (0.6, 0.9), (0, 0.9)])
 
 
