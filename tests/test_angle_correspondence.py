@@ -162,6 +162,13 @@ def test_refining_brings_a_guess_home():
         assert np.abs(pose).max() < 1e-4
 
 
+def test_refining_leaves_a_guess_that_matches_nothing():
+    """Catches a turn by a whole radian where no wall says anything."""
+    pose, room = np.array([100.0, 0.0, 0.3]), np.empty((2 * len(ROOM) ** 2, 5))
+    refine(ROOM, ROOM, pose, 4, (0.05, 0.10, 0.30, False), room)
+    assert pose.tolist() == [100.0, 0.0, 0.3]
+
+
 def test_the_pose_is_that_of_the_current_scan_in_the_reference():
     """Catches the inverse, and a covariance far from the error that is made."""
     errors, spreads = [], []

@@ -60,6 +60,17 @@ def test_a_door_that_is_closed_is_invented_and_hardly_costs_quality():
     assert quality(WALL, closed) == 1.0
 
 
+def test_beside_is_five_centimetres_and_five_degrees_where_nothing_is_said():
+    """Catches other thresholds by default."""
+    wall = np.array([[(0.0, 0.0), (2.0, 0.0)]])
+    for off, alone in ((0.049, 0.0), (0.051, 2.0)):
+        assert invented(wall, wall + (0, off)) == missed(wall, wall + (0, off)) == alone
+    for degrees, alone in ((4.9, 0.0), (5.1, 0.2)):
+        turned = transform((1, 0, np.radians(degrees)), np.array([[(0.0, 0.0), (0.2, 0.0)]]))
+        found = (invented(wall, turned), missed(turned, wall))
+        assert found == pytest.approx((alone, alone), abs=1e-9)
+
+
 def test_nothing_is_beside_an_empty_map():
     assert missed(WALL, []) == pytest.approx(3.5) and invented(WALL, []) == 0.0
     assert missed([], WALL) == 0.0 and invented([], WALL) == pytest.approx(3.5)

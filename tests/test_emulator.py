@@ -6,6 +6,7 @@ from emulated import needs_terminals, open_files, pattern
 
 from segmap.emulator import Emulator, Replay, Room, Unit, furnished_room
 from segmap.emulator.__main__ import main
+from segmap.emulator._device import Fault, Wire
 from segmap.hokuyo import (
     SensorError,
     decode,
@@ -59,6 +60,7 @@ def replies(said):
         ("QT QT XX CR00 VV PP II", "00 00 0E 03 00 00 00"),
         ("BM TM0 TM2 GD0044072501", "00 00 00 10"),
         ("BM RS GD0044072501", "00 00 10"),
+        ("HS0 HS1", "0C 0C"),
     ],
 )
 def test_statuses_of_the_manual(said, statuses):
@@ -127,6 +129,16 @@ def test_its_clock_is_told_in_time_mode_and_wraps():
         (reply,) = replies(bench.says("TM1", 1.0))
         told.append(int(decode(reply.body[0][:-1], 4)[0]))
     assert told == [400, 1400]
+
+
+def test_its_clock_can_be_told_to_wrap_soon():
+    """Catches a wrap that comes hours later, or has been."""
+    bench = Bench()
+    bench.now = 30.0
+    bench.unit.wrap_clock()
+    _, *scans = replies(bench.says("MD0044072501000", 0.8))
+    clocks = [parse_scan(scan.body, 3).clock for scan in scans]
+    assert clocks[0] > 2**24 - 1000 and clocks[-1] < 1000
 
 
 def test_speed_is_of_its_own_seconds():
@@ -201,10 +213,11 @@ def test_a_room_is_driven_through_there_and_back():
 
 
 def test_a_replay_gives_one_turn_after_the_other():
-    """Catches a replay that stands still, and one that ends."""
+    """Catches a replay that stands still, one that ends, and replies that are no scan."""
     turns = [np.full(5, met) for met in (500, 600, 0)]
     sent = b"".join(encode_reply("GD0380038401", "00", encode_scan(0, met, 3)) for met in turns)
-    replay = Replay(b"VV\n00P\nVEND:x;0\n\n" + sent)
+    others = b"VV\n00P\nVEND:x;0\nPROD:y;0\nFIRM:z;0\n\nGD0380038401\n10Q\n\n"
+    replay = Replay(others + sent)
     assert [int(replay(turn)[382]) for turn in range(4)] == [500, 600, 0, 500]
     with pytest.raises(SensorError, match="no scan"):
         Replay(b"VV\n00P\n\n")
@@ -213,6 +226,17 @@ def test_a_replay_gives_one_turn_after_the_other():
 
 
 # ------------------------------------------------------------------------------ wire
+def test_a_fault_of_the_wire_spoils_one_byte():
+    """Catches a flipped bit that takes the next byte with it, and a fault at another place."""
+    wire, sent = Wire(lambda: 0.0, np.random.default_rng(1)), b"GD0044072501"
+    wire.plan(Fault("flip", 2))
+    found = wire.passed(sent)
+    changed = [a ^ b for a, b in zip(found, sent, strict=True)]
+    assert changed[2].bit_count() == 1 and not any(changed[:2] + changed[3:])
+    wire.plan(Fault("lose", 11))
+    assert wire.passed(sent) == sent[:-1]
+
+
 @needs_terminals
 def test_what_it_cannot_be():
     for wrong in ({"protocol": "3"}, {"rate": 9600}, {"speed": 0}):

@@ -10,6 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from segmap import extraction, literal, load
+from segmap._extraction_loops import start_of_round
 from segmap.alignment import odometry
 from segmap.extraction import build_map, extract_clusters, extract_polylines, fit_line
 from segmap.poses import transform
@@ -226,6 +227,13 @@ def test_the_seam_of_a_full_turn_cuts_no_wall(start):
     found = extract_polylines(square_scan(start), closed=True)
     assert len(found) == 4
     np.testing.assert_allclose(np.sort(length(found)), [3, 3, 4, 4], atol=0.1)
+
+
+@pytest.mark.parametrize("away", [(0, 0), (0, 30), (-30, 0), (30, -30)])
+def test_a_round_without_a_gap_begins_at_its_farthest_corner(away):
+    """Catches a start that is farthest from the origin, in x or y, and not from the middle."""
+    kite = path((0, 0), (2, 1), (4, 0), (2, -4), (0, 0))[:-1] + away
+    assert kite[start_of_round(kite, GAP)] == pytest.approx(np.add((2, -4), away))
 
 
 def test_an_open_scan_is_cut_at_its_seam():

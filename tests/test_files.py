@@ -1,6 +1,7 @@
 """What writes a file: whole or not at all, in the place that a link names, with mode and owner."""
 
 import ast
+import gzip
 import os
 import stat
 from pathlib import Path
@@ -10,6 +11,7 @@ import pytest
 
 import segmap
 from segmap import LaserScan, Log, exports
+from segmap._files import RATIO, UNPACKED, packed, table_lines
 from segmap.course import load_trials, write_trials
 from segmap.experiments import load_records, write_records
 from segmap.quadtree import QuadtreeMap
@@ -196,3 +198,28 @@ def test_the_longest_name_is_written(tmp_path):
     path = tmp_path / ("n" * 251 + ".csv")
     write_records(pd.DataFrame(load_records("malaga")[:1]), path)
     assert path.exists()
+
+
+@pytest.mark.parametrize(
+    ("text", "cells"),
+    [("a,b\n1,2\n3,4\n", ["12", "34"]), ("a,b\n1,2\n3,4", ["12"]), ("a,b", []), ("a,b\n", [])],
+)
+def test_a_last_line_without_an_end_is_left_out(text, cells):
+    """Catches a number cut short that is read, and a whole line that is lost with it."""
+    found = list(table_lines(text.encode(), "runs.csv", ["a", "b"]))
+    assert ["".join(row) for row, _ in found] == cells
+    assert [where for _, where in found] == [f"runs.csv, line {k + 2}" for k in range(len(cells))]
+
+
+def test_a_long_line_in_the_place_of_a_head_is_told_in_part():
+    """Catches an error of megabytes."""
+    with pytest.raises(ValueError, match=r"got x{200}$"):
+        list(table_lines(b"x" * 5000 + b"\n", "runs.csv", ["a", "b"]))
+
+
+@pytest.mark.parametrize("size", [1000, UNPACKED + 1])
+def test_a_packed_file_holds_no_date_and_is_never_a_bomb(size):
+    """Catches zeros packed so small that our own reader refuses them, and bytes that vary."""
+    found = packed(bytes(size))
+    assert gzip.decompress(found) == bytes(size) and found[4:8] == bytes(4)
+    assert size <= max(UNPACKED, RATIO * len(found))

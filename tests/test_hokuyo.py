@@ -27,6 +27,7 @@ from segmap.hokuyo import (
     parse_scan,
     parse_scan_1,
 )
+from segmap.hokuyo._stream import switch_off
 
 FROM, TO = "urg04lx-from-sensor.scip.gz", "urg04lx-to-sensor.scip.gz"
 
@@ -74,6 +75,18 @@ def test_requests_there_and_back(kind, first, last, cluster, skip, scans):
     streams = kind[0] == "M"
     request = ScanRequest(kind, first, last, cluster, skip * streams, scans * streams)
     assert parse_request(request.text) == request
+
+
+def test_a_stream_asked_for_without_more_is_of_every_turn_and_endless():
+    """Catches a turn left out, or an end, that nobody asked for."""
+    assert ScanRequest("MD", 44, 725).text == "MD0044072501000"
+
+
+def test_what_does_not_fit_is_cut_and_wrapped():
+    """Catches a distance that two characters cannot hold, and a clock beyond its 24 bits."""
+    met = parse_scan(encode_scan(2**24 + 5, [4094, 4095, 4096, 5600], 2), 2)
+    assert (met.clock, met.millimetres.tolist()) == (5, [4094, 4095, 4095, 4095])
+    assert parse_scan(encode_scan(0, [2**18], 3), 3).millimetres.tolist() == [2**18 - 1]
 
 
 @given(st.text(st.characters(codec="ascii"), max_size=20))
@@ -207,6 +220,7 @@ def test_no_flipped_bit_makes_another_status():
 
 
 CANNOT_BE = [dict(ARES="0"), dict(AMIN="x"), dict(AMAX="9999"), dict(SCAN="0"), dict(AFRT="1024")]
+CANNOT_BE += [{key: str(2**20 + 1)} for key in ("ARES", "DMAX", "SCAN")]
 
 
 def test_a_geometry_that_cannot_be():
@@ -273,6 +287,29 @@ def test_silence_forgets_what_was_heard_before():
     assert lines.silence(0.1)
     port.left = b"QT\n00P\n\n"
     assert lines.line(0.5) == b"QT"
+
+
+class Answers(Said):
+    """A port that says the next answer to whatever is written."""
+
+    def __init__(self, *answers):
+        super().__init__(b"")
+        self.answers, self.asked = iter(answers), []
+
+    def write(self, data, /):
+        self.asked.append(data)
+        self.left = next(self.answers)
+
+
+@pytest.mark.parametrize(
+    ("answers", "asked"),
+    [([b"QT\n00P\n\n"], 1), ([b"", b"QT\n0Ee\n\n", b"QT\n00P\n\n"], 3), ([b""] * 3, 3)],
+)
+def test_the_laser_is_switched_off_until_it_says_so(answers, asked):
+    """Catches a laser that stays on where QT was lost once, and one that is told again."""
+    port = Answers(*answers)
+    switch_off(Lines(port, lambda: port.now))
+    assert port.asked == [b"QT\n"] * asked
 
 
 @given(st.lists(st.binary(max_size=80), max_size=6), st.integers(2, 3))

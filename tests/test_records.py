@@ -303,6 +303,8 @@ def test_select(expected):
         assert set(select(expected, filtered=filtered)["filtered"]) == found
     assert set(select(expected, tolerance=0.06 + 1e-12)["method"]) == {"fusion"}
     assert len(select(expected, distance=0.3, angle=np.radians(10))) == 4
+    near = pd.DataFrame({"tolerance": 0.3 * (1 + np.array([-1.1, -0.9, 0.9, 1.1]) * 1e-9)})
+    assert list(select(near, tolerance=0.3).index) == [1, 2], "a part in 10^9, to both sides"
 
 
 def test_records_by_name(tmp_path, monkeypatch):

@@ -177,3 +177,49 @@ def test_a_map_tells_how_much_it_holds():
     assert repr(SegmentMap(THREE, scan=[0, 0, 2])) == "SegmentMap(3 segments of 2 scans)"
     assert repr(SegmentMap(THREE[:1])) == "SegmentMap(1 segment of 1 scan)"
     assert repr(SegmentMap([])) == "SegmentMap(0 segments of 0 scans)" and len(SegmentMap([])) == 0
+
+
+# --------------------------------------------------------------------- arguments
+@pytest.mark.parametrize("nothing", [[], [[]], np.empty((0, 5))])
+def test_nothing_at_all_is_no_point(nothing):
+    """Catches an empty list in a list, or no rows of five columns, that are refused."""
+    assert arrays.points(nothing).shape == (0, 2)
+
+
+def test_a_coordinate_at_the_limit_is_within_it():
+    """Catches a limit that refuses itself beside a row of NaN, or is named for the one above it."""
+    there = (arrays.LIMIT, 0, 0)
+    assert arrays.poses([(np.nan,) * 3, there], missing=True).shape == (2, 3)
+    with pytest.raises(ValueError, match=r"poses must be within 1e\+07, .* poses\[1\] is"):
+        arrays.poses([there, (2 * arrays.LIMIT, 0, 0)])
+
+
+def test_a_whole_number_that_rounding_may_have_made_is_refused():
+    """Catches 2^53, which 2^53 + 1 becomes as a float."""
+    assert arrays.indices([2**53 - 1], "scan").tolist() == [2**53 - 1]
+    with pytest.raises(ValueError, match="scan must be whole numbers"):
+        arrays.indices([2**53 + 1], "scan")
+
+
+@pytest.mark.parametrize(
+    ("value", "bounds", "said"),
+    [
+        (2.5, {}, "at least 1, got 2.5"),
+        (2.5, {"most": 9}, "at least 1 and at most 9, got 2.5"),
+        (10, {"most": 9}, "at least 1 and at most 9, got 10"),
+        (10**10, {}, "at least 1 and at most 1000000000, got 10000000000"),
+    ],
+)
+def test_a_count_that_is_refused_is_told_the_bound_that_matters(value, bounds, said):
+    """Catches an upper bound that is left out, or told to whom it does not concern."""
+    with pytest.raises(ValueError, match=f"count must be a whole number of {said}$"):
+        arrays.whole(value, "count", **bounds)
+
+
+def test_an_angle_is_at_most_a_whole_turn_and_told_in_radians():
+    """Catches another bound where none is given, and the hint of degrees for metres."""
+    arrays.positive("radians", turn=2 * np.pi)
+    with pytest.raises(ValueError, match=r"in radians \(of degrees np.radians\(7\)\), got 7$"):
+        arrays.positive("radians", turn=7)
+    with pytest.raises(ValueError, match=r"a number above 0 and of at most 5, in metres, got 7$"):
+        arrays.positive("metres", 5.0, reach=7)
