@@ -35,10 +35,11 @@ class Behind(NamedTuple):
     kept: bool
 
 
-def points_behind(map: Segments, rows: Rows, spacing: float) -> Behind:
+def points_behind(map: Segments, rows: Rows, spacing: float | None) -> Behind:
     """Points and places of the sensor of the rows of a map.
 
-    A map without points gets one each `spacing` metres along its segments, at least two a segment.
+    A map without points gets one each `spacing` metres along its segments, at least two a segment;
+    without a spacing it gets none.
     """
     sensors, points, first = np.full((len(rows.row), 2), np.nan), None, None
     if isinstance(map, SegmentMap):
@@ -47,6 +48,8 @@ def points_behind(map: Segments, rows: Rows, spacing: float) -> Behind:
             sensors = map.sensors[map.scan[rows.row]]
     if points is not None and first is not None:
         return Behind(*take_points(points, first, rows.row), sensors, True)
+    if spacing is None:
+        return Behind(np.empty((0, 2)), np.zeros(len(rows.row) + 1, np.int64), sensors, False)
     return Behind(*stand_ins(rows.segments, spacing), sensors, False)
 
 

@@ -16,6 +16,8 @@ from ._runner import Indices
 
 #: Lengths closer than this, in metres, are equal; so are mean distances within TIE.
 SAME, TIE = 1e-9, 1e-12
+#: Turns by which a sector is looked at wider, for what rounding would hide.
+ROUNDING = 1e-6
 #: What a stretch of a scan says of a wall.
 MATCHES, HIDES, GONE = 0.0, 1.0, 2.0
 
@@ -75,6 +77,10 @@ class Room(NamedTuple):
         Segment, claim that gets it, and wall of the new map that it joins; -1 for none.
     first : (m + 1,) int array
         First piece of each wall in the new map.
+    bins : (2 b,) int array, b a power of two
+        First segment of the scan in each bin: a circle of 1 bin, then of 2, 4, ... b bins.
+    beside, near : (c,) int array
+        Next segment in the bin of each; those that may be in a sector.
     """
 
     marks: Array
@@ -84,6 +90,9 @@ class Room(NamedTuple):
     stretch: Array
     owner: Indices
     first: Indices
+    bins: Indices
+    beside: Indices
+    near: Indices
 
 
 @compiled
@@ -109,17 +118,6 @@ def _mean_off(a: float, b: float) -> float:
     if a * b >= 0.0:
         return abs(a + b) / 2
     return (a * a + b * b) / (2 * (abs(a) + abs(b)))
-
-
-@compiled
-def _beyond(low: Array, high: Array, wall: Array, sign: float, size: float, limit: float) -> bool:
-    """Whether a box lies on the sensor's side of a wall, farther than a limit from its line."""
-    dx, dy = wall[1, 0] - wall[0, 0], wall[1, 1] - wall[0, 1]
-    for x in (low[0], high[0]):
-        for y in (low[1], high[1]):
-            if sign * (dx * (y - wall[0, 1]) - dy * (x - wall[0, 0])) <= limit * size:
-                return False
-    return True
 
 
 @compiled
@@ -208,6 +206,44 @@ def _lost(room: Room, count: int, min_length: float, k: int, claims: Claims, g: 
 
 
 @compiled
+def _sector(a: Array, b: Array, px: float, py: float) -> tuple[float, float]:
+    """Where the sector from point a to b, (2,) array each, begins, and its width; in turns."""
+    begin = np.arctan2(a[1] - py, a[0] - px) / (2 * np.pi)
+    return begin, (np.arctan2(b[1] - py, b[0] - px) / (2 * np.pi) - begin) % 1.0
+
+
+@compiled
+def _fill_bins(scan: Walls, px: float, py: float, room: Room) -> None:
+    """Put each segment into the smallest bin as wide as its sector that its sector begins in."""
+    bins = room.bins
+    for i in range(len(bins)):
+        bins[i] = -1
+    for j in range(len(scan.s)):
+        begin, width = _sector(scan.s[j, 1], scan.s[j, 0], px, py)
+        count = len(bins) // 2
+        while count > 1 and width * count > 1.0:
+            count //= 2
+        b = count + (int(np.floor(begin * count)) & (count - 1))
+        room.beside[j], bins[b] = bins[b], j
+
+
+@compiled
+def _beside(room: Room, begin: float, width: float) -> int:
+    """Write the segments that may be in a sector, in turns, to `near`, in no order; how many."""
+    found, count = 0, len(room.bins) // 2
+    while count > 0:
+        first = int(np.floor((begin - ROUNDING) * count)) - 1
+        last = int(np.floor((begin + width + ROUNDING) * count))
+        for b in range(first, min(last + 1, first + count)):
+            j = room.bins[count + (b & (count - 1))]
+            while j >= 0:
+                room.near[found], found = j, found + 1
+                j = room.beside[j]
+        count //= 2
+    return found
+
+
+@compiled
 def look(
     map: Walls,
     count: int,
@@ -221,11 +257,7 @@ def look(
 ) -> tuple[int, int]:
     """How many claims and how many pieces that are gone; written as far as there is room."""
     found, g, marks, px, py = 0, 0, room.marks, p[0], p[1]
-    low, high = np.full(2, np.inf), np.full(2, -np.inf)
-    for j in range(len(scan.s)):
-        for e in range(2):
-            for d in range(2):
-                low[d], high[d] = min(low[d], scan.s[j, e, d]), max(high[d], scan.s[j, e, d])
+    _fill_bins(scan, px, py, room)
     for k in range(count):
         wall = map.s[k]
         double = cross(px, py, wall[0], wall[1])
@@ -234,22 +266,22 @@ def look(
         )
         if abs(double) < 1e-6 * far or double == 0.0:
             continue
-        sign = 1.0 if double > 0.0 else -1.0
-        if _beyond(low, high, wall, sign, size_of(wall), distance + SAME):
-            continue
+        a, b = (0, 1) if double > 0.0 else (1, 0)
+        begin, width = _sector(wall[a], wall[b], px, py)
         n, any_gone = 0, False
-        for j in range(len(scan.s)):
+        for i in range(_beside(room, begin, width)):
+            j = room.near[i]
             before = n
             n = _view(wall, scan.s[j], px, py, double, distance, marks, n)
-            for i in range(before, n):
-                any_gone = any_gone or marks[i, 0] == GONE
-                if marks[i, 0] == MATCHES:
+            for m in range(before, n):
+                any_gone = any_gone or marks[m, 0] == GONE
+                if marks[m, 0] == MATCHES:
                     if found < len(claims.wall):
                         claims.wall[found], claims.segment[found] = k, j
                         data = claims.data
-                        data[found, 0], data[found, 1] = marks[i, 3], marks[i, 4]
-                        data[found, 2] = marks[i, 5]
-                        data[found, 3], data[found, 4] = marks[i, 1], marks[i, 2]
+                        data[found, 0], data[found, 1] = marks[m, 3], marks[m, 4]
+                        data[found, 2] = marks[m, 5]
+                        data[found, 3], data[found, 4] = marks[m, 1], marks[m, 2]
                     found += 1
         if forget and any_gone:
             g = _lost(room, n, min_length, k, claims, g)

@@ -101,7 +101,7 @@ def _flag(value: object, name: str) -> bool:
 def _steps(
     map: Segments, rows: Rows, limits: tuple[float, float, bool, bool], spacing: float
 ) -> Steps:
-    points, first, sensors, kept = points_behind(map, rows, spacing)
+    points, first, sensors, kept = points_behind(map, rows, None)
     if np.isnan(sensors).any():
         raise ValueError(
             "map must tell where its sensor was: build_map(log, poses, keep_points=True) does, or "
@@ -178,6 +178,7 @@ def _room_for(segments: int, claims: int, walls: int, room: Room | None = None) 
     if room is not None and _fits(room, segments, claims, walls):
         return room
     c, q, m = 2 * segments, claims, 2 * walls + 1
+    bins = 2 << c.bit_length()
     return Room(
         np.empty((3 * c, 6)),
         np.empty(6 * c + 2 * q + 2),
@@ -186,6 +187,9 @@ def _room_for(segments: int, claims: int, walls: int, room: Room | None = None) 
         np.empty((c + 2 * q, 2)),
         np.empty((c + 2 * q, 3), np.int64),
         np.empty(m + 1, np.int64),
+        np.empty(bins, np.int64),
+        np.empty(c, np.int64),
+        np.empty(c, np.int64),
     )
 
 
