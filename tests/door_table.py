@@ -9,13 +9,31 @@ from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pandas as pd
+from emulated import URG, Wired
 from matplotlib.figure import Figure
 
-from segmap import alignment, experiments, matching, quadtree, reduction, segments, simulation
-from segmap.scans import LaserScan
+from segmap import (
+    alignment,
+    emulator,
+    experiments,
+    hokuyo,
+    matching,
+    quadtree,
+    reduction,
+    segments,
+    simulation,
+)
 
 WALLS = np.array([[(0, 0), (3, 0)], [(3, 0), (3, 2)], [(3, 2), (0, 2)], [(0, 2), (0, 0)]], float)
 PATH = np.array([(1 + k / 20, 1, 0.02 * k) for k in range(4)])
+
+
+class Newly(Wired):
+    """A sensor that was just plugged in."""
+
+    def __init__(self):
+        super().__init__()
+        Newly.last = self
 
 
 def rng():
@@ -29,12 +47,18 @@ TREE = quadtree.build_map(LOG, PATH, resolution=0.05)
 MAP = segments.SegmentMap(WALLS)
 REDUCTION = reduction.METHODS["hybrid"](MAP)
 RUNS = experiments.sweep({"it": MAP}, ["fusion"], {"fusion": {"tolerance": [0.01, 0.04]}})
+SCAN = hokuyo.ScanRequest("GD", 384, 385)
+MET = hokuyo.Measurement(5, np.array([392, 381]))
+TOLD = {"ARES": "1024", "AMIN": "44", "AMAX": "725", "AFRT": "384", "DMIN": "20", "DMAX": "5600",
+        "SCAN": "600"}  # fmt: skip
 TIMES = pd.DataFrame(
     {"method": "hybrid", "scans": [1, 2, 4], "seconds": [1.0, 4.0, 16.0], "live": 2}
 )
 #: Objects whose public methods are doors too.
 OBJECTS = {"matching": [matching.DistanceField(TREE)], "quadtree": [TREE], "segments": [MAP],
-           "scans": [LOG, LOG[0]], "simulation": [simulation.URG_04LX]}  # fmt: skip
+           "scans": [LOG, LOG[0]], "simulation": [simulation.URG_04LX],
+           "alignment": [ALIGNMENT], "reduction": [REDUCTION], "hokuyo": [URG, SCAN],
+           "emulator": [emulator.Room(WALLS, PATH)]}  # fmt: skip
 
 #: Good values by the name of a parameter; `function.parameter` comes first, then `room.parameter`.
 #: A parameter that is not here keeps its default.
@@ -97,15 +121,58 @@ GOOD |= {
     "thresholds": {"distance": 0.2}, "run": {"distance": 0.2}, "sweep.grids":
     {"fusion": {"tolerance": [0.04]}},
 }  # fmt: skip
+GOOD |= {
+    "UrgSensor.port": Newly,
+    "UrgSensor.clock": lambda: Newly.last.now,
+    "info": TOLD,
+    "status": "00",
+    "echo": "BM",
+    "hokuyo.kind": "GD",
+    "hokuyo.text": b"00",
+    "parse_request.text": "GD0044072501",
+    "info_line.text": "20",
+    "key": "DMIN",
+    "body": [],
+    "parse_scan.body": [b"JUGnD", b"06805m`"],
+    "lines": [b"BM", b"02R"],
+    "parse_scan_1.lines": [b"0680"],
+    "characters": 2,
+    "encode.values": np.array([392, 381]),
+    "encode_scan.clock": 5,
+    "millimetres": np.array([392, 381]),
+    "met": MET,
+    "request": SCAN,
+    "geometry": URG,
+    "hokuyo.sensor": LOG.scans,
+    "hokuyo.path": "recorded.log",
+    "time": 0.5,
+    "hokuyo.first": 384,
+    "world": emulator.Room(WALLS, PATH),
+    "turn": 3,
+    "index": 1,
+    "hokuyo.last": 385,
+    "Emulator.link": None,
+    "capture": b"GD0383038401\n00P\nJUGnD\n06805m`\n\n",
+}
 #: Parameters that may be anything.
 FREE = {"Log.name", "simulate.name", "Log.skipped", "Sensor.name"}
 #: NaN is what these say of a time or scan that has none.
 NAN_IS_MEANT = {"LivePanel.source=a log", "interpolate", "map_scans", "measure", "reduction_at"}
 #: What else is meant, though it looks bad: a name that no run has selects none.
 MEANT = {"LaserScan.time=nan", "select.map=NUL", "select.method=NUL",
+         "explain.status=NUL", "encode_reply.echo=NUL", "encode_reply.status=NUL",
+         "encode_reply_1.echo=NUL", "encode_reply_1.status=NUL", "laser_scan.time=nan",
+         "info_line.key=NUL", "info_line.text=NUL",
          "sweep.filters=objects"}  # fmt: skip
 #: Numbers that may be arrays: these functions work on many at once.
 ARRAYS = {"angle", "a", "b", "weight_a", "weight_b", "weight_u", "weight_v", "weights", "near"}
+
+
+def holds_numbers(value):
+    """Whether a value is an array, or a tuple that stands for one."""
+    return isinstance(value, np.ndarray) or (
+        type(value) is tuple and value != () and isinstance(value[0], int | float | np.ndarray)
+    )
 
 
 def spoilt(value, many):
@@ -118,8 +185,7 @@ def spoilt(value, many):
     if isinstance(value, int | float | np.number):
         kinds |= {"complex": 1 + 2j, "a map": MAP, "a tree": TREE}
         return kinds if many else kinds | {"many": np.ones(3), "nan": np.nan}
-    if isinstance(value, np.ndarray) or (isinstance(value, tuple) and np.ndim(value[0]) < 2
-                                         and not isinstance(value[0], LaserScan)):  # fmt: skip
+    if holds_numbers(value):
         array = np.array(value, float)
         return kinds | {"complex": array + 1j, "words": array.astype(str), "a tree": TREE,
                         "objects": np.full(array.shape, None), "a log": LOG}  # fmt: skip
@@ -144,7 +210,7 @@ def odd(value):
     if isinstance(value, int | float | np.number):
         found = {"zero": 0, "negative": -1.0, "infinite": np.inf, "large": 1e7, "part": 2.5}
         return found | {"huge": 1e19, "far": 1e155, "end": 1e308, "tiny": 1e-300, "small": 1e-9}
-    if isinstance(value, np.ndarray | tuple) and not isinstance(value[0], LaserScan):
+    if holds_numbers(value):
         array, found = np.array(value, float), {"none": [], "one number": 1.0, "a map": MAP}
         for word, bad in (("nan", np.nan), ("inf", np.inf), ("minus", -1), ("huge", 1e19)):
             found[f"with {word}"] = array.copy()

@@ -93,7 +93,7 @@ class Emulator:
         if not hasattr(os, "openpty"):
             raise SensorError("the emulator needs pseudo-terminals: Linux, macOS, or WSL")
         self.unit = Unit(
-            world or furnished_room(),
+            furnished_room() if world is None else world,
             protocol=protocol,
             rate=rate,
             usb=usb,
@@ -103,8 +103,10 @@ class Emulator:
             streaming=streaming,
             timing=timing,
         )
-        self.wire = Wire(time.monotonic, np.random.default_rng(1) if rng is None else rng)
-        self._link = None if link is None else Path(link)
+        self.wire = Wire(
+            time.monotonic, np.random.default_rng(1) if rng is None else arrays.generator(rng)
+        )
+        self._link = None if link is None else arrays.file(link, "link")
         self._device = Device(self.unit, self.wire, self._link)
         self._finalizer = weakref.finalize(self, self._device.stop)
         self._device.start()
@@ -127,14 +129,15 @@ class Emulator:
         seconds : float
             Length of a silence.
         """
+        arrays.whole(after, "after", least=0)
+        arrays.number(seconds, "seconds", least=0)
         if kind == "status":
             self.unit.fail("Motor does not turn.")
         elif kind == "wrap":
             self.unit.wrap_clock()
-        elif kind in FAULTS:
-            self.wire.plan(Fault(kind, after, seconds))
         else:
-            raise ValueError(f"kind must be one of {(*FAULTS, 'status', 'wrap')}, got {kind!r}")
+            arrays.one_of(kind, "kind", (*FAULTS, "status", "wrap"))
+            self.wire.plan(Fault(kind, after, seconds))
 
     def mend(self) -> None:
         """Repair the sensor: its scans are whole again."""
@@ -198,12 +201,13 @@ class Room:
         self.walls, self.path = arrays.segments(walls, "walls"), arrays.poses(path, "path")
         if not len(self.path):
             raise ValueError("path must hold at least one pose, (k, 3), got none")
-        self.sensor = sensor
+        self.sensor = arrays.instance(sensor, "sensor", Sensor)
         self.rng = np.random.default_rng(1) if rng is None else arrays.generator(rng)
         cast_rays(self.walls, self.path[0], [0.0])  # compiles before a driver waits for it
 
     def pose(self, turn: int) -> Array:
         """Where the sensor is in a turn, `(3,)`, metres and radians."""
+        turn = arrays.whole(turn, "turn", least=0)
         last = len(self.path) - 1
         return self.path[last - abs(last - turn % (2 * last))] if last else self.path[0]
 
@@ -238,6 +242,7 @@ class Replay:
     """
 
     def __init__(self, capture: bytes) -> None:
+        arrays.instance(capture, "capture", bytes)
         replies = (reply.strip(b"\n").split(b"\n") for reply in capture.split(b"\n\n"))
         self.turns = [_turn(lines) for lines in replies if _is_scan(lines)]
         if not self.turns:

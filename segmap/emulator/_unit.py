@@ -76,21 +76,22 @@ class Unit:
         timing: bool = False,
     ) -> None:
         arrays.one_of(protocol, "protocol", PROTOCOLS)
-        if rate not in RATES:
+        if arrays.whole(rate, "rate") not in RATES:
             raise ValueError(f"rate must be one of {RATES}, got {rate}")
-        self.speed = arrays.number(speed, "speed", above=0)
-        self.world, self.usb, self.stamp, self.timing = world, usb, stamp, timing
-        self.rate = self.next_rate = rate
+        self.speed = arrays.number(speed, "speed", least=1e-3, most=1e3)
+        self.world = arrays.function(world, "world", "from a turn to its millimetres")
+        self.usb, self.timing = arrays.switch(usb, "usb"), arrays.switch(timing, "timing")
+        self.stamp, self.rate, self.next_rate = arrays.whole(stamp, "stamp", least=0), rate, rate
         self.old, self._switches = protocol != "2.0", protocol == "1.1"
-        self.laser, self.dead = self.old, False
-        self._clock, self._begun = clock, clock()
+        self.laser, self.dead, self.trouble = self.old, False, ""
+        self._clock = arrays.function(clock, "clock", "without arguments, of seconds")
+        self._begun = clock()
         self.stream: ScanRequest | None = None
-        self.trouble = ""
         self.received: list[str] = []
         self._next_turn, self._line = 0, b""
         self._late: deque[tuple[float, Callable[[], bytes]]] = deque()
         self._out, self._sent_at = b"", 0.0
-        if streaming:  # left so by a host that crashed
+        if arrays.switch(streaming, "streaming"):  # left so by a host that crashed
             self.stream, self.laser = parse_request("MD0044072501000"), True
             self._next_turn = self.turn() + 1
 
@@ -277,8 +278,6 @@ class Unit:
 def clustered(millimetres: NDArray[np.int64], size: int) -> NDArray[np.int64]:
     """The smallest distance of each group; an error only where all are errors.
 
-    Examples
-    --------
     >>> clustered(np.array([300, 200, 7, 500, 7]), 2)
     array([200, 500,   7])
     """

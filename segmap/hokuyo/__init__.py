@@ -3,9 +3,9 @@
 `python -m segmap.hokuyo list`, `info` and `record` do the same from a terminal.
 """
 
+from ._host import HostClock, Newest, host_time
 from ._port import Lines, Port, PortInfo, SensorGone, find_port, open_port, ports
 from ._protocol import (
-    HostClock,
     ScanRequest,
     SensorError,
     checksum,
@@ -16,7 +16,7 @@ from ._protocol import (
     encode_scan,
     parse_request,
 )
-from ._record import Newest, record
+from ._record import record
 from ._replies import (
     Geometry,
     Measurement,
@@ -30,7 +30,7 @@ from ._replies import (
     parse_scan,
     parse_scan_1,
 )
-from ._sensor import UrgSensor, host_time
+from ._sensor import UrgSensor
 
 __all__ = [
     "Geometry",

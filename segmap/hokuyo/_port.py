@@ -5,8 +5,10 @@ from __future__ import annotations
 import errno
 import time
 from collections.abc import Callable, Iterator
+from os import PathLike, fspath
 from typing import Any, NamedTuple, Protocol
 
+from .. import arrays
 from ._protocol import SensorError
 
 try:
@@ -89,6 +91,8 @@ def open_port(device: str, rate: int) -> Port:
     ------
     SensorError
     """
+    arrays.instance(device, "device", str)
+    arrays.whole(rate, "rate")
     serial = _pyserial("serial")
     settings = {"timeout": READ, "write_timeout": WRITE, "exclusive": True}
     try:
@@ -96,6 +100,17 @@ def open_port(device: str, rate: int) -> Port:
     except (*LOST, ValueError) as error:
         raise SensorError(f"cannot open {device}: {_advice(error)}") from error
     return opened
+
+
+def checked_port(port: str | PathLike[str] | Port) -> str | Port:
+    """A device, or an open port that does not wait for ever: pyserial's do unless told."""
+    if isinstance(port, str | PathLike):
+        return fspath(port)
+    if not callable(getattr(port, "read", None)):
+        raise ValueError(f"port must be a device, 'auto' or an open serial port, got {port!r}")
+    if getattr(port, "timeout", 0.0) is None:
+        raise ValueError("the port must have a timeout, as serial.Serial(device, timeout=0.02) has")
+    return port
 
 
 def _advice(error: BaseException) -> str:

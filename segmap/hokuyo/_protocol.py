@@ -18,10 +18,6 @@ from .. import arrays
 ZERO = 0x30
 #: A clock of four characters wraps after so many milliseconds: 4 h 39 min 37 s.
 CLOCK = 1 << 24
-#: Seconds after which the sensor's clock starts at 0 again: 4 h 39 min 37 s.
-WRAP = CLOCK / 1000.0
-#: Two quartz clocks drift apart by less than this, seconds a second: ten times what is usual.
-DRIFT = 1e-3
 #: Data characters in a block.
 BLOCK = 64
 #: Characters of a distance, by command.
@@ -58,7 +54,8 @@ def encode(values: ArrayLike, characters: int) -> bytes:
     >>> encode(1234, 2), encode([5432], 3), encode(16_000_000, 4)
     (b'CB', b'1Dh', b'm2@0')
     """
-    numbers = np.atleast_1d(np.asarray(values, np.int64))
+    arrays.whole(characters, "characters", most=8)
+    numbers = arrays.indices(values, "values").reshape(-1)
     if ((numbers < 0) | (numbers >= 64**characters)).any():
         raise ValueError(f"values must fit into {characters} characters, 0 to {64**characters - 1}")
     shifts = 6 * np.arange(characters - 1, -1, -1)
@@ -87,7 +84,8 @@ def decode(text: bytes, characters: int) -> NDArray[np.int64]:
     >>> decode(b"CB1D", 2)
     array([1234,   84])
     """
-    if len(text) % characters:
+    arrays.whole(characters, "characters", most=8)
+    if len(arrays.instance(text, "text", bytes)) % characters:
         raise SensorError(f"{len(text)} characters do not divide into numbers of {characters}")
     digits = np.frombuffer(text, np.uint8).astype(np.int64) - ZERO
     if ((digits < 0) | (digits > 63)).any():
@@ -104,7 +102,7 @@ def checksum(text: bytes) -> bytes:
     >>> checksum(b"00"), checksum(b"URG")
     (b'P', b'^')
     """
-    return bytes([(sum(text) & 63) + ZERO])
+    return bytes([(sum(arrays.instance(text, "text", bytes)) & 63) + ZERO])
 
 
 def unchecked(line: bytes) -> bytes:
@@ -163,6 +161,7 @@ class ScanRequest(NamedTuple):
 
     def check(self) -> None:
         """Raise a ValueError where a number does not fit into its field."""
+        arrays.one_of(self.kind, "kind", CHARACTERS)
         widths = {"first": 4, "last": 4, "cluster": 2, "skip": 1, "scans": 2}
         for name, width in widths.items():
             arrays.whole(getattr(self, name), name, least=0, most=10**width - 1)
@@ -201,7 +200,7 @@ def parse_request(text: str) -> ScanRequest:
     >>> parse_request("GD0044072501").last
     725
     """
-    found = _SCAN.fullmatch(text)
+    found = _SCAN.fullmatch(arrays.instance(text, "text", str))
     if found is None:
         raise SensorError(f"{text[:20]!r} is no request for scans, as GD0044072501 is")
     single, stream, *numbers = found.groups()
@@ -224,7 +223,10 @@ def encode_scan(clock: int, millimetres: ArrayLike, characters: int) -> list[byt
     >>> encode_scan(6968830, [392, 381], 3)
     [b'JUGnD', b'06805m`']
     """
-    data = encode(np.minimum(millimetres, 64**characters - 1), characters)
+    arrays.whole(clock, "clock", least=0)
+    arrays.whole(characters, "characters", most=8)
+    met = np.minimum(arrays.indices(millimetres, "millimetres"), 64**characters - 1)
+    data = encode(met, characters)
     blocks = [data[i : i + BLOCK] for i in range(0, len(data), BLOCK)]
     return [line + checksum(line) for line in (encode(clock % 64**4, 4), *blocks)]
 
@@ -237,8 +239,10 @@ def encode_reply(echo: str, status: str, body: Iterable[bytes] = ()) -> bytes:
     >>> encode_reply("BM", "02")
     b'BM\n02R\n\n'
     """
-    lines = [echo.encode("ascii"), status.encode("ascii") + checksum(status.encode("ascii")), *body]
-    return b"\n".join([*lines, b"", b""])
+    told = ascii_bytes(status, "status")
+    return b"\n".join(
+        [ascii_bytes(echo, "echo"), told + checksum(told), *byte_lines(body), b"", b""]
+    )
 
 
 def encode_reply_1(echo: str, status: str, body: Iterable[bytes] = ()) -> bytes:
@@ -249,48 +253,26 @@ def encode_reply_1(echo: str, status: str, body: Iterable[bytes] = ()) -> bytes:
     >>> encode_reply_1("L1", "0")
     b'L1\n0\n\n'
     """
-    return b"\n".join([echo.encode("ascii"), status.encode("ascii"), *body, b"", b""])
+    told = ascii_bytes(status, "status")
+    return b"\n".join([ascii_bytes(echo, "echo"), told, *byte_lines(body), b"", b""])
 
 
-class HostClock:
-    """Turns the sensor's stamps, milliseconds that wrap after 24 bits, into the host's seconds.
+def ascii_bytes(text: str, name: str) -> bytes:
+    if not arrays.instance(text, name, str).isascii():
+        raise ValueError(f"{name} must be in ASCII, got {text[:20]!r}")
+    return text.encode("ascii")
 
-    The line from the sensor only delays, so the scan that came fastest tells how far both clocks
-    are apart. That knowledge fades as slowly as the clocks drift.
 
-    Parameters
-    ----------
-    least : float, seconds
-        No scan arrives sooner than this after its stamp: the mirror has to get to the last step.
+def byte_lines(value: Iterable[bytes], name: str = "body") -> list[bytes]:
+    """Lines of a reply, as a list.
 
     Examples
     --------
-    >>> clock = HostClock()
-    >>> [round(clock.seconds(ms, host), 3) for ms, host in ((900, 50.0), (1000, 50.3), (4, 50.2))]
-    [50.0, 50.1, 50.2]
+    >>> byte_lines(b"JUGnD")
+    Traceback (most recent call last):
+    ValueError: body must be lines of bytes, one after the other
     """
-
-    def __init__(self, least: float = 0.0) -> None:
-        self.least = least
-        self._last: tuple[int, float] | None = None
-        self._sensor = self._apart = 0.0
-
-    def seconds(self, stamp: int, arrived: float) -> float:
-        """Host time of a sensor's stamp, seconds; stamps come in the order of sending.
-
-        Parameters
-        ----------
-        stamp : int, milliseconds
-        arrived : float, seconds
-            When the whole scan was there, by the host.
-        """
-        if self._last is None:
-            self._sensor, self._apart = stamp / 1000.0, arrived - self.least - stamp / 1000.0
-        else:
-            passed = arrived - self._last[1]
-            since = (stamp - self._last[0]) % CLOCK / 1000.0
-            self._sensor += since + WRAP * max(round((passed - since) / WRAP), 0)
-            drifted = self._apart + DRIFT * max(passed, 0.0)
-            self._apart = min(drifted, arrived - self.least - self._sensor)
-        self._last = stamp, arrived
-        return self._sensor + self._apart
+    lines = list(value) if isinstance(value, Iterable) else [value]
+    if not all(isinstance(line, bytes) for line in lines):
+        raise ValueError(f"{name} must be lines of bytes, one after the other")
+    return lines

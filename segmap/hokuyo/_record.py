@@ -3,12 +3,9 @@
 from __future__ import annotations
 
 import os
-import threading
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from itertools import islice
 from pathlib import Path
-from types import TracebackType
-from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +15,7 @@ from .._files import existing, replacing
 from ..arrays import LIMIT, Array
 from ..error_codes import LOWEST, NOT_MEASURED
 from ..scans import LaserScan
+from ._host import one_by_one
 from ._sensor import UrgSensor
 
 #: Endings of CARMEN logs; any other path is a folder of Hokuyo texts.
@@ -74,7 +72,8 @@ def record(
     Log('one', 1 scan, no odometry, no truth)
     """
     target = check_target(path, count)
-    scans = sensor.scans() if isinstance(sensor, UrgSensor) else iter(sensor)
+    count = None if count is None else int(count)
+    scans = one_by_one(sensor.scans() if isinstance(sensor, UrgSensor) else sensor, "sensor")
     written = 0
     if target.suffix.lower() in CARMEN:
         for scan in islice(scans, count):
@@ -94,7 +93,7 @@ def check_target(path: str | Path, count: int | None = None) -> Path:
 
     Nothing is left there. Raises as `record` does.
     """
-    target = Path(path)
+    target = arrays.file(path)
     if count is not None:
         arrays.whole(count, "count")
     if target.suffix.lower() == ".gz":
@@ -163,7 +162,7 @@ def _rawlaser(scan: LaserScan) -> str:
 
 def _check(scan: LaserScan) -> None:
     """Refuse a scan that no reader takes in again."""
-    if not 0 < len(scan) <= MOST_BEAMS:
+    if not 0 < len(arrays.instance(scan, "scan", LaserScan)) <= MOST_BEAMS:
         raise ValueError(f"a scan must have 1 to {MOST_BEAMS} beams, got {len(scan)}")
     if np.abs(scan.angles).max() > MOST_TURN:
         turn = scan.angles[np.abs(scan.angles).argmax()]
@@ -204,92 +203,3 @@ def _millimetres(scan: LaserScan) -> NDArray[np.int64]:
 
 
 # ----------------------------------------------------------------------------- newest
-#: The waiting reader looks so often whether it has been closed, seconds.
-LOOK = 0.05
-
-
-class Newest:
-    """Hands a slow reader the newest scan; older ones that it did not take are left out.
-
-    A thread of its own reads; nothing else may use the sensor meanwhile. It ends at the end of
-    `with`.
-
-    Parameters
-    ----------
-    scans : iterable of LaserScan
-        `sensor.scans()`.
-
-    Attributes
-    ----------
-    skipped : int
-        Scans that came and were never handed over.
-
-    Raises
-    ------
-    SensorError
-        As the scans do, where they are read.
-
-    Examples
-    --------
-    >>> with Newest([LaserScan([1.0], [0.0], time=t) for t in range(9)]) as newest:
-    ...     [scan.time for scan in newest][-1]
-    8.0
-    """
-
-    def __init__(self, scans: Iterable[LaserScan]) -> None:
-        self.skipped = 0
-        self._scans = iter(scans)
-        self._news = threading.Condition()
-        self._scan: LaserScan | None = None
-        self._ended = self._closing = False
-        self._fault: Exception | None = None
-        self._thread = threading.Thread(target=self._read, name="newest scan", daemon=True)
-
-    def __iter__(self) -> Iterator[LaserScan]:
-        while True:
-            with self._news:
-                while self._scan is None and not self._ended:
-                    self._news.wait(LOOK)
-                scan, self._scan = self._scan, None
-            if scan is None:
-                break
-            yield scan
-        if self._fault is not None:
-            raise self._fault
-
-    def __enter__(self) -> Self:
-        self._thread.start()
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        value: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
-        self.close()
-
-    def close(self) -> None:
-        """End the thread, and with it the stream."""
-        self._closing = True
-        if self._thread.is_alive() and self._thread is not threading.current_thread():
-            self._thread.join()
-
-    def _read(self) -> None:
-        try:
-            for scan in self._scans:
-                with self._news:
-                    self.skipped += self._scan is not None
-                    self._scan = scan
-                    self._news.notify()
-                if self._closing:
-                    break
-        except Exception as fault:
-            self._fault = fault
-        finally:
-            close = getattr(self._scans, "close", None)
-            if close is not None:
-                close()
-            with self._news:
-                self._ended = True
-                self._news.notify()

@@ -4,16 +4,26 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from operator import index
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from .. import arrays
 from ..arrays import Array
 from ..error_codes import as_ranges
 from ..scans import LaserScan
-from ._protocol import BLOCK, CHARACTERS, ScanRequest, SensorError, checksum, decode, unchecked
+from ._protocol import (
+    BLOCK,
+    CHARACTERS,
+    ScanRequest,
+    SensorError,
+    ascii_bytes,
+    byte_lines,
+    checksum,
+    decode,
+    unchecked,
+)
 
 #: What a status means and what to do; for scans and for the commands that start them.
 STATUS = {
@@ -76,6 +86,9 @@ class Geometry(NamedTuple):
 
         A cluster reports the nearest of its steps; it counts as the one in its middle.
         """
+        arrays.whole(first, "first", least=0)
+        arrays.whole(count, "count", least=0, most=LARGEST)
+        arrays.whole(cluster, "cluster")
         step = first + np.arange(count) * cluster + (cluster - 1) / 2
         return np.asarray((step - self.front) * 2 * np.pi / self.steps)
 
@@ -92,18 +105,16 @@ class Geometry(NamedTuple):
         Raises
         ------
         ValueError
-            Where the sensor has no such steps, or a number is too large.
-        TypeError
-            For a number that is not whole.
+            Where the sensor has no such steps, or a number is too large or not whole.
         """
-        begin = self.first if first is None else index(first)
-        end = self.last if last is None else index(last)
-        if not (0 <= begin <= end <= self.last and cluster >= 1):
+        begin = self.first if first is None else arrays.whole(first, "first", least=0)
+        end = self.last if last is None else arrays.whole(last, "last", least=0)
+        if not begin <= end <= self.last:
             raise ValueError(
-                f"steps must lie in order within 0 to {self.last} and cluster be at least 1, "
-                f"got {begin} to {end} and {cluster}"
+                f"first and last must lie in order within 0 to {self.last}, got {begin} to {end}"
             )
-        request = ScanRequest(kind, begin, end, index(cluster), index(skip))
+        size, left_out = arrays.whole(cluster, "cluster"), arrays.whole(skip, "skip", least=0)
+        request = ScanRequest(kind, begin, end, size, left_out)
         request.check()
         return request
 
@@ -121,7 +132,7 @@ def parse_reply(lines: Sequence[bytes]) -> Reply:
     >>> parse_reply([b"BM", b"02R"])
     Reply(echo='BM', status='02', body=())
     """
-    if len(lines) < 2:
+    if len(byte_lines(lines, "lines")) < 2:
         raise SensorError(f"a reply of {len(lines)} lines: expected an echo and a status")
     status = _text(unchecked(lines[1]))
     if not _STATUS.fullmatch(status):
@@ -148,8 +159,9 @@ def parse_info(body: Sequence[bytes], *, strict: bool = False) -> dict[str, str]
     >>> parse_info([b"DMIN:20;4", b"SERI:H0706400;F"])
     {'DMIN': '20', 'SERI': 'H0706400'}
     """
+    arrays.switch(strict, "strict")
     found = {}
-    for line in body:
+    for line in byte_lines(body):
         text, end, total = line.rpartition(b";")
         key, colon, value = text.partition(b":") if end else line.partition(b":")
         if strict and not (end and colon and total == checksum(text)):
@@ -169,7 +181,7 @@ def info_line(key: str, text: str) -> bytes:
     >>> info_line("DMIN", "20")
     b'DMIN:20;4'
     """
-    line = f"{key}:{text}".encode("ascii")
+    line = ascii_bytes(key, "key") + b":" + ascii_bytes(text, "text")
     return line + b";" + checksum(line)
 
 
@@ -181,10 +193,11 @@ def parse_geometry(info: dict[str, str]) -> Geometry:
     SensorError
         Where a key is missing or no number, or the limits make no sense.
     """
+    arrays.instance(info, "info", dict)
     names = ("ARES", "AMIN", "AMAX", "AFRT", "DMIN", "DMAX", "SCAN")
     try:
         numbers = [int(info[name]) for name in names]
-    except (KeyError, ValueError) as error:
+    except (KeyError, TypeError, ValueError) as error:
         raise SensorError(f"PP told no geometry, {error} is wrong in {info}") from None
     steps, first, last, front, least, most, rpm = numbers
     is_arc = 0 <= first <= last < steps <= LARGEST and 0 <= front < steps
@@ -206,7 +219,8 @@ def parse_scan(body: Sequence[bytes], characters: int) -> Measurement:
     >>> parse_scan([b"JUGnD", b"06805m" + checksum(b"06805m")], 3)
     Measurement(clock=6968830, millimetres=array([392, 381]))
     """
-    if not body:
+    arrays.whole(characters, "characters", most=8)
+    if not byte_lines(body):
         raise SensorError("a scan without a time stamp")
     clock = decode(unchecked(body[0]), 4)
     if len(clock) != 1:
@@ -245,6 +259,9 @@ def laser_scan(
     >>> laser_scan(Measurement(0, np.array([1500])), one, urg, time=0.0).points()
     array([[1.5, 0. ]])
     """
+    arrays.instance(met, "met", Measurement)
+    arrays.instance(request, "request", ScanRequest).check()
+    arrays.instance(geometry, "geometry", Geometry)
     ranges, codes = as_ranges(met.millimetres)
     most = min(geometry.most, 64 ** CHARACTERS[request.kind] - 1)
     angles = geometry.angles(request.first, len(ranges), request.cluster)
@@ -258,12 +275,12 @@ def parse_scan_1(lines: Sequence[bytes]) -> NDArray[np.int64]:
     ------
     SensorError
     """
-    return decode(b"".join(lines), 2)
+    return decode(b"".join(byte_lines(lines, "lines")), 2)
 
 
 def explain(status: str) -> str:
     """What a status means, in words."""
-    if status in STATUS:
+    if arrays.instance(status, "status", str) in STATUS:
         return STATUS[status]
     if status.isdigit() and 50 <= int(status) < 98:
         return "the sensor reports a hardware fault: switch it off and on, then have it checked"
@@ -272,3 +289,10 @@ def explain(status: str) -> str:
 
 def _text(line: bytes) -> str:
     return line.decode("ascii", "replace")
+
+
+def parse_limits(reply: Reply) -> dict[str, str]:
+    """The answer to PP, checked: one wrong bit in it would turn every scan."""
+    limits = parse_info(reply.body, strict=True)
+    parse_geometry(limits)
+    return limits

@@ -8,7 +8,7 @@ import weakref
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from math import ceil
-from os import PathLike, fspath
+from os import PathLike
 from types import TracebackType
 from typing import Self
 
@@ -17,9 +17,10 @@ from numpy.typing import ArrayLike
 
 from .. import arrays
 from ..scans import LaserScan
-from ._port import Lines, Port, SensorGone, find_port, open_port
+from ._host import host_time
+from ._port import Lines, Port, SensorGone, checked_port, find_port, open_port
 from ._protocol import CLOCK, ScanRequest, SensorError
-from ._replies import Reply, parse_geometry, parse_info
+from ._replies import parse_geometry, parse_info, parse_limits
 from ._stream import RATES, ScanStream, ask, connect, leave, period, transfer
 
 #: So many damaged or missing scans in a row are an error, not bad luck.
@@ -28,13 +29,6 @@ MOST_FAILURES = 5
 BACK_OFF = (0.1, 2.0)
 #: Scans from which the pace of a stream is judged, and how much slower than asked is slow.
 PACE, SLOW = 11, 1.5
-
-_SINCE_1970 = time.time() - time.monotonic()
-
-
-def host_time() -> float:
-    """Seconds since 1970 that only go on, even where somebody sets the host's clock."""
-    return _SINCE_1970 + time.monotonic()
 
 
 class UrgSensor:
@@ -66,8 +60,9 @@ class UrgSensor:
         Its steps and limits, by its own word.
     rate : int, bits a second
         At which both talk.
-    delivered, dropped, reconnects : int
-        Scans handed over; replies that were damaged or missing; times that it came back.
+    delivered, dropped, unsent, reconnects : int
+        Scans handed over; replies that were damaged or missing; turns of a stream that the sensor
+        left out, since the scan before was not fetched in time; times that it came back.
     why : str
         Why the last one was dropped.
 
@@ -75,7 +70,7 @@ class UrgSensor:
     ------
     SensorError
         Where it cannot be reached, with what to do.
-    ValueError, TypeError
+    ValueError
         For no bit rate; for what is no port, or an open one that waits for ever or is to come back.
 
     Examples
@@ -95,17 +90,18 @@ class UrgSensor:
         sensor_pose: ArrayLike = (0.0, 0.0, 0.0),
         clock: Callable[[], float] = host_time,
     ) -> None:
-        self._port, self._rates = _checked_port(port), tuple(rates)
-        if not self._rates:
-            raise ValueError("rates must name at least one bit rate")
-        if reconnect != np.inf:
-            arrays.number(reconnect, "reconnect", least=0, unit="seconds")
+        self._port = checked_port(port)
+        self._rates = tuple(arrays.indices(rates, "rates").reshape(-1).tolist())
+        if not self._rates or min(self._rates) < 1:
+            raise ValueError("rates must name at least one bit rate, and none below 1")
+        arrays.number(reconnect, "reconnect", least=0, most=np.inf, unit="seconds")
         if reconnect > 0 and not isinstance(self._port, str):
             raise ValueError("reconnect needs the name of a device: an open port cannot come back")
         self._reconnect = reconnect
         self._timeout = arrays.number(timeout, "timeout", above=0, unit="seconds")
-        self._sensor_pose, self._clock = arrays.pose(sensor_pose, "sensor_pose"), clock
-        self.delivered = self.dropped = self.reconnects = 0
+        self._sensor_pose = arrays.pose(sensor_pose, "sensor_pose")
+        self._clock = arrays.function(clock, "clock", "without arguments, of seconds")
+        self.delivered = self.dropped = self.unsent = self.reconnects = 0
         self.why = ""
         self._asked: ScanRequest | None = None
         self._stamps: deque[int] = deque(maxlen=PACE)
@@ -137,7 +133,8 @@ class UrgSensor:
         """Turn after turn, until the loop is left.
 
         Damaged scans are left out and counted in `dropped`. Scans that are not fetched wait in
-        the port's small buffer; where that is full, the sensor waits.
+        the port's small buffer; where that is full, the sensor waits, and the turns
+        that it leaves out meanwhile are counted in `unsent`.
 
         Parameters
         ----------
@@ -155,7 +152,7 @@ class UrgSensor:
         SensorError
             Where the sensor is gone or faulty, or nothing whole has come for some time.
         """
-        kind = "MS" if short else "MD"
+        kind = "MS" if arrays.switch(short, "short") else "MD"
         request = self.geometry.request(kind, first, last, cluster, skip)
         self._asked, self._stamps = request, deque(maxlen=PACE)
         try:
@@ -207,6 +204,7 @@ class UrgSensor:
         model = self.info.get("MODL", "unknown").partition("(")[0]
         open_ = f"{self.rate} bit/s" if self._leave.alive else "closed"
         counts = f"{self.delivered} scans, {self.dropped} dropped"
+        counts += f", {self.unsent} not sent" if self.unsent else ""
         return f"UrgSensor({model}, {open_}, {counts})"
 
     # ------------------------------------------------------------------------ scans
@@ -215,6 +213,8 @@ class UrgSensor:
         failures = 0
         while failures < MOST_FAILURES:
             self._check_open()
+            if self._stream.running is not request:
+                self._stamps.clear()
             try:
                 scan, stamp, dropped = self._stream.take(request)
             except SensorGone as gone:
@@ -226,11 +226,23 @@ class UrgSensor:
             if scan is not None:
                 self.delivered += 1
                 if request is self._asked:
-                    self._stamps.append(stamp)
+                    self._follow(stamp, whole=not failures and not dropped)
                 return scan
             failures += 1
         text = f"no whole scan in {MOST_FAILURES} attempts: {self.why}"
         raise SensorError(text + self._advice(request))
+
+    def _follow(self, stamp: int, *, whole: bool) -> None:
+        """Keep the stamp of a scan of a stream; count the turns since the last that were not sent.
+
+        The pace is the quickest so far: a slow line leaves out turns without anyone's fault.
+        """
+        self._stamps.append(stamp)
+        passed = np.diff(self._stamps) % CLOCK
+        if whole and self._asked and len(passed):
+            slowest = max(period(self._asked, self.geometry), transfer(self._asked, self.rate))
+            unsent = round(passed[-1] / min([1000 * slowest, *passed[:-1]])) - 1
+            self.unsent += max(unsent, 0)
 
     def _advice(self, request: ScanRequest) -> str:
         """What to do about a line that is too slow for a request; empty where it is not."""
@@ -252,7 +264,7 @@ class UrgSensor:
         self._leave = weakref.finalize(self, leave, lines)
         try:
             self.rate = connect(lines, self._rates)
-            limits = _limits(ask(lines, "PP", check=_limits))
+            limits = parse_limits(ask(lines, "PP", check=parse_limits))
             self.info = parse_info(ask(lines, "VV").body) | limits
             self.geometry = parse_geometry(limits)
         except BaseException:
@@ -280,21 +292,3 @@ class UrgSensor:
                 self.reconnects += 1
                 return
         raise gone
-
-
-def _limits(reply: Reply) -> dict[str, str]:
-    """The answer to PP, checked: one wrong bit in it would turn every scan."""
-    limits = parse_info(reply.body, strict=True)
-    parse_geometry(limits)
-    return limits
-
-
-def _checked_port(port: str | PathLike[str] | Port) -> str | Port:
-    """A device, or an open port that does not wait for ever: pyserial's do unless told."""
-    if isinstance(port, str | PathLike):
-        return fspath(port)
-    if not callable(getattr(port, "read", None)):
-        raise TypeError(f"port must be a device, 'auto' or an open serial port, got {port!r}")
-    if getattr(port, "timeout", 0.0) is None:
-        raise ValueError("the port must have a timeout, as serial.Serial(device, timeout=0.02) has")
-    return port

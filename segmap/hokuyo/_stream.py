@@ -9,8 +9,9 @@ from typing import NamedTuple
 from numpy.typing import ArrayLike
 
 from ..scans import LaserScan
+from ._host import HostClock
 from ._port import LOST, Lines, SensorGone
-from ._protocol import CHARACTERS, HostClock, ScanRequest, SensorError
+from ._protocol import CHARACTERS, ScanRequest, SensorError
 from ._replies import Geometry, Reply, explain, laser_scan, parse_reply, parse_scan
 
 #: Bit rates that a URG-04LX may have been left at; the first is the one to talk at.
@@ -198,7 +199,7 @@ class ScanStream:
         self._sensor_pose = sensor_pose
         self._clock = HostClock((geometry.last + 1) / geometry.steps * geometry.turn)
         self._laser_on = False
-        self._running: ScanRequest | None = None
+        self.running: ScanRequest | None = None
 
     def take(self, request: ScanRequest) -> Taken:
         """The latest scan, or the next one of a stream, which is started where it does not run.
@@ -212,14 +213,14 @@ class ScanStream:
 
     def stop(self) -> None:
         """End a stream and switch the laser off, where either is on."""
-        self._running = None
+        self.running = None
         if self._laser_on:
             self._laser_on = False
             switch_off(self._lines)
             self._lines.silence(0.02)
 
     def _single(self, request: ScanRequest) -> Taken:
-        if self._running is not None:
+        if self.running is not None:
             self.stop()
         if not self._laser_on:
             ask(self._lines, "BM")
@@ -235,7 +236,7 @@ class ScanStream:
             return Taken(None, dropped=(str(error),))
 
     def _next(self, request: ScanRequest) -> Taken:
-        if self._running is not request:  # something else was asked meanwhile
+        if self.running is not request:  # something else was asked meanwhile
             self._start(request)
         dropped: tuple[str, ...] = ()
         try:
@@ -247,7 +248,7 @@ class ScanStream:
             raise
         except SensorError as error:
             return Taken(None, dropped=(*dropped, str(error)))
-        self._running = None  # is started again
+        self.running = None  # is started again
         silence = f"nothing came for {self._wait(request):.2g} s"
         return Taken(None, dropped=(*dropped, silence))
 
@@ -256,7 +257,7 @@ class ScanStream:
         self.stop()
         self._laser_on = True
         ask(self._lines, request.text)
-        self._running = request
+        self.running = request
 
     def _wait(self, request: ScanRequest) -> float:
         """Seconds in which an answer must come: its turn, one more, its transfer, the timeout."""

@@ -14,12 +14,11 @@ from .basic import basic_offline, basic_online
 from .correlative_search import correlative_search, likelihoods
 from .extraction import extract_clusters, extract_polylines, fit_algebraic, fit_total
 from .fusion import best_strip, chain, fusion
-from .fusion_online import fusion_online
 from .fuzzy_clustering import fuzzy_clustering
 from .fuzzy_set import fuzzy_set
 from .gauss_newton import edge_residual, gauss_newton
 from .global_segments import best_shifts, best_turns, least_squares
-from .hybrid import hough, hybrid, hybrid_fusion
+from .hybrid import fusion_online, hough, hybrid, hybrid_fusion
 from .least_cost import least_cost
 from .lines import axial_difference, line_angle, point_to_segment, segment_length
 from .matching import (

@@ -130,3 +130,18 @@ def hybrid_fusion(
             walls = [Wall(s, *hough(s), count) for s, count in zip(fused, counts, strict=True)]
             parents = [into[k] if k >= 0 else -1 for k in parents]
     return [wall.ends for wall in walls], parents
+
+
+def fusion_online(
+    segments: Sequence[Segment], scans: Sequence[int], *, tolerance: float = 0.04
+) -> Found:
+    """Fusion on-line (A 2.7.9): what Fusion makes of the map before and a scan, scan after scan."""
+    walls: list[Segment] = []
+    parents = [-1] * len(segments)
+    for new in by_scan(segments, scans):
+        fused, into = fusion([*walls, *(segments[i] for i in new)], tolerance=tolerance)
+        parents = [into[k] if k >= 0 else -1 for k in parents]
+        for i, k in zip(new, into[len(walls) :], strict=True):
+            parents[i] = k
+        walls = list(fused)
+    return walls, parents

@@ -58,6 +58,7 @@ class Reduction(Pictured):
 
     def members(self, index: int) -> Indices:
         """Input segments that went into one output, ascending, `(k,)` int array."""
+        arrays.whole(index, "index", least=0, most=len(self) - 1)
         return np.flatnonzero(self.parents == index)
 
     def __len__(self) -> int:

@@ -1,0 +1,167 @@
+"""The host's side: its clock beside the sensor's, and the newest scan for a slow reader."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Iterable, Iterator, Sized
+from types import TracebackType
+from typing import Self
+
+from .. import arrays
+from ..scans import LaserScan
+from ._protocol import CLOCK
+
+#: Seconds after which the sensor's clock starts at 0 again: 4 h 39 min 37 s.
+WRAP = CLOCK / 1000.0
+#: Two quartz clocks drift apart by less than this, seconds a second: ten times what is usual.
+DRIFT = 1e-3
+#: The waiting reader looks so often whether it has been closed, seconds.
+LOOK = 0.05
+
+_SINCE_1970 = time.time() - time.monotonic()
+
+
+def host_time() -> float:
+    """Seconds since 1970 that only go on, even where somebody sets the host's clock."""
+    return _SINCE_1970 + time.monotonic()
+
+
+class HostClock:
+    """Turns the sensor's stamps, milliseconds that wrap after 24 bits, into the host's seconds.
+
+    The line from the sensor only delays, so the scan that came fastest tells how far both clocks
+    are apart. That knowledge fades as slowly as the clocks drift.
+
+    Parameters
+    ----------
+    least : float, seconds
+        No scan arrives sooner than this after its stamp: the mirror has to get to the last step.
+
+    Examples
+    --------
+    >>> clock = HostClock()
+    >>> [round(clock.seconds(ms, host), 3) for ms, host in ((900, 50.0), (1000, 50.3), (4, 50.2))]
+    [50.0, 50.1, 50.2]
+    """
+
+    def __init__(self, least: float = 0.0) -> None:
+        self.least = least
+        self._last: tuple[int, float] | None = None
+        self._sensor = self._apart = 0.0
+
+    def seconds(self, stamp: int, arrived: float) -> float:
+        """Host time of a sensor's stamp, seconds; stamps come in the order of sending.
+
+        Parameters
+        ----------
+        stamp : int, milliseconds
+        arrived : float, seconds
+            When the whole scan was there, by the host.
+        """
+        if self._last is None:
+            self._sensor, self._apart = stamp / 1000.0, arrived - self.least - stamp / 1000.0
+        else:
+            passed = arrived - self._last[1]
+            since = (stamp - self._last[0]) % CLOCK / 1000.0
+            self._sensor += since + WRAP * max(round((passed - since) / WRAP), 0)
+            drifted = self._apart + DRIFT * max(passed, 0.0)
+            self._apart = min(drifted, arrived - self.least - self._sensor)
+        self._last = stamp, arrived
+        return self._sensor + self._apart
+
+
+def one_by_one(value: Iterable[LaserScan], name: str) -> Iterator[LaserScan]:
+    """What gives scans, ready to give them."""
+    is_iterable = isinstance(value, Iterable)
+    kinds = {type(scan) for scan in value} if is_iterable and isinstance(value, Sized) else set()
+    if not (is_iterable and kinds <= {LaserScan}):
+        raise ValueError(f"{name} must give LaserScans one by one, got {arrays.brief(value)}")
+    return iter(value)
+
+
+class Newest:
+    """Hands a slow reader the newest scan; older ones that it did not take are left out.
+
+    A thread of its own reads; nothing else may use the sensor meanwhile. It ends at the end of
+    `with`.
+
+    Parameters
+    ----------
+    scans : iterable of LaserScan
+        `sensor.scans()`.
+
+    Attributes
+    ----------
+    skipped : int
+        Scans that came and were never handed over.
+
+    Raises
+    ------
+    SensorError
+        As the scans do, where they are read.
+
+    Examples
+    --------
+    >>> with Newest([LaserScan([1.0], [0.0], time=t) for t in range(9)]) as newest:
+    ...     [scan.time for scan in newest][-1]
+    8.0
+    """
+
+    def __init__(self, scans: Iterable[LaserScan]) -> None:
+        self.skipped = 0
+        self._scans = one_by_one(scans, "scans")
+        self._news = threading.Condition()
+        self._scan: LaserScan | None = None
+        self._ended = self._closing = False
+        self._fault: Exception | None = None
+        self._thread = threading.Thread(target=self._read, name="newest scan", daemon=True)
+
+    def __iter__(self) -> Iterator[LaserScan]:
+        while True:
+            with self._news:
+                while self._scan is None and not self._ended:
+                    self._news.wait(LOOK)
+                scan, self._scan = self._scan, None
+            if scan is None:
+                break
+            yield scan
+        if self._fault is not None:
+            raise self._fault
+
+    def __enter__(self) -> Self:
+        self._thread.start()
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        value: BaseException | None,
+        traceback: TracebackType | None,
+    ) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """End the thread, and with it the stream."""
+        self._closing = True
+        if self._thread.is_alive() and self._thread is not threading.current_thread():
+            self._thread.join()
+
+    def _read(self) -> None:
+        try:
+            for scan in self._scans:
+                with self._news:
+                    self.skipped += self._scan is not None
+                    self._scan = scan
+                    self._news.notify()
+                if self._closing:
+                    break
+        except Exception as fault:
+            self._fault = fault
+        finally:
+            close = getattr(self._scans, "close", None)
+            if close is not None:
+                close()
+            with self._news:
+                self._ended = True
+                self._news.notify()
