@@ -16,6 +16,7 @@ from ._base import Panel, slider, text
 
 if TYPE_CHECKING:
     import pandas as pd
+    from matplotlib.axes import Axes
 
 #: Pixels: two pictures side by side.
 WIDTH, HEIGHT = 600, 270
@@ -79,11 +80,11 @@ class ComparePanel(Panel):
         self.kept.value = f"quality {run['quality']:.1%}"
         curves, walls = figure.subplots(1, 2)
         draw_curves(self.runs, ax=curves, quality=self.wanted.value / 100)
+        _show_only(curves, run["method"])
         here = (run["quality"], run["reduction"])
         curves.plot(
             *here, "o", markersize=12, markerfacecolor="none", color=ERROR, markeredgewidth=2
         )
-        curves.legend(fontsize="x-small")
         draw_before_after(self.map, self.reduction, ax=walls)
 
     def _chosen(self) -> pd.Series[Any]:
@@ -95,3 +96,14 @@ class ComparePanel(Panel):
     def __repr__(self) -> str:
         wanted = f"{self.method.value} at {self.wanted.value} %"
         return f"ComparePanel({wanted}: {self.thresholds.value}, {self.rate.value})"
+
+
+def _show_only(ax: Axes, method: str) -> None:
+    """Let the curves of the other methods fade, and name only this one."""
+    for line in ax.lines[1::2] + ax.lines[2::2]:
+        line.set_alpha(0.25)
+    (chosen,) = (k for k, line in enumerate(ax.lines) if line.get_label() == method)
+    for line in ax.lines[chosen - 1 : chosen + 1]:
+        line.set(alpha=1.0, zorder=3)
+    ax.set_ylim(0, 1)
+    ax.legend(handles=[ax.lines[chosen]], loc="lower left")

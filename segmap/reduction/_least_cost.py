@@ -57,7 +57,8 @@ def least_cost(
     angle : float, radians
         So does one that is turned by more.
     gap : float, metres
-        Gaps up to this are bridged at no cost; across longer ones clusters never merge.
+        Gaps up to this are bridged at no cost; across longer ones clusters never merge. Segments
+        farther apart than twice the distance are not tried, so that more hardly changes a map.
 
     Returns
     -------
