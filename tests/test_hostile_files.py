@@ -61,11 +61,11 @@ def test_names_and_links(tmp_path):
     (tmp_path / "b.log").symlink_to(tmp_path / "a.log")
     (tmp_path / "f").mkdir()
     (tmp_path / "f" / "SICK_FRONT.csv").symlink_to(tmp_path / "a.log")
-    for path in (tmp_path / "a.log", tmp_path / "f", tmp_path / ("x" * 300)):
+    for path in (tmp_path / "a.log", tmp_path / "f", tmp_path / ("x" * 300), "a\0b"):
         with pytest.raises(LogError):
             read(path)
         with pytest.raises(LogError):
             read_trajectory(path)
-    for bad in ("a\0b", None, 3, b"\xff"):
+    for bad in (None, 3, b"\xff"):
         with pytest.raises(ValueError, match="path"):
             read(bad)

@@ -98,7 +98,7 @@ def read(path: str | Path, *, on_error: str = "raise") -> Log:
     >>> log, log.skipped.lines, log[0].valid
     (Log('two', 1 scan, odometry, no truth), 1, array([ True, False]))
     """
-    path, on_error = arrays.file(path), arrays.one_of(on_error, "on_error", ON_ERROR)
+    path, on_error = _named(path), arrays.one_of(on_error, "on_error", ON_ERROR)
     with _asking(path):
         name = path.resolve().name
         if path.is_dir():
@@ -136,7 +136,7 @@ def read_trajectory(path: str | Path, *, on_error: str = "raise") -> tuple[Array
     (array([10.5]), array([[1. , 2. , 0.5]]))
     """
     on_error = arrays.one_of(on_error, "on_error", ON_ERROR)
-    path = arrays.file(path)
+    path = _named(path)
     with _asking(path):
         return _rawseeds.read_trajectory(_checked_file(path), on_error)[:2]
 
@@ -198,6 +198,13 @@ def _unknown(lines: Lines, sample: Sequence[str]) -> str:
         return f"is empty, expected a log ({known})"
     first = f"it starts with {sample[0][:40]!r}" if sample else "it has comments only"
     return f"is of no known format ({known}); {first}"
+
+
+def _named(path: str | Path) -> Path:
+    """The path of a log; a name that no file can have is an error of the log."""
+    if isinstance(path, str) and "\0" in path:
+        raise LogError(Path(path), "no file has a NUL in its name, expected a log")
+    return arrays.file(path)
 
 
 @contextmanager
