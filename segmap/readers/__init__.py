@@ -203,7 +203,7 @@ def _unknown(lines: Lines, sample: Sequence[str]) -> str:
 def _named(path: str | Path) -> Path:
     """The path of a log; a name that no file can have is an error of the log."""
     if isinstance(path, str) and "\0" in path:
-        raise LogError(Path(path), "no file has a NUL in its name, expected a log")
+        raise LogError(Path(path), "a path has no NUL in it, expected that of a log")
     return arrays.file(path)
 
 
