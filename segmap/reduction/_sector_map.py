@@ -6,6 +6,7 @@ import numpy as np
 
 from .._compiled import compiled
 from ..arrays import Array
+from ..kernels import lay
 from ._runner import Indices
 from ._sector_views import SAME, TIE, Claims, Room, Walls, cross, share, size_of, sort
 
@@ -48,7 +49,7 @@ def _add_sums(a: Array, b: Array) -> None:
 
 
 @compiled
-def keep(
+def _keep(
     map: Walls,
     count: int,
     claims: Claims,
@@ -60,10 +61,7 @@ def keep(
     nodes: int,
     family: Array,
 ) -> tuple[int, int]:
-    """Step 5: write the pieces of all walls that stay; how many walls and nodes there are then.
-
-    A piece is a new node, whose parent and share of it go into a row of `family`.
-    """
+    """Step 5: write the pieces of all walls that stay; how many walls and nodes there are then."""
     w, c, g, cuts = 0, 0, 0, room.cuts
     for k in range(count):
         room.first[k] = w
@@ -101,7 +99,7 @@ def keep(
 
 
 @compiled
-def share_out(scan: Walls, claims: Claims, found: int, room: Room) -> int:
+def _share_out(scan: Walls, claims: Claims, found: int, room: Room) -> int:
     """Step 4: each stretch of the scan and the claim that gets it, -1 for none; how many."""
     data, cuts, n = claims.data, room.cuts, 0
     for j in range(len(scan.s)):
@@ -145,10 +143,10 @@ def _nearest_piece(
 ) -> int:
     """The piece of wall k beside the middle of where a stretch falls on it; -1: all gone."""
     wall, size, total = map.s[k], size_of(map.s[k]), 0.0
-    q = np.empty(2)
+    left, right = cross(p[0], p[1], wall[0], s[0]), cross(p[0], p[1], s[0], wall[1])
+    left1, right1 = cross(p[0], p[1], wall[0], s[1]), cross(p[0], p[1], s[1], wall[1])
     for t in (t0, t1):
-        q[0], q[1] = s[0, 0] + t * (s[1, 0] - s[0, 0]), s[0, 1] + t * (s[1, 1] - s[0, 1])
-        total += share(cross(p[0], p[1], wall[0], q), cross(p[0], p[1], q, wall[1]))
+        total += share(left + t * (left1 - left), right + t * (right1 - right))
     u, best, least = size * total / 2, -1, np.inf
     dx, dy = (wall[1, 0] - wall[0, 0]) / size, (wall[1, 1] - wall[0, 1]) / size
     for w in range(first[k], first[k + 1]):
@@ -161,7 +159,7 @@ def _nearest_piece(
 
 
 @compiled
-def join(
+def _join(
     map: Walls,
     scan: Walls,
     p: Array,
@@ -175,11 +173,8 @@ def join(
     family: Array,
     given: Array,
 ) -> tuple[int, int, int]:
-    """Steps 4, 6 and 7: stretches join their pieces or the end of the map.
-
-    How many walls, nodes and gifts there are then; a gift is: input, node, metres of the input.
-    """
-    pieces, gifts, one = w, 0, Walls(np.empty((1, 2, 2)), np.empty((1, 6)), np.zeros(1, np.int64))
+    """Steps 4, 6 and 7: stretches join their pieces or the end of the map; as `renew`."""
+    gifts = 0
     # sums before lines: the pieces must lie where they were while stretches look for theirs
     for r in range(stretches):
         j, c, t0, t1 = room.owner[r, 0], room.owner[r, 1], room.stretch[r, 0], room.stretch[r, 1]
@@ -188,44 +183,60 @@ def join(
             piece = _nearest_piece(map, claims.wall[c], s, t0, t1, p, room.first, out)
         size = (t1 - t0) * size_of(s)
         room.owner[r, 2] = piece
+        _write_part(s, sums, t0, t1, out, w, nodes)
         if piece >= 0:
-            _write_part(s, sums, t0, t1, one, 0, 0)
-            _add_sums(out.sums[piece], one.sums[0])
+            _add_sums(out.sums[piece], out.sums[w])
         elif c >= 0 or size >= min_length - SAME:
             family[nodes, 0], family[nodes, 1] = -1.0, 1.0
-            _write_part(s, sums, t0, t1, out, w, nodes)
             piece, w, nodes = w, w + 1, nodes + 1
         if piece >= 0:
             given[gifts, 0], given[gifts, 1] = scan.node[j], out.node[piece]
             given[gifts, 2] = size
             gifts += 1
-    _span_all(scan, stretches, room, out, pieces)
+    for r in range(stretches):
+        if room.owner[r, 2] >= 0:
+            _span(out, room.owner[r, 2], scan.s[room.owner[r, 0]], room.stretch[r])
     return w, nodes, gifts
 
 
 @compiled
-def _span_all(scan: Walls, stretches: int, room: Room, out: Walls, pieces: int) -> None:
-    """Put each piece that something has joined on the line of its sums, where all of it spans."""
-    low, high, turn = np.full(pieces, np.inf), np.full(pieces, -np.inf), np.empty(pieces)
-    for r in range(stretches):
-        w = room.owner[r, 2]
-        if w < 0:
-            continue
-        sums = out.sums[w]
-        if high[w] < low[w]:
-            turn[w], own = 0.5 * np.arctan2(2 * sums[4], sums[3] - sums[5]), out.s[w]
-            dx, dy = own[1, 0] - own[0, 0], own[1, 1] - own[0, 1]
-            if dx * np.cos(turn[w]) + dy * np.sin(turn[w]) < 0.0:
-                turn[w] += np.pi
-        dx, dy, s, own = np.cos(turn[w]), np.sin(turn[w]), scan.s[room.owner[r, 0]], out.s[w]
-        for e in range(2):
-            t = room.stretch[r, e]
-            x, y = s[0, 0] + t * (s[1, 0] - s[0, 0]), s[0, 1] + t * (s[1, 1] - s[0, 1])
-            u = (x - sums[1]) * dx + (y - sums[2]) * dy
-            v = (own[e, 0] - sums[1]) * dx + (own[e, 1] - sums[2]) * dy
-            low[w], high[w] = min(low[w], u, v), max(high[w], u, v)
-    for w in range(pieces):
-        if high[w] >= low[w]:
-            dx, dy, sums = np.cos(turn[w]), np.sin(turn[w]), out.sums[w]
-            out.s[w, 0, 0], out.s[w, 0, 1] = sums[1] + low[w] * dx, sums[2] + low[w] * dy
-            out.s[w, 1, 0], out.s[w, 1, 1] = sums[1] + high[w] * dx, sums[2] + high[w] * dy
+def _span(out: Walls, w: int, s: Array, part: Array) -> None:
+    """Put piece w on the line of its sums, where it and the part t0 to t1 of s span it."""
+    own, sums, low, high = out.s[w], out.sums[w], np.inf, -np.inf
+    turn = 0.5 * np.arctan2(2 * sums[4], sums[3] - sums[5])
+    dx, dy, x, y = np.cos(turn), np.sin(turn), sums[1], sums[2]
+    if dx * (own[1, 0] - own[0, 0]) + dy * (own[1, 1] - own[0, 1]) < 0.0:
+        dx, dy = -dx, -dy
+    for e in range(2):
+        px = s[0, 0] + part[e] * (s[1, 0] - s[0, 0])
+        py = s[0, 1] + part[e] * (s[1, 1] - s[0, 1])
+        u = (px - x) * dx + (py - y) * dy
+        v = (own[e, 0] - x) * dx + (own[e, 1] - y) * dy
+        low, high = min(low, u, v), max(high, u, v)
+    lay(own, x, y, dx, dy, low, high)
+
+
+@compiled
+def renew(
+    map: Walls,
+    count: int,
+    scan: Walls,
+    p: Array,
+    claims: Claims,
+    found: tuple[int, int],
+    min_length: float,
+    rejoin: bool,
+    room: Room,
+    out: Walls,
+    nodes: int,
+    family: Array,
+    given: Array,
+) -> tuple[int, int, int]:
+    """The map after a scan, written to `out`; how many walls, nodes and gifts there are then.
+
+    A piece is a new node, whose parent and share of it go into a row of `family`; a gift, a row of
+    `given`, is: input, node, metres of the input.
+    """
+    w, nodes = _keep(map, count, claims, found, min_length, rejoin, room, out, nodes, family)
+    stretches = _share_out(scan, claims, found[0], room)
+    return _join(map, scan, p, claims, stretches, min_length, room, out, w, nodes, family, given)

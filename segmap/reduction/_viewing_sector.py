@@ -9,7 +9,7 @@ from .._compiled import compiled
 from ..arrays import Array, Segments
 from ._points import check_spacing, points_behind
 from ._runner import Indices, Reduction, Rows, Steps, run_online
-from ._sector_map import join, keep, share_out
+from ._sector_map import renew
 from ._sector_views import SAME, Claims, Room, Walls, look
 
 
@@ -131,21 +131,18 @@ def _steps(
         if most > len(after.s):
             after = _empty_walls(2 * most)
         tree.reserve(most, 2 * found[0] + stop - begin)
-        w, nodes = keep(
-            before, count, claims, found, min_length, rejoin, room, after, tree.nodes, tree.family
-        )
-        stretches = share_out(scan, claims, found[0], room)
-        count, tree.nodes, gifts = join(
+        count, tree.nodes, gifts = renew(
             before,
+            count,
             scan,
             p,
             claims,
-            stretches,
+            found,
             min_length,
+            rejoin,
             room,
             after,
-            w,
-            nodes,
+            tree.nodes,
             tree.family,
             tree.given[tree.gifts :],
         )
@@ -257,23 +254,13 @@ def _weigh(
                 node = int(family[node, 0])
 
 
-@compiled
 def _sum_points(points: Array, first: Indices, out: Array) -> None:
     """Running sums of the points of each segment, `(n, 6)`."""
-    for i in range(len(out)):
-        n = first[i + 1] - first[i]
-        x = y = xx = xy = yy = 0.0
-        for j in range(first[i], first[i + 1]):
-            x += points[j, 0]
-            y += points[j, 1]
-        x, y = x / n, y / n
-        for j in range(first[i], first[i + 1]):
-            u, v = points[j, 0] - x, points[j, 1] - y
-            xx += u * u
-            xy += u * v
-            yy += v * v
-        out[i, 0], out[i, 1], out[i, 2] = n, x, y
-        out[i, 3], out[i, 4], out[i, 5] = xx, xy, yy
+    count = np.diff(first)
+    mean = np.add.reduceat(points, first[:-1]) / count[:, None]
+    x, y = (points - np.repeat(mean, count, axis=0)).T
+    out[:, 0], out[:, 1:3] = count, mean
+    out[:, 3:] = np.add.reduceat(np.column_stack([x * x, x * y, y * y]), first[:-1])
 
 
 def _sum_evenly(s: Array, spacing: float, out: Array) -> None:
