@@ -265,6 +265,14 @@ def test_the_scans_are_left_as_they_were():
 
 
 # ------------------------------------------------------------------ the steps
+def test_six_points_are_enough_to_be_weighed():
+    """Catches weights of 1 for the fewest points that a step is made of."""
+    corner = np.array([(0.1 * k, 0) for k in range(30)] + [(0, 0.1 * k) for k in range(1, 30)])
+    now = np.array([(0.5, 0.02), (1, 0), (1.5, 0.02), (0, 0.5), (0.03, 1), (0, 1.5)])
+    weights = point_steps(corner, now)[0].weights
+    assert (weights < 1).tolist() == [True, False, True, False, True, False]
+
+
 @pytest.mark.parametrize("start", [(0, 0, 0), (0.4, -0.3, 0.1), (1.0, 0.2, -0.3), (3, 3, 1)])
 @pytest.mark.parametrize("reach", [0.3, 2.0])
 def test_the_steps_end_where_the_match_does(start, reach):

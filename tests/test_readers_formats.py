@@ -178,6 +178,11 @@ class TestCoreSlam:
         circle = np.outer([0.1, 0.5, 0.15, 0.25], [0.0, 2 * np.pi * 0.330])
         assert integrate(circle)[-1] == pytest.approx([0, 0, 0], abs=1e-9)
 
+    def test_a_text_that_begins_with_a_number_is_no_log(self, read):
+        """Catches a claim that looks at another field than the last: the error is of ranges."""
+        with pytest.raises(LogError, match="is of no known format"):
+            read("3 " + "sheep " * 30 + "in 2 fields")
+
     def test_a_missing_range_is_noticed(self, read):
         with pytest.raises(LogError, match=r"line 1: expected 24 fields and 683 ranges.*706"):
             read(CORESLAM.replace("1500 ", "", 1))
