@@ -124,6 +124,23 @@ def test_poses_of_a_mapper_and_corrected_ones_are_truth(read):
     assert log.truth == pytest.approx(np.array([ODOMETRY[0], TRUTH[1]]))
 
 
+def test_what_gmapping_wrote_is_truth_and_no_odometry(read):
+    """Catches a corrected log that is refused for its NEFF lines, or taken for perfect odometry."""
+    scans = [flaser(t, t, time) for t, time in zip(TRUTH, TIMES, strict=True)]
+    where = zip(TRUTH, TIMES, strict=True)
+    odom = [f"ODOM {x} {y} {h} 0 0 0 {time} h {time}" for (x, y, h), time in where]
+    lines = [f"{line}\nNEFF 29.3" for line in scans]
+    log = read(text([*odom, *lines]))
+    assert log.truth == pytest.approx(np.array(TRUTH))
+    assert np.isnan(log.odometry).all() and not log.skipped
+    strange = read(text([*lines, "ENTROPY 3"]))
+    assert strange.skipped == (1, "lines of no known meaning, ENTROPY first")
+    with pytest.raises(LogError, match="expected a line of a CARMEN log, got 'ENTROPY'"):
+        read(text([*lines, "ENTROPY 3 4"]))
+    with pytest.raises(LogError, match="got 'FLAS'"):
+        read(text([*lines, "FLAS"]))
+
+
 @pytest.mark.parametrize("on_error", ["ignore", None, ""])
 def test_other_values_of_on_error_are_refused(read, on_error):
     with pytest.raises(ValueError, match="on_error must be one of 'raise', 'skip'"):

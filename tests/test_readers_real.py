@@ -100,6 +100,12 @@ class TestShared:
         assert len(log) == 4791 and np.isfinite(log.truth).all()
         assert poses.between(log.odometry, log.truth) == pytest.approx(np.zeros((4791, 3)))
 
+    def test_what_gmapping_corrected(self):
+        log = readers.read(shared_file("data/formats/gmapping-acapulco.log.gz"))
+        assert len(log) == 861 and np.isfinite(log.truth).all()
+        assert np.isnan(log.odometry).all() and not log.skipped
+        assert np.ptp(log.truth[:, :2], axis=0) == pytest.approx((93, 44), abs=12)
+
     def test_laserazos_has_no_times_and_no_truth(self):
         log = readers.read(shared_file("data/laserazos.log.gz"))
         assert log.truth is None and log.times.tolist() == list(range(778))

@@ -23,11 +23,15 @@ the robot's. A RLASER whose stated angle looks forward is read as that much off 
 of them is where the odometry puts the laser. Then the file does not tell, and the rule is: a log
 whose laser lines carry the fields of time, with no line of a recorder in the file (ODOM, PARAM,
 ...), went through a mapper, which writes its poses twice (Freiburg 079); any other log is raw and
-has no truth. For ROBOTLASERn lines see `extrinsic_by_poses`.
+has no truth. GMapping leaves NEFF lines, and writes its poses into the ODOM lines and both poses of
+a laser line: they are truth, and such a log has no odometry. Other lines that are a word in capital
+letters and at most one field are left out and counted, as `skipped`. For ROBOTLASERn lines see
+`extrinsic_by_poses`.
 """
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -36,8 +40,8 @@ import numpy as np
 from .. import _units
 from ..arrays import Array
 from ..poses import compose
-from ..scans import Log
-from ._lines import Lines, counted, numbers, pose, time
+from ..scans import NOTHING_SKIPPED, Log, Skipped
+from ._lines import Lines, counted, merged, numbers, pose, time
 from ._raw_scans import (
     NOWHERE,
     Extrinsic,
@@ -61,6 +65,8 @@ OTHERS = (
     *("BUMPER", "LASER3", "LASER4", "REMISSIONFLASER", "REMISSIONRLASER", "PANTILT", "ARM"),
     *("ROBOTVELOCITY", "BASEVELOCITY", "BASEODOM", "VECTORMOVE", "FOLLOWTRAJECTORY"),
 )
+#: Lines that GMapping adds to a log when it writes its own poses into it.
+MAPPED = ("NEFF",)
 OFFSETS = tuple(
     f"robot_{end}laser_{kind}offset"
     for end in ("front", "rear")
@@ -68,7 +74,7 @@ OFFSETS = tuple(
 )
 #: Settings of the sensor at the start of a ROBOTLASERn or RAWLASERn line.
 HEAD = 7
-KEYWORDS = frozenset(("PARAM", "ODOM", *OLD, *NEW, *OTHERS))
+KEYWORDS = frozenset(("PARAM", "ODOM", *OLD, *NEW, *OTHERS, *MAPPED))
 
 
 def claims(fields: Sequence[str]) -> bool:
@@ -83,7 +89,8 @@ class _Recording:
         self.scans: list[RawScan] = []
         self.track = Track()
         self.parameters: dict[str, float] = {}
-        self.recorded = False
+        self.recorded = self.mapped = False
+        self.unknown = NOTHING_SKIPPED
 
     def take(self, fields: list[str]) -> None:
         """Take in one line."""
@@ -94,7 +101,11 @@ class _Recording:
             self.scans.append(parse_robotlaser(fields))
         elif keyword in KEYWORDS:
             self.recorded = True
+            self.mapped |= keyword in MAPPED
             self._note(keyword, fields[1:])
+        elif _is_strange(fields):
+            said = f"lines of no known meaning, {keyword[:40]} first"
+            self.unknown = merged(self.unknown, Skipped(1, said))
         else:
             raise ValueError(f"expected a line of a CARMEN log, got {keyword[:40]!r}")
 
@@ -122,7 +133,7 @@ class _Recording:
         offset = self.offset(laser)
         if laser in NEW:
             return extrinsic_by_poses(scans, offset)
-        corrected = all(scan.time is not None for scan in scans) and not self.recorded
+        corrected = self.mapped or (all(s.time is not None for s in scans) and not self.recorded)
         if not corrected and _repeats_odometry(scans, offset):
             return uncorrected(scans, offset)
         return extrinsic_by_offset(scans, offset)
@@ -135,8 +146,12 @@ def read(path: Path, name: str, on_error: str = "raise") -> Log:
         pass
     if not recording.scans:
         raise lines.no_scan("a FLASER, RLASER, ROBOTLASER or RAWLASER line")
-    raw = with_odometry(recording.scans, recording.track)
-    return Log(name, *assemble(raw, recording.extrinsic), lines.skipped)
+    if recording.mapped:
+        raw = [scan._replace(odometry=NOWHERE) for scan in recording.scans]
+    else:
+        raw = with_odometry(recording.scans, recording.track)
+    skipped = merged(lines.skipped, recording.unknown)
+    return Log(name, *assemble(raw, recording.extrinsic), skipped)
 
 
 def _parse_old(fields: list[str]) -> RawScan:
@@ -150,6 +165,12 @@ def _parse_old(fields: list[str]) -> RawScan:
     found = numbers(ranges, "ranges")
     when = time(rest[6]) if len(rest) == 9 else None
     return RawScan(fields[0], found, half_turn(len(found)), when, odometry, laser)
+
+
+def _is_strange(fields: list[str]) -> bool:
+    """Whether a line is a word and at most one field, and not the torn beginning of a known one."""
+    whole = not any(known.startswith(fields[0]) for known in KEYWORDS)
+    return len(fields) <= 2 and re.fullmatch("[A-Z_]{2,}", fields[0]) is not None and whole
 
 
 def _repeats_odometry(scans: Sequence[RawScan], offset: Array) -> bool:
