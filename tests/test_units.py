@@ -152,6 +152,26 @@ def test_extraction_in_millimetres_is_told(slip):
         extract_polylines(POINTS, **slip)
 
 
+def test_what_is_just_beyond_a_bound_is_told():
+    """Catches bounds of half as much again, and of another share of the size of a map."""
+    wide, basic = WALLS.segments * 40, METHODS["basic_offline"]  # 240 m
+    basic(wide, distance=11.9)
+    for call in (
+        lambda: basic(WALLS, distance=10.1),
+        lambda: basic(wide, distance=12.1),
+        lambda: extract_polylines(POINTS, gap=101),
+    ):
+        with pytest.warns(UserWarning, match="looks like millimetres"):
+            call()
+    with pytest.raises(ValueError, match=r"within 4 pi, got 12\.6: this looks like degrees"):
+        LaserScan([1.0], [12.6])
+
+
+def test_a_bandwidth_of_ten_radians_a_metre_is_allowed():
+    """Catches a bound that is told itself."""
+    METHODS["mean_shift"](WALLS, sigma=0.2, bandwidth=10.0)
+
+
 def test_a_map_in_millimetres_by_intent_is_left_alone():
     """Catches a bound that knows no scale: every length of a map may be scaled."""
     big = WALLS.segments * 1000
