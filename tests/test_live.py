@@ -14,6 +14,8 @@ from segmap import LaserScan, load
 from segmap.emulator import Emulator, furnished_room
 from segmap.hokuyo import Newest, SensorError, UrgSensor
 from segmap.panels import LivePanel
+from segmap.panels._live import _occupancy
+from segmap.quadtree import QuadtreeMap
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -104,7 +106,6 @@ def test_the_panel_tells_of_a_lost_sensor():
 def test_the_map_is_that_of_map_scans():
     """Catches a panel with a map of its own making."""
     from segmap.matching import map_scans
-    from segmap.quadtree import QuadtreeMap
 
     log, map = load("room")[:5], QuadtreeMap(resolution=0.02, free_resolution=0.32)
     steps = list(map_scans(log, map=map))
@@ -113,6 +114,14 @@ def test_the_map_is_that_of_map_scans():
     assert panel._step is not None
     assert panel._step.pose.tolist() == steps[-1].pose.tolist()
     assert np.array_equal(panel.map.to_grid(), map.to_grid())
+
+
+def test_the_grey_squares_are_the_cells_of_the_map():
+    """Catches a picture half a cell off, or one turned about its diagonal."""
+    map = QuadtreeMap(resolution=0.5, size=4)
+    map.insert_scan((0.2, 0.2), [(1.7, 0.2)])
+    centres = [[(0.25 + 0.5 * k, 0.25 + 0.5 * row) for k in range(4)] for row in range(2)]
+    assert _occupancy(map, (0, 0, 2, 1)).tolist() == [map.occupancy(r).tolist() for r in centres]
 
 
 @pytest.mark.parametrize("after", [0, 3])
