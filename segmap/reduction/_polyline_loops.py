@@ -32,13 +32,14 @@ def nearest_piece(s: Array, corners: Array, count: int) -> tuple[float, int]:
 @compiled
 def _begin(s: Array, corners: Array) -> None:
     """The two end points that lie farthest apart; ties: the first pair."""
-    ends, most = s.reshape((2 * len(s), 2)), 0.0
-    for a in range(len(ends)):
-        for b in range(a + 1, len(ends)):
-            if _distance(ends[a], ends[b]) > most + SAME:
-                most = _distance(ends[a], ends[b])
+    most = 0.0
+    for a in range(2 * len(s)):
+        for b in range(a + 1, 2 * len(s)):
+            p, q = s[a // 2, a % 2], s[b // 2, b % 2]
+            if _distance(p, q) > most + SAME:
+                most = _distance(p, q)
                 for c in range(2):
-                    corners[0, c], corners[1, c] = ends[a, c], ends[b, c]
+                    corners[0, c], corners[1, c] = p[c], q[c]
 
 
 @compiled
