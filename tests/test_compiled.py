@@ -22,11 +22,17 @@ if {blocked}:
 import numpy as np
 from segmap import _warm
 from segmap.alignment._point_map import PointMap
+from segmap.reduction import METHODS
+from segmap.segments import SegmentMap
 points = _warm._room()
 search = dict(reach=0.2, turn=0.2, step=0.1)
 found = [PointMap(points).search(points[::3], (0.1, 0.0, 0.1), **search)[0]]
 for name, case in _warm.cases().items():
     found += case() if name != {slow!r} else []
+for method in METHODS.values():  # what has nothing, or one thing, to look at
+    for count in (0, 1):
+        few = SegmentMap(np.array([[[0.0, 0.0], [1.0, 0.5]]])[:count], sensors=[(0.0, 0.0)])
+        found.append(method(few).segments)
 print("numba" in sys.modules and sys.modules["numba"] is not None)
 for array in found:
     print(" ".join(f"{{x:.9e}}" for x in np.ravel(array)))
@@ -49,7 +55,8 @@ def run(blocked: bool = False, plain: bool = False) -> list[str]:
 
 @pytest.mark.parametrize("how", [slow({"blocked": True}), {"plain": True}])
 def test_plain_python_gives_the_same(how):
-    """A loop that only numba accepts, or that wraps, divides or clips differently there."""
+    """A loop that only numba accepts, or that wraps, divides or clips differently there, or that
+    reads beyond an array: compiled loops do not look, `least_cost([])` read beside nothing."""
     used, *expected = run()
     assert used == "True"
     used, *found = run(**how)

@@ -273,7 +273,8 @@ def join_neighbours(state: State, a: int, b: int) -> None:
 def merge_all(state: State, room: Room, limits: Limits) -> None:
     """Merge clusters, the cheapest pair first, until every merge costs more than the penalty."""
     link, near = state.link, state.near
-    heap = [(0.0, 0, 0, -1, -1, 0)]  # no cluster has version -1: this entry falls out by itself
+    heap = [(0.0, 0, 0, 0, 0, 0)]  # the compiler learns what an entry is
+    heap.pop()
     for a in range(len(link)):
         entry = link[a, 5]
         while entry >= 0:
