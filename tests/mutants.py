@@ -46,20 +46,39 @@ TESTS = {
     "alignment/_pose_graph": "pose_graph",
     "alignment/_search_loops": "match_points point_map pose_graph",
     "alignment/_segment": "segment_icp global_segments",
-    "arrays": "doors segments poses scans metrics extraction quadtree",
+    "_arguments": "units doors segments poses scans metrics extraction quadtree",
+    "arrays": "doors backbone segments poses scans metrics extraction quadtree",
     "experiments": "experiments records comparison",
     "hokuyo": "hokuyo record sensor",
-    "kernels": "metrics basic hybrid mean_shift fusion",
+    "_extraction_loops": "extraction compiled",
+    "_files": "files records exports",
+    "kernels": "metrics basic hybrid fusion segment_similarity weighted angle_correspondence reduction",
     "matching": "matchers matching distance_field map_scans",
     "methods": "alignment reduction",
+    "_placed": "extraction quadtree distance_field exports",
     "quadtree": "quadtree distance_field",
     "readers": "readers hostile_files error_codes",
     "reduction": "reduction",
     "reduction/_basic": "basic reduction",
+    "reduction/_boxes": "weighted_line_fitting fuzzy_set reduction",
+    "reduction/_cells": "cells segment_similarity uncertain_parameters reduction",
     "reduction/_climb": "mean_shift reduction",
     "reduction/_fusion": "fusion reduction",
+    "reduction/_fuzzy_": "fuzzy_clustering reduction",
+    "reduction/_fuzzy_set": "fuzzy_set reduction",
+    "reduction/_hough": "hybrid reduction",
     "reduction/_hybrid": "hybrid reduction",
+    "reduction/_least_cost": "least_cost reduction",
+    "reduction/_line_fits": "weighted_line_fitting reduction",
     "reduction/_mean_shift": "mean_shift reduction",
+    "reduction/_points": "map_points viewing_sector reduction",
+    "reduction/_polyline": "polyline reduction",
+    "reduction/_rectangles": "fuzzy_set reduction",
+    "reduction/_sector": "viewing_sector reduction",
+    "reduction/_segment_similarity": "segment_similarity reduction",
+    "reduction/_uncertain": "uncertain_parameters reduction",
+    "reduction/_viewing": "viewing_sector reduction",
+    "reduction/_weighted": "weighted_line_fitting reduction",
     "simulation": "simulation simulated_data",
 }
 
@@ -79,8 +98,9 @@ class Bug(NamedTuple):
     tests: tuple[str, ...]
 
     def __str__(self) -> str:
-        line = self.path.read_text()[: self.place].count("\n") + 1
-        return f"{self.path.relative_to(ROOT)}:{line}: {self.old!r} -> {self.new!r}"
+        before = self.path.read_text()[: self.place]
+        line, column = before.count("\n") + 1, self.place - before.rfind("\n")
+        return f"{self.path.relative_to(ROOT)}:{line}:{column}: {self.old!r} -> {self.new!r}"
 
 
 def room_of(path: Path) -> str:
@@ -92,9 +112,9 @@ def tests_of(path: Path) -> tuple[str, ...]:
     """The examples of a file, and the tests of it or its room."""
     name = path.relative_to(ROOT / "segmap").as_posix()
     words = [TESTS[key] for key in sorted(TESTS, key=len) if name.startswith(key)]
-    begins = tuple(f"test_{word}" for word in (words or [room_of(path)])[-1].split())
-    found = [p for p in sorted((ROOT / "tests").glob("test_*.py")) if p.stem.startswith(begins)]
-    return tuple(str(p.relative_to(ROOT)) for p in [path, *found])
+    words = (words or [room_of(path)])[-1].split()
+    found = [p for word in words for p in sorted((ROOT / "tests").glob(f"test_{word}*.py"))]
+    return tuple(str(p.relative_to(ROOT)) for p in dict.fromkeys([path, *found]))
 
 
 # ------------------------------------------------------------------ planted by hand
@@ -253,7 +273,11 @@ def _run_tests(copy: Path, tests: tuple[str, ...]) -> None:
     os.environ["PYTHONPATH"] = str(copy)
     own = {str(ROOT), str(ROOT / "tests")}
     sys.path[:] = [str(copy), *(folder for folder in sys.path if folder not in own)]
-    os._exit(pytest.main(["-x", "-q", "-p", "no:cacheprovider", "-p", "no:nbval", *tests]))
+    os._exit(
+        pytest.main(
+            ["-x", "-q", "-m", "not slow", "-p", "no:cacheprovider", "-p", "no:nbval", *tests]
+        )
+    )
 
 
 def _load_packages() -> None:
