@@ -52,7 +52,7 @@ TESTS = {
     "hokuyo": "hokuyo record sensor",
     "_extraction_loops": "extraction compiled",
     "_files": "files records exports",
-    "kernels": "metrics basic hybrid fusion segment_similarity weighted angle_correspondence reduction",
+    "kernels": "metrics basic hybrid fusion segment_similarity weighted angle_corr reduction",
     "matching": "matchers matching distance_field map_scans",
     "methods": "alignment reduction",
     "_placed": "extraction quadtree distance_field exports",
