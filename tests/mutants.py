@@ -55,7 +55,8 @@ TESTS = {
     "kernels": "metrics basic hybrid fusion segment_similarity weighted angle_corr reduction",
     "matching": "matchers matching distance_field map_scans",
     "methods": "alignment reduction",
-    "_placed": "extraction quadtree distance_field exports",
+    "_placed": "extraction quadtree distance_field exports units",
+    "plotting": "plotting drawings comparison",
     "quadtree": "quadtree distance_field",
     "readers": "readers hostile_files error_codes",
     "reduction": "reduction",
@@ -79,6 +80,7 @@ TESTS = {
     "reduction/_uncertain": "uncertain_parameters reduction",
     "reduction/_viewing": "viewing_sector reduction",
     "reduction/_weighted": "weighted_line_fitting reduction",
+    "segments": "segments map_points returns",
     "simulation": "simulation simulated_data",
 }
 

@@ -8,6 +8,7 @@ from reduction_maps import MAPS, malaga
 
 from segmap.metrics import invented, missed, quality
 from segmap.reduction import fusion, least_cost, reduce_to
+from segmap.reduction._least_cost_loops import crosses
 from segmap.segments import length
 
 
@@ -22,6 +23,22 @@ def test_quality_is_never_below_the_guarantee(seed, penalty):
         quality(map[found.parents >= 0], found)
         >= np.exp(-penalty * (n - len(found)) / n / 0.05) - 1e-9
     )
+
+
+@pytest.mark.parametrize("place", [(0, 0), (7, -3)])
+def test_segments_cross_where_both_ends_lie_on_other_sides(place):
+    """Catches a sign in one of the four sides, which the end points' distances often hide."""
+    ends = np.random.default_rng(1).uniform(-1, 1, (300, 2, 2, 2))
+
+    def sides(of, line):
+        way = line[:, 1] - line[:, 0]
+        away = of - line[:, :1]
+        return np.prod(way[:, None, 0] * away[..., 1] - way[:, None, 1] * away[..., 0], axis=1)
+
+    wanted = (sides(ends[:, 0], ends[:, 1]) < 0) & (sides(ends[:, 1], ends[:, 0]) < 0)
+    found = [crosses(u, v) for u, v in ends + np.array(place)]
+    assert 30 < wanted.sum() < 150
+    assert found == wanted.tolist()
 
 
 @given(st.integers(0, 10_000), st.sampled_from([0.02, 0.05]))

@@ -381,3 +381,10 @@ def test_a_real_map_fits_into_a_small_picture():
     map = segmap.build_map(log, log.truth)
     ax = plotting.draw_before_after(map, segmap.fusion(map))
     assert 3_000 < len(plotting.figure_png(ax.figure)) < 40_000
+
+
+def test_a_row_has_no_axes_but_its_own():
+    """Catches an empty second row, which leaves half of the figure white."""
+    row = plotting.axes_row(3, (300, 100))
+    assert row[0].figure.axes == row
+    plt.close(row[0].figure)

@@ -162,3 +162,9 @@ def test_the_literal_walk_takes_the_cell_nearest_to_the_line(start, end):
     assert {start, end} <= {tuple(cell) for cell in cells.tolist()}
     aside = abs((cells - start) @ [[0, 1], [-1, 0]] @ away)  # times the steps
     assert (2 * aside <= steps).all()
+
+
+def test_points_of_another_shape_are_refused():
+    """Catches an array of floats that passes by, since nobody looks at its middle axis."""
+    with pytest.raises(ValueError, match="points must have shape"):
+        QuadtreeMap(resolution=0.1).insert_scan((0.0, 0.0), np.zeros((2, 3, 2)))

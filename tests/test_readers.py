@@ -64,6 +64,12 @@ def test_truth_is_the_robots_pose_not_the_lasers(read):
     assert log.times == pytest.approx(TIMES)
 
 
+def test_parameters_of_a_recorder_that_are_no_places(read):
+    """Catches a device's name that is read as a number."""
+    said = ["PARAM laser_front_dev /dev/ttyS0", "PARAM robot_max_t_vel 0.5", "PARAM"]
+    assert len(read(text([*said, *CARMEN.splitlines()]))) == len(TIMES)
+
+
 @pytest.mark.parametrize("stated", [None, "0.0", "3.141592653589793"])
 def test_offsets_are_honoured_and_rear_lasers_face_backwards(read, stated):
     """A rear scan drawn forwards is a building turned inside out."""

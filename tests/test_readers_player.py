@@ -42,6 +42,7 @@ def test_a_pose_within_the_laser_line_goes_first(read):
     log = read(text([position, scan]))
     assert log.odometry[0].tolist() == [7, 8, 0.5]
     assert log[0].ranges.tolist() == [1, 2, 1]
+    assert read(text([position, scan.replace("+8.0000", "+0.0000")]))[0].valid.all()
 
 
 @pytest.mark.parametrize("order", [(0, 1, 2), (2, 1, 0)])
