@@ -6,10 +6,8 @@ The last test mutates lines of every format: `MUTANTS` damaged files in all, eac
 import gzip
 import os
 import random
-import tempfile
 import tracemalloc
 import zipfile
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -243,14 +241,6 @@ def check(path, place, name):
         except Exception as fault:
             fault.add_note(f"mutant {number} of SEGMAP_SEED={SEED}: {place.read_bytes()[:2000]!r}")
             raise
-
-
-@pytest.fixture
-def tmp_path():
-    """In memory where there is a folder that is: ten thousand files are written and read."""
-    memory = "/dev/shm" if os.access("/dev/shm", os.W_OK) else None
-    with tempfile.TemporaryDirectory(dir=memory) as folder:
-        yield Path(folder)
 
 
 @pytest.mark.parametrize("name", SAMPLES)
