@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from conftest import slow
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from reduction_maps import MAPS, malaga
@@ -93,7 +94,7 @@ def test_the_order_of_the_segments_changes_ties_only():
     assert quality(map, found) == pytest.approx(quality(map, other), abs=1e-3)
 
 
-@pytest.mark.parametrize("wanted", [0.9, 0.85, 0.8])
+@pytest.mark.parametrize("wanted", [slow(0.9), 0.85, slow(0.8)])
 def test_fewer_segments_than_fusion_at_a_quality_and_less_invented(wanted):
     """The claim, on the bundled log: a tenth fewer, and neither invented nor missed more."""
     map = malaga()

@@ -5,6 +5,7 @@ from functools import partial
 
 import numpy as np
 import pytest
+from conftest import slow
 from quadtrees import leaves_of, state
 
 from segmap import LaserScan, load
@@ -279,7 +280,7 @@ def test_the_room_path_without_odometry(workloads):
     ("options", "largest"),
     [
         ({"matcher": partial(hill_climb, steps="thesis")}, 0.08),
-        ({"matcher": partial(hill_climb, steps="thesis"), "score": occupancy_score}, 1.0),
+        slow({"matcher": partial(hill_climb, steps="thesis"), "score": occupancy_score}, 1.0),
         ({"matcher": partial(sample_and_rank, rng=np.random.default_rng(1), sigma=(0.02, 2))}, 0.2),
     ],
 )

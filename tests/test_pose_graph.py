@@ -6,6 +6,7 @@ from functools import cache
 import alignment_logs as logs
 import numpy as np
 import pytest
+from conftest import slow
 
 from segmap import load
 from segmap.alignment import Alignment, LoopClosing, Tracking, point_icp, pose_graph
@@ -89,7 +90,7 @@ def test_a_loop_is_closed():
         ("odometry for some", 0.10, 0),
         ("a person comes by", 0.10, 0),
         ("blind", 0.40, 4),
-        ("blind at first", 0.50, 1),
+        slow("blind at first", 0.50, 1),
     ],
 )
 def test_a_loop_is_closed_on_spoilt_logs_too(change, most, unused):
@@ -133,7 +134,7 @@ def test_residuals_say_what_the_solution_leaves_of_each_edge():
     assert graph.residuals.max() < 15
 
 
-@pytest.mark.parametrize("change", ["equal times", "shuffled times"])
+@pytest.mark.parametrize("change", [slow("equal times"), "shuffled times"])
 def test_times_do_not_count(change):
     """And the same log gives the same graph."""
     (_, one), (_, two) = loop(), loop(change)
@@ -175,7 +176,7 @@ def repeated_offices(count: int) -> np.ndarray:
     return np.concatenate([*(one[~end] + (4.0 * k, 0) for k in range(count)), *ends])
 
 
-@pytest.mark.parametrize(("sensor", "most"), [(SICK_LMS200, 0.2), (URG_04LX, 0.4)])
+@pytest.mark.parametrize(("sensor", "most"), [(SICK_LMS200, 0.2), slow(URG_04LX, 0.4)])
 def test_repeated_offices_do_not_fold_the_map(sensor, most):
     """Rooms that look alike at a pitch of 4 m: a false loop would put them on each other."""
     path = [(0.7, 5)]
@@ -216,8 +217,8 @@ def tour() -> Log:
     ("onwards", "regained"),
     [
         ([(2, 7.5), (2, 2.5), (2, 5), (9, 5)], True),
-        ([(14, 2.5), (14, 5), (6, 5), (6, 7.5)], False),
-        ([(6, 2.5), (6, 7.5)], False),
+        slow([(14, 2.5), (14, 5), (6, 5), (6, 7.5)], False),
+        slow([(6, 2.5), (6, 7.5)], False),
     ],
 )
 def test_a_kidnapped_robot(onwards, regained):
