@@ -4,7 +4,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from conftest import slow
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from reduction_maps import MAPS, corridor_map, malaga, random_map, redundant_map, second_building
@@ -100,10 +99,7 @@ SMALL = {"mean_shift": (12, 0.5), "least_cost": (24, 0.7)}
 #: Segments of a real map that the plain versions of these can bear; the others take 300.
 REAL = {"mean_shift": 25, "least_cost": 80, "segment_similarity": 150, "fuzzy_set": 150}
 CASES = [
-    case
-    for name in METHODS
-    for k in range(len(THRESHOLDS[name]))
-    for case in ((name, k, 0), slow(name, k, 1))
+    (name, k, seed) for name in METHODS for k in range(len(THRESHOLDS[name])) for seed in range(2)
 ]
 
 
