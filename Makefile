@@ -9,7 +9,8 @@ RUN := .venv/bin/python
 SETUP := .venv/segmap-is-installed
 WARM := .venv/segmap-is-warm
 # A worker more than there are cores, since many tests wait for other programs; a worker runs whole
-# files, so that what a file prepares is prepared once.
+# files, so that what a file prepares is prepared once; they come in the order of their names, since
+# those with few tests are often the longest.
 SPREAD := -n $(shell $(PYTHON) -c 'import os; print(os.cpu_count() + 1)') --dist loadscope --no-loadscope-reorder
 # page_config.json in that folder keeps Lab from asking about news: a classroom may be offline.
 LAB = JUPYTER_CONFIG_PATH="$(CURDIR)/notebooks/tools/jupyter$${JUPYTER_CONFIG_PATH:+:$$JUPYTER_CONFIG_PATH}" \

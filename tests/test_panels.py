@@ -388,6 +388,18 @@ def test_the_compare_panel_shows_the_run_that_reduces_most_at_a_quality():
 
 
 @unpainted
+def test_the_compare_panel_names_the_curve_of_its_method_only():
+    """Catches a legend above the curves, and a curve of another method that stands out."""
+    panel, figure = ComparePanel(WALLS, RUNS), Figure()
+    panel.method.value = "hybrid"
+    panel._draw(figure)
+    curves = figure.axes[0]
+    assert [entry.get_text() for entry in curves.get_legend().get_texts()] == ["hybrid"]
+    shown = {line.get_label(): line.get_alpha() for line in curves.lines}
+    assert (shown["hybrid"], shown["fusion"]) == (1.0, 0.25)
+
+
+@unpainted
 def test_the_compare_panel_shows_the_best_run_where_none_is_good_enough():
     """Catches an empty choice, and the run that reduces most."""
     poor = RUNS[(RUNS["method"] == "fusion") & (RUNS["quality"] < 0.97)]

@@ -129,6 +129,17 @@ def test_turns_that_nobody_fetched_are_counted():
         assert sensor.unsent > 15 and f"{sensor.unsent} not sent" in repr(sensor)
 
 
+def test_a_clock_that_stands_still_counts_nothing(monkeypatch):
+    """Catches a division by the time from stamp to stamp."""
+    port = Wired()
+    monkeypatch.setattr(port.unit, "_stamp", lambda turn: 5)
+    with connected(port) as sensor:
+        assert len(first(sensor, 4)) == 4
+        monkeypatch.setattr(port.unit, "_stamp", lambda turn: 5 + turn % 2)
+        first(sensor, 4)
+        assert (sensor.unsent, sensor.dropped) == (0, 0)
+
+
 def test_two_streams_by_turns():
     """Catches a driver that takes the scans of one stream for those of the other."""
     with sensor_of() as sensor, contextlib.ExitStack() as stack:
@@ -137,6 +148,10 @@ def test_two_streams_by_turns():
         for _ in range(3):
             assert [len(next(wide)), len(next(part)), len(sensor.scan())] == [682, 17, 682]
         assert sensor.dropped == 0
+        before = [next(part) for _ in range(3)]
+        sensor.scan()
+        assert len(before) == 3 and next(part).time > before[-1].time + 0.2
+        assert sensor.unsent == 0, "no stream was running meanwhile"
 
 
 def test_skip_cluster_part_and_short():
@@ -223,6 +238,7 @@ def test_slow_lines_are_explained():
         assert sensor.slow == "", "too few to judge"
         first(sensor, 8)
         asked = "asked for every 0.10 s; at 19200 bit/s a scan of 682 beams takes 1.11"
+        assert sensor.unsent == 0, "the line is slow, and nobody late"
         assert asked in sensor.slow and "250000 bit/s" in sensor.slow and "skip=9" in sensor.slow
         first(sensor, 8, cluster=50)
         assert sensor.slow == ""

@@ -13,6 +13,8 @@ from segmap.extraction import build_map
 from segmap.literal.viewing_sector import kept_pieces, views, wall_of
 from segmap.poses import transform
 from segmap.reduction import viewing_sector
+from segmap.reduction._sector_views import Walls, _beside, _fill_bins
+from segmap.reduction._viewing_sector import _room_for
 from segmap.segments import SegmentMap, length
 from segmap.testing import assert_segments_equal
 
@@ -28,6 +30,24 @@ def scans_of(*scans, sensor=AT) -> SegmentMap:
 
 
 LOOK = [[(-1, 3.02), (0.5, 3.02)], [(0.8, 1.5), (1, 1.5)], [(1.2, 4), (2.4, 4)]]
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_what_is_in_a_sector_is_beside_it(seed):
+    """Catches a bin that is left out: at the turn from pi to -pi, or beside where a sector ends."""
+    rng = np.random.default_rng(seed)
+    middle = rng.uniform(0, 1, 60)
+    half = np.append(rng.uniform(1e-4, 0.01, 50), rng.uniform(0.01, 0.24, 10))
+    turns = np.stack([middle + half, middle - half], 1)  # a scan runs clockwise about its sensor
+    s = np.stack([np.cos(2 * np.pi * turns), np.sin(2 * np.pi * turns)], -1)
+    scan = Walls(s, np.empty((60, 6)), np.arange(60))
+    room = _room_for(60, 1, 1)
+    _fill_bins(scan, 0.0, 0.0, room)
+    for begin, width in [(turns[k, 1], 2 * half[k]) for k in range(60)] + [(0.0, 0.0), (0.5, 0.9)]:
+        apart = (middle - begin - width / 2 + 0.5) % 1 - 0.5
+        inside = np.flatnonzero(np.abs(apart) <= width / 2 + half)
+        found = room.near[: _beside(room, begin, width)].tolist()
+        assert len(set(found)) == len(found) and set(inside) <= set(found)
 
 
 def test_four_things_that_a_scan_can_say():

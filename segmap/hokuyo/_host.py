@@ -73,9 +73,8 @@ class HostClock:
 
 def one_by_one(value: Iterable[LaserScan], name: str) -> Iterator[LaserScan]:
     """What gives scans, ready to give them."""
-    is_iterable = isinstance(value, Iterable)
-    kinds = {type(scan) for scan in value} if is_iterable and isinstance(value, Sized) else set()
-    if not (is_iterable and kinds <= {LaserScan}):
+    listed = value if isinstance(value, Iterable) and isinstance(value, Sized) else ()
+    if not (isinstance(value, Iterable) and all(isinstance(scan, LaserScan) for scan in listed)):
         raise ValueError(f"{name} must give LaserScans one by one, got {arrays.brief(value)}")
     return iter(value)
 

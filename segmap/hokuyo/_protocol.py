@@ -258,6 +258,7 @@ def encode_reply_1(echo: str, status: str, body: Iterable[bytes] = ()) -> bytes:
 
 
 def ascii_bytes(text: str, name: str) -> bytes:
+    """A word or a text as bytes; the sensor knows no letters but those of ASCII."""
     if not arrays.instance(text, name, str).isascii():
         raise ValueError(f"{name} must be in ASCII, got {text[:20]!r}")
     return text.encode("ascii")

@@ -235,14 +235,17 @@ class UrgSensor:
     def _follow(self, stamp: int, *, whole: bool) -> None:
         """Keep the stamp of a scan of a stream; count the turns since the last that were not sent.
 
-        The pace is the quickest so far: a slow line leaves out turns without anyone's fault.
+        The pace is the quickest so far, between what was asked for and what the line carries: a
+        slow line leaves out turns without anyone's fault.
         """
         self._stamps.append(stamp)
-        passed = np.diff(self._stamps) % CLOCK
+        half = CLOCK // 2  # a clock that steps back is none that went almost once around
+        passed = ((np.diff(self._stamps) + half) % CLOCK - half) / 1000.0
         if whole and self._asked and len(passed):
-            slowest = max(period(self._asked, self.geometry), transfer(self._asked, self.rate))
-            unsent = round(passed[-1] / min([1000 * slowest, *passed[:-1]])) - 1
-            self.unsent += max(unsent, 0)
+            wanted = period(self._asked, self.geometry)
+            slowest = max(wanted, transfer(self._asked, self.rate))
+            pace = max(wanted, passed[:-1].min(initial=slowest))
+            self.unsent += max(round(passed[-1] / pace) - 1, 0)
 
     def _advice(self, request: ScanRequest) -> str:
         """What to do about a line that is too slow for a request; empty where it is not."""
