@@ -29,6 +29,7 @@ STOREYS = (
     "panels",
     "course",
     "segmap _warm",
+    "_commands",
     "__main__",
 )
 STOREY = {room: height for height, rooms in enumerate(STOREYS) for room in rooms.split()}
@@ -215,8 +216,9 @@ def test_a_missing_package_is_named_with_the_extra_that_brings_it():
 
 #: Files with more than 300 lines that are still to be cut: nothing may be added.
 STILL_LONG = {"quadtree/_map.py", "metrics.py"}
-#: The goal is 130 without the methods that A surveys: each is a plain file and a fast one or two.
-MOST_FILES = 188
+#: The goal is 130 without the methods that A surveys (each is a plain file and a fast one or two),
+#: formats (a file each), commands and the workbench.
+MOST_FILES = 215
 
 
 def test_files_are_few_and_short():
