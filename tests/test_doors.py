@@ -34,7 +34,7 @@ ROOMS = [
 #: What the library makes itself and hands out: nobody else has to call these.
 MADE = {"Alignment", "Graph", "LogError", "Match", "Methods", "Reduction", "take_points", "Tree",
         "HostClock", "Lines", "Port", "SensorError", "SensorGone", "find_port",
-        "open_port"}  # fmt: skip
+        "UnknownFormat", "open_port"}  # fmt: skip
 #: What drawings and panels are made of: these take what a drawing or a panel has checked.
 PARTS = {"axes_grid", "axes_or_new", "axes_row", "group_colors", "map_axes", "method_style",
          "square_corners", "Panel", "player", "slider", "text"}  # fmt: skip

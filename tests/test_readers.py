@@ -206,3 +206,17 @@ class TestBundled:
             (tmp_path / place / "a" / "a.log.gz").write_text(content)
         monkeypatch.setattr(_bundled, "PLACES", (tmp_path / "clone", tmp_path / "wheel"))
         assert len(readers.load("a")) == 1
+
+
+def test_what_is_no_log_is_told_apart_from_a_damaged_one(read, tmp_path):
+    """Catches a folder of logs whose README counts as a log that failed."""
+    (tmp_path / "README.md").write_text("# Logs\n")
+    (tmp_path / "cut.log").write_text("FLASER 3 1.0 2.0\n")
+    (tmp_path / "picture.png").write_bytes(b"\x89PNG\r\n\x1a\n\x00\xff\xfe")
+    for name in ("README.md", "picture.png", "."):
+        with pytest.raises(readers.UnknownFormat):
+            readers.format_of(tmp_path / name)
+    assert readers.format_of(tmp_path / "cut.log") == "CARMEN"
+    with pytest.raises(readers.LogError, match="does not exist") as fault:
+        readers.format_of(tmp_path / "none.log")
+    assert not isinstance(fault.value, readers.UnknownFormat)

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from functools import partial
 from itertools import islice
 from pathlib import Path
 from typing import NamedTuple
@@ -18,12 +19,14 @@ from ..arrays import Array
 from ..scans import Log
 from . import _carmen, _coreslam, _g2o, _hokuyo_text, _player, _rawseeds
 from ._bundled import data_file, find
-from ._lines import Lines, LogError
+from ._lines import Lines, LogError, UnknownFormat
 from ._raw_scans import half_turn, same_poses
 
 __all__ = [
     "LogError",
+    "UnknownFormat",
     "data_file",
+    "format_of",
     "half_turn",
     "load",
     "read",
@@ -102,8 +105,38 @@ def read(path: str | Path, *, on_error: str = "raise") -> Log:
     with _asking(path):
         name = path.resolve().name
         if path.is_dir():
-            return _read_folder(path, name, on_error)
+            return _folder(path)[1](name, on_error)
         return _recognise(_checked_file(path)).read(path, _stem(name), on_error)
+
+
+def format_of(path: str | Path) -> str:
+    """The format of a log, told by its first lines; a folder's, by the files in it.
+
+    Parameters
+    ----------
+    path : str or Path
+        As in `read`.
+
+    Returns
+    -------
+    str
+        "CARMEN" for instance: the rest may be damaged all the same.
+
+    Raises
+    ------
+    UnknownFormat
+        A LogError, where it is no log of any format.
+    LogError
+        Where it cannot be read.
+
+    Examples
+    --------
+    >>> format_of(data_file("malaga/malaga.log.gz"))
+    'CARMEN'
+    """
+    path = _named(path)
+    with _asking(path):
+        return _folder(path)[0] if path.is_dir() else _recognise(_checked_file(path)).name
 
 
 def read_trajectory(path: str | Path, *, on_error: str = "raise") -> tuple[Array, Array]:
@@ -175,17 +208,18 @@ def _recognise(path: Path) -> Format:
     split = {separator: [line.split(separator) for line in sample] for separator in (None, ",")}
     votes = [sum(map(form.claims, filter(None, split[form.separator]))) for form in FORMATS]
     if not any(votes):
-        raise lines.first or LogError(path, _unknown(lines, sample))
+        fault = lines.first or LogError(path, _unknown(lines, sample))
+        raise UnknownFormat(path, fault.reason, fault.line)
     return FORMATS[votes.index(max(votes))]
 
 
-def _read_folder(folder: Path, name: str, on_error: str) -> Log:
-    """Read a folder: a Rawseeds recording, or numbered files with a Hokuyo scan in each."""
+def _folder(folder: Path) -> tuple[str, Callable[[str, str], Log]]:
+    """The format of a folder, and what reads it: a Rawseeds recording, or numbered Hokuyo scans."""
     if files := _rawseeds.files_of(folder):
-        return _rawseeds.read_folder(files, name, on_error)
+        return "Rawseeds", partial(_rawseeds.read_folder, files)
     if scans := _hokuyo_text.numbered(folder):
-        return _hokuyo_text.read_folder(scans, name, on_error)
-    raise LogError(
+        return "Hokuyo text", partial(_hokuyo_text.read_folder, scans)
+    raise UnknownFormat(
         folder,
         "holds no log, expected a Rawseeds recording (SICK_FRONT.csv or HOKUYO_FRONT.csv, "
         "ODOMETRY_XYT.csv, GROUNDTRUTH.csv) or numbered files with a Hokuyo scan in each",

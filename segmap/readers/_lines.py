@@ -62,7 +62,17 @@ class LogError(ValueError):
         self.path, self.line, self.reason = path, line, reason
 
     def __reduce__(self) -> tuple[type[LogError], tuple[Path, str, int | None]]:
-        return LogError, (self.path, self.reason, self.line)  # from another process too
+        return type(self), (self.path, self.reason, self.line)  # from another process too
+
+
+class UnknownFormat(LogError):
+    """A file or folder that is no log of any format: in a folder of logs it may be passed over.
+
+    Examples
+    --------
+    >>> isinstance(UnknownFormat(Path("README.md"), "is of no known format"), LogError)
+    True
+    """
 
 
 class Lines:
