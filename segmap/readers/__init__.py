@@ -7,19 +7,18 @@ file a format, each with what it means to the field: `_carmen`, `_g2o`, `_player
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import partial
-from itertools import islice
 from pathlib import Path
-from typing import NamedTuple
 
 from .. import arrays
 from ..arrays import Array
 from ..scans import Log
-from . import _carmen, _coreslam, _g2o, _hokuyo_text, _player, _rawseeds
+from . import _hokuyo_text, _rawseeds
 from ._bundled import data_file, find
-from ._lines import Lines, LogError, UnknownFormat
+from ._formats import recognise
+from ._lines import LogError, UnknownFormat
 from ._raw_scans import half_turn, same_poses
 
 __all__ = [
@@ -34,29 +33,8 @@ __all__ = [
     "same_poses",
 ]
 
-#: So many lines are looked at; a damaged one among them does not change what most of them say.
-FIRST = 200
 #: What a damaged line means.
 ON_ERROR = ("raise", "skip")
-
-
-class Format(NamedTuple):
-    """A reader, and how to tell its lines from others."""
-
-    name: str
-    claims: Callable[[Sequence[str]], bool]
-    read: Callable[[Path, str, str], Log]
-    separator: str | None = None
-
-
-FORMATS = (
-    Format("CARMEN", _carmen.claims, _carmen.read),
-    Format("g2o", _g2o.claims, _g2o.read),
-    Format("Player", _player.claims, _player.read),
-    Format("Hokuyo text", _hokuyo_text.claims, _hokuyo_text.read),
-    Format("CoreSLAM", _coreslam.claims, _coreslam.read),
-    Format("Rawseeds", _rawseeds.claims, _rawseeds.read, ","),
-)
 
 
 def read(path: str | Path, *, on_error: str = "raise") -> Log:
@@ -106,7 +84,7 @@ def read(path: str | Path, *, on_error: str = "raise") -> Log:
         name = path.resolve().name
         if path.is_dir():
             return _folder(path)[1](name, on_error)
-        return _recognise(_checked_file(path)).read(path, _stem(name), on_error)
+        return recognise(_checked_file(path)).read(path, _stem(name), on_error)
 
 
 def format_of(path: str | Path) -> str:
@@ -136,7 +114,7 @@ def format_of(path: str | Path) -> str:
     """
     path = _named(path)
     with _asking(path):
-        return _folder(path)[0] if path.is_dir() else _recognise(_checked_file(path)).name
+        return _folder(path)[0] if path.is_dir() else recognise(_checked_file(path)).name
 
 
 def read_trajectory(path: str | Path, *, on_error: str = "raise") -> tuple[Array, Array]:
@@ -200,19 +178,7 @@ def load(name: str) -> Log:
     return read(find(name))
 
 
-# ---------------------------------------------------------------------------- formats
-def _recognise(path: Path) -> Format:
-    """The format that claims most of the first lines."""
-    lines = Lines(path, "skip", separator="\n")
-    sample = [line[0] for line in islice(lines, FIRST)]
-    split = {separator: [line.split(separator) for line in sample] for separator in (None, ",")}
-    votes = [sum(map(form.claims, filter(None, split[form.separator]))) for form in FORMATS]
-    if not any(votes):
-        fault = lines.first or LogError(path, _unknown(lines, sample))
-        raise UnknownFormat(path, fault.reason, fault.line)
-    return FORMATS[votes.index(max(votes))]
-
-
+# --------------------------------------------------------------------- files and folders
 def _folder(folder: Path) -> tuple[str, Callable[[str, str], Log]]:
     """The format of a folder, and what reads it: a Rawseeds recording, or numbered Hokuyo scans."""
     if files := _rawseeds.files_of(folder):
@@ -224,14 +190,6 @@ def _folder(folder: Path) -> tuple[str, Callable[[str, str], Log]]:
         "holds no log, expected a Rawseeds recording (SICK_FRONT.csv or HOKUYO_FRONT.csv, "
         "ODOMETRY_XYT.csv, GROUNDTRUTH.csv) or numbered files with a Hokuyo scan in each",
     )
-
-
-def _unknown(lines: Lines, sample: Sequence[str]) -> str:
-    known = ", ".join(form.name for form in FORMATS)
-    if lines.number == 0:
-        return f"is empty, expected a log ({known})"
-    first = f"it starts with {sample[0][:40]!r}" if sample else "it has comments only"
-    return f"is of no known format ({known}); {first}"
 
 
 def _named(path: str | Path) -> Path:

@@ -1,0 +1,71 @@
+"""Which format a file is of: by its first bytes, then by what most of its first lines look like."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from itertools import islice
+from pathlib import Path
+from typing import NamedTuple
+
+from ..scans import Log
+from . import _carmen, _coreslam, _g2o, _hokuyo_text, _player, _rawseeds
+from ._lines import Lines, LogError, UnknownFormat
+
+#: So many lines are looked at; a damaged one among them does not change what most of them say.
+FIRST = 200
+
+
+class Binary(NamedTuple):
+    """A reader of files that are no text, and how to tell them by first bytes or suffix."""
+
+    name: str
+    claims: Callable[[Path], bool]
+    read: Callable[[Path, str, str], Log]
+
+
+class Format(NamedTuple):
+    """A reader of text, and how to tell its lines from others."""
+
+    name: str
+    claims: Callable[[Sequence[str]], bool]
+    read: Callable[[Path, str, str], Log]
+    separator: str | None = None
+
+
+#: These are asked first, in this order.
+BINARY: tuple[Binary, ...] = ()
+FORMATS = (
+    Format("CARMEN", _carmen.claims, _carmen.read),
+    Format("g2o", _g2o.claims, _g2o.read),
+    Format("Player", _player.claims, _player.read),
+    Format("Hokuyo text", _hokuyo_text.claims, _hokuyo_text.read),
+    Format("CoreSLAM", _coreslam.claims, _coreslam.read),
+    Format("Rawseeds", _rawseeds.claims, _rawseeds.read, ","),
+)
+
+
+def recognise(path: Path) -> Binary | Format:
+    """The first that claims the file, or else the format that claims most of the first lines."""
+    for form in BINARY:
+        if form.claims(path):
+            return form
+    return _by_lines(path)
+
+
+def _by_lines(path: Path) -> Format:
+    lines = Lines(path, "skip", separator="\n")
+    sample = [line[0] for line in islice(lines, FIRST)]
+    split = {separator: [line.split(separator) for line in sample] for separator in (None, ",")}
+    votes = [sum(map(form.claims, filter(None, split[form.separator]))) for form in FORMATS]
+    if not any(votes):
+        fault = lines.first or LogError(path, _unknown(lines, sample))
+        raise UnknownFormat(path, fault.reason, fault.line)
+    return FORMATS[votes.index(max(votes))]
+
+
+def _unknown(lines: Lines, sample: Sequence[str]) -> str:
+    known = ", ".join([*(form.name for form in FORMATS), *(form.name for form in BINARY)])
+    if lines.number == 0:
+        return f"is empty, expected a log ({known})"
+    first = f"it starts with {sample[0][:40]!r}" if sample else "it has comments only"
+    return f"is of no known format ({known}); {first}"
