@@ -1,4 +1,4 @@
-"""Files that appear only when they are complete, and tables whose every line is checked.
+"""Files that appear only when they are complete, tables and arrays of which everything is checked.
 
 What is no regular file is neither read nor replaced.
 """
@@ -8,18 +8,28 @@ from __future__ import annotations
 import csv
 import gzip
 import io
+import math
 import os
 import stat
 import threading
-from collections.abc import Iterable, Iterator, Sequence
+import zipfile
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import IO
+from typing import IO, Any
+
+import numpy as np
+from numpy.lib import format as npy
+from numpy.typing import NDArray
 
 #: A packed file unpacks to at most this many bytes, or to this many times its own: logs shrink to a
 #: third or a fifth, trees to a sixth, the most regular tree to a 23rd, and what shrinks to a
 #: thousandth is made to fill the memory.
 UNPACKED, RATIO = 1 << 20, 50
+#: How numpy packs: other ways cannot be unpacked piece by piece.
+PACKED = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
+#: More bytes than the head of an array takes.
+HEAD = 256
 
 
 def existing(path: Path) -> os.stat_result | None:
@@ -97,8 +107,7 @@ def write_bytes(path: Path, data: bytes) -> None:
 def packed(data: bytes) -> bytes:
     """Bytes as gzip, never so small that a reader takes them for a bomb."""
     found = gzip.compress(data, mtime=0)
-    bomb = len(data) > max(UNPACKED, RATIO * len(found))
-    return gzip.compress(data, 0, mtime=0) if bomb else found
+    return gzip.compress(data, 0, mtime=0) if len(data) > _most(len(found)) else found
 
 
 # ------------------------------------------------------------------------------ tables
@@ -141,3 +150,68 @@ def table_lines(data: bytes, name: str, head: Sequence[str]) -> Iterator[tuple[l
             yield cells, f"{name}, line {rows.line_num}"
     except csv.Error as error:
         raise ValueError(f"{name}, line {rows.line_num}: expected a CSV line, {error}") from error
+
+
+# ------------------------------------------------------------------------------ arrays
+def write_npz(path: Path, kind: str, held: Mapping[str, NDArray[Any]]) -> None:
+    """Write arrays by name; `kind` says what they are, with the version of their layout."""
+    named: dict[str, Any] = {"format": np.array(kind), **held}
+    with replacing(path) as target:
+        np.savez_compressed(target, **named)
+        if sum(array.nbytes + HEAD for array in named.values()) > _most(target.tell()):
+            target.seek(0)  # packed so small that a reader would take it for a bomb
+            target.truncate()
+            np.savez(target, **named)
+
+
+def read_npz(path: Path, kind: str) -> dict[str, NDArray[Any]]:
+    """The arrays of a file that `write_npz` wrote; no object is unpickled.
+
+    Raises
+    ------
+    ValueError
+        Naming the file: damaged, of another kind or version, out of proportion to its size.
+    """
+    existing(path)
+    with path.open("rb") as source:
+        try:
+            found = _arrays(source)
+        except Exception as error:  # zipfile, zlib and numpy raise a dozen kinds for damaged bytes
+            raise ValueError(f"{path}: not a readable NPZ file ({error})") from None
+    (name, version), said = kind.rsplit(" ", 1), str(found.pop("format", ""))
+    if not said.startswith(name):
+        raise ValueError(f"{path}: not a {name.split()[1]} of segmap, holds {sorted(found)}")
+    if said != kind:
+        raise ValueError(f"{path}: written as {said!r}, this version reads {version}")
+    return found
+
+
+def _most(size: int) -> int:
+    """Bytes that a packed file of some size may unpack to."""
+    return max(UNPACKED, RATIO * size)
+
+
+def _arrays(source: IO[bytes]) -> dict[str, NDArray[Any]]:
+    """The arrays of an NPZ file; nothing is unpacked that is out of proportion to its size."""
+    if source.read(2) != b"PK":
+        raise ValueError("it does not begin like one")
+    most = _most(os.fstat(source.fileno()).st_size)
+    with zipfile.ZipFile(source) as packed:
+        members = packed.infolist()
+        if sum(member.file_size for member in members) > most:
+            raise ValueError(f"it unpacks to more than {most} bytes")
+        if any(member.compress_type not in PACKED for member in members):
+            raise ValueError("it is packed as numpy never does")
+        return {m.filename.removesuffix(".npy"): _array(packed, m) for m in members}
+
+
+def _array(packed: zipfile.ZipFile, member: zipfile.ZipInfo) -> NDArray[Any]:
+    """One array; its header must not ask for more than there is."""
+    with packed.open(member) as source:
+        if npy.read_magic(source) != (1, 0):
+            raise ValueError(f"{member.filename} is of another version of NPY")
+        shape, by_columns, kind = npy.read_array_header_1_0(source)
+        data = source.read()
+    if kind.hasobject or math.prod(shape) * kind.itemsize != len(data):
+        raise ValueError(f"{member.filename} holds {len(data)} bytes, no {kind} {shape}")
+    return np.frombuffer(bytearray(data), kind).reshape(shape, order="F" if by_columns else "C")

@@ -7,16 +7,26 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, fields
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import arrays
 from ._display import Pictured
+from ._files import read_npz, write_npz
+from ._segment_points import behind, places_of, take_points
 from .arrays import Array, Segments
+
+__all__ = [
+    "MIN_LENGTH", "SegmentMap", "angle", "extreme_projections", "length", "midpoint",
+    "point_distance", "take_points",
+]  # fmt: skip
 
 #: Below this length, in metres, a segment has no angle.
 MIN_LENGTH = 1e-9
+#: What a file of a map calls itself, with the version of its layout.
+STORED = "segmap map 1"
 
 
 def length(segments: ArrayLike) -> Array:
@@ -185,9 +195,8 @@ SegmentMap(1 segment of 1 scan))
             raise ValueError(
                 f"scan must have shape ({len(array)},), one index a segment, got {index.shape}"
             )
-        behind = _behind(points, first, len(array))
-        places = None if sensors is None else _places(sensors, index)
-        values = (array, index, *behind, places)
+        places = None if sensors is None else places_of(sensors, index)
+        values = (array, index, *behind(points, first, len(array)), places)
         for field, value in zip(fields(self), values, strict=True):
             if value is not None:
                 value.flags.writeable = False
@@ -215,6 +224,44 @@ SegmentMap(1 segment of 1 scan))
         cuts = np.flatnonzero(np.diff(self.scan[order])) + 1
         return iter(np.split(self.segments[order], cuts) if len(order) else [])
 
+    def save(self, path: str | Path) -> None:
+        """Write the map with all that lies behind it as NPZ: whole or not at all.
+
+        Raises
+        ------
+        OSError
+            For a folder that does not exist, or cannot be written to.
+
+        Examples
+        --------
+        >>> import tempfile
+        >>> with tempfile.TemporaryDirectory() as folder:
+        ...     SegmentMap([[(0, 0), (1, 0)]], scan=[3]).save(f"{folder}/it.npz")
+        ...     SegmentMap.load(f"{folder}/it.npz").scan
+        array([3])
+        """
+        held = {field.name: getattr(self, field.name) for field in fields(self)}
+        held = {name: value for name, value in held.items() if value is not None}
+        write_npz(arrays.file(path), STORED, held)
+
+    @classmethod
+    def load(cls, path: str | Path) -> SegmentMap:
+        """Read what `save` wrote, bit for bit.
+
+        Raises
+        ------
+        ValueError
+            For a file that is damaged or foreign, or unpacks to more than 1 MB and 50 times its
+            size, saying what is wrong with it.
+        """
+        found = read_npz(arrays.file(path), STORED)
+        if not {"segments", "scan"} <= set(found) <= {field.name for field in fields(cls)}:
+            raise ValueError(f"{path}: damaged, it holds {sorted(found)}")
+        try:
+            return cls(**found)
+        except ValueError as fault:
+            raise ValueError(f"{path}: damaged, {fault}") from None
+
     def __len__(self) -> int:
         return len(self.segments)
 
@@ -222,63 +269,6 @@ SegmentMap(1 segment of 1 scan))
         n, k = len(self), len(np.unique(self.scan))
         behind = "" if self.points is None else f", {len(self.points)} points"
         return f"SegmentMap({n} segment{'s' * (n != 1)} of {k} scan{'s' * (k != 1)}{behind})"
-
-
-def take_points(
-    points: Array, first: NDArray[np.int64], rows: NDArray[np.int64]
-) -> tuple[Array, NDArray[np.int64]]:
-    """Points of some of the segments, and where those of each begin.
-
-    Parameters
-    ----------
-    points : (p, 2) array, metres
-    first : (n + 1,) int array
-    rows : (m,) int array
-
-    Returns
-    -------
-    (q, 2) array, metres, and (m + 1,) int array
-
-    Examples
-    --------
-    >>> points, first = np.arange(10.0).reshape(5, 2), np.array([0, 2, 5])
-    >>> take_points(points, first, np.array([1]))[0][:, 0], take_points(points, first, [1])[1]
-    (array([4., 6., 8.]), array([0, 3]))
-    """
-    counts = np.diff(first)[rows]
-    starts = np.append(0, np.cumsum(counts))
-    shift = np.repeat(first[:-1][rows] - starts[:-1], counts)
-    return points[np.arange(starts[-1]) + shift], starts
-
-
-def _behind(
-    points: ArrayLike | None, first: ArrayLike | None, count: int
-) -> tuple[Array | None, NDArray[np.int64] | None]:
-    """Copies of the points behind `count` segments, metres, and where those of each begin."""
-    if points is None and first is None:
-        return None, None
-    if points is None or first is None:
-        raise ValueError("points and first must be given together, or neither of them")
-    p, starts = np.array(arrays.points(points)), arrays.indices(first, "first")
-    counts = np.diff(starts) if starts.shape == (count + 1,) else np.zeros(1)
-    if starts.shape != (count + 1,) or (counts < 2).any() or [starts[0], starts[-1]] != [0, len(p)]:
-        raise ValueError(
-            f"first must rise from 0 to {len(p)}, the number of points, in {count} steps of at "
-            f"least 2 points a segment, got {len(starts)} values"
-        )
-    return p, starts
-
-
-def _places(sensors: ArrayLike, scan: NDArray[np.int64]) -> Array:
-    """A copy of the places of the sensor, metres, of which each scan with segments has one."""
-    places = np.array(arrays.table(sensors, "sensors", 2, missing=True))
-    low, high = (scan.min(), scan.max()) if len(scan) else (0, -1)
-    if low < 0 or high >= len(places) or not np.isfinite(places[scan]).all():
-        raise ValueError(
-            f"sensors must hold a place for each scan that has segments, {low} to {high}, "
-            f"got {len(places)} places"
-        )
-    return places
 
 
 def _span(segments: ArrayLike) -> Array:

@@ -64,7 +64,9 @@ OBJECTS = {"matching": [matching.DistanceField(TREE)], "quadtree": [TREE], "segm
 #: A parameter that is not here keeps its default.
 GOOD = {
     "angle_candidates.viewpoints": np.zeros((2, 2)), "write_ros_map.path": "written.yaml",
-    "read_trajectory.path": "poses.csv", "data_file.name": "room", "a": PATH, "a_from_b": PATH,
+    "read_trajectory.path": "poses.csv", "write_segments.path": "written.csv",
+    "read_segments.path": "segments.csv", "SegmentMap.load.path": "segments.npz",
+    "write_segments.map": MAP, "data_file.name": "room", "a": PATH, "a_from_b": PATH,
     "after": WALLS[:2], "angles.a": 0.1, "angles.angle": 0.1,
     "angles.b": 0.1, "at": np.array([0.5]), "axial_mean.angles": np.array([0.1, 0.2]), "b": PATH,
     "b_from_c": PATH, "before": WALLS, "box.depth": 3.0, "box.width": 3.0,

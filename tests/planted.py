@@ -48,6 +48,13 @@ PLANTED = (
     ("theta = (count * lines[b, 1] + theta + turns * np.pi) / (count + 1)", "theta = (count * lines[b, 1] + theta) / (count + 1)", "hybrid"),
     ("if b < best if tie else near < least:", "if near < least:", "hybrid"),
     ("np.where(turns % 2 == 0, rho, -rho)", "rho", "hybrid"),
+    # maps as files
+    ('reshape(shape, order="F" if by_columns else "C")', "reshape(shape)", "segment_files"),
+    ("(a, b) != (c, d):\n            start, end", "a != c:\n            start, end", "segment_files"),
+    ('yield ",".join([*(repr(value) for value in row)', 'yield ",".join([*(f"{value:.15g}" for value in row)', "segment_files"),
+    ("(abs(found[4]) < 2**53 and found[4] % 1 == 0)", "(found[4] % 1 == 0)", "segment_files"),
+    ("            np.savez(target, **named)", "            np.savez_compressed(target, **named)", "segment_files"),
+    ('vector-effect="non-scaling-stroke"\'\n', 'stroke-opacity="1"\'\n', "segment_files"),
     # segment similarity, uncertain parameters, polyline
     ("lines[i, 2] += lines[j, 2]\n", "lines[i, 2] += 0.0\n", "segment_similarity"),
     ("if state.alive[j] == 0 or state.changed[j] > state.looked[i]:", "if state.alive[j] == 0:", "segment_similarity"),

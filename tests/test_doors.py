@@ -19,10 +19,10 @@ import warnings
 
 import numpy as np
 import pytest
-from door_table import ARRAYS, FREE, GOOD, MEANT, NAN_IS_MEANT, OBJECTS, RUNS, TREE, odd, spoilt
+from door_table import ARRAYS, FREE, GOOD, MAP, MEANT, NAN_IS_MEANT, OBJECTS, TREE, odd, spoilt
 from matplotlib import pyplot
 
-from segmap import experiments, hokuyo, readers
+from segmap import experiments, exports, hokuyo, readers
 
 #: The library as far as it takes arrays and numbers. `literal` is loops to read, without checks.
 ROOMS = [
@@ -70,7 +70,7 @@ def good(room, door, parameter):
     name = parameter.name
     if f"{door}.{name}" in FREE:
         return "it"
-    for key in (f"{door.split('.')[-1]}.{name}", f"{room}.{name}", name):
+    for key in (f"{door}.{name}", f"{door.split('.')[-1]}.{name}", f"{room}.{name}", name):
         if key in GOOD and (parameter.default in (None, parameter.empty) or "." in key):
             return GOOD[key]() if isinstance(GOOD[key], type) else GOOD[key]
     assert parameter.default not in (None, parameter.empty), (
@@ -99,7 +99,9 @@ def bounded(tmp_path_factory):
     (folder / "good.log.gz").write_bytes(readers.data_file("room/room.log.gz").read_bytes())
     (folder / "poses.csv").write_text("10.5, 1, 2, 0.5" + ", 0" * 9)
     TREE.save(folder / "map.npz")
-    experiments.write_records(RUNS, folder / "runs.csv")
+    for name in ("segments.csv", "segments.npz"):
+        exports.write_segments(folder / name, MAP)
+    experiments.write_records(GOOD["frame"], folder / "runs.csv")
     alignments = readers.data_file("records/alignment.csv")
     (folder / "alignment.csv").write_bytes(alignments.read_bytes())
     soft, hard = resource.getrlimit(resource.RLIMIT_AS)

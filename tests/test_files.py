@@ -10,7 +10,7 @@ import pandas as pd
 import pytest
 
 import segmap
-from segmap import LaserScan, Log, exports
+from segmap import LaserScan, Log, SegmentMap, exports
 from segmap._files import RATIO, UNPACKED, packed, table_lines
 from segmap.course import load_trials, write_trials
 from segmap.experiments import load_records, write_records
@@ -19,6 +19,7 @@ from segmap.quadtree import QuadtreeMap
 LOG = Log("one", [LaserScan([1.0], [0.0])], [(0, 0, 0)])
 MAP = QuadtreeMap(resolution=0.5, size=2)
 MAP.insert_scan((0.2, 0.2), [(1.2, 0.2)])
+WALLS = SegmentMap([[(0, 0), (1, 0)]])
 
 #: Every function that writes a file in one go, and the end of the name that it wants.
 WRITERS = {
@@ -29,6 +30,9 @@ WRITERS = {
     "geojson": (lambda path: exports.write_geojson(path, MAP), ".geojson"),
     "svg": (lambda path: exports.write_svg(path, MAP), ".svg"),
     "map": (lambda path: MAP.save(path), ".npz"),
+    "segment map": (lambda path: WALLS.save(path), ".npz"),
+    "segments": (lambda path: exports.write_segments(path, WALLS), ".csv"),
+    "drawn": (lambda path: exports.write_segments(path, WALLS), ".dxf.gz"),
     "records": (lambda path: write_records(load_records("malaga")[:2], path), ".csv"),
     "trials": (lambda path: write_trials(load_trials()[:2], path), ".csv"),
 }
@@ -49,7 +53,8 @@ def others(folder: Path, *known: str) -> set[str]:
 def test_the_table_of_writers_is_whole():
     """Catches an export that joins the package and not these tests, and a second way to write."""
     assert set(exports.__all__) - {"NOTHING_MET", "Classes", "ros_classes"} == {
-        *("write_tum", "write_carmen", "write_ros_map", "write_geojson", "write_svg")
+        *("write_tum", "write_carmen", "write_ros_map", "write_geojson", "write_svg"),
+        "write_segments",
     }
     found = set()
     for path in Path(segmap.__file__).parent.rglob("*.py"):

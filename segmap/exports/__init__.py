@@ -5,6 +5,7 @@ stood there before stays until the new one is complete. A name that ends in `.gz
 """
 
 from ._maps import Classes, ros_classes, write_geojson, write_ros_map, write_svg
+from ._segments import write_segments
 from ._trajectories import NOTHING_MET, write_carmen, write_tum
 
 __all__ = [
@@ -14,6 +15,7 @@ __all__ = [
     "write_carmen",
     "write_geojson",
     "write_ros_map",
+    "write_segments",
     "write_svg",
     "write_tum",
 ]

@@ -2,23 +2,18 @@
 
 from __future__ import annotations
 
-import math
-import os
-import zipfile
 from pathlib import Path
-from typing import IO, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.lib import format as npy
 from numpy.typing import NDArray
 
-from .._files import RATIO, UNPACKED, existing, replacing
+from .._files import read_npz, write_npz
 from ..arrays import Array
 from . import _loops as loops
 
-FORMAT, VERSION = "segmap quadtree", 1
-#: What numpy writes: other ways to pack cannot be unpacked piece by piece.
-PACKED = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
+#: What a file calls itself, with the version of its layout.
+FORMAT = "segmap quadtree 1"
 
 
 class Stored(NamedTuple):
@@ -32,54 +27,15 @@ class Stored(NamedTuple):
 
 def write(path: Path, stored: Stored) -> None:
     """Write a file that is whole or absent."""
-    kind = np.array(f"{FORMAT} {VERSION}")
-    with replacing(path) as target:
-        np.savez_compressed(target, format=kind, **stored._asdict())
+    write_npz(path, FORMAT, stored._asdict())
 
 
 def read(path: Path) -> Stored:
     """Read a file and check it: compiled loops rely on what it holds."""
-    existing(path)
-    with path.open("rb") as source:
-        try:
-            arrays = _arrays(source)
-        except Exception as error:  # zipfile, zlib and numpy raise a dozen kinds for damaged bytes
-            raise ValueError(f"{path}: not a readable NPZ file ({error})") from None
-    kind = str(arrays.pop("format", ""))
-    if not kind.startswith(FORMAT):
-        raise ValueError(f"{path}: not a quadtree of segmap, holds {sorted(arrays)}")
-    if kind != f"{FORMAT} {VERSION}":
-        raise ValueError(f"{path}: written as {kind!r}, this version reads {VERSION}")
+    arrays = read_npz(path, FORMAT)
     if wrong := _fault(arrays):
         raise ValueError(f"{path}: damaged, {wrong}")
     return Stored(**arrays)
-
-
-# ---------------------------------------------------------------------------- unpacking
-def _arrays(source: IO[bytes]) -> dict[str, Any]:
-    """The arrays of an NPZ file; nothing is unpacked that is out of proportion to its size."""
-    if source.read(2) != b"PK":
-        raise ValueError("it does not begin like one")
-    most = max(UNPACKED, RATIO * os.fstat(source.fileno()).st_size)
-    with zipfile.ZipFile(source) as packed:
-        members = packed.infolist()
-        if sum(member.file_size for member in members) > most:
-            raise ValueError(f"it unpacks to more than {most} bytes")
-        if any(member.compress_type not in PACKED for member in members):
-            raise ValueError("it is packed as numpy never does")
-        return {m.filename.removesuffix(".npy"): _array(packed, m) for m in members}
-
-
-def _array(packed: zipfile.ZipFile, member: zipfile.ZipInfo) -> NDArray[Any]:
-    """One array; its header must not ask for more than there is."""
-    with packed.open(member) as source:
-        if npy.read_magic(source) != (1, 0):
-            raise ValueError(f"{member.filename} is of another version of NPY")
-        shape, _, kind = npy.read_array_header_1_0(source)
-        data = source.read()
-    if kind.hasobject or math.prod(shape) * kind.itemsize != len(data):
-        raise ValueError(f"{member.filename} holds {len(data)} bytes, no {kind} {shape}")
-    return np.frombuffer(bytearray(data), kind).reshape(shape)
 
 
 # ------------------------------------------------------------------------------- checks

@@ -2,13 +2,12 @@
 
 `read` recognises the format by what is in the file; `load` reads a log that comes with segmap. One
 file a format, each with what it means to the field: `_carmen`, `_g2o`, `_player`, `_rawseeds`,
-`_hokuyo_text`, `_coreslam`.
+`_hokuyo_text`, `_coreslam`. `read_segments` reads a map that `exports.write_segments` wrote.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 
@@ -19,7 +18,9 @@ from . import _hokuyo_text, _rawseeds
 from ._bundled import data_file, find
 from ._formats import recognise
 from ._lines import LogError, UnknownFormat
+from ._opening import asking, checked_file, named
 from ._raw_scans import half_turn, same_poses
+from ._segments import read_segments
 
 __all__ = [
     "LogError",
@@ -29,6 +30,7 @@ __all__ = [
     "half_turn",
     "load",
     "read",
+    "read_segments",
     "read_trajectory",
     "same_poses",
 ]
@@ -79,12 +81,12 @@ def read(path: str | Path, *, on_error: str = "raise") -> Log:
     >>> log, log.skipped.lines, log[0].valid
     (Log('two', 1 scan, odometry, no truth), 1, array([ True, False]))
     """
-    path, on_error = _named(path), arrays.one_of(on_error, "on_error", ON_ERROR)
-    with _asking(path):
+    path, on_error = named(path), arrays.one_of(on_error, "on_error", ON_ERROR)
+    with asking(path):
         name = path.resolve().name
         if path.is_dir():
             return _folder(path)[1](name, on_error)
-        return recognise(_checked_file(path)).read(path, _stem(name), on_error)
+        return recognise(checked_file(path)).read(path, _stem(name), on_error)
 
 
 def format_of(path: str | Path) -> str:
@@ -112,9 +114,9 @@ def format_of(path: str | Path) -> str:
     >>> format_of(data_file("malaga/malaga.log.gz"))
     'CARMEN'
     """
-    path = _named(path)
-    with _asking(path):
-        return _folder(path)[0] if path.is_dir() else recognise(_checked_file(path)).name
+    path = named(path)
+    with asking(path):
+        return _folder(path)[0] if path.is_dir() else recognise(checked_file(path)).name
 
 
 def read_trajectory(path: str | Path, *, on_error: str = "raise") -> tuple[Array, Array]:
@@ -147,9 +149,9 @@ def read_trajectory(path: str | Path, *, on_error: str = "raise") -> tuple[Array
     (array([10.5]), array([[1. , 2. , 0.5]]))
     """
     on_error = arrays.one_of(on_error, "on_error", ON_ERROR)
-    path = _named(path)
-    with _asking(path):
-        return _rawseeds.read_trajectory(_checked_file(path), on_error)[:2]
+    path = named(path)
+    with asking(path):
+        return _rawseeds.read_trajectory(checked_file(path), on_error)[:2]
 
 
 def load(name: str) -> Log:
@@ -190,30 +192,6 @@ def _folder(folder: Path) -> tuple[str, Callable[[str, str], Log]]:
         "holds no log, expected a Rawseeds recording (SICK_FRONT.csv or HOKUYO_FRONT.csv, "
         "ODOMETRY_XYT.csv, GROUNDTRUTH.csv) or numbered files with a Hokuyo scan in each",
     )
-
-
-def _named(path: str | Path) -> Path:
-    """The path of a log; a name that no file can have is an error of the log."""
-    if isinstance(path, str) and "\0" in path:
-        raise LogError(Path(path), "a path has no NUL in it, expected that of a log")
-    return arrays.file(path)
-
-
-@contextmanager
-def _asking(path: Path) -> Iterator[None]:
-    """Turn what the operating system refuses, links in a circle too, into a LogError."""
-    try:
-        yield
-    except (OSError, RuntimeError) as fault:
-        reason = getattr(fault, "strerror", None) or fault
-        raise LogError(path, f"cannot be read ({reason})") from fault
-
-
-def _checked_file(path: Path) -> Path:
-    if not path.is_file():
-        found = "is no file" if path.exists() else "does not exist"
-        raise LogError(path, f"{found}, expected a log file or a folder of one")
-    return path
 
 
 def _stem(name: str) -> str:

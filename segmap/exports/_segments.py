@@ -1,0 +1,147 @@
+"""Segment maps for other programs: tables, drawings, geometries."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import numpy as np
+
+from .. import arrays
+from .._files import write_bytes
+from ..arrays import Array, Segments
+from ..segments import SegmentMap
+
+#: Largest side of a drawing, and its lines, pixels; its margin as a part of the larger side.
+PIXELS, LINE, MARGIN = 800, 1.5, 0.02
+#: Said of each line, since it is not inherited: as wide at any zoom.
+THIN = 'vector-effect="non-scaling-stroke"'
+#: Metres in the header of a DXF file.
+METRES = 6
+
+
+def write_segments(path: str | Path, map: Segments) -> None:
+    """Write a map of segments in the format that the name asks for.
+
+    - `.csv`: a table `x1,y1,x2,y2,scan`, with as many digits (up to 17) as `readers.read_segments`
+      needs to find the same numbers, bit for bit.
+    - `.npz`: as `SegmentMap.save`, with the points and sensors that the map keeps.
+    - `.svg`: a drawing, y upwards, units are metres; lines stay as thin at any zoom.
+    - `.geojson`: LineStrings with the property `scan`, x before y, metres in the map's frame. No
+      reference system is claimed; a program that takes one for granted must be told.
+    - `.wkt`: one line, a MULTILINESTRING, which `shapely.from_wkt` and QGIS take.
+    - `.dxf`: a drawing of LINEs on layer 0, in metres, of the version R12 that every program reads;
+      a segment without length is left out.
+
+    All but `.npz` are packed where `.gz` follows. The last four are for other programs: this one
+    reads the first two.
+
+    Parameters
+    ----------
+    path : str or Path
+    map : SegmentMap, Reduction or (n, 2, 2) array, metres
+        Segments of a reduction come from many scans, and those of an array from none that is known:
+        their `scan` is written as 0.
+
+    Raises
+    ------
+    ValueError
+        For a name that ends in another way, telling the ones that are known; a map that is none.
+    OSError
+        A folder that does not exist, or cannot be written to.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     path = Path(folder) / "walls.csv"
+    ...     write_segments(path, [[(0, 0), (1.5, 0.1)]])
+    ...     print(path.read_text(), end="")
+    x1,y1,x2,y2,scan
+    0.0,0.0,1.5,0.1,0
+    """
+    place = arrays.file(path)
+    name = place.name.removesuffix(".gz")
+    end = Path(name).suffix.lower()
+    held = map if isinstance(map, SegmentMap) else SegmentMap(arrays.segments(map, "map"))
+    if end == ".npz" and name == place.name:
+        held.save(place)
+    elif end in TEXTS:
+        write_bytes(place, "".join(TEXTS[end](held)).encode("ascii"))
+    else:
+        known = ", ".join([*TEXTS, *(f"{each}.gz" for each in TEXTS)])
+        raise ValueError(f"path: the name must end in .npz, {known}, got {place.name!r}")
+
+
+# ------------------------------------------------------------------------------ formats
+def _rows(map: SegmentMap) -> list[list[float]]:
+    """x and y of both ends of each segment, metres."""
+    found: list[list[float]] = map.segments.reshape(-1, 4).tolist()
+    return found
+
+
+def _csv(map: SegmentMap) -> Iterator[str]:
+    yield "x1,y1,x2,y2,scan\n"
+    for row, scan in zip(_rows(map), map.scan.tolist(), strict=True):
+        yield ",".join([*(repr(value) for value in row), f"{scan}\n"])
+
+
+def _geojson(map: SegmentMap) -> Iterator[str]:
+    features = [
+        {
+            "type": "Feature",
+            "properties": {"scan": scan},
+            "geometry": {"type": "LineString", "coordinates": ends},
+        }
+        for ends, scan in zip(map.segments.tolist(), map.scan.tolist(), strict=True)
+    ]
+    yield json.dumps({"type": "FeatureCollection", "features": features}, separators=(",", ":"))
+
+
+def _wkt(map: SegmentMap) -> Iterator[str]:
+    parts = [f"({a!r} {b!r}, {c!r} {d!r})" for a, b, c, d in _rows(map)]
+    yield f"MULTILINESTRING {'(' + ', '.join(parts) + ')' if parts else 'EMPTY'}\n"
+
+
+def _dxf(map: SegmentMap) -> Iterator[str]:
+    yield _tags((0, "SECTION"), (2, "HEADER"), (9, "$ACADVER"), (1, "AC1009"))
+    yield _tags((9, "$INSUNITS"), (70, METRES), (0, "ENDSEC"), (0, "SECTION"), (2, "ENTITIES"))
+    for a, b, c, d in _rows(map):
+        if (a, b) != (c, d):
+            start, end = ((10, a), (20, b), (30, 0.0)), ((11, c), (21, d), (31, 0.0))
+            yield _tags((0, "LINE"), (8, "0"), *start, *end)
+    yield _tags((0, "ENDSEC"), (0, "EOF"))
+
+
+def _tags(*pairs: tuple[int, str | int | float]) -> str:
+    """Group codes and their values, a line each."""
+    return "".join(f"{code}\n{value}\n" for code, value in pairs)
+
+
+def _svg(map: SegmentMap) -> Iterator[str]:
+    (left, low), (wide, tall) = _frame(map.segments)
+    scale = PIXELS / max(wide, tall)
+    yield (
+        f'<svg xmlns="http://www.w3.org/2000/svg" width="{scale * wide:.0f}" '
+        f'height="{scale * tall:.0f}" viewBox="{left!r} {-low - tall!r} {wide!r} {tall!r}">\n'
+        f'<g transform="scale(1 -1)" stroke="#000000" stroke-width="{LINE}" '
+        'stroke-linecap="round">\n'
+    )
+    for a, b, c, d in _rows(map):
+        yield f'<line x1="{a!r}" y1="{b!r}" x2="{c!r}" y2="{d!r}" {THIN}/>\n'
+    yield "</g>\n</svg>\n"
+
+
+def _frame(segments: Array) -> tuple[list[float], list[float]]:
+    """Lower left corner and sides of what a drawing shows, metres: never nothing."""
+    ends = segments.reshape(-1, 2) if len(segments) else np.zeros((1, 2))
+    low, high = ends.min(0), ends.max(0)
+    room = MARGIN * max((high - low).max(), 1.0)
+    return (low - room).tolist(), (high - low + 2 * room).tolist()
+
+
+#: Formats that are text, by the end of their name.
+TEXTS: dict[str, Callable[[SegmentMap], Iterator[str]]] = {
+    ".csv": _csv, ".svg": _svg, ".geojson": _geojson, ".wkt": _wkt, ".dxf": _dxf,
+}  # fmt: skip

@@ -1,0 +1,318 @@
+"""Maps of segments in files: back bit for bit, read by other programs, or refused by name."""
+
+import gzip
+import io
+import json
+import random
+import tracemalloc
+import xml.etree.ElementTree as ET
+import zipfile
+from dataclasses import fields
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from hypothesis.extra import numpy as arrays_of
+from test_readers_damage import SEED, mutated
+
+from segmap import LogError, SegmentMap, build_map, fusion, load
+from segmap.arrays import LIMIT
+from segmap.exports import write_segments
+from segmap.readers import read_segments
+
+EMPTY = SegmentMap([])
+ODD = SegmentMap(
+    [[(0.1, -0.0), (1 / 3, 5e-324)], [(LIMIT, -LIMIT), (1e7 - 1e-9, 2)], [(1, 1), (1, 1)]],
+    scan=[-1, 2**53 - 1, 0],
+)
+MAPS = {"empty": EMPTY, "one": SegmentMap([[(0, 0), (1, 2)]], [4]), "odd": ODD}
+BACK = ["it.csv", "it.csv.gz", "it.npz"]
+FORMATS = [".csv", ".npz", ".svg", ".geojson", ".wkt", ".dxf"]
+
+maps = st.integers(0, 5).flatmap(
+    lambda n: st.builds(
+        SegmentMap,
+        arrays_of.arrays(float, (n, 2, 2), elements=st.floats(-LIMIT, LIMIT)),
+        arrays_of.arrays(np.int64, n, elements=st.integers(1 - 2**53, 2**53 - 1)),
+    )
+)
+
+
+def bits(map: SegmentMap) -> dict:
+    """Everything that a map holds, byte for byte."""
+    held = {field.name: getattr(map, field.name) for field in fields(map)}
+    return {k: v if v is None else (v.dtype, v.shape, v.tobytes()) for k, v in held.items()}
+
+
+def with_points() -> SegmentMap:
+    log, poses = load("room")[:6], load("room").truth[:6].copy()
+    poses[2] = np.nan
+    return build_map(log, poses, keep_points=True)
+
+
+# ------------------------------------------------------------------------- back again
+@pytest.mark.parametrize("name", BACK)
+@pytest.mark.parametrize("map", MAPS.values(), ids=MAPS)
+def test_a_map_comes_back_bit_for_bit(map, name, tmp_path):
+    """Catches digits cut off, a scan that is a float, an empty file, and a sign of zero."""
+    write_segments(tmp_path / name, map)
+    assert bits(read_segments(tmp_path / name)) == bits(map)
+
+
+@settings(max_examples=25)
+@given(map=maps)
+@pytest.mark.parametrize("name", ["it.csv", "it.npz"])
+def test_any_map_comes_back_bit_for_bit(name, map, tmp_path_factory):
+    path = tmp_path_factory.getbasetemp() / name
+    write_segments(path, map)
+    assert bits(read_segments(path)) == bits(map)
+
+
+@pytest.mark.parametrize("order", ["C", "F"])
+def test_save_keeps_points_and_sensors(order, tmp_path):
+    """Catches what lies behind the segments, left out or mixed up; NaN for a scan without pose."""
+    map = with_points()
+    kept = np.array(map.points, order=order)
+    map = SegmentMap(map.segments, map.scan, points=kept, first=map.first, sensors=map.sensors)
+    map.save(tmp_path / "it.npz")
+    assert np.isnan(map.sensors[2]).all()
+    for found in (SegmentMap.load(tmp_path / "it.npz"), read_segments(tmp_path / "it.npz")):
+        assert bits(found) == bits(map)
+    map.save(tmp_path / "two.npz")
+    assert (tmp_path / "two.npz").read_bytes() == (tmp_path / "it.npz").read_bytes()
+
+
+def test_a_table_is_found_by_what_is_in_it(tmp_path):
+    """Catches a reader that believes the name."""
+    write_segments(tmp_path / "it.csv", ODD)
+    ODD.save(tmp_path / "it.npz")
+    (tmp_path / "it.csv").rename(tmp_path / "other.npz")
+    (tmp_path / "it.npz").rename(tmp_path / "other.csv")
+    for name in ("other.npz", "other.csv"):
+        assert bits(read_segments(tmp_path / name)) == bits(ODD)
+
+
+def test_a_reduction_and_an_array_are_of_scan_0(tmp_path):
+    """Catches a scan that is made up: a segment of a reduction comes from many."""
+    before = SegmentMap([[(0, 0), (1, 0)], [(0, 0.01), (1, 0.01)]], [3, 4])
+    for map in (fusion(before), before.segments):
+        write_segments(tmp_path / "it.csv", map)
+        found = read_segments(tmp_path / "it.csv")
+        np.testing.assert_array_equal(found.segments, getattr(map, "segments", map))
+        assert set(found.scan) == {0}
+
+
+def test_many_equal_segments_are_no_bomb(tmp_path):
+    """Catches a map that its own reader refuses since it shrinks to a thousandth."""
+    map = SegmentMap(np.zeros((30_000, 2, 2)))
+    for name in BACK[1:]:
+        write_segments(tmp_path / name, map)
+        assert bits(read_segments(tmp_path / name)) == bits(map)
+
+
+def test_spaces_and_ends_of_lines_of_other_programs(tmp_path):
+    (tmp_path / "it.csv").write_bytes(b"# mine\r\nx1, y1,x2,y2,scan\r\n\r\n 1,2 ,3e0,4,5.0\r\n")
+    found = read_segments(tmp_path / "it.csv")
+    assert found.segments.tolist() == [[[1, 2], [3, 4]]] and found.scan.tolist() == [5]
+
+
+# ---------------------------------------------------------------------- other programs
+@pytest.mark.parametrize("map", MAPS.values(), ids=MAPS)
+def test_geojson(map, tmp_path):
+    """Catches y before x, rounded coordinates, and a reference system that nobody knows."""
+    write_segments(tmp_path / "it.geojson", map)
+    found = json.loads((tmp_path / "it.geojson").read_text())
+    assert set(found) == {"type", "features"} and found["type"] == "FeatureCollection"
+    shapes = [each["geometry"] for each in found["features"]]
+    assert {shape["type"] for shape in shapes} <= {"LineString"}
+    ends = np.reshape([shape["coordinates"] for shape in shapes], (-1, 2, 2))
+    np.testing.assert_array_equal(ends, map.segments)
+    assert [each["properties"]["scan"] for each in found["features"]] == map.scan.tolist()
+
+
+@pytest.mark.parametrize("map", MAPS.values(), ids=MAPS)
+def test_svg(map, tmp_path):
+    """Catches a drawing upside down, lines that vanish in a large one, a frame that cuts."""
+    write_segments(tmp_path / "it.svg", map)
+    root = ET.parse(tmp_path / "it.svg").getroot()
+    (group,) = root
+    assert group.get("transform") == "scale(1 -1)"
+    ends = [[float(line.get(k)) for k in ("x1", "y1", "x2", "y2")] for line in group]
+    np.testing.assert_array_equal(np.reshape(ends, (-1, 2, 2)), map.segments)
+    assert all(line.get("vector-effect") == "non-scaling-stroke" for line in group)
+    left, top, wide, tall = words(root.get("viewBox"))
+    x, y = map.segments[..., 0], -map.segments[..., 1]
+    assert wide > 0 and tall > 0 and ((left < x) & (x < left + wide)).all()
+    assert ((top < y) & (y < top + tall)).all()
+    sides = float(root.get("width")), float(root.get("height"))
+    assert max(sides) == 800 and sides[0] / sides[1] == pytest.approx(wide / tall, rel=0.1)
+
+
+def words(text: str) -> list[float]:
+    return [float(word) for word in text.split()]
+
+
+@pytest.mark.parametrize("map", MAPS.values(), ids=MAPS)
+def test_wkt(map, tmp_path):
+    """By the grammar of simple features, and by shapely where it is installed."""
+    write_segments(tmp_path / "it.wkt", map)
+    text = (tmp_path / "it.wkt").read_text()
+    assert text.count("\n") == 1 and text.endswith("\n")
+    kind, _, body = text.strip().partition(" ")
+    assert kind == "MULTILINESTRING" and (body == "EMPTY") == (len(map) == 0)
+    parts = body.replace("EMPTY", "").replace("(", " ").replace(")", " ").replace(",", " ")
+    np.testing.assert_array_equal(np.reshape(words(parts), (-1, 2, 2)), map.segments)
+    assert body.count("(") == (len(map) + 1 if len(map) else 0)
+
+
+@pytest.mark.parametrize("map", MAPS.values(), ids=MAPS)
+def test_wkt_for_shapely(map, tmp_path):
+    shapely = pytest.importorskip("shapely", reason="shapely is not installed here")
+    write_segments(tmp_path / "it.wkt", map)
+    found = shapely.from_wkt((tmp_path / "it.wkt").read_text())
+    ends = np.reshape([part.coords[:] for part in found.geoms], (-1, 2, 2))
+    np.testing.assert_array_equal(ends, map.segments)
+
+
+@pytest.mark.parametrize("map", MAPS.values(), ids=MAPS)
+def test_dxf(map, tmp_path):
+    """Catches a drawing in millimetres, and one that ezdxf has to mend."""
+    ezdxf = pytest.importorskip("ezdxf", reason="ezdxf is not installed here")
+    write_segments(tmp_path / "it.dxf", map)
+    drawing = ezdxf.readfile(tmp_path / "it.dxf")
+    assert (drawing.header["$INSUNITS"], drawing.dxfversion) == (6, "AC1009")
+    audit = drawing.audit()
+    assert not audit.errors and not audit.fixes
+    lines = list(drawing.modelspace())
+    assert {line.dxftype() for line in lines} <= {"LINE"}
+    ends = np.reshape([(line.dxf.start, line.dxf.end) for line in lines], (-1, 2, 3))
+    assert not ends[..., 2].any()
+    kept = (map.segments[:, 0] != map.segments[:, 1]).any(-1)
+    np.testing.assert_array_equal(ends[..., :2], map.segments[kept])
+
+
+@pytest.mark.parametrize("end", FORMATS)
+def test_packed_files_hold_the_same(end, tmp_path):
+    write_segments(tmp_path / f"it{end}", ODD)
+    if end == ".npz":
+        return
+    write_segments(tmp_path / f"it{end}.gz", ODD)
+    packed = (tmp_path / f"it{end}.gz").read_bytes()
+    assert gzip.decompress(packed) == (tmp_path / f"it{end}").read_bytes()
+
+
+@pytest.mark.parametrize("name", ["it", "it.txt", "it.npz.gz", "it.csv.zip", ".csv", "it.gz"])
+def test_another_name_is_refused_with_those_that_are_known(name, tmp_path):
+    known = r"\.npz, \.csv, \.svg, \.geojson, \.wkt, \.dxf, \.csv\.gz"
+    with pytest.raises(ValueError, match=f"path: the name must end in {known}"):
+        write_segments(tmp_path / name, ODD)
+    assert list(tmp_path.iterdir()) == []
+
+
+# ----------------------------------------------------------------------------- damaged
+HEAD = "x1,y1,x2,y2,scan\n"
+WRONG = {
+    "nothing": ("", None, "is empty, expected the head x1,y1,x2,y2,scan"),
+    "another head": ("a,b\n1,2\n", 1, "expected the head x1,y1,x2,y2,scan, got 'a,b'"),
+    "no head": ("1,2,3,4,5\n", 1, "expected the head"),
+    "a field less": (HEAD + "1,2,3,4,5\n1,2,3,4\n", 3, "expected 5 fields x1,y1,x2,y2,scan, got 4"),
+    "a field more": (HEAD + "1,2,3,4,5,6\n", 2, "expected 5 fields"),
+    "a word": (HEAD + "1,2,wall,4,5\n", 2, "expected numbers for x1,y1,x2,y2,scan, got 'wall'"),
+    "no number": (HEAD + "nan,2,3,4,5\n", 2, "expected metres for x1,y1,x2,y2, got nan,2,3,4"),
+    "too far": (HEAD + "1,2,3,1.1e7,5\n", 2, "expected metres for"),
+    "half a scan": (HEAD + "1,2,3,4,0.5\n", 2, "expected a whole number for scan, got 0.5"),
+    "no scan": (HEAD + "1,2,3,4,inf\n", 2, "expected a whole number for scan, got inf"),
+    "a log": ("FLASER 1 2 3\n", 1, "expected the head"),
+}
+
+
+@pytest.mark.parametrize("name", WRONG)
+def test_a_wrong_row_is_named(name, tmp_path):
+    text, line, reason = WRONG[name]
+    path = tmp_path / "it.csv"
+    path.write_text(text)
+    with pytest.raises(LogError) as caught:
+        read_segments(path)
+    assert caught.value.line == line and reason in caught.value.reason
+    assert str(caught.value).startswith(f"{path}, line {line}: " if line else f"{path}: ")
+
+
+def stored(**changes) -> bytes:
+    target = io.BytesIO()
+    held = {"format": np.array("segmap map 1"), "segments": ODD.segments, "scan": ODD.scan}
+    np.savez(target, **{k: v for k, v in (held | changes).items() if v is not None})
+    return target.getvalue()
+
+
+TAMPERED = {
+    "a tree": ({"format": np.array("segmap quadtree 1")}, "not a map of segmap, holds"),
+    "a later one": ({"format": np.array("segmap map 2")}, "written as .*, this version reads 1"),
+    "nothing said": ({"format": None}, "not a map of segmap"),
+    "no scan": ({"scan": None}, "damaged, it holds"),
+    "one more": ({"more": np.zeros(1)}, "damaged, it holds"),
+    "pickled": ({"scan": np.array([{}], object)}, "not a readable NPZ file"),
+    "flat": ({"segments": np.zeros((3, 4))}, r"damaged, segments must have shape \(n, 2, 2\)"),
+    "a word": ({"segments": np.full((3, 2, 2), "x")}, "damaged, segments must be"),
+    "not finite": ({"segments": ODD.segments * np.nan}, "damaged, segments must be finite"),
+    "scans short": ({"scan": ODD.scan[:2]}, r"damaged, scan must have shape \(3,\)"),
+    "half scans": ({"scan": np.full(3, 0.5)}, "damaged, scan must be whole numbers"),
+    "points alone": ({"points": np.zeros((6, 2))}, "damaged, points and first must be given"),
+    "places short": ({"sensors": np.zeros((1, 2))}, "damaged, sensors must hold a place"),
+}
+
+
+@pytest.mark.parametrize("name", TAMPERED)
+def test_arrays_that_are_no_map_are_refused(name, tmp_path):
+    changes, reason = TAMPERED[name]
+    path = tmp_path / "it.npz"
+    path.write_bytes(stored(**changes))
+    with pytest.raises(ValueError, match=rf"it\.npz: {reason}"):
+        SegmentMap.load(path)
+    with pytest.raises(LogError, match=reason) as caught:
+        read_segments(path)
+    assert str(caught.value).count("it.npz") == 1
+
+
+def test_a_small_file_does_not_fill_the_memory(tmp_path):
+    """Catches arrays of zeros that unpack to a thousand times the file, and so do tables."""
+    np.savez_compressed(tmp_path / "it.npz", segments=np.zeros((10**6, 2, 2)))
+    (tmp_path / "it.csv").write_bytes(gzip.compress(HEAD.encode() + b"1,2,3,4,5\n" * 400_000))
+    for name in ("it.npz", "it.csv"):
+        tracemalloc.start()
+        with pytest.raises(LogError, match=r"unpacks to more than \d+ bytes"):
+            read_segments(tmp_path / name)
+        assert tracemalloc.get_traced_memory()[1] < 30e6
+        tracemalloc.stop()
+
+
+def test_what_is_no_file_is_named(tmp_path):
+    with zipfile.ZipFile(tmp_path / "it.zip", "w") as held:
+        held.writestr("readme.txt", HEAD)
+    for name in ("it.zip", "none.csv", ".", "a\0b"):
+        with pytest.raises(LogError):
+            read_segments(f"{tmp_path}/{name}")
+
+
+def check_mutants(path, content: bytes, count: int) -> None:
+    """Mutants of a file: each is refused by a LogError that names it, or a map."""
+    rng = random.Random(f"{SEED} {path.name}")
+    for number in range(count):
+        path.write_bytes(mutated(content, rng))
+        try:
+            found = read_segments(path)
+        except LogError as fault:
+            assert str(fault).startswith(str(path))
+        except Exception as fault:
+            fault.add_note(f"mutant {number} of SEGMAP_SEED={SEED}: {path.read_bytes()[:500]!r}")
+            raise
+        else:
+            assert np.isfinite(found.segments).all() and len(found.scan) == len(found)
+
+
+@pytest.mark.parametrize("count", [1000, pytest.param(10_000, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("name", ["it.csv", "it.npz"])
+def test_nothing_but_log_errors_comes_out_of_damaged_maps(name, count, tmp_path):
+    """Catches the dozen kinds of errors of zip and numpy, and numbers that no map can hold."""
+    write_segments(tmp_path / name, with_points()[:4] if name == "it.npz" else ODD)
+    check_mutants(tmp_path / name, (tmp_path / name).read_bytes(), count)
