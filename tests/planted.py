@@ -55,6 +55,7 @@ PLANTED = (
     ("(abs(found[4]) < 2**53 and found[4] % 1 == 0)", "(found[4] % 1 == 0)", "segment_files"),
     ("            np.savez(target, **named)", "            np.savez_compressed(target, **named)", "segment_files"),
     ('vector-effect="non-scaling-stroke"\'\n', 'stroke-opacity="1"\'\n', "segment_files"),
+    ("np.where(side < small, side, 0.0)", "np.where(side < 0, side, 0.0)", "exports_maps"),
     # segment similarity, uncertain parameters, polyline
     ("lines[i, 2] += lines[j, 2]\n", "lines[i, 2] += 0.0\n", "segment_similarity"),
     ("if state.alive[j] == 0 or state.changed[j] > state.looked[i]:", "if state.alive[j] == 0:", "segment_similarity"),

@@ -68,7 +68,9 @@ def test_the_table_of_writers_is_whole():
 def writes(call: ast.Call) -> bool:
     """Whether a call opens a file to write in it; examples in docstrings are none."""
     name = ast.unparse(call.func).rsplit(".", 1)[-1]
-    if name in ("write_text", "savetxt", "to_csv", "truncate"):
+    if name in ("write_text", "savetxt", "savez", "savez_compressed", "to_csv", "truncate"):
+        return True
+    if name == "write_bytes" and isinstance(call.func, ast.Attribute):  # of a path, not of _files
         return True
     values = [a.value for a in ast.walk(call) if isinstance(a, ast.Constant)]
     modes = {v for v in values if isinstance(v, str) and v and set(v) <= set("wxabt+")}
@@ -83,6 +85,9 @@ def writes(call: ast.Call) -> bool:
         ("path.open('ab')", True),
         ("os.open(path, os.O_CREAT | os.O_RDWR)", True),
         ("path.write_text('x')", True),
+        ("path.write_bytes(b'x')", True),
+        ("write_bytes(path, b'x')", False),
+        ("np.savez(path, a=1)", True),
         ("path.open(encoding='utf-8')", False),
         ("path.open('rb')", False),
     ],

@@ -18,8 +18,11 @@ from ..quadtree import QuadtreeMap, extent
 GREYS = np.array([254, 205, 0], np.uint8)
 #: What the YAML states for `(255 - grey) / 255`: 205 lies between the two.
 OCCUPIED_THRESH, FREE_THRESH = 0.65, 0.196
-#: Outlines of leaves, and their width as a part of the drawing's, which is so many pixels.
-BLUE, THIN, WIDTH = "#0072b2", 1 / 2000, 800
+#: Outlines of leaves, their width in pixels, and the part of a small leaf that they take at most;
+#: width of a drawing, pixels.
+BLUE, LINE, PART, WIDTH = "#0072b2", 0.6, 0.1, 800
+#: As wide at any zoom.
+THIN = 'vector-effect="non-scaling-stroke"'
 
 
 class Classes(NamedTuple):
@@ -219,7 +222,7 @@ def write_svg(path: str | Path, map: QuadtreeMap, *, outlines: bool = True) -> N
     path : str or Path
     map : QuadtreeMap
     outlines : bool
-        Blue ones, as the thesis draws them.
+        Blue ones, as the thesis draws them: as thin at any zoom, and at most a tenth of a leaf.
 
     Raises
     ------
@@ -237,25 +240,32 @@ def write_svg(path: str | Path, map: QuadtreeMap, *, outlines: bool = True) -> N
     arrays.switch(outlines, "outlines")
     left, low, right, high = extent(map)
     wide, tall = right - left, high - low
-    line = f' stroke="{BLUE}" stroke-width="{THIN * wide:.6g}"' if outlines else ""
+    look = f'stroke="{BLUE}" stroke-width="{LINE}"' if outlines else 'shape-rendering="crispEdges"'
     head = (
         f'<svg xmlns="http://www.w3.org/2000/svg" width="{WIDTH}" '
         f'height="{WIDTH * tall / wide:.0f}" '
         f'viewBox="{left:.9g} {-high:.9g} {wide:.9g} {tall:.9g}">\n'
-        f'<g transform="scale(1 -1)" shape-rendering="crispEdges"{line}>\n'
+        f'<g transform="scale(1 -1)" {look}>\n'
     )
-    text = head + "\n".join(_paths(map)) + "\n</g>\n</svg>\n"
+    small = LINE / PART * wide / WIDTH if outlines else 0.0
+    text = head + "\n".join(_paths(map, small)) + "\n</g>\n</svg>\n"
     write_bytes(arrays.file(path), text.encode("ascii"))
 
 
-def _paths(map: QuadtreeMap) -> Iterator[str]:
-    """For each grey a path that holds all its squares."""
+def _paths(map: QuadtreeMap, small: float) -> Iterator[str]:
+    """For each grey a path that holds all its squares, and one for each side below `small`.
+
+    Lines of the first are as thin at any zoom, so that none vanishes in a large building; those of
+    the others shrink with their squares, so that walls of small leaves stay black.
+    """
     x, y, side = (v.round(_digits(map.resolution)) for v in map.leaves()[:3])
     greys = np.rint(255 * (1 - map.leaf_occupancy())).astype(int)
-    for grey in np.unique(greys).tolist():
-        rows = np.stack([x, y, side], -1)[greys == grey].tolist()
+    kinds = np.stack([greys, np.where(side < small, side, 0.0)], -1)
+    for kind in np.unique(kinds, axis=0):
+        rows = np.stack([x, y, side], -1)[(kinds == kind).all(1)].tolist()
         squares = "".join(f"M{x:.15g} {y:.15g}h{a:.15g}v{a:.15g}h-{a:.15g}z" for x, y, a in rows)
-        yield f'<path fill="#{3 * f"{grey:02x}"}" d="{squares}"/>'
+        line = f'stroke-width="{PART * kind[1]:.6g}"' if kind[1] else THIN
+        yield f'<path fill="#{3 * f"{int(kind[0]):02x}"}" {line} d="{squares}"/>'
 
 
 def _digits(resolution: float) -> int:
