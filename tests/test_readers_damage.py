@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 from conftest import shared_file
 from log_samples import CARMEN, RAWSEEDS, SINGLE_FILES, flaser
+from mrpt_samples import BINARY_FILES
 
 from segmap import readers
 from segmap.readers import LogError, _bundled
@@ -150,11 +151,12 @@ def test_files_that_may_not_be_read_are_named(path):
 
 with gzip.open(_bundled.find("malaga"), "rt") as _file:
     MALAGA = "".join(line for _, line in zip(range(4), _file, strict=False))
-SAMPLES = SINGLE_FILES | {"malaga": MALAGA}
+SAMPLES = {name: text.encode() for name, text in (SINGLE_FILES | {"malaga": MALAGA}).items()}
+SAMPLES |= BINARY_FILES
 #: Mutants of a sample, of one with long lines, and of a file in a folder.
 LIGHT, HEAVY, IN_FOLDER = 1100, 400, 300
 #: Damaged files that one run of this module reads, each with `on_error` "raise" and "skip".
-COUNTS = {name: LIGHT if len(text) < 2000 else HEAVY for name, text in SAMPLES.items()}
+COUNTS = {name: LIGHT if len(data) < 2000 else HEAVY for name, data in SAMPLES.items()}
 MUTANTS = sum(COUNTS.values()) + IN_FOLDER * len(RAWSEEDS)
 
 #: The same mutants in each run; another seed makes others.
@@ -246,7 +248,7 @@ def check(path, place, name):
 @pytest.mark.parametrize("name", SAMPLES)
 def test_nothing_but_log_errors_comes_out_of_damaged_files(tmp_path, name):
     path = tmp_path / name
-    path.write_bytes(SAMPLES[name].encode())
+    path.write_bytes(SAMPLES[name])
     check(path, path, name)
 
 

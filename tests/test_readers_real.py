@@ -4,7 +4,6 @@ import gzip
 import hashlib
 import importlib.util
 import re
-import struct
 from pathlib import Path
 
 import numpy as np
@@ -63,25 +62,6 @@ class TestMalaga:
         rawlog = next(DATASETS.glob("*SENA*one_loop_only.rawlog"))
         again = _converter().convert(rawlog, DATASETS / "malaga-cs-fac-building.simplemap.gz")
         assert again == gzip.decompress(_read_bytes("malaga.log.gz")).decode()
-
-
-class TestConverter:
-    def stream(self, tmp_path, data):
-        path = tmp_path / "some.rawlog"
-        path.write_bytes(gzip.compress(data))
-        return _converter().Stream(path)
-
-    def test_a_quaternion_is_read_as_a_heading(self, tmp_path):
-        turn = 2.5
-        members = (1.0, 2.0, 0.3, np.cos(turn / 2), 0.0, 0.0, np.sin(turn / 2))
-        data = b"\x87CPose3D\x02" + struct.pack("<7d", *members) + b"\x88"
-        assert self.stream(tmp_path, data).object() == pytest.approx([1, 2, turn])
-
-    def test_an_object_that_ends_elsewhere_is_an_error(self, tmp_path):
-        """A member too few or too many would shift all that follows."""
-        data = b"\x87CPose2D\x01" + struct.pack("<4d", 1, 2, 3, 4) + b"\x88"
-        with pytest.raises(ValueError, match="CPose2D at byte 0 does not end"):
-            self.stream(tmp_path, data).object()
 
 
 class TestShared:

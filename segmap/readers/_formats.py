@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from ..scans import Log
-from . import _carmen, _coreslam, _g2o, _hokuyo_text, _player, _rawseeds
+from . import _carmen, _coreslam, _g2o, _hokuyo_text, _mrpt, _player, _rawseeds
 from ._lines import Lines, LogError, UnknownFormat
 
 #: So many lines are looked at; a damaged one among them does not change what most of them say.
@@ -33,7 +33,7 @@ class Format(NamedTuple):
 
 
 #: These are asked first, in this order.
-BINARY: tuple[Binary, ...] = ()
+BINARY: tuple[Binary, ...] = (Binary("MRPT", _mrpt.claims, _mrpt.read),)
 FORMATS = (
     Format("CARMEN", _carmen.claims, _carmen.read),
     Format("g2o", _g2o.claims, _g2o.read),
