@@ -240,4 +240,12 @@ PLANTED = (
     ("near = away[:, away[0] <= within] <= within", "near = away <= within", "storage"),
     ("a + np.linspace(0, 1, n + 1)[:, None] * (b - a)", "a + np.linspace(0, 1, n + 1, endpoint=False)[:, None] * (b - a)", "storage"),
     ("grid = np.ptp(np.rint(cells / resolution), axis=0) + 1", "grid = np.ptp(np.rint(cells / resolution), axis=0)", "storage"),
+    # the workbench
+    ("self._known = outcome if log is self.log else None", "self._known = outcome", "workbench"),
+    ("short if scale == 1 else float(np.radians(short))", "short", "workbench"),
+    ("log, found.trusted, extract=extract", "log, found.poses, extract=extract", "workbench"),
+    ("if self._process is process:", "if False:", "workbench"),
+    ("_packed(segments, middle)", "_packed(segments, 0 * middle)", "workbench"),
+    ("if before is not None and before.recipe.align == recipe.align:", "if before is not None:", "workbench"),
+    ("if key == self.varies or value != self.thresholds[key].default", "if value != self.thresholds[key].default", "workbench"),
 )  # fmt: skip

@@ -11,6 +11,7 @@ from ._compare import ComparePanel
 from ._live import LivePanel
 from ._quadtree import QuadtreePanel
 from ._scan import ScanPanel
+from ._workbench import Workbench
 
 __all__ = [
     "ComparePanel",
@@ -18,6 +19,7 @@ __all__ = [
     "Panel",
     "QuadtreePanel",
     "ScanPanel",
+    "Workbench",
     "player",
     "slider",
     "text",
