@@ -245,7 +245,7 @@ PLANTED = (
     ("short if scale == 1 else float(np.radians(short))", "short", "workbench"),
     ("log, found.trusted, extract=extract", "log, found.poses, extract=extract", "workbench"),
     ("if self._process is process:", "if False:", "workbench"),
-    ("_packed(segments, middle)", "_packed(segments, 0 * middle)", "workbench"),
+    ("np.ascontiguousarray(segments - middle, np.float32)", "np.ascontiguousarray(segments, np.float32)", "workbench"),
     ("if before is not None and before.recipe.align == recipe.align:", "if before is not None:", "workbench"),
     ("if key == self.varies or value != self.thresholds[key].default", "if value != self.thresholds[key].default", "workbench"),
 )  # fmt: skip
