@@ -91,6 +91,35 @@ CORESLAM = text(
     f"{212387282 + 98000 * k} 14710 {29221 + 40 * k} {25178 + 50 * k} " + "0 " * 20 + "1500 " * 683
     for k in range(3)
 )
+CORESLAM_13 = text(
+    f"{212387282 + 98000 * k} {40 * k} {-50 * k} " + "0 " * 10 + "1500 " * 682 for k in range(3)
+)
+GMAPPING = text(
+    [
+        "PARAM maxrange 80",
+        "ODOM 0.000 0.000 0.000000 1000.000000",
+        "ODO_UPDATE 2 0.0 0.0 0.0 0.0 0.0 0.0 0.0 0.0 1000.000000",
+        *(
+            line
+            for k in range(2)
+            for line in (
+                f"FRAME {k} 0.220005 0.767718",
+                f"LASER_READING 5 {RANGES} {row(ODOMETRY[k])} {TIMES[k]}",
+                f"SM_UPDATE 3 0.1 0.2 0.3 -70.5 {row(TRUTH[k])} -20.25 0.4 0.5 0.6 -inf",
+                "NEFF 27.666644",
+            )
+        ),
+        "RESAMPLE 3 1 1 1",
+    ]
+)
+DPSLAM = text(
+    f"Odometry {row(ODOMETRY[k])} \nLaser 5 {RANGES.replace('81.83', '8.18')}" for k in range(2)
+)
+WEAN = text(
+    f"O {100 * x} {100 * y} {h} 1\nL {100 * x} {100 * y} {h} {100 * x + 25 * np.cos(h)} "
+    f"{100 * y + 25 * np.sin(h)} {h} {'151 ' * 179}8183 {t}"
+    for (x, y, h), t in zip(ODOMETRY, TIMES, strict=True)
+)
 SICK = text(f"{t}, 181, 0, " + ", ".join(["2.50"] * 180 + ["81.91"]) for t in TIMES)
 HOKUYO_CSV = text(f"{t}, " + ", ".join(["1.25"] * 680 + ["0.007"]) for t in TIMES)
 ODOMETRY_CSV = text(
@@ -110,6 +139,10 @@ SINGLE_FILES = {
     "player_bare": PLAYER_BARE,
     "hokuyo": HOKUYO,
     "coreslam": CORESLAM,
+    "coreslam_13": CORESLAM_13,
+    "gmapping": GMAPPING,
+    "dpslam": DPSLAM,
+    "wean": WEAN,
     "sick": SICK,
     "hokuyo_csv": HOKUYO_CSV,
 }

@@ -9,7 +9,7 @@ import sys
 
 import numpy as np
 import pytest
-from log_samples import CARMEN, ODOMETRY, TIMES, TRUTH, flaser, text
+from log_samples import CARMEN, ODOMETRY, TIMES, TRUTH, flaser, robotlaser, row, text
 
 from segmap import poses, readers
 from segmap.readers import LogError, _bundled
@@ -139,12 +139,33 @@ def test_what_gmapping_wrote_is_truth_and_no_odometry(read):
     log = read(text([*odom, *lines]))
     assert log.truth == pytest.approx(np.array(TRUTH))
     assert np.isnan(log.odometry).all() and not log.skipped
-    strange = read(text([*lines, "ENTROPY 3"]))
-    assert strange.skipped == (1, "lines of no known meaning, ENTROPY first")
-    with pytest.raises(LogError, match="expected a line of a CARMEN log, got 'ENTROPY'"):
-        read(text([*lines, "ENTROPY 3 4"]))
+    strange = read(text([*lines, "SPREAD 3"]))
+    assert strange.skipped == (1, "lines of no known meaning, SPREAD first")
+    with pytest.raises(LogError, match="expected a line of a CARMEN log, got 'SPREAD'"):
+        read(text([*lines, "SPREAD 3 4"]))
     with pytest.raises(LogError, match="got 'FLAS'"):
         read(text([*lines, "FLAS"]))
+
+
+def test_every_line_of_gmapping_is_known_and_its_robotlaser_lines_are_truth(read):
+    """Catches a log of gfs2log that is refused, or whose only poses are taken for odometry."""
+    lines = [
+        f"WEIGHT {k}\n{robotlaser(TRUTH[k], TRUTH[k], TIMES[k])}\n"
+        f"ODOM {row(TRUTH[k])} 0 0 0 0 p 0\nNEFF 0.9 0 pippo 0\nENTROPY 1 2 3 0 pippo 0\nMARKER x"
+        for k in range(2)
+    ]
+    log = read(text(lines))
+    assert log.truth == pytest.approx(np.array(TRUTH)) and not log.skipped
+    assert np.isnan(log.odometry).all()
+
+
+def test_raw_odometry_beside_gmappings_poses_is_odometry(read):
+    """gfs2log -odom: the ODOM lines are the wheels', and were dropped with the mapper's."""
+    odom = [f"ODOM {row(o)} 0 0 0 {t} p {t}" for o, t in zip(ODOMETRY, TIMES, strict=True)]
+    scans = [flaser(t, t, time) + "\nNEFF 3" for t, time in zip(TRUTH, TIMES, strict=True)]
+    log = read(text([*odom, *scans]))
+    assert log.odometry == pytest.approx(np.array(ODOMETRY), abs=1e-6)
+    assert log.truth == pytest.approx(np.array(TRUTH))
 
 
 @pytest.mark.parametrize("on_error", ["ignore", None, ""])

@@ -23,10 +23,11 @@ the robot's. A RLASER whose stated angle looks forward is read as that much off 
 of them is where the odometry puts the laser. Then the file does not tell, and the rule is: a log
 whose laser lines carry the fields of time, with no line of a recorder in the file (ODOM, PARAM,
 ...), went through a mapper, which writes its poses twice (Freiburg 079); any other log is raw and
-has no truth. GMapping leaves NEFF lines, and writes its poses into the ODOM lines and both poses of
-a laser line: they are truth, and such a log has no odometry. Other lines that are a word in capital
-letters and at most one field are left out and counted, as `skipped`. For ROBOTLASERn lines see
-`extrinsic_by_poses`.
+has no truth. GMapping leaves NEFF, WEIGHT and ENTROPY lines, and writes its poses twice into a
+laser line, FLASER or ROBOTLASER: they are truth. It writes them into the ODOM lines too, and then
+there is no odometry; where the poses of most scans are in no ODOM line, these are the raw odometry.
+Other lines that are a word in capital letters and at most one field are left out and counted, as
+`skipped`. For ROBOTLASERn lines of other logs see `extrinsic_by_poses`.
 """
 
 from __future__ import annotations
@@ -66,7 +67,7 @@ OTHERS = (
     *("ROBOTVELOCITY", "BASEVELOCITY", "BASEODOM", "VECTORMOVE", "FOLLOWTRAJECTORY"),
 )
 #: Lines that GMapping adds to a log when it writes its own poses into it.
-MAPPED = ("NEFF",)
+MAPPED = ("NEFF", "WEIGHT", "ENTROPY")
 OFFSETS = tuple(
     f"robot_{end}laser_{kind}offset"
     for end in ("front", "rear")
@@ -128,10 +129,22 @@ class _Recording:
         ahead, aside = (self.parameters.get(name + k, 0.0) for k in ("offset", "side_offset"))
         return np.array([ahead, aside, turn])
 
+    def with_odometry(self) -> list[RawScan]:
+        """The scans; those of a mapper with the odometry of ODOM lines, where that is raw."""
+        if not self.mapped:
+            return with_odometry(self.scans, self.track)
+        raw = [scan._replace(odometry=NOWHERE) for scan in self.scans]
+        return raw if self._is_repeated() else with_odometry(raw, self.track)
+
+    def _is_repeated(self) -> bool:
+        """Whether the ODOM lines hold the poses of most scans: the mapper's, not the wheels'."""
+        noted = {_rounded(pose) for pose in self.track.poses}
+        return 2 * sum(_rounded(scan.pose) in noted for scan in self.scans) > len(self.scans)
+
     def extrinsic(self, laser: str, scans: Sequence[RawScan]) -> Extrinsic:
         """Place of a laser `(3,)` and truth `(k, 3)`, metres and radians, by the rule above."""
         offset = self.offset(laser)
-        if laser in NEW:
+        if laser in NEW and not self.mapped:
             return extrinsic_by_poses(scans, offset)
         corrected = self.mapped or (all(s.time is not None for s in scans) and not self.recorded)
         if not corrected and _repeats_odometry(scans, offset):
@@ -146,10 +159,7 @@ def read(path: Path, name: str, on_error: str = "raise") -> Log:
         pass
     if not recording.scans:
         raise lines.no_scan("a FLASER, RLASER, ROBOTLASER or RAWLASER line")
-    if recording.mapped:
-        raw = [scan._replace(odometry=NOWHERE) for scan in recording.scans]
-    else:
-        raw = with_odometry(recording.scans, recording.track)
+    raw = recording.with_odometry()
     skipped = merged(lines.skipped, recording.unknown)
     return Log(name, *assemble(raw, recording.extrinsic), skipped)
 
@@ -171,6 +181,11 @@ def _is_strange(fields: list[str]) -> bool:
     """Whether a line is a word and at most one field, and not the torn beginning of a known one."""
     whole = not any(known.startswith(fields[0]) for known in KEYWORDS)
     return len(fields) <= 2 and re.fullmatch("[A-Z_]{2,}", fields[0]) is not None and whole
+
+
+def _rounded(pose: Array) -> tuple[float, ...]:
+    """A pose, (3,) array, to a millimetre and a milliradian."""
+    return tuple(np.round(pose, 3).tolist())
 
 
 def _repeats_odometry(scans: Sequence[RawScan], offset: Array) -> bool:

@@ -8,7 +8,18 @@ from pathlib import Path
 from typing import NamedTuple
 
 from ..scans import Log
-from . import _carmen, _coreslam, _g2o, _hokuyo_text, _mrpt, _player, _rawseeds
+from . import (
+    _carmen,
+    _coreslam,
+    _dpslam,
+    _g2o,
+    _gmapping,
+    _hokuyo_text,
+    _mrpt,
+    _player,
+    _rawseeds,
+    _wean,
+)
 from ._lines import Lines, LogError, UnknownFormat
 
 #: So many lines are looked at; a damaged one among them does not change what most of them say.
@@ -36,8 +47,11 @@ class Format(NamedTuple):
 BINARY: tuple[Binary, ...] = (Binary("MRPT", _mrpt.claims, _mrpt.read),)
 FORMATS = (
     Format("CARMEN", _carmen.claims, _carmen.read),
+    Format("GMapping", _gmapping.claims, _gmapping.read),
     Format("g2o", _g2o.claims, _g2o.read),
     Format("Player", _player.claims, _player.read),
+    Format("DP-SLAM", _dpslam.claims, _dpslam.read),
+    Format("Wean Hall", _wean.claims, _wean.read),
     Format("Hokuyo text", _hokuyo_text.claims, _hokuyo_text.read),
     Format("CoreSLAM", _coreslam.claims, _coreslam.read),
     Format("Rawseeds", _rawseeds.claims, _rawseeds.read, ","),
