@@ -153,10 +153,12 @@ with gzip.open(_bundled.find("malaga"), "rt") as _file:
     MALAGA = "".join(line for _, line in zip(range(4), _file, strict=False))
 SAMPLES = {name: text.encode() for name, text in (SINGLE_FILES | {"malaga": MALAGA}).items()}
 SAMPLES |= BINARY_FILES
-#: Mutants of a sample, of one with long lines, and of a file in a folder.
-LIGHT, HEAVY, IN_FOLDER = 1100, 400, 300
+#: Mutants of a sample, of a format that is new, of one with long lines, and of a file in a folder.
+LIGHT, NEW, HEAVY, IN_FOLDER = 600, 1000, 400, 300
+NEWLY = ("gmapping", "dpslam", "wean")
 #: Damaged files that one run of this module reads, each with `on_error` "raise" and "skip".
 COUNTS = {name: LIGHT if len(data) < 2000 else HEAVY for name, data in SAMPLES.items()}
+COUNTS |= dict.fromkeys(NEWLY, NEW) | dict.fromkeys(BINARY_FILES, NEW)
 MUTANTS = sum(COUNTS.values()) + IN_FOLDER * len(RAWSEEDS)
 
 #: The same mutants in each run; another seed makes others.
@@ -230,10 +232,10 @@ def outcome(path, on_error):
     return log
 
 
-def check(path, place, name):
+def check(path, place, name, count=None):
     """Read mutants of one file of a log: each is refused, or sound whether damage is skipped."""
     rng, content = random.Random(f"{SEED} {name}"), place.read_bytes()
-    for number in range(COUNTS.get(name, IN_FOLDER)):
+    for number in range(count or COUNTS.get(name, IN_FOLDER)):
         place.write_bytes(mutated(content, rng))
         try:
             strict, lenient = outcome(path, "raise"), outcome(path, "skip")
@@ -250,6 +252,14 @@ def test_nothing_but_log_errors_comes_out_of_damaged_files(tmp_path, name):
     path = tmp_path / name
     path.write_bytes(SAMPLES[name])
     check(path, path, name)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", NEWLY)
+def test_ten_thousand_of_each_new_format(tmp_path, name):
+    path = tmp_path / name
+    path.write_bytes(SAMPLES[name])
+    check(path, path, name, 10_000)
 
 
 @pytest.mark.parametrize("name", RAWSEEDS)

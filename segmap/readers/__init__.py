@@ -1,9 +1,8 @@
 """Log files: whatever a robot recorded becomes a `Log`.
 
 `read` recognises the format by what is in the file; `load` reads a log that comes with segmap. One
-file a format, each with what it means to the field: `_carmen`, `_g2o`, `_player`, `_rawseeds`,
-`_hokuyo_text`, `_coreslam`, `_mrpt`. `read_segments` reads a map that `exports.write_segments`
-wrote.
+file a format, each with what it means to the field; `_formats` lists them. `read_segments` reads a
+map that `exports.write_segments` wrote.
 """
 
 from __future__ import annotations
@@ -49,9 +48,10 @@ def read(path: str | Path, *, on_error: str = "raise") -> Log:
     Parameters
     ----------
     path : str or Path
-        A log of CARMEN (FLASER, RLASER, ROBOTLASER), g2o with ROBOTLASER1, Player text, CoreSLAM;
-        a folder of Rawseeds files, or the file of one of its lasers; a Hokuyo scan as text, or a
-        folder of numbered ones; a rawlog or a simplemap of MRPT.
+        A log of CARMEN (FLASER, RLASER, ROBOTLASER), a run of GMapping (.gfs), g2o with
+        ROBOTLASER1, Player text, DP-SLAM, CMU's Wean Hall, CoreSLAM; a folder of Rawseeds files, or
+        the file of one of its lasers; a Hokuyo scan as text, or a folder of numbered ones;
+        a rawlog or a simplemap of MRPT.
     on_error : "raise" or "skip"
         What a damaged line means: the end of reading, or one line less; `log.skipped` then tells
         how many lines were left out and why the first.

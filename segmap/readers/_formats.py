@@ -24,6 +24,11 @@ from ._lines import Lines, LogError, UnknownFormat
 
 #: So many lines are looked at; a damaged one among them does not change what most of them say.
 FIRST = 200
+#: What a user writes whose data are in none of the formats.
+FROM_ARRAYS = """Measurements in arrays (metres, radians, seconds) become a log by three lines:
+    import segmap
+    scans = [segmap.LaserScan(ranges, angles, time=t) for t, ranges in measured]
+    log = segmap.Log("mine", scans)"""
 
 
 class Binary(NamedTuple):
@@ -78,8 +83,10 @@ def _by_lines(path: Path) -> Format:
 
 
 def _unknown(lines: Lines, sample: Sequence[str]) -> str:
-    known = ", ".join([*(form.name for form in FORMATS), *(form.name for form in BINARY)])
     if lines.number == 0:
-        return f"is empty, expected a log ({known})"
-    first = f"it starts with {sample[0][:40]!r}" if sample else "it has comments only"
-    return f"is of no known format ({known}); {first}"
+        found = "is empty, expected a log"
+    else:
+        first = f"it starts with {sample[0][:40]!r}" if sample else "it has comments only"
+        found = f"is of no known format: {first}"
+    known = [*(form.name for form in FORMATS), *(form.name for form in BINARY)]
+    return f"{found}\nKnown formats: {', '.join(known)}.\n{FROM_ARRAYS}"
