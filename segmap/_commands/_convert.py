@@ -1,0 +1,66 @@
+"""`segmap convert LOG -o FILE`: a log, or its path, in another format."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from .. import exports
+from ..alignment import Alignment
+from ..arrays import Array
+from ..scans import Log
+from ._logs import add_logs, each_log
+from ._poses import add_align, aligned
+from ._targets import Targets, add_output
+from ._words import counted, line
+
+#: What -o may end in.
+SUFFIXES = (".log", ".log.gz", ".tum")
+
+
+def add(commands: Any) -> None:
+    """Name the command and its arguments."""
+    command = commands.add_parser("convert", help="write a log, or its path, in another format")
+    add_logs(command)
+    add_align(command, "its poses are written instead of the true ones that the log has")
+    add_output(command, SUFFIXES, "the log for CARMEN, or its path as .tum")
+    command.set_defaults(run=run)
+
+
+def run(given: argparse.Namespace) -> int:
+    """Convert each log."""
+    if not given.output:
+        given.refuse("name the file to write: -o FILE")
+    return each_log(given, convert)
+
+
+def convert(given: argparse.Namespace, log: Log, targets: Targets) -> None:
+    """Write one log to all its files."""
+    paths = targets.paths(log.name)
+    print(f"{log.name}: {counted(len(log), 'scan')}, {targets.source}")
+    poses = aligned(log, given.align) if given.align else None
+    for path in paths:
+        line("written", _write(path, log, poses))
+
+
+def _write(path: Path, log: Log, poses: Alignment | None) -> str:
+    if path.suffix == ".tum":
+        rows, kind = (poses.poses, poses.method) if poses else _own_poses(log)
+        exports.write_tum(path, log, rows)
+        return f"{path}: {counted(int(np.isfinite(rows).all(1).sum()), 'pose')} by {kind}"
+    exports.write_carmen(path, log, poses)
+    known = log.truth if poses is None else poses.poses
+    placed = 0 if known is None else int(np.isfinite(known).all(1).sum())
+    return f"{path}: {counted(len(log), 'scan')}, {placed} with a corrected pose"
+
+
+def _own_poses(log: Log) -> tuple[Array, str]:
+    """The true poses of a log, else those by odometry."""
+    if log.truth is not None and np.isfinite(log.truth).all(1).any():
+        return log.truth, "ground truth"
+    if np.isfinite(log.odometry).all(1).any():
+        return log.odometry, "odometry"
+    raise ValueError("the log has no poses to write: --align pose_graph finds them")

@@ -1,0 +1,88 @@
+"""Logs one after the other: those that are named, those in a folder; and which of them failed."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+from ..readers import LogError, UnknownFormat, format_of, load, read
+from ..scans import Log
+from ._targets import Targets
+from ._words import FAULTS, counted, progress, reason, tell
+
+#: Files of these kinds lie beside logs: some quote a line of one.
+DOCUMENTS = {".html", ".ipynb", ".md", ".py", ".rst", ".sh"}
+#: What a command does with one log; the files that it writes are those of the targets.
+Work = Callable[[argparse.Namespace, Log, Targets], None]
+
+
+def add_logs(command: argparse.ArgumentParser) -> None:
+    """The arguments LOG... and --skip."""
+    command.add_argument(
+        "logs", nargs="+", metavar="LOG", help="a file, a folder, or malaga, corridor, room"
+    )
+    command.add_argument(
+        "--skip", action="store_true", help="leave damaged lines out, and say how many"
+    )
+    command.set_defaults(refuse=command.error)
+
+
+def each_log(given: argparse.Namespace, work: Work) -> int:
+    """Do one log after the other, and name at the end those that failed: then 1, else 0."""
+    chosen = [source for text in given.logs for source in sources(text)]
+    targets = Targets(getattr(given, "output", []))
+    if len(chosen) > 1 and (alike := targets.alike()):
+        given.refuse(f"{counted(len(chosen), 'log')} would go to {alike}: write {{name}} in it")
+    failed = []
+    with progress(len(chosen), "log") as bar:
+        for source in chosen:
+            bar.set_description(Path(source).name)
+            try:
+                work(given, log_of(source, given.skip), targets.of(source))
+            except FAULTS as error:
+                failed.append(reason(error) if source in str(error) else f"{source}: {error}")
+            bar.update()
+    for why in failed:
+        tell(why)
+    if len(chosen) > 1:
+        print(f"{len(chosen) - len(failed)} of {counted(len(chosen), 'log')} done")
+    return 1 if failed else 0
+
+
+def sources(text: str) -> Iterator[str]:
+    """The logs that an argument names: itself, or those in a folder that is no log itself."""
+    folder = Path(text)
+    if not folder.is_dir() or is_log(folder):
+        yield text
+        return
+    inside = sorted(path for path in folder.iterdir() if not path.name.startswith("."))
+    found = [path for path in inside if is_log(path)]
+    if rest := [path.name for path in inside if path not in found]:
+        tell(f"{folder}: left out, since no log: {', '.join(rest)}")
+    yield from map(str, found or [folder])
+
+
+def is_log(path: Path) -> bool:
+    """Whether a file or folder has the format of a log; one that cannot be read may have been."""
+    if path.suffix in DOCUMENTS:
+        return False
+    try:
+        format_of(path)
+    except UnknownFormat:
+        return False
+    except LogError:
+        pass
+    return True
+
+
+def log_of(source: str, skip: bool) -> Log:
+    """The log at a path, or the one of that name that comes with segmap."""
+    if Path(source).exists() or Path(source).name != source or "." in source:
+        return read(source, on_error="skip" if skip else "raise")
+    try:
+        return load(source)
+    except LogError:
+        raise
+    except ValueError as error:
+        raise LogError(Path(source), f"is neither a file nor a folder, and {error}") from error

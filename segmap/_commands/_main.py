@@ -1,0 +1,59 @@
+"""All commands behind one name, and how each may end."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+from typing import Any
+
+from .. import __version__
+from . import _compare, _convert, _info, _map, _notebooks, _occupancy, _warm
+from ._words import FAULTS, plain_warnings, reason, tell
+
+DESCRIPTION = "Maps of buildings from the logs of a 2D laser."
+EPILOG = """\
+LOG is a file or a folder of any format that segmap reads, a folder of such logs, or the name of a
+log that comes with segmap: malaga, corridor, room. Exit codes: 0 done, 1 something failed, 2 the
+command was not understood, 130 stopped by Control-C. `segmap COMMAND --help` tells the rest.
+"""
+#: In the order in which they are listed.
+COMMANDS = (_info, _map, _compare, _occupancy, _convert, _notebooks, _warm)
+
+
+class _Strict(argparse.ArgumentParser):
+    """A parser for whole words: a shortened option may mean another one in the next version."""
+
+    def __init__(self, **settings: Any) -> None:
+        super().__init__(**settings, allow_abbrev=False)
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Run a command and return its exit code."""
+    given = parser().parse_args(arguments)
+    try:
+        with plain_warnings():
+            code = int(given.run(given) or 0)
+            sys.stdout.flush()
+            return code
+    except KeyboardInterrupt:
+        tell("stopped")
+        return 130
+    except BrokenPipeError:  # `segmap info ... | head`
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 1
+    except FAULTS as error:
+        tell(reason(error))
+        return 1
+
+
+def parser() -> argparse.ArgumentParser:
+    """The parser of all commands."""
+    found = argparse.ArgumentParser(prog="segmap", description=DESCRIPTION, epilog=EPILOG)
+    found.add_argument("--version", action="version", version=f"segmap {__version__}")
+    commands = found.add_subparsers(
+        required=True, metavar="COMMAND", title="commands", parser_class=_Strict
+    )
+    for command in COMMANDS:
+        command.add(commands)
+    return found

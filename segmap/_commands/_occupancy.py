@@ -1,0 +1,116 @@
+"""`segmap occupancy LOG...`: a quadtree of what is free and what is occupied."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from .. import exports, quadtree
+from ..matching import MATCHERS, SCORES, map_scans
+from ..scans import Log
+from ._logs import add_logs, each_log
+from ._poses import add_align, aligned
+from ._targets import Targets, add_output
+from ._words import counted, line, progress
+
+#: What -o may end in.
+SUFFIXES = (".yaml", ".png", ".svg", ".npz", ".geojson")
+#: The matchers as words of a command: "hill-climbing" and so on.
+NAMES = {name.replace(",", "").replace(" ", "-"): name for name in MATCHERS}
+
+
+def add(commands: Any) -> None:
+    """Name the command and its arguments."""
+    command = commands.add_parser(
+        "occupancy", help="a quadtree of what is occupied and free, for ROS too"
+    )
+    add_logs(command)
+    ways = command.add_mutually_exclusive_group()
+    add_align(ways, "default: ground_truth where the log has it for each scan, else pose_graph")
+    ways.add_argument(
+        "--matcher",
+        choices=NAMES,
+        metavar="MATCHER",
+        help=f"instead: place each scan on the map of those before, by ranges alone, for a sensor "
+        f"that moves little from scan to scan: {', '.join(NAMES)}",
+    )
+    command.add_argument(
+        "--score", choices=SCORES, metavar="SCORE", help=f"of --matcher: {', '.join(SCORES)}"
+    )
+    command.add_argument(
+        "--resolution", type=float, default=0.05, metavar="METRES", help="of a cell; default: 0.05"
+    )
+    add_output(command, SUFFIXES, "the map: .yaml for ROS, with its .pgm; .npz to load it again")
+    command.set_defaults(run=run)
+
+
+def run(given: argparse.Namespace) -> int:
+    """Map each log."""
+    if given.score and not given.matcher:
+        given.refuse(f"--score {given.score} is for --matcher: name one of {', '.join(NAMES)}")
+    return each_log(given, map_log)
+
+
+def map_log(given: argparse.Namespace, log: Log, targets: Targets) -> None:
+    """Map one log, and write what was asked for."""
+    paths = targets.paths(log.name)
+    print(f"{log.name}: {counted(len(log), 'scan')}, {targets.source}")
+    map = _matched(given, log) if given.matcher else _aligned(given, log)
+    left, low, right, high = quadtree.extent(map, margin=0)
+    size = f"{right - left:.1f} m by {high - low:.1f} m at {given.resolution:g} m"
+    leaves = map.leaves()
+    full = map.leaf_occupancy() > 0.5
+    area = f"{(leaves.side[full] ** 2).sum():.2f} m2 occupied"
+    line("mapped", f"{size}: {area}, {len(full)} leaves in {map.nbytes / 1024:.0f} KB")
+    for path in paths:
+        _write(path, map)
+    if paths:
+        line("written", ", ".join(map_files(paths)))
+
+
+def map_files(paths: list[Path]) -> list[str]:
+    """The files that were written: beside a .yaml its picture."""
+    pairs = ([p, p.with_suffix(".pgm")] if p.suffix == ".yaml" else [p] for p in paths)
+    return [str(path) for pair in pairs for path in pair]
+
+
+def _aligned(given: argparse.Namespace, log: Log) -> quadtree.QuadtreeMap:
+    poses = aligned(log, given.align)
+    return quadtree.build_map(log, poses, resolution=given.resolution)
+
+
+def _matched(given: argparse.Namespace, log: Log) -> quadtree.QuadtreeMap:
+    """The map that grows scan by scan; the first scan is its origin."""
+    map, score = quadtree.QuadtreeMap(resolution=given.resolution), given.score or "field"
+    rng = np.random.default_rng(0)
+    steps = map_scans(
+        log, map=map, matcher=MATCHERS[NAMES[given.matcher]](rng), score=SCORES[score], rng=rng
+    )
+    scores = []
+    with progress(len(log), "scan") as bar:
+        for step in steps:
+            scores.append(step.score)
+            bar.update()
+    placed = int(np.isfinite(scores).sum())
+    line("matched", f"by {given.matcher}, score {score}: {placed} of {counted(len(log), 'scan')}")
+    return map
+
+
+def _write(path: Path, map: quadtree.QuadtreeMap) -> None:
+    if path.suffix == ".png":
+        from ._pictures import write_quadtree_picture
+
+        write_quadtree_picture(path, map)
+    elif path.suffix == ".npz":
+        map.save(path)
+    else:
+        writers: dict[str, Callable[..., None]] = {
+            ".yaml": exports.write_ros_map,
+            ".svg": exports.write_svg,
+            ".geojson": exports.write_geojson,
+        }
+        writers[path.suffix](path, map)

@@ -1,0 +1,86 @@
+"""The files that a command writes: their names are checked before any work is done."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Sequence
+from functools import partial
+from pathlib import Path
+
+#: Stands for the name of the log.
+NAME = "{name}"
+
+
+def add_output(command: argparse.ArgumentParser, suffixes: Sequence[str], what: str) -> None:
+    """The option -o, as often as one likes, for names that end in one of the suffixes."""
+    command.add_argument(
+        "-o",
+        "--output",
+        action="append",
+        default=[],
+        metavar="FILE",
+        type=partial(_checked, suffixes),
+        help=f"write {what}; the name ends in {', '.join(suffixes)}; may be given more than once; "
+        f"{NAME} in it stands for the name of the log, for several logs: 'maps/{NAME}.svg'",
+    )
+
+
+def _checked(suffixes: Sequence[str], text: str) -> str:
+    if not text.lower().endswith(tuple(suffixes)) or text.startswith(tuple(suffixes)):
+        raise argparse.ArgumentTypeError(f"{text!r} must end in one of {', '.join(suffixes)}")
+    return text
+
+
+class Targets:
+    """The names given with -o, with the name of each log in its place.
+
+    Parameters
+    ----------
+    patterns : sequence of str
+
+    Examples
+    --------
+    >>> Targets(["maps/{name}.svg"]).alike()
+    ''
+    """
+
+    def __init__(self, patterns: Sequence[str]) -> None:
+        self.patterns = patterns
+        self.source = ""
+        self._taken: dict[Path, str] = {}
+
+    def alike(self) -> str:
+        """The first name that is the same for all logs; empty where there is none."""
+        return next((pattern for pattern in self.patterns if NAME not in pattern), "")
+
+    def of(self, source: str) -> Targets:
+        """The same for the log that comes now."""
+        self.source = source
+        return self
+
+    def paths(self, name: str) -> list[Path]:
+        """The files for a log of this name, none of them written before by this command.
+
+        Raises
+        ------
+        ValueError
+            For a folder, the log itself, a file of another log.
+        FileNotFoundError
+            Where the folder of a file does not exist.
+        """
+        found = [Path(pattern.replace(NAME, name)) for pattern in self.patterns]
+        for path in found:
+            self._check(path)
+        return found
+
+    def _check(self, path: Path) -> None:
+        place = path.resolve()
+        if not place.parent.is_dir():
+            raise FileNotFoundError(f"cannot write {path}: make the folder {path.parent} first")
+        if place.is_dir():
+            raise ValueError(f"cannot write {path}: it is a folder")
+        if place == Path(self.source).resolve():
+            raise ValueError(f"cannot write {path}: it is the log itself")
+        if other := self._taken.get(place):
+            raise ValueError(f"{path} was written for {other}: this log would replace it")
+        self._taken[place] = self.source

@@ -1,0 +1,56 @@
+"""`segmap warm`: compile all loops now."""
+
+from __future__ import annotations
+
+import argparse
+import importlib
+import os
+import time
+from typing import TYPE_CHECKING, Any
+
+from .. import _warm
+from ._words import progress
+
+if TYPE_CHECKING:
+    from tqdm import tqdm
+
+
+def add(commands: Any) -> None:
+    """Name the command and its arguments."""
+    command = commands.add_parser("warm", help="compile all loops now instead of at first use")
+    command.add_argument("--jobs", type=int, help="processes; by default one for each core")
+    command.set_defaults(run=run)
+
+
+def run(given: argparse.Namespace) -> None:
+    """Compile, on all cores."""
+    names, start = list(_warm.cases()), time.monotonic()
+    jobs = max(1, min(given.jobs or _cores(), len(names)))
+    where = "one core" if jobs == 1 else f"{jobs} cores"
+    print(f"Compiling the loops of segmap on {where}, which is kept for later ...", flush=True)
+    importlib.import_module("matplotlib.font_manager")  # lists the machine's fonts, once
+    with progress(len(names), "method") as bar:
+        _run_all(names, jobs, bar)
+    print(f"Done in {time.monotonic() - start:.0f} s.")
+
+
+def _run_all(names: list[str], jobs: int, bar: tqdm[Any]) -> None:
+    if jobs == 1:
+        for name in names:
+            _warm.run(name)
+            bar.update()
+        return
+    from concurrent.futures import ProcessPoolExecutor, as_completed
+    from multiprocessing import get_context
+
+    # Processes, not threads: numba compiles one function at a time.
+    with ProcessPoolExecutor(jobs, mp_context=get_context("spawn")) as pool:
+        for done in as_completed([pool.submit(_warm.run, name) for name in names]):
+            done.result()
+            bar.update()
+
+
+def _cores() -> int:
+    """Cores that this process may use."""
+    affinity = getattr(os, "sched_getaffinity", None)  # Linux
+    return len(affinity(0)) if affinity else os.cpu_count() or 1

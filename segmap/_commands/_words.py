@@ -1,0 +1,105 @@
+"""What a command says, in a user's words: numbers with units, faults in one plain line."""
+
+from __future__ import annotations
+
+import sys
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any
+
+from ..readers import LogError
+
+if TYPE_CHECKING:
+    from tqdm import tqdm
+
+#: What a user can mend: a damaged log, a wrong argument, a full disk, a missing package.
+FAULTS = (ValueError, OSError, ImportError, MemoryError)
+
+
+def counted(count: int, word: str) -> str:
+    """A number and what it counts: "1 scan", "225 scans".
+
+    Examples
+    --------
+    >>> counted(1, "scan"), counted(225, "scan")
+    ('1 scan', '225 scans')
+    """
+    return f"{count} {word}{'s' * (count != 1)}"
+
+
+def percent(share: float) -> str:
+    """A share to a tenth of a per cent.
+
+    Examples
+    --------
+    >>> percent(0.8449)
+    '84.5 %'
+    """
+    return f"{100 * share:.1f} %"
+
+
+def metres(value: float) -> str:
+    """A length: millimetres below a tenth of a metre.
+
+    Examples
+    --------
+    >>> metres(0.0042), metres(0.312)
+    ('4.2 mm', '0.31 m')
+    """
+    return f"{1000 * value:.1f} mm" if abs(value) < 0.1 else f"{value:.2f} m"
+
+
+def seconds(value: float) -> str:
+    """A time: milliseconds below a tenth of a second.
+
+    Examples
+    --------
+    >>> seconds(0.0042), seconds(3.14159)
+    ('4 ms', '3.1 s')
+    """
+    return f"{1000 * value:.0f} ms" if value < 0.1 else f"{value:.1f} s"
+
+
+def line(word: str, text: str) -> None:
+    """Print one thing about a log, below its name."""
+    print(f"  {word:<9} {text}", flush=True)
+
+
+def tell(text: str) -> None:
+    """Say beside the output what went wrong."""
+    print(f"segmap: {text}", file=sys.stderr, flush=True)
+
+
+def reason(error: BaseException) -> str:
+    """Why something failed, in one line."""
+    if isinstance(error, LogError) and error.line:
+        return f"{error} (--skip leaves damaged lines out)"
+    if isinstance(error, OSError) and error.strerror:
+        return f"{error.filename}: {error.strerror}" if error.filename else error.strerror
+    if isinstance(error, MemoryError):
+        return "there is not enough memory for this"
+    return " ".join(str(error).split()) or type(error).__name__
+
+
+@contextmanager
+def plain_warnings() -> Iterator[None]:
+    """Show the warnings of the library as short lines, each once for each log that deserves it."""
+
+    def show(message: Warning | str, category: type[Warning], *where: Any, **more: Any) -> None:
+        from tqdm import tqdm  # it draws the bar anew below the line
+
+        if issubclass(category, UserWarning):
+            tqdm.write(f"warning: {message}", file=sys.stderr)
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("always", UserWarning)
+        warnings.showwarning = show
+        yield
+
+
+def progress(total: int, unit: str) -> tqdm[Any]:
+    """A bar on a terminal, and nothing elsewhere."""
+    from tqdm import tqdm
+
+    return tqdm(total=total, unit=unit, disable=None, leave=False)
