@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -16,17 +18,23 @@ from ._logs import add_logs, each_log
 from ._poses import add_align, aligned
 from ._targets import Targets, add_output
 from ._thresholds import thresholds
-from ._words import counted, line, percent, seconds
+from ._words import counted, line, percent, progress, seconds
 
 if TYPE_CHECKING:
     import pandas as pd
 
 #: What -o may end in.
 SUFFIXES = (".png", ".csv")
-#: The threshold that a method varies takes these parts of its default.
-FACTORS = (0.1, 0.25, 0.5, 1.0, 2.0, 4.0)
+#: The threshold that a method varies is doubled or halved so often at most, to reach a quality;
+#: so many runs then lie between the two beside it. A method whose run takes so long, in seconds,
+#: gets no further one.
+DOUBLED, BETWEEN, SLOW = 5, 2, 20.0
 #: A longer map is thinned, scan by scan: some methods take time with the square of its segments.
-MOST = 3000
+MOST = 2000
+
+
+class _TooSlow(Exception):
+    """The last run of a method took so long that there is no further one."""
 
 
 def add(commands: Any) -> None:
@@ -60,8 +68,6 @@ def run(given: argparse.Namespace) -> int:
 
 def compare(given: argparse.Namespace, log: Log, targets: Targets) -> None:
     """Run all methods on the map of one log, and print what each leaves."""
-    from .. import experiments
-
     paths = targets.paths(log.name)
     print(f"{log.name}: {counted(len(log), 'scan')}, {targets.source}")
     map = whole = extraction.build_map(log, aligned(log, given.align), keep_points=True)
@@ -72,7 +78,7 @@ def compare(given: argparse.Namespace, log: Log, targets: Targets) -> None:
     if not given.all:
         map = thinned(map)
     line("extracted", f"{counted(len(whole), 'segment')}{_part(map, whole)}")
-    runs = experiments.sweep({log.name: map}, METHODS, grids(), progress=True)
+    runs = compared(log.name, map, given.quality / 100)
     line("compared", f"{counted(len(runs), 'run')}, {seconds(float(runs['seconds'].sum()))}")
     print_table(runs, given.quality / 100)
     for path in paths:
@@ -81,16 +87,59 @@ def compare(given: argparse.Namespace, log: Log, targets: Targets) -> None:
         line("written", ", ".join(str(path) for path in paths))
 
 
-def grids() -> dict[str, dict[str, list[float]]]:
-    """For each method some values of the threshold that it varies, around the default."""
-    return {
-        name: {
-            method.varies: [
-                factor * thresholds(method.function)[method.varies].default for factor in FACTORS
-            ]
-        }
-        for name, method in METHODS.items()
-    }
+def compared(name: str, map: SegmentMap, quality: float) -> pd.DataFrame:
+    """Runs of all methods on a map, more of them near a quality."""
+    import pandas as pd
+
+    found = []
+    with progress(len(METHODS), "method") as bar:
+        for method in METHODS:
+            bar.set_postfix_str(method)
+            found.append(searched({name: map}, method, quality))
+            bar.update()
+    return pd.concat(found, ignore_index=True)
+
+
+def searched(map: dict[str, SegmentMap], method: str, quality: float) -> pd.DataFrame:
+    """Runs of a method from its default on: beyond the wanted quality, and then closer to it."""
+    import pandas as pd
+
+    from ..experiments import sweep
+
+    varies = METHODS[method].varies
+    found: list[pd.DataFrame] = []
+
+    def good(value: float) -> bool:
+        """Run with a threshold, and tell whether its quality is that good."""
+        if found and found[-1]["seconds"].item() > SLOW:
+            raise _TooSlow
+        found.append(sweep(map, [method], {method: {varies: [value]}}))
+        return bool(found[-1]["quality"].item() >= quality)
+
+    with suppress(_TooSlow):
+        ends = around(good, thresholds(METHODS[method].function)[varies].default)
+        for _ in range(BETWEEN if ends else 0):
+            middle = float(np.sqrt(ends[0] * ends[1]))
+            ends = (middle, ends[1]) if good(middle) else (ends[0], middle)
+    return pd.concat(found, ignore_index=True)
+
+
+def around(good: Callable[[float], bool], value: float) -> tuple[float, ...]:
+    """A threshold that is good and twice it, which is not; nothing where none is found.
+
+    Examples
+    --------
+    >>> around(lambda value: value < 0.3, 0.04), around(lambda value: value < 0.3, 1.0)
+    ((0.16, 0.32), (0.25, 0.5))
+    >>> around(lambda value: False, 1.0)
+    ()
+    """
+    step = 2.0 if good(value) else 0.5
+    for _ in range(DOUBLED):
+        before, value = value, value * step
+        if good(value) == (step < 1):
+            return min(before, value), max(before, value)
+    return ()
 
 
 def thinned(map: SegmentMap) -> SegmentMap:
@@ -112,22 +161,27 @@ def _part(map: SegmentMap, whole: SegmentMap) -> str:
 
 def print_table(runs: pd.DataFrame, quality: float) -> None:
     """What each method leaves at one quality, the best first, and its run that comes nearest."""
-    from ..experiments import equal_quality, select, thresholds_text
+    from ..experiments import equal_quality, select
 
-    total = int(runs["n_before"].iloc[0])
-    at = equal_quality(runs, quality).iloc[0]
-    rows = []
-    for name in dict.fromkeys(runs["method"]):
-        own, gone = select(runs, method=str(name)), float(at[str(name)])
+    total, at = int(runs["n_before"].iloc[0]), equal_quality(runs, quality).iloc[0]
+    methods = map(str, dict.fromkeys(runs["method"]))
+    names = sorted(methods, key=lambda name: -np.nan_to_num(at[name], nan=-np.inf))
+    print(f"\n  {f'at quality {percent(quality)}':<22} {'gone':>11} {'left':>6}  nearest run")
+    for name in names:
+        gone, own = float(at[name]), select(runs, method=name)
         near = own.iloc[int((own["quality"].fillna(0.0) - quality).abs().argmin())]
         left = "-" if np.isnan(gone) else f"{(1 - gone) * total:.0f}"
-        share = "never reached" if np.isnan(gone) else percent(gone)
-        text = f"{thresholds_text(near)}: {percent(near['quality'])}, {near['n_after']} left, "
-        rows.append((-gone, name, share, left, text + seconds(near["seconds"])))
-    print(f"\n  {f'at quality {percent(quality)}':<22} {'gone':>13} {'left':>6}  nearest run")
-    for _, name, share, left, text in sorted(rows, key=lambda row: (np.isnan(row[0]), row[0])):
-        print(f"  {name:<22} {share:>13} {left:>6}  {text}")
+        share = "not reached" if np.isnan(gone) else percent(gone)
+        print(f"  {name:<22} {share:>11} {left:>6}  {_run_text(name, near)}")
     print(flush=True)
+
+
+def _run_text(name: str, near: pd.Series[Any]) -> str:
+    varies = METHODS[name].varies
+    found = (
+        f"quality {percent(near['quality'])}, {near['n_after']} left, {seconds(near['seconds'])}"
+    )
+    return f"--{varies.replace('_', '-')} {near[varies]:.3g}: {found}"
 
 
 def _write(path: Path, runs: pd.DataFrame, quality: float) -> None:

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import argparse
-import importlib
 from pathlib import Path
 from typing import Any
 
-from .. import extraction, metrics
+from .. import exports, extraction, metrics
 from ..reduction import METHODS, Reduction
 from ..scans import Log
 from ..segments import SegmentMap
@@ -112,4 +111,4 @@ def _write(path: Path, before: SegmentMap, after: SegmentMap | Reduction) -> Non
 
         write_map_picture(path, before, after)
     else:
-        importlib.import_module("segmap.exports").write_segments(path, after)
+        exports.write_segments(path, after)

@@ -52,6 +52,7 @@ def write_curves(path: Path, runs: pd.DataFrame, quality: float) -> None:
     """Reduction against quality, for each method."""
     figure = Figure((9.0, 5.5), dpi=DPI, layout="constrained")
     ax = draw_curves(runs, ax=figure.subplots(), quality=quality)
+    ax.set_ylim(0, 1)
     ax.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), frameon=False)
     write_bytes(path, figure_png(figure))
 

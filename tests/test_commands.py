@@ -1,0 +1,424 @@
+"""`segmap ...`: each command on a real log, its exit code, its words, and its files read back."""
+
+import json
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from chapter_rules import links, markdown
+from conftest import later, slow
+from makefile import ROOT
+
+import segmap
+from segmap import alignment, exports, readers, reduction
+from segmap._commands import main
+from segmap._commands._compare import MOST, thinned
+from segmap._commands._thresholds import ANGLES, PLAIN, SLOPES, thresholds
+from segmap.quadtree import QuadtreeMap
+
+plt = later("matplotlib.pyplot")
+
+PNG = b"\x89PNG"
+SCANS = 12
+#: A Hokuyo scan as text, which saw nothing, and one of a wall of 1 m.
+DARK, WALL = ("".join(f"{r} {k / 100:.2f}\n" for k in range(100)) for r in (0, 1000))
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """Pieces of the Malaga log, with a true pose for each scan, as a folder of logs."""
+    place = tmp_path_factory.mktemp("logs")
+    log = segmap.load("malaga")
+    true = alignment.ground_truth(log, missing="drop").poses
+    for name, first in (("near", 0), ("far", 60)):
+        part = slice(first, first + SCANS)
+        exports.write_carmen(place / f"{name}.log", log[part], true[part])
+    return place
+
+
+@pytest.fixture
+def near(folder):
+    return str(folder / "near.log")
+
+
+@pytest.fixture
+def run(tmp_path, monkeypatch, capsys):
+    """Run a command in a folder of its own: exit code, output, what is said beside it."""
+    monkeypatch.chdir(tmp_path)
+
+    def command(*words):
+        capsys.readouterr()
+        try:
+            code = main([str(word) for word in words])
+        except SystemExit as end:
+            code = end.code
+        return code, *capsys.readouterr()
+
+    return command
+
+
+def expected(path, method, **settings):
+    log = segmap.read(path)
+    return reduction.METHODS[method](segmap.build_map(log, log.truth, keep_points=True), **settings)
+
+
+# ------------------------------------------------------------------------------ info
+def test_info_tells_what_malaga_is(run):
+    """Catches a path without the odometry, a view in radians, a count of beams of one scan."""
+    code, said, beside = run("info", "malaga", ROOT / "data" / "malaga" / "malaga.log.gz")
+    assert code == 0 and beside == ""
+    for part in ("225 scans in 59.1 s", "361 a scan", "180 degrees, 0.5 from beam to beam",
+                 "for each scan; a path of 76.4 m", "for 99 of 225 scans", "CARMEN"):  # fmt: skip
+        assert part in said
+    assert said.splitlines()[-1] == "2 of 2 logs done"
+
+
+def test_info_counts_damaged_lines_and_the_others_refuse_them(run, near):
+    """Catches a damaged log that `info` cannot tell of, and one that is mapped without a word."""
+    Path("cut.log").write_text(Path(near).read_text() + "FLASER 361 1.0\n")
+    code, said, _ = run("info", "cut.log")
+    assert code == 0 and "damaged   1 line left out; cut.log, line" in said
+    code, said, beside = run("map", "cut.log", "-o", "cut.csv")
+    assert code == 1 and not Path("cut.csv").exists() and "reduced" not in said
+    assert re.match(r"segmap: cut.log, line \d+: .*\(--skip leaves damaged lines out\)\n", beside)
+    assert run("map", "cut.log", "--skip", "-o", "cut.csv")[0] == 0
+
+
+def test_info_of_a_log_without_anything(run):
+    """Catches statistics of no number: one scan, no valid beam, no time, no pose."""
+    Path("one.txt").write_text(DARK)
+    code, said, beside = run("info", "one.txt")
+    assert code == 0 and beside == ""
+    assert "none is valid" in said and "1 scan, without times" in said
+    assert said.count("none\n") == 2
+
+
+# ------------------------------------------------------------------------------ map
+def test_a_map_is_what_the_library_makes_in_every_format(run, near):
+    """Catches another map than the printed one, and files of the map before the reduction."""
+    names = [f"it.{suffix}" for suffix in ("csv", "npz", "svg", "dxf", "geojson", "wkt", "png")]
+    outputs = [word for name in names for word in ("-o", name)]
+    code, said, _ = run("map", near, "--method", "fusion", "--tolerance", "0.06", *outputs)
+    wanted = expected(near, "fusion", tolerance=0.06)
+    assert code == 0 and f"by fusion: {len(wanted)} segments left" in said
+    assert "by ground_truth: 12 of 12 scans" in said
+    kept = segmap.quality(segmap.build_map(segmap.read(near), segmap.read(near).truth), wanted)
+    assert f"quality   {100 * kept:.1f} %" in said and ", ".join(names) in said
+    for name in ("it.csv", "it.npz"):
+        assert np.array_equal(readers.read_segments(name).segments, wanted.segments)
+    assert len(json.loads(Path("it.geojson").read_text())["features"]) == len(wanted)
+    assert Path("it.png").read_bytes()[:4] == PNG
+    assert {path.name for path in Path().iterdir()} == set(names)
+
+
+def test_a_picture_holds_both_maps_at_one_scale(run, near):
+    """Catches a picture without the map before, and one that is drawn with a display."""
+    run("map", near, "-o", "it.png", "--method", "none", "-o", "none.png")
+    run("map", near, "-o", "both.png")
+    one, both = (plt.imread(name) for name in ("none.png", "both.png"))
+    assert one.shape[:2] != both.shape[:2] and both.size > 1.5 * one.size
+    assert plt.get_fignums() == []
+
+
+def test_angles_are_degrees(run, near):
+    """Catches 2.5 degrees that are taken for radians, or are not handed on."""
+    run("map", near, "--method", "basic_offline", "--angle", 2.5, "-o", "it.csv")
+    wanted = expected(near, "basic_offline", angle=np.radians(2.5))
+    assert np.array_equal(readers.read_segments("it.csv").segments, wanted.segments)
+    assert len(wanted) != len(expected(near, "basic_offline"))
+
+
+@pytest.mark.parametrize("name", reduction.METHODS)
+def test_thresholds_of_each_method_have_the_unit_of_its_docstring(name):
+    """Catches a new threshold in radians that the command takes in radians too."""
+    function = reduction.METHODS[name].function
+    text = function.__doc__.split("Parameters\n")[1].split("Returns\n")[0]
+    for names, kind in re.findall(r"^    ([a-z0-9_, ]+) : (.*)$", text, re.MULTILINE):
+        listed, units = names.split(", "), re.findall("metres|radians a metre|radians", kind)
+        every = units if len(units) == len(listed) else units[:1] * len(listed)
+        if "angle, distance, gap" in names:  # radians and metres
+            every = ["radians", "metres", "metres"]
+        for threshold, unit in zip(listed, every, strict=False):
+            assert (threshold in ANGLES) == (unit == "radians"), threshold
+            assert (threshold in SLOPES) == (unit == "radians a metre"), threshold
+    own = thresholds(function)
+    assert reduction.METHODS[name].varies in own
+    assert {"chi2"} >= PLAIN & set(own)
+
+
+def test_switches_and_thresholds_of_the_extraction(run, near):
+    """Catches --tolerance of the extraction and of the method that are one, and a lost --no-."""
+    _, said, _ = run("map", near, "--method", "fusion", "--extract-tolerance", "0.1")
+    log = segmap.read(near)
+    assert f"extracted {len(segmap.build_map(log, log.truth, tolerance=0.1))} segments" in said
+    words = ("--method", "viewing_sector", "--no-forget", "-o", "it.csv")
+    assert run("map", near, *words)[0] == 0
+    wanted = expected(near, "viewing_sector", forget=False)
+    assert len(readers.read_segments("it.csv")) == len(wanted)
+
+
+def test_a_filter_comes_before_the_reduction(run, near):
+    code, said, _ = run("map", near, "--filter", "0.5", "--method", "none", "-o", "it.csv")
+    log = segmap.read(near)
+    assert len(readers.read_segments("it.csv")) == len(
+        segmap.build_map(log, log.truth).filtered(0.5)
+    )
+    assert code == 0 and "of 0.5 m or more" in said
+
+
+@pytest.mark.parametrize(
+    "method", ["odometry", "backbone", "point_icp", slow("angle_correspondence")]
+)
+def test_each_alignment_is_an_option(run, near, method):
+    code, said, _ = run("map", near, "--align", method, "--method", "none")
+    assert code == 0 and f"by {method}: " in said
+
+
+def test_without_a_true_pose_for_each_scan_loops_are_closed(run, tmp_path):
+    """Catches a log with few true poses whose other scans lie on straight lines between them."""
+    log = segmap.load("malaga")[:6]
+    exports.write_carmen(tmp_path / "few.log", log)
+    assert 0 < np.isfinite(log.truth[:, 0]).sum() < 6
+    assert "by pose_graph: 6 of 6 scans" in run("map", "few.log", "--method", "none")[1]
+
+
+# ------------------------------------------------------------------------------ usage
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (("map", "--method", "fusion", "--sigma", "1"), "fusion has no --sigma; it has --toleranc"),
+        (("map", "--method", "none", "--sigma", "1"), "none has no --sigma; it has no threshold"),
+        (("map", "-o", "it.pdf"), "'it.pdf' must end in one of .svg, .csv"),
+        (("map", "-o", ".svg"), "'.svg' must end in one of"),
+        (("map", "--tolerance", "four"), "invalid float value: 'four'"),
+        (("map", "--toler", "0.1"), "unrecognized arguments: --toler"),
+        (("map", "--align", "magic"), "invalid choice: 'magic'"),
+        (("map", "far.log", "-o", "it.svg"), "2 logs would go to it.svg: write {name} in it"),
+        (("occupancy", "--score", "field"), "--score field is for --matcher"),
+        (("convert",), "name the file to write: -o FILE"),
+        (("compare", "--quality", "0"), "--quality must be above 0 and at most 100"),
+        (("info", "--bad"), "unrecognized arguments"),
+    ],
+)
+def test_what_is_not_understood_is_said_before_anything_is_done(run, near, words, said):
+    """Catches usage errors that end as 1, or after a minute of work."""
+    code, out, beside = run(words[0], near, *words[1:])
+    assert code == 2 and out == "" and said in " ".join(beside.split())
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (("nowhere.log",), "nowhere.log: does not exist, expected a log file or a folder"),
+        (("malagga",), "malagga: is neither a file nor a folder"),
+        (("near.log", "-o", "no/where.svg"), "cannot write no/where.svg: make the folder no first"),
+        (("near.log", "-o", "folder.svg"), "cannot write folder.svg: it is a folder"),
+        (
+            ("near.log", "--method", "fusion", "--tolerance", "-1"),
+            "tolerance must be a number above 0",
+        ),
+    ],
+)
+def test_faults_are_one_line_and_1(run, near, tmp_path, words, said):
+    """Catches a traceback, and a fault that is found after the work."""
+    shutil.copy(near, tmp_path)
+    (tmp_path / "folder.svg").mkdir()
+    code, out, beside = run("map", *words)
+    assert code == 1 and beside.startswith("segmap: ") and beside.count("\n") == 1
+    assert said in beside and ("written" not in out)
+    if "cannot write" in said:
+        assert out == ""
+
+
+# ------------------------------------------------------------------------------ several logs
+def test_a_failed_log_is_told_at_the_end_and_the_others_are_done(run, folder, tmp_path):
+    """Catches a bad log that stops the night's work, or that nobody hears of."""
+    for path in folder.iterdir():
+        shutil.copy(path, tmp_path)
+    (tmp_path / "bad.log").write_text("FLASER 3 1.0 2.0\n")
+    (tmp_path / "README.md").write_text("FLASER 3 1.0 2.0\n")
+    (tmp_path / ".hidden.log").write_text("FLASER 3 1.0 2.0\n")
+    (tmp_path / "maps").mkdir()
+    code, said, beside = run("map", ".", "--method", "fusion", "-o", "maps/{name}.csv")
+    assert code == 1 and said.splitlines()[-1] == "2 of 3 logs done"
+    assert {path.name for path in Path("maps").iterdir()} == {"near.csv", "far.csv"}
+    first, last = beside.splitlines()
+    assert first == "segmap: .: left out, since no log: README.md, maps"
+    assert last.startswith("segmap: bad.log, line 1: ")
+    wanted = expected("far.log", "fusion")
+    assert np.array_equal(readers.read_segments("maps/far.csv").segments, wanted.segments)
+
+
+def test_a_folder_that_is_a_log_is_one_log(run, tmp_path):
+    """Catches a folder of numbered scans that is mapped scan by scan."""
+    (tmp_path / "walk").mkdir()
+    for k in range(3):
+        (tmp_path / "walk" / f"scan_{k}.txt").write_text(WALL)
+    code, said, beside = run("info", "walk")
+    assert code == 0 and beside == "" and "3 scans" in said and "Hokuyo text" in said
+
+
+def test_logs_of_one_name_do_not_replace_each_other(run, near, tmp_path):
+    """Catches a second run.log whose map overwrites that of the first."""
+    for name in ("a", "b"):
+        (tmp_path / name).mkdir()
+    shutil.copy(near, "a/run.log")
+    shutil.copy(Path(near).with_name("far.log"), "b/run.log")
+    words = ("a/run.log", "b/run.log", "--method", "fusion", "-o", "{name}.csv")
+    code, said, beside = run("map", *words)
+    assert code == 1 and "1 of 2 logs done" in said
+    assert "b/run.log: run.csv was written for a/run.log" in beside
+    assert len(readers.read_segments("run.csv")) == len(expected(near, "fusion"))
+
+
+def test_control_c_ends_with_130_and_leaves_nothing_half_written(run, near, monkeypatch):
+    """Catches a traceback, an exit code of 1, and the rest of the logs that goes on."""
+    calls = []
+
+    def stop(*given):
+        calls.append(given)
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(exports, "write_segments", stop)
+    code, said, beside = run("map", near, near, "--method", "fusion", "-o", "{name}.csv")
+    assert code == 130 and beside == "segmap: stopped\n" and len(calls) == 1
+    assert list(Path().iterdir()) == [] and "written" not in said
+
+
+def test_warnings_are_plain_lines(run, tmp_path):
+    """Catches a warning with the path of a source file and a line of its text."""
+    (tmp_path / "dark.txt").write_text(DARK)
+    code, said, beside = run("map", "dark.txt", "--align", "odometry", "--method", "fusion")
+    assert code == 0 and "extracted 0 segments" in said and ".py" not in beside
+    assert beside.startswith("warning: the map of log 'dark' is empty")
+    with pytest.warns(UserWarning, match="is empty"):
+        segmap.build_map(segmap.read("dark.txt"), [(0, 0, 0)])
+
+
+# ------------------------------------------------------------------------------ occupancy
+def test_occupancy_is_written_for_everybody(run, near):
+    """Catches a quadtree of another resolution, and a YAML without its picture."""
+    names = [f"it.{suffix}" for suffix in ("yaml", "npz", "svg", "geojson", "png")]
+    outputs = [word for name in names for word in ("-o", name)]
+    code, said, _ = run("occupancy", near, "--resolution", "0.2", *outputs)
+    assert code == 0 and "it.yaml, it.pgm, it.npz" in said and "at 0.2 m" in said
+    map = QuadtreeMap.load("it.npz")
+    assert map.scans == SCANS and map.resolution == 0.2
+    assert 'image: "it.pgm"' in Path("it.yaml").read_text()
+    assert Path("it.pgm").read_bytes()[:2] == b"P5" and Path("it.png").read_bytes()[:4] == PNG
+    assert len(json.loads(Path("it.geojson").read_text())["features"]) > 10
+
+
+@pytest.mark.parametrize("matcher", ["hill-climbing", "sample-and-rank-thesis"])
+def test_occupancy_by_matching_alone(run, matcher):
+    """Catches a matcher that is not asked, and a map in the frame of the odometry."""
+    words = ("--matcher", matcher, "--resolution", "0.05", "-o", "it.npz", "--score", "nearest")
+    exports.write_carmen("room.log", segmap.load("room")[:6])
+    code, said, _ = run("occupancy", "room.log", *words)
+    assert code == 0 and f"by {matcher}, score nearest: 5 of 6 scans" in said
+    assert QuadtreeMap.load("it.npz").scans == 6
+
+
+# ------------------------------------------------------------------------------ compare
+def test_all_methods_are_compared_at_one_quality(run, near, tmp_path):
+    """Catches a method that is missing, a column that is not that of the quality asked for."""
+    exports.write_carmen("short.log", segmap.read(near)[:3])
+    code, said, _ = run("compare", "short.log", "--quality", "90", "-o", "it.png", "-o", "it.csv")
+    assert code == 0 and "at quality 90.0 %" in said
+    runs = segmap.experiments.read_records("it.csv")
+    assert set(runs["method"]) == set(reduction.METHODS) and Path("it.png").read_bytes()[:4] == PNG
+    table = said[said.index("at quality") :]
+    shown = re.findall(r"^  (\w+) +(?:(\d+\.\d) %|not reached) +(\d+|-) ", table, re.MULTILINE)
+    assert {name for name, *_ in shown} == set(reduction.METHODS)
+    gone = [float(share) for _, share, _ in shown if share]
+    assert gone == sorted(gone, reverse=True) and len(gone) >= 10
+    at = segmap.experiments.equal_quality(runs, 0.9).iloc[0]
+    best, share, left = shown[0]
+    assert float(share) == round(100 * at[best], 1)
+    assert int(left) == round((1 - at[best]) * runs["n_before"].iloc[0])
+
+
+def test_a_long_log_is_thinned_scan_by_scan():
+    """Catches a comparison that takes hours, and a map of the first scans only."""
+    scan = np.repeat(np.arange(100), 90)
+    map = segmap.SegmentMap(np.tile([[(0, 0), (1, 0)]], (9000, 1, 1)), scan)
+    part = thinned(map)
+    assert np.unique(part.scan).tolist() == list(range(0, 100, 5)) and len(part) <= MOST
+    assert thinned(part) is not None and len(thinned(part)) == len(part)
+
+
+# ------------------------------------------------------------------------------ convert
+def test_convert_keeps_what_the_log_holds(run, near):
+    """Catches poses that are lost on the way, and a path with other poses than the log's."""
+    code, said, _ = run("convert", near, "-o", "it.log.gz", "-o", "it.tum")
+    assert code == 0 and "12 with a corrected pose" in said and "12 poses by ground truth" in said
+    before, after = segmap.read(near), segmap.read("it.log.gz")
+    assert np.allclose(after.truth, before.truth, atol=1e-5)
+    assert np.allclose(after[3].ranges, before[3].ranges, atol=1e-6)
+    path = np.loadtxt("it.tum")
+    assert np.allclose(path[:, 1:3], before.truth[:, :2], atol=1e-5)
+
+
+def test_convert_writes_the_poses_of_an_alignment(run, near):
+    code, said, _ = run("convert", near, "--align", "odometry", "-o", "it.tum")
+    log = segmap.read(near)
+    assert code == 0 and "12 poses by odometry" in said
+    assert np.allclose(np.loadtxt("it.tum")[:, 1:3], log.odometry[:, :2], atol=1e-5)
+
+
+def test_a_log_is_not_replaced_by_itself(run, near, tmp_path):
+    """Catches a log that is gone after a slip of -o."""
+    shutil.copy(near, tmp_path)
+    before = Path("near.log").read_bytes()
+    code, _, beside = run("convert", "near.log", "-o", "./{name}.log")
+    assert code == 1 and "it is the log itself" in beside
+    assert Path("near.log").read_bytes() == before
+
+
+# ------------------------------------------------------------------------------ notebooks
+def test_chapters_are_copied_and_the_work_of_a_student_stays(run):
+    """Catches an exercise that is overwritten, and links that lead nowhere in the copy."""
+    chapters = {path.name for path in (ROOT / "notebooks").glob("*.ipynb")}
+    code, said, _ = run("notebooks", "mine")
+    assert code == 0 and f"{len(chapters)} chapters copied to mine" in said
+    assert {path.name for path in Path("mine").iterdir()} == chapters
+    for path in Path("mine").iterdir():
+        wanted = links(markdown(json.loads(path.read_text(encoding="utf-8"))))
+        assert [link for link in wanted if not (path.parent / link).exists()] == []
+    Path("mine/54_fusion.ipynb").write_text("my answers")
+    Path("mine/51_basic.ipynb").unlink()
+    code, said, _ = run("notebooks", "mine")
+    assert code == 0 and Path("mine/54_fusion.ipynb").read_text() == "my answers"
+    assert "1 chapter copied" in said and f"{len(chapters) - 2} chapters there already" in said
+    assert "since yours differ: 54_fusion.ipynb" in said
+    assert Path("mine/51_basic.ipynb").exists()
+
+
+def test_the_wheel_holds_the_chapters():
+    """Catches a pip user whose `segmap notebooks` finds none."""
+    text = (ROOT / "pyproject.toml").read_text(encoding="utf-8")
+    assert re.search(r'force-include\]\n(?:.*\n)*?notebooks = "segmap/notebooks"', text)
+
+
+# ------------------------------------------------------------------------------ the program
+def test_the_program_is_light(near):
+    """Catches a command that loads numba and matplotlib to say what a log is."""
+    code = (
+        "import sys; from segmap.__main__ import main; code = main(sys.argv[1:]);"
+        "print(code, *{'numba', 'matplotlib', 'pandas', 'ipywidgets'} & set(sys.modules))"
+    )
+    command = [sys.executable, "-c", code, "info", near]
+    said = subprocess.run(command, capture_output=True, text=True, check=True).stdout
+    assert said.splitlines()[-1] == "0" and "12 scans" in said
+
+
+def test_the_module_ends_with_the_code_of_the_command(tmp_path):
+    """Catches a shell script that goes on after a failure."""
+    command = [sys.executable, "-m", "segmap", "info", "gone.log"]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert done.returncode == 1 and done.stderr.startswith("segmap: gone.log: does not exist")
+    assert done.stdout == ""
