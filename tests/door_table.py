@@ -19,6 +19,7 @@ from segmap import (
     hokuyo,
     matching,
     quadtree,
+    readers,
     reduction,
     segments,
     simulation,
@@ -47,6 +48,7 @@ TREE = quadtree.build_map(LOG, PATH, resolution=0.05)
 MAP = segments.SegmentMap(WALLS)
 REDUCTION = reduction.METHODS["hybrid"](MAP)
 RUNS = experiments.sweep({"it": MAP}, ["fusion"], {"fusion": {"tolerance": [0.01, 0.04]}})
+GRAPH = readers.PoseGraph(PATH[:2], [(0, 1)], PATH[1:2], [np.eye(3)])
 SCAN = hokuyo.ScanRequest("GD", 384, 385)
 MET = hokuyo.Measurement(5, np.array([392, 381]))
 TOLD = {"ARES": "1024", "AMIN": "44", "AMAX": "725", "AFRT": "384", "DMIN": "20", "DMAX": "5600",
@@ -66,7 +68,8 @@ GOOD = {
     "angle_candidates.viewpoints": np.zeros((2, 2)), "write_ros_map.path": "written.yaml",
     "read_trajectory.path": "poses.csv", "write_segments.path": "written.csv",
     "read_segments.path": "segments.csv", "SegmentMap.load.path": "segments.npz",
-    "write_segments.map": MAP, "data_file.name": "room", "a": PATH, "a_from_b": PATH,
+    "write_segments.map": MAP, "read_graph.path": "graph.g2o", "write_graph.graph": GRAPH,
+    "data_file.name": "room", "a": PATH, "a_from_b": PATH,
     "after": WALLS[:2], "angles.a": 0.1, "angles.angle": 0.1,
     "angles.b": 0.1, "at": np.array([0.5]), "axial_mean.angles": np.array([0.1, 0.2]), "b": PATH,
     "b_from_c": PATH, "before": WALLS, "box.depth": 3.0, "box.width": 3.0,

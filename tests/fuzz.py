@@ -21,17 +21,20 @@ from concurrent.futures.process import BrokenProcessPool
 from functools import partial
 from multiprocessing import get_context
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import damaged_maps
 import numpy as np
 from log_samples import GROUNDTRUTH, ODOMETRY_CSV, RAWSEEDS
+from test_graph_files import a_graph
 from test_readers_damage import SAMPLES, SEED, mutated, outcome
+from test_segment_files import ODD
 
 from segmap import LogError
 from segmap.course import load_trials
 from segmap.experiments import load_alignments, load_records, read_records
-from segmap.readers import data_file, read_trajectory
+from segmap.exports import write_graph, write_segments
+from segmap.readers import data_file, read_graph, read_segments, read_trajectory
 
 EACH = 4600
 #: Takes the folder and random numbers, writes a mutant and reads it: what became of it.
@@ -80,6 +83,27 @@ def trajectory(content: bytes, folder: Path, rng: random.Random) -> list[str]:
     return ends
 
 
+def written(write: Callable[[Path, Any], None], name: str, what: object) -> bytes:
+    """What an export writes."""
+    with tempfile.TemporaryDirectory() as folder:
+        write(Path(folder) / name, what)
+        return (Path(folder) / name).read_bytes()
+
+
+def given_to(
+    read: Callable[[Path], object], content: bytes, folder: Path, rng: random.Random
+) -> list[str]:
+    """A map of segments or a pose graph."""
+    path = folder / "it"
+    path.write_bytes(mutated(content, rng))
+    try:
+        read(path)
+    except LogError as fault:
+        assert str(fault).startswith(str(path))
+        return ["LogError"]
+    return ["read"]
+
+
 def map_bytes(folder: Path, rng: random.Random) -> list[str]:
     """The bytes of a sound file, damaged."""
     path = folder / "map.npz"
@@ -125,6 +149,9 @@ def targets() -> dict[str, Target]:
     found |= {n: partial(log, n, t.encode()) for n, t in RAWSEEDS.items()}
     found["track"] = partial(trajectory, GROUNDTRUTH.encode())
     found["odometry"] = partial(trajectory, ODOMETRY_CSV.encode())
+    for name in ("segments.csv", "segments.npz"):
+        found[name] = partial(given_to, read_segments, written(write_segments, name, ODD))
+    found["graph"] = partial(given_to, read_graph, written(write_graph, "it.g2o", a_graph()))
     found |= {"map bytes": map_bytes, "map arrays": map_arrays}
     found["runs"] = partial(table, read_records, beginning(place / "malaga.csv"))
     found["alignments"] = partial(

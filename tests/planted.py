@@ -56,6 +56,11 @@ PLANTED = (
     ("            np.savez(target, **named)", "            np.savez_compressed(target, **named)", "segment_files"),
     ('vector-effect="non-scaling-stroke"\'\n', 'stroke-opacity="1"\'\n', "segment_files"),
     ("np.where(side < small, side, 0.0)", "np.where(side < 0, side, 0.0)", "exports_maps"),
+    # pose graphs as files
+    ("rotated(graph.information, graph.relative[:, 2])", "rotated(graph.information, -graph.relative[:, 2])", "graph_files"),
+    ("reshape(-1, 9)[:, [0, 1, 2, 4, 5, 8]]", "reshape(-1, 9)[:, [0, 1, 4, 8, 2, 5]]", "graph_files"),
+    ("np.array(sorted(self.poses), np.int64)", "np.array(list(self.poses), np.int64)", "graph_files"),
+    ('"EDGE2": (0, 1, 4, 1, 2, 5, 4, 5, 3)', '"EDGE2": (0, 1, 2, 1, 3, 4, 2, 4, 5)', "graph_files"),
     # segment similarity, uncertain parameters, polyline
     ("lines[i, 2] += lines[j, 2]\n", "lines[i, 2] += 0.0\n", "segment_similarity"),
     ("if state.alive[j] == 0 or state.changed[j] > state.looked[i]:", "if state.alive[j] == 0:", "segment_similarity"),

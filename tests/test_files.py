@@ -6,6 +6,7 @@ import os
 import stat
 from pathlib import Path
 
+import numpy as np
 import pandas as pd
 import pytest
 
@@ -15,11 +16,13 @@ from segmap._files import RATIO, UNPACKED, packed, table_lines
 from segmap.course import load_trials, write_trials
 from segmap.experiments import load_records, write_records
 from segmap.quadtree import QuadtreeMap
+from segmap.readers import PoseGraph
 
 LOG = Log("one", [LaserScan([1.0], [0.0])], [(0, 0, 0)])
 MAP = QuadtreeMap(resolution=0.5, size=2)
 MAP.insert_scan((0.2, 0.2), [(1.2, 0.2)])
 WALLS = SegmentMap([[(0, 0), (1, 0)]])
+GRAPH = PoseGraph(np.zeros((2, 3)), [(0, 1)], [(1, 0, 0)], [np.eye(3)])
 
 #: Every function that writes a file in one go, and the end of the name that it wants.
 WRITERS = {
@@ -32,6 +35,7 @@ WRITERS = {
     "map": (lambda path: MAP.save(path), ".npz"),
     "segment map": (lambda path: WALLS.save(path), ".npz"),
     "segments": (lambda path: exports.write_segments(path, WALLS), ".csv"),
+    "graph": (lambda path: exports.write_graph(path, GRAPH), ".g2o"),
     "drawn": (lambda path: exports.write_segments(path, WALLS), ".dxf.gz"),
     "records": (lambda path: write_records(load_records("malaga")[:2], path), ".csv"),
     "trials": (lambda path: write_trials(load_trials()[:2], path), ".csv"),
@@ -54,7 +58,7 @@ def test_the_table_of_writers_is_whole():
     """Catches an export that joins the package and not these tests, and a second way to write."""
     assert set(exports.__all__) - {"NOTHING_MET", "Classes", "ros_classes"} == {
         *("write_tum", "write_carmen", "write_ros_map", "write_geojson", "write_svg"),
-        "write_segments",
+        *("write_segments", "write_graph"),
     }
     found = set()
     for path in Path(segmap.__file__).parent.rglob("*.py"):

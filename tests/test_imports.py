@@ -16,7 +16,7 @@ PACKAGE = Path(segmap.__file__).parent
 STOREYS = (
     "_arguments",
     "_compiled _display _files methods arrays",
-    "_units angles literal _segment_points",
+    "_units angles literal _information _segment_points",
     "poses segments",
     "scans kernels error_codes",
     "_coverage _placed",

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import arrays
+from .._information import checked
 from ..angles import wrap
 from ..arrays import Array
 from ..poses import between, compose
@@ -26,8 +27,6 @@ REAL = np.diag([0.02, 0.02, np.radians(0.3)]) ** 2
 #: Steps of the solver end where no pose moves by more than this, metres and radians: a hundredth of
 #: what a laser sees.
 CONVERGED = 1e-5
-#: Information may lack so much of symmetry by rounding, as a part of its largest entry.
-SYMMETRIC = 1e-9
 
 
 class Edge(NamedTuple):
@@ -153,18 +152,7 @@ def _information(value: ArrayLike | None, m: int) -> Array:
     """Information of m edges `(m, 3, 3)`, as given or as matches of real scans have it."""
     if value is None:
         return np.broadcast_to(np.linalg.inv(REAL), (m, 3, 3))
-    weight = arrays.values(value, "information")
-    if weight.shape != (m, 3, 3) or not np.isfinite(weight).all():
-        raise ValueError(f"information must be ({m}, 3, 3) and finite, got shape {weight.shape}")
-    turned, size = weight.swapaxes(1, 2), np.abs(weight).max(axis=(1, 2))
-    wrong = np.abs(weight - turned).max(axis=(1, 2)) > SYMMETRIC * size
-    wrong |= np.linalg.eigvalsh((weight + turned) / 2)[:, 0] < -SYMMETRIC * size
-    if wrong.any():
-        raise ValueError(
-            "information must be symmetric and nowhere negative, the inverse of a covariance, but "
-            f"information[{wrong.argmax()}] is {weight[wrong.argmax()].tolist()}"
-        )
-    return weight
+    return checked(value, m)
 
 
 def _check_tied(

@@ -1,9 +1,11 @@
-"""What segmap writes for other programs: trajectories, logs with corrected poses, maps.
+"""What segmap writes for other programs: trajectories, pose graphs, logs with corrected poses,
+maps.
 
 Every file is written beside its place and then moved there: nobody ever reads half of it, and what
 stood there before stays until the new one is complete. A name that ends in `.gz` is packed.
 """
 
+from ._graph import write_graph
 from ._maps import Classes, ros_classes, write_geojson, write_ros_map, write_svg
 from ._segments import write_segments
 from ._trajectories import NOTHING_MET, write_carmen, write_tum
@@ -14,6 +16,7 @@ __all__ = [
     "ros_classes",
     "write_carmen",
     "write_geojson",
+    "write_graph",
     "write_ros_map",
     "write_segments",
     "write_svg",

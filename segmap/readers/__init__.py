@@ -2,7 +2,7 @@
 
 `read` recognises the format by what is in the file; `load` reads a log that comes with segmap. One
 file a format, each with what it means to the field; `_formats` lists them. `read_segments` reads a
-map that `exports.write_segments` wrote.
+map that `exports.write_segments` wrote, `read_graph` a pose graph of g2o.
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ from ..scans import Log
 from . import _hokuyo_text, _rawseeds
 from ._bundled import data_file, find
 from ._formats import recognise
+from ._graph import PoseGraph, read_graph
 from ._lines import LogError, UnknownFormat
 from ._opening import asking, checked_file, named
 from ._raw_scans import half_turn, same_poses
@@ -24,12 +25,14 @@ from ._segments import read_segments
 
 __all__ = [
     "LogError",
+    "PoseGraph",
     "UnknownFormat",
     "data_file",
     "format_of",
     "half_turn",
     "load",
     "read",
+    "read_graph",
     "read_segments",
     "read_trajectory",
     "same_poses",

@@ -1,0 +1,251 @@
+"""Pose graphs as g2o files: back again, the same to gtsam, and refused by name and line."""
+
+import random
+
+import numpy as np
+import pytest
+from conftest import later
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from test_readers_damage import SEED, mutated
+
+from segmap import LogError, load
+from segmap.alignment import Alignment, Graph, pose_graph, solve_graph
+from segmap.exports import write_graph
+from segmap.poses import between, compose
+from segmap.readers import PoseGraph, read_graph
+
+gtsam = later("gtsam")
+
+
+@pytest.fixture
+def referee():
+    return pytest.importorskip("gtsam", reason="gtsam is not installed here")
+
+
+@pytest.fixture(scope="module")
+def aligned() -> Alignment:
+    return pose_graph(load("corridor")[:40])
+
+
+def a_graph(seed=1, count=12, loops=6, noise=0.02) -> PoseGraph:
+    """A robot that turns, loops closed; information of no symmetry at all."""
+    rng = np.random.default_rng(seed)
+    poses = np.zeros((count, 3))
+    for k in range(1, count):
+        poses[k] = compose(poses[k - 1], (1, 0.1, rng.normal(0, 1)))
+    ends = [(k, k + 1) for k in range(count - 1)]
+    ends += [tuple(rng.choice(count, 2, replace=False)) for _ in range(loops)]
+    edges = np.array(ends)
+    relative = between(poses[edges[:, 0]], poses[edges[:, 1]])
+    relative += rng.normal(0, noise, relative.shape) * (1, 1, 0.3)
+    half = rng.normal(0, 10, (len(edges), 3, 3))
+    information = half @ half.swapaxes(1, 2) + np.diag([900, 400, 2000])
+    return PoseGraph(poses + rng.normal(0, 0.01, poses.shape), edges, relative, information)
+
+
+def chi2(graph: PoseGraph) -> float:
+    left = between(graph.poses[graph.edges[:, 0]], graph.poses[graph.edges[:, 1]]) - graph.relative
+    left[:, 2] = (left[:, 2] + np.pi) % (2 * np.pi) - np.pi
+    return float(np.einsum("mi,mij,mj", left, graph.information, left))
+
+
+def assert_same(found: PoseGraph, wanted: PoseGraph) -> None:
+    for name in ("poses", "edges", "relative"):
+        np.testing.assert_array_equal(getattr(found, name), getattr(wanted, name))
+    size = np.abs(wanted.information).max(initial=1.0)
+    np.testing.assert_allclose(found.information, wanted.information, rtol=0, atol=1e-14 * size)
+
+
+# ------------------------------------------------------------------------- back again
+@settings(max_examples=25)
+@given(seed=st.integers(0, 10**6), count=st.integers(2, 9), loops=st.integers(0, 5))
+def test_a_graph_comes_back(seed, count, loops, tmp_path_factory):
+    """Catches digits cut off, an entry of the information in another's place, and ids mixed up."""
+    path = tmp_path_factory.getbasetemp() / "it.g2o"
+    graph = a_graph(seed, count, loops)
+    write_graph(path, graph)
+    found = read_graph(path)
+    assert_same(found, graph)
+    assert found.ids.tolist() == list(range(count))
+    write_graph(path, found._replace(ids=7 * found.ids + 3))
+    again = read_graph(path)
+    assert_same(again, graph)
+    assert again.ids.tolist() == list(range(3, 7 * count, 7))
+
+
+def test_an_alignment_is_written_with_its_graph(aligned, tmp_path):
+    write_graph(tmp_path / "it.g2o.gz", aligned)
+    graph = aligned.graph
+    wanted = PoseGraph(aligned.poses, graph.edges, graph.relative, graph.information)
+    assert_same(read_graph(tmp_path / "it.g2o.gz"), wanted)
+
+
+def test_the_lines_by_hand(tmp_path):
+    """g2o's order, and its frame: across the way at its beginning is along it after a left turn."""
+    graph = PoseGraph(
+        [(0, 0, 0), (1, 2, 0.5)], [(0, 1)], [(1, 2, np.pi / 2)], [np.diag([1.0, 4.0, 9.0])]
+    )
+    write_graph(tmp_path / "it.g2o", graph)
+    first, second, edge = (tmp_path / "it.g2o").read_text().splitlines()
+    assert (first, second) == ("VERTEX_SE2 0 0.0 0.0 0.0", "VERTEX_SE2 1 1.0 2.0 0.5")
+    assert edge.startswith("EDGE_SE2 0 1 1.0 2.0 1.5707963267948966 ")
+    np.testing.assert_allclose(np.array(edge.split()[6:], float), [4, 0, 0, 1, 0, 9], atol=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("kind", "six"), [("EDGE_SE2", "20 1 2 30 3 40"), ("EDGE2", "20 1 30 40 2 3")]
+)
+def test_both_orders_of_the_information(kind, six, tmp_path):
+    """Catches the order of TORO in the place of g2o's, and lines that must come in an order."""
+    text = f"FIX 2\n{kind} 2 4 1 0 0 {six}\nVERTEX2 4 1 0 0\nVERTEX_XY 9 0 0\nVERTEX_SE2 2 0 0 0\n"
+    (tmp_path / "it.g2o").write_text(text)
+    found = read_graph(tmp_path / "it.g2o")
+    assert found.information.tolist() == [[[20, 1, 2], [1, 30, 3], [2, 3, 40]]]
+    assert found.poses.tolist() == [[0, 0, 0], [1, 0, 0]] and found.edges.tolist() == [[0, 1]]
+
+
+# ------------------------------------------------------------------------------ gtsam
+def g2o_error(graph, values) -> float:
+    """Sum of squares as g2o defines it, by gtsam's arithmetic of poses."""
+    total = 0.0
+    for k in range(graph.size()):
+        edge = graph.at(k)
+        i, j = map(values.atPose2, edge.keys())
+        left = edge.measured().inverse().compose(i.between(j))
+        r = np.array([left.x(), left.y(), left.theta()])
+        total += r @ edge.noiseModel().information() @ r
+    return total
+
+
+def optimized(graph, values) -> np.ndarray:
+    """The minimum of plain squares with the first pose held, `(n, 3)`."""
+    noise = gtsam.noiseModel.Isotropic.Sigma(3, 1e-6)
+    graph.add(gtsam.PriorFactorPose2(0, values.atPose2(0), noise))
+    rules = gtsam.LevenbergMarquardtParams()
+    rules.setRelativeErrorTol(1e-14)
+    found = gtsam.LevenbergMarquardtOptimizer(graph, values, rules).optimize()
+    poses = [found.atPose2(k) for k in range(found.size())]
+    return np.array([(pose.x(), pose.y(), pose.theta()) for pose in poses])
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_gtsam_finds_the_same_errors(referee, seed, tmp_path):
+    """Catches information that is not turned: alike only where nothing turns."""
+    ours = a_graph(seed, noise=0.2)
+    write_graph(tmp_path / "it.g2o", ours)
+    graph, values = gtsam.readG2o(str(tmp_path / "it.g2o"), False)
+    assert (graph.size(), values.size()) == (len(ours.edges), len(ours.poses))
+    assert g2o_error(graph, values) == pytest.approx(chi2(ours), rel=1e-9)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_gtsam_ends_at_the_same_minimum(referee, seed, tmp_path):
+    ours = a_graph(seed, noise=0.002)
+    write_graph(tmp_path / "it.g2o", ours)
+    graph, values = gtsam.readG2o(str(tmp_path / "it.g2o"), False)
+    assert 2 * graph.error(values) == pytest.approx(chi2(ours), rel=0.03)  # it measures on an arc
+    solved = solve_graph(*ours[:3], information=ours.information, scale=np.inf)
+    np.testing.assert_allclose(optimized(graph, values)[:, :2], solved[:, :2], atol=1e-5)
+
+
+def test_gtsam_ends_where_we_do_on_a_log(referee, aligned, tmp_path):
+    """Within 1e-5 m, with vertices of scans that no edge names."""
+    write_graph(tmp_path / "it.g2o", aligned)
+    graph, values = gtsam.readG2o(str(tmp_path / "it.g2o"), False)
+    edges, relative = aligned.graph.edges, aligned.graph.relative
+    information = aligned.graph.information
+    solved = solve_graph(aligned.poses, edges, relative, information=information, scale=np.inf)
+    named = np.unique(edges)
+    theirs = optimized(graph, values)
+    np.testing.assert_allclose(theirs[named, :2], solved[named, :2], atol=1e-5)
+
+
+def test_what_gtsam_writes_is_read(referee, tmp_path):
+    """It writes six digits: the information and the poses are those, and in their places."""
+    ours = a_graph(5)
+    write_graph(tmp_path / "it.g2o", ours)
+    graph, values = gtsam.readG2o(str(tmp_path / "it.g2o"), False)
+    gtsam.writeG2o(graph, values, str(tmp_path / "theirs.g2o"))
+    found = read_graph(tmp_path / "theirs.g2o")
+    np.testing.assert_array_equal(found.edges, ours.edges)
+    np.testing.assert_allclose(found.poses, ours.poses, atol=1e-4)
+    np.testing.assert_allclose(found.relative, ours.relative, atol=1e-4)
+    np.testing.assert_allclose(found.information, ours.information, rtol=1e-3, atol=0.5)
+
+
+# ----------------------------------------------------------------------------- refused
+GRAPH = a_graph(2, 3, 0)
+LINES = "VERTEX_SE2 0 0 0 0\nVERTEX_SE2 1 1 0 0\nEDGE_SE2 0 1 1 0 0 9 0 0 9 0 9\n"
+WRONG = {
+    "nothing": ("", None, "holds no vertex of a graph"),
+    "edges only": ("FIX 0\n", None, "holds no vertex of a graph"),
+    "another file": ("FLASER 1 2 3\n", 1, "expected a VERTEX_SE2 or EDGE_SE2 line, got 'FLASER'"),
+    "3D": ("VERTEX_SE3:QUAT 0 0 0 0 0 0 0 1\n", 1, "expected a VERTEX_SE2 or EDGE_SE2 line"),
+    "twice": (LINES + "VERTEX_SE2 1 5 0 0\n", 4, "vertex 1 stands in the file twice"),
+    "nowhere": (LINES + "EDGE_SE2 1 7 1 0 0 9 0 0 9 0 9\n", 4, "vertex 7 is not in the file"),
+    "no number": (LINES + "VERTEX_SE2 x 5 0 0\n", 4, "expected the number of a vertex, got 'x'"),
+    "no vertex": (LINES + "VERTEX_SE2\n", 4, "expected the number of a vertex, got ''"),
+    "a field less": (LINES + "VERTEX_SE2 2 5 0\n", 4, "expected x, y, heading for the vertex"),
+    "no pose": (LINES + "VERTEX_SE2 2 nan nan nan\n", 4, "expected metres and radians"),
+    "far": (LINES + "VERTEX_SE2 2 0 1e9 0\n", 4, "expected metres and radians for the vertex"),
+    "short": (LINES + "EDGE_SE2 0 1 1 0 0 9 0 0 9 0\n", 4, "and 6 for its information, got 1 0 0"),
+    "long": (LINES + "EDGE_SE2 0 1 1 0 0 9 0 0 9 0 9 9\n", 4, "and 6 for its information"),
+    "not finite": (LINES + "EDGE_SE2 0 1 1 0 0 inf 0 0 9 0 9\n", 4, "expected 3 finite numbers"),
+    "negative": (LINES + "EDGE_SE2 0 1 1 0 0 9 0 0 -9 0 9\n", 4, "nowhere negative, got [9.0"),
+}
+
+
+@pytest.mark.parametrize("name", WRONG)
+def test_a_wrong_line_is_named(name, tmp_path):
+    text, line, reason = WRONG[name]
+    path = tmp_path / "it.g2o"
+    path.write_text(text)
+    with pytest.raises(LogError) as caught:
+        read_graph(path)
+    assert caught.value.line == line and reason in caught.value.reason
+
+
+NO_GRAPH = Alignment(np.zeros((2, 3)), np.ones(2, bool), 0.0, "odometry")
+UNWEIGHED = Graph(np.array([(0, 1)]), np.zeros((1, 3)), np.zeros(1, bool), np.zeros(1))
+REFUSED = {
+    "no graph": (NO_GRAPH, "graph that weighs its edges, .* got Alignment.odometry"),
+    "no weights": (Alignment(np.zeros((2, 3)), np.ones(2, bool), 0.0, graph=UNWEIGHED), "weighs"),
+    "an array": (np.zeros((2, 3)), "graph must be an Alignment or a PoseGraph"),
+    "no pose": (PoseGraph([], [], [], np.empty((0, 3, 3))), "graph must hold at least one pose"),
+    "an edge beyond": (GRAPH._replace(edges=[(0, 1), (1, 3)]), r"must name rows 0 to 2 of poses"),
+    "half an edge": (GRAPH._replace(edges=[(0, 1), (1, 1.5)]), "graph.edges must be whole"),
+    "a motion less": (GRAPH._replace(relative=[(0, 0, 0)]), r"graph.relative must have shape"),
+    "negative": (GRAPH._replace(information=-GRAPH.information), "nowhere negative"),
+    "one name": (GRAPH._replace(ids=[1, 1, 2]), "graph.ids must be 3 different numbers"),
+}
+
+
+@pytest.mark.parametrize("name", REFUSED)
+def test_what_is_no_graph_is_refused_and_leaves_no_file(name, tmp_path):
+    graph, message = REFUSED[name]
+    with pytest.raises(ValueError, match=message):
+        write_graph(tmp_path / "it.g2o", graph)
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("count", [1000, pytest.param(10_000, marks=pytest.mark.slow)])
+def test_nothing_but_log_errors_comes_out_of_damaged_graphs(count, tmp_path):
+    """What is read of a mutant is a graph that can be written, and there are many."""
+    path, back = tmp_path / "it.g2o", tmp_path / "back.g2o"
+    write_graph(path, a_graph(3, 4, 2))
+    content, rng, read = path.read_bytes(), random.Random(f"{SEED} graph"), 0
+    for number in range(count):
+        path.write_bytes(mutated(content, rng))
+        try:
+            found = read_graph(path)
+        except LogError as fault:
+            assert str(fault).startswith(str(path))
+            continue
+        except Exception as fault:
+            fault.add_note(f"mutant {number} of SEGMAP_SEED={SEED}: {path.read_bytes()!r}")
+            raise
+        if read % 10 == 0:
+            write_graph(back, found)
+        read += 1
+    assert read > count / 50
