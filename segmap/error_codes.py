@@ -1,6 +1,7 @@
-"""Error codes of the Hokuyo URG-04LX: a value below 20 mm says why there is no distance.
+"""Error codes of Hokuyo's sensors: a value that says why there is no distance.
 
-One table for all who meet them: the driver, the emulator, and the readers of logs.
+One table for all who meet those of the URG-04LX: the driver, the emulator, and the readers of logs;
+another for the sensors of longer reach, which the driver and the emulator meet.
 """
 
 from __future__ import annotations
@@ -69,3 +70,51 @@ def as_ranges(millimetres: ArrayLike) -> tuple[Array, NDArray[np.int64]]:
     coded = (given >= 0) & (whole < LOWEST)
     codes = np.where(coded, whole, 0).astype(np.int64)
     return np.where(coded, _RANGES[codes], np.where(given > 0, given / 1000, np.nan)), codes
+
+
+# ------------------------------------------------------------------------- of longer reach
+#: Codes of the UTM-30LX (SCIP 2.0, Hokuyo C-42-03320B, table 4): nothing met, and too near; 3 to 5
+#: are other errors.
+NOTHING, TOO_NEAR = 1, 2
+#: What its successors UST-10LX and UTM-30LX-EW are reported to send where nothing is met; values
+#: above are errors.
+NOTHING_FAR = 65533
+
+
+def as_far_ranges(
+    millimetres: ArrayLike, *, least: int, most: int
+) -> tuple[Array, NDArray[np.int64]]:
+    """Ranges in metres, and the codes of those that are none, of a UTM-30LX or its successors.
+
+    Parameters
+    ----------
+    millimetres : (n,) array
+        As the sensor gives them.
+    least, most : int, millimetres
+        What it measures, by its own word: values below are codes or too near, values above are out
+        of reach.
+
+    Returns
+    -------
+    ranges : (n,) array, metres
+        `inf` where nothing was met within reach, NaN for errors.
+    codes : (n,) int array
+        The value itself where it is no range, else 0.
+
+    Examples
+    --------
+    >>> as_far_ranges([9392, 1, 3, 65533], least=23, most=30000)
+    (array([9.392,   inf,   nan,   inf]), array([    0,     1,     3, 65533]))
+    """
+    given = np.rint(np.asarray(millimetres, float)).astype(np.int64)
+    is_range = (given >= least) & (given <= most)
+    nothing = (given == NOTHING) | ((given > most) & (given <= NOTHING_FAR))
+    ranges = np.where(is_range, given / 1000, np.where(nothing, np.inf, np.nan))
+    return ranges, np.where(is_range, 0, given)
+
+
+def told_in_a_text(ranges: Array, codes: NDArray[np.int64]) -> NDArray[np.bool_]:
+    """Which beams have a code that a log of a URG-04LX would be read by as the sensor meant it."""
+    known = (codes >= 0) & (codes < LOWEST)
+    meant = _RANGES[np.where(known, codes, 0)]
+    return np.asarray(known & (np.isposinf(meant) == np.isposinf(ranges)))

@@ -157,12 +157,20 @@ GOOD |= {
     "index": 1,
     "hokuyo.last": 385,
     "Emulator.link": None,
+    "Emulator.tcp": None,
     "capture": b"GD0383038401\n00P\nJUGnD\n06805m`\n\n",
 }
 #: Parameters that may be anything.
 FREE = {"Log.name", "simulate.name", "Log.skipped", "Sensor.name"}
 #: NaN is what these say of a time or scan that has none.
-NAN_IS_MEANT = {"LivePanel.source=a log", "interpolate", "map_scans", "measure", "reduction_at"}
+NAN_IS_MEANT = {
+    "Geometry.ranges",
+    "LivePanel.source=a log",
+    "interpolate",
+    "map_scans",
+    "measure",
+    "reduction_at",
+}
 #: What else is meant, though it looks bad: a name that no run has selects none.
 MEANT = {"LaserScan.time=nan", "select.map=NUL", "select.method=NUL",
          "explain.status=NUL", "encode_reply.echo=NUL", "encode_reply.status=NUL",

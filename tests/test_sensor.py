@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 from emulated import Wired, capture, connected, turn_of
 
-from segmap.emulator import Replay, Room, _unit
+from segmap.emulator import Replay, Room
+from segmap.emulator._worlds import MODELS
 from segmap.hokuyo import SensorError, UrgSensor, find_port, ports
 from segmap.hokuyo._stream import RATES
 from segmap.simulation import URG_04LX, rectangular_room
@@ -59,8 +60,8 @@ def test_an_old_firmware_is_refused():
 
 def test_geometry_comes_from_the_sensor(monkeypatch):
     """Catches numbers of an URG-04LX in the driver."""
-    monkeypatch.setitem(_unit.PARAMETERS, "AMIN", "100")
-    monkeypatch.setitem(_unit.PARAMETERS, "AFRT", "400")
+    monkeypatch.setitem(MODELS["URG-04LX"].limits, "AMIN", "100")
+    monkeypatch.setitem(MODELS["URG-04LX"].limits, "AFRT", "400")
     with sensor_of() as sensor:
         scan = sensor.scan()
         assert len(scan) == 626
@@ -106,7 +107,7 @@ def test_settings_that_cannot_be(wrong, message):
 
 
 def test_what_is_no_port():
-    with pytest.raises(ValueError, match="port must be a device, 'auto' or an open serial port"):
+    with pytest.raises(ValueError, match="port must be a device, 'auto', an address or an open"):
         UrgSensor(5)
 
 

@@ -1,9 +1,10 @@
-"""An emulated URG-04LX: SCIP 1.1 and 2.0 behind a pseudo-terminal, with faults on demand.
+"""An emulated URG-04LX or UST-10LX behind a pseudo-terminal or a TCP port, with faults on demand.
 
-`python -m segmap.emulator` starts one and prints its device.
+`python -m segmap.emulator` starts one and prints its device, or with `--tcp 0` its address.
 """
 
-from ._emulator import Emulator, Replay, Room, furnished_room
+from ._emulator import Emulator
 from ._unit import Unit
+from ._worlds import Replay, Room, furnished_room
 
 __all__ = ["Emulator", "Replay", "Room", "Unit", "furnished_room"]

@@ -1,4 +1,4 @@
-"""Start an emulated sensor and print the device to open, until Control-C."""
+"""Start an emulated sensor and print the device or address to open, until Control-C."""
 
 from __future__ import annotations
 
@@ -29,9 +29,10 @@ def _run(given: argparse.Namespace) -> None:
     stopping = threading.Event()
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, lambda *_: stopping.set())
-    world = None if given.replay is None else Replay(_bytes(given.replay))
-    settings = {"protocol": given.protocol, "rate": given.rate, "usb": not given.serial}
-    with Emulator(world, speed=given.speed, link=given.link, **settings) as emulator:
+    world = None if given.replay is None else Replay(_bytes(given.replay), model=given.model)
+    settings = {name: getattr(given, name) for name in ("model", "tcp", "rate", "speed", "link")}
+    settings["protocol"] = given.protocol or ("1.1" if given.model == "URG-04LX" else "2.0")
+    with Emulator(world, usb=not given.serial, **settings) as emulator:
         print(emulator.port, flush=True)
         with contextlib.suppress(KeyboardInterrupt):
             stopping.wait()
@@ -44,7 +45,13 @@ def _bytes(path: Path) -> bytes:
 
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(prog="python -m segmap.emulator", description=__doc__)
-    parser.add_argument("--protocol", choices=("2.0", "1.1", "1.1 only"), default="1.1")
+    parser.add_argument("--model", choices=("URG-04LX", "UST-10LX"), default="URG-04LX")
+    parser.add_argument(
+        "--tcp",
+        metavar="[HOST:]PORT",
+        help="to be reached by TCP, one program at a time; port 0 takes a free one",
+    )
+    parser.add_argument("--protocol", choices=("2.0", "1.1", "1.1 only"), help="after power-up")
     parser.add_argument("--rate", type=int, default=19200, help="bits a second (default 19200)")
     parser.add_argument("--serial", action="store_true", help="as on RS-232: the rate matters")
     parser.add_argument("--speed", type=float, default=1.0, help="times real time (default 1)")

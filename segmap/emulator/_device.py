@@ -1,10 +1,12 @@
-"""The pseudo-terminal that programs open as a serial port, and everything that goes wrong on it."""
+"""The lines that programs open, a pseudo-terminal or TCP, and all that goes wrong on them."""
 
 from __future__ import annotations
 
 import contextlib
 import os
+import re
 import select
+import socket
 import threading
 from collections.abc import Callable
 from pathlib import Path
@@ -12,14 +14,17 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ..hokuyo import SensorError
 from ._unit import RATES, Unit
 
-#: The thread looks at the clock so often, seconds.
-TICK = 0.005
 #: Faults of the wire, by name.
 FAULTS = ("flip", "lose", "stale", "stop", "silence", "unplug")
 #: What a buffer may hold from before: the end of a scan and a piece of an answer.
 STALE = b"0AI0AI0AJ0AK\n\nGD00440\n00P\n"
+#: Bytes read at once.
+PIECE = 4096
+
+_ADDRESS = re.compile(r"(?:(?:\[(?P<six>[^]]+)]|(?P<host>[^:]*)):)?(?P<port>[0-9]{1,5})")
 
 
 class Fault(NamedTuple):
@@ -101,92 +106,174 @@ class Wire:
         return data
 
 
-class Device:
-    """A pseudo-terminal and the thread that serves it; it holds no reference to its Emulator."""
+class Terminal:
+    """A pseudo-terminal that programs open as a serial port, and a link to it where asked for."""
 
-    def __init__(self, unit: Unit, wire: Wire, link: Path | None) -> None:
-        self.unit, self.wire, self.link = unit, wire, link
-        self.name = ""
+    def __init__(self, link: Path | None = None) -> None:
+        if not hasattr(os, "openpty"):
+            raise SensorError(
+                "the emulator needs pseudo-terminals: Linux, macOS, or WSL; or tcp='0'"
+            )
+        self.link, self._device = link, ""
         self._ends: tuple[int, int] | None = None
-        self._thread: threading.Thread | None = None
-        self._stopping = threading.Event()
 
-    def start(self) -> None:
-        """Open the pseudo-terminal, with its link, and serve it in a thread until `stop`."""
+    @property
+    def name(self) -> str:
+        """What a program opens."""
+        return str(self.link or self._device)
+
+    def open(self) -> None:
+        """Make the line."""
         import tty
 
         master, slave = os.openpty()
         tty.setraw(slave)
         os.set_blocking(master, False)
-        self.name, self._ends = os.ttyname(slave), (master, slave)
+        self._device, self._ends = os.ttyname(slave), (master, slave)
         try:
             self._make_link()
         except OSError:
-            self._free()
+            self.close()
             raise
-        self._stopping.clear()
-        self._thread = threading.Thread(target=self._serve, name="URG emulator", daemon=True)
-        self._thread.start()
 
-    def stop(self) -> None:
-        """End the thread, close both ends and remove the link; a second call does nothing."""
-        self._stopping.set()
-        if self._thread is not None and self._thread is not threading.current_thread():
-            self._thread.join()
-            self._thread = None
-        self._free()
-
-    def _make_link(self) -> None:
-        """Link to the device: a link that was left behind is replaced, a file never."""
-        if self.link is not None:
-            if self.link.is_symlink():
-                self.link.unlink()
-            self.link.symlink_to(self.name)
-
-    def _free(self) -> None:
+    def close(self) -> None:
+        """Cut it; a second call does nothing."""
         ends, self._ends = self._ends, None
         if self.link is not None and ends and self.link.is_symlink():
             self.link.unlink()
         for end in ends or ():
             os.close(end)
 
-    def _serve(self) -> None:
-        waiting = b""
-        try:
-            while not self._stopping.is_set() and self._ends:
-                waiting = self._step(self._ends[0], waiting)
-        except Unplugged:
-            self._free()
+    def _make_link(self) -> None:
+        """Link to the device: a link that was left behind is replaced, a file never."""
+        if self.link is not None:
+            if self.link.is_symlink():
+                self.link.unlink()
+            self.link.symlink_to(self._device)
 
-    def _step(self, master: int, waiting: bytes) -> bytes:
-        """Read, answer, write once; the bytes that could not be written yet."""
-        select.select([master], [master] if waiting else [], [], TICK)
-        heard, fits = self._read(master), self._fits(master)
-        if fits:
-            self.unit.receive(heard)
-        elif heard:
-            waiting += self.wire.rng.bytes(len(heard))
-        if not waiting:
-            sent = self.wire.passed(self.unit.transmit())
-            waiting = sent if fits else bytes(b ^ 0xA5 for b in sent)
-        with contextlib.suppress(BlockingIOError):
-            waiting = waiting[os.write(master, waiting) :] if waiting else b""
-        return waiting
+    @property
+    def _master(self) -> int:
+        assert self._ends is not None
+        return self._ends[0]
 
-    def _read(self, master: int) -> bytes:
+    def wait(self, seconds: float, *, writing: bool) -> None:
+        """Until something comes, or can be written, at most so long."""
+        select.select([self._master], [self._master] if writing else [], [], seconds)
+
+    def read(self) -> bytes:
+        """What has come."""
         try:
-            return os.read(master, 4096)
+            return os.read(self._master, PIECE)
         except BlockingIOError:
             return b""
 
-    def _fits(self, master: int) -> bool:
-        """Whether the host talks at the sensor's bit rate: the terminal tells both its ends."""
+    def write(self, data: bytes) -> int:
+        """How many of these bytes went."""
+        with contextlib.suppress(BlockingIOError):
+            return os.write(self._master, data) if data else 0
+        return 0
+
+    def fits(self, unit: Unit) -> bool:
+        """The terminal tells both its ends at what rate the host talks."""
         import termios
 
-        if self.unit.usb:
+        if unit.usb:
             return True
         known: dict[Any, int] = {
             getattr(termios, f"B{rate}"): rate for rate in RATES if hasattr(termios, f"B{rate}")
         }
-        speed = termios.tcgetattr(master)[5]
-        return known.get(speed) == (self.unit.rate if self.unit.rate in known.values() else None)
+        speed = termios.tcgetattr(self._master)[5]
+        return known.get(speed) == (unit.rate if unit.rate in known.values() else None)
+
+
+class Listener:
+    """A TCP port for one client at a time: who comes while another is there is turned away.
+
+    What the sensor says while nobody is there is lost.
+    """
+
+    def __init__(self, address: str) -> None:
+        found = _ADDRESS.fullmatch(address)
+        if found is None or int(found["port"]) > 65535:
+            raise ValueError(f"tcp must be [host:]port, such as '10940' or '0', got {address!r}")
+        self._host, self._port = found["six"] or found["host"] or "127.0.0.1", int(found["port"])
+        self._server: socket.socket | None = None
+        self._client: socket.socket | None = None
+
+    @property
+    def name(self) -> str:
+        """What a program opens."""
+        host = f"[{self._host}]" if ":" in self._host else self._host
+        return f"tcp://{host}:{self._port}"
+
+    def open(self) -> None:
+        """Make the line."""
+        family = socket.AF_INET6 if ":" in self._host else socket.AF_INET
+        self._server = socket.create_server((self._host, self._port), family=family)
+        self._server.setblocking(False)
+        self._port = self._server.getsockname()[1]  # the same one when it is plugged in again
+
+    def close(self) -> None:
+        """Cut it; a second call does nothing."""
+        self._drop()
+        if self._server is not None:
+            self._server.close()
+            self._server = None
+
+    def wait(self, seconds: float, *, writing: bool) -> None:
+        """Until something comes, or can be written, at most so long."""
+        ends = [end for end in (self._server, self._client) if end is not None]
+        select.select(ends, ends[1:] if writing else [], [], seconds)
+
+    def read(self) -> bytes:
+        """What has come."""
+        heard = self._heard()
+        if not heard:  # the last word of one who leaves is heard before the next one comes
+            self._accept()
+        return heard
+
+    def write(self, data: bytes) -> int:
+        """How many of these bytes went."""
+        if self._client is None:
+            return len(data)
+        try:
+            return self._client.send(data) if data else 0
+        except BlockingIOError:
+            return 0
+        except OSError:
+            self._drop()
+            return len(data)
+
+    def fits(self, unit: Unit) -> bool:
+        """A network has no bit rate to agree on."""
+        return True
+
+    def _heard(self) -> bytes:
+        if self._client is None:
+            return b""
+        try:
+            heard = self._client.recv(PIECE)
+        except BlockingIOError:
+            return b""
+        except OSError:
+            heard = b""
+        if not heard:
+            self._drop()
+        return heard
+
+    def _accept(self) -> None:
+        if self._server is None:
+            return
+        with contextlib.suppress(OSError):  # none is there, or left again
+            client, _ = self._server.accept()
+            if self._client is not None:
+                client.close()
+                return
+            client.setblocking(False)
+            client.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+            self._client = client
+
+    def _drop(self) -> None:
+        client, self._client = self._client, None
+        if client is not None:
+            client.close()

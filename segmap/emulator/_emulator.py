@@ -1,46 +1,85 @@
-"""The emulated sensor, and what it sees: a simulated room, or the scans of a capture."""
+"""The emulated sensor: its unit, its line, and the thread that serves both."""
 
 from __future__ import annotations
 
-import os
+import threading
 import time
 import weakref
 from collections.abc import Callable
 from pathlib import Path
-from types import TracebackType
 from typing import Self
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
 
 from .. import arrays
-from ..arrays import Array, Segments
-from ..error_codes import LOWEST, NEIGHBOURS_BAD, NOT_MEASURED, NOTHING_MET
-from ..hokuyo import SensorError, parse_reply, parse_request, parse_scan
-from ..simulation import (
-    URG_04LX,
-    OdometryNoise,
-    Sensor,
-    box,
-    cast_rays,
-    drive,
-    rectangular_room,
-    simulate,
-)
-from ._device import FAULTS, Device, Fault, Wire
-from ._unit import FIRST, STEPS, Unit, World
+from ._device import FAULTS, Fault, Listener, Terminal, Unplugged, Wire
+from ._unit import Unit, World
+from ._worlds import Replay, Room, furnished_room
+
+#: The thread looks at the clock so often, seconds.
+TICK = 0.005
+
+
+class Device:
+    """A line and the thread that serves it; it holds no reference to its Emulator."""
+
+    def __init__(self, unit: Unit, wire: Wire, end: Terminal | Listener) -> None:
+        self.unit, self.wire, self.end = unit, wire, end
+        self._thread: threading.Thread | None = None
+        self._stopping = threading.Event()
+
+    def start(self) -> None:
+        """Open the line and serve it in a thread until `stop`."""
+        self.end.open()
+        self._stopping.clear()
+        self._thread = threading.Thread(target=self._serve, name="URG emulator", daemon=True)
+        self._thread.start()
+
+    def stop(self) -> None:
+        """End the thread and cut the line; a second call does nothing."""
+        self._stopping.set()
+        if self._thread is not None and self._thread is not threading.current_thread():
+            self._thread.join()
+            self._thread = None
+        self.end.close()
+
+    def _serve(self) -> None:
+        waiting = b""
+        try:
+            while not self._stopping.is_set():
+                waiting = self._step(waiting)
+        except Unplugged:
+            self.end.close()
+
+    def _step(self, waiting: bytes) -> bytes:
+        """Read, answer, write once; the bytes that could not be written yet."""
+        self.end.wait(TICK, writing=bool(waiting))
+        heard, fits = self.end.read(), self.end.fits(self.unit)
+        if fits:
+            self.unit.receive(heard)
+        elif heard:
+            waiting += self.wire.rng.bytes(len(heard))
+        if not waiting:
+            sent = self.wire.passed(self.unit.transmit())
+            waiting = sent if fits else bytes(b ^ 0xA5 for b in sent)
+        return waiting[self.end.write(waiting) :]
 
 
 class Emulator:
-    """A URG-04LX without hardware: `port` is the device to open.
+    """A sensor without hardware: `port` is the device or the address to open.
 
-    For Linux and macOS. A thread answers until `stop`, the end of `with`, or until it is forgotten.
+    A device needs Linux or macOS. A thread answers until `stop`, the end of `with`, or until it is
+    forgotten. Over TCP one program at a time is served, and others are turned away; a program that
+    leaves does not stop the sensor.
 
     Parameters
     ----------
     world : World or None
-        What it sees: `Room`, `Replay`, or any function from the number of a turn to `(769,)`
-        millimetres; None for a furnished room.
+        What it sees: `Room`, `Replay`, or any function from the number of a turn to the millimetres
+        of all steps, `(769,)` of a URG-04LX, `(1081,)` of a UST-10LX; None for a furnished room.
+    model : "URG-04LX" or "UST-10LX"
+    tcp : str or None
+        `[host:]port` to be reached at by TCP instead of a pseudo-terminal; port 0 takes a free one.
     protocol : "2.0", "1.1" or "1.1 only"
         What it speaks after power-up; the last has firmware that cannot switch.
     rate : int, bits a second
@@ -63,9 +102,9 @@ class Emulator:
     Raises
     ------
     SensorError
-        On Windows, which has no pseudo-terminals.
+        On Windows, which has no pseudo-terminals, without `tcp`.
     OSError
-        Where the link cannot be made, or a file has its name.
+        Where the link cannot be made, or a file has its name; where the TCP port is taken.
 
     Examples
     --------
@@ -79,6 +118,8 @@ class Emulator:
         self,
         world: World | None = None,
         *,
+        model: str = "URG-04LX",
+        tcp: str | None = None,
         protocol: str = "2.0",
         rate: int = 19200,
         usb: bool = True,
@@ -90,10 +131,13 @@ class Emulator:
         link: str | Path | None = None,
         rng: np.random.Generator | None = None,
     ) -> None:
-        if not hasattr(os, "openpty"):
-            raise SensorError("the emulator needs pseudo-terminals: Linux, macOS, or WSL")
+        if tcp is not None and not (usb and link is None):
+            raise ValueError("tcp goes with neither usb=False nor a link: both are of a device")
+        if isinstance(world, Room | Replay) and world.model != model:
+            raise ValueError(f"model must be {world.model!r}, as the world's is, got {model!r}")
         self.unit = Unit(
-            furnished_room() if world is None else world,
+            furnished_room(model) if world is None else world,
+            model=model,
             protocol=protocol,
             rate=rate,
             usb=usb,
@@ -106,15 +150,19 @@ class Emulator:
         self.wire = Wire(
             time.monotonic, np.random.default_rng(1) if rng is None else arrays.generator(rng)
         )
-        self._link = None if link is None else arrays.file(link, "link")
-        self._device = Device(self.unit, self.wire, self._link)
+        self._end: Terminal | Listener = (
+            Terminal(None if link is None else arrays.file(link, "link"))
+            if tcp is None
+            else Listener(arrays.instance(tcp, "tcp", str))
+        )
+        self._device = Device(self.unit, self.wire, self._end)
         self._finalizer = weakref.finalize(self, self._device.stop)
         self._device.start()
 
     @property
     def port(self) -> str:
-        """The device to open, or the link to it."""
-        return str(self._link or self._device.name)
+        """The device to open, or the link to it; the address where it is reached by TCP."""
+        return self._end.name
 
     def inject(self, kind: str, *, after: int = 0, seconds: float = 0.5) -> None:
         """Plan a fault.
@@ -144,11 +192,11 @@ class Emulator:
         self.unit.fail("")
 
     def unplug(self) -> None:
-        """Pull the sensor out: the device vanishes."""
+        """Pull the sensor out: the device vanishes, the address refuses."""
         self._device.stop()
 
     def replug(self) -> None:
-        """Plug it in again; without `link` the device may have another name."""
+        """Plug it in again; a device without `link` may have another name."""
         self._device.stop()
         self._device.start()
 
@@ -159,116 +207,5 @@ class Emulator:
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        value: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self.stop()
-
-
-class Room:
-    """A sensor driven through a room, one pose a turn, to the end of its path and back again.
-
-    Parameters
-    ----------
-    walls : (n, 2, 2) array, metres
-    path : (k, 3) array, metres and radians
-    sensor : Sensor
-    rng : numpy.random.Generator
-        Of the sensor's noise.
-
-    Raises
-    ------
-    ValueError
-        For a path without poses.
-
-    Examples
-    --------
-    >>> room = Room(rectangular_room(4, 3), [(1, 1, 0)], URG_04LX.ideal())
-    >>> room(0)[[384, 0]]  # straight ahead, and behind, where it does not measure
-    array([3000,   19])
-    """
-
-    def __init__(
-        self,
-        walls: Segments,
-        path: ArrayLike,
-        sensor: Sensor = URG_04LX,
-        rng: np.random.Generator | None = None,
-    ) -> None:
-        self.walls, self.path = arrays.segments(walls, "walls"), arrays.poses(path, "path")
-        if not len(self.path):
-            raise ValueError("path must hold at least one pose, (k, 3), got none")
-        self.sensor = arrays.instance(sensor, "sensor", Sensor)
-        self.rng = np.random.default_rng(1) if rng is None else arrays.generator(rng)
-        cast_rays(self.walls, self.path[0], [0.0])  # compiles before a driver waits for it
-
-    def pose(self, turn: int) -> Array:
-        """Where the sensor is in a turn, `(3,)`, metres and radians."""
-        turn = arrays.whole(turn, "turn", least=0)
-        last = len(self.path) - 1
-        return self.path[last - abs(last - turn % (2 * last))] if last else self.path[0]
-
-    def __call__(self, turn: int) -> NDArray[np.int64]:
-        """Millimetres of all steps, `(769,)`."""
-        pose, still = self.pose(turn)[None], OdometryNoise().ideal()
-        (scan,) = simulate(self.walls, pose, sensor=self.sensor, rng=self.rng, odometry_noise=still)
-        met = np.rint(1000 * scan.ranges)
-        found = np.where(met >= LOWEST, met, NEIGHBOURS_BAD)
-        steps = np.full(STEPS, NOT_MEASURED)
-        steps[FIRST : FIRST + len(met)] = np.where(np.isposinf(met), NOTHING_MET, found)
-        return steps
-
-
-class Replay:
-    """The scans that a sensor sent while it was recorded, again and again.
-
-    Parameters
-    ----------
-    capture : bytes
-        What came from a sensor in SCIP 2.0; other replies are passed over.
-
-    Raises
-    ------
-    SensorError
-        Where a scan is damaged, or there is none.
-
-    Examples
-    --------
-    >>> Replay(b"GD0383038401\\n00P\\nJUGnD\\n06805m`\\n\\n")(0)[383:386]
-    array([392, 381,  19])
-    """
-
-    def __init__(self, capture: bytes) -> None:
-        arrays.instance(capture, "capture", bytes)
-        replies = (reply.strip(b"\n").split(b"\n") for reply in capture.split(b"\n\n"))
-        self.turns = [_turn(lines) for lines in replies if _is_scan(lines)]
-        if not self.turns:
-            raise SensorError("the capture holds no scan of SCIP 2.0")
-
-    def __call__(self, turn: int) -> NDArray[np.int64]:
-        """Millimetres of all steps, `(769,)`."""
-        return self.turns[turn % len(self.turns)]
-
-
-def _is_scan(lines: list[bytes]) -> bool:
-    return lines[0][:2] in (b"GD", b"GS", b"MD", b"MS") and len(lines) > 3
-
-
-def _turn(lines: list[bytes]) -> NDArray[np.int64]:
-    reply = parse_reply(lines)
-    request = parse_request(reply.echo)
-    met = parse_scan(reply.body, 3 if request.kind[1] == "D" else 2).millimetres
-    steps = np.full(STEPS, NOT_MEASURED)
-    steps[request.first : request.first + len(met)] = met
-    return steps
-
-
-def furnished_room() -> Room:
-    """A room of 6 m by 4 m with a cupboard and a pillar, driven through at 0.2 m/s."""
-    pillar, cupboard = box(0.4, 0.4, (4.2, 1.4, 0.3)), box(0.5, 1.2, (0.25, 2.6, 0))
-    walls = np.concatenate([rectangular_room(6, 4), pillar, cupboard])
-    way = [(1.2, 1.0), (3.2, 1.0), (3.2, 2.8), (5.0, 2.8)]
-    return Room(walls, drive(way, step=0.02, turn=np.radians(3)))

@@ -1,4 +1,4 @@
-"""A URG-04LX without its wire: what it answers to which bytes, and when (SCIP, 3 to 5)."""
+"""A sensor without its wire: what it answers to which bytes, and when (SCIP, 3 to 5)."""
 
 from __future__ import annotations
 
@@ -23,31 +23,13 @@ from ..hokuyo import (
     info_line,
     parse_request,
 )
+from ._worlds import MODELS
 
-#: From the number of a turn to the millimetres of all its steps, `(769,)`.
+#: From the number of a turn to the millimetres of all its steps.
 World = Callable[[int], NDArray[np.int64]]
-#: Steps 0 to 768 can be asked for; those from 44 to 725 are measured.
-STEPS, FIRST = 769, 44
-#: Seconds of a turn.
-TURN = 0.1
 #: No request is longer; what is, is forgotten.
 LONGEST = 80
 RATES = (19200, 38400, 57600, 115200, 250000, 500000, 750000)
-#: Commands that put an URG-04LX out of order until it is switched off.
-DEADLY = ("ME", "HD", "HE", "ND", "NE", "%S")
-
-VERSION = {
-    "VEND": "Hokuyo Automatic Co.,Ltd.",
-    "PROD": "SOKUIKI Sensor URG-04LX",
-    "FIRM": "3.1.04(02/Aug./2007)",
-    "PROT": "SCIP 2.0",
-    "SERI": "H0000000",
-}
-LIMITS = "DMIN:20 DMAX:5600 ARES:1024 AMIN:44 AMAX:725 AFRT:384 SCAN:600"
-PARAMETERS = {
-    "MODL": "URG-04LX(Hokuyo Automatic Co.,Ltd.)",
-    **dict(item.split(":") for item in LIMITS.split()),
-}
 #: What SCIP 1.1 answers to V.
 OLD_VERSION = (
     "VEND:Hokuyo Automatic Co.,Ltd.",
@@ -66,6 +48,7 @@ class Unit:
         self,
         world: World,
         *,
+        model: str = "URG-04LX",
         protocol: str = "2.0",
         rate: int = 19200,
         usb: bool = True,
@@ -75,7 +58,8 @@ class Unit:
         streaming: bool = False,
         timing: bool = False,
     ) -> None:
-        arrays.one_of(protocol, "protocol", PROTOCOLS)
+        self.model = MODELS[arrays.one_of(model, "model", MODELS)]
+        arrays.one_of(protocol, "protocol", PROTOCOLS if model == "URG-04LX" else PROTOCOLS[:1])
         if arrays.whole(rate, "rate") not in RATES:
             raise ValueError(f"rate must be one of {RATES}, got {rate}")
         self.speed = arrays.number(speed, "speed", least=1e-3, most=1e3)
@@ -92,7 +76,8 @@ class Unit:
         self._late: deque[tuple[float, Callable[[], bytes]]] = deque()
         self._out, self._sent_at = b"", 0.0
         if arrays.switch(streaming, "streaming"):  # left so by a host that crashed
-            self.stream, self.laser = parse_request("MD0044072501000"), True
+            self.stream = ScanRequest("MD", self.model.first, self.model.last)
+            self.laser = True
             self._next_turn = self.turn() + 1
 
     def now(self) -> float:
@@ -101,7 +86,7 @@ class Unit:
 
     def turn(self) -> int:
         """Number of the turn that was finished last; -1 before the first."""
-        return int(self.now() / TURN) - 1
+        return int(self.now() / self.model.turn) - 1
 
     def receive(self, data: bytes) -> None:
         """Take bytes of the host, and act on each whole line."""
@@ -135,10 +120,10 @@ class Unit:
 
     def wrap_clock(self) -> None:
         """Let its own clock pass the end of its 24 bits within the next turns."""
-        self.stamp = (1 << 24) - 50 - 100 * (self.turn() + 2)
+        self.stamp = (1 << 24) - 50 - round(1000 * self.model.turn * (self.turn() + 2))
 
     def _answer(self, text: str) -> bytes:
-        if text[:2] in DEADLY:
+        if text[:2] in self.model.deadly:
             self.dead = True
             return b""
         if self.old:
@@ -165,25 +150,25 @@ class Unit:
 
     def _old_scan(self, text: str) -> bytes:
         first, last, cluster = int(text[1:4]), int(text[4:7]), max(int(text[7:]), 1)
-        if not first <= last < STEPS:
+        if not first <= last < self.model.steps:
             return encode_reply_1(text, "E")
         met = self.world(max(self.turn(), 0))[first : last + 1 : cluster]
         data = encode(np.minimum(met, 4095), 2)
         return encode_reply_1(text, "0", [data[i : i + 64] for i in range(0, len(data), 64)])
 
     def _do_vv(self, text: str) -> bytes:
-        return encode_reply(text, "00", [info_line(*item) for item in VERSION.items()])
+        return encode_reply(text, "00", [info_line(*item) for item in self.model.version.items()])
 
     def _do_pp(self, text: str) -> bytes:
-        return encode_reply(text, "00", [info_line(*item) for item in PARAMETERS.items()])
+        return encode_reply(text, "00", [info_line(*item) for item in self.model.limits.items()])
 
     def _do_ii(self, text: str) -> bytes:
         told = {
-            "MODL": PARAMETERS["MODL"],
+            "MODL": self.model.limits["MODL"],
             "LASR": "ON" if self.laser else "OFF",
-            "SCSP": "Initial(600[rpm])<-Default setting by user",
+            "SCSP": f"Initial({self.model.limits['SCAN']}[rpm])<-Default setting by user",
             "MESM": "MONITORING" if self.stream else "CLASSIC" if self.laser else "IDLE",
-            "SBPS": f"{self.rate}[bps]<-Default setting by user",
+            "SBPS": self.model.line or f"{self.rate}[bps]<-Default setting by user",
             "TIME": f"{self._stamp(max(self.turn(), 0)):06X}",
             "STAT": self.trouble or "Sensor works well.",
         }
@@ -235,16 +220,16 @@ class Unit:
 
     def _do_gd(self, text: str) -> bytes:
         """Commands are served about once a turn: the answer waits for the end of this one."""
-        request, status = _checked(text)
+        request, status = _checked(text, self.model.steps)
         if request is None or not self.laser:
             return encode_reply(text, status or "10")
-        self._late.append(((self.turn() + 2) * TURN, partial(self._single, request)))
+        self._late.append(((self.turn() + 2) * self.model.turn, partial(self._single, request)))
         return b""
 
     _do_gs = _do_gd
 
     def _do_md(self, text: str) -> bytes:
-        request, status = _checked(text)
+        request, status = _checked(text, self.model.steps)
         if request is not None:
             self.stream, self.laser, self._next_turn = request, True, self.turn() + 2
         return encode_reply(text, status or "00")
@@ -272,12 +257,14 @@ class Unit:
         return encode_scan(self._stamp(turn), met, 3 if request.kind[1] == "D" else 2)
 
     def _stamp(self, turn: int) -> int:
-        return (self.stamp + round(1000 * TURN * turn)) % (1 << 24)
+        return (self.stamp + round(1000 * self.model.turn * turn)) % (1 << 24)
 
 
 def clustered(millimetres: NDArray[np.int64], size: int) -> NDArray[np.int64]:
     """The smallest distance of each group; an error only where all are errors.
 
+    Examples
+    --------
     >>> clustered(np.array([300, 200, 7, 500, 7]), 2)
     array([200, 500,   7])
     """
@@ -286,13 +273,13 @@ def clustered(millimetres: NDArray[np.int64], size: int) -> NDArray[np.int64]:
     return np.array([min(good) if (good := [d for d in p if d >= LOWEST]) else p[0] for p in parts])
 
 
-def _checked(text: str) -> tuple[ScanRequest | None, str]:
+def _checked(text: str, steps: int) -> tuple[ScanRequest | None, str]:
     """The request, or the status that refuses it."""
     try:
         request = parse_request(text)
     except SensorError:
         return None, "0C" if len(text) < 12 else "01"
-    if request.last >= STEPS:
+    if request.last >= steps:
         return None, "04"
     if request.last < request.first:
         return None, "05"

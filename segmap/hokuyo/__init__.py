@@ -1,4 +1,4 @@
-"""The Hokuyo URG-04LX over a serial port: its protocol SCIP 1.1 and 2.0, a driver, a recorder.
+"""Hokuyo sensors on a serial port or Ethernet: their protocol SCIP, a driver, a recorder.
 
 `python -m segmap.hokuyo list`, `info` and `record` do the same from a terminal.
 """
@@ -15,6 +15,7 @@ from ._protocol import (
     encode_reply_1,
     encode_scan,
     parse_request,
+    parse_scan_1,
 )
 from ._record import record
 from ._replies import (
@@ -28,7 +29,6 @@ from ._replies import (
     parse_info,
     parse_reply,
     parse_scan,
-    parse_scan_1,
 )
 from ._sensor import UrgSensor
 

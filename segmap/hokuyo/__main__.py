@@ -11,6 +11,8 @@ from typing import NoReturn
 from . import SensorError, UrgSensor, ports, record
 from ._record import check_target
 
+_PORT = "device, or tcp://host[:10940] on Ethernet (default: the Hokuyo on USB)"
+
 
 def main(arguments: list[str] | None = None) -> int:
     """Run a command and return its exit code: 0, or 1 after a line that says what went wrong."""
@@ -94,7 +96,7 @@ def _parser() -> argparse.ArgumentParser:
 
 
 def _add_port(command: argparse.ArgumentParser) -> None:
-    command.add_argument("--port", default="auto", help="device (default: the Hokuyo on USB)")
+    command.add_argument("--port", default="auto", help=_PORT)
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""Serial ports of this computer, and lines from one within bounded time and of bounded length."""
+"""Ports of sensors, and lines from one within bounded time and of bounded length."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from typing import Any, NamedTuple, Protocol
 
 from .. import arrays
 from ._protocol import SensorError
+from ._tcp import is_address, open_tcp, parse_address
 
 try:
     from termios import error as TerminalError
@@ -18,8 +19,8 @@ except ImportError:  # Windows
 
 #: No line of the protocol is longer, block or information, in bytes.
 LONGEST = 512
-#: No reply has more lines: 769 steps of three characters are 37 blocks.
-MOST_LINES = 64
+#: No reply has more lines: 2161 steps of three characters are 102 blocks.
+MOST_LINES = 128
 #: A sensor that has talked for so long without an answer is not going to give one, seconds.
 ENDLESS = 3.0
 #: What ports raise when they are pulled out; serial.SerialException is an OSError.
@@ -34,7 +35,8 @@ WRITE = 1.0
 _ADVICE = {
     errno.EACCES: "you may not use it: join the group that owns it, `dialout` on Debian and Ubuntu",
     errno.EPERM: "you may not use it: join the group that owns it, `dialout` on Debian and Ubuntu",
-    errno.ENOENT: "it is not there: is the sensor plugged in? `python -m segmap.hokuyo list` tells",
+    errno.ENOENT: "it is not there: is the sensor plugged in? `python -m segmap.hokuyo list` tells"
+    "; one on Ethernet is named as tcp://192.168.0.10",
     errno.EBUSY: "another program uses it: close that first",
     errno.EAGAIN: "another program uses it: close that first",
 }
@@ -42,6 +44,10 @@ _ADVICE = {
 
 class SensorGone(SensorError):
     """The port vanished: the sensor was unplugged, or its power failed."""
+
+
+class Silent(SensorError):
+    """The sensor says nothing at all: its power or its cable may be gone where no port tells so."""
 
 
 class PortInfo(NamedTuple):
@@ -80,19 +86,23 @@ def find_port() -> str:
         raise SensorError(f"{len(devices)} sensors are plugged in, name one of {devices}")
     raise SensorError(
         "no Hokuyo (USB vendor 15d1) is plugged in: plug it in and wait a few seconds; one on an "
-        "RS-232 adapter must be named, as /dev/ttyUSB0 is"
+        "RS-232 adapter must be named, as /dev/ttyUSB0 is, one on Ethernet as tcp://192.168.0.10"
     )
 
 
 def open_port(device: str, rate: int) -> Port:
-    """Open a serial port that no other program uses, and keep others from it.
+    """Open a serial port that no other program uses, and keep others from it; or an address.
 
     Raises
     ------
     SensorError
+    ValueError
+        For what begins as an address, `tcp:`, and is none.
     """
     arrays.instance(device, "device", str)
     arrays.whole(rate, "rate")
+    if is_address(device):
+        return open_tcp(device)
     serial = _pyserial("serial")
     settings = {"timeout": READ, "write_timeout": WRITE, "exclusive": True}
     try:
@@ -105,9 +115,12 @@ def open_port(device: str, rate: int) -> Port:
 def checked_port(port: str | PathLike[str] | Port) -> str | Port:
     """A device, or an open port that does not wait for ever: pyserial's do unless told."""
     if isinstance(port, str | PathLike):
-        return fspath(port)
+        device = fspath(port)
+        if is_address(device):
+            parse_address(device)
+        return device
     if not callable(getattr(port, "read", None)):
-        raise ValueError(f"port must be a device, 'auto' or an open serial port, got {port!r}")
+        raise ValueError(f"port must be a device, 'auto', an address or an open port, got {port!r}")
     if getattr(port, "timeout", 0.0) is None:
         raise ValueError("the port must have a timeout, as serial.Serial(device, timeout=0.02) has")
     return port
@@ -131,7 +144,7 @@ def _pyserial(module: str) -> Any:
 
 # ------------------------------------------------------------------------------ lines
 class Port(Protocol):
-    """What a serial port must be able to do: `serial.Serial` is one.
+    """What a port must be able to do: `serial.Serial` is one.
 
     `read` returns what comes within the port's own short timeout, perhaps nothing.
     """

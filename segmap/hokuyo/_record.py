@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from .. import arrays
 from .._files import existing, replacing
 from ..arrays import LIMIT, Array
-from ..error_codes import LOWEST, NOT_MEASURED
+from ..error_codes import LOWEST, NOT_MEASURED, NOTHING_MET, told_in_a_text
 from ..scans import LaserScan
 from ._host import one_by_one
 from ._sensor import UrgSensor
@@ -24,6 +24,9 @@ CARMEN = (".log", ".clf", ".carmen")
 #: times in seconds.
 MOST_BEAMS, MOST_TURN, MOST_VIEW, LATEST = 10_000, 9.0, 9.0, 1e12
 
+#: The texts do not say which sensor they are of; readers take them for those of a URG-04LX, metres.
+TEXT_REACH = 5.6
+
 
 def record(
     sensor: UrgSensor | Iterable[LaserScan], path: str | Path, *, count: int | None = None
@@ -32,9 +35,9 @@ def record(
 
     A path that ends in .log, .clf or .carmen is a CARMEN log of RAWLASER1 lines, which keeps times,
     ranges to the micrometre, and errors as 0. Any other is a folder of Hokuyo texts, a file a scan,
-    which keeps millimetres and error codes, and no times. Killed at any moment, the log holds every
-    scan before the last: a text is moved into place when complete, a line starts as a comment and
-    becomes a scan with its last written byte.
+    which keeps millimetres to 5.6 m and error codes, as of a URG-04LX, and no times. Killed at any
+    moment, the log holds every scan before the last: a text is moved into place when complete, a
+    line starts as a comment and becomes a scan with its last written byte.
 
     Parameters
     ----------
@@ -56,7 +59,7 @@ def record(
     ValueError
         For a packed file, which cannot be added to, what is neither a file nor a folder, a count
         below 1; for a scan that `read` would refuse: without beams, or without a time or with
-        beams not evenly spaced in a CARMEN log.
+        beams not evenly spaced in a CARMEN log; for ranges beyond 5.6 m in a folder.
     OSError
         A folder that does not exist or may not be written to, before a scan is asked for; a full
         disk.
@@ -183,6 +186,11 @@ def _step(scan: LaserScan) -> float:
 def _write_file(folder: Path, number: int, scan: LaserScan) -> None:
     """Write a hidden file beside the place, then move it there."""
     _check(scan)
+    if (far := scan.ranges[scan.valid].max(initial=0.0)) >= TEXT_REACH:
+        raise ValueError(
+            f"a folder of Hokuyo texts is read as a URG-04LX's, to {TEXT_REACH} m, but a range is "
+            f"{far:.3f} m: record to a path that ends in {CARMEN[0]}"
+        )
     beams = zip(_millimetres(scan), scan.angles, strict=True)
     with replacing(folder / f"scan{number:06}.txt", sync=False) as target:
         target.write("".join(f"{r} {a:.9f}\n" for r, a in beams).encode("ascii"))
@@ -198,8 +206,6 @@ def _millimetres(scan: LaserScan) -> NDArray[np.int64]:
     codes = np.zeros(len(scan), np.int64) if scan.codes is None else scan.codes
     met: Array = np.rint(1000 * np.where(np.isposinf(scan.ranges), 0.0, scan.ranges))
     is_range = met >= LOWEST
-    codes = np.where(~is_range & ~np.isposinf(scan.ranges) & (codes == 0), NOT_MEASURED, codes)
+    instead = np.where(np.isposinf(scan.ranges), NOTHING_MET, NOT_MEASURED)
+    codes = np.where(told_in_a_text(scan.ranges, codes), codes, instead)
     return np.where(is_range, met, codes).astype(np.int64)
-
-
-# ----------------------------------------------------------------------------- newest

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .. import arrays
 from ..arrays import Array
-from ..error_codes import as_ranges
+from ..error_codes import as_far_ranges, as_ranges
 from ..scans import LaserScan
 from ._protocol import (
     BLOCK,
@@ -22,6 +22,7 @@ from ._protocol import (
     byte_lines,
     checksum,
     decode,
+    is_text,
     unchecked,
 )
 
@@ -31,6 +32,7 @@ STATUS = {
     "0B": "the same command was sent twice, or the sensor's buffer is full",
     "0E": "the sensor does not know the command, or is in time mode",
     "0I": "the sensor waits for new firmware: restart it",
+    "0M": "the sensor is not ready: it takes some seconds after it was switched on",
     "04": "the last step is beyond what the sensor has",
     "05": "the last step lies before the first",
     "10": "the laser is off: send BM first",
@@ -41,6 +43,7 @@ STATUS = {
 LARGEST = 1 << 20
 
 _STATUS = re.compile("[0-9A-Z]{2}")
+_URG = re.compile("U[RBH]G")  # table 3 of SCIP 2.0 has their error codes
 
 
 class Reply(NamedTuple):
@@ -52,7 +55,7 @@ class Reply(NamedTuple):
 
 
 class Measurement(NamedTuple):
-    """One turn as the sensor sends it: clock in ms, distances in mm or codes below 20, `(n,)`."""
+    """One turn as the sensor sends it: clock in ms, distances in mm or error codes, `(n,)`."""
 
     clock: int
     millimetres: NDArray[np.int64]
@@ -70,7 +73,8 @@ class Geometry(NamedTuple):
     least, most : int
         Distances that it measures, millimetres.
     turn : float, seconds
-        Of one turn.
+    is_far : bool
+        Whether its error codes are those of the UTM-30LX and its successors, not the URG-04LX's.
     """
 
     steps: int
@@ -80,6 +84,13 @@ class Geometry(NamedTuple):
     least: int
     most: int
     turn: float
+    is_far: bool = False
+
+    def ranges(self, millimetres: ArrayLike) -> tuple[Array, NDArray[np.int64]]:
+        """Ranges in metres of what it sends, and the codes of those that are none, `(n,)`."""
+        met = arrays.indices(millimetres, "millimetres")
+        far = {"least": self.least, "most": self.most}
+        return as_far_ranges(met, **far) if self.is_far else as_ranges(met)
 
     def angles(self, first: int, count: int, cluster: int = 1) -> Array:
         """Directions of beams, `(count,)`, radians, counter-clockwise, 0 ahead.
@@ -164,7 +175,7 @@ def parse_info(body: Sequence[bytes], *, strict: bool = False) -> dict[str, str]
     for line in byte_lines(body):
         text, end, total = line.rpartition(b";")
         key, colon, value = text.partition(b":") if end else line.partition(b":")
-        if strict and not (end and colon and total == checksum(text)):
+        if strict and not (end and colon and total == checksum(text) and is_text(text)):
             raise SensorError(
                 f"{line[:40]!r} is no line of information with its sum, KEY:text;sum: ask again"
             )
@@ -203,7 +214,8 @@ def parse_geometry(info: dict[str, str]) -> Geometry:
     is_arc = 0 <= first <= last < steps <= LARGEST and 0 <= front < steps
     if not (is_arc and 0 <= least < most <= LARGEST and 0 < rpm <= LARGEST):
         raise SensorError(f"PP told a geometry that cannot be: {info}")
-    return Geometry(steps, first, last, front, least, most, 60.0 / rpm)
+    is_far = "MODL" in info and not _URG.search(info["MODL"])
+    return Geometry(steps, first, last, front, least, most, 60.0 / rpm, is_far)
 
 
 def parse_scan(body: Sequence[bytes], characters: int) -> Measurement:
@@ -244,11 +256,9 @@ def laser_scan(
     Parameters
     ----------
     met : Measurement
-        Distances in millimetres, codes below 20.
     request : ScanRequest
         That it answers.
     geometry : Geometry
-        Of the sensor.
     time : float, seconds
     sensor_pose : (3,) array, metres and radians
         Pose of the sensor in the frame of the robot.
@@ -262,20 +272,10 @@ def laser_scan(
     arrays.instance(met, "met", Measurement)
     arrays.instance(request, "request", ScanRequest).check()
     arrays.instance(geometry, "geometry", Geometry)
-    ranges, codes = as_ranges(met.millimetres)
+    ranges, codes = geometry.ranges(met.millimetres)
     most = min(geometry.most, 64 ** CHARACTERS[request.kind] - 1)
     angles = geometry.angles(request.first, len(ranges), request.cluster)
     return LaserScan(ranges, angles, time, None, most / 1000.0, sensor_pose, codes)
-
-
-def parse_scan_1(lines: Sequence[bytes]) -> NDArray[np.int64]:
-    """Distances in millimetres of SCIP 1.1's G: two characters each, no sums, no clock.
-
-    Raises
-    ------
-    SensorError
-    """
-    return decode(b"".join(byte_lines(lines, "lines")), 2)
 
 
 def explain(status: str) -> str:

@@ -1,4 +1,4 @@
-"""The driver: a URG-04LX that connects, delivers scans, and is always left with its laser off."""
+"""The driver: a sensor that connects, delivers scans, and is always left with its laser off."""
 
 from __future__ import annotations
 
@@ -9,7 +9,6 @@ from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from math import ceil
 from os import PathLike
-from types import TracebackType
 from typing import Self
 
 import numpy as np
@@ -18,10 +17,11 @@ from numpy.typing import ArrayLike
 from .. import arrays
 from ..scans import LaserScan
 from ._host import host_time
-from ._port import Lines, Port, SensorGone, checked_port, find_port, open_port
+from ._port import Lines, Port, SensorGone, Silent, checked_port, find_port, open_port
 from ._protocol import CLOCK, ScanRequest, SensorError
 from ._replies import parse_geometry, parse_info, parse_limits
 from ._stream import RATES, ScanStream, ask, connect, leave, period, transfer
+from ._tcp import TcpPort
 
 #: So many damaged or missing scans in a row are an error, not bad luck.
 MOST_FAILURES = 5
@@ -32,7 +32,7 @@ PACE, SLOW = 11, 1.5
 
 
 class UrgSensor:
-    """A Hokuyo URG-04LX that is connected: use it as a context manager, in one thread at a time.
+    """A Hokuyo of SCIP 2 that is connected: use it as a context manager, in one thread at a time.
 
     However it ends - `close`, the end of `with`, an exception, an interrupt, or being forgotten -
     the laser is switched off and the port freed.
@@ -40,11 +40,13 @@ class UrgSensor:
     Parameters
     ----------
     port : str or Path or Port
-        A device, "auto" for the one Hokuyo on USB, or an open port.
+        A device; "auto" for the one Hokuyo on USB; `tcp://host` or `tcp://host:port` of one on
+        Ethernet, port 10940 where none is named; or an open port.
     rates : sequence of int, bits a second
-        To look for the sensor at; it is then switched to the first. USB takes any.
+        To look for the sensor at; it is then switched to the first. USB takes any, Ethernet none.
     reconnect : float, seconds
-        How long to look for a sensor that was unplugged while it was in use; 0 raises at once.
+        How long to look for a sensor that was unplugged while it was in use, or fell silent; 0
+        raises at once.
     timeout : float, seconds
         To wait for an answer beyond the time that measuring and sending it take.
     sensor_pose : (3,) array, metres and radians
@@ -71,7 +73,8 @@ class UrgSensor:
     SensorError
         Where it cannot be reached, with what to do.
     ValueError
-        For no bit rate; for what is no port, or an open one that waits for ever or is to come back.
+        For no bit rate; for what is no port, no address, or an open port that waits for ever or
+        is to come back.
 
     Examples
     --------
@@ -192,12 +195,7 @@ class UrgSensor:
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        value: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self.close()
 
     def __repr__(self) -> str:
@@ -217,7 +215,7 @@ class UrgSensor:
                 self._stamps.clear()
             try:
                 scan, stamp, dropped = self._stream.take(request)
-            except SensorGone as gone:
+            except (SensorGone, Silent) as gone:
                 self._find_again(gone)
                 failures = 0
                 continue
@@ -266,7 +264,8 @@ class UrgSensor:
         lines = Lines(port, self._clock, self._timeout)
         self._leave = weakref.finalize(self, leave, lines)
         try:
-            self.rate = connect(lines, self._rates)
+            rates = (port.baudrate,) if isinstance(port, TcpPort) else self._rates
+            self.rate = connect(lines, rates)
             limits = parse_limits(ask(lines, "PP", check=parse_limits))
             self.info = parse_info(ask(lines, "VV").body) | limits
             self.geometry = parse_geometry(limits)
@@ -280,8 +279,10 @@ class UrgSensor:
         if not self._leave.alive:
             raise SensorError("the sensor is closed: make a new UrgSensor")
 
-    def _find_again(self, gone: SensorGone) -> None:
-        """Look for an unplugged sensor, at longer and longer intervals; SensorGone without one."""
+    def _find_again(self, gone: SensorError) -> None:
+        """Look for a lost sensor, at longer and longer intervals; SensorGone without one."""
+        if isinstance(gone, Silent) and not self._reconnect:
+            raise gone
         self._leave()
         until, wait = self._clock() + self._reconnect, BACK_OFF[0]
         while (left := until - self._clock()) > 0:

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from ..scans import LaserScan
 from ._host import HostClock
-from ._port import LOST, Lines, SensorGone
+from ._port import LOST, Lines, SensorGone, Silent
 from ._protocol import CHARACTERS, ScanRequest, SensorError
 from ._replies import Geometry, Reply, explain, laser_scan, parse_reply, parse_scan
 
@@ -35,7 +35,7 @@ def send(lines: Lines, command: str, seconds: float) -> Reply:
     lines.write(command.encode("ascii") + b"\n")
     found = lines.reply(command.encode("ascii"), seconds).lines
     if found is None:
-        raise SensorError(f"no answer to {command} within {seconds:.2g} s: is the sensor busy?")
+        raise Silent(f"no answer to {command} within {seconds:.2g} s: is the sensor busy?")
     return parse_reply(found)
 
 
@@ -112,7 +112,7 @@ def _search(lines: Lines, rates: Sequence[int]) -> int:
             return rate
     raise SensorError(
         f"nothing answers as a URG does at {', '.join(map(str, rates))} bit/s: switch the sensor "
-        "off and on, wait a few seconds and try again; is it the right port?"
+        "off and on, wait a few seconds and try again; is it the right port or address?"
     )
 
 
@@ -232,6 +232,7 @@ class ScanStream:
         except (SensorGone, Refused):
             raise
         except SensorError as error:
+            self._laser_on &= not isinstance(error, Silent)  # the next attempt asks whether it is
             self._lines.silence(self._lines.quiet / 4)
             return Taken(None, dropped=(str(error),))
 

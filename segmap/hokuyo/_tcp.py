@@ -1,0 +1,158 @@
+"""A sensor on Ethernet: its address, and a port that talks to it as a serial port would."""
+
+from __future__ import annotations
+
+import errno
+import ipaddress
+import re
+import socket
+
+from ._protocol import SensorError
+
+#: Hokuyo's sensors listen at this port.
+SENSOR_PORT = 10940
+#: Bits a second of the line, Fast Ethernet; there is nothing to agree on.
+ETHERNET = 100_000_000
+#: A sensor in the same network answers sooner, seconds.
+CONNECT = 3.0
+#: Bytes taken from the network at once.
+PIECE = 1 << 16
+#: No name of a host is longer.
+LONGEST_HOST = 253
+
+_ADDRESS = re.compile(
+    r"tcp://(?:\[(?P<six>[^\[\]]*)\]|(?P<host>[a-z0-9](?:[a-z0-9._-]*[a-z0-9])?))(?::(?P<port>.*))?",
+    re.ASCII | re.IGNORECASE | re.DOTALL,
+)
+_EXAMPLE = "tcp://192.168.0.10, tcp://192.168.0.10:10940 or tcp://[fe80::1%eth0]"
+_ABSENT = (
+    "nothing answers there: is the sensor powered, is its cable in, is this computer in its "
+    "network (192.168.0.x where nobody changed it)?"
+)
+_ADVICE = {
+    errno.ECONNREFUSED: "nothing listens there: is it the sensor's address and port "
+    f"({SENSOR_PORT} where nobody changed it), and is no other program connected to it?",
+    errno.ETIMEDOUT: _ABSENT,
+    errno.EHOSTUNREACH: _ABSENT,
+    errno.ENETUNREACH: _ABSENT,
+}
+
+
+def is_address(device: str) -> bool:
+    """Whether this is meant for an address and not for a serial port."""
+    return device[:4].lower() == "tcp:"
+
+
+def parse_address(address: str) -> tuple[str, int]:
+    """Host and port of `tcp://host[:port]`.
+
+    Raises
+    ------
+    ValueError
+        With what is wrong and what it should look like.
+
+    Examples
+    --------
+    >>> parse_address("tcp://192.168.0.10"), parse_address("tcp://[::1]:4000")
+    (('192.168.0.10', 10940), ('::1', 4000))
+    """
+    found = _ADDRESS.fullmatch(address)
+    if found is None:
+        raise _wrong(address, "is no address of a sensor")
+    host, port = found["host"] or found["six"], found["port"]
+    if found["six"] is not None and not _is_ipv6(host):
+        raise _wrong(address, "has no IPv6 address between its brackets")
+    if len(host) > LONGEST_HOST or any(not 0 < len(part) < 64 for part in host.split(".")):
+        raise _wrong(address, "has a host that no network knows")
+    if port is None:
+        return host, SENSOR_PORT
+    if not (port.isascii() and port.isdigit() and len(port) < 6 and 0 < int(port) < 65536):
+        raise _wrong(address, "has no port number, 1 to 65535, after its last colon")
+    return host, int(port)
+
+
+def _wrong(address: str, what: str) -> ValueError:
+    return ValueError(f"port {address[:60]!r} {what}: write it as {_EXAMPLE}")
+
+
+def _is_ipv6(host: str) -> bool:
+    try:
+        ipaddress.IPv6Address(host)
+    except ValueError:
+        return False
+    return "\0" not in host
+
+
+def open_tcp(address: str) -> TcpPort:
+    """Connect to a sensor.
+
+    Raises
+    ------
+    SensorError
+    ValueError
+        For what is no address.
+    """
+    host, port = parse_address(address)
+    try:
+        return TcpPort(socket.create_connection((host, port), CONNECT))
+    except socket.gaierror as error:
+        advice = f"nobody knows the host {host!r} ({error.strerror}): check how it is written"
+        raise SensorError(f"cannot open {address}: {advice}") from error
+    except (OSError, UnicodeError) as error:
+        number = errno.ETIMEDOUT if isinstance(error, TimeoutError) else getattr(error, "errno", 0)
+        raise SensorError(f"cannot open {address}: {_ADVICE.get(number, error)}") from error
+
+
+class TcpPort:
+    """A connection with what `Port` asks for.
+
+    Parameters
+    ----------
+    connection : socket
+    """
+
+    #: Seconds after which a read comes back with what there is, and a write fails.
+    timeout, write_timeout = 0.02, 1.0
+
+    def __init__(self, connection: socket.socket) -> None:
+        connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+        self.baudrate = ETHERNET
+        self._connection, self._kept = connection, b""
+
+    @property
+    def in_waiting(self) -> int:
+        """Bytes that can be read at once; an OSError where the sensor closed the connection."""
+        self._fill(0.0)
+        return len(self._kept)
+
+    def read(self, size: int = 1, /) -> bytes:
+        """At most so many bytes, perhaps none."""
+        self._fill(self.timeout)
+        data, self._kept = self._kept[:size], self._kept[size:]
+        return data
+
+    def write(self, data: bytes, /) -> int:
+        """Send bytes, all of them or an OSError."""
+        self._connection.settimeout(self.write_timeout)
+        self._connection.sendall(data)
+        return len(data)
+
+    def close(self) -> None:
+        """Free the connection."""
+        self._connection.close()
+
+    def _fill(self, seconds: float) -> None:
+        """Take what has come, where all that came before is read; wait for it so long."""
+        if self._kept:
+            return
+        self._connection.settimeout(seconds)
+        try:
+            self._kept = self._connection.recv(PIECE)
+        except (BlockingIOError, TimeoutError) as error:
+            if error.errno == errno.ETIMEDOUT:  # what was sent has not arrived for minutes
+                raise
+            return
+        except ConnectionError:
+            self._kept = b""
+        if not self._kept:
+            raise ConnectionError("it closed the connection; perhaps another program uses it")
