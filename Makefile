@@ -16,6 +16,9 @@ SPREAD := -n $(shell $(PYTHON) -c 'import os; print(os.cpu_count() + 1)') --dist
 LAB = JUPYTER_CONFIG_PATH="$(CURDIR)/notebooks/tools/jupyter$${JUPYTER_CONFIG_PATH:+:$$JUPYTER_CONFIG_PATH}" \
 	$(RUN) -m jupyterlab --ip=127.0.0.1 $(if $(PORT),--port=$(PORT) --ServerApp.port_retries=0) \
 	--allow-root --ServerApp.log_level=WARN --LabApp.default_url=/lab/tree/notebooks/00_start_here.ipynb
+# The workbench alone, as a page: who has the address with its token sees it, and nobody else.
+APP = $(RUN) -m voila segmap/panels/app.ipynb --Voila.ip=127.0.0.1 --Voila.auto_token=True \
+	$(if $(PORT),--Voila.port=$(PORT) --Voila.port_retries=0) --Voila.log_level=WARN
 # Without a display the address is printed, and served until Control-C.
 BROWSER = $(if $(DISPLAY)$(WAYLAND_DISPLAY)$(filter Darwin,$(shell uname)),,--no-browser)
 NBVAL := --nbval --nbval-current-env --nbval-cell-timeout=120 \
@@ -24,13 +27,16 @@ NBVAL := --nbval --nbval-current-env --nbval-cell-timeout=120 \
 # Every compiled loop on small cases, on bad arguments, on extreme lengths and on damaged maps.
 INDEXED := $(foreach name,warm doors returns quadtree_files reduction_properties,tests/test_$(name).py)
 
-.PHONY: help lab test test-all test-lowest mutants fuzz bounds refresh bench book clean
+.PHONY: help lab app test test-all test-lowest mutants fuzz bounds refresh bench book clean
 
 help: ## list the targets
 	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/  make \1\t\2/p' Makefile
 
 lab: $(WARM) ## set up, then open the chapters in JupyterLab (PORT=8890 chooses the port)
 	@$(LAB) $(BROWSER)
+
+app: $(WARM) ## set up, then serve the workbench as a page of its own (PORT=8890 chooses the port)
+	@$(APP) $(BROWSER)
 
 test: $(WARM) ## set up, then prove it: style, types, tests, examples and every chapter
 	$(RUN) -m ruff check .

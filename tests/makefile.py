@@ -25,3 +25,9 @@ def lab_command(port: int | str = "", display: str = "") -> str:
     """The line with which `make lab` starts JupyterLab."""
     lines = make("-n", "lab", f"DISPLAY={display}", "WAYLAND_DISPLAY=", f"PORT={port}")
     return next(line for line in lines if "-m jupyterlab" in line)
+
+
+def app_command(port: int | str = "", display: str = "") -> str:
+    """The line with which `make app` serves the workbench."""
+    lines = make("-n", "app", f"DISPLAY={display}", "WAYLAND_DISPLAY=", f"PORT={port}")
+    return next(line for line in lines if "-m voila" in line)

@@ -19,14 +19,15 @@ from ._recipe import Outcome
 WIDTH, HEIGHT, SIDE = 648, 320, 260
 #: So many runs are listed.
 LATEST = 8
-CELL = 'style="padding: 2px 8px; text-align: left; white-space: nowrap"'
+CELL = 'style="padding: 1px 7px; text-align: left; white-space: nowrap"'
+#: A widget sets lines far apart.
+LINES = '<div style="line-height: 1.45; overflow-x: auto">'
 
 
 def about(log: Log) -> str:
     """What a log is, in one paragraph of HTML."""
-    return "<br>".join(
-        f"<b>{html.escape(name)}</b> {html.escape(text)}" for name, text in facts(log)
-    )
+    lines = (f"<b>{html.escape(name)}</b> {html.escape(text)}" for name, text in facts(log))
+    return f"{LINES}{'<br>'.join(lines)}</div>"
 
 
 def facts(log: Log) -> list[tuple[str, str]]:
@@ -106,7 +107,7 @@ def figures_table(outcome: Outcome) -> str:
     used, count = int(outcome.alignment.used.sum()), len(outcome.alignment)
     name, seconds = outcome.recipe.align.name, outcome.alignment.seconds
     way = f"{name}: {used} of {count} scans placed, {seconds:.3f} s"
-    return _table(head, rows) + html.escape(way) + doubts
+    return f"{_table(head, rows)}{LINES}{html.escape(way)}{doubts}</div>"
 
 
 def runs_table(rows: Sequence[dict[str, Any]]) -> str:
@@ -126,7 +127,7 @@ def _table(head: Iterable[object], rows: Iterable[Iterable[object]]) -> str:
         "<tr>" + "".join(f"<td {CELL}>{html.escape(str(cell))}</td>" for cell in row) + "</tr>"
         for row in rows
     )
-    return f'<div style="overflow-x: auto"><table><tr>{first}</tr>{others}</table></div>'
+    return f"{LINES}<table><tr>{first}</tr>{others}</table></div>"
 
 
 def plane(rows: Sequence[dict[str, Any]]) -> str:

@@ -181,7 +181,7 @@ class Workbench:
             _shown.plane(self._rows),
             _shown.runs_table(self._rows),
         )
-        self.listing.value = f"<pre>{html.escape(outcome.recipe.code())}</pre>"
+        self.listing.value = f'<pre style="line-height: 1.4">{html.escape(outcome.recipe.code())}</pre>'
         self.progress.value, self.state.value = self.progress.max, "done"
         self.chosen.value = "point at a segment that is left: its members show in the map before"
 
@@ -272,7 +272,7 @@ class Workbench:
         seen = self.picture if self.canvas is None else self.canvas
         kept = W.Tab(
             [W.Box([self.plane, self.listed], layout=wrap), self.listing],
-            titles=["All runs", "The same in Python"],
+            titles=["All runs", "In Python"],
         )
         tabs = W.Tab(list(steps.values()), titles=list(steps))
         parts = [tabs, run, seen, self.chosen, self.figures, kept]

@@ -217,7 +217,13 @@ function render({ model, el }) {
     link.click();
     setTimeout(() => URL.revokeObjectURL(link.href), 10000);
   });
-  const watch = new ResizeObserver(() => { if (el.clientWidth && el.clientWidth !== width) { lay(); ask(); } });
+  const watch = new ResizeObserver(() => {
+    if (!el.clientWidth || el.clientWidth === width) return;
+    const before = panes[0].w;
+    lay();
+    view.scale *= panes[0].w / before;
+    ask();
+  });
   watch.observe(el);
   another();
   return () => { watch.disconnect(); clearTimeout(waiting); };
