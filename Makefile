@@ -18,7 +18,7 @@ LAB = JUPYTER_CONFIG_PATH="$(CURDIR)/notebooks/tools/jupyter$${JUPYTER_CONFIG_PA
 	--allow-root --ServerApp.log_level=WARN --LabApp.default_url=/lab/tree/notebooks/00_start_here.ipynb
 # The workbench alone, as a page: who has the address with its token sees it, and nobody else.
 APP = $(RUN) -m voila segmap/panels/app.ipynb --Voila.ip=127.0.0.1 --Voila.auto_token=True \
-	$(if $(PORT),--Voila.port=$(PORT) --Voila.port_retries=0) --Voila.log_level=WARN
+	$(if $(PORT),--Voila.port=$(PORT) --Voila.port_retries=0)
 # Without a display the address is printed, and served until Control-C.
 BROWSER = $(if $(DISPLAY)$(WAYLAND_DISPLAY)$(filter Darwin,$(shell uname)),,--no-browser)
 NBVAL := --nbval --nbval-current-env --nbval-cell-timeout=120 \

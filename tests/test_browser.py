@@ -112,8 +112,8 @@ class Browser:
     def open(self, address: str) -> None:
         self._call("POST", "/url", {"url": address})
 
-    def run(self, script: str) -> Any:
-        return self._call("POST", "/execute/sync", {"script": script, "args": []})
+    def run(self, script: str, *given: Any) -> Any:
+        return self._call("POST", "/execute/sync", {"script": script, "args": given})
 
     def find(self, path: str) -> str:
         place = {"using": "xpath", "value": path}
@@ -124,6 +124,16 @@ class Browser:
 
     def type(self, element: str, keys: str) -> None:
         self._call("POST", f"/element/{element}/value", {"text": keys})
+
+    def size(self, width: int, height: int) -> None:
+        self._call("POST", "/window/rect", {"width": width, "height": height})
+
+    def devtools(self, command: str, settings: dict[str, Any]) -> None:
+        self._call("POST", "/goog/cdp/execute", {"cmd": command, "params": settings})
+
+    def mouse(self, kind: str, x: float, y: float, **more: Any) -> None:
+        place = {"type": kind, "x": x, "y": y, "button": "left", "buttons": 1, "clickCount": 1}
+        self.devtools("Input.dispatchMouseEvent", place | more)
 
     def errors(self) -> list[str]:
         lines = self._call("POST", "/se/log", {"type": "browser"})

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import segmap
-from segmap import LaserScan, Log, SegmentMap, alignment, exports, reduction
+from segmap import LaserScan, Log, SegmentMap, alignment, exports, readers, reduction
 from segmap.experiments import pareto
 from segmap.methods import Method
 from segmap.panels import Workbench
@@ -471,6 +471,28 @@ def test_without_anywidget_there_is_a_picture(monkeypatch):
     made = done()
     assert made.canvas is None and bytes(made.picture.value).startswith(b"\x89PNG")
     assert len(made.point(0)) and made.picture in made._view.children
+
+
+@pytest.mark.parametrize("end", [".csv", ".npz", ".svg", ".geojson", ".wkt", ".dxf"])
+def test_the_browser_gets_the_result_in_every_format(both, end, tmp_path, monkeypatch):
+    """Catches a button of another format, and one that writes the map before."""
+    sent, found = [], both.outcome.reductions
+    monkeypatch.setattr(type(both.canvas), "save", lambda self, *given: sent.append(given))
+    (button,) = (b for b in both.files.children[1:] if b.description == end)
+    button.click()
+    both.export(tmp_path / f"map{end}")
+    assert sent == [(f"simulated-fusion{end}", (tmp_path / f"map{end}").read_bytes())]
+    if end in (".csv", ".npz"):
+        both.export(tmp_path / f"other{end}", which=1)
+        for name, reduced in zip(("map", "other"), found, strict=True):
+            read = readers.read_segments(tmp_path / f"{name}{end}")
+            assert np.array_equal(read.segments, reduced.segments)
+
+
+def test_there_is_nothing_to_save_before_a_run():
+    made = bench()
+    made.files.children[1].click()
+    assert made.state.value == "there is no result yet: run() makes one"
 
 
 def test_nothing_left_is_told():

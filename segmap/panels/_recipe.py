@@ -104,6 +104,7 @@ class Recipe:
         for name, call in zip(("reduced", "other"), self.methods(), strict=False):
             lines.append(f"{name} = {_called(reduction, 'reduction', call, 'map')}")
         lines.append("segmap.reduction_rate(map, reduced), segmap.quality(map, reduced)")
+        lines.append('# segmap.exports.write_segments("map.svg", reduced)')
         body = "\n".join(lines)
         return ("import numpy as np\n\n" if "np." in body else "") + f"import segmap\n\n{body}\n"
 

@@ -21,6 +21,7 @@ WIDTH, HEIGHT, SIDE = 648, 320, 260
 LATEST = 8
 CELL = 'style="padding: 1px 7px; text-align: left; white-space: nowrap"'
 #: A widget sets lines far apart.
+PYTHON = '<pre style="line-height: 1.4; overflow-x: auto">'
 LINES = '<div style="line-height: 1.45; overflow-x: auto">'
 
 

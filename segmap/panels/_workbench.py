@@ -10,22 +10,23 @@ from typing import TYPE_CHECKING, Any
 import ipywidgets as W
 import numpy as np
 
-from .. import alignment, arrays, reduction
+from .. import arrays, exports
 from ..arrays import Array
 from ..plotting import thumbnail
+from ..reduction import Reduction
 from ..scans import Log
 from ..segments import length
 from . import _shown
-from ._controls import ENTRY, WRAP, Choice
+from ._choices import Choices
+from ._controls import WRAP
+from ._export import export_buttons, written
 from ._job import Failed, Stopped, Worker, said
-from ._recipe import EXTRACTIONS, Outcome, Recipe, follow
+from ._recipe import Outcome, follow
 from ._source import Source, telling
 
 if TYPE_CHECKING:
     import pandas as pd
 
-#: What the list of second methods says of none.
-NONE = "none"
 COLUMNS = (
     *("map", "alignment", "align_thresholds", "align_seconds", "extraction"),
     *("extract_thresholds", "filtered", "method", "thresholds", "n_before", "n_after"),
@@ -79,7 +80,9 @@ class Workbench:
         self._known: Outcome | None = None
         self._rows: list[dict[str, Any]] = []
         self._worker, self._thread = Worker(), threading.Thread()
-        self._make_choices()
+        self._choices = chosen = Choices()
+        self.align, self.extract, self.least = chosen.align, chosen.extract, chosen.least
+        self.method, self.second = chosen.method, chosen.second
         self._make_outputs()
         self._source = Source("malaga" if log is None else log, self._taken, self._say)
         self.bundled, self.path, self.upload = self._source.controls
@@ -107,21 +110,6 @@ class Workbench:
         self._say(f"{log.name}: ready to run")
 
     # --------------------------------------------------------------------- a run
-    def recipe(self) -> Recipe:
-        """All that is chosen.
-
-        Raises
-        ------
-        ValueError
-            Where a threshold is no number.
-        """
-        align, extract, first = (
-            choice.call() for choice in (self.align, self.extract, self.method)
-        )
-        assert align and extract and first
-        second, least = self.second.call(), float(self.least.value)
-        return Recipe(self._source.expression, align, extract, least, first, second)
-
     def run(self) -> None:
         """Do it, here and now, and show it.
 
@@ -131,13 +119,15 @@ class Workbench:
             Where a method refuses its thresholds, or the log. The run before stays.
         """
         log = self.log
-        self._show(log, follow(self.recipe(), log, self._known, self._tell))
+        self._show(
+            log, follow(self._choices.recipe(self._source.expression), log, self._known, self._tell)
+        )
 
     def _start(self, button: object = None) -> None:
         """Do it in the worker, and show it when it is done."""
         if not self._thread.is_alive():
             with telling(self._say):
-                work = (self.recipe(), self.log, self._known)
+                work = (self._choices.recipe(self._source.expression), self.log, self._known)
                 self._thread = threading.Thread(target=self._wait, args=(work,), daemon=True)
                 self._thread.start()
 
@@ -181,7 +171,9 @@ class Workbench:
             _shown.plane(self._rows),
             _shown.runs_table(self._rows),
         )
-        self.listing.value = f'<pre style="line-height: 1.4">{html.escape(outcome.recipe.code())}</pre>'
+        self.listing.value = (
+            f'<pre style="line-height: 1.4">{html.escape(outcome.recipe.code())}</pre>'
+        )
         self.progress.value, self.state.value = self.progress.max, "done"
         self.chosen.value = "point at a segment that is left: its members show in the map before"
 
@@ -208,17 +200,15 @@ class Workbench:
         which : int
             0 for the first method, 1 for the second.
         """
-        outcome = self._done()
-        which = arrays.whole(which, "which", least=0, most=len(outcome.reductions) - 1)
-        rows = outcome.reductions[which].members(index)
-        scans, metres = len(np.unique(outcome.map.scan[rows])), outcome.reductions[which].segments
-        size = float(length(metres[index]))
+        reduced, map = self._result(which), self._done().map
+        rows = reduced.members(index)
+        scans, size = len(np.unique(map.scan[rows])), float(length(reduced.segments[index]))
         self.chosen.value = (
             f"segment {index}: {size:.2f} m, made of {len(rows)} segments of {scans} scans"
         )
         if self.canvas is not None:
             self.canvas.members, self.canvas.pointed = rows.tolist(), [which, int(index)]
-        return outcome.map.segments[rows]
+        return map.segments[rows]
 
     def _pointed(self, change: Any) -> None:
         which, index = change["new"]
@@ -228,24 +218,35 @@ class Workbench:
         elif self.canvas is not None:
             self.canvas.members, self.chosen.value = [], ""
 
+    def export(self, path: str | Path, which: int = 0) -> None:
+        """Write what a method leaves, as `exports.write_segments` does.
+
+        Parameters
+        ----------
+        path : str or Path
+            Its end tells the format.
+        which : int
+            0 for the first method, 1 for the second.
+        """
+        exports.write_segments(path, self._result(which))
+
+    def _download(self, end: str) -> None:
+        """Hand the first result to the browser."""
+        with telling(self._say):
+            reduced = self._result(0)
+            name = f"{self._rows[-1]['map']}-{reduced.method}{end}"
+            self.canvas.save(name, written(name, reduced))
+
+    def _result(self, which: int) -> Reduction:
+        found = self._done().reductions
+        return found[arrays.whole(which, "which", least=0, most=len(found) - 1)]
+
     def _done(self) -> Outcome:
         if self.outcome is None:
             raise ValueError("there is no result yet: run() makes one")
         return self.outcome
 
     # --------------------------------------------------------------------- how it looks
-    def _make_choices(self) -> None:
-        reductions = {k: (m.function, m.varies) for k, m in reduction.METHODS.items()}
-        alignments = {k: (m.function, "") for k, m in alignment.METHODS.items()}
-        extractions = {k: (f, "") for k, f in EXTRACTIONS.items()}
-        self.align = Choice("alignment", alignments, "pose_graph")
-        self.extract = Choice("extraction", extractions, "extract_polylines")
-        self.method = Choice("method", reductions, "fusion")
-        self.second = Choice("second method", {NONE: None, **reductions}, NONE)
-        named = {"description": "leave out below [m]", "style": ENTRY}
-        self.least: Any = W.BoundedFloatText(0.0, min=0, max=100, step=0.05, **named)
-        self.least.layout.width = "220px"
-
     def _make_outputs(self) -> None:
         self.start = W.Button(description="Run", button_style="primary")
         self.stop = W.Button(description="Stop")
@@ -255,19 +256,14 @@ class Workbench:
         self.state, self.chosen = W.HTML(), W.Label()
         self.figures, self.plane, self.listed, self.listing = (W.HTML() for _ in range(4))
         self.canvas = _canvas()
+        self.files = export_buttons(self._download)
         self.picture: Any = W.Image(format="png")
         if self.canvas is not None:
             self.canvas.observe(self._pointed, names="pointed")
 
     def _laid_out(self) -> Any:
         wrap = W.Layout(**WRAP)
-        steps = {
-            "Log": self._source.view,
-            "Alignment": self.align.view,
-            "Segments": W.VBox([self.extract.view, self.least]),
-            "Reduction": self.method.view,
-            "Second": self.second.view,
-        }
+        steps = {"Log": self._source.view, **self._choices.views()}
         run = W.Box([self.start, self.stop, self.progress, self.state], layout=wrap)
         seen = self.picture if self.canvas is None else self.canvas
         kept = W.Tab(
@@ -275,7 +271,8 @@ class Workbench:
             titles=["All runs", "In Python"],
         )
         tabs = W.Tab(list(steps.values()), titles=list(steps))
-        parts = [tabs, run, seen, self.chosen, self.figures, kept]
+        files = [] if self.canvas is None else [self.files]
+        parts = [tabs, run, seen, self.chosen, self.figures, *files, kept]
         return W.VBox(parts, layout=W.Layout(width="100%", max_width="1200px"))
 
     def _repr_mimebundle_(self, include: Any = None, exclude: Any = None) -> dict[str, Any]:
