@@ -36,6 +36,14 @@ CORNER = """
 const c = document.querySelector('.segmap-canvas');
 c.scrollIntoView({block: 'center'});
 return [c.getBoundingClientRect().left, c.getBoundingClientRect().top]"""
+#: Where the second pane of three shows a line of a result, away from titles and scales.
+BLUE = """
+const c = document.querySelector('.segmap-canvas'), w = Math.floor(c.width / 3);
+const box = c.getBoundingClientRect(), dots = c.width / box.width;
+const d = c.getContext('2d').getImageData(w, 30, w, c.height - 80).data;
+for (let i = 0; i < d.length; i += 4) if (d[i] === 0 && d[i + 1] === 114 && d[i + 2] === 178)
+  return [box.left + (w + (i / 4) % w) / dots, box.top + (30 + Math.floor(i / 4 / w)) / dots];
+return null"""
 #: Voila's page asks the net for a font of icons: see `ICONS` in the errors of a machine without.
 ICONS = "fontawesome"
 BUTTON = "//button[normalize-space()='{}']"
@@ -106,6 +114,11 @@ def test_a_log_goes_in_and_a_map_comes_out(app, browser, tmp_path):
     before = browser.run(PANES, 3)
     assert len(set(before[:3])) == 3
     left, top = browser.run(CORNER)
+    browser.mouse("mouseMoved", *browser.run(BLUE), buttons=0, button="none")
+    wait("the members", lambda: re.search(r"made of \d+ segments of", browser.run(TEXT)), 20)
+    browser.mouse("mouseMoved", left + 20, top + 20, buttons=0, button="none")
+    wait("nothing", lambda: "made of" not in browser.run(TEXT), 20)
+    before = browser.run(PANES, 3)
     for kind, dx, dy in (("Pressed", 0, 0), ("Moved", 60, 30), ("Released", 60, 30)):
         browser.mouse(f"mouse{kind}", left + 200 + dx, top + 200 + dy)
     after = wait("the drag", lambda: changed(browser.run(PANES, 3), before))

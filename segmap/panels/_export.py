@@ -21,7 +21,7 @@ def export_buttons(export: Callable[[str], None]) -> Any:
     buttons = [W.Button(description=end, layout=W.Layout(width="80px")) for end in FORMATS]
     for button in buttons:
         button.on_click(lambda pressed: export(pressed.description))
-    return W.Box([W.Label("Save the result as"), *buttons], layout=W.Layout(**WRAP))
+    return W.Box([W.Label("Save the first result as"), *buttons], layout=W.Layout(**WRAP))
 
 
 def written(name: str, map: Any) -> bytes:
