@@ -18,7 +18,7 @@ from ._logs import add_logs, each_log
 from ._poses import add_align, aligned
 from ._targets import Targets, add_output
 from ._thresholds import thresholds
-from ._words import counted, line, percent, progress, seconds
+from ._words import begin, counted, line, percent, progress, say, seconds
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -69,7 +69,7 @@ def run(given: argparse.Namespace) -> int:
 def compare(given: argparse.Namespace, log: Log, targets: Targets) -> None:
     """Run all methods on the map of one log, and print what each leaves."""
     paths = targets.paths(log.name)
-    print(f"{log.name}: {counted(len(log), 'scan')}, {targets.source}")
+    begin(log, targets.source)
     map = whole = extraction.build_map(log, aligned(log, given.align), keep_points=True)
     if given.filter is not None:
         map = whole = whole.filtered(given.filter)
@@ -166,14 +166,14 @@ def print_table(runs: pd.DataFrame, quality: float) -> None:
     total, at = int(runs["n_before"].iloc[0]), equal_quality(runs, quality).iloc[0]
     methods = map(str, dict.fromkeys(runs["method"]))
     names = sorted(methods, key=lambda name: -np.nan_to_num(at[name], nan=-np.inf))
-    print(f"\n  {f'at quality {percent(quality)}':<22} {'gone':>11} {'left':>6}  nearest run")
+    say(f"\n  {f'at quality {percent(quality)}':<22} {'gone':>11} {'left':>6}  nearest run")
     for name in names:
         gone, own = float(at[name]), select(runs, method=name)
         near = own.iloc[int((own["quality"].fillna(0.0) - quality).abs().argmin())]
         left = "-" if np.isnan(gone) else f"{(1 - gone) * total:.0f}"
         share = "not reached" if np.isnan(gone) else percent(gone)
-        print(f"  {name:<22} {share:>11} {left:>6}  {_run_text(name, near)}")
-    print(flush=True)
+        say(f"  {name:<22} {share:>11} {left:>6}  {_run_text(name, near)}")
+    say()
 
 
 def _run_text(name: str, near: pd.Series[Any]) -> str:

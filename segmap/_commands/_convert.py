@@ -15,7 +15,7 @@ from ..scans import Log
 from ._logs import add_logs, each_log
 from ._poses import add_align, aligned
 from ._targets import Targets, add_output
-from ._words import counted, line
+from ._words import begin, counted, line
 
 #: What -o may end in.
 SUFFIXES = (".log", ".log.gz", ".tum")
@@ -40,7 +40,7 @@ def run(given: argparse.Namespace) -> int:
 def convert(given: argparse.Namespace, log: Log, targets: Targets) -> None:
     """Write one log to all its files."""
     paths = targets.paths(log.name)
-    print(f"{log.name}: {counted(len(log), 'scan')}, {targets.source}")
+    begin(log, targets.source)
     poses = aligned(log, given.align) if given.align else None
     for path in paths:
         line("written", _write(path, log, poses))

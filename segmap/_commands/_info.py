@@ -13,7 +13,7 @@ from ..readers import format_of
 from ..scans import LaserScan, Log
 from ._logs import add_logs, each_log
 from ._targets import Targets
-from ._words import counted, line, percent
+from ._words import counted, line, percent, say
 
 
 def add(commands: Any) -> None:
@@ -34,7 +34,8 @@ def run(given: argparse.Namespace) -> int:
 def tell_of(given: argparse.Namespace, log: Log, targets: Targets) -> None:
     """Print what a log is, a line a thing."""
     known = Path(targets.source).exists()
-    print(f"{log.name}: {f'{format_of(targets.source)}, ' if known else ''}{targets.source}")
+    where = f"{format_of(targets.source)}, {targets.source}" if known else "comes with segmap"
+    say(f"{log.name}: {where}")
     line("scans", f"{counted(len(log), 'scan')}{_duration(log)}")
     if len(log):
         line("beams", _beams(log))

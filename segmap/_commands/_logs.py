@@ -9,7 +9,7 @@ from pathlib import Path
 from ..readers import LogError, UnknownFormat, format_of, load, read
 from ..scans import Log
 from ._targets import Targets
-from ._words import FAULTS, counted, progress, reason, tell
+from ._words import FAULTS, counted, progress, reason, say, tell
 
 #: Files of these kinds lie beside logs: some quote a line of one.
 DOCUMENTS = {".html", ".ipynb", ".md", ".py", ".rst", ".sh"}
@@ -40,13 +40,15 @@ def each_log(given: argparse.Namespace, work: Work) -> int:
             bar.set_description(Path(source).name)
             try:
                 work(given, log_of(source, given.skip), targets.of(source))
+            except BrokenPipeError:  # nobody reads any more
+                raise
             except FAULTS as error:
                 failed.append(reason(error) if source in str(error) else f"{source}: {error}")
             bar.update()
     for why in failed:
         tell(why)
     if len(chosen) > 1:
-        print(f"{len(chosen) - len(failed)} of {counted(len(chosen), 'log')} done")
+        say(f"{len(chosen) - len(failed)} of {counted(len(chosen), 'log')} done")
     return 1 if failed else 0
 
 

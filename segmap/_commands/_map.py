@@ -14,7 +14,7 @@ from ._logs import add_logs, each_log
 from ._poses import add_align, aligned
 from ._targets import Targets, add_output
 from ._thresholds import add_thresholds, chosen_thresholds, refuse_others
-from ._words import counted, line, metres, percent, progress, seconds
+from ._words import begin, counted, line, metres, percent, progress, seconds
 
 #: What -o may end in.
 SUFFIXES = (".svg", ".csv", ".npz", ".dxf", ".png", ".geojson", ".wkt")
@@ -57,12 +57,14 @@ def run(given: argparse.Namespace) -> int:
 def map_log(given: argparse.Namespace, log: Log, targets: Targets) -> None:
     """Map one log, and write what was asked for."""
     paths = targets.paths(log.name)
-    print(f"{log.name}: {counted(len(log), 'scan')}, {targets.source}")
-    with progress(3, "step") as bar:
+    begin(log, targets.source)
+    with progress(3, "step", "aligning") as bar:
         before = segments_of(given, log)
         bar.update()
+        bar.set_description("reducing")
         after = before if given.method == "none" else reduced(given, before)
         bar.update()
+        bar.set_description("writing")
         for path in paths:
             _write(path, before, after)
     if paths:
@@ -98,9 +100,7 @@ def reduced(given: argparse.Namespace, map: SegmentMap) -> Reduction:
         line("", f"doubt: {found.doubt}")
     if len(map):
         kept, errors = metrics.quality(map, found), metrics.errors(map, found)
-        off = (
-            f"segments moved by {metres(errors.mean())} on average, {metres(errors.max())} at most"
-        )
+        off = f"segments lie {metres(errors.mean())} off on average, {metres(errors.max())} at most"
         line("quality", f"{percent(kept)} ({metrics.grade_quality(kept)}): {off}")
     return found
 

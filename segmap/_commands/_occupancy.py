@@ -15,7 +15,7 @@ from ..scans import Log
 from ._logs import add_logs, each_log
 from ._poses import add_align, aligned
 from ._targets import Targets, add_output
-from ._words import counted, line, progress
+from ._words import begin, counted, line, progress
 
 #: What -o may end in.
 SUFFIXES = (".yaml", ".png", ".svg", ".npz", ".geojson")
@@ -58,7 +58,7 @@ def run(given: argparse.Namespace) -> int:
 def map_log(given: argparse.Namespace, log: Log, targets: Targets) -> None:
     """Map one log, and write what was asked for."""
     paths = targets.paths(log.name)
-    print(f"{log.name}: {counted(len(log), 'scan')}, {targets.source}")
+    begin(log, targets.source)
     map = _matched(given, log) if given.matcher else _aligned(given, log)
     left, low, right, high = quadtree.extent(map, margin=0)
     size = f"{right - left:.1f} m by {high - low:.1f} m at {given.resolution:g} m"

@@ -9,6 +9,7 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 from ..readers import LogError
+from ..scans import Log
 
 if TYPE_CHECKING:
     from tqdm import tqdm
@@ -61,9 +62,23 @@ def seconds(value: float) -> str:
     return f"{1000 * value:.0f} ms" if value < 0.1 else f"{value:.1f} s"
 
 
+def begin(log: Log, source: str) -> None:
+    """Print which log comes now."""
+    where = "" if source == log.name else f", {source}"
+    say(f"{log.name}: {counted(len(log), 'scan')}{where}")
+
+
 def line(word: str, text: str) -> None:
     """Print one thing about a log, below its name."""
-    print(f"  {word:<9} {text}", flush=True)
+    say(f"  {word:<9} {text}")
+
+
+def say(text: str = "") -> None:
+    """Print a line; a bar that is shown moves below it."""
+    from tqdm import tqdm
+
+    tqdm.write(text, file=sys.stdout)
+    sys.stdout.flush()
 
 
 def tell(text: str) -> None:
@@ -98,8 +113,9 @@ def plain_warnings() -> Iterator[None]:
         yield
 
 
-def progress(total: int, unit: str) -> tqdm[Any]:
-    """A bar on a terminal, and nothing elsewhere."""
+def progress(total: int, unit: str, doing: str = "") -> tqdm[Any]:
+    """A bar on a terminal, and nothing elsewhere, nor where there is one step only."""
     from tqdm import tqdm
 
-    return tqdm(total=total, unit=unit, disable=None, leave=False)
+    hidden = True if total == 1 else None
+    return tqdm(total=total, unit=unit, desc=doing or None, disable=hidden, leave=False)
