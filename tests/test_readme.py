@@ -49,6 +49,38 @@ def test_least_cost_is_as_much_better_than_fusion_as_the_text_says(names):
     assert len(METHODS) == 15 and "all fifteen" in README
 
 
+def test_the_session_of_commands_is_true(names, tmp_path, monkeypatch, capsys):
+    """Catches a printed line, an option or a figure that the commands have left behind."""
+    from segmap._commands import _poses, main
+
+    block = re.search(
+        r"## One command\n.*?```console\n\$ segmap (.*?)\n(.*?)```", README, re.DOTALL
+    )
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setitem(_poses.METHODS, "pose_graph", lambda log: names["found"])
+    assert main(block.group(1).split()) == 0
+    said = [
+        re.sub(r"[\d.]+ m?s$", "", text, flags=re.MULTILINE)
+        for text in (capsys.readouterr().out, block.group(2))
+    ]
+    assert said[0].splitlines() == said[1].splitlines() and len(said[0].splitlines()) == 6
+    assert (tmp_path / "malaga.svg").stat().st_size and (tmp_path / "malaga.png").stat().st_size
+
+
+def test_the_commands_of_the_table_are_those_that_there_are(capsys):
+    """Catches a new command that no newcomer hears of, and an ending that is no longer written."""
+    from segmap._commands import _main, _map, _occupancy, main
+
+    listed = re.findall(r"^\| `segmap (\w+)\b", README, re.MULTILINE)
+    with pytest.raises(SystemExit):
+        main(["--help"])
+    said = re.findall(r"^    (\w+)", capsys.readouterr().out, re.MULTILINE)
+    assert sorted(listed) == sorted(said) and len(listed) == len(_main.COMMANDS)
+    for name, room in (("map", _map), ("occupancy", _occupancy)):
+        row = re.search(rf"^\| `segmap {name} .*$", README, re.MULTILINE).group()
+        assert all(suffix in row for suffix in room.SUFFIXES)
+
+
 def test_the_lines_for_a_sensor_run(tmp_path, monkeypatch, capsys):
     """Catches an example that driver, emulator or matcher has left behind."""
     block = re.search(r"## With a sensor, or without\s+```python\n(.*?)```", README, re.DOTALL)

@@ -1,4 +1,4 @@
-"""`segmap convert LOG -o FILE`: a log, or its path, in another format."""
+"""`segmap convert LOG -o FILE`: a log, its path or its pose graph, for other programs."""
 
 from __future__ import annotations
 
@@ -18,15 +18,17 @@ from ._targets import Targets, add_output
 from ._words import begin, counted, line
 
 #: What -o may end in.
-SUFFIXES = (".log", ".log.gz", ".tum")
+SUFFIXES = (".log", ".log.gz", ".tum", ".g2o")
 
 
 def add(commands: Any) -> None:
     """Name the command and its arguments."""
-    command = commands.add_parser("convert", help="write a log, or its path, in another format")
+    command = commands.add_parser(
+        "convert", help="write a log, its path or its pose graph, for other programs"
+    )
     add_logs(command)
     add_align(command, "its poses are written instead of the true ones that the log has")
-    add_output(command, SUFFIXES, "the log for CARMEN, or its path as .tum")
+    add_output(command, SUFFIXES, "the log for CARMEN, its path as .tum, its graph as .g2o")
     command.set_defaults(run=run)
 
 
@@ -34,6 +36,8 @@ def run(given: argparse.Namespace) -> int:
     """Convert each log."""
     if not given.output:
         given.refuse("name the file to write: -o FILE")
+    if given.align != "pose_graph" and any(name.endswith(".g2o") for name in given.output):
+        given.refuse("a .g2o holds a pose graph: add --align pose_graph")
     return each_log(given, convert)
 
 
@@ -51,6 +55,10 @@ def _write(path: Path, log: Log, poses: Alignment | None) -> str:
         rows, kind = (poses.poses, poses.method) if poses else _own_poses(log)
         exports.write_tum(path, log, rows)
         return f"{path}: {counted(int(np.isfinite(rows).all(1).sum()), 'pose')} by {kind}"
+    if path.suffix == ".g2o" and poses is not None:
+        exports.write_graph(path, poses)  # which refuses an alignment without a graph
+        edges = 0 if poses.graph is None else len(poses.graph.edges)
+        return f"{path}: {counted(len(log), 'pose')}, {counted(edges, 'edge')}"
     exports.write_carmen(path, log, poses)
     known = log.truth if poses is None else poses.poses
     placed = 0 if known is None else int(np.isfinite(known).all(1).sum())
