@@ -15,7 +15,6 @@ from segmap.hokuyo import (
     parse_scan,
     record,
 )
-from segmap.readers import _coreslam
 
 URG = Geometry(1024, 44, 725, 384, 20, 5600, 0.1)
 #: Every code, and the distances about the border and below the reach.
@@ -36,9 +35,10 @@ def as_text(tmp_path):
 
 
 def as_coreslam(tmp_path):
-    beams = np.full(_coreslam.BEAMS, 1000)
+    header, count = 24, 683
+    beams = np.full(count, 1000)
     beams[: len(MET)] = MET
-    (tmp_path / "one.dat").write_text(" ".join(map(str, [0] * _coreslam.HEADER + beams.tolist())))
+    (tmp_path / "one.dat").write_text(" ".join(map(str, [0] * header + beams.tolist())))
     return read(tmp_path / "one.dat")[0]
 
 

@@ -24,9 +24,11 @@ from segmap.hokuyo import (
     SensorGone,
     UrgSensor,
     _sensor,
+    checksum,
     encode_reply,
     encode_scan,
     parse_geometry,
+    parse_info,
     record,
 )
 from segmap.hokuyo.__main__ import main as bench
@@ -133,8 +135,11 @@ def test_what_a_model_is():
         assert parse_geometry(told | {"MODL": model}).is_far
     for model in ("URG-04LX-UG01(Simple-URG)", "UBG-04LX-F01", "UHG-08LX"):
         assert not parse_geometry(told | {"MODL": model}).is_far
-    with Emulator(far_pattern, **UST, **FAST) as emulator, of(emulator) as sensor:
-        assert sensor.geometry.is_far
+    for at, bit in itertools.product((5, 6, 7), (6, 7)):
+        line = bytearray(b"MODL:URG-04LX;" + checksum(b"MODL:URG-04LX"))
+        line[at] ^= 1 << bit
+        with pytest.raises(SensorError, match="no line of information"):
+            parse_info([bytes(line)], strict=True)
 
 
 @pytest.mark.parametrize(
