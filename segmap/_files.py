@@ -172,18 +172,29 @@ def read_npz(path: Path, kind: str) -> dict[str, NDArray[Any]]:
     ValueError
         Naming the file: damaged, of another kind or version, out of proportion to its size.
     """
-    existing(path)
-    with path.open("rb") as source:
-        try:
-            found = _arrays(source)
-        except Exception as error:  # zipfile, zlib and numpy raise a dozen kinds for damaged bytes
-            raise ValueError(f"{path}: not a readable NPZ file ({error})") from None
+    found = read_arrays(path)
     (name, version), said = kind.rsplit(" ", 1), str(found.pop("format", ""))
     if not said.startswith(name):
         raise ValueError(f"{path}: not a {name.split()[1]} of segmap, holds {sorted(found)}")
     if said != kind:
         raise ValueError(f"{path}: written as {said!r}, this version reads {version}")
     return found
+
+
+def read_arrays(path: Path) -> dict[str, NDArray[Any]]:
+    """The arrays of any NPZ file, as they stand; no object is unpickled.
+
+    Raises
+    ------
+    ValueError
+        Naming the file: damaged, or out of proportion to its size.
+    """
+    existing(path)
+    with path.open("rb") as source:
+        try:
+            return _arrays(source)
+        except Exception as error:  # zipfile, zlib and numpy raise a dozen kinds for damaged bytes
+            raise ValueError(f"{path}: not a readable NPZ file ({error})") from None
 
 
 def _most(size: int) -> int:

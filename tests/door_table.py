@@ -67,6 +67,7 @@ OBJECTS = {"matching": [matching.DistanceField(TREE)], "quadtree": [TREE], "segm
 GOOD = {
     "angle_candidates.viewpoints": np.zeros((2, 2)), "write_ros_map.path": "written.yaml",
     "read_trajectory.path": "poses.csv", "write_segments.path": "written.csv",
+    "read_csv.path": "beams.csv", "read_csv.columns": "angle_rad,range_m",
     "read_segments.path": "segments.csv", "SegmentMap.load.path": "segments.npz",
     "write_segments.map": MAP, "read_graph.path": "graph.g2o", "write_graph.graph": GRAPH,
     "data_file.name": "room", "a": PATH, "a_from_b": PATH,

@@ -3,6 +3,8 @@
 Each recording is of the same room: five beams, two scans, the robot 1 m farther in the second.
 """
 
+import io
+
 import numpy as np
 
 RANGES = "1.50 2.00 2.50 81.83 3.00"
@@ -120,6 +122,18 @@ WEAN = text(
     f"{100 * y + 25 * np.sin(h)} {h} {'151 ' * 179}8183 {t}"
     for (x, y, h), t in zip(ODOMETRY, TIMES, strict=True)
 )
+#: Two turns of a cheap sensor: degrees, and short ranges that are no slip of units in metres.
+TURNS = [(angle + turn / 8, 150 + angle) for turn in range(2) for angle in range(0, 360, 45)]
+CSV = "angle_deg,range_mm,quality,time_ms\n" + text(
+    f"{a},{r},47,{1000 * k}" for k, (a, r) in enumerate(TURNS)
+)
+RPLIDAR = "Ultra simple LIDAR data grabber for SLAMTEC LIDAR.\n" + text(
+    f"{'S ' if a < 1 else '  '} theta: {a:03.2f} Dist: {r:08.2f} Q: 47 " for a, r in TURNS
+)
+LD19 = "[LDS][INFO][9.1][speed(Hz):9.9,size:8]\n" + text(
+    f"[LDS][INFO][9.1]stamp(ns):{k}000000000,angle:{a},distance(mm):{r},intensity:200"
+    for k, (a, r) in enumerate(TURNS)
+)
 SICK = text(f"{t}, 181, 0, " + ", ".join(["2.50"] * 180 + ["81.91"]) for t in TIMES)
 HOKUYO_CSV = text(f"{t}, " + ", ".join(["1.25"] * 680 + ["0.007"]) for t in TIMES)
 ODOMETRY_CSV = text(
@@ -129,6 +143,21 @@ GROUNDTRUTH = text(
     f"{t}, " + ", ".join(map(str, [*TRUTH[k], *np.zeros(9)])) for k, t in enumerate(TIMES)
 )
 
+
+def npz(**held) -> bytes:
+    """A file of arrays."""
+    file = io.BytesIO()
+    np.savez(file, **held)
+    return file.getvalue()
+
+
+NPZ = npz(
+    ranges=np.array([[1.5, 2.0, np.inf], [1.5, 0.0, 2.5]]),
+    angles=np.array([-1.0, 0.0, 1.0]),
+    odometry=np.array(ODOMETRY),
+    times=np.array(TIMES),
+    truth=np.array(TRUTH),
+)
 #: Every format that is a single file.
 SINGLE_FILES = {
     "carmen": CARMEN,
@@ -143,6 +172,9 @@ SINGLE_FILES = {
     "gmapping": GMAPPING,
     "dpslam": DPSLAM,
     "wean": WEAN,
+    "csv": CSV,
+    "rplidar": RPLIDAR,
+    "ld19": LD19,
     "sick": SICK,
     "hokuyo_csv": HOKUYO_CSV,
 }

@@ -97,6 +97,7 @@ def bounded(tmp_path_factory):
     """No case may fill the memory, and files are written and read in a folder of the test."""
     folder = tmp_path_factory.mktemp("doors")
     (folder / "good.log.gz").write_bytes(readers.data_file("room/room.log.gz").read_bytes())
+    (folder / "beams.csv").write_text("0,1\n1,2\n")
     (folder / "poses.csv").write_text("10.5, 1, 2, 0.5" + ", 0" * 9)
     TREE.save(folder / "map.npz")
     for name in ("segments.csv", "segments.npz"):

@@ -12,7 +12,7 @@ import zipfile
 import numpy as np
 import pytest
 from conftest import shared_file
-from log_samples import CARMEN, RAWSEEDS, SINGLE_FILES, flaser
+from log_samples import CARMEN, NPZ, RAWSEEDS, SINGLE_FILES, flaser
 from mrpt_samples import BINARY_FILES
 
 from segmap import readers
@@ -152,10 +152,10 @@ def test_files_that_may_not_be_read_are_named(path):
 with gzip.open(_bundled.find("malaga"), "rt") as _file:
     MALAGA = "".join(line for _, line in zip(range(4), _file, strict=False))
 SAMPLES = {name: text.encode() for name, text in (SINGLE_FILES | {"malaga": MALAGA}).items()}
-SAMPLES |= BINARY_FILES
+SAMPLES |= BINARY_FILES | {"npz": NPZ}
 #: Mutants of a sample, of a format that is new, of one with long lines, and of a file in a folder.
 LIGHT, NEW, HEAVY, IN_FOLDER = 600, 1000, 400, 300
-NEWLY = ("gmapping", "dpslam", "wean")
+NEWLY = ("gmapping", "dpslam", "wean", "csv", "rplidar", "ld19", "npz")
 #: Damaged files that one run of this module reads, each with `on_error` "raise" and "skip".
 COUNTS = {name: LIGHT if len(data) < 2000 else HEAVY for name, data in SAMPLES.items()}
 COUNTS |= dict.fromkeys(NEWLY, NEW) | dict.fromkeys(BINARY_FILES, NEW)

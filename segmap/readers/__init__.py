@@ -16,6 +16,7 @@ from ..arrays import Array
 from ..scans import Log
 from . import _hokuyo_text, _rawseeds
 from ._bundled import data_file, find
+from ._csv import read_csv
 from ._formats import recognise
 from ._graph import PoseGraph, read_graph
 from ._lines import LogError, UnknownFormat
@@ -32,6 +33,7 @@ __all__ = [
     "half_turn",
     "load",
     "read",
+    "read_csv",
     "read_graph",
     "read_segments",
     "read_trajectory",
@@ -54,7 +56,8 @@ def read(path: str | Path, *, on_error: str = "raise") -> Log:
         A log of CARMEN (FLASER, RLASER, ROBOTLASER), a run of GMapping (.gfs), g2o with
         ROBOTLASER1, Player text, DP-SLAM, CMU's Wean Hall, CoreSLAM; a folder of Rawseeds files, or
         the file of one of its lasers; a Hokuyo scan as text, or a folder of numbered ones;
-        a rawlog or a simplemap of MRPT.
+        a rawlog or a simplemap of MRPT; CSV with a header (others: `read_csv`), a dump of RPLidar
+        or LD19, NPZ with `ranges` and `angles`.
     on_error : "raise" or "skip"
         What a damaged line means: the end of reading, or one line less; `log.skipped` then tells
         how many lines were left out and why the first.

@@ -1,4 +1,4 @@
-"""Which format a file is of: by its first bytes, then by what most of its first lines look like."""
+"""Which format a file is of: by its first bytes or header, then by what most first lines are."""
 
 from __future__ import annotations
 
@@ -11,11 +11,14 @@ from ..scans import Log
 from . import (
     _carmen,
     _coreslam,
+    _csv,
     _dpslam,
+    _dumps,
     _g2o,
     _gmapping,
     _hokuyo_text,
     _mrpt,
+    _npz,
     _player,
     _rawseeds,
     _wean,
@@ -24,6 +27,11 @@ from ._lines import Lines, LogError, UnknownFormat
 
 #: So many lines are looked at; a damaged one among them does not change what most of them say.
 FIRST = 200
+#: What a user writes whose columns have no header.
+FROM_COLUMNS = (
+    "A line a beam without a header: "
+    "segmap.readers.read_csv(path, columns=['angle_deg', 'range_mm', 'quality'])."
+)
 #: What a user writes whose data are in none of the formats.
 FROM_ARRAYS = """Measurements in arrays (metres, radians, seconds) become a log by three lines:
     import segmap
@@ -32,7 +40,7 @@ FROM_ARRAYS = """Measurements in arrays (metres, radians, seconds) become a log 
 
 
 class Binary(NamedTuple):
-    """A reader of files that are no text, and how to tell them by first bytes or suffix."""
+    """A reader, and how to tell its files by their first bytes, suffix or header."""
 
     name: str
     claims: Callable[[Path], bool]
@@ -49,7 +57,11 @@ class Format(NamedTuple):
 
 
 #: These are asked first, in this order.
-BINARY: tuple[Binary, ...] = (Binary("MRPT", _mrpt.claims, _mrpt.read),)
+BINARY: tuple[Binary, ...] = (
+    Binary("MRPT", _mrpt.claims, _mrpt.read),
+    Binary("NPZ", _npz.claims, _npz.read),
+    Binary("CSV", _csv.claims, _csv.read),
+)
 FORMATS = (
     Format("CARMEN", _carmen.claims, _carmen.read),
     Format("GMapping", _gmapping.claims, _gmapping.read),
@@ -59,6 +71,8 @@ FORMATS = (
     Format("Wean Hall", _wean.claims, _wean.read),
     Format("Hokuyo text", _hokuyo_text.claims, _hokuyo_text.read),
     Format("CoreSLAM", _coreslam.claims, _coreslam.read),
+    Format("RPLidar", _dumps.claims_rplidar, _dumps.read_rplidar),
+    Format("LD19", _dumps.claims_ld19, _dumps.read_ld19),
     Format("Rawseeds", _rawseeds.claims, _rawseeds.read, ","),
 )
 
@@ -89,4 +103,4 @@ def _unknown(lines: Lines, sample: Sequence[str]) -> str:
         first = f"it starts with {sample[0][:40]!r}" if sample else "it has comments only"
         found = f"is of no known format: {first}"
     known = [*(form.name for form in FORMATS), *(form.name for form in BINARY)]
-    return f"{found}\nKnown formats: {', '.join(known)}.\n{FROM_ARRAYS}"
+    return f"{found}\nKnown formats: {', '.join(known)}.\n{FROM_COLUMNS}\n{FROM_ARRAYS}"

@@ -26,6 +26,8 @@ SECONDS_PER_TURN = 0.1
 #: A beam points nowhere beyond two turns, radians.
 MOST_TURN = 4 * np.pi
 MOST_BEAMS = 100_000
+#: So many files of a kind, and lines of a file, are looked at.
+FEW = 20
 
 
 def claims(fields: Sequence[str]) -> bool:
@@ -34,10 +36,15 @@ def claims(fields: Sequence[str]) -> bool:
 
 
 def numbered(folder: Path) -> list[Path]:
-    """The files of a folder that have a number in their name, in the order of the last one."""
-    files = (path for path in folder.iterdir() if path.is_file() and not path.name.startswith("."))
-    found = [(int(numerals[-1]), path) for path in files if (numerals := _numerals(path))]
-    return [path for _, path in sorted(found)]
+    """The scans of a folder: files with a number in their name, in the order of the last one.
+
+    Of those with the same suffix the first few must look like scans, or all are of another kind.
+    """
+    kinds: dict[str, list[Path]] = {}
+    for path in _numbered(folder):
+        kinds.setdefault(_suffix(path), []).append(path)
+    kept = {kind for kind, files in kinds.items() if any(map(_is_scan, files[:FEW]))}
+    return [path for path in _numbered(folder) if _suffix(path) in kept]
 
 
 def read(path: Path, name: str, on_error: str = "raise") -> Log:
@@ -62,6 +69,25 @@ def read_folder(files: Sequence[Path], name: str, on_error: str = "raise") -> Lo
     if not scans:
         raise LogError(files[0].parent, f"holds no scan; {skipped.reason}")
     return Log(name, scans, None, skipped)
+
+
+def _numbered(folder: Path) -> list[Path]:
+    files = (path for path in folder.iterdir() if path.is_file() and not path.name.startswith("."))
+    found = [(int(numerals[-1]), path) for path in files if (numerals := _numerals(path))]
+    return [path for _, path in sorted(found)]
+
+
+def _suffix(path: Path) -> str:
+    return Path(path.name.removesuffix(".gz")).suffix.lower()
+
+
+def _is_scan(path: Path) -> bool:
+    """Whether most of the first lines are beams."""
+    try:
+        lines = list(islice(Lines(path, "skip"), FEW))
+    except LogError:
+        return False
+    return 2 * sum(map(claims, lines)) > len(lines)
 
 
 def _numerals(path: Path) -> list[str]:

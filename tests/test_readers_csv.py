@@ -1,0 +1,309 @@
+"""Logs of cheap sensors: CSV, dumps of RPLidar and LD19, arrays; and folders of other things."""
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from log_samples import CARMEN, CSV, HOKUYO, LD19, NPZ, ODOMETRY, RPLIDAR, TIMES, TRUTH, npz, text
+
+import segmap
+from segmap import readers
+from segmap.readers import LogError, UnknownFormat, read_csv
+
+quick = settings(max_examples=25, suppress_health_check=[HealthCheck.function_scoped_fixture])
+ROWS = "0{0}1500\n90{0}0\n180{0}2000\n0{0}1600\n90{0}\n180{0}inf\n"
+COLUMNS = ["angle_deg", "range_mm"]
+
+
+@pytest.fixture
+def written(tmp_path):
+    def write(content, name="some.csv"):
+        path = tmp_path / name
+        path.write_bytes(content if isinstance(content, bytes) else content.encode())
+        return path
+
+    return write
+
+
+class TestHeader:
+    @pytest.mark.parametrize(
+        ("head", "mark"),
+        [
+            ("angle_deg,range_mm", ","),
+            ("Angle [deg], Range [mm]", ", "),
+            ("theta(°);dist(mm)", ";"),
+            ("# angle [degrees]\tdistance [millimeters]", "\t"),
+            ('"Angle (deg)","Distance (mm)"', ","),
+            ("angle [deg] range [mm]", " "),
+            ("\ufeffangles.deg,ranges.mm", ","),
+        ],
+    )
+    def test_ways_to_write_one(self, read, head, mark):
+        """Catches a unit that is overlooked: 1500 m, or 90 radians."""
+        rows = ROWS if mark not in " \t" else ROWS.replace("90{0}\n", "90{0}nan\n")
+        log = read(f"{head}\n{rows.format(mark)}")
+        assert len(log) == 2 and log.times.tolist() == [0, 1] and not log.skipped
+        assert np.degrees(log[0].angles) == pytest.approx([0, 90, 180])
+        assert log[0].ranges[[0, 2]].tolist() == [1.5, 2] and np.isnan(log[0].ranges[1])
+        assert log[1].valid.tolist() == [True, False, False] and np.isposinf(log[1].ranges[2])
+
+    @pytest.mark.parametrize(
+        ("head", "reason"),
+        [
+            ("angle,range_mm", r"line 1: the unit of 'angle' is not said \(deg, rad"),
+            ("angle_deg,range", "the unit of 'range' is not said .*read_csv"),
+            ("angle_deg,range_mm,time", "the unit of 'time' is not said"),
+        ],
+    )
+    def test_what_it_does_not_say_is_not_guessed(self, read, head, reason):
+        with pytest.raises(LogError, match=reason):
+            read(head + "\n0,1500,0\n")
+
+    def test_time_and_scan(self, read):
+        """Catches a scan that is cut by its angles though it is numbered; the first time counts."""
+        rows = "angle_rad,range_m,time_us,scan_id\n1,2,1500000,7\n0,2,1600000,7\n1,3,1700000,9\n"
+        log = read(rows)
+        assert log.times.tolist() == [1.5, 1.7] and [len(scan) for scan in log] == [2, 1]
+
+    def test_quality_and_unknown_columns_are_left_out(self, read):
+        log = read("quality,angle_deg,weather,range_cm\n47,10,rain,250\n")
+        assert log[0].ranges.tolist() == [2.5]
+
+    def test_a_header_alone_and_one_with_two_angles_are_no_log(self, read):
+        with pytest.raises(LogError, match="holds no scan, expected lines of angle and range"):
+            read("angle_deg,range_mm\n")
+        with pytest.raises(UnknownFormat):
+            read("angle_deg,theta_rad,range_mm\n1,2,3\n")
+
+    def test_clockwise_angles_are_turned_round(self, read):
+        """A map of a clockwise sensor that is not turned is the mirror of the room."""
+        log = read("angle_deg_cw,range_m\n0,1\n90,2\n")
+        assert log[0].points() == pytest.approx(np.array([(0, -2), (1, 0)]))
+
+    def test_other_formats_with_words_stay_what_they_are(self, read):
+        assert len(read("# range angle in words only\n" + CARMEN)) == 2
+        assert len(read(HOKUYO)[0]) == 22
+
+
+class TestReadCsv:
+    @pytest.mark.parametrize("columns", [COLUMNS, "angle_deg, range_mm", ("angle_deg", "range_mm")])
+    @pytest.mark.parametrize("head", ["", "Winkel,Abstand\n", "angle,range\n"])
+    def test_columns_named_by_the_caller(self, written, columns, head):
+        log = read_csv(written(head + ROWS.format(",")), columns=columns)
+        assert log.name == "some" and [len(scan) for scan in log] == [3, 3]
+        assert log[0].ranges[0] == 1.5 and not log.skipped
+
+    def test_clockwise_is_said_by_the_caller(self, written):
+        log = read_csv(written("0 1\n90 2\n"), columns="angle_deg,range_m", clockwise=True)
+        assert log[0].points() == pytest.approx(np.array([(0, -2), (1, 0)]))
+
+    @pytest.mark.parametrize(
+        ("columns", "reason"),
+        [
+            (["angle", "range_mm"], "the unit of 'angle' is not said"),
+            (["angle_deg"], "no column is the range"),
+            (["angle_deg", "theta_rad", "range_m"], "both columns of the angle"),
+            (3, "columns must be a list of names"),
+            ([1, 2], "columns must be a list of names"),
+        ],
+    )
+    def test_columns_that_do_not_say_enough(self, written, columns, reason):
+        with pytest.raises(ValueError, match=reason):
+            read_csv(written(CSV), columns=columns)
+
+    def test_without_header_and_columns_it_says_what_to_write(self, written):
+        with pytest.raises(LogError, match=r"name the columns, columns=\['angle_deg'"):
+            read_csv(written("0,1\n"))
+
+    @pytest.mark.parametrize(
+        ("row", "reason"),
+        [
+            ("x,1", "a number for the angle, got 'x'"),
+            ("1e9,1", "a number for the angle, got '1e9'"),
+            ("800,1", "an angle within two turns, got '800'"),
+            ("1", "2 columns or more, got 1"),
+            ("1,x", "a number for the range, got 'x'"),
+            ("1,1_0", "a number for the range, got '1_0'"),
+        ],
+    )
+    def test_damaged_lines(self, written, row, reason):
+        path = written(CSV + row + "\n")
+        with pytest.raises(LogError, match="line 18: expected " + reason):
+            read_csv(path, columns=COLUMNS)
+        assert read_csv(path, columns=COLUMNS, on_error="skip").skipped.lines == 1
+
+
+class TestTurns:
+    @pytest.mark.parametrize(
+        ("angles", "lengths"),
+        [
+            ([350, 10, 30, 355, 5], [1, 3, 1]),
+            ([0, 120, 240, 0, 120, 240], [3, 3]),
+            ([240, 120, 0, 240, 120, 0], [3, 3]),
+            ([-135, 0, 135, -135, 0, 135], [3, 3]),
+            ([0, 90, 89.5, 180, 270, 1, 90], [5, 2]),
+            ([5, 5, 5], [3]),
+            ([7], [1]),
+        ],
+    )
+    def test_a_scan_ends_where_the_angle_wraps(self, written, angles, lengths):
+        """Catches a cut at every step back, and one that a small field of view never reaches."""
+        rows = text(f"{angle},1" for angle in angles)
+        log = read_csv(written(rows), columns="angle_deg,range_m")
+        assert [len(scan) for scan in log] == lengths
+
+    def test_a_file_without_an_end_of_scan_is_refused(self, written, monkeypatch):
+        monkeypatch.setattr("segmap.readers._turns.MOST_BEAMS", 99)
+        with pytest.raises(LogError, match="at most 99 beams in a scan"):
+            read_csv(written("1,1\n" * 100), columns="angle_deg,range_m")
+
+    @given(
+        st.lists(
+            st.lists(st.floats(0.001, 1e4), min_size=2, max_size=9), min_size=1, max_size=4
+        ),
+        st.booleans(),
+        st.sampled_from(["angle_rad,range_m", "angle_deg,range_cm,time_ms"]),
+    )  # fmt: skip
+    @quick
+    def test_what_was_written_is_read(self, written, scans, numbered, head):
+        """Every number of the file stands in the log, in metres and radians."""
+        turn, far, full = (1, 1, 6.0) if "rad" in head else (np.pi / 180, 0.01, 350.0)
+        angles = [np.linspace(0, full, len(scan)).tolist() for scan in scans]
+        lines = [
+            f"{a!r},{r!r},{k}{f',{k}' if numbered else ''}"
+            for k, (turned, scan) in enumerate(zip(angles, scans, strict=True))
+            for a, r in zip(turned, scan, strict=True)
+        ]
+        columns = head if "time" in head else head + ",other"
+        path = written(text([columns + (",scan" if numbered else ""), *lines]))
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setattr("segmap.scans._units.check_ranges", lambda *arguments: None)
+            log = readers.read(path)
+        assert [s.ranges.tolist() for s in log] == [[r * far for r in scan] for scan in scans]
+        assert [s.angles.tolist() for s in log] == [[a * turn for a in turned] for turned in angles]
+        assert log.times == pytest.approx(np.arange(len(scans)) * (1e-3 if "time" in head else 1))
+
+
+class TestDumps:
+    @pytest.mark.parametrize(("sample", "times"), [(RPLIDAR, [0, 1]), (LD19, [0, 8])])
+    def test_clockwise_degrees_and_millimetres(self, read, sample, times):
+        """Catches the mirror image, and metres out of millimetres."""
+        log = read(sample)
+        assert [len(scan) for scan in log] == [8, 8] and not log.skipped
+        assert log.times.tolist() == times
+        assert np.degrees(log[0].angles) == pytest.approx(np.arange(-315, 1, 45))
+        assert log[0].points()[-3] == pytest.approx([0, -0.24])  # 90 degrees are on the right
+
+    def test_nothing_measured_and_damaged_beams(self, read):
+        log = read("theta: 1.00 Dist: 00000.00 Q: 0\ntheta: 2.00 Dist: 00010.00 Q: 4\n")
+        assert log[0].valid.tolist() == [True, False]
+        with pytest.raises(LogError, match="line 18: expected a beam with theta:, Dist:, Q:"):
+            read(RPLIDAR + "theta: 12.3")
+        with pytest.raises(LogError, match="line 18: expected a beam with angle:"):
+            read(LD19 + "stamp(ns):1,angle:12.3,dist")
+
+    def test_a_stamp_without_unit_is_left_out_and_centimetres_are_honoured(self, read):
+        log = read(LD19.replace("(ns)", "").replace("(mm)", "(cm)"))
+        assert log.times.tolist() == [0, 1] and log[0].ranges[-1] == 1.5
+        assert len(read(text(["angle:1.5,distance(mm):200,intensity:3"] * 3))[0]) == 3
+
+    def test_a_scan_of_slamtecs_programs(self, read):
+        log = read(
+            "#RPLIDAR SCAN DATA\n#COUNT=2\n#Angule\tDistance\tQuality\n0.5 250.0 47\n90 0 0\n"
+        )
+        assert np.degrees(log[0].angles) == pytest.approx([-90, -0.5])
+        assert log[0].ranges[1] == 0.25 and np.isnan(log[0].ranges[0])
+
+    @given(st.lists(st.tuples(st.integers(0, 359), st.integers(1, 12000)), min_size=1))
+    @quick
+    def test_what_was_written_is_read(self, written, beams):
+        beams = sorted(beams)
+        lines = {
+            "theta": [f"   theta: {a:03.2f} Dist: {r:08.2f} Q: 47 " for a, r in beams],
+            "angle": [f"stamp:7,angle:{a:f},distance(mm):{r:d},intensity:9" for a, r in beams],
+        }
+        for several in lines.values():
+            scans = readers.read(written(text(several), "dump.txt"))
+            beam = [
+                b for scan in scans for b in list(zip(scan.angles, scan.ranges, strict=True))[::-1]
+            ]
+            assert np.array(beam) == pytest.approx(
+                np.array([(-np.radians(a), r / 1000) for a, r in beams])
+            )
+
+
+class TestNpz:
+    def log(self, written, **held):
+        return readers.read(written(npz(**held), "mine.npz"))
+
+    def test_all_arrays(self, written):
+        log = readers.read(written(NPZ, "mine.npz"))
+        assert log.name == "mine" and log.times.tolist() == list(TIMES)
+        assert log.odometry.tolist() == [list(o) for o in ODOMETRY]
+        assert log.truth.tolist() == [list(t) for t in TRUTH]
+        assert log[0].valid.tolist() == [True, True, False] and np.isnan(log[1].ranges[1])
+
+    def test_ranges_and_angles_are_enough(self, written):
+        log = self.log(written, ranges=[[1, 2], [3, 4]], angles=[[0, 1], [1, 2]])
+        assert log.times.tolist() == [0, 1] and log.truth is None
+        assert log[1].odometry is None and log[1].angles.tolist() == [1, 2]
+        assert len(self.log(written, ranges=[1.0, 2.0], angles=[0.0, 1.0])) == 1
+
+    @pytest.mark.parametrize(
+        ("held", "reason"),
+        [
+            ({"ranges": [[1.0]]}, "expected arrays ranges and angles, got ranges; no angles"),
+            ({"ranges": [[1.0, 2.0]], "angles": [1.0]}, r"must have shape \(2,\) or \(1, 2\)"),
+            ({"ranges": [[1.0]], "angles": [90.0]}, "this looks like degrees"),
+            ({"ranges": [[1.0]], "angles": [0.0], "times": [np.nan]}, r"must be \(1,\) finite"),
+            ({"ranges": [[1.0]], "angles": [0.0], "odometry": [[1.0, 2]]}, "odometry must"),
+            ({"ranges": [["a"]], "angles": [0.0]}, "ranges must"),
+            ({"ranges": np.empty((0, 3)), "angles": np.zeros(3)}, "ranges must have shape"),
+            ({"ranges": np.array([None]), "angles": [0.0]}, "not a readable NPZ file"),
+        ],
+    )  # fmt: skip
+    def test_what_is_wrong_is_said(self, written, held, reason):
+        with pytest.raises(LogError, match=reason):
+            self.log(written, **held)
+
+    @given(st.integers(1, 4), st.integers(1, 5), st.integers(0, 2**32))
+    @quick
+    def test_what_was_written_is_read(self, written, k, n, seed):
+        rng = np.random.default_rng(seed)
+        ranges, angles = rng.uniform(0.01, 9, (k, n)), rng.uniform(-3, 3, n)
+        poses, times = rng.normal(size=(k, 3)), rng.normal(size=k)
+        log = self.log(written, ranges=ranges, angles=angles, odometry=poses, times=times)
+        assert [scan.ranges.tolist() for scan in log] == ranges.tolist()
+        assert log[0].angles.tolist() == angles.tolist()
+        assert log.odometry.tolist() == poses.tolist() and log.times.tolist() == times.tolist()
+
+
+class TestNoLogs:
+    def test_the_formats_and_three_lines_that_work_are_told(self, read):
+        with pytest.raises(UnknownFormat) as caught:
+            read("Dear diary")
+        first, known, columns, *lines = caught.value.reason.splitlines()
+        assert first == "is of no known format: it starts with 'Dear diary'"
+        assert all(name in known for name in ("CARMEN", "GMapping", "CSV", "NPZ", "LD19"))
+        assert "read_csv" in columns and len(lines) == 4
+        names = {"measured": [(0.5, [1.0, 2.0])], "angles": [0.0, 0.1]}
+        exec("\n".join(line.strip() for line in lines[1:]), names)
+        assert isinstance(names["log"], segmap.Log) and names["log"].times.tolist() == [0.5]
+
+    @pytest.mark.parametrize("name", ["img_00{}.jpg", "x_{}.mcap", "run{}.log"])
+    def test_numbered_files_of_another_kind_are_no_scans(self, tmp_path, name):
+        """Catches pictures that are read as a scan each, the first of which is damaged."""
+        for k in range(3):
+            content = (
+                CARMEN.encode() if "log" in name else b"\xff\xd8\xff\xe0\x00\x10JFIF 1 2\n3 4\n"
+            )
+            (tmp_path / name.format(k)).write_bytes(content)
+        with pytest.raises(UnknownFormat, match="holds no log"):
+            readers.read(tmp_path)
+
+    def test_pictures_beside_scans_are_left_out(self, tmp_path):
+        for k in range(2):
+            (tmp_path / f"img_{k}.jpg").write_bytes(b"\xff\xd8\xff")
+            (tmp_path / f"scan_{k}.txt").write_text(f"{100 * k + 100} 0\n")
+        log = readers.read(tmp_path)
+        assert [scan.ranges[0] for scan in log] == [0.1, 0.2]
