@@ -54,7 +54,7 @@ PLANTED = (
     ('yield ",".join([*(repr(value) for value in row)', 'yield ",".join([*(f"{value:.15g}" for value in row)', "segment_files"),
     ("(abs(found[4]) < 2**53 and found[4] % 1 == 0)", "(found[4] % 1 == 0)", "segment_files"),
     ("            np.savez(target, **named)", "            np.savez_compressed(target, **named)", "segment_files"),
-    ('vector-effect="non-scaling-stroke"\'\n', 'stroke-opacity="1"\'\n', "segment_files"),
+    ('y2="{d!r}" {THIN}/>', 'y2="{d!r}"/>', "segment_files"),
     ("np.where(side < small, side, 0.0)", "np.where(side < 0, side, 0.0)", "exports_maps"),
     # pose graphs as files
     ("rotated(graph.information, graph.relative[:, 2])", "rotated(graph.information, -graph.relative[:, 2])", "graph_files"),

@@ -26,7 +26,12 @@ ODD = SegmentMap(
     [[(0.1, -0.0), (1 / 3, 5e-324)], [(LIMIT, -LIMIT), (1e7 - 1e-9, 2)], [(1, 1), (1, 1)]],
     scan=[-1, 2**53 - 1, 0],
 )
-MAPS = {"empty": EMPTY, "one": SegmentMap([[(0, 0), (1, 2)]], [4]), "odd": ODD}
+MAPS = {
+    "upright": SegmentMap([[(1, 0), (1, 2)], [(0, 1), (2, 1)]]),
+    "empty": EMPTY,
+    "one": SegmentMap([[(0, 0), (1, 2)]], [4]),
+    "odd": ODD,
+}
 BACK = ["it.csv", "it.csv.gz", "it.npz"]
 FORMATS = [".csv", ".npz", ".svg", ".geojson", ".wkt", ".dxf"]
 

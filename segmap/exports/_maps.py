@@ -21,7 +21,7 @@ OCCUPIED_THRESH, FREE_THRESH = 0.65, 0.196
 #: Outlines of leaves, their width in pixels, and the part of a small leaf that they take at most;
 #: width of a drawing, pixels.
 BLUE, LINE, PART, WIDTH = "#0072b2", 0.6, 0.1, 800
-#: As wide at any zoom.
+#: As wide at any zoom; said of each line, since it is not inherited.
 THIN = 'vector-effect="non-scaling-stroke"'
 
 

@@ -12,11 +12,10 @@ from .. import arrays
 from .._files import write_bytes
 from ..arrays import Array, Segments
 from ..segments import SegmentMap
+from ._maps import THIN
 
 #: Largest side of a drawing, and its lines, pixels; its margin as a part of the larger side.
 PIXELS, LINE, MARGIN = 800, 1.5, 0.02
-#: Said of each line, since it is not inherited: as wide at any zoom.
-THIN = 'vector-effect="non-scaling-stroke"'
 #: Metres in the header of a DXF file.
 METRES = 6
 
