@@ -48,6 +48,7 @@ TESTS = {
     "alignment/_segment": "segment_icp global_segments",
     "_arguments": "units doors segments poses scans metrics extraction quadtree",
     "arrays": "doors backbone segments poses scans metrics extraction quadtree",
+    "_commands": "commands",
     "experiments": "experiments records comparison",
     "exports/_graph": "graph_files",
     "exports/_segments": "segment_files",

@@ -260,4 +260,15 @@ PLANTED = (
     ("np.ascontiguousarray(segments - middle, np.float32)", "np.ascontiguousarray(segments, np.float32)", "workbench"),
     ("if before is not None and before.recipe.align == recipe.align:", "if before is not None:", "workbench"),
     ("if key == self.varies or value != self.thresholds[key].default", "if value != self.thresholds[key].default", "workbench"),
+    # commands
+    ("float(np.radians(value)) if name in ANGLES | SLOPES else value", "value", "commands"),
+    ("return 1 if failed else 0", "return 0", "commands"),
+    ("self._taken[place] = self.source", "pass", "commands"),
+    ("if place == Path(self.source).resolve():", "if False:", "commands"),
+    ("new = [name for name in chapters if name not in old]", "new = list(chapters)", "commands"),
+    ("exports.write_segments(path, after)", "exports.write_segments(path, before)", "commands"),
+    ("return 130\n    except BrokenPipeError", "return 1\n    except BrokenPipeError", "commands"),
+    ("part = map[np.isin(map.scan, scans)]", "part = map[:MOST]", "commands"),
+    ("log.truth is not None and np.isfinite(log.truth).all()\n", "log.truth is not None and np.isfinite(log.truth).any()\n", "commands"),
+    ("log, poses.trusted, keep_points", "log, poses, keep_points", "commands"),
 )  # fmt: skip

@@ -186,6 +186,18 @@ def test_without_a_true_pose_for_each_scan_loops_are_closed(run, tmp_path):
     assert "by pose_graph: 6 of 6 scans" in run("map", "few.log", "--method", "none")[1]
 
 
+def test_scans_that_were_not_matched_are_left_out_and_told(run, near):
+    """Catches a wall that is drawn where the odometry believes to be."""
+    log = segmap.read(near)
+    true = log.truth.copy()
+    true[8:] = np.nan
+    exports.write_carmen("few.log", log, true)
+    code, said, _ = run("map", "few.log", "--align", "ground_truth", "--method", "none")
+    assert code == 0 and "8 of 12 scans matched" in said
+    assert "4 scans not: no ground truth at its time" in said
+    assert f"extracted {len(segmap.build_map(log[:8], log.truth[:8]))} segments" in said
+
+
 # ------------------------------------------------------------------------------ usage
 @pytest.mark.parametrize(
     ("words", "said"),

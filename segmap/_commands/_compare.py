@@ -70,7 +70,7 @@ def compare(given: argparse.Namespace, log: Log, targets: Targets) -> None:
     """Run all methods on the map of one log, and print what each leaves."""
     paths = targets.paths(log.name)
     begin(log, targets.source)
-    map = whole = extraction.build_map(log, aligned(log, given.align), keep_points=True)
+    map = whole = extraction.build_map(log, aligned(log, given.align).trusted, keep_points=True)
     if given.filter is not None:
         map = whole = whole.filtered(given.filter)
     if not len(map):

@@ -75,7 +75,9 @@ def segments_of(given: argparse.Namespace, log: Log) -> SegmentMap:
     """Align a log and extract its segments."""
     poses = aligned(log, given.align)
     options = chosen_thresholds(given, "extract", extraction.extract_polylines, EXTRACT)
-    map = extraction.build_map(log, poses, keep_points=_needs_points(given.method), **options)
+    map = extraction.build_map(
+        log, poses.trusted, keep_points=_needs_points(given.method), **options
+    )
     line("extracted", counted(len(map), "segment"))
     if given.filter is not None:
         map = map.filtered(given.filter)

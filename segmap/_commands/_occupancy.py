@@ -80,7 +80,7 @@ def map_files(paths: list[Path]) -> list[str]:
 
 def _aligned(given: argparse.Namespace, log: Log) -> quadtree.QuadtreeMap:
     poses = aligned(log, given.align)
-    return quadtree.build_map(log, poses, resolution=given.resolution)
+    return quadtree.build_map(log, poses.trusted, resolution=given.resolution)
 
 
 def _matched(given: argparse.Namespace, log: Log) -> quadtree.QuadtreeMap:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from collections import Counter
 from typing import Any
 
 import numpy as np
@@ -10,6 +11,9 @@ import numpy as np
 from ..alignment import METHODS, Alignment
 from ..scans import Log
 from ._words import counted, line, seconds
+
+#: So many reasons for scans that were not matched are told.
+MOST_REASONS = 3
 
 
 def add_align(command: argparse.ArgumentParser, without: str) -> None:
@@ -35,15 +39,16 @@ def aligned(log: Log, method: str | None) -> Alignment:
         options = {"rng": np.random.default_rng(0)}
     found = METHODS[name](log, **options)
     line("aligned", f"by {name}: {_placed(found)}, {seconds(found.seconds)}")
+    reasons = Counter(filter(None, found.reasons)).most_common(MOST_REASONS)
+    for reason, count in reasons:
+        line("", f"{counted(count, 'scan')} not: {reason}")
     if found.doubt:
         line("", f"doubt: {found.doubt}")
     return found
 
 
 def _placed(found: Alignment) -> str:
-    used = int(found.used.sum())
-    rest = "" if used == len(found) else ", the others by odometry or the last motion"
     loops = (
         "" if found.graph is None else f", {counted(int(found.graph.loop.sum()), 'loop')} closed"
     )
-    return f"{used} of {counted(len(found), 'scan')} matched{rest}{loops}"
+    return f"{int(found.used.sum())} of {counted(len(found), 'scan')} matched{loops}"
