@@ -206,7 +206,8 @@ def has_exercise(notebook: dict) -> list[str]:
 def has_driven_panel(notebook: dict) -> list[str]:
     """A panel that is shown, and after it a cell that moves a control and asserts a result."""
     code = list(code_cells(notebook))
-    named = [re.match(r"(\w+) = (?:\w+\.)?\w+Panel\(", source) for _, source, _ in code]
+    made = r"(\w+) = (?:\w+\.)?(?:\w+Panel|Workbench)\("
+    named = [re.match(made, source) for _, source, _ in code]
     for at, match in enumerate(named):
         driven = rf"^{match.group(1)}\.\w+\.value = [\s\S]*^assert " if match else None
         if driven and any(re.search(driven, s, re.MULTILINE) for _, s, _ in code[at + 1 :]):

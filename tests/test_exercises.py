@@ -256,6 +256,11 @@ def metres_by_small_steps(spans, whole, gap):
 
 
 OTHER_WAYS = {
+    "best_run": lambda points, quality: max(
+        (k for k, (q, _) in enumerate(points.tolist()) if q >= quality),
+        key=lambda k: points[k][1],
+        default=-1,
+    ),
     "compose": rotated_step,
     "heading_between": lambda a, b, t: np.angle(
         np.exp(1j * (a + t * np.angle(np.exp(1j * b) / np.exp(1j * a))))

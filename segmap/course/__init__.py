@@ -44,6 +44,7 @@ from ._exercises_lines import (
     check_match_value,
 )
 from ._exercises_maps import (
+    check_best_run,
     check_mean_wall_error,
     check_quality,
     check_reduction_at,
@@ -159,6 +160,7 @@ __all__ = [
     "alignment_table",
     "check_axial_mean",
     "check_beam_angles",
+    "check_best_run",
     "check_best_shift",
     "check_cast_ray",
     "check_cell_of",

@@ -131,6 +131,39 @@ check_reduction_at = Exercise(
 )
 
 
+# -------------------------------------------------------------- the best of some runs
+def _best_run(points: Array, quality: float, border: float = 1e-12) -> int:
+    good = np.flatnonzero(points[:, 0] >= quality - border)
+    return int(good[points[good, 1].argmax()]) if len(good) else -1
+
+
+check_best_run = Exercise(
+    "best_run(points, quality) -> int: the row of the run, of points (n, 2) quality and reduction, "
+    "that removes most among those of at least that quality; -1 where there is none",
+    _best_run,
+    {f"seven runs, quality {least}": (_RUNS, least) for least in (0.84, 0.50, 0.70, 0.95)},
+    {
+        "the run with the largest reduction of all need not have the quality": (
+            lambda points, quality: int(points[:, 1].argmax())
+        ),
+        "among runs that are good enough the one that removes most counts, not the best one": (
+            lambda points, quality: int(points[:, 0].argmax() if quality < 0.95 else -1)
+        ),
+        "the answer is a row of points: that of the good ones alone counts others": (
+            lambda points, quality: int(
+                points[points[:, 0] >= quality, 1].argmax() if quality < 0.95 else -1
+            )
+        ),
+        "at least that quality: a run that just has it counts": (
+            lambda points, quality: _best_run(points, quality, border=-1e-12)
+        ),
+        "where no run is good enough the answer is -1": (
+            lambda points, quality: max(0, _best_run(points, quality))
+        ),
+    },
+)
+
+
 # -------------------------------------------------------------------- errors of walls
 def _to_walls(points: Array, walls: Array) -> Array:
     return point_distance(points[:, None], walls[None])
