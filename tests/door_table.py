@@ -66,6 +66,7 @@ OBJECTS = {"matching": [matching.DistanceField(TREE)], "quadtree": [TREE], "segm
 #: A parameter that is not here keeps its default.
 GOOD = {
     "angle_candidates.viewpoints": np.zeros((2, 2)), "write_ros_map.path": "written.yaml",
+    "read_bag.path": "it.bag", "read_bag.scan": "/scan", "read_bag.odometry": "/odom",
     "read_trajectory.path": "poses.csv", "write_segments.path": "written.csv",
     "read_csv.path": "beams.csv", "read_csv.columns": "angle_rad,range_m",
     "read_segments.path": "segments.csv", "SegmentMap.load.path": "segments.npz",

@@ -17,6 +17,7 @@ import re
 import resource
 import warnings
 
+import bag_samples
 import numpy as np
 import pytest
 from door_table import ARRAYS, FREE, GOOD, MAP, MEANT, NAN_IS_MEANT, OBJECTS, TREE, odd, spoilt
@@ -97,6 +98,7 @@ def bounded(tmp_path_factory):
     """No case may fill the memory, and files are written and read in a folder of the test."""
     folder = tmp_path_factory.mktemp("doors")
     (folder / "good.log.gz").write_bytes(readers.data_file("room/room.log.gz").read_bytes())
+    bag_samples.write(folder, "ros1")
     (folder / "beams.csv").write_text("0,1\n1,2\n")
     (folder / "poses.csv").write_text("10.5, 1, 2, 0.5" + ", 0" * 9)
     TREE.save(folder / "map.npz")

@@ -14,7 +14,7 @@ from pathlib import Path
 from .. import arrays
 from ..arrays import Array
 from ..scans import Log
-from . import _hokuyo_text, _rawseeds
+from . import _bags, _hokuyo_text, _rawseeds
 from ._bundled import data_file, find
 from ._csv import read_csv
 from ._formats import recognise
@@ -33,6 +33,7 @@ __all__ = [
     "half_turn",
     "load",
     "read",
+    "read_bag",
     "read_csv",
     "read_graph",
     "read_segments",
@@ -56,7 +57,7 @@ def read(path: str | Path, *, on_error: str = "raise") -> Log:
         A log of CARMEN (FLASER, RLASER, ROBOTLASER), a run of GMapping (.gfs), g2o with
         ROBOTLASER1, Player text, DP-SLAM, CMU's Wean Hall, CoreSLAM; a folder of Rawseeds files, or
         the file of one of its lasers; a Hokuyo scan as text, or a folder of numbered ones;
-        a rawlog or a simplemap of MRPT; CSV with a header (others: `read_csv`), a dump of RPLidar
+        a rawlog or a simplemap of MRPT; a bag of ROS 1 or ROS 2 (see `read_bag`); CSV with a header (others: `read_csv`), a dump of RPLidar
         or LD19, NPZ with `ranges` and `angles`.
     on_error : "raise" or "skip"
         What a damaged line means: the end of reading, or one line less; `log.skipped` then tells
@@ -94,6 +95,65 @@ def read(path: str | Path, *, on_error: str = "raise") -> Log:
         if path.is_dir():
             return _folder(path)[1](name, on_error)
         return recognise(checked_file(path)).read(path, _stem(name), on_error)
+
+
+def read_bag(
+    path: str | Path,
+    *,
+    scan: str | None = None,
+    odometry: str | None = None,
+    on_error: str = "raise",
+) -> Log:
+    """Read a bag of ROS 1 or ROS 2, with the package `rosbags`: `pip install 'segmap[ros]'`.
+
+    Scans are those of a topic of `sensor_msgs/LaserScan`. Odometry is that of a topic of
+    `nav_msgs/Odometry`, interpolated at the times of the scans, or else the way of the frame below
+    `odom`; scans before its beginning and after its end have none. Where the laser sits, upside
+    down or not, is what `/tf_static` and `/tf` say. Ranges from `range_max` on met nothing, those
+    below `range_min` are errors. All beams of a scan are taken to be measured at its time.
+
+    Parameters
+    ----------
+    path : str or Path
+        A `.bag`; a folder with a metadata.yaml; a `.db3` or an `.mcap` alone.
+    scan, odometry : str or None
+        Names of topics; None takes the one with most messages, and warns where there are others.
+    on_error : "raise" or "skip"
+        As in `read`: a message that is damaged is left out, a bag that is broken ends there.
+
+    Returns
+    -------
+    Log
+        Metres, radians, seconds; no truth.
+
+    Raises
+    ------
+    LogError
+        What is no bag, or a damaged one; no such topic; a laser that is tilted, or moves on the
+        robot; more than 256 MB and 50 times the size unpacked; where `rosbags` is missing.
+    ValueError
+        What is no name of a topic; another `on_error`.
+
+    Warns
+    -----
+    UserWarning
+        Where there are several topics, nothing tells where the laser sits, or no scan lies within
+        the time of the odometry.
+
+    Examples
+    --------
+    >>> log = read_bag("office.bag", scan="/front/scan")  # doctest: +SKIP
+    """
+    path, on_error = named(path), arrays.one_of(on_error, "on_error", ON_ERROR)
+    for name, topic in (("scan", scan), ("odometry", odometry)):
+        if not isinstance(topic, str | None):
+            raise ValueError(f"{name} must be the name of a topic, got {arrays.brief(topic)}")
+    with asking(path):
+        if not path.is_dir():
+            checked_file(path)
+        if not _bags.claims(path):
+            raise UnknownFormat(path, "is no bag of ROS, expected a .bag, .mcap, .db3 or a folder")
+        return _bags.read(path, _stem(path.resolve().name), on_error, scan, odometry)
 
 
 def format_of(path: str | Path) -> str:
@@ -189,7 +249,9 @@ def load(name: str) -> Log:
 
 # --------------------------------------------------------------------- files and folders
 def _folder(folder: Path) -> tuple[str, Callable[[str, str], Log]]:
-    """The format of a folder, and what reads it: a Rawseeds recording, or numbered Hokuyo scans."""
+    """The format of a folder, and what reads it: a bag, a Rawseeds recording, or Hokuyo scans."""
+    if _bags.claims(folder):
+        return "ROS bag", partial(_bags.read, folder)
     if files := _rawseeds.files_of(folder):
         return "Rawseeds", partial(_rawseeds.read_folder, files)
     if scans := _hokuyo_text.numbered(folder):
@@ -197,7 +259,8 @@ def _folder(folder: Path) -> tuple[str, Callable[[str, str], Log]]:
     raise UnknownFormat(
         folder,
         "holds no log, expected a Rawseeds recording (SICK_FRONT.csv or HOKUYO_FRONT.csv, "
-        "ODOMETRY_XYT.csv, GROUNDTRUTH.csv) or numbered files with a Hokuyo scan in each",
+        "ODOMETRY_XYT.csv, GROUNDTRUTH.csv), a bag of ROS 2 (metadata.yaml) "
+        "or numbered files with a Hokuyo scan in each",
     )
 
 

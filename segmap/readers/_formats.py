@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 from ..scans import Log
 from . import (
+    _bags,
     _carmen,
     _coreslam,
     _csv,
@@ -58,6 +59,7 @@ class Format(NamedTuple):
 
 #: These are asked first, in this order.
 BINARY: tuple[Binary, ...] = (
+    Binary("ROS bag", _bags.claims, _bags.read),
     Binary("MRPT", _mrpt.claims, _mrpt.read),
     Binary("NPZ", _npz.claims, _npz.read),
     Binary("CSV", _csv.claims, _csv.read),
