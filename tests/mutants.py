@@ -52,6 +52,7 @@ TESTS = {
     "experiments": "experiments records comparison",
     "exports/_graph": "graph_files",
     "exports/_segments": "segment_files",
+    "emulator": "emulator sensor_tcp",
     "hokuyo": "hokuyo record sensor",
     "_extraction_loops": "extraction compiled",
     "_files": "files records exports segment_files quadtree_files",

@@ -195,6 +195,31 @@ def test_comes_back_when_the_cable_was_pulled(single):
         assert sensor.reconnects == 1
 
 
+def test_comes_back_when_the_sensor_is_ready():
+    """Catches a sensor that was switched off and on, and is refused for its first seconds."""
+    with Emulator(far_pattern, **UST, **FAST) as emulator, of(emulator, reconnect=10.0) as sensor:
+        light, asked = emulator.unit._do_bm, []
+        sensor.scan()
+        emulator.unit._do_bm = lambda text: (
+            asked.append(text) or (light(text) if len(asked) > 3 else encode_reply(text, "0M"))
+        )
+        emulator.replug()
+        far_turn(sensor.scan())
+        assert len(asked) == 4 and sensor.reconnects == 1
+
+
+def test_a_sensor_that_measures_no_more():
+    """Catches a driver that reconnects for ever to one that answers all but requests for scans."""
+    with (
+        Emulator(far_pattern, **UST, **FAST) as emulator,
+        of(emulator, reconnect=10.0, timeout=0.03) as sensor,
+    ):
+        emulator.unit._do_md = lambda text: b""
+        with pytest.raises(SensorError, match="no whole scan in 5 attempts: no answer to MD"):
+            next(sensor.scans())
+        assert sensor.reconnects == 5
+
+
 def test_what_a_lost_sensor_says():
     with Emulator(far_pattern, **UST, **FAST) as emulator:
         with of(emulator) as sensor:

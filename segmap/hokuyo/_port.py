@@ -46,6 +46,10 @@ class SensorGone(SensorError):
     """The port vanished: the sensor was unplugged, or its power failed."""
 
 
+class Refused(SensorError):
+    """A status that stays the same when the command is sent again."""
+
+
 class Silent(SensorError):
     """The sensor says nothing at all: its power or its cable may be gone where no port tells so."""
 

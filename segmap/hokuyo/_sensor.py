@@ -208,8 +208,8 @@ class UrgSensor:
     # ------------------------------------------------------------------------ scans
     def _whole(self, request: ScanRequest) -> LaserScan:
         """The next whole scan; damaged ones are counted, and a lost sensor is looked for."""
-        failures = 0
-        while failures < MOST_FAILURES:
+        failures = found = 0
+        while max(failures, found) < MOST_FAILURES:
             self._check_open()
             if self._stream.running is not request:
                 self._stamps.clear()
@@ -217,7 +217,7 @@ class UrgSensor:
                 scan, stamp, dropped = self._stream.take(request)
             except (SensorGone, Silent) as gone:
                 self._find_again(gone)
-                failures = 0
+                failures, found, self.why = 0, found + 1, str(gone)
                 continue
             self.dropped += len(dropped)
             self.why = dropped[-1] if dropped else self.why
@@ -290,7 +290,9 @@ class UrgSensor:
             wait = min(2 * wait, BACK_OFF[1])
             try:
                 self._open()
+                self._stream.light()  # one that was switched on is not ready at once
             except SensorError as error:
+                self._leave()
                 gone = SensorGone(f"not back within {self._reconnect:g} s: {error}")
             else:
                 self.reconnects += 1

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from ..scans import LaserScan
 from ._host import HostClock
-from ._port import LOST, Lines, SensorGone, Silent
+from ._port import LOST, Lines, Refused, SensorGone, Silent
 from ._protocol import CHARACTERS, ScanRequest, SensorError
 from ._replies import Geometry, Reply, explain, laser_scan, parse_reply, parse_scan
 
@@ -24,10 +24,6 @@ DEAF = 0.2
 TRIES = 3
 #: Statuses that say that it is so already: the laser is on, the stream runs.
 ALREADY = {"BM": "02", "MD": "99", "MS": "99"}
-
-
-class Refused(SensorError):
-    """A status that stays the same when the command is sent again."""
 
 
 def send(lines: Lines, command: str, seconds: float) -> Reply:
@@ -211,6 +207,12 @@ class ScanStream:
         """
         return self._next(request) if request.streams else self._single(request)
 
+    def light(self) -> None:
+        """Switch the laser on; a SensorError where the sensor is not ready."""
+        if not self._laser_on:
+            ask(self._lines, "BM")
+            self._laser_on = True
+
     def stop(self) -> None:
         """End a stream and switch the laser off, where either is on."""
         self.running = None
@@ -222,9 +224,7 @@ class ScanStream:
     def _single(self, request: ScanRequest) -> Taken:
         if self.running is not None:
             self.stop()
-        if not self._laser_on:
-            ask(self._lines, "BM")
-            self._laser_on = True
+        self.light()
         try:
             reply = send(self._lines, request.text, self._wait(request))
             self._laser_on = reply.status != "10"  # it went off by itself, or BM was lost
