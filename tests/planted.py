@@ -172,6 +172,20 @@ PLANTED = (
     # exports
     ("np.select([value > occupied, value <= free], [2.0, 0.0], 1.0)", "np.select([value >= occupied, value <= free], [2.0, 0.0], 1.0)", "exports_maps"),
     ("{np.sin(heading / 2):.9f} {np.cos(heading / 2):.9f}", "{np.cos(heading / 2):.9f} {np.sin(heading / 2):.9f}", "exports"),
+    # formats of mapping programs and of cheap sensors
+    ("np.nanargmax(weights)", "np.nanargmin(weights)", "readers_robots"),
+    ("odometry, self.odometry = self.odometry, NOWHERE", "odometry = self.odometry", "readers_robots"),
+    ("CENTIMETRES = np.array([0.01, 0.01, 1.0])", "CENTIMETRES = np.array([0.01, 0.01, 0.01])", "readers_robots"),
+    ("Layout(13, 682, 1, -1)", "Layout(13, 682, 1, 1)", "readers_robots"),
+    ("LAYOUTS[max(LAYOUTS, key=lambda length: counts[length])]", "next(iter(LAYOUTS.values()))", "readers_robots"),
+    ("if not np.ptp(ticks, axis=0).any() and not ticks.all():", "if False:", "readers_robots"),
+    ("return raw if self._is_repeated() else with_odometry(raw, self.track)", "return raw", "readers"),
+    ("wrap = min(np.ptp(angles) / 2, np.pi)", "wrap = np.pi", "readers_csv"),
+    ("part = part[::-1] * (-1, 1, 1, 1)", "part = part[::-1]", "readers_csv"),
+    ("if column.factor is None and UNITS[role]:", "if False:", "readers_csv"),
+    ("kept = {kind for kind, files in kinds.items() if any(map(_is_scan, files[:FEW]))}", "kept = set(kinds)", "readers_csv"),
+    ("when = time(found[2], unit=1e-9) if found[1] else np.nan", "when = time(found[2], unit=1e-9) if found[2] else np.nan", "readers_csv"),
+    ("return comment if comment and _fits(comment, count, line) else found", "return comment or found", "readers_csv"),
     # more of the laser, readers, simulation and exports
     ("bytes)) & 63) + ZERO", "bytes)) & 31) + ZERO", "hokuyo"),
     ("if strict and not (end and colon", "if False and not (end and colon", "hokuyo"),

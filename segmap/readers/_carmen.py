@@ -144,7 +144,7 @@ class _Recording:
     def extrinsic(self, laser: str, scans: Sequence[RawScan]) -> Extrinsic:
         """Place of a laser `(3,)` and truth `(k, 3)`, metres and radians, by the rule above."""
         offset = self.offset(laser)
-        if laser in NEW and not self.mapped:
+        if laser in NEW:
             return extrinsic_by_poses(scans, offset)
         corrected = self.mapped or (all(s.time is not None for s in scans) and not self.recorded)
         if not corrected and _repeats_odometry(scans, offset):
