@@ -284,5 +284,6 @@ PLANTED = (
     ("return 130\n    except BrokenPipeError", "return 1\n    except BrokenPipeError", "commands"),
     ("part = map[np.isin(map.scan, scans)]", "part = map[:MOST]", "commands"),
     ("log.truth is not None and np.isfinite(log.truth).all()\n", "log.truth is not None and np.isfinite(log.truth).any()\n", "commands"),
+    ("compose(poses, np.array([scan.sensor_pose for scan in log]))", "poses", "commands"),
     ("log, poses.trusted, keep_points", "log, poses, keep_points", "commands"),
 )  # fmt: skip

@@ -178,11 +178,11 @@ def test_each_alignment_is_an_option(run, near, method):
     assert code == 0 and f"by {method}: " in said
 
 
-def test_without_a_true_pose_for_each_scan_loops_are_closed(run, tmp_path):
+def test_without_a_true_pose_for_each_scan_loops_are_closed(run):
     """Catches a log with few true poses whose other scans lie on straight lines between them."""
-    log = segmap.load("malaga")[:6]
-    exports.write_carmen(tmp_path / "few.log", log)
-    assert 0 < np.isfinite(log.truth[:, 0]).sum() < 6
+    exports.write_carmen("few.log", segmap.load("malaga")[60:66])
+    true = segmap.read("few.log").truth
+    assert true is not None and 0 < np.isfinite(true[:, 0]).sum() < 6
     assert "by pose_graph: 6 of 6 scans" in run("map", "few.log", "--method", "none")[1]
 
 
@@ -384,6 +384,23 @@ def test_convert_writes_the_poses_of_an_alignment(run, near):
     log = segmap.read(near)
     assert code == 0 and "12 poses by odometry" in said
     assert np.allclose(np.loadtxt("it.tum")[:, 1:3], log.odometry[:, :2], atol=1e-5)
+
+
+def test_convert_to_arrays_keeps_where_the_points_are(run, near):
+    """Catches a laser that sits 0.78 m ahead of the robot and is put on it."""
+    code, said, _ = run("convert", near, "-o", "it.npz")
+    before, after = segmap.read(near), segmap.read("it.npz")
+    assert code == 0 and "12 with a corrected pose" in said and before[0].sensor_pose[0] > 0.7
+    for old, new, at, to in zip(before, after, before.truth, after.truth, strict=True):
+        assert np.allclose(
+            segmap.poses.transform(at, old.points()), segmap.poses.transform(to, new.points())
+        )
+    assert np.isfinite(after.odometry).all() and np.array_equal(after.times, before.times)
+    exports.write_arrays("dark.npz", segmap.Log("dark", [segmap.LaserScan([9.0, 0.0], [0, 1])]))
+    assert not segmap.read("dark.npz")[0].valid[1]
+    scans = [segmap.LaserScan([1.0] * n, range(n)) for n in (1, 2)]
+    with pytest.raises(ValueError, match=r"scans of one number of beams, got \[1, 2\]"):
+        exports.write_arrays("two.npz", segmap.Log("two", scans))
 
 
 def test_convert_writes_a_pose_graph(run, folder):

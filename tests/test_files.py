@@ -35,6 +35,7 @@ WRITERS = {
     "map": (lambda path: MAP.save(path), ".npz"),
     "segment map": (lambda path: WALLS.save(path), ".npz"),
     "segments": (lambda path: exports.write_segments(path, WALLS), ".csv"),
+    "arrays": (lambda path: exports.write_arrays(path, LOG), ".npz"),
     "graph": (lambda path: exports.write_graph(path, GRAPH), ".g2o"),
     "drawn": (lambda path: exports.write_segments(path, WALLS), ".dxf.gz"),
     "records": (lambda path: write_records(load_records("malaga")[:2], path), ".csv"),
@@ -58,7 +59,7 @@ def test_the_table_of_writers_is_whole():
     """Catches an export that joins the package and not these tests, and a second way to write."""
     assert set(exports.__all__) - {"NOTHING_MET", "Classes", "ros_classes"} == {
         *("write_tum", "write_carmen", "write_ros_map", "write_geojson", "write_svg"),
-        *("write_segments", "write_graph"),
+        *("write_segments", "write_graph", "write_arrays"),
     }
     found = set()
     for path in Path(segmap.__file__).parent.rglob("*.py"):

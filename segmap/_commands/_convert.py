@@ -18,7 +18,7 @@ from ._targets import Targets, add_output
 from ._words import begin, counted, line
 
 #: What -o may end in.
-SUFFIXES = (".log", ".log.gz", ".tum", ".g2o")
+SUFFIXES = (".log", ".log.gz", ".npz", ".tum", ".g2o")
 
 
 def add(commands: Any) -> None:
@@ -28,7 +28,11 @@ def add(commands: Any) -> None:
     )
     add_logs(command)
     add_align(command, "its poses are written instead of the true ones that the log has")
-    add_output(command, SUFFIXES, "the log for CARMEN, its path as .tum, its graph as .g2o")
+    add_output(
+        command,
+        SUFFIXES,
+        "the log for CARMEN or as arrays (.npz), its path (.tum), its graph (.g2o)",
+    )
     command.set_defaults(run=run)
 
 
@@ -59,8 +63,11 @@ def _write(path: Path, log: Log, poses: Alignment | None) -> str:
         exports.write_graph(path, poses)  # which refuses an alignment without a graph
         edges = 0 if poses.graph is None else len(poses.graph.edges)
         return f"{path}: {counted(len(log), 'pose')}, {counted(edges, 'edge')}"
-    exports.write_carmen(path, log, poses)
     known = log.truth if poses is None else poses.poses
+    if path.suffix == ".npz":
+        exports.write_arrays(path, Log(log.name, log.scans, known))
+    else:
+        exports.write_carmen(path, log, poses)
     placed = 0 if known is None else int(np.isfinite(known).all(1).sum())
     return f"{path}: {counted(len(log), 'scan')}, {placed} with a corrected pose"
 

@@ -5,6 +5,7 @@ Every file is written beside its place and then moved there: nobody ever reads h
 stood there before stays until the new one is complete. A name that ends in `.gz` is packed.
 """
 
+from ._arrays import write_arrays
 from ._graph import write_graph
 from ._maps import Classes, ros_classes, write_geojson, write_ros_map, write_svg
 from ._segments import write_segments
@@ -14,6 +15,7 @@ __all__ = [
     "NOTHING_MET",
     "Classes",
     "ros_classes",
+    "write_arrays",
     "write_carmen",
     "write_geojson",
     "write_graph",
