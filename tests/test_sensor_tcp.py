@@ -186,13 +186,13 @@ def test_comes_back_when_the_cable_was_pulled(single):
     """Catches a driver that waits for ever where nobody tells it that the sensor has gone."""
     with (
         Emulator(far_pattern, **UST, **FAST) as emulator,
-        of(emulator, reconnect=10.0, timeout=0.05) as sensor,
+        of(emulator, reconnect=10.0, timeout=0.2) as sensor,
     ):
         source = iter(sensor.scan, None) if single else sensor.scans()
         far_turn(next(source))
-        emulator.inject("silence", seconds=0.8)
+        emulator.inject("silence", seconds=1.5)
         far_turn(next(source))
-        assert sensor.reconnects == 1
+        assert sensor.reconnects >= 1
 
 
 def test_comes_back_when_the_sensor_is_ready():
@@ -208,16 +208,17 @@ def test_comes_back_when_the_sensor_is_ready():
         assert len(asked) == 4 and sensor.reconnects == 1
 
 
-def test_a_sensor_that_measures_no_more():
+def test_a_sensor_that_measures_no_more(monkeypatch):
     """Catches a driver that reconnects for ever to one that answers all but requests for scans."""
+    monkeypatch.setattr(_sensor, "MOST_FAILURES", 2)
     with (
         Emulator(far_pattern, **UST, **FAST) as emulator,
-        of(emulator, reconnect=10.0, timeout=0.03) as sensor,
+        of(emulator, reconnect=10.0, timeout=0.2) as sensor,
     ):
         emulator.unit._do_md = lambda text: b""
-        with pytest.raises(SensorError, match="no whole scan in 5 attempts: no answer to MD"):
+        with pytest.raises(SensorError, match="no whole scan in 2 attempts: no answer to MD"):
             next(sensor.scans())
-        assert sensor.reconnects == 5
+        assert sensor.reconnects == 2
 
 
 def test_what_a_lost_sensor_says():
@@ -226,8 +227,8 @@ def test_what_a_lost_sensor_says():
             emulator.replug()
             with pytest.raises(SensorGone, match="it closed the connection"):
                 sensor.scan()
-        with of(emulator, timeout=0.05) as sensor:
-            emulator.inject("silence", seconds=1.0)
+        with of(emulator, timeout=0.2) as sensor:
+            emulator.inject("silence", seconds=1.5)
             with pytest.raises(SensorError, match="no answer to"):
                 sensor.scan()
             assert "closed" not in repr(sensor), "it may be asked again"
