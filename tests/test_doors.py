@@ -112,7 +112,9 @@ def bounded(tmp_path_factory):
     resource.setrlimit(resource.RLIMIT_AS, (12 << 30, hard))
     with pytest.MonkeyPatch.context() as patch:
         patch.chdir(folder)
-        patch.setattr("segmap.panels._base.figure_png", lambda figure: b"")  # drawn, not painted
+        patch.setattr(
+            "segmap.panels._base.figure_png", lambda figure, **finer: b""
+        )  # drawn, not painted
         yield
     resource.setrlimit(resource.RLIMIT_AS, (soft, hard))
 

@@ -14,6 +14,8 @@ VIEW = "application/vnd.jupyter.widget-view+json"
 
 #: Pixels. A picture of another width than its box would be stretched and blurred.
 WIDTH, HEIGHT, DPI = 480, 360, 72
+#: What a browser is given is finer, for screens with two dots a pixel; what a file keeps is not.
+FINER = 2
 
 
 class Panel:
@@ -25,6 +27,7 @@ class Panel:
 
     picture: Any
     _view: Any
+    _figure: Figure | None = None
 
     def _assemble(self, *rows: Any, width: int = WIDTH, height: int = HEIGHT) -> None:
         """Lay out rows of controls and texts above the picture, and draw for the first time."""
@@ -40,9 +43,10 @@ class Panel:
         self._redraw()
 
     def _redraw(self, change: Any = None) -> None:
-        figure = Figure((self._size[0] / DPI, self._size[1] / DPI), dpi=DPI, layout="constrained")
-        self._draw(figure)
-        self.picture.value = figure_png(figure)
+        size = (self._size[0] / DPI, self._size[1] / DPI)
+        self._figure = Figure(size, dpi=DPI, layout="constrained")
+        self._draw(self._figure)
+        self.picture.value = figure_png(self._figure, finer=FINER)
 
     def _draw(self, figure: Figure) -> None:
         """Draw what the controls say, and rewrite the texts."""
@@ -51,7 +55,9 @@ class Panel:
     def _repr_mimebundle_(self, include: Any = None, exclude: Any = None) -> dict[str, Any]:
         """The live panel, and for readers without a kernel its picture and its text."""
         bundle: dict[str, Any] = dict(self._view._repr_mimebundle_())
-        return bundle | {"image/png": bytes(self.picture.value), "text/plain": repr(self)}
+        drawn = self._figure
+        still = bytes(self.picture.value) if drawn is None else figure_png(drawn)
+        return bundle | {"image/png": still, "text/plain": repr(self)}
 
 
 def slider(name: str, value: float, least: float, most: float, step: float, unit: str = "m") -> Any:

@@ -21,7 +21,8 @@ function render({ model, el }) {
   Object.assign(canvas.style, { display: "block", width: "100%", cursor: "grab", touchAction: "none" });
   el.style.width = "100%";
   el.appendChild(canvas);
-  let before, results, view, panes = [], width = 0, height = 0, asked = false, dragged = null;
+  let before, results, view, panes = [], width = 0, height = 0;
+  let asked = false, dragged = null, moved = false;
 
   function load() {
     before = floats(model, "before");
@@ -42,6 +43,7 @@ function render({ model, el }) {
 
   function fit() {  // the whole map in each pane
     const [w, h] = model.get("size"), pane = panes[0];
+    moved = false;
     view = { x: 0, y: 0, scale: 0.94 * Math.min(pane.w / Math.max(w, 0.1), (pane.h - LABEL) / Math.max(h, 0.1)) };
   }
 
@@ -155,6 +157,7 @@ function render({ model, el }) {
 
   function zoom(factor, spot) {
     const scale = Math.min(1e5, Math.max(1e-3, view.scale * factor)), f = view.scale / scale;
+    moved = true;
     view = { x: spot.x + (view.x - spot.x) * f, y: spot.y + (view.y - spot.y) * f, scale };
     ask();
   }
@@ -172,6 +175,7 @@ function render({ model, el }) {
     }
     const dx = event.clientX - dragged.x, dy = event.clientY - dragged.y;
     dragged = { x: event.clientX, y: event.clientY, far: dragged.far + Math.abs(dx) + Math.abs(dy) };
+    moved = moved || dx !== 0 || dy !== 0;
     view = { ...view, x: view.x - dx / view.scale, y: view.y + dy / view.scale };
     ask();
   });
@@ -221,7 +225,8 @@ function render({ model, el }) {
     if (!el.clientWidth || el.clientWidth === width) return;
     const before = panes[0].w;
     lay();
-    view.scale *= panes[0].w / before;
+    if (moved) view.scale *= panes[0].w / before;
+    else fit();
     ask();
   });
   watch.observe(el);
