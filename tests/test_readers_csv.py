@@ -1,5 +1,7 @@
 """Logs of cheap sensors: CSV, dumps of RPLidar and LD19, arrays; and folders of other things."""
 
+import gzip
+
 import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
@@ -86,6 +88,10 @@ class TestHeader:
 
 
 class TestReadCsv:
+    def test_a_packed_file(self, written):
+        log = read_csv(written(gzip.compress(CSV.encode()), "run.csv.gz"))
+        assert log.name == "run" and [len(scan) for scan in log] == [8, 8]
+
     @pytest.mark.parametrize("columns", [COLUMNS, "angle_deg, range_mm", ("angle_deg", "range_mm")])
     @pytest.mark.parametrize("head", ["", "Winkel,Abstand\n", "angle,range\n"])
     def test_columns_named_by_the_caller(self, written, columns, head):
@@ -298,7 +304,9 @@ class TestNoLogs:
                 CARMEN.encode() if "log" in name else b"\xff\xd8\xff\xe0\x00\x10JFIF 1 2\n3 4\n"
             )
             (tmp_path / name.format(k)).write_bytes(content)
-        with pytest.raises(UnknownFormat, match="holds no log"):
+        with pytest.raises(
+            UnknownFormat, match=r"holds no log(.|\n)*CARMEN(.|\n)*log = segmap.Log"
+        ):
             readers.read(tmp_path)
 
     def test_pictures_beside_scans_are_left_out(self, tmp_path):

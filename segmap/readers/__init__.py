@@ -17,10 +17,10 @@ from ..scans import Log
 from . import _bags, _hokuyo_text, _rawseeds
 from ._bundled import data_file, find
 from ._csv import read_csv
-from ._formats import recognise
+from ._formats import recognise, what_to_do
 from ._graph import PoseGraph, read_graph
 from ._lines import LogError, UnknownFormat
-from ._opening import asking, checked_file, named
+from ._opening import asking, checked_file, named, stem
 from ._raw_scans import half_turn, same_poses
 from ._segments import read_segments
 
@@ -94,7 +94,7 @@ def read(path: str | Path, *, on_error: str = "raise") -> Log:
         name = path.resolve().name
         if path.is_dir():
             return _folder(path)[1](name, on_error)
-        return recognise(checked_file(path)).read(path, _stem(name), on_error)
+        return recognise(checked_file(path)).read(path, stem(name), on_error)
 
 
 def read_bag(
@@ -153,7 +153,7 @@ def read_bag(
             checked_file(path)
         if not _bags.claims(path):
             raise UnknownFormat(path, "is no bag of ROS, expected a .bag, .mcap, .db3 or a folder")
-        return _bags.read(path, _stem(path.resolve().name), on_error, scan, odometry)
+        return _bags.read(path, stem(path.resolve().name), on_error, scan, odometry)
 
 
 def format_of(path: str | Path) -> str:
@@ -260,9 +260,5 @@ def _folder(folder: Path) -> tuple[str, Callable[[str, str], Log]]:
         folder,
         "holds no log, expected a Rawseeds recording (SICK_FRONT.csv or HOKUYO_FRONT.csv, "
         "ODOMETRY_XYT.csv, GROUNDTRUTH.csv), a bag of ROS 2 (metadata.yaml) "
-        "or numbered files with a Hokuyo scan in each",
+        f"or numbered files with a Hokuyo scan in each\n{what_to_do()}",
     )
-
-
-def _stem(name: str) -> str:
-    return name.removesuffix(".gz").removesuffix(".zip").rsplit(".", 1)[0]

@@ -25,7 +25,7 @@ from .. import arrays
 from ..scans import Log
 from ._csv_columns import EXAMPLE, Head, first_row, head, head_of, wanting
 from ._lines import Lines, LogError, time
-from ._opening import asking, checked_file, named
+from ._opening import asking, checked_file, named, stem
 from ._turns import Beam, angle, distance, number, to_scans
 
 
@@ -95,7 +95,7 @@ def read_csv(
     path = named(path)
     with asking(path):
         found = _head(checked_file(path), wanted)
-        return _read(path, path.stem, on_error, found, clockwise)
+        return _read(path, stem(path.resolve().name), on_error, found, clockwise)
 
 
 def _columns(columns: object) -> list[str]:

@@ -104,5 +104,10 @@ def _unknown(lines: Lines, sample: Sequence[str]) -> str:
     else:
         first = f"it starts with {sample[0][:40]!r}" if sample else "it has comments only"
         found = f"is of no known format: {first}"
+    return f"{found}\n{what_to_do()}"
+
+
+def what_to_do() -> str:
+    """The known formats, and what a user writes whose data are in none of them."""
     known = [*(form.name for form in FORMATS), *(form.name for form in BINARY)]
-    return f"{found}\nKnown formats: {', '.join(known)}.\n{FROM_COLUMNS}\n{FROM_ARRAYS}"
+    return f"Known formats: {', '.join(known)}.\n{FROM_COLUMNS}\n{FROM_ARRAYS}"

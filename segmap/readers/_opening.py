@@ -33,3 +33,8 @@ def checked_file(path: Path) -> Path:
         found = "is no file" if path.exists() else "does not exist"
         raise LogError(path, f"{found}, expected a log file or a folder of one")
     return path
+
+
+def stem(name: str) -> str:
+    """The name of a log: that of its file, without what tells its kind."""
+    return name.removesuffix(".gz").removesuffix(".zip").rsplit(".", 1)[0]
