@@ -7,6 +7,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import bag_samples
 import numpy as np
 import pytest
 from chapter_rules import links, markdown
@@ -86,6 +87,17 @@ def test_info_counts_damaged_lines_and_the_others_refuse_them(run, near):
     assert code == 1 and not Path("cut.csv").exists() and said == ""
     assert re.match(r"segmap: cut.log, line \d+: .*\(--skip leaves damaged lines out\)\n", beside)
     assert run("map", "cut.log", "--method", "none", "--skip", "-o", "cut.csv")[0] == 0
+
+
+def test_topics_of_a_bag_are_options(run, near):
+    """Catches a topic that is named and not asked for, and one that is asked of a text."""
+    bag = bag_samples.write(Path(), "mcap")
+    code, said, _ = run("info", bag, "--scan-topic", "/scan", "--odometry-topic", "/odom")
+    assert code == 0 and "ROS bag" in said and "odometry  for each scan" in said
+    code, _, beside = run("info", bag, "--scan-topic", "/rear")
+    assert code == 1 and "/rear" in beside and "/scan" in beside
+    code, _, beside = run("info", near, "--scan-topic", "/scan")
+    assert code == 1 and "is no bag of ROS" in beside
 
 
 def test_info_of_a_log_without_anything(run):

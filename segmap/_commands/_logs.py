@@ -6,7 +6,7 @@ import argparse
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
-from ..readers import LogError, UnknownFormat, format_of, load, read
+from ..readers import LogError, UnknownFormat, format_of, load, read, read_bag
 from ..scans import Log
 from ._targets import Targets
 from ._words import FAULTS, counted, progress, reason, say, tell
@@ -25,6 +25,8 @@ def add_logs(command: argparse.ArgumentParser) -> None:
     command.add_argument(
         "--skip", action="store_true", help="leave damaged lines out, and say how many"
     )
+    command.add_argument("--scan-topic", metavar="TOPIC", help="of bags; default: the fullest one")
+    command.add_argument("--odometry-topic", metavar="TOPIC", help="of bags, likewise")
     command.set_defaults(refuse=command.error)
 
 
@@ -39,7 +41,7 @@ def each_log(given: argparse.Namespace, work: Work) -> int:
         for source in chosen:
             bar.set_description(Path(source).name)
             try:
-                work(given, log_of(source, given.skip), targets.of(source))
+                work(given, log_of(source, given), targets.of(source))
             except BrokenPipeError:  # nobody reads any more
                 raise
             except FAULTS as error:
@@ -78,10 +80,14 @@ def is_log(path: Path) -> bool:
     return True
 
 
-def log_of(source: str, skip: bool) -> Log:
+def log_of(source: str, given: argparse.Namespace) -> Log:
     """The log at a path, or the one of that name that comes with segmap."""
+    on_error = "skip" if given.skip else "raise"
+    if given.scan_topic or given.odometry_topic:
+        topics = {"scan": given.scan_topic, "odometry": given.odometry_topic}
+        return read_bag(source, on_error=on_error, **topics)
     if Path(source).exists() or Path(source).name != source or "." in source:
-        return read(source, on_error="skip" if skip else "raise")
+        return read(source, on_error=on_error)
     try:
         return load(source)
     except LogError:
