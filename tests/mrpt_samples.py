@@ -82,14 +82,15 @@ def gauss_3d(pose) -> bytes:
 
 
 # ----------------------------------------------------------------------- observations
-def scan(time, version=6, place=(0.3, 0.1, 0.0), write=new, ranges=RANGES, to_left=True, **tilt):
-    """A scan over half a turn; the fourth beam met nothing."""
+def scan(time, version=6, place=(0.3, 0.1, 0.0), write=new, ranges=RANGES, to_left=True, bad=(),
+         **tilt):  # fmt: skip
+    """A scan over half a turn; the fourth beam met nothing, bad ones are flagged."""
     n = len(ranges)
     members = [pack("f?f", np.pi, to_left, 80.0)]
     members += [pose_3d(*place, 0 if write is old else 1 if version < 7 else 3, write, **tilt)]
     members += [matrix(np.zeros((3, 3)), "f", "CMatrix", write)] * (version < 6)
     members += [pack(f"I{n}f", n, *ranges)]
-    members += [bytes(int(r < 80) for r in ranges)] * (version > 0)
+    members += [bytes(int(r < 80 and k not in bad) for k, r in enumerate(ranges))] * (version > 0)
     members += [pack("f", 0.01)] * (version > 1) + [ticks(time)] * (version > 2)
     members += [pack("f", 0.004)] * (version > 3)
     members += [text("front") + pack("d", 0.0)] * (version > 4)

@@ -169,6 +169,17 @@ def test_damage_ends_the_reading_and_bad_values_cost_one_object(read):
     assert 100 < len(read(packed[: len(packed) // 2], on_error="skip")) < 200
 
 
+def test_a_beam_that_is_flagged_is_an_error_of_the_sensor(read):
+    found = read(mrpt.scan(START, bad=(1, 3)))[0]
+    assert np.isnan(found.ranges).tolist() == [False, True, False, False, False]
+    assert found.valid.tolist() == [True, False, True, False, True]
+
+
+def test_every_kind_of_nan_is_an_error_of_the_sensor(read):
+    odd = b"\x01\x00\x80\x7f"  # numpy warns of this one
+    assert np.isnan(read(mrpt.scan(START).replace(struct.pack("<f", 2.5), odd))[0].ranges[2])
+
+
 @pytest.mark.parametrize("count", [2**32 - 1, 2**28, 100_000])
 def test_counts_allocate_nothing(read, count):
     """A count of four thousand million before five ranges."""

@@ -31,7 +31,7 @@ from ._bag_files import FRAMES, Bag, kind_of, opened
 from ._bag_frames import Frames
 from ._lines import LATEST, LogError
 from ._mounting import flat, in_space, level
-from ._raw_scans import Track
+from ._raw_scans import Track, clean
 
 SCAN = "sensor_msgs/msg/LaserScan"
 ODOMETRY = "nav_msgs/msg/Odometry"
@@ -188,9 +188,7 @@ def _beams(message: Any) -> LaserScan:
         raise ValueError(f"expected angles in radians, got {first:.6g} and steps of {step:.6g}")
     least, most = float(message.range_min), float(message.range_max)
     most = most if most > 0 else np.inf
-    known = np.where(
-        ranges >= most, np.inf, np.where((ranges > 0) & ~(ranges < least), ranges, np.nan)
-    )
+    known = clean(np.where(ranges < least, np.nan, ranges), most)
     return LaserScan(known, first + step * np.arange(len(ranges)), max_range=most)
 
 

@@ -87,7 +87,9 @@ class Stream:
     def array(self, kind: str, count: int) -> Array:
         """The next `count` numbers of one kind, `(count,)` array."""
         size = count * np.dtype(kind).itemsize
-        return np.frombuffer(self.take(size), np.dtype(kind).newbyteorder("<")).astype(float)
+        found = np.frombuffer(self.take(size), np.dtype(kind).newbyteorder("<"))
+        with np.errstate(invalid="ignore"):  # a NaN of another kind
+            return found.astype(float)
 
     def take(self, size: int) -> bytes:
         """The next bytes."""
