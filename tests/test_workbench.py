@@ -150,6 +150,9 @@ def test_what_is_known_is_not_done_again(monkeypatch):
     made.open(Log("other", LOG.scans[:3], LOG.truth[:3]))
     made.run()
     assert calls == [LOG.name, "other"] and max(made.outcome.map.scan) == 2
+    made.align.value = "odometry"
+    made.run()
+    assert made.outcome.alignment.method == made.runs["alignment"].iloc[-1] == "odometry"
 
 
 def test_a_second_method_does_not_repeat_the_first():
