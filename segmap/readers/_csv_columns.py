@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ._lines import BROKEN, MAX_LINE, is_number, open_bytes
+from ._lines import BROKEN, is_number, open_bytes
 
 #: First words of a column's name.
 ROLES = {
@@ -49,6 +49,8 @@ SHORT = {
 EXAMPLE = "columns=['angle_deg', 'range_mm']"
 #: So many lines are looked at for a header.
 FIRST = 20
+#: No header is longer, in bytes.
+LONGEST = 4096
 #: How the programs of RPLidar begin a file of degrees, clockwise, and millimetres.
 SLAMTEC, SLAMTEC_COLUMNS = "#RPLIDAR SCAN DATA", ("angle_deg_cw", "range_mm", "quality")
 
@@ -168,6 +170,8 @@ def _beginning(path: Path) -> Iterator[tuple[int, str]]:
     """The first lines of a file that are not empty, with their numbers."""
     with suppress(*BROKEN, OSError), open_bytes(path) as file:
         for number in range(1, FIRST + 1):
-            line = file.readline(MAX_LINE).decode("utf-8-sig", "replace").strip()
-            if line:
-                yield number, line
+            line = file.readline(LONGEST + 1)
+            if len(line) > LONGEST:
+                return
+            if text := line.decode("utf-8-sig", "replace").strip():
+                yield number, text
