@@ -96,7 +96,8 @@ def _matched(given: argparse.Namespace, log: Log) -> quadtree.QuadtreeMap:
             scores.append(step.score)
             bar.update()
     placed = int(np.isfinite(scores).sum())
-    line("matched", f"by {given.matcher}, score {score}: {placed} of {counted(len(log), 'scan')}")
+    found = f"{placed} of {counted(len(log), 'scan')} (the first begins the map)"
+    line("matched", f"by {given.matcher}, score {score}: {found}")
     return map
 
 
