@@ -71,6 +71,17 @@ def test_packed_bags(tmp_path, kind, packed):
     assert len(readers.read(bags.write(tmp_path, kind, compression=packed))) == 2
 
 
+@pytest.mark.parametrize("kind", ["db3", "mcap"])
+def test_a_folder_without_metadata_is_its_only_file(tmp_path, kind):
+    """A recorder that was killed leaves such folders; of two files either may be wanted."""
+    path = bags.write(tmp_path, kind)
+    (path / "metadata.yaml").unlink()
+    assert len(readers.read(path)) == 2 and readers.format_of(path) == "ROS bag"
+    (path / f"other.{kind}").write_bytes((path / f"it.{kind}").read_bytes())
+    with pytest.raises(LogError, match="holds no log"):
+        readers.read(path)
+
+
 def test_odometry_is_interpolated_by_the_shorter_way_and_nowhere_else(read):
     """Through zero instead of through pi the robot would look backwards."""
     told = [odometry(START + t, (t, 0, h)) for t, h in ((0, 3.0), (2, -3.0))]

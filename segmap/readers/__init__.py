@@ -115,7 +115,7 @@ def read_bag(
     Parameters
     ----------
     path : str or Path
-        A `.bag`; a folder with a metadata.yaml; a `.db3` or an `.mcap` alone.
+        A `.bag`; a folder with a metadata.yaml, or with one bag alone; a `.db3` or an `.mcap`.
     scan, odometry : str or None
         Names of topics; None takes the one with most messages, and warns where there are others.
     on_error : "raise" or "skip"

@@ -24,12 +24,22 @@ from ._lines import BROKEN, LogError, open_bytes
 #: What the first bytes of a file say.
 MAGIC = {b"#ROSBAG V": "ROS 1", b"SQLite format 3\0": ".db3", b"\x89MCAP0\r\n": ".mcap"}
 METADATA = "metadata.yaml"
+SUFFIXES = (".db3", ".mcap", ".bag")
 #: Messages with transforms between frames: today's, and how ROS 1 called them first.
 FRAMES = "tf2_msgs/msg/TFMessage", "tf/msg/tfMessage"
 
 
+def sole_file(path: Path) -> Path:
+    """The only bag in a folder without metadata, as a recorder that was killed leaves it."""
+    if not path.is_dir() or (path / METADATA).is_file():
+        return path
+    files = [file for file in path.iterdir() if file.suffix in SUFFIXES and file.is_file()]
+    return files[0] if len(files) == 1 else path
+
+
 def kind_of(path: Path) -> str | None:
     """Which bag a file or a folder is, by its first bytes; None for what is none."""
+    path = sole_file(path)
     if path.is_dir():
         return "folder" if (path / METADATA).is_file() else None
     try:
@@ -124,6 +134,7 @@ def opened(path: Path) -> Iterator[Bag]:
         For a damaged bag, one made to fill the memory, one that is packed as a whole, and where
         the package `rosbags` is missing.
     """
+    path = sole_file(path)
     kind, size = kind_of(path), _size(path)
     budget = Budget(path, size)
     with damage(path):
