@@ -18,7 +18,7 @@ FORMATS = (".csv", ".npz", ".svg", ".geojson", ".wkt", ".dxf")
 
 def export_buttons(export: Callable[[str], None]) -> Any:
     """A button for each format, which calls `export` with it."""
-    buttons = [W.Button(description=end, layout=W.Layout(width="72px")) for end in FORMATS]
+    buttons = [W.Button(description=end, layout=W.Layout(width="auto")) for end in FORMATS]
     for button in buttons:
         button.on_click(lambda pressed: export(pressed.description))
     return W.Box([W.Label("Save the first result as"), *buttons], layout=W.Layout(**WRAP))
