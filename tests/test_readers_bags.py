@@ -288,6 +288,17 @@ class TestDamage:
         with pytest.raises(LogError, match="larger than that of any bag"):
             readers.read(tmp_path / "it")
 
+    @pytest.mark.parametrize(
+        ("word", "other"),
+        [("type: sensor_msgs/msg/LaserScan", "type:"), ("name: /scan", "name: 3"),
+         ("- message_count: 2", "- message_count: [2]")],
+    )  # fmt: skip
+    def test_metadata_of_other_kinds_is_told(self, tmp_path, word, other):
+        place = bags.write(tmp_path, "db3") / "metadata.yaml"
+        place.write_text(place.read_text().replace(word, other))
+        with pytest.raises(LogError, match=r"names a topic|has a topic /odom of \[2\] messages"):
+            readers.read(tmp_path / "it")
+
     def test_what_is_no_bag_is_told(self, tmp_path):
         (tmp_path / "a.bag").write_text("FLASER 1 1 0 0 0 0 0 0")
         with pytest.raises(readers.UnknownFormat, match="is no bag of ROS"):

@@ -65,6 +65,11 @@ class Bag:
     def __init__(self, path: Path, reader: Any, is_2: bool, budget: Budget) -> None:
         self.path, self.budget = path, budget
         self.connections, self._messages = list(reader.connections), reader.messages
+        for each in self.connections:  # what a metadata.yaml says may be of any kind
+            if not (isinstance(each.topic, str) and isinstance(each.msgtype, str)):
+                raise LogError(path, f"names a topic {each.topic!r} of type {each.msgtype!r}")
+            if not (isinstance(each.msgcount, int) and isinstance(each.digest, str | None)):
+                raise LogError(path, f"has a topic {each.topic} of {each.msgcount!r} messages")
         self.types = _types(is_2)
         self._decode = self.types.deserialize_cdr if is_2 else self.types.deserialize_ros1
         self._digest = self.types.hash_rihs01 if is_2 else self._digest_1
