@@ -159,7 +159,8 @@ LIGHT, NEW, HEAVY, IN_FOLDER = 400, 1000, 400, 300
 NEWLY = ("gmapping", "dpslam", "wean", "csv", "rplidar", "ld19", "npz")
 #: Damaged files that one run of this module reads, each with `on_error` "raise" and "skip".
 COUNTS = {name: LIGHT if len(data) < 2000 else HEAVY for name, data in SAMPLES.items()}
-COUNTS |= {"coreslam_13": 100} | dict.fromkeys(NEWLY, NEW) | dict.fromkeys(BINARY_FILES, NEW)
+COUNTS |= {"coreslam_13": 100} | dict.fromkeys(NEWLY, NEW)
+COUNTS |= dict.fromkeys(BINARY_FILES, 300)  # four samples of one reader
 MUTANTS = sum(COUNTS.values()) + IN_FOLDER * len(RAWSEEDS)
 
 #: The same mutants in each run; another seed makes others.
