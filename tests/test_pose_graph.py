@@ -286,7 +286,7 @@ def test_every_other_threshold_is_checked(rules):
 @pytest.mark.parametrize(
     ("rule", "reason"),
     [
-        ({"witnesses": 1000}, ""),
+        ({"witnesses": 1000, "last_witnesses": 1000}, ""),
         ({"tolerance": 1e-6}, ""),
         ({"stretch": 1e-6}, "no other loop agrees with it"),
         ({"likelihood": 1.0}, "the two places look different"),

@@ -12,9 +12,9 @@ from ._baselines import align_to_truth, ground_truth, odometry, position_errors
 from ._global_equations import GlobalSearch
 from ._global_segments import global_segments
 from ._graph import Graph, Rejected, solve_graph
-from ._loop_closing import LoopClosing
+from ._graph_settings import LoopClosing, Tracking
 from ._point_icp import PointStep, match_points, point_icp, point_steps
-from ._pose_graph import Tracking, pose_graph
+from ._pose_graph import pose_graph
 from ._result import Alignment, Match
 from ._segment_icp import match_segments, segment_icp
 from ._segment_search import SegmentSearch

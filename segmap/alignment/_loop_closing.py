@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..arrays import Array, Settings
+from ..arrays import Array
 from ..poses import between, compose
 from ._graph import Edge, Rejected, deviations, information, residuals, stacked
+from ._graph_settings import LoopClosing
 from ._point_map import PointMap
 
 if TYPE_CHECKING:
@@ -25,80 +25,12 @@ GAP, PASSES = 3, 3
 SAMPLE = 750
 #: Accepted loops that a new one is compared with: older ones lie farther back than `stretch`.
 RECENT = 30
+#: A step of a turn on the spot, metres: one of no length would be none in a sparse matrix.
+NO_STEP = 1e-6
+#: Why a loop is not believed that no other, or too few, agree with.
+ALONE = "no other loop agrees with it"
 #: Maps of old places that are kept ready, for memory's sake.
 KEPT = 40
-
-
-@dataclass(frozen=True)
-class LoopClosing(Settings):
-    """How loops are sought, and which of them are believed.
-
-    Parameters
-    ----------
-    min_path : float, metres
-        A loop is sought where the path since the old place is at least this long: before that the
-        place is still on the local map.
-    reach, max_reach : float, metres
-        Half side of the search window about an old place, to which the share `drift` of the path
-        is added up to the maximum: farther off, other rooms come into the window.
-    beside : float, metres
-        Old places are proposed this much farther off than the window: they can be seen from there.
-    turn : float, radians
-        Half side of the window in heading.
-    lost_reach : float, metres
-        After a step that no match confirms the robot may be anywhere. The places that look most
-        alike are then searched in this window at every heading ...
-    lost_path : float, metres
-        ... over a path of at most this length.
-    old_frames, new_frames : int
-        Key frames before and after the old one, and before the new one, whose points are compared:
-        a single scan looks like many places.
-    likelihood, overlap : float
-        Mean likelihood, and share of the points with a partner, that a measured loop must reach.
-    tolerance, angle : float, metres and radians
-        Two loops agree where going round both leaves less than this.
-    stretch : float, metres
-        Only loops whose ends lie within this path of each other are compared: beyond it the error
-        of the path itself would count.
-    witnesses, lost_witnesses : int
-        Number of other loops that must agree; more where the robot may be anywhere, since many
-        rooms are built alike.
-    strain, strain_angle : float, metres and radians
-        The graph is solved at once where a new loop moves its ends by more than this.
-    contradicted : float, standard deviations
-        Loops that the solution leaves open by more are taken out at the end.
-
-    Raises
-    ------
-    ValueError
-        For a value that is not positive, or a number that is not whole.
-
-    Examples
-    --------
-    >>> LoopClosing(witnesses=0)
-    Traceback (most recent call last):
-    ValueError: witnesses must be a number above 0, got 0
-    """
-
-    min_path: float = 10.0
-    reach: float = 1.0
-    max_reach: float = 4.0
-    beside: float = 2.0
-    turn: float = np.radians(20)
-    lost_reach: float = 2.0
-    lost_path: float = 15.0
-    old_frames: int = 5
-    new_frames: int = 3
-    likelihood: float = 0.55
-    overlap: float = 0.6
-    tolerance: float = 0.25
-    angle: float = np.radians(4)
-    stretch: float = 8.0
-    witnesses: int = 2
-    lost_witnesses: int = 5
-    strain: float = 0.05
-    strain_angle: float = np.radians(0.5)
-    contradicted: float = 15.0
 
 
 class Window(NamedTuple):
@@ -130,6 +62,7 @@ class LoopCloser:
         self.accepted: list[Edge] = []
         self.rejected: list[Rejected] = []
         self.maps: dict[int, PointMap | None] = {}
+        self.ways: list[tuple[int, int]] = []
 
     def close(self, *, confirmed: bool) -> bool:
         """Look for loops of the newest key frame; True where accepted ones strain the map.
@@ -140,15 +73,16 @@ class LoopCloser:
         view, _ = self.frames.points_around(self._neighbours(new, VIEW), new)
         self.descriptors.append(descriptor(view))
         self.lost_since = self.lost_since if confirmed else new
+        fresh: list[tuple[Edge, float]] = []
         for window in self._by_place(new) + self._by_descriptor(new):
             loop = self._measure(window, new)
             if isinstance(loop, Edge):
-                self.pending.append(loop)
+                fresh.append((loop, window.reach))
             else:
                 self._reject(window.old, new, loop)
-        found = self._confirmed_by_others(new)
-        self.accepted += found
-        self.frames.edges += found
+        self.pending += [loop for loop, _ in fresh]
+        found = self._confirmed_by_others(fresh)
+        self._believe(found)
         self.lost_since = None if found else self.lost_since
         self._give_up(new)
         return any(self._strains(loop) for loop in found)
@@ -158,12 +92,25 @@ class LoopCloser:
         rules, poses = self.rules, self.frames.poses
         path = self.frames.path[new] - np.array(self.frames.path[:new])
         distance = np.hypot(*(poses[:new, :2] - poses[new, :2]).T)
-        reach = np.minimum(rules.reach + self.drift * path, rules.max_reach)
+        way = np.minimum(path, self._way(new))
+        reach = np.minimum(rules.reach + self.drift * way, rules.max_reach)
         near = np.flatnonzero((distance < reach + rules.beside) & (path > rules.min_path))
         return [
             Window(k, between(poses[k], poses[new]), float(reach[k]), rules.turn)
             for k in _best_of_passes(near, distance)
         ]
+
+    def _way(self, new: int) -> Array:
+        """Shortest way through the graph from each older key frame to the newest, metres."""
+        from scipy.sparse import csr_array
+        from scipy.sparse.csgraph import dijkstra
+
+        steps, n = np.maximum(np.diff(self.frames.path), NO_STEP), new + 1
+        first, second = np.reshape(self.ways, (-1, 2)).T.astype(np.int64)
+        cost = np.r_[steps, np.full(len(first), self.rules.loop_path)]
+        ends = np.r_[np.arange(new), first], np.r_[np.arange(1, n), second]
+        graph = csr_array((cost, ends), shape=(n, n))
+        return np.asarray(dijkstra(graph, directed=False, indices=[new]))[0, :new]
 
     def _by_descriptor(self, new: int) -> list[Window]:
         """Where the robot is lost: on what looks most like the place, at any heading."""
@@ -219,17 +166,18 @@ class LoopCloser:
         far = np.hypot(x, y) > self.rules.strain
         return bool(far or abs(heading) > self.rules.strain_angle)
 
-    def _confirmed_by_others(self, new: int) -> list[Edge]:
+    def _confirmed_by_others(self, fresh: list[tuple[Edge, float]]) -> list[Edge]:
         """Loops of the newest key frame that enough others agree with, and these others."""
         found: list[Edge] = []
-        lost = self.lost_since is not None
-        enough = self.rules.lost_witnesses if lost else self.rules.witnesses
-        for loop in [each for each in self.pending if each.second == new]:
-            known = self.pending + self.accepted[-RECENT:]
+        lost, rules = self.lost_since is not None, self.rules
+        enough = rules.lost_witnesses if lost else rules.witnesses
+        known = self.pending + self.accepted[-RECENT:]
+        for loop, reach in fresh:
             others = [other for other in known if self._agree(loop, other)]
-            if len({other.second for other in others}) >= enough:
+            way = [self.frames.path[k] for k in {loop.second, *(o.second for o in others)}]
+            long = lost or max(way) - min(way) >= min(reach, rules.span)
+            if len(way) > enough and long:
                 found += _without([loop, *others], found + self.accepted)
-        self.pending = _without(self.pending, found)
         return found
 
     def _agree(self, a: Edge, b: Edge) -> bool:
@@ -244,12 +192,41 @@ class LoopCloser:
         x, y, heading = between(one, other)
         return bool(np.hypot(x, y) < rules.tolerance and abs(heading) < rules.angle)
 
+    def settle(self) -> bool:
+        """At the end of the log: believe loops that a few others agree with, reject the rest."""
+        known, enough = [*self.pending, *self.accepted[-RECENT:]], self.rules.last_witnesses
+        found = []
+        for loop in self.pending if self.lost_since is None else []:
+            others = [o for o in known if self._agree(loop, o) or self._agree_apart(loop, o)]
+            found += [loop] if len(others) >= enough else []
+        alone = _without(self.pending, found)
+        for loop in alone:
+            self._reject(loop.first, loop.second, ALONE)
+        self._believe(found)
+        return bool(found)
+
+    def _believe(self, loops: list[Edge]) -> None:
+        """Make loops edges of the graph, and ways through it where they fix the place."""
+        self.pending = _without(self.pending, loops)
+        self.accepted += loops
+        self.frames.edges += loops
+        self.ways += [e[:2] for e in loops if _spread(e) < self.rules.vague]
+
+    def _agree_apart(self, a: Edge, b: Edge) -> bool:
+        """Whether two loops of one scan, to passes far apart, say the same."""
+        path, poses, rules = self.frames.path, self.frames.poses, self.rules
+        if a.second != b.second or abs(path[a.first] - path[b.first]) <= rules.stretch:
+            return False
+        other = compose(between(poses[a.first], poses[b.first]), b.relative)
+        x, y, heading = between(a.relative, other)
+        return bool(np.hypot(x, y) < rules.tolerance and abs(heading) < rules.angle)
+
     def _give_up(self, new: int) -> None:
         """Reject loops that no other has confirmed in time."""
         path = self.frames.path
         late = [e for e in self.pending if path[new] - path[e.second] > self.rules.stretch]
         for loop in late:
-            self._reject(loop.first, loop.second, "no other loop agrees with it")
+            self._reject(loop.first, loop.second, ALONE)
         self.pending = _without(self.pending, late)
 
     def drop_contradicted(self) -> bool:
@@ -288,3 +265,9 @@ def _without(edges: list[Edge], gone: list[Edge]) -> list[Edge]:
     """The edges but for those gone: the same objects, not equal ones."""
     known = {id(edge) for edge in gone}
     return [edge for edge in edges if id(edge) not in known]
+
+
+def _spread(loop: Edge) -> float:
+    """Largest standard deviation of a loop's shift, metres."""
+    covariance = np.linalg.inv(loop.information)[:2, :2]
+    return float(np.sqrt(np.linalg.eigvalsh(covariance)[-1]))

@@ -14,8 +14,9 @@ from .. import _units, arrays
 from ..arrays import Array
 from ..poses import transform
 from ..scans import Log
+from ._graph_settings import Tracking
 from ._point_map import LAST, ROUNDS, SAMPLE, PointMap, in_range
-from ._pose_graph import FrontEnd, Tracking
+from ._pose_graph import FrontEnd
 from ._result import Match, Outcome, Trail, alignment_method, no_match
 
 

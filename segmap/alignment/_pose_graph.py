@@ -3,63 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .. import arrays
-from ..arrays import Array, Settings
+from ..arrays import Array
 from ..poses import between, compose, transform
 from ..scans import Log
 from ._graph import Edge, Graph, Rejected, deviations, information, solve, stacked
-from ._loop_closing import LoopCloser, LoopClosing
+from ._graph_settings import LoopClosing, Tracking
+from ._loop_closing import LoopCloser
 from ._point_map import PointMap, in_range
 from ._result import Match, Outcome, Trail, alignment_method, no_match
 
 Members = Sequence[int] | NDArray[np.int64]
 #: From a map, a scan's points `(m, 2)` and a guess `(3,)` to the match.
 Matcher = Callable[[PointMap, Array, Array], Match]
-
-
-@dataclass(frozen=True)
-class Tracking(Settings):
-    """How each scan is laid on the map of the last key frames.
-
-    Parameters
-    ----------
-    frames : int
-        Key frames of the local map: one holds too little of what the next scan sees.
-    overlap : float
-        Share of a scan's points that must lie on the map.
-    sure : float
-        Above this share nobody looks for a better place in twice the window.
-    better, least : float
-        A place in twice the window has to hold this much more of the scan, and at least this much.
-    slide, slide_angle : float, metres and radians
-        A descent that goes farther from where the search began is no match: it slides along walls.
-    step_error, turn_error : float, metres and radians
-        Standard deviations of the odometry between key frames where nothing matched.
-    around : int, and near : float, metres
-        At last each scan is laid on the map of so many key frames, within this distance.
-
-    Raises
-    ------
-    ValueError
-        For a value that is not positive, or a number that is not whole.
-    """
-
-    frames: int = 10
-    overlap: float = 0.4
-    sure: float = 0.7
-    better: float = 0.1
-    least: float = 0.6
-    slide: float = 0.3
-    slide_angle: float = 0.2
-    step_error: float = 0.5
-    turn_error: float = np.radians(20)
-    around: int = 15
-    near: float = 4.0
 
 
 @alignment_method
@@ -93,8 +54,8 @@ def pose_graph(
         Half sides of the search about the guess, at most 20 m and pi; twice this where too little
         lies on the map then.
     drift : float
-        Share of the path by which the map may have bent since an old place was left: loops are
-        sought within 1 m and this share, at most 4 m.
+        Share of the way by which the map may have bent since an old place was left: loops are
+        sought within 1 m and this share of the shortest way through the graph, at most 12 m.
     tracking : Tracking, and closing : LoopClosing
         All other thresholds.
 
@@ -140,6 +101,8 @@ def pose_graph(
                 front.frames.optimize()
     # 3. All poses together, without loops that the others contradict
     front.frames.optimize()
+    if closer.settle():
+        front.frames.optimize()
     if closer.drop_contradicted():
         front.frames.optimize()
     # 4. Each scan once more, on the map that the loops have straightened
@@ -267,6 +230,9 @@ class FrontEnd:
         step, turn = self.rules.step_error, self.rules.turn_error
         weak = np.diag([step, step, turn]) ** 2
         covariance = match.covariance if match.matched else weak
+        if match.matched and match.free is not None and self.trail.measured(scan):
+            along = np.array([*match.free, 0.0]) / self.rules.along_error
+            covariance = np.linalg.inv(np.linalg.inv(covariance) + np.outer(along, along))
         self.frames.add(scan, self.points[scan], match.pose, covariance)
         last = len(self.frames) - 1
         self.frame[scan], self.offset[scan] = last, 0.0

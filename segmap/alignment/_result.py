@@ -221,6 +221,10 @@ class Trail:
             return step
         return between(self.poses[-2], self.poses[-1]) if len(self.poses) > 1 else np.zeros(3)
 
+    def measured(self, scan: int) -> bool:
+        """Whether the log says how the robot moved to a scan from the one before."""
+        return bool(np.isfinite(self.steps[scan - 1]).all())
+
     def place(self, pose: ArrayLike, reason: str = "") -> None:
         """Append the pose of the next scan, (3,) array, metres and radians.
 
