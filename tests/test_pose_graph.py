@@ -10,8 +10,10 @@ from conftest import slow
 
 from segmap import load
 from segmap.alignment import Alignment, LoopClosing, Tracking, point_icp, pose_graph
+from segmap.alignment._graph import Edge, information
+from segmap.alignment._loop_closing import LoopCloser
 from segmap.alignment._point_map import PointMap
-from segmap.alignment._pose_graph import search_and_register
+from segmap.alignment._pose_graph import KeyFrames, search_and_register
 from segmap.poses import between, compose
 from segmap.scans import LaserScan, Log
 from segmap.simulation import (
@@ -286,7 +288,8 @@ def test_every_other_threshold_is_checked(rules):
 @pytest.mark.parametrize(
     ("rule", "reason"),
     [
-        ({"witnesses": 1000, "last_witnesses": 1000}, ""),
+        ({"witnesses": 1000, "last_witnesses": 1000}, "no other loop agrees with it"),
+        ({"span": 1000.0, "reach": 100.0, "last_witnesses": 1000}, "no other loop agrees with it"),
         ({"tolerance": 1e-6}, ""),
         ({"stretch": 1e-6}, "no other loop agrees with it"),
         ({"likelihood": 1.0}, "the two places look different"),
@@ -300,6 +303,28 @@ def test_the_rules_of_loop_closing_count(rule, reason):
     graph = pose_graph(load("corridor"), closing=LoopClosing(**rule)).graph
     assert not graph.loop.any()
     assert reason in {r.reason for r in graph.rejected} | {""}
+
+
+def test_loops_that_wait_when_the_log_ends_are_believed_or_rejected():
+    """A return in the last metres: without settling it was dropped without a word."""
+    log = load("corridor")[:148]
+    found = pose_graph(log).graph
+    assert found.loop.sum() == 2
+    kept = pose_graph(log, closing=LoopClosing(last_witnesses=1000)).graph
+    alone = {(r.first, r.second) for r in kept.rejected if "agrees" in r.reason}
+    assert alone == set(map(tuple, found.edges[found.loop]))
+
+
+def test_believed_loops_shorten_the_way_to_old_places():
+    """Three times round ten metres: what a loop has fixed is half a metre away, not ten."""
+    frames = KeyFrames(np.zeros((0, 2)), np.zeros(3))
+    for scan in range(1, 31):
+        frames.add(scan, np.zeros((0, 2)), np.array([1.0, 0, 0]), np.eye(3))
+    closer = LoopCloser(frames, 0.03, LoopClosing())
+    assert closer._way(30).tolist() == list(range(30, 0, -1))
+    sure, vague = information(np.eye(3) * 1e-4), information(np.eye(3))
+    closer._believe([Edge(3, 23, np.zeros(3), sure, True), Edge(9, 29, np.zeros(3), vague, True)])
+    assert closer._way(30)[[3, 5, 9, 22]].tolist() == [7.5, 9.5, 13.5, 8.0]
 
 
 @pytest.mark.parametrize("method", [pose_graph, point_icp])
