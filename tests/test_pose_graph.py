@@ -319,12 +319,14 @@ def test_believed_loops_shorten_the_way_to_old_places():
     """Three times round ten metres: what a loop has fixed is half a metre away, not ten."""
     frames = KeyFrames(np.zeros((0, 2)), np.zeros(3))
     for scan in range(1, 31):
-        frames.add(scan, np.zeros((0, 2)), np.array([1.0, 0, 0]), np.eye(3))
+        frames.add(scan, np.zeros((0, 2)), np.array([1.0, 0, np.pi / 5]), np.eye(3))
     closer = LoopCloser(frames, 0.03, LoopClosing())
     assert closer._way(30).tolist() == list(range(30, 0, -1))
     sure, vague = information(np.eye(3) * 1e-4), information(np.eye(3))
     closer._believe([Edge(3, 23, np.zeros(3), sure, True), Edge(9, 29, np.zeros(3), vague, True)])
     assert closer._way(30)[[3, 5, 9, 22]].tolist() == [7.5, 9.5, 13.5, 8.0]
+    (window,) = closer._by_place(30)
+    assert window.reach == 1 + 0.03 * closer._way(30)[window.old] < 1 + 0.03 * (30 - window.old)
 
 
 @pytest.mark.parametrize("method", [pose_graph, point_icp])
