@@ -189,8 +189,7 @@ class LoopCloser:
             return False
         one = compose(a.relative, between(poses[a.second], poses[b.second]))
         other = compose(between(poses[a.first], poses[b.first]), b.relative)
-        x, y, heading = between(one, other)
-        return bool(np.hypot(x, y) < rules.tolerance and abs(heading) < rules.angle)
+        return self._same(one, other)
 
     def settle(self) -> bool:
         """At the end of the log: believe loops that a few others agree with, reject the rest."""
@@ -218,7 +217,11 @@ class LoopCloser:
         if a.second != b.second or abs(path[a.first] - path[b.first]) <= rules.stretch:
             return False
         other = compose(between(poses[a.first], poses[b.first]), b.relative)
-        x, y, heading = between(a.relative, other)
+        return self._same(a.relative, other)
+
+    def _same(self, one: Array, other: Array) -> bool:
+        """Whether two poses `(3,)` are one within the tolerance."""
+        (x, y, heading), rules = between(one, other), self.rules
         return bool(np.hypot(x, y) < rules.tolerance and abs(heading) < rules.angle)
 
     def _give_up(self, new: int) -> None:
