@@ -155,7 +155,7 @@ with gzip.open(_bundled.find("malaga"), "rt") as _file:
 SAMPLES = {name: text.encode() for name, text in (SINGLE_FILES | {"malaga": MALAGA}).items()}
 SAMPLES |= BINARY_FILES | {"npz": NPZ}
 #: Mutants of a sample, of a format that is new, of one with long lines, and of a file in a folder.
-LIGHT, NEW, HEAVY, IN_FOLDER = 400, 1000, 400, 300
+LIGHT, NEW, HEAVY, IN_FOLDER = 1100, 1000, 400, 300
 NEWLY = ("gmapping", "dpslam", "wean", "csv", "rplidar", "ld19", "npz")
 #: Damaged files that one run of this module reads, each with `on_error` "raise" and "skip".
 COUNTS = {name: LIGHT if len(data) < 2000 else HEAVY for name, data in SAMPLES.items()}
