@@ -68,6 +68,7 @@ GOOD = {
     "angle_candidates.viewpoints": np.zeros((2, 2)), "write_ros_map.path": "written.yaml",
     "read_bag.path": "it.bag", "read_bag.scan": "/scan", "read_bag.odometry": "/odom",
     "read_trajectory.path": "poses.csv", "write_segments.path": "written.csv",
+    "write_arrays.path": "written.npz",
     "read_csv.path": "beams.csv", "read_csv.columns": "angle_rad,range_m",
     "read_segments.path": "segments.csv", "SegmentMap.load.path": "segments.npz",
     "write_segments.map": MAP, "read_graph.path": "graph.g2o", "write_graph.graph": GRAPH,

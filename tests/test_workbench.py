@@ -282,7 +282,7 @@ def test_a_method_of_the_notebook_is_told_to_run_here(worker):
         worker.do(facts, LOG, tell=print)
 
 
-def test_a_worker_is_stopped_at_once_and_begins_anew(worker):
+def test_a_worker_is_stopped_at_once_and_begins_anew(worker, monkeypatch):
     """Catches a stop that waits for the work, and one that is taken for a failure."""
     made = bench(segmap.load("malaga"), align="angle_correspondence")
     made._worker, begun, say = worker, time.monotonic(), made._tell
@@ -298,9 +298,12 @@ def test_a_worker_is_stopped_at_once_and_begins_anew(worker):
     assert worker._process is None
     made.stop.click()
     process = worker.start()
-    process.kill()
-    with pytest.raises(Failed, match="ended by itself"):
+    process.kill(), process.wait()
+    with monkeypatch.context() as patch, pytest.raises(Failed, match="ended by itself"):
+        patch.setattr(worker, "start", lambda: process)  # it died only after it was asked for
         worker.do(print, tell=print)
+    assert worker.do(print, tell=print) is None
+    assert worker._process is not process and process.stdin.closed and process.stdout.closed
 
 
 # ------------------------------------------------------------------ logs

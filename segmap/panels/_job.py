@@ -69,6 +69,7 @@ class Worker:
         """The process; a new one where there is none, or where it has ended."""
         with self._lock:
             if self._process is None or self._process.poll() is not None:
+                _end(self._process)
                 command = [sys.executable, "-c", START, *sys.path]
                 pipes: Any = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE}
                 self._process = subprocess.Popen(command, **pipes)
@@ -78,15 +79,20 @@ class Worker:
         """End it, whatever it does; nothing happens where it does not run."""
         with self._lock:
             process, self._process = self._process, None
-        if process is not None:
-            process.kill()
-            process.wait()
-            for pipe in (process.stdin, process.stdout):
-                with contextlib.suppress(OSError):
-                    pipe.close()  # type: ignore[union-attr]
+        _end(process)
 
     def __del__(self) -> None:
         self.stop()
+
+
+def _end(process: subprocess.Popen[bytes] | None) -> None:
+    """Kill a process if it still runs, and close what led to it."""
+    if process is not None:
+        process.kill()
+        process.wait()
+        for pipe in (process.stdin, process.stdout):
+            with contextlib.suppress(OSError):
+                pipe.close()  # type: ignore[union-attr]
 
 
 def serve() -> None:
