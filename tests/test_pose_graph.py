@@ -289,7 +289,6 @@ def test_every_other_threshold_is_checked(rules):
     ("rule", "reason"),
     [
         ({"witnesses": 1000, "last_witnesses": 1000}, "no other loop agrees with it"),
-        ({"span": 1000.0, "reach": 100.0, "last_witnesses": 1000}, "no other loop agrees with it"),
         ({"tolerance": 1e-6}, ""),
         ({"stretch": 1e-6}, "no other loop agrees with it"),
         ({"likelihood": 1.0}, "the two places look different"),
@@ -327,6 +326,20 @@ def test_believed_loops_shorten_the_way_to_old_places():
     assert closer._way(30)[[3, 5, 9, 22]].tolist() == [7.5, 9.5, 13.5, 8.0]
     (window,) = closer._by_place(30)
     assert window.reach == 1 + 0.03 * closer._way(30)[window.old] < 1 + 0.03 * (30 - window.old)
+
+
+@pytest.mark.parametrize(("steps", "believed"), [(2, 0), (4, 0), (6, 3)])
+def test_loops_side_by_side_are_no_witnesses(steps, believed):
+    """One door looks like the next: in a window of six metres they must lie along six metres."""
+    frames = KeyFrames(np.zeros((0, 2)), np.zeros(3))
+    for scan in range(1, 41):
+        frames.add(scan, np.zeros((0, 2)), np.array([1.0, 0, 0]), np.eye(3))
+    closer = LoopCloser(frames, 0.03, LoopClosing())
+    sure = information(np.eye(3) * 1e-4)
+    for k in (0, steps // 2, steps):
+        closer.pending.append(Edge(k, 20 + k, np.zeros(3), sure, True))
+    assert len(closer._confirmed_by_others([(closer.pending[-1], 6.0)])) == believed
+    assert len(closer._confirmed_by_others([(closer.pending[-1], 1.0)])) == 3
 
 
 @pytest.mark.parametrize("method", [pose_graph, point_icp])
