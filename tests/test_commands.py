@@ -89,6 +89,16 @@ def test_info_counts_damaged_lines_and_the_others_refuse_them(run, near):
     assert run("map", "cut.log", "--method", "none", "--skip", "-o", "cut.csv")[0] == 0
 
 
+def test_what_is_no_log_is_told_what_to_do_line_by_line(run, near):
+    """Catches lines of Python that are run together, and --skip where it does not help."""
+    Path("it.txt").write_text("hello\n")
+    code, _, beside = run("info", "it.txt")
+    assert code == 1 and '    log = segmap.Log("mine", scans)' in beside.splitlines()
+    Path("it.csv").write_text("angle,range_mm\n1,1000\n")
+    code, _, beside = run("info", "it.csv")
+    assert code == 1 and "the unit of 'angle' is not said" in beside and "--skip" not in beside
+
+
 def test_topics_of_a_bag_are_options(run, near):
     """Catches a topic that is named and not asked for, and one that is asked of a text."""
     bag = bag_samples.write(Path(), "mcap")

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
-from ..readers import LogError
+from ..readers import LogError, UnknownFormat
 from ..scans import Log
 
 if TYPE_CHECKING:
@@ -87,8 +87,10 @@ def tell(text: str) -> None:
 
 
 def reason(error: BaseException) -> str:
-    """Why something failed, in one line."""
-    if isinstance(error, LogError) and error.line:
+    """Why something failed, in one line; for what is no log also what to do, as it stands."""
+    if isinstance(error, UnknownFormat):
+        return str(error)
+    if isinstance(error, LogError) and error.line and "read_csv" not in error.reason:
         return f"{error} (--skip leaves damaged lines out)"
     if isinstance(error, OSError) and error.strerror:
         return f"{error.filename}: {error.strerror}" if error.filename else error.strerror

@@ -174,11 +174,11 @@ def open_bytes(path: Path) -> IO[bytes]:
 
 def _open_zip(path: Path) -> IO[bytes]:
     """The first file of a zip; `__MACOSX/` holds none of the user's."""
-    packed = zipfile.ZipFile(path)
-    names = [m for m in packed.infolist() if not m.is_dir() and not m.filename.startswith("__")]
-    if not names or names[0].flag_bits & 1:
-        raise zipfile.BadZipFile("no readable file in it")
-    return packed.open(names[0])
+    with zipfile.ZipFile(path) as packed:  # what is open in it stays open
+        names = [m for m in packed.infolist() if not m.is_dir() and not m.filename.startswith("__")]
+        if not names or names[0].flag_bits & 1:
+            raise zipfile.BadZipFile("no readable file in it")
+        return packed.open(names[0])
 
 
 def merged(first: Skipped, second: Skipped) -> Skipped:
