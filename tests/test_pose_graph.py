@@ -13,7 +13,8 @@ from segmap.alignment import Alignment, LoopClosing, Tracking, point_icp, pose_g
 from segmap.alignment._graph import Edge, information
 from segmap.alignment._loop_closing import LoopCloser
 from segmap.alignment._point_map import PointMap
-from segmap.alignment._pose_graph import KeyFrames, search_and_register
+from segmap.alignment._pose_graph import FrontEnd, KeyFrames, search_and_register
+from segmap.alignment._result import Match
 from segmap.poses import between, compose
 from segmap.scans import LaserScan, Log
 from segmap.simulation import (
@@ -331,15 +332,57 @@ def test_believed_loops_shorten_the_way_to_old_places():
 @pytest.mark.parametrize(("steps", "believed"), [(2, 0), (4, 0), (6, 3)])
 def test_loops_side_by_side_are_no_witnesses(steps, believed):
     """One door looks like the next: in a window of six metres they must lie along six metres."""
-    frames = KeyFrames(np.zeros((0, 2)), np.zeros(3))
-    for scan in range(1, 41):
-        frames.add(scan, np.zeros((0, 2)), np.array([1.0, 0, 0]), np.eye(3))
-    closer = LoopCloser(frames, 0.03, LoopClosing())
+    _, closer = walked(40)
     sure = information(np.eye(3) * 1e-4)
     for k in (0, steps // 2, steps):
         closer.pending.append(Edge(k, 20 + k, np.zeros(3), sure, True))
     assert len(closer._confirmed_by_others([(closer.pending[-1], 6.0)])) == believed
     assert len(closer._confirmed_by_others([(closer.pending[-1], 1.0)])) == 3
+
+
+def walked(steps):
+    """Key frames a metre apart on a line, without points, and what closes loops among them."""
+    frames = KeyFrames(np.zeros((0, 2)), np.zeros(3))
+    for scan in range(1, steps + 1):
+        frames.add(scan, np.zeros((0, 2)), np.array([1.0, 0, 0]), np.eye(3))
+    return frames, LoopCloser(frames, 0.03, LoopClosing())
+
+
+@pytest.mark.parametrize(
+    ("first", "motion", "believed"),
+    [(2, (28.0, 0, 0), 2), (14, (16.0, 0, 0), 2), (14, (16.3, 0, 0), 0), (24, (6.0, 0, 0), 0)],
+)
+def test_at_the_end_loops_to_passes_far_apart_are_witnesses(first, motion, believed):
+    """Two loops of one scan count where they say the same of old places more than 8 m apart."""
+    _, closer = walked(30)
+    sure = information(np.eye(3) * 1e-4)
+    old = 24 if first == 14 else 20
+    there = Edge(old, 30, np.array([30.0 - old, 0, 0]), sure, True)
+    closer.pending = [there, Edge(first, 30, np.array(motion), sure, True)]
+    assert closer.settle() == bool(believed)
+    assert len(closer.accepted) == believed and len(closer.rejected) == 2 - believed
+    assert not closer.pending
+
+
+def test_turns_on_the_spot_do_not_cut_the_way():
+    """A step without length is still one: the way leads through it."""
+    frames, closer = walked(3)
+    frames.add(4, np.zeros((0, 2)), np.array([0, 0, 0.5]), np.eye(3))
+    frames.add(5, np.zeros((0, 2)), np.array([1.0, 0, 0]), np.eye(3))
+    np.testing.assert_allclose(closer._way(5), [4, 3, 2, 1, 1], atol=1e-5)
+
+
+@pytest.mark.parametrize("wheels", [True, False])
+def test_a_step_along_a_wall_is_known_as_well_as_the_odometry(wheels):
+    """Else such steps, free by a metre, take all the tension of a loop; without wheels they do."""
+    log = load("corridor")[:2]
+    log = log if wheels else logs.without_odometry(log)
+    front = FrontEnd(log, lambda *_: None, Tracking())
+    loose = np.diag([1.0, 1e-4, 1e-4])
+    match = Match(np.array([0.5, 0, 0]), loose, True, "", 1.0, np.array([1.0, 0]))
+    front.add_frame(1, match)
+    along = np.sqrt(np.linalg.inv(front.frames.edges[0].information)[0, 0])
+    assert along == pytest.approx(np.hypot(0.2 / np.hypot(1, 0.2), 0.02) if wheels else 1, 1e-3)
 
 
 @pytest.mark.parametrize("method", [pose_graph, point_icp])

@@ -25,8 +25,6 @@ GAP, PASSES = 3, 3
 SAMPLE = 750
 #: Accepted loops that a new one is compared with: older ones lie farther back than `stretch`.
 RECENT = 30
-#: A step of a turn on the spot, metres: one of no length would be none in a sparse matrix.
-NO_STEP = 1e-6
 #: Why a loop is not believed that no other, or too few, agree with.
 ALONE = "no other loop agrees with it"
 #: Maps of old places that are kept ready, for memory's sake.
@@ -105,7 +103,7 @@ class LoopCloser:
         from scipy.sparse import csr_array
         from scipy.sparse.csgraph import dijkstra
 
-        steps, n = np.maximum(np.diff(self.frames.path), NO_STEP), new + 1
+        steps, n = np.diff(self.frames.path), new + 1
         first, second = np.reshape(self.ways, (-1, 2)).T.astype(np.int64)
         cost = np.r_[steps, np.full(len(first), self.rules.loop_path)]
         ends = np.r_[np.arange(new), first], np.r_[np.arange(1, n), second]
@@ -198,9 +196,9 @@ class LoopCloser:
         for loop in self.pending if self.lost_since is None else []:
             others = [o for o in known if self._agree(loop, o) or self._agree_apart(loop, o)]
             found += [loop] if len(others) >= enough else []
-        alone = _without(self.pending, found)
-        for loop in alone:
+        for loop in _without(self.pending, found):
             self._reject(loop.first, loop.second, ALONE)
+        self.pending = []
         self._believe(found)
         return bool(found)
 
