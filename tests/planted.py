@@ -175,6 +175,8 @@ PLANTED = (
     ("if (side_a < 0) == (side_b < 0) and side_a != 0 and side_b != 0:", "if (side_a < 0) == (side_b < 0):", "simulation"),
     ("if TOUCH < ahead < ranges[i] and ahead <= max_range:", "if TOUCH < ahead and ahead <= max_range:", "simulation"),
     ("(angle < sensor.grazing)", "(angle > sensor.grazing)", "simulation"),
+    ("walls[which, 0] + share[:, None] *", "walls[which, 0] + 0.0 *", "city"),
+    ("reach - 1.0), 0.35,", "reach - 1.0), 1.35,", "city"),
     ("here[2] + wrap(heading - here[2])", "heading", "simulation"),
     # exports
     ("np.select([value > occupied, value <= free], [2.0, 0.0], 1.0)", "np.select([value >= occupied, value <= free], [2.0, 0.0], 1.0)", "exports_maps"),

@@ -4,6 +4,7 @@
 random numbers come from one generator: the same seed gives the same log.
 """
 
+from ._city import city
 from ._rooms import (
     box,
     circular_room,
@@ -33,6 +34,7 @@ __all__ = [
     "box",
     "cast_rays",
     "circular_room",
+    "city",
     "corridor_loop",
     "drifting_odometry",
     "drive",

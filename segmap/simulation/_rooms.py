@@ -1,6 +1,6 @@
 """Rooms to simulate: each is an array of walls, segments `(n, 2, 2)` in metres.
 
-Rooms lie with their lower left corner at the origin; only the niches of `corridor_loop` lie beyond.
+Rooms lie with their lower left corner at the origin; only niches, of `corridor_loop`, lie beyond.
 Where walls of several parts meet, coordinates are rounded to the micrometre: no beam slips between.
 """
 

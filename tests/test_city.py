@@ -1,0 +1,80 @@
+"""A building of any size: its streets are free, no two alike, and scanning it stays linear."""
+
+import numpy as np
+import pytest
+
+from segmap.segments import point_distance
+from segmap.simulation import SICK_LMS200, Sensor, _simulate, cast_rays, city, drive, simulate
+
+BLOCK, STREET = 16.0, 3.0
+WALLS = city(4, 3, rng=np.random.default_rng(5), block=BLOCK, street=STREET)
+NEAR = Sensor("near", 181, -np.pi / 2, np.pi / 180, max_range=20.0, sigma=0.01)
+ALL_ROUND = np.linspace(-np.pi, np.pi, 720, endpoint=False)
+
+
+def crossing(i: int, j: int) -> np.ndarray:
+    return STREET / 2 + (BLOCK + STREET) * np.array([i, j], float)
+
+
+def test_the_streets_are_free_and_closed():
+    """Catches facades on the wrong side of their wall, pillars in the way, gaps at corners."""
+    way = [crossing(0, 0), crossing(4, 0), crossing(4, 3), crossing(0, 3), crossing(0, 1)]
+    path = drive([*way, crossing(3, 1), crossing(3, 0)], step=0.5)
+    assert all(point_distance(pose[:2], WALLS).min() > 0.6 for pose in path[::4])
+    assert all(np.isfinite(cast_rays(WALLS, pose, ALL_ROUND)).all() for pose in path[::25])
+
+
+def test_no_two_places_are_alike():
+    """From the middles of streets that run the same way: most beams differ by decimetres."""
+    seen = [
+        cast_rays(WALLS, (*crossing(i, j) + (9, 0), 0), ALL_ROUND)
+        for i in range(4)
+        for j in range(4)
+    ]
+    for k, one in enumerate(seen):
+        assert all(np.mean(np.abs(one - other) > 0.1) > 0.2 for other in seen[:k])
+
+
+def test_a_seed_makes_a_city():
+    again, other = (city(4, 3, rng=np.random.default_rng(s)) for s in (5, 6))
+    np.testing.assert_array_equal(WALLS, again)
+    assert other.shape != WALLS.shape or np.any(other != WALLS)
+
+
+@pytest.mark.parametrize("sensor", [NEAR, SICK_LMS200, Sensor("far", 9, 0, 0.7, max_range=np.inf)])
+def test_walls_out_of_reach_do_not_change_a_log(sensor, monkeypatch):
+    """Long walls too, of which both ends are far away; catches an index into the wrong walls."""
+    long = [[(-900, -40), (1000, -40.5)], [(30, -500), (30.1, -0.1)], [(-50, -50), (200, 100)]]
+    walls = np.concatenate([long, WALLS])
+    path = drive([crossing(0, 0), crossing(1, 0), crossing(1, 1)], step=3)
+    made = []
+    for many in (_simulate.MANY, len(walls)):
+        monkeypatch.setattr(_simulate, "MANY", many)
+        made.append(simulate(walls, path, sensor=sensor, rng=np.random.default_rng(1)))
+    for one, other in zip(*made, strict=True):
+        np.testing.assert_array_equal(one.ranges, other.ranges)
+
+
+def test_a_larger_city_costs_no_more_a_scan():
+    """Counted, not timed: walls that are tried from one pose."""
+    tried = []
+    for blocks in (4, 10):
+        walls = city(blocks, blocks, rng=np.random.default_rng(1))
+        tried.append(len(_simulate._near_walls(walls, NEAR)(np.array([40.0, 40.0, 0.0]))))
+        assert len(walls) > 85 * blocks**2
+    assert 100 < tried[1] <= 1.2 * tried[0] < 1200
+
+
+@pytest.mark.parametrize(
+    ("wrong", "says"),
+    [
+        ({"columns": 0}, "columns must be"),
+        ({"rows": 201}, "rows must be .* at most 200"),
+        ({"block": 3.0}, "block must be .* at least 4"),
+        ({"street": 2.0}, "street must be .* at least 2.5"),
+        ({"rng": 1}, "rng must be a generator"),
+    ],
+)
+def test_bad_arguments(wrong, says):
+    with pytest.raises(ValueError, match=says):
+        city(**{"rng": np.random.default_rng(1), **wrong})
