@@ -43,6 +43,8 @@ TESTS = {
     "alignment/_graph": "graph pose_graph",
     "alignment/_loop_closing": "pose_graph",
     "alignment/_point": "match_points point_map",
+    "alignment/_front_end": "pose_graph",
+    "alignment/_key_frames": "pose_graph",
     "alignment/_pose_graph": "pose_graph",
     "alignment/_search_loops": "match_points point_map pose_graph",
     "alignment/_segment": "segment_icp global_segments",

@@ -10,11 +10,12 @@ from conftest import slow
 
 from segmap import load
 from segmap.alignment import Alignment, LoopClosing, Tracking, point_icp, pose_graph
+from segmap.alignment._front_end import FrontEnd, search_and_register
 from segmap.alignment._graph import Edge, information
+from segmap.alignment._key_frames import KeyFrames
 from segmap.alignment._loop_closing import LoopCloser
 from segmap.alignment._point_map import PointMap
-from segmap.alignment._pose_graph import FrontEnd, KeyFrames, search_and_register
-from segmap.alignment._result import Match
+from segmap.alignment._result import Match, no_match
 from segmap.poses import between, compose
 from segmap.scans import LaserScan, Log
 from segmap.simulation import (
@@ -377,10 +378,11 @@ def test_a_step_along_a_wall_is_known_as_well_as_the_odometry(wheels):
     """Else such steps, free by a metre, take all the tension of a loop; without wheels they do."""
     log = load("corridor")[:2]
     log = log if wheels else logs.without_odometry(log)
-    front = FrontEnd(log, lambda *_: None, Tracking())
+    front = FrontEnd(log[0], lambda _, points, guess: no_match(guess, "none"), Tracking())
+    front.track(log[1])
     loose = np.diag([1.0, 1e-4, 1e-4])
     match = Match(np.array([0.5, 0, 0]), loose, True, "", 1.0, np.array([1.0, 0]))
-    front.add_frame(1, match)
+    front.add_frame(match)
     along = np.sqrt(np.linalg.inv(front.frames.edges[0].information)[0, 0])
     assert along == pytest.approx(np.hypot(0.2 / np.hypot(1, 0.2), 0.02) if wheels else 1, 1e-3)
 

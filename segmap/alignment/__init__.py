@@ -14,7 +14,7 @@ from ._global_segments import global_segments
 from ._graph import Graph, Rejected, solve_graph
 from ._graph_settings import LoopClosing, Tracking
 from ._point_icp import PointStep, match_points, point_icp, point_steps
-from ._pose_graph import pose_graph
+from ._pose_graph import LiveGraph, Placed, pose_graph
 from ._result import Alignment, Match
 from ._segment_icp import match_segments, segment_icp
 from ._segment_search import SegmentSearch
@@ -50,9 +50,11 @@ __all__ = [
     "Candidate",
     "GlobalSearch",
     "Graph",
+    "LiveGraph",
     "LoopClosing",
     "Match",
     "Method",
+    "Placed",
     "PointStep",
     "Rejected",
     "SegmentSearch",

@@ -216,7 +216,7 @@ class _Backbone:
 
     def _skipped(self, k: int, guess: Array) -> str:
         """Why a scan is left out; empty where it is not (A 3.3.2, step 2)."""
-        if k and not np.isfinite(self.trail.steps[k - 1]).all():
+        if k and not self.trail.measured(k):
             return "no odometry from the scan before"
         if k and abs(self.trail.step()[2]) > self.t.turning:
             return "taken while turning"

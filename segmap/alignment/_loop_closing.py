@@ -14,7 +14,7 @@ from ._graph_settings import LoopClosing
 from ._point_map import PointMap
 
 if TYPE_CHECKING:
-    from ._pose_graph import KeyFrames
+    from ._key_frames import KeyFrames
 
 #: What a place looks like from any heading: shares of the points in rings up to this radius,
 #: metres, as three key frames before and after it see them.

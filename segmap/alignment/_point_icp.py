@@ -14,9 +14,9 @@ from .. import _units, arrays
 from ..arrays import Array
 from ..poses import transform
 from ..scans import Log
+from ._front_end import FrontEnd
 from ._graph_settings import Tracking
 from ._point_map import LAST, ROUNDS, SAMPLE, PointMap, in_range
-from ._pose_graph import FrontEnd
 from ._result import Match, Outcome, Trail, alignment_method, no_match
 
 
@@ -122,11 +122,11 @@ def point_icp(
     def matcher(map: PointMap, points: Array, guess: Array) -> Match:
         return map.register(points, guess, reach=reach, overlap=tracking.overlap)
 
-    front = FrontEnd(log, matcher, tracking)
-    for scan in range(1, len(log)):
+    front = FrontEnd(log[0], matcher, tracking)
+    for scan in log[1:]:
         match = front.track(scan)
-        if front.needs_frame(scan, step, turn):
-            front.add_frame(scan, match)
+        if front.needs_frame(step, turn):
+            front.add_frame(match)
     return front.outcome()
 
 

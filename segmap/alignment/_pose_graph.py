@@ -2,25 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import replace
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .. import arrays
 from ..arrays import Array
-from ..poses import between, compose, transform
-from ..scans import Log
-from ._graph import Edge, Graph, Rejected, deviations, information, solve, stacked
+from ..scans import LaserScan, Log
+from ._front_end import FrontEnd, search_and_register
+from ._graph import Graph
 from ._graph_settings import LoopClosing, Tracking
 from ._loop_closing import LoopCloser
-from ._point_map import PointMap, in_range
-from ._result import Match, Outcome, Trail, alignment_method, no_match
-
-Members = Sequence[int] | NDArray[np.int64]
-#: From a map, a scan's points `(m, 2)` and a guess `(3,)` to the match.
-Matcher = Callable[[PointMap, Array, Array], Match]
+from ._point_map import PointMap
+from ._result import Alignment, Match, Outcome, alignment_method, concluded
 
 
 @alignment_method
@@ -76,189 +73,192 @@ def pose_graph(
     >>> pose_graph(load("corridor")[:40])
     Alignment(pose_graph: 40 scans, 40 used)
     """
-    arrays.instance(tracking, "tracking", Tracking)
-    arrays.instance(closing, "closing", LoopClosing)
-    arrays.positive("metres", step=step)
-    arrays.number(window, "window", above=0, most=20, unit="metres")
-    arrays.positive("radians", turn=turn)
-    arrays.number(window_angle, "window_angle", above=0, most=np.pi, unit="radians")
-    arrays.positive(drift=drift)
-    if len(log) == 0:
-        return Trail(log).outcome()
+    graph = LiveGraph(
+        step=step,
+        turn=turn,
+        window=window,
+        window_angle=window_angle,
+        drift=drift,
+        tracking=tracking,
+        closing=closing,
+    )
+    for scan in log:
+        graph.add(scan)
+    return graph.settled()
 
-    def matcher(map: PointMap, points: Array, guess: Array) -> Match:
-        return search_and_register(map, points, guess, window, window_angle, tracking)
 
-    front = FrontEnd(log, matcher, tracking)
-    closer = LoopCloser(front.frames, drift, closing)
-    for scan in range(1, len(log)):
+class Placed(NamedTuple):
+    """Where a scan lies, and whether it moved the ones before it.
+
+    Parameters
+    ----------
+    pose : (3,) array, metres and radians
+    closed : bool
+        Whether loops that it closed moved earlier poses: what was drawn from those is out of date.
+    """
+
+    pose: Array
+    closed: bool
+
+
+class LiveGraph:
+    """A pose graph that grows scan by scan: what `pose_graph` does, while the robot drives.
+
+    A scan that fails, or whose work is interrupted, is left out: the graph is then as before it.
+
+    Parameters
+    ----------
+    step, turn, window, window_angle, drift, tracking, closing
+        As in `pose_graph`.
+
+    Raises
+    ------
+    ValueError
+        For thresholds that are not positive, or too large.
+
+    Examples
+    --------
+    >>> from segmap import load
+    >>> graph = LiveGraph()
+    >>> for scan in load("corridor")[:40]:
+    ...     pose, closed = graph.add(scan)
+    >>> graph
+    LiveGraph(40 scans: 14 key frames, 0 loops)
+    >>> graph.refine()
+    Alignment(pose_graph: 40 scans, 40 used)
+    """
+
+    def __init__(
+        self,
+        *,
+        step: float = 0.5,
+        turn: float = np.radians(30),
+        window: float = 0.5,
+        window_angle: float = np.radians(40),
+        drift: float = 0.03,
+        tracking: Tracking = Tracking(),
+        closing: LoopClosing = LoopClosing(),
+    ) -> None:
+        self.tracking = arrays.instance(tracking, "tracking", Tracking)
+        self.closing = arrays.instance(closing, "closing", LoopClosing)
+        arrays.positive("metres", step=step)
+        self.window = arrays.number(window, "window", above=0, most=20, unit="metres")
+        arrays.positive("radians", turn=turn)
+        self.window_angle = arrays.number(
+            window_angle, "window_angle", above=0, most=np.pi, unit="radians"
+        )
+        arrays.positive(drift=drift)
+        self.step, self.turn, self.drift, self.seconds = step, turn, drift, 0.0
+        self._parts: tuple[FrontEnd, LoopCloser] | None = None
+
+    def add(self, scan: LaserScan) -> Placed:
+        """Place the next scan, and close the loops that it finds.
+
+        Parameters
+        ----------
+        scan : LaserScan
+
+        Returns
+        -------
+        Placed
+            Its pose, and whether loops moved earlier poses.
+
+        Raises
+        ------
+        ValueError
+            For what is no LaserScan.
+        """
+        arrays.instance(scan, "scan", LaserScan)
+        begun, closed = time.perf_counter(), False
+        if self._parts is None:
+            front = FrontEnd(scan, self._matcher, self.tracking)
+            self._parts = front, LoopCloser(front.frames, self.drift, self.closing)
+        else:
+            front, closer = self._parts
+            with _all_or_nothing(front, front.trail, front.frames, closer):
+                closed = self._added(scan, front, closer)
+        self.seconds += time.perf_counter() - begun
+        return Placed(self._parts[0].pose(), closed)
+
+    def _added(self, scan: LaserScan, front: FrontEnd, closer: LoopCloser) -> bool:
+        """Place a scan; True where loops moved earlier poses."""
         # 1. The scan on the map of the last key frames
         match = front.track(scan)
-        if front.needs_frame(scan, step, turn):
-            # 2. A new key frame, and the loops that it closes
-            front.add_frame(scan, match)
-            if closer.close(confirmed=match.matched):
-                front.frames.optimize()
-    # 3. All poses together, without loops that the others contradict
-    front.frames.optimize()
-    if closer.settle():
+        if not front.needs_frame(self.step, self.turn):
+            return False
+        # 2. A new key frame, and the loops that it closes
+        front.add_frame(match)
+        closed = closer.close(confirmed=match.matched)
+        if closed:
+            front.frames.optimize()
+        return closed
+
+    def settled(self) -> Outcome:
+        """What the method hands to its runner, once all scans are there."""
+        if self._parts is None:
+            return Outcome(np.zeros((0, 3)), ())
+        front, closer = self._parts
+        # 3. All poses together, without loops that the others contradict
         front.frames.optimize()
-    if closer.drop_contradicted():
-        front.frames.optimize()
-    # 4. Each scan once more, on the map that the loops have straightened
-    front.refine()
-    return front.outcome(tuple(closer.rejected))
+        if closer.settle():
+            front.frames.optimize()
+        if closer.drop_contradicted():
+            front.frames.optimize()
+        # 4. Each scan once more, on the map that the loops have straightened
+        front.refine()
+        return front.outcome(closer.rejected)
 
+    def refine(self) -> Alignment:
+        """Solve for all poses together, and lay each scan on the map that the loops straightened.
 
-def search_and_register(
-    map: PointMap, points: Array, guess: Array, window: float, angle: float, rules: Tracking
-) -> Match:
-    """Search about a guess and descend from there; in twice the window where little fits.
+        Loops that still wait for others that agree are believed or rejected. More scans may follow.
 
-    Along a direction that no wall faces the match keeps what the guess says.
-    """
-    best = no_match(guess, "nothing like it near")
-    for factor in (1.0, 2.0):
-        match = best
-        start, _ = map.search(points, guess, reach=factor * window, turn=factor * angle)
-        if start is not None:
-            match = map.register(points, start, overlap=rules.overlap)
-            x, y, heading = between(start, match.pose)
-            if np.hypot(x, y) > rules.slide or abs(heading) > rules.slide_angle:
-                match = no_match(start, "it slides over the map", match.overlap)
-        if match.overlap > (
-            0.0 if factor == 1.0 else max(best.overlap + rules.better, rules.least)
-        ):
-            best = match
-        if best.matched and best.overlap > rules.sure:
-            break
-    if not best.matched:
-        return no_match(guess, best.reason, best.overlap)
-    if best.free is None or map.has_wall_facing(best.free, points, best.pose):
-        return best
-    along = best.free @ (guess[:2] - best.pose[:2]) * best.free
-    return replace(best, pose=best.pose + (*along, 0.0))
+        Returns
+        -------
+        Alignment
+            Of a whole log equal to that of `pose_graph`.
+        """
+        begun = time.perf_counter()
+        found = self.settled()
+        self.seconds += time.perf_counter() - begun
+        return concluded("pose_graph", len(self), found, self.seconds)
 
+    @property
+    def poses(self) -> Array:
+        """Poses of all scans, `(k, 3)` array, metres and radians, as the loops so far have them."""
+        return np.zeros((0, 3)) if self._parts is None else self._parts[0].poses()
 
-class KeyFrames:
-    """The scans that stand for the map, half a metre apart, with poses that loops still move.
+    @property
+    def graph(self) -> Graph | None:
+        """Edges between key frames, by the scans' indices; None before there is one."""
+        return None if self._parts is None else self._parts[0].graph(self._parts[1].rejected)
 
-    Attributes
-    ----------
-    scan : list of int
-        Index in the log of each key frame.
-    points : list of (m, 2) arrays, metres, in the frame of the robot
-    poses : (n, 3) array, metres and radians
-    path : list of float, metres
-        Path length from the start to each.
-    edges : list of Edge
-    """
-
-    def __init__(self, points: Array, pose: Array) -> None:
-        self.scan = [0]
-        self.points = [points]
-        self.poses = np.array([pose])
-        self.path = [0.0]
-        self.edges: list[Edge] = []
+    def _matcher(self, map: PointMap, points: Array, guess: Array) -> Match:
+        return search_and_register(
+            map, points, guess, self.window, self.window_angle, self.tracking
+        )
 
     def __len__(self) -> int:
-        return len(self.scan)
+        return 0 if self._parts is None else len(self._parts[0].points)
 
-    def add(self, scan: int, points: Array, relative: Array, covariance: Array) -> None:
-        """Append a key frame at its motion `(3,)` from the last one, with an edge between them."""
-        new = len(self)
-        self.edges.append(Edge(new - 1, new, relative, information(covariance)))
-        self.scan.append(scan)
-        self.points.append(points)
-        self.poses = np.vstack([self.poses, compose(self.poses[-1], relative)])
-        self.path.append(self.path[-1] + float(np.hypot(relative[0], relative[1])))
-
-    def optimize(self) -> None:
-        """Move the poses to where all edges fit best."""
-        if self.edges:
-            self.poses = solve(self.poses, stacked(self.edges))
-
-    def points_around(self, members: Members, origin: int) -> tuple[Array, Array]:
-        """Points of some key frames, and where each was seen from: `(m, 2)` arrays, metres.
-
-        In the frame of the key frame `origin`.
-        """
-        clouds = [self.points[k] for k in members]
-        poses = between(self.poses[origin], self.poses[members])
-        poses = np.repeat(poses, [len(cloud) for cloud in clouds], axis=0)
-        points = transform(poses, np.concatenate(clouds)[:, None])[:, 0]
-        near = in_range(points)
-        return points[near], poses[near, :2]
-
-    def map_of(self, members: Members, origin: int) -> PointMap | None:
-        """The map of some key frames in the frame of `origin`; None where they have no point."""
-        points, viewpoints = self.points_around(members, origin)
-        return PointMap(points, viewpoints) if len(points) else None
+    def __repr__(self) -> str:
+        if self._parts is None:
+            return "LiveGraph(0 scans)"
+        front, closer = self._parts
+        counts = f"{len(front.frames)} key frames, {len(closer.accepted)} loops"
+        return f"LiveGraph({len(self)} scans: {counts})"
 
 
-class FrontEnd:
-    """Tracks a robot scan by scan: the matcher lays each on the map of the last key frames."""
-
-    def __init__(self, log: Log, matcher: Matcher, rules: Tracking) -> None:
-        self.trail, self.matcher, self.rules = Trail(log), matcher, rules
-        self.points = [points[in_range(points)] for points in (scan.points() for scan in log)]
-        self.frames = KeyFrames(self.points[0], self.trail.poses[0])
-        self.frame = np.zeros(len(log), np.int64)  # the key frame of each scan,
-        self.offset = np.zeros((len(log), 3))  # and its pose there
-        self.local = self.frames.map_of([0], 0)
-
-    def track(self, scan: int) -> Match:
-        """Lay a scan on the local map, or carry it by the expected step: in the last key frame."""
-        before = self.offset[scan - 1]
-        guess = compose(before, self.trail.step())
-        if self.local is None or len(self.points[scan]) < 6:
-            match = no_match(guess, "too few points")
-        else:
-            match = self.matcher(self.local, self.points[scan], guess)
-        self.frame[scan], self.offset[scan] = len(self.frames) - 1, match.pose
-        self.trail.place(compose(self.trail.poses[-1], between(before, match.pose)), match.reason)
-        return match
-
-    def needs_frame(self, scan: int, step: float, turn: float) -> bool:
-        """Whether a scan is farther from its key frame than that, or the first to have points."""
-        x, y, heading = self.offset[scan]
-        moved = np.hypot(x, y) > step or abs(heading) > turn
-        return bool(moved or (self.local is None and len(self.points[scan])))
-
-    def add_frame(self, scan: int, match: Match) -> None:
-        """Make a scan the newest key frame, at its match."""
-        step, turn = self.rules.step_error, self.rules.turn_error
-        weak = np.diag([step, step, turn]) ** 2
-        covariance = match.covariance if match.matched else weak
-        if match.matched and match.free is not None and self.trail.measured(scan):
-            along = np.array([*match.free, 0.0]) / self.rules.along_error
-            covariance = np.linalg.inv(np.linalg.inv(covariance) + np.outer(along, along))
-        self.frames.add(scan, self.points[scan], match.pose, covariance)
-        last = len(self.frames) - 1
-        self.frame[scan], self.offset[scan] = last, 0.0
-        self.local = self.frames.map_of(range(max(last - self.rules.frames + 1, 0), last + 1), last)
-
-    def refine(self) -> None:
-        """Lay each scan between key frames on the map of all that are near, whenever those were."""
-        keys, places, rules = np.array(self.frames.scan), self.frames.poses[:, :2], self.rules
-        others = np.flatnonzero(keys[self.frame] != np.arange(len(self.frame)))
-        for frame in np.unique(self.frame[others]):
-            far = np.hypot(*(places - places[frame]).T)
-            nearest = np.argsort(far, kind="stable")[: rules.around]
-            map = self.frames.map_of(nearest[far[nearest] <= rules.near], frame)
-            for scan in others[self.frame[others] == frame]:
-                if map is not None and len(self.points[scan]) >= 6:
-                    start = self.offset[scan]
-                    match = map.register(self.points[scan], start, overlap=rules.overlap)
-                    self.offset[scan] = match.pose if match.matched else start
-
-    def outcome(self, rejected: tuple[Rejected, ...] = ()) -> Outcome:
-        """Poses of all scans, and the graph: edges between key frames, by the scans' indices."""
-        frames, graph = self.frames, None
-        poses = compose(frames.poses[self.frame], self.offset)
-        if frames.edges:
-            edges = stacked(frames.edges)
-            ends = np.array(frames.scan)[np.stack([edges.first, edges.second], -1)]
-            left = deviations(frames.poses, edges)
-            graph = Graph(ends, edges.relative, edges.loop, left, rejected, edges.information)
-        return Outcome(poses, self.trail.reasons, graph)
+@contextmanager
+def _all_or_nothing(*parts: object) -> Iterator[None]:
+    """Undo what is done to objects whose lists only grow, where it ends before its end."""
+    kept = [(part, dict(vars(part))) for part in parts]
+    lengths = [(v, len(v)) for _, known in kept for v in known.values() if isinstance(v, list)]
+    try:
+        yield
+    except BaseException:
+        for part, known in kept:
+            vars(part).update(known)
+        for grown, length in lengths:
+            del grown[length:]
+        raise

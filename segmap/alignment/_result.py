@@ -174,15 +174,20 @@ def alignment_method(method: Callable[P, Outcome]) -> Callable[P, Alignment]:
         begun = time.perf_counter()
         found = method(*args, **kwargs)
         seconds = time.perf_counter() - begun
-        poses, reasons = np.array(found.poses, float).reshape(-1, 3), tuple(found.reasons)
-        if len(poses) != len(log) or len(reasons) != len(log) or not np.isfinite(poses).all():
-            raise RuntimeError(f"{name} must give a finite pose and a reason for each scan")
-        used = np.array([not reason for reason in reasons], bool)
-        return Alignment(poses, used, seconds, name, reasons, found.graph, found.doubt)
+        return concluded(name, len(log), found, seconds)
 
     signature = inspect.signature(method).replace(return_annotation="Alignment")
     run.__signature__ = signature  # type: ignore[attr-defined]
     return run
+
+
+def concluded(name: str, scans: int, found: Outcome, seconds: float) -> Alignment:
+    """The alignment of so many scans by a method of that name, checked."""
+    poses, reasons = np.array(found.poses, float).reshape(-1, 3), tuple(found.reasons)
+    if len(poses) != scans or len(reasons) != scans or not np.isfinite(poses).all():
+        raise RuntimeError(f"{name} must give a finite pose and a reason for each scan")
+    used = np.array([not reason for reason in reasons], bool)
+    return Alignment(poses, used, seconds, name, reasons, found.graph, found.doubt)
 
 
 class Trail:
@@ -194,21 +199,27 @@ class Trail:
 
     Parameters
     ----------
-    log : Log
+    log : Log, or a sequence of LaserScan
+        More scans may be added as they come.
     first : (3,) array, metres and radians, or None
         Pose of the first scan; None takes its odometry, or the origin where it has none.
     reason : str
         Why the first scan is not used, if it is not.
     """
 
-    def __init__(self, log: Log, first: Array | None = None, reason: str = "") -> None:
-        odometry = log.odometry
-        self.steps = between(odometry[:-1], odometry[1:])
+    def __init__(
+        self, log: Sequence[LaserScan], first: Array | None = None, reason: str = ""
+    ) -> None:
+        self.odometry = [_odometry(scan) for scan in log]
         if first is None and len(log):
-            first = odometry[0]
+            first = self.odometry[0]
         start = first if first is not None and np.isfinite(first).all() else np.zeros(3)
         self.poses: list[Array] = [start][: len(log)]
         self.reasons: list[str] = [reason][: len(log)]
+
+    def add(self, scan: LaserScan) -> None:
+        """Make a scan that has just come the next one of the log."""
+        self.odometry.append(_odometry(scan))
 
     def guess(self) -> Array:
         """Expected pose of the next scan, (3,) array, metres and radians."""
@@ -216,14 +227,14 @@ class Trail:
 
     def step(self) -> Array:
         """Expected motion to the next scan, (3,) array, metres and radians."""
-        step = self.steps[len(self.poses) - 1]
-        if np.isfinite(step).all():
-            return step
+        scan = len(self.poses)
+        if self.measured(scan):
+            return between(self.odometry[scan - 1], self.odometry[scan])
         return between(self.poses[-2], self.poses[-1]) if len(self.poses) > 1 else np.zeros(3)
 
     def measured(self, scan: int) -> bool:
         """Whether the log says how the robot moved to a scan from the one before."""
-        return bool(np.isfinite(self.steps[scan - 1]).all())
+        return bool(np.isfinite(self.odometry[scan - 1 : scan + 1]).all())
 
     def place(self, pose: ArrayLike, reason: str = "") -> None:
         """Append the pose of the next scan, (3,) array, metres and radians.
@@ -240,6 +251,11 @@ class Trail:
     def outcome(self, graph: Graph | None = None, doubt: str = "") -> Outcome:
         """All poses and reasons, for the runner."""
         return Outcome(np.reshape(self.poses, (-1, 3)), self.reasons, graph, doubt)
+
+
+def _odometry(scan: LaserScan) -> Array:
+    """Pose by odometry, (3,) array, metres and radians; NaN where the scan has none."""
+    return np.full(3, np.nan) if scan.odometry is None else scan.odometry
 
 
 def long_segments(scan: LaserScan, min_length: float) -> Array:

@@ -1,0 +1,140 @@
+"""The front end of a pose graph: each scan laid on a map of the last key frames."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from ..arrays import Array
+from ..poses import between, compose
+from ..scans import LaserScan
+from ._graph import Graph, Rejected, deviations, stacked
+from ._graph_settings import Tracking
+from ._key_frames import KeyFrames
+from ._point_map import PointMap, in_range
+from ._result import Match, Outcome, Trail, no_match
+
+#: From a map, a scan's points `(m, 2)` and a guess `(3,)` to the match.
+Matcher = Callable[[PointMap, Array, Array], Match]
+
+
+class FrontEnd:
+    """Tracks a robot scan by scan: the matcher lays each on the map of the last key frames."""
+
+    def __init__(self, first: LaserScan, matcher: Matcher, rules: Tracking) -> None:
+        self.trail, self.matcher, self.rules = Trail([first]), matcher, rules
+        self.points = [_seen(first)]
+        self.frames = KeyFrames(self.points[0], self.trail.poses[0])
+        self.frame = [0]  # the key frame of each scan,
+        self.offset = [np.zeros(3)]  # and its pose there
+        self.local = self.frames.map_of([0], 0)
+
+    def track(self, scan: LaserScan) -> Match:
+        """Lay a scan on the local map, or carry it by the expected step: in the last key frame."""
+        points, before = _seen(scan), self.offset[-1]
+        self.trail.add(scan)
+        guess = compose(before, self.trail.step())
+        if self.local is None or len(points) < 6:
+            match = no_match(guess, "too few points")
+        else:
+            match = self.matcher(self.local, points, guess)
+        self.points.append(points)
+        self.frame.append(len(self.frames) - 1)
+        self.offset.append(match.pose)
+        self.trail.place(compose(self.trail.poses[-1], between(before, match.pose)), match.reason)
+        return match
+
+    def needs_frame(self, step: float, turn: float) -> bool:
+        """Whether the last scan is farther from its key frame, or the first to have points."""
+        x, y, heading = self.offset[-1]
+        moved = np.hypot(x, y) > step or abs(heading) > turn
+        return bool(moved or (self.local is None and len(self.points[-1])))
+
+    def add_frame(self, match: Match) -> None:
+        """Make the last scan the newest key frame, at its match."""
+        scan = len(self.points) - 1
+        step, turn = self.rules.step_error, self.rules.turn_error
+        weak = np.diag([step, step, turn]) ** 2
+        covariance = match.covariance if match.matched else weak
+        if match.matched and match.free is not None and self.trail.measured(scan):
+            along = np.array([*match.free, 0.0]) / self.rules.along_error
+            covariance = np.linalg.inv(np.linalg.inv(covariance) + np.outer(along, along))
+        self.frames.add(scan, self.points[scan], match.pose, covariance)
+        last = len(self.frames) - 1
+        self.frame[scan], self.offset[scan] = last, np.zeros(3)
+        self.local = self.frames.map_of(range(max(last - self.rules.frames + 1, 0), last + 1), last)
+
+    def refine(self) -> None:
+        """Lay each scan between key frames on the map of all that are near, whenever those were."""
+        keys, places, rules = np.array(self.frames.scan), self.frames.poses[:, :2], self.rules
+        own = np.array(self.frame)
+        others = np.flatnonzero(keys[own] != np.arange(len(own)))
+        for frame in np.unique(own[others]):
+            far = np.hypot(*(places - places[frame]).T)
+            nearest = np.argsort(far, kind="stable")[: rules.around]
+            map = self.frames.map_of(nearest[far[nearest] <= rules.near], frame)
+            for scan in others[own[others] == frame]:
+                if map is not None and len(self.points[scan]) >= 6:
+                    start = self.offset[scan]
+                    match = map.register(self.points[scan], start, overlap=rules.overlap)
+                    self.offset[scan] = match.pose if match.matched else start
+
+    def poses(self) -> Array:
+        """Poses of all scans so far, `(k, 3)` array, metres and radians."""
+        return compose(self.frames.poses[self.frame], np.array(self.offset))
+
+    def pose(self) -> Array:
+        """Pose of the last scan, (3,) array, metres and radians."""
+        return compose(self.frames.poses[self.frame[-1]], self.offset[-1])
+
+    def graph(self, rejected: Sequence[Rejected] = ()) -> Graph | None:
+        """Edges between key frames, by the scans' indices; None before there is one."""
+        frames = self.frames
+        if not frames.edges:
+            return None
+        edges = stacked(frames.edges)
+        ends = np.array(frames.scan)[np.stack([edges.first, edges.second], -1)]
+        left, motion = deviations(frames.poses, edges), edges.relative
+        return Graph(ends, motion, edges.loop, left, tuple(rejected), edges.information)
+
+    def outcome(self, rejected: Sequence[Rejected] = ()) -> Outcome:
+        """Poses and reasons of all scans, and the graph."""
+        return Outcome(self.poses(), tuple(self.trail.reasons), self.graph(rejected))
+
+
+def _seen(scan: LaserScan) -> Array:
+    """Points of a scan, `(m, 2)`, metres, that a laser can have seen."""
+    points = scan.points()
+    return points[in_range(points)]
+
+
+def search_and_register(
+    map: PointMap, points: Array, guess: Array, window: float, angle: float, rules: Tracking
+) -> Match:
+    """Search about a guess and descend from there; in twice the window where little fits.
+
+    Along a direction that no wall faces the match keeps what the guess says.
+    """
+    best = no_match(guess, "nothing like it near")
+    for factor in (1.0, 2.0):
+        match = best
+        start, _ = map.search(points, guess, reach=factor * window, turn=factor * angle)
+        if start is not None:
+            match = map.register(points, start, overlap=rules.overlap)
+            x, y, heading = between(start, match.pose)
+            if np.hypot(x, y) > rules.slide or abs(heading) > rules.slide_angle:
+                match = no_match(start, "it slides over the map", match.overlap)
+        if match.overlap > (
+            0.0 if factor == 1.0 else max(best.overlap + rules.better, rules.least)
+        ):
+            best = match
+        if best.matched and best.overlap > rules.sure:
+            break
+    if not best.matched:
+        return no_match(guess, best.reason, best.overlap)
+    if best.free is None or map.has_wall_facing(best.free, points, best.pose):
+        return best
+    along = best.free @ (guess[:2] - best.pose[:2]) * best.free
+    return replace(best, pose=best.pose + (*along, 0.0))

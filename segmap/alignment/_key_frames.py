@@ -1,0 +1,71 @@
+"""Key frames: the scans that stand for the map, and the edges between them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..arrays import Array
+from ..poses import between, compose, transform
+from ._graph import Edge, information, solve, stacked
+from ._point_map import PointMap, in_range
+
+Members = Sequence[int] | NDArray[np.int64]
+
+
+class KeyFrames:
+    """The scans that stand for the map, half a metre apart, with poses that loops still move.
+
+    Attributes
+    ----------
+    scan : list of int
+        Index in the log of each key frame.
+    points : list of (m, 2) arrays, metres, in the frame of the robot
+    poses : (n, 3) array, metres and radians
+    path : list of float, metres
+        Path length from the start to each.
+    edges : list of Edge
+    """
+
+    def __init__(self, points: Array, pose: Array) -> None:
+        self.scan = [0]
+        self.points = [points]
+        self.poses = np.array([pose])
+        self.path = [0.0]
+        self.edges: list[Edge] = []
+
+    def __len__(self) -> int:
+        return len(self.scan)
+
+    def add(self, scan: int, points: Array, relative: Array, covariance: Array) -> None:
+        """Append a key frame at its motion `(3,)` from the last one, with an edge between them."""
+        new = len(self)
+        self.edges.append(Edge(new - 1, new, relative, information(covariance)))
+        self.scan.append(scan)
+        self.points.append(points)
+        self.poses = np.vstack([self.poses, compose(self.poses[-1], relative)])
+        self.path.append(self.path[-1] + float(np.hypot(relative[0], relative[1])))
+
+    def optimize(self) -> None:
+        """Move the poses to where all edges fit best."""
+        if self.edges:
+            self.poses = solve(self.poses, stacked(self.edges))
+
+    def points_around(self, members: Members, origin: int) -> tuple[Array, Array]:
+        """Points of some key frames, and where each was seen from: `(m, 2)` arrays, metres.
+
+        In the frame of the key frame `origin`.
+        """
+        clouds = [self.points[k] for k in members]
+        poses = between(self.poses[origin], self.poses[members])
+        poses = np.repeat(poses, [len(cloud) for cloud in clouds], axis=0)
+        points = transform(poses, np.concatenate(clouds)[:, None])[:, 0]
+        near = in_range(points)
+        return points[near], poses[near, :2]
+
+    def map_of(self, members: Members, origin: int) -> PointMap | None:
+        """The map of some key frames in the frame of `origin`; None where they have no point."""
+        points, viewpoints = self.points_around(members, origin)
+        return PointMap(points, viewpoints) if len(points) else None

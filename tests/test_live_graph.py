@@ -1,0 +1,100 @@
+"""The pose graph while the robot drives: as the whole log gives it, and after any interrupt."""
+
+import sys
+from copy import deepcopy
+
+import alignment_logs as logs
+import numpy as np
+import pytest
+
+from segmap.alignment import LiveGraph, LoopClosing, pose_graph
+
+#: Once round a corridor: the loop closes two scans before the end.
+LOG = logs.loop_log(step=0.5)
+#: Loops move the poses even of a log whose odometry is this good.
+AT_ONCE = LoopClosing(strain=1e-3)
+
+
+def test_a_log_fed_scan_by_scan_is_aligned_as_a_whole():
+    log = LOG
+    whole, graph = pose_graph(log, closing=AT_ONCE), LiveGraph(closing=AT_ONCE)
+    placed = [graph.add(scan) for scan in log]
+    before = graph.poses
+    np.testing.assert_array_equal([p.pose for p in placed][-1], before[-1])
+    assert any(p.closed for p in placed) and not placed[0].closed
+    found = graph.refine()
+    np.testing.assert_array_equal(found.poses, whole.poses)
+    assert found.reasons == whole.reasons and found.graph.rejected == whole.graph.rejected
+    np.testing.assert_array_equal(found.graph.edges, whole.graph.edges)
+    assert not np.array_equal(before, found.poses) and len(graph) == len(log)
+
+
+def test_the_poses_move_where_a_loop_is_said_to_close_and_only_there():
+    graph, before = LiveGraph(closing=AT_ONCE), np.zeros((0, 3))
+    for scan in LOG:
+        _, closed = graph.add(scan)
+        assert closed == (not np.array_equal(graph.poses[:-1], before))
+        before = graph.poses
+
+
+def test_more_scans_may_follow_a_refined_graph():
+    log, graph = LOG, LiveGraph()
+    for scan in log[:170]:
+        graph.add(scan)
+    graph.refine()
+    for scan in log[170:]:
+        graph.add(scan)
+    assert graph.graph.loop.any()
+    assert logs.errors(log, graph.refine().poses)[0].max() < 0.2
+
+
+def test_nothing_is_no_graph():
+    graph = LiveGraph()
+    assert graph.graph is None and graph.poses.shape == (0, 3) and len(graph.refine()) == 0
+    with pytest.raises(ValueError, match="scan must be a LaserScan"):
+        graph.add(LOG)
+
+
+class Interrupted(KeyboardInterrupt):
+    """So that no other is taken for it."""
+
+
+def interrupted_at(call, work):
+    """Whether that call of a function, of Python or of C, came: it is interrupted."""
+    left = call
+
+    def count(frame, event, argument):
+        nonlocal left
+        if event in ("call", "c_call"):
+            left -= 1
+            if left == 0:
+                raise Interrupted
+
+    sys.setprofile(count)
+    try:
+        work()
+    except Interrupted:
+        return True
+    finally:
+        sys.setprofile(None)
+    return False
+
+
+def test_an_interrupt_leaves_a_graph_as_it_was():
+    """At any moment, while scans are laid, make key frames, close loops and move all poses."""
+    log, graph = LOG, LiveGraph(closing=AT_ONCE)
+    begin, end = 181, 185
+    for scan in log[:begin]:
+        graph.add(scan)
+    wanted = deepcopy(graph)
+    assert any([wanted.add(scan).closed for scan in log[begin:end]])
+    call, going = 1, True
+    while going:
+        kept = deepcopy(graph)
+        going = interrupted_at(call, lambda kept=kept: [kept.add(s) for s in log[begin:end]])
+        for scan in log[len(kept) : end]:
+            kept.add(scan)
+        np.testing.assert_array_equal(kept.poses, wanted.poses)
+        assert repr(kept) == repr(wanted)
+        call += 599
+    assert call > 5000
