@@ -1,0 +1,29 @@
+"""Planted false loops: places that look alike are not taken for each other, true returns close.
+
+The buildings, and what false and a return are, stand in look_alikes.py.
+"""
+
+import pytest
+from look_alikes import BUILDINGS, SHORT, drive_through, verdict
+
+SEEDS = range(1, 21)
+
+
+def test_doors_that_repeat_close_no_false_loop():
+    """A lap and a half: the doors come again with the odometry metres off."""
+    found = verdict(drive_through("repeated doors", 1, SHORT)[:415])
+    assert found.false == 0
+    assert found.places >= 5
+    assert found.closed >= found.places - 1
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", BUILDINGS)
+def test_no_false_loop_in_twenty_drives(name):
+    """And at least 95 of 100 true returns close, in each building.
+
+    Catches a window as wide as the pitch of the doors or offices where the map is known better.
+    """
+    found = [verdict(drive_through(name, seed)) for seed in SEEDS]
+    assert [one.false for one in found] == [0] * len(SEEDS)
+    assert sum(one.closed for one in found) >= 0.95 * sum(one.places for one in found)
