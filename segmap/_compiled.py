@@ -28,6 +28,7 @@ class Compiled(Generic[P, R]):
     Python a kernel gets a wrapper that unpacks arrays, which costs a sixth of the compiling; for
     other kernels it is compiled without. Never `fastmath`: it breaks `isfinite`. What is annotated
     `float` is handed over as one: numba would compile everything once more for `tolerance=1`.
+    Other threads of Python run on beside a kernel.
     """
 
     def __init__(self, plain: Callable[P, R]) -> None:
@@ -54,10 +55,11 @@ class Compiled(Generic[P, R]):
             import numba
         except ImportError:
             return self.plain
-        return self._jit(numba.njit)
+        return self._jit(numba.njit, nogil=True)
 
     def _jit(self, njit: Callable[..., Any], **options: bool) -> Callable[P, R]:
-        linked = self._linked(njit, "-inner" if options else "")
+        inner = "no_cpython_wrapper" in options
+        linked = self._linked(njit, "-inner" if inner else "")
         try:
             return cast(Callable[P, R], njit(cache=True, **options)(linked))
         except RuntimeError:  # no folder that a cache could be written to

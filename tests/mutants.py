@@ -61,6 +61,7 @@ TESTS = {
     "_information": "graph",
     "kernels": "metrics basic hybrid fusion segment_similarity weighted angle_corr reduction",
     "matching": "matchers matching distance_field map_scans",
+    "matching/_live": "live_map",
     "methods": "alignment reduction",
     "_placed": "extraction quadtree distance_field exports units",
     "plotting": "plotting drawings comparison",

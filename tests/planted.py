@@ -290,6 +290,11 @@ PLANTED = (
     ("near = away[:, away[0] <= within] <= within", "near = away <= within", "storage"),
     ("a + np.linspace(0, 1, n + 1)[:, None] * (b - a)", "a + np.linspace(0, 1, n + 1, endpoint=False)[:, None] * (b - a)", "storage"),
     ("grid = np.ptp(np.rint(cells / resolution), axis=0) + 1", "grid = np.ptp(np.rint(cells / resolution), axis=0)", "storage"),
+    # the map of a robot that closes loops
+    ("self._anew.placed.append((scan, pose))", "pass", "live_map"),
+    ("vars(self.map).update(vars(map))", "self.map = map", "live_map"),
+    ("        except BaseException:  # half a scan may be in the map, or a loop that it does not show\n            self._stale = True\n", "        except BaseException:\n", "live_map"),
+    ("njit, nogil=True)", "njit, nogil=False)", "live_map"),
     # the workbench
     ("self._known = outcome if log is self.log else None", "self._known = outcome", "workbench"),
     ("short if scale == 1 else float(np.radians(short))", "short", "workbench"),

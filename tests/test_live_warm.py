@@ -40,6 +40,10 @@ USES = {
     "occupancy": "list(matching.map_scans(live(), score=matching.occupancy_score))",
     "drawn": "rng = np.random.default_rng(1)\n"
     "list(matching.map_scans(live(), matcher=matching.sample_and_rank, rng=rng))",
+    "graph": "from segmap.alignment import LiveGraph, LoopClosing\n"
+    "rules = LoopClosing(min_path=0.2, witnesses=1, span=0.1, strain=1e-9)\n"
+    "graph = LiveGraph(step=0.05, closing=rules)\n"
+    "list(matching.map_scans(live(), graph=graph))",
     "panel": "from segmap.panels import LivePanel\n"
     "panel = LivePanel(live())\npanel._follow()\nassert panel.taken, panel.state.value",
 }

@@ -1,7 +1,8 @@
 """Where a scan lies on a quadtree map: scores, and the two greedy matchers of B (4.3)."""
 
 from ._field import DistanceField
-from ._mapping import MATCHERS, SCORES, Step, map_scans
+from ._live_map import LiveMap, Step
+from ._mapping import MATCHERS, SCORES, map_scans
 from ._matchers import Score, field_score, hill_climb, sample_and_rank
 from ._scores import descent_score, distance_score, nearest_score, occupancy_score
 
@@ -9,6 +10,7 @@ __all__ = [
     "MATCHERS",
     "SCORES",
     "DistanceField",
+    "LiveMap",
     "Score",
     "Step",
     "descent_score",

@@ -6,17 +6,17 @@ import time
 from collections.abc import Callable, Iterable, Iterator
 from functools import lru_cache, partial
 from inspect import signature
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from .. import arrays
+from ..alignment import LiveGraph, LoopClosing
 from ..arrays import Array
-from ..poses import compose, transform
-from ..quadtree import QuadtreeMap, free_ends
+from ..quadtree import QuadtreeMap
 from ..scans import LaserScan
 from ._field import NothingNear
+from ._live_map import LiveMap, Step, insert
 from ._matchers import (
     Score,
     field_score,
@@ -46,23 +46,6 @@ SCORES: dict[str, Score] = {
 }
 
 
-class Step(NamedTuple):
-    """One scan inserted.
-
-    `pose`, (3,) array, is the robot's in the map, metres and radians; `score` is that of the scan
-    there, on the map before it, in the score's unit; `seconds` is what the whole step took.
-
-    Examples
-    --------
-    >>> next(map_scans([LaserScan([1.0], [0.0])])).pose
-    array([0., 0., 0.])
-    """
-
-    pose: Array
-    score: float
-    seconds: float
-
-
 def map_scans(
     log: Iterable[LaserScan],
     *,
@@ -73,11 +56,16 @@ def map_scans(
     start: ArrayLike = (0.0, 0.0, 0.0),
     free: bool = False,
     rng: np.random.Generator | None = None,
+    graph: LiveGraph | bool = False,
 ) -> Iterator[Step]:
     """Match each scan with the map of the scans before it, insert it, and say where it was.
 
     It uses ranges alone, no odometry and no scan ahead, so that it also serves a live sensor. What
     is compiled is loaded before the first scan is asked for: the laser is still off then.
+
+    With a graph the robot may come back: its poses close loops, and the map is then made anew from
+    the corrected poses of all scans, in the background; the old one stands until that is done. When
+    the log has ended, the map is that of the corrected poses (see `LiveMap`).
 
     Parameters
     ----------
@@ -98,12 +86,16 @@ def map_scans(
         CoreSLAM log half the beams do, and erase four fifths of the walls.
     rng : numpy.random.Generator or None
         For a matcher that takes one; `sample_and_rank` needs it.
+    graph : LiveGraph or bool
+        Poses come from this graph, or from a new one where True, and from odometry where scans have
+        it; matcher, score and settle are then not used.
 
     Yields
     ------
     Step
         After each scan. A scan gets the pose of the one before, and NaN for its score, if it is one
-        of the first, has no return, or if the map holds nothing near it.
+        of the first, has no return, or if the map holds nothing near it. With a graph, `closed`
+        says that earlier poses have moved: the graph, or `LiveMap`, has them.
 
     Raises
     ------
@@ -127,6 +119,9 @@ def map_scans(
         raise ValueError(f"log must be a Log, or give scans one by one, got {type(log).__name__}")
     if rng is not None:
         arrays.generator(rng)
+    if graph is not False:
+        given = LiveGraph() if graph is True else arrays.instance(graph, "graph", LiveGraph)
+        return _graph_steps(log, LiveMap(given, map=tree, start=pose, free=free))
     match = partial(_matched, _ready(matcher, rng), score)
     return _steps(log, tree, pose, first, free, match, score)
 
@@ -152,21 +147,34 @@ def _steps(
     _warm(score if score in SCORES.values() else field_score)
     inserted = 0
     for k, scan in enumerate(log):
-        if not isinstance(scan, LaserScan):
-            got = type(scan).__name__
-            raise ValueError(f"scan {k}: wanted a LaserScan, as a Log or sensor gives, got {got}")
+        _check_scan(scan, k)
         begun, points, value = time.perf_counter(), scan.points(), np.nan
         try:
             if len(points) and inserted >= settle:
                 pose, value = match(map, points, pose)
-            if len(points):
-                sensor = compose(pose, scan.sensor_pose)
-                unseen = free_ends(scan, sensor) if free else None
-                map.insert_scan(sensor[:2], transform(pose, points), unseen)
-                inserted += 1
+            insert(map, scan, pose, free=free)
+            inserted += len(points) > 0
         except ValueError as error:
             raise ValueError(f"scan {k}: {error}") from error
         yield Step(pose.copy(), value, time.perf_counter() - begun)
+
+
+def _graph_steps(log: Iterable[LaserScan], live: LiveMap) -> Iterator[Step]:
+    _warm_graph()
+    for k, scan in enumerate(log):
+        _check_scan(scan, k)
+        try:
+            step = live.add(scan)
+        except ValueError as error:
+            raise ValueError(f"scan {k}: {error}") from error
+        yield step
+    live.finish()
+
+
+def _check_scan(scan: object, k: int) -> None:
+    if not isinstance(scan, LaserScan):
+        got = type(scan).__name__
+        raise ValueError(f"scan {k}: wanted a LaserScan, as a Log or sensor gives, got {got}")
 
 
 @lru_cache  # once in each process
@@ -179,6 +187,19 @@ def _warm(score: Score) -> None:
     for _ in range(2):
         map.insert_scan((0.05, 0.05), points, -points)
         _matched(hill_climb, score, map, points, np.zeros(3))
+
+
+@lru_cache  # once in each process
+def _warm_graph() -> None:
+    """The same for a graph: a robot that drives to and fro in a room, and closes loops."""
+    rules = LoopClosing(min_path=0.3, witnesses=1, span=0.1, strain=1e-9)
+    live = LiveMap(LiveGraph(step=0.1, closing=rules), map=QuadtreeMap(free_resolution=0.16))
+    angles = np.radians(np.arange(0.5, 360, 4))
+    x, y = np.cos(angles), np.sin(angles)
+    for at in 0.15 * np.array([0, 1, 2, 3, 2, 1, 0, 1]):
+        ranges = np.minimum((3 * np.sign(x) - at) / x, 2 / np.abs(y))
+        live.add(LaserScan(ranges, angles, odometry=(at + 0.01, 0, 0)))
+    live.finish()
 
 
 def _matched(

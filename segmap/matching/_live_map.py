@@ -1,0 +1,216 @@
+"""A quadtree of scans whose poses loops still move: made anew, in the background, where they do."""
+
+from __future__ import annotations
+
+import threading
+import time
+from copy import deepcopy
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from .. import arrays
+from ..alignment import LiveGraph
+from ..arrays import Array
+from ..poses import compose, inverse, transform
+from ..quadtree import QuadtreeMap, free_ends
+from ..scans import LaserScan
+
+
+class Step(NamedTuple):
+    """One scan inserted.
+
+    `pose`, (3,) array, is the robot's in the map, metres and radians; `score` is that of the scan
+    there, on the map before it, in the score's unit, NaN for a pose of a graph; `seconds` is what
+    the whole step took; `closed` says whether the scan closed loops that moved earlier poses.
+
+    Examples
+    --------
+    >>> from segmap.matching import map_scans
+    >>> next(map_scans([LaserScan([1.0], [0.0])])).pose
+    array([0., 0., 0.])
+    """
+
+    pose: Array
+    score: float
+    seconds: float
+    closed: bool = False
+
+
+class LiveMap:
+    """The map of a robot that closes loops while it drives.
+
+    A pose graph places each scan, which is then inserted. Where loops move earlier poses, a new map
+    of all scans is made in a thread, at their corrected poses; the old one stands, and goes on
+    growing, until the new one holds all scans and takes its place.
+
+    Parameters
+    ----------
+    graph : LiveGraph or None
+        Scans that it holds already are not drawn; a new one by default.
+    map : QuadtreeMap or None
+        Scans are inserted here, beside what it holds; a new map by default.
+    start : (3,) array, metres and radians
+        Pose of the robot in the map at the first scan.
+    free : bool
+        As in `map_scans`.
+
+    Attributes
+    ----------
+    graph : LiveGraph
+    map : QuadtreeMap
+        Always the same object: a new map takes its place inside.
+
+    Raises
+    ------
+    ValueError
+        For another graph, map, start or switch.
+
+    Examples
+    --------
+    >>> from segmap import load
+    >>> live = LiveMap()
+    >>> for scan in load("room")[:5]:
+    ...     step = live.add(scan)
+    >>> live.finish()
+    >>> live
+    LiveMap(LiveGraph(5 scans: 1 key frames, 0 loops))
+    """
+
+    def __init__(
+        self,
+        graph: LiveGraph | None = None,
+        *,
+        map: QuadtreeMap | None = None,
+        start: ArrayLike = (0.0, 0.0, 0.0),
+        free: bool = False,
+    ) -> None:
+        self.graph = LiveGraph() if graph is None else arrays.instance(graph, "graph", LiveGraph)
+        self.map = QuadtreeMap() if map is None else arrays.instance(map, "map", QuadtreeMap)
+        self._blank, self._start = deepcopy(self.map), arrays.pose(start, "start")
+        self._free = arrays.switch(free, "free")
+        self._first = len(self.graph)
+        self._map_from_graph: Array | None = None
+        self._scans: list[tuple[int, LaserScan]] = []  # those that are drawn, by their number
+        self._stale = False
+        self._anew: _Anew | None = None
+
+    def add(self, scan: LaserScan) -> Step:
+        """Place a scan and insert it.
+
+        Parameters
+        ----------
+        scan : LaserScan
+
+        Returns
+        -------
+        Step
+
+        Raises
+        ------
+        ValueError
+            For what is no LaserScan, or reaches beyond the map's `max_size`: it is not drawn then.
+        """
+        begun = time.perf_counter()
+        self._exchange()
+        try:
+            found, closed = self.graph.add(scan)
+            self._stale |= closed
+            if self._map_from_graph is None:
+                self._map_from_graph = compose(self._start, inverse(found))
+            pose = compose(self._map_from_graph, found)
+            self._draw(scan, pose)
+        except BaseException:  # half a scan may be in the map, or a loop that it does not show
+            self._stale = True
+            raise
+        self._begin()
+        return Step(pose, np.nan, time.perf_counter() - begun, closed)
+
+    def finish(self) -> None:
+        """Wait until the map shows all scans at their corrected poses."""
+        self._begin()
+        while self._anew is not None:
+            self._anew.thread.join()
+            self._exchange()
+            self._begin()
+
+    @property
+    def poses(self) -> Array:
+        """Poses of the scans in the map, `(k, 3)` array, metres and radians, as corrected."""
+        if self._map_from_graph is None:
+            return np.zeros((0, 3))
+        return compose(self._map_from_graph, self.graph.poses[self._first :])
+
+    def _draw(self, scan: LaserScan, pose: Array) -> None:
+        """Insert a scan now, and into the new map once its turn comes."""
+        insert(self.map, scan, pose, free=self._free)
+        self._scans.append((len(self.graph) - 1, scan))
+        if self._anew is not None:
+            self._anew.placed.append((scan, pose))
+
+    def _begin(self) -> None:
+        """Begin a new map where poses have moved; one that is being made ends first."""
+        if self._stale and self._anew is None:
+            poses = self.poses
+            placed = [(scan, poses[number - self._first]) for number, scan in self._scans]
+            self._anew = _Anew(deepcopy(self._blank), placed, free=self._free)
+            self._stale = False
+
+    def _exchange(self) -> None:
+        """Let the new map take the place of the old one, if it is ready."""
+        if self._anew is None or self._anew.thread.is_alive():
+            return
+        try:
+            map = self._anew.finished()
+        except BaseException:
+            self._stale = True
+            raise
+        finally:
+            self._anew = None
+        vars(self.map).update(vars(map))
+
+    def __repr__(self) -> str:
+        return f"LiveMap({self.graph!r})"
+
+
+class _Anew:
+    """A map that is made in a thread, of scans and their poses; more of them may be appended."""
+
+    def __init__(
+        self, map: QuadtreeMap, placed: list[tuple[LaserScan, Array]], *, free: bool
+    ) -> None:
+        self.map, self.placed, self.free, self.done = map, placed, free, 0
+        self.error: BaseException | None = None
+        self.thread = threading.Thread(target=self._work, name="new map", daemon=True)
+        self.thread.start()
+
+    def _work(self) -> None:
+        try:
+            self._insert()
+        except BaseException as error:
+            self.error = error
+
+    def _insert(self) -> None:
+        while self.done < len(self.placed):
+            insert(self.map, *self.placed[self.done], free=self.free)
+            self.done += 1
+
+    def finished(self) -> QuadtreeMap:
+        """The map, with the scans that came after the thread had ended; or the thread's error."""
+        if self.error is not None:
+            raise self.error
+        self._insert()
+        return self.map
+
+
+def insert(map: QuadtreeMap, scan: LaserScan, pose: Array, *, free: bool) -> None:
+    """Add a scan to a map at the robot's pose (3,), metres and radians; free as in `map_scans`.
+
+    A scan without returns is passed over.
+    """
+    points = scan.points()
+    if len(points):
+        sensor = compose(pose, scan.sensor_pose)
+        unseen = free_ends(scan, sensor) if free else None
+        map.insert_scan(sensor[:2], transform(pose, points), unseen)
