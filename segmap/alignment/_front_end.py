@@ -25,8 +25,8 @@ class FrontEnd:
 
     def __init__(self, first: LaserScan, matcher: Matcher, rules: Tracking) -> None:
         self.trail, self.matcher, self.rules = Trail([first]), matcher, rules
-        self.points = [_seen(first)]
-        self.frames = KeyFrames(self.points[0], self.trail.poses[0])
+        self.scans, self.points = [first], _seen(first)  # and the points of the last one
+        self.frames = KeyFrames(self.points, self.trail.poses[0])
         self.frame = [0]  # the key frame of each scan,
         self.offset = [np.zeros(3)]  # and its pose there
         self.local = self.frames.map_of([0], 0)
@@ -40,7 +40,8 @@ class FrontEnd:
             match = no_match(guess, "too few points")
         else:
             match = self.matcher(self.local, points, guess)
-        self.points.append(points)
+        self.scans.append(scan)
+        self.points = points
         self.frame.append(len(self.frames) - 1)
         self.offset.append(match.pose)
         self.trail.place(compose(self.trail.poses[-1], between(before, match.pose)), match.reason)
@@ -50,18 +51,18 @@ class FrontEnd:
         """Whether the last scan is farther from its key frame, or the first to have points."""
         x, y, heading = self.offset[-1]
         moved = np.hypot(x, y) > step or abs(heading) > turn
-        return bool(moved or (self.local is None and len(self.points[-1])))
+        return bool(moved or (self.local is None and len(self.points)))
 
     def add_frame(self, match: Match) -> None:
         """Make the last scan the newest key frame, at its match."""
-        scan = len(self.points) - 1
+        scan = len(self.scans) - 1
         step, turn = self.rules.step_error, self.rules.turn_error
         weak = np.diag([step, step, turn]) ** 2
         covariance = match.covariance if match.matched else weak
         if match.matched and match.free is not None and self.trail.measured(scan):
             along = np.array([*match.free, 0.0]) / self.rules.along_error
             covariance = np.linalg.inv(np.linalg.inv(covariance) + np.outer(along, along))
-        self.frames.add(scan, self.points[scan], match.pose, covariance)
+        self.frames.add(scan, self.points, match.pose, covariance)
         last = len(self.frames) - 1
         self.frame[scan], self.offset[scan] = last, np.zeros(3)
         self.local = self.frames.map_of(range(max(last - self.rules.frames + 1, 0), last + 1), last)
@@ -76,9 +77,9 @@ class FrontEnd:
             nearest = np.argsort(far, kind="stable")[: rules.around]
             map = self.frames.map_of(nearest[far[nearest] <= rules.near], frame)
             for scan in others[own[others] == frame]:
-                if map is not None and len(self.points[scan]) >= 6:
-                    start = self.offset[scan]
-                    match = map.register(self.points[scan], start, overlap=rules.overlap)
+                points, start = _seen(self.scans[scan]), self.offset[scan]
+                if map is not None and len(points) >= 6:
+                    match = map.register(points, start, overlap=rules.overlap)
                     self.offset[scan] = match.pose if match.matched else start
 
     def poses(self) -> Array:

@@ -239,7 +239,7 @@ class LiveGraph:
         )
 
     def __len__(self) -> int:
-        return 0 if self._parts is None else len(self._parts[0].points)
+        return 0 if self._parts is None else len(self._parts[0].scans)
 
     def __repr__(self) -> str:
         if self._parts is None:
