@@ -10,6 +10,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
+from . import _motions
 from .arrays import Array, share, values
 
 
@@ -29,7 +30,7 @@ def wrap(angle: ArrayLike) -> Array:
     >>> np.degrees(wrap(np.radians([190.0, -180.0, 540.0]))).round(9)
     array([-170., -180., -180.])
     """
-    return (values(angle, "angle") + np.pi) % (2 * np.pi) - np.pi
+    return _motions.wrap(values(angle, "angle"))
 
 
 def axial_difference(a: ArrayLike, b: ArrayLike) -> Array:

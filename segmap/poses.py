@@ -9,6 +9,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
+from . import _motions
 from .angles import wrap
 from .arrays import Array, number, numbers, trailing, values
 
@@ -30,10 +31,7 @@ def compose(a_from_b: ArrayLike, b_from_c: ArrayLike) -> Array:
     array([1.      , 3.      , 1.570796])
     """
     a, b = trailing(a_from_b, "a_from_b", 3), trailing(b_from_c, "b_from_c", 3)
-    c, s = np.cos(a[..., 2]), np.sin(a[..., 2])
-    x = a[..., 0] + c * b[..., 0] - s * b[..., 1]
-    y = a[..., 1] + s * b[..., 0] + c * b[..., 1]
-    return np.stack([x, y, wrap(a[..., 2] + b[..., 2])], -1)
+    return _motions.compose(a, b)
 
 
 def inverse(a_from_b: ArrayLike) -> Array:
@@ -52,11 +50,7 @@ def inverse(a_from_b: ArrayLike) -> Array:
     >>> inverse((1, 2, np.pi / 2)).round(6)
     array([-2.      ,  1.      , -1.570796])
     """
-    p = trailing(a_from_b, "a_from_b", 3)
-    c, s = np.cos(p[..., 2]), np.sin(p[..., 2])
-    x = -c * p[..., 0] - s * p[..., 1]
-    y = s * p[..., 0] - c * p[..., 1]
-    return np.stack([x, y, wrap(-p[..., 2])], -1)
+    return _motions.inverse(trailing(a_from_b, "a_from_b", 3))
 
 
 def between(a: ArrayLike, b: ArrayLike) -> Array:
@@ -75,7 +69,7 @@ def between(a: ArrayLike, b: ArrayLike) -> Array:
     >>> between((1, 2, np.pi / 2), (1, 3, np.pi / 2)).round(6)
     array([1., 0., 0.])
     """
-    return compose(inverse(trailing(a, "a", 3)), trailing(b, "b", 3))
+    return _motions.between(trailing(a, "a", 3), trailing(b, "b", 3))
 
 
 def transform(a_from_b: ArrayLike, points: ArrayLike) -> Array:
@@ -98,12 +92,7 @@ def transform(a_from_b: ArrayLike, points: ArrayLike) -> Array:
     array([[1., 3.],
            [0., 2.]])
     """
-    pose, xy = trailing(a_from_b, "a_from_b", 3), trailing(points, "points", 2)
-    if pose.ndim > 1:
-        pose = pose[..., None, :]
-    c, s = np.cos(pose[..., 2]), np.sin(pose[..., 2])
-    x, y = xy[..., 0], xy[..., 1]
-    return np.stack([pose[..., 0] + c * x - s * y, pose[..., 1] + s * x + c * y], -1)
+    return _motions.transform(trailing(a_from_b, "a_from_b", 3), trailing(points, "points", 2))
 
 
 def interpolate(

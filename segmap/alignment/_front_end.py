@@ -7,8 +7,8 @@ from dataclasses import replace
 
 import numpy as np
 
+from .._motions import between, compose
 from ..arrays import Array
-from ..poses import between, compose
 from ..scans import LaserScan
 from ._graph import Graph, Rejected, deviations, stacked
 from ._graph_settings import Tracking

@@ -14,9 +14,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from .. import arrays
 from .._information import checked
+from .._motions import between, compose
 from ..angles import wrap
 from ..arrays import Array
-from ..poses import between, compose
 
 #: Residuals of this many standard deviations have half the weight: nine of ten true edges are
 #: closed better, false loops are far beyond.

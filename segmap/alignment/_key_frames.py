@@ -7,8 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from .._motions import between, compose, transform
 from ..arrays import Array
-from ..poses import between, compose, transform
 from ._graph import Edge, information, solve, stacked
 from ._point_map import PointMap, in_range
 

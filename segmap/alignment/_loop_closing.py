@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from .._motions import between, compose
 from ..arrays import Array
-from ..poses import between, compose
 from ._graph import Edge, Rejected, deviations, information, residuals, stacked
 from ._graph_settings import LoopClosing
 from ._point_map import PointMap
