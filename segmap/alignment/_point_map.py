@@ -2,24 +2,23 @@
 
 from __future__ import annotations
 
+import math
 from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..angles import wrap
+from .._motions import wrap
 from ..arrays import Array
 from . import _point_loops as loops
 from . import _search_loops as searching
 from ._result import Match, no_match
+from ._step_loops import uncertainty
 
 # What follows are properties of lasers and of walls, the same for every building.
 #: Side of the cells that points are sorted into, metres: about the reach of the last steps.
 CELL = 0.15
-#: Radius within which a wall's direction is fitted, metres: from ten times the noise of a laser to
-#: what holds five beams of half a degree at 25 m; five points show whether they form a wall.
-RADII, ENOUGH = (0.12, 1.0), 5
 #: Smallest standard deviation, metres, that offsets from a wall are believed to have: a laser's.
 FLOOR = 0.01
 #: Cells of the search, metres: half the reach of the descent that follows; and the standard
@@ -52,7 +51,7 @@ class Descent(NamedTuple):
 
     pose: Array  # (3,), metres and radians
     rows: Array  # (m, 6): residuals before the last step
-    hessian: Array  # (3, 3)
+    system: Array  # (3, 4): Hessian and gradient
     sigma: float
     near: float
     reach: float
@@ -73,22 +72,21 @@ class PointMap:
 
     def __init__(self, points: Array, viewpoints: Array | None = None) -> None:
         x, y = points[:, 0], points[:, 1]
-        low, high = np.array([x.min(), y.min()]), np.array([x.max(), y.max()])
-        size = max(CELL, float((high - low).max()) / 2000)
-        columns, rows = ((high - low) / size).astype(np.int64) + 1
-        cell = ((points - low) / size).astype(np.int64) @ (rows, 1)
-        order = np.argsort(cell, kind="stable")
-        first = np.zeros(columns * rows + 1, np.int64)
-        np.cumsum(np.bincount(cell, minlength=columns * rows), out=first[1:])
-        points, normals = points[order], np.full((len(points), 2), np.nan)
-        box = float(low[0]), float(low[1]), size, int(columns), int(rows)
-        grid = loops.PointGrid(points, normals, *box, first, False)
-        loops.fit_normals(grid, *RADII, ENOUGH)
-        if viewpoints is not None:
-            towards = np.einsum("ni,ni->n", normals, viewpoints[order] - points)
-            normals[towards < 0] *= -1.0
-            grid = grid._replace(sided=True)
-        self.grid = grid
+        left, low, right, top = map(float, (x.min(), y.min(), x.max(), y.max()))
+        size = max(CELL, max(right - left, top - low) / 2000)
+        columns, rows = int((right - left) / size) + 1, int((top - low) / size) + 1
+        sided = viewpoints is not None
+        seen_from = points if viewpoints is None else viewpoints
+        first = np.zeros(columns * rows + 2, np.int32)
+        room = (np.empty((len(points), 2)), np.empty((len(points), 2)), np.empty_like(seen_from))
+        self._grid = loops.PointGrid(*room, left, low, size, columns, rows, first, sided)
+        loops.sort_points(self._grid, points, seen_from)
+
+    @property
+    def grid(self) -> loops.PointGrid:
+        """The points in cells, with all normals; a descent fits only those that it asks for."""
+        loops.fit_normals(self._grid)
+        return self._grid
 
     def register(
         self,
@@ -124,7 +122,7 @@ class PointMap:
         if found.near < overlap:
             return no_match(start, "too little of it lies on the map", found.near)
         variance = INFLATION * found.sigma**2
-        covariance, free = _uncertainty(found.hessian, variance, _span(current))
+        covariance, free = _uncertainty(found.system, variance, _span(current))
         return Match(found.pose, covariance, True, "", found.near, free)
 
     def descend(
@@ -144,11 +142,11 @@ class PointMap:
         system, scratch = np.empty((3, 4)), np.empty((2, 3, 3))
         points, reaches = np.ascontiguousarray(current), (float(reach), float(last))
         sigma, near, used, reach, stride, converged = loops.point_to_line(
-            self.grid, points, pose, *reaches, FLOOR, _span(current), stride, rounds,
+            self._grid, points, pose, *reaches, FLOOR, _span(current), stride, rounds,
             rows, system, scratch,
         )  # fmt: skip
         pose[2] = wrap(pose[2])
-        return Descent(pose, rows[:used], system[:, :3], sigma, near, reach, stride, converged)
+        return Descent(pose, rows[:used], system, sigma, near, reach, stride, converged)
 
     def has_wall_facing(self, direction: Array, current: Array, pose: Array) -> bool:
         """Whether a wall under a scan's points `(m, 2)` at a pose `(3,)` faces a direction `(2,)`.
@@ -167,7 +165,7 @@ class PointMap:
         r = int(np.ceil(2.5 * BAND / FINE))
         away = np.arange(-r, r + 1) ** 2 * FINE**2
         stamp = (255 * np.exp(-(away[:, None] + away) / (2 * BAND**2))).astype(np.uint8)
-        cells = ((self.grid.points - self.corner) / FINE).astype(np.int64)
+        cells = ((self._grid.points - self.corner) / FINE).astype(np.int64)
         levels = np.zeros((LEVELS, *cells.max(0) + r + 1), np.uint8)
         searching.stamp_points(levels[0], cells, stamp)
         for k in range(LEVELS - 1):
@@ -180,7 +178,7 @@ class PointMap:
     @property
     def corner(self) -> Array:
         """Lower left corner of the levels, (2,) array, metres."""
-        return np.array([self.grid.x, self.grid.y]) - 3 * BAND - 8 * FINE
+        return np.array([self._grid.x, self._grid.y]) - 3 * BAND - 8 * FINE
 
     def search(
         self,
@@ -240,22 +238,16 @@ def in_range(points: Array) -> NDArray[np.bool_]:
 
 def _span(current: Array) -> float:
     """Root mean square distance of points `(m, 2)` from the robot, metres."""
-    return float(np.sqrt((current**2).sum(1).mean())) + 1e-9
+    flat = current.ravel()
+    return math.sqrt(float(flat @ flat) / len(current)) + 1e-9
 
 
-def _uncertainty(hessian: Array, variance: float, span: float) -> tuple[Array, Array | None]:
+def _uncertainty(system: Array, variance: float, span: float) -> tuple[Array, Array | None]:
     """Covariance `(3, 3)`, and the direction `(2,)` that the walls do not fix, if there is one.
 
     Along such a direction the standard deviation is one metre: the match says nothing of it. In a
     round room it is the heading that they do not fix: that is no direction.
     """
-    scale = np.array([1.0, 1.0, 1.0 / span])
-    value, vector = np.linalg.eigh(hessian * scale[:, None] * scale)
-    fixed = value > loops.FREE * value[2]
-    spread = np.where(fixed, variance / np.where(fixed, value, 1.0), 1.0)
-    covariance = (vector * spread) @ vector.T * scale[:, None] * scale
-    along = vector[:2, ~fixed]
-    shift = np.hypot(*along)
-    if shift.max(initial=0.0) < SHIFT:
-        return covariance, None
-    return covariance, along[:, np.argmax(shift)] / shift.max()
+    covariance, scratch = np.empty((3, 3)), np.empty((2, 3, 3))
+    x, y, shift = uncertainty(system, variance, span, scratch[0], scratch[1], covariance)
+    return covariance, None if shift < SHIFT else np.array([x, y])
