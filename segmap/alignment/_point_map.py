@@ -24,8 +24,8 @@ FLOOR = 0.01
 #: Cells of the search, metres: half the reach of the descent that follows; and the standard
 #: deviation of a wall in them, which a wall between two cells must not escape.
 FINE, BAND = 0.05, 0.06
-#: Maxima over 1, 2, 4 and 8 cells: wider ones bound nothing in a window of half a metre.
-LEVELS = 4
+#: Maxima over 1, 2, 4, 8 and 16 cells: wider ones bound nothing in a window of half a metre.
+LEVELS = 5
 #: So many points of a scan are enough for the search, and far from the answer for the descent.
 SAMPLE = 250
 #: Points of a scan and map errors are not independent: measured errors are this many times the
@@ -158,27 +158,25 @@ class PointMap:
 
     @cached_property
     def levels(self) -> searching.Levels:
-        """Likelihoods of cells of `FINE` metres and their maxima over 2, 4 and 8 cells a side.
+        """Likelihoods of cells of `FINE` metres and their maxima over 2, 4, 8 and 16 cells a side.
 
-        (4, columns, rows) array of bytes.
+        (5, columns, rows) array of bytes.
         """
         r = int(np.ceil(2.5 * BAND / FINE))
         away = np.arange(-r, r + 1) ** 2 * FINE**2
         stamp = (255 * np.exp(-(away[:, None] + away) / (2 * BAND**2))).astype(np.uint8)
         cells = ((self._grid.points - self.corner) / FINE).astype(np.int64)
-        levels = np.zeros((LEVELS, *cells.max(0) + r + 1), np.uint8)
+        levels = np.zeros((LEVELS, *cells.max(0) + r + 2), np.uint8)
         searching.stamp_points(levels[0], cells, stamp)
         for k in range(LEVELS - 1):
-            wide, step = levels[k + 1], 1 << k
-            wide[:] = levels[k]
-            np.maximum(wide[:-step], levels[k, step:], out=wide[:-step])
-            np.maximum(wide[:, :-step], wide[:, step:].copy(), out=wide[:, :-step])
+            searching.widen(levels[k], levels[k + 1], 1 << k)
         return levels
 
     @property
     def corner(self) -> Array:
-        """Lower left corner of the levels, (2,) array, metres."""
-        return np.array([self._grid.x, self._grid.y]) - 3 * BAND - 8 * FINE
+        """Lower left corner of the levels, (2,) array, metres: nothing lies in the widest there."""
+        margin = 3 * BAND + (1 << (LEVELS - 1)) * FINE
+        return np.array([self._grid.x - margin, self._grid.y - margin])
 
     def search(
         self,
@@ -213,21 +211,22 @@ class PointMap:
             Mean likelihood of the points, 0 to 1, less what its distance costs.
         """
         begin, k = np.array(start, float), int(np.ceil(turn / step))
-        headings = np.linspace(-k * step, k * step, 2 * k + 1)
-        cost = reach_cost * (headings / max(np.abs(headings).max(), 1e-9)) ** 2
-        c, s = np.cos(begin[2] + headings)[:, None], np.sin(begin[2] + headings)[:, None]
-        x, y = np.ascontiguousarray(current[:: 1 + len(current) // SAMPLE].T)
-        scans = np.empty((len(headings), len(x), 2), np.int32)
-        scans[..., 0] = np.floor((c * x - s * y + begin[0] - self.corner[0]) / FINE)
-        scans[..., 1] = np.floor((s * x + c * y + begin[1] - self.corner[1]) / FINE)
-        radius, width = int(np.ceil(reach / FINE)), 1 << (LEVELS - 1)
-        blocks = len(headings) * (2 * radius // width + 1) ** 2
+        points = np.ascontiguousarray(current[:: 1 + len(current) // SAMPLE])
+        levels, radius, n = self.levels, int(np.ceil(reach / FINE)), 2 * k + 1
+        blocks = n * (2 * radius // (1 << (LEVELS - 1)) + 1) ** 2
+        map = searching.Likelihoods(levels.reshape(LEVELS, -1), *levels.shape[1:], FINE)
+        scan = searching.Headings(
+            np.empty((n, len(points)), np.int32),
+            np.empty((n, len(points), 2), np.int32),
+            np.empty((n, 2), np.int64),
+        )
         scratch = np.empty(blocks), np.empty(blocks, np.int64)
         todo = np.empty((4 * LEVELS, 3), np.int64), np.empty(4 * LEVELS)
         score, h, i, j = searching.search(
-            self.levels, scans, cost, radius, reach_cost, least, *scratch, *todo
-        )
-        pose = begin + (i * FINE, j * FINE, headings[h])
+            map, points, begin - (*self.corner, 0.0), step, radius, reach_cost, least,
+            scan, *scratch, *todo,
+        )  # fmt: skip
+        pose = begin + (i * FINE, j * FINE, (h - k) * step)
         return (pose if h >= 0 else None), score
 
 

@@ -5,6 +5,9 @@ Olson (2009), with the branch and bound of Hess et al. (2016).
 
 from __future__ import annotations
 
+import math
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -15,39 +18,118 @@ Levels = NDArray[np.uint8]
 Cells = NDArray[np.int32]
 Indices = NDArray[np.int64]
 
+#: After so many points a sum is given up where the rest cannot lift it above what is asked.
+CHUNK = 24
+#: No sum.
+NONE = -1
+
+
+class Likelihoods(NamedTuple):
+    """Likelihoods of square cells, then their maxima over 2, 4, 8, ... cells a side."""
+
+    levels: Levels  # (l, columns * rows): cell (i, j) is i * rows + j
+    columns: int
+    rows: int
+    size: float  # side of a cell, metres
+
+
+class Headings(NamedTuple):
+    """The cells of a scan at each heading of a window: most lie inside of the map all over it."""
+
+    inside: Cells  # (h, n): cells, where no shift of the window leaves the map
+    edge: Cells  # (h, n, 2): columns and rows of the others that may lie on the map
+    count: Indices  # (h, 2): how many of each there are
+
 
 @compiled
-def stamp_points(level: NDArray[np.uint8], cells: Indices, stamp: NDArray[np.uint8]) -> None:
+def stamp_points(level: Levels, cells: Indices, stamp: Levels) -> None:
     """Raise the likelihoods around each point to those of a stamp, (s, s) array, s odd, laid on it.
 
-    The stamps of all cells `(n, 2)` lie inside of the level, (columns, rows) array of bytes.
+    The stamps of all cells `(n, 2)` lie inside of the level, (columns, rows) array of bytes; the
+    middle of the stamp is its only maximum.
     """
+    half = len(stamp) // 2
     for k in range(len(cells)):
-        i, j = cells[k, 0] - len(stamp) // 2, cells[k, 1] - len(stamp) // 2
-        for a in range(len(stamp)):
-            for b in range(len(stamp)):
-                if level[i + a, j + b] < stamp[a, b]:
-                    level[i + a, j + b] = stamp[a, b]
+        i, j = cells[k, 0] - half, cells[k, 1] - half
+        if level[i + half, j + half] < stamp[half, half]:  # else a point lies there already
+            for a in range(len(stamp)):
+                for b in range(len(stamp)):
+                    if level[i + a, j + b] < stamp[a, b]:
+                        level[i + a, j + b] = stamp[a, b]
 
 
 @compiled
-def mean_likelihood(levels: Levels, level: int, scans: Cells, h: int, i: int, j: int) -> float:
-    """Mean likelihood, 0 to 1, under scan h moved by (i, j) cells; 0 outside of the map.
+def widen(level: Levels, wide: Levels, step: int) -> None:
+    """Write the maximum of each cell and of those `step` farther in columns, rows and both.
 
-    Levels (l, columns, rows) of bytes, the cells of a scan at each heading (h, n, 2).
+    The last column and the last row are empty.
     """
-    total = 0
-    for k in range(scans.shape[1]):
-        a, b = scans[h, k, 0] + i, scans[h, k, 1] + j
-        if 0 <= a < levels.shape[1] and 0 <= b < levels.shape[2]:
-            total += int(levels[level, a, b])
-    return total / (255.0 * scans.shape[1])
+    columns, rows = level.shape
+    for i in range(columns):
+        here, there, out = level[i], level[min(i + step, columns - 1)], wide[i]
+        here_up, there_up = here[step:], there[step:]  # so that no index may be negative: SIMD
+        for j in range(len(here_up)):
+            out[j] = max(max(here[j], here_up[j]), max(there[j], there_up[j]))
+        for j in range(max(rows - step, 0), rows):
+            out[j] = max(here[j], there[j])
+
+
+@compiled
+def _lay_out(
+    map: Likelihoods, points: Array, start: Array, step: float, radius: int, found: Headings
+) -> None:
+    """Write the cells of a scan's points `(n, 2)`, metres, at all headings about a start `(3,)`.
+
+    The start is in the frame of the map's corner; a step between headings is in radians. Points
+    that lie off the map wherever the window of `radius` cells moves them are left out.
+    """
+    for h in range(len(found.inside)):
+        heading = start[2] + (h - len(found.inside) // 2) * step
+        c, s = math.cos(heading), math.sin(heading)
+        inside = edge = 0
+        for k in range(len(points)):
+            x, y = points[k, 0], points[k, 1]
+            i = math.floor((c * x - s * y + start[0]) / map.size)
+            j = math.floor((s * x + c * y + start[1]) / map.size)
+            if radius <= i < map.columns - radius and radius <= j < map.rows - radius:
+                found.inside[h, inside] = i * map.rows + j
+                inside += 1
+            elif -radius <= i < map.columns + radius and -radius <= j < map.rows + radius:
+                found.edge[h, edge, 0], found.edge[h, edge, 1] = i, j
+                edge += 1
+        found.count[h, 0], found.count[h, 1] = inside, edge
+
+
+@compiled
+def _likelihood(
+    map: Likelihoods, level: int, scan: Headings, h: int, i: int, j: int, least: float
+) -> int:
+    """Sum of likelihoods, 255 each, under scan h moved by (i, j) cells; NONE if not above `least`.
+
+    Outside of the map they are 0.
+    """
+    total, shift, count = 0, i * map.rows + j, scan.count[h, 0]
+    left = 255 * (count + scan.count[h, 1])
+    begin = 0
+    while begin < count:
+        end = min(begin + CHUNK, count)
+        for k in range(begin, end):
+            total += int(map.levels[level, scan.inside[h, k] + shift])
+        left -= 255 * (end - begin)
+        if total + left <= least:
+            return NONE
+        begin = end
+    for k in range(scan.count[h, 1]):
+        a, b = scan.edge[h, k, 0] + i, scan.edge[h, k, 1] + j
+        if 0 <= a < map.columns and 0 <= b < map.rows:
+            total += int(map.levels[level, a * map.rows + b])
+    return total if total > least else NONE
 
 
 @compiled
 def _best_of_block(
-    levels: Levels,
-    scans: Cells,
+    map: Likelihoods,
+    scan: Headings,
     h: int,
     i: int,
     j: int,
@@ -64,7 +146,8 @@ def _best_of_block(
     `cost` is what the heading costs, `reach_cost` what a shift by the whole radius costs; `todo`
     (4 l, 3) and `value` (4 l,) are overwritten.
     """
-    todo[0, 0], todo[0, 1], todo[0, 2], value[0] = len(levels) - 1, i, j, bound
+    full = 255.0 * scan.inside.shape[1]
+    todo[0, 0], todo[0, 1], todo[0, 2], value[0] = len(map.levels) - 1, i, j, bound
     used, at_i, at_j = 1, 0, 0
     while used:
         used -= 1
@@ -80,8 +163,11 @@ def _best_of_block(
         for q in range(4):
             a, b = i + half * (q // 2), j + half * (q % 2)
             if a <= radius and b <= radius:
-                score = mean_likelihood(levels, level - 1, scans, h, a, b) - cost
-                m = used
+                least = full * (best + cost)
+                total = _likelihood(map, level - 1, scan, h, a, b, least)
+                if total == NONE:
+                    continue
+                score, m = total / full - cost, used
                 while m > first and value[m - 1] > score:  # ascending: the best is taken first
                     for k in range(3):
                         todo[m, k] = todo[m - 1, k]
@@ -93,13 +179,22 @@ def _best_of_block(
 
 
 @compiled
+def _cost(scan: Headings, h: int, reach_cost: float) -> float:
+    """What a heading costs: nothing in the middle, as much as the farthest shift at both ends."""
+    middle = len(scan.inside) // 2
+    return reach_cost * ((h - middle) / max(middle, 1)) ** 2
+
+
+@compiled
 def search(
-    levels: Levels,
-    scans: Cells,
-    cost: Array,
+    map: Likelihoods,
+    points: Array,
+    start: Array,
+    step: float,
     radius: int,
     reach_cost: float,
     least: float,
+    scan: Headings,
     bound: Array,
     block: Indices,
     todo: Indices,
@@ -107,38 +202,43 @@ def search(
 ) -> tuple[float, int, int, int]:
     """Best score of a window, with the heading's index (-1: none above `least`) and shift in cells.
 
-    Exact on the lattice of cells and headings: of the blocks that can hold more than the best so
-    far, the one that can hold most is looked into next (of equals the first). Levels `(l, columns,
-    rows)` are likelihoods of cells, then their maxima over 2, 4, ... cells a side; `scans` are the
-    cells `(h, n, 2)` of the scan at each heading, `cost` `(h,)` what a heading costs; the radius
-    counts cells; `bound` and `block` have room for all blocks.
+    Exact on the lattice of cells and headings. The middle heading is looked into first, since its
+    best bounds most of the others; then, of the blocks that can hold more than the best so far, the
+    one that can hold most. Points `(n, 2)` of a scan and the start `(3,)` in the frame of the map's
+    corner, metres and radians; the radius counts cells. `scan` has an odd number of headings, a
+    step apart; it, `bound` and `block`, with room for all blocks, `todo` and `value` are
+    overwritten.
     """
-    width = 1 << (len(levels) - 1)
-    side = 2 * radius // width + 1
-    count = 0
-    for h in range(len(scans)):
-        for b in range(side * side):
-            i, j = b // side * width - radius, b % side * width - radius
-            score = mean_likelihood(levels, len(levels) - 1, scans, h, i, j) - cost[h]
-            if score > least:
-                bound[count], block[count] = score, h * side * side + b
-                count += 1
+    _lay_out(map, points, start, step, radius, scan)
+    width, headings = 1 << (len(map.levels) - 1), len(scan.inside)
+    side, full = 2 * radius // width + 1, 255.0 * len(points)
     best, heading, shift_i, shift_j = least, -1, 0, 0
-    while count:
-        top = kept = 0
-        for k in range(count):
-            if bound[k] > best:
-                bound[kept], block[kept] = bound[k], block[k]
-                top = kept if bound[kept] > bound[top] else top
-                kept += 1
-        count = kept
-        if count:
-            h, b = block[top] // (side * side), block[top] % (side * side)
+    count = 0
+    for turn in range(headings + 1):
+        for b in range(side * side if turn < headings else 0):
+            h = headings // 2 + (turn + 1) // 2 * (1 if turn % 2 else -1)
             i, j = b // side * width - radius, b % side * width - radius
-            score, i, j = _best_of_block(
-                levels, scans, h, i, j, bound[top], radius, cost[h], reach_cost, best, todo, value
-            )
-            bound[top] = best
-            if score > best:
-                best, heading, shift_i, shift_j = score, h, i, j
+            cost = _cost(scan, h, reach_cost)
+            total = _likelihood(map, len(map.levels) - 1, scan, h, i, j, full * (best + cost))
+            if total != NONE:
+                bound[count], block[count] = total / full - cost, h * side * side + b
+                count += 1
+        while count and turn in (0, headings):
+            top = kept = 0
+            for k in range(count):
+                if bound[k] > best:
+                    bound[kept], block[kept] = bound[k], block[k]
+                    top = kept if bound[kept] > bound[top] else top
+                    kept += 1
+            count = kept
+            if count:
+                h, b = block[top] // (side * side), block[top] % (side * side)
+                i, j = b // side * width - radius, b % side * width - radius
+                cost = _cost(scan, h, reach_cost)
+                score, i, j = _best_of_block(
+                    map, scan, h, i, j, bound[top], radius, cost, reach_cost, best, todo, value
+                )
+                bound[top] = best
+                if score > best:
+                    best, heading, shift_i, shift_j = score, h, i, j
     return best, heading, shift_i, shift_j
