@@ -8,6 +8,7 @@ import pytest
 from segmap import literal
 from segmap.alignment import _point_loops as loops
 from segmap.alignment._point_map import FINE, PointMap
+from segmap.alignment._step_loops import uncertainty
 from segmap.poses import between, transform
 from segmap.simulation import SICK_LMS200, cast_rays, office
 
@@ -129,6 +130,38 @@ def test_every_stride_th_point_is_asked():
         asked = half_off[::stride]
         assert len(rows) == (asked[:, 1] == 0).sum()
         assert near == pytest.approx((asked[:, 1] == 0).mean())
+
+
+def test_a_normal_that_is_fitted_when_first_asked_for_is_the_same():
+    """A partner whose normal nobody fitted, or that is fitted from another neighbourhood then."""
+    points, eye = scan_points(), np.zeros((181, 2))
+    lazy, whole = PointMap(points, eye), PointMap(points, eye)
+    expected = whole.grid.normals.copy()
+    here = scan_points((2.1, 5.0, 0.35), seed=1)[60:120]
+    found, match = (map.register(here, (0.05, 0.0, 0.04)) for map in (lazy, whole))
+    assert found.matched and found.pose.tolist() == match.pose.tolist()
+    asked = ~np.isinf(lazy._grid.normals[:, 0])
+    assert 20 < asked.sum() < 120
+    np.testing.assert_array_equal(lazy._grid.normals[asked], expected[asked])
+    np.testing.assert_array_equal(lazy.grid.normals, expected)
+
+
+@pytest.mark.parametrize("free", [0, 1, 2])
+def test_the_uncertainty_is_that_of_the_eigenvectors(free):
+    """A heading that counts as metres, a free direction that keeps its small eigenvalue."""
+    rng, span, variance = np.random.default_rng(free), 2.5, 0.03**2
+    axes = np.linalg.qr(rng.normal(size=(3, 3)))[0]
+    value, scale = np.array([3.0, 50.0, 90.0]) * 10.0, np.array([1.0, 1.0, 1.0 / span])
+    value[:free] *= 1e-4
+    hessian = (axes * value) @ axes.T / scale[:, None] / scale
+    covariance, scratch = np.empty((3, 3)), np.empty((2, 3, 3))
+    *along, shift = uncertainty(hessian, variance, span, *scratch, covariance)
+    spread = np.where(np.arange(3) < free, 1.0, variance / value)
+    np.testing.assert_allclose(covariance, (axes * spread) @ axes.T * scale[:, None] * scale)
+    if free == 1:
+        assert shift == pytest.approx(np.hypot(*axes[:2, 0]))
+        assert abs(along @ axes[:2, 0]) == pytest.approx(shift)
+    assert (shift > 0.0) == (free > 0)
 
 
 @pytest.mark.parametrize("count", [6, 7, 40, 41])

@@ -214,7 +214,8 @@ class PointMap:
         points = np.ascontiguousarray(current[:: 1 + len(current) // SAMPLE])
         levels, radius, n = self.levels, int(np.ceil(reach / FINE)), 2 * k + 1
         blocks = n * (2 * radius // (1 << (LEVELS - 1)) + 1) ** 2
-        map = searching.Likelihoods(levels.reshape(LEVELS, -1), *levels.shape[1:], FINE)
+        _, columns, rows = levels.shape
+        map = searching.Likelihoods(levels.reshape(LEVELS, -1), columns, rows, FINE)
         scan = searching.Headings(
             np.empty((n, len(points)), np.int32),
             np.empty((n, len(points), 2), np.int32),

@@ -38,7 +38,7 @@ class Headings(NamedTuple):
 
     inside: Cells  # (h, n): cells, where no shift of the window leaves the map
     edge: Cells  # (h, n, 2): columns and rows of the others that may lie on the map
-    count: Indices  # (h, 2): how many of each there are
+    counts: Indices  # (h, 2): how many of each there are
 
 
 @compiled
@@ -97,7 +97,7 @@ def _lay_out(
             elif -radius <= i < map.columns + radius and -radius <= j < map.rows + radius:
                 found.edge[h, edge, 0], found.edge[h, edge, 1] = i, j
                 edge += 1
-        found.count[h, 0], found.count[h, 1] = inside, edge
+        found.counts[h, 0], found.counts[h, 1] = inside, edge
 
 
 @compiled
@@ -108,8 +108,8 @@ def _likelihood(
 
     Outside of the map they are 0.
     """
-    total, shift, count = 0, i * map.rows + j, scan.count[h, 0]
-    left = 255 * (count + scan.count[h, 1])
+    total, shift, count = 0, i * map.rows + j, scan.counts[h, 0]
+    left = 255 * (count + scan.counts[h, 1])
     begin = 0
     while begin < count:
         end = min(begin + CHUNK, count)
@@ -119,7 +119,7 @@ def _likelihood(
         if total + left <= least:
             return NONE
         begin = end
-    for k in range(scan.count[h, 1]):
+    for k in range(scan.counts[h, 1]):
         a, b = scan.edge[h, k, 0] + i, scan.edge[h, k, 1] + j
         if 0 <= a < map.columns and 0 <= b < map.rows:
             total += int(map.levels[level, a * map.rows + b])
