@@ -171,30 +171,42 @@ class LoopCloser:
         enough = rules.lost_witnesses if lost else rules.witnesses
         known = self.pending + self.accepted[-RECENT:]
         for loop, reach in fresh:
-            others = [other for other in known if self._agree(loop, other)]
+            others = self._agreeing(loop, known)
             way = [self.frames.path[k] for k in {loop.second, *(o.second for o in others)}]
             long = lost or max(way) - min(way) >= min(reach, rules.span)
             if len(way) > enough and long:
-                found += _without([loop, *others], found + self.accepted)
+                found += _without([loop, *others], found + self.accepted[-RECENT:])
         return found
 
-    def _agree(self, a: Edge, b: Edge) -> bool:
-        """Whether going round both loops leads back to where it began."""
-        path, poses, rules = self.frames.path, self.frames.poses, self.rules
-        if a.second == b.second or abs(path[a.second] - path[b.second]) > rules.stretch:
-            return False
-        if abs(path[a.first] - path[b.first]) > rules.stretch:
-            return False
+    def _agreeing(self, loop: Edge, known: list[Edge], *, apart: bool = False) -> list[Edge]:
+        """Loops for which going round them and this one leads back to where it began.
+
+        `apart`: those of the same scan, to passes far apart.
+        """
+        chosen = [other for other in known if self._comparable(loop, other, apart)]
+        if not chosen:
+            return []
+        a, b, poses, rules = loop, stacked(chosen), self.frames.poses, self.rules
         one = compose(a.relative, between(poses[a.second], poses[b.second]))
         other = compose(between(poses[a.first], poses[b.first]), b.relative)
-        return self._same(one, other)
+        x, y, heading = between(one, other).T
+        same = (np.hypot(x, y) < rules.tolerance) & (np.abs(heading) < rules.angle)
+        return [chosen[i] for i in np.flatnonzero(same)]
+
+    def _comparable(self, a: Edge, b: Edge, apart: bool) -> bool:
+        """Whether two loops of different scans are near at both ends, or, `apart`, the contrary."""
+        path, stretch = self.frames.path, self.rules.stretch
+        far = abs(path[a.first] - path[b.first]) > stretch
+        if apart or far:
+            return apart and far and a.second == b.second
+        return a.second != b.second and abs(path[a.second] - path[b.second]) <= stretch
 
     def settle(self) -> bool:
         """At the end of the log: believe loops that a few others agree with, reject the rest."""
         known, enough = [*self.pending, *self.accepted[-RECENT:]], self.rules.last_witnesses
         found = []
         for loop in self.pending if self.lost_since is None else []:
-            others = [o for o in known if self._agree(loop, o) or self._agree_apart(loop, o)]
+            others = self._agreeing(loop, known) + self._agreeing(loop, known, apart=True)
             found += [loop] if len(others) >= enough else []
         for loop in _without(self.pending, found):
             self._reject(loop.first, loop.second, ALONE)
@@ -208,19 +220,6 @@ class LoopCloser:
         self.accepted += loops
         self.frames.edges += loops
         self.ways += [e[:2] for e in loops if _spread(e) < self.rules.vague]
-
-    def _agree_apart(self, a: Edge, b: Edge) -> bool:
-        """Whether two loops of one scan, to passes far apart, say the same."""
-        path, poses, rules = self.frames.path, self.frames.poses, self.rules
-        if a.second != b.second or abs(path[a.first] - path[b.first]) <= rules.stretch:
-            return False
-        other = compose(between(poses[a.first], poses[b.first]), b.relative)
-        return self._same(a.relative, other)
-
-    def _same(self, one: Array, other: Array) -> bool:
-        """Whether two poses `(3,)` are one within the tolerance."""
-        (x, y, heading), rules = between(one, other), self.rules
-        return bool(np.hypot(x, y) < rules.tolerance and abs(heading) < rules.angle)
 
     def _give_up(self, new: int) -> None:
         """Reject loops that no other has confirmed in time."""
