@@ -105,14 +105,6 @@ def fit_normal(grid: PointGrid, k: int) -> None:
 
 
 @compiled
-def fit_normals(grid: PointGrid) -> None:
-    """Write all normals that nobody has asked for yet."""
-    for k in range(len(grid.points)):
-        if math.isinf(grid.normals[k, 0]):
-            fit_normal(grid, k)
-
-
-@compiled
 def nearest(grid: PointGrid, x: float, y: float, reach: float) -> int:
     """Index of the point nearest to (x, y); -1 where none is in reach (metres).
 

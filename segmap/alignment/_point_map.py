@@ -85,7 +85,8 @@ class PointMap:
     @property
     def grid(self) -> loops.PointGrid:
         """The points in cells, with all normals; a descent fits only those that it asks for."""
-        loops.fit_normals(self._grid)
+        for k in np.flatnonzero(np.isinf(self._grid.normals[:, 0])):
+            loops.fit_normal(self._grid, int(k))
         return self._grid
 
     def register(
