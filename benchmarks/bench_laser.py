@@ -41,11 +41,12 @@ def rows(seconds: float = 30.0) -> Iterator[Row]:
         yield Row("laser", f"skipped: {error}")
 
 
-def live(scans: int) -> Iterator[Row]:
+def live(scans: int, *, loops: bool = False) -> Iterator[Row]:
     """Whole steps of the live panel, started by its button, with the sensor in this process."""
     room = furnished_room()
     with Emulator(room) as emulator, UrgSensor(emulator.port) as sensor:
         panel = Measured(sensor, start=room.pose(0))
+        panel.loops.value = loops
         panel.start.click()
         until = time.monotonic() + 60 + 0.2 * scans
         while len(panel.steps) < FIRST + scans and time.monotonic() < until:
@@ -57,7 +58,8 @@ def live(scans: int) -> Iterator[Row]:
         raise SensorError(f"the live map ended after {len(took)} scans: {panel.state.value}")
     middle, high, most = np.percentile(took, [50, 95, 100])
     figure = f"median {middle:.0f} ms, p95 {high:.0f} ms, largest {most:.0f} ms; {left_out}"
-    yield Row(f"live step of {scans} scans: parse, match, insert, draw", figure, "< 60 ms")
+    what = f"live step of {scans} scans: parse, match, insert, draw"
+    yield Row(f"{what}, close loops" if loops else what, figure, "< 60 ms")
     fifth = scans // 5
     early, late = np.median(took[:fifth]), np.median(took[-fifth:])
     figure = f"{early:.0f} -> {late:.0f} ms, {panel.leaves.value}"

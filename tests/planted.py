@@ -302,6 +302,8 @@ PLANTED = (
     ("vars(self.map).update(vars(map))", "self.map = map", "live_map"),
     ("        except BaseException:  # half a scan may be in the map, or a loop that it does not show\n            self._stale = True\n", "        except BaseException:\n", "live_map"),
     ("njit, nogil=True)", "njit, nogil=False)", "live_map"),
+    ("margin = map.free_resolution or map.side", "margin = 0.0", "live"),
+    ("if map.tree is not self.tree:", "if self.tree is None:", "live"),
     # the workbench
     ("self._known = outcome if log is self.log else None", "self._known = outcome", "workbench"),
     ("short if scale == 1 else float(np.radians(short))", "short", "workbench"),

@@ -4,17 +4,20 @@ import json
 import re
 import threading
 import time
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 import pytest
 from emulated import emulator_threads, needs_terminals, pattern, wait_for
+from planned_loops import LOG, Planned
 
-from segmap import LaserScan, load
+from segmap import LaserScan, load, matching
 from segmap.emulator import Emulator, furnished_room
 from segmap.hokuyo import Newest, SensorError, UrgSensor
+from segmap.matching import LiveMap
 from segmap.panels import LivePanel
-from segmap.panels._live import _occupancy
+from segmap.panels._live_picture import Greys, occupancy
 from segmap.quadtree import QuadtreeMap
 
 
@@ -121,7 +124,102 @@ def test_the_grey_squares_are_the_cells_of_the_map():
     map = QuadtreeMap(resolution=0.5, size=4)
     map.insert_scan((0.2, 0.2), [(1.7, 0.2)])
     centres = [[(0.25 + 0.5 * k, 0.25 + 0.5 * row) for k in range(4)] for row in range(2)]
-    assert _occupancy(map, (0, 0, 2, 1)).tolist() == [map.occupancy(r).tolist() for r in centres]
+    wanted = [map.occupancy(row).tolist() for row in centres]
+    assert occupancy(map, (0, 0), (2, 4), 0.5).tolist() == wanted
+
+
+def test_a_small_picture_of_a_large_map_loses_no_wall():
+    """Catches walls that lie between the middles of pixels."""
+    map = QuadtreeMap(resolution=0.25, size=4)
+    map.insert_scan((0.1, 0.1), [(1.9, 0.1), (0.1, 2.9), (2.1, 2.1)])
+    found = occupancy(map, (0, 0), (4, 4), 1.0)
+    assert [tuple(cell) for cell in np.argwhere(found == 1)] == [(0, 1), (2, 0), (2, 2)]
+
+
+@pytest.mark.parametrize("resolution", [0.02, 0.005])
+def test_what_a_scan_cannot_change_is_not_asked_again(resolution):
+    """Every cell drawn is that of the map: catches a box that is too small for its rays."""
+    map, greys = QuadtreeMap(resolution=resolution, free_resolution=16 * resolution), Greys()
+    views, rng = [], np.random.default_rng(1)
+    for k in (0, 1, 2, 1, 0, 1, 2, 3, 4, 3):
+        ends = (k, 0) + rng.uniform(-1.5, 1.5, (20, 2))
+        map.insert_scan((k, 0.1), ends)
+        views.append(greys.update(map, np.vstack([(k, 0.1), ends])))
+        fresh = Greys()
+        fresh.update(map, ends)
+        assert greys.view == fresh.view and np.array_equal(greys.grid, fresh.grid)
+    assert 2 < sum(views) < 10
+
+
+@pytest.fixture
+def planned(monkeypatch):
+    """The panel's graph closes loops at two scans; the thread that draws anew waits for a sign."""
+    go, real = threading.Event(), matching._live_map.insert
+
+    def slow(map, scan, pose, *, free):
+        if threading.current_thread().name == "new map":
+            go.wait(20)
+        real(map, scan, pose, free=free)
+
+    monkeypatch.setattr(matching._live_map, "insert", slow)
+    monkeypatch.setattr("segmap.panels._live.LiveMap", partial(LiveMap, Planned((5, 9))))
+    return go
+
+
+def test_a_loop_draws_the_map_anew(planned):
+    """The old map is shown until the new one is ready; then every cell is that of the new one."""
+    panel, old = LivePanel(LOG, resolution=0.05), LivePanel(LOG, resolution=0.05)
+    panel.loops.value = True
+    for scan in LOG[:12]:
+        panel.take(scan)
+    before, tree = panel.picture.value, panel.map.tree
+    assert panel.map.scans == 12
+    planned.set()
+    panel.finish()
+    assert panel.map.scans == 12 and panel.map.tree is not tree
+    assert panel.picture.value != before
+    fresh = Greys()
+    fresh.update(panel.map, LOG[0].points())
+    assert np.array_equal(panel._picture.greys.grid, fresh.grid)
+    old.run(2)
+    assert panel.graph.value.startswith("LiveGraph(") and old.graph.value == ""
+
+
+def test_stop_while_the_map_is_made_anew(planned):
+    """Catches a map that stays the old one, since no scan comes any more that exchanges it."""
+    more = threading.Event()
+
+    def source():
+        for k, scan in enumerate(LOG[:8]):
+            yield scan
+            wait_for(lambda k=k: panel.taken > k)
+        more.wait(20)
+
+    panel = LivePanel(source(), resolution=0.05)
+    panel.loops.value = True
+    panel.start.click()
+    wait_for(lambda: panel.taken == 8)
+    assert panel._live._anew is not None
+    tree = panel.map.tree
+    planned.set()
+    more.set()
+    panel.stop.click()
+    wait_for(lambda: panel.state.value == "stopped")
+    assert panel.map.tree is not tree and panel.map.scans == panel.taken
+
+
+def test_the_choice_begins_a_new_map_where_the_robot_is():
+    log = load("room")[:6]
+    panel = LivePanel(log, start=(1, 2, 0.5))
+    for scan in log[:3]:
+        panel.take(scan)
+    pose = panel._step.pose
+    panel.loops.value = True
+    panel.take(log[3])
+    assert panel.map.scans == 1 and panel._step.pose == pytest.approx(pose)
+    panel.loops.value = False
+    panel.take(log[4])
+    assert panel.map.scans == 1 and panel.graph.value == ""
 
 
 @pytest.mark.parametrize("after", [0, 3])

@@ -6,48 +6,18 @@ from copy import deepcopy
 
 import numpy as np
 import pytest
+from planned_loops import LOG, Planned
 from quadtrees import state
 
 from segmap import LaserScan, quadtree
-from segmap.alignment import LiveGraph, LoopClosing, Placed
+from segmap.alignment import LiveGraph, LoopClosing
 from segmap.matching import LiveMap, _live_map, map_scans
 from segmap.poses import between, compose
 from segmap.quadtree import QuadtreeMap
 from segmap.quadtree import _loops as loops
 from segmap.scans import Log
-from segmap.simulation import Sensor, drive, rectangular_room, simulate
 
-SENSOR = Sensor("it", 91, -np.pi, 2 * np.pi / 91, max_range=6.0, sigma=0.005)
-LOG = simulate(
-    rectangular_room(4, 3),
-    drive([(1.2, 1.3), (2.8, 1.7), (1.2, 1.3)], step=0.1),
-    sensor=SENSOR,
-    rng=np.random.default_rng(4),
-    sensor_pose=(0.2, 0.1, 0.3),
-)[:24]
 START = (3.0, 2.0, 0.5)
-
-
-class Planned(LiveGraph):
-    """A graph whose loops close at planned scans: each straightens a bent way some more."""
-
-    def __init__(self, closes=(), log=LOG):
-        super().__init__()
-        self.log, self.closes, self.count, self.bend = log, closes, 0, 0.02
-
-    def add(self, scan):
-        assert scan is self.log[self.count]
-        closed = self.count in self.closes
-        self.count, self.bend = self.count + 1, self.bend / 2 if closed else self.bend
-        return Placed(self.poses[-1], closed)
-
-    @property
-    def poses(self):
-        k = np.arange(self.count)
-        return compose(np.stack([0 * k, 0.1 * self.bend * k, self.bend * k], -1), self.log.truth[k])
-
-    def __len__(self):
-        return self.count
 
 
 def blank(resolution=0.05):

@@ -3,33 +3,24 @@
 from __future__ import annotations
 
 import contextlib
-import io
 import threading
 import time
 from collections import deque
 from collections.abc import Generator, Iterable, Iterator, Sized
 from itertools import islice
-from math import ceil, floor
-from typing import Any
 
 import ipywidgets as W
-import numpy as np
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.collections import LineCollection
-from matplotlib.figure import Figure
 from numpy.typing import ArrayLike
-from PIL import Image
 
 from .. import arrays
-from ..arrays import Array
 from ..extraction import extract_polylines
 from ..hokuyo import Newest, SensorError, UrgSensor
-from ..matching import Step, map_scans
-from ..plotting import ERROR, RAW, RESULT
-from ..poses import compose, transform
-from ..quadtree import QuadtreeMap, extent
+from ..matching import LiveMap, Step, map_scans
+from ..poses import transform
+from ..quadtree import QuadtreeMap
 from ..scans import LaserScan
-from ._base import DPI, HEIGHT, WIDTH, Panel, slider, text
+from ._base import Panel, slider, text
+from ._live_picture import LivePicture
 
 #: Number of scans over which the rate is measured.
 RATE = 20
@@ -37,10 +28,6 @@ RATE = 20
 LEAVE = 3.0
 #: Side of the smallest leaves that rays split off, in sides of the smallest leaf.
 COARSE = 16
-#: Of 0 to 9: a third of the size of no packing, in a tenth of the time of the best.
-PACKING = 2
-#: A cell is a square of one grey.
-SHARP: Any = {"interpolation": "nearest"}
 
 
 class LivePanel(Panel):
@@ -48,6 +35,9 @@ class LivePanel(Panel):
 
     Start and stop are buttons. One thread reads scans, another maps and draws the newest; scans
     that arrive meanwhile are left out, never queued. Stop it before you use the sensor elsewhere.
+
+    With *close loops* a pose graph places the scans: where the robot comes back, the map is made
+    anew from corrected poses, in a third thread, and the old one is shown until then.
 
     Parameters
     ----------
@@ -63,7 +53,9 @@ class LivePanel(Panel):
     start, stop : buttons
     tolerance : slider
         Of the segments.
-    count, leaves, rate, dropped, state : labels
+    loops : checkbox
+        Whether loops are closed; a change begins a new map where the robot now is.
+    count, leaves, rate, dropped, graph, state : labels
     map : QuadtreeMap
     seconds : float
         Duration of the last step, drawing included.
@@ -87,11 +79,13 @@ class LivePanel(Panel):
         self.source = _checked(source)
         arrays.positive("metres", resolution=resolution)
         start = arrays.pose(start, "start")
-        self.map = QuadtreeMap(resolution=resolution, free_resolution=COARSE * resolution)
+        self._resolution = resolution
+        self.map = self._empty()
         self.seconds, self.taken, self._begin = 0.0, 0, start
         self._scan: LaserScan | None = None
         self._step: Step | None = None
         self._steps: Iterator[Step] | None = self._begun()
+        self._live: LiveMap | None = None
         self._newest: Newest | None = None
         self._times: deque[float] = deque(maxlen=RATE)
         self._thread: threading.Thread | None = None
@@ -100,23 +94,28 @@ class LivePanel(Panel):
         self.start.on_click(self._start)
         self.stop.on_click(self._stop)
         self.tolerance = slider("tolerance", 0.03, 0.005, 0.10, 0.005)
-        self.count, self.leaves, self.rate, self.dropped, self.state = (text() for _ in range(5))
-        self._picture = _Picture()
+        self.loops = W.Checkbox(value=False, description="close loops", indent=False)
+        self.loops.observe(self._choose, names="value")
+        self.count, self.leaves, self.rate, self.dropped = (text() for _ in range(4))
+        self.graph, self.state = text(), text()
+        self._picture = LivePicture()
         self._assemble(
             (self.start, self.stop),
-            self.tolerance,
+            (self.tolerance, self.loops),
             (self.count, self.leaves),
             (self.rate, self.dropped),
+            self.graph,
             self.state,
         )
 
     def run(self, scans: int) -> None:
-        """Take so many scans in the calling thread, and leave none out."""
+        """Take so many scans in the calling thread, and leave none out; then end the map."""
         scans = arrays.whole(scans, "scans", least=0)
         _warm_up()
         with contextlib.closing(self._scans()) as stream:
             for scan in islice(stream, scans):
                 self.take(scan)
+        self.finish()
 
     def take(self, scan: LaserScan) -> None:
         """Match a scan with the map, insert it, and draw."""
@@ -127,6 +126,21 @@ class LivePanel(Panel):
             self._times.append(scan.time)
             self._redraw()
         self.seconds = time.perf_counter() - begun
+
+    def finish(self) -> None:
+        """Wait until the map shows all scans at their corrected poses, and draw it."""
+        if self._live is not None:
+            self._live.finish()
+            self._redraw()
+
+    def _choose(self, change: object = None) -> None:
+        """Begin a new map, by the choice that was made."""
+        with self._drawing:
+            self._begin = self._begin if self._step is None else self._step.pose
+            self.map, self._steps, self._live, self._step = self._empty(), None, None, None
+
+    def _empty(self) -> QuadtreeMap:
+        return QuadtreeMap(resolution=self._resolution, free_resolution=COARSE * self._resolution)
 
     # --------------------------------------------------------------------- threads
     def _start(self, button: object = None) -> None:
@@ -157,6 +171,8 @@ class LivePanel(Panel):
         except Exception as fault:
             self.state.value = f"{type(fault).__name__}: {fault}"
         else:
+            self.state.value = "the map is made ready"
+            self.finish()
             self.state.value = "stopped"
 
     def _scans(self) -> Generator[LaserScan, None, None]:
@@ -170,11 +186,16 @@ class LivePanel(Panel):
         """Match and insert; a scan that fails, or is interrupted, is left out."""
         before = self._scan
         try:
+            if self.loops.value:
+                self._live = self._live or LiveMap(map=self.map, start=self._begin)
+                self._step, self._scan = self._live.add(scan), scan
+                return
             self._steps = self._steps or self._begun()
             self._scan = scan
             self._step = next(self._steps)
         except BaseException:
             self._scan, self._steps = before, None  # a generator that raised has ended
+            self._picture = LivePicture()  # half a scan may be in the map
             raise
 
     def _begun(self) -> Iterator[Step]:
@@ -202,7 +223,8 @@ class LivePanel(Panel):
 
     def _tell(self, segments: int) -> None:
         self.count.value = f"{segments} segments"
-        self.leaves.value = f"{len(self.map.leaves().x)} leaves"
+        self.leaves.value = f"{3 * self.map.tree.used + 1} leaves"
+        self.graph.value = "" if self._live is None else repr(self._live.graph)
         passed = self._times[-1] - self._times[0]
         rate = (len(self._times) - 1) / passed if passed > 0 else 0.0
         self.rate.value = f"{rate:.1f} scans a second"
@@ -230,69 +252,7 @@ def _checked(source: UrgSensor | Iterable[LaserScan]) -> UrgSensor | Iterable[La
 def _warm_up() -> None:
     """Load what is compiled, and draw once, before the laser is on and scans wait for it."""
     scan, map = LaserScan([1.0, 1.0, 1.0], [0.0, 0.1, 0.2]), QuadtreeMap(resolution=0.1)
-    segments = extract_polylines(scan.points())
-    picture = _Picture()
-    for step in map_scans([scan, scan], map=map):
+    segments, picture = extract_polylines(scan.points()), LivePicture()
+    for step in (*map_scans([scan, scan], map=map), *map_scans([scan], map=map, graph=True)):
         picture.show(map, scan, step.pose, segments)
         picture.png()
-
-
-class _Picture:
-    """One figure whose parts are moved; frame and numbers are drawn only where they change."""
-
-    def __init__(self) -> None:
-        self.figure = Figure((WIDTH / DPI, HEIGHT / DPI), dpi=DPI)
-        self.canvas: Any = FigureCanvasAgg(self.figure)
-        self.axes = self.figure.add_axes((0.09, 0.12, 0.89, 0.86), aspect="equal")
-        self.axes.set(xlabel="x [m]", ylabel="y [m]", facecolor="#808080")
-        self.grey = self.axes.imshow(np.full((1, 1), 0.5), cmap="gray", vmin=0, vmax=1, **SHARP)
-        self.points = self.axes.plot([], [], ".", color=RAW, markersize=2)[0]
-        self.walls = LineCollection([], color=RESULT, linewidth=2)
-        self.axes.add_collection(self.walls, autolim=False)
-        self.robot = self.axes.plot([], [], "o", color=ERROR, markersize=6)[0]
-        self.parts = (self.grey, self.points, self.walls, self.robot)
-        for part in self.parts:
-            part.set_animated(True)
-        self.bounds: tuple[float, ...] = ()
-        self.frame: Any = None
-
-    def show(self, map: QuadtreeMap, scan: LaserScan, pose: Array, segments: Array) -> None:
-        """Map grey, scan grey dots, segments blue, sensor red."""
-        bounds = _view(map)
-        left, low, right, high = bounds
-        self.grey.set_data(1 - _occupancy(map, bounds)[::-1])
-        self.grey.set_extent((left, right, low, high))
-        if bounds != self.bounds:
-            self.axes.set(xlim=(left, right), ylim=(low, high))
-            self.bounds, self.frame = bounds, None
-        self.points.set_data(*transform(pose, scan.points()).T)
-        self.walls.set_segments(list(segments))
-        self.robot.set_data(*compose(pose, scan.sensor_pose)[:2, None])
-
-    def png(self) -> bytes:
-        """The picture; packed quickly rather than well."""
-        if self.frame is None:
-            self.canvas.draw()
-            self.frame = self.canvas.copy_from_bbox(self.figure.bbox)
-        self.canvas.restore_region(self.frame)
-        for part in self.parts:
-            self.axes.draw_artist(part)
-        pixels = Image.fromarray(np.asarray(self.canvas.buffer_rgba())[..., :3].copy())
-        target = io.BytesIO()
-        pixels.save(target, format="png", compress_level=PACKING)
-        return target.getvalue()
-
-
-def _view(map: QuadtreeMap) -> tuple[float, float, float, float]:
-    """Bounds of what was seen, in whole metres, so that the frame changes only when it grows."""
-    left, low, right, high = extent(map)
-    return (floor(left), floor(low), ceil(right), ceil(high))
-
-
-def _occupancy(map: QuadtreeMap, bounds: tuple[float, ...]) -> Array:
-    """Occupancy of the map's smallest cells within bounds, `(rows, columns)`, lowest first."""
-    x, y = (
-        np.arange(bounds[k] + map.resolution / 2, bounds[k + 2], map.resolution) for k in (0, 1)
-    )
-    centres = np.stack(np.meshgrid(x, y), -1)
-    return map.occupancy(centres.reshape(-1, 2)).reshape(len(y), len(x))

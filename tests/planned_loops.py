@@ -1,0 +1,38 @@
+"""A robot that drives to and fro in a room, and a graph whose loops close where a test plans it."""
+
+import numpy as np
+
+from segmap.alignment import LiveGraph, Placed
+from segmap.poses import compose
+from segmap.simulation import Sensor, drive, rectangular_room, simulate
+
+SENSOR = Sensor("it", 91, -np.pi, 2 * np.pi / 91, max_range=6.0, sigma=0.005)
+LOG = simulate(
+    rectangular_room(4, 3),
+    drive([(1.2, 1.3), (2.8, 1.7), (1.2, 1.3)], step=0.1),
+    sensor=SENSOR,
+    rng=np.random.default_rng(4),
+    sensor_pose=(0.2, 0.1, 0.3),
+)[:24]
+
+
+class Planned(LiveGraph):
+    """A graph whose loops close at planned scans: each straightens a bent way some more."""
+
+    def __init__(self, closes=(), log=LOG):
+        super().__init__()
+        self.log, self.closes, self.count, self.bend = log, closes, 0, 0.02
+
+    def add(self, scan):
+        assert scan is self.log[self.count]
+        closed = self.count in self.closes
+        self.count, self.bend = self.count + 1, self.bend / 2 if closed else self.bend
+        return Placed(self.poses[-1], closed)
+
+    @property
+    def poses(self):
+        k = np.arange(self.count)
+        return compose(np.stack([0 * k, 0.1 * self.bend * k, self.bend * k], -1), self.log.truth[k])
+
+    def __len__(self):
+        return self.count
