@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from .._motions import between, compose, transform
 from ..arrays import Array
@@ -24,7 +24,7 @@ class KeyFrames:
         Index in the log of each key frame.
     points : list of (m, 2) arrays, metres, in the frame of the robot
     poses : (n, 3) array, metres and radians
-    path : list of float, metres
+    path : list of float, and along : (n,) array, metres
         Path length from the start to each.
     edges : list of Edge
     """
@@ -32,8 +32,8 @@ class KeyFrames:
     def __init__(self, points: Array, pose: Array) -> None:
         self.scan = [0]
         self.points = [points]
-        self.poses = np.array([pose])
         self.path = [0.0]
+        self._poses, self._along = np.array([pose]), np.zeros(1)  # with room for more
         self.edges: list[Edge] = []
 
     def __len__(self) -> int:
@@ -43,10 +43,24 @@ class KeyFrames:
         """Append a key frame at its motion `(3,)` from the last one, with an edge between them."""
         new = len(self)
         self.edges.append(Edge(new - 1, new, relative, information(covariance)))
+        path = self.path[-1] + float(np.hypot(relative[0], relative[1]))
+        self._poses = _put(self._poses, new, compose(self.poses[-1], relative))
+        self._along = _put(self._along, new, path)
         self.scan.append(scan)
         self.points.append(points)
-        self.poses = np.vstack([self.poses, compose(self.poses[-1], relative)])
-        self.path.append(self.path[-1] + float(np.hypot(relative[0], relative[1])))
+        self.path.append(path)
+
+    @property
+    def poses(self) -> Array:
+        return self._poses[: len(self)]
+
+    @poses.setter
+    def poses(self, moved: Array) -> None:
+        self._poses = moved
+
+    @property
+    def along(self) -> Array:
+        return self._along[: len(self)]
 
     def optimize(self) -> None:
         """Move the poses to where all edges fit best."""
@@ -69,3 +83,10 @@ class KeyFrames:
         """The map of some key frames in the frame of `origin`; None where they have no point."""
         points, viewpoints = self.points_around(members, origin)
         return PointMap(points, viewpoints) if len(points) else None
+
+
+def _put(rows: Array, at: int, value: ArrayLike) -> Array:
+    """Rows with a value beyond those in use: twice as many where there is no room."""
+    grown = rows if at < len(rows) else np.concatenate([rows, np.zeros_like(rows)])
+    grown[at] = value
+    return grown

@@ -12,6 +12,7 @@ from ..arrays import Array
 from ._graph import Edge, Rejected, deviations, information, residuals, stacked
 from ._graph_settings import LoopClosing
 from ._point_map import PointMap
+from ._ways import Ways
 
 if TYPE_CHECKING:
     from ._key_frames import KeyFrames
@@ -61,6 +62,7 @@ class LoopCloser:
         self.rejected: list[Rejected] = []
         self.maps: dict[int, PointMap | None] = {}
         self.ways: list[tuple[int, int]] = []
+        self.shortest = Ways(rules.loop_path)
 
     def close(self, *, confirmed: bool) -> bool:
         """Look for loops of the newest key frame; True where accepted ones strain the map.
@@ -88,27 +90,28 @@ class LoopCloser:
     def _by_place(self, new: int) -> list[Window]:
         """Around the nearest old key frame of each pass, as far as the map may have drifted."""
         rules, poses = self.rules, self.frames.poses
-        path = self.frames.path[new] - np.array(self.frames.path[:new])
+        path = self.frames.along[new] - self.frames.along[:new]
         distance = np.hypot(*(poses[:new, :2] - poses[new, :2]).T)
-        way = np.minimum(path, self._way(new))
-        reach = np.minimum(rules.reach + self.drift * way, rules.max_reach)
+        reach = self._reach(path)
         near = np.flatnonzero((distance < reach + rules.beside) & (path > rules.min_path))
+        reach[near] = np.minimum(reach[near], self._reach(self._way(new, near)))
+        near = near[distance[near] < reach[near] + rules.beside]
         return [
             Window(k, between(poses[k], poses[new]), float(reach[k]), rules.turn)
             for k in _best_of_passes(near, distance)
         ]
 
-    def _way(self, new: int) -> Array:
-        """Shortest way through the graph from each older key frame to the newest, metres."""
-        from scipy.sparse import csr_array
-        from scipy.sparse.csgraph import dijkstra
+    def _reach(self, way: Array) -> Array:
+        """How far the map may have bent along ways `(m,)`, metres."""
+        return np.minimum(self.rules.reach + self.drift * way, self.rules.max_reach)
 
-        steps, n = np.diff(self.frames.path), new + 1
-        first, second = np.reshape(self.ways, (-1, 2)).T.astype(np.int64)
-        cost = np.r_[steps, np.full(len(first), self.rules.loop_path)]
-        ends = np.r_[np.arange(new), first], np.r_[np.arange(1, n), second]
-        graph = csr_array((cost, ends), shape=(n, n))
-        return np.asarray(dijkstra(graph, directed=False, indices=[new]))[0, :new]
+    def _way(self, new: int, old: NDArray[np.int64]) -> Array:
+        """Shortest way through the graph from older key frames to the newest, metres.
+
+        Infinite where it is so long that the widest window is searched.
+        """
+        most = (self.rules.max_reach - self.rules.reach) / self.drift
+        return self.shortest.between(new, old, self.frames.path, self.ways, max(most, 0.0))
 
     def _by_descriptor(self, new: int) -> list[Window]:
         """Where the robot is lost: on what looks most like the place, at any heading."""
