@@ -49,6 +49,7 @@ TESTS = {
     "alignment/_step_loops": "match_points point_map",
     "alignment/_search_loops": "match_points point_map pose_graph",
     "alignment/_ways": "ways pose_graph",
+    "alignment/_solver": "solver graph",
     "alignment/_segment": "segment_icp global_segments",
     "_arguments": "units doors segments poses scans metrics extraction quadtree",
     "arrays": "doors backbone segments poses scans metrics extraction quadtree",

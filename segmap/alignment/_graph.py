@@ -17,6 +17,7 @@ from .._information import checked
 from .._motions import between, compose
 from ..angles import wrap
 from ..arrays import Array
+from ._solver import ROUNDS, Solution, Solver
 
 #: Residuals of this many standard deviations have half the weight: nine of ten true edges are
 #: closed better, false loops are far beyond.
@@ -24,9 +25,6 @@ SCALE = 3.0
 #: Covariance of the errors that matches of real scans have at least, whatever their Hessian says:
 #: 2 cm and 0.3 degrees (the bundled logs).
 REAL = np.diag([0.02, 0.02, np.radians(0.3)]) ** 2
-#: Steps of the solver end where no pose moves by more than this, metres and radians: a hundredth of
-#: what a laser sees.
-CONVERGED = 1e-5
 
 
 class Edge(NamedTuple):
@@ -139,8 +137,8 @@ def solve_graph(
     first, second = index.reshape(-1, 2).T
     _check_tied(key, first, second)
     try:
-        solved = solve(start[key], Edge(first, second, motion, weight), scale=scale)
-    except RuntimeError:  # the solver's word for a singular matrix
+        solved = solve(start[key], Edge(first, second, motion, weight), scale=scale).poses
+    except np.linalg.LinAlgError:
         solved = np.full((len(key), 3), np.nan)
     if not np.isfinite(solved).all():
         raise ValueError("information must fix every pose, but leaves some of them free")
@@ -192,52 +190,8 @@ def deviations(poses: Array, edges: Edge) -> Array:
     return np.sqrt(np.maximum(np.einsum("...i,...ij,...j", r, edges.information, r), 0.0))
 
 
-def solve(poses: Array, edges: Edge, *, rounds: int = 30, scale: float = SCALE) -> Array:
-    """Poses `(n, 3)` that fit m edges best; the first stays where it is.
-
-    Minimises the sum of Cauchy losses of the residuals by at most so many rounds of weighted
-    Gauss-Newton; every pose must be tied to the first through edges.
-    """
-    poses = poses.copy()
-    for _ in range(rounds):
-        move = _gauss_newton(poses, edges, scale)
-        poses[1:] += move
-        poses[:, 2] = wrap(poses[:, 2])
-        if np.abs(move).max(initial=0.0) < CONVERGED:
-            break
-    return poses
-
-
-def _gauss_newton(poses: Array, edges: Edge, scale: float) -> Array:
-    """One step, `(n - 1, 3)`, of all poses but the first: solves (J^T W J) step = -J^T W r."""
-    from scipy.sparse import bsr_array
-    from scipy.sparse.linalg import splu
-
-    r, m = residuals(poses, edges), len(edges.relative)
-    weight = 1.0 / (1.0 + (deviations(poses, edges) / scale) ** 2)
-    weighted = edges.information * weight[:, None, None]
-    blocks = derivatives(poses, edges)
-    ends, rows = np.stack([edges.first, edges.second], -1).ravel(), np.arange(0, 2 * m + 1, 2)
-    shape = 3 * m, 3 * len(poses)
-    jacobian = bsr_array((blocks.reshape(-1, 3, 3), ends, rows), shape=shape)
-    right = bsr_array(((weighted[:, None] @ blocks).reshape(-1, 3, 3), ends, rows), shape=shape)
-    hessian = (jacobian.T @ right).tocsc()[3:, 3:]
-    gradient = right.T @ r.ravel()
-    # The matrix is symmetric and positive: pivots on the diagonal keep its factors sparse.
-    symmetric = {"SymmetricMode": True}
-    factors = splu(hessian, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=symmetric)
-    return np.asarray(factors.solve(-gradient[3:])).reshape(-1, 3)
-
-
-def derivatives(poses: Array, edges: Edge) -> Array:
-    """Derivatives of the residuals by the first and by the second pose, `(m, 2, 3, 3)`."""
-    found = between(poses[edges.first], poses[edges.second])
-    heading = poses[edges.first, 2]
-    blocks = np.zeros((len(found), 2, 3, 3))
-    blocks[:, 1, 0, 0] = blocks[:, 1, 1, 1] = np.cos(heading)
-    blocks[:, 1, 0, 1] = np.sin(heading)
-    blocks[:, 1, 1, 0] = -blocks[:, 1, 0, 1]
-    blocks[:, 1, 2, 2] = 1.0
-    blocks[:, 0] = -blocks[:, 1]
-    blocks[:, 0, 0, 2], blocks[:, 0, 1, 2] = found[:, 1], -found[:, 0]
-    return blocks
+def solve(poses: Array, edges: Edge, *, rounds: int = ROUNDS, scale: float = SCALE) -> Solution:
+    """Poses `(n, 3)` that fit m edges best, and `converged`, as `Solver.solve` has them."""
+    solver = Solver(scale)
+    solver.add(edges)
+    return solver.solve(poses, rounds=rounds)

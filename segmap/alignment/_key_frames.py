@@ -9,8 +9,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from .._motions import between, compose, transform
 from ..arrays import Array
-from ._graph import Edge, information, solve, stacked
+from ._graph import SCALE, Edge, information, stacked
 from ._point_map import PointMap, in_range
+from ._solver import Solver
 
 Members = Sequence[int] | NDArray[np.int64]
 
@@ -27,6 +28,8 @@ class KeyFrames:
     path : list of float, and along : (n,) array, metres
         Path length from the start to each.
     edges : list of Edge
+    converged : bool
+        Whether the last `optimize` came to an end; else the poses are not yet where edges fit best.
     """
 
     def __init__(self, points: Array, pose: Array) -> None:
@@ -35,6 +38,9 @@ class KeyFrames:
         self.path = [0.0]
         self._poses, self._along = np.array([pose]), np.zeros(1)  # with room for more
         self.edges: list[Edge] = []
+        self.converged = True
+        self._solver = Solver(SCALE)
+        self._last: Edge | None = None  # of the edges that the solver has
 
     def __len__(self) -> int:
         return len(self.scan)
@@ -62,10 +68,23 @@ class KeyFrames:
     def along(self) -> Array:
         return self._along[: len(self)]
 
-    def optimize(self) -> None:
-        """Move the poses to where all edges fit best."""
+    def optimize(self, *, lazily: bool = False) -> None:
+        """Move the poses to where all edges fit best.
+
+        `lazily`, while the robot drives: only what new edges change is computed again.
+        """
         if self.edges:
-            self.poses = solve(self.poses, stacked(self.edges))
+            self._hand_over()
+            self.poses, self.converged, _ = self._solver.solve(self.poses, lazily=lazily)
+
+    def _hand_over(self) -> None:
+        """Give the solver the edges that it lacks, or all to a new one where some were undone."""
+        known = len(self._solver)
+        if known and (known > len(self.edges) or self.edges[known - 1] is not self._last):
+            self._solver, known = Solver(SCALE), 0
+        if known < len(self.edges):
+            self._solver.add(stacked(self.edges[known:]))
+            self._last = self.edges[-1]
 
     def points_around(self, members: Members, origin: int) -> tuple[Array, Array]:
         """Points of some key frames, and where each was seen from: `(m, 2)` arrays, metres.

@@ -190,7 +190,7 @@ class LiveGraph:
         front.add_frame(match)
         closed = closer.close(confirmed=match.matched)
         if closed:
-            front.frames.optimize()
+            front.frames.optimize(lazily=True)
         return closed
 
     def settled(self) -> Outcome:
