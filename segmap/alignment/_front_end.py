@@ -69,14 +69,13 @@ class FrontEnd:
 
     def refine(self) -> None:
         """Lay each scan between key frames on the map of all that are near, whenever those were."""
-        keys, places, rules = np.array(self.frames.scan), self.frames.poses[:, :2], self.rules
-        own = np.array(self.frame)
+        keys, own, rules = np.array(self.frames.scan), np.array(self.frame), self.rules
         others = np.flatnonzero(keys[own] != np.arange(len(own)))
-        for frame in np.unique(own[others]):
-            far = np.hypot(*(places - places[frame]).T)
-            nearest = np.argsort(far, kind="stable")[: rules.around]
-            map = self.frames.map_of(nearest[far[nearest] <= rules.near], frame)
-            for scan in others[own[others] == frame]:
+        around = self.frames.neighbourhoods(rules.around, rules.near)
+        for group in np.split(others, np.flatnonzero(np.diff(own[others])) + 1):
+            frame = int(own[group[0]]) if len(group) else 0
+            map = self.frames.map_of(around(frame), frame)
+            for scan in group:
                 points, start = _seen(self.scans[scan]), self.offset[scan]
                 if map is not None and len(points) >= 6:
                     match = map.register(points, start, overlap=rules.overlap)

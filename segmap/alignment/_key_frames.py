@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -85,6 +85,21 @@ class KeyFrames:
         if known < len(self.edges):
             self._solver.add(stacked(self.edges[known:]))
             self._last = self.edges[-1]
+
+    def neighbourhoods(self, most: int, reach: float) -> Callable[[int], NDArray[np.int64]]:
+        """From a key frame to those that are nearest, at most so many, within a reach in metres."""
+        from scipy.spatial import cKDTree
+
+        places = self.poses[:, :2].copy()
+        tree = cKDTree(places)
+
+        def around(frame: int) -> NDArray[np.int64]:
+            near = np.sort(tree.query_ball_point(places[frame], 1.001 * reach))
+            far = np.hypot(*(places[near] - places[frame]).T)
+            nearest = np.argsort(far, kind="stable")[:most]
+            return near[nearest[far[nearest] <= reach]]
+
+        return around
 
     def points_around(self, members: Members, origin: int) -> tuple[Array, Array]:
         """Points of some key frames, and where each was seen from: `(m, 2)` arrays, metres.
