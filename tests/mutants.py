@@ -37,6 +37,7 @@ FORK = multiprocessing.get_context("fork")
 #: the room's own; the examples of the file come with them.
 TESTS = {
     "alignment": "alignment baselines",
+    "alignment/_align_parts": "align_parts",
     "alignment/_angle": "angle_correspondence",
     "alignment/_backbone": "backbone",
     "alignment/_global": "global_segments",

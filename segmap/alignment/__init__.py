@@ -4,6 +4,7 @@ Every method has one signature, `method(log, *, thresholds) -> Alignment`, and s
 """
 
 from ..methods import Method
+from ._align_parts import align_parts
 from ._angle_correspondence import angle_candidates, angle_correspondence, match_angles
 from ._angle_scenes import AngleSearch, Candidate, match_values
 from ._backbone import BackboneCheck, backbone, backbone_steps
@@ -59,6 +60,7 @@ __all__ = [
     "Rejected",
     "SegmentSearch",
     "Tracking",
+    "align_parts",
     "align_to_truth",
     "angle_candidates",
     "angle_correspondence",

@@ -65,6 +65,11 @@ class FrontEnd:
         self.frames.add(scan, self.points, match.pose, covariance)
         last = len(self.frames) - 1
         self.frame[scan], self.offset[scan] = last, np.zeros(3)
+        self.see_last_frames()
+
+    def see_last_frames(self) -> None:
+        """Make the local map anew, of the last key frames."""
+        last = len(self.frames) - 1
         self.local = self.frames.map_of(range(max(last - self.rules.frames + 1, 0), last + 1), last)
 
     def refine(self) -> None:

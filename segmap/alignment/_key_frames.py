@@ -56,6 +56,18 @@ class KeyFrames:
         self.points.append(points)
         self.path.append(path)
 
+    def extend(self, later: KeyFrames, joint: int, edges: list[Edge]) -> None:
+        """Append the key frames behind one of another graph, which is the last one of this."""
+        last, rest = len(self) - 1, slice(joint + 1, None)
+        moved = compose(self.poses[last], between(later.poses[joint], later.poses[rest]))
+        way, scans = self.path[last] - later.path[joint], self.scan[last] - later.scan[joint]
+        self._poses = np.vstack([self.poses, moved])
+        self.path += [way + path for path in later.path[rest]]
+        self._along = np.array(self.path)
+        self.scan += [scans + scan for scan in later.scan[rest]]
+        self.points += later.points[rest]
+        self.edges += edges
+
     @property
     def poses(self) -> Array:
         return self._poses[: len(self)]

@@ -72,9 +72,13 @@ class LoopCloser:
         new = len(self.frames) - 1
         view, _ = self.frames.points_around(self._neighbours(new, VIEW), new)
         self.descriptors.append(descriptor(view))
+        return self.seek(new, new, confirmed=confirmed)
+
+    def seek(self, new: int, before: int, *, confirmed: bool) -> bool:
+        """Look for loops of a key frame to those before another, as `close` does."""
         self.lost_since = self.lost_since if confirmed else new
         fresh: list[tuple[Edge, float]] = []
-        for window in self._by_place(new) + self._by_descriptor(new):
+        for window in self._by_place(new, before) + self._by_descriptor(new, before):
             loop = self._measure(window, new)
             if isinstance(loop, Edge):
                 fresh.append((loop, window.reach))
@@ -87,11 +91,11 @@ class LoopCloser:
         self._give_up(new)
         return any(self._strains(loop) for loop in found)
 
-    def _by_place(self, new: int) -> list[Window]:
+    def _by_place(self, new: int, before: int) -> list[Window]:
         """Around the nearest old key frame of each pass, as far as the map may have drifted."""
         rules, poses = self.rules, self.frames.poses
-        path = self.frames.along[new] - self.frames.along[:new]
-        distance = np.hypot(*(poses[:new, :2] - poses[new, :2]).T)
+        path = self.frames.along[new] - self.frames.along[:before]
+        distance = np.hypot(*(poses[:before, :2] - poses[new, :2]).T)
         reach = self._reach(path)
         near = np.flatnonzero((distance < reach + rules.beside) & (path > rules.min_path))
         reach[near] = np.minimum(reach[near], self._reach(self._way(new, near)))
@@ -106,21 +110,21 @@ class LoopCloser:
         return np.minimum(self.rules.reach + self.drift * way, self.rules.max_reach)
 
     def _way(self, new: int, old: NDArray[np.int64]) -> Array:
-        """Shortest way through the graph from older key frames to the newest, metres.
+        """Shortest way through the graph from older key frames to a new one, metres.
 
         Infinite where it is so long that the widest window is searched.
         """
         most = (self.rules.max_reach - self.rules.reach) / self.drift
         return self.shortest.between(new, old, self.frames.path, self.ways, max(most, 0.0))
 
-    def _by_descriptor(self, new: int) -> list[Window]:
+    def _by_descriptor(self, new: int, before: int) -> list[Window]:
         """Where the robot is lost: on what looks most like the place, at any heading."""
         lost, path = self.lost_since, self.frames.path
         if lost is None or path[new] - path[lost] > self.rules.lost_path:
             return []
-        descriptors = np.array(self.descriptors)
-        unlike = np.abs(descriptors[:lost] - descriptors[new]).sum(1)
-        best = _best_of_passes(np.arange(lost), unlike)
+        descriptors, old = np.array(self.descriptors), min(lost, before)
+        unlike = np.abs(descriptors[:old] - descriptors[new]).sum(1)
+        best = _best_of_passes(np.arange(old), unlike)
         return [Window(k, np.zeros(3), self.rules.lost_reach, np.pi) for k in best]
 
     def _measure(self, window: Window, new: int) -> Edge | str:
