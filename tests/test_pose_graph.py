@@ -94,7 +94,7 @@ def test_a_loop_is_closed():
         ("odometry for some", 0.10, 0),
         ("a person comes by", 0.10, 0),
         ("blind", 0.40, 4),
-        slow("blind at first", 0.50, 1),
+        slow("blind at first", 0.50, 2),
     ],
 )
 def test_a_loop_is_closed_on_spoilt_logs_too(change, most, unused):

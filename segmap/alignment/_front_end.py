@@ -10,6 +10,7 @@ import numpy as np
 from .._motions import between, compose
 from ..arrays import Array
 from ..scans import LaserScan
+from ._doubt import LOOSE, OPEN, judged, sentence, spread, untied
 from ._graph import Graph, Rejected, deviations, stacked
 from ._graph_settings import Tracking
 from ._key_frames import KeyFrames
@@ -24,11 +25,14 @@ class FrontEnd:
     """Tracks a robot scan by scan: the matcher lays each on the map of the last key frames."""
 
     def __init__(self, first: LaserScan, matcher: Matcher, rules: Tracking) -> None:
-        self.trail, self.matcher, self.rules = Trail([first]), matcher, rules
         self.scans, self.points = [first], _seen(first)  # and the points of the last one
+        blind = "" if len(self.points) else "too few points"
+        self.trail, self.matcher, self.rules = Trail([first], reason=blind), matcher, rules
         self.frames = KeyFrames(self.points, self.trail.poses[0])
         self.frame = [0]  # the key frame of each scan,
         self.offset = [np.zeros(3)]  # and its pose there
+        self.loose = [False]  # whether nothing says how far it went along the walls
+        self.tied = [True]  # of each key frame: whether a match fixes the step to it
         self.local = self.frames.map_of([0], 0)
 
     def track(self, scan: LaserScan) -> Match:
@@ -44,8 +48,16 @@ class FrontEnd:
         self.points = points
         self.frame.append(len(self.frames) - 1)
         self.offset.append(match.pose)
-        self.trail.place(compose(self.trail.poses[-1], between(before, match.pose)), match.reason)
+        self.loose.append(self._is_loose(match))
+        reason = LOOSE if self.loose[-1] else match.reason
+        self.trail.place(compose(self.trail.poses[-1], between(before, match.pose)), reason)
         return match
+
+    def _is_loose(self, match: Match) -> bool:
+        """Whether the walls leave a direction free and no odometry says how far the robot went."""
+        if match.free is None or self.local is None or self.trail.measured(len(self.scans) - 1):
+            return False
+        return not self.local.has_wall_facing(match.free, self.points, match.pose)
 
     def needs_frame(self, step: float, turn: float) -> bool:
         """Whether the last scan is farther from its key frame, or the first to have points."""
@@ -63,6 +75,7 @@ class FrontEnd:
             along = np.array([*match.free, 0.0]) / self.rules.along_error
             covariance = np.linalg.inv(np.linalg.inv(covariance) + np.outer(along, along))
         self.frames.add(scan, self.points, match.pose, covariance)
+        self.tied.append(match.matched and not self.loose[scan])
         last = len(self.frames) - 1
         self.frame[scan], self.offset[scan] = last, np.zeros(3)
         self.see_last_frames()
@@ -105,8 +118,18 @@ class FrontEnd:
         return Graph(ends, motion, edges.loop, left, tuple(rejected), edges.information)
 
     def outcome(self, rejected: Sequence[Rejected] = ()) -> Outcome:
-        """Poses and reasons of all scans, and the graph."""
-        return Outcome(self.poses(), tuple(self.trail.reasons), self.graph(rejected))
+        """Poses, reasons and standard deviations of all scans, the graph, and what it doubts."""
+        graph, frame = self.graph(rejected), np.array(self.frame)
+        if graph is None:
+            reasons, far = tuple(self.trail.reasons), np.zeros(len(frame))
+            return Outcome(self.poses(), reasons, None, sentence(reasons, far, 0, 0), far)
+        weight = np.bincount(frame, minlength=len(self.frames)).astype(float)
+        far = spread(self.frames.poses, stacked(self.frames.edges), weight)[frame]
+        apart = untied(self.tied, self.frames.edges, weight)[frame]
+        reasons = judged(self.trail.reasons, far, apart)
+        left = graph.residuals[graph.loop]
+        doubt = sentence(reasons, far, int((left > OPEN).sum()), len(left))
+        return Outcome(self.poses(), reasons, graph, doubt, far)
 
 
 def _seen(scan: LaserScan) -> Array:

@@ -25,6 +25,8 @@ if TYPE_CHECKING:
     import pandas as pd
 
 P = ParamSpec("P")
+#: A scan is sure where its standard deviation is at most this, metres: a tenth of a room.
+SURE = 0.25
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -90,6 +92,8 @@ class Alignment(Pictured):
     doubt : str
         Which assumption of the method this log does not hold, and by how much; empty where all is
         as assumed.
+    spread : (k,) array, metres, or None
+        Standard deviation of each scan's place relative to all the others, where the method knows.
 
     Examples
     --------
@@ -104,6 +108,15 @@ class Alignment(Pictured):
     reasons: tuple[str, ...] = ()
     graph: Graph | None = field(default=None)
     doubt: str = ""
+    spread: Array | None = None
+
+    @property
+    def sure(self) -> NDArray[np.bool_]:
+        """Scans, (k,) bool, that are used and in all likelihood less than half a metre off.
+
+        Two standard deviations of `spread`, where the method knows it, are less than that.
+        """
+        return self.used if self.spread is None else self.used & (self.spread <= SURE)
 
     @property
     def trusted(self) -> Array:
@@ -140,7 +153,7 @@ class Outcome(NamedTuple):
     poses : (k, 3) array, metres and radians
     reasons : sequence of k str
         Why a scan was not used; empty where it was.
-    graph, doubt
+    graph, doubt, spread
         As in `Alignment`.
     """
 
@@ -148,6 +161,7 @@ class Outcome(NamedTuple):
     reasons: Sequence[str]
     graph: Graph | None = None
     doubt: str = ""
+    spread: Array | None = None
 
 
 def alignment_method(method: Callable[P, Outcome]) -> Callable[P, Alignment]:
@@ -187,7 +201,8 @@ def concluded(name: str, scans: int, found: Outcome, seconds: float) -> Alignmen
     if len(poses) != scans or len(reasons) != scans or not np.isfinite(poses).all():
         raise RuntimeError(f"{name} must give a finite pose and a reason for each scan")
     used = np.array([not reason for reason in reasons], bool)
-    return Alignment(poses, used, seconds, name, reasons, found.graph, found.doubt)
+    evidence = reasons, found.graph, found.doubt, found.spread
+    return Alignment(poses, used, seconds, name, *evidence)
 
 
 class Trail:
