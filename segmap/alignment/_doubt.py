@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..arrays import Array
-from ._graph import SCALE, Edge, derivatives, deviations
+from ..poses import between
+from ._graph import SCALE, Edge, deviations
 from ._result import SURE
 
 #: So many draws give standard deviations to a tenth of their size.
@@ -48,7 +49,7 @@ def spread(poses: Array, edges: Edge, weight: Array) -> Array:
 
     m = len(edges.relative)
     known = edges.information / (1.0 + (deviations(poses, edges) / SCALE) ** 2)[:, None, None]
-    blocks = derivatives(poses, edges)
+    blocks = _derivatives(poses, edges)
     ends, rows = np.stack([edges.first, edges.second], -1).ravel(), np.arange(0, 2 * m + 1, 2)
     shape = 3 * m, 3 * len(poses)
     jacobian = bsr_array((blocks.reshape(-1, 3, 3), ends, rows), shape=shape)
@@ -65,6 +66,20 @@ def spread(poses: Array, edges: Edge, weight: Array) -> Array:
     moved = factors.solve((jacobian.T @ pull)[3:]).reshape(-1, 3, DRAWS)[:, :2]
     left = _without_motion(poses[:, :2], np.concatenate([np.zeros((1, 2, DRAWS)), moved]), weight)
     return np.asarray(np.sqrt((left**2).sum(1).mean(-1)))
+
+
+def _derivatives(poses: Array, edges: Edge) -> Array:
+    """Derivatives of the residuals by the first and by the second pose, `(m, 2, 3, 3)`."""
+    found = between(poses[edges.first], poses[edges.second])
+    heading = poses[edges.first, 2]
+    blocks = np.zeros((len(found), 2, 3, 3))
+    blocks[:, 1, 0, 0] = blocks[:, 1, 1, 1] = np.cos(heading)
+    blocks[:, 1, 0, 1] = np.sin(heading)
+    blocks[:, 1, 1, 0] = -blocks[:, 1, 0, 1]
+    blocks[:, 1, 2, 2] = 1.0
+    blocks[:, 0] = -blocks[:, 1]
+    blocks[:, 0, 0, 2], blocks[:, 0, 1, 2] = found[:, 1], -found[:, 0]
+    return blocks
 
 
 def _without_motion(places: Array, moved: Array, weight: Array) -> Array:
@@ -98,8 +113,11 @@ def judged(reasons: Sequence[str], far: Array, apart: NDArray[np.bool_]) -> tupl
     return tuple(own or str(other) for own, other in zip(reasons, by_graph, strict=True))
 
 
-def sentence(reasons: Sequence[str], far: Array, open_loops: int, loops: int) -> str:
-    """What to doubt of the whole, with numbers; empty where nothing is."""
+def sentence(reasons: Sequence[str], far: Array, left: Array, *, converged: bool = True) -> str:
+    """What to doubt of the whole, with numbers; empty where nothing is.
+
+    `left` is what the solution leaves of each loop, `(m,)`, in standard deviations.
+    """
     count, said = len(reasons), []
     if loose := sum(reason == LOOSE for reason in reasons):
         said.append(f"at {loose} of {count} scans {LOOSE}")
@@ -109,6 +127,8 @@ def sentence(reasons: Sequence[str], far: Array, open_loops: int, loops: int) ->
         worst = int(np.argmax(far))
         most = f"scan {worst} by {2 * far[worst]:.1f} m"
         said.append(f"{vague} of {count} scans may be more than {2 * SURE} m off, {most}")
-    if open_loops:
-        said.append(f"{open_loops} of {loops} loops stay open by over {OPEN:g} standard deviations")
+    if wide := int((left > OPEN).sum()):
+        said.append(f"{wide} of {len(left)} loops stay open by over {OPEN:g} standard deviations")
+    if not converged:
+        said.append("the solver stopped before it came to an end")
     return "; ".join(said)

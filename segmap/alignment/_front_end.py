@@ -10,7 +10,7 @@ import numpy as np
 from .._motions import between, compose
 from ..arrays import Array
 from ..scans import LaserScan
-from ._doubt import LOOSE, OPEN, judged, sentence, spread, untied
+from ._doubt import LOOSE, judged, sentence, spread, untied
 from ._graph import Graph, Rejected, deviations, stacked
 from ._graph_settings import Tracking
 from ._key_frames import KeyFrames
@@ -122,13 +122,13 @@ class FrontEnd:
         graph, frame = self.graph(rejected), np.array(self.frame)
         if graph is None:
             reasons, far = tuple(self.trail.reasons), np.zeros(len(frame))
-            return Outcome(self.poses(), reasons, None, sentence(reasons, far, 0, 0), far)
+            return Outcome(self.poses(), reasons, None, sentence(reasons, far, far[:0]), far)
         weight = np.bincount(frame, minlength=len(self.frames)).astype(float)
         far = spread(self.frames.poses, stacked(self.frames.edges), weight)[frame]
         apart = untied(self.tied, self.frames.edges, weight)[frame]
         reasons = judged(self.trail.reasons, far, apart)
         left = graph.residuals[graph.loop]
-        doubt = sentence(reasons, far, int((left > OPEN).sum()), len(left))
+        doubt = sentence(reasons, far, left, converged=self.frames.converged)
         return Outcome(self.poses(), reasons, graph, doubt, far)
 
 
