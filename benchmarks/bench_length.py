@@ -63,8 +63,9 @@ def city_log(scans: int, columns: int = COLUMNS, seed: int = 1) -> Log:
     return simulate(walls, path, sensor=LASER, rng=rng, name=f"city of {blocks} blocks")
 
 
-def pair_errors(truth: Array, poses: Array, most: int = 50_000) -> Array:
-    """How wrong the place of one scan is as seen from another nearby, metres."""
+def pair_errors(truth: Array, found: Alignment, most: int = 50_000) -> Array:
+    """How wrong the place of one scan is as seen from another nearby, both used, metres."""
+    truth, poses = truth[found.used], found.poses[found.used]
     rng, tree = np.random.default_rng(0), cKDTree(truth[:, :2])
     first = rng.integers(0, len(truth), most)
     balls = (tree.query_ball_point(truth[k, :2], NEAR) for k in first)
@@ -81,13 +82,14 @@ def wrong(truth: Array, poses: Array, first: Array, second: Array) -> Array:
 
 def figures(log: Log, found: Alignment, took: float, held: float) -> str:
     truth, graph = log.truth, found.graph
-    errors = pair_errors(truth, found.poses)
+    errors, unused = pair_errors(truth, found), int((~found.used).sum())
     first, second = graph.edges[graph.loop].T
     left = between(between(truth[first], truth[second]), graph.relative[graph.loop])
     false = int((np.hypot(left[:, 0], left[:, 1]) > FALSE).sum())
     return (
         f"{1e3 * took / len(log):.2f} ms a scan; pairs {errors.mean():.3f} m in the mean, "
-        f"{errors.max():.2f} at most; {len(first)} loops, {false} false; {held:.0f} MB"
+        f"{errors.max():.2f} at most, {unused} scans not used; {len(first)} loops, {false} false; "
+        f"{held:.0f} MB"
     )
 
 

@@ -50,11 +50,15 @@ class Ways:
             if at in left:
                 left.remove(at)
                 done[at] = way
-            steps = [(k, abs(path[k] - path[at])) for k in (at - 1, at + 1) if 0 <= k <= end]
-            for k, cost in (*steps, *((k, self.across) for k in self.linked.get(at, ()))):
-                if way + cost < best.get(k, np.inf):
-                    best[k] = way + cost
-                    heappush(heap, (way + cost, k))
+            ahead = [(k, way + self.across) for k in self.linked.get(at, ())]
+            if at > 0:
+                ahead.append((at - 1, way + (path[at] - path[at - 1])))
+            if at < end:
+                ahead.append((at + 1, way + (path[at + 1] - path[at])))
+            for k, far in ahead:
+                if far < best.get(k, np.inf):
+                    best[k] = far
+                    heappush(heap, (far, k))
         return np.array([done[k] for k in wanted.tolist()])
 
     def _take(self, loops: Sequence[tuple[int, int]]) -> None:
