@@ -7,10 +7,11 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .._motions import between, compose, transform
+from .._motions import between, compose
 from ..arrays import Array
 from ._graph import SCALE, Edge, information, stacked
-from ._point_map import PointMap, in_range
+from ._point_loops import place_clouds
+from ._point_map import FAR, PointMap
 from ._solver import Solver
 
 Members = Sequence[int] | NDArray[np.int64]
@@ -119,11 +120,11 @@ class KeyFrames:
         In the frame of the key frame `origin`.
         """
         clouds = [self.points[k] for k in members]
+        counts = np.array([len(cloud) for cloud in clouds], np.int64)
+        placed, seen_from = np.empty((2, counts.sum(), 2))
         poses = between(self.poses[origin], self.poses[members])
-        poses = np.repeat(poses, [len(cloud) for cloud in clouds], axis=0)
-        points = transform(poses, np.concatenate(clouds)[:, None])[:, 0]
-        near = in_range(points)
-        return points[near], poses[near, :2]
+        used = place_clouds(np.concatenate(clouds), counts, poses, FAR, placed, seen_from)
+        return placed[:used], seen_from[:used]
 
     def map_of(self, members: Members, origin: int) -> PointMap | None:
         """The map of some key frames in the frame of `origin`; None where they have no point."""

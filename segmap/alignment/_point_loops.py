@@ -40,6 +40,29 @@ class PointGrid(NamedTuple):
 
 
 @compiled
+def place_clouds(
+    clouds: Array, counts: NDArray[np.int64], poses: Array, far: float, placed: Array, seen: Array
+) -> int:
+    """Write the points of clouds placed at poses, and where each was seen from; their number.
+
+    Clouds `(n, 2)`, metres, one after the other, `counts` points each; poses `(k, 3)`. Points with
+    a coordinate of `far` (metres) or more are left out.
+    """
+    k = used = 0
+    for cloud in range(len(poses)):
+        x, y = poses[cloud, 0], poses[cloud, 1]
+        c, s = math.cos(poses[cloud, 2]), math.sin(poses[cloud, 2])
+        for _ in range(counts[cloud]):
+            placed[used, 0] = x + c * clouds[k, 0] - s * clouds[k, 1]
+            placed[used, 1] = y + s * clouds[k, 0] + c * clouds[k, 1]
+            seen[used, 0], seen[used, 1] = x, y
+            k += 1
+            if abs(placed[used, 0]) < far and abs(placed[used, 1]) < far:
+                used += 1
+    return used
+
+
+@compiled
 def sort_points(grid: PointGrid, points: Array, viewpoints: Array) -> None:
     """Write points and viewpoints `(n, 2)`, metres, cell by cell; `first` is zero before.
 
