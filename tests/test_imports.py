@@ -15,7 +15,7 @@ PACKAGE = Path(segmap.__file__).parent
 #: From the ground up. A room imports rooms of lower storeys only; a folder is one room.
 STOREYS = (
     "_arguments",
-    "_compiled _display _files methods arrays",
+    "_compiled _display _files _threads methods arrays",
     "_motions",
     "_units angles literal _information _segment_points",
     "poses segments",
@@ -219,7 +219,7 @@ def test_a_missing_package_is_named_with_the_extra_that_brings_it():
 STILL_LONG = {"quadtree/_map.py", "metrics.py"}
 #: The goal is 130 without the methods that A surveys (each is a plain file and a fast one or two),
 #: formats (a file each), commands and the workbench.
-MOST_FILES = 252
+MOST_FILES = 254
 
 
 def test_files_are_few_and_short():

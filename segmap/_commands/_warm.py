@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import argparse
 import importlib
-import os
 import time
 from typing import TYPE_CHECKING, Any
 
 from .. import _warm
+from .._threads import cores
 from ._words import progress
 
 if TYPE_CHECKING:
@@ -25,7 +25,7 @@ def add(commands: Any) -> None:
 def run(given: argparse.Namespace) -> None:
     """Compile, on all cores."""
     names, start = list(_warm.cases()), time.monotonic()
-    jobs = max(1, min(given.jobs or _cores(), len(names)))
+    jobs = max(1, min(given.jobs or cores(), len(names)))
     where = "one core" if jobs == 1 else f"{jobs} cores"
     print(f"Compiling the loops of segmap on {where}, which is kept for later ...", flush=True)
     importlib.import_module("matplotlib.font_manager")  # lists the machine's fonts, once
@@ -48,9 +48,3 @@ def _run_all(names: list[str], jobs: int, bar: tqdm[Any]) -> None:
         for done in as_completed([pool.submit(_warm.run, name) for name in names]):
             done.result()
             bar.update()
-
-
-def _cores() -> int:
-    """Cores that this process may use."""
-    affinity = getattr(os, "sched_getaffinity", None)  # Linux
-    return len(affinity(0)) if affinity else os.cpu_count() or 1

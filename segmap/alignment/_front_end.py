@@ -6,8 +6,10 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .._motions import between, compose
+from .._threads import in_threads
 from ..arrays import Array
 from ..scans import LaserScan
 from ._doubt import LOOSE, judged, sentence, spread, untied
@@ -90,14 +92,25 @@ class FrontEnd:
         keys, own, rules = np.array(self.frames.scan), np.array(self.frame), self.rules
         others = np.flatnonzero(keys[own] != np.arange(len(own)))
         around = self.frames.neighbourhoods(rules.around, rules.near)
-        for group in np.split(others, np.flatnonzero(np.diff(own[others])) + 1):
-            frame = int(own[group[0]]) if len(group) else 0
-            map = self.frames.map_of(around(frame), frame)
-            for scan in group:
-                points, start = _seen(self.scans[scan]), self.offset[scan]
-                if map is not None and len(points) >= 6:
-                    match = map.register(points, start, overlap=rules.overlap)
-                    self.offset[scan] = match.pose if match.matched else start
+        groups = np.split(others, np.flatnonzero(np.diff(own[others])) + 1)
+        refined = in_threads(lambda scans: self._refined(scans, around), groups)
+        for scans, found in zip(groups, refined, strict=True):
+            for scan, offset in zip(scans, found, strict=True):
+                self.offset[scan] = offset
+
+    def _refined(
+        self, scans: NDArray[np.int64], around: Callable[[int], NDArray[np.int64]]
+    ) -> list[Array]:
+        """Poses of scans of one key frame in it, by the map of those around it."""
+        frame, found = self.frame[scans[0]] if len(scans) else 0, []
+        map = self.frames.map_of(around(frame), frame)
+        for scan in scans:
+            points, offset = _seen(self.scans[scan]), self.offset[scan]
+            if map is not None and len(points) >= 6:
+                match = map.register(points, offset, overlap=self.rules.overlap)
+                offset = match.pose if match.matched else offset
+            found.append(offset)
+        return found
 
     def poses(self) -> Array:
         """Poses of all scans so far, `(k, 3)` array, metres and radians."""

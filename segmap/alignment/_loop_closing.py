@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .._motions import between, compose
+from .._threads import in_threads
 from ..arrays import Array
 from ._graph import Edge, Rejected, deviations, information, residuals, stacked
 from ._graph_settings import LoopClosing
@@ -78,8 +79,10 @@ class LoopCloser:
         """Look for loops of a key frame to those before another, as `close` does."""
         self.lost_since = self.lost_since if confirmed else new
         fresh: list[tuple[Edge, float]] = []
-        for window in self._by_place(new, before) + self._by_descriptor(new, before):
-            loop = self._measure(window, new)
+        windows = self._by_place(new, before) + self._by_descriptor(new, before)
+        tasks = [(window, self._map_around(window.old), new) for window in windows]
+        measured = in_threads(lambda task: self._measure(*task), tasks)
+        for window, loop in zip(windows, measured, strict=True):
             if isinstance(loop, Edge):
                 fresh.append((loop, window.reach))
             else:
@@ -127,9 +130,9 @@ class LoopCloser:
         best = _best_of_passes(np.arange(old), unlike)
         return [Window(k, np.zeros(3), self.rules.lost_reach, np.pi) for k in best]
 
-    def _measure(self, window: Window, new: int) -> Edge | str:
+    def _measure(self, window: Window, map: PointMap | None, new: int) -> Edge | str:
         """The loop between two key frames by their surroundings, or why there is none."""
-        frames, rules, map = self.frames, self.rules, self._map_around(window.old)
+        frames, rules = self.frames, self.rules
         first = max(new - rules.new_frames, self.lost_since or 0)
         seen, _ = frames.points_around(range(first, new + 1), new)
         if map is None or len(seen) < 6:

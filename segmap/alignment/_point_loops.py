@@ -117,14 +117,14 @@ def fit_normal(grid: PointGrid, k: int) -> None:
         m = max(n, 1)
         xx, xy, yy = xx - sx * sx / m, xy - sx * sy / m, yy - sy * sy / m
         reach *= 2.0
-    grid.normals[k, 0] = grid.normals[k, 1] = math.nan
+    nx = ny = math.nan
     middle, half = 0.5 * (xx + yy), math.hypot(0.5 * (xx - yy), xy)
     if n >= ENOUGH and middle - half < NARROW * (middle + half):
         along = 0.5 * math.atan2(2.0 * xy, xx - yy)
         nx, ny = -math.sin(along), math.cos(along)
         if grid.sided and nx * (grid.viewpoints[k, 0] - x) + ny * (grid.viewpoints[k, 1] - y) < 0:
             nx, ny = -nx, -ny
-        grid.normals[k, 0], grid.normals[k, 1] = nx, ny
+    grid.normals[k, 0], grid.normals[k, 1] = nx, ny
 
 
 @compiled
@@ -168,8 +168,8 @@ def residuals(
         if p < 0:
             continue
         near += 1
-        if math.isinf(grid.normals[p, 0]):
-            fit_normal(grid, p)
+        if math.isinf(grid.normals[p, 0]) or math.isinf(grid.normals[p, 1]):
+            fit_normal(grid, p)  # another thread may be doing the same: it writes the same
         nx, ny = grid.normals[p, 0], grid.normals[p, 1]
         inward = nx * turned_x + ny * turned_y
         behind = inward > 0.0 and inward > BACK * math.hypot(turned_x, turned_y)
