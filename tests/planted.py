@@ -14,6 +14,11 @@ PLANTED = (
     ("x = -c * p[..., 0] - s * p[..., 1]", "x = -c * p[..., 0] + s * p[..., 1]", "poses"),
     ("wrap(a[..., 2] + b[..., 2])", "a[..., 2] + b[..., 2]", "poses"),
     ("(span <= max_gap)", "(span < max_gap)", "poses"),
+    # what a pose graph doubts
+    ("return np.asarray(moved - across[:, :, None] * turn)", "return np.asarray(moved)", "doubt"),
+    ("if edge.loop or tied[edge.second]]", "if edge.loop or tied[edge.first]]", "doubt"),
+    ("reason = LOOSE if self.loose[-1] else match.reason", "reason = match.reason", "doubt"),
+    ("(np.linalg.cholesky(known) @ draws)", "(known @ draws)", "doubt"),
     # extraction
     ("return dx * dx + dy * dy >= gap * gap", "return dx * dx + dy * dy > gap * gap", "extraction"),
     ("turn = 0.5 * np.arctan2(2 * sxy, sxx - syy)", "turn = 0.5 * np.arctan2(sxy, sxx - syy)", "extraction"),
