@@ -176,13 +176,22 @@ def cells_by_formula(start, end):
     return cells
 
 
-def edge_error_by_matrices(first, second, relative):
-    def matrix(x, y, heading):
-        c, s = np.cos(heading), np.sin(heading)
-        return np.array([(c, -s, x), (s, c, y), (0, 0, 1)])
+def matrix(x, y, heading):
+    c, s = np.cos(heading), np.sin(heading)
+    return np.array([(c, -s, x), (s, c, y), (0, 0, 1)])
 
-    m = np.linalg.inv(matrix(*first) @ matrix(*relative)) @ matrix(*second)
+
+def pose_of(m):
     return [m[0, 2], m[1, 2], np.arctan2(m[1, 0], m[0, 0])]
+
+
+def edge_error_by_matrices(first, second, relative):
+    return pose_of(np.linalg.inv(matrix(*first) @ matrix(*relative)) @ matrix(*second))
+
+
+def carried_by_matrices(before, after, pose):
+    """The one motion that takes the key frame along, applied to the scan."""
+    return pose_of(matrix(*after) @ np.linalg.inv(matrix(*before)) @ matrix(*pose))
 
 
 def distances_bit_by_bit(lines):
@@ -276,6 +285,7 @@ OTHER_WAYS = {
     "least_translation": literal.least_translation,
     "move_onto_walls": moved_by_pseudo_inverse,
     "edge_error": edge_error_by_matrices,
+    "carried": carried_by_matrices,
     "reduction_rate": lambda a, b: 1 - len(b) / len(a) if len(a) else 0,
     "quality": quality_row_by_row,
     "reduction_at": reduction_by_hand,

@@ -52,6 +52,7 @@ from ._exercises_maps import (
     check_verdict,
 )
 from ._exercises_poses import (
+    check_carried,
     check_climb_step,
     check_edge_error,
     check_move_onto_walls,
@@ -162,6 +163,7 @@ __all__ = [
     "check_beam_angles",
     "check_best_run",
     "check_best_shift",
+    "check_carried",
     "check_cast_ray",
     "check_cell_of",
     "check_climb_step",

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from ..arrays import Array
 from ..literal import MOVES, climb_step, distance_score, point_to_line_step
-from ..poses import between, transform
+from ..poses import between, compose, transform
 from ._exercise import Exercise
 
 
@@ -131,6 +131,42 @@ check_edge_error = Exercise(
         "all three parts are asked for, not only how far the place is off": (
             lambda a, b, z: np.hypot(*_edge_error(a, b, z)[:2])
         ),
+    },
+)
+
+
+def _carried(before: Array, after: Array, pose: Array) -> Array:
+    return compose(after, between(before, pose))
+
+
+def _carried_unwrapped(before: Array, after: Array, pose: Array) -> Array:
+    return np.append(_carried(before, after, pose)[:2], pose[2] + after[2] - before[2])
+
+
+check_carried = Exercise(
+    "carried(before, after, pose) -> (3,): where a scan lies (x, y, heading) that lay at `pose`, "
+    "once a loop has moved its key frame from `before` to `after`",
+    _carried,
+    {
+        "a key frame that is shifted": _edge((1, 1, 0), (1.5, 0.8, 0), (1.3, 1, 0)),
+        "one that turns by a right angle": _edge((2, 1, 0), (2, 1, np.pi / 2), (2.4, 1, 0)),
+        "one that looks along y": _edge((0, 5, np.pi / 2), (0.5, 4, 1.7), (0.1, 5.4, 1.5)),
+        "a turn over half a turn": _edge((0, 0, 2.9), (0.2, 0.1, 3.1), (-0.3, 0, 3.1)),
+    },
+    {
+        "poses are not numbers: where the key frame turns, its scans turn about it; take the pose "
+        "in the key frame, segmap.poses.between(before, pose)": lambda b, a, p: p + a - b,
+        "the key frame comes first: compose(after, ...), not compose(..., after)": (
+            lambda b, a, p: compose(between(b, p), a)
+        ),
+        "the wrong way round: the scan lay beside `before`, and goes to `after`": (
+            lambda b, a, p: compose(b, between(a, p))
+        ),
+        "the scan turns with its key frame: its heading changes too": (
+            lambda b, a, p: np.append(_carried(b, a, p)[:2], p[2])
+        ),
+        "headings end at half a turn: wrap the sum, as compose does": _carried_unwrapped,
+        "the scan keeps its place beside the key frame; it does not go onto it": lambda b, a, p: a,
     },
 )
 
