@@ -100,6 +100,21 @@ def drive_through(name: str, seed: int, length: float = LENGTH) -> Log:
     return simulate(walls, path, sensor=LASER, rng=rng, odometry_noise=WHEELS, name=name)
 
 
+def equal_corridors(seed: int) -> Log:
+    """Two corridors of equal doors, three metres apart, shifted by a door: A, B, and both again."""
+    rng = np.random.default_rng(seed)
+    outer = rectangular_room(LENGTH, 12.0)
+    between_them = box(LENGTH - 4, 1.0, (LENGTH / 2, 2.5, 0))[:, ::-1]
+    beyond = box(LENGTH - 4, 5.0, (LENGTH / 2, 7.5, 0))[:, ::-1]
+    alike = [doors(wall, rng) for wall in (outer[0], *between_them[::2], beyond[0])]
+    rest = [_city._facade(wall, rng) for wall in (*outer[1:], *beyond[1:])]
+    end = LENGTH - 1
+    laps = [corner for y in (1, 4, 1) for corner in ((1, y), (end, y), (end, 11), (1, 11))]
+    path = drive([*laps, (1, 4), (12, 4)], step=0.3, turn=np.radians(15))
+    walls = np.concatenate([*alike, *rest, between_them[1::2]])
+    return simulate(walls, path, sensor=LASER, rng=rng, odometry_noise=WHEELS, name="corridors")
+
+
 class Verdict(NamedTuple):
     loops: int
     off: int  # wrong by more than half a metre,

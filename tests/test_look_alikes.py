@@ -4,7 +4,7 @@ The buildings, and what false and a return are, stand in look_alikes.py.
 """
 
 import pytest
-from look_alikes import BUILDINGS, SHORT, drive_through, verdict
+from look_alikes import BUILDINGS, SHORT, drive_through, equal_corridors, verdict
 
 SEEDS = range(1, 21)
 
@@ -27,3 +27,16 @@ def test_no_false_loop_in_twenty_drives(name):
     found = [verdict(drive_through(name, seed)) for seed in SEEDS]
     assert [one.false for one in found] == [0] * len(SEEDS)
     assert sum(one.closed for one in found) >= 0.95 * sum(one.places for one in found)
+
+
+@pytest.mark.slow
+def test_a_corridor_that_equals_the_one_beside_it_is_taken_for_it():
+    """A known limit, with its true figures; when it is mended, this building joins the others.
+
+    The corridors lie 3 m apart; after 93 m of way places are sought within 3.8 m. With the default
+    `drift` 93 of 354 loops are false (seed 2: 106 of 379), each by those 3 m. Whoever knows that
+    the map bends less says so: with 1 in 100 the second corridor lies beyond the window.
+    """
+    log = equal_corridors(1)
+    assert verdict(log).false > 50
+    assert verdict(log, drift=0.01).false == 0
