@@ -54,6 +54,27 @@ def test_what_a_part_knows_of_loops_is_kept_behind_the_joint():
     assert closer.rejected == [(100, 171, "why")] and closer.ways == [(50, 80)]
 
 
+def test_key_frames_behind_the_joint_are_as_if_added_one_by_one():
+    motions = np.array([(1, 0, 0.1), (0.5, 0.2, -0.3), (2, 0, 0), (1, 1, 1)])
+
+    def driven(start, scans, first, end):
+        frames = KeyFrames(POINTS, np.array(start, float))
+        for k in range(first, end):
+            frames.add(scans * (k - first + 1), POINTS, motions[k], np.eye(3))
+        return frames
+
+    whole, one, later = (
+        driven(s, 2, *ends)
+        for s, ends in (((0, 0, 0), (0, 4)), ((0, 0, 0), (0, 2)), ((7, 3, 2), (1, 4)))
+    )
+    one.extend(later, 1, whole.edges[2:])
+    for name in ("poses", "along", "path", "scan"):
+        np.testing.assert_allclose(getattr(one, name), getattr(whole, name), err_msg=name)
+    assert len(one) == len(one.points) == len(whole) and len(one.edges) == len(whole.edges)
+    one.add(10, POINTS, motions[0], np.eye(3))
+    assert one.path[-1] == one.along[-1] == whole.path[-1] + 1 and len(one.poses) == 6
+
+
 def test_behind_the_joint_a_robot_may_be_lost_and_loops_may_wait(monkeypatch):
     """Scans that show another place cannot be matched: from them on the robot is sought anywhere.
 
