@@ -26,8 +26,8 @@ from .measure import ROOT, Row
 
 LENGTHS = (1_500, 3_000, 6_000, 12_000, 24_000)
 COLUMNS, BLOCK, STREET = 4, 16.0, 3.0
-#: Scans to a block that is driven round: five streets and as many turns.
-A_BLOCK = 400
+#: Scans to a block that is driven round, at least: five streets and as many turns.
+A_BLOCK = 380
 LASER = Sensor("laser", 181, -np.pi / 2, np.pi / 180, max_range=20.0, sigma=0.01)
 #: Pairs of poses are compared where they lie so near each other, metres, and so many scans apart.
 NEAR, APART = 20.0, 50
@@ -49,7 +49,13 @@ def tour(columns: int) -> Iterator[Array]:
         turn = 1 if row % 2 == 0 else -1
         for i in along:
             for corner in ((i, row), (i, row + 1), (i + turn, row + 1), (i + turn, row), (i, row)):
-                yield STREET / 2 + (BLOCK + STREET) * np.array(corner)
+                yield crossing(*corner)
+        yield crossing(along[-1] + turn, row)
+
+
+def crossing(i: int, j: int) -> Array:
+    """Middle of a crossing, `(2,)`, metres."""
+    return STREET / 2 + (BLOCK + STREET) * np.array([i, j])
 
 
 def city_log(scans: int, columns: int = COLUMNS, seed: int = 1) -> Log:
