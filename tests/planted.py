@@ -15,6 +15,7 @@ PLANTED = (
     ("wrap(a[..., 2] + b[..., 2])", "a[..., 2] + b[..., 2]", "poses"),
     ("(span <= max_gap)", "(span < max_gap)", "poses"),
     # what a pose graph doubts
+    ("stands = lost and not self.trail", "stands = False and not self.trail", "doubt"),
     ("return np.asarray(moved - across[:, :, None] * turn)", "return np.asarray(moved)", "doubt"),
     ("if edge.loop or tied[edge.second]]", "if edge.loop or tied[edge.first]]", "doubt"),
     ("reason = LOOSE if self.loose[-1] else match.reason", "reason = match.reason", "doubt"),

@@ -104,3 +104,11 @@ def test_a_kidnapped_robot_says_what_hangs_on_the_wheels():
     assert found.used[:40].all() and not found.used[41:].any()
     assert set(found.reasons[41:]) <= {UNTIED, "too little of it lies on the map"}
     assert f"of {len(log)} scans to the rest" in found.doubt
+
+
+def test_without_odometry_a_scan_that_did_not_match_starts_no_motion():
+    """The last motion went on from false match to false match, 13 m a scan in the Intel log."""
+    log = logs.blind(logs.office_log(), 10, 11, 12)
+    here, there = (pose_graph(each).poses for each in (log, logs.without_odometry(log)))
+    np.testing.assert_allclose(there[[11, 12]], there[[10, 10]], atol=1e-9)
+    assert not np.allclose(here[12], here[10], atol=0.1)

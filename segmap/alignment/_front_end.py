@@ -41,7 +41,7 @@ class FrontEnd:
         """Lay a scan on the local map, or carry it by the expected step: in the last key frame."""
         points, before = _seen(scan), self.offset[-1]
         self.trail.add(scan)
-        guess = compose(before, self.trail.step())
+        guess = compose(before, self._step())
         if self.local is None or len(points) < 6:
             match = no_match(guess, "too few points")
         else:
@@ -54,6 +54,15 @@ class FrontEnd:
         reason = LOOSE if self.loose[-1] else match.reason
         self.trail.place(compose(self.trail.poses[-1], between(before, match.pose)), reason)
         return match
+
+    def _step(self) -> Array:
+        """Expected motion to the last scan; none after a scan that did not match, without odometry.
+
+        A motion that goes on from match to false match grows until it is many metres a scan.
+        """
+        lost = self.trail.reasons[-1] not in ("", LOOSE)
+        stands = lost and not self.trail.measured(len(self.trail.poses))
+        return np.zeros(3) if stands else self.trail.step()
 
     def _is_loose(self, match: Match) -> bool:
         """Whether the walls leave a direction free and no odometry says how far the robot went."""
