@@ -179,7 +179,7 @@ PLANTED = (
     ("self.path += [way + path for", "self.path += [path for", "align_parts"),
     ("closer.ways += [(i + n, j + n)", "closer.ways += [(i, j)", "align_parts"),
     ("Rejected(r.first + k, r.second + k, r.reason)", "r", "align_parts"),
-    ("confirmed=not unmatched)", "confirmed=True)", "align_parts"),
+    ("confirmed = front.loose[scan] or not front.trail.reasons[scan]", "confirmed = True", "align_parts"),
     ("    closer.pending += joint.moved(its_closer.pending)\n", "", "align_parts"),
     ("e for e in edges if e.first >= self.its_frame]", "*edges]", "align_parts"),
     ("closer.lost_since = None if new in found else closer.lost_since", "pass", "align_parts"),

@@ -85,6 +85,7 @@ def test_behind_the_joint_a_robot_may_be_lost_and_loops_may_wait(monkeypatch):
 
     def seek(self, new, before, *, confirmed):
         asked.append((new, before, confirmed))
+        self.lost_since = self.lost_since if confirmed else new
         return False
 
     def settle(self):
@@ -96,6 +97,8 @@ def test_behind_the_joint_a_robot_may_be_lost_and_loops_may_wait(monkeypatch):
     near = logs.changed(LOG[:50], lambda k, ranges: 0 * ranges + 0.5 if k in (45, 46) else ranges)
     first, second = (_aligned({}, part) for part in cut(near, 20))
     _inside(second)[1].pending = [Edge(12, 14, START, np.eye(3), True)]
+    frames = _inside(second)[0].frames
+    frames.edges.append(Edge(11, len(frames) - 1, START, np.eye(3), True))
     _inside(first)[0].scans += near[:20]
     asked.clear()
     _join(first, second, near[20:])
@@ -107,6 +110,7 @@ def test_behind_the_joint_a_robot_may_be_lost_and_loops_may_wait(monkeypatch):
         not confirmed for *_, confirmed in alone
     ]
     assert not all(confirmed for *_, confirmed in alone)
+    assert _inside(first)[1].lost_since is None, "the loop at the end of the part found it again"
     first.refine()
     assert settled == [(joint + 2, joint + 4)]
 

@@ -116,8 +116,8 @@ def _join(graph: LiveGraph, part: LiveGraph, log: Log) -> None:
     front.see_last_frames()
     its_frame = min(graph.tracking.frames, len(later.frames) - 1)
     its_scan = later.frames.scan[its_frame]
-    for scan in log[:its_scan]:
-        graph.add(scan)
+    for ahead in log[:its_scan]:
+        graph.add(ahead)
     # 2. The next one is a key frame of both, and what comes behind it is known
     front.add_frame(front.track(log[its_scan]))
     joint = Joint(len(front.frames) - 1, len(front.scans) - 1, its_frame, its_scan)
@@ -128,10 +128,11 @@ def _join(graph: LiveGraph, part: LiveGraph, log: Log) -> None:
     # 3. Loops that lead to the parts before, as if the robot drove there now
     found = {loop.second for loop in closer.accepted}
     for new in range(joint.frame, len(front.frames)):
-        closer.lost_since = None if new in found else closer.lost_since
-        unmatched = front.trail.reasons[front.frames.scan[new]]
-        if closer.seek(new, joint.frame, confirmed=not unmatched):
+        scan = front.frames.scan[new]
+        confirmed = front.loose[scan] or not front.trail.reasons[scan]
+        if closer.seek(new, joint.frame, confirmed=confirmed):
             front.frames.optimize(lazily=True)
+        closer.lost_since = None if new in found else closer.lost_since
     closer.pending += joint.moved(its_closer.pending)
 
 
@@ -144,6 +145,8 @@ def _append_scans(front: FrontEnd, later: FrontEnd, at: Joint) -> None:
     trail.reasons += its.reasons[rest]
     front.frame += [at.frame - at.its_frame + frame for frame in later.frame[rest]]
     front.offset += later.offset[rest]
+    front.loose += later.loose[rest]
+    front.tied += later.tied[at.its_frame + 1 :]
 
 
 def _append_loops(closer: LoopCloser, later: LoopCloser, at: Joint) -> None:
