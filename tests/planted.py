@@ -15,6 +15,7 @@ PLANTED = (
     ("wrap(a[..., 2] + b[..., 2])", "a[..., 2] + b[..., 2]", "poses"),
     ("(span <= max_gap)", "(span < max_gap)", "poses"),
     # what a pose graph doubts
+    ("place, reach=0.5, turn=np.pi, least=0.5)", "place, reach=0.5, turn=1.0, least=0.5)", "doubt"),
     ("stands = lost and not self.trail", "stands = False and not self.trail", "doubt"),
     ("return np.asarray(moved - across[:, :, None] * turn)", "return np.asarray(moved)", "doubt"),
     ("if edge.loop or tied[edge.second]]", "if edge.loop or tied[edge.first]]", "doubt"),

@@ -1,5 +1,7 @@
 """What a pose graph says of itself: scans that are not sure, and why."""
 
+from dataclasses import replace
+
 import alignment_logs as logs
 import numpy as np
 import pytest
@@ -8,6 +10,7 @@ from segmap.alignment import Alignment, point_icp, pose_graph
 from segmap.alignment._doubt import FAR, LOOSE, UNTIED, judged, sentence, spread, untied
 from segmap.alignment._graph import Edge, residuals, stacked
 from segmap.poses import between, compose
+from segmap.scans import Log
 
 
 def chain(count: int, *loops: tuple[int, int]) -> tuple[np.ndarray, list[Edge]]:
@@ -112,3 +115,14 @@ def test_without_odometry_a_scan_that_did_not_match_starts_no_motion():
     here, there = (pose_graph(each).poses for each in (log, logs.without_odometry(log)))
     np.testing.assert_allclose(there[[11, 12]], there[[10, 10]], atol=1e-9)
     assert not np.allclose(here[12], here[10], atol=0.1)
+
+
+def test_without_odometry_a_turn_larger_than_the_window_is_found():
+    """Half a turn between two scans: 40 and 80 degrees about the last motion do not hold it."""
+    scan = logs.without_odometry(logs.office_log()[8:9])[0]
+    turned = replace(scan, angles=scan.angles - 2.6)
+    found = pose_graph(Log("turned", [scan, turned]))
+    assert found.used.all()
+    np.testing.assert_allclose(found.poses[1], (0, 0, 2.6), atol=0.02)
+    still = [replace(each, odometry=np.zeros(3)) for each in (scan, turned)]
+    assert not pose_graph(Log("wheels", still)).used.all()

@@ -46,6 +46,8 @@ class FrontEnd:
             match = no_match(guess, "too few points")
         else:
             match = self.matcher(self.local, points, guess)
+            if not match.matched and not self.trail.measured(len(self.trail.poses)):
+                match = self._at_any_heading(match, points, before)
         self.scans.append(scan)
         self.points = points
         self.frame.append(len(self.frames) - 1)
@@ -54,6 +56,15 @@ class FrontEnd:
         reason = LOOSE if self.loose[-1] else match.reason
         self.trail.place(compose(self.trail.poses[-1], between(before, match.pose)), reason)
         return match
+
+    def _at_any_heading(self, match: Match, points: Array, place: Array) -> Match:
+        """Without odometry: a scan that did not match, sought near the last place once more."""
+        assert self.local is not None
+        start, _ = self.local.search(points, place, reach=0.5, turn=np.pi, least=0.5)
+        if start is None:
+            return match
+        found = self.local.register(points, start, overlap=self.rules.least)
+        return found if found.matched and found.free is None else match
 
     def _step(self) -> Array:
         """Expected motion to the last scan; none after a scan that did not match, without odometry.
