@@ -23,8 +23,5 @@ def in_threads(work: Callable[[Thing], Found], things: Sequence[Thing]) -> list[
         return [work(thing) for thing in things]
     from concurrent.futures import ThreadPoolExecutor
 
-    pool = ThreadPoolExecutor(workers)
-    try:
+    with ThreadPoolExecutor(workers) as pool:
         return list(pool.map(work, things))
-    finally:
-        pool.shutdown(cancel_futures=True)
