@@ -75,7 +75,7 @@ class LiveMap:
     ...     step = live.add(scan)
     >>> live.finish()
     >>> live
-    LiveMap(LiveGraph(5 scans: 1 key frames, 0 loops))
+    LiveMap(LiveGraph(5 scans: 3 key frames, 0 loops))
     """
 
     def __init__(
