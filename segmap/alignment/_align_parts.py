@@ -28,7 +28,9 @@ def align_parts(
     Each part is tracked, and its own loops are closed, in a worker. As the parts come back they are
     joined in order: the first scans of each are laid on the last map of the part before, loops
     between them are sought and believed as within one log, and all poses are solved together.
-    Workers take on two thirds to three quarters of the work; joining and refining remain here.
+    Joining and refining remain here. It pays where most loops lie within a part (a city driven block
+    by block: 0.56 of the time of `pose_graph` on two cores) and not where the parts all pass the
+    same corridors (Killian Court in four: 1.3 times), since loops between parts follow each other.
 
     Parameters
     ----------
@@ -44,8 +46,8 @@ def align_parts(
     Returns
     -------
     Alignment
-        Of all scans in order. Not equal to `pose_graph` of the whole log, but as good: it differs
-        as much as where the log begins three scans later.
+        Of all scans in order. Not equal to `pose_graph` of the whole log: it differs about as much
+        as where the log begins three scans later, and more where either accepts false loops.
 
     Raises
     ------
