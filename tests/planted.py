@@ -133,6 +133,7 @@ PLANTED = (
     ("u, v, w = c * u - s * v, s * u + c * v, weight * room[1, 2]", "u, v, w = c * u + s * v, s * u + c * v, weight * room[1, 2]", "graph"),
     ("1.4826 * 0.5 *", "0.5 *", "match_points point_map"),
     ("return a.second != b.second and abs(path[a.second]", "return abs(path[a.second]", "pose_graph"),
+    ("far = window.reach if window.reach > COVERED else 0.0", "far = 0.0", "pose_graph"),
     ("same = (np.hypot(x, y) < rules.tolerance) & (np.abs(heading) < rules.angle)", "same = np.hypot(x, y) < np.inf", "pose_graph"),
     ("p, q = -(s * x + c * y), c * x - s * y", "p, q = s * x + c * y, s * y - c * x", "graph"),
     ("weight = 1.0 / (1.0 + part)", "weight = 1.0 / (1.0 + part * part)", "graph"),

@@ -13,7 +13,7 @@ from segmap.alignment import Alignment, LoopClosing, Tracking, point_icp, pose_g
 from segmap.alignment._front_end import FrontEnd, search_and_register
 from segmap.alignment._graph import Edge, information
 from segmap.alignment._key_frames import KeyFrames
-from segmap.alignment._loop_closing import LoopCloser
+from segmap.alignment._loop_closing import LoopCloser, Window
 from segmap.alignment._point_map import PointMap
 from segmap.alignment._result import Match, no_match
 from segmap.poses import between, compose
@@ -326,7 +326,7 @@ def test_believed_loops_shorten_the_way_to_old_places():
     sure, vague = information(np.eye(3) * 1e-4), information(np.eye(3))
     closer._believe([Edge(3, 23, np.zeros(3), sure, True), Edge(9, 29, np.zeros(3), vague, True)])
     assert closer._way(30, np.array([3, 5, 9, 22])).tolist() == [7.5, 9.5, 13.5, 8.0]
-    (window,) = closer._by_place(30)
+    (window,) = closer._by_place(30, 30)
     assert (
         window.reach
         == 1 + 0.03 * closer._way(30, np.array([window.old]))[0]
@@ -367,6 +367,17 @@ def test_at_the_end_loops_to_passes_far_apart_are_witnesses(first, motion, belie
     assert closer.settle() == bool(believed)
     assert len(closer.accepted) == believed and len(closer.rejected) == 2 - believed
     assert not closer.pending
+
+
+@pytest.mark.parametrize(("reach", "covered"), [(1.0, 5), (2.5, 5), (9.0, 9), (12.0, 12)])
+def test_the_map_of_an_old_place_reaches_as_far_as_the_window(reach, covered):
+    """Killian Court: a door 3.8 m off fitted better than the true place, where no map was."""
+    frames = KeyFrames(np.zeros((1, 2)), np.zeros(3))
+    for scan in range(1, 41):
+        frames.add(scan, np.zeros((1, 2)), np.array([1.0, 0, 0]), np.eye(3))
+    closer = LoopCloser(frames, 0.03, LoopClosing())
+    x = closer._map_around(Window(20, np.zeros(3), reach, 0.3)).grid.points[:, 0]
+    assert (x.min(), x.max()) == (-covered, covered)
 
 
 def test_turns_on_the_spot_do_not_cut_the_way():

@@ -79,7 +79,8 @@ class LoopClosing(Settings):
         ... over a path of at most this length.
     old_frames, new_frames : int
         Key frames before and after the old one, and before the new one, whose points are compared:
-        a single scan looks like many places.
+        a single scan looks like many places. In windows of more than 2.5 m the old ones are those
+        along as long a way: else the true place may lie where the map has ended.
     likelihood, overlap : float
         Mean likelihood, and share of the points with a partner, that a measured loop must reach.
     tolerance, angle : float, metres and radians

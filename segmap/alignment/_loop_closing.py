@@ -29,6 +29,8 @@ SAMPLE = 750
 RECENT = 30
 #: Why a loop is not believed that no other, or too few, agree with.
 ALONE = "no other loop agrees with it"
+#: Half sides of windows that the neighbours of an old key frame cover, metres.
+COVERED = 2.5
 #: Maps of old places that are kept ready, for memory's sake.
 KEPT = 40
 
@@ -61,7 +63,7 @@ class LoopCloser:
         self.pending: list[Edge] = []
         self.accepted: list[Edge] = []
         self.rejected: list[Rejected] = []
-        self.maps: dict[int, PointMap | None] = {}
+        self.maps: dict[tuple[int, int, int], PointMap | None] = {}
         self.ways: list[tuple[int, int]] = []
         self.shortest = Ways(rules.loop_path)
 
@@ -80,7 +82,7 @@ class LoopCloser:
         self.lost_since = self.lost_since if confirmed else new
         fresh: list[tuple[Edge, float]] = []
         windows = self._by_place(new, before) + self._by_descriptor(new, before)
-        tasks = [(window, self._map_around(window.old), new) for window in windows]
+        tasks = [(window, self._map_around(window), new) for window in windows]
         measured = in_threads(lambda task: self._measure(*task), tasks)
         for window, loop in zip(windows, measured, strict=True):
             if isinstance(loop, Edge):
@@ -155,14 +157,21 @@ class LoopCloser:
             return match.reason
         return Edge(window.old, new, match.pose, information(match.covariance), True)
 
-    def _map_around(self, old: int) -> PointMap | None:
-        """The surroundings of an old key frame, in its frame; the last few are kept."""
-        if old not in self.maps:
+    def _map_around(self, window: Window) -> PointMap | None:
+        """The surroundings of an old key frame, in its frame, as far as the window; some are kept.
+
+        On a map that ends before the window does, the best place is not the true one.
+        """
+        path, near = self.frames.along, self._neighbours(window.old, self.rules.old_frames)
+        far = window.reach if window.reach > COVERED else 0.0
+        place = path[window.old]
+        first, end = np.searchsorted(path, [place - far, place + far + 1e-9])
+        around = window.old, int(min(first, near.start)), int(max(end, near.stop))
+        if around not in self.maps:
             if len(self.maps) >= KEPT:
                 del self.maps[next(iter(self.maps))]
-            around = self._neighbours(old, self.rules.old_frames)
-            self.maps[old] = self.frames.map_of(around, old)
-        return self.maps[old]
+            self.maps[around] = self.frames.map_of(range(*around[1:]), window.old)
+        return self.maps[around]
 
     def _neighbours(self, frame: int, half: int) -> range:
         """A key frame and up to `half` before and after it, in time."""
