@@ -23,6 +23,8 @@ def test_no_false_loop_in_twenty_drives(name):
     """And at least 95 of 100 true returns close, in each building.
 
     Catches a window as wide as the pitch of the doors or offices where the map is known better.
+    Measured last: false loops 0 in the corridor of doors and in the hall; 3 in the equal offices,
+    all with one seed of eighteen, so that this fails there.
     """
     found = [verdict(drive_through(name, seed)) for seed in SEEDS]
     assert [one.false for one in found] == [0] * len(SEEDS)
