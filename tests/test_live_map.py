@@ -9,12 +9,13 @@ import pytest
 from planned_loops import LOG, Planned
 from quadtrees import state
 
-from segmap import LaserScan, quadtree
+from segmap import LaserScan, extraction, quadtree
 from segmap.alignment import LiveGraph, LoopClosing
 from segmap.matching import LiveMap, _live_map, map_scans
 from segmap.poses import between, compose
 from segmap.quadtree import QuadtreeMap
 from segmap.quadtree import _loops as loops
+from segmap.reduction import LiveReduction, hybrid_fusion
 from segmap.scans import Log
 
 START = (3.0, 2.0, 0.5)
@@ -79,7 +80,7 @@ def test_the_old_map_stands_until_the_new_one_holds_all_scans(monkeypatch):
             go.wait(20)
         real(map, scan, pose, free=free)
 
-    monkeypatch.setattr(_live_map, "insert", slow)
+    monkeypatch.setitem(LiveMap._draw.__globals__, "insert", slow)
     live, old = LiveMap(Planned((9,)), map=blank()), blank()
     for k, scan in enumerate(LOG):
         real(old, scan, live.add(scan).pose, free=False)
@@ -87,6 +88,19 @@ def test_the_old_map_stands_until_the_new_one_holds_all_scans(monkeypatch):
     go.set()
     live.finish()
     assert live.map.scans == len(LOG) and state(live.map) == expected(LOG, live) != state(old)
+
+
+@pytest.mark.parametrize("closes", [(), (5, 6, 20)])
+def test_the_reduced_map_is_made_anew_with_the_map(closes):
+    """Equal to the on-line method on all scans at their corrected poses; walls are few again."""
+    walls = LiveReduction(every=8)
+    live = LiveMap(Planned(closes), map=blank(), walls=walls)
+    for scan in LOG:
+        live.add(scan)
+    live.finish()
+    whole = hybrid_fusion(extraction.build_map(Log("it", LOG.scans), live.poses), every=8)
+    assert walls.scans == len(LOG) and live.walls is walls
+    np.testing.assert_allclose(walls.segments, whole.segments, atol=1e-9)
 
 
 def test_what_the_map_held_before_stays():

@@ -13,8 +13,10 @@ from numpy.typing import ArrayLike
 from .. import arrays
 from ..alignment import LiveGraph
 from ..arrays import Array
+from ..extraction import extract_polylines
 from ..poses import compose, inverse, transform
 from ..quadtree import QuadtreeMap, free_ends
+from ..reduction import LiveReduction
 from ..scans import LaserScan
 
 
@@ -55,12 +57,14 @@ class LiveMap:
         Pose of the robot in the map at the first scan.
     free : bool
         As in `map_scans`.
+    walls : LiveReduction or None
+        Takes in the polylines of each scan, where it is given; after a loop anew.
 
     Attributes
     ----------
     graph : LiveGraph
-    map : QuadtreeMap
-        Always the same object: a new map takes its place inside.
+    map : QuadtreeMap, and walls : LiveReduction or None
+        Always the same objects: a new map takes its place inside.
 
     Raises
     ------
@@ -85,10 +89,12 @@ class LiveMap:
         map: QuadtreeMap | None = None,
         start: ArrayLike = (0.0, 0.0, 0.0),
         free: bool = False,
+        walls: LiveReduction | None = None,
     ) -> None:
+        self.walls = walls if walls is None else arrays.instance(walls, "walls", LiveReduction)
         self.graph = LiveGraph() if graph is None else arrays.instance(graph, "graph", LiveGraph)
         self.map = QuadtreeMap() if map is None else arrays.instance(map, "map", QuadtreeMap)
-        self._blank, self._start = deepcopy(self.map), arrays.pose(start, "start")
+        self._blank, self._start = deepcopy((self.map, walls)), arrays.pose(start, "start")
         self._free = arrays.switch(free, "free")
         self._first = len(self.graph)
         self._map_from_graph: Array | None = None
@@ -145,6 +151,7 @@ class LiveMap:
     def _draw(self, scan: LaserScan, pose: Array) -> None:
         """Insert a scan now, and into the new map once its turn comes."""
         insert(self.map, scan, pose, free=self._free)
+        add_walls(self.walls, scan, pose)
         self._scans.append((len(self.graph) - 1, scan))
         if self._anew is not None:
             self._anew.placed.append((scan, pose))
@@ -154,7 +161,7 @@ class LiveMap:
         if self._stale and self._anew is None:
             poses = self.poses
             placed = [(scan, poses[number - self._first]) for number, scan in self._scans]
-            self._anew = _Anew(deepcopy(self._blank), placed, free=self._free)
+            self._anew = _Anew(*deepcopy(self._blank), placed, free=self._free)
             self._stale = False
 
     def _exchange(self) -> None:
@@ -162,13 +169,15 @@ class LiveMap:
         if self._anew is None or self._anew.thread.is_alive():
             return
         try:
-            map = self._anew.finished()
+            map, walls = self._anew.finished()
         except BaseException:
             self._stale = True
             raise
         finally:
             self._anew = None
         vars(self.map).update(vars(map))
+        if self.walls is not None:
+            vars(self.walls).update(vars(walls))
 
     def __repr__(self) -> str:
         return f"LiveMap({self.graph!r})"
@@ -178,8 +187,14 @@ class _Anew:
     """A map that is made in a thread, of scans and their poses; more of them may be appended."""
 
     def __init__(
-        self, map: QuadtreeMap, placed: list[tuple[LaserScan, Array]], *, free: bool
+        self,
+        map: QuadtreeMap,
+        walls: LiveReduction | None,
+        placed: list[tuple[LaserScan, Array]],
+        *,
+        free: bool,
     ) -> None:
+        self.walls = walls
         self.map, self.placed, self.free, self.done = map, placed, free, 0
         self.error: BaseException | None = None
         self.thread = threading.Thread(target=self._work, name="new map", daemon=True)
@@ -194,14 +209,15 @@ class _Anew:
     def _insert(self) -> None:
         while self.done < len(self.placed):
             insert(self.map, *self.placed[self.done], free=self.free)
+            add_walls(self.walls, *self.placed[self.done])
             self.done += 1
 
-    def finished(self) -> QuadtreeMap:
-        """The map, with the scans that came after the thread had ended; or the thread's error."""
+    def finished(self) -> tuple[QuadtreeMap, LiveReduction | None]:
+        """Map and walls, with scans that came after the thread had ended; or the thread's error."""
         if self.error is not None:
             raise self.error
         self._insert()
-        return self.map
+        return self.map, self.walls
 
 
 def insert(map: QuadtreeMap, scan: LaserScan, pose: Array, *, free: bool) -> None:
@@ -214,3 +230,10 @@ def insert(map: QuadtreeMap, scan: LaserScan, pose: Array, *, free: bool) -> Non
         sensor = compose(pose, scan.sensor_pose)
         unseen = free_ends(scan, sensor) if free else None
         map.insert_scan(sensor[:2], transform(pose, points), unseen)
+
+
+def add_walls(walls: LiveReduction | None, scan: LaserScan, pose: Array) -> None:
+    """Add the polylines of a scan to the reduced map, if there is one; (3,) pose of the robot."""
+    if walls is not None:
+        found = extract_polylines(scan.points())
+        walls.add(transform(pose, found.reshape(-1, 2)).reshape(-1, 2, 2))

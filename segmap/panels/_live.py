@@ -18,6 +18,7 @@ from ..hokuyo import Newest, SensorError, UrgSensor
 from ..matching import LiveMap, Step, map_scans
 from ..poses import transform
 from ..quadtree import QuadtreeMap
+from ..reduction import LiveReduction
 from ..scans import LaserScan
 from ._base import Panel, slider, text
 from ._live_picture import LivePicture
@@ -37,7 +38,8 @@ class LivePanel(Panel):
     that arrive meanwhile are left out, never queued. Stop it before you use the sensor elsewhere.
 
     With *close loops* a pose graph places the scans: where the robot comes back, the map is made
-    anew from corrected poses, in a third thread, and the old one is shown until then.
+    anew from corrected poses, in a third thread, and the old one is shown until then; the walls,
+    kept reduced by `LiveReduction`, are drawn as thin lines.
 
     Parameters
     ----------
@@ -187,7 +189,8 @@ class LivePanel(Panel):
         before = self._scan
         try:
             if self.loops.value:
-                self._live = self._live or LiveMap(map=self.map, start=self._begin)
+                walls = LiveReduction()
+                self._live = self._live or LiveMap(map=self.map, start=self._begin, walls=walls)
                 self._step, self._scan = self._live.add(scan), scan
                 return
             self._steps = self._steps or self._begun()
@@ -218,7 +221,9 @@ class LivePanel(Panel):
             own = extract_polylines(self._scan.points(), tolerance=self.tolerance.value)
             segments = transform(self._step.pose, own.reshape(-1, 2)).reshape(-1, 2, 2)
             self._tell(len(segments))
-            self._picture.show(self.map, self._scan, self._step.pose, segments)
+            walls = self._live.walls if self._live is not None else None
+            reduced = None if walls is None else walls.segments
+            self._picture.show(self.map, self._scan, self._step.pose, segments, reduced)
             self.picture.value = self._picture.png()
 
     def _tell(self, segments: int) -> None:

@@ -43,15 +43,24 @@ class LivePicture:
         self.points = self.axes.plot([], [], ".", color=RAW, markersize=2)[0]
         self.walls = LineCollection([], color=RESULT, linewidth=2)
         self.axes.add_collection(self.walls, autolim=False)
+        self.reduced = LineCollection([], color=RESULT, linewidth=1)
+        self.axes.add_collection(self.reduced, autolim=False)
         self.robot = self.axes.plot([], [], "o", color=ERROR, markersize=6)[0]
-        self.parts = (self.grey, self.points, self.walls, self.robot)
+        self.parts = (self.grey, self.points, self.walls, self.reduced, self.robot)
         for part in self.parts:
             part.set_animated(True)
         self.greys = Greys()
         self.frame: Any = None
 
-    def show(self, map: QuadtreeMap, scan: LaserScan, pose: Array, segments: Array) -> None:
-        """Map grey, scan grey dots, segments blue, sensor red."""
+    def show(
+        self,
+        map: QuadtreeMap,
+        scan: LaserScan,
+        pose: Array,
+        segments: Array,
+        reduced: Array | None = None,
+    ) -> None:
+        """Map grey, scan grey dots, segments blue, the reduced map thin and blue, sensor red."""
         ends, sensor = transform(pose, scan.points()), compose(pose, scan.sensor_pose)[:2]
         if self.greys.update(map, np.vstack([sensor, ends])):
             left, low, right, high = self.greys.view
@@ -61,6 +70,7 @@ class LivePicture:
         self.grey.set_data(1 - self.greys.grid[::-1])
         self.points.set_data(*ends.T)
         self.walls.set_segments(list(segments))
+        self.reduced.set_segments([] if reduced is None else list(reduced))
         self.robot.set_data(*sensor[:, None])
 
     def png(self) -> bytes:

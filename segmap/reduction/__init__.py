@@ -26,7 +26,7 @@ from ._fuzzy_clustering import fuzzy_clustering
 from ._fuzzy_set import fuzzy_set
 from ._hough import hough
 from ._hybrid import hybrid
-from ._hybrid_fusion import hybrid_fusion
+from ._hybrid_fusion import LiveReduction, hybrid_fusion
 from ._least_cost import least_cost, reduce_to
 from ._mean_shift import Directions, common_directions, mean_shift
 from ._polyline import polyline
@@ -182,6 +182,7 @@ METHODS = Methods(
 __all__ = [
     "METHODS",
     "Directions",
+    "LiveReduction",
     "Method",
     "Methods",
     "Reduction",

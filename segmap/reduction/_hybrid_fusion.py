@@ -7,7 +7,7 @@ from itertools import pairwise
 import numpy as np
 
 from .. import _units, arrays
-from ..arrays import Segments
+from ..arrays import Array, Segments
 from ._basic import check_match
 from ._fusion import fuse
 from ._hybrid import State, add, empty_map, least_length, replace_map
@@ -75,6 +75,82 @@ def hybrid_fusion(
     return run_online(
         "hybrid_fusion", map, lambda rows: _steps(rows, distance, angle, least, tolerance, every)
     )
+
+
+class LiveReduction:
+    """The reduced map while scans come in: what `hybrid_fusion` makes of those so far.
+
+    Parameters
+    ----------
+    distance, angle, min_length, tolerance, every
+        As in `hybrid_fusion`; the last Fusion is that of the last full `every` scans.
+
+    Raises
+    ------
+    ValueError
+        For thresholds out of range.
+
+    Examples
+    --------
+    >>> live = LiveReduction()
+    >>> for x in (0.0, 0.9):
+    ...     live.add([[(x, 0), (x + 1, 0)]])
+    >>> live
+    LiveReduction(2 scans: 1 segments)
+    """
+
+    def __init__(
+        self,
+        *,
+        distance: float = 0.20,
+        angle: float = np.pi / 18,
+        min_length: float | None = None,
+        tolerance: float = 0.04,
+        every: int = 50,
+    ) -> None:
+        check_match(np.empty((0, 2, 2)), distance, angle)
+        arrays.positive("metres", tolerance=tolerance)
+        self.distance, self.angle, self.tolerance = distance, angle, tolerance
+        self.min_length, self.every = (
+            least_length(distance, min_length),
+            arrays.whole(every, "every"),
+        )
+        self.scans, self._state = 0, empty_map(0)
+
+    def add(self, segments: Segments) -> None:
+        """Take in the segments of one scan, `(n, 2, 2)`, metres; a scan without any is no scan.
+
+        Raises
+        ------
+        ValueError
+            For what are no segments.
+        """
+        new = rows_of(segments)[0].segments
+        if not len(new):
+            return
+        self._make_room(len(new))
+        parents = np.empty(len(new), np.int64)
+        add(self._state, new, 0, len(new), self.distance, self.angle, self.min_length, parents)
+        self.scans += 1
+        if self.scans % self.every == 0:
+            _fuse_map(self._state, self.distance, self.tolerance)
+
+    @property
+    def segments(self) -> Array:
+        """The map now, `(m, 2, 2)` array, metres."""
+        return self._state.s[: self._state.used[0]].copy()
+
+    def _make_room(self, more: int) -> None:
+        """Room for so many walls more; all that is known of the walls stays."""
+        old, used = self._state, int(self._state.used[0])
+        if used + more > len(old.s):
+            state = empty_map(2 * (used + more))
+            replace_map(state, old.s[:used], old.lines[:used, 2].copy(), self.distance)
+            state.lines[:used] = old.lines[:used]
+            self._state = state
+
+    def __repr__(self) -> str:
+        return f"LiveReduction({self.scans} scans: {self._state.used[0]} segments)"
 
 
 def _steps(
