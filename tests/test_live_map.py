@@ -61,7 +61,8 @@ def test_map_scans_with_a_graph():
 
 def test_a_new_graph_closes_loops():
     """The robot drives to and fro; what the graph then holds is what the map shows."""
-    rules = LoopClosing(min_path=0.5, witnesses=1, span=0.1, strain=1e-6)
+    near = {"old_frames": 1, "new_frames": 1}  # the places are closer than usual
+    rules = LoopClosing(min_path=0.5, witnesses=1, span=0.1, strain=1e-6, **near)
     graph, map = LiveGraph(step=0.2, closing=rules), blank()
     steps = list(map_scans(LOG, graph=graph, map=map, start=LOG.truth[0]))
     assert any(step.closed for step in steps)

@@ -123,7 +123,7 @@ class LiveGraph:
     >>> for scan in load("corridor")[:40]:
     ...     pose, closed = graph.add(scan)
     >>> graph
-    LiveGraph(40 scans: 14 key frames, 0 loops)
+    LiveGraph(40 scans: 40 key frames, 0 loops)
     >>> graph.refine()
     Alignment(pose_graph: 40 scans, 40 used)
     """
