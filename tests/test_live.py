@@ -183,8 +183,8 @@ def test_a_loop_draws_the_map_anew(planned):
     fresh = Greys()
     fresh.update(panel.map, LOG[0].points())
     assert np.array_equal(panel._picture.greys.grid, fresh.grid)
-    drawn = panel._picture.reduced.get_segments()
-    assert 0 < len(drawn) == len(panel._live.walls.segments)
+    drawn = panel._picture.reduced.get_xdata()
+    assert 0 < len(drawn) == 3 * len(panel._live.walls.segments)
     old.run(2)
     assert panel.graph.value.startswith("LiveGraph(") and old.graph.value == ""
 
