@@ -95,7 +95,7 @@ class LivePicture:
         cell = (middles - self.greys.view[:2]) / self.greys.side
         most = np.array(self.greys.grid.shape[::-1]) - 1
         column, row = (
-            np.linspace(*cell[:, k], last[k] - first[k]).astype(int).clip(0, most[k])
+            np.linspace(cell[0, k], cell[1, k], last[k] - first[k]).astype(int).clip(0, most[k])
             for k in (0, 1)
         )
         self.cells = np.ix_(row[::-1], column)
@@ -112,7 +112,7 @@ def packed(pixels: NDArray[np.uint8]) -> bytes:
     rows, columns, _ = pixels.shape
     plain = np.pad(pixels.reshape(rows, -1), ((0, 0), (1, 0)))
     head = struct.pack(">IIBBBBB", columns, rows, 8, 2, 0, 0, 0)
-    chunks = (b"IHDR", head), (b"IDAT", zlib.compress(plain, PACKING)), (b"IEND", b"")
+    chunks = (b"IHDR", head), (b"IDAT", zlib.compress(plain.tobytes(), PACKING)), (b"IEND", b"")
     return b"\x89PNG\r\n\x1a\n" + b"".join(
         struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
         for kind, data in chunks
