@@ -57,9 +57,10 @@ TIMES = pd.DataFrame(
     {"method": "hybrid", "scans": [1, 2, 4], "seconds": [1.0, 4.0, 16.0], "live": 2}
 )
 #: Objects whose public methods are doors too.
-OBJECTS = {"matching": [matching.DistanceField(TREE)], "quadtree": [TREE], "segments": [MAP],
-           "scans": [LOG, LOG[0]], "simulation": [simulation.URG_04LX],
-           "alignment": [ALIGNMENT], "reduction": [REDUCTION], "hokuyo": [URG, SCAN],
+OBJECTS = {"matching": [matching.DistanceField(TREE), matching.LiveMap()],
+           "quadtree": [TREE], "segments": [MAP], "scans": [LOG, LOG[0]],
+           "simulation": [simulation.URG_04LX], "alignment": [ALIGNMENT, alignment.LiveGraph()],
+           "reduction": [REDUCTION, reduction.LiveReduction()], "hokuyo": [URG, SCAN],
            "emulator": [emulator.Room(WALLS, PATH)]}  # fmt: skip
 
 #: Good values by the name of a parameter; `function.parameter` comes first, then `room.parameter`.

@@ -24,7 +24,7 @@ PACKING = 1
 #: Where the axes are, in parts of the figure: left, low, width and height.
 AXES = (0.09, 0.12, 0.89, 0.86)
 #: Numbers at each axis, at most: text is what takes time in a frame.
-NUMBERS = 6
+NUMBERS = 5
 #: Space around what was seen, as a part of the larger of width and height.
 MARGIN = 0.08
 #: Cells that are drawn are at least about so large a part of a pixel.
@@ -141,16 +141,17 @@ class Greys:
         """Take in a scan, its sensor and ends `(n, 2)`, metres; True where the view has changed."""
         cells = map.corner + map.resolution * np.floor((seen - map.corner) / map.resolution)
         around = *cells.min(0), *(cells.max(0) + map.resolution)
+        before = self.view, self.side
         if map.tree is not self.tree:  # another map, or one that was made anew
             self.tree, self.hit, self.side = map.tree, extent(map, margin=0), 0.0
         elif len(seen) > 1:
             self.hit = joined(self.hit, around)
-        changed = self._look(map)
+        self._look(map)
         self._part(map, around)
-        return changed
+        return (self.view, self.side) != before
 
-    def _look(self, map: QuadtreeMap) -> bool:
-        """Make room for what was hit; True where the view has changed."""
+    def _look(self, map: QuadtreeMap) -> None:
+        """Make room for what was hit."""
         left, low, right, high = self.hit
         space = MARGIN * max(right - left, high - low)
         left, low, right, high = left - space, low - space, right + space, high + space
@@ -160,7 +161,7 @@ class Greys:
         last = [STEP * ceil(edge / (STEP * side)) for edge in (high, right)]
         view = first[1] * side, first[0] * side, last[1] * side, last[0] * side
         if (view, side) == (self.view, self.side):
-            return False
+            return
         kept, row, column = self.grid[:0, :0], 0, 0
         if side == self.side:  # a view of the same tree only grows
             kept = self.grid
@@ -168,7 +169,6 @@ class Greys:
         self.view, self.side = view, side
         self.grid = np.empty((last[0] - first[0], last[1] - first[1]))
         self._grow(map, kept, row, column)
-        return True
 
     def _grow(self, map: QuadtreeMap, kept: Array, row: int, column: int) -> None:
         """Keep the cells of a grid, from a row and column on, and ask for those around it."""
