@@ -121,7 +121,9 @@ GOOD |= {
     "ComparePanel.map": MAP, "ComparePanel.runs": RUNS, "source": LOG, "panels.poses": PATH,
     "actual": PATH, "expected": PATH, "assert_segments_equal.actual": WALLS,
     "assert_segments_equal.expected": WALLS, "draw_segments.error": None,
-    "executor": ThreadPoolExecutor(1), "align_parts.parts": [LOG[:2], LOG[2:]],
+    "executor": ThreadPoolExecutor(1), "LiveMap.graph": alignment.LiveGraph(),
+    "LiveMap.map": quadtree.QuadtreeMap(),
+    "LiveMap.walls": reduction.LiveReduction(), "align_parts.parts": [LOG[:2], LOG[2:]],
     "function": reduction.METHODS["fusion"].function, "digest.map": MAP, "front.points":
     PATH[:, :2], "reduction_at.points": PATH[:, :2], "names": "malaga", "load_online.name":
     "intel", "read_records.path": "runs.csv", "write_records.path": "saved.csv",

@@ -125,7 +125,7 @@ class LiveReduction:
         ValueError
             For what are no segments.
         """
-        new = rows_of(segments)[0].segments
+        new = rows_of(arrays.segments(segments))[0].segments
         if not len(new):
             return
         self._make_room(len(new))
