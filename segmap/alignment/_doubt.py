@@ -14,14 +14,11 @@ from ._result import SURE
 
 #: So many draws give standard deviations to a tenth of their size.
 DRAWS = 32
-#: A scan that may be off by a metre (one standard deviation) is not used.
-LOST = 1.0
 #: Loops that stay open by this many standard deviations contradict the rest.
 OPEN = 5.0
 #: Why a scan is not used although it matched.
 LOOSE = "neither walls nor odometry say how far it went"
 UNTIED = "no match ties it to the rest"
-FAR = "its place is known to no better than a metre"
 
 
 def spread(poses: Array, edges: Edge, weight: Array) -> Array:
@@ -107,10 +104,10 @@ def untied(tied: Sequence[bool], edges: Sequence[Edge], weight: Array) -> NDArra
     return np.asarray(group != np.argmax(np.bincount(group, weight)))
 
 
-def judged(reasons: Sequence[str], far: Array, apart: NDArray[np.bool_]) -> tuple[str, ...]:
-    """Why each scan is not used: its own reason, or what the graph says of its place."""
-    by_graph = np.where(apart, UNTIED, np.where(far > LOST, FAR, ""))
-    return tuple(own or str(other) for own, other in zip(reasons, by_graph, strict=True))
+def judged(reasons: Sequence[str], apart: NDArray[np.bool_]) -> tuple[str, ...]:
+    """Why each scan is not used: its own reason, or that nothing ties it to the rest."""
+    both = zip(reasons, apart, strict=True)
+    return tuple(own or (UNTIED if alone else "") for own, alone in both)
 
 
 def sentence(reasons: Sequence[str], far: Array, left: Array, *, converged: bool = True) -> str:

@@ -159,7 +159,7 @@ class FrontEnd:
         weight = np.bincount(frame, minlength=len(self.frames)).astype(float)
         far = spread(self.frames.poses, stacked(self.frames.edges), weight)[frame]
         apart = untied(self.tied, self.frames.edges, weight)[frame]
-        reasons = judged(self.trail.reasons, far, apart)
+        reasons = judged(self.trail.reasons, apart)
         left = graph.residuals[graph.loop]
         doubt = sentence(reasons, far, left, converged=self.frames.converged)
         return Outcome(self.poses(), reasons, graph, doubt, far)
