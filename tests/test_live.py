@@ -313,3 +313,16 @@ def test_stop_does_not_wait_for_ever(monkeypatch):
     assert panel.state.value.startswith("stops when the sensor")
     here.set()
     wait_for(lambda: panel.state.value == "stopped")
+
+
+def test_another_map_is_asked_as_a_whole():
+    """Catches a picture that shows, far from the robot, a map that another has replaced."""
+    greys, ends = Greys(), np.array([(2.0, 2.0), (-2.0, 2.0), (-2.0, -2.0), (2.0, -2.0)])
+    for count in (1, 30):
+        map = QuadtreeMap(resolution=0.05, free_resolution=0.8)
+        for _ in range(count):
+            map.insert_scan((0.0, 0.0), ends)
+        greys.update(map, np.array([(0.0, 0.0)]))
+        fresh = Greys()
+        fresh.update(map, np.vstack([(0.0, 0.0), ends]))
+        assert np.array_equal(greys.grid, fresh.grid)

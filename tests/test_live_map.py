@@ -173,3 +173,20 @@ def test_kernels_let_other_threads_go_on():
     map.insert_scan((0, 0), [(1.0, 1.0)])
     fast = loops.walk_rays._fast
     assert getattr(fast, "targetoptions", {"nogil": True})["nogil"]  # plain Python has no kernel
+
+
+def test_a_scan_that_is_broken_off_is_not_in_the_map_in_the_end(monkeypatch):
+    """Catches a map that keeps the half of a scan that was interrupted while it was drawn."""
+    live = LiveMap(Planned(()), map=blank())
+    live.add(LOG[0])
+    with monkeypatch.context() as patch:
+        patch.setitem(LiveMap._draw.__globals__, "add_walls", stop)
+        with pytest.raises(KeyboardInterrupt):
+            live.add(LOG[1])
+    live.add(LOG[2])
+    live.finish()
+    assert live.map.scans == 2
+
+
+def stop(*_):
+    raise KeyboardInterrupt
