@@ -92,18 +92,42 @@ def test_a_picture_with_the_same_pixels_stays(stored, kept):
     assert (notebook.cells[0].outputs[0].data["image/png"] == stored) is kept
 
 
-def test_a_large_picture_is_shrunk_and_stays_alike():
-    slope = np.add.outer(np.arange(300), np.arange(400)) % 256
-    noise = np.random.default_rng(1).integers(0, 8, slope.shape)
-    image = np.repeat((slope // 16 * 16 + noise)[..., None], 3, 2).astype(np.uint8)
+def drawn(noise, shape=(300, 400)):
+    """An output with a smooth picture, and noise that does not compress."""
+    slope = np.add.outer(*map(np.arange, shape)) % 256 // 16 * 16
+    level = slope + np.random.default_rng(1).integers(0, noise, shape)
     target = io.BytesIO()
-    Image.fromarray(image).save(target, "PNG")
-    notebook = showing(base64.b64encode(target.getvalue()).decode())
-    refresh.shrink_pictures(notebook)
-    small = base64.b64decode(notebook.cells[0].outputs[0].data["image/png"])
-    assert len(small) < len(target.getvalue()) > refresh.MOST_BYTES
-    found = np.asarray(Image.open(io.BytesIO(small)).convert("RGB"), int)
-    assert np.abs(found - image).max() <= 8
+    Image.fromarray(np.repeat(level[..., None], 3, 2).astype(np.uint8)).save(target, "PNG")
+    return showing(base64.b64encode(target.getvalue()).decode()).cells[0]
+
+
+def stored_picture(cell):
+    return Image.open(io.BytesIO(base64.b64decode(cell.outputs[0].data["image/png"])))
+
+
+def test_a_picture_that_fits_keeps_its_size_and_looks_alike():
+    cell = drawn(4)
+    before = np.asarray(stored_picture(cell), int)
+    refresh.fit_pictures(nbformat.from_dict({"cells": [cell]}))
+    found = np.asarray(stored_picture(cell).convert("RGB"), int)
+    assert found.shape == before.shape and np.abs(found - before).max() <= 8
+
+
+def test_pictures_lose_dots_until_they_and_the_chapter_fit():
+    """Catches a limit for single pictures only, and one picture that pays for all of them."""
+    one, many = [drawn(99)], [drawn(60) for _ in range(9)]
+    for cells in one, many:
+        notebook = notebook_of(*map(str, range(len(cells))))
+        for new, cell in zip(notebook.cells, cells, strict=True):
+            new.outputs = cell.outputs
+        refresh.fit_pictures(notebook)
+        sizes = [len(base64.b64decode(c.outputs[0].data["image/png"])) for c in notebook.cells]
+        assert max(sizes) <= refresh.MOST_PICTURE_BYTES
+        assert len(nbformat.writes(notebook)) <= refresh.MOST_CHAPTER_BYTES
+        widths = [stored_picture(cell).width for cell in notebook.cells]
+        assert min(widths) >= 200 and max(widths) < 400 and max(widths) < 1.3 * min(widths)
+        shown = {c.outputs[0].metadata["image/png"]["width"] for c in notebook.cells}
+        assert shown == {400}  # on the page it stays as large as it was
 
 
 # ------------------------------------------------------------------ the book
@@ -125,7 +149,7 @@ def test_a_rare_colour_stays_what_it_was():
     grey = rng.integers(0, 256, (200, 300, 1))
     picture = np.repeat(grey, 3, axis=2).astype(np.uint8)
     picture[100:104, 50:54], picture[20:23, 60:63] = (0, 114, 178), (0, 158, 115)
-    found = np.asarray(refresh.quantized(Image.fromarray(picture)).convert("RGB"), int)
+    found = np.asarray(refresh.quantized(Image.fromarray(picture), 128).convert("RGB"), int)
     assert abs(found - picture).max() <= 20
 
 

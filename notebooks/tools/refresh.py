@@ -18,11 +18,17 @@ import nbformat
 from nbclient import NotebookClient
 from nbformat import NotebookNode
 from PIL import Image
+from PIL.Image import Resampling
 
 VIEW = "application/vnd.jupyter.widget-view+json"
 KERNEL = {"display_name": "Python 3", "language": "python", "name": "python3"}
-#: A picture with more bytes gets a palette of so many colours.
-MOST_BYTES, COLOURS = 10_000, 128
+#: Of every picture the first of these that fits: parts of its width and height, and colours.
+SIZES = (
+    *((1.0, 128), (1.0, 32), (1.0, 16), (0.85, 16), (0.75, 16), (0.625, 16)),
+    *((0.5, 64), (0.5, 16)),
+)
+#: What chapters may have (tests/chapter_rules.py), and a little room.
+MOST_PICTURE_BYTES, MOST_CHAPTER_BYTES = 30_000, 198_000
 #: The output of the cell with this tag is the picture in the README.
 README_TAG = "readme-picture"
 README_PICTURE = Path("pictures/malaga.png")
@@ -52,21 +58,48 @@ def tidy(notebook: NotebookNode) -> NotebookNode:
     return notebook
 
 
-def shrink_pictures(notebook: NotebookNode) -> None:
-    """Give, in place, each picture above the limit a palette: a quarter of the bytes."""
-    for output in _pictures(notebook):
-        data = base64.b64decode(output.data["image/png"])
-        if len(data) > MOST_BYTES:
-            small = io.BytesIO()
-            image = Image.open(io.BytesIO(data)).convert("RGB")
-            quantized(image).save(small, "PNG", optimize=True)
-            output.data["image/png"] = base64.b64encode(small.getvalue()).decode()
+def fit_pictures(notebook: NotebookNode) -> None:
+    """Give, in place, each picture the finest of `SIZES` with which it and the chapter fit.
+
+    Figures come with two dots for each dot on the page (`plotting.sharp_figures`). What is too
+    large loses colours and then dots; in a chapter that is too large, all pictures alike.
+    """
+    fitted = [_Fitted(output) for output in _pictures(notebook)]
+    for one in fitted:
+        while one.bytes > MOST_PICTURE_BYTES and one.sizes:
+            one.store_smaller()
+    while _bytes(notebook) > MOST_CHAPTER_BYTES and any(one.sizes for one in fitted):
+        max(
+            (one for one in fitted if one.sizes), key=lambda one: (len(one.sizes), one.bytes)
+        ).store_smaller()
 
 
-def quantized(image: Image.Image) -> Image.Image:
+class _Fitted:
+    """An output, its picture as it was drawn, and the sizes that are still smaller."""
+
+    def __init__(self, output: NotebookNode) -> None:
+        self.output, self.sizes = output, list(SIZES)
+        self.drawn = Image.open(io.BytesIO(base64.b64decode(output.data["image/png"])))
+        width, height = self.drawn.size
+        output.metadata.setdefault("image/png", {"width": width, "height": height})
+        self.store_smaller()
+
+    def store_smaller(self) -> None:
+        """Store the next size."""
+        part, colours = self.sizes.pop(0)
+        width, height = (round(part * side) for side in self.drawn.size)
+        image, small = self.drawn.convert("RGB"), io.BytesIO()
+        quantized(image.resize((width, height), Resampling.LANCZOS), colours).save(
+            small, "PNG", optimize=True
+        )
+        self.bytes = len(small.getvalue())
+        self.output.data["image/png"] = base64.b64encode(small.getvalue()).decode()
+
+
+def quantized(image: Image.Image, colours: int) -> Image.Image:
     """With a palette that spans the colours of a picture: a red dot on grey stays red."""
     method = Image.Quantize.MAXCOVERAGE
-    return image.quantize(COLOURS, method=method, dither=Image.Dither.NONE)
+    return image.quantize(colours, method=method, dither=Image.Dither.NONE)
 
 
 def keep_pictures(notebook: NotebookNode, stored: NotebookNode) -> None:
@@ -95,7 +128,7 @@ def refresh(path: Path) -> bool:
     before = path.read_text(encoding="utf-8")
     stored = nbformat.reads(before, as_version=4)
     fresh = tidy(execute(nbformat.reads(before, as_version=4), path.parent))
-    shrink_pictures(fresh)
+    fit_pictures(fresh)
     keep_pictures(fresh, stored)
     if (picture := readme_picture(fresh)) is not None:
         _replace(path.parent / README_PICTURE, base64.b64decode(picture))
@@ -131,6 +164,10 @@ def _outputs_with(notebook: NotebookNode, kind: str) -> Iterator[Any]:
 
 def _pictures(notebook: NotebookNode) -> Iterator[Any]:
     return _outputs_with(notebook, "image/png")
+
+
+def _bytes(notebook: NotebookNode) -> int:
+    return len(nbformat.writes(notebook).encode())
 
 
 def _replace(path: Path, content: bytes) -> None:

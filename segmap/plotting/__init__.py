@@ -33,6 +33,7 @@ from ._style import (
     axes_row,
     group_colors,
     map_axes,
+    sharp_figures,
 )
 
 __all__ = [
@@ -71,6 +72,7 @@ __all__ = [
     "group_colors",
     "map_axes",
     "method_style",
+    "sharp_figures",
     "square_corners",
     "thumbnail",
 ]

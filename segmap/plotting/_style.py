@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Mapping
 from typing import Any, TypeVar
 
@@ -31,6 +32,26 @@ ERRORS = LinearSegmentedColormap.from_list("errors", ["#d0d0d0", "#e69f00", ERRO
 
 #: Inches, and dots an inch: such a picture takes about 30 KB in a notebook.
 SIZE, DPI = (6.0, 4.5), 72
+
+
+def sharp_figures() -> None:
+    """Show the figures of a notebook at 72 dots an inch, and sharp on screens with finer dots.
+
+    Each figure is drawn with two dots in a row for each dot on the page; its size stays. Outside
+    of a notebook only `figure.dpi` is set.
+
+    Examples
+    --------
+    >>> sharp_figures()
+    """
+    import matplotlib.pyplot as plt
+
+    plt.rcParams["figure.dpi"] = DPI
+    shell = sys.modules["IPython"].get_ipython() if "IPython" in sys.modules else None
+    if hasattr(shell, "kernel"):
+        from matplotlib_inline.backend_inline import set_matplotlib_formats
+
+        set_matplotlib_formats("retina")  # type: ignore[no-untyped-call]
 
 
 def group_colors(groups: NDArray[np.int64]) -> Array:
