@@ -27,7 +27,7 @@ NBVAL := --nbval --nbval-current-env --nbval-cell-timeout=120 \
 # Every compiled loop on small cases, on bad arguments, on extreme lengths and on damaged maps.
 INDEXED := $(foreach name,warm doors returns quadtree_files reduction_properties,tests/test_$(name).py)
 
-.PHONY: help lab app test test-all test-lowest mutants fuzz bounds refresh bench book clean
+.PHONY: help lab app handout test test-all test-lowest mutants fuzz bounds refresh bench book clean
 
 help: ## list the targets
 	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/  make \1\t\2/p' Makefile
@@ -37,6 +37,9 @@ lab: $(WARM) ## set up, then open the chapters in JupyterLab (PORT=8890 chooses 
 
 app: $(WARM) ## set up, then serve the workbench as a page of its own (PORT=8890 chooses the port)
 	@$(APP) $(BROWSER)
+
+handout: $(SETUP) ## student copies in build/handout (ARGS="--chapters 34,54 --seed 7193", DIR=...)
+	$(RUN) -m segmap.course handout $(or $(DIR),build/handout) $(ARGS)
 
 test: $(WARM) ## set up, then prove it: style, types, tests, examples and every chapter
 	$(RUN) -m ruff check .
