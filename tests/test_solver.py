@@ -145,6 +145,17 @@ def test_edges_that_say_nothing_change_nothing():
     assert_poses_equal(solve(start, padded).poses, solve(start, edges).poses, atol=1e-6)
 
 
+def test_a_pose_that_may_slide_along_a_wall_is_refused_at_every_angle():
+    """Catches a pivot that rounding leaves above nought, which then counts as information."""
+    for angle in np.linspace(0.05, 3.1, 40):
+        across = np.array([np.cos(angle), np.sin(angle), 0.0])
+        weight = 400 * np.outer(across, across) + np.diag([0, 0, 3e3])
+        solver, motion = Solver(SCALE), np.array([(1.0, 0.3, 0.2)])
+        solver.add(Edge(np.array([0]), np.array([1]), motion, weight[None]))
+        with pytest.raises(np.linalg.LinAlgError, match="leaves pose 1 free"):
+            solver.solve(np.array([(0, 0, 0), (0.9, 0.2, 0.1)]))
+
+
 @pytest.mark.parametrize("free", [(0, 0, 0), (1, 0, 1), (1, 1, 0)])
 def test_a_pose_that_information_leaves_free_is_refused(free):
     """A pivot that is rounding and taken for a number throws the pose far away."""

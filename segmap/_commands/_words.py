@@ -104,6 +104,7 @@ def plain_warnings() -> Iterator[None]:
     """Show the warnings of the library as short lines, each once for each log that deserves it."""
 
     def show(message: Warning | str, category: type[Warning], *where: Any, **more: Any) -> None:
+        """One line for a warning of the library."""
         from tqdm import tqdm  # it draws the bar anew below the line
 
         if issubclass(category, UserWarning):

@@ -28,9 +28,9 @@ def align_parts(
     Each part is tracked, and its own loops are closed, in a worker. As the parts come back they are
     joined in order: the first scans of each are laid on the last map of the part before, loops
     between them are sought and believed as within one log, and all poses are solved together.
-    Joining and refining remain here. It pays where most loops lie within a part (a city driven by
-    blocks: 0.56 of the time of `pose_graph` on two cores) and not where the parts all pass the
-    same corridors (Killian Court in four: 1.3 times), since loops between parts follow each other.
+    Joining and refining remain here. It pays where most loops lie within a part, as in a city
+    driven by blocks, and not where all parts pass the same corridors, since the loops between parts
+    follow each other.
 
     Parameters
     ----------

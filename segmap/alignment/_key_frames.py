@@ -71,6 +71,7 @@ class KeyFrames:
 
     @property
     def poses(self) -> Array:
+        """Poses of the key frames, `(n, 3)`, metres and radians."""
         return self._poses[: len(self)]
 
     @poses.setter
@@ -79,6 +80,7 @@ class KeyFrames:
 
     @property
     def along(self) -> Array:
+        """Metres driven up to each key frame, `(n,)`."""
         return self._along[: len(self)]
 
     def optimize(self, *, lazily: bool = False) -> None:
@@ -107,6 +109,7 @@ class KeyFrames:
         tree = cKDTree(places)
 
         def around(frame: int) -> NDArray[np.int64]:
+            """The nearest of one key frame, itself among them."""
             near = np.sort(tree.query_ball_point(places[frame], 1.001 * reach))
             far = np.hypot(*(places[near] - places[frame]).T)
             nearest = np.argsort(far, kind="stable")[:most]

@@ -38,7 +38,8 @@ def pose_graph(
     ten key frames, and then moved by point-to-line ICP (Censi 2008): the odometry may be wrong by a
     metre and a radian at a step. Key frames that come back to an old place are searched for there;
     a loop counts only where two others agree with it. The poses fit all steps and loops best, with
-    Cauchy weights (Grisetti et al. 2010). Without odometry the last motion is assumed to go on.
+    Cauchy weights (Grisetti et al. 2010). Without odometry the last motion is assumed to go
+    on, and after a scan that did not match the robot is assumed to stand.
 
     Parameters
     ----------

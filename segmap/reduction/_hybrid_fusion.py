@@ -146,7 +146,6 @@ class LiveReduction:
         if used + more > len(old.s):
             state = empty_map(2 * (used + more))
             replace_map(state, old.s[:used], old.lines[:used, 2].copy(), self.distance)
-            state.lines[:used] = old.lines[:used]
             self._state = state
 
     def __repr__(self) -> str:
