@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 
 from segmap import course
 from segmap.alignment import Candidate, Match, PointStep
-from segmap.course import filter_change, thesis_results
+from segmap.course import thesis_results
 from segmap.experiments import select
 from segmap.exports import ros_classes
 from segmap.matching import DistanceField
@@ -71,13 +71,6 @@ def run(map, method, quality, seconds=1.0, filtered=0.0, **thresholds):
 HALL = [run("hall", "fusion", q, tolerance=t) for q, t in ((0.9, 0.02), (0.8, 0.04))]
 NOISE = run("hall", "fusion", 0.1, filtered=0.1, tolerance=0.02)
 SHIFTED = [run("hall", "mean_shift", 0.5, sigma=s, bandwidth=0.9) for s in (0.1, 0.2)]
-TIMED = [
-    run("hall", "hybrid", 0.9, seconds, filtered, distance=d, angle=angle)
-    for seconds, filtered, d, angle in (
-        *((1, 0, 0.1, 0.17), (2, 0, 0.4, 0.17), (9, 0, 0.4, 0.35)),
-        *((3, 0.1, 0.1, 0.17), (4, 0.1, 0.4, 0.17)),
-    )
-]
 HYBRID = METHOD_STYLES["hybrid"][0]
 
 #: What each drawing consists of, and what its labels, its title or its letters say.
@@ -149,16 +142,6 @@ DRAWN = {
         lambda ax: course.draw_threshold(pd.concat(SHIFTED), method="mean_shift", ax=ax),
         [(RESULT, [(100, 0.5), (200, 0.5)])],
         ["H"],
-    ),
-    "times are of tight angles, thresholds shares of the loosest": (
-        lambda ax: course.draw_times(pd.concat(TIMED), ax=ax),
-        [(HYBRID, [(0.25, 1), (1, 2)]), (HYBRID, [(0.25, 3), (1, 4)])],
-        ["hybrid"],
-    ),
-    "initials stand beside their dots": (
-        lambda ax: course.draw_initials({"hall": (1, 2), "room": (3, 4)}, ax=ax, color=MAP),
-        [(MAP, [(1, 2)]), (MAP, [(3, 4)])],
-        ["H", "R"],
     ),
 }
 
@@ -360,16 +343,17 @@ def test_a_field_lies_where_its_window_is(ax):
     assert bar.get_ylabel() == "distance [m]"
 
 
-def test_a_row_for_each_group_and_a_picture_for_each_of_its_buildings():
+def test_a_picture_for_each_building_two_a_row():
     """Catches filtered runs among the others, and a legend that names no method."""
     runs = thesis_results()
-    axes = course.draw_buildings(runs, runs, filtered=True)
-    assert [len(row) for row in axes] == [4, 4] and axes[1][3].get_title() == "usc"
-    drawn = axes[0][0].lines[0].get_xydata()
+    axes = course.draw_buildings(runs, filtered=True)
+    assert [ax.get_title() for ax in axes] == ["polimi", "stanford", "bicocca", "usc"]
+    assert [ax.get_subplotspec().rowspan.start for ax in axes] == [0, 0, 1, 1]
+    drawn = axes[0].lines[0].get_xydata()
     chosen = select(runs, map="polimi", filtered=True, method="basic_offline")
     np.testing.assert_allclose(drawn, chosen[["quality", "reduction"]])
-    names = [text.get_text() for text in axes[0][0].figure.legends[0].get_texts()]
-    assert "mean_shift" in names and axes[0][0].get_xlim() == axes[1][3].get_xlim()
+    names = [text.get_text() for text in axes[0].figure.legends[0].get_texts()]
+    assert "mean_shift" in names and axes[0].get_xlim() == axes[3].get_xlim()
 
 
 def test_letters_of_lines_that_end_together_do_not_cover_each_other(ax):
@@ -382,12 +366,3 @@ def test_letters_of_lines_that_end_together_do_not_cover_each_other(ax):
     assert np.diff(sorted(places.values())).min() >= 0.05 * (high - low)
     assert places["D"] == 0.9 and places["A"] < places["B"] < places["C"]
     assert np.mean([places[k] for k in "ABC"]) == pytest.approx(0.5)
-
-
-def test_the_filter_changes_quality_and_reduction_in_points(ax):
-    """Catches rates in place of points, and the axes exchanged."""
-    runs = thesis_results()
-    course.draw_filter(runs, methods=["fusion", "hybrid"], ax=ax)
-    expected = [filter_change(select(runs, map=n), "hybrid") for n in ("polimi", "stanford")]
-    np.testing.assert_allclose(ax.lines[1].get_xydata()[:2], 100 * np.array(expected))
-    assert ax.lines[1].get_label() == "hybrid"

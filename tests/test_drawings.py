@@ -70,13 +70,11 @@ DRAWINGS = {
     "climb": (lambda ax: course.draw_climb(POSES, ax=ax), {RESULT}),
     "curves": (lambda ax: plotting.draw_curves(USC, ax=ax), THESIS),
     "field": (lambda ax: course.draw_field(DistanceField(TREE), ax=ax), set()),
-    "filter": (lambda ax: course.draw_filter(RUNS, ax=ax), THESIS),
     "growth": (lambda ax: course.draw_growth(SEEN, hybrid(SEEN), ax=ax), {MAP, RESULT}),
     "icp_step": (
         lambda ax: course.draw_icp_step(POINTS, point_steps(POINTS, POINTS)[0], ax=ax),
         {RAW, RESULT, ERROR},
     ),
-    "initials": (lambda ax: course.draw_initials({"hall": (1, 2)}, ax=ax), {RESULT}),
     "landscape": (lambda ax: course.draw_landscape(LAND, ax=ax), {ERROR, TRUTH}),
     "log": (lambda ax: plotting.draw_log(LOG, ax=ax), {RAW, TRUTH}),
     "marked": (lambda ax: course.draw_marked(WALLS, [True, False, True], ax=ax), {RAW, ERROR}),
@@ -108,7 +106,6 @@ DRAWINGS = {
         lambda ax: course.draw_threshold(USC, USC, method="fusion", ax=ax),
         {RAW, RESULT},
     ),
-    "times": (lambda ax: course.draw_times(USC, ax=ax), THESIS),
     "trade_off": (
         lambda ax: course.draw_trade_off([1, 2], [0.1, 0.2], [0.9, 0.8], ax=ax),
         {RESULT, ERROR},
@@ -122,7 +119,7 @@ DRAWINGS = {
 #: Drawings that make a figure of several pictures, and whether these have their limits in common.
 ROWS = {
     "alignments": (lambda: plotting.draw_alignments(LOG, {"a": POSES, "b": ALIGNED}), True),
-    "buildings": (lambda: course.draw_buildings(RUNS)[0], True),
+    "buildings": (lambda: course.draw_buildings(RUNS), True),
     "cases": (lambda: course.draw_cases({"a": WALLS, "b": WALLS[:1]}, lambda map: map[:1]), False),
     "distance_terms": (lambda: course.draw_distance_terms(WALLS[0], WALLS[2]), True),
     "frames": (lambda: course.draw_frames(SCAN, {"a": (0, 0, 0), "b": (3, 4, 0)}), True),
@@ -131,7 +128,7 @@ ROWS = {
     "side_by_side": (lambda: plotting.draw_side_by_side(WALLS, WALLS[:1]), True),
 }
 #: What x or y is these do not know: the caller says it.
-CALLER_LABELS = {"basin", "climb", "initials", "trade_off"}
+CALLER_LABELS = {"basin", "climb", "trade_off"}
 #: Along x and y in metres, with scales of their own so that what is near can be told apart.
 STRETCHED = {"centres", "strip"}
 

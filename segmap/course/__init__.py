@@ -14,7 +14,7 @@ from ._draw_alignments import (
     draw_icp_step,
     draw_uncertainty,
 )
-from ._draw_buildings import draw_buildings, draw_filter, draw_initials, draw_threshold, draw_times
+from ._draw_buildings import draw_buildings, draw_threshold
 from ._draw_quadtrees import (
     draw_cells,
     draw_classes,
@@ -209,11 +209,9 @@ __all__ = [
     "draw_climb",
     "draw_distance_terms",
     "draw_field",
-    "draw_filter",
     "draw_frames",
     "draw_growth",
     "draw_icp_step",
-    "draw_initials",
     "draw_landscape",
     "draw_marked",
     "draw_merge",
@@ -222,7 +220,6 @@ __all__ = [
     "draw_ray",
     "draw_strip",
     "draw_threshold",
-    "draw_times",
     "draw_trade_off",
     "draw_trials",
     "draw_uncertainty",
