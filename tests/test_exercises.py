@@ -1,5 +1,7 @@
 """Exercises: the library passes, so do other ways to the answer; each mistake has its own hint."""
 
+import json
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -7,10 +9,10 @@ from hypothesis import strategies as st
 from scipy.spatial import cKDTree
 from scipy.spatial.transform import Rotation
 
-from segmap import course, literal, plotting
+from segmap import course, plotting
 from segmap.angles import axial_difference
-from segmap.course import EXERCISES, Check, _exercise
-from segmap.literal.fuzzy_clustering import Prototype, memberships
+from segmap.course import EXERCISES, Check
+from segmap.course._exercise_answers import answered, same_line, same_poses
 from segmap.literal.viewing_sector import views
 from segmap.poses import between, transform
 from segmap.reduction import common_directions
@@ -26,9 +28,9 @@ MISTAKES = [
 
 # -------------------------------------------------------------- all exercises alike
 @EACH
-def test_every_exercise_is_in_reach_and_the_library_passes(exercise):
-    found = exercise(exercise.solution)
-    assert found and repr(found) == "passed"
+def test_every_exercise_is_in_reach_and_the_library_is_right_and_noticed(exercise):
+    assert exercise.verdict(exercise.expected())
+    assert "this is the library's; write your own" in exercise(exercise.solution).hint
     assert getattr(course, f"check_{exercise.name}") is exercise
     assert repr(exercise) == f"check_{exercise.name}(your function): {exercise.task}"
     assert len(exercise.mistakes) >= 4
@@ -39,7 +41,7 @@ def test_every_exercise_is_in_reach_and_the_library_passes(exercise):
 @pytest.mark.parametrize(("exercise", "hint"), MISTAKES)
 def test_each_mistake_fails_with_its_own_hint(exercise, hint):
     """Catches cases that a wrong answer survives, and two mistakes that look alike."""
-    found = exercise(exercise.mistakes[hint])
+    found = exercise.verdict(answered(exercise.mistakes[hint], exercise.cases))
     assert not found and found.hint == hint
 
 
@@ -73,7 +75,6 @@ def test_what_is_no_answer_fails_and_says_why(exercise, answer, words):
     found = exercise(answer)
     assert isinstance(found, Check) and not found and found.hint
     assert words.format(e=exercise) in found.hint
-    assert exercise(exercise.solution)
 
 
 def test_an_unknown_mistake_is_answered_with_the_first_case_that_differs():
@@ -264,6 +265,42 @@ def metres_by_small_steps(spans, whole, gap):
     return sum(metres) if len(spans) == 0 else sum(m for m in metres if m > gap)
 
 
+def match_by_sampling(u, v, distance):
+    """Spans by complex division; the distances of end points from the other segment."""
+
+    def one(a, b):
+        (p, q), ends = (complex(*end) for end in a), [complex(*end) for end in b]
+        along = np.sort([((end - p) / (q - p)).real for end in ends])
+        feet = [p + (q - p) * min(max(((end - p) / (q - p)).real, 0), 1) for end in ends]
+        off = max(abs(end - foot) for end, foot in zip(ends, feet, strict=True))
+        return abs(q - p) * max(min(along[1], 1) - max(along[0], 0), 0), off
+
+    (first, far), (second, away) = one(u, v), one(v, u)
+    return (first + second) / 2 * 0.95 ** (min(far, away) / distance)
+
+
+def by_pseudo_inverse(normals, offsets, weights):
+    root = np.sqrt(weights)
+    return -np.linalg.pinv(normals * root[:, None], rcond=1e-9) @ (offsets * root)
+
+
+def matches_by_complex_numbers(a, b, distance, angle):
+    p, q = ([complex(*end) for end in s] for s in (a, b))
+    turn = abs(np.angle(((p[1] - p[0]) / (q[1] - q[0])) ** 2)) / 2
+    return min(abs(x - y) for x in p for y in q) < distance and turn < angle
+
+
+def merged_by_complex_numbers(a, b):
+    """Turn the second direction so that it looks along the first, then average what is left."""
+    p, q = ([complex(*end) for end in s] for s in (a, b))
+    u, v = p[1] - p[0], q[1] - q[0]
+    share = abs(v) / (abs(u) + abs(v))
+    way = u / abs(u) * np.exp(1j * share * np.angle((v / u) ** 2) / 2)
+    middle = sum(p) / 2 * (1 - share) + sum(q) / 2 * share
+    along = [((end - middle) / way).real for end in (*p, *q)]
+    return [((middle + t * way).real, (middle + t * way).imag) for t in (min(along), max(along))]
+
+
 OTHER_WAYS = {
     "best_run": lambda points, quality: max(
         (k for k, (q, _) in enumerate(points.tolist()) if q >= quality),
@@ -279,10 +316,10 @@ OTHER_WAYS = {
     "distances": distances_bit_by_bit,
     "unwrapped": unwrapped_in_a_loop,
     "axial_mean": lambda angles: np.angle(np.mean(np.exp(2j * angles))) / 2,
-    "fit_line": lambda points: np.arctan2(*literal.fit_total(points)[:1:-1]),
+    "fit_line": lambda points: np.arctan2(*np.linalg.svd(points - points.mean(0))[2][0][::-1]),
     "farthest_point": farthest_in_a_loop,
-    "match_value": lambda u, v, d: literal.match_value(u, v, distance=d, far=9.0, long=9.0),
-    "least_translation": literal.least_translation,
+    "match_value": match_by_sampling,
+    "least_translation": by_pseudo_inverse,
     "move_onto_walls": moved_by_pseudo_inverse,
     "edge_error": edge_error_by_matrices,
     "carried": carried_by_matrices,
@@ -291,8 +328,8 @@ OTHER_WAYS = {
     "reduction_at": reduction_by_hand,
     "mean_wall_error": wall_error_along_and_aside,
     "hough": hough_by_complex_numbers,
-    "matches": literal.basic.match,
-    "merged": literal.basic.merge,
+    "matches": matches_by_complex_numbers,
+    "merged": merged_by_complex_numbers,
     "mean_shift_step": step_in_a_loop,
     "inside_strip": inside_in_a_loop,
     "best_shift": shift_in_a_loop,
@@ -306,8 +343,8 @@ OTHER_WAYS = {
     "pose_covariance": pose_covariance_by_moving,
     "verdict": verdict_by_complex_numbers,
     "invented_metres": metres_by_small_steps,
-    "memberships": lambda squares, noise: memberships(
-        (0.0, 0.0), [Prototype(s**0.5, 0.0, 1.0, 0.0, 0.0) for s in squares], float(noise)
+    "memberships": lambda squares, noise: (
+        1 / (squares[:, None] / np.append(squares, noise**2)).sum(axis=1)
     ),
 }
 
@@ -353,7 +390,37 @@ def test_a_verdict_is_that_of_the_viewing_sector(seed):
 
 def test_a_milliradian_is_a_mistake():
     """Catches tolerances that let a slip through."""
-    assert _exercise.same_line(0.5 + 1e-9, 0.5) and not _exercise.same_line(0.501, 0.5)
+    assert same_line(0.5 + 1e-9, 0.5) and not same_line(0.501, 0.5)
     poses = np.array([[1.0, 2.0, 0.5]])
-    assert _exercise.same_poses(poses, poses)
-    assert not _exercise.same_poses(poses + [0, 0, 1e-6], poses)
+    assert same_poses(poses, poses)
+    assert not same_poses(poses + [0, 0, 1e-6], poses)
+
+
+# ------------------------------------------------------------------------- hidden cases
+@EACH
+@pytest.mark.parametrize("seed", [1, 20])
+def test_hidden_cases_catch_every_mistake_and_let_other_ways_pass(exercise, seed):
+    """Catches hidden cases that are easier than the open ones, or that only the library solves."""
+    cases = exercise.fresh(seed)
+    assert exercise.check(OTHER_WAYS[exercise.name], cases)
+    for mistake in exercise.mistakes.values():
+        assert not exercise.verdict(answered(mistake, cases), cases)
+
+
+@EACH
+def test_answers_travel_as_json_and_are_judged_elsewhere(exercise):
+    """Catches answers that only the process of the student can read, and a seed that drifts."""
+    cases = exercise.fresh(3)
+    sent = json.loads(json.dumps(exercise.answers(OTHER_WAYS[exercise.name], cases)))
+    assert exercise.verdict(sent, exercise.fresh(3))
+    stolen = json.loads(json.dumps(exercise.answers(exercise.solution, cases)))
+    assert "write your own" in exercise.verdict(stolen, cases).hint
+    assert repr(cases) == repr(exercise.fresh(3)) != repr(exercise.fresh(4))
+
+
+@pytest.mark.parametrize("answers", [None, [], [1, 2, 3], "abc", [{}] * 4, {"values": []}])
+def test_answers_that_somebody_made_up_fail(answers):
+    """Catches a verdict that trusts what it is sent."""
+    assert not course.check_compose.verdict(answers)
+    twisted = [{"shape": shape, "values": [1.0]} for shape in ("x", [7], [-1], [1e9])]
+    assert not course.check_compose.verdict(twisted)

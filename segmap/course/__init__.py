@@ -35,27 +35,23 @@ from ._draw_segments import (
     draw_strip,
 )
 from ._exercise import Check, Exercise
-from ._exercises_lines import (
-    check_axial_mean,
-    check_farthest_point,
-    check_fit_line,
-    check_invented_metres,
+from ._exercises_alignment import (
     check_least_translation,
     check_match_value,
+    check_move_onto_walls,
 )
+from ._exercises_lines import check_axial_mean, check_farthest_point, check_fit_line
 from ._exercises_maps import (
     check_best_run,
     check_mean_wall_error,
     check_quality,
     check_reduction_at,
     check_reduction_rate,
-    check_verdict,
 )
 from ._exercises_poses import (
     check_carried,
     check_climb_step,
     check_edge_error,
-    check_move_onto_walls,
     check_scan_score,
 )
 from ._exercises_quadtree import (
@@ -65,12 +61,7 @@ from ._exercises_quadtree import (
     check_pixel,
     check_ray_cells,
 )
-from ._exercises_reduction import (
-    check_hough,
-    check_matches,
-    check_memberships,
-    check_merged,
-)
+from ._exercises_reduction import check_hough, check_matches, check_merged
 from ._exercises_scans import (
     check_beam_angles,
     check_cast_ray,
@@ -79,11 +70,12 @@ from ._exercises_scans import (
     check_heading_between,
     check_unwrapped,
 )
-from ._exercises_strips import (
-    check_best_shift,
-    check_inside_strip,
-    check_mean_shift_step,
+from ._exercises_strips import check_best_shift, check_inside_strip, check_mean_shift_step
+from ._exercises_surveyed import (
+    check_invented_metres,
+    check_memberships,
     check_pose_covariance,
+    check_verdict,
 )
 from ._landscapes import Landscape, heading_profile, landscape, peaks, profile_peaks
 from ._panels_alignment import AnglePanel, BackbonePanel, GroundTruthPanel

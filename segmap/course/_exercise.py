@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
-import copy
 import html
-import warnings
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from ..angles import axial_difference
-from ..arrays import Array
 from ..plotting import ERROR, TRUTH
+from ._exercise_answers import Answer, Cases, agree, answered, close, text
+from ._exercise_notice import Watch
+
+#: Hidden cases are drawn again until every named mistake fails on them, at most so many times.
+MOST_DRAWS = 100
 
 
 @dataclass(frozen=True)
@@ -42,40 +43,6 @@ class Check:
         return f'<div style="{style}">{sign} {html.escape(repr(self))}</div>'
 
 
-def close(found: Any, expected: Any) -> bool:
-    """Whether two answers have the same shape and values, to nine digits or 1e-9."""
-    a, b = _pair(found, expected)
-    return a.shape == b.shape and np.allclose(a, b, rtol=1e-9, atol=1e-9, equal_nan=True)
-
-
-def same_line(found: Any, expected: Any) -> bool:
-    """Whether two angles, in radians, are those of one undirected line."""
-    a, b = _pair(found, expected)
-    return a.shape == () and bool(np.isfinite(a) and abs(axial_difference(a, b)) < 5e-9)
-
-
-def same_segment(found: Any, expected: Any) -> bool:
-    """Whether two answers are one segment `(2, 2)`, whichever end point comes first."""
-    a, b = _pair(found, expected)
-    return a.shape == (2, 2) and (close(a, b) or close(a[::-1], b))
-
-
-def same_cells(found: Any, expected: Any) -> bool:
-    """Whether both hold the same cells `(n, 2)`, in any order."""
-    a, b = _pair(found, expected)
-    return a.shape == b.shape and a.ndim == 2 and sorted(a.tolist()) == sorted(b.tolist())
-
-
-def same_poses(found: Any, expected: Any) -> bool:
-    """Whether x and y of `(n, 3)` answers agree, and the angles as those of undirected lines."""
-    a, b = _pair(found, expected)
-    if a.shape != b.shape or not np.isfinite(a).all():
-        return False
-    return close(a[..., :2], b[..., :2]) and bool(
-        (np.abs(axial_difference(a[..., 2], b[..., 2])) < 1e-9).all()
-    )
-
-
 @dataclass(frozen=True, repr=False, eq=False)
 class Exercise:
     """A function to be written again. Call it with yours: it answers with a `Check`, never raises.
@@ -92,6 +59,11 @@ class Exercise:
         Wrong functions that students write, and what to tell them.
     same : callable
         `same(found, expected) -> bool`.
+    draw : callable, optional
+        `draw(rng) -> cases`: cases like those of the exercise, with other numbers.
+    own : tuple of str
+        Where the library has the answer, beside the solution (see `Watch`): a student's function
+        that calls it is told to do without. Everything else of the library may be called.
 
     Examples
     --------
@@ -103,9 +75,11 @@ class Exercise:
 
     task: str
     solution: Callable[..., Any]
-    cases: Mapping[str, tuple[Any, ...]]
+    cases: Cases
     mistakes: Mapping[str, Callable[..., Any]]
     same: Callable[[Any, Any], bool] = close
+    draw: Callable[[np.random.Generator], Cases] | None = None
+    own: tuple[str, ...] = ()
 
     @property
     def name(self) -> str:
@@ -113,71 +87,111 @@ class Exercise:
         return self.task.partition("(")[0]
 
     def __call__(self, function: Callable[..., Any]) -> Check:
-        """Check a student's function."""
-        hint = self._hint(function)
-        return Check(self.name, not hint, hint)
+        """Check a student's function on the open cases."""
+        return self.check(function)
 
     def __repr__(self) -> str:
         return f"check_{self.name}(your function): {self.task}"
 
-    def _hint(self, function: Callable[..., Any]) -> str:
-        """The hint for a function; empty where it is right."""
+    def check(self, function: Callable[..., Any], cases: Cases | None = None) -> Check:
+        """Check a function on these cases, by default the open ones. Raises nothing."""
         if not callable(function):
-            return f"give the function itself, check_{self.name}(my_{self.name}), without a call"
-        found, expected = self._answers(function), self._answers(self.solution)
-        right = [self._agree(*pair) for pair in zip(found, expected, strict=True)]
+            return self._not_yet(
+                f"give the function itself, check_{self.name}(my_{self.name}), without a call"
+            )
+        return self.verdict(self.answers(function, cases), cases)
+
+    def fresh(self, seed: int) -> dict[str, tuple[Any, ...]]:
+        """Hidden cases from a seed: every named mistake fails on them.
+
+        Parameters
+        ----------
+        seed : int
+            The same seed gives the same cases, in any process.
+
+        Raises
+        ------
+        ValueError
+            Where the exercise has no rule for more cases.
+        """
+        if self.draw is None:
+            raise ValueError(f"{self.name}: no rule for hidden cases; give Exercise(draw=...)")
+        rng = np.random.default_rng(seed)
+        for _ in range(MOST_DRAWS):
+            cases = dict(self.draw(rng))
+            if not self._survivors(cases):
+                return cases
+        raise ValueError(f"{self.name}: no draw catches {self._survivors(cases)}")
+
+    def answers(self, function: Callable[..., Any], cases: Cases | None = None) -> list[Answer]:
+        """What a student's function answers to these cases, as plain values (see `verdict`).
+
+        Runs in the process of the student; the values can be sent as JSON.
+        """
+        watch = Watch(self.own, self.solution)
+        watch.look_into(function)
+        return answered(function, self.cases if cases is None else cases, watch)
+
+    def expected(self, cases: Cases | None = None) -> list[Answer]:
+        """What the library answers to these cases, by default the open ones, as plain values."""
+        return answered(self.solution, self.cases if cases is None else cases)
+
+    def verdict(self, answers: Sequence[Answer], cases: Cases | None = None) -> Check:
+        """Judge answers that were found elsewhere: no code of the student runs here.
+
+        Parameters
+        ----------
+        answers : sequence of dict
+            From `answers`, for the same cases; whatever else it holds fails with a hint.
+        cases : mapping, optional
+            Those that were answered, by default the open ones.
+        """
+        cases = self.cases if cases is None else cases
+        hint = self._hint(answers, cases)
+        return Check(self.name, not hint, hint)
+
+    def _not_yet(self, hint: str) -> Check:
+        return Check(self.name, False, hint)
+
+    def _hint(self, found: Sequence[Answer], cases: Cases) -> str:
+        """The hint for these answers; empty where they are right."""
+        if not _well_formed(found, len(cases)):
+            return "the answers are not those of the cases: one plain answer for each"
+        library = next((answer["library"] for answer in found if "library" in answer), None)
+        if library is not None:
+            return f"this is the library's; write your own ({library} ran)"
+        expected = self.expected(cases)
+        right = self._right(found, expected)
         if all(right):
             return ""
-        if all(answer is None or answer is ... for answer in found):
+        if all("nothing" in answer for answer in found):
             return f"it returns nothing yet; the task is {self.task}"
         for hint, mistake in self.mistakes.items():
-            if all(map(self._agree, found, self._answers(mistake))):
+            if all(self._right(found, answered(mistake, cases))):
                 return hint
         first = right.index(False)
-        return f"for {list(self.cases)[first]} expected {_text(expected[first])}, " + (
-            f"but it raised {type(found[first]).__name__}: {found[first]}"
-            if isinstance(found[first], Exception)
-            else f"got {_text(found[first])}"
+        return f"for {list(cases)[first]} expected {text(expected[first])}, " + (
+            f"but it raised {text(found[first])}"
+            if "error" in found[first]
+            else f"got {text(found[first])}"
         )
 
-    def _answers(self, function: Callable[..., Any]) -> list[Any]:
-        return [_answer(function, arguments) for arguments in self.cases.values()]
+    def _right(self, found: Sequence[Answer], expected: Sequence[Answer]) -> list[bool]:
+        return [agree(*pair, self.same) for pair in zip(found, expected, strict=True)]
 
-    def _agree(self, found: Any, expected: Any) -> bool:
-        if isinstance(found, Exception) or isinstance(expected, Exception):
-            return type(found) is type(expected)
-        return _numbers(found) is not None and bool(self.same(found, expected))
-
-
-def _answer(function: Callable[..., Any], arguments: tuple[Any, ...]) -> Any:
-    """What a function returns for copies of the arguments, or the exception that it raises."""
-    with warnings.catch_warnings(), np.errstate(all="ignore"):
-        warnings.simplefilter("ignore")
-        try:
-            return function(*copy.deepcopy(arguments))
-        except Exception as error:
-            return error
+    def _survivors(self, cases: Cases) -> list[str]:
+        """The mistakes that answer all these cases like the library."""
+        expected = self.expected(cases)
+        return [
+            hint
+            for hint, mistake in self.mistakes.items()
+            if all(self._right(answered(mistake, cases), expected))
+        ]
 
 
-def _numbers(answer: Any) -> Array | None:
-    """An answer as an array of floats, whatever its shape; None where it is none."""
-    try:
-        return None if answer is None else np.asarray(answer, float)
-    except Exception:  # an answer may be any object at all
-        return None
-
-
-def _pair(found: Any, expected: Any) -> tuple[Array, Array]:
-    return np.asarray(found, float), np.asarray(expected, float)
-
-
-def _text(answer: Any) -> str:
-    """An answer to six digits; of a long array the shape and how it starts."""
-    array = _numbers(answer)
-    if array is None:
-        return f"something of type {type(answer).__name__}"
-    if array.ndim == 0:
-        return f"{float(array):.6g}"
-    if array.size > 6:
-        return f"an array {array.shape} that starts {_text(array.ravel()[:3])}"
-    return f"[{', '.join(_text(part) for part in array)}]"
+def _well_formed(answers: Any, count: int) -> bool:
+    return (
+        isinstance(answers, list | tuple)
+        and len(answers) == count
+        and all(isinstance(answer, dict) for answer in answers)
+    )

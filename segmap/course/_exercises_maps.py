@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable
-
 import numpy as np
 
 from ..arrays import Array
 from ..experiments import front, reduction_at
 from ..metrics import reduction_rate
 from ..segments import point_distance
+from . import _exercise_draws_maps as draws_maps
 from ._exercise import Exercise
 
 # -------------------------------------------------------------- reduction and quality
@@ -35,6 +33,8 @@ check_reduction_rate = Exercise(
             lambda before, after: (len(before) - len(after)) / max(len(after), 1)
         ),
     },
+    draw=draws_maps.reduction_rate,
+    own=("metrics.py:reduction_rate",),
 )
 
 
@@ -74,6 +74,11 @@ check_quality = Exercise(
             lambda distances: _quality(distances.min(axis=1).mean(), 50.0)
         ),
     },
+    draw=draws_maps.quality,
+    own=(
+        "metrics.py:quality",
+        "literal/metrics.py:quality",
+    ),
 )
 
 
@@ -128,6 +133,8 @@ check_reduction_at = Exercise(
             lambda points, quality: reduction_at(points[:, ::-1], quality)
         ),
     },
+    draw=draws_maps.reduction_at,
+    own=("experiments/_compare.py",),
 )
 
 
@@ -161,6 +168,7 @@ check_best_run = Exercise(
             lambda points, quality: max(0, _best_run(points, quality))
         ),
     },
+    draw=draws_maps.best_run,
 )
 
 
@@ -211,88 +219,6 @@ check_mean_wall_error = Exercise(
             lambda points, walls: _to_walls(points, walls).min(1).sum()
         ),
     },
-)
-
-
-# -------------------------------------------------------------- viewing sector
-def _area(a: Array, b: Array, c: Array) -> float:
-    """Twice the area of a triangle: above 0 where c lies to the left of the way from a to b."""
-    return float((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]))
-
-
-def _height(wall: Array, point: Array, sensor: Array) -> float:
-    """Distance of a point from the line of a wall, metres: positive on the sensor's side."""
-    a, b = wall
-    side = math.copysign(1.0, _area(a, b, sensor))
-    return side * _area(a, b, point) / math.dist(a, b)
-
-
-def _along_the_ray(wall: Array, point: Array, sensor: Array) -> float:
-    """How much nearer than the wall a point is on its ray: the slip of those who compare ranges."""
-    (a, b), way = wall, point - sensor
-    met = _area(a, b, sensor) / (_area(a, b, sensor) - _area(a, b, sensor + way))
-    return float((met - 1) * np.hypot(*way))
-
-
-def _inside(wall: Array, point: Array, sensor: Array) -> bool:
-    """Whether a point lies in the sector of a wall."""
-    a, b = wall
-    first, second = _area(sensor, a, point), _area(sensor, point, b)
-    return bool(min(_area(a, b, sensor) * first, _area(a, b, sensor) * second) >= 0)
-
-
-def _verdicts(
-    height: Callable[[Array, Array, Array], float] = _height, slack: float = 1e-9
-) -> Callable[..., float]:
-    """1 where a point hides a wall, 0 on it, -1 behind it, NaN beside its sector."""
-
-    def verdict(wall: Array, point: Array, sensor: Array, distance: float) -> float:
-        h = height(wall, point, sensor)
-        says = float(h > distance + slack) - float(h < -distance - slack)
-        return says if _inside(wall, point, sensor) else math.nan
-
-    return verdict
-
-
-def _wall_case(point: tuple[float, float], turned: bool = False) -> tuple[Array, ...]:
-    wall = np.array([(1.0, 3.0), (5.0, 3.0)])
-    return wall[::-1] if turned else wall, np.array(point), np.zeros(2), np.array(0.125)
-
-
-check_verdict = Exercise(
-    "verdict(wall, point, sensor, distance) -> 1 where a point (2,) hides the wall (2, 2) from the "
-    "sensor (2,), 0 where it lies on it, within distance of its line, -1 where it was seen through "
-    "the wall, nan outside the sector",
-    _verdicts(),
-    {
-        "a point right on the wall": _wall_case((2, 3)),
-        "a point before the wall": _wall_case((1.5, 2)),
-        "a point behind the wall": _wall_case((3, 4)),
-        "a point before the wall, its ends swapped": _wall_case((1.5, 2), turned=True),
-        "a point behind the wall, its ends swapped": _wall_case((3, 4), turned=True),
-        "a point beside the sector": _wall_case((0, 3)),
-        "a point behind the sensor": _wall_case((-3, -3)),
-        "a glancing look, a little behind": _wall_case((4.5, 3.1)),
-        "a point 0.125 m behind the wall": _wall_case((3, 3.125)),
-        "a point far behind the wall, yet on a ray that passes it": _wall_case((1, 6)),
-    },
-    {
-        "which side is before the wall must not depend on the order of its ends: ask where the "
-        "sensor is": _verdicts(lambda w, at, _: -_area(w[0], w[1], at) / math.dist(*w)),
-        "before the wall hides it, behind it says that it is gone": (
-            _verdicts(lambda *given: -_height(*given))
-        ),
-        "a distance without a sign cannot tell before from behind": (
-            _verdicts(lambda *given: abs(_height(*given)))
-        ),
-        "h is measured square to the wall, not along the ray: a glancing look stretches it": (
-            _verdicts(_along_the_ray)
-        ),
-        "only what lies between the rays to both ends says something of the wall: nan elsewhere": (
-            lambda wall, q, p, d: (
-                float(np.sign(_height(wall, q, p))) * (abs(_height(wall, q, p)) > d + 1e-9)
-            )
-        ),
-        "the border belongs to the wall: <=, not <": _verdicts(slack=-1e-9),
-    },
+    draw=draws_maps.mean_wall_error,
+    own=("course/_storage.py:wall_errors",),
 )

@@ -9,86 +9,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..arrays import Array
-from ..literal import MOVES, climb_step, distance_score, point_to_line_step
+from ..literal import MOVES, climb_step, distance_score
 from ..poses import between, compose, transform
+from . import _exercise_draws_grids as draws_grids
+from . import _exercise_draws_scans as draws_scans
 from ._exercise import Exercise
-
-
-# ---------------------------------------------------------------------------------- ICP
-def _rows(points: Array, normals: Array) -> Array:
-    """How the offset of each point grows with x, y and the turn, `(n, 3)`."""
-    lever = points[:, 0] * normals[:, 1] - points[:, 1] * normals[:, 0]
-    return np.column_stack([normals, lever])
-
-
-def _least(rows: Array, offsets: Array) -> Array:
-    return np.asarray(np.linalg.lstsq(rows, offsets, rcond=1e-9)[0], float)
-
-
-def _solved(points: Array, feet: Array, normals: Array) -> Array:
-    """By the normal equations, which a corridor makes singular."""
-    rows, offsets = _rows(points, normals), ((points - feet) * normals).sum(1)
-    return -np.linalg.solve(rows.T @ rows, rows.T @ offsets)
-
-
-def _to_points(points: Array, feet: Array, _: Array) -> Array:
-    """Both coordinates of each point count, not only the one across the wall."""
-    x, y = np.repeat(np.eye(2)[:, None], len(points), 1)
-    rows = np.concatenate([_rows(points, x), _rows(points, y)])
-    return -_least(rows, (points - feet).T.ravel())
-
-
-def _without_turn(points: Array, feet: Array, normals: Array) -> Array:
-    return np.append(-_least(normals, ((points - feet) * normals).sum(1)), 0.0)
-
-
-def _room(dx: float, dy: float, degrees: float) -> tuple[Array, Array, Array]:
-    """Points moved off three walls of a room: the fourth is out of sight."""
-    s = np.linspace(-1, 1, 5)
-    feet = np.concatenate(
-        [np.stack([3 + 0 * s, 2 * s], 1), np.stack([2 * s, 2 + 0 * s], 1), -np.stack([s, s**0], 1)]
-    )
-    normals = np.repeat([(1.0, 0.0), (0, 1), (0, -1)], 5, axis=0)
-    return transform((dx, dy, np.radians(degrees)), feet), feet, normals
-
-
-def _corridor(dx: float, dy: float) -> tuple[Array, Array, Array]:
-    """Points between two walls along x."""
-    s = np.linspace(0, 4, 5)
-    feet = np.concatenate([np.stack([s, 0 * s + 1], 1), np.stack([s, 0 * s - 1], 1)])
-    return feet + (dx, dy), feet, np.repeat([(0.0, 1.0), (0, -1)], 5, axis=0)
-
-
-check_move_onto_walls = Exercise(
-    "move_onto_walls(points, feet, normals) -> (3,): the small x, y in metres and turn in radians "
-    "about the origin that minimise the squared offsets of points (n, 2) across walls through feet "
-    "(n, 2) with unit normals (n, 2)",
-    point_to_line_step,
-    {
-        "a room seen 0.2 m too far right and 0.1 m too low": _room(0.2, -0.1, 0),
-        "a room seen turned by 3 degrees": _room(0, 0, 3),
-        "a room moved and turned": _room(-0.1, 0.3, -4),
-        "a corridor, which does not fix the motion along it": _corridor(0.3, 0.1),
-    },
-    {
-        "the sign: the motion takes the offsets away, it does not add them again": (
-            lambda p, f, n: -np.array(point_to_line_step(p, f, n))
-        ),
-        "points may slide along their walls: only the part of the offset along the normal counts": (
-            _to_points
-        ),
-        "a turn moves points too: the third column is x n_y - y n_x": _without_turn,
-        "angles count counter-clockwise: a small turn moves (x, y) by (-y, x), not by (y, -x)": (
-            lambda p, f, n: point_to_line_step(p, f, n) * np.array((1, 1, -1))
-        ),
-        "the turn is in radians: for those a small turn moves a point by turn times distance": (
-            lambda p, f, n: point_to_line_step(p, f, n) * np.array((1, 1, 180 / np.pi))
-        ),
-        "in a corridor the equations are singular: np.linalg.lstsq takes the smallest motion": (
-            _solved
-        ),
-    },
-)
 
 
 # ----------------------------------------------------------------------------- pose graph
@@ -132,6 +57,11 @@ check_edge_error = Exercise(
             lambda a, b, z: np.hypot(*_edge_error(a, b, z)[:2])
         ),
     },
+    draw=draws_scans.edge_error,
+    own=(
+        "literal/gauss_newton.py:edge_residual",
+        "alignment/_graph.py:residuals",
+    ),
 )
 
 
@@ -168,6 +98,7 @@ check_carried = Exercise(
         "headings end at half a turn: wrap the sum, as compose does": _carried_unwrapped,
         "the scan keeps its place beside the key frame; it does not go onto it": lambda b, a, p: a,
     },
+    draw=draws_scans.carried,
 )
 
 
@@ -217,6 +148,8 @@ check_scan_score = Exercise(
             lambda points, pose, centres: -(_distances(points, pose, centres).min(1) ** 2).sum()
         ),
     },
+    draw=draws_grids.scan_score,
+    own=("literal/matching.py:distance_score",),
 )
 
 
@@ -254,9 +187,7 @@ def _along_the_robot(value: Value, pose: Pose, move: float, turn: float) -> Pose
     return climb_step(value, pose, move, turn, turned)
 
 
-def _hill(pose: Pose) -> float:
-    return -abs(pose[0] - 0.3) - 2 * abs(pose[1] + 0.2) - abs(pose[2] - 0.4)
-
+_HILL = draws_grids.Hill(0.3, -0.2, 0.4)
 
 check_climb_step = Exercise(
     "climb_step(value, pose, move, turn) -> (3,): the best of the moves -x, +x, -y, +y, -heading, "
@@ -265,13 +196,13 @@ check_climb_step = Exercise(
     {
         words: (value, np.array(pose, float), move, turn)
         for words, value, pose, move, turn in (
-            ("a hill to the right", _hill, (0, 0, 0), 0.1, 0.1),
-            ("a hill, nearly there", _hill, (0.3, -0.1, 0.4), 0.1, 0.1),
-            ("on the top", _hill, (0.3, -0.2, 0.4), 0.1, 0.1),
-            ("a plain", lambda pose: 1.0, (1, 2, 0.5), 0.1, 0.1),
-            ("a valley, both ways up", lambda pose: abs(pose[1]), (0.5, 0, 0), 0.1, 0.1),
-            ("a slope, the robot turned", lambda pose: 2 * pose[0] + pose[1], (0, 0, 2), 0.1, 0.1),
-            ("a coarse turn", _hill, (0.3, -0.2, 0.0), 0.001, 1.0),
+            ("a hill to the right", _HILL, (0, 0, 0), 0.1, 0.1),
+            ("a hill, nearly there", _HILL, (0.3, -0.1, 0.4), 0.1, 0.1),
+            ("on the top", _HILL, (0.3, -0.2, 0.4), 0.1, 0.1),
+            ("a plain", draws_grids.Plane(0, 0), (1, 2, 0.5), 0.1, 0.1),
+            ("a valley, both ways up", draws_grids.Plane(0, 1, folded=True), (0.5, 0, 0), 0.1, 0.1),
+            ("a slope, the robot turned", draws_grids.Plane(2, 1), (0, 0, 2), 0.1, 0.1),
+            ("a coarse turn", _HILL, (0.3, -0.2, 0.0), 0.001, 1.0),
         )
     },
     {
@@ -288,4 +219,6 @@ check_climb_step = Exercise(
             lambda value, *rest: climb_step(lambda p: -value(p), *rest)
         ),
     },
+    draw=draws_grids.climb_step,
+    own=("literal/matching.py",),
 )

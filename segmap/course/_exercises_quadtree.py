@@ -14,7 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..literal import cell_of, grown, occupancy, ray_cells
-from ._exercise import Exercise, same_cells
+from . import _exercise_draws_grids as draws_grids
+from ._exercise import Exercise
+from ._exercise_answers import same_cells
 
 Cell = tuple[int, int]
 Cells = NDArray[np.int64]
@@ -48,6 +50,8 @@ check_cell_of = Exercise(
         ),
         "columns are counted from the corner: subtract it first": lambda x, c, r: floor(x / r),
     },
+    draw=draws_grids.cell_of,
+    own=("literal/quadtree.py",),
 )
 
 
@@ -80,6 +84,8 @@ check_grown = Exercise(
             lambda root, cell: 2 * np.array(grown(root, cell)) - (root[0], root[1], 2 * root[2])
         ),
     },
+    draw=draws_grids.grown,
+    own=("literal/quadtree.py",),
 )
 
 
@@ -108,6 +114,8 @@ check_occupancy = Exercise(
             lambda v, o, b: o / max(v, b) if o else max(0.5 * (b - v) / b, 0.0)
         ),
     },
+    draw=draws_grids.occupancy,
+    own=("literal/quadtree.py",),
 )
 
 
@@ -157,6 +165,8 @@ check_ray_cells = Exercise(
         "y moves where the error is above 0: at 0 it stays": _one_early,
     },
     same_cells,
+    draw=draws_grids.ray_cells,
+    own=("literal/quadtree.py",),
 )
 
 
@@ -189,4 +199,5 @@ check_pixel = Exercise(
             lambda x, y, o, side, rows: (floor((o[1] - y) / side), floor((x - o[0]) / side))
         ),
     },
+    draw=draws_grids.pixel,
 )

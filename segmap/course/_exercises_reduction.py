@@ -11,7 +11,9 @@ from ..angles import axial_difference, axial_mean_of_two
 from ..arrays import Array
 from ..reduction import basic_offline, hough
 from ..segments import angle, extreme_projections, length, midpoint
-from ._exercise import Exercise, same_segment
+from . import _exercise_draws_maps as draws_maps
+from ._exercise import Exercise
+from ._exercise_answers import same_segment
 
 
 # ------------------------------------------------------------------------------ Basic
@@ -41,12 +43,7 @@ def _near(a: Array, b: Array, distance: float) -> bool:
     return bool(_gaps(a, b).min() < distance)
 
 
-def _wall(middle: tuple[float, float], size: float, degrees: float) -> Array:
-    half = size / 2 * np.array([np.cos(np.radians(degrees)), np.sin(np.radians(degrees))])
-    return np.array([middle - half, middle + half])
-
-
-_FLAT, _STEEP = _wall((1, 0), 2, 0), _wall((0, 2), 3, 85)
+_FLAT, _STEEP = draws_maps.wall((1, 0), 2, 0), draws_maps.wall((0, 2), 3, 85)
 
 check_matches = Exercise(
     "matches(a, b, distance, angle) -> bool: whether some end point of segment a (2, 2) is closer "
@@ -55,18 +52,22 @@ check_matches = Exercise(
     {
         words: (a, b, 0.25, np.radians(10))
         for words, a, b in (
-            ("end to end on one wall", _FLAT, _wall((3.1, 0), 2, 5)),
-            ("the same, with swapped ends", _FLAT, _wall((3.1, 0), 2, 5)[::-1]),
-            ("walls at 1 and 179 degrees", _wall((1, 0), 2, 1), _wall((3, 0), 2, 179)),
-            ("a corner", _FLAT, _wall((2, 1), 2, 90)),
-            ("a piece beside the middle of a wall", _FLAT, _wall((1, 0.02), 1, 0)),
-            ("one wall that begins where the other does", _FLAT, _wall((2, 0.1), 4, 0)),
-            ("walls turned by 30 degrees", _FLAT, _wall((2.8, 0.4), 1.6, 30)),
+            ("end to end on one wall", _FLAT, draws_maps.wall((3.1, 0), 2, 5)),
+            ("the same, with swapped ends", _FLAT, draws_maps.wall((3.1, 0), 2, 5)[::-1]),
+            (
+                "walls at 1 and 179 degrees",
+                draws_maps.wall((1, 0), 2, 1),
+                draws_maps.wall((3, 0), 2, 179),
+            ),
+            ("a corner", _FLAT, draws_maps.wall((2, 1), 2, 90)),
+            ("a piece beside the middle of a wall", _FLAT, draws_maps.wall((1, 0.02), 1, 0)),
+            ("one wall that begins where the other does", _FLAT, draws_maps.wall((2, 0.1), 4, 0)),
+            ("walls turned by 30 degrees", _FLAT, draws_maps.wall((2.8, 0.4), 1.6, 30)),
             ("ends exactly 0.25 m apart", _FLAT, np.array([(2.25, 0.0), (4, 0)])),
-            ("middles that meet and ends that do not", _FLAT, _wall((1, 0), 5, 2)),
+            ("middles that meet and ends that do not", _FLAT, draws_maps.wall((1, 0), 5, 2)),
         )
     }
-    | {"a corner, to 1 degree": (_FLAT, _wall((2, 1), 2, 90), 0.25, np.radians(1))},
+    | {"a corner, to 1 degree": (_FLAT, draws_maps.wall((2, 1), 2, 90), 0.25, np.radians(1))},
     {
         "lines have no direction: 1 and 179 degrees lie 2 degrees apart, use axial_difference": (
             lambda a, b, d, t: _near(a, b, d) and abs(angle(a) - angle(b)) < t
@@ -102,6 +103,11 @@ check_matches = Exercise(
             lambda a, b, d, t: _gaps(a, b).min() <= d and _turn(a, b) < t
         ),
     },
+    draw=draws_maps.matches,
+    own=(
+        "reduction/_basic.py",
+        "literal/basic.py",
+    ),
 )
 
 Mean = Callable[[Array, Array], Any]
@@ -152,11 +158,17 @@ check_merged = Exercise(
     "length-weighted mean direction and middle, its ends are the extreme projections of all four",
     _merged,
     {
-        "two pieces of one wall": (_FLAT, _wall((3.5, 0.1), 1, 5)),
-        "a short piece that overlaps a long one": (_wall((0, 0), 4, 30), _wall((1, 1), 1, 34)),
-        "walls at 1 and 179 degrees": (_wall((1, 0), 2, 1), _wall((3, 0), 1, 179)),
-        "upright walls": (_STEEP, _wall((0.1, 4), 2, 93)),
-        "a piece in the middle of a wall": (_FLAT, _wall((1, 0.05), 0.5, 3)),
+        "two pieces of one wall": (_FLAT, draws_maps.wall((3.5, 0.1), 1, 5)),
+        "a short piece that overlaps a long one": (
+            draws_maps.wall((0, 0), 4, 30),
+            draws_maps.wall((1, 1), 1, 34),
+        ),
+        "walls at 1 and 179 degrees": (
+            draws_maps.wall((1, 0), 2, 1),
+            draws_maps.wall((3, 0), 1, 179),
+        ),
+        "upright walls": (_STEEP, draws_maps.wall((0.1, 4), 2, 93)),
+        "a piece in the middle of a wall": (_FLAT, draws_maps.wall((1, 0.05), 0.5, 3)),
     },
     {
         "the plain mean of 1 and 179 degrees is a wall across: use axial_mean_of_two": (
@@ -187,6 +199,11 @@ check_merged = Exercise(
         ),
     },
     same_segment,
+    draw=draws_maps.merged,
+    own=(
+        "reduction/_basic.py",
+        "literal/basic.py",
+    ),
 )
 
 
@@ -262,31 +279,9 @@ check_hough = Exercise(
         "rho comes first, then theta": lambda segment, near: hough(segment, near)[::-1],
         "theta is wanted in radians": lambda segment, near: hough(segment, near) * [1, 180 / np.pi],
     },
-)
-
-
-# ------------------------------------------------------------------ fuzzy clustering
-def _shares(squares: Array, noise: float, power: float = 1.0) -> Array:
-    weights = squares**-power
-    return np.asarray(weights / (weights.sum() + noise ** (-2 * power)))
-
-
-check_memberships = Exercise(
-    "memberships(squares, noise) -> (k,): the share of a point in each of k prototypes, from its "
-    "squared distances (k,), m^2, above 0; the noise, always noise metres away, has the rest",
-    _shares,
-    {
-        "on one wall, far from another": (np.array([1e-4, 0.25]), np.array(0.1)),
-        "between two walls": (np.array([0.01, 0.01]), np.array(0.1)),
-        "far from all": (np.array([0.36, 0.25, 1.0]), np.array(0.2)),
-    },
-    {
-        "the noise has a share too: the memberships add up to less than 1": (
-            lambda squares, noise: 1 / squares / (1 / squares).sum()
-        ),
-        "the noise is a distance: square it": lambda s, noise: _shares(s, noise**0.5),
-        "weights go with 1 / squares, not with 1 / distance": lambda s, n: _shares(s, n, 0.5),
-        "squares are squared already": lambda s, n: _shares(s, n, 2.0),
-        "the nearer a prototype, the larger its share": lambda s, n: _shares(s, n, -1.0),
-    },
+    draw=draws_maps.hough,
+    own=(
+        "reduction/_hough.py",
+        "literal/hybrid.py:hough",
+    ),
 )

@@ -7,15 +7,12 @@ from numpy.typing import ArrayLike
 
 from ..angles import wrap
 from ..arrays import Array
-from ..hokuyo import checksum, decode
+from ..hokuyo import decode
 from ..poses import compose, interpolate
 from ..readers import half_turn
 from ..simulation import cast_rays
+from . import _exercise_draws_scans as draws_scans
 from ._exercise import Exercise
-
-
-def _pose(x: float, y: float, degrees: float) -> Array:
-    return np.array([x, y, np.radians(degrees)])
 
 
 # ------------------------------------------------------------------------------ poses
@@ -30,10 +27,22 @@ check_compose = Exercise(
     "compose(a_from_b, b_from_c) -> a_from_c, each (3,): x, y in metres, heading in radians",
     compose,
     {
-        "one step ahead of a robot at (1, 2) that looks left": (_pose(1, 2, 90), _pose(1, 0, 0)),
-        "a turn of 170 and one of 60 degrees": (_pose(0, 0, 170), _pose(0, 0, 60)),
-        "(1, -2, 30 deg), then (0.3, 0.4, -70 deg)": (_pose(1, -2, 30), _pose(0.3, 0.4, -70)),
-        "(0.5, 0, -140 deg), then (1, 1, -100 deg)": (_pose(0.5, 0, -140), _pose(1, 1, -100)),
+        "one step ahead of a robot at (1, 2) that looks left": (
+            draws_scans.pose(1, 2, 90),
+            draws_scans.pose(1, 0, 0),
+        ),
+        "a turn of 170 and one of 60 degrees": (
+            draws_scans.pose(0, 0, 170),
+            draws_scans.pose(0, 0, 60),
+        ),
+        "(1, -2, 30 deg), then (0.3, 0.4, -70 deg)": (
+            draws_scans.pose(1, -2, 30),
+            draws_scans.pose(0.3, 0.4, -70),
+        ),
+        "(0.5, 0, -140 deg), then (1, 1, -100 deg)": (
+            draws_scans.pose(0.5, 0, -140),
+            draws_scans.pose(1, 1, -100),
+        ),
     },
     {
         "the order: the first pose is where you stand, the second the step taken from there": (
@@ -52,6 +61,12 @@ check_compose = Exercise(
             lambda a, b: _chain(a, b, a[2], -1.0)
         ),
     },
+    draw=draws_scans.compose,
+    own=(
+        "poses.py:compose",
+        "_motions.py:compose",
+        "_motions.py:_composed",
+    ),
 )
 
 
@@ -91,6 +106,8 @@ check_heading_between = Exercise(
             lambda a, b, t: np.degrees(_heading_between(a, b, t))
         ),
     },
+    draw=draws_scans.heading_between,
+    own=("poses.py:interpolate",),
 )
 
 
@@ -114,6 +131,8 @@ check_beam_angles = Exercise(
             lambda n: -half_turn(n)
         ),
     },
+    draw=draws_scans.beam_angles,
+    own=("readers/_raw_scans.py:half_turn",),
 )
 
 
@@ -141,15 +160,15 @@ check_cast_ray = Exercise(
     {
         words: (_WALL, pose, np.radians(degrees))
         for words, pose, degrees in (
-            ("a wall 2 m straight ahead", _pose(0, 0, 0), 0),
-            ("a beam at 20 degrees to a wall 2 m ahead", _pose(0, 0, 0), 20),
+            ("a wall 2 m straight ahead", draws_scans.pose(0, 0, 0), 0),
+            ("a beam at 20 degrees to a wall 2 m ahead", draws_scans.pose(0, 0, 0), 20),
             (
                 "a robot at (1, 0.5) that looks 15 degrees right, beam 20 degrees left",
-                *(_pose(1, 0.5, -15), 20),
+                *(draws_scans.pose(1, 0.5, -15), 20),
             ),
-            ("a wall right behind the robot", _pose(0, 0, 180), 0),
-            ("a beam that passes beside the wall", _pose(0, 0, 0), 40),
-            ("a beam parallel to the wall", _pose(0, 0, 90), 0),
+            ("a wall right behind the robot", draws_scans.pose(0, 0, 180), 0),
+            ("a beam that passes beside the wall", draws_scans.pose(0, 0, 0), 40),
+            ("a beam parallel to the wall", draws_scans.pose(0, 0, 90), 0),
         )
     },
     {
@@ -172,6 +191,8 @@ check_cast_ray = Exercise(
             lambda wall, pose, angle: _cast_ray(wall, pose * (0, 0, 1), angle)
         ),
     },
+    draw=draws_scans.cast_ray,
+    own=("simulation/_simulate.py",),
 )
 
 
@@ -189,17 +210,15 @@ def _sums_kept(lines: list[bytes]) -> Array:
     return decode(text[: len(text) // 3 * 3], 3).astype(float)
 
 
-def _with_sum(text: bytes) -> bytes:
-    return text + checksum(text)
-
-
 check_distances = Exercise(
     "distances(lines) -> (n,) millimetres; lines: list of bytes, each a block of characters and "
     "its sum; three characters a distance, of six bits each, most significant first, from '0' on",
     lambda lines: decode(_joined(lines), 3).astype(float),
     {
-        "one block": ([_with_sum(b"06805m1Dh")],),
-        "a distance that crosses a border": ([_with_sum(b"06805m1D"), _with_sum(b"h000007")],),
+        "one block": ([draws_scans.with_sum(b"06805m1Dh")],),
+        "a distance that crosses a border": (
+            [draws_scans.with_sum(b"06805m1D"), draws_scans.with_sum(b"h000007")],
+        ),
         "no block": ([],),
     },
     {
@@ -214,13 +233,12 @@ check_distances = Exercise(
             lambda lines: [d for line in lines for d in decode(line[:-1][:6], 3)]
         ),
     },
+    draw=draws_scans.distances,
+    own=("hokuyo/_protocol.py:decode",),
 )
 
-#: The sensor's clock, milliseconds, starts again here.
-_WRAP = 1 << 24
 
-
-def _unwrapped(stamps: ArrayLike, wrap: float = _WRAP) -> Array:
+def _unwrapped(stamps: ArrayLike, wrap: float = draws_scans.WRAP) -> Array:
     return np.append(0, np.cumsum(np.diff(np.asarray(stamps, float)) % wrap)) / 1000
 
 
@@ -230,17 +248,18 @@ check_unwrapped = Exercise(
     _unwrapped,
     {
         "three turns": (np.array([500, 600, 800]),),
-        "a clock that wraps": (np.array([_WRAP - 150, _WRAP - 50, 50, 150]),),
-        "a clock that wraps twice": (np.array([_WRAP - 1, 8_000_000, 16_000_000, 99]),),
+        "a clock that wraps": (np.array([draws_scans.WRAP - 150, draws_scans.WRAP - 50, 50, 150]),),
+        "a clock that wraps twice": (np.array([draws_scans.WRAP - 1, 8_000_000, 16_000_000, 99]),),
     },
     {
         "after 2 ** 24 - 1 comes 0, not a time before": lambda s: (s - s[0]) / 1000,
         "it may wrap more than once: add up the steps from stamp to stamp": (
-            lambda s: (s - s[0]) % _WRAP / 1000
+            lambda s: (s - s[0]) % draws_scans.WRAP / 1000
         ),
         "from 2 ** 24 - 1 to 0 is one millisecond: there are 2 ** 24 values": (
-            lambda s: _unwrapped(s, _WRAP - 1)
+            lambda s: _unwrapped(s, draws_scans.WRAP - 1)
         ),
         "stamps are milliseconds, not seconds": lambda s: 1000 * _unwrapped(s),
     },
+    draw=draws_scans.unwrapped,
 )

@@ -1,8 +1,7 @@
-"""Exercises on mean shift, Fusion and lines that err: one step, one strip, one covariance."""
+"""Exercises on mean shift and Fusion: one step, one strip."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -11,8 +10,9 @@ from ..angles import axial_difference
 from ..arrays import Array
 from ..literal import best_strip
 from ..literal.mean_shift import mean_difference
-from ..literal.weighted_line_fitting import Line, add_pose
-from ._exercise import Exercise, same_poses
+from . import _exercise_draws_maps as draws_maps
+from ._exercise import Exercise
+from ._exercise_answers import same_poses
 
 
 # ------------------------------------------------------------------------- mean shift
@@ -58,26 +58,23 @@ def _plain_mean(centres: Array, pieces: Array, sigma: float, bandwidth: float) -
     return w @ pieces / w.sum(axis=1)[:, None]
 
 
-def _case(centres: Any, pieces: Any, sigma: float, slack: float) -> tuple[Any, ...]:
-    """Angles in degrees; `slack` is the angle, in degrees, that counts as much as sigma."""
-    scale = [1, 1, np.pi / 180]
-    places = np.array(centres, float) * scale, np.array(pieces, float) * scale
-    return (*places, sigma, float(np.radians(slack)) / sigma)
-
-
 check_mean_shift_step = Exercise(
     "mean_shift_step(centres, pieces, sigma, bandwidth) -> (n, 3): centres (n, 3), as x and y in "
     "metres and the angle in radians, after one step towards the pieces (m, 3)",
     _literal_step,
     {
-        "two parallel pieces": _case([(0, 0, 30)], [(0, 0, 30), (0, 0.1, 30)], 0.2, 10),
-        "two centres among three pieces": _case(
+        "two parallel pieces": draws_maps.pieces_case(
+            [(0, 0, 30)], [(0, 0, 30), (0, 0.1, 30)], 0.2, 10
+        ),
+        "two centres among three pieces": draws_maps.pieces_case(
             [(0.1, 0, 80), (0.3, 0.1, 84)],
             [(0, 0, 80), (0.2, 0.05, 84), (0.3, 0.1, 95)],
             *(0.3, 15),
         ),
-        "walls at 2 and 177 degrees": _case([(0, 0, 2)], [(0, 0, 2), (0.1, 0, 177)], 0.2, 10),
-        "a centre that turned past 180 degrees": _case(
+        "walls at 2 and 177 degrees": draws_maps.pieces_case(
+            [(0, 0, 2)], [(0, 0, 2), (0.1, 0, 177)], 0.2, 10
+        ),
+        "a centre that turned past 180 degrees": draws_maps.pieces_case(
             [(1, 2, 183), (1, 2, 1)], [(1, 2, 1), (1.1, 2, 178), (0.9, 2.1, 5)], 0.2, 8
         ),
     },
@@ -107,6 +104,12 @@ check_mean_shift_step = Exercise(
         ),
     },
     same_poses,
+    draw=draws_maps.mean_shift_step,
+    own=(
+        "reduction/_mean_shift.py",
+        "reduction/_climb.py",
+        "literal/mean_shift.py",
+    ),
 )
 
 # ----------------------------------------------------------------------------- Fusion
@@ -153,6 +156,7 @@ check_inside_strip = Exercise(
             lambda offsets, t, e: _inside(offsets, 0.0, e)
         ),
     },
+    draw=draws_maps.inside_strip,
 )
 
 
@@ -217,68 +221,10 @@ check_best_shift = Exercise(
             lambda o, lengths, e: _best(o, lengths, e, _shifts(o, e))
         ),
     },
-)
-
-# -------------------------------------------------------------- weighted line fitting
-
-
-def _pose_covariance(
-    centre: Array, alpha: float, sensor: Array, sigma_place: float, sigma_heading: float
-) -> Array:
-    """What eq. 2.20 adds to a line that was known exactly."""
-    exact = Line(float(centre[0]), float(centre[1]), alpha, 0.0, 0.0, 0.0)
-    line = add_pose(exact, sensor.tolist(), sigma_place, sigma_heading)
-    return np.array([[line.rr, line.ra], [line.ra, line.aa]])
-
-
-def _by_jacobian(
-    arm: Callable[[Any, float], float], power: int = 2, diagonal: bool = False
-) -> Callable[..., Array]:
-    """K diag K', with an arm of (sensor - centre, alpha) and the details that mistakes change."""
-
-    def covariance(c: Array, alpha: float, s: Array, place: float, heading: float) -> Array:
-        jacobian = np.array([(np.cos(alpha), np.sin(alpha), arm(s - c, alpha)), (0, 0, 1)])
-        found = jacobian @ np.diag([place, place, heading]) ** power @ jacobian.T
-        return np.asarray(found * np.eye(2) if diagonal else found)
-
-    return covariance
-
-
-def _along(d: Any, alpha: float) -> float:
-    return float(d[1] * np.cos(alpha) - d[0] * np.sin(alpha))
-
-
-check_pose_covariance = Exercise(
-    "pose_covariance(centre, alpha, sensor, sigma_place, sigma_heading) -> (2, 2): what the pose "
-    "of a scan adds to the covariance of (offset, angle), metres and radians, of a line with its "
-    "normal at alpha, about its centre (2,), seen from sensor (2,)",
-    _pose_covariance,
-    {
-        words: (np.array(centre, float), float(np.radians(alpha)), np.array(sensor, float), *noise)
-        for words, centre, alpha, sensor, noise in (
-            ("a wall straight ahead", (0, 2), 90, (0, 0), (0.03, 0.01)),
-            ("a wall along which the sensor looks", (5, 1), 90, (0, 0), (0.03, 0.01)),
-            ("a slanted wall", (2, 1), 30, (1, -2), (0.02, 0.02)),
-            ("a place known exactly", (4, 3), 135, (-1, 2), (0.0, 0.01)),
-        )
-    },
-    {
-        "a turn of the sensor swings a wall that lies aside: the third entry of K's first row is "
-        "its arm, (s - c) . n'": _by_jacobian(lambda d, alpha: 0.0),
-        "the arm is measured along the wall, by n' = (-sin, cos), not across it": (
-            _by_jacobian(lambda d, alpha: float(d[0] * np.cos(alpha) + d[1] * np.sin(alpha)))
-        ),
-        "the arm leads from the centre to the sensor, s - c: the other way round the sign of the "
-        "off-diagonal is wrong": _by_jacobian(lambda d, alpha: -_along(d, alpha)),
-        "the arm is how far the sensor lies along the wall, not its whole distance": (
-            _by_jacobian(lambda d, alpha: float(np.hypot(*d)))
-        ),
-        "a covariance holds squares of the standard deviations": _by_jacobian(_along, power=1),
-        "offset and angle err together: K diag K' is not diagonal": (
-            _by_jacobian(_along, diagonal=True)
-        ),
-        "the offset comes first, then the angle": (
-            lambda *given: _pose_covariance(*given)[::-1, ::-1]
-        ),
-    },
+    draw=draws_maps.best_shift,
+    own=(
+        "reduction/_fusion.py",
+        "reduction/_fusion_loops.py",
+        "literal/fusion.py",
+    ),
 )
