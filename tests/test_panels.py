@@ -2,6 +2,7 @@
 
 import re
 
+import ipywidgets as W
 import numpy as np
 import pytest
 from matplotlib.figure import Figure
@@ -47,6 +48,7 @@ from segmap.extraction import extract_polylines
 from segmap.panels import ComparePanel, LivePanel, Panel, QuadtreePanel, ScanPanel, slider, text
 from segmap.panels._base import FINER, VIEW
 from segmap.plotting import ERROR, RESULT, TRUTH
+from segmap.poses import transform
 from segmap.quadtree import QuadtreeMap, build_map
 from segmap.reduction import (
     basic_offline,
@@ -195,6 +197,87 @@ def test_one_move_is_one_drawing():
     assert panel.drawn == 2 and panel.label.value == "4"
     panel.position.value = 4
     assert panel.drawn == 2 and panel._redraw() is None  # a returned figure can hang a run
+
+
+def test_reset_goes_back_to_what_was_shown_first_and_draws_once():
+    """Catches a panel left as a chapter's cell drove it, and one that forgets its first setting."""
+    panel = Counter()
+    panel.position.value = 4  # as chapter 33 does before it shows its panel
+    panel._repr_mimebundle_()
+    panel.position.value = 7
+    panel._look.enlarge(4)
+    panel._repr_mimebundle_()
+    before = panel.drawn
+    panel.reset()
+    assert panel.position.value == 4 == int(panel.label.value) and panel.drawn == before + 1
+    assert panel._look.zoom == 1
+    panel.position.value = 5
+    assert panel.label.value == "5"
+
+
+def test_a_play_button_begins_where_its_slider_is(monkeypatch):
+    """Catches a link that starts with the button: in a browser the slider went to 0 by itself."""
+    links = []
+    monkeypatch.setattr(W, "jslink", lambda source, target: links.append((source, target)))
+    panel = SectorPanel(DOOR)
+    assert links == [((panel.scan, "value"), (panel.play, "value"))]
+
+
+@unpainted
+def test_zoom_shows_a_part_of_all_maps_and_of_nothing_else():
+    """Catches a view that leaves the drawing, one that recomputes, and a Hough space that moves."""
+    panel = HybridPanel(LEANING)
+    left, right = panel._figure.axes
+    whole, hough_limits = np.array([left.get_xlim(), left.get_ylim()]), right.get_xlim()
+    near, far, *_, up, down, first = panel._look.buttons
+    found = panel.reduction
+    for _ in range(4):
+        near.click()
+    part = np.array([left.get_xlim(), left.get_ylim()])
+    assert np.ptp(part, axis=1) == pytest.approx(np.ptp(whole, axis=1) / 4)
+    assert part.mean(axis=1) == pytest.approx(whole.mean(axis=1))
+    for _ in range(20):
+        up.click()
+    assert left.get_ylim()[1] == pytest.approx(whole[1, 1])
+    assert left.get_xlim() == pytest.approx(part[0])
+    assert panel.reduction is found and right.get_xlim() == hough_limits
+    panel.distance.value = 0.5  # the view stays
+    assert panel._figure.axes[0].get_ylim()[1] == pytest.approx(whole[1, 1])
+    for _ in range(9):
+        far.click()
+    assert panel._figure.axes[0].get_ylim() == pytest.approx(whole[1])
+    down.click()
+    assert panel._figure.axes[0].get_ylim() == pytest.approx(whole[1])
+    near.click()
+    first.click()
+    assert panel._look.zoom == 1 and panel.distance.value == 0.20
+
+
+@unpainted
+def test_the_icp_panel_keeps_the_whole_moving_scan_in_the_picture():
+    """Catches a scan that vanishes where nothing has a partner, or that leaves the frame."""
+    points = LOG[1].points()
+    panel, figure = IcpPanel(LOG[0].points(), points, (0.5, 0, 0), reach=0.1), Figure()
+    panel.x.value, panel.y.value, panel.turn.value = 2.0, 2.0, 45
+    panel._draw(figure)
+    ax = figure.axes[0]
+    scan = transform(panel.steps[0].pose, points)
+    (whole,) = [line for line in ax.lines if len(line.get_xdata()) == len(scan)]
+    assert whole.get_xydata() == pytest.approx(scan)
+    low, high = np.transpose([ax.get_xlim(), ax.get_ylim()])
+    assert (scan > low).all() and (scan < high).all()
+    assert whole.get_zorder() < 2 and len(panel.steps[0].points) < len(scan)
+
+
+def test_no_name_is_cut_and_narrow_windows_go_on_below():
+    """Catches labels cut at 130 px, and rows that leave a window of 700 px."""
+    panel = MeanShiftPanel(WALLS)
+    letters = len("angle like 0.20 m [degrees]")
+    assert panel.angle.style.description_width == f"{letters + 1}ch"
+    assert panel.sigma.layout.width == panel.angle.layout.width
+    rows = [box for box in panel._view.children if isinstance(box, W.Box)]
+    assert {box.layout.flex_flow for box in rows} == {"row wrap"}
+    assert panel.picture.layout.max_width and panel.picture.layout.height == "auto"
 
 
 @pytest.mark.parametrize(("step", "form"), [(1, "d"), (0.05, ".2f"), (0.005, ".3f"), (0.1, ".1f")])

@@ -199,12 +199,14 @@ def test_what_does_not_fit_is_named(draw, message):
         draw()
 
 
-def test_before_is_thin_over_a_thick_after_and_both_are_counted(ax):
-    """Catches the roles exchanged: the reduced map is the blue one."""
+def test_a_thick_after_lies_over_a_thin_before_and_both_are_counted(ax):
+    """Catches the roles exchanged: the reduced map is the blue one, and nothing hides it."""
     plotting.draw_before_after(SegmentMap(THREE), REDUCTION, ax=ax)
     assert [len(lines_of(ax, k)) for k in (0, 1)] == [2, 3]
     assert set(colors_of(ax, 0)) == {RESULT} and set(colors_of(ax, 1)) == {MAP}
-    assert ax.collections[0].get_linewidth()[0] > ax.collections[1].get_linewidth()[0]
+    after, before = ax.collections
+    assert after.get_linewidth()[0] > before.get_linewidth()[0]
+    assert after.get_zorder() > before.get_zorder()
     assert legend_of(ax) == ["after: 2 segments", "before: 3 segments"]
     left, right = plotting.draw_side_by_side(THREE, THREE[:1])
     assert left.get_title() == "Before: 3 segments" and right.get_title() == "After: 1"

@@ -6,20 +6,30 @@ from dataclasses import replace
 
 import ipywidgets as W
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 from numpy.typing import ArrayLike, NDArray
 
 from ..alignment import Alignment, PointStep, match_points, point_steps, pose_graph, solve_graph
 from ..arrays import Array
 from ..panels import Panel, player, slider, text
-from ..plotting import draw_alignment
-from ..poses import between
+from ..plotting import RAW, RESULT, draw_alignment
+from ..poses import between, transform
 from ..scans import Log
 from ._draw_alignments import draw_icp_step
+
+#: Pale blue: points of the moving scan that find no partner.
+_PALE = "#a6cbe3"
+#: Around the moving scan, metres.
+_EDGE = 0.5
 
 
 class IcpPanel(Panel):
     """Two scans, and how ICP moves one onto the other from a wrong start (A 2.5.1).
+
+    The first scan is grey. The moving one is blue where it has a partner within reach, and pale
+    where it has none; all of it is always in the picture.
 
     Parameters
     ----------
@@ -78,7 +88,8 @@ class IcpPanel(Panel):
         self.play = player(self.step, interval=400)
         self.count, self.error = text(), text()
         row = (self.count, self.error)
-        self._assemble(self.x, self.y, self.turn, (self.play, self.step), row)
+        steps = (self.play, self.step)
+        self._assemble(self.x, self.y, self.turn, steps, row, height=390)
 
     def _draw(self, figure: Figure) -> None:
         off = self.x.value, self.y.value, np.radians(self.turn.value)
@@ -91,7 +102,20 @@ class IcpPanel(Panel):
         turned = f"{abs(np.degrees(heading)):.1f} degrees"
         self.error.value = f"{np.hypot(x, y):.3f} m and {turned} from the match"
         ax = draw_icp_step(self.reference, now, ax=figure.subplots())
-        ax.set(xlim=self._limits[:, 0], ylim=self._limits[:, 1])
+        self._draw_whole(ax, now)
+
+    def _draw_whole(self, ax: Axes, now: PointStep) -> None:
+        """Put the whole moving scan under its points with a partner, and all of it in the frame."""
+        placed = transform(now.pose, self.current)
+        ax.plot(*placed.T, ".", color=_PALE, markersize=4, markeredgewidth=0, zorder=1)
+        low = np.minimum(self._limits[0], placed.min(0) - _EDGE)
+        high = np.maximum(self._limits[1], placed.max(0) + _EDGE)
+        ax.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]))
+        kinds = {"first scan": RAW, "moving scan, partner in reach": RESULT, "none": _PALE}
+        dots = [Line2D([], [], ls="", marker="o", ms=4, color=c, label=k) for k, c in kinds.items()]
+        ax.legend(
+            handles=dots, loc="upper center", bbox_to_anchor=(0.5, -0.15), ncols=3, frameon=False
+        )
 
     def __repr__(self) -> str:
         start = f"{self.x.value:+.1f} m, {self.y.value:+.1f} m, {self.turn.value:+d} degrees"

@@ -29,6 +29,8 @@ from ..segments import SegmentMap, midpoint
 
 #: Pixels: two pictures side by side.
 _WIDE = {"width": 760, "height": 380}
+#: Pixels: one map, and a line below it.
+TALL = {"height": 440}
 
 
 class _ReductionPanel(Panel):
@@ -90,7 +92,7 @@ class BasicPanel(_ReductionPanel):
         self.angle = slider("angle", round(np.degrees(angle)), 1, 45, 1, "degrees")
         self.online = W.Checkbox(value=False, description="scan by scan (on-line)", indent=False)
         rows = (self.online, self.count), (self.rate, self.quality)
-        self._assemble(self.distance, self.angle, *rows)
+        self._assemble(self.distance, self.angle, *rows, **TALL)
 
     def _draw(self, figure: Figure) -> None:
         method = basic_online if self.online.value else basic_offline
@@ -133,7 +135,7 @@ class FusionPanel(_ReductionPanel):
     def __init__(self, map: SegmentMap, *, tolerance: float = 0.04) -> None:
         super().__init__(map)
         self.tolerance = slider("tolerance", tolerance, 0.01, 0.20, 0.01)
-        self._assemble(self.tolerance, self.count, (self.rate, self.quality))
+        self._assemble(self.tolerance, self.count, (self.rate, self.quality), **TALL)
 
     def _draw(self, figure: Figure) -> None:
         self._tell(fusion(self.map, tolerance=self.tolerance.value))

@@ -11,7 +11,7 @@ from ..panels import player, slider, text
 from ..plotting import ERROR, draw_before_after
 from ..reduction import least_cost, polyline, viewing_sector, weighted_line_fitting
 from ..segments import SegmentMap
-from ._panels_reduction import _ReductionPanel
+from ._panels_reduction import TALL, _ReductionPanel
 
 #: Around all that is seen in the end, so that the picture stays while the scans pass, metres.
 _MARGIN = 0.3
@@ -56,7 +56,7 @@ class WeightedPanel(_ReductionPanel):
         self.chi2 = slider("chi2", 9.2, 1.0, 30.0, 0.2, "")
         self.gap = slider("gap", 0.30, 0.0, 2.0, 0.05)
         rows = (self.chi2, self.gap, self.count, (self.rate, self.quality))
-        self._assemble(self.place, self.heading, *rows)
+        self._assemble(self.place, self.heading, *rows, **TALL)
 
     def _draw(self, figure: Figure) -> None:
         found = weighted_line_fitting(
@@ -118,7 +118,7 @@ class SectorPanel(_ReductionPanel):
         self.forget = W.Checkbox(value=True, description="forget", indent=False)
         self.rejoin = W.Checkbox(value=True, description="rejoin", indent=False)
         rows = (self.forget, self.rejoin), self.count, (self.rate, self.quality)
-        self._assemble((self.play, self.scan), self.distance, self.min_length, *rows)
+        self._assemble((self.play, self.scan), self.distance, self.min_length, *rows, **TALL)
 
     def _draw(self, figure: Figure) -> None:
         self.map = self.whole[self.whole.scan <= self.scan.value]
@@ -181,7 +181,7 @@ class LeastCostPanel(_ReductionPanel):
         self.gap = slider("gap", 0.05, 0.0, 0.10, 0.01)
         self.promised, self.unseen = text(), text()
         rows = self.count, (self.rate, self.quality), (self.promised, self.unseen)
-        self._assemble(self.penalty, self.distance, self.gap, *rows)
+        self._assemble(self.penalty, self.distance, self.gap, *rows, **TALL)
 
     def _draw(self, figure: Figure) -> None:
         thresholds = {name: getattr(self, name).value for name in ("penalty", "distance", "gap")}
@@ -230,7 +230,7 @@ class ChainPanel(_ReductionPanel):
         self.far = slider("far", 0.10, 0.02, 0.30, 0.01)
         self.bridge = slider("bridge", 0.30, 0.0, 2.0, 0.1)
         rows = self.bridge, self.count, (self.rate, self.quality)
-        self._assemble(self.tolerance, self.far, *rows)
+        self._assemble(self.tolerance, self.far, *rows, **TALL)
 
     def _draw(self, figure: Figure) -> None:
         thresholds = {name: getattr(self, name).value for name in ("tolerance", "far", "bridge")}

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import ipywidgets as W
 from matplotlib.figure import Figure
 
 from ..plotting import figure_png
+from ._view import View
 
 #: What a browser with a kernel shows instead of the picture.
 VIEW = "application/vnd.jupyter.widget-view+json"
@@ -16,6 +18,12 @@ VIEW = "application/vnd.jupyter.widget-view+json"
 WIDTH, HEIGHT, DPI = 480, 360, 72
 #: What a browser is given is finer, for screens with two dots a pixel; what a file keeps is not.
 FINER = 2
+#: Rows go on below where a window is narrow.
+ROW = {"flex_flow": "row wrap", "max_width": "100%", "align_items": "center"}
+#: What redraws nothing when its value changes.
+ASIDE = (W.Label, W.Play, W.Button)
+#: Letters of the longest name of a slider, at least: those of several panels then stand alike.
+NAME = 18
 
 
 class Panel:
@@ -30,24 +38,66 @@ class Panel:
 
     def _assemble(self, *rows: Any, width: int = WIDTH, height: int = HEIGHT) -> None:
         """Lay out rows of controls and texts above the picture, and draw for the first time."""
-        self._size = width, height
-        self.picture = W.Image(format="png", layout=W.Layout(width=f"{width}px"))
-        boxes = [W.HBox(row) if isinstance(row, tuple) else row for row in rows]
-        still = W.Layout(align_items="flex-start")
-        self._view = W.VBox([*boxes, self.picture], layout=still)
-        for row in rows:
-            for control in row if isinstance(row, tuple) else (row,):
-                if not isinstance(control, W.Label | W.Play):
-                    control.observe(self._redraw, names="value")
+        self._size, self._look = (width, height), View(self._paint, self.reset)
+        parts = [part for row in rows for part in (row if isinstance(row, tuple) else (row,))]
+        _fit_names(parts)
+        boxes = [W.Box(row if isinstance(row, tuple) else (row,), layout=ROW) for row in rows]
+        buttons = [W.Box(self._look.buttons, layout=ROW)] if self._paints() else []
+        self.picture = W.Image(
+            format="png",
+            layout=W.Layout(width=f"{width}px", height="auto", max_width="calc(100% - 4px)"),
+        )
+        still = W.Layout(align_items="flex-start", max_width="100%")
+        self._view = W.VBox([*boxes, self.picture, *buttons], layout=still)
+        self._players = [part for part in parts if isinstance(part, W.Play)]
+        self._controls = [p for p in parts if hasattr(p, "value") and not isinstance(p, ASIDE)]
+        self._remember()
+        self._held = False
+        for control in self._controls:
+            control.observe(self._redraw, names="value")
         self._redraw()
 
+    def reset(self) -> None:
+        """Set all controls as they were when the panel was first shown, and see the whole picture.
+
+        A chapter's cell that moves the controls ends with it, so that the reader goes on from the
+        start.
+        """
+        self._held = True
+        try:
+            for player in self._players:
+                player.playing = False
+            for control, value in self._at_first:
+                control.value = value
+        finally:
+            self._held = False
+        self._look.whole()
+        self._redraw()
+
+    def _remember(self) -> None:
+        """Take what the controls say as the start, to which `reset` goes back."""
+        self._at_first, self._shown = (
+            [(control, control.value) for control in self._controls],
+            False,
+        )
+
     def _redraw(self, change: Any = None) -> None:
-        self.picture.value = figure_png(self._drawn(), finer=FINER)
+        if not self._held:
+            self._figure = self._look.take(self._drawn())
+            self._paint()
+
+    def _paint(self) -> None:
+        """Show the part of the drawing that is to be seen."""
+        self.picture.value = figure_png(self._look.set(self._figure), finer=FINER)
 
     def _drawn(self) -> Figure:
         figure = Figure((self._size[0] / DPI, self._size[1] / DPI), dpi=DPI, layout="constrained")
         self._draw(figure)
         return figure
+
+    def _paints(self) -> bool:
+        """Whether the class draws figures; the live panel paints its picture by itself."""
+        return type(self)._draw is not Panel._draw
 
     def _draw(self, figure: Figure) -> None:
         """Draw what the controls say, and rewrite the texts."""
@@ -56,8 +106,10 @@ class Panel:
     def _repr_mimebundle_(self, include: Any = None, exclude: Any = None) -> dict[str, Any]:
         """The live panel, and for readers without a kernel its picture and its text."""
         bundle: dict[str, Any] = dict(self._view._repr_mimebundle_())
-        paints = type(self)._draw is Panel._draw  # by itself, as the live panel does
-        still = bytes(self.picture.value) if paints else figure_png(self._drawn())
+        if not self._shown:
+            self._remember()
+            self._shown = True
+        still = figure_png(self._drawn()) if self._paints() else bytes(self.picture.value)
         return bundle | {"image/png": still, "text/plain": repr(self)}
 
 
@@ -72,21 +124,33 @@ def slider(name: str, value: float, least: float, most: float, step: float, unit
         readout_format=form,
         description=f"{name} [{unit}]" if unit else name,
         continuous_update=False,
-        layout=W.Layout(width="420px"),
-        style={"description_width": "130px"},
+        layout=W.Layout(width="420px", max_width="100%"),
     )
 
 
 def player(moved: Any, interval: int = 250, step: int = 1) -> Any:
     """A play button that moves an integer slider by a step every so many milliseconds."""
     play = W.Play(min=moved.min, max=moved.max, step=step, interval=interval)
-    W.jslink((play, "value"), (moved, "value"))
+    W.jslink((moved, "value"), (play, "value"))  # the browser begins with what the first one says
     return play
 
 
 def text() -> Any:
-    """A label as wide as the others beside it."""
-    return W.Label(layout=W.Layout(width="235px"))
+    """A label as wide as the others beside it, or wider where its text is longer."""
+    return W.Label(layout=W.Layout(min_width="235px", margin="2px 12px 2px 2px"))
+
+
+def _fit_names(parts: Sequence[Any]) -> None:
+    """Give the names of all sliders and lists of a panel the width of the longest one."""
+    named = [part for part in parts if getattr(part, "description", "")]
+    beside = [part for part in named if not isinstance(part, W.Checkbox | W.Button)]
+    letters = max([NAME, *(1 + len(part.description) for part in beside)])
+    for part in beside:
+        part.style.description_width = f"{letters}ch"
+        if not isinstance(part, W.ToggleButtons):
+            part.layout.width = f"calc({letters}ch + 250px)"
+    for box in (part for part in named if isinstance(part, W.Checkbox)):
+        box.indent, box.layout.width, box.layout.margin = False, "auto", "2px 16px 2px 2px"
 
 
 def _decimals(step: float) -> str:

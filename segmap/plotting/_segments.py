@@ -30,6 +30,8 @@ from ._style import (
     titled,
 )
 
+#: A result is drawn over what it was made of; a line's own place is 2.
+ABOVE = 3
 #: Least end of the scale of errors, metres, so that rounding errors do not look like errors.
 LEAST_ERROR = 1e-3
 
@@ -96,7 +98,7 @@ def draw_segments(
 
 
 def draw_before_after(before: Segments, after: Segments, *, ax: Axes | None = None) -> Axes:
-    """Draw what a method made of a map, thick and blue, and over it the map, thin and black.
+    """Draw a map, thin and black, and over it what a method made of it, thick and blue.
 
     Parameters
     ----------
@@ -116,8 +118,9 @@ def draw_before_after(before: Segments, after: Segments, *, ax: Axes | None = No
     ['after: 1 segment', 'before: 1 segment']
     """
     before, after = arrays.segments(before, "before"), arrays.segments(after, "after")
-    ax = draw_segments(after, ax=ax, color=RESULT, width=3.0, label=_counted("after", after))
-    draw_segments(before, ax=ax, width=0.5, label=_counted("before", before))
+    ax = draw_segments(after, ax=ax, color=RESULT, width=1.8, label=_counted("after", after))
+    ax.collections[-1].set_zorder(ABOVE)
+    draw_segments(before, ax=ax, width=0.7, label=_counted("before", before))
     ax.legend(loc="upper center", bbox_to_anchor=(0.5, -0.15), ncols=2, frameon=False)
     return ax
 
@@ -180,7 +183,7 @@ def draw_provenance(before: Segments, reduction: Any, *, ax: Axes | None = None)
     given = getattr(reduction, "parents", None)
     parents = _column("reduction.parents", given, len(inputs))
     ax = draw_segments(outputs, ax=ax, group=np.arange(len(outputs)), width=4.0)
-    ax.collections[-1].set_alpha(0.45)
+    ax.collections[-1].set(alpha=0.6, zorder=ABOVE)
     return draw_segments(inputs, ax=ax, group=parents, width=0.8)
 
 

@@ -1,0 +1,96 @@
+"""What is seen of a drawing: buttons that zoom into its maps and move what is seen."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import ipywidgets as W
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from ..arrays import Array
+
+#: By how much one press enlarges, and the largest enlargement.
+STEP, MOST = 2**0.5, 64.0
+#: One press moves by this part of what is seen.
+SHIFT = 0.25
+#: Label of a button -> what it is for, and its name on the panel.
+BUTTONS = {
+    "+": "zoom in",
+    "\N{MINUS SIGN}": "zoom out",
+    "\N{LEFTWARDS ARROW}": "look further left",
+    "\N{RIGHTWARDS ARROW}": "look further right",
+    "\N{UPWARDS ARROW}": "look further up",
+    "\N{DOWNWARDS ARROW}": "look further down",
+    "reset": "all controls as they were at first, and the whole picture",
+}
+
+
+class View:
+    """Zoom and middle of what is seen, shared by all maps of a figure (axes of equal scales).
+
+    Parameters
+    ----------
+    changed, reset : functions
+        What to call where another part is to be seen, and for the last button.
+
+    Attributes
+    ----------
+    zoom : float
+        1 where the whole drawing is seen.
+    middle : (2,) array
+        Of what is seen, in parts of the whole from its own middle.
+    buttons : list of Button
+    """
+
+    def __init__(self, changed: Callable[[], None], reset: Callable[[], None]) -> None:
+        self._changed = changed
+        self._whole: list[tuple[Axes, Array]] = []
+        self.whole()
+        self.buttons = [_button(label, tip) for label, tip in BUTTONS.items()]
+        near, far, left, right, up, down, first = self.buttons
+        near.on_click(lambda _: self.enlarge(STEP))
+        far.on_click(lambda _: self.enlarge(1 / STEP))
+        for button, way in ((left, (-1, 0)), (right, (1, 0)), (up, (0, 1)), (down, (0, -1))):
+            button.on_click(lambda _, way=way: self.move(*way))
+        first.on_click(lambda _: reset())
+
+    def whole(self) -> None:
+        """See the whole drawing from now on."""
+        self.zoom, self.middle = 1.0, np.zeros(2)
+
+    def enlarge(self, factor: float) -> None:
+        """Zoom in, or out with a factor below 1; never out of the whole drawing."""
+        self.zoom = float(np.clip(self.zoom * factor, 1.0, MOST))
+        self.move(0, 0)
+
+    def move(self, x: float, y: float) -> None:
+        """Look to the side, by a share of what is seen; never beyond the whole drawing."""
+        most = (1 - 1 / self.zoom) / 2
+        self.middle = np.clip(self.middle + SHIFT / self.zoom * np.array([x, y]), -most, most)
+        self._changed()
+
+    def take(self, figure: Figure) -> Figure:
+        """Remember the limits of a new drawing as the whole of it, and set those that are seen."""
+        self._whole = [(ax, _limits(ax)) for ax in figure.axes if ax.get_aspect() == 1]
+        return self.set(figure)
+
+    def set(self, figure: Figure) -> Figure:
+        """Set, in place, the limits that are seen now."""
+        for ax, (low, high) in self._whole:
+            centre, half = (low + high) / 2 + self.middle * (high - low), (high - low) / 2
+            first, last = centre - half / self.zoom, centre + half / self.zoom
+            ax.set(xlim=(first[0], last[0]), ylim=(first[1], last[1]))
+        return figure
+
+
+def _limits(ax: Axes) -> Array:
+    """Lower left and upper right corner, `(2, 2)`."""
+    return np.array([ax.get_xlim(), ax.get_ylim()]).T
+
+
+def _button(label: str, tip: str) -> Any:
+    width = "64px" if label.isalpha() else "36px"
+    return W.Button(description=label, tooltip=tip, layout=W.Layout(width=width))
