@@ -16,7 +16,7 @@ from ..segments import SegmentMap
 
 
 def draw_cases(
-    maps: Mapping[str, Segments], method: Callable[[Any], Segments], *, height: float = 2.4
+    maps: Mapping[str, Segments], method: Callable[[Any], Segments], *, height: float = 3.6
 ) -> list[Axes]:
     """Draw what a method makes of small maps, each in a picture of its own.
 
@@ -86,7 +86,7 @@ def draw_growth(map: SegmentMap, reduction: Reduction, *, ax: Axes | None = None
     seen, live = np.cumsum([len(scan) for scan in map.by_scan()]), reduction.scan_live
     if live is None or len(live) != len(seen):
         raise ValueError(f"reduction must be an on-line one of these {len(seen)} scans")
-    ax, scans = axes_or_new(ax, (6.0, 2.7)), np.arange(1, len(seen) + 1)
+    ax, scans = axes_or_new(ax, (6.0, 3.5)), np.arange(1, len(seen) + 1)
     ax.plot(scans, seen, "--", color=MAP, label="segments seen")
     ax.plot(scans, live, color=RESULT, label="segments in the map")
     ax.set(xlabel="scans", ylabel="segments")
@@ -118,7 +118,7 @@ def draw_trade_off(
     >>> [line.get_label() for line in ax.lines]
     ['reduction', 'quality']
     """
-    ax = axes_or_new(ax, (6.0, 3.0))
+    ax = axes_or_new(ax, (6.0, 3.6))
     ax.plot(values, reduction, "o-", color=RESULT, label="reduction")
     ax.plot(values, quality, "s--", color=ERROR, label="quality")
     ax.set_ylabel("rate")

@@ -172,7 +172,7 @@ def draw_merge(
     >>> ax.collections[0].get_segments()[1].tolist()
     [[2.0, 1.0], [2.0, 0.0]]
     """
-    ax, line = axes_or_new(ax, (6.0, 2.4)), np.asarray(wall, float)
+    ax, line = axes_or_new(ax, (6.0, 3.5)), np.asarray(wall, float)
     ends, along = arrays.segments(parts).reshape(-1, 2), line[1] - line[0]
     feet = line[0] + ((ends - line[0]) @ along / (along @ along))[:, None] * along
     draw_segments(np.stack([ends, feet], 1), ax=ax, color=RAW, width=1.5)
@@ -205,7 +205,7 @@ def draw_strip(walls: Segments, shift: float, tolerance: float, *, ax: Axes | No
     >>> [len(lines.get_segments()) for lines in ax.collections]
     [1, 1]
     """
-    ax, array = axes_or_new(ax, (6.0, 2.4)), arrays.segments(walls)
+    ax, array = axes_or_new(ax, (6.0, 3.5)), arrays.segments(walls)
     ax.axhspan(shift - tolerance, shift + tolerance, color=RAW, alpha=0.4)
     outside = (abs(array[..., 1] - shift) > tolerance + 1e-9).any(axis=1)
     draw_marked(array, outside, ax=ax, color=MAP)
