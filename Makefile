@@ -27,7 +27,7 @@ NBVAL := --nbval --nbval-current-env --nbval-cell-timeout=120 \
 # Every compiled loop on small cases, on bad arguments, on extreme lengths and on damaged maps.
 INDEXED := $(foreach name,warm doors returns quadtree_files reduction_properties,tests/test_$(name).py)
 
-.PHONY: help lab app handout test test-all test-lowest mutants fuzz bounds refresh bench book clean
+.PHONY: help lab app handout test test-all test-lowest mutants fuzz bounds refresh panels bench book clean
 
 help: ## list the targets
 	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/  make \1\t\2/p' Makefile
@@ -76,8 +76,11 @@ bounds: $(SETUP) ## run every compiled loop with each index checked
 bench: $(SETUP) ## measure speed against the references, as ratios from one run
 	$(RUN) -m benchmarks
 
-book: $(SETUP) ## run the chapters into linked web pages, build/book/index.html, to read offline
-	$(RUN) notebooks/tools/book.py
+panels: $(SETUP) ## take the pictures of panels that the book shows (CHAPTERS="..." for some)
+	$(RUN) notebooks/tools/panel_pictures.py $(CHAPTERS)
+
+book: $(SETUP) ## make web pages of chapters and API, build/book/index.html, to read offline
+	PYTHONPATH=notebooks/tools $(RUN) -m book
 
 clean: ## remove everything that make made, the environment too
 	rm -rf .venv .venv-lowest build dist .pytest_cache .mypy_cache .ruff_cache .hypothesis

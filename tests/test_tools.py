@@ -1,17 +1,15 @@
-"""`make refresh` and `make book`: what they change, what they leave, and what they never load."""
+"""`make refresh`: what it changes, and what it leaves."""
 
 import base64
 import io
-import re
 
 import mutants
 import numpy as np
 import pytest
-from chapter_rules import CHAPTERS, ROOT
 from conftest import later
 from PIL import Image
 
-book, nbformat, refresh = later("book"), later("nbformat"), later("refresh")
+nbformat, refresh = later("nbformat"), later("refresh")
 TITLE = "# 99 A try\n\nHalf is $\\frac{1}{2}$, see [fusion](54_fusion.ipynb#why)."
 CELLS = [
     "import ipywidgets\nimport matplotlib.pyplot as plt",
@@ -130,19 +128,6 @@ def test_pictures_lose_dots_until_they_and_the_chapter_fit():
         assert shown == {400}  # on the page it stays as large as it was
 
 
-# ------------------------------------------------------------------ the book
-
-#: Anything that a browser would fetch by itself while it shows a page.
-FETCHED = r"<script|<link\b|@import|url\(|<iframe|(?:src|srcset|data|poster)=\"(?!data:)"
-
-
-def test_what_is_fetched_is_seen():
-    """Catches a pattern that finds nothing."""
-    loads = ['<script src="x">', '<link rel="x">', '<img src="https://x/y.png">', "url(https://x)"]
-    assert all(re.search(FETCHED, text) for text in loads)
-    assert not re.search(FETCHED, '<img src="data:image/png;base64,x"><a href="https://x">')
-
-
 def test_a_rare_colour_stays_what_it_was():
     """Catches a palette of the frequent colours: a blue robot on a grey map turned green."""
     rng = np.random.default_rng(1)
@@ -151,59 +136,6 @@ def test_a_rare_colour_stays_what_it_was():
     picture[100:104, 50:54], picture[20:23, 60:63] = (0, 114, 178), (0, 158, 115)
     found = np.asarray(refresh.quantized(Image.fromarray(picture), 128).convert("RGB"), int)
     assert abs(found - picture).max() <= 20
-
-
-@pytest.fixture(scope="module")
-def pages(refreshed, tmp_path_factory):
-    folder = tmp_path_factory.mktemp("book")
-    made = book.build(folder, [refreshed[0]])
-    return {path.stem: path.read_text(encoding="utf-8") for path in made}
-
-
-def test_the_book_reads_without_a_network(pages):
-    """Catches the scripts for formulas and widgets that nbconvert loads from elsewhere."""
-    assert {"index", "environment", "malaga", "99_a_try"} <= set(pages)
-    assert {name: re.findall(FETCHED, text) for name, text in pages.items()} == {
-        name: [] for name in pages
-    }
-
-
-def test_the_book_shows_outputs_formulas_and_pictures(pages):
-    chapter = pages["99_a_try"]
-    assert "<title>99 A try</title>" in chapter
-    assert re.search(r"<mfrac>.*1.*2.*</mfrac>", chapter)
-    assert "data:image/png;base64" in chapter and "0\n1\n2\n" in chapter
-    assert "<table>" in pages["index"] and "data:image/png;base64" in pages["index"]
-
-
-def test_links_lead_to_pages_of_the_book(pages):
-    """Catches links to notebooks, which a browser downloads instead of showing."""
-    assert 'href="54_fusion.html#why"' in pages["99_a_try"]
-    assert not re.findall(r'href="[^"]*\.(?:ipynb|md)"', "".join(pages.values()))
-    assert all(f'href="{p.stem}.html"' in pages["index"] for p in CHAPTERS)
-    assert 'href="malaga.html"' in pages["index"]
-    inside = set(re.findall(r'href="([\w-]+)\.html', "".join(pages.values())))
-    assert inside <= set(pages) | {path.stem for path in CHAPTERS} | {"54_fusion"}
-    assert book.linked('<a href="../README.md#x">') == '<a href="index.html#x">'
-    assert book.linked('<a href="https://x.org/a.md">') == '<a href="https://x.org/a.md">'
-
-
-@pytest.mark.parametrize("name", [r"\arg\min_k", r"\operatorname{atan2}(y, x)", r"\argument"])
-def test_names_of_functions_in_formulas(name):
-    """Catches a backslash on the page; one that is no name stays, and the next test finds it."""
-    assert ("\\" in book.formula(name)) == (name == r"\argument")
-
-
-def test_every_formula_of_the_chapters_can_be_shown():
-    """Catches a command that the converter does not know and would print as it stands."""
-    texts = "".join(
-        cell.source + "\n\n"
-        for path in CHAPTERS
-        for cell in nbformat.read(path, as_version=4).cells
-        if cell.cell_type == "markdown"
-    )
-    shown = re.findall(r"<math.*?</math>", book.markdown(texts, ROOT / "notebooks"), re.DOTALL)
-    assert shown and [formula for formula in shown if "\\" in formula] == []
 
 
 def test_every_planted_bug_has_its_place():

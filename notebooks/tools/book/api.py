@@ -1,0 +1,124 @@
+"""A page a room: its docstring, and each public name with its docstring and examples."""
+
+import importlib
+import inspect
+import sys
+import types
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+#: The rooms with public names, as a reader meets them.
+ROOMS = (
+    *("segmap", "scans", "readers", "simulation", "angles", "poses", "segments", "extraction"),
+    *("metrics", "alignment", "reduction", "quadtree", "matching", "exports", "experiments"),
+    *("hokuyo", "emulator", "plotting", "panels", "course", "literal", "testing", "arrays"),
+)
+
+
+def write_api(folder: Path, rooms: tuple[str, ...] = ROOMS) -> None:
+    """Write the pages of some rooms, and one that lists them."""
+    folder.mkdir(parents=True)
+    seen: set[int] = set()
+    for room in rooms:
+        (folder / f"{room}.rst").write_text(page(room, seen), encoding="utf-8")
+    rows = "\n".join(f"   {room}" for room in rooms)
+    text = f"{INDEX}\n.. toctree::\n   :maxdepth: 1\n\n{rows}\n"
+    (folder / "index.rst").write_text(text, encoding="utf-8")
+
+
+INDEX = """API
+===
+
+Every public name of segmap, a page a room. All angles are in radians, lengths in metres, times in
+seconds. Each example runs: the tests run them all.
+"""
+
+
+def page(room: str, seen: set[int]) -> str:
+    """The source of a room's page; a class that another room has shown is not indexed again."""
+    module = room_module(room)
+    name = module.__name__
+    head = f"{name}\n{'=' * len(name)}\n\n.. automodule:: {name}\n   :no-members:\n\n"
+    own = "".join(_elsewhere(module) if room == "segmap" else _entries(module, seen))
+    return f"{head}.. currentmodule:: {name}\n\n{own}"
+
+
+def room_module(room: str) -> types.ModuleType:
+    """The module of a room."""
+    return importlib.import_module("segmap" if room == "segmap" else f"segmap.{room}")
+
+
+def public_names(module: types.ModuleType) -> list[str]:
+    """`__all__`, and where there is none what the module itself defines without underscore."""
+    if hasattr(module, "__all__"):
+        return list(module.__all__)
+    return [name for name, value in vars(module).items() if _own(module, name, value)]
+
+
+def _own(module: types.ModuleType, name: str, value: Any) -> bool:
+    defines = inspect.isclass(value) or inspect.isroutine(value)
+    inside = getattr(value, "__module__", "").split(".")[-1].lstrip("_")
+    room = module.__name__.split(".")[-1]
+    return not name.startswith("_") and defines and inside in (room, f"{room}_loops")
+
+
+def _elsewhere(module: types.ModuleType) -> Iterator[str]:
+    """The names of the package itself: where each is described."""
+    for name in public_names(module):
+        value = getattr(module, name)
+        if inspect.ismodule(value):
+            yield f"* :doc:`segmap.{name} <{name}>`: {_first(value)}\n"
+        else:
+            room = _home(value, name)
+            yield f"* :py:obj:`segmap.{name} <segmap.{room}.{name}>`: {_first(value)}\n"
+
+
+def _home(value: Any, name: str) -> str:
+    if name == "METHODS":
+        return "reduction"
+    return str(value.__module__).split(".")[1].lstrip("_").removesuffix("_loops")
+
+
+def _first(value: Any) -> str:
+    return (inspect.getdoc(value) or "").partition("\n\n")[0].replace("\n", " ")
+
+
+def _entries(module: types.ModuleType, seen: set[int]) -> Iterator[str]:
+    """Directives for each name: classes, then functions, then constants."""
+    notes = _notes(module)
+    names = [(name, getattr(module, name)) for name in public_names(module)]
+    for name, value in sorted(names, key=lambda pair: _rank(pair[1])):
+        if inspect.ismodule(value):
+            continue
+        if inspect.isclass(value):
+            again = "   :no-index:\n" if id(value) in seen else ""
+            seen.add(id(value))
+            yield f".. autoclass:: {name}\n   :members:\n   :member-order: bysource\n{again}\n"
+        elif inspect.isroutine(value) or (callable(value) and hasattr(value, "__wrapped__")):
+            yield f".. autofunction:: {name}\n\n"
+        else:
+            said = notes.get(name) or _said(value)
+            body = "".join(f"   {line}\n" for line in said.splitlines())
+            yield f".. py:data:: {name}\n\n{body}\n"
+
+
+def _rank(value: Any) -> int:
+    return 0 if inspect.isclass(value) else 1 if callable(value) else 2
+
+
+def _notes(module: types.ModuleType) -> dict[str, str]:
+    """What `#:` comments say of constants, anywhere in the room."""
+    from sphinx.pycode import ModuleAnalyzer
+
+    found: dict[str, str] = {}
+    for name in [m for m in sys.modules if m == module.__name__ or m.startswith(f"{module.__name__}.")]:
+        analysed = ModuleAnalyzer.for_module(name).find_attr_docs()
+        found |= {key: "\n".join(lines).strip() for (_, key), lines in analysed.items()}
+    return found
+
+
+def _said(value: Any) -> str:
+    """What a constant without a note is: the task of an exercise, or its value where it is short."""
+    shown = getattr(value, "task", None) or repr(value)
+    return f"``{shown}``" if len(shown) < 200 and "`" not in shown else ""

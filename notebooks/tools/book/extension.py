@@ -1,0 +1,71 @@
+"""What Sphinx cannot do by itself: formulas without scripts, code that folds, sections' names."""
+
+import re
+from typing import Any
+
+from docutils import nodes
+from latex2mathml.converter import convert
+from sphinx.application import Sphinx
+
+from .citations import with_links
+
+#: A cell with more lines is folded when a page is opened.
+LONG = 8
+
+
+def setup(app: Sphinx) -> dict[str, bool]:
+    """Tell Sphinx of it."""
+    from myst_nb.sphinx_ import HideCodeCellNode
+
+    app.add_html_math_renderer("mathml", (_inline, None), (_block, None))
+    app.add_node(HideCodeCellNode, override=True, html=(_open, _close))
+    app.connect("autodoc-process-docstring", _tidy_docstring)
+    return {"parallel_read_safe": True, "parallel_write_safe": True}
+
+
+def slug(title: str) -> str:
+    """The name of a section in links: without its number, as a repository's page names it."""
+    words = re.sub(r"^\d\d(?:\.\d+)+ ", "", title).strip().lower()
+    return re.sub(r"[^\w\- ]", "", words).replace(" ", "-")
+
+
+def formula(body: str, display: str = "inline") -> str:
+    """A LaTeX formula as MathML, with the names that the converter does not know."""
+    known = re.sub(r"\\operatorname\*?\{", r"\\mathrm{", body.strip())
+    return convert(re.sub(r"\\arg(?![a-z])", r"\\mathrm{arg}", known), display=display)
+
+
+def _inline(self: Any, node: nodes.math) -> None:
+    self.body.append(formula(node.astext()))
+    raise nodes.SkipNode
+
+
+def _block(self: Any, node: nodes.math_block) -> None:
+    self.body.append(f'<div class="formula">{formula(node.astext(), "block")}</div>')
+    raise nodes.SkipNode
+
+
+def _open(self: Any, node: nodes.Element) -> None:
+    lines = node.astext().count("\n") + 1
+    unfolded = "" if lines > LONG else " open"
+    counted = "1 line" if lines == 1 else f"{lines} lines"
+    self.body.append(f'<details class="code-fold"{unfolded}><summary>')
+    self.body.append(f"<span>code, {counted}</span></summary>\n")
+
+
+def _close(self: Any, node: nodes.Element) -> None:
+    self.body.append("</details>\n")
+
+
+def _tidy_docstring(
+    app: Sphinx, what: str, name: str, obj: Any, options: Any, lines: list[str]
+) -> None:
+    """Citations are linked; `.name` is an attribute of any class, and no link."""
+    quoted = re.compile(r"(?:``[^`]*``|`[^`]*`)")
+    text = quoted.sub(lambda m: re.sub(r"^`(\..*)`$", r"``\1``", m.group()), "\n".join(lines))
+    lines[:] = text.splitlines()
+    lines[:] = [line if ">>>" in line else with_links(line, _reference) for line in lines]
+
+
+def _reference(words: str, label: str) -> str:
+    return f":ref:`{words} <{label}>`"

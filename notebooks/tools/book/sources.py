@@ -1,0 +1,251 @@
+"""Copies of chapters and texts, adapted for the book; the originals stay as they are.
+
+The copies lie as the originals do, so that links between them hold. In the copies, panels become
+pictures of their states, headings get numbers, and chapters and theses that are named are linked.
+"""
+
+import html
+import json
+import re
+import shutil
+from dataclasses import dataclass
+from pathlib import Path
+
+import nbformat
+from nbformat import NotebookNode
+
+from .citations import with_links
+
+ROOT = Path(__file__).resolve().parents[3]
+CHAPTERS = sorted((ROOT / "notebooks").glob("*.ipynb"))
+PICTURES = ROOT / "notebooks" / "pictures" / "panels"
+VIEW = "application/vnd.jupyter.widget-view+json"
+
+#: The first digit of a chapter -> its part of the book.
+PARTS = {
+    "0": "Start",
+    "1": "Part 1: scans and logs",
+    "2": "Part 2: segments",
+    "3": "Part 3: poses",
+    "4": "Part 4: the measure",
+    "5": "Part 5: reduction",
+    "6": "Part 6: quadtrees",
+    "7": "Part 7: sensors",
+}
+#: Texts that become pages, and files that pages link; the rest of the project is not in the book.
+TEXTS = ("*.md", "notebooks/*.md", "data/**/*.md")
+FILES = ("LICENSE", "CITATION.cff", "notebooks/pictures/*.png", "data/**/*.csv", "data/**/LICENSE")
+LINKED = re.compile(r"(`[^`\n]*`|\[[^\]]*\]\([^)]*\)|\$[^$]+\$|<[^>]+>)")
+NAMED = re.compile(r"\b[Cc]hapters? \d\d(?:(?:,| and| to) \d\d)*\b(?!\.\d)")
+HEADING = re.compile(r"^(##|###) (?=\S)", re.MULTILINE)
+FENCED = re.compile(r"(^```.*?^```$|\$\$.*?\$\$)", re.MULTILINE | re.DOTALL)
+
+
+@dataclass(frozen=True)
+class Chapter:
+    """A chapter as the book shows it, and what is wrong with it."""
+
+    notebook: NotebookNode
+    complaints: list[str]
+
+
+def copy_sources(folder: Path, chapters: list[Path] = CHAPTERS) -> list[str]:
+    """Write all sources but the API into a folder; answers what is wrong with the originals."""
+    complaints: list[str] = []
+    for pattern in (*TEXTS, *FILES):
+        for path in ROOT.glob(pattern):
+            _copy(path, folder / path.relative_to(ROOT))
+    for path in (Path(__file__).parent / "pages").glob("*.md"):
+        shutil.copy(path, folder / path.name)
+    (folder / "_static" / "panels").mkdir(parents=True)
+    for path in PICTURES.glob("*.webp"):
+        shutil.copy(path, folder / "_static" / "panels")
+    states = read_states()
+    for path in chapters:
+        complaints += _copy_chapter(path, folder / "notebooks" / path.name, states)
+    _write_contents(folder, chapters)
+    return complaints
+
+
+def read_chapter(path: Path, states: dict[str, list[str]]) -> Chapter:
+    """A chapter, adapted for the book.
+
+    Raises
+    ------
+    ValueError
+        Where the file is no notebook.
+    """
+    notebook = nbformat.read(path, as_version=4)
+    complaints = [f"{path.name}: {text}" for text in _unsound(notebook)]
+    section = [0, 0]
+    for cell in notebook.cells:
+        if cell.cell_type == "markdown":
+            cell.source = adapt(_numbered(cell.source, path.stem[:2], section))
+        elif cell.source.strip():
+            cell.metadata["tags"] = [*cell.metadata.get("tags", []), "hide-input"]
+    complaints += _replace_panels(notebook, path.stem, states)
+    return Chapter(notebook, complaints)
+
+
+def adapt(text: str) -> str:
+    """Markdown whose chapters and theses are linked, and whose README is a page of the book."""
+    parts = FENCED.split(text)
+    parts[::2] = (_linked(part) for part in parts[::2])
+    return "".join(parts)
+
+
+def read_states() -> dict[str, list[str]]:
+    """Name of each picture of panels -> what each of its states says."""
+    path = PICTURES / "states.json"
+    return json.loads(path.read_text(encoding="utf-8")) if path.exists() else {}
+
+
+def write_stub(folder: Path, page: str, said: str) -> None:
+    """In the place of a page that cannot be made, one that says so."""
+    for old in folder.glob(f"{page}.*"):
+        old.unlink()
+    name = Path(page).name.replace("_", " ")
+    text = f"# {name}\n\nThis page could not be made:\n\n```text\n{said}\n```\n"
+    (folder / f"{page}.md").write_text(text, encoding="utf-8")
+
+
+def _copy(path: Path, target: Path) -> None:
+    target.parent.mkdir(parents=True, exist_ok=True)
+    if path.suffix == ".md":
+        target.write_text(adapt(path.read_text(encoding="utf-8")), encoding="utf-8")
+    else:
+        shutil.copy(path, target)
+
+
+def _copy_chapter(path: Path, target: Path, states: dict[str, list[str]]) -> list[str]:
+    target.parent.mkdir(parents=True, exist_ok=True)
+    try:
+        chapter = read_chapter(path, states)
+        nbformat.write(chapter.notebook, target)
+    except Exception as problem:  # whatever a damaged file makes the reader say
+        said = f"{type(problem).__name__}: {problem}"[:500]
+        write_stub(target.parents[1], f"notebooks/{path.stem}", said)
+        return [f"{path.name}: {said}"]
+    return chapter.complaints
+
+
+def _unsound(notebook: NotebookNode) -> list[str]:
+    """What a reader of the stored outputs would miss."""
+    code = [c for c in notebook.cells if c.cell_type == "code" and c.source.strip()]
+    found = [o for c in code for o in c.outputs if o.output_type == "error"]
+    errors = [f"a stored output is an error, {output.ename}" for output in found]
+    bare = [] if all(c.execution_count for c in code) else ["some cells were not run: make refresh"]
+    return errors + bare
+
+
+# ------------------------------------------------------------------ words
+
+
+def _numbered(text: str, chapter: str, section: list[int]) -> str:
+    """Headings with the numbers of chapter and section; links to them do without."""
+
+    def number(match: re.Match[str]) -> str:
+        if match.group(1) == "##":
+            section[:] = section[0] + 1, 0
+            return f"## {chapter}.{section[0]} "
+        section[1] += 1
+        return f"### {chapter}.{section[0]}.{section[1]} "
+
+    parts = FENCED.split(text)
+    parts[::2] = (HEADING.sub(number, part) for part in parts[::2])
+    return "".join(parts)
+
+
+def _linked(text: str) -> str:
+    files = {path.stem[:2]: path.name for path in CHAPTERS}
+    place = "/notebooks/"
+
+    def chapter(match: re.Match[str]) -> str:
+        number = match.group()[-2:]
+        return f"[{match.group()}]({place}{files[number]})" if number in files else match.group()
+
+    def name(part: str) -> str:
+        part = with_links(part, lambda words, label: f"[{words}](#{label})")
+        return NAMED.sub(lambda m: re.sub(r"(?:[Cc]hapter )?\d\d", chapter, m.group()), part)
+
+    parts = LINKED.split(text)
+    inside = [name(part) if k % 2 == 0 else part for k, part in enumerate(parts)]
+    return "".join(inside)
+
+
+# ------------------------------------------------------------------ panels
+
+
+def _replace_panels(
+    notebook: NotebookNode, stem: str, states: dict[str, list[str]]
+) -> list[str]:
+    """Put the pictures of its states in the place of each panel."""
+    complaints, number = [], 0
+    for cell in notebook.cells:
+        for output in cell.get("outputs", []):
+            data = output.get("data", {})
+            if data.pop(VIEW, None) is None:
+                continue
+            number += 1
+            name, said = f"{stem}-{number}", data.get("text/plain", "")
+            if name not in states:
+                complaints.append(f"{stem}: no pictures of panel {number}: make panels")
+            elif said_by(said) not in states[name]:
+                complaints.append(f"{stem}: pictures of panel {number} are old: make panels")
+            if name in states:
+                output["data"] = NotebookNode({"text/html": strip(name, states[name])})
+    return complaints
+
+
+def said_by(text: str) -> str:
+    """What a panel says of itself, without its name."""
+    return text.removesuffix(")").partition("(")[2]
+
+
+def strip(name: str, captions: list[str]) -> str:
+    """One file holds all states, one below the other: each figure shows its part of it."""
+    width, height = _size(PICTURES / f"{name}.webp")
+    last = max(1, len(captions) - 1)
+    figures = "".join(
+        f'<figure><img src="../_static/panels/{name}.webp" alt="{html.escape(text)}" '
+        f'loading="lazy" style="aspect-ratio: {width} / {height // len(captions)}; '
+        f'object-position: 0 {100 * k / last:.4g}%"><figcaption>{html.escape(text)}'
+        "</figcaption></figure>"
+        for k, text in enumerate(captions)
+    )
+    note = (
+        "In JupyterLab this is a panel with controls that move. "
+        f"Here are {len(captions)} of its states:"
+    )
+    return f'<div class="panel-states"><p>{note}</p><div>{figures}</div></div>'
+
+
+def _size(path: Path) -> tuple[int, int]:
+    from PIL import Image
+
+    with Image.open(path) as image:
+        return image.size
+
+
+# ------------------------------------------------------------------ table of contents
+
+
+def _write_contents(folder: Path, chapters: list[Path]) -> None:
+    """The front page with the contents of the book."""
+    trees = [
+        _tree(PARTS.get(digit, f"Part {digit}"), [f"notebooks/{p.stem}" for p in chapters if p.stem[0] == digit])
+        for digit in sorted({p.stem[0] for p in chapters})
+    ]
+    own = sorted(f"notebooks/{p.stem}" for p in (folder / "notebooks").glob("*.md"))
+    own = [page for page in own if page.removeprefix("notebooks/") not in {c.stem for c in chapters}]
+    data = sorted(str(p.relative_to(folder).with_suffix("")) for p in folder.glob("data/**/*.md"))
+    texts = ["README", "environment", *data, "CONTRIBUTING", "CHANGELOG"]
+    trees += [_tree("For teachers", own)] if own else []
+    trees += [_tree("Reference", ["api/index", "references"]), _tree("The project", texts)]
+    with (folder / "index.md").open("a", encoding="utf-8") as index:
+        index.write("\n".join(trees))
+
+
+def _tree(caption: str, pages: list[str]) -> str:
+    listed = "\n".join(f"/{page}" for page in pages)
+    return f"```{{toctree}}\n:caption: {caption}\n:maxdepth: 1\n:hidden:\n\n{listed}\n```\n"

@@ -1,0 +1,152 @@
+"""Pictures of panels for the book, where nothing moves: `make panels`.
+
+Each chapter is run up to its panel, whose controls are then moved through the states below. What is
+seen is stored under notebooks/pictures/panels: one file a panel, its states one below the other,
+and what each state says of itself in states.json. One of the states is that with which the panel
+begins, so that the book notices pictures that are older than the chapter.
+"""
+
+import base64
+import io
+import json
+import sys
+from pathlib import Path
+from typing import Any
+
+import nbformat
+from nbformat import NotebookNode
+from PIL import Image
+from refresh import VIEW, execute
+
+ROOT = Path(__file__).resolve().parents[2]
+CHAPTERS = ROOT / "notebooks"
+FOLDER = CHAPTERS / "pictures" / "panels"
+TEXTS = FOLDER / "states.json"
+#: Pixels across, as a panel draws for fine screens, and colours: a file takes some 20 KB.
+WIDTH, COLOURS = 960, 48
+
+#: Number of the chapter, and of the panel in it -> what is done before each picture.
+STATES: dict[str, list[str]] = {
+    "00-1": ["tolerance=0.01", "tolerance=0.04", "tolerance=0.10", "tolerance=0.20"],
+    "11-1": ["", "step=20", "step=40", "step=60"],
+    "12-1": ["", "step=16", "step=32", "step=48"],
+    "13-1": ["", "noise=50", "beams=91", "noise=10, beams=682, turn=90"],
+    "21-1": ["gap=0.05", "gap=0.30", "gap=1.0", "gap=0.30, fit='algebraic'"],
+    "22-1": ["tolerance=0.005", "tolerance=0.03", "tolerance=0.10", "tolerance=0.5"],
+    "31-1": ["", "every=4", "max_gap=3.0", "every=1, late=0.3"],
+    "32-1": ["", "rank=1", "rank=2", "rank=3"],
+    "33-1": ["", "scan=40", "scan=53", "scan=53, min_length=2.0"],
+    "34-1": ["", "step=3", "step=60", "x=1.5, y=1.5, turn=30, step=60"],
+    "35-1": ["", "loops=False", "odometry=True", "loops=True"],
+    "36-1": ["", "tolerance=0.06", "tolerance=0.10"],
+    "41-1": ["", "angle=30", "angle=0, offset=0.5", "offset=0, length=0.5"],
+    "51-1": ["distance=0.05", "distance=0.2", "distance=0.4", "distance=0.4, angle=30"],
+    "52-1": ["", "origin=-40", "origin=-100", "origin=0, distance=0.6"],
+    "53-1": ["sigma=0.05", "sigma=0.2", "sigma=0.6", "sigma=1.0"],
+    "54-1": ["tolerance=0.01", "tolerance=0.04", "tolerance=0.10", "tolerance=0.20"],
+    "55-1": ["place=0, heading=0", "place=0.03, heading=0.5", "place=0.1", "place=0.2, heading=3"],
+    "56-1": ["", "scan=33", "forget=False", "scan=50"],
+    "57-1": ["tolerance=0.01", "tolerance=0.05", "tolerance=0.2", "tolerance=0.4"],
+    "58-1": ["penalty=0.005", "penalty=0.05", "penalty=0.2", "penalty=0.5"],
+    "59-1": ["", "method='hybrid'", "method='mean_shift'", "method='fusion', wanted=95"],
+    "61-1": ["", "doublings=2", "scans=1, doublings=0", "scans=20"],
+    "62-1": ["", "touched=True", "mask=False", "touched=False"],
+    "63-1": ["", "turn=10", "score='occupancy', turn=0", "score='nearest'"],
+    "64-1": ["", "step=5", "step=60", "matcher='sample and rank'"],
+    "65-1": ["", "occupied=0.9", "occupied=0.5, free=0.0", "free=0.25, doublings=2"],
+    "66-1": ["", "resolution=20.0", "resolution=1.0", "resolution=5.0, tolerance=20.0"],
+    "71-1": ["", "step=2", "step=4"],
+    "72-1": ["", "tolerance=0.1", "tolerance=0.005"],
+    "01-1": ["", "run", "method='hybrid', run", "method='least_cost', run"],
+    "01-2": ["", "least=0.5, run"],
+    "01-3": ["", "method['tolerance']=0.1, run"],
+}
+
+#: Run behind the cell that shows the panel: each state becomes an output.
+MOVE = """
+from IPython.display import display as _display
+for _moves in {moves!r}:
+    for _move in filter(None, _moves.split(", ")):
+        _name, _, _value = _move.partition("=")
+        if not _value:
+            getattr({panel}, _name)()
+        elif "[" in _name:
+            _name, _, _key = _name.partition("[")
+            getattr({panel}, _name)[eval(_key[:-1])].value = eval(_value)
+        else:
+            getattr({panel}, _name).value = eval(_value)
+    _shown = {panel}._repr_mimebundle_()
+    if hasattr({panel}, "picture"):  # what a browser with a kernel is given is finer
+        _shown["image/png"] = bytes({panel}.picture.value)
+    _display({{k: _shown[k] for k in ("image/png", "text/plain")}}, raw=True)
+"""
+
+
+def shown(path: Path) -> dict[str, list[tuple[Image.Image, str]]]:
+    """Name of each panel of a chapter -> picture and words of each of its states."""
+    notebook = nbformat.read(path, as_version=4)
+    cells: list[NotebookNode] = []
+    extra: dict[str, NotebookNode] = {}
+    for cell in notebook.cells:
+        cells.append(cell)
+        if any(VIEW in output.get("data", {}) for output in cell.get("outputs", [])):
+            number = len(extra) + 1
+            moves = STATES.get(f"{path.stem[:2]}-{number}", [""])
+            panel = cell.source.strip().splitlines()[-1]
+            added = nbformat.v4.new_code_cell(MOVE.format(moves=moves, panel=panel))
+            extra[f"{path.stem}-{number}"] = added
+            cells.append(added)
+    last = max((k for k, cell in enumerate(cells) if cell in extra.values()), default=-1)
+    notebook.cells = cells[: last + 1]
+    if extra:
+        execute(notebook, path.parent)
+    return {name: [_state(output) for output in cell.outputs] for name, cell in extra.items()}
+
+
+def _state(output: Any) -> tuple[Image.Image, str]:
+    picture = Image.open(io.BytesIO(base64.b64decode(output.data["image/png"])))
+    said = output.data["text/plain"].removesuffix(")").partition("(")[2]
+    return picture.convert("RGB"), said
+
+
+def strip(pictures: list[Image.Image]) -> Image.Image:
+    """Pictures of one size, one below the other, with a palette."""
+    width = min(WIDTH, pictures[0].width)
+    height = round(pictures[0].height * width / pictures[0].width)
+    whole = Image.new("RGB", (width, height * len(pictures)), "white")
+    for k, picture in enumerate(pictures):
+        whole.paste(picture.resize((width, height), Image.Resampling.LANCZOS), (0, k * height))
+    method = Image.Quantize.MAXCOVERAGE
+    return whole.quantize(COLOURS, method=method, dither=Image.Dither.NONE).convert("RGB")
+
+
+def store(path: Path) -> list[str]:
+    """Store the pictures of a chapter's panels; answers their names."""
+    found = shown(path)
+    FOLDER.mkdir(parents=True, exist_ok=True)
+    texts = json.loads(TEXTS.read_text(encoding="utf-8")) if TEXTS.exists() else {}
+    texts = {name: said for name, said in texts.items() if not name.startswith(f"{path.stem}-")}
+    for name, states in found.items():
+        file = FOLDER / f"{name}.webp"
+        strip([picture for picture, _ in states]).save(file, lossless=True, method=6)
+        texts[name] = [said for _, said in states]
+    text = json.dumps(dict(sorted(texts.items())), indent=1, ensure_ascii=False)
+    TEXTS.write_text(f"{text}\n", encoding="utf-8")
+    return list(found)
+
+
+def main(paths: list[str]) -> int:
+    """Store the pictures of some chapters, or of all; answers the number of those that failed."""
+    failed = 0
+    for path in map(Path, paths) if paths else sorted(CHAPTERS.glob("*.ipynb")):
+        try:
+            sizes = [f"{(FOLDER / f'{n}.webp').stat().st_size // 1000} KB" for n in store(path)]
+            print(f"{path.name}: {', '.join(sizes) or 'no panel'}", flush=True)
+        except Exception as problem:
+            failed += 1
+            print(f"{path.name}: left as it was\n{problem}", file=sys.stderr, flush=True)
+    return failed
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
