@@ -22,8 +22,10 @@ ROOT = Path(__file__).resolve().parents[2]
 CHAPTERS = ROOT / "notebooks"
 FOLDER = CHAPTERS / "pictures" / "panels"
 TEXTS = FOLDER / "states.json"
-#: Pixels across, as a panel draws for fine screens, and colours: a file takes some 20 KB.
-WIDTH, COLOURS = 960, 48
+#: Pixels across, as a panel draws for fine screens.
+WIDTH = 960
+#: Colours of the palette: the fewer are taken where a file would be larger than this.
+COLOURS, MOST_BYTES = (48, 24, 12), 40_000
 
 #: Number of the chapter, and of the panel in it -> what is done before each picture.
 STATES: dict[str, list[str]] = {
@@ -110,14 +112,26 @@ def _state(output: Any) -> tuple[Image.Image, str]:
 
 
 def strip(pictures: list[Image.Image]) -> Image.Image:
-    """Pictures of one size, one below the other, with a palette."""
+    """Pictures of one size, one below the other."""
     width = min(WIDTH, pictures[0].width)
     height = round(pictures[0].height * width / pictures[0].width)
     whole = Image.new("RGB", (width, height * len(pictures)), "white")
     for k, picture in enumerate(pictures):
         whole.paste(picture.resize((width, height), Image.Resampling.LANCZOS), (0, k * height))
-    method = Image.Quantize.MAXCOVERAGE
-    return whole.quantize(COLOURS, method=method, dither=Image.Dither.NONE).convert("RGB")
+    return whole
+
+
+def packed(image: Image.Image) -> bytes:
+    """As a file with a palette that spans the colours, no larger than need be."""
+    method, kept = Image.Quantize.MAXCOVERAGE, b""
+    for colours in COLOURS:
+        target = io.BytesIO()
+        few = image.quantize(colours, method=method, dither=Image.Dither.NONE).convert("RGB")
+        few.save(target, "WEBP", lossless=True, method=6)
+        kept = target.getvalue()
+        if len(kept) <= MOST_BYTES:
+            break
+    return kept
 
 
 def store(path: Path) -> list[str]:
@@ -127,8 +141,8 @@ def store(path: Path) -> list[str]:
     texts = json.loads(TEXTS.read_text(encoding="utf-8")) if TEXTS.exists() else {}
     texts = {name: said for name, said in texts.items() if not name.startswith(f"{path.stem}-")}
     for name, states in found.items():
-        file = FOLDER / f"{name}.webp"
-        strip([picture for picture, _ in states]).save(file, lossless=True, method=6)
+        picture = packed(strip([picture for picture, _ in states]))
+        (FOLDER / f"{name}.webp").write_bytes(picture)
         texts[name] = [said for _, said in states]
     text = json.dumps(dict(sorted(texts.items())), indent=1, ensure_ascii=False)
     TEXTS.write_text(f"{text}\n", encoding="utf-8")

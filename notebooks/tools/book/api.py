@@ -112,13 +112,15 @@ def _notes(module: types.ModuleType) -> dict[str, str]:
     from sphinx.pycode import ModuleAnalyzer
 
     found: dict[str, str] = {}
-    for name in [m for m in sys.modules if m == module.__name__ or m.startswith(f"{module.__name__}.")]:
+    for name in [
+        m for m in sys.modules if m == module.__name__ or m.startswith(f"{module.__name__}.")
+    ]:
         analysed = ModuleAnalyzer.for_module(name).find_attr_docs()
         found |= {key: "\n".join(lines).strip() for (_, key), lines in analysed.items()}
     return found
 
 
 def _said(value: Any) -> str:
-    """What a constant without a note is: the task of an exercise, or its value where it is short."""
+    """What a constant without a note is: an exercise its task, another its value if short."""
     shown = getattr(value, "task", None) or repr(value)
     return f"``{shown}``" if len(shown) < 200 and "`" not in shown else ""

@@ -33,9 +33,7 @@ class Book:
         return sorted(p for p in self.folder.rglob("*.html") if "_static" not in p.parts)
 
 
-def build(
-    folder: Path, *, chapters: list[Path] = CHAPTERS, rooms: tuple[str, ...] = ROOMS
-) -> Book:
+def build(folder: Path, *, chapters: list[Path] = CHAPTERS, rooms: tuple[str, ...] = ROOMS) -> Book:
     """Write the book into a folder; what was there before goes.
 
     Sources and Sphinx' own notes lie beside it while it is built. A chapter that cannot be read, or

@@ -20,7 +20,10 @@ CITED = re.compile(f"{SECTION}|{AUTHORS}")
 def entries() -> dict[str, tuple[frozenset[str], str]]:
     """Label of each entry of the page -> its authors and its year."""
     found = re.findall(r"^\(([\w-]+)\)=\n### (.*) (\d{4})$", PAGE.read_text("utf-8"), re.MULTILINE)
-    return {label: (_names(heading.partition(": ")[2] or heading), year) for label, heading, year in found}
+    return {
+        label: (_names(heading.partition(": ")[2] or heading), year)
+        for label, heading, year in found
+    }
 
 
 def _names(text: str) -> frozenset[str]:

@@ -80,7 +80,7 @@ def read_chapter(path: Path, states: dict[str, list[str]]) -> Chapter:
     section = [0, 0]
     for cell in notebook.cells:
         if cell.cell_type == "markdown":
-            cell.source = adapt(_numbered(cell.source, path.stem[:2], section))
+            cell.source = adapt(numbered(cell.source, path.stem[:2], section))
         elif cell.source.strip():
             cell.metadata["tags"] = [*cell.metadata.get("tags", []), "hide-input"]
     complaints += _replace_panels(notebook, path.stem, states)
@@ -141,7 +141,7 @@ def _unsound(notebook: NotebookNode) -> list[str]:
 # ------------------------------------------------------------------ words
 
 
-def _numbered(text: str, chapter: str, section: list[int]) -> str:
+def numbered(text: str, chapter: str, section: list[int]) -> str:
     """Headings with the numbers of chapter and section; links to them do without."""
 
     def number(match: re.Match[str]) -> str:
@@ -176,9 +176,7 @@ def _linked(text: str) -> str:
 # ------------------------------------------------------------------ panels
 
 
-def _replace_panels(
-    notebook: NotebookNode, stem: str, states: dict[str, list[str]]
-) -> list[str]:
+def _replace_panels(notebook: NotebookNode, stem: str, states: dict[str, list[str]]) -> list[str]:
     """Put the pictures of its states in the place of each panel."""
     complaints, number = [], 0
     for cell in notebook.cells:
@@ -233,11 +231,16 @@ def _size(path: Path) -> tuple[int, int]:
 def _write_contents(folder: Path, chapters: list[Path]) -> None:
     """The front page with the contents of the book."""
     trees = [
-        _tree(PARTS.get(digit, f"Part {digit}"), [f"notebooks/{p.stem}" for p in chapters if p.stem[0] == digit])
+        _tree(
+            PARTS.get(digit, f"Part {digit}"),
+            [f"notebooks/{p.stem}" for p in chapters if p.stem[0] == digit],
+        )
         for digit in sorted({p.stem[0] for p in chapters})
     ]
     own = sorted(f"notebooks/{p.stem}" for p in (folder / "notebooks").glob("*.md"))
-    own = [page for page in own if page.removeprefix("notebooks/") not in {c.stem for c in chapters}]
+    own = [
+        page for page in own if page.removeprefix("notebooks/") not in {c.stem for c in chapters}
+    ]
     data = sorted(str(p.relative_to(folder).with_suffix("")) for p in folder.glob("data/**/*.md"))
     texts = ["README", "environment", *data, "CONTRIBUTING", "CHANGELOG"]
     trees += [_tree("For teachers", own)] if own else []
