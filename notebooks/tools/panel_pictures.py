@@ -7,6 +7,7 @@ begins, so that the book notices pictures that are older than the chapter.
 """
 
 import base64
+import copy
 import io
 import json
 import sys
@@ -87,22 +88,24 @@ for _moves in {moves!r}:
 def shown(path: Path) -> dict[str, list[tuple[Image.Image, str]]]:
     """Name of each panel of a chapter -> picture and words of each of its states."""
     notebook = nbformat.read(path, as_version=4)
-    cells: list[NotebookNode] = []
-    extra: dict[str, NotebookNode] = {}
-    for cell in notebook.cells:
-        cells.append(cell)
-        if any(VIEW in output.get("data", {}) for output in cell.get("outputs", [])):
-            number = len(extra) + 1
-            moves = STATES.get(f"{path.stem[:2]}-{number}", [""])
-            panel = cell.source.strip().splitlines()[-1]
-            added = nbformat.v4.new_code_cell(MOVE.format(moves=moves, panel=panel))
-            extra[f"{path.stem}-{number}"] = added
-            cells.append(added)
-    last = max((k for k, cell in enumerate(cells) if cell in extra.values()), default=-1)
-    notebook.cells = cells[: last + 1]
-    if extra:
-        execute(notebook, path.parent)
-    return {name: [_state(output) for output in cell.outputs] for name, cell in extra.items()}
+    panels = [k for k, cell in enumerate(notebook.cells) if _shows_panel(cell)]
+    return {
+        f"{path.stem}-{number}": _states(path, notebook.cells[: k + 1], number)
+        for number, k in enumerate(panels, 1)
+    }
+
+
+def _shows_panel(cell: NotebookNode) -> bool:
+    return any(VIEW in output.get("data", {}) for output in cell.get("outputs", []))
+
+
+def _states(path: Path, cells: list[NotebookNode], number: int) -> list[tuple[Image.Image, str]]:
+    """Run cells, the last of which shows a panel, and move it."""
+    moves = STATES.get(f"{path.stem[:2]}-{number}", [""])
+    panel = cells[-1].source.strip().splitlines()[-1]
+    moved = nbformat.v4.new_code_cell(MOVE.format(moves=moves, panel=panel))
+    execute(nbformat.v4.new_notebook(cells=[*copy.deepcopy(cells), moved]), path.parent)
+    return [_state(output) for output in moved.outputs]
 
 
 def _state(output: Any) -> tuple[Image.Image, str]:
