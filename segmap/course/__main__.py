@@ -6,7 +6,9 @@ import argparse
 import sys
 from pathlib import Path
 
+from ._grade import grade, plan_of, read_key
 from ._grade_checks import checks
+from ._grade_jail import Limits
 from ._handout import handout
 
 EPILOG = """\
@@ -35,6 +37,7 @@ def parser() -> argparse.ArgumentParser:
     )
     commands = found.add_subparsers(required=True, metavar="COMMAND", dest="command")
     _add_handout(commands.add_parser("handout", help="student copies of the chapters"))
+    _add_grade(commands.add_parser("grade", help="points and feedback for all submissions"))
     return found
 
 
@@ -61,6 +64,58 @@ def _handout(given: argparse.Namespace) -> None:
         "the seed of the hidden cases" if given.seed is not None else "no seed: no hidden cases"
     )
     print(f"for you alone: {key} ({hidden}); grade with --key {key}")
+
+
+def _add_grade(command: argparse.ArgumentParser) -> None:
+    limits = Limits()
+    command.add_argument(
+        "folder", metavar="DIR", type=Path, help="a notebook or a folder a student: ann.ipynb, ann/"
+    )
+    command.add_argument("-o", "--output", type=Path, required=True, metavar="grades.csv")
+    command.add_argument(
+        "--key", type=Path, metavar="FILE", help="the instructor's file of handout"
+    )
+    command.add_argument(
+        "--chapters", default="", metavar="34,54", help="without --key; default: all"
+    )
+    command.add_argument(
+        "--seed", type=whole, metavar="N", help="without --key: of the hidden cases"
+    )
+    for name, unit in (("seconds", "of the clock"), ("cpu", "seconds of computing")):
+        command.add_argument(
+            f"--{name}",
+            type=whole,
+            default=int(getattr(limits, name)),
+            metavar="N",
+            help=f"of an answer, {unit}; default: %(default)s",
+        )
+    command.add_argument(
+        "--unprotected", action="store_true", help="run where nothing guards your files"
+    )
+    command.set_defaults(run=_grade)
+
+
+def _grade(given: argparse.Namespace) -> None:
+    known = checks()
+    if given.key and (given.chapters or given.seed is not None):
+        raise ValueError("--key holds the chapters and the seed: leave --chapters and --seed out")
+    if given.output.suffix != ".csv":
+        raise ValueError(f"-o must name a table, grades.csv for instance, got {given.output}")
+    if not given.output.parent.is_dir():
+        raise ValueError(f"cannot write {given.output}: there is no folder {given.output.parent}")
+    plan = read_key(given.key) if given.key else plan_of(known, given.chapters, given.seed)
+    limits = Limits(seconds=max(given.seconds, 1), cpu=max(given.cpu, 1))
+    rows = grade(
+        given.folder, given.output, plan, known, limits=limits, unprotected=given.unprotected
+    )
+    hidden = "with" if plan.seed is not None else "without"
+    pages = given.output.with_name(f"{given.output.stem}_feedback")
+    print(f"{len(rows)} submissions, {len(plan.tasks)} tasks, {hidden} hidden cases")
+    print(f"written: {given.output}, and feedback for each student in {pages}")
+    if any(task.by_hand for task in plan.tasks):
+        print(
+            "columns that are empty are graded by hand: task, rubric and answer are in the feedback"
+        )
 
 
 if __name__ == "__main__":

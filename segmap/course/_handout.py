@@ -36,6 +36,7 @@ class Task(NamedTuple):
     points: int
     imports: str = ""
     by_hand: bool = False
+    rubric: str = ""
 
 
 def handout(
@@ -117,7 +118,8 @@ def tasks_of(name: str, notebook: Notebook, checks: Mapping[str, Any]) -> list[T
     ]
     for index, cell in enumerate(cells):
         if match := by_hand(cell):
-            found.append((index, Task(f"by_hand_{name[:2]}_{index}", name, (), match, "", True)))
+            task = f"by_hand_{name[:2]}_{index}"
+            found.append((index, Task(task, name, (), match, "", True, cell["source"])))
     return [task for _, task in sorted(found, key=lambda pair: pair[0])]
 
 
