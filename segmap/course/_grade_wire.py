@@ -28,8 +28,8 @@ def packed(value: Any) -> Any:
 
     Examples
     --------
-    >>> packed({"a turn": (np.array([1.0]), (2, b"x"))})
-    {'a turn': {'tuple': [{'array': [1.0], 'kind': '<f8', 'shape': [1]}, {'tuple': [2, ...
+    >>> packed((2, np.array([1.0])))
+    {'tuple': [2, {'array': [1.0], 'kind': '<f8', 'shape': [1]}]}
     >>> unpacked(packed(((1, 2.5), None)))
     ((1, 2.5), None)
     """
