@@ -78,6 +78,8 @@ from ._exercises_surveyed import (
     check_verdict,
 )
 from ._landscapes import Landscape, heading_profile, landscape, peaks, profile_peaks
+from ._open_exercises import Challenge, Prediction, break_quality, predict_beams_on_wall
+from ._open_log import OwnLog, check_own_log
 from ._panels_alignment import AnglePanel, BackbonePanel, GroundTruthPanel
 from ._panels_graphs import IcpPanel, PoseGraphPanel
 from ._panels_matching import LandscapePanel, MatcherPanel
@@ -118,8 +120,16 @@ EXERCISES: dict[str, Exercise] = {
     found.name: found for found in list(globals().values()) if isinstance(found, Exercise)
 }
 
+#: Name of each open exercise -> what judges it: predict and test, break it, a log of one's own.
+OPEN_EXERCISES: dict[str, Prediction | Challenge | OwnLog] = {
+    found.name: found
+    for found in list(globals().values())
+    if isinstance(found, Prediction | Challenge | OwnLog)
+}
+
 __all__ = [
     "EXERCISES",
+    "OPEN_EXERCISES",
     "PUBLISHED",
     "THESIS_FILTERS",
     "THESIS_GRIDS",
@@ -127,6 +137,7 @@ __all__ = [
     "BackbonePanel",
     "BasicPanel",
     "ChainPanel",
+    "Challenge",
     "Check",
     "ClassesPanel",
     "ClusterPanel",
@@ -141,8 +152,10 @@ __all__ = [
     "LeastCostPanel",
     "MatcherPanel",
     "MeanShiftPanel",
+    "OwnLog",
     "PolylinePanel",
     "PoseGraphPanel",
+    "Prediction",
     "RayPanel",
     "Representation",
     "RoomPanel",
@@ -151,6 +164,7 @@ __all__ = [
     "Trial",
     "WeightedPanel",
     "alignment_table",
+    "break_quality",
     "check_axial_mean",
     "check_beam_angles",
     "check_best_run",
@@ -178,6 +192,7 @@ __all__ = [
     "check_merged",
     "check_move_onto_walls",
     "check_occupancy",
+    "check_own_log",
     "check_pixel",
     "check_pose_covariance",
     "check_quality",
@@ -223,6 +238,7 @@ __all__ = [
     "load_trials",
     "occupied_centres",
     "peaks",
+    "predict_beams_on_wall",
     "profile_peaks",
     "represent",
     "room_walk",

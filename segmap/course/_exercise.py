@@ -19,7 +19,7 @@ MOST_DRAWS = 100
 
 @dataclass(frozen=True)
 class Check:
-    """What a check found: true or false, with a hint.
+    """What a check found: true or false, with a hint, or with what is true.
 
     Examples
     --------
@@ -35,7 +35,8 @@ class Check:
         return self.passed
 
     def __repr__(self) -> str:
-        return "passed" if self.passed else f"not yet: {self.hint}"
+        said = "passed" if self.passed else "not yet"
+        return f"{said}: {self.hint}" if self.hint else said
 
     def _repr_html_(self) -> str:
         color, sign = (TRUTH, "&#10003;") if self.passed else (ERROR, "&#10007;")

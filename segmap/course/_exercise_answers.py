@@ -56,13 +56,13 @@ def _answer(function: Callable[..., Any], arguments: tuple[Any, ...], watch: Wat
         warnings.simplefilter("ignore")
         try:
             with watch:
-                found = _plain(function(*given))
+                found = plain(function(*given))
         except (Exception, SystemExit) as error:
             found = {"error": type(error).__name__, "message": _words(error)}
     return {"library": watch.seen} if watch.seen else found
 
 
-def _plain(found: Any) -> Answer:
+def plain(found: Any) -> Answer:
     if found is None or found is ...:
         return {"nothing": True}
     try:

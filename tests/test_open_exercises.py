@@ -1,0 +1,159 @@
+"""Open exercises: an answer that passes, one that fails for each reason, and nothing yet."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from segmap import course, readers
+from segmap.course import EXERCISES, OPEN_EXERCISES, Challenge, Check, OwnLog, Prediction
+from segmap.course._open_log import BUNDLED
+from segmap.scans import Log
+from segmap.simulation import URG_04LX, rectangular_room, simulate
+
+#: Exercise -> an answer that passes, and answers that fail, with words of the reason.
+ANSWERS = {
+    "predict_beams_on_wall": (15, [(11, "it is 15 beams; near enough is within 1 beams")]),
+    "break_quality": (
+        [*rectangular_room().tolist(), [(10, 10), (16, 10)]],
+        [
+            (rectangular_room(), "only 0.0 m of walls are invented"),
+            ([[(10, 10), (16, 10)]], "the quality sees it: 0.000"),
+            ([(10, 10), (16, 10)], "got shape (2, 2)"),
+            ([[(10, 10), (16, np.nan)]], "finite numbers are wanted"),
+            ([[(10, 10), (1e6, 0)]], "stay within 20 m"),
+        ],
+    ),
+}
+EACH = pytest.mark.parametrize("name", ANSWERS)
+
+
+def test_each_open_exercise_is_in_reach_and_tested_here():
+    """Catches one that no chapter can call, or that nobody has ever answered."""
+    assert set(ANSWERS) | {"check_own_log"} == set(OPEN_EXERCISES) and not (
+        set(OPEN_EXERCISES) & set(EXERCISES)
+    )
+    for name, exercise in OPEN_EXERCISES.items():
+        assert getattr(course, name) is exercise and repr(exercise).startswith(f"{name}(")
+
+
+@EACH
+def test_an_open_exercise_passes_and_fails_with_its_reason(name):
+    exercise, (right, wrong) = OPEN_EXERCISES[name], ANSWERS[name]
+    assert exercise(right), exercise(right)
+    for answer, words in wrong:
+        found = exercise(answer)
+        assert isinstance(found, Check) and not found and words in found.hint
+
+
+@EACH
+@pytest.mark.parametrize(
+    "junk",
+    [
+        None,
+        ...,
+        "text",
+        [],
+        {},
+        object,
+        True,
+        [1, 2, 3],
+        np.nan,
+        np.inf,
+        pytest.param(10**5000, id="huge"),
+        (),
+        [[]],
+    ],
+)
+def test_an_open_exercise_refuses_what_is_no_answer(name, junk):
+    """Catches one that raises, or that passes whatever it is given."""
+    found = OPEN_EXERCISES[name](junk)
+    assert not found and found.hint
+    if junk is None:
+        assert " first" in found.hint
+
+
+@EACH
+def test_open_answers_travel_as_json_and_are_judged_elsewhere(name):
+    """Catches answers that only the process of the student can read."""
+    exercise = OPEN_EXERCISES[name]
+    assert exercise.verdict(json.loads(json.dumps(exercise.answers(ANSWERS[name][0]))))
+    assert exercise.fresh(1) == {}
+    for made_up in ([], [{}], [{"shape": [3], "values": [1]}], [{"values": "x", "shape": "y"}]):
+        assert not exercise.verdict(made_up)
+
+
+# ------------------------------------------------------------------------- near enough
+@pytest.mark.parametrize(
+    ("guess", "passes"), [(5, True), (4.9, False), (20, True), (20.1, False), (-10, False)]
+)
+def test_a_guess_within_a_factor_is_near_enough(guess, passes):
+    ten = Prediction("predict_ten(guess)", lambda: 10.0, "m", factor=2)
+    assert bool(ten(guess)) is passes and "it is 10 m" in ten(guess).hint
+
+
+def test_a_guess_of_zero_is_near_only_within_a_distance():
+    """Catches a division by the guess, or by a true value of 0."""
+    nothing = Prediction("predict_nothing(guess)", lambda: 0.0, "m", factor=2, within=0.5)
+    assert nothing(0) and nothing(-0.5) and not nothing(0.6)
+    assert "within a factor of 2 or within 0.5 m" in nothing(1).hint
+
+
+# ------------------------------------------------------------------------- breaking it
+def test_a_judge_takes_several_parts_or_any_object_and_never_raises():
+    both = Challenge("break_order(a, b): two numbers", lambda a, b: "" if a > b else "a is less")
+    assert both((2, 1)) and both((1, 2)).hint == "a is less"
+    assert "cannot be judged, TypeError" in both(3).hint
+    call = Challenge("break_call(f): a function", lambda f: str(f()), numbers=False)
+    assert call(lambda: "") and call(lambda: "no").hint == "no"
+    assert "ZeroDivisionError" in call(lambda: 1 / 0).hint
+
+
+# ------------------------------------------------------------------------ a log of one's own
+@pytest.fixture(scope="module")
+def own_log():
+    path = np.column_stack([np.linspace(0.5, 3.0, 24), np.full(24, 1.5), np.zeros(24)])
+    walls = rectangular_room()
+    return simulate(walls, path, sensor=URG_04LX, rng=np.random.default_rng(1))
+
+
+def test_a_log_of_ones_own_passes_with_its_facts(own_log):
+    found = course.check_own_log(own_log, own_log.truth)
+    assert found, found
+    assert "24 scans" in found.hint and "2.5 m driven" in found.hint
+    sent = json.loads(json.dumps(course.check_own_log.answers(own_log, own_log.truth)))
+    assert course.check_own_log.verdict(sent)
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (lambda log: (None, None), "give your log first"),
+        (lambda log: ("my.log", None), "segmap.readers.read(path)"),
+        (lambda log: (log, None), "give the poses too"),
+        (lambda log: (log, log.truth[:5]), "poses must be (24, 3)"),
+        (lambda log: (log[:10], log.truth[:10]), "at least 20 scans are wanted"),
+        (lambda log: (log, log.truth * 0), "at least 1 metres are wanted"),
+        (lambda log: (log, log.truth * np.nan), ""),
+        (lambda log: (Log("none", []), np.zeros((0, 3))), ""),
+    ],
+)
+@pytest.mark.filterwarnings("ignore")
+def test_a_log_that_lacks_something_is_told_so(own_log, change, words):
+    found = course.check_own_log(*change(own_log))
+    assert not found and found.hint and words in found.hint
+
+
+def test_bundled_logs_are_recognised_though_renamed_and_cut():
+    """Catches the example of the chapter that is handed in as one's own."""
+    folder = Path(readers.data_file("malaga")).parent
+    assert sorted(path.parent.name for path in folder.glob("*/*.log.gz")) == sorted(BUNDLED)
+    log = readers.load("room")
+    found = course.check_own_log(Log("mine", log.scans[5:50]), log.truth[5:50])
+    assert not found and "bundled log 'room'" in found.hint
+
+
+@pytest.mark.parametrize("facts", [[], [{}], None, [3], [{"scans": "x"}], [{"refused": "no"}]])
+def test_made_up_facts_fail(facts):
+    assert isinstance(course.check_own_log, OwnLog) and not course.check_own_log.verdict(facts)
