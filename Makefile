@@ -12,10 +12,11 @@ WARM := .venv/segmap-is-warm
 # files, so that what a file prepares is prepared once; they come in the order of their names, since
 # those with few tests are often the longest.
 SPREAD := -n $(shell $(PYTHON) -c 'import os; print(os.cpu_count() + 1)') --dist loadscope --no-loadscope-reorder
-# page_config.json in that folder keeps Lab from asking about news: a classroom may be offline.
+# That folder keeps Lab from asking about news, since a classroom may be offline, and stores panels
+# as their pictures. Students work in copies: what they save changes nothing that is tracked.
 LAB = JUPYTER_CONFIG_PATH="$(CURDIR)/notebooks/tools/jupyter$${JUPYTER_CONFIG_PATH:+:$$JUPYTER_CONFIG_PATH}" \
 	$(RUN) -m jupyterlab --ip=127.0.0.1 $(if $(PORT),--port=$(PORT) --ServerApp.port_retries=0) \
-	--allow-root --ServerApp.log_level=WARN --LabApp.default_url=/lab/tree/notebooks/00_start_here.ipynb
+	--allow-root --ServerApp.log_level=WARN --LabApp.default_url=/lab/tree/work/00_start_here.ipynb
 # The workbench alone, as a page: who has the address with its token sees it, and nobody else.
 APP = $(RUN) -m voila segmap/panels/app.ipynb --Voila.ip=127.0.0.1 --Voila.auto_token=True \
 	$(if $(PORT),--Voila.port=$(PORT) --Voila.port_retries=0)
@@ -32,7 +33,8 @@ INDEXED := $(foreach name,warm doors returns quadtree_files reduction_properties
 help: ## list the targets
 	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/  make \1\t\2/p' Makefile
 
-lab: $(WARM) ## set up, then open the chapters in JupyterLab (PORT=8890 chooses the port)
+lab: $(WARM) ## set up, copy the chapters to work/, open them in JupyterLab (PORT=8890 chooses the port)
+	@$(RUN) -m segmap notebooks work
 	@$(LAB) $(BROWSER)
 
 app: $(WARM) ## set up, then serve the workbench as a page of its own (PORT=8890 chooses the port)
@@ -82,7 +84,7 @@ panels: $(SETUP) ## take the pictures of panels that the book shows (CHAPTERS=".
 book: $(SETUP) ## make web pages of chapters and API, build/book/index.html, to read offline
 	PYTHONPATH=notebooks/tools $(RUN) -m book
 
-clean: ## remove everything that make made, the environment too
+clean: ## remove what make made, the environment too; work/ stays
 	rm -rf .venv .venv-lowest build dist .pytest_cache .mypy_cache .ruff_cache .hypothesis
 	find . -name __pycache__ -prune -exec rm -rf {} +
 	find . -name .ipynb_checkpoints -prune -exec rm -rf {} +

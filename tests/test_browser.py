@@ -51,6 +51,14 @@ return i !== null && i.dataset.status === 'idle' && k !== null && /Python/.test(
 #: What Lab says in its corner: within a second of the start it asks whether it may fetch news.
 NOTES = """
 return [...document.querySelectorAll('.Toastify__toast')].map(e => e.textContent).join()"""
+#: Whether a picture is seen, somewhere down the page: what is far off is not drawn at all.
+SEEN = """
+const all = document.querySelector('.jp-WindowedPanel-outer');
+const [found] = [...document.querySelectorAll('img')].filter(e => e.src.endsWith(arguments[0]));
+if (found) found.scrollIntoView({block: 'center'});
+else if (all) all.scrollTop = (all.scrollTop + 800) % all.scrollHeight;
+return found !== undefined && found.clientHeight > 100"""
+LOST = "return /model not found/i.test(document.body.innerText)"
 UNFINISHED = """
 const p = [...document.querySelectorAll('.jp-CodeCell .jp-InputPrompt')].map(e => e.textContent);
 return p.filter(t => !/\\[\\d+\\]/.test(t)).length + (p.length ? 0 : 1)"""
@@ -191,8 +199,9 @@ def run_all_cells(browser: Browser) -> None:
     wait("all cells to run", lambda: browser.run(UNFINISHED) == 0 and browser.run(IDLE), 300)
 
 
-def test_the_slider_of_chapter_00_answers(browser, chapter):
-    """Catches what no kernel sees: a panel that is not drawn, a slider that does nothing."""
+def test_the_slider_of_chapter_00_answers(browser, chapter, tmp_path):
+    """Catches what no kernel sees: a panel that is not drawn, a slider that does nothing, and a
+    panel that is lost when its notebook is opened again without its kernel."""
     browser.open(chapter)
     run_all_cells(browser)
     count = wait("the count", lambda: browser.run(COUNT))
@@ -210,3 +219,34 @@ def test_the_slider_of_chapter_00_answers(browser, chapter):
     browser.run("console.error('planted, to prove that errors are seen')")
     found = browser.errors()
     assert len(found) == 1 and "planted" in found[0], found
+    picture = save_and_end_the_kernel(browser, chapter, tmp_path / "notebooks" / CHAPTER.name)
+    browser.open(chapter)
+    wait("the picture of the panel", lambda: browser.run(SEEN, picture), 30)
+    time.sleep(0.5)  # a lost panel would say so now
+    browser.screenshot(SCREENSHOT.with_name("chapter_00_reopened.png"))
+    assert not browser.run(LOST)
+
+
+def save_and_end_the_kernel(browser: Browser, address: str, path: Path) -> str:
+    """Save by the menu, as a student does; the end of the panel's picture, in base64."""
+    browser.click(ENTRY.format("MenuBar", "File"))
+    time.sleep(0.5)  # the menu fills itself
+    browser.click(ENTRY.format("Menu", "Save Notebook"))
+    panel = wait("the file", lambda: shown_by(path, "FusionPanel("), 20)
+    assert set(panel) == {"image/png", "text/plain"}
+    api = address.partition("/doc/")[0] + "/api/sessions"
+    with urllib.request.urlopen(f"{api}?token={TOKEN}", timeout=5) as reply:
+        (session,) = json.load(reply)
+    end = urllib.request.Request(f"{api}/{session['id']}?token={TOKEN}", method="DELETE")
+    urllib.request.urlopen(end, timeout=20).close()
+    return str(panel["image/png"].strip()[-200:].replace("\n", ""))
+
+
+def shown_by(path: Path, name: str) -> dict[str, Any] | None:
+    """What a saved notebook holds of the output whose text begins so."""
+    try:
+        cells = json.loads(path.read_text(encoding="utf-8"))["cells"]
+    except ValueError:  # it is written now
+        return None
+    outputs = (o.get("data", {}) for cell in cells for o in cell.get("outputs", ()))
+    return next((o for o in outputs if "".join(o.get("text/plain", "")).startswith(name)), None)

@@ -447,17 +447,73 @@ def test_chapters_are_copied_and_the_work_of_a_student_stays(run):
     chapters = {path.name for path in (ROOT / "notebooks").glob("*.ipynb")}
     code, said, _ = run("notebooks", "mine")
     assert code == 0 and f"{len(chapters)} chapters copied to mine" in said
-    assert {path.name for path in Path("mine").iterdir()} == chapters
-    for path in Path("mine").iterdir():
-        wanted = links(markdown(json.loads(path.read_text(encoding="utf-8"))))
-        assert [link for link in wanted if not (path.parent / link).exists()] == []
+    assert {path.name for path in Path("mine").glob("*.ipynb")} == chapters
+    assert broken_links(Path("mine")) == []
     Path("mine/54_fusion.ipynb").write_text("my answers")
     Path("mine/51_basic.ipynb").unlink()
     code, said, _ = run("notebooks", "mine")
     assert code == 0 and Path("mine/54_fusion.ipynb").read_text() == "my answers"
     assert "1 chapter copied" in said and f"{len(chapters) - 2} chapters there already" in said
-    assert "since yours differ: 54_fusion.ipynb" in said
+    assert "since yours differ: 54_fusion.ipynb" in said and "newer" not in said
     assert Path("mine/51_basic.ipynb").exists()
+
+
+def broken_links(folder):
+    texts = {path: json.loads(path.read_bytes()) for path in folder.glob("*.ipynb")}
+    wanted = [(path, link) for path, text in texts.items() for link in links(markdown(text))]
+    return [link for path, link in wanted if not (path.parent / link).exists()]
+
+
+@pytest.fixture
+def clone(tmp_path, monkeypatch):
+    """A clone with two chapters, a picture and the data that one of them links to."""
+    for name in ("notebooks/pictures", "data"):
+        (tmp_path / "clone" / name).mkdir(parents=True)
+    source = tmp_path / "clone" / "notebooks"
+    (source / "pictures" / "a.png").write_bytes(PNG)
+    said = "[data](../data/README.md), [next](11_next.ipynb#top), ![a](pictures/a.png) \U0001f600"
+    cells = [{"cell_type": "markdown", "source": [said]}]
+    for name in ("00_start_here", "11_next"):
+        (source / f"{name}.ipynb").write_text(json.dumps({"cells": cells}), encoding="utf-8")
+    (tmp_path / "clone" / "data" / "README.md").write_text("data")
+    monkeypatch.setattr("segmap._commands._notebooks.PLACES", (source,))
+    return source
+
+
+def test_work_in_a_clone_has_all_links_and_the_originals_stay(run, clone):
+    """Catches a link cut though it leads somewhere, a picture left behind, a save git tracks."""
+    before = {path: path.read_bytes() for path in clone.rglob("*.*")}
+    work = clone.parent / "work"
+    _, said, _ = run("notebooks", work)
+    assert "jupyter lab" not in said and broken_links(work) == []
+    for path in work.glob("*.ipynb"):
+        assert path.read_bytes() == (clone / path.name).read_bytes()
+        path.write_text("saved")
+    run("notebooks", work)
+    assert {path: path.read_bytes() for path in clone.rglob("*.*")} == before
+    assert "work/" in (ROOT / ".gitignore").read_text().split()
+
+
+def test_a_newer_original_is_offered_beside_the_work_of_a_student(run, clone):
+    """Catches work that is overwritten, an offer that is made each time or hides an older one, and
+    a copy without work that stays old."""
+    work, (first, second) = clone.parent / "work", sorted(clone.glob("*.ipynb"))
+    run("notebooks", work)
+    (work / first.name).write_text("my answers")
+    for k, text in enumerate(("new", "newer still"), start=1):
+        first.write_text(text)
+        second.write_text(text)
+        _, said, _ = run("notebooks", work)
+        beside = work / f"{first.stem}.newer-{k}.ipynb"
+        assert f"{first.name} is newer than yours, which stays: the new one is {beside}" in said
+        assert beside.read_text() == text == (work / second.name).read_text()
+        _, again, _ = run("notebooks", work)
+        assert "is newer" not in again and f"since yours differ: {first.name}" in again
+    assert (work / first.name).read_text() == "my answers"
+    assert (work / f"{first.stem}.newer-1.ipynb").read_text() == "new"
+    (work / ".originals.json").write_text("[broken")
+    code, *_ = run("notebooks", work)
+    assert code == 0 and (work / first.name).read_text() == "my answers"
 
 
 def test_the_wheel_holds_the_chapters():

@@ -1,8 +1,10 @@
-"""`segmap notebooks DIR`: the chapters, for who installed the package with pip."""
+"""`segmap notebooks DIR`: chapters to work in; the originals stay, and so does a student's work."""
 
 from __future__ import annotations
 
 import argparse
+import hashlib
+import json
 import re
 from pathlib import Path
 from typing import Any
@@ -15,8 +17,12 @@ PACKAGE = Path(__file__).parents[1]
 PLACES = (PACKAGE / "notebooks", PACKAGE.parent / "notebooks")
 #: The chapter that is opened first.
 FIRST = "00_start_here.ipynb"
-#: Links that lead out of the folder of the chapters lead nowhere in a copy: their words stay.
+#: Links that lead out of the folder of the chapters lead nowhere in most copies: their words stay.
 OUTSIDE = re.compile(rb"\[([^\]\n]+)\]\(\.\./[^)\n]*\)")
+#: What a chapter links to beside itself: a picture, another text.
+BESIDE = re.compile(rb"\]\(([\w/-]+\.(?!ipynb)\w+)[^)\n]*\)")
+#: Which original was handed over last, by the digest of its content.
+RECORD = ".originals.json"
 
 
 def add(commands: Any) -> None:
@@ -27,26 +33,87 @@ def add(commands: Any) -> None:
 
 
 def run(given: argparse.Namespace) -> None:
-    """Copy what is not there; what differs is a student's work, and stays."""
-    chapters = {path.name: OUTSIDE.sub(rb"\1", path.read_bytes()) for path in originals()}
-    given.folder.mkdir(parents=True, exist_ok=True)
-    old = {name: given.folder / name for name in chapters if existing(given.folder / name)}
-    yours = [name for name, path in old.items() if path.read_bytes() != chapters[name]]
-    new = [name for name in chapters if name not in old]
-    for name in new:
-        write_bytes(given.folder / name, chapters[name])
-    print(f"{counted(len(new), 'chapter')} copied to {given.folder}")
-    if same := len(old) - len(yours):
+    """Copy what is not there; what differs is a student's work: a newer original goes beside it."""
+    folder, source = given.folder, place()
+    folder.mkdir(parents=True, exist_ok=True)
+    near = folder.resolve().parent == source.resolve().parent
+    files, handed = originals(source, outside=near), _handed(folder)
+    done = {name: _hand_over(folder, name, files[name], handed) for name in files}
+    write_bytes(folder / RECORD, json.dumps(handed, indent=0).encode())
+    _tell(folder, done)
+    if not near:
+        opened = folder / FIRST
+        print(f"open them with: jupyter lab {opened}  (needs: pip install 'segmap[lab]')")
+
+
+def place() -> Path:
+    """The folder of the chapters that come with segmap."""
+    for found in PLACES:
+        if (found / FIRST).is_file():
+            return found
+    raise FileNotFoundError("the chapters are missing: install segmap again")
+
+
+def originals(source: Path, *, outside: bool) -> dict[str, bytes]:
+    """Name and content of the chapters of a folder, and of what they link to beside them.
+
+    Parameters
+    ----------
+    source : Path
+    outside : bool
+        Whether links that lead out of the folder lead somewhere in the copy too.
+    """
+    files = {path.name: path.read_bytes() for path in sorted(source.glob("*.ipynb"))}
+    linked = {name.decode() for text in files.values() for name in BESIDE.findall(text)}
+    files |= {name: (source / name).read_bytes() for name in linked if (source / name).is_file()}
+    return files if outside else {name: OUTSIDE.sub(rb"\1", text) for name, text in files.items()}
+
+
+def _handed(folder: Path) -> dict[str, str]:
+    """Which originals a folder was given, as its record says."""
+    try:
+        found = json.loads((folder / RECORD).read_bytes())
+    except (OSError, ValueError):
+        return {}
+    return found if isinstance(found, dict) else {}
+
+
+def _hand_over(folder: Path, name: str, content: bytes, handed: dict[str, str]) -> str:
+    """Copy an original unless work is there; what became of it, and in `handed` its digest."""
+    path, digest = folder / name, hashlib.sha256(content).hexdigest()
+    before, handed[name] = handed.get(name), digest
+    there = path.read_bytes() if existing(path) else None
+    if there == content:
+        return "there already"
+    if there is None or hashlib.sha256(there).hexdigest() == before:  # nobody has changed it
+        path.parent.mkdir(exist_ok=True)
+        write_bytes(path, content)
+        return "copied"
+    if before is None or before == digest:
+        return "yours"
+    beside = _free(path)
+    write_bytes(beside, content)
+    return beside.name
+
+
+def _free(path: Path) -> Path:
+    """Where a newer original goes, beside the student's: a name that is not taken."""
+    count = 1
+    while existing(found := path.with_name(f"{path.stem}.newer-{count}{path.suffix}")):
+        count += 1
+    return found
+
+
+def _tell(folder: Path, done: dict[str, str]) -> None:
+    """Say what was done, and where a newer original lies."""
+    kinds = [kind for name, kind in done.items() if name.endswith(".ipynb")]
+    print(f"{counted(kinds.count('copied'), 'chapter')} copied to {folder}")
+    if same := kinds.count("there already"):
         print(f"{counted(same, 'chapter')} there already")
-    if yours:
+    if yours := [name for name, kind in done.items() if kind == "yours"]:
         print(f"left as they are, since yours differ: {', '.join(yours)}")
         print("rename one of these, and run this again, to get the chapter as it was")
-    print(f"open them with: jupyter lab {given.folder / FIRST}  (needs: pip install 'segmap[lab]')")
-
-
-def originals() -> list[Path]:
-    """The chapters that come with segmap."""
-    for place in PLACES:
-        if (place / FIRST).is_file():
-            return sorted(place.glob("*.ipynb"))
-    raise FileNotFoundError("the chapters are missing: install segmap again")
+    kept = {"copied", "there already", "yours"}
+    for name, kind in done.items():
+        if kind not in kept:
+            print(f"{name} is newer than yours, which stays: the new one is {folder / kind}")

@@ -1,0 +1,23 @@
+"""How `make lab` saves notebooks: a panel as its picture.
+
+A panel lives in its kernel. Opened without that kernel, Lab would say "model not found" in place of
+the panel, though its picture is stored beside it: Lab takes the panel, which ranks higher. So the
+panel is left out of the file. The page that saves keeps it, and its controls go on.
+"""
+
+from typing import Any
+
+VIEW = "application/vnd.jupyter.widget-view+json"
+
+
+def keep_pictures(model: dict[str, Any], **given: Any) -> None:
+    """Leave out, in place, of a notebook that is saved, each widget that has a picture."""
+    if model["type"] == "notebook":
+        for cell in model["content"]["cells"]:
+            for output in cell.get("outputs", ()):
+                if "image/png" in output.get("data", ()):
+                    output["data"].pop(VIEW, None)
+
+
+c = get_config()  # type: ignore[name-defined]  # noqa: F821
+c.FileContentsManager.pre_save_hook = keep_pictures
