@@ -64,7 +64,15 @@ def test_nothing_of_the_grader_came_to_harm(graded):
     assert sorted(rows) == sorted(submitted.KINDS)
     assert course.check_compose(lambda a, b: a + b).hint.startswith("a step ahead")
     left = sorted(path.name for path in root.iterdir())
-    assert left == ["grades.csv", "grades_feedback", "in", "out", "out.instructor.json", "victim"]
+    ours = ["grades.csv", "grades_class.txt", "grades_feedback"]
+    assert left == [*ours, "in", "out", "out.instructor.json", "victim"]
+
+
+def test_the_class_report_counts_what_was_hard(graded):
+    root, _, _ = graded
+    lines = (root / "grades_class.txt").read_text().splitlines()
+    assert "compose: 1 of 12 right" in lines and "cast_ray: 11 of 12 right" in lines
+    assert any(line.startswith("  2 x wrong: a step ahead goes where") for line in lines)
 
 
 def test_feedback_names_the_mistake_and_nothing_in_it_is_active(graded):

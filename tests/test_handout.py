@@ -11,6 +11,7 @@ from segmap.course.__main__ import main
 from segmap.course._grade_checks import checks
 from segmap.course._handout import LINK, with_links
 from segmap.course._handout_places import chapters, defines, places
+from segmap.course._handout_solutions import BEGIN, END, module_of, solution
 
 
 @pytest.fixture(scope="module")
@@ -154,3 +155,30 @@ def test_a_definition_is_seen_and_nothing_else():
 def test_chapters_are_named_by_their_numbers():
     assert list(chapters("54, 34")) == ["34", "54"] and len(chapters()) == len(CHAPTERS)
     assert set(checks()) >= {f"check_{name}" for name in EXERCISES}
+
+
+# ------------------------------------------------------------------ solutions
+@pytest.mark.parametrize("name", EXERCISES)
+def test_a_solution_is_the_library_s_source_and_passes(name):
+    """Catches a solution that misses what it calls, or that the check takes for the library."""
+    space = {}
+    exec("from __future__ import annotations\n" + _solution(name), space)
+    assert EXERCISES[name](space["mine"])
+
+
+def _solution(name):
+    return solution(EXERCISES[name], module_of(EXERCISES[name]), "mine")
+
+
+def test_solutions_stand_between_the_marks_of_nbgrader(tmp_path):
+    assert main(["solutions", str(tmp_path / "source"), "--chapters", "34,51"]) == 0
+    path = tmp_path / "source" / "34_icp" / "34_icp.ipynb"
+    held = {cell["id"]: cell for cell in cells(path)}["move_onto_walls-answer"]
+    before, rest = held["source"].split(BEGIN)
+    assert "def my_move_onto_walls(" in before and "..." in before
+    assert "my_move_onto_walls = " in rest.split(END)[0] and "def " in rest
+    assert main(["solutions", str(tmp_path / "source")]) == 1
+
+
+def test_no_copy_of_a_student_holds_a_solution(handed):
+    assert not any(BEGIN in path.read_text() for path in handed.iterdir())

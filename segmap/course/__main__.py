@@ -9,7 +9,9 @@ from pathlib import Path
 from ._grade import grade, plan_of, read_key
 from ._grade_checks import checks
 from ._grade_jail import Limits
+from ._grade_report import class_report
 from ._handout import handout
+from ._handout_solutions import write_solutions
 
 EPILOG = """\
 notebooks/INSTRUCTOR.md tells how a course is set up, graded, and what is graded by hand.
@@ -38,7 +40,19 @@ def parser() -> argparse.ArgumentParser:
     commands = found.add_subparsers(required=True, metavar="COMMAND", dest="command")
     _add_handout(commands.add_parser("handout", help="student copies of the chapters"))
     _add_grade(commands.add_parser("grade", help="points and feedback for all submissions"))
+    _add_solutions(commands.add_parser("solutions", help="chapters with solutions, for you alone"))
     return found
+
+
+def _add_solutions(command: argparse.ArgumentParser) -> None:
+    command.add_argument("folder", metavar="DIR", type=Path, help="a new folder, not for students")
+    command.add_argument("--chapters", default="", metavar="34,54", help="default: all")
+    command.set_defaults(run=_solutions)
+
+
+def _solutions(given: argparse.Namespace) -> None:
+    count = write_solutions(given.folder, checks(), given.chapters)
+    print(f"{count} chapters with solutions in {given.folder}: for you alone")
 
 
 def _add_handout(command: argparse.ArgumentParser) -> None:
@@ -111,7 +125,9 @@ def _grade(given: argparse.Namespace) -> None:
     hidden = "with" if plan.seed is not None else "without"
     pages = given.output.with_name(f"{given.output.stem}_feedback")
     print(f"{len(rows)} submissions, {len(plan.tasks)} tasks, {hidden} hidden cases")
-    print(f"written: {given.output}, and feedback for each student in {pages}")
+    for line in class_report(rows, plan.tasks):
+        print(f"  {line}")
+    print(f"written: {given.output}, {given.output.stem}_class.txt, feedback for each in {pages}")
     if any(task.by_hand for task in plan.tasks):
         print(
             "columns that are empty are graded by hand: task, rubric and answer are in the feedback"

@@ -8,8 +8,9 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from .._files import write_bytes
 from ._grade_jail import Limits
-from ._grade_report import Row, write_feedback, write_table
+from ._grade_report import Row, class_report, write_feedback, write_table
 from ._grade_run import Outcome, Pool, outcome
 from ._grade_submissions import Submission, submissions
 from ._handout import KIND, Task, tasks_of
@@ -65,12 +66,13 @@ def grade(
     unprotected: bool = False,
     tell: Callable[[str], None] = print,
 ) -> list[Row]:
-    """Grade all submissions of a folder; write the table, and feedback beside it.
+    """Grade all submissions of a folder; write the table, and feedback and a report beside it.
 
     Parameters
     ----------
     folder, output : Path
-        Submissions, and the table: `grades.csv`. Feedback goes to `grades_feedback`.
+        Submissions, and the table: `grades.csv`. Feedback goes to `grades_feedback`, what the class
+        found hard to `grades_class.txt`.
     plan : Plan
     checks : mapping of str to an exercise
     limits : Limits, optional
@@ -98,6 +100,8 @@ def grade(
             )
         rows = _rows(handed, plan, exercises, pool, bounds, tell)
     write_feedback(output.with_name(f"{output.stem}_feedback"), rows, plan.tasks)
+    report = "\n".join([*class_report(rows, plan.tasks), ""])
+    write_bytes(output.with_name(f"{output.stem}_class.txt"), report.encode("utf-8", "replace"))
     write_table(output, rows, plan.tasks)
     return rows
 

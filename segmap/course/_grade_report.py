@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import html
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import NamedTuple
@@ -14,6 +15,8 @@ from ._handout import Task
 
 #: A cell of a table that begins so would be a formula in a spreadsheet.
 FORMULA = ("=", "+", "-", "@", "\t", "\r")
+#: So many reasons a task stand in the report on a class.
+MOST_REASONS = 3
 PAGE = """<!doctype html>
 <html lang="en"><head><meta charset="utf-8">
 <meta http-equiv="Content-Security-Policy" content="default-src 'none'; style-src 'unsafe-inline'">
@@ -69,6 +72,24 @@ def reasons(row: Row) -> str:
     """In one line why answers have no points, and which files could not be read."""
     lost = [f"{name}: {o.kind}" for name, o in row.outcomes.items() if not o.right]
     return " ".join("; ".join([*lost, *row.submission.problems]).split())
+
+
+def class_report(rows: Sequence[Row], tasks: Sequence[Task]) -> list[str]:
+    """For each task how many are right, and the commonest reasons of the others."""
+    lines = []
+    for task in tasks:
+        if not task.by_hand:
+            found = [row.outcomes[task.name] for row in rows]
+            lines.append(f"{task.name}: {sum(o.right for o in found)} of {len(found)} right")
+            lost = Counter(_shared(o) for o in found if not o.right)
+            lines += [f"  {count} x {why}" for why, count in lost.most_common(MOST_REASONS)]
+    return lines
+
+
+def _shared(found: Outcome) -> str:
+    """A reason without what differs from student to student."""
+    said = found.reason.partition(" expected ")[0] if found.kind == "wrong" else ""
+    return " ".join(f"{found.kind}: {said}".rstrip(": ").split())[:150]
 
 
 def safe(cell: str) -> str:

@@ -69,26 +69,32 @@ def handout(
     if seed is not None and seed < 0:
         raise ValueError(f"the seed must be a whole number from 0 on, got {seed}")
     chosen, key = chapters(wanted), folder.with_name(f"{folder.name}.instructor.json")
-    _refuse_old(folder, key)
+    refuse_old(folder)
+    if key.exists():
+        raise ValueError(f"{key} is there already, with the seed of a handout: move it away first")
     notebooks = {path.name: read_chapter(path) for path in chosen.values()}
     tasks = [task for name, book in notebooks.items() for task in tasks_of(name, book, checks)]
     copies = {n: student_copy(n, book, checks, notebooks) for n, book in notebooks.items()}
-    write_folder(folder, {n: _text(copy) for n, copy in copies.items()})
+    write_folder(folder, {n: text(copy) for n, copy in copies.items()})
     held = {"format": KIND, "seed": seed, "tasks": [task._asdict() for task in tasks]}
     write_bytes(key, (json.dumps(held, indent=1) + "\n").encode())
     key.chmod(0o600)
     return key, tasks
 
 
-def _refuse_old(folder: Path, key: Path) -> None:
-    """Refuse to write over something, which may be a student's work."""
+def refuse_old(folder: Path) -> None:
+    """Refuse to write over something, which may be a student's work.
+
+    Raises
+    ------
+    ValueError
+        Where the folder is a file, or holds something.
+    """
     if folder.exists() and not folder.is_dir():
         raise ValueError(f"{folder} is a file: name a new folder")
     if folder.is_dir() and any(folder.iterdir()):
         held = ", ".join(sorted(path.name for path in folder.iterdir())[:3])
         raise ValueError(f"{folder} holds {held} already: name a new folder, or empty this one")
-    if key.exists():
-        raise ValueError(f"{key} is there already, with the seed of a handout: move it away first")
 
 
 def write_folder(folder: Path, files: Mapping[str, bytes]) -> None:
@@ -99,13 +105,15 @@ def write_folder(folder: Path, files: Mapping[str, bytes]) -> None:
     part.mkdir()
     try:
         for name, data in files.items():
+            (part / name).parent.mkdir(exist_ok=True)
             write_bytes(part / name, data)
         part.replace(folder)
     finally:
         shutil.rmtree(part, ignore_errors=True)
 
 
-def _text(notebook: Notebook) -> bytes:
+def text(notebook: Notebook) -> bytes:
+    """A notebook as it stands in its file."""
     return (json.dumps(notebook, indent=1, ensure_ascii=False) + "\n").encode()
 
 
