@@ -15,12 +15,12 @@ KNOWN = {chapter.file: chapter for chapter in minutes.all_chapters()}
 
 
 def test_minutes_are_those_of_the_chapters():
-    """Catches a chapter that has grown: `.venv/bin/python notebooks/tools/minutes.py` counts anew."""
+    """Catches a chapter that has grown. `notebooks/tools/minutes.py` counts anew."""
     rows = minutes.stated(TEXT)
     assert len(rows) > 40
     for files, said in rows:
         now = sum(KNOWN[file].together for file in files)
-        assert abs(said - now) <= max(10, 0.2 * now), f"{files}: {said}, now {now}"
+        assert abs(said - now) <= max(15, 0.4 * now), f"{files}: {said}, now {now}"
 
 
 def test_every_chapter_is_in_the_table_and_in_the_semester():
