@@ -2,8 +2,8 @@
 
 Each chapter is run up to its panel, whose controls are then moved through the states below. What is
 seen is stored under notebooks/pictures/panels: one file a panel, its states one below the other,
-and what each state says of itself in states.json. One of the states is that with which the panel
-begins, so that the book notices pictures that are older than the chapter.
+with what each state says of itself. One of the states is that with which the panel begins, so that
+the book notices pictures that are older than the chapter.
 """
 
 import base64
@@ -22,7 +22,8 @@ from refresh import VIEW, execute
 ROOT = Path(__file__).resolve().parents[2]
 CHAPTERS = ROOT / "notebooks"
 FOLDER = CHAPTERS / "pictures" / "panels"
-TEXTS = FOLDER / "states.json"
+#: The tag of a picture that holds a description.
+DESCRIPTION = 0x010E
 #: Pixels across, as a panel draws for fine screens.
 WIDTH = 960
 #: Colours of the palette: the fewer are taken where a file would be larger than this.
@@ -51,7 +52,7 @@ STATES: dict[str, list[str]] = {
     "56-1": ["", "scan=33", "forget=False", "scan=50"],
     "57-1": ["tolerance=0.01", "tolerance=0.05", "tolerance=0.2", "tolerance=0.4"],
     "58-1": ["penalty=0.005", "penalty=0.05", "penalty=0.2", "penalty=0.5"],
-    "59-1": ["", "method='hybrid'", "method='mean_shift'", "method='fusion', wanted=95"],
+    "59-1": ["", "wanted=60", "wanted=95", "method='basic_online', wanted=80"],
     "61-1": ["", "doublings=2", "scans=1, doublings=0", "scans=20"],
     "62-1": ["", "touched=True", "mask=False", "touched=False"],
     "63-1": ["", "turn=10", "score='occupancy', turn=0", "score='nearest'"],
@@ -124,32 +125,35 @@ def strip(pictures: list[Image.Image]) -> Image.Image:
     return whole
 
 
-def packed(image: Image.Image) -> bytes:
-    """As a file with a palette that spans the colours, no larger than need be."""
-    method, kept = Image.Quantize.MAXCOVERAGE, b""
+def packed(image: Image.Image, said: list[str]) -> bytes:
+    """As a file, no larger than need be, that holds what each state says of itself."""
+    method, kept, exif = Image.Quantize.MAXCOVERAGE, b"", Image.Exif()
+    exif[DESCRIPTION] = json.dumps(said)
     for colours in COLOURS:
         target = io.BytesIO()
         few = image.quantize(colours, method=method, dither=Image.Dither.NONE).convert("RGB")
-        few.save(target, "WEBP", lossless=True, method=6)
+        few.save(target, "WEBP", lossless=True, method=6, exif=exif)
         kept = target.getvalue()
         if len(kept) <= MOST_BYTES:
             break
     return kept
 
 
-def store(path: Path) -> list[str]:
-    """Store the pictures of a chapter's panels; answers their names."""
-    found = shown(path)
+def said_in(path: Path) -> list[str]:
+    """What the states in a stored picture say of themselves."""
+    with Image.open(path) as image:
+        return list(json.loads(image.getexif()[DESCRIPTION]))
+
+
+def store(path: Path) -> list[Path]:
+    """Store the pictures of a chapter's panels; answers their files."""
     FOLDER.mkdir(parents=True, exist_ok=True)
-    texts = json.loads(TEXTS.read_text(encoding="utf-8")) if TEXTS.exists() else {}
-    texts = {name: said for name, said in texts.items() if not name.startswith(f"{path.stem}-")}
-    for name, states in found.items():
-        picture = packed(strip([picture for picture, _ in states]))
-        (FOLDER / f"{name}.webp").write_bytes(picture)
-        texts[name] = [said for _, said in states]
-    text = json.dumps(dict(sorted(texts.items())), indent=1, ensure_ascii=False)
-    TEXTS.write_text(f"{text}\n", encoding="utf-8")
-    return list(found)
+    files = []
+    for name, states in shown(path).items():
+        pictures, said = zip(*states, strict=True)
+        files.append(FOLDER / f"{name}.webp")
+        files[-1].write_bytes(packed(strip(list(pictures)), list(said)))
+    return files
 
 
 def main(paths: list[str]) -> int:
@@ -157,7 +161,7 @@ def main(paths: list[str]) -> int:
     failed = 0
     for path in map(Path, paths) if paths else sorted(CHAPTERS.glob("*.ipynb")):
         try:
-            sizes = [f"{(FOLDER / f'{n}.webp').stat().st_size // 1000} KB" for n in store(path)]
+            sizes = [f"{file.stat().st_size // 1000} KB" for file in store(path)]
             print(f"{path.name}: {', '.join(sizes) or 'no panel'}", flush=True)
         except Exception as problem:
             failed += 1

@@ -2,7 +2,7 @@
 
 import importlib
 import inspect
-import sys
+import re
 import types
 from collections.abc import Iterator
 from pathlib import Path
@@ -109,14 +109,15 @@ def _rank(value: Any) -> int:
 
 def _notes(module: types.ModuleType) -> dict[str, str]:
     """What `#:` comments say of constants, anywhere in the room."""
-    from sphinx.pycode import ModuleAnalyzer
-
+    home = Path(str(module.__file__))
+    files = home.parent.glob("*.py") if home.name == "__init__.py" else [home]
     found: dict[str, str] = {}
-    for name in [
-        m for m in sys.modules if m == module.__name__ or m.startswith(f"{module.__name__}.")
-    ]:
-        analysed = ModuleAnalyzer.for_module(name).find_attr_docs()
-        found |= {key: "\n".join(lines).strip() for (_, key), lines in analysed.items()}
+    for text in (path.read_text(encoding="utf-8") for path in files):
+        above = re.findall(r"^((?:#: .*\n)+)([A-Z_]+(?:, [A-Z_]+)*)\b", text, re.MULTILINE)
+        beside = re.findall(r"^([A-Z_]+)\b.*?#: (.*)$", text, re.MULTILINE)
+        for said, names in [*above, *((said, name) for name, said in beside)]:
+            words = re.sub(r"^#: ", "", said, flags=re.MULTILINE).strip()
+            found |= dict.fromkeys(names.split(", "), words)
     return found
 
 

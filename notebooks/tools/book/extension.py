@@ -1,14 +1,17 @@
 """What Sphinx cannot do by itself: formulas without scripts, code that folds, sections' names."""
 
+import html
 import re
 from typing import Any
 
 from docutils import nodes
 from latex2mathml.converter import convert
 from sphinx.application import Sphinx
+from sphinx.util import logging
 
 from .citations import with_links
 
+logger = logging.getLogger(__name__)
 #: A cell with more lines is folded when a page is opened.
 LONG = 8
 
@@ -35,13 +38,25 @@ def formula(body: str, display: str = "inline") -> str:
     return convert(re.sub(r"\\arg(?![a-z])", r"\\mathrm{arg}", known), display=display)
 
 
+def _shown(node: nodes.Element, display: str) -> str:
+    """A formula as MathML; where it cannot be, it is told and stands as it was written."""
+    try:
+        shown = formula(node.astext(), display)
+    except Exception as problem:  # whatever the converter makes of it
+        shown = f"<code>{html.escape(node.astext())}</code>"
+        logger.warning("formula %r: %r", node.astext(), problem, location=node)
+    if "\\" in re.sub(r"<code>.*", "", shown):
+        logger.warning("formula with an unknown name: %s", node.astext(), location=node)
+    return shown
+
+
 def _inline(self: Any, node: nodes.math) -> None:
-    self.body.append(formula(node.astext()))
+    self.body.append(_shown(node, "inline"))
     raise nodes.SkipNode
 
 
 def _block(self: Any, node: nodes.math_block) -> None:
-    self.body.append(f'<div class="formula">{formula(node.astext(), "block")}</div>')
+    self.body.append(f'<div class="formula">{_shown(node, "block")}</div>')
     raise nodes.SkipNode
 
 

@@ -5,7 +5,6 @@ pictures of their states, headings get numbers, and chapters and theses that are
 """
 
 import html
-import json
 import re
 import shutil
 from dataclasses import dataclass
@@ -38,6 +37,7 @@ FILES = ("LICENSE", "CITATION.cff", "notebooks/pictures/*.png", "data/**/*.csv",
 LINKED = re.compile(r"(`[^`\n]*`|\[[^\]]*\]\([^)]*\)|\$[^$]+\$|<[^>]+>)")
 NAMED = re.compile(r"\b[Cc]hapters? \d\d(?:(?:,| and| to) \d\d)*\b(?!\.\d)")
 HEADING = re.compile(r"^(##|###) (?=\S)", re.MULTILINE)
+TITLE = re.compile(r"""title(?:=|\()f?"([^"\n]+)\"""")
 FENCED = re.compile(r"(^```.*?^```$|\$\$.*?\$\$)", re.MULTILINE | re.DOTALL)
 
 
@@ -83,6 +83,7 @@ def read_chapter(path: Path, states: dict[str, list[str]]) -> Chapter:
             cell.source = adapt(numbered(cell.source, path.stem[:2], section))
         elif cell.source.strip():
             cell.metadata["tags"] = [*cell.metadata.get("tags", []), "hide-input"]
+            _describe_picture(cell)
     complaints += _replace_panels(notebook, path.stem, states)
     return Chapter(notebook, complaints)
 
@@ -95,9 +96,10 @@ def adapt(text: str) -> str:
 
 
 def read_states() -> dict[str, list[str]]:
-    """Name of each picture of panels -> what each of its states says."""
-    path = PICTURES / "states.json"
-    return json.loads(path.read_text(encoding="utf-8")) if path.exists() else {}
+    """Name of each picture of a panel -> what each of its states says."""
+    from panel_pictures import said_in
+
+    return {path.stem: said_in(path) for path in PICTURES.glob("*.webp")}
 
 
 def write_stub(folder: Path, page: str, said: str) -> None:
@@ -171,6 +173,17 @@ def _linked(text: str) -> str:
     parts = LINKED.split(text)
     inside = [name(part) if k % 2 == 0 else part for k, part in enumerate(parts)]
     return "".join(inside)
+
+
+def _describe_picture(cell: NotebookNode) -> None:
+    """The title of the picture of a cell, for who cannot see it."""
+    shown = [output for output in cell.outputs if "image/png" in output.get("data", {})]
+    if not shown:
+        return
+    words = TITLE.findall(cell.source) or [shown[0].data.get("text/plain", "")]
+    words = [word for word in words if word and not word.startswith("<Figure")]
+    alt = re.sub(r"\{[^}]*\}", "...", "; ".join(words)) or "Figure that the code above draws"
+    cell.metadata["mystnb"] = {"image": {"alt": alt}}
 
 
 # ------------------------------------------------------------------ panels
@@ -250,5 +263,5 @@ def _write_contents(folder: Path, chapters: list[Path]) -> None:
 
 
 def _tree(caption: str, pages: list[str]) -> str:
-    listed = "\n".join(f"/{page}" for page in pages)
+    listed = "\n".join("README </README>" if p == "README" else f"/{p}" for p in pages)
     return f"```{{toctree}}\n:caption: {caption}\n:maxdepth: 1\n:hidden:\n\n{listed}\n```\n"

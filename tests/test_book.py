@@ -1,0 +1,193 @@
+"""The book: a small one built as `make book` builds the whole, and read in a real browser.
+
+Pictures of what the browser showed are left at build/browser/book_*.png.
+"""
+
+import json
+import re
+import subprocess
+import sys
+import time
+import urllib.parse
+
+import pytest
+from chapter_rules import CHAPTERS, ROOT
+from test_browser import SCREENSHOT, browser, wait
+
+assert browser  # the fixture
+BUILD = """
+import json, sys
+from pathlib import Path
+from book import build
+made = build(Path(sys.argv[1]), chapters=[Path(p) for p in sys.argv[3:]], rooms=(sys.argv[2],))
+print(json.dumps(made.complaints))
+"""
+#: What a browser fetches by itself while it shows a page: tags, and styles.
+FETCHED = re.compile(
+    r"<(?:script|img|iframe|source|video|embed|object)\b[^>]*?(?:src|srcset|data)=\"([^\"]*)\""
+    r"|<link\b(?![^>]*rel=\"(?:next|prev|index|search|canonical)\")[^>]*?href=\"([^\"]*)\""
+)
+IN_STYLES = re.compile(r"@import[^;]*|url\(\s*['\"]?(?!data:|#|['\"]?data:)([^)'\"]*)")
+WIDE = """
+return [document.documentElement.scrollWidth, window.innerWidth]"""
+RESULTS = """
+return document.querySelector('#search-results h2') && /finished/.test(document.body.innerText)
+  && [...document.querySelectorAll('#search-results li > a')].map(a => a.textContent)"""
+
+
+def chapter(folder, name, source, **output):
+    """A chapter with one cell of code and its output."""
+    kinds = {"png": "image/png"}
+    shown = {"output_type": "display_data", "metadata": {}, "data": {}}
+    shown["data"] = {kinds[kind]: data for kind, data in output.items()}
+    code = {"cell_type": "code", "metadata": {}, "source": "1", "id": "a", "execution_count": 1}
+    text = {"cell_type": "markdown", "metadata": {}, "source": source, "id": "b"}
+    cells = [text, code | {"outputs": [shown] if output else []}]
+    path = folder / name
+    path.write_text(
+        json.dumps({"cells": cells, "metadata": {}, "nbformat": 4, "nbformat_minor": 5})
+    )
+    return path
+
+
+@pytest.fixture(scope="module")
+def book(tmp_path_factory):
+    """Folder of a book with two chapters that are sound and two that are not; its complaints."""
+    folder = tmp_path_factory.mktemp("book")
+    unreadable = folder / "97_unreadable.ipynb"
+    unreadable.write_text('{"cells": [')
+    spoiled = chapter(folder, "98_spoiled.ipynb", "# 98 Spoiled\n\nText.", png="a")
+    sound = [path for path in CHAPTERS if path.stem[:2] in ("53", "54")]
+    run = subprocess.run(
+        [sys.executable, "-c", BUILD, folder / "pages", "reduction", *sound, unreadable, spoiled],
+        env={"PATH": "/usr/bin:/bin", "PYTHONPATH": f"{ROOT}:{ROOT / 'notebooks/tools'}"},
+        capture_output=True,
+        text=True,
+        timeout=300,
+    )
+    assert run.returncode == 0, run.stderr
+    return folder / "pages", json.loads(run.stdout.splitlines()[-1])
+
+
+def read(folder, page):
+    return (folder / page).read_text(encoding="utf-8")
+
+
+def test_a_broken_chapter_does_not_lose_the_rest(book):
+    """Catches a book that ends at the first file that it cannot read, or that Sphinx fails on."""
+    folder, complaints = book
+    said = "\n".join(complaints)
+    assert "97_unreadable.ipynb" in said and "98_spoiled" in said
+    for name in ("97_unreadable", "98_spoiled"):
+        assert "could not be made" in read(folder, f"notebooks/{name}.html")
+    assert "53.1 The idea" in read(folder, "notebooks/53_mean_shift.html")
+
+
+def fetched(folder):
+    """Everything that pages and styles make a browser fetch."""
+    for page in folder.rglob("*.html"):
+        yield from (a or b for a, b in FETCHED.findall(page.read_text(encoding="utf-8")))
+    for style in folder.rglob("*.css"):
+        yield from IN_STYLES.findall(style.read_text(encoding="utf-8"))
+
+
+def test_nothing_comes_from_another_host(book):
+    """Catches a script, style, font or picture that a page without a network does not get."""
+    found = set(fetched(book[0]))
+    assert any(place.endswith("searchindex.js") for place in found)
+    assert [place for place in found if re.match(r"(?:https?:)?//", place)] == []
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        '<script src="https://x.org/a.js">',
+        '<link rel="stylesheet" href="//x.org/a.css">',
+        '<img alt="a" src="http://x.org/a.png">',
+    ],
+)
+def test_what_is_fetched_is_seen(text, tmp_path):
+    """Catches patterns that find nothing."""
+    (tmp_path / "a.html").write_text(text)
+    (tmp_path / "a.css").write_text("@font-face { src: url('https://x.org/f.woff') }")
+    assert sum(re.match(r"(?:https?:)?//", place) is not None for place in fetched(tmp_path)) == 2
+
+
+def test_a_page_shows_what_the_chapter_stored(book):
+    """Catches formulas, figures, code or panels that are lost on the way."""
+    page = read(book[0], "notebooks/54_fusion.html")
+    assert "<math" in page and "<mjx" not in page and "MathJax" not in page
+    assert page.count('<details class="code-fold"') > 20 and "_images/" in page
+    assert page.count("<figcaption>tolerance") == 4 and "widget-view" not in page
+    assert 'href="53_mean_shift.html"' in page and "A 4.4" in page
+    assert re.search(r'href="\.\./references\.html#thesis-a"', page)
+
+
+def test_api_pages_show_signatures_and_examples(book):
+    page = read(book[0], "api/reduction.html")
+    assert 'id="segmap.reduction.fusion"' in page and "Parameters" in page
+    assert (
+        re.search(r"&gt;&gt;&gt; </span>", page) and 'href="#segmap.reduction.mean_shift"' in page
+    )
+
+
+def test_the_book_in_a_browser(book, browser):
+    """Catches what no parser sees: a search that finds nothing, a page wider than a phone."""
+    home = (book[0] / "index.html").as_uri()
+    browser.size(1440, 1000)
+    browser.open(urllib.parse.urljoin(home, "search.html?q=mean+shift"))
+    found = wait("the search", lambda: browser.run(RESULTS), 60)
+    assert found[0] == "53 Mean shift" and "segmap.reduction.mean_shift" in found
+    browser.screenshot(SCREENSHOT.with_name("book_search.png"))
+
+    browser.open(urllib.parse.urljoin(home, "notebooks/53_mean_shift.html"))
+    browser.click("//div[contains(@class, 'toc-tree')]//a[contains(., 'What goes wrong')]")
+    top = "return document.querySelector('#what-goes-wrong').getBoundingClientRect().top"
+    wait("the section", lambda: -5 < browser.run(top) < 200, 20)
+    browser.screenshot(SCREENSHOT.with_name("book_chapter.png"))
+    browser.run("document.querySelector('a.next-page').click()")
+    wait("the next page", lambda: "/54_fusion.html" in browser.run("return location.href"), 20)
+    browser.run("document.querySelector('button.fold-all').click()")
+    assert browser.run("return document.querySelectorAll('details.code-fold[open]').length") == 0
+    browser.run("document.querySelector('a.prev-page').click()")
+    wait("the page before", lambda: "/53_mean" in browser.run("return location.href"), 20)
+
+    pages = ["index", "notebooks/53_mean_shift", "notebooks/54_fusion", "api/reduction", "README"]
+    assert [page for page in pages if not fits(browser, home, f"{page}.html")] == []
+    browser.run("console.error('planted, to prove that errors are seen')")
+    errors = browser.errors()
+    assert len(errors) == 1 and "planted" in errors[0], errors
+
+
+def fits(browser, home, page):
+    """Whether a page has no horizontal scroll on a phone of 400 px."""
+    phone = {"width": 400, "height": 800, "deviceScaleFactor": 2, "mobile": True}
+    browser.devtools("Emulation.setDeviceMetricsOverride", phone)
+    browser.open(urllib.parse.urljoin(home, page))
+    time.sleep(0.2)
+    if page.endswith("54_fusion.html"):
+        browser.screenshot(SCREENSHOT.with_name("book_phone.png"))
+    width, window = browser.run(WIDE)
+    return width <= 400 and window == 400
+
+
+@pytest.mark.slow
+def test_the_whole_book(browser):
+    """Catches a chapter, a link, a docstring or a panel that is not as it should be."""
+    run = subprocess.run(
+        [sys.executable, "-m", "book"],
+        cwd=ROOT,
+        env={"PATH": "/usr/bin:/bin", "PYTHONPATH": f"{ROOT}:{ROOT / 'notebooks/tools'}"},
+        capture_output=True,
+        text=True,
+        timeout=580,
+    )
+    assert (run.returncode, run.stderr) == (0, "")
+    folder = ROOT / "build" / "book"
+    pages = [str(p.relative_to(folder)) for p in folder.rglob("*.html") if "_static" not in p.parts]
+    assert {f"notebooks/{path.stem}.html" for path in CHAPTERS} < set(pages)
+    assert [place for place in fetched(folder) if re.match(r"(?:https?:)?//", place)] == []
+    home = (folder / "index.html").as_uri()
+    assert [page for page in sorted(pages) if not fits(browser, home, page)] == []
+    browser.open(urllib.parse.urljoin(home, "search.html?q=mean+shift"))
+    assert wait("the search", lambda: browser.run(RESULTS), 60)[0] == "53 Mean shift"
