@@ -148,7 +148,7 @@ def test_everything_that_is_cited_is_in_the_references():
         for match in citations.CITED.finditer(prose(path))
         if citations.label_of(match) is None and match["names"] not in NO_AUTHORS
     }
-    assert missing == set()
+    assert missing == set(), f"add to {citations.PAGE}"
 
 
 def prose(path):
