@@ -346,11 +346,17 @@ PLANTED = (
     ("return 1 if failed else 0", "return 0", "commands"),
     ("self._taken[place] = self.source", "pass", "commands"),
     ("if place == Path(self.source).resolve():", "if False:", "commands"),
-    ("new = [name for name in chapters if name not in old]", "new = list(chapters)", "commands"),
+    ("if before is None or before == digest:", "if before is None:", "commands"),
+    ("if there is None or hashlib.sha256(there).hexdigest() == before:", "if there is None or before != digest:", "commands"),
     ("exports.write_segments(path, after)", "exports.write_segments(path, before)", "commands"),
     ("return 130\n    except BrokenPipeError", "return 1\n    except BrokenPipeError", "commands"),
     ("part = map[np.isin(map.scan, scans)]", "part = map[:MOST]", "commands"),
     ("log.truth is not None and np.isfinite(log.truth).all()\n", "log.truth is not None and np.isfinite(log.truth).any()\n", "commands"),
     ("compose(poses, np.array([scan.sensor_pose for scan in log]))", "poses", "commands"),
     ("log, poses.trusted, keep_points", "log, poses, keep_points", "commands"),
+    # panels
+    ('W.jslink((moved, "value"), (play, "value"))', 'W.jslink((play, "value"), (moved, "value"))', "panels"),
+    ("[(control, control.value) for control in self._controls], False", "[], False", "panels"),
+    ("most = (1 - 1 / self.zoom) / 2", "most = 1 - 1 / self.zoom", "panels"),
+    ("ax.collections[-1].set_zorder(ABOVE)", "ax.collections[-1].set_zorder(1)", "plotting"),
 )  # fmt: skip
