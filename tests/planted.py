@@ -356,7 +356,8 @@ PLANTED = (
     ("log, poses.trusted, keep_points", "log, poses, keep_points", "commands"),
     # panels
     ('W.jslink((moved, "value"), (play, "value"))', 'W.jslink((play, "value"), (moved, "value"))', "panels"),
-    ("[(control, control.value) for control in self._controls], False", "[], False", "panels"),
+    ("if not self._was_shown:", "if False:", "panels"),
+    ("self._look.whole()\n        self._redraw()", "self._redraw()", "panels"),
     ("most = (1 - 1 / self.zoom) / 2", "most = 1 - 1 / self.zoom", "panels"),
     ("ax.collections[-1].set_zorder(ABOVE)", "ax.collections[-1].set_zorder(1)", "plotting"),
 )  # fmt: skip

@@ -52,7 +52,7 @@ class Panel:
         self._players = [part for part in parts if isinstance(part, W.Play)]
         self._controls = [p for p in parts if hasattr(p, "value") and not isinstance(p, ASIDE)]
         self._remember()
-        self._held = False
+        self._held = self._was_shown = False
         for control in self._controls:
             control.observe(self._redraw, names="value")
         self._redraw()
@@ -76,10 +76,7 @@ class Panel:
 
     def _remember(self) -> None:
         """Take what the controls say as the start, to which `reset` goes back."""
-        self._at_first, self._shown = (
-            [(control, control.value) for control in self._controls],
-            False,
-        )
+        self._at_first = [(control, control.value) for control in self._controls]
 
     def _redraw(self, change: Any = None) -> None:
         if not self._held:
@@ -106,9 +103,9 @@ class Panel:
     def _repr_mimebundle_(self, include: Any = None, exclude: Any = None) -> dict[str, Any]:
         """The live panel, and for readers without a kernel its picture and its text."""
         bundle: dict[str, Any] = dict(self._view._repr_mimebundle_())
-        if not self._shown:
+        if not self._was_shown:
             self._remember()
-            self._shown = True
+            self._was_shown = True
         still = figure_png(self._drawn()) if self._paints() else bytes(self.picture.value)
         return bundle | {"image/png": still, "text/plain": repr(self)}
 
