@@ -98,6 +98,14 @@ def test_nothing_comes_from_another_host(book):
     assert [place for place in found if re.match(r"(?:https?:)?//", place)] == []
 
 
+def test_what_a_page_shows_is_there(book):
+    """Catches pictures of panels, figures and scripts that were not copied."""
+    for page in book[0].rglob("*.html"):
+        places = [a or b for a, b in FETCHED.findall(page.read_text(encoding="utf-8"))]
+        files = [place.partition("?")[0] for place in places if not place.startswith("data:")]
+        assert [name for name in files if not (page.parent / name).exists()] == [], page
+
+
 @pytest.mark.parametrize(
     "text",
     [
@@ -138,6 +146,8 @@ def test_the_book_in_a_browser(book, browser):
     browser.open(urllib.parse.urljoin(home, "search.html?q=mean+shift"))
     found = wait("the search", lambda: browser.run(RESULTS), 60)
     assert found[0] == "53 Mean shift" and "segmap.reduction.mean_shift" in found
+    claim = "return document.querySelector('#search-results li > p').textContent"
+    assert browser.run(claim).startswith("Mean shift cuts the walls")
     browser.screenshot(SCREENSHOT.with_name("book_search.png"))
 
     browser.open(urllib.parse.urljoin(home, "notebooks/53_mean_shift.html"))

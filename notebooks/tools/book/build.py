@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from .api import ROOMS, write_api
-from .sources import CHAPTERS, copy_sources, write_stub
+from .sources import CHAPTERS, copy_sources, write_stub, write_summaries
 
 HERE = Path(__file__).parent
 #: So many pages may fail before something else must be wrong.
@@ -45,6 +45,7 @@ def build(folder: Path, *, chapters: list[Path] = CHAPTERS, rooms: tuple[str, ..
     sources = work / "sources"
     complaints = copy_sources(sources, chapters)
     write_api(sources / "api", rooms)
+    write_summaries(sources)
     for _ in range(MOST_FAILURES):
         page, said = _run(sources, work / "pages", work / "notes")
         if page is None:
@@ -65,8 +66,9 @@ def _run(sources: Path, folder: Path, notes: Path) -> tuple[str | None, str]:
 
     os.environ.pop("SOURCE_DATE_EPOCH", None)
     warnings, at = io.StringIO(), {"page": ""}
+    own = {"html_static_path": [str(HERE / "static"), str(sources / "_static")]}
     app = Sphinx(
-        sources, HERE, folder, notes, "html", status=None, warning=warnings, parallel=1, verbosity=0
+        sources, HERE, folder, notes, "html", own, status=None, warning=warnings, parallel=1
     )
     app.connect("source-read", lambda app, page, source: at.update(page=page))
     app.connect("doctree-resolved", lambda app, tree, page: at.update(page=page))

@@ -43,10 +43,9 @@ python_display_short_literal_types = True
 # Pages: nothing comes from another host.
 html_theme = "furo"
 html_theme_options = {"navigation_with_keys": True}
-html_static_path = ["static"]
 html_extra_path: list[str] = []
 html_css_files = ["book.css"]
-html_js_files = ["book.js"]
+html_js_files = ["summaries.js", "book.js"]
 html_math_renderer = "mathml"
 html_copy_source = False
 html_show_sourcelink = False

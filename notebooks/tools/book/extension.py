@@ -23,6 +23,7 @@ def setup(app: Sphinx) -> dict[str, bool]:
     app.add_html_math_renderer("mathml", (_inline, None), (_block, None))
     app.add_node(HideCodeCellNode, override=True, html=(_open, _close))
     app.connect("autodoc-process-docstring", _tidy_docstring)
+    app.connect("autodoc-skip-member", _skip_member)
     return {"parallel_read_safe": True, "parallel_write_safe": True}
 
 
@@ -70,6 +71,11 @@ def _open(self: Any, node: nodes.Element) -> None:
 
 def _close(self: Any, node: nodes.Element) -> None:
     self.body.append("</details>\n")
+
+
+def _skip_member(app: Sphinx, what: str, name: str, obj: Any, skip: bool, options: Any) -> Any:
+    """The fields of a tuple are in its docstring: Python's own words for them say nothing."""
+    return True if (obj.__doc__ or "").startswith("Alias for field number") else None
 
 
 def _tidy_docstring(

@@ -5,6 +5,7 @@ pictures of their states, headings get numbers, and chapters and theses that are
 """
 
 import html
+import json
 import re
 import shutil
 from dataclasses import dataclass
@@ -138,6 +139,19 @@ def _unsound(notebook: NotebookNode) -> list[str]:
     errors = [f"a stored output is an error, {output.ename}" for output in found]
     bare = [] if all(c.execution_count for c in code) else ["some cells were not run: make refresh"]
     return errors + bare
+
+
+def write_summaries(folder: Path) -> None:
+    """A script with one sentence for each page, which the search shows below the name of a page."""
+    said = {}
+    for path in sorted((folder / "notebooks").glob("*.ipynb")):
+        first = nbformat.read(path, as_version=4).cells[0].source
+        claim = first.partition("\n\n")[2].partition("\n\n")[0]
+        said[f"notebooks/{path.stem}"] = re.sub(r"\[([^]]*)\]\([^)]*\)|[*`$\\]", r"\1", claim)
+    for path in (folder / "api").glob("*.rst"):
+        said[f"api/{path.stem}"] = f"API: every public name of {path.stem}"
+    text = f"const SUMMARIES = {json.dumps(said)};\n"
+    (folder / "_static" / "summaries.js").write_text(text, encoding="utf-8")
 
 
 # ------------------------------------------------------------------ words

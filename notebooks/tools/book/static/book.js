@@ -24,3 +24,20 @@ document.addEventListener("DOMContentLoaded", () => {
   title.insertAdjacentElement("afterend", button);
   show(kept.get() || "some");
 });
+
+// Below each page that a search finds stands its claim: a page of a file cannot be fetched.
+document.addEventListener("DOMContentLoaded", () => {
+  const list = document.querySelector("#search-results");
+  if (!list) return;
+  const describe = (item) => {
+    const link = item.querySelector(":scope > a");
+    if (!link || item.querySelector("p") || link.hash) return;
+    const page = Object.keys(SUMMARIES).find((name) => link.pathname.endsWith(`/${name}.html`));
+    if (!page) return;
+    const words = document.createElement("p");
+    words.textContent = SUMMARIES[page];
+    item.append(words);
+  };
+  const watch = new MutationObserver(() => list.querySelectorAll("li").forEach(describe));
+  watch.observe(list, { childList: true, subtree: true });
+});
