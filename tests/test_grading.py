@@ -9,19 +9,21 @@ import pytest
 import submitted
 
 from segmap import course
-from segmap.course import EXERCISES, _grade_jail, _grade_run
+from segmap.course import EXERCISES, _grade, _grade_jail, _grade_run
 from segmap.course.__main__ import main
 from segmap.course._grade import cases_of
 from segmap.course._grade_checks import checks
 from segmap.course._grade_jail import Limits, Locks
 from segmap.course._grade_report import safe
 from segmap.course._grade_run import Pool, outcome
-from segmap.course._grade_submissions import submissions
+from segmap.course._grade_submissions import Answer, Submission, submissions
 from segmap.course._grade_wire import packed, unpacked
 from segmap.course._handout import Task
 
 LIMITS = Limits(seconds=30, cpu=1, memory=1 << 28)
-TASK = Task("compose", "11_scans_and_poses.ipynb", ("my_compose",), 4, "import numpy as np")
+TASK = Task(
+    "compose", "11_scans_and_poses.ipynb", ("my_compose",), 4, "import numpy as np", "my_compose"
+)
 pytestmark = pytest.mark.skipif(
     not (_grade_jail.landlock_version() or _grade_run.os.geteuid() == 0),
     reason="this system keeps no files from another program",
@@ -126,7 +128,7 @@ def said(pool, cell):
         ("socket.create_connection(('192.0.2.1', 80), 1)", "Error"),
         ("os.kill(os.getppid(), 9)", "Error"),
         ("os.remove(np.__file__)", "Error"),
-        ("raise ValueError(sorted(os.environ))", "[]"),
+        ("raise ValueError([k for k in os.environ if k[-8:] != '_THREADS'])", "[]"),
     ],
 )
 def test_what_an_answer_has_no_need_for_is_refused(pool, text, words):
@@ -175,6 +177,39 @@ def test_a_right_answer_after_all_of_these_is_right(pool):
     """Catches an answer that changes the process of the next."""
     assert said(pool, submitted.COMPOSE).right
     assert "apart" in str(pool.locks) or pool.locks.apart or "Not on this system" in str(pool.locks)
+
+
+FOOLS = "my_map = [*segmap.simulation.rectangular_room().tolist(), [(10, 10), (16, 10)]]"
+
+
+@pytest.mark.parametrize(
+    ("task", "given", "cell", "kind", "words"),
+    [
+        ("predict_beams_on_wall", "my_guess", "my_guess = 15", "right", "it is 15 beams"),
+        ("predict_beams_on_wall", "my_guess", "my_guess = None", "wrong", "your number first"),
+        ("predict_beams_on_wall", "my_guess", "my_guess = 4", "wrong", "near enough"),
+        ("break_quality", "my_map", FOOLS, "right", "invented costs nothing"),
+        ("break_quality", "my_map", "my_map = [[(1e300, 0), (0, 0)]]", "wrong", "within 20 m"),
+        ("break_quality", "my_map", "my_map = np.zeros(10**8)", "memory", "memory"),
+        (
+            "break_quality",
+            "my_map",
+            "from segmap import course\nmy_map = [[(0, 0), (1, 1)]]\n"
+            "course.Challenge.verdict = lambda *_: course.Check('break_quality', True)\n"
+            "course._open_exercises.quality = lambda *_: 1.0",
+            "wrong",
+            "the quality sees it",
+        ),
+    ],
+)
+def test_an_open_exercise_is_judged_where_no_student_s_code_runs(
+    pool, task, given, cell, kind, words
+):
+    exercise = course.OPEN_EXERCISES[task]
+    asked = Task(task, "x", (given,), 4, "import numpy as np\nimport segmap", given)
+    handed = Submission("ann", "", [Answer(f"{task}-answer", "code", cell)], [])
+    found = _grade._one(handed, asked, exercise, cases_of(exercise, 5), pool, LIMITS)
+    assert found.kind == kind and words in found.reason
 
 
 def test_a_process_that_died_is_started_anew(pool):

@@ -9,7 +9,7 @@ from chapter_rules import CHAPTERS
 from segmap.course import EXERCISES
 from segmap.course.__main__ import main
 from segmap.course._grade_checks import checks
-from segmap.course._handout import LINK, with_links
+from segmap.course._handout import LINK, student_copy, tasks_of, with_links
 from segmap.course._handout_places import chapters, defines, places
 from segmap.course._handout_solutions import BEGIN, END, module_of, solution
 
@@ -143,7 +143,7 @@ def test_an_answer_in_a_cell_of_its_own_is_found():
         ("check_f", 0, 3),
     ]
     assert found[0].answers == ("my_g", "my_f")
-    with pytest.raises(ValueError, match="no cell before it defines"):
+    with pytest.raises(ValueError, match="checks what no cell before it defines"):
         places(held[3:], {"check_f"})
 
 
@@ -155,6 +155,45 @@ def test_a_definition_is_seen_and_nothing_else():
 def test_chapters_are_named_by_their_numbers():
     assert list(chapters("54, 34")) == ["34", "54"] and len(chapters()) == len(CHAPTERS)
     assert set(checks()) >= {f"check_{name}" for name in EXERCISES}
+
+
+def made_up(*sources):
+    """A chapter of these cells: those that begin with a capital are text."""
+    kinds = ["markdown" if source[0].isupper() else "code" for source in sources]
+    pairs = enumerate(zip(kinds, sources, strict=True))
+    return {
+        "cells": [
+            {"cell_type": kind, "id": f"c{k}", "metadata": {}, "source": source}
+            for k, (kind, source) in pairs
+        ]
+    }
+
+
+def test_what_a_person_grades_has_its_rubric_and_no_test_cell():
+    """Catches points that nobody gives: a log cannot be judged from numbers."""
+    chapter = made_up(
+        "Title",
+        "Predict. 4 points where it is near.",
+        "my_guess = None",
+        "course.predict_beams_on_wall(my_guess)",
+        "Own log. 3 points: it is read. 7 points: it is explained.",
+        "my_log, my_poses = None, None\ncourse.check_own_log(my_log, my_poses)",
+        "Explain why, by hand: 6 points.",
+    )
+    tasks = tasks_of("99_x.ipynb", chapter, checks())
+    told = [(task.name, task.points, task.by_hand, task.given) for task in tasks]
+    assert told == [
+        ("predict_beams_on_wall", 4, False, "my_guess"),
+        ("own_log", 10, True, "(my_log, my_poses)"),
+        ("by_hand_99_6", 6, True, ""),
+    ]
+    assert "7 points: it is explained" in tasks[1].rubric
+    found = {c["id"]: c for c in student_copy("99_x.ipynb", chapter, checks(), [])["cells"]}
+    assert "own_log-test" not in found and "predict_beams_on_wall-test" in found
+    hand = found["own_log-answer"]["metadata"]["nbgrader"]
+    assert hand["grade"] and hand["solution"] and hand["points"] == 10
+    assert found["by_hand_99_6"]["metadata"]["nbgrader"]["points"] == 6
+    assert found["own_log-check"]["source"] == "course.check_own_log(my_log, my_poses)"
 
 
 # ------------------------------------------------------------------ solutions

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 from .._files import write_bytes
 from ._grade_jail import Limits
 from ._grade_report import Row, class_report, write_feedback, write_table
-from ._grade_run import Outcome, Pool, outcome
+from ._grade_run import Outcome, Pool, judged, outcome
 from ._grade_submissions import Submission, submissions
 from ._handout import KIND, Task, tasks_of
 from ._handout_places import chapters, read_chapter
@@ -134,7 +134,8 @@ def _rows(
 def cases_of(exercise: Any, seed: int | None) -> dict[str, Any]:
     """The cases that students see, and the hidden ones of a seed."""
     hidden = {} if seed is None else exercise.fresh(seed)
-    return {**exercise.cases, **{f"{words} (hidden case)": v for words, v in hidden.items()}}
+    shown = getattr(exercise, "cases", {})  # an open exercise has none
+    return {**shown, **{f"{words} (hidden case)": v for words, v in hidden.items()}}
 
 
 def _one(
@@ -146,4 +147,5 @@ def _one(
         return Outcome("unreadable", "; ".join(handed.problems))
     if cell is None:
         return Outcome("missing", f"no cell defines {' and '.join(task.answers)}")
-    return outcome(exercise, cases, pool.run(task, cell, cases), limits)
+    found = outcome(exercise, cases, pool.run(task, cell, cases), limits)
+    return found if isinstance(found, Outcome) else judged(pool.judge(task, found), limits)

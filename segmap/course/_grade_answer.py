@@ -14,31 +14,38 @@ def answer(job: dict[str, Any], cases: Any) -> dict[str, Any]:
     Parameters
     ----------
     job : dict
-        `imports`, `cell`: sources; `task`: a name in `course.EXERCISES`; `names`: those that the
-        cell must define.
+        `imports`, `cell`: sources; `task`: a name in `course.EXERCISES` or `OPEN_EXERCISES`;
+        `names`: those that the cell must define; `given`: what the check is called with. Or
+        `task` and `judge`, the answers to an open exercise: then no code of a student runs, and
+        `passed` and `hint` are found.
     cases : mapping from words to a tuple of arguments
     """
     from .. import course
 
     # Whatever the cell does to the package afterwards, this is what was there before.
-    exercise = course.EXERCISES.get(job["task"])
+    exercise: Any = {**course.EXERCISES, **course.OPEN_EXERCISES}[job["task"]]
+    if "judge" in job:
+        check = exercise.verdict(job["judge"])
+        return {"passed": check.passed, "hint": check.hint}
     space: dict[str, Any] = {"__name__": "__main__"}
     exec(job["imports"], space)
-    if fault := defined(job["cell"], space):
+    if fault := defined(job["cell"], space) or missing(job["names"], space):
         return fault
-    missing = [name for name in job["names"] if name not in space]
-    if missing:
-        return {"fault": "missing", "text": f"the cell does not define {', '.join(missing)}"}
-    function = space[job["names"][0]]
-    if not callable(function):
-        return {"fault": "missing", "text": f"{job['names'][0]} is no function"}
-    assert exercise is not None
     try:
-        return {"answers": exercise.answers(function, cases)}
+        given = eval(job["given"], space)
+        if job["task"] in course.EXERCISES and not callable(given):
+            return {"fault": "missing", "text": f"{job['given']} is no function"}
+        return {"answers": exercise.answers(given, cases)}
     except MemoryError:
         return {"fault": "memory", "text": ""}
     except BaseException as error:  # an interrupt, which is no Exception
         return {"fault": "raised", "text": f"{type(error).__name__}: {_words(error)}"}
+
+
+def missing(names: list[str], space: dict[str, Any]) -> dict[str, str] | None:
+    """Names that a cell should have defined, and did not."""
+    lost = ", ".join(name for name in names if name not in space)
+    return {"fault": "missing", "text": f"the cell does not define {lost}"} if lost else None
 
 
 def defined(cell: str, space: dict[str, Any]) -> dict[str, str] | None:

@@ -16,6 +16,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from ._exercise import Exercise
 from ._grade_jail import PACKAGE, Limits, Locks
 from ._grade_wire import packed
 from ._handout import Task
@@ -38,6 +39,12 @@ class Outcome(NamedTuple):
     kind: str
     reason: str
     right: bool = False
+
+
+class Unjudged(NamedTuple):
+    """Answers to an open exercise: a method of the library must run on them, see `Pool.judge`."""
+
+    answers: list[Any]
 
 
 class Server:
@@ -158,15 +165,17 @@ class Pool:
 
     def run(self, task: Task, cell: str, cases: Any) -> dict[str, Any]:
         """The report on a student's cell."""
-        job = {
-            "task": task.name,
-            "names": task.answers,
-            "imports": task.imports,
-            "cell": cell,
-            "cases": packed(cases),
-        }
+        job = {"task": task.name, "imports": task.imports, "cell": cell, "cases": packed(cases)}
         with self._one() as server:
-            return server.run(job)
+            return server.run({**job, "names": task.answers, "given": task.given})
+
+    def judge(self, task: Task, answers: Unjudged) -> dict[str, Any]:
+        """The report on numbers that should fool a method: the method runs on them, locked in too.
+
+        No code of the student runs there, so that the verdict is the library's.
+        """
+        with self._one() as server:
+            return server.run({"task": task.name, "judge": answers.answers, "cases": {}})
 
     def __enter__(self) -> Pool:
         return self
@@ -177,8 +186,30 @@ class Pool:
 
 
 # ------------------------------------------------------------------------------ the verdict
-def outcome(exercise: Any, cases: Any, report: Mapping[str, Any], limits: Limits) -> Outcome:
+def outcome(
+    exercise: Any, cases: Any, report: Mapping[str, Any], limits: Limits
+) -> Outcome | Unjudged:
     """Judge what a process sent: numbers are compared here, with what the library answers here."""
+    found = _read(report, limits)
+    if isinstance(found, Outcome):
+        return found
+    answers = found.get("answers")
+    if isinstance(exercise, Exercise):
+        return _judged(exercise, cases, answers)
+    return Unjudged(answers if isinstance(answers, list) else [])
+
+
+def judged(report: Mapping[str, Any], limits: Limits) -> Outcome:
+    """What became of an open exercise, by a process in which no code of a student ran."""
+    found = _read(report, limits)
+    if isinstance(found, Outcome):
+        return found._replace(reason=f"judging it: {found.reason}")
+    right, hint = found.get("passed") is True, str(found.get("hint", ""))[:1000]
+    return Outcome("right" if right else "wrong", hint or "passed", right)
+
+
+def _read(report: Mapping[str, Any], limits: Limits) -> Outcome | dict[str, Any]:
+    """What a process sent, or why there is nothing to judge."""
     if report["ended"] == "late":
         return Outcome("too long", f"stopped after {limits.seconds:g} s: a loop that does not end?")
     if report["ended"] == "much":
@@ -191,7 +222,7 @@ def outcome(exercise: Any, cases: Any, report: Mapping[str, Any], limits: Limits
         return Outcome("ended", _ended(report["status"]))
     if not isinstance(found, dict):
         return Outcome("no answer", "what came back is no answer")
-    return _fault(found) or _judged(exercise, cases, found.get("answers"))
+    return _fault(found) or found
 
 
 def _ended(status: int) -> str:
@@ -219,7 +250,7 @@ def _fault(found: Mapping[str, Any]) -> Outcome | None:
     return None
 
 
-def _judged(exercise: Any, cases: Any, answers: Any) -> Outcome:
+def _judged(exercise: Exercise, cases: Any, answers: Any) -> Outcome:
     try:
         check = exercise.verdict(answers, cases)
     except Exception as error:  # answers of a student may be made to break this

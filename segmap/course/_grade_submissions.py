@@ -49,7 +49,7 @@ class Submission(NamedTuple):
 
     def written(self, task: str) -> str | None:
         """What was written below a task that a person grades; None where its cell is gone."""
-        found = [cell.source for cell in self.answers if cell.id == task]
+        found = [cell.source for cell in self.answers if cell.id in (task, f"{task}-answer")]
         return found[-1] if found else None
 
 

@@ -15,10 +15,12 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from .._files import write_bytes
+from ._exercise import Exercise
 from ._handout_places import Cell, Notebook, Place, chapters, imports, parts, places, read_chapter
+from ._open_exercises import Prediction
 
-#: What an answer that the program judges is worth: all or nothing.
-POINTS = 4
+#: What an answer that the program judges is worth, all or nothing; and what is judged by hand.
+POINTS, HAND_POINTS = 4, 10
 #: First word of the instructor's file, with the version of its layout.
 KIND = "segmap handout 1"
 #: Links to files: an image or a page, with its words and what follows a file's name.
@@ -35,6 +37,7 @@ class Task(NamedTuple):
     answers: tuple[str, ...]
     points: int
     imports: str = ""
+    given: str = ""
     by_hand: bool = False
     rubric: str = ""
 
@@ -120,15 +123,30 @@ def text(notebook: Notebook) -> bytes:
 def tasks_of(name: str, notebook: Notebook, checks: Mapping[str, Any]) -> list[Task]:
     """The tasks of a chapter, in their order: what is checked, and what is graded by hand."""
     head, cells = imports(notebook), notebook["cells"]
-    found = [
-        (place.written, Task(column(place), name, place.answers, POINTS, head))
-        for place in places(cells, checks)
-    ]
+    found = []
+    for place in places(cells, checks):
+        hand = judged_by_hand(checks[place.check])
+        points, said = HAND_POINTS if hand else POINTS, rubric(cells, place.written)
+        known = (column(place), name, place.answers, points, head, place.given)
+        found.append((place.written, Task(*known, hand, said)))
     for index, cell in enumerate(cells):
-        if match := by_hand(cell):
+        if points := by_hand(cell):
             task = f"by_hand_{name[:2]}_{index}"
-            found.append((index, Task(task, name, (), match, "", True, cell["source"])))
+            found.append((index, Task(task, name, (), points, "", "", True, cell["source"])))
     return [task for _, task in sorted(found, key=lambda pair: pair[0])]
+
+
+def judged_by_hand(exercise: Any) -> bool:
+    """Whether an exercise takes more than numbers: a log, or any object of the student's."""
+    return not isinstance(exercise, Exercise | Prediction) and not getattr(
+        exercise, "numbers", False
+    )
+
+
+def rubric(cells: list[Cell], index: int) -> str:
+    """The text above a cell: what is asked, and what earns how many points."""
+    texts = [cell["source"] for cell in cells[:index] if cell["cell_type"] == "markdown"]
+    return texts[-1] if texts else ""
 
 
 def column(place: Place) -> str:
@@ -156,7 +174,8 @@ def student_copy(
             cells += checked_cells(cell, asked[index], checks, index in written)
         elif index in written:
             place = next(place for place in asked.values() if place.written == index)
-            cells += answer_cells(cell["source"], place)
+            hand = judged_by_hand(checks[place.check])
+            cells += answer_cells(cell["source"], place, hand=hand)
         elif cell["cell_type"] == "markdown":
             cells.append(markdown(cell["id"], with_links(cell["source"], set(handed))))
             cells += hand_cells(f"by_hand_{name[:2]}_{index}", by_hand(cell))
@@ -186,19 +205,23 @@ def name_cell(tasks: list[Task]) -> Cell:
 def checked_cells(cell: Cell, place: Place, checks: Mapping[str, Any], both: bool) -> list[Cell]:
     """The cell with the check; before it the answer, where both stood in one cell."""
     answer, check = parts(cell, set(checks))
-    name = column(place)
-    found = answer_cells(answer, place) if both else []
+    name, hand = column(place), judged_by_hand(checks[place.check])
+    found = answer_cells(answer, place, hand=hand) if both else []
+    if hand:
+        return [*found, code(f"{name}-check", check)]
     test = code(f"{name}-test", f"{POINTS} * bool({check.strip()})  # points: do not change")
     test["metadata"] = nbgrader(f"{name}-test", POINTS, grade=True, locked=True)
     return [*found, code(f"{name}-check", check), test]
 
 
-def answer_cells(source: str, place: Place) -> list[Cell]:
+def answer_cells(source: str, place: Place, *, hand: bool = False) -> list[Cell]:
     """What an answer is worth, and the cell for it."""
-    name = column(place)
+    name, said = column(place), f"**{HAND_POINTS} points**, graded by hand"
     cell = code(f"{name}-answer", source)
-    cell["metadata"] = nbgrader(f"{name}-answer", solution=True)
-    return [markdown(f"{name}-points", f"`{name}`: **{POINTS} points**"), cell]
+    worth = HAND_POINTS if hand else None
+    cell["metadata"] = nbgrader(f"{name}-answer", worth, grade=hand, solution=True)
+    shown = f"`{name}`: {said if hand else f'**{POINTS} points**'}"
+    return [markdown(f"{name}-points", shown), cell]
 
 
 def hand_cells(name: str, points: int) -> list[Cell]:

@@ -26,12 +26,15 @@ class Place(NamedTuple):
         The call that checks it, `check_compose` for instance.
     answers : tuple of str
         The names that the student defines, in the order of the call.
+    given : str
+        What the check is called with: the name, or a tuple of names.
     written, checked : int
         Index of the cell that defines them, and of the cell with the call.
     """
 
     check: str
     answers: tuple[str, ...]
+    given: str
     written: int
     checked: int
 
@@ -85,14 +88,17 @@ def places(cells: list[Cell], checks: Iterable[str]) -> list[Place]:
     >>> cells = [{"cell_type": "code", "source": "def my_f(x): ..."},
     ...          {"cell_type": "code", "source": "course.check_f(my_f)"}]
     >>> places(cells, ["check_f"])
-    [Place(check='check_f', answers=('my_f',), written=0, checked=1)]
+    [Place(check='check_f', answers=('my_f',), given='my_f', written=0, checked=1)]
     """
     known, found = set(checks), []
     for index, tree in _trees(cells):
         for call in _calls(tree, known):
-            names = tuple(part.id for part in call.args if isinstance(part, ast.Name))
+            given = call.args[0] if len(call.args) == 1 else ast.Tuple(call.args, ast.Load())
+            used = [part.id for part in ast.walk(given) if isinstance(part, ast.Name)]
+            names = tuple(name for name in used if _cells_of(cells[: index + 1], name))
             check = ast.unparse(call.func).removeprefix("course.")
-            found.append(Place(check, names, _written(cells, names, index), index))
+            place = Place(check, names, ast.unparse(given), _written(cells, names, index), index)
+            found.append(place)
     return found
 
 
@@ -111,13 +117,17 @@ def _calls(tree: ast.Module, checks: set[str]) -> Iterator[ast.Call]:
                 yield call
 
 
-def _written(cells: list[Cell], names: tuple[str, ...], before: int) -> int:
-    """The last cell, up to this one, that defines the first of the names."""
-    for index in range(before, -1, -1):
-        code = cells[index]["cell_type"] == "code"
-        if code and any(defines(cells[index]["source"], name) for name in names[:1]):
-            return index
-    raise ValueError(f"cell {before} checks {names}, and no cell before it defines that")
+def _written(cells: list[Cell], names: tuple[str, ...], checked: int) -> int:
+    """The last cell, up to the check, that defines the first of the names."""
+    if not names:
+        raise ValueError(f"cell {checked} checks what no cell before it defines")
+    return _cells_of(cells[: checked + 1], names[0])[-1]
+
+
+def _cells_of(cells: list[Cell], name: str) -> list[int]:
+    """Indices of the cells of code that define a name."""
+    code = [index for index, cell in enumerate(cells) if cell["cell_type"] == "code"]
+    return [index for index in code if defines(cells[index]["source"], name)]
 
 
 def defines(source: str, name: str) -> bool:
@@ -131,7 +141,8 @@ def defines(source: str, name: str) -> bool:
     (False, False)
     """
     word = re.escape(name)
-    return bool(re.search(rf"^(?:def {word}\s*\(|{word}\s*(?::[^=\n]+)?=(?!=))", source, re.M))
+    assigned = rf"(?:\w+\s*,\s*)*{word}(?:\s*,\s*\w+)*\s*(?::[^=\n]+)?=(?!=)"
+    return bool(re.search(rf"^(?:def {word}\s*\(|{assigned})", source, re.M))
 
 
 def imports(notebook: Notebook) -> str:
