@@ -354,6 +354,9 @@ PLANTED = (
     ("log.truth is not None and np.isfinite(log.truth).all()\n", "log.truth is not None and np.isfinite(log.truth).any()\n", "commands"),
     ("compose(poses, np.array([scan.sensor_pose for scan in log]))", "poses", "commands"),
     ("log, poses.trusted, keep_points", "log, poses, keep_points", "commands"),
+    # open exercises
+    ("length(total[0]) < 1 or off > most:", "length(total[0]) < 1:", "open_exercises"),
+    ('return "" if lost >= needed else', 'return "" if lost > needed else', "open_exercises"),
     # panels
     ('W.jslink((moved, "value"), (play, "value"))', 'W.jslink((play, "value"), (moved, "value"))', "panels"),
     ("if not self._was_shown:", "if False:", "panels"),

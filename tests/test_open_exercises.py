@@ -12,8 +12,35 @@ from segmap.course._open_log import BUNDLED
 from segmap.scans import Log
 from segmap.simulation import URG_04LX, rectangular_room, simulate
 
+#: A level wall of 2 m that passes near the origin, with 8 mm of noise, and one that does not.
+NEAR = np.stack([np.linspace(2, 4, 41), 0.001 + 0.008 * (-1.0) ** np.arange(41)], axis=-1)
+FAR = NEAR + (0, 1)
+BENT = NEAR + [(0.0, 0.1 * (k > 20)) for k in range(41)]
+
 #: Exercise -> an answer that passes, and answers that fail, with words of the reason.
 ANSWERS = {
+    "predict_drift": (8.0, [(0.17, "it is 8.632 m"), (100, "within a factor of 1.3")]),
+    "break_reader": (
+        [8.19, 8.2, 2.0, 3.0],
+        [
+            ([8.19, 8.2, 20.0], "0 of 3 walls are lost, 2 are wanted"),
+            ([8.19, 8.2, 1.0, 2.0, 3.0], "2 of 5 walls are lost, 3 are wanted"),
+            ([60.0] * 5, "0.1 to 30 m away"),
+            ([8.19], "give 3 to 361 ranges"),
+        ],
+    ),
+    "predict_pieces": (35, [(8, "At least 2 pi"), (100, "within a factor of 1.3")]),
+    "break_line": (
+        NEAR,
+        [
+            (FAR, "it is turned by 0."),
+            (NEAR * (1, 0), "has no solution"),
+            (BENT, "a straight wall is wanted"),
+            (NEAR * (0.1, 1), "a straight wall is wanted: 1 m long"),
+            (NEAR + 30, "stay within 20 m"),
+            (NEAR[:5], "give 20 to 1000 points"),
+        ],
+    ),
     "predict_beams_on_wall": (15, [(11, "it is 15 beams; near enough is within 1 beams")]),
     "break_quality": (
         [*rectangular_room().tolist(), [(10, 10), (16, 10)]],
