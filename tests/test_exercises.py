@@ -1,24 +1,31 @@
 """Exercises: the library passes, so do other ways to the answer; each mistake has its own hint."""
 
+import dataclasses
+import functools
 import json
+import sys
+import types
+from pathlib import Path
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from scipy.spatial import cKDTree
-from scipy.spatial.transform import Rotation
+from right_answers import RIGHT
 
-from segmap import course, plotting
+from segmap import _extraction_loops, course, literal, plotting, poses
 from segmap.angles import axial_difference
-from segmap.course import EXERCISES, Check
+from segmap.course import EXERCISES, Check, Exercise
 from segmap.course._exercise_answers import answered, same_line, same_poses
+from segmap.literal.fuzzy_clustering import memberships
 from segmap.literal.viewing_sector import views
-from segmap.poses import between, transform
+from segmap.poses import between
 from segmap.reduction import common_directions
 from segmap.testing import assert_poses_equal
 
 EACH = pytest.mark.parametrize("exercise", EXERCISES.values(), ids=EXERCISES)
+#: Of the hidden cases.
+SEEDS = (1, 20)
 MISTAKES = [
     pytest.param(exercise, hint, id=f"{exercise.name}: {hint[:40]}")
     for exercise in EXERCISES.values()
@@ -93,266 +100,17 @@ def test_a_check_shows_itself_as_text_and_in_colour():
 
 
 # ------------------------------------------- other ways to the right answer, from other ideas
-def rotated_step(a, b):
-    heading = np.angle(np.exp(1j * (a[2] + b[2])))
-    return [*(a[:2] + Rotation.from_euler("z", a[2]).as_matrix()[:2, :2] @ b[:2]), heading]
-
-
-def met_by_solving(wall, pose, turn):
-    beam = [np.cos(pose[2] + turn), np.sin(pose[2] + turn)]
-    try:
-        r, part = np.linalg.solve(np.transpose([beam, wall[0] - wall[1]]), wall[0] - pose[:2])
-    except np.linalg.LinAlgError:
-        return float("inf")
-    return r if r > 0 and 0 <= part <= 1 and r < 1e6 else float("inf")
-
-
-def farthest_in_a_loop(points):
-    (x0, y0), (x1, y1) = points[0], points[-1]
-    off = [abs((x1 - x0) * (y - y0) - (y1 - y0) * (x - x0)) for x, y in points]
-    return off.index(max(off))
-
-
-def quality_row_by_row(distances):
-    return np.exp(-sum(min(row) for row in distances.tolist()) / len(distances) / 0.05)
-
-
-def inside_in_a_loop(offsets, shift, tolerance):
-    return [all(abs(x - shift) <= tolerance for x in pair) for pair in offsets]
-
-
-def shift_in_a_loop(offsets, lengths, tolerance):
-    shifts = [0.0, *(max(p) - tolerance for p in offsets), *(min(p) + tolerance for p in offsets)]
-    shifts = sorted((t for t in shifts if abs(t) <= tolerance), key=abs)
-    return max(shifts, key=lambda t: lengths[inside_in_a_loop(offsets, t, tolerance)].sum())
-
-
-def hough_by_complex_numbers(segment, near):
-    a, b = (complex(*end) for end in segment)
-    theta = np.angle((b - a) * 1j)
-    theta += np.pi * round((near - theta) / np.pi)
-    return [(a * np.exp(-1j * theta)).real, theta]
-
-
-def reduction_by_hand(points, quality):
-    reached = [tuple(p) for p in points if not any((q > p).all() for q in points)]
-    above, below = ([p for p in reached if (p[0] >= quality) == up] for up in (True, False))
-    if not above or not below:
-        return max((r for _, r in above), default=float("nan"))
-    (q0, r0), (q1, r1) = max(below), min(above)
-    return r0 + (quality - q0) / (q1 - q0) * (r1 - r0)
-
-
-def moved_by_pseudo_inverse(points, feet, normals):
-    rows = [[nx, ny, x * ny - y * nx] for (x, y), (nx, ny) in zip(points, normals, strict=True)]
-    return np.linalg.pinv(rows) @ ((feet - points) * normals).sum(1)
-
-
-def step_in_a_loop(centres, pieces, sigma, bandwidth):
-    moved = []
-    for c in centres:
-        turns = np.array([np.angle(np.exp(2j * (p[2] - c[2]))) / 2 for p in pieces])
-        away = [np.hypot(*(p - c)[:2]) for p in pieces]
-        w = np.exp(-(np.square(away) + (turns / bandwidth) ** 2) / 2 / sigma**2)
-        x, y = np.average(pieces[:, :2], axis=0, weights=w)
-        moved.append([x, y, (c[2] + np.average(turns, weights=w)) % np.pi])
-    return moved
-
-
-def grown_by_arrays(root, cell):
-    low = np.array(root[:2])
-    return np.append(np.where(np.array(cell) < low, low - root[2], low), 2 * root[2])
-
-
-def cells_by_formula(start, end):
-    """After k steps along the longer axis, rounded from the end with the smaller coordinate."""
-    start, end = np.array(start), np.array(end)
-    axis = int(abs(end - start)[1] > abs(end - start)[0])
-    first, last = (end, start) if end[axis] < start[axis] else (start, end)
-    length, aside = (last - first)[axis], (last - first)[1 - axis]
-    k = np.arange(length + 1)
-    across = (k * abs(aside) + (length - 1) // 2) // max(length, 1) if length else k
-    cells = np.empty((length + 1, 2), int)
-    cells[:, axis], cells[:, 1 - axis] = first[axis] + k, first[1 - axis] + np.sign(aside) * across
-    return cells
-
-
-def matrix(x, y, heading):
-    c, s = np.cos(heading), np.sin(heading)
-    return np.array([(c, -s, x), (s, c, y), (0, 0, 1)])
-
-
-def pose_of(m):
-    return [m[0, 2], m[1, 2], np.arctan2(m[1, 0], m[0, 0])]
-
-
-def edge_error_by_matrices(first, second, relative):
-    return pose_of(np.linalg.inv(matrix(*first) @ matrix(*relative)) @ matrix(*second))
-
-
-def carried_by_matrices(before, after, pose):
-    """The one motion that takes the key frame along, applied to the scan."""
-    return pose_of(matrix(*after) @ np.linalg.inv(matrix(*before)) @ matrix(*pose))
-
-
-def distances_bit_by_bit(lines):
-    text = "".join(f"{c - 48:06b}" for line in lines for c in line[:-1])
-    return [int(text[i : i + 18], 2) for i in range(0, len(text), 18)]
-
-
-def unwrapped_in_a_loop(stamps):
-    turns = np.cumsum([0, *(np.diff(stamps) < 0)])
-    return [
-        (int(s) + int(t) * 2**24 - int(stamps[0])) / 1000
-        for s, t in zip(stamps, turns, strict=True)
-    ]
-
-
-def climb_in_a_loop(value, pose, move, turn):
-    best, steps = [*pose], (move, move, turn)
-    for axis in range(3):
-        for sign in (-1, 1):
-            tried = [p + sign * steps[axis] * (k == axis) for k, p in enumerate(pose)]
-            best = tried if value(np.array(tried)) > value(np.array(best)) else best
-    return best
-
-
-def wall_error_along_and_aside(points, walls):
-    total = 0.0
-    for p in points:
-        off = []
-        for a, b in walls:
-            length = np.linalg.norm(b - a)
-            along = (p - a) @ (b - a) / length
-            aside = (b - a)[0] * (p - a)[1] - (b - a)[1] * (p - a)[0]
-            off.append(np.hypot(max(-along, along - length, 0.0), aside / length))
-        total += min(off)
-    return total / len(points)
-
-
-def pose_covariance_by_moving(centre, alpha, sensor, place, heading):
-    """From what the line becomes when x, y and heading of the sensor move by a little."""
-    n, columns = np.array([np.cos(alpha), np.sin(alpha)]), []
-    for move in (*np.eye(3) * 1e-5, *np.eye(3) * -1e-5):
-        ends = [[*(centre - sensor)], [*(centre - sensor + [-n[1], n[0]])]]
-        a, b = transform(move, np.array(ends)) + sensor
-        turned = np.arctan2(*(b - a)[::-1]) - np.pi / 2
-        normal = np.array([np.cos(turned), np.sin(turned)])
-        change = axial_difference(turned, alpha)
-        offset = (a - centre) @ normal  # of the new line, about the old centre
-        columns.append([offset, change])
-    jacobian = (np.array(columns[:3]) - columns[3:]).T / 2e-5
-    return jacobian @ np.diag([place, place, heading]) ** 2 @ jacobian.T
-
-
-def verdict_by_complex_numbers(wall, point, sensor, distance):
-    a, b, q = (complex(*end) - complex(*sensor) for end in (*wall, point))
-    middle = np.angle(b / a) / 2
-    turn = np.angle(q / a / np.exp(1j * middle))
-    if abs(turn) > abs(middle) + 1e-12:
-        return float("nan")
-    normal = 1j * (b - a) / abs(b - a)
-    before = ((a - q) * normal.conjugate()).real * np.sign((a * normal.conjugate()).real)
-    return 0 if abs(before) <= distance else np.sign(before)
-
-
-def metres_by_small_steps(spans, whole, gap):
-    """A segment in pieces of 0.1 mm: those that no member covers, in runs longer than the gap."""
-    at = (np.arange(round(float(whole) * 1e4)) + 0.5) / 1e4
-    alone = ~((spans[:, :1] < at) & (at < spans[:, 1:])).any(axis=0)
-    runs = np.split(alone, np.flatnonzero(np.diff(alone)) + 1)
-    metres = [len(run) / 1e4 for run in runs if run[0]]
-    return sum(metres) if len(spans) == 0 else sum(m for m in metres if m > gap)
-
-
-def match_by_sampling(u, v, distance):
-    """Spans by complex division; the distances of end points from the other segment."""
-
-    def one(a, b):
-        (p, q), ends = (complex(*end) for end in a), [complex(*end) for end in b]
-        along = np.sort([((end - p) / (q - p)).real for end in ends])
-        feet = [p + (q - p) * min(max(((end - p) / (q - p)).real, 0), 1) for end in ends]
-        off = max(abs(end - foot) for end, foot in zip(ends, feet, strict=True))
-        return abs(q - p) * max(min(along[1], 1) - max(along[0], 0), 0), off
-
-    (first, far), (second, away) = one(u, v), one(v, u)
-    return (first + second) / 2 * 0.95 ** (min(far, away) / distance)
-
-
-def by_pseudo_inverse(normals, offsets, weights):
-    root = np.sqrt(weights)
-    return -np.linalg.pinv(normals * root[:, None], rcond=1e-9) @ (offsets * root)
-
-
-def matches_by_complex_numbers(a, b, distance, angle):
-    p, q = ([complex(*end) for end in s] for s in (a, b))
-    turn = abs(np.angle(((p[1] - p[0]) / (q[1] - q[0])) ** 2)) / 2
-    return min(abs(x - y) for x in p for y in q) < distance and turn < angle
-
-
-def merged_by_complex_numbers(a, b):
-    """Turn the second direction so that it looks along the first, then average what is left."""
-    p, q = ([complex(*end) for end in s] for s in (a, b))
-    u, v = p[1] - p[0], q[1] - q[0]
-    share = abs(v) / (abs(u) + abs(v))
-    way = u / abs(u) * np.exp(1j * share * np.angle((v / u) ** 2) / 2)
-    middle = sum(p) / 2 * (1 - share) + sum(q) / 2 * share
-    along = [((end - middle) / way).real for end in (*p, *q)]
-    return [((middle + t * way).real, (middle + t * way).imag) for t in (min(along), max(along))]
-
-
-OTHER_WAYS = {
-    "best_run": lambda points, quality: max(
-        (k for k, (q, _) in enumerate(points.tolist()) if q >= quality),
-        key=lambda k: points[k][1],
-        default=-1,
-    ),
-    "compose": rotated_step,
-    "heading_between": lambda a, b, t: np.angle(
-        np.exp(1j * (a + t * np.angle(np.exp(1j * b) / np.exp(1j * a))))
-    ),
-    "beam_angles": lambda n: [np.radians(-90 + i * 180 / (n - n % 2)) for i in range(n)],
-    "cast_ray": met_by_solving,
-    "distances": distances_bit_by_bit,
-    "unwrapped": unwrapped_in_a_loop,
-    "axial_mean": lambda angles: np.angle(np.mean(np.exp(2j * angles))) / 2,
-    "fit_line": lambda points: np.arctan2(*np.linalg.svd(points - points.mean(0))[2][0][::-1]),
-    "farthest_point": farthest_in_a_loop,
-    "match_value": match_by_sampling,
-    "least_translation": by_pseudo_inverse,
-    "move_onto_walls": moved_by_pseudo_inverse,
-    "edge_error": edge_error_by_matrices,
-    "carried": carried_by_matrices,
-    "reduction_rate": lambda a, b: 1 - len(b) / len(a) if len(a) else 0,
-    "quality": quality_row_by_row,
-    "reduction_at": reduction_by_hand,
-    "mean_wall_error": wall_error_along_and_aside,
-    "hough": hough_by_complex_numbers,
-    "matches": matches_by_complex_numbers,
-    "merged": merged_by_complex_numbers,
-    "mean_shift_step": step_in_a_loop,
-    "inside_strip": inside_in_a_loop,
-    "best_shift": shift_in_a_loop,
-    "cell_of": lambda x, c, r: int((x - c) / r) - ((x - c) / r < int((x - c) / r)),
-    "grown": grown_by_arrays,
-    "occupancy": lambda vis, occ, b: occ / vis if occ else np.interp(vis, [0, b], [0.5, 0.0]),
-    "ray_cells": cells_by_formula,
-    "pixel": lambda x, y, o, side, n: (int((o[1] + n * side - y) / side), int((x - o[0]) / side)),
-    "scan_score": lambda p, pose, c: -cKDTree(c).query(transform(pose, p))[0].sum(),
-    "climb_step": climb_in_a_loop,
-    "pose_covariance": pose_covariance_by_moving,
-    "verdict": verdict_by_complex_numbers,
-    "invented_metres": metres_by_small_steps,
-    "memberships": lambda squares, noise: (
-        1 / (squares[:, None] / np.append(squares, noise**2)).sum(axis=1)
-    ),
-}
+def test_every_exercise_has_three_right_answers():
+    assert set(RIGHT) == set(EXERCISES)
+    assert all(len({id(function) for function in three}) == 3 for three in RIGHT.values())
 
 
 @EACH
 def test_other_ways_to_the_right_answer_pass(exercise):
-    """Catches a check that wants the library's code, its types or its rounding."""
-    assert exercise(OTHER_WAYS[exercise.name])
+    """Catches a check that wants the library's code, its types or its rounding, or that takes a
+    helper of the library for its answer."""
+    for function in RIGHT[exercise.name]:
+        assert exercise(function)
 
 
 # ---------------------------------------------------- an exercise teaches what the library does
@@ -398,23 +156,43 @@ def test_a_milliradian_is_a_mistake():
 
 # ------------------------------------------------------------------------- hidden cases
 @EACH
-@pytest.mark.parametrize("seed", [1, 20])
+@pytest.mark.parametrize("seed", SEEDS)
 def test_hidden_cases_catch_every_mistake_and_let_other_ways_pass(exercise, seed):
     """Catches hidden cases that are easier than the open ones, or that only the library solves."""
     cases = exercise.fresh(seed)
-    assert exercise.check(OTHER_WAYS[exercise.name], cases)
+    for function in RIGHT[exercise.name]:
+        assert exercise.check(function, cases)
     for mistake in exercise.mistakes.values():
         assert not exercise.verdict(answered(mistake, cases), cases)
+
+
+@pytest.mark.slow
+@EACH
+def test_hidden_cases_of_many_seeds_let_other_ways_pass(exercise):
+    """Catches a draw that now and then makes a case with two answers."""
+    for seed in range(100, 300):
+        cases = exercise.fresh(seed)
+        for function in RIGHT[exercise.name]:
+            assert exercise.check(function, cases), seed
+
+
+def test_a_draw_that_lets_a_mistake_through_is_refused():
+    """Catches hidden cases that are easier than the open ones."""
+    easy = Exercise(
+        "double(x)", lambda x: 2 * x, {"3": (3,)}, {"square": np.square}, draw=lambda _: {"2": (2,)}
+    )
+    with pytest.raises(ValueError, match=r"double: no draw catches \['square'\]"):
+        easy.fresh(1)
+    with pytest.raises(ValueError, match="no rule for hidden cases"):
+        dataclasses.replace(easy, draw=None).fresh(1)
 
 
 @EACH
 def test_answers_travel_as_json_and_are_judged_elsewhere(exercise):
     """Catches answers that only the process of the student can read, and a seed that drifts."""
     cases = exercise.fresh(3)
-    sent = json.loads(json.dumps(exercise.answers(OTHER_WAYS[exercise.name], cases)))
+    sent = json.loads(json.dumps(exercise.answers(RIGHT[exercise.name][0], cases)))
     assert exercise.verdict(sent, exercise.fresh(3))
-    stolen = json.loads(json.dumps(exercise.answers(exercise.solution, cases)))
-    assert "write your own" in exercise.verdict(stolen, cases).hint
     assert repr(cases) == repr(exercise.fresh(3)) != repr(exercise.fresh(4))
 
 
@@ -424,3 +202,114 @@ def test_answers_that_somebody_made_up_fail(answers):
     assert not course.check_compose.verdict(answers)
     twisted = [{"shape": shape, "values": [1.0]} for shape in ("x", [7], [-1], [1e9])]
     assert not course.check_compose.verdict(twisted)
+
+
+# ------------------------------------------------------------- the library is noticed
+def through(function, *arguments):
+    return function(*arguments)
+
+
+def renamed(function):
+    mine = types.FunctionType(
+        function.__code__,
+        function.__globals__,
+        "mine",
+        function.__defaults__,
+        function.__closure__,
+    )
+    mine.__kwdefaults__ = function.__kwdefaults__
+    return mine
+
+
+WRAPPED = {
+    "passed as it is": lambda solution: solution,
+    "in a lambda": lambda solution: lambda *arguments: solution(*arguments),
+    "by partial": functools.partial,
+    "by partial of another function": lambda solution: functools.partial(through, solution),
+    "as another function with its code": lambda solution: renamed(solution),
+    "in a sum with nothing": lambda solution: lambda *given: np.add(solution(*given), 0.0),
+    "in an object that computes late": lambda solution: (
+        lambda *arguments: Late(solution, arguments)
+    ),
+}
+
+
+class Late:
+    """Numbers that are made when the check asks for them."""
+
+    def __init__(self, function, arguments):
+        self.found = function, arguments
+
+    def __array__(self, dtype=None, copy=None):
+        return np.asarray(through(self.found[0], *self.found[1]), dtype)
+
+
+@EACH
+@pytest.mark.parametrize("wrapped", WRAPPED.values(), ids=WRAPPED)
+def test_the_library_is_noticed_however_it_is_wrapped(exercise, wrapped):
+    """Catches an import that counts as an answer."""
+    found = exercise(wrapped(exercise.solution))
+    assert "this is the library's; write your own" in found.hint
+    assert sys.getprofile() is None
+
+
+@pytest.mark.parametrize(
+    ("name", "twin"),
+    [
+        ("compose", lambda a, b: poses.between(poses.inverse(a), b)),
+        ("compose", lambda a, b: poses.compose([a], [b])[0]),
+        ("fit_line", lambda points: np.arctan2(*literal.fit_total(points)[:1:-1])),
+        ("match_value", lambda u, v, d: literal.match_value(u, v, distance=d, far=9, long=9)),
+        ("least_translation", literal.least_translation),
+        ("hough", lambda segment, near: literal.hough(segment)),
+        ("matches", literal.basic.match),
+        ("merged", literal.basic.merge),
+        ("ray_cells", lambda a, b: literal.crossed_cells(a, b)),
+        ("mean_wall_error", lambda points, walls: course.wall_errors(points, walls).mean()),
+        ("memberships", lambda s, n: memberships((0, 0), [], n)),
+        ("quality", lambda d: literal.quality([((0, 0), (1, 0))], [((0, 0), (1, 0))])),
+    ],
+)
+def test_the_twin_of_the_library_is_noticed(name, twin):
+    """Catches a watch over the fast function alone: each method stands in `literal` too."""
+    assert "write your own" in EXERCISES[name](twin).hint
+
+
+def test_machine_code_that_was_taken_out_of_its_wrapper_is_noticed():
+    """Catches a compiled loop, which shows no frame of Python while it runs."""
+    machine = _extraction_loops.fit_total._build()
+    for mine in (
+        lambda points: machine(points)[2],
+        functools.partial(machine),
+        lambda points, fit=machine: fit(points),
+    ):
+        assert "write your own" in course.check_fit_line(mine).hint
+
+
+def test_a_function_of_ones_own_with_the_name_of_the_librarys_is_ones_own():
+    def compose(a, b):
+        return RIGHT["compose"][0](a, b)
+
+    assert course.check_compose(compose)
+
+
+def test_places_of_the_librarys_answers_exist():
+    """Catches a file or a function that was renamed: nothing would be noticed any more."""
+    package = Path(course.__file__).parents[1]
+    for exercise in EXERCISES.values():
+        for place in exercise.own:
+            file, _, name = place.partition(":")
+            source = (package / file).read_text("utf-8")
+            assert not name or f"\ndef {name}(" in source, place
+
+
+def test_a_watch_gives_the_profile_back():
+    """Catches a check inside a profiler, or inside another check, that ends it."""
+    calls = []
+    sys.setprofile(lambda *found: calls.append(found))
+    try:
+        course.check_compose(lambda a, b: course.check_compose(RIGHT["compose"][0]) and None)
+        kept = sys.getprofile()
+    finally:
+        sys.setprofile(None)
+    assert kept is not None and calls

@@ -66,10 +66,9 @@ from ._exercises_scans import (
     check_beam_angles,
     check_cast_ray,
     check_compose,
-    check_distances,
     check_heading_between,
-    check_unwrapped,
 )
+from ._exercises_sensor import check_distances, check_unwrapped
 from ._exercises_strips import check_best_shift, check_inside_strip, check_mean_shift_step
 from ._exercises_surveyed import (
     check_invented_metres,

@@ -37,7 +37,9 @@ def grown(rng: Rng) -> Drawn:
     side = int(2 ** rng.integers(2, 6))
     x, y = (int(v) for v in rng.integers(-20, 20, 2))
     near, far = (int(v) for v in rng.integers(0, side, 2))
+    away = side * int(rng.integers(2, 9))
     cells = (
+        (x + near + away, y - 1 - far - away),
         *((x + near, y + side + far), (x + side + far, y + near), (x - 1 - far, y + near)),
         *((x + near, y - 1 - far), (x - 1 - far, y + side), (x + side + far, y - 1 - near)),
     )

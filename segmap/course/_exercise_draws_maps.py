@@ -269,7 +269,8 @@ def best_shift(rng: Rng) -> Drawn:
         ),
         "a segment below": strip_case([(down - 1, down)], [long], e),
         "a longer wall far away": strip_case([(20, 20), (20, 21)], [2.75, long], e),
-        "nothing to gain": strip_case([(1, 2)], [1], e),
+        "nothing to gain": strip_case([(e - 2, e - 1)], [1], e),
+        "a slanted segment, one of its ends near": strip_case([(up, up + 2 * e + 2)], [long], e),
     }
 
 

@@ -130,6 +130,11 @@ check_least_translation = Exercise(
         "direction: solve for the shift": lambda normals, offsets, weights: (
             -(normals * (weights * offsets)[:, None]).sum(0) / weights.sum()
         ),
+        "weigh the rows and what they shall become alike: both by the root of the weight": (
+            lambda normals, offsets, weights: least_translation(
+                normals, offsets / np.sqrt(weights), weights
+            )
+        ),
     },
     draw=draws_scans.least_translation,
     own=(
@@ -194,6 +199,10 @@ check_move_onto_walls = Exercise(
         ),
         "in a corridor the equations are singular: np.linalg.lstsq takes the smallest motion": (
             _solved
+        ),
+        "the turn is one about the origin: with the third column taken about the middle of the "
+        "points x and y come out differently": (
+            lambda p, f, n: point_to_line_step(p - p.mean(0), f - p.mean(0), n)
         ),
     },
     draw=draws_scans.move_onto_walls,

@@ -35,6 +35,12 @@ check_axial_mean = Exercise(
             lambda angles: _mean_vector(2 * angles)
         ),
         "the answer is wanted in radians": lambda angles: np.degrees(axial_mean(angles)),
+        "np.arctan2 takes the sum of the sines first, then that of the cosines": (
+            lambda angles: np.arctan2(np.cos(2 * angles).sum(), np.sin(2 * angles).sum()) / 2
+        ),
+        "np.arctan of the quotient loses half of the circle: np.arctan2 keeps the signs": (
+            lambda angles: np.arctan(np.sin(2 * angles).sum() / np.cos(2 * angles).sum()) / 2
+        ),
     },
     same_line,
     draw=draws_scans.axial_mean,
@@ -52,6 +58,12 @@ def _algebraic(points: Array) -> float:
     """Angle of a x + b y = 1 (A 3.1-3.3): depends on the origin."""
     a, b = np.linalg.lstsq(points, np.ones(len(points)), rcond=None)[0]
     return float(np.arctan2(-a, b))
+
+
+def _steepest(matrix: Array) -> float:
+    """Angle of the eigenvector with the largest eigenvalue of a symmetric matrix."""
+    x, y = np.linalg.eigh(matrix)[1][:, -1]
+    return float(np.arctan2(y, x))
 
 
 check_fit_line = Exercise(
@@ -76,6 +88,13 @@ check_fit_line = Exercise(
         "this is the direction across the wall: turn it by 90 degrees": (
             lambda points: fit_line(points)[1] + np.pi / 2
         ),
+        "subtract the mean of the points first: of points far from the origin this is the "
+        "direction towards them": lambda points: _steepest(points.T @ points),
+        "the formula with arctan2 gives twice the angle: halve it": (
+            lambda points: 2 * fit_line(points)[1]
+        ),
+        "np.arctan2 takes y first, then x": lambda points: np.pi / 2 - fit_line(points)[1],
+        "the answer is wanted in radians": lambda points: np.degrees(fit_line(points)[1]),
     },
     same_line,
     draw=draws_scans.fit_line,
@@ -126,6 +145,12 @@ check_farthest_point = Exercise(
         ),
         "the index counts from the first point of all, not from the first inner one": (
             lambda points: int(np.argmax(np.abs(_off_chord(points))[1:-1]))
+        ),
+        "this is the distance from the last point, wanted is the one from the chord": (
+            lambda points: int(np.argmax(np.hypot(*(points - points[-1]).T)))
+        ),
+        "give the index of the point, not its distance": (
+            lambda points: np.abs(_off_chord(points)).max()
         ),
     },
     draw=draws_scans.farthest_point,

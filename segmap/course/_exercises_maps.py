@@ -32,6 +32,15 @@ check_reduction_rate = Exercise(
         "the share is one of the map before: divide by its number": (
             lambda before, after: (len(before) - len(after)) / max(len(after), 1)
         ),
+        "the share of the segments is asked for, not their number": (
+            lambda before, after: len(before) - len(after)
+        ),
+        "// cuts the share to a whole number: divide by /": (
+            lambda before, after: (len(before) - len(after)) // max(len(before), 1)
+        ),
+        "a map without segments has lost nothing: its rate is 0, not 1": (
+            lambda before, after: 1 - len(after) / max(len(before), 1)
+        ),
     },
     draw=draws_maps.reduction_rate,
     own=("metrics.py:reduction_rate",),
@@ -72,6 +81,21 @@ check_quality = Exercise(
         ),
         "distances are metres: the scale is 0.050 m, not 50": (
             lambda distances: _quality(distances.min(axis=1).mean(), 50.0)
+        ),
+        "take the mean of the errors first, then exp: the mean of the exponentials is larger": (
+            lambda distances: np.exp(-distances.min(axis=1) / 0.050).mean()
+        ),
+        "the mean of the errors counts, not their median": (
+            lambda distances: _quality(np.median(distances.min(axis=1)))
+        ),
+        "divide the mean error by 0.050 m before you take exp": (
+            lambda distances: _quality(distances.min(axis=1).mean(), 1.0)
+        ),
+        "a worse map has a lower quality: exp of minus the error": (
+            lambda distances: 1 / _quality(distances.min(axis=1).mean())
+        ),
+        "the mean of the errors counts, not the root of the mean of their squares": (
+            lambda distances: _quality(np.sqrt((distances.min(axis=1) ** 2).mean()))
         ),
     },
     draw=draws_maps.quality,
@@ -132,6 +156,15 @@ check_reduction_at = Exercise(
         "quality is the first column of points, reduction the second": (
             lambda points, quality: reduction_at(points[:, ::-1], quality)
         ),
+        "leave out the runs that another one beats, then interpolate; and above the best quality "
+        "nothing has been reached: nan": (
+            lambda points, quality: float(
+                np.interp(quality, *points[np.argsort(points[:, 0], kind="stable")].T)
+            )
+        ),
+        "np.interp wants qualities that rise: sort the runs first": (
+            lambda points, quality: float(np.interp(quality, *points.T))
+        ),
     },
     draw=draws_maps.reduction_at,
     own=("experiments/_compare.py",),
@@ -154,11 +187,13 @@ check_best_run = Exercise(
             lambda points, quality: int(points[:, 1].argmax())
         ),
         "among runs that are good enough the one that removes most counts, not the best one": (
-            lambda points, quality: int(points[:, 0].argmax() if quality < 0.95 else -1)
+            lambda points, quality: int(
+                points[:, 0].argmax() if points[:, 0].max() >= quality else -1
+            )
         ),
         "the answer is a row of points: that of the good ones alone counts others": (
             lambda points, quality: int(
-                points[points[:, 0] >= quality, 1].argmax() if quality < 0.95 else -1
+                points[points[:, 0] >= quality, 1].argmax() if points[:, 0].max() >= quality else -1
             )
         ),
         "at least that quality: a run that just has it counts": (
@@ -166,6 +201,18 @@ check_best_run = Exercise(
         ),
         "where no run is good enough the answer is -1": (
             lambda points, quality: max(0, _best_run(points, quality))
+        ),
+        "the row of the run is asked for, not its reduction": (
+            lambda points, quality: (
+                points[_best_run(points, quality), 1] if points[:, 0].max() >= quality else -1
+            )
+        ),
+        "not the run whose quality is nearest: of all that are good enough the one that removes "
+        "most": lambda points, quality: int(np.abs(points[:, 0] - quality).argmin()),
+        "where no run is good enough argmax has nothing to choose from: answer -1 before": (
+            lambda points, quality: (
+                _best_run(points, quality) if points[:, 0].max() >= quality else np.argmax([])
+            )
         ),
     },
     draw=draws_maps.best_run,
@@ -217,6 +264,12 @@ check_mean_wall_error = Exercise(
         ),
         "the mean of the errors counts, not their sum": (
             lambda points, walls: _to_walls(points, walls).min(1).sum()
+        ),
+        "the mean of the distances, not of their squares": (
+            lambda points, walls: (_to_walls(points, walls).min(1) ** 2).mean()
+        ),
+        "the mean of the distances, not the root of the mean of their squares": (
+            lambda points, walls: np.sqrt((_to_walls(points, walls).min(1) ** 2).mean())
         ),
     },
     draw=draws_maps.mean_wall_error,

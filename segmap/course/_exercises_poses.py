@@ -189,6 +189,14 @@ def _along_the_robot(value: Value, pose: Pose, move: float, turn: float) -> Pose
 
 _HILL = draws_grids.Hill(0.3, -0.2, 0.4)
 
+
+def _walking_on(value: Value, pose: Pose, move: float, turn: float) -> Pose:
+    """Takes each move that improves, and tries the next one from there."""
+    for step in np.array(MOVES) * (move, move, turn):
+        pose = pose + step if value(pose + step) > value(pose) else pose
+    return pose
+
+
 check_climb_step = Exercise(
     "climb_step(value, pose, move, turn) -> (3,): the best of the moves -x, +x, -y, +y, -heading, "
     "+heading, where it improves value(pose)",
@@ -217,6 +225,15 @@ check_climb_step = Exercise(
         "stay where none of the six improves the score": _always,
         "the higher the better: you climb down": (
             lambda value, *rest: climb_step(lambda p: -value(p), *rest)
+        ),
+        "try all six moves from where the pose is: do not walk on from each that improves": (
+            _walking_on
+        ),
+        "the pose after the move is asked for, not its value": (
+            lambda value, at, move, turn: value(climb_step(value, at, move, turn))
+        ),
+        "the heading moves by `turn`, x and y by `move`": (
+            lambda value, at, move, turn: climb_step(value, at, turn, move)
         ),
     },
     draw=draws_grids.climb_step,

@@ -6,9 +6,10 @@ The answers are those of `segmap.literal`.
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import cache
 from inspect import getsource
-from math import floor
-from typing import Any
+from math import ceil, floor
+from typing import Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,7 +33,7 @@ check_cell_of = Exercise(
         f"x = {x}, corner {c}, cells of {r} m": (x, c, r)
         for x, c, r in (
             *((0.26, 0.0, 0.1), (-0.05, 0.0, 0.1), (-0.31, 0.0, 0.1)),
-            *((1.0, 0.0, 0.1), (0.3, 0.0, 0.1), (2.9, 2.0, 0.25)),
+            *((1.0, 0.0, 0.1), (0.3, 0.0, 0.1), (2.9, 2.0, 0.25), (0.24, 0.0, 0.1)),
         )
     },
     {
@@ -49,6 +50,10 @@ check_cell_of = Exercise(
             lambda x, c, r: round((x - c) / r)
         ),
         "columns are counted from the corner: subtract it first": lambda x, c, r: floor(x / r),
+        "a cell begins at its left edge: floor, and not ceil": (lambda x, c, r: ceil((x - c) / r)),
+        "cells have a side of `resolution` metres: divide by it": (
+            lambda x, c, r: floor((x - c) * r)
+        ),
     },
     draw=draws_grids.cell_of,
     own=("literal/quadtree.py",),
@@ -59,6 +64,12 @@ check_cell_of = Exercise(
 def _down_unless_above(root: tuple[int, int, int], cell: Cell) -> tuple[int, int, int]:
     x, y, side = root
     return x - side * (cell[0] < x), y - side * (not cell[1] >= y + side), 2 * side
+
+
+def _until_inside(root: tuple[int, int, int], cell: Cell) -> tuple[int, int, int]:
+    x, y, side = root
+    inside = x <= cell[0] < x + side and y <= cell[1] < y + side
+    return root if inside else _until_inside(grown(root, cell), cell)
 
 
 check_grown = Exercise(
@@ -83,6 +94,10 @@ check_grown = Exercise(
         "the old root must stay one quarter of the new: the corner moves by the old side": (
             lambda root, cell: 2 * np.array(grown(root, cell)) - (root[0], root[1], 2 * root[2])
         ),
+        "the corner moves to the left only for a cell to the left, and down only for one below": (
+            lambda root, cell: (root[0] - root[2], root[1] - root[2], 2 * root[2])
+        ),
+        "one doubling is asked for, though the cell may still lie outside": _until_inside,
     },
     draw=draws_grids.grown,
     own=("literal/quadtree.py",),
@@ -113,6 +128,12 @@ check_occupancy = Exercise(
         "the bias is for cells that were never hit: with hits it is occ / vis at once": (
             lambda v, o, b: o / max(v, b) if o else max(0.5 * (b - v) / b, 0.0)
         ),
+        "vis counts all rays through the cell, those that ended there too": (
+            lambda v, o, b: o / (v + o) if o else max(0.5 * (b - v) / b, 0.0)
+        ),
+        "this is how surely it is free: without hits occupancy sinks, with hits it is occ / vis": (
+            lambda v, o, b: 1 - occupancy(v, o, b)
+        ),
     },
     draw=draws_grids.occupancy,
     own=("literal/quadtree.py",),
@@ -123,12 +144,13 @@ check_occupancy = Exercise(
 def _changed(line: str, other: str) -> Callable[[Cell, Cell], Cells]:
     """The literal walk with one of its lines changed."""
 
-    def walk(start: Cell, end: Cell) -> Cells:
+    @cache
+    def changed() -> Callable[[Cell, Cell], list[Cell]]:
         scope: dict[str, Any] = {}
         exec(f"{FUTURE}\n{getsource(ray_cells)}".replace(line, other), scope)  # our own source
-        return np.array(scope["ray_cells"](start, end), np.int64).reshape(-1, 2)
+        return cast(Callable[[Cell, Cell], list[Cell]], scope["ray_cells"])
 
-    return walk
+    return lambda start, end: np.array(changed()(start, end), np.int64).reshape(-1, 2)
 
 
 _end_left_out = _changed("x1 + 1)", "x1)")
@@ -144,6 +166,15 @@ def _from_the_start(start: Cell, end: Cell) -> list[Cell]:
     return [(x0 + right * x, y0 + up * y) for x, y in cells]
 
 
+_from_zero = _changed("error = -(dx // 2)", "error = 0")
+
+
+def _rounded(start: Cell, end: Cell) -> Cells:
+    """Evenly along the longer axis, rounded."""
+    steps = max(abs(end[0] - start[0]), abs(end[1] - start[1])) + 1
+    return np.round(np.linspace(start, end, steps)).astype(np.int64)
+
+
 check_ray_cells = Exercise(
     "ray_cells(start, end) -> (n, 2) cells (x, y), both ends included, by Bresenham's loop (B 4.4)",
     ray_cells,
@@ -152,6 +183,7 @@ check_ray_cells = Exercise(
         for start, end in (
             *(((0, 0), (4, 1)), ((0, 0), (7, 3)), ((4, 1), (0, 0)), ((0, 0), (1, 4))),
             *(((2, 1), (-3, 3)), ((1, 7), (-1, -6)), ((3, 3), (3, 3)), ((0, 0), (-5, -5))),
+            ((0, 0), (4, 2)),
         )
     },
     {
@@ -163,6 +195,11 @@ check_ray_cells = Exercise(
             _from_the_start
         ),
         "y moves where the error is above 0: at 0 it stays": _one_early,
+        "B's error starts at minus half of dx, rounded down: rounding y in each column decides "
+        "otherwise where a ray runs right between two cells": _rounded,
+        "the error starts at -(dx // 2), not at 0: the ray begins in the middle of its cell": (
+            _from_zero
+        ),
     },
     same_cells,
     draw=draws_grids.ray_cells,
@@ -197,6 +234,15 @@ check_pixel = Exercise(
         ),
         "the origin is the lower left corner of the lower left pixel, not of the upper left": (
             lambda x, y, o, side, rows: (floor((o[1] - y) / side), floor((x - o[0]) / side))
+        ),
+        "a pixel begins at its edges: floor, and not the nearest whole number": (
+            lambda x, y, o, side, rows: (
+                rows - 1 - round((y - o[1]) / side),
+                round((x - o[0]) / side),
+            )
+        ),
+        "count from the origin: subtract it first": (
+            lambda x, y, o, side, rows: _pixel(x, y, (0.0, 0.0), side, rows)
         ),
     },
     draw=draws_grids.pixel,

@@ -1,14 +1,12 @@
-"""Exercises of the chapters on poses, logs, simulated rooms, ground truth and the sensor."""
+"""Exercises of the chapters on poses, logs, simulated rooms and ground truth."""
 
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from ..angles import wrap
 from ..arrays import Array
-from ..hokuyo import decode
-from ..poses import compose, interpolate
+from ..poses import between, compose, interpolate
 from ..readers import half_turn
 from ..simulation import cast_rays
 from . import _exercise_draws_scans as draws_scans
@@ -60,6 +58,13 @@ check_compose = Exercise(
         "angles count counter-clockwise: look at the signs of the two sines": (
             lambda a, b: _chain(a, b, a[2], -1.0)
         ),
+        "turn the step by the heading of the first pose, not by that of the second": (
+            lambda a, b: _chain(a, b, b[2])
+        ),
+        "the step starts where the robot stands: add its x and y": (
+            lambda a, b: compose(a * (0, 0, 1), b)
+        ),
+        "this is the second pose seen from the first; asked is where the step leads": between,
     },
     draw=draws_scans.compose,
     own=(
@@ -73,6 +78,11 @@ check_compose = Exercise(
 def _heading_between(before: float, after: float, share: float) -> float:
     poses = [(0, 0, before), (0, 0, after)]
     return float(interpolate([0, 1], poses, [share])[0, 2])
+
+
+def _mixed(before: float, after: float, share: float) -> float:
+    s, c = (f([before, after]) @ [1 - share, share] for f in (np.sin, np.cos))
+    return float(np.arctan2(s, c))
 
 
 check_heading_between = Exercise(
@@ -105,6 +115,8 @@ check_heading_between = Exercise(
         "headings are in radians: hand the answer back as it came": (
             lambda a, b, t: np.degrees(_heading_between(a, b, t))
         ),
+        "the mean of the two directions as vectors does not turn evenly: take a share of the "
+        "angle": _mixed,
     },
     draw=draws_scans.heading_between,
     own=("poses.py:interpolate",),
@@ -130,6 +142,15 @@ check_beam_angles = Exercise(
         "angles count counter-clockwise, from the right (-90 degrees) to the left": (
             lambda n: -half_turn(n)
         ),
+        "the step depends on n: half a turn has 180 steps of 1 degree, or 360 of half a degree": (
+            lambda n: np.radians(np.arange(n) - 90)
+        ),
+        "odd numbers include both ends, even ones leave the last out; here it is exchanged": (
+            lambda n: np.linspace(-np.pi / 2, np.pi / 2, n, endpoint=n % 2 == 0)
+        ),
+        "the beams go from -90 to 90 degrees, half a turn, not from -180 to 180": (
+            lambda n: 2 * half_turn(n)
+        ),
     },
     draw=draws_scans.beam_angles,
     own=("readers/_raw_scans.py:half_turn",),
@@ -153,6 +174,13 @@ def _cast_ray(
 
 _WALL = np.array([(2.0, -1.0), (2.0, 1.0)])
 
+
+def _off_wall(wall: Array, pose: Array) -> float:
+    """Distance of the robot from the line of a wall, with a sign."""
+    (x, y), (dx, dy) = pose[:2] - wall[0], wall[1] - wall[0]
+    return float((dx * y - dy * x) / np.hypot(dx, dy))
+
+
 check_cast_ray = Exercise(
     "cast_ray(wall, pose, angle) -> metres to the wall (2, 2) along the beam at `angle` radians "
     "from a robot at pose (3,); inf where it is not met",
@@ -165,6 +193,10 @@ check_cast_ray = Exercise(
             (
                 "a robot at (1, 0.5) that looks 15 degrees right, beam 20 degrees left",
                 *(draws_scans.pose(1, 0.5, -15), 20),
+            ),
+            (
+                "a robot at (1, 0.5) that looks 50 degrees right, beam 10 degrees left",
+                *(draws_scans.pose(1, 0.5, -50), 10),
             ),
             ("a wall right behind the robot", draws_scans.pose(0, 0, 180), 0),
             ("a beam that passes beside the wall", draws_scans.pose(0, 0, 0), 40),
@@ -190,76 +222,23 @@ check_cast_ray = Exercise(
         "the beam starts at the robot: take its x and y from the wall's first": (
             lambda wall, pose, angle: _cast_ray(wall, pose * (0, 0, 1), angle)
         ),
+        "the range is measured along the beam, not square to the wall": (
+            lambda wall, pose, angle: float(
+                min(_cast_ray(wall, pose, angle), np.abs(_off_wall(wall, pose)))
+                if np.isfinite(_cast_ray(wall, pose, angle))
+                else np.inf
+            )
+        ),
+        "angles count counter-clockwise: a beam at a positive angle looks to the left": (
+            lambda wall, pose, angle: _cast_ray(wall, pose * (1, 1, -1), -angle)
+        ),
+        "where the wall is not met the answer is inf, not nan": (
+            lambda wall, pose, angle: np.nan_to_num(_cast_ray(wall, pose, angle), posinf=np.nan)
+        ),
+        "where the wall is not met the answer is inf, not 0: that would be a wall at the sensor": (
+            lambda wall, pose, angle: np.nan_to_num(_cast_ray(wall, pose, angle), posinf=0.0)
+        ),
     },
     draw=draws_scans.cast_ray,
     own=("simulation/_simulate.py",),
-)
-
-
-# ------------------------------------------------------------------------- the sensor
-def _joined(lines: list[bytes]) -> bytes:
-    return b"".join(line[:-1] for line in lines)
-
-
-def _digits(text: bytes) -> Array:
-    return np.frombuffer(text, np.uint8).astype(float).reshape(-1, 3) - 0x30
-
-
-def _sums_kept(lines: list[bytes]) -> Array:
-    text = b"".join(lines)
-    return decode(text[: len(text) // 3 * 3], 3).astype(float)
-
-
-check_distances = Exercise(
-    "distances(lines) -> (n,) millimetres; lines: list of bytes, each a block of characters and "
-    "its sum; three characters a distance, of six bits each, most significant first, from '0' on",
-    lambda lines: decode(_joined(lines), 3).astype(float),
-    {
-        "one block": ([draws_scans.with_sum(b"06805m1Dh")],),
-        "a distance that crosses a border": (
-            [draws_scans.with_sum(b"06805m1D"), draws_scans.with_sum(b"h000007")],
-        ),
-        "no block": ([],),
-    },
-    {
-        "the first character is the most significant one": (
-            lambda lines: _digits(_joined(lines)) @ (1, 64, 4096)
-        ),
-        "the character '0' stands for 0: take 0x30 from each": (
-            lambda lines: decode(_joined(lines), 3) + 0x30 * 4161
-        ),
-        "the last character of each block is its sum, no part of a number": _sums_kept,
-        "a block need not hold whole numbers: join the blocks, then decode": (
-            lambda lines: [d for line in lines for d in decode(line[:-1][:6], 3)]
-        ),
-    },
-    draw=draws_scans.distances,
-    own=("hokuyo/_protocol.py:decode",),
-)
-
-
-def _unwrapped(stamps: ArrayLike, wrap: float = draws_scans.WRAP) -> Array:
-    return np.append(0, np.cumsum(np.diff(np.asarray(stamps, float)) % wrap)) / 1000
-
-
-check_unwrapped = Exercise(
-    "unwrapped(stamps) -> (n,) seconds since the first; stamps (n,) in milliseconds, which start "
-    "again at 0 after 2 ** 24 - 1",
-    _unwrapped,
-    {
-        "three turns": (np.array([500, 600, 800]),),
-        "a clock that wraps": (np.array([draws_scans.WRAP - 150, draws_scans.WRAP - 50, 50, 150]),),
-        "a clock that wraps twice": (np.array([draws_scans.WRAP - 1, 8_000_000, 16_000_000, 99]),),
-    },
-    {
-        "after 2 ** 24 - 1 comes 0, not a time before": lambda s: (s - s[0]) / 1000,
-        "it may wrap more than once: add up the steps from stamp to stamp": (
-            lambda s: (s - s[0]) % draws_scans.WRAP / 1000
-        ),
-        "from 2 ** 24 - 1 to 0 is one millisecond: there are 2 ** 24 values": (
-            lambda s: _unwrapped(s, draws_scans.WRAP - 1)
-        ),
-        "stamps are milliseconds, not seconds": lambda s: 1000 * _unwrapped(s),
-    },
-    draw=draws_scans.unwrapped,
 )

@@ -58,6 +58,15 @@ def _plain_mean(centres: Array, pieces: Array, sigma: float, bandwidth: float) -
     return w @ pieces / w.sum(axis=1)[:, None]
 
 
+def _by_distance(centres: Array, pieces: Array, sigma: float, bandwidth: float) -> Array:
+    """exp(-d / (2 sigma)) in the place of the kernel."""
+    d = pieces - centres[:, None]
+    d[..., 2] = axial_difference(d[..., 2], 0.0)
+    away = np.linalg.norm(d * [1, 1, 1 / bandwidth], axis=-1)
+    w = np.exp(-away / (2 * sigma))
+    return centres + (w[..., None] * d).sum(axis=1) / w.sum(axis=1)[:, None]
+
+
 check_mean_shift_step = Exercise(
     "mean_shift_step(centres, pieces, sigma, bandwidth) -> (n, 3): centres (n, 3), as x and y in "
     "metres and the angle in radians, after one step towards the pieces (m, 3)",
@@ -102,6 +111,15 @@ check_mean_shift_step = Exercise(
         "centres are pulled by the pieces, which stay, not by each other": (
             lambda c, p, s, b: _mean_shift_step(c, c, s, b)
         ),
+        "the bandwidth turns the angle into metres; sigma then divides it as it divides x and y": (
+            lambda c, p, s, b: _mean_shift_step(c, p, s, b / s)
+        ),
+        "divide the angle by the bandwidth alone: sigma divides all three afterwards, and not "
+        "twice": lambda c, p, s, b: _mean_shift_step(c, p, s, b * s),
+        "the bandwidth is in radians a metre: angles stay in radians": (
+            lambda c, p, s, b: _mean_shift_step(c, p, s, np.radians(b))
+        ),
+        "the weight falls with the square of the distance": _by_distance,
     },
     same_poses,
     draw=draws_maps.mean_shift_step,
@@ -186,6 +204,21 @@ def _best_shift(offsets: Array, lengths: Array, tolerance: float) -> float:
     return best_strip(spans, np.sort(offsets).tolist(), lengths.tolist(), 0, tolerance)[0]
 
 
+def _first_of(offsets: Array, lengths: Array, tolerance: float, shifts: Array) -> float:
+    """Of equal shifts the first in their order."""
+    totals = np.array([lengths[_inside(offsets, t, tolerance)].sum() for t in shifts])
+    return float(shifts[np.argmax(totals >= totals.max() - _BORDER)])
+
+
+def _best_of_either(offsets: Array, lengths: Array, tolerance: float) -> float:
+    """The best shift where one end of a segment in the strip is enough."""
+    shifts = _within(_shifts(offsets, tolerance), tolerance)
+    near = np.abs(offsets - shifts[:, None, None]).min(axis=2) <= tolerance + _BORDER
+    totals = (near * lengths).sum(axis=1)
+    equal = shifts[totals >= totals.max() - _BORDER]
+    return float(equal[np.argmin(np.abs(equal))])
+
+
 check_best_shift = Exercise(
     "best_shift(offsets, lengths, tolerance) -> metres: the shift whose strip holds the greatest "
     "total of lengths (n,), among 0 and those where a segment enters or leaves",
@@ -201,7 +234,8 @@ check_best_shift = Exercise(
             ),
             ("a segment below", [(-6, -5)], [2]),
             ("a longer wall far away", [(20, 20), (20, 21)], [2.9, 2]),
-            ("nothing to gain", [(1, 2)], [1]),
+            ("nothing to gain", [(1, 3)], [1]),
+            ("a slanted segment, one of its ends near", [(5, 12)], [2]),
         )
     },
     {
@@ -219,6 +253,18 @@ check_best_shift = Exercise(
         ),
         "the strip must keep the longest segment: shift by no more than the tolerance": (
             lambda o, lengths, e: _best(o, lengths, e, _shifts(o, e))
+        ),
+        "of equal shifts the one nearest to 0 counts, not the most negative one": (
+            lambda o, lengths, e: _first_of(o, lengths, e, np.sort(_within(_shifts(o, e), e)))
+        ),
+        "of equal shifts the one nearest to 0 counts, not the largest one": (
+            lambda o, lengths, e: _first_of(o, lengths, e, np.sort(_within(_shifts(o, e), e))[::-1])
+        ),
+        "the tolerance lies on both sides of the line: it is half the width of the strip": (
+            lambda o, lengths, e: _best_shift(o, lengths, e / 2)
+        ),
+        "both ends of a segment must lie in the strip, not one of them": (
+            lambda o, lengths, e: _best_of_either(o, lengths, e)
         ),
     },
     draw=draws_maps.best_shift,

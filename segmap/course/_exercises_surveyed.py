@@ -164,6 +164,9 @@ check_verdict = Exercise(
             )
         ),
         "the border belongs to the wall: <=, not <": _verdicts(slack=-1e-9),
+        "a point outside the sector says nothing, which is nan: 0 says that it lies on the wall": (
+            lambda *given: np.nan_to_num(_verdicts()(*given))
+        ),
     },
     draw=draws_maps.verdict,
     own=(
@@ -197,6 +200,12 @@ check_memberships = Exercise(
         "weights go with 1 / squares, not with 1 / distance": lambda s, n: _shares(s, n, 0.5),
         "squares are squared already": lambda s, n: _shares(s, n, 2.0),
         "the nearer a prototype, the larger its share": lambda s, n: _shares(s, n, -1.0),
+        "the shares of the k prototypes are asked for; that of the noise is the rest": (
+            lambda s, n: np.append(_shares(s, n), 1 - _shares(s, n).sum())
+        ),
+        "the shares and that of the noise add up to 1: divide by the sum of all weights": (
+            lambda s, n: 1 / s
+        ),
     },
     draw=draws_maps.memberships,
     own=(
@@ -209,7 +218,11 @@ check_memberships = Exercise(
 
 # ------------------------------------------------------------------------- least cost
 def _gaps(
-    order: str = "sorted", least: float = 1.0, most: bool = True, around: str = "both"
+    order: str = "sorted",
+    least: float = 1.0,
+    most: bool = True,
+    around: str = "both",
+    beyond: bool = False,
 ) -> Any:
     """Metres in gaps, with the details that mistakes change."""
 
@@ -219,7 +232,7 @@ def _gaps(
             return float(whole * (order != "none kept" or whole > gap))
         reached, found = 0.0 if around == "both" else spans[0, 0], 0.0
         for low, high in [*spans, (whole, whole)][: len(spans) + (around != "between")]:
-            found += (low - reached) * (low - reached > least * gap)
+            found += (low - reached - beyond * gap) * (low - reached > least * gap)
             reached = max(reached, high) if most else high
         return found
 
@@ -250,6 +263,13 @@ check_invented_metres = Exercise(
         "look before the first member and behind the last one too": _gaps(around="between"),
         "behind the last member you look; look before the first one too": _gaps(around="end"),
         "where no member is kept, all is invented, however short": _gaps("none kept"),
+        "a gap that is longer than `gap` counts whole, not only what it is longer": (
+            _gaps(beyond=True)
+        ),
+        "members may lie inside each other, and short gaps cost nothing: the sum of their lengths "
+        "does not say what they leave": (
+            lambda spans, whole, gap: float(whole - (spans[:, 1] - spans[:, 0]).sum())
+        ),
     },
     draw=draws_maps.invented_metres,
     own=(
