@@ -191,6 +191,17 @@ PLANTED = (
     ("grid[i, j] = whole(np.sqrt(square) * unit + 0.5)", "grid[i, j] = whole(np.sqrt(square) * unit)", "distance_field"),
     # exercises
     ("np.allclose(a, b, rtol=1e-9, atol=1e-9, equal_nan=True)", "np.allclose(a, b, rtol=1e-9, atol=1e-2, equal_nan=True)", "exercises"),
+    ('return {"library": watch.seen} if watch.seen else found', "return found", "exercises"),
+    ("self._whole.add(self._solution.co_filename)", "pass", "exercises"),
+    ("for found in _referred(function, set()):", "for found in ():", "exercises"),
+    ("self.note(frame.f_locals[\"self\"].plain.__code__ if code is _COMPILED else code)", "pass", "exercises"),
+    ("sys.setprofile(self._before)", "sys.setprofile(None)", "exercises"),
+    ("if not self._survivors(cases):\n                return", "if True:\n                return", "exercises"),
+    ("math.prod(shape) != len(values)", "False", "exercises"),
+    ("if abs(guess - true) <= self.within + 1e-9:", "if abs(guess - true) <= self.within:", "open_exercises"),
+    ("return guess * true > 0 and high", "return high", "open_exercises"),
+    ("if 2 * count > len(own)), \"\")", "if count > len(own)), \"\")", "open_exercises"),
+    ("if not np.isfinite(found).all():\n        raise ValueError(\"finite", "if False:\n        raise ValueError(\"finite", "open_exercises"),
     ("abs(axial_difference(a, b)) < 5e-9)", "abs(axial_difference(a, b)) < 1e-2)", "exercises"),
     ("(np.abs(axial_difference(a[..., 2], b[..., 2])) < 1e-9)", "(np.abs(axial_difference(a[..., 2], b[..., 2])) < 1e-2)", "exercises"),
     # readers

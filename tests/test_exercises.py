@@ -15,7 +15,7 @@ from right_answers import RIGHT
 
 from segmap import _extraction_loops, course, literal, plotting, poses
 from segmap.angles import axial_difference
-from segmap.course import EXERCISES, Check, Exercise
+from segmap.course import EXERCISES, Check, Exercise, _exercises_surveyed
 from segmap.course._exercise_answers import answered, same_line, same_poses
 from segmap.literal.fuzzy_clustering import memberships
 from segmap.literal.viewing_sector import views
@@ -267,6 +267,7 @@ def test_the_library_is_noticed_however_it_is_wrapped(exercise, wrapped):
         ("ray_cells", lambda a, b: literal.crossed_cells(a, b)),
         ("mean_wall_error", lambda points, walls: course.wall_errors(points, walls).mean()),
         ("memberships", lambda s, n: memberships((0, 0), [], n)),
+        ("memberships", lambda s, n: _exercises_surveyed._shares(s, n)),
         ("quality", lambda d: literal.quality([((0, 0), (1, 0))], [((0, 0), (1, 0))])),
     ],
 )
