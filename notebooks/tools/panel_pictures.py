@@ -42,7 +42,7 @@ STATES: dict[str, list[str]] = {
     "33-1": ["", "scan=40", "scan=53", "scan=53, min_length=2.0"],
     "34-1": ["", "step=3", "step=60", "x=1.5, y=1.5, turn=30, step=60"],
     "35-1": ["", "loops=False", "odometry=True", "loops=True"],
-    "36-1": ["", "tolerance=0.06", "tolerance=0.10"],
+    "36-1": ["", "run(40)", "run(40)", "run(40)"],
     "41-1": ["", "angle=30", "angle=0, offset=0.5", "offset=0, length=0.5"],
     "51-1": ["distance=0.05", "distance=0.2", "distance=0.4", "distance=0.4, angle=30"],
     "52-1": ["", "origin=-40", "origin=-100", "origin=0, distance=0.6"],
@@ -60,10 +60,10 @@ STATES: dict[str, list[str]] = {
     "65-1": ["", "occupied=0.9", "occupied=0.5, free=0.0", "free=0.25, doublings=2"],
     "66-1": ["", "resolution=20.0", "resolution=1.0", "resolution=5.0, tolerance=20.0"],
     "71-1": ["", "step=2", "step=4"],
-    "72-1": ["", "tolerance=0.1", "tolerance=0.005"],
-    "01-1": ["", "run", "method='hybrid', run", "method='least_cost', run"],
-    "01-2": ["", "least=0.5, run"],
-    "01-3": ["", "method['tolerance']=0.1, run"],
+    "72-1": ["", "run(20)", "run(20)", "run(20)"],
+    "01-1": ["", "run()", "method='hybrid', run()", "method='least_cost', run()"],
+    "01-2": ["", "least=0.5, run()"],
+    "01-3": ["", "method['tolerance']=0.1, run()"],
 }
 
 #: Run behind the cell that shows the panel: each state becomes an output.
@@ -73,14 +73,14 @@ for _moves in {moves!r}:
     for _move in filter(None, _moves.split(", ")):
         _name, _, _value = _move.partition("=")
         if not _value:
-            getattr({panel}, _name)()
+            eval(f"{panel}.{{_name}}")
         elif "[" in _name:
             _name, _, _key = _name.partition("[")
             getattr({panel}, _name)[eval(_key[:-1])].value = eval(_value)
         else:
             getattr({panel}, _name).value = eval(_value)
     _shown = {panel}._repr_mimebundle_()
-    if hasattr({panel}, "picture"):  # what a browser with a kernel is given is finer
+    if {panel}.picture.value:  # what a browser with a kernel is given is finer
         _shown["image/png"] = bytes({panel}.picture.value)
     _display({{k: _shown[k] for k in ("image/png", "text/plain")}}, raw=True)
 """
@@ -116,13 +116,14 @@ def _state(output: Any) -> tuple[Image.Image, str]:
 
 
 def strip(pictures: list[Image.Image]) -> Image.Image:
-    """Pictures of one size, one below the other."""
-    width = min(WIDTH, pictures[0].width)
-    height = round(pictures[0].height * width / pictures[0].width)
+    """Pictures one below the other, each in a frame as large as the largest."""
+    width, height = (max(sides) for sides in zip(*(p.size for p in pictures), strict=True))
     whole = Image.new("RGB", (width, height * len(pictures)), "white")
     for k, picture in enumerate(pictures):
-        whole.paste(picture.resize((width, height), Image.Resampling.LANCZOS), (0, k * height))
-    return whole
+        whole.paste(picture, (0, k * height))
+    scale = min(1.0, WIDTH / width)
+    size = round(scale * width), round(scale * height) * len(pictures)
+    return whole if scale == 1.0 else whole.resize(size, Image.Resampling.LANCZOS)
 
 
 def packed(image: Image.Image, said: list[str]) -> bytes:
