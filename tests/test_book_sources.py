@@ -87,6 +87,14 @@ def test_what_a_chapter_lacks_is_told(tmp_path):
     assert "98_broken.ipynb: some cells were not run" in said
 
 
+def test_names_in_the_words_of_a_chapter_lead_to_one_entry():
+    """Catches a link to a method as printed, and a guess where two rooms have a name."""
+    rooms = ("reduction.fusion", "literal.fusion", "alignment.METHODS", "reduction.METHODS")
+    known = extension.by_short_name({f"segmap.{name}": None for name in rooms})
+    assert known["fusion"] == "segmap.reduction.fusion" and "METHODS" not in known
+    assert known["literal.fusion"] == "segmap.literal.fusion"
+
+
 # ------------------------------------------------------------------ formulas
 
 

@@ -24,6 +24,7 @@ def setup(app: Sphinx) -> dict[str, bool]:
     app.add_node(HideCodeCellNode, override=True, html=(_open, _close))
     app.connect("autodoc-process-docstring", _tidy_docstring)
     app.connect("autodoc-skip-member", _skip_member)
+    app.connect("doctree-resolved", _link_names)
     return {"parallel_read_safe": True, "parallel_write_safe": True}
 
 
@@ -71,6 +72,32 @@ def _open(self: Any, node: nodes.Element) -> None:
 
 def _close(self: Any, node: nodes.Element) -> None:
     self.body.append("</details>\n")
+
+
+def _link_names(app: Sphinx, tree: nodes.document, page: str) -> None:
+    """`least_cost(...)` in a chapter leads to its entry, where one public name is meant."""
+    if not page.startswith("notebooks/"):
+        return
+    entries = app.env.get_domain("py").objects  # type: ignore[attr-defined]
+    known = by_short_name(entries)
+    for node in list(tree.findall(nodes.literal)):
+        name = re.sub(r"\(.*\)$", "", node.astext()).removeprefix("segmap.")
+        if (full := known.get(name)) and not isinstance(node.parent, nodes.reference):
+            place = app.builder.get_relative_uri(page, entries[full].docname)
+            link = nodes.reference("", "", internal=True, refuri=f"{place}#{full}")
+            node.replace_self(link)
+            link += node
+
+
+def by_short_name(entries: Any) -> dict[str, str]:
+    """`reduction.fusion` and `fusion` -> `segmap.reduction.fusion`, unless two rooms have one."""
+    full = [name for name in entries if re.fullmatch(r"segmap\.\w+\.\w+", name)]
+    known = {name.removeprefix("segmap."): name for name in full}
+    outer = [name for name in full if name.split(".")[1] not in ("literal", "course", "arrays")]
+    short: dict[str, list[str]] = {}
+    for name in outer:
+        short.setdefault(name.rpartition(".")[2], []).append(name)
+    return known | {key: names[0] for key, names in short.items() if len(names) == 1}
 
 
 def _skip_member(app: Sphinx, what: str, name: str, obj: Any, skip: bool, options: Any) -> Any:
