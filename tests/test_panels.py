@@ -41,6 +41,7 @@ from segmap.course import (
     WeightedPanel,
     insert_variant,
 )
+from segmap.course._panels_graphs import _partnered
 from segmap.course._panels_quadtree import touched_cells
 from segmap.experiments import sweep
 from segmap.exports import ros_classes
@@ -262,11 +263,19 @@ def test_the_icp_panel_keeps_the_whole_moving_scan_in_the_picture():
     panel._draw(figure)
     ax = figure.axes[0]
     scan = transform(panel.steps[0].pose, points)
-    (whole,) = [line for line in ax.lines if len(line.get_xdata()) == len(scan)]
-    assert whole.get_xydata() == pytest.approx(scan)
+    whole, blue = (line for line in ax.lines if line.get_zorder() == 1)
+    assert whole.get_xydata() == pytest.approx(scan) and len(blue.get_xdata()) < len(scan)
     low, high = np.transpose([ax.get_xlim(), ax.get_ylim()])
     assert (scan > low).all() and (scan < high).all()
-    assert whole.get_zorder() < 2 and len(panel.steps[0].points) < len(scan)
+    assert whole.get_color() != blue.get_color() == RESULT
+
+
+def test_a_point_between_two_with_partners_has_one_and_others_have_not():
+    """Catches a wall that matches drawn as if every second point of it had no partner."""
+    scan = np.array([(0.1 * k, 0.0) for k in range(9)])
+    assert _partnered(scan, scan[[2, 4, 8]]).nonzero()[0].tolist() == [2, 3, 4, 8]
+    assert _partnered(scan, scan[[2, 3, 5, 8]]).nonzero()[0].tolist() == [2, 3, 5, 8]
+    assert not _partnered(scan, scan[:0]).any()
 
 
 def test_no_name_is_cut_and_narrow_windows_go_on_below():
