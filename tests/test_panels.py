@@ -48,6 +48,7 @@ from segmap.exports import ros_classes
 from segmap.extraction import extract_polylines
 from segmap.panels import ComparePanel, LivePanel, Panel, QuadtreePanel, ScanPanel, slider, text
 from segmap.panels._base import FINER, VIEW
+from segmap.panels._view import FRAME
 from segmap.plotting import ERROR, RESULT, TRUTH
 from segmap.poses import transform
 from segmap.quadtree import QuadtreeMap, build_map
@@ -252,6 +253,19 @@ def test_zoom_shows_a_part_of_all_maps_and_of_nothing_else():
     near.click()
     first.click()
     assert panel._look.zoom == 1 and panel.distance.value == 0.20
+
+
+@unpainted
+def test_a_part_of_a_single_map_fills_the_picture():
+    """Catches a part of a narrow map that stays as narrow, and one of a wide map that is cut."""
+    for walls in ([[(0, 0), (1, 9)]], [[(0, 0), (9, 1)]]):
+        panel = FusionPanel(SegmentMap(walls))
+        ax = panel._figure.axes[0]
+        whole = np.ptp([ax.get_xlim(), ax.get_ylim()], axis=1)
+        panel._look.enlarge(2)
+        part = np.ptp([ax.get_xlim(), ax.get_ylim()], axis=1)
+        assert part[0] / part[1] == pytest.approx(480 * FRAME[0] / (440 * FRAME[1]))
+        assert (part >= whole / 2 - 1e-9).all() and min(part - whole / 2) == pytest.approx(0)
 
 
 @unpainted

@@ -16,6 +16,8 @@ from ..arrays import Array
 STEP, MOST = 2**0.5, 64.0
 #: One press moves by this part of what is seen.
 SHIFT = 0.25
+#: Of a picture with one map, about: the part of its width and height that is within the frame.
+FRAME = (0.86, 0.76)
 #: Label of a button -> what it is for, and its name on the panel.
 BUTTONS = {
     "+": "zoom in",
@@ -80,8 +82,12 @@ class View:
     def set(self, figure: Figure) -> Figure:
         """Set, in place, the limits that are seen now."""
         for ax, (low, high) in self._whole:
-            centre, half = (low + high) / 2 + self.middle * (high - low), (high - low) / 2
-            first, last = centre - half / self.zoom, centre + half / self.zoom
+            centre = (low + high) / 2 + self.middle * (high - low)
+            half = (high - low) / 2 / self.zoom
+            if self.zoom > 1 and len(figure.axes) == 1:  # a part fills the picture
+                ratio = np.divide(*(figure.get_size_inches() * FRAME))
+                half = np.maximum(half, half[::-1] * (ratio, 1 / ratio))
+            first, last = centre - half, centre + half
             ax.set(xlim=(first[0], last[0]), ylim=(first[1], last[1]))
         return figure
 
