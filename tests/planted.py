@@ -14,6 +14,9 @@ PLANTED = (
     ("x = -c * p[..., 0] - s * p[..., 1]", "x = -c * p[..., 0] + s * p[..., 1]", "poses"),
     ("wrap(a[..., 2] + b[..., 2])", "a[..., 2] + b[..., 2]", "poses"),
     ("(span <= max_gap)", "(span < max_gap)", "poses"),
+    # open exercises
+    ("if there < truth - 0.005:", "if there > truth + 0.005:", "open_exercises"),
+    ("lost >= 20 and lost >= 0.1 * hit.sum()", "lost >= 2 and lost >= 0.01 * hit.sum()", "open_exercises"),
     # what a pose graph doubts
     ("place, reach=0.5, turn=np.pi, least=0.5)", "place, reach=0.5, turn=1.0, least=0.5)", "doubt"),
     ("stands = lost and not self.trail", "stands = False and not self.trail", "doubt"),

@@ -17,6 +17,10 @@ NEAR = np.stack([np.linspace(2, 4, 41), 0.001 + 0.008 * (-1.0) ** np.arange(41)]
 FAR = NEAR + (0, 1)
 BENT = NEAR + [(0.0, 0.1 * (k > 20)) for k in range(41)]
 
+#: Two walls along x, without an end in sight.
+CORRIDOR = [[(-15, -1), (15, -1)], [(-15, 1), (15, 1)]]
+#: Bars of 1 cm with gaps of 4 cm.
+FENCE = [[(x, 1), (x + 0.01, 1)] for x in np.arange(-2, 2, 0.05)]
 #: Exercise -> an answer that passes, and answers that fail, with words of the reason.
 ANSWERS = {
     "predict_drift": (8.0, [(0.17, "it is 8.632 m"), (100, "within a factor of 1.3")]),
@@ -50,6 +54,28 @@ ANSWERS = {
             ([(10, 10), (16, 10)], "got shape (2, 2)"),
             ([[(10, 10), (16, np.nan)]], "finite numbers are wanted"),
             ([[(10, 10), (1e6, 0)]], "stay within 20 m"),
+        ],
+    ),
+    "predict_coarse_leaves": (3300, [(4244, "it is 3169 leaves"), (2000, "factor of 1.15")]),
+    "break_matching": (
+        CORRIDOR,
+        [
+            (rectangular_room() - (2, 1.5), "ends 0 cm from the truth"),
+            ([*CORRIDOR, [(2, -1), (2, 1)], [(-2, -1), (-2, 1)]], "cm from the truth, 20"),
+            ([[(15, -1), (16, -1)]], "only 0 of 720 beams"),
+            ([[(2, -3), (2, 3)]], "the score sees it: 220 mm"),
+            ([(0, 1), (1, 1)], "got shape (2, 2)"),
+            ([[(0, 1), (21, 1)]], "stay within 20 m"),
+        ],
+    ),
+    "break_cells": (
+        ([*FENCE, [(-8, 4), (8, 4)]], [(0, 0), (0.5, 0)]),
+        [
+            ((rectangular_room(), [(2, 1.5)]), "0 of "),
+            ((rectangular_room(), [(1, 1), (2, 2), (3, 1)]), "7 of 417 cells that were hit"),
+            ((rectangular_room(), [2, 1.5]), "give 1 to 30 places"),
+            ((rectangular_room(), [(2, 21)]), "stay within 20 m"),
+            ((rectangular_room()[0], [(2, 1.5)]), "give 1 to 400 walls"),
         ],
     ),
 }

@@ -80,6 +80,7 @@ from ._landscapes import Landscape, heading_profile, landscape, peaks, profile_p
 from ._open_exercises import Challenge, Prediction, break_quality, predict_beams_on_wall
 from ._open_log import OwnLog, check_own_log
 from ._open_scans import break_line, break_reader, predict_drift, predict_pieces
+from ._open_quadtree import break_cells, break_matching, predict_coarse_leaves
 from ._panels_alignment import AnglePanel, BackbonePanel, GroundTruthPanel
 from ._panels_graphs import IcpPanel, PoseGraphPanel
 from ._panels_matching import LandscapePanel, MatcherPanel
@@ -164,7 +165,9 @@ __all__ = [
     "Trial",
     "WeightedPanel",
     "alignment_table",
+    "break_cells",
     "break_line",
+    "break_matching",
     "break_quality",
     "break_reader",
     "check_axial_mean",
@@ -241,6 +244,7 @@ __all__ = [
     "occupied_centres",
     "peaks",
     "predict_beams_on_wall",
+    "predict_coarse_leaves",
     "predict_drift",
     "predict_pieces",
     "profile_peaks",
