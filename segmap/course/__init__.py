@@ -79,8 +79,8 @@ from ._exercises_surveyed import (
 from ._landscapes import Landscape, heading_profile, landscape, peaks, profile_peaks
 from ._open_exercises import Challenge, Prediction, break_quality, predict_beams_on_wall
 from ._open_log import OwnLog, check_own_log
-from ._open_scans import break_line, break_reader, predict_drift, predict_pieces
 from ._open_quadtree import break_cells, break_matching, predict_coarse_leaves
+from ._open_scans import break_line, break_reader, predict_drift, predict_pieces
 from ._panels_alignment import AnglePanel, BackbonePanel, GroundTruthPanel
 from ._panels_graphs import IcpPanel, PoseGraphPanel
 from ._panels_matching import LandscapePanel, MatcherPanel
