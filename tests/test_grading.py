@@ -18,7 +18,7 @@ from segmap.course._grade_report import safe
 from segmap.course._grade_run import Pool, outcome
 from segmap.course._grade_submissions import Answer, Submission, submissions
 from segmap.course._grade_wire import packed, unpacked
-from segmap.course._handout import Task
+from segmap.course._handout_tasks import Task
 
 LIMITS = Limits(seconds=30, cpu=1, memory=1 << 28)
 TASK = Task(

@@ -9,9 +9,10 @@ from chapter_rules import CHAPTERS
 from segmap.course import EXERCISES
 from segmap.course.__main__ import main
 from segmap.course._grade_checks import checks
-from segmap.course._handout import LINK, student_copy, tasks_of, with_links
+from segmap.course._handout import LINK, student_copy, with_links
 from segmap.course._handout_places import chapters, defines, places
 from segmap.course._handout_solutions import BEGIN, END, module_of, solution
+from segmap.course._handout_tasks import tasks_of
 
 
 @pytest.fixture(scope="module")
@@ -173,27 +174,34 @@ def test_what_a_person_grades_has_its_rubric_and_no_test_cell():
     """Catches points that nobody gives: a log cannot be judged from numbers."""
     chapter = made_up(
         "Title",
-        "Predict. 4 points where it is near.",
+        "Predict. *4 points* if the program says *passed*.",
         "my_guess = None",
         "course.predict_beams_on_wall(my_guess)",
-        "Own log. 3 points: it is read. 7 points: it is explained.",
+        "Break it.\n\n| points | for |\n|---|---|\n| 2 | the check passes |\n| 3 | a reason |",
+        "my_map = None\ncourse.break_quality(my_map)",
+        "Own log.\n\n| 4 | the program says *passed* |\n| 6 | explained |",
         "my_log, my_poses = None, None\ncourse.check_own_log(my_log, my_poses)",
         "Explain why, by hand: 6 points.",
     )
     tasks = tasks_of("99_x.ipynb", chapter, checks())
-    told = [(task.name, task.points, task.by_hand, task.given) for task in tasks]
-    assert told == [
+    assert [(task.name, task.points, task.by_hand, task.given) for task in tasks] == [
         ("predict_beams_on_wall", 4, False, "my_guess"),
-        ("own_log", 10, True, "(my_log, my_poses)"),
-        ("by_hand_99_6", 6, True, ""),
+        ("break_quality", 2, False, "my_map"),
+        ("break_quality_by_hand", 3, True, ""),
+        ("own_log_99_by_hand", 10, True, ""),
+        ("by_hand_99_8", 6, True, ""),
     ]
-    assert "7 points: it is explained" in tasks[1].rubric
+    assert "| 6 | explained |" in tasks[3].rubric
     found = {c["id"]: c for c in student_copy("99_x.ipynb", chapter, checks(), [])["cells"]}
-    assert "own_log-test" not in found and "predict_beams_on_wall-test" in found
-    hand = found["own_log-answer"]["metadata"]["nbgrader"]
-    assert hand["grade"] and hand["solution"] and hand["points"] == 10
-    assert found["by_hand_99_6"]["metadata"]["nbgrader"]["points"] == 6
-    assert found["own_log-check"]["source"] == "course.check_own_log(my_log, my_poses)"
+    assert "own_log_99-test" not in found and found["break_quality-test"]["source"][:7] == "2 * boo"
+    for name, points in {
+        "own_log_99_by_hand": 10,
+        "break_quality_by_hand": 3,
+        "by_hand_99_8": 6,
+    }.items():
+        meta = found[name]["metadata"]["nbgrader"]
+        assert meta["grade"] and meta["solution"] and meta["points"] == points
+    assert found["own_log_99-check"]["source"] == "course.check_own_log(my_log, my_poses)"
 
 
 # ------------------------------------------------------------------ solutions

@@ -13,8 +13,9 @@ from ._grade_jail import Limits
 from ._grade_report import Row, class_report, write_feedback, write_table
 from ._grade_run import Outcome, Pool, judged, outcome
 from ._grade_submissions import Submission, submissions
-from ._handout import KIND, Task, tasks_of
+from ._handout import KIND
 from ._handout_places import chapters, read_chapter
+from ._handout_tasks import Task, tasks_of
 
 #: Answers that run at the same time.
 WORKERS = 2

@@ -11,7 +11,7 @@ from typing import NamedTuple
 from .._files import table_text, write_bytes
 from ._grade_run import Outcome
 from ._grade_submissions import Submission
-from ._handout import Task
+from ._handout_tasks import Task
 
 #: A cell of a table that begins so would be a formula in a spreadsheet.
 FORMULA = ("=", "+", "-", "@", "\t", "\r")
@@ -44,6 +44,14 @@ class Row(NamedTuple):
         """The points that the program gives."""
         return sum(task.points for task in tasks if self.gained(task))
 
+    def cell(self, task: Task) -> str:
+        """The points of a task, empty by hand; where the program gives none, what it says."""
+        if task.by_hand:
+            return ""
+        return (
+            str(task.points * self.gained(task)) if task.points else self.outcomes[task.name].kind
+        )
+
     def gained(self, task: Task) -> bool:
         """Whether the answer to a task is right."""
         return task.name in self.outcomes and self.outcomes[task.name].right
@@ -61,7 +69,7 @@ def write_table(path: Path, rows: Sequence[Row], tasks: Sequence[Task]) -> None:
     most = sum(task.points for task in tasks if not task.by_hand)
     table = [[*map(safe, head)]]
     for row in rows:
-        cells = ["" if t.by_hand else str(t.points * row.gained(t)) for t in tasks]
+        cells = [row.cell(task) for task in tasks]
         known = [row.submission.student, row.submission.name]
         found = [*known, str(row.points(tasks)), str(most), *cells, reasons(row)]
         table.append([*map(safe, found)])
@@ -139,7 +147,8 @@ def _section(row: Row, task: Task) -> str:
 
 
 def _said(found: Outcome) -> str:
-    return "Right." if found.right else f"{found.kind.capitalize()}: {found.reason}"
+    said = f"{found.kind.capitalize()}: {found.reason}"
+    return "Right." if found.reason == "passed" else said
 
 
 def _by_hand(row: Row, task: Task) -> str:

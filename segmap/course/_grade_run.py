@@ -19,7 +19,7 @@ from typing import Any, NamedTuple
 from ._exercise import Exercise
 from ._grade_jail import PACKAGE, Limits, Locks
 from ._grade_wire import packed
-from ._handout import Task
+from ._handout_tasks import Task
 
 #: How a process without network and without sight of others is started, the first that works.
 APART = (

@@ -49,8 +49,9 @@ class Submission(NamedTuple):
 
     def written(self, task: str) -> str | None:
         """What was written below a task that a person grades; None where its cell is gone."""
-        found = [cell.source for cell in self.answers if cell.id in (task, f"{task}-answer")]
-        return found[-1] if found else None
+        ids = (f"{task.removesuffix('_by_hand')}-answer", task)
+        found = [cell.source for cell in self.answers if cell.id in ids]
+        return "\n\n".join(found) if found else None
 
 
 def submissions(folder: Path) -> list[Submission]:

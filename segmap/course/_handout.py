@@ -12,34 +12,16 @@ import re
 import shutil
 from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 from .._files import write_bytes
-from ._exercise import Exercise
-from ._handout_places import Cell, Notebook, Place, chapters, imports, parts, places, read_chapter
-from ._open_exercises import Prediction
+from ._handout_places import Cell, Notebook, chapters, parts, places, read_chapter
+from ._handout_tasks import Task, column, tasks_of
 
-#: What an answer that the program judges is worth, all or nothing; and what is judged by hand.
-POINTS, HAND_POINTS = 4, 10
 #: First word of the instructor's file, with the version of its layout.
 KIND = "segmap handout 1"
 #: Links to files: an image or a page, with its words and what follows a file's name.
 LINK = re.compile(r"(!?)\[([^\]\n]*)\]\(([^)#\s]+)(#[^)\s]*)?\)")
-#: A task that a person grades says so, with its points: "*By hand: 6 points.*"
-BY_HAND = re.compile(r"\bby hand: (\d+) points", re.IGNORECASE)
-
-
-class Task(NamedTuple):
-    """What a handout asks for: its column, its chapter, its names, its points, who grades it."""
-
-    name: str
-    chapter: str
-    answers: tuple[str, ...]
-    points: int
-    imports: str = ""
-    given: str = ""
-    by_hand: bool = False
-    rubric: str = ""
 
 
 def handout(
@@ -120,68 +102,27 @@ def text(notebook: Notebook) -> bytes:
     return (json.dumps(notebook, indent=1, ensure_ascii=False) + "\n").encode()
 
 
-def tasks_of(name: str, notebook: Notebook, checks: Mapping[str, Any]) -> list[Task]:
-    """The tasks of a chapter, in their order: what is checked, and what is graded by hand."""
-    head, cells = imports(notebook), notebook["cells"]
-    found = []
-    for place in places(cells, checks):
-        hand = judged_by_hand(checks[place.check])
-        points, said = HAND_POINTS if hand else POINTS, rubric(cells, place.written)
-        known = (column(place), name, place.answers, points, head, place.given)
-        found.append((place.written, Task(*known, hand, said)))
-    for index, cell in enumerate(cells):
-        if points := by_hand(cell):
-            task = f"by_hand_{name[:2]}_{index}"
-            found.append((index, Task(task, name, (), points, "", "", True, cell["source"])))
-    return [task for _, task in sorted(found, key=lambda pair: pair[0])]
-
-
-def judged_by_hand(exercise: Any) -> bool:
-    """Whether an exercise takes more than numbers: a log, or any object of the student's."""
-    return not isinstance(exercise, Exercise | Prediction) and not getattr(
-        exercise, "numbers", False
-    )
-
-
-def rubric(cells: list[Cell], index: int) -> str:
-    """The text above a cell: what is asked, and what earns how many points."""
-    texts = [cell["source"] for cell in cells[:index] if cell["cell_type"] == "markdown"]
-    return texts[-1] if texts else ""
-
-
-def column(place: Place) -> str:
-    """The name of a task: `compose` for `check_compose`, `predict_drift` as it is."""
-    return place.check.removeprefix("check_")
-
-
-def by_hand(cell: Cell) -> int:
-    """Points of a task that a person grades; 0 for every other cell."""
-    match = BY_HAND.search(cell["source"]) if cell["cell_type"] == "markdown" else None
-    return int(match.group(1)) if match else 0
-
-
 # ------------------------------------------------------------------------------ a student's copy
 def student_copy(
     name: str, notebook: Notebook, checks: Mapping[str, Any], handed: Iterable[str]
 ) -> Notebook:
     """A chapter as students get it; `handed` are the files that its links may lead to."""
-    tasks = tasks_of(name, notebook, checks)
+    tasks = {task.name: task for task in tasks_of(name, notebook, checks)}
     asked = {place.checked: place for place in places(notebook["cells"], checks)}
-    written = {place.written for place in asked.values()}
+    written = {place.written: column(place, name) for place in asked.values()}
     cells: list[Cell] = []
     for index, cell in enumerate(notebook["cells"]):
         if index in asked:
-            cells += checked_cells(cell, asked[index], checks, index in written)
+            own = column(asked[index], name)
+            cells += checked_cells(cell, own, set(checks), tasks, index in written)
         elif index in written:
-            place = next(place for place in asked.values() if place.written == index)
-            hand = judged_by_hand(checks[place.check])
-            cells += answer_cells(cell["source"], place, hand=hand)
+            cells += answer_cells(cell["source"], written[index], tasks)
         elif cell["cell_type"] == "markdown":
             cells.append(markdown(cell["id"], with_links(cell["source"], set(handed))))
-            cells += hand_cells(f"by_hand_{name[:2]}_{index}", by_hand(cell))
+            cells += hand_cells(tasks.get(f"by_hand_{name[:2]}_{index}"))
         else:
             cells.append(code(cell["id"], cell["source"], tags=cell["metadata"].get("tags")))
-    cells.insert(1, name_cell(tasks))
+    cells.insert(1, name_cell(list(tasks.values())))
     return {**notebook, "cells": cells}
 
 
@@ -202,34 +143,40 @@ def name_cell(tasks: list[Task]) -> Cell:
     )
 
 
-def checked_cells(cell: Cell, place: Place, checks: Mapping[str, Any], both: bool) -> list[Cell]:
+def checked_cells(
+    cell: Cell, name: str, checks: set[str], tasks: Mapping[str, Task], both: bool
+) -> list[Cell]:
     """The cell with the check; before it the answer, where both stood in one cell."""
-    answer, check = parts(cell, set(checks))
-    name, hand = column(place), judged_by_hand(checks[place.check])
-    found = answer_cells(answer, place, hand=hand) if both else []
-    if hand:
-        return [*found, code(f"{name}-check", check)]
-    test = code(f"{name}-test", f"{POINTS} * bool({check.strip()})  # points: do not change")
-    test["metadata"] = nbgrader(f"{name}-test", POINTS, grade=True, locked=True)
-    return [*found, code(f"{name}-check", check), test]
+    answer, check = parts(cell, checks)
+    found = answer_cells(answer, name, tasks) if both else []
+    found.append(code(f"{name}-check", check))
+    points = tasks[name].points if name in tasks else 0
+    if points:
+        test = code(f"{name}-test", f"{points} * bool({check.strip()})  # points: do not change")
+        test["metadata"] = nbgrader(f"{name}-test", points, grade=True, locked=True)
+        found.append(test)
+    return [*found, *hand_cells(tasks.get(f"{name}_by_hand"))]
 
 
-def answer_cells(source: str, place: Place, *, hand: bool = False) -> list[Cell]:
+def answer_cells(source: str, name: str, tasks: Mapping[str, Task]) -> list[Cell]:
     """What an answer is worth, and the cell for it."""
-    name, said = column(place), f"**{HAND_POINTS} points**, graded by hand"
+    known = [tasks[own] for own in (name, f"{name}_by_hand") if own in tasks]
+    said = [
+        f"**{task.points} points** {'by hand' if task.by_hand else 'by the program'}"
+        for task in known
+        if task.points
+    ]
     cell = code(f"{name}-answer", source)
-    worth = HAND_POINTS if hand else None
-    cell["metadata"] = nbgrader(f"{name}-answer", worth, grade=hand, solution=True)
-    shown = f"`{name}`: {said if hand else f'**{POINTS} points**'}"
-    return [markdown(f"{name}-points", shown), cell]
+    cell["metadata"] = nbgrader(f"{name}-answer", solution=True)
+    return [markdown(f"{name}-points", f"`{name}`: {', '.join(said)}"), cell]
 
 
-def hand_cells(name: str, points: int) -> list[Cell]:
-    """A cell to write in, below a task that a person grades."""
-    if not points:
+def hand_cells(task: Task | None) -> list[Cell]:
+    """A cell to write in, for what a person grades."""
+    if task is None:
         return []
-    cell = markdown(name, f"*Your answer ({points} points).*")
-    return [cell | {"metadata": nbgrader(name, points, grade=True, solution=True)}]
+    cell = markdown(task.name, f"*Write here ({task.points} points, graded by hand).*")
+    return [cell | {"metadata": nbgrader(task.name, task.points, grade=True, solution=True)}]
 
 
 def nbgrader(

@@ -95,7 +95,9 @@ def places(cells: list[Cell], checks: Iterable[str]) -> list[Place]:
         for call in _calls(tree, known):
             given = call.args[0] if len(call.args) == 1 else ast.Tuple(call.args, ast.Load())
             used = [part.id for part in ast.walk(given) if isinstance(part, ast.Name)]
-            names = tuple(name for name in used if _cells_of(cells[: index + 1], name))
+            names = tuple(
+                name for name in dict.fromkeys(used) if _cells_of(cells[: index + 1], name)
+            )
             check = ast.unparse(call.func).removeprefix("course.")
             place = Place(check, names, ast.unparse(given), _written(cells, names, index), index)
             found.append(place)

@@ -13,8 +13,9 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from ._handout import refuse_old, student_copy, tasks_of, text, write_folder
+from ._handout import refuse_old, student_copy, text, write_folder
 from ._handout_places import PACKAGE, Cell, Notebook, chapters, read_chapter
+from ._handout_tasks import tasks_of
 
 #: nbgrader leaves out what stands between these lines when it makes the students' version.
 BEGIN, END = "### BEGIN SOLUTION", "### END SOLUTION"
