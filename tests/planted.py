@@ -371,6 +371,9 @@ PLANTED = (
     # open exercises
     ("length(total[0]) < 1 or off > most:", "length(total[0]) < 1:", "open_exercises"),
     ('return "" if lost >= needed else', 'return "" if lost > needed else', "open_exercises"),
+    # open exercises on reduced maps
+    ("if (gap := _least_gap(walls)) < 0.07 - 1e-9:", "if (gap := _least_gap(walls)) < 0.0:", "open_exercises"),
+    ("away > 0.05).mean(axis=0) * length(ROOM)", "away > 0.5).mean(axis=0) * length(ROOM)", "open_exercises"),
     # panels
     ('W.jslink((moved, "value"), (play, "value"))', 'W.jslink((play, "value"), (moved, "value"))', "panels"),
     ("if not self._was_shown:", "if False:", "panels"),

@@ -80,6 +80,13 @@ from ._landscapes import Landscape, heading_profile, landscape, peaks, profile_p
 from ._open_exercises import Challenge, Prediction, break_quality, predict_beams_on_wall
 from ._open_log import OwnLog, check_own_log
 from ._open_quadtree import break_cells, break_matching, predict_coarse_leaves
+from ._open_reduction import (
+    break_basic_order,
+    break_fusion,
+    break_viewing_sector,
+    predict_fusion_left,
+    predict_fusion_twice,
+)
 from ._open_scans import break_line, break_reader, predict_drift, predict_pieces
 from ._panels_alignment import AnglePanel, BackbonePanel, GroundTruthPanel
 from ._panels_graphs import IcpPanel, PoseGraphPanel
@@ -165,11 +172,14 @@ __all__ = [
     "Trial",
     "WeightedPanel",
     "alignment_table",
+    "break_basic_order",
     "break_cells",
+    "break_fusion",
     "break_line",
     "break_matching",
     "break_quality",
     "break_reader",
+    "break_viewing_sector",
     "check_axial_mean",
     "check_beam_angles",
     "check_best_run",
@@ -246,6 +256,8 @@ __all__ = [
     "predict_beams_on_wall",
     "predict_coarse_leaves",
     "predict_drift",
+    "predict_fusion_left",
+    "predict_fusion_twice",
     "predict_pieces",
     "profile_peaks",
     "represent",
