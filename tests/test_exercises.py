@@ -4,7 +4,9 @@ import dataclasses
 import functools
 import json
 import sys
+import threading
 import types
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
@@ -15,7 +17,7 @@ from right_answers import RIGHT
 
 from segmap import _extraction_loops, course, literal, plotting, poses
 from segmap.angles import axial_difference
-from segmap.course import EXERCISES, Check, Exercise, _exercises_surveyed
+from segmap.course import EXERCISES, Check, Exercise, _exercises_maps
 from segmap.course._exercise_answers import answered, same_line, same_poses
 from segmap.literal.fuzzy_clustering import memberships
 from segmap.literal.viewing_sector import views
@@ -221,12 +223,34 @@ def renamed(function):
     return mine
 
 
+def in_a_thread(solution):
+    def mine(*arguments):
+        with ThreadPoolExecutor(1) as pool:
+            return pool.submit(solution, *arguments).result()
+
+    return mine
+
+
+def unwatched(solution):
+    def mine(*arguments):
+        watch = sys.getprofile()
+        sys.setprofile(None)
+        try:
+            return solution(*arguments)
+        finally:
+            sys.setprofile(watch)
+
+    return mine
+
+
 WRAPPED = {
     "passed as it is": lambda solution: solution,
     "in a lambda": lambda solution: lambda *arguments: solution(*arguments),
     "by partial": functools.partial,
     "by partial of another function": lambda solution: functools.partial(through, solution),
     "as another function with its code": lambda solution: renamed(solution),
+    "in a thread": in_a_thread,
+    "while nobody watches": unwatched,
     "in a sum with nothing": lambda solution: lambda *given: np.add(solution(*given), 0.0),
     "in an object that computes late": lambda solution: (
         lambda *arguments: Late(solution, arguments)
@@ -250,7 +274,7 @@ def test_the_library_is_noticed_however_it_is_wrapped(exercise, wrapped):
     """Catches an import that counts as an answer."""
     found = exercise(wrapped(exercise.solution))
     assert "this is the library's; write your own" in found.hint
-    assert sys.getprofile() is None
+    assert sys.getprofile() is None and threading.getprofile() is None
 
 
 @pytest.mark.parametrize(
@@ -267,7 +291,7 @@ def test_the_library_is_noticed_however_it_is_wrapped(exercise, wrapped):
         ("ray_cells", lambda a, b: literal.crossed_cells(a, b)),
         ("mean_wall_error", lambda points, walls: course.wall_errors(points, walls).mean()),
         ("memberships", lambda s, n: memberships((0, 0), [], n)),
-        ("memberships", lambda s, n: _exercises_surveyed._shares(s, n)),
+        ("quality", lambda d: _exercises_maps._quality(d.min(axis=1).mean())),
         ("quality", lambda d: literal.quality([((0, 0), (1, 0))], [((0, 0), (1, 0))])),
     ],
 )

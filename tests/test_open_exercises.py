@@ -185,6 +185,12 @@ def test_a_guess_of_zero_is_near_only_within_a_distance():
     assert "within a factor of 2 or within 0.5 m" in nothing(1).hint
 
 
+def test_rounding_does_not_decide():
+    """Catches a comparison of 0.1 + 0.2 with 0.3."""
+    exact = Prediction("predict_exactly(guess)", lambda: 0.1 + 0.2, "m")
+    assert exact(0.3) and "the number itself" in exact(0.31).hint
+
+
 # ------------------------------------------------------------------------- breaking it
 def test_a_judge_takes_several_parts_or_any_object_and_never_raises():
     both = Challenge("break_order(a, b): two numbers", lambda a, b: "" if a > b else "a is less")

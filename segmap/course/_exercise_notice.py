@@ -1,16 +1,17 @@
 """Notice that a student's function calls the library's answer in place of its own code.
 
-While the student's function runs, Python reports every function that starts
-(`sys.setprofile`), so an answer is seen however it is wrapped: passed directly, by `partial`, in a
-lambda, through another function of the library that calls it. A compiled loop shows the call of
-its wrapper. Machine code that was taken out of that wrapper shows nothing while it runs: it is
-looked for among the objects that the student's function refers to.
+While the student's function runs, Python reports every function that starts (`sys.setprofile`), so
+an answer is seen however it is wrapped: passed directly, by `partial`, in a lambda, in a thread,
+through another function of the library that calls it. A compiled loop shows the call of its
+wrapper. Machine code that was taken out of that wrapper shows nothing while it runs: it is looked
+for among the objects that the student's function refers to.
 """
 
 from __future__ import annotations
 
 import functools
 import sys
+import threading
 from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from types import CodeType, FrameType, FunctionType
@@ -60,22 +61,28 @@ class Watch:
                 self._whole.add(path)
         self._files = self._whole | {path for path, _ in self._named}
         self._needed = bool(self._files) or self._solution is not None
-        self._before: Any = None
+        self._before: tuple[Any, Any] = (None, None)
 
     def __enter__(self) -> Watch:
-        self._before = sys.getprofile()
+        self._before = sys.getprofile(), threading.getprofile()
         if self._needed:
+            threading.setprofile(self._look)
             sys.setprofile(self._look)
         return self
 
     def __exit__(self, *_: object) -> None:
         if self._needed:
-            sys.setprofile(self._before)
+            threading.setprofile(self._before[1])
+            sys.setprofile(self._before[0])
 
-    def _look(self, frame: FrameType, event: str, _: Any) -> None:
-        if event == "call" and not self.seen:
-            code = frame.f_code
+    def _look(self, frame: FrameType, event: str, called: Any) -> None:
+        code = frame.f_code
+        if self.seen:
+            return
+        if event == "call":
             self.note(frame.f_locals["self"].plain.__code__ if code is _COMPILED else code)
+        elif event == "c_call" and called is sys.setprofile and code.co_filename != __file__:
+            self.seen = "sys.setprofile, by which the check watches,"
 
     def note(self, code: CodeType) -> None:
         """Remember this code if it belongs to the answer."""
