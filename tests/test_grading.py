@@ -2,7 +2,10 @@
 
 import csv
 import json
+import os
 import shutil
+import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -148,6 +151,14 @@ def test_files_of_the_grader_are_not_read(pool, tmp_path):
     )
 
 
+#: Takes the check out of the way that notices the library's answer, and calls that answer.
+BLIND = """
+from segmap import course
+type(course.EXERCISES["compose"]).answers = lambda self, f, cases: self.expected(cases)
+my_compose = abs
+"""
+
+
 @pytest.mark.parametrize(
     ("cell", "kind"),
     [
@@ -166,6 +177,7 @@ def test_files_of_the_grader_are_not_read(pool, tmp_path):
             "no answer",
         ),
         (body("return np.zeros(10**6)"), "wrong"),
+        (BLIND, "library"),
         ("x = '\\ud800'\n" + submitted.COMPOSE, "right"),
     ],
 )
@@ -329,3 +341,24 @@ def test_without_a_lock_on_files_nothing_runs(tmp_path, monkeypatch):
 def test_every_exercise_has_a_column():
     assert {name.removeprefix("check_") for name in checks()} >= set(EXERCISES)
     assert shutil.which("unshare") is None or _grade_run.apart is not None
+
+
+WITHHELD = """
+import json, sys
+import right_answers
+from segmap.course import EXERCISES
+from segmap.course._grade_withhold import withhold
+exercise = EXERCISES[sys.argv[1]]
+withhold(exercise)
+print(json.dumps([exercise.answers(f) for f in right_answers.RIGHT[exercise.name]]))
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", EXERCISES)
+def test_right_answers_do_without_the_library_s(name):
+    """Catches a helper that students need, taken from them together with the answer."""
+    words = [sys.executable, "-c", WITHHELD, name]
+    where = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
+    found = subprocess.run(words, capture_output=True, text=True, check=True, env=where)
+    assert all(EXERCISES[name].verdict(answers) for answers in json.loads(found.stdout))
