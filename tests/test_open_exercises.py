@@ -213,7 +213,7 @@ def test_a_log_of_ones_own_passes_with_its_facts(own_log):
     found = course.check_own_log(own_log, own_log.truth)
     assert found, found
     assert "24 scans" in found.hint and "2.5 m driven" in found.hint
-    sent = json.loads(json.dumps(course.check_own_log.answers(own_log, own_log.truth)))
+    sent = json.loads(json.dumps(course.check_own_log.answers((own_log, own_log.truth), {})))
     assert course.check_own_log.verdict(sent)
 
 

@@ -53,14 +53,15 @@ class OwnLog(NamedTuple):
 
     def __call__(self, log: Log | None, poses: Any = None) -> Check:
         """Check a log, with its poses `(k, 3)` or an `Alignment`. Raises nothing."""
-        return self.verdict(self.answers(log, poses))
+        return self.verdict(self.answers((log, poses)))
 
     def fresh(self, seed: int) -> dict[str, tuple[Any, ...]]:
         """No hidden cases: the log is judged as it is."""
         return {}
 
-    def answers(self, log: Any, poses: Any = None, cases: Any = None) -> list[Answer]:
-        """The facts as plain values, or why there are none."""
+    def answers(self, given: Any, cases: Any = None) -> list[Answer]:
+        """The facts about `(log, poses)` as plain values, or why there are none."""
+        log, poses = given if isinstance(given, tuple) and len(given) == 2 else (given, None)
         try:
             return [facts(log, poses)]
         except Exception as error:  # whatever a student gives, the check says what is wrong with it
