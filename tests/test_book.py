@@ -28,8 +28,26 @@ FETCHED = re.compile(
     r"|<link\b(?![^>]*rel=\"(?:next|prev|index|search|canonical)\")[^>]*?href=\"([^\"]*)\""
 )
 IN_STYLES = re.compile(r"@import[^;]*|url\(\s*['\"]?(?!data:|#|['\"]?data:)([^)'\"]*)")
+#: Pieces of a page that reach beyond its right side, and cannot be scrolled to inside of it.
 WIDE = """
-return [document.documentElement.scrollWidth, window.innerWidth]"""
+const lost = (piece) => {
+  for (let around = piece.parentElement; around; around = around.parentElement)
+    if (/auto|scroll/.test(getComputedStyle(around).overflowX)
+        && around.getBoundingClientRect().right <= window.innerWidth + 1) return false;
+  return piece.getBoundingClientRect().right > window.innerWidth + 1;
+};
+return [document.documentElement.scrollWidth, window.innerWidth,
+  ...[...document.querySelectorAll('.content *')].filter(lost).map(e => e.outerHTML)]"""
+WIDE_PAGE = f"""# 96 Wide
+
+$$ {" + ".join(f"x_{{{k}}}^2" for k in range(60))} $$
+
+`{"long_name_" * 20}`
+
+| {" | ".join(["column"] * 20)} |
+|{"---|" * 20}
+| {" | ".join(["123456789"] * 20)} |
+"""
 RESULTS = """
 return document.querySelector('#search-results h2') && /finished/.test(document.body.innerText)
   && [...document.querySelectorAll('#search-results li > a')].map(a => a.textContent)"""
@@ -52,12 +70,13 @@ def chapter(folder, name, source, **output):
 
 @pytest.fixture(scope="module")
 def book(tmp_path_factory):
-    """Folder of a book with two chapters that are sound and two that are not; its complaints."""
+    """Folder of a book with three chapters that are sound and two that are not; its complaints."""
     folder = tmp_path_factory.mktemp("book")
     unreadable = folder / "97_unreadable.ipynb"
     unreadable.write_text('{"cells": [')
     spoiled = chapter(folder, "98_spoiled.ipynb", "# 98 Spoiled\n\nText.", png="a")
-    sound = [path for path in CHAPTERS if path.stem[:2] in ("53", "54")]
+    wide = chapter(folder, "96_wide.ipynb", WIDE_PAGE)
+    sound = [wide] + [path for path in CHAPTERS if path.stem[:2] in ("53", "54")]
     run = subprocess.run(
         [sys.executable, "-c", BUILD, folder / "pages", "reduction", *sound, unreadable, spoiled],
         env={"PATH": "/usr/bin:/bin", "PYTHONPATH": f"{ROOT}:{ROOT / 'notebooks/tools'}"},
@@ -162,7 +181,8 @@ def test_the_book_in_a_browser(book, browser):
     browser.run("document.querySelector('a.prev-page').click()")
     wait("the page before", lambda: "/53_mean" in browser.run("return location.href"), 20)
 
-    pages = ["index", "notebooks/53_mean_shift", "notebooks/54_fusion", "api/reduction", "README"]
+    names = ("53_mean_shift", "54_fusion", "96_wide")
+    pages = ["index", "api/reduction", "README", *(f"notebooks/{name}" for name in names)]
     assert [page for page in pages if not fits(browser, home, f"{page}.html")] == []
     browser.run("console.error('planted, to prove that errors are seen')")
     errors = browser.errors()
@@ -177,8 +197,7 @@ def fits(browser, home, page):
     time.sleep(0.2)
     if page.endswith("54_fusion.html"):
         browser.screenshot(SCREENSHOT.with_name("book_phone.png"))
-    width, window = browser.run(WIDE)
-    return width <= 400 and window == 400
+    return browser.run(WIDE) == [400, 400]
 
 
 @pytest.mark.slow

@@ -23,7 +23,7 @@ extension = later("book.extension")
         ("a wall (Censi 2008)", "a wall ([Censi 2008](#censi-2008))"),
         ("Brenna (2007, here", "[Brenna (2007](#thesis-b), here"),
         ("Amigoni, Fontana 2006", "[Amigoni, Fontana 2006](#amigoni-2006-size)"),
-        ("Intel 2009", "Intel 2009"),
+        ("Intel 2009, Censi 2007", "Intel 2009, Censi 2007"),
     ],
 )
 def test_what_is_named_is_linked(text, adapted):
