@@ -182,7 +182,13 @@ def test_the_book_in_a_browser(book, browser):
     wait("the page before", lambda: "/53_mean" in browser.run("return location.href"), 20)
 
     names = ("53_mean_shift", "54_fusion", "96_wide")
-    pages = ["index", "api/reduction", "README", *(f"notebooks/{name}" for name in names)]
+    pages = [
+        "index",
+        "genindex",
+        "api/reduction",
+        "README",
+        *(f"notebooks/{name}" for name in names),
+    ]
     assert [page for page in pages if not fits(browser, home, f"{page}.html")] == []
     browser.run("console.error('planted, to prove that errors are seen')")
     errors = browser.errors()
