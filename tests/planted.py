@@ -372,6 +372,7 @@ PLANTED = (
     ("log, poses.trusted, keep_points", "log, poses, keep_points", "commands"),
     # open exercises
     ("length(total[0]) < 1 or off > most:", "length(total[0]) < 1:", "open_exercises"),
+    ("if flipped > 2:", "if False:", "open_exercises"),
     ('return "" if lost >= needed else', 'return "" if lost > needed else', "open_exercises"),
     # open exercises on reduced maps
     ("if (gap := _least_gap(walls)) < 0.07 - 1e-9:", "if (gap := _least_gap(walls)) < 0.0:", "open_exercises"),

@@ -219,7 +219,7 @@ def test_a_missing_package_is_named_with_the_extra_that_brings_it():
 STILL_LONG = {"quadtree/_map.py", "metrics.py"}
 #: The goal is 130 without the methods that A surveys (each is a plain file and a fast one or two),
 #: formats (a file each), commands and the workbench.
-MOST_FILES = 283
+MOST_FILES = 284
 
 
 def test_files_are_few_and_short():

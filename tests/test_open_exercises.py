@@ -21,6 +21,12 @@ BENT = NEAR + [(0.0, 0.1 * (k > 20)) for k in range(41)]
 CORRIDOR = [[(-15, -1), (15, -1)], [(-15, 1), (15, 1)]]
 #: Bars of 1 cm with gaps of 4 cm.
 FENCE = [[(x, 1), (x + 0.01, 1)] for x in np.arange(-2, 2, 0.05)]
+CHARACTERS = np.full(63, 0x40)
+FLIPPED = CHARACTERS + np.where(np.arange(63) == 0, 1, 0)  # one bit, then the same bit back:
+CANCELLED = np.where(np.arange(63) == 1, 0x41, 0x40), np.where(np.arange(63) == 0, 0x41, 0x40)
+#: A piece of each wall, in its middle.
+PIECES = rectangular_room().mean(axis=1, keepdims=True) * 0.95 + rectangular_room() * 0.05
+
 #: Exercise -> an answer that passes, and answers that fail, with words of the reason.
 ANSWERS = {
     "predict_drift": (8.0, [(0.17, "it is 8.632 m"), (100, "within a factor of 1.3")]),
@@ -108,6 +114,40 @@ ANSWERS = {
             ([0.1, 0.1, 0], "at most"),
             ([0, 0, 2], "at most"),
             ([0, 0], "got shape (2,)"),
+        ],
+    ),
+    "predict_sparse_icp": (0.1, [(2.0, "near enough is within 0.15 m")]),
+    "break_icp": (
+        (0.1, -0.57, -0.18),
+        [
+            ((0, 0, 0), "it is 0.00"),
+            ((1.1, 0, 0), "stay within 1 m"),
+            ((0.1, 0, 0.6), "stay within 1 m and 30 degrees"),
+            ((-1, 0, 0), "it is not sure: it may be 1.00 m off"),
+            ((0, 1, 0), "it says so: "),
+            ((0, 0), "got (2,)"),
+        ],
+    ),
+    "predict_turned_quality": (0.5, [(0.9, "near enough is within 0.1")]),
+    "break_loss": (
+        PIECES,
+        [
+            (rectangular_room(), "only 0% of the metres are lost"),
+            (PIECES[:2], "the quality sees it: 0."),
+            (PIECES * 100, "stay within 20 m"),
+            (PIECES * 0.01, "segments of 0.05 m and more"),
+            (PIECES[0], "give 1 to 50 segments"),
+        ],
+    ),
+    "predict_scan_time": (190, [(148, "it is 185.2 ms")]),
+    "break_sum": (
+        CANCELLED,
+        [
+            ((CHARACTERS, FLIPPED), "the sum sees it"),
+            ((CHARACTERS, CHARACTERS), "no distance is off by more than 0 mm"),
+            ((CHARACTERS, CHARACTERS + 3), "at most two bits may be wrong, these are 126"),
+            ((CHARACTERS, CHARACTERS[:60]), "received: give 63 whole numbers"),
+            ((CHARACTERS - 0x20, CHARACTERS), "sent: characters lie between 0x30 and 0x6f"),
         ],
     ),
 }

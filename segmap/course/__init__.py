@@ -77,6 +77,14 @@ from ._exercises_surveyed import (
     check_verdict,
 )
 from ._landscapes import Landscape, heading_profile, landscape, peaks, profile_peaks
+from ._open_alignment import (
+    break_icp,
+    break_loss,
+    break_sum,
+    predict_scan_time,
+    predict_sparse_icp,
+    predict_turned_quality,
+)
 from ._open_exercises import Challenge, Prediction, break_quality, predict_beams_on_wall
 from ._open_log import OwnLog, check_own_log
 from ._open_quadtree import break_cells, break_matching, predict_coarse_leaves
@@ -175,10 +183,13 @@ __all__ = [
     "break_basic_order",
     "break_cells",
     "break_fusion",
+    "break_icp",
     "break_line",
+    "break_loss",
     "break_matching",
     "break_quality",
     "break_reader",
+    "break_sum",
     "break_viewing_sector",
     "check_axial_mean",
     "check_beam_angles",
@@ -259,6 +270,9 @@ __all__ = [
     "predict_fusion_left",
     "predict_fusion_twice",
     "predict_pieces",
+    "predict_scan_time",
+    "predict_sparse_icp",
+    "predict_turned_quality",
     "profile_peaks",
     "represent",
     "room_walk",
