@@ -383,4 +383,10 @@ PLANTED = (
     ("self._look.whole()\n        self._redraw()", "self._redraw()", "panels"),
     ("most = (1 - 1 / self.zoom) / 2", "most = 1 - 1 / self.zoom", "panels"),
     ("ax.collections[-1].set_zorder(ABOVE)", "ax.collections[-1].set_zorder(1)", "plotting"),
+    # handing out and grading
+    ("inside = target in handed or \"://\" in target", "inside = True", "handout"),
+    ("return {**shown, **{f\"{words} (hidden case)\": v for words, v in hidden.items()}}", "return dict(shown)", "grading"),
+    ("_close_files(locks.landlock, readable())", "pass", "grading"),
+    ("return f\"'{cell}\" if cell.startswith(FORMULA) else cell", "return cell", "grading"),
+    ("shown = html.escape(\" \".join(summary))\n    return PAGE.format(title=html.escape(title)", "shown = html.escape(\" \".join(summary))\n    return PAGE.format(title=title", "grading"),
 )  # fmt: skip
