@@ -224,6 +224,7 @@ def test_an_open_exercise_is_judged_where_no_student_s_code_runs(
     assert found.kind == kind and words in found.reason
 
 
+@pytest.mark.slow
 def test_a_process_that_died_is_started_anew(pool):
     pool.servers[0]._process.kill()
     assert said(pool, submitted.COMPOSE).kind == "ended"
