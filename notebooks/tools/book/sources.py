@@ -233,7 +233,7 @@ def strip(name: str, captions: list[str]) -> str:
     last = max(1, len(captions) - 1)
     figures = "".join(
         f'<figure><img src="../_static/panels/{name}.webp" alt="{html.escape(text)}" '
-        f'loading="lazy" style="aspect-ratio: {width} / {height // len(captions)}; '
+        f'style="aspect-ratio: {width} / {height // len(captions)}; '
         f'object-position: 0 {100 * k / last:.4g}%"><figcaption>{html.escape(text)}'
         "</figcaption></figure>"
         for k, text in enumerate(captions)
