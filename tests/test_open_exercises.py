@@ -226,9 +226,10 @@ def test_a_guess_of_zero_is_near_only_within_a_distance():
 
 
 def test_rounding_does_not_decide():
-    """Catches a comparison of 0.1 + 0.2 with 0.3."""
+    """Catches comparisons of 0.1 + 0.2 with 0.3, and of 0.4 - 0.3 with 0.1."""
     exact = Prediction("predict_exactly(guess)", lambda: 0.1 + 0.2, "m")
     assert exact(0.3) and "the number itself" in exact(0.31).hint
+    assert 0.4 - 0.3 > 0.1 and Prediction("predict(guess)", lambda: 0.3, "m", within=0.1)(0.4)
 
 
 # ------------------------------------------------------------------------- breaking it
