@@ -16,6 +16,8 @@ ROOT = Path(__file__).resolve().parents[1]
 CHAPTERS = sorted((ROOT / "notebooks").glob("*.ipynb"))
 
 MOST_BYTES, MOST_PICTURE_BYTES, MOST_LINES = 200_000, 30_000, 15
+#: Of a figure, at 72 dots an inch; and how many cells of code may follow each other without words.
+LEAST_INCHES, MOST_WORDLESS = (5.0, 3.5), 4
 
 #: What differs from machine to machine or from run to run: text of outputs must hold none of it.
 UNSTEADY = {
@@ -98,6 +100,25 @@ def small_pictures(notebook: dict) -> list[str]:
     return [
         f"cell {n}: a picture of {size} bytes" for n, size in sizes if size > MOST_PICTURE_BYTES
     ]
+
+
+def large_figures(notebook: dict) -> list[str]:
+    """Figures that can be read from the second row."""
+    sizes = [
+        (number, [float(side) / 72 for side in match.groups()])
+        for number, output in outputs(notebook)
+        for text in texts(output)
+        if (match := re.match(r"<Figure size ([\d.]+)x([\d.]+) ", text))
+    ]
+    small = [(n, size) for n, size in sizes if min(map(float.__sub__, size, LEAST_INCHES)) < -0.01]
+    return [f"cell {n}: a figure of {w:.1f} x {h:.1f} inches" for n, (w, h) in small]
+
+
+def words_between(notebook: dict) -> list[str]:
+    kinds = "".join("c" if cell["cell_type"] == "code" else "m" for cell in notebook["cells"])
+    longest = max(map(len, kinds.split("m")))
+    too_long = longest > MOST_WORDLESS
+    return [f"{longest} cells of code without a word between them"] if too_long else []
 
 
 def steady_outputs(notebook: dict) -> list[str]:
@@ -215,12 +236,33 @@ def has_driven_panel(notebook: dict) -> list[str]:
     return ["no panel with a driven cell (move a control, assert what it shows)"]
 
 
+def resets_its_panel(notebook: dict) -> list[str]:
+    """After the last cell that uses it, a panel is again as the words above it describe it."""
+    code = list(code_cells(notebook))
+    made = r"(\w+) = (?:\w+\.)?(?!Live)\w+Panel\("
+    named = [m.group(1) for _, source, _ in code if (m := re.match(made, source))]
+    used = {
+        name: (number, source)
+        for name in named
+        for number, source, _ in code
+        if re.search(rf"\b{name}\.", source)
+    }
+    left = [
+        (number, name)
+        for name, (number, source) in used.items()
+        if not re.search(rf"^{name}\.reset\(\)$", source, re.MULTILINE)
+    ]
+    return [f"cell {number}: ends without {name}.reset()" for number, name in left]
+
+
 RULES = (
     executed_in_order,
     no_errors,
     no_widget_state,
     small,
     small_pictures,
+    large_figures,
+    words_between,
     steady_outputs,
     nothing_forbidden,
     short_cells,
@@ -231,4 +273,5 @@ RULES = (
     shows_what_goes_wrong,
     has_exercise,
     has_driven_panel,
+    resets_its_panel,
 )

@@ -347,7 +347,6 @@ PLANTED = (
     ("margin = map.free_resolution or map.side", "margin = 0.0", "live"),
     ("if map.tree is not self.tree:", "if self.tree is None:", "live"),
     ("self.grid[row:top, column:right] = kept", "pass", "live"),
-    ("state.lines[:used] = old.lines[:used]", "pass", "live_map"),
     ("            vars(self.walls).update(vars(walls))", "            self.walls = walls", "live_map"),
     # the workbench
     ("self._known = outcome if log is self.log else None", "self._known = outcome", "workbench"),

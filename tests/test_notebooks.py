@@ -85,7 +85,7 @@ GOOD = {
         code_cell("from segmap import course, panels\n1 + 1", 1, shown(plain="2")),
         markdown_cell("## What goes wrong\n\nThis."),
         code_cell("panel = panels.ScanPanel(log)\npanel", 2, shown(plain="ScanPanel(at 0.5 m)")),
-        code_cell("panel.step.value = 3\nassert panel.index.value == '3'", 3),
+        code_cell("panel.step.value = 3\nassert panel.index.value == '3'\npanel.reset()", 3),
         markdown_cell("## Exercise\n\nWrite it."),
         code_cell("def my_wrap(angle):\n    return angle", 4),
         code_cell(
@@ -103,6 +103,10 @@ BREACHES = [
     ("no_errors", lambda c: put(c, stream("Warning: old", "stderr"))),
     ("small", lambda c: put(c, stream("x" * 200_000))),
     ("small_pictures", lambda c: put(c, shown(png=base64.b64encode(b"x" * 30_001).decode()))),
+    ("large_figures", lambda c: put(c, shown(plain="<Figure size 432x216 with 1 Axes>"))),
+    ("large_figures", lambda c: put(c, shown(plain="<Figure size 320.4x288 with 2 Axes>"))),
+    ("words_between", lambda c: c.__setitem__(slice(5, 5), [code_cell("1", 4)] * 3)),
+    ("resets_its_panel", lambda c: c[4].update(source="panel.step.value = 3\nassert panel")),
     ("steady_outputs", lambda c: put(c, shown(plain="<Thing object at 0x7f3a5c0d>"))),
     ("steady_outputs", lambda c: put(c, shown(page=["<b>/home/me", "/log.gz</b>"]))),
     ("steady_outputs", lambda c: put(c, stream("/tmp/x/y"))),
@@ -128,8 +132,8 @@ BREACHES = [
     ("has_exercise", lambda c: c[5].update(source="## More")),
     ("has_exercise", lambda c: c[7].update(source="course")),
     ("has_driven_panel", lambda c: c[3].update(source="panel")),
-    ("has_driven_panel", lambda c: c[4].update(source="panel.step.value = 3")),
-    ("has_driven_panel", lambda c: c[4].update(source="assert panel.index.value == '3'")),
+    ("has_driven_panel", lambda c: c[4].update(source="panel.step.value = 3\npanel.reset()")),
+    ("has_driven_panel", lambda c: c[4].update(source="assert panel.index.value\npanel.reset()")),
 ]
 
 

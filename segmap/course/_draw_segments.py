@@ -53,7 +53,7 @@ def draw_distance_terms(u: ArrayLike, v: ArrayLike) -> list[Axes]:
     sizes = float(length(turns).mean()), float(length(shift)), float(length(gap))
     names = ("Turned", "Shifted", "Apart")
     titles = [f"{name}: {size:.2f} m" for name, size in zip(names, sizes, strict=True)]
-    row = axes_grid(titles, 3, (3.8, 3.0))
+    row = axes_grid(titles, 3, (3.6, 3.6))
     for ax, marks in zip(row, (turns, [shift], [gap]), strict=True):
         _pair(ax, both, middle, mean)
         draw_segments(np.asarray(marks), ax=ax, color=ERROR, width=2.5)
