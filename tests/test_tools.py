@@ -118,6 +118,7 @@ def test_pictures_lose_dots_until_they_and_the_chapter_fit():
         notebook = notebook_of(*map(str, range(len(cells))))
         for new, cell in zip(notebook.cells, cells, strict=True):
             new.outputs = cell.outputs
+            new.outputs[0].metadata["image/png"] = {"width": 200, "height": 150}
         refresh.fit_pictures(notebook)
         sizes = [len(base64.b64decode(c.outputs[0].data["image/png"])) for c in notebook.cells]
         assert max(sizes) <= refresh.MOST_PICTURE_BYTES
@@ -125,7 +126,17 @@ def test_pictures_lose_dots_until_they_and_the_chapter_fit():
         widths = [stored_picture(cell).width for cell in notebook.cells]
         assert min(widths) >= 200 and max(widths) < 400 and max(widths) < 1.3 * min(widths)
         shown = {c.outputs[0].metadata["image/png"]["width"] for c in notebook.cells}
-        assert shown == {400}  # on the page it stays as large as it was
+        assert shown == {200}  # on the page it stays as large as it was
+
+
+def test_a_picture_that_is_drawn_for_plain_screens_keeps_its_dots():
+    """Catches a panel's picture that is blurred, since it has one dot for each on the page."""
+    cell = drawn(99, shape=(200, 300))
+    notebook = notebook_of("1")
+    notebook.cells[0].outputs = cell.outputs
+    refresh.fit_pictures(notebook)
+    assert stored_picture(cell).size == (300, 200)
+    assert cell.outputs[0].metadata["image/png"] == {"width": 300, "height": 200}
 
 
 def test_a_rare_colour_stays_what_it_was():

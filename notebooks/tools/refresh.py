@@ -24,8 +24,8 @@ VIEW = "application/vnd.jupyter.widget-view+json"
 KERNEL = {"display_name": "Python 3", "language": "python", "name": "python3"}
 #: Of every picture the first of these that fits: parts of its width and height, and colours.
 SIZES = (
-    *((1.0, 128), (1.0, 32), (1.0, 16), (0.85, 16), (0.75, 16), (0.625, 16)),
-    *((0.5, 64), (0.5, 16)),
+    *((1.0, 128), (1.0, 32), (1.0, 24), (0.85, 24), (0.75, 24), (0.625, 24)),
+    *((0.5, 48), (0.5, 24), (0.5, 12)),
 )
 #: What chapters may have (tests/chapter_rules.py), and a little room.
 MOST_PICTURE_BYTES, MOST_CHAPTER_BYTES = 30_000, 198_000
@@ -69,16 +69,16 @@ def fit_pictures(notebook: NotebookNode) -> None:
         while one.bytes > MOST_PICTURE_BYTES and one.sizes:
             one.store_smaller()
     while _bytes(notebook) > MOST_CHAPTER_BYTES and any(one.sizes for one in fitted):
-        max(
-            (one for one in fitted if one.sizes), key=lambda one: (len(one.sizes), one.bytes)
-        ).store_smaller()
+        left = [one for one in fitted if one.sizes]
+        max(left, key=lambda one: (len(one.sizes), one.bytes)).store_smaller()
 
 
 class _Fitted:
     """An output, its picture as it was drawn, and the sizes that are still smaller."""
 
     def __init__(self, output: NotebookNode) -> None:
-        self.output, self.sizes = output, list(SIZES)
+        sharp = "image/png" in output.metadata  # else it has one dot for each on the page
+        self.output, self.sizes = output, [size for size in SIZES if sharp or size[0] == 1.0]
         self.drawn = Image.open(io.BytesIO(base64.b64decode(output.data["image/png"])))
         width, height = self.drawn.size
         output.metadata.setdefault("image/png", {"width": width, "height": height})
@@ -98,8 +98,9 @@ class _Fitted:
 
 def quantized(image: Image.Image, colours: int) -> Image.Image:
     """With a palette that spans the colours of a picture: a red dot on grey stays red."""
-    method = Image.Quantize.MAXCOVERAGE
-    return image.quantize(colours, method=method, dither=Image.Dither.NONE)
+    # First the corners of what there is; then the mean of all that is nearest to each of them.
+    method, dither = Image.Quantize.MAXCOVERAGE, Image.Dither.NONE
+    return image.quantize(colours, method=method, kmeans=1, dither=dither)
 
 
 def keep_pictures(notebook: NotebookNode, stored: NotebookNode) -> None:
