@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from conftest import slow
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from reduction_maps import MAPS, corridor_map, malaga, random_map, redundant_map, second_building
@@ -98,9 +99,8 @@ LENGTHS |= {"min_length", "across", "along", "error", "cell", "noise"}
 SMALL = {"mean_shift": (12, 0.5), "least_cost": (24, 0.7)}
 #: Segments of a real map that the plain versions of these can bear; the others take 300.
 REAL = {"mean_shift": 25, "least_cost": 80, "segment_similarity": 150, "fuzzy_set": 150}
-CASES = [
-    (name, k, seed) for name in METHODS for k in range(len(THRESHOLDS[name])) for seed in range(2)
-]
+GIVEN = [(name, k) for name in METHODS for k in range(len(THRESHOLDS[name]))]
+CASES = [(*given, 0) for given in GIVEN] + [slow(*given, 1) for given in GIVEN]
 
 
 def made(make, name: str, seed: int) -> SegmentMap:
@@ -307,7 +307,7 @@ def test_basic_is_idempotent(name, make):
     assert_segments_equal(METHODS[name](once).segments, once.segments, ordered=True)
 
 
-@pytest.mark.parametrize("name", ["hybrid", "fusion", "hybrid_fusion", "mean_shift"])
+@pytest.mark.parametrize("name", ["hybrid", "fusion", "hybrid_fusion", slow("mean_shift")])
 def test_the_others_are_not_idempotent(name):
     """The counter-example: what has grown together is near what it was far from, or cut anew."""
     once = METHODS[name](malaga())
