@@ -219,10 +219,10 @@ def pieces_case(centres: Any, pieces: Any, sigma: float, slack: float) -> tuple[
 
 
 def mean_shift_step(rng: Rng) -> Drawn:
-    """Pieces of walls anywhere, and on both sides of 0 degrees."""
+    """Pieces of walls at any angle, so near that none is beyond the three sigma of the thesis."""
 
     def about(middle: float, count: int) -> Array:
-        place = np.array([1, 2, middle]) + rng.uniform(-1, 1, (count, 3)) * (0.2, 0.2, 8)
+        place = np.array([1, 2, middle]) + rng.uniform(-1, 1, (count, 3)) * (0.08, 0.08, 6)
         return place % (1e6, 1e6, 180)
 
     sigma, slack, way = rng.uniform(0.15, 0.3), rng.uniform(8, 14), rng.uniform(40, 140)
