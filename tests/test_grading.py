@@ -282,12 +282,19 @@ def test_an_answer_is_found_by_its_cell_else_by_its_name(tmp_path):
     )
     (tmp_path / "b.ipynb").write_text(notebook(("f-answer", "# moved"), ("y", "def my_f(): 3")))
     (tmp_path / "c.ipynb").write_text(notebook(("f-answer", "# empty"), ("y", "my_f()")))
+    (tmp_path / "e.ipynb").write_text(notebook(("g-answer", "def my_f(): 4")))  # of task g
     (tmp_path / "d").mkdir()
     (tmp_path / "d" / "work.ipynb").write_text(notebook(("z", "print()")))
     (tmp_path / ".hidden.ipynb").write_text("{")
     (tmp_path / "link.ipynb").symlink_to(tmp_path / "a.ipynb")
     found = {s.student: s.find("f", ("my_f",)) for s in submissions(tmp_path)}
-    assert found == {"a": "def my_f(): 2", "b": "def my_f(): 3", "c": "# empty", "d": None}
+    assert found == {
+        "a": "def my_f(): 2",
+        "b": "def my_f(): 3",
+        "c": "# empty",
+        "d": None,
+        "e": None,
+    }
 
 
 @pytest.mark.parametrize(

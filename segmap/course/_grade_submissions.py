@@ -39,11 +39,12 @@ class Submission(NamedTuple):
     def find(self, task: str, names: tuple[str, ...]) -> str | None:
         """The text of the cell that answers a task; None where there is none.
 
-        The cell of the handout, unless only another one defines the names that are wanted.
+        The cell of the handout, unless only another one defines the names that are wanted; but
+        never the answer to another task, which may use the same name.
         """
         code = [cell for cell in self.answers if cell.kind == "code"]
         own = [cell.source for cell in code if cell.id == f"{task}-answer"]
-        other = [cell.source for cell in code]
+        other = [cell.source for cell in code if not cell.id.endswith("-answer")]
         wanted = [source for source in [*other, *own] if all(defines(source, n) for n in names)]
         return wanted[-1] if wanted else own[-1] if own else None
 
