@@ -27,6 +27,7 @@ PLANTED = (
     ("ROUNDING * work[j, 4 * k]", "0.0 * work[j, 4 * k]", "solver"),
     ("        withhold(exercise)\n", "        pass\n", "grading"),
     ('if not cell.id.endswith("-answer")]', "]", "grading"),
+    ("found._fast = found._inner = _gone", "pass", "grading"),
     # extraction
     ("return dx * dx + dy * dy >= gap * gap", "return dx * dx + dy * dy > gap * gap", "extraction"),
     ("turn = 0.5 * np.arctan2(2 * sxy, sxx - syy)", "turn = 0.5 * np.arctan2(sxy, sxx - syy)", "extraction"),

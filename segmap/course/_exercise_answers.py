@@ -63,6 +63,7 @@ def _answer(function: Callable[..., Any], arguments: tuple[Any, ...], watch: Wat
 
 
 def plain(found: Any) -> Answer:
+    """What a function returned, as a plain answer."""
     if found is None or found is ...:
         return {"nothing": True}
     try:
