@@ -11,8 +11,8 @@ from ..hokuyo import checksum, decode
 from ..metrics import quality
 from ..poses import between, transform
 from ..readers import load
-from ..segments import length, point_distance
-from ._open_exercises import ROOM, Challenge, Prediction
+from ..segments import length
+from ._open_exercises import ROOM, Challenge, Prediction, admit_map, metres_away
 
 
 # ---------------------------------------------------------------------------- ICP
@@ -83,21 +83,11 @@ predict_turned_quality = Prediction(
 )
 
 
-def _lost_share(before: Array, after: Array, off: float = 0.1) -> float:
-    """Share of the metres of a map that have nothing within `off`, metres, in another map."""
-    share = np.linspace(0, 1, 101)[:, None, None]
-    points = before[:, 0] * (1 - share) + before[:, 1] * share
-    away = point_distance(points[:, :, None], after).min(axis=-1)
-    metres = length(before)
-    return float(((away > off).mean(axis=0) * metres).sum() / metres.sum())
-
-
 def _loss_unseen(after: Array) -> str:
-    if after.ndim != 3 or after.shape[1:] != (2, 2) or not 1 <= len(after) <= 50:
-        raise ValueError(f"give 1 to 50 segments, (n, 2, 2) in metres, got shape {after.shape}")
-    if np.abs(after).max() > 20 or length(after).min() < 0.05:
-        raise ValueError("stay within 20 m of the room's corner; segments of 0.05 m and more")
-    found, lost = quality(ROOM, after), _lost_share(ROOM, after)
+    admit_map(after)
+    if length(after).min() < 0.05:
+        raise ValueError("give segments of 0.05 m and more")
+    found, lost = quality(ROOM, after), metres_away(ROOM, after, 0.1) / length(ROOM).sum()
     if found < 0.95:
         return f"the quality sees it: {found:.3f}, 0.95 is wanted"
     return "" if lost >= 0.8 else f"only {lost:.0%} of the metres are lost, 80 % are wanted"

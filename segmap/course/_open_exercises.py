@@ -229,20 +229,31 @@ predict_beams_on_wall = Prediction(
 ROOM = rectangular_room()
 
 
-def _invented(after: Array, before: Array, off: float = 0.5) -> float:
+def metres_away(map: Array, other: Array, off: float) -> float:
     """Metres of a map that lie farther than `off` from every wall of another map."""
     share = np.linspace(0, 1, 101)[:, None, None]
-    points = after[:, 0] * (1 - share) + after[:, 1] * share
-    away = point_distance(points[:, :, None], before).min(axis=-1)
-    return float(((away > off).mean(axis=0) * length(after)).sum())
+    points = map[:, 0] * (1 - share) + map[:, 1] * share
+    away = point_distance(points[:, :, None], other).min(axis=-1)
+    return float(((away > off).mean(axis=0) * length(map)).sum())
 
 
-def _quality_fooled(after: Array) -> str:
+def admit_map(after: Array) -> None:
+    """Refuse what is no small map about the room.
+
+    Raises
+    ------
+    ValueError
+        For another shape, too many segments, and a place far away.
+    """
     if after.ndim != 3 or after.shape[1:] != (2, 2) or not 1 <= len(after) <= 50:
         raise ValueError(f"give 1 to 50 segments, (n, 2, 2) in metres, got shape {after.shape}")
     if np.abs(after).max() > 20:
         raise ValueError("stay within 20 m of the room's corner")
-    found, metres = quality(ROOM, after), _invented(after, ROOM)
+
+
+def _quality_fooled(after: Array) -> str:
+    admit_map(after)
+    found, metres = quality(ROOM, after), metres_away(after, ROOM, 0.5)
     if found < 0.95:
         return f"the quality sees it: {found:.3f}, 0.95 is wanted"
     return "" if metres >= 5 else f"only {metres:.1f} m of walls are invented, 5 m are wanted"
