@@ -18,7 +18,7 @@ LAB = JUPYTER_CONFIG_PATH="$(CURDIR)/notebooks/tools/jupyter$${JUPYTER_CONFIG_PA
 	$(RUN) -m jupyterlab --ip=127.0.0.1 $(if $(PORT),--port=$(PORT) --ServerApp.port_retries=0) \
 	--allow-root --ServerApp.log_level=WARN --LabApp.default_url=/lab/tree/work/00_start_here.ipynb
 # The workbench alone, as a page: who has the address with its token sees it, and nobody else.
-APP = $(RUN) -m voila segmap/panels/app.ipynb --Voila.ip=127.0.0.1 --Voila.auto_token=True \
+APP = $(RUN) -m voila segmap/panels/workbench/app.ipynb --Voila.ip=127.0.0.1 --Voila.auto_token=True \
 	$(if $(PORT),--Voila.port=$(PORT) --Voila.port_retries=0)
 # Without a display the address is printed, and served until Control-C.
 BROWSER = $(if $(DISPLAY)$(WAYLAND_DISPLAY)$(filter Darwin,$(shell uname)),,--no-browser)
@@ -41,7 +41,7 @@ app: $(WARM) ## set up, then serve the workbench as a page of its own (PORT=8890
 	@$(APP) $(BROWSER)
 
 handout: $(SETUP) ## student copies in build/handout (ARGS="--chapters 34,54 --seed 7193", DIR=...)
-	$(RUN) -m segmap.course handout $(or $(DIR),build/handout) $(ARGS)
+	$(RUN) -m segmap_course handout $(or $(DIR),build/handout) $(ARGS)
 
 test: $(WARM) ## set up, then prove it: style, types, tests, examples and every chapter
 	$(RUN) -m ruff check .
@@ -105,6 +105,6 @@ $(SETUP): pyproject.toml
 	@touch $@
 
 # Once more whenever a source has changed; what did not change is not compiled again.
-$(WARM): $(SETUP) $(wildcard segmap/*.py segmap/*/*.py)
+$(WARM): $(SETUP) $(wildcard segmap/*.py segmap/*/*.py segmap/*/*/*.py segmap/*/*/*/*.py)
 	@$(RUN) -m segmap warm
 	@touch $@

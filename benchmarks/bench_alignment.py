@@ -8,8 +8,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from segmap_course import literal
 
-from segmap import LaserScan, Log, alignment, literal, load, read
+from segmap import LaserScan, Log, alignment, load, read
 from segmap.alignment import Alignment, align_to_truth, match_points, solve_graph
 from segmap.angles import wrap
 from segmap.metrics import relation_errors
@@ -71,7 +72,7 @@ def matches() -> Iterator[Row]:
 
 
 def against_literal() -> Iterator[Row]:
-    """The same work by the plain loops of `segmap.literal`."""
+    """The same work by the plain loops of `segmap_course.literal`."""
     log = load("malaga")
     before, now = log[20].points(), log[23].points()
     plain = before.tolist(), now.tolist(), (0.0, 0.0, 0.0)

@@ -19,11 +19,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from segmap import LaserScan, Log, load
-from segmap._information import rotated
 from segmap.alignment import pose_graph
-from segmap.alignment._graph import SCALE, Edge, deviations, residuals, solve
-from segmap.alignment._solver import Solver
+from segmap.alignment.graph._graph import SCALE, Edge, deviations, residuals, solve
+from segmap.alignment.graph._solver import Solver
 from segmap.poses import between, compose
+from segmap.poses.information import rotated
 from segmap.simulation import OdometryNoise, drifting_odometry
 
 from .measure import ROOT, Row

@@ -13,7 +13,6 @@ from typing import Any
 
 import numpy as np
 
-from segmap.emulator import Emulator, furnished_room
 from segmap.hokuyo import (
     ScanRequest,
     SensorError,
@@ -24,6 +23,7 @@ from segmap.hokuyo import (
     parse_reply,
     parse_scan,
 )
+from segmap.hokuyo.emulator import Emulator, furnished_room
 from segmap.panels import LivePanel
 from segmap.scans import LaserScan
 

@@ -8,9 +8,9 @@ from collections.abc import Iterator
 from functools import partial
 
 import numpy as np
+from segmap_course import Trial, room_walk, try_pair, write_trials
 
 from segmap import LaserScan, read
-from segmap.course import Trial, room_walk, try_pair, write_trials
 from segmap.matching import (
     MATCHERS,
     SCORES,

@@ -8,8 +8,9 @@ from typing import Any
 import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from segmap_course import literal
 
-from segmap import literal, load
+from segmap import load
 from segmap.plotting import draw_quadtree
 from segmap.quadtree import QuadtreeMap, build_map
 

@@ -12,9 +12,9 @@ from functools import cache
 
 import numpy as np
 import pandas as pd
+from segmap_course import THESIS_FILTERS
 
 from segmap import METHODS, Log, SegmentMap, build_map, load, read
-from segmap.course import THESIS_FILTERS
 from segmap.experiments import growth, online_times, sweep, write_records
 from segmap.simulation import SICK_LMS200, drive, office, simulate
 

@@ -3,18 +3,9 @@
 from collections.abc import Iterator
 
 import numpy as np
+from segmap_course import literal
 
-from segmap import (
-    METHODS,
-    SegmentMap,
-    build_map,
-    fusion,
-    literal,
-    load,
-    quality,
-    read,
-    reduction_rate,
-)
+from segmap import METHODS, SegmentMap, build_map, fusion, load, quality, read, reduction_rate
 
 from .measure import SHARED, Row, missing, once, seconds, workloads
 
@@ -95,7 +86,7 @@ def real_maps() -> Iterator[Row]:
 
 
 def against_literal(made, seen: int) -> Iterator[Row]:
-    """The same work by the plain forms of `segmap.literal`, at full size, once each."""
+    """The same work by the plain forms of `segmap_course.literal`, at full size, once each."""
     map = redundant(made, N, seen)
     s, scans, after = map.segments.tolist(), map.scan.tolist(), part_of(map)
     for name, method in METHODS.items():

@@ -16,14 +16,7 @@ import numpy as np
 
 from segmap.arrays import Array
 from segmap.scans import LaserScan, Log
-from segmap.simulation import (
-    SICK_LMS200,
-    URG_04LX,
-    corridor_loop,
-    drive,
-    office,
-    simulate,
-)
+from segmap.simulation import SICK_LMS200, URG_04LX, corridor_loop, drive, office, simulate
 
 HERE = Path(__file__).parent
 

@@ -15,6 +15,8 @@ B, with the number of the section, table or figure:
 from __future__ import annotations
 
 import importlib
+import importlib.abc
+import sys
 from typing import TYPE_CHECKING, Any
 
 from . import (
@@ -39,19 +41,7 @@ from .scans import LaserScan, Log
 from .segments import SegmentMap
 
 if TYPE_CHECKING:
-    from . import (
-        arrays,
-        course,
-        emulator,
-        experiments,
-        exports,
-        hokuyo,
-        literal,
-        matching,
-        panels,
-        plotting,
-        testing,
-    )
+    from . import arrays, experiments, exports, hokuyo, matching, panels, plotting, testing
 
 __version__ = "0.1"
 
@@ -66,8 +56,6 @@ __all__ = [
     "angles",
     "arrays",
     "build_map",
-    "course",
-    "emulator",
     "experiments",
     "exports",
     "extract_clusters",
@@ -75,7 +63,6 @@ __all__ = [
     "extraction",
     "fusion",
     "hokuyo",
-    "literal",
     "load",
     "matching",
     "metrics",
@@ -95,12 +82,21 @@ __all__ = [
     "testing",
 ]
 
+#: Where to find what stood here until version 0.2.
+_MOVED = {
+    "segmap.course": "segmap_course (import segmap_course as course)",
+    "segmap.literal": "segmap_course.literal",
+    "segmap.emulator": "segmap.hokuyo.emulator",
+}
+
 #: The extra that brings a package which not everybody has.
 _EXTRA = {"ipywidgets": "lab", "IPython": "lab", "serial": "laser"}
 
 
 def __getattr__(name: str) -> Any:
     """The rooms that load when they are first named: some bring pandas, matplotlib or widgets."""
+    if f"segmap.{name}" in _MOVED:
+        raise ImportError(f"segmap.{name} is now {_MOVED[f'segmap.{name}']}", name=name)
     if name not in __all__:
         raise AttributeError(f"module 'segmap' has no attribute {name!r}")
     try:
@@ -110,6 +106,18 @@ def __getattr__(name: str) -> Any:
             raise
         hint = f"segmap.{name} needs {missing}: pip install 'segmap[{_EXTRA[missing]}]'"
         raise ImportError(hint, name=missing) from error
+
+
+class _Moved(importlib.abc.MetaPathFinder):
+    """Says where what has moved is now, however it is imported."""
+
+    def find_spec(self, name: str, path: object = None, target: object = None) -> None:
+        """Refuse an old name in one line."""
+        if name in _MOVED:
+            raise ImportError(f"{name} is now {_MOVED[name]}", name=name)
+
+
+sys.meta_path.append(_Moved())
 
 
 def __dir__() -> list[str]:

@@ -10,7 +10,6 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from . import _motions
 from .arrays import Array, share, values
 
 
@@ -30,7 +29,7 @@ def wrap(angle: ArrayLike) -> Array:
     >>> np.degrees(wrap(np.radians([190.0, -180.0, 540.0]))).round(9)
     array([-170., -180., -180.])
     """
-    return _motions.wrap(values(angle, "angle"))
+    return (values(angle, "angle") + np.pi) % (2 * np.pi) - np.pi
 
 
 def axial_difference(a: ArrayLike, b: ArrayLike) -> Array:

@@ -8,8 +8,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ._compiled import compiled
 from .arrays import Array
+from .compiled import compiled
 from .segments import MIN_LENGTH
 
 Indices = NDArray[np.int64]

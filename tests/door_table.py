@@ -14,7 +14,6 @@ from matplotlib.figure import Figure
 
 from segmap import (
     alignment,
-    emulator,
     experiments,
     hokuyo,
     matching,
@@ -24,6 +23,7 @@ from segmap import (
     segments,
     simulation,
 )
+from segmap.hokuyo import emulator
 
 WALLS = np.array([[(0, 0), (3, 0)], [(3, 0), (3, 2)], [(3, 2), (0, 2)], [(0, 2), (0, 0)]], float)
 PATH = np.array([(1 + k / 20, 1, 0.02 * k) for k in range(4)])

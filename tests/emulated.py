@@ -9,9 +9,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from segmap.emulator import Unit
-from segmap.emulator._device import Unplugged, Wire
 from segmap.hokuyo import Geometry, UrgSensor
+from segmap.hokuyo.emulator import Unit
+from segmap.hokuyo.emulator._device import Unplugged, Wire
 
 SHARED = Path(__file__).resolve().parents[1].parent / "shared" / "data"
 URG = Geometry(1024, 44, 725, 384, 20, 5600, 0.1)

@@ -26,12 +26,12 @@ from typing import Any, NamedTuple
 import damaged_maps
 import numpy as np
 from log_samples import GROUNDTRUTH, ODOMETRY_CSV, RAWSEEDS
+from segmap_course import load_trials
 from test_graph_files import a_graph
 from test_readers_damage import SAMPLES, SEED, mutated, outcome
 from test_segment_files import ODD
 
 from segmap import LogError
-from segmap.course import load_trials
 from segmap.experiments import load_alignments, load_records, read_records
 from segmap.exports import write_graph, write_segments
 from segmap.readers import data_file, read_graph, read_segments, read_trajectory

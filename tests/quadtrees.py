@@ -1,13 +1,13 @@
 """Quadtree maps for the tests, and every bit of one in a form that compares."""
 
 import numpy as np
+from segmap_course import literal
 
-from segmap import literal
 from segmap.quadtree import QuadtreeMap
 
 
 def leaves_of(map):
-    """Leaves as `segmap.literal` keeps them: squares from the first corner -> both counts."""
+    """Leaves as `literal` keeps them: squares from the first corner -> both counts."""
     found = map.leaves()
     where = np.stack([found.x - map.corner[0], found.y - map.corner[1], found.side], -1)
     squares = np.rint(where / map.resolution).astype(int).tolist()

@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from segmap.poses import compose
-from segmap.readers import _mrpt
+from segmap.readers.mrpt import _mrpt
 
 #: Ranges from here on, metres, are the sensor's codes for nothing met; they are kept.
 NO_RETURN = 80.0

@@ -14,8 +14,7 @@ from .. import extraction
 from ..reduction import METHODS
 from ..scans import Log
 from ..segments import SegmentMap
-from ._logs import add_logs, each_log
-from ._poses import add_align, aligned
+from ._logs import add_align, add_logs, aligned, each_log
 from ._targets import Targets, add_output
 from ._thresholds import thresholds
 from ._words import begin, counted, line, percent, progress, say, seconds

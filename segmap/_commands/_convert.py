@@ -12,8 +12,7 @@ from .. import exports
 from ..alignment import Alignment
 from ..arrays import Array
 from ..scans import Log
-from ._logs import add_logs, each_log
-from ._poses import add_align, aligned
+from ._logs import add_align, add_logs, aligned, each_log
 from ._targets import Targets, add_output
 from ._words import begin, counted, line
 

@@ -10,8 +10,7 @@ from .. import exports, extraction, metrics
 from ..reduction import METHODS, Reduction
 from ..scans import Log
 from ..segments import SegmentMap
-from ._logs import add_logs, each_log
-from ._poses import add_align, aligned
+from ._logs import add_align, add_logs, aligned, each_log
 from ._targets import Targets, add_output
 from ._thresholds import add_thresholds, chosen_thresholds, refuse_others
 from ._words import begin, counted, line, metres, percent, progress, seconds

@@ -9,12 +9,9 @@ import re
 from pathlib import Path
 from typing import Any
 
-from .._files import existing, write_bytes
+from ..files import chapters_folder, existing, write_bytes
 from ._words import counted
 
-PACKAGE = Path(__file__).parents[1]
-#: In an installed wheel the chapters lie inside the package, in a clone beside it.
-PLACES = (PACKAGE / "notebooks", PACKAGE.parent / "notebooks")
 #: The chapter that is opened first.
 FIRST = "00_start_here.ipynb"
 #: Links that lead out of the folder of the chapters lead nowhere in most copies: their words stay.
@@ -34,7 +31,7 @@ def add(commands: Any) -> None:
 
 def run(given: argparse.Namespace) -> None:
     """Copy what is not there; what differs is a student's work: a newer original goes beside it."""
-    folder, source = given.folder, place()
+    folder, source = given.folder, chapters_folder()
     folder.mkdir(parents=True, exist_ok=True)
     near = folder.resolve().parent == source.resolve().parent
     files, handed = originals(source, outside=near), _handed(folder)
@@ -44,14 +41,6 @@ def run(given: argparse.Namespace) -> None:
     if not near:
         opened = folder / FIRST
         print(f"open them with: jupyter lab {opened}  (needs: pip install 'segmap[lab]')")
-
-
-def place() -> Path:
-    """The folder of the chapters that come with segmap."""
-    for found in PLACES:
-        if (found / FIRST).is_file():
-            return found
-    raise FileNotFoundError("the chapters are missing: install segmap again")
 
 
 def originals(source: Path, *, outside: bool) -> dict[str, bytes]:

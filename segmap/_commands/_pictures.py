@@ -9,8 +9,8 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from .._files import write_bytes
 from ..arrays import Array
+from ..files import write_bytes
 from ..plotting import MAP, RESULT, draw_curves, draw_quadtree, draw_segments, figure_png
 from ..quadtree import QuadtreeMap, extent
 from ..reduction import Reduction

@@ -8,7 +8,7 @@ import time
 from typing import TYPE_CHECKING, Any
 
 from .. import _warm
-from .._threads import cores
+from ..threads import cores
 from ._words import progress
 
 if TYPE_CHECKING:

@@ -4,21 +4,30 @@ Every method has one signature, `method(log, *, thresholds) -> Alignment`, and s
 """
 
 from ..methods import Method
-from ._align_parts import align_parts
-from ._angle_correspondence import angle_candidates, angle_correspondence, match_angles
-from ._angle_scenes import AngleSearch, Candidate, match_values
-from ._backbone import BackboneCheck, backbone, backbone_steps
-from ._backbone_lines import BackboneStep, least_translation, mean_rotation
 from ._baselines import align_to_truth, ground_truth, odometry, position_errors
-from ._global_equations import GlobalSearch
-from ._global_segments import global_segments
-from ._graph import Graph, Rejected, solve_graph
-from ._graph_settings import LoopClosing, Tracking
-from ._point_icp import PointStep, match_points, point_icp, point_steps
-from ._pose_graph import LiveGraph, Placed, pose_graph
+from ._point_icp import point_icp
 from ._result import Alignment, Match
-from ._segment_icp import match_segments, segment_icp
-from ._segment_search import SegmentSearch
+from .angle_correspondence import (
+    AngleSearch,
+    Candidate,
+    angle_candidates,
+    angle_correspondence,
+    match_angles,
+    match_values,
+)
+from .backbone import (
+    BackboneCheck,
+    BackboneStep,
+    backbone,
+    backbone_steps,
+    least_translation,
+    mean_rotation,
+)
+from .global_segments import GlobalSearch, global_segments
+from .graph import Graph, Rejected, solve_graph
+from .points import PointStep, match_points, point_steps
+from .pose_graph import LiveGraph, LoopClosing, Placed, Tracking, align_parts, pose_graph
+from .segment_icp import SegmentSearch, match_segments, segment_icp
 
 #: Name of each method -> the method, with what it needs.
 METHODS: dict[str, Method[Alignment]] = {

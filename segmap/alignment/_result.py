@@ -14,12 +14,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .._display import Pictured
-from .._motions import between, compose
 from ..arrays import Array
 from ..extraction import extract_polylines
+from ..poses.motions import between, compose
 from ..scans import LaserScan, Log
 from ..segments import length
-from ._graph import Graph
+from .graph import Graph
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from .._files import existing, read_table, table_text
+from ..files import existing, read_table, table_text
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .. import arrays
-from .._files import replacing, table_lines
+from ..files import replacing, table_lines
 from ..readers import data_file
 from ._files import (
     ALIGNMENTS,

@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 
 from .. import arrays
-from .._files import write_npz
 from ..arrays import Array
+from ..files import write_npz
 from ..poses import compose
 from ..scans import LaserScan, Log
 

@@ -8,10 +8,11 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from .. import _information, arrays
-from .._files import write_lines
+from .. import arrays
 from ..alignment import Alignment
 from ..arrays import Array
+from ..files import write_lines
+from ..poses import information
 from ..readers import PoseGraph
 
 
@@ -71,7 +72,7 @@ def _checked(graph: Alignment | PoseGraph) -> PoseGraph:
         got = f"{ends.min()} to {ends.max()}"
         raise ValueError(f"graph.edges must name rows 0 to {len(poses) - 1} of poses, got {got}")
     relative = arrays.poses(graph.relative, "graph.relative", count=len(ends))
-    weight = _information.checked(graph.information, len(ends))
+    weight = information.checked(graph.information, len(ends))
     return PoseGraph(poses, ends, relative, weight, graph.ids)
 
 
@@ -102,7 +103,7 @@ def _vertices(graph: PoseGraph, names: list[int]) -> Iterator[str]:
 
 
 def _edges(graph: PoseGraph, names: list[int]) -> Iterator[str]:
-    turned = _information.rotated(graph.information, graph.relative[:, 2])
+    turned = information.rotated(graph.information, graph.relative[:, 2])
     upper = turned.reshape(-1, 9)[:, [0, 1, 2, 4, 5, 8]]
     for (i, j), motion, six in zip(graph.edges.tolist(), graph.relative, upper, strict=True):
         yield f"EDGE_SE2 {names[i]} {names[j]} {_row(motion)} {_row(six)}"

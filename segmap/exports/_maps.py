@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import arrays
-from .._files import write_bytes
+from ..files import write_bytes
 from ..quadtree import QuadtreeMap, extent
 
 #: Grey values of classes: free, unknown, occupied.

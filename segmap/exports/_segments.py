@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 
 from .. import arrays
-from .._files import write_bytes
 from ..arrays import Array, Segments
+from ..files import write_bytes
 from ..segments import SegmentMap
 from ._maps import THIN
 

@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .. import arrays
-from .._files import packed, replacing, write_lines
 from ..alignment import Alignment
 from ..arrays import Array
+from ..files import packed, replacing, write_lines
 from ..poses import between, compose
 from ..readers import LogError, half_turn, read, same_poses
 from ..scans import NO_POSE, LaserScan, Log

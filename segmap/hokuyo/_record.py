@@ -11,10 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import arrays
-from .._files import existing, replacing
 from ..arrays import LIMIT, Array
-from ..error_codes import LOWEST, NOT_MEASURED, NOTHING_MET, told_in_a_text
+from ..files import existing, replacing
 from ..scans import LaserScan
+from ..scans.error_codes import LOWEST, NOT_MEASURED, NOTHING_MET, told_in_a_text
 from ._host import one_by_one
 from ._sensor import UrgSensor
 

@@ -11,8 +11,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from .. import arrays
 from ..arrays import Array
-from ..error_codes import as_far_ranges, as_ranges
 from ..scans import LaserScan
+from ..scans.error_codes import as_far_ranges, as_ranges
 from ._protocol import (
     BLOCK,
     CHARACTERS,

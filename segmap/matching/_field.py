@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import arrays
-from .._compiled import compiled
 from ..arrays import Array
+from ..compiled import compiled
 from ..quadtree import QuadtreeMap
 from ._scores import Cells, Counts, all_placed, occupied_blocks, scan_and_poses, whole
 

@@ -17,13 +17,7 @@ from ..quadtree import QuadtreeMap
 from ..scans import LaserScan
 from ._field import NothingNear
 from ._live_map import LiveMap, Step, insert
-from ._matchers import (
-    Score,
-    field_score,
-    hill_climb,
-    prepared,
-    sample_and_rank,
-)
+from ._matchers import Score, field_score, hill_climb, prepared, sample_and_rank
 from ._scores import descent_score, nearest_score, occupancy_score, scan_and_poses
 
 #: From a map, points and a start, with a score, to a pose.

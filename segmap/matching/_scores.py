@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import arrays
-from .._compiled import compiled
 from ..arrays import Array
+from ..compiled import compiled
 from ..quadtree import QuadtreeMap, Tree
 
 Counts = NDArray[np.int32]

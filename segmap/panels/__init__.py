@@ -11,7 +11,7 @@ from ._compare import ComparePanel
 from ._live import LivePanel
 from ._quadtree import QuadtreePanel
 from ._scan import ScanPanel
-from ._workbench import Workbench
+from .workbench import Workbench
 
 __all__ = [
     "ComparePanel",

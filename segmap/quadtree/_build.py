@@ -8,10 +8,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .. import arrays
-from .._placed import poses_for, warn_of_nothing
 from ..arrays import LIMIT, Array, Poses
 from ..poses import compose, transform
 from ..scans import LaserScan, Log
+from ..scans.placed import poses_for, warn_of_nothing
 from ._map import QuadtreeMap
 
 

@@ -8,9 +8,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .._files import read_npz, write_npz
 from ..arrays import Array
-from . import _loops as loops
+from ..files import read_npz, write_npz
+from . import _kernels as kernels
 
 #: What a file calls itself, with the version of its layout.
 FORMAT = "segmap quadtree 1"
@@ -21,8 +21,8 @@ class Stored(NamedTuple):
 
     state: NDArray[np.int64]  #: block, level, largest, x and y of the corner, bias, scans
     lengths: Array  #: resolution, x and y of the corner, free resolution or 0, metres
-    vis: loops.Counts
-    occ: loops.Counts
+    vis: kernels.Counts
+    occ: kernels.Counts
 
 
 def write(path: Path, stored: Stored) -> None:
@@ -49,15 +49,15 @@ def _fault(arrays: dict[str, Any]) -> str:
         if array.dtype != kind or array.shape != (count,):
             return f"an array is {array.dtype} {array.shape}, expected {np.dtype(kind)} ({count},)"
     block, level, largest, x, y, bias, scans = state.tolist()
-    sizes = np.isfinite(lengths).all() and lengths[0] > 0 and 2 <= level <= largest < loops.DEPTH
+    sizes = np.isfinite(lengths).all() and lengths[0] > 0 and 2 <= level <= largest < kernels.DEPTH
     # the root holds the square that it grew from, whose corner is cell 0, 0
-    counts = bias >= 1 and 0 <= scans < loops.FAR
+    counts = bias >= 1 and 0 <= scans < kernels.FAR
     if not (sizes and counts and all(0 <= -at < 1 << level for at in (x, y))):
         return "its sizes make no sense"
     return _fault_of_blocks(vis, block) or _fault_of_leaves(vis, occ, block, level)
 
 
-def _fault_of_blocks(vis: loops.Counts, root: int) -> str:
+def _fault_of_blocks(vis: kernels.Counts, root: int) -> str:
     """Every block must be reached once, from the root, and in the order that the loops expect."""
     blocks, inner = vis.size // 4, np.flatnonzero(vis < 0)
     above, child = inner // 4, ~vis[inner].astype(np.int64)
@@ -72,7 +72,7 @@ def _fault_of_blocks(vis: loops.Counts, root: int) -> str:
     return "its blocks are out of order" if doubled or late.sum() > count else ""
 
 
-def _fault_of_leaves(vis: loops.Counts, occ: loops.Counts, root: int, level: int) -> str:
+def _fault_of_leaves(vis: kernels.Counts, occ: kernels.Counts, root: int, level: int) -> str:
     """No leaf is smaller than a cell, only cells hold ends, and counts are possible."""
     inner = vis < 0
     if (occ < 0).any() or (occ > vis)[~inner].any() or occ[inner].any():

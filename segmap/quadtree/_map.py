@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from .. import arrays
 from .._display import Pictured
 from ..arrays import LIMIT, Array
-from . import _loops as loops
+from . import _kernels as kernels
 from ._file import Stored, read, write
 from ._tree import LEAST, UNIT, Leaves, Tree, level_of, pairs
 
@@ -70,12 +70,12 @@ class QuadtreeMap(Pictured):
         cell = arrays.number(resolution, "resolution", least=LEAST, most=LIMIT, unit="metres")
         level = 9 if size is None else level_of("size", size, cell, least=2)
         largest = max(level, 16) if max_size is None else level_of("max_size", max_size, cell)
-        if not level <= largest < loops.DEPTH:
+        if not level <= largest < kernels.DEPTH:
             raise ValueError(
                 f"max_size must not be below the size, {np.ldexp(cell, level):.6g} m, nor have "
-                f"more than 2^{loops.DEPTH - 1} cells a side, got {max_size}"
+                f"more than 2^{kernels.DEPTH - 1} cells a side, got {max_size}"
             )
-        self.bias = arrays.whole(bias, "bias", most=loops.MOST)
+        self.bias = arrays.whole(bias, "bias", most=kernels.MOST)
         self.corner = arrays.point(corner, "corner")
         self.free_resolution, self._finest = free_resolution, None
         if free_resolution is not None:
@@ -196,7 +196,7 @@ class QuadtreeMap(Pictured):
         start, end = first[part].min(0), last[part].max(0)
         grid = np.full((end - start)[::-1], -np.inf)
         first, last = (np.clip(edge, start, end) - start for edge in (first, last))
-        loops.paint(first, last, value, grid)
+        kernels.paint(first, last, value, grid)
         corner = self.corner + (self.tree.corner + (start << k)) * self.resolution
         return grid, *corner.tolist(), float(np.ldexp(self.resolution, k))
 
@@ -286,18 +286,18 @@ class QuadtreeMap(Pictured):
         scans = f"{self.scans} scan" + "s" * (self.scans != 1)
         return f"QuadtreeMap({self.side:.6g} m, {leaves}, {scans})"
 
-    def _cells(self, **named: Array) -> tuple[loops.Cells, bool]:
+    def _cells(self, **named: Array) -> tuple[kernels.Cells, bool]:
         """Cells of points `(n, 2)`, counted from the root's, and whether it holds them all."""
         together = np.concatenate(list(named.values()))
         cells = np.empty(together.shape, np.int64)
         root = self.tree.corner, 1 << self.tree.level
-        found = loops.cells_of(together, self.corner, self.resolution, *root, cells)
+        found = kernels.cells_of(together, self.corner, self.resolution, *root, cells)
         if found == 2:
             for name, points in named.items():
                 arrays.table(points, name, 2, unit=UNIT, limit=np.inf)
         return cells, found == 0
 
-    def _occupancy(self, node: loops.Cells) -> Array:
+    def _occupancy(self, node: kernels.Cells) -> Array:
         vis, occ = self.tree.vis[node], self.tree.occ[node]
         empty = np.maximum(0.5 * (self.bias - vis) / self.bias, 0.0)
         return np.where(occ > 0, occ / np.maximum(vis, 1), empty)

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .. import arrays
 from ..arrays import Array
-from . import _loops as loops
+from . import _kernels as kernels
 
 if TYPE_CHECKING:
     from ._file import Stored
@@ -62,9 +62,9 @@ class Tree:
         self.vis, self.occ = np.zeros(64, np.int32), np.zeros(64, np.int32)
         self.used, self.block, self.level, self.largest = 1, 0, level, largest
         self.corner, self.version = np.zeros(2, np.int64), 0
-        self._occupied: tuple[int, loops.Holds] = (-1, np.zeros(0, np.bool_))
+        self._occupied: tuple[int, kernels.Holds] = (-1, np.zeros(0, np.bool_))
 
-    def grow(self, cells: loops.Cells, resolution: float) -> loops.Cells:
+    def grow(self, cells: kernels.Cells, resolution: float) -> kernels.Cells:
         """Double the root until it holds all cells `(n, 2)`, in their order.
 
         Returns them counted from the corner of the new root.
@@ -100,7 +100,7 @@ class Tree:
         self.corner, self.level = corner, self.level + 1
         self.block, self.used, self.version = self.used, self.used + 1, self.version + 1
 
-    def insert(self, cells: loops.Cells, ends: int, finest: int | None) -> None:
+    def insert(self, cells: kernels.Cells, ends: int, finest: int | None) -> None:
         """Insert a scan (B 4.2 to 4.4).
 
         Cells `(n, 2)` are that of the sensor, of `ends` beams that ended and of those that did not.
@@ -111,7 +111,7 @@ class Tree:
         while done <= ends:
             self._make_room(self.level)
             tree = self.vis, self.occ, self.used
-            self.used, done = loops.insert_ends(*tree, cells, ends, done, keep, self._path())
+            self.used, done = kernels.insert_ends(*tree, cells, ends, done, keep, self._path())
             self.version += 1
         if finest is not None and finest < self.level:
             self._walk(cells, ends, finest)
@@ -120,13 +120,13 @@ class Tree:
             self._compact(self.used, join=True)
             self._compact(self.used, join=False)
 
-    def _walk(self, cells: loops.Cells, ends: int, least: int) -> None:
+    def _walk(self, cells: kernels.Cells, ends: int, least: int) -> None:
         """Count the rays in all leaves that they cross, or split these leaves down to a level."""
         done = 1
         while done < len(cells):
             self._make_room(self.level)
             tree = self.vis, self.occ, self.used
-            self.used, done = loops.walk_rays(*tree, cells, ends, done, least, self._path())
+            self.used, done = kernels.walk_rays(*tree, cells, ends, done, least, self._path())
             self.version += 1
 
     def mend(self) -> None:
@@ -138,36 +138,36 @@ class Tree:
         order, above = np.empty(blocks, np.int64), np.empty(blocks, np.int64)
         new_vis, new_occ = np.empty(4 * blocks, np.int32), np.empty(4 * blocks, np.int32)
         tree = self.vis, self.occ, self.block
-        self.used = loops.compact(*tree, join, order, above, new_vis, new_occ)
+        self.used = kernels.compact(*tree, join, order, above, new_vis, new_occ)
         self.vis, self.occ, self.block, self.version = new_vis, new_occ, 0, self.version + 1
 
-    def leaves_at(self, cells: loops.Cells) -> loops.Cells:
+    def leaves_at(self, cells: kernels.Cells) -> kernels.Cells:
         """Leaf of each cell `(n, 2)`; -1 outside the root."""
         found = np.empty(len(cells), np.int64)
-        loops.leaves_at(self.vis, cells, self._path(), found)
+        kernels.leaves_at(self.vis, cells, self._path(), found)
         return found
 
-    def leaves(self) -> tuple[loops.Cells, loops.Cells, loops.Cells]:
+    def leaves(self) -> tuple[kernels.Cells, kernels.Cells, kernels.Cells]:
         """Nodes `(n,)`, lower left cells `(n, 2)` and levels `(n,)` of all leaves."""
         found = self._leaves_in(np.array([0, 0, 1, 1]) << self.level, np.zeros(0, np.bool_))
         return found[:, 0], found[:, 1:3], found[:, 3]
 
-    def occupied_cells(self, window: loops.Cells) -> loops.Cells:
+    def occupied_cells(self, window: kernels.Cells) -> kernels.Cells:
         """The occupied cells `(n, 2)` of a window: left, low, right and high, `(4,)`, in cells."""
         return self._leaves_in(window, self.occupied_blocks())[:, 1:3]
 
-    def _leaves_in(self, window: loops.Cells, holds: loops.Holds) -> loops.Cells:
+    def _leaves_in(self, window: kernels.Cells, holds: kernels.Holds) -> kernels.Cells:
         found = np.empty((3 * self.used + 1, 4), np.int64)
-        todo = np.empty((4 * loops.DEPTH, 4), np.int64)
+        todo = np.empty((4 * kernels.DEPTH, 4), np.int64)
         todo[0] = self.block, 0, 0, self.level
-        return found[: loops.leaves_in(self.vis, self.occ, holds, window, todo, found)]
+        return found[: kernels.leaves_in(self.vis, self.occ, holds, window, todo, found)]
 
-    def occupied_blocks(self) -> loops.Holds:
+    def occupied_blocks(self) -> kernels.Holds:
         """Which blocks hold an occupied cell (occupancy above 0.5), `(b,)`; kept until a change."""
         if self._occupied[0] != self.version:
             version, holds = self.version, np.zeros(self.used, np.bool_)
             order = np.append(np.arange(self.used)[::-1], self._doubled())
-            loops.occupied_blocks(self.vis, self.occ, order, holds)
+            kernels.occupied_blocks(self.vis, self.occ, order, holds)
             self._occupied = version, holds
         return self._occupied[1]
 
@@ -186,7 +186,7 @@ class Tree:
         self.vis, self.occ, self.used = stored.vis, stored.occ, len(stored.vis) // 4
         self.corner, self.version = np.array(corner, np.int64), self.version + 1
 
-    def _path(self) -> loops.Cells:
+    def _path(self) -> kernels.Cells:
         path = np.empty(self.level + 1, np.int64)
         path[-1] = self.block
         return path

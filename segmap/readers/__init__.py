@@ -14,15 +14,15 @@ from pathlib import Path
 from .. import arrays
 from ..arrays import Array
 from ..scans import Log
-from . import _bags, _hokuyo_text, _rawseeds
 from ._bundled import data_file, find
-from ._csv import read_csv
 from ._formats import recognise, what_to_do
-from ._graph import PoseGraph, read_graph
 from ._lines import LogError, UnknownFormat
 from ._opening import asking, checked_file, named, stem
 from ._raw_scans import half_turn, same_poses
 from ._segments import read_segments
+from .bags import _bags
+from .graphs import PoseGraph, read_graph
+from .tables import _hokuyo_text, _rawseeds, read_csv
 
 __all__ = [
     "LogError",

@@ -8,23 +8,12 @@ from pathlib import Path
 from typing import NamedTuple
 
 from ..scans import Log
-from . import (
-    _bags,
-    _carmen,
-    _coreslam,
-    _csv,
-    _dpslam,
-    _dumps,
-    _g2o,
-    _gmapping,
-    _hokuyo_text,
-    _mrpt,
-    _npz,
-    _player,
-    _rawseeds,
-    _wean,
-)
 from ._lines import Lines, LogError, UnknownFormat
+from .bags import _bags
+from .carmen import _carmen, _dpslam, _gmapping, _player, _wean
+from .graphs import _g2o
+from .mrpt import _mrpt
+from .tables import _coreslam, _csv, _dumps, _hokuyo_text, _npz, _rawseeds
 
 #: So many lines are looked at; a damaged one among them does not change what most of them say.
 FIRST = 200

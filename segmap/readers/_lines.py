@@ -13,8 +13,8 @@ from typing import IO, TypeVar, cast
 
 import numpy as np
 
-from .._files import RATIO, UNPACKED
 from ..arrays import LIMIT, Array
+from ..files import RATIO, UNPACKED
 from ..scans import NOTHING_SKIPPED, Skipped
 
 #: No line of a log is longer, in bytes: 1000 beams with intensities take 20 000.

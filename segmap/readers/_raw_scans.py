@@ -45,7 +45,7 @@ class RawScan(NamedTuple):
     limit : float, metres
         Longest range that the line states.
     codes : (n,) int array or None
-        Of beams without a range, see `segmap.error_codes`; 0 where there is one.
+        Of beams without a range, see `segmap.scans.error_codes`; 0 where there is one.
     """
 
     laser: str

@@ -2,7 +2,7 @@
 
 Every method has one signature, `method(map, *, thresholds) -> Reduction`, and stands in `METHODS`.
 
-A new method is one file, one entry in `METHODS` and one plain version in `segmap.literal`:
+A new method is one file, one entry in `METHODS` and one plain version in `segmap_course.literal`:
 
 1. Its file, `_<name>.py`, has the public function with its docstring. It checks its thresholds with
    `segmap.arrays` and ends in `return run("<name>", map, lambda rows: _reduce(rows, tolerance))`.
@@ -22,19 +22,21 @@ from __future__ import annotations
 from ..methods import Method
 from ._basic import basic_offline, basic_online
 from ._fusion import fusion, fusion_online
-from ._fuzzy_clustering import fuzzy_clustering
-from ._fuzzy_set import fuzzy_set
 from ._hough import hough
 from ._hybrid import hybrid
 from ._hybrid_fusion import LiveReduction, hybrid_fusion
-from ._least_cost import least_cost, reduce_to
 from ._mean_shift import Directions, common_directions, mean_shift
-from ._polyline import polyline
 from ._runner import Methods, Reduction
-from ._segment_similarity import segment_similarity
-from ._uncertain_parameters import uncertain_parameters
-from ._viewing_sector import viewing_sector
-from ._weighted_line_fitting import weighted_line_fitting
+from .least_cost import least_cost, reduce_to
+from .surveyed import (
+    fuzzy_clustering,
+    fuzzy_set,
+    polyline,
+    segment_similarity,
+    uncertain_parameters,
+    weighted_line_fitting,
+)
+from .surveyed.viewing_sector import viewing_sector
 
 #: Name of each method -> the method, with its place in A's table 2.16. A calls the class of Basic
 #: "simple", after its conditions; like the class 2 -> 1 it makes one segment of two.

@@ -7,9 +7,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .. import _units, arrays
-from .._compiled import compiled
-from ..arrays import Array, Segments
+from .. import arrays
+from ..arrays import Array, Segments, slips
+from ..compiled import compiled
 from ..kernels import become_mean, put_in, slot_of, take_out
 from ._runner import Found, Indices, Reduction, Rows, Steps, run, run_online
 
@@ -94,7 +94,7 @@ def check_match(map: Segments, distance: float, angle: float) -> None:
         Naming the argument and what was expected.
     """
     arrays.positive("metres", distance=distance)
-    _units.check_lengths(map, distance=distance)
+    slips.check_lengths(map, distance=distance)
     arrays.number(angle, "angle", above=0, most=np.pi / 2, unit="radians")
 
 

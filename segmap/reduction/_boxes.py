@@ -11,8 +11,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .._compiled import compiled
 from ..arrays import Array
+from ..compiled import compiled
 from ..kernels import put_in, slot_of, take_out
 from ._runner import Indices
 

@@ -7,10 +7,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from .. import _units, arrays
-from ..arrays import Array, Segments
+from .. import arrays
+from ..arrays import Array, Segments, slips
 from ..kernels import slots_of
-from ._fusion_loops import Grid, Room, fuse_all
+from ._fusion_kernels import Grid, Room, fuse_all
 from ._runner import Indices, Reduction, Rows, Steps, run, run_online
 
 
@@ -50,7 +50,7 @@ def fusion(map: Segments, *, tolerance: float = 0.04) -> Reduction:
            [3., 0.]])
     """
     arrays.positive("metres", tolerance=tolerance)
-    _units.check_lengths(map, tolerance=tolerance)
+    slips.check_lengths(map, tolerance=tolerance)
     return run("fusion", map, lambda rows: fuse(rows.segments, tolerance))
 
 

@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .. import arrays
-from .._compiled import compiled
 from ..arrays import Array
+from ..compiled import compiled
 from ..segments import angle, midpoint
 
 

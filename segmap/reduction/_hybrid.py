@@ -7,8 +7,8 @@ from typing import NamedTuple
 import numpy as np
 
 from .. import arrays
-from .._compiled import compiled
 from ..arrays import Array, Segments
+from ..compiled import compiled
 from ..kernels import put_in, slot_of, take_out
 from ._basic import check_match
 from ._hough import line_of

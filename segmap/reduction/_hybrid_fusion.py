@@ -6,8 +6,8 @@ from itertools import pairwise
 
 import numpy as np
 
-from .. import _units, arrays
-from ..arrays import Array, Segments
+from .. import arrays
+from ..arrays import Array, Segments, slips
 from ._basic import check_match
 from ._fusion import fuse
 from ._hybrid import State, add, empty_map, least_length, replace_map
@@ -70,7 +70,7 @@ def hybrid_fusion(
     """
     check_match(map, distance, angle)
     arrays.positive("metres", tolerance=tolerance)
-    _units.check_lengths(map, tolerance=tolerance)
+    slips.check_lengths(map, tolerance=tolerance)
     every, least = arrays.whole(every, "every"), least_length(distance, min_length)
     return run_online(
         "hybrid_fusion", map, lambda rows: _steps(rows, distance, angle, least, tolerance, every)

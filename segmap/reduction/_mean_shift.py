@@ -9,11 +9,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .. import _units, arrays
-from .._compiled import compiled
-from ..arrays import Array, Segments
+from .. import arrays
+from ..arrays import Array, Segments, slips
+from ..compiled import compiled
 from ..segments import angle, length, midpoint
-from ._climb import climb, link
+from ._climb_kernels import climb, link
 from ._runner import Found, Indices, Reduction, Rows, rows_of, run
 
 #: More pieces than this are refused: a slip in the unit of sigma would fill the memory.
@@ -75,7 +75,7 @@ def mean_shift(
     (Reduction(mean_shift: 3 -> 2 segments), array([0, 0, 1]))
     """
     check_scales(sigma, bandwidth)
-    _units.check_lengths(map, sigma=sigma)
+    slips.check_lengths(map, sigma=sigma)
     return run("mean_shift", map, lambda rows: _reduce(rows, sigma, bandwidth), splits=True)
 
 
@@ -264,7 +264,7 @@ def check_scales(sigma: float, bandwidth: float) -> None:
     """
     arrays.positive("metres", sigma=sigma)
     arrays.positive("rad/m", bandwidth=bandwidth)
-    _units.check_bandwidth(sigma, bandwidth)
+    slips.check_bandwidth(sigma, bandwidth)
     if sigma * bandwidth < 1e-9:
         raise ValueError(
             f"bandwidth must be at least 1e-9 rad a sigma, below which angles are rounding, "

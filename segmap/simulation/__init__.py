@@ -16,14 +16,7 @@ from ._rooms import (
     square_room,
     two_position_square,
 )
-from ._sensors import (
-    SICK_LMS200,
-    URG_04LX,
-    OdometryNoise,
-    Sensor,
-    drifting_odometry,
-    measure,
-)
+from ._sensors import SICK_LMS200, URG_04LX, OdometryNoise, Sensor, drifting_odometry, measure
 from ._simulate import cast_rays, drive, simulate
 
 __all__ = [

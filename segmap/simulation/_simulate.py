@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import arrays
-from .._compiled import compiled
 from ..angles import axial_difference, wrap
 from ..arrays import Array, Segments
+from ..compiled import compiled
 from ..poses import compose
 from ..scans import LaserScan, Log
 from ..segments import angle

@@ -1,0 +1,134 @@
+"""For who teaches: `python -m segmap_course handout FOLDER`, `grade FOLDER -o grades.csv`."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+
+from .grading import Limits, checks, class_report, grade, plan_of, read_key
+from .grading.handout import handout, write_solutions
+
+EPILOG = """\
+notebooks/INSTRUCTOR.md tells how a course is set up, graded, and what is graded by hand.
+Exit codes: 0 done, 1 something failed, 2 the command was not understood.
+"""
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Run a command and return its exit code."""
+    given = parser().parse_args(arguments)
+    try:
+        return int(given.run(given) or 0)
+    except KeyboardInterrupt:
+        print("stopped", file=sys.stderr)
+        return 130
+    except (ValueError, OSError) as error:
+        print(f"{given.command}: {error}", file=sys.stderr)
+        return 1
+
+
+def parser() -> argparse.ArgumentParser:
+    """The parser of all commands."""
+    found = argparse.ArgumentParser(
+        prog="python -m segmap_course", description=__doc__, epilog=EPILOG, allow_abbrev=False
+    )
+    commands = found.add_subparsers(required=True, metavar="COMMAND", dest="command")
+    _add_handout(commands.add_parser("handout", help="student copies of the chapters"))
+    _add_grade(commands.add_parser("grade", help="points and feedback for all submissions"))
+    _add_solutions(commands.add_parser("solutions", help="chapters with solutions, for you alone"))
+    return found
+
+
+def _add_solutions(command: argparse.ArgumentParser) -> None:
+    command.add_argument("folder", metavar="DIR", type=Path, help="a new folder, not for students")
+    command.add_argument("--chapters", default="", metavar="34,54", help="default: all")
+    command.set_defaults(run=_solutions)
+
+
+def _solutions(given: argparse.Namespace) -> None:
+    count = write_solutions(given.folder, checks(), given.chapters)
+    print(f"{count} chapters with solutions in {given.folder}: for you alone")
+
+
+def _add_handout(command: argparse.ArgumentParser) -> None:
+    command.add_argument("folder", metavar="DIR", type=Path, help="a new folder for the students")
+    command.add_argument("--chapters", default="", metavar="34,54", help="default: all")
+    command.add_argument("--seed", type=whole, metavar="N", help="of the hidden cases; keep it")
+    command.set_defaults(run=_handout)
+
+
+def whole(word: str) -> int:
+    """A whole number from 0 on."""
+    if not word.isdecimal():
+        raise argparse.ArgumentTypeError(f"expected a whole number from 0 on, got {word!r}")
+    return int(word)
+
+
+def _handout(given: argparse.Namespace) -> None:
+    key, tasks = handout(given.folder, checks(), wanted=given.chapters, seed=given.seed)
+    count = len(list(given.folder.glob("*.ipynb")))
+    points = sum(task.points for task in tasks)
+    print(f"{count} chapters, {len(tasks)} tasks, {points} points: give {given.folder} to students")
+    hidden = (
+        "the seed of the hidden cases" if given.seed is not None else "no seed: no hidden cases"
+    )
+    print(f"for you alone: {key} ({hidden}); grade with --key {key}")
+
+
+def _add_grade(command: argparse.ArgumentParser) -> None:
+    limits = Limits()
+    command.add_argument(
+        "folder", metavar="DIR", type=Path, help="a notebook or a folder a student: ann.ipynb, ann/"
+    )
+    command.add_argument("-o", "--output", type=Path, required=True, metavar="grades.csv")
+    command.add_argument(
+        "--key", type=Path, metavar="FILE", help="the instructor's file of handout"
+    )
+    command.add_argument(
+        "--chapters", default="", metavar="34,54", help="without --key; default: all"
+    )
+    command.add_argument(
+        "--seed", type=whole, metavar="N", help="without --key: of the hidden cases"
+    )
+    for name, unit in (("seconds", "of the clock"), ("cpu", "seconds of computing")):
+        command.add_argument(
+            f"--{name}",
+            type=whole,
+            default=int(getattr(limits, name)),
+            metavar="N",
+            help=f"of an answer, {unit}; default: %(default)s",
+        )
+    command.add_argument(
+        "--unprotected", action="store_true", help="run where nothing guards your files"
+    )
+    command.set_defaults(run=_grade)
+
+
+def _grade(given: argparse.Namespace) -> None:
+    known = checks()
+    if given.key and (given.chapters or given.seed is not None):
+        raise ValueError("--key holds the chapters and the seed: leave --chapters and --seed out")
+    if given.output.suffix != ".csv":
+        raise ValueError(f"-o must name a table, grades.csv for instance, got {given.output}")
+    if not given.output.parent.is_dir():
+        raise ValueError(f"cannot write {given.output}: there is no folder {given.output.parent}")
+    plan = read_key(given.key) if given.key else plan_of(known, given.chapters, given.seed)
+    limits = Limits(seconds=max(given.seconds, 1), cpu=max(given.cpu, 1))
+    rows = grade(
+        given.folder, given.output, plan, known, limits=limits, unprotected=given.unprotected
+    )
+    hidden = "with" if plan.seed is not None else "without"
+    pages = given.output.with_name(f"{given.output.stem}_feedback")
+    print(f"{len(rows)} submissions, {len(plan.tasks)} tasks, {hidden} hidden cases")
+    for line in class_report(rows, plan.tasks):
+        print(f"  {line}")
+    print(f"written: {given.output}, {given.output.stem}_class.txt, feedback for each in {pages}")
+    if any(task.by_hand for task in plan.tasks):
+        print(
+            "columns that are empty are graded by hand: task, rubric and answer are in the feedback"
+        )
+
+
+if __name__ == "__main__":
+    sys.exit(main())

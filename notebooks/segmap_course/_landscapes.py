@@ -1,0 +1,188 @@
+"""A score around a pose: the landscape that matchers climb."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from segmap import arrays
+from segmap.arrays import Array
+from segmap.matching import Score, field_score
+from segmap.quadtree import QuadtreeMap
+
+
+class Landscape(NamedTuple):
+    """Scores `(m, m)` at offsets `(m,)` in metres: rows along the map's y, columns along its x.
+
+    Examples
+    --------
+    >>> Landscape(np.array([0.0]), np.array([[-2.5]])).values.shape
+    (1, 1)
+    """
+
+    offsets: Array
+    values: Array
+
+
+def landscape(
+    map: QuadtreeMap,
+    points: ArrayLike,
+    pose: ArrayLike,
+    *,
+    score: Score = field_score,
+    reach: float = 0.3,
+    step: float = 0.01,
+) -> Landscape:
+    """Scores of a scan at places around a pose, its heading kept (after B 4.3).
+
+    Parameters
+    ----------
+    map : QuadtreeMap
+    points : (n, 2) array, metres
+    pose : (3,) array, metres and radians
+        The middle.
+    score : callable
+    reach, step : float, metres
+        How far to each side, and in which steps.
+
+    Returns
+    -------
+    Landscape
+
+    Raises
+    ------
+    ValueError
+        As the score; for a step that is not positive, or a reach below it.
+
+    Examples
+    --------
+    >>> map = QuadtreeMap(resolution=0.1)
+    >>> map.insert_scan((0, 0), [(1.05, 0.05)])
+    >>> landscape(map, [(1.05, 0.05)], (0, 0, 0), reach=0.1, step=0.1).values.round(3)[1]
+    array([-0.1, -0. , -0.1])
+    """
+    ends, middle = arrays.points(points), arrays.pose(pose)
+    offsets = _offsets(reach, step)
+    x, y = np.meshgrid(offsets, offsets)
+    poses = middle + np.stack([x, y, 0 * x], -1).reshape(-1, 3)
+    return Landscape(offsets, score(map, ends, poses).reshape(x.shape))
+
+
+def heading_profile(
+    map: QuadtreeMap,
+    points: ArrayLike,
+    pose: ArrayLike,
+    *,
+    score: Score = field_score,
+    reach: float = np.pi,
+    step: float = np.radians(1.0),
+) -> tuple[Array, Array]:
+    """Scores of a scan turned about a pose: offsets `(m,)` in radians and scores `(m,)` (B 4.3).
+
+    Parameters
+    ----------
+    map, points, pose, score
+        As for `landscape`.
+    reach, step : float, radians
+
+    Returns
+    -------
+    offsets, values : (m,) arrays
+
+    Raises
+    ------
+    ValueError
+        As `landscape`.
+
+    Examples
+    --------
+    >>> map = QuadtreeMap(resolution=0.1)
+    >>> map.insert_scan((0, 0), [(1.05, 0.05)])
+    >>> turn, values = heading_profile(map, [(1.05, 0.05)], (0, 0, 0))
+    >>> len(turn), bool(values[180] == values.max())
+    (361, True)
+    """
+    ends, middle = arrays.points(points), arrays.pose(pose)
+    offsets = _offsets(reach, step)
+    poses = np.tile(middle, (len(offsets), 1))
+    poses[:, 2] += offsets
+    return offsets, score(map, ends, poses)
+
+
+def _offsets(reach: float, step: float) -> Array:
+    if not (0 < step <= reach < np.inf):
+        raise ValueError(f"step must be positive and reach no less, got {step:g} and {reach:g}")
+    count = int(np.floor(reach / step + 1e-9))
+    return np.arange(-count, count + 1, dtype=np.float64) * step
+
+
+def peaks(values: ArrayLike) -> NDArray[np.int64]:
+    """Places that are higher than all around them, `(k, dimensions)`, the highest first.
+
+    A plateau counts once; what touches the border counts where nothing beside it is higher.
+
+    Parameters
+    ----------
+    values : array of any shape
+        Scores of a landscape or a profile.
+
+    Raises
+    ------
+    ValueError
+        For NaN, which is neither higher nor lower.
+
+    Examples
+    --------
+    >>> peaks([0, 3, 1, 2, 2, 0])
+    array([[1],
+           [3]])
+    """
+    from scipy.ndimage import label, maximum_filter
+
+    heights = np.asarray(values, float)
+    if np.isnan(heights).any():
+        where = np.argwhere(np.isnan(heights))[0].tolist()
+        raise ValueError(f"values must not be NaN, got one at {where}")
+    beaten = maximum_filter(heights, 3, mode="nearest") > heights
+    for _ in range(heights.size):  # whoever is as high as a beaten neighbour is beaten too
+        spread = maximum_filter(np.where(beaten, heights, -np.inf), 3, mode="nearest")
+        if not (lost := ~beaten & (spread == heights)).any():
+            break
+        beaten |= lost
+    plateaus, count = label(~beaten, np.ones((3,) * heights.ndim))
+    first = [tuple(np.argwhere(plateaus == k + 1)[0]) for k in range(count)]
+    first.sort(key=lambda place: -heights[place])
+    return np.array(first, np.int64).reshape(count, heights.ndim)
+
+
+def profile_peaks(turn: ArrayLike, values: ArrayLike) -> NDArray[np.int64]:
+    """Places of a profile that are higher than all around them, `(k,)`, the highest first.
+
+    As `peaks`, but after a whole turn the last value is the first again: the ends are no border.
+
+    Parameters
+    ----------
+    turn : (m,) array, radians
+    values : (m,) array
+        Both from `heading_profile`.
+
+    Raises
+    ------
+    ValueError
+        As `peaks`.
+
+    Examples
+    --------
+    >>> turn, values = np.radians([-180, -90, 0, 90, 180]), [2, 1, 0, 3, 2]
+    >>> profile_peaks(turn, values), peaks(values)[:, 0]
+    (array([3]), array([3, 0]))
+    """
+    angles, heights = np.asarray(turn, float), np.asarray(values, float)
+    if not np.isclose(angles[-1] - angles[0], 2 * np.pi):
+        return peaks(heights)[:, 0]
+    count = len(heights) - 1
+    found = peaks(np.tile(heights[:-1], 3))[:, 0] - count  # in the middle one of three turns
+    inside = found[(found >= 0) & (found < count)]
+    return inside if len(inside) else np.zeros(1, np.int64)

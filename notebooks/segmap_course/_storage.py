@@ -1,0 +1,262 @@
+"""One building represented in five ways: what each takes, how far it is from the walls; a panel."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import ipywidgets as W
+import numpy as np
+from matplotlib.figure import Figure
+from numpy.typing import ArrayLike, NDArray
+
+from segmap import arrays
+from segmap.arrays import Array, Segments
+from segmap.extraction import build_map
+from segmap.panels import Panel, slider, text
+from segmap.plotting import RESULT, TRUTH, draw_quadtree, draw_segments
+from segmap.poses import transform
+from segmap.quadtree import QuadtreeMap
+from segmap.quadtree import build_map as build_quadtree
+from segmap.reduction import fusion
+from segmap.scans import Log
+from segmap.segments import length, point_distance
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+#: Distance of samples along segments and walls, metres: a fifth of the smallest error that matters.
+SPACING = 0.01
+
+
+class Representation(NamedTuple):
+    """One way to keep a building.
+
+    Parameters
+    ----------
+    map : (n, 2) array of points, (n, 2, 2) array of segments, metres, or QuadtreeMap
+        A dense grid has the cells of the quadtree.
+    parts, nbytes : int
+    points : (n, 2) array, metres
+        Where it says that walls are: the points themselves, samples along segments, or centres of
+        occupied cells.
+    """
+
+    map: Any
+    parts: int
+    nbytes: int
+    points: Array
+
+
+def represent(
+    log: Log, poses: ArrayLike, *, resolution: float = 0.05, tolerance: float = 0.04
+) -> dict[str, Representation]:
+    """An aligned log as points, segments, reduced segments, quadtree and dense grid.
+
+    Parameters
+    ----------
+    log : Log
+    poses : (k, 3) array, metres and radians
+        One a scan; scans with NaN in their pose are left out of all five.
+    resolution : float, metres
+        Of the quadtree and the grid.
+    tolerance : float, metres
+        Of Fusion, which reduces the segments.
+
+    Returns
+    -------
+    dict
+        Bytes: 16 a point, 32 a segment, 8 a node of the tree, and two counts of 4 bytes for each
+        cell of a grid that just holds the occupied cells.
+
+    Raises
+    ------
+    ValueError
+        For poses that do not fit the log, or a tolerance or resolution that is not positive.
+
+    Examples
+    --------
+    >>> from segmap import load
+    >>> log = load("room")
+    >>> list(represent(log, log.truth))
+    ['points', 'segments', 'reduced segments', 'quadtree', 'dense grid']
+    """
+    map = build_quadtree(log, poses, resolution=resolution)  # checks the poses
+    at = np.asarray(poses, float).reshape(-1, 3)
+    placed = np.flatnonzero(np.isfinite(at).all(1)).tolist()
+    parts = [transform(at[k], log[k].points()) for k in placed]
+    points = np.concatenate([np.empty((0, 2)), *parts])
+    segments = build_map(log, at).segments
+    reduced = fusion(segments, tolerance=tolerance).segments
+    cells = occupied_centres(map)
+    grid = np.ptp(np.rint(cells / resolution), axis=0) + 1 if len(cells) else np.zeros(2)
+    count = int(grid.prod())
+    return {
+        "points": Representation(points, len(points), points.nbytes, points),
+        "segments": _of_segments(segments),
+        "reduced segments": _of_segments(reduced),
+        "quadtree": Representation(map, len(map.leaves().x), map.nbytes, cells),
+        "dense grid": Representation(map, count, 8 * count, cells),
+    }
+
+
+def compare_with_walls(
+    found: Mapping[str, Representation], walls: Segments, *, within: float = 0.05
+) -> pd.DataFrame:
+    """Compare representations with the true walls.
+
+    Parameters
+    ----------
+    found : mapping of name to Representation
+        The first are the points: walls that they do not reach were never seen, and do not count.
+    walls : (n, 2, 2) array, metres
+    within : float, metres
+        A sample of a wall counts as covered where one of the points is so near.
+
+    Returns
+    -------
+    DataFrame
+        A row a representation: parts, nbytes; error: mean distance of its points from the walls,
+        metres; covered: share of the samples of walls that the first covers, NaN where it covers
+        none.
+
+    Raises
+    ------
+    ValueError
+        Without walls.
+    """
+    import pandas as pd
+    from scipy.spatial import cKDTree
+
+    truth = sample_points(walls)
+    away = np.array([cKDTree(way.points).query(truth)[0] for way in found.values()])
+    near = away[:, away[0] <= within] <= within
+    rows = [
+        (way.parts, way.nbytes, _mean(wall_errors(way.points, walls)), _mean(covered))
+        for way, covered in zip(found.values(), near, strict=True)
+    ]
+    return pd.DataFrame(rows, list(found), ["parts", "nbytes", "error", "covered"])
+
+
+def occupied_centres(map: QuadtreeMap) -> Array:
+    """Centres of the occupied cells, `(n, 2)`, metres."""
+    leaves = map.leaves()
+    occupied = leaves.occ > leaves.vis - leaves.occ
+    corner = np.stack([leaves.x[occupied], leaves.y[occupied]], -1)
+    return corner + leaves.side[occupied, None] / 2
+
+
+def sample_points(segments: Segments, spacing: float = SPACING) -> Array:
+    """Points `(n, 2)`, metres, along segments, evenly, at most so far apart, with both ends.
+
+    Raises
+    ------
+    ValueError
+        For a spacing that is not positive.
+
+    Examples
+    --------
+    >>> sample_points([[(0, 0), (1, 0)]], 0.5)
+    array([[0. , 0. ],
+           [0.5, 0. ],
+           [1. , 0. ]])
+    """
+    arrays.positive("metres", spacing=spacing)
+    ends = arrays.segments(segments)
+    counts = np.maximum(np.ceil(length(ends) / spacing - 1e-9), 1).astype(int)
+    parts = [
+        a + np.linspace(0, 1, n + 1)[:, None] * (b - a)
+        for (a, b), n in zip(ends, counts, strict=True)
+    ]
+    return np.concatenate([np.empty((0, 2)), *parts])
+
+
+def wall_errors(points: Array, walls: Segments) -> Array:
+    """Distance of each point from the nearest wall, `(n,)`, metres.
+
+    Raises
+    ------
+    ValueError
+        Without walls.
+
+    Examples
+    --------
+    >>> wall_errors(np.array([(0.5, 0.2), (2, 0)]), [[(0, 0), (1, 0)]])
+    array([0.2, 1. ])
+    """
+    known = arrays.segments(walls, "walls")
+    if not len(known):
+        raise ValueError("walls must hold at least one: without, there is no distance to them")
+    return np.min([point_distance(points, wall) for wall in known], axis=0)
+
+
+def _of_segments(segments: Array) -> Representation:
+    return Representation(segments, len(segments), segments.nbytes, sample_points(segments))
+
+
+def _mean(values: NDArray[Any]) -> float:
+    return float(values.mean()) if len(values) else float("nan")
+
+
+class StoragePanel(Panel):
+    """An aligned log kept as reduced segments and as a quadtree (A and B of one building).
+
+    Parameters
+    ----------
+    log : Log
+    poses : (k, 3) array, metres and radians
+    walls : (n, 2, 2) array, metres
+        The truth.
+
+    Attributes
+    ----------
+    resolution : slider, centimetres
+    tolerance : slider, centimetres
+        Of the reduction by Fusion.
+    tree : box to tick
+        Which of the two is drawn, under the true walls in green.
+    segments, squares : labels
+    compared : DataFrame
+        Of `compare_with_walls`.
+
+    Examples
+    --------
+    >>> from segmap_course import room_walk, room_walls
+    >>> log = room_walk(20)
+    >>> StoragePanel(log, log.truth, room_walls()).segments.value
+    '12 segments, 0.4 kB, 0.8 mm off'
+    """
+
+    compared: pd.DataFrame
+
+    def __init__(self, log: Log, poses: ArrayLike, walls: Segments) -> None:
+        self.log, self.poses, self.walls = log, poses, arrays.segments(walls)
+        self.resolution = slider("cells", 5.0, 1.0, 20.0, 0.5, "cm")
+        self.tolerance = slider("tolerance", 4.0, 1.0, 20.0, 0.5, "cm")
+        self.tree = W.Checkbox(value=True, description="draw the quadtree")
+        self.segments, self.squares = text(), text()
+        self._assemble(self.resolution, self.tolerance, self.tree, (self.segments, self.squares))
+
+    def _draw(self, figure: Figure) -> None:
+        sizes = {
+            "resolution": self.resolution.value / 100,
+            "tolerance": self.tolerance.value / 100,
+        }
+        found = represent(self.log, self.poses, **sizes)
+        self.compared = compare_with_walls(found, self.walls)
+        self.segments.value = _words(self.compared.loc["reduced segments"], "segments")
+        self.squares.value = _words(self.compared.loc["quadtree"], "leaves")
+        ax = figure.subplots()
+        if self.tree.value:
+            draw_quadtree(found["quadtree"].map, ax=ax)
+        else:
+            draw_segments(found["reduced segments"].map, ax=ax, color=RESULT, width=2.5)
+        draw_segments(self.walls, ax=ax, color=TRUTH, width=0.8)
+
+    def __repr__(self) -> str:
+        return f"StoragePanel({self.segments.value}; {self.squares.value})"
+
+
+def _words(found: Any, parts: str) -> str:
+    count, size, error = int(found["parts"]), found["nbytes"] / 1e3, 1e3 * found["error"]
+    return f"{count} {parts}, {size:.1f} kB, {error:.1f} mm off"

@@ -1,0 +1,138 @@
+"""What the theses and others measured: A's 264 runs, and published errors of alignment."""
+
+from __future__ import annotations
+
+from math import radians
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from segmap.experiments import default_thresholds
+from segmap.readers import data_file
+from segmap.reduction import METHODS
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+#: A 6.2.1: shorter segments are dropped, or not, before all runs; metres.
+THESIS_FILTERS = (None, 0.10)
+_PAIRS = {"angle": [radians(10), radians(20)], "distance": [0.10, 0.20, 0.30, 0.40]}
+#: The thresholds of appendix A: 33 runs, 66 with and without the filter, on each building.
+THESIS_GRIDS: dict[str, dict[str, list[float]]] = {
+    "basic_offline": _PAIRS,
+    "basic_online": _PAIRS,
+    "hybrid": _PAIRS,
+    "mean_shift": {"sigma": [0.10, 0.20, 0.30, 0.40]},
+    "fusion": {"tolerance": [0.02, 0.04, 0.06, 0.08, 0.10]},
+}
+#: Log, method, mean, deviation and largest of the errors of position, metres: Kuemmerle et al.
+#: (2009), "On measuring the accuracy of SLAM algorithms". They do not give all the largest.
+PUBLISHED = (
+    ("intel", "scan matching", 0.220, 0.296, 1.168),
+    ("intel", "particle filter", 0.070, 0.083, np.nan),
+    ("intel", "graph mapping", 0.031, 0.026, np.nan),
+    ("fr079", "scan matching", 0.258, 0.427, 2.280),
+    ("fr079", "particle filter", 0.061, 0.044, np.nan),
+    ("fr079", "graph mapping", 0.056, 0.042, np.nan),
+)
+
+
+def thesis_results() -> pd.DataFrame:
+    """The 264 runs of A's appendix: Polimi, Stanford, Bicocca and USC, in metres and radians.
+
+    Returns
+    -------
+    DataFrame
+        With the columns of `experiments.sweep`. Seconds are those of MATLAB on a computer of 2008,
+        to whole seconds.
+
+    Examples
+    --------
+    >>> from segmap.experiments import select
+    >>> runs = select(thesis_results(), map="usc", method="fusion", filtered=False)
+    >>> runs[["tolerance", "n_before", "n_after", "quality"]].head(2)
+         tolerance  n_before  n_after  quality
+    246       0.02      3604      784   0.9256
+    248       0.04      3604      435   0.8742
+    """
+    import pandas as pd
+
+    printed = pd.read_csv(data_file("thesis_results.csv"))
+    method, length = printed["method"], printed["distance_mm"] / 1000
+    before, after = printed["n_before"], printed["n_after"]
+    columns: dict[str, Any] = {
+        "map": printed["dataset"],
+        "method": method,
+        "angle": np.radians(printed["angle_deg"]),
+        "distance": length.where(~method.isin(["mean_shift", "fusion"])),
+        "sigma": length.where(method == "mean_shift"),
+        "tolerance": length.where(method == "fusion"),
+        "filtered": 0.10 * printed["filtered"],
+        "n_before": before,
+        "n_after": after,
+        "reduction": ((before - after) / before).round(9),
+        "quality": printed["quality_pct"] / 100,
+        "seconds": printed["time_s"].astype(float),
+        "digest": "",
+    }
+    return pd.DataFrame(columns)
+
+
+def thesis_grid(frame: pd.DataFrame) -> pd.DataFrame:
+    """Those runs whose thresholds and filter appendix A has too: 66 on each building.
+
+    A threshold that A does not name must have its default.
+
+    Examples
+    --------
+    >>> len(thesis_grid(thesis_results()))
+    264
+    """
+    kept = _near(frame["filtered"], [least or 0.0 for least in THESIS_FILTERS])
+    kept &= frame["method"].isin(list(THESIS_GRIDS)).to_numpy()
+    for method, grid in THESIS_GRIDS.items():
+        here = (frame["method"] == method).to_numpy()
+        defaults = default_thresholds(METHODS[method].function) or {}
+        for name, default in defaults.items():
+            if name in frame:
+                kept &= ~here | _near(frame[name], grid.get(name, [default]))
+    return frame[kept]
+
+
+def alignment_table(runs: pd.DataFrame) -> pd.DataFrame:
+    """Errors of alignment methods on one log beside published ones, without times.
+
+    Parameters
+    ----------
+    runs : DataFrame
+        Of `experiments.load_alignments`.
+
+    Returns
+    -------
+    DataFrame
+        Errors in metres, NaN where they are not known.
+
+    Examples
+    --------
+    >>> from segmap.experiments import load_alignments
+    >>> alignment_table(load_alignments("intel")).tail(2)
+                method  mean [m]  sd [m]  largest [m]       used
+    9  particle filter     0.070   0.083          NaN  published
+    10   graph mapping     0.031   0.026          NaN  published
+    """
+    import pandas as pd
+
+    head = ["mean [m]", "sd [m]", "largest [m]"]
+    errors = runs[["mean", "deviation", "largest"]].round(3).set_axis(head, axis=1)
+    used = runs["used"].astype(str) + " of " + runs["scans"].astype(str)
+    ours = pd.concat([runs["method"], errors, used.rename("used")], axis=1)
+    log = runs["log"].iloc[0]
+    theirs = [(*row[1:], "published") for row in PUBLISHED if log.startswith(row[0])]
+    return pd.concat([ours, pd.DataFrame(theirs, columns=ours.columns)], ignore_index=True)
+
+
+def _near(column: pd.Series[Any], values: list[Any]) -> np.ndarray:
+    """Which values of a column are one of some; without a threshold: where the default is None."""
+    known = np.array([np.nan if value is None else value for value in values], float)
+    found = column.to_numpy(float, na_value=np.nan)
+    return np.isclose(found[:, None], known, rtol=1e-9, atol=0, equal_nan=True).any(1)

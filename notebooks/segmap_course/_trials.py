@@ -1,0 +1,276 @@
+"""Every matcher with every score on one walk: how far they are off, and what the map costs."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import asdict, astuple, dataclass, fields
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from segmap.angles import wrap
+from segmap.arrays import Array
+from segmap.files import read_table, replacing, table_text
+from segmap.matching import MATCHERS, SCORES, map_scans
+from segmap.quadtree import QuadtreeMap
+from segmap.readers import data_file
+from segmap.scans import Log
+from segmap.simulation import URG_04LX, box, rectangular_room, simulate
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+
+@dataclass(frozen=True)
+class Trial:
+    """One walk mapped without odometry by one matcher and one score.
+
+    Parameters
+    ----------
+    log, matcher, score : str
+    seed : int
+        Of the log's errors and of the matcher.
+    median, largest : float, metres
+        Errors of position.
+    heading : float, radians
+        Largest error of heading.
+    leaves, nbytes : int
+        Of the map: poses that agree leave a small one (B Fig. 6.17).
+    seconds : float
+        Median of a whole step: field, match and insertion.
+
+    Examples
+    --------
+    >>> load_trials()[0].matcher
+    'hill climbing'
+    """
+
+    log: str
+    matcher: str
+    score: str
+    seed: int
+    median: float
+    largest: float
+    heading: float
+    leaves: int
+    nbytes: int
+    seconds: float
+
+
+HEAD = tuple(f.name for f in fields(Trial))
+#: No number of a trial is larger.
+MOST = 2**53
+KINDS = (str, str, str, int, float, float, float, int, int, float)
+
+
+def room_walk(scans: int = 200, *, seed: int = 0) -> Log:
+    """Once round a furnished room of 4 m x 3 m, looking ahead, with a Hokuyo URG-04LX.
+
+    With 200 scans the robot moves by 3 cm and turns by 3 degrees at most from one to the next.
+
+    Parameters
+    ----------
+    scans : int
+        On the same way: fewer scans are farther apart.
+    seed : int
+        Of the errors of sensor and wheels.
+
+    Returns
+    -------
+    Log
+        With the true poses, (scans, 3) array, metres and radians.
+
+    Raises
+    ------
+    ValueError
+        For less than one scan.
+
+    Examples
+    --------
+    >>> room_walk(20)
+    Log('room walk', 20 scans, odometry, truth)
+    """
+    if not scans >= 1:
+        raise ValueError(f"scans must be at least 1, got {scans}")
+    turn = np.linspace(0, 2 * np.pi, scans, endpoint=False)
+    x, y = 2.05 + 1.05 * np.cos(turn), 1.45 + 0.65 * np.sin(turn)
+    path = np.stack([x, y, np.arctan2(0.65 * np.cos(turn), -1.05 * np.sin(turn))], -1)
+    rng = np.random.default_rng(seed)
+    return simulate(room_walls(), path, sensor=URG_04LX, rng=rng, name="room walk")
+
+
+def room_walls() -> Array:
+    """Walls of the room of `room_walk`, `(16, 2, 2)`, metres: a cupboard, a table, a tilted crate.
+
+    Examples
+    --------
+    >>> room_walls().max(axis=(0, 1))
+    array([4., 3.])
+    """
+    cupboard, table = box(0.6, 0.7, (0.3, 2.65, 0)), box(0.8, 0.5, (3.6, 0.25, 0))
+    crate = box(0.4, 0.3, (2.05, 1.5, 0.5))
+    return np.concatenate([rectangular_room(4, 3), cupboard, table, crate])
+
+
+def try_pair(log: Log, matcher: str, score: str, *, seed: int = 0) -> Trial:
+    """Map a simulated log with known truth from its ranges alone, and judge it.
+
+    Parameters
+    ----------
+    log : Log
+        With a truth for every scan; the first true pose is the start.
+    matcher, score : str
+        Keys of `MATCHERS` and `SCORES`.
+    seed : int
+        Of a matcher that draws.
+
+    Returns
+    -------
+    Trial
+
+    Raises
+    ------
+    ValueError
+        For a log without truth, or names that there are not.
+
+    Examples
+    --------
+    >>> trial = try_pair(room_walk()[:5], "hill climbing", "field")
+    >>> trial.largest < 0.03
+    True
+    """
+    for name, known in ((matcher, MATCHERS), (score, SCORES)):
+        if name not in known:
+            raise ValueError(f"{name!r} is none of {', '.join(known)}")
+    truth = log.truth
+    if truth is None or not len(log) or not np.isfinite(truth).all():
+        raise ValueError(f"{log.name} must have scans, and a true pose for every scan")
+    map, chosen = QuadtreeMap(), MATCHERS[matcher](np.random.default_rng(seed))
+    options = {"map": map, "start": truth[0], "free": True}  # no return: nothing is there
+    steps = list(map_scans(log, matcher=chosen, score=SCORES[score], **options))
+    away = np.array([step.pose for step in steps]) - truth
+    place, heading = np.hypot(away[:, 0], away[:, 1]), np.abs(wrap(away[:, 2]))
+    return Trial(
+        log.name,
+        matcher,
+        score,
+        seed,
+        round(float(np.median(place)), 4),
+        round(float(place.max()), 4),
+        round(float(heading.max()), 4),
+        len(map.leaves().x),
+        map.nbytes,
+        round(float(np.median([step.seconds for step in steps])), 5),
+    )
+
+
+def load_trials(path: Path | None = None) -> list[Trial]:
+    """All pairs of matcher and score on `room_walk`, as `make bench` wrote them.
+
+    Parameters
+    ----------
+    path : Path or None
+        Another such file.
+
+    Raises
+    ------
+    ValueError
+        Naming the file, the line and what was expected there.
+
+    Examples
+    --------
+    >>> best = min(load_trials(), key=lambda trial: trial.largest)
+    >>> best.matcher, best.largest < 0.05
+    ('hill climbing', True)
+    """
+    source = path or data_file("records/matching.csv")
+    return [_trial(row, where) for row, where in read_table(source, HEAD)]
+
+
+def load_columns(name: str) -> NDArray[np.void]:
+    """Another record of matching that `make bench` wrote, as columns with names.
+
+    Parameters
+    ----------
+    name : "matching_growth" or "matching_exp1"
+        What a score costs as the map grows (B table 6.3); poses and scores on a real log.
+
+    Returns
+    -------
+    structured (n,) array
+        Metres, radians and seconds.
+
+    Raises
+    ------
+    ValueError
+        For another name.
+
+    Examples
+    --------
+    >>> load_columns("matching_exp1").dtype.names
+    ('scan', 'x', 'y', 'heading', 'score', 'beams', 'seconds')
+    """
+    path = data_file(f"records/{name}.csv")
+    return np.genfromtxt(path, delimiter=",", names=True, dtype=None, encoding="utf-8")
+
+
+def _trial(row: list[str], where: str) -> Trial:
+    try:
+        found = Trial(*[kind(cell) for kind, cell in zip(KINDS, row, strict=True)])
+        if not all(0 <= number <= MOST for number in astuple(found)[3:]):
+            raise ValueError(f"expected numbers from 0 to {MOST}")
+        return found
+    except (ValueError, OverflowError) as error:
+        raise ValueError(f"{where}: expected a trial, got {row}") from error
+
+
+def write_trials(trials: Iterable[Trial], path: Path) -> None:
+    """Write what `load_trials` reads, through a temporary file: whole or not at all.
+
+    Parameters
+    ----------
+    trials : iterable of Trial
+    path : Path
+
+    Raises
+    ------
+    OSError
+        For a folder that does not exist, or cannot be written to.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     write_trials(load_trials()[:2], Path(folder) / "it.csv")
+    ...     len(load_trials(Path(folder) / "it.csv"))
+    2
+    """
+    with replacing(path) as target:
+        target.write(table_text([HEAD, *map(astuple, trials)]).encode())
+
+
+def trial_table(trials: Iterable[Trial]) -> pd.DataFrame:
+    """Trials as a table: medians over the seeds of each pair, in their order.
+
+    Examples
+    --------
+    >>> trial = Trial("it", "hill climbing", "field", 0, 0.0141, 0.03, 0.01, 99, 800, 0.1)
+    >>> trial_table([trial])[["matcher", "median [mm]", "heading [deg]", "step [ms]", "seeds"]]
+             matcher  median [mm]  heading [deg]  step [ms]  seeds
+    0  hill climbing           14            0.6      100.0      1
+    """
+    import pandas as pd
+
+    groups = pd.DataFrame(map(asdict, trials)).groupby(["matcher", "score"], sort=False)
+    median = groups[["median", "largest", "heading", "leaves", "seconds"]].median()
+    table = {
+        "median [mm]": (1e3 * median["median"]).round().astype(int),
+        "largest [mm]": (1e3 * median["largest"]).round().astype(int),
+        "heading [deg]": np.degrees(median["heading"]).round(1),
+        "leaves": median["leaves"].round().astype(int),
+        "step [ms]": (1e3 * median["seconds"]).round(1),
+        "seeds": groups.size(),
+    }
+    return pd.DataFrame(table).reset_index()

@@ -1,0 +1,37 @@
+"""What the chapters draw."""
+
+from ._alignments import (
+    draw_backbone,
+    draw_basin,
+    draw_candidate,
+    draw_frames,
+    draw_icp_step,
+    draw_uncertainty,
+)
+from ._buildings import (
+    draw_buildings,
+    draw_threshold,
+)
+from ._quadtrees import (
+    draw_cells,
+    draw_classes,
+    draw_climb,
+    draw_field,
+    draw_landscape,
+    draw_profile,
+    draw_ray,
+    draw_trials,
+)
+from ._reductions import (
+    draw_cases,
+    draw_growth,
+    draw_trade_off,
+)
+from ._segments import (
+    draw_centres,
+    draw_distance_terms,
+    draw_marked,
+    draw_merge,
+    draw_normals,
+    draw_strip,
+)

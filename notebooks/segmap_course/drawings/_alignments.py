@@ -1,0 +1,258 @@
+"""Drawings of the chapters on poses and on alignment: frames, backbone, ICP, candidates."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
+from matplotlib.colors import ListedColormap
+from matplotlib.patches import Ellipse
+from numpy.typing import ArrayLike
+
+from segmap import arrays
+from segmap.alignment import BackboneStep, Candidate, Match, PointStep
+from segmap.plotting import (
+    ERROR,
+    GROUPS,
+    MAP,
+    RAW,
+    RESULT,
+    axes_grid,
+    axes_or_new,
+    draw_robot,
+    draw_scan,
+    draw_segments,
+    map_axes,
+)
+from segmap.poses import transform
+from segmap.scans import LaserScan
+
+#: Lines from points to walls; more cannot be told apart.
+_MOST_LINES = 120
+#: What may come of a start -> its colour.
+OUTCOMES = {"no match": "#e8e8e8", "right": RESULT, "free": GROUPS[0], "wrong": ERROR}
+
+
+def draw_frames(scan: LaserScan, frames: Mapping[str, ArrayLike], *, every: int = 30) -> list[Axes]:
+    """Draw the same scan in several frames side by side, and the axes of each frame.
+
+    Parameters
+    ----------
+    scan : LaserScan
+    frames : mapping from name to (3,) array, metres and radians
+        Pose of the robot in the frame of that name.
+    every : int
+        One beam in so many is drawn, from the sensor to its end.
+
+    Returns
+    -------
+    list of Axes
+        One a frame, in a new figure, all with the same limits.
+
+    Examples
+    --------
+    >>> axes = draw_frames(LaserScan([1.0], [0.0]), {"robot": (0, 0, 0), "map": (3, 4, 0)})
+    >>> [ax.get_title() for ax in axes]
+    ['In the frame of the robot', 'In the frame of the map']
+    >>> axes[1].lines[0].get_xdata().tolist()
+    [4.0]
+    """
+    some = slice(None, None, every)
+    few = LaserScan(
+        scan.ranges[some], scan.angles[some], sensor_pose=scan.sensor_pose, max_range=scan.max_range
+    )
+    row = axes_grid([f"In the frame of the {name}" for name in frames], len(frames), (3.7, 4.0))
+    for ax, pose in zip(row, frames.values(), strict=True):
+        draw_scan(few, pose, ax=ax, beams=True)
+        draw_scan(scan, pose, ax=ax, color=RESULT)
+        ax.axhline(0, color=MAP, linewidth=0.5)
+        ax.axvline(0, color=MAP, linewidth=0.5)
+    return row
+
+
+def draw_backbone(step: BackboneStep, *, ax: Axes | None = None) -> Axes:
+    """Draw what the backbone method did with one scan.
+
+    The lines of the backbone are black and dashed. The relevant segments of the scan are red where
+    odometry would place them, and blue where the method placed them, with the robot there.
+
+    Parameters
+    ----------
+    step : BackboneStep
+        From `alignment.backbone_steps`.
+    ax : matplotlib Axes or None
+
+    Returns
+    -------
+    Axes
+
+    Examples
+    --------
+    >>> from matplotlib.figure import Figure
+    >>> from segmap import load
+    >>> from segmap.alignment import backbone_steps
+    >>> step = backbone_steps(load("corridor")[:2])[1]
+    >>> len(draw_backbone(step, ax=Figure().subplots()).lines) == len(step.lines.angle)
+    True
+    """
+    ax = axes_or_new(ax)
+    draw_segments(transform(step.guess, step.segments), ax=ax, color=ERROR, width=1.0)
+    draw_segments(transform(step.pose, step.segments), ax=ax, color=RESULT, width=2.5)
+    draw_robot(step.pose, ax=ax)
+    x, y = ax.get_xlim(), ax.get_ylim()
+    along = step.lines.normal[:, ::-1] * (1, -1)
+    for place, d in zip(step.lines.through, along, strict=True):
+        ax.axline(tuple(place), tuple(place + d), color=MAP, linewidth=0.7, linestyle="--")
+    ax.set(xlim=x, ylim=y)
+    return ax
+
+
+def draw_icp_step(reference: ArrayLike, step: PointStep, *, ax: Axes | None = None) -> Axes:
+    """Draw a scan as point ICP sees it: points with red lines to their places on the wall.
+
+    Where there are many points, only every second or third has a line.
+
+    Parameters
+    ----------
+    reference : (n, 2) array, metres
+        Points of the walls; drawn grey, those of the scan blue.
+    step : PointStep
+        From `alignment.point_steps`: lines of little weight are thin.
+    ax : matplotlib Axes or None
+
+    Returns
+    -------
+    Axes
+
+    Examples
+    --------
+    >>> from matplotlib.figure import Figure
+    >>> from segmap.alignment import point_steps
+    >>> wall = np.array([(0.1 * k, 0) for k in range(30)])
+    >>> step = point_steps(wall, wall - (0, 0.2))[0]
+    >>> len(draw_icp_step(wall, step, ax=Figure().subplots()).collections[0].get_segments())
+    30
+    """
+    ax, walls = axes_or_new(ax), arrays.points(reference, "reference")
+    ax.plot(*walls.T, ".", color=RAW, markersize=4, markeredgewidth=0)
+    some = slice(None, None, 1 + len(step.points) // _MOST_LINES)
+    lines, widths = np.stack([step.points, step.feet], 1)[some], 0.2 + step.weights[some]
+    ax.add_collection(LineCollection(list(lines), colors=ERROR, linewidths=widths))
+    ax.plot(*step.points.T, ".", color=RESULT, markersize=4, markeredgewidth=0)
+    return map_axes(ax)
+
+
+def draw_uncertainty(match: Match, *, ax: Axes | None = None, deviations: float = 2.0) -> Axes:
+    """Draw where a matched scan may be: the ellipse of its covariance in x and y.
+
+    Parameters
+    ----------
+    match : Match
+    ax : matplotlib Axes or None
+    deviations : float
+        Half axes in standard deviations.
+
+    Returns
+    -------
+    Axes
+
+    Raises
+    ------
+    ValueError
+        Where nothing matched: there the covariance is infinite.
+
+    Examples
+    --------
+    >>> from matplotlib.figure import Figure
+    >>> match = Match(np.zeros(3), np.diag([0.04, 0.01, 0.0]), True)
+    >>> ellipse = draw_uncertainty(match, ax=Figure().subplots()).patches[0]
+    >>> np.round(sorted([ellipse.width, ellipse.height]), 6)
+    array([0.4, 0.8])
+    """
+    if not match.matched:
+        raise ValueError(f"match must be one that was found, got {match!r}")
+    ax = axes_or_new(ax)
+    variance, axes = np.linalg.eigh(match.covariance[:2, :2])
+    width, height = 2 * deviations * np.sqrt(np.maximum(variance, 0))
+    turn = float(np.degrees(np.arctan2(axes[1, 0], axes[0, 0])))
+    x, y = match.pose[:2]
+    ax.add_patch(Ellipse((x, y), width, height, angle=turn, color=RESULT, alpha=0.3))
+    ax.plot([x], [y], "+", color=RESULT)
+    return map_axes(ax)
+
+
+def draw_candidate(
+    first: ArrayLike, second: ArrayLike, guess: Candidate, *, ax: Axes | None = None, color: str
+) -> Axes:
+    """Draw two scans, the second placed by a candidate of angle correspondence.
+
+    Parameters
+    ----------
+    first, second : (n, 2, 2) array, metres
+        Segments of two scans, each in its own frame; the first black.
+    guess : Candidate
+        From `alignment.angle_candidates`; the title tells what speaks for it and against it.
+    ax : matplotlib Axes or None
+    color : str
+        Of the second: `RESULT` where the candidate is believed, else `ERROR`.
+
+    Returns
+    -------
+    Axes
+
+    Examples
+    --------
+    >>> from matplotlib.figure import Figure
+    >>> from segmap.simulation import rectangular_room
+    >>> from segmap.alignment import angle_candidates
+    >>> walls = rectangular_room()
+    >>> best = angle_candidates(walls, walls, rng=np.random.default_rng(0))[0]
+    >>> draw_candidate(walls, walls, best, ax=Figure().subplots(), color=RESULT).get_title()
+    '14.0 m agree, 0.0 m seen through walls'
+    """
+    ax = draw_segments(first, ax=ax, width=2.5)
+    draw_segments(transform(guess.pose, second), ax=ax, color=color, width=1.5)
+    ax.set_title(f"{guess.value:.1f} m agree, {guess.hidden:.1f} m seen through walls")
+    return ax
+
+
+def draw_basin(outcomes: ArrayLike, x: ArrayLike, y: ArrayLike, *, ax: Axes | None = None) -> Axes:
+    """Draw the outcome of a match from each start: the basin of attraction is blue.
+
+    Parameters
+    ----------
+    outcomes : (m, n) array of str
+        One of `OUTCOMES` for each start: "no match" is light grey, "right" blue, "free" (along one
+        direction) orange, "wrong" red.
+    x : (n,) array
+        Where the columns start, in any unit.
+    y : (m,) array
+        Where the rows start.
+    ax : matplotlib Axes or None
+
+    Returns
+    -------
+    Axes
+
+    Raises
+    ------
+    ValueError
+        For other words, or another shape.
+
+    Examples
+    --------
+    >>> from matplotlib.figure import Figure
+    >>> ax = draw_basin([["right", "wrong"]], [0.0, 0.1], [0.0], ax=Figure().subplots())
+    >>> ax.collections[0].get_array().tolist()
+    [[1, 3]]
+    """
+    words, shape = np.asarray(outcomes), (np.size(y), np.size(x))
+    if words.shape != shape or not np.isin(words, list(OUTCOMES)).all():
+        got = f"{words.shape} of {sorted(map(str, np.unique(words)))}"
+        raise ValueError(f"outcomes must be {shape} of {list(OUTCOMES)}, got {got}")
+    ax, colors = axes_or_new(ax), ListedColormap(list(OUTCOMES.values()))
+    numbers = (words[..., None] == np.array(list(OUTCOMES))).argmax(-1)
+    ax.pcolormesh(np.asarray(x), np.asarray(y), numbers, cmap=colors, vmin=0, vmax=3)
+    return ax

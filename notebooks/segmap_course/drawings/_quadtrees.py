@@ -1,0 +1,291 @@
+"""Drawings of the chapters on quadtrees and matching: cells, rays, scores, trials."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import PolyCollection
+from numpy.typing import ArrayLike
+
+from segmap.exports import Classes
+from segmap.matching import DistanceField
+from segmap.plotting import ERROR, RAW, RESULT, TRUTH, axes_or_new, map_axes, square_corners
+from segmap.quadtree import QuadtreeMap
+
+from .._landscapes import Landscape, peaks, profile_peaks
+from .._trials import Trial
+from ..literal import crossed_cells, ray_cells
+
+#: Marks of matchers, used in turn.
+_MARKS = "os^vDX"
+
+
+def draw_cells(
+    map: QuadtreeMap, cells: ArrayLike, *, ax: Axes | None = None, color: str = ERROR
+) -> Axes:
+    """Draw chosen cells of a map's grid as squares, over what the axes show already.
+
+    Parameters
+    ----------
+    map : QuadtreeMap
+    cells : (n, n) bool array
+        Which cells of `map.to_grid()`, or of a coarser one: row 0 is the lowest.
+    ax : matplotlib Axes or None
+    color : str
+
+    Returns
+    -------
+    Axes
+
+    Raises
+    ------
+    ValueError
+        For an array that is not square: the grid of a map is.
+
+    Examples
+    --------
+    >>> from matplotlib.figure import Figure
+    >>> map = QuadtreeMap(resolution=0.1, size=1.6)
+    >>> map.insert_scan((0.2, 0.2), [(1.0, 0.2)])
+    >>> ax = draw_cells(map, map.to_grid() > 0.5, ax=Figure().subplots())
+    >>> len(ax.collections[0].get_paths())
+    1
+    """
+    chosen = np.asarray(cells, bool)
+    if chosen.ndim != 2 or chosen.shape[0] != chosen.shape[1]:
+        raise ValueError(f"cells must be those of a square grid, got shape {chosen.shape}")
+    ax, (left, low, _, _) = axes_or_new(ax), map.bounds
+    side = map.side / max(len(chosen), 1)
+    rows, columns = np.nonzero(chosen)
+    squares = square_corners(left + columns * side, low + rows * side, np.full(len(rows), side))
+    ax.add_collection(PolyCollection(squares, facecolor=color, antialiased=False, linewidth=0))
+    return map_axes(ax)
+
+
+def draw_ray(start: ArrayLike, end: ArrayLike, *, ax: Axes | None = None) -> Axes:
+    """Draw the cells of a ray (B 4.4): blue the crossed ones, grey those that the mask leaves out.
+
+    Parameters
+    ----------
+    start, end : (2,) int
+        Column and row.
+    ax : matplotlib Axes or None
+
+    Returns
+    -------
+    Axes
+
+    Examples
+    --------
+    >>> from matplotlib.figure import Figure
+    >>> ax = draw_ray((0, 0), (14, 5), ax=Figure().subplots())
+    >>> [len(squares.get_paths()) for squares in ax.collections]
+    [13, 2]
+    """
+    ax, ends = axes_or_new(ax), np.array([start, end], np.int64)
+    (a, b), (c, d) = ends.tolist()
+    crossed = crossed_cells((a, b), (c, d))
+    spared = [cell for cell in ray_cells((a, b), (c, d)) if cell not in crossed]
+    for cells, color in ((crossed, RESULT), (spared, RAW)):
+        x, y = np.reshape(cells, (-1, 2)).T
+        squares = square_corners(x, y, np.ones(len(x)))
+        ax.add_collection(PolyCollection(squares, facecolor=color, linewidth=0))
+    ax.plot(*(ends + 0.5).T, color=ERROR)
+    (left, low), (right, high) = ends.min(0), ends.max(0) + 1
+    ax.set(xlim=(left, right), ylim=(low, high), xlabel="column", ylabel="row", aspect="equal")
+    ax.set(xticks=range(left, right + 1), yticks=range(low, high + 1))
+    ax.grid(alpha=0.5)
+    return ax
+
+
+def draw_classes(classes: Classes, *, ax: Axes | None = None) -> Axes:
+    """Draw what a robot is given: white is free, black occupied, grey unknown.
+
+    Parameters
+    ----------
+    classes : Classes
+        From `exports.ros_classes`, or a picture read back, its rows turned so that 0 is the lowest.
+    ax : matplotlib Axes or None
+
+    Returns
+    -------
+    Axes
+
+    Examples
+    --------
+    >>> from matplotlib.figure import Figure
+    >>> greys = np.array([[254, 205, 0]], np.uint8)
+    >>> ax = draw_classes(Classes(greys, left=2.0, low=0.0, side=0.5), ax=Figure().subplots())
+    >>> [float(x) for x in ax.get_xlim()]
+    [2.0, 3.5]
+    """
+    ax, (rows, columns) = axes_or_new(ax), classes.greys.shape
+    right, high = classes.left + columns * classes.side, classes.low + rows * classes.side
+    edges = (classes.left, right, classes.low, high)
+    ax.imshow(classes.greys, cmap="gray", vmin=0, vmax=254, origin="lower", extent=edges)
+    return map_axes(ax)
+
+
+def draw_field(field: DistanceField, *, ax: Axes | None = None) -> Axes:
+    """Draw a distance field: the darker, the nearer an occupied cell; a bar tells the metres.
+
+    Parameters
+    ----------
+    field : DistanceField
+    ax : matplotlib Axes or None
+
+    Returns
+    -------
+    Axes
+
+    Examples
+    --------
+    >>> from matplotlib.figure import Figure
+    >>> from segmap.quadtree import QuadtreeMap
+    >>> map = QuadtreeMap(resolution=0.1, size=1.6)
+    >>> map.insert_scan((0.2, 0.2), [(1.0, 0.2)])
+    >>> draw_field(DistanceField(map), ax=Figure().subplots()).images[0].get_array().shape
+    (16, 16)
+    """
+    ax, (left, low, right, high) = axes_or_new(ax), field.bounds
+    picture = ax.imshow(field.distance, origin="lower", extent=(left, right, low, high))
+    ax.figure.colorbar(picture, ax=ax, label="distance [m]")
+    return map_axes(ax)
+
+
+def draw_landscape(
+    land: Landscape, *, ax: Axes | None = None, tops: bool = True, truth: bool = True
+) -> Axes:
+    """Draw scores around a pose: white is best, red dots are the peaks.
+
+    Parameters
+    ----------
+    land : Landscape
+    ax : matplotlib Axes or None
+    tops : bool
+        Mark all peaks.
+    truth : bool
+        A green cross in the middle.
+
+    Returns
+    -------
+    Axes
+
+    Examples
+    --------
+    >>> from matplotlib.figure import Figure
+    >>> land = Landscape(np.array([-0.1, 0.0, 0.1]), np.array([[0, 0, 0], [0, 2, 0], [0, 0, 1]]))
+    >>> draw_landscape(land, ax=Figure().subplots()).get_xlabel()
+    'offset in x [m]'
+    """
+    ax = axes_or_new(ax)
+    half = (land.offsets[1] - land.offsets[0]) / 2
+    edges = land.offsets[0] - half, land.offsets[-1] + half
+    ax.imshow(land.values, origin="lower", extent=(*edges, *edges), cmap="gray")
+    if tops:
+        rows, columns = peaks(land.values).T
+        ax.plot(land.offsets[columns], land.offsets[rows], ".", color=ERROR, markersize=4)
+    if truth:
+        ax.plot(0, 0, "+", color=TRUTH, markersize=15, markeredgewidth=3)
+    ax.set(xlabel="offset in x [m]", ylabel="offset in y [m]", aspect="equal")
+    ax.set(xlim=edges, ylim=edges)
+    return ax
+
+
+def draw_climb(offsets: ArrayLike, *, ax: Axes | None = None, joined: bool = True) -> Axes:
+    """Draw the poses that a matcher visits, in blue over a landscape; the last one is larger.
+
+    Parameters
+    ----------
+    offsets : (k, 2) or (k, 3) array, metres
+        From the middle of the landscape.
+    ax : matplotlib Axes or None
+    joined : bool
+        A line through them in their order; else dots.
+
+    Returns
+    -------
+    Axes
+
+    Examples
+    --------
+    >>> from matplotlib.figure import Figure
+    >>> ax = draw_climb([(0.1, 0.1), (0.0, 0.1)], ax=Figure().subplots())
+    >>> len(ax.lines)
+    2
+    """
+    ax, way = axes_or_new(ax), np.asarray(offsets, float)[:, :2]
+    ax.plot(*way.T, "-o" if joined else ".", color=RESULT, markersize=3, linewidth=1)
+    ax.plot(*way[-1], "o", color=RESULT, markersize=8, markeredgecolor="white")
+    return ax
+
+
+def draw_profile(
+    turn: ArrayLike, values: ArrayLike, *, ax: Axes | None = None, tops: bool = True
+) -> Axes:
+    """Draw scores over the heading: a blue line, red dots at its peaks.
+
+    Parameters
+    ----------
+    turn : (m,) array, radians
+        From the true heading.
+    values : (m,) array
+        Both from `heading_profile`.
+    ax : matplotlib Axes or None
+    tops : bool
+        Mark all peaks.
+
+    Returns
+    -------
+    Axes
+
+    Examples
+    --------
+    >>> from matplotlib.figure import Figure
+    >>> ax = draw_profile([-1, 0, 1, 2], [0, 2, 0, 1], ax=Figure().subplots())
+    >>> ax.lines[1].get_ydata().tolist()
+    [2.0, 1.0]
+    """
+    ax, scores = axes_or_new(ax), np.asarray(values, float)
+    degrees = np.degrees(np.asarray(turn, float))
+    ax.plot(degrees, scores, color=RESULT)
+    if tops:
+        found = profile_peaks(np.radians(degrees), scores)
+        ax.plot(degrees[found], scores[found], "o", color=ERROR)
+    ax.set(xlabel="heading off by [degrees]", ylabel="score")
+    return ax
+
+
+def draw_trials(trials: Iterable[Trial], *, ax: Axes | None = None) -> Axes:
+    """Draw the error of each trial over the leaves of its map, as B Fig. 6.17.
+
+    Each matcher has a mark. Those with the thesis' steps are red, the others blue. Both axes are
+    logarithmic.
+
+    Parameters
+    ----------
+    trials : iterable of Trial
+    ax : matplotlib Axes or None
+
+    Returns
+    -------
+    Axes
+
+    Examples
+    --------
+    >>> from matplotlib.figure import Figure
+    >>> from segmap_course import load_trials
+    >>> len(draw_trials(load_trials(), ax=Figure().subplots()).lines)
+    4
+    """
+    ax, all_of = axes_or_new(ax), list(trials)
+    for k, matcher in enumerate(dict.fromkeys(trial.matcher for trial in all_of)):
+        mine = [trial for trial in all_of if trial.matcher == matcher]
+        leaves, off = [t.leaves for t in mine], [1000 * t.median for t in mine]
+        color = ERROR if "thesis" in matcher else RESULT
+        ax.plot(leaves, off, _MARKS[k % len(_MARKS)], color=color, label=matcher)
+    ax.set(xscale="log", yscale="log", xlabel="leaves of the map", ylabel="median error [mm]")
+    ax.legend(fontsize=9)
+    return ax

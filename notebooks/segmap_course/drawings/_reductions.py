@@ -1,0 +1,126 @@
+"""Drawings of the chapters on reduction: small cases, growth on-line, rates over a threshold."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from numpy.typing import ArrayLike
+
+from segmap.arrays import Segments
+from segmap.plotting import ERROR, MAP, RESULT, axes_or_new, axes_row, draw_segments
+from segmap.reduction import Reduction
+from segmap.segments import SegmentMap
+
+
+def draw_cases(
+    maps: Mapping[str, Segments], method: Callable[[Any], Segments], *, height: float = 3.6
+) -> list[Axes]:
+    """Draw what a method makes of small maps, each in a picture of its own.
+
+    A map is thin and black, and lies over what the method leaves, thick and blue. Scales of x and y
+    differ, so that what is near can be told apart.
+
+    Parameters
+    ----------
+    maps : mapping of str to SegmentMap or (n, 2, 2) array, metres
+        The titles, and what is reduced.
+    method : function of a map
+        Such as `fusion`.
+    height : float, inches
+        Of the figure.
+
+    Returns
+    -------
+    list of Axes
+        Of a new figure, one for each map, with the y axis in common.
+
+    Examples
+    --------
+    >>> from segmap.reduction import fusion
+    >>> twice = np.array([[(0, 0), (1, 0)], [(0, 0.01), (1, 0.01)]])
+    >>> ax = draw_cases({"Two faces": twice}, fusion)[0]
+    >>> [len(lines.get_segments()) for lines in ax.collections]
+    [1, 2]
+    """
+    axes = axes_row(len(maps), (9.0, height), shared="y")
+    for ax, (title, map) in zip(axes, maps.items(), strict=True):
+        draw_segments(method(map), ax=ax, color=RESULT, width=4.0)
+        draw_segments(map, ax=ax, width=1.2)
+        ax.set(title=title, aspect="auto")
+        ax.label_outer()
+    return axes
+
+
+def draw_growth(map: SegmentMap, reduction: Reduction, *, ax: Axes | None = None) -> Axes:
+    """Draw how many segments were seen up to each scan, and how many an on-line method keeps.
+
+    Parameters
+    ----------
+    map : SegmentMap
+        With the scans that its segments are from.
+    reduction : Reduction
+        Of that map, with `scan_live`.
+    ax : matplotlib Axes or None
+
+    Returns
+    -------
+    Axes
+
+    Raises
+    ------
+    ValueError
+        Where the reduction is off-line, or one of another drive.
+
+    Examples
+    --------
+    >>> from matplotlib.figure import Figure
+    >>> from segmap.reduction import hybrid
+    >>> twice = SegmentMap([[(0, 0), (1, 0)]] * 2, [0, 1])
+    >>> ax = draw_growth(twice, hybrid(twice), ax=Figure().subplots())
+    >>> [line.get_ydata().tolist() for line in ax.lines]
+    [[1, 2], [1, 1]]
+    """
+    seen, live = np.cumsum([len(scan) for scan in map.by_scan()]), reduction.scan_live
+    if live is None or len(live) != len(seen):
+        raise ValueError(f"reduction must be an on-line one of these {len(seen)} scans")
+    ax, scans = axes_or_new(ax, (6.0, 3.5)), np.arange(1, len(seen) + 1)
+    ax.plot(scans, seen, "--", color=MAP, label="segments seen")
+    ax.plot(scans, live, color=RESULT, label="segments in the map")
+    ax.set(xlabel="scans", ylabel="segments")
+    ax.legend()
+    return ax
+
+
+def draw_trade_off(
+    values: ArrayLike, reduction: ArrayLike, quality: ArrayLike, *, ax: Axes | None = None
+) -> Axes:
+    """Draw reduction, blue, and quality, red, of one method against its threshold.
+
+    Parameters
+    ----------
+    values : (n,) array
+        Of the threshold; its name and unit are for the x label.
+    reduction, quality : (n,) array
+        As rates in `[0, 1]`.
+    ax : matplotlib Axes or None
+
+    Returns
+    -------
+    Axes
+
+    Examples
+    --------
+    >>> from matplotlib.figure import Figure
+    >>> ax = draw_trade_off([10, 20], [0.5, 0.6], [0.9, 0.8], ax=Figure().subplots())
+    >>> [line.get_label() for line in ax.lines]
+    ['reduction', 'quality']
+    """
+    ax = axes_or_new(ax, (6.0, 3.6))
+    ax.plot(values, reduction, "o-", color=RESULT, label="reduction")
+    ax.plot(values, quality, "s--", color=ERROR, label="quality")
+    ax.set_ylabel("rate")
+    ax.legend()
+    return ax

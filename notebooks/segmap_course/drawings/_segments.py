@@ -1,0 +1,278 @@
+"""Drawings of the chapters on segments: the terms of a distance, merging, strips, centres."""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.axes import Axes
+from numpy.typing import ArrayLike
+
+from segmap import arrays
+from segmap.angles import axial_mean_of_two
+from segmap.arrays import Array, Segments
+from segmap.plotting import (
+    ERROR,
+    GROUPS,
+    MAP,
+    RAW,
+    RESULT,
+    axes_grid,
+    axes_or_new,
+    draw_segments,
+    group_colors,
+)
+from segmap.reduction import hough
+from segmap.segments import angle, length, midpoint
+
+
+def draw_distance_terms(u: ArrayLike, v: ArrayLike) -> list[Axes]:
+    """Draw, red, where the three terms of the distance between two segments are measured.
+
+    *Turned* is the mean length of two red lines, each from the end of a segment to the dotted
+    parallel of the line midway. *Shifted* and *apart* are one red line each.
+
+    Parameters
+    ----------
+    u, v : (2, 2) array, metres
+        That do not cross and are not perpendicular; drawn black, the line midway between them grey.
+
+    Returns
+    -------
+    list of Axes
+        Three, in a new figure, titled with what the red lines measure.
+
+    Examples
+    --------
+    >>> u, v = [(0, 0), (2, 0)], [(0, 0.1), (2, 0.1)]
+    >>> [ax.get_title() for ax in draw_distance_terms(u, v)]
+    ['Turned: 0.00 m', 'Shifted: 0.05 m', 'Apart: 0.10 m']
+    """
+    both = np.asarray([u, v], float)
+    middle, mean = _mean_line(both)
+    turns = np.stack([_turn(s, mean) for s in both])
+    shift, gap = _shift(both, middle, mean), _gap(both)
+    sizes = float(length(turns).mean()), float(length(shift)), float(length(gap))
+    names = ("Turned", "Shifted", "Apart")
+    titles = [f"{name}: {size:.2f} m" for name, size in zip(names, sizes, strict=True)]
+    row = axes_grid(titles, 3, (3.6, 3.6))
+    for ax, marks in zip(row, (turns, [shift], [gap]), strict=True):
+        _pair(ax, both, middle, mean)
+        draw_segments(np.asarray(marks), ax=ax, color=ERROR, width=2.5)
+    for s, (_, top) in zip(both, turns, strict=True):
+        row[0].plot(*np.array([s[0], top]).T, ":", color=ERROR)
+    return row
+
+
+def _mean_line(both: Array) -> tuple[Array, float]:
+    """Point and direction of the line midway, both segments with equal weights."""
+    return midpoint(both).mean(0), float(axial_mean_of_two(*angle(both)))
+
+
+def _pair(ax: Axes, both: Array, middle: Array, mean: float) -> None:
+    along = 1.1 * float(length(both).max()) * np.array([np.cos(mean), np.sin(mean)])
+    draw_segments([[middle - along, middle + along]], ax=ax, color=RAW)
+    draw_segments(both, ax=ax, color=MAP, width=2)
+
+
+def _turn(s: Array, mean: float) -> Array:
+    """From the end of s, across s, to the parallel to the line midway through its start."""
+    across = np.array([s[0, 1] - s[1, 1], s[1, 0] - s[0, 0]])
+    return np.array([s[1], s[1] + np.tan(mean - angle(s)) * across])
+
+
+def _shift(both: Array, middle: Array, mean: float) -> Array:
+    """From the end point farthest from the line midway to its foot there."""
+    along = np.array([np.cos(mean), np.sin(mean)])
+    points = both.reshape(-1, 2)
+    feet = middle + ((points - middle) @ along)[:, None] * along
+    worst = int(np.argmax(np.hypot(*(points - feet).T)))
+    return np.array([points[worst], feet[worst]])
+
+
+def _gap(both: Array) -> Array:
+    """From the end point nearest to the other segment to its foot there."""
+    found = [_to_segment(p, s) for s, q in (both, both[::-1]) for p in q]
+    return min(found, key=lambda line: float(length(line)))
+
+
+def _to_segment(point: Array, s: Array) -> Array:
+    d = s[1] - s[0]
+    share = np.clip((point - s[0]) @ d / max(float(d @ d), 1e-12), 0.0, 1.0)
+    return np.array([point, s[0] + share * d])
+
+
+def draw_marked(
+    segments: Segments,
+    marked: ArrayLike,
+    *,
+    ax: Axes | None = None,
+    color: str = RAW,
+    mark: str = ERROR,
+    width: float = 2.0,
+) -> Axes:
+    """Draw segments, and the marked ones over them, thicker and red.
+
+    Parameters
+    ----------
+    segments : SegmentMap, Reduction or (n, 2, 2) array, metres
+    marked : (n,) bool array
+    ax : matplotlib Axes or None
+    color, mark : str
+        Of the rest, and of the marked ones.
+    width : float
+        Of the marked ones, in points.
+
+    Returns
+    -------
+    Axes
+
+    Raises
+    ------
+    ValueError
+        Where there is not one mark a segment.
+
+    Examples
+    --------
+    >>> from matplotlib.figure import Figure
+    >>> walls = np.array([[(0, 0), (1, 0)], [(0, 1), (1, 1)], [(0, 2), (1, 2)]])
+    >>> ax = draw_marked(walls, [True, False, False], ax=Figure().subplots())
+    >>> [len(lines.get_segments()) for lines in ax.collections]
+    [2, 1]
+    """
+    array, which = arrays.segments(segments), np.asarray(marked, bool)
+    if which.shape != (len(array),):
+        raise ValueError(f"marked must have shape ({len(array)},), got {which.shape}")
+    ax = draw_segments(array[~which], ax=ax, color=color)
+    return draw_segments(array[which], ax=ax, color=mark, width=width)
+
+
+def draw_merge(
+    parts: Segments, wall: ArrayLike, *, ax: Axes | None = None, color: str = RESULT
+) -> Axes:
+    """Draw the one segment that takes the place of several, and how their ends fall on its line.
+
+    The wall is thick, its parts are thin and black, and a dotted line leads from each of their ends
+    to its foot on the line of the wall.
+
+    Parameters
+    ----------
+    parts : SegmentMap or (n, 2, 2) array, metres
+    wall : (2, 2) array, metres
+    ax : matplotlib Axes or None
+    color : str
+        Of the wall.
+
+    Returns
+    -------
+    Axes
+
+    Examples
+    --------
+    >>> from matplotlib.figure import Figure
+    >>> ax = draw_merge([[(0, 1), (2, 1)]], [(0, 0), (4, 0)], ax=Figure().subplots())
+    >>> ax.collections[0].get_segments()[1].tolist()
+    [[2.0, 1.0], [2.0, 0.0]]
+    """
+    ax, line = axes_or_new(ax, (6.0, 3.5)), np.asarray(wall, float)
+    ends, along = arrays.segments(parts).reshape(-1, 2), line[1] - line[0]
+    feet = line[0] + ((ends - line[0]) @ along / (along @ along))[:, None] * along
+    draw_segments(np.stack([ends, feet], 1), ax=ax, color=RAW, width=1.5)
+    ax.collections[-1].set_linestyle(":")
+    draw_segments([line], ax=ax, color=color, width=3.0, label="merged")
+    return draw_segments(parts, ax=ax, width=1.5, label="its parts")
+
+
+def draw_strip(walls: Segments, shift: float, tolerance: float, *, ax: Axes | None = None) -> Axes:
+    """Draw walls along x and a strip of Fusion: what lies in it is black, the rest red (A 4.4.1).
+
+    Parameters
+    ----------
+    walls : SegmentMap or (n, 2, 2) array, metres
+    shift : float, metres
+        Of the line in the middle of the strip, from y = 0.
+    tolerance : float, metres
+        Half the width of the strip, which is grey.
+    ax : matplotlib Axes or None
+
+    Returns
+    -------
+    Axes
+
+    Examples
+    --------
+    >>> from matplotlib.figure import Figure
+    >>> walls = np.array([[(0, 0), (1, 0)], [(0, 0.05), (1, 0.05)]])
+    >>> ax = draw_strip(walls, 0.0, 0.04, ax=Figure().subplots())
+    >>> [len(lines.get_segments()) for lines in ax.collections]
+    [1, 1]
+    """
+    ax, array = axes_or_new(ax, (6.0, 3.5)), arrays.segments(walls)
+    ax.axhspan(shift - tolerance, shift + tolerance, color=RAW, alpha=0.4)
+    outside = (abs(array[..., 1] - shift) > tolerance + 1e-9).any(axis=1)
+    draw_marked(array, outside, ax=ax, color=MAP)
+    ax.set_aspect("auto")
+    return ax
+
+
+def draw_centres(ways: ArrayLike, group: ArrayLike, *, ax: Axes | None = None) -> Axes:
+    """Draw how the centres of mean shift climb: grey paths from black dots to coloured ones.
+
+    Parameters
+    ----------
+    ways : (k, n, 2) array
+        Where each of n centres is, from the first step to the last.
+    group : (n,) int array
+        Each group has a colour.
+    ax : matplotlib Axes or None
+
+    Returns
+    -------
+    Axes
+        In metres, with a scale of its own for each axis.
+
+    Examples
+    --------
+    >>> from matplotlib.figure import Figure
+    >>> ways = [[(0, 0), (1, 0)], [(0.4, 0), (0.6, 0)]]
+    >>> ax = draw_centres(ways, [0, 0], ax=Figure().subplots())
+    >>> [dots.get_offsets().data.tolist() for dots in ax.collections]
+    [[[0.0, 0.0], [1.0, 0.0]], [[0.4, 0.0], [0.6, 0.0]]]
+    """
+    ax, steps = axes_or_new(ax), np.asarray(ways, float)
+    ax.plot(*np.moveaxis(steps, -1, 0), color=RAW, linewidth=0.6)
+    (x, y), (to_x, to_y) = steps[0].T, steps[-1].T
+    ax.scatter(x, y, s=3, color=MAP, zorder=2)
+    ax.scatter(to_x, to_y, s=18, c=group_colors(np.asarray(group, np.int64)), zorder=3)
+    ax.set(xlabel="x [m]", ylabel="y [m]")
+    return ax
+
+
+def draw_normals(walls: Segments, *, ax: Axes | None = None) -> Axes:
+    """Draw walls, each with the normal of its line, dashed from the origin (A 4.2).
+
+    A wall and its normal have one colour; a dotted line joins the foot to the middle of the wall.
+
+    Parameters
+    ----------
+    walls : SegmentMap or (n, 2, 2) array, metres
+    ax : matplotlib Axes or None
+
+    Returns
+    -------
+    Axes
+
+    Examples
+    --------
+    >>> from matplotlib.figure import Figure
+    >>> ax = draw_normals([[(1, 2), (3, 2)]], ax=Figure().subplots())
+    >>> ax.lines[0].get_ydata().round(2).tolist()
+    [0.0, 2.0]
+    """
+    ax, array = axes_or_new(ax), arrays.segments(walls)
+    rho, theta = hough(array).T
+    feet = rho[:, None] * np.stack([np.cos(theta), np.sin(theta)], -1)
+    for k, (foot, wall) in enumerate(zip(feet, array, strict=True)):
+        color = GROUPS[k % len(GROUPS)]
+        ax.plot(*np.stack([np.zeros(2), foot]).T, "--", color=color)
+        ax.plot(*np.stack([foot, wall.mean(axis=0)]).T, ":", color=color, linewidth=1)
+    ax.plot(0, 0, "+", color=MAP, markersize=12)
+    return draw_segments(array, ax=ax, group=np.arange(len(array)), width=3.0)

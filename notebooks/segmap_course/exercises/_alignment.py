@@ -1,0 +1,211 @@
+"""Exercises of the chapters on angle correspondence, the backbone and point ICP."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from segmap.alignment import least_translation, match_values
+from segmap.arrays import Array
+from segmap.segments import length, midpoint, point_distance
+
+from ..literal import point_to_line_step
+from ._exercise import Exercise
+from .draws import scans as draws_scans
+
+
+# --------------------------------------------------------------- angle correspondence
+def _match_value(u: Array, v: Array, distance: float) -> float:
+    """What the library finds for one pair, however far apart."""
+    return float(match_values(u[None], v[None], distance=distance, far=1e6, whole=True)[0, 0])
+
+
+def _covered(u: Array, v: Array, least: float = 0.0) -> float:
+    """Length of u that v covers when projected on it; -inf as the least counts gaps too."""
+    low, high = np.sort((v - u[0]) @ (u[1] - u[0]) / length(u))
+    return float(max(least, min(high, length(u)) - max(low, 0)))
+
+
+def _mean(u: Array, v: Array, least: float = 0.0) -> float:
+    return (_covered(u, v, least) + _covered(v, u, least)) / 2
+
+
+def _apart(u: Array, v: Array) -> tuple[float, float]:
+    """The two directed Hausdorff distances."""
+    return float(point_distance(v, u).max()), float(point_distance(u, v).max())
+
+
+def _fading(apart: float, distance: float) -> float:
+    return float(0.95 ** (apart / distance))
+
+
+check_match_value = Exercise(
+    "match_value(u, v, distance) -> float, metres: of two segments (2, 2) that do not cross, the "
+    "mean of the lengths that they cover of each other, times 0.95 ** (D / distance)",
+    _match_value,
+    {
+        words: (np.array(u, float), np.array(v, float), 0.05)
+        for words, u, v in (
+            ("two parallel walls", [(0, 0), (2, 0)], [(0, 0.1), (2, 0.1)]),
+            ("a short wall beside a long one", [(0, 0), (4, 0)], [(1, 0.05), (2, 0.1)]),
+            ("the same, exchanged", [(1, 0.05), (2, 0.1)], [(0, 0), (4, 0)]),
+            ("a leaning wall, end points exchanged", [(0, 0), (3, 0)], [(2, 0.8), (1, 0.1)]),
+            ("walls that overlap in part", [(0, 0), (2, 0)], [(1, 0.1), (3, 0.1)]),
+            ("walls beside each other", [(0, 0), (1, 0)], [(2, 0), (3, 0)]),
+            ("two upright walls", [(1, 0), (1, 3)], [(1.05, 2), (1.05, 0.5)]),
+        )
+    },
+    {
+        "this is the length of u that v covers; take the mean of it and of the length of v that "
+        "u covers": lambda u, v, d: _covered(u, v) * _fading(min(_apart(u, v)), d),
+        "the mean of both lengths is wanted, not their sum": (
+            lambda u, v, d: 2 * _match_value(u, v, d)
+        ),
+        "the length is right; multiply it by 0.95 ** (D / distance)": lambda u, v, d: _mean(u, v),
+        "D is measured in units of `distance`: divide it by that": (
+            lambda u, v, d: _mean(u, v) * _fading(min(_apart(u, v)), 1.0)
+        ),
+        "D is the smaller of the two directed Hausdorff distances (A 2.39), not the larger": (
+            lambda u, v, d: _mean(u, v) * _fading(max(_apart(u, v)), d)
+        ),
+        "D asks for the farthest point of one from the other, not for the nearest": (
+            lambda u, v, d: (
+                _mean(u, v)
+                * _fading(min(point_distance(v, u).min(), point_distance(u, v).min()), d)
+            )
+        ),
+        "D is measured from the end points of one to the other segment, not between middles": (
+            lambda u, v, d: _mean(u, v) * _fading(np.hypot(*(midpoint(u) - midpoint(v))), d)
+        ),
+        "two walls beside each other cover nothing: no length is less than 0": (
+            lambda u, v, d: _mean(u, v, -np.inf) * _fading(min(_apart(u, v)), d)
+        ),
+    },
+    draw=draws_scans.match_value,
+    own=(
+        "segmap/alignment/angle_correspondence/_scenes.py",
+        "segmap/alignment/angle_correspondence/_kernels.py",
+        "segmap_course/literal/alignment/angle_correspondence.py",
+    ),
+)
+
+
+# --------------------------------------------------------------------------- backbone
+def _normal_equations(normals: Array, offsets: Array, weights: Array) -> Array:
+    weighted = normals * weights[:, None]
+    return np.asarray(np.linalg.solve(weighted.T @ normals, -weighted.T @ offsets), float)
+
+
+check_least_translation = Exercise(
+    "least_translation(normals, offsets, weights) -> (2,) metres: the shortest of the shifts that "
+    "minimise the weighted squares of the distances from lines, given their normals (m, 2) and how "
+    "far the points now lie from them, (m,) metres",
+    least_translation,
+    {
+        "a corner seen askew": draws_scans.lines_off([10, 100, 40], [0.10, -0.05, 0.02], [1, 1, 1]),
+        "a long wall and two short ones": draws_scans.lines_off(
+            [0, 0, 90], [0.10, 0.02, 0.07], [6, 1, 2]
+        ),
+        "a corridor": draws_scans.lines_off([0, 0, 0], [0.08, 0.12, 0.10], [3, 3, 2]),
+        "a corridor that runs askew": draws_scans.lines_off([30, 30], [0.05, 0.07], [2, 1]),
+        "three directions that disagree": draws_scans.lines_off(
+            [0, 60, 120], [0.1, 0.1, 0.1], [1, 2, 3]
+        ),
+    },
+    {
+        "this doubles the distances: a point above its line must come down, so mind the sign": (
+            lambda normals, offsets, weights: -least_translation(normals, offsets, weights)
+        ),
+        "points move across the lines, along the normals: a shift along a line changes nothing": (
+            lambda normals, *rest: least_translation(normals[:, ::-1] * (1, -1), *rest)
+        ),
+        "each row counts by its weight: a long wall says more than a short one": (
+            lambda normals, offsets, weights: least_translation(normals, offsets, weights**0)
+        ),
+        "least squares squares its rows: multiply them by the root of the weight": (
+            lambda normals, offsets, weights: least_translation(normals, offsets, weights**2)
+        ),
+        "in a corridor the matrix is singular: take the shortest solution (numpy.linalg.lstsq)": (
+            _normal_equations
+        ),
+        "a mean of the single corrections goes only part of the way where lines differ in "
+        "direction: solve for the shift": lambda normals, offsets, weights: (
+            -(normals * (weights * offsets)[:, None]).sum(0) / weights.sum()
+        ),
+        "weigh the rows and what they shall become alike: both by the root of the weight": (
+            lambda normals, offsets, weights: least_translation(
+                normals, offsets / np.sqrt(weights), weights
+            )
+        ),
+    },
+    draw=draws_scans.least_translation,
+    own=(
+        "segmap/alignment/backbone/_lines.py:least_translation",
+        "segmap_course/literal/alignment/backbone.py",
+    ),
+)
+
+
+# ---------------------------------------------------------------------------------- ICP
+def _rows(points: Array, normals: Array) -> Array:
+    """How the offset of each point grows with x, y and the turn, `(n, 3)`."""
+    lever = points[:, 0] * normals[:, 1] - points[:, 1] * normals[:, 0]
+    return np.column_stack([normals, lever])
+
+
+def _least(rows: Array, offsets: Array) -> Array:
+    return np.asarray(np.linalg.lstsq(rows, offsets, rcond=1e-9)[0], float)
+
+
+def _solved(points: Array, feet: Array, normals: Array) -> Array:
+    """By the normal equations, which a corridor makes singular."""
+    rows, offsets = _rows(points, normals), ((points - feet) * normals).sum(1)
+    return -np.linalg.solve(rows.T @ rows, rows.T @ offsets)
+
+
+def _to_points(points: Array, feet: Array, _: Array) -> Array:
+    """Both coordinates of each point count, not only the one across the wall."""
+    x, y = np.repeat(np.eye(2)[:, None], len(points), 1)
+    rows = np.concatenate([_rows(points, x), _rows(points, y)])
+    return -_least(rows, (points - feet).T.ravel())
+
+
+def _without_turn(points: Array, feet: Array, normals: Array) -> Array:
+    return np.append(-_least(normals, ((points - feet) * normals).sum(1)), 0.0)
+
+
+check_move_onto_walls = Exercise(
+    "move_onto_walls(points, feet, normals) -> (3,): the small x, y in metres and turn in radians "
+    "about the origin that minimise the squared offsets of points (n, 2) across walls through feet "
+    "(n, 2) with unit normals (n, 2)",
+    point_to_line_step,
+    {
+        "a room seen 0.2 m too far right and 0.1 m too low": draws_scans.room(0.2, -0.1, 0),
+        "a room seen turned by 3 degrees": draws_scans.room(0, 0, 3),
+        "a room moved and turned": draws_scans.room(-0.1, 0.3, -4),
+        "a corridor, which does not fix the motion along it": draws_scans.corridor(0.3, 0.1),
+    },
+    {
+        "the sign: the motion takes the offsets away, it does not add them again": (
+            lambda p, f, n: -np.array(point_to_line_step(p, f, n))
+        ),
+        "points may slide along their walls: only the part of the offset along the normal counts": (
+            _to_points
+        ),
+        "a turn moves points too: the third column is x n_y - y n_x": _without_turn,
+        "angles count counter-clockwise: a small turn moves (x, y) by (-y, x), not by (y, -x)": (
+            lambda p, f, n: point_to_line_step(p, f, n) * np.array((1, 1, -1))
+        ),
+        "the turn is in radians: for those a small turn moves a point by turn times distance": (
+            lambda p, f, n: point_to_line_step(p, f, n) * np.array((1, 1, 180 / np.pi))
+        ),
+        "in a corridor the equations are singular: np.linalg.lstsq takes the smallest motion": (
+            _solved
+        ),
+        "the turn is one about the origin: with the third column taken about the middle of the "
+        "points x and y come out differently": (
+            lambda p, f, n: point_to_line_step(p - p.mean(0), f - p.mean(0), n)
+        ),
+    },
+    draw=draws_scans.move_onto_walls,
+    own=("segmap_course/literal/alignment/point_to_line.py",),
+)

@@ -1,0 +1,280 @@
+"""Exercises on lines that err, the viewing sector, fuzzy clustering and least cost."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from segmap.arrays import Array
+
+from ..literal.reduction.least_cost import invented
+from ..literal.reduction.weighted_line_fitting import Line, add_pose
+from ._exercise import Exercise
+from .draws import maps as draws_maps
+
+# -------------------------------------------------------------- weighted line fitting
+
+
+def _pose_covariance(
+    centre: Array, alpha: float, sensor: Array, sigma_place: float, sigma_heading: float
+) -> Array:
+    """What eq. 2.20 adds to a line that was known exactly."""
+    exact = Line(float(centre[0]), float(centre[1]), alpha, 0.0, 0.0, 0.0)
+    line = add_pose(exact, sensor.tolist(), sigma_place, sigma_heading)
+    return np.array([[line.rr, line.ra], [line.ra, line.aa]])
+
+
+def _by_jacobian(
+    arm: Callable[[Any, float], float], power: int = 2, diagonal: bool = False
+) -> Callable[..., Array]:
+    """K diag K', with an arm of (sensor - centre, alpha) and the details that mistakes change."""
+
+    def covariance(c: Array, alpha: float, s: Array, place: float, heading: float) -> Array:
+        jacobian = np.array([(np.cos(alpha), np.sin(alpha), arm(s - c, alpha)), (0, 0, 1)])
+        found = jacobian @ np.diag([place, place, heading]) ** power @ jacobian.T
+        return np.asarray(found * np.eye(2) if diagonal else found)
+
+    return covariance
+
+
+def _along(d: Any, alpha: float) -> float:
+    return float(d[1] * np.cos(alpha) - d[0] * np.sin(alpha))
+
+
+check_pose_covariance = Exercise(
+    "pose_covariance(centre, alpha, sensor, sigma_place, sigma_heading) -> (2, 2): what the pose "
+    "of a scan adds to the covariance of (offset, angle), metres and radians, of a line with its "
+    "normal at alpha, about its centre (2,), seen from sensor (2,)",
+    _pose_covariance,
+    {
+        words: (np.array(centre, float), float(np.radians(alpha)), np.array(sensor, float), *noise)
+        for words, centre, alpha, sensor, noise in (
+            ("a wall straight ahead", (0, 2), 90, (0, 0), (0.03, 0.01)),
+            ("a wall along which the sensor looks", (5, 1), 90, (0, 0), (0.03, 0.01)),
+            ("a slanted wall", (2, 1), 30, (1, -2), (0.02, 0.02)),
+            ("a place known exactly", (4, 3), 135, (-1, 2), (0.0, 0.01)),
+        )
+    },
+    {
+        "a turn of the sensor swings a wall that lies aside: the third entry of K's first row is "
+        "its arm, (s - c) . n'": _by_jacobian(lambda d, alpha: 0.0),
+        "the arm is measured along the wall, by n' = (-sin, cos), not across it": (
+            _by_jacobian(lambda d, alpha: float(d[0] * np.cos(alpha) + d[1] * np.sin(alpha)))
+        ),
+        "the arm leads from the centre to the sensor, s - c: the other way round the sign of the "
+        "off-diagonal is wrong": _by_jacobian(lambda d, alpha: -_along(d, alpha)),
+        "the arm is how far the sensor lies along the wall, not its whole distance": (
+            _by_jacobian(lambda d, alpha: float(np.hypot(*d)))
+        ),
+        "a covariance holds squares of the standard deviations": _by_jacobian(_along, power=1),
+        "offset and angle err together: K diag K' is not diagonal": (
+            _by_jacobian(_along, diagonal=True)
+        ),
+        "the offset comes first, then the angle": (
+            lambda *given: _pose_covariance(*given)[::-1, ::-1]
+        ),
+    },
+    draw=draws_maps.pose_covariance,
+    own=(
+        "segmap/reduction/surveyed/_weighted_line_fitting.py",
+        "segmap_course/literal/reduction/weighted_line_fitting.py",
+    ),
+)
+
+
+# -------------------------------------------------------------- viewing sector
+def _area(a: Array, b: Array, c: Array) -> float:
+    """Twice the area of a triangle: above 0 where c lies to the left of the way from a to b."""
+    return float((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]))
+
+
+def _height(wall: Array, point: Array, sensor: Array) -> float:
+    """Distance of a point from the line of a wall, metres: positive on the sensor's side."""
+    a, b = wall
+    side = math.copysign(1.0, _area(a, b, sensor))
+    return side * _area(a, b, point) / math.dist(a, b)
+
+
+def _along_the_ray(wall: Array, point: Array, sensor: Array) -> float:
+    """How much nearer than the wall a point is on its ray: the slip of those who compare ranges."""
+    (a, b), way = wall, point - sensor
+    met = _area(a, b, sensor) / (_area(a, b, sensor) - _area(a, b, sensor + way))
+    return float((met - 1) * np.hypot(*way))
+
+
+def _inside(wall: Array, point: Array, sensor: Array) -> bool:
+    """Whether a point lies in the sector of a wall."""
+    a, b = wall
+    first, second = _area(sensor, a, point), _area(sensor, point, b)
+    return bool(min(_area(a, b, sensor) * first, _area(a, b, sensor) * second) >= 0)
+
+
+def _verdicts(
+    height: Callable[[Array, Array, Array], float] = _height, slack: float = 1e-9
+) -> Callable[..., float]:
+    """1 where a point hides a wall, 0 on it, -1 behind it, NaN beside its sector."""
+
+    def verdict(wall: Array, point: Array, sensor: Array, distance: float) -> float:
+        h = height(wall, point, sensor)
+        says = float(h > distance + slack) - float(h < -distance - slack)
+        return says if _inside(wall, point, sensor) else math.nan
+
+    return verdict
+
+
+def _wall_case(point: tuple[float, float], turned: bool = False) -> tuple[Array, ...]:
+    wall = np.array([(1.0, 3.0), (5.0, 3.0)])
+    return wall[::-1] if turned else wall, np.array(point), np.zeros(2), np.array(0.125)
+
+
+check_verdict = Exercise(
+    "verdict(wall, point, sensor, distance) -> 1 where a point (2,) hides the wall (2, 2) from the "
+    "sensor (2,), 0 where it lies on it, within distance of its line, -1 where it was seen through "
+    "the wall, nan outside the sector",
+    _verdicts(),
+    {
+        "a point right on the wall": _wall_case((2, 3)),
+        "a point before the wall": _wall_case((1.5, 2)),
+        "a point behind the wall": _wall_case((3, 4)),
+        "a point before the wall, its ends swapped": _wall_case((1.5, 2), turned=True),
+        "a point behind the wall, its ends swapped": _wall_case((3, 4), turned=True),
+        "a point beside the sector": _wall_case((0, 3)),
+        "a point behind the sensor": _wall_case((-3, -3)),
+        "a glancing look, a little behind": _wall_case((4.5, 3.1)),
+        "a point 0.125 m behind the wall": _wall_case((3, 3.125)),
+        "a point far behind the wall, yet on a ray that passes it": _wall_case((1, 6)),
+    },
+    {
+        "which side is before the wall must not depend on the order of its ends: ask where the "
+        "sensor is": _verdicts(lambda w, at, _: -_area(w[0], w[1], at) / math.dist(*w)),
+        "before the wall hides it, behind it says that it is gone": (
+            _verdicts(lambda *given: -_height(*given))
+        ),
+        "a distance without a sign cannot tell before from behind": (
+            _verdicts(lambda *given: abs(_height(*given)))
+        ),
+        "h is measured square to the wall, not along the ray: a glancing look stretches it": (
+            _verdicts(_along_the_ray)
+        ),
+        "only what lies between the rays to both ends says something of the wall: nan elsewhere": (
+            lambda wall, q, p, d: (
+                float(np.sign(_height(wall, q, p))) * (abs(_height(wall, q, p)) > d + 1e-9)
+            )
+        ),
+        "the border belongs to the wall: <=, not <": _verdicts(slack=-1e-9),
+        "a point outside the sector says nothing, which is nan: 0 says that it lies on the wall": (
+            lambda *given: np.nan_to_num(_verdicts()(*given))
+        ),
+    },
+    draw=draws_maps.verdict,
+    own=(
+        "segmap/reduction/surveyed/viewing_sector/_views.py",
+        "segmap/reduction/surveyed/viewing_sector/_viewing_sector.py",
+        "segmap_course/literal/reduction/viewing_sector.py",
+    ),
+)
+
+
+# ------------------------------------------------------------------ fuzzy clustering
+def _shares(squares: Array, noise: float, power: float = 1.0) -> Array:
+    weights = squares**-power
+    return np.asarray(weights / (weights.sum() + noise ** (-2 * power)))
+
+
+check_memberships = Exercise(
+    "memberships(squares, noise) -> (k,): the share of a point in each of k prototypes, from its "
+    "squared distances (k,), m^2, above 0; the noise, always noise metres away, has the rest",
+    _shares,
+    {
+        "on one wall, far from another": (np.array([1e-4, 0.25]), np.array(0.1)),
+        "between two walls": (np.array([0.01, 0.01]), np.array(0.1)),
+        "far from all": (np.array([0.36, 0.25, 1.0]), np.array(0.2)),
+    },
+    {
+        "the noise has a share too: the memberships add up to less than 1": (
+            lambda squares, noise: 1 / squares / (1 / squares).sum()
+        ),
+        "the noise is a distance: square it": lambda s, noise: _shares(s, noise**0.5),
+        "weights go with 1 / squares, not with 1 / distance": lambda s, n: _shares(s, n, 0.5),
+        "squares are squared already": lambda s, n: _shares(s, n, 2.0),
+        "the nearer a prototype, the larger its share": lambda s, n: _shares(s, n, -1.0),
+        "the shares of the k prototypes are asked for; that of the noise is the rest": (
+            lambda s, n: np.append(_shares(s, n), 1 - _shares(s, n).sum())
+        ),
+        "the shares and that of the noise add up to 1: divide by the sum of all weights": (
+            lambda s, n: 1 / s
+        ),
+    },
+    draw=draws_maps.memberships,
+    own=(
+        "segmap/reduction/surveyed/_fuzzy_kernels.py",
+        "segmap/reduction/surveyed/_fuzzy_clustering.py",
+        "segmap_course/literal/reduction/fuzzy_clustering.py",
+    ),
+)
+
+
+# ------------------------------------------------------------------------- least cost
+def _gaps(
+    order: str = "sorted",
+    least: float = 1.0,
+    most: bool = True,
+    around: str = "both",
+    beyond: bool = False,
+) -> Any:
+    """Metres in gaps, with the details that mistakes change."""
+
+    def metres(spans: Array, whole: float, gap: float) -> float:
+        spans = spans if order == "as given" else spans[np.argsort(spans[:, 0])]
+        if not len(spans):
+            return float(whole * (order != "none kept" or whole > gap))
+        reached, found = 0.0 if around == "both" else spans[0, 0], 0.0
+        for low, high in [*spans, (whole, whole)][: len(spans) + (around != "between")]:
+            found += (low - reached - beyond * gap) * (low - reached > least * gap)
+            reached = max(reached, high) if most else high
+        return found
+
+    return metres
+
+
+check_invented_metres = Exercise(
+    "invented_metres(spans, whole, gap) -> metres of a segment, from 0 to whole, in gaps longer "
+    "than gap between spans (k, 2), low and high, of the members that it keeps",
+    lambda spans, whole, gap: invented([(a, b) for a, b in spans.tolist()], whole, gap),
+    {
+        words: (np.array(spans, float).reshape(-1, 2), np.array(whole), np.array(0.05))
+        for words, spans, whole in (
+            ("one member as long as the segment", [(0, 2)], 2.0),
+            ("two members and a hole of 1 m", [(3, 5), (0, 2)], 5.0),
+            ("a short member inside a long one", [(0, 4), (1, 2), (4.5, 6)], 6.0),
+            ("a gap of 0.03 m", [(0, 2), (2.03, 4)], 4.0),
+            ("nothing kept at the start", [(0.5, 2)], 2.0),
+            ("nothing kept at the end", [(0, 1), (1, 1.5)], 2.0),
+            ("no member at all", [], 3.0),
+            ("no member, a segment shorter than the gap", [], 0.04),
+        )
+    },
+    {
+        "sort the members along the segment first": _gaps("as given"),
+        "a short member inside a long one does not end it: keep the highest end": _gaps(most=False),
+        "a gap up to `gap` costs nothing": _gaps(least=0.0),
+        "look before the first member and behind the last one too": _gaps(around="between"),
+        "behind the last member you look; look before the first one too": _gaps(around="end"),
+        "where no member is kept, all is invented, however short": _gaps("none kept"),
+        "a gap that is longer than `gap` counts whole, not only what it is longer": (
+            _gaps(beyond=True)
+        ),
+        "members may lie inside each other, and short gaps cost nothing: the sum of their lengths "
+        "does not say what they leave": (
+            lambda spans, whole, gap: float(whole - (spans[:, 1] - spans[:, 0]).sum())
+        ),
+    },
+    draw=draws_maps.invented_metres,
+    own=(
+        "segmap/reduction/least_cost/_fit_kernels.py",
+        "segmap_course/literal/reduction/least_cost.py:invented",
+    ),
+)

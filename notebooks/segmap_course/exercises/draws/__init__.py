@@ -1,0 +1,1 @@
+"""Cases of the exercises, drawn from a seed."""

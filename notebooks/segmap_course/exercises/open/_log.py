@@ -1,0 +1,152 @@
+"""The open exercise on a log of one's own: read, registered, made into a map with walls."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Sequence
+from functools import cache
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from segmap.alignment import Alignment
+from segmap.arrays import Array
+from segmap.extraction import build_map
+from segmap.poses import between
+from segmap.readers import load
+from segmap.scans import Log
+from segmap.segments import length
+
+from .._answers import Answer
+from .._exercise import Check
+
+#: The logs that come with segmap: none of them is a log of one's own.
+BUNDLED = ("corridor", "malaga", "room")
+#: A map is made from so many scans at most, evenly chosen.
+MOST_SCANS = 200
+
+
+class Wanted(NamedTuple):
+    """What the log and its map must have at least; walls are segments of 1 m and more."""
+
+    scans: int = 20
+    metres: float = 1.0
+    walls: int = 4
+
+
+class OwnLog(NamedTuple):
+    """Call it with a log and its poses: it answers with a `Check` that tells what was found.
+
+    It passes a log that is not one of the bundled ones, with poses that move, and with walls in the
+    map that both give. What the map is worth, and what was learned, is graded by hand.
+    """
+
+    task: str
+    wanted: Wanted = Wanted()
+
+    @property
+    def name(self) -> str:
+        """The name in the course, with which the task begins."""
+        return self.task.partition("(")[0]
+
+    def __repr__(self) -> str:
+        return self.task
+
+    def __call__(self, log: Log | None, poses: Any = None) -> Check:
+        """Check a log, with its poses `(k, 3)` or an `Alignment`. Raises nothing."""
+        return self.verdict(self.answers((log, poses)))
+
+    def fresh(self, seed: int) -> dict[str, tuple[Any, ...]]:
+        """No hidden cases: the log is judged as it is."""
+        return {}
+
+    def answers(self, given: Any, cases: Any = None) -> list[Answer]:
+        """The facts about `(log, poses)` as plain values, or why there are none."""
+        log, poses = given if isinstance(given, tuple) and len(given) == 2 else (given, None)
+        try:
+            return [facts(log, poses)]
+        except Exception as error:  # whatever a student gives, the check says what is wrong with it
+            return [{"refused": str(error) or type(error).__name__}]
+
+    def verdict(self, answers: Sequence[Answer], cases: Any = None) -> Check:
+        """Judge the facts."""
+        try:
+            found = dict(answers[0])
+            return self._refused(str(found["refused"])) if "refused" in found else self._said(found)
+        except (KeyError, IndexError, TypeError, ValueError) as error:
+            return self._refused(f"these are no facts about a log ({type(error).__name__})")
+
+    def _refused(self, reason: str) -> Check:
+        return Check(self.name, False, reason)
+
+    def _said(self, found: Answer) -> Check:
+        told = (
+            f"{found['scans']:d} scans, {found['seconds']:.0f} s, {found['metres']:.1f} m driven, "
+            f"{found['walls']:d} walls of 1 m or more, {found['wall metres']:.0f} m together"
+        )
+        lacking = [
+            f"at least {least:g} {key} are wanted"
+            for key, least in self.wanted._asdict().items()
+            if not found[key] >= least
+        ]
+        return Check(self.name, not lacking, "; ".join([told, *lacking]))
+
+
+def facts(log: Any, poses: Any) -> Answer:
+    """What a log and its map hold: scans, seconds, metres driven, walls, metres of walls.
+
+    Raises
+    ------
+    ValueError
+        Where it is no log, one of the bundled ones, or has no poses.
+    """
+    if not isinstance(log, Log):
+        raise ValueError("give your log first, as segmap.readers.read(path) returns it")
+    if known := bundled(log):
+        raise ValueError(f"this is the bundled log {known!r}: take one of your own")
+    if poses is None:
+        raise ValueError("give the poses too: an Alignment, or (k, 3) in metres and radians")
+    return _map_facts(log, _array(poses))
+
+
+def _array(poses: Any) -> Array:
+    return np.asarray(poses.poses if isinstance(poses, Alignment) else poses, float)
+
+
+def _map_facts(log: Log, poses: Array) -> Answer:
+    if poses.shape != (len(log), 3):
+        raise ValueError(f"poses must be ({len(log)}, 3), one a scan, got {poses.shape}")
+    known = poses[np.isfinite(poses).all(axis=1)]
+    chosen = np.unique(np.linspace(0, len(log) - 1, MOST_SCANS).round().astype(int))
+    lengths = length(build_map(log[chosen], poses[chosen]).segments)
+    long = lengths[lengths >= 1.0]
+    return {
+        "scans": len(log),
+        "seconds": float(log.times[-1] - log.times[0]),
+        "metres": float(np.hypot(*between(known[:-1], known[1:])[:, :2].T).sum()),
+        "walls": len(long),
+        "wall metres": float(long.sum()),
+    }
+
+
+def bundled(log: Log) -> str:
+    """The name of the bundled log that half of the scans come from; empty for none."""
+    own = {_mark(scan.ranges) for scan in log}
+    shared = {name: len(own & _marks(name)) for name in BUNDLED}
+    return next((name for name, count in shared.items() if 2 * count > len(own)), "")
+
+
+@cache
+def _marks(name: str) -> frozenset[bytes]:
+    return frozenset(_mark(scan.ranges) for scan in load(name))
+
+
+def _mark(ranges: Array) -> bytes:
+    """A digest of the ranges of a scan, to a millimetre."""
+    return hashlib.sha256(np.nan_to_num(ranges, posinf=-1.0).round(3).tobytes()).digest()
+
+
+check_own_log = OwnLog(
+    "check_own_log(log, poses): a log that does not come with segmap, with at least 20 scans and "
+    "1 m driven, and poses that give a map with at least 4 walls of 1 m"
+)

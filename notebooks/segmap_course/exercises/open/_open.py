@@ -1,0 +1,270 @@
+"""Open exercises, with more than one right answer: predict and test, break it, a log of one's own.
+
+How to add one
+--------------
+Write it in a file `_open_<part>.py` beside this one, import it in `course/__init__.py` and name it
+in `__all__` there; `course.OPEN_EXERCISES` finds it by itself. In the chapter:
+
+    my_guess = None  # your number
+    course.predict_beams_on_wall(my_guess)
+
+*Predict, then test.* `Prediction(task, measure, unit, ...)`: `measure()` computes the number when
+asked, in well under a second. Say in the task how near counts: `factor=2` for an estimate of
+the size, `within=1` in the unit itself for what can be computed.
+
+*Break it.* `Challenge(task, judge)`: `judge(given)` returns "" where the method is fooled, else the
+reason why not, as a sentence with the numbers that the method gave. `given` is an array of finite
+numbers, or several: `judge(a, b)` for the input `(a, b)`. Refuse what is not admissible by
+`raise ValueError("...")`: an input outside the sensor's range, a map of a million segments. A judge
+that needs a function or any other object takes it by `Challenge(..., numbers=False)`; that can be
+graded only where the student's code runs.
+
+All of them answer with a `Check` and never raise. Like `Exercise`, they judge in two steps, so that
+a grader takes the verdict where no code of a student runs: `answers(...)` gives plain values,
+`verdict(answers)` the check; `fresh(seed)` is empty, for there are no hidden cases.
+
+Each gets two tests at least in `tests/test_open_exercises.py`: an answer that passes, and one that
+fails for each reason of the judge.
+"""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from segmap.arrays import Array
+from segmap.metrics import quality
+from segmap.segments import length, point_distance
+from segmap.simulation import cast_rays, rectangular_room
+
+from .._answers import Answer, numbers, plain
+from .._exercise import Check
+
+
+class _Open:
+    """What all open exercises share: their name, and a check in two steps."""
+
+    task: str
+
+    @property
+    def name(self) -> str:
+        """The name in the course, with which the task begins."""
+        return self.task.partition("(")[0]
+
+    def __repr__(self) -> str:
+        return self.task
+
+    def fresh(self, seed: int) -> dict[str, tuple[Any, ...]]:
+        """No hidden cases: what the student gives is judged as it is."""
+        return {}
+
+    def _check(self, hint: str, praise: str = "") -> Check:
+        return Check(self.name, not hint, hint or praise)
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class Prediction(_Open):
+    """A number that is written down before it is measured. Call it with the number.
+
+    Parameters
+    ----------
+    task : str
+        The call, which begins with the name, then what is asked, the unit, and how near counts.
+    measure : callable
+        `measure() -> float`, the true value.
+    unit : str
+        Written after both numbers.
+    factor : float
+        A guess is near enough up to so many times the true value, and down to that part of it.
+    within : float
+        Or so far from it.
+    because : str
+        One sentence, shown with the true value.
+
+    Examples
+    --------
+    >>> week = Prediction("predict_week(guess): hours of a week", lambda: 168.0, "h", factor=1.1)
+    >>> week(None), week(160)
+    (not yet: write your number first, in h, passed: you wrote 160 h, it is 168 h)
+    >>> week(24)
+    not yet: you wrote 24 h, it is 168 h; near enough is within a factor of 1.1
+    """
+
+    task: str
+    measure: Callable[[], float]
+    unit: str
+    factor: float = 1.0
+    within: float = 0.0
+    because: str = ""
+
+    def __call__(self, guess: Any) -> Check:
+        return self.verdict(self.answers(guess))
+
+    def answers(self, guess: Any, cases: Any = None) -> list[Answer]:
+        """The guess as a plain value."""
+        return [plain(None if isinstance(guess, bool) else guess)]
+
+    def verdict(self, answers: Sequence[Answer], cases: Any = None) -> Check:
+        """Whether the number is near enough, and what is true."""
+        guess = _single(answers)
+        if guess is None:
+            return self._check(f"write your number first, in {self.unit}")
+        true = float(self.measure())
+        told = f"you wrote {guess:.4g} {self.unit}, it is {true:.4g} {self.unit}"
+        if not self._near(guess, true):
+            told += f"; near enough is {self._limit()}"
+        told += f". {self.because}" if self.because else ""
+        return Check(self.name, self._near(guess, true), told)
+
+    def _near(self, guess: float, true: float) -> bool:
+        if abs(guess - true) <= self.within + 1e-9:
+            return True
+        low, high = sorted((abs(guess), abs(true)))
+        return guess * true > 0 and high <= self.factor * low * (1 + 1e-9)
+
+    def _limit(self) -> str:
+        near = [f"within a factor of {self.factor:g}"] if self.factor > 1 else []
+        near += [f"within {self.within:g} {self.unit}"] if self.within > 0 else []
+        return " or ".join(near) or "the number itself"
+
+
+def _single(answers: Any) -> float | None:
+    """The one finite number of plain answers, else None."""
+    well = isinstance(answers, list | tuple) and len(answers) == 1 and isinstance(answers[0], dict)
+    found = numbers(answers[0]) if well else None
+    return float(found.ravel()[0]) if found is not None and _one(found) else None
+
+
+def _one(found: Array) -> bool:
+    return found.size == 1 and bool(np.isfinite(found).all())
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class Challenge(_Open):
+    """An input that fools a method. Call it with the input.
+
+    Parameters
+    ----------
+    task : str
+        The call, which begins with the name, then what input is admissible and what fools.
+    judge : callable
+        `judge(input) -> str`: empty where the method is fooled, else the reason why not; it raises
+        ValueError for an input that is not admissible.
+    praise : str
+        One sentence, shown when it is done: what this means for who uses the method.
+    numbers : bool
+        Whether the input is numbers: one array, or a tuple of several.
+
+    Examples
+    --------
+    >>> even = Challenge("break_parity(n): an odd number that is even",
+    ...                  lambda n: "" if n % 2 == 0 else f"{n:.0f} is odd")
+    >>> even(None)
+    not yet: give your input first; the task is break_parity(n): an odd number that is even
+    >>> even(3), even(4), even("four")
+    (not yet: 3 is odd, passed, not yet: numbers are wanted, got str)
+    """
+
+    task: str
+    judge: Callable[..., str]
+    praise: str = ""
+    numbers: bool = True
+
+    def __call__(self, given: Any) -> Check:
+        if given is None or given is ...:
+            return self._check(f"give your input first; the task is {self.task}")
+        if self.numbers:
+            return self.verdict(self.answers(given))
+        return self._judged(lambda: [copy.deepcopy(given)])
+
+    def answers(self, given: Any, cases: Any = None) -> list[Answer]:
+        """The input as plain values: one, or one for each part of a tuple."""
+        return [plain(part) for part in (given if isinstance(given, tuple) else (given,))]
+
+    def verdict(self, answers: Sequence[Answer], cases: Any = None) -> Check:
+        """Whether these plain values fool the method."""
+        if any("nothing" in answer for answer in answers):
+            return self._check(f"give your input first; the task is {self.task}")
+        return self._judged(lambda: [_finite(answer) for answer in answers])
+
+    def _judged(self, given: Callable[[], list[Any]]) -> Check:
+        try:
+            with np.errstate(all="ignore"):
+                return self._check(str(self.judge(*given())), self.praise)
+        except ValueError as error:
+            return self._check(str(error))
+        except Exception as error:  # whatever a student gives, the check says what is wrong with it
+            return self._check(f"this cannot be judged, {type(error).__name__}: {error}")
+
+
+def _finite(answer: Answer) -> Array:
+    found = numbers(answer)
+    if found is None:
+        raise ValueError(f"numbers are wanted, got {answer.get('type', 'something else')}")
+    if not np.isfinite(found).all():
+        raise ValueError("finite numbers are wanted: there are nan or inf among them")
+    return found
+
+
+# ------------------------------------------------------------------------ one of each kind
+def _beams_on_wall() -> float:
+    wall = [[(4.0, -0.5), (4.0, 0.5)]]
+    ranges = cast_rays(wall, (0, 0, 0), np.radians(np.arange(-90, 91)), max_range=10.0)
+    return float(np.isfinite(ranges).sum())
+
+
+predict_beams_on_wall = Prediction(
+    "predict_beams_on_wall(guess): how many of 181 beams, one a degree from -90 to 90, meet a wall "
+    "of 1 m that stands square to the sensor, 4 m straight ahead; within 1 beam",
+    _beams_on_wall,
+    "beams",
+    within=1,
+    because="The wall is 2 atan(0.5 / 4) = 14.25 degrees wide; one beam looks straight ahead",
+)
+
+#: The map before, of the challenge below: the four walls of a room of 4 m x 3 m.
+ROOM = rectangular_room()
+
+
+def metres_away(map: Array, other: Array, off: float) -> float:
+    """Metres of a map that lie farther than `off` from every wall of another map."""
+    share = np.linspace(0, 1, 101)[:, None, None]
+    points = map[:, 0] * (1 - share) + map[:, 1] * share
+    away = point_distance(points[:, :, None], other).min(axis=-1)
+    return float(((away > off).mean(axis=0) * length(map)).sum())
+
+
+def admit_map(after: Array) -> None:
+    """Refuse what is no small map about the room.
+
+    Raises
+    ------
+    ValueError
+        For another shape, too many segments, and a place far away.
+    """
+    if after.ndim != 3 or after.shape[1:] != (2, 2) or not 1 <= len(after) <= 50:
+        raise ValueError(f"give 1 to 50 segments, (n, 2, 2) in metres, got shape {after.shape}")
+    if np.abs(after).max() > 20:
+        raise ValueError("stay within 20 m of the room's corner")
+
+
+def _quality_fooled(after: Array) -> str:
+    admit_map(after)
+    found, metres = quality(ROOM, after), metres_away(after, ROOM, 0.5)
+    if found < 0.95:
+        return f"the quality sees it: {found:.3f}, 0.95 is wanted"
+    return "" if metres >= 5 else f"only {metres:.1f} m of walls are invented, 5 m are wanted"
+
+
+break_quality = Challenge(
+    "break_quality(after): a map `after`, (n, 2, 2) in metres, of up to 50 segments within 20 m, "
+    "that has a quality of at least 0.95 against the walls of `simulation.rectangular_room()`, "
+    "though 5 m of its walls stand farther than 0.5 m from all of them",
+    _quality_fooled,
+    praise="The quality asks where the walls of the map before went, not where those after it come "
+    "from: what is invented costs nothing",
+)

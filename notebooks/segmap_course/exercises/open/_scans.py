@@ -1,0 +1,119 @@
+"""Open exercises of parts 1 and 2: odometry, readers, polylines and the algebraic line."""
+
+from __future__ import annotations
+
+import tempfile
+from pathlib import Path
+
+import numpy as np
+
+from segmap.angles import axial_difference
+from segmap.arrays import Array
+from segmap.extraction import extract_clusters, extract_polylines
+from segmap.poses import compose
+from segmap.readers import read
+from segmap.scans import LaserScan
+from segmap.segments import angle, length, point_distance
+from segmap.simulation import cast_rays, circular_room
+
+from ._open import Challenge, Prediction
+
+
+# -------------------------------------------------------------------- odometry and readers
+def _drift() -> float:
+    believed = np.zeros(3)
+    for _ in range(100):
+        believed = compose(believed, (1.0, 0.0, np.radians(0.1)))
+    return float(np.hypot(*(believed[:2] - (100, 0))))
+
+
+predict_drift = Prediction(
+    "predict_drift(guess): a robot drives 100 m straight ahead, in steps of 1 m, and its wheels "
+    "report a turn of 0.1 degrees too much in each step; how many metres is the place where it "
+    "believes to be from the place where it is; within a factor of 1.3",
+    _drift,
+    "m",
+    factor=1.3,
+    because="The heading is off by 10 degrees at the end and by 5 degrees, 0.087 rad, on average; "
+    "100 m times 0.087 is nearly that. On twice the way it is four times as much",
+)
+
+
+def _reread(ranges: Array) -> Array:
+    """What the reader makes of ranges `(n,)`, metres, in a line of CARMEN's format."""
+    line = " ".join(["FLASER", str(len(ranges)), *(f"{r:.2f}" for r in ranges), "0 0 0 " * 2])
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "break.log"
+        path.write_text(f"{line}12.5 robot 0.0\n")
+        return np.asarray(read(path)[0].ranges)
+
+
+def _reader_fooled(ranges: Array) -> str:
+    if ranges.ndim != 1 or not 3 <= len(ranges) <= 361:
+        raise ValueError(f"give 3 to 361 ranges, (n,) in metres, got shape {ranges.shape}")
+    if ranges.min() < 0.1 or ranges.max() > 30:
+        raise ValueError("the walls of this building are 0.1 to 30 m away")
+    lost = int(np.isinf(_reread(ranges)).sum())
+    needed = (len(ranges) + 1) // 2
+    return "" if lost >= needed else f"{lost} of {len(ranges)} walls are lost, {needed} are wanted"
+
+
+break_reader = Challenge(
+    "break_reader(ranges): the true ranges, (n,) in metres, of a scan of 3 to 361 beams; all of "
+    "them have met a wall, 0.1 to 30 m away; the reader of CARMEN's format takes at least half of "
+    "them for beams that met nothing",
+    _reader_fooled,
+    praise="The reader guesses the measuring mode from the largest range of the log; a log that "
+    "happens to end at 8.2 m looks like one of a sensor that sees no farther",
+)
+
+
+# ------------------------------------------------------------------------ lines and polylines
+def _pieces() -> float:
+    angles = np.radians(np.arange(-180, 180, 0.25))
+    ranges = cast_rays(circular_room(5.0, sides=4096), (5.7, 5.3, 0.0), angles)
+    scan = LaserScan(ranges, angles).points()
+    return float(len(extract_polylines(scan, tolerance=0.02, closed=True)))
+
+
+predict_pieces = Prediction(
+    "predict_pieces(guess): how many segments `extract_polylines` makes of a round room of 5 m "
+    "radius, seen whole and without noise from near its middle, at a tolerance of 0.02 m; within a "
+    "factor of 1.3",
+    _pieces,
+    "segments",
+    factor=1.3,
+    because="At least 2 pi sqrt(r / (8 tolerance)) = 35 are needed; splitting makes some more",
+)
+
+
+def _line_fooled(points: Array, most: float = 0.01, wanted: float = 10.0) -> str:
+    total = _one_wall(points, most)
+    found = extract_clusters(points, gap=np.inf, fit="algebraic")
+    if not len(found):
+        return "the algebraic fit has no solution, so it gives no wrong line: add some noise"
+    turn = abs(np.degrees(axial_difference(angle(found[0]), angle(total))))
+    return "" if turn >= wanted else f"it is turned by {turn:.1f} degrees, {wanted:g} are wanted"
+
+
+def _one_wall(points: Array, most: float) -> Array:
+    """The total least squares segment of points that are one straight wall."""
+    if points.ndim != 2 or points.shape[1] != 2 or not 20 <= len(points) <= 1000:
+        raise ValueError(f"give 20 to 1000 points, (n, 2) in metres, got shape {points.shape}")
+    if np.abs(points).max() > 20:
+        raise ValueError("stay within 20 m of the robot, which is at the origin")
+    total = extract_clusters(points, gap=np.inf)
+    off = point_distance(points, total[0]).max() if len(total) else np.inf
+    if not len(total) or length(total[0]) < 1 or off > most:
+        raise ValueError(f"a straight wall is wanted: 1 m long, no point {most:g} m off it")
+    return np.asarray(total[0])
+
+
+break_line = Challenge(
+    "break_line(points): 20 to 1000 points, (n, 2) in metres, of one straight wall, at least 1 m "
+    "long and within 20 m; no point is more than 0.01 m off its total least squares line; the "
+    "algebraic line is turned against that by at least 10 degrees",
+    _line_fooled,
+    praise="The slope of the algebraic line is wrong by m sigma^2 / (d v): that takes no large "
+    "noise, only a line that passes near the origin",
+)

@@ -1,0 +1,146 @@
+"""What students handed in: notebooks, read as text, never run here.
+
+A folder holds one notebook a student, `ann.ipynb`, or one folder a student, `ann/34_icp.ipynb`;
+the name of the file or folder names the row.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from .handout import defines
+
+#: A larger file is no notebook of this course, bytes.
+MOST_BYTES = 20_000_000
+#: The name that a student wrote into the name cell.
+NAME = re.compile(r"^\*\*Name:\*\*[ \t]*(\S.*)$", re.MULTILINE)
+
+
+class Answer(NamedTuple):
+    """A cell: the name that the handout gave it, where it is still there, its kind, its text."""
+
+    id: str
+    kind: str
+    source: str
+
+
+class Submission(NamedTuple):
+    """All that one student handed in, and which files could not be read."""
+
+    student: str
+    name: str
+    answers: list[Answer]
+    problems: list[str]
+
+    def find(self, task: str, names: tuple[str, ...]) -> str | None:
+        """The text of the cell that answers a task; None where there is none.
+
+        The cell of the handout, unless only another one defines the names that are wanted; but
+        never the answer to another task, which may use the same name.
+        """
+        code = [cell for cell in self.answers if cell.kind == "code"]
+        own = [cell.source for cell in code if cell.id == f"{task}-answer"]
+        other = [cell.source for cell in code if not cell.id.endswith("-answer")]
+        wanted = [source for source in [*other, *own] if all(defines(source, n) for n in names)]
+        return wanted[-1] if wanted else own[-1] if own else None
+
+    def written(self, task: str) -> str | None:
+        """What was written below a task that a person grades; None where its cell is gone."""
+        ids = (f"{task.removesuffix('_by_hand')}-answer", task)
+        found = [cell.source for cell in self.answers if cell.id in ids]
+        return "\n\n".join(found) if found else None
+
+
+def submissions(folder: Path) -> list[Submission]:
+    """The submissions in a folder, sorted by student.
+
+    Raises
+    ------
+    ValueError
+        For a folder without any, or with two of one name.
+    """
+    if not folder.is_dir():
+        raise ValueError(f"{folder} is no folder: name the one that holds the submissions")
+    found = [_submission(path) for path in sorted(folder.iterdir()) if _counts(path)]
+    if not found:
+        raise ValueError(
+            f"{folder} holds no submission: expected a notebook a student (ann.ipynb), "
+            "or a folder a student (ann/34_icp.ipynb)"
+        )
+    students = [submission.student for submission in found]
+    twice = sorted({name for name in students if students.count(name) > 1})
+    if twice:
+        raise ValueError(f"{folder} holds a file and a folder named {', '.join(twice)}")
+    return found
+
+
+def _counts(path: Path) -> bool:
+    """Whether a path is a submission: links may lead anywhere, and do not count."""
+    if path.name.startswith(".") or path.is_symlink():
+        return False
+    return path.is_dir() or path.suffix == ".ipynb"
+
+
+def _submission(path: Path) -> Submission:
+    files = _notebooks(path) if path.is_dir() else [path]
+    problems = [] if files else ["the folder holds no notebook"]
+    cells: list[dict[str, Any]] = []
+    for file in files:
+        try:
+            cells += _cells(file)
+        except Exception as error:  # a file of a student may hold anything
+            problems.append(f"{file.name} cannot be read: {error}"[:300])
+    student = path.name if path.is_dir() else path.stem
+    answers = [Answer(_id(cell), str(cell.get("cell_type")), _source(cell)) for cell in cells]
+    return Submission(student, _name(cells), answers, problems)
+
+
+def _notebooks(folder: Path) -> list[Path]:
+    found = sorted(folder.rglob("*.ipynb"))
+    return [p for p in found if not p.is_symlink() and ".ipynb_checkpoints" not in p.parts]
+
+
+def _cells(file: Path) -> list[dict[str, Any]]:
+    """The cells of a notebook.
+
+    Raises
+    ------
+    ValueError
+        Where it is none.
+    """
+    if not file.is_file() or file.stat().st_size > MOST_BYTES:
+        raise ValueError(f"expected a file of at most {MOST_BYTES // 1_000_000} MB")
+    try:
+        found = json.loads(file.read_text(encoding="utf-8"))
+        cells = found["cells"]
+    except (ValueError, KeyError, TypeError, RecursionError) as error:
+        raise ValueError(f"it is no notebook ({type(error).__name__}: {error})") from None
+    if not isinstance(cells, list) or not all(isinstance(cell, dict) for cell in cells):
+        raise ValueError("it is no notebook (its cells are no list)")
+    return cells
+
+
+def _id(cell: dict[str, Any]) -> str:
+    meta = cell.get("metadata")
+    grader = meta.get("nbgrader") if isinstance(meta, dict) else None
+    named = grader.get("grade_id") if isinstance(grader, dict) else None
+    return str(named or cell.get("id", ""))
+
+
+def _source(cell: dict[str, Any]) -> str:
+    source = cell.get("source", "")
+    return "".join(map(str, source)) if isinstance(source, list) else str(source)
+
+
+def _name(cells: list[dict[str, Any]]) -> str:
+    return next(_names(cells), "")
+
+
+def _names(cells: list[dict[str, Any]]) -> Iterator[str]:
+    for cell in cells:
+        if cell.get("cell_type") == "markdown" and (match := NAME.search(_source(cell))):
+            yield match.group(1).strip()[:100]

@@ -1,0 +1,227 @@
+"""Solutions from the library's own source: each as a cell that runs, with all that it calls.
+
+What belongs to the answer is copied; what a student may call too is imported. So the solution
+passes the check, which notices the library.
+"""
+
+from __future__ import annotations
+
+import ast
+import importlib
+import sys
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+from ._handout import refuse_old, student_copy, text, write_folder
+from ._places import Cell, Notebook, chapters, read_chapter
+from ._tasks import tasks_of
+
+#: nbgrader leaves out what stands between these lines when it makes the students' version.
+BEGIN, END = "### BEGIN SOLUTION", "### END SOLUTION"
+
+
+class Source:
+    """The text of a module of segmap, by the names that it defines."""
+
+    def __init__(self, module: str) -> None:
+        self.module = module
+        loaded = importlib.import_module(module)
+        path = Path(str(loaded.__file__))
+        self.text = path.read_text(encoding="utf-8")
+        self.file = "/".join([*module.split(".")[:-1], path.name])
+        self.is_package = path.name == "__init__.py"
+        self.nodes = {name: n for n in ast.parse(self.text).body for name in _names(n)}
+
+    def code(self, node: ast.AST) -> str:
+        """The text of a node, without decorators."""
+        return ast.get_source_segment(self.text, node) or ast.unparse(node)
+
+    def origin(self, node: ast.ImportFrom) -> str:
+        """The full name of the module that an import names."""
+        base = self.module.split(".")
+        base = base[: len(base) - node.level + self.is_package] if node.level else []
+        return ".".join([*base, *([node.module] if node.module else [])])
+
+
+def _names(node: ast.stmt) -> Iterator[str]:
+    """The names that a statement of a module defines."""
+    if isinstance(node, ast.FunctionDef | ast.ClassDef):
+        yield node.name
+    elif isinstance(node, ast.Import | ast.ImportFrom):
+        yield from (alias.asname or alias.name for alias in node.names)
+    elif isinstance(node, ast.Assign | ast.AnnAssign):
+        targets = node.targets if isinstance(node, ast.Assign) else [node.target]
+        parts = [part for target in targets for part in ast.walk(target)]
+        yield from (part.id for part in parts if isinstance(part, ast.Name))
+
+
+class Gatherer:
+    """Collects the statements that a solution needs, each once, what it calls first."""
+
+    def __init__(self, own: tuple[str, ...]) -> None:
+        self.own = own
+        self.imports: list[str] = []
+        self.parts: list[str] = []
+        self._seen: set[tuple[str, str]] = set()
+        self._sources: dict[str, Source] = {}
+
+    def source(self, module: str) -> Source:
+        """The text of a module, read once."""
+        return self._sources.setdefault(module, Source(module))
+
+    def needs(self, source: Source, node: ast.AST) -> str:
+        """Gather all names of the module that a node uses; the text of the node, with these."""
+        code, inside = source.code(node), set()
+        for part in ast.walk(node):
+            if not isinstance(part, ast.Attribute) or not isinstance(part.value, ast.Name):
+                continue
+            if new := self._of_module(source, part.value.id, part.attr):
+                code = code.replace(f"{part.value.id}.{part.attr}", new)
+                inside.add(part.value.id)
+        for part in ast.walk(node):
+            if isinstance(part, ast.Name) and part.id in source.nodes and part.id not in inside:
+                self.take(source, part.id)
+        return code
+
+    def _of_module(self, source: Source, module: str, name: str) -> str:
+        """The new name of `module.name`, where that belongs to the answer; else nothing."""
+        node = source.nodes.get(module)
+        if not isinstance(node, ast.ImportFrom):
+            return ""
+        alias = next(a.name for a in node.names if (a.asname or a.name) == module)
+        home = self._home(f"{source.origin(node)}.{alias}", name)
+        if home is None or not self._is_own(home, name):
+            return ""
+        new = f"{alias}_{name}".strip("_")
+        self.take(home, name, new=new)
+        return new
+
+    def take(self, source: Source, name: str, *, copied: bool = False, new: str = "") -> None:
+        """Gather one name of a module: its text, or an import."""
+        if (source.module, name) in self._seen:
+            return
+        self._seen.add((source.module, name))
+        node = source.nodes[name]
+        if isinstance(node, ast.Import | ast.ImportFrom):
+            self._import(source, node, name, copied)
+            return
+        if isinstance(node, ast.FunctionDef):
+            node.decorator_list = [d for d in node.decorator_list if _kept(d)]
+        code = self.needs(source, node)
+        self.parts.append(code.replace(f"def {name}(", f"def {new}(", 1) if new else code)
+
+    def _import(
+        self, source: Source, node: ast.Import | ast.ImportFrom, name: str, copied: bool
+    ) -> None:
+        alias = next(a for a in node.names if (a.asname or a.name) == name)
+        renamed = f" as {alias.asname}" if alias.asname else ""
+        if isinstance(node, ast.Import):
+            self.imports.append(f"import {alias.name}{renamed}")
+            return
+        module = source.origin(node)
+        home = self._home(module, alias.name)
+        if home is not None and (copied or self._is_own(home, alias.name)):
+            self.take(home, alias.name)
+            if renamed:
+                self.parts.append(f"{name} = {alias.name}")
+        else:
+            self.imports.append(f"from {module} import {alias.name}{renamed}")
+
+    def _home(self, module: str, name: str) -> Source | None:
+        """The module of segmap in which a name is defined, behind all that hand it on."""
+        while module.split(".")[0] == "segmap":
+            loaded = _module(module)
+            if loaded is None or not hasattr(loaded, name):
+                return None
+            source = self.source(module)
+            node = source.nodes.get(name)
+            if not isinstance(node, ast.ImportFrom):
+                return source if node is not None else None
+            module = source.origin(node)
+        return None
+
+    def _is_own(self, home: Source, name: str) -> bool:
+        """Whether the exercise takes a name for a part of the answer."""
+        return home.file in self.own or f"{home.file}:{name}" in self.own
+
+
+def _module(name: str) -> Any:
+    """A module by its name; None where that is something inside a module."""
+    try:
+        return importlib.import_module(name)
+    except ModuleNotFoundError:
+        return None
+
+
+def _kept(decorator: ast.expr) -> bool:
+    return not (isinstance(decorator, ast.Name) and decorator.id == "compiled")
+
+
+def solution(exercise: Any, module: str, name: str) -> str:
+    """A cell that defines `name` by the library's source.
+
+    Parameters
+    ----------
+    exercise : Exercise
+    module : str
+        Where `check_<exercise>` is defined.
+    name : str
+        What the student is asked to define.
+    """
+    gatherer = Gatherer(exercise.own)
+    source = gatherer.source(module)
+    made = source.nodes[f"check_{exercise.name}"]
+    assert isinstance(made, ast.Assign) and isinstance(made.value, ast.Call)
+    answer = made.value.args[1]
+    if isinstance(answer, ast.Name):
+        gatherer.take(source, answer.id, copied=True)
+    last = f"{name} = {gatherer.needs(source, answer)}"
+    head = "\n".join(dict.fromkeys(gatherer.imports))
+    return "\n\n\n".join(part for part in [head, *gatherer.parts, last] if part)
+
+
+def write_solutions(folder: Path, checks: Mapping[str, Any], wanted: str = "") -> int:
+    """Write chapters with solutions into a new folder, each in one of its own; their number.
+
+    So nbgrader wants them: `source/34_icp/34_icp.ipynb`.
+
+    Raises
+    ------
+    ValueError
+        For a chapter that does not exist, or a folder that holds something.
+    """
+    refuse_old(folder)
+    notebooks = {path.name: read_chapter(path) for path in chapters(wanted).values()}
+    copies = {n: solved_copy(n, book, checks, {n}) for n, book in notebooks.items()}
+    write_folder(folder, {f"{n[:-6]}/{n}": text(copy) for n, copy in copies.items()})
+    return len(copies)
+
+
+def solved_copy(
+    name: str, notebook: Notebook, checks: Mapping[str, Any], handed: set[str]
+) -> Notebook:
+    """A student's copy with the solutions, between the marks of nbgrader."""
+    copy = student_copy(name, notebook, checks, handed)
+    answers = {f"{task.name}-answer": task for task in tasks_of(name, notebook, checks)}
+    for cell in copy["cells"]:
+        task = answers.get(cell["id"])
+        exercise = checks.get(f"check_{task.name}") if task else None
+        if task and exercise is not None:
+            _solve(cell, exercise, task.answers[0])
+    return copy
+
+
+def _solve(cell: Cell, exercise: Any, name: str) -> None:
+    """Put the solution below the stub, which stays for the students' version."""
+    code = solution(exercise, module_of(exercise), name)
+    cell["source"] = f"{cell['source']}\n\n\n{BEGIN}\n{code}\n{END}"
+
+
+def module_of(exercise: Any) -> str:
+    """The module in which an exercise is defined."""
+    for module, loaded in list(sys.modules.items()):
+        inside = module.startswith("segmap_course.exercises._")
+        if inside and getattr(loaded, f"check_{exercise.name}", None) is exercise:
+            return module
+    raise ValueError(f"{exercise.name} is defined in no file of exercises")

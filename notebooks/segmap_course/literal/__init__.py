@@ -1,0 +1,117 @@
+"""Every method as the theses print it: plain loops over plain numbers, slow and readable.
+
+They are the oracle of the tests, the code that chapters show, and the yardstick of the benchmarks.
+Nothing here calls the fast version of what it does.
+
+A reduction takes segments, for an on-line method the scan of each, and its thresholds by the names
+of the fast version: `fusion(segments, tolerance=0.04)`, `hybrid(segments, scans, distance=0.2)`. It
+returns the outputs and, for each input, the number of the output that it went into, -1 for none.
+"""
+
+from .alignment.angle_correspondence import best_transform, match_value, transforms
+from .alignment.backbone import least_translation, line_partner, mean_rotation
+from .alignment.correlative_search import correlative_search, likelihoods
+from .alignment.gauss_newton import edge_residual, gauss_newton
+from .alignment.global_segments import best_shifts, best_turns, least_squares
+from .alignment.point_to_line import point_to_line, point_to_line_step
+from .alignment.segment_icp import correspond, segment_cost
+from .extraction import extract_clusters, extract_polylines, fit_algebraic, fit_total
+from .lines import axial_difference, line_angle, point_to_segment, segment_length
+from .metrics import mean_lines, quality, segment_distance
+from .quadtrees.matching import (
+    MOVES,
+    climb_step,
+    descent_score,
+    distance_score,
+    hill_climb,
+    occupancy_score,
+    placed,
+    sample_and_rank,
+)
+from .quadtrees.quadtree import (
+    Quadtree,
+    cell_of,
+    crossed_cells,
+    grown,
+    occupancy,
+    quarters,
+    ray_cells,
+)
+from .reduction.basic import basic_offline, basic_online
+from .reduction.fusion import best_strip, chain, fusion
+from .reduction.fuzzy_clustering import fuzzy_clustering
+from .reduction.fuzzy_set import fuzzy_set
+from .reduction.hybrid import fusion_online, hough, hybrid, hybrid_fusion
+from .reduction.least_cost import least_cost
+from .reduction.mean_shift import mean_shift
+from .reduction.polyline import polyline, polyline_through
+from .reduction.segment_similarity import mean_segment, segment_similarity
+from .reduction.uncertain_parameters import uncertain_parameters
+from .reduction.viewing_sector import viewing_sector
+from .reduction.weighted_line_fitting import weighted_line_fitting
+
+__all__ = [
+    "MOVES",
+    "Quadtree",
+    "axial_difference",
+    "basic_offline",
+    "basic_online",
+    "best_shifts",
+    "best_strip",
+    "best_transform",
+    "best_turns",
+    "cell_of",
+    "chain",
+    "climb_step",
+    "correlative_search",
+    "correspond",
+    "crossed_cells",
+    "descent_score",
+    "distance_score",
+    "edge_residual",
+    "extract_clusters",
+    "extract_polylines",
+    "fit_algebraic",
+    "fit_total",
+    "fusion",
+    "fusion_online",
+    "fuzzy_clustering",
+    "fuzzy_set",
+    "gauss_newton",
+    "grown",
+    "hill_climb",
+    "hough",
+    "hybrid",
+    "hybrid_fusion",
+    "least_cost",
+    "least_squares",
+    "least_translation",
+    "likelihoods",
+    "line_angle",
+    "line_partner",
+    "match_value",
+    "mean_lines",
+    "mean_rotation",
+    "mean_segment",
+    "mean_shift",
+    "occupancy",
+    "occupancy_score",
+    "placed",
+    "point_to_line",
+    "point_to_line_step",
+    "point_to_segment",
+    "polyline",
+    "polyline_through",
+    "quality",
+    "quarters",
+    "ray_cells",
+    "sample_and_rank",
+    "segment_cost",
+    "segment_distance",
+    "segment_length",
+    "segment_similarity",
+    "transforms",
+    "uncertain_parameters",
+    "viewing_sector",
+    "weighted_line_fitting",
+]

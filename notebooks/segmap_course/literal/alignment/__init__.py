@@ -1,0 +1,1 @@
+"""Alignment as the papers print it: plain loops."""

@@ -1,0 +1,116 @@
+"""Angle correspondence (A 2.5.1, 3.3.1; Amigoni, Gasparini and Gini 2006): every pair of angles."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterator, Sequence
+
+from ..lines import SAME, Segment, axial_difference, line_angle, point_to_segment, segment_length
+
+Pose = tuple[float, float, float]
+
+
+def covered(u: Segment, v: Segment) -> float:
+    """Length of u, metres, that v covers when it is projected on u."""
+    size = segment_length(u)
+    dx, dy = (u[1][0] - u[0][0]) / size, (u[1][1] - u[0][1]) / size
+    low, high = sorted((p[0] - u[0][0]) * dx + (p[1] - u[0][1]) * dy for p in v)
+    return max(0.0, min(high, size) - max(low, 0.0))
+
+
+def directed_distance(u: Segment, v: Segment) -> float:
+    """A 2.39: distance from u of the farthest point of v, which is one of its ends; metres."""
+    return max(point_to_segment(p, u) for p in v)
+
+
+def intersect(u: Segment, v: Segment) -> bool:
+    """Whether two segments that are not parallel share a point, or nearly so."""
+    ax, ay, bx, by = (w[1][k] - w[0][k] for w in (u, v) for k in (0, 1))
+    rx, ry, det = v[0][0] - u[0][0], v[0][1] - u[0][1], ax * by - ay * bx
+    on_u, on_v = rx * by - ry * bx, rx * ay - ry * ax
+    return det != 0 and all(-SAME <= part / det <= 1 + SAME for part in (on_u, on_v))
+
+
+def distance_beside(u: Segment, v: Segment) -> float:
+    """Largest distance from the line of u, metres, of the part of v that lies beside u."""
+    size = segment_length(u)
+    dx, dy = (u[1][0] - u[0][0]) / size, (u[1][1] - u[0][1]) / size
+    (a, off_a), (b, off_b) = sorted(
+        (x * dx + y * dy, y * dx - x * dy) for x, y in ((p[0] - u[0][0], p[1] - u[0][1]) for p in v)
+    )
+    slope = (off_b - off_a) / (b - a)
+    return max(abs(off_a + slope * (t - a)) for t in (max(a, 0.0), min(b, size)))
+
+
+def match_value(
+    u: Segment, v: Segment, *, distance: float, far: float, long: float, whole: bool = True
+) -> float:
+    """A 2.7.10: the length, metres, on which two segments agree, less what they lie apart.
+
+    Zero where they are farther apart than `far`, or cross steeply and are both longer than `long`.
+    How far they are apart is A's 2.39, or where not `whole` that of the part that both cover.
+    """
+    lengths = covered(u, v), covered(v, u)
+    if min(lengths) <= SAME:
+        return 0.0
+    between = directed_distance if whole else distance_beside
+    apart = min(between(u, v), between(v, u))
+    if apart > far:
+        return 0.0
+    if not intersect(u, v):
+        return sum(lengths) / 2 * 0.95 ** (apart / distance)
+    steep = abs(axial_difference(line_angle(u), line_angle(v))) > math.pi / 4 + SAME
+    both_long = min(segment_length(u), segment_length(v)) > long
+    return 0.0 if steep and both_long else sum(lengths) / 2
+
+
+def moved(pose: Pose, s: Segment) -> Segment:
+    """A segment carried by a pose: turned about the origin, then shifted."""
+    x, y, c, z = *pose[:2], math.cos(pose[2]), math.sin(pose[2])
+    return [(x + c * p[0] - z * p[1], y + z * p[0] + c * p[1]) for p in s]
+
+
+def crossing(u: Segment, v: Segment) -> tuple[float, float]:
+    """Where the lines of two segments meet."""
+    ax, ay, bx, by = (w[1][k] - w[0][k] for w in (u, v) for k in (0, 1))
+    along = ((v[0][0] - u[0][0]) * by - (v[0][1] - u[0][1]) * bx) / (ax * by - ay * bx)
+    return u[0][0] + along * ax, u[0][1] + along * ay
+
+
+def transforms(
+    first: Sequence[Segment], second: Sequence[Segment], similar: float
+) -> Iterator[Pose]:
+    """Poses that lay an angle of the second set on a similar angle of the first (step 1).
+
+    Two angles are similar when they differ by less than `similar`, radians; each pose lays one wall
+    on another and the corners on each other. A line has no direction, so half a turn more is tried.
+    """
+    for (a, b), (c, d) in itertools.product(
+        itertools.permutations(first, 2), itertools.combinations(second, 2)
+    ):
+        turn = axial_difference(line_angle(b), line_angle(a))
+        other = axial_difference(line_angle(d), line_angle(c))
+        if abs(turn) > similar and abs(axial_difference(turn, other)) < similar:
+            for heading in (line_angle(a) - line_angle(c), line_angle(a) - line_angle(c) + math.pi):
+                corner = moved((0.0, 0.0, heading), [crossing(c, d)])[0]
+                x, y = crossing(a, b)
+                yield x - corner[0], y - corner[1], heading
+
+
+def best_transform(
+    first: Sequence[Segment],
+    second: Sequence[Segment],
+    *,
+    similar: float = math.radians(8),
+    distance: float = 0.05,
+    far: float = 0.10,
+    long: float = 0.30,
+) -> tuple[float, Pose]:
+    """The transform with the largest sum of match values, metres, and that sum (step 2)."""
+
+    def value(pose: Pose) -> float:
+        pairs = itertools.product(first, (moved(pose, s) for s in second))
+        return sum(match_value(u, v, distance=distance, far=far, long=long) for u, v in pairs)
+
+    return max((value(pose), pose) for pose in transforms(first, second, similar))

@@ -1,0 +1,45 @@
+"""Backbone (A 3.3.2, steps 5 to 7): which line a segment lies on, then the turn, then the shift."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from ..lines import SAME, Line, Segment, axial_difference, line_angle
+
+
+def line_partner(s: Segment, lines: Sequence[Line], distance: float, angle: float) -> int:
+    """Number of the nearest line with both ends nearer than `distance` and the angle below `angle`.
+
+    -1 where there is none.
+    """
+    found = []
+    for k, (x, y, dx, dy) in enumerate(lines):
+        off = max(abs((p[1] - y) * dx - (p[0] - x) * dy) for p in s)
+        if off < distance and abs(axial_difference(math.atan2(dy, dx), line_angle(s))) < angle:
+            found.append((off, k))
+    return min(found)[1] if found else -1
+
+
+def mean_rotation(differences: Sequence[float], weights: Sequence[float]) -> float:
+    """Weighted mean of axial differences, radians (step 6)."""
+    pairs = list(zip(differences, weights, strict=True))
+    y, x = (sum(w * f(2 * d) for d, w in pairs) for f in (math.sin, math.cos))
+    return math.atan2(y, x) / 2
+
+
+def least_translation(
+    normals: Sequence[Sequence[float]], offsets: Sequence[float], weights: Sequence[float]
+) -> tuple[float, float]:
+    """Shift, metres, with the least sum of `w (n . shift + offset)^2` (step 7).
+
+    Where all normals are parallel the equations leave the motion along the lines free: of all best
+    shifts the shortest.
+    """
+    rows = list(zip(normals, offsets, weights, strict=True))
+    xx, xy, yy = (sum(w * n[i] * n[j] for n, _, w in rows) for i, j in ((0, 0), (0, 1), (1, 1)))
+    bx, by = (-sum(w * d * n[k] for n, d, w in rows) for k in (0, 1))
+    det, size = xx * yy - xy * xy, xx + yy
+    if det > SAME * size * size:
+        return (yy * bx - xy * by) / det, (xx * by - xy * bx) / det
+    return bx / size, by / size

@@ -1,0 +1,1 @@
+"""The quadtree of B and its matchers, as plain loops."""

@@ -1,0 +1,1 @@
+"""The reduction methods as A prints them: plain loops."""

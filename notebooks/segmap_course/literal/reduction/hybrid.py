@@ -1,0 +1,147 @@
+"""Hybrid (A 4.2, 5.4): a new segment against the whole map; and with Fusion now and then (A 7)."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from ..lines import SAME, Segment, extreme_projections, line_angle, segment_length
+from .fusion import fusion
+
+Found = tuple[list[Segment], list[int]]
+
+
+@dataclass
+class Wall:
+    """A segment of the map, its line in Hough space, and how many segments it stands for."""
+
+    ends: Segment
+    rho: float
+    theta: float
+    count: int = 1
+
+
+def hough(s: Segment) -> tuple[float, float]:
+    """Distance of the origin from a line, metres, and angle of its normal, in `[0, pi)` radians."""
+    theta = (line_angle(s) + math.pi / 2) % math.pi
+    x, y = (s[0][0] + s[1][0]) / 2, (s[0][1] + s[1][1]) / 2
+    return x * math.cos(theta) + y * math.sin(theta), theta
+
+
+def nearness(a: Segment, b: Segment) -> float:
+    """Least distance of an end of a from an end of b, or from b where it lies beside it; metres."""
+    found = [math.dist(p, q) for p in a for q in b]
+    size = segment_length(b)
+    dx, dy = (b[1][0] - b[0][0]) / size, (b[1][1] - b[0][1]) / size
+    for p in a:
+        if 0 <= (p[0] - b[0][0]) * dx + (p[1] - b[0][1]) * dy <= size:
+            found.append(abs((p[0] - b[0][0]) * dy - (p[1] - b[0][1]) * dx))
+    return min(found)
+
+
+def absorbing_wall(
+    walls: list[Wall], a: Segment, distance: float, angle: float
+) -> tuple[int, float, float] | None:
+    """The nearest wall whose line agrees, and the line of a by the name nearest to its; or None."""
+    rho, theta = hough(a)
+    found = []
+    for k, wall in enumerate(walls):
+        turns = round((wall.theta - theta) / math.pi)
+        r, t = rho if turns % 2 == 0 else -rho, theta + turns * math.pi
+        near = nearness(a, wall.ends)
+        if near < distance and abs(wall.rho - r) < distance and abs(wall.theta - t) < angle:
+            found.append((near, k, r, t))
+    least = min(found)[0] if found else 0.0
+    return next((entry[1:] for entry in found if entry[0] <= least + SAME), None)
+
+
+def absorb(wall: Wall, a: Segment, rho: float, theta: float) -> None:
+    """The line becomes the mean of all that the wall stands for; it spans all four end points."""
+    wall.rho = (wall.count * wall.rho + rho) / (wall.count + 1)
+    wall.theta = (wall.count * wall.theta + theta) / (wall.count + 1)
+    wall.count += 1
+    c, s = math.cos(wall.theta), math.sin(wall.theta)
+    wall.ends = extreme_projections((*wall.ends, *a), (wall.rho * c, wall.rho * s, -s, c))
+
+
+def by_scan(segments: Sequence[Segment], scans: Sequence[int]) -> list[list[int]]:
+    """The segments that have a length, scan after scan."""
+    long = [i for i, s in enumerate(segments) if segment_length(s) >= SAME]
+    return [[i for i in long if scans[i] == scan] for scan in sorted({scans[i] for i in long})]
+
+
+def take_scan(
+    walls: list[Wall],
+    parents: list[int],
+    segments: Sequence[Segment],
+    new: list[int],
+    thresholds: tuple[float, float, float | None],
+) -> None:
+    """Each new segment goes into a wall of the map, joins the map, or is dropped as too short."""
+    distance, angle, min_length = thresholds
+    for i in new:
+        found = absorbing_wall(walls, segments[i], distance, angle)
+        if found is not None:
+            parents[i] = found[0]
+            absorb(walls[found[0]], segments[i], *found[1:])
+        elif segment_length(segments[i]) >= (distance if min_length is None else min_length):
+            parents[i] = len(walls)
+            walls.append(Wall(segments[i], *hough(segments[i])))
+
+
+def hybrid(
+    segments: Sequence[Segment],
+    scans: Sequence[int],
+    *,
+    distance: float = 0.20,
+    angle: float = math.pi / 18,
+    min_length: float | None = None,
+) -> Found:
+    """Scan after scan into the map; `min_length` None is `distance`."""
+    walls: list[Wall] = []
+    parents = [-1] * len(segments)
+    for new in by_scan(segments, scans):
+        take_scan(walls, parents, segments, new, (distance, angle, min_length))
+    return [wall.ends for wall in walls], parents
+
+
+def hybrid_fusion(
+    segments: Sequence[Segment],
+    scans: Sequence[int],
+    *,
+    distance: float = 0.20,
+    angle: float = math.pi / 18,
+    min_length: float | None = None,
+    tolerance: float = 0.04,
+    every: int = 50,
+) -> Found:
+    """Hybrid; Fusion of its whole map after every so many scans and after the last (A 7)."""
+    walls: list[Wall] = []
+    parents = [-1] * len(segments)
+    used = by_scan(segments, scans)
+    for done, new in enumerate(used, 1):
+        take_scan(walls, parents, segments, new, (distance, angle, min_length))
+        if done % every == 0 or done == len(used):
+            fused, into = fusion([wall.ends for wall in walls], tolerance=tolerance)
+            counts = [0] * len(fused)
+            for wall, k in zip(walls, into, strict=True):
+                counts[k] += wall.count
+            walls = [Wall(s, *hough(s), count) for s, count in zip(fused, counts, strict=True)]
+            parents = [into[k] if k >= 0 else -1 for k in parents]
+    return [wall.ends for wall in walls], parents
+
+
+def fusion_online(
+    segments: Sequence[Segment], scans: Sequence[int], *, tolerance: float = 0.04
+) -> Found:
+    """Fusion on-line (A 2.7.9): what Fusion makes of the map before and a scan, scan after scan."""
+    walls: list[Segment] = []
+    parents = [-1] * len(segments)
+    for new in by_scan(segments, scans):
+        fused, into = fusion([*walls, *(segments[i] for i in new)], tolerance=tolerance)
+        parents = [into[k] if k >= 0 else -1 for k in parents]
+        for i, k in zip(new, into[len(walls) :], strict=True):
+            parents[i] = k
+        walls = list(fused)
+    return walls, parents

@@ -1,0 +1,250 @@
+"""Least cost as one page of plain Python: the yardstick of `reduction.least_cost`.
+
+Clusters of segments merge in the order of what a merge costs: how far each member then is from the
+one segment that stands for all, what this segment invents, and what it misses.
+"""
+
+from __future__ import annotations
+
+import heapq
+import math
+from collections.abc import Sequence
+from itertools import combinations
+
+from ..lines import SAME, Line, Point, Segment, parents_of, point_to_segment, segment_length
+from ..metrics import segment_distance
+
+#: Price of a metre, distance, sine of the angle, and gap.
+Limits = tuple[float, float, float, float]
+
+#: Constants of `reduction.least_cost`.
+HARD, NEIGHBOURS, STEPS, WIDE = 2.0, 8, 6, 3.0
+#: Costs that differ by less are equal, metres: then the lower index comes first. In decimals, too.
+EQUAL, DECIMALS = 1e-12, 12
+
+
+def least_cost(
+    segments: Sequence[Segment],
+    *,
+    penalty: float = 0.05,
+    distance: float = 0.05,
+    angle: float = math.radians(5),
+    gap: float = 0.05,
+) -> tuple[list[Segment], list[int]]:
+    """Reduced segments, and the index of the output that each of the inputs went into.
+
+    Examples
+    --------
+    >>> wall = [((0, 0), (2, 0)), ((1, 0.01), (3, 0.01)), ((0, 1), (2, 1))]
+    >>> least_cost(wall)[1]
+    [0, 0, 1]
+    """
+    limits = max(0.25, penalty / distance / 40), distance, math.sin(angle), gap
+    members = {i: [i] for i, s in enumerate(segments) if segment_length(s) >= SAME}
+    drawn = {i: segments[i] for i in members}
+    cost = dict.fromkeys(members, 0.0)
+    version = dict.fromkeys(members, 0)
+    near = neighbour_sets(drawn, penalty, distance, gap)
+    heap: list[tuple[float, int, int, int, int, bool]] = []
+
+    def estimate(a: int, b: int) -> None:  # step 3
+        q = estimated(segments, members, drawn, cost, a, b, gap)
+        if q <= WIDE * penalty:
+            key = round(max(q, 0.0) / WIDE, DECIMALS)
+            heapq.heappush(heap, (key, a, b, version[a], version[b], False))
+
+    for a, others in near.items():
+        for b in others:
+            if a < b:
+                estimate(a, b)
+    while heap:  # step 4
+        _, a, b, of_a, of_b, exact = heapq.heappop(heap)
+        if version.get(a) != of_a or version.get(b) != of_b:
+            continue
+        before = cost[a] + cost[b]
+        both = [segments[i] for i in members[a] + members[b]]
+        segment, found = fit(both, drawn[a], drawn[b], before + WIDE * penalty, limits)
+        delta = round(found - before, DECIMALS) if found < math.inf else math.inf
+        if not exact:
+            if delta > penalty:
+                continue
+            if heap and delta > heap[0][0]:
+                heapq.heappush(heap, (delta, a, b, of_a, of_b, True))
+                continue
+        members[a] += members.pop(b)
+        drawn[a], cost[a], version[a] = segment, found, of_a + 1
+        del version[b], drawn[b], cost[b]
+        near[a] = (near[a] | near.pop(b)) - {a, b}
+        for c in near[a]:
+            near[c] = (near[c] - {b}) | {a}
+            estimate(min(a, c), max(a, c))
+    order = sorted(members, key=lambda a: min(members[a]))
+    return [drawn[a] for a in order], parents_of((members[a] for a in order), len(segments))
+
+
+def neighbour_sets(
+    segments: dict[int, Segment], penalty: float, distance: float, gap: float
+) -> dict[int, set[int]]:
+    """Step 1: pairs nearer than the reach that are among the nearest of one of them."""
+    reach = min(max(penalty / 0.3, gap), 2 * distance)
+    costs: dict[int, list[tuple[float, int, int]]] = {i: [] for i in segments}
+    for i, j in combinations(segments, 2):
+        if segments_apart(segments[i], segments[j]) <= reach:
+            d = round(segment_distance(segments[i], segments[j]), DECIMALS)
+            costs[i].append((d, i, j))
+            costs[j].append((d, i, j))
+    near: dict[int, set[int]] = {i: set() for i in costs}
+    for pairs in costs.values():
+        for _, i, j in sorted(pairs)[:NEIGHBOURS]:
+            near[i].add(j)
+            near[j].add(i)
+    return near
+
+
+def estimated(
+    segments: Sequence[Segment],
+    members: dict[int, list[int]],
+    drawn: dict[int, Segment],
+    cost: dict[int, float],
+    a: int,
+    b: int,
+    gap: float,
+) -> float:
+    """Step 3: what it costs to draw the larger cluster's segment out over the smaller one's."""
+    longer = b if is_longer(drawn[b], drawn[a]) else a
+    low_a, high_a = span_on(drawn[longer], drawn[a])
+    low_b, high_b = span_on(drawn[longer], drawn[b])
+    if max(low_a, low_b) - min(high_a, high_b) > gap:
+        return math.inf
+    more = len(members[b]) - len(members[a])
+    larger = more > 0 or (more == 0 and is_longer(drawn[b], drawn[a]))
+    big, small = (b, a) if larger else (a, b)
+    x, y, dx, dy = line_of(drawn[big])
+    out = spanning(x, y, math.atan2(dy, dx), [*drawn[a], *drawn[b]])
+    return sum(segment_distance(segments[i], out) for i in members[small]) - cost[small]
+
+
+def fit(
+    members: Sequence[Segment], of_a: Segment, of_b: Segment, most: float, limits: Limits
+) -> tuple[Segment, float]:
+    """Step 5: the segment of least cost for all members, and its cost; `inf` from `most` on."""
+    ends = [p for s in members for p in s]
+    longer = of_b if is_longer(of_b, of_a) else of_a
+    best, at = most, None
+    for x, y, theta in (total_least_squares(members), middle_line(longer)):
+        found = cost_of(members, spanning(x, y, theta, ends), limits, best)
+        if found < best - (EQUAL if at else 0.0):
+            best, at = found, (x, y, theta)
+    if at is None:
+        return of_a, math.inf
+    (x, y, theta), offset = at, 0.0
+    shift = 0.2 * limits[1]
+    whole = segment_length(line_at(x, y, theta, offset, ends))
+    turn = min(0.1, 4 * shift / max(whole, 2 * shift))
+    for _ in range(STEPS):
+        moves = ((turn, 0.0), (-turn, 0.0), (0.0, shift), (0.0, -shift))
+        better = None
+        for d_theta, d_offset in moves:
+            line = line_at(x, y, theta + d_theta, offset + d_offset, ends)
+            found = cost_of(members, line, limits)
+            if found < best - EQUAL:
+                best, better = found, (theta + d_theta, offset + d_offset)
+        if better:
+            theta, offset = better
+        else:
+            turn, shift = turn / 2, shift / 2
+    return line_at(x, y, theta, offset, ends), best
+
+
+def cost_of(
+    members: Sequence[Segment], line: Segment, limits: Limits, most: float = math.inf
+) -> float:
+    """Cost of one segment for its members: distances, metres missed and metres invented."""
+    price, distance, sine, gap = limits
+    x, y, dx, dy = line_of(line)
+    total, kept = 0.0, []
+    for s in members:
+        off = max(abs((px - x) * dy - (py - y) * dx) for px, py in s)
+        if off > HARD * distance:
+            return math.inf
+        total += segment_distance(s, line)
+        _, _, ex, ey = line_of(s)
+        if off > distance or abs(dx * ey - dy * ex) > sine:
+            total += price * segment_length(s)
+        else:
+            kept.append(span_on(line, s))
+    total += price * invented(kept, segment_length(line), gap)
+    return total if total < most else math.inf
+
+
+def invented(spans: list[tuple[float, float]], whole: float, gap: float) -> float:
+    """Metres of a segment in gaps longer than `gap` between the members that it keeps."""
+    reached, metres = 0.0, 0.0
+    for low, high in [*sorted(spans), (whole, whole)]:
+        if not spans or low - reached > gap:
+            metres += low - reached
+        reached = max(reached, high)
+    return metres
+
+
+def total_least_squares(members: Sequence[Segment]) -> tuple[float, float, float]:
+    """Centre and angle of the line that lies nearest to all the material of the members."""
+    w, cx, cy, xx, xy, yy = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    for s in members:
+        n, ((x0, y0), (x1, y1)) = segment_length(s), s
+        mx, my, dx, dy = (x0 + x1) / 2 - cx, (y0 + y1) / 2 - cy, x1 - x0, y1 - y0
+        part = w * n / (w + n)
+        xx, xy = xx + n * dx * dx / 12 + part * mx * mx, xy + n * dx * dy / 12 + part * mx * my
+        yy += n * dy * dy / 12 + part * my * my
+        w, cx, cy = w + n, cx + n / (w + n) * mx, cy + n / (w + n) * my
+    return cx, cy, math.atan2(2 * xy, xx - yy) / 2
+
+
+def middle_line(s: Segment) -> tuple[float, float, float]:
+    """Middle of a segment, and its angle."""
+    (x0, y0), (x1, y1) = s
+    return (x0 + x1) / 2, (y0 + y1) / 2, math.atan2(y1 - y0, x1 - x0)
+
+
+def line_at(x: float, y: float, theta: float, offset: float, ends: Sequence[Point]) -> Segment:
+    """The span of all end points on a line that is shifted across by `offset`."""
+    return spanning(x - offset * math.sin(theta), y + offset * math.cos(theta), theta, ends)
+
+
+def spanning(x: float, y: float, theta: float, ends: Sequence[Point]) -> Segment:
+    """The segment through (x, y) at the angle `theta` that spans the projections of points."""
+    dx, dy = math.cos(theta), math.sin(theta)
+    along = [(px - x) * dx + (py - y) * dy for px, py in ends]
+    low, high = min(along), max(along)
+    return (x + low * dx, y + low * dy), (x + high * dx, y + high * dy)
+
+
+def is_longer(u: Segment, v: Segment) -> bool:
+    """Whether a segment is longer than another."""
+    return segment_length(u) > segment_length(v) + SAME
+
+
+def line_of(s: Segment) -> Line:
+    """First end point of a segment, and its unit direction."""
+    (x0, y0), (x1, y1) = s
+    n = segment_length(s)
+    return x0, y0, (x1 - x0) / n, (y1 - y0) / n
+
+
+def span_on(line: Segment, s: Segment) -> tuple[float, float]:
+    """Low and high projection of a segment on another, from its first end point on."""
+    x, y, dx, dy = line_of(line)
+    u = [(px - x) * dx + (py - y) * dy for px, py in s]
+    return min(u), max(u)
+
+
+def segments_apart(u: Segment, v: Segment) -> float:
+    """Smallest distance between two segments, 0 where they cross."""
+
+    def side(s: Segment, p: Point) -> float:
+        (x, y), (ex, ey) = s
+        return (ex - x) * (p[1] - y) - (ey - y) * (p[0] - x)
+
+    if side(u, v[0]) * side(u, v[1]) < 0 and side(v, u[0]) * side(v, u[1]) < 0:
+        return 0.0
+    return min(*(point_to_segment(p, v) for p in u), *(point_to_segment(p, u) for p in v))

@@ -1,0 +1,38 @@
+"""Lesson panels: one method, its controls and what they change."""
+
+from ._alignment import (
+    AnglePanel,
+    BackbonePanel,
+    GroundTruthPanel,
+)
+from ._graphs import (
+    IcpPanel,
+    PoseGraphPanel,
+)
+from ._matching import (
+    LandscapePanel,
+    MatcherPanel,
+)
+from ._quadtree import (
+    ClassesPanel,
+    RayPanel,
+    insert_variant,
+)
+from ._reduction import (
+    BasicPanel,
+    FusionPanel,
+    HybridPanel,
+    MeanShiftPanel,
+)
+from ._scans import (
+    ClusterPanel,
+    DistancePanel,
+    PolylinePanel,
+    RoomPanel,
+)
+from ._surveyed import (
+    ChainPanel,
+    LeastCostPanel,
+    SectorPanel,
+    WeightedPanel,
+)

@@ -1,0 +1,289 @@
+"""Angle correspondence (A 2.5.1, 3.3.1): how two scans lie, from their walls alone.
+
+An angle between two walls of one scan is laid on a similar angle of the other; every such guess is
+judged by the length of wall on which both scans then agree. No odometry is needed (Amigoni,
+Gasparini and Gini 2006).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ... import arrays
+from ...arrays import Array, Segments
+from ...extraction import extract_polylines
+from ...kernels import Rule
+from ...poses import compose, transform
+from ...reduction import polyline
+from ...scans import Log
+from ...segments import SegmentMap, length, point_distance
+from .._result import Match, Outcome, Trail, alignment_method, no_match
+from . import _kernels as kernels
+from ._scenes import AngleSearch, Candidate, Heuristic, Scene, corners, match_rule, scene
+
+
+def angle_candidates(
+    reference_segments: Segments,
+    current_segments: Segments,
+    *,
+    rng: np.random.Generator,
+    heuristic: Heuristic = "all",
+    distance: float = 0.05,
+    far: float = 0.10,
+    long: float = 0.30,
+    whole: bool = False,
+    min_length: float = 0.10,
+    most_pairs: int = 50,
+    penalty: float = 4.0,
+    viewpoints: tuple[ArrayLike | None, ArrayLike | None] = (None, None),
+    search: AngleSearch = AngleSearch(),
+) -> list[Candidate]:
+    """Guesses of how one set of segments lies on another, best first (A 3.3.1, steps 1 and 2).
+
+    Each is refined by least squares on the offsets and angles of the segments that it matches.
+
+    Parameters
+    ----------
+    reference_segments, current_segments : SegmentMap or (n, 2, 2) array, metres
+        In the order of the beams, each in its own frame.
+    rng : numpy.random.Generator
+        Draws the pairs of the heuristic "random".
+    heuristic : "all", "consecutive", "random" or "perpendicular"
+        Which pairs of segments are tried as corners.
+    distance, far, long, whole
+        As in `match_values`.
+    min_length : float, metres
+        Shorter segments are left out: their direction is noise.
+    most_pairs : int
+        Pairs drawn by chance, and perpendicular pairs, of each set.
+    penalty : float
+        What a metre of wall that one set has seen through a wall of the other counts, against a
+        metre that matches. A looks at what matches alone, which is 0.
+    viewpoints : pair of (2,) or (k, 2) array, metres, or None
+        Where each set was seen from, in its own frame. None: from the origin if its segments follow
+        each other about it as those of a scan do; else from places with all of them in sight.
+    search : AngleSearch
+
+    Returns
+    -------
+    list of Candidate
+        At most 10, each at least 0.3 m or 10 degrees from all before it.
+
+    Raises
+    ------
+    ValueError
+        For coordinates that are not finite, and thresholds out of range.
+
+    Examples
+    --------
+    >>> corner = np.array([[(0, 0), (3, 0)], [(0, 0), (0, 2)]])
+    >>> angle_candidates(corner, corner + [1, 0], rng=np.random.default_rng(1))[0]
+    Candidate(-1 m, 0 m, 0 deg: 5.00 m match, 0.00 m hidden)
+    """
+    rule = match_rule(distance, far, long, whole)
+    arrays.instance(search, "search", AngleSearch)
+    most = arrays.whole(most_pairs, "most_pairs")
+    least = arrays.number(min_length, "min_length", least=0, unit="metres")
+    arrays.number(penalty, "penalty", least=0, most=arrays.MOST)
+    if not isinstance(viewpoints, tuple | list | np.ndarray) or len(viewpoints) != 2:
+        raise ValueError(f"viewpoints must be two, each a place or None, got {viewpoints!r}")
+    given = {"reference_segments": reference_segments, "current_segments": current_segments}
+    s, t = (
+        scene(segments, name, stood, heuristic, most, least, search, arrays.generator(rng))
+        for (name, segments), stood in zip(given.items(), viewpoints, strict=True)
+    )
+    poses = _refined_poses(s, t, rule, search)
+    value, hidden = np.empty(len(poses)), kernels.hidden_lengths(poses, s, t, search.margin)
+    kernels.values(s.segments, t.segments, poses, rule, value)
+    score = value - penalty * hidden
+    outside = compose(poses, (*-t.middle, 0.0)) + [*s.middle, 0.0]
+    best = kernels.best_distinct(poses, score, search.refined, search.same)
+    columns = outside[best], *np.array([value, hidden, score])[:, best].tolist()
+    return [
+        Candidate(*row, *walls)
+        for *row, walls in zip(*columns, kernels.matched(poses[best], s, t, rule), strict=True)
+    ]
+
+
+def _refined_poses(s: Scene, t: Scene, rule: Rule, search: AngleSearch) -> Array:
+    """The most valuable distinct poses of scene t in scene s, refined, `(k, 3)`."""
+    count = len(s.segments)
+    both_ways = np.concatenate([t.pairs, t.pairs[:, ::-1]]) + count
+    rows = corners(np.concatenate([s.segments, t.segments]), np.concatenate([s.pairs, both_ways]))
+    first, second = rows[: len(s.pairs)], rows[len(s.pairs) :]
+    tried, alike = np.empty((1024, 4)), (search.similar, search.covered)
+    while (count := kernels.superpose(first, second, *alike, tried)) > len(tried):
+        tried = np.empty((count, 4))
+    tried = tried[:count]
+    best = kernels.best_distinct(tried, tried[:, 3], search.tried, search.near)
+    poses, worth = tried[best, :3].copy(), np.empty(len(best))
+    kernels.values(s.segments, t.segments, poses, rule, worth)
+    poses = poses[kernels.best_distinct(poses, worth, search.refined, search.same)]
+    room = np.empty((2 * len(s.segments) * len(t.segments), 5))
+    for pose in poses:
+        kernels.refine(s.segments, t.segments, pose, search.rounds, rule, room)
+    return poses
+
+
+def match_angles(
+    reference_segments: Segments,
+    current_segments: Segments,
+    *,
+    rng: np.random.Generator,
+    least_share: float = 0.40,
+    least_across: float = 0.25,
+    rival: float = 0.88,
+    search: AngleSearch = AngleSearch(),
+    **options: Any,
+) -> Match:
+    """How one scan lies on another, from their walls alone and from any start (A 3.3.1).
+
+    Parameters
+    ----------
+    reference_segments, current_segments : SegmentMap or (n, 2, 2) array, metres
+        In the order of the beams, each in its own frame.
+    rng : numpy.random.Generator
+    least_share : float
+        The best candidate must score this share of the shorter set's length where three walls
+        match; times 3/2 where only two do, for a corner of two walls is found in any building;
+        times 3/4 where four or more do. Of two scans that overlap by half, a good half is matched.
+    least_across : float, metres
+        Length of matched wall that must stand across the direction in which most of it runs, lest
+        noise decide the place along a corridor.
+    rival : float
+        Where another candidate scores more than this share of the best, nothing is claimed.
+    search, **options
+        As in `angle_candidates`.
+
+    Returns
+    -------
+    Match
+        Pose of the current scan in the frame of the reference; "no match" rather than a bad one.
+
+    Raises
+    ------
+    ValueError
+        As in `angle_candidates`, and where a share is not positive.
+
+    Examples
+    --------
+    >>> walls = [[(0, 0), (3, 0)], [(3, 0), (3, 2)], [(1, 2.5), (0, 2)]]
+    >>> match_angles(walls, np.array(walls) + [1, 0], rng=np.random.default_rng(1))
+    Match(-1 m, 0 m, 0 deg, overlap 1.00)
+    >>> square = [[(0, 0), (2, 0)], [(2, 0), (2, 2)], [(2, 2), (0, 2)], [(0, 2), (0, 0)]]
+    >>> match_angles(square, square, rng=np.random.default_rng(1))
+    Match(none: another place fits nearly as well)
+    """
+    arrays.positive(least_share=least_share, least_across=least_across, rival=rival)
+    given = (reference_segments, current_segments)
+    found = angle_candidates(*given, rng=rng, search=search, **options)
+    sizes = [float(length(arrays.segments(segments)).sum()) for segments in given]
+    if doubt := _doubt(found, least_share * min(sizes), least_across, rival, search.enough_walls):
+        return no_match(np.zeros(3), doubt)
+    overlap = min(1.0, found[0].value / sizes[1])
+    return Match(found[0].pose, found[0].covariance(search.sigma), True, overlap=overlap)
+
+
+@alignment_method
+def angle_correspondence(
+    log: Log,
+    *,
+    rng: np.random.Generator | None = None,
+    new_reference: float = 0.60,
+    extract: Callable[..., Array] = extract_polylines,
+    grow: bool = False,
+    **thresholds: Any,
+) -> Outcome:
+    """Poses from angle correspondences between scans, without any odometry (A 2.5.1, 3.3.1).
+
+    Each scan is matched to a reference scan, and where they share too little to the scan just
+    before it, the next reference: errors add up from reference to reference, not from scan to
+    scan. Where nothing matches the log's odometry carries the pose on. With `grow` each scan is
+    matched to the map of all before it, in which chains of segments that match are polylines
+    (A 3.3.1, step 3). Only a scan has a place from which it tells what hides what: in a symmetric
+    room the wrong side of the map fits as well.
+
+    Parameters
+    ----------
+    log : Log
+    rng : numpy.random.Generator or None
+        Draws pairs of segments; None: a fixed seed, so that equal logs give equal poses.
+    new_reference : float
+        Where less than this share of a scan is matched another reference is taken.
+    extract : function
+        `extract(points) -> (n, 2, 2)` segments of one scan, metres, in the frame of the robot.
+    grow : bool
+        Match with a map that grows; `new_reference` is not used then.
+    **thresholds
+        Handed to `match_angles`.
+
+    Returns
+    -------
+    Alignment
+
+    Raises
+    ------
+    ValueError
+        As in `match_angles`.
+
+    Examples
+    --------
+    >>> from segmap import load
+    >>> angle_correspondence(load("room")[:20])
+    Alignment(angle_correspondence: 20 scans, 20 used)
+    """
+    arrays.positive(new_reference=new_reference)
+    arrays.function(extract, "extract", "of points")
+    chance, trail = np.random.default_rng(0) if rng is None else rng, Trail(log)
+    seen = [(extract(scan.points()), scan.sensor_pose[:2]) for scan in log]
+    if arrays.switch(grow, "grow"):
+        return _on_a_growing_map(trail, [walls for walls, _ in seen], chance, thresholds)
+    reference = 0
+    for k in range(1, len(log)):
+        for known in dict.fromkeys((reference, k - 1)):
+            sets, stood = zip(seen[known], seen[k], strict=True)
+            match = match_angles(*sets, rng=chance, viewpoints=stood, **thresholds)
+            if match.matched and (known == k - 1 or match.overlap >= new_reference):
+                trail.place(compose(trail.poses[known], match.pose))
+                reference = known
+                break
+        else:
+            trail.carry(match.reason)
+    return trail.outcome()
+
+
+def _on_a_growing_map(
+    trail: Trail, seen: list[Array], rng: np.random.Generator, thresholds: dict[str, Any]
+) -> Outcome:
+    """A 3.3.1, step 3: the segments of each scan, (n, 2, 2) arrays, metres, on those before it."""
+    rule = {name: thresholds[name] for name in ("distance", "far", "long") if name in thresholds}
+    grown = transform(trail.poses[0], seen[0]) if seen else np.empty((0, 2, 2))
+    for walls in seen[1:]:
+        reach = 1.5 * np.hypot(*walls.reshape(-1, 2).T).max(initial=0.0)  # the scan's, and some
+        near = grown[point_distance(trail.poses[-1][:2], grown) <= reach]
+        match = match_angles(near, walls, rng=rng, **{"penalty": 0.0} | thresholds)
+        if not match.matched:
+            trail.carry(match.reason)
+            continue
+        trail.place(match.pose)
+        both = np.concatenate([grown, transform(match.pose, walls)])
+        grown = polyline(SegmentMap(both, np.arange(len(both)) >= len(grown)), **rule).segments
+    return trail.outcome()
+
+
+def _doubt(found: list[Candidate], least: float, across: float, rival: float, enough: int) -> str:
+    """Why the best of the candidates is not to be believed; empty where it is."""
+    if not found:
+        return "no two walls of one stand at an angle that the other has too"
+    best, second = found[0], found[1].score if len(found) > 1 else -np.inf
+    if best.score < least * 3 / min(max(best.walls, 1), enough):
+        return "too little of the walls matches"
+    if second > rival * best.score:
+        return "another place fits nearly as well"
+    if best.wall_across() < across:
+        return "too little wall fixes the motion along the others"
+    return ""

@@ -1,0 +1,278 @@
+"""The loops of angle correspondence: corners laid on each other, match values, and what is hidden.
+
+A *corner* is a row of 10 numbers for two segments i, j that are not parallel: where their lines
+meet (x, y), the direction of i, the turn from i to j in (0, pi), between which distances from the
+meeting point i lies along its direction and j along its own, and the lengths of both. Segments are
+`(n, 2, 2)` arrays in metres; `a` describes s and `b` describes t, `(n, 5)` each.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...arrays import Array
+from ...compiled import compiled
+from ...kernels import Rule, describe, match_value
+from ...poses import transform
+
+if TYPE_CHECKING:
+    from ._scenes import Scene
+
+#: A pivot of less than this share of the whole is rounding.
+SINGULAR = 1e-9
+
+
+@compiled
+def superpose(first: Array, second: Array, angle: float, share: float, found: Array) -> int:
+    """Poses that superpose similar corners, and by how many metres of wall: rows of `found`.
+
+    Both walls of the one must cover those of the other by a share of the shorter; the longer walls
+    decide the turn (A 3.3.1). Returns how many there are; those beyond the last row are not
+    written.
+    """
+    count = 0
+    for i in range(len(first)):
+        for j in range(len(second)):
+            a, b = first[i], second[j]
+            if abs(a[3] - b[3]) > angle:
+                continue
+            at_i, at_j = min(a[8], b[8]), min(a[9], b[9])
+            turn = at_j * at_j / (at_i * at_i + at_j * at_j) * (a[3] - b[3])
+            for way in range(2):  # a line has no direction: half a turn more is as good
+                if way == 0:
+                    on_i = min(a[5], b[5]) - max(a[4], b[4])
+                    on_j = min(a[7], b[7]) - max(a[6], b[6])
+                else:
+                    on_i = min(a[5], -b[4]) - max(a[4], -b[5])
+                    on_j = min(a[7], -b[6]) - max(a[6], -b[7])
+                if on_i < share * at_i or on_j < share * at_j:
+                    continue
+                if count < len(found):
+                    heading = a[2] - b[2] + turn + way * np.pi
+                    c, s = np.cos(heading), np.sin(heading)
+                    found[count, 0] = a[0] - c * b[0] + s * b[1]
+                    found[count, 1] = a[1] - s * b[0] - c * b[1]
+                    found[count, 2] = heading
+                    found[count, 3] = on_i + on_j
+                count += 1
+    return count
+
+
+@compiled
+def distinct(
+    poses: Array, order: NDArray[np.int64], place: float, turn: float, chosen: NDArray[np.int64]
+) -> int:
+    """Write the indices of poses unlike all before them in an order; return how many.
+
+    Two poses are alike within `place` metres and `turn` radians; no more than `chosen` holds.
+    """
+    count = 0
+    for k in order:
+        new = True
+        for n in range(count):
+            c = chosen[n]
+            dx, dy = poses[k, 0] - poses[c, 0], poses[k, 1] - poses[c, 1]
+            around = abs((poses[k, 2] - poses[c, 2] + np.pi) % (2 * np.pi) - np.pi)
+            new = new and (dx * dx + dy * dy > place * place or around > turn)
+        if new:
+            chosen[count] = k
+            count += 1
+        if count == len(chosen):
+            break
+    return count
+
+
+@compiled
+def moved(s: Array, x: float, y: float, heading: float) -> Array:
+    """Segments `(n, 2, 2)`, metres, carried by a pose, metres and radians."""
+    out, c, z = np.empty_like(s), np.cos(heading), np.sin(heading)
+    for i in range(len(s)):
+        for k in range(2):
+            out[i, k, 0] = x + c * s[i, k, 0] - z * s[i, k, 1]
+            out[i, k, 1] = y + z * s[i, k, 0] + c * s[i, k, 1]
+    return out
+
+
+@compiled
+def fill_values(s: Array, a: Array, t: Array, rule: Rule, found: Array) -> float:
+    """Write the match value of every pair, metres, to `found`, (n, m) array; return their sum."""
+    b, total = describe(t), 0.0
+    for i in range(len(s)):
+        for j in range(len(t)):
+            found[i, j] = match_value(s, a, i, t, b, j, rule)
+            total += found[i, j]
+    return total
+
+
+@compiled
+def values(s: Array, t: Array, poses: Array, rule: Rule, found: Array) -> None:
+    """Value of each pose `(k, 3)` of t in the frame of s, metres: the sum of match values."""
+    a, pairs = describe(s), np.empty((len(s), len(t)))
+    for k in range(len(poses)):
+        there = moved(t, poses[k, 0], poses[k, 1], poses[k, 2])
+        found[k] = fill_values(s, a, there, rule, pairs)
+
+
+@compiled
+def constraints(s: Array, a: Array, t: Array, value: Array, rows: Array) -> int:
+    """What matched segments say of a small motion of t: both ends of each common part.
+
+    A row, of 5, holds the normal of the segment of s, the lever of a turn about the origin, the
+    offset (metres) that the motion should undo, and the match value (metres) as its weight. Returns
+    how many rows it wrote: two for each `value` above 0, (n, m) array, metres.
+    """
+    count = 0
+    for i in range(len(s)):
+        x, y, dx, dy, size = s[i, 0, 0], s[i, 0, 1], a[i, 2], a[i, 3], 2 * a[i, 4]
+        for j in range(len(t)):
+            if value[i, j] <= 0:
+                continue
+            low = (t[j, 0, 0] - x) * dx + (t[j, 0, 1] - y) * dy
+            high = (t[j, 1, 0] - x) * dx + (t[j, 1, 1] - y) * dy
+            for k in range(2):
+                part = (min(max(high if k else low, 0.0), size) - low) / (high - low)
+                px = t[j, 0, 0] + part * (t[j, 1, 0] - t[j, 0, 0])
+                py = t[j, 0, 1] + part * (t[j, 1, 1] - t[j, 0, 1])
+                rows[count, 0], rows[count, 1], rows[count, 2] = -dy, dx, px * dx + py * dy
+                rows[count, 3], rows[count, 4] = (py - y) * dx - (px - x) * dy, value[i, j]
+                count += 1
+    return count
+
+
+@compiled
+def _least_move(rows: Array, count: int) -> tuple[float, float, float]:
+    """Small motion x, y, turn that undoes the offsets of so many `constraints`, by least squares.
+
+    Metres and radians; 0 where they do not fix it.
+    """
+    xx = xy = xt = xo = yy = yt = yo = tt = to = 0.0
+    for k in range(count):
+        x, y, t, off, weight = rows[k, 0], rows[k, 1], rows[k, 2], rows[k, 3], rows[k, 4]
+        xx, xy, xt, xo = (
+            xx + weight * x * x,
+            xy + weight * x * y,
+            xt + weight * x * t,
+            xo + weight * x * off,
+        )
+        yy, yt, yo = yy + weight * y * y, yt + weight * y * t, yo + weight * y * off
+        tt, to = tt + weight * t * t, to + weight * t * off
+    least = SINGULAR * (xx + yy + tt)
+    if xx <= least:
+        return 0.0, 0.0, 0.0
+    yy, yt, yo = yy - xy / xx * xy, yt - xy / xx * xt, yo - xy / xx * xo
+    tt, to = tt - xt / xx * xt, to - xt / xx * xo
+    if yy <= least:
+        return 0.0, 0.0, 0.0
+    tt, to = tt - yt / yy * yt, to - yt / yy * yo
+    if tt <= least:
+        return 0.0, 0.0, 0.0
+    turn = -to / tt
+    dy = -(yo + yt * turn) / yy
+    return -(xo + xt * turn + xy * dy) / xx, dy, turn
+
+
+@compiled
+def refine(s: Array, t: Array, pose: Array, rounds: int, rule: Rule, rows: Array) -> None:
+    """Move a pose of t in the frame of s, (3,) array, metres and radians, until matches lie on it.
+
+    By weighted least squares on the `constraints`, where that gains value. `rows` is room for
+    these, (2 n m, 5) array.
+    """
+    a, value = describe(s), np.empty((len(s), len(t)))
+    x, y, heading = pose[0], pose[1], pose[2]
+    before = worth = 0.0
+    for k in range(rounds + 1):
+        there = moved(t, x, y, heading)
+        worth = fill_values(s, a, there, rule, value)
+        if k == 0:
+            before = worth
+        if k < rounds:
+            dx, dy, turn = _least_move(rows, constraints(s, a, there, value, rows))
+            c, d = np.cos(turn), np.sin(turn)
+            x, y, heading = dx + c * x - d * y, dy + d * x + c * y, heading + turn
+    if worth >= before:
+        pose[0], pose[1], pose[2] = x, y, heading
+
+
+@compiled
+def _is_hidden(px: float, py: float, x: float, y: float, walls: Array, margin: float) -> bool:
+    """Whether a wall stands between (px, py) and (x, y), clear of both and not by its end only.
+
+    Walls `(n, 2, 2)`, metres; one whose line passes within `margin` metres of (x, y) hides nothing.
+    """
+    reach = np.hypot(x - px, y - py)
+    if reach <= margin:
+        return False
+    dx, dy = (x - px) / reach, (y - py) / reach
+    for k in range(len(walls)):
+        x0, y0, x1, y1 = walls[k, 0, 0], walls[k, 0, 1], walls[k, 1, 0], walls[k, 1, 1]
+        a, b = dx * (y0 - py) - dy * (x0 - px), dx * (y1 - py) - dy * (x1 - px)
+        if a * b >= 0:
+            continue
+        wx, wy = x1 - x0, y1 - y0
+        size, part = np.hypot(wx, wy), a / (a - b)
+        ahead = dx * (x0 + part * wx - px) + dy * (y0 + part * wy - py)
+        off = abs((x - x0) * wy - (y - y0) * wx) / size
+        clear = margin / 3 < ahead < reach and off > margin
+        if clear and min(part, 1 - part) * size > margin / 3:
+            return True
+    return False
+
+
+@compiled
+def hidden(px: float, py: float, s: Array, walls: Array, margin: float, most: float) -> float:
+    """Length of segments, metres, that walls hide from (px, py); it stops counting above `most`.
+
+    Segments `(n, 2, 2)` and walls `(m, 2, 2)`, metres, in one frame; five points of each segment
+    are looked at.
+    """
+    lost = 0.0
+    for i in range(len(s)):
+        wx, wy = s[i, 1, 0] - s[i, 0, 0], s[i, 1, 1] - s[i, 0, 1]
+        for k in range(5):
+            part = (k + 0.5) / 5
+            if _is_hidden(px, py, s[i, 0, 0] + part * wx, s[i, 0, 1] + part * wy, walls, margin):
+                lost += np.hypot(wx, wy) / 5
+        if lost > most:
+            break
+    return lost
+
+
+def best_distinct(
+    poses: Array, worth: Array, most: int, near: tuple[float, float]
+) -> NDArray[np.int64]:
+    """Indices of at most so many of the best poses, best first, each unlike all before it."""
+    chosen = np.empty(most, np.int64)
+    return chosen[: distinct(poses, np.argsort(-worth, kind="stable"), *near, chosen)]
+
+
+def hidden_lengths(poses: Array, s: Scene, t: Scene, margin: float) -> Array:
+    """Length of wall, (k,) array, metres, that one scene has seen through a wall of the other."""
+    found, stood = np.zeros(len(poses)), transform(poses, t.places)
+    for k, pose in enumerate(poses):
+        there = moved(t.segments, *pose)
+        looks = ((s.places, s.segments, there), (stood[k], there, s.segments))
+        for places, segments, walls in looks:
+            least = np.inf  # from the best of the places
+            for x, y in places:
+                least = min(least, hidden(x, y, segments, walls, margin, least))
+            found[k] += least
+    return found
+
+
+def matched(poses: Array, s: Scene, t: Scene, rule: Rule) -> list[tuple[int, Array]]:
+    """For each pose how many walls match, and the constraints about where the current frame is."""
+    found, described = [], describe(s.segments)
+    value = np.empty((len(s.segments), len(t.segments)))
+    for pose, (x, y) in zip(poses, transform(poses, -t.middle[None])[:, 0], strict=True):
+        there = moved(t.segments, *pose)
+        fill_values(s.segments, described, there, rule, value)
+        some = value > 0
+        rows = np.empty((2 * np.count_nonzero(some), 5))
+        constraints(s.segments, described, there, value, rows)
+        rows[:, 2] -= rows[:, 1] * x - rows[:, 0] * y
+        found.append((int(min(some.any(0).sum(), some.any(1).sum())), rows))
+    return found

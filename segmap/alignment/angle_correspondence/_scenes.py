@@ -1,0 +1,300 @@
+"""What angle correspondence looks at: pairs of walls, viewpoints, and values of matches.
+
+The three heuristics of A 3.3.1 choose the pairs. Viewpoints are where the sensor may have stood:
+all that it saw must be in sight from there.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal, NamedTuple, get_args
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ... import arrays
+from ...angles import axial_difference, wrap
+from ...arrays import Array, Segments, Settings
+from ...kernels import Rule, describe
+from ...segments import MIN_LENGTH, angle, length, midpoint
+from . import _kernels as kernels
+
+Heuristic = Literal["all", "consecutive", "random", "perpendicular"]
+
+
+@dataclass(frozen=True)
+class AngleSearch(Settings):
+    """How angle correspondence looks for candidates.
+
+    Parameters
+    ----------
+    parallel, right : float, radians
+        Lines nearer to parallel meet too far away; pairs nearer to upright are perpendicular.
+    similar : float, radians
+        The angles of two corners differ by less: a wall of 0.3 m seen with 10 mm of noise leans by
+        3 degrees.
+    covered : float
+        Share of the shorter wall that the other one must cover, for both walls of two corners.
+    near, same : (float, float), metres and radians
+        Of guesses this near the one with the longest walls is judged; candidates this near are one.
+    tried, refined, rounds : int
+        Guesses that are judged; those of them that are refined; least-squares steps of each.
+    margin : float, metres
+        What stands so near to a wall does not hide it: noise, and the far end of a corner.
+    overtaken : float, radians
+        By noise a segment may begin so much before the one that it follows ends.
+    walls, places : int
+        Longest segments that viewpoints are looked for among, and viewpoints kept.
+    enough_walls : int
+        As many matched walls, or more, are all the evidence that can be asked for.
+    sigma : float, metres
+        Least standard deviation of an end point that a covariance rests on.
+    """
+
+    parallel: float = np.radians(20)
+    right: float = np.radians(8)
+    similar: float = np.radians(8)
+    covered: float = 0.3
+    near: tuple[float, float] = (0.1, np.radians(3))
+    same: tuple[float, float] = (0.3, np.radians(10))
+    tried: int = 150
+    refined: int = 10
+    rounds: int = 4
+    margin: float = 0.10
+    overtaken: float = np.radians(2)
+    walls: int = 8
+    places: int = 3
+    enough_walls: int = 4
+    sigma: float = 0.01
+
+
+class Candidate(NamedTuple):
+    """A guess of how two sets of segments lie, and what speaks for it.
+
+    Parameters
+    ----------
+    pose : (3,) array, metres and radians
+        Of the current set in the frame of the reference.
+    value : float, metres
+        Sum of the match values (A 3.3.1, step 2): the length on which both agree.
+    hidden : float, metres
+        Length of wall that one has seen through a wall of the other.
+    score : float, metres
+        Value less the penalty for what is hidden; candidates are ranked by it.
+    walls : int
+        Segments of one set that found a partner in the other; of both numbers the smaller.
+    constraints : (k, 5) array
+        For both ends of the common part of each two matched segments: normal, lever of a turn,
+        offset left, match value (metres).
+    """
+
+    pose: Array
+    value: float
+    hidden: float
+    score: float
+    walls: int
+    constraints: Array
+
+    def __repr__(self) -> str:
+        x, y, heading = self.pose.round(3) + 0.0
+        turn = float(np.degrees(heading).round(1))
+        where = f"{x:g} m, {y:g} m, {turn:g} deg"
+        return f"Candidate({where}: {self.value:.2f} m match, {self.hidden:.2f} m hidden)"
+
+    def wall_across(self) -> float:
+        """Length of matched wall, metres, across the direction that is fixed least."""
+        normals, weight = self.constraints[:, :2], self.constraints[:, 4] / 2
+        return float(np.linalg.eigvalsh((normals.T * weight) @ normals)[0])
+
+    def covariance(self, least: float) -> Array:
+        """Covariance `(3, 3)` of the pose from the offsets left, at least so many metres each."""
+        rows = self.constraints
+        sigma = max(least, float(np.sqrt(np.mean(rows[:, 3] ** 2))))
+        return np.asarray(sigma**2 * np.linalg.inv(rows[:, :3].T @ rows[:, :3]), float)
+
+
+class Scene(NamedTuple):
+    """One set of segments, ready to be matched: about its own middle, `(2,)`, metres."""
+
+    middle: Array
+    segments: Array
+    pairs: NDArray[np.int64]
+    places: Array
+
+
+def scene(
+    value: Segments,
+    name: str,
+    viewpoint: ArrayLike | None,
+    heuristic: Heuristic,
+    most: int,
+    least: float,
+    search: AngleSearch,
+    rng: np.random.Generator,
+) -> Scene:
+    """Segments of at least `least` metres, the pairs to try and the places that see them.
+
+    Segments `(n, 2, 2)` and places `(k, 2)`, metres, about the middle of the segments. The
+    viewpoint, (2,) or (k, 2) array in the frame of the value, is its origin where none is given and
+    it looks like one scan seen from there; else places from which none of them hides another.
+    """
+    given = arrays.segments(value, name)
+    kept = given[length(given) >= max(least, MIN_LENGTH)]
+    middle = kept.mean(axis=(0, 1)) if len(kept) else np.zeros(2)
+    segments = np.ascontiguousarray(kept - middle)
+    pairs = wall_pairs(segments, heuristic, most=most, rng=rng, search=search)
+    if viewpoint is None and not is_seen_from_origin(kept, search):
+        return Scene(middle, segments, pairs, viewpoints(segments, search))
+    stood = f"viewpoints of {name}"
+    places = np.atleast_2d(arrays.numbers((0, 0) if viewpoint is None else viewpoint, stood))
+    return Scene(middle, segments, pairs, arrays.points(places, stood) - middle)
+
+
+def wall_pairs(
+    segments: Array,
+    heuristic: Heuristic,
+    *,
+    most: int,
+    rng: np.random.Generator,
+    search: AngleSearch = AngleSearch(),
+) -> NDArray[np.int64]:
+    """Pairs `(k, 2)` of segments that are not parallel, as a heuristic of A 3.3.1 chooses them.
+
+    Neighbours in the order given ("consecutive"); at most so many drawn by chance ("random") or at
+    right angles, those whose shorter segment is longest first ("perpendicular"); or "all" that the
+    three choose. Each pair once, lower index first, ascending. Segments `(n, 2, 2)`, metres.
+    """
+    arrays.one_of(heuristic, "heuristic", get_args(Heuristic))
+    first, second = np.triu_indices(len(segments), 1)
+    at, sizes = angle(segments), length(segments)
+    turn = np.abs(axial_difference(at[first], at[second]))
+    shorter = np.minimum(sizes[first], sizes[second])
+    crooked = np.flatnonzero(turn > search.parallel)
+    square = crooked[turn[crooked] > np.pi / 2 - search.right]
+    chosen = {
+        "consecutive": crooked[(second - first)[crooked] == 1],
+        "random": rng.permutation(crooked)[:most],
+        "perpendicular": square[np.argsort(-shorter[square], kind="stable")[:most]],
+    }
+    one = chosen.get(heuristic)
+    keep = np.unique(np.concatenate(list(chosen.values())) if one is None else one)
+    return np.stack([first[keep], second[keep]], -1).astype(np.int64)
+
+
+def corners(segments: Array, pairs: NDArray[np.int64]) -> Array:
+    """Corners `(k, 10)` of pairs `(k, 2)` of segments `(n, 2, 2)`, metres and radians.
+
+    What a row holds is told in `_kernels`.
+    """
+    p, q = segments[pairs[:, 0]], segments[pairs[:, 1]]
+    u, v = p[:, 1] - p[:, 0], q[:, 1] - q[:, 0]
+    at = np.arctan2(u[:, 1], u[:, 0])
+    turn = (np.arctan2(v[:, 1], v[:, 0]) - at) % np.pi
+    first, second = (np.stack([np.cos(a), np.sin(a)], -1) for a in (at, at + turn))
+    from_p = q[:, 0] - p[:, 0]
+    far = from_p[:, 0] * second[:, 1] - from_p[:, 1] * second[:, 0]
+    far = far / (first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0])
+    meet = p[:, 0] + far[:, None] * first
+    ends = [
+        np.sort(((s - meet[:, None]) * d[:, None]).sum(-1)) for s, d in ((p, first), (q, second))
+    ]
+    return np.column_stack([meet, at, turn, *ends, length(p), length(q)])
+
+
+def is_seen_from_origin(segments: Array, search: AngleSearch = AngleSearch()) -> bool:
+    """Whether segments `(n, 2, 2)`, metres, follow each other counter-clockwise about the origin.
+
+    So do those of a scan in the frame of its sensor. Of scans moved by 3 m hardly any still does.
+    """
+    bearing = np.arctan2(segments[..., 1], segments[..., 0])
+    width = wrap(bearing[:, 1] - bearing[:, 0])
+    first = np.where(width > 0, bearing[:, 0], bearing[:, 1])
+    start = (first - first[:1]) % (2 * np.pi)
+    end = start + np.abs(width)
+    follows = np.append(start[1:], 2 * np.pi) > end - search.overtaken
+    return bool(len(segments)) and bool(follows.all())
+
+
+def viewpoints(segments: Array, search: AngleSearch = AngleSearch()) -> Array:
+    """Places, `(k, 2)`, from which no segment `(n, 2, 2)` hides another, far from each other.
+
+    A wall that was seen whole has nothing before it. So where the sensor stood all segments of its
+    scan are in sight; and a place from which they all are is nearly as good as where it stood.
+    """
+    walls = segments[np.argsort(-length(segments), kind="stable")[: search.walls]]
+    middles, along = midpoint(walls), walls[:, 1] - walls[:, 0]
+    normals = np.stack([-along[:, 1], along[:, 0]], -1) / length(walls)[:, None]
+    first, second = np.triu_indices(len(walls), 1)  # half way between walls, and beside each
+    off = [middles + step * normals for step in (-2.0, -1.0, -0.5, 0.5, 1.0, 2.0)]
+    tried = np.concatenate([(middles[first] + middles[second]) / 2, *off])
+    if not len(tried):
+        return tried
+    slack = 0.02 * float(length(segments).sum())
+    lost, least = np.empty(len(tried)), np.inf
+    for k, (x, y) in enumerate(tried):
+        lost[k] = kernels.hidden(x, y, segments, segments, search.margin, least + slack)
+        least = min(least, lost[k])
+    places = tried[lost <= least + slack]
+    chosen = [int(np.argmin(np.hypot(*(places - places.mean(0)).T)))]
+    while len(chosen) < min(search.places, len(places)):  # the one farthest from those chosen
+        apart = np.hypot(*(places[:, None] - places[chosen]).T).min(0)
+        chosen.append(int(np.argmax(apart)))
+    return places[chosen]
+
+
+def match_values(
+    first: Segments,
+    second: Segments,
+    *,
+    distance: float = 0.05,
+    far: float = 0.10,
+    long: float = 0.30,
+    whole: bool = False,
+) -> Array:
+    """Length on which each segment of one set agrees with each of another (A 2.7.10, 3.3.1).
+
+    The mean of the length of u that v covers when projected on it, and the reverse; times
+    `0.95 ** (D / distance)` where they do not meet; 0 where D exceeds `far`, or where they cross at
+    more than 45 degrees and both are longer than `long` (A has no such angle).
+
+    Parameters
+    ----------
+    first, second : SegmentMap or (n, 2, 2), (m, 2, 2) array, metres, in one frame
+    distance : float, metres
+        T_p of A: how near points coincide. 0.05 m is the noise of two sensors and a wall.
+    far : float, metres
+        Segments farther apart never match.
+    long : float, metres
+    whole : bool
+        A's D is the smaller directed Hausdorff distance (A 2.39): two looks at one wall are then as
+        far apart as the part that only one has seen. The default measures the common part alone.
+
+    Returns
+    -------
+    (n, m) array, metres
+
+    Raises
+    ------
+    ValueError
+        For coordinates that are not finite, and thresholds that are not positive.
+
+    Examples
+    --------
+    >>> wall, longer = [[(0, 0), (2, 0)]], [[(1, 0.05), (4, 0.05)]]
+    >>> match_values(wall, longer).round(3), match_values(wall, longer, whole=True)
+    (array([[0.95]]), array([[0.]]))
+    """
+    rule = match_rule(distance, far, long, whole)
+    s, t = arrays.segments(first, "first"), arrays.segments(second, "second")
+    has = [np.flatnonzero(length(v) >= MIN_LENGTH) for v in (s, t)]
+    found, some = np.zeros((len(s), len(t))), np.zeros([len(rows) for rows in has])
+    u, v = s[has[0]], t[has[1]]
+    kernels.fill_values(u, describe(u), v, rule, some)
+    found[np.ix_(*has)] = some
+    return found
+
+
+def match_rule(distance: float, far: float, long: float, whole: bool) -> Rule:
+    """The thresholds of `match_values` as its loop takes them."""
+    arrays.positive("metres", distance=distance, far=far, long=long)
+    return float(distance), float(far), float(long), arrays.switch(whole, "whole")

@@ -1,0 +1,298 @@
+"""Backbone ("struttura portante", A 3.3.2, 5.2): scans turn and move onto lines of the building.
+
+Errors of odometry come from turning, and corridors are parallel: so each straight stretch is laid
+onto lines that were learned before the last turn, the rotation first, then the translation.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ... import arrays
+from ...angles import axial_difference, wrap
+from ...arrays import Array, Settings
+from ...extraction import extract_polylines
+from ...poses import transform
+from ...scans import LaserScan, Log
+from ...segments import angle as angle_of
+from ...segments import length
+from .._result import Outcome, Trail, alignment_method
+from . import _lines as geometry
+from ._lines import BackboneStep, Indices
+
+
+@dataclass(frozen=True)
+class BackboneCheck(Settings):
+    """What `backbone` expects of an orthogonal building before it believes its own result.
+
+    Parameters
+    ----------
+    follows : float, radians
+        A segment follows a direction to within this: six standard deviations of a wall of 1 m, seen
+        with 20 beams and 10 mm of noise.
+    spread : float, radians
+        Walls of one scan that leave more after the best common rotation are bent: straight ones
+        left 0.02 to 0.6 degrees in all logs, a ring of 30 m radius 1.8.
+    stretch : float, metres, and bend : float, radians
+        Corrections of more than `bend` in a straight stretch come from a gentle bend as well as
+        from bad odometry: real logs needed up to 3.7 degrees, a ring of 60 m radius 9.
+    """
+
+    follows: float = np.radians(3.0)
+    spread: float = np.radians(1.0)
+    stretch: float = 10.0
+    bend: float = np.radians(4.0)
+
+
+@dataclass(frozen=True)
+class Thresholds(Settings):
+    """The thresholds of `backbone`, metres and radians."""
+
+    min_length: float = 1.0
+    step: float = 0.25
+    turning: float = np.pi / 36
+    rotation: float = np.pi / 6
+    distance: float = 0.20
+    angle: float = np.pi / 18
+    parallel: float = np.pi / 36
+    new_direction: float = 3.0
+    follow: bool = True
+
+
+@alignment_method
+def backbone(
+    log: Log,
+    *,
+    min_length: float = 1.0,
+    step: float = 0.25,
+    turning: float = np.pi / 36,
+    rotation: float = np.pi / 6,
+    distance: float = 0.20,
+    angle: float = np.pi / 18,
+    parallel: float = np.pi / 36,
+    new_direction: float = 3.0,
+    orthogonal: float = 0.75,
+    follow: bool = True,
+    check: BackboneCheck = BackboneCheck(),
+) -> Outcome:
+    """Lay straight stretches onto the lines of an orthogonal building (A 3.3.2).
+
+    Scans taken while turning, and those too near the last one used, are skipped. The segments of
+    the others that are long enough are matched with the lines of the backbone; the scan turns about
+    the robot by the weighted mean difference of their directions, then moves by least squares. Then
+    its segments join the significant ones, of which the backbone is built anew after every relevant
+    rotation. Each correction stays: the next odometry step starts from the corrected pose.
+
+    It goes beyond A: a new line takes the direction of an older one (A) or its normal; segments
+    that disagree with the mean rotation by more than `parallel` are left out; while `follow` is set
+    a scan that is not used still takes its heading from the directions of the backbone, and one
+    that matches no line has the backbone built anew for the next.
+
+    The building must be orthogonal, and the method says where it is not: see `orthogonal`. Errors
+    pass from scan to scan, and no loop is closed. In corridors so wide that their walls come back
+    short or imprecise it does not work.
+
+    Parameters
+    ----------
+    log : Log
+        With odometry that is nearly right between turns.
+    min_length : float, metres
+        Shorter segments are furniture as often as walls, and say little about a direction.
+    step : float, metres
+        Scans nearer than this to the last one used add nothing new.
+    turning : float, radians
+        A scan to which the robot turned by more than this since the one before is skipped: five
+        degrees are more than any drift between two scans, less than a turn on the spot.
+    rotation : float, radians
+        A rotation is relevant from here on: 30 degrees lead into another corridor.
+    distance : float, metres
+        A match needs both ends nearer than this to the line: noise and drift, not a door niche.
+    angle : float, radians
+        And a direction this near the line's: 10 degrees are more than a turn gets wrong.
+    parallel : float, radians
+        Lines nearer in direction than this are taken for parallel.
+    new_direction : float
+        A direction unlike all others needs so many times `min_length` of wall: a chord across a
+        door, seen once, is no corridor.
+    orthogonal : float
+        Share, in [0, 1], of the wall seen that must follow two perpendicular directions. Walls in
+        any direction reach 0.07, three directions 0.33, a wing at 45 degrees 0.5; furnished
+        orthogonal buildings 0.9. Below it, or where the walls of one scan do not agree on one
+        rotation, the assumption fails: nothing is used, odometry is carried, and `.doubt` and
+        `.reasons` say why. 0 insists on aligning all the same.
+    follow : bool
+        False leaves the headings of scans that are not used to odometry, as A does.
+    check : BackboneCheck
+
+    Returns
+    -------
+    Alignment
+        Poses, (k, 3) array, metres and radians; with `.doubt` where the assumption fails.
+
+    Raises
+    ------
+    ValueError
+        For a threshold that is not positive and finite, or a share outside [0, 1].
+
+    Examples
+    --------
+    >>> from segmap.simulation import SICK_LMS200, circular_room, drive, simulate, square_room
+    >>> rng, path = np.random.default_rng(1), drive([(2, 2), (6, 2), (6, 6)])
+    >>> log = simulate(square_room(9), path, sensor=SICK_LMS200, rng=rng)
+    >>> found = backbone(log)
+    >>> error = np.abs(found.poses[:, 2] - log.truth[:, 2])
+    >>> bool(np.degrees(error.max()) < 0.5), found.doubt
+    (True, '')
+    >>> backbone(simulate(circular_room(5), path, sensor=SICK_LMS200, rng=rng)).doubt[:18]
+    'the assumption fai'
+    """
+    t = (min_length, step, turning, rotation, distance, angle, parallel, new_direction, follow)
+    arrays.number(orthogonal, "orthogonal", least=0, most=1)
+    arrays.instance(check, "check", BackboneCheck)
+    walk = _Backbone(log, Thresholds(*t))
+    doubt, fails = _doubt(list(walk), orthogonal, check)
+    if not fails:
+        return walk.trail.outcome(doubt=doubt)
+    trail = Trail(log)
+    for _ in range(1, len(log)):
+        trail.carry(doubt)
+    return trail.outcome(doubt=doubt)
+
+
+def backbone_steps(log: Log, **thresholds: float) -> list[BackboneStep]:
+    """What `backbone` does with each scan, for pictures; it insists even where it should not.
+
+    Parameters
+    ----------
+    log : Log
+    **thresholds : metres and radians
+        Those of `backbone`, but `orthogonal` and `check`.
+
+    Returns
+    -------
+    list of BackboneStep, one a scan
+
+    Examples
+    --------
+    >>> step = backbone_steps(Log("one", [LaserScan([1.0], [0.0], odometry=(1, 2, 0))]))[0]
+    >>> step.pose, len(step.segments), step.lines
+    (array([1., 2., 0.]), 0, Lines(0 in 0 directions))
+    """
+    arrays.instance(log, "log", Log)
+    return list(_Backbone(log, Thresholds(**thresholds)))  # type: ignore[arg-type]
+
+
+class _Backbone:
+    """The steps of A 5.2, scan by scan."""
+
+    def __init__(self, log: Log, thresholds: Thresholds) -> None:
+        self.log, self.t, self.trail = log, thresholds, Trail(log)
+        self.lines, self.known, self.walls = geometry.NO_LINES, np.empty(0), geometry.NO_WALLS
+        self.last = np.full(3, np.inf)  # pose of the last scan used
+        self.built = 0.0  # heading at which the backbone was built
+        self.lost = False  # whether the last scan used matched nothing
+
+    def __iter__(self) -> Iterator[BackboneStep]:
+        return (self._step(k, scan) for k, scan in enumerate(self.log))
+
+    def _step(self, k: int, scan: LaserScan) -> BackboneStep:
+        guess = self.trail.guess() if k else self.trail.poses[0]
+        skipped = self._skipped(k, guess)
+        seen = extract_polylines(scan.points())
+        seen = seen[length(seen) > self.t.min_length]  # A 3.3.2, step 3
+        rebuilt = not skipped and self._rebuilt(guess)  # step 4
+        partner, pose, reason = self._laid(seen, guess, skipped)
+        if k:
+            self.trail.place(pose, reason)
+        if not skipped:
+            self.last, self.lost = pose, bool(reason and len(seen))
+            laid = transform(pose, seen)  # step 8; A merges them before they are moved
+            self.walls = geometry.merged(self.walls, laid, self.t.distance / 2, self.t.parallel)
+        known = (guess, pose, seen, partner, self.lines, self.known)
+        return BackboneStep(*known, bool(skipped), rebuilt, reason if k else "")
+
+    def _skipped(self, k: int, guess: Array) -> str:
+        """Why a scan is left out; empty where it is not (A 3.3.2, step 2)."""
+        if k and not self.trail.measured(k):
+            return "no odometry from the scan before"
+        if k and abs(self.trail.step()[2]) > self.t.turning:
+            return "taken while turning"
+        near = np.hypot(*(guess - self.last)[:2]) < self.t.step
+        return f"less than {self.t.step:g} m from the last scan used" if near else ""
+
+    def _rebuilt(self, guess: Array) -> bool:
+        """Build the backbone where there is none yet or a relevant rotation has just ended."""
+        turned = abs(wrap(guess[2] - self.built)) > self.t.rotation
+        due = turned or not len(self.lines.angle) or (self.lost and self.t.follow)
+        if not due or not len(self.walls.weight):
+            return False
+        t, self.built = self.t, float(guess[2])
+        self.lines, self.known = geometry.support_lines(
+            self.walls, self.known, t.distance / 2, t.parallel, t.new_direction * t.min_length
+        )
+        return True
+
+    def _laid(self, seen: Array, guess: Array, skipped: str) -> tuple[Indices, Array, str]:
+        """Partners, pose and reason of a scan whose relevant segments are seen (steps 5 to 7)."""
+        t, there = self.t, transform(guess, seen)
+        partner = geometry.partners(there, self.lines, t.distance, t.angle)
+        missing = "" if (partner >= 0).any() else "no segment on a line of the backbone"
+        if not len(seen):
+            missing = f"no segment longer than {t.min_length:g} m"
+        elif not len(self.lines.angle):
+            missing = "no backbone yet"
+        if skipped or missing:
+            partner = geometry.parallels(there, self.lines, t.angle)
+            partner[:] = partner if t.follow else -1
+        pose = geometry.turned(guess, seen, self.lines, partner, t.parallel)
+        if not (skipped or missing):
+            pose = geometry.moved(pose, seen, self.lines, partner)
+        return partner, pose, skipped or missing
+
+
+def _doubt(
+    steps: Sequence[BackboneStep], orthogonal: float, check: BackboneCheck
+) -> tuple[str, bool]:
+    """What speaks against the assumption of the method, and whether its result is thrown away."""
+    if not steps or not len(steps[-1].known):
+        blind = sum(not s.skipped for s in steps) > 1
+        return "no backbone: no scan shows a wall long enough" * blind, False
+    share, spread = _share_followed(steps, check.follows), geometry.spread_left(steps)
+    wrong = []
+    if share < orthogonal:
+        wrong = [f"{share:.0%} of the wall seen follows two perpendicular directions"]
+        wrong[0] += f", expected at least {orthogonal:.0%}"
+    if spread > check.spread:
+        wrong.append(f"the walls of a scan disagree by {np.degrees(spread):.1f} degrees")
+    if wrong and orthogonal > 0:
+        why = "(not an orthogonal building, or odometry too bad)"
+        return f"the assumption fails: {'; '.join(wrong)} {why}", True
+    bend = _bend_corrected(steps, check.stretch)
+    words = (
+        f"the assumption is doubtful: straight stretches were turned by {np.degrees(bend):.1f} "
+        f"degrees in {check.stretch:g} m (a gentle bend, or bad odometry)"
+    )
+    return words if bend > check.bend else "", False
+
+
+def _share_followed(steps: Sequence[BackboneStep], follows: float) -> float:
+    """Largest share of the wall seen that follows a direction of the backbone or its normal."""
+    looked = [s for s in steps if not s.skipped and len(s.segments)]
+    if not looked:
+        return 1.0
+    laid = np.concatenate([transform(s.pose, s.segments) for s in looked])
+    angles, weight = angle_of(laid), length(laid)
+    off = np.abs(axial_difference(2 * angles, 2 * steps[-1].known[:, None])) / 2
+    return float(((off < follows) @ weight).max() / weight.sum())
+
+
+def _bend_corrected(steps: Sequence[BackboneStep], stretch: float) -> float:
+    """Median over whole stretches, metres, of the sum of rotations while not turning, radians."""
+    poses: Array = np.array([s.pose for s in steps])
+    way = np.append(0.0, np.cumsum(np.hypot(*np.diff(poses[:, :2], axis=0).T)))
+    straight = [0.0 if "turning" in s.reason else s.rotation for s in steps]
+    sums = np.bincount((way // stretch).astype(int), straight)[: int(way[-1] // stretch)]
+    return float(np.median(np.abs(sums))) if len(sums) else 0.0

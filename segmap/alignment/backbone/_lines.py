@@ -1,0 +1,300 @@
+"""Lines of a backbone (A 3.3.2): which segment lies on which, and how a scan moves onto them.
+
+Everything here is plain geometry of arrays; `_backbone.py` is the method.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ... import arrays
+from ...angles import axial_difference, axial_mean, axial_mean_of_two, wrap
+from ...arrays import Array
+from ...poses import transform
+from ...segments import angle, extreme_projections, length, midpoint
+
+Indices = NDArray[np.int64]
+
+
+class Lines(NamedTuple):
+    """Infinite lines: a point of each, `(n, 2)`, metres, and axial directions, `(n,)`, radians."""
+
+    through: Array
+    angle: Array
+
+    @property
+    def normal(self) -> Array:
+        """Unit normals, `(n, 2)` array, at the axial directions plus pi/2 radians."""
+        return np.stack([-np.sin(self.angle), np.cos(self.angle)], -1)
+
+    def offsets(self, points: Array) -> Array:
+        """Signed distances of points, (..., 2) array, from each line, (..., n) array, metres."""
+        return ((points[..., None, :] - self.through) * self.normal).sum(-1)
+
+    def __repr__(self) -> str:
+        return f"Lines({len(self.angle)} in {len(np.unique(self.angle))} directions)"
+
+
+class Walls(NamedTuple):
+    """The significant segments of the map so far, `(n, 2, 2)`, metres.
+
+    The weight of each, `(n,)`, is the total length of the segments merged into it, metres.
+    """
+
+    segments: Array
+    weight: Array
+
+
+class BackboneStep(NamedTuple):
+    """What `backbone` did with one scan.
+
+    Parameters
+    ----------
+    guess, pose : (3,) array, metres and radians
+        By odometry from the last pose, and as laid.
+    segments : (m, 2, 2) array, metres
+        The segments longer than `min_length`, in the robot's frame.
+    partner : (m,) int array
+        Line that each was laid on; -1 for none.
+    lines : Lines
+        The backbone at that time.
+    known : (d,) array, radians
+        Its directions so far.
+    skipped, rebuilt : bool
+        Whether the scan was left out, and whether the backbone was built anew for it.
+    reason : str
+        Why the scan was not used; empty where it was.
+    """
+
+    guess: Array
+    pose: Array
+    segments: Array
+    partner: Indices
+    lines: Lines
+    known: Array
+    skipped: bool
+    rebuilt: bool
+    reason: str
+
+    @property
+    def rotation(self) -> float:
+        """By how much the guess was turned, radians."""
+        return float(wrap(self.pose[2] - self.guess[2]))
+
+
+NO_LINES = Lines(np.empty((0, 2)), np.empty(0))
+NO_WALLS = Walls(np.empty((0, 2, 2)), np.empty(0))
+
+
+def partners(segments: Array, lines: Lines, distance: float, turn: float) -> Indices:
+    """Index of the line on which each segment lies, `(m,)`; -1 for none (A 3.3.2, step 5).
+
+    Both ends are nearer than `distance` (metres) and the directions differ by less than `turn`
+    (radians); of several lines the one that passes nearest.
+    """
+    off = np.abs(lines.offsets(segments)).max(1, initial=0.0)
+    return _least(np.where((off < distance) & (_apart(segments, lines) < turn), off, np.inf))
+
+
+def parallels(segments: Array, lines: Lines, turn: float) -> Indices:
+    """Index of the line that is most nearly parallel to each segment, wherever it lies, `(m,)`.
+
+    Segments `(m, 2, 2)`, metres; -1 where none is within `turn`, radians.
+    """
+    apart = _apart(segments, lines)
+    return _least(np.where(apart < turn, apart, np.inf))
+
+
+def _apart(segments: Array, lines: Lines) -> Array:
+    """Angles between m segments and n lines, `(m, n)`, radians."""
+    return np.abs(axial_difference(lines.angle, angle(segments)[:, None]))
+
+
+def _least(cost: Array) -> Indices:
+    """Column of the least cost in each row; -1 where all are infinite."""
+    if not cost.shape[1]:
+        return np.full(len(cost), -1)
+    return np.where(np.isfinite(cost).any(1), cost.argmin(1), -1)
+
+
+def mean_rotation(differences: Array, weights: Array) -> float:
+    """Weighted mean of axial differences (A 3.3.2, step 6).
+
+    Parameters
+    ----------
+    differences : (m,) array, radians
+        Turns that would bring each segment onto its line; a half turn more or less is the same.
+    weights : (m,) array, not negative, not all zero
+
+    Returns
+    -------
+    float, radians
+        In `(-pi/2, pi/2]`.
+
+    Examples
+    --------
+    >>> float(np.degrees(mean_rotation(np.radians([3.0, -179.0]), np.ones(2))).round(9))
+    2.0
+    """
+    doubled = 2 * arrays.row(differences, "differences")
+    each = arrays.weights(weights, len(doubled))
+    return float(np.arctan2(each @ np.sin(doubled), each @ np.cos(doubled)) / 2)
+
+
+def robust_rotation(differences: Array, weights: Array, apart: float) -> float:
+    """The mean of those differences that lie nearer than `apart` to the mean of all, radians.
+
+    Axial differences, `(m,)` array, radians, and their weights, `(m,)` array. A chord across a
+    niche, eight degrees off, must not pull at the walls beside it.
+    """
+    mean = mean_rotation(differences, weights)
+    agree = np.abs(axial_difference(differences, mean)) < apart
+    return mean_rotation(differences[agree], weights[agree]) if agree.any() else mean
+
+
+def least_translation(
+    normals: Array, offsets: Array, weights: Array, *, parallel: float = 0.3
+) -> Array:
+    """Shift that brings points onto lines, by weighted least squares (A 3.3.2, step 7).
+
+    Where all lines are parallel it is the shortest of the best ones: a corridor does not fix the
+    motion along it, and nothing is claimed there.
+
+    Parameters
+    ----------
+    normals : (m, 2) array
+        Unit normals of the lines.
+    offsets : (m,) array, metres
+        How far each point lies from its line, positive on the side of the normal.
+    weights : (m,) array, not negative
+    parallel : float
+        Lines count as parallel where they hold one direction less than this share of the other
+        (singular values): two of equal weight within 33 degrees of each other, or an end wall of a
+        tenth of the weight. At 0.1 a match of 0.2 m could move the robot by a metre along them.
+
+    Returns
+    -------
+    (2,) array, metres
+
+    Examples
+    --------
+    >>> corridor = np.array([(0.0, 1.0), (0.0, 1.0)])
+    >>> least_translation(corridor, np.array([0.1, 0.3]), np.ones(2)).round(9) + 0.0
+    array([ 0. , -0.2])
+    """
+    lines = arrays.table(normals, "normals", 2)
+    root = np.sqrt(arrays.weights(weights, len(lines)))
+    away = -root * arrays.row(offsets, "offsets", len(lines))
+    least = arrays.number(parallel, "parallel", least=0, most=1)
+    return np.asarray(np.linalg.lstsq(root[:, None] * lines, away, least)[0], float)
+
+
+def turned(pose: Array, seen: Array, lines: Lines, partner: Indices, parallel: float) -> Array:
+    """A pose, (3,) array, turned about the robot towards the partners (A 3.3.2, step 6).
+
+    Segments seen `(m, 2, 2)`, metres, robot frame. One weighs the cube of its length: the variance
+    of its direction is as the inverse. `parallel`, radians, as in `robust_rotation`.
+    """
+    on = partner >= 0
+    if not on.any():
+        return pose
+    differences = axial_difference(lines.angle[partner[on]], angle(transform(pose, seen[on])))
+    turn = robust_rotation(differences, length(seen[on]) ** 3, parallel)
+    return np.array([pose[0], pose[1], float(wrap(pose[2] + turn))])
+
+
+def moved(pose: Array, seen: Array, lines: Lines, partner: Indices) -> Array:
+    """A pose, (3,) array, moved by the ends of the segments as turned (step 7; A: not turned)."""
+    on = partner >= 0
+    ends, normal = transform(pose, seen[on]), lines.normal[partner[on]]
+    offsets = ((ends - lines.through[partner[on]][:, None]) * normal[:, None]).sum(-1)
+    weight = np.repeat(length(seen[on]), 2)
+    shift = least_translation(np.repeat(normal, 2, axis=0), offsets.ravel(), weight)
+    return pose + np.append(shift, 0.0)
+
+
+def merged(walls: Walls, segments: Array, distance: float, parallel: float) -> Walls:
+    """The significant segments with those of another scan merged in (A 3.3.2, step 8).
+
+    Segments `(m, 2, 2)`, metres, in the frame of the walls. One is a piece of a wall where both its
+    ends lie nearer than `distance` (metres) to the wall's line, the directions differ by less than
+    `parallel` (radians), and no gap of `distance` lies between.
+    """
+    for segment in segments:
+        same = _same(walls, segment, distance, parallel)
+        if same < 0:
+            more = np.concatenate([walls.segments, segment[None]])
+            walls = Walls(more, np.append(walls.weight, length(segment)))
+        else:
+            walls = _longer(walls, same, segment)
+    return walls
+
+
+def _same(walls: Walls, segment: Array, distance: float, parallel: float) -> int:
+    """Index of the wall of which a segment is a piece; -1 for none."""
+    lines = Lines(midpoint(walls.segments), angle(walls.segments))
+    across = np.abs(lines.offsets(segment)).max(0)
+    upright = Lines(lines.through, lines.angle - np.pi / 2)  # its normals run along the walls
+    u = np.sort(upright.offsets(segment), axis=0)
+    gap = np.maximum(u[0], -u[1]) - length(walls.segments) / 2
+    fits = (across < distance) & (gap < distance) & (_apart(segment[None], lines)[0] < parallel)
+    return int(np.where(fits, across, np.inf).argmin()) if fits.any() else -1
+
+
+def _longer(walls: Walls, index: int, segment: Array) -> Walls:
+    """The walls, one of them merged with a piece: mean direction through the mean middle."""
+    old, more = walls.weight[index], float(length(segment))
+    both = np.stack([walls.segments[index], segment])
+    direction = axial_mean_of_two(angle(both[0]), angle(both[1]), old, more)
+    middle = np.average(midpoint(both), axis=0, weights=[old, more])
+    segments, weight = walls.segments.copy(), walls.weight.copy()
+    segments[index] = extreme_projections(both.reshape(4, 2), middle, direction)
+    weight[index] += more
+    return Walls(segments, weight)
+
+
+def support_lines(
+    walls: Walls, known: Array, distance: float, parallel: float, least: float = 0.0
+) -> tuple[Lines, Array]:
+    """The backbone of the significant segments, and all its directions (A 3.3.2, step 4).
+
+    Walls come heaviest first. One that differs from a known direction, (d,) array, radians, or from
+    its normal, by less than `parallel` takes it. A new direction is the mean of all walls nearly
+    parallel to it, and needs `least` metres of them, unless it is the first. A wall whose middle
+    lies nearer than `distance` (metres) to a line of its direction adds none.
+    """
+    lines, angles = NO_LINES, angle(walls.segments)
+    for i in np.argsort(-walls.weight, kind="stable"):
+        square = np.concatenate([known, (known + np.pi / 2) % np.pi])
+        apart: Array = np.abs(axial_difference(square, angles[i]))
+        if apart.min(initial=np.inf) < parallel:
+            direction = square[apart.argmin()]
+        else:
+            family = np.abs(axial_difference(angles, angles[i])) < parallel
+            if len(known) and walls.weight[family].sum() < least:
+                continue
+            direction = float(axial_mean(angles[family], walls.weight[family]))
+            known = np.append(known, direction)
+        middle = midpoint(walls.segments[i])
+        near = np.abs(lines.offsets(middle)) < distance
+        if not (near & (lines.angle == direction)).any():
+            through = np.concatenate([lines.through, middle[None]])
+            lines = Lines(through, np.append(lines.angle, direction))
+    return lines, known
+
+
+def spread_left(steps: Sequence[BackboneStep]) -> float:
+    """Median over scans of the weighted root mean square angle left between walls and lines."""
+    left = []
+    for s in steps:
+        on = s.partner >= 0
+        if not s.reason and on.sum() > 1:
+            weight, laid = length(s.segments[on]) ** 3, transform(s.pose, s.segments[on])
+            off = axial_difference(s.lines.angle[s.partner[on]], angle(laid))
+            off = axial_difference(off, mean_rotation(off, weight))
+            left.append(float(np.sqrt(weight @ off**2 / weight.sum())))
+    return float(np.median(left)) if left else 0.0

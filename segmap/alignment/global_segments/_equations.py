@@ -1,0 +1,298 @@
+"""Headings of all scans at once, then positions of all at once: A 2.2-2.15, mended.
+
+Both are the same problem, A's 2.3: the x that make `sum w |x_i - x_j + c|^2` least. Setting its
+derivatives to zero gives `B x = A` with a graph Laplacian B, which leaves one x of each connected
+group of scans free: that one is held. *Slips:* A's 2.6 lacks a minus before its first sum, the
+right sides of 2.11 and 2.15 have the wrong sign, and 2.13-2.14 lack a factor 2 and half of what
+stands off the diagonal. Here all of them come from `solve`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...angles import axial_difference, wrap
+from ...arrays import Array, Settings
+from ...compiled import compiled
+from ...kernels import APART, describe
+from ...poses import transform
+from ...segments import angle
+from ..segment_icp import distance_below
+
+Indices = NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class GlobalSearch(Settings):
+    """When `global_segments` stops, and what it does not believe.
+
+    Parameters
+    ----------
+    converged : float, metres and radians
+        A round is the last when no scan moves by more.
+    finer : tuple of float
+        Parts of `spread` that the weights go down by when all scans are joined.
+    least_weight : float
+        Pairs that weigh less are left out: scans joined by such pairs alone count as not joined.
+    sigma : float, metres
+        Standard deviation of a wall's position from one scan to another, for the residuals.
+    across : float
+        Where a smaller share of the walls lies across a direction, it is free.
+    place : float, metres, and view : float, radians
+        Two scans so near to each other must see the same walls.
+    """
+
+    converged: float = 1e-4
+    finer: tuple[float, ...] = (1.0, 1 / 4, 1 / 10)
+    least_weight: float = 1e-6
+    sigma: float = 0.03
+    across: float = 0.02
+    place: float = 0.50
+    view: float = np.radians(30.0)
+
+
+class Rules(NamedTuple):
+    """The thresholds of `global_segments` in one piece: metres, radians, metres, a count."""
+
+    similar: float
+    angle: float
+    spread: float
+    rounds: int
+    search: GlobalSearch = GlobalSearch()
+
+    def finer(self) -> list[Rules]:
+        """Those of the last stages, with ever less spread."""
+        return [self._replace(spread=part * self.spread) for part in self.search.finer]
+
+
+class Scans(NamedTuple):
+    """Segments of many scans, (n, 2, 2) array, metres, each in the frame of its robot.
+
+    Scan k has those from `first[k]` up to `first[k + 1]`, (k + 1,) int array.
+    """
+
+    segments: Array
+    first: Indices
+
+    def world(self, poses: Array) -> Array:
+        """All segments where the poses `(k, 3)` of the scans put them, `(n, 2, 2)`, metres."""
+        of = np.repeat(np.arange(len(self.first) - 1), np.diff(self.first))
+        return transform(poses[of], self.segments)
+
+    def only(self, scans: Indices) -> Scans:
+        """Those scans alone, by their indices, (s,) int array; the same segments, metres."""
+        return stacked([self.segments[self.first[k] : self.first[k + 1]] for k in scans])
+
+
+def stacked(segments: list[Array]) -> Scans:
+    """Segments of scans, one `(n, 2, 2)` array a scan, metres, in the frame of its robot."""
+    first = np.cumsum([0, *(len(found) for found in segments)])
+    return Scans(np.concatenate([np.empty((0, 2, 2)), *segments]), first)
+
+
+class Pairs(NamedTuple):
+    """Segments u and v of the scans i and j that correspond, (p,) int arrays of indices.
+
+    They weigh `exp(-D / (2 sigma^2))` (2.7), (p,) array.
+    """
+
+    i: Indices
+    j: Indices
+    u: Indices
+    v: Indices
+    weight: Array
+
+
+@compiled
+def _similar(s: Array, d: Array, u: int, v: int, most: float) -> float:
+    """Segment distance of u and v of s, which d describes; infinity where not below `most`."""
+    reach = most / APART + d[u, 4] + d[v, 4]
+    if abs(d[u, 0] - d[v, 0]) >= reach or abs(d[u, 1] - d[v, 1]) >= reach:
+        return np.inf
+    return distance_below(s[u], s[v], d[u], d[v], most)
+
+
+@compiled
+def similar_pairs(
+    s: Array,
+    d: Array,
+    first: Indices,
+    edges: Indices,
+    most: float,
+    sine: float,
+    begin: int,
+    edge: Indices,
+    pairs: Indices,
+    away: Array,
+) -> tuple[int, int]:
+    """Write the similar segments of the scans that each edge `(m, 2)` joins, from `begin` on.
+
+    Of segments s `(n, 2, 2)`, which d `(n, 5)` describes. Two scans share none where no two of
+    their pairs are unlike each other (A 2.5.1). Writes the edge of each pair, the pair, and its
+    distance in metres to `edge`, `pairs`, `away`, (r,), (r, 2), (r,) arrays. Returns how many rows
+    it wrote, and the first edge for which there may be too little room.
+    """
+    n = 0
+    for k in range(begin, len(edges)):
+        i, j, start = edges[k, 0], edges[k, 1], n
+        if n + (first[i + 1] - first[i]) * (first[j + 1] - first[j]) > len(away):
+            return n, k
+        for u in range(first[i], first[i + 1]):
+            for v in range(first[j], first[j + 1]):
+                if abs(d[u, 2] * d[v, 3] - d[u, 3] * d[v, 2]) < sine:
+                    found = _similar(s, d, u, v, most)
+                    if found < most:
+                        edge[n], pairs[n, 0], pairs[n, 1], away[n] = k, u, v, found
+                        n += 1
+        unlike = False
+        for a in range(start, n):
+            for b in range(start, a):
+                if _similar(s, d, pairs[a, 0], pairs[b, 0], most) == np.inf:
+                    unlike = _similar(s, d, pairs[a, 1], pairs[b, 1], most) == np.inf
+                if unlike:
+                    break
+            if unlike:
+                break
+        n = n if unlike else start
+    return n, len(edges)
+
+
+def shared_pairs(
+    segments: Array, described: Array, first: Indices, edges: Indices, rules: Rules
+) -> tuple[Indices, Indices, Array]:
+    """Similar segments of the scans that each edge joins: the edge of each, the pair, its distance.
+
+    Segments `(n, 2, 2)`, metres, where the poses put them, and what `describe` says of them; edges,
+    (m, 2) int array of scans. Returns (p,) and (p, 2) int arrays and a (p,) array, metres.
+    """
+    sine, room = np.sin(rules.angle), np.prod(first[edges + 1] - first[edges], axis=1)
+    size = max(16 * len(edges), int(room.max(initial=0)))
+    found, k = [(np.empty(0, np.int64), np.empty((0, 2), np.int64), np.empty(0))], 0
+    while k < len(edges):
+        edge, pairs, away = np.empty(size, np.int64), np.empty((size, 2), np.int64), np.empty(size)
+        n, k = similar_pairs(
+            segments, described, first, edges, rules.similar, sine, k, edge, pairs, away
+        )
+        found.append((edge[:n], pairs[:n], away[:n]))
+    edge, pairs, away = (np.concatenate(parts) for parts in zip(*found, strict=True))
+    return edge, pairs, away
+
+
+def corresponding(
+    segments: Array, first: Indices, edges: Indices, rules: Rules
+) -> tuple[Pairs, Indices]:
+    """Similar segments as weighted pairs (2.7), and the edge of each, (p,) int array.
+
+    Segments `(n, 2, 2)`, metres, where the poses put them; edges, (m, 2) int array of scans.
+    """
+    edge, pairs, away = shared_pairs(segments, describe(segments), first, edges, rules)
+    weight = np.exp(-away / (2 * rules.spread))
+    some = weight > rules.search.least_weight
+    (i, j), (u, v) = edges[edge[some]].T, pairs[some].T
+    return Pairs(i, j, u, v, weight[some]), edge[some]
+
+
+def solve(i: Indices, j: Indices, weight: Array, gap: Array, held: NDArray[np.bool_]) -> Array:
+    """The x, `(n, c)`, with the least `sum w |x_i - x_j + gap|^2`, zero where held (2.3-2.6).
+
+    Every group of connected scans must have one that is held: see `groups`.
+
+    Parameters
+    ----------
+    i, j : (p,) int array
+    weight : (p,) array
+    gap : (p, c) array, radians or metres
+        Of turns or of shifts; x has its unit.
+    held : (n,) bool array
+
+    Examples
+    --------
+    >>> ends = np.array([0, 1]), np.array([1, 2])
+    >>> held = np.array([True, False, False])
+    >>> solve(*ends, np.ones(2), np.array([[1.0], [2.0]]), held).ravel().tolist()
+    [0.0, 1.0, 3.0]
+    """
+    from scipy.sparse import coo_array
+    from scipy.sparse.linalg import splu
+
+    n, free = len(held), np.flatnonzero(~held)
+    found, right = np.zeros((2, n, gap.shape[1]))
+    if not len(free):
+        return found
+    entries = np.r_[weight, weight, -weight, -weight]
+    laplacian = coo_array((entries, (np.r_[i, j, i, j], np.r_[i, j, j, i])), shape=(n, n)).tocsr()
+    np.add.at(right, i, -weight[:, None] * gap)
+    np.add.at(right, j, weight[:, None] * gap)
+    found[free] = splu(laplacian[free][:, free].tocsc()).solve(right[free])
+    return found
+
+
+def groups(i: Indices, j: Indices, count: int) -> Indices:
+    """For each of so many scans, which group of connected scans it belongs to, `(n,)`."""
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
+    graph = coo_array((np.ones(len(i)), (i, j)), shape=(count, count))
+    return np.asarray(connected_components(graph, directed=False)[1], np.int64)
+
+
+def with_one_held(i: Indices, j: Indices, held: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Held scans, and the first of each group that has none: (n,) bool array, as `held` is."""
+    group = groups(i, j, len(held))
+    first = np.unique(group, return_index=True)[1]
+    out = held.copy()
+    out[first[~np.isin(group[first], group[held])]] = True
+    return out
+
+
+def best_turns(segments: Array, pairs: Pairs, held: NDArray[np.bool_]) -> Array:
+    """Turns of all scans, `(n,)` radians, that make corresponding segments most parallel (2.8).
+
+    Segments `(m, 2, 2)`, metres, of all scans, where their poses put them so far.
+    """
+    gap = axial_difference(angle(segments[pairs.u]), angle(segments[pairs.v]))
+    return solve(pairs.i, pairs.j, pairs.weight, gap[:, None], held)[:, 0]
+
+
+def best_shifts(segments: Array, pairs: Pairs, held: NDArray[np.bool_]) -> Array:
+    """Shifts of all scans, `(n, 2)` metres, that bring end points to their feet (2.12)."""
+    gap, i, j = feet(segments, pairs)
+    return solve(i, j, np.tile(pairs.weight, 4), gap, held)
+
+
+def feet(segments: Array, pairs: Pairs) -> tuple[Array, Indices, Indices]:
+    """S and E of 2.12 for both directions, (4 p, 2) array, metres, and the scans at both ends.
+
+    From the foot of an end point on the line of its partner to the end point; end points of u go to
+    v and those of v to u. On the line: a wall seen in part would be drawn to the other end of what
+    the partner has seen.
+    """
+    gaps = []
+    for a, b in ((pairs.u, pairs.v), (pairs.v, pairs.u)):
+        start, d = segments[b, 0], segments[b, 1] - segments[b, 0]
+        for end in (0, 1):
+            along = ((segments[a, end] - start) * d).sum(-1) / (d * d).sum(-1)
+            gaps.append(segments[a, end] - (start + along[:, None] * d))
+    i, j = np.r_[pairs.i, pairs.i, pairs.j, pairs.j], np.r_[pairs.j, pairs.j, pairs.i, pairs.i]
+    return np.concatenate(gaps), i, j
+
+
+def settled(
+    scans: Scans, poses: Array, edges: Indices, held: NDArray[np.bool_], rules: Rules
+) -> Array:
+    """Poses `(k, 3)` after turning all, then shifting all, until nothing moves; metres, radians."""
+    poses = poses.copy()
+    for _ in range(rules.rounds):
+        pairs, _ = corresponding(scans.world(poses), scans.first, edges, rules)
+        fixed = with_one_held(pairs.i, pairs.j, held)
+        turns = best_turns(scans.world(poses), pairs, fixed)
+        poses[:, 2] = wrap(poses[:, 2] + turns)
+        shifts = best_shifts(scans.world(poses), pairs, fixed)
+        poses[:, :2] += shifts
+        if max(np.abs(turns).max(), np.abs(shifts).max()) < rules.search.converged:
+            break
+    return poses

@@ -1,0 +1,299 @@
+"""Global alignment of segments (A 2.5.1): all scans at once.
+
+Elseberg, Creed, Lakaemper, "A line segment based system for 2D global mapping", ICRA 2010.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ... import arrays
+from ...angles import wrap
+from ...arrays import Array, slips
+from ...kernels import APART, describe
+from ...poses import between, compose, interpolate, inverse
+from ...scans import Log
+from ...segments import angle as angle_of
+from .._result import Outcome, alignment_method, long_segments
+from ..graph import Graph
+from ..segment_icp import ONE_DIRECTION, SIDEWAYS
+from . import _equations as equations
+from ._equations import GlobalSearch, Indices, Pairs, Rules, Scans
+
+NO_ODOMETRY = "no odometry to begin from"
+NOTHING_SHARED = "shares no two walls with the scans around it: hangs on odometry"
+TORN = "torn from its neighbours farther than segments correspond"
+BEYOND = "beyond a break: not tied to the largest group of scans"
+DOUBLED = "sees other walls than an earlier scan at the same place"
+
+
+@alignment_method
+def global_segments(
+    log: Log,
+    *,
+    start: ArrayLike | None = None,
+    similar: float = 0.20,
+    angle: float = np.radians(15.0),
+    spread: float = 0.05,
+    reach: float = 1.0,
+    rounds: int = 15,
+    min_length: float = 0.30,
+    search: GlobalSearch = GlobalSearch(),
+) -> Outcome:
+    """Turn all scans until matched segments are parallel, then shift all; repeat (Elseberg 2010).
+
+    1. Of the scans the fewest are kept of which each shares with the next two pairs of similar
+       segments that are not similar to each other. *Slip:* taken literally, a robot that comes back
+       would leave its whole loop out; neighbours are at most `reach` of way apart.
+    2. Every two kept scans that share so much are joined. Similar segments u, v weigh
+       `exp(-D(u, v) / (2 spread))` (2.7; D as in A 2.7.7, so that sigma^2 is a length).
+    3. Headings from all weighted axial differences, then positions from all end points and their
+       feet, by sparse least squares with the first pose fixed; again with new pairs until nothing
+       moves. First scans up to 2 `reach` of way apart are joined, then twice as far, at last all:
+       so only the drift round a loop, and not the whole drift, must be small.
+    4. The scans between two kept ones hang on these two: the same equations, the kept ones held.
+       One that shares too little is carried by odometry, its misfit spread along the way.
+
+    Needs small odometry errors: about 15 degrees and 0.7 m from one kept scan to the next, and
+    less than the distance between walls where a loop closes. A group of scans that shares nothing
+    with the others hangs on odometry; only the largest group counts as used.
+
+    Parameters
+    ----------
+    log : Log
+    start : (k, 3) array, metres and radians, or None
+        Poses to begin from; None takes the odometry (of a scan without, between its neighbours).
+    similar : float, metres
+        Segments are similar below this distance: 0.20 m are parallel walls 0.7 m apart.
+    angle : float, radians
+        Segments at a larger angle are not similar, below pi/2.
+    spread : float, metres
+        sigma^2 of 2.7, at last a tenth of it: 0.05 m begins with parallel walls 0.23 m apart at
+        half their weight and ends with walls 0.02 m apart.
+    reach : float, metres
+        Way between kept scans, so that their views overlap.
+    rounds : int
+        Turns and shifts at most so often in each stage.
+    min_length : float, metres
+        Shorter segments are left out: noise decides their direction, and 2.8 lets them count as
+        much as long ones.
+    search : GlobalSearch
+
+    Returns
+    -------
+    Alignment
+        `graph` holds the edges between kept scans; residuals are the root mean square distances of
+        end points from their feet over `sigma`, and a loop is an edge over more way than 2 `reach`.
+
+    Raises
+    ------
+    ValueError
+        For thresholds out of range, a start of the wrong shape or not finite.
+
+    Examples
+    --------
+    >>> from segmap import load
+    >>> global_segments(load("room"))
+    Alignment(global_segments: 61 scans, 61 used)
+    """
+    lengths = {"similar": similar, "spread": spread, "reach": reach, "min_length": min_length}
+    arrays.positive("metres", **lengths)
+    slips.check_lengths(**lengths)
+    arrays.number(angle, "angle", above=0, below=np.pi / 2, unit="radians")
+    arrays.instance(search, "search", GlobalSearch)
+    rules = Rules(similar, angle, spread, arrays.whole(rounds, "rounds"), search)
+    guess = initial_poses(log, start)
+    if guess is None:
+        return Outcome(np.zeros((len(log), 3)), ["", *[NO_ODOMETRY] * len(log)][: len(log)])
+    scans = equations.stacked([long_segments(scan, min_length) for scan in log])
+    way = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(guess[:, :2], axis=0).T))])
+    kept = kept_scans(scans.world(guess), scans.first, way, reach, rules)
+    poses, graph, why = _align_kept(scans.only(kept), guess[kept], way[kept], reach, rules)
+    graph = replace(graph, edges=kept[graph.edges])
+    poses = hung_between(kept, poses, guess, way)
+    return Outcome(*_align_rest(scans, kept, poses, why, rules), graph)
+
+
+def initial_poses(log: Log, start: ArrayLike | None) -> Array | None:
+    """Poses to begin from, `(k, 3)`, metres and radians; None where nothing gives any.
+
+    From the origin on where the first scan has no odometry.
+    """
+    if start is not None:
+        return arrays.poses(start, "start", count=len(log))
+    known = np.flatnonzero(np.isfinite(log.odometry).all(1))
+    if not len(known):
+        return None
+    at = np.clip(np.arange(len(log)), known[0], known[-1])
+    found = interpolate(known, log.odometry[known], at)
+    return found if known[0] == 0 else between(found[0], found)
+
+
+def kept_scans(segments: Array, first: Indices, way: Array, reach: float, rules: Rules) -> Indices:
+    """Indices of the scans that are aligned first (A 2.5.1): chains of neighbours, and the first.
+
+    A chain is the fewest scans of which each shares two walls with the next, found breadth first;
+    neighbours are at most `reach` of way apart. Where it ends, the next one begins with the next
+    scan; edges between others may join them. Segments `(n, 2, 2)`, metres, where the poses put
+    them; the way to each scan, `(k,)`, metres.
+    """
+    described, kept, start = describe(segments), {0}, 0
+    while start < len(way):
+        before, queue = {start: start}, [start]
+        for i in queue:
+            near = max(int((way[i + 1 :] - way[i] <= reach).sum()), 1)
+            new = [j for j in range(i + 1, min(i + 1 + near, len(way))) if j not in before]
+            edges = np.array([(i, j) for j in new], np.int64).reshape(-1, 2)
+            for k in np.unique(equations.shared_pairs(segments, described, first, edges, rules)[0]):
+                before[new[k]] = i
+                queue.append(new[k])
+        k = end = max(queue)
+        while k != start:
+            kept |= {k, before[k]}
+            k = before[k]
+        start = end + 1
+    return np.array(sorted(kept))
+
+
+def hung_between(kept: Indices, poses: Array, guess: Array, way: Array) -> Array:
+    """Poses of all scans `(k, 3)`, given those of the kept ones; metres and radians.
+
+    Odometry from the kept scan before and from the one after, mixed by the way to each; after the
+    last one, from that alone.
+    """
+    every = np.arange(len(guess))
+    before = np.searchsorted(kept, every, side="right") - 1
+    after = np.minimum(before + 1, len(kept) - 1)
+    a, b = kept[before], kept[after]
+    forth = compose(poses[before], between(guess[a], guess))
+    back = compose(poses[after], between(guess[b], guess))
+    span, done = way[b] - way[a] + 1e-6 * (b - a), way - way[a] + 1e-6 * (every - a)
+    part = np.where(b > a, done / np.where(b > a, span, 1.0), 0.0)
+    step = back - forth
+    step[:, 2] = wrap(step[:, 2])
+    found = forth + part[:, None] * step
+    found[:, 2] = wrap(found[:, 2])
+    return found
+
+
+def _align_kept(
+    scans: Scans, guess: Array, way: Array, reach: float, rules: Rules
+) -> tuple[Array, Graph, list[str]]:
+    """Poses of the kept scans, the edges between them, and what speaks against each pose."""
+    poses, held = guess.copy(), np.arange(len(guess)) == 0
+    windows = [2 * reach]
+    while windows[-1] < way[-1]:
+        windows.append(2 * windows[-1])
+    stages = [(window, rules) for window in windows[:-1]]
+    for window, stage in [*stages, *((np.inf, finer) for finer in rules.finer())]:
+        edges = _overlapping(scans, poses, way, window, stage)
+        poses = equations.settled(scans, poses, edges, held, stage)
+        pairs, edge = equations.corresponding(scans.world(poses), scans.first, edges, stage)
+        group = equations.groups(pairs.i, pairs.j, len(poses))
+        poses = _hung_groups(poses, group, guess)
+    why = _doubts(scans, poses, pairs, rules.search.across)
+    begins = np.sort(np.unique(group, return_index=True)[1])[1:]
+    apart, again = (
+        _torn(poses, group, guess, rules),
+        _doubled(scans, poses, edges[edge], rules.search),
+    )
+    marks = [(begins, NOTHING_SHARED), (apart, TORN), (_beyond(group, apart), BEYOND)]
+    for marked, reason in [*marks, (again, DOUBLED)]:
+        for k in marked:
+            why[k] = why[k] or reason
+    joined, owner = np.unique(edge, return_inverse=True)
+    square = (equations.feet(scans.world(poses), pairs)[0] ** 2).sum(-1).reshape(4, -1).mean(0)
+    total, weight = np.bincount(owner, pairs.weight * square), np.bincount(owner, pairs.weight)
+    i, j = edges[joined].T
+    residuals = np.sqrt(total / weight) / rules.search.sigma
+    graph = Graph(
+        edges[joined], between(poses[i], poses[j]), way[j] - way[i] > 2 * reach, residuals
+    )
+    return poses, graph, ["", *why[1:]]
+
+
+def _overlapping(scans: Scans, poses: Array, way: Array, window: float, rules: Rules) -> Indices:
+    """Pairs of scans, `(m, 2)`, whose views overlap, at most `window` metres of way apart."""
+    segments, gap = scans.world(poses), rules.similar / APART
+    boxes = np.full((len(poses), 4), np.nan)
+    for k, (begin, end) in enumerate(zip(scans.first[:-1], scans.first[1:], strict=True)):
+        if end > begin:
+            points = segments[begin:end].reshape(-1, 2)
+            boxes[k] = *(points.min(0) - gap), *points.max(0)
+    i, j = np.triu_indices(len(poses), 1)
+    near = (way[j] - way[i] <= window) | (j == i + 1)
+    i, j = i[near], j[near]
+    meet = (boxes[i, :2] <= boxes[j, 2:]) & (boxes[j, :2] <= boxes[i, 2:])
+    return np.column_stack([i, j])[meet.all(1)]
+
+
+def _hung_groups(poses: Array, group: Indices, guess: Array) -> Array:
+    """Each group but the first, moved whole so that its first scan hangs on the one before it."""
+    poses = poses.copy()
+    for k in np.sort(np.unique(group, return_index=True)[1])[1:]:
+        there = compose(poses[k - 1], between(guess[k - 1], guess[k]))
+        whole = group == group[k]
+        poses[whole] = compose(compose(there, inverse(poses[k])), poses[whole])
+    return poses
+
+
+def _align_rest(
+    scans: Scans, kept: Indices, poses: Array, found: list[str], rules: Rules
+) -> tuple[Array, list[str]]:
+    """Poses and doubts of all scans: those between hang on the two kept scans around them."""
+    held = np.isin(np.arange(len(poses)), kept)
+    rest = np.flatnonzero(~held)
+    place = np.searchsorted(kept, rest)
+    ends = np.column_stack([place - 1, np.minimum(place, len(kept) - 1)])
+    edges = np.unique(np.column_stack([np.repeat(rest, 2), kept[ends].ravel()]), axis=0)
+    for stage in rules.finer():
+        poses = equations.settled(scans, poses, edges, held, stage)
+    pairs, _ = equations.corresponding(scans.world(poses), scans.first, edges, stage)
+    reasons = _doubts(scans, poses, pairs, rules.search.across)
+    for k, before in zip(rest, place - 1, strict=True):
+        broken = found[before] in (BEYOND, TORN, NOTHING_SHARED)
+        reasons[k] = reasons[k] or (BEYOND if broken else "")
+    for k, why in zip(kept, found, strict=True):
+        reasons[k] = why
+    return poses, reasons
+
+
+def _doubts(scans: Scans, poses: Array, pairs: Pairs, across: float) -> list[str]:
+    """What speaks against each pose, by the segments that it rests on; empty where nothing does."""
+    count, world = len(poses), scans.world(poses)
+    both, weight = np.r_[pairs.i, pairs.j], np.tile(pairs.weight, 2)
+    whole = np.bincount(both, weight, count)
+    ways = weight * np.exp(2j * angle_of(world[np.r_[pairs.u, pairs.v]]))
+    total = np.bincount(both, ways.real, count) + 1j * np.bincount(both, ways.imag, count)
+    one_way = (whole - np.abs(total)) / 2 < across * whole
+    marks = zip(whole > 0, one_way, strict=True)
+    return [NOTHING_SHARED if not some else ONE_DIRECTION if one else "" for some, one in marks]
+
+
+def _torn(poses: Array, group: Indices, guess: Array, rules: Rules) -> Indices:
+    """Scans that left the odometry step from the one before by more than could be matched."""
+    step = between(between(guess[:-1], guess[1:]), between(poses[:-1], poses[1:]))
+    far = np.hypot(step[:, 0], step[:, 1]) > rules.similar / SIDEWAYS
+    far |= np.abs(step[:, 2]) > rules.angle
+    return np.flatnonzero(far & (group[:-1] == group[1:])) + 1
+
+
+def _beyond(group: Indices, torn: Indices) -> Indices:
+    """Scans that belong neither to the largest group nor to the largest part of a torn one."""
+    part = np.cumsum(np.isin(np.arange(len(group)), torn))
+    label = np.unique(np.column_stack([group, part]), axis=0, return_inverse=True)[1].ravel()
+    return np.flatnonzero(label != np.bincount(label).argmax())
+
+
+def _doubled(scans: Scans, poses: Array, joined: Indices, search: GlobalSearch) -> Indices:
+    """Scans at the position of an earlier one, looking the same way, that share nothing with it."""
+    count = np.diff(scans.first)
+    i, j = np.triu_indices(len(poses), 1)
+    step = poses[j] - poses[i]
+    same = np.hypot(step[:, 0], step[:, 1]) < search.place
+    same &= (np.abs(wrap(step[:, 2])) < search.view) & (np.minimum(count[i], count[j]) > 1)
+    known = np.isin(i * len(poses) + j, joined[:, 0] * len(poses) + joined[:, 1])
+    return np.unique(j[same & ~known])

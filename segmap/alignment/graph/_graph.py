@@ -1,0 +1,197 @@
+"""Pose graphs: measured motions between poses, and the poses that fit all of them best.
+
+Grisetti et al. (2010), "A tutorial on graph-based SLAM", with Cauchy weights.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ... import arrays
+from ...angles import wrap
+from ...arrays import Array
+from ...poses.information import checked
+from ...poses.motions import between, compose
+from ._solver import ROUNDS, Solution, Solver
+
+#: Residuals of this many standard deviations have half the weight: nine of ten true edges are
+#: closed better, false loops are far beyond.
+SCALE = 3.0
+#: Covariance of the errors that matches of real scans have at least, whatever their Hessian says:
+#: 2 cm and 0.3 degrees (the bundled logs).
+REAL = np.diag([0.02, 0.02, np.radians(0.3)]) ** 2
+
+
+class Edge(NamedTuple):
+    """A measured motion between two poses; or m of them, each field with a leading axis m."""
+
+    first: Any  # index of a pose: int, or (m,) int array
+    second: Any
+    relative: Array  # (3,): pose of the second in the frame of the first, metres and radians
+    information: Array  # (3, 3): inverse covariance of that motion
+    loop: Any = False  # whether it closes a loop; else it joins neighbours in time
+
+
+class Rejected(NamedTuple):
+    """A loop that was proposed and not believed: the two scans, and why."""
+
+    first: int
+    second: int
+    reason: str
+
+
+@dataclass(frozen=True, eq=False)
+class Graph:
+    """The edges that poses were solved from, with what the solution left of them.
+
+    Parameters
+    ----------
+    edges : (m, 2) int array
+        Indices of the scans at both ends.
+    relative : (m, 3) array, metres and radians
+        Measured pose of the second in the frame of the first.
+    loop : (m,) bool array
+        Whether the edge closes a loop (else it joins neighbours in time).
+    residuals : (m,) array
+        Length of what the solution leaves of each edge, in standard deviations.
+    rejected : tuple of Rejected
+    information : (m, 3, 3) array or None
+        Inverse covariance of each edge, metres and radians; None where the method has none.
+    """
+
+    edges: NDArray[np.int64]
+    relative: Array
+    loop: NDArray[np.bool_]
+    residuals: Array
+    rejected: tuple[Rejected, ...] = ()
+    information: Array | None = None
+
+    def __repr__(self) -> str:
+        loops, rejected = int(self.loop.sum()), len(self.rejected)
+        return f"Graph({len(self.edges) - loops} steps, {loops} loops, {rejected} rejected)"
+
+
+def solve_graph(
+    poses: ArrayLike,
+    edges: ArrayLike,
+    relative: ArrayLike,
+    *,
+    information: ArrayLike | None = None,
+    scale: float = SCALE,
+) -> Array:
+    """Poses that fit measured motions best, the first scan held (Grisetti et al. 2010).
+
+    Scans that no edge names stay where they are beside the last one before them that has an edge.
+
+    Parameters
+    ----------
+    poses : (k, 3) array, metres and radians
+        Of all scans, to begin from; the nearest minimum is found.
+    edges : (m, 2) int array
+        Indices of the scans at both ends.
+    relative : (m, 3) array, metres and radians
+        Measured pose of the second in the frame of the first.
+    information : (m, 3, 3) array or None
+        Inverse covariances; None: 2 cm and 0.3 degrees for all.
+    scale : float
+        Edges left open by so many standard deviations have half the weight (Cauchy); `inf`: plain
+        least squares.
+
+    Returns
+    -------
+    (k, 3) array, metres and radians
+
+    Raises
+    ------
+    ValueError
+        For arrays of the wrong shape, values that are not finite, an edge to a scan that does not
+        exist, a scan that has edges but is not tied to the first one, a scale that is not positive;
+        for information that is negative, not symmetric, or leaves a pose free.
+
+    Examples
+    --------
+    Two steps of one metre, and a third measurement that makes both of them 1.7 m:
+
+    >>> edges, motions = [(0, 1), (1, 2), (2, 0)], [(1, 0, 0), (1, 0, 0), (-1.7, 0, 0)]
+    >>> solve_graph(np.zeros((3, 3)), edges, motions, scale=np.inf)[:, 0].round(6).tolist()
+    [0.0, 0.9, 1.8]
+    >>> solve_graph(np.zeros((3, 3)), edges, motions)[:, 0].round(2).tolist()
+    [0.0, 0.99, 1.97]
+    """
+    start = arrays.poses(poses)
+    ends = arrays.table(edges, "edges", 2, unit="numbers of scans").astype(np.int64)
+    motion = arrays.poses(relative, "relative", count=len(ends))
+    weight = _information(information, len(ends))
+    arrays.number(scale, "scale", least=arrays.LEAST, most=np.inf)
+    if not len(ends):
+        return start
+    if ends.min() < 0 or ends.max() >= len(start):
+        got = f"{ends.min()} to {ends.max()}"
+        raise ValueError(f"edges must name scans 0 to {len(start) - 1}, got {got}")
+    key, index = np.unique(ends, return_inverse=True)
+    first, second = index.reshape(-1, 2).T
+    _check_tied(key, first, second)
+    try:
+        solved = solve(start[key], Edge(first, second, motion, weight), scale=scale).poses
+    except np.linalg.LinAlgError:
+        solved = np.full((len(key), 3), np.nan)
+    if not np.isfinite(solved).all():
+        raise ValueError("information must fix every pose, but leaves some of them free")
+    on = np.maximum(np.searchsorted(key, np.arange(len(start)), side="right") - 1, 0)
+    return compose(solved[on], between(start[key[on]], start))
+
+
+def _information(value: ArrayLike | None, m: int) -> Array:
+    """Information of m edges `(m, 3, 3)`, as given or as matches of real scans have it."""
+    if value is None:
+        return np.broadcast_to(np.linalg.inv(REAL), (m, 3, 3))
+    return checked(value, m)
+
+
+def _check_tied(
+    key: NDArray[np.int64], first: NDArray[np.int64], second: NDArray[np.int64]
+) -> None:
+    """Refuse a scan of which the edges say nothing relative to the first."""
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
+    graph = coo_array((np.ones(len(first)), (first, second)), shape=(len(key), len(key)))
+    group = connected_components(graph, directed=False)[1]
+    if (apart := np.flatnonzero(group != group[0])).size:
+        scan = int(key[apart[0]])
+        raise ValueError(f"edges must tie all scans to the first; scan {scan} is not tied to it")
+
+
+def stacked(edges: Sequence[Edge]) -> Edge:
+    """Several edges as one whose fields have a leading axis m."""
+    return Edge(*(np.array(field) for field in zip(*edges, strict=True)))
+
+
+def information(covariance: Array) -> Array:
+    """Information of a motion that was matched with this covariance, (3, 3) arrays."""
+    return np.asarray(np.linalg.inv(covariance + REAL))
+
+
+def residuals(poses: Array, edges: Edge) -> Array:
+    """What poses leave of each edge, `(m, 3)`, metres and radians, in the frame of `first`."""
+    left = between(poses[edges.first], poses[edges.second]) - edges.relative
+    left[..., 2] = wrap(left[..., 2])
+    return left
+
+
+def deviations(poses: Array, edges: Edge) -> Array:
+    """Lengths of the residuals in standard deviations (Mahalanobis distances), `(m,)`."""
+    r = residuals(poses, edges)
+    return np.sqrt(np.maximum(np.einsum("...i,...ij,...j", r, edges.information, r), 0.0))
+
+
+def solve(poses: Array, edges: Edge, *, rounds: int = ROUNDS, scale: float = SCALE) -> Solution:
+    """Poses `(n, 3)` that fit m edges best, and `converged`, as `Solver.solve` has them."""
+    solver = Solver(scale)
+    solver.add(edges)
+    return solver.solve(poses, rounds=rounds)

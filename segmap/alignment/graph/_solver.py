@@ -1,0 +1,252 @@
+"""Sparse least squares over poses, with Cauchy weights, that keeps what it has computed.
+
+Gauss-Newton (Grisetti et al. 2010) on a block Cholesky factor in an order of minimum degree. Edges
+may be added: then only the columns that they change are computed again, as in iSAM2 (Kaess et al.
+2012), but with the exact gradient at each step, so that the minimum is that of all edges together.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from ...angles import wrap
+from ...arrays import Array
+from ._equations import Edges, Flags, Indices, linearise
+from ._factor import Factor, factorise, find_structure, substitute
+
+if TYPE_CHECKING:
+    from ._graph import Edge
+
+#: Rounds are at most so many: what is solved takes three to fifteen.
+ROUNDS = 30
+#: Steps of the solver end where no pose moves by more than this, metres and radians: a hundredth of
+#: what a laser sees.
+CONVERGED = 1e-5
+#: Where no pose moves by more than this, metres and radians, the bend of the loss is used as well:
+#: weights alone come closer to the minimum by a third at each step. It takes at most so large a
+#: part of an edge's weight: all of it would leave a pose free that only this edge ties.
+NEAR, BENT = 0.03, 0.9
+#: Equations that are kept until they change by so many metres, radians, parts.
+STALE = 0.01
+#: A loss that rises by no more than this part, and by this much an edge, is rounding.
+SAME = 1e-9
+#: New poses are eliminated last. The order is made anew after so many, or this part of all.
+LATE, LATE_PART = 32, 0.02
+
+
+class Solution(NamedTuple):
+    """Poses that fit best, and whether the solver got there."""
+
+    poses: Array  # (n, 3), metres and radians
+    converged: bool  # else the rounds were used up, and the poses are still on the way
+    rounds: int
+
+
+#: Every equation is stale, even one that has not changed.
+ALL = -1.0
+
+
+class Step(NamedTuple):
+    """How the next step is made."""
+
+    stale: float  # equations are kept until they change by so much
+    curved: bool = False  # whether the bend of the loss is used
+    near: float = NEAR  # it is where the last step was smaller than this, metres and radians
+    size: float = np.inf  # of the last step
+
+
+class Solver:
+    """Solves for poses `(n, 3)` again and again as edges come in; the first pose is held.
+
+    Parameters
+    ----------
+    scale : float
+        Edges left open by so many standard deviations have half the weight; `inf`: all the same.
+
+    Attributes
+    ----------
+    columns : int
+        Columns of the factor that were computed so far: what the work is measured by.
+    """
+
+    def __init__(self, scale: float) -> None:
+        self.scale, self.columns = scale, 0
+        self._count, self._used, self._ordered = 0, 0, 0
+        self._edges = Edges(
+            np.empty((0, 2), np.int64),
+            *(np.empty((0, *shape)) for shape in ((3,), (3, 3), (3, 9), (4,))),
+        )
+        self._factor: Factor | None = None
+        self._changed = np.empty(0, np.bool_)  # poses whose equations the factor does not hold yet
+
+    def __len__(self) -> int:
+        """Number of edges."""
+        return self._count
+
+    def add(self, more: Edge) -> None:
+        """Add m edges; the poses that they name are given to the next `solve`."""
+        old, new = self._count, self._count + len(more.first)
+        if new > len(self._edges.ends):
+            longer: Any = (_longer(field, max(new, 2 * old)) for field in self._edges)
+            self._edges = Edges(*longer)
+        e = self._edges
+        e.ends[old:new] = np.stack([more.first, more.second], -1)
+        e.relative[old:new] = more.relative
+        e.information[old:new] = (more.information + more.information.swapaxes(1, 2)) / 2
+        e.made[old:new] = np.inf
+        self._count = new
+
+    def solve(self, poses: Array, *, rounds: int = ROUNDS, lazily: bool = False) -> Solution:
+        """Poses that fit all edges best, from some to begin with; the first stays where it is.
+
+        Minimises the sum of Cauchy losses of the residuals by at most so many rounds; every pose
+        must be tied to the first through edges. `lazily` keeps equations that have changed by less
+        than `STALE`: the minimum is the same, the way to it may take a round more, and costs only
+        what the new edges change. Raises LinAlgError where information leaves a pose free.
+        """
+        poses = before = poses.copy()
+        self._prepare(len(poses))
+        keep = STALE if lazily else ALL
+        step, loss = Step(keep), np.inf
+        for count in range(1, rounds + 1):
+            now, gradient = self._equations(poses, step)
+            if step.curved and now > loss * (1 + SAME) + SAME * len(self):
+                poses, step = before, Step(ALL, near=step.size / 4)
+                continue
+            self._factorise()
+            move = self._move(gradient)
+            before, loss, poses = poses, now, poses + move
+            poses[:, 2] = wrap(poses[:, 2])
+            size = float(np.abs(move).max(initial=0.0))
+            if size < CONVERGED:
+                return Solution(poses, True, count)
+            step = Step(keep, size < step.near, step.near, size)
+        return Solution(poses, False, rounds)
+
+    def _equations(self, poses: Array, step: Step) -> tuple[float, Array]:
+        """Half the loss and its gradient `(n, 3)`; what is stale is made anew."""
+        gradient, edges = np.zeros((len(poses), 3)), self._all()
+        bent = BENT if step.curved else 0.0
+        loss = linearise(
+            poses, edges, self.scale, bent, step.stale, gradient, self._changed, np.empty((6, 3))
+        )
+        gradient[0] = 0.0
+        return loss, gradient
+
+    def _factorise(self) -> None:
+        """Bring the factor up to date."""
+        assert self._factor is not None
+        marked, n = self._changed[self._factor.pose], len(self._changed)
+        work, lists = np.zeros((n, 9)), np.empty((3, n), np.int64)
+        free = factorise(self._factor, self._all(), marked, work, lists)
+        if free >= 0:
+            raise np.linalg.LinAlgError(f"the information leaves pose {free} free")
+        self.columns += int(marked.sum())
+        self._changed[:] = False
+
+    def _move(self, gradient: Array) -> Array:
+        assert self._factor is not None
+        move = np.empty_like(gradient)
+        substitute(self._factor, gradient, move)
+        return move
+
+    def _all(self) -> Edges:
+        """The edges without the room for more."""
+        parts: Any = (field[: self._count] for field in self._edges)
+        return Edges(*parts)
+
+    def _prepare(self, n: int) -> None:
+        """Give the factor n columns, and the rows that all edges need."""
+        f, ends = self._factor, self._edges.ends[: self._count]
+        if f is not None and len(f.pose) == n and len(f.link) == 2 * len(ends):
+            return
+        if f is None or n - self._ordered > LATE + LATE_PART * n:
+            f, used, changed = _ordered(n, ends), 0, np.ones(n, np.bool_)
+            self._ordered = n
+        else:
+            changed = np.arange(n) >= len(f.pose)
+            changed[: len(f.pose)] |= self._changed[: len(f.pose)]
+            changed[ends[len(f.link) // 2 :].ravel()] = True
+            f, used = _widened(f, n, ends), self._used
+        marked, lists = changed[f.pose], np.empty((4, n), np.int64)
+        while (found := find_structure(f, ends, marked, used, lists)) < 0:
+            room, used = 2 * len(f.rows), -1 - found
+            f = f._replace(rows=_longer(f.rows, room), blocks=_longer(f.blocks, room))
+        self._changed, self._used = changed, found
+        self._factor = f  # last: until then an interrupt leaves the one before in use
+
+
+def _longer(array: Any, count: int) -> Any:
+    """A copy with room for so many rows."""
+    longer = np.zeros((count, *array.shape[1:]), array.dtype)
+    longer[: len(array)] = array
+    return longer
+
+
+def _ordered(n: int, ends: Indices) -> Factor:
+    """An empty factor of n poses, in an order that keeps it sparse."""
+    column = _least_degree(n, ends)
+    head, link = _linked(n, ends)
+    return Factor(
+        column,
+        np.argsort(column),
+        head,
+        link,
+        np.zeros(n, np.int64),
+        np.zeros(n, np.int64),
+        np.zeros(8 * n, np.int64),
+        np.zeros((8 * n, 9)),
+        np.zeros((n, 9)),
+    )
+
+
+def _least_degree(n: int, ends: Indices) -> Indices:
+    """Place of each pose in an order of minimum degree; the pose that is held comes first."""
+    from scipy.sparse import coo_array, diags_array
+    from scipy.sparse.linalg import splu
+
+    first, second = ends[_joins(ends)].T - 1
+    joined = coo_array((np.full(len(first), -1.0), (first, second)), shape=(n - 1, n - 1))
+    degree = np.bincount(np.r_[first, second], minlength=n - 1)
+    matrix = (joined + joined.T + diags_array(degree + 1.0)).tocsc()
+    symmetric = {"SymmetricMode": True}
+    factors = splu(matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=symmetric)
+    return np.r_[0, factors.perm_c.astype(np.int64) + 1]
+
+
+def _joins(ends: Indices) -> Flags:
+    """Whether an edge joins two poses that are free."""
+    found: Flags = (ends > 0).all(1) & (ends[:, 0] != ends[:, 1])
+    return found
+
+
+def _linked(n: int, ends: Indices) -> tuple[Indices, Indices]:
+    """First slot of each pose, and next slot of the same pose, -1 for none; see `Factor`.
+
+    An edge from a pose to itself says nothing and has no slot, nor has the pose that is held.
+    """
+    owner = np.where(ends[:, :1] == ends[:, 1:], 0, ends).ravel()
+    slots = np.argsort(owner, kind="stable")
+    slots = slots[np.searchsorted(owner[slots], 1) :]
+    head, link = np.full(n, -1), np.full(2 * len(ends), -1)
+    head[owner[slots[::-1]]] = slots[::-1]
+    following = owner[slots[1:]] == owner[slots[:-1]]
+    link[slots[:-1][following]] = slots[1:][following]
+    return head, link
+
+
+def _widened(f: Factor, n: int, ends: Indices) -> Factor:
+    """The factor with columns for new poses at its end, and slots for new edges."""
+    late = np.arange(len(f.pose), n)
+    head, link = _linked(n, ends)
+    return f._replace(
+        column=np.r_[f.column, late],
+        pose=np.r_[f.pose, late],
+        head=head,
+        link=link,
+        start=_longer(f.start, n),
+        length=_longer(f.length, n),
+        pivots=_longer(f.pivots, n),
+    )

@@ -1,0 +1,225 @@
+"""Loops of point-to-line ICP: points in cells, normals of walls, partners of points, descent."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...arrays import Array
+from ...compiled import compiled
+from ._step_kernels import gauss_newton_step, normal_equations
+
+#: A neighbourhood is a wall where its variance across is below this share of that along: corners
+#: and bushes lie above.
+NARROW = 0.15
+#: A beam that meets the back of a wall at a flatter angle than this (its sine) may be noise.
+BACK = 0.05
+
+
+#: Radius within which a wall's direction is fitted, metres: from ten times the noise of a laser to
+#: what holds five beams of half a degree at 25 m; five points show whether they form a wall.
+NARROWEST, WIDEST, ENOUGH = 0.12, 1.0, 5
+
+
+class PointGrid(NamedTuple):
+    """Points of walls, sorted into square cells of side `size`, metres, from corner (x, y) on."""
+
+    points: Array  # (n, 2), metres, cell by cell
+    normals: Array  # (n, 2): unit normal of the wall through each; NaN: no wall; inf: not yet asked
+    viewpoints: Array  # (n, 2), metres: where each was seen from, if `sided`
+    x: float
+    y: float
+    size: float
+    columns: int
+    rows: int
+    first: NDArray[np.int32]  # where the points of cell (i, j) begin: first[i * rows + j]
+    sided: bool  # normals point to where each point was seen from: a thin wall has two faces
+
+
+@compiled
+def place_clouds(
+    clouds: Array, counts: NDArray[np.int64], poses: Array, far: float, placed: Array, seen: Array
+) -> int:
+    """Write the points of clouds placed at poses, and where each was seen from; their number.
+
+    Clouds `(n, 2)`, metres, one after the other, `counts` points each; poses `(k, 3)`. Points with
+    a coordinate of `far` (metres) or more are left out.
+    """
+    k = used = 0
+    for cloud in range(len(poses)):
+        x, y = poses[cloud, 0], poses[cloud, 1]
+        c, s = math.cos(poses[cloud, 2]), math.sin(poses[cloud, 2])
+        for _ in range(counts[cloud]):
+            placed[used, 0] = x + c * clouds[k, 0] - s * clouds[k, 1]
+            placed[used, 1] = y + s * clouds[k, 0] + c * clouds[k, 1]
+            seen[used, 0], seen[used, 1] = x, y
+            k += 1
+            if abs(placed[used, 0]) < far and abs(placed[used, 1]) < far:
+                used += 1
+    return used
+
+
+@compiled
+def sort_points(grid: PointGrid, points: Array, viewpoints: Array) -> None:
+    """Write points and viewpoints `(n, 2)`, metres, cell by cell; `first` is zero before.
+
+    `first` has two entries more than there are cells.
+    """
+    for k in range(len(points)):
+        i, j = int((points[k, 0] - grid.x) / grid.size), int((points[k, 1] - grid.y) / grid.size)
+        grid.first[i * grid.rows + j + 2] += 1
+    for c in range(2, len(grid.first)):
+        grid.first[c] += grid.first[c - 1]
+    for k in range(len(points)):
+        i, j = int((points[k, 0] - grid.x) / grid.size), int((points[k, 1] - grid.y) / grid.size)
+        p = grid.first[i * grid.rows + j + 1]
+        grid.first[i * grid.rows + j + 1] += 1
+        grid.points[p, 0], grid.points[p, 1] = points[k, 0], points[k, 1]
+        grid.normals[p, 0] = grid.normals[p, 1] = math.inf
+        if grid.sided:
+            grid.viewpoints[p, 0], grid.viewpoints[p, 1] = viewpoints[k, 0], viewpoints[k, 1]
+
+
+@compiled
+def _cells_around(grid: PointGrid, x: float, y: float, reach: float) -> tuple[int, int, int, int]:
+    """Columns and rows, first and last, that hold all points within reach (metres) of (x, y)."""
+    left = max(int((x - reach - grid.x) / grid.size), 0)
+    right = min(int((x + reach - grid.x) / grid.size), grid.columns - 1)
+    low = max(int((y - reach - grid.y) / grid.size), 0)
+    high = min(int((y + reach - grid.y) / grid.size), grid.rows - 1)
+    return left, right if low <= high else left - 1, low, high
+
+
+@compiled
+def fit_normal(grid: PointGrid, k: int) -> None:
+    """Write the unit normal of the wall through a point, where its neighbours form a wall.
+
+    The neighbourhood is doubled until it holds enough points; the normal is the minor axis of its
+    scatter about the mean.
+    """
+    x, y, reach, n = grid.points[k, 0], grid.points[k, 1], NARROWEST, 0
+    xx = xy = yy = 0.0
+    while n < ENOUGH and reach <= 1.001 * WIDEST:
+        left, right, low, high = _cells_around(grid, x, y, reach)
+        n = 0
+        sx = sy = xx = xy = yy = 0.0
+        for i in range(left, right + 1):
+            row = i * grid.rows
+            for p in range(grid.first[row + low], grid.first[row + high + 1]):
+                dx, dy = grid.points[p, 0] - x, grid.points[p, 1] - y
+                if dx * dx + dy * dy <= reach * reach:
+                    n += 1
+                    sx, sy = sx + dx, sy + dy
+                    xx, xy, yy = xx + dx * dx, xy + dx * dy, yy + dy * dy
+        m = max(n, 1)
+        xx, xy, yy = xx - sx * sx / m, xy - sx * sy / m, yy - sy * sy / m
+        reach *= 2.0
+    nx = ny = math.nan
+    middle, half = 0.5 * (xx + yy), math.hypot(0.5 * (xx - yy), xy)
+    if n >= ENOUGH and middle - half < NARROW * (middle + half):
+        along = 0.5 * math.atan2(2.0 * xy, xx - yy)
+        nx, ny = -math.sin(along), math.cos(along)
+        if grid.sided and nx * (grid.viewpoints[k, 0] - x) + ny * (grid.viewpoints[k, 1] - y) < 0:
+            nx, ny = -nx, -ny
+    grid.normals[k, 0], grid.normals[k, 1] = nx, ny
+
+
+@compiled
+def nearest(grid: PointGrid, x: float, y: float, reach: float) -> int:
+    """Index of the point nearest to (x, y); -1 where none is in reach (metres).
+
+    Cells are looked through within a radius that is doubled until it holds the nearest.
+    """
+    best, found, radius = reach * reach, -1, min(reach, grid.size)
+    while True:
+        left, right, low, high = _cells_around(grid, x, y, radius)
+        for i in range(left, right + 1):
+            row = i * grid.rows
+            for p in range(grid.first[row + low], grid.first[row + high + 1]):
+                dx, dy = grid.points[p, 0] - x, grid.points[p, 1] - y
+                if dx * dx + dy * dy < best:
+                    best, found = dx * dx + dy * dy, p
+        if radius >= reach or best <= radius * radius:
+            return found
+        radius = min(2.0 * radius, reach)
+
+
+@compiled
+def residuals(
+    grid: PointGrid, current: Array, pose: Array, reach: float, stride: int, rows: Array
+) -> tuple[int, float]:
+    """Write a row for each point that has a wall within reach (metres) of it; their number.
+
+    Every `stride`-th of the current points `(m, 2)`, metres, in the robot's frame, is asked; one
+    that lies behind a wall, as seen from the robot, has no row. Rows, (m, 6) array: derivative of
+    the offset by x, y and heading; offset across the wall, metres; weight (left as it is); index of
+    the point. Also returned is the share of those asked that have any point within reach.
+    """
+    c, s = math.cos(pose[2]), math.sin(pose[2])
+    used = near = 0
+    for k in range(0, len(current), stride):
+        turned_x = c * current[k, 0] - s * current[k, 1]
+        turned_y = s * current[k, 0] + c * current[k, 1]
+        x, y = turned_x + pose[0], turned_y + pose[1]
+        p = nearest(grid, x, y, reach)
+        if p < 0:
+            continue
+        near += 1
+        if math.isinf(grid.normals[p, 0]) or math.isinf(grid.normals[p, 1]):
+            fit_normal(grid, p)  # another thread may be doing the same: it writes the same
+        nx, ny = grid.normals[p, 0], grid.normals[p, 1]
+        inward = nx * turned_x + ny * turned_y
+        behind = inward > 0.0 and inward > BACK * math.hypot(turned_x, turned_y)
+        if math.isnan(nx) or (grid.sided and behind):
+            continue
+        rows[used, 0], rows[used, 1] = nx, ny
+        rows[used, 2] = ny * turned_x - nx * turned_y
+        rows[used, 3] = nx * (x - grid.points[p, 0]) + ny * (y - grid.points[p, 1])
+        rows[used, 5] = k
+        used += 1
+    return used, near / ((len(current) + stride - 1) // stride)
+
+
+@compiled
+def point_to_line(
+    grid: PointGrid,
+    current: Array,
+    pose: Array,
+    reach: float,
+    last: float,
+    floor: float,
+    span: float,
+    stride: int,
+    rounds: int,
+    rows: Array,
+    system: Array,
+    scratch: Array,
+) -> tuple[float, float, int, float, int, bool]:
+    """Point-to-line ICP, at most so many rounds: moves a pose `(3,)` to where the scan lies best.
+
+    Far from the answer every `stride`-th point is enough and partners are sought within `reach`;
+    near it all points count, and only partners within `last`. Rows and system hold the last step
+    afterwards; scratch is a (2, 3, 3) array. Returned are sigma, the share of points near, the rows
+    used, reach and stride by then, and whether it has converged.
+    """
+    sigma, near, used = floor, 0.0, 0
+    for _ in range(rounds):
+        used, near = residuals(grid, current, pose, reach, stride, rows)
+        if used < 6:
+            break
+        sigma = normal_equations(rows, used, floor, system)
+        x, y, heading = gauss_newton_step(system, span, scratch[0], scratch[1])
+        pose[0] += x
+        pose[1] += y
+        pose[2] += heading
+        far = max(math.hypot(x, y), abs(heading) * span)
+        if far < 1e-4 and stride == 1 and reach <= last:
+            return sigma, near, used, reach, stride, True
+        if far < 0.02 and reach > last:
+            reach = max(0.5 * reach, last)
+        elif far < 0.02:
+            stride = 1
+    return sigma, near, used, reach, stride, False

@@ -1,0 +1,254 @@
+"""Points of walls to match scans with: by descent from a start, or by search in a window."""
+
+from __future__ import annotations
+
+import math
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ...arrays import Array
+from ...poses.motions import wrap
+from .._result import Match, no_match
+from . import _point_kernels as kernels
+from . import _search_kernels
+from ._step_kernels import uncertainty
+
+# What follows are properties of lasers and of walls, the same for every building.
+#: Side of the cells that points are sorted into, metres: about the reach of the last steps.
+CELL = 0.15
+#: Smallest standard deviation, metres, that offsets from a wall are believed to have: a laser's.
+FLOOR = 0.01
+#: Cells of the search, metres: half the reach of the descent that follows; and the standard
+#: deviation of a wall in them, which a wall between two cells must not escape.
+FINE, BAND = 0.05, 0.06
+#: Maxima over 1, 2, 4, 8 and 16 cells: wider ones bound nothing in a window of half a metre.
+LEVELS = 5
+#: So many points of a scan are enough for the search, and far from the answer for the descent.
+SAMPLE = 250
+#: Points of a scan and map errors are not independent: measured errors are this many times the
+#: Hessian's (simulated rooms and offices, tests/test_match_points.py).
+INFLATION = 2.0
+#: A motion that the walls leave free is one along a direction where its shift is at least this
+#: share of it, the turn counted as the length by which it moves the scan's points.
+SHIFT = 0.7
+#: A wall faces a direction where its normal leans to it by more than this (cosine): normals of a
+#: straight wall err by a tenth of a radian.
+FACING = 0.3
+#: More steps are never made: most descents take 10 to 20.
+ROUNDS = 60
+#: How far partners are sought in the end, metres: ten times the noise of a laser.
+LAST = 0.12
+#: Points farther from the robot than this are left out, metres: no laser for buildings reaches so
+#: far, and one absurd range or pose would ask for a map of a million cells a side.
+FAR = 100.0
+
+
+class Descent(NamedTuple):
+    """Where point-to-line ICP stands: what `_point_kernels.point_to_line` writes and returns."""
+
+    pose: Array  # (3,), metres and radians
+    rows: Array  # (m, 6): residuals before the last step
+    system: Array  # (3, 4): Hessian and gradient
+    sigma: float
+    near: float
+    reach: float
+    stride: int
+    converged: bool
+
+
+class PointMap:
+    """A point cloud of walls to match scans with.
+
+    Parameters
+    ----------
+    points : (n, 2) array, metres
+        At least one; order does not matter.
+    viewpoints : (n, 2) array, metres, or None
+        Where each was seen from: then the far side of a thin wall is not taken for its near side.
+    """
+
+    def __init__(self, points: Array, viewpoints: Array | None = None) -> None:
+        x, y = points[:, 0], points[:, 1]
+        left, low, right, top = map(float, (x.min(), y.min(), x.max(), y.max()))
+        size = max(CELL, max(right - left, top - low) / 2000)
+        columns, rows = int((right - left) / size) + 1, int((top - low) / size) + 1
+        sided = viewpoints is not None
+        seen_from = points if viewpoints is None else viewpoints
+        first = np.zeros(columns * rows + 2, np.int32)
+        room = (np.empty((len(points), 2)), np.empty((len(points), 2)), np.empty_like(seen_from))
+        self._grid = kernels.PointGrid(*room, left, low, size, columns, rows, first, sided)
+        kernels.sort_points(self._grid, points, seen_from)
+
+    @property
+    def grid(self) -> kernels.PointGrid:
+        """The points in cells, with all normals; a descent fits only those that it asks for."""
+        for k in np.flatnonzero(np.isinf(self._grid.normals[:, 0])):
+            kernels.fit_normal(self._grid, int(k))
+        return self._grid
+
+    def register(
+        self,
+        current: Array,
+        start: ArrayLike,
+        *,
+        reach: float = 0.3,
+        last: float = LAST,
+        overlap: float = 0.0,
+    ) -> Match:
+        """Point-to-line ICP from a start (Censi 2008; A 2.5.1: Lu and Milios 1997).
+
+        Parameters
+        ----------
+        current : (m, 2) array, metres
+            A scan's points in its own frame.
+        start : (3,) array, metres and radians
+            Its supposed pose in the map's frame.
+        reach, last : float, metres
+            How far partners are sought at first and in the end.
+        overlap : float
+            Share of the points that must have a partner in the end.
+
+        Returns
+        -------
+        Match
+        """
+        if len(current) < 6:
+            return no_match(start, f"the scan has only {len(current)} points")
+        found = self.descend(current, start, reach, last, 1 + len(current) // SAMPLE)
+        if len(found.rows) < 6:
+            return no_match(start, f"only {len(found.rows)} points lie near walls", found.near)
+        if found.near < overlap:
+            return no_match(start, "too little of it lies on the map", found.near)
+        variance = INFLATION * found.sigma**2
+        covariance, free = _uncertainty(found.system, variance, _span(current))
+        return Match(found.pose, covariance, True, "", found.near, free)
+
+    def descend(
+        self,
+        current: Array,
+        start: ArrayLike,
+        reach: float,
+        last: float,
+        stride: int,
+        rounds: int = ROUNDS,
+    ) -> Descent:
+        """Some steps of point-to-line ICP, from a start, with every `stride`-th point at first.
+
+        Points `(m, 2)`, metres; start, (3,) array, metres and radians; reach and last in metres.
+        """
+        pose, rows = np.array(start, float), np.empty((len(current), 6))
+        system, scratch = np.empty((3, 4)), np.empty((2, 3, 3))
+        points, reaches = np.ascontiguousarray(current), (float(reach), float(last))
+        sigma, near, used, reach, stride, converged = kernels.point_to_line(
+            self._grid, points, pose, *reaches, FLOOR, _span(current), stride, rounds,
+            rows, system, scratch,
+        )  # fmt: skip
+        pose[2] = wrap(pose[2])
+        return Descent(pose, rows[:used], system, sigma, near, reach, stride, converged)
+
+    def has_wall_facing(self, direction: Array, current: Array, pose: Array) -> bool:
+        """Whether a wall under a scan's points `(m, 2)` at a pose `(3,)` faces a direction `(2,)`.
+
+        Points in the robot's frame, metres; walls are sought within the reach of the last steps.
+        """
+        rows = self.descend(current, pose, LAST, LAST, stride=1, rounds=1).rows
+        return bool((np.abs(rows[:, :2] @ direction) > FACING).any())
+
+    @cached_property
+    def levels(self) -> _search_kernels.Levels:
+        """Likelihoods of cells of `FINE` metres and their maxima over 2, 4, 8 and 16 cells a side.
+
+        (5, columns, rows) array of bytes.
+        """
+        r = int(np.ceil(2.5 * BAND / FINE))
+        away = np.arange(-r, r + 1) ** 2 * FINE**2
+        stamp = (255 * np.exp(-(away[:, None] + away) / (2 * BAND**2))).astype(np.uint8)
+        cells = ((self._grid.points - self.corner) / FINE).astype(np.int64)
+        levels = np.zeros((LEVELS, *cells.max(0) + r + 2), np.uint8)
+        _search_kernels.stamp_points(levels[0], cells, stamp)
+        for k in range(LEVELS - 1):
+            _search_kernels.widen(levels[k], levels[k + 1], 1 << k)
+        return levels
+
+    @property
+    def corner(self) -> Array:
+        """Lower left corner of the levels, (2,) array, metres: nothing lies in the widest there."""
+        margin = 3 * BAND + (1 << (LEVELS - 1)) * FINE
+        return np.array([self._grid.x - margin, self._grid.y - margin])
+
+    def search(
+        self,
+        current: Array,
+        start: ArrayLike,
+        *,
+        reach: float = 0.5,
+        turn: float = np.radians(40),
+        step: float = np.radians(1.0),
+        reach_cost: float = 0.1,
+        least: float = 0.0,
+    ) -> tuple[Array | None, float]:
+        """Best pose of a window about a start, wherever the descent would end (Olson 2009).
+
+        Parameters
+        ----------
+        current : (m, 2) array, metres
+        start : (3,) array, metres and radians
+        reach : float, metres, and turn : float, radians
+            Half sides of the window.
+        step : float, radians
+            Between headings; cells are 5 cm.
+        reach_cost : float
+            What a pose at the window's edge costs, so that of equals the nearest is taken.
+        least : float
+            A mean likelihood that the best has to exceed.
+
+        Returns
+        -------
+        pose : (3,) array or None
+        score : float
+            Mean likelihood of the points, 0 to 1, less what its distance costs.
+        """
+        begin, k = np.array(start, float), int(np.ceil(turn / step))
+        points = np.ascontiguousarray(current[:: 1 + len(current) // SAMPLE])
+        levels, radius, n = self.levels, int(np.ceil(reach / FINE)), 2 * k + 1
+        blocks = n * (2 * radius // (1 << (LEVELS - 1)) + 1) ** 2
+        _, columns, rows = levels.shape
+        map = _search_kernels.Likelihoods(levels.reshape(LEVELS, -1), columns, rows, FINE)
+        scan = _search_kernels.Headings(
+            np.empty((n, len(points)), np.int32),
+            np.empty((n, len(points), 2), np.int32),
+            np.empty((n, 2), np.int64),
+        )
+        scratch = np.empty(blocks), np.empty(blocks, np.int64)
+        todo = np.empty((4 * LEVELS, 3), np.int64), np.empty(4 * LEVELS)
+        score, h, i, j = _search_kernels.search(
+            map, points, begin - (*self.corner, 0.0), step, radius, reach_cost, least,
+            scan, *scratch, *todo,
+        )  # fmt: skip
+        pose = begin + (i * FINE, j * FINE, (h - k) * step)
+        return (pose if h >= 0 else None), score
+
+
+def in_range(points: Array) -> NDArray[np.bool_]:
+    """Which points `(n, 2)`, metres, a laser can have seen from near the origin."""
+    return (np.abs(points[:, 0]) < FAR) & (np.abs(points[:, 1]) < FAR)
+
+
+def _span(current: Array) -> float:
+    """Root mean square distance of points `(m, 2)` from the robot, metres."""
+    flat = current.ravel()
+    return math.sqrt(float(flat @ flat) / len(current)) + 1e-9
+
+
+def _uncertainty(system: Array, variance: float, span: float) -> tuple[Array, Array | None]:
+    """Covariance `(3, 3)`, and the direction `(2,)` that the walls do not fix, if there is one.
+
+    Along such a direction the standard deviation is one metre: the match says nothing of it. In a
+    round room it is the heading that they do not fix: that is no direction.
+    """
+    covariance, scratch = np.empty((3, 3)), np.empty((2, 3, 3))
+    x, y, shift = uncertainty(system, variance, span, scratch[0], scratch[1], covariance)
+    return covariance, None if shift < SHIFT else np.array([x, y])

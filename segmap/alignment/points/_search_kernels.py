@@ -1,0 +1,244 @@
+"""Loops of the correlative search: the pose of a window at which a scan lies best on a map.
+
+Olson (2009), with the branch and bound of Hess et al. (2016).
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...arrays import Array
+from ...compiled import compiled
+
+Levels = NDArray[np.uint8]
+Cells = NDArray[np.int32]
+Indices = NDArray[np.int64]
+
+#: After so many points a sum is given up where the rest cannot lift it above what is asked.
+CHUNK = 24
+#: No sum.
+NONE = -1
+
+
+class Likelihoods(NamedTuple):
+    """Likelihoods of square cells, then their maxima over 2, 4, 8, ... cells a side."""
+
+    levels: Levels  # (l, columns * rows): cell (i, j) is i * rows + j
+    columns: int
+    rows: int
+    size: float  # side of a cell, metres
+
+
+class Headings(NamedTuple):
+    """The cells of a scan at each heading of a window: most lie inside of the map all over it."""
+
+    inside: Cells  # (h, n): cells, where no shift of the window leaves the map
+    edge: Cells  # (h, n, 2): columns and rows of the others that may lie on the map
+    counts: Indices  # (h, 2): how many of each there are
+
+
+@compiled
+def stamp_points(level: Levels, cells: Indices, stamp: Levels) -> None:
+    """Raise the likelihoods around each point to those of a stamp, (s, s) array, s odd, laid on it.
+
+    The stamps of all cells `(n, 2)` lie inside of the level, (columns, rows) array of bytes; the
+    middle of the stamp is its only maximum.
+    """
+    half = len(stamp) // 2
+    for k in range(len(cells)):
+        i, j = cells[k, 0] - half, cells[k, 1] - half
+        if level[i + half, j + half] < stamp[half, half]:  # else a point lies there already
+            for a in range(len(stamp)):
+                for b in range(len(stamp)):
+                    if level[i + a, j + b] < stamp[a, b]:
+                        level[i + a, j + b] = stamp[a, b]
+
+
+@compiled
+def widen(level: Levels, wide: Levels, step: int) -> None:
+    """Write the maximum of each cell and of those `step` farther in columns, rows and both.
+
+    The last column and the last row are empty.
+    """
+    columns, rows = level.shape
+    for i in range(columns):
+        here, there, out = level[i], level[min(i + step, columns - 1)], wide[i]
+        here_up, there_up = here[step:], there[step:]  # so that no index may be negative: SIMD
+        for j in range(len(here_up)):
+            out[j] = max(max(here[j], here_up[j]), max(there[j], there_up[j]))
+        for j in range(max(rows - step, 0), rows):
+            out[j] = max(here[j], there[j])
+
+
+@compiled
+def _lay_out(
+    map: Likelihoods, points: Array, start: Array, step: float, radius: int, found: Headings
+) -> None:
+    """Write the cells of a scan's points `(n, 2)`, metres, at all headings about a start `(3,)`.
+
+    The start is in the frame of the map's corner; a step between headings is in radians. Points
+    that lie off the map wherever the window of `radius` cells moves them are left out.
+    """
+    for h in range(len(found.inside)):
+        heading = start[2] + (h - len(found.inside) // 2) * step
+        c, s = math.cos(heading), math.sin(heading)
+        inside = edge = 0
+        for k in range(len(points)):
+            x, y = points[k, 0], points[k, 1]
+            i = math.floor((c * x - s * y + start[0]) / map.size)
+            j = math.floor((s * x + c * y + start[1]) / map.size)
+            if radius <= i < map.columns - radius and radius <= j < map.rows - radius:
+                found.inside[h, inside] = i * map.rows + j
+                inside += 1
+            elif -radius <= i < map.columns + radius and -radius <= j < map.rows + radius:
+                found.edge[h, edge, 0], found.edge[h, edge, 1] = i, j
+                edge += 1
+        found.counts[h, 0], found.counts[h, 1] = inside, edge
+
+
+@compiled
+def _likelihood(
+    map: Likelihoods, level: int, scan: Headings, h: int, i: int, j: int, least: float
+) -> int:
+    """Sum of likelihoods, 255 each, under scan h moved by (i, j) cells; NONE if not above `least`.
+
+    Outside of the map they are 0.
+    """
+    total, shift, count = 0, i * map.rows + j, scan.counts[h, 0]
+    left = 255 * (count + scan.counts[h, 1])
+    begin = 0
+    while begin < count:
+        end = min(begin + CHUNK, count)
+        for k in range(begin, end):
+            total += int(map.levels[level, scan.inside[h, k] + shift])
+        left -= 255 * (end - begin)
+        if total + left <= least:
+            return NONE
+        begin = end
+    for k in range(scan.counts[h, 1]):
+        a, b = scan.edge[h, k, 0] + i, scan.edge[h, k, 1] + j
+        if 0 <= a < map.columns and 0 <= b < map.rows:
+            total += int(map.levels[level, a * map.rows + b])
+    return total if total > least else NONE
+
+
+@compiled
+def _best_of_block(
+    map: Likelihoods,
+    scan: Headings,
+    h: int,
+    i: int,
+    j: int,
+    bound: float,
+    radius: int,
+    cost: float,
+    reach_cost: float,
+    best: float,
+    todo: Indices,
+    value: Array,
+) -> tuple[float, int, int]:
+    """Best shift of the block at (i, j), `2^top` cells a side, if better than `best`: depth first.
+
+    `cost` is what the heading costs, `reach_cost` what a shift by the whole radius costs; `todo`
+    (4 l, 3) and `value` (4 l,) are overwritten.
+    """
+    full = 255.0 * scan.inside.shape[1]
+    todo[0, 0], todo[0, 1], todo[0, 2], value[0] = len(map.levels) - 1, i, j, bound
+    used, at_i, at_j = 1, 0, 0
+    while used:
+        used -= 1
+        level, i, j = todo[used, 0], todo[used, 1], todo[used, 2]
+        if value[used] <= best:
+            continue
+        if level == 0:
+            score = value[used] - reach_cost * (i * i + j * j) / (radius * radius)
+            if score > best:
+                best, at_i, at_j = score, i, j
+            continue
+        half, first = 1 << (level - 1), used
+        for q in range(4):
+            a, b = i + half * (q // 2), j + half * (q % 2)
+            if a <= radius and b <= radius:
+                least = full * (best + cost)
+                total = _likelihood(map, level - 1, scan, h, a, b, least)
+                if total == NONE:
+                    continue
+                score, m = total / full - cost, used
+                while m > first and value[m - 1] > score:  # ascending: the best is taken first
+                    for k in range(3):
+                        todo[m, k] = todo[m - 1, k]
+                    value[m] = value[m - 1]
+                    m -= 1
+                todo[m, 0], todo[m, 1], todo[m, 2], value[m] = level - 1, a, b, score
+                used += 1
+    return best, at_i, at_j
+
+
+@compiled
+def _cost(scan: Headings, h: int, reach_cost: float) -> float:
+    """What a heading costs: nothing in the middle, as much as the farthest shift at both ends."""
+    middle = len(scan.inside) // 2
+    return reach_cost * ((h - middle) / max(middle, 1)) ** 2
+
+
+@compiled
+def search(
+    map: Likelihoods,
+    points: Array,
+    start: Array,
+    step: float,
+    radius: int,
+    reach_cost: float,
+    least: float,
+    scan: Headings,
+    bound: Array,
+    block: Indices,
+    todo: Indices,
+    value: Array,
+) -> tuple[float, int, int, int]:
+    """Best score of a window, with the heading's index (-1: none above `least`) and shift in cells.
+
+    Exact on the lattice of cells and headings. The middle heading is looked into first, since its
+    best bounds most of the others; then, of the blocks that can hold more than the best so far, the
+    one that can hold most. Points `(n, 2)` of a scan and the start `(3,)` in the frame of the map's
+    corner, metres and radians; the radius counts cells. `scan` has an odd number of headings, a
+    step apart; it, `bound` and `block`, with room for all blocks, `todo` and `value` are
+    overwritten.
+    """
+    _lay_out(map, points, start, step, radius, scan)
+    width, headings = 1 << (len(map.levels) - 1), len(scan.inside)
+    side, full = 2 * radius // width + 1, 255.0 * len(points)
+    best, heading, shift_i, shift_j = least, -1, 0, 0
+    count = 0
+    for turn in range(headings + 1):
+        for b in range(side * side if turn < headings else 0):
+            h = headings // 2 + (turn + 1) // 2 * (1 if turn % 2 else -1)
+            i, j = b // side * width - radius, b % side * width - radius
+            cost = _cost(scan, h, reach_cost)
+            total = _likelihood(map, len(map.levels) - 1, scan, h, i, j, full * (best + cost))
+            if total != NONE:
+                bound[count], block[count] = total / full - cost, h * side * side + b
+                count += 1
+        while count and turn in (0, headings):
+            top = kept = 0
+            for k in range(count):
+                if bound[k] > best:
+                    bound[kept], block[kept] = bound[k], block[k]
+                    top = kept if bound[kept] > bound[top] else top
+                    kept += 1
+            count = kept
+            if count:
+                h, b = block[top] // (side * side), block[top] % (side * side)
+                i, j = b // side * width - radius, b % side * width - radius
+                cost = _cost(scan, h, reach_cost)
+                score, i, j = _best_of_block(
+                    map, scan, h, i, j, bound[top], radius, cost, reach_cost, best, todo, value
+                )
+                bound[top] = best
+                if score > best:
+                    best, heading, shift_i, shift_j = score, h, i, j
+    return best, heading, shift_i, shift_j

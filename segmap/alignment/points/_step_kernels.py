@@ -1,0 +1,131 @@
+"""Loops of one step of point-to-line ICP: weighted normal equations, and their principal axes."""
+
+from __future__ import annotations
+
+import math
+
+from ...arrays import Array
+from ...compiled import compiled
+
+#: A direction is not fixed by the walls where its eigenvalue is below this share of the largest:
+#: walls that err by their noise alone leave a thousandth.
+FREE = 0.01
+
+
+@compiled
+def _ranked(values: Array, count: int, rank: int) -> float:
+    """The value of that rank among the first `count`, which are put in another order (Hoare)."""
+    low, high = 0, count - 1
+    while low < high:
+        pivot, i, j = values[(low + high) // 2], low, high
+        while i <= j:
+            while values[i] < pivot:
+                i += 1
+            while values[j] > pivot:
+                j -= 1
+            if i <= j:
+                values[i], values[j] = values[j], values[i]
+                i, j = i + 1, j - 1
+        if rank <= j:
+            high = j
+        elif rank >= i:
+            low = i
+        else:
+            break
+    return values[rank]
+
+
+@compiled
+def normal_equations(rows: Array, used: int, floor: float, system: Array) -> float:
+    """Write weights into the rows, Hessian and gradient into `system`, (3, 4) array; sigma, metres.
+
+    Of half the sum of squared offsets, with the Cauchy weights `1 / (1 + (offset / 2 sigma)^2)`;
+    sigma by the median of the offsets, at least `floor`.
+    """
+    size = rows[:, 4]
+    for k in range(used):
+        size[k] = abs(rows[k, 3])
+    middle = _ranked(size, used, used // 2)
+    sigma = max(1.4826 * 0.5 * (middle + _ranked(size, used, (used - 1) // 2)), floor)
+    for i in range(3):
+        for j in range(4):
+            system[i, j] = 0.0
+    for k in range(used):
+        weight = 1.0 / (1.0 + (rows[k, 3] / (2.0 * sigma)) ** 2)
+        rows[k, 4] = weight
+        for i in range(3):
+            for j in range(4):
+                system[i, j] += weight * rows[k, i] * rows[k, j]
+    return sigma
+
+
+@compiled
+def _principal_axes(system: Array, span: float, a: Array, axes: Array) -> float:
+    """Largest eigenvalue of a Hessian; all are the diagonal of `a`, eigenvectors columns of `axes`.
+
+    A heading counts as the length by which it moves a point at distance `span`, metres. By Jacobi's
+    rotations; all arrays are (3, 3), of the system that many columns count.
+    """
+    for i in range(3):
+        for j in range(3):
+            a[i, j] = system[i, j] / ((span if i == 2 else 1.0) * (span if j == 2 else 1.0))
+            axes[i, j] = 1.0 if i == j else 0.0
+    for turn in range(30):
+        p, q = (0, 0, 1)[turn % 3], (1, 2, 2)[turn % 3]
+        if a[p, q] != 0.0:
+            angle = 0.5 * math.atan2(2.0 * a[p, q], a[q, q] - a[p, p])
+            c, s = math.cos(angle), math.sin(angle)
+            for k in range(3):
+                a[k, p], a[k, q] = c * a[k, p] - s * a[k, q], s * a[k, p] + c * a[k, q]
+                u, v = axes[k, p], axes[k, q]
+                axes[k, p], axes[k, q] = c * u - s * v, s * u + c * v
+            for k in range(3):
+                a[p, k], a[q, k] = c * a[p, k] - s * a[q, k], s * a[p, k] + c * a[q, k]
+    return max(a[0, 0], a[1, 1], a[2, 2])
+
+
+@compiled
+def gauss_newton_step(
+    system: Array, span: float, a: Array, axes: Array
+) -> tuple[float, float, float]:
+    """Step in x, y (metres) and heading (radians); none along directions that no wall fixes.
+
+    A heading counts as the length by which it moves a point at distance `span`, metres; `a` and
+    `axes`, (3, 3) arrays, are overwritten.
+    """
+    most = _principal_axes(system, span, a, axes)
+    x = y = heading = 0.0
+    for k in range(3):
+        if a[k, k] > FREE * most:
+            along = axes[0, k] * system[0, 3] + axes[1, k] * system[1, 3]
+            along = (along + axes[2, k] * system[2, 3] / span) / a[k, k]
+            x -= axes[0, k] * along
+            y -= axes[1, k] * along
+            heading -= axes[2, k] * along / span
+    return x, y, heading
+
+
+@compiled
+def uncertainty(
+    system: Array, variance: float, span: float, a: Array, axes: Array, covariance: Array
+) -> tuple[float, float, float]:
+    """Write the covariance, (3, 3) array; the direction that no wall fixes, and its share of shift.
+
+    Along what no wall fixes the standard deviation is one metre. `a` and `axes` are overwritten.
+    """
+    most = _principal_axes(system, span, a, axes)
+    x = y = most_shift = 0.0
+    for i in range(3):
+        for j in range(3):
+            covariance[i, j] = 0.0
+    for k in range(3):
+        fixed = a[k, k] > FREE * most
+        shift = math.hypot(axes[0, k], axes[1, k])
+        if not fixed and shift > most_shift:
+            x, y, most_shift = axes[0, k] / shift, axes[1, k] / shift, shift
+        axes[2, k] /= span
+        for i in range(3):
+            for j in range(3):
+                spread = variance / a[k, k] if fixed else 1.0
+                covariance[i, j] += spread * axes[i, k] * axes[j, k]
+    return x, y, most_shift

@@ -1,0 +1,17 @@
+"""Pose graph: each scan on a map of the last key frames, loops closed, all poses solved."""
+
+from ._front_end import (
+    FrontEnd,
+)
+from ._parts import (
+    align_parts,
+)
+from ._pose_graph import (
+    LiveGraph,
+    Placed,
+    pose_graph,
+)
+from ._settings import (
+    LoopClosing,
+    Tracking,
+)

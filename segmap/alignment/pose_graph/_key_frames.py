@@ -1,0 +1,140 @@
+"""Key frames: the scans that stand for the map, and the edges between them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ...arrays import Array
+from ...poses.motions import between, compose
+from ..graph import SCALE, Edge, Solver, information, stacked
+from ..points import FAR, PointMap, place_clouds
+
+Members = Sequence[int] | NDArray[np.int64]
+
+
+class KeyFrames:
+    """The scans that stand for the map, half a metre apart, with poses that loops still move.
+
+    Attributes
+    ----------
+    scan : list of int
+        Index in the log of each key frame.
+    points : list of (m, 2) arrays, metres, in the frame of the robot
+    poses : (n, 3) array, metres and radians
+    path : list of float, and along : (n,) array, metres
+        Path length from the start to each.
+    edges : list of Edge
+    converged : bool
+        Whether the last `optimize` came to an end; else the poses are not yet where edges fit best.
+    """
+
+    def __init__(self, points: Array, pose: Array) -> None:
+        self.scan = [0]
+        self.points = [points]
+        self.path = [0.0]
+        self._poses, self._along = np.array([pose]), np.zeros(1)  # with room for more
+        self.edges: list[Edge] = []
+        self.converged = True
+        self._solver = Solver(SCALE)
+        self._last: Edge | None = None  # of the edges that the solver has
+
+    def __len__(self) -> int:
+        return len(self.scan)
+
+    def add(self, scan: int, points: Array, relative: Array, covariance: Array) -> None:
+        """Append a key frame at its motion `(3,)` from the last one, with an edge between them."""
+        new = len(self)
+        self.edges.append(Edge(new - 1, new, relative, information(covariance)))
+        path = self.path[-1] + float(np.hypot(relative[0], relative[1]))
+        self._poses = _put(self._poses, new, compose(self.poses[-1], relative))
+        self._along = _put(self._along, new, path)
+        self.scan.append(scan)
+        self.points.append(points)
+        self.path.append(path)
+
+    def extend(self, later: KeyFrames, joint: int, edges: list[Edge]) -> None:
+        """Append the key frames behind one of another graph, which is the last one of this."""
+        last, rest = len(self) - 1, slice(joint + 1, None)
+        moved = compose(self.poses[last], between(later.poses[joint], later.poses[rest]))
+        way, scans = self.path[last] - later.path[joint], self.scan[last] - later.scan[joint]
+        self._poses = np.vstack([self.poses, moved])
+        self.path += [way + path for path in later.path[rest]]
+        self._along = np.array(self.path)
+        self.scan += [scans + scan for scan in later.scan[rest]]
+        self.points += later.points[rest]
+        self.edges += edges
+
+    @property
+    def poses(self) -> Array:
+        """Poses of the key frames, `(n, 3)`, metres and radians."""
+        return self._poses[: len(self)]
+
+    @poses.setter
+    def poses(self, moved: Array) -> None:
+        self._poses = moved
+
+    @property
+    def along(self) -> Array:
+        """Metres driven up to each key frame, `(n,)`."""
+        return self._along[: len(self)]
+
+    def optimize(self, *, lazily: bool = False) -> None:
+        """Move the poses to where all edges fit best.
+
+        `lazily`, while the robot drives: only what new edges change is computed again.
+        """
+        if self.edges:
+            self._hand_over()
+            self.poses, self.converged, _ = self._solver.solve(self.poses, lazily=lazily)
+
+    def _hand_over(self) -> None:
+        """Give the solver the edges that it lacks, or all to a new one where some were undone."""
+        known = len(self._solver)
+        if known and (known > len(self.edges) or self.edges[known - 1] is not self._last):
+            self._solver, known = Solver(SCALE), 0
+        if known < len(self.edges):
+            self._solver.add(stacked(self.edges[known:]))
+            self._last = self.edges[-1]
+
+    def neighbourhoods(self, most: int, reach: float) -> Callable[[int], NDArray[np.int64]]:
+        """From a key frame to those that are nearest, at most so many, within a reach in metres."""
+        from scipy.spatial import cKDTree
+
+        places = self.poses[:, :2].copy()
+        tree = cKDTree(places)
+
+        def around(frame: int) -> NDArray[np.int64]:
+            """The nearest of one key frame, itself among them."""
+            near = np.sort(tree.query_ball_point(places[frame], 1.001 * reach))
+            far = np.hypot(*(places[near] - places[frame]).T)
+            nearest = np.argsort(far, kind="stable")[:most]
+            return near[nearest[far[nearest] <= reach]]
+
+        return around
+
+    def points_around(self, members: Members, origin: int) -> tuple[Array, Array]:
+        """Points of some key frames, and where each was seen from: `(m, 2)` arrays, metres.
+
+        In the frame of the key frame `origin`.
+        """
+        clouds = [self.points[k] for k in members]
+        counts = np.array([len(cloud) for cloud in clouds], np.int64)
+        placed, seen_from = np.empty((2, counts.sum(), 2))
+        poses = between(self.poses[origin], self.poses[members])
+        used = place_clouds(np.concatenate(clouds), counts, poses, FAR, placed, seen_from)
+        return placed[:used], seen_from[:used]
+
+    def map_of(self, members: Members, origin: int) -> PointMap | None:
+        """The map of some key frames in the frame of `origin`; None where they have no point."""
+        points, viewpoints = self.points_around(members, origin)
+        return PointMap(points, viewpoints) if len(points) else None
+
+
+def _put(rows: Array, at: int, value: ArrayLike) -> Array:
+    """Rows with a value beyond those in use: twice as many where there is no room."""
+    grown = rows if at < len(rows) else np.concatenate([rows, np.zeros_like(rows)])
+    grown[at] = value
+    return grown

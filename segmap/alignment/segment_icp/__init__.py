@@ -1,0 +1,12 @@
+"""Segment ICP (A 2.5.1): a scan's segments moved onto those of the map."""
+
+from ._search import (
+    SegmentSearch,
+    distance_below,
+)
+from ._segment_icp import (
+    ONE_DIRECTION,
+    SIDEWAYS,
+    match_segments,
+    segment_icp,
+)

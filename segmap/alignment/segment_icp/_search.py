@@ -1,0 +1,259 @@
+"""The search of segment ICP: correspondences, A's cost 2.1, and the motion of least cost.
+
+Segments are `(n, 2, 2)` arrays in metres; `r` describes the reference, `(n, 5)`; pairs `(p, 2)`
+hold the indices of a current segment and of a reference segment, current ones ascending.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ... import arrays
+from ...arrays import Array, Settings
+from ...compiled import compiled
+from ...kernels import ACROSS, ANGULAR, APART, apart, describe, mean_line_terms
+
+Indices = NDArray[np.int64]
+
+#: Differences of costs below this, in metres, are rounding.
+ROUNDING = 1e-12
+#: Directions whose sine differs by less are tried once.
+SAME_WAY = 0.02
+
+
+@dataclass(frozen=True)
+class SegmentSearch(Settings):
+    """How segment ICP looks for the best turn and shift, and how it judges what it found.
+
+    Parameters
+    ----------
+    near : float
+        The search begins with this part of its widest turn and step, for a wide search finds other
+        walls as well.
+    enough : float
+        It is widened to the whole where less than this share of the scan's length finds a partner.
+    turns : int
+        Turns tried on either side.
+    rounds : int
+        It turns and shifts at most so often before the steps become finer.
+    finer : float
+        By how much they become finer.
+    last_step : float, metres
+        The search ends below this step.
+    slope : float
+        Cost in metres that a shift by one metre must save. One wall across in a scan of 70 saves
+        0.004; the noise of walls along a corridor a tenth of that, and moves no scan.
+    sigma : float, metres
+        Least standard deviation of a wall's position across: the noise of the laser.
+    across : float
+        Where a smaller share of the walls lies across a direction, it is free.
+    """
+
+    near: float = 1 / 16
+    enough: float = 0.70
+    turns: int = 4
+    rounds: int = 5
+    finer: float = 4.0
+    last_step: float = 5e-5
+    slope: float = 0.004
+    sigma: float = 0.01
+    across: float = 0.02
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        arrays.number(self.finer, "finer", above=1)
+
+
+@compiled
+def distance_below(u: Array, v: Array, a: Array, b: Array, most: float) -> float:
+    """Segment distance (A 2.7.7) of two segments, metres; infinity where it is not below `most`.
+
+    Segments are (2, 2) arrays, which a and b, (5,) arrays, describe.
+    """
+    turn = abs(a[2] * b[3] - a[3] * b[2])
+    if ANGULAR * (a[4] + b[4]) * turn / 2 >= most:  # tan(a / 2) >= sin(a) / 2
+        return np.inf
+    angular, across = mean_line_terms(u, v, a, b)
+    so_far = ANGULAR * angular + ACROSS * across
+    if so_far >= most:
+        return np.inf
+    found = so_far + APART * apart(u, v)
+    return found if found < most else np.inf
+
+
+@compiled
+def moved(s: Array, x: float, y: float, turn: float, about_x: float, about_y: float) -> Array:
+    """Segments `(n, 2, 2)` turned about a point, then shifted; metres, radians."""
+    c, z = np.cos(turn), np.sin(turn)
+    out = np.empty_like(s)
+    for i in range(len(s)):
+        for k in range(2):
+            u, v = s[i, k, 0] - about_x, s[i, k, 1] - about_y
+            out[i, k, 0] = about_x + x + c * u - z * v
+            out[i, k, 1] = about_y + y + z * u + c * v
+    return out
+
+
+@compiled
+def correspondences(
+    reference: Array, r: Array, current: Array, angle: float, most: float
+) -> Indices:
+    """Pairs, (p, 2) int array, within both thresholds that lie beside each other.
+
+    Thresholds in radians and metres. Without the last condition a wall would be drawn along its own
+    line to its next piece, behind a door.
+    """
+    a, sine = describe(current), np.sin(angle)
+    out = np.empty((len(current) * len(reference), 2), np.int64)
+    n = 0
+    for i in range(len(current)):
+        x, y, dx, dy, half = a[i, 0], a[i, 1], a[i, 2], a[i, 3], a[i, 4]
+        for j in range(len(reference)):
+            u, v = r[j, 0] - x, r[j, 1] - y
+            if abs(dx * r[j, 3] - dy * r[j, 2]) >= sine or abs(u * dx + v * dy) >= half + r[j, 4]:
+                continue
+            if APART * (abs(v * dx - u * dy) - (half + r[j, 4]) * sine) >= most:
+                continue
+            if distance_below(current[i], reference[j], a[i], r[j], most) < most:
+                out[n, 0], out[n, 1] = i, j
+                n += 1
+    return out[:n]
+
+
+@compiled
+def cost(
+    reference: Array, r: Array, current: Array, pairs: Indices, penalty: float, away: Array
+) -> float:
+    """A 2.1 with the penalty of each segment without a match inside its bracket, metres.
+
+    Fills `away`, (m,) array, with D' of each current segment, metres: the mean of its distances
+    from its matches, weighted with their lengths; infinity where it has none.
+    """
+    a, total, p = describe(current), 0.0, 0
+    for i in range(len(current)):
+        found = weight = 0.0
+        while p < len(pairs) and pairs[p, 0] == i:
+            j = pairs[p, 1]
+            found += r[j, 4] * distance_below(current[i], reference[j], a[i], r[j], np.inf)
+            weight += r[j, 4]
+            p += 1
+        away[i] = found / weight if weight > 0.0 else np.inf
+        total += away[i] if weight > 0.0 else penalty
+    return total / len(current)
+
+
+@compiled
+def best_turn(
+    reference: Array,
+    r: Array,
+    current: Array,
+    pairs: Indices,
+    penalty: float,
+    about_x: float,
+    about_y: float,
+    width: float,
+    count: int,
+) -> float:
+    """Of evenly spaced turns about a point, the one with the least cost; radians (step 2)."""
+    away = np.empty(len(current))
+    best, turn = cost(reference, r, current, pairs, penalty, away), 0.0
+    for k in range(-count, count + 1):
+        tried = k * width / count
+        turned = moved(current, 0.0, 0.0, tried, about_x, about_y)
+        found = cost(reference, r, turned, pairs, penalty, away)
+        if found < best - ROUNDING:
+            best, turn = found, tried
+    return turn
+
+
+@compiled
+def ways(s: Array) -> Array:
+    """Unit vectors `(k, 2)` to try: along and across each direction of the segments, axes first.
+
+    The cost has its creases where a wall meets its line, so the way down leads along some wall.
+    """
+    a = describe(s)
+    out = np.zeros((4 * len(s) + 4, 2))
+    n = 0
+    for i in range(-1, len(s)):
+        x, y = (1.0, 0.0) if i < 0 else (a[i, 2], a[i, 3])
+        new = x != 0.0 or y != 0.0
+        for k in range(n):
+            new = new and abs(out[k, 0] * y - out[k, 1] * x) > SAME_WAY
+        if new:
+            for k in range(4):  # x, y; its reverse; both normals
+                out[n, 0], out[n, 1] = x, y
+                n += 1
+                x, y = (-x, -y) if k % 2 == 0 else (y, -x)
+    return out[:n]
+
+
+@compiled
+def best_shift(
+    reference: Array,
+    r: Array,
+    current: Array,
+    pairs: Indices,
+    penalty: float,
+    step: float,
+    slope: float,
+) -> tuple[float, float]:
+    """Shift reached by steps that each lessen the cost, until none does; metres (step 4).
+
+    A step is `step` metres long and must lessen the cost by `slope` metres a metre.
+    """
+    around, away = ways(current), np.empty(len(current))
+    best, x, y = cost(reference, r, current, pairs, penalty, away), 0.0, 0.0
+    failed, k = 0, 0
+    while failed < len(around):
+        u, v = x + step * around[k, 0], y + step * around[k, 1]
+        shifted = moved(current, u, v, 0.0, 0.0, 0.0)
+        found = cost(reference, r, shifted, pairs, penalty, away)
+        if found < best - slope * step:
+            best, x, y, failed = found, u, v, 0
+        else:
+            failed, k = failed + 1, (k + 1) % len(around)
+    return x, y
+
+
+def least_cost(
+    reference: Array,
+    current: Array,
+    angle: float,
+    distance: float,
+    width: float,
+    step: float,
+    search: SegmentSearch,
+) -> tuple[Array, Array, Array]:
+    """Turn, then shift, until neither helps; again with finer steps (A 2.5.1, step 6).
+
+    New correspondences can raise the cost, so each finer search begins at the best place so far.
+    Returns the motion there, (3,) array, the current segments there, `(m, 2, 2)`, and their
+    distances from what they correspond to, `(m,)`; metres and radians.
+    """
+    r, motion, away = describe(reference), np.zeros(3), np.empty(len(current))
+    pairs = correspondences(reference, r, current, angle, distance)
+    least = cost(reference, r, current, pairs, distance, away)
+    best = (motion, current, pairs)
+    while step > search.last_step:
+        for _ in range(search.rounds):
+            px, py = current.mean((0, 1))  # a turn about the middle leaves the shift nearly alone
+            turn = best_turn(reference, r, current, pairs, distance, px, py, width, search.turns)
+            turned = moved(current, 0.0, 0.0, turn, px, py)
+            x, y = best_shift(reference, r, turned, pairs, distance, step, search.slope)
+            current = moved(turned, x, y, 0.0, px, py)
+            c, s, (u, v) = np.cos(turn), np.sin(turn), motion[:2] - (px, py)
+            motion = np.array([px + x + c * u - s * v, py + y + s * u + c * v, motion[2] + turn])
+            pairs = correspondences(reference, r, current, angle, distance)
+            found = cost(reference, r, current, pairs, distance, away)
+            if found < least:
+                least, best = found, (motion, current, pairs)
+            if turn == 0.0 and x == 0.0 and y == 0.0:
+                break
+        motion, current, pairs = best
+        width, step = width / search.finer, step / search.finer
+    cost(reference, r, current, pairs, distance, away)
+    return motion, current, away

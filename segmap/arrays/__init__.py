@@ -1,0 +1,61 @@
+"""One place that checks arguments: arrays of numbers, and numbers with a unit and a range.
+
+Every public function passes its arguments through these, so that what is wrong ends as a
+`ValueError` that names the argument, what was expected and what was given. Kernels check nothing.
+"""
+
+from ._declared import (
+    Count,
+    Declared,
+    Gap,
+    Metres,
+    Positive,
+    Quantity,
+    Radians,
+    RadiansPerMetre,
+    Seconds,
+    Settings,
+    Share,
+    at_least,
+    at_most,
+    below,
+    checked,
+    declared,
+)
+from ._scalars import (
+    LEAST,
+    LIMIT,
+    MOST,
+    brief,
+    file,
+    frame,
+    function,
+    generator,
+    instance,
+    number,
+    one_of,
+    positive,
+    switch,
+    whole,
+)
+from ._tables import (
+    FAR,
+    Array,
+    HasPoses,
+    HasSegments,
+    Poses,
+    Segments,
+    indices,
+    numbers,
+    point,
+    points,
+    pose,
+    poses,
+    row,
+    segments,
+    share,
+    table,
+    trailing,
+    values,
+    weights,
+)

@@ -1,0 +1,197 @@
+"""Units and bounds of arguments, declared once: at the parameter, by its annotation.
+
+`distance: Metres = 0.20` says all: `@checked` refuses what is no such length, a command makes an
+option in metres of it, and a panel a slider. `Annotated[Radians, at_most(np.pi / 2)]` narrows it.
+"""
+
+from __future__ import annotations
+
+import functools
+import inspect
+import math
+import typing
+from collections.abc import Callable
+from dataclasses import dataclass, fields, replace
+from types import NoneType
+from typing import Annotated, Any, Literal, ParamSpec, TypeVar, cast
+
+import numpy as np
+
+from . import slips
+from ._scalars import generator, number, one_of, switch, whole
+
+P = ParamSpec("P")
+R = TypeVar("R")
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """What a number is: its unit, its bounds, and from where on it looks like millimetres.
+
+    That is above `usual`, and above this `share` of the map or the points that it is for. What is
+    None says nothing: in `Annotated` a later one narrows those before it.
+    """
+
+    unit: str | None = None
+    above: float | None = None
+    least: float | None = None
+    below: float | None = None
+    most: float | None = None
+    usual: float | None = None
+    share: float | None = None
+
+    def narrowed(self, by: Quantity) -> Quantity:
+        """With what another says: its lower bound in place of ours, its upper one likewise."""
+        said = {f.name: v for f in fields(by) if (v := getattr(by, f.name)) is not None}
+        for pair in (("above", "least"), ("below", "most")):
+            if any(bound in said for bound in pair):
+                said = dict.fromkeys(pair) | said
+        return replace(self, **said)
+
+
+def at_least(least: float) -> Quantity:
+    """A lower bound that is allowed itself."""
+    return Quantity(least=least)
+
+
+def at_most(most: float) -> Quantity:
+    """An upper bound that is allowed itself; infinity is, where it is the bound."""
+    return Quantity(most=most)
+
+
+def below(bound: float) -> Quantity:
+    """An upper bound that is not allowed itself."""
+    return Quantity(below=bound)
+
+
+Metres = Annotated[float, Quantity("metres", above=0, usual=slips.MOST_DISTANCE)]
+Radians = Annotated[float, Quantity("radians", above=0, most=2 * math.pi)]
+RadiansPerMetre = Annotated[float, Quantity("rad/m", above=0)]
+Seconds = Annotated[float, Quantity("seconds", above=0)]
+#: Of a whole, 0 to 1.
+Share = Annotated[float, Quantity("", least=0, most=1)]
+Positive = Annotated[float, Quantity("", above=0)]
+#: Of things: a whole number.
+Count = Annotated[int, Quantity("", least=1)]
+#: Neighbours of a scan may be far apart, and infinity cuts nowhere.
+Gap = Annotated[float, Quantity("metres", above=0, most=math.inf, usual=slips.MOST_GAP, share=1)]
+
+
+class Declared(typing.NamedTuple):
+    """What an annotation says of an argument.
+
+    Parameters
+    ----------
+    kind : type
+        float, int, bool, str (of `words`) or Generator; another type is left to the function.
+    quantity : Quantity
+    words : tuple of str
+        All that may be said, for `Literal`.
+    optional : bool
+        Whether None may be given.
+    """
+
+    kind: Any
+    quantity: Quantity
+    words: tuple[str, ...]
+    optional: bool
+
+    @property
+    def unit(self) -> str:
+        """Its unit, nothing where it has none."""
+        return self.quantity.unit or ""
+
+    def check(self, value: Any, name: str) -> Any:
+        """The value as its kind, or a ValueError that names it."""
+        if value is None and self.optional:
+            return None
+        if self.words:
+            return one_of(value, name, self.words)
+        if self.kind is bool:
+            return switch(value, name)
+        if self.kind is np.random.Generator:
+            return generator(value, name)
+        q = self.quantity
+        if self.kind is int:
+            bounds = {"most": int(q.most)} if q.most is not None else {}
+            return whole(value, name, least=1 if q.least is None else int(q.least), **bounds)
+        if self.kind is float and q.unit is not None:
+            unit = f"{q.unit}, or None" if self.optional and q.unit else q.unit
+            limits = {"above": q.above, "least": q.least, "below": q.below, "most": q.most}
+            return number(value, name, unit=unit, **limits)
+        return value
+
+
+def declared(of: Callable[..., Any]) -> dict[str, Declared]:
+    """What the annotations of a function, or of the fields of a class, say of each by its name.
+
+    Examples
+    --------
+    >>> class Fusion:
+    ...     tolerance: Metres = 0.04
+    >>> declared(Fusion)["tolerance"].unit
+    'metres'
+    """
+    hints = typing.get_type_hints(inspect.unwrap(of), include_extras=True)
+    return {name: _read(hint) for name, hint in hints.items() if name != "return"}
+
+
+def _read(hint: Any) -> Declared:
+    """An annotation: `Metres`, `Metres | None`, `Literal["a", "b"]`, `Annotated[...]`, a class."""
+    parts = [part for part in typing.get_args(hint) if part is not NoneType]
+    optional = NoneType in typing.get_args(hint) and len(parts) == 1
+    inner = parts[0] if optional else hint
+    quantity = Quantity()
+    for extra in getattr(inner, "__metadata__", ()):
+        quantity = quantity.narrowed(extra) if isinstance(extra, Quantity) else quantity
+    kind = getattr(inner, "__origin__", inner)
+    words = typing.get_args(inner) if kind is Literal else ()
+    return Declared(str if words else kind, quantity, words, optional)
+
+
+def checked(function: Callable[P, R]) -> Callable[P, R]:
+    """Check the keywords of a function as their annotations declare them, when it is called.
+
+    What is refused is a ValueError that names the keyword, the value and what was expected; a
+    length that looks like millimetres is warned of.
+
+    Examples
+    --------
+    >>> @checked
+    ... def shrunk(*, distance: Metres = 0.2) -> float:
+    ...     return distance / 2
+    >>> shrunk(distance=-1)
+    Traceback (most recent call last):
+    ValueError: distance must be a number above 0, in metres, got -1
+    """
+    known: dict[str, Declared] = {}
+
+    @functools.wraps(function)
+    def call(*args: Any, **given: Any) -> R:
+        if given and not known:
+            known.update(declared(function))
+        kept = {n: known[n].check(v, n) if n in known else v for n, v in given.items()}
+        for name in kept.keys() & known.keys():
+            q = known[name].quantity
+            if q.usual and kept[name] is not None and kept[name] > q.usual:
+                data = args[0] if args and not hasattr(args[0], "scans") else None
+                slips.check_lengths(
+                    data, most=q.usual, share=q.share or slips.LONG, **{name: kept[name]}
+                )
+        return cast(Callable[..., R], function)(*args, **kept)
+
+    return cast(Callable[P, R], call)
+
+
+class Settings:
+    """A dataclass of settings: each field is checked as its annotation declares it.
+
+    What is a plain float is positive; a tuple holds positive numbers.
+    """
+
+    def __post_init__(self) -> None:
+        for name, said in declared(type(self)).items():
+            given = getattr(self, name)
+            for value in given if isinstance(given, tuple) else (given,):
+                plain = isinstance(given, tuple) or (said.kind is float and not said.unit)
+                number(value, name, above=0) if plain else said.check(value, name)

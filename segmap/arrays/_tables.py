@@ -1,0 +1,257 @@
+"""Arrays of numbers, checked: any shape, rows, points, poses, segments."""
+
+import sys
+from typing import Protocol, runtime_checkable
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ._scalars import LIMIT, brief
+
+#: Squares of numbers up to here are still numbers: enough for arithmetic that counts no cells.
+FAR = 1e100
+
+Array = NDArray[np.float64]
+
+
+@runtime_checkable
+class HasSegments(Protocol):
+    """Anything with `.segments`, `(n, 2, 2)`: a map or a reduction."""
+
+    @property
+    def segments(self) -> Array:
+        """Segments, `(n, 2, 2)` array, metres."""
+        ...
+
+
+@runtime_checkable
+class HasPoses(Protocol):
+    """Anything with `.poses`, `(k, 3)`: an alignment."""
+
+    @property
+    def poses(self) -> Array:
+        """Poses, `(k, 3)` array, metres and radians."""
+        ...
+
+
+Segments = HasSegments | ArrayLike
+Poses = HasPoses | ArrayLike
+
+
+def numbers(value: object, name: str, expected: str = "an array of real numbers") -> Array:
+    """Real numbers of any shape as floats: no text, no complex numbers, no objects.
+
+    An error calls the argument by its `name`, and says what was `expected`.
+
+    Examples
+    --------
+    >>> numbers([1, 2], "ranges")
+    array([1., 2.])
+    >>> numbers("two", "ranges")
+    Traceback (most recent call last):
+    ValueError: ranges must be an array of real numbers, got 'two'
+    """
+    try:
+        array = np.asarray(value)
+    except (TypeError, ValueError):
+        array = np.empty(0, object)  # rows of different lengths
+    if array.dtype.kind not in "fiub":
+        raise ValueError(f"{name} must be {expected}, got {brief(value)}")
+    return array.astype(float, copy=False)
+
+
+def values(value: object, name: str) -> Array:
+    """Real numbers of any shape that arithmetic stands: NaN may be among them, infinity may not.
+
+    Examples
+    --------
+    >>> values([1.0, np.inf], "angles")
+    Traceback (most recent call last):
+    ValueError: angles must be finite and within 1e+100, got [1.0, inf]
+    """
+    array = numbers(value, name)
+    if np.fmax.reduce(np.abs(array), axis=None, initial=0.0) > FAR:
+        raise ValueError(f"{name} must be finite and within {FAR:.0e}, got {brief(value)}")
+    return array
+
+
+def indices(value: object, name: str) -> NDArray[np.int64]:
+    """Whole numbers of any shape, a copy.
+
+    Examples
+    --------
+    >>> indices([0, 0.5], "scan")
+    Traceback (most recent call last):
+    ValueError: scan must be whole numbers, got [0, 0.5]
+    """
+    given = numbers(value, name)
+    if not (np.abs(given) < 2**53).all() or (given % 1 != 0).any():
+        raise ValueError(f"{name} must be whole numbers, got {brief(value)}")
+    return given.astype(np.int64)
+
+
+def row(value: object, name: str, count: int | None = None) -> Array:
+    """Finite numbers in a row, `(n,)`: `count` of them, if given.
+
+    Examples
+    --------
+    >>> row([1, 2], "weights", 3)
+    Traceback (most recent call last):
+    ValueError: weights must have shape (3,), finite, got [1, 2]
+    """
+    array = values(value, name)
+    if array.ndim != 1 or count not in (None, len(array)) or not np.isfinite(array).all():
+        wanted = "n" if count is None else count
+        raise ValueError(f"{name} must have shape ({wanted},), finite, got {brief(value)}")
+    return array
+
+
+def weights(value: object, count: int) -> Array:
+    """Weights of `count` things, `(count,)`, not negative.
+
+    Examples
+    --------
+    >>> weights([1, -1], 2)
+    Traceback (most recent call last):
+    ValueError: weights must not be negative, got -1
+    """
+    array = row(value, "weights", count)
+    if (array < 0).any():
+        raise ValueError(f"weights must not be negative, got {array.min():g}")
+    return array
+
+
+def share(first: object, second: object, names: tuple[str, str]) -> Array:
+    """Share of the second of two weights in their sum, 0 to 1.
+
+    Examples
+    --------
+    >>> share(1, 0.25, ("weight_a", "weight_b"))
+    array(0.2)
+    """
+    a, b = values(first, names[0]), values(second, names[1])
+    if not (np.all(a >= 0) and np.all(b >= 0) and np.all(a + b > 0)):
+        raise ValueError(f"{' and '.join(names)} must not be negative, and not both zero")
+    return np.asarray(b / (a + b))
+
+
+def trailing(value: object, name: str, *axes: int) -> Array:
+    """Numbers of any leading shape whose last axes are given; NaN may be among them.
+
+    Points are `(..., 2)`, poses `(..., 3)`, segments `(..., 2, 2)`. An empty list is no row.
+
+    Examples
+    --------
+    >>> trailing([[(0, 0), (1, 0)]], "segments", 2, 2).shape
+    (1, 2, 2)
+    >>> trailing((0, 0), "pose", 3)
+    Traceback (most recent call last):
+    ValueError: pose must have shape (..., 3), got (2,)
+    """
+    array = values(value, name)
+    if array.shape[-len(axes) :] == axes:
+        return array
+    if array.shape == (0,):
+        return np.empty((0, *axes))
+    wanted = ", ".join(["...", *map(str, axes)])
+    raise ValueError(f"{name} must have shape ({wanted}), got {array.shape}")
+
+
+def table(
+    value: object,
+    name: str,
+    columns: int,
+    *,
+    unit: str = "metres",
+    count: int | None = None,
+    missing: bool = False,
+    limit: float = LIMIT,
+) -> Array:
+    """Rows of numbers, `(n, columns)`; nothing at all is no row.
+
+    There must be `count` of them, if given. Values are in `unit`, at most `limit`; they may be NaN
+    where `missing` allows it.
+    """
+    wanted = f"({'n' if count is None else count}, {columns})"
+    array = numbers(value, name, f"a {wanted} array")
+    if array.size == 0 and array.ndim in (1, 2) and not count:
+        return np.empty((0, columns))
+    if array.ndim != 2 or array.shape[1] != columns or count not in (None, len(array)):
+        raise ValueError(f"{name} must have shape {wanted}, got {array.shape}")
+    _check_values(array, name, unit, missing, limit)
+    return array
+
+
+def points(value: object, name: str = "points") -> Array:
+    """Points, `(n, 2)`, metres: finite, and no building away.
+
+    Examples
+    --------
+    >>> points([(0, 0), (1, np.inf)])
+    Traceback (most recent call last):
+    ValueError: points must be finite, in metres, but points[1] is [1.0, inf]
+    """
+    return table(value, name, 2)
+
+
+def poses(
+    value: Poses, name: str = "poses", *, count: int | None = None, missing: bool = False
+) -> Array:
+    """Poses of an alignment or an array, `(k, 3)`, metres and radians.
+
+    Rows of NaN may be among them where `missing` allows it.
+
+    Examples
+    --------
+    >>> poses([(0, 0, 0)], count=2)
+    Traceback (most recent call last):
+    ValueError: poses must have shape (2, 3), got (1, 3)
+    """
+    given = getattr(value, "poses", value)
+    return table(given, name, 3, unit="metres and radians", count=count, missing=missing)
+
+
+def pose(value: object, name: str = "pose", *, missing: bool = False) -> Array:
+    """One pose, `(3,)`: x and y in metres, heading in radians; NaN where `missing` allows it."""
+    array = numbers(value, name, "a pose (x, y, heading)")
+    if array.shape != (3,):
+        raise ValueError(f"{name} must be x, y, heading, got shape {array.shape}")
+    _check_values(array, name, "metres and radians", missing, LIMIT)
+    return array
+
+
+def point(value: object, name: str = "point", *, limit: float = LIMIT) -> Array:
+    """One point, `(2,)`, metres, no coordinate above a limit."""
+    array = numbers(value, name, "a point (x, y)")
+    if array.shape != (2,):
+        raise ValueError(f"{name} must be x, y, got shape {array.shape}")
+    _check_values(array, name, "metres", False, limit)
+    return array
+
+
+def segments(value: Segments, name: str = "segments") -> Array:
+    """Segments of a map, a reduction or an array, `(n, 2, 2)`, metres."""
+    given = getattr(value, "segments", value)
+    array = numbers(given, name, "a map or an (n, 2, 2) array")
+    if array.size == 0 and array.ndim in (1, 3):
+        return np.empty((0, 2, 2))
+    if array.ndim != 3 or array.shape[1:] != (2, 2):
+        raise ValueError(
+            f"{name} must have shape (n, 2, 2), segments of two end points, got {array.shape}"
+        )
+    _check_values(array, name, "metres", False, LIMIT)
+    return array
+
+
+def _check_values(array: Array, name: str, unit: str, missing: bool, limit: float) -> None:
+    """Refuse what is not finite, unless it may be missing, and what is beyond the limit."""
+    if np.abs(array).max(initial=0.0) <= min(limit, sys.float_info.max):  # False for NaN
+        return
+    rows = array.reshape(len(array), -1) if array.ndim > 1 else array[None]
+    infinite = (np.isinf(rows) if missing else ~np.isfinite(rows)).any(1)
+    wrong = infinite if infinite.any() else (np.abs(rows) > limit).any(1)
+    if wrong.any():
+        fault = "finite" if infinite.any() else f"within {limit:.0e}"
+        where = f"{name}[{wrong.argmax()}]" if array.ndim > 1 else name
+        got = (array[wrong.argmax()] if array.ndim > 1 else array).tolist()
+        raise ValueError(f"{name} must be {fault}, in {unit}, but {where} is {got}")

@@ -1,0 +1,102 @@
+"""Slips of units, one rule each: millimetres where metres are wanted, degrees where radians are.
+
+What can mean nothing else is refused; what a strange but possible log may hold is warned of.
+"""
+
+from __future__ import annotations
+
+import warnings
+
+import numpy as np
+
+from ._tables import Array, numbers
+
+#: No sensor counts its directions beyond two turns, radians.
+MOST_ANGLE = 4 * np.pi
+#: No laser for buildings reaches so far, metres.
+FAR = 1000.0
+#: A turn between two scans, radians, that says something about the unit.
+TURN = 0.1
+#: Share of such turns beyond pi: 0 in radians, wound up or not, at least 0.13 in degrees, on all
+#: logs that we have (thinned to every tenth scan: at most 0.03 in radians).
+SHARE = 0.05
+#: And so many of them at least.
+LEAST = 3
+#: No wall is matched over a longer distance, and no gap between neighbours asked for, metres.
+MOST_DISTANCE, MOST_GAP = 10.0, 100.0
+#: Share of the size of a map that is long for a threshold.
+LONG = 0.05
+#: Ten times the usual bandwidth of directions, radians a metre.
+MOST_BANDWIDTH = 10.0
+
+
+def check_angles(angles: Array, name: str) -> None:
+    """Refuse directions, radians, beyond two turns: they are degrees."""
+    most = np.abs(angles).max(initial=0.0)
+    if most > MOST_ANGLE:
+        raise ValueError(
+            f"{name} must be in radians, within 4 pi, got {most:.6g}: "
+            "this looks like degrees, np.radians"
+        )
+
+
+def check_ranges(ranges: Array, max_range: float) -> None:
+    """Warn of three and more ranges whose median is above a kilometre.
+
+    The largest of all does not count where it is beyond `max_range`: a sensor's word for nothing.
+    """
+    if not (ranges > FAR).any():
+        return
+    known = ranges[np.isfinite(ranges) & (ranges > 0)]
+    known = known[(known < max_range) | (known < known.max(initial=0.0))]
+    if len(known) >= 3 and np.median(known) > FAR:
+        _warn("half of the ranges are above 1000 m: these look like millimetres, ranges / 1000")
+
+
+def check_headings(poses: Array, name: str, stacklevel: int = 4) -> None:
+    """Warn of a path `(k, 3)` whose headings are degrees.
+
+    They go beyond two turns, as headings that wind up do; but those turn by less than half a turn
+    from scan to scan, and are no multiples of 15 degrees. One damaged line is no path in degrees.
+    """
+    heading = poses[:, 2]
+    far = np.abs(heading) > MOST_ANGLE
+    if not far.any():
+        return
+    jumps = np.abs(np.diff(heading))
+    turns = jumps[jumps > TURN]
+    leaps = (turns > np.pi).sum() >= max(SHARE * len(turns), LEAST)
+    even = (heading[far] % 15 == 0).all() and np.abs(heading[far]).max() <= 720
+    if leaps or even:
+        _warn(f"the headings of {name} look like degrees: np.radians turns them", stacklevel)
+
+
+def check_lengths(
+    data: object = None, *, most: float = MOST_DISTANCE, share: float = LONG, **thresholds: float
+) -> None:
+    """Warn of thresholds, metres, that are longer than any building has a use for.
+
+    Where the map or the points that they are for are given, only of those above a share of their
+    size: a map may be of a city, or in another unit by intent.
+    """
+    for name, value in thresholds.items():
+        if most < value < np.inf and value > share * _extent(data):
+            _warn(f"{name} is {value:.6g} m: this looks like millimetres, {name} / 1000")
+
+
+def _extent(data: object) -> float:
+    """Larger side of the box around a map, segments or points, metres; 0 around nothing."""
+    given = getattr(data, "segments", data)
+    xy = np.empty((0, 2)) if given is None else numbers(given, "map").reshape(-1, 2)
+    return float(np.ptp(xy, axis=0).max()) if len(xy) else 0.0
+
+
+def check_bandwidth(sigma: float, bandwidth: float) -> None:
+    """Warn of a bandwidth, rad/m, that is above any in use and reaches over all directions."""
+    if bandwidth > MOST_BANDWIDTH and sigma * bandwidth > np.pi / 2:
+        _warn(f"bandwidth is {bandwidth:.6g} rad/m: these look like degrees, np.radians(bandwidth)")
+
+
+def _warn(text: str, stacklevel: int = 4) -> None:
+    """Point at the call of the public function, two calls above the check."""
+    warnings.warn(text, UserWarning, stacklevel=stacklevel)

@@ -1,0 +1,13 @@
+"""From the points of a scan to line segments: distance clusters (A 3.2, 5.1) and polylines (A 6.2).
+
+Points come in the order of the beams. Both methods first cut that order where two neighbours are
+at least `gap` apart; a polyline is then split and merged until it follows the points.
+"""
+
+from ._extraction import (
+    Runs,
+    build_map,
+    extract_clusters,
+    extract_polylines,
+    fit_line,
+)

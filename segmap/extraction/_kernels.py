@@ -1,0 +1,248 @@
+"""The loops of extraction: cut at gaps, split, merge, fit. Plain Python, compiled when called.
+
+`p` are points `(n, 2)` in metres, a run of them is `p[start:stop]`; a line is (x, y, dx, dy): a
+point of it and its unit direction.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..arrays import Array
+from ..compiled import compiled
+from ..segments import MIN_LENGTH
+
+Line = tuple[float, float, float, float]
+Indices = NDArray[np.int64]
+
+
+@compiled
+def fit_total(p: Array, start: int, stop: int) -> Line:
+    """Centre and unit direction of the total least squares line of a run, metres."""
+    x = y = sxx = syy = sxy = 0.0
+    for i in range(start, stop):
+        x += p[i, 0]
+        y += p[i, 1]
+    x, y = x / (stop - start), y / (stop - start)
+    for i in range(start, stop):
+        u, v = p[i, 0] - x, p[i, 1] - y
+        sxx += u * u
+        syy += v * v
+        sxy += u * v
+    turn = 0.5 * np.arctan2(2 * sxy, sxx - syy)
+    return x, y, np.cos(turn), np.sin(turn)
+
+
+@compiled
+def _fit_algebraic(p: Array, start: int, stop: int) -> Line:
+    """A 3.1-3.3: foot of the origin, direction of `a x + b y = 1` for a run, or NaN; metres."""
+    sxx = syy = sxy = sx = sy = 0.0
+    for i in range(start, stop):
+        sxx += p[i, 0] * p[i, 0]
+        syy += p[i, 1] * p[i, 1]
+        sxy += p[i, 0] * p[i, 1]
+        sx += p[i, 0]
+        sy += p[i, 1]
+    det, trace = sxx * syy - sxy * sxy, sxx + syy
+    a, b = sx * syy - sy * sxy, sy * sxx - sx * sxy
+    square = a * a + b * b
+    if det <= 1e-12 * (trace * trace) or square == 0.0:
+        return np.nan, np.nan, np.nan, np.nan
+    norm = np.sqrt(square)
+    return a * det / square, b * det / square, -b / norm, a / norm
+
+
+@compiled
+def _span(p: Array, start: int, stop: int, line: Line, out: Array, k: int) -> float:
+    """Write the extreme projections of a run on a line into row k; return its length, metres."""
+    x, y, dx, dy = line
+    low, high = np.inf, -np.inf
+    for i in range(start, stop):
+        u = (p[i, 0] - x) * dx + (p[i, 1] - y) * dy
+        low, high = min(low, u), max(high, u)
+    out[k, 0, 0], out[k, 0, 1] = x + low * dx, y + low * dy
+    out[k, 1, 0], out[k, 1, 1] = x + high * dx, y + high * dy
+    return high - low
+
+
+@compiled
+def _off(p: Array, i: int, line: Line) -> float:
+    """Distance of one point from a line, metres."""
+    return abs((p[i, 1] - line[1]) * line[2] - (p[i, 0] - line[0]) * line[3])
+
+
+@compiled
+def _farthest(p: Array, start: int, stop: int, line: Line) -> tuple[int, float]:
+    """Index of the point of a run farthest from a line, and its distance, metres."""
+    index, most = start, -1.0
+    for i in range(start, stop):
+        off = _off(p, i, line)
+        if off > most:
+            index, most = i, off
+    return index, most
+
+
+@compiled
+def _is_cut(p: Array, i: int, k: int, gap: float) -> bool:
+    """Whether neighbours belong to different clusters: at least a gap apart (A 3.2)."""
+    dx, dy = p[k, 0] - p[i, 0], p[k, 1] - p[i, 1]
+    return dx * dx + dy * dy >= gap * gap
+
+
+@compiled
+def start_of_round(p: Array, gap: float) -> int:
+    """Where a scan all round begins: behind its first gap, else at the point farthest out."""
+    n, x, y, far, most = len(p), 0.0, 0.0, 0, -1.0
+    for i in range(n):
+        if _is_cut(p, (i - 1) % n, i, gap):
+            return i
+        x += p[i, 0]
+        y += p[i, 1]
+    x, y = x / n, y / n
+    for i in range(n):
+        d = (p[i, 0] - x) * (p[i, 0] - x) + (p[i, 1] - y) * (p[i, 1] - y)
+        if d > most:
+            far, most = i, d
+    return far
+
+
+@compiled
+def _end_of_cluster(p: Array, start: int, gap: float) -> int:
+    """First point behind the cluster that begins at a point; gap in metres."""
+    stop = start + 1
+    while stop < len(p) and not _is_cut(p, stop - 1, stop, gap):
+        stop += 1
+    return stop
+
+
+@compiled
+def clusters(p: Array, gap: float, total: bool, out: Array, runs: Indices) -> int:
+    """Write a segment, metres, for each cluster of more than one point (A 3.2); how many.
+
+    `runs`, (2, n / 2 + 1), gets the first point of each, and the one behind its last.
+    """
+    start, k = 0, 0
+    while start < len(p):
+        stop = _end_of_cluster(p, start, gap)
+        if stop - start > 1:
+            line = fit_total(p, start, stop) if total else _fit_algebraic(p, start, stop)
+            runs[0, k], runs[1, k] = start, stop
+            k += _span(p, start, stop, line, out, k) > MIN_LENGTH
+        start = stop
+    return k
+
+
+@compiled
+def _chord_of(p: Array, start: int, last: int) -> Line:
+    """Line from a point to the last of a run, metres; across the run where these coincide."""
+    dx, dy = p[last, 0] - p[start, 0], p[last, 1] - p[start, 1]
+    norm = np.hypot(dx, dy)
+    if norm >= MIN_LENGTH:
+        return p[start, 0], p[start, 1], dx / norm, dy / norm
+    _, _, dx, dy = fit_total(p, start, last + 1)
+    return p[start, 0], p[start, 1], -dy, dx
+
+
+@compiled
+def _split(p: Array, start: int, stop: int, tolerance: float, ends: Indices, todo: Indices) -> int:
+    """Cut a cluster at the farthest point until each chord is within tolerance, metres.
+
+    Fills `ends` with the last index of each piece, in order; returns their number. A piece begins
+    with the last point of the one before. `todo` is room to work.
+    """
+    todo[0], top, count = stop - 1, 1, 0
+    while top:
+        last = todo[top - 1]
+        far, most = _farthest(p, start, last + 1, _chord_of(p, start, last))
+        if most > tolerance and start < far < last:
+            todo[top] = far
+            top += 1
+        else:
+            ends[count] = start = last
+            count, top = count + 1, top - 1
+    return count
+
+
+@compiled
+def _joint_error(p: Array, start: int, ends: Indices, k: int) -> float:
+    """Largest distance from one line through the pieces k and k + 1 of a cluster, metres."""
+    begin = ends[k - 1] if k else start
+    line = fit_total(p, begin, ends[k + 1] + 1)
+    return _farthest(p, begin, ends[k + 1] + 1, line)[1]
+
+
+@compiled
+def _merge(p: Array, start: int, tolerance: float, ends: Indices, count: int, errors: Array) -> int:
+    """Join the two neighbours that one line fits best, while it fits within tolerance, metres.
+
+    Of a cluster cut into `count` pieces: the last point of each changes in place. `errors` is room
+    to work.
+    """
+    for k in range(count - 1):
+        errors[k] = _joint_error(p, start, ends, k)
+    while count > 1:
+        best = 0
+        for k in range(1, count - 1):
+            best = k if errors[k] < errors[best] else best
+        if errors[best] > tolerance:
+            break
+        count -= 1
+        for k in range(best, count):
+            ends[k], errors[k] = ends[k + 1], errors[k + 1]
+        for k in range(max(best - 1, 0), min(best + 1, count - 1)):
+            errors[k] = _joint_error(p, start, ends, k)
+    return count
+
+
+@compiled
+def _border(p: Array, start: int, corner: int, end: int) -> int:
+    """First point of the second of two pieces: each point goes to the nearer line.
+
+    The chords of a split share their corner; a wall ends at the last beam that met it.
+    """
+    if corner - start < 3:
+        return corner
+    if end - corner < 3:
+        return corner + 1
+    left, right = fit_total(p, start, corner), fit_total(p, corner + 1, end + 1)
+    while corner - start > 2 and _off(p, corner - 1, right) < _off(p, corner - 1, left):
+        corner -= 1
+    while end - corner > 2 and _off(p, corner, left) < _off(p, corner, right):
+        corner += 1
+    return corner
+
+
+@compiled
+def polylines(
+    p: Array,
+    gap: float,
+    tolerance: float,
+    min_points: int,
+    min_length: float,
+    out: Array,
+    room: Indices,
+    errors: Array,
+) -> int:
+    """Write the segments of all clusters, split and merged, metres; how many.
+
+    `room`, (4, n + 1), and `errors`, (n + 1,), are room to work. The last two rows of `room` get
+    the first point of each segment, and the one behind its last.
+    """
+    ends, todo, begin, found = room[0], room[1], 0, 0
+    while begin < len(p):
+        stop = _end_of_cluster(p, begin, gap)
+        count = _split(p, begin, stop, tolerance, ends, todo)
+        count = _merge(p, begin, tolerance, ends, count, errors)
+        start = begin
+        for k in range(count):
+            end = ends[k] + 1
+            if k + 1 < count:
+                end = _border(p, start, ends[k], ends[k + 1])
+            if end - start >= min_points:
+                room[2, found], room[3, found] = start, end
+                length = _span(p, start, end, fit_total(p, start, end), out, found)
+                found += length >= min_length
+            start = end
+        begin = stop
+    return found

@@ -1,0 +1,243 @@
+"""Files that appear only when they are complete, tables and arrays of which everything is checked.
+
+What is no regular file is neither read nor replaced.
+"""
+
+from __future__ import annotations
+
+import csv
+import gzip
+import io
+import math
+import os
+import stat
+import threading
+import zipfile
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from typing import IO, Any
+
+import numpy as np
+from numpy.lib import format as npy
+from numpy.typing import NDArray
+
+#: A packed file unpacks to at most this many bytes, or to this many times its own: logs shrink to a
+#: third or a fifth, trees to a sixth, the most regular tree to a 23rd, and what shrinks to a
+#: thousandth is made to fill the memory.
+UNPACKED, RATIO = 1 << 20, 50
+#: How numpy packs: other ways cannot be unpacked piece by piece.
+PACKED = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
+#: More bytes than the head of an array takes.
+HEAD = 256
+
+
+def existing(path: Path) -> os.stat_result | None:
+    """The regular file that a path or its link leads to; None where nothing is there yet.
+
+    Raises
+    ------
+    ValueError
+        For a folder, a device or a pipe: reading could wait for ever, replacing would destroy it.
+    OSError
+        Where the path cannot be asked for, links in a circle for instance.
+    """
+    try:
+        found = path.stat()
+    except FileNotFoundError:
+        return None
+    if not stat.S_ISREG(found.st_mode):
+        kind = "a folder" if stat.S_ISDIR(found.st_mode) else "a device or a pipe"
+        raise ValueError(f"{path} is {kind}, no regular file: name a file")
+    return found
+
+
+@contextmanager
+def replacing(path: Path, *, sync: bool = True) -> Iterator[IO[bytes]]:
+    """A file written beside its place, and moved there once it is complete.
+
+    A file that was there keeps its mode, and its owner where this user may give files away. A
+    symbolic link stays, and what it leads to is replaced. With `sync` the disk has it all before;
+    a recorder has no time for that.
+
+    Raises
+    ------
+    ValueError, OSError
+        As `existing`; for a folder that does not exist, or cannot be written to.
+    """
+    old, place = existing(path), Path(os.path.realpath(path))
+    if not place.parent.is_dir():
+        raise FileNotFoundError(f"cannot write {path}: the folder {place.parent} does not exist")
+    part = place.with_name(f".segmap-{os.getpid()}-{threading.get_ident()}.part")
+    mode = 0o666 if old is None else 0o600
+    try:
+        with open(part, "wb", opener=lambda name, how: os.open(name, how, mode)) as target:
+            yield target
+            target.flush()
+            if sync:
+                os.fsync(target.fileno())
+        if old is not None:
+            _give(part, old)
+        part.replace(place)
+    finally:
+        part.unlink(missing_ok=True)
+
+
+def _give(part: Path, old: os.stat_result) -> None:
+    """Give a new file the owner and the mode of the old one."""
+    new = part.stat()
+    if (new.st_uid, new.st_gid) != (old.st_uid, old.st_gid):
+        for owner in (-1, old.st_uid):
+            with suppress(PermissionError):
+                os.chown(part, owner, old.st_gid)
+    part.chmod(old.st_mode & 0o777)
+
+
+def write_lines(path: Path, lines: Iterable[str]) -> None:
+    """Write lines of ASCII text."""
+    write_bytes(path, "".join(f"{line}\n" for line in lines).encode("ascii"))
+
+
+def write_bytes(path: Path, data: bytes) -> None:
+    """Write bytes, packed where the name ends in `.gz`."""
+    with replacing(path) as target:
+        target.write(packed(data) if path.suffix == ".gz" else data)
+
+
+def packed(data: bytes) -> bytes:
+    """Bytes as gzip, never so small that a reader takes them for a bomb."""
+    found = gzip.compress(data, mtime=0)
+    return gzip.compress(data, 0, mtime=0) if len(data) > _most(len(found)) else found
+
+
+# ------------------------------------------------------------------------------ tables
+def table_text(rows: Iterable[Sequence[object]]) -> str:
+    """Rows of cells as CSV text, a line each."""
+    target = io.StringIO()
+    csv.writer(target, lineterminator="\n").writerows(rows)
+    return target.getvalue()
+
+
+def read_table(path: Path, head: Sequence[str]) -> Iterator[tuple[list[str], str]]:
+    """Cells of each line below the head of a CSV file, and where they stand, for an error.
+
+    A last line without an end was cut off when its writer was stopped: it is left out.
+
+    Raises
+    ------
+    ValueError
+        Naming file and line: another head, bytes that are no text, quotes that do not end.
+    """
+    existing(path)
+    return table_lines(path.read_bytes(), path.name, head)
+
+
+def table_lines(data: bytes, name: str, head: Sequence[str]) -> Iterator[tuple[list[str], str]]:
+    """The same of bytes that such a file holds."""
+    data = data[: data.rfind(b"\n") + 1] or data
+    try:
+        text = data.decode("utf-8")
+    except UnicodeDecodeError as error:
+        line = data[: error.start].count(b"\n") + 1
+        raise ValueError(f"{name}, line {line}: expected text in UTF-8, got {error}") from error
+    rows = csv.reader(io.StringIO(text, newline=""), strict=True)
+    try:
+        first = next(rows, [])
+        if first != list(head):
+            said = ",".join(first)[:200]
+            raise ValueError(f"{name}, line 1: expected the head {','.join(head)}, got {said}")
+        for cells in rows:
+            yield cells, f"{name}, line {rows.line_num}"
+    except csv.Error as error:
+        raise ValueError(f"{name}, line {rows.line_num}: expected a CSV line, {error}") from error
+
+
+# ------------------------------------------------------------------------------ arrays
+def write_npz(path: Path, kind: str, held: Mapping[str, NDArray[Any]]) -> None:
+    """Write arrays by name; `kind` says what they are, with the version of their layout."""
+    named: dict[str, Any] = {"format": np.array(kind), **held}
+    with replacing(path) as target:
+        np.savez_compressed(target, **named)
+        if sum(array.nbytes + HEAD for array in named.values()) > _most(target.tell()):
+            target.seek(0)  # packed so small that a reader would take it for a bomb
+            target.truncate()
+            np.savez(target, **named)
+
+
+def read_npz(path: Path, kind: str) -> dict[str, NDArray[Any]]:
+    """The arrays of a file that `write_npz` wrote; no object is unpickled.
+
+    Raises
+    ------
+    ValueError
+        Naming the file: damaged, of another kind or version, out of proportion to its size.
+    """
+    found = read_arrays(path)
+    (name, version), said = kind.rsplit(" ", 1), str(found.pop("format", ""))
+    if not said.startswith(name):
+        raise ValueError(f"{path}: not a {name.split()[1]} of segmap, holds {sorted(found)}")
+    if said != kind:
+        raise ValueError(f"{path}: written as {said!r}, this version reads {version}")
+    return found
+
+
+def read_arrays(path: Path) -> dict[str, NDArray[Any]]:
+    """The arrays of any NPZ file, as they stand; no object is unpickled.
+
+    Raises
+    ------
+    ValueError
+        Naming the file: damaged, or out of proportion to its size.
+    """
+    existing(path)
+    with path.open("rb") as source:
+        try:
+            return _arrays(source)
+        except Exception as error:  # zipfile, zlib and numpy raise a dozen kinds for damaged bytes
+            raise ValueError(f"{path}: not a readable NPZ file ({error})") from None
+
+
+def _most(size: int) -> int:
+    """Bytes that a packed file of some size may unpack to."""
+    return max(UNPACKED, RATIO * size)
+
+
+def _arrays(source: IO[bytes]) -> dict[str, NDArray[Any]]:
+    """The arrays of an NPZ file; nothing is unpacked that is out of proportion to its size."""
+    if source.read(2) != b"PK":
+        raise ValueError("it does not begin like one")
+    most = _most(os.fstat(source.fileno()).st_size)
+    with zipfile.ZipFile(source) as packed:
+        members = packed.infolist()
+        if sum(member.file_size for member in members) > most:
+            raise ValueError(f"it unpacks to more than {most} bytes")
+        if any(member.compress_type not in PACKED for member in members):
+            raise ValueError("it is packed as numpy never does")
+        return {m.filename.removesuffix(".npy"): _array(packed, m) for m in members}
+
+
+def _array(packed: zipfile.ZipFile, member: zipfile.ZipInfo) -> NDArray[Any]:
+    """One array; its header must not ask for more than there is."""
+    with packed.open(member) as source:
+        if npy.read_magic(source) != (1, 0):
+            raise ValueError(f"{member.filename} is of another version of NPY")
+        shape, by_columns, kind = npy.read_array_header_1_0(source)
+        data = source.read()
+    if kind.hasobject or math.prod(shape) * kind.itemsize != len(data):
+        raise ValueError(f"{member.filename} holds {len(data)} bytes, no {kind} {shape}")
+    return np.frombuffer(bytearray(data), kind).reshape(shape, order="F" if by_columns else "C")
+
+
+def chapters_folder() -> Path:
+    """The folder of the chapters: in an installed wheel inside the package, in a clone beside it.
+
+    Examples
+    --------
+    >>> (chapters_folder() / "00_start_here.ipynb").is_file()
+    True
+    """
+    package = Path(__file__).parent
+    for folder in (package / "notebooks", package.parent / "notebooks"):
+        if (folder / "00_start_here.ipynb").is_file():
+            return folder
+    raise FileNotFoundError("the chapters are missing: install segmap again")

@@ -1,0 +1,279 @@
+"""The lines that programs open, a pseudo-terminal or TCP, and all that goes wrong on them."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import re
+import select
+import socket
+import threading
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from .. import SensorError
+from ._unit import RATES, Unit
+
+#: Faults of the wire, by name.
+FAULTS = ("flip", "lose", "stale", "stop", "silence", "unplug")
+#: What a buffer may hold from before: the end of a scan and a piece of an answer.
+STALE = b"0AI0AI0AJ0AK\n\nGD00440\n00P\n"
+#: Bytes read at once.
+PIECE = 4096
+
+_ADDRESS = re.compile(r"(?:(?:\[(?P<six>[^]]+)]|(?P<host>[^:]*)):)?(?P<port>[0-9]{1,5})")
+
+
+class Fault(NamedTuple):
+    """A fault that happens after so many more bytes; silence lasts some seconds."""
+
+    kind: str
+    after: int
+    seconds: float = 0.0
+
+
+class Unplugged(Exception):
+    """The wire was pulled out."""
+
+
+class Wire:
+    """Passes bytes on, and spoils them where it was told to.
+
+    Parameters
+    ----------
+    clock : callable
+        Seconds.
+    rng : numpy.random.Generator
+        Chooses which bit flips.
+    """
+
+    def __init__(self, clock: Callable[[], float], rng: np.random.Generator) -> None:
+        self.clock, self.rng = clock, rng
+        self.happened: list[str] = []
+        self._planned: list[Fault] = []
+        self._lock = threading.Lock()
+        self._mute_until = -np.inf
+        self._stopped = False
+
+    def plan(self, fault: Fault) -> None:
+        """Add a fault to those that will happen."""
+        with self._lock:
+            self._planned = sorted([*self._planned, fault], key=lambda f: f.after)
+
+    def passed(self, data: bytes) -> bytes:
+        """The bytes that arrive of those that are sent.
+
+        Raises
+        ------
+        Unplugged
+        """
+        arrived = b""
+        with self._lock:
+            while self._planned and self._planned[0].after < len(data):
+                fault, *rest = self._planned
+                arrived += self._quiet(data[: fault.after])
+                data = self._struck(fault, data[fault.after :])
+                self._planned = [f._replace(after=max(f.after - fault.after, 0)) for f in rest]
+            self._planned = [f._replace(after=f.after - len(data)) for f in self._planned]
+            return arrived + self._quiet(data)
+
+    def _struck(self, fault: Fault, data: bytes) -> bytes:
+        """The bytes after a fault at the first of them."""
+        self.happened.append(fault.kind)
+        if fault.kind == "unplug":
+            raise Unplugged
+        if fault.kind == "flip":
+            return bytes([data[0] ^ 1 << int(self.rng.integers(8))]) + data[1:]
+        if fault.kind == "lose":
+            return data[1:]
+        if fault.kind == "stale":
+            return STALE + data
+        if fault.kind == "silence":
+            self._mute_until = self.clock() + fault.seconds
+        self._stopped = self._stopped or fault.kind == "stop"
+        return data
+
+    def _quiet(self, data: bytes) -> bytes:
+        """Nothing while the wire is silent, and nothing of the rest of a reply that stopped."""
+        if self.clock() < self._mute_until:
+            return b""
+        if self._stopped:
+            _, end, data = data.partition(b"\n\n")
+            self._stopped = not end
+        return data
+
+
+class Terminal:
+    """A pseudo-terminal that programs open as a serial port, and a link to it where asked for."""
+
+    def __init__(self, link: Path | None = None) -> None:
+        if not hasattr(os, "openpty"):
+            raise SensorError(
+                "the emulator needs pseudo-terminals: Linux, macOS, or WSL; or tcp='0'"
+            )
+        self.link, self._device = link, ""
+        self._ends: tuple[int, int] | None = None
+
+    @property
+    def name(self) -> str:
+        """What a program opens."""
+        return str(self.link or self._device)
+
+    def open(self) -> None:
+        """Make the line."""
+        import tty
+
+        master, slave = os.openpty()
+        tty.setraw(slave)
+        os.set_blocking(master, False)
+        self._device, self._ends = os.ttyname(slave), (master, slave)
+        try:
+            self._make_link()
+        except OSError:
+            self.close()
+            raise
+
+    def close(self) -> None:
+        """Cut it; a second call does nothing."""
+        ends, self._ends = self._ends, None
+        if self.link is not None and ends and self.link.is_symlink():
+            self.link.unlink()
+        for end in ends or ():
+            os.close(end)
+
+    def _make_link(self) -> None:
+        """Link to the device: a link that was left behind is replaced, a file never."""
+        if self.link is not None:
+            if self.link.is_symlink():
+                self.link.unlink()
+            self.link.symlink_to(self._device)
+
+    @property
+    def _master(self) -> int:
+        assert self._ends is not None
+        return self._ends[0]
+
+    def wait(self, seconds: float, *, writing: bool) -> None:
+        """Until something comes, or can be written, at most so long."""
+        select.select([self._master], [self._master] if writing else [], [], seconds)
+
+    def read(self) -> bytes:
+        """What has come."""
+        try:
+            return os.read(self._master, PIECE)
+        except BlockingIOError:
+            return b""
+
+    def write(self, data: bytes) -> int:
+        """How many of these bytes went."""
+        with contextlib.suppress(BlockingIOError):
+            return os.write(self._master, data) if data else 0
+        return 0
+
+    def fits(self, unit: Unit) -> bool:
+        """The terminal tells both its ends at what rate the host talks."""
+        import termios
+
+        if unit.usb:
+            return True
+        known: dict[Any, int] = {
+            getattr(termios, f"B{rate}"): rate for rate in RATES if hasattr(termios, f"B{rate}")
+        }
+        speed = termios.tcgetattr(self._master)[5]
+        return known.get(speed) == (unit.rate if unit.rate in known.values() else None)
+
+
+class Listener:
+    """A TCP port for one client at a time: who comes while another is there is turned away.
+
+    What the sensor says while nobody is there is lost.
+    """
+
+    def __init__(self, address: str) -> None:
+        found = _ADDRESS.fullmatch(address)
+        if found is None or int(found["port"]) > 65535:
+            raise ValueError(f"tcp must be [host:]port, such as '10940' or '0', got {address!r}")
+        self._host, self._port = found["six"] or found["host"] or "127.0.0.1", int(found["port"])
+        self._server: socket.socket | None = None
+        self._client: socket.socket | None = None
+
+    @property
+    def name(self) -> str:
+        """What a program opens."""
+        host = f"[{self._host}]" if ":" in self._host else self._host
+        return f"tcp://{host}:{self._port}"
+
+    def open(self) -> None:
+        """Make the line."""
+        family = socket.AF_INET6 if ":" in self._host else socket.AF_INET
+        self._server = socket.create_server((self._host, self._port), family=family)
+        self._server.setblocking(False)
+        self._port = self._server.getsockname()[1]  # the same one when it is plugged in again
+
+    def close(self) -> None:
+        """Cut it; a second call does nothing."""
+        self._drop()
+        if self._server is not None:
+            self._server.close()
+            self._server = None
+
+    def wait(self, seconds: float, *, writing: bool) -> None:
+        """Until something comes, or can be written, at most so long."""
+        ends = [end for end in (self._server, self._client) if end is not None]
+        select.select(ends, ends[1:] if writing else [], [], seconds)
+
+    def read(self) -> bytes:
+        """What has come."""
+        heard = self._heard()
+        if not heard:  # the last word of one who leaves is heard before the next one comes
+            self._accept()
+        return heard
+
+    def write(self, data: bytes) -> int:
+        """How many of these bytes went."""
+        if self._client is None:
+            return len(data)
+        try:
+            return self._client.send(data) if data else 0
+        except BlockingIOError:
+            return 0
+        except OSError:
+            self._drop()
+            return len(data)
+
+    def fits(self, unit: Unit) -> bool:
+        """A network has no bit rate to agree on."""
+        return True
+
+    def _heard(self) -> bytes:
+        if self._client is None:
+            return b""
+        try:
+            heard = self._client.recv(PIECE)
+        except BlockingIOError:
+            return b""
+        except OSError:
+            heard = b""
+        if not heard:
+            self._drop()
+        return heard
+
+    def _accept(self) -> None:
+        if self._server is None:
+            return
+        with contextlib.suppress(OSError):  # none is there, or left again
+            client, _ = self._server.accept()
+            if self._client is not None:
+                client.close()
+                return
+            client.setblocking(False)
+            client.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+            self._client = client
+
+    def _drop(self) -> None:
+        client, self._client = self._client, None
+        if client is not None:
+            client.close()

@@ -1,0 +1,211 @@
+"""The emulated sensor: its unit, its line, and the thread that serves both."""
+
+from __future__ import annotations
+
+import threading
+import time
+import weakref
+from collections.abc import Callable
+from pathlib import Path
+from typing import Self
+
+import numpy as np
+
+from ... import arrays
+from ._device import FAULTS, Fault, Listener, Terminal, Unplugged, Wire
+from ._unit import Unit, World
+from ._worlds import Replay, Room, furnished_room
+
+#: The thread looks at the clock so often, seconds.
+TICK = 0.005
+
+
+class Device:
+    """A line and the thread that serves it; it holds no reference to its Emulator."""
+
+    def __init__(self, unit: Unit, wire: Wire, end: Terminal | Listener) -> None:
+        self.unit, self.wire, self.end = unit, wire, end
+        self._thread: threading.Thread | None = None
+        self._stopping = threading.Event()
+
+    def start(self) -> None:
+        """Open the line and serve it in a thread until `stop`."""
+        self.end.open()
+        self._stopping.clear()
+        self._thread = threading.Thread(target=self._serve, name="URG emulator", daemon=True)
+        self._thread.start()
+
+    def stop(self) -> None:
+        """End the thread and cut the line; a second call does nothing."""
+        self._stopping.set()
+        if self._thread is not None and self._thread is not threading.current_thread():
+            self._thread.join()
+            self._thread = None
+        self.end.close()
+
+    def _serve(self) -> None:
+        waiting = b""
+        try:
+            while not self._stopping.is_set():
+                waiting = self._step(waiting)
+        except Unplugged:
+            self.end.close()
+
+    def _step(self, waiting: bytes) -> bytes:
+        """Read, answer, write once; the bytes that could not be written yet."""
+        self.end.wait(TICK, writing=bool(waiting))
+        heard, fits = self.end.read(), self.end.fits(self.unit)
+        if fits:
+            self.unit.receive(heard)
+        elif heard:
+            waiting += self.wire.rng.bytes(len(heard))
+        if not waiting:
+            sent = self.wire.passed(self.unit.transmit())
+            waiting = sent if fits else bytes(b ^ 0xA5 for b in sent)
+        return waiting[self.end.write(waiting) :]
+
+
+class Emulator:
+    """A sensor without hardware: `port` is the device or the address to open.
+
+    A device needs Linux or macOS. A thread answers until `stop`, the end of `with`, or until it is
+    forgotten. Over TCP one program at a time is served, and others are turned away; a program that
+    leaves does not stop the sensor.
+
+    Parameters
+    ----------
+    world : World or None
+        What it sees: `Room`, `Replay`, or any function from the number of a turn to the millimetres
+        of all steps, `(769,)` of a URG-04LX, `(1081,)` of a UST-10LX; None for a furnished room.
+    model : "URG-04LX" or "UST-10LX"
+    tcp : str or None
+        `[host:]port` to be reached at by TCP instead of a pseudo-terminal; port 0 takes a free one.
+    protocol : "2.0", "1.1" or "1.1 only"
+        What it speaks after power-up; the last has firmware that cannot switch.
+    rate : int, bits a second
+        That it is left at.
+    usb : bool
+        False makes it an RS-232 sensor: the rate must match and slows it down.
+    speed : float
+        Its seconds go by so much faster.
+    clock : callable
+        Seconds.
+    stamp : int, milliseconds
+        Its own clock at power-up; it wraps at 2 ** 24.
+    streaming, timing : bool
+        Left streaming, or in time mode, by a host that crashed.
+    link : str or Path or None
+        A symbolic link to make, which names the device, the same after `replug`.
+    rng : numpy.random.Generator or None
+        Of noise on the line.
+
+    Raises
+    ------
+    SensorError
+        On Windows, which has no pseudo-terminals, without `tcp`.
+    OSError
+        Where the link cannot be made, or a file has its name; where the TCP port is taken.
+
+    Examples
+    --------
+    >>> from segmap.hokuyo import UrgSensor
+    >>> with Emulator(speed=10) as emulator, UrgSensor(emulator.port) as sensor:
+    ...     sensor.scan()  # doctest: +ELLIPSIS
+    LaserScan(682 beams, ... valid, t=... s)
+    """
+
+    def __init__(
+        self,
+        world: World | None = None,
+        *,
+        model: str = "URG-04LX",
+        tcp: str | None = None,
+        protocol: str = "2.0",
+        rate: int = 19200,
+        usb: bool = True,
+        speed: float = 1.0,
+        clock: Callable[[], float] = time.monotonic,
+        stamp: int = 0,
+        streaming: bool = False,
+        timing: bool = False,
+        link: str | Path | None = None,
+        rng: np.random.Generator | None = None,
+    ) -> None:
+        if tcp is not None and not (usb and link is None):
+            raise ValueError("tcp goes with neither usb=False nor a link: both are of a device")
+        if isinstance(world, Room | Replay) and world.model != model:
+            raise ValueError(f"model must be {world.model!r}, as the world's is, got {model!r}")
+        self.unit = Unit(
+            furnished_room(model) if world is None else world,
+            model=model,
+            protocol=protocol,
+            rate=rate,
+            usb=usb,
+            speed=speed,
+            clock=clock,
+            stamp=stamp,
+            streaming=streaming,
+            timing=timing,
+        )
+        self.wire = Wire(
+            time.monotonic, np.random.default_rng(1) if rng is None else arrays.generator(rng)
+        )
+        self._end: Terminal | Listener = (
+            Terminal(None if link is None else arrays.file(link, "link"))
+            if tcp is None
+            else Listener(arrays.instance(tcp, "tcp", str))
+        )
+        self._device = Device(self.unit, self.wire, self._end)
+        self._finalizer = weakref.finalize(self, self._device.stop)
+        self._device.start()
+
+    @property
+    def port(self) -> str:
+        """The device to open, or the link to it; the address where it is reached by TCP."""
+        return self._end.name
+
+    def inject(self, kind: str, *, after: int = 0, seconds: float = 0.5) -> None:
+        """Plan a fault.
+
+        Parameters
+        ----------
+        kind : str
+            Of the wire: "flip" a bit, "lose" a byte, "stale" bytes, "stop" in a reply, "silence",
+            "unplug". Of the sensor: "status" 50 for each scan until `mend`, clock "wrap".
+        after : int
+            So many more bytes of the sensor pass before; faults of the sensor come at once.
+        seconds : float
+            Length of a silence.
+        """
+        arrays.whole(after, "after", least=0)
+        arrays.number(seconds, "seconds", least=0)
+        if kind == "status":
+            self.unit.fail("Motor does not turn.")
+        elif kind == "wrap":
+            self.unit.wrap_clock()
+        else:
+            arrays.one_of(kind, "kind", (*FAULTS, "status", "wrap"))
+            self.wire.plan(Fault(kind, after, seconds))
+
+    def mend(self) -> None:
+        """Repair the sensor: its scans are whole again."""
+        self.unit.fail("")
+
+    def unplug(self) -> None:
+        """Pull the sensor out: the device vanishes, the address refuses."""
+        self._device.stop()
+
+    def replug(self) -> None:
+        """Plug it in again; a device without `link` may have another name."""
+        self._device.stop()
+        self._device.start()
+
+    def stop(self) -> None:
+        """End the thread and free the device; nothing happens the second time."""
+        self._finalizer()
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.stop()

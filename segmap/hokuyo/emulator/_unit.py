@@ -1,0 +1,286 @@
+"""A sensor without its wire: what it answers to which bytes, and when (SCIP, 3 to 5)."""
+
+from __future__ import annotations
+
+import time
+from collections import deque
+from collections.abc import Callable
+from functools import partial
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ... import arrays
+from ...scans.error_codes import LOWEST
+from .. import (
+    ScanRequest,
+    SensorError,
+    checksum,
+    encode,
+    encode_reply,
+    encode_reply_1,
+    encode_scan,
+    info_line,
+    parse_request,
+)
+from ._worlds import MODELS
+
+#: From the number of a turn to the millimetres of all its steps.
+World = Callable[[int], NDArray[np.int64]]
+#: No request is longer; what is, is forgotten.
+LONGEST = 80
+RATES = (19200, 38400, 57600, 115200, 250000, 500000, 750000)
+#: What SCIP 1.1 answers to V.
+OLD_VERSION = (
+    "VEND:Hokuyo Automatic Co.,Ltd.",
+    "PROD:SOKUIKI Sensor URG-04LX",
+    "FIRM:3.1.04,07/08/02(20-4095[mm],240[deg],44-725[step],600[rpm])",
+    "PROT:00003,(SCIP 1.0)",
+    "SERI:H0000000",
+)
+PROTOCOLS = ("2.0", "1.1", "1.1 only")
+
+
+class Unit:
+    """The sensor: bytes in, bytes out, a clock. Its settings are those of `Emulator`."""
+
+    def __init__(
+        self,
+        world: World,
+        *,
+        model: str = "URG-04LX",
+        protocol: str = "2.0",
+        rate: int = 19200,
+        usb: bool = True,
+        speed: float = 1.0,
+        clock: Callable[[], float] = time.monotonic,
+        stamp: int = 0,
+        streaming: bool = False,
+        timing: bool = False,
+    ) -> None:
+        self.model = MODELS[arrays.one_of(model, "model", MODELS)]
+        arrays.one_of(protocol, "protocol", PROTOCOLS if model == "URG-04LX" else PROTOCOLS[:1])
+        if arrays.whole(rate, "rate") not in RATES:
+            raise ValueError(f"rate must be one of {RATES}, got {rate}")
+        self.speed = arrays.number(speed, "speed", least=1e-3, most=1e3)
+        self.world = arrays.function(world, "world", "from a turn to its millimetres")
+        self.usb, self.timing = arrays.switch(usb, "usb"), arrays.switch(timing, "timing")
+        self.stamp, self.rate, self.next_rate = arrays.whole(stamp, "stamp", least=0), rate, rate
+        self.old, self._switches = protocol != "2.0", protocol == "1.1"
+        self.laser, self.dead, self.trouble = self.old, False, ""
+        self._clock = arrays.function(clock, "clock", "without arguments, of seconds")
+        self._begun = clock()
+        self.stream: ScanRequest | None = None
+        self.received: list[str] = []
+        self._next_turn, self._line = 0, b""
+        self._late: deque[tuple[float, Callable[[], bytes]]] = deque()
+        self._out, self._sent_at = b"", 0.0
+        if arrays.switch(streaming, "streaming"):  # left so by a host that crashed
+            self.stream = ScanRequest("MD", self.model.first, self.model.last)
+            self.laser = True
+            self._next_turn = self.turn() + 1
+
+    def now(self) -> float:
+        """Its seconds since power-up."""
+        return (self._clock() - self._begun) * self.speed
+
+    def turn(self) -> int:
+        """Number of the turn that was finished last; -1 before the first."""
+        return int(self.now() / self.model.turn) - 1
+
+    def receive(self, data: bytes) -> None:
+        """Take bytes of the host, and act on each whole line."""
+        *lines, self._line = (self._line + data).replace(b"\r", b"\n").split(b"\n")
+        self._line = self._line[-LONGEST:]
+        for line in lines:
+            text = line[-LONGEST:].decode("ascii", "replace")
+            if text and not self.dead:
+                self.received.append(text)
+                del self.received[:-1000]
+                self._out += self._answer(text)
+
+    def transmit(self) -> bytes:
+        """What it has to send by now, no more than its bit rate lets through."""
+        now = self.now()
+        while self._late and self._late[0][0] <= now and not self.dead:
+            self._out += self._late.popleft()[1]()
+        if self.stream and not self._out and not self.dead and self.turn() >= self._next_turn:
+            self._out += self._streamed(self.stream)
+        allowed = len(self._out) if self.usb else int((now - self._sent_at) * self.rate / 10)
+        data, self._out = self._out[:allowed], self._out[allowed:]
+        if data or not self._out:
+            self._sent_at = now
+        if not self._out:
+            self.rate = self.next_rate
+        return data
+
+    def fail(self, trouble: str) -> None:
+        """Let the hardware fail: each scan is answered with status 50; no trouble mends it."""
+        self.trouble = trouble
+
+    def wrap_clock(self) -> None:
+        """Let its own clock pass the end of its 24 bits within the next turns."""
+        self.stamp = (1 << 24) - 50 - round(1000 * self.model.turn * (self.turn() + 2))
+
+    def _answer(self, text: str) -> bytes:
+        if text[:2] in self.model.deadly:
+            self.dead = True
+            return b""
+        if self.old:
+            return self._answer_old(text)
+        act: Callable[[str], bytes] | None = getattr(self, f"_do_{text[:2].lower()}", None)
+        if act is None or (self.timing and text[:2] != "TM"):
+            return encode_reply(text, "0E")
+        return act(text)
+
+    def _answer_old(self, text: str) -> bytes:
+        """The reply of SCIP 1.1: no check sums, one character of status."""
+        if text == "SCIP2.0" and self._switches:
+            self.old = self.laser = False
+            return encode_reply_1(text, "0")
+        if text == "V":
+            return encode_reply_1(text, "0", [line.encode("ascii") for line in OLD_VERSION])
+        if text in ("L0", "L1"):
+            already = self.laser == (text == "L1")
+            self.laser = text == "L1"
+            return encode_reply_1(text, "E" if already else "0")
+        if len(text) == 9 and text[0] == "G" and text[1:].isdigit():
+            return self._old_scan(text)
+        return encode_reply_1(text, "E")
+
+    def _old_scan(self, text: str) -> bytes:
+        first, last, cluster = int(text[1:4]), int(text[4:7]), max(int(text[7:]), 1)
+        if not first <= last < self.model.steps:
+            return encode_reply_1(text, "E")
+        met = self.world(max(self.turn(), 0))[first : last + 1 : cluster]
+        data = encode(np.minimum(met, 4095), 2)
+        return encode_reply_1(text, "0", [data[i : i + 64] for i in range(0, len(data), 64)])
+
+    def _do_vv(self, text: str) -> bytes:
+        return encode_reply(text, "00", [info_line(*item) for item in self.model.version.items()])
+
+    def _do_pp(self, text: str) -> bytes:
+        return encode_reply(text, "00", [info_line(*item) for item in self.model.limits.items()])
+
+    def _do_ii(self, text: str) -> bytes:
+        told = {
+            "MODL": self.model.limits["MODL"],
+            "LASR": "ON" if self.laser else "OFF",
+            "SCSP": f"Initial({self.model.limits['SCAN']}[rpm])<-Default setting by user",
+            "MESM": "MONITORING" if self.stream else "CLASSIC" if self.laser else "IDLE",
+            "SBPS": self.model.line or f"{self.rate}[bps]<-Default setting by user",
+            "TIME": f"{self._stamp(max(self.turn(), 0)):06X}",
+            "STAT": self.trouble or "Sensor works well.",
+        }
+        return encode_reply(text, "00", [info_line(*item) for item in told.items()])
+
+    def _do_bm(self, text: str) -> bytes:
+        status = "02" if self.laser else "00"
+        self.laser = True
+        return encode_reply(text, status)
+
+    def _do_qt(self, text: str) -> bytes:
+        self.laser, self.stream = False, None
+        self._late.clear()
+        return encode_reply(text, "00")
+
+    def _do_rs(self, text: str) -> bytes:
+        self._begun, self.stamp = self._clock(), 0
+        return self._do_qt(text)
+
+    def _do_tm(self, text: str) -> bytes:
+        if text == "TM1" and self.timing:
+            line = encode(self._stamp(max(self.turn(), 0)), 4)
+            return encode_reply(text, "00", [line + checksum(line)])
+        status = {
+            "TM0": "02" if self.timing else "00",
+            "TM1": "04",
+            "TM2": "00" if self.timing else "03",
+        }.get(text, "01")
+        if status == "00":
+            self.timing = text == "TM0"
+            self.laser, self.stream = False, None
+        return encode_reply(text, status)
+
+    def _do_ss(self, text: str) -> bytes:
+        if not text[2:].isdigit():
+            return encode_reply(text, "01")
+        rate = int(text[2:])
+        if rate not in RATES:
+            return encode_reply(text, "02")
+        status = "03" if rate == self.rate else "00"
+        self.next_rate = rate
+        return encode_reply(text, status)
+
+    def _do_cr(self, text: str) -> bytes:
+        return encode_reply(text, "03" if text == "CR00" else "00")
+
+    def _do_hs(self, text: str) -> bytes:
+        return encode_reply(text, "0C")
+
+    def _do_gd(self, text: str) -> bytes:
+        """Commands are served about once a turn: the answer waits for the end of this one."""
+        request, status = _checked(text, self.model.steps)
+        if request is None or not self.laser:
+            return encode_reply(text, status or "10")
+        self._late.append(((self.turn() + 2) * self.model.turn, partial(self._single, request)))
+        return b""
+
+    _do_gs = _do_gd
+
+    def _do_md(self, text: str) -> bytes:
+        request, status = _checked(text, self.model.steps)
+        if request is not None:
+            self.stream, self.laser, self._next_turn = request, True, self.turn() + 2
+        return encode_reply(text, status or "00")
+
+    _do_ms = _do_md
+
+    def _single(self, request: ScanRequest) -> bytes:
+        if self.trouble:
+            return encode_reply(request.text, "50")
+        return encode_reply(request.text, "00", self._body(request, self.turn()))
+
+    def _streamed(self, request: ScanRequest) -> bytes:
+        turn = self.turn()
+        self._next_turn = turn + 1 + request.skip
+        left = request._replace(scans=max(request.scans - 1, 0))
+        if self.trouble:
+            self.stream, self.laser = None, False
+            return encode_reply(left.text, "50")
+        self.stream = left if request.scans != 1 else None
+        self.laser = self.stream is not None
+        return encode_reply(left.text, "99", self._body(request, turn))
+
+    def _body(self, request: ScanRequest, turn: int) -> list[bytes]:
+        met = clustered(self.world(turn)[request.first : request.last + 1], request.cluster)
+        return encode_scan(self._stamp(turn), met, 3 if request.kind[1] == "D" else 2)
+
+    def _stamp(self, turn: int) -> int:
+        return (self.stamp + round(1000 * self.model.turn * turn)) % (1 << 24)
+
+
+def clustered(millimetres: NDArray[np.int64], size: int) -> NDArray[np.int64]:
+    """The smallest distance of each group; an error only where all are errors.
+
+    Examples
+    --------
+    >>> clustered(np.array([300, 200, 7, 500, 7]), 2)
+    array([200, 500,   7])
+    """
+    groups = range(0, len(millimetres), max(size, 1))
+    parts = [millimetres[i : i + max(size, 1)] for i in groups]
+    return np.array([min(good) if (good := [d for d in p if d >= LOWEST]) else p[0] for p in parts])
+
+
+def _checked(text: str, steps: int) -> tuple[ScanRequest | None, str]:
+    """The request, or the status that refuses it."""
+    try:
+        request = parse_request(text)
+    except SensorError:
+        return None, "0C" if len(text) < 12 else "01"
+    if request.last >= steps:
+        return None, "04"
+    if request.last < request.first:
+        return None, "05"
+    return request, ""

@@ -1,0 +1,262 @@
+"""The sensors that can be emulated, and what they see: a simulated room, or a capture's scans."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ... import arrays
+from ...arrays import Array, Segments
+from ...scans.error_codes import (
+    LOWEST,
+    NEIGHBOURS_BAD,
+    NOT_MEASURED,
+    NOTHING_FAR,
+    NOTHING_MET,
+    TOO_NEAR,
+)
+from ...simulation import (
+    URG_04LX,
+    OdometryNoise,
+    Sensor,
+    box,
+    cast_rays,
+    drive,
+    rectangular_room,
+    simulate,
+)
+from .. import SensorError, parse_reply, parse_request, parse_scan
+
+
+class Model(NamedTuple):
+    """A model of sensor.
+
+    Attributes
+    ----------
+    version, limits : dict
+        Its answers to VV and PP.
+    line : str
+        What II says of its line; empty for the bit rate.
+    sensor : Sensor
+        What it measures with.
+    steps : int
+        Steps from 0 on that can be asked for.
+    nothing, near, unmeasured : int
+        What it sends where nothing is met, where something is too near, and for a step that it does
+        not measure.
+    deadly : tuple of str
+        Commands that put it out of order until it is switched off.
+    """
+
+    version: dict[str, str]
+    limits: dict[str, str]
+    line: str
+    sensor: Sensor
+    steps: int
+    nothing: int
+    near: int
+    unmeasured: int
+    deadly: tuple[str, ...]
+
+    @property
+    def first(self) -> int:
+        """The first step that it measures."""
+        return int(self.limits["AMIN"])
+
+    @property
+    def last(self) -> int:
+        """The last step that it measures."""
+        return int(self.limits["AMAX"])
+
+    @property
+    def turn(self) -> float:
+        """Seconds of a turn."""
+        return 60.0 / int(self.limits["SCAN"])
+
+
+def _version(product: str, firmware: str, protocol: str) -> dict[str, str]:
+    return {
+        "VEND": "Hokuyo Automatic Co.,Ltd.",
+        "PROD": f"SOKUIKI Sensor {product}",
+        "FIRM": firmware,
+        "PROT": protocol,
+        "SERI": "H0000000",
+    }
+
+
+def _limits(model: str, limits: str) -> dict[str, str]:
+    return {"MODL": model, **dict(item.split(":") for item in limits.split())}
+
+
+#: Steps 44 to 725 are measured; see SCIP 2.0 (Hokuyo C-42-03320B), tables 2 and 3.
+_URG = Model(
+    _version("URG-04LX", "3.1.04(02/Aug./2007)", "SCIP 2.0"),
+    _limits(
+        "URG-04LX(Hokuyo Automatic Co.,Ltd.)",
+        "DMIN:20 DMAX:5600 ARES:1024 AMIN:44 AMAX:725 AFRT:384 SCAN:600",
+    ),
+    "",
+    URG_04LX,
+    769,
+    NOTHING_MET,
+    NEIGHBOURS_BAD,
+    NOT_MEASURED,
+    ("ME", "HD", "HE", "ND", "NE", "%S"),
+)
+#: 1081 beams over 270 degrees, forty turns a second. Its data sheet promises 0.06 to 10 m on white
+#: paper, to 30 m at best, and repeats to 30 mm; lost beams as for the URG-04LX.
+_UST = Model(
+    _version("UST-10LX", "1.0.0(01/Jan./2015)", "SCIP 2.2"),
+    _limits("UST-10LX", "DMIN:20 DMAX:30000 ARES:1440 AMIN:0 AMAX:1080 AFRT:540 SCAN:2400"),
+    "Ethernet 100 [Mbps]",
+    Sensor(
+        "Hokuyo UST-10LX",
+        beams=1081,
+        first=-540 * 2 * np.pi / 1440,
+        step=2 * np.pi / 1440,
+        max_range=30.0,
+        min_range=0.060,
+        sigma=0.010,
+        resolution=0.001,
+        dropout=0.01,
+        grazing=float(np.radians(5)),
+        period=0.025,
+    ),
+    1081,
+    NOTHING_FAR,
+    TOO_NEAR,
+    NOTHING_FAR,
+    (),
+)
+MODELS = {"URG-04LX": _URG, "UST-10LX": _UST}
+
+
+class Room:
+    """A sensor driven through a room, one pose a turn, to the end of its path and back again.
+
+    Parameters
+    ----------
+    walls : (n, 2, 2) array, metres
+    path : (k, 3) array, metres and radians
+    sensor : Sensor or None
+        What it measures with; None for what the model does.
+    rng : numpy.random.Generator
+        Of the sensor's noise.
+    model : "URG-04LX" or "UST-10LX"
+
+    Raises
+    ------
+    ValueError
+        For a path without poses; for a sensor of more beams than the model has steps.
+
+    Examples
+    --------
+    >>> from segmap.simulation import URG_04LX
+    >>> room = Room(rectangular_room(4, 3), [(1, 1, 0)], URG_04LX.ideal())
+    >>> room(0)[[384, 0]]  # straight ahead, and behind, where it does not measure
+    array([3000,   19])
+    """
+
+    def __init__(
+        self,
+        walls: Segments,
+        path: ArrayLike,
+        sensor: Sensor | None = None,
+        rng: np.random.Generator | None = None,
+        *,
+        model: str = "URG-04LX",
+    ) -> None:
+        self.walls, self.path = arrays.segments(walls, "walls"), arrays.poses(path, "path")
+        if not len(self.path):
+            raise ValueError("path must hold at least one pose, (k, 3), got none")
+        self.model = arrays.one_of(model, "model", MODELS)
+        self._made = MODELS[model]
+        chosen = self._made.sensor if sensor is None else sensor
+        self.sensor = arrays.instance(chosen, "sensor", Sensor)
+        most = self._made.steps - self._made.first
+        if self.sensor.beams > most:
+            raise ValueError(f"sensor must have at most {most} beams, got {self.sensor.beams}")
+        self.rng = np.random.default_rng(1) if rng is None else arrays.generator(rng)
+        cast_rays(self.walls, self.path[0], [0.0])  # compiles before a driver waits for it
+
+    def pose(self, turn: int) -> Array:
+        """Where the sensor is in a turn, `(3,)`, metres and radians."""
+        turn = arrays.whole(turn, "turn", least=0)
+        last = len(self.path) - 1
+        return self.path[last - abs(last - turn % (2 * last))] if last else self.path[0]
+
+    def __call__(self, turn: int) -> NDArray[np.int64]:
+        """Millimetres of all steps, `(769,)` of a URG-04LX."""
+        pose, still = self.pose(turn)[None], OdometryNoise().ideal()
+        (scan,) = simulate(self.walls, pose, sensor=self.sensor, rng=self.rng, odometry_noise=still)
+        met = np.rint(1000 * scan.ranges)
+        found = np.where(met >= LOWEST, met, self._made.near)
+        steps = np.full(self._made.steps, self._made.unmeasured)
+        measured = slice(self._made.first, self._made.first + len(met))
+        steps[measured] = np.where(np.isposinf(met), self._made.nothing, found)
+        return steps
+
+
+class Replay:
+    """The scans that a sensor sent while it was recorded, again and again.
+
+    Parameters
+    ----------
+    capture : bytes
+        What came from a sensor in SCIP 2.0; other replies are passed over.
+    model : "URG-04LX" or "UST-10LX"
+        Of that sensor.
+
+    Raises
+    ------
+    SensorError
+        Where a scan is damaged, has steps that the model has not, or there is none.
+
+    Examples
+    --------
+    >>> Replay(b"GD0383038401\\n00P\\nJUGnD\\n06805m`\\n\\n")(0)[383:386]
+    array([392, 381,  19])
+    """
+
+    def __init__(self, capture: bytes, *, model: str = "URG-04LX") -> None:
+        arrays.instance(capture, "capture", bytes)
+        self.model = arrays.one_of(model, "model", MODELS)
+        replies = (reply.strip(b"\n").split(b"\n") for reply in capture.split(b"\n\n"))
+        self.turns = [_turn(lines, MODELS[model]) for lines in replies if _is_scan(lines)]
+        if not self.turns:
+            raise SensorError("the capture holds no scan of SCIP 2.0")
+
+    def __call__(self, turn: int) -> NDArray[np.int64]:
+        """Millimetres of all steps, `(769,)` of a URG-04LX."""
+        return self.turns[turn % len(self.turns)]
+
+
+def _is_scan(lines: list[bytes]) -> bool:
+    return lines[0][:2] in (b"GD", b"GS", b"MD", b"MS") and len(lines) > 3
+
+
+def _turn(lines: list[bytes], model: Model) -> NDArray[np.int64]:
+    reply = parse_reply(lines)
+    request = parse_request(reply.echo)
+    met = parse_scan(reply.body, 3 if request.kind[1] == "D" else 2).millimetres
+    if request.first + len(met) > model.steps:
+        raise SensorError(f"{request.text} asks for more than {model.steps} steps: which model?")
+    steps = np.full(model.steps, model.unmeasured)
+    steps[request.first : request.first + len(met)] = met
+    return steps
+
+
+def furnished_room(model: str = "URG-04LX") -> Room:
+    """A room of 6 m by 4 m with a cupboard and a pillar, driven through, 2 cm a turn.
+
+    Parameters
+    ----------
+    model : "URG-04LX" or "UST-10LX"
+        At 0.2 m/s and at 0.8 m/s.
+    """
+    pillar, cupboard = box(0.4, 0.4, (4.2, 1.4, 0.3)), box(0.5, 1.2, (0.25, 2.6, 0))
+    walls = np.concatenate([rectangular_room(6, 4), pillar, cupboard])
+    way = [(1.2, 1.0), (3.2, 1.0), (3.2, 2.8), (5.0, 2.8)]
+    return Room(walls, drive(way, step=0.02, turn=np.radians(3)), model=model)

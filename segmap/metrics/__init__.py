@@ -1,0 +1,18 @@
+"""How far two segments are apart, how well a reduced map keeps its walls, how good poses are.
+
+Segment distance and quality: A 2.7.7 and 6.2.2; grades: A 6.2.3; relation errors: Kuemmerle et al.
+"""
+
+from ._coverage import invented, missed
+from ._metrics import (
+    QUALITY_GRADES,
+    REDUCTION_GRADES,
+    distance_terms,
+    errors,
+    grade_quality,
+    grade_reduction,
+    quality,
+    reduction_rate,
+    relation_errors,
+    segment_distance,
+)

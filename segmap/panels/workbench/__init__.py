@@ -1,0 +1,5 @@
+"""The workbench: a log in, a map out, every run kept."""
+
+from ._workbench import (
+    Workbench,
+)

@@ -1,0 +1,139 @@
+"""Poses: arrays `(..., 3)` of x, y in metres and heading in radians, counter-clockwise, x forward.
+
+A pose is a frame and the motion that leads to it: `a_from_b` is the pose of b in the frame of a,
+and carries points given in b into a. So `compose(a_from_b, b_from_c)` is `a_from_c`.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..angles import wrap
+from ..arrays import Array, number, numbers, trailing, values
+from . import motions
+
+
+def compose(a_from_b: ArrayLike, b_from_c: ArrayLike) -> Array:
+    """Chain two motions: the pose of c in a.
+
+    Parameters
+    ----------
+    a_from_b, b_from_c : (..., 3) array, metres and radians; leading axes broadcast
+
+    Returns
+    -------
+    (..., 3) array, metres and radians, heading in `[-pi, pi)`
+
+    Examples
+    --------
+    >>> compose((1, 2, np.pi / 2), (1, 0, 0)).round(6)
+    array([1.      , 3.      , 1.570796])
+    """
+    a, b = trailing(a_from_b, "a_from_b", 3), trailing(b_from_c, "b_from_c", 3)
+    return motions.compose(a, b)
+
+
+def inverse(a_from_b: ArrayLike) -> Array:
+    """The motion back: the pose of a in b.
+
+    Parameters
+    ----------
+    a_from_b : (..., 3) array, metres and radians
+
+    Returns
+    -------
+    (..., 3) array, metres and radians
+
+    Examples
+    --------
+    >>> inverse((1, 2, np.pi / 2)).round(6)
+    array([-2.      ,  1.      , -1.570796])
+    """
+    return motions.inverse(trailing(a_from_b, "a_from_b", 3))
+
+
+def between(a: ArrayLike, b: ArrayLike) -> Array:
+    """Pose of b in the frame of a, both given in one world: `inverse(a)` followed by b.
+
+    Parameters
+    ----------
+    a, b : (..., 3) array, metres and radians
+
+    Returns
+    -------
+    (..., 3) array, metres and radians
+
+    Examples
+    --------
+    >>> between((1, 2, np.pi / 2), (1, 3, np.pi / 2)).round(6)
+    array([1., 0., 0.])
+    """
+    return motions.between(trailing(a, "a", 3), trailing(b, "b", 3))
+
+
+def transform(a_from_b: ArrayLike, points: ArrayLike) -> Array:
+    """Carry points (or segments) given in b into a.
+
+    Parameters
+    ----------
+    a_from_b : (3,) or (k, 3) array, metres and radians
+        One pose moves everything; k poses move k groups, or give k copies of one group.
+    points : (..., 2) array, metres
+        With k poses `(k, m, 2)` or `(m, 2)`; segments `(n, 2, 2)` are points too.
+
+    Returns
+    -------
+    (..., 2) array, metres
+
+    Examples
+    --------
+    >>> transform((1, 2, np.pi / 2), [(1, 0), (0, 1)]).round(6)
+    array([[1., 3.],
+           [0., 2.]])
+    """
+    return motions.transform(trailing(a_from_b, "a_from_b", 3), trailing(points, "points", 2))
+
+
+def interpolate(
+    times: ArrayLike, poses: ArrayLike, at: ArrayLike, *, max_gap: float = np.inf
+) -> Array:
+    """Poses at other times: linear in x and y, by the shorter way round in heading (A 3.3.3).
+
+    Parameters
+    ----------
+    times : (k,) array, seconds, not decreasing
+    poses : (k, 3) array, metres and radians
+    at : (m,) array, seconds
+    max_gap : float, seconds
+        Between two poses farther apart than this nothing is claimed.
+
+    Returns
+    -------
+    (m, 3) array, metres and radians
+        A row of NaN for each time outside `times` or inside a gap longer than `max_gap`.
+
+    Examples
+    --------
+    >>> interpolate([0, 1], [(0, 0, 3), (1, 0, -3)], [0.5, 2]).round(6)
+    array([[ 0.5     ,  0.      , -3.141593],
+           [      nan,       nan,       nan]])
+    """
+    t, p, at = numbers(times, "times"), trailing(poses, "poses", 3), values(at, "at")
+    number(max_gap, "max_gap", least=0, most=np.inf, unit="seconds")
+    if t.ndim != 1 or p.shape != (len(t), 3):
+        raise ValueError(f"poses must be ({t.size}, 3), one for each time, got {p.shape}")
+    if not len(t) or not np.isfinite(t).all() or np.any(np.diff(t) < 0):
+        raise ValueError("times must hold at least one time, be finite and not decrease")
+    if at.ndim != 1:
+        raise ValueError(f"at must have shape (m,), got {at.shape}")
+    after = np.clip(np.searchsorted(t, at, side="left"), 0, len(t) - 1)
+    before = np.where(t[after] == at, after, np.maximum(after - 1, 0))
+    span = t[after] - t[before]
+    part = np.where(span > 0, (at - t[before]) / np.where(span > 0, span, 1), 0)
+    step = p[after] - p[before]
+    step[:, 2] = wrap(step[:, 2])
+    found = p[before] + part[:, None] * step
+    found[:, 2] = wrap(found[:, 2])
+    known = (at >= t[0]) & (at <= t[-1]) & (span <= max_gap)
+    return np.where(known[:, None], found, np.nan)

@@ -1,0 +1,131 @@
+"""What a bag would unpack to, and whether it refers to itself: looked for before it is read."""
+
+from __future__ import annotations
+
+import bz2
+import importlib
+import re
+import sqlite3
+import struct
+from collections.abc import Callable
+from contextlib import closing
+from pathlib import Path
+from typing import Any
+
+from ...files import RATIO
+from .._lines import LogError
+
+#: A bag unpacks to at most so many bytes, or to 50 times its size: pictures shrink to a tenth,
+#: a simulated laser that sees nothing to a five hundredth.
+UNPACKED = 1 << 28
+#: Bytes of a metadata.yaml, and brackets in it, whose nesting costs time by its square.
+MOST_METADATA, MOST_BRACKETS = 1 << 22, 10_000
+CHUNK = 6
+
+
+class Budget:
+    """How many bytes a bag may still unpack to."""
+
+    def __init__(self, path: Path, size: int) -> None:
+        self.path, self.most = path, max(UNPACKED, RATIO * size)
+        self.left = self.most
+
+    def take(self, count: int) -> None:
+        """Use some of it up.
+
+        Raises
+        ------
+        LogError
+            Where so many are not left.
+        """
+        self.left -= count
+        if self.left < 0:
+            raise LogError(self.path, f"unpacks to more than {self.most} bytes, expected a log")
+
+    def unpack(self, kind: str, data: bytes) -> bytes:
+        """Unpack bytes of one chunk, as far as the budget goes."""
+        found = _unpacker(kind)(data, self.left + 1)
+        self.take(len(found))
+        return found
+
+
+def _unpacker(kind: str) -> Callable[[bytes, int], bytes]:
+    """What unpacks bytes of one kind to a number of bytes at most."""
+    if kind == "bz2":
+        return bz2.BZ2Decompressor().decompress
+    if kind == "lz4":
+        return importlib.import_module("lz4.frame").LZ4FrameDecompressor().decompress
+    if kind == "zstd":
+        return _zstd().ZstdDecompressor().decompress
+    return lambda data, most: data[:most]
+
+
+def _zstd() -> Any:
+    return importlib.import_module("rosbags.rosbag2.storage_mcap").zstd
+
+
+def _check_mcap(path: Path, budget: Budget) -> None:
+    """Unpack each chunk once, within bounds; `rosbags` does so again when it is wanted.
+
+    The chunks of a file may be listed once only in its summary.
+    """
+    end, starts = path.stat().st_size, []
+    with path.open("rb") as file:
+        file.seek(8)
+        while len(head := file.read(9)) == 9:
+            code, size = struct.unpack("<BQ", head)
+            start = file.tell()
+            if size > end - start:
+                raise LogError(path, f"byte {start}: announces {size} bytes, {end - start} follow")
+            if code == CHUNK:
+                _check_chunk(file.read(size), budget)
+            elif code == 8:
+                starts.append(file.read(24)[16:])
+            file.seek(start + size)
+            if code == 2:
+                break
+    if len(starts) != len(set(starts)):
+        raise LogError(path, "lists a chunk twice")
+
+
+def _check_chunk(record: bytes, budget: Budget) -> None:
+    (length,) = struct.unpack_from("<I", record, 28)
+    kind = record[32 : 32 + length].decode("ascii", "replace")
+    if kind in ("lz4", "zstd"):
+        budget.unpack(kind, record[40 + length :])
+
+
+def _unpack_file(path: Path, budget: Budget) -> None:
+    with _zstd().open(path, "rb") as file:
+        while part := file.read(1 << 20):
+            budget.take(len(part))
+
+
+def _check_database(path: Path) -> None:
+    """Refuse tables that are none, or are computed, and pages that are in use twice."""
+    with closing(sqlite3.connect(f"{path.resolve().as_uri()}?mode=ro&immutable=1", uri=True)) as db:
+        for kind, sql in db.execute("SELECT type, sql FROM sqlite_master"):
+            if kind not in ("table", "index") or re.search(r"(?i)\bvirtual\b|\bas\s*\(", sql or ""):
+                raise LogError(path, f"holds a {kind} that no recorder makes: {(sql or '')[:80]}")
+        (said,) = db.execute("PRAGMA quick_check(1)").fetchone()
+        if said != "ok":
+            raise LogError(path, f"is a damaged database: {said[:200]}")
+
+
+def check_metadata(path: Path) -> None:
+    with path.open("rb") as file:
+        text = file.read(MOST_METADATA + 1)
+    if len(text) > MOST_METADATA or len(re.findall(rb"[\[{]", text)) > MOST_BRACKETS:
+        raise LogError(path, "is larger than that of any bag")
+    if b"compression_mode: message" in text.lower():
+        raise LogError(path, "each message is packed: ros2 bag convert unpacks them")
+
+
+def look_through(path: Path, kind: str | None, budget: Budget) -> None:
+    """What a file of ROS 2 would unpack to, and whether it refers to itself."""
+    if kind == ".mcap":
+        _check_mcap(path, budget)
+    elif kind == ".db3":
+        _check_database(path)
+    elif path.suffix in (".zstd", ".zst"):
+        _unpack_file(path, budget)

@@ -1,0 +1,229 @@
+"""Bags of ROS 1 and ROS 2, opened by the package `rosbags` within bounds.
+
+    #ROSBAG V2.0        a file of ROS 1
+    SQLite format 3     a file of ROS 2: .db3
+    0x89 MCAP0          a file of ROS 2: .mcap
+    metadata.yaml       a folder of ROS 2, with files of the last two kinds
+
+`rosbags` raises errors of many kinds over damaged files; each ends as a LogError. It believes what
+a file says of its own sizes: what could fill the memory, or take for ever, is looked for before.
+"""
+
+from __future__ import annotations
+
+import importlib
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager, suppress
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from .._lines import BROKEN, LogError, open_bytes
+from ._bounds import Budget, check_metadata, look_through
+
+#: What the first bytes of a file say.
+MAGIC = {b"#ROSBAG V": "ROS 1", b"SQLite format 3\0": ".db3", b"\x89MCAP0\r\n": ".mcap"}
+METADATA = "metadata.yaml"
+SUFFIXES = (".db3", ".mcap", ".bag")
+#: Messages with transforms between frames: today's, and how ROS 1 called them first.
+FRAMES = "tf2_msgs/msg/TFMessage", "tf/msg/tfMessage"
+
+
+def sole_file(path: Path) -> Path:
+    """The only bag in a folder without metadata, as a recorder that was killed leaves it."""
+    if not path.is_dir() or (path / METADATA).is_file():
+        return path
+    files = [file for file in path.iterdir() if file.suffix in SUFFIXES and file.is_file()]
+    return files[0] if len(files) == 1 else path
+
+
+def kind_of(path: Path) -> str | None:
+    """Which bag a file or a folder is, by its first bytes; None for what is none."""
+    path = sole_file(path)
+    if path.is_dir():
+        return "folder" if (path / METADATA).is_file() else None
+    try:
+        with open_bytes(path) as file:
+            head = file.read(16)
+    except BROKEN:
+        return None
+    return next((kind for magic, kind in MAGIC.items() if head.startswith(magic)), None)
+
+
+class Bag:
+    """An open bag.
+
+    Parameters
+    ----------
+    path : Path
+    reader : a reader of `rosbags`
+    is_2 : bool
+        Of ROS 2.
+    budget : Budget
+    """
+
+    def __init__(self, path: Path, reader: Any, is_2: bool, budget: Budget) -> None:
+        self.path, self.budget = path, budget
+        self.connections, self._messages = list(reader.connections), reader.messages
+        for each in self.connections:  # what a metadata.yaml says may be of any kind
+            if not (isinstance(each.topic, str) and isinstance(each.msgtype, str)):
+                raise LogError(path, f"names a topic {each.topic!r} of type {each.msgtype!r}")
+            if not (isinstance(each.msgcount, int) and isinstance(each.digest, str | None)):
+                raise LogError(path, f"has a topic {each.topic} of {each.msgcount!r} messages")
+        self.types = _types(is_2)
+        self._decode = self.types.deserialize_cdr if is_2 else self.types.deserialize_ros1
+        self._digest = self.types.hash_rihs01 if is_2 else self._digest_1
+
+    def topics(self, kind: str) -> dict[str, int]:
+        """Names of the topics with messages of one type, and how many each has."""
+        found: dict[str, int] = {}
+        for each in self.connections:
+            if each.msgtype == kind:
+                found[each.topic] = found.get(each.topic, 0) + int(each.msgcount)
+        return found
+
+    def messages(self, topics: Sequence[str], kind: str) -> Iterator[tuple[str, int, bytes]]:
+        """Topic, time in nanoseconds and bytes of each message, in the order of recording."""
+        chosen = [c for c in self.connections if c.topic in topics and c.msgtype == kind]
+        for each in chosen:
+            if each.digest not in ("", "*", None, self._digest(kind)):
+                raise LogError(self.path, f"{each.topic} is of another {kind} than that of ROS")
+        if chosen:
+            with damage(self.path):
+                for connection, time, data in self._messages(chosen):
+                    self.budget.take(len(data))
+                    yield connection.topic, int(time), bytes(data)
+
+    def _digest_1(self, kind: str) -> str:
+        return str(self.types.generate_msgdef(kind)[1])
+
+    def decoded(self, data: bytes, kind: str) -> Any:
+        """A message out of its bytes.
+
+        Raises
+        ------
+        ValueError
+            Where they are damaged.
+        """
+        try:
+            return self._decode(data, kind)
+        except Exception as fault:
+            raise ValueError(f"expected a message of {kind} ({_words(fault)})") from fault
+
+
+@cache
+def _types(is_2: bool) -> Any:
+    """The types of messages of a generation of ROS: those that are read never changed in it.
+
+    They are kept, since `rosbags` makes code of them, 0.1 s for each bag. What a bag says of
+    its types is not believed: `rosbags` would make code of that too.
+    """
+    system = importlib.import_module("rosbags.typesys")
+    if is_2:
+        return system.get_typestore(system.Stores.ROS2_HUMBLE)
+    types = system.get_typestore(system.Stores.ROS1_NOETIC)
+    for kind in FRAMES:
+        types.register(
+            system.get_types_from_msg("geometry_msgs/TransformStamped[] transforms", kind)
+        )
+    return types
+
+
+@contextmanager
+def opened(path: Path) -> Iterator[Bag]:
+    """A bag, closed in the end.
+
+    Raises
+    ------
+    LogError
+        For a damaged bag, one made to fill the memory, one that is packed as a whole, and where
+        the package `rosbags` is missing.
+    """
+    path = sole_file(path)
+    kind, size = kind_of(path), _size(path)
+    budget = Budget(path, size)
+    with damage(path):
+        reader = _reader(path, str(kind), budget)
+        reader.open()
+    try:
+        with damage(path):
+            bag = Bag(path, reader, kind != "ROS 1", budget)
+        yield bag
+    finally:
+        with suppress(Exception):
+            reader.close()
+
+
+@contextmanager
+def damage(path: Path) -> Iterator[None]:
+    """Turn whatever `rosbags` raises into a LogError."""
+    try:
+        yield
+    except (LogError, GeneratorExit):
+        raise
+    except ImportError as fault:
+        raise LogError(
+            path, "is a bag of ROS: reading it needs pip install 'segmap[ros]'"
+        ) from fault
+    except Exception as fault:
+        raise LogError(
+            path, f"is damaged, or no bag that rosbags reads ({_words(fault)})"
+        ) from fault
+
+
+def _words(fault: Exception) -> str:
+    return f"{type(fault).__name__}: {fault}"[:300]
+
+
+def _size(path: Path) -> int:
+    return sum(f.stat().st_size for f in (path.iterdir() if path.is_dir() else [path]))
+
+
+def _reader(path: Path, kind: str, budget: Budget) -> Any:
+    """A reader of `rosbags` that is not open yet, for what was looked through."""
+    if kind == "ROS 1":
+        _check_unpacked(path)
+        return _reader_1(path, budget)
+    plugins = importlib.import_module("rosbags.rosbag2").Reader.STORAGE_PLUGINS
+    if kind == "folder":
+        check_metadata(path / METADATA)
+        for file in sorted(path.iterdir()):
+            look_through(file, kind_of(file) if file.is_file() else None, budget)
+        return plugins["dir"](path)
+    _check_unpacked(path)
+    look_through(path, kind, budget)
+    return plugins[kind](path)
+
+
+def _check_unpacked(path: Path) -> None:
+    with path.open("rb") as file:
+        if not file.read(16).startswith(tuple(MAGIC)):
+            raise LogError(path, "is a bag that is packed as a whole: unpack it first")
+
+
+# ------------------------------------------------------------------------------ ROS 1
+def _reader_1(path: Path, budget: Budget) -> Any:
+    """The reader of ROS 1, with chunks that are listed once and unpack within the budget."""
+    module = importlib.import_module("rosbags.rosbag1.reader")
+    kinds = {module.decompressors[kind]: kind for kind in ("bz2", "lz4")}
+
+    class Reader(module.Reader):  # type: ignore[misc, name-defined]
+        def open(self) -> None:
+            self.seen: set[int] = set()
+            super().open()
+
+        def read_chunk_info(self) -> Any:
+            found = super().read_chunk_info()
+            if found.pos in self.seen:
+                raise LogError(path, f"lists the chunk at byte {found.pos} twice")
+            self.seen.add(found.pos)
+            return found
+
+        def read_chunk(self) -> Any:
+            chunk = super().read_chunk()
+            if chunk.decompressor not in kinds:
+                return chunk
+            kind = kinds[chunk.decompressor]
+            return chunk._replace(decompressor=lambda data: budget.unpack(kind, data))
+
+    return Reader(path)

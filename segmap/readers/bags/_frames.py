@@ -1,0 +1,101 @@
+"""Frames of a robot as ROS tells of them (tf): where the laser sits, and how the robot moved."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from ...arrays import Array
+from .._mounting import in_space, level
+from .._raw_scans import Track
+
+#: A laser that moves by more than this on its robot, in metres and radians, has no place on it.
+STILL = 0.01, np.radians(1)
+#: So many frames hang in one chain at most.
+LONGEST = 100
+ODOMETRY, BASE = "odom", "base"
+
+
+class Frames:
+    """Poses of frames in the frame above each: of what stands still, and of what moves.
+
+    Poses are (4, 4) arrays: they carry points of a frame into the one above it.
+    """
+
+    def __init__(self) -> None:
+        self.above: dict[str, str] = {}
+        self.poses: dict[str, Array] = {}
+        self.moving: set[str] = set()
+        self.tracks: dict[str, Track] = {}
+
+    def take(self, transform: Any, time: float) -> None:
+        """Take in one transform: geometry_msgs/TransformStamped, and its time in seconds."""
+        parent, child = _name(transform.header.frame_id), _name(transform.child_frame_id)
+        place, turn = transform.transform.translation, transform.transform.rotation
+        pose = in_space((place.x, place.y, place.z), (turn.w, turn.x, turn.y, turn.z))
+        if _is(parent, ODOMETRY):
+            self.tracks.setdefault(child, Track()).add(time, level(pose))
+        if self.above.setdefault(child, parent) != parent or _moved(self.poses, child, pose):
+            self.moving.add(child)
+        self.poses.setdefault(child, pose)
+
+    def chain(self, frame: str) -> dict[str, Array]:
+        """The frame itself and all above it, each with the pose of the frame in it."""
+        pose = np.eye(4)
+        found = {frame: pose}
+        while self.above.get(frame, frame) not in found and len(found) < LONGEST:
+            pose, frame = self.poses[frame] @ pose, self.above[frame]
+            found[frame] = pose
+        return found
+
+    def place(self, laser: str, base: str) -> Array | None:
+        """The laser's pose in the frame of the robot; None where nothing links the two.
+
+        Raises
+        ------
+        ValueError
+            Where something between the two moves.
+        """
+        up, down = self.chain(_name(laser)), self.chain(_name(base))
+        common = next((frame for frame in up if frame in down), None)
+        if common is None:
+            return None
+        between = [*_below(up, common), *_below(down, common)]
+        if moving := [frame for frame in between if frame in self.moving]:
+            raise ValueError(f"expected a laser that is fixed to {base}, but {moving[0]} moves")
+        return np.linalg.inv(down[common]) @ up[common]
+
+    def base_of(self, laser: str) -> str:
+        """The robot's frame where no odometry names it: the first "base" above the laser."""
+        return next((f for f in self.chain(_name(laser)) if _is(f, BASE)), _name(laser))
+
+    def driven(self) -> tuple[str, Track]:
+        """The frame that moves in the frame of the odometry, and its poses; the one with most."""
+        if not self.tracks:
+            return "", Track()
+        return max(self.tracks.items(), key=lambda found: len(found[1].times))
+
+
+def _below(chain: dict[str, Array], top: str) -> list[str]:
+    """The frames of a chain before one of them."""
+    return list(chain)[: list(chain).index(top)]
+
+
+def _moved(poses: dict[str, Array], child: str, pose: Array) -> bool:
+    """Whether a pose differs from the one before it."""
+    if child not in poses:
+        return False
+    step = np.linalg.inv(poses[child]) @ pose
+    turn = np.arccos(np.clip((np.trace(step[:3, :3]) - 1) / 2, -1, 1))
+    return bool(np.abs(step[:3, 3]).max() > STILL[0] or turn > STILL[1])
+
+
+def _name(frame: str) -> str:
+    """The name of a frame: ROS 1 may write it with a slash before it."""
+    return frame.strip("/")
+
+
+def _is(frame: str, word: str) -> bool:
+    """Whether the last part of a name begins with a word: `robot1/odom_combined` is an odom."""
+    return frame.rsplit("/", 1)[-1].startswith(word)

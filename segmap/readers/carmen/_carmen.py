@@ -1,0 +1,225 @@
+"""CARMEN logs, old and new laser messages.
+
+    FLASER n r1 ... rn [x y theta ox oy otheta [t host t0]]
+
+x y theta is the laser's pose, corrected where the log has been corrected; ox oy otheta is the
+robot's odometry; t is in seconds. RLASER is the same of a laser that faces backwards. The beams
+follow the rule of `half_turn`. A scan without a time gets its number in the log. The newer lines
+state their beams:
+
+    ROBOTLASER1 type start_angle field_of_view resolution maximum_range accuracy remission_mode
+        n [n ranges] m [m remissions] laser_x laser_y laser_theta robot_x robot_y robot_theta
+        tv rv forward_safety side_safety turn_axis timestamp host logger_timestamp
+
+RAWLASERn has no poses: after the remissions come only the three fields of time. Metres, radians,
+seconds. Beam i points to `start_angle + i resolution`; where the resolution is stated as 0 the
+beams are spread evenly over the field of view, both ends included.
+
+`PARAM robot_frontlaser_offset`, `..._side_offset` and `..._angular_offset` say where the laser sits
+on the robot (`robot_rearlaser_...` alike, x forward there too); the corrected poses of the log are
+the robot's. A RLASER whose stated angle looks forward is read as that much off from backwards.
+
+**What is truth.** The laser poses of FLASER and RLASER lines are corrected ones, unless every one
+of them is where the odometry puts the laser. Then the file does not tell, and the rule is: a log
+whose laser lines carry the fields of time, with no line of a recorder in the file (ODOM, PARAM,
+...), went through a mapper, which writes its poses twice (Freiburg 079); any other log is raw and
+has no truth. GMapping leaves NEFF, WEIGHT and ENTROPY lines, and writes its poses twice into a
+laser line, FLASER or ROBOTLASER: they are truth. It writes them into the ODOM lines too, and then
+there is no odometry; where the poses of most scans are in no ODOM line, these are the raw odometry.
+Other lines that are a word in capital letters and at most one field are left out and counted, as
+`skipped`. For ROBOTLASERn lines of other logs see `extrinsic_by_poses`.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from ...arrays import Array, slips
+from ...poses import compose
+from ...scans import NOTHING_SKIPPED, Log, Skipped
+from .._lines import Lines, counted, merged, numbers, pose, time
+from .._raw_scans import (
+    NOWHERE,
+    Extrinsic,
+    RawScan,
+    Track,
+    assemble,
+    extrinsic_by_offset,
+    extrinsic_by_poses,
+    half_turn,
+    same_poses,
+    uncorrected,
+    with_odometry,
+)
+
+OLD = ("FLASER", "RLASER")
+NEW = tuple(f"{kind}LASER{k}" for kind in ("ROBOT", "RAW") for k in range(1, 6))
+#: Lines of a recorder that hold neither a scan nor where its laser sits.
+OTHERS = (
+    *("SYNC", "TRUEPOS", "GLOBALPOS", "POSITION", "MARKER", "SCANMARK", "MESSAGE", "TEXT"),
+    *("NMEAGGA", "NMEARMC", "NMEAVTG", "NMEAGLL", "GPS", "IMU", "COMPASS", "GYRO", "SONAR"),
+    *("BUMPER", "LASER3", "LASER4", "REMISSIONFLASER", "REMISSIONRLASER", "PANTILT", "ARM"),
+    *("ROBOTVELOCITY", "BASEVELOCITY", "BASEODOM", "VECTORMOVE", "FOLLOWTRAJECTORY"),
+)
+#: Lines that GMapping adds to a log when it writes its own poses into it.
+MAPPED = ("NEFF", "WEIGHT", "ENTROPY")
+OFFSETS = tuple(
+    f"robot_{end}laser_{kind}offset"
+    for end in ("front", "rear")
+    for kind in ("", "side_", "angular_")
+)
+#: Settings of the sensor at the start of a ROBOTLASERn or RAWLASERn line.
+HEAD = 7
+KEYWORDS = frozenset(("PARAM", "ODOM", *OLD, *NEW, *OTHERS, *MAPPED))
+
+
+def claims(fields: Sequence[str]) -> bool:
+    """Whether a line is one of this format."""
+    return fields[0] in KEYWORDS
+
+
+class _Recording:
+    """What the lines of one log said so far."""
+
+    def __init__(self) -> None:
+        self.scans: list[RawScan] = []
+        self.track = Track()
+        self.parameters: dict[str, float] = {}
+        self.recorded = self.mapped = False
+        self.unknown = NOTHING_SKIPPED
+
+    def take(self, fields: list[str]) -> None:
+        """Take in one line."""
+        keyword = fields[0]
+        if keyword in OLD:
+            self.scans.append(_parse_old(fields))
+        elif keyword in NEW:
+            self.scans.append(parse_robotlaser(fields))
+        elif keyword in KEYWORDS:
+            self.recorded = True
+            self.mapped |= keyword in MAPPED
+            self._note(keyword, fields[1:])
+        elif _is_strange(fields):
+            said = f"lines of no known meaning, {keyword[:40]} first"
+            self.unknown = merged(self.unknown, Skipped(1, said))
+        else:
+            raise ValueError(f"expected a line of a CARMEN log, got {keyword[:40]!r}")
+
+    def _note(self, keyword: str, fields: list[str]) -> None:
+        if keyword == "PARAM" and fields and fields[0] in OFFSETS:
+            value = pose([*fields[1:2], "0", "0"], fields[0])[0]
+            if "angular" in fields[0]:
+                slips.check_angles(value, fields[0])
+            self.parameters[fields[0]] = float(value)
+        elif keyword == "ODOM" and len(fields) >= 9:
+            self.track.add(time(fields[6]), pose(fields[:3], "the odometry"))
+
+    def offset(self, laser: str) -> Array:
+        """Where the file says that a laser sits on the robot, (3,) array, metres and radians."""
+        rear = laser in ("RLASER", "ROBOTLASER2", "RAWLASER2")
+        name = f"robot_{'rear' if rear else 'front'}laser_"
+        turn = self.parameters.get(name + "angular_offset", 0.0)
+        if rear and np.cos(turn) >= 0:
+            turn += np.pi
+        ahead, aside = (self.parameters.get(name + k, 0.0) for k in ("offset", "side_offset"))
+        return np.array([ahead, aside, turn])
+
+    def with_odometry(self) -> list[RawScan]:
+        """The scans; those of a mapper with the odometry of ODOM lines, where that is raw."""
+        if not self.mapped:
+            return with_odometry(self.scans, self.track)
+        raw = [scan._replace(odometry=NOWHERE) for scan in self.scans]
+        return raw if self._is_repeated() else with_odometry(raw, self.track)
+
+    def _is_repeated(self) -> bool:
+        """Whether the ODOM lines hold the poses of most scans: the mapper's, not the wheels'."""
+        noted = {_rounded(pose) for pose in self.track.poses}
+        return 2 * sum(_rounded(scan.pose) in noted for scan in self.scans) > len(self.scans)
+
+    def extrinsic(self, laser: str, scans: Sequence[RawScan]) -> Extrinsic:
+        """Place of a laser `(3,)` and truth `(k, 3)`, metres and radians, by the rule above."""
+        offset = self.offset(laser)
+        if laser in NEW:
+            return extrinsic_by_poses(scans, offset)
+        corrected = self.mapped or (all(s.time is not None for s in scans) and not self.recorded)
+        if not corrected and _repeats_odometry(scans, offset):
+            return uncorrected(scans, offset)
+        return extrinsic_by_offset(scans, offset)
+
+
+def read(path: Path, name: str, on_error: str = "raise") -> Log:
+    """Read a CARMEN log; `truth` is `(k, 3)`, metres and radians, the robot's pose."""
+    lines, recording = Lines(path, on_error), _Recording()
+    for _ in lines.each(recording.take):
+        pass
+    if not recording.scans:
+        raise lines.no_scan("a FLASER, RLASER, ROBOTLASER or RAWLASER line")
+    raw = recording.with_odometry()
+    skipped = merged(lines.skipped, recording.unknown)
+    return Log(name, *assemble(raw, recording.extrinsic), skipped)
+
+
+def _parse_old(fields: list[str]) -> RawScan:
+    ranges, rest = counted(fields[1:], "ranges")
+    if len(rest) not in (0, 6, 9):
+        raise ValueError(
+            f"announces {len(ranges)} ranges and {len(rest)} fields follow them, expected 0, 6 or 9"
+        )
+    laser = pose(rest[:3], "the laser") if rest else NOWHERE
+    odometry = pose(rest[3:6], "the odometry") if rest else NOWHERE
+    found = numbers(ranges, "ranges")
+    when = time(rest[6]) if len(rest) == 9 else None
+    return RawScan(fields[0], found, half_turn(len(found)), when, odometry, laser)
+
+
+def _is_strange(fields: list[str]) -> bool:
+    """Whether a line is a word and at most one field, and not the torn beginning of a known one."""
+    whole = not any(known.startswith(fields[0]) for known in KEYWORDS)
+    return len(fields) <= 2 and re.fullmatch("[A-Z_]{2,}", fields[0]) is not None and whole
+
+
+def _rounded(pose: Array) -> tuple[float, ...]:
+    """A pose, (3,) array, to a millimetre and a milliradian."""
+    return tuple(np.round(pose, 3).tolist())
+
+
+def _repeats_odometry(scans: Sequence[RawScan], offset: Array) -> bool:
+    poses = np.array([scan.pose for scan in scans])
+    odometry = np.array([scan.odometry for scan in scans])
+    return same_poses(poses, compose(odometry, offset)) or same_poses(poses, odometry)
+
+
+def parse_robotlaser(fields: list[str]) -> RawScan:
+    """One ROBOTLASERn or RAWLASERn line; the keyword names the laser.
+
+    Ranges `(n,)`, metres, and directions `(n,)`, radians; poses in metres and radians, the time in
+    seconds.
+    """
+    head = numbers(fields[1 : HEAD + 1], "the sensor's settings")
+    if len(head) < HEAD or not np.isfinite(head[1:5]).all():
+        raise ValueError(f"expected {HEAD} finite settings of the sensor after {fields[0]}")
+    ranges, rest = counted(fields[HEAD + 1 :], "ranges")
+    _, rest = counted(rest, "remissions", least=0)
+    posed = fields[0].startswith("ROBOT")
+    wanted = 14 if posed else 3
+    if len(rest) != wanted:
+        raise ValueError(f"expected {wanted} fields after the remissions, got {len(rest)}")
+    laser = pose(rest[:3], "the laser") if posed else NOWHERE
+    odometry = pose(rest[3:6], "the robot") if posed else NOWHERE
+    limit = head[4] if head[4] > 0 else np.inf
+    found, when = numbers(ranges, "ranges"), time(rest[-3])
+    return RawScan(fields[0], found, _angles(head, len(found)), when, odometry, laser, limit)
+
+
+def _angles(head: Array, beams: int) -> Array:
+    start, field_of_view, resolution = head[1:4]
+    if not (abs(start) < 10 and 0 <= field_of_view < 10 and 0 <= resolution < 10):
+        raise ValueError(f"expected the beams' angles in radians, got {head[1:4].tolist()}")
+    step = resolution or field_of_view / max(beams - 1, 1)
+    angles = start + step * np.arange(beams)
+    slips.check_angles(angles, "angles")
+    return angles

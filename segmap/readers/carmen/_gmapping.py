@@ -1,0 +1,115 @@
+"""GMapping's own record of a run (`.gfs`; G. Grisetti, C. Stachniss, W. Burgard).
+
+    LASER_READING n r1 ... rn x y theta t
+    SM_UPDATE m x1 y1 theta1 weight1 ... xm ym thetam weightm
+
+A LASER_READING is a scan that went into the map, with the raw odometry and the time. The SM_UPDATE
+after it lists all particles once the scan was matched: the pose of the heaviest one is the truth of
+that scan. Where two updates follow a scan, the last counts; a scan without one has no truth. Ranges
+of `PARAM maxrange` and more met nothing. Metres, radians, seconds.
+
+Left out are ODOM and ODO_UPDATE (poses between the scans, raw and of all particles), RESAMPLE,
+NEFF, FRAME, ENTROPY, SIMULATOR_POS, COMMENT and the other parameters. The file does not say where
+the beams point: 540 and 541 are those of a S300 (270 degrees), 682 and 683 those of an URG-04LX, as
+GMapping itself takes them; all others follow the rule of `half_turn`. Nor does it say where the
+laser sits: it is taken to be the robot's centre.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from ...arrays import Array
+from ...scans import Log
+from .._lines import Lines, counted, numbers, pose, time
+from .._raw_scans import (
+    NOWHERE,
+    URG_STEP,
+    RawScan,
+    assemble,
+    centred,
+    extrinsic_by_offset,
+    half_turn,
+)
+
+SCAN, MATCHED = "LASER_READING", "SM_UPDATE"
+#: Lines that hold neither a scan nor its pose.
+OTHERS = (
+    *("PARAM", "ODOM", "ODO_UPDATE", "NEFF", "RESAMPLE", "FRAME", "ENTROPY"),
+    *("SIMULATOR_POS", "COMMENT"),
+)
+KEYWORDS = frozenset((SCAN, MATCHED, *OTHERS))
+#: Beams of lasers that look over more than half a turn, and the turn from one to the next.
+WIDE = {540: np.radians(0.5), 541: np.radians(0.5), 682: URG_STEP, 683: URG_STEP}
+#: Fields of a particle: x, y, theta, weight.
+PARTICLE = 4
+
+
+def claims(fields: Sequence[str]) -> bool:
+    """Whether a line is one of this format."""
+    return fields[0] in KEYWORDS
+
+
+class _Run:
+    """What the lines of one run said so far."""
+
+    def __init__(self) -> None:
+        self.scans: list[RawScan] = []
+        self.reach = np.inf
+
+    def take(self, fields: list[str]) -> None:
+        """Take in one line."""
+        if fields[0] == SCAN:
+            self.scans.append(_parse_scan(fields))
+        elif fields[0] == MATCHED and self.scans:
+            self.scans[-1] = self.scans[-1]._replace(pose=_heaviest(fields))
+        elif fields[:2] == ["PARAM", "maxrange"]:
+            self.reach = _parse_reach(fields[2:])
+        elif fields[0] not in KEYWORDS:
+            raise ValueError(f"expected a line of a GMapping run, got {fields[0][:40]!r}")
+
+
+def read(path: Path, name: str, on_error: str = "raise") -> Log:
+    """Read a run; `truth` is `(k, 3)`, metres and radians, from the matched particles."""
+    lines, run = Lines(path, on_error), _Run()
+    for _ in lines.each(run.take):
+        pass
+    if not run.scans:
+        raise lines.no_scan(f"a {SCAN} line")
+    raw = [scan._replace(limit=run.reach) for scan in run.scans]
+    log = assemble(raw, lambda laser, mine: extrinsic_by_offset(mine, np.zeros(3)))
+    return Log(name, *log, lines.skipped)
+
+
+def _parse_scan(fields: list[str]) -> RawScan:
+    ranges, rest = counted(fields[1:], "ranges")
+    if len(rest) != PARTICLE:
+        raise ValueError(f"expected x, y, heading and the time after the ranges, got {len(rest)}")
+    odometry, found = pose(rest[:3], "the odometry"), numbers(ranges, "ranges")
+    return RawScan(SCAN, found, _angles(len(found)), time(rest[3]), odometry, NOWHERE)
+
+
+def _angles(count: int) -> Array:
+    return centred(count, WIDE[count]) if count in WIDE else half_turn(count)
+
+
+def _heaviest(fields: list[str]) -> Array:
+    """Pose of the heaviest particle, (3,) array; weights are logarithms, -inf is one."""
+    field = fields[1] if len(fields) > 1 else ""
+    if not field.isdecimal() or len(field) > 18 or len(fields) != 2 + PARTICLE * int(field):
+        raise ValueError(f"announces {field[:40]!r} particles, but {len(fields) - 2} fields follow")
+    weights = numbers(fields[5::PARTICLE], "the weights")
+    if np.isnan(weights).all():
+        raise ValueError("expected the weight of a particle, got none")
+    best = 2 + PARTICLE * int(np.nanargmax(weights))
+    return pose(fields[best : best + 3], "the heaviest particle")
+
+
+def _parse_reach(fields: list[str]) -> float:
+    found = float(numbers(fields[:1] or [""], "maxrange")[0])
+    if not found > 0:
+        raise ValueError(f"expected metres for maxrange, got {fields[0][:40]!r}")
+    return found

@@ -1,0 +1,229 @@
+"""Text logs of Player, as the robotics data set repository (Radish) holds them.
+
+Each line is a message, comments start with `#`. What `writelog` wrote (times in seconds, lengths in
+metres, angles in radians):
+
+    Player 1:  time host port interface index datatime PAYLOAD      (the host may be empty)
+        position    x y heading vx vy turn stall
+        laser       min_angle max_angle resolution n [range intensity] * n
+    Player 2 and 3:  time host robot interface index type subtype PAYLOAD
+        position2d  1 1  x y heading vx vy turn stall
+        laser       1 1  id min_angle max_angle resolution max_range n [range intensity] * n
+        laser       1 2  id x y heading min_angle max_angle resolution max_range n [...] * n
+        laser       4 1  x y heading length width     where the laser sits on the robot
+
+Lines may also start with the interface (`laser index ...`, `position index ...`), the time, if any,
+after the index. What a field means is decided by how many there are: `datatime`, and all but x, y,
+heading of a position may be missing; so may the intensities, and the angles of a laser that looks
+over half a turn (then the rule of `half_turn`).
+
+Odometry is the pose between the position lines around the time of the scan; outside of them, and
+where lines have no time, the last one before the scan. Of several position devices the one with the
+lowest index counts. A pose within a laser line (1 2) goes before. There is no truth. Other
+interfaces are skipped.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from ...arrays import Array, slips
+from ...scans import Log
+from .._lines import Lines, is_number, numbers, pose, time
+from .._raw_scans import (
+    NOWHERE,
+    Extrinsic,
+    RawScan,
+    Track,
+    assemble,
+    half_turn,
+    uncorrected,
+    with_odometry,
+)
+
+POSITIONS = ("position", "position2d")
+OTHERS = frozenset(
+    ("sync", "gps", "wifi", "sonar", "ptz", "truth", "power", "camera", "fiducial", "joystick")
+    + ("blobfinder", "position3d", "player", "aio", "dio", "imu", "opaque", "localize", "ranger")
+    + ("actarray", "wsn", "rfid", "pointcloud3d", "bumper", "ir", "gripper", "simulation", "log")
+)
+INTERFACES = frozenset(("laser", *POSITIONS)) | OTHERS
+#: Fields of a laser message before the number of ranges: with and without time and angles in
+#: Player 1, and of either subtype later.
+UNTYPED_HEADS, TYPED_HEADS = (0, 1, 3, 4), {(1, 1): (5,), (1, 2): (8,)}
+GEOMETRY = (4, 1)
+#: Fields of a position, without its time.
+POSITION_FIELDS = (3, 7)
+
+
+class Message(NamedTuple):
+    """A line taken apart: its body is what follows the index, or type and subtype."""
+
+    interface: str
+    number: int
+    time: float | None
+    kind: tuple[int, int] | None
+    body: list[str]
+
+
+def claims(fields: Sequence[str]) -> bool:
+    """Whether a line is one of this format."""
+    return _keyword(fields) is not None
+
+
+class _Recording:
+    """What the lines of one log said so far."""
+
+    def __init__(self) -> None:
+        self.scans: list[RawScan] = []
+        self.before: list[Array] = []
+        self.tracks: dict[int, Track] = {}
+        self.latest: dict[int, Array] = {}
+        self.places: dict[str, Array] = {}
+
+    def take(self, fields: list[str]) -> None:
+        """Take in one line."""
+        message = _message(fields)
+        if message.interface in POSITIONS:
+            self._take_position(message)
+        elif message.interface == "laser":
+            self._take_laser(message)
+
+    def _take_position(self, message: Message) -> None:
+        if message.kind in (None, (1, 1)):
+            when, where = _parse_position(message)
+            self.latest[message.number] = where
+            if when is not None:
+                self.tracks.setdefault(message.number, Track()).add(when, where)
+
+    def _take_laser(self, message: Message) -> None:
+        if message.kind == GEOMETRY:
+            place = pose(message.body[:3], "the place of the laser")
+            slips.check_angles(place[2], "the laser's heading")
+            self.places[_name(message)] = place
+        elif message.kind is None or message.kind in TYPED_HEADS:
+            self.scans.append(_parse_laser(message))
+            self.before.append(self.latest[min(self.latest)] if self.latest else NOWHERE)
+
+    def extrinsic(self, laser: str, scans: Sequence[RawScan]) -> Extrinsic:
+        """Place of a laser on the robot, (3,) array, metres and radians; no truth."""
+        place = self.places.get(laser, np.zeros(3))
+        place = np.zeros(3) if np.isnan(place).any() else place
+        return uncorrected(scans, place)
+
+    def finished(self) -> list[RawScan]:
+        """The scans with their odometry, (3,) array each, metres and radians."""
+        track = self.tracks[min(self.tracks)] if self.tracks else Track()
+        scans = with_odometry(self.scans, track)
+        return [
+            scan._replace(odometry=before) if np.isnan(scan.odometry).any() else scan
+            for scan, before in zip(scans, self.before, strict=True)
+        ]
+
+
+def read(path: Path, name: str, on_error: str = "raise") -> Log:
+    """Read a log of Player; `odometry` is `(k, 3)`, metres and radians, without truth."""
+    lines, recording = Lines(path, on_error), _Recording()
+    for _ in lines.each(recording.take):
+        pass
+    if not recording.scans:
+        raise lines.no_scan("a laser message")
+    return Log(name, *assemble(recording.finished(), recording.extrinsic), lines.skipped)
+
+
+def _keyword(fields: Sequence[str]) -> int | None:
+    """Where in a line the interface stands."""
+    places = (0, 3, 2) if is_number(fields[0]) else (0,)
+    return next((k for k in places if k < len(fields) and fields[k] in INTERFACES), None)
+
+
+def _message(fields: list[str]) -> Message:
+    at = _keyword(fields)
+    if at is None:
+        raise ValueError(f"expected a message of Player, got {' '.join(fields)[:40]!r}")
+    index, *body = fields[at + 1 :] or [""]
+    if not (index.isdecimal() and len(index) < 10):
+        raise ValueError(f"expected the index of the {fields[at]}, got {index[:40]!r}")
+    when = time(fields[0]) if at else None
+    kind = _kind(body) if at else None
+    return Message(fields[at], int(index), when, kind, body[2:] if kind else body)
+
+
+def _kind(body: list[str]) -> tuple[int, int] | None:
+    words = [int(word) for word in body[:2] if word.isdecimal() and len(word) < 10]
+    return (words[0], words[1]) if len(words) == 2 and min(words) > 0 else None
+
+
+def _name(message: Message) -> str:
+    return f"{message.interface} {message.number}"
+
+
+def _parse_position(message: Message) -> tuple[float | None, Array]:
+    body, when = message.body, message.time
+    if message.kind is None and len(body) - 1 in POSITION_FIELDS:
+        body, when = body[1:], time(body[0])
+    if len(body) not in POSITION_FIELDS:
+        raise ValueError(f"expected x y heading vx vy turn stall, got {len(body)} fields")
+    return when, pose(body[:3], "the odometry")
+
+
+def _parse_laser(message: Message) -> RawScan:
+    body = message.body
+    size, ranges = _split(
+        body, UNTYPED_HEADS if message.kind is None else TYPED_HEADS[message.kind]
+    )
+    head, found = body[:size], numbers(ranges, "ranges")
+    odometry = pose(head[1:4], "the pose of the robot") if size == 8 else NOWHERE
+    limit = _limit(head[-1]) if size > 4 else np.inf
+    settings = head[-4:-1] if size > 4 else head[-3:]
+    angles = half_turn(len(found)) if size < 2 else spread(settings, len(found))
+    when = time(head[0]) if size in (1, 4) else message.time
+    return RawScan(_name(message), found, angles, when, odometry, limit=limit)
+
+
+def _split(body: list[str], heads: Sequence[int]) -> tuple[int, list[str]]:
+    """How many fields lie before the number of ranges, and the ranges without intensities."""
+    for size in heads:
+        word = body[size] if size < len(body) else ""
+        rest, announced = body[size + 1 :], int(word) if word.isdecimal() and len(word) < 19 else 0
+        if announced and len(rest) in (announced, 2 * announced):
+            return size, rest[:: len(rest) // announced]
+    raise ValueError(
+        f"expected min_angle max_angle resolution n and n ranges, each with or each without "
+        f"intensity, got {len(body)} fields: {' '.join(body[:9])[:80]}"
+    )
+
+
+def _limit(field: str) -> float:
+    (stated,) = numbers([field], "the maximum range")
+    return float(stated) if stated > 0 else np.inf
+
+
+def spread(settings: Sequence[str], count: int) -> Array:
+    """Directions of beams from their first, last and step, (count,) array, radians.
+
+    The step is often rounded to four decimals, which would add up over a scan: where it agrees with
+    beams spread evenly from first to last, these are taken, else where it agrees with beams that
+    leave the last out, and only else the step.
+
+    Examples
+    --------
+    >>> spread(["-1.5708", "1.5708", "0.0087"], 361)[-1].round(4)
+    np.float64(1.5708)
+    """
+    first, last, step = angles = numbers(settings, "the angles of the beams")
+    if not (np.abs(angles) < 10).all():
+        raise ValueError(f"expected angles in radians, got {' '.join(settings)[:80]}")
+    turn = last - first
+    ends = (count - 1, count) if count % 2 else (count, count - 1)
+    for tolerance in (1e-6, 6e-5):
+        for parts in ends:
+            if parts and abs(abs(turn) / parts - abs(step)) <= tolerance:
+                return first + turn / parts * np.arange(count)
+    angles = first + np.copysign(step, turn) * np.arange(count)
+    slips.check_angles(angles, "angles")
+    return angles

@@ -1,0 +1,155 @@
+"""Pose graphs as g2o files.
+
+    VERTEX_SE2 id x y theta
+    EDGE_SE2 id id dx dy dtheta  I11 I12 I13 I22 I23 I33
+
+The motion is the second vertex as seen from the first. g2o measures what is left of it in the frame
+where the motion ends, `solve_graph` in the frame where it begins: the information is turned. The
+older VERTEX2 and EDGE2 of TORO order it as I11 I12 I22 I33 I13 I23. Scans, landmarks and fixed
+vertices are left out.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...arrays import FAR, Array
+from ...poses.information import SYMMETRIC, rotated
+from .._lines import Lines, LogError, numbers, pose
+from .._opening import asking, checked_file, named
+from ._g2o import LASERS, OTHERS, VERTICES
+
+#: Of each kind of edge: where the nine entries of the information stand among the six in the file.
+ORDERS = {"EDGE_SE2": (0, 1, 2, 1, 3, 4, 2, 4, 5), "EDGE2": (0, 1, 4, 1, 2, 5, 4, 5, 3)}
+
+
+class PoseGraph(NamedTuple):
+    """Poses and measured motions between them, as `alignment.solve_graph` takes them.
+
+    Examples
+    --------
+    >>> graph = PoseGraph(np.zeros((2, 3)), [(0, 1)], [(1.0, 0.0, 0.0)], np.eye(3)[None])
+    >>> graph.ids is None
+    True
+    """
+
+    poses: Array  #: (n, 3), metres and radians
+    edges: NDArray[np.int64]  #: (m, 2): rows of `poses` that are joined
+    relative: Array  #: (m, 3): pose of the second in the frame of the first
+    information: Array  #: (m, 3, 3): inverse covariance, in the frame of the first
+    ids: NDArray[np.int64] | None = None  #: (n,): names of the vertices; None: their rows
+
+
+def read_graph(path: str | Path) -> PoseGraph:
+    """Read a pose graph of g2o, plain or packed: what `exports.write_graph` and gtsam write.
+
+    Parameters
+    ----------
+    path : str or Path
+        Of VERTEX_SE2 and EDGE_SE2 lines, or VERTEX2 and EDGE2.
+
+    Returns
+    -------
+    PoseGraph
+        Ordered by the numbers of the vertices: poses `(n, 3)`, metres and radians, and m edges.
+
+    Raises
+    ------
+    LogError
+        A file that cannot be read or has no vertex; a damaged line, an edge to a vertex that the
+        file does not hold, two vertices of one number, information that is negative.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     path = Path(folder) / "it.g2o"
+    ...     _ = path.write_text("VERTEX_SE2 3 0 0 0\\nVERTEX_SE2 5 1 0 0\\n"
+    ...                         "EDGE_SE2 3 5 1.1 0 0 9 0 0 9 0 9\\n")
+    ...     graph = read_graph(path)
+    >>> graph.edges, graph.relative, graph.ids
+    (array([[0, 1]]), array([[1.1, 0. , 0. ]]), array([3, 5]))
+    """
+    place = named(path)
+    with asking(place):
+        lines = Lines(checked_file(place))
+        found = _Found()
+        for fields in lines:
+            try:
+                found.take(fields, lines.number)
+            except ValueError as fault:
+                raise lines.error(str(fault)) from None
+        return found.graph(place)
+
+
+class _Found:
+    """What the lines of one graph said so far."""
+
+    def __init__(self) -> None:
+        self.poses: dict[int, Array] = {}
+        self.ends: list[tuple[int, int]] = []
+        self.values: list[Array] = []
+        self.lines: list[int] = []
+
+    def take(self, fields: list[str], line: int) -> None:
+        """Take in one line."""
+        kind, *rest = fields
+        if kind in VERTICES:
+            self._vertex(rest)
+        elif kind in ORDERS:
+            self.ends.append((_number(rest, 0), _number(rest, 1)))
+            self.values.append(_measured(rest[2:], ORDERS[kind]))
+            self.lines.append(line)
+        elif kind not in (*OTHERS, *LASERS):
+            raise ValueError(f"expected a VERTEX_SE2 or EDGE_SE2 line, got {kind[:40]!r}")
+
+    def _vertex(self, fields: Sequence[str]) -> None:
+        number = _number(fields, 0)
+        if number in self.poses:
+            raise ValueError(f"vertex {number} stands in the file twice, expected it once")
+        found = pose(fields[1:], "the vertex")
+        if np.isnan(found).any():
+            raise ValueError("expected metres and radians for the vertex, got nan")
+        self.poses[number] = found
+
+    def graph(self, path: Path) -> PoseGraph:
+        """All of it together."""
+        if not self.poses:
+            raise LogError(path, "holds no vertex of a graph, expected VERTEX_SE2 lines")
+        ids = np.array(sorted(self.poses), np.int64)
+        for ends, line in zip(self.ends, self.lines, strict=True):
+            for end in ends:
+                if end not in self.poses:
+                    raise LogError(path, f"vertex {end} is not in the file", line)
+        edges = np.searchsorted(ids, np.array(self.ends, np.int64).reshape(-1, 2))
+        values = np.reshape(self.values, (-1, 12))
+        relative = values[:, :3]
+        information = rotated(values[:, 3:].reshape(-1, 3, 3), -relative[:, 2])
+        return PoseGraph(np.array([self.poses[k] for k in ids]), edges, relative, information, ids)
+
+
+def _number(fields: Sequence[str], place: int) -> int:
+    """The number of a vertex."""
+    field = fields[place] if len(fields) > place else ""
+    if not (field.isdecimal() and field.isascii() and len(field) < 16):
+        raise ValueError(f"expected the number of a vertex, got {field[:40]!r}")
+    return int(field)
+
+
+def _measured(fields: Sequence[str], order: Sequence[int]) -> Array:
+    """A motion and the nine entries of its information, (12,) array."""
+    motion, six = pose(fields[:3], "the edge"), numbers(fields[3:], "the information of the edge")
+    if len(six) != 6 or np.isnan(motion).any() or not (np.abs(six) <= FAR).all():
+        raise ValueError(
+            "expected 3 finite numbers for the motion of the edge and 6 for its information, got "
+            f"{' '.join(fields)[:120]}"
+        )
+    entries = six[list(order)]
+    if np.linalg.eigvalsh(entries.reshape(3, 3))[0] < -SYMMETRIC * np.abs(six).max():
+        raise ValueError(f"expected information that is nowhere negative, got {six.tolist()}")
+    return np.concatenate([motion, entries])

@@ -1,0 +1,150 @@
+"""Logs and maps of MRPT: `.rawlog`, `.simplemap`, plain or gzip.
+
+Read are 2D scans (CObservation2DRangeScan, versions 0 to 7), in sensory frames or on their own, and
+of a simple map the robot's pose that belongs to each frame, as truth. Odometry is what
+CActionRobotMovement2D (0 to 7) says of the way since the frame before, added up from the origin on;
+where a log has no such thing, the poses of CObservationOdometry (0 to 2), interpolated at the time
+of the scan, none before the first and after the last.
+
+Where a laser sits is stated with each scan; one that hangs upside down is honoured, scans of one
+that is tilted are left out and counted, and so are other observations (`Log.skipped`). A beam is
+valid where the file says so and below the scan's largest range; of others those above it met
+nothing. Dropped are intensities, spreads, velocities, encoders, and the tilt within a scan.
+
+The members of each class and version are those of MRPT 2.5.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ...angles import wrap
+from ...arrays import LIMIT, Array, slips
+from ...poses import compose
+from ...scans import NOTHING_SKIPPED, LaserScan, Log, Skipped
+from .._lines import BROKEN, LATEST, LogError, open_bytes
+from .._mounting import Tilted, flat, level
+from .._raw_scans import Track, clean
+from ._classes import PARSERS, Movement, Turn, Wheels
+from ._stream import Broken, Stream, Unknown, begins, unpacked
+
+OBJECTS = ("CSensoryFrame", "CActionCollection", "CObservation", "CSimpleMap", "CRawlog")
+
+
+class _Recording:
+    """What the objects of one file said so far."""
+
+    def __init__(self, path: Path, on_error: str) -> None:
+        self.path, self.on_error, self.skipped = path, on_error, NOTHING_SKIPPED
+        self.turns: list[Turn] = []
+        self.track, self.pose, self.moved = Track(), np.zeros(3), False
+
+    def leave_out(self, reason: str) -> None:
+        """Count what is of no use here."""
+        first = self.skipped.reason or str(LogError(self.path, reason))
+        self.skipped = Skipped(self.skipped.lines + 1, first)
+
+    def damaged(self, reason: str) -> None:
+        """Report what is wrong: raise, or count it."""
+        if self.on_error == "raise":
+            raise LogError(self.path, reason)
+        self.leave_out(reason)
+
+    def take(self, found: Any, start: int) -> None:
+        """Take in what began at a byte; damaged values cost one object."""
+        for each in found if isinstance(found, list) else [found]:
+            try:
+                self._take(each)
+            except ValueError as fault:
+                tell = self.leave_out if isinstance(fault, Tilted) else self.damaged
+                tell(f"byte {start}: {fault}")
+
+    def _take(self, found: Any) -> None:
+        if isinstance(found, Turn):
+            self.turns.append(_sound(found._replace(odometry=self.pose)))
+        elif isinstance(found, Movement):
+            self.pose, self.moved = _pose(compose(self.pose, _pose(found.step))), True
+        elif isinstance(found, Wheels) and found.time is not None:
+            self.track.add(_time(found.time), _pose(found.pose))
+        elif isinstance(found, Unknown):
+            self.leave_out(f"byte {found.start}: {found.what} is no 2D scan, or not known here")
+
+    def finished(self) -> list[Turn]:
+        """The turns with their odometry: increments, or poses at their time, or none."""
+        if self.moved:
+            return self.turns
+        times = [np.nan if turn.time is None else turn.time for turn in self.turns]
+        poses = self.track.at(times)
+        return [turn._replace(odometry=p) for turn, p in zip(self.turns, poses, strict=True)]
+
+
+def turns(path: Path, on_error: str = "raise") -> tuple[list[Turn], Skipped]:
+    """All turns of lasers in a file, and what was left out; `place` is `(3,)`, in the plane."""
+    data, fault = unpacked(path)
+    recording, stream = _Recording(path, on_error), Stream(data, PARSERS)
+    if fault:
+        recording.damaged(fault)
+    try:
+        while stream.left:
+            start = stream.at
+            recording.take(stream.object(*OBJECTS), start)
+    except Broken as broken:
+        if not fault:
+            recording.damaged(str(broken))
+    return recording.finished(), recording.skipped
+
+
+def read(path: Path, name: str, on_error: str = "raise") -> Log:
+    """Read a log or a map of MRPT; poses are `(k, 3)`, metres and radians."""
+    found, skipped = turns(path, on_error)
+    if not found:
+        reason = f"; {skipped.lines} left out: {skipped.reason}" if skipped else ""
+        raise LogError(path, f"holds no scan, expected CObservation2DRangeScan{reason}")
+    truth = np.array([turn.truth for turn in found])
+    scans = [_laser_scan(turn, number) for number, turn in enumerate(found)]
+    return Log(name, scans, truth if np.isfinite(truth).any() else None, skipped)
+
+
+def claims(path: Path) -> bool:
+    """Whether a file, unpacked where it is packed, begins with an object of MRPT."""
+    try:
+        with open_bytes(path) as file:
+            return begins(file.read(200))
+    except BROKEN:
+        return False
+
+
+def _laser_scan(turn: Turn, number: int) -> LaserScan:
+    limit = turn.limit if 0 < turn.limit < np.inf else np.inf
+    ranges = clean(np.where(turn.valid | (turn.ranges >= limit), turn.ranges, np.nan), limit)
+    odometry = None if np.isnan(turn.odometry).any() else turn.odometry
+    when = number if turn.time is None else turn.time
+    return LaserScan(ranges, turn.angles, when, odometry, limit, turn.place)
+
+
+def _sound(turn: Turn) -> Turn:
+    """A turn whose values were checked, and whose place is one in the plane."""
+    place, mirrored = flat(turn.place)
+    slips.check_angles(turn.angles, "angles")
+    if not len(turn.ranges):
+        raise ValueError("expected ranges, got a scan without")
+    truth = level(turn.truth) if turn.truth.ndim > 1 else turn.truth
+    truth = truth if np.isnan(truth).all() else _pose(truth)
+    time = None if turn.time is None else _time(turn.time)
+    angles = -turn.angles if mirrored else turn.angles
+    return turn._replace(place=place, angles=angles, truth=truth, time=time)
+
+
+def _pose(values: Array) -> Array:
+    if not (np.abs(values) <= LIMIT).all():
+        raise ValueError(f"expected a pose in metres and radians, got {values.tolist()}")
+    return np.array([values[0], values[1], wrap(values[2])])
+
+
+def _time(seconds: float) -> float:
+    if not abs(seconds) <= LATEST:
+        raise ValueError(f"expected a time, got {seconds:.6g} s since 1970")
+    return seconds

@@ -1,0 +1,117 @@
+"""CoreSLAM logs (Mines ParisTech): a Hokuyo URG-04LX on a robot with two wheels.
+
+A line is a scan: a header, then ranges in millimetres, below 20 error codes, see
+`error_codes`. Files differ, and what most lines of a file have decides: 24 fields and 683
+ranges (`test_lab2`, `exp1`), or 13 and 682 (`test_lab`); a line of another length is damaged. Field
+0 is the time in microseconds. The ticks of the left and right wheel since the start are fields 2
+and 3; with 13 fields they are fields 1 and 2, and the right wheel counts backwards, as CoreSLAM's
+own programs take them. Wheels that stand at zero in the whole file mean that there is no odometry.
+A wheel of 77 mm radius makes 2000 ticks a turn, the wheels are 330 mm apart, the laser sits 145 mm
+ahead of their axle.
+
+The beams are the sensor's steps of 360/1024 degree, the middle one straight ahead: 239.8 degrees
+in all. Between two lines the robot is taken to drive an exact arc; the odometry starts at 0, 0, 0.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Sequence
+from functools import partial
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from ...arrays import Array
+from ...poses import compose
+from ...scans import LaserScan, Log
+from ...scans.error_codes import as_ranges
+from .._lines import Lines, is_number, numbers, time
+from .._raw_scans import URG_REACH, URG_STEP, centred
+
+
+class Layout(NamedTuple):
+    """Fields of the header, ranges, the field of the left wheel, and the sign of the right one."""
+
+    header: int
+    beams: int
+    left: int
+    right: int
+
+
+#: By the number of fields in a line.
+LAYOUTS = {sum(layout[:2]): layout for layout in (Layout(24, 683, 2, 1), Layout(13, 682, 1, -1))}
+METRES_PER_TICK = 2 * np.pi * 0.077 / 2000
+WHEEL_SEPARATION = 0.330
+SENSOR_POSE = (0.145, 0.0, 0.0)
+#: More ticks than this no wheel turns.
+MOST_TICKS = 1e12
+
+
+def claims(fields: Sequence[str]) -> bool:
+    """Whether a line is one of this format."""
+    enough = len(fields) > max(layout.header for layout in LAYOUTS.values())
+    return enough and fields[0].isdecimal() and is_number(fields[-1])
+
+
+def read(path: Path, name: str, on_error: str = "raise") -> Log:
+    """Read a CoreSLAM log; `odometry` `(k, 3)`, metres and radians, is that of the wheels."""
+    layout = _layout(path)
+    lines = Lines(path, on_error)
+    rows = list(lines.each(partial(_parse, layout=layout)))
+    if not rows:
+        raise lines.no_scan(f"lines of {' or '.join(map(str, LAYOUTS))} numbers")
+    table = np.array(rows)
+    scans = map(_scan, table, _odometry(table[:, 1:3]))
+    return Log(name, list(scans), None, lines.skipped)
+
+
+def _layout(path: Path) -> Layout:
+    """The one that most lines have; the first where none has any."""
+    counts = Counter(map(len, Lines(path, "skip")))
+    return LAYOUTS[max(LAYOUTS, key=lambda length: counts[length])]
+
+
+def _odometry(ticks: Array) -> Sequence[Array | None]:
+    """Poses of the robot, (3,) arrays, from the ticks of both wheels, `(k, 2)`."""
+    if not np.ptp(ticks, axis=0).any() and not ticks.all():
+        return [None] * len(ticks)
+    return list(integrate(METRES_PER_TICK * np.diff(ticks, axis=0)))
+
+
+def integrate(driven: Array) -> Array:
+    """Poses of the robot, `(k + 1, 3)`, from what its left and right wheel drove, `(k, 2)`, metres.
+
+    Examples
+    --------
+    >>> integrate(np.array([[0.0, np.pi * 0.330 / 2]])).round(4)  # a quarter turn round the left
+    array([[0.    , 0.    , 0.    ],
+           [0.165 , 0.165 , 1.5708]])
+    """
+    left, right = driven.T
+    turn = (right - left) / WHEEL_SEPARATION
+    chord = (left + right) / 2 * np.sinc(turn / (2 * np.pi))
+    steps = np.stack([chord * np.cos(turn / 2), chord * np.sin(turn / 2), turn], -1)
+    poses = [np.zeros(3)]
+    for step in steps:
+        poses.append(compose(poses[-1], step))
+    return np.array(poses)
+
+
+def _parse(fields: list[str], layout: Layout) -> Array:
+    """Time in seconds, ticks of both wheels and the ranges in millimetres."""
+    header, beams, left, sign = layout
+    if len(fields) != header + beams:
+        raise ValueError(f"expected {header} fields and {beams} ranges, got {len(fields)} in all")
+    ticks = numbers(fields[left : left + 2], "the ticks of the wheels") * (1, sign)
+    if not (np.abs(ticks) <= MOST_TICKS).all():
+        said = " ".join(fields[left : left + 2])
+        raise ValueError(f"expected the ticks of the wheels, got {said[:40]}")
+    return np.concatenate([[time(fields[0], unit=1e-6)], ticks, numbers(fields[header:], "ranges")])
+
+
+def _scan(row: Array, pose: Array | None) -> LaserScan:
+    ranges, codes = as_ranges(row[3:])
+    angles = centred(len(ranges), URG_STEP)
+    return LaserScan(ranges, angles, row[0], pose, URG_REACH, SENSOR_POSE, codes)

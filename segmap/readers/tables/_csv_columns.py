@@ -1,0 +1,177 @@
+"""Which column of a CSV file is what, and in which unit: told by its header, never guessed."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Sequence
+from contextlib import suppress
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from .._lines import BROKEN, is_number, open_bytes
+
+#: First words of a column's name.
+ROLES = {
+    "angle": ("angle", "theta", "bearing", "azimuth", "angule"),
+    "range": ("range", "distance", "dist", "r"),
+    "time": ("time", "timestamp", "stamp", "t"),
+    "scan": ("scan", "frame", "rotation", "revolution", "sweep", "turn"),
+}
+#: Words that may stand beside them and change nothing.
+FILLERS = ("id", "no", "nr", "number", "index", "value")
+CLOCKWISE, COUNTER = ("cw", "clockwise"), ("ccw", "counterclockwise")
+#: Metres, radians or seconds of each unit.
+UNITS = {
+    "angle": {
+        **dict.fromkeys(("deg", "degs", "degree", "degrees", "°"), np.pi / 180),
+        **dict.fromkeys(("rad", "rads", "radian", "radians"), 1.0),
+    },
+    "range": {
+        **dict.fromkeys(("m", "meter", "meters", "metre", "metres"), 1.0),
+        **dict.fromkeys(("cm", "centimeter", "centimeters", "centimetres"), 0.01),
+        **dict.fromkeys(("mm", "millimeter", "millimeters", "millimetres"), 0.001),
+    },
+    "time": {
+        **dict.fromkeys(("s", "sec", "secs", "second", "seconds"), 1.0),
+        **dict.fromkeys(("ms", "msec", "milliseconds"), 1e-3),
+        **dict.fromkeys(("us", "µs", "usec", "microseconds"), 1e-6),
+        **dict.fromkeys(("ns", "nsec", "nanoseconds"), 1e-9),
+    },
+    "scan": {},
+}
+SHORT = {
+    "angle": ("deg", "rad"),
+    "range": ("m", "cm", "mm"),
+    "time": ("s", "ms", "us", "ns"),
+}
+EXAMPLE = "columns=['angle_deg', 'range_mm']"
+#: So many lines are looked at for a header.
+FIRST = 20
+#: No header is longer, in bytes.
+LONGEST = 4096
+#: How the programs of RPLidar begin a file of degrees, clockwise, and millimetres.
+SLAMTEC, SLAMTEC_COLUMNS = "#RPLIDAR SCAN DATA", ("angle_deg_cw", "range_mm", "quality")
+
+
+class Column(NamedTuple):
+    """One column: its place, what makes metres, radians or seconds of it, and its name."""
+
+    place: int
+    factor: float | None
+    name: str
+
+
+class Head(NamedTuple):
+    """What the beginning of a file says: columns by role, what separates them, the line it is."""
+
+    columns: dict[str, Column]
+    separator: str | None
+    line: int
+    clockwise: bool = False
+
+
+def head_of(path: Path) -> Head | None:
+    """The header of a file; None where it has none that names angle and range.
+
+    A comment is one where the first line after it has as many fields, and numbers in its columns.
+    """
+    comment, count = None, 0
+    for number, line in _beginning(path):
+        if line.startswith(SLAMTEC):
+            return head(SLAMTEC_COLUMNS, None, number)
+        separator, names = split(line.lstrip("#"))
+        found = _head_or_none(names, separator, number)
+        if not line.startswith("#"):
+            return comment if comment and _fits(comment, count, line) else found
+        comment, count = (found, len(names)) if found else (comment, count)
+    return None
+
+
+def _fits(comment: Head, count: int, line: str) -> bool:
+    fields = [field.strip() for field in line.split(comment.separator)]
+    places = [column.place for column in comment.columns.values()]
+    return len(fields) == count and all(is_number(fields[place]) for place in places)
+
+
+def _head_or_none(names: Sequence[str], separator: str | None, line: int) -> Head | None:
+    try:
+        found = head(names, separator, line)
+    except ValueError:
+        return None
+    return found if {"angle", "range"} <= set(found.columns) else None
+
+
+def first_row(path: Path) -> Head:
+    """What separates the fields of a file, and the line of its header, 0 where it has none."""
+    for number, line in _beginning(path):
+        if not line.startswith("#"):
+            separator, fields = split(line)
+            numeric = all(is_number(field) for field in fields if field)
+            return Head({}, separator, 0 if numeric else number)
+    return Head({}, None, 0)
+
+
+def head(names: Sequence[str], separator: str | None = None, line: int = 0) -> Head:
+    """The columns that the names stand for; other names are left out.
+
+    Raises
+    ------
+    ValueError
+        Where two columns are the same.
+    """
+    columns: dict[str, Column] = {}
+    clockwise = False
+    for place, name in enumerate(names):
+        words = re.findall(r"[a-zµ°]+", name.lower().replace("μ", "µ"))
+        if (role := _role(name, words)) is None:
+            continue
+        if role in columns:
+            raise ValueError(f"{columns[role].name!r} and {name!r} are both columns of the {role}")
+        units = [factor for word, factor in UNITS[role].items() if word in words[1:]]
+        columns[role] = Column(place, units[0] if units else None, name.strip())
+        clockwise |= role == "angle" and any(word in CLOCKWISE for word in words)
+    return Head(columns, separator, line, clockwise)
+
+
+def wanting(found: Head) -> str:
+    """What keeps the columns from being read, and what to write; empty where nothing does."""
+    for role in ("angle", "range"):
+        if role not in found.columns:
+            return f"no column is the {role}: name the columns, such as {EXAMPLE}"
+    for role, column in found.columns.items():
+        if column.factor is None and UNITS[role]:
+            return (
+                f"the unit of {column.name!r} is not said ({', '.join(SHORT[role])}): "
+                f"write it into the header, or call segmap.readers.read_csv(path, {EXAMPLE})"
+            )
+    return ""
+
+
+def split(line: str) -> tuple[str | None, list[str]]:
+    """What separates the fields of a line, None for white space, and the fields."""
+    separator = next((mark for mark in ";\t," if mark in line), None)
+    closed = line if separator else re.sub(r"\s+(?=[\[(])", "", line)
+    return separator, [field.strip().strip("\"'") for field in closed.strip().split(separator)]
+
+
+def _role(name: str, words: Sequence[str]) -> str | None:
+    """What a column is; None where another word than a unit stands in its name."""
+    first = words[0] if words and not re.search("[0-9:]", name) else ""
+    for role, names in ROLES.items():
+        if first in names or first.removesuffix("s") in names:
+            known = {*UNITS[role], *FILLERS, *CLOCKWISE, *COUNTER}
+            return role if known.issuperset(words[1:]) else None
+    return None
+
+
+def _beginning(path: Path) -> Iterator[tuple[int, str]]:
+    """The first lines of a file that are not empty, with their numbers."""
+    with suppress(*BROKEN, OSError), open_bytes(path) as file:
+        for number in range(1, FIRST + 1):
+            line = file.readline(LONGEST + 1)
+            if len(line) > LONGEST:
+                return
+            if text := line.decode("utf-8-sig", "replace").strip():
+                yield number, text

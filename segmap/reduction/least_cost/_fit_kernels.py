@@ -1,0 +1,228 @@
+"""The loops of least cost that draw one segment for two clusters, and say what it costs.
+
+Costs are metres: distances of quality (A 2.7.7, equal weights), and a price for each metre of wall
+that the segment misses or invents.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...arrays import Array
+from ...compiled import compiled
+from ...kernels import ACROSS, ANGULAR, APART, apart, mean_line_terms
+
+Indices = NDArray[np.int64]
+#: A merge is looked at whose first estimate is up to so many penalties: estimates are too high.
+WIDE = 3.0
+#: A member may lie so many times the distance off the line, or the merge is refused.
+HARD = 2.0
+#: Rounds in which a line is turned and shifted; each halves what it tried where nothing helped.
+STEPS = 6
+#: Costs that differ by less are equal, metres: then what was tried first counts.
+EQUAL = 1e-12
+
+
+class Limits(NamedTuple):
+    """Thresholds of `least_cost`: metres, a sine, and the price of a metre missed or invented."""
+
+    penalty: float
+    price: float
+    distance: float
+    sine: float
+    gap: float
+
+
+class Room(NamedTuple):
+    """The members of the two clusters that are being fitted, side by side, and room to work in."""
+
+    who: Indices  # (n,) index of the input
+    ends: Array  # (n, 4) its end points
+    about: Array  # (n, 5) its middle, direction and half length
+    spans: Array  # (n, 2) projections of those that are kept
+    line: Array  # (2, 2) the segment that was drawn last
+    frame: Array  # (5,) its middle, direction and half length
+    sums: Array  # (6,) weight, centre and scatter of both clusters
+
+
+@compiled
+def distance_between(u: Array, v: Array, a: Array, b: Array) -> float:
+    """Distance of quality between two segments, (2, 2), described by (5,) arrays; metres."""
+    angular, across = mean_line_terms(u, v, a, b)
+    return ANGULAR * angular + ACROSS * across + APART * apart(u, v)
+
+
+@compiled
+def distance_inside(ends: Array, about: Array, line: Array, frame: Array, near: float) -> float:
+    """The same where the ends, (4,), project into the line, the nearer of them `near` off it.
+
+    The least distance of their end points is then `near`; the angle must not be a right one.
+    """
+    bx, by = frame[2], frame[3]
+    dot, cross = about[2] * bx + about[3] * by, about[2] * by - about[3] * bx
+    if dot < 0.0:
+        bx, by, dot = -bx, -by, -dot
+    dx, dy = about[2] + bx, about[3] + by
+    x, y = (about[0] + frame[0]) / 2, (about[1] + frame[1]) / 2
+    across = max(
+        abs((ends[1] - y) * dx - (ends[0] - x) * dy),
+        abs((ends[3] - y) * dx - (ends[2] - x) * dy),
+        abs((line[0, 1] - y) * dx - (line[0, 0] - x) * dy),
+        abs((line[1, 1] - y) * dx - (line[1, 0] - x) * dy),
+    )
+    angular = (about[4] + frame[4]) * abs(cross) / (1.0 + dot)
+    return ANGULAR * angular + ACROSS * across / np.sqrt(dx * dx + dy * dy) + APART * near
+
+
+@compiled
+def length_of(s: Array) -> float:
+    """Length of one segment, (2, 2), metres."""
+    return np.hypot(s[1, 0] - s[0, 0], s[1, 1] - s[0, 1])
+
+
+@compiled
+def describe_one(s: Array, out: Array) -> None:
+    """Write middle, unit direction and half length of one segment, (5,)."""
+    norm = length_of(s)
+    out[0], out[1] = (s[0, 0] + s[1, 0]) / 2, (s[0, 1] + s[1, 1]) / 2
+    out[2], out[3] = (s[1, 0] - s[0, 0]) / norm, (s[1, 1] - s[0, 1]) / norm
+    out[4] = norm / 2
+
+
+@compiled
+def draw(x: float, y: float, dx: float, dy: float, low: float, high: float, room: Room) -> None:
+    """Write the segment on a line between two projections."""
+    room.line[0, 0], room.line[0, 1] = x + low * dx, y + low * dy
+    room.line[1, 0], room.line[1, 1] = x + high * dx, y + high * dy
+    describe_one(room.line, room.frame)
+
+
+@compiled
+def spread(room: Room, count: int, x: float, y: float, dx: float, dy: float) -> float:
+    """Draw the segment on a line that spans all members; its length, metres."""
+    low, high = np.inf, -np.inf
+    for k in range(count):
+        one = (room.ends[k, 0] - x) * dx + (room.ends[k, 1] - y) * dy
+        other = (room.ends[k, 2] - x) * dx + (room.ends[k, 3] - y) * dy
+        low, high = min(low, one, other), max(high, one, other)
+    draw(x, y, dx, dy, low, high, room)
+    return high - low
+
+
+@compiled
+def line_cost(
+    s: Array, room: Room, count: int, limits: Limits, pose: tuple[float, float, float], most: float
+) -> float:
+    """Cost of the segment through (x, y) at an angle that spans all members; `inf` from `most` on.
+
+    The segment stays in `room.line`.
+    """
+    dx, dy = np.cos(pose[2]), np.sin(pose[2])
+    whole = spread(room, count, pose[0], pose[1], dx, dy)
+    if whole < 1e-9:
+        return np.inf
+    x, y = room.line[0, 0], room.line[0, 1]
+    total, kept, covered = 0.0, 0, False
+    for k in range(count):
+        px, py = room.ends[k, 0] - x, room.ends[k, 1] - y
+        qx, qy = room.ends[k, 2] - x, room.ends[k, 3] - y
+        one, other = px * dy - py * dx, qx * dy - qy * dx
+        off, near = max(abs(one), abs(other)), min(abs(one), abs(other))
+        if off > HARD * limits.distance:
+            return np.inf
+        u, v = px * dx + py * dy, qx * dx + qy * dy
+        low, high = min(u, v), max(u, v)
+        slant = room.about[k, 2] * dx + room.about[k, 3] * dy
+        inside = one * other >= 0.0 or (low >= near and whole - high >= near)
+        if inside and abs(slant) >= 0.1:
+            total += distance_inside(room.ends[k], room.about[k], room.line, room.frame, near)
+        else:
+            i = room.who[k]
+            total += distance_between(s[i], room.line, room.about[k], room.frame)
+        if (
+            off > limits.distance
+            or abs(dx * room.about[k, 3] - dy * room.about[k, 2]) > limits.sine
+        ):
+            total += limits.price * 2.0 * room.about[k, 4]
+        elif not covered:
+            room.spans[kept, 0], room.spans[kept, 1] = low, high
+            covered = low <= limits.gap and high >= whole - limits.gap
+            kept += 1
+        if total >= most:
+            return np.inf
+    if not covered:
+        total += limits.price * invented(room.spans, kept, whole, limits.gap)
+    return total if total < most else np.inf
+
+
+@compiled
+def invented(spans: Array, count: int, whole: float, gap: float) -> float:
+    """Metres in gaps longer than `gap` between spans, `(count, 2)`, which are sorted here."""
+    if count == 0:
+        return whole
+    step = count // 2
+    while step > 0:  # Shell's sort: short lists, nothing to allocate
+        for i in range(step, count):
+            low, high, j = spans[i, 0], spans[i, 1], i
+            while j >= step and spans[j - step, 0] > low:
+                spans[j, 0], spans[j, 1] = spans[j - step, 0], spans[j - step, 1]
+                j -= step
+            spans[j, 0], spans[j, 1] = low, high
+        step //= 2
+    reached, metres = 0.0, 0.0
+    for i in range(count):
+        if spans[i, 0] - reached > gap:
+            metres += spans[i, 0] - reached
+        reached = max(reached, spans[i, 1])
+    return metres + (whole - reached if whole - reached > gap else 0.0)
+
+
+@compiled
+def join_sums(p: Array, q: Array, out: Array) -> None:
+    """Weight, centre and scatter of two clusters together, (6,) each; nothing cancels far away."""
+    w = p[0] + q[0]
+    dx, dy, part = q[1] - p[1], q[2] - p[2], p[0] * q[0] / w
+    out[0], out[1], out[2] = w, p[1] + q[0] / w * dx, p[2] + q[0] / w * dy
+    out[3], out[4] = p[3] + q[3] + part * dx * dx, p[4] + q[4] + part * dx * dy
+    out[5] = p[5] + q[5] + part * dy * dy
+
+
+@compiled
+def fit(s: Array, room: Room, count: int, limits: Limits, longer: Array, most: float) -> float:
+    """Leave the segment of least cost for the members in `room.line`; its cost, `inf`: too dear.
+
+    From the line of total least squares, `room.sums`, or that of the longer cluster's segment,
+    whichever costs less, to the best of four moves, or of half of each, again and again.
+    """
+    x, y = room.sums[1], room.sums[2]
+    theta = np.arctan2(2.0 * room.sums[4], room.sums[3] - room.sums[5]) / 2.0
+    best = line_cost(s, room, count, limits, (x, y, theta), most)
+    mx, my = (longer[0, 0] + longer[1, 0]) / 2.0, (longer[0, 1] + longer[1, 1]) / 2.0
+    along = np.arctan2(longer[1, 1] - longer[0, 1], longer[1, 0] - longer[0, 0])
+    found = line_cost(s, room, count, limits, (mx, my, along), min(best - EQUAL, most))
+    if found < best:
+        best, x, y, theta = found, mx, my, along
+    if best == np.inf:
+        return np.inf
+    whole = spread(room, count, x, y, np.cos(theta), np.sin(theta))
+    shift, offset = 0.2 * limits.distance, 0.0
+    turn = min(0.1, 4.0 * shift / max(whole, 2.0 * shift))
+    for _ in range(STEPS):
+        move = -1
+        for k in range(4):
+            t = theta + (turn if k == 0 else -turn if k == 1 else 0.0)
+            o = offset + (shift if k == 2 else -shift if k == 3 else 0.0)
+            at = (x - o * np.sin(t), y + o * np.cos(t), t)
+            found = line_cost(s, room, count, limits, at, best - EQUAL)
+            if found < best:
+                best, move = found, k
+        theta += turn if move == 0 else -turn if move == 1 else 0.0
+        offset += shift if move == 2 else -shift if move == 3 else 0.0
+        if move < 0:
+            turn, shift = turn / 2.0, shift / 2.0
+    at = (x - offset * np.sin(theta), y + offset * np.cos(theta), theta)
+    spread(room, count, at[0], at[1], np.cos(theta), np.sin(theta))
+    return best

@@ -1,0 +1,245 @@
+"""Segment similarity clustering (A 2.7.7): the cheapest pair becomes its mean, again and again."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ... import arrays
+from ...arrays import Array, Segments
+from ...compiled import compiled
+from ...kernels import ACROSS, ANGULAR, APART, PERPENDICULAR, across, apart, become_mean
+from ...segments import angle, length
+from .._cells import Cells, empty_cells, enter, leave, near
+from .._runner import Found, Indices, Reduction, Rows, run
+
+#: Costs are compared in steps of so many metres: rounding must not choose.
+STEP = 1e-12
+
+
+def segment_similarity(map: Segments, *, distance: float = 0.03) -> Reduction:
+    """Merge the two most similar segments while they cost less than `distance` (A 2.7.7).
+
+    The cost of two segments is their `metrics.segment_distance`, weighted by the number of
+    segments that each stands for. The two become their span on that weighted mean line. Of equal
+    costs, to 1e-12 m, the pair of the lowest indices comes first.
+
+    A weight counts looks and not length: a scrap of 0.1 m pulls the mean line as much as another
+    look at the whole wall. Nothing bounds a group: a chain of similar segments can drift.
+
+    Parameters
+    ----------
+    map : SegmentMap, Reduction or (n, 2, 2) array, metres
+        The scans of a map are ignored.
+    distance : float, metres
+        A gives none. At 0.03 m parallel walls 0.10 m apart still merge, and a gap of up to 0.12 m
+        is bridged.
+
+    Returns
+    -------
+    Reduction
+        In the order of the lowest index among the segments that went into each.
+
+    Raises
+    ------
+    ValueError
+        For coordinates that are not finite, a distance that is not positive and finite.
+
+    References
+    ----------
+    Elseberg, Creed, Lakaemper, "A line segment based system for 2D global mapping", ICRA 2010.
+
+    Examples
+    --------
+    >>> walls = [[(0, 0), (2, 0)], [(1, 0.1), (3, 0.1)], [(0, 1), (0, 2)]]
+    >>> found = segment_similarity(walls)
+    >>> found, found.parents
+    (Reduction(segment_similarity: 3 -> 2 segments), array([0, 0, 1]))
+    >>> found.segments[0].round(6)
+    array([[0.  , 0.05],
+           [3.  , 0.05]])
+    """
+    arrays.positive("metres", distance=distance)
+    return run("segment_similarity", map, lambda rows: _reduce(rows, float(distance)))
+
+
+def _reduce(rows: Rows, distance: float) -> Found:
+    state = _start(rows.segments, distance)
+    _cluster(state, distance)
+    parents = state.parents
+    while not state.alive[parents].all():
+        parents = parents[parents]
+    return state.s[state.alive > 0], (np.cumsum(state.alive) - 1)[parents]
+
+
+class State(NamedTuple):
+    """The groups, their grid, and for each the cheapest partner that stands behind it.
+
+    Each group knows its cheapest partner of a higher index, and a tree of winners knows the
+    cheapest of all. So the memory grows with n, not with the number of pairs. When a group has
+    changed, its neighbours compare it with their partner; one whose own partner has changed looks
+    again only when it wins. Maps of 1 000, 3 604, 10 000 and 100 000 segments take 17, 76, 230 and
+    3400 ms where each wall was seen 20 times; 5, 18, 55 and 690 ms where it was seen three times.
+
+    Parameters
+    ----------
+    s : (n, 2, 2) array, metres
+    lines : (n, 3) array
+        Direction, radians, length, metres, and how many segments each group stands for.
+    alive : (n,) int array
+        1 for groups that are left.
+    parents : (n,) int array
+        Which group took each in; its own index until then.
+    costs : (n,) array
+        Cost of each with its partner, in steps; infinite without one.
+    partner : (n,) int array
+    changed, looked : (n,) int array
+        After how many merges each has changed, and has got its partner.
+    winners : (2 leaves,) int array
+        A tree: of nodes 2 k and 2 k + 1 the cheaper group stands in k; ties: the lower index.
+    cells : Cells
+    found : (n,) int array
+        Room for neighbours.
+    """
+
+    s: Array
+    lines: Array
+    alive: Indices
+    parents: Indices
+    costs: Array
+    partner: Indices
+    changed: Indices
+    looked: Indices
+    winners: Indices
+    cells: Cells
+    found: Indices
+
+
+def _start(s: Array, distance: float) -> State:
+    """Every segment of `(n, 2, 2)`, metres, is a group of its own."""
+    n, leaves = len(s), 1 << max(int(np.ceil(np.log2(max(len(s), 1)))), 1)
+    winners = np.full(2 * leaves, -1)
+    winners[leaves : leaves + n] = np.arange(n)
+    partner, changed, looked, found = np.zeros((4, n), np.int64)
+    return State(
+        s=s.copy(),
+        lines=np.column_stack([angle(s), length(s), np.ones(n)]),
+        alive=np.ones(n, np.int64),
+        parents=np.arange(n),
+        costs=np.full(n, np.inf),
+        partner=partner,
+        changed=changed,
+        looked=looked,
+        winners=winners,
+        cells=empty_cells(s, distance / APART, n),
+        found=found,
+    )
+
+
+@compiled
+def _line_cost(s: Array, lines: Array, i: int, j: int, share: float, turn: float) -> float:
+    """`0.66 D_ang + 0.09 D_uva`, metres, where j lies at `turn` from i and pulls with `share`."""
+    direction = lines[i, 0] + share * turn
+    x = (1 - share) * (s[i, 0, 0] + s[i, 1, 0]) / 2 + share * (s[j, 0, 0] + s[j, 1, 0]) / 2
+    y = (1 - share) * (s[i, 0, 1] + s[i, 1, 1]) / 2 + share * (s[j, 0, 1] + s[j, 1, 1]) / 2
+    angular = (1 - share) * lines[i, 1] * np.tan(abs(share * turn))
+    angular += share * lines[j, 1] * np.tan(abs((1 - share) * turn))
+    most = across(s[i], s[j], x, y, np.cos(direction), np.sin(direction))
+    return ANGULAR * angular + ACROSS * most
+
+
+@compiled
+def _turn(s: Array, lines: Array, i: int, j: int, share: float) -> float:
+    """From i to j, radians; of the two of perpendicular segments the cheaper, or the left one."""
+    turn = (lines[j, 0] - lines[i, 0] + np.pi / 2) % np.pi - np.pi / 2
+    if abs(abs(turn) - np.pi / 2) > PERPENDICULAR:
+        return turn
+    left = _line_cost(s, lines, i, j, share, np.pi / 2)
+    right = _line_cost(s, lines, i, j, share, -np.pi / 2)
+    return -np.pi / 2 if right < left - STEP else np.pi / 2
+
+
+@compiled
+def _cost(s: Array, lines: Array, i: int, j: int, distance: float) -> float:
+    """Cost of i < j (A 2.33 to 2.35) in steps; infinite where not below `distance`, metres."""
+    share = lines[j, 2] / (lines[i, 2] + lines[j, 2])
+    turn = _turn(s, lines, i, j, share)
+    least = share * (1 - share) * abs(turn) * (lines[i, 1] + lines[j, 1])
+    if ANGULAR * least >= distance:  # no tangent is smaller than its angle
+        return np.inf
+    cost = _line_cost(s, lines, i, j, share, turn)
+    if cost < distance:
+        cost += APART * apart(s[i], s[j])
+    return np.rint(cost / STEP) if cost < distance else np.inf
+
+
+@compiled
+def _play(state: State, i: int) -> None:
+    """Group i has another cost: find the winners above it."""
+    winners, costs = state.winners, state.costs
+    node = (len(winners) // 2 + i) // 2
+    while node > 0:
+        left, right = winners[2 * node], winners[2 * node + 1]
+        winners[node] = right if right >= 0 and costs[right] < costs[left] else left
+        node //= 2
+
+
+@compiled
+def _look(state: State, i: int, distance: float, merges: int, tell: bool) -> None:
+    """Find the cheapest partner behind i; where asked, `tell` those before i what i costs."""
+    s, lines, costs, partner, looked = (
+        state.s,
+        state.lines,
+        state.costs,
+        state.partner,
+        state.looked,
+    )
+    costs[i], partner[i], looked[i] = np.inf, -1, merges
+    for k in range(near(state.cells, s, s[i], state.found)):
+        j = state.found[k]
+        if j > i:
+            cost = _cost(s, lines, i, j, distance)
+            if cost < costs[i] or (cost == costs[i] and j < partner[i]):
+                costs[i], partner[i] = cost, j
+        elif j < i and tell:
+            cost = _cost(s, lines, j, i, distance)
+            if cost < costs[j] or (cost == costs[j] and i < partner[j]):
+                costs[j], partner[j], looked[j] = cost, i, merges
+                _play(state, j)
+    _play(state, i)
+
+
+@compiled
+def _merge(state: State, i: int, j: int) -> None:
+    """i becomes the mean segment of both and takes in j."""
+    s, lines = state.s, state.lines
+    share = lines[j, 2] / (lines[i, 2] + lines[j, 2])
+    direction = lines[i, 0] + share * _turn(s, lines, i, j, share)
+    leave(state.cells, i)
+    leave(state.cells, j)
+    lines[i, 0], lines[i, 1] = direction, become_mean(s, i, j, share, direction)
+    lines[i, 2] += lines[j, 2]
+    state.alive[j], state.parents[j], state.costs[j] = 0, i, np.inf
+    enter(state.cells, s, i)
+
+
+@compiled
+def _cluster(state: State, distance: float) -> None:
+    """Merge the cheapest pair until none costs less than `distance`, metres."""
+    merges = 0
+    for i in range(len(state.s)):
+        enter(state.cells, state.s, i)
+    for i in range(len(state.s)):
+        _look(state, i, distance, merges, False)
+    while len(state.s) > 0 and state.costs[state.winners[1]] < np.inf:
+        i = state.winners[1]
+        j = state.partner[i]
+        if state.alive[j] == 0 or state.changed[j] > state.looked[i]:
+            _look(state, i, distance, merges, False)
+            continue
+        merges += 1
+        _merge(state, i, j)
+        state.changed[i] = merges
+        _play(state, j)
+        _look(state, i, distance, merges, True)

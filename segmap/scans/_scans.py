@@ -1,0 +1,255 @@
+"""One turn of the laser, and a log of many with what else the robot recorded."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any, NamedTuple, overload
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .. import arrays
+from .._display import Pictured
+from ..arrays import Array, slips
+from ..poses import transform
+
+NO_POSE = (np.nan, np.nan, np.nan)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class LaserScan(Pictured):
+    """Ranges that one turn of the laser measured.
+
+    A beam is valid where its range is finite, positive and below `max_range`. Readers write `inf`
+    where the beam met nothing and NaN where the sensor reported an error.
+
+    Parameters
+    ----------
+    ranges : (n,) array, metres
+    angles : (n,) array, radians
+        Directions of the beams in the sensor's frame, counter-clockwise, 0 ahead.
+    time : float, seconds
+        NaN where it is not known.
+    odometry : (3,) array, metres and radians, or None
+        Pose of the robot by odometry, in a frame that drifts.
+    max_range : float, metres
+    sensor_pose : (3,) array, metres and radians
+        Pose of the sensor in the frame of the robot.
+    codes : (n,) int array or None
+        Error codes of the sensor, where its format has them; 0 where it reported none.
+
+    Raises
+    ------
+    ValueError
+        Where shapes disagree, or where an angle or the sensor's pose is not finite or in degrees.
+
+    Warns
+    -----
+    UserWarning
+        Where half of the ranges are above 1 000 m: they look like millimetres.
+
+    Examples
+    --------
+    >>> scan = LaserScan([1.0, np.inf, 2.0], np.radians([-90, 0, 90]))
+    >>> scan.valid
+    array([ True, False,  True])
+    >>> scan.points().round(6)
+    array([[ 0., -1.],
+           [ 0.,  2.]])
+    """
+
+    ranges: Array
+    angles: Array
+    time: float
+    odometry: Array | None
+    max_range: float
+    sensor_pose: Array
+    codes: NDArray[np.int64] | None
+
+    def __init__(
+        self,
+        ranges: ArrayLike,
+        angles: ArrayLike,
+        time: float = 0.0,
+        odometry: ArrayLike | None = None,
+        max_range: float = np.inf,
+        sensor_pose: ArrayLike = (0.0, 0.0, 0.0),
+        codes: ArrayLike | None = None,
+    ) -> None:
+        keep = object.__setattr__
+        keep(self, "ranges", _row(ranges, "ranges"))
+        keep(self, "angles", _row(angles, "angles", len(self.ranges)))
+        if not np.isfinite(self.angles).all():
+            raise ValueError("angles must be finite, in radians")
+        slips.check_angles(self.angles, "angles")
+        keep(self, "time", _scalar(time, "time"))
+        pose = None if odometry is None else arrays.pose(odometry, "odometry", missing=True)
+        keep(self, "odometry", None if pose is None else _frozen(pose))
+        keep(self, "max_range", _scalar(max_range, "max_range"))
+        if np.isnan(self.max_range):
+            raise ValueError("max_range must be a number, in metres, got nan")
+        slips.check_ranges(self.ranges, self.max_range)
+        keep(self, "sensor_pose", _frozen(arrays.pose(sensor_pose, "sensor_pose")))
+        slips.check_angles(self.sensor_pose[2], "sensor_pose[2]")
+        keep(self, "codes", None if codes is None else _row(codes, "codes", len(self.ranges), int))
+
+    @property
+    def valid(self) -> NDArray[np.bool_]:
+        """Which beams hold a measurement, `(n,)` bool."""
+        r = self.ranges
+        return np.isfinite(r) & (r > 0) & (r < self.max_range)
+
+    def points(self) -> Array:
+        """End points of the valid beams in the robot's frame, `(m, 2)` array, metres."""
+        ok = self.valid
+        r, a = self.ranges[ok], self.angles[ok]
+        return transform(self.sensor_pose, np.stack([r * np.cos(a), r * np.sin(a)], -1))
+
+    def __len__(self) -> int:
+        return len(self.ranges)
+
+    def __repr__(self) -> str:
+        return f"LaserScan({len(self)} beams, {int(self.valid.sum())} valid, t={self.time:.6g} s)"
+
+
+class Skipped(NamedTuple):
+    """What `read(path, on_error="skip")` left out: how many lines, and why the first."""
+
+    lines: int = 0
+    reason: str = ""
+
+    def __bool__(self) -> bool:
+        return self.lines > 0
+
+
+NOTHING_SKIPPED = Skipped()
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Log(Pictured, Sequence[LaserScan]):
+    """Scans in the order of recording, with the poses that the file holds.
+
+    `len(log)`, `log[3]`, `log[-1]` and iteration give scans; a slice, a mask and an array of
+    indices give a log: `log[log.times > 5]`.
+
+    Parameters
+    ----------
+    name : str
+    scans : sequence of LaserScan
+    truth : (k, 3) array, metres and radians, or None
+        Corrected pose of the robot for each scan; rows of NaN for scans without.
+    skipped : Skipped
+        What the reader left out of a damaged file.
+
+    Raises
+    ------
+    ValueError
+        Where a scan is no LaserScan, or the truth not one pose a scan.
+
+    Warns
+    -----
+    UserWarning
+        Where the headings of odometry or truth look like degrees.
+
+    Examples
+    --------
+    >>> log = Log("two", [LaserScan([1.0], [0.0], time=t) for t in (0.0, 0.1)])
+    >>> log.times, log[1:]
+    (array([0. , 0.1]), Log('two', 1 scan, no odometry, no truth))
+    """
+
+    name: str
+    scans: tuple[LaserScan, ...]
+    truth: Array | None
+    skipped: Skipped
+
+    def __init__(
+        self,
+        name: str,
+        scans: Sequence[LaserScan],
+        truth: ArrayLike | None = None,
+        skipped: Skipped = NOTHING_SKIPPED,
+    ) -> None:
+        keep = object.__setattr__
+        keep(self, "name", name)
+        if not isinstance(scans, Iterable):
+            raise ValueError(f"scans must be a list of LaserScan, got {type(scans).__name__}")
+        keep(self, "scans", tuple(scans))
+        for k, scan in enumerate(self.scans):
+            if not isinstance(scan, LaserScan):
+                raise ValueError(f"scans[{k}] must be a LaserScan, got {type(scan).__name__}")
+        count = len(self.scans)
+        rows = None if truth is None else arrays.poses(truth, "truth", count=count, missing=True)
+        keep(self, "truth", None if rows is None else _frozen(rows))
+        keep(self, "skipped", skipped)
+        slips.check_headings(self.odometry, "the odometry")
+        if self.truth is not None:
+            slips.check_headings(self.truth, "the truth")
+
+    @property
+    def times(self) -> Array:
+        """Times of the scans, `(k,)` array, seconds."""
+        return np.array([scan.time for scan in self.scans])
+
+    @property
+    def odometry(self) -> Array:
+        """Poses by odometry, `(k, 3)` array, metres and radians; NaN where a scan has none."""
+        rows = [NO_POSE if scan.odometry is None else scan.odometry for scan in self.scans]
+        return np.array(rows, float).reshape(-1, 3)
+
+    def __len__(self) -> int:
+        return len(self.scans)
+
+    @overload
+    def __getitem__(self, index: int) -> LaserScan: ...
+    @overload
+    def __getitem__(self, index: slice | Sequence[int] | NDArray[Any]) -> Log: ...
+    def __getitem__(self, index: Any) -> LaserScan | Log:
+        if not isinstance(index, slice) and np.ndim(index) == 0:
+            return self.scans[index]
+        chosen = np.arange(len(self))[index]
+        truth = None if self.truth is None else self.truth[chosen]
+        part = object.__new__(Log)  # the units of the whole are checked, a part may be thin
+        scans = tuple(self.scans[k] for k in chosen)
+        known = None if truth is None else _frozen(truth)
+        vars(part).update(name=self.name, scans=scans, truth=known, skipped=self.skipped)
+        return part
+
+    def __iter__(self) -> Iterator[LaserScan]:
+        return iter(self.scans)
+
+    def __repr__(self) -> str:
+        count = f"{len(self)} scan" + "s" * (len(self) != 1)
+        moved = sum(scan.odometry is not None for scan in self.scans)
+        known = 0 if self.truth is None else int(np.isfinite(self.truth).all(1).sum())
+        parts = [count, _share(moved, len(self), "odometry"), _share(known, len(self), "truth")]
+        return f"Log({self.name!r}, {', '.join(parts)})"
+
+
+def _share(count: int, of: int, what: str) -> str:
+    if count == 0:
+        return f"no {what}"
+    return what if count == of else f"{what} for {count}"
+
+
+def _row(values: ArrayLike, name: str, count: int | None = None, dtype: type = float) -> Any:
+    """One number a beam, `(n,)`, that nobody can change any more."""
+    array = arrays.indices(values, name) if dtype is int else arrays.numbers(values, name)
+    if array.ndim != 1 or count not in (None, len(array)):
+        wanted = "(n,)" if count is None else f"({count},)"
+        raise ValueError(f"{name} must have shape {wanted}, got {array.shape}")
+    return _frozen(array, dtype)
+
+
+def _scalar(value: object, name: str) -> float:
+    array = arrays.numbers(value, name, "a number")
+    if array.shape != ():
+        raise ValueError(f"{name} must be a number, got shape {array.shape}")
+    return float(array)
+
+
+def _frozen(values: NDArray[Any], dtype: type = float) -> Any:
+    array: NDArray[Any] = np.array(values, dtype)
+    array.flags.writeable = False
+    return array

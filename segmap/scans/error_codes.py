@@ -1,0 +1,120 @@
+"""Error codes of Hokuyo's sensors: a value that says why there is no distance.
+
+One table for all who meet those of the URG-04LX: the driver, the emulator, and the readers of logs;
+another for the sensors of longer reach, which the driver and the emulator meet.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..arrays import Array
+
+#: Values below this, in millimetres, are codes.
+LOWEST = 20
+
+
+class Meaning(NamedTuple):
+    """A code in words, and as a range: `inf` for nothing in reach, NaN for an error."""
+
+    words: str
+    range: float
+
+
+# SCIP, section 4: "others" of SCIP 2.0 have the words of SCIP 1.1 where it has any. Code 6 is no
+# error: in logs of both, beams with it stay without range while the sensor stands, as with code 0.
+CODES: tuple[Meaning, ...] = (
+    Meaning("nothing met, or something at 22 m", np.inf),
+    *[Meaning("the light came back too weak", np.nan)] * 5,
+    Meaning("nothing met, or something at 5.7 m, out of reach", np.inf),
+    Meaning("the beams before and after are bad", np.nan),
+    Meaning("two waves of light came back unlike", np.nan),
+    Meaning("the same step was bad in the last two turns", np.nan),
+    *[Meaning("another error", np.nan)] * 6,
+    Meaning("another error, or something near 4.1 m", np.nan),
+    Meaning("another error", np.nan),
+    Meaning("a strong reflector", np.nan),
+    Meaning("a step that is not measured", np.nan),
+)
+#: The codes that an emulated sensor gives and a recorder fills in.
+NOTHING_MET, NEIGHBOURS_BAD, NOT_MEASURED = 0, 7, 19
+
+_RANGES = np.array([code.range for code in CODES])
+
+
+def as_ranges(millimetres: ArrayLike) -> tuple[Array, NDArray[np.int64]]:
+    """Ranges in metres, and the codes of those that are none.
+
+    Parameters
+    ----------
+    millimetres : (n,) array
+        As the sensor gives them, or as a log has them after some arithmetic.
+
+    Returns
+    -------
+    ranges : (n,) array, metres
+        `inf` where nothing was met, NaN for errors and for what is negative or no number.
+    codes : (n,) int array
+        0 where there is a range.
+
+    Examples
+    --------
+    >>> as_ranges([392, 0, 7])
+    (array([0.392,   inf,   nan]), array([0, 0, 7]))
+    """
+    given = np.asarray(millimetres, float)
+    whole = np.rint(given)
+    coded = (given >= 0) & (whole < LOWEST)
+    codes = np.where(coded, whole, 0).astype(np.int64)
+    return np.where(coded, _RANGES[codes], np.where(given > 0, given / 1000, np.nan)), codes
+
+
+# ------------------------------------------------------------------------- of longer reach
+#: Codes of the UTM-30LX (SCIP 2.0, Hokuyo C-42-03320B, table 4): nothing met, and too near; 3 to 5
+#: are other errors.
+NOTHING, TOO_NEAR = 1, 2
+#: What its successors UST-10LX and UTM-30LX-EW are reported to send where nothing is met; values
+#: above are errors.
+NOTHING_FAR = 65533
+
+
+def as_far_ranges(
+    millimetres: ArrayLike, *, least: int, most: int
+) -> tuple[Array, NDArray[np.int64]]:
+    """Ranges in metres, and the codes of those that are none, of a UTM-30LX or its successors.
+
+    Parameters
+    ----------
+    millimetres : (n,) array
+        As the sensor gives them.
+    least, most : int, millimetres
+        What it measures, by its own word: values below are codes or too near, values above are out
+        of reach.
+
+    Returns
+    -------
+    ranges : (n,) array, metres
+        `inf` where nothing was met within reach, NaN for errors.
+    codes : (n,) int array
+        The value itself where it is no range, else 0.
+
+    Examples
+    --------
+    >>> as_far_ranges([9392, 1, 3, 65533], least=23, most=30000)
+    (array([9.392,   inf,   nan,   inf]), array([    0,     1,     3, 65533]))
+    """
+    given = np.rint(np.asarray(millimetres, float)).astype(np.int64)
+    is_range = (given >= least) & (given <= most)
+    nothing = (given == NOTHING) | ((given > most) & (given <= NOTHING_FAR))
+    ranges = np.where(is_range, given / 1000, np.where(nothing, np.inf, np.nan))
+    return ranges, np.where(is_range, 0, given)
+
+
+def told_in_a_text(ranges: Array, codes: NDArray[np.int64]) -> NDArray[np.bool_]:
+    """Which beams have a code that a log of a URG-04LX would be read by as the sensor meant it."""
+    known = (codes >= 0) & (codes < LOWEST)
+    meant = _RANGES[np.where(known, codes, 0)]
+    return np.asarray(known & (np.isposinf(meant) == np.isposinf(ranges)))

@@ -1,0 +1,16 @@
+"""Line segments: arrays `(n, 2, 2)` in metres, `segments[i, k]` is end point k of segment i.
+
+A segment has no direction: swapping its end points gives the same segment.
+"""
+
+from ._segments import (
+    MIN_LENGTH,
+    STORED,
+    SegmentMap,
+    angle,
+    extreme_projections,
+    length,
+    midpoint,
+    point_distance,
+    take_points,
+)

@@ -1,0 +1,66 @@
+"""What lies behind the segments of a map: their points, and the places of the sensor."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .. import arrays
+from ..arrays import Array
+
+
+def take_points(
+    points: Array, first: NDArray[np.int64], rows: NDArray[np.int64]
+) -> tuple[Array, NDArray[np.int64]]:
+    """Points of some of the segments, and where those of each begin.
+
+    Parameters
+    ----------
+    points : (p, 2) array, metres
+    first : (n + 1,) int array
+    rows : (m,) int array
+
+    Returns
+    -------
+    (q, 2) array, metres, and (m + 1,) int array
+
+    Examples
+    --------
+    >>> points, first = np.arange(10.0).reshape(5, 2), np.array([0, 2, 5])
+    >>> take_points(points, first, np.array([1]))[0][:, 0], take_points(points, first, [1])[1]
+    (array([4., 6., 8.]), array([0, 3]))
+    """
+    counts = np.diff(first)[rows]
+    starts = np.append(0, np.cumsum(counts))
+    shift = np.repeat(first[:-1][rows] - starts[:-1], counts)
+    return points[np.arange(starts[-1]) + shift], starts
+
+
+def behind(
+    points: ArrayLike | None, first: ArrayLike | None, count: int
+) -> tuple[Array | None, NDArray[np.int64] | None]:
+    """Copies of the points behind `count` segments, metres, and where those of each begin."""
+    if points is None and first is None:
+        return None, None
+    if points is None or first is None:
+        raise ValueError("points and first must be given together, or neither of them")
+    p, starts = np.array(arrays.points(points)), arrays.indices(first, "first")
+    counts = np.diff(starts) if starts.shape == (count + 1,) else np.zeros(1)
+    if starts.shape != (count + 1,) or (counts < 2).any() or [starts[0], starts[-1]] != [0, len(p)]:
+        raise ValueError(
+            f"first must rise from 0 to {len(p)}, the number of points, in {count} steps of at "
+            f"least 2 points a segment, got {len(starts)} values"
+        )
+    return p, starts
+
+
+def places_of(sensors: ArrayLike, scan: NDArray[np.int64]) -> Array:
+    """A copy of the places of the sensor, metres, of which each scan with segments has one."""
+    places = np.array(arrays.table(sensors, "sensors", 2, missing=True))
+    low, high = (scan.min(), scan.max()) if len(scan) else (0, -1)
+    if low < 0 or high >= len(places) or not np.isfinite(places[scan]).all():
+        raise ValueError(
+            f"sensors must hold a place for each scan that has segments, {low} to {high}, "
+            f"got {len(places)} places"
+        )
+    return places

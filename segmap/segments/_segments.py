@@ -1,0 +1,276 @@
+"""Line segments: arrays `(n, 2, 2)` in metres, `segments[i, k]` is end point k of segment i.
+
+A segment has no direction: swapping its end points gives the same segment.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, fields
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .. import arrays
+from .._display import Pictured
+from ..arrays import Array, Segments
+from ..files import read_npz, write_npz
+from ._points import behind, places_of, take_points
+
+__all__ = [
+    "MIN_LENGTH", "SegmentMap", "angle", "extreme_projections", "length", "midpoint",
+    "point_distance", "take_points",
+]  # fmt: skip
+
+#: Below this length, in metres, a segment has no angle.
+MIN_LENGTH = 1e-9
+#: What a file of a map calls itself, with the version of its layout.
+STORED = "segmap map 1"
+
+
+def length(segments: ArrayLike) -> Array:
+    """Lengths of segments.
+
+    Parameters
+    ----------
+    segments : (..., 2, 2) array, metres
+
+    Returns
+    -------
+    (...) array, metres
+
+    Examples
+    --------
+    >>> length([[(0, 0), (3, 4)]])
+    array([5.])
+    """
+    d = _span(segments)
+    return np.hypot(d[..., 0], d[..., 1])
+
+
+def angle(segments: ArrayLike) -> Array:
+    """Angles of the lines through segments, in `[0, pi)`; 0 for one without length.
+
+    Parameters
+    ----------
+    segments : (..., 2, 2) array, metres
+
+    Returns
+    -------
+    (...) array, radians
+
+    Examples
+    --------
+    >>> np.degrees(angle([[(0, 0), (1, 1)], [(0, 0), (1, -1)], [(1, 0), (0, 0)]]))
+    array([ 45., 135.,   0.])
+    """
+    d = _span(segments)
+    found = np.arctan2(d[..., 1], d[..., 0]) % np.pi
+    return np.where(found == np.pi, 0.0, found)  # -1e-20 % pi rounds up to pi
+
+
+def midpoint(segments: ArrayLike) -> Array:
+    """Middles of segments.
+
+    Parameters
+    ----------
+    segments : (..., 2, 2) array, metres
+
+    Returns
+    -------
+    (..., 2) array, metres
+
+    Examples
+    --------
+    >>> midpoint([[(0, 0), (3, 4)]])
+    array([[1.5, 2. ]])
+    """
+    return arrays.trailing(segments, "segments", 2, 2).mean(axis=-2)
+
+
+def extreme_projections(points: ArrayLike, through: ArrayLike, angle: ArrayLike) -> Array:
+    """Segment on a line that just spans the projections of points.
+
+    Parameters
+    ----------
+    points : (m, 2) array, metres
+    through : (2,) array, metres
+        A point of the line.
+    angle : float, radians
+        Direction of the line.
+
+    Returns
+    -------
+    (2, 2) array, metres
+
+    Examples
+    --------
+    >>> extreme_projections([(0, 1), (3, -1), (2, 0)], (0, 0), 0.0)
+    array([[0., 0.],
+           [3., 0.]])
+    """
+    xy, origin = arrays.points(points), arrays.point(through, "through")
+    arrays.number(angle, "angle", unit="radians")
+    if not len(xy):
+        raise ValueError("points must hold at least one point, got none")
+    d = np.array([np.cos(angle), np.sin(angle)])
+    u = (xy - origin) @ d
+    return origin + np.array([u.min(), u.max()])[:, None] * d
+
+
+def point_distance(points: ArrayLike, segments: ArrayLike) -> Array:
+    """Distances from points to segments (not to their lines); leading axes broadcast.
+
+    Parameters
+    ----------
+    points : (..., 2) array, metres
+    segments : (..., 2, 2) array, metres
+
+    Returns
+    -------
+    (...) array, metres
+
+    Examples
+    --------
+    >>> point_distance([(1, 2), (5, 0)], [(0, 0), (2, 0)])
+    array([2., 3.])
+    """
+    p, s = arrays.trailing(points, "points", 2), arrays.trailing(segments, "segments", 2, 2)
+    d, r = s[..., 1, :] - s[..., 0, :], p - s[..., 0, :]
+    square = (d * d).sum(-1)
+    t = np.clip((r * d).sum(-1) / np.where(square > 0, square, 1.0), 0, 1)
+    foot = r - t[..., None] * d
+    return np.hypot(foot[..., 0], foot[..., 1])
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class SegmentMap(Pictured):
+    """Segments of a map, the scan from which each came, and what lies behind them if it was kept.
+
+    Parameters
+    ----------
+    segments : (n, 2, 2) array, metres
+        In the frame of the map.
+    scan : (n,) int array or None
+        Index of the scan of each segment; None puts all into scan 0.
+    points : (p, 2) array, metres, or None
+        Points behind the segments, those of segment i are `points[first[i] : first[i + 1]]`.
+    first : (n + 1,) int array or None
+        Given with `points`: at least two points a segment.
+    sensors : (k, 2) array, metres, or None
+        Where the sensor was at each scan; NaN for a scan without segments.
+
+    Raises
+    ------
+    ValueError
+        Where shapes disagree or a coordinate is not finite.
+
+    Examples
+    --------
+    >>> map = SegmentMap([[(0, 0), (1, 0)], [(0, 1), (0.05, 1)]], scan=[0, 3])
+    >>> map, map.filtered(), map[1:]
+    (SegmentMap(2 segments of 2 scans), SegmentMap(1 segment of 1 scan), \
+SegmentMap(1 segment of 1 scan))
+    """
+
+    segments: Array
+    scan: NDArray[np.int64]
+    points: Array | None
+    first: NDArray[np.int64] | None
+    sensors: Array | None
+
+    def __init__(
+        self,
+        segments: Segments,
+        scan: ArrayLike | None = None,
+        *,
+        points: ArrayLike | None = None,
+        first: ArrayLike | None = None,
+        sensors: ArrayLike | None = None,
+    ) -> None:
+        array = np.array(arrays.segments(segments))
+        index = np.zeros(len(array), np.int64) if scan is None else arrays.indices(scan, "scan")
+        if index.shape != (len(array),):
+            raise ValueError(
+                f"scan must have shape ({len(array)},), one index a segment, got {index.shape}"
+            )
+        places = None if sensors is None else places_of(sensors, index)
+        values = (array, index, *behind(points, first, len(array)), places)
+        for field, value in zip(fields(self), values, strict=True):
+            if value is not None:
+                value.flags.writeable = False
+            object.__setattr__(self, field.name, value)
+
+    def filtered(self, min_length: float = 0.10) -> SegmentMap:
+        """Keep only the segments `(m, 2, 2)` of at least `min_length` metres (A 6.2.1: 0.10 m)."""
+        least = arrays.number(min_length, "min_length", least=0, unit="metres")
+        return self[length(self.segments) >= least]
+
+    def __getitem__(self, rows: slice | ArrayLike) -> SegmentMap:
+        """Some of the segments, by a slice, a mask or indices, with all that lies behind them."""
+        index = np.arange(len(self))[rows if isinstance(rows, slice) else np.asarray(rows)]
+        if index.ndim != 1:
+            raise TypeError(f"take a slice, a mask or indices of segments, got {rows!r}")
+        points, first = self.points, self.first
+        if points is not None and first is not None:
+            points, first = take_points(points, first, index)
+        kept, scan = self.segments[index], self.scan[index]
+        return SegmentMap(kept, scan, points=points, first=first, sensors=self.sensors)
+
+    def by_scan(self) -> Iterator[Array]:
+        """Segments `(m, 2, 2)`, metres, of each scan that has some, ascending, input order kept."""
+        order = np.argsort(self.scan, kind="stable")
+        cuts = np.flatnonzero(np.diff(self.scan[order])) + 1
+        return iter(np.split(self.segments[order], cuts) if len(order) else [])
+
+    def save(self, path: str | Path) -> None:
+        """Write the map with all that lies behind it as NPZ: whole or not at all.
+
+        Raises
+        ------
+        OSError
+            For a folder that does not exist, or cannot be written to.
+
+        Examples
+        --------
+        >>> import tempfile
+        >>> with tempfile.TemporaryDirectory() as folder:
+        ...     SegmentMap([[(0, 0), (1, 0)]], scan=[3]).save(f"{folder}/it.npz")
+        ...     SegmentMap.load(f"{folder}/it.npz").scan
+        array([3])
+        """
+        held = {field.name: getattr(self, field.name) for field in fields(self)}
+        held = {name: value for name, value in held.items() if value is not None}
+        write_npz(arrays.file(path), STORED, held)
+
+    @classmethod
+    def load(cls, path: str | Path) -> SegmentMap:
+        """Read what `save` wrote, bit for bit.
+
+        Raises
+        ------
+        ValueError
+            For a file that is damaged or foreign, or unpacks to more than 1 MB and 50 times its
+            size, saying what is wrong with it.
+        """
+        found = read_npz(arrays.file(path), STORED)
+        if not {"segments", "scan"} <= set(found) <= {field.name for field in fields(cls)}:
+            raise ValueError(f"{path}: damaged, it holds {sorted(found)}")
+        try:
+            return cls(**found)
+        except ValueError as fault:
+            raise ValueError(f"{path}: damaged, {fault}") from None
+
+    def __len__(self) -> int:
+        return len(self.segments)
+
+    def __repr__(self) -> str:
+        n, k = len(self), len(np.unique(self.scan))
+        behind = "" if self.points is None else f", {len(self.points)} points"
+        return f"SegmentMap({n} segment{'s' * (n != 1)} of {k} scan{'s' * (k != 1)}{behind})"
+
+
+def _span(segments: ArrayLike) -> Array:
+    s = arrays.trailing(segments, "segments", 2, 2)
+    return s[..., 1, :] - s[..., 0, :]

@@ -1,0 +1,128 @@
+"""What a pose graph says of itself: scans that are not sure, and why."""
+
+from dataclasses import replace
+
+import alignment_logs as logs
+import numpy as np
+import pytest
+
+from segmap.alignment import Alignment, point_icp, pose_graph
+from segmap.alignment.graph._graph import Edge, residuals, stacked
+from segmap.alignment.pose_graph._doubt import LOOSE, UNTIED, judged, sentence, spread, untied
+from segmap.poses import between, compose
+from segmap.scans import Log
+
+
+def chain(count: int, *loops: tuple[int, int]) -> tuple[np.ndarray, list[Edge]]:
+    """Poses on a half circle, a step from each to the next, and loops: 2 cm and 0.3 degrees."""
+    turn = np.linspace(0, np.pi, count)
+    poses = np.stack([5 * np.sin(turn), 5 - 5 * np.cos(turn), turn], -1)
+    sure = np.diag(1 / np.array([0.02, 0.02, np.radians(0.3)]) ** 2)
+    ends = [(k, k + 1, False) for k in range(count - 1)] + [(*loop, True) for loop in loops]
+    return poses, [Edge(i, j, between(poses[i], poses[j]), sure, loop) for i, j, loop in ends]
+
+
+def literal_spread(poses: np.ndarray, edges: Edge, weight: np.ndarray) -> np.ndarray:
+    """By the inverse of the whole matrix, and the projection that takes rigid motions out."""
+    n, tiny = len(poses), 1e-5 * np.eye(3 * len(poses))
+    jacobian = np.stack(
+        [residuals(poses + one.reshape(n, 3), edges) - residuals(poses, edges) for one in tiny], -1
+    )
+    jacobian = jacobian / 1e-5
+    hessian = np.einsum("mia,mij,mjb->ab", jacobian, edges.information, jacobian, optimize=True)
+    covariance = np.zeros_like(hessian)
+    covariance[3:, 3:] = np.linalg.inv(hessian[3:, 3:])
+    places = np.delete(np.arange(3 * n), np.arange(2, 3 * n, 3))
+    covariance = covariance[np.ix_(places, places)]
+    across = np.stack([-poses[:, 1], poses[:, 0]], -1).ravel()
+    rigid = np.stack([np.tile([1.0, 0], n), np.tile([0, 1.0], n), across], -1)
+    share = np.repeat(weight, 2)
+    fit = rigid @ np.linalg.solve(rigid.T * share @ rigid, rigid.T * share)
+    left = np.eye(2 * n) - fit
+    return np.sqrt(np.diag(left @ covariance @ left.T).reshape(n, 2).sum(1))
+
+
+@pytest.mark.parametrize("loops", [[], [(0, 29)], [(0, 20), (5, 29)]])
+def test_spread_is_that_of_the_inverse(loops):
+    """Rigid motions left in, a covariance for an information, weights of scans forgotten."""
+    poses, edges = chain(30, *loops)
+    weight = np.r_[np.ones(15), np.full(15, 4.0)]
+    drawn, exact = (f(poses, stacked(edges), weight) for f in (spread, literal_spread))
+    np.testing.assert_allclose(drawn, exact, rtol=0.35)
+    assert abs((drawn / exact).mean() - 1) < 0.15
+    moved = spread(compose(np.array([40.0, -3.0, 2.0]), poses), stacked(edges), weight)
+    np.testing.assert_allclose(moved, drawn, rtol=1e-6)
+
+
+def test_a_loop_makes_the_middle_surer():
+    (poses, open_), (_, closed) = chain(60), chain(60, (0, 59))
+    far, near = (spread(poses, stacked(edges), np.ones(60)) for edges in (open_, closed))
+    assert near[0] < 0.8 * far[0] and near.max() < far.max()
+
+
+@pytest.mark.parametrize(("loops", "apart"), [([], [4, 5]), ([(0, 5)], []), ([(4, 5)], [4, 5])])
+def test_what_hangs_on_a_step_without_a_match_is_untied(loops, apart):
+    """The smaller part by scans; a loop across ties it, one within does not."""
+    _, edges = chain(6, *loops)
+    tied = [True, True, True, True, False, True]
+    assert np.flatnonzero(untied(tied, edges, np.ones(6))).tolist() == apart
+    assert untied(tied, edges, np.r_[np.ones(4), 9, 9])[:4].all() == (apart == [4, 5])
+
+
+def test_reasons_and_the_sentence():
+    """A scan's own reason comes first; counts and the worst scan by two standard deviations."""
+    far = np.array([0.1, 0.3, 1.2, 0.1, 0.1])
+    reasons = judged(["", "", "", "it slides", ""], np.array([0, 0, 0, 1, 1], bool))
+    assert reasons == ("", "", "", "it slides", UNTIED)
+    assert sentence([""] * 5, np.zeros(5), np.zeros(9)) == ""
+    assert sentence([*reasons[:4], LOOSE], far, np.r_[6, 7, np.ones(7)], converged=False) == (
+        f"at 1 of 5 scans {LOOSE}; 2 of 5 scans may be more than 0.5 m off, scan 2 by 2.4 m; "
+        "2 of 9 loops stay open by over 5 standard deviations; "
+        "the solver stopped before it came to an end"
+    )
+    found = Alignment(np.zeros((5, 3)), np.array([1, 1, 0, 0, 1], bool), 0.0, spread=far)
+    assert found.sure.tolist() == [True, False, False, False, True]
+
+
+@pytest.mark.parametrize("method", [pose_graph, point_icp])
+def test_between_endless_walls_without_odometry_no_scan_is_used(method):
+    """6 m short and sure of itself: the walls hold whatever is assumed along them."""
+    log = logs.without_odometry(logs.featureless_log())
+    found = method(log)
+    assert logs.errors(log, found.poses)[0].max() > 1
+    assert found.used.tolist() == [True] + [False] * (len(log) - 1)
+    assert set(found.reasons[1:]) == {LOOSE} and LOOSE in found.doubt
+
+
+def test_between_endless_walls_the_wheels_alone_are_not_sure():
+    found = pose_graph(logs.featureless_log())
+    assert found.used.all() and not found.sure.all()
+    assert "may be more than 0.5 m off" in found.doubt
+
+
+def test_a_kidnapped_robot_says_what_hangs_on_the_wheels():
+    """Carried into a building it has never seen: a map of two parts, and no match between them."""
+    log = logs.joined(logs.loop_log()[:40], logs.office_log()[9:])
+    found = pose_graph(log)
+    assert found.used[:40].all() and not found.used[41:].any()
+    assert set(found.reasons[41:]) <= {UNTIED, "too little of it lies on the map"}
+    assert f"of {len(log)} scans to the rest" in found.doubt
+
+
+def test_without_odometry_a_scan_that_did_not_match_starts_no_motion():
+    """The last motion went on from false match to false match, 13 m a scan in the Intel log."""
+    log = logs.blind(logs.office_log(), 10, 11, 12)
+    here, there = (pose_graph(each).poses for each in (log, logs.without_odometry(log)))
+    np.testing.assert_allclose(there[[11, 12]], there[[10, 10]], atol=1e-9)
+    assert not np.allclose(here[12], here[10], atol=0.1)
+
+
+def test_without_odometry_a_turn_larger_than_the_window_is_found():
+    """Half a turn between two scans: 40 and 80 degrees about the last motion do not hold it."""
+    scan = logs.without_odometry(logs.office_log()[8:9])[0]
+    turned = replace(scan, angles=scan.angles - 2.6)
+    found = pose_graph(Log("turned", [scan, turned]))
+    assert found.used.all()
+    np.testing.assert_allclose(found.poses[1], (0, 0, 2.6), atol=0.02)
+    still = [replace(each, odometry=np.zeros(3)) for each in (scan, turned)]
+    assert not pose_graph(Log("wheels", still)).used.all()

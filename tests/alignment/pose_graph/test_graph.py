@@ -1,0 +1,174 @@
+"""Robust least squares over poses: against plain loops, scipy and exact graphs."""
+
+import numpy as np
+import pytest
+from segmap_course import literal
+
+from segmap import load
+from segmap.alignment import pose_graph, solve_graph
+from segmap.alignment.graph import _graph as graph
+from segmap.alignment.graph._graph import Edge, deviations, residuals, solve
+from segmap.angles import wrap
+from segmap.poses import between, compose
+from segmap.testing import assert_poses_equal
+
+#: Standard deviations of a measured motion, metres and radians.
+SPREAD = np.array([0.02, 0.03, 0.01])
+
+
+def ring(count: int = 12, chords: int = 6, seed: int = 0) -> tuple[np.ndarray, Edge]:
+    """Poses on a circle, and the exact motions between neighbours and along some chords."""
+    rng = np.random.default_rng(seed)
+    t = 2 * np.pi * np.arange(count) / count
+    poses = np.stack([5 * np.cos(t), 5 * np.sin(t), wrap(t + np.pi / 2)], -1)
+    first = np.r_[np.arange(count - 1), rng.integers(0, count // 3, chords)]
+    second = np.r_[np.arange(1, count), rng.integers(count // 2, count, chords)]
+    weights = np.array([np.diag(1 / (SPREAD * rng.uniform(0.5, 2, 3)) ** 2) for _ in first])
+    turn = np.array([(0.8, -0.6, 0), (0.6, 0.8, 0), (0, 0, 1)])  # x and y are correlated
+    weights = turn @ weights @ turn.T
+    return poses, Edge(first, second, between(poses[first], poses[second]), weights)
+
+
+def noisy(edges: Edge, seed: int = 1, factor: float = 1.0) -> Edge:
+    error = np.random.default_rng(seed).normal(0, factor * SPREAD, edges.relative.shape)
+    return edges._replace(relative=edges.relative + error)
+
+
+def chained(edges: Edge, count: int, start: np.ndarray) -> np.ndarray:
+    """Poses by the steps alone, as a robot without loops would have them."""
+    poses = [start]
+    for k in range(count - 1):
+        poses.append(compose(poses[-1], edges.relative[k]))
+    return np.array(poses)
+
+
+@pytest.mark.parametrize("scale", [graph.SCALE, np.inf])
+def test_each_step_is_that_of_the_plain_loops(scale):
+    """A block of the matrix in the wrong place, a weight that is squared: it may still converge."""
+    truth, edges = ring()
+    edges = noisy(edges, factor=4.0)
+    poses = chained(edges, len(truth), truth[0])
+    assert deviations(poses, edges).max() > 2 * graph.SCALE  # the loss is not just a square
+    for _ in range(3):
+        plain = literal.gauss_newton(poses, list(zip(*edges[:4], strict=True)), scale)
+        poses = solve(poses, edges, rounds=1, scale=scale).poses
+        assert_poses_equal(poses, plain, atol=1e-9)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_equal_to_scipy(seed):
+    """The same cost, minimised by somebody else: residuals whose squares are the Cauchy loss.
+
+    Weights that are squared or left out, or a wrong derivative, lead to another place.
+    """
+    from scipy.optimize import least_squares
+
+    truth, edges = ring(count=8, seed=seed)
+    edges = noisy(edges, seed, factor=3.0)
+    start = chained(edges, 8, truth[0])
+    whitened = np.linalg.cholesky(edges.information).transpose(0, 2, 1)
+
+    def lossy(free: np.ndarray) -> np.ndarray:
+        poses = np.vstack([start[:1], free.reshape(-1, 3)])
+        left = between(poses[edges.first], poses[edges.second]) - edges.relative
+        left[:, 2] = (left[:, 2] + np.pi) % (2 * np.pi) - np.pi
+        left = np.einsum("mij,mj->mi", whitened, left)
+        square = np.maximum((left**2).sum(1), 1e-12) / graph.SCALE**2
+        return (left * graph.SCALE * np.sqrt(np.log1p(square) / square)[:, None]).ravel()
+
+    theirs = least_squares(lossy, start[1:].ravel(), xtol=1e-12, ftol=1e-12, gtol=1e-12)
+    ours = solve(start, edges, rounds=200).poses
+    assert (lossy(ours[1:].ravel()) ** 2).sum() == pytest.approx(2 * theirs.cost, rel=1e-6)
+    np.testing.assert_allclose(between(ours[1:], theirs.x.reshape(-1, 3)), 0, atol=1e-3)
+
+
+def test_the_solution_moves_with_the_first_pose_which_stays():
+    """An angle that is taken in the world's axes; a start that is changed in place."""
+    truth, edges = ring()
+    edges = noisy(edges)
+    world = np.array([-40.0, 25.0, 2.6])
+    start = chained(edges, len(truth), truth[0])
+    once, moved = (solve(p, edges).poses for p in (start, compose(world, start)))
+    np.testing.assert_array_equal(once[0], start[0])
+    np.testing.assert_array_equal(start, chained(edges, len(truth), truth[0]))
+    assert np.abs(once - start).max() > 0.01
+    np.testing.assert_allclose(between(compose(world, once), moved), 0, atol=1e-5)
+    np.testing.assert_allclose(deviations(once, edges), deviations(moved, edges), atol=1e-3)
+
+
+def test_headings_are_compared_the_short_way_round():
+    """A robot that turns on and on: without wrapping an edge across the seam tears the map."""
+    motion, first = np.array([0.5, 0.0, 1.0]), np.arange(12)
+    edges = Edge(first, first + 1, np.tile(motion, (12, 1)), np.tile(np.eye(3), (12, 1, 1)))
+    poses = chained(edges, 13, np.zeros(3))
+    full_turns = edges.relative + np.outer(first % 3 - 1, (0, 0, 2 * np.pi))
+    np.testing.assert_allclose(residuals(poses, edges._replace(relative=full_turns)), 0, atol=1e-9)
+    found = solve(poses + (0, 0, 0.01), edges).poses
+    np.testing.assert_allclose(between(found[:-1], found[1:]), edges.relative, atol=1e-6)
+
+
+def test_information_never_claims_more_than_real_scans_allow():
+    """A covariance of zero would make one edge as hard as a rock."""
+    found = np.linalg.inv(graph.information(np.zeros((3, 3))))
+    np.testing.assert_allclose(np.sqrt(np.diag(found)), (0.02, 0.02, np.radians(0.3)))
+    wide = np.diag([1.0, 0.01, 0.04])
+    np.testing.assert_allclose(np.linalg.inv(graph.information(wide)), wide + graph.REAL)
+
+
+# ------------------------------------------------------------------ a graph solved again
+#: Once round a square of 2 m: every second scan is a key frame.
+TURN = np.array((1.0, 0.0, np.pi / 4))
+SQUARE = Edge(None, None, np.tile(TURN, (7, 1)), None)
+POSES = chained(SQUARE, 8, np.array((3.0, 1.0, 0.5)))
+#: The wheels turn too far at each step; the first pose is right.
+DRIFTED = chained(SQUARE._replace(relative=SQUARE.relative + (0, 0, 0.03)), 8, POSES[0])
+EDGES = np.array([(0, 2), (2, 4), (4, 6), (6, 0)])
+MOTIONS = between(POSES[EDGES[:, 0]], POSES[EDGES[:, 1]])
+
+
+@pytest.mark.parametrize("scale", [3.0, np.inf])
+def test_exact_motions_give_exact_key_frames_and_others_stay_beside_them(scale):
+    """Exchanged ends of an edge; scans hung on the key frame that follows, or left behind."""
+    found = solve_graph(DRIFTED, EDGES, MOTIONS, scale=scale)
+    assert_poses_equal(found[::2], POSES[::2], atol=1e-4)
+    assert_poses_equal(between(found[::2], found[1::2]), between(DRIFTED[::2], DRIFTED[1::2]))
+
+
+def test_a_false_loop_is_outvoted_by_weights_and_believed_by_least_squares():
+    """Catches a scale that is ignored."""
+    rng = np.random.default_rng(1)
+    poses = np.column_stack([np.arange(12.0), np.zeros((12, 2))])
+    ends = np.array([(i, j) for i in range(12) for j in (i + 1, i + 2) if j < 12])
+    motions = between(poses[ends[:, 0]], poses[ends[:, 1]]) + rng.normal(0, 0.003, (len(ends), 3))
+    edges, motions = np.vstack([ends, (0, 11)]), np.vstack([motions, (3.0, 0, 0)])
+    robust, plain = (solve_graph(poses, edges, motions, scale=s) for s in (3.0, np.inf))
+    assert np.abs(robust - poses)[:, :2].max() < 0.1 < 1 < np.abs(plain - poses)[:, :2].max()
+
+
+def test_a_pose_graph_solved_again_stays():
+    """Catches a graph that keeps other ends, motions or weights than it was solved from."""
+    found = pose_graph(load("corridor")[:150])
+    kept = found.graph
+    again = solve_graph(found.poses, kept.edges, kept.relative, information=kept.information)
+    assert_poses_equal(again, found.poses, atol=1e-4)
+    assert_poses_equal(solve_graph(found.poses, [], []), found.poses)
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"poses": np.zeros((4, 2))}, "poses must"),
+        ({"relative": MOTIONS[:3]}, "relative must"),
+        ({"relative": MOTIONS * np.nan}, "relative must be finite"),
+        ({"information": np.eye(3)}, "information must be"),
+        ({"edges": EDGES + 2}, "scans 0 to 7, got 2 to 8"),
+        ({"edges": EDGES - 1}, "got -1 to 5"),
+        ({"edges": [(0, 2), (2, 0), (4, 6), (6, 4)]}, "scan 4 is not tied"),
+        ({"scale": 0.0}, "scale must be a number of at least 1e-09"),
+        ({"scale": np.nan}, "scale must be a number of at least 1e-09"),
+    ],
+)
+def test_what_cannot_be_solved_is_refused(change, message):
+    given = {"poses": POSES, "edges": EDGES, "relative": MOTIONS} | change
+    with pytest.raises(ValueError, match=message):
+        solve_graph(given.pop("poses"), given.pop("edges"), given.pop("relative"), **given)

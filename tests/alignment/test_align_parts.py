@@ -1,0 +1,159 @@
+"""Parts of a log, aligned apart and joined: as the whole log, on any executor."""
+
+from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
+from contextlib import contextmanager
+from multiprocessing import get_context
+
+import alignment_logs as logs
+import numpy as np
+import pytest
+from conftest import slow
+
+from segmap.alignment import LoopClosing, Rejected, align_parts, pose_graph
+from segmap.alignment.graph._graph import Edge
+from segmap.alignment.pose_graph._key_frames import KeyFrames
+from segmap.alignment.pose_graph._loop_closing import LoopCloser
+from segmap.alignment.pose_graph._parts import Joint, _aligned, _append_loops, _inside, _join
+
+LOG = logs.loop_log(step=0.5)
+POINTS, START = np.array([(1.0, 0.0)]), np.zeros(3)
+
+
+def cut(log, *at):
+    return [log[a:b] for a, b in zip((0, *at), (*at, len(log)), strict=True)]
+
+
+@pytest.fixture(scope="module")
+def joined():
+    return align_parts(cut(LOG, 90))
+
+
+def test_parts_are_joined_by_the_loops_between_them(joined):
+    """Wheels alone end metres away; no part closes a loop of its own."""
+    whole = pose_graph(LOG)
+    assert joined.used.all() and len(joined) == len(LOG)
+    assert np.hypot(*(joined.poses - whole.poses)[:, :2].T).max() < 0.1
+    loops = joined.graph.edges[joined.graph.loop]
+    assert len(loops) and (loops[:, 0] < 90).all() and (loops[:, 1] > 90).all()
+    steps = joined.graph.edges[~joined.graph.loop]
+    assert (steps[1:, 0] == steps[:-1, 1]).all()
+    assert logs.errors(LOG, joined.poses)[0].max() < 0.2
+
+
+def test_what_a_part_knows_of_loops_is_kept_behind_the_joint():
+    """Its key frame 10, of scan 20, is key frame 50 of scan 100."""
+    closer, part = (LoopCloser(KeyFrames(POINTS, START), 0.03, LoopClosing()) for _ in range(2))
+    loops = [Edge(k, k + 30, START, np.eye(3), True) for k in (9, 10, 12)]
+    joint = Joint(50, 100, 10, 20)
+    part.rejected = [Rejected(19, 90, "before"), Rejected(20, 91, "why")]
+    part.ways = [(9, 39), (10, 40)]
+    closer.frames.edges = joint.moved(loops)
+    _append_loops(closer, part, joint)
+    assert [edge[:2] for edge in closer.frames.edges] == [(50, 80), (52, 82)]
+    assert [edge[:2] for edge in closer.accepted] == [(50, 80), (52, 82)]
+    assert closer.rejected == [(100, 171, "why")] and closer.ways == [(50, 80)]
+
+
+def test_key_frames_behind_the_joint_are_as_if_added_one_by_one():
+    motions = np.array([(1, 0, 0.1), (0.5, 0.2, -0.3), (2, 0, 0), (1, 1, 1)])
+
+    def driven(start, scans, first, end):
+        frames = KeyFrames(POINTS, np.array(start, float))
+        for k in range(first, end):
+            frames.add(scans * (k - first + 1), POINTS, motions[k], np.eye(3))
+        return frames
+
+    whole, one, later = (
+        driven(s, 2, *ends)
+        for s, ends in (((0, 0, 0), (0, 4)), ((0, 0, 0), (0, 2)), ((7, 3, 2), (1, 4)))
+    )
+    one.extend(later, 1, whole.edges[2:])
+    for name in ("poses", "along", "path", "scan"):
+        np.testing.assert_allclose(getattr(one, name), getattr(whole, name), err_msg=name)
+    assert len(one) == len(one.points) == len(whole) and len(one.edges) == len(whole.edges)
+    one.add(10, POINTS, motions[0], np.eye(3))
+    assert one.path[-1] == one.along[-1] == whole.path[-1] + 1 and len(one.poses) == 6
+
+
+def test_behind_the_joint_a_robot_may_be_lost_and_loops_may_wait(monkeypatch):
+    """Scans that show another place cannot be matched: from them on the robot is sought anywhere.
+
+    Loops between the parts lead to key frames before the joint, and those that wait when the log
+    ends are settled.
+    """
+    asked, settled = [], []
+
+    def seek(self, new, before, *, confirmed):
+        asked.append((new, before, confirmed))
+        self.lost_since = self.lost_since if confirmed else new
+        return False
+
+    def settle(self):
+        settled.extend(edge[:2] for edge in self.pending)
+        return False
+
+    monkeypatch.setattr(LoopCloser, "seek", seek)
+    monkeypatch.setattr(LoopCloser, "settle", settle)
+    near = logs.changed(LOG[:50], lambda k, ranges: 0 * ranges + 0.5 if k in (45, 46) else ranges)
+    first, second = (_aligned({}, part) for part in cut(near, 20))
+    _inside(second)[1].pending = [Edge(12, 14, START, np.eye(3), True)]
+    frames = _inside(second)[0].frames
+    frames.edges.append(Edge(11, len(frames) - 1, START, np.eye(3), True))
+    _inside(first)[0].scans += near[:20]
+    asked.clear()
+    _join(first, second, near[20:])
+    joint = asked[-1][1]
+    alone = [call for call in asked if call[1] == joint]
+    assert [new for new, *_ in alone] == list(range(joint, alone[-1][0] + 1))
+    reasons = np.array(_inside(first)[0].trail.reasons)
+    assert [bool(reasons[_inside(first)[0].frames.scan[new]]) for new, *_ in alone] == [
+        not confirmed for *_, confirmed in alone
+    ]
+    assert not all(confirmed for *_, confirmed in alone)
+    assert _inside(first)[1].lost_since is None, "the loop at the end of the part found it again"
+    first.refine()
+    assert settled == [(joint + 2, joint + 4)]
+
+
+def test_one_part_is_the_whole_log():
+    log = LOG[:40]
+    found, whole = align_parts([log[:0], log, log[:0]]), pose_graph(log)
+    np.testing.assert_allclose(found.poses, whole.poses, atol=1e-9)
+    assert found.reasons == whole.reasons
+    assert len(align_parts([])) == len(align_parts([log[:0]])) == 0
+
+
+@contextmanager
+def dask(folder):
+    distributed = pytest.importorskip("distributed")
+    options = {"dashboard_address": None, "local_directory": str(folder)}
+    with (
+        distributed.LocalCluster(n_workers=2, threads_per_worker=1, **options) as cluster,
+        distributed.Client(cluster) as client,
+    ):
+        yield client.get_executor()
+
+
+@pytest.mark.parametrize("kind", ["threads", slow("processes"), slow("dask")])
+def test_every_executor_gives_the_same(kind, joined, tmp_path):
+    """Catches parts in the order of finishing, and what cannot travel to a worker."""
+    if kind == "dask":
+        pool = dask(tmp_path)
+    elif kind == "processes":
+        pool = ProcessPoolExecutor(2, mp_context=get_context("spawn"))
+    else:
+        pool = ThreadPoolExecutor(2)
+    with pool as executor:
+        found = align_parts(cut(LOG, 90), executor=executor)
+    np.testing.assert_array_equal(found.poses, joined.poses)
+    assert found.graph.rejected == joined.graph.rejected
+    np.testing.assert_array_equal(found.graph.edges, joined.graph.edges)
+
+
+def test_wrong_parts_are_told():
+    with pytest.raises(ValueError, match=r"parts\[0\] must be a Log, got LaserScan"):
+        align_parts(LOG)
+    with pytest.raises(ValueError, match="executor must be"):
+        align_parts([LOG[:2]], executor=2)
+    with pytest.raises(ValueError, match="step must be"):
+        align_parts([LOG[:2]], step=-1)

@@ -1,0 +1,387 @@
+"""Clusters and polylines against literal forms, simulated truth, and awkward scans."""
+
+import functools
+import itertools
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from segmap_course import literal
+
+from segmap import extraction, load
+from segmap.alignment import odometry
+from segmap.extraction import build_map, extract_clusters, extract_polylines, fit_line
+from segmap.extraction._kernels import start_of_round
+from segmap.poses import transform
+from segmap.scans import LaserScan, Log
+from segmap.segments import angle, length
+from segmap.testing import assert_segments_equal
+
+GAP, TOLERANCE = 0.30, 0.03
+
+
+def wall(a, b, spacing: float = 0.05) -> np.ndarray:
+    """Points on a wall from a to b."""
+    steps = max(round(math.dist(a, b) / spacing), 1)
+    t = np.linspace(0, 1, steps + 1)[:, None]
+    return (1 - t) * np.array(a) + t * np.array(b)
+
+
+def path(*corners, spacing: float = 0.05) -> np.ndarray:
+    """Points on walls from corner to corner, each corner once."""
+    walls = [wall(a, b, spacing)[:-1] for a, b in itertools.pairwise(corners)]
+    return np.concatenate([*walls, np.array(corners[-1:], float)])
+
+
+def square_scan(start: float = 0.0, sigma: float = 0.0) -> np.ndarray:
+    """A 360-degree scan of a 4 m x 3 m room whose first beam looks at `start`, radians."""
+    angles = start + np.radians(np.arange(360))
+    c, s = np.cos(angles), np.sin(angles)
+    ranges = 1 / np.maximum(np.abs(c) / 2, np.abs(s) / 1.5)
+    ranges += sigma * np.random.default_rng(1).normal(size=360)
+    return np.stack([ranges * c, ranges * s], -1)
+
+
+def assert_same(found, expected, atol=1e-9):
+    """Segments agree, whichever end point comes first."""
+    assert_segments_equal(found, np.reshape(expected, (-1, 2, 2)), ordered=True, atol=atol)
+
+
+# ----------------------------------------------------------------------------- clusters
+def walk(seed: int) -> np.ndarray:
+    """Points that wander: many short pieces, most of them joined again."""
+    return np.cumsum(np.random.default_rng(seed).normal(0, 0.12, (60, 2)), axis=0) + (1, 2)
+
+
+def noisy_walls(seed: int) -> np.ndarray:
+    rng = np.random.default_rng(seed)
+    corners = np.cumsum(rng.uniform(0.4, 1.0, (6, 2)) * rng.choice([-1, 1], (6, 2)), axis=0)
+    return path(*corners) + rng.normal(0, 0.01, (len(path(*corners)), 2))
+
+
+def noisy_square(seed: int) -> np.ndarray:
+    return square_scan(seed, 0.01)
+
+
+@pytest.mark.parametrize("make", [walk, noisy_walls, noisy_square])
+@pytest.mark.parametrize("closed", [False, True])
+@pytest.mark.parametrize("seed", range(8))
+def test_equals_the_plain_method(make, closed, seed):
+    """A's loop never advances, compares with the wrong point and loses the last cluster.
+
+    In polylines: another farthest point, a merge too many, a corner that goes to the wrong wall.
+    """
+    points = make(seed)
+    for extract in ("extract_clusters", "extract_polylines"):
+        plain = getattr(literal, extract)
+        assert_same(
+            getattr(extraction, extract)(points, closed=closed),
+            plain(points.tolist(), closed=closed),
+        )
+    fine = {"gap": 0.15, "tolerance": 0.01, "min_points": 2, "min_length": 0.0, "closed": closed}
+    assert_same(
+        extract_polylines(points, **fine), literal.extract_polylines(points.tolist(), **fine)
+    )
+    found = extract_clusters(points, fit="algebraic", closed=closed)
+    plain = literal.extract_clusters(points.tolist(), fit="algebraic", closed=closed)
+    assert_same(found, plain, 1e-6)
+
+
+def test_the_plain_fits_are_least_squares():
+    """Closed forms against numpy's: the eigenvectors of the scatter, and a x + b y = 1."""
+    p = walk(3)
+    x, y, dx, dy = literal.fit_total(p.tolist())
+    along = np.linalg.eigh((p - p.mean(0)).T @ (p - p.mean(0)))[1][:, 1]
+    assert (x, y) == pytest.approx(p.mean(0))
+    assert abs(dx * along[1] - dy * along[0]) < 1e-9
+    a, b = np.linalg.lstsq(p, np.ones(len(p)), rcond=None)[0]
+    x, y, dx, dy = literal.fit_algebraic(p.tolist())
+    assert (a * x + b * y, a * dx + b * dy) == pytest.approx((1, 0), abs=1e-9)
+
+
+def test_points_exactly_a_gap_apart_are_cut():
+    """`>=`, not `>` (A 3.2)."""
+    points = [(0, 0), (0.25, 0), (0.75, 0), (1.0, 0)]
+    assert len(extract_clusters(points, gap=0.5)) == 2
+    assert len(extract_clusters(points, gap=0.5000001)) == 1
+
+
+def test_single_points_and_coincident_points_give_no_segment():
+    points = [(0, 0), (1, 0), (1, 0), (1, 0), (2, 0), (2.1, 0)]
+    assert_same(extract_clusters(points), [[(2, 0), (2.1, 0)]])
+
+
+def test_algebraic_fit_fails_through_the_origin_and_total_does_not():
+    """A 3.1-3.3 solves a x + b y = 1, which no line through the sensor satisfies."""
+    radial = wall((0.5, 0.5), (1.5, 1.5))
+    assert len(extract_clusters(radial, fit="algebraic")) == 0
+    assert_same(extract_clusters(radial), [[(0.5, 0.5), (1.5, 1.5)]])
+
+
+def test_algebraic_fit_depends_on_the_origin():
+    """The slip of the thesis: moving the sensor turns its line, not the total one."""
+    rng = np.random.default_rng(3)
+    points = wall((0, 1), (2, 1)) + rng.normal(0, 0.05, (41, 2))
+    there = transform((0, -0.8, 0), points)
+    bias = [angle(extract_clusters(p, fit="algebraic"))[0] for p in (points, there)]
+    assert abs(bias[0] - bias[1]) > 1e-3
+    total = [angle(extract_clusters(p))[0] for p in (points, there)]
+    assert total[0] == pytest.approx(total[1], abs=1e-12)
+
+
+def test_a_larger_gap_gives_fewer_segments():
+    """A 5.1.1."""
+    points = np.random.default_rng(0).uniform(0, 3, (80, 2))
+    counts = [len(extract_clusters(points, gap=gap)) for gap in (0.2, 0.5, 1.0, 2.0, 5.0)]
+    assert counts[-1] == 1
+    assert max(counts) > 3
+
+
+def test_clusters_do_not_cut_corners():
+    assert len(extract_clusters(path((0, 0), (1, 0), (1, 1)))) == 1
+
+
+# ---------------------------------------------------------------------------- polylines
+def test_corner_gives_two_walls():
+    found = extract_polylines(path((0, 0), (1, 0), (1, 1)))
+    assert_same(found, [[(0, 0), (1, 0)], [(1, 0.05), (1, 1)]])
+
+
+def test_every_point_of_a_noisy_wall_is_used():
+    """The last point of a cluster is easily lost."""
+    points = wall((0, 2), (3, 2)) + np.random.default_rng(5).normal(0, 0.008, (61, 2))
+    (found,) = extract_polylines(points)
+    np.testing.assert_allclose(np.sort(found[:, 0]), [points[0, 0], points[-1, 0]], atol=1e-3)
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_pieces_stay_within_tolerance(seed):
+    """Each point lies within the tolerance of a segment, or in a piece that was dropped."""
+    rng = np.random.default_rng(seed)
+    corners = np.cumsum(rng.uniform(0.4, 1.0, (6, 2)) * rng.choice([-1, 1], (6, 2)), axis=0)
+    points = path(*corners, spacing=0.03) + rng.uniform(-0.008, 0.008, (1, 2))
+    found = extract_polylines(points, min_points=2, min_length=0)
+    distance = np.min([[literal.point_to_segment(p, s) for p in points] for s in found], axis=0)
+    assert distance.max() <= 0.03 + TOLERANCE
+
+
+def test_a_larger_tolerance_gives_fewer_segments():
+    t = np.radians(np.arange(181))
+    circle = 3 * np.stack([np.cos(t), np.sin(t)], -1)
+    counts = [len(extract_polylines(circle, tolerance=w)) for w in (0.005, 0.02, 0.08, 0.3)]
+    assert counts == sorted(counts, reverse=True)
+    assert counts[0] > 3 * counts[-1]
+
+
+def test_a_wall_keeps_its_last_beam_before_a_stray_one():
+    """The corner of a split belongs to the wall where the other piece is too short for a line."""
+    points = np.concatenate([wall((0, 0), (1, 0)), [(1.0, 0.2)]])
+    assert_same(extract_polylines(points), [[(0, 0), (1, 0)]])
+    assert_same(extract_polylines(points[::-1]), [[(0, 0), (1, 0)]])
+
+
+@pytest.mark.parametrize("tolerance", [0.01, 0.02, 0.05, 0.1])
+def test_merged_pieces_of_a_bend_stay_near_it(tolerance):
+    """A merge that goes by the error that a neighbour had before it grew bends corners straight."""
+    t = np.radians(np.arange(0, 181, 0.5))
+    bend = 3 * np.stack([np.cos(t), np.sin(t)], -1)
+    found = extract_polylines(bend, tolerance=tolerance)
+    off = [min(literal.point_to_segment(p, s) for s in found) for p in bend]
+    assert max(off) <= 1.25 * tolerance
+
+
+def test_split_within_noise_is_merged_again():
+    """Without the merge a long noisy wall falls into pieces at its worst points."""
+    points = wall((0, 0), (6, 0), 0.02) + np.random.default_rng(8).normal(0, 0.009, (301, 2))
+    assert len(extract_polylines(points, tolerance=0.035)) == 1
+
+
+def test_short_pieces_are_dropped():
+    points = np.concatenate(
+        [wall((0, 0), (1, 0)), wall((2, 0), (2.08, 0), 0.01), [(3, 0), (3, 0.2)]]
+    )
+    assert len(extract_polylines(points)) == 1
+    assert len(extract_polylines(points, min_length=0.05)) == 2
+    assert len(extract_polylines(points, min_length=0.05, min_points=2)) == 3
+
+
+@pytest.mark.parametrize("pose", [(50, -20, 0.7), (0, 0, np.pi), (-3, 1, -2.2)])
+@pytest.mark.parametrize("extract", [extract_clusters, extract_polylines])
+def test_moving_the_points_moves_the_segments(extract, pose):
+    """Polylines and total fits know no axis and no origin; `y = mx + q` does."""
+    points = square_scan(0.3, 0.01)
+    assert_same(extract(transform(pose, points)), transform(pose, extract(points)), 1e-7)
+
+
+def test_scaling_every_length_scales_the_segments():
+    points = square_scan(0.3, 0.01)
+    found = extract_polylines(1000 * points, gap=300, tolerance=30, min_length=100)
+    assert_same(found, 1000 * extract_polylines(points), 1e-6)
+
+
+# ------------------------------------------------------------------------ awkward scans
+@pytest.mark.parametrize("start", np.radians([-180, -90, 0, 37, 45, 100]))
+def test_the_seam_of_a_full_turn_cuts_no_wall(start):
+    """`closed=True`: the last point is next to the first, wherever the turn begins."""
+    found = extract_polylines(square_scan(start), closed=True)
+    assert len(found) == 4
+    np.testing.assert_allclose(np.sort(length(found)), [3, 3, 4, 4], atol=0.1)
+
+
+@pytest.mark.parametrize("away", [(0, 0), (0, 30), (-30, 0), (30, -30)])
+def test_a_round_without_a_gap_begins_at_its_farthest_corner(away):
+    """Catches a start that is farthest from the origin, in x or y, and not from the middle."""
+    kite = path((0, 0), (2, 1), (4, 0), (2, -4), (0, 0))[:-1] + away
+    assert kite[start_of_round(kite, GAP)] == pytest.approx(np.add((2, -4), away))
+
+
+def test_an_open_scan_is_cut_at_its_seam():
+    assert len(extract_polylines(square_scan(0.0), closed=False)) == 5
+
+
+def test_a_closed_scan_with_a_gap_joins_over_the_seam():
+    """The first cluster runs over the end of the array."""
+    points = np.delete(square_scan(0.0), slice(100, 140), axis=0)
+    assert len(extract_clusters(points)) == 2
+    assert len(extract_clusters(points, closed=True)) == 1
+
+
+def test_two_beams():
+    assert_same(extract_clusters([(1, 0), (1, 0.1)]), [[(1, 0), (1, 0.1)]])
+    assert len(extract_polylines([(1, 0), (1, 0.1)])) == 0
+    assert_same(extract_polylines([(1, 0), (1, 0.1)], min_points=2), [[(1, 0), (1, 0.1)]])
+
+
+@pytest.mark.parametrize("extract", [extract_clusters, extract_polylines])
+@pytest.mark.parametrize("closed", [False, True])
+@pytest.mark.parametrize("points", [[], np.empty((0, 2)), [(1, 1)], [(1, 1)] * 9])
+def test_nothing_to_extract(extract, points, closed):
+    assert extract(points, closed=closed).shape == (0, 2, 2)
+
+
+@pytest.mark.parametrize("extract", [extract_clusters, extract_polylines])
+def test_beams_without_return_never_become_walls(extract):
+    """NaN, infinity, 0, negative and maximum range are invalid beams, not points."""
+    angles = np.radians(np.arange(-90, 91))
+    for bad in (np.nan, np.inf, 0.0, -1.0, 30.0, 81.83):
+        scan = LaserScan(np.full(181, bad), angles, max_range=30.0)
+        assert len(extract(scan.points())) == 0
+
+
+def test_a_single_wall_seen_between_missing_beams():
+    angles = np.radians(np.arange(-60, 61))
+    ranges = 2 / np.cos(angles)
+    ranges[::3] = np.nan
+    (found,) = extract_polylines(LaserScan(ranges, angles).points(), gap=0.5)
+    np.testing.assert_allclose(found[:, 0], 2)
+
+
+@pytest.mark.parametrize("extract", [extract_clusters, extract_polylines])
+@pytest.mark.parametrize(
+    ("points", "message"),
+    [([(0, 0), (np.nan, 1)], r"points\[1\] is"), (np.zeros((3, 3)), r"shape \(n, 2\)")],
+)
+def test_bad_points(extract, points, message):
+    with pytest.raises(ValueError, match=message):
+        extract(points)
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (functools.partial(extract_clusters, gap=0), "gap must be a number above 0"),
+        (functools.partial(extract_clusters, fit="best"), "fit must be"),
+        (functools.partial(extract_polylines, tolerance=-1), "tolerance must be a number above 0"),
+        (functools.partial(extract_polylines, gap=np.nan), "gap must be a number above 0"),
+        (functools.partial(extract_polylines, min_points=2.5), "min_points must be a whole"),
+        (functools.partial(extract_polylines, min_points=np.inf), "min_points must be a whole"),
+        (functools.partial(extract_polylines, min_points=-1), "min_points must be a whole"),
+        (
+            functools.partial(extract_polylines, min_length=np.nan),
+            "min_length must be a number of at least 0",
+        ),
+    ],
+)
+def test_bad_thresholds(call, message):
+    with pytest.raises(ValueError, match=message):
+        call([(0, 0), (1, 1)])
+
+
+@pytest.mark.parametrize("extract", [extract_clusters, extract_polylines])
+def test_an_infinite_gap_cuts_nowhere(extract):
+    """Chapter 21 shows what a wall becomes without gaps."""
+    assert len(extract([(x, 0) for x in range(9)] + [(2000, 0)], gap=np.inf)) == 1
+
+
+# ------------------------------------------------------------------------------ fit_line
+@given(st.integers(0, 10_000))
+def test_fit_line_equals_the_plain_fit(seed):
+    points = np.random.default_rng(seed).normal(0, 1, (7, 2)) * (1, 0.3)
+    centre, turn = fit_line(points)
+    x, y, dx, dy = literal.fit_total(points.tolist())
+    np.testing.assert_allclose(centre, (x, y), atol=1e-12)
+    assert abs(np.cos(turn) * dy - np.sin(turn) * dx) < 1e-9
+
+
+def test_fit_line_needs_two_points():
+    with pytest.raises(ValueError, match="at least 2 points"):
+        fit_line([(0, 0)])
+
+
+# ----------------------------------------------------------------------------- build_map
+def test_build_map_puts_scans_in_one_frame():
+    """A corner seen from two places, one of them turned: both scans give the same walls."""
+    world = path((2, -2), (2, 2), (-1, 2), spacing=0.04)
+    scans, poses = [], [(0, 0, 0), (0.5, 0.3, 0.8), (0, 0, 0)]
+    for pose in poses:
+        c, s = math.cos(pose[2]), math.sin(pose[2])
+        local = (world - pose[:2]) @ np.array([[c, -s], [s, c]])
+        scans.append(LaserScan(np.hypot(*local.T), np.arctan2(local[:, 1], local[:, 0])))
+    found = build_map(Log("corner", scans), [*poses[:2], (np.nan,) * 3])
+    assert found.scan.tolist() == [0, 0, 1, 1]
+    assert_same(found.segments[2:], found.segments[:2], 1e-9)
+
+
+def test_build_map_hands_thresholds_on():
+    log = Log("circle", [LaserScan(np.full(181, 2.0), np.radians(np.arange(181)))])
+    poses = np.zeros((1, 3))
+    assert len(build_map(log, poses, tolerance=0.2)) < len(build_map(log, poses, tolerance=0.01))
+    assert len(build_map(log, poses, extract=extract_clusters)) == 1
+
+
+@pytest.mark.parametrize("keep_points", [False, True])
+def test_a_map_that_is_empty_says_why(keep_points):
+    """Catches three scans without a segment, each for another reason, and no word of it."""
+    wall = np.ones(9)
+    blind = LaserScan([np.nan, np.inf, 0.0, -1.0, 6.0, 6.0, 9.0], np.arange(7) / 10, max_range=6.0)
+    short = LaserScan(wall, np.arange(9) * 1e-3)
+    log, poses = Log("dim", [blind, short, short]), np.zeros((3, 3))
+    poses[2, 0] = np.nan
+    with pytest.warns(UserWarning, match="the map of log 'dim' is empty") as caught:
+        assert len(build_map(log, poses, keep_points=keep_points)) == 0
+    said = str(caught[0].message)
+    assert "1 of 3 scans without a pose (NaN), " in said
+    assert "no valid beam (of their 7 beams 2 not finite, 2 not above 0, 3 at max_range" in said
+    assert said.endswith("1 of 3 scans without a segment (too few points, or too short)")
+    assert caught[0].filename == __file__
+
+
+def test_a_log_without_scans_gives_an_empty_map_in_silence():
+    assert len(build_map(Log("none", []), np.empty((0, 3)))) == 0
+
+
+def test_build_map_takes_an_alignment():
+    log = load("room")
+    found = odometry(log)
+    np.testing.assert_array_equal(
+        build_map(log, found).segments, build_map(log, found.poses).segments
+    )
+
+
+@pytest.mark.parametrize("poses", [None, np.zeros((2, 3)), np.zeros(3)])
+def test_build_map_needs_a_pose_for_each_scan(poses):
+    log = Log("one", [LaserScan([1.0], [0.0])])
+    with pytest.raises(ValueError, match=r"poses must have shape \(1, 3\)"):
+        build_map(log, poses)

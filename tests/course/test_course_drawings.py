@@ -1,0 +1,368 @@
+"""What the chapters draw: the values that their claims rest on. See `test_drawings` first."""
+
+from dataclasses import replace
+
+import matplotlib
+import matplotlib.pyplot as plt
+import numpy as np
+import pandas as pd
+import pytest
+import segmap_course as course
+from matplotlib.collections import LineCollection
+from matplotlib.colors import to_hex
+from matplotlib.figure import Figure
+from segmap_course import thesis_results
+
+from segmap.alignment import Candidate, Match, PointStep
+from segmap.experiments import select
+from segmap.exports import ros_classes
+from segmap.matching import DistanceField
+from segmap.metrics import distance_terms
+from segmap.plotting import ERROR, GROUPS, MAP, METHOD_STYLES, RAW, RESULT, figure_png
+from segmap.poses import transform
+from segmap.quadtree import QuadtreeMap
+from segmap.reduction import fusion, hough, hybrid
+from segmap.scans import LaserScan
+from segmap.segments import SegmentMap, length
+
+SCAN = LaserScan(
+    [1.0, 2.0, np.inf, 9.0, 3.0], [-1, 0, 1, 2, 3], sensor_pose=(0.5, 0, 0), max_range=8.0
+)
+TWO, FEET = np.array([(0, 1.0), (1, 0.5)]), np.array([(0, 0.0), (1, 0)])
+STEP = PointStep(np.zeros(3), 0.6, TWO, FEET, np.array([1, 0]))
+LEFT = Candidate(np.array([1, 2, np.pi / 2]), 3.0, 1.0, 2.0, 1, np.empty((0, 5)))
+WALLS = np.array([[(0, 0), (4, 0)], [(0, 0.06), (4, 0.03)], [(0, 2), (0, 3)]])
+SEEN = SegmentMap(WALLS[[0, 0, 2, 0]], [0, 0, 1, 2])
+#: In the strip with both ends, with one, and on the border.
+STRIP = np.array([[(0, y), (1, z)] for y, z in ((0, 0), (0.03, 0.07), (0.06, 0.06))])
+TRIAL = course.Trial("it", "hill climbing", "field", 0, 0.013, 0.03, 0.01, 900, 800, 0.1)
+LOST = replace(TRIAL, matcher="hill climbing, thesis")
+
+
+@pytest.fixture
+def ax():
+    return Figure(figsize=(4, 3), dpi=50).subplots()
+
+
+@pytest.fixture(autouse=True)
+def agg():
+    with matplotlib.rc_context({"backend": "agg"}):
+        yield
+        plt.close("all")
+
+
+def lines_of(ax, index=0):
+    return np.array(ax.collections[index].get_segments())
+
+
+def content(ax):
+    """Every line and every collection of lines: its colour and its coordinates, from below."""
+    lines = [(line.get_color(), line.get_xydata()) for line in ax.lines]
+    parts = [c for c in ax.collections if isinstance(c, LineCollection)]
+    lines += [(to_hex(c.get_color()[0]), np.array(c.get_segments())) for c in parts]
+    return [(color, (np.round(places, 9) + 0.0).tolist()) for color, places in lines]
+
+
+def run(map, method, quality, seconds=1.0, filtered=0.0, **thresholds):
+    row = {"map": map, "method": method, "filtered": filtered, "seconds": seconds}
+    return pd.DataFrame([{**row, "quality": quality, "reduction": 0.5, **thresholds}])
+
+
+HALL = [run("hall", "fusion", q, tolerance=t) for q, t in ((0.9, 0.02), (0.8, 0.04))]
+NOISE = run("hall", "fusion", 0.1, filtered=0.1, tolerance=0.02)
+SHIFTED = [run("hall", "mean_shift", 0.5, sigma=s, bandwidth=0.9) for s in (0.1, 0.2)]
+HYBRID = METHOD_STYLES["hybrid"][0]
+
+#: What each drawing consists of, and what its labels, its title or its letters say.
+DRAWN = {
+    "points have lines to their walls, not walls to walls": (
+        lambda ax: course.draw_icp_step(FEET, STEP, ax=ax),
+        [(RAW, FEET), (RESULT, TWO), (ERROR, [[(0, 1), (0, 0)], [(1, 0.5), (1, 0)]])],
+        [],
+    ),
+    "the second scan moves, by the pose and not by its inverse": (
+        lambda ax: course.draw_candidate(WALLS[:1], WALLS[:1], LEFT, ax=ax, color=ERROR),
+        [(MAP, WALLS[:1]), (ERROR, [[(1, 2), (1, 6)]])],
+        ["3.0 m agree, 1.0 m seen through walls"],
+    ),
+    "marked segments lie over the rest": (
+        lambda ax: course.draw_marked(WALLS, [False, True, False], ax=ax),
+        [(RAW, WALLS[[0, 2]]), (ERROR, WALLS[[1]])],
+        [],
+    ),
+    "all segments up to a scan count, and the first scan is 1": (
+        lambda ax: course.draw_growth(SEEN, hybrid(SEEN), ax=ax),
+        [(MAP, [(1, 2), (2, 3), (3, 4)]), (RESULT, [(1, 1), (2, 2), (3, 2)])],
+        ["segments seen", "segments in the map"],
+    ),
+    "rates are not exchanged": (
+        lambda ax: course.draw_trade_off([1, 2], [0.1, 0.2], [0.9, 0.8], ax=ax),
+        [(RESULT, [(1, 0.1), (2, 0.2)]), (ERROR, [(1, 0.9), (2, 0.8)])],
+        ["reduction", "quality"],
+    ),
+    "ends fall at right angles on the line, beyond the wall too": (
+        lambda ax: course.draw_merge([[(-1, 1), (3, 3)]], [(0, 0), (2, 1)], ax=ax),
+        [
+            (RAW, [[(-1, 1), (-0.4, -0.2)], [(3, 3), (3.6, 1.8)]]),
+            *((RESULT, [[(0, 0), (2, 1)]]), (MAP, [[(-1, 1), (3, 3)]])),
+        ],
+        ["merged", "its parts"],
+    ),
+    "a strip holds what lies in it with both ends, up to its border": (
+        lambda ax: course.draw_strip(STRIP, 0.02, 0.04, ax=ax),
+        [(MAP, STRIP[[0, 2]]), (ERROR, STRIP[[1]])],
+        [],
+    ),
+    "a profile is in degrees, with its peaks": (
+        lambda ax: course.draw_profile(np.radians([-90, 0, 90, 180]), [1, 3, 0, 2], ax=ax),
+        [(RESULT, [(-90, 1), (0, 3), (90, 0), (180, 2)]), (ERROR, [(0, 3), (180, 2)])],
+        [],
+    ),
+    "a profile may be drawn without its peaks": (
+        lambda ax: course.draw_profile([0, 0], [0, 1], ax=ax, tops=False),
+        [(RESULT, [(0, 0), (0, 1)])],
+        [],
+    ),
+    "errors of trials are in millimetres, the thesis apart": (
+        lambda ax: course.draw_trials([TRIAL, LOST, replace(TRIAL, median=0.02)], ax=ax),
+        [(RESULT, [(900, 13), (900, 20)]), (ERROR, [(900, 13)])],
+        ["hill climbing", "hill climbing, thesis"],
+    ),
+    "thresholds are in millimetres, filtered runs left out, the last group blue": (
+        lambda ax: course.draw_threshold(
+            run("room", "fusion", 0.7, tolerance=0.02),
+            pd.concat([*HALL, NOISE]),
+            method="fusion",
+            ax=ax,
+        ),
+        [(RAW, [(20, 0.7)]), (RESULT, [(20, 0.9), (40, 0.8)])],
+        ["R", "H"],
+    ),
+    "a threshold that stays the same does not count": (
+        lambda ax: course.draw_threshold(pd.concat(SHIFTED), method="mean_shift", ax=ax),
+        [(RESULT, [(100, 0.5), (200, 0.5)])],
+        ["H"],
+    ),
+}
+
+
+@pytest.mark.parametrize("claim", DRAWN)
+def test_a_drawing_consists_of(claim, ax):
+    draw, parts, words = DRAWN[claim]
+    draw(ax)
+    expected = [(color, np.array(places, float).tolist()) for color, places in parts]
+    assert content(ax) == expected
+    named = [line.get_label() for line in (*ax.lines, *ax.collections)]
+    said = [ax.get_title(), *(text.get_text() for text in ax.texts), *named]
+    assert [word for word in said if word and not word.startswith("_")] == words
+
+
+def test_a_scan_is_drawn_in_each_frame_with_its_valid_points():
+    """Catches a pose used in the wrong picture, and readings at maximum range drawn as walls."""
+    frames = {"robot": (0, 0, 0), "map": (3, 4, np.pi / 2)}
+    row = course.draw_frames(SCAN, frames, every=1)
+    for ax, pose in zip(row, frames.values(), strict=True):
+        drawn = np.column_stack(ax.lines[0].get_data())
+        np.testing.assert_allclose(drawn, transform(pose, SCAN.points()), atol=1e-12)
+    assert [ax.get_title() for ax in row] == [f"In the frame of the {name}" for name in frames]
+
+
+def test_only_some_beams_are_drawn_and_they_start_at_the_sensor():
+    """Catches beams from the turning point of the robot, and a fan that hides the points."""
+    (ax,) = course.draw_frames(SCAN, {"map": (3, 4, 0)}, every=2)
+    beams = lines_of(ax)
+    np.testing.assert_allclose(beams[:, 0], [(3.5, 4), (3.5, 4)])
+    np.testing.assert_allclose(beams[:, 1], transform((3, 4, 0), SCAN.points()[[0, 2]]))
+    assert len(ax.lines[1].get_xdata()) == 3  # all valid points
+
+
+@pytest.mark.parametrize("turn", [0.0, 0.5, 2.0])
+def test_the_ellipse_lies_along_the_direction_that_is_least_known(turn, ax):
+    """Catches the transpose of the axes, variances as deviations, and half axes as whole ones."""
+    c, s = np.cos(turn), np.sin(turn)
+    axes = np.array([(c, -s), (s, c)])
+    covariance = np.zeros((3, 3))
+    covariance[:2, :2] = axes @ np.diag([0.25, 0.01]) @ axes.T
+    course.draw_uncertainty(Match(np.array([3.0, 4, 1]), covariance, True), ax=ax)
+    (ellipse,) = ax.patches
+    ends = ellipse.get_patch_transform().transform([(1, 0), (0, 1)]) - (3, 4)
+    reach = np.hypot(*ends.T)
+    assert sorted(reach) == pytest.approx([0.2, 1.0])
+    longest = ends[np.argmax(reach)]
+    assert abs(longest @ (c, s)) == pytest.approx(1.0)
+
+
+def test_each_outcome_has_its_colour_where_it_started(ax):
+    """Catches rows drawn as columns, and colours that follow the words that happen to occur."""
+    course.draw_basin([["free", "wrong"], ["right", "right"]], [0, 1], [5, 7], ax=ax)
+    (mesh,) = ax.collections
+    figure_png(ax.figure)
+    colors = [to_hex(color) for color in mesh.get_facecolor()]
+    assert colors == [GROUPS[0], ERROR, RESULT, RESULT]
+    assert ax.get_xlim() == (-0.5, 1.5) and ax.get_ylim() == (4, 8)
+
+
+@pytest.mark.parametrize(
+    ("draw", "message"),
+    [
+        (lambda: course.draw_basin([["right"]], [0, 1], [0]), "outcomes must be"),
+        (lambda: course.draw_basin([["right", "lost"]], [0, 1], [0]), "outcomes must be"),
+        (lambda: course.draw_marked(WALLS, [True]), r"marked must have shape \(3,\)"),
+        (lambda: course.draw_marked(WALLS, [0, 1]), r"marked must have shape \(3,\)"),
+        (lambda: course.draw_growth(SEEN, fusion(SEEN)), "an on-line one of these 3 scans"),
+        (lambda: course.draw_growth(SEEN, hybrid(WALLS)), "an on-line one of these 3 scans"),
+        (
+            lambda: course.draw_cells(QuadtreeMap(), np.zeros((3, 4))),
+            r"cells must be .* square grid, got shape \(3, 4\)",
+        ),
+        (
+            lambda: course.draw_threshold(thesis_results(), method="hybrid"),
+            "method must be run over one length, hybrid is over",
+        ),
+        (
+            lambda: course.draw_threshold(thesis_results(), method="nothing"),
+            "method must be run over one length, nothing is over",
+        ),
+        (
+            lambda: course.draw_uncertainty(
+                Match(np.zeros(3), np.diag([np.inf] * 3), False, "too few points")
+            ),
+            "too few points",
+        ),
+    ],
+)
+def test_what_cannot_be_drawn_is_named(draw, message):
+    with pytest.raises(ValueError, match=message):
+        draw()
+
+
+@pytest.mark.parametrize("pose", [(2.8, 0.75, 0.5), (0.3, 1.0, -0.7), (-3.0, 0.2, 0.1)])
+@pytest.mark.parametrize("flip", [1, -1])
+def test_the_red_lines_are_as_long_as_the_terms(pose, flip):
+    """Catches feet beside the line midway, and the gap from the wrong ends."""
+    u = np.array([(0, 0), (2, 0)], float)
+    v = transform(pose, [(-0.75, 0.0), (0.75, 0.0)])[::flip]
+    axes = course.draw_distance_terms(u, v)
+    red = [length(np.array(ax.collections[-1].get_segments())) for ax in axes]
+    assert [len(part) for part in red] == [2, 1, 1]
+    np.testing.assert_allclose([part.mean() for part in red], distance_terms(u, v))
+    for ax, term in zip(axes, distance_terms(u, v), strict=True):
+        assert ax.get_title().endswith(f"{term:.2f} m")
+        np.testing.assert_array_equal(ax.collections[1].get_segments(), [u, v])
+
+
+def test_each_case_is_reduced_by_itself_and_lies_over_what_is_left():
+    """Catches a title with the map of another case, and inputs hidden under the thick result."""
+    cases = {"two": WALLS[:2], "one": WALLS[2:]}
+    row = course.draw_cases(cases, lambda map: map[:1] + 5)
+    for ax, (title, map) in zip(row, cases.items(), strict=True):
+        assert ax.get_title() == title and ax.get_aspect() == "auto"
+        np.testing.assert_array_equal(lines_of(ax, 0), map[:1] + 5)
+        np.testing.assert_array_equal(lines_of(ax, 1), map)
+
+
+def test_centres_go_from_black_dots_to_those_of_their_group(ax):
+    """Catches ways drawn across the centres in place of along the steps."""
+    ways = np.array([[(0, 0), (1, 0), (5, 5)], [(0.4, 0), (0.6, 0), (5, 5)]])
+    course.draw_centres(ways, [0, 0, 1], ax=ax)
+    assert [line.get_xydata().tolist() for line in ax.lines] == ways.swapaxes(0, 1).tolist()
+    start, end = ax.collections
+    np.testing.assert_array_equal(start.get_offsets(), ways[0])
+    np.testing.assert_array_equal(end.get_offsets(), ways[1])
+    found = [to_hex(c) for c in end.get_facecolor()]
+    assert found == [GROUPS[k] for k in (0, 0, 1)]
+
+
+def test_normals_end_on_the_lines_of_their_walls_in_their_colours(ax):
+    """Catches a normal of negative rho that points away from its wall."""
+    walls = np.array([[(-1, -2), (3, -2)], [(-4, 1), (-2, 5)]])
+    course.draw_normals(walls, ax=ax)
+    normals = ax.lines[0:4:2]
+    feet = np.array([line.get_xydata()[1] for line in normals])
+    np.testing.assert_allclose(feet[0], (0, -2), atol=1e-12)
+    assert np.allclose(np.linalg.norm(feet, axis=1), abs(hough(walls)[:, 0]))
+    across = np.diff(walls, axis=1)[:, 0]
+    assert np.allclose((feet * across).sum(1), 0)
+    assert [line.get_color() for line in normals] == list(GROUPS[:2])
+    assert [to_hex(c) for c in ax.collections[0].get_edgecolor()] == list(GROUPS[:2])
+
+
+def squares(ax, index=0):
+    """Lower left corners and sides of squares that were drawn."""
+    corners = [path.vertices[:4] for path in ax.collections[index].get_paths()]
+    return sorted((*c.min(0).tolist(), *(c.max(0) - c.min(0)).tolist()) for c in corners)
+
+
+@pytest.mark.parametrize("resolution", [1, 4])
+def test_chosen_cells_lie_where_the_map_has_them(ax, resolution):
+    """Catches rows upside down, x for y, a root that does not begin at 0, and coarser grids."""
+    map = QuadtreeMap(resolution=1, size=16, corner=(-3, 7))
+    map.insert_scan((-2.5, 7.5), [(10.5, 8.5)])
+    course.draw_cells(map, map.to_grid(resolution) > 0.5, ax=ax)
+    (left, low, *sides), *rest = squares(ax)
+    assert sides == [resolution, resolution] and not rest
+    assert left <= 10.5 < left + resolution and low <= 8.5 < low + resolution
+
+
+@pytest.mark.parametrize(("start", "end"), [((0, 0), (14, 5)), ((9, 2), (0, 0)), ((0, 9), (-3, 1))])
+def test_the_mask_is_at_the_end_of_a_ray(ax, start, end):
+    """Catches a mask at the start of rays to the left, whose cells come in the other order."""
+    course.draw_ray(start, end, ax=ax)
+    (crossed, spared), (line,) = (squares(ax, k) for k in (0, 1)), ax.lines
+    assert len(crossed) + len(spared) == max(abs(end[0] - start[0]), abs(end[1] - start[1])) + 1
+    assert len(spared) == 2 and (*end, 1, 1) in spared and (*start, 1, 1) in crossed
+    assert line.get_xydata().tolist() == [[k + 0.5 for k in start], [k + 0.5 for k in end]]
+    assert [to_hex(part.get_facecolor()[0]) for part in ax.collections] == [RESULT, RAW]
+    for (low, high), k in ((ax.get_xlim(), 0), (ax.get_ylim(), 1)):
+        assert (low, high) == (min(start[k], end[k]), max(start[k], end[k]) + 1)
+
+
+def test_classes_are_drawn_at_their_place_the_lowest_row_below(ax):
+    """Catches a picture half a pixel off, or upside down; white must be free."""
+    map = QuadtreeMap(resolution=0.5, size=4, bias=1)
+    map.insert_scan((0.2, 0.2), [(1.2, 0.2)], [(0.2, 1.7)] * 2)
+    classes = ros_classes(map)
+    course.draw_classes(classes, ax=ax)
+    (image,) = ax.images
+    assert image.origin == "lower" and (image.get_array() == classes.greys).all()
+    rows, columns = classes.greys.shape
+    edges = classes.left, classes.left + columns * 0.5, classes.low, classes.low + rows * 0.5
+    assert tuple(image.get_extent()) == edges and image.get_clim() == (0, 254)
+
+
+def test_a_field_lies_where_its_window_is(ax):
+    """Catches rows upside down, x for y, and a bar without its unit."""
+    map = QuadtreeMap(resolution=0.5, size=8)
+    map.insert_scan((1, 1), [(3.25, 1.25)])
+    field = DistanceField(map, (2, 1, 4, 2))
+    course.draw_field(field, ax=ax)
+    (image,), (_, bar) = ax.images, ax.figure.axes
+    left, right, low, high = image.get_extent()
+    assert (left, low, right, high) == field.bounds and image.origin == "lower"
+    assert image.get_array()[0, 2] == 0 and (image.get_array() == field.distance).all()
+    assert bar.get_ylabel() == "distance [m]"
+
+
+def test_a_picture_for_each_building_two_a_row():
+    """Catches filtered runs among the others, and a legend that names no method."""
+    runs = thesis_results()
+    axes = course.draw_buildings(runs, filtered=True)
+    assert [ax.get_title() for ax in axes] == ["polimi", "stanford", "bicocca", "usc"]
+    assert [ax.get_subplotspec().rowspan.start for ax in axes] == [0, 0, 1, 1]
+    drawn = axes[0].lines[0].get_xydata()
+    chosen = select(runs, map="polimi", filtered=True, method="basic_offline")
+    np.testing.assert_allclose(drawn, chosen[["quality", "reduction"]])
+    names = [text.get_text() for text in axes[0].figure.legends[0].get_texts()]
+    assert "mean_shift" in names and axes[0].get_xlim() == axes[3].get_xlim()
+
+
+def test_letters_of_lines_that_end_together_do_not_cover_each_other(ax):
+    """Catches eight letters on one heap."""
+    runs = [run(name, "fusion", 0.5, tolerance=0.04) for name in ("ash", "box", "cot")]
+    runs += [run("den", "fusion", 0.9, tolerance=0.04)]
+    course.draw_threshold(pd.concat(runs), method="fusion", ax=ax)
+    places = {text.get_text(): text.xy[1] for text in ax.texts}
+    low, high = ax.get_ylim()
+    assert np.diff(sorted(places.values())).min() >= 0.05 * (high - low)
+    assert places["D"] == 0.9 and places["A"] < places["B"] < places["C"]
+    assert np.mean([places[k] for k in "ABC"]) == pytest.approx(0.5)

@@ -1,0 +1,344 @@
+"""Exercises: the library passes, so do other ways to the answer; each mistake has its own hint."""
+
+import dataclasses
+import functools
+import json
+import sys
+import threading
+import types
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import numpy as np
+import pytest
+import segmap_course as course
+from hypothesis import given
+from hypothesis import strategies as st
+from right_answers import RIGHT
+from segmap_course import EXERCISES, Check, Exercise, literal
+from segmap_course.exercises import _maps
+from segmap_course.exercises._answers import answered, same_line, same_poses
+from segmap_course.literal.reduction.fuzzy_clustering import memberships
+from segmap_course.literal.reduction.viewing_sector import views
+
+from segmap import plotting, poses
+from segmap.angles import axial_difference
+from segmap.extraction import _kernels
+from segmap.poses import between
+from segmap.reduction import common_directions
+from segmap.testing import assert_poses_equal
+
+EACH = pytest.mark.parametrize("exercise", EXERCISES.values(), ids=EXERCISES)
+#: Of the hidden cases.
+SEEDS = (1, 20)
+MISTAKES = [
+    pytest.param(exercise, hint, id=f"{exercise.name}: {hint[:40]}")
+    for exercise in EXERCISES.values()
+    for hint in exercise.mistakes
+]
+
+
+# -------------------------------------------------------------- all exercises alike
+@EACH
+def test_every_exercise_is_in_reach_and_the_library_is_right_and_noticed(exercise):
+    assert exercise.verdict(exercise.expected())
+    assert "this is the library's; write your own" in exercise(exercise.solution).hint
+    assert getattr(course, f"check_{exercise.name}") is exercise
+    assert repr(exercise) == f"check_{exercise.name}(your function): {exercise.task}"
+    assert len(exercise.mistakes) >= 4
+    for arguments in exercise.cases.values():
+        exercise.solution(*arguments)  # which raises nothing
+
+
+@pytest.mark.parametrize(("exercise", "hint"), MISTAKES)
+def test_each_mistake_fails_with_its_own_hint(exercise, hint):
+    """Catches cases that a wrong answer survives, and two mistakes that look alike."""
+    found = exercise.verdict(answered(exercise.mistakes[hint], exercise.cases))
+    assert not found and found.hint == hint
+
+
+def broken(*_):
+    raise RuntimeError("out <of> luck")
+
+
+def spoil(*arguments):
+    for argument in arguments:
+        if isinstance(argument, np.ndarray):
+            argument[...] = 0
+
+
+@EACH
+@pytest.mark.parametrize(
+    ("answer", "words"),
+    [
+        (lambda *_: None, "returns nothing yet; the task is {e.task}"),
+        (lambda *_: ..., "returns nothing yet; the task is {e.task}"),
+        (spoil, "returns nothing yet"),
+        (3.0, "check_{e.name}(my_{e.name}), without a call"),
+        (lambda: None, "raised TypeError"),
+        (broken, "raised RuntimeError: out <of> luck"),
+        *((lambda *_, answer=answer: answer, "") for answer in ("text", [], {}, object)),
+        *((lambda *_, answer=answer: answer, "") for answer in (np.nan, np.inf, 10**5000)),
+        (lambda *_: np.zeros((7, 7)), ""),
+    ],
+)
+def test_what_is_no_answer_fails_and_says_why(exercise, answer, words):
+    """Catches a check that passes whatever it is given, hands an exception on, or is spoilt."""
+    found = exercise(answer)
+    assert isinstance(found, Check) and not found and found.hint
+    assert words.format(e=exercise) in found.hint
+
+
+def test_an_unknown_mistake_is_answered_with_the_first_case_that_differs():
+    found = course.check_quality(lambda distances: 0.5)
+    assert found.hint == "for 2 segments before, 3 after expected 0.67032, got 0.5"
+    found = course.check_beam_angles(np.arange)
+    assert "an array (181,) that starts [-1.5708, -1.55334, -1.53589]" in found.hint
+
+
+def test_a_check_shows_itself_as_text_and_in_colour():
+    """Catches a default repr, which holds an address, and a verdict in colour alone."""
+    passed, failed = Check("quality", True), Check("quality", False, "a < b")
+    assert (repr(passed), repr(failed)) == ("passed", "not yet: a < b")
+    assert plotting.TRUTH in passed._repr_html_() and "passed" in passed._repr_html_()
+    assert plotting.ERROR in failed._repr_html_() and "not yet: a &lt; b" in failed._repr_html_()
+
+
+# ------------------------------------------- other ways to the right answer, from other ideas
+def test_every_exercise_has_three_right_answers():
+    assert set(RIGHT) == set(EXERCISES)
+    assert all(len({id(function) for function in three}) == 3 for three in RIGHT.values())
+
+
+@EACH
+def test_other_ways_to_the_right_answer_pass(exercise):
+    """Catches a check that wants the library's code, its types or its rounding, or that takes a
+    helper of the library for its answer."""
+    for function in RIGHT[exercise.name]:
+        assert exercise(function)
+
+
+# ---------------------------------------------------- an exercise teaches what the library does
+def test_the_wrong_order_of_compose_differs_from_the_right_one():
+    """The hint's claim by hand: the first pose is where the robot stands."""
+    first, step = next(iter(course.check_compose.cases.values()))
+    found = course.check_compose.solution(first, step)
+    assert_poses_equal(found, (1, 3, np.pi / 2))
+    assert_poses_equal(between(first, found), step)
+
+
+@given(st.integers(0, 10**6))
+def test_a_step_is_that_of_mean_shift(seed):
+    """Catches an exercise that teaches another step than the method makes."""
+    segments = np.random.default_rng(seed).uniform(0, 0.1, (6, 2, 2))
+    begin, one = (
+        common_directions(segments, sigma=0.2, bandwidth=5.0, steps=k).centres for k in (0, 1)
+    )
+    found = np.array(course.check_mean_shift_step.solution(begin, begin, 0.2, 5.0))
+    np.testing.assert_allclose(found[:, :2], one[:, :2], atol=1e-9)
+    np.testing.assert_allclose(axial_difference(found[:, 2], one[:, 2]), 0, atol=1e-9)
+
+
+@given(st.integers(0, 10**6))
+def test_a_verdict_is_that_of_the_viewing_sector(seed):
+    """Catches an exercise that teaches another rule than the method keeps."""
+    rng = np.random.default_rng(seed)
+    wall, point, sensor = rng.uniform(-2, 2, (2, 2)), rng.uniform(-3, 3, 2), rng.uniform(-1, 1, 2)
+    tiny = [point, point + rng.uniform(-1, 1, 2) * 1e-7]
+    said = {view.says for view in views(wall, tiny, sensor, 0.3)}
+    answer = course.check_verdict.solution(wall, point, sensor, 0.3)
+    words = {1: "hides", 0: "matches", -1: "gone"}
+    assert said == (set() if np.isnan(answer) else {words[answer]})
+
+
+def test_a_milliradian_is_a_mistake():
+    """Catches tolerances that let a slip through."""
+    assert same_line(0.5 + 1e-9, 0.5) and not same_line(0.501, 0.5)
+    poses = np.array([[1.0, 2.0, 0.5]])
+    assert same_poses(poses, poses)
+    assert not same_poses(poses + [0, 0, 1e-6], poses)
+
+
+# ------------------------------------------------------------------------- hidden cases
+@EACH
+@pytest.mark.parametrize("seed", SEEDS)
+def test_hidden_cases_catch_every_mistake_and_let_other_ways_pass(exercise, seed):
+    """Catches hidden cases that are easier than the open ones, or that only the library solves."""
+    cases = exercise.fresh(seed)
+    for function in RIGHT[exercise.name]:
+        assert exercise.check(function, cases)
+    for mistake in exercise.mistakes.values():
+        assert not exercise.verdict(answered(mistake, cases), cases)
+
+
+@pytest.mark.slow
+@EACH
+def test_hidden_cases_of_many_seeds_let_other_ways_pass(exercise):
+    """Catches a draw that now and then makes a case with two answers."""
+    for seed in range(100, 300):
+        cases = exercise.fresh(seed)
+        for function in RIGHT[exercise.name]:
+            assert exercise.check(function, cases), seed
+
+
+def test_a_draw_that_lets_a_mistake_through_is_refused():
+    """Catches hidden cases that are easier than the open ones."""
+    easy = Exercise(
+        "double(x)", lambda x: 2 * x, {"3": (3,)}, {"square": np.square}, draw=lambda _: {"2": (2,)}
+    )
+    with pytest.raises(ValueError, match=r"double: no draw catches \['square'\]"):
+        easy.fresh(1)
+    with pytest.raises(ValueError, match="no rule for hidden cases"):
+        dataclasses.replace(easy, draw=None).fresh(1)
+
+
+@EACH
+def test_answers_travel_as_json_and_are_judged_elsewhere(exercise):
+    """Catches answers that only the process of the student can read, and a seed that drifts."""
+    cases = exercise.fresh(3)
+    sent = json.loads(json.dumps(exercise.answers(RIGHT[exercise.name][0], cases)))
+    assert exercise.verdict(sent, exercise.fresh(3))
+    assert repr(cases) == repr(exercise.fresh(3)) != repr(exercise.fresh(4))
+
+
+@pytest.mark.parametrize("answers", [None, [], [1, 2, 3], "abc", [{}] * 4, {"values": []}])
+def test_answers_that_somebody_made_up_fail(answers):
+    """Catches a verdict that trusts what it is sent."""
+    assert not course.check_compose.verdict(answers)
+    twisted = [{"shape": shape, "values": [1.0]} for shape in ("x", [7], [-1], [1e9])]
+    assert not course.check_compose.verdict(twisted)
+
+
+# ------------------------------------------------------------- the library is noticed
+def through(function, *arguments):
+    return function(*arguments)
+
+
+def renamed(function):
+    mine = types.FunctionType(
+        function.__code__,
+        function.__globals__,
+        "mine",
+        function.__defaults__,
+        function.__closure__,
+    )
+    mine.__kwdefaults__ = function.__kwdefaults__
+    return mine
+
+
+def in_a_thread(solution):
+    def mine(*arguments):
+        with ThreadPoolExecutor(1) as pool:
+            return pool.submit(solution, *arguments).result()
+
+    return mine
+
+
+def unwatched(solution):
+    def mine(*arguments):
+        watch = sys.getprofile()
+        sys.setprofile(None)
+        try:
+            return solution(*arguments)
+        finally:
+            sys.setprofile(watch)
+
+    return mine
+
+
+WRAPPED = {
+    "passed as it is": lambda solution: solution,
+    "in a lambda": lambda solution: lambda *arguments: solution(*arguments),
+    "by partial": functools.partial,
+    "by partial of another function": lambda solution: functools.partial(through, solution),
+    "as another function with its code": lambda solution: renamed(solution),
+    "in a thread": in_a_thread,
+    "while nobody watches": unwatched,
+    "in a sum with nothing": lambda solution: lambda *given: np.add(solution(*given), 0.0),
+    "in an object that computes late": lambda solution: (
+        lambda *arguments: Late(solution, arguments)
+    ),
+}
+
+
+class Late:
+    """Numbers that are made when the check asks for them."""
+
+    def __init__(self, function, arguments):
+        self.found = function, arguments
+
+    def __array__(self, dtype=None, copy=None):
+        return np.asarray(through(self.found[0], *self.found[1]), dtype)
+
+
+@EACH
+@pytest.mark.parametrize("wrapped", WRAPPED.values(), ids=WRAPPED)
+def test_the_library_is_noticed_however_it_is_wrapped(exercise, wrapped):
+    """Catches an import that counts as an answer."""
+    found = exercise(wrapped(exercise.solution))
+    assert "this is the library's; write your own" in found.hint
+    assert sys.getprofile() is None and threading.getprofile() is None
+
+
+@pytest.mark.parametrize(
+    ("name", "twin"),
+    [
+        ("compose", lambda a, b: poses.between(poses.inverse(a), b)),
+        ("compose", lambda a, b: poses.compose([a], [b])[0]),
+        ("fit_line", lambda points: np.arctan2(*literal.fit_total(points)[:1:-1])),
+        ("match_value", lambda u, v, d: literal.match_value(u, v, distance=d, far=9, long=9)),
+        ("least_translation", literal.least_translation),
+        ("hough", lambda segment, near: literal.hough(segment)),
+        ("matches", literal.basic.match),
+        ("merged", literal.basic.merge),
+        ("ray_cells", lambda a, b: literal.crossed_cells(a, b)),
+        ("mean_wall_error", lambda points, walls: course.wall_errors(points, walls).mean()),
+        ("memberships", lambda s, n: memberships((0, 0), [], n)),
+        ("quality", lambda d: _maps._quality(d.min(axis=1).mean())),
+        ("quality", lambda d: literal.quality([((0, 0), (1, 0))], [((0, 0), (1, 0))])),
+    ],
+)
+def test_the_twin_of_the_library_is_noticed(name, twin):
+    """Catches a watch over the fast function alone: each method stands in `literal` too."""
+    assert "write your own" in EXERCISES[name](twin).hint
+
+
+def test_machine_code_that_was_taken_out_of_its_wrapper_is_noticed():
+    """Catches a compiled loop, which shows no frame of Python while it runs."""
+    machine = _kernels.fit_total._build()
+    for mine in (
+        lambda points: machine(points)[2],
+        functools.partial(machine),
+        lambda points, fit=machine: fit(points),
+    ):
+        assert "write your own" in course.check_fit_line(mine).hint
+
+
+def test_a_function_of_ones_own_with_the_name_of_the_librarys_is_ones_own():
+    def compose(a, b):
+        return RIGHT["compose"][0](a, b)
+
+    assert course.check_compose(compose)
+
+
+def test_places_of_the_librarys_answers_exist():
+    """Catches a file or a function that was renamed: nothing would be noticed any more."""
+    packages = [Path(course.__file__).parent, Path(segmap.__file__).parent]
+    for exercise in EXERCISES.values():
+        for place in exercise.own:
+            file, _, name = place.partition(":")
+            package = next(p.parent for p in packages if p.name == file.split("/")[0])
+            source = (package / file).read_text("utf-8")
+            assert not name or f"\ndef {name}(" in source, place
+
+
+def test_a_watch_gives_the_profile_back():
+    """Catches a check inside a profiler, or inside another check, that ends it."""
+    calls = []
+    sys.setprofile(lambda *found: calls.append(found))
+    try:
+        course.check_compose(lambda a, b: course.check_compose(RIGHT["compose"][0]) and None)
+        kept = sys.getprofile()
+    finally:
+        sys.setprofile(None)
+    assert kept is not None and calls

@@ -1,0 +1,230 @@
+"""Student copies: nothing of the outputs, the solutions or the seed; links that lead somewhere."""
+
+import json
+import re
+
+import pytest
+from chapter_rules import CHAPTERS
+from segmap_course import EXERCISES
+from segmap_course.__main__ import main
+from segmap_course.grading._checks import checks
+from segmap_course.grading.handout._handout import LINK, student_copy, with_links
+from segmap_course.grading.handout._places import chapters, defines, places
+from segmap_course.grading.handout._solutions import BEGIN, END, module_of, solution
+from segmap_course.grading.handout._tasks import tasks_of
+
+
+@pytest.fixture(scope="module")
+def handed(tmp_path_factory):
+    """All chapters, handed out with a seed."""
+    folder = tmp_path_factory.mktemp("course") / "students"
+    assert main(["handout", str(folder), "--seed", "987654321"]) == 0
+    return folder
+
+
+def cells(path):
+    return json.loads(path.read_text(encoding="utf-8"))["cells"]
+
+
+def all_cells(folder):
+    return [(path, cell) for path in sorted(folder.iterdir()) for cell in cells(path)]
+
+
+def test_every_chapter_is_there_without_outputs(handed):
+    assert [p.name for p in sorted(handed.iterdir())] == [p.name for p in CHAPTERS]
+    code = [cell for _, cell in all_cells(handed) if cell["cell_type"] == "code"]
+    assert len(code) > 300
+    assert all(cell["outputs"] == [] and cell["execution_count"] is None for cell in code)
+
+
+def test_the_seed_is_with_the_instructor_alone(handed):
+    """Catches a seed in the metadata of a copy."""
+    key = handed.with_name("students.instructor.json")
+    assert json.loads(key.read_text())["seed"] == 987654321
+    assert key.stat().st_mode & 0o077 == 0
+    assert not any("987654321" in path.read_text() for path in handed.iterdir())
+
+
+def test_every_exercise_of_the_chapters_has_an_answer_a_check_and_points(handed):
+    """Catches a chapter whose exercise is written in another way, and is lost."""
+    called = r"^course\.check_(\w+)\("
+    asked = {
+        name
+        for path in CHAPTERS
+        for cell in cells(path)
+        for name in re.findall(called, "".join(cell["source"]), re.M)
+    }
+    held = {cell["id"]: cell for _, cell in all_cells(handed)}
+    assert {name for name in asked if name in EXERCISES} <= {
+        name.removesuffix("-test") for name in held if name.endswith("-test")
+    }
+    for name in asked & set(EXERCISES):
+        answer, test = held[f"{name}-answer"], held[f"{name}-test"]
+        assert (
+            "course.check" not in answer["source"] and "points" in held[f"{name}-points"]["source"]
+        )
+        assert answer["metadata"]["nbgrader"]["solution"]
+        assert test["metadata"]["nbgrader"] | {"points": 4} == test["metadata"]["nbgrader"]
+        assert test["metadata"]["nbgrader"]["locked"] and f"check_{name}(" in test["source"]
+
+
+def test_a_copy_is_what_nbgrader_reads(handed):
+    schema = pytest.importorskip("nbgrader.nbgraderformat.v3")
+    nbformat = pytest.importorskip("nbformat")
+    for path in handed.iterdir():
+        notebook = nbformat.read(path, as_version=4)
+        nbformat.validate(notebook)
+        schema.MetadataValidatorV3().validate_nb(notebook)
+
+
+def test_grade_ids_are_unique_and_so_are_cells(handed):
+    for path in handed.iterdir():
+        found = cells(path)
+        ids = [cell["id"] for cell in found]
+        graded = [c["metadata"]["nbgrader"] for c in found if "nbgrader" in c["metadata"]]
+        assert len(set(ids)) == len(ids)
+        assert len({meta["grade_id"] for meta in graded}) == len(graded)
+
+
+def test_stubs_fail_and_a_name_is_asked_for(handed):
+    """Catches an answer that comes with its solution."""
+    for path in handed.iterdir():
+        assert cells(path)[1]["source"].startswith("**Name:**")
+    bodies = {"...", "return None  # yours", "None"}
+    for _, cell in all_cells(handed):
+        if cell["id"].endswith("-answer") and "def " in cell["source"]:
+            last = cell["source"].splitlines()[-1].partition("): ")[2] or cell["source"]
+            assert any(last.strip().startswith(b) or last.strip().endswith(b) for b in bodies)
+
+
+def test_links_lead_to_a_file_of_the_handout(tmp_path):
+    assert main(["handout", str(tmp_path / "two"), "--chapters", "34,54"]) == 0
+    text = "".join(
+        c["source"] for _, c in all_cells(tmp_path / "two") if c["cell_type"] == "markdown"
+    )
+    targets = {match.group(3) for match in LINK.finditer(text)}
+    assert targets == {"34_icp.ipynb", "54_fusion.ipynb"} & targets
+    assert "not part of this handout" in text and "Ground truth" in text
+    assert with_links("![a](pictures/x.png) [b](https://x.org)", set()) == "a [b](https://x.org)"
+
+
+def test_what_is_wrong_is_said_at_the_door(tmp_path, capsys):
+    def refused(*arguments):
+        assert main(["handout", *map(str, arguments)]) == 1
+        return capsys.readouterr().err
+
+    assert "no chapter has the number 99; there are 00, 01" in refused(
+        tmp_path / "a", "--chapters", "99"
+    )
+    assert not (tmp_path / "a").exists()
+    (tmp_path / "mine").mkdir()
+    (tmp_path / "mine" / "thesis.txt").write_text("x")
+    assert "holds thesis.txt already" in refused(tmp_path / "mine")
+    assert "is a file" in refused(tmp_path / "mine" / "thesis.txt")
+    (tmp_path / "b.instructor.json").write_text("{}")
+    assert "with the seed of a handout" in refused(tmp_path / "b", "--chapters", "34")
+    assert [path.name for path in tmp_path.iterdir() if path.name.startswith(".")] == []
+    for seed in ("-1", "x", "1.5"):
+        with pytest.raises(SystemExit):
+            main(["handout", str(tmp_path / "c"), "--seed", seed])
+        assert "whole number from 0 on" in capsys.readouterr().err or seed == "-1"
+
+
+def test_an_answer_in_a_cell_of_its_own_is_found():
+    held = [
+        {"cell_type": "code", "source": "def my_f(x):\n    return None"},
+        {"cell_type": "markdown", "source": "Then:"},
+        {"cell_type": "code", "source": "my_g = None\ncourse.check_g(my_g, my_f)"},
+        {"cell_type": "code", "source": "course.check_f(my_f)"},
+    ]
+    found = places(held, {"check_f", "check_g"})
+    assert [(place.check, place.written, place.checked) for place in found] == [
+        ("check_g", 2, 2),
+        ("check_f", 0, 3),
+    ]
+    assert found[0].answers == ("my_g", "my_f")
+    with pytest.raises(ValueError, match="checks what no cell before it defines"):
+        places(held[3:], {"check_f"})
+
+
+def test_a_definition_is_seen_and_nothing_else():
+    assert defines("x = 1\nmy_f: int = 3", "my_f") and defines("def my_f (x):", "my_f")
+    assert not defines("  my_f = 3", "my_f") and not defines("def my_fit(x):", "my_f")
+
+
+def test_chapters_are_named_by_their_numbers():
+    assert list(chapters("54, 34")) == ["34", "54"] and len(chapters()) == len(CHAPTERS)
+    assert set(checks()) >= {f"check_{name}" for name in EXERCISES}
+
+
+def made_up(*sources):
+    """A chapter of these cells: those that begin with a capital are text."""
+    kinds = ["markdown" if source[0].isupper() else "code" for source in sources]
+    pairs = enumerate(zip(kinds, sources, strict=True))
+    return {
+        "cells": [
+            {"cell_type": kind, "id": f"c{k}", "metadata": {}, "source": source}
+            for k, (kind, source) in pairs
+        ]
+    }
+
+
+def test_what_a_person_grades_has_its_rubric_and_no_test_cell():
+    """Catches points that nobody gives: a log cannot be judged from numbers."""
+    chapter = made_up(
+        "Title",
+        "Predict. *4 points* if the program says *passed*.",
+        "my_guess = None",
+        "course.predict_beams_on_wall(my_guess)",
+        "Break it.\n\n| points | for |\n|---|---|\n| 2 | the check passes |\n| 3 | a reason |",
+        "my_map = None\ncourse.break_quality(my_map)",
+        "Own log.\n\n| 4 | the program says *passed* |\n| 6 | explained |",
+        "my_log, my_poses = None, None\ncourse.check_own_log(my_log, my_poses)",
+        "Explain why, by hand: 6 points.",
+    )
+    tasks = tasks_of("99_x.ipynb", chapter, checks())
+    assert [(task.name, task.points, task.by_hand, task.given) for task in tasks] == [
+        ("predict_beams_on_wall", 4, False, "my_guess"),
+        ("break_quality", 2, False, "my_map"),
+        ("break_quality_by_hand", 3, True, ""),
+        ("own_log_99_by_hand", 10, True, ""),
+        ("by_hand_99_8", 6, True, ""),
+    ]
+    assert "| 6 | explained |" in tasks[3].rubric
+    found = {c["id"]: c for c in student_copy("99_x.ipynb", chapter, checks(), [])["cells"]}
+    assert "own_log_99-test" not in found and found["break_quality-test"]["source"][:7] == "2 * boo"
+    for name, points in {
+        "own_log_99_by_hand": 10,
+        "break_quality_by_hand": 3,
+        "by_hand_99_8": 6,
+    }.items():
+        meta = found[name]["metadata"]["nbgrader"]
+        assert meta["grade"] and meta["solution"] and meta["points"] == points
+    assert found["own_log_99-check"]["source"] == "course.check_own_log(my_log, my_poses)"
+
+
+# ------------------------------------------------------------------ solutions
+@pytest.mark.parametrize("name", EXERCISES)
+def test_a_solution_is_the_library_s_source_and_passes(name):
+    """Catches a solution that misses what it calls, or that the check takes for the library."""
+    space = {}
+    exec("from __future__ import annotations\n" + _solution(name), space)
+    assert EXERCISES[name](space["mine"])
+
+
+def _solution(name):
+    return solution(EXERCISES[name], module_of(EXERCISES[name]), "mine")
+
+
+def test_solutions_stand_between_the_marks_of_nbgrader(tmp_path):
+    assert main(["solutions", str(tmp_path / "source"), "--chapters", "34,51"]) == 0
+    path = tmp_path / "source" / "34_icp" / "34_icp.ipynb"
+    held = {cell["id"]: cell for cell in cells(path)}["move_onto_walls-answer"]
+    before, rest = held["source"].split(BEGIN)
+    assert "def my_move_onto_walls(" in before and "..." in before
+    assert "my_move_onto_walls = " in rest.split(END)[0] and "def " in rest
+    assert main(["solutions", str(tmp_path / "source")]) == 1
+
+
+def test_no_copy_of_a_student_holds_a_solution(handed):
+    assert not any(BEGIN in path.read_text() for path in handed.iterdir())

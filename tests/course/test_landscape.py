@@ -1,0 +1,107 @@
+"""Landscapes of scores: the right pose in the middle, axes the right way round, peaks counted."""
+
+import numpy as np
+import pytest
+from segmap_course import heading_profile, landscape, load_columns, peaks, profile_peaks, room_walk
+
+from segmap.matching import distance_score, nearest_score, occupancy_score
+from segmap.poses import transform
+from segmap.quadtree import build_map
+
+
+def walked(scans=40):
+    """The map of the first scans of the walk, the next scan and its pose."""
+    log = room_walk()
+    map = build_map(log[:scans], log.truth[:scans], resolution=0.01)
+    return map, log[scans].points(), log.truth[scans]
+
+
+@pytest.mark.parametrize("score", [nearest_score, occupancy_score])
+def test_each_value_is_the_score_of_its_pose(score):
+    """Catches x and y exchanged, and offsets that turn with the robot."""
+    map, points, pose = walked(10)
+    offsets, values = landscape(map, points[::9], pose, score=score, reach=0.1, step=0.05)
+    np.testing.assert_allclose(offsets, [-0.1, -0.05, 0, 0.05, 0.1])
+    for row, column in [(0, 4), (2, 2), (3, 1)]:
+        moved = transform(pose, points[::9]) + (offsets[column], offsets[row])
+        expected = score(map, moved, (0, 0, 0))[0]
+        assert values[row, column] == pytest.approx(expected)
+
+
+def test_the_profile_turns_the_robot():
+    map, points, pose = walked(10)
+    turn, values = heading_profile(map, points[::9], pose, score=distance_score, step=np.pi / 2)
+    assert turn.tolist() == pytest.approx([-np.pi, -np.pi / 2, 0, np.pi / 2, np.pi])
+    assert values[0] == pytest.approx(values[4]) and values.argmax() == 2
+    expected = distance_score(map, points[::9], pose + (0, 0, np.pi / 2))[0]
+    assert values[3] == pytest.approx(expected)
+
+
+def test_occupancy_has_needles_and_distance_one_hill():
+    """The lesson of chapter 63, within 30 cm of the truth."""
+    map, points, pose = walked()
+    hills = len(peaks(landscape(map, points, pose).values))
+    needles = len(peaks(landscape(map, points, pose, score=occupancy_score).values))
+    assert hills <= 3 and needles > 10 * hills
+    where = landscape(map, points, pose)
+    best = where.offsets[peaks(where.values)[0]]
+    assert np.abs(best).max() < 0.03
+
+
+@pytest.mark.parametrize(
+    ("values", "expected"),
+    [
+        ([1, 1, 1], [[0]]),
+        ([0, 1, 1, 2, 0], [[3]]),
+        ([2, 1, 1, 1, 3], [[4], [0]]),
+        ([0, 2, 2, 0, 2, 2, 3], [[6], [1]]),
+        ([[0, 0, 0], [0, 0, 1], [0, 0, 0]], [[1, 2]]),
+        ([[2, 0, 0], [0, 0, 0], [0, 0, 1]], [[0, 0], [2, 2]]),
+        ([[5, 5, 0], [0, 0, 5], [0, 0, 6]], [[2, 2]]),
+    ],
+)
+def test_peaks(values, expected):
+    """A plateau counts once, and not at all where anything beside it is higher."""
+    assert peaks(values).tolist() == expected
+
+
+def test_a_peak_of_nothing_is_refused():
+    with pytest.raises(ValueError, match=r"values must not be NaN, got one at \[1\]"):
+        peaks([1, np.nan, 2])
+
+
+@pytest.mark.parametrize(
+    ("reach", "step"), [(0.1, 0), (0.1, -1), (0.1, 0.2), (np.nan, 0.1), (np.inf, 1)]
+)
+def test_steps_must_be_positive(reach, step):
+    map, points, pose = walked(2)
+    with pytest.raises(ValueError, match="step must be positive and reach no less"):
+        landscape(map, points, pose, reach=reach, step=step)
+
+
+def test_records_of_growth_and_of_a_real_log():
+    """A hundred times the leaves must not cost ten times as much, in any score."""
+    growth = load_columns("matching_growth")
+    for score in set(growth["score"]):
+        rows = growth[growth["score"] == score]
+        assert rows["leaves"][-1] > 100 * rows["leaves"][0]
+        assert rows["seconds"][-1] < 10 * rows["seconds"][0]
+    real = load_columns("matching_exp1")
+    assert len(real) == 300 and np.isnan(real["score"]).sum() == 1
+    assert np.nanmedian(-real["score"] / real["beams"]) < 0.025
+    with pytest.raises(
+        ValueError, match=r"data/records/matching_moon\.csv is missing: run `make bench`"
+    ):
+        load_columns("matching_moon")
+
+
+@pytest.mark.parametrize("shift", range(8))
+def test_the_ends_of_a_whole_turn_are_one_place(shift):
+    """Catches a peak at -180 degrees that is lower than its neighbour at 179."""
+    heights = np.roll([0, 2, 1, 0, 3, 3, 1, 0], shift)
+    turn = np.linspace(-np.pi, np.pi, 9)
+    found = profile_peaks(turn, np.append(heights, heights[0]))
+    assert [int(heights[k]) for k in found] == [3, 2] and found.max() < 8
+    assert profile_peaks(turn, np.ones(9)).tolist() == [0]
+    part = profile_peaks(turn / 2, np.arange(9.0))  # half a turn has two borders
+    assert part.tolist() == [8]

@@ -1,0 +1,126 @@
+"""One building represented in five ways: bytes counted by hand, errors against known walls."""
+
+import numpy as np
+import pytest
+from segmap_course import compare_with_walls, represent, sample_points, wall_errors
+
+from segmap import load
+from segmap.simulation import (
+    SICK_LMS200,
+    URG_04LX,
+    circular_room,
+    corridor_loop,
+    drive,
+    rectangular_room,
+    simulate,
+)
+
+WALLS = rectangular_room(4.02, 3.02)
+LOG = simulate(
+    WALLS, drive([(1, 1), (3, 2)], step=0.2), sensor=URG_04LX, rng=np.random.default_rng(6)
+)
+
+
+def compared(log=LOG, walls=WALLS, **options):
+    return compare_with_walls(represent(log, log.truth, **options), walls)
+
+
+def test_bytes_are_those_of_the_arrays():
+    """16 a point, 32 a segment, 8 a node, 8 a cell of the grid that just holds the walls."""
+    found = represent(LOG, LOG.truth)
+    assert found["points"].nbytes == 16 * sum(len(scan.points()) for scan in LOG)
+    for name in ("segments", "reduced segments"):
+        assert found[name].nbytes == 32 * found[name].parts == found[name].map.nbytes
+    assert found["quadtree"].nbytes == found["quadtree"].map.nbytes
+    cells = np.rint(found["dense grid"].points / 0.05).astype(int)
+    rows, columns = np.ptp(cells, axis=0) + 1
+    assert found["dense grid"].nbytes == 8 * rows * columns
+    assert 4 / 0.05 <= max(rows, columns) <= 4.3 / 0.05
+
+
+def test_scans_without_a_pose_are_left_out():
+    """Catches points that are nowhere and yet counted: 126 of the 225 scans of Malaga."""
+    poses = LOG.truth.copy()
+    poses[1::2] = np.nan
+    found, expected = represent(LOG, poses), represent(LOG[::2], LOG.truth[::2])
+    for some, same in zip(found.values(), expected.values(), strict=True):
+        assert (some.parts, some.nbytes) == (same.parts, same.nbytes)
+        assert np.array_equal(some.points, same.points)
+    assert represent(LOG[:0], np.empty((0, 3)))["points"].parts == 0
+
+
+@pytest.mark.parametrize("poses", [None, LOG.truth[:-1], np.full((len(LOG), 3), np.inf)])
+def test_poses_that_do_not_fit_the_log_are_refused(poses):
+    with pytest.raises(ValueError, match=r"^poses must"):
+        represent(LOG, poses)
+
+
+def test_what_cannot_be_measured_is_refused():
+    with pytest.raises(ValueError, match="walls must hold at least one"):
+        wall_errors(np.zeros((1, 2)), [])
+    with pytest.raises(ValueError, match="spacing must be a number above 0"):
+        sample_points(WALLS, 0)
+
+
+@pytest.mark.parametrize("name", ["room", "corridor"])
+def test_the_order_that_the_chapter_shows(name):
+    """Reduced segments are the smallest and nearest to straight walls; the tree beats the grid."""
+    log, walls = (LOG, WALLS) if name == "room" else (load("corridor"), corridor_loop())
+    found = compared(log, walls)
+    size, error = found["nbytes"], found["error"]
+    assert size["reduced segments"] < size["segments"] < size["points"]
+    assert size["quadtree"] < size["dense grid"]
+    assert error["reduced segments"] < error["points"] < error["quadtree"]
+    assert found["covered"].min() > 0.9 and size["reduced segments"] < 5e3
+    if name == "corridor":  # three kilobytes of segments, sixty times as much in the tree
+        assert error["reduced segments"] < 0.003
+        assert size["quadtree"] > 30 * size["reduced segments"]
+
+
+def test_round_walls_are_where_segments_lose():
+    """Counter-example: a wide strip swallows the bends of a round room, the tree does not care."""
+    walls = circular_room(2.0)
+    path = [(1.5, 2.0, 0.0), (2.5, 2.0, 3.0)]
+    log = simulate(walls, path, sensor=SICK_LMS200, rng=np.random.default_rng(1))
+    fine, coarse = (compared(log, walls, tolerance=t)["error"] for t in (0.02, 0.10))
+    assert coarse["reduced segments"] > 2 * fine["reduced segments"]
+    assert coarse["quadtree"] == fine["quadtree"]
+
+
+def test_errors_are_distances_from_the_nearest_wall():
+    """Catches the distance from the line of a wall, and from its ends."""
+    walls = [[(0, 0), (4, 0)], [(0, 0), (0, 3)]]
+    points = np.array([(2, 0.5), (0.25, 2), (5, 0), (-3, -4)])
+    np.testing.assert_allclose(wall_errors(points, walls), [0.5, 0.25, 1, 5])
+
+
+@pytest.mark.parametrize("spacing", [0.01, 0.3, 2.0])
+def test_samples_reach_both_ends(spacing):
+    points = sample_points(WALLS, spacing)
+    for end in WALLS.reshape(-1, 2):
+        assert np.hypot(*(points - end).T).min() < 1e-12
+    first = sample_points(WALLS[:1], spacing)
+    assert np.hypot(*np.diff(first, axis=0).T).max() <= spacing + 1e-9
+
+
+def test_only_walls_that_the_points_reach_count():
+    """Catches a share of what any way covers: centres of large cells reach behind corners."""
+    walls = np.concatenate([WALLS, [[(2.0, 3.5), (4.0, 3.5)]]])  # behind the room, nobody saw it
+    fine, coarse = (compared(LOG, walls, resolution=size)["covered"] for size in (0.05, 0.4))
+    for name in ("segments", "reduced segments"):
+        assert coarse[name] == fine[name] > 0.9
+    assert coarse["quadtree"] < 0.5
+    half = compared(LOG[:1])["covered"]  # one scan saw half of the room
+    assert half["points"] == 1 and half["segments"] > 0.95
+
+
+def test_where_nothing_was_seen_there_is_no_share_and_an_empty_map_covers_nothing():
+    found = represent(LOG[:1], LOG.truth[:1])
+    assert compare_with_walls(found, WALLS + 100.0)["covered"].isna().all()
+    found["none"] = found["points"]._replace(points=np.empty((0, 2)), nbytes=0)
+    assert compare_with_walls(found, WALLS)["covered"]["none"] == 0
+
+
+def test_samples_run_from_end_to_end():
+    """Catches an end that is left out, and steps that are counted as points."""
+    assert sample_points([[(0, 0), (1, 0)]], 0.5).tolist() == [[0, 0], [0.5, 0], [1, 0]]

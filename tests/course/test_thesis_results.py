@@ -1,0 +1,102 @@
+"""The runs of the thesis, those of its grid that come with segmap, and published errors."""
+
+import csv
+from math import radians
+
+import numpy as np
+import pytest
+from segmap_course import THESIS_FILTERS, THESIS_GRIDS, alignment_table, thesis_grid, thesis_results
+
+from segmap import METHODS
+from segmap.experiments import load_alignments, select, sweep
+from segmap.readers import data_file
+
+FOUND = thesis_results()
+
+
+def test_the_reduction_that_a_prints_is_the_one_of_its_counts():
+    """A's percentages agree with A's numbers of segments in all rows, to their two decimals."""
+    with data_file("thesis_results.csv").open(encoding="utf-8", newline="") as lines:
+        printed = [float(row["reduction_pct"]) / 100 for row in csv.DictReader(lines)]
+    assert len(FOUND) == 264 and abs(printed - FOUND["reduction"]).max() < 0.5001e-4
+
+
+def test_thesis_results_are_in_metres_and_radians():
+    """Catches degrees, millimetres, per cent and a filter that is 1 metre long."""
+    assert set(FOUND["angle"].dropna()) == {radians(10), radians(20)}
+    assert set(FOUND["filtered"]) == {0, 0.10}
+    lengths = np.unique(FOUND[["distance", "sigma", "tolerance"]])
+    assert lengths[:-1].tolist() == [0.02, 0.04, 0.06, 0.08, 0.10, 0.20, 0.30, 0.40]
+    assert FOUND[["quality", "reduction"]].stack().between(0, 1, inclusive="neither").all()
+    counts = FOUND.groupby(["map", "filtered"])["n_before"]
+    assert (counts.nunique() == 1).all()
+    wanted = {"polimi": (658, 434), "stanford": (1507, 1117), "bicocca": (2220, 1320)}
+    for name, (whole, filtered) in {**wanted, "usc": (3604, 2206)}.items():  # A 6.3 to 6.6
+        assert (counts.first()[name, 0], counts.first()[name, 0.1]) == (whole, filtered)
+
+
+def test_what_the_text_of_a_says_of_its_runs():
+    """Catches a column that is read for another, by figures of the text (A 6.3, 6.6)."""
+    usc = select(FOUND, map="usc", method="fusion", filtered=True, tolerance=0.04)
+    assert usc[["quality", "reduction"]].to_numpy() == pytest.approx(0.86, abs=0.005)
+    hybrid, online = (
+        select(FOUND, map="polimi", method=name)["seconds"] for name in ("hybrid", "basic_online")
+    )
+    assert (hybrid.min(), hybrid.max()) == (4, 10)
+    assert online.min() == 31 and 180 <= online.max() < 200
+
+
+def test_the_grid_is_that_of_the_thesis():
+    """Catches a threshold that is missing: 33 runs, 66 with the filter, 264 on four buildings."""
+    runs = 8 * sum(np.prod([len(v) for v in grid.values()]) for grid in THESIS_GRIDS.values())
+    names = ["map", "method", "filtered", "angle", "distance", "sigma", "tolerance"]
+    assert runs == len(thesis_grid(FOUND)) == len(FOUND.drop_duplicates(names)) == 264
+
+
+def test_a_sweep_over_the_grid_of_the_thesis_is_in_it_and_others_are_not():
+    """Catches defaults that the runs name and the thesis does not, and others than A's."""
+    wall = np.array([[(0, 0), (2, 0)], [(1, 0), (3, 0)]])
+    grids = {**THESIS_GRIDS, "hybrid_fusion": [{}]}
+    found = sweep({"wall": wall}, METHODS, grids, filters=THESIS_FILTERS)
+    assert len(thesis_grid(found)) == 66
+    other = {"mean_shift": {"sigma": 0.1, "bandwidth": 0.5}, "fusion": {"tolerance": 0.03}}
+    other["hybrid"] = {"distance": 0.1, "min_length": 0.1}
+    assert len(thesis_grid(sweep({"wall": wall}, list(other), other, filters=(None, 0.05)))) == 0
+    assert len(thesis_grid(sweep({"wall": wall}, ["fusion"], filters=(0.05,)))) == 0
+
+
+# ------------------------------------------------------------------ errors of alignment
+
+HEAD = "log,method,scans,used,compared,mean,deviation,rms,p95,largest,above_0.2,heading,seconds\n"
+ROW = "intel,backbone,2672,1800,566,1.25,0.5,1.35,2.5,4.75,0.75,0.0625,12.5\n"
+
+
+def loaded(folder, text):
+    (folder / "alignment.csv").write_text(text, encoding="utf-8")
+    return load_alignments(path=folder / "alignment.csv")
+
+
+def test_alignments_keep_their_columns_and_stand_beside_published_ones_without_times(tmp_path):
+    """Catches columns that are taken one for another, and times in a chapter's output."""
+    frame = loaded(tmp_path, HEAD + ROW)
+    assert list(frame) == HEAD.strip().split(",")
+    assert list(map(str, frame.iloc[0])) == ROW.strip().split(",")
+    table = alignment_table(frame)
+    assert "12.5" not in table.to_string()
+    assert list(table.iloc[0]) == ["backbone", 1.25, 0.5, 4.75, "1800 of 2672"]
+    assert list(table.iloc[3][["mean [m]", "used"]]) == [0.031, "published"]
+    assert np.isnan(table["largest [m]"][3]) and len(table) == 4
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("", "line 1: expected the head"),
+        ("log,method\n", "line 1: expected the head log,method,scans"),
+        (HEAD + ROW + "intel,odometry,2672\n", "line 3: expected log,method,"),
+        (HEAD + ROW.replace("566", "many"), "line 2: expected log,method,.* got .*many"),
+    ],
+)
+def test_damaged_files_are_named(tmp_path, text, message):
+    with pytest.raises(ValueError, match=rf"alignment.csv, {message}"):
+        loaded(tmp_path, text)

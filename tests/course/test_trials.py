@@ -1,0 +1,119 @@
+"""Trials of matchers: what they measure, and the records that come with segmap."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from segmap_course import load_trials, room_walk, room_walls, trial_table, try_pair, write_trials
+
+from segmap import Log
+from segmap.matching import MATCHERS, SCORES
+from segmap.segments import length
+
+
+def test_the_records_hold_every_pair():
+    """Five seeds where it is quick, one elsewhere; errors as they were promised."""
+    trials = load_trials()
+    assert {(t.matcher, t.score) for t in trials} == {(m, s) for m in MATCHERS for s in SCORES}
+    best = [t for t in trials if (t.matcher, t.score) == ("hill climbing", "field")]
+    assert [t.seed for t in best] == [0, 1, 2, 3, 4]
+    assert np.median([t.median for t in best]) <= 0.020
+    assert np.median([t.largest for t in best]) <= 0.050
+    assert np.median([t.seconds for t in best]) <= 0.010
+
+
+def test_literal_pairs_lose_their_way():
+    """Each of B's printed settings with the occupancy score: more than a metre off at the worst."""
+    lost = {t.matcher for t in load_trials() if t.score == "occupancy" and t.largest > 1.0}
+    assert lost == {"hill climbing, thesis", "sample and rank, thesis"}
+
+
+def test_good_poses_leave_few_leaves():
+    """B's free figure of merit (Fig. 6.17), over all trials: order by error is order by leaves."""
+    from scipy.stats import spearmanr
+
+    trials = load_trials()
+    rank = spearmanr([t.median for t in trials], [t.leaves for t in trials]).statistic
+    assert rank > 0.8
+
+
+@pytest.mark.parametrize("matcher", ["hill climbing", "sample and rank"])
+def test_a_record_is_made_again(matcher):
+    """Same walk, same seed, same errors; the machine may be another."""
+    record = next(t for t in load_trials() if (t.matcher, t.score) == (matcher, "field"))
+    again = try_pair(room_walk(seed=record.seed), matcher, "field", seed=record.seed)
+    assert replace(again, seconds=0.0) == replace(record, seconds=0.0)
+
+
+def test_a_trial_measures_from_the_truth():
+    """A log whose truth is shifted after the first pose: every error is that shift."""
+    log = room_walk()[:4]
+    truth = log.truth + np.array([[0, 0, 0]] + [[0.3, 0.4, 0]] * 3)
+    trial = try_pair(Log("moved", log.scans, truth), "hill climbing", "field")
+    assert trial.median == pytest.approx(0.5, abs=0.05)
+
+
+def test_the_walk_stays_inside_the_room():
+    """Clear of all walls, a step of at most 3.3 cm and 2.9 degrees, closed."""
+    truth = room_walk().truth
+    away = np.diff(np.concatenate([truth, truth[:1]]), axis=0)
+    assert np.hypot(away[:, 0], away[:, 1]).max() < 0.034
+    assert np.degrees(np.abs(np.angle(np.exp(1j * away[:, 2]))).max()) < 3
+    assert (truth[:, :2].min(0) > 0.5).all() and (truth[:, :2].max(0) < (3.5, 2.5)).all()
+    assert len(room_walls()) == 16 and (length(room_walls()) > 0.2).all()
+
+
+def test_records_survive_a_file(tmp_path):
+    trials = load_trials()[:3]
+    write_trials(trials, tmp_path / "some.csv")
+    assert load_trials(tmp_path / "some.csv") == trials
+    assert [path.name for path in tmp_path.iterdir()] == ["some.csv"]
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("", "some.csv, line 1: expected the head log,matcher"),
+        ("log,matcher\n", "some.csv, line 1: expected the head log,matcher"),
+        ("HEAD\na,b,c\n", "some.csv, line 2: expected a trial, got"),
+        ("HEAD\na,b,c,0,x,1,1,1,1,1\n", "some.csv, line 2: expected a trial"),
+    ],
+)
+def test_foreign_files_are_named(tmp_path, text, message):
+    head = "log,matcher,score,seed,median,largest,heading,leaves,nbytes,seconds"
+    (tmp_path / "some.csv").write_text(text.replace("HEAD", head))
+    with pytest.raises(ValueError, match=message):
+        load_trials(tmp_path / "some.csv")
+
+
+def test_the_table_holds_medians():
+    table = trial_table([t for t in load_trials() if t.score == "field"])
+    assert list(table["matcher"]) == list(MATCHERS)
+    best = [t for t in load_trials() if (t.matcher, t.score) == ("hill climbing", "field")]
+    assert table["median [mm]"][0] == round(1e3 * np.median([t.median for t in best]))
+    assert table["step [ms]"][0] == round(1e3 * np.median([t.seconds for t in best]), 1)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("climbing", "field"), "'climbing' is none of hill climbing"),
+        (("hill climbing", "best"), "'best' is none of field"),
+    ],
+)
+def test_names_must_be_known(arguments, message):
+    with pytest.raises(ValueError, match=message):
+        try_pair(room_walk(3), *arguments)
+
+
+def test_a_trial_needs_the_truth():
+    log = room_walk(3)
+    for scans in (log.scans, []):
+        with pytest.raises(ValueError, match="x must have scans, and a true pose for every scan"):
+            try_pair(Log("x", scans, None), "hill climbing", "field")
+
+
+@pytest.mark.parametrize("scans", [0, -1])
+def test_a_walk_has_a_scan(scans):
+    with pytest.raises(ValueError, match=f"scans must be at least 1, got {scans}"):
+        room_walk(scans)

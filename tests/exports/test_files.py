@@ -1,0 +1,245 @@
+"""What writes a file: whole or not at all, in the place that a link names, with mode and owner."""
+
+import ast
+import gzip
+import os
+import stat
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+from segmap_course import load_trials, write_trials
+
+import segmap
+from segmap import LaserScan, Log, SegmentMap, exports
+from segmap.experiments import load_records, write_records
+from segmap.files import RATIO, UNPACKED, packed, table_lines
+from segmap.quadtree import QuadtreeMap
+from segmap.readers import PoseGraph
+
+LOG = Log("one", [LaserScan([1.0], [0.0])], [(0, 0, 0)])
+MAP = QuadtreeMap(resolution=0.5, size=2)
+MAP.insert_scan((0.2, 0.2), [(1.2, 0.2)])
+WALLS = SegmentMap([[(0, 0), (1, 0)]])
+GRAPH = PoseGraph(np.zeros((2, 3)), [(0, 1)], [(1, 0, 0)], [np.eye(3)])
+
+#: Every function that writes a file in one go, and the end of the name that it wants.
+WRITERS = {
+    "tum": (lambda path: exports.write_tum(path, LOG, LOG.truth), ".tum"),
+    "packed": (lambda path: exports.write_tum(path, LOG, LOG.truth), ".tum.gz"),
+    "carmen": (lambda path: exports.write_carmen(path, LOG), ".log"),
+    "ros": (lambda path: exports.write_ros_map(path, MAP), ".yaml"),
+    "geojson": (lambda path: exports.write_geojson(path, MAP), ".geojson"),
+    "svg": (lambda path: exports.write_svg(path, MAP), ".svg"),
+    "map": (lambda path: MAP.save(path), ".npz"),
+    "segment map": (lambda path: WALLS.save(path), ".npz"),
+    "segments": (lambda path: exports.write_segments(path, WALLS), ".csv"),
+    "arrays": (lambda path: exports.write_arrays(path, LOG), ".npz"),
+    "graph": (lambda path: exports.write_graph(path, GRAPH), ".g2o"),
+    "drawn": (lambda path: exports.write_segments(path, WALLS), ".dxf.gz"),
+    "records": (lambda path: write_records(load_records("malaga")[:2], path), ".csv"),
+    "trials": (lambda path: write_trials(load_trials()[:2], path), ".csv"),
+}
+
+
+@pytest.fixture(params=WRITERS)
+def writer(request):
+    """A function that writes, and a name that it takes."""
+    write, end = WRITERS[request.param]
+    return write, f"it{end}"
+
+
+def others(folder: Path, *known: str) -> set[str]:
+    """Files beside those that should be there; the picture of a ROS map is one."""
+    return {p.name for p in folder.iterdir()} - {*known, "it.pgm"}
+
+
+def test_the_table_of_writers_is_whole():
+    """Catches an export that joins the package and not these tests, and a second way to write."""
+    assert set(exports.__all__) - {"NOTHING_MET", "Classes", "ros_classes"} == {
+        *("write_tum", "write_carmen", "write_ros_map", "write_geojson", "write_svg"),
+        *("write_segments", "write_graph", "write_arrays"),
+    }
+    found = set()
+    for path in Path(segmap.__file__).parent.rglob("*.py"):
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.Call) and writes(node):
+                found.add(path.relative_to(Path(segmap.__file__).parent).as_posix())
+    appending = {"hokuyo/_record.py", "experiments/_files.py"}  # a line a scan, a line a run
+    passing = {
+        "panels/_source.py",  # an upload, into a folder that is gone once it was read
+        "course/_open_scans.py",  # a log of one line, alike
+        "course/_grade_server.py",  # a pipe
+    }
+    assert found == {"_files.py", *appending, *passing}
+
+
+def writes(call: ast.Call) -> bool:
+    """Whether a call opens a file to write in it; examples in docstrings are none."""
+    name = ast.unparse(call.func).rsplit(".", 1)[-1]
+    if name in ("write_text", "savetxt", "savez", "savez_compressed", "to_csv", "truncate"):
+        return True
+    if name == "write_bytes" and isinstance(call.func, ast.Attribute):  # of a path, not of _files
+        return True
+    values = [a.value for a in ast.walk(call) if isinstance(a, ast.Constant)]
+    modes = {v for v in values if isinstance(v, str) and v and set(v) <= set("wxabt+")}
+    flags = "O_CREAT" in ast.unparse(call) and name == "open"
+    return flags or (name == "open" and bool(modes - {"b", "t", "bt"}))
+
+
+@pytest.mark.parametrize(
+    ("source", "seen"),
+    [
+        ("open(path, 'w')", True),
+        ("path.open('ab')", True),
+        ("os.open(path, os.O_CREAT | os.O_RDWR)", True),
+        ("path.write_text('x')", True),
+        ("path.write_bytes(b'x')", True),
+        ("write_bytes(path, b'x')", False),
+        ("np.savez(path, a=1)", True),
+        ("path.open(encoding='utf-8')", False),
+        ("path.open('rb')", False),
+    ],
+)
+def test_a_call_that_writes_is_seen(source, seen):
+    assert writes(ast.parse(source).body[0].value) == seen
+
+
+def test_a_new_file_has_the_mode_that_the_user_asks_for(writer, tmp_path):
+    """Catches files that nobody else may read, as temporary ones are made."""
+    write, name = writer
+    before = os.umask(0o027)
+    try:
+        write(tmp_path / name)
+    finally:
+        os.umask(before)
+    assert stat.S_IMODE((tmp_path / name).stat().st_mode) == 0o640
+    assert others(tmp_path, name) == set()
+
+
+@pytest.mark.parametrize("mode", [0o600, 0o664, 0o444])
+def test_a_file_that_is_replaced_keeps_its_mode(writer, mode, tmp_path):
+    write, name = writer
+    (tmp_path / name).write_bytes(b"older")
+    (tmp_path / name).chmod(mode)
+    write(tmp_path / name)
+    assert stat.S_IMODE((tmp_path / name).stat().st_mode) == mode
+    assert b"older" not in (tmp_path / name).read_bytes()
+
+
+@pytest.mark.skipif(not hasattr(os, "geteuid") or os.geteuid() != 0, reason="only root gives away")
+def test_a_file_that_is_replaced_keeps_its_owner(writer, tmp_path):
+    """Catches an export by root that the user can no longer change."""
+    write, name = writer
+    (tmp_path / name).write_bytes(b"older")
+    os.chown(tmp_path / name, 1234, 4321)
+    write(tmp_path / name)
+    found = (tmp_path / name).stat()
+    assert (found.st_uid, found.st_gid) == (1234, 4321)
+
+
+def test_an_owner_that_may_not_be_kept_is_no_error(writer, tmp_path, monkeypatch):
+    """Another user's file in a folder of the group: the content counts."""
+
+    def refused(*arguments):
+        raise PermissionError(1, "Operation not permitted")
+
+    write, name = writer
+    (tmp_path / name).write_bytes(b"older")
+    if os.geteuid() == 0:
+        os.chown(tmp_path / name, 1234, 4321)
+    monkeypatch.setattr(os, "chown", refused)
+    write(tmp_path / name)
+    assert b"older" not in (tmp_path / name).read_bytes()
+
+
+@pytest.mark.parametrize("there", [True, False])
+def test_a_link_stays_and_what_it_leads_to_changes(writer, there, tmp_path):
+    """Catches a link that becomes a file, while its target keeps yesterday's content."""
+    write, name = writer
+    (tmp_path / "elsewhere").mkdir()
+    target = tmp_path / "elsewhere" / "real"
+    if there:
+        target.write_bytes(b"older")
+    (tmp_path / "between").symlink_to(Path("elsewhere") / "real")
+    (tmp_path / name).symlink_to("between")
+    write(tmp_path / name)
+    assert (tmp_path / name).is_symlink() and (tmp_path / "between").is_symlink()
+    assert target.stat().st_size > 5 and b"older" not in target.read_bytes()
+    assert others(tmp_path, name, "between", "elsewhere") == set()
+    assert others(tmp_path / "elsewhere") == {"real"}
+
+
+def test_what_is_no_regular_file_stays(writer, tmp_path):
+    """Catches a device that root replaces by a file, and a pipe that nobody reads."""
+    write, name = writer
+    os.mkfifo(tmp_path / name)
+    with pytest.raises(ValueError, match=r"it\.\S+ is a device or a pipe, no regular file"):
+        write(tmp_path / name)
+    assert stat.S_ISFIFO((tmp_path / name).stat().st_mode)
+    (tmp_path / name).unlink()
+    (tmp_path / name).symlink_to("/dev/full")
+    with pytest.raises(ValueError, match="a device or a pipe"):
+        write(tmp_path / name)
+    assert stat.S_ISCHR(Path("/dev/full").stat().st_mode)
+    (tmp_path / name).unlink()
+    (tmp_path / name).mkdir()
+    with pytest.raises(ValueError, match="is a folder, no regular file"):
+        write(tmp_path / name)
+    assert list((tmp_path / name).iterdir()) == [] and others(tmp_path, name) == set()
+
+
+def test_links_in_a_circle_and_folders_that_are_not_there_are_named(writer, tmp_path):
+    write, name = writer
+    (tmp_path / name).symlink_to(tmp_path / name)
+    with pytest.raises(OSError, match="it"):
+        write(tmp_path / name)
+    with pytest.raises(FileNotFoundError, match=r"cannot write .*it\.\S+: the folder .*none does"):
+        write(tmp_path / "none" / name)
+
+
+def test_a_write_that_fails_leaves_what_was_there(writer, tmp_path, monkeypatch):
+    """Catches a file that is emptied first, and half a file left beside it."""
+    write, name = writer
+    (tmp_path / name).write_bytes(b"older")
+
+    def full(file):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(os, "fsync", full)
+    with pytest.raises(OSError, match="No space left"):
+        write(tmp_path / name)
+    assert (tmp_path / name).read_bytes() == b"older" and others(tmp_path, name) == set()
+
+
+def test_the_longest_name_is_written(tmp_path):
+    """Catches a temporary name that is longer than its own."""
+    path = tmp_path / ("n" * 251 + ".csv")
+    write_records(pd.DataFrame(load_records("malaga")[:1]), path)
+    assert path.exists()
+
+
+@pytest.mark.parametrize(
+    ("text", "cells"),
+    [("a,b\n1,2\n3,4\n", ["12", "34"]), ("a,b\n1,2\n3,4", ["12"]), ("a,b", []), ("a,b\n", [])],
+)
+def test_a_last_line_without_an_end_is_left_out(text, cells):
+    """Catches a number cut short that is read, and a whole line that is lost with it."""
+    found = list(table_lines(text.encode(), "runs.csv", ["a", "b"]))
+    assert ["".join(row) for row, _ in found] == cells
+    assert [where for _, where in found] == [f"runs.csv, line {k + 2}" for k in range(len(cells))]
+
+
+def test_a_long_line_in_the_place_of_a_head_is_told_in_part():
+    """Catches an error of megabytes."""
+    with pytest.raises(ValueError, match=r"got x{200}$"):
+        list(table_lines(b"x" * 5000 + b"\n", "runs.csv", ["a", "b"]))
+
+
+@pytest.mark.parametrize("size", [1000, UNPACKED + 1])
+def test_a_packed_file_holds_no_date_and_is_never_a_bomb(size):
+    """Catches zeros packed so small that our own reader refuses them, and bytes that vary."""
+    found = packed(bytes(size))
+    assert gzip.decompress(found) == bytes(size) and found[4:8] == bytes(4)
+    assert size <= max(UNPACKED, RATIO * len(found))

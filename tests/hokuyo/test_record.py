@@ -1,0 +1,283 @@
+"""Recording: every scan whole or absent, whenever the recorder dies."""
+
+import itertools
+import json
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from emulated import needs_terminals, pattern, turn_of
+
+from segmap import LaserScan, read
+from segmap.hokuyo import record
+from segmap.hokuyo.__main__ import main as program
+
+ANGLES = (np.arange(682) - 340) * 2 * np.pi / 1024
+
+
+def scan(number: int) -> LaserScan:
+    """A scan whose every range tells its number, and a few errors."""
+    ranges = 1.0 + number / 1000 + np.zeros(682)
+    codes = np.zeros(682, np.int64)
+    codes[:3] = 7, 0, 16
+    ranges[:3] = np.nan, np.inf, np.nan
+    return LaserScan(ranges, ANGLES, 100 + 0.1 * number, max_range=5.6, codes=codes)
+
+
+def numbers(path) -> list[int]:
+    """Which scans a log holds; fails where one is not whole."""
+    found = []
+    for one in read(path):
+        number = np.rint(1000 * (one.ranges[3:] - 1.0)).astype(int)
+        assert len(one) == 682
+        assert (number == number[0]).all()
+        found.append(int(number[0]))
+    return found
+
+
+@pytest.mark.parametrize("name", ["some.log", "BENCH.LOG", "folder"])
+def test_there_and_back(name, tmp_path):
+    path = tmp_path / name
+    assert record(map(scan, range(3)), path) == 3
+    assert record(map(scan, itertools.count(3)), path, count=2) == 2
+    assert numbers(path) == [0, 1, 2, 3, 4]
+    assert path.is_dir() == (name == "folder")
+    log = read(path)
+    assert log[1].angles == pytest.approx(ANGLES, abs=1e-6)
+    assert np.isinf(log[1].ranges[1])
+    assert not log[1].valid[:3].any()
+    if name == "folder":
+        assert log[1].codes[:4].tolist() == [7, 0, 16, 0]
+    else:
+        assert log.times == pytest.approx(100 + 0.1 * np.arange(5), abs=1e-6)
+        assert log.truth is None
+
+
+def test_what_cannot_be_recorded(tmp_path):
+    with pytest.raises(ValueError, match="packed file cannot be added to"):
+        record([], tmp_path / "some.log.gz")
+    with pytest.raises(ValueError, match="evenly spaced"):
+        record([LaserScan([1, 1, 1], [0.0, 0.1, 0.3])], tmp_path / "some.log")
+    with pytest.raises(FileNotFoundError):
+        record([scan(0)], tmp_path / "none" / "some.log")
+
+
+def test_a_line_cut_anywhere_is_no_scan(tmp_path, monkeypatch):
+    """Catches a line that counts before it is whole: the disk fills, or the power fails."""
+    path, real = tmp_path / "some.log", os.write
+    whole = 5000
+    for stop in (0, 1, 2, 100, 4096, whole):
+        record([scan(1)], path)
+
+        class Died(Exception):
+            pass
+
+        def half(file, data, stop=stop, died=Died):
+            if len(data) > 1:
+                real(file, data[: min(stop, len(data))])
+                raise died
+            return real(file, data)
+
+        monkeypatch.setattr(os, "write", half)
+        with pytest.raises(Died):
+            record([scan(2)], path)
+        monkeypatch.setattr(os, "write", real)
+        assert set(numbers(path)) == {1}
+    record([scan(3)], path)
+    assert numbers(path) == [1] * 6 + [3]
+
+
+@needs_terminals
+def test_from_a_sensor(tmp_path):
+    pytest.importorskip("serial", reason="the driver opens ports with pyserial")
+    from segmap.hokuyo import UrgSensor
+    from segmap.hokuyo.emulator import Emulator
+
+    with Emulator(pattern, speed=10) as emulator, UrgSensor(emulator.port) as sensor:
+        assert record(sensor, tmp_path / "folder", count=4) == 4
+    turns = [turn_of(one) for one in read(tmp_path / "folder")]
+    assert (np.diff(turns) > 0).all()
+
+
+# ---------------------------------------------------------------- before the sensor is asked
+class NotAsked:
+    """Stands for the scans of a sensor that nobody may ask yet."""
+
+    def __iter__(self):
+        pytest.fail("the sensor was asked before the recording could start")
+
+
+def cannot_be_recorded(folder: Path, name: str) -> Path:
+    """A path that no recording can go to."""
+    (folder / "file").write_text("mine")
+    (folder / "folder.log").mkdir()
+    os.mkfifo(folder / "pipe.log")
+    os.mkfifo(folder / "pipe")
+    (folder / "device.log").symlink_to("/dev/full")
+    (folder / "circle.log").symlink_to(folder / "circle.log")
+    return folder / name
+
+
+IMPOSSIBLE = {
+    "file": "is a file: name a folder, or a log that ends in .log",
+    "folder.log": "is a folder, no regular file",
+    "pipe.log": "is a device or a pipe",
+    "pipe": "is a file: name a folder",
+    "device.log": "is a device or a pipe",
+    "circle.log": "circle.log",
+    "none/it.log": "cannot record .*: no folder .*none exists",
+    "none/it": "cannot record .*: no folder .*none exists",
+    "packed.log.gz": "a packed file cannot be added to",
+}
+
+
+@pytest.mark.parametrize("name", IMPOSSIBLE)
+def test_what_cannot_be_recorded_is_told_before_a_sensor_is_asked(name, tmp_path, capsys):
+    """Catches a laser switched on, or a minute's wait for a sensor, for nothing."""
+    path = cannot_be_recorded(tmp_path, name)
+    before = sorted(tmp_path.iterdir())
+    with pytest.raises((ValueError, OSError), match=IMPOSSIBLE[name]):
+        record(NotAsked(), path)
+    assert program(["record", str(path), "--port", "/no-port"]) == 1
+    said = capsys.readouterr().err
+    assert re.search(IMPOSSIBLE[name], said) and "/no-port" not in said
+    assert sorted(tmp_path.iterdir()) == before
+
+
+@pytest.mark.parametrize("count", ["-3", "0"])
+def test_a_count_below_one_is_told_plainly(count, tmp_path, capsys):
+    assert program(["record", str(tmp_path / "it"), "--port", "/no-port", "--count", count]) == 1
+    wanted = f"count must be a whole number of at least 1, got {count}"
+    assert wanted in capsys.readouterr().err
+    with pytest.raises(ValueError, match=wanted):
+        record(NotAsked(), tmp_path / "it", count=int(count))
+
+
+@pytest.mark.parametrize("name", ["new.log", "new", "old.log", "old"])
+def test_trying_out_leaves_nothing(name, tmp_path):
+    """Catches an empty log, or folder, of a recording that never began."""
+    (tmp_path / "old").mkdir()
+    (tmp_path / "old.log").write_text("mine")
+    before = sorted(tmp_path.rglob("*"))
+    assert program(["record", str(tmp_path / name), "--port", "/no-port"]) == 1
+    assert sorted(tmp_path.rglob("*")) == before
+    assert (tmp_path / "old.log").read_text() == "mine"
+
+
+@pytest.mark.parametrize("name", ["new.log", "new", "old.log", "old"])
+def test_what_may_not_be_written_is_told_before_a_sensor_is_asked(
+    name, tmp_path, capsys, monkeypatch
+):
+    """A folder of somebody else; root, who may run the tests, is refused nothing by itself."""
+    (tmp_path / "old").mkdir()
+    (tmp_path / "old.log").write_text("mine")
+
+    def refused(*arguments, **named):
+        raise PermissionError(13, "Permission denied", name)
+
+    monkeypatch.setattr(os, "open", refused)
+    monkeypatch.setattr(Path, "mkdir", refused)
+    assert program(["record", str(tmp_path / name), "--port", "/no-port"]) == 1
+    assert capsys.readouterr().err.startswith("PermissionError: [Errno 13] Permission denied")
+
+
+# ----------------------------------------------------------------------- nothing left behind
+@pytest.mark.parametrize("where", ["pathlib.Path.replace", "pathlib.Path.stat"])
+def test_an_interrupt_leaves_no_part(where, tmp_path, monkeypatch):
+    """Control-C, TERM and HUP reach the recorder as KeyboardInterrupt, at any of its steps."""
+    path = tmp_path / "folder"
+    record([scan(0)], path)
+
+    def scans():
+        def interrupt(*arguments, **named):
+            raise KeyboardInterrupt
+
+        monkeypatch.setattr(where, interrupt)
+        yield scan(1)
+
+    with pytest.raises(KeyboardInterrupt):
+        record(scans(), path)
+    monkeypatch.undo()
+    assert [p.name for p in path.iterdir()] == ["scan000001.txt"]
+
+
+# ------------------------------------------------------------- nothing that `read` refuses
+ODD_SCANS = {
+    "no beam": LaserScan([], []),
+    "no time": LaserScan([1.0], [0.0], time=np.nan),
+    "late": LaserScan([1.0], [0.0], time=1e13),
+    "wide": LaserScan([1.0, 1.0], [-5.5, 5.5]),
+    "far": LaserScan([1e300], [0.0]),
+    "many": LaserScan(np.ones(200_000), np.linspace(-1, 1, 200_000)),
+    "limit below zero": LaserScan([1.0, np.inf], [0.0, 0.1], max_range=-1.0),
+    "short": LaserScan([1e-9, 1e-4, 1.0], [0.0, 0.1, 0.2]),
+    "errors only": LaserScan([np.nan] * 3, [0.0, 0.1, 0.2]),
+}
+
+
+@pytest.mark.parametrize("name", ODD_SCANS)
+@pytest.mark.parametrize("target", ["it.log", "it"])
+def test_what_is_recorded_can_be_read(name, target, tmp_path):
+    """Catches one odd scan that spoils the whole log for its reader."""
+    path = tmp_path / target
+    record([scan(0)], path)
+    try:
+        record([ODD_SCANS[name]], path)
+    except ValueError:
+        assert len(read(path)) == 1
+    else:
+        assert [len(one) for one in read(path)] == [682, len(ODD_SCANS[name])]
+
+
+KILLER = """
+import itertools, json, os, random, signal, sys, time
+sys.path[:0] = sys.argv[2:]
+from test_record import numbers, record, scan
+path, results, chance = sys.argv[1], [], random.Random(1)
+record([scan(0)], path)
+for run in range(25):
+    ready, told = os.pipe()
+    child = os.fork()
+    if child == 0:
+        def scans():
+            for number in itertools.count(1 + 150 * run):
+                os.write(told, b".")
+                yield scan(number)
+        record(scans(), path, count=150)
+        os._exit(0)
+    for _ in range(chance.randint(1, 6)):
+        os.read(ready, 1)
+    time.sleep(chance.uniform(0, 0.003))
+    os.kill(child, signal.SIGKILL)
+    _, status = os.waitpid(child, 0)
+    os.close(ready), os.close(told)
+    results.append((os.WIFSIGNALED(status), numbers(path)))
+print(json.dumps(results))
+"""
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="SIGKILL and fork are of Unix")
+@pytest.mark.parametrize("name", ["killed.log", "killed"])
+def test_killed_at_any_moment(name, tmp_path):
+    """25 kills for each format: what was there stays, what follows is a whole run from its start.
+
+    Catches a file that is written in place, and a half line that spoils the next one.
+    """
+    path, here = tmp_path / name, str(Path(__file__).parent)
+    command = [sys.executable, "-c", KILLER, str(path), here]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=100)
+    assert done.returncode == 0, done.stderr
+    results = json.loads(done.stdout)
+    assert len(results) == 25
+    assert sum(killed for killed, _ in results) >= 10
+    before = [0]
+    for run, (_, found) in enumerate(results):
+        fresh = found[len(before) :]
+        assert found[: len(before)] == before
+        assert fresh == list(range(1 + 150 * run, 1 + 150 * run + len(fresh)))
+        before = found
+    assert len(before) > 25

@@ -1,0 +1,192 @@
+"""A map that loops move: nothing is lost, the old one stands meanwhile, the end is corrected."""
+
+import sys
+import threading
+from copy import deepcopy
+
+import numpy as np
+import pytest
+from planned_loops import LOG, Planned
+from quadtrees import state
+
+from segmap import LaserScan, extraction, quadtree
+from segmap.alignment import LiveGraph, LoopClosing
+from segmap.matching import LiveMap, _live_map, map_scans
+from segmap.poses import between, compose
+from segmap.quadtree import QuadtreeMap
+from segmap.quadtree import _kernels as kernels
+from segmap.reduction import LiveReduction, hybrid_fusion
+from segmap.scans import Log
+
+START = (3.0, 2.0, 0.5)
+
+
+def blank(resolution=0.05):
+    return QuadtreeMap(resolution=resolution, free_resolution=0.4)
+
+
+def expected(log, live):
+    """The map of all scans at the poses that the graph has corrected."""
+    map = blank()
+    for scan, pose in zip(log, live.poses, strict=True):
+        _live_map.insert(map, scan, pose, free=False)
+    return state(map)
+
+
+@pytest.mark.parametrize("closes", [(), (5,), (5, 6, 7, 20), (23,), tuple(range(24))])
+def test_the_map_in_the_end_is_that_of_the_corrected_poses(closes):
+    """Whenever loops close, while another map is being made too; and at the last scan."""
+    live = LiveMap(Planned(closes), map=blank(), start=START)
+    map = live.map
+    steps = [live.add(scan) for scan in LOG]
+    live.finish()
+    assert [k for k, step in enumerate(steps) if step.closed] == list(closes)
+    graph = live.graph.poses
+    np.testing.assert_allclose(live.poses, compose(START, between(graph[0], graph)), atol=1e-12)
+    assert live.map is map and map.scans == len(LOG) and state(map) == expected(LOG, live)
+
+
+def test_map_scans_with_a_graph():
+    """Steps tell of loops, and the map that was given is the corrected one when the log ends."""
+    map, graph = blank(), Planned((9, 20))
+    steps = list(map_scans(LOG, graph=graph, map=map, start=START))
+    assert [k for k, step in enumerate(steps) if step.closed] == [9, 20]
+    poses = compose(START, between(graph.poses[0], graph.poses))
+    np.testing.assert_allclose(steps[-1].pose, poses[-1])
+    again = blank()
+    for scan, pose in zip(LOG, poses, strict=True):
+        _live_map.insert(again, scan, pose, free=False)
+    assert state(map) == state(again)
+
+
+def test_a_new_graph_closes_loops():
+    """The robot drives to and fro; what the graph then holds is what the map shows."""
+    near = {"old_frames": 1, "new_frames": 1}  # the places are closer than usual
+    rules = LoopClosing(min_path=0.5, witnesses=1, span=0.1, strain=1e-6, **near)
+    graph, map = LiveGraph(step=0.2, closing=rules), blank()
+    steps = list(map_scans(LOG, graph=graph, map=map, start=LOG.truth[0]))
+    assert any(step.closed for step in steps)
+    poses = compose(LOG.truth[0], between(graph.poses[0], graph.poses))
+    assert np.hypot(*(poses - LOG.truth)[:, :2].T).max() < 0.03
+    assert state(map) == state(quadtree.build_map(LOG, poses, resolution=0.05, free_resolution=0.4,
+                                                  corner=(0.0, 0.0)))  # fmt: skip
+
+
+def test_the_old_map_stands_until_the_new_one_holds_all_scans(monkeypatch):
+    """Catches a map that is empty for seconds, and one that misses what came meanwhile."""
+    go, real = threading.Event(), _live_map.insert
+
+    def slow(map, scan, pose, *, free):
+        if threading.current_thread().name == "new map":
+            go.wait(20)
+        real(map, scan, pose, free=free)
+
+    monkeypatch.setitem(LiveMap._draw.__globals__, "insert", slow)
+    live, old = LiveMap(Planned((9,)), map=blank()), blank()
+    for k, scan in enumerate(LOG):
+        real(old, scan, live.add(scan).pose, free=False)
+        assert live.map.scans == k + 1 and state(live.map) == state(old)
+    go.set()
+    live.finish()
+    assert live.map.scans == len(LOG) and state(live.map) == expected(LOG, live) != state(old)
+
+
+@pytest.mark.parametrize("closes", [(), (5, 6, 20)])
+def test_the_reduced_map_is_made_anew_with_the_map(closes):
+    """Equal to the on-line method on all scans at their corrected poses; walls are few again."""
+    walls = LiveReduction(every=8)
+    live = LiveMap(Planned(closes), map=blank(), walls=walls)
+    for scan in LOG:
+        live.add(scan)
+    live.finish()
+    whole = hybrid_fusion(extraction.build_map(Log("it", LOG.scans), live.poses), every=8)
+    assert walls.scans == len(LOG) and live.walls is walls
+    np.testing.assert_allclose(walls.segments, whole.segments, atol=1e-9)
+
+
+def test_what_the_map_held_before_stays():
+    given = blank()
+    given.insert_scan((0, 0), [(9.0, 9.0)])
+    live = LiveMap(Planned((3,)), map=given)
+    for scan in LOG[:6]:
+        live.add(scan)
+    live.finish()
+    assert given.scans == 7 and given.occupancy([(9.0, 9.0)])[0] == 1
+
+
+@pytest.mark.parametrize("call", [3, 30, 90, 150, 400])
+def test_an_interrupt_costs_no_scan_but_its_own(call):
+    """Half a scan that it leaves in the map goes with the next one; loops are not forgotten."""
+    live, left = LiveMap(Planned((7,)), map=blank()), call
+
+    def count(frame, event, argument):
+        nonlocal left
+        left -= event == "call"
+        if left == 0:
+            sys.setprofile(None)
+            raise KeyboardInterrupt
+
+    for scan in LOG[:6]:
+        live.add(scan)
+    sys.setprofile(count)
+    try:
+        for scan in LOG[6:10]:
+            live.add(scan)
+    except KeyboardInterrupt:
+        pass
+    finally:
+        sys.setprofile(None)
+    for scan in LOG[live.graph.count :]:
+        live.add(scan)
+    live.finish()
+    assert len(LOG) - 1 <= live.map.scans <= len(LOG)
+    drawn = [number for number, _ in live._scans]
+    rest, poses = [LOG[k] for k in drawn], live.poses[drawn]
+    again = blank()
+    for scan, pose in zip(rest, poses, strict=True):
+        _live_map.insert(again, scan, pose, free=False)
+    assert state(live.map) == state(again)
+
+
+def test_a_scan_beyond_the_map_is_told_of():
+    map = QuadtreeMap(resolution=0.05, max_size=25.6)
+    live = LiveMap(map=map, start=(12, 12, 0))
+    live.add(LOG[0])
+    before = deepcopy(map)
+    with pytest.raises(ValueError, match="beyond max_size"):
+        live.add(LaserScan([500.0], [0.0]))
+    live.finish()
+    assert state(map) == state(before)
+    with pytest.raises(ValueError, match=r"^scan 0: the scan reaches beyond max_size"):
+        list(map_scans([LaserScan([500.0], [0.0])], graph=True, map=map))
+
+
+@pytest.mark.parametrize("graph", [1, "graph", None])
+def test_a_graph_is_asked_for(graph):
+    with pytest.raises(ValueError, match="graph must be a LiveGraph"):
+        map_scans(Log("none", []), graph=graph)
+
+
+def test_kernels_let_other_threads_go_on():
+    """Catches a map that is made in the background, while nothing else moves."""
+    map = blank()
+    map.insert_scan((0, 0), [(1.0, 1.0)])
+    fast = kernels.walk_rays._fast
+    assert getattr(fast, "targetoptions", {"nogil": True})["nogil"]  # plain Python has no kernel
+
+
+def test_a_scan_that_is_broken_off_is_not_in_the_map_in_the_end(monkeypatch):
+    """Catches a map that keeps the half of a scan that was interrupted while it was drawn."""
+    live = LiveMap(Planned(()), map=blank())
+    live.add(LOG[0])
+    with monkeypatch.context() as patch:
+        patch.setitem(LiveMap._draw.__globals__, "add_walls", stop)
+        with pytest.raises(KeyboardInterrupt):
+            live.add(LOG[1])
+    live.add(LOG[2])
+    live.finish()
+    assert live.map.scans == 2
+
+
+def stop(*_):
+    raise KeyboardInterrupt

@@ -1,0 +1,259 @@
+"""The greedy matchers against their literal forms (B 4.3)."""
+
+import numpy as np
+import pytest
+from quadtrees import random_map
+from segmap_course import literal
+
+from segmap.matching import field_score, hill_climb, nearest_score, occupancy_score, sample_and_rank
+from segmap.quadtree import QuadtreeMap
+
+MAP = QuadtreeMap()
+SCAN = np.array([(1.0, 0.0)])
+THESIS = [(0.001, np.radians(1.0))]
+HALVING = [
+    (0.016, np.radians(1.6)),
+    (0.008, np.radians(0.8)),
+    (0.004, np.radians(0.4)),
+    (0.002, np.radians(0.2)),
+    (0.001, np.radians(0.1)),
+]
+
+
+class Watched:
+    """A score that remembers what it was asked."""
+
+    def __init__(self, value):
+        self.value, self.asked = value, []
+
+    def __call__(self, map, points, poses):
+        self.asked.append(np.array(poses))
+        return np.array([self.value(*pose) for pose in poses], float)
+
+
+def bowl(x, y, heading):
+    """A hill whose sides are steeper in y than in x, about (0.1, -0.04, 0.05)."""
+    return -(abs(x - 0.1) + 2 * abs(y + 0.04) + 3 * abs(heading - 0.05))
+
+
+@pytest.mark.parametrize(("steps", "sizes"), [("thesis", THESIS), ("halving", HALVING)])
+@pytest.mark.parametrize("rounds", [0, 1, 7, 60, 1000])
+@pytest.mark.parametrize("start", [(0, 0, 0), (0.1, -0.04, 0.05), (0.2, 0.1, -0.3)])
+def test_climbs_as_the_literal_loop(steps, sizes, rounds, start):
+    """Catches the wrong of two equals, a halving too few, and rounds that are counted otherwise."""
+    path = literal.hill_climb(lambda p: bowl(*p), start, sizes=sizes, rounds=rounds)
+    found = hill_climb(MAP, SCAN, start, score=Watched(bowl), steps=steps, rounds=rounds)
+    np.testing.assert_allclose(found, path[-1], atol=1e-12)
+    values = [bowl(*pose) for pose in path]
+    assert (np.diff(values) > 0).all()
+
+
+@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("score", [nearest_score, occupancy_score])
+def test_climbs_as_the_literal_loop_on_maps(seed, score):
+    """Plateaus and ridges of real scores: a move that does not improve is never taken."""
+    map, rng = random_map(seed)
+    points = rng.normal(0, 20 * map.resolution, (25, 2))
+    start = rng.normal(0, 0.02, 3)
+    path = literal.hill_climb(lambda pose: score(map, points, pose)[0], start, sizes=HALVING)
+    np.testing.assert_allclose(hill_climb(map, points, start, score=score), path[-1], atol=1e-9)
+
+
+@pytest.mark.parametrize(("steps", "asked"), [("thesis", 1 + 6), ("halving", 1 + 5 * 6)])
+def test_stays_on_a_plain(steps, asked):
+    """An equal score is no improvement: catches `>=`, which walks until the rounds end."""
+    flat = Watched(lambda *_: 3.0)
+    assert hill_climb(MAP, SCAN, (1, 2, 0.5), score=flat, steps=steps).tolist() == [1, 2, 0.5]
+    assert sum(len(poses) for poses in flat.asked) == asked
+
+
+@pytest.mark.parametrize(
+    ("value", "moves_to"),
+    [
+        (lambda x, y, h: abs(x), (-1, 0, 0)),
+        (lambda x, y, h: abs(y), (0, -1, 0)),
+        (lambda x, y, h: abs(h), (0, 0, -1)),
+        (lambda x, y, h: x + y, (1, 0, 0)),
+        (lambda x, y, h: max(y, h > 0), (0, 0, 1)),
+        (lambda x, y, h: (y > 0) + (h < 0), (0, 1, 0)),
+    ],
+)
+def test_the_first_of_equals_is_taken(value, moves_to):
+    """-x, +x, -y, +y, -heading, +heading is the order; the best counts before it."""
+    found = hill_climb(MAP, SCAN, (0, 0, 0), score=Watched(value), steps="thesis", rounds=1)
+    np.testing.assert_allclose(found, np.array(moves_to) * (0.001, 0.001, np.radians(1)))
+
+
+@pytest.mark.parametrize(("steps", "step"), [("thesis", 0.001), ("halving", 0.016)])
+def test_rounds_end_a_climb(steps, step):
+    """An endless slope: sixty steps, or as many as are asked for."""
+    slope = Watched(lambda x, y, h: x)
+    assert hill_climb(MAP, SCAN, (0, 0, 0), score=slope, steps=steps)[0] == pytest.approx(60 * step)
+    found = hill_climb(MAP, SCAN, (0, 0, 0), score=slope, steps=steps, rounds=5)
+    assert found[0] == pytest.approx(5 * step)
+
+
+def test_the_thesis_degree_is_too_coarse():
+    """The counter-example: half a degree off, B's moves never turn; the default's do."""
+    value = Watched(lambda x, y, h: -abs(h - np.radians(0.45)))
+    assert hill_climb(MAP, SCAN, (0, 0, 0), score=value, steps="thesis")[2] == 0
+    assert np.degrees(hill_climb(MAP, SCAN, (0, 0, 0), score=value)[2]) == pytest.approx(0.45, 0.2)
+
+
+@pytest.mark.parametrize("matcher", [hill_climb, sample_and_rank])
+def test_the_heading_comes_back_wrapped(matcher):
+    rng = {"rng": np.random.default_rng(1)} if matcher is sample_and_rank else {}
+    value = Watched(lambda x, y, h: -abs(h - np.pi - 0.1))
+    found = matcher(MAP, SCAN, (0, 0, np.pi - 0.02), score=value, **rng)
+    assert -np.pi <= found[2] < -np.pi + 0.12
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_samples_as_the_literal_rounds(seed):
+    """1 and 99 poses, then 80 in each of 3 rounds, around the best 20 so far."""
+    start, sigma = np.array([0.05, 0, 0.02]), (0.03, 0.05)
+    rng = np.random.default_rng(seed)
+    rounds = literal.sample_and_rank(lambda p: bowl(*p), start, rng=rng, sigma=sigma)
+    watched, rng = Watched(bowl), np.random.default_rng(seed)
+    found = sample_and_rank(MAP, SCAN, start, score=watched, rng=rng, sigma=sigma)
+    best = max((pose for drawn in rounds for pose in drawn), key=lambda pose: bowl(*pose))
+    np.testing.assert_array_equal(found, best)
+    assert [len(poses) for poses in watched.asked] == [100, 80, 80, 80]
+    for asked, expected in zip(watched.asked, rounds, strict=True):
+        np.testing.assert_array_equal(asked, expected)
+
+
+def test_rounds_draw_ever_more_closely():
+    """Twice sigma at first, then sigma / 1, / 2, / 3: B's integer division makes the third zero."""
+    watched = Watched(lambda *_: 0.0)
+    for seed in range(30):
+        rng = np.random.default_rng(seed)
+        sample_and_rank(MAP, SCAN, (0, 0, 0), score=watched, rng=rng, sigma=(0.02, 0.1))
+    first = np.concatenate([poses[1:] for poses in watched.asked[::4]]).std(0)
+    np.testing.assert_allclose(first, (0.04, 0.04, 0.2), rtol=0.05)
+    for k in (1, 2, 3):
+        drawn = np.concatenate(
+            [
+                watched.asked[4 * run + k] - np.repeat(watched.asked[4 * run][:20], 4, axis=0)
+                for run in range(30)
+            ]
+        )
+        np.testing.assert_allclose(drawn.std(0), np.array((0.02, 0.02, 0.1)) / k, rtol=0.06)
+
+
+def test_the_default_heading_sigma_is_degrees():
+    """B's is 2 radians: half of its poses look back."""
+    watched = Watched(lambda *_: 0.0)
+    sample_and_rank(MAP, SCAN, (0, 0, 0), score=watched, rng=np.random.default_rng(1))
+    spread = watched.asked[0].std(0)
+    np.testing.assert_allclose(spread, (0.04, 0.04, np.radians(4)), rtol=0.2)
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_never_worse_than_the_start(seed):
+    """The start itself is among those ranked, and stays where it is best or no worse."""
+    rng = np.random.default_rng(seed)
+    peak = Watched(lambda x, y, h: float((x, y, h) == (0.3, 0.2, 0.1)))
+    assert sample_and_rank(MAP, SCAN, (0.3, 0.2, 0.1), score=peak, rng=rng).tolist() == [
+        0.3,
+        0.2,
+        0.1,
+    ]
+    flat = Watched(lambda *_: 0.0)
+    assert sample_and_rank(MAP, SCAN, (0.3, 0.2, 0.1), score=flat, rng=rng)[0] == 0.3
+    map, _ = random_map(seed)
+    points = rng.normal(0, 10 * map.resolution, (20, 2))
+    found = sample_and_rank(map, points, (0, 0, 0), score=nearest_score, rng=rng)
+    before, after = nearest_score(map, points, [(0, 0, 0), found])
+    assert after >= before
+
+
+def test_the_generator_decides():
+    """The same seed gives the same pose; a second call goes on, where B's starts again."""
+    start = (0.0, 0.0, 0.0)
+
+    def run(rng):
+        return sample_and_rank(MAP, SCAN, start, score=Watched(bowl), rng=rng).tolist()
+
+    rng = np.random.default_rng(3)
+    first, second = run(rng), run(rng)
+    assert first == run(np.random.default_rng(3)) != second
+
+
+@pytest.mark.parametrize("matcher", [hill_climb, sample_and_rank])
+class TestBothOnAMap:
+    def walls(self):
+        """A corner of two walls, seen from the origin."""
+        along = np.arange(-1, 1, 0.02)
+        return np.concatenate(
+            [np.stack([along, 0 * along + 1.005], -1), np.stack([0 * along + 1.005, along], -1)]
+        )
+
+    def match(self, matcher, *args, **options):
+        rng = {"rng": np.random.default_rng(2)} if matcher is sample_and_rank else {}
+        return matcher(*args, **options, **rng)
+
+    @pytest.mark.parametrize("score", [field_score, nearest_score])
+    def test_finds_the_pose(self, matcher, score):
+        """Catches a pose that is applied the other way round."""
+        map = QuadtreeMap()
+        map.insert_scan((0, 0), self.walls())
+        found = self.match(matcher, map, self.walls(), (0.04, -0.03, 0.03), score=score)
+        np.testing.assert_allclose(found, 0, atol=0.012)
+
+    def test_no_beams_leave_the_start(self, matcher):
+        map = QuadtreeMap()
+        map.insert_scan((0, 0), self.walls())
+        assert self.match(matcher, map, [], (1, 2, 0.5)).tolist() == [1, 2, 0.5]
+
+    @pytest.mark.parametrize(
+        ("points", "start", "options", "message"),
+        [
+            ([(1, 0)], (0, 0), {}, r"start must be x, y, heading, got shape \(2,\)"),
+            ([(1, 0)], [(0, 0, 0)], {}, r"start must be x, y, heading, got shape \(1, 3\)"),
+            ([(1, 0)], (0, 0, np.nan), {}, "start must be finite"),
+            ([(1, np.inf)], (0, 0, 0), {}, "points must be finite"),
+            ([1, 0], (0, 0, 0), {}, r"points must have shape \(n, 2\)"),
+            ([(50, 0)], (40, 40, 0), {}, "no occupied cell"),
+        ],
+    )
+    def test_what_is_refused(self, matcher, points, start, options, message):
+        map = QuadtreeMap()
+        map.insert_scan((0, 0), self.walls())
+        with pytest.raises(ValueError, match=message):
+            self.match(matcher, map, points, start, **options)
+
+    def test_an_empty_map_is_refused(self, matcher):
+        with pytest.raises(ValueError, match="insert a scan"):
+            self.match(matcher, QuadtreeMap(), [(1, 0)], (0, 0, 0))
+
+
+@pytest.mark.parametrize(
+    "sigma", [(0, 1), (0.1, -1), (np.nan, 1), (0.1, np.inf), 0.02, (0.02, 0.02, 0.03)]
+)
+def test_sigma_must_be_positive(sigma):
+    with pytest.raises(ValueError, match="sigma must be positive"):
+        sample_and_rank(MAP, SCAN, (0, 0, 0), rng=np.random.default_rng(0), sigma=sigma)
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"steps": "small"}, "steps must be one of 'thesis', 'halving', got 'small'"),
+        ({"steps": [(0.001, 0.02)]}, "steps must be one of 'thesis', 'halving', got "),
+        ({"rounds": -1}, "rounds must be a whole number of at least 0, got -1"),
+        ({"rounds": 2.5}, "rounds must be a whole number"),
+        ({"rounds": np.inf}, "rounds must be a whole number .* got inf"),
+        ({"score": "nearest"}, "score must be a function .* nearest_score say, got 'nearest'"),
+    ],
+)
+def test_what_a_climb_must_be_told(options, message):
+    with pytest.raises(ValueError, match=message):
+        hill_climb(MAP, SCAN, (0, 0, 0), **options)
+
+
+@pytest.mark.parametrize("rng", [1, None, np.random.RandomState(1)])
+def test_a_seed_is_no_generator(rng):
+    """Catches a seed that restarts at every call, as B's does."""
+    with pytest.raises(ValueError, match="rng must be a generator"):
+        sample_and_rank(MAP, SCAN, (0, 0, 0), rng=rng)

@@ -1,0 +1,225 @@
+"""Scores of a scan on a map against their literal forms."""
+
+import numpy as np
+import pytest
+from quadtrees import literal_of, random_map
+from segmap_course import literal
+
+from segmap.matching import (
+    DistanceField,
+    descent_score,
+    distance_score,
+    field_score,
+    nearest_score,
+    occupancy_score,
+)
+from segmap.matching import _scores as loops
+from segmap.poses import compose, transform
+from segmap.quadtree import QuadtreeMap
+
+SCORES = (occupancy_score, distance_score, nearest_score, descent_score, field_score)
+SEEDS = range(12)
+
+
+def asked(map, rng, *, spread=30, beams=17):
+    """A scan and three poses, mostly on the map."""
+    poses = np.column_stack([rng.normal(0, 10 * map.resolution, (3, 2)), rng.uniform(-3, 3, 3)])
+    return rng.normal(0, spread * map.resolution, (beams, 2)), poses
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_occupancy_score_is_the_literal_sum(seed):
+    """Catches unknown cells counted as half occupied, and cells at or below 0.5 that count."""
+    map, rng = random_map(seed)
+    tree = literal_of(map)
+    points, poses = asked(map, rng, beams=200)
+    points[:50] = rng.choice(tree.occupied(), 50)
+    poses[0] = 0.0
+    found = occupancy_score(map, points, poses)
+    expected = [literal.occupancy_score(tree, points, pose) for pose in poses]
+    np.testing.assert_allclose(found, expected)
+    assert found[0] > 20
+
+
+@pytest.mark.parametrize("free_resolution", [None, 1, 4])
+@pytest.mark.parametrize("seed", SEEDS)
+@pytest.mark.parametrize("score", [distance_score, nearest_score])
+def test_distance_is_that_of_every_cell(seed, free_resolution, score):
+    """Catches distances to corners, a search that stops early, and cells emptied again."""
+    map, rng = random_map(seed, free_resolution=free_resolution)
+    centres = literal_of(map).occupied()
+    for spread in (3, 30, 300):
+        points, poses = asked(map, rng, spread=spread)
+        expected = [literal.distance_score(points, pose, centres) for pose in poses]
+        np.testing.assert_allclose(score(map, points, poses), expected, rtol=1e-9)
+
+
+@pytest.mark.parametrize("seed", SEEDS[:4])
+def test_descent_is_the_literal_one(seed):
+    """Catches a child ranked by its corner, and one that holds nothing."""
+    map, rng = random_map(seed)
+    points, poses = asked(map, rng, beams=9)
+    expected = [literal.descent_score(literal_of(map), points, pose) for pose in poses]
+    np.testing.assert_allclose(descent_score(map, points, poses), expected, rtol=1e-9)
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_nearest_is_the_kd_tree_everywhere(seed):
+    """Each beam alone, so that no miss hides in a sum: inside, on edges, far outside the root."""
+    map, rng = random_map(seed)
+    side = map.resolution
+    left, low, right, high = map.bounds
+    places = rng.uniform((left - 2, low - 2), (right + 2, high + 2), (400, 2))
+    places[::4] = map.corner + np.round((places[::4] - map.corner) / side) * side
+    places[:8] += rng.choice([-1e4, 0, 1e6], (8, 2))
+    poses = np.column_stack([places, np.zeros(400)])
+    exact = distance_score(map, [(0, 0)], poses)
+    np.testing.assert_allclose(nearest_score(map, [(0, 0)], poses), exact, rtol=1e-12)
+    assert (descent_score(map, [(0, 0)], poses) <= exact + 1e-9).all()
+
+
+class Watched:
+    """An array that remembers what was asked of it."""
+
+    def __init__(self, array):
+        self.array, self.asked = array, []
+
+    def __getitem__(self, at):
+        self.asked.append(at)
+        return self.array[at]
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_the_search_looks_into_few_blocks(seed):
+    """Nearest first: two of a hundred blocks of cells are looked into for a place, where the other
+    order looks into 4 to 18 and finds the same.
+    """
+    map, rng = random_map(seed)
+    tree, path = map.tree, np.full(map.tree.level + 1, map.tree.block)
+    todo, occ = np.empty((3 * tree.level + 4, 4), np.int64), Watched(tree.occ)
+    places, found = rng.uniform(0, 1 << tree.level, (1, 300, 2)), np.empty(1)
+    scan = places, path, todo, found
+    loops.nearest_distances.plain(tree.vis, occ, tree.occupied_blocks(), *scan)
+    assert len({node // 4 for node in occ.asked}) > 10 and len(occ.asked) < 4 * 3 * 300
+
+
+def test_the_root_may_double_on_any_side():
+    """Catches blocks above the first root that are taken for empty."""
+    for x in (-50.0, 50.0):
+        for y in (-50.0, 50.0):
+            map = QuadtreeMap(resolution=0.5, size=2.0)
+            map.insert_scan((1, 1), [(1.2, 1.2)])
+            map.insert_scan((x, y), [(x, y)])
+            assert nearest_score(map, [(1.25, 1.75), (x, y)], (0, 0, 0))[0] > -0.9
+
+
+def test_descent_misses_the_nearest_cell():
+    """Two quarters: the nearer centre belongs to the one whose only cell lies far away."""
+    map = QuadtreeMap(resolution=1.0, size=8.0)
+    for cell in [(4.5, 0.5), (0.5, 3.5)]:
+        map.insert_scan(cell, [cell])
+    assert nearest_score(map, [(3.9, 0.5)], (0, 0, 0))[0] == pytest.approx(-0.6)
+    assert descent_score(map, [(3.9, 0.5)], (0, 0, 0))[0] == pytest.approx(-np.hypot(3.4, 3.0))
+
+
+@pytest.mark.parametrize("score", SCORES)
+def test_a_batch_is_its_single_poses(score):
+    """Catches sums over poses instead of beams."""
+    map, rng = random_map(3)
+    points, poses = asked(map, rng)
+    field = DistanceField.around(map, points, poses)
+    ask = score if score is not field_score else lambda _, *scan: field.score(*scan)
+    single = [ask(map, points, pose) for pose in poses]
+    assert all(value.shape == (1,) for value in single)
+    np.testing.assert_allclose(ask(map, points, poses), np.concatenate(single), rtol=1e-12)
+    assert ask(map, points, np.empty((0, 3))).shape == (0,)
+
+
+@pytest.mark.parametrize("score", SCORES)
+def test_points_and_poses_may_move_together(score):
+    """A pose on the left equals points on the right: catches a heading that turns the wrong way."""
+    map, rng = random_map(5)
+    points, poses = asked(map, rng)
+    step = np.array([0.3, -0.2, 0.7]) * map.resolution
+    moved = score(map, transform(step, points), poses)
+    away = 2 * len(points) * 0.01 * map.resolution if score is field_score else 1e-9
+    np.testing.assert_allclose(score(map, points, compose(poses, step)), moved, atol=away)
+
+
+@pytest.mark.parametrize("score", SCORES[1:3])
+@pytest.mark.parametrize("motion", [(2.0, -3.0, 0.0), (-1.0, 0.5, np.pi / 2), (0, 0, np.pi)])
+def test_moving_map_and_pose_keeps_the_distance(score, motion):
+    """Whole cells and quarter turns: nothing of the frame may be left in the score."""
+    rng = np.random.default_rng(2)
+    cells = rng.integers(-20, 20, (30, 2)) * 0.25 + 0.125
+    maps = [QuadtreeMap(resolution=0.25) for _ in range(2)]
+    for cell in cells:
+        maps[0].insert_scan(cell, [cell])
+        moved = transform(motion, cell[None])
+        maps[1].insert_scan(moved[0], moved)
+    points, poses = asked(maps[0], rng)
+    expected = score(maps[0], points, poses)
+    np.testing.assert_allclose(score(maps[1], points, compose(motion, poses)), expected, rtol=1e-9)
+
+
+@pytest.mark.parametrize("score", SCORES)
+def test_a_score_is_that_of_the_map_now(score):
+    """Catches what is kept from an earlier state: of a map asked before, and of its copies."""
+    map, rng = random_map(9)
+    points, poses = asked(map, rng)
+    score(map, points, poses)
+    map.insert_scan((0, 0), points)
+    again, _ = random_map(9)
+    again.insert_scan((0, 0), points)
+    np.testing.assert_array_equal(score(map, points, poses), score(again, points, poses))
+
+
+@pytest.mark.parametrize("score", SCORES)
+def test_every_beam_counts_once(score):
+    """Order does not matter, twice the beams is twice the score, no beam is none."""
+    map, rng = random_map(7)
+    points, poses = asked(map, rng)
+    once = score(map, points, poses)
+    np.testing.assert_allclose(score(map, points[::-1], poses), once, rtol=1e-12)
+    np.testing.assert_allclose(score(map, np.tile(points, (2, 1)), poses), 2 * once, rtol=1e-12)
+
+
+@pytest.mark.parametrize("score", SCORES)
+def test_no_beams_have_no_score(score):
+    map, _ = random_map(7)
+    assert score(map, [], [(0, 0, 0), (1, 0, 0)]).tolist() == [0, 0]
+
+
+@pytest.mark.parametrize("score", SCORES)
+def test_an_empty_map_has_no_score(score):
+    """B scores an empty map +1 a beam; so would a map whose ends have all been crossed again."""
+    empty, crossed = QuadtreeMap(), QuadtreeMap(resolution=0.1)
+    crossed.insert_scan((0.05, 0.05), [(0.55, 0.05)])
+    for _ in range(3):
+        crossed.insert_scan((0.05, 0.05), [(1.55, 0.05)], [(5.05, 0.05)])
+    for map in (empty, crossed):
+        with pytest.raises(ValueError, match="no occupied cell"):
+            score(map, [(1, 0)], (0, 0, 0))
+
+
+@pytest.mark.parametrize("score", SCORES)
+@pytest.mark.parametrize(
+    ("points", "poses", "message"),
+    [
+        ([1, 2, 3], (0, 0, 0), r"points must have shape \(n, 2\), got \(3,\)"),
+        ([(1, 2, 3)], (0, 0, 0), r"points must have shape \(n, 2\), got \(1, 3\)"),
+        ([(1, 2)], (0, 0), r"poses must have shape \(n, 3\), got \(1, 2\)"),
+        ([(1, 2)], [[(0, 0, 0)]], r"poses must have shape \(n, 3\), got \(1, 1, 3\)"),
+        (
+            [(1, 2), (np.nan, 0)],
+            (0, 0, 0),
+            r"points must be finite, .* points\[1\] is \[nan, 0.0\]",
+        ),
+        ([(np.inf, 0)], (0, 0, 0), "points must be finite"),
+        ([(1, 2)], (0, np.nan, 0), "poses must be finite"),
+    ],
+)
+def test_what_is_refused(score, points, poses, message):
+    map, _ = random_map(1)
+    with pytest.raises(ValueError, match=message):
+        score(map, points, poses)

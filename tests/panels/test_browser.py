@@ -1,0 +1,252 @@
+"""Chapter 00 in a real browser: run all cells, move the slider by its arrow keys, see it answer.
+
+The browser is driven over W3C WebDriver with the standard library. A picture of what it showed is
+left at build/browser/chapter_00.png.
+"""
+
+import base64
+import json
+import os
+import re
+import shlex
+import shutil
+import signal
+import socket
+import subprocess
+import sys
+import time
+import urllib.error
+import urllib.request
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from typing import Any
+
+import pytest
+from makefile import lab_command
+
+ROOT = Path(__file__).resolve().parents[2]
+CHAPTER = ROOT / "notebooks" / "00_start_here.ipynb"
+SCREENSHOT = ROOT / "build" / "browser" / "chapter_00.png"
+TOKEN = "chapter00"
+FLAGS = [
+    *("--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run"),
+    *("--disable-sync", "--disable-background-networking", "--disable-component-update"),
+    *("--disable-dev-shm-usage", "--window-size=1200,1600"),
+]
+RIGHT = "\ue014"
+
+#: The count of segments as the panel of the chapter shows them: "276 of 2847 segments left".
+COUNT = """
+return [...document.querySelectorAll('.widget-label')].map(e => e.textContent)
+  .filter(t => / of \\d+ segments left/.test(t))[0] || null"""
+PICTURE = "const p = document.querySelector('.widget-image'); return p ? p.src : null"
+ENTRY = "//div[contains(@class, 'lm-{}-itemLabel') and text()='{}']"
+HANDLE = "//div[contains(@class, 'widget-hslider')]//div[contains(@class, 'noUi-handle')]"
+#: Idle and connected: a notebook without a kernel calls itself idle, and asks for one when it runs.
+IDLE = """
+const i = document.querySelector('.jp-Notebook-ExecutionIndicator');
+const k = document.querySelector('.jp-KernelName');
+return i !== null && i.dataset.status === 'idle' && k !== null && /Python/.test(k.textContent)"""
+#: What Lab says in its corner: within a second of the start it asks whether it may fetch news.
+NOTES = """
+return [...document.querySelectorAll('.Toastify__toast')].map(e => e.textContent).join()"""
+#: Whether a picture is seen, somewhere down the page: what is far off is not drawn at all.
+SEEN = """
+const all = document.querySelector('.jp-WindowedPanel-outer');
+const [found] = [...document.querySelectorAll('img')].filter(e => e.src.endsWith(arguments[0]));
+if (found) found.scrollIntoView({block: 'center'});
+else if (all) all.scrollTop = (all.scrollTop + 800) % all.scrollHeight;
+return found !== undefined && found.clientHeight > 100"""
+LOST = "return /model not found/i.test(document.body.innerText)"
+UNFINISHED = """
+const p = [...document.querySelectorAll('.jp-CodeCell .jp-InputPrompt')].map(e => e.textContent);
+return p.filter(t => !/\\[\\d+\\]/.test(t)).length + (p.length ? 0 : 1)"""
+
+
+def free_port() -> int:
+    with socket.socket() as s:
+        s.bind(("127.0.0.1", 0))
+        return int(s.getsockname()[1])
+
+
+@contextmanager
+def running(command: list[str], log: Path, **options: Any) -> Iterator[subprocess.Popen]:
+    """A program and all its children, ended whatever happens."""
+    with log.open("wb") as out:
+        process = subprocess.Popen(
+            command, stdout=out, stderr=out, start_new_session=True, **options
+        )
+        try:
+            yield process
+        finally:
+            for kind in (signal.SIGTERM, signal.SIGKILL):
+                try:
+                    os.killpg(process.pid, kind)
+                    process.wait(5)
+                except (ProcessLookupError, subprocess.TimeoutExpired):
+                    continue
+
+
+def wait(what: str, answer: Callable[[], Any], seconds: float = 60) -> Any:
+    """The first answer that is not empty; a failure that says what never came."""
+    end = time.monotonic() + seconds
+    while time.monotonic() < end:
+        with suppress(urllib.error.URLError, ConnectionError):
+            if found := answer():
+                return found
+        time.sleep(0.1)
+    pytest.fail(f"waited {seconds} s for {what}")
+
+
+class Browser:
+    """The few WebDriver commands that the test needs."""
+
+    def __init__(self, port: int) -> None:
+        self.at = f"http://127.0.0.1:{port}"
+        wait("the driver", lambda: self._call("GET", "/status")["ready"], 20)
+        options = {"args": FLAGS, "binary": shutil.which("chromium")}
+        wanted = {"goog:chromeOptions": options, "goog:loggingPrefs": {"browser": "ALL"}}
+        opened = self._call("POST", "/session", {"capabilities": {"alwaysMatch": wanted}})
+        self.at += f"/session/{opened['sessionId']}"
+
+    def _call(self, method: str, path: str, body: Any = None) -> Any:
+        data = None if body is None else json.dumps(body).encode()
+        headers = {"Content-Type": "application/json"}
+        request = urllib.request.Request(self.at + path, data, headers, method=method)
+        with urllib.request.urlopen(request, timeout=60) as reply:
+            return json.load(reply)["value"]
+
+    def open(self, address: str) -> None:
+        self._call("POST", "/url", {"url": address})
+
+    def run(self, script: str, *given: Any) -> Any:
+        return self._call("POST", "/execute/sync", {"script": script, "args": given})
+
+    def find(self, path: str) -> str:
+        place = {"using": "xpath", "value": path}
+        return str(next(iter(self._call("POST", "/element", place).values())))
+
+    def click(self, path: str) -> None:
+        self._call("POST", f"/element/{self.find(path)}/click", {})
+
+    def type(self, element: str, keys: str) -> None:
+        self._call("POST", f"/element/{element}/value", {"text": keys})
+
+    def size(self, width: int, height: int) -> None:
+        self._call("POST", "/window/rect", {"width": width, "height": height})
+
+    def devtools(self, command: str, settings: dict[str, Any]) -> None:
+        self._call("POST", "/goog/cdp/execute", {"cmd": command, "params": settings})
+
+    def mouse(self, kind: str, x: float, y: float, **more: Any) -> None:
+        place = {"type": kind, "x": x, "y": y, "button": "left", "buttons": 1, "clickCount": 1}
+        self.devtools("Input.dispatchMouseEvent", place | more)
+
+    def errors(self) -> list[str]:
+        lines = self._call("POST", "/se/log", {"type": "browser"})
+        return [line["message"] for line in lines if line["level"] == "SEVERE"]
+
+    def screenshot(self, path: Path) -> None:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_bytes(base64.b64decode(self._call("GET", "/screenshot")))
+
+    def close(self) -> None:
+        self._call("DELETE", "")
+
+
+@pytest.fixture
+def browser(tmp_path: Path) -> Iterator[Browser]:
+    if not (shutil.which("chromium") and shutil.which("chromedriver")):
+        missing = "chromium and chromedriver are not both installed (see environment.md)"
+        pytest.fail(missing) if os.environ.get("CI") else pytest.skip(missing)
+    port = free_port()
+    with running(["chromedriver", f"--port={port}"], tmp_path / "driver.log"):
+        opened = Browser(port)
+        try:
+            yield opened
+        finally:
+            opened.close()
+
+
+@pytest.fixture
+def chapter(tmp_path: Path) -> Iterator[str]:
+    """Address of a copy of chapter 00 in a running JupyterLab."""
+    folder, port = tmp_path / "notebooks", free_port()
+    folder.mkdir()
+    notebook = json.loads(CHAPTER.read_text(encoding="utf-8"))
+    for cell in notebook["cells"]:
+        if cell["cell_type"] == "code":  # so that what is seen was made here
+            cell |= {"outputs": [], "execution_count": None}
+    (folder / CHAPTER.name).write_text(json.dumps(notebook), encoding="utf-8")
+    own = {"JUPYTER_CONFIG_DIR": "config", "JUPYTER_DATA_DIR": "data", "IPYTHONDIR": "ipython"}
+    env = os.environ | {name: str(tmp_path / place) for name, place in own.items()}
+    lab = lab_command(port).replace(".venv/bin/python", shlex.quote(sys.executable))
+    options = f"--IdentityProvider.token={TOKEN} --LabApp.default_url=/lab --ServerApp.root_dir=."
+    command = ["sh", "-c", f"{lab} {options}"]
+    with running(command, tmp_path / "lab.log", cwd=folder, env=env):
+        api = f"http://127.0.0.1:{port}/api/status?token={TOKEN}"
+        wait("JupyterLab", lambda: urllib.request.urlopen(api, timeout=5).status == 200)
+        yield f"http://127.0.0.1:{port}/doc/tree/{CHAPTER.name}?token={TOKEN}&reset"
+
+
+def run_all_cells(browser: Browser) -> None:
+    wait("the kernel", lambda: browser.run(IDLE))
+    browser.click(ENTRY.format("MenuBar", "Run"))
+    time.sleep(0.5)  # the menu fills itself
+    browser.click(ENTRY.format("Menu", "Run All Cells"))
+    # On a new machine the loops are compiled now, which can take minutes.
+    wait("all cells to run", lambda: browser.run(UNFINISHED) == 0 and browser.run(IDLE), 300)
+
+
+def test_the_slider_of_chapter_00_answers(browser, chapter, tmp_path):
+    """Catches what no kernel sees: a panel that is not drawn, a slider that does nothing, and a
+    panel that is lost when its notebook is opened again without its kernel."""
+    browser.open(chapter)
+    run_all_cells(browser)
+    count = wait("the count", lambda: browser.run(COUNT))
+    picture = wait("the picture", lambda: browser.run(PICTURE))
+    handle = browser.find(HANDLE)
+    browser.run("document.querySelector('.widget-hslider').scrollIntoView({block: 'center'})")
+    browser.type(handle, RIGHT * 2)
+    wait("another count", lambda: browser.run(COUNT) != count, 20)
+    wait("another picture", lambda: browser.run(PICTURE) != picture, 20)
+    time.sleep(0.5)  # the second key's picture
+    browser.screenshot(SCREENSHOT)
+    assert int(browser.run(COUNT).split()[0]) < int(count.split()[0])
+    assert not re.search("news", browser.run(NOTES)), "Lab asks about news: see the Makefile"
+    assert browser.run("return document.querySelectorAll('[data-mime-type*=stderr]').length") == 0
+    browser.run("console.error('planted, to prove that errors are seen')")
+    found = browser.errors()
+    assert len(found) == 1 and "planted" in found[0], found
+    picture = save_and_end_the_kernel(browser, chapter, tmp_path / "notebooks" / CHAPTER.name)
+    browser.open(chapter)
+    wait("the picture of the panel", lambda: browser.run(SEEN, picture), 30)
+    time.sleep(0.5)  # a lost panel would say so now
+    browser.screenshot(SCREENSHOT.with_name("chapter_00_reopened.png"))
+    assert not browser.run(LOST)
+
+
+def save_and_end_the_kernel(browser: Browser, address: str, path: Path) -> str:
+    """Save by the menu, as a student does; the end of the panel's picture, in base64."""
+    browser.click(ENTRY.format("MenuBar", "File"))
+    time.sleep(0.5)  # the menu fills itself
+    browser.click(ENTRY.format("Menu", "Save Notebook"))
+    panel = wait("the file", lambda: shown_by(path, "FusionPanel("), 20)
+    assert set(panel) == {"image/png", "text/plain"}
+    api = address.partition("/doc/")[0] + "/api/sessions"
+    with urllib.request.urlopen(f"{api}?token={TOKEN}", timeout=5) as reply:
+        (session,) = json.load(reply)
+    end = urllib.request.Request(f"{api}/{session['id']}?token={TOKEN}", method="DELETE")
+    urllib.request.urlopen(end, timeout=20).close()
+    return str(panel["image/png"].strip()[-200:].replace("\n", ""))
+
+
+def shown_by(path: Path, name: str) -> dict[str, Any] | None:
+    """What a saved notebook holds of the output whose text begins so."""
+    try:
+        cells = json.loads(path.read_text(encoding="utf-8"))["cells"]
+    except ValueError:  # it is written now
+        return None
+    outputs = (o.get("data", {}) for cell in cells for o in cell.get("outputs", ()))
+    return next((o for o in outputs if "".join(o.get("text/plain", "")).startswith(name)), None)

@@ -1,0 +1,327 @@
+"""Live mapping: what comes too fast is left out, and never queued."""
+
+import json
+import re
+import threading
+import time
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+import pytest
+from emulated import emulator_threads, needs_terminals, pattern, wait_for
+from planned_loops import LOG, Planned
+
+from segmap import LaserScan, load
+from segmap.hokuyo import Newest, SensorError, UrgSensor
+from segmap.hokuyo.emulator import Emulator, furnished_room
+from segmap.matching import LiveMap
+from segmap.panels import LivePanel
+from segmap.panels._live_picture import Greys, occupancy
+from segmap.quadtree import QuadtreeMap
+
+
+@pytest.fixture(scope="module", autouse=True)
+def compiled():
+    """Loops are compiled before a sensor or a deadline waits for them."""
+    LivePanel(load("room")).run(3)
+
+
+def many(count, seconds=0.0):
+    for k in range(count):
+        time.sleep(seconds)
+        yield LaserScan([1.0], [0.0], time=k)
+
+
+def test_a_slow_reader_gets_the_newest():
+    """Catches a queue: the reader would see scans of seconds ago, and memory would grow."""
+    with Newest(many(60, 0.002)) as newest:
+        times = []
+        for scan in newest:
+            times.append(scan.time)
+            time.sleep(0.03)
+    assert times == sorted(times)
+    assert times[-1] == 59
+    assert len(times) + newest.skipped == 60
+    assert newest.skipped > 10
+
+
+def test_errors_reach_the_reader():
+    def fails():
+        yield from many(1)
+        raise SensorError("the sensor is gone: plug it in")
+
+    with Newest(fails()) as newest, pytest.raises(SensorError, match="plug it in"):
+        list(newest)
+
+
+def test_leaving_ends_the_thread():
+    ended = []
+
+    def endless():
+        try:
+            yield from many(10**9, 0.001)
+        finally:
+            ended.append(True)
+
+    with Newest(endless()) as newest:
+        next(iter(newest))
+    assert ended == [True]
+    assert "newest scan" not in [thread.name for thread in threading.enumerate()]
+
+
+@needs_terminals
+def test_start_and_stop():
+    """The buttons: the map grows, the sensor is left with its laser off, no thread stays."""
+    pytest.importorskip("serial", reason="the driver opens ports with pyserial")
+    room = furnished_room()
+    with Emulator(room) as emulator, UrgSensor(emulator.port) as sensor:
+        panel = LivePanel(sensor, start=room.pose(0))
+        panel.start.click()
+        wait_for(lambda: panel.taken >= 5)
+        panel.stop.click()
+        assert panel.taken >= 5
+        assert panel.state.value == "stopped"
+        assert not emulator.unit.laser
+        assert "live map" not in [thread.name for thread in threading.enumerate()]
+        first = panel.taken
+        panel.start.click()
+        wait_for(lambda: panel.taken > first)
+        panel.stop.click()
+        leaves = panel.map.leaves()
+        assert np.ptp(leaves.y[leaves.occ > 0]) > 3.5
+    assert emulator_threads() == []
+
+
+@needs_terminals
+def test_the_panel_tells_of_a_lost_sensor():
+    """Catches an error that dies with its thread."""
+    pytest.importorskip("serial", reason="the driver opens ports with pyserial")
+    with Emulator(pattern) as emulator, UrgSensor(emulator.port) as sensor:
+        panel = LivePanel(sensor)
+        panel.start.click()
+        wait_for(lambda: panel.taken)
+        emulator.unplug()
+        wait_for(lambda: "the sensor is gone" in panel.state.value)
+        panel.stop.click()
+
+
+def test_the_map_is_that_of_map_scans():
+    """Catches a panel with a map of its own making."""
+    from segmap.matching import map_scans
+
+    log, map = load("room")[:5], QuadtreeMap(resolution=0.02, free_resolution=0.32)
+    steps = list(map_scans(log, map=map))
+    panel = LivePanel(log)
+    panel.run(5)
+    assert panel._step is not None
+    assert panel._step.pose.tolist() == steps[-1].pose.tolist()
+    assert np.array_equal(panel.map.to_grid(), map.to_grid())
+
+
+def test_the_grey_squares_are_the_cells_of_the_map():
+    """Catches a picture half a cell off, or one turned about its diagonal."""
+    map = QuadtreeMap(resolution=0.5, size=4)
+    map.insert_scan((0.2, 0.2), [(1.7, 0.2)])
+    centres = [[(0.25 + 0.5 * k, 0.25 + 0.5 * row) for k in range(4)] for row in range(2)]
+    wanted = [map.occupancy(row).tolist() for row in centres]
+    assert occupancy(map, (0, 0), (2, 4), 0.5).tolist() == wanted
+
+
+def test_a_small_picture_of_a_large_map_loses_no_wall():
+    """Catches walls that lie between the middles of pixels."""
+    map = QuadtreeMap(resolution=0.25, size=4)
+    map.insert_scan((0.1, 0.1), [(1.9, 0.1), (0.1, 2.9), (2.1, 2.1)])
+    found = occupancy(map, (0, 0), (4, 4), 1.0)
+    assert [tuple(cell) for cell in np.argwhere(found == 1)] == [(0, 1), (2, 0), (2, 2)]
+
+
+@pytest.mark.parametrize("resolution", [0.02, 0.005])
+def test_what_a_scan_cannot_change_is_not_asked_again(resolution):
+    """Every cell drawn is that of the map: catches a box that is too small for its rays."""
+    map, greys = QuadtreeMap(resolution=resolution, free_resolution=16 * resolution), Greys()
+    views, rng = [], np.random.default_rng(1)
+    for k in (0, 1, 2, 1, 0, 1, 2, 3, 4, 3):
+        ends = (k, 0) + rng.uniform(-1.5, 1.5, (20, 2))
+        map.insert_scan((k, 0.1), ends)
+        views.append(greys.update(map, np.vstack([(k, 0.1), ends])))
+        fresh = Greys()
+        fresh.update(map, ends)
+        assert greys.view == fresh.view and np.array_equal(greys.grid, fresh.grid)
+    assert 2 < sum(views) < 10
+
+
+@pytest.fixture
+def planned(monkeypatch):
+    """The panel's graph closes loops at two scans; the thread that draws anew waits for a sign."""
+    names = LiveMap._draw.__globals__  # the examples of a file may have loaded it once more
+    go, real = threading.Event(), names["insert"]
+
+    def slow(map, scan, pose, *, free):
+        if threading.current_thread().name == "new map":
+            go.wait(20)
+        real(map, scan, pose, free=free)
+
+    monkeypatch.setitem(names, "insert", slow)
+    graph = partial(LiveMap, Planned((5, 9)))
+    monkeypatch.setitem(LivePanel._match.__globals__, "LiveMap", graph)
+    return go
+
+
+def test_a_loop_draws_the_map_anew(planned):
+    """The old map is shown until the new one is ready; then every cell is that of the new one."""
+    panel, old = LivePanel(LOG, resolution=0.05), LivePanel(LOG, resolution=0.05)
+    panel.loops.value = True
+    for scan in LOG[:12]:
+        panel.take(scan)
+    before, tree = panel.picture.value, panel.map.tree
+    assert panel.map.scans == 12
+    planned.set()
+    panel.finish()
+    assert panel.map.scans == 12 and panel.map.tree is not tree
+    assert panel.picture.value != before
+    fresh = Greys()
+    fresh.update(panel.map, LOG[0].points())
+    assert np.array_equal(panel._picture.greys.grid, fresh.grid)
+    drawn = panel._picture.reduced.get_xdata()
+    assert 0 < len(drawn) == 3 * len(panel._live.walls.segments)
+    old.run(2)
+    assert panel.graph.value.startswith("LiveGraph(") and old.graph.value == ""
+
+
+def test_stop_while_the_map_is_made_anew(planned):
+    """Catches a map that stays the old one, since no scan comes any more that exchanges it."""
+    more = threading.Event()
+
+    def source():
+        for k, scan in enumerate(LOG[:8]):
+            yield scan
+            wait_for(lambda k=k: panel.taken > k)
+        more.wait(20)
+
+    panel = LivePanel(source(), resolution=0.05)
+    panel.loops.value = True
+    panel.start.click()
+    wait_for(lambda: panel.taken == 8)
+    assert panel._live._anew is not None
+    tree = panel.map.tree
+    planned.set()
+    more.set()
+    panel.stop.click()
+    wait_for(lambda: panel.state.value == "stopped")
+    assert panel.map.tree is not tree and panel.map.scans == panel.taken
+
+
+def test_the_choice_begins_a_new_map_where_the_robot_is():
+    log = load("room")[:6]
+    panel = LivePanel(log, start=(1, 2, 0.5))
+    for scan in log[:3]:
+        panel.take(scan)
+    pose = panel._step.pose
+    panel.loops.value = True
+    panel.take(log[3])
+    assert panel.map.scans == 1 and panel._step.pose == pytest.approx(pose)
+    panel.loops.value = False
+    panel.take(log[4])
+    assert panel.map.scans == 1 and panel.graph.value == ""
+
+
+@pytest.mark.parametrize("after", [0, 3])
+def test_goes_on_after_a_step_that_was_interrupted(after, monkeypatch):
+    """Catches a panel that Control-C in one cell, or one scan that does not fit, ends for good."""
+
+    def interrupted(*arguments):
+        raise KeyboardInterrupt
+
+    log = load("room")[:8]
+    whole, panel = LivePanel(log), LivePanel(log)
+    whole.run(8)
+    for scan in log[:after]:
+        panel.take(scan)
+    with monkeypatch.context() as patched:
+        patched.setattr(panel.map, "insert_scan", interrupted)
+        with pytest.raises(KeyboardInterrupt):
+            panel.take(log[after])
+    panel.tolerance.value = 0.05  # draws the last scan that has a place, or none
+    for scan in log[after:]:
+        panel.take(scan)
+    assert panel.taken == 8
+    assert panel._step is not None and whole._step is not None
+    assert panel._step.pose == pytest.approx(whole._step.pose, abs=0.05)
+
+
+@needs_terminals
+def test_the_panel_of_the_chapter_starts_after_its_last_cell():
+    """Catches a chapter that closes the sensor of its panel: after Run All its buttons are dead."""
+    pytest.importorskip("serial", reason="the driver opens ports with pyserial")
+    chapter = Path(__file__).parents[2] / "notebooks" / "72_live_mapping.ipynb"
+    cells = [c for c in json.loads(chapter.read_text("utf-8"))["cells"] if c["cell_type"] == "code"]
+    sources = ["".join(cell["source"]) for cell in cells]
+    kept = [text for text in sources if re.search(r"^import|sensor|device|carried|unplug", text)]
+    scope: dict = {}
+    for text in kept:
+        quick = re.sub(r"speed=\d+", "speed=20", text).replace("300", "5")
+        quick = quick.replace("run(12)", "run(4)").replace("taken == 12", "taken == 4")
+        exec(compile(quick, chapter.name, "exec"), scope)
+    panel = scope["panel"]
+    panel.start.click()
+    wait_for(lambda: panel.taken >= 8)
+    panel.stop.click()
+    assert panel.state.value == "stopped"
+    for laser, unit in (("sensor", "device"), ("again", "second")):
+        scope[laser].close()
+        scope[unit].stop()
+    assert emulator_threads() == []
+
+
+def broken_source():
+    """A source whose driver has a mistake."""
+    yield from ()
+    raise AttributeError("no such port")
+
+
+@pytest.mark.parametrize(
+    ("source", "words"),
+    [
+        (iter([1.0, 2.0]), "scan 0: wanted a LaserScan"),
+        (broken_source(), "AttributeError: no such port"),
+    ],
+)
+def test_a_fault_of_the_source_ends_in_words(source, words):
+    """Catches a state that says "running" while the thread has died."""
+    panel = LivePanel(source)
+    panel.start.click()
+    wait_for(lambda: words in panel.state.value)
+
+
+def test_stop_does_not_wait_for_ever(monkeypatch):
+    """Catches a chapter that hangs, because its sensor is silent or looked for."""
+    monkeypatch.setattr("segmap.panels._live.LEAVE", 0.2)
+    here = threading.Event()
+
+    def silent():
+        yield LaserScan([1.0, 1.0], [0.0, 0.1])
+        here.wait(20)
+
+    panel = LivePanel(silent())
+    panel.start.click()
+    wait_for(lambda: panel.taken)
+    begun = time.monotonic()
+    panel.stop.click()
+    assert time.monotonic() - begun < 5
+    assert panel.state.value.startswith("stops when the sensor")
+    here.set()
+    wait_for(lambda: panel.state.value == "stopped")
+
+
+def test_another_map_is_asked_as_a_whole():
+    """Catches a picture that shows, far from the robot, a map that another has replaced."""
+    greys, ends = Greys(), np.array([(2.0, 2.0), (-2.0, 2.0), (-2.0, -2.0), (2.0, -2.0)])
+    for count in (1, 30):
+        map = QuadtreeMap(resolution=0.05, free_resolution=0.8)
+        for _ in range(count):
+            map.insert_scan((0.0, 0.0), ends)
+        greys.update(map, np.array([(0.0, 0.0)]))
+        fresh = Greys()
+        fresh.update(map, np.vstack([(0.0, 0.0), ends]))
+        assert np.array_equal(greys.grid, fresh.grid)

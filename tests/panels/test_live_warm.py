@@ -1,0 +1,67 @@
+"""A live sensor is asked for scans once everything is compiled: its laser is still off then."""
+
+import subprocess
+import sys
+
+import pytest
+from conftest import slow
+
+#: In a process of its own, where nothing is loaded: kernels and their signatures, before the first
+#: scan is asked for and after the last.
+CODE = """
+import gc, sys
+import numpy as np
+from segmap import load, matching, quadtree
+from segmap.compiled import Compiled
+
+def loaded():
+    kernels = [k for k in gc.get_objects() if type(k) is Compiled]
+    own = [(k.plain.__qualname__, getattr(k._fast, "signatures", ())) for k in kernels]
+    return {{(name, str(one)) for name, signatures in own for one in signatures}}
+
+log, before = load("room")[:8], set()
+
+def live():
+    before.update(loaded())
+    yield from log
+
+{use}
+late = sorted(loaded() - before)
+print(len(before), late)
+"""
+USES = {
+    "default": "list(matching.map_scans(live()))",
+    "own map": "list(matching.map_scans(live(), map=quadtree.QuadtreeMap(resolution=0.02)))",
+    "free": "list(matching.map_scans(live(), free=True, settle=2))",
+    "coarse": "map = quadtree.QuadtreeMap(resolution=0.02, free_resolution=0.32)\n"
+    "list(matching.map_scans(live(), map=map))",
+    "nearest": "list(matching.map_scans(live(), score=matching.nearest_score))",
+    "descent": "list(matching.map_scans(live(), score=matching.descent_score))",
+    "occupancy": "list(matching.map_scans(live(), score=matching.occupancy_score))",
+    "drawn": "rng = np.random.default_rng(1)\n"
+    "list(matching.map_scans(live(), matcher=matching.sample_and_rank, rng=rng))",
+    "graph": "from segmap.alignment import LiveGraph, LoopClosing\n"
+    "rules = LoopClosing(min_path=0.2, witnesses=1, span=0.1, strain=1e-9)\n"
+    "graph = LiveGraph(step=0.05, closing=rules)\n"
+    "list(matching.map_scans(live(), graph=graph))",
+    "panel": "from segmap.panels import LivePanel\n"
+    "panel = LivePanel(live())\npanel._follow()\nassert panel.taken, panel.state.value",
+}
+
+
+@pytest.mark.parametrize("use", [use if use in ("default", "panel") else slow(use) for use in USES])
+def test_nothing_compiles_between_the_first_scan_and_the_last(use):
+    """Catches the first live poses, 0.7 m off, of a machine that compiles while the robot moves."""
+    if use == "panel":
+        pytest.importorskip("ipywidgets", reason="panels need ipywidgets")
+    command = [sys.executable, "-c", CODE.format(use=USES[use])]
+    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    count, _, late = done.stdout.partition(" ")
+    assert int(count) >= 4 and late.strip() == "[]"
+
+
+def test_the_robot_that_warms_a_graph_closes_loops():
+    """Catches a room whose loops are refused by now: the solver was loaded in a step, 0.1 s."""
+    from segmap.matching import _mapping
+
+    assert any(_mapping._warm_graph())

@@ -1,0 +1,509 @@
+"""The workbench without a browser: what it runs, keeps, says and refuses."""
+
+import time
+import xml.etree.ElementTree as ET
+from datetime import UTC, datetime
+
+import ipywidgets as W
+import numpy as np
+import pytest
+
+import segmap
+from segmap import LaserScan, Log, SegmentMap, alignment, exports, readers, reduction
+from segmap.experiments import pareto
+from segmap.methods import Method
+from segmap.panels import Workbench
+from segmap.panels._base import VIEW
+from segmap.panels.workbench._controls import Choice, Thresholds, units_of
+from segmap.panels.workbench._job import Failed, Worker
+from segmap.panels.workbench._recipe import EXTRACTIONS, Outcome
+from segmap.panels.workbench._shown import facts, figures_table, plane, runs_table
+from segmap.plotting import thumbnail
+from segmap.scans import Skipped
+from segmap.simulation import URG_04LX, drive, rectangular_room, simulate
+
+LOG = simulate(
+    rectangular_room(4.0, 3.0),
+    drive([(1, 1), (3, 1)], step=0.25),
+    sensor=URG_04LX,
+    rng=np.random.default_rng(2),
+)
+METHODS = {**alignment.METHODS, **reduction.METHODS}
+
+
+def bench(log=LOG, **chosen):
+    """A workbench that takes the true poses, which costs no time."""
+    made = Workbench(log)
+    made.align.value = "ground_truth"
+    for name, value in chosen.items():
+        getattr(made, name).value = value
+    return made
+
+
+def done(**chosen):
+    made = bench(**chosen)
+    made.run()
+    return made
+
+
+def in_browser(made):
+    """What a click on Run does, to its end."""
+    made.start.click()
+    made._thread.join(60)
+    assert not made._thread.is_alive() and not made.start.disabled
+    return made
+
+
+# ------------------------------------------------------------------ what is run
+
+
+def test_it_runs_what_is_chosen():
+    """Catches a choice that is not handed on, degrees for radians, a filter that comes too late."""
+    made = bench(extract="extract_clusters", least=0.3, method="hybrid", second="basic_online")
+    made.extract["gap"].value = 0.5
+    made.method["angle"].value = 4
+    made.second["distance"].value = 0.11
+    made.run()
+    extract = {"extract": segmap.extract_clusters, "gap": 0.5}
+    map = segmap.build_map(LOG, LOG.truth, **extract).filtered(0.3)
+    first = reduction.hybrid(map, angle=np.radians(4))
+    second = reduction.basic_online(map, distance=0.11)
+    found = made.outcome.reductions
+    assert np.array_equal(made.outcome.map.segments, map.segments)
+    assert [len(first), len(second)] == [len(each) for each in found]
+    assert np.array_equal(found[0].segments, first.segments)
+    assert np.array_equal(found[1].segments, second.segments)
+    assert made.outcome.qualities == [segmap.quality(map, first), segmap.quality(map, second)]
+
+
+def test_scans_without_a_pose_of_their_own_are_left_out():
+    """Catches a map that holds scans at poses which are only carried on."""
+    truth = np.array(LOG.truth)
+    truth[0] = np.nan
+    made = bench(Log("gap", LOG.scans, truth))
+    made.align["missing"].value = "drop"
+    made.run()
+    assert set(made.outcome.map.scan) == set(range(1, len(LOG)))
+
+
+@pytest.mark.parametrize(
+    "settings",
+    [
+        {},
+        {"extract": "extract_clusters", "least": 0.2, "second": "mean_shift"},
+        {"method": "hybrid", "align": "odometry"},
+        {"method": "viewing_sector", "second": "weighted_line_fitting"},
+    ],
+)
+def test_the_same_in_python_makes_the_same(settings):
+    """Catches code that leaves a choice out, or rounds a threshold."""
+    made = bench(**settings)
+    for choice in (made.extract, made.method, made.second):
+        for control in choice.controls():
+            if type(control).__name__ == "BoundedFloatText":
+                control.value = control.value * 1.07
+    made.run()
+    names = {"log": LOG}
+    exec(made.code, names)
+    found = [names["reduced"], names.get("other")]
+    assert np.array_equal(names["map"].segments, made.outcome.map.segments)
+    for mine, theirs in zip(found, made.outcome.reductions, strict=False):
+        assert np.array_equal(mine.segments, theirs.segments)
+    assert ("other" in names) == (len(made.outcome.reductions) == 2)
+
+
+def test_the_same_in_python_names_the_log(tmp_path):
+    """Catches a path that Python cannot read, and damaged lines that are an error there."""
+    path = tmp_path / "it's mine.log"
+    exports.write_carmen(path, LOG)
+    path.write_text(path.read_text() + "FLASER 3 1\n")
+    made = bench(segmap.load("room"))
+    assert made.bundled.value != "room"
+    made.path.value = str(path)
+    assert made.log.skipped.lines == 1 and made.bundled.value != "room"
+    made.run()
+    exec(made.code, names := {})
+    assert np.array_equal(names["reduced"].segments, made.outcome.reductions[0].segments)
+    made.bundled.value = "room"
+    made.run()
+    assert "log = segmap.load('room')\n" in made.code
+
+
+def test_what_is_known_is_not_done_again(monkeypatch):
+    """Catches an alignment that runs again for another threshold, and one that is kept too long."""
+    calls = []
+    counted = alignment.METHODS["ground_truth"].function
+
+    def ground_truth(log, *, missing="raise"):
+        calls.append(log.name)
+        return counted(log)
+
+    monkeypatch.setitem(alignment.METHODS, "ground_truth", Method(ground_truth, "here"))
+    made = bench()
+    for tolerance in (0.04, 0.08):
+        made.method["tolerance"].value = tolerance
+        made.run()
+    first = made.outcome.map
+    made.least.value = 0.5
+    made.run()
+    assert calls == [LOG.name] and len(made.outcome.map) < len(first)
+    made.open(Log("other", LOG.scans[:3], LOG.truth[:3]))
+    made.run()
+    assert calls == [LOG.name, "other"] and max(made.outcome.map.scan) == 2
+    made.align.value = "odometry"
+    made.run()
+    assert made.outcome.alignment.method == made.runs["alignment"].iloc[-1] == "odometry"
+
+
+def test_a_second_method_does_not_repeat_the_first():
+    """Catches a row for a run that was not made, and seconds that change by looking on."""
+    made = done()
+    seconds = made.runs["seconds"][0]
+    made.second.value = "hybrid"
+    made.run()
+    assert list(made.runs["method"]) == ["fusion", "hybrid"]
+    assert made.outcome.reductions[0].seconds == pytest.approx(seconds, abs=1e-6)
+
+
+# ------------------------------------------------------------------ controls
+
+
+def thresholds(map: SegmentMap, *, distance: float = 0.2, angle: float = np.radians(10)):
+    """A method that nobody knows.
+
+    Parameters
+    ----------
+    distance : float, metres
+    angle : float, radians
+    """
+    thresholds.given = distance, angle
+    return reduction.fusion(map)
+
+
+def test_a_new_method_appears_by_itself(monkeypatch):
+    """Catches a list of methods beside METHODS."""
+    method = Method(thresholds, "here", varies="distance")
+    monkeypatch.setitem(reduction.METHODS, "newest", method)
+    made = bench(method="newest")
+    assert "newest" in made.second.picker.options
+    slider, angle = made.method["distance"], made.method["angle"]
+    assert (slider.min, slider.max, slider.description) == (0.01, 2.0, "distance [m]")
+    assert (angle.value, angle.description) == (10.0, "angle [deg]")
+    angle.value = 20
+    made.run()
+    assert thresholds.given == (0.2, np.radians(20))
+    exec(made.code, names := {"log": LOG})
+    assert thresholds.given == (0.2, np.radians(20)) and len(names["reduced"])
+    assert "angle=np.radians(20)" in made.code
+
+
+@pytest.mark.parametrize("name", METHODS)
+def test_untouched_controls_are_the_defaults(name):
+    """Catches a default that its own control rounds, and a threshold that varies without slider."""
+    method = METHODS[name]
+    made = Thresholds(name, method.function, method.varies)
+    assert made.call().thresholds == {
+        key: made.thresholds[key].default for key in [method.varies] if key
+    }
+    assert {k for k, c in made.controls.items() if isinstance(c, W.FloatSlider)} == {
+        *filter(None, [method.varies])
+    }
+
+
+def test_units_are_read_from_the_docstrings():
+    """Catches an angle of a method that is shown in radians."""
+    for name, method in METHODS.items():
+        said = units_of(method.function)
+        for key, each in Thresholds(name, method.function).thresholds.items():
+            is_angle = "angle" in key or key.startswith(("turn", "rotation")) or "heading" in key
+            assert not is_angle or each.scale == np.pi / 180, (name, key, said.get(key))
+    assert units_of(reduction.weighted_line_fitting)["sigma_heading"] == "radians"
+    assert Thresholds("", reduction.mean_shift).thresholds["bandwidth"].scale == 1.0
+
+
+def test_a_number_may_be_none():
+    choice = Choice("method", {"hybrid": (reduction.hybrid, "distance")}, "hybrid")
+    choice["min_length"].value = " 0.25 "
+    assert choice.call().thresholds == {"distance": 0.2, "min_length": 0.25}
+    choice["min_length"].value = "long"
+    with pytest.raises(ValueError, match=r"min_length \[m\] must be a number or nothing, got 'lo"):
+        choice.call()
+
+
+def test_settings_stay_while_another_method_is_chosen():
+    made = bench()
+    made.method["tolerance"].value = 0.1
+    made.method.value, made.method.value = "hybrid", "fusion"
+    assert made.method["tolerance"].value == 0.1 and len(EXTRACTIONS) == 2
+
+
+# ------------------------------------------------------------------ in a process of its own
+
+
+@pytest.fixture(scope="module")
+def worker():
+    """One for all tests: its start costs a second."""
+    made = Worker()
+    yield made
+    made.stop()
+
+
+def test_run_stop_and_failure_in_the_worker(worker):
+    """Catches a stop that waits, a failed run that takes the good one away, a button that stays
+    disabled, and work that nobody can start again."""
+    made = bench()
+    made._worker = worker
+    in_browser(made)
+    assert made.state.value == "done" and made.progress.value == made.progress.max
+    first, here = made.outcome, done()
+    assert np.array_equal(first.reductions[0].segments, here.outcome.reductions[0].segments)
+    made.method.value = "hybrid"
+    made.method["angle"].value = 0
+    in_browser(made)
+    assert made.outcome is first and len(made.runs) == 1
+    assert made.state.value.startswith("angle must be")
+    assert made.state.value.endswith("The last good run is kept.")
+
+
+class Unknown:
+    """Arrives nowhere, as what a notebook defines."""
+
+    def __reduce__(self):
+        return int, ("x",)
+
+
+def test_a_method_of_the_notebook_is_told_to_run_here(worker):
+    """Catches a worker that is out of step after what it could not take in."""
+    with pytest.raises(Failed, match="only this notebook defines"):
+        worker.do(lambda tell: 1, tell=print)
+    with pytest.raises(Failed, match=r"invalid literal.*only this notebook defines"):
+        worker.do(facts, Unknown(), tell=print)
+    with pytest.raises(Failed, match="positional argument"):
+        worker.do(facts, LOG, tell=print)
+
+
+def test_a_worker_is_stopped_at_once_and_begins_anew(worker, monkeypatch):
+    """Catches a stop that waits for the work, and one that is taken for a failure."""
+    made = bench(segmap.load("malaga"), align="angle_correspondence")
+    made._worker, begun, say = worker, time.monotonic(), made._tell
+
+    def stop_at_once(text):
+        say(text)
+        made.stop.click()
+
+    made._tell = stop_at_once
+    in_browser(made)
+    assert made.state.value == "stopped." and made.outcome is None
+    assert time.monotonic() - begun < 20  # it would take as long as this on a slow machine
+    assert worker._process is None
+    made.stop.click()
+    process = worker.start()
+    process.kill(), process.wait()
+    with monkeypatch.context() as patch, pytest.raises(Failed, match="ended by itself"):
+        patch.setattr(worker, "start", lambda: process)  # it died only after it was asked for
+        worker.do(print, tell=print)
+    assert worker.do(print, tell=print) is None
+    assert worker._process is not process and process.stdin.closed and process.stdout.closed
+
+
+# ------------------------------------------------------------------ logs
+
+
+def test_an_uploaded_file_is_read(tmp_path):
+    """Catches a name that leaves its folder, and a file that is no log taking the log away."""
+    exports.write_carmen(tmp_path / "a.log", LOG)
+    made = bench()
+    upload(made, "../../etc/mine.log", (tmp_path / "a.log").read_bytes())
+    assert made.log.name == "mine" and len(made.log) == len(LOG) and made.upload.value == ()
+    assert "<b>mine</b> 9 scans" in made.about.value
+    assert made.state.value == "mine: ready to run"
+    upload(made, "\0", b"no log at all")
+    assert made.log.name == "mine" and "upload.log" in made.state.value
+
+
+def upload(made, name, content):
+    now = datetime(2026, 1, 1, tzinfo=UTC)
+    file = {"name": name, "type": "", "size": len(content), "last_modified": now}
+    made.upload.value = ({**file, "content": memoryview(content)},)
+
+
+def test_a_path_that_is_none_is_told_and_the_log_kept():
+    made = bench()
+    made.path.value = "/nowhere/at.log"
+    assert "does not exist" in made.state.value and made.log is LOG
+    with pytest.raises(ValueError, match="source must be the path"):
+        made.open(3)
+    with pytest.raises(ValueError, match="must hold one scan at least"):
+        made.open(Log("empty", []))
+
+
+def test_another_log_while_one_is_worked_on():
+    """Catches the map of one log shown as that of another, or kept for its next run."""
+    made = bench()
+    outcome = done().outcome
+    other = Log("other", LOG.scans[:3], LOG.truth[:3])
+    made.open(other)
+    made._show(LOG, outcome)
+    assert list(made.runs["map"]) == [LOG.name] and repr(made).startswith(f"Workbench({LOG.name}:")
+    made.run()
+    assert made.outcome.map.scan.max() == 2
+
+
+def test_a_log_in_words():
+    scans = [LaserScan([1.0, 2.0], [0.0, 0.5]), LaserScan([1.0], [0.0])]
+    log = Log("<b>", scans, skipped=Skipped(2, "line 7: no number"))
+    assert dict(facts(log)) == {
+        "<b>": "2 scans",
+        "beams": "1 to 2 a scan over 29 degrees",
+        "odometry": "none",
+        "truth": "none",
+        "skipped": "2 lines, the first: line 7: no number",
+    }
+    assert "<b>&lt;b&gt;</b> 2 scans" in Workbench(log).about.value
+
+
+def test_bad_logs_are_refused():
+    with pytest.raises(ValueError, match="log must be a Log, got 'malaga'"):
+        Workbench("malaga")
+
+
+# ------------------------------------------------------------------ what is seen
+
+
+@pytest.fixture(scope="module")
+def both():
+    """A run of two methods."""
+    return done(second="basic_online")
+
+
+def test_a_segment_that_is_pointed_at_shows_its_members(both):
+    """Catches members of the other method, and rows of the output for rows of the map."""
+    outcome = both.outcome
+    for which, index in ((0, 1), (1, 2)):
+        rows = outcome.reductions[which].members(index)
+        both.canvas.set_state({"pointed": [which, index]})
+        assert both.canvas.members == rows.tolist() and len(rows) > 1
+        assert np.array_equal(both.point(index, which), outcome.map.segments[rows])
+        assert f"segment {index}: " in both.chosen.value
+        assert f"made of {len(rows)} segments of" in both.chosen.value
+    both.canvas.set_state({"pointed": [-1, -1]})
+    assert both.canvas.members == [] and both.chosen.value == ""
+
+
+def test_what_cannot_be_pointed_at_is_told(both):
+    """Catches an exception that nobody sees: a message that comes after another run."""
+    both.canvas.set_state({"pointed": [0, 9999]})
+    assert "index must be" in both.state.value
+    with pytest.raises(ValueError, match="which must be"):
+        both.point(0, 2)
+    with pytest.raises(ValueError, match="no result yet"):
+        bench().point(0)
+
+
+def test_the_canvas_gets_the_maps_about_their_middle(both):
+    """Catches a building far from the origin that single floats would crumble, swapped maps."""
+    outcome, canvas = both.outcome, both.canvas
+    ends = outcome.map.segments.reshape(-1, 2)
+    middle = (ends.min(0) + ends.max(0)) / 2
+    shown = [canvas.before, canvas.first, canvas.second]
+    for bytes_, segments in zip(shown, [outcome.map, *outcome.reductions], strict=True):
+        unpacked = np.frombuffer(bytes_, np.float32).reshape(-1, 2, 2)
+        assert np.allclose(unpacked, segments.segments - middle, atol=1e-6)
+    assert canvas.size == pytest.approx(np.ptp(ends, axis=0))
+    assert canvas.titles[0] == f"before: {len(outcome.map)} segments"
+    far = SegmentMap(outcome.map.segments + 1e6)
+    canvas.show(far.segments, [], [])
+    assert np.allclose(np.frombuffer(canvas.before, np.float32), unpacked_of(shown[0]), atol=1e-6)
+    assert canvas.second == b""
+
+
+def unpacked_of(content):
+    return np.frombuffer(content, np.float32)
+
+
+def test_every_run_is_kept(both):
+    """Catches rows that experiments cannot compare, and figures of the other method."""
+    rows, outcome = both.runs, both.outcome
+    assert list(rows["method"]) == ["fusion", "basic_online"]
+    assert list(rows["n_after"]) == [len(each) for each in outcome.reductions]
+    assert list(rows["quality"]) == pytest.approx(outcome.qualities)
+    assert set(pareto(rows)["method"]) <= {"fusion", "basic_online"}
+    assert list(Workbench(LOG).runs.columns) == list(rows.columns)
+
+
+def test_runs_are_points_of_a_plane():
+    """Catches axes that are swapped, a ring around the wrong run, names that are no text."""
+    row = {"map": "<&>", "method": "fusion", "thresholds": "tolerance 0.04", "alignment": "it",
+           "n_before": 10, "n_after": 4}  # fmt: skip
+    rows = [row | {"quality": q, "reduction": r} for q, r in ((0.9, 0.6), (0.5, 0.8), (np.nan, 0))]
+    drawing = ET.fromstring(plane(rows))
+    dots = [c for c in drawing.iter("circle") if c.get("r") == "5" and c.find("title") is not None]
+    x, y = ([float(dot.get(axis)) for dot in dots] for axis in ("cx", "cy"))
+    assert x[0] > x[1] > x[2] and y[1] < y[0] < y[2]
+    rings = [c for c in drawing.iter("circle") if c.get("fill") == "none"]
+    assert [(ring.get("cx"), ring.get("cy")) for ring in rings] == [(str(x[2]), str(y[2]))]
+    assert dots[0].find("title").text == "run 0: fusion(tolerance 0.04) on <&>"
+    assert "&lt;&amp;&gt;" in runs_table(rows) and runs_table(rows).count("<tr>") == 4
+
+
+def test_the_table_holds_reduction_quality_their_grades_and_seconds(both):
+    table, outcome = both.figures.value, both.outcome
+    for reduced, kept in zip(outcome.reductions, outcome.qualities, strict=True):
+        rate = segmap.reduction_rate(outcome.map, reduced)
+        assert f"{rate:.1%}, {segmap.metrics.grade_reduction(rate)}" in table
+        assert f"{kept:.1%}, {segmap.metrics.grade_quality(kept)}" in table
+    doubtful = Outcome(outcome.recipe, outcome.alignment, outcome.map, [
+        reduction.Reduction(r.segments, r.parents, 0.5, doubt="a < b") for r in outcome.reductions
+    ], outcome.qualities)  # fmt: skip
+    assert figures_table(doubtful).count("<br>a &lt; b") == 2 and ">0.500<" in figures_table(
+        doubtful
+    )
+
+
+def test_it_is_shown_without_a_kernel(both):
+    """Catches an empty page of a chapter that was exported, or that nobody trusts yet."""
+    bundle = both._repr_mimebundle_()
+    assert bundle["image/png"].startswith(b"\x89PNG") and bundle["text/plain"] == repr(both)
+    assert bundle[VIEW]["model_id"] == both._view.model_id
+    fresh = Workbench(LOG)
+    assert fresh._repr_mimebundle_()["image/png"] == thumbnail(LOG)
+    assert repr(fresh) == f"Workbench({LOG.name}: not run yet)"
+    assert "fusion leaves" in repr(both) and "basic_online leaves" in repr(both)
+
+
+def test_without_anywidget_there_is_a_picture(monkeypatch):
+    """Catches a workbench that needs the canvas to run at all."""
+    monkeypatch.setitem(__import__("sys").modules, "segmap.panels.workbench._canvas", None)
+    made = done()
+    assert made.canvas is None and bytes(made.picture.value).startswith(b"\x89PNG")
+    assert len(made.point(0)) and made.picture in made._view.children
+
+
+@pytest.mark.parametrize("end", [".csv", ".npz", ".svg", ".geojson", ".wkt", ".dxf"])
+def test_the_browser_gets_the_result_in_every_format(both, end, tmp_path, monkeypatch):
+    """Catches a button of another format, and one that writes the map before."""
+    sent, found = [], both.outcome.reductions
+    monkeypatch.setattr(type(both.canvas), "save", lambda self, *given: sent.append(given))
+    (button,) = (b for b in both.files.children[1:] if b.description == end)
+    button.click()
+    both.export(tmp_path / f"map{end}")
+    assert sent == [(f"simulated-fusion{end}", (tmp_path / f"map{end}").read_bytes())]
+    if end in (".csv", ".npz"):
+        both.export(tmp_path / f"other{end}", which=1)
+        for name, reduced in zip(("map", "other"), found, strict=True):
+            read = readers.read_segments(tmp_path / f"{name}{end}")
+            assert np.array_equal(read.segments, reduced.segments)
+
+
+def test_there_is_nothing_to_save_before_a_run():
+    made = bench()
+    made.files.children[1].click()
+    assert made.state.value == "there is no result yet: run() makes one"
+
+
+def test_nothing_left_is_told():
+    """Catches a picture of nothing, and an error of numpy about it."""
+    made = bench(least=50.0)
+    with pytest.raises(ValueError, match="no segment is left"):
+        made.run()
+    assert made.outcome is None and len(made.runs) == 0

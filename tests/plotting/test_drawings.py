@@ -1,0 +1,246 @@
+"""One contract for every `draw_*`: axes, figure, labels, colours, and nothing to draw."""
+
+from dataclasses import replace
+
+import matplotlib
+import matplotlib.pyplot as plt
+import numpy as np
+import pytest
+import segmap_course as course
+from matplotlib.colors import to_hex, to_rgba
+from matplotlib.figure import Figure
+
+from segmap import load, plotting
+from segmap.alignment import Alignment, angle_candidates, backbone_steps, odometry, point_steps
+from segmap.alignment import Match as Matched
+from segmap.experiments import online_times, select
+from segmap.exports import ros_classes
+from segmap.matching import DistanceField
+from segmap.plotting import ERROR, GROUPS, MAP, METHOD_STYLES, RAW, RESULT, TRUTH
+from segmap.quadtree import QuadtreeMap
+from segmap.reduction import Reduction, hybrid
+from segmap.scans import LaserScan, Log
+from segmap.segments import SegmentMap
+from segmap.simulation import rectangular_room
+
+WALLS = np.array([[(0, 0), (4, 0)], [(4, 0), (4, 3)], [(0, 0.02), (4, 0.02)]], float)
+ROOM = rectangular_room()
+SEEN = SegmentMap(WALLS, [0, 0, 1])
+REDUCED = Reduction(WALLS[:2], np.array([0, 1, 0]), 0.0, "by hand")
+SCAN = LaserScan([1.0, 2.0], [0.0, 0.5])
+POSES = np.array([(0, 0, 0), (1, 0, 0.1), (2, 1, 0.2)], float)
+LOG = Log("three", [replace(SCAN, odometry=tuple(pose)) for pose in POSES], truth=POSES)
+ALIGNED = Alignment(POSES, np.array([True, False, True]), 0.0, "by hand", ("", "turning", ""))
+POINTS = np.array([(0.1 * k, 0) for k in range(30)])
+TREE = QuadtreeMap(resolution=0.5, size=8, bias=1)
+TREE.insert_scan((1, 1), [(3.25, 1.25)])
+LAND = course.Landscape(np.array([-0.1, 0, 0.1]), np.diag([0.0, 2.0, 0.0]))
+RUNS = course.thesis_results()
+USC = select(RUNS, map="usc", filtered=False)
+#: Of the methods that the thesis compares.
+THESIS = {METHOD_STYLES[method][0] for method in USC["method"]}
+
+#: Each drawing on given axes, and the colours that it uses: every meaning has its own everywhere.
+DRAWINGS = {
+    "alignment": (lambda ax: plotting.draw_alignment(LOG, ALIGNED, ax=ax), {RAW, RESULT, ERROR}),
+    "backbone": (
+        lambda ax: course.draw_backbone(backbone_steps(load("corridor")[:2])[1], ax=ax),
+        {MAP, RESULT, ERROR},
+    ),
+    "basin": (lambda ax: course.draw_basin([["right"]], [0.0], [0.0], ax=ax), set()),
+    "before_after": (
+        lambda ax: plotting.draw_before_after(WALLS, REDUCED, ax=ax),
+        {MAP, RESULT},
+    ),
+    "candidate": (
+        lambda ax: course.draw_candidate(
+            ROOM,
+            ROOM,
+            angle_candidates(ROOM, ROOM, rng=np.random.default_rng(0))[0],
+            ax=ax,
+            color=RESULT,
+        ),
+        {MAP, RESULT},
+    ),
+    "cells": (lambda ax: course.draw_cells(TREE, TREE.to_grid() > 0.5, ax=ax), {ERROR}),
+    "centres": (
+        lambda ax: course.draw_centres(np.zeros((2, 1, 2)), [0], ax=ax),
+        {RAW, MAP, GROUPS[0]},
+    ),
+    "classes": (lambda ax: course.draw_classes(ros_classes(TREE), ax=ax), set()),
+    "climb": (lambda ax: course.draw_climb(POSES, ax=ax), {RESULT}),
+    "curves": (lambda ax: plotting.draw_curves(USC, ax=ax), THESIS),
+    "field": (lambda ax: course.draw_field(DistanceField(TREE), ax=ax), set()),
+    "growth": (lambda ax: course.draw_growth(SEEN, hybrid(SEEN), ax=ax), {MAP, RESULT}),
+    "icp_step": (
+        lambda ax: course.draw_icp_step(POINTS, point_steps(POINTS, POINTS)[0], ax=ax),
+        {RAW, RESULT, ERROR},
+    ),
+    "landscape": (lambda ax: course.draw_landscape(LAND, ax=ax), {ERROR, TRUTH}),
+    "log": (lambda ax: plotting.draw_log(LOG, ax=ax), {RAW, TRUTH}),
+    "marked": (lambda ax: course.draw_marked(WALLS, [True, False, True], ax=ax), {RAW, ERROR}),
+    "merge": (lambda ax: course.draw_merge(WALLS[:2], WALLS[2], ax=ax), {RAW, MAP, RESULT}),
+    "normals": (lambda ax: course.draw_normals(WALLS, ax=ax), {MAP, *GROUPS[:3]}),
+    "online": (
+        lambda ax: plotting.draw_online(online_times(hybrid(SEEN), {}), ax=ax),
+        {GROUPS[5]},
+    ),
+    "path": (lambda ax: plotting.draw_path(POSES, ax=ax), {TRUTH}),
+    "points": (lambda ax: plotting.draw_points(POINTS, ax=ax), {RAW}),
+    "poses": (lambda ax: plotting.draw_poses(POSES, ax=ax), {RESULT}),
+    "position_errors": (
+        lambda ax: plotting.draw_position_errors(LOG, {"a": POSES, "b": ALIGNED}, ax=ax),
+        {ERROR, RESULT},
+    ),
+    "profile": (lambda ax: course.draw_profile([-1, 0, 1], [0, 2, 0], ax=ax), {RESULT, ERROR}),
+    "provenance": (
+        lambda ax: plotting.draw_provenance(WALLS, REDUCED, ax=ax),
+        set(GROUPS[:2]),
+    ),
+    "quadtree": (lambda ax: plotting.draw_quadtree(TREE, ax=ax, robot=(1, 1)), {RESULT, ERROR}),
+    "ray": (lambda ax: course.draw_ray((0, 0), (14, 5), ax=ax), {RESULT, RAW, ERROR}),
+    "robot": (lambda ax: plotting.draw_robot((0, 0, 0), ax=ax), {ERROR}),
+    "scan": (lambda ax: plotting.draw_scan(SCAN, ax=ax, beams=True), {RAW, ERROR}),
+    "segments": (lambda ax: plotting.draw_segments(WALLS, ax=ax), {MAP}),
+    "strip": (lambda ax: course.draw_strip(WALLS[[0, 2]], 0.0, 0.01, ax=ax), {RAW, MAP, ERROR}),
+    "threshold": (
+        lambda ax: course.draw_threshold(USC, USC, method="fusion", ax=ax),
+        {RAW, RESULT},
+    ),
+    "trade_off": (
+        lambda ax: course.draw_trade_off([1, 2], [0.1, 0.2], [0.9, 0.8], ax=ax),
+        {RESULT, ERROR},
+    ),
+    "trials": (lambda ax: course.draw_trials(course.load_trials(), ax=ax), {RESULT, ERROR}),
+    "uncertainty": (
+        lambda ax: course.draw_uncertainty(Matched(np.zeros(3), np.eye(3), True), ax=ax),
+        {RESULT},
+    ),
+}
+#: Drawings that make a figure of several pictures, and whether these have their limits in common.
+ROWS = {
+    "alignments": (lambda: plotting.draw_alignments(LOG, {"a": POSES, "b": ALIGNED}), True),
+    "buildings": (lambda: course.draw_buildings(RUNS), True),
+    "cases": (lambda: course.draw_cases({"a": WALLS, "b": WALLS[:1]}, lambda map: map[:1]), False),
+    "distance_terms": (lambda: course.draw_distance_terms(WALLS[0], WALLS[2]), True),
+    "frames": (lambda: course.draw_frames(SCAN, {"a": (0, 0, 0), "b": (3, 4, 0)}), True),
+    "maps": (lambda: plotting.draw_maps({"a": WALLS, "b": WALLS[:1]}), True),
+    "quadtrees": (lambda: plotting.draw_quadtrees({"a": TREE, "b": TREE}), True),
+    "side_by_side": (lambda: plotting.draw_side_by_side(WALLS, WALLS[:1]), True),
+}
+#: What x or y is these do not know: the caller says it.
+CALLER_LABELS = {"basin", "climb", "trade_off"}
+#: Along x and y in metres, with scales of their own so that what is near can be told apart.
+STRETCHED = {"centres", "strip"}
+
+
+@pytest.fixture
+def ax():
+    return Figure(figsize=(4, 3), dpi=50).subplots()
+
+
+@pytest.fixture(autouse=True)
+def agg():
+    with matplotlib.rc_context({"backend": "agg"}):
+        yield
+        plt.close("all")
+
+
+def colors_of(ax):
+    """Colours of lines, patches and collections, but for those that stand for a value."""
+    plain = [c for c in ax.collections if c.get_array() is None]
+    found = [line.get_color() for line in ax.lines]
+    found += [patch.get_facecolor() for patch in ax.patches]
+    found += [color for c in plain for color in (*c.get_edgecolor(), *c.get_facecolor())]
+    return {to_hex(color) for color in found if to_rgba(color)[3] > 0}
+
+
+def test_every_drawing_is_in_the_contract():
+    """Catches a new drawing that nothing looks at."""
+    public = {n for room in (plotting, course) for n in room.__all__ if n.startswith("draw_")}
+    assert public == {f"draw_{name}" for name in (*DRAWINGS, *ROWS)}
+
+
+@pytest.mark.parametrize("name", DRAWINGS)
+def test_a_drawing_uses_the_axes_given_and_the_colours_that_all_share(name, ax):
+    """Catches a figure of pyplot left over, axes without names, walls longer in x than in y."""
+    draw, colors = DRAWINGS[name]
+    assert draw(ax) is ax and plt.get_fignums() == []
+    assert colors_of(ax) == colors
+    labels = ax.get_xlabel(), ax.get_ylabel()
+    assert all(labels) or name in CALLER_LABELS
+    if "x [m]" in labels:
+        assert labels == ("x [m]", "y [m]") and (ax.get_aspect() == 1) is (name not in STRETCHED)
+    assert 1000 < len(plotting.figure_png(ax.figure)) < 40_000
+
+
+@pytest.mark.parametrize("name", DRAWINGS)
+def test_without_axes_a_new_figure_is_made(name):
+    """Catches a drawing that lands in whatever figure is current."""
+    current = plt.figure()
+    figure = DRAWINGS[name][0](None).figure
+    assert figure is not current and len(plt.get_fignums()) == 2 and figure.dpi == plotting.DPI
+
+
+@pytest.mark.parametrize("name", ROWS)
+def test_a_row_of_pictures_is_one_figure_with_titles_at_one_scale(name):
+    """Catches a small map blown up until it looks as large as the other, and lost titles."""
+    draw, shared = ROWS[name]
+    current, row = plt.figure(), draw()
+    assert len(plt.get_fignums()) == 2 and row[0].figure is not current
+    assert {ax.figure for ax in row} == {row[0].figure} and row[0].figure.dpi == plotting.DPI
+    assert all(ax.get_title() for ax in row) and len({ax.get_ylim() for ax in row}) == 1
+    assert not shared or len({ax.get_xlim() for ax in row}) == 1
+
+
+NOTHING = {
+    "alignment": lambda ax: plotting.draw_alignment(LOG[:0], odometry(LOG[:0]), ax=ax),
+    "before_after": lambda ax: plotting.draw_before_after([], [], ax=ax),
+    "log": lambda ax: plotting.draw_log(Log("no poses", [SCAN]), ax=ax),
+    "path": lambda ax: plotting.draw_path([], ax=ax),
+    "points": lambda ax: plotting.draw_points([], ax=ax),
+    "poses": lambda ax: plotting.draw_poses([], ax=ax),
+    "provenance": lambda ax: plotting.draw_provenance([], hybrid([]), ax=ax),
+    "quadtree": lambda ax: plotting.draw_quadtree(QuadtreeMap(), ax=ax),
+    "scan": lambda ax: plotting.draw_scan(LaserScan([], []), ax=ax),
+    "segments by error": lambda ax: plotting.draw_segments([], error=[], ax=ax),
+    "segments by group": lambda ax: plotting.draw_segments([], group=[], ax=ax),
+    "segments by scan": lambda ax: plotting.draw_segments([], scan=[], ax=ax),
+    "segments": lambda ax: plotting.draw_segments([], ax=ax),
+}
+
+
+@pytest.mark.parametrize("name", NOTHING)
+def test_nothing_is_an_empty_picture_in_metres(name, ax):
+    """Catches the mean or the largest of no values."""
+    NOTHING[name](ax)
+    assert (ax.get_xlabel(), ax.get_ylabel()) == ("x [m]", "y [m]")
+    assert sum(len(line.get_xdata()) for line in ax.lines) == 0
+    assert plotting.figure_png(ax.figure)[:4] == b"\x89PNG"
+
+
+# ------------------------------------------------------------------------- colours
+GREEN_BLIND = [
+    (0.367322, 0.860646, -0.227968),
+    (0.280085, 0.672501, 0.047413),
+    (-0.01182, 0.04294, 0.968881),
+]
+RED_BLIND = [
+    (0.152286, 1.052583, -0.204868),
+    (0.114503, 0.786281, 0.099216),
+    (-0.003882, -0.048116, 1.051998),
+]
+
+
+@pytest.mark.parametrize("cones", [np.eye(3), GREEN_BLIND, RED_BLIND])
+def test_the_colours_with_a_meaning_can_be_told_apart(cones):
+    """Catches grey dots with a green path of the same lightness: one reader in twelve loses it.
+
+    Colours as the colour-blind see them: Machado, Oliveira, Fernandes 2009.
+    """
+    light = np.array([to_rgba(color)[:3] for color in (RAW, MAP, RESULT, TRUTH, ERROR)])
+    linear = np.where(light <= 0.04045, light / 12.92, ((light + 0.055) / 1.055) ** 2.4)
+    mixed = np.clip(linear @ np.transpose(cones), 0, 1)
+    seen = np.where(mixed <= 0.0031308, 12.92 * mixed, 1.055 * mixed ** (1 / 2.4) - 0.055)
+    gaps = np.linalg.norm(seen[:, None] - seen, axis=-1)
+    assert gaps[np.triu_indices(len(seen), 1)].min() > 0.25

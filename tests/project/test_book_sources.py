@@ -1,0 +1,167 @@
+"""What the book makes of chapters and texts, before Sphinx sees them."""
+
+import re
+
+import nbformat
+import pytest
+from chapter_rules import CHAPTERS, ROOT
+from conftest import later
+
+sources, citations, api = later("book.sources"), later("book.citations"), later("book.api")
+extension = later("book.extension")
+
+
+@pytest.mark.parametrize(
+    ("text", "adapted"),
+    [
+        ("see chapter 54.", "see [chapter 54](/notebooks/54_fusion.ipynb)."),
+        ("[chapter 54](54_fusion.ipynb)", "[chapter 54](54_fusion.ipynb)"),
+        ("`chapter 54` and $chapter 54$", "`chapter 54` and $chapter 54$"),
+        ("chapter 7, chapter 98 and chapter 5.2", "chapter 7, chapter 98 and chapter 5.2"),
+        ("```\nchapter 54\n```", "```\nchapter 54\n```"),
+        ("A 4.4.4 and B 4.2", "[A 4.4.4](#thesis-a) and [B 4.2](#thesis-b)"),
+        ("a wall (Censi 2008)", "a wall ([Censi 2008](#censi-2008))"),
+        ("Brenna (2007, here", "[Brenna (2007](#thesis-b), here"),
+        ("Amigoni, Fontana 2006", "[Amigoni, Fontana 2006](#amigoni-2006-size)"),
+        ("Intel 2009, Censi 2007", "Intel 2009, Censi 2007"),
+    ],
+)
+def test_what_is_named_is_linked(text, adapted):
+    """Catches links inside links, code and formulas, and pages that are not there."""
+    assert sources.adapt(text) == adapted
+
+
+def test_chapters_named_in_a_row_are_linked_each():
+    linked = re.findall(r"\]\(/notebooks/(\d\d)", sources.adapt("Chapters 61, 62 and 66 to 71."))
+    assert linked == ["61", "62", "66", "71"]
+
+
+def test_headings_have_numbers_and_links_do_without():
+    """Catches links to sections that hold in the repository and nowhere in the book."""
+    text = "## Why\n\n### How?\n\n```\n## no heading\n```\n\n## What goes wrong"
+    numbered = sources.numbered(text, "54", [0, 0])
+    headings = re.findall(r"^#+ (.*)$", numbered, re.MULTILINE)
+    assert headings == ["54.1 Why", "54.1.1 How?", "no heading", "54.2 What goes wrong"]
+    assert [extension.slug(h) for h in headings[::3]] == ["why", "what-goes-wrong"]
+    assert extension.slug("54 Fusion") == "54-fusion"
+
+
+@pytest.mark.parametrize("path", CHAPTERS, ids=lambda path: path.stem[:2])
+def test_a_chapter_is_adapted(path):
+    """Catches code that does not fold, and a panel that stays a still below 'move the slider'."""
+    before = nbformat.read(path, as_version=4)
+    chapter = sources.read_chapter(path, {})
+    assert all("old" not in said for said in chapter.complaints)
+    assert len(chapter.complaints) == str(before).count(f"'{sources.VIEW}'")
+    after = chapter.notebook
+    assert sources.VIEW not in str(after) and len(after.cells) == len(before.cells)
+    code = [cell for cell in after.cells if cell.cell_type == "code" and cell.source.strip()]
+    assert all("hide-input" in cell.metadata.tags for cell in code)
+
+
+def test_a_panel_becomes_its_states(tmp_path):
+    """Catches pictures that are older than the chapter."""
+    shown = {"text/plain": "FusionPanel(tolerance 0.04 m: 2 left)", sources.VIEW: {}}
+    output = nbformat.v4.new_output("display_data", data=shown)
+    cell = nbformat.v4.new_code_cell("panel", outputs=[output], execution_count=1)
+    path = tmp_path / "54_fusion.ipynb"
+    nbformat.write(nbformat.v4.new_notebook(cells=[cell]), path)
+    states = {"54_fusion-1": ["tolerance 0.01 m: 9 left", "tolerance 0.04 m: 2 left"]}
+    chapter = sources.read_chapter(path, states)
+    assert chapter.complaints == []
+    html = chapter.notebook.cells[0].outputs[0].data["text/html"]
+    assert all(f"<figcaption>{said}</figcaption>" in html for said in states["54_fusion-1"])
+    assert "object-position: 0 100%" in html and "JupyterLab" in html
+    stale = sources.read_chapter(path, {"54_fusion-1": ["tolerance 0.04 m: 3 left"]})
+    assert stale.complaints == ["54_fusion: pictures of panel 1 are old: make panels"]
+
+
+def test_what_a_chapter_lacks_is_told(tmp_path):
+    """Catches a chapter that was not run, or that stored an error, in a book that looks whole."""
+    error = nbformat.v4.new_output("error", ename="ValueError", evalue="", traceback=[])
+    cells = [nbformat.v4.new_code_cell("1 / 0", outputs=[error]), nbformat.v4.new_code_cell("2")]
+    path = tmp_path / "98_broken.ipynb"
+    nbformat.write(nbformat.v4.new_notebook(cells=cells), path)
+    said = " ".join(sources.read_chapter(path, {}).complaints)
+    assert "98_broken.ipynb: a stored output is an error, ValueError" in said
+    assert "98_broken.ipynb: some cells were not run" in said
+
+
+def test_names_in_the_words_of_a_chapter_lead_to_one_entry():
+    """Catches a link to a method as printed, and a guess where two rooms have a name."""
+    rooms = ("reduction.fusion", "literal.fusion", "alignment.METHODS", "reduction.METHODS")
+    known = extension.by_short_name({f"segmap.{name}": None for name in rooms})
+    assert known["fusion"] == "segmap.reduction.fusion" and "METHODS" not in known
+    assert known["literal.fusion"] == "segmap_course.literal.reduction.fusion"
+
+
+# ------------------------------------------------------------------ formulas
+
+
+@pytest.mark.parametrize("name", [r"\arg\min_k", r"\operatorname{atan2}(y, x)", r"\argument"])
+def test_names_of_functions_in_formulas(name):
+    """Catches a backslash on the page; one that is no name stays, and the next test finds it."""
+    assert ("\\" in extension.formula(name)) == (name == r"\argument")
+
+
+def test_every_formula_of_the_chapters_can_be_shown():
+    """Catches a command that the converter does not know and would print as it stands."""
+    from markdown_it import MarkdownIt
+    from mdit_py_plugins.amsmath import amsmath_plugin
+    from mdit_py_plugins.dollarmath import dollarmath_plugin
+
+    reader = MarkdownIt().use(dollarmath_plugin).use(amsmath_plugin)
+    texts = [
+        cell.source
+        for path in CHAPTERS
+        for cell in nbformat.read(path, as_version=4).cells
+        if cell.cell_type == "markdown" and "$" in cell.source
+    ]
+    tokens = [t for text in texts for t in reader.parse(text)]
+    tokens += [child for token in tokens for child in token.children or []]
+    formulas = {t.content for t in tokens if t.type in ("math_inline", "math_block", "amsmath")}
+    assert len(formulas) > 100
+    assert [body for body in formulas if "\\" in extension.formula(body)] == []
+
+
+# ------------------------------------------------------------------ names and citations
+
+
+def test_every_public_name_has_its_entry():
+    """Catches a room that is left out, and a name without words."""
+    import segmap
+
+    rooms = {name for name in segmap.__all__ if hasattr(getattr(segmap, name), "__path__")}
+    rooms |= {"angles", "poses", "segments", "scans", "extraction", "metrics", "arrays"}
+    assert set(api.ROOMS) == rooms | {"segmap"}
+    for room in api.ROOMS[1:]:
+        names = api.public_names(api.room_module(room))
+        page = api.page(room, set())
+        assert names and all(re.search(rf"^\.\. [\w:]+:: {name}$", page, re.M) for name in names)
+    assert set(api.public_names(api.room_module("metrics"))) >= {"quality", "relation_errors"}
+    top = api.page("segmap", set())
+    assert all(f"segmap.{name} <" in top for name in segmap.__all__)
+
+
+#: A year behind a word that names no author.
+NO_AUTHORS = {"Intel", "ICRA", "DARS"}
+
+
+def test_everything_that_is_cited_is_in_the_references():
+    """Catches a paper that the reader cannot look up."""
+    files = [*ROOT.glob("segmap/**/*.py"), *ROOT.glob("notebooks/*.ipynb"), ROOT / "README.md"]
+    missing = {
+        match.group()
+        for path in files
+        for match in citations.CITED.finditer(prose(path))
+        if citations.label_of(match) is None and match["names"] not in NO_AUTHORS
+    }
+    assert missing == set(), f"add to {citations.PAGE}"
+
+
+def prose(path):
+    """The words of a file without outputs and without the text of cells of code."""
+    if path.suffix != ".ipynb":
+        return path.read_text(encoding="utf-8")
+    cells = nbformat.read(path, as_version=4).cells
+    return "\n\n".join(cell.source for cell in cells if cell.cell_type == "markdown")

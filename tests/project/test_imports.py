@@ -1,0 +1,220 @@
+"""The storeys of both packages: imports run downwards only, and `import segmap` stays light."""
+
+import ast
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+import segmap_course
+
+import segmap
+
+PACKAGES = [Path(package.__file__).parent for package in (segmap, segmap_course)]
+SOURCES = sorted(path for package in PACKAGES for path in package.rglob("*.py"))
+
+#: From the ground up. A room imports rooms of lower storeys only; a folder is one room.
+STOREYS = (
+    "compiled _display files threads methods arrays",
+    "angles",
+    "poses segments",
+    "scans kernels",
+    "readers simulation extraction metrics",
+    "hokuyo reduction quadtree",
+    "alignment",
+    "matching experiments exports",
+    "testing",
+    "plotting",
+    "panels",
+    "segmap _warm",
+    "_commands",
+    "__main__",
+    "segmap_course",
+)
+STOREY = {room: height for height, rooms in enumerate(STOREYS) for room in rooms.split()}
+
+#: They take private files of folders below them: still to go.
+STILL_PRIVATE = {"segmap.readers", "segmap.readers._formats"}
+
+#: What `import segmap` must not load: they are slow, or absent where only the library is needed.
+HEAVY = ("matplotlib", "ipywidgets", "serial", "numba", "IPython", "pandas", "tqdm")
+
+
+def room_of(module: str) -> str:
+    """`segmap.reduction._fusion` lives in reduction, all of the course in segmap_course."""
+    parts = module.split(".")
+    return parts[1] if parts[0] == "segmap" and len(parts) > 1 else parts[0]
+
+
+def named(path: Path) -> tuple[str, list[str]]:
+    """The module of a file, and the package that its relative imports start from."""
+    package = next(p for p in PACKAGES if path.is_relative_to(p))
+    parts = list(path.relative_to(package.parent).with_suffix("").parts)
+    return ".".join(parts).removesuffix(".__init__"), parts[:-1]
+
+
+def imported(source: str, home: list[str]) -> Iterator[list[str]]:
+    """What a source imports or reaches of ours, in functions too, as absolute names in parts."""
+    local: dict[str, list[str]] = {}
+    for node in ast.walk(ast.parse(source)):
+        found = {}
+        if isinstance(node, ast.Import):
+            found = {a.asname or a.name: a.name.split(".") for a in node.names}
+        elif isinstance(node, ast.ImportFrom):
+            base = home[: len(home) - node.level + 1] if node.level else []
+            base = [*base, *(node.module.split(".") if node.module else [])]
+            found = {a.asname or a.name: [*base, a.name] for a in node.names}
+        elif isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name):
+            if node.value.id in local:
+                found = {"": [*local[node.value.id], node.attr]}
+        elif isinstance(node, ast.Call) and ast.unparse(node.func).endswith("import_module"):
+            found = {
+                str(a.value): str(a.value).split(".") for a in node.args if hasattr(a, "value")
+            }
+        local |= found
+        yield from (name for name in found.values() if name[0] in ("segmap", "segmap_course"))
+
+
+def upward(source: str, module: str, home: list[str]) -> list[str]:
+    """The rooms of its own storey, or above it, that a module imports."""
+    own = room_of(module)
+    assert own in STOREY, f"{module}: give the room {own!r} its place in STOREYS"
+    rooms = {room_of(".".join(name)) for name in imported(source, home) if len(name) > 1}
+    return sorted(r for r in rooms if r in STOREY and r != own and STOREY[r] >= STOREY[own])
+
+
+def crossing(source: str, home: list[str]) -> list[str]:
+    """Private names and files that a module takes from a folder that it does not lie in."""
+    private = []
+    for name in imported(source, home):
+        hidden = [k for k, part in enumerate(name) if part[0] == "_" and part[:2] != "__"]
+        if hidden and home[: hidden[0]] != name[: hidden[0]]:
+            private.append(".".join(name))
+    return sorted(set(private))
+
+
+@pytest.mark.parametrize("path", SOURCES, ids=lambda p: named(p)[0])
+def test_imports_run_downwards_and_leave_private_names(path):
+    module, home = named(path)
+    source = path.read_text(encoding="utf-8")
+    assert upward(source, module, home) == []
+    if module not in STILL_PRIVATE:
+        assert crossing(source, home) == []
+
+
+@pytest.mark.parametrize(
+    ("module", "source", "count"),
+    [
+        ("segmap.scans._scans", "from ..readers import read", 1),
+        ("segmap.scans._scans", "from .. import readers", 1),
+        ("segmap.scans._scans", "import segmap.readers.carmen", 1),
+        ("segmap.scans._scans", "def f():\n    from segmap import readers", 1),
+        ("segmap.poses._poses", "from ..segments import length", 1),
+        ("segmap.reduction._fusion", "from ..plotting import draw_segments", 1),
+        ("segmap.scans._scans", "import importlib\nimportlib.import_module('segmap.plotting')", 1),
+        ("segmap._commands._map", "import segmap_course", 0),
+        ("segmap._commands._map", "from segmap_course import panels", 1),
+        ("segmap.reduction._fusion", "from ._runner import run\nfrom ..segments import length", 0),
+    ],
+)
+def test_an_upward_import_is_seen(module, source, count):
+    """Catches a test that looks at one spelling of `import` only, or forbids siblings."""
+    if source == "import segmap_course":
+        source, count = "import segmap_course.panels", 1
+    assert len(upward(source, module, module.split(".")[:-1])) == count
+
+
+@pytest.mark.parametrize(
+    ("source", "count"),
+    [
+        ("from ..quadtree._tree import grow", 1),
+        ("from ..quadtree import _tree", 1),
+        ("import segmap.quadtree._tree", 1),
+        ("from .. import quadtree\nquadtree._tree.grow()", 1),
+        ("from ..quadtree import QuadtreeMap\nQuadtreeMap._of(1)", 1),
+        ("from ..alignment.points._match import step", 1),
+        ("from ._score import look_up\nfrom .._display import picture\nself._x = 1", 0),
+        ("from numpy._core import _x", 0),
+    ],
+)
+def test_a_private_name_of_another_folder_is_seen(source, count):
+    assert len(crossing(source, ["segmap", "matching"])) == count
+
+
+def test_a_room_without_a_place_is_asked_for_one():
+    with pytest.raises(AssertionError, match="give the room 'cellar' its place"):
+        upward("", "segmap.cellar", ["segmap"])
+
+
+def python(code: str, *options: str) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, *options, *(["-c", code] if code else [])]
+    return subprocess.run(command, capture_output=True, text=True, check=False)
+
+
+@pytest.mark.parametrize("name", ["segmap", "segmap.simulation", "segmap.readers"])
+def test_import_is_light(name):
+    """Catches an import at the top of a file that belongs into a function."""
+    loaded = python(f"import {name}, sys; print(*sys.modules)").stdout.split()
+    assert "segmap.segments" in loaded
+    assert [m for m in HEAVY if m in loaded] == []
+
+
+def test_a_notebook_draws_though_only_segmap_was_imported():
+    """Catches drawings that are registered only once somebody imports segmap.plotting."""
+    shown = python("import segmap; print(*segmap.load('room')[0]._repr_mimebundle_())")
+    assert shown.stdout.split() == ["text/plain", "image/png"]
+
+
+def test_every_room_is_reachable_after_import_segmap():
+    """Catches a room that a newcomer must import by itself before it can be used."""
+    shared = {
+        "compiled",
+        "files",
+        "kernels",
+        "methods",
+        "threads",
+        "data",
+    }  # parts of several rooms
+    rooms = {p.stem for p in PACKAGES[0].iterdir() if p.suffix in ("", ".py") and p.stem[0] != "_"}
+    assert rooms - set(segmap.__all__) - shared == set()
+    reached = python("import segmap\nfor name in segmap.__all__: getattr(segmap, name).__name__")
+    assert "ModuleNotFound" not in reached.stderr
+    assert set(segmap.__all__) <= set(dir(segmap))
+
+
+def test_a_missing_package_is_named_with_the_extra_that_brings_it():
+    run = python("import sys; sys.modules['ipywidgets'] = None\nfrom segmap import panels")
+    assert "segmap.panels needs ipywidgets: pip install 'segmap[lab]'" in run.stderr
+    with pytest.raises(AttributeError, match="no attribute 'pannels'"):
+        _ = segmap.pannels
+
+
+@pytest.mark.parametrize(
+    ("code", "options", "now"),
+    [
+        ("from segmap import course", (), "segmap_course"),
+        ("import segmap.course", (), "segmap_course"),
+        ("from segmap.literal import basic", (), "segmap_course.literal"),
+        ("import segmap; segmap.emulator", (), "segmap.hokuyo.emulator"),
+        ("", ("-m", "segmap.course", "handout"), "segmap_course"),
+        ("", ("-m", "segmap.emulator"), "segmap.hokuyo.emulator"),
+    ],
+)
+def test_an_old_name_says_where_it_went(code, options, now):
+    """In the last line, and from a terminal in the only one."""
+    ended = python(code, *options)
+    said = ended.stderr.splitlines()
+    assert ended.returncode == 1 and f"is now {now}" in said[-1]
+    assert len(said) == 1 or not options
+
+
+def test_folders_and_files_fit_in_the_head():
+    """Catches a folder that nobody overlooks, and a file that nobody reads to its end."""
+    tests = Path(__file__).parents[1]
+    folders = {f for p in PACKAGES for f in [p, *p.rglob("*")] if f.is_dir()} | {
+        f for f in tests.iterdir() if f.is_dir()
+    }
+    assert {str(f) for f in folders if len(list(f.glob("*.py"))) > 14} == set()
+    lines = {str(p): len(p.read_text("utf-8").splitlines()) for p in SOURCES}
+    assert {name for name, count in lines.items() if count > 400} == set()

@@ -1,0 +1,162 @@
+"""What README.md, environment.md and the Makefile tell a newcomer is true."""
+
+import re
+import tomllib
+
+import pytest
+from makefile import ROOT, lab_command, make
+
+from segmap import METHODS, fusion, quality
+from segmap.metrics import invented, missed
+
+README = (ROOT / "README.md").read_text(encoding="utf-8")
+ENVIRONMENT = (ROOT / "environment.md").read_text(encoding="utf-8")
+
+
+@pytest.fixture(scope="module")
+def names():
+    """What the ten lines of the README define."""
+    block = re.search(r"## The package in ten lines\s+```python\n(.*?)```", README, re.DOTALL)
+    scope: dict = {}
+    exec(compile(block.group(1), "README.md", "exec"), scope)
+    return scope
+
+
+def test_the_ten_lines_run_and_mean_what_they_say(names):
+    """Catches an example that the package has left behind."""
+    log, walls, map, small = (names[name] for name in ("log", "walls", "map", "small"))
+    assert len(log) == 225 and names["points"].shape[1:] == (2,)
+    assert walls.shape[1:] == (2, 2) and len(small) < len(map)
+    assert 0 < names["rate"] < 1 and 0 < names["kept"] < 1 and names["worst"] < 1
+    assert (small.parents[names["sources"]] == 0).all() and len(names["sources"]) > 0
+
+
+def test_the_figures_below_the_picture_are_those_of_the_ten_lines(names):
+    """Catches a caption that outlives a change of extraction or Fusion."""
+    found = re.search(r"(\d+) segments from (\d+) scans, and the same walls in (\d+)", README)
+    map, small = names["map"], fusion(names["map"], tolerance=0.04)
+    assert [int(n) for n in found.groups()] == [len(map), len(set(map.scan)), len(small)]
+
+
+def test_least_cost_is_as_much_better_than_fusion_as_the_text_says(names):
+    """Catches praise that outlives a change of either method."""
+    said = r"leaves (\d+) segments here at quality (\d+) %, where Fusion.*?leaves (\d+) at (\d+) %"
+    found = re.search(said, README, re.DOTALL)
+    map, ours, fused = names["map"], names["small"], fusion(names["map"], tolerance=0.04)
+    kept = [round(100 * quality(map, small)) for small in (ours, fused)]
+    assert [int(n) for n in found.groups()] == [len(ours), kept[0], len(fused), kept[1]]
+    assert 2 * missed(map, ours) < missed(map, fused) and invented(map, ours) < invented(map, fused)
+    assert len(METHODS) == 15 and "all fifteen" in README
+
+
+def test_the_session_of_commands_is_true(names, tmp_path, monkeypatch, capsys):
+    """Catches a printed line, an option or a figure that the commands have left behind."""
+    from segmap._commands import _logs, main
+
+    block = re.search(
+        r"## One command\n.*?```console\n\$ segmap (.*?)\n(.*?)```", README, re.DOTALL
+    )
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setitem(_logs.METHODS, "pose_graph", lambda log: names["found"])
+    assert main(block.group(1).split()) == 0
+    said = [
+        re.sub(r"[\d.]+ m?s$", "", text, flags=re.MULTILINE)
+        for text in (capsys.readouterr().out, block.group(2))
+    ]
+    assert said[0].splitlines() == said[1].splitlines() and len(said[0].splitlines()) == 6
+    assert (tmp_path / "malaga.svg").stat().st_size and (tmp_path / "malaga.png").stat().st_size
+
+
+def test_the_commands_of_the_table_are_those_that_there_are(capsys):
+    """Catches a new command that no newcomer hears of, and an ending that is no longer written."""
+    from segmap._commands import _main, _map, _occupancy, main
+
+    listed = re.findall(r"^\| `segmap (\w+)\b", README, re.MULTILINE)
+    with pytest.raises(SystemExit):
+        main(["--help"])
+    said = re.findall(r"^    (\w+)", capsys.readouterr().out, re.MULTILINE)
+    assert sorted(listed) == sorted(said) and len(listed) == len(_main.COMMANDS)
+    for name, room in (("map", _map), ("occupancy", _occupancy)):
+        row = re.search(rf"^\| `segmap {name} .*$", README, re.MULTILINE).group()
+        assert all(suffix in row for suffix in room.SUFFIXES)
+
+
+def test_the_lines_for_a_sensor_run(tmp_path, monkeypatch, capsys):
+    """Catches an example that driver, emulator or matcher has left behind."""
+    block = re.search(r"## With a sensor, or without\s+```python\n(.*?)```", README, re.DOTALL)
+    monkeypatch.chdir(tmp_path)
+    source = block.group(1).replace("Emulator()", "Emulator(speed=3)")
+    scope: dict = {}
+    exec(compile(source, "README.md", "exec"), scope)
+    lines = capsys.readouterr().out.splitlines()
+    assert len(lines) == 50 and all(line.split()[-1].isdigit() for line in lines)
+    assert scope["step"].score > -682 * 0.01
+    assert scope["quadtree"].QuadtreeMap.load(tmp_path / "room.npz").scans == 50
+
+
+def test_the_extra_of_the_chapters_opens_ports():
+    """Catches a classroom installed from `.[lab]` in which chapters 71 and 72 end at the import."""
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    extras = project["optional-dependencies"]
+    assert any(text.startswith("pyserial") for text in extras["laser"])
+    assert "segmap[laser]" in extras["lab"]
+    assert "segmap[lab]" in extras["app"]
+    assert "segmap[app,book,ros]" in extras["dev"]
+
+
+def targets():
+    """Targets that `make` lists, as the Makefile has them."""
+    text = (ROOT / "Makefile").read_text(encoding="utf-8")
+    return set(re.findall(r"^([\w-]+):.*##", text, re.MULTILINE))
+
+
+def test_commands_that_the_texts_name_exist():
+    named = set(re.findall(r"\bmake (?!without)([a-z-]+)\b", re.sub(r"[^`\n]*```", "", README)))
+    named |= set(re.findall(r"`make ([a-z-]+)", README + ENVIRONMENT))
+    assert {"lab", "test"} <= named <= targets()
+
+
+def test_make_alone_lists_every_target():
+    lines = make()
+    listed = [line.split()[1] for line in lines]
+    assert set(listed) == targets() and len(listed) == len(targets())
+    assert all(len(line.split()) > 4 for line in lines)
+
+
+@pytest.mark.parametrize(
+    ("display", "port", "wanted"),
+    [
+        ("", "8890", ["--ip=127.0.0.1", "--port=8890", "--no-browser"]),
+        (":0", "8890", ["--ip=127.0.0.1", "--port=8890"]),
+        ("", "", ["--ip=127.0.0.1", "--no-browser"]),
+    ],
+)
+def test_make_lab_serves_this_machine_only(display, port, wanted):
+    """Catches a server that listens to the network, and a browser where there is no display."""
+    command = lab_command(port, display)
+    chosen = [w for w in command.split() if w.startswith(("--ip=", "--port=", "--no-browser"))]
+    assert chosen == wanted
+
+
+def test_python_is_the_same_everywhere():
+    """Catches a new lower bound that one of the texts has not heard of."""
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+    least = project["requires-python"].removeprefix(">=")
+    assert f"Python {least}" in README and f"{least} or later" in ENVIRONMENT
+    assert f"({least.replace('.', ', ')})" in (ROOT / "Makefile").read_text()
+
+
+def test_the_changelog_names_what_there_is():
+    """Catches a table of new names that outlives the next renaming."""
+    import segmap
+
+    text = (ROOT / "CHANGELOG.md").read_text(encoding="utf-8")
+    rows = re.findall(r"^\| (`.*) \| (.*) \|$", text, re.MULTILINE)
+    named = [re.findall(r"`(\w+)\.([A-Za-z]\w*)", column) for row in rows for column in row]
+    before, now = ({pair for pairs in named[k::2] for pair in pairs} for k in (0, 1))
+    rooms = set(segmap.__all__)
+    assert len(now) > 10
+    for room, name in sorted(pair for pair in now if pair[0] in rooms):
+        assert hasattr(getattr(segmap, room), name), f"segmap.{room}.{name} is not there"
+    for room, name in sorted(pair for pair in before - now if pair[0] in rooms):
+        assert not hasattr(getattr(segmap, room), name), f"segmap.{room}.{name} is still there"

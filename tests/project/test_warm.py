@@ -1,0 +1,45 @@
+"""`python -m segmap`: what it warms is all that compiles, and chapter 00 then waits for nothing."""
+
+import gc
+import json
+import subprocess
+import sys
+import tomllib
+
+from makefile import ROOT
+
+import segmap
+from segmap import _warm
+from segmap.__main__ import main
+from segmap.compiled import Compiled
+
+#: Kernels that run after an interrupt only.
+RARE = {"reached"}
+
+
+def test_the_version_is_the_one_of_the_project():
+    """Catches a release that calls itself by the name of the one before."""
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    command = [sys.executable, "-m", "segmap", "--version"]
+    said = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True).stdout
+    assert said == f"segmap {project['version']}\n" == f"segmap {segmap.__version__}\n"
+
+
+def test_every_kernel_has_a_case():
+    """Catches a new loop that nobody warms, and whose first call is then slow."""
+    for name in _warm.cases():
+        _warm.run(name)
+    kernels = [k for k in gc.get_objects() if type(k) is Compiled]
+    ours = [k for k in kernels if k.plain.__module__.startswith("segmap.")]
+    cold = {k.plain.__qualname__ for k in ours if k._fast is None and k._inner is None}
+    assert len(ours) > 100 and cold <= RARE
+
+
+def test_chapter_00_compiles_nothing_once_warm(capfd):
+    """Catches a signature that only real maps have: lists read-only, cut, or in another order."""
+    assert main(["warm", "--jobs", "1"]) == 0
+    first, last = capfd.readouterr().out.splitlines()
+    assert "on one core" in first and last.startswith("Done in")
+    command = [sys.executable, "-m", "benchmarks.compiling", "--json", "--kept", "--chapter", "00"]
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True)
+    assert json.loads(done.stdout)["count"] == 0

@@ -1,0 +1,171 @@
+"""The quadtree map against its literal form, leaf for leaf."""
+
+import numpy as np
+import pytest
+from conftest import slow
+from hypothesis import given
+from hypothesis import strategies as st
+from quadtrees import leaves_of
+from segmap_course import literal
+
+from segmap.quadtree import QuadtreeMap
+
+
+def both(scans, *, cells=8, resolution=0.25, corner=(0.0, 0.0), free_resolution=None):
+    """Insert scans `(sensor, ends, free)` into the map and its literal form; whether they agree."""
+    map = QuadtreeMap(
+        resolution=resolution,
+        size=cells * resolution,
+        corner=corner,
+        free_resolution=free_resolution,
+    )
+    finest = None if free_resolution is None else round(free_resolution / resolution)
+    tree = literal.Quadtree(resolution, cells, corner=tuple(corner), finest=finest)
+    for sensor, *ends in scans:
+        map.insert_scan(sensor, *ends)
+        tree.insert(tuple(sensor), *(np.reshape(points, (-1, 2)).tolist() for points in ends))
+        if leaves_of(map) != tree.leaves:
+            return map, False
+    return map, True
+
+
+def random_scans(rng, resolution, corner, spread):
+    """Three scans of a wandering sensor, with points twice, at the sensor, and free ones."""
+    for _ in range(3):
+        sensor = rng.normal(0, spread / 2, 2)
+        ends, free = (rng.normal(0, spread, (rng.integers(0, n), 2)) for n in (14, 4))
+        if rng.random() < 0.3:  # exactly on edges and corners
+            ends = corner + np.round((ends - corner) / resolution) * resolution
+        ends[1:2], ends[2:3], free[:1] = ends[:1], sensor, sensor
+        yield sensor, ends, free
+
+
+@pytest.mark.parametrize("free_resolution", [None, 1, 2, 8])
+@pytest.mark.parametrize("seed", [*range(25), *map(slow, range(25, 50))])
+def test_equals_the_literal_map(seed, free_resolution):
+    """Catches a wrong cell, split, count, mask, order of growth, or a leaf counted twice a ray."""
+    rng = np.random.default_rng(seed)
+    resolution = rng.choice([0.01, 0.05, 0.1, 0.25])
+    corner = rng.uniform(-1, 1, 2).round(2)
+    _, equal = both(
+        list(random_scans(rng, resolution, corner, resolution * rng.choice([2, 10, 60]))),
+        cells=2 ** int(rng.integers(2, 6)),
+        resolution=resolution,
+        corner=corner,
+        free_resolution=free_resolution and free_resolution * resolution,
+    )
+    assert equal
+
+
+LATTICE = st.tuples(*[st.integers(-70, 70)] * 2)
+
+
+@given(
+    st.lists(
+        st.tuples(LATTICE, st.lists(LATTICE, max_size=6), st.lists(LATTICE, max_size=2)),
+        max_size=3,
+    ),
+    st.sampled_from([None, 0.5, 2.0]),
+)
+def test_equals_the_literal_map_on_edges(scans, free_resolution):
+    """All points on corners of cells: a rounding the other way puts them in the next."""
+    quarter = [tuple(np.multiply(part, 0.25).tolist() for part in scan) for scan in scans]
+    _, equal = both(quarter, free_resolution=free_resolution)
+    assert equal
+
+
+@pytest.mark.parametrize("angle", range(0, 360, 9))
+def test_every_direction_of_a_ray(angle):
+    """Catches a ray that rounds the other way where x or y decreases."""
+    end = 5 * np.array([np.cos(np.radians(angle)), np.sin(np.radians(angle))])
+    for sensor in [(0.1, 0.1), (0.9, 0.6)]:
+        scan = (sensor, [end, end / 2, end / 3], [end * 0.7])
+        _, equal = both([scan], cells=64, corner=(-8, -8))
+        assert equal
+
+
+@pytest.mark.parametrize(
+    ("point", "bounds"),
+    [
+        ((-0.1, 0.5), (-1, 0, 1, 2)),
+        ((0.5, -0.1), (0, -1, 2, 1)),
+        ((1.1, 0.5), (0, 0, 2, 2)),
+        ((0.5, 1.1), (0, 0, 2, 2)),
+        ((-0.1, -0.1), (-1, -1, 1, 1)),
+        ((2.5, -1.5), (0, -3, 4, 1)),
+    ],
+)
+@pytest.mark.parametrize("outside", ["sensor", "end", "free"])
+def test_grows_towards_the_point(point, bounds, outside):
+    """Catches a root that grows the wrong way, and points that are forgotten in growing."""
+    near = (0.5, 0.5)
+    scan = {"sensor": (point, [near], []), "end": (near, [point], []), "free": (near, [], [point])}
+    map, equal = both([scan[outside]], cells=4)
+    assert equal and map.bounds == bounds
+
+
+def test_a_point_on_the_top_edge_grows_the_root_once():
+    """B grows downwards where a point is neither above nor below: until its largest size."""
+    map, equal = both([((0.5, 0.5), [(0.5, 1.0)], [])], cells=4)
+    assert equal and map.bounds == (0, 0, 2, 2)
+
+
+def test_the_sensor_grows_the_root_before_the_ends():
+    """The order decides on which side the room lies; B's is the sensor, then the beams."""
+    map, equal = both([((-0.1, 0.5), [(1.1, 0.5)], [])], cells=4)
+    assert equal and map.bounds == (-1, 0, 3, 4)
+
+
+@pytest.mark.parametrize(("x", "column"), [(1.0, 10), (0.3, 2), (0.6, 5), (-0.05, -1)])
+def test_a_cell_is_the_floor_of_one_division(x, column):
+    """1.0 // 0.1 is 9, and 0.3 * 10 is 3: neither is the cell."""
+    map = QuadtreeMap(resolution=0.1)
+    map.insert_scan((0.55, 0.55), [(x, 0.05)])
+    hit = np.flatnonzero(map.leaves().occ)
+    assert np.rint(map.leaves().x[hit] / 0.1).tolist() == [column]
+
+
+def test_cells_stay_where_they_were_as_the_root_grows():
+    """Catches cells counted from the grown root, whose corner rounds differently."""
+    scans = [
+        ((0.05, 0.05), [(0.3, 0.3)], []),
+        ((-6.1, 0), [(0.3, 0.3), (0.7, -9.9)], []),
+    ]
+    assert both(scans, cells=4, resolution=0.1)[1]
+
+
+def test_the_order_of_beams_does_not_matter():
+    """B splits and counts beam by beam, so that its counts depend on it."""
+    rng = np.random.default_rng(4)
+    ends = rng.uniform(0, 2, (40, 2))
+    maps = [QuadtreeMap(resolution=0.01, size=2.56) for _ in range(2)]
+    maps[0].insert_scan((1, 1), ends)
+    maps[1].insert_scan((1, 1), rng.permutation(ends))
+    assert leaves_of(maps[0]) == leaves_of(maps[1])
+
+
+def test_the_literal_walk_is_that_of_the_thesis():
+    """By hand: the loop starts at the smaller x, so a ray and its mirror image differ."""
+    there = [(0, 0), (1, 0), (2, 0), (3, 1), (4, 1)]
+    assert literal.ray_cells((0, 0), (4, 1)) == there == literal.ray_cells((4, 1), (0, 0))
+    back = [(-4, 1), (-3, 1), (-2, 1), (-1, 0), (0, 0)]
+    assert literal.ray_cells((0, 0), (-4, 1)) == back
+    assert literal.ray_cells((0, 0), (1, 4)) == [(y, x) for x, y in there]
+
+
+@given(LATTICE, LATTICE)
+def test_the_literal_walk_takes_the_cell_nearest_to_the_line(start, end):
+    """Catches a walk that leaves the line or breaks: one cell a column, none farther than half."""
+    cells = np.array(literal.ray_cells(start, end))
+    away = np.subtract(end, start)
+    steps = abs(away).max()
+    assert len(cells) == steps + 1 and (abs(np.diff(cells, axis=0)).max(1) == 1).all()
+    assert {start, end} <= {tuple(cell) for cell in cells.tolist()}
+    aside = abs((cells - start) @ [[0, 1], [-1, 0]] @ away)  # times the steps
+    assert (2 * aside <= steps).all()
+
+
+def test_points_of_another_shape_are_refused():
+    """Catches an array of floats that passes by, since nobody looks at its middle axis."""
+    with pytest.raises(ValueError, match="points must have shape"):
+        QuadtreeMap(resolution=0.1).insert_scan((0.0, 0.0), np.zeros((2, 3, 2)))

@@ -1,0 +1,344 @@
+"""Bags of ROS 1 and ROS 2: what the messages mean, which are chosen, and damage."""
+
+import gzip
+import sqlite3
+import subprocess
+import sys
+import warnings
+
+import bag_samples as bags
+import numpy as np
+import pytest
+from bag_samples import LEVEL, RANGES
+from conftest import slow
+from log_samples import ODOMETRY, TIMES
+
+from segmap import readers
+from segmap.readers import LogError
+from segmap.readers.bags import _bounds
+
+START = TIMES[0]
+
+
+@pytest.fixture
+def read(tmp_path):
+    """Write a story as a bag, the quickest kind unless told, and read it."""
+
+    def write_and_read(*story, kind="mcap", **given):
+        def told(m):
+            for topic, name, *arguments in story:
+                made = getattr(m, name)(*arguments[:-1], **arguments[-1])
+                yield topic, arguments[0] if name != "frames" else START, *made
+
+        return readers.read_bag(bags.write(tmp_path, kind, told), **given)
+
+    return write_and_read
+
+
+def scan(time=START, topic="/scan", **given):
+    return topic, "scan", time, given
+
+
+def odometry(time, pose, topic="/odom", **given):
+    return topic, "odometry", time, pose, given
+
+
+def frames(*links, topic="/tf_static", time=START):
+    return topic, "frames", time, *links, {}
+
+
+STANDS = odometry(START, LEVEL)
+PLACE = frames(bags.LASER)
+
+
+@pytest.mark.parametrize("kind", bags.KINDS)
+def test_each_kind_of_bag_is_the_same_log(tmp_path, kind):
+    path = bags.write(tmp_path, kind)
+    for place in {path, tmp_path / bags.KINDS[kind]}:
+        log = readers.read(place)
+        assert (log.name, readers.format_of(place), log.truth) == ("it", "ROS bag", None)
+        assert log.times == pytest.approx(TIMES) and log.odometry == pytest.approx(
+            np.array(ODOMETRY)
+        )
+        assert log[0].ranges.tolist() == list(RANGES) and log[0].max_range == 30
+        assert np.degrees(log[0].angles) == pytest.approx([-90, -45, 0, 45, 90])
+        assert log[1].sensor_pose == pytest.approx([0.3, 0.1, 0])
+
+
+@pytest.mark.parametrize(
+    ("kind", "packed"), [("ros1", "BZ2"), ("ros1", "LZ4"), ("db3", "FILE"), ("mcap", "STORAGE")]
+)
+def test_packed_bags(tmp_path, kind, packed):
+    assert len(readers.read(bags.write(tmp_path, kind, compression=packed))) == 2
+
+
+@pytest.mark.parametrize("kind", ["db3", "mcap"])
+def test_a_folder_without_metadata_is_its_only_file(tmp_path, kind):
+    """A recorder that was killed leaves such folders; of two files either may be wanted."""
+    path = bags.write(tmp_path, kind)
+    (path / "metadata.yaml").unlink()
+    assert len(readers.read(path)) == 2 and readers.format_of(path) == "ROS bag"
+    (path / f"other.{kind}").write_bytes((path / f"it.{kind}").read_bytes())
+    with pytest.raises(LogError, match="holds no log"):
+        readers.read(path)
+
+
+def test_odometry_is_interpolated_by_the_shorter_way_and_nowhere_else(read):
+    """Through zero instead of through pi the robot would look backwards."""
+    told = [odometry(START + t, (t, 0, h)) for t, h in ((0, 3.0), (2, -3.0))]
+    log = read(*(scan(START + t) for t in (-0.1, 0.5, 2, 2.1)), *told, PLACE)
+    known = np.isfinite(log.odometry).all(1)
+    assert known.tolist() == [False, True, True, False] and log[0].odometry is None
+    assert log.odometry[1] == pytest.approx([0.5, 0, 3 + (2 * np.pi - 6) / 4])
+
+
+class TestTopics:
+    def test_the_one_with_most_messages_is_taken_and_others_are_told(self, read):
+        story = [scan(topic="/a"), scan(topic="/b"), scan(START + 1, "/b"), STANDS, PLACE]
+        with pytest.warns(UserWarning, match=r"/b \(2\), /a \(1\): /b is read.*scan='/a'"):
+            assert len(read(*story)) == 2
+
+    @pytest.mark.parametrize("name", ["/a", "a"])
+    def test_one_may_be_named(self, read, name):
+        moved = odometry(START, (1, 2, 3), "/wheels")
+        story = [scan(topic="/a"), scan(topic="/b"), scan(START + 1, "/b"), STANDS, moved, PLACE]
+        log = read(*story, scan=name, odometry="/wheels")
+        assert len(log) == 1 and log.odometry[0] == pytest.approx([1, 2, 3])
+
+    def test_what_is_not_there_is_told_with_what_is(self, read):
+        with pytest.raises(LogError, match=r"scan must be a topic .* '/odom', but .* /scan \(sens"):
+            read(scan(), STANDS, scan="/odom")
+
+    def test_a_bag_without_scans_says_what_it_holds(self, read):
+        with pytest.raises(LogError, match=r"holds no sensor_msgs/LaserScan, but .*/odom \(nav"):
+            read(STANDS)
+
+    @pytest.mark.parametrize("given", [{"scan": 3}, {"odometry": ["/odom"]}])
+    def test_names_are_text(self, read, given):
+        with pytest.raises(ValueError, match=f"{next(iter(given))} must be the name of a topic"):
+            read(scan(), **given)
+
+
+class TestFrames:
+    @pytest.mark.parametrize("kind", ["mcap", "ros1"])
+    def test_a_laser_upside_down_at_the_end_of_a_chain(self, read, kind):
+        """Beams that are not mirrored put the left wall to the right."""
+        links = [
+            ("/base_link", "/plate", (0.2, 0, 0.1), (0, 0, np.pi / 2)),
+            ("/plate", "/laser", (0.1, 0, 0.3), (np.pi, 0, 0)),
+            ("/base_footprint", "/base_link", (0, 0, 0.05), LEVEL),
+        ]
+        story = scan(frame="/laser"), frames(*links), odometry(START, LEVEL, child="base_footprint")
+        log = read(*story, kind=kind)
+        assert log[0].sensor_pose == pytest.approx([0.2, 0.1, np.pi / 2])
+        assert np.degrees(log[0].angles) == pytest.approx([90, 45, 0, -45, -90])
+        assert log[0].points()[0] == pytest.approx([0.2 - 1.5, 0.1], abs=1e-6)
+
+    def test_the_robots_frame_may_hang_beside_the_laser(self, read):
+        links = ("top", "laser", (1.0, 0, 0), LEVEL), ("top", "base_link", (0.4, 0, 0), LEVEL)
+        assert read(scan(), STANDS, frames(*links))[0].sensor_pose == pytest.approx([0.6, 0, 0])
+
+    def test_what_stands_still_may_be_told_again_and_again(self, read):
+        """ROS 1 publishes what is static in /tf, many times a second."""
+        told = [frames(bags.LASER, topic="/tf", time=START + k / 10) for k in range(3)]
+        assert read(scan(), STANDS, *told)[0].sensor_pose == pytest.approx([0.3, 0.1, 0])
+
+    def test_without_a_topic_the_frames_tell_the_odometry(self, read):
+        links = [("odom", "base_link", (float(k), 0, 0), (0, 0, 0.2 * k)) for k in range(2)]
+        told = [frames(link, topic="/tf", time=START + k) for k, link in enumerate(links)]
+        log = read(scan(START + 0.5), *told, frames(bags.LASER))
+        assert log.odometry[0] == pytest.approx([0.5, 0, 0.1])
+        assert log[0].sensor_pose == pytest.approx([0.3, 0.1, 0])
+
+    def test_without_any_odometry_the_base_is_known_by_its_name(self, read):
+        log = read(scan(), frames(bags.LASER))
+        assert log[0].odometry is None and log[0].sensor_pose == pytest.approx([0.3, 0.1, 0])
+
+    @pytest.mark.parametrize("turn", [(0.3, 0, 0), (0, 1.5, 0), (np.pi - 0.3, 0, 0)])
+    def test_a_tilted_laser_is_refused(self, read, turn):
+        with pytest.raises(LogError, match=r"level, or upside down, .* tilted by (17|86) degrees"):
+            read(scan(), STANDS, frames(("base_link", "laser", LEVEL, turn)))
+
+    def test_a_hair_of_tilt_is_none(self, read):
+        link = "base_link", "laser", LEVEL, (0.03, -0.02, 0.5)
+        assert read(scan(), STANDS, frames(link))[0].sensor_pose == pytest.approx(
+            [0, 0, 0.5], abs=1e-3
+        )
+
+    def test_a_laser_that_moves_on_the_robot_is_refused(self, read):
+        links = [("base_link", "laser", LEVEL, (0, 0, turn)) for turn in (0.0, 0.5)]
+        told = [frames(link, topic="/tf") for link in links]
+        with pytest.raises(LogError, match="fixed to base_link, but laser moves"):
+            read(scan(), STANDS, *told)
+
+    def test_a_place_that_nothing_tells_is_warned_of(self, read):
+        with pytest.warns(UserWarning, match="no tf tells where laser sits on base_link"):
+            assert read(scan(), STANDS)[0].sensor_pose.tolist() == [0, 0, 0]
+
+    def test_frames_in_a_circle_end(self, read):
+        link = "laser", "base_link", (0.3, 0, 0), LEVEL
+        log = read(scan(), STANDS, frames(bags.LASER, link))
+        assert len(log) == 1
+
+
+class TestBeams:
+    def test_what_lies_outside_of_the_limits_is_no_wall(self, read):
+        ranges = [0.5, 0.05, 30.0, 31.0, np.inf, -np.inf, np.nan, 0.0, -1.0, 29.9]
+        found = read(scan(ranges=ranges, step=0.1))[0]
+        far, bad = np.isposinf(found.ranges), np.isnan(found.ranges)
+        assert np.flatnonzero(far).tolist() == [2, 3, 4]
+        assert np.flatnonzero(bad).tolist() == [1, 5, 6, 7, 8]
+        assert np.flatnonzero(found.valid).tolist() == [0, 9]
+
+    @pytest.mark.parametrize("most", [0.0, np.nan, np.inf])
+    def test_a_limit_that_is_none_limits_nothing(self, read, most):
+        assert read(scan(most=most))[0].valid.sum() == 4
+
+    def test_angles_may_fall(self, read):
+        found = read(scan(first=np.pi / 2, step=-np.pi / 4))[0]
+        assert np.degrees(found.angles) == pytest.approx([90, 45, 0, -45, -90])
+        assert found.points()[0] == pytest.approx([0, 1.5], abs=1e-6)
+
+    @pytest.mark.parametrize("kind", ["ros1", "mcap"])
+    def test_a_header_without_a_time_has_that_of_the_recorder(self, tmp_path, kind):
+        def story(m):
+            yield "/scan", START, *m.scan(0.0)
+
+        assert readers.read(bags.write(tmp_path, kind, story)).times == pytest.approx([START])
+
+    def test_clocks_that_never_meet_are_warned_of(self, read):
+        with pytest.warns(UserWarning, match="no scan lies within the time of the odometry"):
+            assert read(scan(START + 9), STANDS, frames(bags.LASER))[0].odometry is None
+
+
+class TestDamage:
+    @pytest.mark.parametrize("given", [{"step": 0.0}, {"step": 100.0}, {"ranges": []}])
+    def test_a_message_without_sense_costs_one(self, read, given):
+        """Also a message of another laser on the topic."""
+        story = scan(), scan(START + 1, **given), scan(START + 2)
+        with pytest.raises(LogError, match="/scan, message 2: "):
+            read(*story)
+
+    def test_a_message_without_sense_may_be_left_out(self, read):
+        log = read(scan(), scan(START + 1, step=0.0), scan(START + 2), on_error="skip")
+        assert len(log) == 2 and log.skipped.lines == 1 and "message 2" in log.skipped.reason
+
+    def test_scans_of_two_lasers_in_one_topic_are_told(self, read):
+        with pytest.raises(LogError, match="message 2: expected a scan of laser, got one of other"):
+            read(scan(), scan(START + 1, frame="other"))
+
+    def test_a_whole_bag_may_not_be_packed(self, tmp_path):
+        data = bags.write(tmp_path, "ros1").read_bytes()
+        (tmp_path / "it.bag.gz").write_bytes(gzip.compress(data))
+        with pytest.raises(LogError, match="packed as a whole: unpack it first"):
+            readers.read(tmp_path / "it.bag.gz")
+
+    def test_a_bag_that_was_not_closed_says_so(self, tmp_path):
+        path = bags.write(tmp_path, "ros1")
+        data = bytearray(path.read_bytes())
+        at = data.index(b"index_pos=") + len(b"index_pos=")
+        data[at : at + 8] = bytes(8)
+        path.write_bytes(data)
+        with pytest.raises(LogError, match="not indexed, reindex before reading"):
+            readers.read(path)
+
+    @pytest.mark.parametrize("packed", ["BZ2", "LZ4"])
+    def test_bombs_of_ros_1_are_refused(self, tmp_path, monkeypatch, packed):
+        """Each chunk is unpacked to what is left of the budget, never as a whole."""
+        monkeypatch.setattr(_bounds, "UNPACKED", 100_000)
+        monkeypatch.setattr(_bounds, "RATIO", 1)
+        path = bags.write(tmp_path, "ros1", compression=packed, story=_nothing_seen)
+        with pytest.raises(LogError, match="unpacks to more than"):
+            readers.read(path)
+
+    def test_bombs_of_mcap_are_refused(self, tmp_path, monkeypatch):
+        monkeypatch.setattr(_bounds, "UNPACKED", 100_000)
+        zstd = pytest.importorskip("rosbags.rosbag2.storage_mcap").zstd
+        path = tmp_path / "bomb.mcap"
+        packed = zstd.compress(bytes(50_000_000))
+        chunk = bytes(28) + b"\4\0\0\0zstd" + len(packed).to_bytes(8, "little") + packed
+        path.write_bytes(b"\x89MCAP0\r\n" + b"\6" + len(chunk).to_bytes(8, "little") + chunk)
+        with pytest.raises(LogError, match="unpacks to more than"):
+            readers.read(path)
+
+    @pytest.mark.parametrize(
+        ("change", "reason"),
+        [
+            ("CREATE VIEW message_definitions AS SELECT 1", "a view that no recorder"),
+            (
+                "CREATE TABLE b (c, a BLOB AS (zeroblob(1000000000)))",
+                "a table that no recorder makes",
+            ),
+            ("CREATE TRIGGER t INSERT ON topics BEGIN SELECT 1; END", "a trigger that no recorder"),
+            ("DROP TABLE messages", "missing tables"),
+        ],
+    )
+    def test_databases_that_compute_are_refused(self, tmp_path, change, reason):
+        path = bags.write(tmp_path, "db3") / "it.db3"
+        with sqlite3.connect(path) as db:
+            if "VIEW" in change:
+                db.execute("DROP TABLE message_definitions")
+            db.execute(change)
+        db.close()
+        with pytest.raises(LogError, match=reason):
+            readers.read(path)
+
+    def test_metadata_of_brackets_is_refused(self, tmp_path):
+        """Their nesting takes time by the square of their number."""
+        (bags.write(tmp_path, "db3") / "metadata.yaml").write_text("[" * 20_000)
+        with pytest.raises(LogError, match="larger than that of any bag"):
+            readers.read(tmp_path / "it")
+
+    @pytest.mark.parametrize(
+        ("word", "other"),
+        [("type: sensor_msgs/msg/LaserScan", "type:"), ("name: /scan", "name: 3"),
+         ("- message_count: 2", "- message_count: [2]")],
+    )  # fmt: skip
+    def test_metadata_of_other_kinds_is_told(self, tmp_path, word, other):
+        place = bags.write(tmp_path, "db3") / "metadata.yaml"
+        place.write_text(place.read_text().replace(word, other))
+        with pytest.raises(LogError, match=r"names a topic|has a topic /odom of \[2\] messages"):
+            readers.read(tmp_path / "it")
+
+    def test_what_is_no_bag_is_told(self, tmp_path):
+        (tmp_path / "a.bag").write_text("FLASER 1 1 0 0 0 0 0 0")
+        with pytest.raises(readers.UnknownFormat, match="is no bag of ROS"):
+            readers.read_bag(tmp_path / "a.bag")
+        with pytest.raises(LogError, match="does not exist"):
+            readers.read_bag(tmp_path / "b.bag")
+
+    def test_a_missing_package_is_named_with_the_extra_that_brings_it(self, tmp_path):
+        path = bags.write(tmp_path, "ros1")
+        code = (
+            f"import sys; sys.modules['rosbags'] = None\nimport segmap\nsegmap.read({str(path)!r})"
+        )
+        run = subprocess.run(
+            [sys.executable, "-c", code], capture_output=True, text=True, check=False
+        )
+        assert "it.bag: is a bag of ROS: reading it needs pip install 'segmap[ros]'" in run.stderr
+
+
+def _nothing_seen(m):
+    for k in range(300):
+        yield "/scan", START + k, *m.scan(START + k, ranges=np.full(360, np.inf), step=0.01)
+
+
+# --- mutation -------------------------------------------------------------------------------------
+
+#: Damaged bags of each kind, and of the metadata of a folder.
+FEW, MANY = 150, 10_000
+
+
+@pytest.mark.parametrize("count", [FEW, slow(MANY)])
+@pytest.mark.parametrize("name", [*bags.KINDS, "bz2", "metadata"])
+def test_nothing_but_log_errors_comes_out_of_damaged_bags(tmp_path, name, count, monkeypatch):
+    from test_readers_damage import COUNTS, check
+
+    kind = {"bz2": "ros1", "metadata": "db3"}.get(name, name)
+    packed = {"compression": "BZ2"} if name == "bz2" else {}
+    whole = bags.write(tmp_path, kind, **packed)
+    place = whole / "metadata.yaml" if name == "metadata" else tmp_path / bags.KINDS[kind]
+    monkeypatch.setitem(COUNTS, name, count if name != "metadata" else count // 4)  # slow: YAML
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", UserWarning)  # topics, places and times that are damaged
+        check(whole if name == "metadata" else place, place, name)

@@ -1,0 +1,194 @@
+"""CARMEN logs of the new kind, g2o, Rawseeds, Hokuyo text and CoreSLAM."""
+
+import numpy as np
+import pytest
+from log_samples import (
+    CARMEN_NEW,
+    CORESLAM,
+    G2O,
+    GROUNDTRUTH,
+    HOKUYO,
+    HOKUYO_CSV,
+    ODOMETRY,
+    RANGES,
+    RAWSEEDS,
+    SICK,
+    TIMES,
+    TRUTH,
+    robotlaser,
+    row,
+    text,
+)
+
+from segmap import poses, readers
+from segmap.readers import LogError
+from segmap.readers.tables._coreslam import integrate
+
+
+class TestRobotLaser:
+    @pytest.mark.parametrize(
+        ("old", "new", "degrees"),
+        [
+            ("-1.570796 3.141593 0.785398", "-0.5 1.0 0.25", np.degrees([-0.5, 0.5])),
+            ("0.785398", "0.0", [-90, 90]),  # without a resolution they fill the field of view
+        ],
+    )
+    def test_beams_start_where_the_line_says(self, read, old, new, degrees):
+        """The rule for half a turn does not hold for a sensor that states its angles."""
+        line = robotlaser((0, 0, 0), (0, 0, 0), 1.0).replace(old, new)
+        angles = np.degrees(read(text([line]))[0].angles)
+        assert angles == pytest.approx(np.linspace(*degrees, 5), abs=1e-4)
+
+    def test_a_steady_offset_is_the_lasers_place_on_the_robot(self, read):
+        place = (0.2, 0.1, 0.05)
+        lines = [robotlaser(poses.compose(o, place), o, 1.0) for o in (*ODOMETRY, *TRUTH)]
+        log = read(text(lines))
+        assert log.truth is None and log[0].sensor_pose == pytest.approx(place)
+
+    def test_a_changing_offset_is_a_correction(self, read):
+        log = read("PARAM robot_frontlaser_offset 0.3 r 0\n" + CARMEN_NEW)
+        assert poses.compose(log.truth, (0.3, 0, 0)) == pytest.approx(np.array(TRUTH))
+        assert log.odometry == pytest.approx(np.array(ODOMETRY))
+
+    def test_remissions_are_no_ranges_and_the_stated_maximum_is_no_return(self, read):
+        line = robotlaser((0, 0, 0), (0, 0, 0), 7.5, remissions="9 9 9 9 9")
+        log = read(text([line.replace(" 50.0 ", " 2.5 ")]))
+        assert len(log[0]) == 5 and log[0].time == 7.5
+        assert log[0].max_range == 2.5 and log[0].valid.tolist() == [True, True, *[False] * 3]
+
+    def test_rear_and_front_have_each_its_place(self, read):
+        rear = poses.compose(ODOMETRY[1], (-0.2, 0, np.pi))
+        front = robotlaser(ODOMETRY[0], ODOMETRY[0], 1.0)
+        log = read(text([front, robotlaser(rear, ODOMETRY[1], 2.0, keyword="ROBOTLASER2")]))
+        assert log[0].sensor_pose.tolist() == [0, 0, 0]
+        assert abs(log[1].sensor_pose) == pytest.approx([0.2, 0, np.pi], abs=1e-5)
+
+
+class TestG2o:
+    def test_the_vertex_before_a_scan_is_its_truth(self, read):
+        log = read(G2O)
+        assert log.truth == pytest.approx(np.array(TRUTH))
+        assert log.odometry == pytest.approx(np.array(ODOMETRY))
+
+    def test_a_scan_without_a_vertex_of_its_own_has_no_truth(self, read):
+        """A vertex used twice would put two scans into one place."""
+        laser = robotlaser(ODOMETRY[1], ODOMETRY[1], 3.0)
+        log = read(text([f"VERTEX2 0 {row(TRUTH[0])}", laser, laser, "FIX 0"]))
+        assert np.isfinite(log.truth).all(axis=1).tolist() == [True, False]
+
+    def test_poses_of_all_zero_are_no_odometry(self, read):
+        laser = robotlaser((0, 0, 0), (0, 0, 0), 1.0)
+        log = read(text([f"VERTEX2 0 {row(TRUTH[0])}", laser]))
+        assert log[0].odometry is None and log.truth == pytest.approx(np.array(TRUTH[:1]))
+
+    def test_a_graph_without_scans_says_so(self, read):
+        with pytest.raises(LogError, match=r"no scan.*ROBOTLASER1"):
+            read("VERTEX2 0 0 0 0\nEDGE2 0 1 0 0 0 1 0 0 1 0 1\n")
+
+
+class TestRawseeds:
+    def test_odometry_and_truth_are_those_of_the_scans_times(self, read):
+        """Taking the nearest row instead is wrong by what the robot moves in between."""
+        half = SICK.replace(str(TIMES[1]), "1000.75")
+        log = read(RAWSEEDS | {"SICK_FRONT.csv": half})
+        assert log.odometry[1] == pytest.approx([0.5, 0, 0.05])
+        assert log.truth[1] == pytest.approx([5.45, 2.25, 0.56])
+
+    def test_outside_of_them_and_in_long_gaps_there_is_none(self, read):
+        """The cameras that gave the truth saw the robot in some places only."""
+        late, long = SICK.replace(str(TIMES[1]), "2000.0"), GROUNDTRUTH.replace("1001.25", "1010.0")
+        log = read(RAWSEEDS | {"SICK_FRONT.csv": late}, "late")
+        assert log[1].odometry is None and np.isnan(log.truth[1]).all()
+        log = read(RAWSEEDS | {"run-GROUNDTRUTH.csv": long}, "long")
+        assert np.isfinite(log.truth).all(axis=1).tolist() == [True, False]
+
+    def test_the_front_sick_goes_first_then_the_hokuyo(self, read):
+        assert len(read(RAWSEEDS, "all")[0]) == 181
+        log = read({k: v for k, v in RAWSEEDS.items() if "SICK" not in k}, "some")
+        assert np.diff(log[0].angles) == pytest.approx(2 * np.pi / 1024)
+        assert log[0].angles[340] == 0
+        assert log[0].codes[-1] == 7 and np.isnan(log[0].ranges[-1]) and log[0].ranges[0] == 1.25
+
+    def test_the_offset_is_in_quarter_degrees_and_rear_lasers_face_backwards(self, read):
+        log = read(SICK.replace("181, 0,", "181, 2,"))
+        assert np.degrees(log[0].angles[[0, -1]]) == pytest.approx([-89.5, 90.5])
+        log = read({"SICK_REAR.csv": SICK}, "rear")
+        assert log[0].points()[90] == pytest.approx([-2.5, 0])
+
+    def test_only_ground_truth_says_what_is_missing(self, read):
+        with pytest.raises(LogError, match=r"no scans, expected SICK_FRONT\.csv"):
+            read({"run-GROUNDTRUTH.csv": GROUNDTRUTH})
+
+    def test_ground_truth_alone_is_no_log_but_a_trajectory(self, read, tmp_path):
+        with pytest.raises(LogError, match=r"line 1: holds poses and no scan.*read_trajectory"):
+            read(GROUNDTRUTH)
+        times, where = readers.read_trajectory(tmp_path / "some.log")
+        assert times == pytest.approx(TIMES) and where == pytest.approx(np.array(TRUTH))
+
+    def test_skipped_lines_of_all_files_are_counted(self, read):
+        damaged = {k: v + "1,2\n" for k, v in RAWSEEDS.items()}
+        log = read(damaged, on_error="skip")
+        assert log.skipped.lines == 3 and "SICK_FRONT.csv, line 3" in log.skipped.reason
+
+
+class TestHokuyoText:
+    def test_codes_are_kept_and_are_no_ranges(self, read):
+        log = read(HOKUYO)
+        assert log[0].codes.tolist() == [0] * 21 + [7]
+        assert np.isposinf(log[0].ranges[20]) and np.isnan(log[0].ranges[21])
+        assert log[0].ranges[:2] == pytest.approx([1.0, 1.001])
+        assert log[0].angles[0] == pytest.approx(-0.1)
+
+    def test_files_are_read_in_the_order_of_their_numbers(self, read):
+        """By name scan10 would come before scan2."""
+        files = {f"room1_scan{k}.txt": f"{100 * k} 0\n" for k in (10, 2, 1)}
+        log = read(files | {"README": "no number"})
+        assert [scan.ranges[0] for scan in log] == pytest.approx([0.1, 0.2, 1.0])
+        assert log.times == pytest.approx([0, 0.1, 0.2])
+
+    def test_a_damaged_file_is_an_error_or_left_out(self, read):
+        files = {"1.txt": "1000 0\n", "2.txt": "what\n", "3.txt": "1000 0\nx 1\n"}
+        log = read(files, "skip", on_error="skip")
+        assert len(log) == 2 and log.skipped.lines == 2 and "2.txt" in log.skipped.reason
+        with pytest.raises(LogError, match=r"2\.txt, line 1"):
+            read(files, "raise")
+
+    def test_more_beams_than_a_turn_can_hold_are_refused(self, read):
+        with pytest.raises(LogError, match="more than 100000 beams"):
+            read("1000 0\n" * 100_001)
+
+
+class TestCoreSlam:
+    def test_units_and_place_of_the_laser(self, read):
+        log = read(CORESLAM)
+        assert log.times == pytest.approx([212.387282, 212.485282, 212.583282])
+        assert log[0].ranges[0] == 1.5 and len(log[0]) == 683
+        assert log[0].points()[341] == pytest.approx([1.645, 0])
+        assert np.degrees(np.ptp(log[0].angles)) == pytest.approx(239.77, abs=0.01)
+
+    def test_faster_right_wheels_turn_left(self, read):
+        """With the wheels swapped the map is that of a mirrored building."""
+        log = read(CORESLAM)
+        turn = 2 * 10 * 2 * np.pi * 0.077 / 2000 / 0.330
+        assert log.odometry[2, 2] == pytest.approx(turn) and log.odometry[2, 1] > 0
+        assert log.odometry[0].tolist() == [0, 0, 0]
+
+    def test_arcs_are_exact(self):
+        """Straight steps, or ones as long as the arc, do not close a circle of unequal parts."""
+        circle = np.outer([0.1, 0.5, 0.15, 0.25], [0.0, 2 * np.pi * 0.330])
+        assert integrate(circle)[-1] == pytest.approx([0, 0, 0], abs=1e-9)
+
+    def test_a_text_that_begins_with_a_number_is_no_log(self, read):
+        """Catches a claim that looks at another field than the last: the error is of ranges."""
+        with pytest.raises(LogError, match="is of no known format"):
+            read("3 " + "sheep " * 30 + "in 2 fields")
+
+    def test_a_missing_range_is_noticed(self, read):
+        with pytest.raises(LogError, match=r"line 1: expected 24 fields and 683 ranges.*706"):
+            read(CORESLAM.replace("1500 ", "", 1))
+
+
+def test_samples_are_told_apart_by_content(read, tmp_path):
+    """A name says nothing: everything here is called `run`."""
+    lengths = [len(read(s)[0]) for s in (CARMEN_NEW, G2O, HOKUYO, CORESLAM, SICK, HOKUYO_CSV)]
+    assert lengths == [len(RANGES.split())] * 2 + [22, 683, 181, 681]

@@ -1,0 +1,72 @@
+"""The simulated logs under data/: made anew from their seeds, read back, and what they show."""
+
+import gzip
+import hashlib
+import importlib.util
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from segmap import readers
+from segmap.angles import wrap
+from segmap.poses import transform
+from segmap.segments import point_distance
+from segmap.simulation import corridor_loop, office
+
+DATA = Path(__file__).parents[2] / "data"
+NAMES = ("room", "corridor")
+
+
+@pytest.fixture(scope="module")
+def script():
+    spec = importlib.util.spec_from_file_location("simulate_data", DATA / "simulate.py")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_simulated_log_can_be_made_anew_from_its_seed(name, script):
+    """Catches a change of the simulation that leaves the committed log behind."""
+    stored = gzip.decompress((DATA / name / f"{name}.log.gz").read_bytes()).decode()
+    made = script.text(name)
+    lines = zip(stored.splitlines(), made.splitlines(), strict=True)
+    assert [k for k, (old, new) in enumerate(lines) if old != new] == []
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_read_log_says_what_was_simulated(name, script):
+    """Catches truth and odometry exchanged, beams shifted by one, units lost on the way."""
+    read, made = readers.load(name), script.LOGS[name][0]()
+    assert len(read) == len(made)
+    np.testing.assert_allclose(read.times, made.times, atol=1e-6)
+    for ours, theirs in ((read.truth, made.truth), (read.odometry, made.odometry)):
+        np.testing.assert_allclose(ours[:, :2], theirs[:, :2], atol=1e-6)
+        np.testing.assert_allclose(wrap(ours[:, 2] - theirs[:, 2]), 0, atol=1e-6)
+    for ours, theirs in zip(read, made, strict=True):
+        np.testing.assert_array_equal(ours.valid, theirs.valid)
+        np.testing.assert_allclose(ours.points(), theirs.points(), atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("name", "walls"),
+    [("room", office(rng=np.random.default_rng(2012), rooms=2)), ("corridor", corridor_loop())],
+)
+def test_by_its_truth_a_log_draws_its_walls_and_by_its_odometry_it_does_not(name, walls):
+    """Catches a README that names another room, and wheels that do not drift."""
+    log = readers.load(name)
+
+    def off(poses):
+        points = [transform(pose, s.points()) for pose, s in zip(poses, log, strict=True)]
+        return point_distance(np.concatenate(points)[:, None], walls).min(axis=1)
+
+    assert np.sqrt(np.mean(off(log.truth) ** 2)) < 0.012  # 10 mm of noise along the beam
+    assert np.mean(off(log.odometry)) > 0.05
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_simulated_log_is_small_and_its_readme_holds_its_checksum(name):
+    packed = (DATA / name / f"{name}.log.gz").read_bytes()
+    assert len(packed) < 150_000 and packed[4:8] == bytes(4)  # no time stamp
+    assert hashlib.sha256(packed).hexdigest() in (DATA / name / "README.md").read_text()

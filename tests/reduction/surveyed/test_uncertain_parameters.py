@@ -1,0 +1,107 @@
+"""Uncertain parameters: what a line is known by, what a look may be fused with, and the origin."""
+
+import numpy as np
+import pytest
+from reduction_maps import redundant_map
+from segmap_course.literal.reduction.uncertain_parameters import fused, uncertain
+
+from segmap.poses import transform
+from segmap.reduction import uncertain_parameters
+from segmap.segments import SegmentMap
+from segmap.testing import assert_segments_equal
+
+PAIR = np.array([[(0, 0), (4, 0)], [(3, 0.02), (4, 0.04)]])
+
+
+def in_scans(segments) -> SegmentMap:
+    """A scan for each segment."""
+    return SegmentMap(segments, np.arange(len(segments)))
+
+
+@pytest.mark.parametrize(("long", "degrees"), [(0.02, 90), (0.1, 11.537), (1, 1.146), (4, 0.28648)])
+def test_a_direction_is_known_by_the_length(long, degrees):
+    """Catches A 2.37 with the arc tangent, or with half of eps."""
+    wall = uncertain([(0.0, 0.0), (long, 0.0)], 0.01, 0)
+    assert np.degrees(wall.sigma_theta) == pytest.approx(degrees, rel=1e-4)
+    assert wall.sigma_rho == 0.01
+
+
+def test_a_long_look_and_a_short_one():
+    """Catches weights without the length, or deviations that are added."""
+    found = uncertain_parameters(PAIR)
+    assert_segments_equal(found, [[(0, 0.000492), (4.000012, 0.001724)]], atol=6e-7)
+    d = np.diff(found.segments[0], axis=0)[0]
+    assert np.degrees(np.arctan2(d[1], d[0])) == pytest.approx(0.017635, abs=1e-6)
+    wall = fused([uncertain(s, 0.01, i) for i, s in enumerate(PAIR.tolist())], None)
+    assert wall.sigma_theta == pytest.approx(0.0048507, abs=1e-7)
+    assert wall.sigma_rho == pytest.approx(0.0070711, abs=1e-7)
+
+
+def test_weakness_with_the_origin_of_the_map_the_fused_line_misses_both():
+    """The counter-example of the chapter: theta and rho have different weights."""
+    there = PAIR + (50, 0)
+    for origin, least, most in ((None, 0.0, 0.0006), ("map", 0.19, 0.2)):
+        found = uncertain_parameters(there, origin=origin)
+        off = np.abs(found.segments[0, :, 1]).min()
+        assert len(found) == 1 and least <= off <= most
+    near, far = uncertain_parameters(PAIR), uncertain_parameters(there)
+    assert_segments_equal(near.segments + (50, 0), far)
+
+
+@pytest.mark.parametrize("turn", [0.3, 2.0, -2.5])
+def test_with_the_origin_of_the_map_only_turning_about_it_is_free(turn):
+    map = in_scans(redundant_map(np.random.default_rng(2)))
+    there = SegmentMap(transform((0, 0, turn), map.segments), map.scan)
+    found = uncertain_parameters(map, origin="map")
+    moved = transform((0, 0, turn), found.segments)
+    assert_segments_equal(uncertain_parameters(there, origin="map"), moved, ordered=True, atol=1e-8)
+
+
+def test_segments_that_touch_nothing_do_not_meet():
+    """Catches a test of the distance alone: the gap is 0.05 m, within 0.10."""
+    assert len(uncertain_parameters(in_scans([[(0, 0), (1, 0)], [(1.05, 0), (2, 0)]]))) == 2
+    assert len(uncertain_parameters(in_scans([[(0, 0), (1, 0)], [(0.95, 0), (2, 0)]]))) == 1
+
+
+def test_a_segment_takes_in_all_its_matches():
+    """Catches the nearest alone, or two looks that both keep the same wall."""
+    apart = [[(0, 0), (1.2, 0)], [(1.9, 0), (3, 0)]]
+    found = uncertain_parameters(in_scans([*apart, [(1, 0), (2, 0)]]))
+    assert_segments_equal(found, [[(0, 0), (3, 0)]])
+    assert found.parents.tolist() == [0, 0, 0] and found.scan_live.tolist() == [1, 2, 1]
+    together = uncertain_parameters(SegmentMap([*apart, [(1, 0), (2, 0)], [(1, 0), (2, 0)]]))
+    assert together.parents.tolist() == [0, 0, 0, 0]
+
+
+def test_the_fused_wall_stands_where_the_first_of_them_stood():
+    """Catches walls that are fused in the order of the cells: another would keep its place."""
+    walls = [[(0, 0), (1.2, 0)], [(0, 1), (1, 1)], [(1.9, 0), (3, 0)], [(1, 0), (2, 0)]]
+    for turned in (walls, [walls[2], walls[1], walls[0], walls[3]]):
+        assert uncertain_parameters(in_scans(turned)).parents.tolist() == [0, 1, 0, 0]
+
+
+def test_what_is_known_well_hardly_moves():
+    """The weakness: after a hundred looks the next one weighs next to nothing."""
+    looks = [[(0, 0), (2, 0)]] * 100
+    found = uncertain_parameters(in_scans([*looks, [(0, 0.05), (2, 0.05)]]))
+    assert found.segments[0, :, 1] == pytest.approx(0.0005, abs=1e-5)
+
+
+def test_the_points_behind_a_segment_say_how_well_it_is_known():
+    """Catches `eps` for a map that keeps its points, or points of another segment."""
+    walls = [[(0, 0.0), (2, 0.0)], [(0, 0.05), (2, 0.05)]]
+    points = [(0, 0), (2, 0.0005), (0, 0.05), (1, 0.09), (2, 0.05)]
+    map = SegmentMap(walls, [0, 1], points=points, first=[0, 2, 5])
+    expected = (0.05 / 0.04**2) / (1 / 0.001**2 + 1 / 0.04**2)
+    assert uncertain_parameters(map).segments[0, :, 1] == pytest.approx(expected)
+    assert uncertain_parameters(map.segments).segments[0, :, 1] == pytest.approx(0.025)
+
+
+def test_weakness_a_bend_within_the_thresholds_is_ironed_out():
+    bend = [[(0, 0), (1, 0)], [(0.9, 0), (1.9, 0.15)]]
+    assert len(uncertain_parameters(in_scans(bend))) == 1
+
+
+def test_another_origin_is_refused():
+    with pytest.raises(ValueError, match="origin must be one of 'map', got 'here'"):
+        uncertain_parameters(PAIR, origin="here")

@@ -1,0 +1,152 @@
+"""Weighted line fitting: covariances by hand, what they allow, and where the method fails."""
+
+import math
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from reduction_maps import redundant_map
+from segmap_course.literal.reduction.weighted_line_fitting import (
+    Line,
+    about,
+    add_pose,
+    compare,
+    fit,
+)
+
+from segmap.poses import transform
+from segmap.reduction import weighted_line_fitting
+from segmap.segments import SegmentMap
+from segmap.testing import assert_segments_equal
+
+DEGREE = math.radians(1)
+BEARING = DEGREE / 4
+EXACT = {"sigma_place": 0.0, "sigma_heading": 0.0}
+
+
+def seen(y: float, sensor=(0.0, 0.0), x0: float = -1.0) -> Line:
+    """The line of 21 points from (x0, y) to (x0 + 2, y)."""
+    return fit([(x0 + i / 10, y) for i in range(21)], sensor, 0.01, BEARING)
+
+
+def a_map(walls, sensors=None, points_each: int = 21) -> SegmentMap:
+    """Walls, each of its own scan, with points from end to end."""
+    s = np.array(walls, float)
+    t = np.linspace(0, 1, points_each)[:, None]
+    points = np.concatenate([a + t * (b - a) for a, b in s])
+    first = np.arange(len(s) + 1) * points_each
+    return SegmentMap(s, np.arange(len(s)), points=points, first=first, sensors=sensors)
+
+
+def test_two_lines_by_hand():
+    """SURVEYED check a: a chi, a centre, a direction, covariances of the merge."""
+    a, b = Line(0, 0, math.pi / 2, 1e-4, 0, 1e-4), Line(2, 0.02, math.pi / 2, 1e-4, 0, 1e-4)
+    chi, merged = compare(a, b)
+    assert chi == pytest.approx(1.0)
+    assert_allclose(merged, (1, 0.01, math.pi / 2 + 0.005, 5e-5, 0, 2.5e-5), atol=1e-12)
+
+
+def test_what_the_noise_of_the_sensor_leaves_and_what_that_of_the_pose_adds():
+    """SURVEYED check b: without the pose term two looks 3 cm apart are two walls."""
+    near, far = seen(2.0), seen(2.03)
+    assert math.sqrt(near.rr) == pytest.approx(2.17e-3, abs=5e-6)
+    assert math.sqrt(near.aa) == pytest.approx(0.205 * DEGREE, rel=2e-3)
+    assert compare(near, far)[0] == pytest.approx(95.3, abs=0.05)
+    placed = [add_pose(line, (0, 0), 0.03, DEGREE / 2) for line in (near, far)]
+    assert compare(*placed)[0] == pytest.approx(0.497, abs=5e-4)
+
+
+def test_the_lever_of_the_centre():
+    """The closed form of the paper leaves it out: 4.7 mm and 0.055 degrees for such a wall."""
+    offset, rr, _ = about(seen(2.0, x0=4.0), 0, 0)
+    assert offset == pytest.approx(2.0)
+    assert math.sqrt(rr) == pytest.approx(38.8e-3, rel=5e-3)
+    assert math.sqrt(seen(2.0, x0=4.0).aa) == pytest.approx(0.454 * DEGREE, rel=5e-3)
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_chi_is_symmetric_and_a_merge_is_known_better_than_both(seed):
+    """SURVEYED check d; catches the normal that is turned without its covariance."""
+    rng = np.random.default_rng(seed)
+
+    def line() -> Line:
+        c = rng.normal(size=(2, 2)) * (0.03, 0.01)
+        rr, ra, aa = (c @ c.T)[[0, 0, 1], [0, 1, 1]]
+        turned = rng.integers(-2, 3) * math.pi
+        return Line(*rng.normal(size=2), rng.normal(0, 0.1) + turned, rr, ra, aa)
+
+    a, b = line(), line()
+    (chi, merged), (back, same) = compare(a, b), compare(b, a)
+    assert chi == pytest.approx(back, rel=1e-6)
+    assert_allclose(merged[:2] + merged[3:], same[:2] + same[3:], rtol=1e-6, atol=1e-9)
+    assert math.sin(merged.alpha - same.alpha) == pytest.approx(0, abs=1e-9)
+    middle = (a.x + b.x) / 2, (a.y + b.y) / 2
+    for one in (a, b):
+        assert about(merged, *middle)[1] <= about(one, *middle)[1] * (1 + 1e-9)
+        assert merged.aa <= one.aa * (1 + 1e-9)
+
+
+def test_with_the_noise_of_the_sensor_alone_nothing_merges():
+    """Weak: the pose term decides, and it is a guess."""
+    map = a_map([[(-1, 2), (1, 2)], [(-1, 2.03), (1, 2.03)]], sensors=np.zeros((2, 2)))
+    assert len(weighted_line_fitting(map, **EXACT)) == 2
+    assert len(weighted_line_fitting(map)) == 1
+
+
+def test_far_walls_on_one_line_merge_without_a_test_of_extent():
+    """Weak, as A prints it: across the building. The gap keeps them apart, and is inclusive."""
+    map = a_map([[(0, 0), (2, 0)], [(9, 0), (11, 0)]], sensors=np.full((2, 2), (5.0, 3.0)))
+    assert len(weighted_line_fitting(map)) == len(weighted_line_fitting(map, gap=6.99)) == 2
+    found = weighted_line_fitting(map, gap=math.inf)
+    assert_segments_equal(found, [[(0, 0), (11, 0)]])
+    assert len(weighted_line_fitting(map, gap=7.0)) == 1
+
+
+def test_the_better_known_line_counts_for_more():
+    """Catches means that forget the covariances: a look from 2 m, and one along it from 30 m."""
+    walls = [[(0, 0), (2, 0)], [(0, 0.05), (2, 0.05)]]
+    found = weighted_line_fitting(a_map(walls, [(1, 2), (-30, 1)]), **{**EXACT, "chi2": 1e6})
+    assert len(found) == 1 and abs(found.segments[0, :, 1]).max() < 0.003
+
+
+def test_a_merged_line_looks_again():
+    """A third piece that reaches both joins all three, and the first lends its place."""
+    pieces = [[(0, 0), (2, 0)], [(0, 5), (2, 5)], [(3, 0), (5, 0)], [(1.9, 0), (3.1, 0)]]
+    found = weighted_line_fitting(SegmentMap(pieces, [0, 1, 2, 3]))
+    assert found.parents.tolist() == [0, 1, 0, 0]
+    assert found.scan_live.tolist() == [1, 2, 3, 2]
+
+
+def test_a_larger_angle_is_another_line():
+    """Beyond `turn` the linear covariance has no meaning: short pieces are known badly."""
+    cross = a_map([[(0, -0.05), (0, 0.05)], [(-0.02, -0.04), (0.02, 0.04)]], points_each=3)
+    assert len(weighted_line_fitting(cross)) == 2
+    assert len(weighted_line_fitting(cross, turn=0.6)) == 1
+
+
+def test_points_decide_and_not_the_end_points():
+    """Catches a fit to the segment where the points are known."""
+    map = a_map([[(0, 0), (2, 0)]])
+    bent = SegmentMap(map.segments, points=map.points + (0.0, 0.3), first=map.first)
+    assert_segments_equal(weighted_line_fitting(bent), [[(0, 0.3), (2, 0.3)]])
+
+
+@pytest.mark.parametrize("pose", [(0, 0, 2.0), (-70, 40, 0), (500, -800, -2.9)])
+def test_the_result_moves_with_map_points_and_sensors(pose):
+    """SURVEYED check c: about the centres it is equivariant exactly, not to first order only."""
+    map = a_map(redundant_map(np.random.default_rng(4)), sensors=np.zeros((60, 2)))
+    there = SegmentMap(
+        transform(pose, map.segments),
+        map.scan,
+        points=transform(pose, map.points),
+        first=map.first,
+        sensors=transform(pose, map.sensors),
+    )
+    expected = transform(pose, weighted_line_fitting(map).segments)
+    assert 5 < len(expected) < 15
+    assert_segments_equal(weighted_line_fitting(there), expected, ordered=True)
+
+
+def test_a_spacing_that_is_no_length_is_refused():
+    with pytest.raises(ValueError, match=r"spacing must make at most .* is it in metres"):
+        weighted_line_fitting([[(0, 0), (1, 0)]], spacing=1e-9)

@@ -1,0 +1,334 @@
+"""Every method against its plain version, and what the thesis says of all of them."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from conftest import slow
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from reduction_maps import MAPS, corridor_map, malaga, random_map, redundant_map, second_building
+from segmap_course import literal
+
+from segmap.metrics import quality
+from segmap.poses import transform
+from segmap.reduction import METHODS
+from segmap.segments import SegmentMap, length
+from segmap.testing import assert_segments_equal, segment_zoo
+
+methods = pytest.mark.parametrize("name", METHODS)
+#: All but the one whose cells lie along the axes of the map: tests/test_fuzzy_clustering.py.
+anyhow = pytest.mark.parametrize("name", [n for n in METHODS if n != "fuzzy_clustering"])
+TEN = np.pi / 18
+
+#: Thresholds at which each method meets its plain version, and how many segments that can bear.
+THRESHOLDS = {
+    "basic_offline": [
+        {"distance": 0.1, "angle": 0.1},
+        {},
+        {"distance": 0.37, "angle": 0.5},
+        {"angle": np.pi / 2},
+    ],
+    "hybrid": [
+        {"distance": 0.1, "angle": 0.1, "min_length": 0.0},
+        {},
+        {"distance": 0.37, "angle": 0.5, "min_length": 0.1},
+        {"angle": np.pi / 2, "min_length": 0.0},
+    ],
+    "mean_shift": [
+        {},
+        {"sigma": 0.5},
+        {"sigma": 0.35, "bandwidth": 0.1},
+        {"sigma": 0.4, "bandwidth": 2.0},
+        {"sigma": 0.9, "bandwidth": 1.5},
+    ],
+    "fusion": [{"tolerance": t} for t in (0.013, 0.04, 0.1, 2.0)],
+    "hybrid_fusion": [
+        {**others, "every": every}
+        for every in (1, 2, 5, 100)
+        for others in ({}, {"distance": 0.37, "angle": 0.5, "min_length": 0.0, "tolerance": 0.11})
+    ],
+    "segment_similarity": [{"distance": d} for d in (0.01, 0.03, 0.1, 0.4)],
+    "least_cost": [
+        {},
+        {"penalty": 0.2, "gap": 0.3},
+        {"penalty": 0.01, "angle": 0.3},
+        {"penalty": 0.7, "distance": 0.11},
+    ],
+}
+THRESHOLDS["basic_online"] = THRESHOLDS["basic_offline"]
+THRESHOLDS["weighted_line_fitting"] = [
+    {},
+    {"chi2": 2.0, "gap": np.inf, "turn": np.pi / 2},
+    {"sigma_place": 0.1, "sigma_heading": 0.1, "gap": 0.0},
+    {"sigma_bearing": 0.05, "spacing": 0.2, "chi2": 30.0},
+]
+THRESHOLDS["uncertain_parameters"] = [
+    {},
+    {"distance": 0.37, "angle": 0.5, "eps": 0.03},
+    {"angle": np.pi / 2, "origin": "map"},
+]
+THRESHOLDS["polyline"] = [
+    {},
+    {"tolerance": 0.01, "bridge": 0.0},
+    {"tolerance": 0.213, "far": 0.31, "long": 0.11, "bridge": np.inf},
+]
+THRESHOLDS["fusion_online"] = THRESHOLDS["fusion"]
+THRESHOLDS["fuzzy_set"] = [
+    {},
+    {"across": 0.5, "along": 0.05, "angle": np.pi / 4},
+    {"axes": 0.3, "error": 0.1},
+]
+THRESHOLDS["fuzzy_clustering"] = [
+    {},
+    {"cell": 0.7, "corner": (0.3, -0.2), "every": 1, "min_points": 3},
+    {"noise": 0.5, "angle": 0.5, "distance": 0.37, "gap": 0.0, "every": 2, "min_length": 0.0},
+]
+THRESHOLDS["viewing_sector"] = [
+    {},
+    {"distance": 0.3, "forget": False},
+    {"distance": 0.05, "min_length": 0.01},
+    {"rejoin": False, "spacing": 0.2},
+]
+#: Thresholds that are lengths, or in the case of the bandwidth one over a length.
+LENGTHS = {"distance", "tolerance", "sigma", "bandwidth", "gap"}
+LENGTHS |= {"sigma_range", "sigma_place", "spacing", "eps", "penalty", "far", "long", "bridge"}
+LENGTHS |= {"min_length", "across", "along", "error", "cell", "noise"}
+#: Mean shift looks at every piece from every piece: smaller maps, nearer together; the plain least
+#: cost tries thousands of lines.
+SMALL = {"mean_shift": (12, 0.5), "least_cost": (24, 0.7)}
+#: Segments of a real map that the plain versions of these can bear; the others take 300.
+REAL = {"mean_shift": 25, "least_cost": 80, "segment_similarity": 150, "fuzzy_set": 150}
+GIVEN = [(name, k) for name in METHODS for k in range(len(THRESHOLDS[name]))]
+CASES = [(*given, 0) for given in GIVEN] + [slow(*given, 1) for given in GIVEN]
+
+
+def made(make, name: str, seed: int) -> SegmentMap:
+    """A random map whose scans come in any order; some have no segment."""
+    rng = np.random.default_rng(seed)
+    n, scale = SMALL.get(name, (48, 1.0))
+    segments = make(rng, n) * scale
+    scans, sensors = rng.integers(0, 9, len(segments)), rng.uniform(-1, 1, (9, 2)) * scale
+    return SegmentMap(segments, scans, sensors=sensors)
+
+
+def assert_literal(name: str, map: SegmentMap, **thresholds) -> None:
+    """The same segments in the same order, and the same parents."""
+    scans = [map.scan.tolist()] if METHODS[name].online else []
+    plain = getattr(literal, name)
+    behind = {k: v for k, v in plain_behind(map).items() if k in plain.__kwdefaults__}
+    out, parents = plain(map.segments.tolist(), *scans, **behind, **thresholds)
+    found = METHODS[name](map, **thresholds)
+    assert_segments_equal(found.segments, np.reshape(out, (-1, 2, 2)), ordered=True)
+    np.testing.assert_array_equal(found.parents, parents)
+
+
+def plain_behind(map: SegmentMap) -> dict[str, list]:
+    """What a map keeps behind its segments, as plain lists."""
+    points = [] if map.points is None else np.split(map.points, map.first[1:-1])
+    found = {"points": [run.tolist() for run in points]} if points else {}
+    return found if map.sensors is None else {**found, "sensors": map.sensors.tolist()}
+
+
+@pytest.mark.parametrize(("name", "case", "seed"), CASES)
+@pytest.mark.parametrize("make", MAPS)
+def test_equals_the_plain_method(name, case, seed, make):
+    """Another order, tie, neighbour, representative, chain, shift, count, filter or scan."""
+    assert_literal(name, made(make, name, seed), **THRESHOLDS[name][case])
+
+
+@methods
+@pytest.mark.parametrize("zoo", segment_zoo())
+def test_equals_the_plain_method_in_the_zoo(name, zoo):
+    """Empty, points, duplicates, crossings, a map far from the origin."""
+    segments = segment_zoo()[zoo]
+    wide = {"sigma": max(0.3, length(segments).sum() / 120)}
+    near = {"distance": 0.3, "angle": 0.3, "min_length": 0.0}
+    near = {k: v for k, v in near.items() if k in METHODS[name].function.__kwdefaults__}
+    thresholds = wide if name == "mean_shift" else near
+    scans, sensors = np.arange(len(segments)) // 2, np.zeros((len(segments), 2))
+    assert_literal(name, SegmentMap(segments, scans, sensors=sensors), **thresholds)
+
+
+@methods
+@pytest.mark.parametrize("turn", [0.0, 0.4, np.pi / 2])
+def test_equals_the_plain_method_on_a_real_map(name, turn):
+    """Long walls that cross many cells; rounding, where walls along the axes are slanted."""
+    map, n = malaga(), REAL.get(name, 300)
+    there = carried(map[:n], (0, 0, turn))
+    thresholds = {"mean_shift": {"sigma": 0.4}, "hybrid_fusion": {"every": 7}}.get(name, {})
+    assert_literal(name, there, **thresholds)
+
+
+@methods
+def test_equals_the_plain_method_on_a_second_building(name):
+    """A denser real map, each wall seen from everywhere, in its scans."""
+    map = carried(second_building(), (0, 0, 1.0))[: REAL.get(name, 400)]
+    assert_literal(name, map, **{"mean_shift": {"sigma": 0.3}}.get(name, {}))
+
+
+# ----------------------------------------------------------------------------- symmetries
+def carried(map: SegmentMap, pose, scale: float = 1.0) -> SegmentMap:
+    """A map, its points and the places of its sensor, scaled and then carried along by a pose."""
+    given = {"segments": map.segments, "points": map.points, "sensors": map.sensors}
+    kept = {k: transform(pose, scale * v) for k, v in given.items() if v is not None}
+    return replace(map, **kept)
+
+
+def moved(name: str, pose, make) -> None:
+    map = made(make, name, 5)
+    there = carried(map, pose)
+    found, expected = METHODS[name](there), METHODS[name](map)
+    np.testing.assert_array_equal(found.parents, expected.parents)
+    back = transform(pose, expected.segments)
+    assert_segments_equal(found.segments, back, ordered=True, atol=1e-8)
+
+
+@anyhow
+@pytest.mark.parametrize("turn", [np.pi / 2, 1.234, -3.0])
+@pytest.mark.parametrize("make", [random_map, redundant_map])
+def test_turning_the_map_about_the_origin_turns_the_result(name, make, turn):
+    """`y = mx + q`, plain angles, a theta that wraps wrongly, the sign of eq. 4.15."""
+    moved(name, (0, 0, turn), make)
+
+
+@pytest.mark.parametrize("name", [n for n in METHODS if not n.startswith("hybrid")])
+@pytest.mark.parametrize("pose", [(-70, 40, 0), (3, -8, -2.9)])
+@pytest.mark.parametrize("make", [random_map, redundant_map, corridor_map])
+def test_moving_the_map_moves_the_result(name, make, pose):
+    """A grid that forgets negative cells, a line that depends on the origin."""
+    if name == "fuzzy_clustering":
+        pose = (2 * pose[0], pose[1], 0)  # by whole cells
+    moved(name, pose, make)
+
+
+@pytest.mark.parametrize("name", ["hybrid", "hybrid_fusion"])
+def test_moving_the_map_can_change_the_result_of_hybrid(name):
+    """The counter-example: rho of a slanted wall changes with the distance of the origin.
+
+    Fusion does not mend it: the second wall leaves its strip.
+    """
+    walls = np.array([[(0, 0.0), (2, 0.0)], [(1.95, 0.0), (3.9, 0.2)]])
+    there = transform((-20, 0, 0), walls)
+    assert [len(METHODS[name](walls)), len(METHODS[name](there))] == [1, 2]
+
+
+@pytest.mark.filterwarnings("ignore:.*millimetres:UserWarning")
+@methods
+@pytest.mark.parametrize("scale", [0.01, 1000.0])
+@pytest.mark.parametrize("make", [random_map, redundant_map])
+def test_scaling_every_length_scales_the_result(name, make, scale):
+    """An absolute length hidden in the loops. Mean shift's bandwidth is an angle a metre."""
+    if name in ("uncertain_parameters", "fuzzy_clustering") and scale < 1:
+        scale = 100.0  # no line is known to less than a millimetre, or a point to a micrometre
+    map = made(make, name, 6)
+    scaled = {
+        k: v / scale if k == "bandwidth" else v * scale
+        for k, v in METHODS[name].function.__kwdefaults__.items()
+        if k in LENGTHS and v is not None
+    }
+    found = METHODS[name](carried(map, (0, 0, 0), scale), **scaled)
+    expected = METHODS[name](map)
+    np.testing.assert_array_equal(found.parents, expected.parents)
+    assert_segments_equal(found.segments, scale * expected.segments, atol=1e-9 * max(scale, 1))
+
+
+@methods
+@pytest.mark.parametrize("make", MAPS)
+def test_swapping_end_points_changes_nothing(name, make):
+    """A segment has no direction."""
+    map = made(make, name, 7)
+    swapped = replace(map, segments=map.segments[:, ::-1])
+    assert_segments_equal(METHODS[name](swapped).segments, METHODS[name](map).segments)
+
+
+@methods
+@pytest.mark.parametrize("turn", np.radians([0, 0.4, 30, 89.6, 90, 90.4, 135, 179.6, 180, -90]))
+def test_walls_at_0_and_180_degrees_merge_like_walls_at_90(name, turn):
+    """Angles compared, or averaged, as plain numbers: two walls, or one across."""
+    seen = [[(0.0, 1.01), (2.0, 0.99)], [(0.05, 0.99), (2.05, 1.01)], [(2.0, 1.0), (0.0, 1.0)]]
+    map = carried(SegmentMap(seen, [0, 1, 2], sensors=np.ones((3, 2)) * (1, 3)), (0, 0, turn))
+    one_cell = {"cell": 9.0, "corner": (-4, -4)} if name == "fuzzy_clustering" else {}
+    found = METHODS[name](map, **one_cell)
+    assert len(found) == 1
+    back = transform((0, 0, -turn), found.segments)
+    np.testing.assert_allclose(back[0, :, 1], 1.0, atol=0.03)
+    end = 2.0 if name == "viewing_sector" else 2.05  # what is short is not added
+    np.testing.assert_allclose(np.sort(back[0, :, 0]), (0.0, end), atol=0.03)
+
+
+# ------------------------------------------------------------------- what may come out
+def room() -> np.ndarray:
+    """Walls without redundancy: nothing lies near another but at right angles."""
+    x, y = (0.0, 4.0, 9.0), (0.0, 3.0)
+    across = [[(x[0], v), (x[1], v)] for v in y] + [[(x[1] + 1.0, v), (x[2], v)] for v in y]
+    return np.array(across + [[(u, y[0]), (u, y[1])] for u in x])
+
+
+@anyhow
+@pytest.mark.parametrize("turn", [0.0, np.pi / 2, 0.3, -1.2, np.pi - 1e-9])
+def test_a_map_without_redundancy_is_kept(name, turn):
+    """Corners that are cut, walls that are joined through a door: quality below 1."""
+    walls = transform((0, 0, turn), room())
+    sensors = transform((0, 0, turn), np.tile((0.5, 1.5), (len(walls), 1)))
+    options = {"forget": False} if name == "viewing_sector" else {}
+    map = SegmentMap(walls, np.arange(len(walls)) // 2, sensors=sensors)
+    found = METHODS[name](map, **options)
+    assert quality(walls, found) == pytest.approx(1.0, abs=1e-9)
+    assert sorted(found.parents) == list(range(len(walls)))
+    assert_segments_equal(found.segments[found.parents], walls, ordered=True, atol=1e-9)
+
+
+@methods
+@given(seed=st.integers(0, 10_000))
+@settings(max_examples=25)
+def test_no_wall_is_lost_and_none_invented(name, seed):
+    """A segment that is listed twice; one that vanishes although no filter asks for it."""
+    map = made(MAPS[seed % 4], name, seed)
+    free = {"min_length": 0.0} if name.startswith("hybrid") else {}
+    found = METHODS[name](map, **free)
+    if name in ("viewing_sector", "fuzzy_clustering"):  # they leave out what is short, or gone
+        assert np.isin(
+            np.flatnonzero(length(map.segments) < 1e-9), np.where(found.parents < 0)
+        ).all()
+        return
+    np.testing.assert_array_equal(found.parents >= 0, length(map.segments) >= 1e-9)
+    if name == "mean_shift":  # it cuts walls into pieces, and does not always join them again
+        assert length(found.segments).sum() <= length(map.segments).sum() + 1e-9
+    elif name != "polyline":  # its links, too, are segments
+        assert 0 < len(found) <= len(map)
+
+
+@pytest.mark.parametrize("name", ["basic_offline", "basic_online"])
+@pytest.mark.parametrize("make", [random_map, redundant_map, None])
+def test_basic_is_idempotent(name, make):
+    """A last pass that left a match is found by running again."""
+    once = METHODS[name](made(make, name, 8) if make else malaga())
+    assert_segments_equal(METHODS[name](once).segments, once.segments, ordered=True)
+
+
+@pytest.mark.parametrize("name", ["hybrid", "fusion", "hybrid_fusion", slow("mean_shift")])
+def test_the_others_are_not_idempotent(name):
+    """The counter-example: what has grown together is near what it was far from, or cut anew."""
+    once = METHODS[name](malaga())
+    assert len(METHODS[name](once)) != len(once)
+
+
+def test_hybrid_is_not_idempotent_because_it_never_compares_its_own_segments():
+    """The smallest counter-example: a third piece joins one of two, and reaches the other."""
+    pieces = [[(0, 1), (2, 1)], [(3, 1), (5, 1)], [(1.9, 1), (3.1, 1)]]
+    once = METHODS["hybrid"](SegmentMap(pieces, [0, 0, 0]))
+    assert [len(once), len(METHODS["hybrid"](once))] == [2, 1]
+
+
+@pytest.mark.parametrize("name", [n for n in METHODS if METHODS[n].online])
+def test_online_methods_record_each_scan(name):
+    """Counts of another map: after the first scan it is what that scan alone gives."""
+    segments = redundant_map(np.random.default_rng(1))
+    sensors = np.zeros((10, 2))
+    each = {"every": 1} if name == "fuzzy_clustering" else {}
+    found = METHODS[name](SegmentMap(segments, np.repeat([2, 5, 9], 20), sensors=sensors), **each)
+    assert len(found.scan_seconds) == len(found.scan_live) == 3
+    alone = SegmentMap(segments[:20], sensors=sensors)
+    first = METHODS["hybrid" if name == "hybrid_fusion" else name](alone, **each)
+    assert found.scan_live[0] == len(first)
