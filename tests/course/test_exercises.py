@@ -21,6 +21,7 @@ from segmap_course.exercises._answers import answered, same_line, same_poses
 from segmap_course.literal.reduction.fuzzy_clustering import memberships
 from segmap_course.literal.reduction.viewing_sector import views
 
+import segmap
 from segmap import plotting, poses
 from segmap.angles import axial_difference
 from segmap.extraction import _kernels
