@@ -26,7 +26,7 @@ NBVAL := --nbval --nbval-current-env --nbval-cell-timeout=120 \
 	--nbval-sanitize-with=tests/nbval.cfg -p no:cacheprovider
 
 # Every compiled loop on small cases, on bad arguments, on extreme lengths and on damaged maps.
-INDEXED := $(foreach name,warm doors returns quadtree_files reduction_properties,tests/test_$(name).py)
+INDEXED := $(wildcard $(foreach name,warm doors returns quadtree_files reduction_properties,tests/*/test_$(name).py))
 
 .PHONY: help lab app handout test test-all test-lowest mutants fuzz bounds refresh panels bench book clean
 
@@ -66,8 +66,8 @@ test-lowest: ## the tests once more, in .venv-lowest, with the oldest packages t
 refresh: $(SETUP) ## run the chapters again and store what they show (CHAPTERS="..." for some)
 	$(RUN) notebooks/tools/refresh.py $(CHAPTERS)
 
-mutants: $(WARM) ## plant bugs and see a test fail (ARGS="--random 300" makes them by rule)
-	$(RUN) tests/mutants.py $(ARGS)
+mutants: $(WARM) ## plant bugs by rule and see a test fail (ROOM=reduction ARGS="--count 40 --seed 2")
+	$(RUN) tests/mutants.py $(or $(ROOM),reduction) $(ARGS)
 
 fuzz: $(WARM) ## read 100 000 damaged files: logs, maps, records (ARGS="500 carmen" for fewer)
 	$(RUN) tests/fuzz.py $(ARGS)
