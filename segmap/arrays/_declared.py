@@ -101,6 +101,23 @@ class Declared(typing.NamedTuple):
         """Its unit, nothing where it has none."""
         return self.quantity.unit or ""
 
+    @property
+    def read_unit(self) -> str:
+        """The unit in which people read it: degrees for radians."""
+        return self.unit.replace("radians", "degrees").replace("rad/m", "degrees/m")
+
+    def read(self, value: float) -> float:
+        """A value in the unit in which people read it."""
+        return float(np.degrees(value)) if self._is_angle else value
+
+    def meant(self, read: float) -> float:
+        """The value, in the unit of the function, of one in the unit in which people read it."""
+        return float(np.radians(read)) if self._is_angle else read
+
+    @property
+    def _is_angle(self) -> bool:
+        return self.unit.startswith("rad")
+
     def check(self, value: Any, name: str) -> Any:
         """The value as its kind, or a ValueError that names it."""
         if value is None and self.optional:

@@ -8,19 +8,8 @@ from __future__ import annotations
 
 from ._base import Panel, player, slider, text
 from ._compare import ComparePanel
+from ._control import control
 from ._live import LivePanel
 from ._quadtree import QuadtreePanel
 from ._scan import ScanPanel
 from .workbench import Workbench
-
-__all__ = [
-    "ComparePanel",
-    "LivePanel",
-    "Panel",
-    "QuadtreePanel",
-    "ScanPanel",
-    "Workbench",
-    "player",
-    "slider",
-    "text",
-]

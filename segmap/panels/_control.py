@@ -1,0 +1,117 @@
+"""A control of a keyword of a function: its annotation says label, unit and what may be chosen."""
+
+from __future__ import annotations
+
+import inspect
+import math
+from collections.abc import Callable
+from functools import partial
+from typing import Any
+
+import ipywidgets as W
+
+from ..arrays import Declared
+from ._base import slider
+from ._undeclared import said_of
+
+#: The most that a number can be set to, in defaults; and what a count can at least be set to.
+MOST, LEAST_MOST = 1000, 100
+ENTRY = {"description_width": "150px"}
+
+
+def control(
+    function: Callable[..., Any],
+    name: str,
+    value: Any = None,
+    *,
+    least: float | None = None,
+    most: float | None = None,
+    step: float | None = None,
+    label: str = "",
+) -> Any:
+    """A control of a keyword of a function, as its annotation declares it.
+
+    Numbers get a slider where a range is given, else a box to write in; words a list, switches a
+    box to tick. Angles are read in degrees: `value` of the control is what is read, and
+    `meant()` the same in the unit of the function.
+
+    Parameters
+    ----------
+    value
+        At first, in the unit of the function; None takes the function's default.
+    least, most, step
+        Of the slider, as they are read.
+    label
+        In place of the name of the keyword.
+
+    Returns
+    -------
+    widget or None
+        None where the keyword is no plain value.
+
+    Examples
+    --------
+    >>> from segmap.reduction import hybrid
+    >>> angle = control(hybrid, "angle", least=1, most=45, step=1)
+    >>> angle.description, angle.value
+    ('angle [degrees]', 10)
+    >>> angle.value = 20
+    >>> f"{angle.meant():.3f} radians"
+    '0.349 radians'
+    """
+    said = said_of(function)[name]
+    first = inspect.signature(function).parameters[name].default
+    first = first if value is None else said.check(value, name)
+    unit = {"metres": "m", "seconds": "s"}.get(said.unit, said.read_unit)
+    label = label or name
+    if step is not None:
+        read = _read(said, first)
+        made = slider(
+            label, round(read) if isinstance(step, int) else read, least, most, step, unit
+        )
+    else:
+        made = _entry(said, first, f"{label} [{unit}]" if unit else label)
+    if made is not None:
+        made.meant = partial(_meant, made, said, first)
+    return made
+
+
+def _entry(said: Declared, first: Any, label: str) -> Any:
+    named: Any = {"description": label, "style": ENTRY, "layout": W.Layout(width="240px")}
+    if said.words:
+        options = [*([None] if said.optional else []), *said.words]
+        return W.Dropdown(options=options, value=first, **named)
+    if said.kind is bool:
+        return W.Checkbox(first, indent=False, description=label)
+    if said.kind is int:
+        return W.BoundedIntText(first, max=max(LEAST_MOST, MOST * first), **named)
+    if said.kind is not float:
+        return None
+    if first is None or first == math.inf:
+        return W.Text("" if first is None else str(first), placeholder="none", **named)
+    read = _read(said, first)
+    return W.BoundedFloatText(read, min=0, max=max(1.0, MOST * read), step=None, **named)
+
+
+def _read(said: Declared, value: float) -> float:
+    """As it is read, without the digits that a conversion adds."""
+    return float(f"{said.read(value):.6g}")
+
+
+def _meant(made: Any, said: Declared, first: Any) -> Any:
+    """What a control says, in the unit of the function; what was not touched is exact."""
+    read = made.value
+    if isinstance(made, W.Text):
+        if not read.strip():
+            return None
+        try:
+            read = float(read)
+        except ValueError:
+            raise ValueError(
+                f"{made.description} must be a number or nothing, got {read!r}"
+            ) from None
+    if said.kind is not float or said.words:
+        return read
+    if first is not None and read == _read(said, first):
+        return first
+    return said.meant(float(f"{read:.6g}"))
