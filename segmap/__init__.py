@@ -1,6 +1,8 @@
 """segmap: maps of buildings from a 2D laser, as line segments and as a quadtree.
 
-Metres, radians, seconds; poses are x, y, heading; `a_from_b` carries points of b into a.
+Metres, radians, seconds; poses are x, y, heading; `a_from_b` carries points of b into a. Wrong
+arguments end as a `ValueError` that names the argument, its value and what was expected, bad files
+as a `LogError` that names file and line, a lost sensor as a `SensorError`.
 
 Most methods are those of two theses of the Politecnico di Milano, which the docstrings call A and
 B, with the number of the section, table or figure:

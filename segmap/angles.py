@@ -14,15 +14,7 @@ from .arrays import Array, share, values
 
 
 def wrap(angle: ArrayLike) -> Array:
-    """Bring headings into `[-pi, pi)` (up to rounding).
-
-    Parameters
-    ----------
-    angle : (...) array, radians
-
-    Returns
-    -------
-    (...) array, radians
+    """Headings, radians, in `[-pi, pi)` (up to rounding).
 
     Examples
     --------
@@ -33,16 +25,7 @@ def wrap(angle: ArrayLike) -> Array:
 
 
 def axial_difference(a: ArrayLike, b: ArrayLike) -> Array:
-    """Turn that carries the undirected line b onto a by the shorter way, in `[-pi/2, pi/2)`.
-
-    Parameters
-    ----------
-    a, b : (...) array, radians
-        Angles of lines; they broadcast.
-
-    Returns
-    -------
-    (...) array, radians
+    """Turn, radians, from the undirected line b to a by the shorter way, in `[-pi/2, pi/2)`.
 
     Examples
     --------
@@ -53,19 +36,10 @@ def axial_difference(a: ArrayLike, b: ArrayLike) -> Array:
 
 
 def axial_mean(angles: ArrayLike, weights: ArrayLike = 1.0) -> Array:
-    """Weighted mean angle of many undirected lines, along the last axis, in `[0, pi)`.
+    """Weighted mean angle of many undirected lines, radians, along the last axis, in `[0, pi)`.
 
     The double angles are averaged as unit vectors. Lines that balance each other (0 and 90 degrees
     with equal weights) have no mean; the result is then decided by rounding.
-
-    Parameters
-    ----------
-    angles : (..., n) array, radians
-    weights : (..., n) array
-
-    Returns
-    -------
-    (...) array, radians
 
     Examples
     --------
@@ -84,19 +58,10 @@ def axial_mean(angles: ArrayLike, weights: ArrayLike = 1.0) -> Array:
 def axial_mean_of_two(
     a: ArrayLike, b: ArrayLike, weight_a: ArrayLike = 1.0, weight_b: ArrayLike = 1.0
 ) -> Array:
-    """Weighted mean angle of two undirected lines: from a, the share of b of the way to b.
+    """Weighted mean angle of two undirected lines, radians: the share of b of the way from a to b.
 
     This is the form that the reduction methods use; for more than two lines, or for exactness under
-    regrouping, use `axial_mean`.
-
-    Parameters
-    ----------
-    a, b : (...) array, radians
-    weight_a, weight_b : (...) array, not negative, not both zero
-
-    Returns
-    -------
-    (...) array, radians, not wrapped
+    regrouping, use `axial_mean`. The weights are not negative, and not both zero.
 
     Examples
     --------

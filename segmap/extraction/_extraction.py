@@ -7,14 +7,14 @@ at least `gap` apart; a polyline is then split and merged until it follows the p
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import partial
-from typing import Any, Literal, NamedTuple
+from inspect import unwrap
+from typing import Annotated, Any, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import arrays
-from ..arrays import Array, Poses, slips
+from ..arrays import Array, Count, Gap, Metres, Poses, at_least, checked
 from ..poses import transform
 from ..scans import Log
 from ..scans.placed import poses_for, warn_of_nothing
@@ -22,10 +22,11 @@ from ..segments import SegmentMap
 from . import _kernels as kernels
 
 
+@checked
 def extract_clusters(
     points: ArrayLike,
     *,
-    gap: float = 0.30,
+    gap: Gap = 0.30,
     fit: Literal["total", "algebraic"] = "total",
     closed: bool = False,
 ) -> Array:
@@ -37,14 +38,14 @@ def extract_clusters(
     ----------
     points : (n, 2) array, metres
         In the order of the beams, any frame.
-    gap : float, metres
+    gap
         Two neighbours at least this far apart belong to different clusters. 0.30 m is wider than
         the spacing of 1 degree beams on a wall 5 m away, narrower than a door.
-    fit : "total" or "algebraic"
+    fit
         "total" minimises the squared distances from the line. "algebraic" is A's eq. 3.1-3.3, least
         squares on `a x + b y = 1`: it depends on the origin, and a cluster whose line passes
         through the origin gives no segment.
-    closed : bool
+    closed
         The last point is next to the first (360-degree scans).
 
     Returns
@@ -52,11 +53,6 @@ def extract_clusters(
     (k, 2, 2) array, metres
         The extreme projections of each cluster on its line. Clusters of one point, or of points
         that coincide, give none.
-
-    Raises
-    ------
-    ValueError
-        For points that are not finite or not `(n, 2)`, a gap that is not positive, another fit.
 
     Examples
     --------
@@ -67,16 +63,17 @@ def extract_clusters(
            [[2. , 0. ],
             [2. , 0.2]]])
     """
-    return _cluster_runs(points, gap=gap, fit=fit, closed=closed).segments
+    return _clusters(points, gap, fit, closed).segments
 
 
+@checked
 def extract_polylines(
     points: ArrayLike,
     *,
-    gap: float = 0.30,
-    tolerance: float = 0.03,
-    min_points: int = 5,
-    min_length: float = 0.10,
+    gap: Gap = 0.30,
+    tolerance: Metres = 0.03,
+    min_points: Annotated[Count, at_least(0)] = 5,
+    min_length: Annotated[Metres, at_least(0)] = 0.10,
     closed: bool = False,
 ) -> Array:
     """Split and merge: segments within `tolerance` (A 6.2; Gonzalez-Banos and Latombe 2002).
@@ -85,32 +82,20 @@ def extract_polylines(
     ----------
     points : (n, 2) array, metres
         In the order of the beams, any frame.
-    gap : float, metres
+    gap, closed
         As in `extract_clusters`.
-    tolerance : float, metres
+    tolerance
         Largest distance of a point from the chord of its piece, or from the common line of merged
         pieces; from the line fitted last a few points lie farther. 0.03 m is three standard
         deviations of a SICK or Hokuyo; smaller cuts walls at noise, larger rounds corners off.
-    min_points, min_length : int; float, metres
+    min_points, min_length
         Pieces with less, or with one point, are dropped: two or three noisy points say little about
         a direction.
-    closed : bool
-        The last point is next to the first (360-degree scans).
 
     Returns
     -------
     (k, 2, 2) array, metres
         In the order of the beams. The point at a corner belongs to the nearer of the two walls.
-
-    Raises
-    ------
-    ValueError
-        For points that are not finite or not `(n, 2)`, a gap or tolerance that is not positive, a
-        least number of points that is not whole, a negative least length.
-
-    References
-    ----------
-    Gonzalez-Banos, Latombe, "Navigation strategies for exploring indoor environments", 2002.
 
     Examples
     --------
@@ -123,14 +108,7 @@ def extract_polylines(
            [[1. , 0.1],
             [1. , 1. ]]])
     """
-    return _polyline_runs(
-        points,
-        gap=gap,
-        tolerance=tolerance,
-        min_points=min_points,
-        min_length=min_length,
-        closed=closed,
-    ).segments
+    return _polylines(points, gap, tolerance, min_points, min_length, closed).segments
 
 
 def build_map(
@@ -141,30 +119,18 @@ def build_map(
     keep_points: bool = False,
     **thresholds: Any,
 ) -> SegmentMap:
-    """Segments of every scan, carried into one frame.
+    """Segments of every scan, carried into one frame; `.scan` is the index of the scan in the log.
 
     Parameters
     ----------
     log : Log
     poses : (k, 3) array, metres and radians, or Alignment
         Pose of the robot at each scan, such as `log.truth`; a scan with NaN in it is left out.
-    extract : function
+    extract
         `extract(points, **thresholds) -> (n, 2, 2)`.
-    keep_points : bool
+    keep_points
         Keep the points behind each segment and the place of the sensor at each scan. Only
         `extract_polylines` and `extract_clusters` tell which points those are.
-    **thresholds
-        Handed to `extract`.
-
-    Returns
-    -------
-    SegmentMap
-        `.scan` holds the index of the scan in `log`. A warning says why a map is empty.
-
-    Raises
-    ------
-    ValueError
-        Where there is not one pose for each scan; for `keep_points` with another `extract`.
 
     Examples
     --------
@@ -179,7 +145,7 @@ def build_map(
     rows = poses_for(log, poses)
     known = np.flatnonzero(np.isfinite(rows).all(1))
     if arrays.switch(keep_points, "keep_points"):
-        map = _map_with_points(log, rows, known, _runs_of(extract, thresholds))
+        map = _map_with_points(log, rows, known, extract, thresholds)
     else:
         found = [transform(rows[k], extract(log[int(k)].points(), **thresholds)) for k in known]
         scan = np.repeat(known, [len(segments) for segments in found])
@@ -189,18 +155,10 @@ def build_map(
 
 
 def fit_line(points: ArrayLike) -> tuple[Array, float]:
-    """Line with the smallest sum of squared distances to points (total least squares).
+    """Centre, metres, and angle in `[0, pi)` of the line nearest to points (total least squares).
 
-    Parameters
-    ----------
-    points : (n, 2) array, metres, n >= 2
-
-    Returns
-    -------
-    centre : (2,) array, metres
-        Mean of the points; the best line passes through it.
-    angle : float, radians
-        In `[0, pi)`. Points spread evenly in all directions have none; it is then arbitrary.
+    Points `(n, 2)`, at least two. Those spread evenly in all directions have no angle: it is then
+    arbitrary.
 
     Examples
     --------
@@ -224,57 +182,53 @@ class Runs(NamedTuple):
     stop: kernels.Indices
 
 
-def _cluster_runs(
-    points: ArrayLike, *, gap: float, fit: Literal["total", "algebraic"], closed: bool
+def _clusters(
+    points: ArrayLike, gap: float, fit: Literal["total", "algebraic"], closed: bool
 ) -> Runs:
-    total = arrays.one_of(fit, "fit", ("total", "algebraic")) == "total"
     p = _in_order(points, gap, closed)
     out, runs = np.empty((len(p) // 2 + 1, 2, 2)), np.empty((2, len(p) // 2 + 1), np.int64)
-    found = kernels.clusters(p, gap, total, out, runs)
+    found = kernels.clusters(p, gap, fit == "total", out, runs)
     return Runs(out[:found], p, runs[0, :found], runs[1, :found])
 
 
-def _polyline_runs(
+def _polylines(
     points: ArrayLike,
-    *,
     gap: float,
     tolerance: float,
     min_points: int,
     min_length: float,
     closed: bool,
 ) -> Runs:
-    arrays.positive("metres", tolerance=tolerance)
-    arrays.number(min_length, "min_length", least=0, unit="metres")
-    least = max(arrays.whole(min_points, "min_points", least=0), 2)
-    p = _in_order(points, gap, closed)
-    slips.check_lengths(p, tolerance=tolerance, min_length=min_length)
+    p, least = _in_order(points, gap, closed), max(min_points, 2)
     out, room = np.empty((len(p) // least + 1, 2, 2)), np.empty((4, len(p) + 1), np.int64)
     found = kernels.polylines(p, gap, tolerance, least, min_length, out, room, np.empty(len(p) + 1))
     return Runs(out[:found], p, room[2, :found], room[3, :found])
 
 
-def _runs_of(
-    extract: Callable[..., Array], thresholds: dict[str, Any]
-) -> Callable[[ArrayLike], Runs]:
-    """The form of an extraction that tells the points, with its defaults filled in."""
-    known: dict[Callable[..., Array], Callable[..., Runs]] = {
-        extract_polylines: _polyline_runs,
-        extract_clusters: _cluster_runs,
-    }
-    if extract not in known:
+#: The extractions that tell the points of each segment.
+_TELLING: dict[Callable[..., Array], Callable[..., Runs]] = {
+    extract_polylines: _polylines,
+    extract_clusters: _clusters,
+}
+
+
+def _map_with_points(
+    log: Log,
+    poses: Array,
+    known: NDArray[np.int64],
+    extract: Callable[..., Array],
+    thresholds: dict[str, Any],
+) -> SegmentMap:
+    """Segments `(n, 2, 2)`, points and places of the sensor, metres, of scans of known pose."""
+    if extract not in _TELLING:
         name = getattr(extract, "__name__", extract)
         raise ValueError(
             "extract must be extract_polylines or extract_clusters where keep_points is asked for, "
             f"got {name!r}: it does not tell its points"
         )
-    return partial(known[extract], **{**(extract.__kwdefaults__ or {}), **thresholds})
-
-
-def _map_with_points(
-    log: Log, poses: Array, known: NDArray[np.int64], runs_of: Callable[[ArrayLike], Runs]
-) -> SegmentMap:
-    """Segments `(n, 2, 2)`, points and places of the sensor, metres, of scans of known pose."""
-    found = {int(k): runs_of(log.scans[k].points()) for k in known}
+    extract(np.empty((0, 2)), **thresholds)  # refuses what is wrong
+    given = {**(unwrap(extract).__kwdefaults__ or {}), **thresholds}
+    found = {int(k): _TELLING[extract](log.scans[k].points(), **given) for k in known}
     behind = [
         transform(poses[k], runs.points[a:b])
         for k, runs in found.items()
@@ -292,9 +246,7 @@ def _map_with_points(
 
 def _in_order(points: ArrayLike, gap: float, closed: bool) -> Array:
     """Points `(n, 2)`, metres; those of a closed scan from where a round best begins."""
-    arrays.number(gap, "gap", above=0, most=np.inf, unit="metres")
     p = np.ascontiguousarray(arrays.points(points))
-    slips.check_lengths(p, most=slips.MOST_GAP, share=1.0, gap=gap)
-    if not arrays.switch(closed, "closed") or len(p) < 3:
+    if not closed or len(p) < 3:
         return p
     return np.roll(p, -kernels.start_of_round(p, gap), axis=0)

@@ -2,39 +2,29 @@
 
 from __future__ import annotations
 
+from typing import Annotated
+
 import numpy as np
 from numpy.typing import NDArray
 
 from .. import arrays
-from ..arrays import Array, Segments
+from ..arrays import Array, Metres, Radians, Segments, at_most, checked
 from ..compiled import compiled
 from ..kernels import describe
 
+#: No line is turned farther from another.
+Right = Annotated[Radians, at_most(np.pi / 2)]
 
+
+@checked
 def invented(
-    before: Segments, after: Segments, *, distance: float = 0.05, angle: float = np.radians(5)
+    before: Segments, after: Segments, *, distance: Metres = 0.05, angle: Right = np.radians(5)
 ) -> float:
     """Metres of a reduced map where no segment of the map before lies beside it.
 
     Quality looks at the segments before, each as a whole: a segment after that runs across a door,
-    or on behind the end of a wall, costs it little.
-
-    Parameters
-    ----------
-    before, after : SegmentMap, Reduction or (n, 2, 2) array, metres
-    distance : float, metres
-        How far to the side a segment counts as lying beside another.
-    angle : float, radians
-        By how much it may be turned.
-
-    Returns
-    -------
-    float, metres
-
-    Raises
-    ------
-    ValueError
-        For a distance or an angle that is not positive, coordinates that are not finite.
+    or on behind the end of a wall, costs it little. `distance` is how far to the side a segment
+    counts as lying beside another, `angle` by how much it may be turned.
 
     Examples
     --------
@@ -45,24 +35,11 @@ def invented(
     return _metres_alone(after, before, distance, angle)
 
 
+@checked
 def missed(
-    before: Segments, after: Segments, *, distance: float = 0.05, angle: float = np.radians(5)
+    before: Segments, after: Segments, *, distance: Metres = 0.05, angle: Right = np.radians(5)
 ) -> float:
-    """Metres of a map where no segment of the reduced map lies beside it.
-
-    Parameters
-    ----------
-    before, after, distance, angle
-        As in `invented`.
-
-    Returns
-    -------
-    float, metres
-
-    Raises
-    ------
-    ValueError
-        As in `invented`.
+    """Metres of a map where no segment of the reduced map lies beside it, as in `invented`.
 
     Examples
     --------
@@ -74,8 +51,6 @@ def missed(
 
 def _metres_alone(map: Segments, other: Segments, distance: float, angle: float) -> float:
     """Metres of a map without a segment of the other beside them."""
-    arrays.positive("metres", distance=distance)
-    arrays.number(angle, "angle", above=0, most=np.pi / 2, unit="radians")
     u, v = (np.ascontiguousarray(arrays.segments(each)) for each in (map, other))
     v = v[np.argsort(v[:, :, 0].mean(1), kind="stable")]
     a, b = describe(u), describe(v)

@@ -6,13 +6,14 @@ Segment distance and quality: A 2.7.7 and 6.2.2; grades: A 6.2.3; relation error
 from __future__ import annotations
 
 import warnings
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import arrays
 from ..angles import axial_difference, wrap
-from ..arrays import Array, Segments
+from ..arrays import Array, Metres, Seconds, Segments, at_least, checked
 from ..compiled import compiled
 from ..kernels import ACROSS, ANGULAR, APART, PERPENDICULAR, apart, describe, mean_line_terms
 from ..poses import between
@@ -40,24 +41,10 @@ QUALITY_GRADES = {
 def segment_distance(
     u: ArrayLike, v: ArrayLike, weight_u: ArrayLike = 1.0, weight_v: ArrayLike = 1.0
 ) -> Array:
-    """Distance between segments: `0.66 D_ang + 0.09 D_uva + 0.25 D_uv` (A 2.7.7).
+    """Distance between segments, metres: `0.66 D_ang + 0.09 D_uva + 0.25 D_uv` (A 2.7.7).
 
-    Not a metric: two collinear segments that touch have distance 0, whatever their lengths.
-
-    Parameters
-    ----------
-    u, v : (..., 2, 2) array, metres
-    weight_u, weight_v : (...) array
-        How much each pulls the mean line; leading axes broadcast.
-
-    Returns
-    -------
-    (...) array, metres
-
-    Raises
-    ------
-    ValueError
-        For weights that are negative, or both zero.
+    Not a metric: two collinear segments that touch have distance 0, whatever their lengths. The
+    weights say how much each pulls the mean line; leading axes broadcast.
 
     Examples
     --------
@@ -72,24 +59,13 @@ def segment_distance(
 def distance_terms(
     u: ArrayLike, v: ArrayLike, weight_u: ArrayLike = 1.0, weight_v: ArrayLike = 1.0
 ) -> tuple[Array, Array, Array]:
-    """The three terms of `segment_distance`, each in metres.
+    """The three terms of `segment_distance`, each in metres: angular, across, apart.
 
-    The mean line has the weighted axial mean direction and passes through the weighted mean of the
-    middles. Perpendicular segments have two mean directions: the one with the smaller sum counts.
-
-    Parameters
-    ----------
-    u, v : (..., 2, 2) array, metres
-    weight_u, weight_v : (...) array
-
-    Returns
-    -------
-    angular : (...) array, metres
-        D_ang: length times tangent of the angle to the mean line, weighted mean of both.
-    across : (...) array, metres
-        D_uva: largest distance of an end point from the mean line.
-    apart : (...) array, metres
-        D_uv: smallest distance from an end point of one to the other segment.
+    D_ang is length times tangent of the angle to the mean line, weighted mean of both; D_uva the
+    largest distance of an end point from the mean line; D_uv the smallest distance from an end
+    point of one to the other segment. The mean line has the weighted axial mean direction and
+    passes through the weighted mean of the middles. Perpendicular segments have two mean
+    directions: the one with the smaller sum counts.
 
     Examples
     --------
@@ -114,14 +90,7 @@ def distance_terms(
 def errors(before: Segments, after: Segments) -> Array:
     """Distance of each segment of a map from the nearest one after its reduction (A 6.2.2).
 
-    Parameters
-    ----------
-    before, after : SegmentMap, Reduction or (n, 2, 2) array, metres
-
-    Returns
-    -------
-    (n,) array, metres
-        `inf` everywhere where `after` is empty.
+    `(n,)`, metres; `inf` everywhere where `after` is empty.
 
     Examples
     --------
@@ -137,30 +106,12 @@ def errors(before: Segments, after: Segments) -> Array:
     return _nearest_distances(np.ascontiguousarray(a), b, near, far, first, far[:, 4].max())
 
 
-def quality(before: Segments, after: Segments, *, scale: float = 0.050) -> float:
+@checked
+def quality(before: Segments, after: Segments, *, scale: Metres = 0.050) -> float:
     """How well a reduced map keeps the walls: `exp(-mean error / scale)`, in `[0, 1]` (A 6.2.2).
 
-    Parameters
-    ----------
-    before, after : SegmentMap, Reduction or (n, 2, 2) array, metres
-    scale : float, metres
-        Mean error at which quality falls to 37 %; A uses 50 mm.
-
-    Returns
-    -------
-    float
-        1 for an unchanged map, or where there was nothing to lose; 0 where nothing is left; NaN
-        where both are empty.
-
-    Raises
-    ------
-    ValueError
-        For a scale that is not positive, coordinates that are not finite.
-
-    Warns
-    -----
-    UserWarning
-        Where both are empty: that nothing became nothing says nothing about a method.
+    1 for an unchanged map, or where there was nothing to lose; 0 where nothing is left; NaN, with a
+    warning, where both are empty. `scale` is the mean error at which it falls to 37 %: 50 mm in A.
 
     Examples
     --------
@@ -168,27 +119,18 @@ def quality(before: Segments, after: Segments, *, scale: float = 0.050) -> float
     >>> quality(wall, wall), round(quality(wall, wall + 0.1), 3)
     (1.0, 0.554)
     """
-    arrays.positive("metres", scale=scale)
     found = errors(before, after)
     if len(found):
         return float(np.exp(-found.mean() / scale))
     if len(arrays.segments(after, "after")):
         return 1.0
     text = "quality is NaN: neither map holds a segment, before or after"
-    warnings.warn(text, UserWarning, stacklevel=2)
+    warnings.warn(text, UserWarning, stacklevel=3)
     return np.nan
 
 
 def reduction_rate(before: Segments, after: Segments) -> float:
     """Share of the segments that a reduction removed, `(n - n') / n`; 0 for an empty map.
-
-    Parameters
-    ----------
-    before, after : SegmentMap, Reduction or (n, 2, 2) array, metres
-
-    Returns
-    -------
-    float
 
     Examples
     --------
@@ -221,8 +163,13 @@ def grade_quality(value: float) -> str:
     return _grade(arrays.number(value, "value", least=0, most=1), QUALITY_GRADES)
 
 
+@checked
 def relation_errors(
-    times: ArrayLike, poses: ArrayLike, relations: ArrayLike, *, tolerance: float = 0.02
+    times: ArrayLike,
+    poses: ArrayLike,
+    relations: ArrayLike,
+    *,
+    tolerance: Annotated[Seconds, at_least(0)] = 0.02,
 ) -> tuple[Array, Array]:
     """Errors of a trajectory against verified relative poses (Kuemmerle et al. 2009).
 
@@ -234,20 +181,14 @@ def relation_errors(
     relations : (m, 8) array
         As in the benchmark's files: t1, t2 [s], x, y, z [m], roll, pitch, yaw [rad] of the pose at
         t2 in the frame of the pose at t1.
-    tolerance : float, seconds
+    tolerance
         A relation counts only where a pose lies this near in time to both ends; the number of those
         left out is `len(relations) - len(translation)`.
 
     Returns
     -------
-    translation : (j,) array, metres
-    rotation : (j,) array, radians
+    translation, rotation : (j,) array, metres; radians
         For the j <= m relations that count, in their order.
-
-    Raises
-    ------
-    ValueError
-        Where shapes disagree.
 
     Examples
     --------
@@ -261,7 +202,6 @@ def relation_errors(
     wanted = arrays.table(
         relations, "relations", 8, unit="seconds, metres and radians", limit=arrays.FAR
     )
-    arrays.number(tolerance, "tolerance", least=0, unit="seconds")
     known = np.isfinite(p).all(1)
     order = np.argsort(t[known], kind="stable")
     t, p = t[known][order], p[known][order]

@@ -6,24 +6,18 @@ and carries points given in b into a. So `compose(a_from_b, b_from_c)` is `a_fro
 
 from __future__ import annotations
 
+from typing import Annotated
+
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ..angles import wrap
-from ..arrays import Array, number, numbers, trailing, values
+from ..arrays import Array, Seconds, at_least, at_most, checked, numbers, trailing, values
 from . import motions
 
 
 def compose(a_from_b: ArrayLike, b_from_c: ArrayLike) -> Array:
-    """Chain two motions: the pose of c in a.
-
-    Parameters
-    ----------
-    a_from_b, b_from_c : (..., 3) array, metres and radians; leading axes broadcast
-
-    Returns
-    -------
-    (..., 3) array, metres and radians, heading in `[-pi, pi)`
+    """Chain two motions `(..., 3)`, which broadcast: the pose of c in a, heading in `[-pi, pi)`.
 
     Examples
     --------
@@ -35,15 +29,7 @@ def compose(a_from_b: ArrayLike, b_from_c: ArrayLike) -> Array:
 
 
 def inverse(a_from_b: ArrayLike) -> Array:
-    """The motion back: the pose of a in b.
-
-    Parameters
-    ----------
-    a_from_b : (..., 3) array, metres and radians
-
-    Returns
-    -------
-    (..., 3) array, metres and radians
+    """The motion back, `(..., 3)`: the pose of a in b.
 
     Examples
     --------
@@ -54,15 +40,7 @@ def inverse(a_from_b: ArrayLike) -> Array:
 
 
 def between(a: ArrayLike, b: ArrayLike) -> Array:
-    """Pose of b in the frame of a, both given in one world: `inverse(a)` followed by b.
-
-    Parameters
-    ----------
-    a, b : (..., 3) array, metres and radians
-
-    Returns
-    -------
-    (..., 3) array, metres and radians
+    """Pose of b in the frame of a, `(..., 3)` each, in one world: `inverse(a)` followed by b.
 
     Examples
     --------
@@ -73,18 +51,10 @@ def between(a: ArrayLike, b: ArrayLike) -> Array:
 
 
 def transform(a_from_b: ArrayLike, points: ArrayLike) -> Array:
-    """Carry points (or segments) given in b into a.
+    """Carry points (or segments) `(..., 2)`, given in b, into a.
 
-    Parameters
-    ----------
-    a_from_b : (3,) or (k, 3) array, metres and radians
-        One pose moves everything; k poses move k groups, or give k copies of one group.
-    points : (..., 2) array, metres
-        With k poses `(k, m, 2)` or `(m, 2)`; segments `(n, 2, 2)` are points too.
-
-    Returns
-    -------
-    (..., 2) array, metres
+    One pose `(3,)` moves everything; k poses `(k, 3)` move k groups `(k, m, 2)`, or give k copies
+    of one group `(m, 2)`.
 
     Examples
     --------
@@ -95,8 +65,13 @@ def transform(a_from_b: ArrayLike, points: ArrayLike) -> Array:
     return motions.transform(trailing(a_from_b, "a_from_b", 3), trailing(points, "points", 2))
 
 
+@checked
 def interpolate(
-    times: ArrayLike, poses: ArrayLike, at: ArrayLike, *, max_gap: float = np.inf
+    times: ArrayLike,
+    poses: ArrayLike,
+    at: ArrayLike,
+    *,
+    max_gap: Annotated[Seconds, at_least(0), at_most(np.inf)] = np.inf,
 ) -> Array:
     """Poses at other times: linear in x and y, by the shorter way round in heading (A 3.3.3).
 
@@ -105,7 +80,7 @@ def interpolate(
     times : (k,) array, seconds, not decreasing
     poses : (k, 3) array, metres and radians
     at : (m,) array, seconds
-    max_gap : float, seconds
+    max_gap
         Between two poses farther apart than this nothing is claimed.
 
     Returns
@@ -120,7 +95,6 @@ def interpolate(
            [      nan,       nan,       nan]])
     """
     t, p, at = numbers(times, "times"), trailing(poses, "poses", 3), values(at, "at")
-    number(max_gap, "max_gap", least=0, most=np.inf, unit="seconds")
     if t.ndim != 1 or p.shape != (len(t), 3):
         raise ValueError(f"poses must be ({t.size}, 3), one for each time, got {p.shape}")
     if not len(t) or not np.isfinite(t).all() or np.any(np.diff(t) < 0):

@@ -22,7 +22,8 @@ class LaserScan(Pictured):
     """Ranges that one turn of the laser measured.
 
     A beam is valid where its range is finite, positive and below `max_range`. Readers write `inf`
-    where the beam met nothing and NaN where the sensor reported an error.
+    where the beam met nothing and NaN where the sensor reported an error. Angles in degrees are
+    refused; a warning tells of ranges that look like millimetres.
 
     Parameters
     ----------
@@ -38,16 +39,6 @@ class LaserScan(Pictured):
         Pose of the sensor in the frame of the robot.
     codes : (n,) int array or None
         Error codes of the sensor, where its format has them; 0 where it reported none.
-
-    Raises
-    ------
-    ValueError
-        Where shapes disagree, or where an angle or the sensor's pose is not finite or in degrees.
-
-    Warns
-    -----
-    UserWarning
-        Where half of the ranges are above 1 000 m: they look like millimetres.
 
     Examples
     --------
@@ -131,7 +122,7 @@ class Log(Pictured, Sequence[LaserScan]):
     """Scans in the order of recording, with the poses that the file holds.
 
     `len(log)`, `log[3]`, `log[-1]` and iteration give scans; a slice, a mask and an array of
-    indices give a log: `log[log.times > 5]`.
+    indices give a log: `log[log.times > 5]`. A warning tells of headings that look like degrees.
 
     Parameters
     ----------
@@ -141,16 +132,6 @@ class Log(Pictured, Sequence[LaserScan]):
         Corrected pose of the robot for each scan; rows of NaN for scans without.
     skipped : Skipped
         What the reader left out of a damaged file.
-
-    Raises
-    ------
-    ValueError
-        Where a scan is no LaserScan, or the truth not one pose a scan.
-
-    Warns
-    -----
-    UserWarning
-        Where the headings of odometry or truth look like degrees.
 
     Examples
     --------

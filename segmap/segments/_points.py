@@ -12,17 +12,7 @@ from ..arrays import Array
 def take_points(
     points: Array, first: NDArray[np.int64], rows: NDArray[np.int64]
 ) -> tuple[Array, NDArray[np.int64]]:
-    """Points of some of the segments, and where those of each begin.
-
-    Parameters
-    ----------
-    points : (p, 2) array, metres
-    first : (n + 1,) int array
-    rows : (m,) int array
-
-    Returns
-    -------
-    (q, 2) array, metres, and (m + 1,) int array
+    """Points of the segments `rows` of a map, and where those of each begin.
 
     Examples
     --------

@@ -30,15 +30,7 @@ STORED = "segmap map 1"
 
 
 def length(segments: ArrayLike) -> Array:
-    """Lengths of segments.
-
-    Parameters
-    ----------
-    segments : (..., 2, 2) array, metres
-
-    Returns
-    -------
-    (...) array, metres
+    """Lengths of segments `(..., 2, 2)`, metres.
 
     Examples
     --------
@@ -50,15 +42,7 @@ def length(segments: ArrayLike) -> Array:
 
 
 def angle(segments: ArrayLike) -> Array:
-    """Angles of the lines through segments, in `[0, pi)`; 0 for one without length.
-
-    Parameters
-    ----------
-    segments : (..., 2, 2) array, metres
-
-    Returns
-    -------
-    (...) array, radians
+    """Angles of the lines through segments, radians in `[0, pi)`; 0 for one without length.
 
     Examples
     --------
@@ -71,15 +55,7 @@ def angle(segments: ArrayLike) -> Array:
 
 
 def midpoint(segments: ArrayLike) -> Array:
-    """Middles of segments.
-
-    Parameters
-    ----------
-    segments : (..., 2, 2) array, metres
-
-    Returns
-    -------
-    (..., 2) array, metres
+    """Middles of segments `(..., 2, 2)`: points `(..., 2)`, metres.
 
     Examples
     --------
@@ -90,19 +66,7 @@ def midpoint(segments: ArrayLike) -> Array:
 
 
 def extreme_projections(points: ArrayLike, through: ArrayLike, angle: ArrayLike) -> Array:
-    """Segment on a line that just spans the projections of points.
-
-    Parameters
-    ----------
-    points : (m, 2) array, metres
-    through : (2,) array, metres
-        A point of the line.
-    angle : float, radians
-        Direction of the line.
-
-    Returns
-    -------
-    (2, 2) array, metres
+    """Segment `(2, 2)` on a line, through a point at an angle, that just spans points `(m, 2)`.
 
     Examples
     --------
@@ -120,16 +84,7 @@ def extreme_projections(points: ArrayLike, through: ArrayLike, angle: ArrayLike)
 
 
 def point_distance(points: ArrayLike, segments: ArrayLike) -> Array:
-    """Distances from points to segments (not to their lines); leading axes broadcast.
-
-    Parameters
-    ----------
-    points : (..., 2) array, metres
-    segments : (..., 2, 2) array, metres
-
-    Returns
-    -------
-    (...) array, metres
+    """Distances, metres, from points to segments (not to their lines); leading axes broadcast.
 
     Examples
     --------
@@ -160,11 +115,6 @@ class SegmentMap(Pictured):
         Given with `points`: at least two points a segment.
     sensors : (k, 2) array, metres, or None
         Where the sensor was at each scan; NaN for a scan without segments.
-
-    Raises
-    ------
-    ValueError
-        Where shapes disagree or a coordinate is not finite.
 
     Examples
     --------
@@ -227,11 +177,6 @@ SegmentMap(1 segment of 1 scan))
     def save(self, path: str | Path) -> None:
         """Write the map with all that lies behind it as NPZ: whole or not at all.
 
-        Raises
-        ------
-        OSError
-            For a folder that does not exist, or cannot be written to.
-
         Examples
         --------
         >>> import tempfile
@@ -248,11 +193,8 @@ SegmentMap(1 segment of 1 scan))
     def load(cls, path: str | Path) -> SegmentMap:
         """Read what `save` wrote, bit for bit.
 
-        Raises
-        ------
-        ValueError
-            For a file that is damaged or foreign, or unpacks to more than 1 MB and 50 times its
-            size, saying what is wrong with it.
+        A file that is damaged, foreign, or unpacks to more than 1 MB and 50 times its size is a
+        ValueError.
         """
         found = read_npz(arrays.file(path), STORED)
         if not {"segments", "scan"} <= set(found) <= {field.name for field in fields(cls)}:
