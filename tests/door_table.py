@@ -61,7 +61,7 @@ OBJECTS = {"matching": [matching.DistanceField(TREE), matching.LiveMap()],
            "quadtree": [TREE], "segments": [MAP], "scans": [LOG, LOG[0]],
            "simulation": [simulation.URG_04LX], "alignment": [ALIGNMENT, alignment.LiveGraph()],
            "reduction": [REDUCTION, reduction.LiveReduction()], "hokuyo": [URG, SCAN],
-           "emulator": [emulator.Room(WALLS, PATH)]}  # fmt: skip
+           "hokuyo.emulator": [emulator.Room(WALLS, PATH)]}  # fmt: skip
 
 #: Good values by the name of a parameter; `function.parameter` comes first, then `room.parameter`.
 #: A parameter that is not here keeps its default.

@@ -1,17 +1,19 @@
 """A world whose scans betray a single wrong range, and sensors that the laser's tests share."""
 
+import itertools
 import os
 import sys
 import threading
 import time
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 import pytest
 
-from segmap.hokuyo import Geometry, UrgSensor
+from segmap.hokuyo import Geometry, SensorError, UrgSensor
 from segmap.hokuyo.emulator import Unit
-from segmap.hokuyo.emulator._device import Unplugged, Wire
+from segmap.hokuyo.emulator._device import Fault, Unplugged, Wire
 
 SHARED = Path(__file__).resolve().parents[1].parent / "shared" / "data"
 URG = Geometry(1024, 44, 725, 384, 20, 5600, 0.1)
@@ -119,3 +121,68 @@ def open_files() -> int:
 
 def emulator_threads() -> list[str]:
     return [t.name for t in threading.enumerate() if t.name == "URG emulator"]
+
+
+#: Scans that a run asks for.
+SCANS = 6
+#: No run takes longer, seconds, on a machine that does other things too.
+BOUND = 20.0
+WIRE = ("flip", "lose", "stale", "stop", "silence", "unplug")
+#: Bytes that the sensor sends before a scan comes, and with the scans.
+OPENING, WHOLE = 300, 300 + SCANS * 2138
+FAULTS = {
+    "flip": {},
+    "lose": {},
+    "stale": {},
+    "stop": {},
+    "silence": {},
+    "unplug": {},
+    "status": {},
+    "wrap": {},
+    "streaming at open": {"streaming": True},
+    "time mode at open": {"timing": True},
+    "wrong rate": {"usb": False, "rate": 19200},
+    "flip at open": {},
+    "lose at open": {},
+    "stop at open": {},
+    "flip while streaming": {"streaming": True},
+    "lose in SCIP 1.1": {"protocol": "1.1"},
+}
+#: After these the sensor is never what it was.
+FINAL = ("unplug", "status")
+
+
+class Outcome(NamedTuple):
+    scans: int
+    dropped: int
+    error: str
+    happened: bool
+
+
+def run(sensor_at, unit, wire, fault, seed) -> Outcome:
+    """Ask for some scans from a sensor that goes wrong somewhere on the way; check each beam."""
+    rng, kind = np.random.default_rng(seed), fault.partition(" ")[0]
+    if kind in WIRE:
+        most = OPENING if fault.endswith("at open") else WHOLE
+        wire.plan(Fault(kind, int(rng.integers(0, most)), float(rng.uniform(0.05, 1.0))))
+    scans, dropped, error = 0, 0, ""
+    try:
+        with sensor_at() as sensor:
+            assert sensor.geometry == URG
+            stream = sensor.scans() if seed % 2 else iter(sensor.scan, None)
+            for scan in itertools.islice(stream, SCANS):
+                turn_of(scan)
+                assert scan.angles[384 - 44] == 0.0
+                scans += 1
+                if kind == "status" and scans == 1 + seed % 4:
+                    unit.fail("Motor does not turn.")
+                if kind == "wrap" and scans == 1 + seed % 4:
+                    unit.wrap_clock()
+            if seed % 2:
+                stream.close()
+            dropped = sensor.dropped
+    except SensorError as wrong:
+        error = str(wrong)
+        assert ": " in error and len(error) > 30, "an error without advice"
+    assert scans == SCANS or error
+    return Outcome(scans, dropped, error, kind not in WIRE or kind in wire.happened)

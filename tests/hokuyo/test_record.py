@@ -267,8 +267,8 @@ def test_killed_at_any_moment(name, tmp_path):
 
     Catches a file that is written in place, and a half line that spoils the next one.
     """
-    path, here = tmp_path / name, str(Path(__file__).parent)
-    command = [sys.executable, "-c", KILLER, str(path), here]
+    path, here = tmp_path / name, Path(__file__).parent
+    command = [sys.executable, "-c", KILLER, str(path), str(here), str(here.parent)]
     done = subprocess.run(command, capture_output=True, text=True, timeout=100)
     assert done.returncode == 0, done.stderr
     results = json.loads(done.stdout)

@@ -6,24 +6,25 @@ pseudo-terminal, pyserial and threads, where a hang, a file or a thread could st
 
 import contextlib
 import gc
-import itertools
 import os
 import time
 from concurrent.futures import ThreadPoolExecutor
 from functools import partial
-from typing import NamedTuple
 
 import numpy as np
 import pytest
 from conftest import slow
 from emulated import (
-    URG,
+    BOUND,
+    FAULTS,
+    FINAL,
     Wired,
     connected,
     emulator_threads,
     needs_terminals,
     open_files,
     pattern,
+    run,
     turn_of,
 )
 
@@ -31,70 +32,9 @@ from segmap.hokuyo import SensorError, UrgSensor
 from segmap.hokuyo.emulator import Emulator
 from segmap.hokuyo.emulator._device import Fault
 
-RUNS, SCANS = 20, 6
+RUNS = 20
 #: Runs through a terminal, all at the same time.
 REAL_RUNS = 4
-#: No run takes longer, seconds, on a machine that does other things too.
-BOUND = 20.0
-WIRE = ("flip", "lose", "stale", "stop", "silence", "unplug")
-#: Bytes that the sensor sends before a scan comes, and with the scans.
-OPENING, WHOLE = 300, 300 + SCANS * 2138
-FAULTS = {
-    "flip": {},
-    "lose": {},
-    "stale": {},
-    "stop": {},
-    "silence": {},
-    "unplug": {},
-    "status": {},
-    "wrap": {},
-    "streaming at open": {"streaming": True},
-    "time mode at open": {"timing": True},
-    "wrong rate": {"usb": False, "rate": 19200},
-    "flip at open": {},
-    "lose at open": {},
-    "stop at open": {},
-    "flip while streaming": {"streaming": True},
-    "lose in SCIP 1.1": {"protocol": "1.1"},
-}
-#: After these the sensor is never what it was.
-FINAL = ("unplug", "status")
-
-
-class Outcome(NamedTuple):
-    scans: int
-    dropped: int
-    error: str
-    happened: bool
-
-
-def run(sensor_at, unit, wire, fault, seed) -> Outcome:
-    """Ask for some scans from a sensor that goes wrong somewhere on the way; check each beam."""
-    rng, kind = np.random.default_rng(seed), fault.partition(" ")[0]
-    if kind in WIRE:
-        most = OPENING if fault.endswith("at open") else WHOLE
-        wire.plan(Fault(kind, int(rng.integers(0, most)), float(rng.uniform(0.05, 1.0))))
-    scans, dropped, error = 0, 0, ""
-    try:
-        with sensor_at() as sensor:
-            assert sensor.geometry == URG
-            stream = sensor.scans() if seed % 2 else iter(sensor.scan, None)
-            for scan in itertools.islice(stream, SCANS):
-                turn_of(scan)
-                assert scan.angles[384 - 44] == 0.0
-                scans += 1
-                if kind == "status" and scans == 1 + seed % 4:
-                    unit.fail("Motor does not turn.")
-                if kind == "wrap" and scans == 1 + seed % 4:
-                    unit.wrap_clock()
-            if seed % 2:
-                stream.close()
-            dropped = sensor.dropped
-    except SensorError as wrong:
-        error = str(wrong)
-        assert ": " in error and len(error) > 30, "an error without advice"
-    assert scans == SCANS or error
-    return Outcome(scans, dropped, error, kind not in WIRE or kind in wire.happened)
 
 
 @pytest.mark.parametrize("fault", FAULTS)

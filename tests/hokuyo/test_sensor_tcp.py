@@ -12,8 +12,18 @@ from functools import partial
 
 import numpy as np
 import pytest
-from emulated import Wired, connected, emulator_threads, open_files, pattern, turn_of, wait_for
-from test_sensor_faults import BOUND, FAULTS, run
+from emulated import (
+    BOUND,
+    FAULTS,
+    Wired,
+    connected,
+    emulator_threads,
+    open_files,
+    pattern,
+    run,
+    turn_of,
+    wait_for,
+)
 
 from segmap import LaserScan, read
 from segmap.hokuyo import (

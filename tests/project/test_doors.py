@@ -29,7 +29,7 @@ from segmap import experiments, exports, hokuyo, readers
 ROOMS = [
     "angles", "poses", "segments", "scans", "extraction", "metrics", "simulation", "alignment",
     "reduction", "quadtree", "matching", "exports", "readers", "plotting", "experiments",
-    "panels", "testing", "hokuyo", "emulator",
+    "panels", "testing", "hokuyo", "hokuyo.emulator",
 ]  # fmt: skip
 #: Not walked: what needs a sensor that is connected, see tests/test_sensor*.py.
 #: What the library makes itself and hands out: nobody else has to call these.
