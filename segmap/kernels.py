@@ -47,6 +47,13 @@ def describe(s: Array) -> Array:
 
 
 @compiled
+def turn_between(a: float, b: float) -> float:
+    """Angle from one line's direction to another's, radians, in `[-pi/2, pi/2)`."""
+    turn = b - a + np.pi / 2
+    return (turn if 0.0 <= turn < np.pi else turn % np.pi) - np.pi / 2  # % takes long
+
+
+@compiled
 def off_segment(x: float, y: float, s: Array) -> float:
     """Distance of a point from a segment, a (2, 2) array, metres."""
     dx, dy = s[1, 0] - s[0, 0], s[1, 1] - s[0, 1]

@@ -10,7 +10,8 @@ import numpy as np
 from .. import arrays
 from ..arrays import Array, Segments, slips
 from ..compiled import compiled
-from ..kernels import become_mean, put_in, slot_of, take_out
+from ..kernels import become_mean, turn_between
+from ._index import Index, empty_index, enter, leave, meeting
 from ._runner import Found, Indices, Reduction, Rows, Steps, run, run_online
 
 
@@ -99,13 +100,13 @@ def check_match(map: Segments, distance: float, angle: float) -> None:
 
 
 def _offline(rows: Rows, distance: float, angle: float) -> Found:
-    state = _start(rows.segments)
+    state = _start(rows.segments, distance)
     _converge(state, 0, len(rows.segments), distance, angle)
     return _outputs(state)
 
 
 def _online(rows: Rows, distance: float, angle: float) -> Steps:
-    state, live = _start(rows.segments), 0
+    state, live = _start(rows.segments, distance), 0
     for first, stop in rows.scans():
         live += stop - first - _converge(state, first, stop, distance, angle)
         yield live
@@ -121,99 +122,72 @@ def _outputs(state: State) -> Found:
 
 
 class State(NamedTuple):
-    """The map of Basic, and a grid of the end points of its live segments.
+    """The map of Basic, and an index of the end points of its live segments.
 
     Only pairs with a new or changed member can match, and a match needs end points closer than the
-    distance. So end points are kept in cells of that size, a hash table of lists, and a pass visits
-    only the segments that have such a pair: all others would find nothing to merge. A map of
-    100 000 segments takes 0.3 s; a compiled look at all pairs takes 3.1 s.
-
-    Parameters
-    ----------
-    s : (n, 2, 2) array, metres
-    angles, lengths : (n,) array, radians and metres
-    alive : (n,) int array
-        1 for segments of the map.
-    parents : (n,) int array
-        Which segment took each in; its own index until then.
-    head : (slots,) int array
-        First end point of each slot, -1 for none.
-    after, before : (2 n,) int array
-        Of end point `2 i + k`, which is end k of segment i: the next of the list, and the one
-        before, or -1 - slot for the first.
+    distance. So a pass visits only the segments that have such a pair: all others would find
+    nothing to merge. A map of 100 000 segments takes 0.3 s; a compiled look at all pairs 3.1 s.
     """
 
-    s: Array
+    s: Array  # (n, 2, 2), metres
     angles: Array
     lengths: Array
-    alive: Indices
-    parents: Indices
-    head: Indices
-    after: Indices
-    before: Indices
+    alive: Indices  # 1 for segments of the map
+    parents: Indices  # which segment took each in; its own index until then
+    index: Index  # end k of segment i is number 2 i + k
+    near: Indices  # room for what lies near
 
 
-def _start(segments: Array) -> State:
+def _start(segments: Array, distance: float) -> State:
     """State of segments `(n, 2, 2)`, metres, none of which is in the map yet."""
     n, d = len(segments), segments[:, 1] - segments[:, 0]
-    head = np.full(1 << max(int(np.ceil(np.log2(max(4 * n, 2)))), 1), -1)
-    after, before = np.full((2, 2 * n), -1)
-    angles, lengths = np.arctan2(d[:, 1], d[:, 0]), np.hypot(d[:, 0], d[:, 1])
-    alive, parents = np.zeros(n, np.int64), np.arange(n)
-    return State(segments.copy(), angles, lengths, alive, parents, head, after, before)
+    return State(
+        s=segments.copy(),
+        angles=np.arctan2(d[:, 1], d[:, 0]),
+        lengths=np.hypot(d[:, 0], d[:, 1]),
+        alive=np.zeros(n, np.int64),
+        parents=np.arange(n),
+        index=empty_index(2 * n, distance),
+        near=np.empty(4 * n + 1, np.int64),
+    )
 
 
 @compiled
-def _enter(state: State, i: int, cell: float) -> None:
-    """Put both end points of segment i into the grid of cells of a side, metres."""
-    s, head = state.s, state.head
+def _enter(state: State, i: int) -> None:
+    """Put both end points of segment i into the index."""
     for k in range(2):
-        column, row = int(np.floor(s[i, k, 0] / cell)), int(np.floor(s[i, k, 1] / cell))
-        put_in(head, state.after, state.before, slot_of(column, row, len(head)), 2 * i + k)
+        x, y = state.s[i, k, 0], state.s[i, k, 1]
+        enter(state.index, 2 * i + k, x, y, x, y, 0.0)
 
 
 @compiled
-def _leave(state: State, i: int) -> None:
-    """Take both end points of a segment out of the grid."""
-    for e in range(2 * i, 2 * i + 2):
-        take_out(state.head, state.after, state.before, e)
-
-
-@compiled
-def _next_match(state: State, a: int, last: int, distance: float, angle: float) -> int:
-    """Lowest live segment above `last` that matches a (A 4.1), -1 for none; metres and radians."""
-    s, angles, head, after, found = state.s, state.angles, state.head, state.after, len(state.s)
+def _matches(state: State, a: int, distance: float, angle: float) -> int:
+    """Write the live segments that match a (A 4.1), some twice; how many; metres and radians."""
+    s, near, found, count = state.s, state.near, 0, 0
     for k in range(2):
         x, y = s[a, k, 0], s[a, k, 1]
-        column, row = int(np.floor(x / distance)), int(np.floor(y / distance))
-        for i in range(column - 1, column + 2):
-            for j in range(row - 1, row + 2):
-                e = head[slot_of(i, j, len(head))]
-                while e >= 0:
-                    b = e // 2
-                    if last < b < found and b != a:
-                        dx, dy = x - s[b, e % 2, 0], y - s[b, e % 2, 1]
-                        if dx * dx + dy * dy < distance * distance:
-                            turn = (angles[a] - angles[b] + np.pi / 2) % np.pi - np.pi / 2
-                            found = b if abs(turn) < angle else found
-                    e = after[e]
-    return found if found < len(s) else -1
+        found = count + meeting(state.index, x, y, x, y, distance, near[count:])
+        for m in range(count, found):
+            b, end = near[m] // 2, near[m] % 2
+            dx, dy = x - s[b, end, 0], y - s[b, end, 1]
+            if b != a and dx * dx + dy * dy < distance * distance:
+                if abs(turn_between(state.angles[b], state.angles[a])) < angle:
+                    near[count] = b
+                    count += 1
+    return count
 
 
 @compiled
-def _merge(state: State, a: int, b: int, distance: float) -> None:
-    """A 4.1: b goes into a, on the length-weighted mean line; the extreme projections remain.
-
-    Writes to rows a and b of the state's arrays; cells of the grid have the side `distance`.
-    """
+def _merge(state: State, a: int, b: int) -> None:
+    """A 4.1: b goes into a, on the length-weighted mean line; the extreme projections remain."""
     share = state.lengths[b] / (state.lengths[a] + state.lengths[b])
-    turn = (state.angles[b] - state.angles[a] + np.pi / 2) % np.pi - np.pi / 2
-    _leave(state, a)
-    _leave(state, b)
+    turn = turn_between(state.angles[a], state.angles[b])
+    for e in (2 * a, 2 * a + 1, 2 * b, 2 * b + 1):
+        leave(state.index, e)
     state.angles[a] += share * turn
     state.lengths[a] = become_mean(state.s, a, b, share, state.angles[a])
     state.alive[b], state.parents[b] = 0, a
-    _enter(state, a, distance)
+    _enter(state, a)
 
 
 @compiled
@@ -223,33 +197,33 @@ def _converge(state: State, first: int, stop: int, distance: float, angle: float
     Each visited segment takes in, in index order, every one that matches it as it grows. Metres and
     radians. Returns how many died.
     """
-    now, later, died = [first], [first], 0  # heaps of indices: this pass and the next
+    now, later, died, near = [first], [first], 0, state.near  # heaps: this pass and the next
     now.pop()
     later.pop()
     for i in range(first, stop):
         state.alive[i] = 1
-        _enter(state, i, distance)
+        _enter(state, i)
     for i in range(first, stop):
         heapq.heappush(now, i)
-        b = _next_match(state, i, -1, distance, angle)
-        while 0 <= b < first:
-            heapq.heappush(now, b)
-            b = _next_match(state, i, b, distance, angle)
+        for k in range(_matches(state, i, distance, angle) if first > 0 else 0):
+            if near[k] < first:
+                heapq.heappush(now, near[k])
     while len(now):
         previous = -1
         while len(now):
             a = heapq.heappop(now)
             if a == previous or state.alive[a] == 0:
                 continue
-            previous, before = a, died
-            b = _next_match(state, a, -1, distance, angle)
-            while b >= 0:
-                _merge(state, a, b, distance)
-                died += 1
-                b = _next_match(state, a, b, distance, angle)
-            b = _next_match(state, a, -1, distance, angle) if died > before else -1
-            while b >= 0:
-                heapq.heappush(now if b > a else later, b)
-                b = _next_match(state, a, b, distance, angle)
+            previous, last, next, count = a, -1, a, 0
+            while next < len(state.s):
+                count, next = _matches(state, a, distance, angle), len(state.s)
+                for k in range(count):
+                    if last < near[k] < next:
+                        next = near[k]
+                if next < len(state.s):
+                    _merge(state, a, next)
+                    last, died = next, died + 1
+            for k in range(count if last >= 0 else 0):
+                heapq.heappush(now if near[k] > a else later, near[k])
         now, later = later, now
     return died

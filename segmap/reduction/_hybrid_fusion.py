@@ -115,7 +115,7 @@ class LiveReduction:
             least_length(distance, min_length),
             arrays.whole(every, "every"),
         )
-        self.scans, self._state = 0, empty_map(0)
+        self.scans, self._state = 0, empty_map(0, distance)
 
     def add(self, segments: Segments) -> None:
         """Take in the segments of one scan, `(n, 2, 2)`, metres; a scan without any is no scan.
@@ -133,7 +133,7 @@ class LiveReduction:
         add(self._state, new, 0, len(new), self.distance, self.angle, self.min_length, parents)
         self.scans += 1
         if self.scans % self.every == 0:
-            _fuse_map(self._state, self.distance, self.tolerance)
+            _fuse_map(self._state, self.tolerance)
 
     @property
     def segments(self) -> Array:
@@ -144,8 +144,8 @@ class LiveReduction:
         """Room for so many walls more; all that is known of the walls stays."""
         old, used = self._state, int(self._state.used[0])
         if used + more > len(old.s):
-            state = empty_map(2 * (used + more))
-            replace_map(state, old.s[:used], old.lines[:used, 2].copy(), self.distance)
+            state = empty_map(2 * (used + more), self.distance)
+            replace_map(state, old.s[:used], old.lines[:used, 2].copy())
             self._state = state
 
     def __repr__(self) -> str:
@@ -155,23 +155,23 @@ class LiveReduction:
 def _steps(
     rows: Rows, distance: float, angle: float, min_length: float, tolerance: float, every: int
 ) -> Steps:
-    state = empty_map(len(rows.segments))
+    state = empty_map(len(rows.segments), distance)
     parents = np.full(len(rows.segments), -1, np.int64)
     moves: list[tuple[int, Indices]] = []  # inputs so far, where each segment of the map went
     for done, (first, stop) in enumerate(rows.scans(), 1):
         add(state, rows.segments, first, stop, distance, angle, min_length, parents)
         if done % every == 0 or stop == len(rows.segments):
-            moves.append((stop, _fuse_map(state, distance, tolerance)))
+            moves.append((stop, _fuse_map(state, tolerance)))
         yield int(state.used[0])
     return state.s[: state.used[0]].copy(), _followed(parents, moves)
 
 
-def _fuse_map(state: State, distance: float, tolerance: float) -> Indices:
+def _fuse_map(state: State, tolerance: float) -> Indices:
     """Replace the map by its Fusion; where each wall went, -1 for one without length."""
     live, count = rows_of(state.s[: state.used[0]])
     fused, into = fuse(live.segments, tolerance)
     counts = np.bincount(into, state.lines[live.row, 2]).astype(float)
-    replace_map(state, fused, counts, distance)
+    replace_map(state, fused, counts)
     moved = np.full(count, -1, np.int64)
     moved[live.row] = into
     return moved

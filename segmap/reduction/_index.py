@@ -1,0 +1,137 @@
+"""What lies where: an index of boxes that come and go, which finds those that meet another box.
+
+A box stands in the first level whose cells are as wide as it, in the cell of its middle; each level
+is twice as wide as the one before. The boxes of a cell make a list, found through a hash table: a
+wall a kilometre away takes no memory.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ..arrays import Array
+from ..compiled import compiled
+from ._runner import Indices
+
+#: Columns of `Index.link`.
+AFTER, BEFORE, CELL, LEVEL = 0, 1, 2, 3
+
+
+class Index(NamedTuple):
+    """Boxes by their number, around segments or their ends; lengths are in metres.
+
+    Parameters
+    ----------
+    box : (n, 4) array
+        Low x, low y, high x and high y.
+    link : (n, 4) int array
+        Next box of the list of its cell, -1 for none; the one before, or -1 - slot for the first;
+        the address of the cell; and its level, -1 for a box that is not in the index.
+    head : (slots,) int array
+        First box of each slot, -1 for none.
+    levels : (65, 2) array
+        How many boxes are in each level, and half the size of the largest that ever was; and how
+        many there are in all.
+    unit : float
+        Side of the smallest cells.
+    """
+
+    box: Array
+    link: Indices
+    head: Indices
+    levels: Array
+    unit: float
+
+
+def empty_index(count: int, unit: float) -> Index:
+    """An index with room for so many boxes."""
+    head = np.full(1 << int(np.ceil(np.log2(max(4 * count, 2)))), -1)
+    box, link = np.empty((count, 4)), np.full((count, 4), -1)
+    return Index(box, link, head, np.zeros((65, 2)), float(unit))
+
+
+@compiled
+def _address(column: int, row: int, level: int) -> int:
+    """A number for a cell, other than that of all near it: cells of a column stand side by side."""
+    return ((column + (level << 40)) * 73856093 + row) & 0x3FFFFFFFFFFFFFFF
+
+
+@compiled
+def enter(index: Index, b: int, x: float, y: float, x2: float, y2: float, reach: float) -> None:
+    """Put the box around two points, grown by a reach, into the index as number b."""
+    box, link, head, levels = index.box, index.link, index.head, index.levels
+    box[b, 0], box[b, 1] = min(x, x2) - reach, min(y, y2) - reach
+    box[b, 2], box[b, 3] = max(x, x2) + reach, max(y, y2) + reach
+    size = max(box[b, 2] - box[b, 0], box[b, 3] - box[b, 1])
+    level, side = 0, index.unit
+    while side < size:
+        level, side = level + 1, 2 * side
+    column, row = int(np.floor((x + x2) / 2 / side)), int(np.floor((y + y2) / 2 / side))
+    link[b, CELL], link[b, LEVEL] = _address(column, row, level), level
+    slot = link[b, CELL] & (len(head) - 1)
+    link[b, AFTER], link[b, BEFORE] = head[slot], -1 - slot
+    if head[slot] >= 0:
+        link[head[slot], BEFORE] = b
+    head[slot] = b
+    levels[level, 0] += 1
+    levels[-1, 0] += 1
+    levels[level, 1] = max(levels[level, 1], size / 2)
+
+
+@compiled
+def leave(index: Index, b: int) -> None:
+    """Take box b out of the index."""
+    link = index.link
+    after, before = link[b, AFTER], link[b, BEFORE]
+    if before < 0:
+        index.head[-1 - before] = after
+    else:
+        link[before, AFTER] = after
+    if after >= 0:
+        link[after, BEFORE] = before
+    index.levels[link[b, LEVEL], 0] -= 1
+    index.levels[-1, 0] -= 1
+    link[b, LEVEL] = -1
+
+
+@compiled
+def meeting(
+    index: Index, x: float, y: float, x2: float, y2: float, reach: float, out: Indices
+) -> int:
+    """Write the boxes that meet the one around two points, grown by a reach; how many.
+
+    Each once, in no order; what is farther by a rounding error, too. `out` needs room for one more
+    than there are boxes.
+    """
+    box, link, head, levels, count = index.box, index.link, index.head, index.levels, 0
+    reach += 1e-9 + 1e-15 * max(abs(x), abs(y), abs(x2), abs(y2))
+    x0, y0, x1, y1 = min(x, x2) - reach, min(y, y2) - reach, max(x, x2) + reach, max(y, y2) + reach
+    side, level, left = index.unit, 0, levels[-1, 0]
+    while left > 0:
+        if levels[level, 0] > 0:
+            left -= levels[level, 0]
+            half = levels[level, 1]
+            first, last = np.floor((x0 - half) / side), np.floor((x1 + half) / side)
+            low, high = np.floor((y0 - half) / side), np.floor((y1 + half) / side)
+            if (last - first + 1) * (high - low + 1) > len(box):  # fewer boxes than cells
+                for b in range(len(box)):
+                    if link[b, LEVEL] == level and box[b, 0] <= x1 and box[b, 2] >= x0:
+                        if box[b, 1] <= y1 and box[b, 3] >= y0:
+                            out[count] = b
+                            count += 1
+            else:
+                for column in range(int(first), int(last) + 1):
+                    for row in range(int(low), int(high) + 1):
+                        cell = _address(column, row, level)
+                        b = head[cell & (len(head) - 1)]
+                        while b >= 0:
+                            beside = (box[b, 0] > x1) | (box[b, 2] < x0)
+                            above = (box[b, 1] > y1) | (box[b, 3] < y0)
+                            out[count] = b
+                            # another cell may share the slot
+                            count += not (beside | above | (link[b, CELL] != cell))
+                            b = link[b, AFTER]
+        side, level = 2 * side, level + 1
+    return count
