@@ -4,10 +4,13 @@ from functools import cache
 
 import numpy as np
 from conftest import shared_file
+from segmap_course import literal
 
 from segmap import load, read
 from segmap.extraction import build_map
+from segmap.reduction import METHODS
 from segmap.segments import SegmentMap
+from segmap.testing import assert_segments_equal
 
 
 def random_map(rng: np.random.Generator, n: int = 48) -> np.ndarray:
@@ -48,3 +51,21 @@ def second_building() -> SegmentMap:
     """A denser real map, each wall seen from everywhere; skips the test where it is absent."""
     log = read(shared_file("data/intel.log.gz"))[:60]
     return build_map(log, log.truth, keep_points=True)
+
+
+def assert_literal(name: str, map: SegmentMap, **thresholds) -> None:
+    """The same segments in the same order, and the same parents."""
+    scans = [map.scan.tolist()] if METHODS[name].online else []
+    plain = getattr(literal, name)
+    behind = {k: v for k, v in plain_behind(map).items() if k in plain.__kwdefaults__}
+    out, parents = plain(map.segments.tolist(), *scans, **behind, **thresholds)
+    found = METHODS[name](map, **thresholds)
+    assert_segments_equal(found.segments, np.reshape(out, (-1, 2, 2)), ordered=True)
+    np.testing.assert_array_equal(found.parents, parents)
+
+
+def plain_behind(map: SegmentMap) -> dict[str, list]:
+    """What a map keeps behind its segments, as plain lists."""
+    points = [] if map.points is None else np.split(map.points, map.first[1:-1])
+    found = {"points": [run.tolist() for run in points]} if points else {}
+    return found if map.sensors is None else {**found, "sensors": map.sensors.tolist()}

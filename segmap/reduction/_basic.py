@@ -134,7 +134,7 @@ class State(NamedTuple):
     lengths: Array
     alive: Indices  # 1 for segments of the map
     parents: Indices  # which segment took each in; its own index until then
-    index: Index  # end k of segment i is number 2 i + k
+    ends: Index  # end k of segment i is number 2 i + k
     near: Indices  # room for what lies near
 
 
@@ -147,7 +147,7 @@ def _start(segments: Array, distance: float) -> State:
         lengths=np.hypot(d[:, 0], d[:, 1]),
         alive=np.zeros(n, np.int64),
         parents=np.arange(n),
-        index=empty_index(2 * n, distance),
+        ends=empty_index(2 * n, distance),
         near=np.empty(4 * n + 1, np.int64),
     )
 
@@ -157,7 +157,7 @@ def _enter(state: State, i: int) -> None:
     """Put both end points of segment i into the index."""
     for k in range(2):
         x, y = state.s[i, k, 0], state.s[i, k, 1]
-        enter(state.index, 2 * i + k, x, y, x, y, 0.0)
+        enter(state.ends, 2 * i + k, x, y, x, y, 0.0)
 
 
 @compiled
@@ -166,14 +166,15 @@ def _matches(state: State, a: int, distance: float, angle: float) -> int:
     s, near, found, count = state.s, state.near, 0, 0
     for k in range(2):
         x, y = s[a, k, 0], s[a, k, 1]
-        found = count + meeting(state.index, x, y, x, y, distance, near[count:])
+        found = count + meeting(state.ends, x, y, x, y, distance, near[count:])
         for m in range(count, found):
             b, end = near[m] // 2, near[m] % 2
             dx, dy = x - s[b, end, 0], y - s[b, end, 1]
-            if b != a and dx * dx + dy * dy < distance * distance:
-                if abs(turn_between(state.angles[b], state.angles[a])) < angle:
-                    near[count] = b
-                    count += 1
+            if b == a or dx * dx + dy * dy >= distance * distance:
+                continue
+            if abs(turn_between(state.angles[b], state.angles[a])) < angle:
+                near[count] = b
+                count += 1
     return count
 
 
@@ -183,7 +184,7 @@ def _merge(state: State, a: int, b: int) -> None:
     share = state.lengths[b] / (state.lengths[a] + state.lengths[b])
     turn = turn_between(state.angles[a], state.angles[b])
     for e in (2 * a, 2 * a + 1, 2 * b, 2 * b + 1):
-        leave(state.index, e)
+        leave(state.ends, e)
     state.angles[a] += share * turn
     state.lengths[a] = become_mean(state.s, a, b, share, state.angles[a])
     state.alive[b], state.parents[b] = 0, a

@@ -97,7 +97,7 @@ class State(NamedTuple):
     s: Array  # (n, 2, 2), metres
     lines: Array  # (n, 3) rho, metres, theta, radians, and how many segments each wall stands for
     used: Indices  # (1,) how many walls there are
-    index: Index
+    places: Index
     near: Indices  # room for what lies near
 
 
@@ -131,7 +131,7 @@ def _nearest_match(
     lines, best, least = state.lines, -1, distance
     for k in range(2):
         x, y = new[i, k, 0], new[i, k, 1]
-        for m in range(meeting(state.index, x, y, x, y, distance, state.near)):
+        for m in range(meeting(state.places, x, y, x, y, distance, state.near)):
             b = state.near[m]
             if abs(abs(lines[b, 0]) - abs(rho)) < distance:
                 turns = round((lines[b, 1] - theta) / np.pi)
@@ -166,8 +166,8 @@ def _absorb(state: State, b: int, new: Array, i: int, rho: float, theta: float) 
         low, high = min(low, u, v), max(high, u, v)
     s[b, 0, 0], s[b, 0, 1] = rho * nx - low * ny, rho * ny + low * nx
     s[b, 1, 0], s[b, 1, 1] = rho * nx - high * ny, rho * ny + high * nx
-    leave(state.index, b)
-    enter(state.index, b, s[b, 0, 0], s[b, 0, 1], s[b, 1, 0], s[b, 1, 1], 0.0)
+    leave(state.places, b)
+    enter(state.places, b, s[b, 0, 0], s[b, 0, 1], s[b, 1, 0], s[b, 1, 1], 0.0)
 
 
 @compiled
@@ -179,7 +179,7 @@ def _join(state: State, new: Array, i: int, count: float) -> None:
     state.lines[b, 0], state.lines[b, 1] = line_of(new, i)
     state.lines[b, 2] = count
     state.used[0] += 1
-    enter(state.index, b, new[i, 0, 0], new[i, 0, 1], new[i, 1, 0], new[i, 1, 1], 0.0)
+    enter(state.places, b, new[i, 0, 0], new[i, 0, 1], new[i, 1, 0], new[i, 1, 1], 0.0)
 
 
 @compiled
@@ -212,7 +212,7 @@ def add(
 def replace_map(state: State, segments: Array, counts: Array) -> None:
     """Put `(m, 2, 2)` segments, metres, that stand for `(m,)` counts in the place of the map."""
     for b in range(state.used[0]):
-        leave(state.index, b)
+        leave(state.places, b)
     state.used[0] = 0
     for i in range(len(segments)):
         _join(state, segments, i, counts[i])

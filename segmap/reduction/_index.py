@@ -117,10 +117,10 @@ def meeting(
             low, high = np.floor((y0 - half) / side), np.floor((y1 + half) / side)
             if (last - first + 1) * (high - low + 1) > len(box):  # fewer boxes than cells
                 for b in range(len(box)):
-                    if link[b, LEVEL] == level and box[b, 0] <= x1 and box[b, 2] >= x0:
-                        if box[b, 1] <= y1 and box[b, 3] >= y0:
-                            out[count] = b
-                            count += 1
+                    beside = box[b, 0] > x1 or box[b, 2] < x0 or box[b, 1] > y1 or box[b, 3] < y0
+                    if link[b, LEVEL] == level and not beside:
+                        out[count] = b
+                        count += 1
             else:
                 for column in range(int(first), int(last) + 1):
                     for row in range(int(low), int(high) + 1):

@@ -7,8 +7,15 @@ import pytest
 from conftest import slow
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from reduction_maps import MAPS, corridor_map, malaga, random_map, redundant_map, second_building
-from segmap_course import literal
+from reduction_maps import (
+    MAPS,
+    assert_literal,
+    corridor_map,
+    malaga,
+    random_map,
+    redundant_map,
+    second_building,
+)
 
 from segmap.metrics import quality
 from segmap.poses import transform
@@ -110,24 +117,6 @@ def made(make, name: str, seed: int) -> SegmentMap:
     segments = make(rng, n) * scale
     scans, sensors = rng.integers(0, 9, len(segments)), rng.uniform(-1, 1, (9, 2)) * scale
     return SegmentMap(segments, scans, sensors=sensors)
-
-
-def assert_literal(name: str, map: SegmentMap, **thresholds) -> None:
-    """The same segments in the same order, and the same parents."""
-    scans = [map.scan.tolist()] if METHODS[name].online else []
-    plain = getattr(literal, name)
-    behind = {k: v for k, v in plain_behind(map).items() if k in plain.__kwdefaults__}
-    out, parents = plain(map.segments.tolist(), *scans, **behind, **thresholds)
-    found = METHODS[name](map, **thresholds)
-    assert_segments_equal(found.segments, np.reshape(out, (-1, 2, 2)), ordered=True)
-    np.testing.assert_array_equal(found.parents, parents)
-
-
-def plain_behind(map: SegmentMap) -> dict[str, list]:
-    """What a map keeps behind its segments, as plain lists."""
-    points = [] if map.points is None else np.split(map.points, map.first[1:-1])
-    found = {"points": [run.tolist() for run in points]} if points else {}
-    return found if map.sensors is None else {**found, "sensors": map.sensors.tolist()}
 
 
 @pytest.mark.parametrize(("name", "case", "seed"), CASES)

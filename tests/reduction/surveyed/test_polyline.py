@@ -5,10 +5,9 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from conftest import slow
-from reduction_maps import malaga, redundant_map
+from reduction_maps import assert_literal, malaga, redundant_map
 from segmap_course import literal
 from segmap_course.literal.reduction.polyline import apart as distance
-from test_reduction_properties import assert_literal
 
 from segmap.alignment import match_values
 from segmap.poses import transform
