@@ -25,11 +25,9 @@ from typing import Any, NamedTuple
 
 import damaged_maps
 import numpy as np
+from damage import ODD_MAP, SAMPLES, SEED, a_graph, mutated, outcome
 from log_samples import GROUNDTRUTH, ODOMETRY_CSV, RAWSEEDS
 from segmap_course import load_trials
-from test_graph_files import a_graph
-from test_readers_damage import SAMPLES, SEED, mutated, outcome
-from test_segment_files import ODD
 
 from segmap import LogError
 from segmap.experiments import load_alignments, load_records, read_records
@@ -150,7 +148,7 @@ def targets() -> dict[str, Target]:
     found["track"] = partial(trajectory, GROUNDTRUTH.encode())
     found["odometry"] = partial(trajectory, ODOMETRY_CSV.encode())
     for name in ("segments.csv", "segments.npz"):
-        found[name] = partial(given_to, read_segments, written(write_segments, name, ODD))
+        found[name] = partial(given_to, read_segments, written(write_segments, name, ODD_MAP))
     found["graph"] = partial(given_to, read_graph, written(write_graph, "it.g2o", a_graph()))
     found |= {"map bytes": map_bytes, "map arrays": map_arrays}
     found["runs"] = partial(table, read_records, beginning(place / "malaga.csv"))

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
+import segmap_course as course
 from segmap_course import load_trials, write_trials
 
 import segmap
@@ -62,17 +63,19 @@ def test_the_table_of_writers_is_whole():
         *("write_segments", "write_graph", "write_arrays"),
     }
     found = set()
-    for path in Path(segmap.__file__).parent.rglob("*.py"):
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-            if isinstance(node, ast.Call) and writes(node):
-                found.add(path.relative_to(Path(segmap.__file__).parent).as_posix())
-    appending = {"hokuyo/_record.py", "experiments/_files.py"}  # a line a scan, a line a run
-    passing = {
-        "panels/_source.py",  # an upload, into a folder that is gone once it was read
-        "course/_open_scans.py",  # a log of one line, alike
-        "course/_grade_server.py",  # a pipe
+    for package in (Path(segmap.__file__).parent, Path(course.__file__).parent):
+        for path in package.rglob("*.py"):
+            for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+                if isinstance(node, ast.Call) and writes(node):
+                    found.add(path.relative_to(package.parent).as_posix())
+    assert found == {
+        "segmap/files.py",
+        "segmap/hokuyo/_record.py",  # a line a scan
+        "segmap/experiments/_files.py",  # a line a run
+        "segmap/panels/workbench/_source.py",  # an upload, into a folder that goes with it
+        "segmap_course/exercises/open/_scans.py",  # a log of one line, alike
+        "segmap_course/grading/_server.py",  # a pipe
     }
-    assert found == {"_files.py", *appending, *passing}
 
 
 def writes(call: ast.Call) -> bool:

@@ -5,14 +5,14 @@ import random
 import numpy as np
 import pytest
 from conftest import later
+from damage import SEED, a_graph, mutated
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from test_readers_damage import SEED, mutated
 
 from segmap import LogError, load
 from segmap.alignment import Alignment, Graph, pose_graph, solve_graph
 from segmap.exports import write_graph
-from segmap.poses import between, compose
+from segmap.poses import between
 from segmap.readers import PoseGraph, read_graph
 
 gtsam = later("gtsam")
@@ -26,22 +26,6 @@ def referee():
 @pytest.fixture(scope="module")
 def aligned() -> Alignment:
     return pose_graph(load("corridor")[:40])
-
-
-def a_graph(seed=1, count=12, loops=6, noise=0.02) -> PoseGraph:
-    """A robot that turns, loops closed; information of no symmetry at all."""
-    rng = np.random.default_rng(seed)
-    poses = np.zeros((count, 3))
-    for k in range(1, count):
-        poses[k] = compose(poses[k - 1], (1, 0.1, rng.normal(0, 1)))
-    ends = [(k, k + 1) for k in range(count - 1)]
-    ends += [tuple(rng.choice(count, 2, replace=False)) for _ in range(loops)]
-    edges = np.array(ends)
-    relative = between(poses[edges[:, 0]], poses[edges[:, 1]])
-    relative += rng.normal(0, noise, relative.shape) * (1, 1, 0.3)
-    half = rng.normal(0, 10, (len(edges), 3, 3))
-    information = half @ half.swapaxes(1, 2) + np.diag([900, 400, 2000])
-    return PoseGraph(poses + rng.normal(0, 0.01, poses.shape), edges, relative, information)
 
 
 def chi2(graph: PoseGraph) -> float:

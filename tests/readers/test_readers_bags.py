@@ -332,7 +332,7 @@ FEW, MANY = 150, 10_000
 @pytest.mark.parametrize("count", [FEW, slow(MANY)])
 @pytest.mark.parametrize("name", [*bags.KINDS, "bz2", "metadata"])
 def test_nothing_but_log_errors_comes_out_of_damaged_bags(tmp_path, name, count, monkeypatch):
-    from test_readers_damage import COUNTS, check
+    from damage import COUNTS, check
 
     kind = {"bz2": "ros1", "metadata": "db3"}.get(name, name)
     packed = {"compression": "BZ2"} if name == "bz2" else {}

@@ -183,7 +183,7 @@ class TestTurns:
         columns = head if "time" in head else head + ",other"
         path = written(text([columns + (",scan" if numbered else ""), *lines]))
         with pytest.MonkeyPatch.context() as patch:
-            patch.setattr("segmap.scans._units.check_ranges", lambda *arguments: None)
+            patch.setattr("segmap.arrays.slips.check_ranges", lambda *arguments: None)
             log = readers.read(path)
         assert [s.ranges.tolist() for s in log] == [[r * far for r in scan] for scan in scans]
         assert [s.angles.tolist() for s in log] == [[a * turn for a in turned] for turned in angles]

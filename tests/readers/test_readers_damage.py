@@ -6,19 +6,16 @@ quarter of them in `make test`).
 
 import gzip
 import os
-import random
 import tracemalloc
-import warnings
 import zipfile
 
-import numpy as np
 import pytest
 from conftest import shared_file, slow
-from log_samples import CARMEN, NPZ, RAWSEEDS, SINGLE_FILES, flaser
-from mrpt_samples import BINARY_FILES
+from damage import COUNTS, IN_FOLDER, MUTANTS, NEWLY, SAMPLES, check
+from log_samples import CARMEN, RAWSEEDS, flaser
 
 from segmap import readers
-from segmap.readers import LogError, _bundled
+from segmap.readers import LogError
 
 GOOD = flaser((1, 2, 0.5), (0, 0, 0), 1.0)
 
@@ -150,106 +147,6 @@ def test_files_that_may_not_be_read_are_named(path):
 
 
 # --- mutation -------------------------------------------------------------------------------------
-
-with gzip.open(_bundled.find("malaga"), "rt") as _file:
-    MALAGA = "".join(line for _, line in zip(range(4), _file, strict=False))
-SAMPLES = {name: text.encode() for name, text in (SINGLE_FILES | {"malaga": MALAGA}).items()}
-SAMPLES |= BINARY_FILES | {"npz": NPZ}
-#: Mutants of a sample, of a format that is new, of one with long lines, and of a file in a folder.
-LIGHT, NEW, HEAVY, IN_FOLDER = 1100, 1000, 400, 300
-NEWLY = ("gmapping", "dpslam", "wean", "csv", "rplidar", "ld19", "npz")
-#: Damaged files that one run of this module reads, each with `on_error` "raise" and "skip".
-COUNTS = {name: LIGHT if len(data) < 2000 else HEAVY for name, data in SAMPLES.items()}
-COUNTS |= {"coreslam_13": 100} | dict.fromkeys(NEWLY, NEW)
-COUNTS |= dict.fromkeys(BINARY_FILES, 300)  # four samples of one reader
-MUTANTS = sum(COUNTS.values()) + IN_FOLDER * len(RAWSEEDS)
-
-#: The same mutants in each run; another seed makes others.
-SEED = os.environ.get("SEGMAP_SEED", "1")
-
-ODD = ["nan", "inf", "-inf", "-1", "0", "1e999", "1e308", "-1e308", "1e-320", "1_0", "²", "x", "#"]
-ODD += ["1000000000", "9" * 400, "FLASER", "laser", "VERTEX2", "ROBOTLASER1", "\n", ",", "\0", " "]
-
-
-def cut(data, a, b, bits):
-    return data[:a] + data[a + b % 40 :]
-
-
-def insert(data, a, b, bits):
-    return data[:a] + bits + data[a:]
-
-
-def overwrite(data, a, b, bits):
-    return data[:a] + bits + data[a + len(bits) :]
-
-
-def truncate(data, a, b, bits):
-    return data[:a]
-
-
-def change_word(data, a, b, bits):
-    words = data.split(b" ")
-    words[a % len(words)] = bits
-    return b" ".join(words)
-
-
-def swap_words(data, a, b, bits):
-    words = data.split(b" ")
-    a, b = a % len(words), b % len(words)
-    words[a], words[b] = words[b], words[a]
-    return b" ".join(words)
-
-
-def repeat_line(data, a, b, bits):
-    lines = data.split(b"\n")
-    lines.insert(b % len(lines), lines[a % len(lines)])
-    return b"\n".join(lines)
-
-
-def pack(data, a, b, bits):
-    packed = gzip.compress(data, 1, mtime=0)
-    return packed[: a % (2 * len(packed))]
-
-
-CHANGES = [cut, insert, overwrite, truncate, change_word, swap_words, repeat_line, pack]
-
-
-def mutated(data: bytes, rng: random.Random) -> bytes:
-    """The bytes after one to three changes; half of what is put in are words with a meaning."""
-    for _ in range(rng.randint(1, 3)):
-        bits = rng.choice(ODD).encode() if rng.random() < 0.5 else rng.randbytes(rng.randrange(7))
-        place = rng.randrange(len(data) + 1)
-        data = rng.choice(CHANGES)(data, place, rng.randrange(2**20), bits)
-    return data
-
-
-def outcome(path, on_error):
-    """The log, checked to be sound, or None where reading it was refused."""
-    try:
-        with warnings.catch_warnings():
-            warnings.filterwarnings("ignore", ".*look like (degrees|millimetres)")  # they may
-            log = readers.read(path, on_error=on_error)
-    except LogError:
-        return None
-    assert len(log) and np.isfinite(log.times).all()
-    assert all(np.isfinite(scan.points()).all() and np.isfinite(scan.angles).all() for scan in log)
-    assert log.truth is None or np.isfinite(log.truth).all(1).any()
-    return log
-
-
-def check(path, place, name, count=None):
-    """Read mutants of one file of a log: each is refused, or sound whether damage is skipped."""
-    rng, content = random.Random(f"{SEED} {name}"), place.read_bytes()
-    for number in range(count or COUNTS.get(name, IN_FOLDER)):
-        place.write_bytes(mutated(content, rng))
-        try:
-            strict, lenient = outcome(path, "raise"), outcome(path, "skip")
-            if strict is not None:
-                assert lenient is not None and len(lenient) == len(strict)
-                assert lenient.skipped == strict.skipped  # lines of no meaning, not damaged ones
-        except Exception as fault:
-            fault.add_note(f"mutant {number} of SEGMAP_SEED={SEED}: {place.read_bytes()[:2000]!r}")
-            raise
 
 
 @pytest.mark.parametrize("part", [0.25, slow(1.0)])

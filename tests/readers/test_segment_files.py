@@ -11,10 +11,10 @@ from dataclasses import fields
 
 import numpy as np
 import pytest
+from damage import ODD_MAP, SEED, mutated
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays_of
-from test_readers_damage import SEED, mutated
 
 from segmap import LogError, SegmentMap, build_map, fusion, load
 from segmap.arrays import LIMIT
@@ -22,15 +22,11 @@ from segmap.exports import write_segments
 from segmap.readers import read_segments
 
 EMPTY = SegmentMap([])
-ODD = SegmentMap(
-    [[(0.1, -0.0), (1 / 3, 5e-324)], [(LIMIT, -LIMIT), (1e7 - 1e-9, 2)], [(1, 1), (1, 1)]],
-    scan=[-1, 2**53 - 1, 0],
-)
 MAPS = {
     "upright": SegmentMap([[(1, 0), (1, 2)], [(0, 1), (2, 1)]]),
     "empty": EMPTY,
     "one": SegmentMap([[(0, 0), (1, 2)]], [4]),
-    "odd": ODD,
+    "odd": ODD_MAP,
 }
 BACK = ["it.csv", "it.csv.gz", "it.npz"]
 FORMATS = [".csv", ".npz", ".svg", ".geojson", ".wkt", ".dxf"]
@@ -90,12 +86,12 @@ def test_save_keeps_points_and_sensors(order, tmp_path):
 
 def test_a_table_is_found_by_what_is_in_it(tmp_path):
     """Catches a reader that believes the name."""
-    write_segments(tmp_path / "it.csv", ODD)
-    ODD.save(tmp_path / "it.npz")
+    write_segments(tmp_path / "it.csv", ODD_MAP)
+    ODD_MAP.save(tmp_path / "it.npz")
     (tmp_path / "it.csv").rename(tmp_path / "other.npz")
     (tmp_path / "it.npz").rename(tmp_path / "other.csv")
     for name in ("other.npz", "other.csv"):
-        assert bits(read_segments(tmp_path / name)) == bits(ODD)
+        assert bits(read_segments(tmp_path / name)) == bits(ODD_MAP)
 
 
 def test_a_reduction_and_an_array_are_of_scan_0(tmp_path):
@@ -199,10 +195,10 @@ def test_dxf(map, tmp_path):
 
 @pytest.mark.parametrize("end", FORMATS)
 def test_packed_files_hold_the_same(end, tmp_path):
-    write_segments(tmp_path / f"it{end}", ODD)
+    write_segments(tmp_path / f"it{end}", ODD_MAP)
     if end == ".npz":
         return
-    write_segments(tmp_path / f"it{end}.gz", ODD)
+    write_segments(tmp_path / f"it{end}.gz", ODD_MAP)
     packed = (tmp_path / f"it{end}.gz").read_bytes()
     assert gzip.decompress(packed) == (tmp_path / f"it{end}").read_bytes()
 
@@ -211,7 +207,7 @@ def test_packed_files_hold_the_same(end, tmp_path):
 def test_another_name_is_refused_with_those_that_are_known(name, tmp_path):
     known = r"\.npz, \.csv, \.svg, \.geojson, \.wkt, \.dxf, \.csv\.gz"
     with pytest.raises(ValueError, match=f"path: the name must end in {known}"):
-        write_segments(tmp_path / name, ODD)
+        write_segments(tmp_path / name, ODD_MAP)
     assert list(tmp_path.iterdir()) == []
 
 
@@ -245,7 +241,7 @@ def test_a_wrong_row_is_named(name, tmp_path):
 
 def stored(**changes) -> bytes:
     target = io.BytesIO()
-    held = {"format": np.array("segmap map 1"), "segments": ODD.segments, "scan": ODD.scan}
+    held = {"format": np.array("segmap map 1"), "segments": ODD_MAP.segments, "scan": ODD_MAP.scan}
     np.savez(target, **{k: v for k, v in (held | changes).items() if v is not None})
     return target.getvalue()
 
@@ -259,8 +255,8 @@ TAMPERED = {
     "pickled": ({"scan": np.array([{}], object)}, "not a readable NPZ file"),
     "flat": ({"segments": np.zeros((3, 4))}, r"damaged, segments must have shape \(n, 2, 2\)"),
     "a word": ({"segments": np.full((3, 2, 2), "x")}, "damaged, segments must be"),
-    "not finite": ({"segments": ODD.segments * np.nan}, "damaged, segments must be finite"),
-    "scans short": ({"scan": ODD.scan[:2]}, r"damaged, scan must have shape \(3,\)"),
+    "not finite": ({"segments": ODD_MAP.segments * np.nan}, "damaged, segments must be finite"),
+    "scans short": ({"scan": ODD_MAP.scan[:2]}, r"damaged, scan must have shape \(3,\)"),
     "half scans": ({"scan": np.full(3, 0.5)}, "damaged, scan must be whole numbers"),
     "points alone": ({"points": np.zeros((6, 2))}, "damaged, points and first must be given"),
     "places short": ({"sensors": np.zeros((1, 2))}, "damaged, sensors must hold a place"),
@@ -320,5 +316,5 @@ def check_mutants(path, content: bytes, count: int) -> None:
 @pytest.mark.parametrize("name", ["it.csv", "it.npz"])
 def test_nothing_but_log_errors_comes_out_of_damaged_maps(name, count, tmp_path):
     """Catches the dozen kinds of errors of zip and numpy, and numbers that no map can hold."""
-    write_segments(tmp_path / name, with_points()[:4] if name == "it.npz" else ODD)
+    write_segments(tmp_path / name, with_points()[:4] if name == "it.npz" else ODD_MAP)
     check_mutants(tmp_path / name, (tmp_path / name).read_bytes(), count)
