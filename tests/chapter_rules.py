@@ -3,7 +3,6 @@
 `test_notebooks.py` applies all of them to every chapter, and each to a notebook that breaks it.
 """
 
-import ast
 import base64
 import functools
 import json
@@ -11,6 +10,10 @@ import re
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
+
+import segmap_course
+
+import segmap
 
 ROOT = Path(__file__).resolve().parents[1]
 CHAPTERS = sorted((ROOT / "notebooks").glob("*.ipynb"))
@@ -150,24 +153,14 @@ def short_cells(notebook: dict) -> list[str]:
 
 @functools.cache
 def defined_in_segmap() -> set[str]:
-    """Names that a reader can import: what packages export, and what modules define in public."""
-    found: set[str] = set()
-    for path in (ROOT / "segmap").rglob("*.py"):
-        tree = ast.parse(path.read_text(encoding="utf-8"))
-        if path.name == "__init__.py":
-            found |= {name for node in tree.body for name in exported(node)}
-        steps = path.parent.name == "literal"  # whose small helpers no reader imports
-        if not (path.stem.startswith("_") or steps) or path.name == "__init__.py":
-            kinds = (ast.FunctionDef, ast.ClassDef)
-            found |= {node.name for node in tree.body if isinstance(node, kinds)}
-    return {name for name in found if not name.startswith("_")}
-
-
-def exported(node: ast.stmt) -> list[str]:
-    """The names in `__all__ = [...]`; none of any other statement."""
-    if isinstance(node, ast.Assign) and ast.unparse(node.targets[0]) == "__all__":
-        return list(ast.literal_eval(node.value))
-    return []
+    """Names that a reader can import from the rooms of the library and from the course."""
+    rooms = [segmap, segmap_course, *(getattr(segmap, name) for name in segmap.__all__)]
+    return {
+        n
+        for room in rooms
+        for n, value in getattr(room, "__dict__", {}).items()
+        if n[0] != "_" and callable(value)
+    }
 
 
 def defines_nothing_twice(notebook: dict) -> list[str]:

@@ -14,10 +14,10 @@ def read(path):
     return json.loads(path.read_text(encoding="utf-8"))
 
 
-@pytest.mark.parametrize("rule", rules.RULES, ids=lambda rule: rule.__name__)
 @pytest.mark.parametrize("path", CHAPTERS, ids=lambda path: path.stem[:2])
-def test_chapter(path, rule):
-    assert rule(read(path)) == []
+def test_chapter(path):
+    notebook = read(path)
+    assert [f"{rule.__name__}: {said}" for rule in rules.RULES for said in rule(notebook)] == []
 
 
 def test_there_are_chapters_and_all_have_a_number():
@@ -147,10 +147,9 @@ def broken(breach):
     return notebook
 
 
-@pytest.mark.parametrize("rule", rules.RULES, ids=lambda rule: rule.__name__)
-def test_a_clean_chapter_passes(rule):
+def test_a_clean_chapter_passes():
     """Catches a rule that nothing can meet."""
-    assert rule(GOOD) == []
+    assert [rule.__name__ for rule in rules.RULES if rule(GOOD)] == []
 
 
 @pytest.mark.parametrize(

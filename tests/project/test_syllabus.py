@@ -53,7 +53,7 @@ def test_links_lead_somewhere(text):
 
 def test_the_commands_of_the_pages_are_understood():
     """Catches a page that names an option which is gone."""
-    found = re.findall(r"^ +python -m segmap\.course (.+)$", TEXT + INSTRUCTOR, re.MULTILINE)
+    found = re.findall(r"^ +python -m segmap_course (.+)$", TEXT + INSTRUCTOR, re.MULTILINE)
     assert len(found) >= 4
     for line in found:
         parser().parse_args(line.split())

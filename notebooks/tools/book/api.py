@@ -12,7 +12,8 @@ from typing import Any
 ROOMS = (
     *("segmap", "scans", "readers", "simulation", "angles", "poses", "segments", "extraction"),
     *("metrics", "alignment", "reduction", "quadtree", "matching", "exports", "experiments"),
-    *("hokuyo", "emulator", "plotting", "panels", "course", "literal", "testing", "arrays"),
+    *("hokuyo", "hokuyo.emulator", "plotting", "panels", "testing", "arrays"),
+    *("segmap_course", "segmap_course.literal"),
 )
 
 
@@ -46,21 +47,21 @@ def page(room: str, seen: set[int]) -> str:
 
 def room_module(room: str) -> types.ModuleType:
     """The module of a room."""
-    return importlib.import_module("segmap" if room == "segmap" else f"segmap.{room}")
+    return importlib.import_module(room if room.startswith("segmap") else f"segmap.{room}")
 
 
 def public_names(module: types.ModuleType) -> list[str]:
-    """`__all__`, and where there is none what the module itself defines without underscore."""
+    """`__all__`, and where there is none what is defined without underscore in the room."""
     if hasattr(module, "__all__"):
         return list(module.__all__)
-    return [name for name, value in vars(module).items() if _own(module, name, value)]
-
-
-def _own(module: types.ModuleType, name: str, value: Any) -> bool:
-    defines = inspect.isclass(value) or inspect.isroutine(value)
-    inside = getattr(value, "__module__", "").split(".")[-1].lstrip("_")
-    room = module.__name__.split(".")[-1]
-    return not name.startswith("_") and defines and inside in (room, f"{room}_loops")
+    inside = re.compile(rf"{re.escape(module.__name__)}(\.|$)")
+    return [
+        name
+        for name, value in vars(module).items()
+        if name[0] != "_"
+        and (inspect.isclass(value) or inspect.isroutine(value))
+        and inside.match(getattr(value, "__module__", ""))
+    ]
 
 
 def _elsewhere(module: types.ModuleType) -> Iterator[str]:
@@ -77,7 +78,7 @@ def _elsewhere(module: types.ModuleType) -> Iterator[str]:
 def _home(value: Any, name: str) -> str:
     if name == "METHODS":
         return "reduction"
-    return str(value.__module__).split(".")[1].lstrip("_").removesuffix("_loops")
+    return str(value.__module__).split(".")[1]
 
 
 def _first(value: Any) -> str:

@@ -90,10 +90,15 @@ def _link_names(app: Sphinx, tree: nodes.document, page: str) -> None:
 
 
 def by_short_name(entries: Any) -> dict[str, str]:
-    """`reduction.fusion` and `fusion` -> `segmap.reduction.fusion`, unless two rooms have one."""
-    full = [name for name in entries if re.fullmatch(r"segmap\.\w+\.\w+", name)]
-    known = {name.removeprefix("segmap."): name for name in full}
-    outer = [name for name in full if name.split(".")[1] not in ("literal", "course", "arrays")]
+    """`reduction.fusion` and `fusion` -> `segmap.reduction.fusion`, unless two rooms have one.
+
+    The chapters call the course `course`.
+    """
+    full = [
+        n for n in entries if re.fullmatch(r"segmap\.\w+\.\w+|segmap_course(\.literal)?\.\w+", n)
+    ]
+    known = {re.sub(r"^segmap\.|^segmap_course\.(?=literal)|^segmap_(?=c)", "", n): n for n in full}
+    outer = [n for n in full if not n.startswith(("segmap_course.", "segmap.arrays."))]
     short: dict[str, list[str]] = {}
     for name in outer:
         short.setdefault(name.rpartition(".")[2], []).append(name)
