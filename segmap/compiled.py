@@ -7,12 +7,13 @@ source runs as plain Python: slower, with the same result.
 
 from __future__ import annotations
 
+import hashlib
+import inspect
 import os
 import types
-import zlib
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any, Generic, ParamSpec, TypeVar, cast
+from typing import Any, Generic, ParamSpec, TypeVar, cast, get_args, get_type_hints
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -27,8 +28,8 @@ class Compiled(Generic[P, R]):
     Kernels may call other kernels, of other files too: a change there is seen. For its callers in
     Python a kernel gets a wrapper that unpacks arrays, which costs a sixth of the compiling; for
     other kernels it is compiled without. Never `fastmath`: it breaks `isfinite`. What is annotated
-    `float` is handed over as one: numba would compile everything once more for `tolerance=1`.
-    Other threads of Python run on beside a kernel.
+    `float`, or as a unit of one, is handed over as one: numba would compile everything once more
+    for `tolerance=1`. Other threads of Python run on beside a kernel.
     """
 
     def __init__(self, plain: Callable[P, R]) -> None:
@@ -36,9 +37,8 @@ class Compiled(Generic[P, R]):
         self.__doc__ = plain.__doc__
         self._fast: Callable[P, R] | None = None
         self._inner: Callable[P, R] | None = None
+        self._floats: list[int] = []
         self._code = cast(types.FunctionType, plain).__code__
-        names = self._code.co_varnames[: self._code.co_argcount]
-        self._floats = [k for k, n in enumerate(names) if plain.__annotations__.get(n) == "float"]
 
     def __call__(self, *args: P.args, **kwargs: P.kwargs) -> R:
         """Run the machine code."""
@@ -50,6 +50,8 @@ class Compiled(Generic[P, R]):
         return self._fast(*given, **kwargs)
 
     def _build(self) -> Callable[P, R]:
+        hints, names = get_type_hints(self.plain), self._code.co_varnames
+        self._floats = [k for k in range(self._code.co_argcount) if hints.get(names[k]) is float]
         if os.environ.get(PLAIN) == "1":
             return self.plain
         try:
@@ -70,33 +72,53 @@ class Compiled(Generic[P, R]):
         """The source, with the kernels that it calls replaced by their compiled forms."""
         function = cast(types.FunctionType, self.plain)
         scope = dict(function.__globals__)
-        for name, kernel in self._called():
-            if kernel._inner is None:
-                inner = kernel._jit(njit, no_cpython_wrapper=True, no_cfunc_wrapper=True)
-                kernel._inner = _for_any_number(inner)
-            scope[name] = kernel._inner
+        for name, kernel in self._used().items():
+            if isinstance(kernel, Compiled):
+                if kernel._inner is None:
+                    inner = kernel._jit(njit, no_cpython_wrapper=True, no_cfunc_wrapper=True)
+                    kernel._inner = _for_any_number(inner)
+                scope[name] = kernel._inner
         linked = types.FunctionType(function.__code__, scope, function.__name__)
         linked.__defaults__, linked.__module__ = function.__defaults__, function.__module__
-        # The cache has an entry for each qualified name, and looks at this file's date alone.
-        linked.__qualname__ = function.__qualname__ + suffix + self._state_of_other_files()
+        # The cache has an entry for each qualified name, and looks at this file alone.
+        linked.__qualname__ = function.__qualname__ + suffix + self._key()
         return linked
 
-    def _called(self) -> list[tuple[str, Compiled[..., Any]]]:
-        """Names and kernels that this one calls."""
+    def _used(self) -> dict[str, Any]:
+        """What the source names outside itself: other kernels, constants, classes, modules."""
         scope = cast(types.FunctionType, self.plain).__globals__
-        found = [(name, scope.get(name)) for name in self._code.co_names]
-        return [(name, kernel) for name, kernel in found if isinstance(kernel, Compiled)]
+        return {name: scope[name] for name in self._code.co_names if name in scope}
 
-    def _files(self) -> set[str]:
-        """Files of this kernel and of all that it calls, directly or not."""
-        called = [kernel._files() for _, kernel in self._called()]
-        return {self._code.co_filename}.union(*called)
+    def _key(self) -> str:
+        """Changes with all that the machine code rests on outside the kernel's own file.
 
-    def _state_of_other_files(self) -> str:
-        """Changes with every file but its own that this kernel is compiled from."""
-        others = sorted(self._files() - {self._code.co_filename})
-        sources = b"".join(Path(file).read_bytes() for file in others)
-        return f"-{zlib.crc32(sources):08x}" if others else ""
+        The cache holds the modules of named tuples by name: one that has moved could not be read.
+        """
+        own, parts = self._code.co_filename, self._parts()
+        contents = [Path(file).read_bytes() for file in sorted({p[1] for p in parts} - {own, ""})]
+        names = "\n".join(sorted(text for text, _ in parts))
+        return "-" + hashlib.sha256(b"\n".join([names.encode(), *contents])).hexdigest()[:12]
+
+    def _parts(self) -> set[tuple[str, str]]:
+        """Module and file of this kernel, of those it calls and of its named tuples; constants."""
+        found = {(self.plain.__module__, self._code.co_filename)}
+        for name, value in self._used().items():
+            if isinstance(value, Compiled):
+                found |= value._parts()
+            elif isinstance(value, (int, float, str, tuple)):
+                found.add((f"{name} = {value!r}", ""))
+            else:
+                found |= _places(value)
+        return found.union(*map(_places, get_type_hints(self.plain).values()))
+
+
+def _places(kind: Any) -> set[tuple[str, str]]:
+    """Module and file of a class of named tuples, and of those that its fields hold."""
+    inside = [_places(part) for part in get_args(kind)]
+    if not hasattr(kind, "_fields"):
+        return set().union(*inside)
+    inside += [_places(part) for part in get_type_hints(kind).values()]
+    return {(kind.__module__, inspect.getfile(kind))}.union(*inside)
 
 
 def _for_any_number(inner: Any) -> Any:

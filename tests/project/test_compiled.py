@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import importlib
 import os
 import subprocess
 import sys
+from typing import Annotated
 
 import numpy as np
 import pytest
@@ -67,34 +69,62 @@ def test_plain_python_gives_the_same(how):
         )
 
 
-OTHER = """
-import sys
-sys.path.insert(0, {folder!r})
-from outer import twice
-print(twice(1.5))
+#: Written anew for each case below; `kernel.py`, whose date and content the cache looks at, is not.
+KERNEL = """
+from names import LIMIT, State, half
+from segmap.compiled import compiled
+
+@compiled
+def answer(state: State) -> float:
+    return half(state.first) * LIMIT
 """
+ROOM = {
+    "names.py": "from inner import half\nfrom {state} import State\nLIMIT = {limit}\n",
+    "inner.py": "from segmap.compiled import compiled\n\n@compiled\ndef half(x):\n"
+    "    return x / {by}\n",
+    "{state}.py": "from typing import NamedTuple\n\n"
+    "class State(NamedTuple):\n    {one}: float\n    {two}: float\n",
+}
+BEFORE = {"state": "state", "limit": 8, "by": 2, "one": "first", "two": "second"}
+UPDATES = {
+    "a module that moved": ({"state": "moved"}, 4.0),
+    "another kernel": ({"by": 4}, 2.0),
+    "a constant": ({"limit": 80}, 40.0),
+    "the order of fields": ({"one": "second", "two": "first"}, 12.0),
+}
 
 
-def test_a_kernel_is_compiled_again_when_one_in_another_file_changes(tmp_path):
-    """Catches a cache that looks at a kernel's own file only, and answers as of yesterday."""
-    outer = "from inner import once\nfrom segmap.compiled import compiled\n"
-    outer += "@compiled\ndef twice(x):\n    return 2 * once(x)\n"
-    (tmp_path / "outer.py").write_text(outer)
-    said = []
-    for factor in (1, 3, 3):
-        inner = "from segmap.compiled import compiled\n@compiled\ndef once(x):\n"
-        (tmp_path / "inner.py").write_text(inner + f"    return {factor} * x\n")
-        code = OTHER.format(folder=str(tmp_path))
-        environment = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path), PLAIN: "0"}
-        environment["PYTHONDONTWRITEBYTECODE"] = "1"  # the file changes within a second
-        run = [sys.executable, "-c", code]
-        done = subprocess.run(run, capture_output=True, text=True, env=environment, check=True)
-        said.append(float(done.stdout))
-    assert said == [3.0, 9.0, 9.0]
+@pytest.mark.parametrize("update", UPDATES)
+def test_an_update_of_another_file_is_seen_by_the_cache(update, tmp_path, monkeypatch):
+    """Catches a cache that looks at a kernel's own file only: it answers as of yesterday, or ends
+    with `ModuleNotFoundError` where a module of named tuples has moved."""
+    numba = pytest.importorskip("numba")
+    monkeypatch.delenv(PLAIN, raising=False)
+    monkeypatch.setattr(numba.config, "CACHE_DIR", str(tmp_path / "cache"))
+    monkeypatch.setattr(sys, "dont_write_bytecode", True)  # files change within a second
+    monkeypatch.syspath_prepend(tmp_path)
+    (tmp_path / "kernel.py").write_text(KERNEL)
+    changed, expected = UPDATES[update]
+    compiled_anew = []
+    for given, answer in ((BEFORE, 4.0), (BEFORE | changed, expected), (BEFORE, 4.0)):
+        for name, text in ROOM.items():
+            (tmp_path / name.format(**given)).write_text(text.format(**given))
+        importlib.invalidate_caches()
+        kernel, state = importlib.import_module("kernel"), importlib.import_module(given["state"])
+        assert kernel.answer(state.State(1.0, 3.0)) == answer
+        compiled_anew.append(sum(kernel.answer._fast.stats.cache_misses.values()))
+        (tmp_path / f"{given['state']}.py").unlink()
+        for name in ("kernel", "names", "inner", given["state"]):
+            del sys.modules[name]
+    assert compiled_anew == [1, 1, 0]
+
+
+#: As the package declares its units.
+Metres = Annotated[float, "m"]
 
 
 @compiled
-def _double(x: float) -> float:
+def _double(x: Metres) -> float:
     """Twice."""
     return 2 * x
 
@@ -116,7 +146,8 @@ def test_a_whole_number_is_no_new_signature():
 
     for tolerance in (1, 1.0, np.float32(1)):
         fusion([[(0, 0), (1, 0)], [(0, 5), (3, 5)]], tolerance=tolerance)
-    assert len(fuse_all._fast.signatures) == 1
+        assert _double(tolerance) == 2
+    assert len(fuse_all._fast.signatures) == len(_double._fast.signatures) == 1
 
 
 def test_falls_back_where_no_cache_can_be_written(monkeypatch):

@@ -25,14 +25,25 @@ def test_the_version_is_the_one_of_the_project():
     assert said == f"segmap {project['version']}\n" == f"segmap {segmap.__version__}\n"
 
 
-def test_every_kernel_has_a_case():
-    """Catches a new loop that nobody warms, and whose first call is then slow."""
+def modules(kind):
+    """Of the named tuples in a type of numba: the cache asks for these modules by name."""
+    inside = set().union(*map(modules, kind.types)) if hasattr(kind, "types") else set()
+    return inside | ({kind.instance_class.__module__} if hasattr(kind, "fields") else set())
+
+
+def test_every_kernel_has_a_case_and_knows_its_named_tuples():
+    """Catches a new loop that nobody warms, and whose first call is then slow; and one that takes a
+    named tuple that its annotations do not say: it ends when the tuple's module has moved."""
     for name in _warm.cases():
         _warm.run(name)
     kernels = [k for k in gc.get_objects() if type(k) is Compiled]
     ours = [k for k in kernels if k.plain.__module__.startswith("segmap.")]
     cold = {k.plain.__qualname__ for k in ours if k._fast is None and k._inner is None}
     assert len(ours) > 100 and cold <= RARE
+    for kernel in ours:
+        for machine in filter(None, (kernel._fast, kernel._inner)):
+            taken = [modules(kind) for signature in machine.signatures for kind in signature]
+            assert set().union(*taken) <= {module for module, _ in kernel._parts()}, kernel.plain
 
 
 def test_chapter_00_compiles_nothing_once_warm(capfd):
