@@ -46,7 +46,7 @@ ANSWERS = {
     "07_endless": spoilt("while True: pass"),
     "08_ten_gigabytes": spoilt("np.ones(1_250_000_000)"),
     "09_overwrites": (
-        "from segmap import course\n"
+        "import segmap_course as course\n"
         "course.check_compose = lambda f: True\n"
         "course.Exercise.__call__ = course.Exercise.verdict = lambda *_: True\n" + WRONG
     ),

@@ -2,12 +2,12 @@
 
 import dataclasses
 import functools
+import gc
 import json
 import sys
 import threading
 import types
 from concurrent.futures import ThreadPoolExecutor
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -16,14 +16,15 @@ from hypothesis import given
 from hypothesis import strategies as st
 from right_answers import RIGHT
 from segmap_course import EXERCISES, Check, Exercise, literal
-from segmap_course.exercises import _maps
+from segmap_course.exercises import Watch, _maps
 from segmap_course.exercises._answers import answered, same_line, same_poses
+from segmap_course.literal.reduction import basic
 from segmap_course.literal.reduction.fuzzy_clustering import memberships
 from segmap_course.literal.reduction.viewing_sector import views
 
-import segmap
-from segmap import plotting, poses
+from segmap import plotting, poses, reduction
 from segmap.angles import axial_difference
+from segmap.compiled import Compiled
 from segmap.extraction import _kernels
 from segmap.poses import between
 from segmap.reduction import common_directions
@@ -290,8 +291,8 @@ def test_the_library_is_noticed_however_it_is_wrapped(exercise, wrapped):
         ("match_value", lambda u, v, d: literal.match_value(u, v, distance=d, far=9, long=9)),
         ("least_translation", literal.least_translation),
         ("hough", lambda segment, near: literal.hough(segment)),
-        ("matches", literal.basic.match),
-        ("merged", literal.basic.merge),
+        ("matches", basic.match),
+        ("merged", basic.merge),
         ("ray_cells", lambda a, b: literal.crossed_cells(a, b)),
         ("mean_wall_error", lambda points, walls: course.wall_errors(points, walls).mean()),
         ("memberships", lambda s, n: memberships((0, 0), [], n)),
@@ -322,15 +323,14 @@ def test_a_function_of_ones_own_with_the_name_of_the_librarys_is_ones_own():
     assert course.check_compose(compose)
 
 
-def test_places_of_the_librarys_answers_exist():
-    """Catches a file or a function that was renamed: nothing would be noticed any more."""
-    packages = [Path(course.__file__).parent, Path(segmap.__file__).parent]
-    for exercise in EXERCISES.values():
-        for place in exercise.own:
-            file, _, name = place.partition(":")
-            package = next(p.parent for p in packages if p.name == file.split("/")[0])
-            source = (package / file).read_text("utf-8")
-            assert not name or f"\ndef {name}(" in source, place
+def test_the_kernels_of_an_answer_belong_to_it_and_what_all_methods_share_does_not():
+    """Catches a kernel that moved to another file and is not noticed, or a runner that is."""
+    watch = Watch(EXERCISES["best_shift"].own)
+    known = [found for found in gc.get_objects() if isinstance(found, Compiled)]
+    assert sum(watch.covers(kernel.plain.__code__) for kernel in known) >= 3
+    with watch:
+        reduction.basic_offline([[(0, 0), (1, 0)]])
+    assert watch.seen == ""
 
 
 def test_a_watch_gives_the_profile_back():

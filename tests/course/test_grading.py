@@ -155,7 +155,7 @@ def test_files_of_the_grader_are_not_read(pool, tmp_path):
 
 #: Takes the check out of the way that notices the library's answer, and calls that answer.
 BLIND = """
-from segmap import course
+import segmap_course as course
 type(course.EXERCISES["compose"]).answers = lambda self, f, cases: self.expected(cases)
 my_compose = abs
 """
@@ -208,9 +208,9 @@ FOOLS = "my_map = [*segmap.simulation.rectangular_room().tolist(), [(10, 10), (1
         (
             "break_quality",
             "my_map",
-            "from segmap import course\nmy_map = [[(0, 0), (1, 1)]]\n"
+            "import segmap_course as course\nmy_map = [[(0, 0), (1, 1)]]\n"
             "course.Challenge.verdict = lambda *_: course.Check('break_quality', True)\n"
-            "course._open_exercises.quality = lambda *_: 1.0",
+            "course.exercises.open._open.quality = lambda *_: 1.0",
             "wrong",
             "the quality sees it",
         ),
@@ -379,12 +379,12 @@ import gc
 from segmap.compiled import Compiled
 from segmap_course import EXERCISES
 from segmap_course.exercises._notice import Watch
-from segmap_course.grading._withhold import GONE, _belongs, withhold
+from segmap_course.grading._withhold import GONE, withhold
 count = 0
 for exercise in EXERCISES.values():
     watch = Watch(exercise.own, exercise.solution)
     known = [found for found in gc.get_objects() if isinstance(found, Compiled)]
-    loops = [loop for loop in known if _belongs(watch, loop.plain.__code__)]
+    loops = [loop for loop in known if watch.covers(loop.plain.__code__)]
     withhold(exercise)
     given = next(iter(exercise.cases.values()))
     calls = [(exercise.solution, given), *((loop._fast, ()) for loop in loops)]

@@ -23,6 +23,7 @@ from ._maps import (
 )
 from ._notice import (
     Watch,
+    plain,
 )
 from ._poses import (
     check_carried,

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from segmap.alignment import least_translation, match_values
+from segmap import kernels
+from segmap.alignment import angle_candidates, least_translation, match_angles, match_values
 from segmap.arrays import Array
 from segmap.segments import length, midpoint, point_distance
 
 from ..literal import point_to_line_step
+from ..literal.alignment import angle_correspondence, backbone, point_to_line
 from ._exercise import Exercise
 from .draws import scans as draws_scans
 
@@ -81,11 +83,7 @@ check_match_value = Exercise(
         ),
     },
     draw=draws_scans.match_value,
-    own=(
-        "segmap/alignment/angle_correspondence/_scenes.py",
-        "segmap/alignment/angle_correspondence/_kernels.py",
-        "segmap_course/literal/alignment/angle_correspondence.py",
-    ),
+    own=(match_values, angle_candidates, match_angles, kernels.match_value, angle_correspondence),
 )
 
 
@@ -138,10 +136,7 @@ check_least_translation = Exercise(
         ),
     },
     draw=draws_scans.least_translation,
-    own=(
-        "segmap/alignment/backbone/_lines.py:least_translation",
-        "segmap_course/literal/alignment/backbone.py",
-    ),
+    own=(least_translation, backbone),
 )
 
 
@@ -207,5 +202,5 @@ check_move_onto_walls = Exercise(
         ),
     },
     draw=draws_scans.move_onto_walls,
-    own=("segmap_course/literal/alignment/point_to_line.py",),
+    own=(point_to_line,),
 )

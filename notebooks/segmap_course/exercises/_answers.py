@@ -48,7 +48,7 @@ def answered(
     watch : Watch, optional
         The functions of the library that must not run meanwhile.
     """
-    return [_answer(function, arguments, watch or Watch(())) for arguments in cases.values()]
+    return [_answer(function, arguments, watch or Watch()) for arguments in cases.values()]
 
 
 def _answer(function: Callable[..., Any], arguments: tuple[Any, ...], watch: Watch) -> Answer:

@@ -63,7 +63,7 @@ class Exercise:
         `same(found, expected) -> bool`.
     draw : callable, optional
         `draw(rng) -> cases`: cases like those of the exercise, with other numbers.
-    own : tuple of str
+    own : tuple of functions and modules
         Where the library has the answer, beside the solution (see `Watch`): a student's function
         that calls it is told to do without. Everything else of the library may be called.
 
@@ -81,7 +81,7 @@ class Exercise:
     mistakes: Mapping[str, Callable[..., Any]]
     same: Callable[[Any, Any], bool] = close
     draw: Callable[[np.random.Generator], Cases] | None = None
-    own: tuple[str, ...] = ()
+    own: tuple[Any, ...] = ()
 
     @property
     def name(self) -> str:

@@ -8,6 +8,8 @@ from segmap.angles import axial_mean
 from segmap.arrays import Array
 from segmap.extraction import fit_line
 
+from .. import literal
+from ..literal import extraction
 from ._answers import same_line
 from ._exercise import Exercise
 from .draws import scans as draws_scans
@@ -45,7 +47,7 @@ check_axial_mean = Exercise(
     },
     same_line,
     draw=draws_scans.axial_mean,
-    own=("segmap/angles.py:axial_mean",),
+    own=(axial_mean,),
 )
 
 
@@ -99,11 +101,7 @@ check_fit_line = Exercise(
     },
     same_line,
     draw=draws_scans.fit_line,
-    own=(
-        "segmap/extraction/_extraction.py:fit_line",
-        "segmap/extraction/_kernels.py:fit_total",
-        "segmap_course/literal/extraction.py:fit_total",
-    ),
+    own=(fit_line, literal.fit_total),
 )
 
 
@@ -155,5 +153,5 @@ check_farthest_point = Exercise(
         ),
     },
     draw=draws_scans.farthest_point,
-    own=("segmap_course/literal/extraction.py",),
+    own=(extraction,),
 )

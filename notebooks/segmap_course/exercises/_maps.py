@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
+from segmap import metrics
 from segmap.arrays import Array
-from segmap.experiments import front, reduction_at
+from segmap.experiments import equal_quality, front, pareto, reduction_at
 from segmap.metrics import reduction_rate
 from segmap.segments import point_distance
 
+from .. import literal
+from .._storage import wall_errors
 from ._exercise import Exercise
 from .draws import maps as draws_maps
 
@@ -44,7 +47,7 @@ check_reduction_rate = Exercise(
         ),
     },
     draw=draws_maps.reduction_rate,
-    own=("segmap/metrics/_metrics.py:reduction_rate",),
+    own=(reduction_rate,),
 )
 
 
@@ -100,10 +103,7 @@ check_quality = Exercise(
         ),
     },
     draw=draws_maps.quality,
-    own=(
-        "segmap/metrics/_metrics.py:quality",
-        "segmap_course/literal/metrics.py:quality",
-    ),
+    own=(metrics.quality, literal.quality),
 )
 
 
@@ -168,7 +168,7 @@ check_reduction_at = Exercise(
         ),
     },
     draw=draws_maps.reduction_at,
-    own=("segmap/experiments/_compare.py",),
+    own=(reduction_at, front, equal_quality, pareto),
 )
 
 
@@ -274,5 +274,5 @@ check_mean_wall_error = Exercise(
         ),
     },
     draw=draws_maps.mean_wall_error,
-    own=("segmap_course/_storage.py:wall_errors",),
+    own=(wall_errors,),
 )

@@ -2,27 +2,30 @@
 
 While the student's function runs, Python reports every function that starts (`sys.setprofile`), so
 an answer is seen however it is wrapped: passed directly, by `partial`, in a lambda, in a thread,
-through another function of the library that calls it. A compiled loop shows the call of its
-wrapper. Machine code that was taken out of that wrapper shows nothing while it runs: it is looked
-for among the objects that the student's function refers to.
+through another function of the library that calls it. A kernel shows the call of its wrapper.
+Machine code that was taken out of that wrapper shows nothing while it runs: it is looked for among
+the objects that the student's function refers to.
 """
 
 from __future__ import annotations
 
 import functools
+import inspect
 import sys
 import threading
 from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
-from types import CodeType, FrameType, FunctionType
+from types import CodeType, FrameType, FunctionType, ModuleType
 from typing import Any
 
 import segmap
 from segmap.compiled import Compiled
 
 _PACKAGES = (Path(segmap.__file__).parent, Path(__file__).parents[1])
-#: The call of a compiled loop: the loop itself stands in its first argument.
+#: The call of a kernel: the kernel itself stands in its first argument.
 _COMPILED = Compiled.__call__.__code__
+#: What all methods of a family share is no part of the answer to an exercise on one of them.
+_SHARED = "_runner"
 
 
 class Watch:
@@ -30,49 +33,40 @@ class Watch:
 
     Parameters
     ----------
-    answers : iterable of str
-        "segmap/poses/_poses.py:compose", a function of a file by its qualified name (what is
-        defined inside it counts too), or "segmap_course/literal/lines.py", all functions of a file.
+    answers : iterable of functions and modules
+        A function, with what is defined inside it, and with all that it calls of the private files
+        and functions of its room; or a module: all its functions.
     solution : callable, optional
         A function that is part of the answer; a file of exercises that it stands in counts whole.
 
     Examples
     --------
     >>> from segmap.poses import compose, inverse
-    >>> watch = Watch(["segmap/poses/_poses.py:compose"])
+    >>> watch = Watch([compose])
     >>> with watch:
     ...     found = compose((0, 0, 0), (1, 0, 0))
     >>> watch.seen
     'compose of segmap/poses/_poses.py'
     """
 
-    def __init__(self, answers: Iterable[str], solution: object = None) -> None:
+    def __init__(self, answers: Iterable[Any] = (), solution: object = None) -> None:
         self.seen = ""
         self._solution = getattr(solution, "__code__", None)
-        self._whole: set[str] = set()
-        self._named: set[tuple[str, str]] = set()
+        self._places = _places(tuple(answers))
         if self._solution and Path(self._solution.co_filename).parent == Path(__file__).parent:
-            self._whole.add(self._solution.co_filename)
-        for answer in answers:
-            file, _, name = answer.partition(":")
-            path = str(next(p.parent for p in _PACKAGES if p.name == file.split("/")[0]) / file)
-            if name:
-                self._named.add((path, name))
-            else:
-                self._whole.add(path)
-        self._files = self._whole | {path for path, _ in self._named}
-        self._needed = bool(self._files) or self._solution is not None
+            self._places |= {(self._solution.co_filename, "")}
+        self.files = {file for file, _ in self._places}
         self._before: tuple[Any, Any] = (None, None)
 
     def __enter__(self) -> Watch:
         self._before = sys.getprofile(), threading.getprofile()
-        if self._needed:
+        if self.files or self._solution:
             threading.setprofile(self._look)
             sys.setprofile(self._look)
         return self
 
     def __exit__(self, *_: object) -> None:
-        if self._needed:
+        if self.files or self._solution:
             threading.setprofile(self._before[1])
             sys.setprofile(self._before[0])
 
@@ -85,14 +79,18 @@ class Watch:
         elif event == "c_call" and called is sys.setprofile and code.co_filename != __file__:
             self.seen = "sys.setprofile, by which the check watches,"
 
+    def covers(self, code: CodeType) -> bool:
+        """Whether this code belongs to the answer."""
+        path = code.co_filename
+        if code is self._solution or path not in self.files:
+            return code is self._solution
+        name = code.co_qualname.partition(".")[0]
+        return (path, "") in self._places or (path, name) in self._places
+
     def note(self, code: CodeType) -> None:
         """Remember this code if it belongs to the answer."""
-        path = code.co_filename
-        if code is not self._solution and path not in self._files:
-            return
-        name = code.co_qualname.partition(".")[0]
-        if code is self._solution or path in self._whole or (path, name) in self._named:
-            self.seen = f"{name} of {_short(path)}"
+        if self.covers(code):
+            self.seen = f"{code.co_qualname.partition('.')[0]} of {_short(code.co_filename)}"
 
     def look_into(self, function: Callable[..., Any]) -> None:
         """Notice machine code of the answer among what a function refers to."""
@@ -100,6 +98,51 @@ class Watch:
             source = getattr(found, "py_func", None)
             if isinstance(source, FunctionType) and not self.seen:
                 self.note(source.__code__)
+
+
+def plain(found: Any) -> FunctionType | None:
+    """The function behind a kernel or a decorator; None for what is no function."""
+    source = found.plain if isinstance(found, Compiled) else inspect.unwrap(found)
+    return source if isinstance(source, FunctionType) else None
+
+
+@functools.cache
+def _places(answers: tuple[Any, ...]) -> frozenset[tuple[str, str]]:
+    """File and name of all functions of the answers; of a module no name: it counts whole."""
+    modules = [found for found in answers if isinstance(found, ModuleType)]
+    known: set[FunctionType] = set()
+    todo = [function for found in answers if (function := plain(found)) is not None]
+    while todo:
+        function = todo.pop()
+        if function not in known:
+            known.add(function)
+            todo += _helpers(function)
+    named = {(f.__code__.co_filename, f.__code__.co_qualname.partition(".")[0]) for f in known}
+    return frozenset(named | {(str(module.__file__), "") for module in modules})
+
+
+def _helpers(function: FunctionType) -> Iterator[FunctionType]:
+    """What a function calls of the private functions and files of its room."""
+    names = set(_names(function.__code__))
+    room = ".".join(function.__module__.split(".")[:2])
+    scope = [function.__globals__.get(name) for name in names]
+    inside = [vars(m).get(name) for m in scope if isinstance(m, ModuleType) for name in names]
+    for found in [*scope, *inside]:
+        helper = plain(found) if isinstance(found, FunctionType | Compiled) else None
+        if helper is not None and f"{helper.__module__}.".startswith(f"{room}."):
+            *_, file = helper.__module__.split(".")
+            exported = getattr(sys.modules[room], helper.__name__, None) is found
+            private = file.startswith("_") or helper.__name__.startswith("_")
+            if private and not exported and file != _SHARED:
+                yield helper
+
+
+def _names(code: CodeType) -> Iterator[str]:
+    """The names that a code uses, in the functions inside it too."""
+    yield from code.co_names
+    for part in code.co_consts:
+        if isinstance(part, CodeType):
+            yield from _names(part)
 
 
 def _short(path: str) -> str:

@@ -8,10 +8,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from segmap.alignment.graph import residuals
 from segmap.arrays import Array
 from segmap.poses import between, compose, transform
 
-from ..literal import MOVES, climb_step, distance_score
+from ..literal import MOVES, climb_step, distance_score, edge_residual
+from ..literal.quadtrees import matching
 from ._exercise import Exercise
 from .draws import grids as draws_grids
 from .draws import scans as draws_scans
@@ -59,10 +61,7 @@ check_edge_error = Exercise(
         ),
     },
     draw=draws_scans.edge_error,
-    own=(
-        "segmap_course/literal/alignment/gauss_newton.py:edge_residual",
-        "segmap/alignment/graph/_graph.py:residuals",
-    ),
+    own=(edge_residual, residuals),
 )
 
 
@@ -150,7 +149,7 @@ check_scan_score = Exercise(
         ),
     },
     draw=draws_grids.scan_score,
-    own=("segmap_course/literal/quadtrees/matching.py:distance_score",),
+    own=(distance_score,),
 )
 
 
@@ -238,5 +237,5 @@ check_climb_step = Exercise(
         ),
     },
     draw=draws_grids.climb_step,
-    own=("segmap_course/literal/quadtrees/matching.py",),
+    own=(matching,),
 )

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..literal import cell_of, grown, occupancy, ray_cells
+from ..literal.quadtrees import quadtree
 from ._answers import same_cells
 from ._exercise import Exercise
 from .draws import grids as draws_grids
@@ -56,7 +57,7 @@ check_cell_of = Exercise(
         ),
     },
     draw=draws_grids.cell_of,
-    own=("segmap_course/literal/quadtrees/quadtree.py",),
+    own=(quadtree,),
 )
 
 
@@ -100,7 +101,7 @@ check_grown = Exercise(
         "one doubling is asked for, though the cell may still lie outside": _until_inside,
     },
     draw=draws_grids.grown,
-    own=("segmap_course/literal/quadtrees/quadtree.py",),
+    own=(quadtree,),
 )
 
 
@@ -136,7 +137,7 @@ check_occupancy = Exercise(
         ),
     },
     draw=draws_grids.occupancy,
-    own=("segmap_course/literal/quadtrees/quadtree.py",),
+    own=(quadtree,),
 )
 
 
@@ -203,7 +204,7 @@ check_ray_cells = Exercise(
     },
     same_cells,
     draw=draws_grids.ray_cells,
-    own=("segmap_course/literal/quadtrees/quadtree.py",),
+    own=(quadtree,),
 )
 
 

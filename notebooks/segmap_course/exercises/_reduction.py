@@ -7,11 +7,14 @@ from typing import Any
 
 import numpy as np
 
+from segmap import kernels
 from segmap.angles import axial_difference, axial_mean_of_two
 from segmap.arrays import Array
-from segmap.reduction import basic_offline, hough
+from segmap.reduction import basic_offline, basic_online, hough, hybrid
 from segmap.segments import angle, extreme_projections, length, midpoint
 
+from .. import literal
+from ..literal.reduction import basic
 from ._answers import same_segment
 from ._exercise import Exercise
 from .draws import maps as draws_maps
@@ -105,10 +108,7 @@ check_matches = Exercise(
         ),
     },
     draw=draws_maps.matches,
-    own=(
-        "segmap/reduction/_basic.py",
-        "segmap_course/literal/reduction/basic.py",
-    ),
+    own=(basic_offline, basic_online, kernels.become_mean, basic),
 )
 
 Mean = Callable[[Array, Array], Any]
@@ -201,10 +201,7 @@ check_merged = Exercise(
     },
     same_segment,
     draw=draws_maps.merged,
-    own=(
-        "segmap/reduction/_basic.py",
-        "segmap_course/literal/reduction/basic.py",
-    ),
+    own=(basic_offline, basic_online, kernels.become_mean, basic),
 )
 
 
@@ -281,8 +278,5 @@ check_hough = Exercise(
         "theta is wanted in radians": lambda segment, near: hough(segment, near) * [1, 180 / np.pi],
     },
     draw=draws_maps.hough,
-    own=(
-        "segmap/reduction/_hough.py",
-        "segmap_course/literal/reduction/hybrid.py:hough",
-    ),
+    own=(hough, hybrid, literal.hough),
 )

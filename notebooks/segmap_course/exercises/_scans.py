@@ -6,9 +6,9 @@ import numpy as np
 
 from segmap.angles import wrap
 from segmap.arrays import Array
-from segmap.poses import between, compose, interpolate
+from segmap.poses import between, compose, interpolate, motions
 from segmap.readers import half_turn
-from segmap.simulation import cast_rays
+from segmap.simulation import cast_rays, simulate
 
 from ._exercise import Exercise
 from .draws import scans as draws_scans
@@ -68,11 +68,7 @@ check_compose = Exercise(
         "this is the second pose seen from the first; asked is where the step leads": between,
     },
     draw=draws_scans.compose,
-    own=(
-        "segmap/poses/_poses.py:compose",
-        "segmap/poses/motions.py:compose",
-        "segmap/poses/motions.py:_composed",
-    ),
+    own=(compose, motions.compose),
 )
 
 
@@ -120,7 +116,7 @@ check_heading_between = Exercise(
         "angle": _mixed,
     },
     draw=draws_scans.heading_between,
-    own=("segmap/poses/_poses.py:interpolate",),
+    own=(interpolate,),
 )
 
 
@@ -154,7 +150,7 @@ check_beam_angles = Exercise(
         ),
     },
     draw=draws_scans.beam_angles,
-    own=("segmap/readers/_raw_scans.py:half_turn",),
+    own=(half_turn,),
 )
 
 
@@ -241,5 +237,5 @@ check_cast_ray = Exercise(
         ),
     },
     draw=draws_scans.cast_ray,
-    own=("segmap/simulation/_simulate.py",),
+    own=(cast_rays, simulate),
 )

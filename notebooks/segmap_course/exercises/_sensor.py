@@ -54,7 +54,7 @@ check_distances = Exercise(
         "millimetres are asked for, not metres": (lambda lines: decode(_joined(lines), 3) / 1000),
     },
     draw=draws_scans.distances,
-    own=("segmap/hokuyo/_protocol.py:decode",),
+    own=(decode,),
 )
 
 

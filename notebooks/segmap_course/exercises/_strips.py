@@ -6,10 +6,12 @@ from typing import Any
 
 import numpy as np
 
+from segmap import reduction
 from segmap.angles import axial_difference
 from segmap.arrays import Array
 
 from ..literal import best_strip
+from ..literal.reduction import fusion, mean_shift
 from ..literal.reduction.mean_shift import mean_difference
 from ._answers import same_poses
 from ._exercise import Exercise
@@ -124,11 +126,7 @@ check_mean_shift_step = Exercise(
     },
     same_poses,
     draw=draws_maps.mean_shift_step,
-    own=(
-        "segmap/reduction/_mean_shift.py",
-        "segmap/reduction/_climb_kernels.py",
-        "segmap_course/literal/reduction/mean_shift.py",
-    ),
+    own=(reduction.mean_shift, reduction.common_directions, mean_shift),
 )
 
 # ----------------------------------------------------------------------------- Fusion
@@ -269,9 +267,5 @@ check_best_shift = Exercise(
         ),
     },
     draw=draws_maps.best_shift,
-    own=(
-        "segmap/reduction/_fusion.py",
-        "segmap/reduction/_fusion_kernels.py",
-        "segmap_course/literal/reduction/fusion.py",
-    ),
+    own=(reduction.fusion, reduction.fusion_online, fusion),
 )

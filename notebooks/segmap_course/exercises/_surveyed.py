@@ -8,8 +8,10 @@ from typing import Any
 
 import numpy as np
 
+from segmap import reduction
 from segmap.arrays import Array
 
+from ..literal.reduction import fuzzy_clustering, viewing_sector, weighted_line_fitting
 from ..literal.reduction.least_cost import invented
 from ..literal.reduction.weighted_line_fitting import Line, add_pose
 from ._exercise import Exercise
@@ -78,10 +80,7 @@ check_pose_covariance = Exercise(
         ),
     },
     draw=draws_maps.pose_covariance,
-    own=(
-        "segmap/reduction/surveyed/_weighted_line_fitting.py",
-        "segmap_course/literal/reduction/weighted_line_fitting.py",
-    ),
+    own=(reduction.weighted_line_fitting, weighted_line_fitting),
 )
 
 
@@ -170,11 +169,7 @@ check_verdict = Exercise(
         ),
     },
     draw=draws_maps.verdict,
-    own=(
-        "segmap/reduction/surveyed/viewing_sector/_views.py",
-        "segmap/reduction/surveyed/viewing_sector/_viewing_sector.py",
-        "segmap_course/literal/reduction/viewing_sector.py",
-    ),
+    own=(reduction.viewing_sector, viewing_sector),
 )
 
 
@@ -209,11 +204,7 @@ check_memberships = Exercise(
         ),
     },
     draw=draws_maps.memberships,
-    own=(
-        "segmap/reduction/surveyed/_fuzzy_kernels.py",
-        "segmap/reduction/surveyed/_fuzzy_clustering.py",
-        "segmap_course/literal/reduction/fuzzy_clustering.py",
-    ),
+    own=(reduction.fuzzy_clustering, fuzzy_clustering),
 )
 
 
@@ -273,8 +264,5 @@ check_invented_metres = Exercise(
         ),
     },
     draw=draws_maps.invented_metres,
-    own=(
-        "segmap/reduction/least_cost/_fit_kernels.py",
-        "segmap_course/literal/reduction/least_cost.py:invented",
-    ),
+    own=(reduction.least_cost, invented),
 )

@@ -22,17 +22,11 @@ def withhold(exercise: Any) -> None:
     watch = Watch(exercise.own, exercise.solution)
     for found in gc.get_objects():
         plain = found.plain if isinstance(found, Compiled) else found
-        if isinstance(plain, FunctionType) and _belongs(watch, plain.__code__):
+        if isinstance(plain, FunctionType) and watch.covers(plain.__code__):
             if isinstance(found, Compiled):
                 found._fast = found._inner = _gone
             else:
                 found.__code__ = _emptied(found.__code__)
-
-
-def _belongs(watch: Watch, code: CodeType) -> bool:
-    watch.seen = ""
-    watch.note(code)
-    return bool(watch.seen)
 
 
 def _gone(*_: Any, **__: Any) -> NoReturn:

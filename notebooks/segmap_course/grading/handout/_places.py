@@ -47,7 +47,7 @@ def chapters(wanted: str = "") -> dict[str, Path]:
     FileNotFoundError
         Where no chapters came with the package.
     """
-    found = {path.name[:2]: path for path in chapters_folder().glob("[0-9][0-9]_*.ipynb")}
+    found = {path.name[:2]: path for path in sorted(chapters_folder().glob("[0-9][0-9]_*.ipynb"))}
     numbers = [word for word in re.split(r"[,\s]+", wanted.strip()) if word]
     unknown = [word for word in numbers if word not in found]
     if unknown:

@@ -13,6 +13,7 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
+from ...exercises import Watch, plain
 from ._handout import refuse_old, student_copy, text, write_folder
 from ._places import Cell, Notebook, chapters, read_chapter
 from ._tasks import tasks_of
@@ -29,7 +30,7 @@ class Source:
         loaded = importlib.import_module(module)
         path = Path(str(loaded.__file__))
         self.text = path.read_text(encoding="utf-8")
-        self.file = "/".join([*module.split(".")[:-1], path.name])
+        self.file = str(path)
         self.is_package = path.name == "__init__.py"
         self.nodes = {name: n for n in ast.parse(self.text).body for name in _names(n)}
 
@@ -59,8 +60,8 @@ def _names(node: ast.stmt) -> Iterator[str]:
 class Gatherer:
     """Collects the statements that a solution needs, each once, what it calls first."""
 
-    def __init__(self, own: tuple[str, ...]) -> None:
-        self.own = own
+    def __init__(self, own: tuple[Any, ...]) -> None:
+        self.own = Watch(own)
         self.imports: list[str] = []
         self.parts: list[str] = []
         self._seen: set[tuple[str, str]] = set()
@@ -107,7 +108,7 @@ class Gatherer:
             self._import(source, node, name, copied)
             return
         if isinstance(node, ast.FunctionDef):
-            node.decorator_list = [d for d in node.decorator_list if _kept(d)]
+            node.decorator_list = []  # the source of a function comes without them
         code = self.needs(source, node)
         self.parts.append(code.replace(f"def {name}(", f"def {new}(", 1) if new else code)
 
@@ -130,7 +131,7 @@ class Gatherer:
 
     def _home(self, module: str, name: str) -> Source | None:
         """The module of segmap in which a name is defined, behind all that hand it on."""
-        while module.split(".")[0] == "segmap":
+        while module.split(".")[0] in ("segmap", "segmap_course"):
             loaded = _module(module)
             if loaded is None or not hasattr(loaded, name):
                 return None
@@ -142,8 +143,9 @@ class Gatherer:
         return None
 
     def _is_own(self, home: Source, name: str) -> bool:
-        """Whether the exercise takes a name for a part of the answer."""
-        return home.file in self.own or f"{home.file}:{name}" in self.own
+        """Whether the exercise takes a name for a part of the answer; its constants are one too."""
+        function = plain(getattr(importlib.import_module(home.module), name))
+        return self.own.covers(function.__code__) if function else home.file in self.own.files
 
 
 def _module(name: str) -> Any:
@@ -152,10 +154,6 @@ def _module(name: str) -> Any:
         return importlib.import_module(name)
     except ModuleNotFoundError:
         return None
-
-
-def _kept(decorator: ast.expr) -> bool:
-    return not (isinstance(decorator, ast.Name) and decorator.id == "compiled")
 
 
 def solution(exercise: Any, module: str, name: str) -> str:
