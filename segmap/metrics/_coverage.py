@@ -32,7 +32,8 @@ def invented(
     >>> round(invented(wall, [[(0, 0.01), (5, 0.01)]]), 6)
     1.5
     """
-    return _metres_alone(after, before, distance, angle)
+    u, v = arrays.segments(before, "before"), arrays.segments(after, "after")
+    return _metres_alone(v, u, distance, angle)
 
 
 @checked
@@ -46,12 +47,13 @@ def missed(
     >>> missed([[(0, 0), (2, 0)], [(0, 1), (2, 1)]], [[(0, 0), (1.5, 0)]])
     2.5
     """
-    return _metres_alone(before, after, distance, angle)
+    u, v = arrays.segments(before, "before"), arrays.segments(after, "after")
+    return _metres_alone(u, v, distance, angle)
 
 
-def _metres_alone(map: Segments, other: Segments, distance: float, angle: float) -> float:
+def _metres_alone(map: Array, other: Array, distance: float, angle: float) -> float:
     """Metres of a map without a segment of the other beside them."""
-    u, v = (np.ascontiguousarray(arrays.segments(each)) for each in (map, other))
+    u, v = np.ascontiguousarray(map), np.ascontiguousarray(other)
     v = v[np.argsort(v[:, :, 0].mean(1), kind="stable")]
     a, b = describe(u), describe(v)
     reach = a[:, 4] + b[:, 4].max(initial=0.0) + distance
