@@ -1,13 +1,16 @@
 # `make` lists the targets. `make lab PORT=8890` chooses the port, `make lab PYTHON=python3.12` the
-# interpreter. Where uv is installed it does the installing, else venv and pip: the same result.
+# interpreter, `KERNELS=FILE` keeps what is compiled in a file too, for the next clone on this machine.
 PYTHON ?= python3
 PORT ?=
 CHAPTERS ?= $(sort $(wildcard notebooks/*.ipynb))
 
 SHELL := /bin/sh
 RUN := .venv/bin/python
-SETUP := .venv/segmap-is-installed
+SETUP := .venv/segmap-for-dev
 WARM := .venv/segmap-is-warm
+# uv takes seconds where pip takes minutes. It asks the registry that pip would ask.
+UV = env PATH="$$PATH:$(CURDIR)/.venv/bin" \
+	UV_DEFAULT_INDEX="$${UV_DEFAULT_INDEX:-$${PIP_INDEX_URL:-$$($(RUN) -m pip config get global.index-url 2> /dev/null)}}" uv
 # A worker more than there are cores, since many tests wait for other programs; a worker runs whole
 # files, so that what a file prepares is prepared once; they come in the order of their names, since
 # those with few tests are often the longest.
@@ -28,6 +31,7 @@ NBVAL := --nbval --nbval-current-env --nbval-cell-timeout=120 \
 # Every compiled loop on small cases, on bad arguments, on extreme lengths and on damaged maps.
 INDEXED := $(wildcard $(foreach name,warm doors returns quadtree_files reduction_properties,tests/*/test_$(name).py))
 
+.NOTPARALLEL:
 .PHONY: help lab app handout test test-all test-lowest mutants fuzz bounds refresh panels bench book clean
 
 help: ## list the targets
@@ -37,13 +41,13 @@ lab: $(WARM) ## set up, copy the chapters to work/, open them in JupyterLab (POR
 	@$(RUN) -m segmap notebooks work
 	@$(LAB) $(BROWSER)
 
-app: $(WARM) ## set up, then serve the workbench as a page of its own (PORT=8890 chooses the port)
+app: .venv/segmap-for-app $(WARM) ## set up, then serve the workbench as a page of its own (PORT=8890 chooses the port)
 	@$(APP) $(BROWSER)
 
 handout: $(SETUP) ## student copies in build/handout (ARGS="--chapters 34,54 --seed 7193", DIR=...)
 	$(RUN) -m segmap_course handout $(or $(DIR),build/handout) $(ARGS)
 
-test: $(WARM) ## set up, then prove it: style, types, tests, examples and every chapter
+test: $(SETUP) $(WARM) ## set up, then prove it: style, types, tests, examples and every chapter
 	$(RUN) -m ruff check .
 	$(RUN) -m ruff format --check .
 	$(RUN) -m mypy
@@ -53,23 +57,19 @@ test: $(WARM) ## set up, then prove it: style, types, tests, examples and every 
 test-all: test ## the same, then the tests that are marked slow
 	$(RUN) -m pytest $(SPREAD) -m slow
 
-test-lowest: ## the tests once more, in .venv-lowest, with the oldest packages that pyproject.toml allows
+test-lowest: | $(RUN) ## the tests once more, in .venv-lowest, with the oldest packages that pyproject.toml allows
 	rm -rf .venv-lowest
-	if command -v uv > /dev/null; then uv venv --quiet --python "$$(command -v $(PYTHON))" .venv-lowest && \
-	  uv pip install --quiet --python .venv-lowest/bin/python --resolution lowest-direct --editable '.[dev]'; \
-	else $(PYTHON) -m venv .venv-lowest && $(PYTHON) tests/lowest.py > .venv-lowest/lowest.txt && \
-	  .venv-lowest/bin/python -m pip install --quiet --disable-pip-version-check \
-	    --constraint .venv-lowest/lowest.txt --editable '.[dev]'; \
-	fi
+	$(UV) venv --quiet --python "$$(command -v $(PYTHON))" .venv-lowest
+	$(UV) pip install --quiet --python .venv-lowest/bin/python --resolution lowest-direct --editable '.[dev]'
 	.venv-lowest/bin/python -m pytest $(SPREAD)
 
 refresh: $(SETUP) ## run the chapters again and store what they show (CHAPTERS="..." for some)
 	$(RUN) notebooks/tools/refresh.py $(CHAPTERS)
 
-mutants: $(WARM) ## plant bugs by rule and see a test fail (ROOM=reduction ARGS="--count 40 --seed 2")
+mutants: $(SETUP) $(WARM) ## plant bugs by rule and see a test fail (ROOM=reduction ARGS="--count 40 --seed 2")
 	$(RUN) tests/mutants.py $(or $(ROOM),reduction) $(ARGS)
 
-fuzz: $(WARM) ## read 100 000 damaged files: logs, maps, records (ARGS="500 carmen" for fewer)
+fuzz: $(SETUP) $(WARM) ## read 100 000 damaged files: logs, maps, records (ARGS="500 carmen" for fewer)
 	$(RUN) tests/fuzz.py $(ARGS)
 
 bounds: $(SETUP) ## run every compiled loop with each index checked
@@ -89,22 +89,26 @@ clean: ## remove what make made, the environment too; work/ stays
 	find . -name __pycache__ -prune -exec rm -rf {} +
 	find . -name .ipynb_checkpoints -prune -exec rm -rf {} +
 
-# The stamp is written last, so an installation that failed is tried again.
-$(SETUP): pyproject.toml
+$(RUN):
 	@$(PYTHON) -c 'import sys; sys.version_info >= (3, 11) or sys.exit("segmap needs Python 3.11 \
 	or later, and $(PYTHON) is %d.%d: try make PYTHON=python3.12" % sys.version_info[:2])'
-	@echo "Installing segmap and its tools into .venv (a few minutes the first time) ..."
-	@if command -v uv > /dev/null; then \
-	  { test -x $(RUN) || uv venv --quiet --python "$$(command -v $(PYTHON))" .venv; } && \
-	  uv pip install --quiet --python $(RUN) --editable '.[dev]'; \
-	else \
-	  { $(RUN) -m pip --version > /dev/null 2>&1 || $(PYTHON) -m venv .venv || { rm -rf .venv; \
-	    echo "No virtual environment: on Debian and Ubuntu, apt install python3-venv"; exit 1; }; } && \
-	  $(RUN) -m pip install --quiet --disable-pip-version-check --editable '.[dev]'; \
-	fi
+	@rm -rf .venv
+	@if command -v uv > /dev/null; then uv venv --quiet --seed --python "$$(command -v $(PYTHON))" .venv; \
+	elif $(PYTHON) -m venv .venv; then $(RUN) -m pip install --quiet --disable-pip-version-check uv || true; \
+	else rm -rf .venv; echo "No virtual environment: on Debian and Ubuntu, apt install python3-venv"; exit 1; fi
+
+# Extras of pyproject.toml, each as far as it is needed: the lab without the tools of the tests. The
+# stamp is written last, so an installation that failed is tried again.
+.venv/segmap-for-%: pyproject.toml | $(RUN)
+	@echo "Installing what segmap needs for $* into .venv ..."
+	@$(UV) pip install --quiet --python $(RUN) --editable '.[$*]' || \
+	  $(RUN) -m pip install --quiet --disable-pip-version-check --editable '.[$*]'
 	@touch $@
 
-# Once more whenever a source has changed; what did not change is not compiled again.
-$(WARM): $(SETUP) $(wildcard segmap/*.py segmap/*/*.py segmap/*/*/*.py segmap/*/*/*/*.py)
+# Once more whenever a source has changed; what did not change is not compiled again. Machine code of
+# other sources, of another processor or another numba is left alone.
+$(WARM): .venv/segmap-for-lab $(wildcard segmap/*.py segmap/*/*.py segmap/*/*/*.py segmap/*/*/*/*.py)
+	@$(if $(KERNELS),test ! -f $(KERNELS) || tar -xf $(KERNELS))
 	@$(RUN) -m segmap warm
+	@$(if $(KERNELS),mkdir -p $(dir $(KERNELS)) && find segmap -name '*.nb[ci]' | tar -cf $(KERNELS) -T -)
 	@touch $@

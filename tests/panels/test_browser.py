@@ -187,6 +187,7 @@ def chapter(tmp_path: Path) -> Iterator[str]:
     with running(command, tmp_path / "lab.log", cwd=folder, env=env):
         api = f"http://127.0.0.1:{port}/api/status?token={TOKEN}"
         wait("JupyterLab", lambda: urllib.request.urlopen(api, timeout=5).status == 200)
+        assert "Warning" not in (said := (tmp_path / "lab.log").read_text()), said
         yield f"http://127.0.0.1:{port}/doc/tree/{CHAPTER.name}?token={TOKEN}&reset"
 
 

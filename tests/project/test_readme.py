@@ -124,6 +124,16 @@ def test_make_alone_lists_every_target():
 
 
 @pytest.mark.parametrize(
+    ("target", "extras"), [("lab", ["lab"]), ("app", ["app", "lab"]), ("test", ["dev", "lab"])]
+)
+def test_each_target_installs_what_it_needs(target, extras):
+    """Catches a lab that waits for the tools of the tests, and tests without them."""
+    text = "\n".join(make("-n", "-B", target))
+    assert re.findall(r"uv pip install .* '\.\[(\w+)\]'", text) == extras
+    assert text.index("-m segmap warm") > text.index("pip install")
+
+
+@pytest.mark.parametrize(
     ("display", "port", "wanted"),
     [
         ("", "8890", ["--ip=127.0.0.1", "--port=8890", "--no-browser"]),
