@@ -1,6 +1,5 @@
 """Clusters and polylines against literal forms, simulated truth, and awkward scans."""
 
-import functools
 import itertools
 import math
 
@@ -276,37 +275,6 @@ def test_a_single_wall_seen_between_missing_beams():
     ranges[::3] = np.nan
     (found,) = extract_polylines(LaserScan(ranges, angles).points(), gap=0.5)
     np.testing.assert_allclose(found[:, 0], 2)
-
-
-@pytest.mark.parametrize("extract", [extract_clusters, extract_polylines])
-@pytest.mark.parametrize(
-    ("points", "message"),
-    [([(0, 0), (np.nan, 1)], r"points\[1\] is"), (np.zeros((3, 3)), r"shape \(n, 2\)")],
-)
-def test_bad_points(extract, points, message):
-    with pytest.raises(ValueError, match=message):
-        extract(points)
-
-
-@pytest.mark.parametrize(
-    ("call", "message"),
-    [
-        (functools.partial(extract_clusters, gap=0), "gap must be a number above 0"),
-        (functools.partial(extract_clusters, fit="best"), "fit must be"),
-        (functools.partial(extract_polylines, tolerance=-1), "tolerance must be a number above 0"),
-        (functools.partial(extract_polylines, gap=np.nan), "gap must be a number above 0"),
-        (functools.partial(extract_polylines, min_points=2.5), "min_points must be a whole"),
-        (functools.partial(extract_polylines, min_points=np.inf), "min_points must be a whole"),
-        (functools.partial(extract_polylines, min_points=-1), "min_points must be a whole"),
-        (
-            functools.partial(extract_polylines, min_length=np.nan),
-            "min_length must be a number of at least 0",
-        ),
-    ],
-)
-def test_bad_thresholds(call, message):
-    with pytest.raises(ValueError, match=message):
-        call([(0, 0), (1, 1)])
 
 
 @pytest.mark.parametrize("extract", [extract_clusters, extract_polylines])

@@ -140,17 +140,6 @@ def test_quality_does_not_change_when_both_maps_move(pose):
     assert moved == pytest.approx(metrics.quality(before, after, scale=1), abs=1e-9)
 
 
-@pytest.mark.parametrize("scale", [0, -1, np.nan])
-def test_scale_must_be_positive(scale):
-    with pytest.raises(ValueError, match="scale must be a number above 0, in metres"):
-        metrics.quality(np.zeros((1, 2, 2)), np.zeros((1, 2, 2)), scale=scale)
-
-
-def test_maps_must_be_segments():
-    with pytest.raises(ValueError, match=r"after must have shape \(n, 2, 2\)"):
-        metrics.quality(np.zeros((1, 2, 2)), np.zeros((1, 4)))
-
-
 def test_reduction_rate():
     assert metrics.reduction_rate(np.zeros((10, 2, 2)), np.zeros((3, 2, 2))) == pytest.approx(0.7)
     assert metrics.reduction_rate(np.empty((0, 2, 2)), np.empty((0, 2, 2))) == 0
@@ -240,15 +229,6 @@ def test_ties_in_time_go_to_the_earlier_pose_and_order_does_not_matter():
 
 def test_no_poses_no_errors():
     assert len(metrics.relation_errors([], np.empty((0, 3)), np.zeros((2, 8)))[0]) == 0
-
-
-@pytest.mark.parametrize(
-    ("poses", "relations", "message"),
-    [(np.zeros((2, 3)), np.zeros((1, 8)), "poses must"), (np.zeros((1, 3)), [[0, 1]], r"\(n, 8\)")],
-)
-def test_shapes_must_agree(poses, relations, message):
-    with pytest.raises(ValueError, match=message):
-        metrics.relation_errors([0.0], poses, relations)
 
 
 def test_corrected_intel_poses_score_what_was_published():

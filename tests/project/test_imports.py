@@ -207,14 +207,3 @@ def test_an_old_name_says_where_it_went(code, options, now):
     said = ended.stderr.splitlines()
     assert ended.returncode == 1 and f"is now {now}" in said[-1]
     assert len(said) == 1 or not options
-
-
-def test_folders_and_files_fit_in_the_head():
-    """Catches a folder that nobody overlooks, and a file that nobody reads to its end."""
-    tests = Path(__file__).parents[1]
-    folders = {f for p in PACKAGES for f in [p, *p.rglob("*")] if f.is_dir()} | {
-        f for f in tests.iterdir() if f.is_dir()
-    }
-    assert {str(f) for f in folders if len(list(f.glob("*.py"))) > 14} == set()
-    lines = {str(p): len(p.read_text("utf-8").splitlines()) for p in SOURCES}
-    assert {name for name, count in lines.items() if count > 400} == set()
