@@ -73,7 +73,7 @@ def map_log(given: argparse.Namespace, log: Log, targets: Targets) -> None:
 def segments_of(given: argparse.Namespace, log: Log) -> SegmentMap:
     """Align a log and extract its segments."""
     poses = aligned(log, given.align)
-    options = chosen_thresholds(given, "extract", extraction.extract_polylines, EXTRACT)
+    options = chosen_thresholds(given, extraction.extract_polylines, EXTRACT)
     map = extraction.build_map(
         log, poses.trusted, keep_points=_needs_points(given.method), **options
     )
@@ -91,7 +91,7 @@ def _needs_points(method: str) -> bool:
 def reduced(given: argparse.Namespace, map: SegmentMap) -> Reduction:
     """Reduce a map and say how good the result is."""
     method = METHODS[given.method]
-    options = chosen_thresholds(given, given.method, method.function)
+    options = chosen_thresholds(given, method.function)
     found = method(map, **options)
     rate = metrics.reduction_rate(map, found)
     gone = f"{percent(rate)} gone ({metrics.grade_reduction(rate)})"

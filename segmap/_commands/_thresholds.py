@@ -1,31 +1,56 @@
-"""Thresholds of methods as options, made from the signatures: degrees here, radians there."""
+"""Thresholds of methods as options, as their annotations declare them: degrees for radians."""
 
 from __future__ import annotations
 
 import argparse
 import inspect
 from collections.abc import Callable, Mapping
-from typing import Any
+from dataclasses import replace
+from typing import Any, NamedTuple
 
-import numpy as np
+from ..arrays import Declared, declared
 
-#: Thresholds that are radians in Python and degrees on the command line.
+#: Radians, radians a metre, and no unit, where the annotation does not say the unit yet.
 ANGLES = {"angle", "axes", "sigma_bearing", "sigma_heading", "turn"}
-#: And one that is radians a metre.
 SLOPES = {"bandwidth"}
-#: Thresholds without a unit.
 PLAIN = {"chi2"}
 
 
-def thresholds(function: Callable[..., Any]) -> dict[str, inspect.Parameter]:
-    """The keywords of a method that are one number, or a switch."""
-    kept = inspect.signature(function).parameters.values()
-    return {p.name: p for p in kept if p.kind is p.KEYWORD_ONLY and _is_plain(p)}
+class Threshold(NamedTuple):
+    """A keyword of a method: what is declared of it, and its default in the method's unit."""
+
+    said: Declared
+    default: Any
+
+    @property
+    def unit(self) -> str:
+        """The unit on the command line."""
+        return "number" if self.said.kind is int else self.said.read_unit or "value"
+
+    def shown(self) -> str:
+        """The default as a user reads it."""
+        if self.default is None:
+            return "none"
+        if isinstance(self.default, bool):
+            return "yes" if self.default else "no"
+        return self.default if self.said.words else f"{self.said.read(self.default):.4g}"
 
 
-def _is_plain(parameter: inspect.Parameter) -> bool:
-    wanted = str(parameter.annotation).split(" | ")[0]
-    return wanted in ("float", "int", "bool")
+def thresholds(function: Callable[..., Any]) -> dict[str, Threshold]:
+    """The keywords of a method that are one number, a word of several, or a switch."""
+    said, found = declared(function), {}
+    for name, parameter in inspect.signature(function).parameters.items():
+        own = parameter.kind is parameter.KEYWORD_ONLY and said[name]
+        if own and (own.kind in (float, int, bool) or own.words):
+            found[name] = Threshold(_completed(own, name), parameter.default)
+    return found
+
+
+def _completed(said: Declared, name: str) -> Declared:
+    if said.kind is not float or said.quantity.unit is not None:
+        return said
+    unit = "radians" if name in ANGLES else "rad/m" if name in SLOPES else "metres"
+    return said._replace(quantity=replace(said.quantity, unit="" if name in PLAIN else unit))
 
 
 def add_thresholds(
@@ -36,57 +61,43 @@ def add_thresholds(
 ) -> None:
     """An option for each threshold that one of the functions has; the help tells their defaults."""
     group = command.add_argument_group(title)
-    options: dict[str, dict[str, inspect.Parameter]] = {}
+    users: dict[str, dict[str, Threshold]] = {}
     for method, function in functions.items():
-        for name, parameter in thresholds(function).items():
-            options.setdefault(name, {})[method] = parameter
-    for name, users in sorted(options.items()):
-        _add(group, prefix + name, name, users, alone=len(functions) == 1)
+        for name, threshold in thresholds(function).items():
+            users.setdefault(name, {})[method] = threshold
+    for name, by_method in sorted(users.items()):
+        defaults: dict[str, list[str]] = {}
+        for method, threshold in by_method.items():
+            defaults.setdefault(threshold.shown(), []).append(method)
+        said = [f"{value} for {', '.join(methods)}" for value, methods in defaults.items()]
+        text = "; ".join(said if len(functions) > 1 else defaults)
+        group.add_argument(_flag(prefix + name), help=f"default: {text}", **_kind(by_method))
 
 
-def _add(group: Any, option: str, name: str, users: dict[str, Any], *, alone: bool) -> None:
-    defaults: dict[str, list[str]] = {}
-    for method, parameter in users.items():
-        defaults.setdefault(_shown(name, parameter.default), []).append(method)
-    said = "; ".join(f"{value} for {', '.join(names)}" for value, names in defaults.items())
-    parameter = next(iter(users.values()))
-    flag = "--" + option.replace("_", "-")
-    text = next(iter(defaults)) if alone else said
-    if str(parameter.annotation) == "bool":
-        group.add_argument(flag, action=argparse.BooleanOptionalAction, help=f"default: {text}")
-        return
-    unit = unit_of(name, parameter)
-    number: Callable[[str], float] = int if unit == "number" else float
-    group.add_argument(flag, type=number, metavar=unit.upper(), help=f"default: {text}")
+def _kind(users: Mapping[str, Threshold]) -> dict[str, Any]:
+    """What an option takes; where methods differ in the unit, each has its own."""
+    said = next(iter(users.values())).said
+    if said.kind is bool:
+        return {"action": argparse.BooleanOptionalAction}
+    if said.words:
+        return {"choices": said.words}
+    units = dict.fromkeys(threshold.unit.upper() for threshold in users.values())
+    return {"type": int if said.kind is int else float, "metavar": "|".join(units)}
 
 
-def unit_of(name: str, parameter: inspect.Parameter) -> str:
-    """The unit of a threshold on the command line."""
-    if str(parameter.annotation) == "int" or name in PLAIN:
-        return "number" if str(parameter.annotation) == "int" else "value"
-    return "degrees" if name in ANGLES else "degrees/m" if name in SLOPES else "metres"
-
-
-def _shown(name: str, default: Any) -> str:
-    if default is None:
-        return "none"
-    if isinstance(default, bool):
-        return "yes" if default else "no"
-    return f"{np.degrees(default) if name in ANGLES | SLOPES else default:.4g}"
+def _flag(name: str) -> str:
+    return "--" + name.replace("_", "-")
 
 
 def chosen_thresholds(
-    given: argparse.Namespace, method: str, function: Callable[..., Any], prefix: str = ""
+    given: argparse.Namespace, function: Callable[..., Any], prefix: str = ""
 ) -> dict[str, Any]:
-    """The thresholds that were given, in metres and radians.
-
-    One that the method does not have is an error of usage.
-    """
-    own, found = thresholds(function), {}
-    for option, value in vars(given).items():
-        name = option.removeprefix(prefix)
-        if option.startswith(prefix) and name in own and value is not None:
-            found[name] = float(np.radians(value)) if name in ANGLES | SLOPES else value
+    """The thresholds of a function that were given, in its own units."""
+    found = {}
+    for name, threshold in thresholds(function).items():
+        value = getattr(given, prefix + name)
+        if value is not None:
+            found[name] = threshold.said.meant(value)
     return found
 
 
@@ -96,5 +107,5 @@ def refuse_others(given: argparse.Namespace, method: str, methods: Mapping[str, 
     own = set(thresholds(methods[method].function)) if method in methods else set()
     for name in sorted(every - own):
         if getattr(given, name) is not None:
-            known = ", ".join(f"--{n.replace('_', '-')}" for n in sorted(own)) or "no threshold"
-            given.refuse(f"{method} has no --{name.replace('_', '-')}; it has {known}")
+            known = ", ".join(map(_flag, sorted(own))) or "no threshold"
+            given.refuse(f"{method} has no {_flag(name)}; it has {known}")

@@ -10,7 +10,7 @@ from typing import Any
 
 import ipywidgets as W
 
-from ..arrays import Declared
+from ..arrays import Declared, Quantity
 from ._base import slider
 from ._undeclared import said_of
 
@@ -59,12 +59,12 @@ def control(
     >>> f"{angle.meant():.3f} radians"
     '0.349 radians'
     """
-    said = said_of(function)[name]
     first = inspect.signature(function).parameters[name].default
+    said = said_of(function).get(name) or Declared(type(first), Quantity(), (), False)
     first = first if value is None else said.check(value, name)
     unit = {"metres": "m", "seconds": "s"}.get(said.unit, said.read_unit)
     label = label or name
-    if step is not None:
+    if least is not None and most is not None and step is not None:
         read = _read(said, first)
         made = slider(
             label, round(read) if isinstance(step, int) else read, least, most, step, unit

@@ -18,7 +18,9 @@ import segmap
 from segmap import alignment, exports, readers, reduction
 from segmap._commands import _compare, main
 from segmap._commands._compare import MOST, thinned
-from segmap._commands._thresholds import ANGLES, PLAIN, SLOPES, thresholds
+from segmap._commands._thresholds import thresholds
+from segmap.arrays import Metres, Radians, checked
+from segmap.methods import Method
 from segmap.quadtree import QuadtreeMap
 
 plt = later("matplotlib.pyplot")
@@ -154,22 +156,23 @@ def test_angles_are_degrees(run, near):
     assert len(wanted) != len(expected(near, "basic_offline"))
 
 
-@pytest.mark.parametrize("name", reduction.METHODS)
-def test_thresholds_of_each_method_have_the_unit_of_its_docstring(name):
-    """Catches a new threshold in radians that the command takes in radians too."""
-    function = reduction.METHODS[name].function
-    text = function.__doc__.split("Parameters\n")[1].split("Returns\n")[0]
-    for names, kind in re.findall(r"^    ([a-z0-9_, ]+) : (.*)$", text, re.MULTILINE):
-        listed, units = names.split(", "), re.findall("metres|radians a metre|radians", kind)
-        every = units if len(units) == len(listed) else units[:1] * len(listed)
-        if "angle, distance, gap" in names:  # radians and metres
-            every = ["radians", "metres", "metres"]
-        for threshold, unit in zip(listed, every, strict=False):
-            assert (threshold in ANGLES) == (unit == "radians"), threshold
-            assert (threshold in SLOPES) == (unit == "radians a metre"), threshold
-    own = thresholds(function)
-    assert reduction.METHODS[name].varies in own
-    assert {"chi2"} >= PLAIN & set(own)
+def test_a_threshold_has_the_unit_of_its_annotation(run, near, monkeypatch):
+    """Catches a unit that is guessed from a name: radians that the command takes in metres."""
+    given = []
+
+    @checked
+    def strange(map, *, angle: Metres = 0.2, skew: Radians = np.radians(10)):
+        given.extend((angle, skew))
+        return reduction.fusion(map)
+
+    monkeypatch.setitem(reduction.METHODS, "strange", Method(strange, "here", varies="angle"))
+    assert run("map", near, "--method", "strange", "--skew", 20, "--angle", 0.3)[0] == 0
+    assert given == [0.3, np.radians(20)]
+    said = " ".join(run("map", "--help")[1].split())
+    assert "--skew DEGREES default: 10 for strange " in said
+    assert "--angle DEGREES|METRES default: 10 for basic_offline," in said
+    assert "; 0.2 for strange" in said
+    assert all(m.varies in thresholds(m.function) for m in reduction.METHODS.values())
 
 
 def test_switches_and_thresholds_of_the_extraction(run, near):

@@ -13,8 +13,8 @@ from collections.abc import Iterator
 
 import numpy as np
 import pytest
+from browsers import ROOT, SCREENSHOT, browser, free_port, running, wait
 from makefile import app_command
-from test_browser import ROOT, SCREENSHOT, browser, free_port, running, wait
 
 from segmap import exports, readers, simulation
 

@@ -3,6 +3,7 @@
 import time
 import xml.etree.ElementTree as ET
 from datetime import UTC, datetime
+from inspect import signature
 
 import ipywidgets as W
 import numpy as np
@@ -10,11 +11,12 @@ import pytest
 
 import segmap
 from segmap import LaserScan, Log, SegmentMap, alignment, exports, readers, reduction
+from segmap.arrays import Metres, Radians, checked
 from segmap.experiments import pareto
 from segmap.methods import Method
-from segmap.panels import Workbench
+from segmap.panels import Workbench, control
 from segmap.panels._base import VIEW
-from segmap.panels.workbench._controls import Choice, Thresholds, units_of
+from segmap.panels.workbench._choices import Choice
 from segmap.panels.workbench._job import Failed, Worker
 from segmap.panels.workbench._recipe import EXTRACTIONS, Outcome
 from segmap.panels.workbench._shown import facts, figures_table, plane, runs_table
@@ -99,9 +101,9 @@ def test_the_same_in_python_makes_the_same(settings):
     """Catches code that leaves a choice out, or rounds a threshold."""
     made = bench(**settings)
     for choice in (made.extract, made.method, made.second):
-        for control in choice.controls():
-            if type(control).__name__ == "BoundedFloatText":
-                control.value = control.value * 1.07
+        for entry in choice.controls.values():
+            if isinstance(entry, W.BoundedFloatText):
+                entry.value = entry.value * 1.07
     made.run()
     names = {"log": LOG}
     exec(made.code, names)
@@ -168,66 +170,74 @@ def test_a_second_method_does_not_repeat_the_first():
 # ------------------------------------------------------------------ controls
 
 
-def thresholds(map: SegmentMap, *, distance: float = 0.2, angle: float = np.radians(10)):
-    """A method that nobody knows.
+#: What it was called with.
+GIVEN = []
 
-    Parameters
-    ----------
-    distance : float, metres
-    angle : float, radians
-    """
-    thresholds.given = distance, angle
+
+@checked
+def strange(map: SegmentMap, *, angle: Metres = 0.2, skew: Radians = np.radians(10)):
+    """A method that nobody knows; its names say the opposite of its units."""
+    GIVEN[:] = angle, skew
     return reduction.fusion(map)
 
 
 def test_a_new_method_appears_by_itself(monkeypatch):
-    """Catches a list of methods beside METHODS."""
-    method = Method(thresholds, "here", varies="distance")
+    """Catches a list of methods beside METHODS, and a unit that is guessed from a name."""
+    method = Method(strange, "here", varies="angle")
     monkeypatch.setitem(reduction.METHODS, "newest", method)
     made = bench(method="newest")
     assert "newest" in made.second.picker.options
-    slider, angle = made.method["distance"], made.method["angle"]
-    assert (slider.min, slider.max, slider.description) == (0.01, 2.0, "distance [m]")
-    assert (angle.value, angle.description) == (10.0, "angle [deg]")
-    angle.value = 20
+    slider, skew = made.method["angle"], made.method["skew"]
+    assert (slider.min, slider.max, slider.description) == (0.01, 2.0, "angle [m]")
+    assert (skew.value, skew.description) == (10.0, "skew [degrees]")
+    skew.value = 20
     made.run()
-    assert thresholds.given == (0.2, np.radians(20))
+    assert [0.2, np.radians(20)] == GIVEN
     exec(made.code, names := {"log": LOG})
-    assert thresholds.given == (0.2, np.radians(20)) and len(names["reduced"])
-    assert "angle=np.radians(20)" in made.code
+    assert [0.2, np.radians(20)] == GIVEN and len(names["reduced"])
+    assert "skew=np.radians(20)" in made.code
 
 
 @pytest.mark.parametrize("name", METHODS)
 def test_untouched_controls_are_the_defaults(name):
     """Catches a default that its own control rounds, and a threshold that varies without slider."""
     method = METHODS[name]
-    made = Thresholds(name, method.function, method.varies)
-    assert made.call().thresholds == {
-        key: made.thresholds[key].default for key in [method.varies] if key
-    }
-    assert {k for k, c in made.controls.items() if isinstance(c, W.FloatSlider)} == {
-        *filter(None, [method.varies])
-    }
+    made = Choice("method", {name: (method.function, method.varies)}, name)
+    assert set(made.call().thresholds) == {*filter(None, [method.varies])}
+    sliders = [key for key, c in made.controls.items() if isinstance(c, W.FloatSlider)]
+    assert sliders == [*filter(None, [method.varies])] == list(made.controls)[: len(sliders)]
+    usual = signature(method.function).parameters
+    assert all(c.meant() == usual[key].default for key, c in made.controls.items())
 
 
-def test_units_are_read_from_the_docstrings():
-    """Catches an angle of a method that is shown in radians."""
-    for name, method in METHODS.items():
-        said = units_of(method.function)
-        for key, each in Thresholds(name, method.function).thresholds.items():
-            is_angle = "angle" in key or key.startswith(("turn", "rotation")) or "heading" in key
-            assert not is_angle or each.scale == np.pi / 180, (name, key, said.get(key))
-    assert units_of(reduction.weighted_line_fitting)["sigma_heading"] == "radians"
-    assert Thresholds("", reduction.mean_shift).thresholds["bandwidth"].scale == 1.0
+@pytest.mark.parametrize(
+    ("name", "first", "shown", "moved", "meant"),
+    [
+        ("angle", None, ("angle [degrees]", 10), 20, np.radians(20)),
+        ("angle", np.radians(4), ("angle [degrees]", 4), 4, np.radians(4)),
+        ("bandwidth", None, ("bandwidth [degrees/m]", 50), 7.5, np.radians(7.5)),
+        ("min_length", None, ("min_length [m]", ""), " 0.25 ", 0.25),
+        ("every", 7, ("every", 7), 9, 9),
+        ("origin", None, ("origin", None), "map", "map"),
+        ("forget", None, ("forget", True), False, False),
+    ],
+)
+def test_a_control_shows_and_means_what_is_declared(name, first, shown, moved, meant):
+    """Catches an angle that is shown in radians, or handed on in degrees; a None that is lost."""
+    found = (m.function for m in reduction.METHODS.values())
+    made = control(next(f for f in found if name in signature(f).parameters), name, first)
+    assert (made.description, made.value) == shown
+    made.value = moved
+    assert made.meant() == meant
 
 
-def test_a_number_may_be_none():
-    choice = Choice("method", {"hybrid": (reduction.hybrid, "distance")}, "hybrid")
-    choice["min_length"].value = " 0.25 "
-    assert choice.call().thresholds == {"distance": 0.2, "min_length": 0.25}
-    choice["min_length"].value = "long"
+def test_what_a_control_cannot_take_is_named():
+    length = control(reduction.hybrid, "min_length")
+    length.value = "long"
     with pytest.raises(ValueError, match=r"min_length \[m\] must be a number or nothing, got 'lo"):
-        choice.call()
+        length.meant()
+    with pytest.raises(ValueError, match="skew must be"):
+        control(strange, "skew", -1.0, least=1, most=45, step=1)
 
 
 def test_settings_stay_while_another_method_is_chosen():

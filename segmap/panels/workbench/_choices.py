@@ -2,26 +2,105 @@
 
 from __future__ import annotations
 
+import inspect
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import ipywidgets as W
 
 from ... import alignment, reduction
-from ._controls import ENTRY, Choice
-from ._recipe import EXTRACTIONS, Recipe
+from .._control import ENTRY, control
+from ._recipe import EXTRACTIONS, Call, Recipe
 
+#: A slider goes in twentieths of the default up to ten times it.
+STEPS, TIMES = 20, 10
+WRAP: Any = {"flex_flow": "row wrap", "align_items": "center"}
 #: What the list of second methods says of none.
 NONE = "none"
 
+#: Name -> function, and the threshold that gets a slider, or nothing; the word for none: None.
+Functions = Mapping[str, tuple[Callable[..., Any], str] | None]
+
+
+class Choice:
+    """A choice of one function of several, and controls of the thresholds of the chosen one.
+
+    Each keeps its settings while another is chosen.
+
+    Examples
+    --------
+    >>> from segmap.reduction import fusion
+    >>> choice = Choice("method", {"none": None, "fusion": (fusion, "tolerance")}, "none")
+    >>> choice.value = "fusion"
+    >>> choice["tolerance"].value = 0.06
+    >>> choice.call().words()
+    'tolerance 0.06'
+    """
+
+    def __init__(self, name: str, functions: Functions, first: str) -> None:
+        self._functions = functions
+        self._made: dict[str, dict[str, Any]] = {}
+        self.picker: Any = W.Dropdown(
+            options=list(functions), value=first, description=name, style=ENTRY
+        )
+        self._box = W.Box(layout=W.Layout(**WRAP))
+        self.view = W.VBox([self.picker, self._box])
+        self.picker.observe(self._chosen, names="value")
+        self._chosen()
+
+    @property
+    def value(self) -> str:
+        """The name that is chosen."""
+        return str(self.picker.value)
+
+    @value.setter
+    def value(self, name: str) -> None:
+        self.picker.value = name
+
+    def __getitem__(self, threshold: str) -> Any:
+        """The control of a threshold of the function that is chosen."""
+        return self.controls[threshold]
+
+    @property
+    def controls(self) -> dict[str, Any]:
+        """Controls of the thresholds of the function that is chosen, by their names."""
+        return self._made.get(self.value, {})
+
+    def call(self) -> Call | None:
+        """The function with the thresholds that are not its defaults, and the one that varies."""
+        if (about := self._functions[self.value]) is None:
+            return None
+        function, varies = about
+        usual = inspect.signature(function).parameters
+        values = {name: each.meant() for name, each in self.controls.items()}
+        changed = {k: v for k, v in values.items() if k == varies or v != usual[k].default}
+        return Call(self.value, function, changed)
+
+    def _chosen(self, change: Any = None) -> None:
+        about = self._functions[self.value]
+        if about is not None and self.value not in self._made:
+            self._made[self.value] = _controls(*about)
+        nothing = [] if about is None else [W.Label("no threshold")]
+        self._box.children = list(self.controls.values()) or nothing
+
+
+def _controls(function: Callable[..., Any], varies: str) -> dict[str, Any]:
+    """Controls of the keywords that are plain values, the one that varies first, as a slider."""
+    found = {}
+    for name, parameter in inspect.signature(function).parameters.items():
+        if parameter.kind is parameter.KEYWORD_ONLY and (made := control(function, name)):
+            found[name] = made
+    if varies:
+        usual = found.pop(varies).value
+        step, most = usual / STEPS, TIMES * usual
+        moved = control(function, varies, least=step, most=most, step=step)
+        moved.style.description_width = ENTRY["description_width"]
+        found = {varies: moved, **found}
+    return found
+
 
 class Choices:
-    """Alignment, extraction, filter, method and a second method.
-
-    Attributes
-    ----------
-    align, extract, method, second : Choice
-    least : number, metres
-    """
+    """Alignment, extraction, filter (`least`, metres), method and a second method."""
 
     def __init__(self) -> None:
         alignments = {k: (m.function, "") for k, m in alignment.METHODS.items()}
@@ -33,16 +112,10 @@ class Choices:
         self.second = Choice("second method", {NONE: None, **reductions}, NONE)
         named: Any = {"description": "leave out below [m]", "style": ENTRY}
         self.least: Any = W.BoundedFloatText(0.0, min=0, max=100, step=0.05, **named)
-        self.least.layout.width = "220px"
+        self.least.layout.width = "240px"
 
     def recipe(self, log: str) -> Recipe:
-        """All that is chosen, for the log that an expression gives.
-
-        Raises
-        ------
-        ValueError
-            Where a threshold is no number.
-        """
+        """All that is chosen, for the log that an expression gives."""
         chosen = (choice.call() for choice in (self.align, self.extract, self.method))
         align, extract, first = (call for call in chosen if call is not None)
         return Recipe(log, align, extract, float(self.least.value), first, self.second.call())

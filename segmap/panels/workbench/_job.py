@@ -18,7 +18,9 @@ from collections.abc import Callable
 from typing import Any, BinaryIO
 
 #: What the worker begins with: it finds the package that this Python has imported.
-START = "import sys; sys.path[:] = sys.argv[1:]; from segmap.panels import _job; _job.serve()"
+START = (
+    "import sys; sys.path[:] = sys.argv[1:]; from segmap.panels.workbench import _job; _job.serve()"
+)
 #: What to do with a function that cannot be sent.
 HERE = "what only this notebook defines runs with workbench.run()"
 

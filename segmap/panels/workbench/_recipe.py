@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
-
-import numpy as np
 
 from ... import alignment, extraction, reduction
 from ...alignment import Alignment
@@ -14,6 +12,7 @@ from ...metrics import quality, reduction_rate
 from ...reduction import Reduction
 from ...scans import Log
 from ...segments import SegmentMap
+from .._undeclared import said_of
 
 #: Ways to find the segments of a scan; both tell the points behind each.
 EXTRACTIONS: dict[str, Callable[..., Any]] = {
@@ -26,57 +25,36 @@ Tell = Callable[[str], None]
 
 @dataclass(frozen=True)
 class Call:
-    """A function by its name, with the thresholds that are not its defaults.
-
-    Parameters
-    ----------
-    name : str
-    function : callable
-        `function(data, **thresholds)`.
-    thresholds : mapping
-    angles : frozenset of str
-        Those in radians, which people read in degrees.
-    """
+    """A function of some data by its name, with the thresholds that are not its defaults."""
 
     name: str
     function: Callable[..., Any]
     thresholds: Mapping[str, Any]
-    angles: frozenset[str] = frozenset()
 
     def run(self, data: Any) -> Any:
         """Call it."""
         return self.function(data, **self.thresholds)
 
     def arguments(self) -> str:
-        """The thresholds as Python writes them, each behind a comma."""
-        return "".join(f", {name}={self._written(name)}" for name in self.thresholds)
+        """The thresholds as Python writes them, each behind a comma; angles by their degrees."""
+        said, written = said_of(self.function), ""
+        for name, value in self.thresholds.items():
+            text = _short(value) if isinstance(value, float) else repr(value)
+            if isinstance(value, float) and said[name].read_unit != said[name].unit:
+                read = float(f"{said[name].read(value):.6g}")
+                exact = said[name].meant(read) == value
+                text = f"np.radians({_short(read)})" if exact else repr(float(value))
+            written += f", {name}={text}"
+        return written
 
     def words(self) -> str:
         """The thresholds as a person reads them."""
         return self.arguments().removeprefix(", ").replace("=", " ").replace("np.", "")
 
-    def _written(self, name: str) -> str:
-        value = self.thresholds[name]
-        if name in self.angles and value is not None:
-            degrees = float(f"{np.degrees(value):.6g}")
-            exact = float(np.radians(degrees)) == value
-            return f"np.radians({_short(degrees)})" if exact else repr(float(value))
-        return _short(value) if isinstance(value, float) else repr(value)
-
 
 @dataclass(frozen=True)
 class Recipe:
-    """All choices of the workbench.
-
-    Parameters
-    ----------
-    log : str
-        The expression that gives the log.
-    align, extract, first : Call
-    second : Call or None
-    least : float, metres
-        Shorter segments are left out before a method sees them; 0 for none.
-    """
+    """All choices of the workbench: `log` is the expression that gives it, `least` the filter."""
 
     log: str
     align: Call
@@ -111,19 +89,7 @@ class Recipe:
 
 @dataclass(frozen=True)
 class Outcome:
-    """What followed from a recipe.
-
-    Parameters
-    ----------
-    recipe : Recipe
-    alignment : Alignment
-    map : SegmentMap
-        After the filter.
-    reductions : list of Reduction
-        One for each method of the recipe.
-    qualities : list of float
-        Of each, in [0, 1].
-    """
+    """What followed from a recipe: the map after the filter, and for each method what it left."""
 
     recipe: Recipe
     alignment: Alignment
@@ -131,16 +97,15 @@ class Outcome:
     reductions: list[Reduction]
     qualities: list[float]
 
-    def known(self) -> list[tuple[Call, Reduction]]:
-        """Each method with its reduction."""
-        return list(zip(self.recipe.methods(), self.reductions, strict=True))
+    def found(self) -> list[tuple[Call, Reduction, float]]:
+        """Each method with its reduction and its quality."""
+        return list(zip(self.recipe.methods(), self.reductions, self.qualities, strict=True))
 
     def words(self) -> str:
         """What each method leaves, and its quality."""
-        found = zip(self.recipe.methods(), self.reductions, self.qualities, strict=True)
         return ", ".join(
             f"{call.name} leaves {len(reduced)} of {len(self.map)} segments, quality {kept:.1%}"
-            for call, reduced, kept in found
+            for call, reduced, kept in self.found()
         )
 
     def rows(self, name: str) -> list[dict[str, Any]]:
@@ -148,7 +113,7 @@ class Outcome:
 
         The log is called by its `name`.
         """
-        recipe, found = self.recipe, zip(self.reductions, self.qualities, strict=True)
+        recipe = self.recipe
         way = {
             "map": name,
             "alignment": recipe.align.name,
@@ -169,7 +134,7 @@ class Outcome:
                 "quality": round(kept, 9),
                 "seconds": round(reduced.seconds, 6),
             }
-            for call, (reduced, kept) in zip(recipe.methods(), found, strict=True)
+            for call, reduced, kept in self.found()
         ]
 
 
@@ -187,37 +152,29 @@ def follow(recipe: Recipe, log: Log, before: Outcome | None, tell: Tell) -> Outc
         before = None
         tell(f"aligning {len(log)} scans by {recipe.align.name}")
         found = recipe.align.run(log)
-    map = _built(recipe, log, found, before, tell)
-    known = before.known() if before is not None and map is before.map else []
-    reductions = [_reduced(call, map, known, tell) for call in recipe.methods()]
+    how = recipe.extract, recipe.least
+    if before is not None and (before.recipe.extract, before.recipe.least) == how:
+        map = before.map
+    else:
+        before = None
+        tell(f"extracting segments by {recipe.extract.name}")
+        extract, thresholds = recipe.extract.function, recipe.extract.thresholds
+        map = extraction.build_map(
+            log, found.trusted, extract=extract, keep_points=True, **thresholds
+        )
+        map = map.filtered(recipe.least) if recipe.least else map
+        if not len(map):
+            raise ValueError("no segment is left: loosen the extraction or the filter")
+    reductions = []
+    for call in recipe.methods():
+        known = before.found() if before is not None else []
+        done = [reduced for was, reduced, _ in known if was == call]
+        reductions.append(done[0] if done else _reduced(call, map, tell))
     tell("measuring quality")
     return Outcome(recipe, found, map, reductions, [quality(map, each) for each in reductions])
 
 
-def _built(
-    recipe: Recipe, log: Log, found: Alignment, before: Outcome | None, tell: Tell
-) -> SegmentMap:
-    if before is not None:
-        was = before.recipe
-        if (was.extract, was.least) == (recipe.extract, recipe.least):
-            return before.map
-    tell(f"extracting segments by {recipe.extract.name}")
-    extract, thresholds = recipe.extract.function, recipe.extract.thresholds
-    whole = extraction.build_map(
-        log, found.trusted, extract=extract, keep_points=True, **thresholds
-    )
-    map = whole.filtered(recipe.least) if recipe.least else whole
-    if not len(map):
-        raise ValueError("no segment is left: loosen the extraction or the filter")
-    return map
-
-
-def _reduced(
-    call: Call, map: SegmentMap, known: Iterable[tuple[Call, Reduction]], tell: Tell
-) -> Reduction:
-    for was, reduced in known:
-        if was == call:
-            return reduced
+def _reduced(call: Call, map: SegmentMap, tell: Tell) -> Reduction:
     tell(f"reducing {len(map)} segments by {call.name}")
     reduced = call.run(map)
     if not isinstance(reduced, Reduction):

@@ -21,7 +21,6 @@ WIDTH, HEIGHT, SIDE = 648, 320, 260
 LATEST = 8
 CELL = 'style="padding: 1px 7px; text-align: left; white-space: nowrap"'
 #: A widget sets lines far apart.
-PYTHON = '<pre style="line-height: 1.4; overflow-x: auto">'
 LINES = '<div style="line-height: 1.45; overflow-x: auto">'
 
 
@@ -83,8 +82,7 @@ def _for(known: Any, log: Log) -> str:
 
 def titles(outcome: Outcome) -> list[str]:
     """A title for each picture: the map before, and what each method leaves."""
-    calls = outcome.recipe.methods()
-    after = [f"{c.name}: {len(r)}" for c, r in zip(calls, outcome.reductions, strict=True)]
+    after = [f"{call.name}: {len(reduced)}" for call, reduced, _ in outcome.found()]
     return [f"before: {len(outcome.map)} segments", *after]
 
 
@@ -92,9 +90,7 @@ def figures_table(outcome: Outcome) -> str:
     """Reduction, quality, A's words for both, and seconds, of each method, as HTML."""
     head = ["method", "segments", "reduction", "quality", "seconds"]
     rows = []
-    for call, reduced, kept in zip(
-        outcome.recipe.methods(), outcome.reductions, outcome.qualities, strict=True
-    ):
+    for call, reduced, kept in outcome.found():
         rate = reduction_rate(outcome.map, reduced)
         rows.append([
             f"{call.name} ({call.words()})",

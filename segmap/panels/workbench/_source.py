@@ -12,8 +12,9 @@ import ipywidgets as W
 
 from ... import arrays, readers
 from ...scans import Log
+from .._control import ENTRY
 from . import _shown
-from ._controls import ENTRY, WRAP
+from ._choices import WRAP
 from ._job import said
 
 #: What the list of bundled logs says of a log of one's own.
@@ -23,24 +24,9 @@ LARGEST = "up to 10 MB; larger ones by their path"
 
 
 class Source:
-    """A log, the expression that gives it, and the controls that choose another.
+    """A log, the Python `expression` that gives it, and the controls that choose another.
 
-    Parameters
-    ----------
-    first : str, Path or Log
-    taken : callable
-        Called with the log when there is another.
-    say : callable
-        Told why there is none.
-
-    Attributes
-    ----------
-    log : Log
-    expression : str
-        Python that gives it.
-    controls : tuple of widgets
-        Bundled logs, path, upload.
-    view : widget
+    `taken` is called with each new log, `say` told why there is none.
     """
 
     log: Log

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import html
+import tempfile
 import threading
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -17,11 +18,9 @@ from ...reduction import Reduction
 from ...scans import Log
 from ...segments import length
 from . import _shown
-from ._choices import Choices
-from ._controls import WRAP
-from ._export import export_buttons, written
+from ._choices import WRAP, Choices
 from ._job import Failed, Stopped, Worker, said
-from ._recipe import Outcome, follow
+from ._recipe import Outcome, Recipe, follow
 from ._source import Source, telling
 
 if TYPE_CHECKING:
@@ -32,6 +31,8 @@ COLUMNS = (
     *("extract_thresholds", "filtered", "method", "thresholds", "n_before", "n_after"),
     *("reduction", "quality", "seconds"),
 )
+#: What `exports.write_segments` writes.
+FORMATS = (".csv", ".npz", ".svg", ".geojson", ".wkt", ".dxf")
 
 
 class Workbench:
@@ -90,13 +91,7 @@ class Workbench:
         self._view = self._laid_out()
 
     def open(self, source: str | Path | Log) -> None:
-        """Take another log: the name of a bundled one, a path, or a Log.
-
-        Raises
-        ------
-        LogError, ValueError
-            Where there is none. The log before is kept.
-        """
+        """Take another log: the name of a bundled one, a path, or a Log; else the one is kept."""
         self._source.open(source)
 
     @property
@@ -111,23 +106,17 @@ class Workbench:
 
     # --------------------------------------------------------------------- a run
     def run(self) -> None:
-        """Do it, here and now, and show it.
+        """Do it, here and now, and show it; where a method refuses, the run before stays."""
+        self._show(self.log, follow(*self._work(), self._tell))
 
-        Raises
-        ------
-        ValueError
-            Where a method refuses its thresholds, or the log. The run before stays.
-        """
-        log = self.log
-        self._show(
-            log, follow(self._choices.recipe(self._source.expression), log, self._known, self._tell)
-        )
+    def _work(self) -> tuple[Recipe, Log, Outcome | None]:
+        return self._choices.recipe(self._source.expression), self.log, self._known
 
     def _start(self, button: object = None) -> None:
         """Do it in the worker, and show it when it is done."""
         if not self._thread.is_alive():
             with telling(self._say):
-                work = (self._choices.recipe(self._source.expression), self.log, self._known)
+                work = self._work()
                 self._thread = threading.Thread(target=self._wait, args=(work,), daemon=True)
                 self._thread.start()
 
@@ -167,10 +156,8 @@ class Workbench:
         else:
             self.picture.value = _shown.still(outcome)
         self.figures.value = _shown.figures_table(outcome)
-        self.plane.value, self.listed.value = (
-            _shown.plane(self._rows),
-            _shown.runs_table(self._rows),
-        )
+        self.plane.value = _shown.plane(self._rows)
+        self.listed.value = _shown.runs_table(self._rows)
         self.listing.value = (
             f'<pre style="line-height: 1.4">{html.escape(outcome.recipe.code())}</pre>'
         )
@@ -191,14 +178,9 @@ class Workbench:
         return pd.DataFrame(self._rows, columns=list(COLUMNS))
 
     def point(self, index: int, which: int = 0) -> Array:
-        """Point at a segment of a result, as the mouse does: its members, `(k, 2, 2)`, metres.
+        """Point at a segment that a method left, as the mouse does: its members, `(k, 2, 2)`.
 
-        Parameters
-        ----------
-        index : int
-            Among the segments that are left.
-        which : int
-            0 for the first method, 1 for the second.
+        `which` is 0 for the first method, 1 for the second.
         """
         reduced, map = self._result(which), self._done().map
         rows = reduced.members(index)
@@ -219,25 +201,18 @@ class Workbench:
             self.canvas.members, self.chosen.value = [], ""
 
     def export(self, path: str | Path, which: int = 0) -> None:
-        """Write what a method leaves, as `exports.write_segments` does.
-
-        Parameters
-        ----------
-        path : str or Path
-            Its end tells the format.
-        which : int
-            0 for the first method, 1 for the second.
-        """
+        """Write what a method leaves, as `exports.write_segments` does; 1 for the second."""
         exports.write_segments(path, self._result(which))
 
-    def _download(self, end: str) -> None:
+    def _download(self, button: Any) -> None:
         """Hand the first result to the browser."""
-        with telling(self._say):
-            reduced = self._result(0)
-            name = f"{self._rows[-1]['map']}-{reduced.method}{end}"
-            self.canvas.save(name, written(name, reduced))
+        with telling(self._say), tempfile.TemporaryDirectory() as folder:
+            method = self._result().method
+            path = Path(folder) / f"{self._rows[-1]['map']}-{method}{button.description}"
+            self.export(path)
+            self.canvas.save(path.name, path.read_bytes())
 
-    def _result(self, which: int) -> Reduction:
+    def _result(self, which: int = 0) -> Reduction:
         found = self._done().reductions
         return found[arrays.whole(which, "which", least=0, most=len(found) - 1)]
 
@@ -256,7 +231,10 @@ class Workbench:
         self.state, self.chosen = W.HTML(), W.Label()
         self.figures, self.plane, self.listed, self.listing = (W.HTML() for _ in range(4))
         self.canvas = _canvas()
-        self.files = export_buttons(self._download)
+        named = [W.Button(description=end, layout=W.Layout(width="auto")) for end in FORMATS]
+        for button in named:
+            button.on_click(self._download)
+        self.files = W.Box([W.Label("Save the first result as"), *named], layout=W.Layout(**WRAP))
         self.picture: Any = W.Image(format="png")
         if self.canvas is not None:
             self.canvas.observe(self._pointed, names="pointed")

@@ -1,0 +1,131 @@
+"""A real browser, driven over W3C WebDriver with the standard library."""
+
+import base64
+import json
+import os
+import shutil
+import signal
+import socket
+import subprocess
+import time
+import urllib.error
+import urllib.request
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[1]
+SCREENSHOT = ROOT / "build" / "browser" / "chapter_00.png"
+FLAGS = [
+    *("--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run"),
+    *("--disable-sync", "--disable-background-networking", "--disable-component-update"),
+    *("--disable-dev-shm-usage", "--window-size=1200,1600"),
+]
+
+
+def free_port() -> int:
+    with socket.socket() as s:
+        s.bind(("127.0.0.1", 0))
+        return int(s.getsockname()[1])
+
+
+@contextmanager
+def running(command: list[str], log: Path, **options: Any) -> Iterator[subprocess.Popen]:
+    """A program and all its children, ended whatever happens."""
+    with log.open("wb") as out:
+        process = subprocess.Popen(
+            command, stdout=out, stderr=out, start_new_session=True, **options
+        )
+        try:
+            yield process
+        finally:
+            for kind in (signal.SIGTERM, signal.SIGKILL):
+                try:
+                    os.killpg(process.pid, kind)
+                    process.wait(5)
+                except (ProcessLookupError, subprocess.TimeoutExpired):
+                    continue
+
+
+def wait(what: str, answer: Callable[[], Any], seconds: float = 60) -> Any:
+    """The first answer that is not empty; a failure that says what never came."""
+    end = time.monotonic() + seconds
+    while time.monotonic() < end:
+        with suppress(urllib.error.URLError, ConnectionError):
+            if found := answer():
+                return found
+        time.sleep(0.1)
+    pytest.fail(f"waited {seconds} s for {what}")
+
+
+class Browser:
+    """The few WebDriver commands that the test needs."""
+
+    def __init__(self, port: int) -> None:
+        self.at = f"http://127.0.0.1:{port}"
+        wait("the driver", lambda: self._call("GET", "/status")["ready"], 20)
+        options = {"args": FLAGS, "binary": shutil.which("chromium")}
+        wanted = {"goog:chromeOptions": options, "goog:loggingPrefs": {"browser": "ALL"}}
+        opened = self._call("POST", "/session", {"capabilities": {"alwaysMatch": wanted}})
+        self.at += f"/session/{opened['sessionId']}"
+
+    def _call(self, method: str, path: str, body: Any = None) -> Any:
+        data = None if body is None else json.dumps(body).encode()
+        headers = {"Content-Type": "application/json"}
+        request = urllib.request.Request(self.at + path, data, headers, method=method)
+        with urllib.request.urlopen(request, timeout=60) as reply:
+            return json.load(reply)["value"]
+
+    def open(self, address: str) -> None:
+        self._call("POST", "/url", {"url": address})
+
+    def run(self, script: str, *given: Any) -> Any:
+        return self._call("POST", "/execute/sync", {"script": script, "args": given})
+
+    def find(self, path: str) -> str:
+        place = {"using": "xpath", "value": path}
+        return str(next(iter(self._call("POST", "/element", place).values())))
+
+    def click(self, path: str) -> None:
+        self._call("POST", f"/element/{self.find(path)}/click", {})
+
+    def type(self, element: str, keys: str) -> None:
+        self._call("POST", f"/element/{element}/value", {"text": keys})
+
+    def size(self, width: int, height: int) -> None:
+        self._call("POST", "/window/rect", {"width": width, "height": height})
+
+    def devtools(self, command: str, settings: dict[str, Any]) -> None:
+        self._call("POST", "/goog/cdp/execute", {"cmd": command, "params": settings})
+
+    def mouse(self, kind: str, x: float, y: float, **more: Any) -> None:
+        place = {"type": kind, "x": x, "y": y, "button": "left", "buttons": 1, "clickCount": 1}
+        self.devtools("Input.dispatchMouseEvent", place | more)
+
+    def errors(self) -> list[str]:
+        lines = self._call("POST", "/se/log", {"type": "browser"})
+        return [line["message"] for line in lines if line["level"] == "SEVERE"]
+
+    def screenshot(self, path: Path) -> None:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_bytes(base64.b64decode(self._call("GET", "/screenshot")))
+
+    def close(self) -> None:
+        self._call("DELETE", "")
+
+
+@pytest.fixture
+def browser(tmp_path: Path) -> Iterator[Browser]:
+    if not (shutil.which("chromium") and shutil.which("chromedriver")):
+        missing = "chromium and chromedriver are not both installed (see environment.md)"
+        pytest.fail(missing) if os.environ.get("CI") else pytest.skip(missing)
+    port = free_port()
+    with running(["chromedriver", f"--port={port}"], tmp_path / "driver.log"):
+        opened = Browser(port)
+        try:
+            yield opened
+        finally:
+            opened.close()
