@@ -479,7 +479,7 @@ def clone(tmp_path, monkeypatch):
     for name in ("00_start_here", "11_next"):
         (source / f"{name}.ipynb").write_text(json.dumps({"cells": cells}), encoding="utf-8")
     (tmp_path / "clone" / "data" / "README.md").write_text("data")
-    monkeypatch.setattr("segmap._commands._notebooks.PLACES", (source,))
+    monkeypatch.setattr("segmap._commands._notebooks.chapters_folder", lambda: source)
     return source
 
 
@@ -517,12 +517,6 @@ def test_a_newer_original_is_offered_beside_the_work_of_a_student(run, clone):
     (work / ".originals.json").write_text("[broken")
     code, *_ = run("notebooks", work)
     assert code == 0 and (work / first.name).read_text() == "my answers"
-
-
-def test_the_wheel_holds_the_chapters():
-    """Catches a pip user whose `segmap notebooks` finds none."""
-    text = (ROOT / "pyproject.toml").read_text(encoding="utf-8")
-    assert re.search(r'force-include\]\n(?:.*\n)*?notebooks = "segmap/notebooks"', text)
 
 
 # ------------------------------------------------------------------------------ the program
