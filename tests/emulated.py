@@ -1,4 +1,4 @@
-"""A world whose scans betray a single wrong range, and sensors that the laser's tests share."""
+"""Worlds whose scans betray a single wrong range, and sensors that the laser's tests share."""
 
 import itertools
 import os
@@ -40,12 +40,22 @@ def pattern(turn: int) -> np.ndarray:
     return 100 + (7919 * turn + 31 * np.arange(769)) % 3900
 
 
-def turn_of(scan, first: int = 44) -> int:
-    """Which turn (modulo 3900) of `pattern` a scan shows; fails where one beam is of another."""
+def far_pattern(turn: int) -> np.ndarray:
+    """The same for a UST-10LX, to 29.9 m."""
+    return 100 + (7919 * turn + 31 * np.arange(1081)) % 29800
+
+
+def turn_of(scan, first: int = 44, most: int = 3900) -> int:
+    """Which turn (modulo `most`) of a pattern a scan shows; fails where one beam is of another."""
     met = np.rint(1000 * scan.ranges).astype(int)
-    starts = (met - 100 - 31 * (first + np.arange(len(met)))) % 3900
+    starts = (met - 100 - 31 * (first + np.arange(len(met)))) % most
     assert (starts == starts[0]).all(), "a range that the sensor never measured"
-    return int(starts[0]) * pow(7919, -1, 3900) % 3900
+    return int(starts[0]) * pow(7919, -1, most) % most
+
+
+def far_turn(scan) -> int:
+    assert len(scan) == 1081 and scan.max_range == 30.0
+    return turn_of(scan, 0, 29800)
 
 
 class Wired:
@@ -123,22 +133,14 @@ def emulator_threads() -> list[str]:
     return [t.name for t in threading.enumerate() if t.name == "URG emulator"]
 
 
+# ----------------------------------------------------------------------------- faults
 #: Scans that a run asks for.
 SCANS = 6
-#: No run takes longer, seconds, on a machine that does other things too.
-BOUND = 20.0
 WIRE = ("flip", "lose", "stale", "stop", "silence", "unplug")
 #: Bytes that the sensor sends before a scan comes, and with the scans.
 OPENING, WHOLE = 300, 300 + SCANS * 2138
 FAULTS = {
-    "flip": {},
-    "lose": {},
-    "stale": {},
-    "stop": {},
-    "silence": {},
-    "unplug": {},
-    "status": {},
-    "wrap": {},
+    **{fault: {} for fault in (*WIRE, "status", "wrap")},
     "streaming at open": {"streaming": True},
     "time mode at open": {"timing": True},
     "wrong rate": {"usb": False, "rate": 19200},
@@ -148,8 +150,6 @@ FAULTS = {
     "flip while streaming": {"streaming": True},
     "lose in SCIP 1.1": {"protocol": "1.1"},
 }
-#: After these the sensor is never what it was.
-FINAL = ("unplug", "status")
 
 
 class Outcome(NamedTuple):

@@ -5,7 +5,6 @@ from __future__ import annotations
 import threading
 import time
 from collections.abc import Iterable, Iterator, Sized
-from types import TracebackType
 from typing import Self
 
 from .. import arrays
@@ -33,10 +32,8 @@ class HostClock:
     The line from the sensor only delays, so the scan that came fastest tells how far both clocks
     are apart. That knowledge fades as slowly as the clocks drift.
 
-    Parameters
-    ----------
-    least : float, seconds
-        No scan arrives sooner than this after its stamp: the mirror has to get to the last step.
+    No scan arrives sooner than `least` seconds after its stamp: the mirror has to get to the last
+    step.
 
     Examples
     --------
@@ -51,13 +48,9 @@ class HostClock:
         self._sensor = self._apart = 0.0
 
     def seconds(self, stamp: int, arrived: float) -> float:
-        """Host time of a sensor's stamp, seconds; stamps come in the order of sending.
+        """Host time of a sensor's stamp, ms; stamps come in the order of sending.
 
-        Parameters
-        ----------
-        stamp : int, milliseconds
-        arrived : float, seconds
-            When the whole scan was there, by the host.
+        The whole scan was there when it `arrived`, by the host.
         """
         if self._last is None:
             self._sensor, self._apart = stamp / 1000.0, arrived - self.least - stamp / 1000.0
@@ -82,23 +75,9 @@ def one_by_one(value: Iterable[LaserScan], name: str) -> Iterator[LaserScan]:
 class Newest:
     """Hands a slow reader the newest scan; older ones that it did not take are left out.
 
-    A thread of its own reads; nothing else may use the sensor meanwhile. It ends at the end of
-    `with`.
-
-    Parameters
-    ----------
-    scans : iterable of LaserScan
-        `sensor.scans()`.
-
-    Attributes
-    ----------
-    skipped : int
-        Scans that came and were never handed over.
-
-    Raises
-    ------
-    SensorError
-        As the scans do, where they are read.
+    A thread of its own reads, until the end of `with`; nothing else may use the sensor meanwhile.
+    Errors of the scans come where they are read; `skipped` counts those that were never handed
+    over.
 
     Examples
     --------
@@ -132,15 +111,7 @@ class Newest:
         self._thread.start()
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        value: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
-        self.close()
-
-    def close(self) -> None:
+    def __exit__(self, *_: object) -> None:
         """End the thread, and with it the stream."""
         self._closing = True
         if self._thread.is_alive() and self._thread is not threading.current_thread():

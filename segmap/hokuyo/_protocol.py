@@ -1,12 +1,12 @@
-"""The bytes on the serial line: numbers as characters, check sums, requests, and whole replies.
+"""SCIP 1.1 and 2.0 as bytes: numbers as characters, check sums, requests, replies.
 
-Pure functions of SCIP 1.1 and 2.0, for the driver and for the emulator.
+Pure functions, for the driver and for the emulator.
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -22,12 +22,37 @@ CLOCK = 1 << 24
 BLOCK = 64
 #: Characters of a distance, by command.
 CHARACTERS = {"GD": 3, "MD": 3, "GS": 2, "MS": 2}
-
+#: What a status means and what to do; for scans and for the commands that start them.
+STATUS = {
+    "0A": "the sensor could not build a reply: ask again",
+    "0B": "the same command was sent twice, or the sensor's buffer is full",
+    "0E": "the sensor does not know the command, or is in time mode",
+    "0I": "the sensor waits for new firmware: restart it",
+    "0M": "the sensor is not ready: it takes some seconds after it was switched on",
+    "04": "the last step is beyond what the sensor has",
+    "05": "the last step lies before the first",
+    "10": "the laser is off: send BM first",
+    "01": "the laser does not work, or a number was malformed",
+}
+_FAULTY = "the sensor reports a hardware fault: switch it off and on, then have it checked"
 _SCAN = re.compile(r"(?:(G[DS])|(M[DS]))([0-9]{4})([0-9]{4})([0-9]{2})(?(2)([0-9])([0-9]{2}))")
+_STATUS = re.compile("[0-9A-Z]{2}")
 
 
 class SensorError(RuntimeError):
     """A laser that is lost, is busy or breaks its protocol; the text says what to do about it."""
+
+
+class SensorGone(SensorError):
+    """The port vanished: the sensor was unplugged, or its power failed."""
+
+
+class Refused(SensorError):
+    """A status that stays the same when the command is sent again."""
+
+
+class Silent(SensorError):
+    """The sensor says nothing at all: its power or its cable may be gone where no port tells so."""
 
 
 def encode(values: ArrayLike, characters: int) -> bytes:
@@ -38,16 +63,6 @@ def encode(values: ArrayLike, characters: int) -> bytes:
     values : (n,) or () int array, 0 to 64 ** characters - 1
     characters : int
         2 or 3 for distances in millimetres, 4 for the clock.
-
-    Returns
-    -------
-    bytes
-        `n * characters` of them.
-
-    Raises
-    ------
-    ValueError
-        For a number that does not fit.
 
     Examples
     --------
@@ -63,16 +78,7 @@ def encode(values: ArrayLike, characters: int) -> bytes:
 
 
 def decode(text: bytes, characters: int) -> NDArray[np.int64]:
-    """The numbers that `encode` wrote.
-
-    Parameters
-    ----------
-    text : bytes
-    characters : int
-
-    Returns
-    -------
-    (n,) int array
+    """The numbers that `encode` wrote, `(n,)`.
 
     Raises
     ------
@@ -106,27 +112,13 @@ def checksum(text: bytes) -> bytes:
 
 
 def unchecked(line: bytes) -> bytes:
-    """A line without its last character, which must be its check sum.
-
-    Raises
-    ------
-    SensorError
-
-    Examples
-    --------
-    >>> unchecked(b"00P")
-    b'00'
-    """
+    """A line without its last character, which must be its check sum."""
     if len(line) < 2 or checksum(line[:-1]) != line[-1:]:
         raise SensorError(f"the check sum of the line {line[:40]!r} is wrong: bytes were lost")
     return line[:-1]
 
 
-def is_text(line: bytes) -> bool:
-    """No sum sees the upper two bits of a byte; in a capital they make what no text has."""
-    return line.isascii() and line.decode("ascii").isprintable()
-
-
+# --------------------------------------------------------------------------- requests
 class ScanRequest(NamedTuple):
     """A request for scans.
 
@@ -164,27 +156,20 @@ class ScanRequest(NamedTuple):
         steps = f"{self.kind}{self.first:04}{self.last:04}{self.cluster:02}"
         return f"{steps}{self.skip}{self.scans:02}" if self.streams else steps
 
-    def check(self) -> None:
-        """Raise a ValueError where a number does not fit into its field."""
-        arrays.one_of(self.kind, "kind", CHARACTERS)
-        widths = {"first": 4, "last": 4, "cluster": 2, "skip": 1, "scans": 2}
-        for name, width in widths.items():
-            arrays.whole(getattr(self, name), name, least=0, most=10**width - 1)
-
     @property
     def streams(self) -> bool:
         """Whether the answer is a stream of scans, and not the latest one."""
         return self.kind[0] == "M"
 
     @property
-    def beams(self) -> int:
-        """Distances in the answer; the last cluster may be a smaller one."""
-        return -(-self.steps // max(self.cluster, 1))
-
-    @property
     def steps(self) -> int:
         """Steps from the first to the last."""
         return self.last - self.first + 1
+
+    @property
+    def beams(self) -> int:
+        """Distances in the answer; the last cluster may be a smaller one."""
+        return -(-self.steps // max(self.cluster, 1))
 
     @property
     def size(self) -> int:
@@ -196,99 +181,149 @@ class ScanRequest(NamedTuple):
 def parse_request(text: str) -> ScanRequest:
     """Read the text of a request for scans.
 
-    Raises
-    ------
-    SensorError
-
     Examples
     --------
     >>> parse_request("GD0044072501").last
     725
     """
-    found = _SCAN.fullmatch(arrays.instance(text, "text", str))
+    found = _SCAN.fullmatch(text)
     if found is None:
         raise SensorError(f"{text[:20]!r} is no request for scans, as GD0044072501 is")
     single, stream, *numbers = found.groups()
     return ScanRequest(single or stream, *(int(number or 0) for number in numbers))
 
 
-def encode_scan(clock: int, millimetres: ArrayLike, characters: int) -> list[bytes]:
-    """Lines of a scan after its status: the clock, then blocks, each with its sum.
+# ---------------------------------------------------------------------------- replies
+class Reply(NamedTuple):
+    """A reply: the echoed command, its status, and the lines after it."""
 
-    Parameters
-    ----------
-    clock : int, milliseconds
-        Wraps after 24 bits.
-    millimetres : (n,) int array
-    characters : int
-        2 cuts distances at 4095 mm.
+    echo: str
+    status: str
+    body: tuple[bytes, ...]
+
+
+class Measurement(NamedTuple):
+    """One turn as the sensor sends it: clock in ms, distances in mm or error codes, `(n,)`."""
+
+    clock: int
+    millimetres: NDArray[np.int64]
+
+
+def encode_reply(echo: str, status: str, body: Iterable[bytes] = (), *, old: bool = False) -> bytes:
+    r"""A whole reply, its empty line included; that of SCIP 1.1 has no check sums.
+
+    Examples
+    --------
+    >>> encode_reply("BM", "02"), encode_reply("L1", "0", old=True)
+    (b'BM\n02R\n\n', b'L1\n0\n\n')
+    """
+    told = status.encode("ascii")
+    return b"\n".join([echo.encode(), told if old else told + checksum(told), *body, b"", b""])
+
+
+def parse_reply(lines: Sequence[bytes]) -> Reply:
+    """A reply of SCIP 2.0, from its echo to the line before the empty one.
+
+    Examples
+    --------
+    >>> parse_reply([b"BM", b"02R"])
+    Reply(echo='BM', status='02', body=())
+    """
+    if len(lines) < 2:
+        raise SensorError(f"a reply of {len(lines)} lines: expected an echo and a status")
+    status = unchecked(lines[1]).decode("ascii", "replace")
+    if not _STATUS.fullmatch(status):
+        raise SensorError(f"{lines[1][:20]!r} is no status: expected two characters and a sum")
+    return Reply(lines[0].decode("ascii", "replace"), status, tuple(lines[2:]))
+
+
+def refusal(command: str, status: str) -> str:
+    """What an error says of a status that is no success."""
+    faulty = status.isdigit() and 50 <= int(status) < 98
+    meant = STATUS.get(status, _FAULTY if faulty else "the sensor refused")
+    return f"status {status} to {command}: {meant}"
+
+
+def encode_info(told: dict[str, str]) -> list[bytes]:
+    """Lines of information with their sums, which leave the semicolon out.
+
+    Examples
+    --------
+    >>> encode_info({"DMIN": "20"})
+    [b'DMIN:20;4']
+    """
+    lines = [f"{key}:{text}".encode("ascii") for key, text in told.items()]
+    return [line + b";" + checksum(line) for line in lines]
+
+
+def parse_info(body: Sequence[bytes], *, strict: bool = False) -> dict[str, str]:
+    """Lines `KEY:text;sum` of VV, PP and II, by key.
+
+    Strict refuses wrong sums and lines without a key, which some firmware sends with VV.
+
+    Examples
+    --------
+    >>> parse_info([b"DMIN:20;4", b"SERI:H0706400;F"])
+    {'DMIN': '20', 'SERI': 'H0706400'}
+    """
+    found = {}
+    for line in body:
+        text, end, total = line.rpartition(b";")
+        key, colon, value = text.partition(b":") if end else line.partition(b":")
+        # No sum sees the upper two bits of a byte; in a capital they make what no text has.
+        is_text = text.isascii() and text.decode("ascii").isprintable()
+        if strict and not (end and colon and total == checksum(text) and is_text):
+            raise SensorError(
+                f"{line[:40]!r} is no line of information with its sum, KEY:text;sum: ask again"
+            )
+        if colon:
+            found[key.decode("ascii", "replace")] = value.decode("ascii", "replace")
+    return found
+
+
+def encode_scan(clock: int, millimetres: ArrayLike, characters: int) -> list[bytes]:
+    """Lines of a scan after its status: the clock, which wraps, then blocks, each with its sum.
+
+    Two characters cut distances at 4095 mm.
 
     Examples
     --------
     >>> encode_scan(6968830, [392, 381], 3)
     [b'JUGnD', b'06805m`']
     """
-    arrays.whole(clock, "clock", least=0)
-    arrays.whole(characters, "characters", most=8)
-    met = np.minimum(arrays.indices(millimetres, "millimetres"), 64**characters - 1)
-    data = encode(met, characters)
-    blocks = [data[i : i + BLOCK] for i in range(0, len(data), BLOCK)]
-    return [line + checksum(line) for line in (encode(clock % 64**4, 4), *blocks)]
+    data = encode(np.minimum(millimetres, 64**characters - 1), characters)
+    lines = [encode(clock % CLOCK, 4), *blocks(data)]
+    return [line + checksum(line) for line in lines]
 
 
-def encode_reply(echo: str, status: str, body: Iterable[bytes] = ()) -> bytes:
-    r"""A whole reply of SCIP 2.0, its empty line included.
-
-    Examples
-    --------
-    >>> encode_reply("BM", "02")
-    b'BM\n02R\n\n'
-    """
-    told = ascii_bytes(status, "status")
-    return b"\n".join(
-        [ascii_bytes(echo, "echo"), told + checksum(told), *byte_lines(body), b"", b""]
-    )
+def blocks(data: bytes) -> list[bytes]:
+    """Data characters cut into blocks."""
+    return [data[i : i + BLOCK] for i in range(0, len(data), BLOCK)]
 
 
-def encode_reply_1(echo: str, status: str, body: Iterable[bytes] = ()) -> bytes:
-    r"""A whole reply of SCIP 1.1: one character of status, no sums.
-
-    Examples
-    --------
-    >>> encode_reply_1("L1", "0")
-    b'L1\n0\n\n'
-    """
-    told = ascii_bytes(status, "status")
-    return b"\n".join([ascii_bytes(echo, "echo"), told, *byte_lines(body), b"", b""])
-
-
-def parse_scan_1(lines: Iterable[bytes]) -> NDArray[np.int64]:
-    """Distances in millimetres of SCIP 1.1's G: two characters each, no sums, no clock.
+def parse_scan(body: Sequence[bytes], characters: int) -> Measurement:
+    """Clock and distances of GD, GS, MD or MS: blocks are checked, joined, then decoded.
 
     Raises
     ------
     SensorError
-    """
-    return decode(b"".join(byte_lines(lines, "lines")), 2)
-
-
-def ascii_bytes(text: str, name: str) -> bytes:
-    """A word or a text as bytes; the sensor knows no letters but those of ASCII."""
-    if not arrays.instance(text, name, str).isascii():
-        raise ValueError(f"{name} must be in ASCII, got {text[:20]!r}")
-    return text.encode("ascii")
-
-
-def byte_lines(value: Iterable[bytes], name: str = "body") -> list[bytes]:
-    """Lines of a reply, as a list.
+        Where a sum is wrong, a block is not whole, or characters are missing.
 
     Examples
     --------
-    >>> byte_lines(b"JUGnD")
-    Traceback (most recent call last):
-    ValueError: body must be lines of bytes, one after the other
+    >>> parse_scan([b"JUGnD", b"06805m" + checksum(b"06805m")], 3)
+    Measurement(clock=6968830, millimetres=array([392, 381]))
     """
-    lines = list(value) if isinstance(value, Iterable) else [value]
+    arrays.whole(characters, "characters", most=8)
+    lines = list(body) if isinstance(body, Iterable) else [body]
     if not all(isinstance(line, bytes) for line in lines):
-        raise ValueError(f"{name} must be lines of bytes, one after the other")
-    return lines
+        raise ValueError("body must be lines of bytes, one after the other")
+    if not lines:
+        raise SensorError("a scan without a time stamp")
+    clock = decode(unchecked(lines[0]), 4)
+    if len(clock) != 1:
+        raise SensorError(f"{lines[0][:20]!r} is no time stamp: expected four characters and a sum")
+    data = [unchecked(line) for line in lines[1:]]
+    if any(len(block) != BLOCK for block in data[:-1]) or len(b"".join(data[-1:])) > BLOCK:
+        raise SensorError(f"a block without its {BLOCK} characters: the end of a line was lost")
+    return Measurement(int(clock[0]), decode(b"".join(data), characters))

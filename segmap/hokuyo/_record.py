@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .. import arrays
-from ..arrays import LIMIT, Array
+from ..arrays import LIMIT, Array, Count, checked
 from ..files import existing, replacing
 from ..scans import LaserScan
 from ..scans.error_codes import LOWEST, NOT_MEASURED, NOTHING_MET, told_in_a_text
@@ -28,8 +28,9 @@ MOST_BEAMS, MOST_TURN, MOST_VIEW, LATEST = 10_000, 9.0, 9.0, 1e12
 TEXT_REACH = 5.6
 
 
+@checked
 def record(
-    sensor: UrgSensor | Iterable[LaserScan], path: str | Path, *, count: int | None = None
+    sensor: UrgSensor | Iterable[LaserScan], path: str | Path, *, count: Count | None = None
 ) -> int:
     """Append scans to a log as they arrive; `segmap.read` takes it in again.
 
@@ -57,9 +58,9 @@ def record(
     SensorError
         As `UrgSensor.scans`; what came before is kept.
     ValueError
-        For a packed file, which cannot be added to, what is neither a file nor a folder, a count
-        below 1; for a scan that `read` would refuse: without beams, or without a time or with
-        beams not evenly spaced in a CARMEN log; for ranges beyond 5.6 m in a folder.
+        For a packed file, which cannot be added to, or what is neither a file nor a folder; for a
+        scan that `read` would refuse: without beams, or without a time or with beams not evenly
+        spaced in a CARMEN log; for ranges beyond 5.6 m in a folder.
     OSError
         A folder that does not exist or may not be written to, before a scan is asked for; a full
         disk.
@@ -74,8 +75,7 @@ def record(
     1
     Log('one', 1 scan, no odometry, no truth)
     """
-    target = check_target(path, count)
-    count = None if count is None else int(count)
+    target = check_target(path)
     scans = one_by_one(sensor.scans() if isinstance(sensor, UrgSensor) else sensor, "sensor")
     written = 0
     if target.suffix.lower() in CARMEN:
@@ -84,7 +84,8 @@ def record(
             written += 1
         return written
     target.mkdir(exist_ok=True)
-    before = max((_number(file) for file in target.glob("scan*.txt")), default=0)
+    names = (file.stem.removeprefix("scan") for file in target.glob("scan*.txt"))
+    before = max((int(name) for name in names if name.isdigit()), default=0)
     for scan in islice(scans, count):
         written += 1
         _write_file(target, before + written, scan)
@@ -92,10 +93,7 @@ def record(
 
 
 def check_target(path: str | Path, count: int | None = None) -> Path:
-    """Where a recording goes, tried out: no sensor need be asked for scans that cannot be kept.
-
-    Nothing is left there. Raises as `record` does.
-    """
+    """Where a recording goes, tried out: no sensor need be asked for scans that cannot be kept."""
     target = arrays.file(path)
     if count is not None:
         arrays.whole(count, "count")
@@ -128,29 +126,26 @@ def _append_line(path: Path, scan: LaserScan) -> None:
     file = os.open(path, os.O_RDWR | os.O_CREAT | getattr(os, "O_BINARY", 0), 0o666)
     try:
         start = os.lseek(file, 0, os.SEEK_END)
-        if start and _byte(file, start - 1) != b"\n":
-            start += os.write(file, b"\n")
-        _write_all(file, b"#" + line[1:] + b"\n")
+        if start:  # whoever died before may have left half a line
+            os.lseek(file, start - 1, os.SEEK_SET)
+            if os.read(file, 1) != b"\n":
+                start += os.write(file, b"\n")
+        data = b"#" + line[1:] + b"\n"
+        while data:
+            data = data[os.write(file, data) :]
         os.lseek(file, start, os.SEEK_SET)
         os.write(file, line[:1])
     finally:
         os.close(file)
 
 
-def _byte(file: int, at: int) -> bytes:
-    os.lseek(file, at, os.SEEK_SET)
-    return os.read(file, 1)
-
-
-def _write_all(file: int, data: bytes) -> None:
-    while data:
-        data = data[os.write(file, data) :]
-
-
 def _rawlaser(scan: LaserScan) -> str:
     """RAWLASER1 type start field step maximum accuracy mode n ranges 0 time host time."""
     _check(scan)
-    step = _step(scan)
+    step = float(scan.angles[-1] - scan.angles[0]) / max(len(scan) - 1, 1)
+    even = scan.angles[:1] + step * np.arange(len(scan))
+    if step < 0 or np.abs(scan.angles - even).max() > 1e-6:
+        raise ValueError("a CARMEN log holds scans of at least one beam, evenly spaced")
     if step * (len(scan) - 1) > MOST_VIEW:
         raise ValueError(f"a CARMEN log holds beams over at most {MOST_VIEW} radians")
     if not abs(scan.time) <= LATEST:
@@ -174,15 +169,6 @@ def _check(scan: LaserScan) -> None:
         raise ValueError(f"ranges must be within {LIMIT:.0e} metres")
 
 
-def _step(scan: LaserScan) -> float:
-    """Angle from beam to beam, radians."""
-    step = float(scan.angles[-1] - scan.angles[0]) / max(len(scan) - 1, 1) if len(scan) else 0.0
-    even = scan.angles[:1] + step * np.arange(len(scan))
-    if not len(scan) or step < 0 or np.abs(scan.angles - even).max() > 1e-6:
-        raise ValueError("a CARMEN log holds scans of at least one beam, evenly spaced")
-    return step
-
-
 def _write_file(folder: Path, number: int, scan: LaserScan) -> None:
     """Write a hidden file beside the place, then move it there."""
     _check(scan)
@@ -194,11 +180,6 @@ def _write_file(folder: Path, number: int, scan: LaserScan) -> None:
     beams = zip(_millimetres(scan), scan.angles, strict=True)
     with replacing(folder / f"scan{number:06}.txt", sync=False) as target:
         target.write("".join(f"{r} {a:.9f}\n" for r, a in beams).encode("ascii"))
-
-
-def _number(path: Path) -> int:
-    digits = path.stem.removeprefix("scan")
-    return int(digits) if digits.isdigit() else 0
 
 
 def _millimetres(scan: LaserScan) -> NDArray[np.int64]:

@@ -7,20 +7,35 @@ import time
 import weakref
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
-from math import ceil
+from math import ceil, inf
 from os import PathLike
-from typing import Self
+from typing import Annotated, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from .. import arrays
+from ..arrays import Count, Seconds, at_least, at_most, checked
 from ..scans import LaserScan
-from ._host import host_time
-from ._port import Lines, Port, SensorGone, Silent, checked_port, find_port, open_port
-from ._protocol import CLOCK, ScanRequest, SensorError
-from ._replies import parse_geometry, parse_info, parse_limits
-from ._stream import RATES, ScanStream, ask, connect, leave, period, transfer
+from ._connect import RATES, ask, connect, leave, switch_off
+from ._geometry import check_limits, laser_scan, parse_geometry, request_for
+from ._host import HostClock, host_time
+from ._lines import Lines, Port
+from ._port import checked_port, find_port, open_port
+from ._protocol import (
+    CHARACTERS,
+    CLOCK,
+    Refused,
+    Reply,
+    ScanRequest,
+    SensorError,
+    SensorGone,
+    Silent,
+    parse_info,
+    parse_reply,
+    parse_scan,
+    refusal,
+)
 from ._tcp import TcpPort
 
 #: So many damaged or missing scans in a row are an error, not bad luck.
@@ -29,6 +44,9 @@ MOST_FAILURES = 5
 BACK_OFF = (0.1, 2.0)
 #: Scans from which the pace of a stream is judged, and how much slower than asked is slow.
 PACE, SLOW = 11, 1.5
+
+Step = Annotated[Count, at_least(0)]
+Cluster = Annotated[Count, at_most(99)]
 
 
 class UrgSensor:
@@ -41,13 +59,14 @@ class UrgSensor:
     ----------
     port : str or Path or Port
         A device; "auto" for the one Hokuyo on USB; `tcp://host` or `tcp://host:port` of one on
-        Ethernet, port 10940 where none is named; or an open port.
+        Ethernet, port 10940 where none is named; or an open port, as `serial.Serial` is, that
+        does not wait for ever.
     rates : sequence of int, bits a second
         To look for the sensor at; it is then switched to the first. USB takes any, Ethernet none.
-    reconnect : float, seconds
+    reconnect : float
         How long to look for a sensor that was unplugged while it was in use, or fell silent; 0
-        raises at once.
-    timeout : float, seconds
+        raises at once. It takes the name of a device or an address.
+    timeout : float
         To wait for an answer beyond the time that measuring and sending it take.
     sensor_pose : (3,) array, metres and radians
         Pose of the sensor in the frame of the robot, passed on to the scans.
@@ -72,9 +91,6 @@ class UrgSensor:
     ------
     SensorError
         Where it cannot be reached, with what to do.
-    ValueError
-        For no bit rate; for what is no port, no address, or an open port that waits for ever or
-        is to come back.
 
     Examples
     --------
@@ -83,13 +99,14 @@ class UrgSensor:
     ...         print(scan)
     """
 
+    @checked
     def __init__(
         self,
         port: str | PathLike[str] | Port = "auto",
         *,
         rates: Sequence[int] = RATES,
-        reconnect: float = 0.0,
-        timeout: float = 1.0,
+        reconnect: Annotated[Seconds, at_least(0), at_most(inf)] = 0.0,
+        timeout: Seconds = 1.0,
         sensor_pose: ArrayLike = (0.0, 0.0, 0.0),
         clock: Callable[[], float] = host_time,
     ) -> None:
@@ -97,40 +114,34 @@ class UrgSensor:
         self._rates = tuple(arrays.indices(rates, "rates").reshape(-1).tolist())
         if not self._rates or min(self._rates) < 1:
             raise ValueError("rates must name at least one bit rate, and none below 1")
-        arrays.number(reconnect, "reconnect", least=0, most=np.inf, unit="seconds")
         if reconnect > 0 and not isinstance(self._port, str):
             raise ValueError("reconnect needs the name of a device: an open port cannot come back")
-        self._reconnect = reconnect
-        self._timeout = arrays.number(timeout, "timeout", above=0, unit="seconds")
+        self._reconnect, self._timeout = reconnect, timeout
         self._sensor_pose = arrays.pose(sensor_pose, "sensor_pose")
         self._clock = arrays.function(clock, "clock", "without arguments, of seconds")
         self.delivered = self.dropped = self.unsent = self.reconnects = 0
         self.why = ""
-        self._asked: ScanRequest | None = None
+        self._asked: ScanRequest | None = None  # the last stream, and the stamps of its scans
         self._stamps: deque[int] = deque(maxlen=PACE)
+        self._running: ScanRequest | None = None  # the stream that comes
+        self._laser_on = False
         self._open()
 
+    @checked
     def scan(
-        self, *, first: int | None = None, last: int | None = None, cluster: int = 1
+        self, *, first: Step | None = None, last: Step | None = None, cluster: Cluster = 1
     ) -> LaserScan:
-        """The latest turn; the laser is switched on for it and stays on.
+        """The latest turn, asked for as by `scans`; the laser goes on for it and stays on."""
+        return self._whole(request_for(self.geometry, "GD", first, last, cluster))
 
-        The arguments are those of `scans`.
-
-        Raises
-        ------
-        SensorError
-            Where no whole scan comes after some attempts.
-        """
-        return self._whole(self.geometry.request("GD", first, last, cluster))
-
+    @checked
     def scans(
         self,
         *,
-        first: int | None = None,
-        last: int | None = None,
-        cluster: int = 1,
-        skip: int = 0,
+        first: Step | None = None,
+        last: Step | None = None,
+        cluster: Cluster = 1,
+        skip: Annotated[Step, at_most(9)] = 0,
         short: bool = False,
     ) -> Iterator[LaserScan]:
         """Turn after turn, until the loop is left.
@@ -155,20 +166,13 @@ class UrgSensor:
         SensorError
             Where the sensor is gone or faulty, or nothing whole has come for some time.
         """
-        kind = "MS" if arrays.switch(short, "short") else "MD"
-        request = self.geometry.request(kind, first, last, cluster, skip)
-        self._asked, self._stamps = request, deque(maxlen=PACE)
-        try:
-            while True:
-                yield self._whole(request)
-        finally:
-            with contextlib.suppress(SensorError):
-                self.stop()
+        kind = "MS" if short else "MD"
+        return self._turns(request_for(self.geometry, kind, first, last, cluster, skip))
 
     def state(self) -> dict[str, str]:
         """What the sensor says of its condition: LASR, SCSP, MESM, SBPS, TIME, STAT."""
         self._check_open()
-        self._stream.stop()
+        self.stop()
         return parse_info(ask(self._lines, "II").body)
 
     @property
@@ -176,7 +180,7 @@ class UrgSensor:
         """Why the last stream arrived slower than asked and what to do; empty where it did not."""
         if self._asked is None or len(self._stamps) <= PACE // 2:
             return ""
-        wanted = period(self._asked, self.geometry)
+        wanted = self._period(self._asked)
         found = float(np.median(np.diff(self._stamps) % CLOCK)) / 1000.0
         if found < SLOW * wanted:
             return ""
@@ -185,8 +189,11 @@ class UrgSensor:
 
     def stop(self) -> None:
         """End a stream and switch the laser off."""
-        if self._leave.alive:
-            self._stream.stop()
+        self._running = None
+        if self._laser_on and self._leave.alive:
+            self._laser_on = False
+            switch_off(self._lines)
+            self._lines.silence(0.02)
 
     def close(self) -> None:
         """Switch the laser off and free the port; nothing happens the second time."""
@@ -206,29 +213,116 @@ class UrgSensor:
         return f"UrgSensor({model}, {open_}, {counts})"
 
     # ------------------------------------------------------------------------ scans
+    def _turns(self, request: ScanRequest) -> Iterator[LaserScan]:
+        self._asked, self._stamps = request, deque(maxlen=PACE)
+        try:
+            while True:
+                yield self._whole(request)
+        finally:
+            with contextlib.suppress(SensorError):
+                self.stop()
+
     def _whole(self, request: ScanRequest) -> LaserScan:
         """The next whole scan; damaged ones are counted, and a lost sensor is looked for."""
-        failures = found = 0
-        while max(failures, found) < MOST_FAILURES:
+        failures = lost = 0
+        while max(failures, lost) < MOST_FAILURES:
             self._check_open()
-            if self._stream.running is not request:
-                self._stamps.clear()
+            dropped = self.dropped
             try:
-                scan, stamp, dropped = self._stream.take(request)
+                if self._running is not request:  # something else was asked meanwhile
+                    self._stamps.clear()
+                    self._begin(request)
+                scan, stamp = self._answer(request)
             except (SensorGone, Silent) as gone:
                 self._find_again(gone)
-                failures, found, self.why = 0, found + 1, str(gone)
+                failures, lost, self.why = 0, lost + 1, str(gone)
                 continue
-            self.dropped += len(dropped)
-            self.why = dropped[-1] if dropped else self.why
-            if scan is not None:
-                self.delivered += 1
-                if request is self._asked:
-                    self._follow(stamp, whole=not failures and not dropped)
-                return scan
-            failures += 1
+            if scan is None:
+                failures += 1
+                continue
+            self.delivered += 1
+            if request is self._asked:
+                self._follow(stamp, whole=not failures and self.dropped == dropped)
+            return scan
         text = f"no whole scan in {MOST_FAILURES} attempts: {self.why}"
         raise SensorError(text + self._advice(request))
+
+    def _begin(self, request: ScanRequest) -> None:
+        """Start a stream, or ask for a scan; what the sensor was doing before is ended first."""
+        if request.streams or self._running is not None:
+            self.stop()
+        if not request.streams:
+            self._light()
+            self._lines.write(request.text.encode("ascii") + b"\n")
+            return
+        self._laser_on = True
+        ask(self._lines, request.text)
+        self._running = request
+
+    def _light(self) -> None:
+        """Switch the laser on; a SensorError where the sensor is not ready."""
+        if not self._laser_on:
+            ask(self._lines, "BM")
+            self._laser_on = True
+
+    def _answer(self, request: ScanRequest) -> tuple[LaserScan | None, int]:
+        """A scan and its stamp, ms, or None for what is dropped, which is counted with its reason.
+
+        It must come within its turn, one more, its transfer, and the timeout.
+        """
+        lines, streams = self._lines, request.streams
+        seconds = self._period(request) + self.geometry.turn + self._transfer(request)
+        seconds += self._timeout
+        try:
+            found, strange = lines.reply(request.text.encode("ascii"), seconds)
+            arrived = lines.clock()
+            if strange and streams:
+                self._drop(f"{strange} lines that belong to no scan")
+            if found is None:
+                raise Silent(f"nothing came for {seconds:.2g} s")
+            reply = parse_reply(found)
+            if streams and reply.status == "00":  # the stream was acknowledged again, and late
+                return None, 0
+            if not streams:
+                self._laser_on = reply.status != "10"  # it went off by itself, or BM was lost
+            return self._scan(reply, request, arrived)
+        except (SensorGone, Refused):
+            raise
+        except SensorError as error:
+            self._drop(str(error))
+            if isinstance(error, Silent):  # the next attempt starts again
+                self._running = None
+                self._laser_on &= streams
+            if not streams:
+                lines.silence(lines.quiet / 4)
+            return None, 0
+
+    def _scan(self, reply: Reply, request: ScanRequest, arrived: float) -> tuple[LaserScan, int]:
+        """The scan that a reply holds, and its stamp; Refused for a status that will stay so."""
+        status = reply.status
+        if status != ("99" if request.streams else "00"):
+            lasting = status != "10"
+            if request.streams:
+                lasting = status.isdigit() and (int(status) < 20 or 50 <= int(status) < 98)
+            raise (Refused if lasting else SensorError)(refusal(request.text, status))
+        met = parse_scan(reply.body, CHARACTERS[request.kind])
+        count = len(met.millimetres)
+        if count not in (request.beams, request.steps // request.cluster):
+            raise SensorError(f"{count} beams, asked for {request.beams}: bytes were lost")
+        when, pose = self._sensor_clock.seconds(met.clock, arrived), self._sensor_pose
+        return laser_scan(met, request, self.geometry, time=when, sensor_pose=pose), met.clock
+
+    def _drop(self, why: str) -> None:
+        self.dropped, self.why = self.dropped + 1, why
+
+    # ------------------------------------------------------------------------- pace
+    def _period(self, request: ScanRequest) -> float:
+        """Seconds from scan to scan, as asked for."""
+        return (request.skip + 1) * self.geometry.turn
+
+    def _transfer(self, request: ScanRequest) -> float:
+        """Seconds that an answer takes on the line: ten bits a byte."""
+        return 10 * request.size / self.rate
 
     def _follow(self, stamp: int, *, whole: bool) -> None:
         """Keep the stamp of a scan of a stream; count the turns since the last that were not sent.
@@ -240,15 +334,15 @@ class UrgSensor:
         half = CLOCK // 2  # a clock that steps back is none that went almost once around
         passed = ((np.diff(self._stamps) + half) % CLOCK - half) / 1000.0
         if whole and self._asked and len(passed):
-            wanted = period(self._asked, self.geometry)
-            slowest = max(wanted, transfer(self._asked, self.rate))
+            wanted = self._period(self._asked)
+            slowest = max(wanted, self._transfer(self._asked))
             pace = max(wanted, passed[:-1].min(initial=slowest))
             self.unsent += max(round(passed[-1] / pace) - 1, 0)
 
     def _advice(self, request: ScanRequest) -> str:
         """What to do about a line that is too slow for a request; empty where it is not."""
-        takes = transfer(request, self.rate)
-        if takes <= period(request, self.geometry):
+        takes = self._transfer(request)
+        if takes <= self._period(request):
             return ""
         skip = min(ceil(takes / self.geometry.turn) - 1, 9)
         return (
@@ -256,6 +350,7 @@ class UrgSensor:
             f"250000 bit/s or USB, short=True, a cluster, or skip={skip}"
         )
 
+    # ------------------------------------------------------------------- open, and open again
     def _open(self) -> None:
         """Open the port and ask the sensor who it is; a failure leaves the port free."""
         port = self._port
@@ -266,14 +361,17 @@ class UrgSensor:
         try:
             rates = (port.baudrate,) if isinstance(port, TcpPort) else self._rates
             self.rate = connect(lines, rates)
-            limits = parse_limits(ask(lines, "PP", check=parse_limits))
+            limits = parse_info(ask(lines, "PP", check=check_limits).body)
             self.info = parse_info(ask(lines, "VV").body) | limits
             self.geometry = parse_geometry(limits)
         except BaseException:
             self._leave()
             raise
         self._lines = lines
-        self._stream = ScanStream(lines, self.geometry, self.rate, self._sensor_pose)
+        # No scan arrives sooner after its stamp than the mirror gets to the last step.
+        mirror = (self.geometry.last + 1) / self.geometry.steps * self.geometry.turn
+        self._sensor_clock = HostClock(mirror)
+        self._running, self._laser_on = None, False
 
     def _check_open(self) -> None:
         if not self._leave.alive:
@@ -290,7 +388,7 @@ class UrgSensor:
             wait = min(2 * wait, BACK_OFF[1])
             try:
                 self._open()
-                self._stream.light()  # one that was switched on is not ready at once
+                self._light()  # one that was switched on is not ready at once
             except SensorError as error:
                 self._leave()
                 gone = SensorGone(f"not back within {self._reconnect:g} s: {error}")

@@ -46,33 +46,28 @@ def is_address(device: str) -> bool:
 def parse_address(address: str) -> tuple[str, int]:
     """Host and port of `tcp://host[:port]`.
 
-    Raises
-    ------
-    ValueError
-        With what is wrong and what it should look like.
-
     Examples
     --------
     >>> parse_address("tcp://192.168.0.10"), parse_address("tcp://[::1]:4000")
     (('192.168.0.10', 10940), ('::1', 4000))
     """
+
+    def wrong(what: str) -> ValueError:
+        return ValueError(f"port {address[:60]!r} {what}: write it as {_EXAMPLE}")
+
     found = _ADDRESS.fullmatch(address)
     if found is None:
-        raise _wrong(address, "is no address of a sensor")
+        raise wrong("is no address of a sensor")
     host, port = found["host"] or found["six"], found["port"]
     if found["six"] is not None and not _is_ipv6(host):
-        raise _wrong(address, "has no IPv6 address between its brackets")
+        raise wrong("has no IPv6 address between its brackets")
     if len(host) > LONGEST_HOST or any(not 0 < len(part) < 64 for part in host.split(".")):
-        raise _wrong(address, "has a host that no network knows")
+        raise wrong("has a host that no network knows")
     if port is None:
         return host, SENSOR_PORT
     if not (port.isascii() and port.isdigit() and len(port) < 6 and 0 < int(port) < 65536):
-        raise _wrong(address, "has no port number, 1 to 65535, after its last colon")
+        raise wrong("has no port number, 1 to 65535, after its last colon")
     return host, int(port)
-
-
-def _wrong(address: str, what: str) -> ValueError:
-    return ValueError(f"port {address[:60]!r} {what}: write it as {_EXAMPLE}")
 
 
 def _is_ipv6(host: str) -> bool:
@@ -84,14 +79,7 @@ def _is_ipv6(host: str) -> bool:
 
 
 def open_tcp(address: str) -> TcpPort:
-    """Connect to a sensor.
-
-    Raises
-    ------
-    SensorError
-    ValueError
-        For what is no address.
-    """
+    """Connect to a sensor."""
     host, port = parse_address(address)
     try:
         return TcpPort(socket.create_connection((host, port), CONNECT))
@@ -104,12 +92,7 @@ def open_tcp(address: str) -> TcpPort:
 
 
 class TcpPort:
-    """A connection with what `Port` asks for.
-
-    Parameters
-    ----------
-    connection : socket
-    """
+    """A connection with what `Port` asks for."""
 
     #: Seconds after which a read comes back with what there is, and a write fails.
     timeout, write_timeout = 0.02, 1.0

@@ -2,21 +2,15 @@
 
 import numpy as np
 import pytest
-from emulated import needs_terminals, open_files, pattern
+from emulated import far_pattern, needs_terminals, open_files, pattern
 
-from segmap.hokuyo import (
-    SensorError,
-    decode,
-    encode_reply,
-    encode_scan,
-    parse_reply,
-    parse_scan,
-    parse_scan_1,
-)
+from segmap.hokuyo import SensorError, decode, parse_scan
+from segmap.hokuyo._protocol import encode_reply, encode_scan, parse_reply
 from segmap.hokuyo.emulator import Emulator, Replay, Room, Unit, furnished_room
-from segmap.hokuyo.emulator.__main__ import main
 from segmap.hokuyo.emulator._device import Fault, Wire
 from segmap.simulation import URG_04LX, rectangular_room
+
+UST = {"model": "UST-10LX"}
 
 
 class Bench:
@@ -169,7 +163,7 @@ def test_the_old_protocol():
         assert bench.says(text) == f"{text}\n{status}\n\n".encode()
     echo, status, *lines = bench.says("G00076801").strip(b"\n").split(b"\n")
     assert (echo, status) == (b"G00076801", b"0")
-    met = parse_scan_1(lines)
+    met = decode(b"".join(lines), 2)
     assert len(met) == 769
     assert met.max() <= 4095
     assert bench.says("SCIP2.0") == b"SCIP2.0\n0\n\n"
@@ -219,6 +213,10 @@ def test_a_replay_gives_one_turn_after_the_other():
     others = b"VV\n00P\nVEND:x;0\nPROD:y;0\nFIRM:z;0\n\nGD0380038401\n10Q\n\n"
     replay = Replay(others + sent)
     assert [int(replay(turn)[382]) for turn in range(4)] == [500, 600, 0, 500]
+    sent_far = encode_reply("GD0000108001", "00", encode_scan(0, far_pattern(1), 3))
+    assert (Replay(sent_far, **UST)(0) == far_pattern(1)).all()
+    with pytest.raises(SensorError, match="more than 769 steps"):
+        Replay(sent_far)
     with pytest.raises(SensorError, match="no scan"):
         Replay(b"VV\n00P\n\n")
     with pytest.raises(SensorError, match="check sum"):
@@ -237,12 +235,26 @@ def test_a_fault_of_the_wire_spoils_one_byte():
     assert wire.passed(sent) == sent[:-1]
 
 
-@needs_terminals
-def test_what_it_cannot_be():
-    for wrong in ({"protocol": "3"}, {"rate": 9600}, {"speed": 0}):
-        with pytest.raises(ValueError, match="must be"):
-            Emulator(pattern, **wrong)
-    with Emulator(pattern) as emulator, pytest.raises(ValueError, match=r"'flip'.*'wrap'"):
+@pytest.mark.parametrize(
+    ("wrong", "message"),
+    [
+        ({"protocol": "3"}, "protocol must be one of"),
+        ({"protocol": "1.1"} | UST, "protocol must be one of"),
+        ({"model": "UST-99"}, "model must be one of"),
+        ({"rate": 9600}, "rate must be one of"),
+        ({"speed": 0}, "speed must be a number"),
+        ({"world": Room(rectangular_room(4, 3), [(1, 1, 0)])} | UST, "model must be 'URG-04LX'"),
+        ({"tcp": "0", "usb": False}, "tcp goes with neither"),
+        *(({"tcp": w}, "tcp must be") for w in ("", "x", "1:", "99999", "::1:0", "\u0661")),
+    ],
+)
+def test_emulators_that_cannot_be(wrong, message):
+    with pytest.raises(ValueError, match=message):
+        Emulator(**({"world": pattern} | wrong))
+
+
+def test_a_fault_that_is_none():
+    with Emulator(pattern, tcp="0") as emulator, pytest.raises(ValueError, match=r"'flip'.*'wrap'"):
         emulator.inject("burn")
 
 
@@ -263,14 +275,3 @@ def test_a_link_replaces_links_only(tmp_path):
         assert stale.resolve().exists()
         assert emulator.port == str(stale)
     assert not stale.is_symlink()
-
-
-@needs_terminals
-@pytest.mark.parametrize(
-    ("wrong", "why"), [("--rate=9600", "rate must be one of"), ("--replay=none", "No such file")]
-)
-def test_a_wrong_option_is_told_in_a_line(wrong, why, capsys):
-    """Catches a traceback in a terminal."""
-    assert main([wrong]) == 1
-    said = capsys.readouterr().err
-    assert why in said and said.count("\n") == 1

@@ -2,21 +2,16 @@
 
 import numpy as np
 import pytest
+from emulated import URG, Wired, connected
 
-from segmap import read
-from segmap.hokuyo import (
-    Geometry,
-    ScanRequest,
-    encode_reply,
-    encode_scan,
-    laser_scan,
-    parse_scan,
-    record,
-)
+from segmap import LaserScan, read
+from segmap.hokuyo import parse_scan, record
+from segmap.hokuyo._geometry import laser_scan
+from segmap.hokuyo._protocol import ScanRequest, encode_reply, encode_scan
 from segmap.hokuyo.emulator import Replay
-from segmap.scans.error_codes import CODES, LOWEST, as_ranges
+from segmap.hokuyo.emulator._worlds import MODELS
+from segmap.scans.error_codes import CODES, LOWEST, as_far_ranges, as_ranges
 
-URG = Geometry(1024, 44, 725, 384, 20, 5600, 0.1)
 #: Every code, and the distances about the border and below the reach.
 MET = np.r_[np.arange(25), 500, 4095, 4096, 5599]
 
@@ -28,8 +23,7 @@ def driven():
 
 
 def as_text(tmp_path):
-    angles = URG.angles(370, len(MET))
-    lines = [f"{r} {a!r}" for r, a in zip(MET.tolist(), angles.tolist(), strict=True)]
+    lines = [f"{r} {a!r}" for r, a in zip(MET.tolist(), driven().angles.tolist(), strict=True)]
     (tmp_path / "scan1.txt").write_text("\n".join(lines) + "\n")
     return read(tmp_path)[0]
 
@@ -96,9 +90,38 @@ def test_a_replay_gives_every_code_again():
 
 def test_a_range_too_short_for_millimetres_is_no_code(tmp_path):
     """Catches 7 mm, which a simulated sensor may meet, recorded as "the beams beside are bad"."""
-    from segmap import LaserScan
-
     record([LaserScan([0.007, 0.0004, 0.0, 1.0], [0.0, 0.1, 0.2, 0.3])], tmp_path / "near")
     log = read(tmp_path / "near")
     assert log[0].codes.tolist() == [19, 19, 19, 0]
     assert np.isnan(log[0].ranges[:3]).all()
+
+
+def test_codes_are_those_of_the_model():
+    """Catches 65533 that becomes a wall at 65 m, and 21 mm that is one of a UTM-30LX-EW.
+
+    1 to 5 as in table 4 of SCIP 2.0, 65533 as such sensors are reported to send it.
+    """
+    sent = [0, 1, 2, 3, 5, 19, 22, 23, 60000, 60001, 65533, 65534]
+    nan, inf = np.nan, np.inf
+    ranges, codes = as_far_ranges(sent, least=23, most=60000)
+    expected = [nan, inf, nan, nan, nan, nan, nan, 0.023, 60.0, inf, inf, nan]
+    assert np.array_equal(ranges, expected, equal_nan=True)
+    assert codes.tolist() == [0, 1, 2, 3, 5, 19, 22, 0, 0, 60001, 65533, 65534]
+    for model, meant in (("UST-10LX", nan), ("URG-04LX", inf)):
+        six = np.full(MODELS[model].steps, 6)
+        with connected(Wired(world=lambda turn, six=six: six, model=model)) as sensor:
+            scan = sensor.scan()
+        assert np.array_equal(scan.ranges, np.full(len(scan), meant), equal_nan=True)
+        assert set(scan.codes) == {6}
+
+
+def test_a_folder_of_texts_keeps_what_it_can(tmp_path):
+    """Catches 65533 read again as a wall, an error that clears the map, and lost ranges."""
+    beams = np.array([np.inf, np.nan, np.inf, np.nan, 5.5]), np.arange(5) / 10
+    codes = np.array([65533, 2, 1, 65535, 0])
+    assert record([LaserScan(*beams, max_range=30.0, codes=codes)], tmp_path / "near") == 1
+    found = read(tmp_path / "near")[0]
+    assert np.array_equal(found.ranges, beams[0], equal_nan=True)
+    assert found.codes.tolist() == [0, 2, 0, 19, 0]
+    with pytest.raises(ValueError, match=r"to 5.6 m, but a range is 9.500 m: .*ends in .log"):
+        record([LaserScan([1.0, 9.5], [0.0, 0.1], max_range=30.0)], tmp_path / "far")

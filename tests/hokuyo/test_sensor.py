@@ -7,11 +7,12 @@ import numpy as np
 import pytest
 from emulated import Wired, capture, connected, turn_of
 
-from segmap.hokuyo import SensorError, UrgSensor, find_port, ports
-from segmap.hokuyo._stream import RATES
+from segmap.hokuyo import SensorError, UrgSensor, ports
+from segmap.hokuyo._connect import RATES
+from segmap.hokuyo._port import find_port
 from segmap.hokuyo.emulator import Replay, Room
 from segmap.hokuyo.emulator._worlds import MODELS
-from segmap.simulation import URG_04LX, rectangular_room
+from segmap.simulation import rectangular_room
 
 
 @contextlib.contextmanager
@@ -107,6 +108,11 @@ def test_settings_that_cannot_be(wrong, message):
 
 
 def test_what_is_no_port():
+    """Catches a hang too: `serial.Serial(device)` has no timeout unless it is given one."""
+    port = Wired()
+    port.timeout = None
+    with pytest.raises(ValueError, match="timeout"):
+        connected(port)
     with pytest.raises(ValueError, match="port must be a device, 'auto', an address or an open"):
         UrgSensor(5)
 
@@ -190,14 +196,21 @@ def test_steps_that_it_has_not(wrong, message):
                 sensor.scan(**wrong)
 
 
-def test_a_room_is_seen_as_it_is():
-    """Catches beams that turn the wrong way, or start at another step."""
-    with sensor_of(Room(rectangular_room(4, 3), [(1.0, 1.0, 0.0)], URG_04LX.ideal())) as sensor:
-        points = sensor.scan().points() + (1.0, 1.0)
-    x, y = points.T
-    off = np.min([abs(x), abs(x - 4), abs(y), abs(y - 3)], 0)
+@pytest.mark.parametrize(
+    ("model", "size", "place"),
+    [("URG-04LX", (4, 3), (1.0, 1.0)), ("UST-10LX", (20, 12), (8.0, 5.0))],
+)
+def test_a_room_is_seen_as_it_is(model, size, place):
+    """Catches beams that turn the wrong way, or steps that lie elsewhere."""
+    sensor = MODELS[model].sensor.ideal()
+    world = Room(rectangular_room(*size), [(*place, 0.0)], sensor, model=model)
+    with sensor_of(world, model=model) as sensor:
+        points = sensor.scan().points() + place
+    (x, y), (width, depth) = points.T, size
+    assert len(x) == MODELS[model].sensor.beams
+    off = np.min([abs(x), abs(x - width), abs(y), abs(y - depth)], 0)
     assert off.max() < 0.001
-    assert points[0, 1] < 0.001 < points[-1, 1]
+    assert points[0, 1] < place[1] < points[-1, 1]
 
 
 def test_replay_gives_the_capture_again():

@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from .. import SensorError
+from .._protocol import SensorError
 from ._unit import RATES, Unit
 
 #: Faults of the wire, by name.
@@ -40,15 +40,7 @@ class Unplugged(Exception):
 
 
 class Wire:
-    """Passes bytes on, and spoils them where it was told to.
-
-    Parameters
-    ----------
-    clock : callable
-        Seconds.
-    rng : numpy.random.Generator
-        Chooses which bit flips.
-    """
+    """Passes bytes on, and spoils them where it was told to; `rng` chooses which bit flips."""
 
     def __init__(self, clock: Callable[[], float], rng: np.random.Generator) -> None:
         self.clock, self.rng = clock, rng
@@ -64,12 +56,7 @@ class Wire:
             self._planned = sorted([*self._planned, fault], key=lambda f: f.after)
 
     def passed(self, data: bytes) -> bytes:
-        """The bytes that arrive of those that are sent.
-
-        Raises
-        ------
-        Unplugged
-        """
+        """The bytes that arrive of those that are sent; or Unplugged."""
         arrived = b""
         with self._lock:
             while self._planned and self._planned[0].after < len(data):
@@ -115,7 +102,7 @@ class Terminal:
                 "the emulator needs pseudo-terminals: Linux, macOS, or WSL; or tcp='0'"
             )
         self.link, self._device = link, ""
-        self._ends: tuple[int, int] | None = None
+        self._ends: tuple[int, ...] = ()  # the emulator's, and the one that programs open
 
     @property
     def name(self) -> str:
@@ -123,7 +110,7 @@ class Terminal:
         return str(self.link or self._device)
 
     def open(self) -> None:
-        """Make the line."""
+        """Make the line; a link that was left behind is replaced, a file never."""
         import tty
 
         master, slave = os.openpty()
@@ -131,47 +118,39 @@ class Terminal:
         os.set_blocking(master, False)
         self._device, self._ends = os.ttyname(slave), (master, slave)
         try:
-            self._make_link()
+            if self.link is not None:
+                if self.link.is_symlink():
+                    self.link.unlink()
+                self.link.symlink_to(self._device)
         except OSError:
             self.close()
             raise
 
     def close(self) -> None:
         """Cut it; a second call does nothing."""
-        ends, self._ends = self._ends, None
+        ends, self._ends = self._ends, ()
         if self.link is not None and ends and self.link.is_symlink():
             self.link.unlink()
-        for end in ends or ():
+        for end in ends:
             os.close(end)
-
-    def _make_link(self) -> None:
-        """Link to the device: a link that was left behind is replaced, a file never."""
-        if self.link is not None:
-            if self.link.is_symlink():
-                self.link.unlink()
-            self.link.symlink_to(self._device)
-
-    @property
-    def _master(self) -> int:
-        assert self._ends is not None
-        return self._ends[0]
 
     def wait(self, seconds: float, *, writing: bool) -> None:
         """Until something comes, or can be written, at most so long."""
-        select.select([self._master], [self._master] if writing else [], [], seconds)
+        select.select(self._ends[:1], self._ends[:1] if writing else (), (), seconds)
 
     def read(self) -> bytes:
         """What has come."""
         try:
-            return os.read(self._master, PIECE)
+            return os.read(self._ends[0], PIECE)
         except BlockingIOError:
             return b""
 
     def write(self, data: bytes) -> int:
         """How many of these bytes went."""
-        with contextlib.suppress(BlockingIOError):
-            return os.write(self._master, data) if data else 0
-        return 0
+        try:
+            return os.write(self._ends[0], data) if data else 0
+        except BlockingIOError:
+            return 0
 
     def fits(self, unit: Unit) -> bool:
         """The terminal tells both its ends at what rate the host talks."""
@@ -182,12 +161,12 @@ class Terminal:
         known: dict[Any, int] = {
             getattr(termios, f"B{rate}"): rate for rate in RATES if hasattr(termios, f"B{rate}")
         }
-        speed = termios.tcgetattr(self._master)[5]
+        speed = termios.tcgetattr(self._ends[0])[5]
         return known.get(speed) == (unit.rate if unit.rate in known.values() else None)
 
 
 class Listener:
-    """A TCP port for one client at a time: who comes while another is there is turned away.
+    """A TCP port, used as a Terminal is, for one client at a time: others are turned away.
 
     What the sensor says while nobody is there is lost.
     """
@@ -202,12 +181,10 @@ class Listener:
 
     @property
     def name(self) -> str:
-        """What a program opens."""
         host = f"[{self._host}]" if ":" in self._host else self._host
         return f"tcp://{host}:{self._port}"
 
     def open(self) -> None:
-        """Make the line."""
         family = socket.AF_INET6 if ":" in self._host else socket.AF_INET
         self._server = socket.create_server((self._host, self._port), family=family)
         self._server.setblocking(False)
@@ -221,19 +198,26 @@ class Listener:
             self._server = None
 
     def wait(self, seconds: float, *, writing: bool) -> None:
-        """Until something comes, or can be written, at most so long."""
         ends = [end for end in (self._server, self._client) if end is not None]
         select.select(ends, ends[1:] if writing else [], [], seconds)
 
     def read(self) -> bytes:
-        """What has come."""
-        heard = self._heard()
+        heard = b""
+        if self._client is not None:
+            try:
+                heard = self._client.recv(PIECE)
+                left = not heard
+            except BlockingIOError:
+                left = False
+            except OSError:
+                left = True
+            if left:
+                self._drop()
         if not heard:  # the last word of one who leaves is heard before the next one comes
             self._accept()
         return heard
 
     def write(self, data: bytes) -> int:
-        """How many of these bytes went."""
         if self._client is None:
             return len(data)
         try:
@@ -247,19 +231,6 @@ class Listener:
     def fits(self, unit: Unit) -> bool:
         """A network has no bit rate to agree on."""
         return True
-
-    def _heard(self) -> bytes:
-        if self._client is None:
-            return b""
-        try:
-            heard = self._client.recv(PIECE)
-        except BlockingIOError:
-            return b""
-        except OSError:
-            heard = b""
-        if not heard:
-            self._drop()
-        return heard
 
     def _accept(self) -> None:
         if self._server is None:

@@ -7,14 +7,15 @@ import time
 import weakref
 from collections.abc import Callable
 from pathlib import Path
-from typing import Self
+from typing import Annotated, Self
 
 import numpy as np
 
 from ... import arrays
+from ...arrays import Count, Seconds, at_least, checked
 from ._device import FAULTS, Fault, Listener, Terminal, Unplugged, Wire
-from ._unit import Unit, World
-from ._worlds import Replay, Room, furnished_room
+from ._unit import Milliseconds, PowerUp, Speed, Unit, World
+from ._worlds import ModelName, Replay, Room, furnished_room
 
 #: The thread looks at the clock so often, seconds.
 TICK = 0.005
@@ -44,25 +45,23 @@ class Device:
         self.end.close()
 
     def _serve(self) -> None:
-        waiting = b""
-        try:
-            while not self._stopping.is_set():
-                waiting = self._step(waiting)
-        except Unplugged:
-            self.end.close()
-
-    def _step(self, waiting: bytes) -> bytes:
-        """Read, answer, write once; the bytes that could not be written yet."""
-        self.end.wait(TICK, writing=bool(waiting))
-        heard, fits = self.end.read(), self.end.fits(self.unit)
-        if fits:
-            self.unit.receive(heard)
-        elif heard:
-            waiting += self.wire.rng.bytes(len(heard))
-        if not waiting:
-            sent = self.wire.passed(self.unit.transmit())
-            waiting = sent if fits else bytes(b ^ 0xA5 for b in sent)
-        return waiting[self.end.write(waiting) :]
+        """Read, answer and write, again and again."""
+        waiting = b""  # could not be written yet
+        while not self._stopping.is_set():
+            self.end.wait(TICK, writing=bool(waiting))
+            heard, fits = self.end.read(), self.end.fits(self.unit)
+            if fits:
+                self.unit.receive(heard)
+            elif heard:
+                waiting += self.wire.rng.bytes(len(heard))
+            if not waiting:
+                try:
+                    sent = self.wire.passed(self.unit.transmit())
+                except Unplugged:
+                    self.end.close()
+                    return
+                waiting = sent if fits else bytes(b ^ 0xA5 for b in sent)
+            waiting = waiting[self.end.write(waiting) :]
 
 
 class Emulator:
@@ -114,18 +113,19 @@ class Emulator:
     LaserScan(682 beams, ... valid, t=... s)
     """
 
+    @checked
     def __init__(
         self,
         world: World | None = None,
         *,
-        model: str = "URG-04LX",
+        model: ModelName = "URG-04LX",
         tcp: str | None = None,
-        protocol: str = "2.0",
-        rate: int = 19200,
+        protocol: PowerUp = "2.0",
+        rate: Count = 19200,
         usb: bool = True,
-        speed: float = 1.0,
+        speed: Speed = 1.0,
         clock: Callable[[], float] = time.monotonic,
-        stamp: int = 0,
+        stamp: Milliseconds = 0,
         streaming: bool = False,
         timing: bool = False,
         link: str | Path | None = None,
@@ -147,14 +147,12 @@ class Emulator:
             streaming=streaming,
             timing=timing,
         )
-        self.wire = Wire(
-            time.monotonic, np.random.default_rng(1) if rng is None else arrays.generator(rng)
-        )
-        self._end: Terminal | Listener = (
-            Terminal(None if link is None else arrays.file(link, "link"))
-            if tcp is None
-            else Listener(arrays.instance(tcp, "tcp", str))
-        )
+        self.wire = Wire(time.monotonic, np.random.default_rng(1) if rng is None else rng)
+        self._end: Terminal | Listener
+        if tcp is not None:
+            self._end = Listener(arrays.instance(tcp, "tcp", str))
+        else:
+            self._end = Terminal(None if link is None else arrays.file(link, "link"))
         self._device = Device(self.unit, self.wire, self._end)
         self._finalizer = weakref.finalize(self, self._device.stop)
         self._device.start()
@@ -164,21 +162,20 @@ class Emulator:
         """The device to open, or the link to it; the address where it is reached by TCP."""
         return self._end.name
 
-    def inject(self, kind: str, *, after: int = 0, seconds: float = 0.5) -> None:
+    @checked
+    def inject(
+        self,
+        kind: str,
+        *,
+        after: Annotated[Count, at_least(0)] = 0,
+        seconds: Annotated[Seconds, at_least(0)] = 0.5,
+    ) -> None:
         """Plan a fault.
 
-        Parameters
-        ----------
-        kind : str
-            Of the wire: "flip" a bit, "lose" a byte, "stale" bytes, "stop" in a reply, "silence",
-            "unplug". Of the sensor: "status" 50 for each scan until `mend`, clock "wrap".
-        after : int
-            So many more bytes of the sensor pass before; faults of the sensor come at once.
-        seconds : float
-            Length of a silence.
+        Of the wire: "flip" a bit, "lose" a byte, "stale" bytes, "stop" in a reply, "silence" for
+        some seconds, "unplug"; they happen `after` so many more bytes of the sensor. Of the sensor,
+        at once: "status" 50 for each scan until `mend`, clock "wrap".
         """
-        arrays.whole(after, "after", least=0)
-        arrays.number(seconds, "seconds", least=0)
         if kind == "status":
             self.unit.fail("Motor does not turn.")
         elif kind == "wrap":

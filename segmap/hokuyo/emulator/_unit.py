@@ -6,66 +6,75 @@ import time
 from collections import deque
 from collections.abc import Callable
 from functools import partial
+from typing import Annotated, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ... import arrays
+from ...arrays import Count, Positive, at_least, at_most, checked
 from ...scans.error_codes import LOWEST
-from .. import (
+from .._protocol import (
+    CHARACTERS,
     ScanRequest,
     SensorError,
+    blocks,
     checksum,
     encode,
+    encode_info,
     encode_reply,
-    encode_reply_1,
     encode_scan,
-    info_line,
     parse_request,
 )
-from ._worlds import MODELS
+from ._worlds import MODELS, ModelName
 
 #: From the number of a turn to the millimetres of all its steps.
 World = Callable[[int], NDArray[np.int64]]
+#: Beyond every distance, millimetres.
+FARTHEST = 1 << 20
 #: No request is longer; what is, is forgotten.
 LONGEST = 80
 RATES = (19200, 38400, 57600, 115200, 250000, 500000, 750000)
 #: What SCIP 1.1 answers to V.
 OLD_VERSION = (
-    "VEND:Hokuyo Automatic Co.,Ltd.",
-    "PROD:SOKUIKI Sensor URG-04LX",
-    "FIRM:3.1.04,07/08/02(20-4095[mm],240[deg],44-725[step],600[rpm])",
-    "PROT:00003,(SCIP 1.0)",
-    "SERI:H0000000",
+    b"VEND:Hokuyo Automatic Co.,Ltd.",
+    b"PROD:SOKUIKI Sensor URG-04LX",
+    b"FIRM:3.1.04,07/08/02(20-4095[mm],240[deg],44-725[step],600[rpm])",
+    b"PROT:00003,(SCIP 1.0)",
+    b"SERI:H0000000",
 )
-PROTOCOLS = ("2.0", "1.1", "1.1 only")
+#: What it speaks after power-up, and how much faster its seconds go by.
+PowerUp = Literal["2.0", "1.1", "1.1 only"]
+Speed = Annotated[Positive, at_least(1e-3), at_most(1e3)]
+Milliseconds = Annotated[Count, at_least(0)]
 
 
 class Unit:
     """The sensor: bytes in, bytes out, a clock. Its settings are those of `Emulator`."""
 
+    @checked
     def __init__(
         self,
         world: World,
         *,
-        model: str = "URG-04LX",
-        protocol: str = "2.0",
-        rate: int = 19200,
+        model: ModelName = "URG-04LX",
+        protocol: PowerUp = "2.0",
+        rate: Count = 19200,
         usb: bool = True,
-        speed: float = 1.0,
+        speed: Speed = 1.0,
         clock: Callable[[], float] = time.monotonic,
-        stamp: int = 0,
+        stamp: Milliseconds = 0,
         streaming: bool = False,
         timing: bool = False,
     ) -> None:
-        self.model = MODELS[arrays.one_of(model, "model", MODELS)]
-        arrays.one_of(protocol, "protocol", PROTOCOLS if model == "URG-04LX" else PROTOCOLS[:1])
-        if arrays.whole(rate, "rate") not in RATES:
+        self.model = MODELS[model]
+        if model != "URG-04LX":
+            arrays.one_of(protocol, "protocol", ("2.0",))
+        if rate not in RATES:
             raise ValueError(f"rate must be one of {RATES}, got {rate}")
-        self.speed = arrays.number(speed, "speed", least=1e-3, most=1e3)
         self.world = arrays.function(world, "world", "from a turn to its millimetres")
-        self.usb, self.timing = arrays.switch(usb, "usb"), arrays.switch(timing, "timing")
-        self.stamp, self.rate, self.next_rate = arrays.whole(stamp, "stamp", least=0), rate, rate
+        self.speed, self.usb, self.timing = speed, usb, timing
+        self.stamp, self.rate, self.next_rate = stamp, rate, rate
         self.old, self._switches = protocol != "2.0", protocol == "1.1"
         self.laser, self.dead, self.trouble = self.old, False, ""
         self._clock = arrays.function(clock, "clock", "without arguments, of seconds")
@@ -75,7 +84,7 @@ class Unit:
         self._next_turn, self._line = 0, b""
         self._late: deque[tuple[float, Callable[[], bytes]]] = deque()
         self._out, self._sent_at = b"", 0.0
-        if arrays.switch(streaming, "streaming"):  # left so by a host that crashed
+        if streaming:  # left so by a host that crashed
             self.stream = ScanRequest("MD", self.model.first, self.model.last)
             self.laser = True
             self._next_turn = self.turn() + 1
@@ -135,32 +144,26 @@ class Unit:
 
     def _answer_old(self, text: str) -> bytes:
         """The reply of SCIP 1.1: no check sums, one character of status."""
+        status, body = "E", list[bytes]()
         if text == "SCIP2.0" and self._switches:
-            self.old = self.laser = False
-            return encode_reply_1(text, "0")
-        if text == "V":
-            return encode_reply_1(text, "0", [line.encode("ascii") for line in OLD_VERSION])
-        if text in ("L0", "L1"):
-            already = self.laser == (text == "L1")
+            self.old, self.laser, status = False, False, "0"
+        elif text == "V":
+            status, body = "0", [*OLD_VERSION]
+        elif text in ("L0", "L1"):
+            status = "E" if self.laser == (text == "L1") else "0"
             self.laser = text == "L1"
-            return encode_reply_1(text, "E" if already else "0")
-        if len(text) == 9 and text[0] == "G" and text[1:].isdigit():
-            return self._old_scan(text)
-        return encode_reply_1(text, "E")
-
-    def _old_scan(self, text: str) -> bytes:
-        first, last, cluster = int(text[1:4]), int(text[4:7]), max(int(text[7:]), 1)
-        if not first <= last < self.model.steps:
-            return encode_reply_1(text, "E")
-        met = self.world(max(self.turn(), 0))[first : last + 1 : cluster]
-        data = encode(np.minimum(met, 4095), 2)
-        return encode_reply_1(text, "0", [data[i : i + 64] for i in range(0, len(data), 64)])
+        elif len(text) == 9 and text[0] == "G" and text[1:].isdigit():
+            first, last, cluster = int(text[1:4]), int(text[4:7]), max(int(text[7:]), 1)
+            if first <= last < self.model.steps:
+                met = self.world(max(self.turn(), 0))[first : last + 1 : cluster]
+                status, body = "0", blocks(encode(np.minimum(met, 4095), 2))
+        return encode_reply(text, status, body, old=True)
 
     def _do_vv(self, text: str) -> bytes:
-        return encode_reply(text, "00", [info_line(*item) for item in self.model.version.items()])
+        return encode_reply(text, "00", encode_info(self.model.version))
 
     def _do_pp(self, text: str) -> bytes:
-        return encode_reply(text, "00", [info_line(*item) for item in self.model.limits.items()])
+        return encode_reply(text, "00", encode_info(self.model.limits))
 
     def _do_ii(self, text: str) -> bytes:
         told = {
@@ -172,7 +175,7 @@ class Unit:
             "TIME": f"{self._stamp(max(self.turn(), 0)):06X}",
             "STAT": self.trouble or "Sensor works well.",
         }
-        return encode_reply(text, "00", [info_line(*item) for item in told.items()])
+        return encode_reply(text, "00", encode_info(told))
 
     def _do_bm(self, text: str) -> bytes:
         status = "02" if self.laser else "00"
@@ -223,7 +226,8 @@ class Unit:
         request, status = _checked(text, self.model.steps)
         if request is None or not self.laser:
             return encode_reply(text, status or "10")
-        self._late.append(((self.turn() + 2) * self.model.turn, partial(self._single, request)))
+        when = (self.turn() + 2) * self.model.turn
+        self._late.append((when, partial(self._scan, request, "00")))
         return b""
 
     _do_gs = _do_gd
@@ -236,25 +240,21 @@ class Unit:
 
     _do_ms = _do_md
 
-    def _single(self, request: ScanRequest) -> bytes:
+    def _streamed(self, request: ScanRequest) -> bytes:
+        self._next_turn = self.turn() + 1 + request.skip
+        left = request._replace(scans=max(request.scans - 1, 0))
+        self.stream = left if request.scans != 1 and not self.trouble else None
+        self.laser = self.stream is not None
+        return self._scan(left, "99")
+
+    def _scan(self, request: ScanRequest, status: str) -> bytes:
+        """The reply with the turn that was finished last; status 50 of a sensor in trouble."""
         if self.trouble:
             return encode_reply(request.text, "50")
-        return encode_reply(request.text, "00", self._body(request, self.turn()))
-
-    def _streamed(self, request: ScanRequest) -> bytes:
         turn = self.turn()
-        self._next_turn = turn + 1 + request.skip
-        left = request._replace(scans=max(request.scans - 1, 0))
-        if self.trouble:
-            self.stream, self.laser = None, False
-            return encode_reply(left.text, "50")
-        self.stream = left if request.scans != 1 else None
-        self.laser = self.stream is not None
-        return encode_reply(left.text, "99", self._body(request, turn))
-
-    def _body(self, request: ScanRequest, turn: int) -> list[bytes]:
         met = clustered(self.world(turn)[request.first : request.last + 1], request.cluster)
-        return encode_scan(self._stamp(turn), met, 3 if request.kind[1] == "D" else 2)
+        body = encode_scan(self._stamp(turn), met, CHARACTERS[request.kind])
+        return encode_reply(request.text, status, body)
 
     def _stamp(self, turn: int) -> int:
         return (self.stamp + round(1000 * self.model.turn * turn)) % (1 << 24)
@@ -268,9 +268,10 @@ def clustered(millimetres: NDArray[np.int64], size: int) -> NDArray[np.int64]:
     >>> clustered(np.array([300, 200, 7, 500, 7]), 2)
     array([200, 500,   7])
     """
-    groups = range(0, len(millimetres), max(size, 1))
-    parts = [millimetres[i : i + max(size, 1)] for i in groups]
-    return np.array([min(good) if (good := [d for d in p if d >= LOWEST]) else p[0] for p in parts])
+    filled = np.append(millimetres, np.repeat(millimetres[-1:], -len(millimetres) % max(size, 1)))
+    groups = filled.reshape(-1, max(size, 1))
+    nearest = np.where(groups >= LOWEST, groups, FARTHEST).min(axis=1)
+    return np.where(nearest < FARTHEST, nearest, groups[:, 0])
 
 
 def _checked(text: str, steps: int) -> tuple[ScanRequest | None, str]:

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ... import arrays
-from ...arrays import Array, Segments
+from ...arrays import Array, Segments, checked
 from ...scans.error_codes import (
     LOWEST,
     NEIGHBOURS_BAD,
@@ -27,27 +27,18 @@ from ...simulation import (
     rectangular_room,
     simulate,
 )
-from .. import SensorError, parse_reply, parse_request, parse_scan
+from .._protocol import CHARACTERS, SensorError, parse_reply, parse_request, parse_scan
+
+ModelName = Literal["URG-04LX", "UST-10LX"]
 
 
 class Model(NamedTuple):
     """A model of sensor.
 
-    Attributes
-    ----------
-    version, limits : dict
-        Its answers to VV and PP.
-    line : str
-        What II says of its line; empty for the bit rate.
-    sensor : Sensor
-        What it measures with.
-    steps : int
-        Steps from 0 on that can be asked for.
-    nothing, near, unmeasured : int
-        What it sends where nothing is met, where something is too near, and for a step that it does
-        not measure.
-    deadly : tuple of str
-        Commands that put it out of order until it is switched off.
+    `version` and `limits` are its answers to VV and PP, `line` what II says of its line, empty for
+    the bit rate; `steps` from 0 on can be asked for. It sends `nothing` where nothing is met,
+    `near` where something is too near, and `unmeasured` for a step that it does not measure.
+    Commands that are `deadly` put it out of order until it is switched off.
     """
 
     version: dict[str, str]
@@ -62,28 +53,21 @@ class Model(NamedTuple):
 
     @property
     def first(self) -> int:
-        """The first step that it measures."""
         return int(self.limits["AMIN"])
 
     @property
     def last(self) -> int:
-        """The last step that it measures."""
         return int(self.limits["AMAX"])
 
     @property
     def turn(self) -> float:
-        """Seconds of a turn."""
+        """Seconds that it takes."""
         return 60.0 / int(self.limits["SCAN"])
 
 
 def _version(product: str, firmware: str, protocol: str) -> dict[str, str]:
-    return {
-        "VEND": "Hokuyo Automatic Co.,Ltd.",
-        "PROD": f"SOKUIKI Sensor {product}",
-        "FIRM": firmware,
-        "PROT": protocol,
-        "SERI": "H0000000",
-    }
+    first = {"VEND": "Hokuyo Automatic Co.,Ltd.", "PROD": f"SOKUIKI Sensor {product}"}
+    return first | {"FIRM": firmware, "PROT": protocol, "SERI": "H0000000"}
 
 
 def _limits(model: str, limits: str) -> dict[str, str]:
@@ -142,14 +126,8 @@ class Room:
     path : (k, 3) array, metres and radians
     sensor : Sensor or None
         What it measures with; None for what the model does.
-    rng : numpy.random.Generator
+    rng : numpy.random.Generator or None
         Of the sensor's noise.
-    model : "URG-04LX" or "UST-10LX"
-
-    Raises
-    ------
-    ValueError
-        For a path without poses; for a sensor of more beams than the model has steps.
 
     Examples
     --------
@@ -159,6 +137,7 @@ class Room:
     array([3000,   19])
     """
 
+    @checked
     def __init__(
         self,
         walls: Segments,
@@ -166,13 +145,12 @@ class Room:
         sensor: Sensor | None = None,
         rng: np.random.Generator | None = None,
         *,
-        model: str = "URG-04LX",
+        model: ModelName = "URG-04LX",
     ) -> None:
         self.walls, self.path = arrays.segments(walls, "walls"), arrays.poses(path, "path")
         if not len(self.path):
             raise ValueError("path must hold at least one pose, (k, 3), got none")
-        self.model = arrays.one_of(model, "model", MODELS)
-        self._made = MODELS[model]
+        self.model, self._made = model, MODELS[model]
         chosen = self._made.sensor if sensor is None else sensor
         self.sensor = arrays.instance(chosen, "sensor", Sensor)
         most = self._made.steps - self._made.first
@@ -202,17 +180,9 @@ class Room:
 class Replay:
     """The scans that a sensor sent while it was recorded, again and again.
 
-    Parameters
-    ----------
-    capture : bytes
-        What came from a sensor in SCIP 2.0; other replies are passed over.
-    model : "URG-04LX" or "UST-10LX"
-        Of that sensor.
-
-    Raises
-    ------
-    SensorError
-        Where a scan is damaged, has steps that the model has not, or there is none.
+    `capture` is what came from a sensor of the model in SCIP 2.0; replies that are no scan are
+    passed over. A SensorError where a scan is damaged, has steps that the model has not, or there
+    is none.
 
     Examples
     --------
@@ -220,11 +190,24 @@ class Replay:
     array([392, 381,  19])
     """
 
-    def __init__(self, capture: bytes, *, model: str = "URG-04LX") -> None:
-        arrays.instance(capture, "capture", bytes)
-        self.model = arrays.one_of(model, "model", MODELS)
-        replies = (reply.strip(b"\n").split(b"\n") for reply in capture.split(b"\n\n"))
-        self.turns = [_turn(lines, MODELS[model]) for lines in replies if _is_scan(lines)]
+    @checked
+    def __init__(self, capture: bytes, *, model: ModelName = "URG-04LX") -> None:
+        self.model, made = model, MODELS[model]
+        self.turns = []
+        for text in arrays.instance(capture, "capture", bytes).split(b"\n\n"):
+            lines = text.strip(b"\n").split(b"\n")
+            if lines[0][:2].decode("ascii", "replace") not in CHARACTERS or len(lines) <= 3:
+                continue
+            reply = parse_reply(lines)
+            request = parse_request(reply.echo)
+            met = parse_scan(reply.body, CHARACTERS[request.kind]).millimetres
+            last = request.first + len(met)
+            if last > made.steps:
+                told = f"{request.text} asks for more than {made.steps} steps"
+                raise SensorError(f"{told}: which model?")
+            steps = np.full(made.steps, made.unmeasured)
+            steps[request.first : last] = met
+            self.turns.append(steps)
         if not self.turns:
             raise SensorError("the capture holds no scan of SCIP 2.0")
 
@@ -233,28 +216,10 @@ class Replay:
         return self.turns[turn % len(self.turns)]
 
 
-def _is_scan(lines: list[bytes]) -> bool:
-    return lines[0][:2] in (b"GD", b"GS", b"MD", b"MS") and len(lines) > 3
-
-
-def _turn(lines: list[bytes], model: Model) -> NDArray[np.int64]:
-    reply = parse_reply(lines)
-    request = parse_request(reply.echo)
-    met = parse_scan(reply.body, 3 if request.kind[1] == "D" else 2).millimetres
-    if request.first + len(met) > model.steps:
-        raise SensorError(f"{request.text} asks for more than {model.steps} steps: which model?")
-    steps = np.full(model.steps, model.unmeasured)
-    steps[request.first : request.first + len(met)] = met
-    return steps
-
-
-def furnished_room(model: str = "URG-04LX") -> Room:
+def furnished_room(model: ModelName = "URG-04LX") -> Room:
     """A room of 6 m by 4 m with a cupboard and a pillar, driven through, 2 cm a turn.
 
-    Parameters
-    ----------
-    model : "URG-04LX" or "UST-10LX"
-        At 0.2 m/s and at 0.8 m/s.
+    That is 0.2 m/s with a URG-04LX, and 0.8 m/s with a UST-10LX.
     """
     pillar, cupboard = box(0.4, 0.4, (4.2, 1.4, 0.3)), box(0.5, 1.2, (0.25, 2.6, 0))
     walls = np.concatenate([rectangular_room(6, 4), pillar, cupboard])

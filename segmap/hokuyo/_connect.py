@@ -1,0 +1,133 @@
+"""From a port to a sensor that is idle, in SCIP 2.0, at a bit rate that both know; and back."""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import Callable, Sequence
+
+from ._lines import LOST, Lines
+from ._protocol import Refused, Reply, SensorError, SensorGone, Silent, parse_reply, refusal
+
+#: Bit rates that a URG-04LX may have been left at; the first is the one to talk at.
+RATES = (115200, 19200, 57600, 38400, 500000, 250000, 750000)
+#: A scan in flight at 19 200 bit/s takes 1.1 s before the answer comes, seconds.
+IN_FLIGHT = 1.5
+#: After a change of its rate the sensor does not listen for so long, seconds.
+DEAF = 0.2
+#: So often a command is sent before its answer is given up.
+TRIES = 3
+#: Statuses that say that it is so already: the laser is on, the stream runs.
+ALREADY = {"BM": "02", "MD": "99", "MS": "99"}
+
+
+def connect(lines: Lines, rates: Sequence[int]) -> int:
+    """Find the sensor's bit rate and protocol; it ends idle, in SCIP 2.0, with its laser off.
+
+    Both then talk at the rate that is returned, bits a second: the first one, where the sensor
+    has it.
+    """
+    rate = _search(lines, rates)
+    if rate == rates[0]:
+        return rate
+    try:
+        answer = _send(lines, f"SS{rates[0]:06}", 2 * lines.quiet)
+    except SensorGone:
+        raise
+    except SensorError:
+        return _search(lines, rates)
+    if answer.status not in ("00", "03"):  # it has not got that rate, and stays at its own
+        return rate
+    lines.set_rate(rates[0])
+    lines.silence(DEAF)
+    return rates[0] if _greet(lines) else _search(lines, rates)
+
+
+def _search(lines: Lines, rates: Sequence[int]) -> int:
+    for rate in rates:
+        lines.set_rate(rate)
+        if _greet(lines):
+            return rate
+    raise SensorError(
+        f"nothing answers as a URG does at {', '.join(map(str, rates))} bit/s: switch the sensor "
+        "off and on, wait a few seconds and try again; is it the right port or address?"
+    )
+
+
+def _greet(lines: Lines) -> bool:
+    """Stop whatever the sensor does, and tell whether it then listens in SCIP 2.0."""
+    silent = refused = 0
+    while silent < 2 and refused < TRIES:
+        answer = status(lines, b"QT")
+        if answer == b"00P":
+            return lines.silence(lines.quiet / 4)
+        if answer == b"0Ee":  # it is in time mode
+            lines.write(b"TM2\n")
+            lines.silence(lines.quiet / 2)
+        else:  # SCIP 1.1 answers E, or with silence; what has switched does not know the command
+            switched = status(lines, b"SCIP2.0")
+            if switched is not None:
+                lines.silence(lines.quiet / 4)
+            knows_1 = answer in (b"E", b"0")
+            refused += knows_1 and switched != b"0"
+            silent += not knows_1
+        refused += answer is not None
+    if refused:
+        raise SensorError(
+            "the sensor speaks SCIP 1.1, without check sums, and does not switch to 2.0: "
+            "it needs firmware 3 or later"
+        )
+    return False
+
+
+def status(lines: Lines, command: bytes) -> bytes | None:
+    """The line after a command's echo, whatever else the sensor says before; None without one."""
+    lines.write(command + b"\n")
+    for line in lines.until(lines.clock() + IN_FLIGHT, lines.quiet):
+        if line == command:
+            return lines.line(lines.quiet)
+    return None
+
+
+def ask(lines: Lines, command: str, check: Callable[[Reply], object] = lambda reply: None) -> Reply:
+    """The reply to a command, which is sent again where its reply is damaged or fails a check.
+
+    Refused for a status that is no success; another SensorError where no whole reply comes.
+    """
+    fault = SensorError("")
+    for _ in range(TRIES):
+        try:
+            reply = _send(lines, command, lines.timeout)
+            if reply.status not in ("00", ALREADY.get(command[:2], "00")):
+                raise Refused(refusal(command, reply.status))
+            check(reply)
+            return reply
+        except (SensorGone, Refused):
+            raise
+        except SensorError as error:
+            fault = error
+            lines.silence(lines.quiet / 4)
+    raise fault
+
+
+def _send(lines: Lines, command: str, seconds: float) -> Reply:
+    """The reply to a command; a SensorError where none comes in this time, or a damaged one."""
+    lines.write(command.encode("ascii") + b"\n")
+    found = lines.reply(command.encode("ascii"), seconds).lines
+    if found is None:
+        raise Silent(f"no answer to {command} within {seconds:.2g} s: is the sensor busy?")
+    return parse_reply(found)
+
+
+def switch_off(lines: Lines) -> None:
+    """End a stream and switch the laser off."""
+    any(status(lines, b"QT") == b"00P" for _ in range(TRIES))
+
+
+def leave(lines: Lines) -> None:
+    """Switch the laser off and free the port; whatever happens, the port is closed."""
+    try:
+        with contextlib.suppress(SensorError):
+            switch_off(lines)
+    finally:
+        with contextlib.suppress(*LOST):
+            lines.port.close()
