@@ -9,13 +9,12 @@ from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pandas as pd
-from emulated import URG, Wired
+from emulated import Wired
 from matplotlib.figure import Figure
 
 from segmap import (
     alignment,
     experiments,
-    hokuyo,
     matching,
     quadtree,
     readers,
@@ -49,10 +48,6 @@ MAP = segments.SegmentMap(WALLS)
 REDUCTION = reduction.METHODS["hybrid"](MAP)
 RUNS = experiments.sweep({"it": MAP}, ["fusion"], {"fusion": {"tolerance": [0.01, 0.04]}})
 GRAPH = readers.PoseGraph(PATH[:2], [(0, 1)], PATH[1:2], [np.eye(3)])
-SCAN = hokuyo.ScanRequest("GD", 384, 385)
-MET = hokuyo.Measurement(5, np.array([392, 381]))
-TOLD = {"ARES": "1024", "AMIN": "44", "AMAX": "725", "AFRT": "384", "DMIN": "20", "DMAX": "5600",
-        "SCAN": "600"}  # fmt: skip
 TIMES = pd.DataFrame(
     {"method": "hybrid", "scans": [1, 2, 4], "seconds": [1.0, 4.0, 16.0], "live": 2}
 )
@@ -60,7 +55,7 @@ TIMES = pd.DataFrame(
 OBJECTS = {"matching": [matching.DistanceField(TREE), matching.LiveMap()],
            "quadtree": [TREE], "segments": [MAP], "scans": [LOG, LOG[0]],
            "simulation": [simulation.URG_04LX], "alignment": [ALIGNMENT, alignment.LiveGraph()],
-           "reduction": [REDUCTION, reduction.LiveReduction()], "hokuyo": [URG, SCAN],
+           "reduction": [REDUCTION, reduction.LiveReduction()],
            "hokuyo.emulator": [emulator.Room(WALLS, PATH)]}  # fmt: skip
 
 #: Good values by the name of a parameter; `function.parameter` comes first, then `room.parameter`.
@@ -135,10 +130,8 @@ GOOD |= {
 GOOD |= {
     "UrgSensor.port": Newly,
     "UrgSensor.clock": lambda: Newly.last.now,
-    "info": TOLD,
     "status": "00",
     "echo": "BM",
-    "hokuyo.kind": "GD",
     "hokuyo.text": b"00",
     "parse_request.text": "GD0044072501",
     "info_line.text": "20",
@@ -151,17 +144,12 @@ GOOD |= {
     "encode.values": np.array([392, 381]),
     "encode_scan.clock": 5,
     "millimetres": np.array([392, 381]),
-    "met": MET,
-    "request": SCAN,
-    "geometry": URG,
     "hokuyo.sensor": LOG.scans,
     "hokuyo.path": "recorded.log",
     "time": 0.5,
-    "hokuyo.first": 384,
     "world": emulator.Room(WALLS, PATH),
     "turn": 3,
     "index": 1,
-    "hokuyo.last": 385,
     "Emulator.link": None,
     "Emulator.tcp": None,
     "capture": b"GD0383038401\n00P\nJUGnD\n06805m`\n\n",

@@ -34,8 +34,7 @@ ROOMS = [
 #: Not walked: what needs a sensor that is connected, see tests/test_sensor*.py.
 #: What the library makes itself and hands out: nobody else has to call these.
 MADE = {"Alignment", "Graph", "LogError", "Match", "Methods", "Reduction", "take_points", "Tree",
-        "HostClock", "Lines", "Port", "SensorError", "SensorGone", "find_port",
-        "UnknownFormat", "open_port"}  # fmt: skip
+        "Port", "SensorError", "SensorGone", "UnknownFormat"}  # fmt: skip
 #: What drawings and panels are made of: these take what a drawing or a panel has checked.
 PARTS = {"axes_grid", "axes_or_new", "axes_row", "group_colors", "map_axes", "method_style",
          "square_corners", "Panel", "player", "slider", "text"}  # fmt: skip
