@@ -31,7 +31,7 @@ ROOMS = [
     "reduction", "quadtree", "matching", "exports", "readers", "plotting", "experiments",
     "panels", "testing", "hokuyo", "hokuyo.emulator",
 ]  # fmt: skip
-#: Not walked: what needs a sensor that is connected, see tests/test_sensor*.py.
+#: Not walked: what needs a sensor that is connected, see tests/hokuyo.
 #: What the library makes itself and hands out: nobody else has to call these.
 MADE = {"Alignment", "Graph", "LogError", "Match", "Methods", "Reduction", "take_points", "Tree",
         "Port", "SensorError", "SensorGone", "UnknownFormat"}  # fmt: skip

@@ -24,7 +24,7 @@ from segmap.segments import SegmentMap, length
 from segmap.testing import assert_segments_equal, segment_zoo
 
 methods = pytest.mark.parametrize("name", METHODS)
-#: All but the one whose cells lie along the axes of the map: tests/test_fuzzy_clustering.py.
+#: All but the one whose cells lie along the axes of the map: surveyed/test_fuzzy_clustering.py.
 anyhow = pytest.mark.parametrize("name", [n for n in METHODS if n != "fuzzy_clustering"])
 TEN = np.pi / 18
 
