@@ -23,8 +23,8 @@ All of them answer with a `Check` and never raise. Like `Exercise`, they judge i
 a grader takes the verdict where no code of a student runs: `answers(...)` gives plain values,
 `verdict(answers)` the check; `fresh(seed)` is empty, for there are no hidden cases.
 
-Each gets two tests at least in `tests/course/test_open_exercises.py`: an answer that passes, and one that
-fails for each reason of the judge.
+Each gets two tests at least in `tests/course/test_open_exercises.py`: an answer that passes, and
+one that fails for each reason of the judge.
 """
 
 from __future__ import annotations
