@@ -7,7 +7,7 @@ every picture, and the colour-blind can tell them apart (Okabe and Ito, 2008).
 from __future__ import annotations
 
 from ._alignments import draw_alignment, draw_alignments, draw_position_errors
-from ._experiments import METHOD_STYLES, draw_curves, draw_online, method_style
+from ._experiments import draw_curves, draw_online, method_style
 from ._pictures import figure_png, thumbnail
 from ._quadtrees import draw_quadtree, draw_quadtrees, square_corners
 from ._scans import draw_log, draw_path, draw_points, draw_poses, draw_robot, draw_scan
@@ -26,7 +26,6 @@ from ._style import (
     MAP,
     RAW,
     RESULT,
-    SIZE,
     TRUTH,
     axes_grid,
     axes_or_new,
@@ -35,44 +34,3 @@ from ._style import (
     map_axes,
     sharp_figures,
 )
-
-__all__ = [
-    "DPI",
-    "ERROR",
-    "ERRORS",
-    "GROUPS",
-    "MAP",
-    "METHOD_STYLES",
-    "RAW",
-    "RESULT",
-    "SIZE",
-    "TRUTH",
-    "axes_grid",
-    "axes_or_new",
-    "axes_row",
-    "draw_alignment",
-    "draw_alignments",
-    "draw_before_after",
-    "draw_curves",
-    "draw_log",
-    "draw_maps",
-    "draw_online",
-    "draw_path",
-    "draw_points",
-    "draw_poses",
-    "draw_position_errors",
-    "draw_provenance",
-    "draw_quadtree",
-    "draw_quadtrees",
-    "draw_robot",
-    "draw_scan",
-    "draw_segments",
-    "draw_side_by_side",
-    "figure_png",
-    "group_colors",
-    "map_axes",
-    "method_style",
-    "sharp_figures",
-    "square_corners",
-    "thumbnail",
-]

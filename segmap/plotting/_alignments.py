@@ -14,7 +14,7 @@ from ..alignment import Alignment, position_errors
 from ..arrays import Array
 from ..scans import Log
 from ._scans import draw_cloud, draw_log, draw_path
-from ._style import ERROR, RAW, RESULT, axes_grid, axes_or_new, map_axes, titled
+from ._style import ERROR, RAW, RESULT, axes_grid, axes_or_new, below, counted, map_axes, titled
 
 
 def draw_alignment(log: Log, alignment: Alignment, *, ax: Axes | None = None) -> Axes:
@@ -23,22 +23,6 @@ def draw_alignment(log: Log, alignment: Alignment, *, ax: Axes | None = None) ->
     The points of the scans that were used are grey, the path is blue, scans that were not used are
     red crosses on it. Loops of a pose graph are thin blue lines between their two places, rejected
     ones dashed and red. A legend counts them.
-
-    Parameters
-    ----------
-    log : Log
-    alignment : Alignment
-        Of that log.
-    ax : matplotlib Axes or None
-
-    Returns
-    -------
-    Axes
-
-    Raises
-    ------
-    ValueError
-        Where the alignment is one of another log.
 
     Examples
     --------
@@ -58,7 +42,7 @@ def draw_alignment(log: Log, alignment: Alignment, *, ax: Axes | None = None) ->
     ax = axes_or_new(ax)
     draw_cloud(log, alignment.trusted, ax)
     draw_aligned_path(alignment, ax)
-    ax.legend(loc="upper center", bbox_to_anchor=(0.5, -0.15), ncols=2, frameon=False)
+    below(ax)
     return ax
 
 
@@ -72,7 +56,7 @@ def draw_aligned_path(alignment: Alignment, ax: Axes) -> Axes:
     draw_path(alignment.poses, ax=ax, color=RESULT, label=alignment.method or "aligned")
     rest = alignment.poses[~alignment.used]
     if len(rest):
-        named = _counted(len(rest), "scan") + " not used"
+        named = counted(len(rest), "scan") + " not used"
         ax.plot(*rest[:, :2].T, "x", color=ERROR, markersize=5, label=named)
     return map_axes(ax)
 
@@ -83,28 +67,10 @@ def draw_alignments(
     *,
     size: tuple[float, float] = (4.5, 4.5),
 ) -> list[Axes]:
-    """Draw a log along several paths side by side, on one scale.
+    """Draw a log along several paths side by side, on one scale; `size` is inches of one.
 
-    The path is red where the poses are the log's odometry, else blue; an alignment is drawn with
-    its loops and its legend, as `draw_alignment` does.
-
-    Parameters
-    ----------
-    log : Log
-    alignments : mapping from title to (k, 3) array, metres and radians, or Alignment
-        Of this log.
-    size : (width, height) in inches
-        Of one picture.
-
-    Returns
-    -------
-    list of Axes
-        One for each, in a new figure, all with the same limits.
-
-    Raises
-    ------
-    ValueError
-        For poses or an alignment of another log.
+    Paths are arrays `(k, 3)` or alignments. A path is red where its poses are the log's odometry,
+    else blue; an alignment is drawn with its loops and its legend, as `draw_alignment` does.
 
     Examples
     --------
@@ -115,17 +81,15 @@ def draw_alignments(
     (True, 'Truth')
     """
     arrays.instance(log, "log", Log)
-    drawn = {
-        title: _found(found, title, log)
-        for title, found in titled(alignments, "alignments").items()
-    }
-    row = axes_grid(list(drawn), len(drawn), size)
-    for ax, found in zip(row, drawn.values(), strict=True):
-        if isinstance(found, Alignment):
-            draw_alignment(log, found, ax=ax)
+    found = titled(alignments, "alignments")
+    paths = {title: _poses(each, title, log) for title, each in found.items()}
+    row = axes_grid(list(paths), len(paths), size)
+    for ax, (title, poses) in zip(row, paths.items(), strict=True):
+        if isinstance(each := found[title], Alignment):
+            draw_alignment(log, each, ax=ax)
         else:
-            raw = np.array_equal(found, log.odometry)
-            draw_log(log, found, ax=ax, path=ERROR if raw else None)
+            raw = np.array_equal(poses, log.odometry)
+            draw_log(log, poses, ax=ax, path=ERROR if raw else None)
     return row
 
 
@@ -134,18 +98,8 @@ def draw_position_errors(
 ) -> Axes:
     """Draw how far poses are from the truth, scan by scan, where the truth is known.
 
-    Parameters
-    ----------
-    log : Log
-        With truth for some of its scans.
-    alignments : mapping from label to (k, 3) array, metres and radians, or Alignment
-        The last is blue, the one before it red and dashed, others are grey and dotted.
-    ax : matplotlib Axes or None
-
-    Returns
-    -------
-    Axes
-        With a legend.
+    Poses are arrays `(k, 3)` or alignments; the last is blue, the one before it red and dashed,
+    others are grey and dotted.
 
     Raises
     ------
@@ -182,18 +136,8 @@ def _poses(found: ArrayLike | Alignment, title: str, log: Log) -> Array:
     return arrays.poses(found, name, count=len(log), missing=True)
 
 
-def _found(found: ArrayLike | Alignment, title: str, log: Log) -> Array | Alignment:
-    """Poses or an alignment, one pose a scan."""
-    poses = _poses(found, title, log)
-    return found if isinstance(found, Alignment) else poses
-
-
 def _chords(ax: Axes, lines: Array, words: str, color: str, style: str) -> None:
     if len(lines):
         chords = LineCollection(list(lines), colors=color, linewidths=0.7, linestyles=style)
-        chords.set_label(_counted(len(lines), words))
+        chords.set_label(counted(len(lines), words))
         ax.add_collection(chords)
-
-
-def _counted(count: int, words: str) -> str:
-    return f"{count} {words}{'s' * (count != 1)}"

@@ -39,23 +39,8 @@ def draw_curves(
 ) -> Axes:
     """Draw reduction against quality: a dot for each run, a line along the best of each method.
 
-    Parameters
-    ----------
-    frame : DataFrame
-        Runs of `experiments.sweep` on one map, all filtered alike: others cannot be compared
-        (A 6.2.3).
-    ax : matplotlib Axes or None
-    quality : float or None
-        Where to draw an upright line.
-
-    Returns
-    -------
-    Axes
-
-    Raises
-    ------
-    ValueError
-        For runs on several maps, or filtered and unfiltered ones.
+    The runs are of `experiments.sweep`, on one map, all filtered alike: others cannot be compared
+    (A 6.2.3), and are refused. `quality` is where to draw an upright line.
 
     Examples
     --------
@@ -86,15 +71,7 @@ def draw_curves(
 def draw_online(frame: pd.DataFrame, *, ax: Axes | None = None) -> Axes:
     """Draw how the time of on-line methods adds up as the scans come in.
 
-    Parameters
-    ----------
-    frame : DataFrame
-        Of `experiments.online_times`: one run or more, of one log.
-    ax : matplotlib Axes or None
-
-    Returns
-    -------
-    Axes
+    The frame is of `experiments.online_times`: one run or more, of one log.
 
     Examples
     --------

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import io
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from .. import arrays
 from .._display import picture
 from ..alignment import Alignment
+from ..arrays import Count, at_most, checked
 from ..quadtree import QuadtreeMap
 from ..reduction import Reduction
 from ..scans import LaserScan, Log
@@ -26,17 +26,8 @@ from ._style import DPI, MAP, RESULT
 def thumbnail(value: Any) -> bytes:
     """A small picture of a scan, a log, an alignment, a map or a reduction, as a notebook shows it.
 
-    Of a log without any pose it shows the first scan; of an alignment, which knows no scans, the
-    path, its loops, and red crosses where a scan was not used.
-
-    Parameters
-    ----------
-    value : LaserScan, Log, Alignment, QuadtreeMap, SegmentMap, Reduction or (n, 2, 2) array, metres
-
-    Returns
-    -------
-    bytes
-        A PNG, 320 x 240.
+    A PNG, 320 x 240. Of a log without any pose it shows the first scan; of an alignment, which
+    knows no scans, the path, its loops, and red crosses where a scan was not used.
 
     Examples
     --------
@@ -48,7 +39,11 @@ def thumbnail(value: Any) -> bytes:
     if isinstance(value, LaserScan):
         draw_scan(value, ax=ax)
     elif isinstance(value, Log):
-        _draw_any_log(value, ax)
+        known = value.odometry if value.truth is None else value.truth
+        if len(value) and not np.isfinite(known).all(1).any():
+            draw_scan(value[0], ax=ax)
+        else:
+            draw_log(value, ax=ax)
     elif isinstance(value, Alignment):
         draw_aligned_path(value, ax)
     elif isinstance(value, QuadtreeMap):
@@ -63,27 +58,11 @@ for _kind in (LaserScan, Log, Alignment, QuadtreeMap, SegmentMap, Reduction):
     picture.register(_kind, thumbnail)
 
 
-def _draw_any_log(log: Log, ax: Axes) -> None:
-    placed = np.isfinite(log.odometry if log.truth is None else log.truth).all(1).any()
-    if placed or not len(log):
-        draw_log(log, ax=ax)
-    else:
-        draw_scan(log[0], ax=ax)
-
-
-def figure_png(figure: Figure, *, finer: int = 1) -> bytes:
+@checked
+def figure_png(figure: Figure, *, finer: Annotated[Count, at_most(8)] = 1) -> bytes:
     """A figure as a PNG, whatever the backend; the same pixels give the same bytes.
 
-    Parameters
-    ----------
-    figure : matplotlib Figure
-    finer : int
-        How many dots in a row there are for each dot of the figure, 8 at most.
-
-    Returns
-    -------
-    bytes
-        Of the shape that the figure's size and dots an inch give, times `finer`.
+    `finer` is how many dots in a row there are for each dot of the figure.
 
     Examples
     --------
@@ -92,6 +71,5 @@ def figure_png(figure: Figure, *, finer: int = 1) -> bytes:
     """
     target = io.BytesIO()
     arrays.instance(figure, "figure", Figure)
-    dots = arrays.whole(finer, "finer", most=8) * figure.dpi
-    figure.savefig(target, format="png", dpi=dots, metadata={"Software": None})
+    figure.savefig(target, format="png", dpi=finer * figure.dpi, metadata={"Software": None})
     return target.getvalue()

@@ -11,7 +11,7 @@ from matplotlib.collections import PolyCollection
 from numpy.typing import ArrayLike, NDArray
 
 from .. import arrays
-from ..arrays import Array
+from ..arrays import Array, checked
 from ..quadtree import QuadtreeMap, extent
 from ._style import ERROR, RESULT, axes_or_new, axes_row, inches, map_axes, titled
 
@@ -19,6 +19,7 @@ from ._style import ERROR, RESULT, axes_or_new, axes_row, inches, map_axes, titl
 SMALLEST = 1 / 80
 
 
+@checked
 def draw_quadtree(
     map: QuadtreeMap,
     *,
@@ -31,19 +32,13 @@ def draw_quadtree(
 
     Parameters
     ----------
-    map : QuadtreeMap
-    ax : matplotlib Axes or None
-    robot : (2,) or (3,) array, metres, or None
-        Where the robot is: a red square.
-    outlines : bool
+    robot
+        Where the robot is, `(2,)` or a pose: a red square.
+    outlines
         Blue outlines of all leaves that are large enough to be seen inside them; without them the
         look is that of any occupancy map.
-    whole : bool
+    whole
         Show the whole root instead of the part where beams ended.
-
-    Returns
-    -------
-    Axes
 
     Examples
     --------
@@ -56,13 +51,13 @@ def draw_quadtree(
     """
     leaves = arrays.instance(map, "map", QuadtreeMap).leaves()
     place = None if robot is None else arrays.row(robot, "robot")[:2]
-    ax, outlines = axes_or_new(ax), arrays.switch(outlines, "outlines")
+    ax = axes_or_new(ax)
     squares = square_corners(leaves.x, leaves.y, leaves.side)
     grey = PolyCollection(squares, cmap="gray", antialiased=False, linewidth=0)
     grey.set_array(1 - map.leaf_occupancy())
     grey.set_clim(0, 1)
     ax.add_collection(grey, autolim=False)
-    left, low, right, high = map.bounds if arrays.switch(whole, "whole") else extent(map)
+    left, low, right, high = map.bounds if whole else extent(map)
     if outlines:
         seen = leaves.side >= SMALLEST * max(right - left, high - low)
         lines = PolyCollection(squares[seen], edgecolor=RESULT, facecolor="none", linewidth=0.4)
@@ -76,20 +71,9 @@ def draw_quadtree(
 def draw_quadtrees(
     maps: Mapping[str, QuadtreeMap], *, size: tuple[float, float] = (2.25, 2.5), **options: Any
 ) -> list[Axes]:
-    """Draw maps side by side, each with limits of its own.
+    """Draw maps side by side, each with limits of its own and `size` inches.
 
-    Parameters
-    ----------
-    maps : mapping from title to QuadtreeMap
-    size : (width, height) in inches
-        Of one picture.
-    **options
-        Of `draw_quadtree`, the same for all.
-
-    Returns
-    -------
-    list of Axes
-        One a map, in a new figure.
+    Other options are those of `draw_quadtree`, the same for all.
 
     Examples
     --------

@@ -8,10 +8,10 @@ from matplotlib.collections import LineCollection
 from numpy.typing import ArrayLike
 
 from .. import arrays
-from ..arrays import Array
+from ..arrays import Array, checked
 from ..poses import transform
 from ..scans import LaserScan, Log
-from ._style import ERROR, RAW, RESULT, TRUTH, axes_or_new, map_axes, shade, thickness
+from ._style import ERROR, RAW, RESULT, TRUTH, Points, axes_or_new, map_axes, shade
 
 #: Points that a log is drawn with; more cannot be told apart at this size.
 MOST_POINTS = 60_000
@@ -19,6 +19,7 @@ MOST_POINTS = 60_000
 ARROW = 0.3
 
 
+@checked
 def draw_scan(
     scan: LaserScan,
     pose: ArrayLike = (0.0, 0.0, 0.0),
@@ -27,21 +28,7 @@ def draw_scan(
     color: str = RAW,
     beams: bool = False,
 ) -> Axes:
-    """Draw the end points of a scan and the robot.
-
-    Parameters
-    ----------
-    scan : LaserScan
-    pose : (3,) array, metres and radians
-        Where the robot stands.
-    ax : matplotlib Axes or None
-    color : str
-    beams : bool
-        Also draw the valid beams, as thin lines.
-
-    Returns
-    -------
-    Axes
+    """Draw the end points of a scan and the robot at its pose; with `beams` also the valid beams.
 
     Examples
     --------
@@ -52,7 +39,7 @@ def draw_scan(
     """
     ax, points = axes_or_new(ax), arrays.instance(scan, "scan", LaserScan).points()
     points = transform(arrays.pose(pose), points)
-    if arrays.switch(beams, "beams"):
+    if beams:
         start = transform(pose, scan.sensor_pose[:2])
         rays = np.stack([np.broadcast_to(start, points.shape), points], 1)
         ax.add_collection(LineCollection(list(rays), colors=shade(color), linewidths=0.3))
@@ -60,29 +47,16 @@ def draw_scan(
     return draw_robot(pose, ax=ax)
 
 
+@checked
 def draw_points(
     points: ArrayLike,
     *,
     ax: Axes | None = None,
     color: str = RAW,
-    size: float = 3.0,
+    size: Points = 3.0,
     label: str | None = None,
 ) -> Axes:
-    """Draw points as dots.
-
-    Parameters
-    ----------
-    points : (n, 2) array, metres
-    ax : matplotlib Axes or None
-    color : str
-    size : float
-        Of a dot, in 1/72 inch.
-    label : str or None
-        For a legend.
-
-    Returns
-    -------
-    Axes
+    """Draw points `(n, 2)` as dots; `label` is for a legend.
 
     Examples
     --------
@@ -91,7 +65,7 @@ def draw_points(
     [1.0, 3.0]
     """
     ax, rows = axes_or_new(ax), arrays.points(points)
-    look = {"markersize": thickness(size, "size"), "color": shade(color), "markeredgewidth": 0}
+    look = {"markersize": size, "color": shade(color), "markeredgewidth": 0}
     ax.plot(*rows.T, ".", **look, label=label)
     return map_axes(ax)
 
@@ -108,19 +82,13 @@ def draw_log(
 
     Parameters
     ----------
-    log : Log
-    poses : (k, 3) array, metres and radians, or None
+    poses
         None takes the log's truth, or its odometry where it has no truth. Scans whose pose is NaN
         are left out.
-    ax : matplotlib Axes or None
-    color : str
+    color
         Of the points.
-    path : str or None
-        Of the path; None takes green for truth, red for odometry, blue for poses given here.
-
-    Returns
-    -------
-    Axes
+    path
+        Colour of the path; None takes green for truth, red for odometry, blue for poses given here.
 
     Examples
     --------
@@ -129,9 +97,12 @@ def draw_log(
     >>> len(draw_log(log, ax=Figure().subplots()).lines)
     2
     """
-    rows, origin = _poses(arrays.instance(log, "log", Log), poses)
-    line = origin if path is None else shade(path, "path")
-    ax = axes_or_new(ax)
+    rows, line = arrays.instance(log, "log", Log).odometry, ERROR
+    if poses is not None:
+        rows, line = arrays.poses(poses, count=len(log), missing=True), RESULT
+    elif log.truth is not None:
+        rows, line = log.truth, TRUTH
+    line, ax = line if path is None else shade(path, "path"), axes_or_new(ax)
     draw_cloud(log, rows, ax, color)
     return draw_path(rows[np.isfinite(rows).all(1)], ax=ax, color=line)
 
@@ -141,18 +112,7 @@ def draw_path(
 ) -> Axes:
     """Draw the path of a robot; rows of NaN interrupt it.
 
-    Parameters
-    ----------
-    poses : (k, 3) array, metres and radians
-    ax : matplotlib Axes or None
-    color : str
-        `TRUTH` for true poses, `ERROR` for raw odometry, `RESULT` for aligned poses.
-    label : str or None
-        For a legend.
-
-    Returns
-    -------
-    Axes
+    It is green (`TRUTH`) for true poses, `ERROR` for raw odometry, `RESULT` for aligned poses.
 
     Examples
     --------
@@ -170,18 +130,6 @@ def draw_poses(
 ) -> Axes:
     """Draw poses as arrows that point ahead, and a dotted line from each to the next.
 
-    Parameters
-    ----------
-    poses : (k, 3) array, metres and radians
-    ax : matplotlib Axes or None
-    color : str
-    label : str or None
-        For a legend.
-
-    Returns
-    -------
-    Axes
-
     Examples
     --------
     >>> from matplotlib.figure import Figure
@@ -198,10 +146,7 @@ def draw_poses(
 
 
 def draw_cloud(log: Log, poses: Array, ax: Axes, color: str = RAW) -> None:
-    """Draw the end points of all scans that have a pose, thinned evenly.
-
-    Poses `(k, 3)`, metres and radians, one a scan, with NaN where it has none.
-    """
+    """Draw the end points of all scans that have a pose, thinned evenly."""
     known = np.flatnonzero(np.isfinite(poses).all(1))
     clouds = [transform(poses[k], log.scans[k].points()) for k in known]
     points = np.concatenate([np.empty((0, 2)), *clouds])
@@ -211,15 +156,6 @@ def draw_cloud(log: Log, poses: Array, ax: Axes, color: str = RAW) -> None:
 
 def draw_robot(pose: ArrayLike, *, ax: Axes | None = None) -> Axes:
     """Draw where a robot stands: a red triangle of 0.2 m that points ahead.
-
-    Parameters
-    ----------
-    pose : (3,) array, metres and radians
-    ax : matplotlib Axes or None
-
-    Returns
-    -------
-    Axes
 
     Examples
     --------
@@ -231,10 +167,3 @@ def draw_robot(pose: ArrayLike, *, ax: Axes | None = None) -> Axes:
     corners = transform(arrays.pose(pose), [(0.15, 0), (-0.1, 0.1), (-0.1, -0.1)])
     ax.fill(*corners.T, color=ERROR, zorder=3)
     return map_axes(ax)
-
-
-def _poses(log: Log, poses: ArrayLike | None) -> tuple[Array, str]:
-    """Poses to draw a log at, and the colour that tells where they are from."""
-    if poses is None:
-        return (log.odometry, ERROR) if log.truth is None else (log.truth, TRUTH)
-    return arrays.poses(poses, count=len(log), missing=True), RESULT

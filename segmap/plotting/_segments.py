@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from numpy.typing import ArrayLike
 
 from .. import arrays
-from ..arrays import Array, Segments
+from ..arrays import Array, Segments, checked
 from ..scans import LaserScan
 from ._scans import draw_scan
 from ._style import (
@@ -20,13 +20,15 @@ from ._style import (
     MAP,
     RESULT,
     TRUTH,
+    Points,
     axes_grid,
     axes_or_new,
     axes_row,
+    below,
+    counted,
     group_colors,
     map_axes,
     shade,
-    thickness,
     titled,
 )
 
@@ -36,12 +38,13 @@ ABOVE = 3
 LEAST_ERROR = 1e-3
 
 
+@checked
 def draw_segments(
     segments: Segments,
     *,
     ax: Axes | None = None,
     color: str = MAP,
-    width: float = 1.0,
+    width: Points = 1.0,
     scan: ArrayLike | None = None,
     group: ArrayLike | None = None,
     error: ArrayLike | None = None,
@@ -51,24 +54,16 @@ def draw_segments(
 
     Parameters
     ----------
-    segments : SegmentMap, Reduction or (n, 2, 2) array, metres
-    ax : matplotlib Axes or None
-    color : str
+    segments
+        SegmentMap, Reduction or (n, 2, 2) array, as everywhere here.
+    color
         Used where none of `scan`, `group`, `error` is given.
-    width : float
-        Of the lines, in points.
-    scan : (n,) int array or None
-        Early scans dark, late ones light, with a scale.
-    group : (n,) int array or None
-        Each group has a colour, in turn; -1 is drawn in grey.
-    error : (n,) array, metres, or None
-        Light for none, red for much, with a scale.
-    label : str or None
-        For a legend.
-
-    Returns
-    -------
-    Axes
+    scan
+        Of each segment, `(n,)`: early scans dark, late ones light, with a scale.
+    group
+        `(n,)`: each group has a colour, in turn; -1 is drawn in grey.
+    error
+        `(n,)`, metres: light for none, red for much, with a scale.
 
     Raises
     ------
@@ -82,33 +77,39 @@ def draw_segments(
     2
     """
     array = arrays.segments(segments)
-    name, values = _chosen({"scan": scan, "group": group, "error": error}, len(array))
-    order = np.argsort(values, kind="stable") if name == "error" else slice(None)  # largest on top
+    ways = {"scan": scan, "group": group, "error": error}
+    given = {name: values for name, values in ways.items() if values is not None}
+    if len(given) > 1:
+        raise ValueError(f"expected only one of {', '.join(ways)}, got {' and '.join(given)}")
+    column = {name: _column(name, values, len(array)) for name, values in given.items()}
+    if error is not None:  # the largest on top
+        order = np.argsort(column["error"], kind="stable")
+        array, column["error"] = array[order], column["error"][order]
     shade(color)
-    ax, width = axes_or_new(ax), thickness(width, "width")
-    lines = LineCollection(list(array[order]), linewidths=width, label=label)
+    ax = axes_or_new(ax)
+    lines = LineCollection(list(array), linewidths=width, label=label)
     ax.add_collection(lines)
-    if name == "group":
-        lines.set(color=group_colors(arrays.indices(values, "group")))
-    elif name:
-        _scaled(ax, lines, name, values[order])
-    else:
+    if not given:
         lines.set_color(color)
+    elif group is not None:
+        lines.set(color=group_colors(arrays.indices(column["group"], "group")))
+    else:
+        ((name, values),) = column.items()
+        if name == "error":  # infinite where nothing is left of a map
+            largest = max(values[np.isfinite(values)].max(initial=0), LEAST_ERROR)
+            values = np.minimum(values, largest)
+            lines.set_clim(0, float(largest))
+        lines.set_array(values)
+        lines.set_cmap("viridis" if name == "scan" else ERRORS)
+        assert isinstance(ax.figure, Figure)
+        ax.figure.colorbar(lines, ax=ax, label="scan" if name == "scan" else "error [m]")
     return map_axes(ax)
 
 
 def draw_before_after(before: Segments, after: Segments, *, ax: Axes | None = None) -> Axes:
     """Draw a map, thin and black, and over it what a method made of it, thick and blue.
 
-    Parameters
-    ----------
-    before, after : SegmentMap, Reduction or (n, 2, 2) array, metres
-    ax : matplotlib Axes or None
-
-    Returns
-    -------
-    Axes
-        With a legend that counts the segments.
+    A legend counts the segments.
 
     Examples
     --------
@@ -118,24 +119,18 @@ def draw_before_after(before: Segments, after: Segments, *, ax: Axes | None = No
     ['after: 1 segment', 'before: 1 segment']
     """
     before, after = arrays.segments(before, "before"), arrays.segments(after, "after")
-    ax = draw_segments(after, ax=ax, color=RESULT, width=1.8, label=_counted("after", after))
+    left, made_of = (counted(len(each), "segment") for each in (after, before))
+    ax = draw_segments(after, ax=ax, color=RESULT, width=1.8, label=f"after: {left}")
     ax.collections[-1].set_zorder(ABOVE)
-    draw_segments(before, ax=ax, width=0.7, label=_counted("before", before))
-    ax.legend(loc="upper center", bbox_to_anchor=(0.5, -0.15), ncols=2, frameon=False)
+    draw_segments(before, ax=ax, width=0.7, label=f"before: {made_of}")
+    below(ax)
     return ax
 
 
 def draw_side_by_side(before: Segments, after: Segments) -> list[Axes]:
     """Draw a map, black, and beside it what a method leaves of it, blue, at one scale.
 
-    Parameters
-    ----------
-    before, after : SegmentMap, Reduction or (n, 2, 2) array, metres
-
-    Returns
-    -------
-    list of Axes
-        Two, of a new figure, with titles that count the segments.
+    Two axes of a new figure, with titles that count the segments.
 
     Examples
     --------
@@ -153,23 +148,7 @@ def draw_side_by_side(before: Segments, after: Segments) -> list[Axes]:
 def draw_provenance(before: Segments, reduction: Any, *, ax: Axes | None = None) -> Axes:
     """Draw each segment of a reduced map, thick, in one colour with the inputs that made it, thin.
 
-    Inputs that were dropped are grey.
-
-    Parameters
-    ----------
-    before : SegmentMap or (n, 2, 2) array, metres
-    reduction : Reduction
-        Of that map: its `parents` are `(n,)`.
-    ax : matplotlib Axes or None
-
-    Returns
-    -------
-    Axes
-
-    Raises
-    ------
-    ValueError
-        Where the reduction is one of another map.
+    Inputs that were dropped are grey. The reduction must be one of that map.
 
     Examples
     --------
@@ -187,13 +166,14 @@ def draw_provenance(before: Segments, reduction: Any, *, ax: Axes | None = None)
     return draw_segments(inputs, ax=ax, group=parents, width=0.8)
 
 
+@checked
 def draw_maps(
     maps: Mapping[str, Segments],
     *,
     truth: Segments | None = None,
     scan: LaserScan | None = None,
     color: str | Sequence[str] | None = None,
-    width: float = 2.0,
+    width: Points = 2.0,
     columns: int | None = None,
     size: tuple[float, float] = (3.4, 2.8),
 ) -> list[Axes]:
@@ -201,29 +181,23 @@ def draw_maps(
 
     Parameters
     ----------
-    maps : mapping from title to SegmentMap, Reduction or (n, 2, 2) array, metres
-    truth : SegmentMap, Reduction or (n, 2, 2) array, metres, or None
+    maps
+        Title -> segments.
+    truth
         How the walls really are: thick and green, below each map.
-    scan : LaserScan or None
+    scan
         Its points and the robot, grey and red, below each map.
-    color : str, one str a map, or None
-        None draws each segment in a colour of its own, in turn.
-    width : float
-        Of the lines, in points.
-    columns : int or None
+    color
+        Of all maps, or one a map; None draws each segment in a colour of its own, in turn.
+    columns
         None draws all maps in one row.
-    size : (width, height) in inches
-        Of one map.
+    size
+        Inches of one map.
 
     Returns
     -------
     list of Axes
         One a map, in a new figure, all with the same limits.
-
-    Raises
-    ------
-    ValueError
-        Where there are several colours, and not one a map.
 
     Examples
     --------
@@ -234,15 +208,15 @@ def draw_maps(
     """
     drawn = titled(maps, "maps").items()
     walls = {name: arrays.segments(map, f"maps[{name!r}]") for name, map in drawn}
-    below = None if truth is None else arrays.segments(truth, "truth")
+    under = None if truth is None else arrays.segments(truth, "truth")
     columns = len(maps) if columns is None else arrays.whole(columns, "columns", most=100)
-    colors, width = _colors(color, len(maps)), thickness(width, "width")
+    colors = _colors(color, len(maps))
     if scan is not None:
         arrays.instance(scan, "scan", LaserScan)
     pictures = axes_grid(list(maps), columns, size)
     for ax, segments, one in zip(pictures, walls.values(), colors, strict=True):
-        if below is not None:
-            draw_segments(below, ax=ax, color=TRUTH, width=4.0)
+        if under is not None:
+            draw_segments(under, ax=ax, color=TRUTH, width=4.0)
         if scan is not None:
             draw_scan(scan, ax=ax)
         group = np.arange(len(segments)) if one is None else None
@@ -259,26 +233,6 @@ def _colors(color: str | Sequence[str] | None, count: int) -> list[str | None]:
     return [shade(one) for one in color]
 
 
-def _chosen(given: dict[str, ArrayLike | None], count: int) -> tuple[str, Array]:
-    """The one keyword that has values, and those; no name and no values where none has."""
-    names = [name for name, values in given.items() if values is not None]
-    if len(names) > 1:
-        raise ValueError(f"expected only one of {', '.join(given)}, got {' and '.join(names)}")
-    return (names[0], _column(names[0], given[names[0]], count)) if names else ("", np.empty(0))
-
-
-def _scaled(ax: Axes, lines: LineCollection, name: str, values: Array) -> None:
-    """Colour lines by values and draw the scale beside the picture."""
-    lines.set_array(values)
-    lines.set_cmap("viridis" if name == "scan" else ERRORS)
-    if name == "error":
-        largest = max(values[np.isfinite(values)].max(initial=0), LEAST_ERROR)
-        lines.set_array(np.minimum(values, largest))  # infinite where nothing is left of a map
-        lines.set_clim(0, float(largest))
-    assert isinstance(ax.figure, Figure)
-    ax.figure.colorbar(lines, ax=ax, label="scan" if name == "scan" else "error [m]")
-
-
 def _column(name: str, values: ArrayLike | None, count: int) -> Array:
     column = arrays.numbers(values, name)
     if column.shape != (count,):
@@ -286,8 +240,3 @@ def _column(name: str, values: ArrayLike | None, count: int) -> Array:
             f"{name} must have shape ({count},), one value a segment, got {column.shape}"
         )
     return column
-
-
-def _counted(word: str, segments: Segments) -> str:
-    n = len(arrays.segments(segments))
-    return f"{word}: {n} segment{'s' * (n != 1)}"

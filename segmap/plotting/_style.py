@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Mapping
-from typing import Any, TypeVar
+from typing import Annotated, Any, TypeVar
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -12,9 +12,11 @@ from matplotlib.colors import LinearSegmentedColormap, is_color_like, to_rgba, t
 from numpy.typing import NDArray
 
 from .. import arrays
-from ..arrays import Array
+from ..arrays import Array, Quantity
 
 T = TypeVar("T")
+#: The width of a line or the size of a dot.
+Points = Annotated[float, Quantity("points", least=0, most=1000)]
 
 RAW = "#b0b0b0"  #: light grey: what the sensor measured, and what a method dropped
 MAP = "#000000"  #: black: a map of segments
@@ -55,17 +57,7 @@ def sharp_figures() -> None:
 
 
 def group_colors(groups: NDArray[np.int64]) -> Array:
-    """Colours of groups.
-
-    Parameters
-    ----------
-    groups : (n,) int array
-        -1 for none.
-
-    Returns
-    -------
-    (n, 4) array
-        Red, green, blue, opacity in `[0, 1]`.
+    """Red, green, blue and opacity, `(n, 4)`, of groups `(n,)`; -1 is none.
 
     Examples
     --------
@@ -88,9 +80,9 @@ def shade(color: Any, name: str = "color") -> Any:
     return color
 
 
-def thickness(value: float, name: str) -> float:
-    """The width of a line or the size of a dot, in points."""
-    return arrays.number(value, name, least=0, most=1000, unit="points")
+def counted(count: int, word: str) -> str:
+    """A number and what it counts."""
+    return f"{count} {word}{'s' * (count != 1)}"
 
 
 def titled(things: Mapping[str, T], name: str) -> Mapping[str, T]:
@@ -115,6 +107,11 @@ def axes_row(count: int, size: tuple[float, float], *, shared: str = "") -> list
     figure = plt.figure(figsize=inches(size), dpi=DPI, layout="constrained")
     x, y = "x" in shared, "y" in shared
     return list(figure.subplots(1, count, squeeze=False, sharex=x, sharey=y)[0])
+
+
+def below(ax: Axes) -> None:
+    """Put the legend below a map."""
+    ax.legend(loc="upper center", bbox_to_anchor=(0.5, -0.15), ncols=2, frameon=False)
 
 
 def axes_grid(titles: list[str], columns: int, size: tuple[float, float]) -> list[Axes]:

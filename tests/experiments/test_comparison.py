@@ -21,7 +21,8 @@ from segmap.experiments import (
     reduction_at,
     write_records,
 )
-from segmap.plotting import METHOD_STYLES, draw_curves, draw_online
+from segmap.plotting import draw_curves, draw_online
+from segmap.plotting._experiments import METHOD_STYLES
 from segmap.readers import _bundled
 
 

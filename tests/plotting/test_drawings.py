@@ -16,7 +16,7 @@ from segmap.alignment import Match as Matched
 from segmap.experiments import online_times, select
 from segmap.exports import ros_classes
 from segmap.matching import DistanceField
-from segmap.plotting import ERROR, GROUPS, MAP, METHOD_STYLES, RAW, RESULT, TRUTH
+from segmap.plotting import ERROR, GROUPS, MAP, RAW, RESULT, TRUTH, method_style
 from segmap.quadtree import QuadtreeMap
 from segmap.reduction import Reduction, hybrid
 from segmap.scans import LaserScan, Log
@@ -38,7 +38,7 @@ LAND = course.Landscape(np.array([-0.1, 0, 0.1]), np.diag([0.0, 2.0, 0.0]))
 RUNS = course.thesis_results()
 USC = select(RUNS, map="usc", filtered=False)
 #: Of the methods that the thesis compares.
-THESIS = {METHOD_STYLES[method][0] for method in USC["method"]}
+THESIS = {method_style(method, 0)[0] for method in USC["method"]}
 
 #: Each drawing on given axes, and the colours that it uses: every meaning has its own everywhere.
 DRAWINGS = {
@@ -157,7 +157,7 @@ def colors_of(ax):
 
 def test_every_drawing_is_in_the_contract():
     """Catches a new drawing that nothing looks at."""
-    public = {n for room in (plotting, course) for n in room.__all__ if n.startswith("draw_")}
+    public = {n for room in (plotting, course) for n in dir(room) if n.startswith("draw_")}
     assert public == {f"draw_{name}" for name in (*DRAWINGS, *ROWS)}
 
 

@@ -37,7 +37,7 @@ MADE = {"Alignment", "Graph", "LogError", "Match", "Methods", "Reduction", "take
         "Port", "SensorError", "SensorGone", "UnknownFormat"}  # fmt: skip
 #: What drawings and panels are made of: these take what a drawing or a panel has checked.
 PARTS = {"axes_grid", "axes_or_new", "axes_row", "group_colors", "map_axes", "method_style",
-         "square_corners", "Panel", "player", "slider", "text"}  # fmt: skip
+         "square_corners", "Panel", "control", "player", "slider", "text"}  # fmt: skip
 
 
 def public(room):
