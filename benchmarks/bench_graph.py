@@ -20,8 +20,7 @@ from numpy.typing import NDArray
 
 from segmap import LaserScan, Log, load
 from segmap.alignment import pose_graph
-from segmap.alignment.graph._graph import SCALE, Edge, deviations, residuals, solve
-from segmap.alignment.graph._solver import Solver
+from segmap.alignment.graph import SCALE, Edge, Solver, deviations, residuals, solve
 from segmap.poses import between, compose
 from segmap.poses.information import rotated
 from segmap.simulation import OdometryNoise, drifting_odometry

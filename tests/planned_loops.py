@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from segmap.alignment import LiveGraph, Placed
+from segmap.alignment import LiveGraph
+from segmap.alignment.pose_graph import Placed
 from segmap.poses import compose
 from segmap.simulation import Sensor, drive, rectangular_room, simulate
 

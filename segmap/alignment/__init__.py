@@ -8,26 +8,18 @@ from ._baselines import align_to_truth, ground_truth, odometry, position_errors
 from ._point_icp import point_icp
 from ._result import Alignment, Match
 from .angle_correspondence import (
-    AngleSearch,
     Candidate,
     angle_candidates,
     angle_correspondence,
     match_angles,
     match_values,
 )
-from .backbone import (
-    BackboneCheck,
-    BackboneStep,
-    backbone,
-    backbone_steps,
-    least_translation,
-    mean_rotation,
-)
-from .global_segments import GlobalSearch, global_segments
+from .backbone import BackboneStep, backbone, backbone_steps, least_translation, mean_rotation
+from .global_segments import global_segments
 from .graph import Graph, Rejected, solve_graph
 from .points import PointStep, match_points, point_steps
-from .pose_graph import LiveGraph, LoopClosing, Placed, Tracking, align_parts, pose_graph
-from .segment_icp import SegmentSearch, match_segments, segment_icp
+from .pose_graph import LiveGraph, LoopClosing, Tracking, align_parts, pose_graph
+from .segment_icp import match_segments, segment_icp
 
 #: Name of each method -> the method, with what it needs.
 METHODS: dict[str, Method[Alignment]] = {
@@ -50,44 +42,3 @@ METHODS: dict[str, Method[Alignment]] = {
     ),
     "pose_graph": Method(pose_graph, "beyond A", "Olson 2009, Grisetti et al. 2010", works="all"),
 }
-
-__all__ = [
-    "METHODS",
-    "Alignment",
-    "AngleSearch",
-    "BackboneCheck",
-    "BackboneStep",
-    "Candidate",
-    "GlobalSearch",
-    "Graph",
-    "LiveGraph",
-    "LoopClosing",
-    "Match",
-    "Method",
-    "Placed",
-    "PointStep",
-    "Rejected",
-    "SegmentSearch",
-    "Tracking",
-    "align_parts",
-    "align_to_truth",
-    "angle_candidates",
-    "angle_correspondence",
-    "backbone",
-    "backbone_steps",
-    "global_segments",
-    "ground_truth",
-    "least_translation",
-    "match_angles",
-    "match_points",
-    "match_segments",
-    "match_values",
-    "mean_rotation",
-    "odometry",
-    "point_icp",
-    "point_steps",
-    "pose_graph",
-    "position_errors",
-    "segment_icp",
-    "solve_graph",
-]

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from typing import Annotated, Literal
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import arrays
-from ..arrays import Array
+from ..arrays import Array, Seconds, at_least, at_most, checked
 from ..poses import between, compose, interpolate, inverse, transform
 from ..scans import Log
 from ._result import Outcome, Trail, alignment_method
@@ -16,15 +18,7 @@ from ._result import Outcome, Trail, alignment_method
 def odometry(log: Log) -> Outcome:
     """The poses that the odometry reports: the baseline that every other method has to beat.
 
-    Parameters
-    ----------
-    log : Log
-
-    Returns
-    -------
-    Alignment
-        Poses, (k, 3) array, metres and radians, as the log holds them. A scan without odometry
-        repeats the last motion, and counts as not used.
+    A scan without odometry repeats the last motion, and counts as not used.
 
     Examples
     --------
@@ -42,8 +36,8 @@ def ground_truth(
     *,
     times: ArrayLike | None = None,
     poses: ArrayLike | None = None,
-    max_gap: float = np.inf,
-    missing: str = "raise",
+    max_gap: Annotated[Seconds, at_least(0), at_most(np.inf)] = np.inf,
+    missing: Literal["raise", "drop"] = "raise",
 ) -> Outcome:
     """True pose of each scan: its own row of the log's truth, or a track's at its time (A 3.3.3).
 
@@ -54,12 +48,11 @@ def ground_truth(
 
     Parameters
     ----------
-    log : Log
     times : (n,) array, seconds, not decreasing, and poses : (n, 3) array, metres and radians
         A track, as `read_trajectory` returns it; without one the truth in the log itself.
-    max_gap : float, seconds
+    max_gap
         Between two poses farther apart than this nothing is known.
-    missing : "raise" or "drop"
+    missing
         What to do with a scan at whose time nothing is known.
 
     Returns
@@ -78,11 +71,19 @@ def ground_truth(
     >>> ground_truth(load("malaga"), missing="drop")
     Alignment(ground_truth: 225 scans, 224 used)
     """
-    arrays.one_of(missing, "missing", ("raise", "drop"))
-    arrays.number(max_gap, "max_gap", least=0, most=np.inf, unit="seconds")
     if len(log) == 0:
         return Outcome([], [])
-    found, source = _true_poses(log, times, poses, max_gap)
+    if (times is None) != (poses is None):
+        raise ValueError("times and poses belong together: give both, or neither")
+    if times is not None and poses is not None:
+        t, track = arrays.numbers(times, "times"), arrays.poses(poses)
+        found = interpolate(t, track, log.times, max_gap=max_gap)
+        source = f"that goes from {t[0]:.6f} to {t[-1]:.6f} s"
+    elif log.truth is None or not np.isfinite(log.truth).all(1).any():
+        raise ValueError(f"log {log.name!r} holds no ground truth: give times and poses")
+    else:
+        found = _bridged(log.truth, log.times, max_gap)
+        source = "the scans before and after it with one must have times around its own"
     known = np.asarray(np.isfinite(found).all(1))
     if missing == "raise" and not known.all():
         scan = int(np.argmin(known))
@@ -107,23 +108,6 @@ def _known_poses(log: Log, poses: Array, known: NDArray[np.bool_], missing: str)
     return trail.outcome()
 
 
-def _true_poses(
-    log: Log, times: ArrayLike | None, poses: ArrayLike | None, max_gap: float
-) -> tuple[Array, str]:
-    """True pose of each scan, `(k, 3)`, metres and radians, NaN for none; and where from."""
-    if (times is None) != (poses is None):
-        raise ValueError("times and poses belong together: give both, or neither")
-    if times is not None and poses is not None:
-        t, track = arrays.numbers(times, "times"), arrays.poses(poses)
-        found = interpolate(t, track, log.times, max_gap=max_gap)
-        return found, f"that goes from {t[0]:.6f} to {t[-1]:.6f} s"
-    if log.truth is None or not np.isfinite(log.truth).all(1).any():
-        raise ValueError(f"log {log.name!r} holds no ground truth: give times and poses")
-    return _bridged(
-        log.truth, log.times, max_gap
-    ), "the scans before and after it with one must have times around its own"
-
-
 def _bridged(truth: Array, times: Array, max_gap: float) -> Array:
     """The rows of a truth; those of NaN between the rows before and after, in the order of scans.
 
@@ -138,6 +122,7 @@ def _bridged(truth: Array, times: Array, max_gap: float) -> Array:
     return found
 
 
+@checked
 def align_to_truth(poses: ArrayLike, truth: ArrayLike, *, best: bool = False) -> Array:
     """Move all poses by one motion to where they can be compared with the true ones.
 
@@ -150,19 +135,14 @@ def align_to_truth(poses: ArrayLike, truth: ArrayLike, *, best: bool = False) ->
         Rows of NaN have no pose.
     truth : (k, 3) array, metres and radians
         Rows of NaN are not known.
-    best : bool
+    best
         False puts the first pose whose truth is known on that one, position and heading. True takes
         the motion that makes the squared distances of all known positions least (Umeyama 1991).
-
-    Returns
-    -------
-    (k, 3) array, metres and radians
-        In the frame of the truth.
 
     Raises
     ------
     ValueError
-        Where the shapes differ, or where no scan has both.
+        Where no scan has both.
 
     Examples
     --------
@@ -171,34 +151,28 @@ def align_to_truth(poses: ArrayLike, truth: ArrayLike, *, best: bool = False) ->
     array([[5., 5.],
            [5., 6.]])
     """
-    arrays.switch(best, "best")
     p = arrays.poses(poses, missing=True)
     q = arrays.poses(truth, "truth", count=len(p), missing=True)
     known = np.isfinite(p).all(1) & np.isfinite(q).all(1)
     if not known.any():
         raise ValueError("poses and truth must share a scan where both are known, got none")
     first = np.flatnonzero(known)[0]
-    move = _least(p[known], q[known]) if best else compose(q[first], inverse(p[first]))
-    return compose(move, p)
+    if not best:
+        return compose(compose(q[first], inverse(p[first])), p)
+    p_middle, q_middle = p[known, :2].mean(0), q[known, :2].mean(0)
+    a, b = p[known, :2] - p_middle, q[known, :2] - q_middle
+    turn = np.arctan2((a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]).sum(), (a * b).sum())
+    return compose((*(q_middle - transform((0.0, 0.0, turn), p_middle)), turn), p)
 
 
+@checked
 def position_errors(poses: ArrayLike, truth: ArrayLike, *, best: bool = False) -> Array:
     """Distances between found and true positions, where both are known, after `align_to_truth`.
-
-    Parameters
-    ----------
-    poses, truth, best
-        As in `align_to_truth`.
 
     Returns
     -------
     (m,) array, metres
         For the m <= k scans where both are known, in their order.
-
-    Raises
-    ------
-    ValueError
-        As `align_to_truth`.
 
     Examples
     --------
@@ -210,11 +184,3 @@ def position_errors(poses: ArrayLike, truth: ArrayLike, *, best: bool = False) -
     away = (align_to_truth(poses, known, best=best) - known)[:, :2]
     far: Array = np.hypot(away[:, 0], away[:, 1])
     return far[np.isfinite(far)]
-
-
-def _least(p: Array, q: Array) -> Array:
-    """Motion that brings the positions of p to those of q with the least squares."""
-    a, b = p[:, :2] - p[:, :2].mean(0), q[:, :2] - q[:, :2].mean(0)
-    turn = np.arctan2((a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]).sum(), (a * b).sum())
-    shift = q[:, :2].mean(0) - transform((0.0, 0.0, turn), p[:, :2].mean(0))
-    return np.array([*shift, turn])

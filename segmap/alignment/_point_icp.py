@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from .. import arrays
-from ..arrays import Array, slips
+from ..arrays import Array, Metres, Radians
 from ..scans import Log
 from ._result import Match, Outcome, Trail, alignment_method
 from .points import PointMap
@@ -16,9 +16,9 @@ from .pose_graph import FrontEnd, Tracking
 def point_icp(
     log: Log,
     *,
-    step: float = 0.5,
-    turn: float = np.radians(30),
-    reach: float = 0.6,
+    step: Metres = 0.5,
+    turn: Radians = np.radians(30),
+    reach: Metres = 0.6,
     tracking: Tracking = Tracking(),
 ) -> Outcome:
     """Lay scan after scan by point-to-line ICP on a map of the last key frames (A 2.5.1).
@@ -28,25 +28,19 @@ def point_icp(
 
     Parameters
     ----------
-    log : Log
+    log
         In the order of recording; times do not matter.
-    step : float, metres, and turn : float, radians
+    step, turn
         A key frame is set where the robot has moved this far from the last one.
-    reach : float, metres
+    reach
         How far partners are sought at first.
-    tracking : Tracking
-        Its `frames`, `overlap`, `step_error` and `turn_error` count here.
+    tracking
+        As of `pose_graph`.
 
     Returns
     -------
     Alignment
-        Poses, (k, 3) array, metres and radians. A scan of which too little lies on the map carries
-        the odometry step.
-
-    Raises
-    ------
-    ValueError
-        For thresholds that are not positive.
+        A scan of which too little lies on the map carries the odometry step.
 
     Examples
     --------
@@ -55,9 +49,6 @@ def point_icp(
     Alignment(point_icp: 40 scans, 40 used)
     """
     arrays.instance(tracking, "tracking", Tracking)
-    arrays.positive("metres", step=step, reach=reach)
-    slips.check_lengths(step=step, reach=reach)
-    arrays.positive("radians", turn=turn)
     if len(log) == 0:
         return Trail(log).outcome()
 

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .._display import Pictured
-from ..arrays import Array
+from ..arrays import Array, checked
 from ..extraction import extract_polylines
 from ..poses.motions import between, compose
 from ..scans import LaserScan, Log
@@ -39,10 +39,9 @@ class Match:
         Pose of the current scan in the frame of the reference; where nothing matched, the start.
     covariance : (3, 3) array
         Of x, y (metres) and heading (radians); infinite on the diagonal where nothing matched.
-    matched : bool
-    reason : str
+    matched, reason
         Why nothing matched; empty where it did.
-    overlap : float
+    overlap
         Share of the current scan that found its partner, in [0, 1].
     free : (2,) array or None
         Unit vector, in the reference's frame, along which the reference does not fix the motion (a
@@ -81,15 +80,15 @@ class Alignment(Pictured):
         Always finite: a scan that could not be matched carries the odometry on.
     used : (k,) bool array
         Whether the pose rests on the method's own evidence.
-    seconds : float
+    seconds
         Time that the method took.
-    method : str
+    method
         Its name in `alignment.METHODS`.
-    reasons : tuple of k str
+    reasons
         Why a scan was not used; empty where it was.
-    graph : Graph or None
+    graph
         Edges, rejected loops and residuals of a pose graph.
-    doubt : str
+    doubt
         Which assumption of the method this log does not hold, and by how much; empty where all is
         as assumed.
     spread : (k,) array, metres, or None
@@ -146,16 +145,7 @@ class Alignment(Pictured):
 
 
 class Outcome(NamedTuple):
-    """What a method hands to the runner.
-
-    Parameters
-    ----------
-    poses : (k, 3) array, metres and radians
-    reasons : sequence of k str
-        Why a scan was not used; empty where it was.
-    graph, doubt, spread
-        As in `Alignment`.
-    """
+    """What a method hands to the runner: a pose and a reason for each scan, and what it may add."""
 
     poses: ArrayLike
     reasons: Sequence[str]
@@ -165,20 +155,12 @@ class Outcome(NamedTuple):
 
 
 def alignment_method(method: Callable[P, Outcome]) -> Callable[P, Alignment]:
-    """Make a function of a log a method of the family: each call is timed and its result checked.
+    """Make `method(log, *, thresholds) -> Outcome` a member of the family.
 
-    Parameters
-    ----------
-    method : callable
-        `method(log, *, thresholds) -> Outcome`; its name becomes that of the alignment.
-
-    Returns
-    -------
-    callable
-        `method(log, *, thresholds) -> Alignment`. It raises ValueError where the log is no Log, and
-        RuntimeError where the method gave not one finite pose and one reason for each scan.
+    Each call checks the log and the thresholds as they are declared, is timed, and raises
+    RuntimeError where the method gave not one finite pose and one reason for each scan.
     """
-    name = method.__name__
+    name, method = method.__name__, checked(method)
 
     @wraps(method)
     def run(*args: P.args, **kwargs: P.kwargs) -> Alignment:
@@ -212,14 +194,8 @@ class Trail:
     poses. The guess is the last pose and the odometry step; where the log holds no odometry for one
     of the two scans, the robot is assumed to repeat its last motion (constant velocity).
 
-    Parameters
-    ----------
-    log : Log, or a sequence of LaserScan
-        More scans may be added as they come.
-    first : (3,) array, metres and radians, or None
-        Pose of the first scan; None takes its odometry, or the origin where it has none.
-    reason : str
-        Why the first scan is not used, if it is not.
+    More scans may be added as they come. The first has the pose `first`, where that is None its
+    odometry, or the origin where it has none; `reason` says why it is not used, if it is not.
     """
 
     def __init__(

@@ -4,7 +4,6 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from segmap_course import literal
 
 from segmap import load
 from segmap.alignment import match_points, point_steps
@@ -77,15 +76,6 @@ def test_two_scans_without_error_lie_exactly():
     found = match_points(seen(walls, here, 0), seen(walls, compose(here, motion), 0))
     assert_near(found, motion, 5e-4, 0.005)
     assert found.overlap > 0.95
-
-
-@pytest.mark.parametrize("start", [(0, 0, 0), (0.3, -0.2, 0.2)])
-def test_the_match_is_that_of_the_plain_loops(start):
-    """Partners, normals, weights and the order of steps, all at once; and a scan on itself."""
-    before, now, _ = pair()
-    for scan, begin in ((now, start), (before, (0, 0, 0))):
-        found = literal.point_to_line(before.tolist(), scan.tolist(), begin)
-        np.testing.assert_allclose(match_points(before, scan, begin).pose, found, atol=1e-9)
 
 
 # ------------------------------------------------------------------ symmetries
@@ -236,25 +226,6 @@ def test_points_on_one_spot_form_no_wall():
     found = match_points(np.zeros((9, 2)), np.zeros((9, 2)))
     assert not found.matched
     assert found.reason == "only 0 points lie near walls"
-
-
-@pytest.mark.parametrize(
-    ("changes", "message"),
-    [
-        ({"reference": [(np.nan, 1)] * 9}, "reference must be finite"),
-        ({"current": np.zeros((9, 3))}, r"current must have shape \(n, 2\), got \(9, 3\)"),
-        ({"start": (0, 0, np.nan)}, "start must be finite"),
-        ({"reach": 0.0}, "reach must be a number above 0"),
-        ({"overlap": 1.1}, "overlap must be a number"),
-    ],
-)
-def test_wrong_arguments_are_named(changes, message):
-    given = {"reference": ONE_WALL, "current": ONE_WALL, **changes}
-    with pytest.raises(ValueError, match=message):
-        match_points(**given)
-    if "overlap" not in changes:
-        with pytest.raises(ValueError, match=message):
-            point_steps(**given)
 
 
 def test_the_scans_are_left_as_they_were():

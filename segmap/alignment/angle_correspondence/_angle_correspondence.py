@@ -8,39 +8,48 @@ Gasparini and Gini 2006).
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from ... import arrays
-from ...arrays import Array, Segments
+from ...arrays import Array, Count, Metres, Positive, Segments, at_least, at_most, checked
 from ...extraction import extract_polylines
-from ...kernels import Rule
+from ...kernels import Rule, describe
 from ...poses import compose, transform
 from ...reduction import polyline
 from ...scans import Log
 from ...segments import SegmentMap, length, point_distance
 from .._result import Match, Outcome, Trail, alignment_method, no_match
 from . import _kernels as kernels
-from ._scenes import AngleSearch, Candidate, Heuristic, Scene, corners, match_rule, scene
+from ._scenes import Candidate, Heuristic, Scene, corners, scene
+
+#: So many guesses are judged, those of them that are valuable are refined: at most so many.
+TRIED, REFINED = 150, 10
+#: Of guesses this near, metres and radians, the one with the longest walls is judged; ...
+NEAR = 0.1, np.radians(3)
+#: ... candidates this near are one.
+SAME = 0.3, np.radians(10)
+#: As many matched walls, or more, are all the evidence that can be asked for.
+ENOUGH_WALLS = 4
 
 
+@checked
 def angle_candidates(
     reference_segments: Segments,
     current_segments: Segments,
     *,
     rng: np.random.Generator,
     heuristic: Heuristic = "all",
-    distance: float = 0.05,
-    far: float = 0.10,
-    long: float = 0.30,
+    distance: Metres = 0.05,
+    far: Metres = 0.10,
+    long: Metres = 0.30,
     whole: bool = False,
-    min_length: float = 0.10,
-    most_pairs: int = 50,
-    penalty: float = 4.0,
+    min_length: Annotated[Metres, at_least(0)] = 0.10,
+    most_pairs: Count = 50,
+    penalty: Annotated[Positive, at_least(0), at_most(arrays.MOST)] = 4.0,
     viewpoints: tuple[ArrayLike | None, ArrayLike | None] = (None, None),
-    search: AngleSearch = AngleSearch(),
 ) -> list[Candidate]:
     """Guesses of how one set of segments lies on another, best first (A 3.3.1, steps 1 and 2).
 
@@ -50,33 +59,27 @@ def angle_candidates(
     ----------
     reference_segments, current_segments : SegmentMap or (n, 2, 2) array, metres
         In the order of the beams, each in its own frame.
-    rng : numpy.random.Generator
+    rng
         Draws the pairs of the heuristic "random".
-    heuristic : "all", "consecutive", "random" or "perpendicular"
+    heuristic
         Which pairs of segments are tried as corners.
     distance, far, long, whole
         As in `match_values`.
-    min_length : float, metres
+    min_length
         Shorter segments are left out: their direction is noise.
-    most_pairs : int
+    most_pairs
         Pairs drawn by chance, and perpendicular pairs, of each set.
-    penalty : float
+    penalty
         What a metre of wall that one set has seen through a wall of the other counts, against a
         metre that matches. A looks at what matches alone, which is 0.
     viewpoints : pair of (2,) or (k, 2) array, metres, or None
         Where each set was seen from, in its own frame. None: from the origin if its segments follow
         each other about it as those of a scan do; else from places with all of them in sight.
-    search : AngleSearch
 
     Returns
     -------
     list of Candidate
         At most 10, each at least 0.3 m or 10 degrees from all before it.
-
-    Raises
-    ------
-    ValueError
-        For coordinates that are not finite, and thresholds out of range.
 
     Examples
     --------
@@ -84,60 +87,91 @@ def angle_candidates(
     >>> angle_candidates(corner, corner + [1, 0], rng=np.random.default_rng(1))[0]
     Candidate(-1 m, 0 m, 0 deg: 5.00 m match, 0.00 m hidden)
     """
-    rule = match_rule(distance, far, long, whole)
-    arrays.instance(search, "search", AngleSearch)
-    most = arrays.whole(most_pairs, "most_pairs")
-    least = arrays.number(min_length, "min_length", least=0, unit="metres")
-    arrays.number(penalty, "penalty", least=0, most=arrays.MOST)
     if not isinstance(viewpoints, tuple | list | np.ndarray) or len(viewpoints) != 2:
         raise ValueError(f"viewpoints must be two, each a place or None, got {viewpoints!r}")
+    rule = float(distance), float(far), float(long), whole
     given = {"reference_segments": reference_segments, "current_segments": current_segments}
     s, t = (
-        scene(segments, name, stood, heuristic, most, least, search, arrays.generator(rng))
+        scene(segments, name, stood, heuristic, most_pairs, min_length, rng)
         for (name, segments), stood in zip(given.items(), viewpoints, strict=True)
     )
-    poses = _refined_poses(s, t, rule, search)
-    value, hidden = np.empty(len(poses)), kernels.hidden_lengths(poses, s, t, search.margin)
+    poses = _refined_poses(s, t, rule)
+    value, hidden = np.empty(len(poses)), _hidden_lengths(poses, s, t)
     kernels.values(s.segments, t.segments, poses, rule, value)
     score = value - penalty * hidden
     outside = compose(poses, (*-t.middle, 0.0)) + [*s.middle, 0.0]
-    best = kernels.best_distinct(poses, score, search.refined, search.same)
+    best = best_distinct(poses, score, REFINED, SAME)
     columns = outside[best], *np.array([value, hidden, score])[:, best].tolist()
-    return [
-        Candidate(*row, *walls)
-        for *row, walls in zip(*columns, kernels.matched(poses[best], s, t, rule), strict=True)
-    ]
+    walls = _matched(poses[best], s, t, rule)
+    return [Candidate(*row, *wall) for *row, wall in zip(*columns, walls, strict=True)]
 
 
-def _refined_poses(s: Scene, t: Scene, rule: Rule, search: AngleSearch) -> Array:
+def _refined_poses(s: Scene, t: Scene, rule: Rule) -> Array:
     """The most valuable distinct poses of scene t in scene s, refined, `(k, 3)`."""
     count = len(s.segments)
     both_ways = np.concatenate([t.pairs, t.pairs[:, ::-1]]) + count
     rows = corners(np.concatenate([s.segments, t.segments]), np.concatenate([s.pairs, both_ways]))
     first, second = rows[: len(s.pairs)], rows[len(s.pairs) :]
-    tried, alike = np.empty((1024, 4)), (search.similar, search.covered)
-    while (count := kernels.superpose(first, second, *alike, tried)) > len(tried):
+    tried = np.empty((1024, 4))
+    while (count := kernels.superpose(first, second, tried)) > len(tried):
         tried = np.empty((count, 4))
     tried = tried[:count]
-    best = kernels.best_distinct(tried, tried[:, 3], search.tried, search.near)
+    best = best_distinct(tried, tried[:, 3], TRIED, NEAR)
     poses, worth = tried[best, :3].copy(), np.empty(len(best))
     kernels.values(s.segments, t.segments, poses, rule, worth)
-    poses = poses[kernels.best_distinct(poses, worth, search.refined, search.same)]
+    poses = poses[best_distinct(poses, worth, REFINED, SAME)]
     room = np.empty((2 * len(s.segments) * len(t.segments), 5))
     for pose in poses:
-        kernels.refine(s.segments, t.segments, pose, search.rounds, rule, room)
+        kernels.refine(s.segments, t.segments, pose, rule, room)
     return poses
 
 
+def best_distinct(
+    poses: Array, worth: Array, most: int, near: tuple[float, float]
+) -> NDArray[np.int64]:
+    """Indices of at most so many of the best poses, best first, each unlike all before it."""
+    chosen = np.empty(most, np.int64)
+    return chosen[: kernels.distinct(poses, np.argsort(-worth, kind="stable"), *near, chosen)]
+
+
+def _hidden_lengths(poses: Array, s: Scene, t: Scene) -> Array:
+    """Length of wall, (k,) array, metres, that one scene has seen through a wall of the other."""
+    found, stood = np.zeros(len(poses)), transform(poses, t.places)
+    for k, pose in enumerate(poses):
+        there = kernels.moved(t.segments, *pose)
+        looks = ((s.places, s.segments, there), (stood[k], there, s.segments))
+        for places, segments, walls in looks:
+            least = np.inf  # from the best of the places
+            for x, y in places:
+                least = min(least, kernels.hidden(x, y, segments, walls, least))
+            found[k] += least
+    return found
+
+
+def _matched(poses: Array, s: Scene, t: Scene, rule: Rule) -> list[tuple[int, Array]]:
+    """For each pose how many walls match, and the constraints about where the current frame is."""
+    found, described = [], describe(s.segments)
+    value = np.empty((len(s.segments), len(t.segments)))
+    for pose, (x, y) in zip(poses, transform(poses, -t.middle[None])[:, 0], strict=True):
+        there = kernels.moved(t.segments, *pose)
+        kernels.fill_values(s.segments, described, there, rule, value)
+        some = value > 0
+        rows = np.empty((2 * np.count_nonzero(some), 5))
+        kernels.constraints(s.segments, described, there, value, rows)
+        rows[:, 2] -= rows[:, 1] * x - rows[:, 0] * y
+        found.append((int(min(some.any(0).sum(), some.any(1).sum())), rows))
+    return found
+
+
+@checked
 def match_angles(
     reference_segments: Segments,
     current_segments: Segments,
     *,
     rng: np.random.Generator,
-    least_share: float = 0.40,
-    least_across: float = 0.25,
-    rival: float = 0.88,
-    search: AngleSearch = AngleSearch(),
+    least_share: Positive = 0.40,
+    least_across: Positive = 0.25,
+    rival: Positive = 0.88,
     **options: Any,
 ) -> Match:
     """How one scan lies on another, from their walls alone and from any start (A 3.3.1).
@@ -146,28 +180,22 @@ def match_angles(
     ----------
     reference_segments, current_segments : SegmentMap or (n, 2, 2) array, metres
         In the order of the beams, each in its own frame.
-    rng : numpy.random.Generator
-    least_share : float
+    least_share
         The best candidate must score this share of the shorter set's length where three walls
         match; times 3/2 where only two do, for a corner of two walls is found in any building;
         times 3/4 where four or more do. Of two scans that overlap by half, a good half is matched.
-    least_across : float, metres
-        Length of matched wall that must stand across the direction in which most of it runs, lest
-        noise decide the place along a corridor.
-    rival : float
+    least_across
+        Length of matched wall, metres, that must stand across the direction in which most of it
+        runs, lest noise decide the place along a corridor.
+    rival
         Where another candidate scores more than this share of the best, nothing is claimed.
-    search, **options
+    rng, **options
         As in `angle_candidates`.
 
     Returns
     -------
     Match
-        Pose of the current scan in the frame of the reference; "no match" rather than a bad one.
-
-    Raises
-    ------
-    ValueError
-        As in `angle_candidates`, and where a share is not positive.
+        "No match" rather than a bad one.
 
     Examples
     --------
@@ -178,14 +206,22 @@ def match_angles(
     >>> match_angles(square, square, rng=np.random.default_rng(1))
     Match(none: another place fits nearly as well)
     """
-    arrays.positive(least_share=least_share, least_across=least_across, rival=rival)
     given = (reference_segments, current_segments)
-    found = angle_candidates(*given, rng=rng, search=search, **options)
+    found = angle_candidates(*given, rng=rng, **options)
     sizes = [float(length(arrays.segments(segments)).sum()) for segments in given]
-    if doubt := _doubt(found, least_share * min(sizes), least_across, rival, search.enough_walls):
+    if not found:
+        return no_match(np.zeros(3), "no two walls of one stand at an angle that the other has too")
+    best, second = found[0], found[1].score if len(found) > 1 else -np.inf
+    doubt = ""
+    if best.score < least_share * min(sizes) * 3 / min(max(best.walls, 1), ENOUGH_WALLS):
+        doubt = "too little of the walls matches"
+    elif second > rival * best.score:
+        doubt = "another place fits nearly as well"
+    elif best.wall_across() < least_across:
+        doubt = "too little wall fixes the motion along the others"
+    if doubt:
         return no_match(np.zeros(3), doubt)
-    overlap = min(1.0, found[0].value / sizes[1])
-    return Match(found[0].pose, found[0].covariance(search.sigma), True, overlap=overlap)
+    return Match(best.pose, best.covariance(), True, overlap=min(1.0, best.value / sizes[1]))
 
 
 @alignment_method
@@ -193,7 +229,7 @@ def angle_correspondence(
     log: Log,
     *,
     rng: np.random.Generator | None = None,
-    new_reference: float = 0.60,
+    new_reference: Positive = 0.60,
     extract: Callable[..., Array] = extract_polylines,
     grow: bool = False,
     **thresholds: Any,
@@ -209,26 +245,16 @@ def angle_correspondence(
 
     Parameters
     ----------
-    log : Log
-    rng : numpy.random.Generator or None
+    rng
         Draws pairs of segments; None: a fixed seed, so that equal logs give equal poses.
-    new_reference : float
+    new_reference
         Where less than this share of a scan is matched another reference is taken.
-    extract : function
+    extract
         `extract(points) -> (n, 2, 2)` segments of one scan, metres, in the frame of the robot.
-    grow : bool
+    grow
         Match with a map that grows; `new_reference` is not used then.
     **thresholds
         Handed to `match_angles`.
-
-    Returns
-    -------
-    Alignment
-
-    Raises
-    ------
-    ValueError
-        As in `match_angles`.
 
     Examples
     --------
@@ -236,11 +262,10 @@ def angle_correspondence(
     >>> angle_correspondence(load("room")[:20])
     Alignment(angle_correspondence: 20 scans, 20 used)
     """
-    arrays.positive(new_reference=new_reference)
     arrays.function(extract, "extract", "of points")
     chance, trail = np.random.default_rng(0) if rng is None else rng, Trail(log)
     seen = [(extract(scan.points()), scan.sensor_pose[:2]) for scan in log]
-    if arrays.switch(grow, "grow"):
+    if grow:
         return _on_a_growing_map(trail, [walls for walls, _ in seen], chance, thresholds)
     reference = 0
     for k in range(1, len(log)):
@@ -273,17 +298,3 @@ def _on_a_growing_map(
         both = np.concatenate([grown, transform(match.pose, walls)])
         grown = polyline(SegmentMap(both, np.arange(len(both)) >= len(grown)), **rule).segments
     return trail.outcome()
-
-
-def _doubt(found: list[Candidate], least: float, across: float, rival: float, enough: int) -> str:
-    """Why the best of the candidates is not to be believed; empty where it is."""
-    if not found:
-        return "no two walls of one stand at an angle that the other has too"
-    best, second = found[0], found[1].score if len(found) > 1 else -np.inf
-    if best.score < least * 3 / min(max(best.walls, 1), enough):
-        return "too little of the walls matches"
-    if second > rival * best.score:
-        return "another place fits nearly as well"
-    if best.wall_across() < across:
-        return "too little wall fixes the motion along the others"
-    return ""

@@ -6,7 +6,6 @@ all that it saw must be in sight from there.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Literal, NamedTuple, get_args
 
 import numpy as np
@@ -14,58 +13,22 @@ from numpy.typing import ArrayLike, NDArray
 
 from ... import arrays
 from ...angles import axial_difference, wrap
-from ...arrays import Array, Segments, Settings
-from ...kernels import Rule, describe
+from ...arrays import Array, Metres, Segments, checked
+from ...kernels import describe
 from ...segments import MIN_LENGTH, angle, length, midpoint
 from . import _kernels as kernels
 
 Heuristic = Literal["all", "consecutive", "random", "perpendicular"]
 
 
-@dataclass(frozen=True)
-class AngleSearch(Settings):
-    """How angle correspondence looks for candidates.
-
-    Parameters
-    ----------
-    parallel, right : float, radians
-        Lines nearer to parallel meet too far away; pairs nearer to upright are perpendicular.
-    similar : float, radians
-        The angles of two corners differ by less: a wall of 0.3 m seen with 10 mm of noise leans by
-        3 degrees.
-    covered : float
-        Share of the shorter wall that the other one must cover, for both walls of two corners.
-    near, same : (float, float), metres and radians
-        Of guesses this near the one with the longest walls is judged; candidates this near are one.
-    tried, refined, rounds : int
-        Guesses that are judged; those of them that are refined; least-squares steps of each.
-    margin : float, metres
-        What stands so near to a wall does not hide it: noise, and the far end of a corner.
-    overtaken : float, radians
-        By noise a segment may begin so much before the one that it follows ends.
-    walls, places : int
-        Longest segments that viewpoints are looked for among, and viewpoints kept.
-    enough_walls : int
-        As many matched walls, or more, are all the evidence that can be asked for.
-    sigma : float, metres
-        Least standard deviation of an end point that a covariance rests on.
-    """
-
-    parallel: float = np.radians(20)
-    right: float = np.radians(8)
-    similar: float = np.radians(8)
-    covered: float = 0.3
-    near: tuple[float, float] = (0.1, np.radians(3))
-    same: tuple[float, float] = (0.3, np.radians(10))
-    tried: int = 150
-    refined: int = 10
-    rounds: int = 4
-    margin: float = 0.10
-    overtaken: float = np.radians(2)
-    walls: int = 8
-    places: int = 3
-    enough_walls: int = 4
-    sigma: float = 0.01
+#: Lines nearer to parallel, radians, meet too far away; pairs nearer to upright are perpendicular.
+PARALLEL, RIGHT = np.radians(20), np.radians(8)
+#: By noise a segment may begin so much before the one that it follows ends, radians.
+OVERTAKEN = np.radians(2)
+#: Longest segments that viewpoints are looked for among, and viewpoints kept.
+WALLS, PLACES = 8, 3
+#: Least standard deviation of an end point that a covariance rests on, metres: that of a laser.
+SIGMA = 0.01
 
 
 class Candidate(NamedTuple):
@@ -75,13 +38,13 @@ class Candidate(NamedTuple):
     ----------
     pose : (3,) array, metres and radians
         Of the current set in the frame of the reference.
-    value : float, metres
-        Sum of the match values (A 3.3.1, step 2): the length on which both agree.
-    hidden : float, metres
-        Length of wall that one has seen through a wall of the other.
-    score : float, metres
+    value
+        Sum of the match values (A 3.3.1, step 2): the length on which both agree, metres.
+    hidden
+        Length of wall that one has seen through a wall of the other, metres.
+    score
         Value less the penalty for what is hidden; candidates are ranked by it.
-    walls : int
+    walls
         Segments of one set that found a partner in the other; of both numbers the smaller.
     constraints : (k, 5) array
         For both ends of the common part of each two matched segments: normal, lever of a turn,
@@ -106,10 +69,10 @@ class Candidate(NamedTuple):
         normals, weight = self.constraints[:, :2], self.constraints[:, 4] / 2
         return float(np.linalg.eigvalsh((normals.T * weight) @ normals)[0])
 
-    def covariance(self, least: float) -> Array:
-        """Covariance `(3, 3)` of the pose from the offsets left, at least so many metres each."""
+    def covariance(self) -> Array:
+        """Covariance `(3, 3)` of the pose from the offsets left."""
         rows = self.constraints
-        sigma = max(least, float(np.sqrt(np.mean(rows[:, 3] ** 2))))
+        sigma = max(SIGMA, float(np.sqrt(np.mean(rows[:, 3] ** 2))))
         return np.asarray(sigma**2 * np.linalg.inv(rows[:, :3].T @ rows[:, :3]), float)
 
 
@@ -129,7 +92,6 @@ def scene(
     heuristic: Heuristic,
     most: int,
     least: float,
-    search: AngleSearch,
     rng: np.random.Generator,
 ) -> Scene:
     """Segments of at least `least` metres, the pairs to try and the places that see them.
@@ -142,21 +104,16 @@ def scene(
     kept = given[length(given) >= max(least, MIN_LENGTH)]
     middle = kept.mean(axis=(0, 1)) if len(kept) else np.zeros(2)
     segments = np.ascontiguousarray(kept - middle)
-    pairs = wall_pairs(segments, heuristic, most=most, rng=rng, search=search)
-    if viewpoint is None and not is_seen_from_origin(kept, search):
-        return Scene(middle, segments, pairs, viewpoints(segments, search))
+    pairs = wall_pairs(segments, heuristic, most=most, rng=rng)
+    if viewpoint is None and not is_seen_from_origin(kept):
+        return Scene(middle, segments, pairs, viewpoints(segments))
     stood = f"viewpoints of {name}"
     places = np.atleast_2d(arrays.numbers((0, 0) if viewpoint is None else viewpoint, stood))
     return Scene(middle, segments, pairs, arrays.points(places, stood) - middle)
 
 
 def wall_pairs(
-    segments: Array,
-    heuristic: Heuristic,
-    *,
-    most: int,
-    rng: np.random.Generator,
-    search: AngleSearch = AngleSearch(),
+    segments: Array, heuristic: Heuristic, *, most: int, rng: np.random.Generator
 ) -> NDArray[np.int64]:
     """Pairs `(k, 2)` of segments that are not parallel, as a heuristic of A 3.3.1 chooses them.
 
@@ -169,8 +126,8 @@ def wall_pairs(
     at, sizes = angle(segments), length(segments)
     turn = np.abs(axial_difference(at[first], at[second]))
     shorter = np.minimum(sizes[first], sizes[second])
-    crooked = np.flatnonzero(turn > search.parallel)
-    square = crooked[turn[crooked] > np.pi / 2 - search.right]
+    crooked = np.flatnonzero(turn > PARALLEL)
+    square = crooked[turn[crooked] > np.pi / 2 - RIGHT]
     chosen = {
         "consecutive": crooked[(second - first)[crooked] == 1],
         "random": rng.permutation(crooked)[:most],
@@ -201,7 +158,7 @@ def corners(segments: Array, pairs: NDArray[np.int64]) -> Array:
     return np.column_stack([meet, at, turn, *ends, length(p), length(q)])
 
 
-def is_seen_from_origin(segments: Array, search: AngleSearch = AngleSearch()) -> bool:
+def is_seen_from_origin(segments: Array) -> bool:
     """Whether segments `(n, 2, 2)`, metres, follow each other counter-clockwise about the origin.
 
     So do those of a scan in the frame of its sensor. Of scans moved by 3 m hardly any still does.
@@ -211,17 +168,17 @@ def is_seen_from_origin(segments: Array, search: AngleSearch = AngleSearch()) ->
     first = np.where(width > 0, bearing[:, 0], bearing[:, 1])
     start = (first - first[:1]) % (2 * np.pi)
     end = start + np.abs(width)
-    follows = np.append(start[1:], 2 * np.pi) > end - search.overtaken
+    follows = np.append(start[1:], 2 * np.pi) > end - OVERTAKEN
     return bool(len(segments)) and bool(follows.all())
 
 
-def viewpoints(segments: Array, search: AngleSearch = AngleSearch()) -> Array:
+def viewpoints(segments: Array) -> Array:
     """Places, `(k, 2)`, from which no segment `(n, 2, 2)` hides another, far from each other.
 
     A wall that was seen whole has nothing before it. So where the sensor stood all segments of its
     scan are in sight; and a place from which they all are is nearly as good as where it stood.
     """
-    walls = segments[np.argsort(-length(segments), kind="stable")[: search.walls]]
+    walls = segments[np.argsort(-length(segments), kind="stable")[:WALLS]]
     middles, along = midpoint(walls), walls[:, 1] - walls[:, 0]
     normals = np.stack([-along[:, 1], along[:, 0]], -1) / length(walls)[:, None]
     first, second = np.triu_indices(len(walls), 1)  # half way between walls, and beside each
@@ -232,23 +189,24 @@ def viewpoints(segments: Array, search: AngleSearch = AngleSearch()) -> Array:
     slack = 0.02 * float(length(segments).sum())
     lost, least = np.empty(len(tried)), np.inf
     for k, (x, y) in enumerate(tried):
-        lost[k] = kernels.hidden(x, y, segments, segments, search.margin, least + slack)
+        lost[k] = kernels.hidden(x, y, segments, segments, least + slack)
         least = min(least, lost[k])
     places = tried[lost <= least + slack]
     chosen = [int(np.argmin(np.hypot(*(places - places.mean(0)).T)))]
-    while len(chosen) < min(search.places, len(places)):  # the one farthest from those chosen
+    while len(chosen) < min(PLACES, len(places)):  # the one farthest from those chosen
         apart = np.hypot(*(places[:, None] - places[chosen]).T).min(0)
         chosen.append(int(np.argmax(apart)))
     return places[chosen]
 
 
+@checked
 def match_values(
     first: Segments,
     second: Segments,
     *,
-    distance: float = 0.05,
-    far: float = 0.10,
-    long: float = 0.30,
+    distance: Metres = 0.05,
+    far: Metres = 0.10,
+    long: Metres = 0.30,
     whole: bool = False,
 ) -> Array:
     """Length on which each segment of one set agrees with each of another (A 2.7.10, 3.3.1).
@@ -260,12 +218,11 @@ def match_values(
     Parameters
     ----------
     first, second : SegmentMap or (n, 2, 2), (m, 2, 2) array, metres, in one frame
-    distance : float, metres
+    distance
         T_p of A: how near points coincide. 0.05 m is the noise of two sensors and a wall.
-    far : float, metres
+    far
         Segments farther apart never match.
-    long : float, metres
-    whole : bool
+    whole
         A's D is the smaller directed Hausdorff distance (A 2.39): two looks at one wall are then as
         far apart as the part that only one has seen. The default measures the common part alone.
 
@@ -273,18 +230,13 @@ def match_values(
     -------
     (n, m) array, metres
 
-    Raises
-    ------
-    ValueError
-        For coordinates that are not finite, and thresholds that are not positive.
-
     Examples
     --------
     >>> wall, longer = [[(0, 0), (2, 0)]], [[(1, 0.05), (4, 0.05)]]
     >>> match_values(wall, longer).round(3), match_values(wall, longer, whole=True)
     (array([[0.95]]), array([[0.]]))
     """
-    rule = match_rule(distance, far, long, whole)
+    rule = float(distance), float(far), float(long), whole
     s, t = arrays.segments(first, "first"), arrays.segments(second, "second")
     has = [np.flatnonzero(length(v) >= MIN_LENGTH) for v in (s, t)]
     found, some = np.zeros((len(s), len(t))), np.zeros([len(rows) for rows in has])
@@ -292,9 +244,3 @@ def match_values(
     kernels.fill_values(u, describe(u), v, rule, some)
     found[np.ix_(*has)] = some
     return found
-
-
-def match_rule(distance: float, far: float, long: float, whole: bool) -> Rule:
-    """The thresholds of `match_values` as its loop takes them."""
-    arrays.positive("metres", distance=distance, far=far, long=long)
-    return float(distance), float(far), float(long), arrays.switch(whole, "whole")

@@ -1,12 +1,4 @@
 """Backbone (A 3.3.2, 5.2): scans turn and move onto the lines of the building."""
 
-from ._backbone import (
-    BackboneCheck,
-    backbone,
-    backbone_steps,
-)
-from ._lines import (
-    BackboneStep,
-    least_translation,
-    mean_rotation,
-)
+from ._backbone import backbone, backbone_steps
+from ._lines import BackboneStep, least_translation, mean_rotation

@@ -6,14 +6,15 @@ onto lines that were learned before the last turn, the rotation first, then the 
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from ... import arrays
 from ...angles import axial_difference, wrap
-from ...arrays import Array, Settings
+from ...arrays import Array, Metres, Positive, Radians, Settings, Share
 from ...extraction import extract_polylines
 from ...poses import transform
 from ...scans import LaserScan, Log
@@ -21,44 +22,32 @@ from ...segments import angle as angle_of
 from ...segments import length
 from .._result import Outcome, Trail, alignment_method
 from . import _lines as geometry
-from ._lines import BackboneStep, Indices
+from ._lines import BackboneStep
 
-
-@dataclass(frozen=True)
-class BackboneCheck(Settings):
-    """What `backbone` expects of an orthogonal building before it believes its own result.
-
-    Parameters
-    ----------
-    follows : float, radians
-        A segment follows a direction to within this: six standard deviations of a wall of 1 m, seen
-        with 20 beams and 10 mm of noise.
-    spread : float, radians
-        Walls of one scan that leave more after the best common rotation are bent: straight ones
-        left 0.02 to 0.6 degrees in all logs, a ring of 30 m radius 1.8.
-    stretch : float, metres, and bend : float, radians
-        Corrections of more than `bend` in a straight stretch come from a gentle bend as well as
-        from bad odometry: real logs needed up to 3.7 degrees, a ring of 60 m radius 9.
-    """
-
-    follows: float = np.radians(3.0)
-    spread: float = np.radians(1.0)
-    stretch: float = 10.0
-    bend: float = np.radians(4.0)
+# What is expected of an orthogonal building before the result is believed:
+#: A segment follows a direction to within this, radians: six standard deviations of a wall of 1 m,
+#: seen with 20 beams and 10 mm of noise.
+FOLLOWS = np.radians(3.0)
+#: Walls of one scan that leave more after the best common rotation, radians, are bent: straight
+#: ones left 0.02 to 0.6 degrees in all logs, a ring of 30 m radius 1.8.
+SPREAD = np.radians(1.0)
+#: Corrections of more than `BEND`, radians, in a straight stretch, metres, come from a gentle bend
+#: as well as from bad odometry: real logs needed up to 3.7 degrees, a ring of 60 m radius 9.
+STRETCH, BEND = 10.0, np.radians(4.0)
 
 
 @dataclass(frozen=True)
 class Thresholds(Settings):
-    """The thresholds of `backbone`, metres and radians."""
+    """The thresholds of `backbone` by which it lays scans."""
 
-    min_length: float = 1.0
-    step: float = 0.25
-    turning: float = np.pi / 36
-    rotation: float = np.pi / 6
-    distance: float = 0.20
-    angle: float = np.pi / 18
-    parallel: float = np.pi / 36
-    new_direction: float = 3.0
+    min_length: Metres = 1.0
+    step: Metres = 0.25
+    turning: Radians = np.pi / 36
+    rotation: Radians = np.pi / 6
+    distance: Metres = 0.20
+    angle: Radians = np.pi / 18
+    parallel: Radians = np.pi / 36
+    new_direction: Positive = 3.0
     follow: bool = True
 
 
@@ -66,17 +55,16 @@ class Thresholds(Settings):
 def backbone(
     log: Log,
     *,
-    min_length: float = 1.0,
-    step: float = 0.25,
-    turning: float = np.pi / 36,
-    rotation: float = np.pi / 6,
-    distance: float = 0.20,
-    angle: float = np.pi / 18,
-    parallel: float = np.pi / 36,
-    new_direction: float = 3.0,
-    orthogonal: float = 0.75,
+    min_length: Metres = 1.0,
+    step: Metres = 0.25,
+    turning: Radians = np.pi / 36,
+    rotation: Radians = np.pi / 6,
+    distance: Metres = 0.20,
+    angle: Radians = np.pi / 18,
+    parallel: Radians = np.pi / 36,
+    new_direction: Positive = 3.0,
+    orthogonal: Share = 0.75,
     follow: bool = True,
-    check: BackboneCheck = BackboneCheck(),
 ) -> Outcome:
     """Lay straight stretches onto the lines of an orthogonal building (A 3.3.2).
 
@@ -97,45 +85,34 @@ def backbone(
 
     Parameters
     ----------
-    log : Log
+    log
         With odometry that is nearly right between turns.
-    min_length : float, metres
+    min_length
         Shorter segments are furniture as often as walls, and say little about a direction.
-    step : float, metres
+    step
         Scans nearer than this to the last one used add nothing new.
-    turning : float, radians
+    turning
         A scan to which the robot turned by more than this since the one before is skipped: five
         degrees are more than any drift between two scans, less than a turn on the spot.
-    rotation : float, radians
+    rotation
         A rotation is relevant from here on: 30 degrees lead into another corridor.
-    distance : float, metres
+    distance
         A match needs both ends nearer than this to the line: noise and drift, not a door niche.
-    angle : float, radians
+    angle
         And a direction this near the line's: 10 degrees are more than a turn gets wrong.
-    parallel : float, radians
+    parallel
         Lines nearer in direction than this are taken for parallel.
-    new_direction : float
+    new_direction
         A direction unlike all others needs so many times `min_length` of wall: a chord across a
         door, seen once, is no corridor.
-    orthogonal : float
-        Share, in [0, 1], of the wall seen that must follow two perpendicular directions. Walls in
-        any direction reach 0.07, three directions 0.33, a wing at 45 degrees 0.5; furnished
-        orthogonal buildings 0.9. Below it, or where the walls of one scan do not agree on one
-        rotation, the assumption fails: nothing is used, odometry is carried, and `.doubt` and
-        `.reasons` say why. 0 insists on aligning all the same.
-    follow : bool
+    orthogonal
+        Share of the wall seen that must follow two perpendicular directions. Walls in any direction
+        reach 0.07, three directions 0.33, a wing at 45 degrees 0.5; furnished orthogonal buildings
+        0.9. Below it, or where the walls of one scan do not agree on one rotation, the assumption
+        fails: nothing is used, odometry is carried, and `.doubt` and `.reasons` say why. 0 insists
+        on aligning all the same.
+    follow
         False leaves the headings of scans that are not used to odometry, as A does.
-    check : BackboneCheck
-
-    Returns
-    -------
-    Alignment
-        Poses, (k, 3) array, metres and radians; with `.doubt` where the assumption fails.
-
-    Raises
-    ------
-    ValueError
-        For a threshold that is not positive and finite, or a share outside [0, 1].
 
     Examples
     --------
@@ -149,31 +126,19 @@ def backbone(
     >>> backbone(simulate(circular_room(5), path, sensor=SICK_LMS200, rng=rng)).doubt[:18]
     'the assumption fai'
     """
-    t = (min_length, step, turning, rotation, distance, angle, parallel, new_direction, follow)
-    arrays.number(orthogonal, "orthogonal", least=0, most=1)
-    arrays.instance(check, "check", BackboneCheck)
-    walk = _Backbone(log, Thresholds(*t))
-    doubt, fails = _doubt(list(walk), orthogonal, check)
-    if not fails:
-        return walk.trail.outcome(doubt=doubt)
-    trail = Trail(log)
-    for _ in range(1, len(log)):
+    lengths = (min_length, step, turning, rotation, distance, angle, parallel)
+    walk = _Backbone(log, Thresholds(*lengths, new_direction, follow))
+    doubt, fails = _doubt([walk.step(k, scan) for k, scan in enumerate(log)], orthogonal)
+    trail = Trail(log) if fails else walk.trail
+    while len(trail.poses) < len(log):
         trail.carry(doubt)
     return trail.outcome(doubt=doubt)
 
 
-def backbone_steps(log: Log, **thresholds: float) -> list[BackboneStep]:
+def backbone_steps(log: Log, **thresholds: Any) -> list[BackboneStep]:
     """What `backbone` does with each scan, for pictures; it insists even where it should not.
 
-    Parameters
-    ----------
-    log : Log
-    **thresholds : metres and radians
-        Those of `backbone`, but `orthogonal` and `check`.
-
-    Returns
-    -------
-    list of BackboneStep, one a scan
+    Takes the thresholds of `backbone` but for `orthogonal`.
 
     Examples
     --------
@@ -182,35 +147,47 @@ def backbone_steps(log: Log, **thresholds: float) -> list[BackboneStep]:
     (array([1., 2., 0.]), 0, Lines(0 in 0 directions))
     """
     arrays.instance(log, "log", Log)
-    return list(_Backbone(log, Thresholds(**thresholds)))  # type: ignore[arg-type]
+    walk = _Backbone(log, Thresholds(**thresholds))
+    return [walk.step(k, scan) for k, scan in enumerate(log)]
 
 
 class _Backbone:
     """The steps of A 5.2, scan by scan."""
 
     def __init__(self, log: Log, thresholds: Thresholds) -> None:
-        self.log, self.t, self.trail = log, thresholds, Trail(log)
+        self.t, self.trail = thresholds, Trail(log)
         self.lines, self.known, self.walls = geometry.NO_LINES, np.empty(0), geometry.NO_WALLS
         self.last = np.full(3, np.inf)  # pose of the last scan used
         self.built = 0.0  # heading at which the backbone was built
         self.lost = False  # whether the last scan used matched nothing
 
-    def __iter__(self) -> Iterator[BackboneStep]:
-        return (self._step(k, scan) for k, scan in enumerate(self.log))
-
-    def _step(self, k: int, scan: LaserScan) -> BackboneStep:
-        guess = self.trail.guess() if k else self.trail.poses[0]
+    def step(self, k: int, scan: LaserScan) -> BackboneStep:
+        """Lay one scan."""
+        t, guess = self.t, self.trail.guess() if k else self.trail.poses[0]
         skipped = self._skipped(k, guess)
         seen = extract_polylines(scan.points())
-        seen = seen[length(seen) > self.t.min_length]  # A 3.3.2, step 3
+        seen = seen[length(seen) > t.min_length]  # A 3.3.2, step 3
         rebuilt = not skipped and self._rebuilt(guess)  # step 4
-        partner, pose, reason = self._laid(seen, guess, skipped)
+        there = transform(guess, seen)  # step 5
+        partner = geometry.partners(there, self.lines, t.distance, t.angle)
+        missing = "" if (partner >= 0).any() else "no segment on a line of the backbone"
+        if not len(seen):
+            missing = f"no segment longer than {t.min_length:g} m"
+        elif not len(self.lines.angle):
+            missing = "no backbone yet"
+        reason = skipped or missing
+        if reason:
+            partner = geometry.parallels(there, self.lines, t.angle)
+            partner[:] = partner if t.follow else -1
+        pose = geometry.turned(guess, seen, self.lines, partner, t.parallel)  # step 6
+        if not reason:
+            pose = geometry.moved(pose, seen, self.lines, partner)  # step 7
         if k:
             self.trail.place(pose, reason)
         if not skipped:
             self.last, self.lost = pose, bool(reason and len(seen))
             laid = transform(pose, seen)  # step 8; A merges them before they are moved
-            self.walls = geometry.merged(self.walls, laid, self.t.distance / 2, self.t.parallel)
+            self.walls = geometry.merged(self.walls, laid, t.distance / 2, t.parallel)
         known = (guess, pose, seen, partner, self.lines, self.known)
         return BackboneStep(*known, bool(skipped), rebuilt, reason if k else "")
 
@@ -235,50 +212,31 @@ class _Backbone:
         )
         return True
 
-    def _laid(self, seen: Array, guess: Array, skipped: str) -> tuple[Indices, Array, str]:
-        """Partners, pose and reason of a scan whose relevant segments are seen (steps 5 to 7)."""
-        t, there = self.t, transform(guess, seen)
-        partner = geometry.partners(there, self.lines, t.distance, t.angle)
-        missing = "" if (partner >= 0).any() else "no segment on a line of the backbone"
-        if not len(seen):
-            missing = f"no segment longer than {t.min_length:g} m"
-        elif not len(self.lines.angle):
-            missing = "no backbone yet"
-        if skipped or missing:
-            partner = geometry.parallels(there, self.lines, t.angle)
-            partner[:] = partner if t.follow else -1
-        pose = geometry.turned(guess, seen, self.lines, partner, t.parallel)
-        if not (skipped or missing):
-            pose = geometry.moved(pose, seen, self.lines, partner)
-        return partner, pose, skipped or missing
 
-
-def _doubt(
-    steps: Sequence[BackboneStep], orthogonal: float, check: BackboneCheck
-) -> tuple[str, bool]:
+def _doubt(steps: Sequence[BackboneStep], orthogonal: float) -> tuple[str, bool]:
     """What speaks against the assumption of the method, and whether its result is thrown away."""
     if not steps or not len(steps[-1].known):
         blind = sum(not s.skipped for s in steps) > 1
         return "no backbone: no scan shows a wall long enough" * blind, False
-    share, spread = _share_followed(steps, check.follows), geometry.spread_left(steps)
+    share, spread = _share_followed(steps), geometry.spread_left(steps)
     wrong = []
     if share < orthogonal:
         wrong = [f"{share:.0%} of the wall seen follows two perpendicular directions"]
         wrong[0] += f", expected at least {orthogonal:.0%}"
-    if spread > check.spread:
+    if spread > SPREAD:
         wrong.append(f"the walls of a scan disagree by {np.degrees(spread):.1f} degrees")
     if wrong and orthogonal > 0:
         why = "(not an orthogonal building, or odometry too bad)"
         return f"the assumption fails: {'; '.join(wrong)} {why}", True
-    bend = _bend_corrected(steps, check.stretch)
+    bend = _bend_corrected(steps)
     words = (
         f"the assumption is doubtful: straight stretches were turned by {np.degrees(bend):.1f} "
-        f"degrees in {check.stretch:g} m (a gentle bend, or bad odometry)"
+        f"degrees in {STRETCH:g} m (a gentle bend, or bad odometry)"
     )
-    return words if bend > check.bend else "", False
+    return words if bend > BEND else "", False
 
 
-def _share_followed(steps: Sequence[BackboneStep], follows: float) -> float:
+def _share_followed(steps: Sequence[BackboneStep]) -> float:
     """Largest share of the wall seen that follows a direction of the backbone or its normal."""
     looked = [s for s in steps if not s.skipped and len(s.segments)]
     if not looked:
@@ -286,13 +244,13 @@ def _share_followed(steps: Sequence[BackboneStep], follows: float) -> float:
     laid = np.concatenate([transform(s.pose, s.segments) for s in looked])
     angles, weight = angle_of(laid), length(laid)
     off = np.abs(axial_difference(2 * angles, 2 * steps[-1].known[:, None])) / 2
-    return float(((off < follows) @ weight).max() / weight.sum())
+    return float(((off < FOLLOWS) @ weight).max() / weight.sum())
 
 
-def _bend_corrected(steps: Sequence[BackboneStep], stretch: float) -> float:
-    """Median over whole stretches, metres, of the sum of rotations while not turning, radians."""
+def _bend_corrected(steps: Sequence[BackboneStep]) -> float:
+    """Median over whole stretches of the sum of rotations while not turning, radians."""
     poses: Array = np.array([s.pose for s in steps])
     way = np.append(0.0, np.cumsum(np.hypot(*np.diff(poses[:, :2], axis=0).T)))
     straight = [0.0 if "turning" in s.reason else s.rotation for s in steps]
-    sums = np.bincount((way // stretch).astype(int), straight)[: int(way[-1] // stretch)]
+    sums = np.bincount((way // STRETCH).astype(int), straight)[: int(way[-1] // STRETCH)]
     return float(np.median(np.abs(sums))) if len(sums) else 0.0

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from ... import arrays
 from ...angles import axial_difference, axial_mean, axial_mean_of_two, wrap
-from ...arrays import Array
+from ...arrays import Array, Share
 from ...poses import transform
 from ...segments import angle, extreme_projections, length, midpoint
 
@@ -60,13 +60,11 @@ class BackboneStep(NamedTuple):
         The segments longer than `min_length`, in the robot's frame.
     partner : (m,) int array
         Line that each was laid on; -1 for none.
-    lines : Lines
-        The backbone at that time.
-    known : (d,) array, radians
-        Its directions so far.
-    skipped, rebuilt : bool
+    lines, known
+        The backbone at that time, and its directions so far, (d,) array, radians.
+    skipped, rebuilt
         Whether the scan was left out, and whether the backbone was built anew for it.
-    reason : str
+    reason
         Why the scan was not used; empty where it was.
     """
 
@@ -132,8 +130,8 @@ def mean_rotation(differences: Array, weights: Array) -> float:
 
     Returns
     -------
-    float, radians
-        In `(-pi/2, pi/2]`.
+    float
+        Radians, in `(-pi/2, pi/2]`.
 
     Examples
     --------
@@ -145,19 +143,9 @@ def mean_rotation(differences: Array, weights: Array) -> float:
     return float(np.arctan2(each @ np.sin(doubled), each @ np.cos(doubled)) / 2)
 
 
-def robust_rotation(differences: Array, weights: Array, apart: float) -> float:
-    """The mean of those differences that lie nearer than `apart` to the mean of all, radians.
-
-    Axial differences, `(m,)` array, radians, and their weights, `(m,)` array. A chord across a
-    niche, eight degrees off, must not pull at the walls beside it.
-    """
-    mean = mean_rotation(differences, weights)
-    agree = np.abs(axial_difference(differences, mean)) < apart
-    return mean_rotation(differences[agree], weights[agree]) if agree.any() else mean
-
-
+@arrays.checked
 def least_translation(
-    normals: Array, offsets: Array, weights: Array, *, parallel: float = 0.3
+    normals: Array, offsets: Array, weights: Array, *, parallel: Share = 0.3
 ) -> Array:
     """Shift that brings points onto lines, by weighted least squares (A 3.3.2, step 7).
 
@@ -171,14 +159,10 @@ def least_translation(
     offsets : (m,) array, metres
         How far each point lies from its line, positive on the side of the normal.
     weights : (m,) array, not negative
-    parallel : float
+    parallel
         Lines count as parallel where they hold one direction less than this share of the other
         (singular values): two of equal weight within 33 degrees of each other, or an end wall of a
         tenth of the weight. At 0.1 a match of 0.2 m could move the robot by a metre along them.
-
-    Returns
-    -------
-    (2,) array, metres
 
     Examples
     --------
@@ -189,21 +173,24 @@ def least_translation(
     lines = arrays.table(normals, "normals", 2)
     root = np.sqrt(arrays.weights(weights, len(lines)))
     away = -root * arrays.row(offsets, "offsets", len(lines))
-    least = arrays.number(parallel, "parallel", least=0, most=1)
-    return np.asarray(np.linalg.lstsq(root[:, None] * lines, away, least)[0], float)
+    return np.asarray(np.linalg.lstsq(root[:, None] * lines, away, parallel)[0], float)
 
 
 def turned(pose: Array, seen: Array, lines: Lines, partner: Indices, parallel: float) -> Array:
     """A pose, (3,) array, turned about the robot towards the partners (A 3.3.2, step 6).
 
     Segments seen `(m, 2, 2)`, metres, robot frame. One weighs the cube of its length: the variance
-    of its direction is as the inverse. `parallel`, radians, as in `robust_rotation`.
+    of its direction is as the inverse. Those that differ from the mean by `parallel`, radians, are
+    left out: a chord across a niche, eight degrees off, must not pull at the walls beside it.
     """
     on = partner >= 0
     if not on.any():
         return pose
     differences = axial_difference(lines.angle[partner[on]], angle(transform(pose, seen[on])))
-    turn = robust_rotation(differences, length(seen[on]) ** 3, parallel)
+    weights = length(seen[on]) ** 3
+    turn = mean_rotation(differences, weights)
+    agree = np.abs(axial_difference(differences, turn)) < parallel
+    turn = mean_rotation(differences[agree], weights[agree]) if agree.any() else turn
     return np.array([pose[0], pose[1], float(wrap(pose[2] + turn))])
 
 
@@ -229,8 +216,16 @@ def merged(walls: Walls, segments: Array, distance: float, parallel: float) -> W
         if same < 0:
             more = np.concatenate([walls.segments, segment[None]])
             walls = Walls(more, np.append(walls.weight, length(segment)))
-        else:
-            walls = _longer(walls, same, segment)
+            continue
+        # Mean direction through the mean middle
+        old, new = walls.weight[same], float(length(segment))
+        both = np.stack([walls.segments[same], segment])
+        direction = axial_mean_of_two(angle(both[0]), angle(both[1]), old, new)
+        middle = np.average(midpoint(both), axis=0, weights=[old, new])
+        segments, weight = walls.segments.copy(), walls.weight.copy()
+        segments[same] = extreme_projections(both.reshape(4, 2), middle, direction)
+        weight[same] += new
+        walls = Walls(segments, weight)
     return walls
 
 
@@ -243,18 +238,6 @@ def _same(walls: Walls, segment: Array, distance: float, parallel: float) -> int
     gap = np.maximum(u[0], -u[1]) - length(walls.segments) / 2
     fits = (across < distance) & (gap < distance) & (_apart(segment[None], lines)[0] < parallel)
     return int(np.where(fits, across, np.inf).argmin()) if fits.any() else -1
-
-
-def _longer(walls: Walls, index: int, segment: Array) -> Walls:
-    """The walls, one of them merged with a piece: mean direction through the mean middle."""
-    old, more = walls.weight[index], float(length(segment))
-    both = np.stack([walls.segments[index], segment])
-    direction = axial_mean_of_two(angle(both[0]), angle(both[1]), old, more)
-    middle = np.average(midpoint(both), axis=0, weights=[old, more])
-    segments, weight = walls.segments.copy(), walls.weight.copy()
-    segments[index] = extreme_projections(both.reshape(4, 2), middle, direction)
-    weight[index] += more
-    return Walls(segments, weight)
 
 
 def support_lines(

@@ -1,8 +1,3 @@
 """Global alignment of segments (A 2.5.1): all scans at once."""
 
-from ._equations import (
-    GlobalSearch,
-)
-from ._global_segments import (
-    global_segments,
-)
+from ._global_segments import global_segments

@@ -9,50 +9,29 @@ stands off the diagonal. Here all of them come from `solve`.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...angles import axial_difference, wrap
-from ...arrays import Array, Settings
+from ...arrays import Array
 from ...compiled import compiled
 from ...kernels import APART, describe
 from ...poses import transform
 from ...segments import angle
+from ..graph import groups
 from ..segment_icp import distance_below
 
 Indices = NDArray[np.int64]
 
 
-@dataclass(frozen=True)
-class GlobalSearch(Settings):
-    """When `global_segments` stops, and what it does not believe.
-
-    Parameters
-    ----------
-    converged : float, metres and radians
-        A round is the last when no scan moves by more.
-    finer : tuple of float
-        Parts of `spread` that the weights go down by when all scans are joined.
-    least_weight : float
-        Pairs that weigh less are left out: scans joined by such pairs alone count as not joined.
-    sigma : float, metres
-        Standard deviation of a wall's position from one scan to another, for the residuals.
-    across : float
-        Where a smaller share of the walls lies across a direction, it is free.
-    place : float, metres, and view : float, radians
-        Two scans so near to each other must see the same walls.
-    """
-
-    converged: float = 1e-4
-    finer: tuple[float, ...] = (1.0, 1 / 4, 1 / 10)
-    least_weight: float = 1e-6
-    sigma: float = 0.03
-    across: float = 0.02
-    place: float = 0.50
-    view: float = np.radians(30.0)
+#: A round is the last when no scan moves by more, metres and radians.
+CONVERGED = 1e-4
+#: Parts of `spread` that the weights go down by when all scans are joined.
+FINER = (1.0, 1 / 4, 1 / 10)
+#: Pairs that weigh less are left out: scans joined by such pairs alone count as not joined.
+LEAST_WEIGHT = 1e-6
 
 
 class Rules(NamedTuple):
@@ -62,11 +41,10 @@ class Rules(NamedTuple):
     angle: float
     spread: float
     rounds: int
-    search: GlobalSearch = GlobalSearch()
 
     def finer(self) -> list[Rules]:
         """Those of the last stages, with ever less spread."""
-        return [self._replace(spread=part * self.spread) for part in self.search.finer]
+        return [self._replace(spread=part * self.spread) for part in FINER]
 
 
 class Scans(NamedTuple):
@@ -191,7 +169,7 @@ def corresponding(
     """
     edge, pairs, away = shared_pairs(segments, describe(segments), first, edges, rules)
     weight = np.exp(-away / (2 * rules.spread))
-    some = weight > rules.search.least_weight
+    some = weight > LEAST_WEIGHT
     (i, j), (u, v) = edges[edge[some]].T, pairs[some].T
     return Pairs(i, j, u, v, weight[some]), edge[some]
 
@@ -199,15 +177,7 @@ def corresponding(
 def solve(i: Indices, j: Indices, weight: Array, gap: Array, held: NDArray[np.bool_]) -> Array:
     """The x, `(n, c)`, with the least `sum w |x_i - x_j + gap|^2`, zero where held (2.3-2.6).
 
-    Every group of connected scans must have one that is held: see `groups`.
-
-    Parameters
-    ----------
-    i, j : (p,) int array
-    weight : (p,) array
-    gap : (p, c) array, radians or metres
-        Of turns or of shifts; x has its unit.
-    held : (n,) bool array
+    Of p pairs, gaps `(p, c)`. Every group of connected scans must have one that is held.
 
     Examples
     --------
@@ -231,15 +201,6 @@ def solve(i: Indices, j: Indices, weight: Array, gap: Array, held: NDArray[np.bo
     return found
 
 
-def groups(i: Indices, j: Indices, count: int) -> Indices:
-    """For each of so many scans, which group of connected scans it belongs to, `(n,)`."""
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
-
-    graph = coo_array((np.ones(len(i)), (i, j)), shape=(count, count))
-    return np.asarray(connected_components(graph, directed=False)[1], np.int64)
-
-
 def with_one_held(i: Indices, j: Indices, held: NDArray[np.bool_]) -> NDArray[np.bool_]:
     """Held scans, and the first of each group that has none: (n,) bool array, as `held` is."""
     group = groups(i, j, len(held))
@@ -250,10 +211,7 @@ def with_one_held(i: Indices, j: Indices, held: NDArray[np.bool_]) -> NDArray[np
 
 
 def best_turns(segments: Array, pairs: Pairs, held: NDArray[np.bool_]) -> Array:
-    """Turns of all scans, `(n,)` radians, that make corresponding segments most parallel (2.8).
-
-    Segments `(m, 2, 2)`, metres, of all scans, where their poses put them so far.
-    """
+    """Turns of all scans, `(n,)` radians, that make corresponding segments most parallel (2.8)."""
     gap = axial_difference(angle(segments[pairs.u]), angle(segments[pairs.v]))
     return solve(pairs.i, pairs.j, pairs.weight, gap[:, None], held)[:, 0]
 
@@ -287,12 +245,13 @@ def settled(
     """Poses `(k, 3)` after turning all, then shifting all, until nothing moves; metres, radians."""
     poses = poses.copy()
     for _ in range(rules.rounds):
-        pairs, _ = corresponding(scans.world(poses), scans.first, edges, rules)
+        world = scans.world(poses)
+        pairs, _ = corresponding(world, scans.first, edges, rules)
         fixed = with_one_held(pairs.i, pairs.j, held)
-        turns = best_turns(scans.world(poses), pairs, fixed)
+        turns = best_turns(world, pairs, fixed)
         poses[:, 2] = wrap(poses[:, 2] + turns)
         shifts = best_shifts(scans.world(poses), pairs, fixed)
         poses[:, :2] += shifts
-        if max(np.abs(turns).max(), np.abs(shifts).max()) < rules.search.converged:
+        if max(np.abs(turns).max(), np.abs(shifts).max()) < CONVERGED:
             break
     return poses

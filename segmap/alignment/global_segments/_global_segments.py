@@ -6,23 +6,30 @@ Elseberg, Creed, Lakaemper, "A line segment based system for 2D global mapping",
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ... import arrays
 from ...angles import wrap
-from ...arrays import Array, slips
+from ...arrays import Array, Count, Metres, Radians, below
 from ...kernels import APART, describe
 from ...poses import between, compose, interpolate, inverse
 from ...scans import Log
 from ...segments import angle as angle_of
 from .._result import Outcome, alignment_method, long_segments
-from ..graph import Graph
+from ..graph import Graph, groups
 from ..segment_icp import ONE_DIRECTION, SIDEWAYS
 from . import _equations as equations
-from ._equations import GlobalSearch, Indices, Pairs, Rules, Scans
+from ._equations import Indices, Pairs, Rules, Scans
 
+#: Standard deviation of a wall's position from one scan to another, metres, for the residuals.
+SIGMA = 0.03
+#: Where a smaller share of the walls lies across a direction, it is free.
+ACROSS = 0.02
+#: Two scans so near to each other, metres and radians, must see the same walls.
+PLACE, VIEW = 0.50, np.radians(30.0)
 NO_ODOMETRY = "no odometry to begin from"
 NOTHING_SHARED = "shares no two walls with the scans around it: hangs on odometry"
 TORN = "torn from its neighbours farther than segments correspond"
@@ -35,13 +42,12 @@ def global_segments(
     log: Log,
     *,
     start: ArrayLike | None = None,
-    similar: float = 0.20,
-    angle: float = np.radians(15.0),
-    spread: float = 0.05,
-    reach: float = 1.0,
-    rounds: int = 15,
-    min_length: float = 0.30,
-    search: GlobalSearch = GlobalSearch(),
+    similar: Metres = 0.20,
+    angle: Annotated[Radians, below(np.pi / 2)] = np.radians(15.0),
+    spread: Metres = 0.05,
+    reach: Metres = 1.0,
+    rounds: Count = 15,
+    min_length: Metres = 0.30,
 ) -> Outcome:
     """Turn all scans until matched segments are parallel, then shift all; repeat (Elseberg 2010).
 
@@ -63,35 +69,28 @@ def global_segments(
 
     Parameters
     ----------
-    log : Log
     start : (k, 3) array, metres and radians, or None
         Poses to begin from; None takes the odometry (of a scan without, between its neighbours).
-    similar : float, metres
+    similar
         Segments are similar below this distance: 0.20 m are parallel walls 0.7 m apart.
-    angle : float, radians
-        Segments at a larger angle are not similar, below pi/2.
-    spread : float, metres
+    angle
+        Segments at a larger angle are not similar.
+    spread
         sigma^2 of 2.7, at last a tenth of it: 0.05 m begins with parallel walls 0.23 m apart at
         half their weight and ends with walls 0.02 m apart.
-    reach : float, metres
+    reach
         Way between kept scans, so that their views overlap.
-    rounds : int
+    rounds
         Turns and shifts at most so often in each stage.
-    min_length : float, metres
+    min_length
         Shorter segments are left out: noise decides their direction, and 2.8 lets them count as
         much as long ones.
-    search : GlobalSearch
 
     Returns
     -------
     Alignment
         `graph` holds the edges between kept scans; residuals are the root mean square distances of
-        end points from their feet over `sigma`, and a loop is an edge over more way than 2 `reach`.
-
-    Raises
-    ------
-    ValueError
-        For thresholds out of range, a start of the wrong shape or not finite.
+        end points from their feet over 3 cm, and a loop is an edge over more way than 2 `reach`.
 
     Examples
     --------
@@ -99,12 +98,7 @@ def global_segments(
     >>> global_segments(load("room"))
     Alignment(global_segments: 61 scans, 61 used)
     """
-    lengths = {"similar": similar, "spread": spread, "reach": reach, "min_length": min_length}
-    arrays.positive("metres", **lengths)
-    slips.check_lengths(**lengths)
-    arrays.number(angle, "angle", above=0, below=np.pi / 2, unit="radians")
-    arrays.instance(search, "search", GlobalSearch)
-    rules = Rules(similar, angle, spread, arrays.whole(rounds, "rounds"), search)
+    rules = Rules(similar, angle, spread, rounds)
     guess = initial_poses(log, start)
     if guess is None:
         return Outcome(np.zeros((len(log), 3)), ["", *[NO_ODOMETRY] * len(log)][: len(log)])
@@ -192,14 +186,11 @@ def _align_kept(
         edges = _overlapping(scans, poses, way, window, stage)
         poses = equations.settled(scans, poses, edges, held, stage)
         pairs, edge = equations.corresponding(scans.world(poses), scans.first, edges, stage)
-        group = equations.groups(pairs.i, pairs.j, len(poses))
+        group = groups(pairs.i, pairs.j, len(poses))
         poses = _hung_groups(poses, group, guess)
-    why = _doubts(scans, poses, pairs, rules.search.across)
+    why = _doubts(scans, poses, pairs)
     begins = np.sort(np.unique(group, return_index=True)[1])[1:]
-    apart, again = (
-        _torn(poses, group, guess, rules),
-        _doubled(scans, poses, edges[edge], rules.search),
-    )
+    apart, again = _torn(poses, group, guess, rules), _doubled(scans, poses, edges[edge])
     marks = [(begins, NOTHING_SHARED), (apart, TORN), (_beyond(group, apart), BEYOND)]
     for marked, reason in [*marks, (again, DOUBLED)]:
         for k in marked:
@@ -208,10 +199,9 @@ def _align_kept(
     square = (equations.feet(scans.world(poses), pairs)[0] ** 2).sum(-1).reshape(4, -1).mean(0)
     total, weight = np.bincount(owner, pairs.weight * square), np.bincount(owner, pairs.weight)
     i, j = edges[joined].T
-    residuals = np.sqrt(total / weight) / rules.search.sigma
-    graph = Graph(
-        edges[joined], between(poses[i], poses[j]), way[j] - way[i] > 2 * reach, residuals
-    )
+    residuals = np.sqrt(total / weight) / SIGMA
+    loop = way[j] - way[i] > 2 * reach
+    graph = Graph(edges[joined], between(poses[i], poses[j]), loop, residuals)
     return poses, graph, ["", *why[1:]]
 
 
@@ -252,7 +242,7 @@ def _align_rest(
     for stage in rules.finer():
         poses = equations.settled(scans, poses, edges, held, stage)
     pairs, _ = equations.corresponding(scans.world(poses), scans.first, edges, stage)
-    reasons = _doubts(scans, poses, pairs, rules.search.across)
+    reasons = _doubts(scans, poses, pairs)
     for k, before in zip(rest, place - 1, strict=True):
         broken = found[before] in (BEYOND, TORN, NOTHING_SHARED)
         reasons[k] = reasons[k] or (BEYOND if broken else "")
@@ -261,14 +251,14 @@ def _align_rest(
     return poses, reasons
 
 
-def _doubts(scans: Scans, poses: Array, pairs: Pairs, across: float) -> list[str]:
+def _doubts(scans: Scans, poses: Array, pairs: Pairs) -> list[str]:
     """What speaks against each pose, by the segments that it rests on; empty where nothing does."""
     count, world = len(poses), scans.world(poses)
     both, weight = np.r_[pairs.i, pairs.j], np.tile(pairs.weight, 2)
     whole = np.bincount(both, weight, count)
     ways = weight * np.exp(2j * angle_of(world[np.r_[pairs.u, pairs.v]]))
     total = np.bincount(both, ways.real, count) + 1j * np.bincount(both, ways.imag, count)
-    one_way = (whole - np.abs(total)) / 2 < across * whole
+    one_way = (whole - np.abs(total)) / 2 < ACROSS * whole
     marks = zip(whole > 0, one_way, strict=True)
     return [NOTHING_SHARED if not some else ONE_DIRECTION if one else "" for some, one in marks]
 
@@ -288,12 +278,12 @@ def _beyond(group: Indices, torn: Indices) -> Indices:
     return np.flatnonzero(label != np.bincount(label).argmax())
 
 
-def _doubled(scans: Scans, poses: Array, joined: Indices, search: GlobalSearch) -> Indices:
+def _doubled(scans: Scans, poses: Array, joined: Indices) -> Indices:
     """Scans at the position of an earlier one, looking the same way, that share nothing with it."""
     count = np.diff(scans.first)
     i, j = np.triu_indices(len(poses), 1)
     step = poses[j] - poses[i]
-    same = np.hypot(step[:, 0], step[:, 1]) < search.place
-    same &= (np.abs(wrap(step[:, 2])) < search.view) & (np.minimum(count[i], count[j]) > 1)
+    same = np.hypot(step[:, 0], step[:, 1]) < PLACE
+    same &= (np.abs(wrap(step[:, 2])) < VIEW) & (np.minimum(count[i], count[j]) > 1)
     known = np.isin(i * len(poses) + j, joined[:, 0] * len(poses) + joined[:, 1])
     return np.unique(j[same & ~known])

@@ -1,16 +1,7 @@
 """Pose graphs: measured motions between poses, and the poses that fit all of them best."""
 
-from ._graph import (
-    SCALE,
-    Edge,
-    Graph,
-    Rejected,
-    deviations,
-    information,
-    residuals,
-    solve_graph,
-    stacked,
-)
-from ._solver import (
-    Solver,
-)
+from ._equations import Edge, stacked
+from ._graph import Graph, Rejected, deviations, groups, information, residuals, solve_graph
+from ._solver import SCALE, Solver, solve
+from ._spread import spread
+from ._ways import Ways

@@ -1,8 +1,9 @@
-"""Loops of the pose-graph solver: the equations of all edges (Grisetti et al. 2010)."""
+"""Kernels of the pose-graph solver: the equations of all edges (Grisetti et al. 2010)."""
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from collections.abc import Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,25 +15,29 @@ Indices = NDArray[np.int64]
 Flags = NDArray[np.bool_]
 
 
+class Edge(NamedTuple):
+    """A measured motion between two poses; or m of them, each field with a leading axis m."""
+
+    first: Any  # index of a pose: int, or (m,) int array
+    second: Any
+    relative: Array  # (3,): pose of the second in the frame of the first, metres and radians
+    information: Array  # (3, 3): inverse covariance of that motion
+    loop: Any = False  # whether it closes a loop; else it joins neighbours in time
+
+
+def stacked(edges: Sequence[Edge]) -> Edge:
+    """Several edges as one whose fields have a leading axis m."""
+    return Edge(*(np.array(field) for field in zip(*edges, strict=True)))
+
+
 class Edges(NamedTuple):
-    """m measured motions, and the equations that were made of them last.
+    """m edges, and the equations that were made of them last."""
 
-    Parameters
-    ----------
-    ends : (m, 2) int array
-    relative : (m, 3) array, metres and radians
-    information : (m, 3, 3) array
-    blocks : (m, 3, 9) array
-        Each edge's parts of the matrix: first and first, second and second, first and second.
-    made : (m, 4) array
-        What the blocks were made from: motion, metres, heading of the first, radians, and weight.
-    """
-
-    ends: Indices
+    ends: Indices  # (m, 2)
     relative: Array
     information: Array
-    blocks: Array
-    made: Array
+    blocks: Array  # (m, 3, 9): first and first, second and second, first and second
+    made: Array  # (m, 4), from what: motion, metres, heading of the first, radians, and weight
 
 
 @compiled

@@ -1,4 +1,4 @@
-"""Loops of the pose-graph solver: a sparse block Cholesky factor that is computed again in parts.
+"""Kernels of the pose-graph solver: a sparse block Cholesky factor that is computed again in parts.
 
 The matrix has a block of 3 x 3 for each pair of poses that an edge joins. Its factor is kept by
 columns. What changes in one column changes only its ancestors in the elimination tree (Davis 2006,
@@ -20,33 +20,17 @@ ROUNDING = 1e-15
 
 
 class Factor(NamedTuple):
-    """The factor of the matrix: `length[j]` blocks from `start[j]` on are column j.
+    """The factor of the matrix: `length[j]` blocks from `start[j]` on are column j."""
 
-    Parameters
-    ----------
-    column, pose : (n,) int array
-        Column of each pose, and pose of each column; the pose that is held, 0, has column 0.
-    head : (n,) int array
-        First slot of each pose, -1 for none. Slots 2 e and 2 e + 1 are the ends of edge e.
-    link : (2 m,) int array
-        Next slot of the same pose.
-    start, length : (n,) int array
-    rows : (c,) int array
-        Below the diagonal, ascending in each column; the first is the column's parent.
-    blocks : (c, 9) array
-    pivots : (n, 9) array
-        Inverse of the lower triangle on the diagonal.
-    """
-
-    column: Indices
-    pose: Indices
-    head: Indices
-    link: Indices
+    column: Indices  # of each pose; the pose that is held, 0, has column 0
+    pose: Indices  # of each column
+    head: Indices  # first slot of each pose, -1: none; slots 2 e and 2 e + 1 are the ends of edge e
+    link: Indices  # (2 m,): next slot of the same pose
     start: Indices
     length: Indices
-    rows: Indices
-    blocks: Array
-    pivots: Array
+    rows: Indices  # of blocks, ascending in each column; the first is the column's parent
+    blocks: Array  # (c, 9)
+    pivots: Array  # (n, 9): inverse of the lower triangle on the diagonal
 
 
 @compiled

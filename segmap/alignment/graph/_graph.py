@@ -5,36 +5,23 @@ Grisetti et al. (2010), "A tutorial on graph-based SLAM", with Cauchy weights.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ... import arrays
 from ...angles import wrap
-from ...arrays import Array
+from ...arrays import Array, Positive, at_least, at_most
 from ...poses.information import checked
 from ...poses.motions import between, compose
-from ._solver import ROUNDS, Solution, Solver
+from ._equations import Edge, Indices
+from ._solver import SCALE, solve
 
-#: Residuals of this many standard deviations have half the weight: nine of ten true edges are
-#: closed better, false loops are far beyond.
-SCALE = 3.0
 #: Covariance of the errors that matches of real scans have at least, whatever their Hessian says:
 #: 2 cm and 0.3 degrees (the bundled logs).
 REAL = np.diag([0.02, 0.02, np.radians(0.3)]) ** 2
-
-
-class Edge(NamedTuple):
-    """A measured motion between two poses; or m of them, each field with a leading axis m."""
-
-    first: Any  # index of a pose: int, or (m,) int array
-    second: Any
-    relative: Array  # (3,): pose of the second in the frame of the first, metres and radians
-    information: Array  # (3, 3): inverse covariance of that motion
-    loop: Any = False  # whether it closes a loop; else it joins neighbours in time
 
 
 class Rejected(NamedTuple):
@@ -60,11 +47,12 @@ class Graph:
     residuals : (m,) array
         Length of what the solution leaves of each edge, in standard deviations.
     rejected : tuple of Rejected
+        Loops that were proposed and not believed: first, second scan, and reason.
     information : (m, 3, 3) array or None
         Inverse covariance of each edge, metres and radians; None where the method has none.
     """
 
-    edges: NDArray[np.int64]
+    edges: Indices
     relative: Array
     loop: NDArray[np.bool_]
     residuals: Array
@@ -76,13 +64,14 @@ class Graph:
         return f"Graph({len(self.edges) - loops} steps, {loops} loops, {rejected} rejected)"
 
 
+@arrays.checked
 def solve_graph(
     poses: ArrayLike,
     edges: ArrayLike,
     relative: ArrayLike,
     *,
     information: ArrayLike | None = None,
-    scale: float = SCALE,
+    scale: Annotated[Positive, at_least(arrays.LEAST), at_most(np.inf)] = SCALE,
 ) -> Array:
     """Poses that fit measured motions best, the first scan held (Grisetti et al. 2010).
 
@@ -98,20 +87,15 @@ def solve_graph(
         Measured pose of the second in the frame of the first.
     information : (m, 3, 3) array or None
         Inverse covariances; None: 2 cm and 0.3 degrees for all.
-    scale : float
+    scale
         Edges left open by so many standard deviations have half the weight (Cauchy); `inf`: plain
         least squares.
-
-    Returns
-    -------
-    (k, 3) array, metres and radians
 
     Raises
     ------
     ValueError
-        For arrays of the wrong shape, values that are not finite, an edge to a scan that does not
-        exist, a scan that has edges but is not tied to the first one, a scale that is not positive;
-        for information that is negative, not symmetric, or leaves a pose free.
+        For an edge to a scan that does not exist, a scan that has edges but is not tied to the
+        first one; for information that is negative, not symmetric, or leaves a pose free.
 
     Examples
     --------
@@ -125,17 +109,20 @@ def solve_graph(
     """
     start = arrays.poses(poses)
     ends = arrays.table(edges, "edges", 2, unit="numbers of scans").astype(np.int64)
-    motion = arrays.poses(relative, "relative", count=len(ends))
-    weight = _information(information, len(ends))
-    arrays.number(scale, "scale", least=arrays.LEAST, most=np.inf)
-    if not len(ends):
+    m, motion = len(ends), arrays.poses(relative, "relative", count=len(ends))
+    real = np.broadcast_to(np.linalg.inv(REAL), (m, 3, 3))
+    weight = real if information is None else checked(information, m)
+    if not m:
         return start
     if ends.min() < 0 or ends.max() >= len(start):
         got = f"{ends.min()} to {ends.max()}"
         raise ValueError(f"edges must name scans 0 to {len(start) - 1}, got {got}")
     key, index = np.unique(ends, return_inverse=True)
     first, second = index.reshape(-1, 2).T
-    _check_tied(key, first, second)
+    group = groups(first, second, len(key))
+    if (apart := np.flatnonzero(group != group[0])).size:
+        scan = int(key[apart[0]])
+        raise ValueError(f"edges must tie all scans to the first; scan {scan} is not tied to it")
     try:
         solved = solve(start[key], Edge(first, second, motion, weight), scale=scale).poses
     except np.linalg.LinAlgError:
@@ -146,30 +133,13 @@ def solve_graph(
     return compose(solved[on], between(start[key[on]], start))
 
 
-def _information(value: ArrayLike | None, m: int) -> Array:
-    """Information of m edges `(m, 3, 3)`, as given or as matches of real scans have it."""
-    if value is None:
-        return np.broadcast_to(np.linalg.inv(REAL), (m, 3, 3))
-    return checked(value, m)
-
-
-def _check_tied(
-    key: NDArray[np.int64], first: NDArray[np.int64], second: NDArray[np.int64]
-) -> None:
-    """Refuse a scan of which the edges say nothing relative to the first."""
+def groups(first: Indices, second: Indices, count: int) -> Indices:
+    """For each of so many poses, which group of those that edges join it belongs to, `(n,)`."""
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
 
-    graph = coo_array((np.ones(len(first)), (first, second)), shape=(len(key), len(key)))
-    group = connected_components(graph, directed=False)[1]
-    if (apart := np.flatnonzero(group != group[0])).size:
-        scan = int(key[apart[0]])
-        raise ValueError(f"edges must tie all scans to the first; scan {scan} is not tied to it")
-
-
-def stacked(edges: Sequence[Edge]) -> Edge:
-    """Several edges as one whose fields have a leading axis m."""
-    return Edge(*(np.array(field) for field in zip(*edges, strict=True)))
+    graph = coo_array((np.ones(len(first)), (first, second)), shape=(count, count))
+    return np.asarray(connected_components(graph, directed=False)[1], np.int64)
 
 
 def information(covariance: Array) -> Array:
@@ -188,10 +158,3 @@ def deviations(poses: Array, edges: Edge) -> Array:
     """Lengths of the residuals in standard deviations (Mahalanobis distances), `(m,)`."""
     r = residuals(poses, edges)
     return np.sqrt(np.maximum(np.einsum("...i,...ij,...j", r, edges.information, r), 0.0))
-
-
-def solve(poses: Array, edges: Edge, *, rounds: int = ROUNDS, scale: float = SCALE) -> Solution:
-    """Poses `(n, 3)` that fit m edges best, and `converged`, as `Solver.solve` has them."""
-    solver = Solver(scale)
-    solver.add(edges)
-    return solver.solve(poses, rounds=rounds)

@@ -7,18 +7,18 @@ may be added: then only the columns that they change are computed again, as in i
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from ...angles import wrap
 from ...arrays import Array
-from ._equations import Edges, Flags, Indices, linearise
+from ._equations import Edge, Edges, Indices, linearise
 from ._factor import Factor, factorise, find_structure, substitute
 
-if TYPE_CHECKING:
-    from ._graph import Edge
-
+#: Residuals of this many standard deviations have half the weight: nine of ten true edges are
+#: closed better, false loops are far beyond.
+SCALE = 3.0
 #: Rounds are at most so many: what is solved takes three to fifteen.
 ROUNDS = 30
 #: Steps of the solver end where no pose moves by more than this, metres and radians: a hundredth of
@@ -60,19 +60,11 @@ class Step(NamedTuple):
 class Solver:
     """Solves for poses `(n, 3)` again and again as edges come in; the first pose is held.
 
-    Parameters
-    ----------
-    scale : float
-        Edges left open by so many standard deviations have half the weight; `inf`: all the same.
-
-    Attributes
-    ----------
-    columns : int
-        Columns of the factor that were computed so far: what the work is measured by.
+    Edges left open by `scale` standard deviations have half the weight; `inf`: all the same.
     """
 
-    def __init__(self, scale: float) -> None:
-        self.scale, self.columns = scale, 0
+    def __init__(self, scale: float = SCALE) -> None:
+        self.scale, self.columns = scale, 0  # columns of the factor that were computed so far
         self._count, self._used, self._ordered = 0, 0, 0
         self._edges = Edges(
             np.empty((0, 2), np.int64),
@@ -107,16 +99,29 @@ class Solver:
         what the new edges change. Raises LinAlgError where information leaves a pose free.
         """
         poses = before = poses.copy()
-        self._prepare(len(poses))
+        factor, n = self._prepared(len(poses)), len(poses)
+        edges, changed = self._all(), self._changed
         keep = STALE if lazily else ALL
         step, loss = Step(keep), np.inf
         for count in range(1, rounds + 1):
-            now, gradient = self._equations(poses, step)
+            # 1. Half the loss and its gradient; equations that are stale are made anew
+            gradient, bent = np.zeros((n, 3)), BENT if step.curved else 0.0
+            room = np.empty((6, 3))
+            now = linearise(poses, edges, self.scale, bent, step.stale, gradient, changed, room)
+            gradient[0] = 0.0
             if step.curved and now > loss * (1 + SAME) + SAME * len(self):
                 poses, step = before, Step(ALL, near=step.size / 4)
                 continue
-            self._factorise()
-            move = self._move(gradient)
+            # 2. The columns of the factor that these change
+            marked, lists = changed[factor.pose], np.empty((3, n), np.int64)
+            free = factorise(factor, edges, marked, np.zeros((n, 9)), lists)
+            if free >= 0:
+                raise np.linalg.LinAlgError(f"the information leaves pose {free} free")
+            self.columns += int(marked.sum())
+            changed[:] = False
+            # 3. The step
+            move = np.empty((n, 3))
+            substitute(factor, gradient, move)
             before, loss, poses = poses, now, poses + move
             poses[:, 2] = wrap(poses[:, 2])
             size = float(np.abs(move).max(initial=0.0))
@@ -125,43 +130,16 @@ class Solver:
             step = Step(keep, size < step.near, step.near, size)
         return Solution(poses, False, rounds)
 
-    def _equations(self, poses: Array, step: Step) -> tuple[float, Array]:
-        """Half the loss and its gradient `(n, 3)`; what is stale is made anew."""
-        gradient, edges = np.zeros((len(poses), 3)), self._all()
-        bent = BENT if step.curved else 0.0
-        loss = linearise(
-            poses, edges, self.scale, bent, step.stale, gradient, self._changed, np.empty((6, 3))
-        )
-        gradient[0] = 0.0
-        return loss, gradient
-
-    def _factorise(self) -> None:
-        """Bring the factor up to date."""
-        assert self._factor is not None
-        marked, n = self._changed[self._factor.pose], len(self._changed)
-        work, lists = np.zeros((n, 9)), np.empty((3, n), np.int64)
-        free = factorise(self._factor, self._all(), marked, work, lists)
-        if free >= 0:
-            raise np.linalg.LinAlgError(f"the information leaves pose {free} free")
-        self.columns += int(marked.sum())
-        self._changed[:] = False
-
-    def _move(self, gradient: Array) -> Array:
-        assert self._factor is not None
-        move = np.empty_like(gradient)
-        substitute(self._factor, gradient, move)
-        return move
-
     def _all(self) -> Edges:
         """The edges without the room for more."""
         parts: Any = (field[: self._count] for field in self._edges)
         return Edges(*parts)
 
-    def _prepare(self, n: int) -> None:
-        """Give the factor n columns, and the rows that all edges need."""
+    def _prepared(self, n: int) -> Factor:
+        """The factor with n columns, and the rows that all edges need."""
         f, ends = self._factor, self._edges.ends[: self._count]
         if f is not None and len(f.pose) == n and len(f.link) == 2 * len(ends):
-            return
+            return f
         if f is None or n - self._ordered > LATE + LATE_PART * n:
             f, used, changed = _ordered(n, ends), 0, np.ones(n, np.bool_)
             self._ordered = n
@@ -176,6 +154,14 @@ class Solver:
             f = f._replace(rows=_longer(f.rows, room), blocks=_longer(f.blocks, room))
         self._changed, self._used = changed, found
         self._factor = f  # last: until then an interrupt leaves the one before in use
+        return f
+
+
+def solve(poses: Array, edges: Edge, *, rounds: int = ROUNDS, scale: float = SCALE) -> Solution:
+    """Poses `(n, 3)` that fit m edges best, and `converged`, as `Solver.solve` has them."""
+    solver = Solver(scale)
+    solver.add(edges)
+    return solver.solve(poses, rounds=rounds)
 
 
 def _longer(array: Any, count: int) -> Any:
@@ -186,40 +172,22 @@ def _longer(array: Any, count: int) -> Any:
 
 
 def _ordered(n: int, ends: Indices) -> Factor:
-    """An empty factor of n poses, in an order that keeps it sparse."""
-    column = _least_degree(n, ends)
-    head, link = _linked(n, ends)
-    return Factor(
-        column,
-        np.argsort(column),
-        head,
-        link,
-        np.zeros(n, np.int64),
-        np.zeros(n, np.int64),
-        np.zeros(8 * n, np.int64),
-        np.zeros((8 * n, 9)),
-        np.zeros((n, 9)),
-    )
-
-
-def _least_degree(n: int, ends: Indices) -> Indices:
-    """Place of each pose in an order of minimum degree; the pose that is held comes first."""
+    """An empty factor of n poses, in an order of minimum degree; the pose held comes first."""
     from scipy.sparse import coo_array, diags_array
     from scipy.sparse.linalg import splu
 
-    first, second = ends[_joins(ends)].T - 1
+    joins = (ends > 0).all(1) & (ends[:, 0] != ends[:, 1])  # two poses that are free
+    first, second = ends[joins].T - 1
     joined = coo_array((np.full(len(first), -1.0), (first, second)), shape=(n - 1, n - 1))
     degree = np.bincount(np.r_[first, second], minlength=n - 1)
     matrix = (joined + joined.T + diags_array(degree + 1.0)).tocsc()
     symmetric = {"SymmetricMode": True}
     factors = splu(matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=symmetric)
-    return np.r_[0, factors.perm_c.astype(np.int64) + 1]
-
-
-def _joins(ends: Indices) -> Flags:
-    """Whether an edge joins two poses that are free."""
-    found: Flags = (ends > 0).all(1) & (ends[:, 0] != ends[:, 1])
-    return found
+    column = np.r_[0, factors.perm_c.astype(np.int64) + 1]
+    start, length, rows = (np.zeros(m, np.int64) for m in (n, n, 8 * n))
+    blocks, pivots = np.zeros((8 * n, 9)), np.zeros((n, 9))
+    slots = _linked(n, ends)
+    return Factor(column, np.argsort(column), *slots, start, length, rows, blocks, pivots)
 
 
 def _linked(n: int, ends: Indices) -> tuple[Indices, Indices]:

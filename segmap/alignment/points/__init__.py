@@ -1,15 +1,5 @@
 """Points of walls to match scans with: by search in a window, and by point-to-line ICP."""
 
-from ._match import (
-    PointStep,
-    match_points,
-    point_steps,
-)
-from ._point_kernels import (
-    place_clouds,
-)
-from ._point_map import (
-    FAR,
-    PointMap,
-    in_range,
-)
+from ._match import PointStep, match_points, point_steps
+from ._point_kernels import place_clouds
+from ._point_map import FAR, PointMap, in_range

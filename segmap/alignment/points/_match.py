@@ -11,19 +11,20 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ... import arrays
-from ...arrays import Array, slips
+from ...arrays import Array, Metres, Share, checked
 from ...poses import transform
 from .._result import Match, no_match
 from ._point_map import LAST, ROUNDS, SAMPLE, PointMap, in_range
 
 
+@checked
 def match_points(
     reference: ArrayLike,
     current: ArrayLike,
     start: ArrayLike = (0.0, 0.0, 0.0),
     *,
-    reach: float = 0.6,
-    overlap: float = 0.4,
+    reach: Metres = 0.6,
+    overlap: Share = 0.4,
 ) -> Match:
     """Pose of one scan in the frame of another, by point-to-line ICP (A 2.5.1; Censi 2008).
 
@@ -39,9 +40,9 @@ def match_points(
         of the current scan farther than 100 m from its origin are left out.
     start : (3,) array, metres and radians
         Supposed pose of the current scan in the frame of the reference.
-    reach : float, metres
+    reach
         How far partners are sought at first: more than the start may be wrong by.
-    overlap : float
+    overlap
         Share of the points that must find a partner within 0.12 m in the end.
 
     Returns
@@ -49,19 +50,13 @@ def match_points(
     Match
         With the covariance that the Hessian gives, and `free` where a direction is not fixed.
 
-    Raises
-    ------
-    ValueError
-        For arrays of another shape, coordinates that are not finite, thresholds out of range.
-
     Examples
     --------
     >>> corner = np.array([(0.1 * k, 0) for k in range(30)] + [(0, 0.1 * k) for k in range(30)])
     >>> match_points(corner, corner - (0.05, 0.02))
     Match(0.05 m, 0.02 m, 0 deg, overlap 1.00)
     """
-    before, now, begin = _checked(reference, current, start, reach)
-    arrays.number(overlap, "overlap", least=0, most=1)
+    before, now, begin = _given(reference, current, start)
     if min(len(before), len(now)) < 6:
         return no_match(begin, f"too few points: {len(before)} and {len(now)}")
     return PointMap(before).register(now, begin, reach=reach, overlap=overlap)
@@ -74,7 +69,7 @@ class PointStep(NamedTuple):
     ----------
     pose : (3,) array, metres and radians
         Of the current scan in the frame of the reference.
-    reach : float, metres
+    reach
         How far partners were sought.
     points : (m, 2) array, metres
         Those points of the current scan, so placed, that have a wall within reach.
@@ -102,31 +97,20 @@ class PointStep(NamedTuple):
         return f"PointStep({where}, {len(self.points)} points within {self.reach:.2g} m)"
 
 
+@checked
 def point_steps(
     reference: ArrayLike,
     current: ArrayLike,
     start: ArrayLike = (0.0, 0.0, 0.0),
     *,
-    reach: float = 0.6,
+    reach: Metres = 0.6,
 ) -> list[PointStep]:
     """What `match_points` does, step by step, from the start to where it ends (A 2.5.1).
-
-    Parameters
-    ----------
-    reference, current : (n, 2) and (m, 2) arrays, metres
-    start : (3,) array, metres and radians
-    reach : float, metres
-        As in `match_points`.
 
     Returns
     -------
     list of PointStep
         The last has the pose of the match. At most one where fewer than six points find a wall.
-
-    Raises
-    ------
-    ValueError
-        As in `match_points`.
 
     Examples
     --------
@@ -137,7 +121,7 @@ def point_steps(
     >>> steps[-1]
     PointStep(0.05 m, 0.02 m, 0 deg, 56 points within 0.12 m)
     """
-    before, now, pose = _checked(reference, current, start, reach)
+    before, now, pose = _given(reference, current, start)
     if min(len(before), len(now)) < 6:
         return []
     map, steps = PointMap(before), []
@@ -155,12 +139,8 @@ def point_steps(
     return steps
 
 
-def _checked(
-    reference: ArrayLike, current: ArrayLike, start: ArrayLike, reach: float
-) -> tuple[Array, Array, Array]:
+def _given(reference: ArrayLike, current: ArrayLike, start: ArrayLike) -> tuple[Array, ...]:
     """Both clouds of points and the start, as the matcher takes them."""
-    arrays.positive("metres", reach=reach)
-    slips.check_lengths(reach=reach)
     now = arrays.points(current, "current")
     before, begin = arrays.points(reference, "reference"), arrays.pose(start, "start")
     return before, now[in_range(now)], begin

@@ -1,4 +1,4 @@
-"""Loops of point-to-line ICP: points in cells, normals of walls, partners of points, descent."""
+"""Kernels of point-to-line ICP: points in cells, normals of walls, partners of points, descent."""
 
 from __future__ import annotations
 

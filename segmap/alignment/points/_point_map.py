@@ -47,7 +47,7 @@ FAR = 100.0
 
 
 class Descent(NamedTuple):
-    """Where point-to-line ICP stands: what `_point_kernels.point_to_line` writes and returns."""
+    """Where point-to-line ICP stands: what `point_to_line` writes and returns."""
 
     pose: Array  # (3,), metres and radians
     rows: Array  # (m, 6): residuals before the last step
@@ -60,14 +60,10 @@ class Descent(NamedTuple):
 
 
 class PointMap:
-    """A point cloud of walls to match scans with.
+    """A point cloud of walls, `(n, 2)`, metres, at least one, to match scans with.
 
-    Parameters
-    ----------
-    points : (n, 2) array, metres
-        At least one; order does not matter.
-    viewpoints : (n, 2) array, metres, or None
-        Where each was seen from: then the far side of a thin wall is not taken for its near side.
+    `viewpoints` says where each point was seen from: then the far side of a thin wall is not taken
+    for its near side.
     """
 
     def __init__(self, points: Array, viewpoints: Array | None = None) -> None:
@@ -100,20 +96,8 @@ class PointMap:
     ) -> Match:
         """Point-to-line ICP from a start (Censi 2008; A 2.5.1: Lu and Milios 1997).
 
-        Parameters
-        ----------
-        current : (m, 2) array, metres
-            A scan's points in its own frame.
-        start : (3,) array, metres and radians
-            Its supposed pose in the map's frame.
-        reach, last : float, metres
-            How far partners are sought at first and in the end.
-        overlap : float
-            Share of the points that must have a partner in the end.
-
-        Returns
-        -------
-        Match
+        Lays the points `(m, 2)` of a scan, in its own frame. Partners are sought within `reach`
+        metres at first and `last` in the end; then a share `overlap` of the points must have one.
         """
         if len(current) < 6:
             return no_match(start, f"the scan has only {len(current)} points")
@@ -122,8 +106,12 @@ class PointMap:
             return no_match(start, f"only {len(found.rows)} points lie near walls", found.near)
         if found.near < overlap:
             return no_match(start, "too little of it lies on the map", found.near)
-        variance = INFLATION * found.sigma**2
-        covariance, free = _uncertainty(found.system, variance, _span(current))
+        # Along a direction that the walls do not fix, the match says nothing: one metre. In a round
+        # room it is the heading that they do not fix: that is no direction
+        covariance, scratch = np.empty((3, 3)), np.empty((2, 3, 3))
+        variance, span = INFLATION * found.sigma**2, _span(current)
+        x, y, shift = uncertainty(found.system, variance, span, scratch[0], scratch[1], covariance)
+        free = None if shift < SHIFT else np.array([x, y])
         return Match(found.pose, covariance, True, "", found.near, free)
 
     def descend(
@@ -192,24 +180,10 @@ class PointMap:
     ) -> tuple[Array | None, float]:
         """Best pose of a window about a start, wherever the descent would end (Olson 2009).
 
-        Parameters
-        ----------
-        current : (m, 2) array, metres
-        start : (3,) array, metres and radians
-        reach : float, metres, and turn : float, radians
-            Half sides of the window.
-        step : float, radians
-            Between headings; cells are 5 cm.
-        reach_cost : float
-            What a pose at the window's edge costs, so that of equals the nearest is taken.
-        least : float
-            A mean likelihood that the best has to exceed.
-
-        Returns
-        -------
-        pose : (3,) array or None
-        score : float
-            Mean likelihood of the points, 0 to 1, less what its distance costs.
+        `reach` and `turn` are half sides of the window, `step` lies between headings; cells are
+        5 cm. A pose at the window's edge costs `reach_cost`, so that of equals the nearest is
+        taken. Returns a pose `(3,)`, None where no mean likelihood exceeds `least`, and its score:
+        mean likelihood of the points, 0 to 1, less what its distance costs.
         """
         begin, k = np.array(start, float), int(np.ceil(turn / step))
         points = np.ascontiguousarray(current[:: 1 + len(current) // SAMPLE])
@@ -241,14 +215,3 @@ def _span(current: Array) -> float:
     """Root mean square distance of points `(m, 2)` from the robot, metres."""
     flat = current.ravel()
     return math.sqrt(float(flat @ flat) / len(current)) + 1e-9
-
-
-def _uncertainty(system: Array, variance: float, span: float) -> tuple[Array, Array | None]:
-    """Covariance `(3, 3)`, and the direction `(2,)` that the walls do not fix, if there is one.
-
-    Along such a direction the standard deviation is one metre: the match says nothing of it. In a
-    round room it is the heading that they do not fix: that is no direction.
-    """
-    covariance, scratch = np.empty((3, 3)), np.empty((2, 3, 3))
-    x, y, shift = uncertainty(system, variance, span, scratch[0], scratch[1], covariance)
-    return covariance, None if shift < SHIFT else np.array([x, y])

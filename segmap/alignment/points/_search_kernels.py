@@ -1,4 +1,4 @@
-"""Loops of the correlative search: the pose of a window at which a scan lies best on a map.
+"""Kernels of the correlative search: the pose of a window at which a scan lies best on a map.
 
 Olson (2009), with the branch and bound of Hess et al. (2016).
 """

@@ -1,4 +1,4 @@
-"""Loops of one step of point-to-line ICP: weighted normal equations, and their principal axes."""
+"""Kernels of one step of point-to-line ICP: weighted normal equations, and their principal axes."""
 
 from __future__ import annotations
 

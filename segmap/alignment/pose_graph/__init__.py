@@ -1,17 +1,6 @@
 """Pose graph: each scan on a map of the last key frames, loops closed, all poses solved."""
 
-from ._front_end import (
-    FrontEnd,
-)
-from ._parts import (
-    align_parts,
-)
-from ._pose_graph import (
-    LiveGraph,
-    Placed,
-    pose_graph,
-)
-from ._settings import (
-    LoopClosing,
-    Tracking,
-)
+from ._front_end import FrontEnd, Tracking
+from ._loop_closing import LoopClosing
+from ._parts import align_parts
+from ._pose_graph import LiveGraph, Placed, pose_graph

@@ -3,24 +3,56 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ...arrays import Array
+from ...arrays import Array, Count, Metres, Positive, Radians, Settings
 from ...poses.motions import between, compose
 from ...scans import LaserScan
 from ...threads import in_threads
-from .._result import Match, Outcome, Trail, no_match
-from ..graph import Graph, Rejected, deviations, stacked
+from .._result import SURE, Match, Outcome, Trail, no_match
+from ..graph import Edge, Graph, Rejected, deviations, groups, spread, stacked
 from ..points import PointMap, in_range
-from ._doubt import LOOSE, judged, sentence, spread, untied
 from ._key_frames import KeyFrames
-from ._settings import Tracking
 
 #: From a map, a scan's points `(m, 2)` and a guess `(3,)` to the match.
 Matcher = Callable[[PointMap, Array, Array], Match]
+
+#: Share of a scan that must lie on the map where it is found again without odometry.
+REGAINED = 0.6
+#: Standard deviation of the odometry along a direction that a match leaves free, metres.
+ALONG_ERROR = 0.2
+#: At last each scan is laid on the map of so many key frames within so many metres: more of them,
+#: and those of all passes, since the loops have brought these together.
+AROUND, NEAR = 15, 4.0
+#: Loops that stay open by this many standard deviations contradict the rest.
+OPEN = 5.0
+#: Why a scan is not used although it matched.
+LOOSE = "neither walls nor odometry say how far it went"
+UNTIED = "no match ties it to the rest"
+
+
+@dataclass(frozen=True)
+class Tracking(Settings):
+    """How each scan is laid on the map of the last key frames.
+
+    Parameters
+    ----------
+    frames
+        Key frames of the local map: one holds too little of what the next scan sees.
+    overlap
+        Share of a scan's points that must lie on the map: less where many people walk about.
+    step_error, turn_error
+        Standard deviations of the odometry between key frames where nothing matched: less for good
+        wheels.
+    """
+
+    frames: Count = 10
+    overlap: Positive = 0.4
+    step_error: Metres = 0.5
+    turn_error: Radians = np.pi / 9  # 20 degrees
 
 
 class FrontEnd:
@@ -41,45 +73,31 @@ class FrontEnd:
         """Lay a scan on the local map, or carry it by the expected step: in the last key frame."""
         points, before = _seen(scan), self.offset[-1]
         self.trail.add(scan)
-        guess = compose(before, self._step())
-        if self.local is None or len(points) < 6:
+        measured = self.trail.measured(len(self.scans))
+        # A motion that goes on from match to false match grows until it is many metres a scan:
+        # without odometry the robot stands after a scan that did not match
+        lost = self.trail.reasons[-1] not in ("", LOOSE)
+        step = np.zeros(3) if lost and not measured else self.trail.step()
+        guess, map, loose = compose(before, step), self.local, False
+        if map is None or len(points) < 6:
             match = no_match(guess, "too few points")
         else:
-            match = self.matcher(self.local, points, guess)
-            if not match.matched and not self.trail.measured(len(self.trail.poses)):
-                match = self._at_any_heading(match, points, before)
+            match = self.matcher(map, points, guess)
+            if not match.matched and not measured:  # at any heading, near the last place
+                start, _ = map.search(points, before, reach=0.5, turn=np.pi, least=0.5)
+                if start is not None:
+                    found = map.register(points, start, overlap=REGAINED)
+                    match = found if found.matched and found.free is None else match
+            if match.free is not None and not measured:
+                loose = not map.has_wall_facing(match.free, points, match.pose)
         self.scans.append(scan)
         self.points = points
         self.frame.append(len(self.frames) - 1)
         self.offset.append(match.pose)
-        self.loose.append(self._is_loose(match))
-        reason = LOOSE if self.loose[-1] else match.reason
+        self.loose.append(loose)
+        reason = LOOSE if loose else match.reason
         self.trail.place(compose(self.trail.poses[-1], between(before, match.pose)), reason)
         return match
-
-    def _at_any_heading(self, match: Match, points: Array, place: Array) -> Match:
-        """Without odometry: a scan that did not match, sought near the last place once more."""
-        assert self.local is not None
-        start, _ = self.local.search(points, place, reach=0.5, turn=np.pi, least=0.5)
-        if start is None:
-            return match
-        found = self.local.register(points, start, overlap=self.rules.least)
-        return found if found.matched and found.free is None else match
-
-    def _step(self) -> Array:
-        """Expected motion to the last scan; none after a scan that did not match, without odometry.
-
-        A motion that goes on from match to false match grows until it is many metres a scan.
-        """
-        lost = self.trail.reasons[-1] not in ("", LOOSE)
-        stands = lost and not self.trail.measured(len(self.trail.poses))
-        return np.zeros(3) if stands else self.trail.step()
-
-    def _is_loose(self, match: Match) -> bool:
-        """Whether the walls leave a direction free and no odometry says how far the robot went."""
-        if match.free is None or self.local is None or self.trail.measured(len(self.scans) - 1):
-            return False
-        return not self.local.has_wall_facing(match.free, self.points, match.pose)
 
     def needs_frame(self, step: float, turn: float) -> bool:
         """Whether the last scan is farther from its key frame, or the first to have points."""
@@ -91,10 +109,9 @@ class FrontEnd:
         """Make the last scan the newest key frame, at its match."""
         scan = len(self.scans) - 1
         step, turn = self.rules.step_error, self.rules.turn_error
-        weak = np.diag([step, step, turn]) ** 2
-        covariance = match.covariance if match.matched else weak
+        covariance = match.covariance if match.matched else np.diag([step, step, turn]) ** 2
         if match.matched and match.free is not None and self.trail.measured(scan):
-            along = np.array([*match.free, 0.0]) / self.rules.along_error
+            along = np.array([*match.free, 0.0]) / ALONG_ERROR
             covariance = np.linalg.inv(np.linalg.inv(covariance) + np.outer(along, along))
         self.frames.add(scan, self.points, match.pose, covariance)
         self.tied.append(match.matched and not self.loose[scan])
@@ -109,28 +126,26 @@ class FrontEnd:
 
     def refine(self) -> None:
         """Lay each scan between key frames on the map of all that are near, whenever those were."""
-        keys, own, rules = np.array(self.frames.scan), np.array(self.frame), self.rules
+        keys, own = np.array(self.frames.scan), np.array(self.frame)
         others = np.flatnonzero(keys[own] != np.arange(len(own)))
-        around = self.frames.neighbourhoods(rules.around, rules.near)
-        groups = np.split(others, np.flatnonzero(np.diff(own[others])) + 1)
-        refined = in_threads(lambda scans: self._refined(scans, around), groups)
-        for scans, found in zip(groups, refined, strict=True):
+        around = self.frames.neighbourhoods(AROUND, NEAR)
+
+        def refined(scans: NDArray[np.int64]) -> list[Array]:
+            """Poses of scans of one key frame in it, by the map of those around it."""
+            frame, found = self.frame[scans[0]] if len(scans) else 0, []
+            map = self.frames.map_of(around(frame), frame)
+            for scan in scans:
+                points, offset = _seen(self.scans[scan]), self.offset[scan]
+                if map is not None and len(points) >= 6:
+                    match = map.register(points, offset, overlap=self.rules.overlap)
+                    offset = match.pose if match.matched else offset
+                found.append(offset)
+            return found
+
+        by_frame = np.split(others, np.flatnonzero(np.diff(own[others])) + 1)
+        for scans, found in zip(by_frame, in_threads(refined, by_frame), strict=True):
             for scan, offset in zip(scans, found, strict=True):
                 self.offset[scan] = offset
-
-    def _refined(
-        self, scans: NDArray[np.int64], around: Callable[[int], NDArray[np.int64]]
-    ) -> list[Array]:
-        """Poses of scans of one key frame in it, by the map of those around it."""
-        frame, found = self.frame[scans[0]] if len(scans) else 0, []
-        map = self.frames.map_of(around(frame), frame)
-        for scan in scans:
-            points, offset = _seen(self.scans[scan]), self.offset[scan]
-            if map is not None and len(points) >= 6:
-                match = map.register(points, offset, overlap=self.rules.overlap)
-                offset = match.pose if match.matched else offset
-            found.append(offset)
-        return found
 
     def poses(self) -> Array:
         """Poses of all scans so far, `(k, 3)` array, metres and radians."""
@@ -152,15 +167,15 @@ class FrontEnd:
 
     def outcome(self, rejected: Sequence[Rejected] = ()) -> Outcome:
         """Poses, reasons and standard deviations of all scans, the graph, and what it doubts."""
-        graph, frame = self.graph(rejected), np.array(self.frame)
-        if graph is None:
-            reasons, far = tuple(self.trail.reasons), np.zeros(len(frame))
-            return Outcome(self.poses(), reasons, None, sentence(reasons, far, far[:0]), far)
-        weight = np.bincount(frame, minlength=len(self.frames)).astype(float)
-        far = spread(self.frames.poses, stacked(self.frames.edges), weight)[frame]
-        apart = untied(self.tied, self.frames.edges, weight)[frame]
-        reasons = judged(self.trail.reasons, apart)
-        left = graph.residuals[graph.loop]
+        graph, frame, reasons = self.graph(rejected), np.array(self.frame), self.trail.reasons
+        far, left = np.zeros(len(frame)), np.zeros(0)
+        if graph is not None:
+            weight = np.bincount(frame, minlength=len(self.frames)).astype(float)
+            far = spread(self.frames.poses, stacked(self.frames.edges), weight)[frame]
+            apart = untied(self.tied, self.frames.edges, weight)[frame]
+            both = zip(reasons, apart, strict=True)
+            reasons = [own or (UNTIED if alone else "") for own, alone in both]
+            left = graph.residuals[graph.loop]
         doubt = sentence(reasons, far, left, converged=self.frames.converged)
         return Outcome(self.poses(), reasons, graph, doubt, far)
 
@@ -171,31 +186,33 @@ def _seen(scan: LaserScan) -> Array:
     return points[in_range(points)]
 
 
-def search_and_register(
-    map: PointMap, points: Array, guess: Array, window: float, angle: float, rules: Tracking
-) -> Match:
-    """Search about a guess and descend from there; in twice the window where little fits.
+def untied(tied: Sequence[bool], edges: Sequence[Edge], weight: Array) -> NDArray[np.bool_]:
+    """Which of n poses no edge that a match made ties to the largest group of them.
 
-    Along a direction that no wall faces the match keeps what the guess says.
+    `tied` says so of the step to each pose; loops always do. `weight` counts the scans of each.
     """
-    best = no_match(guess, "nothing like it near")
-    for factor in (1.0, 2.0):
-        match = best
-        start, _ = map.search(points, guess, reach=factor * window, turn=factor * angle)
-        if start is not None:
-            match = map.register(points, start, overlap=rules.overlap)
-            x, y, heading = between(start, match.pose)
-            if np.hypot(x, y) > rules.slide or abs(heading) > rules.slide_angle:
-                match = no_match(start, "it slides over the map", match.overlap)
-        if match.overlap > (
-            0.0 if factor == 1.0 else max(best.overlap + rules.better, rules.least)
-        ):
-            best = match
-        if best.matched and best.overlap > rules.sure:
-            break
-    if not best.matched:
-        return no_match(guess, best.reason, best.overlap)
-    if best.free is None or map.has_wall_facing(best.free, points, best.pose):
-        return best
-    along = best.free @ (guess[:2] - best.pose[:2]) * best.free
-    return replace(best, pose=best.pose + (*along, 0.0))
+    sure = [edge for edge in edges if edge.loop or tied[edge.second]]
+    first, second = np.reshape([edge[:2] for edge in sure], (-1, 2)).T.astype(np.int64)
+    group = groups(first, second, len(tied))
+    return np.asarray(group != np.argmax(np.bincount(group, weight)))
+
+
+def sentence(reasons: Sequence[str], far: Array, left: Array, *, converged: bool = True) -> str:
+    """What to doubt of the whole, with numbers; empty where nothing is.
+
+    `left` is what the solution leaves of each loop, `(m,)`, in standard deviations.
+    """
+    count, said = len(reasons), []
+    if loose := sum(reason == LOOSE for reason in reasons):
+        said.append(f"at {loose} of {count} scans {LOOSE}")
+    if apart := sum(reason == UNTIED for reason in reasons):
+        said.append(f"no match ties {apart} of {count} scans to the rest")
+    if vague := int((far > SURE).sum()):
+        worst = int(np.argmax(far))
+        most = f"scan {worst} by {2 * far[worst]:.1f} m"
+        said.append(f"{vague} of {count} scans may be more than {2 * SURE} m off, {most}")
+    if wide := int((left > OPEN).sum()):
+        said.append(f"{wide} of {len(left)} loops stay open by over {OPEN:g} standard deviations")
+    if not converged:
+        said.append("the solver stopped before it came to an end")
+    return "; ".join(said)

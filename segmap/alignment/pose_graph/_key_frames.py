@@ -9,36 +9,23 @@ from numpy.typing import ArrayLike, NDArray
 
 from ...arrays import Array
 from ...poses.motions import between, compose
-from ..graph import SCALE, Edge, Solver, information, stacked
+from ..graph import Edge, Solver, information, stacked
 from ..points import FAR, PointMap, place_clouds
 
 Members = Sequence[int] | NDArray[np.int64]
 
 
 class KeyFrames:
-    """The scans that stand for the map, half a metre apart, with poses that loops still move.
-
-    Attributes
-    ----------
-    scan : list of int
-        Index in the log of each key frame.
-    points : list of (m, 2) arrays, metres, in the frame of the robot
-    poses : (n, 3) array, metres and radians
-    path : list of float, and along : (n,) array, metres
-        Path length from the start to each.
-    edges : list of Edge
-    converged : bool
-        Whether the last `optimize` came to an end; else the poses are not yet where edges fit best.
-    """
+    """The scans that stand for the map, half a metre apart, with poses that loops still move."""
 
     def __init__(self, points: Array, pose: Array) -> None:
-        self.scan = [0]
-        self.points = [points]
-        self.path = [0.0]
+        self.scan = [0]  # index in the log of each key frame
+        self.points = [points]  # of each, in the frame of the robot
+        self.path = [0.0]  # metres driven up to each
         self._poses, self._along = np.array([pose]), np.zeros(1)  # with room for more
         self.edges: list[Edge] = []
-        self.converged = True
-        self._solver = Solver(SCALE)
+        self.converged = True  # whether the last `optimize` came to an end: the poses fit best
+        self._solver = Solver()
         self._last: Edge | None = None  # of the edges that the solver has
 
     def __len__(self) -> int:
@@ -86,18 +73,15 @@ class KeyFrames:
 
         `lazily`, while the robot drives: only what new edges change is computed again.
         """
-        if self.edges:
-            self._hand_over()
-            self.poses, self.converged, _ = self._solver.solve(self.poses, lazily=lazily)
-
-    def _hand_over(self) -> None:
-        """Give the solver the edges that it lacks, or all to a new one where some were undone."""
+        if not self.edges:
+            return
         known = len(self._solver)
         if known and (known > len(self.edges) or self.edges[known - 1] is not self._last):
-            self._solver, known = Solver(SCALE), 0
+            self._solver, known = Solver(), 0  # some were undone: all anew
         if known < len(self.edges):
             self._solver.add(stacked(self.edges[known:]))
             self._last = self.edges[-1]
+        self.poses, self.converged, _ = self._solver.solve(self.poses, lazily=lazily)
 
     def neighbourhoods(self, most: int, reach: float) -> Callable[[int], NDArray[np.int64]]:
         """From a key frame to those that are nearest, at most so many, within a reach in metres."""

@@ -2,37 +2,108 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ...arrays import Array
+from ...arrays import Array, Count, Metres, Positive, Settings
 from ...poses.motions import between, compose
 from ...threads import in_threads
-from ..graph import Edge, Rejected, deviations, information, residuals, stacked
+from ..graph import Edge, Rejected, Ways, deviations, information, residuals, stacked
 from ..points import PointMap
-from ._settings import LoopClosing
-from ._ways import Ways
+from ._key_frames import KeyFrames
 
-if TYPE_CHECKING:
-    from ._key_frames import KeyFrames
-
+# Where loops are sought:
+#: Old places are proposed this much farther off than the window: they can be seen from there.
+BESIDE = 2.0
+#: Half side of the window in heading.
+TURN = np.radians(20)
 #: What a place looks like from any heading: shares of the points in rings up to this radius,
 #: metres, as three key frames before and after it see them.
 RINGS, RADIUS, VIEW = 16, 8.0, 3
+#: After a step that no match confirms the robot may be anywhere. The places that look most alike
+#: are then searched in this window at every heading, over a path of at most this length, metres.
+LOST_REACH, LOST_PATH = 2.0, 15.0
 #: Key frames that follow each other by less than this are one pass; so many passes are searched.
 GAP, PASSES = 3, 3
+#: Half sides of windows that the neighbours of an old key frame cover, metres. In larger ones the
+#: old map is made of those along as long a way: else the true place may lie where it has ended.
+COVERED = 2.5
 #: So many points of the new place are registered: more do not make it surer.
 SAMPLE = 750
-#: Accepted loops that a new one is compared with: older ones lie farther back than `stretch`.
-RECENT = 30
-#: Why a loop is not believed that no other, or too few, agree with.
-ALONE = "no other loop agrees with it"
-#: Half sides of windows that the neighbours of an old key frame cover, metres.
-COVERED = 2.5
 #: Maps of old places that are kept ready, for memory's sake.
 KEPT = 40
+# Which loops are believed:
+#: Two loops agree where going round both leaves less than this turn, radians, ...
+AGREED_ANGLE = np.radians(4)
+#: ... and are compared only where their ends lie within this path of each other, metres: beyond it
+#: the error of the path itself would count.
+STRETCH = 8.0
+#: Accepted loops that a new one is compared with: older ones lie farther back than `STRETCH`.
+RECENT = 30
+#: Other loops that must agree where the robot may be anywhere, since many rooms are built alike,
+#: and when the log ends. Then loops of one scan to passes farther apart than `STRETCH` count too.
+LOST_WITNESSES, LAST_WITNESSES = 5, 1
+#: A believed loop is so long a part of the way through the graph, metres, unless its standard
+#: deviation is larger than the second: along a corridor it fixes nothing.
+LOOP_PATH, VAGUE = 0.5, 0.2
+#: The graph is solved at once where a new loop turns its ends by more than this, radians.
+STRAIN_ANGLE = np.radians(0.5)
+#: Loops that the solution leaves open by more standard deviations are taken out at the end.
+CONTRADICTED = 15.0
+#: Why a loop is not believed that no other, or too few, agree with.
+ALONE = "no other loop agrees with it"
+
+
+@dataclass(frozen=True)
+class LoopClosing(Settings):
+    """How loops are sought, and which of them are believed.
+
+    Parameters
+    ----------
+    min_path
+        A loop is sought where the path since the old place is at least this long: before that the
+        place is still on the local map.
+    reach, max_reach
+        Half side of the search window about an old place, to which the share `drift` of the way is
+        added up to the maximum: the shortest way through the graph, for what earlier loops have
+        fixed cannot be far off. Larger where the map bends more, smaller where rooms look alike.
+    old_frames, new_frames
+        Key frames before and after the old one, and before the new one, whose points are compared:
+        a single scan looks like many places. Fewer with a sensor that looks all around.
+    likelihood, overlap
+        Mean likelihood, and share of the points with a partner, that a measured loop must reach.
+    tolerance
+        Two loops agree where going round both leaves less than this.
+    witnesses
+        Number of other loops that must agree.
+    span
+        A loop and its witnesses must lie along so long a path, or along one as long as the window's
+        half side where that is less: what one door looks like, the next one does too.
+    strain
+        The graph is solved at once where a new loop moves its ends by more than this: less for a
+        live map that is always straight, more to save time.
+
+    Examples
+    --------
+    >>> LoopClosing(witnesses=0)
+    Traceback (most recent call last):
+    ValueError: witnesses must be a whole number of at least 1, got 0
+    """
+
+    min_path: Metres = 10.0
+    reach: Metres = 1.0
+    max_reach: Metres = 12.0
+    old_frames: Count = 5
+    new_frames: Count = 3
+    likelihood: Positive = 0.55
+    overlap: Positive = 0.6
+    tolerance: Metres = 0.25
+    witnesses: Count = 2
+    span: Metres = 6.0
+    strain: Metres = 0.05
 
 
 class Window(NamedTuple):
@@ -47,13 +118,8 @@ class Window(NamedTuple):
 class LoopCloser:
     """Finds loops as key frames come in, and says which it does not believe.
 
-    Parameters
-    ----------
-    frames : KeyFrames
-        Accepted loops become edges of these.
-    drift : float
-        Share of the path by which the map may have bent.
-    rules : LoopClosing
+    Accepted loops become edges of the frames. `drift` is the share of the path by which the map may
+    have bent.
     """
 
     def __init__(self, frames: KeyFrames, drift: float, rules: LoopClosing) -> None:
@@ -65,7 +131,7 @@ class LoopCloser:
         self.rejected: list[Rejected] = []
         self.maps: dict[tuple[int, int, int], PointMap | None] = {}
         self.ways: list[tuple[int, int]] = []
-        self.shortest = Ways(rules.loop_path)
+        self.shortest = Ways(LOOP_PATH)
 
     def close(self, *, confirmed: bool) -> bool:
         """Look for loops of the newest key frame; True where accepted ones strain the map.
@@ -80,21 +146,29 @@ class LoopCloser:
     def seek(self, new: int, before: int, *, confirmed: bool) -> bool:
         """Look for loops of a key frame to those before another, as `close` does."""
         self.lost_since = self.lost_since if confirmed else new
-        fresh: list[tuple[Edge, float]] = []
+        # 1. Old places that may be the new one
         windows = self._by_place(new, before) + self._by_descriptor(new, before)
+        # 2. How the new place lies on each
         tasks = [(window, self._map_around(window), new) for window in windows]
         measured = in_threads(lambda task: self._measure(*task), tasks)
+        fresh: list[tuple[Edge, float]] = []
         for window, loop in zip(windows, measured, strict=True):
             if isinstance(loop, Edge):
                 fresh.append((loop, window.reach))
             else:
                 self._reject(window.old, new, loop)
+        # 3. Loops that others confirm are believed; those that wait too long are given up
         self.pending += [loop for loop, _ in fresh]
         found = self._confirmed_by_others(fresh)
         self._believe(found)
         self.lost_since = None if found else self.lost_since
-        self._give_up(new)
-        return any(self._strains(loop) for loop in found)
+        path = self.frames.path
+        self._give_up([e for e in self.pending if path[new] - path[e.second] > STRETCH])
+        # 4. Whether the poses leave one open so far that the graph has to be solved at once
+        left = [residuals(self.frames.poses, loop) for loop in found]
+        return any(
+            np.hypot(x, y) > self.rules.strain or abs(turn) > STRAIN_ANGLE for x, y, turn in left
+        )
 
     def _by_place(self, new: int, before: int) -> list[Window]:
         """Around the nearest old key frame of each pass, as far as the map may have drifted."""
@@ -102,11 +176,11 @@ class LoopCloser:
         path = self.frames.along[new] - self.frames.along[:before]
         distance = np.hypot(*(poses[:before, :2] - poses[new, :2]).T)
         reach = self._reach(path)
-        near = np.flatnonzero((distance < reach + rules.beside) & (path > rules.min_path))
+        near = np.flatnonzero((distance < reach + BESIDE) & (path > rules.min_path))
         reach[near] = np.minimum(reach[near], self._reach(self._way(new, near)))
-        near = near[distance[near] < reach[near] + rules.beside]
+        near = near[distance[near] < reach[near] + BESIDE]
         return [
-            Window(k, between(poses[k], poses[new]), float(reach[k]), rules.turn)
+            Window(k, between(poses[k], poses[new]), float(reach[k]), TURN)
             for k in _best_of_passes(near, distance)
         ]
 
@@ -125,12 +199,12 @@ class LoopCloser:
     def _by_descriptor(self, new: int, before: int) -> list[Window]:
         """Where the robot is lost: on what looks most like the place, at any heading."""
         lost, path = self.lost_since, self.frames.path
-        if lost is None or path[new] - path[lost] > self.rules.lost_path:
+        if lost is None or path[new] - path[lost] > LOST_PATH:
             return []
         descriptors, old = np.array(self.descriptors), min(lost, before)
         unlike = np.abs(descriptors[:old] - descriptors[new]).sum(1)
         best = _best_of_passes(np.arange(old), unlike)
-        return [Window(k, np.zeros(3), self.rules.lost_reach, np.pi) for k in best]
+        return [Window(k, np.zeros(3), LOST_REACH, np.pi) for k in best]
 
     def _measure(self, window: Window, map: PointMap | None, new: int) -> Edge | str:
         """The loop between two key frames by their surroundings, or why there is none."""
@@ -140,14 +214,8 @@ class LoopCloser:
         if map is None or len(seen) < 6:
             return "too few points"
         seen = seen[:: 1 + len(seen) // SAMPLE]
-        start, _ = map.search(
-            seen,
-            window.guess,
-            reach=window.reach,
-            turn=window.turn,
-            reach_cost=0.05,
-            least=rules.likelihood,
-        )
+        place = {"reach": window.reach, "turn": window.turn, "least": rules.likelihood}
+        start, _ = map.search(seen, window.guess, reach_cost=0.05, **place)
         if start is None:
             return "the two places look different"
         if map.register(seen, start, reach=0.2).overlap < rules.overlap:
@@ -177,22 +245,16 @@ class LoopCloser:
         """A key frame and up to `half` before and after it, in time."""
         return range(max(frame - half, 0), min(frame + half + 1, len(self.frames)))
 
-    def _strains(self, loop: Edge) -> bool:
-        """Whether the poses leave a loop open so far that the graph has to be solved at once."""
-        x, y, heading = residuals(self.frames.poses, loop)
-        far = np.hypot(x, y) > self.rules.strain
-        return bool(far or abs(heading) > self.rules.strain_angle)
-
     def _confirmed_by_others(self, fresh: list[tuple[Edge, float]]) -> list[Edge]:
         """Loops of the newest key frame that enough others agree with, and these others."""
         found: list[Edge] = []
-        lost, rules = self.lost_since is not None, self.rules
-        enough = rules.lost_witnesses if lost else rules.witnesses
+        lost = self.lost_since is not None
+        enough = LOST_WITNESSES if lost else self.rules.witnesses
         known = self.pending + self.accepted[-RECENT:]
         for loop, reach in fresh:
             others = self._agreeing(loop, known)
             way = [self.frames.path[k] for k in {loop.second, *(o.second for o in others)}]
-            long = lost or max(way) - min(way) >= min(reach, rules.span)
+            long = lost or max(way) - min(way) >= min(reach, self.rules.span)
             if len(way) > enough and long:
                 found += _without([loop, *others], found + self.accepted[-RECENT:])
         return found
@@ -200,53 +262,33 @@ class LoopCloser:
     def _agreeing(self, loop: Edge, known: list[Edge], *, apart: bool = False) -> list[Edge]:
         """Loops for which going round them and this one leads back to where it began.
 
-        `apart`: those of the same scan, to passes far apart.
+        Of other scans and near at both ends; or, `apart`, of the same scan to passes far apart.
         """
-        chosen = [other for other in known if self._comparable(loop, other, apart)]
+        path, chosen = self.frames.path, []
+        for other in known:
+            far = abs(path[loop.first] - path[other.first]) > STRETCH
+            same = loop.second == other.second
+            near = abs(path[loop.second] - path[other.second]) <= STRETCH
+            if far and same if apart else not far and not same and near:
+                chosen.append(other)
         if not chosen:
             return []
-        a, b, poses, rules = loop, stacked(chosen), self.frames.poses, self.rules
+        a, b, poses = loop, stacked(chosen), self.frames.poses
         one = compose(a.relative, between(poses[a.second], poses[b.second]))
-        other = compose(between(poses[a.first], poses[b.first]), b.relative)
-        x, y, heading = between(one, other).T
-        same = (np.hypot(x, y) < rules.tolerance) & (np.abs(heading) < rules.angle)
-        return [chosen[i] for i in np.flatnonzero(same)]
-
-    def _comparable(self, a: Edge, b: Edge, apart: bool) -> bool:
-        """Whether two loops of different scans are near at both ends, or, `apart`, the contrary."""
-        path, stretch = self.frames.path, self.rules.stretch
-        far = abs(path[a.first] - path[b.first]) > stretch
-        if apart or far:
-            return apart and far and a.second == b.second
-        return a.second != b.second and abs(path[a.second] - path[b.second]) <= stretch
+        two = compose(between(poses[a.first], poses[b.first]), b.relative)
+        x, y, heading = between(one, two).T
+        agree = (np.hypot(x, y) < self.rules.tolerance) & (np.abs(heading) < AGREED_ANGLE)
+        return [chosen[i] for i in np.flatnonzero(agree)]
 
     def settle(self) -> bool:
         """At the end of the log: believe loops that a few others agree with, reject the rest."""
-        known, enough = [*self.pending, *self.accepted[-RECENT:]], self.rules.last_witnesses
-        found = []
+        known, found = [*self.pending, *self.accepted[-RECENT:]], []
         for loop in self.pending if self.lost_since is None else []:
             others = self._agreeing(loop, known) + self._agreeing(loop, known, apart=True)
-            found += [loop] if len(others) >= enough else []
-        for loop in _without(self.pending, found):
-            self._reject(loop.first, loop.second, ALONE)
-        self.pending = []
+            found += [loop] if len(others) >= LAST_WITNESSES else []
+        self._give_up(_without(self.pending, found))
         self._believe(found)
         return bool(found)
-
-    def _believe(self, loops: list[Edge]) -> None:
-        """Make loops edges of the graph, and ways through it where they fix the place."""
-        self.pending = _without(self.pending, loops)
-        self.accepted += loops
-        self.frames.edges += loops
-        self.ways += [e[:2] for e in loops if _spread(e) < self.rules.vague]
-
-    def _give_up(self, new: int) -> None:
-        """Reject loops that no other has confirmed in time."""
-        path = self.frames.path
-        late = [e for e in self.pending if path[new] - path[e.second] > self.rules.stretch]
-        for loop in late:
-            self._reject(loop.first, loop.second, ALONE)
-        self.pending = _without(self.pending, late)
 
     def drop_contradicted(self) -> bool:
         """Take out loops that the solution leaves far open; True where there were any."""
@@ -255,11 +297,26 @@ class LoopCloser:
             return False
         left = deviations(frames.poses, stacked(frames.edges))
         open_by = zip(frames.edges, left, strict=True)
-        out = [e for e, d in open_by if e.loop and d > self.rules.contradicted]
+        out = [e for e, d in open_by if e.loop and d > CONTRADICTED]
         for loop in out:
             self._reject(loop.first, loop.second, "the rest of the graph contradicts it")
         frames.edges = _without(frames.edges, out)
         return bool(out)
+
+    def _believe(self, loops: list[Edge]) -> None:
+        """Make loops edges of the graph, and ways through it where they fix the place."""
+        self.pending = _without(self.pending, loops)
+        self.accepted += loops
+        self.frames.edges += loops
+        for loop in loops:
+            spread = np.linalg.eigvalsh(np.linalg.inv(loop.information)[:2, :2])[-1]
+            self.ways += [loop[:2]] if np.sqrt(spread) < VAGUE else []
+
+    def _give_up(self, loops: list[Edge]) -> None:
+        """Reject loops that no other has confirmed in time."""
+        for loop in loops:
+            self._reject(loop.first, loop.second, ALONE)
+        self.pending = _without(self.pending, loops)
 
     def _reject(self, old: int, new: int, reason: str) -> None:
         """Keep the reason, under the indices of the scans."""
@@ -284,9 +341,3 @@ def _without(edges: list[Edge], gone: list[Edge]) -> list[Edge]:
     """The edges but for those gone: the same objects, not equal ones."""
     known = {id(edge) for edge in gone}
     return [edge for edge in edges if id(edge) not in known]
-
-
-def _spread(loop: Edge) -> float:
-    """Largest standard deviation of a loop's shift, metres."""
-    covariance = np.linalg.inv(loop.information)[:2, :2]
-    return float(np.sqrt(np.linalg.eigvalsh(covariance)[-1]))

@@ -34,10 +34,10 @@ def align_parts(
 
     Parameters
     ----------
-    parts : sequence of Log
+    parts
         In the order of recording; the odometry goes on from one to the next. The first ten key
         frames of a part are laid twice: it should hold hundreds of scans.
-    executor : concurrent.futures.Executor or None
+    executor
         A process pool, or `client.get_executor()` of `dask.distributed`; None works one part after
         the other. The result is the same.
     **thresholds
@@ -48,11 +48,6 @@ def align_parts(
     Alignment
         Of all scans in order. Not equal to `pose_graph` of the whole log: it differs about as much
         as where the log begins three scans later, and more where either accepts false loops.
-
-    Raises
-    ------
-    ValueError
-        For a part that is no log, and for wrong thresholds.
 
     Examples
     --------

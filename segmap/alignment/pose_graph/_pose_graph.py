@@ -1,34 +1,49 @@
-"""Pose graph: each scan on a map of the last key frames, loops closed, all poses solved."""
+"""Pose graph: each scan on a map of the last key frames, loops closed, all poses solved.
+
+The whole method stands here; its parts are the front end, which tracks the robot from key frame to
+key frame, the key frames with the edges between them, and the closing of loops.
+"""
 
 from __future__ import annotations
 
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import NamedTuple
+from dataclasses import replace
+from typing import Annotated, NamedTuple
 
 import numpy as np
 
 from ... import arrays
-from ...arrays import Array
+from ...arrays import Array, Metres, Positive, Radians, at_most
+from ...poses.motions import between
 from ...scans import LaserScan, Log
-from .._result import Alignment, Match, Outcome, alignment_method, concluded
+from .._result import Alignment, Match, Outcome, alignment_method, concluded, no_match
 from ..graph import Graph
 from ..points import PointMap
-from ._front_end import FrontEnd, search_and_register
-from ._loop_closing import LoopCloser
-from ._settings import LoopClosing, Tracking
+from ._front_end import FrontEnd, Tracking
+from ._loop_closing import LoopCloser, LoopClosing
+
+#: Above this share of a scan on the map nobody looks for a better place in twice the window.
+SURE_OVERLAP = 0.7
+#: A place in twice the window has to hold this much more of the scan, and at least this much.
+BETTER, LEAST = 0.1, 0.6
+#: A descent that goes farther from where the search began is no match: it slides along walls.
+SLIDE, SLIDE_ANGLE = 0.3, 0.2
+
+Window = Annotated[Metres, at_most(20)]
+WindowAngle = Annotated[Radians, at_most(np.pi)]
 
 
 @alignment_method
 def pose_graph(
     log: Log,
     *,
-    step: float = 0.5,
-    turn: float = np.radians(30),
-    window: float = 0.5,
-    window_angle: float = np.radians(40),
-    drift: float = 0.03,
+    step: Metres = 0.5,
+    turn: Radians = np.radians(30),
+    window: Window = 0.5,
+    window_angle: WindowAngle = np.radians(40),
+    drift: Positive = 0.03,
     tracking: Tracking = Tracking(),
     closing: LoopClosing = LoopClosing(),
 ) -> Outcome:
@@ -43,30 +58,24 @@ def pose_graph(
 
     Parameters
     ----------
-    log : Log
+    log
         In the order of recording; times do not matter.
-    step : float, metres, and turn : float, radians
+    step, turn
         A key frame is set where the robot has moved this far from the last one: half a metre, since
         doors and desks hide each other from one pose to the next.
-    window : float, metres, and window_angle : float, radians
-        Half sides of the search about the guess, at most 20 m and pi; twice this where too little
-        lies on the map then.
-    drift : float
+    window, window_angle
+        Half sides of the search about the guess; twice this where too little lies on the map then.
+    drift
         Share of the way by which the map may have bent since an old place was left: loops are
         sought within 1 m and this share of the shortest way through the graph, at most 12 m.
-    tracking : Tracking, and closing : LoopClosing
-        All other thresholds.
+    tracking, closing
+        What else can be turned.
 
     Returns
     -------
     Alignment
-        Poses, (k, 3) array, metres and radians, and the graph. A scan without a match carries the
-        odometry step; loops tie what follows to the rest again.
-
-    Raises
-    ------
-    ValueError
-        For thresholds that are not positive, or too large.
+        With the graph. A scan without a match carries the odometry step; loops tie what follows to
+        the rest again.
 
     Examples
     --------
@@ -89,13 +98,10 @@ def pose_graph(
 
 
 class Placed(NamedTuple):
-    """Where a scan lies, and whether it moved the ones before it.
+    """Where a scan lies, `(3,)`, metres and radians, and whether it moved the ones before it.
 
-    Parameters
-    ----------
-    pose : (3,) array, metres and radians
-    closed : bool
-        Whether loops that it closed moved earlier poses: what was drawn from those is out of date.
+    `closed` says whether loops that it closed moved earlier poses: what was drawn from those is out
+    of date.
     """
 
     pose: Array
@@ -112,11 +118,6 @@ class LiveGraph:
     step, turn, window, window_angle, drift, tracking, closing
         As in `pose_graph`.
 
-    Raises
-    ------
-    ValueError
-        For thresholds that are not positive, or too large.
-
     Examples
     --------
     >>> from segmap import load
@@ -129,83 +130,85 @@ class LiveGraph:
     Alignment(pose_graph: 40 scans, 40 used)
     """
 
+    @arrays.checked
     def __init__(
         self,
         *,
-        step: float = 0.5,
-        turn: float = np.radians(30),
-        window: float = 0.5,
-        window_angle: float = np.radians(40),
-        drift: float = 0.03,
+        step: Metres = 0.5,
+        turn: Radians = np.radians(30),
+        window: Window = 0.5,
+        window_angle: WindowAngle = np.radians(40),
+        drift: Positive = 0.03,
         tracking: Tracking = Tracking(),
         closing: LoopClosing = LoopClosing(),
     ) -> None:
         self.tracking = arrays.instance(tracking, "tracking", Tracking)
         self.closing = arrays.instance(closing, "closing", LoopClosing)
-        arrays.positive("metres", step=step)
-        self.window = arrays.number(window, "window", above=0, most=20, unit="metres")
-        arrays.positive("radians", turn=turn)
-        self.window_angle = arrays.number(
-            window_angle, "window_angle", above=0, most=np.pi, unit="radians"
-        )
-        arrays.positive(drift=drift)
-        self.step, self.turn, self.drift, self.seconds = step, turn, drift, 0.0
+        self.step, self.turn, self.drift = step, turn, drift
+        self.window, self.window_angle, self.seconds = window, window_angle, 0.0
         self._parts: tuple[FrontEnd, LoopCloser] | None = None
 
     def add(self, scan: LaserScan) -> Placed:
-        """Place the next scan, and close the loops that it finds.
-
-        Parameters
-        ----------
-        scan : LaserScan
-
-        Returns
-        -------
-        Placed
-            Its pose, and whether loops moved earlier poses.
-
-        Raises
-        ------
-        ValueError
-            For what is no LaserScan.
-        """
+        """Place the next scan, and close the loops that it finds."""
         arrays.instance(scan, "scan", LaserScan)
         begun, closed = time.perf_counter(), False
         if self._parts is None:
-            front = FrontEnd(scan, self._matcher, self.tracking)
+            front = FrontEnd(scan, self._laid, self.tracking)
             self._parts = front, LoopCloser(front.frames, self.drift, self.closing)
         else:
             front, closer = self._parts
             with _all_or_nothing(front, front.trail, front.frames, closer):
-                closed = self._added(scan, front, closer)
+                # 1. The scan on the map of the last key frames
+                match = front.track(scan)
+                if front.needs_frame(self.step, self.turn):
+                    # 2. A new key frame, and the loops that it closes
+                    front.add_frame(match)
+                    closed = closer.close(confirmed=match.matched)
+                    # 3. All key frames anew where loops have moved them
+                    if closed:
+                        front.frames.optimize(lazily=True)
         self.seconds += time.perf_counter() - begun
         return Placed(self._parts[0].pose(), closed)
 
-    def _added(self, scan: LaserScan, front: FrontEnd, closer: LoopCloser) -> bool:
-        """Place a scan; True where loops moved earlier poses."""
-        # 1. The scan on the map of the last key frames
-        match = front.track(scan)
-        if not front.needs_frame(self.step, self.turn):
-            return False
-        # 2. A new key frame, and the loops that it closes
-        front.add_frame(match)
-        closed = closer.close(confirmed=match.matched)
-        if closed:
-            front.frames.optimize(lazily=True)
-        return closed
+    def _laid(self, map: PointMap, points: Array, guess: Array) -> Match:
+        """A scan's points `(m, 2)` searched for about a guess, then moved by a descent.
+
+        In twice the window where little fits. Along a direction that no wall faces the match keeps
+        what the guess says.
+        """
+        best = no_match(guess, "nothing like it near")
+        for factor in (1.0, 2.0):
+            match = best
+            reach, turn = factor * self.window, factor * self.window_angle
+            start, _ = map.search(points, guess, reach=reach, turn=turn)
+            if start is not None:
+                match = map.register(points, start, overlap=self.tracking.overlap)
+                x, y, heading = between(start, match.pose)
+                if np.hypot(x, y) > SLIDE or abs(heading) > SLIDE_ANGLE:
+                    match = no_match(start, "it slides over the map", match.overlap)
+            least = 0.0 if factor == 1.0 else max(best.overlap + BETTER, LEAST)
+            best = match if match.overlap > least else best
+            if best.matched and best.overlap > SURE_OVERLAP:
+                break
+        if not best.matched:
+            return no_match(guess, best.reason, best.overlap)
+        if best.free is None or map.has_wall_facing(best.free, points, best.pose):
+            return best
+        along = best.free @ (guess[:2] - best.pose[:2]) * best.free
+        return replace(best, pose=best.pose + (*along, 0.0))
 
     def settled(self) -> Outcome:
         """What the method hands to its runner, once all scans are there."""
         if self._parts is None:
             return Outcome(np.zeros((0, 3)), ())
         front, closer = self._parts
-        # 3. All poses together, without loops that the others contradict
+        # 4. All poses together, without loops that the others contradict
         front.frames.optimize()
         if closer.settle():
             front.frames.optimize()
         if closer.drop_contradicted():
             front.frames.optimize()
-        # 4. Each scan once more, on the map that the loops have straightened
+        # 5. Each scan once more, on the map that the loops have straightened
         front.refine()
         return front.outcome(closer.rejected)
 
@@ -213,11 +216,7 @@ class LiveGraph:
         """Solve for all poses together, and lay each scan on the map that the loops straightened.
 
         Loops that still wait for others that agree are believed or rejected. More scans may follow.
-
-        Returns
-        -------
-        Alignment
-            Of a whole log equal to that of `pose_graph`.
+        Of a whole log the result is equal to that of `pose_graph`.
         """
         begun = time.perf_counter()
         found = self.settled()
@@ -233,11 +232,6 @@ class LiveGraph:
     def graph(self) -> Graph | None:
         """Edges between key frames, by the scans' indices; None before there is one."""
         return None if self._parts is None else self._parts[0].graph(self._parts[1].rejected)
-
-    def _matcher(self, map: PointMap, points: Array, guess: Array) -> Match:
-        return search_and_register(
-            map, points, guess, self.window, self.window_angle, self.tracking
-        )
 
     def __len__(self) -> int:
         return 0 if self._parts is None else len(self._parts[0].scans)

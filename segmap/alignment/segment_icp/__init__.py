@@ -1,12 +1,4 @@
 """Segment ICP (A 2.5.1): a scan's segments moved onto those of the map."""
 
-from ._search import (
-    SegmentSearch,
-    distance_below,
-)
-from ._segment_icp import (
-    ONE_DIRECTION,
-    SIDEWAYS,
-    match_segments,
-    segment_icp,
-)
+from ._search import distance_below
+from ._segment_icp import ONE_DIRECTION, SIDEWAYS, match_segments, segment_icp

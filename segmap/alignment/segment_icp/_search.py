@@ -6,13 +6,10 @@ hold the indices of a current segment and of a reference segment, current ones a
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 
-from ... import arrays
-from ...arrays import Array, Settings
+from ...arrays import Array
 from ...compiled import compiled
 from ...kernels import ACROSS, ANGULAR, APART, apart, describe, mean_line_terms
 
@@ -24,47 +21,15 @@ ROUNDING = 1e-12
 SAME_WAY = 0.02
 
 
-@dataclass(frozen=True)
-class SegmentSearch(Settings):
-    """How segment ICP looks for the best turn and shift, and how it judges what it found.
-
-    Parameters
-    ----------
-    near : float
-        The search begins with this part of its widest turn and step, for a wide search finds other
-        walls as well.
-    enough : float
-        It is widened to the whole where less than this share of the scan's length finds a partner.
-    turns : int
-        Turns tried on either side.
-    rounds : int
-        It turns and shifts at most so often before the steps become finer.
-    finer : float
-        By how much they become finer.
-    last_step : float, metres
-        The search ends below this step.
-    slope : float
-        Cost in metres that a shift by one metre must save. One wall across in a scan of 70 saves
-        0.004; the noise of walls along a corridor a tenth of that, and moves no scan.
-    sigma : float, metres
-        Least standard deviation of a wall's position across: the noise of the laser.
-    across : float
-        Where a smaller share of the walls lies across a direction, it is free.
-    """
-
-    near: float = 1 / 16
-    enough: float = 0.70
-    turns: int = 4
-    rounds: int = 5
-    finer: float = 4.0
-    last_step: float = 5e-5
-    slope: float = 0.004
-    sigma: float = 0.01
-    across: float = 0.02
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        arrays.number(self.finer, "finer", above=1)
+#: The best turn is looked for among so many on either side.
+TURNS = 4
+#: It turns and shifts at most so often before the steps become finer, and by how much they do.
+ROUNDS, FINER = 5, 4.0
+#: The search ends below this step, metres.
+LAST_STEP = 5e-5
+#: Cost in metres that a shift by one metre must save. One wall across in a scan of 70 saves 0.004;
+#: the noise of walls along a corridor a tenth of that, and moves no scan.
+SLOPE = 0.004
 
 
 @compiled
@@ -155,13 +120,12 @@ def best_turn(
     about_x: float,
     about_y: float,
     width: float,
-    count: int,
 ) -> float:
     """Of evenly spaced turns about a point, the one with the least cost; radians (step 2)."""
     away = np.empty(len(current))
     best, turn = cost(reference, r, current, pairs, penalty, away), 0.0
-    for k in range(-count, count + 1):
-        tried = k * width / count
+    for k in range(-TURNS, TURNS + 1):
+        tried = k * width / TURNS
         turned = moved(current, 0.0, 0.0, tried, about_x, about_y)
         found = cost(reference, r, turned, pairs, penalty, away)
         if found < best - ROUNDING:
@@ -199,12 +163,8 @@ def best_shift(
     pairs: Indices,
     penalty: float,
     step: float,
-    slope: float,
 ) -> tuple[float, float]:
-    """Shift reached by steps that each lessen the cost, until none does; metres (step 4).
-
-    A step is `step` metres long and must lessen the cost by `slope` metres a metre.
-    """
+    """Shift reached by steps of so many metres that each lessen the cost, until none does (4)."""
     around, away = ways(current), np.empty(len(current))
     best, x, y = cost(reference, r, current, pairs, penalty, away), 0.0, 0.0
     failed, k = 0, 0
@@ -212,7 +172,7 @@ def best_shift(
         u, v = x + step * around[k, 0], y + step * around[k, 1]
         shifted = moved(current, u, v, 0.0, 0.0, 0.0)
         found = cost(reference, r, shifted, pairs, penalty, away)
-        if found < best - slope * step:
+        if found < best - SLOPE * step:
             best, x, y, failed = found, u, v, 0
         else:
             failed, k = failed + 1, (k + 1) % len(around)
@@ -220,13 +180,7 @@ def best_shift(
 
 
 def least_cost(
-    reference: Array,
-    current: Array,
-    angle: float,
-    distance: float,
-    width: float,
-    step: float,
-    search: SegmentSearch,
+    reference: Array, current: Array, angle: float, distance: float, width: float, step: float
 ) -> tuple[Array, Array, Array]:
     """Turn, then shift, until neither helps; again with finer steps (A 2.5.1, step 6).
 
@@ -238,12 +192,12 @@ def least_cost(
     pairs = correspondences(reference, r, current, angle, distance)
     least = cost(reference, r, current, pairs, distance, away)
     best = (motion, current, pairs)
-    while step > search.last_step:
-        for _ in range(search.rounds):
+    while step > LAST_STEP:
+        for _ in range(ROUNDS):
             px, py = current.mean((0, 1))  # a turn about the middle leaves the shift nearly alone
-            turn = best_turn(reference, r, current, pairs, distance, px, py, width, search.turns)
+            turn = best_turn(reference, r, current, pairs, distance, px, py, width)
             turned = moved(current, 0.0, 0.0, turn, px, py)
-            x, y = best_shift(reference, r, turned, pairs, distance, step, search.slope)
+            x, y = best_shift(reference, r, turned, pairs, distance, step)
             current = moved(turned, x, y, 0.0, px, py)
             c, s, (u, v) = np.cos(turn), np.sin(turn), motion[:2] - (px, py)
             motion = np.array([px + x + c * u - s * v, py + y + s * u + c * v, motion[2] + turn])
@@ -254,6 +208,6 @@ def least_cost(
             if turn == 0.0 and x == 0.0 and y == 0.0:
                 break
         motion, current, pairs = best
-        width, step = width / search.finer, step / search.finer
+        width, step = width / FINER, step / FINER
     cost(reference, r, current, pairs, distance, away)
     return motion, current, away

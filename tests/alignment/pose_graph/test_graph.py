@@ -2,12 +2,25 @@
 
 import numpy as np
 import pytest
+from scipy.sparse import csr_array
+from scipy.sparse.csgraph import dijkstra
 from segmap_course import literal
 
 from segmap import load
 from segmap.alignment import pose_graph, solve_graph
-from segmap.alignment.graph import _graph as graph
-from segmap.alignment.graph._graph import Edge, deviations, residuals, solve
+from segmap.alignment.graph import (
+    SCALE,
+    Edge,
+    Solver,
+    Ways,
+    deviations,
+    information,
+    residuals,
+    solve,
+    stacked,
+)
+from segmap.alignment.graph._graph import REAL
+from segmap.alignment.pose_graph._key_frames import KeyFrames
 from segmap.angles import wrap
 from segmap.poses import between, compose
 from segmap.testing import assert_poses_equal
@@ -42,13 +55,13 @@ def chained(edges: Edge, count: int, start: np.ndarray) -> np.ndarray:
     return np.array(poses)
 
 
-@pytest.mark.parametrize("scale", [graph.SCALE, np.inf])
+@pytest.mark.parametrize("scale", [SCALE, np.inf])
 def test_each_step_is_that_of_the_plain_loops(scale):
     """A block of the matrix in the wrong place, a weight that is squared: it may still converge."""
-    truth, edges = ring()
+    truth, edges = ring(12, 8)
     edges = noisy(edges, factor=4.0)
     poses = chained(edges, len(truth), truth[0])
-    assert deviations(poses, edges).max() > 2 * graph.SCALE  # the loss is not just a square
+    assert deviations(poses, edges).max() > 2 * SCALE  # the loss is not just a square
     for _ in range(3):
         plain = literal.gauss_newton(poses, list(zip(*edges[:4], strict=True)), scale)
         poses = solve(poses, edges, rounds=1, scale=scale).poses
@@ -73,8 +86,8 @@ def test_equal_to_scipy(seed):
         left = between(poses[edges.first], poses[edges.second]) - edges.relative
         left[:, 2] = (left[:, 2] + np.pi) % (2 * np.pi) - np.pi
         left = np.einsum("mij,mj->mi", whitened, left)
-        square = np.maximum((left**2).sum(1), 1e-12) / graph.SCALE**2
-        return (left * graph.SCALE * np.sqrt(np.log1p(square) / square)[:, None]).ravel()
+        square = np.maximum((left**2).sum(1), 1e-12) / SCALE**2
+        return (left * SCALE * np.sqrt(np.log1p(square) / square)[:, None]).ravel()
 
     theirs = least_squares(lossy, start[1:].ravel(), xtol=1e-12, ftol=1e-12, gtol=1e-12)
     ours = solve(start, edges, rounds=200).poses
@@ -109,10 +122,10 @@ def test_headings_are_compared_the_short_way_round():
 
 def test_information_never_claims_more_than_real_scans_allow():
     """A covariance of zero would make one edge as hard as a rock."""
-    found = np.linalg.inv(graph.information(np.zeros((3, 3))))
+    found = np.linalg.inv(information(np.zeros((3, 3))))
     np.testing.assert_allclose(np.sqrt(np.diag(found)), (0.02, 0.02, np.radians(0.3)))
     wide = np.diag([1.0, 0.01, 0.04])
-    np.testing.assert_allclose(np.linalg.inv(graph.information(wide)), wide + graph.REAL)
+    np.testing.assert_allclose(np.linalg.inv(information(wide)), wide + REAL)
 
 
 # ------------------------------------------------------------------ a graph solved again
@@ -172,3 +185,178 @@ def test_what_cannot_be_solved_is_refused(change, message):
     given = {"poses": POSES, "edges": EDGES, "relative": MOTIONS} | change
     with pytest.raises(ValueError, match=message):
         solve_graph(given.pop("poses"), given.pop("edges"), given.pop("relative"), **given)
+
+
+# ------------------------------------------------------------------ the solver
+def shuffled(poses: np.ndarray, edges: Edge, seed: int) -> tuple[np.ndarray, Edge, np.ndarray]:
+    """The same graph with its poses numbered anew (the first stays), its edges in another order."""
+    rng = np.random.default_rng(seed)
+    number = np.r_[0, 1 + rng.permutation(len(poses) - 1)]
+    order = rng.permutation(len(edges.first))
+    moved = poses.copy()
+    moved[number] = poses
+    first, second, *rest = (np.asarray(field)[order] for field in edges[:4])
+    return moved, Edge(number[first], number[second], *rest), number
+
+
+def world(count: int = 150, seed: int = 4) -> tuple[np.ndarray, Edge]:
+    """Poses by noisy steps three times round a square of 60 m, and loops to the rounds before."""
+    rng = np.random.default_rng(seed)
+    step = np.tile((1.2, 0.0, 0.0), (count - 1, 1))
+    step[12::13, 2] = np.pi / 2
+    truth = chained(Edge(None, None, step, None), count, np.zeros(3))
+    late = np.arange(52, count, 3)
+    first, second = np.r_[np.arange(count - 1), late - 52], np.r_[np.arange(1, count), late]
+    relative = between(truth[first], truth[second]) + rng.normal(0, SPREAD / 3, (len(first), 3))
+    information = np.tile(np.diag(1 / SPREAD**2), (len(first), 1, 1))
+    edges = Edge(first, second, relative, information)
+    return chained(edges, count, np.zeros(3)), edges
+
+
+def part(edges: Edge, chosen: np.ndarray) -> Edge:
+    return Edge(*(np.asarray(field)[chosen] for field in edges[:4]))
+
+
+def test_neither_the_order_of_edges_nor_the_numbers_of_poses_matter():
+    """Catches rows that are missing where the order of elimination is another one."""
+    start, edges = world()
+    found = solve(start, edges).poses
+    for seed in range(3):
+        other, mixed, number = shuffled(start, edges, seed)
+        assert_poses_equal(solve(other, mixed).poses[number], found, atol=1e-5)
+    both = Edge(*(np.concatenate([field, field]) for field in edges[:4]))
+    plain, twice = (solve(start, e, scale=np.inf).poses for e in (edges, both))
+    assert_poses_equal(twice, plain, atol=1e-5)
+
+
+@pytest.mark.parametrize("lazily", [True, False])
+def test_edges_that_come_in_lead_to_the_poses_of_all_at_once(lazily):
+    """Catches a column that an added edge changes and that is kept, or a pose without a column."""
+    start, edges = world(600)
+    last = np.maximum(edges.first, edges.second)
+    solver, poses = Solver(SCALE), start[:1]
+    for k in range(1, 600):
+        poses = np.vstack([poses, compose(poses[-1], edges.relative[k - 1])])
+        solver.add(part(edges, last == k))
+        if k >= 52 and k % 20 == 0:
+            poses, converged, _ = solver.solve(poses, lazily=lazily)
+            assert converged
+    poses = solver.solve(poses).poses
+    assert_poses_equal(poses, solve(start, edges).poses, atol=3e-5)
+
+
+def test_only_what_a_loop_changes_is_computed_again():
+    """Catches a solver that begins anew with each loop: a drive then costs n^2."""
+    start, edges = world(2000)
+    steps = edges.second - edges.first == 1
+    held = steps | (edges.second < 1950)
+    counts = []
+    for lazily in (False, True):
+        solver = Solver(SCALE)
+        solver.add(part(edges, held))
+        poses, _, _ = solver.solve(start)
+        before = solver.columns
+        solver.add(part(edges, ~held))
+        counts.append((solver.solve(poses, lazily=lazily).rounds, solver.columns - before))
+    (rounds, columns), (_, lazy) = counts
+    assert columns == 2000 * rounds and lazy < columns / 3
+
+
+def test_it_says_whether_it_converged():
+    """Rounds that are used up in silence: the poses look like any others."""
+    start, edges = world()
+    assert not solve(start, edges, rounds=2).converged
+    found = solve(start, edges)
+    assert found.converged and 2 < found.rounds < 12
+    assert_poses_equal(solve(found.poses, edges).poses, found.poses, atol=1e-5)
+
+
+def test_edges_that_say_nothing_change_nothing():
+    """An edge from a pose to itself, one between poses that are both held, one of no weight."""
+    start, edges = world()
+    more = np.array([(5, 5), (0, 0), (3, 90)])
+    relative, weight = np.ones((3, 3)), np.array([np.eye(3), np.eye(3), np.zeros((3, 3))])
+    padded = Edge(
+        np.r_[more[:, 0], edges.first],
+        np.r_[more[:, 1], edges.second],
+        np.vstack([relative, edges.relative]),
+        np.concatenate([weight, edges.information]),
+    )
+    assert_poses_equal(solve(start, padded).poses, solve(start, edges).poses, atol=1e-6)
+
+
+def test_a_pose_that_may_slide_along_a_wall_is_refused_at_every_angle():
+    """Catches a pivot that rounding leaves above nought, which then counts as information."""
+    for angle in np.linspace(0.05, 3.1, 40):
+        across = np.array([np.cos(angle), np.sin(angle), 0.0])
+        weight = 400 * np.outer(across, across) + np.diag([0, 0, 3e3])
+        solver, motion = Solver(SCALE), np.array([(1.0, 0.3, 0.2)])
+        solver.add(Edge(np.array([0]), np.array([1]), motion, weight[None]))
+        with pytest.raises(np.linalg.LinAlgError, match="leaves pose 1 free"):
+            solver.solve(np.array([(0, 0, 0), (0.9, 0.2, 0.1)]))
+
+
+@pytest.mark.parametrize("free", [(0, 0, 0), (1, 0, 1), (1, 1, 0)])
+def test_a_pose_that_information_leaves_free_is_refused(free):
+    """A pivot that is rounding and taken for a number throws the pose far away."""
+    edges, motions = [(0, 1), (1, 2)], [(1, 0, 0.3), (1, 0.2, 0.1)]
+    weights = np.array([np.eye(3), np.diag(np.array(free, float))])
+    with pytest.raises(ValueError, match="leaves some of them free"):
+        solve_graph(np.zeros((3, 3)), edges, motions, information=weights)
+
+
+def test_key_frames_hand_edges_over_that_are_new_and_begin_anew_where_some_were_undone():
+    """Catches a solver that still holds a loop that was taken out, or an edge of a scan undone."""
+    start, edges = world(120)
+    frames = KeyFrames(np.zeros((3, 2)), np.zeros(3))
+    each = [Edge(*fields) for fields in zip(*edges[:4], strict=True)]
+    for edge in each[:119]:
+        frames.add(edge.second, np.zeros((3, 2)), edge.relative, np.eye(3))
+    wrong = Edge(0, 80, np.array((9.0, 9.0, 1.0)), 100 * np.eye(3), True)
+    for chosen in ([*each[:119], wrong, *each[119:]], each, [*each[:130], wrong], each[:131]):
+        frames.edges = chosen
+        frames.optimize(lazily=True)
+        frames.optimize()
+        found = solve(start, stacked(chosen)).poses
+        assert frames.converged
+        assert_poses_equal(frames.poses, found, atol=2e-5)
+
+
+# ------------------------------------------------------------------ ways through it
+RNG = np.random.default_rng(3)
+PATH = [0.0, *np.cumsum(RNG.uniform(0.2, 1.0, 299)).tolist()]
+LOOPS = [(int(a), int(b)) for a, b in RNG.integers(0, 300, (40, 2)) if abs(a - b) > 1]
+
+
+def of_scipy(start: int, loops: list) -> np.ndarray:
+    graph = np.diag(np.diff(PATH), 1)
+    for first, second in loops:
+        graph[min(first, second), max(first, second)] = 0.5
+    return dijkstra(csr_array(graph), directed=False, indices=start)
+
+
+@pytest.mark.parametrize("most", [np.inf, 12.0])
+def test_ways_are_those_of_scipy(most):
+    """While loops come in, some are undone, and others come instead."""
+    ways = Ways(0.5)
+    for loops in ([], LOOPS[:10], LOOPS[:30], LOOPS[:20], LOOPS[:20] + LOOPS[32:], LOOPS[:1]):
+        found = ways.between(299, np.arange(300), PATH, loops, most)
+        expected = of_scipy(299, loops)
+        np.testing.assert_allclose(found, np.where(expected > most, np.inf, expected))
+    assert ways.between(299, np.arange(0), PATH, LOOPS).shape == (0,)
+
+
+def test_a_search_stays_near_its_start():
+    """Counted: how often it looks at the path to a key frame, in a graph of ten thousand."""
+
+    class Path(list):
+        looked = 0
+
+        def __getitem__(self, k):
+            Path.looked += 1
+            return super().__getitem__(k)
+
+    path = Path(np.arange(10_000) / 2)
+    found = Ways(0.5).between(9_999, np.array([9_990, 0]), path, [(0, 9_980)])
+    assert found.tolist() == [4.5, 10.0]
+    assert Path.looked < 200

@@ -6,18 +6,15 @@ from collections.abc import Sequence
 from heapq import heappop, heappush
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...arrays import Array
+from ._equations import Indices
 
 
 class Ways:
     """Ways between key frames, kept ready while loops are added; each search stays near its start.
 
-    Parameters
-    ----------
-    across : float, metres
-        What a loop costs, whatever lies between its ends.
+    A loop costs `across`, metres, whatever lies between its ends.
     """
 
     def __init__(self, across: float) -> None:
@@ -28,7 +25,7 @@ class Ways:
     def between(
         self,
         start: int,
-        wanted: NDArray[np.int64],
+        wanted: Indices,
         path: Sequence[float],
         loops: Sequence[tuple[int, int]],
         most: float = np.inf,
@@ -38,7 +35,14 @@ class Ways:
         `path` is the path length to each key frame; `loops` are pairs of them, of which the list
         only grows, but for what an interrupt undoes. Ways longer than `most` are infinite.
         """
-        self._take(loops)
+        if self.count > len(loops) or not (self.count and loops[self.count - 1] is self.last):
+            self.linked, self.count = {}, 0  # an interrupt has undone some: all anew
+        fresh, self.last = loops[self.count :], (-1, -1)  # nothing counts until all is in
+        for first, second in fresh:
+            self.linked.setdefault(first, []).append(second)
+            self.linked.setdefault(second, []).append(first)
+        if loops:
+            self.count, self.last = len(loops), loops[-1]
         left, best, end = set(wanted.tolist()), {start: 0.0}, len(path) - 1
         done, heap = dict.fromkeys(left, np.inf), [(0.0, start)]
         while heap and left:
@@ -60,14 +64,3 @@ class Ways:
                     best[k] = far
                     heappush(heap, (far, k))
         return np.array([done[k] for k in wanted.tolist()])
-
-    def _take(self, loops: Sequence[tuple[int, int]]) -> None:
-        """Link the ends of new loops; all anew where an interrupt has undone some."""
-        if self.count > len(loops) or not (self.count and loops[self.count - 1] is self.last):
-            self.linked, self.count = {}, 0
-        fresh, self.last = loops[self.count :], (-1, -1)  # nothing counts until all is in
-        for first, second in fresh:
-            self.linked.setdefault(first, []).append(second)
-            self.linked.setdefault(second, []).append(first)
-        if loops:
-            self.count, self.last = len(loops), loops[-1]
