@@ -3,8 +3,8 @@
     python convert.py RAWLOG SIMPLEMAP malaga.log.gz
 
 RAWLOG holds all scans and the odometry between them, SIMPLEMAP some of the scans with corrected
-poses of the robot. What is in such files, `segmap/readers/_mrpt.py` tells; `readers.read` reads
-each of them alone.
+poses of the robot. What is in such files, `segmap/readers/mrpt/_mrpt.py` tells; `readers.read`
+reads each of them alone.
 """
 
 import gzip
@@ -22,8 +22,9 @@ NO_RETURN = 80.0
 
 def checked(path: Path) -> list[_mrpt.Turn]:
     """All turns of the laser in a file, whose flags of validity say the same as the ranges."""
-    turns, skipped = _mrpt.turns(path)
-    if skipped or any((turn.valid != (turn.ranges < NO_RETURN)).any() for turn in turns):
+    recording = _mrpt.recorded(path)
+    turns = recording.turns
+    if recording.skipped or any((turn.valid != (turn.ranges < NO_RETURN)).any() for turn in turns):
         raise ValueError("expected scans alone, whose beams are valid where they met something")
     if any((turn.place != (turns[0].place[0], 0, 0)).any() for turn in turns):
         raise ValueError("expected one place of the laser, ahead of the robot's turning point")

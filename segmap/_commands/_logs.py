@@ -6,7 +6,7 @@ import argparse
 from collections import Counter
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
@@ -89,7 +89,7 @@ def is_log(path: Path) -> bool:
 
 def log_of(source: str, given: argparse.Namespace) -> Log:
     """The log at a path, or the one of that name that comes with segmap."""
-    on_error = "skip" if given.skip else "raise"
+    on_error: Literal["raise", "skip"] = "skip" if given.skip else "raise"
     if given.scan_topic or given.odometry_topic:
         topics = {"scan": given.scan_topic, "odometry": given.odometry_topic}
         return read_bag(source, on_error=on_error, **topics)

@@ -2,25 +2,12 @@
 maps.
 
 Every file is written beside its place and then moved there: nobody ever reads half of it, and what
-stood there before stays until the new one is complete. A name that ends in `.gz` is packed.
+stood there before stays until the new one is complete. A name that ends in `.gz` is packed. A
+folder that does not exist, or cannot be written to, is an OSError.
 """
 
 from ._arrays import write_arrays
 from ._graph import write_graph
 from ._maps import Classes, ros_classes, write_geojson, write_ros_map, write_svg
 from ._segments import write_segments
-from ._trajectories import NOTHING_MET, write_carmen, write_tum
-
-__all__ = [
-    "NOTHING_MET",
-    "Classes",
-    "ros_classes",
-    "write_arrays",
-    "write_carmen",
-    "write_geojson",
-    "write_graph",
-    "write_ros_map",
-    "write_segments",
-    "write_svg",
-    "write_tum",
-]
+from ._trajectories import write_carmen, write_tum

@@ -5,12 +5,13 @@ from __future__ import annotations
 import json
 from collections.abc import Iterator
 from pathlib import Path
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .. import arrays
+from ..arrays import Quantity, Share, below, checked
 from ..files import write_bytes
 from ..quadtree import QuadtreeMap, extent
 
@@ -23,16 +24,12 @@ OCCUPIED_THRESH, FREE_THRESH = 0.65, 0.196
 BLUE, LINE, PART, WIDTH = "#0072b2", 0.6, 0.1, 800
 #: As wide at any zoom; said of each line, since it is not inherited.
 THIN = 'vector-effect="non-scaling-stroke"'
+#: A threshold that is checked together with another.
+Number = Annotated[float, Quantity("")]
 
 
 class Classes(NamedTuple):
-    """Grey values `(rows, columns)`, row 0 lowest; lower left corner and side of a cell, metres.
-
-    Examples
-    --------
-    >>> ros_classes(QuadtreeMap(resolution=0.5, size=2)).side
-    0.5
-    """
+    """Grey values `(rows, columns)`, row 0 lowest; lower left corner and side of a cell, metres."""
 
     greys: NDArray[np.uint8]
     left: float
@@ -40,31 +37,17 @@ class Classes(NamedTuple):
     side: float
 
 
+@checked
 def ros_classes(
     map: QuadtreeMap,
     *,
     resolution: float | None = None,
-    occupied: float = 0.5,
-    free: float = 0.25,
+    occupied: Number = 0.5,
+    free: Number = 0.25,
 ) -> Classes:
-    """The grid that `write_ros_map` writes: 254 free, 205 unknown, 0 occupied.
+    """The grid that `write_ros_map` writes, with its parameters: 254 free, 205 unknown, 0 occupied.
 
-    Parameters
-    ----------
-    map : QuadtreeMap
-    resolution, occupied, free
-        As in `write_ros_map`.
-
-    Returns
-    -------
-    Classes
-        Of the part where something is known; the whole root where nothing is. Greys are
-        a (rows, columns) array; corner and side in metres.
-
-    Raises
-    ------
-    ValueError
-        For thresholds out of order, a resolution that does not fit.
+    It shows the part where something is known; the whole root where nothing is.
 
     Examples
     --------
@@ -74,7 +57,6 @@ def ros_classes(
     array([254, 254,   0, 254], dtype=uint8)
     """
     arrays.instance(map, "map", QuadtreeMap)
-    arrays.number(occupied, "occupied"), arrays.number(free, "free")
     if not 0 <= free < 0.5 <= occupied < 1:
         raise ValueError(f"wanted 0 <= free < 0.5 <= occupied < 1, got {free} and {occupied}")
     value = map.leaf_occupancy()
@@ -84,13 +66,14 @@ def ros_classes(
     return Classes(GREYS[grid.astype(np.int64)], left, low, side)
 
 
+@checked
 def write_ros_map(
     path: str | Path,
     map: QuadtreeMap,
     *,
     resolution: float | None = None,
-    occupied: float = 0.5,
-    free: float = 0.25,
+    occupied: Number = 0.5,
+    free: Number = 0.25,
 ) -> None:
     """Write a map for ROS: a YAML and, beside it, a PGM of the same name.
 
@@ -102,21 +85,13 @@ def write_ros_map(
     ----------
     path : str or Path
         Of the YAML; must end in `.yaml`.
-    map : QuadtreeMap
-    resolution : float, metres, or None
+    resolution : float or None
         Side of a pixel: the map's own by default, or this times a power of two. A pixel that holds
         several cells is occupied where one is, and free where all are.
     occupied : float
         Cells of greater occupancy are occupied.
     free : float
         Cells of at most this occupancy are free: by default those that half the `bias` crossed.
-
-    Raises
-    ------
-    ValueError
-        For another name, thresholds out of order, a resolution that does not fit.
-    OSError
-        A folder that does not exist, or cannot be written to.
 
     Notes
     -----
@@ -160,25 +135,14 @@ def _number(value: float) -> str:
 
 
 # ------------------------------------------------------------------------- drawings
-def write_geojson(path: str | Path, map: QuadtreeMap, *, occupied: float = 0.5) -> None:
-    """Write the occupied leaves as squares, with their occupancy and both counts.
+@checked
+def write_geojson(
+    path: str | Path, map: QuadtreeMap, *, occupied: Annotated[Share, below(1)] = 0.5
+) -> None:
+    """Write the leaves of greater occupancy than `occupied` as squares, with both counts.
 
     Coordinates are metres in the map's frame, x before y: GeoJSON programs that take them for
     degrees must be told (QGIS: set the layer's reference system to one in metres).
-
-    Parameters
-    ----------
-    path : str or Path
-    map : QuadtreeMap
-    occupied : float
-        Leaves of greater occupancy are written.
-
-    Raises
-    ------
-    ValueError
-        For a threshold outside `[0, 1)`.
-    OSError
-        A folder that does not exist, or cannot be written to.
 
     Examples
     --------
@@ -191,43 +155,30 @@ def write_geojson(path: str | Path, map: QuadtreeMap, *, occupied: float = 0.5) 
     >>> found["features"][0]["geometry"]["coordinates"][0][0]
     [1.0, 0.0]
     """
-    arrays.instance(map, "map", QuadtreeMap)
-    arrays.number(occupied, "occupied", least=0, below=1)
-    features = list(_features(map, occupied))
-    text = json.dumps({"type": "FeatureCollection", "features": features}, separators=(",", ":"))
-    write_bytes(arrays.file(path), text.encode("ascii"))
-
-
-def _features(map: QuadtreeMap, occupied: float) -> Iterator[dict[str, object]]:
-    value = map.leaf_occupancy()
-    digits = _digits(map.resolution)
+    value = arrays.instance(map, "map", QuadtreeMap).leaf_occupancy()
+    digits, features = _digits(map.resolution), []
     table = np.stack([*map.leaves(), value], -1)[value > occupied]
     for x, y, side, vis, occ, occupancy in table.tolist():
         left, low, right, high = (round(v, digits) for v in (x, y, x + side, y + side))
         ring = [(left, low), (right, low), (right, high), (left, high), (left, low)]
-        yield {
-            "type": "Feature",
-            "properties": {"occupancy": round(occupancy, 6), "vis": int(vis), "occ": int(occ)},
-            "geometry": {"type": "Polygon", "coordinates": [ring]},
-        }
+        features.append(
+            {
+                "type": "Feature",
+                "properties": {"occupancy": round(occupancy, 6), "vis": int(vis), "occ": int(occ)},
+                "geometry": {"type": "Polygon", "coordinates": [ring]},
+            }
+        )
+    text = json.dumps({"type": "FeatureCollection", "features": features}, separators=(",", ":"))
+    write_bytes(arrays.file(path), text.encode("ascii"))
 
 
+@checked
 def write_svg(path: str | Path, map: QuadtreeMap, *, outlines: bool = True) -> None:
     """Write all leaves as squares of grey, black where occupied; y upwards, units are metres.
 
     The picture shows where beams ended, with a margin; the other leaves lie beyond its border.
 
-    Parameters
-    ----------
-    path : str or Path
-    map : QuadtreeMap
-    outlines : bool
-        Blue ones, as the thesis draws them: as thin at any zoom, and at most a tenth of a leaf.
-
-    Raises
-    ------
-    OSError
-        A folder that does not exist, or cannot be written to.
+    Outlines are blue, as the thesis draws them: as thin at any zoom, and at most a tenth of a leaf.
 
     Examples
     --------
@@ -237,7 +188,6 @@ def write_svg(path: str | Path, map: QuadtreeMap, *, outlines: bool = True) -> N
     ...     (Path(folder) / "it.svg").read_text().count("<path")
     1
     """
-    arrays.switch(outlines, "outlines")
     left, low, right, high = extent(map)
     wide, tall = right - left, high - low
     look = f'stroke="{BLUE}" stroke-width="{LINE}"' if outlines else 'shape-rendering="crispEdges"'

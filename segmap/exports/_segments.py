@@ -36,19 +36,8 @@ def write_segments(path: str | Path, map: Segments) -> None:
     All but `.npz` are packed where `.gz` follows. The last four are for other programs: this one
     reads the first two.
 
-    Parameters
-    ----------
-    path : str or Path
-    map : SegmentMap, Reduction or (n, 2, 2) array, metres
-        Segments of a reduction come from many scans, and those of an array from none that is known:
-        their `scan` is written as 0.
-
-    Raises
-    ------
-    ValueError
-        For a name that ends in another way, telling the ones that are known; a map that is none.
-    OSError
-        A folder that does not exist, or cannot be written to.
+    Segments of a reduction come from many scans, and those of an array from none that is known:
+    their `scan` is written as 0.
 
     Examples
     --------
@@ -114,7 +103,6 @@ def _dxf(map: SegmentMap) -> Iterator[str]:
 
 
 def _tags(*pairs: tuple[int, str | int | float]) -> str:
-    """Group codes and their values, a line each."""
     return "".join(f"{code}\n{value}\n" for code, value in pairs)
 
 

@@ -2,101 +2,58 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
 from itertools import islice
 from pathlib import Path
-from typing import NamedTuple
 
-from ..scans import Log
-from ._lines import Lines, LogError, UnknownFormat
-from .bags import _bags
-from .carmen import _carmen, _dpslam, _gmapping, _player, _wean
-from .graphs import _g2o
-from .mrpt import _mrpt
-from .tables import _coreslam, _csv, _dumps, _hokuyo_text, _npz, _rawseeds
+from . import bags, mrpt, tables
+from ._lines import Lines, UnknownFormat
+from ._text import Binary, TextFormat
+from .carmen import Carmen, DpSlam, GMapping, Player, WeanHall
+from .graphs import G2o
+from .tables import CoreSlam, HokuyoText, Ld19, Rawseeds, RpLidar
 
+#: These are asked first, in this order.
+FILES: tuple[Binary, ...] = (bags.BAG, mrpt.MRPT, *tables.FILES)
+FOLDERS: tuple[Binary, ...] = (bags.BAG, *tables.FOLDERS)
+TEXTS: tuple[type[TextFormat], ...] = (
+    *(Carmen, GMapping, G2o, Player, DpSlam, WeanHall, HokuyoText, CoreSlam),
+    *(RpLidar, Ld19, Rawseeds),
+)
 #: So many lines are looked at; a damaged one among them does not change what most of them say.
 FIRST = 200
-#: What a user writes whose columns have no header.
-FROM_COLUMNS = (
-    "A line a beam without a header: "
-    "segmap.readers.read_csv(path, columns=['angle_deg', 'range_mm', 'quality'])."
-)
 #: What a user writes whose data are in none of the formats.
-FROM_ARRAYS = """Measurements in arrays (metres, radians, seconds) become a log by three lines:
+WHAT_TO_DO = f"""\
+Known formats: {", ".join([*(form.name for form in TEXTS), *(form.name for form in FILES)])}.
+A line a beam without a header: \
+segmap.readers.read_csv(path, columns=['angle_deg', 'range_mm', 'quality']).
+Measurements in arrays (metres, radians, seconds) become a log by three lines:
     import segmap
     scans = [segmap.LaserScan(ranges, angles, time=t) for t, ranges in measured]
     log = segmap.Log("mine", scans)"""
 
 
-class Binary(NamedTuple):
-    """A reader, and how to tell its files by their first bytes, suffix or header."""
-
-    name: str
-    claims: Callable[[Path], bool]
-    read: Callable[[Path, str, str], Log]
-
-
-class Format(NamedTuple):
-    """A reader of text, and how to tell its lines from others."""
-
-    name: str
-    claims: Callable[[Sequence[str]], bool]
-    read: Callable[[Path, str, str], Log]
-    separator: str | None = None
-
-
-#: These are asked first, in this order.
-BINARY: tuple[Binary, ...] = (
-    Binary("ROS bag", _bags.claims, _bags.read),
-    Binary("MRPT", _mrpt.claims, _mrpt.read),
-    Binary("NPZ", _npz.claims, _npz.read),
-    Binary("CSV", _csv.claims, _csv.read),
-)
-FORMATS = (
-    Format("CARMEN", _carmen.claims, _carmen.read),
-    Format("GMapping", _gmapping.claims, _gmapping.read),
-    Format("g2o", _g2o.claims, _g2o.read),
-    Format("Player", _player.claims, _player.read),
-    Format("DP-SLAM", _dpslam.claims, _dpslam.read),
-    Format("Wean Hall", _wean.claims, _wean.read),
-    Format("Hokuyo text", _hokuyo_text.claims, _hokuyo_text.read),
-    Format("CoreSLAM", _coreslam.claims, _coreslam.read),
-    Format("RPLidar", _dumps.claims_rplidar, _dumps.read_rplidar),
-    Format("LD19", _dumps.claims_ld19, _dumps.read_ld19),
-    Format("Rawseeds", _rawseeds.claims, _rawseeds.read, ","),
-)
-
-
-def recognise(path: Path) -> Binary | Format:
-    """The first that claims the file, or else the format that claims most of the first lines."""
-    for form in BINARY:
+def recognise(path: Path) -> Binary | type[TextFormat]:
+    """The first format that claims a file or folder, or else the one of most of the first lines."""
+    for form in FOLDERS if path.is_dir() else FILES:
         if form.claims(path):
             return form
-    return _by_lines(path)
-
-
-def _by_lines(path: Path) -> Format:
+    if path.is_dir():
+        raise UnknownFormat(
+            path,
+            "holds no log, expected a Rawseeds recording (SICK_FRONT.csv or HOKUYO_FRONT.csv, "
+            "ODOMETRY_XYT.csv, GROUNDTRUTH.csv), a bag of ROS 2 (metadata.yaml) "
+            f"or numbered files with a Hokuyo scan in each\n{WHAT_TO_DO}",
+        )
     lines = Lines(path, "skip", separator="\n")
     sample = [line[0] for line in islice(lines, FIRST)]
     split = {separator: [line.split(separator) for line in sample] for separator in (None, ",")}
-    votes = [sum(map(form.claims, filter(None, split[form.separator]))) for form in FORMATS]
-    if not any(votes):
-        fault = lines.first or LogError(path, _unknown(lines, sample))
-        raise UnknownFormat(path, fault.reason, fault.line)
-    return FORMATS[votes.index(max(votes))]
-
-
-def _unknown(lines: Lines, sample: Sequence[str]) -> str:
-    if lines.number == 0:
-        found = "is empty, expected a log"
-    else:
+    votes = [sum(map(form.claims, filter(None, split[form.separator]))) for form in TEXTS]
+    if any(votes):
+        return TEXTS[votes.index(max(votes))]
+    if lines.first:
+        raise UnknownFormat(path, lines.first.reason, lines.first.line)
+    found = "is empty, expected a log"
+    if lines.number:
         first = f"it starts with {sample[0][:40]!r}" if sample else "it has comments only"
         found = f"is of no known format: {first}"
-    return f"{found}\n{what_to_do()}"
-
-
-def what_to_do() -> str:
-    """The known formats, and what a user writes whose data are in none of them."""
-    known = [*(form.name for form in FORMATS), *(form.name for form in BINARY)]
-    return f"Known formats: {', '.join(known)}.\n{FROM_COLUMNS}\n{FROM_ARRAYS}"
+    raise UnknownFormat(path, f"{found}\n{WHAT_TO_DO}")

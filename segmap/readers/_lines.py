@@ -1,4 +1,4 @@
-"""Lines of a text file, plain or packed, within bounds; damaged ones; and numbers out of fields."""
+"""A file that a user names, its lines within bounds, damaged ones, and numbers out of fields."""
 
 from __future__ import annotations
 
@@ -8,11 +8,13 @@ import stat
 import zipfile
 import zlib
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
-from typing import IO, TypeVar, cast
+from typing import IO, Literal, TypeVar, cast
 
 import numpy as np
 
+from .. import arrays
 from ..arrays import LIMIT, Array
 from ..files import RATIO, UNPACKED
 from ..scans import NOTHING_SKIPPED, Skipped
@@ -31,23 +33,19 @@ BROKEN = (
 )
 #: So many lines in a row hold nothing, or a comment: no log has a head of this length.
 MAX_EMPTY = 100_000
-
 #: Later than this, in seconds, no clock stands.
 LATEST = 1e12
 
+#: What a damaged line means: the end of reading, or one line less.
+OnError = Literal["raise", "skip"]
 T = TypeVar("T")
 
 
 class LogError(ValueError):
     """A file that is no log, or a damaged one.
 
-    Attributes
-    ----------
-    path : Path
-    line : int or None
-        Number of the line, from 1, where the fault lies in one.
-    reason : str
-        What was found and what was expected.
+    It holds the `path`, the number of the `line`, from 1, where the fault lies in one, and the
+    `reason`: what was found and what was expected.
 
     Examples
     --------
@@ -66,44 +64,45 @@ class LogError(ValueError):
 
 
 class UnknownFormat(LogError):
-    """A file or folder that is no log of any format: in a folder of logs it may be passed over.
-
-    Examples
-    --------
-    >>> isinstance(UnknownFormat(Path("README.md"), "is of no known format"), LogError)
-    True
-    """
+    """A file or folder that is no log of any format: in a folder of logs it may be passed over."""
 
 
-class Lines:
+class Reading:
+    """A file while it is read: damage ends the reading ("raise"), or is counted ("skip")."""
+
+    def __init__(self, path: Path, on_error: str = "raise") -> None:
+        self.path, self.on_error, self.skipped = path, on_error, NOTHING_SKIPPED
+        self.first: LogError | None = None
+
+    def damaged(self, fault: LogError) -> None:
+        """End the reading, or leave out what is damaged."""
+        if self.on_error == "raise":
+            raise fault
+        self.leave_out(fault)
+
+    def leave_out(self, fault: LogError) -> None:
+        """Count one thing that is not read, and keep the reason of the first."""
+        self.first = self.first or fault
+        self.skipped = merged(self.skipped, Skipped(1, str(fault)))
+
+    def why(self) -> str:
+        """What was left out, for the error of a file that holds nothing else."""
+        return f"; {self.skipped.lines} left out: {self.skipped.reason}" if self.skipped else ""
+
+
+class Lines(Reading):
     """The fields of each line of a file; empty lines and comments (`#`) are left out.
 
-    Parameters
-    ----------
-    path : Path
-    on_error : "raise" or "skip"
-        Whether the first damaged line ends the reading or is only counted in `.skipped`.
-    separator : str or None
-        Between fields; None for white space.
+    Fields are separated by white space where `separator` is None.
     """
 
     def __init__(self, path: Path, on_error: str = "raise", separator: str | None = None) -> None:
-        self.path, self.on_error, self.separator = path, on_error, separator
-        self.number = 0
-        self.skipped = NOTHING_SKIPPED
-        self.first: LogError | None = None
+        super().__init__(path, on_error)
+        self.separator, self.number = separator, 0
 
     def error(self, reason: str) -> LogError:
         """An error about the line that was read last."""
         return LogError(self.path, reason, self.number)
-
-    def damaged(self, reason: str) -> None:
-        """Report the present line as damaged: raise, or count it."""
-        fault = self.error(reason)
-        if self.on_error == "raise":
-            raise fault
-        self.first = self.first or fault
-        self.skipped = Skipped(self.skipped.lines + 1, str(self.first))
 
     def no_scan(self, expected: str) -> LogError:
         """An error about a file that was read to its end and holds no scan."""
@@ -113,16 +112,21 @@ class Lines:
         return LogError(self.path, f"holds no scan, expected {expected}{found}")
 
     def each(self, parse: Callable[[list[str]], T]) -> Iterator[T]:
-        """The fields of each line, parsed; a ValueError of `parse` marks the line as damaged."""
+        """The fields of each line, parsed; a ValueError of `parse` marks the line as damaged.
+
+        A LogError ends the reading.
+        """
         for fields in self:
             try:
                 parsed = parse(fields)
+            except LogError:
+                raise
             except ValueError as fault:
-                reason = str(fault)
+                found = self.error(str(fault))
             else:
                 yield parsed
                 continue
-            self.damaged(reason)
+            self.damaged(found)
 
     def __iter__(self) -> Iterator[list[str]]:
         empty = 0
@@ -139,7 +143,7 @@ class Lines:
             with open_bytes(self.path) as file:
                 yield from self._bounded(file)
         except BROKEN as fault:
-            self.damaged(f"the packed file is broken or cut short ({fault})")
+            self.damaged(self.error(f"the packed file is broken or cut short ({fault})"))
         except OSError as fault:
             raise LogError(self.path, f"cannot be read ({fault.strerror or fault})") from fault
 
@@ -155,26 +159,42 @@ class Lines:
             yield line.decode("ascii", "replace").strip()
 
 
-def open_bytes(path: Path) -> IO[bytes]:
-    """Open a file for reading, through gzip or zip where its first bytes say so.
+@contextmanager
+def log_file(path: str | Path, *, folders: bool = False) -> Iterator[Path]:
+    """The path that a user names: what is wrong with it, or with reading it, is a LogError.
 
-    Raises
-    ------
-    LogError
-        For what is no regular file: a pipe would wait for ever.
+    It must lead to a regular file, or to a folder where these are allowed.
     """
-    if not stat.S_ISREG(path.stat().st_mode):
+    if isinstance(path, str) and "\0" in path:
+        raise LogError(Path(path), "a path has no NUL in it, expected that of a log")
+    place = arrays.file(path)
+    try:
+        place.resolve()  # tells links in a circle
+        if not place.is_file() and not (folders and place.is_dir()):
+            found = "is no file" if place.exists() else "does not exist"
+            raise LogError(place, f"{found}, expected a log file or a folder of one")
+        yield place
+    except (OSError, RuntimeError) as fault:
+        reason = getattr(fault, "strerror", None) or fault
+        raise LogError(place, f"cannot be read ({reason})") from fault
+
+
+def stem(path: Path) -> str:
+    """The name of a log: that of its file, without what tells its kind."""
+    return path.resolve().name.removesuffix(".gz").removesuffix(".zip").rsplit(".", 1)[0]
+
+
+def open_bytes(path: Path) -> IO[bytes]:
+    """Open a file for reading, through gzip or zip where its first bytes say so."""
+    if not stat.S_ISREG(path.stat().st_mode):  # a pipe would wait for ever
         raise LogError(path, "is no regular file, expected a log")
     with path.open("rb") as file:
         magic = file.read(4)
     if magic.startswith(b"\x1f\x8b"):
         return cast(IO[bytes], gzip.open(path, "rb"))
-    return _open_zip(path) if magic == b"PK\x03\x04" else path.open("rb")
-
-
-def _open_zip(path: Path) -> IO[bytes]:
-    """The first file of a zip; `__MACOSX/` holds none of the user's."""
-    with zipfile.ZipFile(path) as packed:  # what is open in it stays open
+    if magic != b"PK\x03\x04":
+        return path.open("rb")
+    with zipfile.ZipFile(path) as packed:  # its first file; `__MACOSX/` holds none of the user's
         names = [m for m in packed.infolist() if not m.is_dir() and not m.filename.startswith("__")]
         if not names or names[0].flag_bits & 1:
             raise zipfile.BadZipFile("no readable file in it")

@@ -20,24 +20,9 @@ class Tilted(ValueError):
 def flat(pose: Array) -> tuple[Array, bool]:
     """A laser's pose in the plane of the robot, and whether the laser hangs upside down.
 
-    Parameters
-    ----------
-    pose : (4, 4) array
-        Carries points of the laser into the robot's frame, metres.
-
-    Returns
-    -------
-    place : (3,) array, metres and radians
-        x, y and the direction of the beam at angle 0. Beams of a laser that hangs upside down turn
-        the other way round: their angles change sign.
-    mirrored : bool
-
-    Raises
-    ------
-    Tilted
-        For a laser that is neither level nor upside down.
-    ValueError
-        For what is no pose.
+    `pose`, (4, 4) array, carries points of the laser into the robot's frame. The place, (3,) array,
+    is x, y and the direction of the beam at angle 0. Beams of a laser that hangs upside down turn
+    the other way round: their angles change sign. One that is neither is `Tilted`.
 
     Examples
     --------
@@ -58,7 +43,7 @@ def flat(pose: Array) -> tuple[Array, bool]:
 
 
 def level(pose: Array) -> Array:
-    """x, y and heading, (3,) array, of a pose in space, (4, 4) array, metres and radians."""
+    """x, y and heading, (3,) array, of a pose in space, (4, 4) array."""
     if not (np.abs(pose) <= LIMIT).all():
         raise ValueError(f"expected a pose in metres and radians, got {pose[:3].tolist()}")
     return np.array([pose[0, 3], pose[1, 3], np.arctan2(pose[1, 0], pose[0, 0])])

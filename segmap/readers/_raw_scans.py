@@ -30,32 +30,16 @@ SAME = 1e-3
 
 
 class RawScan(NamedTuple):
-    """A scan as one line of a log states it.
+    """A scan as one line of a log states it."""
 
-    Parameters
-    ----------
-    laser : str
-        Which of the robot's.
-    ranges : (n,) array, metres
-    angles : (n,) array, radians
-        Directions of the beams in the frame of the laser.
-    time : float, seconds, or None
-    odometry, pose : (3,) array, metres and radians
-        The robot's by its wheels, and the pose that the line holds; NaN where it holds none.
-    limit : float, metres
-        Longest range that the line states.
-    codes : (n,) int array or None
-        Of beams without a range, see `segmap.scans.error_codes`; 0 where there is one.
-    """
-
-    laser: str
-    ranges: Array
-    angles: Array
+    laser: str  #: which of the robot's
+    ranges: Array  #: (n,)
+    angles: Array  #: (n,), in the frame of the laser
     time: float | None = None
-    odometry: Array = NOWHERE
-    pose: Array = NOWHERE
-    limit: float = np.inf
-    codes: NDArray[np.int64] | None = None
+    odometry: Array = NOWHERE  #: of the robot by its wheels; NaN where the line holds none
+    pose: Array = NOWHERE  #: that the line holds besides
+    limit: float = np.inf  #: longest range that the line states
+    codes: NDArray[np.int64] | None = None  #: see `segmap.scans.error_codes`
 
 
 class Extrinsic(NamedTuple):
@@ -83,7 +67,7 @@ def half_turn(count: int) -> Array:
 
 
 def no_return(ranges: Iterable[Array]) -> float:
-    """The range from which on the sensor met nothing, metres, from all `(n,)` ranges of a log.
+    """The range from which on the sensor met nothing, from all `(n,)` ranges of a log.
 
     It depends on the measuring mode, which the largest finite range of the whole log tells: 8.18 m
     is a wall in a log that also holds 20 m.
@@ -98,24 +82,12 @@ def no_return(ranges: Iterable[Array]) -> float:
 
 
 def clean(ranges: Array, limit: float) -> Array:
-    """Ranges `(n,)`, metres, with `inf` where nothing was met, NaN where the value is no distance.
-
-    Examples
-    --------
-    >>> clean(np.array([1.0, 81.83, -1.0, 0.0]), 50.0)
-    array([ 1., inf, nan, nan])
-    """
+    """Ranges `(n,)`, with `inf` where nothing was met and NaN where the value is no distance."""
     return np.where(ranges >= limit, np.inf, np.where(ranges > 0, ranges, np.nan))
 
 
 def centred(count: int, step: float) -> Array:
-    """Directions of beams `step` apart, as many left as right: (count,) array, radians.
-
-    Examples
-    --------
-    >>> centred(3, 0.5)
-    array([-0.5,  0. ,  0.5])
-    """
+    """Directions of beams `step` apart, as many left as right: (count,) array, radians."""
     return (np.arange(count, dtype=float) - (count - 1) / 2) * step
 
 
@@ -128,29 +100,26 @@ class Track:
         self.poses: list[Array] = []
 
     def add(self, time: float, pose: Array) -> None:
-        """Note one pose, (3,) array, metres and radians, and its time in seconds."""
+        """Note one pose, (3,) array, and its time."""
         if np.isfinite(pose).all():
             self.times.append(time)
             self.poses.append(pose)
 
     def at(self, times: ArrayLike) -> Array:
-        """Poses between the noted ones, `(m, 3)`, metres and radians; NaN outside of them."""
+        """Poses between the noted ones, `(m, 3)`; NaN outside of them."""
         when = np.asarray(times, float)
         if not self.times:
             return np.full((len(when), 3), NO_POSE)
         return interpolate(*self.ordered(), when)
 
     def ordered(self) -> tuple[Array, Array]:
-        """Times `(k,)`, seconds, ascending, and poses `(k, 3)`, metres and radians."""
+        """Times `(k,)`, ascending, and poses `(k, 3)`."""
         order = np.argsort(self.times, kind="stable")
         return np.array(self.times)[order], np.array(self.poses)[order]
 
 
 def with_odometry(scans: Sequence[RawScan], track: Track) -> list[RawScan]:
-    """The scans, those without odometry with what the track says at their time.
-
-    Odometry is a (3,) array, metres and radians, NaN where nothing is known; times in seconds.
-    """
+    """The scans, those without odometry with what the track says at their time."""
     times = [np.nan if scan.time is None else scan.time for scan in scans]
     return [
         scan._replace(odometry=pose) if np.isnan(scan.odometry).any() else scan
@@ -159,19 +128,19 @@ def with_odometry(scans: Sequence[RawScan], track: Track) -> list[RawScan]:
 
 
 def same_poses(a: Array, b: Array) -> bool:
-    """Whether poses `(k, 3)`, metres and radians, agree in all rows; rows of NaN tell nothing."""
-    step = arrays.trailing(a, "a", 3) - arrays.trailing(b, "b", 3)
+    """Whether poses `(k, 3)` agree in all rows; rows of NaN tell nothing."""
+    step = a - b
     step[..., 2] = wrap(step[..., 2])
     return not bool((np.abs(step) > SAME).any())
 
 
 def uncorrected(scans: Sequence[RawScan], place: Array) -> Extrinsic:
-    """The laser sits at `place`, (3,) array, metres and radians, and no pose was corrected."""
+    """The laser sits at `place`, (3,) array, and no pose was corrected."""
     return Extrinsic(place, np.full((len(scans), 3), np.nan))
 
 
 def extrinsic_by_offset(scans: Sequence[RawScan], offset: Array) -> Extrinsic:
-    """The laser sits at `offset`, (3,) array, metres and radians, and its poses were corrected."""
+    """The laser sits at `offset`, (3,) array, and its poses were corrected."""
     poses = np.array([scan.pose for scan in scans])
     return Extrinsic(offset, compose(poses, inverse(offset)))
 
@@ -181,7 +150,7 @@ def extrinsic_by_poses(scans: Sequence[RawScan], offset: Array) -> Extrinsic:
 
     Where it is the same in all lines it is the laser's place on the robot. Where it varies, the
     laser's poses have been corrected and the robot's not; likewise where the robot has none. Then
-    the laser sits at `offset`, (3,) array, metres and radians.
+    the laser sits at `offset`, (3,) array.
     """
     poses = np.array([scan.pose for scan in scans])
     relative = between(np.array([scan.odometry for scan in scans]), poses)
@@ -195,7 +164,7 @@ def extrinsic_by_poses(scans: Sequence[RawScan], offset: Array) -> Extrinsic:
 def assemble(
     raw: Sequence[RawScan], extrinsic: Callable[[str, Sequence[RawScan]], Extrinsic]
 ) -> tuple[list[LaserScan], Array | None]:
-    """Scans and corrected poses `(k, 3)`, metres and radians, of all lasers in the file's order.
+    """Scans and corrected poses `(k, 3)` of all lasers in the file's order.
 
     `extrinsic` tells from all scans of a laser where it sits on the robot.
     """
@@ -204,14 +173,19 @@ def assemble(
     for laser in np.unique(lasers):
         mine = np.flatnonzero(lasers == laser)
         places[mine], truth[mine] = extrinsic(str(laser), [raw[k] for k in mine.tolist()])
-    limit = no_return(scan.ranges for scan in raw)
-    scans = [_scan(scan, k, places[k], limit) for k, scan in enumerate(raw)]
-    return scans, truth if np.isfinite(truth).any() else None
+    usual, scans = no_return(scan.ranges for scan in raw), []
+    for k, scan in enumerate(raw):
+        limit, when = min(scan.limit, usual), k if scan.time is None else scan.time
+        odometry, ranges = known(scan.odometry), clean(scan.ranges, limit)
+        scans.append(LaserScan(ranges, scan.angles, when, odometry, limit, places[k], scan.codes))
+    return scans, known_truth(truth)
 
 
-def _scan(raw: RawScan, number: int, place: Array, limit: float) -> LaserScan:
-    limit = min(raw.limit, limit)
-    when = number if raw.time is None else raw.time
-    odometry = None if np.isnan(raw.odometry).any() else raw.odometry
-    ranges = clean(raw.ranges, limit)
-    return LaserScan(ranges, raw.angles, when, odometry, limit, place, raw.codes)
+def known(pose: Array) -> Array | None:
+    """A pose, or None where it is not known."""
+    return None if np.isnan(pose).any() else pose
+
+
+def known_truth(truth: Array) -> Array | None:
+    """Corrected poses `(k, 3)`, or None where no scan has any."""
+    return truth if np.isfinite(truth).any() else None

@@ -15,8 +15,7 @@ import numpy as np
 
 from ..arrays import LIMIT, Array
 from ..segments import SegmentMap
-from ._lines import Lines, LogError, numbers
-from ._opening import asking, checked_file, named
+from ._lines import Lines, LogError, log_file, numbers
 
 HEAD = ["x1", "y1", "x2", "y2", "scan"]
 
@@ -24,17 +23,9 @@ HEAD = ["x1", "y1", "x2", "y2", "scan"]
 def read_segments(path: str | Path) -> SegmentMap:
     """Read a map of segments: a table or an NPZ file, told apart by what is in them.
 
-    Parameters
-    ----------
-    path : str or Path
-        A table of comma-separated lines below the head `x1,y1,x2,y2,scan`, metres, plain or packed;
-        or what `SegmentMap.save` wrote.
-
-    Returns
-    -------
-    SegmentMap
-        The numbers that `exports.write_segments` was given, bit for bit: `segments` as (n, 2, 2)
-        array, metres. An NPZ file brings points and sensors too.
+    A table has comma-separated lines below the head `x1,y1,x2,y2,scan` and may be packed; an NPZ
+    file is what `SegmentMap.save` wrote, with points and sensors. The numbers are those that were
+    written, bit for bit.
 
     Raises
     ------
@@ -52,43 +43,34 @@ def read_segments(path: str | Path) -> SegmentMap:
     array([[[0. , 0. ],
             [1.5, 0.1]]])
     """
-    place = named(path)
-    with asking(place):
-        with checked_file(place).open("rb") as file:
+    with log_file(path) as place:
+        with place.open("rb") as file:
             is_arrays = file.read(2) == b"PK"
-        return _arrays(place) if is_arrays else _table(place)
-
-
-def _arrays(path: Path) -> SegmentMap:
-    try:
-        return SegmentMap.load(path)
-    except ValueError as fault:
-        raise LogError(path, str(fault).removeprefix(f"{path}: ")) from None
+        if not is_arrays:
+            return _table(place)
+        try:
+            return SegmentMap.load(place)
+        except ValueError as fault:
+            raise LogError(place, str(fault).removeprefix(f"{place}: ")) from None
 
 
 def _table(path: Path) -> SegmentMap:
-    lines, table = Lines(path, separator=","), _Table()
-    for _ in lines.each(table.take):
-        pass
-    if not table.has_head:
-        raise LogError(path, f"is empty, expected the head {','.join(HEAD)}")
-    rows = np.array(table.values).reshape(-1, 5)
-    return SegmentMap(rows[:, :4].reshape(-1, 2, 2), rows[:, 4])
+    lines, values, head = Lines(path, separator=","), array("d"), list[str]()
 
-
-class _Table:
-    """What the lines of one table said so far."""
-
-    def __init__(self) -> None:
-        self.has_head, self.values = False, array("d")
-
-    def take(self, fields: list[str]) -> None:
-        """Take in one line."""
-        if self.has_head:
-            self.values.extend(_row(fields))
-        elif [field.strip() for field in fields] != HEAD:
+    def take(fields: list[str]) -> None:
+        if head:
+            values.extend(_row(fields))
+            return
+        head.extend(field.strip() for field in fields)
+        if head != HEAD:
             raise ValueError(f"expected the head {','.join(HEAD)}, got {','.join(fields)[:80]!r}")
-        self.has_head = True
+
+    for _ in lines.each(take):
+        pass
+    if not head:
+        raise LogError(path, f"is empty, expected the head {','.join(HEAD)}")
+    rows = np.array(values).reshape(-1, 5)
+    return SegmentMap(rows[:, :4].reshape(-1, 2, 2), rows[:, 4])
 
 
 def _row(fields: list[str]) -> Array:

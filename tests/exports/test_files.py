@@ -2,6 +2,7 @@
 
 import ast
 import gzip
+import inspect
 import os
 import stat
 from pathlib import Path
@@ -58,7 +59,8 @@ def others(folder: Path, *known: str) -> set[str]:
 
 def test_the_table_of_writers_is_whole():
     """Catches an export that joins the package and not these tests, and a second way to write."""
-    assert set(exports.__all__) - {"NOTHING_MET", "Classes", "ros_classes"} == {
+    functions = {name for name, found in vars(exports).items() if inspect.isfunction(found)}
+    assert functions - {"ros_classes"} == {
         *("write_tum", "write_carmen", "write_ros_map", "write_geojson", "write_svg"),
         *("write_segments", "write_graph", "write_arrays"),
     }

@@ -34,9 +34,6 @@ STOREYS = (
 )
 STOREY = {room: height for height, rooms in enumerate(STOREYS) for room in rooms.split()}
 
-#: They take private files of folders below them: still to go.
-STILL_PRIVATE = {"segmap.readers", "segmap.readers._formats"}
-
 #: What `import segmap` must not load: they are slow, or absent where only the library is needed.
 HEAVY = ("matplotlib", "ipywidgets", "serial", "numba", "IPython", "pandas", "tqdm")
 
@@ -99,8 +96,7 @@ def test_imports_run_downwards_and_leave_private_names(path):
     module, home = named(path)
     source = path.read_text(encoding="utf-8")
     assert upward(source, module, home) == []
-    if module not in STILL_PRIVATE:
-        assert crossing(source, home) == []
+    assert crossing(source, home) == []
 
 
 @pytest.mark.parametrize(

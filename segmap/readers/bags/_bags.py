@@ -24,20 +24,69 @@ from typing import Any
 
 import numpy as np
 
+from ... import arrays
 from ...angles import wrap
-from ...arrays import Array
-from ...scans import NOTHING_SKIPPED, LaserScan, Log, Skipped
-from .._lines import LATEST, LogError
+from ...arrays import Array, checked
+from ...scans import LaserScan, Log
+from .._lines import LATEST, LogError, OnError, Reading, UnknownFormat, log_file, stem
 from .._mounting import flat, in_space, level
-from .._raw_scans import Track, clean
+from .._raw_scans import Track, clean, known
 from ._files import FRAMES, Bag, kind_of, opened
 from ._frames import Frames
 
 SCAN = "sensor_msgs/msg/LaserScan"
 ODOMETRY = "nav_msgs/msg/Odometry"
 STATIC = "tf_static"
-#: What a bag that is read must hold, for an error.
-WANTED = "sensor_msgs/LaserScan"
+
+
+@checked
+def read_bag(
+    path: str | Path,
+    *,
+    scan: str | None = None,
+    odometry: str | None = None,
+    on_error: OnError = "raise",
+) -> Log:
+    """Read a bag of ROS 1 or ROS 2, with the package `rosbags`: `pip install 'segmap[ros]'`.
+
+    Scans are those of a topic of `sensor_msgs/LaserScan`. Odometry is that of a topic of
+    `nav_msgs/Odometry`, interpolated at the times of the scans, or else the way of the frame below
+    `odom`; scans before its beginning and after its end have none. Where the laser sits, upside
+    down or not, is what `/tf_static` and `/tf` say. Ranges from `range_max` on met nothing, those
+    below `range_min` are errors. All beams of a scan are taken to be measured at its time.
+
+    Parameters
+    ----------
+    path : str or Path
+        A `.bag`; a folder with a metadata.yaml, or with one bag alone; a `.db3` or an `.mcap`.
+    scan, odometry : str or None
+        Names of topics; None takes the one with most messages, and warns where there are others.
+    on_error : "raise" or "skip"
+        As in `read`: a message that is damaged is left out, a bag that is broken ends there.
+
+    Raises
+    ------
+    LogError
+        What is no bag, or a damaged one; no such topic; a laser that is tilted, or moves on the
+        robot; more than 256 MB and 50 times the size unpacked; where `rosbags` is missing.
+
+    Warns
+    -----
+    UserWarning
+        Where there are several topics, nothing tells where the laser sits, or no scan lies within
+        the time of the odometry.
+
+    Examples
+    --------
+    >>> log = read_bag("office.bag", scan="/front/scan")  # doctest: +SKIP
+    """
+    for name, topic in (("scan", scan), ("odometry", odometry)):
+        if not isinstance(topic, str | None):
+            raise ValueError(f"{name} must be the name of a topic, got {arrays.brief(topic)}")
+    with log_file(path, folders=True) as place:
+        if not claims(place):
+            raise UnknownFormat(place, "is no bag of ROS, expected a .bag, .mcap, .db3 or a folder")
+        return read(place, stem(place), on_error, scan, odometry)
 
 
 def claims(path: Path) -> bool:
@@ -52,35 +101,31 @@ def read(
     scan: str | None = None,
     odometry: str | None = None,
 ) -> Log:
-    """Read a bag; `odometry` of the log is `(k, 3)`, metres and radians, without truth."""
+    """Scans, then odometry, then as much of the transforms as is needed; no truth."""
     with opened(path) as bag:
-        return _Recording(bag, on_error).read(name, scan, odometry)
+        said = _Recording(bag, on_error)
+        scan = _chosen(bag, SCAN, scan, "scan")
+        if scan is None:
+            raise LogError(bag.path, f"holds no sensor_msgs/LaserScan, but {_listed(bag)}")
+        odometry = _chosen(bag, ODOMETRY, odometry, "odometry")
+        said.each(SCAN, [scan], said.take_scan)
+        said.each(ODOMETRY, [odometry] if odometry else [], said.take_odometry)
+        if not said.scans:
+            raise LogError(bag.path, f"holds no scan in {scan}{said.why()}")
+        said.take_transforms(odometry is None)
+        return said.log(name)
 
 
-class _Recording:
+class _Recording(Reading):
     """What the messages of one bag said so far."""
 
     def __init__(self, bag: Bag, on_error: str) -> None:
-        self.bag, self.on_error, self.skipped = bag, on_error, NOTHING_SKIPPED
-        self.scans: list[tuple[float, Any]] = []
+        super().__init__(bag.path, on_error)
+        self.bag, self.track, self.frames = bag, Track(), Frames()
+        self.scans: list[tuple[float, LaserScan]] = []
         self.laser, self.base = "", ""
-        self.track, self.frames = Track(), Frames()
 
-    def read(self, name: str, scan: str | None, odometry: str | None) -> Log:
-        """Scans, then odometry, then as much of the transforms as is needed."""
-        scan = _chosen(self.bag, SCAN, scan, "scan")
-        if scan is None:
-            raise LogError(self.bag.path, f"holds no {WANTED}, but {_listed(self.bag)}")
-        odometry = _chosen(self.bag, ODOMETRY, odometry, "odometry")
-        self._each(SCAN, [scan], self._take_scan)
-        self._each(ODOMETRY, [odometry] if odometry else [], self._take_odometry)
-        if not self.scans:
-            raise LogError(self.bag.path, f"holds no scan in {scan}{self._why()}")
-        self._take_transforms(odometry is None)
-        return self._log(name)
-
-    # ------------------------------------------------------------------------ messages
-    def _each(self, kind: str, topics: list[str], take: Callable[[Any, float], None]) -> None:
+    def each(self, kind: str, topics: list[str], take: Callable[[Any, float], None]) -> None:
         """Take in each message of some topics; a damaged one is told or counted."""
         found = self.bag.messages(topics, kind)
         for number, (topic, received, data) in enumerate(self._to_the_break(found)):
@@ -92,90 +137,69 @@ class _Recording:
                 reason = f"{topic}, message {number + 1}: {fault}"
             else:
                 continue
-            self._damaged(LogError(self.bag.path, reason))
+            self.damaged(LogError(self.path, reason))
 
     def _to_the_break(self, found: Iterator[Any]) -> Iterator[Any]:
         try:
             yield from found
         except LogError as fault:
-            self._damaged(fault)
+            self.damaged(fault)
 
-    def _damaged(self, fault: LogError) -> None:
-        if self.on_error == "raise":
-            raise fault
-        self.skipped = Skipped(self.skipped.lines + 1, self.skipped.reason or str(fault))
-
-    def _why(self) -> str:
-        return f"; {self.skipped.lines} left out: {self.skipped.reason}" if self.skipped else ""
-
-    def _take_scan(self, message: Any, received: float) -> None:
+    def take_scan(self, message: Any, received: float) -> None:
         laser = message.header.frame_id
         if self.scans and laser != self.laser:
             raise ValueError(f"expected a scan of {self.laser}, got one of {laser}")
         self.scans.append((_time(message.header, received), _beams(message)))
         self.laser = laser
 
-    def _take_odometry(self, message: Any, received: float) -> None:
+    def take_odometry(self, message: Any, received: float) -> None:
         place, turn = message.pose.pose.position, message.pose.pose.orientation
         pose = in_space((place.x, place.y, place.z), (turn.w, turn.x, turn.y, turn.z))
         self.track.add(_time(message.header, received), level(pose))
         self.base = self.base or message.child_frame_id
 
-    def _take_transforms(self, moved: bool) -> None:
+    def take_frames(self, message: Any, received: float) -> None:
+        for transform in message.transforms:
+            self.frames.take(transform, _time(transform.header, received))
+
+    def take_transforms(self, moved: bool) -> None:
         """Read what stands still, and what moves only where something is still not known."""
         for kind in FRAMES:
             topics = self.bag.topics(kind)
             static = [topic for topic in topics if topic.endswith(STATIC)]
-            self._each(kind, static, self._take_frames)
-            if moved or not self.base or self._place() is None:
-                self._each(kind, [t for t in topics if t not in static], self._take_frames)
+            self.each(kind, static, self.take_frames)
+            if moved or not self.base or self.place() is None:
+                self.each(kind, [t for t in topics if t not in static], self.take_frames)
         if moved:
             self.base, self.track = self.frames.driven()
 
-    def _take_frames(self, message: Any, received: float) -> None:
-        for transform in message.transforms:
-            self.frames.take(transform, _time(transform.header, received))
-
-    def _place(self) -> Array | None:
+    def place(self) -> Array | None:
+        """The laser's pose on the robot, in space."""
         try:
             return self.frames.place(self.laser, self.base or self.frames.base_of(self.laser))
         except ValueError as fault:
-            raise LogError(self.bag.path, str(fault)) from fault
+            raise LogError(self.path, str(fault)) from fault
 
-    # ----------------------------------------------------------------------------- log
-    def _log(self, name: str) -> Log:
-        pose, mirrored = self._mounted()
-        times = [time for time, _ in self.scans]
-        poses = self.track.at(times)
-        if self.track.times and np.isnan(poses).all():
-            _warn(f"{self.bag.path}: no scan lies within the time of the odometry")
-        poses[:, 2] = wrap(poses[:, 2])
-        scans = [
-            _laser_scan(beams, time, None if np.isnan(odometry).any() else odometry, pose, mirrored)
-            for (time, beams), odometry in zip(self.scans, poses, strict=True)
-        ]
-        return Log(name, scans, None, self.skipped)
-
-    def _mounted(self) -> tuple[Array, bool]:
-        """The laser's place in the plane, and whether it hangs upside down."""
-        place = self._place()
-        if place is None:
+    def log(self, name: str) -> Log:
+        if (space := self.place()) is None:
             _warn(
-                f"{self.bag.path}: no tf tells where {self.laser} sits on {self.base}; "
+                f"{self.path}: no tf tells where {self.laser} sits on {self.base}; "
                 "it is taken to be at its centre"
             )
-            place = np.eye(4)
+            space = np.eye(4)
         try:
-            return flat(place)
+            place, mirrored = flat(space)
         except ValueError as fault:
-            raise LogError(self.bag.path, str(fault)) from fault
-
-
-def _laser_scan(
-    beams: LaserScan, time: float, odometry: Array | None, place: Array, mirrored: bool
-) -> LaserScan:
-    angles = -beams.angles if mirrored else beams.angles
-    return LaserScan(beams.ranges, angles, time, odometry, beams.max_range, place)
+            raise LogError(self.path, str(fault)) from fault
+        poses = self.track.at([time for time, _ in self.scans])
+        if self.track.times and np.isnan(poses).all():
+            _warn(f"{self.path}: no scan lies within the time of the odometry")
+        poses[:, 2] = wrap(poses[:, 2])
+        scans = []
+        for (time, beams), pose in zip(self.scans, poses, strict=True):
+            angles = -beams.angles if mirrored else beams.angles
+            scans.append(LaserScan(beams.ranges, angles, time, known(pose), beams.max_range, place))
+        return Log(name, scans, None, self.skipped)
 
 
 def _beams(message: Any) -> LaserScan:

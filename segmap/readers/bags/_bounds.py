@@ -7,7 +7,6 @@ import importlib
 import re
 import sqlite3
 import struct
-from collections.abc import Callable
 from contextlib import closing
 from pathlib import Path
 from typing import Any
@@ -31,33 +30,22 @@ class Budget:
         self.left = self.most
 
     def take(self, count: int) -> None:
-        """Use some of it up.
-
-        Raises
-        ------
-        LogError
-            Where so many are not left.
-        """
+        """Use some of it up; where so many are not left, that is a LogError."""
         self.left -= count
         if self.left < 0:
             raise LogError(self.path, f"unpacks to more than {self.most} bytes, expected a log")
 
     def unpack(self, kind: str, data: bytes) -> bytes:
         """Unpack bytes of one chunk, as far as the budget goes."""
-        found = _unpacker(kind)(data, self.left + 1)
+        if kind == "bz2":
+            found = bz2.BZ2Decompressor().decompress(data, self.left + 1)
+        elif kind == "lz4":
+            frames = importlib.import_module("lz4.frame")
+            found = frames.LZ4FrameDecompressor().decompress(data, self.left + 1)
+        else:
+            found = _zstd().ZstdDecompressor().decompress(data, self.left + 1)
         self.take(len(found))
         return found
-
-
-def _unpacker(kind: str) -> Callable[[bytes, int], bytes]:
-    """What unpacks bytes of one kind to a number of bytes at most."""
-    if kind == "bz2":
-        return bz2.BZ2Decompressor().decompress
-    if kind == "lz4":
-        return importlib.import_module("lz4.frame").LZ4FrameDecompressor().decompress
-    if kind == "zstd":
-        return _zstd().ZstdDecompressor().decompress
-    return lambda data, most: data[:most]
 
 
 def _zstd() -> Any:
@@ -78,7 +66,11 @@ def _check_mcap(path: Path, budget: Budget) -> None:
             if size > end - start:
                 raise LogError(path, f"byte {start}: announces {size} bytes, {end - start} follow")
             if code == CHUNK:
-                _check_chunk(file.read(size), budget)
+                record = file.read(size)
+                (length,) = struct.unpack_from("<I", record, 28)
+                kind = record[32 : 32 + length].decode("ascii", "replace")
+                if kind in ("lz4", "zstd"):
+                    budget.unpack(kind, record[40 + length :])
             elif code == 8:
                 starts.append(file.read(24)[16:])
             file.seek(start + size)
@@ -86,19 +78,6 @@ def _check_mcap(path: Path, budget: Budget) -> None:
                 break
     if len(starts) != len(set(starts)):
         raise LogError(path, "lists a chunk twice")
-
-
-def _check_chunk(record: bytes, budget: Budget) -> None:
-    (length,) = struct.unpack_from("<I", record, 28)
-    kind = record[32 : 32 + length].decode("ascii", "replace")
-    if kind in ("lz4", "zstd"):
-        budget.unpack(kind, record[40 + length :])
-
-
-def _unpack_file(path: Path, budget: Budget) -> None:
-    with _zstd().open(path, "rb") as file:
-        while part := file.read(1 << 20):
-            budget.take(len(part))
 
 
 def _check_database(path: Path) -> None:
@@ -113,6 +92,7 @@ def _check_database(path: Path) -> None:
 
 
 def check_metadata(path: Path) -> None:
+    """Refuse a metadata.yaml that takes for ever, and messages that are packed one by one."""
     with path.open("rb") as file:
         text = file.read(MOST_METADATA + 1)
     if len(text) > MOST_METADATA or len(re.findall(rb"[\[{]", text)) > MOST_BRACKETS:
@@ -128,4 +108,6 @@ def look_through(path: Path, kind: str | None, budget: Budget) -> None:
     elif kind == ".db3":
         _check_database(path)
     elif path.suffix in (".zstd", ".zst"):
-        _unpack_file(path, budget)
+        with _zstd().open(path, "rb") as file:
+            while part := file.read(1 << 20):
+                budget.take(len(part))

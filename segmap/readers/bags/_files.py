@@ -51,16 +51,7 @@ def kind_of(path: Path) -> str | None:
 
 
 class Bag:
-    """An open bag.
-
-    Parameters
-    ----------
-    path : Path
-    reader : a reader of `rosbags`
-    is_2 : bool
-        Of ROS 2.
-    budget : Budget
-    """
+    """An open bag, with a reader of `rosbags`."""
 
     def __init__(self, path: Path, reader: Any, is_2: bool, budget: Budget) -> None:
         self.path, self.budget = path, budget
@@ -72,7 +63,11 @@ class Bag:
                 raise LogError(path, f"has a topic {each.topic} of {each.msgcount!r} messages")
         self.types = _types(is_2)
         self._decode = self.types.deserialize_cdr if is_2 else self.types.deserialize_ros1
-        self._digest = self.types.hash_rihs01 if is_2 else self._digest_1
+        self._digest = (
+            self.types.hash_rihs01
+            if is_2
+            else lambda kind: str(self.types.generate_msgdef(kind)[1])
+        )
 
     def topics(self, kind: str) -> dict[str, int]:
         """Names of the topics with messages of one type, and how many each has."""
@@ -94,17 +89,8 @@ class Bag:
                     self.budget.take(len(data))
                     yield connection.topic, int(time), bytes(data)
 
-    def _digest_1(self, kind: str) -> str:
-        return str(self.types.generate_msgdef(kind)[1])
-
     def decoded(self, data: bytes, kind: str) -> Any:
-        """A message out of its bytes.
-
-        Raises
-        ------
-        ValueError
-            Where they are damaged.
-        """
+        """A message out of its bytes; damaged ones are a ValueError."""
         try:
             return self._decode(data, kind)
         except Exception as fault:
@@ -131,19 +117,25 @@ def _types(is_2: bool) -> Any:
 
 @contextmanager
 def opened(path: Path) -> Iterator[Bag]:
-    """A bag, closed in the end.
-
-    Raises
-    ------
-    LogError
-        For a damaged bag, one made to fill the memory, one that is packed as a whole, and where
-        the package `rosbags` is missing.
-    """
+    """A bag, closed in the end; one that is damaged, or made to fill the memory, is a LogError."""
     path = sole_file(path)
-    kind, size = kind_of(path), _size(path)
-    budget = Budget(path, size)
+    kind = str(kind_of(path))
+    files = sorted(path.iterdir()) if kind == "folder" else [path]
+    budget = Budget(path, sum(file.stat().st_size for file in files))
     with damage(path):
-        reader = _reader(path, str(kind), budget)
+        if kind != "folder":
+            with path.open("rb") as start:
+                if not start.read(16).startswith(tuple(MAGIC)):
+                    raise LogError(path, "is a bag that is packed as a whole: unpack it first")
+        if kind == "ROS 1":
+            reader = _reader_1(path, budget)
+        else:
+            plugins = importlib.import_module("rosbags.rosbag2").Reader.STORAGE_PLUGINS
+            if kind == "folder":
+                check_metadata(path / METADATA)
+            for file in files:
+                look_through(file, kind_of(file) if file.is_file() else None, budget)
+            reader = plugins["dir" if kind == "folder" else kind](path)
         reader.open()
     try:
         with damage(path):
@@ -162,46 +154,17 @@ def damage(path: Path) -> Iterator[None]:
     except (LogError, GeneratorExit):
         raise
     except ImportError as fault:
-        raise LogError(
-            path, "is a bag of ROS: reading it needs pip install 'segmap[ros]'"
-        ) from fault
+        reason = "is a bag of ROS: reading it needs pip install 'segmap[ros]'"
+        raise LogError(path, reason) from fault
     except Exception as fault:
-        raise LogError(
-            path, f"is damaged, or no bag that rosbags reads ({_words(fault)})"
-        ) from fault
+        reason = f"is damaged, or no bag that rosbags reads ({_words(fault)})"
+        raise LogError(path, reason) from fault
 
 
 def _words(fault: Exception) -> str:
     return f"{type(fault).__name__}: {fault}"[:300]
 
 
-def _size(path: Path) -> int:
-    return sum(f.stat().st_size for f in (path.iterdir() if path.is_dir() else [path]))
-
-
-def _reader(path: Path, kind: str, budget: Budget) -> Any:
-    """A reader of `rosbags` that is not open yet, for what was looked through."""
-    if kind == "ROS 1":
-        _check_unpacked(path)
-        return _reader_1(path, budget)
-    plugins = importlib.import_module("rosbags.rosbag2").Reader.STORAGE_PLUGINS
-    if kind == "folder":
-        check_metadata(path / METADATA)
-        for file in sorted(path.iterdir()):
-            look_through(file, kind_of(file) if file.is_file() else None, budget)
-        return plugins["dir"](path)
-    _check_unpacked(path)
-    look_through(path, kind, budget)
-    return plugins[kind](path)
-
-
-def _check_unpacked(path: Path) -> None:
-    with path.open("rb") as file:
-        if not file.read(16).startswith(tuple(MAGIC)):
-            raise LogError(path, "is a bag that is packed as a whole: unpack it first")
-
-
-# ------------------------------------------------------------------------------ ROS 1
 def _reader_1(path: Path, budget: Budget) -> Any:
     """The reader of ROS 1, with chunks that are listed once and unpack within the budget."""
     module = importlib.import_module("rosbags.rosbag1.reader")

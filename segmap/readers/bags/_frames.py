@@ -36,9 +36,15 @@ class Frames:
         pose = in_space((place.x, place.y, place.z), (turn.w, turn.x, turn.y, turn.z))
         if _is(parent, ODOMETRY):
             self.tracks.setdefault(child, Track()).add(time, level(pose))
-        if self.above.setdefault(child, parent) != parent or _moved(self.poses, child, pose):
+        first = self.poses.setdefault(child, pose)
+        step = np.linalg.inv(first) @ pose
+        turn = np.arccos(np.clip((np.trace(step[:3, :3]) - 1) / 2, -1, 1))
+        if (
+            self.above.setdefault(child, parent) != parent
+            or np.abs(step[:3, 3]).max() > STILL[0]
+            or turn > STILL[1]
+        ):
             self.moving.add(child)
-        self.poses.setdefault(child, pose)
 
     def chain(self, frame: str) -> dict[str, Array]:
         """The frame itself and all above it, each with the pose of the frame in it."""
@@ -52,16 +58,13 @@ class Frames:
     def place(self, laser: str, base: str) -> Array | None:
         """The laser's pose in the frame of the robot; None where nothing links the two.
 
-        Raises
-        ------
-        ValueError
-            Where something between the two moves.
+        It is a ValueError where something between the two moves.
         """
         up, down = self.chain(_name(laser)), self.chain(_name(base))
         common = next((frame for frame in up if frame in down), None)
         if common is None:
             return None
-        between = [*_below(up, common), *_below(down, common)]
+        between = [f for chain in (up, down) for f in list(chain)[: list(chain).index(common)]]
         if moving := [frame for frame in between if frame in self.moving]:
             raise ValueError(f"expected a laser that is fixed to {base}, but {moving[0]} moves")
         return np.linalg.inv(down[common]) @ up[common]
@@ -75,20 +78,6 @@ class Frames:
         if not self.tracks:
             return "", Track()
         return max(self.tracks.items(), key=lambda found: len(found[1].times))
-
-
-def _below(chain: dict[str, Array], top: str) -> list[str]:
-    """The frames of a chain before one of them."""
-    return list(chain)[: list(chain).index(top)]
-
-
-def _moved(poses: dict[str, Array], child: str, pose: Array) -> bool:
-    """Whether a pose differs from the one before it."""
-    if child not in poses:
-        return False
-    step = np.linalg.inv(poses[child]) @ pose
-    turn = np.arccos(np.clip((np.trace(step[:3, :3]) - 1) / 2, -1, 1))
-    return bool(np.abs(step[:3, 3]).max() > STILL[0] or turn > STILL[1])
 
 
 def _name(frame: str) -> str:

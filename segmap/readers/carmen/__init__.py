@@ -1,5 +1,7 @@
 """Logs of CARMEN and of the programs of its family: GMapping, DP-SLAM, Wean Hall, Player."""
 
-from ._carmen import (
-    parse_robotlaser,
-)
+from ._carmen import Carmen, parse_robotlaser
+from ._dpslam import DpSlam
+from ._gmapping import GMapping
+from ._player import Player
+from ._wean import WeanHall

@@ -34,20 +34,17 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from pathlib import Path
 
 import numpy as np
 
 from ...arrays import Array, slips
 from ...poses import compose
-from ...scans import NOTHING_SKIPPED, Log, Skipped
+from ...scans import Skipped
 from .._lines import Lines, counted, merged, numbers, pose, time
 from .._raw_scans import (
     NOWHERE,
     Extrinsic,
     RawScan,
-    Track,
-    assemble,
     extrinsic_by_offset,
     extrinsic_by_poses,
     half_turn,
@@ -55,6 +52,7 @@ from .._raw_scans import (
     uncorrected,
     with_odometry,
 )
+from .._text import TextFormat
 
 OLD = ("FLASER", "RLASER")
 NEW = tuple(f"{kind}LASER{k}" for kind in ("ROBOT", "RAW") for k in range(1, 6))
@@ -77,24 +75,19 @@ HEAD = 7
 KEYWORDS = frozenset(("PARAM", "ODOM", *OLD, *NEW, *OTHERS, *MAPPED))
 
 
-def claims(fields: Sequence[str]) -> bool:
-    """Whether a line is one of this format."""
-    return fields[0] in KEYWORDS
+class Carmen(TextFormat):
+    """A CARMEN log."""
 
+    name, keywords = "CARMEN", KEYWORDS
+    expected = "a FLASER, RLASER, ROBOTLASER or RAWLASER line"
 
-class _Recording:
-    """What the lines of one log said so far."""
-
-    def __init__(self) -> None:
-        self.scans: list[RawScan] = []
-        self.track = Track()
+    def __init__(self, lines: Lines) -> None:
+        super().__init__(lines)
         self.parameters: dict[str, float] = {}
         self.recorded = self.mapped = False
-        self.unknown = NOTHING_SKIPPED
 
-    def take(self, fields: list[str]) -> None:
-        """Take in one line."""
-        keyword = fields[0]
+    def _take(self, fields: list[str]) -> None:
+        keyword, *rest = fields
         if keyword in OLD:
             self.scans.append(_parse_old(fields))
         elif keyword in NEW:
@@ -102,24 +95,43 @@ class _Recording:
         elif keyword in KEYWORDS:
             self.recorded = True
             self.mapped |= keyword in MAPPED
-            self._note(keyword, fields[1:])
+            if keyword == "PARAM" and rest and rest[0] in OFFSETS:
+                value = pose([*rest[1:2], "0", "0"], rest[0])[0]
+                if "angular" in rest[0]:
+                    slips.check_angles(value, rest[0])
+                self.parameters[rest[0]] = float(value)
+            elif keyword == "ODOM" and len(rest) >= 9:
+                self.track.add(time(rest[6]), pose(rest[:3], "the odometry"))
         elif _is_strange(fields):
             said = f"lines of no known meaning, {keyword[:40]} first"
             self.unknown = merged(self.unknown, Skipped(1, said))
         else:
             raise ValueError(f"expected a line of a CARMEN log, got {keyword[:40]!r}")
 
-    def _note(self, keyword: str, fields: list[str]) -> None:
-        if keyword == "PARAM" and fields and fields[0] in OFFSETS:
-            value = pose([*fields[1:2], "0", "0"], fields[0])[0]
-            if "angular" in fields[0]:
-                slips.check_angles(value, fields[0])
-            self.parameters[fields[0]] = float(value)
-        elif keyword == "ODOM" and len(fields) >= 9:
-            self.track.add(time(fields[6]), pose(fields[:3], "the odometry"))
+    def _finished(self) -> list[RawScan]:
+        """The scans; those of a mapper with the odometry of ODOM lines, where that is raw."""
+        if not self.mapped:
+            return super()._finished()
+        raw = [scan._replace(odometry=NOWHERE) for scan in self.scans]
+        noted = {_rounded(pose) for pose in self.track.poses}
+        repeated = 2 * sum(_rounded(scan.pose) in noted for scan in self.scans) > len(raw)
+        return raw if repeated else with_odometry(raw, self.track)
 
-    def offset(self, laser: str) -> Array:
-        """Where the file says that a laser sits on the robot, (3,) array, metres and radians."""
+    def _extrinsic(self, laser: str, scans: Sequence[RawScan]) -> Extrinsic:
+        """Place of a laser and truth, by the rule above."""
+        offset = self._offset(laser)
+        if laser in NEW:
+            return extrinsic_by_poses(scans, offset)
+        corrected = self.mapped or (all(s.time is not None for s in scans) and not self.recorded)
+        if not corrected:
+            poses = np.array([scan.pose for scan in scans])
+            odometry = np.array([scan.odometry for scan in scans])
+            if any(same_poses(poses, at) for at in (compose(odometry, offset), odometry)):
+                return uncorrected(scans, offset)
+        return extrinsic_by_offset(scans, offset)
+
+    def _offset(self, laser: str) -> Array:
+        """Where the file says that a laser sits on the robot, (3,) array."""
         rear = laser in ("RLASER", "ROBOTLASER2", "RAWLASER2")
         name = f"robot_{'rear' if rear else 'front'}laser_"
         turn = self.parameters.get(name + "angular_offset", 0.0)
@@ -127,40 +139,6 @@ class _Recording:
             turn += np.pi
         ahead, aside = (self.parameters.get(name + k, 0.0) for k in ("offset", "side_offset"))
         return np.array([ahead, aside, turn])
-
-    def with_odometry(self) -> list[RawScan]:
-        """The scans; those of a mapper with the odometry of ODOM lines, where that is raw."""
-        if not self.mapped:
-            return with_odometry(self.scans, self.track)
-        raw = [scan._replace(odometry=NOWHERE) for scan in self.scans]
-        return raw if self._is_repeated() else with_odometry(raw, self.track)
-
-    def _is_repeated(self) -> bool:
-        """Whether the ODOM lines hold the poses of most scans: the mapper's, not the wheels'."""
-        noted = {_rounded(pose) for pose in self.track.poses}
-        return 2 * sum(_rounded(scan.pose) in noted for scan in self.scans) > len(self.scans)
-
-    def extrinsic(self, laser: str, scans: Sequence[RawScan]) -> Extrinsic:
-        """Place of a laser `(3,)` and truth `(k, 3)`, metres and radians, by the rule above."""
-        offset = self.offset(laser)
-        if laser in NEW:
-            return extrinsic_by_poses(scans, offset)
-        corrected = self.mapped or (all(s.time is not None for s in scans) and not self.recorded)
-        if not corrected and _repeats_odometry(scans, offset):
-            return uncorrected(scans, offset)
-        return extrinsic_by_offset(scans, offset)
-
-
-def read(path: Path, name: str, on_error: str = "raise") -> Log:
-    """Read a CARMEN log; `truth` is `(k, 3)`, metres and radians, the robot's pose."""
-    lines, recording = Lines(path, on_error), _Recording()
-    for _ in lines.each(recording.take):
-        pass
-    if not recording.scans:
-        raise lines.no_scan("a FLASER, RLASER, ROBOTLASER or RAWLASER line")
-    raw = recording.with_odometry()
-    skipped = merged(lines.skipped, recording.unknown)
-    return Log(name, *assemble(raw, recording.extrinsic), skipped)
 
 
 def _parse_old(fields: list[str]) -> RawScan:
@@ -187,18 +165,8 @@ def _rounded(pose: Array) -> tuple[float, ...]:
     return tuple(np.round(pose, 3).tolist())
 
 
-def _repeats_odometry(scans: Sequence[RawScan], offset: Array) -> bool:
-    poses = np.array([scan.pose for scan in scans])
-    odometry = np.array([scan.odometry for scan in scans])
-    return same_poses(poses, compose(odometry, offset)) or same_poses(poses, odometry)
-
-
 def parse_robotlaser(fields: list[str]) -> RawScan:
-    """One ROBOTLASERn or RAWLASERn line; the keyword names the laser.
-
-    Ranges `(n,)`, metres, and directions `(n,)`, radians; poses in metres and radians, the time in
-    seconds.
-    """
+    """One ROBOTLASERn or RAWLASERn line; the keyword names the laser."""
     head = numbers(fields[1 : HEAD + 1], "the sensor's settings")
     if len(head) < HEAD or not np.isfinite(head[1:5]).all():
         raise ValueError(f"expected {HEAD} finite settings of the sensor after {fields[0]}")
@@ -210,16 +178,10 @@ def parse_robotlaser(fields: list[str]) -> RawScan:
         raise ValueError(f"expected {wanted} fields after the remissions, got {len(rest)}")
     laser = pose(rest[:3], "the laser") if posed else NOWHERE
     odometry = pose(rest[3:6], "the robot") if posed else NOWHERE
-    limit = head[4] if head[4] > 0 else np.inf
     found, when = numbers(ranges, "ranges"), time(rest[-3])
-    return RawScan(fields[0], found, _angles(head, len(found)), when, odometry, laser, limit)
-
-
-def _angles(head: Array, beams: int) -> Array:
-    start, field_of_view, resolution = head[1:4]
-    if not (abs(start) < 10 and 0 <= field_of_view < 10 and 0 <= resolution < 10):
+    start, view, resolution, limit = head[1:5]
+    if not (abs(start) < 10 and 0 <= view < 10 and 0 <= resolution < 10):
         raise ValueError(f"expected the beams' angles in radians, got {head[1:4].tolist()}")
-    step = resolution or field_of_view / max(beams - 1, 1)
-    angles = start + step * np.arange(beams)
+    angles = start + (resolution or view / max(len(found) - 1, 1)) * np.arange(len(found))
     slips.check_angles(angles, "angles")
-    return angles
+    return RawScan(fields[0], found, angles, when, odometry, laser, limit if limit > 0 else np.inf)

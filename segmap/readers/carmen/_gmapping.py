@@ -18,22 +18,13 @@ laser sits: it is taken to be the robot's centre.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from pathlib import Path
 
 import numpy as np
 
 from ...arrays import Array
-from ...scans import Log
 from .._lines import Lines, counted, numbers, pose, time
-from .._raw_scans import (
-    NOWHERE,
-    URG_STEP,
-    RawScan,
-    assemble,
-    centred,
-    extrinsic_by_offset,
-    half_turn,
-)
+from .._raw_scans import URG_STEP, Extrinsic, RawScan, centred, extrinsic_by_offset, half_turn
+from .._text import TextFormat
 
 SCAN, MATCHED = "LASER_READING", "SM_UPDATE"
 #: Lines that hold neither a scan nor its pose.
@@ -48,40 +39,33 @@ WIDE = {540: np.radians(0.5), 541: np.radians(0.5), 682: URG_STEP, 683: URG_STEP
 PARTICLE = 4
 
 
-def claims(fields: Sequence[str]) -> bool:
-    """Whether a line is one of this format."""
-    return fields[0] in KEYWORDS
+class GMapping(TextFormat):
+    """A run of GMapping."""
 
+    name, keywords, expected = "GMapping", KEYWORDS, f"a {SCAN} line"
 
-class _Run:
-    """What the lines of one run said so far."""
-
-    def __init__(self) -> None:
-        self.scans: list[RawScan] = []
+    def __init__(self, lines: Lines) -> None:
+        super().__init__(lines)
         self.reach = np.inf
 
-    def take(self, fields: list[str]) -> None:
-        """Take in one line."""
+    def _take(self, fields: list[str]) -> None:
         if fields[0] == SCAN:
             self.scans.append(_parse_scan(fields))
         elif fields[0] == MATCHED and self.scans:
             self.scans[-1] = self.scans[-1]._replace(pose=_heaviest(fields))
         elif fields[:2] == ["PARAM", "maxrange"]:
-            self.reach = _parse_reach(fields[2:])
+            reach = float(numbers(fields[2:3] or [""], "maxrange")[0])
+            if not reach > 0:
+                raise ValueError(f"expected metres for maxrange, got {fields[2][:40]!r}")
+            self.reach = reach
         elif fields[0] not in KEYWORDS:
             raise ValueError(f"expected a line of a GMapping run, got {fields[0][:40]!r}")
 
+    def _finished(self) -> list[RawScan]:
+        return [scan._replace(limit=self.reach) for scan in self.scans]
 
-def read(path: Path, name: str, on_error: str = "raise") -> Log:
-    """Read a run; `truth` is `(k, 3)`, metres and radians, from the matched particles."""
-    lines, run = Lines(path, on_error), _Run()
-    for _ in lines.each(run.take):
-        pass
-    if not run.scans:
-        raise lines.no_scan(f"a {SCAN} line")
-    raw = [scan._replace(limit=run.reach) for scan in run.scans]
-    log = assemble(raw, lambda laser, mine: extrinsic_by_offset(mine, np.zeros(3)))
-    return Log(name, *log, lines.skipped)
+    def _extrinsic(self, laser: str, scans: Sequence[RawScan]) -> Extrinsic:
+        return extrinsic_by_offset(scans, np.zeros(3))
 
 
 def _parse_scan(fields: list[str]) -> RawScan:
@@ -89,11 +73,10 @@ def _parse_scan(fields: list[str]) -> RawScan:
     if len(rest) != PARTICLE:
         raise ValueError(f"expected x, y, heading and the time after the ranges, got {len(rest)}")
     odometry, found = pose(rest[:3], "the odometry"), numbers(ranges, "ranges")
-    return RawScan(SCAN, found, _angles(len(found)), time(rest[3]), odometry, NOWHERE)
-
-
-def _angles(count: int) -> Array:
-    return centred(count, WIDE[count]) if count in WIDE else half_turn(count)
+    n = len(found)
+    return RawScan(
+        SCAN, found, centred(n, WIDE[n]) if n in WIDE else half_turn(n), time(rest[3]), odometry
+    )
 
 
 def _heaviest(fields: list[str]) -> Array:
@@ -106,10 +89,3 @@ def _heaviest(fields: list[str]) -> Array:
         raise ValueError("expected the weight of a particle, got none")
     best = 2 + PARTICLE * int(np.nanargmax(weights))
     return pose(fields[best : best + 3], "the heaviest particle")
-
-
-def _parse_reach(fields: list[str]) -> float:
-    found = float(numbers(fields[:1] or [""], "maxrange")[0])
-    if not found > 0:
-        raise ValueError(f"expected metres for maxrange, got {fields[0][:40]!r}")
-    return found

@@ -26,35 +26,27 @@ interfaces are skipped.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 
 from ...arrays import Array, slips
-from ...scans import Log
 from .._lines import Lines, is_number, numbers, pose, time
-from .._raw_scans import (
-    NOWHERE,
-    Extrinsic,
-    RawScan,
-    Track,
-    assemble,
-    half_turn,
-    uncorrected,
-    with_odometry,
-)
+from .._raw_scans import NOWHERE, Extrinsic, RawScan, Track, half_turn, uncorrected, with_odometry
+from .._text import TextFormat
 
-POSITIONS = ("position", "position2d")
+POSITION = ("position ", "position2d ")
 OTHERS = frozenset(
     ("sync", "gps", "wifi", "sonar", "ptz", "truth", "power", "camera", "fiducial", "joystick")
     + ("blobfinder", "position3d", "player", "aio", "dio", "imu", "opaque", "localize", "ranger")
     + ("actarray", "wsn", "rfid", "pointcloud3d", "bumper", "ir", "gripper", "simulation", "log")
 )
-INTERFACES = frozenset(("laser", *POSITIONS)) | OTHERS
-#: Fields of a laser message before the number of ranges: with and without time and angles in
-#: Player 1, and of either subtype later.
-UNTYPED_HEADS, TYPED_HEADS = (0, 1, 3, 4), {(1, 1): (5,), (1, 2): (8,)}
+INTERFACES = frozenset(("laser", "position", "position2d")) | OTHERS
+#: Fields of a laser message before the number of ranges, by its type and subtype: with and without
+#: time and angles in Player 1, which has no types.
+LASER_HEADS: dict[tuple[int, ...], tuple[int, ...]] = {
+    (): (0, 1, 3, 4), (1, 1): (5,), (1, 2): (8,),
+}  # fmt: skip
 GEOMETRY = (4, 1)
 #: Fields of a position, without its time.
 POSITION_FIELDS = (3, 7)
@@ -63,76 +55,56 @@ POSITION_FIELDS = (3, 7)
 class Message(NamedTuple):
     """A line taken apart: its body is what follows the index, or type and subtype."""
 
-    interface: str
+    device: str
     number: int
     time: float | None
-    kind: tuple[int, int] | None
+    kind: tuple[int, ...]
     body: list[str]
 
 
-def claims(fields: Sequence[str]) -> bool:
-    """Whether a line is one of this format."""
-    return _keyword(fields) is not None
+class Player(TextFormat):
+    """A log of Player."""
 
+    name, expected = "Player", "a laser message"
 
-class _Recording:
-    """What the lines of one log said so far."""
-
-    def __init__(self) -> None:
-        self.scans: list[RawScan] = []
+    def __init__(self, lines: Lines) -> None:
+        super().__init__(lines)
         self.before: list[Array] = []
         self.tracks: dict[int, Track] = {}
         self.latest: dict[int, Array] = {}
         self.places: dict[str, Array] = {}
 
-    def take(self, fields: list[str]) -> None:
-        """Take in one line."""
-        message = _message(fields)
-        if message.interface in POSITIONS:
-            self._take_position(message)
-        elif message.interface == "laser":
-            self._take_laser(message)
+    @classmethod
+    def claims(cls, fields: Sequence[str]) -> bool:
+        """Whether a line is one of this format."""
+        return _keyword(fields) is not None
 
-    def _take_position(self, message: Message) -> None:
-        if message.kind in (None, (1, 1)):
+    def _take(self, fields: list[str]) -> None:
+        message = _message(fields)
+        if message.device.startswith("laser"):
+            if message.kind == GEOMETRY:
+                place = pose(message.body[:3], "the place of the laser")
+                slips.check_angles(place[2], "the laser's heading")
+                self.places[message.device] = place
+            elif message.kind in LASER_HEADS:
+                self.scans.append(_parse_laser(message))
+                self.before.append(self.latest[min(self.latest)] if self.latest else NOWHERE)
+        elif message.device.startswith(POSITION) and message.kind in ((), (1, 1)):
             when, where = _parse_position(message)
             self.latest[message.number] = where
             if when is not None:
                 self.tracks.setdefault(message.number, Track()).add(when, where)
 
-    def _take_laser(self, message: Message) -> None:
-        if message.kind == GEOMETRY:
-            place = pose(message.body[:3], "the place of the laser")
-            slips.check_angles(place[2], "the laser's heading")
-            self.places[_name(message)] = place
-        elif message.kind is None or message.kind in TYPED_HEADS:
-            self.scans.append(_parse_laser(message))
-            self.before.append(self.latest[min(self.latest)] if self.latest else NOWHERE)
-
-    def extrinsic(self, laser: str, scans: Sequence[RawScan]) -> Extrinsic:
-        """Place of a laser on the robot, (3,) array, metres and radians; no truth."""
-        place = self.places.get(laser, np.zeros(3))
-        place = np.zeros(3) if np.isnan(place).any() else place
-        return uncorrected(scans, place)
-
-    def finished(self) -> list[RawScan]:
-        """The scans with their odometry, (3,) array each, metres and radians."""
+    def _finished(self) -> list[RawScan]:
         track = self.tracks[min(self.tracks)] if self.tracks else Track()
-        scans = with_odometry(self.scans, track)
         return [
             scan._replace(odometry=before) if np.isnan(scan.odometry).any() else scan
-            for scan, before in zip(scans, self.before, strict=True)
+            for scan, before in zip(with_odometry(self.scans, track), self.before, strict=True)
         ]
 
-
-def read(path: Path, name: str, on_error: str = "raise") -> Log:
-    """Read a log of Player; `odometry` is `(k, 3)`, metres and radians, without truth."""
-    lines, recording = Lines(path, on_error), _Recording()
-    for _ in lines.each(recording.take):
-        pass
-    if not recording.scans:
-        raise lines.no_scan("a laser message")
-    return Log(name, *assemble(recording.finished(), recording.extrinsic), lines.skipped)
+    def _extrinsic(self, laser: str, scans: Sequence[RawScan]) -> Extrinsic:
+        place = self.places.get(laser, np.zeros(3))
+        return uncorrected(scans, np.zeros(3) if np.isnan(place).any() else place)
 
 
 def _keyword(fields: Sequence[str]) -> int | None:
@@ -149,22 +121,14 @@ def _message(fields: list[str]) -> Message:
     if not (index.isdecimal() and len(index) < 10):
         raise ValueError(f"expected the index of the {fields[at]}, got {index[:40]!r}")
     when = time(fields[0]) if at else None
-    kind = _kind(body) if at else None
-    return Message(fields[at], int(index), when, kind, body[2:] if kind else body)
-
-
-def _kind(body: list[str]) -> tuple[int, int] | None:
-    words = [int(word) for word in body[:2] if word.isdecimal() and len(word) < 10]
-    return (words[0], words[1]) if len(words) == 2 and min(words) > 0 else None
-
-
-def _name(message: Message) -> str:
-    return f"{message.interface} {message.number}"
+    words = [int(word) for word in body[:2] if word.isdecimal() and len(word) < 10] if at else []
+    kind = tuple(words) if len(words) == 2 and min(words) > 0 else ()
+    return Message(f"{fields[at]} {int(index)}", int(index), when, kind, body[len(kind) :])
 
 
 def _parse_position(message: Message) -> tuple[float | None, Array]:
     body, when = message.body, message.time
-    if message.kind is None and len(body) - 1 in POSITION_FIELDS:
+    if not message.kind and len(body) - 1 in POSITION_FIELDS:
         body, when = body[1:], time(body[0])
     if len(body) not in POSITION_FIELDS:
         raise ValueError(f"expected x y heading vx vy turn stall, got {len(body)} fields")
@@ -173,16 +137,18 @@ def _parse_position(message: Message) -> tuple[float | None, Array]:
 
 def _parse_laser(message: Message) -> RawScan:
     body = message.body
-    size, ranges = _split(
-        body, UNTYPED_HEADS if message.kind is None else TYPED_HEADS[message.kind]
-    )
+    size, ranges = _split(body, LASER_HEADS[message.kind])
     head, found = body[:size], numbers(ranges, "ranges")
-    odometry = pose(head[1:4], "the pose of the robot") if size == 8 else NOWHERE
-    limit = _limit(head[-1]) if size > 4 else np.inf
+    odometry, limit = NOWHERE, np.inf
+    if size == 8:
+        odometry = pose(head[1:4], "the pose of the robot")
+    if size > 4:
+        (stated,) = numbers(head[-1:], "the maximum range")
+        limit = float(stated) if stated > 0 else np.inf
     settings = head[-4:-1] if size > 4 else head[-3:]
     angles = half_turn(len(found)) if size < 2 else spread(settings, len(found))
     when = time(head[0]) if size in (1, 4) else message.time
-    return RawScan(_name(message), found, angles, when, odometry, limit=limit)
+    return RawScan(message.device, found, angles, when, odometry, limit=limit)
 
 
 def _split(body: list[str], heads: Sequence[int]) -> tuple[int, list[str]]:
@@ -196,11 +162,6 @@ def _split(body: list[str], heads: Sequence[int]) -> tuple[int, list[str]]:
         f"expected min_angle max_angle resolution n and n ranges, each with or each without "
         f"intensity, got {len(body)} fields: {' '.join(body[:9])[:80]}"
     )
-
-
-def _limit(field: str) -> float:
-    (stated,) = numbers([field], "the maximum range")
-    return float(stated) if stated > 0 else np.inf
 
 
 def spread(settings: Sequence[str], count: int) -> Array:

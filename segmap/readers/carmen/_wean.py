@@ -13,14 +13,12 @@ truth. O lines are left out, since every L line has its own odometry. The beams 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from pathlib import Path
 
 import numpy as np
 
-from ...arrays import Array
-from ...scans import Log
-from .._lines import Lines, is_number, numbers, pose, time
-from .._raw_scans import RawScan, assemble, extrinsic_by_poses, half_turn
+from .._lines import is_number, numbers, pose, time
+from .._raw_scans import Extrinsic, RawScan, extrinsic_by_poses, half_turn
+from .._text import TextFormat
 
 SCAN, POSE = "L", "O"
 #: Fields before the ranges, ranges, and fields after them.
@@ -30,35 +28,33 @@ CENTIMETRES = np.array([0.01, 0.01, 1.0])
 OFFSET = np.array([0.25, 0.0, 0.0])
 
 
-def claims(fields: Sequence[str]) -> bool:
-    """Whether a line is one of this format."""
-    wanted = {SCAN: HEAD + BEAMS + TAIL, POSE: 5}.get(fields[0])
-    return len(fields) == wanted and is_number(fields[1])
+class WeanHall(TextFormat):
+    """A log of Wean Hall."""
+
+    name, expected = "Wean Hall", f"an {SCAN} line with {BEAMS} ranges"
+
+    @classmethod
+    def claims(cls, fields: Sequence[str]) -> bool:
+        """Whether a line is one of this format."""
+        wanted = {SCAN: HEAD + BEAMS + TAIL, POSE: 5}.get(fields[0])
+        return len(fields) == wanted and is_number(fields[1])
+
+    def _take(self, fields: list[str]) -> None:
+        if fields[0] not in (SCAN, POSE):
+            raise ValueError(f"expected an {SCAN} or {POSE} line, got {fields[0][:40]!r}")
+        if fields[0] == SCAN:
+            self.scans.append(_parse(fields))
+
+    def _extrinsic(self, laser: str, scans: Sequence[RawScan]) -> Extrinsic:
+        return extrinsic_by_poses(scans, OFFSET)
 
 
-def read(path: Path, name: str, on_error: str = "raise") -> Log:
-    """Read a log of Wean Hall: odometry `(k, 3)`, metres and radians."""
-    lines = Lines(path, on_error)
-    raw = [scan for scan in lines.each(_parse) if scan is not None]
-    if not raw:
-        raise lines.no_scan(f"an {SCAN} line with {BEAMS} ranges")
-    log = assemble(raw, lambda laser, mine: extrinsic_by_poses(mine, OFFSET))
-    return Log(name, *log, lines.skipped)
-
-
-def _parse(fields: list[str]) -> RawScan | None:
-    if fields[0] == POSE:
-        return None
-    if fields[0] != SCAN:
-        raise ValueError(f"expected an {SCAN} or {POSE} line, got {fields[0][:40]!r}")
+def _parse(fields: list[str]) -> RawScan:
     if len(fields) != HEAD + BEAMS + TAIL:
         raise ValueError(
             f"expected {HEAD - 1} fields, {BEAMS} ranges and a time, got {len(fields)}"
         )
     ranges = numbers(fields[HEAD:-TAIL], "ranges") / 100
-    robot, laser = _pose(fields[1:4], "the robot"), _pose(fields[4:7], "the laser")
+    robot = pose(fields[1:4], "the robot") * CENTIMETRES
+    laser = pose(fields[4:7], "the laser") * CENTIMETRES
     return RawScan(SCAN, ranges, half_turn(BEAMS), time(fields[-1]), robot, laser)
-
-
-def _pose(fields: Sequence[str], what: str) -> Array:
-    return pose(fields, what) * CENTIMETRES

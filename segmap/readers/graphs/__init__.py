@@ -1,6 +1,4 @@
 """Pose graphs in g2o files, with and without scans."""
 
-from ._graph import (
-    PoseGraph,
-    read_graph,
-)
+from ._g2o import G2o
+from ._graph import PoseGraph, read_graph

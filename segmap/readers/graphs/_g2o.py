@@ -11,14 +11,14 @@ of them. Edges and other lines of the graph are skipped.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from pathlib import Path
 
 import numpy as np
 
 from ...arrays import Array
 from ...scans import Log
 from .._lines import Lines, numbers, pose
-from .._raw_scans import NOWHERE, Extrinsic, RawScan, assemble, extrinsic_by_poses
+from .._raw_scans import NOWHERE, Extrinsic, RawScan, assemble, extrinsic_by_poses, known_truth
+from .._text import TextFormat
 from ..carmen import parse_robotlaser
 
 VERTICES = ("VERTEX2", "VERTEX_SE2")
@@ -26,21 +26,18 @@ LASERS = ("ROBOTLASER1", "ROBOTLASER2")
 OTHERS = ("EDGE2", "EDGE_SE2", "EDGE_SE2_XY", "VERTEX_XY", "FIX", "PARAMS_SE2OFFSET", "EQUIV")
 
 
-def claims(fields: Sequence[str]) -> bool:
-    """Whether a line is one of this format."""
-    return fields[0] in (*VERTICES, *LASERS, *OTHERS)
+class G2o(TextFormat):
+    """A g2o graph with scans."""
 
+    name, keywords = "g2o", (*VERTICES, *LASERS, *OTHERS)
+    expected = "a ROBOTLASER1 line after each vertex"
 
-class _Graph:
-    """What the lines of one graph said so far."""
-
-    def __init__(self) -> None:
-        self.scans: list[RawScan] = []
+    def __init__(self, lines: Lines) -> None:
+        super().__init__(lines)
         self.truth: list[Array] = []
         self.vertex = NOWHERE
 
-    def take(self, fields: list[str]) -> None:
-        """Take in one line."""
+    def _take(self, fields: list[str]) -> None:
         if fields[0] in VERTICES:
             self.vertex = NOWHERE
             numbers(fields[1:2], "the vertex")
@@ -52,25 +49,16 @@ class _Graph:
         elif fields[0] not in OTHERS:
             raise ValueError(f"expected a line of a g2o graph, got {fields[0][:40]!r}")
 
+    def _finished(self) -> list[RawScan]:
+        """The scans, without odometry where it is 0 0 0 in all of them."""
+        if any(scan.odometry.any() for scan in self.scans):
+            return self.scans
+        return [scan._replace(odometry=NOWHERE, pose=NOWHERE) for scan in self.scans]
 
-def read(path: Path, name: str, on_error: str = "raise") -> Log:
-    """Read a g2o graph with scans; `truth` `(k, 3)`, metres and radians, are its vertices."""
-    lines, graph = Lines(path, on_error), _Graph()
-    for _ in lines.each(graph.take):
-        pass
-    if not graph.scans:
-        raise lines.no_scan("a ROBOTLASER1 line after each vertex")
-    raw = _without_zeros(graph.scans)
-    scans, _ = assemble(raw, _extrinsic)
-    truth = np.array(graph.truth)
-    return Log(name, scans, truth if np.isfinite(truth).any() else None, lines.skipped)
+    def _extrinsic(self, laser: str, scans: Sequence[RawScan]) -> Extrinsic:
+        backwards = np.pi if laser == "ROBOTLASER2" else 0.0
+        return extrinsic_by_poses(scans, np.array([0.0, 0.0, backwards]))
 
-
-def _without_zeros(scans: list[RawScan]) -> list[RawScan]:
-    recorded = any(scan.odometry.any() for scan in scans)
-    return scans if recorded else [s._replace(odometry=NOWHERE, pose=NOWHERE) for s in scans]
-
-
-def _extrinsic(laser: str, scans: Sequence[RawScan]) -> Extrinsic:
-    backwards = np.pi if laser == "ROBOTLASER2" else 0.0
-    return extrinsic_by_poses(scans, np.array([0.0, 0.0, backwards]))
+    def _log(self, name: str) -> Log:
+        scans, _ = assemble(self._finished(), self._extrinsic)
+        return Log(name, scans, known_truth(np.array(self.truth)), self.lines.skipped)

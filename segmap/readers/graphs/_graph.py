@@ -20,8 +20,7 @@ from numpy.typing import NDArray
 
 from ...arrays import FAR, Array
 from ...poses.information import SYMMETRIC, rotated
-from .._lines import Lines, LogError, numbers, pose
-from .._opening import asking, checked_file, named
+from .._lines import Lines, LogError, log_file, numbers, pose
 from ._g2o import LASERS, OTHERS, VERTICES
 
 #: Of each kind of edge: where the nine entries of the information stand among the six in the file.
@@ -48,15 +47,8 @@ class PoseGraph(NamedTuple):
 def read_graph(path: str | Path) -> PoseGraph:
     """Read a pose graph of g2o, plain or packed: what `exports.write_graph` and gtsam write.
 
-    Parameters
-    ----------
-    path : str or Path
-        Of VERTEX_SE2 and EDGE_SE2 lines, or VERTEX2 and EDGE2.
-
-    Returns
-    -------
-    PoseGraph
-        Ordered by the numbers of the vertices: poses `(n, 3)`, metres and radians, and m edges.
+    Lines are VERTEX_SE2 and EDGE_SE2, or VERTEX2 and EDGE2; poses are ordered by the numbers of the
+    vertices.
 
     Raises
     ------
@@ -75,62 +67,44 @@ def read_graph(path: str | Path) -> PoseGraph:
     >>> graph.edges, graph.relative, graph.ids
     (array([[0, 1]]), array([[1.1, 0. , 0. ]]), array([3, 5]))
     """
-    place = named(path)
-    with asking(place):
-        lines = Lines(checked_file(place))
-        found = _Found()
-        for fields in lines:
+    poses: dict[int, Array] = {}
+    found: list[tuple[int, int, int, Array]] = []
+    with log_file(path) as place:
+        lines = Lines(place)
+        for kind, *fields in lines:
             try:
-                found.take(fields, lines.number)
+                if kind in VERTICES:
+                    number = _number(fields, 0)
+                    if number in poses:
+                        raise ValueError(
+                            f"vertex {number} stands in the file twice, expected it once"
+                        )
+                    poses[number] = _vertex(fields[1:])
+                elif kind in ORDERS:
+                    ends = _number(fields, 0), _number(fields, 1)
+                    found.append((lines.number, *ends, _measured(fields[2:], ORDERS[kind])))
+                elif kind not in (*OTHERS, *LASERS):
+                    raise ValueError(f"expected a VERTEX_SE2 or EDGE_SE2 line, got {kind[:40]!r}")
             except ValueError as fault:
                 raise lines.error(str(fault)) from None
-        return found.graph(place)
+    if not poses:
+        raise LogError(place, "holds no vertex of a graph, expected VERTEX_SE2 lines")
+    ids = np.array(sorted(poses), np.int64)
+    for line, i, j, _ in found:
+        if missing := [end for end in (i, j) if end not in poses]:
+            raise LogError(place, f"vertex {missing[0]} is not in the file", line)
+    edges = np.searchsorted(ids, np.array([edge[1:3] for edge in found], np.int64).reshape(-1, 2))
+    values = np.reshape([edge[3] for edge in found], (-1, 12))
+    relative = values[:, :3]
+    information = rotated(values[:, 3:].reshape(-1, 3, 3), -relative[:, 2])
+    return PoseGraph(np.array([poses[k] for k in ids]), edges, relative, information, ids)
 
 
-class _Found:
-    """What the lines of one graph said so far."""
-
-    def __init__(self) -> None:
-        self.poses: dict[int, Array] = {}
-        self.ends: list[tuple[int, int]] = []
-        self.values: list[Array] = []
-        self.lines: list[int] = []
-
-    def take(self, fields: list[str], line: int) -> None:
-        """Take in one line."""
-        kind, *rest = fields
-        if kind in VERTICES:
-            self._vertex(rest)
-        elif kind in ORDERS:
-            self.ends.append((_number(rest, 0), _number(rest, 1)))
-            self.values.append(_measured(rest[2:], ORDERS[kind]))
-            self.lines.append(line)
-        elif kind not in (*OTHERS, *LASERS):
-            raise ValueError(f"expected a VERTEX_SE2 or EDGE_SE2 line, got {kind[:40]!r}")
-
-    def _vertex(self, fields: Sequence[str]) -> None:
-        number = _number(fields, 0)
-        if number in self.poses:
-            raise ValueError(f"vertex {number} stands in the file twice, expected it once")
-        found = pose(fields[1:], "the vertex")
-        if np.isnan(found).any():
-            raise ValueError("expected metres and radians for the vertex, got nan")
-        self.poses[number] = found
-
-    def graph(self, path: Path) -> PoseGraph:
-        """All of it together."""
-        if not self.poses:
-            raise LogError(path, "holds no vertex of a graph, expected VERTEX_SE2 lines")
-        ids = np.array(sorted(self.poses), np.int64)
-        for ends, line in zip(self.ends, self.lines, strict=True):
-            for end in ends:
-                if end not in self.poses:
-                    raise LogError(path, f"vertex {end} is not in the file", line)
-        edges = np.searchsorted(ids, np.array(self.ends, np.int64).reshape(-1, 2))
-        values = np.reshape(self.values, (-1, 12))
-        relative = values[:, :3]
-        information = rotated(values[:, 3:].reshape(-1, 3, 3), -relative[:, 2])
-        return PoseGraph(np.array([self.poses[k] for k in ids]), edges, relative, information, ids)
+def _vertex(fields: Sequence[str]) -> Array:
+    found = pose(fields, "the vertex")
+    if np.isnan(found).any():
+        raise ValueError("expected metres and radians for the vertex, got nan")
+    return found
 
 
 def _number(fields: Sequence[str], place: int) -> int:

@@ -24,34 +24,23 @@ import numpy as np
 from ...angles import wrap
 from ...arrays import LIMIT, Array, slips
 from ...poses import compose
-from ...scans import NOTHING_SKIPPED, LaserScan, Log, Skipped
-from .._lines import BROKEN, LATEST, LogError, open_bytes
+from ...scans import LaserScan, Log
+from .._lines import BROKEN, LATEST, LogError, Reading, open_bytes
 from .._mounting import Tilted, flat, level
-from .._raw_scans import Track, clean
+from .._raw_scans import Track, clean, known, known_truth
 from ._classes import PARSERS, Movement, Turn, Wheels
 from ._stream import Broken, Stream, Unknown, begins, unpacked
 
 OBJECTS = ("CSensoryFrame", "CActionCollection", "CObservation", "CSimpleMap", "CRawlog")
 
 
-class _Recording:
+class _Recording(Reading):
     """What the objects of one file said so far."""
 
     def __init__(self, path: Path, on_error: str) -> None:
-        self.path, self.on_error, self.skipped = path, on_error, NOTHING_SKIPPED
+        super().__init__(path, on_error)
         self.turns: list[Turn] = []
         self.track, self.pose, self.moved = Track(), np.zeros(3), False
-
-    def leave_out(self, reason: str) -> None:
-        """Count what is of no use here."""
-        first = self.skipped.reason or str(LogError(self.path, reason))
-        self.skipped = Skipped(self.skipped.lines + 1, first)
-
-    def damaged(self, reason: str) -> None:
-        """Report what is wrong: raise, or count it."""
-        if self.on_error == "raise":
-            raise LogError(self.path, reason)
-        self.leave_out(reason)
 
     def take(self, found: Any, start: int) -> None:
         """Take in what began at a byte; damaged values cost one object."""
@@ -60,7 +49,7 @@ class _Recording:
                 self._take(each)
             except ValueError as fault:
                 tell = self.leave_out if isinstance(fault, Tilted) else self.damaged
-                tell(f"byte {start}: {fault}")
+                tell(LogError(self.path, f"byte {start}: {fault}"))
 
     def _take(self, found: Any) -> None:
         if isinstance(found, Turn):
@@ -70,42 +59,40 @@ class _Recording:
         elif isinstance(found, Wheels) and found.time is not None:
             self.track.add(_time(found.time), _pose(found.pose))
         elif isinstance(found, Unknown):
-            self.leave_out(f"byte {found.start}: {found.what} is no 2D scan, or not known here")
-
-    def finished(self) -> list[Turn]:
-        """The turns with their odometry: increments, or poses at their time, or none."""
-        if self.moved:
-            return self.turns
-        times = [np.nan if turn.time is None else turn.time for turn in self.turns]
-        poses = self.track.at(times)
-        return [turn._replace(odometry=p) for turn, p in zip(self.turns, poses, strict=True)]
+            reason = f"byte {found.start}: {found.what} is no 2D scan, or not known here"
+            self.leave_out(LogError(self.path, reason))
 
 
-def turns(path: Path, on_error: str = "raise") -> tuple[list[Turn], Skipped]:
+def recorded(path: Path, on_error: str = "raise") -> _Recording:
     """All turns of lasers in a file, and what was left out; `place` is `(3,)`, in the plane."""
     data, fault = unpacked(path)
-    recording, stream = _Recording(path, on_error), Stream(data, PARSERS)
+    found, stream = _Recording(path, on_error), Stream(data, PARSERS)
     if fault:
-        recording.damaged(fault)
+        found.damaged(LogError(path, fault))
     try:
         while stream.left:
             start = stream.at
-            recording.take(stream.object(*OBJECTS), start)
+            found.take(stream.object(*OBJECTS), start)
     except Broken as broken:
         if not fault:
-            recording.damaged(str(broken))
-    return recording.finished(), recording.skipped
+            found.damaged(LogError(path, str(broken)))
+    if not found.moved:  # no increments: poses at the time of the scan, or none
+        poses = found.track.at([np.nan if turn.time is None else turn.time for turn in found.turns])
+        found.turns = [t._replace(odometry=p) for t, p in zip(found.turns, poses, strict=True)]
+    return found
 
 
 def read(path: Path, name: str, on_error: str = "raise") -> Log:
-    """Read a log or a map of MRPT; poses are `(k, 3)`, metres and radians."""
-    found, skipped = turns(path, on_error)
-    if not found:
-        reason = f"; {skipped.lines} left out: {skipped.reason}" if skipped else ""
-        raise LogError(path, f"holds no scan, expected CObservation2DRangeScan{reason}")
-    truth = np.array([turn.truth for turn in found])
-    scans = [_laser_scan(turn, number) for number, turn in enumerate(found)]
-    return Log(name, scans, truth if np.isfinite(truth).any() else None, skipped)
+    """Read a log or a map of MRPT."""
+    found, scans = recorded(path, on_error), []
+    if not found.turns:
+        raise LogError(path, f"holds no scan, expected CObservation2DRangeScan{found.why()}")
+    for number, turn in enumerate(found.turns):
+        limit = turn.limit if 0 < turn.limit < np.inf else np.inf
+        ranges = clean(np.where(turn.valid | (turn.ranges >= limit), turn.ranges, np.nan), limit)
+        time = number if turn.time is None else turn.time
+        scans.append(LaserScan(ranges, turn.angles, time, known(turn.odometry), limit, turn.place))
+    return Log(name, scans, known_truth(np.array([t.truth for t in found.turns])), found.skipped)
 
 
 def claims(path: Path) -> bool:
@@ -115,14 +102,6 @@ def claims(path: Path) -> bool:
             return begins(file.read(200))
     except BROKEN:
         return False
-
-
-def _laser_scan(turn: Turn, number: int) -> LaserScan:
-    limit = turn.limit if 0 < turn.limit < np.inf else np.inf
-    ranges = clean(np.where(turn.valid | (turn.ranges >= limit), turn.ranges, np.nan), limit)
-    odometry = None if np.isnan(turn.odometry).any() else turn.odometry
-    when = number if turn.time is None else turn.time
-    return LaserScan(ranges, turn.angles, when, odometry, limit, turn.place)
 
 
 def _sound(turn: Turn) -> Turn:

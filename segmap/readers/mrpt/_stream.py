@@ -11,11 +11,11 @@ from __future__ import annotations
 
 import re
 import struct
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from io import BufferedReader
 from itertools import chain
 from pathlib import Path
-from typing import Any, cast
+from typing import Any, NamedTuple, cast
 
 import numpy as np
 
@@ -42,32 +42,19 @@ class Broken(ValueError):
     """The bytes do not continue as an object has to: all that follows is lost."""
 
 
-class Unknown:
-    """An object that was skipped.
+class Unknown(NamedTuple):
+    """An object that was skipped: its class and version, and the byte that it begins with."""
 
-    Parameters
-    ----------
-    what : str
-        Its class and version.
-    start : int
-        The byte that it begins with.
-    """
-
-    def __init__(self, what: str, start: int) -> None:
-        self.what, self.start = what, start
+    what: str
+    start: int
 
 
 class Stream:
-    """Bytes of a file, read from the front.
+    """Bytes of a file, read from the front, with a parser and the versions of each known class."""
 
-    Parameters
-    ----------
-    data : bytes
-    parsers : dictionary
-        Of each class that is known.
-    """
-
-    def __init__(self, data: bytes, parsers: dict[str, Parser]) -> None:
+    def __init__(
+        self, data: bytes, parsers: Mapping[str, tuple[Parser, Sequence[int] | None]]
+    ) -> None:
         self.data, self.parsers, self.at, self.next = data, parsers, 0, NEXT
         self.open = 0  # objects that have begun and not ended
 
@@ -102,11 +89,6 @@ class Stream:
         """A length and so many characters."""
         return self.take(self.values("I")[0]).decode("utf-8", "replace")
 
-    def check(self, name: str, version: int, known: Sequence[int]) -> None:
-        """Refuse versions that are not known."""
-        if version not in known:
-            raise self.broken(f"{name} version {version} is not known here, expected {[*known]}")
-
     def many(self, *names: str) -> list[Any]:
         """A count and so many objects; each takes ten bytes or more."""
         (count,) = self.values("I")
@@ -126,8 +108,11 @@ class Stream:
             raise self.broken(f"expected {wanted}, got {name} version {version}", start)
         if name not in self.parsers:
             return self._skip(f"{name} version {version}", start, closing, is_old)
+        parse, known = self.parsers[name]
+        if known is not None and version not in known:
+            raise self.broken(f"{name} version {version} is not known here, expected {[*known]}")
         self.open += 1
-        found = self.parsers[name](self, version)
+        found = parse(self, version)
         self.open -= 1
         if not is_old and self.values("B")[0] != END:
             raise self.broken(f"{name} version {version} does not end where it should", start)
@@ -150,18 +135,13 @@ class Stream:
         """Go on where the next object, or the file's end, follows so many marks of an end."""
         if is_old or not SKIPPED.match(what):
             raise self.broken(f"{what} is not known here, nor how long it is", start)
-        headers = filter(_fits, self.next.finditer(self.data, self.at))
-        places = ((found.start(), closing) for found in headers)
+        headers = self.next.finditer(self.data, self.at)  # whose first byte tells their length
+        places = ((h.start(), closing) for h in headers if h[0][0] - 0x80 == len(h[0]) - 1)
         for place, more in chain(places, [(len(self.data), self.open)]):
             if self.data.endswith(bytes([END]) * (more + 1), self.at, place):
                 self.at = place - more
                 return Unknown(what, start)
         raise self.broken(f"{what} is not known here, and its end was not found", start)
-
-
-def _fits(header: re.Match[bytes]) -> bool:
-    """Whether the first byte tells the length of the name."""
-    return header[0][0] - 0x80 == len(header[0]) - 1
 
 
 def begins(head: bytes) -> bool:
@@ -174,15 +154,9 @@ def begins(head: bytes) -> bool:
 
 
 def unpacked(path: Path) -> tuple[bytes, str]:
-    """All bytes of a file, and what is wrong where it is packed and ends too early.
-
-    Raises
-    ------
-    LogError
-        For more than 1 MB that is 50 times the file: made to fill the memory.
-    """
+    """All bytes of a file, and what is wrong where it is packed and ends too early."""
     most = max(UNPACKED, RATIO * path.stat().st_size)
-    parts: list[bytes] = []
+    parts: list[bytes] = []  # never more than `most`: a file may be made to fill the memory
     try:
         with open_bytes(path) as file:
             while part := cast(BufferedReader, file).read1(1 << 20):  # all there is to the break

@@ -17,8 +17,6 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Sequence
-from functools import partial
-from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -28,7 +26,8 @@ from ...poses import compose
 from ...scans import LaserScan, Log
 from ...scans.error_codes import as_ranges
 from .._lines import Lines, is_number, numbers, time
-from .._raw_scans import URG_REACH, URG_STEP, centred
+from .._raw_scans import URG_REACH, URG_STEP, centred, known
+from .._text import TextFormat
 
 
 class Layout(NamedTuple):
@@ -49,39 +48,52 @@ SENSOR_POSE = (0.145, 0.0, 0.0)
 MOST_TICKS = 1e12
 
 
-def claims(fields: Sequence[str]) -> bool:
-    """Whether a line is one of this format."""
-    enough = len(fields) > max(layout.header for layout in LAYOUTS.values())
-    return enough and fields[0].isdecimal() and is_number(fields[-1])
+class CoreSlam(TextFormat):
+    """A log of CoreSLAM: of the layout that most lines have, the first where none has any."""
 
+    name, expected = "CoreSLAM", f"lines of {' or '.join(map(str, LAYOUTS))} numbers"
 
-def read(path: Path, name: str, on_error: str = "raise") -> Log:
-    """Read a CoreSLAM log; `odometry` `(k, 3)`, metres and radians, is that of the wheels."""
-    layout = _layout(path)
-    lines = Lines(path, on_error)
-    rows = list(lines.each(partial(_parse, layout=layout)))
-    if not rows:
-        raise lines.no_scan(f"lines of {' or '.join(map(str, LAYOUTS))} numbers")
-    table = np.array(rows)
-    scans = map(_scan, table, _odometry(table[:, 1:3]))
-    return Log(name, list(scans), None, lines.skipped)
+    def __init__(self, lines: Lines) -> None:
+        super().__init__(lines)
+        counts = Counter(map(len, Lines(lines.path, "skip")))
+        self.layout = LAYOUTS[max(LAYOUTS, key=lambda length: counts[length])]
 
+    @classmethod
+    def claims(cls, fields: Sequence[str]) -> bool:
+        """Whether a line is one of this format."""
+        enough = len(fields) > max(layout.header for layout in LAYOUTS.values())
+        return enough and fields[0].isdecimal() and is_number(fields[-1])
 
-def _layout(path: Path) -> Layout:
-    """The one that most lines have; the first where none has any."""
-    counts = Counter(map(len, Lines(path, "skip")))
-    return LAYOUTS[max(LAYOUTS, key=lambda length: counts[length])]
+    def _take(self, fields: list[str]) -> None:
+        """Time, ticks of both wheels and the ranges in millimetres."""
+        header, beams, left, sign = self.layout
+        if len(fields) != header + beams:
+            raise ValueError(
+                f"expected {header} fields and {beams} ranges, got {len(fields)} in all"
+            )
+        ticks = numbers(fields[left : left + 2], "the ticks of the wheels") * (1, sign)
+        if not (np.abs(ticks) <= MOST_TICKS).all():
+            said = " ".join(fields[left : left + 2])
+            raise ValueError(f"expected the ticks of the wheels, got {said[:40]}")
+        when, ranges = time(fields[0], unit=1e-6), numbers(fields[header:], "ranges")
+        self.scans.append((when, ticks, ranges))
 
-
-def _odometry(ticks: Array) -> Sequence[Array | None]:
-    """Poses of the robot, (3,) arrays, from the ticks of both wheels, `(k, 2)`."""
-    if not np.ptp(ticks, axis=0).any() and not ticks.all():
-        return [None] * len(ticks)
-    return list(integrate(METRES_PER_TICK * np.diff(ticks, axis=0)))
+    def _log(self, name: str) -> Log:
+        ticks = np.array([ticks for _, ticks, _ in self.scans])
+        poses, scans = integrate(METRES_PER_TICK * np.diff(ticks, axis=0)), []
+        if not np.ptp(ticks, axis=0).any() and not ticks.all():
+            poses = np.full_like(poses, np.nan)
+        for (when, _, found), pose in zip(self.scans, poses, strict=True):
+            ranges, codes = as_ranges(found)
+            angles = centred(len(ranges), URG_STEP)
+            scans.append(
+                LaserScan(ranges, angles, when, known(pose), URG_REACH, SENSOR_POSE, codes)
+            )
+        return Log(name, scans, None, self.lines.skipped)
 
 
 def integrate(driven: Array) -> Array:
-    """Poses of the robot, `(k + 1, 3)`, from what its left and right wheel drove, `(k, 2)`, metres.
+    """Poses of the robot, `(k + 1, 3)`, from what its left and right wheel drove, `(k, 2)`.
 
     Examples
     --------
@@ -97,21 +109,3 @@ def integrate(driven: Array) -> Array:
     for step in steps:
         poses.append(compose(poses[-1], step))
     return np.array(poses)
-
-
-def _parse(fields: list[str], layout: Layout) -> Array:
-    """Time in seconds, ticks of both wheels and the ranges in millimetres."""
-    header, beams, left, sign = layout
-    if len(fields) != header + beams:
-        raise ValueError(f"expected {header} fields and {beams} ranges, got {len(fields)} in all")
-    ticks = numbers(fields[left : left + 2], "the ticks of the wheels") * (1, sign)
-    if not (np.abs(ticks) <= MOST_TICKS).all():
-        said = " ".join(fields[left : left + 2])
-        raise ValueError(f"expected the ticks of the wheels, got {said[:40]}")
-    return np.concatenate([[time(fields[0], unit=1e-6)], ticks, numbers(fields[header:], "ranges")])
-
-
-def _scan(row: Array, pose: Array | None) -> LaserScan:
-    ranges, codes = as_ranges(row[3:])
-    angles = centred(len(ranges), URG_STEP)
-    return LaserScan(ranges, angles, row[0], pose, URG_REACH, SENSOR_POSE, codes)

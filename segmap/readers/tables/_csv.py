@@ -16,17 +16,42 @@ Files that begin with `#RPLIDAR SCAN DATA` hold degrees, clockwise, and millimet
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import partial
 from pathlib import Path
 
 import numpy as np
 
-from ... import arrays
+from ...arrays import checked
 from ...scans import Log
-from .._lines import Lines, LogError, time
-from .._opening import asking, checked_file, named, stem
-from .._turns import Beam, angle, distance, number, to_scans
+from .._lines import Lines, LogError, OnError, log_file, stem, time
+from .._turns import Beams, angle, distance, number
 from ._csv_columns import EXAMPLE, Head, first_row, head, head_of, wanting
+
+
+class _Table(Beams):
+    """Beams in columns that a head names."""
+
+    expected = "lines of angle and range"
+
+    def __init__(self, lines: Lines, head: Head, clockwise: bool) -> None:
+        super().__init__(lines)
+        self.head, self.clockwise = head, clockwise or head.clockwise
+        self.last = max(column.place for column in head.columns.values())
+
+    def _take(self, fields: list[str]) -> None:
+        if self.lines.number == self.head.line:
+            return
+        if len(fields) <= self.last:
+            raise ValueError(f"expected {self.last + 1} columns or more, got {len(fields)}")
+        columns = self.head.columns
+        said = {role: fields[column.place].strip().strip("\"'") for role, column in columns.items()}
+        factors = {role: column.factor or 1.0 for role, column in columns.items()}
+        beam = (
+            angle(said["angle"], factors["angle"]),
+            distance(said["range"], factors["range"]),
+            time(said["time"], unit=factors["time"]) if "time" in said else np.nan,
+            number(said["scan"], "the scan") if "scan" in said else np.nan,
+        )
+        self.scans.append(beam)
 
 
 def claims(path: Path) -> bool:
@@ -36,25 +61,24 @@ def claims(path: Path) -> bool:
 
 def read(path: Path, name: str, on_error: str = "raise") -> Log:
     """Read a file whose header names the columns: no odometry, no truth."""
-    found = head_of(path) or Head({}, None, 0)
-    if fault := wanting(found):
-        raise LogError(path, fault, found.line or None)
-    return _read(path, name, on_error, found)
+    return _read(path, name, on_error, _stated(path))
 
 
+@checked
 def read_csv(
     path: str | Path,
     *,
     columns: str | Sequence[str] | None = None,
     clockwise: bool = False,
-    on_error: str = "raise",
+    on_error: OnError = "raise",
 ) -> Log:
     """Read a CSV file with a beam a line, whose columns the caller names.
 
+    Fields lie between commas, semicolons, tabs or white space. A scan ends where the column `scan`
+    changes or, without one, where the angle wraps.
+
     Parameters
     ----------
-    path : str or Path
-        Plain or gzip; fields between commas, semicolons, tabs or white space.
     columns : list of str, or one str with commas
         Names of the columns from the left, with units: `angle_deg` or `angle_rad`, `range_m`,
         `range_cm` or `range_mm`; where the file has them `time_s`, `time_ms`, `time_us` or
@@ -66,18 +90,10 @@ def read_csv(
     on_error : "raise" or "skip"
         As in `read`.
 
-    Returns
-    -------
-    Log
-        Metres, radians, seconds; no odometry, no truth. A scan ends where the column `scan`
-        changes or, without one, where the angle wraps.
-
     Raises
     ------
     LogError
         As in `read`, and where the header does not say columns or units.
-    ValueError
-        Columns without an angle, a range or their units.
 
     Examples
     --------
@@ -89,32 +105,27 @@ def read_csv(
     >>> log, log[1].ranges
     (Log('mine', 2 scans, no odometry, no truth), array([1.51, 2.01, 0.9 ]))
     """
-    on_error = arrays.one_of(on_error, "on_error", ("raise", "skip"))
-    clockwise = arrays.switch(clockwise, "clockwise")
-    wanted = None if columns is None else _columns(columns)
-    path = named(path)
-    with asking(path):
-        found = _head(checked_file(path), wanted)
-        return _read(path, stem(path.resolve().name), on_error, found, clockwise)
-
-
-def _columns(columns: object) -> list[str]:
     names = columns.split(",") if isinstance(columns, str) else columns
-    if not isinstance(names, list | tuple) or not all(isinstance(name, str) for name in names):
-        raise ValueError(f"columns must be a list of names, such as {EXAMPLE}, got {columns!r}")
-    try:
-        fault = wanting(head(names))
-    except ValueError as same:
-        fault = str(same)
-    if fault:
-        raise ValueError(f"columns must name angle and range with units: {fault}")
-    return list(names)
+    if names is not None:
+        if not isinstance(names, list | tuple) or not all(isinstance(name, str) for name in names):
+            raise ValueError(f"columns must be a list of names, such as {EXAMPLE}, got {columns!r}")
+        try:
+            fault = wanting(head(names))
+        except ValueError as same:
+            fault = str(same)
+        if fault:
+            raise ValueError(f"columns must name angle and range with units: {fault}")
+    with log_file(path) as place:
+        if names is None:
+            found = _stated(place)
+        else:
+            row = first_row(place)
+            found = head(names, row.separator, row.line)
+        return _read(place, stem(place), on_error, found, clockwise)
 
 
-def _head(path: Path, columns: Sequence[str] | None) -> Head:
-    if columns is not None:
-        row = first_row(path)
-        return head(columns, row.separator, row.line)
+def _stated(path: Path) -> Head:
+    """What the header says, which must be enough."""
     found = head_of(path)
     if found is None:
         raise LogError(path, f"no header names angle and range: name the columns, {EXAMPLE}")
@@ -124,27 +135,4 @@ def _head(path: Path, columns: Sequence[str] | None) -> Head:
 
 
 def _read(path: Path, name: str, on_error: str, found: Head, clockwise: bool = False) -> Log:
-    lines = Lines(path, on_error, found.separator)
-    parse = partial(_parse, found=found, lines=lines)
-    beams = [beam for beam in lines.each(parse) if beam is not None]
-    if not beams:
-        raise lines.no_scan("lines of angle and range")
-    scans = to_scans(beams, lines, clockwise=clockwise or found.clockwise)
-    return Log(name, scans, None, lines.skipped)
-
-
-def _parse(fields: list[str], found: Head, lines: Lines) -> Beam | None:
-    if lines.number == found.line:
-        return None
-    columns = found.columns
-    last = max(column.place for column in columns.values())
-    if len(fields) <= last:
-        raise ValueError(f"expected {last + 1} columns or more, got {len(fields)}")
-    said = {role: fields[column.place].strip().strip("\"'") for role, column in columns.items()}
-    factors = {role: column.factor or 1.0 for role, column in columns.items()}
-    return (
-        angle(said["angle"], factors["angle"]),
-        distance(said["range"], factors["range"]),
-        time(said["time"], unit=factors["time"]) if "time" in said else np.nan,
-        number(said["scan"], "the scan") if "scan" in said else np.nan,
-    )
+    return _Table(Lines(path, on_error, found.separator), found, clockwise).walked()._log(name)

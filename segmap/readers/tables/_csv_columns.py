@@ -22,29 +22,25 @@ ROLES = {
 #: Words that may stand beside them and change nothing.
 FILLERS = ("id", "no", "nr", "number", "index", "value")
 CLOCKWISE, COUNTER = ("cw", "clockwise"), ("ccw", "counterclockwise")
-#: Metres, radians or seconds of each unit.
-UNITS = {
-    "angle": {
-        **dict.fromkeys(("deg", "degs", "degree", "degrees", "°"), np.pi / 180),
-        **dict.fromkeys(("rad", "rads", "radian", "radians"), 1.0),
-    },
+#: How each unit is written, and the metres, radians or seconds of it.
+WRITTEN: dict[str, dict[str, float]] = {
+    "angle": {"deg degs degree degrees °": np.pi / 180, "rad rads radian radians": 1.0},
     "range": {
-        **dict.fromkeys(("m", "meter", "meters", "metre", "metres"), 1.0),
-        **dict.fromkeys(("cm", "centimeter", "centimeters", "centimetres"), 0.01),
-        **dict.fromkeys(("mm", "millimeter", "millimeters", "millimetres"), 0.001),
+        "m meter meters metre metres": 1.0,
+        "cm centimeter centimeters centimetres": 0.01,
+        "mm millimeter millimeters millimetres": 0.001,
     },
     "time": {
-        **dict.fromkeys(("s", "sec", "secs", "second", "seconds"), 1.0),
-        **dict.fromkeys(("ms", "msec", "milliseconds"), 1e-3),
-        **dict.fromkeys(("us", "µs", "usec", "microseconds"), 1e-6),
-        **dict.fromkeys(("ns", "nsec", "nanoseconds"), 1e-9),
+        "s sec secs second seconds": 1.0,
+        "ms msec milliseconds": 1e-3,
+        "us µs usec microseconds": 1e-6,
+        "ns nsec nanoseconds": 1e-9,
     },
     "scan": {},
 }
-SHORT = {
-    "angle": ("deg", "rad"),
-    "range": ("m", "cm", "mm"),
-    "time": ("s", "ms", "us", "ns"),
+UNITS = {
+    role: {word: factor for words, factor in units.items() for word in words.split()}
+    for role, units in WRITTEN.items()
 }
 EXAMPLE = "columns=['angle_deg', 'range_mm']"
 #: So many lines are looked at for a header.
@@ -82,25 +78,20 @@ def head_of(path: Path) -> Head | None:
         if line.startswith(SLAMTEC):
             return head(SLAMTEC_COLUMNS, None, number)
         separator, names = split(line.lstrip("#"))
-        found = _head_or_none(names, separator, number)
+        found = None
+        with suppress(ValueError):
+            told = head(names, separator, number)
+            found = told if {"angle", "range"} <= set(told.columns) else None
         if not line.startswith("#"):
-            return comment if comment and _fits(comment, count, line) else found
+            if comment is None:
+                return found
+            fields = [field.strip() for field in line.split(comment.separator)]
+            fits = len(fields) == count and all(
+                is_number(fields[column.place]) for column in comment.columns.values()
+            )
+            return comment if fits else found
         comment, count = (found, len(names)) if found else (comment, count)
     return None
-
-
-def _fits(comment: Head, count: int, line: str) -> bool:
-    fields = [field.strip() for field in line.split(comment.separator)]
-    places = [column.place for column in comment.columns.values()]
-    return len(fields) == count and all(is_number(fields[place]) for place in places)
-
-
-def _head_or_none(names: Sequence[str], separator: str | None, line: int) -> Head | None:
-    try:
-        found = head(names, separator, line)
-    except ValueError:
-        return None
-    return found if {"angle", "range"} <= set(found.columns) else None
 
 
 def first_row(path: Path) -> Head:
@@ -114,13 +105,7 @@ def first_row(path: Path) -> Head:
 
 
 def head(names: Sequence[str], separator: str | None = None, line: int = 0) -> Head:
-    """The columns that the names stand for; other names are left out.
-
-    Raises
-    ------
-    ValueError
-        Where two columns are the same.
-    """
+    """The columns that the names stand for; two of the same are a ValueError."""
     columns: dict[str, Column] = {}
     clockwise = False
     for place, name in enumerate(names):
@@ -142,8 +127,9 @@ def wanting(found: Head) -> str:
             return f"no column is the {role}: name the columns, such as {EXAMPLE}"
     for role, column in found.columns.items():
         if column.factor is None and UNITS[role]:
+            short = ", ".join(words.split()[0] for words in WRITTEN[role])
             return (
-                f"the unit of {column.name!r} is not said ({', '.join(SHORT[role])}): "
+                f"the unit of {column.name!r} is not said ({short}): "
                 f"write it into the header, or call segmap.readers.read_csv(path, {EXAMPLE})"
             )
     return ""

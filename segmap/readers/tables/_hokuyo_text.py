@@ -16,23 +16,45 @@ from pathlib import Path
 
 import numpy as np
 
-from ...arrays import Array
-from ...scans import NOTHING_SKIPPED, LaserScan, Log, Skipped
+from ...scans import LaserScan, Log
 from ...scans.error_codes import as_ranges
-from .._lines import Lines, LogError, is_number, merged, numbers
+from .._lines import Lines, LogError, Reading, is_number, merged, numbers
 from .._raw_scans import URG_REACH
+from .._text import TextFormat
+from .._turns import MOST_BEAMS, MOST_TURN
 
 SECONDS_PER_TURN = 0.1
-#: A beam points nowhere beyond two turns, radians.
-MOST_TURN = 4 * np.pi
-MOST_BEAMS = 100_000
 #: So many files of a kind, and lines of a file, are looked at.
 FEW = 20
 
 
-def claims(fields: Sequence[str]) -> bool:
-    """Whether a line is one of this format."""
-    return len(fields) == 2 and all(is_number(field) for field in fields)
+class HokuyoText(TextFormat):
+    """One scan."""
+
+    name, expected = "Hokuyo text", "lines of range in millimetres and angle in radians"
+
+    @classmethod
+    def claims(cls, fields: Sequence[str]) -> bool:
+        """Whether a line is one of this format."""
+        return len(fields) == 2 and all(is_number(field) for field in fields)
+
+    def _take(self, fields: list[str]) -> None:
+        beam = numbers(fields, "range and angle")
+        if len(beam) != 2 or not abs(beam[1]) <= MOST_TURN:
+            said = " ".join(fields)[:80]
+            raise ValueError(f"expected a range in millimetres and an angle in radians, got {said}")
+        if len(self.scans) == MOST_BEAMS:
+            raise self.lines.error(f"expected one scan, but there are more than {MOST_BEAMS} beams")
+        self.scans.append(beam)
+
+    def _log(self, name: str) -> Log:
+        return Log(name, [self.scan(0.0)], None, self.lines.skipped)
+
+    def scan(self, time: float) -> LaserScan:
+        """All beams, measured at a time."""
+        millimetres, angles = np.array(self.scans).T
+        ranges, codes = as_ranges(millimetres)
+        return LaserScan(ranges, angles, time, None, URG_REACH, codes=codes)
 
 
 def numbered(folder: Path) -> list[Path]:
@@ -40,45 +62,37 @@ def numbered(folder: Path) -> list[Path]:
 
     Of those with the same suffix the first few must look like scans, or all are of another kind.
     """
+    found = []
+    for path in folder.iterdir():
+        words = path.name.removesuffix(".gz").split(".")
+        numerals = re.findall(r"[0-9]{1,18}", words[0])
+        if path.is_file() and words[0] and numerals:
+            found.append((int(numerals[-1]), path))
     kinds: dict[str, list[Path]] = {}
-    for path in _numbered(folder):
+    for _, path in sorted(found):
         kinds.setdefault(_suffix(path), []).append(path)
     kept = {kind for kind, files in kinds.items() if any(map(_is_scan, files[:FEW]))}
-    return [path for path in _numbered(folder) if _suffix(path) in kept]
-
-
-def read(path: Path, name: str, on_error: str = "raise") -> Log:
-    """Read one scan: its `(n,)` ranges become metres."""
-    scan, skipped = _read_scan(path, 0.0, on_error)
-    return Log(name, [scan], None, skipped)
-
-
-def read_folder(files: Sequence[Path], name: str, on_error: str = "raise") -> Log:
-    """Read a scan a file, 0.1 seconds apart; "skip" leaves out, and counts, files without."""
-    scans, skipped = [], NOTHING_SKIPPED
-    for k, path in enumerate(files):
-        try:
-            scan, more = _read_scan(path, k * SECONDS_PER_TURN, on_error)
-        except LogError as fault:
-            if on_error == "raise":
-                raise
-            more = Skipped(1, str(fault))
-        else:
-            scans.append(scan)
-        skipped = merged(skipped, more)
-    if not scans:
-        raise LogError(files[0].parent, f"holds no scan; {skipped.reason}")
-    return Log(name, scans, None, skipped)
-
-
-def _numbered(folder: Path) -> list[Path]:
-    files = (path for path in folder.iterdir() if path.is_file() and not path.name.startswith("."))
-    found = [(int(numerals[-1]), path) for path in files if (numerals := _numerals(path))]
-    return [path for _, path in sorted(found)]
+    return [path for _, path in sorted(found) if _suffix(path) in kept]
 
 
 def _suffix(path: Path) -> str:
     return Path(path.name.removesuffix(".gz")).suffix.lower()
+
+
+def read_folder(folder: Path, name: str, on_error: str = "raise") -> Log:
+    """Read a scan a file, 0.1 seconds apart; "skip" leaves out, and counts, files without."""
+    scans, reading = [], Reading(folder, on_error)
+    for k, path in enumerate(numbered(folder)):
+        try:
+            found = HokuyoText(Lines(path, on_error)).walked()
+        except LogError as fault:
+            reading.damaged(fault)
+        else:
+            scans.append(found.scan(k * SECONDS_PER_TURN))
+            reading.skipped = merged(reading.skipped, found.lines.skipped)
+    if not scans:
+        raise LogError(folder, f"holds no scan; {reading.skipped.reason}")
+    return Log(name, scans, None, reading.skipped)
 
 
 def _is_scan(path: Path) -> bool:
@@ -87,28 +101,4 @@ def _is_scan(path: Path) -> bool:
         lines = list(islice(Lines(path, "skip"), FEW))
     except LogError:
         return False
-    return 2 * sum(map(claims, lines)) > len(lines)
-
-
-def _numerals(path: Path) -> list[str]:
-    return re.findall(r"[0-9]{1,18}", path.name.removesuffix(".gz").split(".")[0])
-
-
-def _read_scan(path: Path, time: float, on_error: str) -> tuple[LaserScan, Skipped]:
-    lines = Lines(path, on_error)
-    beams = np.array(list(islice(lines.each(_parse), MOST_BEAMS + 1))).reshape(-1, 2)
-    if len(beams) > MOST_BEAMS:
-        raise lines.error(f"expected one scan, but there are more than {MOST_BEAMS} beams")
-    if not len(beams):
-        raise lines.no_scan("lines of range in millimetres and angle in radians")
-    ranges, codes = as_ranges(beams[:, 0])
-    return LaserScan(ranges, beams[:, 1], time, None, URG_REACH, codes=codes), lines.skipped
-
-
-def _parse(fields: list[str]) -> Array:
-    beam = numbers(fields, "range and angle")
-    if len(beam) != 2 or not abs(beam[1]) <= MOST_TURN:
-        raise ValueError(
-            f"expected a range in millimetres and an angle in radians, got {' '.join(fields)[:80]}"
-        )
-    return beam
+    return 2 * sum(map(HokuyoText.claims, lines)) > len(lines)

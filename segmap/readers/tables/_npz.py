@@ -18,10 +18,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ... import arrays
-from ...arrays import Array
 from ...files import read_arrays
 from ...scans import LaserScan, Log
 from .._lines import LATEST, LogError
+from .._raw_scans import known, known_truth
 
 NEEDED = ("ranges", "angles")
 #: Where a zip file holds the length of the first name, and the name.
@@ -57,34 +57,20 @@ def _log(name: str, held: Mapping[str, NDArray[Any]]) -> Log:
     ranges = np.atleast_2d(arrays.numbers(held["ranges"], "ranges"))
     if ranges.ndim != 2 or not len(ranges):
         raise ValueError(f"ranges must have shape (k, n), got {ranges.shape}")
-    angles = _angles(held["angles"], ranges.shape)
-    times = _times(held.get("times"), len(ranges))
-    odometry = _poses(held, "odometry", len(ranges))
+    angles, shape, count = arrays.numbers(held["angles"], "angles"), ranges.shape, len(ranges)
+    if angles.shape not in (shape, shape[1:]):
+        raise ValueError(f"angles must have shape {shape[1:]} or {shape}, got {angles.shape}")
+    times = np.atleast_1d(arrays.numbers(held.get("times", np.arange(float(count))), "times"))
+    if times.shape != (count,) or not (np.abs(times) <= LATEST).all():
+        raise ValueError(f"times must be ({count},) finite seconds, got shape {times.shape}")
+    odometry, truth = (
+        arrays.poses(np.atleast_2d(held[kind]), kind, count=count, missing=True)
+        if kind in held
+        else np.full((count, 3), np.nan)
+        for kind in ("odometry", "truth")
+    )
     scans = [
-        LaserScan(np.where(r > 0, r, np.nan), a, t, None if np.isnan(o).any() else o)
-        for r, a, t, o in zip(ranges, angles, times, odometry, strict=True)
+        LaserScan(np.where(r > 0, r, np.nan), a, t, known(o))
+        for r, a, t, o in zip(ranges, np.broadcast_to(angles, shape), times, odometry, strict=True)
     ]
-    truth = _poses(held, "truth", len(ranges))
-    return Log(name, scans, truth if np.isfinite(truth).any() else None)
-
-
-def _angles(given: NDArray[Any], shape: tuple[int, ...]) -> Array:
-    found = arrays.numbers(given, "angles")
-    if found.shape not in (shape, shape[1:]):
-        raise ValueError(f"angles must have shape {shape[1:]} or {shape}, got {found.shape}")
-    return np.broadcast_to(found, shape)
-
-
-def _times(given: NDArray[Any] | None, count: int) -> Array:
-    if given is None:
-        return np.arange(count, dtype=float)
-    found = np.atleast_1d(arrays.numbers(given, "times"))
-    if found.shape != (count,) or not (np.abs(found) <= LATEST).all():
-        raise ValueError(f"times must be ({count},) finite seconds, got shape {found.shape}")
-    return found
-
-
-def _poses(held: Mapping[str, NDArray[Any]], name: str, count: int) -> Array:
-    if name not in held:
-        return np.full((count, 3), np.nan)
-    return arrays.poses(np.atleast_2d(held[name]), name, count=count, missing=True)
+    return Log(name, scans, known_truth(truth))

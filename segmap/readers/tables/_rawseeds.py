@@ -20,26 +20,40 @@ A file of a laser may be read alone: scans without odometry and truth.
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 
-from ...arrays import LIMIT, Array
+from ...arrays import LIMIT, Array, checked
 from ...poses import interpolate
-from ...scans import NOTHING_SKIPPED, Log, Skipped
+from ...scans import Log
 from ...scans.error_codes import as_ranges
-from .._lines import Lines, LogError, counted, is_number, merged, numbers, pose, time
+from .._lines import (
+    Lines,
+    LogError,
+    OnError,
+    Reading,
+    counted,
+    is_number,
+    log_file,
+    merged,
+    numbers,
+    pose,
+    time,
+)
 from .._raw_scans import (
     URG_REACH,
     URG_STEP,
+    Extrinsic,
     RawScan,
     Track,
-    assemble,
     centred,
     half_turn,
+    known_truth,
     uncorrected,
 )
+from .._text import TextFormat
 
 LASERS = ("SICK_FRONT", "HOKUYO_FRONT", "SICK_REAR", "HOKUYO_REAR")
 ODOMETRY, TRUTH = "ODOMETRY_XYT", "GROUNDTRUTH"
@@ -50,9 +64,23 @@ SICK_HEAD, HOKUYO_COLUMNS, ODOMETRY_COLUMNS, TRUTH_COLUMNS = 3, 682, 7, 13
 TRUTH_GAP = 1.0
 
 
-def claims(fields: Sequence[str]) -> bool:
-    """Whether a line, split at commas, is one of these files."""
-    return len(fields) >= ODOMETRY_COLUMNS and is_number(fields[0])
+class Rawseeds(TextFormat):
+    """The file of one laser; with it odometry and truth, where its folder is read."""
+
+    name, separator = "Rawseeds", ","
+    expected = "lines of a SICK or Hokuyo file"
+
+    @classmethod
+    def claims(cls, fields: Sequence[str]) -> bool:
+        """Whether a line, split at commas, is one of these files."""
+        return len(fields) >= ODOMETRY_COLUMNS and is_number(fields[0])
+
+    def _take(self, fields: list[str]) -> None:
+        self.scans.append(_parse_scan([field.strip() for field in fields]))
+
+    def _extrinsic(self, laser: str, scans: Sequence[RawScan]) -> Extrinsic:
+        backwards = np.pi if "REAR" in self.lines.path.name.upper() else 0.0
+        return uncorrected(scans, np.array([0.0, 0.0, backwards]))
 
 
 def files_of(folder: Path) -> dict[str, Path]:
@@ -61,58 +89,66 @@ def files_of(folder: Path) -> dict[str, Path]:
     return {match[1].upper(): path for match, path in found if match}
 
 
-def read(path: Path, name: str, on_error: str = "raise") -> Log:
-    """Read the file of one laser: times in seconds, no odometry."""
-    return _read(path, name, {}, on_error)
-
-
-def read_folder(files: Mapping[str, Path], name: str, on_error: str = "raise") -> Log:
-    """Read the files of a recording, see `files_of`; `truth` is `(k, 3)`, metres and radians."""
+def read_folder(folder: Path, name: str, on_error: str = "raise") -> Log:
+    """Read a recording: of its first laser, with odometry and truth at the times of the scans."""
+    files = files_of(folder)
     lasers = [laser for laser in LASERS if laser in files]
     if not lasers:
-        folder = next(iter(files.values())).parent
         raise LogError(folder, f"holds no scans, expected {LASERS[0]}.csv or {LASERS[1]}.csv")
-    return _read(files[lasers[0]], name, files, on_error)
+    found = Rawseeds(Lines(files[lasers[0]], on_error, ",")).walked()
+    times, poses = np.array([scan.time for scan in found.scans]), {}
+    for kind, gap in ((ODOMETRY, np.inf), (TRUTH, TRUTH_GAP)):
+        poses[kind] = np.full((len(times), 3), np.nan)
+        if kind in files:
+            track, reading = _track(files[kind], on_error)
+            poses[kind] = interpolate(*track.ordered(), times, max_gap=gap)
+            found.unknown = merged(found.unknown, reading.skipped)
+    placed = zip(found.scans, poses[ODOMETRY], strict=True)
+    found.scans = [scan._replace(odometry=odometry) for scan, odometry in placed]
+    log = found._log(name)
+    return Log(name, log.scans, known_truth(poses[TRUTH]), log.skipped)
 
 
-def read_trajectory(path: Path, on_error: str = "raise") -> tuple[Array, Array, Skipped]:
-    """Times `(k,)` in seconds, poses `(k, 3)` of a file of poses, and what was skipped."""
+@checked
+def read_trajectory(path: str | Path, *, on_error: OnError = "raise") -> tuple[Array, Array]:
+    """Read a file of poses: Rawseeds ground truth, or its odometry.
+
+    Its lines are `t, x, y, theta, 9 covariances`, or those of ODOMETRY_XYT.csv; damage is as in
+    `read`.
+
+    Returns
+    -------
+    times : (k,) array, ascending
+    poses : (k, 3) array
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     path = Path(folder) / "GROUNDTRUTH.csv"
+    ...     _ = path.write_text("10.5, 1, 2, 0.5" + ", 0" * 9)
+    ...     read_trajectory(path)
+    (array([10.5]), array([[1. , 2. , 0.5]]))
+    """
+    with log_file(path) as place:
+        return _track(place, on_error)[0].ordered()
+
+
+def _track(path: Path, on_error: str) -> tuple[Track, Reading]:
     lines, track = Lines(path, on_error, ","), Track()
     for when, where in lines.each(_parse_pose):
         track.add(when, where)
     if not track.times:
         raise LogError(path, "holds no pose, expected lines t, x, y, theta, 9 covariances")
-    return *track.ordered(), lines.skipped
+    return track, lines
 
 
-def _read(path: Path, name: str, files: Mapping[str, Path], on_error: str) -> Log:
-    lines = Lines(path, on_error, ",")
-    raw = list(lines.each(_parse_scan))
-    if not raw:
-        raise lines.no_scan("lines of a SICK or Hokuyo file")
-    times = np.array([scan.time for scan in raw], float)
-    odometry, skipped = _poses_at(times, files.get(ODOMETRY), on_error)
-    truth, more = _poses_at(times, files.get(TRUTH), on_error, TRUTH_GAP)
-    raw = [scan._replace(odometry=o) for scan, o in zip(raw, odometry, strict=True)]
-    place = np.array([0.0, 0.0, np.pi if "REAR" in path.name.upper() else 0.0])
-    scans, _ = assemble(raw, lambda laser, mine: uncorrected(mine, place))
-    known = truth if np.isfinite(truth).any() else None
-    return Log(name, scans, known, merged(lines.skipped, merged(skipped, more)))
-
-
-def _poses_at(
-    times: Array, path: Path | None, on_error: str, gap: float = np.inf
-) -> tuple[Array, Skipped]:
-    if path is None:
-        return np.full((len(times), 3), np.nan), NOTHING_SKIPPED
-    when, poses, skipped = read_trajectory(path, on_error)
-    return interpolate(when, poses, times, max_gap=gap), skipped
-
-
-def _parse_scan(fields: list[str]) -> RawScan:
-    columns = [field.strip() for field in fields]
+def _parse_scan(columns: list[str]) -> RawScan:
     if len(columns) == HOKUYO_COLUMNS:
-        return _parse_hokuyo(columns)
+        metres = np.clip(numbers(columns[1:], "ranges"), -LIMIT, LIMIT)
+        found, codes = as_ranges(1000 * metres)
+        angles, when = centred(len(found), URG_STEP), time(columns[0])
+        return RawScan("hokuyo", found, angles, when, limit=URG_REACH, codes=codes)
     if len(columns) in (ODOMETRY_COLUMNS, TRUTH_COLUMNS):
         raise ValueError(
             "holds poses and no scan: read its folder, or the poses with read_trajectory"
@@ -127,12 +163,6 @@ def _parse_scan(fields: list[str]) -> RawScan:
         raise ValueError(f"expected an offset in quarter degrees, got {columns[2][:40]}")
     angles = half_turn(len(ranges)) + np.radians(quarters / 4)
     return RawScan("sick", numbers(ranges, "ranges"), angles, time(columns[0]))
-
-
-def _parse_hokuyo(columns: list[str]) -> RawScan:
-    ranges, codes = as_ranges(1000 * np.clip(numbers(columns[1:], "ranges"), -LIMIT, LIMIT))
-    angles = centred(len(ranges), URG_STEP)
-    return RawScan("hokuyo", ranges, angles, time(columns[0]), limit=URG_REACH, codes=codes)
 
 
 def _parse_pose(fields: list[str]) -> tuple[float, Array]:

@@ -1,0 +1,87 @@
+"""Reading a log of any format, by what is in it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from ..arrays import checked
+from ..scans import Log
+from ._bundled import find
+from ._formats import recognise
+from ._lines import OnError, log_file, stem
+
+
+@checked
+def read(path: str | Path, *, on_error: OnError = "raise") -> Log:
+    """Read a log, whatever its format: plain or gzip, a file or a folder.
+
+    Beams that met nothing have range `inf`, those with an error of the sensor NaN: neither is
+    valid. What the formats leave unsaid, and how it is read, stands in the file of each format.
+
+    Parameters
+    ----------
+    path : str or Path
+        A log of CARMEN (FLASER, RLASER, ROBOTLASER), a run of GMapping (.gfs), g2o with
+        ROBOTLASER1, Player text, DP-SLAM, CMU's Wean Hall, CoreSLAM; a folder of Rawseeds files, or
+        the file of one of its lasers; a Hokuyo scan as text, or a folder of numbered ones;
+        a rawlog or a simplemap of MRPT; a bag of ROS 1 or ROS 2 (see `read_bag`); CSV with a header
+        (others: `read_csv`), a dump of RPLidar or LD19, NPZ with `ranges` and `angles`.
+    on_error : "raise" or "skip"
+        What a damaged line means: the end of reading, or one line less; `log.skipped` then tells
+        how many lines were left out and why the first.
+
+    Returns
+    -------
+    Log
+        With odometry and, where the file has them, corrected poses as `truth`: both `(k, 3)`, of
+        the robot.
+
+    Raises
+    ------
+    LogError
+        A damaged line, or a file that cannot be read, is of no known format or holds no scan. With
+        "skip" too where no scan remains, for a line of more than a megabyte, 100 000 empty lines in
+        a row, and a packed file of more than 1 MB and 50 times its size: these bounds keep time
+        and memory in proportion to the file.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     path = Path(folder) / "two.log"
+    ...     _ = path.write_text("FLASER 2 1 81.83 0 0 0 0 0 0\\nFLASER 2 1\\n")
+    ...     log = read(path, on_error="skip")
+    >>> log, log.skipped.lines, log[0].valid
+    (Log('two', 1 scan, odometry, no truth), 1, array([ True, False]))
+    """
+    with log_file(path, folders=True) as place:
+        name = place.resolve().name if place.is_dir() else stem(place)
+        return recognise(place).read(place, name, on_error)
+
+
+def format_of(path: str | Path) -> str:
+    """The format of a log, told by its first lines; a folder's, by the files in it.
+
+    The rest may be damaged all the same. What is no log of any format is an `UnknownFormat`.
+
+    Examples
+    --------
+    >>> from segmap.readers import data_file
+    >>> format_of(data_file("malaga/malaga.log.gz"))
+    'CARMEN'
+    """
+    with log_file(path, folders=True) as place:
+        return recognise(place).name
+
+
+def load(name: str) -> Log:
+    """Read one of the logs that come with segmap.
+
+    They are "malaga", a real one, and simulated ones: the names of the folders under `data`.
+
+    Examples
+    --------
+    >>> load("malaga")
+    Log('malaga', 225 scans, odometry, truth for 99)
+    """
+    return read(find(name))
