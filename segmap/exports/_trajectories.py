@@ -85,10 +85,9 @@ def write_carmen(path: str | Path, log: Log, poses: Alignment | ArrayLike | None
     --------
     >>> import tempfile
     >>> from segmap import load, read
-    >>> from segmap.alignment import pose_graph
     >>> log = load("corridor")[:5]
     >>> with tempfile.TemporaryDirectory() as folder:
-    ...     write_carmen(Path(folder) / "aligned.log.gz", log, pose_graph(log))
+    ...     write_carmen(Path(folder) / "aligned.log.gz", log, compose((1, 2, 0.5), log.truth))
     ...     read(Path(folder) / "aligned.log.gz")
     Log('aligned', 5 scans, odometry, truth)
     """

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -11,7 +10,7 @@ from numpy.typing import NDArray
 from ...arrays import Array
 from .._mounting import in_space
 from .._raw_scans import NOWHERE
-from ._stream import NEXT_IN_MAP, Parser, Stream, Unknown
+from ._stream import NEXT_IN_MAP, Parser, Parsers, Stream, Unknown
 
 #: Seconds from 1601, where MRPT's clock of 100 ns ticks starts, to 1970.
 EPOCH = 11_644_473_600
@@ -182,8 +181,7 @@ def _seconds(ticks: int) -> float | None:
     return ticks / 1e7 - EPOCH if ticks else None
 
 
-#: What reads the members of each class, and the versions that are known; None for all.
-PARSERS: dict[str, tuple[Parser, Sequence[int] | None]] = {
+PARSERS: Parsers = {
     "CSensoryFrame": (_frame, range(3)),
     "CActionCollection": (_actions, range(1)),
     "CSimpleMap": (_simple_map, range(2)),

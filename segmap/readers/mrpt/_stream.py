@@ -36,6 +36,8 @@ NEXT_IN_MAP = re.compile(rb"(?<=\x88)[\x80-\xf8](?:mrpt::\w+::)?CPose\w*PDF\w+")
 
 #: Reads the members of an object of a class: it gets the stream and the version.
 Parser = Callable[["Stream", int], Any]
+#: Of each class that is known, with its versions; None for all.
+Parsers = Mapping[str, tuple[Parser, Sequence[int] | None]]
 
 
 class Broken(ValueError):
@@ -52,9 +54,7 @@ class Unknown(NamedTuple):
 class Stream:
     """Bytes of a file, read from the front, with a parser and the versions of each known class."""
 
-    def __init__(
-        self, data: bytes, parsers: Mapping[str, tuple[Parser, Sequence[int] | None]]
-    ) -> None:
+    def __init__(self, data: bytes, parsers: Parsers) -> None:
         self.data, self.parsers, self.at, self.next = data, parsers, 0, NEXT
         self.open = 0  # objects that have begun and not ended
 
