@@ -24,6 +24,6 @@ c = get_config()  # type: ignore[name-defined]  # noqa: F821
 c.FileContentsManager.pre_save_hook = keep_pictures
 # traitlets sets a hook twice, and the second time Jupyter warns that it replaces the first.
 warnings.filterwarnings("ignore", r"Overriding existing pre_save_hook \(keep_pictures\)")
-# As an extension of the server Voila sets the token in a way that Jupyter warns of. It is not needed
-# here: `make app` starts Voila as a program.
+# As an extension of the server, Voila sets the token in a way that Jupyter warns of. It is needed
+# nowhere here: `make app` starts Voila as a program.
 c.ServerApp.jpserver_extensions = {"voila.server_extension": False}
