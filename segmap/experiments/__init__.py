@@ -19,23 +19,3 @@ from ._records import (
     write_records,
 )
 from ._sweep import sweep
-
-__all__ = [
-    "default_thresholds",
-    "digest",
-    "equal_quality",
-    "front",
-    "growth",
-    "load_alignments",
-    "load_online",
-    "load_records",
-    "online_times",
-    "pareto",
-    "read_records",
-    "reduction_at",
-    "select",
-    "sweep",
-    "thresholds_of",
-    "thresholds_text",
-    "write_records",
-]

@@ -26,24 +26,12 @@ def equal_quality(frame: pd.DataFrame, quality: float) -> pd.DataFrame:
     and reduction, by straight lines. Above its best quality it has no value. Below its lowest
     quality its value is the largest reduction: a map that is better than asked for will do.
 
-    Parameters
-    ----------
-    frame : DataFrame
-        Of `sweep`.
-    quality : float
-        Above 0, at most 1.
-
     Returns
     -------
     DataFrame
         map, filtered, a column of reductions for each method, NaN where its curve has no value, and
         reason: why it has none. Maps and methods are in the order of the runs. A filtered run is
         measured against another map, and never joins a curve of unfiltered ones (A 6.2.3).
-
-    Raises
-    ------
-    ValueError
-        For another quality.
 
     Examples
     --------
@@ -78,17 +66,8 @@ def equal_quality(frame: pd.DataFrame, quality: float) -> pd.DataFrame:
 def pareto(frame: pd.DataFrame, *, each_method: bool = False) -> pd.DataFrame:
     """Runs that no other of the same map and filter beats in both quality and reduction.
 
-    Parameters
-    ----------
-    frame : DataFrame
-        Of `sweep`.
-    each_method : bool
-        Whether only runs of the same method may beat a run.
-
-    Returns
-    -------
-    DataFrame
-        In their order; equal runs beat nobody.
+    With `each_method` only runs of the same method may beat a run. They stay in their order; equal
+    runs beat nobody.
 
     Examples
     --------
@@ -110,17 +89,9 @@ def pareto(frame: pd.DataFrame, *, each_method: bool = False) -> pd.DataFrame:
 
 
 def front(points: ArrayLike) -> Array:
-    """The points that no other beats in both coordinates, by ascending first one; none of NaN.
+    """The points (quality, reduction) that no other beats in both, by ascending first one.
 
-    Parameters
-    ----------
-    points : (n, 2) array
-        Quality and reduction of n runs.
-
-    Returns
-    -------
-    (k, 2) array
-        Quality ascends and reduction descends, both strictly.
+    Quality ascends and reduction descends, both strictly; none is NaN.
 
     Examples
     --------
@@ -133,18 +104,9 @@ def front(points: ArrayLike) -> Array:
 
 
 def reduction_at(points: ArrayLike, quality: float) -> float:
-    """Reduction at a quality, on straight lines along the front of some runs.
+    """Reduction at a quality, on straight lines along the front of points (quality, reduction).
 
-    Parameters
-    ----------
-    points : (n, 2) array
-        Quality and reduction of n runs.
-    quality : float
-
-    Returns
-    -------
-    float
-        The largest reduction of all below the front's lowest quality, NaN above its best.
+    The largest reduction of all below the front's lowest quality, NaN above its best.
 
     Examples
     --------

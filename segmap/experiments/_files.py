@@ -42,11 +42,6 @@ def _number(cell: str, least: float = 0.0, most: float = LARGEST) -> float:
     return value
 
 
-def _share(cell: str) -> float:
-    """A part of one; segments may become more, so that a reduction may be below 0."""
-    return _number(cell, most=1.0)
-
-
 def _threshold(text: str) -> Threshold:
     if text in WORDS:
         return WORDS[text]
@@ -67,7 +62,8 @@ def _thresholds(text: str) -> dict[str, Threshold]:
     return found
 
 
-#: What a sweep writes. A filter of 0 m, an empty cell, drops nothing.
+#: What a sweep writes. A filter of 0 m, an empty cell, drops nothing; segments may become more, so
+#: that a reduction may be below 0.
 RUNS: Columns = {
     "map": str,
     "method": str,
@@ -76,7 +72,7 @@ RUNS: Columns = {
     "n_before": _whole,
     "n_after": _whole,
     "reduction": lambda cell: _number(cell, -LARGEST, 1.0),
-    "quality": _share,
+    "quality": lambda cell: _number(cell, most=1.0),
     "seconds": _number,
     "digest": str,
     "invented": lambda cell: _number(cell or "nan"),
@@ -95,7 +91,7 @@ ALIGNMENTS: Columns = {
     **dict.fromkeys(("log", "method"), str),
     **dict.fromkeys(("scans", "used", "compared"), _whole),
     **dict.fromkeys(("mean", "deviation", "rms", "p95", "largest"), _number),
-    "above_0.2": _share,
+    "above_0.2": lambda cell: _number(cell, most=1.0),
     **dict.fromkeys(("heading", "seconds"), _number),
 }
 #: Every column that is no threshold.
@@ -127,13 +123,7 @@ def columns_of(path: Path) -> Columns:
 
 
 def read_rows(path: Path, columns: Columns) -> list[Row]:
-    """The whole lines of a CSV file.
-
-    Raises
-    ------
-    ValueError
-        Naming the file, the line and what was expected there.
-    """
+    """The whole lines of a CSV file; a ValueError names file, line and what was expected there."""
     return checked(read_table(path, list(columns)), columns)
 
 
@@ -142,21 +132,17 @@ def checked(lines: Iterable[tuple[list[str], str]], columns: Columns) -> list[Ro
     rows: list[Row] = []
     names: set[str] = set()
     for cells, where in lines:
-        row = _row(cells, columns, where)
+        try:
+            pairs = zip(columns.items(), cells, strict=True)
+            row = {name: kind(cell) for (name, kind), cell in pairs}
+        except (ValueError, OverflowError) as error:
+            said = str(cells)[:300]
+            raise ValueError(f"{where}: expected {','.join(columns)}, got {said}") from error
         names.update(row.get("thresholds", ()))
         if len(names) > MOST_NAMES:  # each becomes a column as long as the file
             raise ValueError(f"{where}: expected at most {MOST_NAMES} names of thresholds in all")
         rows.append(row)
     return rows
-
-
-def _row(cells: list[str], columns: Columns, where: str) -> Row:
-    try:
-        pairs = zip(columns.items(), cells, strict=True)
-        return {name: kind(cell) for (name, kind), cell in pairs}
-    except (ValueError, OverflowError) as error:
-        said = str(cells)[:300]
-        raise ValueError(f"{where}: expected {','.join(columns)}, got {said}") from error
 
 
 def line_of(row: Row, columns: Columns = RUNS) -> str:
@@ -180,12 +166,7 @@ def journal(path: str | Path | None) -> Iterator[tuple[list[Row], Callable[[Row]
     """The rows of a file, which may not be there yet, and a function that adds one at once.
 
     A file that was cut off within a line, or within its head, is mended first; one with the former
-    columns keeps them. None keeps nothing.
-
-    Raises
-    ------
-    ValueError
-        For a file that holds something else.
+    columns keeps them; None keeps nothing. A file that holds something else is refused.
     """
     if path is None:
         yield [], lambda row: None

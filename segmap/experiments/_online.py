@@ -20,25 +20,14 @@ def online_times(
 ) -> pd.DataFrame:
     """Time and size of the map of an on-line method as the scans come in.
 
-    Parameters
-    ----------
-    reduction : Reduction
-        By an on-line method.
-    thresholds : mapping
-        What the method was given: metres and radians.
-    every : int
-        One row for so many scans, and one for the last.
+    `thresholds` is what the method was given. There is a row for `every` so many scans, and one for
+    the last.
 
     Returns
     -------
     DataFrame
         method, a column for each threshold, scans: how many were taken in, seconds: since the first
         one, live: segments in the map.
-
-    Raises
-    ------
-    ValueError
-        For a method that is not on-line.
 
     Examples
     --------
@@ -65,21 +54,9 @@ def online_times(
 
 
 def growth(frame: pd.DataFrame, *, after: float = 0.25) -> float:
-    """Exponent p of `seconds ~ scans ** p`, fitted to the rows after a share of the scans.
+    """Exponent p of `seconds ~ scans ** p`, fitted to one run after a share of the scans.
 
     It depends on that share where the robot comes into new rooms late: look at several.
-
-    Parameters
-    ----------
-    frame : DataFrame
-        Rows of one run, as `online_times` gives them.
-    after : float
-        Of 0 to 1.
-
-    Raises
-    ------
-    ValueError
-        For fewer than two rows there, or times that are not above 0.
 
     Examples
     --------

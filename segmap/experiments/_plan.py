@@ -24,10 +24,9 @@ Grid = Mapping[str, Any] | Iterable[Mapping[str, Threshold]]
 
 
 class Job(NamedTuple):
-    """One run to come.
+    """One run to come: `row` says which, `segments` are what the filter has left.
 
-    `row` says which, `segments` are what the filter has left, and `first` are thresholds of
-    the same kinds, with which the method is called once before.
+    With `first`, thresholds of the same kinds, the method is called once before.
     """
 
     row: Row
@@ -40,8 +39,8 @@ class Job(NamedTuple):
 def digest(map: SegmentMap) -> str:
     """Twelve hexadecimal digits that identify a map.
 
-    They change with any of its segments `(n, 2, 2)`, to the nanometre, and scans `(n,)`; where it
-    keeps points and places of the sensor, with these too.
+    They change with any of its segments, to the nanometre, and scans; where it keeps points and
+    places of the sensor, with these too.
 
     Examples
     --------
@@ -81,25 +80,25 @@ def planned(
     repeat: int,
 ) -> list[Job]:
     """All runs of a sweep in the order of the request; arguments and errors as of `sweep`."""
-    least = [None if f is None else _length(f) for f in _listed(filters, "filters")]
+    least = [
+        None if f is None else arrays.number(f, "filters", above=0, unit="metres, or None")
+        for f in _listed(filters, "filters")
+    ]
     functions = _functions(methods)
     for name in set(grids) - set(METHODS):
         arrays.one_of(name, "grids", functions)
-    anywhere = not isinstance(methods, Mapping)
+    # A method that is asked for by its name alone runs wherever the map comes from.
+    own = methods if isinstance(methods, Mapping) else {}
+    needs = {k for k, m in own.items() if isinstance(m, Method) and m.needs_sensors}
     plans = {name: _combinations(name, f, grids.get(name, [{}])) for name, f in functions.items()}
     return [
         Job({**known, "method": method, "thresholds": row}, part, functions[method], first, repeat)
         for name, map in maps.items()
         for known, part in _filtered(name, map, least)
         for method, plan in plans.items()
-        if anywhere or part.sensors is not None or not _needs_sensors(methods, method)
+        if method not in needs or part.sensors is not None
         for row, first in plan
     ]
-
-
-def _needs_sensors(methods: Iterable[str] | Mapping[str, Function], name: str) -> bool:
-    method = methods[name] if isinstance(methods, Mapping) else METHODS[name]
-    return isinstance(method, Method) and method.needs_sensors
 
 
 def _functions(methods: Iterable[str] | Mapping[str, Function]) -> dict[str, Function]:
@@ -118,10 +117,6 @@ def _listed(values: Iterable[T], name: str) -> list[T]:
         return list(values)
     except TypeError as error:
         raise ValueError(f"{name} must be a list, got {arrays.brief(values)}") from error
-
-
-def _length(least: float) -> float:
-    return arrays.number(least, "filters", above=0, unit="metres, or None")
 
 
 def _filtered(

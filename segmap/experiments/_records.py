@@ -31,43 +31,19 @@ if TYPE_CHECKING:
 
 
 def read_records(path: str | Path) -> pd.DataFrame:
-    """Read runs that a sweep or `write_records` has written.
+    """Read runs that a sweep or `write_records` has written, with the columns of `sweep`.
 
-    A last line without an end was cut off when its writer was stopped: it is left out.
-
-    Parameters
-    ----------
-    path : path of a CSV file
-
-    Returns
-    -------
-    DataFrame
-        With the columns of `sweep`; metres are NaN where the file is older than they are.
-
-    Raises
-    ------
-    ValueError
-        Naming the file, the line and what was expected there.
+    A last line without an end was cut off when its writer was stopped: it is left out. Metres are
+    NaN where the file is older than they are; what is damaged is a ValueError that names the line.
     """
     path = arrays.file(path)
     return as_frame(read_rows(path, columns_of(path)), RUNS)
 
 
 def write_records(frame: pd.DataFrame, path: str | Path) -> None:
-    """Write runs to a CSV file, whole or not at all.
+    """Write runs of `sweep` or of `online_times` to a CSV file, whole or not at all.
 
-    Parameters
-    ----------
-    frame : DataFrame
-        Of `sweep`, which may lack the metres, or of `online_times`.
-    path : path
-
-    Raises
-    ------
-    ValueError
-        For what `read_records` would refuse, naming the line; for a path that is no regular file.
-    OSError
-        For a folder that does not exist, or cannot be written to.
+    What `read_records` would refuse is a ValueError that names the line.
     """
     had = set(arrays.frame(frame, numbers=["seconds"]))
     columns = ONLINE if "scans" in had else RUNS if {"invented", "missed"} & had else FORMER
@@ -84,20 +60,7 @@ def write_records(frame: pd.DataFrame, path: str | Path) -> None:
 def load_records(*names: str) -> pd.DataFrame:
     """Runs of all methods on buildings that the thesis never saw, as `make bench` wrote them.
 
-    Parameters
-    ----------
-    *names : str
-        Of buildings; none: of all that there are.
-
-    Returns
-    -------
-    DataFrame
-        With the columns of `sweep`.
-
-    Raises
-    ------
-    ValueError
-        Where there are none of that name; it lists those that there are.
+    The buildings of some names, or all that there are; with the columns of `sweep`.
 
     Examples
     --------
@@ -117,15 +80,7 @@ def load_records(*names: str) -> pd.DataFrame:
 def load_online(name: str) -> pd.DataFrame:
     """Times of the on-line methods on a building, as `make bench` wrote them.
 
-    Returns
-    -------
-    DataFrame
-        With the columns of `online_times`.
-
-    Raises
-    ------
-    ValueError
-        Where there is none of that name; it lists those that there are.
+    With the columns of `online_times`.
     """
     return as_frame(read_rows(_named(data_file("records/online"), name), ONLINE), ONLINE)
 
@@ -134,14 +89,8 @@ def load_alignments(log: str = "", *, path: Path | None = None) -> pd.DataFrame:
     """Errors of all alignment methods on Malaga, Intel and FR079, as `make bench` wrote them.
 
     Intel and FR079 are measured against verified relations (`metrics.relation_errors`), FR079 with
-    simulated drift; Malaga against its 99 corrected poses after the best rigid motion.
-
-    Parameters
-    ----------
-    log : str
-        Only logs whose name begins like this.
-    path : path or None
-        Another such file.
+    simulated drift; Malaga against its 99 corrected poses after the best rigid motion. Only logs
+    whose name begins with `log`; `path` is another such file.
 
     Returns
     -------
@@ -149,11 +98,6 @@ def load_alignments(log: str = "", *, path: Path | None = None) -> pd.DataFrame:
         log, method; scans, used: of the log, and with a match of their own; compared: errors that
         were taken; mean, deviation, rms, p95, largest: of the errors of position, metres;
         above_0.2: share of them above 0.2 m; heading: mean error, radians; seconds.
-
-    Raises
-    ------
-    ValueError
-        Naming the file, the line and what was expected there; where no log begins like this.
 
     Examples
     --------
@@ -182,19 +126,8 @@ def select(
 ) -> pd.DataFrame:
     """Runs of one map, of one method, with or without a filter, with some thresholds.
 
-    Parameters
-    ----------
-    frame : DataFrame
-        Of `sweep`.
-    map, method : str or None
-    filtered : float in metres, bool or None
-        One filter; True: any; False: none; None: all runs.
-    **thresholds : float
-        Compared to within a part in 10^9.
-
-    Returns
-    -------
-    DataFrame
+    `filtered` is one filter in metres, True for any, False for none. Thresholds are compared to
+    within a part in 10^9.
 
     Examples
     --------
@@ -219,7 +152,7 @@ def select(
 
 
 def thresholds_of(run: Mapping[str, Any] | pd.Series) -> dict[str, Threshold]:
-    """The thresholds of one run: of a row of a frame, without those that the method does not have.
+    """The thresholds of a row of a frame, without those that the method does not have.
 
     Examples
     --------

@@ -45,26 +45,27 @@ def sweep(
 
     Parameters
     ----------
-    maps : mapping
-        Name of a building -> SegmentMap, Reduction or (n, 2, 2) array, metres.
-    methods : names in `reduction.METHODS`, mapping of a name -> method, or None
-        A method of your own is `method(map, *, thresholds) -> Reduction`. None: all of METHODS.
-        One that needs the places of the sensor is left out on maps that have none, unless it is
-        asked for by its name.
-    grids : mapping
+    maps
+        Name of a building -> segments.
+    methods
+        Names in `reduction.METHODS`, or a mapping of a name -> method of your own,
+        `method(map, *, thresholds) -> Reduction`. None: all of METHODS. One that needs the places
+        of the sensor is left out on maps that have none, unless it is asked for by its name.
+    grids
         Name of a method -> list of thresholds (dictionaries), or dictionary of lists: all
         combinations, the last name running fastest. A method without a grid runs once. Defaults
         of thresholds that a grid leaves out are filled in.
-    filters : least lengths, metres, or None
+    filters
         A map runs once for each, without its shorter segments; None: as it is.
-    executor : concurrent.futures.Executor or None
+    executor
         Of processes, or of a Dask client (`client.get_executor()`). None: here, one by one.
-    records : path or None
+    records
         A CSV file to which each run is added as soon as it is finished. Called again, the sweep
         takes from it what it finds. Delete the file when a method has changed.
-    progress : bool, or a bar like `tqdm.tqdm`
-        True shows a bar in a notebook or a terminal, and nothing elsewhere.
-    repeat : int
+    progress
+        True shows a bar in a notebook or a terminal, and nothing elsewhere; or a bar like
+        `tqdm.tqdm`.
+    repeat
         Seconds are the median of so many runs, all else is that of the last one.
 
     Returns
@@ -84,8 +85,8 @@ def sweep(
     Raises
     ------
     ValueError
-        For unknown methods or thresholds, a file that holds runs on another map of that name;
-        from a run, with its map, method and thresholds.
+        For a file that holds runs on another map of that name; from a run, with its map, method
+        and thresholds.
     RuntimeError
         For any other error of a run, alike. Runs that are finished are in the file.
 

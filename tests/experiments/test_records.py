@@ -91,7 +91,7 @@ KILLED = """
 def test_a_killed_process_loses_only_the_run_that_it_was_in(tmp_path):
     """Catches records that wait in a buffer, and a resumption that trusts a torn line."""
     path, code = tmp_path / "runs.csv", tmp_path / "run.py"
-    here = str(Path(__file__).parent)
+    here = str(Path(__file__).parents[1])
     code.write_text(textwrap.dedent(KILLED.format(tests=here, path=str(path))))
     process = subprocess.Popen([sys.executable, str(code)])
     try:
