@@ -49,6 +49,12 @@ class later:
 
 
 @pytest.fixture
+def no_png(monkeypatch):
+    """A panel draws its figure, and makes no picture of it."""
+    monkeypatch.setattr("segmap.panels._base.figure_png", lambda figure, **finer: bytes(24))
+
+
+@pytest.fixture
 def read(tmp_path):
     """Read a text, or a folder of texts by name, as if it were a log of that name."""
     from segmap import readers

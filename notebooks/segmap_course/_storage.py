@@ -1,20 +1,16 @@
-"""One building represented in five ways: what each takes, how far it is from the walls; a panel."""
+"""One building represented in five ways: what each takes, how far it is from the walls."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-import ipywidgets as W
 import numpy as np
-from matplotlib.figure import Figure
 from numpy.typing import ArrayLike, NDArray
 
 from segmap import arrays
 from segmap.arrays import Array, Segments
 from segmap.extraction import build_map
-from segmap.panels import Panel, slider, text
-from segmap.plotting import RESULT, TRUTH, draw_quadtree, draw_segments
 from segmap.poses import transform
 from segmap.quadtree import QuadtreeMap
 from segmap.quadtree import build_map as build_quadtree
@@ -196,67 +192,3 @@ def _of_segments(segments: Array) -> Representation:
 
 def _mean(values: NDArray[Any]) -> float:
     return float(values.mean()) if len(values) else float("nan")
-
-
-class StoragePanel(Panel):
-    """An aligned log kept as reduced segments and as a quadtree (A and B of one building).
-
-    Parameters
-    ----------
-    log : Log
-    poses : (k, 3) array, metres and radians
-    walls : (n, 2, 2) array, metres
-        The truth.
-
-    Attributes
-    ----------
-    resolution : slider, centimetres
-    tolerance : slider, centimetres
-        Of the reduction by Fusion.
-    tree : box to tick
-        Which of the two is drawn, under the true walls in green.
-    segments, squares : labels
-    compared : DataFrame
-        Of `compare_with_walls`.
-
-    Examples
-    --------
-    >>> from segmap_course import room_walk, room_walls
-    >>> log = room_walk(20)
-    >>> StoragePanel(log, log.truth, room_walls()).segments.value
-    '12 segments, 0.4 kB, 0.8 mm off'
-    """
-
-    compared: pd.DataFrame
-
-    def __init__(self, log: Log, poses: ArrayLike, walls: Segments) -> None:
-        self.log, self.poses, self.walls = log, poses, arrays.segments(walls)
-        self.resolution = slider("cells", 5.0, 1.0, 20.0, 0.5, "cm")
-        self.tolerance = slider("tolerance", 4.0, 1.0, 20.0, 0.5, "cm")
-        self.tree = W.Checkbox(value=True, description="draw the quadtree")
-        self.segments, self.squares = text(), text()
-        self._assemble(self.resolution, self.tolerance, self.tree, (self.segments, self.squares))
-
-    def _draw(self, figure: Figure) -> None:
-        sizes = {
-            "resolution": self.resolution.value / 100,
-            "tolerance": self.tolerance.value / 100,
-        }
-        found = represent(self.log, self.poses, **sizes)
-        self.compared = compare_with_walls(found, self.walls)
-        self.segments.value = _words(self.compared.loc["reduced segments"], "segments")
-        self.squares.value = _words(self.compared.loc["quadtree"], "leaves")
-        ax = figure.subplots()
-        if self.tree.value:
-            draw_quadtree(found["quadtree"].map, ax=ax)
-        else:
-            draw_segments(found["reduced segments"].map, ax=ax, color=RESULT, width=2.5)
-        draw_segments(self.walls, ax=ax, color=TRUTH, width=0.8)
-
-    def __repr__(self) -> str:
-        return f"StoragePanel({self.segments.value}; {self.squares.value})"
-
-
-def _words(found: Any, parts: str) -> str:
-    count, size, error = int(found["parts"]), found["nbytes"] / 1e3, 1e3 * found["error"]
-    return f"{count} {parts}, {size:.1f} kB, {error:.1f} mm off"

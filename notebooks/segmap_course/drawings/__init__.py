@@ -1,4 +1,4 @@
-"""What the chapters draw."""
+"""What the chapters draw, on the axes `ax` or on new ones; what is drawn on is returned."""
 
 from ._alignments import (
     draw_backbone,
@@ -8,10 +8,7 @@ from ._alignments import (
     draw_icp_step,
     draw_uncertainty,
 )
-from ._buildings import (
-    draw_buildings,
-    draw_threshold,
-)
+from ._buildings import draw_buildings, draw_threshold
 from ._quadtrees import (
     draw_cells,
     draw_classes,
@@ -22,11 +19,7 @@ from ._quadtrees import (
     draw_ray,
     draw_trials,
 )
-from ._reductions import (
-    draw_cases,
-    draw_growth,
-    draw_trade_off,
-)
+from ._reductions import draw_cases, draw_growth, draw_trade_off
 from ._segments import (
     draw_centres,
     draw_distance_terms,

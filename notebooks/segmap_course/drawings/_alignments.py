@@ -38,18 +38,8 @@ OUTCOMES = {"no match": "#e8e8e8", "right": RESULT, "free": GROUPS[0], "wrong": 
 def draw_frames(scan: LaserScan, frames: Mapping[str, ArrayLike], *, every: int = 30) -> list[Axes]:
     """Draw the same scan in several frames side by side, and the axes of each frame.
 
-    Parameters
-    ----------
-    scan : LaserScan
-    frames : mapping from name to (3,) array, metres and radians
-        Pose of the robot in the frame of that name.
-    every : int
-        One beam in so many is drawn, from the sensor to its end.
-
-    Returns
-    -------
-    list of Axes
-        One a frame, in a new figure, all with the same limits.
+    The frames are the robot's pose by the name of each. One beam in so many is drawn, from the
+    sensor to its end. All pictures, of a new figure, have the same limits.
 
     Examples
     --------
@@ -73,20 +63,10 @@ def draw_frames(scan: LaserScan, frames: Mapping[str, ArrayLike], *, every: int 
 
 
 def draw_backbone(step: BackboneStep, *, ax: Axes | None = None) -> Axes:
-    """Draw what the backbone method did with one scan.
+    """Draw what the backbone method did with one scan, a step of `alignment.backbone_steps`.
 
     The lines of the backbone are black and dashed. The relevant segments of the scan are red where
     odometry would place them, and blue where the method placed them, with the robot there.
-
-    Parameters
-    ----------
-    step : BackboneStep
-        From `alignment.backbone_steps`.
-    ax : matplotlib Axes or None
-
-    Returns
-    -------
-    Axes
 
     Examples
     --------
@@ -112,19 +92,8 @@ def draw_backbone(step: BackboneStep, *, ax: Axes | None = None) -> Axes:
 def draw_icp_step(reference: ArrayLike, step: PointStep, *, ax: Axes | None = None) -> Axes:
     """Draw a scan as point ICP sees it: points with red lines to their places on the wall.
 
-    Where there are many points, only every second or third has a line.
-
-    Parameters
-    ----------
-    reference : (n, 2) array, metres
-        Points of the walls; drawn grey, those of the scan blue.
-    step : PointStep
-        From `alignment.point_steps`: lines of little weight are thin.
-    ax : matplotlib Axes or None
-
-    Returns
-    -------
-    Axes
+    Points of the walls are grey, those of the scan blue, and lines of little weight thin. Where
+    there are many points, only every second or third has a line.
 
     Examples
     --------
@@ -144,19 +113,8 @@ def draw_icp_step(reference: ArrayLike, step: PointStep, *, ax: Axes | None = No
     return map_axes(ax)
 
 
-def draw_uncertainty(match: Match, *, ax: Axes | None = None, deviations: float = 2.0) -> Axes:
-    """Draw where a matched scan may be: the ellipse of its covariance in x and y.
-
-    Parameters
-    ----------
-    match : Match
-    ax : matplotlib Axes or None
-    deviations : float
-        Half axes in standard deviations.
-
-    Returns
-    -------
-    Axes
+def draw_uncertainty(match: Match, *, ax: Axes | None = None) -> Axes:
+    """Draw where a matched scan may be: the ellipse of two standard deviations in x and y.
 
     Raises
     ------
@@ -175,7 +133,7 @@ def draw_uncertainty(match: Match, *, ax: Axes | None = None, deviations: float 
         raise ValueError(f"match must be one that was found, got {match!r}")
     ax = axes_or_new(ax)
     variance, axes = np.linalg.eigh(match.covariance[:2, :2])
-    width, height = 2 * deviations * np.sqrt(np.maximum(variance, 0))
+    width, height = 2 * 2 * np.sqrt(np.maximum(variance, 0))
     turn = float(np.degrees(np.arctan2(axes[1, 0], axes[0, 0])))
     x, y = match.pose[:2]
     ax.add_patch(Ellipse((x, y), width, height, angle=turn, color=RESULT, alpha=0.3))
@@ -188,19 +146,8 @@ def draw_candidate(
 ) -> Axes:
     """Draw two scans, the second placed by a candidate of angle correspondence.
 
-    Parameters
-    ----------
-    first, second : (n, 2, 2) array, metres
-        Segments of two scans, each in its own frame; the first black.
-    guess : Candidate
-        From `alignment.angle_candidates`; the title tells what speaks for it and against it.
-    ax : matplotlib Axes or None
-    color : str
-        Of the second: `RESULT` where the candidate is believed, else `ERROR`.
-
-    Returns
-    -------
-    Axes
+    The first is black, the second of the colour: `RESULT` where the candidate is believed, else
+    `ERROR`. The title tells what speaks for it and against it.
 
     Examples
     --------
@@ -224,22 +171,9 @@ def draw_basin(outcomes: ArrayLike, x: ArrayLike, y: ArrayLike, *, ax: Axes | No
     Parameters
     ----------
     outcomes : (m, n) array of str
-        One of `OUTCOMES` for each start: "no match" is light grey, "right" blue, "free" (along one
-        direction) orange, "wrong" red.
-    x : (n,) array
-        Where the columns start, in any unit.
-    y : (m,) array
-        Where the rows start.
-    ax : matplotlib Axes or None
-
-    Returns
-    -------
-    Axes
-
-    Raises
-    ------
-    ValueError
-        For other words, or another shape.
+        "no match" is light grey, "right" blue, "free" (along one direction) orange, "wrong" red.
+    x, y : (n,) and (m,) arrays
+        Where the columns and the rows start, in any unit.
 
     Examples
     --------

@@ -22,17 +22,8 @@ _LETTER = 0.08
 def draw_buildings(frame: pd.DataFrame, *, filtered: bool = False) -> list[Axes]:
     """Draw reduction against quality for several buildings: a picture for each, two a row.
 
-    Parameters
-    ----------
-    frame : DataFrame
-        Runs of `experiments.sweep` on one building or more.
-    filtered : bool
-        Which of their runs.
-
-    Returns
-    -------
-    list of Axes
-        Of a new figure; all have the same scales.
+    The runs are those of `experiments.sweep`, with a filter or without. All pictures, of a new
+    figure, have the same scales.
 
     Examples
     --------
@@ -60,18 +51,8 @@ def draw_buildings(frame: pd.DataFrame, *, filtered: bool = False) -> list[Axes]
 def draw_threshold(*groups: pd.DataFrame, method: str, ax: Axes | None = None) -> Axes:
     """Draw quality against the threshold of a method, a length: a line for each building.
 
-    Parameters
-    ----------
-    *groups : DataFrame
-        One or two: the last is blue, another grey. Runs with a filter are left out.
-    method : str
-        One whose other thresholds stay the same.
-    ax : matplotlib Axes or None
-
-    Returns
-    -------
-    Axes
-        With the initial of a building at the end of its line.
+    One or two groups of runs: the last is blue, another grey. Runs with a filter are left out. The
+    initial of a building stands at the end of its line.
 
     Raises
     ------

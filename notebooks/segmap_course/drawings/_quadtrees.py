@@ -22,27 +22,10 @@ from ..literal import crossed_cells, ray_cells
 _MARKS = "os^vDX"
 
 
-def draw_cells(
-    map: QuadtreeMap, cells: ArrayLike, *, ax: Axes | None = None, color: str = ERROR
-) -> Axes:
-    """Draw chosen cells of a map's grid as squares, over what the axes show already.
+def draw_cells(map: QuadtreeMap, cells: ArrayLike, *, ax: Axes | None = None) -> Axes:
+    """Draw chosen cells of a map's grid as red squares, over what the axes show already.
 
-    Parameters
-    ----------
-    map : QuadtreeMap
-    cells : (n, n) bool array
-        Which cells of `map.to_grid()`, or of a coarser one: row 0 is the lowest.
-    ax : matplotlib Axes or None
-    color : str
-
-    Returns
-    -------
-    Axes
-
-    Raises
-    ------
-    ValueError
-        For an array that is not square: the grid of a map is.
+    The cells are `(n, n)` bools of `map.to_grid()`, or of a coarser one: row 0 is the lowest.
 
     Examples
     --------
@@ -60,22 +43,14 @@ def draw_cells(
     side = map.side / max(len(chosen), 1)
     rows, columns = np.nonzero(chosen)
     squares = square_corners(left + columns * side, low + rows * side, np.full(len(rows), side))
-    ax.add_collection(PolyCollection(squares, facecolor=color, antialiased=False, linewidth=0))
+    ax.add_collection(PolyCollection(squares, facecolor=ERROR, antialiased=False, linewidth=0))
     return map_axes(ax)
 
 
 def draw_ray(start: ArrayLike, end: ArrayLike, *, ax: Axes | None = None) -> Axes:
     """Draw the cells of a ray (B 4.4): blue the crossed ones, grey those that the mask leaves out.
 
-    Parameters
-    ----------
-    start, end : (2,) int
-        Column and row.
-    ax : matplotlib Axes or None
-
-    Returns
-    -------
-    Axes
+    Its ends are cells: column and row.
 
     Examples
     --------
@@ -103,15 +78,7 @@ def draw_ray(start: ArrayLike, end: ArrayLike, *, ax: Axes | None = None) -> Axe
 def draw_classes(classes: Classes, *, ax: Axes | None = None) -> Axes:
     """Draw what a robot is given: white is free, black occupied, grey unknown.
 
-    Parameters
-    ----------
-    classes : Classes
-        From `exports.ros_classes`, or a picture read back, its rows turned so that 0 is the lowest.
-    ax : matplotlib Axes or None
-
-    Returns
-    -------
-    Axes
+    From `exports.ros_classes`, or a picture read back, its rows turned so that 0 is the lowest.
 
     Examples
     --------
@@ -131,15 +98,6 @@ def draw_classes(classes: Classes, *, ax: Axes | None = None) -> Axes:
 def draw_field(field: DistanceField, *, ax: Axes | None = None) -> Axes:
     """Draw a distance field: the darker, the nearer an occupied cell; a bar tells the metres.
 
-    Parameters
-    ----------
-    field : DistanceField
-    ax : matplotlib Axes or None
-
-    Returns
-    -------
-    Axes
-
     Examples
     --------
     >>> from matplotlib.figure import Figure
@@ -155,23 +113,8 @@ def draw_field(field: DistanceField, *, ax: Axes | None = None) -> Axes:
     return map_axes(ax)
 
 
-def draw_landscape(
-    land: Landscape, *, ax: Axes | None = None, tops: bool = True, truth: bool = True
-) -> Axes:
-    """Draw scores around a pose: white is best, red dots are the peaks.
-
-    Parameters
-    ----------
-    land : Landscape
-    ax : matplotlib Axes or None
-    tops : bool
-        Mark all peaks.
-    truth : bool
-        A green cross in the middle.
-
-    Returns
-    -------
-    Axes
+def draw_landscape(land: Landscape, *, ax: Axes | None = None, tops: bool = True) -> Axes:
+    """Draw scores around a pose: white is best, a green cross the middle, red dots are the peaks.
 
     Examples
     --------
@@ -187,8 +130,7 @@ def draw_landscape(
     if tops:
         rows, columns = peaks(land.values).T
         ax.plot(land.offsets[columns], land.offsets[rows], ".", color=ERROR, markersize=4)
-    if truth:
-        ax.plot(0, 0, "+", color=TRUTH, markersize=15, markeredgewidth=3)
+    ax.plot(0, 0, "+", color=TRUTH, markersize=15, markeredgewidth=3)
     ax.set(xlabel="offset in x [m]", ylabel="offset in y [m]", aspect="equal")
     ax.set(xlim=edges, ylim=edges)
     return ax
@@ -197,17 +139,8 @@ def draw_landscape(
 def draw_climb(offsets: ArrayLike, *, ax: Axes | None = None, joined: bool = True) -> Axes:
     """Draw the poses that a matcher visits, in blue over a landscape; the last one is larger.
 
-    Parameters
-    ----------
-    offsets : (k, 2) or (k, 3) array, metres
-        From the middle of the landscape.
-    ax : matplotlib Axes or None
-    joined : bool
-        A line through them in their order; else dots.
-
-    Returns
-    -------
-    Axes
+    Their places, metres, are from the middle of the landscape, with a line through them in their
+    order, or dots.
 
     Examples
     --------
@@ -225,21 +158,9 @@ def draw_climb(offsets: ArrayLike, *, ax: Axes | None = None, joined: bool = Tru
 def draw_profile(
     turn: ArrayLike, values: ArrayLike, *, ax: Axes | None = None, tops: bool = True
 ) -> Axes:
-    """Draw scores over the heading: a blue line, red dots at its peaks.
+    """Draw scores over the heading, radians from the true one: a blue line, red dots at its peaks.
 
-    Parameters
-    ----------
-    turn : (m,) array, radians
-        From the true heading.
-    values : (m,) array
-        Both from `heading_profile`.
-    ax : matplotlib Axes or None
-    tops : bool
-        Mark all peaks.
-
-    Returns
-    -------
-    Axes
+    Both are from `heading_profile`.
 
     Examples
     --------
@@ -263,15 +184,6 @@ def draw_trials(trials: Iterable[Trial], *, ax: Axes | None = None) -> Axes:
 
     Each matcher has a mark. Those with the thesis' steps are red, the others blue. Both axes are
     logarithmic.
-
-    Parameters
-    ----------
-    trials : iterable of Trial
-    ax : matplotlib Axes or None
-
-    Returns
-    -------
-    Axes
 
     Examples
     --------

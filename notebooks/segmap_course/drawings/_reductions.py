@@ -18,24 +18,11 @@ from segmap.segments import SegmentMap
 def draw_cases(
     maps: Mapping[str, Segments], method: Callable[[Any], Segments], *, height: float = 3.6
 ) -> list[Axes]:
-    """Draw what a method makes of small maps, each in a picture of its own.
+    """Draw what a method makes of small maps, each in a picture of its own with its title.
 
     A map is thin and black, and lies over what the method leaves, thick and blue. Scales of x and y
-    differ, so that what is near can be told apart.
-
-    Parameters
-    ----------
-    maps : mapping of str to SegmentMap or (n, 2, 2) array, metres
-        The titles, and what is reduced.
-    method : function of a map
-        Such as `fusion`.
-    height : float, inches
-        Of the figure.
-
-    Returns
-    -------
-    list of Axes
-        Of a new figure, one for each map, with the y axis in common.
+    differ, so that what is near can be told apart. The pictures of the new figure have the y axis
+    in common; its height is in inches.
 
     Examples
     --------
@@ -56,18 +43,6 @@ def draw_cases(
 
 def draw_growth(map: SegmentMap, reduction: Reduction, *, ax: Axes | None = None) -> Axes:
     """Draw how many segments were seen up to each scan, and how many an on-line method keeps.
-
-    Parameters
-    ----------
-    map : SegmentMap
-        With the scans that its segments are from.
-    reduction : Reduction
-        Of that map, with `scan_live`.
-    ax : matplotlib Axes or None
-
-    Returns
-    -------
-    Axes
 
     Raises
     ------
@@ -99,17 +74,7 @@ def draw_trade_off(
 ) -> Axes:
     """Draw reduction, blue, and quality, red, of one method against its threshold.
 
-    Parameters
-    ----------
-    values : (n,) array
-        Of the threshold; its name and unit are for the x label.
-    reduction, quality : (n,) array
-        As rates in `[0, 1]`.
-    ax : matplotlib Axes or None
-
-    Returns
-    -------
-    Axes
+    Both are rates in `[0, 1]`; the name and the unit of the threshold are for the x label.
 
     Examples
     --------

@@ -28,17 +28,8 @@ def draw_distance_terms(u: ArrayLike, v: ArrayLike) -> list[Axes]:
     """Draw, red, where the three terms of the distance between two segments are measured.
 
     *Turned* is the mean length of two red lines, each from the end of a segment to the dotted
-    parallel of the line midway. *Shifted* and *apart* are one red line each.
-
-    Parameters
-    ----------
-    u, v : (2, 2) array, metres
-        That do not cross and are not perpendicular; drawn black, the line midway between them grey.
-
-    Returns
-    -------
-    list of Axes
-        Three, in a new figure, titled with what the red lines measure.
+    parallel of the line midway, which is grey. *Shifted* and *apart* are one red line each. The
+    segments must not cross or be perpendicular.
 
     Examples
     --------
@@ -106,29 +97,11 @@ def draw_marked(
     *,
     ax: Axes | None = None,
     color: str = RAW,
-    mark: str = ERROR,
     width: float = 2.0,
 ) -> Axes:
     """Draw segments, and the marked ones over them, thicker and red.
 
-    Parameters
-    ----------
-    segments : SegmentMap, Reduction or (n, 2, 2) array, metres
-    marked : (n,) bool array
-    ax : matplotlib Axes or None
-    color, mark : str
-        Of the rest, and of the marked ones.
-    width : float
-        Of the marked ones, in points.
-
-    Returns
-    -------
-    Axes
-
-    Raises
-    ------
-    ValueError
-        Where there is not one mark a segment.
+    Colour is that of the rest, and width, in points, that of the marked ones.
 
     Examples
     --------
@@ -142,7 +115,7 @@ def draw_marked(
     if which.shape != (len(array),):
         raise ValueError(f"marked must have shape ({len(array)},), got {which.shape}")
     ax = draw_segments(array[~which], ax=ax, color=color)
-    return draw_segments(array[which], ax=ax, color=mark, width=width)
+    return draw_segments(array[which], ax=ax, color=ERROR, width=width)
 
 
 def draw_merge(
@@ -152,18 +125,6 @@ def draw_merge(
 
     The wall is thick, its parts are thin and black, and a dotted line leads from each of their ends
     to its foot on the line of the wall.
-
-    Parameters
-    ----------
-    parts : SegmentMap or (n, 2, 2) array, metres
-    wall : (2, 2) array, metres
-    ax : matplotlib Axes or None
-    color : str
-        Of the wall.
-
-    Returns
-    -------
-    Axes
 
     Examples
     --------
@@ -184,18 +145,7 @@ def draw_merge(
 def draw_strip(walls: Segments, shift: float, tolerance: float, *, ax: Axes | None = None) -> Axes:
     """Draw walls along x and a strip of Fusion: what lies in it is black, the rest red (A 4.4.1).
 
-    Parameters
-    ----------
-    walls : SegmentMap or (n, 2, 2) array, metres
-    shift : float, metres
-        Of the line in the middle of the strip, from y = 0.
-    tolerance : float, metres
-        Half the width of the strip, which is grey.
-    ax : matplotlib Axes or None
-
-    Returns
-    -------
-    Axes
+    The middle of the grey strip is the line y = `shift`; the tolerance is half its width.
 
     Examples
     --------
@@ -219,15 +169,9 @@ def draw_centres(ways: ArrayLike, group: ArrayLike, *, ax: Axes | None = None) -
     Parameters
     ----------
     ways : (k, n, 2) array
-        Where each of n centres is, from the first step to the last.
+        Where each of n centres is, from the first step to the last; each axis has its own scale.
     group : (n,) int array
         Each group has a colour.
-    ax : matplotlib Axes or None
-
-    Returns
-    -------
-    Axes
-        In metres, with a scale of its own for each axis.
 
     Examples
     --------
@@ -250,15 +194,6 @@ def draw_normals(walls: Segments, *, ax: Axes | None = None) -> Axes:
     """Draw walls, each with the normal of its line, dashed from the origin (A 4.2).
 
     A wall and its normal have one colour; a dotted line joins the foot to the middle of the wall.
-
-    Parameters
-    ----------
-    walls : SegmentMap or (n, 2, 2) array, metres
-    ax : matplotlib Axes or None
-
-    Returns
-    -------
-    Axes
 
     Examples
     --------

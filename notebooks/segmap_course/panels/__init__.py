@@ -1,38 +1,17 @@
 """Lesson panels: one method, its controls and what they change."""
 
-from ._alignment import (
-    AnglePanel,
-    BackbonePanel,
-    GroundTruthPanel,
-)
-from ._graphs import (
-    IcpPanel,
-    PoseGraphPanel,
-)
-from ._matching import (
-    LandscapePanel,
-    MatcherPanel,
-)
-from ._quadtree import (
-    ClassesPanel,
-    RayPanel,
-    insert_variant,
-)
+from ._alignment import AnglePanel, BackbonePanel, GroundTruthPanel
+from ._graphs import IcpPanel, PoseGraphPanel
+from ._matching import LandscapePanel, MatcherPanel
+from ._quadtree import ClassesPanel, RayPanel, StoragePanel, insert_variant
 from ._reduction import (
     BasicPanel,
+    ChainPanel,
     FusionPanel,
     HybridPanel,
-    MeanShiftPanel,
-)
-from ._scans import (
-    ClusterPanel,
-    DistancePanel,
-    PolylinePanel,
-    RoomPanel,
-)
-from ._surveyed import (
-    ChainPanel,
     LeastCostPanel,
+    MeanShiftPanel,
     SectorPanel,
     WeightedPanel,
 )
+from ._scans import ClusterPanel, DistancePanel, PolylinePanel, RoomPanel

@@ -11,21 +11,28 @@ from segmap.alignment import (
     Candidate,
     Match,
     angle_candidates,
+    backbone,
     backbone_steps,
     ground_truth,
     match_angles,
 )
 from segmap.extraction import extract_polylines
-from segmap.panels import Panel, player, slider, text
 from segmap.plotting import ERROR, MAP, RESULT, TRUTH, draw_alignment, draw_path, draw_segments
 from segmap.poses import transform
 from segmap.scans import Log
 
 from ..drawings import draw_backbone
+from ._lesson import LessonPanel, keyword, note, play, slide
+
+#: Margin around the path of the robot, metres.
+MARGIN = 3.0
 
 
-class GroundTruthPanel(Panel):
+class GroundTruthPanel(LessonPanel):
     """A log placed by some of its true poses: what interpolation puts between them (A 3.3.3).
+
+    Only every so many-th true pose is given; the others tell how wrong the placed scans are. Scans
+    without a place are red crosses, the poses given green dots.
 
     Parameters
     ----------
@@ -33,22 +40,6 @@ class GroundTruthPanel(Panel):
         With truth for some of its scans.
     max_gap : float, seconds
         Between two known poses farther apart nothing is claimed, at first.
-
-    Attributes
-    ----------
-    every : slider
-        Only every so many-th true pose is given; the others tell how wrong the placed scans are.
-    max_gap : slider, seconds
-    late : slider, seconds
-        How much the clock of the truth is ahead of the laser's.
-    count, error : labels
-    alignment : Alignment
-        What is drawn; scans without a place are red crosses, the poses given green dots.
-
-    Raises
-    ------
-    ValueError
-        For a log without truth.
 
     Examples
     --------
@@ -62,48 +53,42 @@ class GroundTruthPanel(Panel):
     """
 
     alignment: Alignment
+    method = staticmethod(ground_truth)
+    every = slide(1, 1, 16, 1, "", label="true pose, every")
+    max_gap = keyword(0.2, 10.0, 0.2, value=1.0, label="longest gap")
+    late = slide(0.0, -0.5, 0.5, 0.05, "s", label="clock late by")
+    count = error = note()
+    rows = ("every", "max_gap", "late", "count error")
+    words = "every {every}., gaps to {max_gap:.1f} s, {late:+.2f} s: {count}, {error}"
 
-    def __init__(self, log: Log, *, max_gap: float = 1.0) -> None:
+    def __init__(self, log: Log, **first: float) -> None:
         if log.truth is None or not np.isfinite(log.truth).all(1).any():
             raise ValueError(f"log must hold true poses, got {log!r}")
         self.log, self._truth = log, log.truth
         self._known = np.flatnonzero(np.isfinite(log.truth).all(1))
-        self.every = slider("true pose, every", 1, 1, 16, 1, "")
-        self.max_gap = slider("longest gap", max_gap, 0.2, 10.0, 0.2, "s")
-        self.late = slider("clock late by", 0.0, -0.5, 0.5, 0.05, "s")
-        self.count, self.error = text(), text()
-        self._assemble(self.every, self.max_gap, self.late, (self.count, self.error))
+        self._begin(**first)
 
     def _draw(self, figure: Figure) -> None:
         given = self._known[:: self.every.value]
         times, poses = self.log.times[given] + self.late.value, self._truth[given]
         self.alignment = ground_truth(
-            self.log, times=times, poses=poses, max_gap=self.max_gap.value, missing="drop"
+            self.log, times=times, poses=poses, missing="drop", **self.chosen()
         )
         self.count.value = f"{self.alignment.used.sum()} of {len(self.log)} scans placed"
-        self.error.value = self._error()
+        placed = self._known[self.alignment.used[self._known]]
+        self.error.value = "none of them is known"
+        if len(placed):
+            away = np.hypot(*(self.alignment.poses[placed, :2] - self._truth[placed, :2]).T)
+            self.error.value = f"wrong by {away.mean():.3f} m on average"
         ax = draw_alignment(self.log, self.alignment, ax=figure.subplots())
         ax.plot(*poses[:, :2].T, ".", color=TRUTH, markersize=2)
 
-    def _error(self) -> str:
-        """How far the scans whose truth is known lie from it."""
-        placed = self._known[self.alignment.used[self._known]]
-        if not len(placed):
-            return "none of them is known"
-        away = self.alignment.poses[placed, :2] - self._truth[placed, :2]
-        return f"wrong by {np.hypot(away[:, 0], away[:, 1]).mean():.3f} m on average"
 
-    def __repr__(self) -> str:
-        given = f"every {self.every.value}., gaps to {self.max_gap.value:.1f} s"
-        late = f"{self.late.value:+.2f} s"
-        return f"GroundTruthPanel({given}, {late}: {self.count.value}, {self.error.value})"
-
-
-class AnglePanel(Panel):
+class AnglePanel(LessonPanel):
     """Pairs of scans, and the candidates of angle correspondence by rank (A 3.3.1).
 
-    The walls of the first scan are black. Those of the second are placed by the candidate: blue
-    where it is the match, red where it is rejected.
+    The walls of the first scan are black. Those of the second are placed by the candidate, of which
+    0 is the best: blue where it is the match, red where it is rejected.
 
     Parameters
     ----------
@@ -113,14 +98,6 @@ class AnglePanel(Panel):
         Index of the first scan of the pair, at first.
     apart : int
         How many scans later the second one is, at first; at most the last of the log is taken.
-
-    Attributes
-    ----------
-    scan, apart, rank : sliders
-        Of the pair, and of the candidate (0 is the best; at most the last there is).
-    found, verdict : labels
-    candidates : list of Candidate
-    match : Match
 
     Examples
     --------
@@ -132,16 +109,19 @@ class AnglePanel(Panel):
 
     candidates: list[Candidate]
     match: Match
+    scan = slide(lambda p: p.first, 0, lambda p: len(p.log) - 2, 1, "", label="first scan")
+    apart = slide(
+        lambda p: p.later, 1, lambda p: max(2, min(40, len(p.log) - 1)), 1, "", label="scans apart"
+    )
+    rank = slide(0, 0, 9, 1, "", label="candidate")
+    found = verdict = note()
+    rows = ("scan", "apart", "rank", "found verdict")
 
     def __init__(self, log: Log, *, scan: int = 0, apart: int = 1) -> None:
         if len(log) < 2:
             raise ValueError(f"log must hold at least two scans, got {len(log)}")
-        self.log = log
-        self.scan = slider("first scan", scan, 0, len(log) - 2, 1, "")
-        self.apart = slider("scans apart", apart, 1, max(2, min(40, len(log) - 1)), 1, "")
-        self.rank = slider("candidate", 0, 0, 9, 1, "")
-        self.found, self.verdict = text(), text()
-        self._assemble(self.scan, self.apart, self.rank, (self.found, self.verdict))
+        self.log, self.first, self.later = log, scan, apart
+        self._begin()
 
     def _draw(self, figure: Figure) -> None:
         first = self.scan.value
@@ -162,41 +142,20 @@ class AnglePanel(Panel):
             best = self.candidates[rank]
             color = RESULT if found and rank == 0 else ERROR
             draw_segments(transform(best.pose, others), ax=ax, color=color)
-            self.found.value = (
-                f"{rank + 1} of {len(self.candidates)}: {best.value:.2f} m match, "
-                f"{best.hidden:.2f} m hidden"
-            )
+            metres = f"{best.value:.2f} m match, {best.hidden:.2f} m hidden"
+            self.found.value = f"{rank + 1} of {len(self.candidates)}: {metres}"
 
     def __repr__(self) -> str:
         pair = f"scans {self.scan.value} and {self.scan.value + self.apart.value}"
         return f"AnglePanel({pair}: {self.found.value}; {self.verdict.value})"
 
 
-#: Margin around the path of the robot, metres.
-_MARGIN = 3.0
-
-
-class BackbonePanel(Panel):
+class BackbonePanel(LessonPanel):
     """A log, scan by scan: the lines of the backbone, and how the scan is turned and placed.
 
-    Lines are black. The relevant segments are red where odometry would place them and blue where
-    the method placed them. The path so far is blue.
-
-    Parameters
-    ----------
-    log : Log
-        At least one scan.
-    min_length : float, metres
-        Segments longer than this are relevant, at first.
-
-    Attributes
-    ----------
-    scan, min_length : sliders
-    play : play button, which moves the slider of the scans
-    state, turned : labels
-        Whether the scan was used, or why not; by how much it was turned.
-    step : BackboneStep
-        What is drawn.
+    Lines are black. The relevant segments, longer than `min_length`, are red where odometry would
+    place them and blue where the method placed them. The path so far is blue. `state` says whether
+    the scan was used, or why not.
 
     Examples
     --------
@@ -208,20 +167,26 @@ class BackbonePanel(Panel):
     """
 
     step: BackboneStep
+    method = staticmethod(backbone)
+    scan = slide(0, 0, lambda p: len(p.log) - 1, 1, "")
+    play = play("scan")
+    min_length = keyword(0.2, 3.0, 0.1)
+    state = turned = note()
+    rows = ("play scan", "min_length", "state turned")
+    words = "scan {scan}, min_length {min_length:.1f} m: {state}; {turned}"
 
-    def __init__(self, log: Log, *, min_length: float = 1.0) -> None:
+    def __init__(self, log: Log, **first: float) -> None:
         if not len(log):
             raise ValueError("log must hold at least one scan, got none")
         self.log = log
-        self.scan = slider("scan", 0, 0, len(log) - 1, 1, "")
-        self.min_length = slider("min_length", min_length, 0.2, 3.0, 0.1)
-        self.play = player(self.scan, interval=250)
-        self.state, self.turned = text(), text()
         self._known: dict[float, list[BackboneStep]] = {}
-        self._assemble((self.play, self.scan), self.min_length, (self.state, self.turned))
+        self._begin(**first)
 
     def _draw(self, figure: Figure) -> None:
-        k, steps = self.scan.value, self._steps()
+        k, length = self.scan.value, self.min_length.value
+        if length not in self._known:
+            self._known[length] = backbone_steps(self.log, min_length=length)
+        steps = self._known[length]
         self.step = steps[k]
         self.state.value = self.step.reason or "used"
         turned = f"turned by {np.degrees(self.step.rotation):.2f} deg"
@@ -229,16 +194,5 @@ class BackbonePanel(Panel):
         way = np.array([s.pose for s in steps])
         ax = draw_backbone(self.step, ax=figure.subplots())
         draw_path(way[: k + 1], ax=ax, color=RESULT)
-        low, high = way[:, :2].min(0) - _MARGIN, way[:, :2].max(0) + _MARGIN
+        low, high = way[:, :2].min(0) - MARGIN, way[:, :2].max(0) + MARGIN
         ax.set(title=f"scan {k}", xlim=(low[0], high[0]), ylim=(low[1], high[1]))
-
-    def _steps(self) -> list[BackboneStep]:
-        """The steps with the threshold chosen, computed once for each."""
-        length = self.min_length.value
-        if length not in self._known:
-            self._known[length] = backbone_steps(self.log, min_length=length)
-        return self._known[length]
-
-    def __repr__(self) -> str:
-        chosen = f"scan {self.scan.value}, min_length {self.min_length.value:.1f} m"
-        return f"BackbonePanel({chosen}: {self.state.value}; {self.turned.value})"

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-import ipywidgets as W
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from numpy.typing import ArrayLike, NDArray
@@ -21,12 +19,12 @@ from segmap.alignment import (
     solve_graph,
 )
 from segmap.arrays import Array
-from segmap.panels import Panel, player, slider, text
 from segmap.plotting import RAW, RESULT, draw_alignment
 from segmap.poses import between, transform
 from segmap.scans import Log
 
 from ..drawings import draw_icp_step
+from ._lesson import LessonPanel, note, play, slide, tick
 
 #: Pale blue: points of the moving scan that find no partner.
 _PALE = "#a6cbe3"
@@ -34,7 +32,7 @@ _PALE = "#a6cbe3"
 _EDGE = 0.5
 
 
-class IcpPanel(Panel):
+class IcpPanel(LessonPanel):
     """Two scans, and how ICP moves one onto the other from a wrong start (A 2.5.1).
 
     The first scan is grey. The moving one is blue where it has a partner within reach, and pale
@@ -43,27 +41,11 @@ class IcpPanel(Panel):
     Parameters
     ----------
     reference, current : (n, 2) and (m, 2) arrays, metres
-        Points of the two scans, each in its own frame.
+        Points of the two scans, each in its own frame: at least six.
     pose : (3,) array, metres and radians
         Nearly where the current scan belongs: the match from there is taken as the truth.
     reach : float, metres
         How far partners are searched, at first.
-
-    Attributes
-    ----------
-    x, y : sliders, metres
-    turn : slider, degrees
-        Offset of the start from the right pose.
-    step : slider
-        Beyond the last step it stays there.
-    play : play button, which moves the slider
-    count, error : labels
-    steps : list of PointStep
-
-    Raises
-    ------
-    ValueError
-        For fewer than six points in either scan, and as `match_points`.
 
     Examples
     --------
@@ -75,6 +57,15 @@ class IcpPanel(Panel):
     """
 
     steps: list[PointStep]
+    x = slide(0.3, -2.0, 2.0, 0.1, label="start off in x")
+    y = slide(0.3, -2.0, 2.0, 0.1, label="start off in y")
+    turn = slide(0, -45, 45, 5, "degrees", label="and turned")
+    step = slide(0, 0, 60, 1, "")
+    play = play("step", interval=400)
+    count = error = note()
+    rows = ("x", "y", "turn", "play step", "count error")
+    words = "from {x:+.1f} m, {y:+.1f} m, {turn:+d} degrees: {count}, {error}"
+    pixels = {"height": 390}  # noqa: RUF012
 
     def __init__(
         self,
@@ -91,18 +82,10 @@ class IcpPanel(Panel):
         self.reach = reach
         self.pose = match_points(self.reference, self.current, pose, reach=reach).pose
         self._limits = np.percentile(self.reference, (3, 97), axis=0) + [[-1], [1]]
-        self.x, self.y = (slider(f"start off in {k}", 0.3, -2.0, 2.0, 0.1) for k in "xy")
-        self.turn = slider("and turned", 0, -45, 45, 5, "degrees")
-        self.step = slider("step", 0, 0, 60, 1, "")
-        self.play = player(self.step, interval=400)
-        self.count, self.error = text(), text()
-        row = (self.count, self.error)
-        steps = (self.play, self.step)
-        self._assemble(self.x, self.y, self.turn, steps, row, height=390)
+        self._begin()
 
     def _draw(self, figure: Figure) -> None:
-        off = self.x.value, self.y.value, np.radians(self.turn.value)
-        start = self.pose + np.array(off)
+        start = self.pose + [self.x.value, self.y.value, self.turn.meant()]
         self.steps = point_steps(self.reference, self.current, start, reach=self.reach)
         k = min(self.step.value, len(self.steps) - 1)
         now = self.steps[k]
@@ -111,12 +94,8 @@ class IcpPanel(Panel):
         turned = f"{abs(np.degrees(heading)):.1f} degrees"
         self.error.value = f"{np.hypot(x, y):.3f} m and {turned} from the match"
         ax = draw_icp_step(self.reference, now, ax=figure.subplots())
-        self._draw_whole(ax, now)
-
-    def _draw_whole(self, ax: Axes, now: PointStep) -> None:
-        """Put the whole moving scan under its points with a partner, and all of it in the frame."""
         placed = transform(now.pose, self.current)
-        for some, color in ((placed, _PALE), (placed[_partnered(placed, now.points)], RESULT)):
+        for some, color in ((placed, _PALE), (placed[partnered(placed, now.points)], RESULT)):
             ax.plot(*some.T, ".", color=color, markersize=4, markeredgewidth=0, zorder=1)
         low = np.minimum(self._limits[0], placed.min(0) - _EDGE)
         high = np.maximum(self._limits[1], placed.max(0) + _EDGE)
@@ -127,12 +106,8 @@ class IcpPanel(Panel):
             handles=dots, loc="upper center", bbox_to_anchor=(0.5, -0.15), ncols=3, frameon=False
         )
 
-    def __repr__(self) -> str:
-        start = f"{self.x.value:+.1f} m, {self.y.value:+.1f} m, {self.turn.value:+d} degrees"
-        return f"IcpPanel(from {start}: {self.count.value}, {self.error.value})"
 
-
-def _partnered(placed: Array, points: Array) -> NDArray[np.bool_]:
+def partnered(placed: Array, points: Array) -> NDArray[np.bool_]:
     """Which points of a scan, `(n,)`, are those with a partner, or lie between two of them.
 
     In large scans ICP seeks partners of every second or third point only.
@@ -154,8 +129,12 @@ _BY_LOOPS = np.linalg.inv(np.diag([0.02, 0.02, np.radians(0.3)]) ** 2)
 _MARGIN = 6.0
 
 
-class PoseGraphPanel(Panel):
-    """A log scan by scan, with its pose graph so far; loops can be left out.
+class PoseGraphPanel(LessonPanel):
+    """A log scan by scan, with its pose graph so far; `loops` can be left out.
+
+    With `odometry` the motion from key frame to key frame is that of the odometry, not of the
+    scans; all by plain least squares, since loops contradict the odometry. `gap` is the largest
+    distance that a loop stays open.
 
     Parameters
     ----------
@@ -163,26 +142,6 @@ class PoseGraphPanel(Panel):
         At least one scan.
     alignment : Alignment or None
         Of that log, with a graph; None: `alignment.pose_graph(log)`.
-
-    Attributes
-    ----------
-    scan : slider
-        The last scan that has been taken.
-    play : play button, which moves the slider
-    loops : checkbox
-        Whether the loops found so far count.
-    odometry : checkbox
-        Take the motion from key frame to key frame from the odometry, not from the scans; all by
-        plain least squares, since loops contradict the odometry.
-    count, gap : labels
-        How many key frames and loops there are; the largest distance that a loop stays open.
-    poses : (k, 3) array, metres and radians
-        Of the scans so far.
-
-    Raises
-    ------
-    ValueError
-        Where there is no scan, or the alignment has no graph or another number of scans.
 
     Examples
     --------
@@ -193,7 +152,16 @@ class PoseGraphPanel(Panel):
     ('4 loops not used', 'loops stay open by up to 2.3')
     """
 
+    #: Of the scans so far.
     poses: Array
+    scan = slide(lambda p: len(p.log) - 1, 0, lambda p: len(p.log) - 1, 1, "")
+    play = play("scan", step=3)
+    loops = tick("loops", True)
+    odometry = tick("odometry, not scans", says=("scans", "odometry"))
+    count = gap = note()
+    rows = ("play scan", "loops odometry", "count gap")
+    words = "scan {scan} by {odometry}: {count}, {gap}"
+    pixels = {"height": 400}  # noqa: RUF012
 
     def __init__(self, log: Log, alignment: Alignment | None = None) -> None:
         found = pose_graph(log) if alignment is None else alignment
@@ -201,25 +169,18 @@ class PoseGraphPanel(Panel):
             got = f"{len(log)} scans and {found!r}"
             raise ValueError(f"log and alignment must share a graph, got {got}")
         self.log, self.alignment, self.graph = log, found, found.graph
-        self.scan = slider("scan", len(log) - 1, 0, len(log) - 1, 1, "")
-        self.play = player(self.scan, step=3, interval=250)
-        self.loops = W.Checkbox(value=True, description="loops")
         known = bool(np.isfinite(log.odometry).all())
-        self.odometry = W.Checkbox(description="odometry, not scans", disabled=not known)
-        self.count, self.gap = text(), text()
         ways = [found.poses[:, :2], *([log.odometry[:, :2]] if known else [])]
         low, high = (f([f(way, axis=0) for way in ways], axis=0) for f in (np.min, np.max))
         self._limits = np.array([low - _MARGIN, high + _MARGIN])
-        rows = (self.loops, self.odometry), (self.count, self.gap)
-        self._assemble((self.play, self.scan), *rows, height=400)
+        self._begin()
+        self.odometry.disabled = not known
 
     def _draw(self, figure: Figure) -> None:
         k, graph = self.scan.value + 1, self.graph
         known = graph.edges.max(axis=1) < k
         counted = known & (self.loops.value | ~graph.loop)
-        self.poses = (
-            self._by_odometry(k, counted) if self.odometry.value else self._by_scans(k, counted)
-        )
+        self.poses = self._solved(k, counted)
         frames, closed = len(np.unique(graph.edges[known])) or 1, known & graph.loop
         unused = "" if self.loops.value or not closed.any() else " not used"
         self.count.value = f"{frames} key frames, {closed.sum()} loops{unused}"
@@ -236,22 +197,18 @@ class PoseGraphPanel(Panel):
         ax = draw_alignment(self.log[:k], so_far, ax=figure.subplots())
         ax.set(xlim=self._limits[:, 0], ylim=self._limits[:, 1])
 
-    def _by_scans(self, k: int, counted: NDArray[np.bool_]) -> Array:
-        """Poses of the first scans by the edges that count, as they were measured."""
-        graph, start = self.graph, self.alignment.poses[:k]
-        weights = None if graph.information is None else graph.information[counted]
-        return solve_graph(
-            start, graph.edges[counted], graph.relative[counted], information=weights
-        )
-
-    def _by_odometry(self, k: int, counted: NDArray[np.bool_]) -> Array:
-        """The same with the steps of the odometry between key frames."""
-        graph, start = self.graph, self.log.odometry[:k]
-        edges, loop = graph.edges[counted], graph.loop[counted, None]
-        steps = between(start[edges[:, 0]], start[edges[:, 1]])
-        motions = np.where(loop, graph.relative[counted], steps)
+    def _solved(self, k: int, counted: NDArray[np.bool_]) -> Array:
+        """Poses of the first k scans by the edges that count: as they were measured, or as the
+        odometry has it between key frames."""
+        graph, edges = self.graph, self.graph.edges[counted]
+        relative, weights = graph.relative[counted], graph.information
+        if not self.odometry.value:
+            weights = None if weights is None else weights[counted]
+            return solve_graph(self.alignment.poses[:k], edges, relative, information=weights)
+        start, loop = self.log.odometry[:k], graph.loop[counted, None]
+        steps = np.where(loop, relative, between(start[edges[:, 0]], start[edges[:, 1]]))
         weights = np.where(loop[..., None], _BY_LOOPS, _BY_ODOMETRY)
-        return solve_graph(start, edges, motions, information=weights, scale=np.inf)
+        return solve_graph(start, edges, steps, information=weights, scale=np.inf)
 
     def _gap(self, closed: NDArray[np.bool_]) -> float:
         """How far the poses leave the worst loop open, metres."""
@@ -259,9 +216,3 @@ class PoseGraphPanel(Panel):
         found = between(self.poses[first], self.poses[second])
         rest = between(self.graph.relative[closed], found)
         return float(np.hypot(rest[:, 0], rest[:, 1]).max(initial=0.0))
-
-    def __repr__(self) -> str:
-        by = "odometry" if self.odometry.value else "scans"
-        return (
-            f"PoseGraphPanel(scan {self.scan.value} by {by}: {self.count.value}, {self.gap.value})"
-        )

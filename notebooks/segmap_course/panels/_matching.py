@@ -2,23 +2,24 @@
 
 from __future__ import annotations
 
-import ipywidgets as W
 import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import ArrayLike
 
 from segmap.arrays import Array
-from segmap.matching import MATCHERS, SCORES, DistanceField, Score
-from segmap.panels import Panel, player, slider, text
+from segmap.matching import MATCHERS, SCORES, DistanceField
 from segmap.quadtree import QuadtreeMap, build_map
 from segmap.scans import Log
 
 from .._landscapes import Landscape, heading_profile, landscape, peaks
 from ..drawings import draw_climb, draw_landscape, draw_profile
+from ._lesson import LessonPanel, note, pick, play, slide
 
 
-class LandscapePanel(Panel):
+class LandscapePanel(LessonPanel):
     """What a matcher could climb: a score over x and y, and over the heading (B 4.3).
+
+    The scan chosen is laid on the map of those before it, with its heading turned.
 
     Parameters
     ----------
@@ -26,19 +27,6 @@ class LandscapePanel(Panel):
         With a truth for every scan.
     resolution : float, metres
         Of the map.
-
-    Attributes
-    ----------
-    score : drop-down
-        One of `matching.SCORES`.
-    scan : slider
-        That scan is laid on the map of those before it.
-    turn : slider, degrees
-        Error of its heading.
-    peaks, best : labels
-        Local maxima within 30 cm; where the highest lies.
-    land : Landscape
-        What is drawn.
 
     Examples
     --------
@@ -52,6 +40,13 @@ class LandscapePanel(Panel):
     """
 
     land: Landscape
+    score = pick(SCORES)
+    scan = slide(lambda p: len(p.log) // 4, 1, lambda p: len(p.log) - 1, 1, "")
+    turn = slide(0, -20, 20, 1, "degrees", label="turned")
+    peaks = best = note()
+    rows = ("score", "scan", "turn", "peaks best")
+    words = "{score}: {peaks}, {best}"
+    pixels = {"width": 560}  # noqa: RUF012
 
     def __init__(self, log: Log, *, resolution: float = 0.01) -> None:
         truth = log.truth
@@ -59,11 +54,7 @@ class LandscapePanel(Panel):
             raise ValueError(f"log {log.name!r} must have two scans or more, each with its truth")
         self.log, self.truth, self.resolution = log, truth, resolution
         self._maps: dict[int, QuadtreeMap] = {}
-        self.score = W.Dropdown(options=list(SCORES), description="score")
-        self.scan = slider("scan", len(log) // 4, 1, len(log) - 1, 1, "")
-        self.turn = slider("turned", 0, -20, 20, 1, "degrees")
-        self.peaks, self.best = text(), text()
-        self._assemble(self.score, self.scan, self.turn, (self.peaks, self.best), width=560)
+        self._begin()
 
     def _draw(self, figure: Figure) -> None:
         k, score = self.scan.value, SCORES[self.score.value]
@@ -71,7 +62,7 @@ class LandscapePanel(Panel):
             poses = self.truth[:k]
             self._maps = {k: build_map(self.log[:k], poses, resolution=self.resolution)}
         scan = self._maps[k], self.log[k].points()
-        pose = self.truth[k] + (0, 0, np.radians(self.turn.value))
+        pose = self.truth[k] + (0, 0, self.turn.meant())
         self.land = landscape(*scan, pose, score=score, step=0.015)
         found = peaks(self.land.values)
         self.peaks.value = f"{len(found)} peak{'s' * (len(found) != 1)} within 30 cm"
@@ -82,12 +73,12 @@ class LandscapePanel(Panel):
         turn, values = heading_profile(*scan, self.truth[k], score=score)
         draw_profile(turn, values, ax=right, tops=False).set_xticks((-180, -90, 0, 90, 180))
 
-    def __repr__(self) -> str:
-        return f"LandscapePanel({self.score.value}: {self.peaks.value}, {self.best.value})"
 
-
-class MatcherPanel(Panel):
+class MatcherPanel(LessonPanel):
     """A scan that starts from a wrong pose, and how a matcher moves it (B 4.3).
+
+    A step is an accepted move of hill climbing, or a round of sampling: all poses that were tried
+    in it, the best so far last. Beyond the last step it stays there.
 
     Parameters
     ----------
@@ -95,20 +86,6 @@ class MatcherPanel(Panel):
     points : (n, 2) array, metres
     pose : (3,) array, metres and radians
         Where the scan belongs.
-
-    Attributes
-    ----------
-    matcher, score : drop-downs
-        Of `matching.MATCHERS` and `matching.SCORES`.
-    x, y : sliders, centimetres
-    turn : slider, degrees
-        Offset of the start from the right pose.
-    step : slider
-        An accepted move of hill climbing, a round of sampling; beyond the last it stays there.
-    play : play button, which moves the slider
-    count, error : labels
-    poses : list of (k, 3) arrays, metres and radians
-        After each step; of sampling all poses that were tried in that round, the best one last.
 
     Examples
     --------
@@ -122,27 +99,30 @@ class MatcherPanel(Panel):
     '0.2 cm and 0.2 degrees off'
     """
 
+    #: After each step, `(k, 3)`.
     poses: list[Array]
+    matcher = pick(MATCHERS)
+    score = pick(SCORES)
+    x = slide(10, -25, 25, 1, "cm", label="start off in x")
+    y = slide(10, -25, 25, 1, "cm", label="start off in y")
+    turn = slide(3, -20, 20, 1, "degrees", label="and turned")
+    step = slide(0, 0, 60, 1, "")
+    play = play("step", interval=300)
+    count = error = note()
+    rows = ("matcher score", "x", "y", "turn", "play step", "count error")
+    words = "{matcher}, {score}: {count}, {error}"
+    pixels = {"width": 400, "height": 380}  # noqa: RUF012
 
     def __init__(self, map: QuadtreeMap, points: ArrayLike, pose: ArrayLike) -> None:
         self.map, self.points = map, np.asarray(points, float)
         self.pose = np.asarray(pose, float)
         self._lands: dict[str, Landscape] = {}
-        self.matcher = W.Dropdown(options=list(MATCHERS), description="matcher")
-        self.score = W.Dropdown(options=list(SCORES), description="score")
-        self.x, self.y = (slider(f"start off in {k}", 10, -25, 25, 1, "cm") for k in "xy")
-        self.turn = slider("and turned", 3, -20, 20, 1, "degrees")
-        self.step = slider("step", 0, 0, 60, 1, "")
-        self.play = player(self.step, interval=300)
-        self.count, self.error = text(), text()
-        chosen, start = (self.matcher, self.score), (self.x, self.y, self.turn)
-        texts = (self.count, self.error)
-        self._assemble(chosen, *start, (self.play, self.step), texts, width=400, height=380)
+        self._begin()
 
     def _draw(self, figure: Figure) -> None:
-        off = self.x.value / 100, self.y.value / 100, np.radians(self.turn.value)
+        start = self.pose + [self.x.meant(), self.y.meant(), self.turn.meant()]
         climbs = self.matcher.value.startswith("hill")
-        self.poses = self._climb(self.pose + off) if climbs else self._sample(self.pose + off)
+        self.poses = self._visited(start, climbs)
         k = min(self.step.value, len(self.poses) - 1)
         now = self.poses[k][-1]
         name = "move" if climbs else "round"
@@ -150,59 +130,35 @@ class MatcherPanel(Panel):
         x, y, heading = now - self.pose
         turned = f"{abs(np.degrees(heading)):.1f} degrees"
         self.error.value = f"{100 * np.hypot(x, y):.1f} cm and {turned} off"
-        ax = draw_landscape(self._land(), ax=figure.subplots(), tops=False)
+        score = self.score.value
+        if score not in self._lands:
+            scan = self.map, self.points, self.pose
+            self._lands[score] = landscape(*scan, score=SCORES[score], step=0.015)
+        ax = draw_landscape(self._lands[score], ax=figure.subplots(), tops=False)
         way = np.concatenate(self.poses[: k + 1]) if climbs else self.poses[k]
         draw_climb(way - self.pose, ax=ax, joined=climbs)
 
-    def _land(self) -> Landscape:
-        """The landscape of the score chosen, computed once for each."""
-        name = self.score.value
-        if name not in self._lands:
-            scan = self.map, self.points, self.pose
-            self._lands[name] = landscape(*scan, score=SCORES[name], step=0.015)
-        return self._lands[name]
+    def _visited(self, start: Array, climbs: bool) -> list[Array]:
+        """Poses after 0, 1, 2 ... accepted moves, `(1, 3)` each; or of all rounds of sampling.
 
-    def _asked(self, start: Array) -> Score:
-        """The score chosen; for "field" one distance field serves all calls."""
-        if self.score.value == "field":
-            field = DistanceField.around(self.map, self.points, start)
-            return lambda map, points, poses: field.score(points, poses)
-        return SCORES[self.score.value]
-
-    def _climb(self, start: Array) -> list[Array]:
-        """Poses after 0, 1, 2 ... accepted moves, `(1, 3)` each."""
-        score, best, found = self._asked(start), -np.inf, [start]
+        For "field" one distance field serves all calls.
+        """
+        best, found = (-np.inf, start), [start[None]]
+        score, fast = SCORES[self.score.value], self.score.value == "field"
+        field = DistanceField.around(self.map, self.points, start) if fast else None
 
         def watched(map: QuadtreeMap, points: ArrayLike, poses: ArrayLike) -> Array:
-            """Scores, `(n,)`; a pose `(3,)` that beats all before is a move."""
+            """Scores, `(n,)`; a pose that beats all before is a move, all asked at once a round."""
             nonlocal best
-            values = score(map, points, poses)
-            if values.max() > best:
-                best = float(values.max())
-                found.append(np.asarray(poses)[int(values.argmax())])
-            return values
-
-        matcher = MATCHERS[self.matcher.value](np.random.default_rng(0))
-        matcher(self.map, self.points, start, score=watched)
-        return [pose[None] for pose in found[1:]]
-
-    def _sample(self, start: Array) -> list[Array]:
-        """The start, then all poses of each round, the best so far last."""
-        score, best, rounds = self._asked(start), (-np.inf, start), [start[None]]
-
-        def watched(map: QuadtreeMap, points: ArrayLike, poses: ArrayLike) -> Array:
-            """Scores, `(n,)`; all poses asked at once, `(n, 3)`, are a round."""
-            nonlocal best
-            tried, values = np.asarray(poses, float), score(map, points, poses)
-            if values.max() > best[0]:
+            values = field.score(points, poses) if field else score(map, points, poses)
+            tried = np.asarray(poses, float)
+            better = values.max() > best[0]
+            if better:
                 best = float(values.max()), tried[int(values.argmax())]
-            rounds.append(np.concatenate([tried, best[1][None]]))
+            if better or not climbs:
+                found.append(best[1][None] if climbs else np.concatenate([tried, best[1][None]]))
             return values
 
-        matcher = MATCHERS[self.matcher.value](np.random.default_rng(64))
-        matcher(self.map, self.points, start, score=watched)
-        return rounds
-
-    def __repr__(self) -> str:
-        pair = f"{self.matcher.value}, {self.score.value}"
-        return f"MatcherPanel({pair}: {self.count.value}, {self.error.value})"
+        rng = np.random.default_rng(0 if climbs else 64)
+        MATCHERS[self.matcher.value](rng)(self.map, self.points, start, score=watched)
+        return found[1:] if climbs else found

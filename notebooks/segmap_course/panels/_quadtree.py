@@ -2,22 +2,29 @@
 
 from __future__ import annotations
 
-import ipywidgets as W
+from typing import TYPE_CHECKING, Any
+
 import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.path import Path
 from numpy.typing import ArrayLike, NDArray
 
-from segmap.arrays import Array
+from segmap import arrays
+from segmap.arrays import Array, Segments
 from segmap.exports import Classes, ros_classes
-from segmap.panels import Panel, slider, text
-from segmap.plotting import draw_quadtree
+from segmap.plotting import RESULT, TRUTH, draw_quadtree, draw_segments
 from segmap.poses import transform
 from segmap.quadtree import QuadtreeMap
+from segmap.scans import Log
 from segmap.simulation import Sensor, circular_room, simulate
 
+from .._storage import compare_with_walls, represent
 from ..drawings import draw_classes
 from ..literal import cell_of, ray_cells
+from ._lesson import LessonPanel, note, slide, tick
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 Cell = tuple[int, int]
 Cells = NDArray[np.int64]
@@ -117,24 +124,16 @@ def _cuts(a: float, b: float) -> Array:
 _SIDE = 0.05
 
 
-class RayPanel(Panel):
+class RayPanel(LessonPanel):
     """A room seen once or more, with the cells of its rays chosen well or badly (B 4.4).
+
+    `walls_kept` says how many of the cells that were hit still look occupied.
 
     Parameters
     ----------
     walls : (n, 2, 2) array, metres, or None
         A closed chain of walls; None takes a round room of 2 m radius.
     poses : (k, 3) array, metres and radians
-
-    Attributes
-    ----------
-    touched, mask : boxes to tick
-    beams : slider
-        In each full turn.
-    walls_kept, outside : labels
-        Of the cells that were hit, those that still look occupied; how much looks free outside.
-    map : QuadtreeMap
-        What is drawn.
 
     Examples
     --------
@@ -147,23 +146,27 @@ class RayPanel(Panel):
     """
 
     map: QuadtreeMap
+    touched = tick("all cells touched")
+    mask = tick("mask", True)
+    beams = slide(360, 90, 1080, 90, "")
+    walls_kept = outside = note()
+    rows = ("touched mask", "beams", "walls_kept outside")
+    words = "{walls_kept}, {outside}"
 
     def __init__(
         self, walls: ArrayLike | None = None, poses: ArrayLike = ((2.05, 1.93, 0.0),)
     ) -> None:
         self.walls = circular_room(2.0) if walls is None else np.asarray(walls, float)
         self.poses = np.asarray(poses, float).reshape(-1, 3)
-        self.touched = W.Checkbox(value=False, description="all cells touched")
-        self.mask = W.Checkbox(value=True, description="mask")
-        self.beams = slider("beams", 360, 90, 1080, 90, "")
-        self.walls_kept, self.outside = text(), text()
-        self._assemble((self.touched, self.mask), self.beams, (self.walls_kept, self.outside))
+        self._begin()
 
     def _draw(self, figure: Figure) -> None:
         self.map = QuadtreeMap(resolution=_SIDE, size=128 * _SIDE, corner=(-1.21, -1.21))
-        for pose, points in self._scans():
-            ways = {"touched": self.touched.value, "mask": self.mask.value}
-            insert_variant(self.map, pose[:2], points, **ways)
+        count, ways = self.beams.value, {"touched": self.touched.value, "mask": self.mask.value}
+        sensor = Sensor("all round", count, -np.pi, 2 * np.pi / count, max_range=20.0)
+        log = simulate(self.walls, self.poses, sensor=sensor, rng=np.random.default_rng(0))
+        for pose, scan in zip(self.poses, log, strict=True):
+            insert_variant(self.map, pose[:2], transform(pose, scan.points()), **ways)
         leaves, value = self.map.leaves(), self.map.leaf_occupancy()
         hit = leaves.occ > 0
         kept = (value[hit] > 0.5).mean()
@@ -184,33 +187,12 @@ class RayPanel(Panel):
         free = (self.map.leaf_occupancy() <= 0.25) & ~np.any(within, axis=0)
         return float((leaves.side[free] ** 2).sum())
 
-    def _scans(self) -> list[tuple[Array, Array]]:
-        """Pose and end points of each scan, in the map's frame."""
-        count = self.beams.value
-        sensor = Sensor("all round", count, -np.pi, 2 * np.pi / count, max_range=20.0)
-        log = simulate(self.walls, self.poses, sensor=sensor, rng=np.random.default_rng(0))
-        return [(pose, transform(pose, log[k].points())) for k, pose in enumerate(self.poses)]
 
-    def __repr__(self) -> str:
-        return f"RayPanel({self.walls_kept.value}, {self.outside.value})"
-
-
-class ClassesPanel(Panel):
+class ClassesPanel(LessonPanel):
     """The picture that a robot would get of a map, with both thresholds on sliders.
 
-    Parameters
-    ----------
-    map : QuadtreeMap
-
-    Attributes
-    ----------
-    occupied, free : sliders
-        A cell above the one is occupied, up to the other free.
-    doublings : slider
-        How often the side of a pixel is doubled.
-    counts, size : labels
-    classes : Classes
-        What is drawn.
+    A cell above the one is occupied, up to the other free. `doublings` says how often the side of a
+    pixel is doubled.
 
     Examples
     --------
@@ -222,14 +204,16 @@ class ClassesPanel(Panel):
     """
 
     classes: Classes
+    occupied = slide(0.5, 0.5, 0.95, 0.05, "", label="occupied above")
+    free = slide(0.25, 0.0, 0.45, 0.05, "", label="free up to")
+    doublings = slide(0, 0, lambda p: min(4, p.map.tree.level), 1, "")
+    counts = size = note()
+    rows = ("occupied", "free", "doublings", "counts size")
+    words = "{counts}"
 
     def __init__(self, map: QuadtreeMap) -> None:
         self.map = map
-        self.occupied = slider("occupied above", 0.5, 0.5, 0.95, 0.05, "")
-        self.free = slider("free up to", 0.25, 0.0, 0.45, 0.05, "")
-        self.doublings = slider("doublings", 0, 0, min(4, map.tree.level), 1, "")
-        self.counts, self.size = text(), text()
-        self._assemble(self.occupied, self.free, self.doublings, (self.counts, self.size))
+        self._begin()
 
     def _draw(self, figure: Figure) -> None:
         found = self.classes = ros_classes(
@@ -244,5 +228,49 @@ class ClassesPanel(Panel):
         self.size.value = f"{columns} x {rows} pixels of {found.side:.3g} m"
         draw_classes(found, ax=figure.subplots())
 
-    def __repr__(self) -> str:
-        return f"ClassesPanel({self.counts.value})"
+
+class StoragePanel(LessonPanel):
+    """An aligned log kept as reduced segments and as a quadtree (A and B of one building).
+
+    One of the two is drawn under the true walls in green. The tolerance is that of Fusion, which
+    reduces the segments.
+
+    Examples
+    --------
+    >>> from segmap_course import room_walk, room_walls
+    >>> log = room_walk(20)
+    >>> StoragePanel(log, log.truth, room_walls()).segments.value
+    '12 segments, 0.4 kB, 0.8 mm off'
+    """
+
+    #: Of `compare_with_walls`.
+    compared: pd.DataFrame
+    resolution = slide(5.0, 1.0, 20.0, 0.5, "cm", label="cells")
+    tolerance = slide(4.0, 1.0, 20.0, 0.5, "cm")
+    tree = tick("draw the quadtree", True)
+    segments = squares = note()
+    rows = ("resolution", "tolerance", "tree", "segments squares")
+    words = "{segments}; {squares}"
+
+    def __init__(self, log: Log, poses: ArrayLike, walls: Segments) -> None:
+        self.log, self.poses, self.walls = log, poses, arrays.segments(walls)
+        self._begin()
+
+    def _draw(self, figure: Figure) -> None:
+        sizes = {"resolution": self.resolution.meant(), "tolerance": self.tolerance.meant()}
+        found = represent(self.log, self.poses, **sizes)
+        self.compared = compare_with_walls(found, self.walls)
+        texts = (
+            (self.segments, "reduced segments", "segments"),
+            (self.squares, "quadtree", "leaves"),
+        )
+        for text, way, parts in texts:
+            row: Any = self.compared.loc[way]
+            taken = f"{int(row['parts'])} {parts}, {row['nbytes'] / 1e3:.1f} kB"
+            text.value = f"{taken}, {1e3 * row['error']:.1f} mm off"
+        ax = figure.subplots()
+        if self.tree.value:
+            draw_quadtree(found["quadtree"].map, ax=ax)
+        else:
+            draw_segments(found["reduced segments"].map, ax=ax, color=RESULT, width=2.5)
+        draw_segments(self.walls, ax=ax, color=TRUTH, width=0.8)

@@ -1,19 +1,17 @@
-"""Panels of the chapters on Basic, Hybrid, mean shift and Fusion."""
+"""Panels of the chapters on reduction: a map, and what one method leaves of it."""
 
 from __future__ import annotations
 
 from dataclasses import replace
 
-import ipywidgets as W
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.figure import Figure
 
 from segmap.arrays import Array
-from segmap.metrics import grade_quality, grade_reduction, quality, reduction_rate
-from segmap.panels import Panel, slider, text
-from segmap.plotting import MAP, RAW, draw_before_after, draw_provenance, group_colors
+from segmap.metrics import grade_quality, grade_reduction, invented, missed, quality, reduction_rate
+from segmap.plotting import ERROR, MAP, RAW, draw_before_after, draw_provenance, group_colors
 from segmap.reduction import (
     Directions,
     Reduction,
@@ -23,24 +21,38 @@ from segmap.reduction import (
     fusion,
     hough,
     hybrid,
+    least_cost,
     mean_shift,
+    polyline,
+    viewing_sector,
+    weighted_line_fitting,
 )
 from segmap.segments import SegmentMap, midpoint
 
+from ._lesson import LessonPanel, keyword, note, play, slide, tick
+
 #: Pixels: two pictures side by side.
-_WIDE = {"width": 760, "height": 380}
-#: Pixels: one map, and a line below it.
-TALL = {"height": 440}
+WIDE = {"width": 760, "height": 380}
+#: Around all that is seen in the end, so that the picture stays while the scans pass, metres.
+MARGIN = 0.3
+#: Of quality, metres.
+SCALE = 0.050
 
 
-class _ReductionPanel(Panel):
-    """A map and what a method leaves of it: `reduction` is what is drawn."""
+class ReductionPanel(LessonPanel):
+    """A map and what a method leaves of it, `reduction`; its keywords may be given at first."""
 
     reduction: Reduction
+    count = rate = quality = note()
+    pixels = {"height": 440}  # noqa: RUF012
 
-    def __init__(self, map: SegmentMap) -> None:
+    def __init__(self, map: SegmentMap, **first: float) -> None:
         self.map = map
-        self.count, self.rate, self.quality = text(), text(), text()
+        self._begin(**first)
+
+    def _draw(self, figure: Figure) -> None:
+        self._tell(self.method(self.map, **self.chosen()))
+        draw_before_after(self.map, self.reduction, ax=figure.subplots())
 
     def _tell(self, found: Reduction) -> None:
         self.reduction = found
@@ -53,26 +65,8 @@ class _ReductionPanel(Panel):
             self.quality.value = f"quality {kept:.1%}: {grade_quality(kept)}"
 
 
-class BasicPanel(_ReductionPanel):
+class BasicPanel(ReductionPanel):
     """A map and what Basic leaves of it, for each distance and angle (A 4.1).
-
-    Parameters
-    ----------
-    map : SegmentMap
-    distance : float, metres
-        Between end points, at first.
-    angle : float, radians
-        Between lines, at first.
-
-    Attributes
-    ----------
-    distance : slider, metres
-    angle : slider, degrees
-    online : box to tick
-        Scan by scan instead of all at once.
-    count, rate, quality : labels
-    reduction : Reduction
-        What is drawn.
 
     Examples
     --------
@@ -84,43 +78,20 @@ class BasicPanel(_ReductionPanel):
     '1 of 2 segments left'
     """
 
-    def __init__(
-        self, map: SegmentMap, *, distance: float = 0.20, angle: float = np.pi / 18
-    ) -> None:
-        super().__init__(map)
-        self.distance = slider("distance", distance, 0.05, 0.60, 0.05)
-        self.angle = slider("angle", round(np.degrees(angle)), 1, 45, 1, "degrees")
-        self.online = W.Checkbox(value=False, description="scan by scan (on-line)", indent=False)
-        rows = (self.online, self.count), (self.rate, self.quality)
-        self._assemble(self.distance, self.angle, *rows, **TALL)
+    method = staticmethod(basic_offline)
+    distance = keyword(0.05, 0.60, 0.05)
+    angle = keyword(1, 45, 1)
+    online = tick("scan by scan (on-line)", says=("off-line", "on-line"))
+    rows = ("distance", "angle", "online count", "rate quality")
+    words = "{online}, {distance:.2f} m, {angle} degrees: {count}"
 
     def _draw(self, figure: Figure) -> None:
-        method = basic_online if self.online.value else basic_offline
-        distance, angle = self.distance.value, np.radians(self.angle.value)
-        self._tell(method(self.map, distance=distance, angle=angle))
-        draw_before_after(self.map, self.reduction, ax=figure.subplots())
-
-    def __repr__(self) -> str:
-        way = "on-line" if self.online.value else "off-line"
-        where = f"{self.distance.value:.2f} m, {self.angle.value} degrees"
-        return f"BasicPanel({way}, {where}: {self.count.value})"
+        self.method = basic_online if self.online.value else basic_offline
+        super()._draw(figure)
 
 
-class FusionPanel(_ReductionPanel):
+class FusionPanel(ReductionPanel):
     """A map and its fusion: how much is gained and what it costs, for each tolerance (A 4.4).
-
-    Parameters
-    ----------
-    map : SegmentMap
-    tolerance : float, metres
-        Half-width of the strip, at first.
-
-    Attributes
-    ----------
-    tolerance : slider, metres
-    count, rate, quality : labels
-    reduction : Reduction
-        What is drawn.
 
     Examples
     --------
@@ -132,43 +103,18 @@ class FusionPanel(_ReductionPanel):
     '1 of 2 segments left'
     """
 
-    def __init__(self, map: SegmentMap, *, tolerance: float = 0.04) -> None:
-        super().__init__(map)
-        self.tolerance = slider("tolerance", tolerance, 0.01, 0.20, 0.01)
-        self._assemble(self.tolerance, self.count, (self.rate, self.quality), **TALL)
-
-    def _draw(self, figure: Figure) -> None:
-        self._tell(fusion(self.map, tolerance=self.tolerance.value))
-        draw_before_after(self.map, self.reduction, ax=figure.subplots())
-
-    def __repr__(self) -> str:
-        return f"FusionPanel(tolerance {self.tolerance.value:.2f} m: {self.count.value})"
+    method = staticmethod(fusion)
+    tolerance = keyword(0.01, 0.20, 0.01)
+    rows = ("tolerance", "count", "rate quality")
+    words = "tolerance {tolerance:.2f} m: {count}"
 
 
-class HybridPanel(_ReductionPanel):
+class HybridPanel(ReductionPanel):
     """A map and its Hybrid, and the lines of both in Hough space, in the same colours (A 4.2).
 
     In the map, inputs are thin, results thick, and a black cross is the origin, which moves along x
     while the map stays. In Hough space an input is a dot and a result a cross amid the box of what
     agrees with it. What the filter dropped is grey.
-
-    Parameters
-    ----------
-    map : SegmentMap
-    distance : float, metres
-        At first; also the least length of a segment that joins.
-    angle : float, degrees
-        At first.
-
-    Attributes
-    ----------
-    distance : slider, metres
-    angle : slider, degrees
-    origin : slider, metres
-        Where on the x axis of the map the origin lies for the method.
-    count, dropped, quality : labels
-    reduction : Reduction
-        What is drawn.
 
     Examples
     --------
@@ -180,38 +126,32 @@ class HybridPanel(_ReductionPanel):
     '2 of 2 segments left'
     """
 
-    def __init__(self, map: SegmentMap, *, distance: float = 0.20, angle: float = 10) -> None:
-        super().__init__(map)
-        self.distance = slider("distance", distance, 0.05, 0.60, 0.05)
-        self.angle = slider("angle", round(angle), 1, 30, 1, "degrees")
-        self.origin = slider("origin at x", 0, -100, 100, 1)
-        self.dropped = text()
-        texts = (self.count, self.dropped, self.quality)
-        self._assemble(self.distance, self.angle, self.origin, texts, **_WIDE)
+    method = staticmethod(hybrid)
+    distance = keyword(0.05, 0.60, 0.05)
+    angle = keyword(1, 30, 1)
+    origin = slide(0, -100, 100, 1, label="origin at x")
+    dropped = note()
+    rows = ("distance", "angle", "origin", "count dropped quality")
+    words = "{distance:.2f} m, {angle} degrees, origin at {origin} m: {count}"
+    pixels = WIDE
 
     def _draw(self, figure: Figure) -> None:
-        x, degrees = self.origin.value, self.angle.value
+        x = self.origin.value
         moved = SegmentMap(self.map.segments - (x, 0), self.map.scan)
-        found = hybrid(moved, distance=self.distance.value, angle=np.radians(degrees))
+        found = hybrid(moved, **self.chosen())
         self._tell(replace(found, segments=found.segments + (x, 0)))
         gone = np.count_nonzero(self.reduction.parents < 0)
         self.dropped.value = f"{gone} dropped as too short"
         left, right = figure.subplots(1, 2)
-        draw_provenance(self.map, self.reduction, ax=left).set_title(
-            f"the map, origin at x = {x} m"
-        )
+        draw_provenance(self.map, self.reduction, ax=left)
         left.set(xlim=left.get_xlim(), ylim=left.get_ylim())  # else a far origin counts
+        left.set_title(f"the map, origin at x = {x} m")
         left.plot(x, 0, "+", color=MAP, markersize=14, markeredgewidth=2)
-        _draw_hough(moved.segments, found, self.distance.value, degrees, right)
-
-    def __repr__(self) -> str:
-        thresholds = f"{self.distance.value:.2f} m, {self.angle.value} degrees"
-        return f"HybridPanel({thresholds}, origin at {self.origin.value} m: {self.count.value})"
+        box = [self.angle.value, self.distance.value]
+        _draw_hough(moved.segments, found, box, right)
 
 
-def _draw_hough(
-    segments: Array, reduction: Reduction, distance: float, angle: float, ax: Axes
-) -> None:
+def _draw_hough(segments: Array, reduction: Reduction, box: list[float], ax: Axes) -> None:
     """Lines of inputs and results; inputs by the representative nearest to their result's."""
     lines, parents = hough(reduction.segments), reduction.parents
     near = np.where(parents < 0, np.pi / 2, np.append(lines[:, 1], 0.0)[parents])
@@ -219,36 +159,18 @@ def _draw_hough(
     ax.scatter(np.degrees(theta), rho, s=9, c=group_colors(parents), linewidths=0)
     colors, centres = group_colors(np.arange(len(lines))), lines[:, ::-1] * (180 / np.pi, 1)
     ax.scatter(centres[:, 0], centres[:, 1], s=36, c=colors, marker="+", linewidths=1.2)
-    corners = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)]) * [angle, distance]
-    boxes = list(centres[:, None] + corners)
+    boxes = list(centres[:, None] + np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)]) * box)
     ax.add_collection(PolyCollection(boxes, facecolors="none", edgecolors=colors, alpha=0.5))
     ax.autoscale_view()
     ax.set(title="its lines in Hough space", xlabel="theta [degrees]", ylabel="rho [m]")
 
 
-class MeanShiftPanel(_ReductionPanel):
+class MeanShiftPanel(ReductionPanel):
     """A map and its mean shift, and where its pieces climb in the first phase (A 4.3).
 
     In the map inputs are thin, results thick, each in the colour of the result that holds most of
     it. Beside it every piece is a grey dot, with a line to the place that it climbs to; these are
     coloured by cluster.
-
-    Parameters
-    ----------
-    map : SegmentMap
-    sigma : float, metres
-        At first.
-    angle : float, degrees
-        What counts as much as 0.20 m, at first.
-
-    Attributes
-    ----------
-    sigma : slider, metres
-    angle : slider, degrees
-    count, pieces, quality : labels
-    reduction : Reduction
-    directions : Directions
-        What is drawn.
 
     Examples
     --------
@@ -261,36 +183,145 @@ class MeanShiftPanel(_ReductionPanel):
     """
 
     directions: Directions
-
-    def __init__(self, map: SegmentMap, *, sigma: float = 0.20, angle: float = 10) -> None:
-        super().__init__(map)
-        self.sigma = slider("sigma", sigma, 0.05, 1.00, 0.05)
-        self.angle = slider("angle like 0.20 m", round(angle), 1, 45, 1, "degrees")
-        self.pieces = text()
-        self._assemble(self.sigma, self.angle, (self.count, self.pieces, self.quality), **_WIDE)
+    method = staticmethod(mean_shift)
+    sigma = keyword(0.05, 1.00, 0.05)
+    angle = slide(10, 1, 45, 1, "degrees", label="angle like 0.20 m")
+    pieces = note()
+    rows = ("sigma", "angle", "count pieces quality")
+    words = "sigma {sigma:.2f} m, {angle} degrees: {count}"
+    pixels = WIDE
 
     def _draw(self, figure: Figure) -> None:
-        sigma, bandwidth = self.sigma.value, float(np.radians(self.angle.value)) / 0.20
-        self._tell(mean_shift(self.map, sigma=sigma, bandwidth=bandwidth))
-        self.directions = common_directions(self.map, sigma=sigma, bandwidth=bandwidth)
-        clusters = len(self.directions.theta)
-        pieces = f"{len(self.directions.pieces)} pieces"
-        self.pieces.value = f"{pieces}, {clusters} cluster{'s' * (clusters != 1)}"
+        scales = {**self.chosen(), "bandwidth": float(self.angle.meant()) / 0.20}
+        self._tell(mean_shift(self.map, **scales))
+        found = self.directions = common_directions(self.map, **scales)
+        clusters = f"{len(found.theta)} cluster{'s' * (len(found.theta) != 1)}"
+        self.pieces.value = f"{len(found.pieces)} pieces, {clusters}"
         left, right = figure.subplots(1, 2, sharex=True, sharey=True)
         draw_provenance(self.map, self.reduction, ax=left).set_title("the map, reduced")
-        _draw_ways(self.directions, right)
+        begin, end = midpoint(found.pieces), found.centres[:, :2]
+        ways = list(np.stack([begin, end], axis=1))
+        right.add_collection(LineCollection(ways, colors=RAW, linewidths=0.6))
+        right.scatter(begin[:, 0], begin[:, 1], s=3, color=RAW, linewidths=0)
+        right.scatter(end[:, 0], end[:, 1], s=12, c=group_colors(found.cluster), linewidths=0)
+        right.set_aspect("equal")
+        right.set(title="its pieces, and where they climb to", xlabel="x [m]")
 
-    def __repr__(self) -> str:
-        scales = f"sigma {self.sigma.value:.2f} m, {self.angle.value} degrees"
-        return f"MeanShiftPanel({scales}: {self.count.value})"
+
+class WeightedPanel(ReductionPanel):
+    """A map, best with points and places of the sensor, and its weighted line fitting (A 2.7.3).
+
+    For each error that poses may have: of the place of a scan, and of its heading.
+
+    Examples
+    --------
+    >>> panel = WeightedPanel(SegmentMap([[(0, 0), (2, 0)], [(1, 0.03), (3, 0.03)]]))
+    >>> panel.count.value
+    '1 of 2 segments left'
+    >>> panel.place.value = 0
+    >>> panel.count.value
+    '2 of 2 segments left'
+    """
+
+    method = staticmethod(weighted_line_fitting)
+    place = keyword(0.0, 0.20, 0.005, of="sigma_place", label="error of place")
+    heading = keyword(0.0, 3.0, 0.1, of="sigma_heading", label="heading")
+    chi2 = keyword(1.0, 30.0, 0.2, value=9.2)
+    gap = keyword(0.0, 2.0, 0.05)
+    rows = ("place", "heading", "chi2", "gap", "count", "rate quality")
+    words = "poses within {place:.3f} m, {heading:.1f} degrees: {count}"
 
 
-def _draw_ways(found: Directions, ax: Axes) -> None:
-    """From the middle of each piece to its centre, in the colour of its cluster."""
-    begin, end = midpoint(found.pieces), found.centres[:, :2]
-    ways = np.stack([begin, end], axis=1)
-    ax.add_collection(LineCollection(list(ways), colors=RAW, linewidths=0.6))
-    ax.scatter(begin[:, 0], begin[:, 1], s=3, color=RAW, linewidths=0)
-    ax.scatter(end[:, 0], end[:, 1], s=12, c=group_colors(found.cluster), linewidths=0)
-    ax.set_aspect("equal")
-    ax.set(title="its pieces, and where they climb to", xlabel="x [m]")
+class SectorPanel(ReductionPanel):
+    """What was seen so far and the map that the viewing sector makes of it, scan by scan (A 2.7.5).
+
+    All that was seen, `map`, is thin and black, the map made of it thick and blue, and a red dot is
+    the sensor, whose places are needed.
+
+    Examples
+    --------
+    >>> door = [[(-2, 3), (2, 3)], [(-2, 3), (-1, 3)], [(1, 3), (2, 3)], [(-2, 5), (2, 5)]]
+    >>> panel = SectorPanel(SegmentMap(door, [0, 1, 1, 1], sensors=[(0, 0), (0, 0)]))
+    >>> panel.count.value
+    '3 of 4 segments left'
+    >>> panel.forget.value = False
+    >>> panel.count.value
+    '2 of 4 segments left'
+    """
+
+    method = staticmethod(viewing_sector)
+    scan = slide(lambda p: p.last, lambda p: int(p.map.scan.min()), lambda p: p.last, 1, "")
+    play = play("scan")
+    distance = keyword(0.02, 0.60, 0.02)
+    min_length = keyword(0.0, 1.0, 0.05)
+    forget = keyword()
+    rejoin = keyword()
+    rows = ("play scan", "distance", "min_length", "forget rejoin", "count", "rate quality")
+    words = "after scan {scan}: {count}"
+
+    def __init__(self, map: SegmentMap, **first: float) -> None:
+        self.whole, self.last = map, int(map.scan.max())
+        super().__init__(map, **first)
+
+    def _draw(self, figure: Figure) -> None:
+        self.map = self.whole[self.whole.scan <= self.scan.value]
+        super()._draw(figure)
+        if self.map.sensors is not None:
+            (ax,) = figure.axes
+            ax.plot(*self.map.sensors[self.scan.value], "o", color=ERROR)
+            corners = np.concatenate([self.map.sensors, self.whole.segments.reshape(-1, 2)])
+            low, high = np.nanmin(corners, axis=0) - MARGIN, np.nanmax(corners, axis=0) + MARGIN
+            ax.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]))
+
+
+class LeastCostPanel(ReductionPanel):
+    """A map and what least cost leaves of it, for each penalty; and what quality does not see.
+
+    `promised` is the quality that the penalty guarantees, `unseen` metres invented and missed.
+
+    Examples
+    --------
+    >>> panel = LeastCostPanel(SegmentMap([[(0, 0), (2, 0)], [(0, 0.05), (2, 0.05)]]))
+    >>> panel.count.value, panel.promised.value
+    ('1 of 2 segments left', 'quality promised 60.7%')
+    >>> panel.penalty.value = 0.01
+    >>> panel.count.value
+    '2 of 2 segments left'
+    """
+
+    method = staticmethod(least_cost)
+    penalty = keyword(0.005, 0.5, 0.005)
+    distance = keyword(0.01, 0.20, 0.01)
+    gap = keyword(0.0, 0.10, 0.01)
+    promised = unseen = note()
+    rows = ("penalty", "distance", "gap", "count", "rate quality", "promised unseen")
+    words = "penalty {penalty:.3f} m: {count}"
+
+    def _tell(self, found: Reduction) -> None:
+        super()._tell(found)
+        given = (found.parents >= 0).sum()
+        spent = self.penalty.value * (given - len(found)) / max(given, 1)
+        self.promised.value = f"quality promised {np.exp(-spent / SCALE):.1%}"
+        metres = [measure(self.map, found) for measure in (invented, missed)]
+        self.unseen.value = f"invented {metres[0]:.2f} m, missed {metres[1]:.2f} m"
+
+
+class ChainPanel(ReductionPanel):
+    """A map and its polylines, for each tolerance and bridge (A 2.7.10).
+
+    Segments farther apart than `far` do not match; longer links than `bridge`, which nobody saw,
+    are left out.
+
+    Examples
+    --------
+    >>> panel = ChainPanel(SegmentMap([[(0, 0), (2, 0)], [(1, 0.05), (3, 0.05)]], [0, 1]))
+    >>> panel.count.value
+    '1 of 2 segments left'
+    """
+
+    method = staticmethod(polyline)
+    tolerance = keyword(0.01, 0.40, 0.01)
+    far = keyword(0.02, 0.30, 0.01)
+    bridge = keyword(0.0, 2.0, 0.1)
+    rows = ("tolerance", "far", "bridge", "count", "rate quality")
+    words = "tolerance {tolerance:.2f} m: {count}"

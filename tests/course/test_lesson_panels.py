@@ -1,0 +1,482 @@
+"""Lesson panels: each answers its controls, and shows what its method finds."""
+
+from functools import cache
+
+import numpy as np
+import pytest
+import segmap_course as course
+from driven_panels import assert_answers, unpainted
+from matplotlib.figure import Figure
+from quadtrees import leaves_of
+from segmap_course.panels._graphs import partnered
+from segmap_course.panels._quadtree import touched_cells
+
+from segmap import LaserScan, Log, SegmentMap, fusion, load, quality
+from segmap.alignment import backbone_steps, match_angles, match_points, odometry, pose_graph
+from segmap.exports import ros_classes
+from segmap.extraction import extract_polylines
+from segmap.plotting import RESULT
+from segmap.poses import transform
+from segmap.quadtree import QuadtreeMap, build_map
+from segmap.reduction import (
+    basic_offline,
+    basic_online,
+    hybrid,
+    least_cost,
+    mean_shift,
+    polyline,
+    viewing_sector,
+    weighted_line_fitting,
+)
+from segmap.simulation import URG_04LX, drive, rectangular_room, simulate, square_room
+from segmap.testing import assert_poses_equal
+
+ROOM = rectangular_room(4.0, 3.0)
+LOG = simulate(
+    ROOM, drive([(1, 1), (3, 1)], step=0.5), sensor=URG_04LX, rng=np.random.default_rng(2)
+)
+WALLS = SegmentMap([[(0, y), (2, y)] for y in (0.0, 0.03, 0.10, 0.15, 1.0)])
+#: Two that touch at (2, 0), six degrees apart: rho of both is near 0 there, and not elsewhere.
+LEANING = SegmentMap([[(0, 0), (2, 0)], [(1.95, 0), (3.9, 0.2)], [(9, 9), (9, 9.1)]])
+#: A door in the wall at y = 3: shut in scan 0, open in scan 1, which sees the wall behind.
+DOOR = SegmentMap(
+    [[(-2, 3), (2, 3)], [(-2, 3), (-1, 3)], [(1, 3.05), (2, 3.05)], [(-2, 5), (2, 5)]],
+    [0, 1, 1, 1],
+    sensors=[(0, 0), (0, 0)],
+)
+#: A wall with a hole of 0.08 m.
+BROKEN = SegmentMap([[(0, 0), (2, 0)], [(2.08, 0), (4, 0)]])
+#: Three walls in two scans that are a chain, and one 0.2 m beside them.
+BENT = SegmentMap(
+    [[(0, 0), (1, 0)], [(0.9, 0.02), (2, 0.3)], [(1.8, 0.3), (3, 0.3)], [(2, 0.5), (4, 0.5)]],
+    [0, 1, 0, 2],
+)
+#: Three pieces of a bend, seen one after the other: on-line and off-line differ.
+BEND = SegmentMap(
+    [[(0, 0), (1, 0)], [(2.1, 0.1), (3, 0.2)], [(1.05, 0), (2.05, 0.1)]], scan=[0, 1, 2]
+)
+CORNER = SegmentMap([[(0, 0), (2, 0)], [(0, 0.01), (1.95, 0.3)]])
+NARROW = {"distance": 0.15, "angle": np.radians(4)}
+LOOP = load("corridor")
+
+
+@cache
+def looped():
+    return pose_graph(LOOP)
+
+
+#: Every lesson panel, a control of it, and a value that must change what is seen.
+PANELS = {
+    "AnglePanel": ((LOG,), "rank", 1),
+    "BackbonePanel": ((LOG,), "scan", 3),
+    "BasicPanel": ((WALLS,), "distance", 0.05),
+    "ChainPanel": ((BENT,), "tolerance", 0.4),
+    "ClassesPanel": ((build_map(LOG, LOG.truth),), "occupied", 0.9),
+    "ClusterPanel": ((LOG[0],), "gap", 0.05),
+    "DistancePanel": ((), "angle", 30),
+    "FusionPanel": ((WALLS,), "tolerance", 0.12),
+    "GroundTruthPanel": ((LOG,), "late", 0.1),
+    "HybridPanel": ((LEANING,), "origin", 20),
+    "IcpPanel": ((LOG[0].points(), LOG[1].points(), (0.5, 0, 0)), "x", -0.2),
+    "LandscapePanel": ((LOG,), "turn", 12),
+    "LeastCostPanel": ((WALLS,), "penalty", 0.005),
+    "MatcherPanel": (
+        (build_map(LOG[:1], LOG.truth[:1], resolution=0.02), LOG[1].points(), LOG.truth[1]),
+        "step",
+        3,
+    ),
+    "MeanShiftPanel": ((WALLS,), "sigma", 0.60),
+    "PolylinePanel": ((LOG[0],), "tolerance", 0.005),
+    "PoseGraphPanel": ((LOOP,), "scan", 60),
+    "RayPanel": ((), "mask", False),
+    "RoomPanel": ((ROOM, (1, 1, 0)), "beams", 51),
+    "SectorPanel": ((DOOR,), "scan", 0),
+    "StoragePanel": ((LOG, LOG.truth, ROOM), "resolution", 10.0),
+    "WeightedPanel": ((WALLS,), "place", 0.10),
+}
+
+
+def test_all_lesson_panels_are_here():
+    """Catches a new panel that these tests do not drive."""
+    assert set(PANELS) == {name for name in dir(course) if name.endswith("Panel")}
+
+
+@pytest.mark.parametrize("name", PANELS)
+def test_a_lesson_panel_answers_its_controls_and_is_shown_without_a_kernel(name, monkeypatch):
+    shown, control, value = PANELS[name]
+    more = (looped(),) if name == "PoseGraphPanel" else ()
+    panel = getattr(course, name)(*shown, *more)
+    assert repr(panel).startswith(f"{name}(")
+    assert_answers(panel, control, value, monkeypatch)
+
+
+@unpainted
+def test_keywords_of_the_method_are_shown_at_first_in_one_unit_whatever_the_panel():
+    """Catches an angle that one panel takes in degrees and its sibling in radians."""
+    for panel in (course.BasicPanel, course.HybridPanel):
+        shown = panel(WALLS, distance=0.3, angle=np.radians(20))
+        assert (shown.distance.value, shown.angle.value) == (0.3, 20)
+        assert shown.angle.description == "angle [degrees]" and shown.angle.min == 1
+        assert shown.chosen() == {"distance": 0.3, "angle": np.radians(20)}
+    assert course.WeightedPanel(WALLS, place=0.1).chosen()["sigma_place"] == 0.1
+    with pytest.raises(TypeError, match="BasicPanel has no keyword count, tolerance"):
+        course.BasicPanel(WALLS, tolerance=0.3, count=4)
+
+
+@unpainted
+def test_the_icp_panel_keeps_the_whole_moving_scan_in_the_picture():
+    """Catches a scan that vanishes where nothing has a partner, or that leaves the frame."""
+    points = LOG[1].points()
+    panel, figure = course.IcpPanel(LOG[0].points(), points, (0.5, 0, 0), reach=0.1), Figure()
+    panel.x.value, panel.y.value, panel.turn.value = 2.0, 2.0, 45
+    panel._draw(figure)
+    ax = figure.axes[0]
+    scan = transform(panel.steps[0].pose, points)
+    whole, blue = (line for line in ax.lines if line.get_zorder() == 1)
+    assert whole.get_xydata() == pytest.approx(scan) and len(blue.get_xdata()) < len(scan)
+    low, high = np.transpose([ax.get_xlim(), ax.get_ylim()])
+    assert (scan > low).all() and (scan < high).all()
+    assert whole.get_color() != blue.get_color() == RESULT
+
+
+def test_a_point_between_two_with_partners_has_one_and_others_have_not():
+    """Catches a wall that matches drawn as if every second point of it had no partner."""
+    scan = np.array([(0.1 * k, 0.0) for k in range(9)])
+    assert partnered(scan, scan[[2, 4, 8]]).nonzero()[0].tolist() == [2, 3, 4, 8]
+    assert partnered(scan, scan[[2, 3, 5, 8]]).nonzero()[0].tolist() == [2, 3, 5, 8]
+    assert not partnered(scan, scan[:0]).any()
+
+
+@unpainted
+@pytest.mark.parametrize(
+    ("panel", "settings", "method", "thresholds"),
+    [
+        (lambda: course.FusionPanel(WALLS), {"tolerance": 0.06}, fusion, {"tolerance": 0.06}),
+        (lambda: course.BasicPanel(BEND, **NARROW), {"online": False}, basic_offline, NARROW),
+        (lambda: course.BasicPanel(BEND, **NARROW), {"online": True}, basic_online, NARROW),
+        (lambda: course.HybridPanel(LEANING), {"angle": 5}, hybrid, {"angle": np.radians(5)}),
+        (lambda: course.HybridPanel(LEANING), {"distance": 0.05}, hybrid, {"distance": 0.05}),
+        *(
+            (
+                lambda: course.MeanShiftPanel(CORNER),
+                {"sigma": sigma, "angle": angle},
+                mean_shift,
+                {"sigma": sigma, "bandwidth": np.radians(angle) / 0.20},
+            )
+            for sigma, angle in ((0.2, 10), (0.5, 10), (0.5, 1))
+        ),
+        *(
+            (
+                lambda: course.WeightedPanel(WALLS),
+                {"place": place, "heading": heading, "chi2": chi2, "gap": gap},
+                weighted_line_fitting,
+                {
+                    "sigma_place": place,
+                    "sigma_heading": np.radians(heading),
+                    "chi2": chi2,
+                    "gap": gap,
+                },
+            )
+            for place, heading, chi2, gap in ((0, 0, 9.2, 0.3), (0.1, 2, 3, 0), (0.2, 0, 30, 1))
+        ),
+        *(
+            (lambda: course.LeastCostPanel(WALLS), given, least_cost, given)
+            for given in ({"penalty": 0.005}, {"distance": 0.02}, {"penalty": 0.4, "distance": 0.2})
+        ),
+        *(
+            (lambda: course.ChainPanel(BENT), {name: value}, polyline, {name: value})
+            for name, value in (("tolerance", 0.4), ("far", 0.25), ("bridge", 0.0))
+        ),
+        (lambda: course.LeastCostPanel(BROKEN), {"gap": 0.09}, least_cost, {"gap": 0.09}),
+        *(
+            (lambda: course.SectorPanel(DOOR), {name: value}, viewing_sector, {name: value})
+            for name, value in (
+                ("forget", False),
+                ("rejoin", False),
+                ("distance", 0.02),
+                ("min_length", 1.0),
+            )
+        ),
+    ],
+)
+def test_a_panel_of_a_reduction_shows_what_the_method_finds(panel, settings, method, thresholds):
+    """Catches degrees taken for radians, thresholds not handed on, a box without effect."""
+    shown = panel()
+    for name, value in settings.items():
+        getattr(shown, name).value = value
+    found = method(shown.map, **thresholds)
+    assert np.array_equal(shown.reduction.segments, found.segments)
+    assert shown.reduction.method == method.__name__
+    assert shown.count.value == f"{len(found)} of {len(shown.map)} segments left"
+    assert shown.quality.value.startswith(f"quality {quality(shown.map, found):.1%}")
+
+
+@unpainted
+def test_sector_panel_forgets_the_door_when_it_has_seen_through_it():
+    """Catches a panel that shows all scans whichever is chosen, or the sensor of another one."""
+    panel, figure = course.SectorPanel(DOOR), Figure()
+    assert panel.count.value == "3 of 4 segments left" and len(panel.map) == 4
+    panel.scan.value = 0
+    assert panel.count.value == "1 of 1 segments left" and len(panel.map) == 1
+    panel._draw(figure)
+    assert figure.axes[0].lines[-1].get_xydata().tolist() == [[0, 0]]
+    assert figure.axes[0].get_ylim() == pytest.approx((-0.3, 5.3))  # of the whole map
+
+
+@unpainted
+def test_least_cost_panel_tells_what_is_promised_and_what_quality_does_not_see():
+    """Catches a promise in per cent of the penalty alone, and metres that are swapped."""
+    panel = course.LeastCostPanel(BROKEN)
+    assert panel.promised.value == "quality promised 100.0%"  # nothing merged, nothing lost
+    panel.gap.value = 0.09
+    assert panel.unseen.value == "invented 0.08 m, missed 0.00 m"
+    assert panel.promised.value == f"quality promised {np.exp(-0.05 * 1 / 2 / 0.05):.1%}"
+
+
+@unpainted
+def test_hybrid_panel_moves_the_origin_and_not_the_map():
+    """Catches a result in the frame of the moved origin, or moved the wrong way; a lost filter."""
+    panel = course.HybridPanel(LEANING)
+    assert panel.dropped.value == "1 dropped as too short"
+    panel.origin.value = 3
+    found = hybrid(SegmentMap(LEANING.segments - [3, 0]))
+    assert panel.reduction.segments == pytest.approx(found.segments + [3, 0])
+    assert [len(panel.reduction), panel.origin.value] == [1, 3]
+    panel.origin.value = 20
+    assert panel.count.value == "2 of 3 segments left"
+
+
+@unpainted
+def test_hybrid_panel_draws_every_line_in_the_box_of_its_result():
+    """Catches dots drawn by the other representative, far from the result of the same colour."""
+    upright = np.array([[(1, 0), (1.1, 3)], [(1.1, 0), (1, 3)], [(1, 0), (1.1, 3)]])
+    figure = Figure()
+    course.HybridPanel(SegmentMap(upright))._draw(figure)
+    dots, cross = (c.get_offsets() for c in figure.axes[1].collections[:2])
+    assert len(dots) == 3 and len(cross) == 1
+    assert (abs(dots - cross) < [10, 0.20]).all()
+
+
+@unpainted
+def test_mean_shift_panel_draws_each_way_from_its_piece_to_its_centre():
+    """Catches ways drawn in another order than the pieces, and clusters that share a colour."""
+    figure, panel = Figure(), course.MeanShiftPanel(CORNER)
+    panel.sigma.value, panel.angle.value = 0.5, 1
+    assert panel.pieces.value == "8 pieces, 2 clusters"
+    panel._draw(figure)
+    ways, begin, end = figure.axes[1].collections
+    assert np.array_equal([way[0] for way in ways.get_segments()], begin.get_offsets())
+    assert np.array_equal([way[1] for way in ways.get_segments()], end.get_offsets())
+    assert len(np.unique(end.get_facecolors(), axis=0)) == len(panel.directions.theta)
+
+
+@unpainted
+def test_distance_panel_turned_wall():
+    """Catches degrees taken for radians: 2 m turned by 90 degrees about the common middle."""
+    panel = course.DistancePanel()
+    panel.angle.value = 90
+    assert panel.segments[1].round(9).tolist() == [[0.0, -1.0], [0.0, 1.0]]
+    assert panel.apart.value == "apart 1.000 m" and panel.angular.value == "angular 2.000 m"
+
+
+@unpainted
+def test_room_panel_without_noise_measures_exactly_and_keeps_the_field_of_view():
+    """Catches beams that are left out at one side instead of spread."""
+    panel = course.RoomPanel(ROOM, (1, 1, 0))
+    assert "0.0 mm" not in panel.spread.value
+    panel.noise.value, panel.beams.value = 0, 51
+    assert panel.spread.value == "range error 0.0 mm (root mean square)"
+    assert panel.scan.angles[[0, -1]] == pytest.approx(URG_04LX.angles[[0, -1]])
+
+
+@unpainted
+def test_angle_panel_shows_what_match_angles_finds():
+    """Catches the wrong pair of scans, a rank beyond the last, a second scan beyond the log."""
+    panel = course.AnglePanel(load("room"), scan=3, apart=2)
+    first, second = (extract_polylines(panel.log[k].points()) for k in (3, 5))
+    found = match_angles(first, second, rng=np.random.default_rng(0))
+    assert panel.match.pose == pytest.approx(found.pose, abs=1e-9)
+    assert panel.verdict.value == f"match, overlap {found.overlap:.2f}"
+    panel.rank.value = 9
+    last = panel.candidates[-1]
+    assert panel.found.value.startswith(f"{len(panel.candidates)} of {len(panel.candidates)}: ")
+    assert f"{last.value:.2f} m match" in panel.found.value
+    panel.scan.value, panel.apart.value = panel.scan.max, 40
+    assert panel.verdict.value.startswith("match")  # the last two scans
+
+
+@unpainted
+def test_ground_truth_panel_measures_the_scans_whose_pose_it_withholds():
+    """Catches an error over the poses that were given, a clock that is moved the other way."""
+    panel = course.GroundTruthPanel(LOG, max_gap=10.0)
+    assert panel.error.value == "wrong by 0.000 m on average"
+    panel.late.value = 0.05
+    speed = 0.5 / (LOG[1].time - LOG[0].time)
+    used = panel.alignment.used
+    off = np.mean(panel.alignment.poses[used, 0] - LOG.truth[used, 0])
+    assert off == pytest.approx(-0.05 * speed, rel=1e-6)
+    panel.late.value = 0
+    panel.every.value = 3
+    assert panel.alignment.used.tolist() == [True, True, True, True, False][: len(LOG)]
+
+
+@unpainted
+def test_icp_panel_ends_in_the_match_and_starts_where_it_is_told():
+    """Catches degrees taken for radians, and a step beyond the last."""
+    before, now = LOG[0].points(), LOG[1].points()
+    panel = course.IcpPanel(before, now, (0.5, 0, 0))
+    panel.turn.value = 5
+    np.testing.assert_allclose(panel.steps[0].pose - panel.pose, [0.3, 0.3, np.radians(5)])
+    panel.step.value = 60
+    found = match_points(before, now, panel.steps[0].pose)
+    np.testing.assert_allclose(panel.steps[-1].pose, found.pose, atol=1e-12)
+    last = len(panel.steps) - 1
+    assert panel.count.value.startswith(f"step {last} of {last}: ")
+
+
+@unpainted
+def test_backbone_panel_shows_what_the_method_does():
+    """Catches a panel one scan off, a rotation in radians, and a threshold without effect."""
+    log = load("corridor")[:60]
+    steps, panel = backbone_steps(log), course.BackbonePanel(log)
+    for k in (2, 50):
+        panel.scan.value = k
+        turned = f"turned by {np.degrees(steps[k].rotation):.2f} deg"
+        assert panel.turned.value == f"{turned}, {len(steps[k].lines.angle)} lines"
+        assert panel.state.value == (steps[k].reason or "used")
+    panel.min_length.value = 3.0
+    assert len(panel.step.segments) < len(steps[50].segments)
+
+
+@unpainted
+def test_pose_graph_panel_shows_the_graph_as_it_is():
+    """Catches a graph solved with other weights than the method's, and scans that are left out."""
+    found = looped()
+    panel = course.PoseGraphPanel(LOOP, found)
+    assert_poses_equal(panel.poses, found.poses, atol=1e-4)
+    loops = int(found.graph.loop.sum())
+    assert loops and panel.count.value.endswith(f" {loops} loops")
+
+
+@unpainted
+def test_pose_graph_panel_takes_loops_only_when_they_are_found_and_wanted():
+    """Catches a box without effect, and a loop known before its second end was seen."""
+    panel = course.PoseGraphPanel(LOOP, looped())
+    panel.odometry.value = True
+    assert float(panel.gap.value.split()[-2]) < 0.1
+    panel.loops.value = False
+    assert_poses_equal(panel.poses, LOOP.odometry, atol=1e-6)
+    assert "loops not used" in panel.count.value and float(panel.gap.value.split()[-2]) > 1
+    panel.loops.value, panel.scan.value = True, 140
+    assert_poses_equal(panel.poses, LOOP.odometry[:141], atol=1e-6)
+    assert panel.count.value.endswith(" 0 loops")
+
+
+@unpainted
+def test_pose_graph_panel_without_odometry_offers_no_odometry():
+    scans = [LaserScan(s.ranges, s.angles, s.time) for s in LOOP[:10]]
+    assert course.PoseGraphPanel(Log("bare", scans)).odometry.disabled
+
+
+@unpainted
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (lambda: course.AnglePanel(LOG[:1]), "log must hold at least two scans, got 1"),
+        (lambda: course.BackbonePanel(LOG[:0]), "log must hold at least one scan, got none"),
+        (lambda: course.GroundTruthPanel(Log("raw", LOG.scans)), "must hold true poses"),
+        (
+            lambda: course.IcpPanel(np.zeros((2, 2)), np.zeros((9, 2))),
+            "6 points each, got 2 and 9",
+        ),
+        (lambda: course.PoseGraphPanel(LOOP, odometry(LOOP)), "must share a graph"),
+        (lambda: course.PoseGraphPanel(LOOP[:9], looped()), "must share a graph"),
+        (lambda: course.PoseGraphPanel(LOOP[:1]), "must share a graph"),
+    ],
+)
+def test_what_a_lesson_panel_cannot_show_is_named(make, message):
+    with pytest.raises(ValueError, match=message):
+        make()
+
+
+# ------------------------------------------------------- quadtrees, and the rays that fail
+@pytest.mark.parametrize("seed", range(10))
+def test_without_a_failure_the_variant_is_the_map(seed):
+    """Catches a variant that differs by more than what it is to show."""
+    rng = np.random.default_rng(seed)
+    maps = [QuadtreeMap(resolution=0.1, size=1.6) for _ in range(2)]
+    for _ in range(3):
+        sensor, ends = rng.normal(0, 1, 2), rng.normal(0, 3, (12, 2))
+        maps[0].insert_scan(sensor, ends)
+        course.insert_variant(maps[1], sensor, ends)
+    assert leaves_of(maps[0]) == leaves_of(maps[1])
+
+
+def test_without_the_mask_a_ray_crosses_the_neighbours_of_its_end():
+    """By hand: of five cells in a row the mask spares two, without it only the end is spared."""
+    counts = {}
+    for mask in (True, False):
+        map = QuadtreeMap(resolution=1, size=4)
+        course.insert_variant(map, (0.5, 0.5), [(x + 0.5, 0.5) for x in range(4)])
+        course.insert_variant(map, (0.5, 0.5), [(3.5, 0.5)], mask=mask)
+        counts[mask] = np.array([leaves_of(map)[(x, 0, 1)][0] for x in range(4)])
+    assert (counts[False] - counts[True]).tolist() == [0, 0, 1, 0]
+
+
+@pytest.mark.parametrize("seed", range(30))
+def test_touched_cells_are_those_whose_square_the_segment_meets(seed):
+    """Against every cell of a box, by clipping the segment to its square."""
+    rng = np.random.default_rng(seed)
+    start, end = rng.integers(-6, 7, (2, 2))
+    expected = set()
+    for x in range(-9, 9):
+        for y in range(-9, 9):
+            low, high = 0.0, 1.0
+            for a, d, c in ((start[0], end[0] - start[0], x), (start[1], end[1] - start[1], y)):
+                if d == 0:
+                    low = low if c <= a <= c + 1 else 2.0
+                else:
+                    t = sorted(((c - a) / d, (c + 1 - a) / d))
+                    low, high = max(low, t[0]), min(high, t[1])
+            if low <= high + 1e-12:
+                expected.add((x, y))
+    found = touched_cells(tuple(start.tolist()), tuple(end.tolist()))
+    assert {tuple(c) for c in found.tolist()} == expected
+
+
+@unpainted
+def test_both_failures_do_what_the_thesis_shows():
+    """B fig. 4.5: walls turn grey, and space outside turns free; the mask alone cures the first."""
+    panel = course.RayPanel()
+    share = {}
+    for touched in (False, True):
+        for mask in (True, False):
+            panel.touched.value, panel.mask.value = touched, mask
+            share[touched, mask] = panel.walls_kept.value.split()[0], panel.outside.value
+    assert share[False, True] == ("100", "0.00 m\u00b2 free outside")
+    assert int(share[False, False][0]) < 100
+    assert int(share[True, False][0]) < 50 and share[True, False][1] > share[False, False][1]
+
+
+@unpainted
+def test_free_outside_is_measured_beyond_the_walls():
+    """Catches an area that counts the room itself, or leaves that the walls cut."""
+    panel = course.RayPanel(square_room(4.0), [(1.5, 1.6, 0.2)])
+    assert panel.free_outside() == 0
+    panel.map.tree.vis[panel.map.tree.vis == 1] = 50
+    leaves = panel.map.leaves()
+    assert 0 < panel.free_outside() < (leaves.side**2).sum() - 16
+
+
+@unpainted
+def test_classes_panel_shows_what_is_exported():
+    """Catches thresholds that are not handed on."""
+    log = load("room")
+    map = build_map(log, log.truth)
+    panel = course.ClassesPanel(map)
+    for occupied, free, k in ((0.5, 0.25, 0), (0.9, 0.25, 0), (0.5, 0.0, 2)):
+        panel.occupied.value, panel.free.value, panel.doublings.value = occupied, free, k
+        found = ros_classes(map, resolution=0.05 * 2**k, occupied=occupied, free=free)
+        assert np.array_equal(panel.classes.greys, found.greys)
+        counts = [int(part.split()[0]) for part in panel.counts.value.split(", ")]
+        assert counts == [(found.greys == grey).sum() for grey in (254, 205, 0)]
