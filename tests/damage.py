@@ -4,29 +4,47 @@ import gzip
 import os
 import random
 import warnings
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
 
 import numpy as np
-from log_samples import NPZ, RAWSEEDS, SINGLE_FILES
+from log_samples import GROUNDTRUTH, NPZ, ODOMETRY_CSV, RAWSEEDS, SINGLE_FILES
 from mrpt_samples import BINARY_FILES
 
 from segmap import SegmentMap, readers
 from segmap.arrays import LIMIT
+from segmap.exports import write_graph, write_segments
 from segmap.poses import between, compose
 from segmap.readers import LogError, PoseGraph
+
+#: A map with numbers that are hard to write.
+ODD_MAP = SegmentMap(
+    [[(0.1, -0.0), (1 / 3, 5e-324)], [(LIMIT, -LIMIT), (1e7 - 1e-9, 2)], [(1, 1), (1, 1)]],
+    scan=[-1, 2**53 - 1, 0],
+)
+
+
+def a_graph(seed=1, count=12, loops=6, noise=0.02) -> PoseGraph:
+    """A robot that turns, loops closed; information of no symmetry at all."""
+    rng = np.random.default_rng(seed)
+    poses = np.zeros((count, 3))
+    for k in range(1, count):
+        poses[k] = compose(poses[k - 1], (1, 0.1, rng.normal(0, 1)))
+    ends = [(k, k + 1) for k in range(count - 1)]
+    ends += [tuple(rng.choice(count, 2, replace=False)) for _ in range(loops)]
+    edges = np.array(ends)
+    relative = between(poses[edges[:, 0]], poses[edges[:, 1]])
+    relative += rng.normal(0, noise, relative.shape) * (1, 1, 0.3)
+    half = rng.normal(0, 10, (len(edges), 3, 3))
+    information = half @ half.swapaxes(1, 2) + np.diag([900, 400, 2000])
+    return PoseGraph(poses + rng.normal(0, 0.01, poses.shape), edges, relative, information)
+
 
 with gzip.open(readers.data_file("malaga/malaga.log.gz"), "rt") as _file:
     MALAGA = "".join(line for _, line in zip(range(4), _file, strict=False))
 SAMPLES = {name: text.encode() for name, text in (SINGLE_FILES | {"malaga": MALAGA}).items()}
 SAMPLES |= BINARY_FILES | {"npz": NPZ}
-#: Mutants of a sample, of a format that is new, of one with long lines, and of a file in a folder.
-LIGHT, NEW, HEAVY, IN_FOLDER = 1100, 1000, 400, 300
-NEWLY = ("gmapping", "dpslam", "wean", "csv", "rplidar", "ld19", "npz")
-#: Damaged files that one run of this module reads, each with `on_error` "raise" and "skip".
-COUNTS = {name: LIGHT if len(data) < 2000 else HEAVY for name, data in SAMPLES.items()}
-COUNTS |= {"coreslam_13": 100} | dict.fromkeys(NEWLY, NEW)
-COUNTS |= dict.fromkeys(BINARY_FILES, 300)  # four samples of one reader
-MUTANTS = sum(COUNTS.values()) + IN_FOLDER * len(RAWSEEDS)
-
 #: The same mutants in each run; another seed makes others.
 SEED = os.environ.get("SEGMAP_SEED", "1")
 
@@ -100,39 +118,87 @@ def outcome(path, on_error):
     return log
 
 
-def check(path, place, name, count=None):
-    """Read mutants of one file of a log: each is refused, or sound whether damage is skipped."""
-    rng, content = random.Random(f"{SEED} {name}"), place.read_bytes()
-    for number in range(count or COUNTS.get(name, IN_FOLDER)):
-        place.write_bytes(mutated(content, rng))
+# ----------------------------------------------------------------------------- targets
+#: Takes the folder and random numbers, writes a mutant and reads it: what became of it.
+Target = Callable[[Path, random.Random], list[str]]
+
+
+def log(name: str, content: bytes, folder: Path, rng: random.Random) -> list[str]:
+    """One log, strict and lenient; a file of a recording is read with the others of its folder."""
+    path, whole = folder / name, folder if name in RAWSEEDS else folder / name
+    for other, text in RAWSEEDS.items() if name in RAWSEEDS else ():
+        if other != "SICK_FRONT.csv":  # beside it the Hokuyo is not read
+            (folder / other).write_text(text)
+    path.write_bytes(mutated(content, rng))
+    return strict_and_lenient(whole)
+
+
+def strict_and_lenient(path: Path) -> list[str]:
+    strict, lenient = outcome(path, "raise"), outcome(path, "skip")
+    if strict is not None:  # what was left out are lines of no meaning, not damaged ones
+        assert lenient is not None and len(lenient) == len(strict)
+        assert lenient.skipped == strict.skipped
+    return [
+        f"{'read' if found else 'LogError'} {mode}"
+        for found, mode in ((strict, "strict"), (lenient, "lenient"))
+    ]
+
+
+def bag(name: str, folder: Path, rng: random.Random) -> list[str]:
+    """A bag of a kind, one with packed chunks, or the metadata of a folder."""
+    import bag_samples
+
+    kind = {"bz2": "ros1", "metadata": "db3"}.get(name, name)
+    whole = folder / ("it.bag" if kind == "ros1" else "it")
+    place = whole / "metadata.yaml" if name == "metadata" else folder / bag_samples.KINDS[kind]
+    sound = folder / "sound"
+    if not sound.exists():
+        bag_samples.write(folder, kind, **({"compression": "BZ2"} if name == "bz2" else {}))
+        sound.write_bytes(place.read_bytes())
+    place.write_bytes(mutated(sound.read_bytes(), rng))
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", UserWarning)  # topics, places and times that are damaged
+        return strict_and_lenient(whole if name == "metadata" else place)
+
+
+def trajectory(content: bytes, folder: Path, rng: random.Random) -> list[str]:
+    path, ends = folder / "track.csv", []
+    path.write_bytes(mutated(content, rng))
+    for mode in ("raise", "skip"):
         try:
-            strict, lenient = outcome(path, "raise"), outcome(path, "skip")
-            if strict is not None:
-                assert lenient is not None and len(lenient) == len(strict)
-                assert lenient.skipped == strict.skipped  # lines of no meaning, not damaged ones
-        except Exception as fault:
-            fault.add_note(f"mutant {number} of SEGMAP_SEED={SEED}: {place.read_bytes()[:2000]!r}")
-            raise
+            times, poses = readers.read_trajectory(path, on_error=mode)
+        except LogError:
+            ends.append(f"LogError {mode}")
+        else:
+            assert np.isfinite(poses).all() and (np.diff(times) >= 0).all()
+            ends.append(f"read {mode}")
+    return ends
 
 
-#: A map with numbers that are hard to write.
-ODD_MAP = SegmentMap(
-    [[(0.1, -0.0), (1 / 3, 5e-324)], [(LIMIT, -LIMIT), (1e7 - 1e-9, 2)], [(1, 1), (1, 1)]],
-    scan=[-1, 2**53 - 1, 0],
-)
+def given_to(
+    read: Callable[[Path], object], name: str, what: object, folder: Path, rng: random.Random
+) -> list[str]:
+    """A map of segments or a pose graph; what is read of a mutant can be written again."""
+    write = write_graph if read is readers.read_graph else write_segments
+    path, sound = folder / "it", folder / name
+    if not sound.exists():
+        write(sound, what)
+    path.write_bytes(mutated(sound.read_bytes(), rng))
+    try:
+        found = read(path)
+    except LogError as fault:
+        assert str(fault).startswith(str(path))
+        return ["LogError"]
+    if rng.random() < 0.1:
+        write(folder / f"again-{name}", found)
+    return ["read"]
 
 
-def a_graph(seed=1, count=12, loops=6, noise=0.02) -> PoseGraph:
-    """A robot that turns, loops closed; information of no symmetry at all."""
-    rng = np.random.default_rng(seed)
-    poses = np.zeros((count, 3))
-    for k in range(1, count):
-        poses[k] = compose(poses[k - 1], (1, 0.1, rng.normal(0, 1)))
-    ends = [(k, k + 1) for k in range(count - 1)]
-    ends += [tuple(rng.choice(count, 2, replace=False)) for _ in range(loops)]
-    edges = np.array(ends)
-    relative = between(poses[edges[:, 0]], poses[edges[:, 1]])
-    relative += rng.normal(0, noise, relative.shape) * (1, 1, 0.3)
-    half = rng.normal(0, 10, (len(edges), 3, 3))
-    information = half @ half.swapaxes(1, 2) + np.diag([900, 400, 2000])
-    return PoseGraph(poses + rng.normal(0, 0.01, poses.shape), edges, relative, information)
+TARGETS: dict[str, Target] = {n: partial(log, n, data) for n, data in SAMPLES.items()}
+TARGETS |= {n: partial(log, n, t.encode()) for n, t in RAWSEEDS.items()}
+TARGETS["track"] = partial(trajectory, GROUNDTRUTH.encode())
+TARGETS["odometry"] = partial(trajectory, ODOMETRY_CSV.encode())
+for _name in ("segments.csv", "segments.npz"):
+    TARGETS[_name] = partial(given_to, readers.read_segments, _name, ODD_MAP)
+TARGETS["graph"] = partial(given_to, readers.read_graph, "it.g2o", a_graph(3, 4, 2))
+BAGS: dict[str, Target] = {n: partial(bag, n) for n in ("ros1", "db3", "mcap", "bz2", "metadata")}

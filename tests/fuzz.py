@@ -21,22 +21,16 @@ from concurrent.futures.process import BrokenProcessPool
 from functools import partial
 from multiprocessing import get_context
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import damaged_maps
-import numpy as np
-from damage import ODD_MAP, SAMPLES, SEED, a_graph, mutated, outcome
-from log_samples import GROUNDTRUTH, ODOMETRY_CSV, RAWSEEDS
+from damage import SEED, TARGETS, Target, mutated
 from segmap_course import load_trials
 
-from segmap import LogError
 from segmap.experiments import load_alignments, load_records, read_records
-from segmap.exports import write_graph, write_segments
-from segmap.readers import data_file, read_graph, read_segments, read_trajectory
+from segmap.readers import data_file
 
 EACH = 4600
-#: Takes the folder and random numbers, writes a mutant and reads it: what became of it.
-Target = Callable[[Path, random.Random], list[str]]
 
 
 class Found(NamedTuple):
@@ -47,59 +41,6 @@ class Found(NamedTuple):
     ends: Counter[str]
     slowest: float
     memory: float
-
-
-def log(name: str, content: bytes, folder: Path, rng: random.Random) -> list[str]:
-    """One log, strict and lenient; where `name` is of Rawseeds its folder is read."""
-    path, whole = folder / name, folder if name in RAWSEEDS else folder / name
-    path.write_bytes(mutated(content, rng))
-    for other, text in RAWSEEDS.items() if name in RAWSEEDS else ():
-        if other != name and other != "SICK_FRONT.csv":  # beside it the Hokuyo is not read
-            (folder / other).write_text(text)
-    strict, lenient = outcome(whole, "raise"), outcome(whole, "skip")
-    if strict is not None:
-        assert (
-            lenient is not None
-            and len(lenient) == len(strict)
-            and lenient.skipped == strict.skipped
-        )
-    return [f"{'read' if found else 'LogError'} {mode}" for found, mode in
-            ((strict, "strict"), (lenient, "lenient"))]  # fmt: skip
-
-
-def trajectory(content: bytes, folder: Path, rng: random.Random) -> list[str]:
-    path, ends = folder / "track.csv", []
-    path.write_bytes(mutated(content, rng))
-    for mode in ("raise", "skip"):
-        try:
-            times, poses = read_trajectory(path, on_error=mode)
-        except LogError:
-            ends.append(f"LogError {mode}")
-        else:
-            assert np.isfinite(poses).all() and (np.diff(times) >= 0).all()
-            ends.append(f"read {mode}")
-    return ends
-
-
-def written(write: Callable[[Path, Any], None], name: str, what: object) -> bytes:
-    """What an export writes."""
-    with tempfile.TemporaryDirectory() as folder:
-        write(Path(folder) / name, what)
-        return (Path(folder) / name).read_bytes()
-
-
-def given_to(
-    read: Callable[[Path], object], content: bytes, folder: Path, rng: random.Random
-) -> list[str]:
-    """A map of segments or a pose graph."""
-    path = folder / "it"
-    path.write_bytes(mutated(content, rng))
-    try:
-        read(path)
-    except LogError as fault:
-        assert str(fault).startswith(str(path))
-        return ["LogError"]
-    return ["read"]
 
 
 def map_bytes(folder: Path, rng: random.Random) -> list[str]:
@@ -143,13 +84,7 @@ def targets() -> dict[str, Target]:
     def beginning(path: Path) -> bytes:
         return b"".join(path.read_bytes().splitlines(keepends=True)[:4])
 
-    found: dict[str, Target] = {n: partial(log, n, data) for n, data in SAMPLES.items()}
-    found |= {n: partial(log, n, t.encode()) for n, t in RAWSEEDS.items()}
-    found["track"] = partial(trajectory, GROUNDTRUTH.encode())
-    found["odometry"] = partial(trajectory, ODOMETRY_CSV.encode())
-    for name in ("segments.csv", "segments.npz"):
-        found[name] = partial(given_to, read_segments, written(write_segments, name, ODD_MAP))
-    found["graph"] = partial(given_to, read_graph, written(write_graph, "it.g2o", a_graph()))
+    found = dict(TARGETS)
     found |= {"map bytes": map_bytes, "map arrays": map_arrays}
     found["runs"] = partial(table, read_records, beginning(place / "malaga.csv"))
     found["alignments"] = partial(

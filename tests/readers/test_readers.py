@@ -168,12 +168,6 @@ def test_raw_odometry_beside_gmappings_poses_is_odometry(read):
     assert log.truth == pytest.approx(np.array(TRUTH))
 
 
-@pytest.mark.parametrize("on_error", ["ignore", None, ""])
-def test_other_values_of_on_error_are_refused(read, on_error):
-    with pytest.raises(ValueError, match="on_error must be one of 'raise', 'skip'"):
-        read(CARMEN, on_error=on_error)
-
-
 def test_the_name_is_the_files(read, tmp_path):
     assert read(CARMEN, "b.25.log").name == "b.25"
     (tmp_path / "run.log.gz").write_bytes(gzip.compress(CARMEN.encode()))

@@ -4,13 +4,11 @@ import gzip
 import sqlite3
 import subprocess
 import sys
-import warnings
 
 import bag_samples as bags
 import numpy as np
 import pytest
 from bag_samples import LEVEL, RANGES
-from conftest import slow
 from log_samples import ODOMETRY, TIMES
 
 from segmap import readers
@@ -321,24 +319,3 @@ class TestDamage:
 def _nothing_seen(m):
     for k in range(300):
         yield "/scan", START + k, *m.scan(START + k, ranges=np.full(360, np.inf), step=0.01)
-
-
-# --- mutation -------------------------------------------------------------------------------------
-
-#: Damaged bags of each kind, and of the metadata of a folder.
-FEW, MANY = 150, 10_000
-
-
-@pytest.mark.parametrize("count", [FEW, slow(MANY)])
-@pytest.mark.parametrize("name", [*bags.KINDS, "bz2", "metadata"])
-def test_nothing_but_log_errors_comes_out_of_damaged_bags(tmp_path, name, count, monkeypatch):
-    from damage import COUNTS, check
-
-    kind = {"bz2": "ros1", "metadata": "db3"}.get(name, name)
-    packed = {"compression": "BZ2"} if name == "bz2" else {}
-    whole = bags.write(tmp_path, kind, **packed)
-    place = whole / "metadata.yaml" if name == "metadata" else tmp_path / bags.KINDS[kind]
-    monkeypatch.setitem(COUNTS, name, count if name != "metadata" else count // 4)  # slow: YAML
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", UserWarning)  # topics, places and times that are damaged
-        check(whole if name == "metadata" else place, place, name)

@@ -63,26 +63,6 @@ class TestGMapping:
         log = read(f"LASER_READING {count} {'1 ' * count}0 0 0 1\nNEFF 3\n")
         assert np.degrees(np.ptp(log[0].angles)) == pytest.approx(degrees, abs=0.05)
 
-    @pytest.mark.parametrize(
-        ("line", "reason"),
-        [
-            ("SM_UPDATE 2 0 0 0 1", "announces '2' particles, but 4 fields follow"),
-            ("SM_UPDATE", "announces '' particles"),
-            ("SM_UPDATE 0", "expected the weight of a particle, got none"),
-            ("SM_UPDATE 1 0 0 0 nan", "expected the weight of a particle, got none"),
-            ("SM_UPDATE 1 0 inf 0 1", "expected metres and radians for the heaviest particle"),
-            ("LASER_READING 1 1 0 0 0", "expected x, y, heading and the time after the ranges"),
-            ("PARAM maxrange 0", "expected metres for maxrange, got '0'"),
-            ("PARAM maxrange", "expected numbers for maxrange"),
-            ("FLASER 1 1", "expected a line of a GMapping run, got 'FLASER'"),
-        ],
-    )
-    def test_damaged_lines(self, read, line, reason):
-        with pytest.raises(LogError) as caught:
-            read(GMAPPING + line + "\n")
-        assert reason in caught.value.reason and caught.value.line == 13
-        assert read(GMAPPING + line + "\n", on_error="skip").skipped.lines == 1
-
     @given(SCANS)
     @quick
     def test_what_was_written_is_read(self, read, scans):
@@ -114,15 +94,6 @@ class TestDpSlam:
         log = read("Odometry 1 1 1\nOdometry 2 x 2\nLaser 1 5\n", on_error="skip")
         assert log[0].odometry is None and log.skipped.lines == 1
 
-    @pytest.mark.parametrize(
-        ("line", "reason"),
-        [("Laser 1 2 3", "announces 1 ranges, but 2 follow"), ("Odometry 1 2", "got 2 fields"),
-         ("Sonar 1 2", "expected an Odometry or Laser line, got 'Sonar'")],
-    )  # fmt: skip
-    def test_damaged_lines(self, read, line, reason):
-        with pytest.raises(LogError, match=reason):
-            read(DPSLAM + line)
-
     @given(SCANS)
     @quick
     def test_what_was_written_is_read(self, read, scans):
@@ -147,16 +118,6 @@ class TestWeanHall:
         log = read(text(lines))
         assert log.truth[0] == pytest.approx([0, 0, 0]) and log.odometry[1, 0] == 0.5
         assert log.truth[1] == pytest.approx([1, 0, 0.1])
-
-    @pytest.mark.parametrize(
-        ("old", "new", "reason"),
-        [("151 ", "", "expected 6 fields, 180 ranges and a time, got 187"),
-         ("O 0.0", "P 0.0", "expected an L or O line, got 'P'"),
-         ("151 ", "x ", "expected numbers for ranges, got 'x'")],
-    )  # fmt: skip
-    def test_damaged_lines(self, read, old, new, reason):
-        with pytest.raises(LogError, match=reason):
-            read(WEAN.replace(old, new, 1))
 
     @given(st.lists(st.tuples(RANGE, POSE, st.floats(0, 1e9)), min_size=1, max_size=4))
     @quick

@@ -1,0 +1,290 @@
+"""Damaged and hostile files: clear errors, in bounded memory and time, nothing but `LogError`."""
+
+import gzip
+import os
+import random
+import time
+import tracemalloc
+import zipfile
+
+import pytest
+from conftest import shared_file, slow
+from damage import BAGS, SEED, TARGETS
+from log_samples import (
+    CARMEN,
+    CORESLAM,
+    CSV,
+    DPSLAM,
+    G2O,
+    GMAPPING,
+    HOKUYO,
+    LD19,
+    PLAYER_BARE,
+    RAWSEEDS,
+    RPLIDAR,
+    SICK,
+    WEAN,
+    flaser,
+)
+
+from segmap import readers
+from segmap.readers import LogError, read_segments, read_trajectory
+
+GOOD = flaser((1, 2, 0.5), (0, 0, 0), 1.0)
+SCAN = "-1.5708 +1.5708 +1.5708"
+PLAYER_2 = "1000.500 16777343 6665 laser 00"
+
+
+@pytest.fixture
+def path(tmp_path):
+    return tmp_path / "some.log"
+
+
+@pytest.mark.parametrize(
+    ("content", "reason"),
+    [
+        (b"", "is empty"),
+        (b"\n\n", "of no known format"),
+        (b"# a comment\n", "comments only"),
+        (b"Dear diary,\ntoday the robot 1 2\n", "starts with 'Dear diary,'"),
+        (bytes(range(256)) * 20, "of no known format"),
+        (b"\x1f\x8b\x08\x00garbage that is no deflate stream", "packed file is broken"),
+        (b"\x1f\x8b", "packed file is broken"),
+        (b"PK\x03\x04 and no zip", "packed file is broken"),
+        (b"1.0 2.0 3.0\n", "of no known format"),
+        (b"3 " + b"sheep " * 30 + b"in 2 fields", "of no known format"),
+        (b"FLASER\n", "line 1: expected the number of ranges, got ''"),
+        (b"PARAM robot_length 1\n", "holds no scan"),
+        (
+            b"VERTEX2 0 0 0 0\nEDGE2 0 1 0 0 0 1 0 0 1 0 1\n",
+            "holds no scan, expected a ROBOT",
+        ),
+        (b"angle_deg,range_mm\n", "holds no scan, expected lines of angle and range"),
+        (b"angle_deg,theta_rad,range_mm\n1,2,3\n", "of no known format"),
+        (b"1000 0\n" * 100_001, "more than 100000 beams"),
+    ],
+)
+@pytest.mark.parametrize("on_error", ["raise", "skip"])
+def test_files_that_are_no_logs(path, content, reason, on_error):
+    path.write_bytes(content)
+    with pytest.raises(LogError) as caught:
+        readers.read(path, on_error=on_error)
+    assert reason.removeprefix("line 1: ") in str(caught.value)
+    assert str(caught.value).startswith(str(path)) and caught.value.path == path
+
+
+@pytest.mark.parametrize(
+    ("sample", "line", "reason"),
+    [
+        (GOOD, "FLASER 1000000000 1 2 3", "announces 1000000000 ranges, but 3 fields follow"),
+        (GOOD, "FLASER " + "9" * 5000 + " 1 2", "expected the number of ranges"),
+        (GOOD, "FLASER 0 0 0 0 0 0 0", "announces 0 ranges"),
+        (GOOD, "FLASER -2 1 2", "expected the number of ranges, got '-2'"),
+        (GOOD, "FLASER 2 1 2 3 4", "2 fields follow them, expected 0, 6 or 9"),
+        (GOOD, GOOD.replace("FLASER 5", "FLASER 4"), "10 fields follow"),
+        (GOOD, GOOD.replace("FLASER 5", "FLASER 6"), "8 fields follow"),
+        (GOOD, GOOD.replace("2.50", "2,50"), "expected numbers for ranges, got '2,50'"),
+        (GOOD, GOOD.replace("2.50", "2_50"), "expected numbers for ranges, got '2_50'"),
+        (GOOD, GOOD.replace("0.500000", "inf"), "expected metres and radians for the laser"),
+        (GOOD, GOOD.replace("0.500000", "nan"), "expected metres and radians for the laser"),
+        (GOOD, GOOD.replace("2.000000", "1e300"), "expected metres and radians for the laser"),
+        (GOOD, GOOD.replace("1.000000 robot", "nan robot"), "expected seconds for the time"),
+        (GOOD, "FLAZER 5 1 2 3 4 5", "expected a line of a CARMEN log, got 'FLAZER'"),
+        (GOOD, "FLAS", "expected a line of a CARMEN log, got 'FLAS'"),
+        (GOOD, "PARAM robot_frontlaser_offset wide", "numbers for robot_frontlaser_offset"),
+        (GOOD, "PARAM robot_frontlaser_offset", "expected x, y, heading"),
+        (GMAPPING, "SM_UPDATE 2 0 0 0 1", "announces '2' particles, but 4 fields follow"),
+        (GMAPPING, "SM_UPDATE", "announces '' particles"),
+        (GMAPPING, "SM_UPDATE 0", "expected the weight of a particle, got none"),
+        (GMAPPING, "SM_UPDATE 1 0 0 0 nan", "expected the weight of a particle, got none"),
+        (GMAPPING, "SM_UPDATE 1 0 inf 0 1", "metres and radians for the heaviest particle"),
+        (GMAPPING, "LASER_READING 1 1 0 0 0", "x, y, heading and the time after the ranges"),
+        (GMAPPING, "PARAM maxrange 0", "expected metres for maxrange, got '0'"),
+        (GMAPPING, "PARAM maxrange", "expected numbers for maxrange"),
+        (GMAPPING, "FLASER 1 1", "expected a line of a GMapping run, got 'FLASER'"),
+        (DPSLAM, "Laser 1 2 3", "announces 1 ranges, but 2 follow"),
+        (DPSLAM, "Odometry 1 2", "got 2 fields"),
+        (DPSLAM, "Sonar 1 2", "expected an Odometry or Laser line, got 'Sonar'"),
+        (WEAN, WEAN.splitlines()[1].replace("151 ", "", 1), "180 ranges and a time, got 187"),
+        (WEAN, "P 0.0 0 0 1", "expected an L or O line, got 'P'"),
+        (WEAN, WEAN.splitlines()[1].replace("151 ", "x ", 1), "numbers for ranges, got 'x'"),
+        (PLAYER_BARE, "lazer 0", "expected a message of Player, got 'lazer"),
+        (PLAYER_BARE, f"{PLAYER_2} 001 001 0001 {SCAN} +8.0 0003 1.0 0 1.0 0 1.0", "intensity"),
+        (PLAYER_BARE, f"{PLAYER_2} 1000.5 {SCAN} 0004 1.0 0 1.0 0 1.0 0", "intensity, got"),
+        (PLAYER_BARE, f"laser 0 1.0 {SCAN} 1000000000 1 1 1", "intensity, got 8 fields"),
+        (PLAYER_BARE, "position 0 1.0 2.0", "expected x y heading vx vy turn stall, got 2"),
+        (PLAYER_BARE, "laser x 1.0 3 1 1 1", "expected the index of the laser, got 'x'"),
+        (PLAYER_BARE, "laser 0 1.0 -1.5708 nan 1.5708 3 1 1 1", "expected angles in radians"),
+        (PLAYER_BARE, "laser 0 1.0 -90 90 90 3 1 1 1", "expected angles in radians"),
+        (PLAYER_BARE, "laser", "expected the index of the laser, got ''"),
+        (G2O, "EDGES 0 1", "expected a line of a g2o graph, got 'EDGES'"),
+        (CORESLAM, CORESLAM.splitlines()[0].replace("1500 ", "", 1), "683 ranges, got 706 in all"),
+        (HOKUYO, "x 1", "expected numbers for range and angle, got 'x'"),
+        (HOKUYO, "1000 13", "expected a range in millimetres and an angle in radians, got 1000 13"),
+        (SICK, "1,2", "expected t, count, offset and ranges, got 2 columns"),
+        (SICK, SICK.splitlines()[0] + ", 1", "announces 181 ranges, but 182 follow"),
+        (CSV, "x,1,0,0", "a number for the angle, got 'x'"),
+        (CSV, "1e9,1,0,0", "a number for the angle, got '1e9'"),
+        (CSV, "800,1,0,0", "an angle within two turns, got '800'"),
+        (CSV, "1", "4 columns or more, got 1"),
+        (CSV, "1,x,0,0", "a number for the range, got 'x'"),
+        (CSV, "1,1_0,0,0", "a number for the range, got '1_0'"),
+        (RPLIDAR, "theta: 12.3", "expected a beam with theta:, Dist:, Q:"),
+        (LD19, "stamp(ns):1,angle:12.3,dist", "expected a beam with angle:, distance(,"),
+    ],
+)  # fmt: skip
+def test_damaged_lines_are_named_and_may_be_skipped(path, sample, line, reason):
+    """Two stand before a good line: the first ends the reading, or both are left out."""
+    lines = sample.splitlines()
+    path.write_text("\n".join([*lines, line, line, lines[-1]]))
+    with pytest.raises(LogError) as caught:
+        readers.read(path)
+    number = len(lines) + 1
+    assert caught.value.line == number and reason in caught.value.reason
+    assert f"{path}, line {number}: " in str(caught.value)
+    assert readers.read(path, on_error="skip").skipped == (2, str(caught.value))
+
+
+@pytest.mark.parametrize("first", ["1.5 2.5", "laser 0", "VERTEX2 0 1 2 3", "what is this"])
+def test_a_damaged_first_line_does_not_decide_the_format(path, first):
+    path.write_text(f"{first}\n{GOOD}\n{GOOD}\n")
+    log = readers.read(path, on_error="skip")
+    assert len(log) == 2 and log.skipped.lines == 1
+
+
+def test_a_truncated_gzip_is_noticed_and_its_whole_lines_may_be_kept(path):
+    """A reader that stops quietly at the break loses the end of a log unseen."""
+    lines = [flaser((k, 0, 0), (0, 0, 0), k + 0.123) for k in range(1000)]
+    path.write_bytes(gzip.compress("\n".join(lines).encode())[:-1500])
+    with pytest.raises(LogError, match="packed file is broken or cut short"):
+        readers.read(path)
+    log = readers.read(path, on_error="skip")
+    assert 300 < len(log) < 1000 and "cut short" in log.skipped.reason
+
+
+def test_a_gzip_with_a_wrong_sum_is_noticed(path):
+    packed = bytearray(gzip.compress(CARMEN.encode()))
+    packed[-6] ^= 255
+    path.write_bytes(packed)
+    with pytest.raises(LogError, match="packed file is broken"):
+        readers.read(path)
+
+
+def test_a_zip_holds_one_log(path):
+    with zipfile.ZipFile(path, "w") as packed:
+        packed.writestr("__MACOSX/._some.log", "junk")
+        packed.writestr("some.log", CARMEN)
+    log = readers.read(path, on_error="skip")
+    assert len(log) == 2 and not log.skipped
+
+
+@pytest.mark.parametrize("method", [zipfile.ZIP_DEFLATED, zipfile.ZIP_BZIP2, zipfile.ZIP_LZMA])
+def test_damaged_zips(path, method):
+    """Catches the exceptions of each way to pack, at every byte of the file."""
+    with zipfile.ZipFile(path, "w", method) as file:
+        file.writestr("a.log", "FLASER 2 1 81.83 0 0 0 0 0 0\n" * 9)
+    whole = path.read_bytes()
+    for place in range(len(whole)):
+        path.write_bytes(whole[:place] + bytes([whole[place] ^ 0xFF]) + whole[place + 1 :])
+        for on_error in ("raise", "skip"):
+            try:
+                readers.read(path, on_error=on_error)
+            except LogError as fault:
+                assert "some.log" in str(fault)
+
+
+# ------------------------------------------------------------------------------ bounds
+@pytest.mark.parametrize("start", [b"", b"FLASER 400000000 ", GOOD.encode() + b"\nFLASER 9 "])
+@pytest.mark.parametrize("on_error", ["raise", "skip"])
+def test_endless_lines_are_refused_before_they_are_in_memory(path, start, on_error):
+    """200 MB of one line, packed into 200 kB: reading it whole would fill the machine."""
+    path.write_bytes(gzip.compress(start) + 200 * gzip.compress(b"1 " * 500_000))
+    tracemalloc.start()
+    with pytest.raises(LogError, match="longer than 1048576 bytes"):
+        readers.read(path, on_error=on_error)
+    assert tracemalloc.get_traced_memory()[1] < 20e6
+    tracemalloc.stop()
+
+
+LONG = b"FLASER 2 1 81.83 0 0 0 0 0 0\nSYNC " + b"x" * 2000 + b"\n"
+
+
+@pytest.mark.parametrize("bomb", [b"\n" * 2_000_000, LONG * 3000, b"#\n" * 500_000])
+def test_bombs(path, bomb):
+    """Catches time or memory out of proportion to the file."""
+    path.write_bytes(gzip.compress(bomb))
+    begun = time.process_time()
+    for on_error in ("raise", "skip"):
+        with pytest.raises(LogError, match=r"in a row|unpacks to more"):
+            readers.read(path, on_error=on_error)
+    assert time.process_time() - begun < 60
+
+
+# ------------------------------------------------------------------------------- files
+def test_what_is_no_file_is_named(tmp_path):
+    """Pipes would hang, links lead in a circle, and there are names that no file can have."""
+    (tmp_path / "a.log").symlink_to(tmp_path / "b.log")
+    (tmp_path / "b.log").symlink_to(tmp_path / "a.log")
+    for folder in ("linked", "piped"):
+        (tmp_path / folder).mkdir()
+    (tmp_path / "linked" / "SICK_FRONT.csv").symlink_to(tmp_path / "a.log")
+    os.mkfifo(tmp_path / "piped" / "SICK_FRONT.csv")
+    os.mkfifo(tmp_path / "pipe.log")
+    reasons = {
+        tmp_path: "holds no log, expected",
+        tmp_path / "missing.log": "does not exist",
+        tmp_path / "a.log": "cannot be read",
+        tmp_path / "linked": "cannot be read",
+        tmp_path / "piped": "no regular file",
+        tmp_path / "pipe.log": "is no file",
+        tmp_path / ("x" * 300): "cannot be read",
+        "a\0b": "has no NUL",
+    }
+    for path, reason in reasons.items():
+        with pytest.raises(LogError, match=reason):
+            readers.read(path)
+        for other in (read_trajectory, read_segments):
+            with pytest.raises(LogError):
+                other(path)
+    for bad in (None, 3, b"\xff"):
+        with pytest.raises(ValueError, match="path"):
+            readers.read(bad)
+
+
+def test_files_that_may_not_be_read_are_named(path):
+    path.write_text(CARMEN)
+    path.chmod(0)
+    if os.access(path, os.R_OK):
+        pytest.skip("this user may read everything")
+    with pytest.raises(LogError, match="Permission denied"):
+        readers.read(path)
+
+
+# ---------------------------------------------------------------------------- mutation
+#: Damaged files of each sample that `make test` reads, and `make test-all`; `make fuzz` reads more.
+FEW, MANY = 150, 4000
+
+
+@pytest.mark.parametrize("part", [1, slow(MANY // FEW)])
+@pytest.mark.parametrize("name", [*TARGETS, *BAGS])
+def test_nothing_but_log_errors_comes_out_of_damaged_files(name, part, tmp_path):
+    """Each mutant is refused, or sound whether damage is skipped or not; some of each there are."""
+    dear = {"coreslam": 3, "coreslam_13": 3, "metadata": 5} | dict.fromkeys((*RAWSEEDS, *BAGS), 2)
+    rng, target, ends = random.Random(f"{SEED} {name}"), (TARGETS | BAGS)[name], set()
+    for number in range(part * FEW // dear.get(name, 1)):
+        try:
+            ends.update(target(tmp_path, rng))
+        except Exception as fault:
+            fault.add_note(f"mutant {number} of {name}, SEGMAP_SEED={SEED}")
+            raise
+    assert any(end.startswith("LogError") for end in ends)
+    assert any(end.startswith("read") for end in ends) or name in ("npz", "segments.npz")
+
+
+@pytest.mark.parametrize("name", ["intel.log.gz", "urg04lx-exp1.dat.gz"])
+def test_real_logs_broken_anywhere_are_read_up_to_there(name, tmp_path):
+    whole = shared_file(f"data/{name}")
+    (tmp_path / "cut").write_bytes(whole.read_bytes()[: whole.stat().st_size // 5])
+    half = readers.read(tmp_path / "cut", on_error="skip")
+    count = {"intel.log.gz": 2672, "urg04lx-exp1.dat.gz": 756}[name]
+    assert half.skipped.lines == 1 and 0.1 * count < len(half) < 0.3 * count
