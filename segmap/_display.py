@@ -1,10 +1,12 @@
-"""How scans, maps and reductions show themselves in a notebook."""
+"""How scans, maps and reductions show themselves: their pictures, and a log in words."""
 
 from __future__ import annotations
 
 import base64
 from functools import singledispatch
 from typing import Any
+
+import numpy as np
 
 
 class Pictured:
@@ -27,3 +29,88 @@ def picture(value: object) -> bytes:
     for all `Pictured` objects that first imports `segmap.plotting`. This room knows neither.
     """
     raise TypeError(f"no drawing is registered for {type(value).__name__}")
+
+
+def counted(count: int, word: str) -> str:
+    """A number and what it counts.
+
+    Examples
+    --------
+    >>> counted(1, "scan"), counted(225, "scan")
+    ('1 scan', '225 scans')
+    """
+    return f"{count} {word}{'s' * (count != 1)}"
+
+
+def facts(log: Any) -> list[tuple[str, str]]:
+    """What there is to know of a `Log` before anything is done with it, by words.
+
+    Examples
+    --------
+    >>> from segmap import load
+    >>> for fact in facts(load("malaga")):
+    ...     print(*fact)
+    scans 225 scans in 59.1 s, 4.34 a second
+    beams 361 a scan, 88.5 % of them valid
+    view 180 degrees, 0.5 from beam to beam
+    ranges 0.79 to 49.82 m, half of them below 8.58 m, the sensor's limit is 50 m
+    odometry for each scan; a path of 76.4 m, 12.3 m by 24.3 m
+    truth for 99 of 225 scans; a path of 77.0 m, 14.2 m by 23.2 m
+    """
+    found = [("scans", counted(len(log), "scan") + _duration(log))]
+    if len(log):
+        found += [("beams", _beams(log)), ("view", _view(log)), ("ranges", _ranges(log))]
+    truth = np.full((0, 3), np.nan) if log.truth is None else log.truth
+    found += [("odometry", _path(log.odometry)), ("truth", _path(truth))]
+    if left := log.skipped:
+        found.append(("damaged", f"{counted(left.lines, 'line')} left out; {left.reason}"))
+    return found
+
+
+def _duration(log: Any) -> str:
+    times = log.times[np.isfinite(log.times)]
+    if len(times) < 2 or not np.ptp(times):
+        return ", without times"
+    steps = np.diff(times)
+    rate = f", {1 / np.median(steps):.3g} a second" if np.median(steps) > 0 else ""
+    back = int((steps < 0).sum())
+    early = f", {counted(back, 'time')} earlier than the one before" if back else ""
+    return f" in {np.ptp(times):.1f} s{rate}{early}"
+
+
+def _beams(log: Any) -> str:
+    counts = sorted({len(scan) for scan in log})
+    many = f"{counts[0]}" if len(counts) == 1 else f"{counts[0]} to {counts[-1]}"
+    total = sum(len(scan) for scan in log)
+    valid = sum(int(scan.valid.sum()) for scan in log) / max(total, 1)
+    return f"{many} a scan, {100 * valid:.1f} % of them valid"
+
+
+def _view(log: Any) -> str:
+    scan = max(log, key=len)
+    places = {tuple(scan.sensor_pose) for scan in log}
+    lasers = "" if len(places) == 1 else f", {counted(len(places), 'laser')}"
+    if len(scan) < 2:
+        return f"{counted(len(scan), 'beam')}{lasers}"
+    wide, step = np.ptp(scan.angles), np.median(np.abs(np.diff(scan.angles)))
+    return f"{np.degrees(wide):.4g} degrees, {np.degrees(step):.3g} from beam to beam{lasers}"
+
+
+def _ranges(log: Any) -> str:
+    found = np.concatenate([scan.ranges[scan.valid] for scan in log])
+    if not len(found):
+        return "none is valid"
+    near, half, far = np.quantile(found, [0, 0.5, 1])
+    most = {f"{scan.max_range:.4g}" for scan in log if np.isfinite(scan.max_range)}
+    limit = f", the sensor's limit is {most.pop()} m" if len(most) == 1 else ""
+    return f"{near:.2f} to {far:.2f} m, half of them below {half:.2f} m{limit}"
+
+
+def _path(poses: Any) -> str:
+    known = poses[np.isfinite(poses).all(1)]
+    if not len(known):
+        return "none"
+    way = np.hypot(*np.diff(known[:, :2], axis=0).T).sum()
+    wide, tall = np.ptp(known[:, :2], axis=0)
+    share = "each scan" if len(known) == len(poses) else f"{len(known)} of {len(poses)} scans"
+    return f"for {share}; a path of {way:.1f} m, {wide:.1f} m by {tall:.1f} m"

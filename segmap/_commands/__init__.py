@@ -5,5 +5,3 @@ A command is a function `add(commands)`, which names its arguments, and one of t
 """
 
 from ._main import main
-
-__all__ = ["main"]

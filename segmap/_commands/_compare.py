@@ -5,7 +5,6 @@ from __future__ import annotations
 import argparse
 from collections.abc import Callable
 from contextlib import suppress
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -42,7 +41,7 @@ def add(commands: Any) -> None:
         "compare", help="all reduction methods on the map of a log, at equal quality"
     )
     add_logs(command)
-    add_align(command, "default: ground_truth where the log has it for each scan, else pose_graph")
+    add_align(command)
     command.add_argument(
         "--quality",
         type=float,
@@ -76,12 +75,23 @@ def compare(given: argparse.Namespace, log: Log, targets: Targets) -> None:
         raise ValueError("there is nothing to compare: the map holds no segment")
     if not given.all:
         map = thinned(map)
-    line("extracted", f"{counted(len(whole), 'segment')}{_part(map, whole)}")
+    part = ""
+    if len(map) < len(whole):
+        kept, every = (len(np.unique(m.scan)) for m in (map, whole))
+        part = f"; compared on {len(map)} of them, from {kept} of {every} scans (--all takes all)"
+    line("extracted", f"{counted(len(whole), 'segment')}{part}")
     runs = compared(log.name, map, given.quality / 100)
     line("compared", f"{counted(len(runs), 'run')}, {seconds(float(runs['seconds'].sum()))}")
     print_table(runs, given.quality / 100)
     for path in paths:
-        _write(path, runs, given.quality / 100)
+        if path.suffix == ".csv":
+            from ..experiments import write_records
+
+            write_records(runs, path)
+        else:
+            from ._pictures import write_curves
+
+            write_curves(path, runs, given.quality / 100)
     if paths:
         line("written", ", ".join(str(path) for path in paths))
 
@@ -151,13 +161,6 @@ def thinned(map: SegmentMap) -> SegmentMap:
     raise AssertionError("one scan is left at last")
 
 
-def _part(map: SegmentMap, whole: SegmentMap) -> str:
-    if len(map) == len(whole):
-        return ""
-    kept, every = (len(np.unique(m.scan)) for m in (map, whole))
-    return f"; compared on {len(map)} of them, from {kept} of {every} scans (--all takes all)"
-
-
 def print_table(runs: pd.DataFrame, quality: float) -> None:
     """What each method leaves at one quality, the best first, and its run that comes nearest."""
     from ..experiments import equal_quality, select
@@ -170,25 +173,8 @@ def print_table(runs: pd.DataFrame, quality: float) -> None:
         gone, own = float(at[name]), select(runs, method=name)
         near = own.iloc[int((own["quality"].fillna(0.0) - quality).abs().argmin())]
         left = "-" if np.isnan(gone) else f"{(1 - gone) * total:.0f}"
-        share = "not reached" if np.isnan(gone) else percent(gone)
-        say(f"  {name:<22} {share:>11} {left:>6}  {_run_text(name, near)}")
+        share, varies = "not reached" if np.isnan(gone) else percent(gone), METHODS[name].varies
+        words = f"quality {percent(near['quality'])}, {near['n_after']} left"
+        run = f"--{varies.replace('_', '-')} {near[varies]:.3g}: {words}"
+        say(f"  {name:<22} {share:>11} {left:>6}  {run}, {seconds(near['seconds'])}")
     say()
-
-
-def _run_text(name: str, near: pd.Series[Any]) -> str:
-    varies = METHODS[name].varies
-    found = (
-        f"quality {percent(near['quality'])}, {near['n_after']} left, {seconds(near['seconds'])}"
-    )
-    return f"--{varies.replace('_', '-')} {near[varies]:.3g}: {found}"
-
-
-def _write(path: Path, runs: pd.DataFrame, quality: float) -> None:
-    if path.suffix == ".csv":
-        from ..experiments import write_records
-
-        write_records(runs, path)
-        return
-    from ._pictures import write_curves
-
-    write_curves(path, runs, quality)

@@ -10,7 +10,6 @@ import numpy as np
 
 from .. import exports
 from ..alignment import Alignment
-from ..arrays import Array
 from ..scans import Log
 from ._logs import add_align, add_logs, aligned, each_log
 from ._targets import Targets, add_output
@@ -55,7 +54,11 @@ def convert(given: argparse.Namespace, log: Log, targets: Targets) -> None:
 
 def _write(path: Path, log: Log, poses: Alignment | None) -> str:
     if path.suffix == ".tum":
-        rows, kind = (poses.poses, poses.method) if poses else _own_poses(log)
+        kind, rows = ("odometry", log.odometry) if poses is None else (poses.method, poses.poses)
+        if poses is None and log.truth is not None and np.isfinite(log.truth).all(1).any():
+            kind, rows = "ground truth", log.truth
+        if poses is None and not np.isfinite(rows).all(1).any():
+            raise ValueError("the log has no poses to write: --align pose_graph finds them")
         exports.write_tum(path, log, rows)
         return f"{path}: {counted(int(np.isfinite(rows).all(1).sum()), 'pose')} by {kind}"
     if path.suffix == ".g2o" and poses is not None:
@@ -69,12 +72,3 @@ def _write(path: Path, log: Log, poses: Alignment | None) -> str:
         exports.write_carmen(path, log, poses)
     placed = 0 if known is None else int(np.isfinite(known).all(1).sum())
     return f"{path}: {counted(len(log), 'scan')}, {placed} with a corrected pose"
-
-
-def _own_poses(log: Log) -> tuple[Array, str]:
-    """The true poses of a log, else those by odometry."""
-    if log.truth is not None and np.isfinite(log.truth).all(1).any():
-        return log.truth, "ground truth"
-    if np.isfinite(log.odometry).all(1).any():
-        return log.odometry, "odometry"
-    raise ValueError("the log has no poses to write: --align pose_graph finds them")

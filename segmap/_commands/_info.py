@@ -6,14 +6,12 @@ import argparse
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
-from ..arrays import Array
+from .._display import facts
 from ..readers import format_of
-from ..scans import LaserScan, Log
+from ..scans import Log
 from ._logs import add_logs, each_log
 from ._targets import Targets
-from ._words import counted, line, percent, say
+from ._words import line, say
 
 
 def add(commands: Any) -> None:
@@ -36,65 +34,5 @@ def tell_of(given: argparse.Namespace, log: Log, targets: Targets) -> None:
     known = Path(targets.source).exists()
     where = f"{format_of(targets.source)}, {targets.source}" if known else "comes with segmap"
     say(f"{log.name}: {where}")
-    line("scans", f"{counted(len(log), 'scan')}{_duration(log)}")
-    if len(log):
-        line("beams", _beams(log))
-        line("view", _view(log))
-        line("ranges", _ranges(log))
-    line("odometry", _path(log.odometry))
-    line("truth", _path(np.full((0, 3), np.nan) if log.truth is None else log.truth))
-    if log.skipped:
-        line("damaged", f"{counted(log.skipped.lines, 'line')} left out; {log.skipped.reason}")
-
-
-def _duration(log: Log) -> str:
-    times = log.times[np.isfinite(log.times)]
-    if len(times) < 2 or not np.ptp(times):
-        return ", without times"
-    steps = np.diff(times)
-    rate = f", {1 / np.median(steps):.3g} a second" if np.median(steps) > 0 else ""
-    back = int((steps < 0).sum())
-    early = f", {counted(back, 'time')} earlier than the one before" if back else ""
-    return f" in {np.ptp(times):.1f} s{rate}{early}"
-
-
-def _beams(log: Log) -> str:
-    counts = sorted({len(scan) for scan in log})
-    many = f"{counts[0]}" if len(counts) == 1 else f"{counts[0]} to {counts[-1]}"
-    total = sum(len(scan) for scan in log)
-    valid = sum(int(scan.valid.sum()) for scan in log) / max(total, 1)
-    return f"{many} a scan, {percent(valid)} of them valid"
-
-
-def _view(log: Log) -> str:
-    scan = max(log, key=len)
-    places = {tuple(scan.sensor_pose) for scan in log}
-    lasers = "" if len(places) == 1 else f", {counted(len(places), 'laser')}"
-    if len(scan) < 2:
-        return f"{counted(len(scan), 'beam')}{lasers}"
-    wide, step = np.ptp(scan.angles), np.median(np.abs(np.diff(scan.angles)))
-    return f"{np.degrees(wide):.4g} degrees, {np.degrees(step):.3g} from beam to beam{lasers}"
-
-
-def _ranges(log: Log) -> str:
-    found = np.concatenate([scan.ranges[scan.valid] for scan in log])
-    if not len(found):
-        return "none is valid"
-    near, half, far = np.quantile(found, [0, 0.5, 1])
-    most = {_largest(scan) for scan in log} - {""}
-    limit = f", the sensor's limit is {most.pop()} m" if len(most) == 1 else ""
-    return f"{near:.2f} to {far:.2f} m, half of them below {half:.2f} m{limit}"
-
-
-def _largest(scan: LaserScan) -> str:
-    return f"{scan.max_range:.4g}" if np.isfinite(scan.max_range) else ""
-
-
-def _path(poses: Array) -> str:
-    known = poses[np.isfinite(poses).all(1)]
-    if not len(known):
-        return "none"
-    way = np.hypot(*np.diff(known[:, :2], axis=0).T).sum()
-    wide, tall = np.ptp(known[:, :2], axis=0)
-    share = "each scan" if len(known) == len(poses) else f"{len(known)} of {len(poses)} scans"
-    return f"for {share}; a path of {way:.1f} m, {wide:.1f} m by {tall:.1f} m"
+    for word, text in facts(log):
+        line(word, text)

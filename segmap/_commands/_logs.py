@@ -20,6 +20,8 @@ from ._words import FAULTS, counted, line, progress, reason, say, seconds, tell
 DOCUMENTS = {".html", ".ipynb", ".md", ".py", ".rst", ".sh"}
 #: So many reasons for scans that were not matched are told.
 MOST_REASONS = 3
+#: What happens without --align, in most commands.
+ALIGN = "default: ground_truth where the log has it for each scan, else pose_graph"
 #: What a command does with one log; the files that it writes are those of the targets.
 Work = Callable[[argparse.Namespace, Log, Targets], None]
 
@@ -103,39 +105,34 @@ def log_of(source: str, given: argparse.Namespace) -> Log:
         raise LogError(Path(source), f"is neither a file nor a folder, and {error}") from error
 
 
-def add_align(command: argparse.ArgumentParser, without: str) -> None:
+def add_align(command: Any, without: str = ALIGN) -> None:
     """The option --align; `without` says what happens where it is not given."""
     command.add_argument(
         "--align", choices=METHODS, metavar="METHOD", help=f"{', '.join(METHODS)}; {without}"
     )
 
 
-def default_method(log: Log) -> str:
-    """The true poses where the log has one for each scan; else all poses at once, loops closed."""
-    true = log.truth is not None and np.isfinite(log.truth).all()
-    return "ground_truth" if true else "pose_graph"
-
-
 def aligned(log: Log, method: str | None) -> Alignment:
-    """Align a log and say how it went."""
-    name = method or default_method(log)
+    """Align a log and say how it went.
+
+    By default: the true poses where the log has one for each scan; else all poses at once, loops
+    closed.
+    """
+    true = log.truth is not None and np.isfinite(log.truth).all()
+    name = method or ("ground_truth" if true else "pose_graph")
     options: dict[str, Any] = {}
     if name == "ground_truth":
         options = {"missing": "drop"}
     if name == "angle_correspondence":
         options = {"rng": np.random.default_rng(0)}
     found = METHODS[name](log, **options)
-    line("aligned", f"by {name}: {_placed(found)}, {seconds(found.seconds)}")
+    placed = f"{int(found.used.sum())} of {counted(len(found), 'scan')} matched"
+    if found.graph is not None:
+        placed += f", {counted(int(found.graph.loop.sum()), 'loop')} closed"
+    line("aligned", f"by {name}: {placed}, {seconds(found.seconds)}")
     reasons = Counter(filter(None, found.reasons)).most_common(MOST_REASONS)
     for why, count in reasons:
         line("", f"{counted(count, 'scan')} not: {why}")
     if found.doubt:
         line("", f"doubt: {found.doubt}")
     return found
-
-
-def _placed(found: Alignment) -> str:
-    loops = (
-        "" if found.graph is None else f", {counted(int(found.graph.loop.sum()), 'loop')} closed"
-    )
-    return f"{int(found.used.sum())} of {counted(len(found), 'scan')} matched{loops}"

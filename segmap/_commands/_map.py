@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-from pathlib import Path
 from typing import Any
 
 from .. import exports, extraction, metrics
@@ -27,7 +26,7 @@ def add(commands: Any) -> None:
         "map", help="a map of segments: align, extract, reduce, and tell how good it is"
     )
     add_logs(command)
-    add_align(command, "default: ground_truth where the log has it for each scan, else pose_graph")
+    add_align(command)
     names = (*METHODS, "none")
     command.add_argument(
         "--method",
@@ -65,7 +64,12 @@ def map_log(given: argparse.Namespace, log: Log, targets: Targets) -> None:
         bar.update()
         bar.set_description("writing")
         for path in paths:
-            _write(path, before, after)
+            if path.suffix.lower() == ".png":
+                from ._pictures import write_map_picture
+
+                write_map_picture(path, before, after)
+            else:
+                exports.write_segments(path, after)
     if paths:
         line("written", ", ".join(map(str, paths)))
 
@@ -74,18 +78,14 @@ def segments_of(given: argparse.Namespace, log: Log) -> SegmentMap:
     """Align a log and extract its segments."""
     poses = aligned(log, given.align)
     options = chosen_thresholds(given, extraction.extract_polylines, EXTRACT)
-    map = extraction.build_map(
-        log, poses.trusted, keep_points=_needs_points(given.method), **options
-    )
+    method = METHODS.get(given.method)
+    needs = method is not None and (method.needs_points or method.needs_sensors)
+    map = extraction.build_map(log, poses.trusted, keep_points=needs, **options)
     line("extracted", counted(len(map), "segment"))
     if given.filter is not None:
         map = map.filtered(given.filter)
         line("filtered", f"{counted(len(map), 'segment')} of {given.filter:g} m or more")
     return map
-
-
-def _needs_points(method: str) -> bool:
-    return method in METHODS and (METHODS[method].needs_points or METHODS[method].needs_sensors)
 
 
 def reduced(given: argparse.Namespace, map: SegmentMap) -> Reduction:
@@ -104,12 +104,3 @@ def reduced(given: argparse.Namespace, map: SegmentMap) -> Reduction:
         off = f"segments lie {metres(errors.mean())} off on average, {metres(errors.max())} at most"
         line("quality", f"{percent(kept)} ({metrics.grade_quality(kept)}): {off}")
     return found
-
-
-def _write(path: Path, before: SegmentMap, after: SegmentMap | Reduction) -> None:
-    if path.suffix.lower() == ".png":
-        from ._pictures import write_map_picture
-
-        write_map_picture(path, before, after)
-    else:
-        exports.write_segments(path, after)

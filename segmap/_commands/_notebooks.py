@@ -46,11 +46,7 @@ def run(given: argparse.Namespace) -> None:
 def originals(source: Path, *, outside: bool) -> dict[str, bytes]:
     """Name and content of the chapters of a folder, and of what they link to beside them.
 
-    Parameters
-    ----------
-    source : Path
-    outside : bool
-        Whether links that lead out of the folder lead somewhere in the copy too.
+    `outside` tells whether links that lead out of the folder lead somewhere in the copy too.
     """
     files = {path.name: path.read_bytes() for path in sorted(source.glob("*.ipynb"))}
     linked = {name.decode() for text in files.values() for name in BESIDE.findall(text)}

@@ -29,7 +29,7 @@ def add(commands: Any) -> None:
     )
     add_logs(command)
     ways = command.add_mutually_exclusive_group()
-    add_align(ways, "default: ground_truth where the log has it for each scan, else pose_graph")
+    add_align(ways)
     ways.add_argument(
         "--matcher",
         choices=NAMES,
@@ -58,7 +58,11 @@ def map_log(given: argparse.Namespace, log: Log, targets: Targets) -> None:
     """Map one log, and write what was asked for."""
     paths = targets.paths(log.name)
     begin(log, targets.source)
-    map = _matched(given, log) if given.matcher else _aligned(given, log)
+    if given.matcher:
+        map = _matched(given, log)
+    else:
+        poses = aligned(log, given.align).trusted
+        map = quadtree.build_map(log, poses, resolution=given.resolution)
     left, low, right, high = quadtree.extent(map, margin=0)
     size = f"{right - left:.1f} m by {high - low:.1f} m at {given.resolution:g} m"
     leaves = map.leaves()
@@ -67,19 +71,9 @@ def map_log(given: argparse.Namespace, log: Log, targets: Targets) -> None:
     line("mapped", f"{size}: {area}, {len(full)} leaves in {map.nbytes / 1024:.0f} KB")
     for path in paths:
         _write(path, map)
-    if paths:
-        line("written", ", ".join(map_files(paths)))
-
-
-def map_files(paths: list[Path]) -> list[str]:
-    """The files that were written: beside a .yaml its picture."""
-    pairs = ([p, p.with_suffix(".pgm")] if p.suffix == ".yaml" else [p] for p in paths)
-    return [str(path) for pair in pairs for path in pair]
-
-
-def _aligned(given: argparse.Namespace, log: Log) -> quadtree.QuadtreeMap:
-    poses = aligned(log, given.align)
-    return quadtree.build_map(log, poses.trusted, resolution=given.resolution)
+    if paths:  # beside a .yaml lies its picture
+        pairs = ([p, p.with_suffix(".pgm")] if p.suffix == ".yaml" else [p] for p in paths)
+        line("written", ", ".join(str(path) for pair in pairs for path in pair))
 
 
 def _matched(given: argparse.Namespace, log: Log) -> quadtree.QuadtreeMap:

@@ -6,7 +6,6 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ..arrays import Array
@@ -30,9 +29,10 @@ def write_map_picture(path: Path, before: SegmentMap, after: SegmentMap | Reduct
     rows, columns = (2, 1) if stacked else (1, 2 if several else 1)
     figure = Figure((columns * width, rows * height), dpi=DPI, layout="constrained")
     axes = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False).ravel()
-    _titled(draw_segments(before, ax=axes[0], color=MAP, width=0.8), "Segments", len(before))
+    draw_segments(before, ax=axes[0], color=MAP, width=0.8).set_title(f"Segments: {len(before)}")
     if several:
-        _titled(draw_segments(after, ax=axes[1], color=RESULT, width=1.2), "Reduced", len(after))
+        draw_segments(after, ax=axes[1], color=RESULT, width=1.2)
+        axes[1].set_title(f"Reduced: {len(after)}")
         if stacked:
             axes[0].set_xlabel("")
         else:
@@ -55,10 +55,6 @@ def write_curves(path: Path, runs: pd.DataFrame, quality: float) -> None:
     ax.set_ylim(0, 1)
     ax.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), frameon=False)
     write_bytes(path, figure_png(figure))
-
-
-def _titled(ax: Axes, title: str, count: int) -> None:
-    ax.set_title(f"{title}: {count}")
 
 
 def _inches(points: Array) -> tuple[float, float]:

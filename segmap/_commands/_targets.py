@@ -34,9 +34,10 @@ def _checked(suffixes: Sequence[str], text: str) -> str:
 class Targets:
     """The names given with -o, with the name of each log in its place.
 
-    Parameters
-    ----------
-    patterns : sequence of str
+    Examples
+    --------
+    >>> Targets(["maps/{name}.svg"]).alike()
+    ''
 
     Examples
     --------
@@ -59,28 +60,17 @@ class Targets:
         return self
 
     def paths(self, name: str) -> list[Path]:
-        """The files for a log of this name, none of them written before by this command.
-
-        Raises
-        ------
-        ValueError
-            For a folder, the log itself, a file of another log.
-        FileNotFoundError
-            Where the folder of a file does not exist.
-        """
+        """The files for a log of this name, none of them written before by this command."""
         found = [Path(pattern.replace(NAME, name)) for pattern in self.patterns]
         for path in found:
-            self._check(path)
+            place = path.resolve()
+            if not place.parent.is_dir():
+                raise FileNotFoundError(f"cannot write {path}: make the folder {path.parent} first")
+            if place.is_dir():
+                raise ValueError(f"cannot write {path}: it is a folder")
+            if place == Path(self.source).resolve():
+                raise ValueError(f"cannot write {path}: it is the log itself")
+            if other := self._taken.get(place):
+                raise ValueError(f"{path} was written for {other}: this log would replace it")
+            self._taken[place] = self.source
         return found
-
-    def _check(self, path: Path) -> None:
-        place = path.resolve()
-        if not place.parent.is_dir():
-            raise FileNotFoundError(f"cannot write {path}: make the folder {path.parent} first")
-        if place.is_dir():
-            raise ValueError(f"cannot write {path}: it is a folder")
-        if place == Path(self.source).resolve():
-            raise ValueError(f"cannot write {path}: it is the log itself")
-        if other := self._taken.get(place):
-            raise ValueError(f"{path} was written for {other}: this log would replace it")
-        self._taken[place] = self.source

@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
+from .._display import counted
 from ..readers import LogError, UnknownFormat
 from ..scans import Log
 
@@ -18,25 +19,8 @@ if TYPE_CHECKING:
 FAULTS = (ValueError, OSError, ImportError, MemoryError)
 
 
-def counted(count: int, word: str) -> str:
-    """A number and what it counts: "1 scan", "225 scans".
-
-    Examples
-    --------
-    >>> counted(1, "scan"), counted(225, "scan")
-    ('1 scan', '225 scans')
-    """
-    return f"{count} {word}{'s' * (count != 1)}"
-
-
 def percent(share: float) -> str:
-    """A share to a tenth of a per cent.
-
-    Examples
-    --------
-    >>> percent(0.8449)
-    '84.5 %'
-    """
+    """A share to a tenth of a per cent."""
     return f"{100 * share:.1f} %"
 
 

@@ -25,22 +25,9 @@ WIDTH, HEIGHT = 600, 270
 class ComparePanel(Panel):
     """The run of a method that reduces most at a quality, among its others and on the map.
 
-    Parameters
-    ----------
-    map : SegmentMap
-    runs : DataFrame
-        Of `experiments.sweep`, on this map, unfiltered.
-
-    Attributes
-    ----------
-    method : dropdown
-    wanted : slider, per cent
-        Least quality. Where no run reaches it the best one is shown.
-    thresholds, rate, kept : labels
-    run : Series
-        The run that is shown.
-    reduction : Reduction
-        Made anew with its thresholds.
+    The runs are of `experiments.sweep`, on this map, unfiltered. `method` is a list, `wanted` a
+    slider of the least quality, in per cent: where no run reaches it the best one is shown.
+    `thresholds`, `rate` and `kept` tell of `run`, and `reduction` is made anew with its thresholds.
 
     Examples
     --------
@@ -72,7 +59,10 @@ class ComparePanel(Panel):
         self._assemble(self.method, self.wanted, texts, width=WIDTH, height=HEIGHT)
 
     def _draw(self, figure: Figure) -> None:
-        self.run = run = self._chosen()
+        runs = select(self.runs, method=self.method.value)
+        good = runs[runs["quality"] >= self.wanted.value / 100]
+        best = good["reduction"].argmax() if len(good) else runs["quality"].fillna(0.0).argmax()
+        self.run = run = (good if len(good) else runs).iloc[best]
         self.reduction = METHODS[run["method"]].function(self.map, **thresholds_of(run))
         self.thresholds.value = thresholds_text(run)
         left = f"{len(self.reduction)} of {len(self.map)} left"
@@ -86,12 +76,6 @@ class ComparePanel(Panel):
             *here, "o", markersize=12, markerfacecolor="none", color=ERROR, markeredgewidth=2
         )
         draw_before_after(self.map, self.reduction, ax=walls)
-
-    def _chosen(self) -> pd.Series[Any]:
-        runs = select(self.runs, method=self.method.value)
-        good = runs[runs["quality"] >= self.wanted.value / 100]
-        best = good["reduction"].argmax() if len(good) else runs["quality"].fillna(0.0).argmax()
-        return (good if len(good) else runs).iloc[best]
 
     def __repr__(self) -> str:
         wanted = f"{self.method.value} at {self.wanted.value} %"

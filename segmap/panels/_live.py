@@ -13,6 +13,7 @@ import ipywidgets as W
 from numpy.typing import ArrayLike
 
 from .. import arrays
+from ..arrays import Array, Metres, checked
 from ..extraction import extract_polylines
 from ..hokuyo import Newest, SensorError, UrgSensor
 from ..matching import LiveMap, Step, map_scans
@@ -37,26 +38,25 @@ class LivePanel(Panel):
     Start and stop are buttons. One thread reads scans, another maps and draws the newest; scans
     that arrive meanwhile are left out, never queued. Stop it before you use the sensor elsewhere.
 
-    With *close loops* a pose graph places the scans: where the robot comes back, the map is made
+    With `loops` ticked a pose graph places the scans: where the robot comes back, the map is made
     anew from corrected poses, in a third thread, and the old one is shown until then; the walls,
-    kept reduced by `LiveReduction`, are drawn as thin lines.
+    kept reduced by `LiveReduction`, are drawn as thin lines. A change begins a new map where the
+    robot now is.
 
     Parameters
     ----------
-    source : UrgSensor, or any iterable of LaserScan
-    resolution : float, metres
+    source
+        A sensor, or what gives scans.
+    resolution
         Side of the smallest leaves: with coarser ones the poses drift sooner. Rays split leaves
         down to sixteen times as much, so that what was not seen is not white.
-    start : (3,) array, metres and radians
+    start
         Pose of the first scan.
 
     Attributes
     ----------
-    start, stop : buttons
     tolerance : slider
         Of the segments.
-    loops : checkbox
-        Whether loops are closed; a change begins a new map where the robot now is.
     count, leaves, rate, dropped, graph, state : labels
     map : QuadtreeMap
     seconds : float
@@ -71,19 +71,17 @@ class LivePanel(Panel):
     LivePanel(3 scans: 11 segments)
     """
 
+    @checked
     def __init__(
         self,
         source: UrgSensor | Iterable[LaserScan],
         *,
-        resolution: float = 0.02,
+        resolution: Metres = 0.02,
         start: ArrayLike = (0.0, 0.0, 0.0),
     ) -> None:
-        self.source = _checked(source)
-        arrays.positive("metres", resolution=resolution)
-        start = arrays.pose(start, "start")
-        self._resolution = resolution
-        self.map = self._empty()
-        self.seconds, self.taken, self._begin = 0.0, 0, start
+        self.source, self._resolution = _checked(source), resolution
+        self._begin: Array = arrays.pose(start, "start")
+        self.map, self.seconds, self.taken = self._empty(), 0.0, 0
         self._scan: LaserScan | None = None
         self._step: Step | None = None
         self._steps: Iterator[Step] | None = self._begun()
@@ -114,7 +112,7 @@ class LivePanel(Panel):
         """Take so many scans in the calling thread, and leave none out; then end the map."""
         scans = arrays.whole(scans, "scans", least=0)
         _warm_up()
-        with contextlib.closing(self._scans()) as stream:
+        with contextlib.closing(_scans_of(self.source)) as stream:
             for scan in islice(stream, scans):
                 self.take(scan)
         self.finish()
@@ -163,7 +161,7 @@ class LivePanel(Panel):
         _warm_up()
         self.state.value = "running"
         try:
-            with Newest(self._scans()) as self._newest:
+            with Newest(_scans_of(self.source)) as self._newest:
                 for scan in self._newest:
                     self.take(scan)
                     if self._stopping.is_set():
@@ -176,13 +174,6 @@ class LivePanel(Panel):
             self.state.value = "the map is made ready"
             self.finish()
             self.state.value = "stopped"
-
-    def _scans(self) -> Generator[LaserScan, None, None]:
-        yield from self.source.scans() if isinstance(self.source, UrgSensor) else self.source
-
-    def _fed(self) -> Iterator[LaserScan]:
-        while self._scan is not None:
-            yield self._scan
 
     def _match(self, scan: LaserScan) -> None:
         """Match and insert; a scan that fails, or is interrupted, is left out."""
@@ -207,7 +198,7 @@ class LivePanel(Panel):
         The first scan of the new steps is inserted without a match, since its pose is known.
         """
         pose = self._begin if self._step is None else self._step.pose
-        steps = map_scans(self._fed(), map=self.map, start=pose)
+        steps = map_scans(iter(lambda: self._scan, None), map=self.map, start=pose)
         if self._step is not None:
             next(steps)
         return steps
@@ -221,7 +212,7 @@ class LivePanel(Panel):
             own = extract_polylines(self._scan.points(), tolerance=self.tolerance.value)
             segments = transform(self._step.pose, own.reshape(-1, 2)).reshape(-1, 2, 2)
             self._tell(len(segments))
-            walls = self._live.walls if self._live is not None else None
+            walls = None if self._live is None else self._live.walls
             reduced = None if walls is None else walls.segments
             self._picture.show(self.map, self._scan, self._step.pose, segments, reduced)
             self.picture.value = self._picture.png()
@@ -241,6 +232,10 @@ class LivePanel(Panel):
     def __repr__(self) -> str:
         found = f": {self.count.value}" if self.taken else ""
         return f"LivePanel({self.taken} scans{found})"
+
+
+def _scans_of(source: UrgSensor | Iterable[LaserScan]) -> Generator[LaserScan, None, None]:
+    yield from source.scans() if isinstance(source, UrgSensor) else source
 
 
 def _checked(source: UrgSensor | Iterable[LaserScan]) -> UrgSensor | Iterable[LaserScan]:

@@ -122,14 +122,9 @@ def packed(pixels: NDArray[np.uint8]) -> bytes:
 class Greys:
     """Occupancy of a map where it is drawn; only what the newest scan can change is asked again.
 
-    Attributes
-    ----------
-    view : (4,) tuple, metres
-        Left, low, right and high edge of what is drawn: multiples of some cells, so that it
-        changes only when the map has grown by as much.
-    side : float, metres
-        Of a cell of the grid: that of the map, or twice, four times ... as much in a large one.
-    grid : (rows, columns) array, lowest row first
+    `view` is left, low, right and high edge of what is drawn: multiples of some cells, so that it
+    changes only when the map has grown by as much. `side` is that of a cell of `grid`, lowest row
+    first: that of the map, or twice, four times ... as much in a large one.
     """
 
     def __init__(self) -> None:
@@ -145,7 +140,8 @@ class Greys:
         if map.tree is not self.tree:  # another map, or one that was made anew
             self.tree, self.hit, self.side = map.tree, extent(map, margin=0), 0.0
         elif len(seen) > 1:
-            self.hit = joined(self.hit, around)
+            low, high = np.minimum(self.hit[:2], around[:2]), np.maximum(self.hit[2:], around[2:])
+            self.hit = *low.tolist(), *high.tolist()
         self._look(map)
         self._part(map, around)
         return (self.view, self.side) != before
@@ -191,11 +187,6 @@ class Greys:
         part = self.grid[rows, columns]
         corner = self.view[0] + columns.start * self.side, self.view[1] + rows.start * self.side
         part[:] = occupancy(map, corner, part.shape, self.side)
-
-
-def joined(a: Bounds, b: Bounds) -> Bounds:
-    """The bounds that hold both: left, low, right and high."""
-    return min(a[0], b[0]), min(a[1], b[1]), max(a[2], b[2]), max(a[3], b[3])
 
 
 def occupancy(

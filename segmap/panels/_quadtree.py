@@ -7,6 +7,7 @@ from matplotlib.figure import Figure
 from numpy.typing import ArrayLike
 
 from .. import arrays
+from ..arrays import Metres, checked
 from ..plotting import draw_quadtree
 from ..quadtree import QuadtreeMap, build_map
 from ..scans import Log
@@ -19,23 +20,9 @@ DOUBLINGS = 4
 class QuadtreePanel(Panel):
     """The map of a log's first scans, with cells of several sides, and what it takes.
 
-    Parameters
-    ----------
-    log : Log
-    poses : (k, 3) array, metres and radians, or None
-        None takes the log's truth.
-    resolution : float, metres
-        Side of the smallest leaves where `doublings` is 0.
-
-    Attributes
-    ----------
-    scans : slider
-    play : play button, which moves it
-    doublings : slider
-        How often the side of the smallest leaves is doubled.
-    leaves, bytes : labels
-    map : QuadtreeMap
-        What is drawn.
+    Without poses the log's truth is taken. `scans` and its `play` button choose how many scans,
+    `doublings` how often the side of the smallest leaves, `resolution`, is doubled; `leaves` and
+    `bytes` tell of `map`, which is drawn.
 
     Examples
     --------
@@ -48,12 +35,12 @@ class QuadtreePanel(Panel):
 
     map: QuadtreeMap
 
+    @checked
     def __init__(
-        self, log: Log, poses: ArrayLike | None = None, *, resolution: float = 0.05
+        self, log: Log, poses: ArrayLike | None = None, *, resolution: Metres = 0.05
     ) -> None:
         if not len(arrays.instance(log, "log", Log)):
             raise ValueError("log must hold one scan at least, got none")
-        arrays.positive("metres", resolution=resolution)
         given = log.truth
         if poses is not None:
             given = arrays.poses(poses, count=len(log), missing=True)

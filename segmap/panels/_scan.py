@@ -19,21 +19,10 @@ MOST_POINTS = 4000
 class ScanPanel(Panel):
     """A log, scan by scan, each at its pose: what the robot saw, and from where.
 
-    Parameters
-    ----------
-    log : Log
-    poses : (k, 3) array, metres and radians, or None
-        None takes the log's truth, or its odometry where it has none. Scans whose pose is NaN are
-        left out. The path is drawn green for truth, red for odometry, blue for poses given here.
-
-    Attributes
-    ----------
-    step : slider
-        Index among the scans that have a pose.
-    play : play button, which moves the slider
-    index, valid : labels
-    scan : LaserScan
-        What is drawn.
+    Without poses the log's truth is taken, or its odometry where it has none; scans whose pose is
+    NaN are left out. The path is green for truth, red for odometry, blue for poses given here.
+    `step` and its `play` button move among the scans that have a pose; `index` and `valid` tell of
+    `scan`, which is drawn.
 
     Examples
     --------
@@ -57,7 +46,8 @@ class ScanPanel(Panel):
                 f"poses must be ({len(log)}, 3), at least one of them finite, "
                 f"got {self.poses.shape} with {len(self.known)} finite"
             )
-        self._cloud = self._all_points()
+        cloud = np.concatenate([transform(self.poses[k], log[int(k)].points()) for k in self.known])
+        self._cloud = cloud[:: 1 + len(cloud) // MOST_POINTS]
         self.step = slider("scan", 0, 0, len(self.known) - 1, 1, "")
         self.play = player(self.step, interval=250)
         self.index, self.valid = text(), text()
@@ -73,11 +63,6 @@ class ScanPanel(Panel):
         ax.plot(*self._cloud.T, ".", color="#cccccc", markersize=1)
         draw_path(self.poses[self.known], ax=ax, color=self._color)
         draw_scan(self.scan, self.poses[k], ax=ax, color=RESULT)
-
-    def _all_points(self) -> np.ndarray:
-        points = [transform(self.poses[k], self.log[int(k)].points()) for k in self.known]
-        cloud = np.concatenate(points)
-        return cloud[:: 1 + len(cloud) // MOST_POINTS]
 
     def __repr__(self) -> str:
         return f"ScanPanel({self.index.value}: {self.valid.value})"

@@ -33,25 +33,19 @@ BUTTONS = {
 class View:
     """Zoom and middle of what is seen, shared by all maps of a figure (axes of equal scales).
 
-    Parameters
-    ----------
-    changed, reset : functions
-        What to call where another part is to be seen, and for the last button.
-
-    Attributes
-    ----------
-    zoom : float
-        1 where the whole drawing is seen.
-    middle : (2,) array
-        Of what is seen, in parts of the whole from its own middle.
-    buttons : list of Button
+    `zoom` is 1 where the whole drawing is seen; `middle` is that of what is seen, in parts of the
+    whole from its own middle. `changed` is called where another part is to be seen, `reset` for the
+    last of the `buttons`.
     """
 
     def __init__(self, changed: Callable[[], None], reset: Callable[[], None]) -> None:
         self._changed = changed
         self._whole: list[tuple[Axes, Array]] = []
         self.whole()
-        self.buttons = [_button(label, tip) for label, tip in BUTTONS.items()]
+        self.buttons: list[Any] = []
+        for label, tip in BUTTONS.items():
+            width = W.Layout(width="64px" if label.isalpha() else "36px")
+            self.buttons.append(W.Button(description=label, tooltip=tip, layout=width))
         near, far, left, right, up, down, first = self.buttons
         near.on_click(lambda _: self.enlarge(STEP))
         far.on_click(lambda _: self.enlarge(1 / STEP))
@@ -76,7 +70,8 @@ class View:
 
     def take(self, figure: Figure) -> Figure:
         """Remember the limits of a new drawing as the whole of it, and set those that are seen."""
-        self._whole = [(ax, _limits(ax)) for ax in figure.axes if ax.get_aspect() == 1]
+        maps = [ax for ax in figure.axes if ax.get_aspect() == 1]
+        self._whole = [(ax, np.array([ax.get_xlim(), ax.get_ylim()]).T) for ax in maps]
         return self.set(figure)
 
     def set(self, figure: Figure) -> Figure:
@@ -90,13 +85,3 @@ class View:
             first, last = centre - half, centre + half
             ax.set(xlim=(first[0], last[0]), ylim=(first[1], last[1]))
         return figure
-
-
-def _limits(ax: Axes) -> Array:
-    """Lower left and upper right corner, `(2, 2)`."""
-    return np.array([ax.get_xlim(), ax.get_ylim()]).T
-
-
-def _button(label: str, tip: str) -> Any:
-    width = "64px" if label.isalpha() else "36px"
-    return W.Button(description=label, tooltip=tip, layout=W.Layout(width=width))

@@ -10,11 +10,12 @@ from matplotlib.collections import LineCollection
 from numpy.typing import ArrayLike
 
 from .. import arrays
+from .._display import counted
 from ..alignment import Alignment, position_errors
 from ..arrays import Array
 from ..scans import Log
 from ._scans import draw_cloud, draw_log, draw_path
-from ._style import ERROR, RAW, RESULT, axes_grid, axes_or_new, below, counted, map_axes, titled
+from ._style import ERROR, RAW, RESULT, axes_grid, axes_or_new, below, map_axes, titled
 
 
 def draw_alignment(log: Log, alignment: Alignment, *, ax: Axes | None = None) -> Axes:

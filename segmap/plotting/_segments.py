@@ -12,6 +12,7 @@ from matplotlib.figure import Figure
 from numpy.typing import ArrayLike
 
 from .. import arrays
+from .._display import counted
 from ..arrays import Array, Segments, checked
 from ..scans import LaserScan
 from ._scans import draw_scan
@@ -25,7 +26,6 @@ from ._style import (
     axes_or_new,
     axes_row,
     below,
-    counted,
     group_colors,
     map_axes,
     shade,

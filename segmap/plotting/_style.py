@@ -80,11 +80,6 @@ def shade(color: Any, name: str = "color") -> Any:
     return color
 
 
-def counted(count: int, word: str) -> str:
-    """A number and what it counts."""
-    return f"{count} {word}{'s' * (count != 1)}"
-
-
 def titled(things: Mapping[str, T], name: str) -> Mapping[str, T]:
     """What is drawn side by side: one picture at least."""
     if not arrays.instance(things, name, Mapping):

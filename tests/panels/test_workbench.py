@@ -11,6 +11,7 @@ import pytest
 
 import segmap
 from segmap import LaserScan, Log, SegmentMap, alignment, exports, readers, reduction
+from segmap._display import facts
 from segmap.arrays import Metres, Radians, checked
 from segmap.experiments import pareto
 from segmap.methods import Method
@@ -19,7 +20,7 @@ from segmap.panels._base import VIEW
 from segmap.panels.workbench._choices import Choice
 from segmap.panels.workbench._job import Failed, Worker
 from segmap.panels.workbench._recipe import EXTRACTIONS, Outcome
-from segmap.panels.workbench._shown import facts, figures_table, plane, runs_table
+from segmap.panels.workbench._shown import figures_table, plane, runs_table
 from segmap.plotting import thumbnail
 from segmap.scans import Skipped
 from segmap.simulation import URG_04LX, drive, rectangular_room, simulate
@@ -362,13 +363,15 @@ def test_another_log_while_one_is_worked_on():
 def test_a_log_in_words():
     scans = [LaserScan([1.0, 2.0], [0.0, 0.5]), LaserScan([1.0], [0.0])]
     log = Log("<b>", scans, skipped=Skipped(2, "line 7: no number"))
-    assert dict(facts(log)) == {
-        "<b>": "2 scans",
-        "beams": "1 to 2 a scan over 29 degrees",
-        "odometry": "none",
-        "truth": "none",
-        "skipped": "2 lines, the first: line 7: no number",
-    }
+    assert facts(log) == [
+        ("scans", "2 scans, without times"),
+        ("beams", "1 to 2 a scan, 100.0 % of them valid"),
+        ("view", "28.65 degrees, 28.6 from beam to beam"),
+        ("ranges", "1.00 to 2.00 m, half of them below 1.00 m"),
+        ("odometry", "none"),
+        ("truth", "none"),
+        ("damaged", "2 lines left out; line 7: no number"),
+    ]
     assert "<b>&lt;b&gt;</b> 2 scans" in Workbench(log).about.value
 
 

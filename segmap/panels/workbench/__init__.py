@@ -1,5 +1,3 @@
 """The workbench: a log in, a map out, every run kept."""
 
-from ._workbench import (
-    Workbench,
-)
+from ._workbench import Workbench

@@ -18,15 +18,9 @@ NOTHING = [-1, -1]
 class Canvas(anywidget.AnyWidget):
     """The map before, and what one or two methods leave of it.
 
-    Attributes
-    ----------
-    pointed : list of two int
-        Which of the results, and which of its segments the mouse is on; -1 for none.
-    members : list of int
-        Rows of the map before that went into it.
-    titles : list of str
-    size : list of two float, metres
-        Width and height of what is seen at first; the middle of the map is (0, 0).
+    `pointed` says which of the results, and which of its segments the mouse is on, -1 for none;
+    `members` are rows of the map before that went into it. `size` is width and height, metres, of
+    what is seen at first; the middle of the map is (0, 0).
     """
 
     _esm = (Path(__file__).parent / "canvas.js").read_text(encoding="utf-8")

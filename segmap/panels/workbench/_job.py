@@ -50,7 +50,11 @@ class Worker:
         Failed
             With what the function raised, or where the process ended by itself.
         """
-        work, process = _packed((function, given)), self.start()
+        try:
+            work = pickle.dumps((function, given))
+        except Exception as fault:
+            raise Failed(f"{fault}; {HERE}") from fault
+        process = self.start()
         assert process.stdin is not None and process.stdout is not None
         try:
             pickle.dump(work, process.stdin)
@@ -107,25 +111,13 @@ def serve() -> None:
         except EOFError:
             return
         try:
-            _answer(answers, work)
+            try:
+                function, given = pickle.loads(work)
+            except Exception as fault:
+                raise ValueError(f"{fault}; {HERE}") from fault
+            _send(answers, "done", function(*given, lambda text: _send(answers, "told", text)))
         except Exception as fault:
             _send(answers, "failed", said(fault))
-
-
-def _answer(answers: BinaryIO, work: bytes) -> None:
-    try:
-        function, given = pickle.loads(work)
-    except Exception as fault:
-        raise ValueError(f"{fault}; {HERE}") from fault
-    found = function(*given, lambda text: _send(answers, "told", text))
-    _send(answers, "done", found)
-
-
-def _packed(work: Any) -> bytes:
-    try:
-        return pickle.dumps(work)
-    except Exception as fault:
-        raise Failed(f"{fault}; {HERE}") from fault
 
 
 def _send(answers: BinaryIO, kind: str, value: Any) -> None:

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
+from ..._display import facts
 from ...metrics import grade_quality, grade_reduction, reduction_rate
 from ...plotting import DPI, MAP, RAW, RESULT, draw_segments, figure_png, map_axes, method_style
 from ...scans import Log
@@ -26,58 +27,9 @@ LINES = '<div style="line-height: 1.45; overflow-x: auto">'
 
 def about(log: Log) -> str:
     """What a log is, in one paragraph of HTML."""
-    lines = (f"<b>{html.escape(name)}</b> {html.escape(text)}" for name, text in facts(log))
+    named = [(log.name if word == "scans" else word, text) for word, text in facts(log)]
+    lines = (f"<b>{html.escape(word)}</b> {html.escape(text)}" for word, text in named)
     return f"{LINES}{'<br>'.join(lines)}</div>"
-
-
-def facts(log: Log) -> list[tuple[str, str]]:
-    """What there is to know of a log before anything is done with it.
-
-    Examples
-    --------
-    >>> from segmap import load
-    >>> for fact in facts(load("malaga")):
-    ...     print(*fact)
-    malaga 225 scans in 59.1 s
-    beams 361 a scan over 180 degrees, up to 50.0 m
-    odometry for 225 of 225 scans, a path of 76.4 m
-    truth for 99 of 225 scans
-    skipped no line
-    """
-    moved, known = (
-        0 if poses is None else np.isfinite(poses).all(1) for poses in (log.odometry, log.truth)
-    )
-    way = log.odometry[moved][:, :2]
-    path = np.hypot(*np.diff(way, axis=0).T).sum() if len(way) > 1 else 0.0
-    left = log.skipped
-    return [
-        (log.name, f"{len(log)} scans{_lasting(log)}"),
-        ("beams", _beams(log)),
-        ("odometry", _for(moved, log) + (f", a path of {path:.1f} m" if len(way) > 1 else "")),
-        ("truth", _for(known, log)),
-        ("skipped", f"{left.lines} lines, the first: {left.reason}" if left else "no line"),
-    ]
-
-
-def _lasting(log: Log) -> str:
-    times = log.times[np.isfinite(log.times)]
-    return f" in {np.ptp(times):.1f} s" if len(times) > 1 and np.ptp(times) > 0 else ""
-
-
-def _beams(log: Log) -> str:
-    counts = sorted({len(scan) for scan in log})
-    if not counts or not counts[-1]:
-        return "none"
-    count = f"{counts[0]}" if len(counts) == 1 else f"{counts[0]} to {counts[-1]}"
-    view = max(float(np.ptp(scan.angles)) for scan in log if len(scan))
-    reach = max(scan.max_range for scan in log)
-    limit = f", up to {reach:.1f} m" if np.isfinite(reach) else ""
-    return f"{count} a scan over {np.degrees(view):.0f} degrees{limit}"
-
-
-def _for(known: Any, log: Log) -> str:
-    count = int(np.sum(known))
-    return f"for {count} of {len(log)} scans" if count else "none"
 
 
 def titles(outcome: Outcome) -> list[str]:

@@ -41,7 +41,13 @@ class Source:
         self._taken, self._say = taken, say
         files = readers.data_file("malaga").parent.glob("*/*.log.gz")
         self.names = sorted(path.parent.name for path in files)
-        self.controls = bundled, path, upload = self._made()
+        named: Any = {"description": "or its path", "placeholder": "my.log.gz, then Enter"}
+        self.controls: Any = (
+            W.Dropdown(options=[OWN, *self.names], description="bundled log", style=ENTRY),
+            W.Text(continuous_update=False, style=ENTRY, **named),
+            W.FileUpload(description="or upload it"),
+        )
+        bundled, path, upload = self.controls
         self.about: Any = W.HTML()
         chosen = W.Box([bundled, path, upload, W.Label(LARGEST)], layout=W.Layout(**WRAP))
         self.view = W.VBox([chosen, self.about])
@@ -59,14 +65,6 @@ class Source:
         else:
             log = readers.read(arrays.file(source, "source"), on_error="skip")
             self._take(log, f'segmap.read({str(source)!r}, on_error="skip")')
-
-    def _made(self) -> tuple[Any, Any, Any]:
-        named: Any = {"description": "or its path", "placeholder": "my.log.gz, then Enter"}
-        return (
-            W.Dropdown(options=[OWN, *self.names], description="bundled log", style=ENTRY),
-            W.Text(continuous_update=False, style=ENTRY, **named),
-            W.FileUpload(description="or upload it"),
-        )
 
     def _take(self, log: Log, expression: str) -> None:
         if not len(log):

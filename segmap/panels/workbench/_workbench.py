@@ -6,7 +6,7 @@ import html
 import tempfile
 import threading
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import ipywidgets as W
 import numpy as np
@@ -42,11 +42,6 @@ class Workbench:
     *Stop* ends; a run that fails leaves the last good one. Scans without a pose of their own
     (`Alignment.used`) are left out of the map. A segment that is pointed at shows its members.
 
-    Parameters
-    ----------
-    log : Log or None
-        None takes the bundled log "malaga".
-
     Attributes
     ----------
     align, extract, method, second : choices
@@ -54,13 +49,8 @@ class Workbench:
     least : number, metres
         Shorter segments are left out before the reduction.
     bundled, path, upload : controls
-    log : Log
     outcome : Outcome or None
         Alignment, map and reductions of the last good run.
-    runs : DataFrame
-        A row for each method of each run, with the columns of `experiments.sweep` and others.
-    code : str
-        Python that makes the same.
     about, state, chosen : labels
         What the log is; what happens, or why it does not; what is pointed at.
 
@@ -182,7 +172,7 @@ class Workbench:
 
         `which` is 0 for the first method, 1 for the second.
         """
-        reduced, map = self._result(which), self._done().map
+        reduced, map = self._result(which), cast(Outcome, self.outcome).map
         rows = reduced.members(index)
         scans, size = len(np.unique(map.scan[rows])), float(length(reduced.segments[index]))
         self.chosen.value = (
@@ -213,13 +203,10 @@ class Workbench:
             self.canvas.save(path.name, path.read_bytes())
 
     def _result(self, which: int = 0) -> Reduction:
-        found = self._done().reductions
-        return found[arrays.whole(which, "which", least=0, most=len(found) - 1)]
-
-    def _done(self) -> Outcome:
         if self.outcome is None:
             raise ValueError("there is no result yet: run() makes one")
-        return self.outcome
+        found = self.outcome.reductions
+        return found[arrays.whole(which, "which", least=0, most=len(found) - 1)]
 
     # --------------------------------------------------------------------- how it looks
     def _make_outputs(self) -> None:
@@ -230,7 +217,12 @@ class Workbench:
         self.progress: Any = W.IntProgress(max=5, layout=W.Layout(width="120px"))
         self.state, self.chosen = W.HTML(), W.Label()
         self.figures, self.plane, self.listed, self.listing = (W.HTML() for _ in range(4))
-        self.canvas = _canvas()
+        try:
+            from ._canvas import Canvas
+        except ImportError:  # anywidget is not installed: a picture instead
+            self.canvas: Any = None
+        else:
+            self.canvas = Canvas(layout=W.Layout(width="100%"))
         named = [W.Button(description=end, layout=W.Layout(width="auto")) for end in FORMATS]
         for button in named:
             button.on_click(self._download)
@@ -263,12 +255,3 @@ class Workbench:
         if self.outcome is None:
             return f"Workbench({self.log.name}: not run yet)"
         return f"Workbench({self._rows[-1]['map']}: {self.outcome.words()})"
-
-
-def _canvas() -> Any:
-    """The canvas; None where anywidget is not installed: then there is a picture instead."""
-    try:
-        from ._canvas import Canvas
-    except ImportError:
-        return None
-    return Canvas(layout=W.Layout(width="100%"))
