@@ -148,12 +148,3 @@ def test_every_executor_gives_the_same(kind, joined, tmp_path):
     np.testing.assert_array_equal(found.poses, joined.poses)
     assert found.graph.rejected == joined.graph.rejected
     np.testing.assert_array_equal(found.graph.edges, joined.graph.edges)
-
-
-def test_wrong_parts_are_told():
-    with pytest.raises(ValueError, match=r"parts\[0\] must be a Log, got LaserScan"):
-        align_parts(LOG)
-    with pytest.raises(ValueError, match="executor must be"):
-        align_parts([LOG[:2]], executor=2)
-    with pytest.raises(ValueError, match="step must be"):
-        align_parts([LOG[:2]], step=-1)

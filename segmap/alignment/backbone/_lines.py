@@ -212,32 +212,28 @@ def merged(walls: Walls, segments: Array, distance: float, parallel: float) -> W
     `parallel` (radians), and no gap of `distance` lies between.
     """
     for segment in segments:
-        same = _same(walls, segment, distance, parallel)
-        if same < 0:
+        lines = Lines(midpoint(walls.segments), angle(walls.segments))
+        across = np.abs(lines.offsets(segment)).max(0)
+        upright = Lines(lines.through, lines.angle - np.pi / 2)  # its normals run along the walls
+        u = np.sort(upright.offsets(segment), axis=0)
+        gap = np.maximum(u[0], -u[1]) - length(walls.segments) / 2
+        same = (across < distance) & (gap < distance)
+        same &= _apart(segment[None], lines)[0] < parallel
+        if not same.any():
             more = np.concatenate([walls.segments, segment[None]])
             walls = Walls(more, np.append(walls.weight, length(segment)))
             continue
         # Mean direction through the mean middle
-        old, new = walls.weight[same], float(length(segment))
-        both = np.stack([walls.segments[same], segment])
+        nearest = int(np.where(same, across, np.inf).argmin())
+        old, new = walls.weight[nearest], float(length(segment))
+        both = np.stack([walls.segments[nearest], segment])
         direction = axial_mean_of_two(angle(both[0]), angle(both[1]), old, new)
         middle = np.average(midpoint(both), axis=0, weights=[old, new])
-        segments, weight = walls.segments.copy(), walls.weight.copy()
-        segments[same] = extreme_projections(both.reshape(4, 2), middle, direction)
-        weight[same] += new
-        walls = Walls(segments, weight)
+        kept, weight = walls.segments.copy(), walls.weight.copy()
+        kept[nearest] = extreme_projections(both.reshape(4, 2), middle, direction)
+        weight[nearest] += new
+        walls = Walls(kept, weight)
     return walls
-
-
-def _same(walls: Walls, segment: Array, distance: float, parallel: float) -> int:
-    """Index of the wall of which a segment is a piece; -1 for none."""
-    lines = Lines(midpoint(walls.segments), angle(walls.segments))
-    across = np.abs(lines.offsets(segment)).max(0)
-    upright = Lines(lines.through, lines.angle - np.pi / 2)  # its normals run along the walls
-    u = np.sort(upright.offsets(segment), axis=0)
-    gap = np.maximum(u[0], -u[1]) - length(walls.segments) / 2
-    fits = (across < distance) & (gap < distance) & (_apart(segment[None], lines)[0] < parallel)
-    return int(np.where(fits, across, np.inf).argmin()) if fits.any() else -1
 
 
 def support_lines(

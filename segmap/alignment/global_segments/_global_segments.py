@@ -99,31 +99,38 @@ def global_segments(
     Alignment(global_segments: 61 scans, 61 used)
     """
     rules = Rules(similar, angle, spread, rounds)
-    guess = initial_poses(log, start)
-    if guess is None:
+    if start is not None:
+        guess = arrays.poses(start, "start", count=len(log))
+    elif (known := np.flatnonzero(np.isfinite(log.odometry).all(1))).size:
+        at = np.clip(np.arange(len(log)), known[0], known[-1])
+        guess = interpolate(known, log.odometry[known], at)
+        guess = guess if known[0] == 0 else between(guess[0], guess)  # from the origin on
+    else:
         return Outcome(np.zeros((len(log), 3)), ["", *[NO_ODOMETRY] * len(log)][: len(log)])
+    # 1. The scans that are kept
     scans = equations.stacked([long_segments(scan, min_length) for scan in log])
     way = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(guess[:, :2], axis=0).T))])
     kept = kept_scans(scans.world(guess), scans.first, way, reach, rules)
+    # 2. and 3. These, joined and aligned
     poses, graph, why = _align_kept(scans.only(kept), guess[kept], way[kept], reach, rules)
     graph = replace(graph, edges=kept[graph.edges])
+    # 4. Those between hang on the two around them
     poses = hung_between(kept, poses, guess, way)
-    return Outcome(*_align_rest(scans, kept, poses, why, rules), graph)
-
-
-def initial_poses(log: Log, start: ArrayLike | None) -> Array | None:
-    """Poses to begin from, `(k, 3)`, metres and radians; None where nothing gives any.
-
-    From the origin on where the first scan has no odometry.
-    """
-    if start is not None:
-        return arrays.poses(start, "start", count=len(log))
-    known = np.flatnonzero(np.isfinite(log.odometry).all(1))
-    if not len(known):
-        return None
-    at = np.clip(np.arange(len(log)), known[0], known[-1])
-    found = interpolate(known, log.odometry[known], at)
-    return found if known[0] == 0 else between(found[0], found)
+    held = np.isin(np.arange(len(poses)), kept)
+    rest = np.flatnonzero(~held)
+    place = np.searchsorted(kept, rest)
+    ends = np.column_stack([place - 1, np.minimum(place, len(kept) - 1)])
+    edges = np.unique(np.column_stack([np.repeat(rest, 2), kept[ends].ravel()]), axis=0)
+    for stage in rules.finer():
+        poses = equations.settled(scans, poses, edges, held, stage)
+    pairs, _ = equations.corresponding(scans.world(poses), scans.first, edges, stage)
+    reasons = _doubts(scans, poses, pairs)
+    for k, before in zip(rest, place - 1, strict=True):
+        broken = why[before] in (BEYOND, TORN, NOTHING_SHARED)
+        reasons[k] = reasons[k] or (BEYOND if broken else "")
+    for k, reason in zip(kept, why, strict=True):
+        reasons[k] = reason
+    return Outcome(poses, reasons, graph)
 
 
 def kept_scans(segments: Array, first: Indices, way: Array, reach: float, rules: Rules) -> Indices:
@@ -186,13 +193,25 @@ def _align_kept(
         edges = _overlapping(scans, poses, way, window, stage)
         poses = equations.settled(scans, poses, edges, held, stage)
         pairs, edge = equations.corresponding(scans.world(poses), scans.first, edges, stage)
+        # Each group but the first moves whole: its first scan hangs on the one before it
         group = groups(pairs.i, pairs.j, len(poses))
-        poses = _hung_groups(poses, group, guess)
-    why = _doubts(scans, poses, pairs)
-    begins = np.sort(np.unique(group, return_index=True)[1])[1:]
-    apart, again = _torn(poses, group, guess, rules), _doubled(scans, poses, edges[edge])
-    marks = [(begins, NOTHING_SHARED), (apart, TORN), (_beyond(group, apart), BEYOND)]
-    for marked, reason in [*marks, (again, DOUBLED)]:
+        begins = np.sort(np.unique(group, return_index=True)[1])[1:]
+        for k in begins:
+            there = compose(poses[k - 1], between(guess[k - 1], guess[k]))
+            whole = group == group[k]
+            poses[whole] = compose(compose(there, inverse(poses[k])), poses[whole])
+    # Torn: what left the odometry step by more than could be matched; beyond: what belongs neither
+    # to the largest group nor to the largest part of a torn one
+    step = between(between(guess[:-1], guess[1:]), between(poses[:-1], poses[1:]))
+    far = np.hypot(step[:, 0], step[:, 1]) > rules.similar / SIDEWAYS
+    far |= np.abs(step[:, 2]) > rules.angle
+    torn = np.flatnonzero(far & (group[:-1] == group[1:])) + 1
+    part = np.cumsum(np.isin(np.arange(len(group)), torn))
+    label = np.unique(np.column_stack([group, part]), axis=0, return_inverse=True)[1].ravel()
+    beyond = np.flatnonzero(label != np.bincount(label).argmax())
+    why, again = _doubts(scans, poses, pairs), _doubled(scans, poses, edges[edge])
+    marks = [(begins, NOTHING_SHARED), (torn, TORN), (beyond, BEYOND), (again, DOUBLED)]
+    for marked, reason in marks:
         for k in marked:
             why[k] = why[k] or reason
     joined, owner = np.unique(edge, return_inverse=True)
@@ -220,37 +239,6 @@ def _overlapping(scans: Scans, poses: Array, way: Array, window: float, rules: R
     return np.column_stack([i, j])[meet.all(1)]
 
 
-def _hung_groups(poses: Array, group: Indices, guess: Array) -> Array:
-    """Each group but the first, moved whole so that its first scan hangs on the one before it."""
-    poses = poses.copy()
-    for k in np.sort(np.unique(group, return_index=True)[1])[1:]:
-        there = compose(poses[k - 1], between(guess[k - 1], guess[k]))
-        whole = group == group[k]
-        poses[whole] = compose(compose(there, inverse(poses[k])), poses[whole])
-    return poses
-
-
-def _align_rest(
-    scans: Scans, kept: Indices, poses: Array, found: list[str], rules: Rules
-) -> tuple[Array, list[str]]:
-    """Poses and doubts of all scans: those between hang on the two kept scans around them."""
-    held = np.isin(np.arange(len(poses)), kept)
-    rest = np.flatnonzero(~held)
-    place = np.searchsorted(kept, rest)
-    ends = np.column_stack([place - 1, np.minimum(place, len(kept) - 1)])
-    edges = np.unique(np.column_stack([np.repeat(rest, 2), kept[ends].ravel()]), axis=0)
-    for stage in rules.finer():
-        poses = equations.settled(scans, poses, edges, held, stage)
-    pairs, _ = equations.corresponding(scans.world(poses), scans.first, edges, stage)
-    reasons = _doubts(scans, poses, pairs)
-    for k, before in zip(rest, place - 1, strict=True):
-        broken = found[before] in (BEYOND, TORN, NOTHING_SHARED)
-        reasons[k] = reasons[k] or (BEYOND if broken else "")
-    for k, why in zip(kept, found, strict=True):
-        reasons[k] = why
-    return poses, reasons
-
-
 def _doubts(scans: Scans, poses: Array, pairs: Pairs) -> list[str]:
     """What speaks against each pose, by the segments that it rests on; empty where nothing does."""
     count, world = len(poses), scans.world(poses)
@@ -261,21 +249,6 @@ def _doubts(scans: Scans, poses: Array, pairs: Pairs) -> list[str]:
     one_way = (whole - np.abs(total)) / 2 < ACROSS * whole
     marks = zip(whole > 0, one_way, strict=True)
     return [NOTHING_SHARED if not some else ONE_DIRECTION if one else "" for some, one in marks]
-
-
-def _torn(poses: Array, group: Indices, guess: Array, rules: Rules) -> Indices:
-    """Scans that left the odometry step from the one before by more than could be matched."""
-    step = between(between(guess[:-1], guess[1:]), between(poses[:-1], poses[1:]))
-    far = np.hypot(step[:, 0], step[:, 1]) > rules.similar / SIDEWAYS
-    far |= np.abs(step[:, 2]) > rules.angle
-    return np.flatnonzero(far & (group[:-1] == group[1:])) + 1
-
-
-def _beyond(group: Indices, torn: Indices) -> Indices:
-    """Scans that belong neither to the largest group nor to the largest part of a torn one."""
-    part = np.cumsum(np.isin(np.arange(len(group)), torn))
-    label = np.unique(np.column_stack([group, part]), axis=0, return_inverse=True)[1].ravel()
-    return np.flatnonzero(label != np.bincount(label).argmax())
 
 
 def _doubled(scans: Scans, poses: Array, joined: Indices) -> Indices:

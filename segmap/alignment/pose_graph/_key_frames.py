@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from ...arrays import Array
 from ...poses.motions import between, compose
@@ -21,8 +21,8 @@ class KeyFrames:
     def __init__(self, points: Array, pose: Array) -> None:
         self.scan = [0]  # index in the log of each key frame
         self.points = [points]  # of each, in the frame of the robot
-        self.path = [0.0]  # metres driven up to each
-        self._poses, self._along = np.array([pose]), np.zeros(1)  # with room for more
+        self.path, self.along = [0.0], np.zeros(1)  # metres driven up to each
+        self.poses = np.array([pose])
         self.edges: list[Edge] = []
         self.converged = True  # whether the last `optimize` came to an end: the poses fit best
         self._solver = Solver()
@@ -36,8 +36,8 @@ class KeyFrames:
         new = len(self)
         self.edges.append(Edge(new - 1, new, relative, information(covariance)))
         path = self.path[-1] + float(np.hypot(relative[0], relative[1]))
-        self._poses = _put(self._poses, new, compose(self.poses[-1], relative))
-        self._along = _put(self._along, new, path)
+        self.poses = np.vstack([self.poses, compose(self.poses[-1], relative)])
+        self.along = np.append(self.along, path)
         self.scan.append(scan)
         self.points.append(points)
         self.path.append(path)
@@ -47,26 +47,12 @@ class KeyFrames:
         last, rest = len(self) - 1, slice(joint + 1, None)
         moved = compose(self.poses[last], between(later.poses[joint], later.poses[rest]))
         way, scans = self.path[last] - later.path[joint], self.scan[last] - later.scan[joint]
-        self._poses = np.vstack([self.poses, moved])
+        self.poses = np.vstack([self.poses, moved])
         self.path += [way + path for path in later.path[rest]]
-        self._along = np.array(self.path)
+        self.along = np.array(self.path)
         self.scan += [scans + scan for scan in later.scan[rest]]
         self.points += later.points[rest]
         self.edges += edges
-
-    @property
-    def poses(self) -> Array:
-        """Poses of the key frames, `(n, 3)`, metres and radians."""
-        return self._poses[: len(self)]
-
-    @poses.setter
-    def poses(self, moved: Array) -> None:
-        self._poses = moved
-
-    @property
-    def along(self) -> Array:
-        """Metres driven up to each key frame, `(n,)`."""
-        return self._along[: len(self)]
 
     def optimize(self, *, lazily: bool = False) -> None:
         """Move the poses to where all edges fit best.
@@ -115,10 +101,3 @@ class KeyFrames:
         """The map of some key frames in the frame of `origin`; None where they have no point."""
         points, viewpoints = self.points_around(members, origin)
         return PointMap(points, viewpoints) if len(points) else None
-
-
-def _put(rows: Array, at: int, value: ArrayLike) -> Array:
-    """Rows with a value beyond those in use: twice as many where there is no room."""
-    grown = rows if at < len(rows) else np.concatenate([rows, np.zeros_like(rows)])
-    grown[at] = value
-    return grown

@@ -119,8 +119,16 @@ def _join(graph: LiveGraph, part: LiveGraph, log: Log) -> None:
     front.add_frame(front.track(log[its_scan]))
     joint = Joint(len(front.frames) - 1, len(front.scans) - 1, its_frame, its_scan)
     front.frames.extend(later.frames, its_frame, joint.moved(later.frames.edges))
-    _append_scans(front, later, joint)
-    front.scans += log[its_scan + 1 :]
+    trail, its, rest = front.trail, later.trail, slice(its_scan + 1, None)
+    moved = between(its.poses[its_scan], np.array(its.poses)[rest])
+    trail.poses += list(compose(trail.poses[-1], moved))
+    trail.odometry += its.odometry[rest]
+    trail.reasons += its.reasons[rest]
+    front.scans += log[rest]
+    front.frame += [joint.frame - its_frame + frame for frame in later.frame[rest]]
+    front.offset += later.offset[rest]
+    front.loose += later.loose[rest]
+    front.tied += later.tied[its_frame + 1 :]
     _append_loops(closer, its_closer, joint)
     # 3. Loops that lead to the parts before, as if the robot drove there now
     found = {loop.second for loop in closer.accepted}
@@ -131,19 +139,6 @@ def _join(graph: LiveGraph, part: LiveGraph, log: Log) -> None:
             front.frames.optimize(lazily=True)
         closer.lost_since = None if new in found else closer.lost_since
     closer.pending += joint.moved(its_closer.pending)
-
-
-def _append_scans(front: FrontEnd, later: FrontEnd, at: Joint) -> None:
-    """Append what is known of the scans behind the joint."""
-    trail, its, rest = front.trail, later.trail, slice(at.its_scan + 1, None)
-    moved = between(its.poses[at.its_scan], np.array(its.poses)[rest])
-    trail.poses += list(compose(trail.poses[-1], moved))
-    trail.odometry += its.odometry[rest]
-    trail.reasons += its.reasons[rest]
-    front.frame += [at.frame - at.its_frame + frame for frame in later.frame[rest]]
-    front.offset += later.offset[rest]
-    front.loose += later.loose[rest]
-    front.tied += later.tied[at.its_frame + 1 :]
 
 
 def _append_loops(closer: LoopCloser, later: LoopCloser, at: Joint) -> None:

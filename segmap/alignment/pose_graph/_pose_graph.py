@@ -31,8 +31,8 @@ BETTER, LEAST = 0.1, 0.6
 #: A descent that goes farther from where the search began is no match: it slides along walls.
 SLIDE, SLIDE_ANGLE = 0.3, 0.2
 
-Window = Annotated[Metres, at_most(20)]
-WindowAngle = Annotated[Radians, at_most(np.pi)]
+HalfSide = Annotated[Metres, at_most(20)]
+HalfTurn = Annotated[Radians, at_most(np.pi)]
 
 
 @alignment_method
@@ -41,8 +41,8 @@ def pose_graph(
     *,
     step: Metres = 0.5,
     turn: Radians = np.radians(30),
-    window: Window = 0.5,
-    window_angle: WindowAngle = np.radians(40),
+    window: HalfSide = 0.5,
+    window_angle: HalfTurn = np.radians(40),
     drift: Positive = 0.03,
     tracking: Tracking = Tracking(),
     closing: LoopClosing = LoopClosing(),
@@ -136,8 +136,8 @@ class LiveGraph:
         *,
         step: Metres = 0.5,
         turn: Radians = np.radians(30),
-        window: Window = 0.5,
-        window_angle: WindowAngle = np.radians(40),
+        window: HalfSide = 0.5,
+        window_angle: HalfTurn = np.radians(40),
         drift: Positive = 0.03,
         tracking: Tracking = Tracking(),
         closing: LoopClosing = LoopClosing(),

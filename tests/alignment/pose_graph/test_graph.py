@@ -170,15 +170,12 @@ def test_a_pose_graph_solved_again_stays():
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"poses": np.zeros((4, 2))}, "poses must"),
         ({"relative": MOTIONS[:3]}, "relative must"),
-        ({"relative": MOTIONS * np.nan}, "relative must be finite"),
         ({"information": np.eye(3)}, "information must be"),
         ({"edges": EDGES + 2}, "scans 0 to 7, got 2 to 8"),
         ({"edges": EDGES - 1}, "got -1 to 5"),
         ({"edges": [(0, 2), (2, 0), (4, 6), (6, 4)]}, "scan 4 is not tied"),
         ({"scale": 0.0}, "scale must be a number of at least 1e-09"),
-        ({"scale": np.nan}, "scale must be a number of at least 1e-09"),
     ],
 )
 def test_what_cannot_be_solved_is_refused(change, message):

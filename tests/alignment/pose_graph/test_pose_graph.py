@@ -135,17 +135,6 @@ def test_residuals_say_what_the_solution_leaves_of_each_edge():
     assert graph.residuals.max() < 15
 
 
-def test_moving_the_odometry_moves_the_poses():
-    """A world's axis that decides something: each scan is matched in its key frame's axes."""
-    log, found = loop()
-    world = np.array([100.0, -50.0, 2.0])
-    moved = pose_graph(logs.changed(log, odometry=compose(world, log.odometry)))
-    left = between(compose(world, found.poses), moved.poses)
-    assert np.hypot(*left[:, :2].T).max() < 0.02
-    assert np.abs(left[:, 2]).max() < np.radians(0.1)
-    np.testing.assert_allclose(moved.poses[0], compose(world, log.odometry[0]), atol=1e-12)
-
-
 # ------------------------------------------------------------------ repeated offices
 def repeated_offices(count: int) -> np.ndarray:
     """A corridor along which the same two offices, with the same furniture, come again and again.
