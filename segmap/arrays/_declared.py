@@ -210,5 +210,5 @@ class Settings:
         for name, said in declared(type(self)).items():
             given = getattr(self, name)
             for value in given if isinstance(given, tuple) else (given,):
-                plain = said.kind is tuple or (said.kind is float and not said.unit)
+                plain = said.kind is tuple or (said.kind is float and said.quantity.unit is None)
                 number(value, name, above=0) if plain else said.check(value, name)

@@ -6,7 +6,7 @@ import contextlib
 import time
 import weakref
 from collections import deque
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Generator, Sequence
 from math import ceil, inf
 from os import PathLike
 from typing import Annotated, Self
@@ -143,7 +143,7 @@ class UrgSensor:
         cluster: Cluster = 1,
         skip: Annotated[Step, at_most(9)] = 0,
         short: bool = False,
-    ) -> Iterator[LaserScan]:
+    ) -> Generator[LaserScan, None, None]:
         """Turn after turn, until the loop is left.
 
         Damaged scans are left out and counted in `dropped`. Scans that are not fetched wait in
@@ -213,7 +213,7 @@ class UrgSensor:
         return f"UrgSensor({model}, {open_}, {counts})"
 
     # ------------------------------------------------------------------------ scans
-    def _turns(self, request: ScanRequest) -> Iterator[LaserScan]:
+    def _turns(self, request: ScanRequest) -> Generator[LaserScan, None, None]:
         self._asked, self._stamps = request, deque(maxlen=PACE)
         try:
             while True:

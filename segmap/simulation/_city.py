@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from typing import Annotated
+
 import numpy as np
 
 from .. import arrays
-from ..arrays import Array
+from ..arrays import Array, at_least, checked
 from ..poses import transform
-from ._rooms import LONGEST, box, polyline, rectangular_room
+from ._rooms import Length, box, polyline, rectangular_room
 
 #: One door, niche or pilaster stands in so many metres of a facade.
 PITCH = 4.0
@@ -17,13 +19,14 @@ WIDTHS, DEPTHS = (0.7, 1.6), (-0.3, 0.6)
 PILLARS = (0.2, 0.4)
 
 
+@checked
 def city(
     columns: int = 3,
     rows: int = 3,
     *,
     rng: np.random.Generator,
-    block: float = 16.0,
-    street: float = 3.0,
+    block: Annotated[Length, at_least(PITCH)] = 16.0,
+    street: Annotated[Length, at_least(2.5)] = 3.0,
 ) -> Array:
     """Square blocks with streets between and around them: a town, or the corridors of an office.
 
@@ -38,9 +41,9 @@ def city(
         Blocks along x and y.
     rng : numpy.random.Generator
         Draws everything that the facades hold.
-    block : float, metres
+    block : float
         Side of a block, at least 4 m.
-    street : float, metres
+    street : float
         Width of a street, at least 2.5 m.
 
     Returns
@@ -48,24 +51,14 @@ def city(
     (n, 2, 2) array, metres
         About a hundred walls a block.
 
-    Raises
-    ------
-    ValueError
-        For numbers out of these ranges.
-
     Examples
     --------
     >>> walls = city(2, 1, rng=np.random.default_rng(1), block=10, street=3)
     >>> bool(np.all(walls > -0.6)), bool(np.all(walls < (29.6, 16.6)))
     (True, True)
     """
-    arrays.generator(rng)
-    columns, rows = (
-        arrays.whole(value, name, most=200)
-        for value, name in ((columns, "columns"), (rows, "rows"))
-    )
-    arrays.number(block, "block", least=PITCH, most=LONGEST, unit="metres")
-    arrays.number(street, "street", least=2.5, most=LONGEST, unit="metres")
+    columns = arrays.whole(columns, "columns", most=200)
+    rows = arrays.whole(rows, "rows", most=200)
     pitch = block + street
     around = rectangular_room(columns * pitch + street, rows * pitch + street)
     found = [_facade(wall, rng) for wall in around]

@@ -6,31 +6,27 @@ Where walls of several parts meet, coordinates are rounded to the micrometre: no
 
 from __future__ import annotations
 
+from typing import Annotated
+
 import numpy as np
 from numpy.typing import ArrayLike
 
 from .. import arrays
-from ..arrays import Array
+from ..arrays import Array, Count, Quantity, at_least, at_most, checked
 from ..poses import transform
 
 #: Width of a door, metres: an ordinary inside door.
 DOOR = 0.9
 #: No side of a building is longer, metres.
 LONGEST = 1e5
+Length = Annotated[float, Quantity("metres", above=0, most=LONGEST)]
+Sides = Annotated[Count, at_least(3), at_most(100_000)]
 #: Thickness of the walls between rooms, metres: a light partition.
 THICKNESS = 0.1
 
 
 def polyline(corners: ArrayLike) -> Array:
-    """Walls from corner to corner, open at the end.
-
-    Parameters
-    ----------
-    corners : (k, 2) array, metres
-
-    Returns
-    -------
-    (k - 1, 2, 2) array, metres
+    """Walls from corner to corner `(k, 2)`, metres, open at the end.
 
     Examples
     --------
@@ -42,15 +38,7 @@ def polyline(corners: ArrayLike) -> Array:
 
 
 def polygon(corners: ArrayLike) -> Array:
-    """Walls from corner to corner and back to the first.
-
-    Parameters
-    ----------
-    corners : (k, 2) array, metres
-
-    Returns
-    -------
-    (k, 2, 2) array, metres
+    """Walls from corner to corner `(k, 2)`, metres, and back to the first.
 
     Examples
     --------
@@ -65,16 +53,8 @@ def polygon(corners: ArrayLike) -> Array:
 def box(width: float, depth: float, pose: ArrayLike = (0.0, 0.0, 0.0)) -> Array:
     """Four walls of a rectangle about a pose: a cupboard, a pillar, a table.
 
-    Parameters
-    ----------
-    width, depth : float, metres
-        Sides along the x and the y axis of the pose.
-    pose : (3,) array, metres and radians
-        Middle of the rectangle and its turn.
-
-    Returns
-    -------
-    (4, 2, 2) array, metres
+    Width and depth, metres, lie along the x and the y axis of the pose, `(3,)`, in metres and
+    radians.
 
     Examples
     --------
@@ -88,15 +68,7 @@ def box(width: float, depth: float, pose: ArrayLike = (0.0, 0.0, 0.0)) -> Array:
 
 
 def rectangular_room(width: float = 4.0, depth: float = 3.0) -> Array:
-    """A rectangle of walls from the origin to (width, depth).
-
-    Parameters
-    ----------
-    width, depth : float, metres
-
-    Returns
-    -------
-    (4, 2, 2) array, metres
+    """A rectangle of walls from the origin to (width, depth), metres.
 
     Examples
     --------
@@ -107,15 +79,7 @@ def rectangular_room(width: float = 4.0, depth: float = 3.0) -> Array:
 
 
 def square_room(side: float = 4.0) -> Array:
-    """A square of walls from the origin to (side, side).
-
-    Parameters
-    ----------
-    side : float, metres
-
-    Returns
-    -------
-    (4, 2, 2) array, metres
+    """A square of walls from the origin to (side, side), metres.
 
     Examples
     --------
@@ -126,20 +90,12 @@ def square_room(side: float = 4.0) -> Array:
     return rectangular_room(side, side)
 
 
-def circular_room(radius: float = 2.0, *, sides: int = 64) -> Array:
-    """A round room as a polygon with its corners on the circle about (radius, radius).
+@checked
+def circular_room(radius: float = 2.0, *, sides: Sides = 64) -> Array:
+    """A round room as a polygon with its corners on the circle about (radius, radius), metres.
 
     With 64 sides the walls lie at most `radius * (1 - cos(pi / 64))` inside the circle: 2.4 mm for
     a radius of 2 m, well below the noise of any sensor here.
-
-    Parameters
-    ----------
-    radius : float, metres
-    sides : int, at least 3
-
-    Returns
-    -------
-    (sides, 2, 2) array, metres
 
     Examples
     --------
@@ -148,7 +104,7 @@ def circular_room(radius: float = 2.0, *, sides: int = 64) -> Array:
     True
     """
     arrays.positive("metres", LONGEST, radius=radius)
-    turn = 2 * np.pi * np.arange(arrays.whole(sides, "sides", least=3, most=100_000)) / sides
+    turn = 2 * np.pi * np.arange(sides) / sides
     return polygon(radius + radius * np.stack([np.cos(turn), np.sin(turn)], -1))
 
 
@@ -156,16 +112,7 @@ def two_position_square(side: float = 4.0) -> tuple[Array, Array]:
     """A square room and the two places from which it is seen (B 6.2, Fig. 6.2).
 
     The robot stands in the middle of the upper left quarter, then of the lower right one, so each
-    wall is once near and once far.
-
-    Parameters
-    ----------
-    side : float, metres
-
-    Returns
-    -------
-    walls : (4, 2, 2) array, metres
-    poses : (2, 3) array, metres and radians
+    wall is once near and once far. Returned are walls `(4, 2, 2)` and poses `(2, 3)`.
 
     Examples
     --------
@@ -176,7 +123,8 @@ def two_position_square(side: float = 4.0) -> tuple[Array, Array]:
     return square_room(side), np.array([(1, 3, 0), (3, 1, 0)]) * (side / 4, side / 4, 1)
 
 
-def corridor_loop(length: float = 30.0, depth: float = 12.0, *, width: float = 2.0) -> Array:
+@checked
+def corridor_loop(length: float = 30.0, depth: float = 12.0, *, width: Length = 2.0) -> Array:
     """A corridor around a block, with door niches and pillars.
 
     The niches (0.9 m wide, 0.2 m deep) are spaced unevenly, each wall in its own way: no two
@@ -186,19 +134,15 @@ def corridor_loop(length: float = 30.0, depth: float = 12.0, *, width: float = 2
     ----------
     length, depth : float, metres
         Outer sides of the loop, along x and y.
-    width : float, metres
+    width : float
         Between the outer wall and the block.
-
-    Returns
-    -------
-    (n, 2, 2) array, metres
 
     Examples
     --------
     >>> corridor_loop().min(axis=(0, 1)), corridor_loop().max(axis=(0, 1))
     (array([-0.2, -0.2]), array([30.2, 12.2]))
     """
-    arrays.positive("metres", LONGEST, length=length, depth=depth, width=width)
+    arrays.positive("metres", LONGEST, length=length, depth=depth)
     if min(length, depth) - 2 * width < 4 * DOOR:
         got = f"{length:g} x {depth:g} m with a corridor of {width:g} m"
         least = f"the block inside must measure at least {4 * DOOR:g} m in length and depth"
@@ -227,13 +171,14 @@ def _niches(wall: Array, *, first: float, depth: float = 0.2) -> Array:
     return transform((*start, np.arctan2(*(end - start)[::-1])), polyline(line))
 
 
+@checked
 def office(
     *,
     rng: np.random.Generator,
-    rooms: int = 3,
-    width: float = 4.0,
-    depth: float = 4.0,
-    corridor: float = 2.0,
+    rooms: Annotated[Count, at_most(1000)] = 3,
+    width: Annotated[Length, at_least(3)] = 4.0,
+    depth: Annotated[Length, at_least(3.5)] = 4.0,
+    corridor: Length = 2.0,
 ) -> Array:
     """A corridor along x with furnished rooms on both sides, doors standing open.
 
@@ -247,25 +192,16 @@ def office(
         Places the furniture and turns the doors.
     rooms : int
         Rooms on each side.
-    width, depth : float, metres
+    width, depth : float
         Of each room, with the wall towards its neighbour; at least 3 m and 3.5 m.
-    corridor : float, metres
+    corridor : float
         Width of the corridor.
-
-    Returns
-    -------
-    (n, 2, 2) array, metres
 
     Examples
     --------
     >>> office(rng=np.random.default_rng(1)).max(axis=(0, 1))
     array([12., 10.])
     """
-    arrays.generator(rng)
-    rooms = arrays.whole(rooms, "rooms", most=1000)
-    arrays.number(width, "width", least=3, most=LONGEST, unit="metres")
-    arrays.number(depth, "depth", least=3.5, most=LONGEST, unit="metres")
-    arrays.positive("metres", LONGEST, corridor=corridor)
     top = depth + corridor
     above = [(width * i, top, 0.0) for i in range(rooms)]
     below = [(width * (i + 1), depth, np.pi) for i in range(rooms)]

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from .. import arrays
 from ..angles import wrap
-from ..arrays import Array
+from ..arrays import Array, Count, Quantity, Seconds, Settings, Share, at_most, checked
 from ..poses import between
 
 #: No scanner has more beams in one scan.
@@ -17,32 +18,34 @@ MOST_BEAMS = 1_000_000
 #: No odometry is worse: a hundred radians a radian, a hundred metres a metre.
 MOST_NOISE = 100.0
 
+Direction = Annotated[float, Quantity("radians")]
+Error = Annotated[float, Quantity("metres", least=0)]
+Noise = Annotated[float, Quantity("", least=0, most=MOST_NOISE)]
+
 
 @dataclass(frozen=True)
-class Sensor:
+class Sensor(Settings):
     """A laser scanner: where its beams point and what it gets wrong.
 
     Parameters
     ----------
-    name : str
-    beams : int
-    first : float, radians
+    first : float
         Direction of the first beam, counter-clockwise from straight ahead.
-    step : float, radians
+    step : float
         From one beam to the next.
-    max_range : float, metres
+    max_range : float
         Beams that meet nothing nearer come back as `inf`.
-    min_range : float, metres
+    min_range : float
         Anything nearer is an error of the sensor and comes back as NaN.
-    sigma : float, metres
+    sigma : float
         Standard deviation of a range.
-    resolution : float, metres
+    resolution : float
         Ranges are rounded to multiples of it; 0 leaves them as they are.
     dropout : float
         Share of the beams that are lost by chance and come back as `inf`.
-    grazing : float, radians
+    grazing : float
         A beam that meets a wall at a smaller angle is lost: too little light comes back.
-    period : float, seconds
+    period : float
         From one scan to the next.
 
     Examples
@@ -52,27 +55,16 @@ class Sensor:
     """
 
     name: str
-    beams: int
-    first: float
-    step: float
-    max_range: float
-    min_range: float = 0.0
-    sigma: float = 0.0
-    resolution: float = 0.0
-    dropout: float = 0.0
-    grazing: float = 0.0
-    period: float = 0.1
-
-    def __post_init__(self) -> None:
-        arrays.whole(self.beams, "beams", most=MOST_BEAMS)
-        arrays.number(self.first, "first", unit="radians")
-        arrays.number(self.step, "step", unit="radians")
-        arrays.number(self.max_range, "max_range", above=0, most=np.inf, unit="metres")
-        for name in ("min_range", "sigma", "resolution"):
-            arrays.number(getattr(self, name), name, least=0, unit="metres")
-        arrays.number(self.dropout, "dropout", least=0, most=1)
-        arrays.number(self.grazing, "grazing", least=0, unit="radians")
-        arrays.number(self.period, "period", above=0, unit="seconds")
+    beams: Annotated[Count, at_most(MOST_BEAMS)]
+    first: Direction
+    step: Direction
+    max_range: Annotated[float, Quantity("metres", above=0, most=np.inf)]
+    min_range: Error = 0.0
+    sigma: Error = 0.0
+    resolution: Error = 0.0
+    dropout: Share = 0.0
+    grazing: Annotated[float, Quantity("radians", least=0)] = 0.0
+    period: Seconds = 0.1
 
     @property
     def angles(self) -> Array:
@@ -115,6 +107,7 @@ URG_04LX = Sensor(
 )
 
 
+@checked
 def measure(
     ranges: ArrayLike, incidence: ArrayLike, *, sensor: Sensor, rng: np.random.Generator
 ) -> Array:
@@ -129,8 +122,6 @@ def measure(
         `inf` where nothing is met.
     incidence : (n,) array, radians
         Angle between beam and wall, in `[0, pi/2]`; NaN where nothing is met.
-    sensor : Sensor
-    rng : numpy.random.Generator
 
     Returns
     -------
@@ -144,7 +135,6 @@ def measure(
     array([ nan, 1.25,  inf])
     """
     arrays.instance(sensor, "sensor", Sensor)
-    arrays.generator(rng)
     true, angle = arrays.numbers(ranges, "ranges"), arrays.numbers(incidence, "incidence")
     if true.ndim != 1 or angle.shape != true.shape:
         shapes = f"{true.shape} and {angle.shape}"
@@ -159,7 +149,7 @@ def measure(
 
 
 @dataclass(frozen=True)
-class OdometryNoise:
+class OdometryNoise(Settings):
     """How odometry goes wrong: mostly when the robot turns.
 
     Turning is where a small error of the wheel base or a slipping wheel shows. Random errors grow
@@ -183,40 +173,23 @@ class OdometryNoise:
     OdometryNoise(turn_bias=0.0, turn_noise=0.0, heading_noise=0.0, distance_noise=0.0)
     """
 
-    turn_bias: float = 0.03
-    turn_noise: float = 0.03
-    heading_noise: float = 0.005
-    distance_noise: float = 0.01
-
-    def __post_init__(self) -> None:
-        for name, value in vars(self).items():
-            arrays.number(value, name, least=0, most=MOST_NOISE)
+    turn_bias: Noise = 0.03
+    turn_noise: Noise = 0.03
+    heading_noise: Noise = 0.005
+    distance_noise: Noise = 0.01
 
     def ideal(self) -> OdometryNoise:
         """No noise at all: the odometry then equals the truth, in metres and radians."""
         return OdometryNoise(0.0, 0.0, 0.0, 0.0)
 
 
+@checked
 def drifting_odometry(
     path: ArrayLike, *, odometry_noise: OdometryNoise, rng: np.random.Generator
 ) -> Array:
     """The odometry that a robot reports on a path: it starts where the path starts, then drifts.
 
-    Parameters
-    ----------
-    path : (k, 3) array, metres and radians
-        True poses.
-    odometry_noise : OdometryNoise
-    rng : numpy.random.Generator
-
-    Returns
-    -------
-    (k, 3) array, metres and radians
-
-    Raises
-    ------
-    ValueError
-        Where the path has another shape or is not finite.
+    `path` holds the true poses, `(k, 3)`, metres and radians, as the result does.
 
     Examples
     --------
@@ -226,7 +199,6 @@ def drifting_odometry(
     True
     """
     true, noise = arrays.poses(path, "path"), odometry_noise
-    arrays.generator(rng)
     arrays.instance(noise, "odometry_noise", OdometryNoise)
     motion = between(true[:-1], true[1:])
     way, turn = np.hypot(motion[:, 0], motion[:, 1]), np.abs(motion[:, 2])
@@ -235,13 +207,9 @@ def drifting_odometry(
     stretch = 1 + noise.distance_noise * chance[0] / np.sqrt(np.where(way > 0, way, np.inf))
     turned = motion[:, 2] * (1 + bias) + noise.turn_noise * np.sqrt(turn) * chance[1]
     turned += noise.heading_noise * np.sqrt(way) * chance[2]
-    return _chained(true[:1], np.column_stack([motion[:, :2] * stretch[:, None], turned]))
-
-
-def _chained(start: Array, motions: Array) -> Array:
-    """Poses reached from the start, `(1, 3)`, by one motion after another."""
-    heading = np.cumsum(np.r_[start[:, 2], motions[:, 2]])
+    heading = np.cumsum(np.r_[true[:1, 2], turned])
     c, s = np.cos(heading[:-1]), np.sin(heading[:-1])
-    x = np.cumsum(np.r_[start[:, 0], c * motions[:, 0] - s * motions[:, 1]])
-    y = np.cumsum(np.r_[start[:, 1], s * motions[:, 0] + c * motions[:, 1]])
+    ahead, aside = (motion[:, :2] * stretch[:, None]).T
+    x = np.cumsum(np.r_[true[:1, 0], c * ahead - s * aside])
+    y = np.cumsum(np.r_[true[:1, 1], s * ahead + c * aside])
     return np.stack([x, y, wrap(heading)], -1)

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Annotated
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import arrays
 from ..angles import axial_difference, wrap
-from ..arrays import Array, Segments
+from ..arrays import Array, Quantity, Radians, Segments, checked
 from ..compiled import compiled
 from ..poses import compose
 from ..scans import LaserScan, Log
@@ -27,8 +28,13 @@ MANY = 200
 PLACES = 1_000_000
 
 
+@checked
 def cast_rays(
-    walls: Segments, pose: ArrayLike, angles: ArrayLike, *, max_range: float = np.inf
+    walls: Segments,
+    pose: ArrayLike,
+    angles: ArrayLike,
+    *,
+    max_range: Annotated[float, Quantity("metres", above=0, most=np.inf)] = np.inf,
 ) -> Array:
     """Exact ranges of beams from one place to the nearest wall.
 
@@ -42,17 +48,11 @@ def cast_rays(
         Pose of the sensor in the frame of the walls.
     angles : (b,) array, radians
         Directions of the beams in the sensor's frame.
-    max_range : float, metres
 
     Returns
     -------
     (b,) array, metres
         `inf` where nothing is met within `max_range`.
-
-    Raises
-    ------
-    ValueError
-        Where a shape is wrong or a value is not finite.
 
     Examples
     --------
@@ -63,7 +63,6 @@ def cast_rays(
     beams = arrays.values(angles, "angles")
     if beams.ndim != 1 or not np.isfinite(beams).all():
         raise ValueError(f"angles must be (b,) and finite, got shape {beams.shape}")
-    arrays.number(max_range, "max_range", above=0, most=np.inf, unit="metres")
     return _meet(arrays.segments(walls, "walls"), arrays.pose(pose), beams, max_range)[0]
 
 
@@ -102,16 +101,22 @@ def _cast(
                 ranges[i], met[i] = ahead, j
 
 
-def drive(waypoints: ArrayLike, *, step: float = 0.10, turn: float = np.radians(10.0)) -> Array:
+@checked
+def drive(
+    waypoints: ArrayLike,
+    *,
+    step: Annotated[float, Quantity("metres", above=0)] = 0.10,
+    turn: Radians = np.radians(10.0),
+) -> Array:
     """A path from way point to way point: straight on, and turning on the spot at the corners.
 
     Parameters
     ----------
     waypoints : (k, 2) array, metres
         At least two, no two in a row the same.
-    step : float, metres
+    step : float
         Poses on a straight leg are at most so far apart: 0.10 m is a walk at ten scans a second.
-    turn : float, radians
+    turn : float
         Poses at a corner are turned by at most so much.
 
     Returns
@@ -131,8 +136,6 @@ def drive(waypoints: ArrayLike, *, step: float = 0.10, turn: float = np.radians(
            [1.   , 1.   , 1.571]])
     """
     legs = polyline(arrays.points(waypoints, "waypoints"))
-    arrays.positive("metres", step=step)
-    arrays.positive("radians", turn=turn)
     d = legs[:, 1] - legs[:, 0]
     if not len(legs) or not np.all(np.hypot(*d.T) > 0):
         raise ValueError("waypoints must hold at least two points, each unlike the one before")
@@ -158,6 +161,7 @@ def _steps(start: Array, end: ArrayLike, most: float) -> Array:
     return start + np.arange(1, count + 1)[:, None] / max(count, 1) * whole
 
 
+@checked
 def simulate(
     walls: Segments,
     path: ArrayLike,
@@ -177,24 +181,16 @@ def simulate(
         True poses of the robot, one a scan, as `drive` makes them.
     sensor : Sensor
         `sensor.ideal()` measures without error.
-    rng : numpy.random.Generator
-        Source of all errors.
     odometry_noise : OdometryNoise
         `OdometryNoise().ideal()` gives odometry equal to the truth.
     sensor_pose : (3,) array, metres and radians
         Pose of the sensor in the frame of the robot.
-    name : str
 
     Returns
     -------
     Log
         Times in seconds, from 0 in steps of the sensor's period; odometry, which starts at the
         first true pose and drifts; `truth`, `(k, 3)` in metres and radians.
-
-    Raises
-    ------
-    ValueError
-        Where a shape is wrong or a value is not finite.
 
     Examples
     --------
