@@ -5,20 +5,3 @@ from ._live_map import LiveMap, Step
 from ._mapping import MATCHERS, SCORES, map_scans
 from ._matchers import Score, field_score, hill_climb, sample_and_rank
 from ._scores import descent_score, distance_score, nearest_score, occupancy_score
-
-__all__ = [
-    "MATCHERS",
-    "SCORES",
-    "DistanceField",
-    "LiveMap",
-    "Score",
-    "Step",
-    "descent_score",
-    "distance_score",
-    "field_score",
-    "hill_climb",
-    "map_scans",
-    "nearest_score",
-    "occupancy_score",
-    "sample_and_rank",
-]

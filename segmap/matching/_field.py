@@ -85,16 +85,7 @@ class DistanceField:
     def around(cls, map: QuadtreeMap, points: ArrayLike, poses: ArrayLike) -> DistanceField:
         """The field that a scan needs near poses: a box about robot and ends, and half a metre.
 
-        Parameters
-        ----------
-        map : QuadtreeMap
-        points : (n, 2) array, metres, in the robot's frame
-        poses : (k, 3) or (3,) array, metres and radians, at least one
-
-        Raises
-        ------
-        ValueError
-            As the constructor; for an empty map, other shapes, values that are not finite.
+        Points and poses are those of `occupancy_score`.
 
         Examples
         --------
@@ -122,22 +113,7 @@ class DistanceField:
         return left, low, left + columns * side, low + rows * side
 
     def score(self, points: ArrayLike, poses: ArrayLike) -> Array:
-        """Minus the sum of the distances at each pose; an example is in the class.
-
-        Parameters
-        ----------
-        points : (n, 2) array, metres, in the robot's frame
-        poses : (k, 3) or (3,) array, metres and radians
-
-        Returns
-        -------
-        (k,) array, metres
-
-        Raises
-        ------
-        ValueError
-            For other shapes, or values that are not finite.
-        """
+        """Minus the sum of the distances at each pose, `(k,)`, metres, as of `occupancy_score`."""
         ends, at = scan_and_poses(points, poses)
         return self.scorer(ends)(at)
 
@@ -145,15 +121,6 @@ class DistanceField:
         """The score as a function of poses `(k, 3)` alone, for a matcher, which asks often.
 
         It does not check the poses: they must be an array of finite floats.
-
-        Parameters
-        ----------
-        points : (n, 2) array, metres, in the robot's frame
-
-        Raises
-        ------
-        ValueError
-            For another shape, or values that are not finite.
 
         Examples
         --------

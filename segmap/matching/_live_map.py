@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from .. import arrays
 from ..alignment import LiveGraph
-from ..arrays import Array
+from ..arrays import Array, checked
 from ..extraction import extract_polylines
 from ..poses import compose, inverse, transform
 from ..quadtree import QuadtreeMap, free_ends
@@ -66,11 +66,6 @@ class LiveMap:
     map : QuadtreeMap, and walls : LiveReduction or None
         Always the same objects: a new map takes its place inside.
 
-    Raises
-    ------
-    ValueError
-        For another graph, map, start or switch.
-
     Examples
     --------
     >>> from segmap import load
@@ -82,6 +77,7 @@ class LiveMap:
     LiveMap(LiveGraph(5 scans: 3 key frames, 0 loops))
     """
 
+    @checked
     def __init__(
         self,
         graph: LiveGraph | None = None,
@@ -95,7 +91,7 @@ class LiveMap:
         self.graph = LiveGraph() if graph is None else arrays.instance(graph, "graph", LiveGraph)
         self.map = QuadtreeMap() if map is None else arrays.instance(map, "map", QuadtreeMap)
         self._blank, self._start = deepcopy((self.map, walls)), arrays.pose(start, "start")
-        self._free = arrays.switch(free, "free")
+        self._free = free
         self._first = len(self.graph)
         self._map_from_graph: Array | None = None
         self._scans: list[tuple[int, LaserScan]] = []  # those that are drawn, by their number
@@ -103,21 +99,7 @@ class LiveMap:
         self._anew: _Anew | None = None
 
     def add(self, scan: LaserScan) -> Step:
-        """Place a scan and insert it.
-
-        Parameters
-        ----------
-        scan : LaserScan
-
-        Returns
-        -------
-        Step
-
-        Raises
-        ------
-        ValueError
-            For what is no LaserScan, or reaches beyond the map's `max_size`: it is not drawn then.
-        """
+        """Place a scan and insert it; one that reaches beyond the map's `max_size` is not drawn."""
         begun = time.perf_counter()
         self._exchange()
         try:
@@ -126,7 +108,10 @@ class LiveMap:
             if self._map_from_graph is None:
                 self._map_from_graph = compose(self._start, inverse(found))
             pose = compose(self._map_from_graph, found)
-            self._draw(scan, pose)
+            insert(self.map, self.walls, scan, pose, free=self._free)
+            self._scans.append((len(self.graph) - 1, scan))
+            if self._anew is not None:  # it comes into the new map once its turn comes
+                self._anew.placed.append((scan, pose))
         except BaseException:  # half a scan may be in the map, or a loop that it does not show
             self._stale = True
             raise
@@ -147,14 +132,6 @@ class LiveMap:
         if self._map_from_graph is None:
             return np.zeros((0, 3))
         return compose(self._map_from_graph, self.graph.poses[self._first :])
-
-    def _draw(self, scan: LaserScan, pose: Array) -> None:
-        """Insert a scan now, and into the new map once its turn comes."""
-        insert(self.map, scan, pose, free=self._free)
-        add_walls(self.walls, scan, pose)
-        self._scans.append((len(self.graph) - 1, scan))
-        if self._anew is not None:
-            self._anew.placed.append((scan, pose))
 
     def _begin(self) -> None:
         """Begin a new map where poses have moved; one that is being made ends first."""
@@ -208,8 +185,7 @@ class _Anew:
 
     def _insert(self) -> None:
         while self.done < len(self.placed):
-            insert(self.map, *self.placed[self.done], free=self.free)
-            add_walls(self.walls, *self.placed[self.done])
+            insert(self.map, self.walls, *self.placed[self.done], free=self.free)
             self.done += 1
 
     def finished(self) -> tuple[QuadtreeMap, LiveReduction | None]:
@@ -220,20 +196,19 @@ class _Anew:
         return self.map, self.walls
 
 
-def insert(map: QuadtreeMap, scan: LaserScan, pose: Array, *, free: bool) -> None:
-    """Add a scan to a map at the robot's pose (3,), metres and radians; free as in `map_scans`.
+def insert(
+    map: QuadtreeMap, walls: LiveReduction | None, scan: LaserScan, pose: Array, *, free: bool
+) -> None:
+    """Add a scan to a map, and its polylines to the reduced map, if there is one.
 
-    A scan without returns is passed over.
+    At the robot's pose (3,), metres and radians; free as in `map_scans`. A map passes over a scan
+    without returns.
     """
     points = scan.points()
     if len(points):
         sensor = compose(pose, scan.sensor_pose)
         unseen = free_ends(scan, sensor) if free else None
         map.insert_scan(sensor[:2], transform(pose, points), unseen)
-
-
-def add_walls(walls: LiveReduction | None, scan: LaserScan, pose: Array) -> None:
-    """Add the polylines of a scan to the reduced map, if there is one; (3,) pose of the robot."""
     if walls is not None:
-        found = extract_polylines(scan.points())
+        found = extract_polylines(points)
         walls.add(transform(pose, found.reshape(-1, 2)).reshape(-1, 2, 2))

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from .. import arrays
 from ..alignment import LiveGraph, LoopClosing
-from ..arrays import Array
+from ..arrays import Array, Count, checked
 from ..quadtree import QuadtreeMap
 from ..scans import LaserScan
 from ._field import NothingNear
@@ -22,8 +22,6 @@ from ._scores import descent_score, nearest_score, occupancy_score, scan_and_pos
 
 #: From a map, points and a start, with a score, to a pose.
 Matcher = Callable[..., Array]
-#: From a map, points and a start to a pose and its score.
-Place = Callable[[QuadtreeMap, Array, Array], tuple[Array, float]]
 #: The matchers by name, each made from a generator; those of the thesis as B prints them.
 MATCHERS: dict[str, Callable[[np.random.Generator], Matcher]] = {
     "hill climbing": lambda rng: hill_climb,
@@ -40,12 +38,13 @@ SCORES: dict[str, Score] = {
 }
 
 
+@checked
 def map_scans(
     log: Iterable[LaserScan],
     *,
     matcher: Matcher = hill_climb,
     score: Score = field_score,
-    settle: int = 1,
+    settle: Count = 1,
     map: QuadtreeMap | None = None,
     start: ArrayLike = (0.0, 0.0, 0.0),
     free: bool = False,
@@ -66,7 +65,6 @@ def map_scans(
     log : Log, or any iterable of LaserScan
     matcher : callable
         `hill_climb`, `sample_and_rank`, or any `matcher(map, points, start, score=score) -> (3,)`.
-    score : callable
     settle : int
         So many scans are inserted at the start pose without a match. B inserts five while the
         sensor stands still; with a sensor that moves this ruins every matcher.
@@ -94,9 +92,8 @@ def map_scans(
     Raises
     ------
     ValueError
-        At once for a `settle` below 1, a start that is no pose, a matcher or score that is no
-        function, `sample_and_rank` without a generator. Later it names the scan that is no
-        LaserScan, or reaches beyond the map's `max_size`; the map is then as before that scan.
+        At once for wrong arguments. Later it names the scan that is no LaserScan, or reaches beyond
+        the map's `max_size`; the map is then as before that scan.
 
     Examples
     --------
@@ -106,27 +103,19 @@ def map_scans(
     (5, array([0., 0., 0.]))
     """
     arrays.function(score, "score", "of map, points and poses, nearest_score say")
-    arrays.switch(free, "free")
-    first, pose = arrays.whole(settle, "settle"), arrays.pose(start, "start")
+    pose = arrays.pose(start, "start")
     tree = QuadtreeMap() if map is None else arrays.instance(map, "map", QuadtreeMap)
     if not isinstance(log, Iterable):
         raise ValueError(f"log must be a Log, or give scans one by one, got {type(log).__name__}")
-    if rng is not None:
-        arrays.generator(rng)
     if graph is not False:
         given = LiveGraph() if graph is True else arrays.instance(graph, "graph", LiveGraph)
         return _graph_steps(log, LiveMap(given, map=tree, start=pose, free=free))
-    match = partial(_matched, _ready(matcher, rng), score)
-    return _steps(log, tree, pose, first, free, match, score)
-
-
-def _ready(matcher: Matcher, rng: np.random.Generator | None) -> Matcher:
-    """The matcher, with the generator where it takes one."""
     arrays.function(matcher, "matcher", "of map, points and start, hill_climb say")
     if matcher is sample_and_rank and rng is None:
         raise ValueError("sample_and_rank draws poses: give rng, numpy.random.default_rng(1) say")
-    takes = rng is not None and "rng" in signature(matcher).parameters
-    return partial(matcher, rng=rng) if takes else matcher
+    if rng is not None and "rng" in signature(matcher).parameters:
+        matcher = partial(matcher, rng=rng)
+    return _steps(log, tree, pose, settle, free, matcher, score)
 
 
 def _steps(
@@ -135,7 +124,7 @@ def _steps(
     pose: Array,
     settle: int,
     free: bool,
-    match: Place,
+    matcher: Matcher,
     score: Score,
 ) -> Iterator[Step]:
     _warm(score if score in SCORES.values() else field_score)
@@ -145,8 +134,8 @@ def _steps(
         begun, points, value = time.perf_counter(), scan.points(), np.nan
         try:
             if len(points) and inserted >= settle:
-                pose, value = match(map, points, pose)
-            insert(map, scan, pose, free=free)
+                pose, value = _matched(matcher, score, map, points, pose)
+            insert(map, None, scan, pose, free=free)
             inserted += len(points) > 0
         except ValueError as error:
             raise ValueError(f"scan {k}: {error}") from error

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Literal
+from typing import Annotated, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from .. import arrays
 from ..angles import wrap
-from ..arrays import Array
+from ..arrays import Array, Count, at_least, checked
 from ..quadtree import QuadtreeMap
 from ._field import DistanceField
 from ._scores import occupancy_score, scan_and_poses
@@ -31,23 +31,8 @@ def field_score(map: QuadtreeMap, points: ArrayLike, poses: ArrayLike) -> Array:
 
     A matcher transforms the field once, around its start, and asks it for all poses. The field ends
     half a metre around the scan, so a beam that is farther from all walls may score lower than in
-    `distance_score`, and one that leaves this window higher.
-
-    Parameters
-    ----------
-    map : QuadtreeMap
-    points : (n, 2) array, metres
-    poses : (k, 3) or (3,) array, metres and radians
-
-    Returns
-    -------
-    (k,) array, metres
-
-    Raises
-    ------
-    ValueError
-        For an empty map, or none of it around the scan; other shapes, values that are not finite;
-        poses so far apart that their window is too large.
+    `distance_score`, and one that leaves this window higher. Parameters are those of
+    `occupancy_score`; an empty window, or one that is too large, is a ValueError too.
 
     Examples
     --------
@@ -63,14 +48,15 @@ def field_score(map: QuadtreeMap, points: ArrayLike, poses: ArrayLike) -> Array:
     return DistanceField.around(map, ends, at).score(ends, at)
 
 
+@checked
 def hill_climb(
     map: QuadtreeMap,
     points: ArrayLike,
     start: ArrayLike,
     *,
     score: Score = field_score,
-    steps: Literal["halving", "thesis"] = "halving",
-    rounds: int = 60,
+    steps: Literal["thesis", "halving"] = "halving",
+    rounds: Annotated[Count, at_least(0)] = 60,
 ) -> Array:
     """Move by the best of six small moves as long as one improves the score (B 4.3.1).
 
@@ -93,12 +79,6 @@ def hill_climb(
     -------
     (3,) array, metres and radians
 
-    Raises
-    ------
-    ValueError
-        For an empty map, other shapes, values that are not finite, unknown steps, rounds below 0, a
-        score that is no function.
-
     Examples
     --------
     >>> map = QuadtreeMap(resolution=0.01)
@@ -108,12 +88,11 @@ def hill_climb(
     >>> hill_climb(map, walls, (0.03, -0.02, 0.0)).round(2) + 0
     array([0., 0., 0.])
     """
-    sizes = list(STEPS[arrays.one_of(steps, "steps", STEPS)])
-    most = arrays.whole(rounds, "rounds", least=0)
+    sizes = list(STEPS[steps])
     ends, pose = arrays.points(points), arrays.pose(start, "start")
     values = prepared(score, map, ends, pose)
     best = float(values(pose[None])[0])
-    for _ in range(most):
+    for _ in range(rounds):
         while sizes:
             tried = pose + MOVES * (sizes[0][0], sizes[0][0], sizes[0][1])
             found = values(tried)
@@ -126,6 +105,7 @@ def hill_climb(
     return wrapped(pose)
 
 
+@checked
 def sample_and_rank(
     map: QuadtreeMap,
     points: ArrayLike,
@@ -144,18 +124,12 @@ def sample_and_rank(
     ----------
     map, points, start, score
         As for `hill_climb`.
-    rng : numpy.random.Generator
     sigma : (2,) floats, metres and radians
 
     Returns
     -------
     (3,) array, metres and radians
         The best of all, never worse than the start.
-
-    Raises
-    ------
-    ValueError
-        As `hill_climb`; for a sigma that is not positive, an rng that is no generator.
 
     Examples
     --------
@@ -167,7 +141,10 @@ def sample_and_rank(
     >>> bool(np.abs(found).max() < 0.02)
     True
     """
-    spread, rng = _spread(sigma), arrays.generator(rng)
+    both = arrays.numbers(sigma, "sigma")
+    if both.shape != (2,) or not ((both > 0) & (both <= arrays.LIMIT)).all():
+        raise ValueError(f"sigma must be positive, one of metres, one of radians, got {sigma}")
+    spread = both[[0, 0, 1]]
     ends, pose = arrays.points(points), arrays.pose(start, "start")
     values = prepared(score, map, ends, pose)
     poses = np.concatenate([pose[None], pose + rng.normal(0, 2 * spread, (99, 3))])
@@ -180,19 +157,8 @@ def sample_and_rank(
     return wrapped(poses[int(np.argmax(found))])
 
 
-def _spread(sigma: tuple[float, float]) -> Array:
-    """Standard deviations of x, y and heading, `(3,)`."""
-    both = arrays.numbers(sigma, "sigma")
-    if both.shape != (2,) or not ((both > 0) & (both <= arrays.LIMIT)).all():
-        raise ValueError(f"sigma must be positive, one of metres, one of radians, got {sigma}")
-    return both[[0, 0, 1]]
-
-
 def wrapped(pose: Array) -> Array:
-    """The pose with its heading in [-pi, pi); one that is there already keeps every bit.
-
-    A (3,) array, metres and radians.
-    """
+    """The pose with its heading in [-pi, pi); one that is there already keeps every bit."""
     turned = pose if -np.pi <= pose[2] < np.pi else (pose[0], pose[1], wrap(pose[2]))
     return np.array(turned)
 

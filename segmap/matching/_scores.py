@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from .. import arrays
 from ..arrays import Array
 from ..compiled import compiled
-from ..quadtree import QuadtreeMap, Tree
+from ..quadtree import QuadtreeMap
 
 Counts = NDArray[np.int32]
 Cells = NDArray[np.int64]
@@ -30,6 +30,7 @@ def occupancy_score(map: QuadtreeMap, points: ArrayLike, poses: ArrayLike) -> Ar
     Parameters
     ----------
     map : QuadtreeMap
+        An empty one has no score: a ValueError.
     points : (n, 2) array, metres
         Ends of the beams in the robot's frame.
     poses : (k, 3) or (3,) array, metres and radians
@@ -37,11 +38,6 @@ def occupancy_score(map: QuadtreeMap, points: ArrayLike, poses: ArrayLike) -> Ar
     Returns
     -------
     (k,) array
-
-    Raises
-    ------
-    ValueError
-        For an empty map, other shapes, or values that are not finite.
 
     Examples
     --------
@@ -59,12 +55,8 @@ def occupancy_score(map: QuadtreeMap, points: ArrayLike, poses: ArrayLike) -> Ar
 def distance_score(map: QuadtreeMap, points: ArrayLike, poses: ArrayLike) -> Array:
     """Minus the sum of the distances from the ends to the nearest occupied cell's centre, exact.
 
-    A kd-tree holds all occupied cells. Parameters and errors are those of `occupancy_score`. B 4.3
-    measures to the corners of cells, from ends cut to whole centimetres.
-
-    Returns
-    -------
-    (k,) array, metres
+    A kd-tree holds all occupied cells. Parameters are those of `occupancy_score`. B 4.3 measures to
+    the corners of cells, from ends cut to whole centimetres. Scores `(k,)` are in metres.
 
     Examples
     --------
@@ -88,11 +80,7 @@ def nearest_score(map: QuadtreeMap, points: ArrayLike, poses: ArrayLike) -> Arra
     """The value of `distance_score`, found in the tree: nearest squares first, exact.
 
     Squares farther than the best so far are not entered (Roussopoulos, Kelley and Vincent 1995; B
-    names such a score as future work). Parameters and errors are those of `occupancy_score`.
-
-    Returns
-    -------
-    (k,) array, metres
+    names such a score as future work). Parameters are those of `occupancy_score`.
 
     Examples
     --------
@@ -101,7 +89,8 @@ def nearest_score(map: QuadtreeMap, points: ArrayLike, poses: ArrayLike) -> Arra
     >>> nearest_score(map, [(1.05, 0.05)], (0.3, 0, 0)).round(6)
     array([-0.3])
     """
-    tree, holds, places, found = _searched(map, points, poses)
+    holds, places, found = _searched(map, points, poses)
+    tree = map.tree
     path, todo = np.empty(tree.level + 1, np.int64), np.empty((3 * tree.level + 4, 4), np.int64)
     path[-1] = tree.block
     nearest_distances(tree.vis, tree.occ, holds, places, path, todo, found)
@@ -111,13 +100,8 @@ def nearest_score(map: QuadtreeMap, points: ArrayLike, poses: ArrayLike) -> Arra
 def descent_score(map: QuadtreeMap, points: ArrayLike, poses: ArrayLike) -> Array:
     """The same by B's greedy descent, which can miss the nearest cell (B 4.3; for comparison).
 
-    It always enters the child that holds something and whose centre is nearest. Parameters and
-    errors are those of `occupancy_score`.
-
-    Returns
-    -------
-    (k,) array, metres
-        Never above that of `nearest_score`.
+    It always enters the child that holds something and whose centre is nearest, so its score is
+    never above that of `nearest_score`. Parameters are those of `occupancy_score`.
 
     Examples
     --------
@@ -126,17 +110,15 @@ def descent_score(map: QuadtreeMap, points: ArrayLike, poses: ArrayLike) -> Arra
     >>> descent_score(map, [(1.05, 0.05)], (0.3, 0, 0)).round(6)
     array([-0.3])
     """
-    tree, holds, places, found = _searched(map, points, poses)
-    nodes = tree.vis, tree.occ, holds, tree.block, tree.level
+    holds, places, found = _searched(map, points, poses)
+    nodes = map.tree.vis, map.tree.occ, holds, map.tree.block, map.tree.level
     descent_distances(*nodes, places, found)
     return -map.resolution * found
 
 
-def _searched(
-    map: QuadtreeMap, points: ArrayLike, poses: ArrayLike
-) -> tuple[Tree, Holds, Array, Array]:
-    """What a search needs: the tree, blocks that hold something, ends `(k, n, 2)` in cells of the
-    root, and room for the answers `(k,)`."""
+def _searched(map: QuadtreeMap, points: ArrayLike, poses: ArrayLike) -> tuple[Holds, Array, Array]:
+    """What a search needs: blocks that hold something, ends `(k, n, 2)` in cells of the root, and
+    room for the answers `(k,)`."""
     holds = occupied_blocks(map)
     ends, at = scan_and_poses(points, poses)
     x, y, _ = at.T[:, :, None]
@@ -148,7 +130,7 @@ def _searched(
     places = np.empty((len(at), len(ends), 2))
     places[:, :, 0] = (c * ends[:, 0] - s * ends[:, 1] + (x - left)) / map.resolution
     places[:, :, 1] = (s * ends[:, 0] + c * ends[:, 1] + (y - low)) / map.resolution
-    return map.tree, holds, places, np.empty(len(at))
+    return holds, places, np.empty(len(at))
 
 
 def all_placed(points: Array, poses: Array) -> Array:
@@ -160,13 +142,7 @@ def all_placed(points: Array, poses: Array) -> Array:
 
 
 def occupied_blocks(map: QuadtreeMap) -> Holds:
-    """Which blocks of a map hold an occupied cell, (b,) bool array.
-
-    Raises
-    ------
-    ValueError
-        Where none does: an empty map has no score.
-    """
+    """Which blocks of a map hold an occupied cell, (b,) bool array; an empty map has no score."""
     arrays.instance(map, "map", QuadtreeMap)
     holds = map.tree.occupied_blocks()
     if not holds[map.tree.block]:
@@ -175,13 +151,7 @@ def occupied_blocks(map: QuadtreeMap) -> Holds:
 
 
 def scan_and_poses(points: ArrayLike, poses: ArrayLike) -> tuple[Array, Array]:
-    """Points `(n, 2)`, metres, and poses `(k, 3)` or one, metres and radians, as arrays.
-
-    Raises
-    ------
-    ValueError
-        For other shapes, or values that are not finite.
-    """
+    """Points `(n, 2)`, metres, and poses `(k, 3)` or one, metres and radians, as arrays."""
     ends = arrays.table(points, "points", 2, limit=BEYOND)
     at = arrays.numbers(poses, "poses", "a (k, 3) array")
     at = at[None] if at.ndim == 1 and at.size else at

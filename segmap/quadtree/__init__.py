@@ -2,6 +2,3 @@
 
 from ._build import build_map, extent, free_ends
 from ._map import QuadtreeMap
-from ._tree import Leaves, Tree
-
-__all__ = ["Leaves", "QuadtreeMap", "Tree", "build_map", "extent", "free_ends"]

@@ -2,21 +2,22 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from .. import arrays
-from ..arrays import LIMIT, Array, Poses
+from ..arrays import LIMIT, Array, Poses, Quantity, checked
 from ..poses import compose, transform
 from ..scans import LaserScan, Log
 from ..scans.placed import poses_for, warn_of_nothing
-from ._map import QuadtreeMap
+from ._map import QuadtreeMap, Resolution
 
 
+@checked
 def build_map(
-    log: Log, poses: Poses, *, resolution: float = 0.05, free: bool = False, **options: Any
+    log: Log, poses: Poses, *, resolution: Resolution = 0.05, free: bool = False, **options: Any
 ) -> QuadtreeMap:
     """Insert every scan of a log from its pose, in the frame of the poses (B 4.2 to 4.4).
 
@@ -25,23 +26,12 @@ def build_map(
     log : Log
     poses : (k, 3) array, metres and radians, or Alignment
         One a scan; scans with NaN in their pose are left out.
-    resolution : float, metres
     free : bool
         Whether beams that met nothing count as free up to the sensor's largest range, where the
         log knows that. So it is in simulated rooms; a real sensor answers the same for a dark or
         slanted wall, which such rays then erase.
     **options
         Of `QuadtreeMap`; without a corner the map begins around the first pose.
-
-    Returns
-    -------
-    QuadtreeMap
-
-    Raises
-    ------
-    ValueError
-        Where shapes disagree or a pose is infinite; naming the scan, where one is not finite or
-        reaches beyond `max_size`.
 
     Warns
     -----
@@ -55,7 +45,6 @@ def build_map(
     >>> build_map(log, log.truth, resolution=0.05)
     QuadtreeMap(25.6 m, 4279 leaves of 0.05 m and more, 61 scans)
     """
-    arrays.switch(free, "free")
     where = poses_for(log, poses)
     used = np.flatnonzero(np.isfinite(where).all(1)).tolist()
     map = QuadtreeMap(resolution=resolution, **options)
@@ -77,16 +66,8 @@ def build_map(
 def free_ends(scan: LaserScan, sensor: ArrayLike) -> Array:
     """Where beams that met nothing leave the sensor's range, `(m, 2)`, metres, in the map.
 
-    Parameters
-    ----------
-    scan : LaserScan
-    sensor : (3,) array, metres and radians
-        Pose of the sensor in the map.
-
-    Returns
-    -------
-    (m, 2) array, metres
-        Empty where the largest range is not known.
+    None do where the largest range is not known. `sensor` is its pose in the map, `(3,)`, in metres
+    and radians.
 
     Examples
     --------
@@ -101,23 +82,13 @@ def free_ends(scan: LaserScan, sensor: ArrayLike) -> Array:
     return np.array([x, y]) + scan.max_range * np.stack([np.cos(angle), np.sin(angle)], -1)
 
 
-def extent(map: QuadtreeMap, *, margin: float = 0.08) -> tuple[float, float, float, float]:
-    """Left, low, right and high edge of where beams ended; the whole root where none did.
+@checked
+def extent(
+    map: QuadtreeMap, *, margin: Annotated[float, Quantity("", least=0, most=LIMIT)] = 0.08
+) -> tuple[float, float, float, float]:
+    """Left, low, right and high edge, metres, of where beams ended; the whole root where none did.
 
-    Parameters
-    ----------
-    map : QuadtreeMap
-    margin : float
-        Space around it, as a part of the larger of width and height.
-
-    Returns
-    -------
-    (4,) tuple, metres
-
-    Raises
-    ------
-    ValueError
-        For a margin that is negative or not finite.
+    The margin around it is a part of the larger of width and height.
 
     Examples
     --------
@@ -126,12 +97,11 @@ def extent(map: QuadtreeMap, *, margin: float = 0.08) -> tuple[float, float, flo
     >>> extent(map, margin=1)
     (9.5, 1.5, 11.0, 3.0)
     """
-    part = arrays.number(margin, "margin", least=0, most=LIMIT)
     leaves = arrays.instance(map, "map", QuadtreeMap).leaves()
     hit = leaves.occ > 0
     if not hit.any():
         return map.bounds
     x, y, side = leaves.x[hit], leaves.y[hit], leaves.side[hit]
     left, low, right, high = x.min(), y.min(), (x + side).max(), (y + side).max()
-    space = part * max(right - left, high - low)
+    space = margin * max(right - left, high - low)
     return float(left - space), float(low - space), float(right + space), float(high + space)

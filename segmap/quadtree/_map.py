@@ -3,20 +3,25 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from .. import arrays
 from .._display import Pictured
-from ..arrays import LIMIT, Array
+from ..arrays import LIMIT, Array, Count, Quantity, at_most, checked
 from . import _kernels as kernels
 from ._file import Stored, read, write
 from ._tree import LEAST, UNIT, Leaves, Tree, level_of, pairs
 
 if TYPE_CHECKING:
     import pandas as pd
+
+
+Resolution = Annotated[float, Quantity("metres", least=LEAST, most=LIMIT)]
+#: A length that must fit the cells, see `level_of`.
+Side = Annotated[float, Quantity("metres", most=1e300)]
 
 
 class QuadtreeMap(Pictured):
@@ -27,25 +32,20 @@ class QuadtreeMap(Pictured):
 
     Parameters
     ----------
-    resolution : float, metres
+    resolution : float
         Side of the smallest leaves.
-    size : float, metres, or None
+    size : float or None
         Side of the root at first, 512 cells by default; a power of two of cells, at least 4.
     corner : (2,) array, metres
         Lower left corner of the root at first; cells are counted from here for ever.
-    max_size : float, metres, or None
+    max_size : float or None
         Side that the root never exceeds, 65 536 cells by default; `size` times a power of two.
     bias : int
         Rays that have to cross a leaf until it counts as surely free.
-    free_resolution : float, metres, or None
+    free_resolution : float or None
         Where given, space counts as free only where rays went, to this side: rays too split leaves
         larger than it, children keep the count of a leaf that is split, and after the scan four
         children that hold no end and as many rays each join again. A power of two of cells.
-
-    Raises
-    ------
-    ValueError
-        For sizes that do not fit together, a bias below 1, a corner that is not finite.
 
     Examples
     --------
@@ -57,17 +57,18 @@ class QuadtreeMap(Pictured):
     array([1. , 0.5])
     """
 
+    @checked
     def __init__(
         self,
         *,
-        resolution: float = 0.01,
-        size: float | None = None,
+        resolution: Resolution = 0.01,
+        size: Side | None = None,
         corner: ArrayLike = (0.0, 0.0),
-        max_size: float | None = None,
-        bias: int = 20,
-        free_resolution: float | None = None,
+        max_size: Side | None = None,
+        bias: Annotated[Count, at_most(kernels.MOST)] = 20,
+        free_resolution: Side | None = None,
     ) -> None:
-        cell = arrays.number(resolution, "resolution", least=LEAST, most=LIMIT, unit="metres")
+        cell = resolution
         level = 9 if size is None else level_of("size", size, cell, least=2)
         largest = max(level, 16) if max_size is None else level_of("max_size", max_size, cell)
         if not level <= largest < kernels.DEPTH:
@@ -75,8 +76,7 @@ class QuadtreeMap(Pictured):
                 f"max_size must not be below the size, {np.ldexp(cell, level):.6g} m, nor have "
                 f"more than 2^{kernels.DEPTH - 1} cells a side, got {max_size}"
             )
-        self.bias = arrays.whole(bias, "bias", most=kernels.MOST)
-        self.corner = arrays.point(corner, "corner")
+        self.bias, self.corner = bias, arrays.point(corner, "corner")
         self.free_resolution, self._finest = free_resolution, None
         if free_resolution is not None:
             self._finest = level_of("free_resolution", free_resolution, cell)
@@ -87,19 +87,9 @@ class QuadtreeMap(Pictured):
     ) -> None:
         """Add the rays of one scan, taken from a known place (B 4.2 to 4.4).
 
-        Parameters
-        ----------
-        sensor_xy : (2,) array, metres
-            Where the sensor was, in the map's frame.
-        points : (n, 2) array, metres
-            Ends of the beams that met something.
-        free_points : (m, 2) array, metres, or None
-            Ends of the beams that met nothing: their rays cross their last cell too.
-
-        Raises
-        ------
-        ValueError
-            For other shapes, coordinates not finite or beyond `max_size`; the map stays as it is.
+        All are places in the map's frame, metres: of the sensor, `(2,)`, of the ends of beams that
+        met something, `(n, 2)`, and of those that met nothing, whose rays cross their last cell
+        too. What lies beyond `max_size` is a ValueError, and the map stays as it is.
 
         Examples
         --------
@@ -123,11 +113,6 @@ class QuadtreeMap(Pictured):
         """How sure it is that something stands at points `(n, 2)`, metres; `(n,)` in 0..1 (B 4.1).
 
         `occ / vis` where ends were seen; else from 0.5 (unknown) down to 0 (surely free).
-
-        Raises
-        ------
-        ValueError
-            For another shape, or values that are not finite.
         """
         leaf = self.tree.leaves_at(self._cells(points=pairs("points", points))[0])
         inside = leaf >= 0
@@ -147,16 +132,8 @@ class QuadtreeMap(Pictured):
     def to_grid(self, resolution: float | None = None) -> Array:
         """Occupancy on a grid over the whole root, `(rows, columns)`, row 0 lowest.
 
-        Parameters
-        ----------
-        resolution : float, metres, or None
-            The map's own by default, or this times a power of two, up to the map's side: then the
-            largest occupancy of each cell counts, so that no obstacle gets lost.
-
-        Raises
-        ------
-        ValueError
-            For another resolution.
+        Its cells are those of the map by default, or these times a power of two, up to the map's
+        side: then the largest occupancy of each counts, so that no obstacle gets lost.
 
         Examples
         --------
@@ -175,7 +152,7 @@ class QuadtreeMap(Pictured):
 
         The grid `(rows, columns)`, row 0 lowest, holds the leaves that are `shown`, (n,) bool
         array, or the whole root. Returned with it are its lower left corner and the side of a cell,
-        metres; `resolution` and errors are as in `to_grid`.
+        metres; `resolution` is as in `to_grid`.
 
         Examples
         --------
@@ -239,11 +216,6 @@ class QuadtreeMap(Pictured):
     def save(self, path: str | Path) -> None:
         """Write the map as NPZ, through a temporary file: whole or not at all.
 
-        Raises
-        ------
-        OSError
-            For a folder that does not exist, or cannot be written to.
-
         Examples
         --------
         >>> import tempfile
@@ -262,11 +234,8 @@ class QuadtreeMap(Pictured):
     def load(cls, path: str | Path) -> QuadtreeMap:
         """Read what `save` wrote.
 
-        Raises
-        ------
-        ValueError
-            For a file that is damaged or foreign, or unpacks to more than 1 MB and 50 times its
-            size, saying what is wrong with it.
+        A ValueError says what is wrong with a file that is damaged or foreign, or unpacks to more
+        than 1 MB and 50 times its size.
         """
         found = read(arrays.file(path))
         resolution, x, y, free = found.lengths.tolist()

@@ -67,12 +67,8 @@ class Tree:
     def grow(self, cells: kernels.Cells, resolution: float) -> kernels.Cells:
         """Double the root until it holds all cells `(n, 2)`, in their order.
 
-        Returns them counted from the corner of the new root.
-
-        Raises
-        ------
-        ValueError
-            Where a cell lies beyond the largest root; the tree is then as it was.
+        Returns them counted from the corner of the new root. Where a cell lies beyond the largest
+        root, that is a ValueError, and the tree is as it was.
         """
         x, y, level, steps = 0, 0, self.level, []
         for cell_x, cell_y in cells.tolist():
@@ -166,19 +162,15 @@ class Tree:
         """Which blocks hold an occupied cell (occupancy above 0.5), `(b,)`; kept until a change."""
         if self._occupied[0] != self.version:
             version, holds = self.version, np.zeros(self.used, np.bool_)
-            order = np.append(np.arange(self.used)[::-1], self._doubled())
+            doubled, block = [], self.block  # roots: other blocks come before those below
+            while block >= 0:
+                doubled.append(block)
+                below = ~self.vis[4 * block : 4 * block + 4]
+                block = int(below.max(where=below < block, initial=-1))
+            order = np.append(np.arange(self.used)[::-1], doubled[::-1])
             kernels.occupied_blocks(self.vis, self.occ, order, holds)
             self._occupied = version, holds
         return self._occupied[1]
-
-    def _doubled(self) -> list[int]:
-        """Roots that were doubled, the last at the end; other blocks come before those below."""
-        found, block = [], self.block
-        while block >= 0:
-            found.append(block)
-            below = ~self.vis[4 * block : 4 * block + 4]
-            block = int(below.max(where=below < block, initial=-1))
-        return found[::-1]
 
     def restore(self, stored: Stored) -> None:
         """Take over what a file holds."""
@@ -199,7 +191,7 @@ class Tree:
             self.vis, self.occ = np.resize(self.vis, room), np.resize(self.occ, room)
 
 
-def level_of(name: str, length: object, resolution: float, *, least: int = 0) -> int:
+def level_of(name: str, length: float, resolution: float, *, least: int = 0) -> int:
     """The level of squares of a side in metres: a power of two of cells, at least `2^least`."""
     count = arrays.number(length, name, most=1e300, unit="metres") / resolution
     level = round(np.log2(count)) if 0 < count < 2.0**60 else -1

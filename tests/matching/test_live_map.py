@@ -29,7 +29,7 @@ def expected(log, live):
     """The map of all scans at the poses that the graph has corrected."""
     map = blank()
     for scan, pose in zip(log, live.poses, strict=True):
-        _live_map.insert(map, scan, pose, free=False)
+        _live_map.insert(map, None, scan, pose, free=False)
     return state(map)
 
 
@@ -55,7 +55,7 @@ def test_map_scans_with_a_graph():
     np.testing.assert_allclose(steps[-1].pose, poses[-1])
     again = blank()
     for scan, pose in zip(LOG, poses, strict=True):
-        _live_map.insert(again, scan, pose, free=False)
+        _live_map.insert(again, None, scan, pose, free=False)
     assert state(map) == state(again)
 
 
@@ -76,15 +76,15 @@ def test_the_old_map_stands_until_the_new_one_holds_all_scans(monkeypatch):
     """Catches a map that is empty for seconds, and one that misses what came meanwhile."""
     go, real = threading.Event(), _live_map.insert
 
-    def slow(map, scan, pose, *, free):
+    def slow(*given, free):
         if threading.current_thread().name == "new map":
             go.wait(20)
-        real(map, scan, pose, free=free)
+        real(*given, free=free)
 
-    monkeypatch.setitem(LiveMap._draw.__globals__, "insert", slow)
+    monkeypatch.setitem(LiveMap.add.__globals__, "insert", slow)
     live, old = LiveMap(Planned((9,)), map=blank()), blank()
     for k, scan in enumerate(LOG):
-        real(old, scan, live.add(scan).pose, free=False)
+        real(old, None, scan, live.add(scan).pose, free=False)
         assert live.map.scans == k + 1 and state(live.map) == state(old)
     go.set()
     live.finish()
@@ -144,7 +144,7 @@ def test_an_interrupt_costs_no_scan_but_its_own(call):
     rest, poses = [LOG[k] for k in drawn], live.poses[drawn]
     again = blank()
     for scan, pose in zip(rest, poses, strict=True):
-        _live_map.insert(again, scan, pose, free=False)
+        _live_map.insert(again, None, scan, pose, free=False)
     assert state(live.map) == state(again)
 
 
@@ -179,14 +179,16 @@ def test_a_scan_that_is_broken_off_is_not_in_the_map_in_the_end(monkeypatch):
     """Catches a map that keeps the half of a scan that was interrupted while it was drawn."""
     live = LiveMap(Planned(()), map=blank())
     live.add(LOG[0])
+    insert = _live_map.insert
+
+    def half(*given, **named):
+        insert(*given, **named)
+        raise KeyboardInterrupt
+
     with monkeypatch.context() as patch:
-        patch.setitem(LiveMap._draw.__globals__, "add_walls", stop)
+        patch.setitem(LiveMap.add.__globals__, "insert", half)
         with pytest.raises(KeyboardInterrupt):
             live.add(LOG[1])
     live.add(LOG[2])
     live.finish()
     assert live.map.scans == 2
-
-
-def stop(*_):
-    raise KeyboardInterrupt

@@ -154,13 +154,13 @@ def test_what_a_scan_cannot_change_is_not_asked_again(resolution):
 @pytest.fixture
 def planned(monkeypatch):
     """The panel's graph closes loops at two scans; the thread that draws anew waits for a sign."""
-    names = LiveMap._draw.__globals__  # the examples of a file may have loaded it once more
+    names = LiveMap.add.__globals__  # the examples of a file may have loaded it once more
     go, real = threading.Event(), names["insert"]
 
-    def slow(map, scan, pose, *, free):
+    def slow(*given, free):
         if threading.current_thread().name == "new map":
             go.wait(20)
-        real(map, scan, pose, free=free)
+        real(*given, free=free)
 
     monkeypatch.setitem(names, "insert", slow)
     graph = partial(LiveMap, Planned((5, 9)))

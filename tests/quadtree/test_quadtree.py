@@ -41,7 +41,7 @@ def random_scans(rng, resolution, corner, spread):
 
 
 @pytest.mark.parametrize("free_resolution", [None, 1, 2, 8])
-@pytest.mark.parametrize("seed", [*range(25), *map(slow, range(25, 50))])
+@pytest.mark.parametrize("seed", [*range(15), *map(slow, range(15, 50))])
 def test_equals_the_literal_map(seed, free_resolution):
     """Catches a wrong cell, split, count, mask, order of growth, or a leaf counted twice a ray."""
     rng = np.random.default_rng(seed)

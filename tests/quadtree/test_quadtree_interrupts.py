@@ -2,12 +2,14 @@
 
 import numpy as np
 import pytest
+from conftest import slow
 
 from segmap.matching import distance_score, nearest_score
-from segmap.quadtree import QuadtreeMap, Tree, _kernels
+from segmap.quadtree import QuadtreeMap, _kernels
+from segmap.quadtree._tree import Tree
 
 #: More than the last call of each loop in a scan that grows, splits and joins.
-CALLS = range(6)
+CALLS = [0, slow(1), 2, slow(3), 4, slow(5)]
 LOOPS = [
     (_kernels, "insert_ends"),
     (_kernels, "walk_rays"),
