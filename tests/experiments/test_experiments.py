@@ -61,27 +61,23 @@ def test_the_order_is_that_of_the_request(expected):
     assert found.tolist() == [[a, d] for a in (0.1, 0.2) for d in (0.1, 0.2, 0.3)]
 
 
-def test_all_methods_run_with_their_defaults_and_those_that_are_none_are_left_out():
-    """Catches runs that do not say with what they were made, and whole numbers made floats."""
-    found = sweep({"room": ROOM})
-    assert list(found["method"]) == [n for n in METHODS if not METHODS[n].needs_sensors]
-    placed = replace(ROOM, sensors=np.ones((ROOM.scan.max() + 1, 2)))
-    assert list(sweep({"room": placed})["method"]) == list(METHODS)
-    with pytest.raises(ValueError, match=r"map must tell where its sensor was"):
-        sweep({"room": ROOM}, ["viewing_sector"])
-    runs = {run["method"]: thresholds_of(run) for _, run in found.iterrows()}
-    assert runs["fusion"] == {"tolerance": 0.04}
-    assert runs["hybrid"] == {"distance": 0.20, "angle": np.pi / 18}
-    assert type(runs["hybrid_fusion"]["every"]) is int
-
-
-def test_the_defaults_of_every_method_survive_a_file(tmp_path):
-    """Catches `np.float64(0.1)` and places, which nobody can read back, among the defaults."""
+def test_all_methods_run_with_their_defaults_and_those_that_are_none_are_left_out(tmp_path):
+    """Catches runs that do not say with what they were made, whole numbers made floats, and
+    `np.float64(0.1)` or places, which nobody can read back, among the defaults."""
     placed, path = replace(ROOM, sensors=np.ones((ROOM.scan.max() + 1, 2))), tmp_path / "runs.csv"
     found = sweep({"room": placed}, records=path)
+    assert list(found["method"]) == list(METHODS)
     assert_frame_equal(read_records(path), found)
-    for _, run in found.iterrows():
-        assert len(METHODS[run["method"]](placed, **thresholds_of(run))) == run["n_after"]
+    runs = {run["method"]: (thresholds_of(run), run["n_after"]) for _, run in found.iterrows()}
+    for method, (thresholds, left) in runs.items():
+        assert len(METHODS[method](placed, **thresholds)) == left
+    assert runs["fusion"][0] == {"tolerance": 0.04}
+    assert runs["hybrid"][0] == {"distance": 0.20, "angle": np.pi / 18}
+    assert type(runs["hybrid_fusion"][0]["every"]) is int
+    some = {name: METHODS[name] for name in ("fusion", "viewing_sector")}
+    assert list(sweep({"room": ROOM}, some)["method"]) == ["fusion"]
+    with pytest.raises(ValueError, match=r"map must tell where its sensor was"):
+        sweep({"room": ROOM}, ["viewing_sector"])
 
 
 def test_a_method_of_ones_own():

@@ -19,7 +19,7 @@ from segmap.panels import Workbench, control
 from segmap.panels._base import VIEW
 from segmap.panels.workbench._choices import Choice
 from segmap.panels.workbench._job import Failed, Worker
-from segmap.panels.workbench._recipe import EXTRACTIONS, Outcome
+from segmap.panels.workbench._recipe import Outcome
 from segmap.panels.workbench._shown import figures_table, plane, runs_table
 from segmap.plotting import thumbnail
 from segmap.scans import Skipped
@@ -192,6 +192,7 @@ def test_a_new_method_appears_by_itself(monkeypatch):
     assert (slider.min, slider.max, slider.description) == (0.01, 2.0, "angle [m]")
     assert (skew.value, skew.description) == (10.0, "skew [degrees]")
     skew.value = 20
+    made.method.value, made.method.value = "hybrid", "newest"  # settings stay meanwhile
     made.run()
     assert [0.2, np.radians(20)] == GIVEN
     exec(made.code, names := {"log": LOG})
@@ -239,13 +240,6 @@ def test_what_a_control_cannot_take_is_named():
         length.meant()
     with pytest.raises(ValueError, match="skew must be"):
         control(strange, "skew", -1.0, least=1, most=45, step=1)
-
-
-def test_settings_stay_while_another_method_is_chosen():
-    made = bench()
-    made.method["tolerance"].value = 0.1
-    made.method.value, made.method.value = "hybrid", "fusion"
-    assert made.method["tolerance"].value == 0.1 and len(EXTRACTIONS) == 2
 
 
 # ------------------------------------------------------------------ in a process of its own
@@ -346,6 +340,10 @@ def test_a_path_that_is_none_is_told_and_the_log_kept():
         made.open(3)
     with pytest.raises(ValueError, match="must hold one scan at least"):
         made.open(Log("empty", []))
+    with pytest.raises(ValueError, match="log must be a Log, got 'malaga'"):
+        Workbench("malaga")
+    made.files.children[1].click()
+    assert made.state.value == "there is no result yet: run() makes one"
 
 
 def test_another_log_while_one_is_worked_on():
@@ -373,11 +371,6 @@ def test_a_log_in_words():
         ("damaged", "2 lines left out; line 7: no number"),
     ]
     assert "<b>&lt;b&gt;</b> 2 scans" in Workbench(log).about.value
-
-
-def test_bad_logs_are_refused():
-    with pytest.raises(ValueError, match="log must be a Log, got 'malaga'"):
-        Workbench("malaga")
 
 
 # ------------------------------------------------------------------ what is seen
@@ -506,12 +499,6 @@ def test_the_browser_gets_the_result_in_every_format(both, end, tmp_path, monkey
         for name, reduced in zip(("map", "other"), found, strict=True):
             read = readers.read_segments(tmp_path / f"{name}{end}")
             assert np.array_equal(read.segments, reduced.segments)
-
-
-def test_there_is_nothing_to_save_before_a_run():
-    made = bench()
-    made.files.children[1].click()
-    assert made.state.value == "there is no result yet: run() makes one"
 
 
 def test_nothing_left_is_told():

@@ -86,14 +86,6 @@ def test_beams_run_from_the_sensor_to_their_end_points(ax):
     np.testing.assert_allclose(lines_of(ax), [[(0.5, 2), (1.5, 2)]])
 
 
-def test_points_are_drawn_where_they_are(ax):
-    """Catches x exchanged with y, and dots joined by a line."""
-    points = [(0, 1), (2, 3), (5, 8)]
-    plotting.draw_points(points, ax=ax, color=MAP, label="seen")
-    np.testing.assert_array_equal(dots_of(ax), points)
-    assert (ax.lines[0].get_linestyle(), ax.lines[0].get_label()) == ("None", "seen")
-
-
 def test_an_arrow_leaves_each_pose_straight_ahead_and_a_line_joins_them_in_order(ax):
     """Catches a heading in degrees, and an arrow whose tip goes beyond its length."""
     plotting.draw_poses([(0, 0, 0), (1, 2, np.pi / 2)], ax=ax, label="path")
@@ -153,29 +145,29 @@ def test_groups_have_a_colour_each_in_turn_and_none_is_grey(ax):
     assert colors_of(ax) == [GROUPS[1], RAW, GROUPS[1]]
 
 
-def test_errors_run_from_grey_to_red_with_the_largest_on_top(ax):
-    """Catches errors that are shown in one colour, and hidden under the many good segments."""
-    plotting.draw_segments(THREE, error=[0.1, 0.0, 0.05], ax=ax)
+@pytest.mark.parametrize(
+    ("values", "most", "ends"),
+    [
+        ({"error": [0.1, 0.0, 0.05]}, 0.1, (0.0, 1.0)),
+        ({"error": [0, 0, 0]}, 1e-3, (0.0, 0.0)),
+        ({"error": [1e-17, 0, 1e-16]}, 1e-3, (0.0, 0.0)),
+        ({"error": [np.inf] * 3}, 1e-3, (1.0, 1.0)),
+        ({"scan": [0, 5, 10]}, 10, None),
+    ],
+)
+def test_errors_and_scans_run_through_their_colours_with_a_scale(values, most, ends, ax):
+    """Catches good segments on top of bad ones, rounding errors in dark red, an infinite scale."""
+    plotting.draw_segments(THREE, **values, ax=ax)
     found = colors_of(ax)
-    assert found[0] == to_hex(plotting.ERRORS(0.0)) and found[-1] == to_hex(plotting.ERRORS(1.0))
-    np.testing.assert_array_equal(lines_of(ax), THREE[[1, 2, 0]])
-    assert ax.collections[0].get_clim() == (0, 0.1)
-    assert ax.figure.axes[1].get_ylabel() == "error [m]"
-
-
-@pytest.mark.parametrize("errors", [[0, 0, 0], [1e-17, 0, 1e-16], [np.inf, np.inf, np.inf]])
-def test_errors_that_are_none_or_infinite_keep_a_sensible_scale(errors, ax):
-    """Catches rounding errors in dark red, and a scale that ends at infinity."""
-    plotting.draw_segments(THREE, error=errors, ax=ax)
-    assert ax.collections[0].get_clim() == (0, 1e-3)
-    worst = plotting.ERRORS(1.0 if np.isinf(errors[0]) else 0.0)
-    assert colors_of(ax)[-1] == to_hex(worst)
-
-
-def test_scans_run_through_the_colours_with_a_scale(ax):
-    plotting.draw_segments(THREE, scan=[0, 5, 10], ax=ax)
-    assert len(set(colors_of(ax))) == 3 and ax.collections[0].get_clim() == (0, 10)
-    assert ax.figure.axes[1].get_ylabel() == "scan"
+    assert ax.collections[0].get_clim() == (0, most)
+    label = "scan" if "scan" in values else "error [m]"
+    assert ax.figure.axes[1].get_ylabel() == label
+    if ends is None:
+        assert len(set(found)) == 3
+    else:
+        assert [found[0], found[-1]] == [to_hex(plotting.ERRORS(end)) for end in ends]
+        order = np.argsort(values["error"], kind="stable")
+        np.testing.assert_array_equal(lines_of(ax), THREE[order])
 
 
 @pytest.mark.parametrize(
@@ -379,7 +371,7 @@ def test_a_figure_becomes_a_png_without_leaving_its_canvas():
 
 def test_a_real_map_fits_into_a_small_picture():
     """Catches pictures of megabytes in the chapters."""
-    log = segmap.load("malaga")[::4]
+    log = segmap.load("malaga")[::8]
     map = segmap.build_map(log, log.truth)
     ax = plotting.draw_before_after(map, segmap.fusion(map))
     assert 3_000 < len(plotting.figure_png(ax.figure)) < 40_000
