@@ -6,7 +6,7 @@ asked of unfiltered runs of A's own grid; those at equal quality of all runs of 
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -52,17 +52,9 @@ class Runs(NamedTuple):
 def conclusions(frame: pd.DataFrame) -> pd.DataFrame:
     """A's conclusions on the buildings of some runs, each answered by a number.
 
-    Parameters
-    ----------
-    frame : DataFrame
-        Of `experiments.sweep`: buildings on which all of A's grid was run, with the filter and
-        without.
-
-    Returns
-    -------
-    DataFrame
-        A row for each claim, named by its letter: claim; verdict: on how many buildings it holds;
-        and a column for each building, the number and "yes" where the claim holds, else "no".
+    The runs are of `experiments.sweep`: buildings on which all of A's grid was run, with the filter
+    and without. A row of the table is a claim, named by its letter: claim; verdict: on how many
+    buildings it holds; and a column for each building, the number and "yes" where the claim holds.
 
     Examples
     --------
@@ -76,11 +68,16 @@ def conclusions(frame: pd.DataFrame) -> pd.DataFrame:
     import pandas as pd
 
     maps = {name: _runs(select(frame, map=name)) for name in dict.fromkeys(frame["map"])}
-    found = [(k, said, [ask(runs) for runs in maps.values()]) for k, said, ask in CLAIMS]
-    found += [(k, said, _by_density(maps, ask, least)) for k, said, ask, least in DENSE_CLAIMS]
-    found.sort(key=lambda row: row[0])
-    rows = [(said, _verdict(answers), *map(_words, answers)) for _, said, answers in found]
-    return pd.DataFrame(rows, [k for k, *_ in found], ["claim", "verdict", *maps])
+    each = [list(_answers(runs)) for runs in maps.values()]
+    found = [(row[0][0], row[0][1], [a for _, _, a in row]) for row in zip(*each, strict=True)]
+    found = sorted([*found, *_by_density(maps)], key=lambda row: row[0])
+    rows = []
+    for _, claim, answers in found:
+        holds, of = sum(answer.holds for answer in answers), len(answers)
+        verdict = {0: "does not hold", of: "holds"}.get(holds, f"holds on {holds} of {of}")
+        words = [f"{answer.words}: {'yes' if answer.holds else 'no'}" for answer in answers]
+        rows.append((claim, verdict, *words))
+    return pd.DataFrame(rows, [letter for letter, *_ in found], ["claim", "verdict", *maps])
 
 
 def density(frame: pd.DataFrame) -> float:
@@ -103,135 +100,91 @@ def _runs(frame: pd.DataFrame) -> Runs:
     return Runs(five, thesis_grid(five).sort_values(order, kind="stable"))
 
 
-def _words(answer: Answer) -> str:
-    return f"{answer.words}: {'yes' if answer.holds else 'no'}"
-
-
-def _verdict(answers: list[Answer]) -> str:
-    holds, of = sum(answer.holds for answer in answers), len(answers)
-    return {0: "does not hold", of: "holds"}.get(holds, f"holds on {holds} of {of}")
-
-
-def _by_density(
-    maps: dict[str, Runs], quality: Callable[[Runs], float], least: float
-) -> list[Answer]:
-    """The sparser half has at least that quality, and the others less than all of that half."""
-    copies = {name: density(runs.grid) for name, runs in maps.items()}
-    found = {name: quality(runs) for name, runs in maps.items()}
-    sparse = sorted(maps, key=copies.__getitem__)[: (len(maps) + 1) // 2]
-    worst = min(found[name] for name in sparse)
-    return [
-        Answer(
-            f"{value:.0%} at {copies[name]:.1f} copies",
-            value >= least if name in sparse else value < worst,
-        )
-        for name, value in found.items()
-    ]
-
-
-def _alike(runs: Runs) -> Answer:
+def _answers(runs: Runs) -> Iterator[tuple[str, str, Answer]]:
+    """Letter and claim, and how it is answered on one building."""
     rates = ["reduction", "quality"]
-    off, on = (runs.of(name)[rates].to_numpy() for name in ("basic_offline", "basic_online"))
-    gap = np.abs(on - off).mean(axis=0).max()
-    return Answer(f"{100 * gap:.1f} points apart", bool(gap <= 0.03))
+    off, on = runs.of("basic_offline"), runs.of("basic_online")
+    gap = np.abs(on[rates].to_numpy() - off[rates].to_numpy()).mean(axis=0).max()
+    claim = "Basic on-line and off-line give nearly the same maps"
+    yield "b", claim, Answer(f"{100 * gap:.1f} points apart", bool(gap <= 0.03))
 
+    ratio = float(np.median(on["seconds"].to_numpy() / off["seconds"].to_numpy()))
+    yield "c", "Basic on-line costs far more than off-line", Answer(_times(ratio), ratio >= 3)
 
-def _online_cost(runs: Runs) -> Answer:
-    off, on = (runs.of(name)["seconds"].to_numpy() for name in ("basic_offline", "basic_online"))
-    ratio = float(np.median(on / off))
-    return Answer(_times(ratio), ratio >= 3)
-
-
-def _filter_matters(runs: Runs) -> Answer:
     change = {name: filter_change(runs.grid, name) for name in THESIS_GRIDS}
     better, less = change.pop("hybrid")
     rest = np.abs(list(change.values())).max(axis=0)
     words = f"{100 * better:+.0f} and {100 * less:+.0f} points"
-    return Answer(words, bool(better > rest[0] and -less > rest[1]))
+    claim = "the filter changes Hybrid most: better quality, less reduction"
+    yield "d", claim, Answer(words, bool(better > rest[0] and -less > rest[1]))
 
+    rankings = _rankings(runs)
+    first = sum(ranking[0] == "fusion" for ranking in rankings)
+    words = f"first in {first} of {len(rankings)}"
+    yield "e", "Fusion reduces most at equal quality", Answer(words, first > len(rankings) / 2)
 
-def _fusion_first(runs: Runs) -> Answer:
-    places = [ranking[0] == "fusion" for ranking in _rankings(runs)]
-    return Answer(f"first in {sum(places)} of {len(places)}", sum(places) > len(places) / 2)
+    seconds = {name: float(runs.of(name)["seconds"].median()) for name in OFF_LINE}
+    ratio = seconds["fusion"] / min(seconds["basic_offline"], seconds["mean_shift"])
+    claim = "Fusion is fast among the off-line methods"
+    yield "e", claim, Answer(f"{_times(ratio)} the next", ratio <= 3)
 
-
-def _fusion_fast(runs: Runs) -> Answer:
-    times = _off_line_times(runs)
-    ratio = times.pop("fusion") / min(times.values())
-    return Answer(f"{_times(ratio)} the next", ratio <= 3)
-
-
-def _small_tolerance(runs: Runs) -> Answer:
     good, bad = (runs.quality("fusion", tolerance=t) for t in (0.04, 0.10))
-    return Answer(f"{good:.0%} to {bad:.0%}", good - bad >= 0.10 and bad < 0.80)
+    claim = "Fusion loses quality quickly from 40 to 100 mm"
+    yield "f", claim, Answer(f"{good:.0%} to {bad:.0%}", good - bad >= 0.10 and bad < 0.80)
 
-
-def _collapses(runs: Runs) -> Answer:
     good, bad = (runs.quality("mean_shift", sigma=s) for s in (0.10, 0.40))
-    return Answer(f"{good:.0%} to {bad:.0%}", good - bad >= 0.20)
+    claim = "mean shift's quality collapses as sigma grows"
+    yield "h", claim, Answer(f"{good:.0%} to {bad:.0%}", good - bad >= 0.20)
 
+    ratio = seconds["mean_shift"] / max(seconds["basic_offline"], seconds["fusion"])
+    claim = "mean shift is the slowest off-line method"
+    yield "i", claim, Answer(f"{_times(ratio)} the next", ratio > 1)
 
-def _mean_shift_slow(runs: Runs) -> Answer:
-    times = _off_line_times(runs)
-    ratio = times.pop("mean_shift") / max(times.values())
-    return Answer(f"{_times(ratio)} the next", ratio > 1)
-
-
-def _loose_fast(runs: Runs) -> Answer:
     times = [runs.of(name)["seconds"] for name in THESIS_GRIDS]
     faster = sum(bool(part.iloc[-1] < part.iloc[0]) for part in times)
-    return Answer(f"{faster} of {len(times)} methods", faster == len(times))
+    words = f"{faster} of {len(times)} methods"
+    yield "j", "looser thresholds take less time", Answer(words, faster == len(times))
 
-
-def _unfiltered_slow(runs: Runs) -> Answer:
     without, filtered = (
         np.concatenate([runs.of(name, least)["seconds"] for name in THESIS_GRIDS])
         for least in (False, True)
     )
     share = float(np.mean(without > filtered))
-    return Answer(f"{share:.0%} of runs", share >= 0.90)
+    yield "k", "unfiltered maps take longer", Answer(f"{share:.0%} of runs", share >= 0.90)
+
+    # of those that reach a quality; not to reach what another one reaches is to be last too
+    last = sum("mean_shift" not in ranking[:-1] for ranking in rankings)
+    words = f"last in {last} of {len(rankings)}"
+    yield "l", "at equal quality mean shift is last", Answer(words, last == len(rankings))
 
 
-def _mean_shift_last(runs: Runs) -> Answer:
-    """Of those that reach a quality; not to reach what another one reaches is to be last too."""
-    places = ["mean_shift" not in ranking[:-1] for ranking in _rankings(runs)]
-    return Answer(f"last in {sum(places)} of {len(places)}", all(places))
+def _by_density(maps: dict[str, Runs]) -> Iterator[tuple[str, str, list[Answer]]]:
+    """Claims about sparse maps and dense ones: letter and claim, and an answer for each building.
 
-
-#: Letter, claim, and how it is answered on one building.
-CLAIMS: list[tuple[str, str, Callable[[Runs], Answer]]] = [
-    ("b", "Basic on-line and off-line give nearly the same maps", _alike),
-    ("c", "Basic on-line costs far more than off-line", _online_cost),
-    ("d", "the filter changes Hybrid most: better quality, less reduction", _filter_matters),
-    ("e", "Fusion reduces most at equal quality", _fusion_first),
-    ("e", "Fusion is fast among the off-line methods", _fusion_fast),
-    ("f", "Fusion loses quality quickly from 40 to 100 mm", _small_tolerance),
-    ("h", "mean shift's quality collapses as sigma grows", _collapses),
-    ("i", "mean shift is the slowest off-line method", _mean_shift_slow),
-    ("j", "looser thresholds take less time", _loose_fast),
-    ("k", "unfiltered maps take longer", _unfiltered_slow),
-    ("l", "at equal quality mean shift is last", _mean_shift_last),
-]
-#: Letter, claim, quality on one building, and least quality on a sparse map.
-DENSE_CLAIMS: list[tuple[str, str, Callable[[Runs], float], float]] = [
-    (
-        "a",
-        "loose Basic is good on sparse maps, less so on dense ones",
-        lambda runs: runs.quality("basic_offline", distance=0.40, angle=np.pi / 9),
-        0.70,
-    ),
-    (
-        "g",
-        "mean shift is good on sparse maps only",
-        lambda runs: runs.quality("mean_shift", sigma=0.10),
-        0.80,
-    ),
-]
-
-
-def _off_line_times(runs: Runs) -> dict[str, float]:
-    """Median seconds of the off-line methods, unfiltered, on A's grid."""
-    return {name: float(runs.of(name)["seconds"].median()) for name in OFF_LINE}
+    The sparser half has at least a quality, and the others less than all of that half.
+    """
+    copies = {name: density(runs.grid) for name, runs in maps.items()}
+    sparse = sorted(maps, key=copies.__getitem__)[: (len(maps) + 1) // 2]
+    loose = {"distance": 0.40, "angle": np.pi / 9}
+    claim = "loose Basic is good on sparse maps, less so on dense ones"
+    asked: list[tuple[str, str, str, dict[str, float], float]] = [
+        ("a", claim, "basic_offline", loose, 0.70),
+        ("g", "mean shift is good on sparse maps only", "mean_shift", {"sigma": 0.10}, 0.80),
+    ]
+    for letter, claim, method, thresholds, least in asked:
+        found = {name: runs.quality(method, **thresholds) for name, runs in maps.items()}
+        worst = min(found[name] for name in sparse)
+        yield (
+            letter,
+            claim,
+            [
+                Answer(
+                    f"{value:.0%} at {copies[name]:.1f} copies",
+                    value >= least if name in sparse else value < worst,
+                )
+                for name, value in found.items()
+            ],
+        )
 
 
 def _times(ratio: float) -> str:

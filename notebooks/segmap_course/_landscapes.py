@@ -37,24 +37,7 @@ def landscape(
 ) -> Landscape:
     """Scores of a scan at places around a pose, its heading kept (after B 4.3).
 
-    Parameters
-    ----------
-    map : QuadtreeMap
-    points : (n, 2) array, metres
-    pose : (3,) array, metres and radians
-        The middle.
-    score : callable
-    reach, step : float, metres
-        How far to each side, and in which steps.
-
-    Returns
-    -------
-    Landscape
-
-    Raises
-    ------
-    ValueError
-        As the score; for a step that is not positive, or a reach below it.
+    So far to each side, `reach`, and in steps of `step`, metres.
 
     Examples
     --------
@@ -81,21 +64,6 @@ def heading_profile(
 ) -> tuple[Array, Array]:
     """Scores of a scan turned about a pose: offsets `(m,)` in radians and scores `(m,)` (B 4.3).
 
-    Parameters
-    ----------
-    map, points, pose, score
-        As for `landscape`.
-    reach, step : float, radians
-
-    Returns
-    -------
-    offsets, values : (m,) arrays
-
-    Raises
-    ------
-    ValueError
-        As `landscape`.
-
     Examples
     --------
     >>> map = QuadtreeMap(resolution=0.1)
@@ -121,17 +89,8 @@ def _offsets(reach: float, step: float) -> Array:
 def peaks(values: ArrayLike) -> NDArray[np.int64]:
     """Places that are higher than all around them, `(k, dimensions)`, the highest first.
 
-    A plateau counts once; what touches the border counts where nothing beside it is higher.
-
-    Parameters
-    ----------
-    values : array of any shape
-        Scores of a landscape or a profile.
-
-    Raises
-    ------
-    ValueError
-        For NaN, which is neither higher nor lower.
+    A plateau counts once; what touches the border counts where nothing beside it is higher. NaN is
+    refused: it is neither higher nor lower.
 
     Examples
     --------
@@ -158,20 +117,9 @@ def peaks(values: ArrayLike) -> NDArray[np.int64]:
 
 
 def profile_peaks(turn: ArrayLike, values: ArrayLike) -> NDArray[np.int64]:
-    """Places of a profile that are higher than all around them, `(k,)`, the highest first.
+    """Places of a `heading_profile` that are higher than all around, the highest first, `(k,)`.
 
     As `peaks`, but after a whole turn the last value is the first again: the ends are no border.
-
-    Parameters
-    ----------
-    turn : (m,) array, radians
-    values : (m,) array
-        Both from `heading_profile`.
-
-    Raises
-    ------
-    ValueError
-        As `peaks`.
 
     Examples
     --------

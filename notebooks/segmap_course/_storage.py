@@ -26,12 +26,11 @@ SPACING = 0.01
 
 
 class Representation(NamedTuple):
-    """One way to keep a building.
+    """One way to keep a building; a dense grid has the cells of the quadtree.
 
     Parameters
     ----------
     map : (n, 2) array of points, (n, 2, 2) array of segments, metres, or QuadtreeMap
-        A dense grid has the cells of the quadtree.
     parts, nbytes : int
     points : (n, 2) array, metres
         Where it says that walls are: the points themselves, samples along segments, or centres of
@@ -49,26 +48,10 @@ def represent(
 ) -> dict[str, Representation]:
     """An aligned log as points, segments, reduced segments, quadtree and dense grid.
 
-    Parameters
-    ----------
-    log : Log
-    poses : (k, 3) array, metres and radians
-        One a scan; scans with NaN in their pose are left out of all five.
-    resolution : float, metres
-        Of the quadtree and the grid.
-    tolerance : float, metres
-        Of Fusion, which reduces the segments.
-
-    Returns
-    -------
-    dict
-        Bytes: 16 a point, 32 a segment, 8 a node of the tree, and two counts of 4 bytes for each
-        cell of a grid that just holds the occupied cells.
-
-    Raises
-    ------
-    ValueError
-        For poses that do not fit the log, or a tolerance or resolution that is not positive.
+    Scans with NaN in their pose are left out of all five. The resolution is that of quadtree and
+    grid, and the tolerance that of Fusion, which reduces the segments. Bytes: 16 a point, 32 a
+    segment, 8 a node of the tree, and two counts of 4 bytes for each cell of a grid that just holds
+    the occupied cells.
 
     Examples
     --------
@@ -99,27 +82,16 @@ def represent(
 def compare_with_walls(
     found: Mapping[str, Representation], walls: Segments, *, within: float = 0.05
 ) -> pd.DataFrame:
-    """Compare representations with the true walls.
+    """Compare representations with the true walls: a table with a row for each.
 
-    Parameters
-    ----------
-    found : mapping of name to Representation
-        The first are the points: walls that they do not reach were never seen, and do not count.
-    walls : (n, 2, 2) array, metres
-    within : float, metres
-        A sample of a wall counts as covered where one of the points is so near.
+    Walls that the first, the points, do not reach were never seen, and do not count.
 
     Returns
     -------
     DataFrame
-        A row a representation: parts, nbytes; error: mean distance of its points from the walls,
-        metres; covered: share of the samples of walls that the first covers, NaN where it covers
-        none.
-
-    Raises
-    ------
-    ValueError
-        Without walls.
+        parts, nbytes; error: mean distance of its points from the walls, metres; covered: share of
+        the samples of walls seen that have one of its points `within` so many metres, NaN where
+        none was.
     """
     import pandas as pd
     from scipy.spatial import cKDTree
@@ -145,11 +117,6 @@ def occupied_centres(map: QuadtreeMap) -> Array:
 def sample_points(segments: Segments, spacing: float = SPACING) -> Array:
     """Points `(n, 2)`, metres, along segments, evenly, at most so far apart, with both ends.
 
-    Raises
-    ------
-    ValueError
-        For a spacing that is not positive.
-
     Examples
     --------
     >>> sample_points([[(0, 0), (1, 0)]], 0.5)
@@ -169,11 +136,6 @@ def sample_points(segments: Segments, spacing: float = SPACING) -> Array:
 
 def wall_errors(points: Array, walls: Segments) -> Array:
     """Distance of each point from the nearest wall, `(n,)`, metres.
-
-    Raises
-    ------
-    ValueError
-        Without walls.
 
     Examples
     --------

@@ -40,11 +40,8 @@ PUBLISHED = (
 def thesis_results() -> pd.DataFrame:
     """The 264 runs of A's appendix: Polimi, Stanford, Bicocca and USC, in metres and radians.
 
-    Returns
-    -------
-    DataFrame
-        With the columns of `experiments.sweep`. Seconds are those of MATLAB on a computer of 2008,
-        to whole seconds.
+    The columns are those of `experiments.sweep`. Seconds are those of MATLAB on a computer of 2008,
+    to whole seconds.
 
     Examples
     --------
@@ -102,15 +99,7 @@ def thesis_grid(frame: pd.DataFrame) -> pd.DataFrame:
 def alignment_table(runs: pd.DataFrame) -> pd.DataFrame:
     """Errors of alignment methods on one log beside published ones, without times.
 
-    Parameters
-    ----------
-    runs : DataFrame
-        Of `experiments.load_alignments`.
-
-    Returns
-    -------
-    DataFrame
-        Errors in metres, NaN where they are not known.
+    The runs are of `experiments.load_alignments`; metres, NaN where an error is not known.
 
     Examples
     --------

@@ -29,7 +29,6 @@ class Trial:
 
     Parameters
     ----------
-    log, matcher, score : str
     seed : int
         Of the log's errors and of the matcher.
     median, largest : float, metres
@@ -68,24 +67,8 @@ KINDS = (str, str, str, int, float, float, float, int, int, float)
 def room_walk(scans: int = 200, *, seed: int = 0) -> Log:
     """Once round a furnished room of 4 m x 3 m, looking ahead, with a Hokuyo URG-04LX.
 
-    With 200 scans the robot moves by 3 cm and turns by 3 degrees at most from one to the next.
-
-    Parameters
-    ----------
-    scans : int
-        On the same way: fewer scans are farther apart.
-    seed : int
-        Of the errors of sensor and wheels.
-
-    Returns
-    -------
-    Log
-        With the true poses, (scans, 3) array, metres and radians.
-
-    Raises
-    ------
-    ValueError
-        For less than one scan.
+    With 200 scans the robot moves by 3 cm and turns by 3 degrees at most from one to the next;
+    fewer are farther apart. The seed is that of the errors of sensor and wheels.
 
     Examples
     --------
@@ -117,23 +100,8 @@ def room_walls() -> Array:
 def try_pair(log: Log, matcher: str, score: str, *, seed: int = 0) -> Trial:
     """Map a simulated log with known truth from its ranges alone, and judge it.
 
-    Parameters
-    ----------
-    log : Log
-        With a truth for every scan; the first true pose is the start.
-    matcher, score : str
-        Keys of `MATCHERS` and `SCORES`.
-    seed : int
-        Of a matcher that draws.
-
-    Returns
-    -------
-    Trial
-
-    Raises
-    ------
-    ValueError
-        For a log without truth, or names that there are not.
+    The first true pose is the start, matcher and score are keys of `MATCHERS` and `SCORES`, and the
+    seed is for a matcher that draws.
 
     Examples
     --------
@@ -169,11 +137,6 @@ def try_pair(log: Log, matcher: str, score: str, *, seed: int = 0) -> Trial:
 def load_trials(path: Path | None = None) -> list[Trial]:
     """All pairs of matcher and score on `room_walk`, as `make bench` wrote them.
 
-    Parameters
-    ----------
-    path : Path or None
-        Another such file.
-
     Raises
     ------
     ValueError
@@ -185,27 +148,23 @@ def load_trials(path: Path | None = None) -> list[Trial]:
     >>> best.matcher, best.largest < 0.05
     ('hill climbing', True)
     """
-    source = path or data_file("records/matching.csv")
-    return [_trial(row, where) for row, where in read_table(source, HEAD)]
+    found = []
+    for row, where in read_table(path or data_file("records/matching.csv"), HEAD):
+        try:
+            trial = Trial(*[kind(cell) for kind, cell in zip(KINDS, row, strict=True)])
+            if not all(0 <= number <= MOST for number in astuple(trial)[3:]):
+                raise ValueError(f"expected numbers from 0 to {MOST}")
+        except (ValueError, OverflowError) as error:
+            raise ValueError(f"{where}: expected a trial, got {row}") from error
+        found.append(trial)
+    return found
 
 
 def load_columns(name: str) -> NDArray[np.void]:
     """Another record of matching that `make bench` wrote, as columns with names.
 
-    Parameters
-    ----------
-    name : "matching_growth" or "matching_exp1"
-        What a score costs as the map grows (B table 6.3); poses and scores on a real log.
-
-    Returns
-    -------
-    structured (n,) array
-        Metres, radians and seconds.
-
-    Raises
-    ------
-    ValueError
-        For another name.
+    "matching_growth" is what a score costs as the map grows (B table 6.3), "matching_exp1" poses
+    and scores on a real log; metres, radians and seconds.
 
     Examples
     --------
@@ -216,28 +175,8 @@ def load_columns(name: str) -> NDArray[np.void]:
     return np.genfromtxt(path, delimiter=",", names=True, dtype=None, encoding="utf-8")
 
 
-def _trial(row: list[str], where: str) -> Trial:
-    try:
-        found = Trial(*[kind(cell) for kind, cell in zip(KINDS, row, strict=True)])
-        if not all(0 <= number <= MOST for number in astuple(found)[3:]):
-            raise ValueError(f"expected numbers from 0 to {MOST}")
-        return found
-    except (ValueError, OverflowError) as error:
-        raise ValueError(f"{where}: expected a trial, got {row}") from error
-
-
 def write_trials(trials: Iterable[Trial], path: Path) -> None:
     """Write what `load_trials` reads, through a temporary file: whole or not at all.
-
-    Parameters
-    ----------
-    trials : iterable of Trial
-    path : Path
-
-    Raises
-    ------
-    OSError
-        For a folder that does not exist, or cannot be written to.
 
     Examples
     --------

@@ -16,7 +16,7 @@ from .alignment.global_segments import best_shifts, best_turns, least_squares
 from .alignment.point_to_line import point_to_line, point_to_line_step
 from .alignment.segment_icp import correspond, segment_cost
 from .extraction import extract_clusters, extract_polylines, fit_algebraic, fit_total
-from .lines import axial_difference, line_angle, point_to_segment, segment_length
+from .lines import axial_difference, line_angle, placed, point_to_segment, segment_length
 from .metrics import mean_lines, quality, segment_distance
 from .quadtrees.matching import (
     MOVES,
@@ -25,7 +25,6 @@ from .quadtrees.matching import (
     distance_score,
     hill_climb,
     occupancy_score,
-    placed,
     sample_and_rank,
 )
 from .quadtrees.quadtree import (
@@ -49,69 +48,3 @@ from .reduction.segment_similarity import mean_segment, segment_similarity
 from .reduction.uncertain_parameters import uncertain_parameters
 from .reduction.viewing_sector import viewing_sector
 from .reduction.weighted_line_fitting import weighted_line_fitting
-
-__all__ = [
-    "MOVES",
-    "Quadtree",
-    "axial_difference",
-    "basic_offline",
-    "basic_online",
-    "best_shifts",
-    "best_strip",
-    "best_transform",
-    "best_turns",
-    "cell_of",
-    "chain",
-    "climb_step",
-    "correlative_search",
-    "correspond",
-    "crossed_cells",
-    "descent_score",
-    "distance_score",
-    "edge_residual",
-    "extract_clusters",
-    "extract_polylines",
-    "fit_algebraic",
-    "fit_total",
-    "fusion",
-    "fusion_online",
-    "fuzzy_clustering",
-    "fuzzy_set",
-    "gauss_newton",
-    "grown",
-    "hill_climb",
-    "hough",
-    "hybrid",
-    "hybrid_fusion",
-    "least_cost",
-    "least_squares",
-    "least_translation",
-    "likelihoods",
-    "line_angle",
-    "line_partner",
-    "match_value",
-    "mean_lines",
-    "mean_rotation",
-    "mean_segment",
-    "mean_shift",
-    "occupancy",
-    "occupancy_score",
-    "placed",
-    "point_to_line",
-    "point_to_line_step",
-    "point_to_segment",
-    "polyline",
-    "polyline_through",
-    "quality",
-    "quarters",
-    "ray_cells",
-    "sample_and_rank",
-    "segment_cost",
-    "segment_distance",
-    "segment_length",
-    "segment_similarity",
-    "transforms",
-    "uncertain_parameters",
-    "viewing_sector",
-    "weighted_line_fitting",
-]

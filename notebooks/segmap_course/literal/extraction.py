@@ -6,18 +6,17 @@ import math
 from collections.abc import Sequence
 from itertools import pairwise
 
-from .lines import SAME, Line, Point, extreme_projections
+from .lines import SAME, Line, Point, extreme_projections, line_of, seen_from
+from .points import sums_of
 
 Points = Sequence[Point]
 
 
 def fit_total(points: Points) -> Line:
     """Line with the least sum of squared distances: the mean, and the direction of most spread."""
-    x, y = (sum(p[k] for p in points) / len(points) for k in (0, 1))
-    sxx, syy = (sum((p[k] - c) ** 2 for p in points) for k, c in ((0, x), (1, y)))
-    sxy = sum((p[0] - x) * (p[1] - y) for p in points)
-    angle = math.atan2(2 * sxy, sxx - syy) / 2
-    return x, y, math.cos(angle), math.sin(angle)
+    sums = sums_of(points)
+    angle = sums.direction()
+    return sums.x, sums.y, math.cos(angle), math.sin(angle)
 
 
 def fit_algebraic(points: Points) -> Line | None:
@@ -69,17 +68,17 @@ def extract_clusters(
 
 def off_line(point: Point, line: Line) -> float:
     """Distance of a point from a line, metres."""
-    return abs((point[1] - line[1]) * line[2] - (point[0] - line[0]) * line[3])
+    return abs(seen_from(line, point)[1])
 
 
 def split(points: Points, tolerance: float, first: int, last: int) -> list[int]:
     """Cut a run at the point farthest from its chord, again and again: last index of each piece."""
-    (x, y), (u, v) = points[first], points[last]
-    size = math.dist((x, y), (u, v))
-    chord = (x, y, (u - x) / size, (v - y) / size) if size >= SAME else None
-    if chord is None:  # the ends coincide: measure along the points
+    ends = points[first], points[last]
+    if math.dist(*ends) >= SAME:
+        chord = line_of(ends)
+    else:  # the ends coincide: measure along the points
         _, _, dx, dy = fit_total(points[first : last + 1])
-        chord = (x, y, -dy, dx)
+        chord = ends[0][0], ends[0][1], -dy, dx
     far = max(range(first, last + 1), key=lambda k: off_line(points[k], chord))
     if off_line(points[far], chord) <= tolerance or far in (first, last):
         return [last]

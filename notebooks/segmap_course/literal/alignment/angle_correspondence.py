@@ -6,17 +6,26 @@ import itertools
 import math
 from collections.abc import Iterator, Sequence
 
-from ..lines import SAME, Segment, axial_difference, line_angle, point_to_segment, segment_length
+from ..lines import (
+    SAME,
+    Segment,
+    axial_difference,
+    line_angle,
+    line_of,
+    placed,
+    point_to_segment,
+    seen_from,
+    segment_length,
+    span_on,
+)
 
 Pose = tuple[float, float, float]
 
 
 def covered(u: Segment, v: Segment) -> float:
     """Length of u, metres, that v covers when it is projected on u."""
-    size = segment_length(u)
-    dx, dy = (u[1][0] - u[0][0]) / size, (u[1][1] - u[0][1]) / size
-    low, high = sorted((p[0] - u[0][0]) * dx + (p[1] - u[0][1]) * dy for p in v)
-    return max(0.0, min(high, size) - max(low, 0.0))
+    low, high = span_on(u, v)
+    return max(0.0, min(high, segment_length(u)) - max(low, 0.0))
 
 
 def directed_distance(u: Segment, v: Segment) -> float:
@@ -34,13 +43,9 @@ def intersect(u: Segment, v: Segment) -> bool:
 
 def distance_beside(u: Segment, v: Segment) -> float:
     """Largest distance from the line of u, metres, of the part of v that lies beside u."""
-    size = segment_length(u)
-    dx, dy = (u[1][0] - u[0][0]) / size, (u[1][1] - u[0][1]) / size
-    (a, off_a), (b, off_b) = sorted(
-        (x * dx + y * dy, y * dx - x * dy) for x, y in ((p[0] - u[0][0], p[1] - u[0][1]) for p in v)
-    )
+    (a, off_a), (b, off_b) = sorted(seen_from(line_of(u), p) for p in v)
     slope = (off_b - off_a) / (b - a)
-    return max(abs(off_a + slope * (t - a)) for t in (max(a, 0.0), min(b, size)))
+    return max(abs(off_a + slope * (t - a)) for t in (max(a, 0.0), min(b, segment_length(u))))
 
 
 def match_value(
@@ -65,12 +70,6 @@ def match_value(
     return 0.0 if steep and both_long else sum(lengths) / 2
 
 
-def moved(pose: Pose, s: Segment) -> Segment:
-    """A segment carried by a pose: turned about the origin, then shifted."""
-    x, y, c, z = *pose[:2], math.cos(pose[2]), math.sin(pose[2])
-    return [(x + c * p[0] - z * p[1], y + z * p[0] + c * p[1]) for p in s]
-
-
 def crossing(u: Segment, v: Segment) -> tuple[float, float]:
     """Where the lines of two segments meet."""
     ax, ay, bx, by = (w[1][k] - w[0][k] for w in (u, v) for k in (0, 1))
@@ -93,7 +92,7 @@ def transforms(
         other = axial_difference(line_angle(d), line_angle(c))
         if abs(turn) > similar and abs(axial_difference(turn, other)) < similar:
             for heading in (line_angle(a) - line_angle(c), line_angle(a) - line_angle(c) + math.pi):
-                corner = moved((0.0, 0.0, heading), [crossing(c, d)])[0]
+                corner = placed(crossing(c, d), (0.0, 0.0, heading))
                 x, y = crossing(a, b)
                 yield x - corner[0], y - corner[1], heading
 
@@ -110,7 +109,8 @@ def best_transform(
     """The transform with the largest sum of match values, metres, and that sum (step 2)."""
 
     def value(pose: Pose) -> float:
-        pairs = itertools.product(first, (moved(pose, s) for s in second))
+        moved = [[placed(p, pose) for p in s] for s in second]
+        pairs = itertools.product(first, moved)
         return sum(match_value(u, v, distance=distance, far=far, long=long) for u, v in pairs)
 
     return max((value(pose), pose) for pose in transforms(first, second, similar))

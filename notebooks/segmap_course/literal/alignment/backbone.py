@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from ..lines import SAME, Line, Segment, axial_difference, line_angle
+from ..lines import SAME, Line, Segment, axial_difference, line_angle, seen_from
 
 
 def line_partner(s: Segment, lines: Sequence[Line], distance: float, angle: float) -> int:
@@ -14,9 +14,10 @@ def line_partner(s: Segment, lines: Sequence[Line], distance: float, angle: floa
     -1 where there is none.
     """
     found = []
-    for k, (x, y, dx, dy) in enumerate(lines):
-        off = max(abs((p[1] - y) * dx - (p[0] - x) * dy) for p in s)
-        if off < distance and abs(axial_difference(math.atan2(dy, dx), line_angle(s))) < angle:
+    for k, line in enumerate(lines):
+        off = max(abs(seen_from(line, p)[1]) for p in s)
+        turn = axial_difference(math.atan2(line[3], line[2]), line_angle(s))
+        if off < distance and abs(turn) < angle:
             found.append((off, k))
     return min(found)[1] if found else -1
 

@@ -5,23 +5,15 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 
-Point = Sequence[float]
+from ..lines import Point, placed
+
 Cell = tuple[int, int]
 
 
 def likelihoods(points: Sequence[Point], corner: Point) -> dict[Cell, int]:
     """Likelihood, 0 to 255, of the 5 cm cells around points: a wall is a band of 6 cm.
 
-    Parameters
-    ----------
-    points : points of the map, metres
-    corner : x, y, metres
-        Lower left corner of cell (0, 0).
-
-    Returns
-    -------
-    dict of (i, j) to int
-        Cells that are left out have 0.
+    The corner is the lower left one of cell (0, 0); cells that are left out have 0.
 
     Examples
     --------
@@ -48,25 +40,11 @@ def correlative_search(
     headings: Sequence[float],
     reach_cost: float = 0.1,
 ) -> Iterator[tuple[float, tuple[float, float, float]]]:
-    """Score of every pose of a window: the best one is where the scan lies best on the map.
+    """Score of every pose of a window, and the pose: the best is where the scan lies best.
 
-    Parameters
-    ----------
-    cells, corner : as for `likelihoods`
-    current : points of the scan, metres, in the robot's frame
-    start : x, y, heading, metres and radians
-        The middle of the window.
-    radius : int
-        Half side of the window in cells.
-    headings : radians, from the start's
-    reach_cost : float
-        What a pose at the window's edge costs.
-
-    Yields
-    ------
-    score : float
-        Mean likelihood of the points, 0 to 1, less what the distance from the start costs.
-    pose : x, y, heading
+    The window is `radius` cells to each side of the start, and has so many headings, radians from
+    the start's. A score is the mean likelihood of the points, 0 to 1, less what the distance from
+    the start costs: `reach_cost` at the window's edge.
 
     Examples
     --------
@@ -78,8 +56,7 @@ def correlative_search(
     """
     widest = max(abs(h) for h in headings) or 1.0
     for h in headings:
-        c, s = math.cos(start[2] + h), math.sin(start[2] + h)
-        turned = [(c * x - s * y + start[0], s * x + c * y + start[1]) for x, y in current]
+        turned = [placed(p, (start[0], start[1], start[2] + h)) for p in current]
         at = [
             (math.floor((x - corner[0]) / 0.05), math.floor((y - corner[1]) / 0.05))
             for x, y in turned

@@ -11,12 +11,8 @@ Matrix = Sequence[Sequence[float]]
 
 def edge_residual(first: Numbers, second: Numbers, relative: Numbers) -> tuple[float, float, float]:
     """What two poses leave of the motion measured between them, in the frame of the first."""
-    dx, dy, c, s = (
-        second[0] - first[0],
-        second[1] - first[1],
-        math.cos(first[2]),
-        math.sin(first[2]),
-    )
+    dx, dy = second[0] - first[0], second[1] - first[1]
+    c, s = math.cos(first[2]), math.sin(first[2])
     turn = second[2] - first[2] - relative[2]
     wrapped = (turn + math.pi) % (2 * math.pi) - math.pi
     return c * dx + s * dy - relative[0], -s * dx + c * dy - relative[1], wrapped
@@ -29,18 +25,9 @@ def gauss_newton(
 ) -> list[list[float]]:
     """One step towards the poses that fit all edges best; the first pose stays.
 
-    Parameters
-    ----------
-    poses : n of x, y, heading, metres and radians
-    edges : m of (first, second, relative, information)
-        Numbers of two poses, the measured pose of the second in the frame of the first, and the 3 x
-        3 inverse of its covariance.
-    scale : float
-        An edge left open by so many standard deviations has half its weight (Cauchy).
-
-    Returns
-    -------
-    n poses
+    An edge is the numbers of two poses, the measured pose of the second in the frame of the first,
+    and the 3 x 3 inverse of its covariance. One left open by `scale` standard deviations has half
+    its weight (Cauchy).
 
     Examples
     --------

@@ -8,7 +8,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from ..lines import Segment, axial_difference, line_angle, segment_length
+from ..lines import Segment, axial_difference, line_angle, line_of, seen_from
+from .gauss_newton import eliminated
 
 Match = tuple[int, int, Segment, Segment, float]
 #: Two scans i and j, how far x_i should lie behind x_j, and the weight of that.
@@ -26,15 +27,7 @@ def least_squares(rows: Sequence[Row], count: int) -> list[float]:
         b[i][i], b[j][j] = b[i][i] + w, b[j][j] + w
         b[i][j], b[j][i] = b[i][j] - w, b[j][i] - w
         a[i], a[j] = a[i] - w * c, a[j] + w * c
-    for k in range(1, count):
-        for m in range(k + 1, count):
-            share = b[m][k] / b[k][k]
-            b[m] = [p - share * q for p, q in zip(b[m], b[k], strict=True)]
-            a[m] -= share * a[k]
-    x = [0.0] * count
-    for k in range(count - 1, 0, -1):
-        x[k] = (a[k] - sum(b[k][m] * x[m] for m in range(k + 1, count))) / b[k][k]
-    return x
+    return [0.0, *eliminated([row[1:] for row in b[1:]], a[1:])]
 
 
 def best_turns(matches: Sequence[Match], count: int) -> list[float]:
@@ -51,10 +44,9 @@ def best_shifts(matches: Sequence[Match], count: int) -> list[tuple[float, float
     rows: tuple[list[Row], list[Row]] = ([], [])
     both = [*matches, *((j, i, v, u, w) for i, j, u, v, w in matches)]
     for i, j, u, v, w in both:
-        size = segment_length(v)
-        nx, ny = (v[0][1] - v[1][1]) / size, (v[1][0] - v[0][0]) / size
+        line = line_of(v)
         for p in u:
-            off = (p[0] - v[0][0]) * nx + (p[1] - v[0][1]) * ny
-            for axis, n in enumerate((nx, ny)):
+            off = seen_from(line, p)[1]
+            for axis, n in enumerate((-line[3], line[2])):
                 rows[axis].append((i, j, off * n, w))
     return list(zip(*(least_squares(row, count) for row in rows), strict=True))

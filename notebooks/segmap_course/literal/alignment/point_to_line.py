@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-Point = Sequence[float]
+from ..lines import Point, placed
+from ..points import sums_of
 
 
 def point_to_line_step(
@@ -17,21 +18,9 @@ def point_to_line_step(
 ) -> tuple[float, float, float]:
     """Small motion that brings points nearest to their walls: x, y in metres, turn in radians.
 
-    Parameters
-    ----------
-    points, feet : n points, metres
-        Each point, and a place on its wall.
-    normals : n unit vectors across the walls
-    weights : n numbers or None
-        None: all 1.
-    span : float, metres
-        Of equally good motions the smallest is taken, a turn counted as the length by which it
-        moves a point at this distance.
-
-    Returns
-    -------
-    x, y, turn : float
-        The turn about the origin, as for a small one; least squares of the offsets across walls.
+    Each point has a place on its wall, its foot, and the normal of the wall; the turn is one about
+    the origin. The sum of the squared offsets across the walls is least. Of equally good motions
+    the smallest is taken, a turn counted as the length by which it moves a point at `span` metres.
 
     Examples
     --------
@@ -76,12 +65,9 @@ def wall_normal(points: Sequence[Point], at: Point) -> Point | None:
     for radius in (0.12, 0.24, 0.48, 0.96):
         near = [p for p in points if math.dist(p, at) <= radius]
         if len(near) >= 5:
-            mx, my = (sum(p[i] for p in near) / len(near) for i in (0, 1))
-            xx = sum((x - mx) ** 2 for x, _ in near)
-            xy = sum((x - mx) * (y - my) for x, y in near)
-            yy = sum((y - my) ** 2 for _, y in near)
-            middle, half = (xx + yy) / 2, math.hypot((xx - yy) / 2, xy)
-            along = math.atan2(2 * xy, xx - yy) / 2
+            sums = sums_of(near)
+            along, middle = sums.direction(), (sums.xx + sums.yy) / 2
+            half = math.hypot((sums.xx - sums.yy) / 2, sums.xy)
             narrow = middle - half < 0.15 * (middle + half)
             return (-math.sin(along), math.cos(along)) if narrow else None
     return None
@@ -92,17 +78,7 @@ def point_to_line(
 ) -> tuple[float, float, float]:
     """Pose of a scan of at most 250 points in the frame of another, by point-to-line ICP.
 
-    Parameters
-    ----------
-    reference, current : points, metres
-        Each in its own frame.
-    start : x, y, heading, metres and radians
-    reach : float, metres
-        How far partners are sought at first; 0.12 m in the end.
-
-    Returns
-    -------
-    x, y, heading : float
+    Partners are sought as far as `reach`, metres, at first, and 0.12 m in the end.
 
     Examples
     --------
@@ -116,10 +92,9 @@ def point_to_line(
     known = {(p[0], p[1]): n for p, n in walls}
     span = math.sqrt(sum(px * px + py * py for px, py in current) / len(current))
     for _ in range(60):
-        c, s = math.cos(heading), math.sin(heading)
         points, feet, normals = [], [], []
-        for px, py in current:
-            turned = c * px - s * py, s * px + c * py
+        for p in current:
+            turned = placed(p, (0.0, 0.0, heading))
             q = min(reference, key=lambda q: math.dist(q, (turned[0] + x, turned[1] + y)))
             if math.dist(q, (turned[0] + x, turned[1] + y)) < reach and (q[0], q[1]) in known:
                 points.append(turned)  # turned about the robot

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
-from math import cos, dist, pi, radians, sin
+from math import dist, pi, radians
 from typing import Protocol
 
+from ..lines import placed
 from .quadtree import Point, Quadtree, Square, occupancy, quarters
 
 Pose = Sequence[float]
@@ -18,19 +19,6 @@ class Generator(Protocol):
 
     def normal(self, mean: float, sigma: float, /) -> float:
         """A number drawn around a mean."""
-
-
-def placed(point: Point, pose: Pose) -> Point:
-    """A point of the robot's frame in the frame of the pose (metres, radians).
-
-    Examples
-    --------
-    >>> placed((2.0, 1.0), (5.0, 5.0, 0.0))
-    (7.0, 6.0)
-    """
-    (x, y), (at_x, at_y, heading) = point, pose
-    c, s = cos(heading), sin(heading)
-    return c * x - s * y + at_x, s * x + c * y + at_y
 
 
 def occupancy_score(tree: Quadtree, points: Iterable[Point], pose: Pose) -> float:
@@ -153,13 +141,7 @@ def sample_and_rank(
 
     The start and 99 poses around it; then three times 4 poses around each of the best 20 so far.
 
-    Parameters
-    ----------
-    value : callable
-    start : (3,) floats, metres and radians
-    rng : generator
-    sigma : (2,) floats, metres and radians
-        B's heading spread is 2 radians.
+    The spread `sigma` is in metres and radians; B's of the heading is 2 radians.
 
     Examples
     --------

@@ -5,9 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from ..lines import SAME, Segment, axial_difference, extreme_projections, line_angle, segment_length
-
-Found = tuple[list[Segment], list[int]]
+from ..lines import SAME, Found, Segment, axial_difference, line_angle, segment_length, spanning
 
 
 def match(a: Segment, b: Segment, distance: float, angle: float) -> bool:
@@ -23,7 +21,7 @@ def merge(a: Segment, b: Segment) -> Segment:
     turn = axial_difference(line_angle(b), line_angle(a))
     x, y = ((1 - share) * (a[0][k] + a[1][k]) / 2 + share * (b[0][k] + b[1][k]) / 2 for k in (0, 1))
     direction = line_angle(a) + share * turn
-    return extreme_projections((*a, *b), (x, y, math.cos(direction), math.sin(direction)))
+    return spanning(x, y, direction, (*a, *b))
 
 
 def basic_offline(

@@ -12,9 +12,18 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import NamedTuple
 
-from ..lines import SAME, Point, Segment, axial_difference, extreme_projections, segment_length
+from ..lines import (
+    SAME,
+    Found,
+    Point,
+    Segment,
+    axial_difference,
+    by_scan,
+    gap_along,
+    segment_length,
+    spanning,
+)
 from ..points import Sums, points_behind, sums_of
-from .hybrid import Found, by_scan
 
 #: Row and column of a cell.
 Cell = tuple[int, int]
@@ -131,8 +140,7 @@ def chosen(p: Point, prototypes: Sequence[Prototype], noise: float) -> int:
 
 def on_line(sums: Sums, points: Sequence[Point]) -> Segment:
     """The part of the line of running sums that points span."""
-    theta = sums.direction()
-    return extreme_projections(points, (sums.x, sums.y, math.cos(theta), math.sin(theta)))
+    return spanning(sums.x, sums.y, sums.direction(), points)
 
 
 def clusters_of(
@@ -167,9 +175,7 @@ def alike(a: Cluster, b: Cluster, limits: Limits) -> bool:
         y = (one.ends[0][1] + one.ends[1][1]) / 2 - other.sums.y
         if abs(y * math.cos(theta) - x * math.sin(theta)) >= distance:
             return False
-    c, s = math.cos(tb + turn / 2), math.sin(tb + turn / 2)
-    u, v = ([p[0] * c + p[1] * s for p in one.ends] for one in (a, b))
-    return max(min(u), min(v)) - min(max(u), max(v)) <= gap + SAME
+    return gap_along(a.ends, b.ends, tb + turn / 2) <= gap + SAME
 
 
 def wall_of(cluster: Cluster) -> Cluster:

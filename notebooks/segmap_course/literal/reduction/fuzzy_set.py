@@ -6,8 +6,17 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from ..lines import SAME, Point, Segment, axial_difference, line_angle, parents_of, segment_length
-from .hybrid import Found
+from ..lines import (
+    SAME,
+    Found,
+    Point,
+    Segment,
+    axial_difference,
+    line_angle,
+    parents_of,
+    placed,
+    segment_length,
+)
 
 
 @dataclass
@@ -34,10 +43,9 @@ def main_axis(segments: Sequence[Segment]) -> float:
     return math.atan2(sine, cosine) / 4
 
 
-def turned(p: Point, angle: float) -> tuple[float, float]:
-    """A point turned about the origin."""
-    c, s = math.cos(angle), math.sin(angle)
-    return c * p[0] - s * p[1], s * p[0] + c * p[1]
+def turned(points: Sequence[Point], angle: float) -> list[tuple[float, float]]:
+    """Points turned about the origin."""
+    return [placed(p, (0.0, 0.0, angle)) for p in points]
 
 
 def laid(
@@ -105,8 +113,8 @@ def fuzzy_set(
     found: list[Rectangle] = []
     ends: list[tuple[int, list[int], Segment]] = []
     for i in used:
-        own = None if points is None else [turned(p, -axis) for p in points[i]]
-        rectangle = laid(i, [turned(p, -axis) for p in segments[i]], own, error, angle)
+        own = None if points is None else turned(points[i], -axis)
+        rectangle = laid(i, turned(segments[i], -axis), own, error, angle)
         if rectangle is None:
             ends.append((i, [i], segments[i]))
         else:
@@ -124,6 +132,6 @@ def fuzzy_set(
                 break
     for r in found:
         corners = [(r.across, u) if r.upright else (u, r.across) for u in (r.low, r.high)]
-        ends.append((min(r.members), r.members, [turned(p, axis) for p in corners]))
+        ends.append((min(r.members), r.members, turned(corners, axis)))
     ends.sort(key=lambda entry: entry[0])
     return [s for _, _, s in ends], parents_of((who for _, who, _ in ends), len(segments))

@@ -6,10 +6,18 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from ..lines import SAME, Segment, extreme_projections, line_angle, segment_length
+from ..lines import (
+    SAME,
+    Found,
+    Segment,
+    by_scan,
+    extreme_projections,
+    line_angle,
+    line_of,
+    seen_from,
+    segment_length,
+)
 from .fusion import fusion
-
-Found = tuple[list[Segment], list[int]]
 
 
 @dataclass
@@ -32,11 +40,9 @@ def hough(s: Segment) -> tuple[float, float]:
 def nearness(a: Segment, b: Segment) -> float:
     """Least distance of an end of a from an end of b, or from b where it lies beside it; metres."""
     found = [math.dist(p, q) for p in a for q in b]
-    size = segment_length(b)
-    dx, dy = (b[1][0] - b[0][0]) / size, (b[1][1] - b[0][1]) / size
-    for p in a:
-        if 0 <= (p[0] - b[0][0]) * dx + (p[1] - b[0][1]) * dy <= size:
-            found.append(abs((p[0] - b[0][0]) * dy - (p[1] - b[0][1]) * dx))
+    for along, across in (seen_from(line_of(b), p) for p in a):
+        if 0 <= along <= segment_length(b):
+            found.append(abs(across))
     return min(found)
 
 
@@ -63,12 +69,6 @@ def absorb(wall: Wall, a: Segment, rho: float, theta: float) -> None:
     wall.count += 1
     c, s = math.cos(wall.theta), math.sin(wall.theta)
     wall.ends = extreme_projections((*wall.ends, *a), (wall.rho * c, wall.rho * s, -s, c))
-
-
-def by_scan(segments: Sequence[Segment], scans: Sequence[int]) -> list[list[int]]:
-    """The segments that have a length, scan after scan."""
-    long = [i for i, s in enumerate(segments) if segment_length(s) >= SAME]
-    return [[i for i in long if scans[i] == scan] for scan in sorted({scans[i] for i in long})]
 
 
 def take_scan(

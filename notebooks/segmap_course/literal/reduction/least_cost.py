@@ -11,8 +11,18 @@ import math
 from collections.abc import Sequence
 from itertools import combinations
 
-from ..lines import SAME, Line, Point, Segment, parents_of, point_to_segment, segment_length
-from ..metrics import segment_distance
+from ..lines import (
+    SAME,
+    Point,
+    Segment,
+    line_angle,
+    line_of,
+    parents_of,
+    segment_length,
+    span_on,
+    spanning,
+)
+from ..metrics import nearness, segment_distance
 
 #: Price of a metre, distance, sine of the angle, and gap.
 Limits = tuple[float, float, float, float]
@@ -119,8 +129,8 @@ def estimated(
     more = len(members[b]) - len(members[a])
     larger = more > 0 or (more == 0 and is_longer(drawn[b], drawn[a]))
     big, small = (b, a) if larger else (a, b)
-    x, y, dx, dy = line_of(drawn[big])
-    out = spanning(x, y, math.atan2(dy, dx), [*drawn[a], *drawn[b]])
+    x, y = drawn[big][0]
+    out = spanning(x, y, line_angle(drawn[big]), [*drawn[a], *drawn[b]])
     return sum(segment_distance(segments[i], out) for i in members[small]) - cost[small]
 
 
@@ -203,7 +213,7 @@ def total_least_squares(members: Sequence[Segment]) -> tuple[float, float, float
 def middle_line(s: Segment) -> tuple[float, float, float]:
     """Middle of a segment, and its angle."""
     (x0, y0), (x1, y1) = s
-    return (x0 + x1) / 2, (y0 + y1) / 2, math.atan2(y1 - y0, x1 - x0)
+    return (x0 + x1) / 2, (y0 + y1) / 2, line_angle(s)
 
 
 def line_at(x: float, y: float, theta: float, offset: float, ends: Sequence[Point]) -> Segment:
@@ -211,31 +221,9 @@ def line_at(x: float, y: float, theta: float, offset: float, ends: Sequence[Poin
     return spanning(x - offset * math.sin(theta), y + offset * math.cos(theta), theta, ends)
 
 
-def spanning(x: float, y: float, theta: float, ends: Sequence[Point]) -> Segment:
-    """The segment through (x, y) at the angle `theta` that spans the projections of points."""
-    dx, dy = math.cos(theta), math.sin(theta)
-    along = [(px - x) * dx + (py - y) * dy for px, py in ends]
-    low, high = min(along), max(along)
-    return (x + low * dx, y + low * dy), (x + high * dx, y + high * dy)
-
-
 def is_longer(u: Segment, v: Segment) -> bool:
     """Whether a segment is longer than another."""
     return segment_length(u) > segment_length(v) + SAME
-
-
-def line_of(s: Segment) -> Line:
-    """First end point of a segment, and its unit direction."""
-    (x0, y0), (x1, y1) = s
-    n = segment_length(s)
-    return x0, y0, (x1 - x0) / n, (y1 - y0) / n
-
-
-def span_on(line: Segment, s: Segment) -> tuple[float, float]:
-    """Low and high projection of a segment on another, from its first end point on."""
-    x, y, dx, dy = line_of(line)
-    u = [(px - x) * dx + (py - y) * dy for px, py in s]
-    return min(u), max(u)
 
 
 def segments_apart(u: Segment, v: Segment) -> float:
@@ -247,4 +235,4 @@ def segments_apart(u: Segment, v: Segment) -> float:
 
     if side(u, v[0]) * side(u, v[1]) < 0 and side(v, u[0]) * side(v, u[1]) < 0:
         return 0.0
-    return min(*(point_to_segment(p, v) for p in u), *(point_to_segment(p, u) for p in v))
+    return nearness(u, v)

@@ -7,8 +7,7 @@ import math
 from collections.abc import Sequence
 
 from ..alignment.angle_correspondence import directed_distance, match_value
-from ..lines import SAME, Point, Segment, chains
-from .hybrid import Found, by_scan
+from ..lines import SAME, Found, Point, Segment, by_scan, chains
 
 
 def apart(u: Segment, v: Segment) -> float:

@@ -8,17 +8,19 @@ from dataclasses import dataclass
 
 from ..lines import (
     SAME,
+    Found,
     Point,
     Segment,
     axial_difference,
-    extreme_projections,
+    by_scan,
+    gap_along,
     line_angle,
     parents_of,
     point_to_segment,
     segment_length,
+    spanning,
 )
 from ..metrics import nearness
-from .hybrid import Found, by_scan
 
 #: No fused line is known better than this, metres and radians.
 LEAST_RHO, LEAST_THETA = 0.001, 1e-4
@@ -43,8 +45,7 @@ def uncertain(s: Segment, eps: float, i: int) -> UncertainWall:
 def overlap(u: Segment, v: Segment) -> bool:
     """Whether the projections of two segments on the bisector of their lines share a point."""
     at = line_angle(u) + axial_difference(line_angle(v), line_angle(u)) / 2
-    a, b = ([p[0] * math.cos(at) + p[1] * math.sin(at) for p in s] for s in (u, v))
-    return min(max(a), max(b)) >= max(min(a), min(b)) - SAME
+    return gap_along(u, v, at) <= SAME
 
 
 def fused(walls: Sequence[UncertainWall], origin: str | None) -> UncertainWall:
@@ -68,10 +69,8 @@ def fused(walls: Sequence[UncertainWall], origin: str | None) -> UncertainWall:
         for k, term in enumerate((of_rho * rho, of_rho, of_theta * turn, of_theta)):
             sums[k] += term
     rho, at = sums[0] / sums[1], at + sums[2] / sums[3]
-    dx, dy = math.cos(at), math.sin(at)
-    ends = extreme_projections(
-        [p for wall in walls for p in wall.ends], (x - rho * dy, y + rho * dx, dx, dy)
-    )
+    at_x, at_y = x - rho * math.sin(at), y + rho * math.cos(at)
+    ends = spanning(at_x, at_y, at, [p for wall in walls for p in wall.ends])
     known_rho = sum(1 / wall.sigma_rho**2 for wall in walls)
     known_theta = sum(1 / wall.sigma_theta**2 for wall in walls)
     return UncertainWall(

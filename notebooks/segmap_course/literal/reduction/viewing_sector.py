@@ -7,9 +7,8 @@ from collections.abc import Sequence
 from itertools import pairwise
 from typing import NamedTuple
 
-from ..lines import SAME, Point, Segment, extreme_projections, segment_length
+from ..lines import SAME, Found, Point, Segment, by_scan, segment_length, spanning
 from ..points import Sums, sums_of
-from .hybrid import Found, by_scan
 
 #: Where a stretch begins and ends along a segment: metres, or shares of its length.
 Interval = tuple[float, float]
@@ -162,8 +161,7 @@ def joined(wall: Wall, parts: Sequence[Wall]) -> Wall:
     if (b[0] - a[0]) * math.cos(theta) + (b[1] - a[1]) * math.sin(theta) < 0:
         theta += math.pi
     ends = [q for one in (wall, *parts) for q in one.ends]
-    line = sums.x, sums.y, math.cos(theta), math.sin(theta)
-    return Wall(extreme_projections(ends, line), sums, shares)
+    return Wall(spanning(sums.x, sums.y, theta, ends), sums, shares)
 
 
 def stretches(claims: Sequence[tuple[int, View]], size: float) -> list[tuple[float, float, int]]:

@@ -6,9 +6,18 @@ import math
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from ..lines import SAME, Point, Segment, axial_difference, extreme_projections, parents_of
+from ..lines import (
+    SAME,
+    Found,
+    Point,
+    Segment,
+    axial_difference,
+    by_scan,
+    extreme_projections,
+    gap_along,
+    parents_of,
+)
 from ..points import points_behind
-from .hybrid import Found, by_scan
 
 
 class Line(NamedTuple):
@@ -112,9 +121,7 @@ def gap_between(a: Wall, b: Wall) -> float:
     """Metres between both along the bisector of their lines, 0 where they overlap."""
     turns = round((a.line.alpha - b.line.alpha) / math.pi)
     alpha = (a.line.alpha + b.line.alpha + turns * math.pi) / 2
-    c, s = math.cos(alpha), math.sin(alpha)
-    u, v = ([p[1] * c - p[0] * s for p in wall.ends] for wall in (a, b))
-    return max(0.0, max(min(u), min(v)) - min(max(u), max(v)))
+    return max(0.0, gap_along(a.ends, b.ends, alpha + math.pi / 2))
 
 
 def weighted_line_fitting(
