@@ -40,7 +40,7 @@ def test_on_the_runs_of_the_thesis():
     assert list(found.index) == sorted("abcdefghijkl" + "e")
     assert list(found) == ["claim", "verdict", "polimi", "stanford", "bicocca", "usc"]
     assert found["verdict"]["h"] == "holds" and found["verdict"]["i"] == "holds on 3 of 4"
-    none = changed("quality", 0.9, method="mean_shift")
+    none = select(changed("quality", 0.9, method="mean_shift"), map="polimi")
     assert conclusions(none)["verdict"]["h"] == "does not hold"
     assert set(THESIS_GRIDS) == set(THESIS["method"])
 
@@ -69,13 +69,17 @@ CHANGES = {
 def test_runs_that_say_otherwise_are_heard(letter):
     """Catches a claim that holds whatever the runs say."""
     column, change, which = CHANGES[letter]
-    assert which["map"] in failing(changed(column, change, **which))[letter]
+    frame = changed(column, change, **which)
+    if letter not in "ag":  # those compare the buildings, the others ask each by itself
+        frame = select(frame, map=which["map"])
+    assert which["map"] in failing(frame)[letter]
     assert which["map"] not in ON_ITS_OWN.get(letter, set())
 
 
 def test_fast_is_a_claim_of_its_own():
     """Catches a second answer to (e) that follows from the first."""
-    slow = conclusions(changed("seconds", slower(100), map="usc", method="fusion"))
+    slow = select(changed("seconds", slower(100), map="usc", method="fusion"), map="usc")
+    slow = conclusions(slow)
     assert [answer.split()[-1] for answer in slow.loc["e", "usc"]] == ["yes", "no"]
 
 
@@ -85,8 +89,7 @@ def test_other_methods_thresholds_and_orders_do_not_answer_for_the_thesis():
     finer = select(THESIS, method="fusion", tolerance=0.02).assign(
         tolerance=0.001, quality=0.9999, reduction=0.0001, seconds=1e-9
     )
-    assert failing(pd.concat([finer, THESIS, more], ignore_index=True)) == failing(THESIS)
-    assert failing(THESIS[::-1]) == failing(THESIS)
+    assert failing(pd.concat([finer, THESIS, more], ignore_index=True)[::-1]) == ON_ITS_OWN
 
 
 def test_density_grows_with_the_copies_of_a_wall():

@@ -119,8 +119,3 @@ def test_where_nothing_was_seen_there_is_no_share_and_an_empty_map_covers_nothin
     assert compare_with_walls(found, WALLS + 100.0)["covered"].isna().all()
     found["none"] = found["points"]._replace(points=np.empty((0, 2)), nbytes=0)
     assert compare_with_walls(found, WALLS)["covered"]["none"] == 0
-
-
-def test_samples_run_from_end_to_end():
-    """Catches an end that is left out, and steps that are counted as points."""
-    assert sample_points([[(0, 0), (1, 0)]], 0.5).tolist() == [[0, 0], [0.5, 0], [1, 0]]

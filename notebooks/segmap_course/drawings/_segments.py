@@ -38,51 +38,32 @@ def draw_distance_terms(u: ArrayLike, v: ArrayLike) -> list[Axes]:
     ['Turned: 0.00 m', 'Shifted: 0.05 m', 'Apart: 0.10 m']
     """
     both = np.asarray([u, v], float)
-    middle, mean = _mean_line(both)
-    turns = np.stack([_turn(s, mean) for s in both])
-    shift, gap = _shift(both, middle, mean), _gap(both)
-    sizes = float(length(turns).mean()), float(length(shift)), float(length(gap))
-    names = ("Turned", "Shifted", "Apart")
-    titles = [f"{name}: {size:.2f} m" for name, size in zip(names, sizes, strict=True)]
-    row = axes_grid(titles, 3, (3.6, 3.6))
-    for ax, marks in zip(row, (turns, [shift], [gap]), strict=True):
-        _pair(ax, both, middle, mean)
-        draw_segments(np.asarray(marks), ax=ax, color=ERROR, width=2.5)
-    for s, (_, top) in zip(both, turns, strict=True):
-        row[0].plot(*np.array([s[0], top]).T, ":", color=ERROR)
-    return row
-
-
-def _mean_line(both: Array) -> tuple[Array, float]:
-    """Point and direction of the line midway, both segments with equal weights."""
-    return midpoint(both).mean(0), float(axial_mean_of_two(*angle(both)))
-
-
-def _pair(ax: Axes, both: Array, middle: Array, mean: float) -> None:
-    along = 1.1 * float(length(both).max()) * np.array([np.cos(mean), np.sin(mean)])
-    draw_segments([[middle - along, middle + along]], ax=ax, color=RAW)
-    draw_segments(both, ax=ax, color=MAP, width=2)
-
-
-def _turn(s: Array, mean: float) -> Array:
-    """From the end of s, across s, to the parallel to the line midway through its start."""
-    across = np.array([s[0, 1] - s[1, 1], s[1, 0] - s[0, 0]])
-    return np.array([s[1], s[1] + np.tan(mean - angle(s)) * across])
-
-
-def _shift(both: Array, middle: Array, mean: float) -> Array:
-    """From the end point farthest from the line midway to its foot there."""
+    # the line midway, both segments with equal weights
+    middle, mean = midpoint(both).mean(0), float(axial_mean_of_two(*angle(both)))
     along = np.array([np.cos(mean), np.sin(mean)])
+    # from the end of each, across it, to the parallel to the line midway through its start
+    across = np.stack([both[:, 0, 1] - both[:, 1, 1], both[:, 1, 0] - both[:, 0, 0]], -1)
+    tops = both[:, 1] + np.tan(mean - angle(both))[:, None] * across
+    turns = np.stack([both[:, 1], tops], 1)
+    # from the end point farthest from the line midway to its foot there
     points = both.reshape(-1, 2)
     feet = middle + ((points - middle) @ along)[:, None] * along
     worst = int(np.argmax(np.hypot(*(points - feet).T)))
-    return np.array([points[worst], feet[worst]])
-
-
-def _gap(both: Array) -> Array:
-    """From the end point nearest to the other segment to its foot there."""
-    found = [_to_segment(p, s) for s, q in (both, both[::-1]) for p in q]
-    return min(found, key=lambda line: float(length(line)))
+    shift = np.array([points[worst], feet[worst]])
+    # from the end point nearest to the other segment to its foot there
+    ends = [_to_segment(p, s) for s, q in (both, both[::-1]) for p in q]
+    gap = min(ends, key=lambda line: float(length(line)))
+    sizes = float(length(turns).mean()), float(length(shift)), float(length(gap))
+    names = ("Turned", "Shifted", "Apart")
+    titles = [f"{name}: {size:.2f} m" for name, size in zip(names, sizes, strict=True)]
+    row, half = axes_grid(titles, 3, (3.6, 3.6)), 1.1 * float(length(both).max()) * along
+    for ax, marks in zip(row, (turns, [shift], [gap]), strict=True):
+        draw_segments([[middle - half, middle + half]], ax=ax, color=RAW)
+        draw_segments(both, ax=ax, color=MAP, width=2)
+        draw_segments(np.asarray(marks), ax=ax, color=ERROR, width=2.5)
+    for s, top in zip(both, tops, strict=True):
+        row[0].plot(*np.array([s[0], top]).T, ":", color=ERROR)
+    return row
 
 
 def _to_segment(point: Array, s: Array) -> Array:
