@@ -1,4 +1,4 @@
-"""Three right answers to each exercise, from different ideas; none of them is the library's."""
+"""Right answers to each exercise, from different ideas; none of them is the library's."""
 
 import math
 from fractions import Fraction
@@ -6,17 +6,11 @@ from fractions import Fraction
 import numpy as np
 from scipy.spatial import cKDTree
 from scipy.spatial.distance import cdist
-from scipy.spatial.transform import Rotation
 from scipy.special import softmax
 
 from segmap import segments
 from segmap.angles import axial_difference, axial_mean_of_two, wrap
 from segmap.poses import between, compose, inverse, transform
-
-
-def rotated_step(a, b):
-    heading = np.angle(np.exp(1j * (a[2] + b[2])))
-    return [*(a[:2] + Rotation.from_euler("z", a[2]).as_matrix()[:2, :2] @ b[:2]), heading]
 
 
 def met_by_solving(wall, pose, turn):
@@ -121,14 +115,6 @@ def distances_bit_by_bit(lines):
     return [int(text[i : i + 18], 2) for i in range(0, len(text), 18)]
 
 
-def unwrapped_in_a_loop(stamps):
-    turns = np.cumsum([0, *(np.diff(stamps) < 0)])
-    return [
-        (int(s) + int(t) * 2**24 - int(stamps[0])) / 1000
-        for s, t in zip(stamps, turns, strict=True)
-    ]
-
-
 def climb_in_a_loop(value, pose, move, turn):
     best, steps = [*pose], (move, move, turn)
     for axis in range(3):
@@ -227,14 +213,6 @@ def composed_by_complex_numbers(a, b):
     return [x.real, x.imag, (a[2] + b[2] + np.pi) % (2 * np.pi) - np.pi]
 
 
-def within_half_a_turn(angle):
-    while angle >= np.pi:
-        angle -= 2 * np.pi
-    while angle < -np.pi:
-        angle += 2 * np.pi
-    return angle
-
-
 def met_in_the_frame_of_the_beam(wall, pose, turn):
     """The wall seen along the beam: where it crosses the axis ahead."""
     (x0, y0), (x1, y1) = transform(between((*pose[:2], pose[2] + turn), (0, 0, 0)), wall)
@@ -242,24 +220,6 @@ def met_in_the_frame_of_the_beam(wall, pose, turn):
         return np.inf
     x = x0 + (x1 - x0) * y0 / (y0 - y1)
     return x if x > 0 else np.inf
-
-
-def met_by_bearings(wall, pose, turn):
-    """The beam lies between the bearings of both ends; the height over the wall does the rest."""
-    a, b = ((complex(*end) - complex(*pose[:2])) / np.exp(1j * (pose[2] + turn)) for end in wall)
-    if np.angle(a) * np.angle(b) > 0 or abs(np.angle(a) - np.angle(b)) >= np.pi - 1e-9:
-        return np.inf
-    height = (a.real * b.imag - a.imag * b.real) / abs(b - a)
-    return abs(height / (((b - a) / abs(b - a)).imag))
-
-
-def distances_by_shifts(lines):
-    text = b"".join(line[:-1] for line in lines)
-    digits = [c - 48 for c in text]
-    return [
-        (a << 12) + (b << 6) + c
-        for a, b, c in zip(digits[::3], digits[1::3], digits[2::3], strict=True)
-    ]
 
 
 def unwrapped_step_by_step(stamps):
@@ -277,22 +237,12 @@ def longest_axis(angles):
     return np.arctan2(y, x)
 
 
-def axial_mean_in_a_loop(angles):
-    s = sum(math.sin(2 * a) for a in angles)
-    return math.atan2(s, sum(math.cos(2 * a) for a in angles)) / 2
-
-
 def fitted_by_sums(points):
     n, (mx, my) = len(points), points.mean(0)
     sxx = sum(x * x for x, _ in points) - n * mx * mx
     syy = sum(y * y for _, y in points) - n * my * my
     sxy = sum(x * y for x, y in points) - n * mx * my
     return math.atan2(2 * sxy, sxx - syy) / 2
-
-
-def fitted_by_eigenvectors(points):
-    x, y = np.linalg.eigh(np.cov(points.T))[1][:, 1]
-    return np.arctan2(y, x)
 
 
 def match_with_helpers(u, v, distance):
@@ -304,42 +254,10 @@ def match_with_helpers(u, v, distance):
     return (covered(u, v) + covered(v, u)) / 2 * 0.95 ** (apart / distance)
 
 
-def match_in_their_frames(u, v, distance):
-    """Each seen from the other, whose start is the origin and whose end lies on the x axis."""
-
-    def seen(a, b):
-        heading = math.atan2(*(a[1] - a[0])[::-1])
-        (x0, y0), (x1, y1) = sorted(map(tuple, transform(between((*a[0], heading), (0, 0, 0)), b)))
-        size = math.dist(*a)
-        beside = [math.hypot(x - min(max(x, 0), size), y) for x, y in ((x0, y0), (x1, y1))]
-        return max(0, min(x1, size) - max(x0, 0)), max(beside)
-
-    (first, far), (second, away) = seen(u, v), seen(v, u)
-    return (first + second) / 2 * 0.95 ** (min(far, away) / distance)
-
-
 def shift_by_eigenvectors(normals, offsets, weights):
     matrix, right = (normals.T * weights) @ normals, -(normals.T * weights) @ offsets
     values, ways = np.linalg.eigh(matrix)
     return sum(way * (way @ right) / v for v, way in zip(values, ways.T, strict=True) if v > 1e-9)
-
-
-def shift_by_least_squares(normals, offsets, weights):
-    rows = [math.sqrt(w) * n for n, w in zip(normals, weights, strict=True)]
-    return np.linalg.lstsq(
-        rows, [-math.sqrt(w) * d for d, w in zip(offsets, weights, strict=True)], 1e-9
-    )[0]
-
-
-def metres_by_walking(spans, whole, gap):
-    if len(spans) == 0:
-        return whole
-    found, reached = 0.0, 0.0
-    for low, high in [*sorted(map(tuple, spans)), (whole, whole)]:
-        if low - reached > gap:
-            found += low - reached
-        reached = max(reached, high)
-    return found
 
 
 def metres_between_ends(spans, whole, gap):
@@ -369,35 +287,9 @@ def reduction_by_mask(points, quality):
     return np.interp(quality, q[~beaten][order], r[~beaten][order], right=np.nan)
 
 
-def reduction_from_the_best_down(points, quality):
-    right = None
-    for q, r in sorted(map(tuple, points), reverse=True):
-        if right is None or r > right[1]:
-            if q <= quality:
-                if right is None:
-                    return r if q == quality else float("nan")
-                return right[1] + (r - right[1]) * (right[0] - quality) / (right[0] - q)
-            right = q, r
-    return right[1]
-
-
 def row_by_masked_argmax(points, quality):
     r = np.where(points[:, 0] >= quality, points[:, 1], -np.inf)
     return r.argmax() if np.isfinite(r).any() else -1
-
-
-def row_by_sorting(points, quality):
-    for row in np.argsort(-points[:, 1]):
-        if points[row, 0] >= quality:
-            return row
-    return -1
-
-
-def wall_error_by_clipping(points, walls):
-    a, d = walls[:, 0], walls[:, 1] - walls[:, 0]
-    share = np.einsum("nmk,mk->nm", points[:, None] - a, d) / (d**2).sum(-1)
-    feet = a + np.clip(share, 0, 1)[..., None] * d
-    return np.linalg.norm(points[:, None] - feet, axis=-1).min(1).mean()
 
 
 def verdict_by_parts(wall, point, sensor, distance):
@@ -409,29 +301,6 @@ def verdict_by_parts(wall, point, sensor, distance):
     (x, y), (dx, dy) = ends[:, 0], ends[:, 1] - ends[:, 0]
     behind = (s + t - 1) * abs(x * dy - y * dx) / math.hypot(dx, dy)
     return 0 if abs(behind) <= distance + 1e-12 else -np.sign(behind)
-
-
-def verdict_by_cross_products(wall, point, sensor, distance):
-    def left(a, b, c):
-        return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
-
-    a, b = wall if left(sensor, *wall) > 0 else wall[::-1]
-    if left(sensor, a, point) < 0 or left(sensor, b, point) > 0:
-        return float("nan")
-    height = left(a, b, point) / math.dist(a, b)
-    return float(height > distance) - float(height < -distance)
-
-
-def shares_in_a_loop(squares, noise):
-    total = 1 / float(noise) ** 2 + sum(1 / s for s in squares)
-    return [1 / s / total for s in squares]
-
-
-def step_of_arrays(centres, pieces, sigma, bandwidth):
-    turn = axial_difference(pieces[:, 2], centres[:, 2:])
-    d = np.dstack([pieces[:, :2] - centres[:, None, :2], turn])
-    w = np.exp(-((d / (sigma, sigma, sigma * bandwidth)) ** 2).sum(-1) / 2)
-    return centres + np.einsum("nm,nmk->nk", w, d) / w.sum(1, keepdims=True)
 
 
 def step_along_the_gradient(centres, pieces, sigma, bandwidth):
@@ -447,11 +316,6 @@ def step_along_the_gradient(centres, pieces, sigma, bandwidth):
     return centres + sigma**2 * scale**2 * np.array(steep)
 
 
-def inside_by_extremes(offsets, shift, tolerance):
-    low, high = np.sort(offsets).T
-    return (low - shift >= -tolerance) & (high - shift <= tolerance)
-
-
 def shift_by_table(offsets, lengths, tolerance):
     low, high = offsets.min(1) + tolerance, offsets.max(1) - tolerance
     shifts = np.concatenate([[0.0], low, high])
@@ -460,38 +324,10 @@ def shift_by_table(offsets, lengths, tolerance):
     return shifts[np.lexsort([np.abs(shifts), -totals])[0]]
 
 
-def shift_by_intervals(offsets, lengths, tolerance):
-    """Each segment is in the strip between two shifts."""
-    spans = [(max(p) - tolerance, min(p) + tolerance) for p in offsets]
-
-    def total(t):
-        held = (n for (low, high), n in zip(spans, lengths, strict=True) if low <= t <= high)
-        return sum(held)
-
-    ends = [0.0] + [t for span in spans for t in span if -tolerance <= t <= tolerance]
-    return min(ends, key=lambda t: (-total(t), abs(t)))
-
-
-def hough_by_turning(segment, near):
-    (x, y), (dx, dy) = segment[0], segment[1] - segment[0]
-    theta = math.atan2(dx, -dy)
-    while theta - near > math.pi / 2:
-        theta -= math.pi
-    while near - theta > math.pi / 2:
-        theta += math.pi
-    return [x * math.cos(theta) + y * math.sin(theta), theta]
-
-
 def hough_of_the_nearest_name(segment, near):
     theta = segments.angle(segment) + np.pi / 2 + np.pi * np.arange(-6, 7)
     theta = theta[np.abs(theta - near).argmin()]
     return [segments.midpoint(segment) @ [np.cos(theta), np.sin(theta)], theta]
-
-
-def matches_by_dot_product(a, b, distance, angle):
-    near = min(math.dist(p, q) for p in a for q in b) < distance
-    u, v = a[1] - a[0], b[1] - b[0]
-    return near and abs(u @ v) > math.cos(angle) * math.hypot(*u) * math.hypot(*v)
 
 
 def matches_with_helpers(a, b, distance, angle):
@@ -504,17 +340,6 @@ def merged_with_helpers(a, b):
     way = axial_mean_of_two(segments.angle(a), segments.angle(b), *sizes)
     middle = np.average([segments.midpoint(a), segments.midpoint(b)], axis=0, weights=sizes)
     return segments.extreme_projections(np.vstack([a, b]), middle, way)
-
-
-def merged_in_degrees(a, b):
-    sizes = [math.dist(*s) for s in (a, b)]
-    one, two = (math.degrees(math.atan2(*(s[1] - s[0])[::-1])) for s in (a, b))
-    share = sizes[1] / sum(sizes)
-    way = math.radians(one + share * ((two - one + 90) % 180 - 90))
-    middle = (a.sum(0) * sizes[0] + b.sum(0) * sizes[1]) / sum(sizes) / 2
-    unit = np.array([math.cos(way), math.sin(way)])
-    along = sorted(float((end - middle) @ unit) for end in (*a, *b))
-    return [middle + along[0] * unit, middle + along[-1] * unit]
 
 
 def grown_by_cases(root, cell):
@@ -546,30 +371,11 @@ def cells_by_bresenham(start, end):
     return cells
 
 
-def cells_by_fractions(start, end):
-    """The cell of each column by one division, rounded up."""
-    swap = abs(end[1] - start[1]) > abs(end[0] - start[0])
-    a, b = (start[::-1], end[::-1]) if swap else (start, end)
-    a, b = (b, a) if b[0] < a[0] else (a, b)
-    dx, dy = b[0] - a[0], b[1] - a[1]
-    cells = []
-    for k in range(dx + 1):
-        steps = math.ceil(Fraction(k * abs(dy) - dx // 2, max(dx, 1)))
-        cell = (a[0] + k, a[1] + max(steps, 0) * (1 if dy > 0 else -1))
-        cells.append(cell[::-1] if swap else cell)
-    return cells
-
-
 def pixel_by_edges(x, y, origin, side, rows):
     """Counts the edges to the left, and those above."""
     columns = origin[0] + side * np.arange(200)
     lines = origin[1] + side * np.arange(rows + 1)
     return (lines > y).sum() - 1, (columns <= x).sum() - 1
-
-
-def pixel_by_divmod(x, y, origin, side, rows):
-    (column, _), (row, _) = divmod((x - origin[0]) / side, 1), divmod((y - origin[1]) / side, 1)
-    return rows - row - 1, column
 
 
 def score_in_a_loop(points, pose, centres):
@@ -580,28 +386,10 @@ def score_in_a_loop(points, pose, centres):
     return total
 
 
-def score_by_complex_numbers(points, pose, centres):
-    ends = complex(*pose[:2]) + (points @ [1, 1j]) * np.exp(1j * pose[2])
-    return -np.abs(ends[:, None] - centres @ [1, 1j]).min(1).sum()
-
-
-def climb_with_the_pose_first(value, pose, move, turn):
-    """max takes the first of equals, so nothing moves without an improvement."""
-    step = np.array([move, move, turn])
-    tried = [pose + sign * step * way for way in np.eye(3) for sign in (-1, 1)]
-    return max([pose, *tried], key=value)
-
-
 def climb_by_argmax(value, pose, move, turn):
     moves = np.kron(np.diag([move, move, turn]), [[-1], [1]])
     gains = np.array([value(pose + way) - value(pose) for way in moves])
     return pose + moves[gains.argmax()] * (gains.max() > 0)
-
-
-def pose_covariance_by_jacobian(centre, alpha, sensor, place, heading):
-    arm = (sensor - centre) @ [-np.sin(alpha), np.cos(alpha)]
-    k = np.array([[np.cos(alpha), np.sin(alpha), arm], [0, 0, 1]])
-    return k @ np.diag(np.square([place, place, heading])) @ k.T
 
 
 def pose_covariance_closed(centre, alpha, sensor, place, heading):
@@ -610,22 +398,6 @@ def pose_covariance_closed(centre, alpha, sensor, place, heading):
         [place**2 + (arm * heading) ** 2, arm * heading**2],
         [arm * heading**2, heading**2],
     ]
-
-
-def as_numbers(pose):
-    return complex(*pose[:2]), np.exp(1j * pose[2])
-
-
-def edge_error_by_complex_numbers(first, second, relative):
-    (a, turn_a), (b, turn_b), (z, turn_z) = map(as_numbers, (first, second, relative))
-    e = (b - (a + turn_a * z)) / (turn_a * turn_z)
-    return [e.real, e.imag, np.angle(turn_b / turn_a / turn_z)]
-
-
-def carried_by_complex_numbers(before, after, pose):
-    (b, turn_b), (a, turn_a), (p, turn_p) = map(as_numbers, (before, after, pose))
-    at = a + (p - b) / turn_b * turn_a
-    return [at.real, at.imag, np.angle(turn_p / turn_b * turn_a)]
 
 
 def moved_by_eigenvectors(points, feet, normals):
@@ -637,151 +409,102 @@ def moved_by_eigenvectors(points, feet, normals):
     return sum(way * (way @ right) / v for v, way in zip(values, ways.T, strict=True) if v > 1e-9)
 
 
-def moved_by_svd(points, feet, normals):
-    rows = np.array([(*n, np.linalg.det([p, n])) for p, n in zip(points, normals, strict=True)])
-    u, s, v = np.linalg.svd(rows, full_matrices=False)
-    held = s > 1e-6
-    along = u.T @ [(f - p) @ n for p, f, n in zip(points, feet, normals, strict=True)]
-    return (along[held] / s[held]) @ v[held]
-
-
-#: Exercise -> three right answers from different ideas.
+#: Exercise -> right answers from different ideas.
 RIGHT = {
-    "compose": (
-        rotated_step,
-        composed_by_complex_numbers,
-        lambda a, b: pose_of(matrix(*a) @ matrix(*b)),
-    ),
+    "compose": (composed_by_complex_numbers, lambda a, b: pose_of(matrix(*a) @ matrix(*b))),
     "heading_between": (
         lambda a, b, t: np.angle(np.exp(1j * (a + t * np.angle(np.exp(1j * b) / np.exp(1j * a))))),
-        lambda a, b, t: within_half_a_turn(a + t * within_half_a_turn(b - a)),
         lambda a, b, t: wrap(a + t * wrap(b - a)),
     ),
     "beam_angles": (
         lambda n: [np.radians(-90 + i * 180 / (n - n % 2)) for i in range(n)],
         lambda n: np.linspace(-np.pi / 2, np.pi / 2, n, endpoint=n % 2 == 1),
-        lambda n: np.pi * (np.arange(n) / (n - n % 2) - 0.5),
     ),
-    "cast_ray": (met_by_solving, met_in_the_frame_of_the_beam, met_by_bearings),
+    "cast_ray": (met_by_solving, met_in_the_frame_of_the_beam),
     "distances": (
         distances_bit_by_bit,
-        distances_by_shifts,
         lambda lines: (
             (np.array([c for line in lines for c in line[:-1]], float).reshape(-1, 3) - 48)
             @ (4096, 64, 1)
         ),
     ),
     "unwrapped": (
-        unwrapped_in_a_loop,
         unwrapped_step_by_step,
         lambda s: (s - s[0] + np.append(0, np.cumsum(np.diff(s) < 0)) * 2**24) / 1e3,
     ),
-    "axial_mean": (
-        lambda angles: np.angle(np.mean(np.exp(2j * angles))) / 2,
-        longest_axis,
-        axial_mean_in_a_loop,
-    ),
+    "axial_mean": (lambda angles: np.angle(np.mean(np.exp(2j * angles))) / 2, longest_axis),
     "fit_line": (
         lambda points: np.arctan2(*np.linalg.svd(points - points.mean(0))[2][0][::-1]),
         fitted_by_sums,
-        fitted_by_eigenvectors,
     ),
     "farthest_point": (
         farthest_in_a_loop,
-        lambda p: np.abs((p - p[0]) @ ((p[-1] - p[0])[::-1] * (1, -1))).argmax(),
         lambda p: np.abs(((p - p[0]) @ [1, 1j] / ((p[-1] - p[0]) @ [1, 1j])).imag).argmax(),
     ),
-    "match_value": (match_by_complex_numbers, match_with_helpers, match_in_their_frames),
-    "least_translation": (by_pseudo_inverse, shift_by_eigenvectors, shift_by_least_squares),
-    "move_onto_walls": (moved_by_pseudo_inverse, moved_by_eigenvectors, moved_by_svd),
+    "match_value": (match_by_complex_numbers, match_with_helpers),
+    "least_translation": (by_pseudo_inverse, shift_by_eigenvectors),
+    "move_onto_walls": (moved_by_pseudo_inverse, moved_by_eigenvectors),
     "edge_error": (
         edge_error_by_matrices,
-        edge_error_by_complex_numbers,
         lambda first, second, relative: between(compose(first, relative), second),
     ),
     "carried": (
         carried_by_matrices,
-        carried_by_complex_numbers,
         lambda before, after, pose: compose(compose(after, inverse(before)), pose),
     ),
-    "reduction_rate": (
-        lambda a, b: 1 - len(b) / len(a) if len(a) else 0,
-        rate_or_nothing,
-        lambda a, b: (len(a) - len(b)) / max(len(a), 1),
-    ),
+    "reduction_rate": (rate_or_nothing, lambda a, b: 1 - len(b) / len(a) if len(a) else 0),
     "quality": (
         quality_row_by_row,
         quality_as_a_geometric_mean,
         lambda distances: np.exp(-np.sort(distances)[:, 0].mean() / 0.05),
     ),
-    "reduction_at": (reduction_by_hand, reduction_by_mask, reduction_from_the_best_down),
+    "reduction_at": (reduction_by_hand, reduction_by_mask),
     "best_run": (
+        row_by_masked_argmax,
         lambda points, quality: max(
             (k for k, (q, _) in enumerate(points.tolist()) if q >= quality),
             key=lambda k: points[k][1],
             default=-1,
         ),
-        row_by_masked_argmax,
-        row_by_sorting,
     ),
     "mean_wall_error": (
         wall_error_along_and_aside,
-        wall_error_by_clipping,
         lambda p, w: segments.point_distance(p[:, None], w).min(axis=1).mean(),
     ),
-    "hough": (hough_by_complex_numbers, hough_by_turning, hough_of_the_nearest_name),
-    "matches": (matches_by_complex_numbers, matches_by_dot_product, matches_with_helpers),
-    "merged": (merged_by_complex_numbers, merged_with_helpers, merged_in_degrees),
-    "mean_shift_step": (step_in_a_loop, step_of_arrays, step_along_the_gradient),
+    "hough": (hough_by_complex_numbers, hough_of_the_nearest_name),
+    "matches": (matches_by_complex_numbers, matches_with_helpers),
+    "merged": (merged_by_complex_numbers, merged_with_helpers),
+    "mean_shift_step": (step_in_a_loop, step_along_the_gradient),
     "inside_strip": (
         inside_in_a_loop,
-        inside_by_extremes,
         lambda offsets, shift, tolerance: (abs(offsets - shift) <= tolerance).all(axis=1),
     ),
-    "best_shift": (shift_in_a_loop, shift_by_table, shift_by_intervals),
+    "best_shift": (shift_in_a_loop, shift_by_table),
     "cell_of": (
         lambda x, c, r: int((x - c) / r) - ((x - c) / r < int((x - c) / r)),
         lambda x, c, r: -math.ceil((c - x) / r),
         lambda x, c, r: np.floor((x - c) / r),
     ),
-    "grown": (
-        grown_by_arrays,
-        grown_by_cases,
-        lambda root, cell: (
-            *(v - root[2] * (c < v) for v, c in zip(root[:2], cell, strict=True)),
-            root[2] * 2,
-        ),
-    ),
+    "grown": (grown_by_arrays, grown_by_cases),
     "occupancy": (
-        lambda vis, occ, b: occ / vis if occ else np.interp(vis, [0, b], [0.5, 0.0]),
         occupancy_exactly,
-        lambda vis, occ, b: (occ / vis) if occ > 0 else (vis < b) * (1 - vis / b) / 2,
+        lambda vis, occ, b: occ / vis if occ else np.interp(vis, [0, b], [0.5, 0.0]),
     ),
-    "ray_cells": (cells_by_formula, cells_by_bresenham, cells_by_fractions),
+    "ray_cells": (cells_by_formula, cells_by_bresenham),
     "pixel": (
-        lambda x, y, o, side, n: (
-            int((o[1] + n * side - y) / side),
-            int((x - o[0]) / side),
-        ),
         pixel_by_edges,
-        pixel_by_divmod,
+        lambda x, y, o, side, n: (int((o[1] + n * side - y) / side), int((x - o[0]) / side)),
     ),
     "scan_score": (
-        lambda p, pose, c: -cKDTree(c).query(transform(pose, p))[0].sum(),
         score_in_a_loop,
-        score_by_complex_numbers,
+        lambda p, pose, c: -cKDTree(c).query(transform(pose, p))[0].sum(),
     ),
-    "climb_step": (climb_in_a_loop, climb_with_the_pose_first, climb_by_argmax),
-    "pose_covariance": (
-        pose_covariance_by_moving,
-        pose_covariance_by_jacobian,
-        pose_covariance_closed,
-    ),
-    "verdict": (verdict_by_complex_numbers, verdict_by_parts, verdict_by_cross_products),
-    "invented_metres": (metres_by_small_steps, metres_by_walking, metres_between_ends),
+    "climb_step": (climb_in_a_loop, climb_by_argmax),
+    "pose_covariance": (pose_covariance_by_moving, pose_covariance_closed),
+    "verdict": (verdict_by_complex_numbers, verdict_by_parts),
+    "invented_metres": (metres_by_small_steps, metres_between_ends),
     "memberships": (
         lambda squares, noise: 1 / (squares[:, None] / np.append(squares, noise**2)).sum(axis=1),
-        shares_in_a_loop,
         lambda squares, noise: softmax(-np.log(np.append(squares, noise**2)))[:-1],
     ),
 }

@@ -60,71 +60,73 @@ from .drawings import (
     draw_trials,
     draw_uncertainty,
 )
-from .exercises import (
-    Check,
-    Exercise,
-    check_axial_mean,
-    check_beam_angles,
-    check_best_run,
-    check_best_shift,
-    check_carried,
-    check_cast_ray,
-    check_cell_of,
-    check_climb_step,
-    check_compose,
-    check_distances,
-    check_edge_error,
-    check_farthest_point,
-    check_fit_line,
-    check_grown,
-    check_heading_between,
-    check_hough,
-    check_inside_strip,
-    check_invented_metres,
+from .exercises import Check, Exercise
+from .exercises.alignment import (
     check_least_translation,
     check_match_value,
-    check_matches,
-    check_mean_shift_step,
-    check_mean_wall_error,
-    check_memberships,
-    check_merged,
     check_move_onto_walls,
-    check_occupancy,
-    check_pixel,
-    check_pose_covariance,
+)
+from .exercises.basic import check_hough, check_matches, check_merged
+from .exercises.lines import check_axial_mean, check_farthest_point, check_fit_line
+from .exercises.maps import (
+    check_best_run,
+    check_mean_wall_error,
     check_quality,
-    check_ray_cells,
     check_reduction_at,
     check_reduction_rate,
-    check_scan_score,
-    check_unwrapped,
-    check_verdict,
 )
-from .exercises.open import (
-    Challenge,
-    OwnLog,
-    Prediction,
-    break_basic_order,
-    break_cells,
-    break_fusion,
+from .exercises.matching import check_climb_step, check_scan_score
+from .exercises.open import Challenge, OwnLog, Prediction
+from .exercises.open.alignment import (
     break_icp,
-    break_line,
     break_loss,
-    break_matching,
     break_quality,
-    break_reader,
     break_sum,
-    break_viewing_sector,
-    check_own_log,
-    predict_beams_on_wall,
-    predict_coarse_leaves,
-    predict_drift,
-    predict_fusion_left,
-    predict_fusion_twice,
-    predict_pieces,
     predict_scan_time,
     predict_sparse_icp,
     predict_turned_quality,
+)
+from .exercises.open.own_log import check_own_log
+from .exercises.open.quadtree import break_cells, break_matching, predict_coarse_leaves
+from .exercises.open.reduction import (
+    break_basic_order,
+    break_fusion,
+    break_viewing_sector,
+    predict_fusion_left,
+    predict_fusion_twice,
+)
+from .exercises.open.scans import (
+    break_line,
+    break_reader,
+    predict_beams_on_wall,
+    predict_drift,
+    predict_pieces,
+)
+from .exercises.poses import (
+    check_carried,
+    check_compose,
+    check_edge_error,
+    check_heading_between,
+)
+from .exercises.quadtree import (
+    check_cell_of,
+    check_grown,
+    check_occupancy,
+    check_pixel,
+    check_ray_cells,
+)
+from .exercises.sensor import (
+    check_beam_angles,
+    check_cast_ray,
+    check_distances,
+    check_unwrapped,
+)
+from .exercises.strips import check_best_shift, check_inside_strip, check_mean_shift_step
+from .exercises.surveyed import (
+    check_invented_metres,
+    check_memberships,
+    check_pose_covariance,
+    check_verdict,
 )
 from .panels import (
     AnglePanel,

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import segmap_course as course
 from segmap_course import EXERCISES, OPEN_EXERCISES, Challenge, Check, OwnLog, Prediction
-from segmap_course.exercises.open._log import BUNDLED
+from segmap_course.exercises.open.own_log import BUNDLED
 
 from segmap import readers
 from segmap.scans import Log

@@ -5,17 +5,22 @@ from __future__ import annotations
 import html
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 
+from segmap.arrays import Array
 from segmap.plotting import ERROR, TRUTH
 
-from ._answers import Answer, Cases, agree, answered, close, text
+from ._answers import Answer, Cases, agree, answered, close, numbers, plain, text
 from ._notice import Watch
 
-#: Hidden cases are drawn again until every named mistake fails on them, at most so many times.
+Rng = np.random.Generator
+#: Cases are drawn again until each mistake is told by its own hint, at most so many times.
 MOST_DRAWS = 100
+#: Arguments are shown where they take no more characters.
+MOST_SHOWN = 90
 
 
 @dataclass(frozen=True)
@@ -55,38 +60,62 @@ class Exercise:
         The signature, which begins with the name, and what is returned, with shapes and units.
     solution : callable
         The library's function.
-    cases : mapping from words to a tuple of arguments
-        Chosen so that every mistake gives a wrong answer somewhere.
+    draw : callable
+        `draw(rng) -> cases`, words -> arguments: one case of each kind that catches a mistake. What
+        students see is drawn by it too, from a seed of our own.
     mistakes : mapping from a hint to a callable
         Wrong functions that students write, and what to tell them.
     same : callable
         `same(found, expected) -> bool`.
-    draw : callable, optional
-        `draw(rng) -> cases`: cases like those of the exercise, with other numbers.
     own : tuple of functions and modules
         Where the library has the answer, beside the solution (see `Watch`): a student's function
         that calls it is told to do without. Everything else of the library may be called.
 
     Examples
     --------
-    >>> double = Exercise("double(x) -> 2 x", lambda x: 2 * x, {"x = 3": (3,)},
+    >>> double = Exercise("double(x) -> 2 x", lambda x: 2 * x, lambda rng: {"a number": (3,)},
     ...                   {"twice, not to the power of two": lambda x: x * x})
-    >>> double(lambda x: x + x), double(lambda x: x**2), double(lambda x: x)
-    (passed, not yet: twice, not to the power of two, not yet: for x = 3 expected 6, got 3)
+    >>> double(lambda x: x + x), double(lambda x: x**2)
+    (passed, not yet: twice, not to the power of two)
+    >>> double(lambda x: x)
+    not yet: for a number, double(3), expected 6, got 3
     """
 
     task: str
     solution: Callable[..., Any]
-    cases: Cases
+    draw: Callable[[Rng], Cases]
     mistakes: Mapping[str, Callable[..., Any]]
     same: Callable[[Any, Any], bool] = close
-    draw: Callable[[np.random.Generator], Cases] | None = None
     own: tuple[Any, ...] = ()
 
     @property
     def name(self) -> str:
         """The name of the function that is to be written."""
         return self.task.partition("(")[0]
+
+    @cached_property
+    def cases(self) -> dict[str, tuple[Any, ...]]:
+        """The cases that students see, words -> arguments."""
+        return self._drawn(np.random.default_rng(np.random.SeedSequence(0, spawn_key=(0,))))
+
+    def fresh(self, seed: int) -> dict[str, tuple[Any, ...]]:
+        """Hidden cases: the same seed gives the same ones, in any process, and never those shown.
+
+        Raises
+        ------
+        ValueError
+            Where no draw tells each mistake by its own hint.
+        """
+        return self._drawn(np.random.default_rng(seed))
+
+    def _drawn(self, rng: Rng) -> dict[str, tuple[Any, ...]]:
+        for _ in range(MOST_DRAWS):
+            cases = dict(self.draw(rng))
+            known = {hint: answered(f, cases) for hint, f in self._known().items()}
+            alike = [hint for hint, found in known.items() if self._first(found, known) != hint]
+            if not alike:
+                return cases
+        raise ValueError(f"{self.name}: no draw tells {alike} from the library and from each other")
 
     def __call__(self, function: Callable[..., Any]) -> Check:
         """Check a student's function on the open cases."""
@@ -98,32 +127,9 @@ class Exercise:
     def check(self, function: Callable[..., Any], cases: Cases | None = None) -> Check:
         """Check a function on these cases, by default the open ones. Raises nothing."""
         if not callable(function):
-            return self._not_yet(
-                f"give the function itself, check_{self.name}(my_{self.name}), without a call"
-            )
+            said = f"give the function itself, check_{self.name}(my_{self.name}), without a call"
+            return Check(self.name, False, said)
         return self.verdict(self.answers(function, cases), cases)
-
-    def fresh(self, seed: int) -> dict[str, tuple[Any, ...]]:
-        """Hidden cases from a seed: every named mistake fails on them.
-
-        Parameters
-        ----------
-        seed : int
-            The same seed gives the same cases, in any process.
-
-        Raises
-        ------
-        ValueError
-            Where the exercise has no rule for more cases.
-        """
-        if self.draw is None:
-            raise ValueError(f"{self.name}: no rule for hidden cases; give Exercise(draw=...)")
-        rng = np.random.default_rng(seed)
-        for _ in range(MOST_DRAWS):
-            cases = dict(self.draw(rng))
-            if not self._survivors(cases):
-                return cases
-        raise ValueError(f"{self.name}: no draw catches {self._survivors(cases)}")
 
     def answers(self, function: Callable[..., Any], cases: Cases | None = None) -> list[Answer]:
         """What a student's function answers to these cases, as plain values (see `verdict`).
@@ -148,52 +154,59 @@ class Exercise:
         cases : mapping, optional
             Those that were answered, by default the open ones.
         """
-        cases = self.cases if cases is None else cases
-        hint = self._hint(answers, cases)
+        hint = self._hint(answers, self.cases if cases is None else cases)
         return Check(self.name, not hint, hint)
 
-    def _not_yet(self, hint: str) -> Check:
-        return Check(self.name, False, hint)
-
-    def _hint(self, found: Sequence[Answer], cases: Cases) -> str:
+    def _hint(self, found: Any, cases: Cases) -> str:
         """The hint for these answers; empty where they are right."""
-        if not _well_formed(found, len(cases)):
+        listed = isinstance(found, list | tuple) and len(found) == len(cases)
+        if not listed or not all(isinstance(answer, dict) for answer in found):
             return "the answers are not those of the cases: one plain answer for each"
         library = next((answer["library"] for answer in found if "library" in answer), None)
         if library is not None:
             return f"this is the library's; write your own ({library} ran)"
-        expected = self.expected(cases)
-        right = self._right(found, expected)
-        if all(right):
-            return ""
-        if all("nothing" in answer for answer in found):
+        if all("nothing" in answer for answer in found) and found:
             return f"it returns nothing yet; the task is {self.task}"
-        for hint, mistake in self.mistakes.items():
-            if all(self._right(found, answered(mistake, cases))):
+        for hint, function in self._known().items():
+            if self._agree(found, answered(function, cases)):
                 return hint
-        first = right.index(False)
-        return f"for {list(cases)[first]} expected {text(expected[first])}, " + (
-            f"but it raised {text(found[first])}"
-            if "error" in found[first]
-            else f"got {text(found[first])}"
+        pairs = zip(cases, found, self.expected(cases), strict=True)
+        words, got, right = next(pair for pair in pairs if not agree(*pair[1:], self.same))
+        said = f"but it raised {text(got)}" if "error" in got else f"got {text(got)}"
+        return f"for {words}{self._call(cases[words])} expected {text(right)}, {said}"
+
+    def _call(self, given: Sequence[Any]) -> str:
+        """The call with these arguments, where they are few numbers."""
+        answers = [plain(argument) for argument in given]
+        shown = f", {self.name}({', '.join(map(text, answers))}),"
+        whole = (
+            all(numbers(answer) is not None for answer in answers) and "that starts" not in shown
         )
+        return shown if whole and len(shown) <= MOST_SHOWN else ""
 
-    def _right(self, found: Sequence[Answer], expected: Sequence[Answer]) -> list[bool]:
-        return [agree(*pair, self.same) for pair in zip(found, expected, strict=True)]
+    def _known(self) -> dict[str, Callable[..., Any]]:
+        """Hint -> the wrong function; the library's has none."""
+        return {"": self.solution, **self.mistakes}
 
-    def _survivors(self, cases: Cases) -> list[str]:
-        """The mistakes that answer all these cases like the library."""
-        expected = self.expected(cases)
-        return [
-            hint
-            for hint, mistake in self.mistakes.items()
-            if all(self._right(answered(mistake, cases), expected))
-        ]
+    def _agree(self, found: Sequence[Answer], expected: Sequence[Answer]) -> bool:
+        return all(agree(*pair, self.same) for pair in zip(found, expected, strict=True))
+
+    def _first(self, found: Sequence[Answer], known: Mapping[str, Sequence[Answer]]) -> str | None:
+        """The hint of the first that answers the same."""
+        return next((hint for hint, a in known.items() if self._agree(found, a)), None)
 
 
-def _well_formed(answers: Any, count: int) -> bool:
-    return (
-        isinstance(answers, list | tuple)
-        and len(answers) == count
-        and all(isinstance(answer, dict) for answer in answers)
-    )
+# --------------------------------------------------------------- for draws and mistakes
+def changed(function: Callable[..., Any], change: Callable[[Any], Any]) -> Callable[..., Any]:
+    """A function whose answer is changed: a mistake at the end."""
+    return lambda *given: change(function(*given))
+
+
+def listed(cases: Sequence[tuple[Any, ...]]) -> dict[str, tuple[Any, ...]]:
+    """Cases that say by their arguments what they are."""
+    return {f"case {number}": case for number, case in enumerate(cases, 1)}
+
+
+def anywhere(rng: Rng, low: float = -180.0, high: float = 180.0) -> Array:
+    """A pose within 5 m, with a heading between these degrees."""
+    return np.append(rng.uniform(-5, 5, 2), np.radians(rng.uniform(low, high)))

@@ -37,9 +37,8 @@ from typing import Any
 import numpy as np
 
 from segmap.arrays import Array
-from segmap.metrics import quality
 from segmap.segments import length, point_distance
-from segmap.simulation import cast_rays, rectangular_room
+from segmap.simulation import rectangular_room
 
 from .._answers import Answer, numbers, plain
 from .._exercise import Check
@@ -210,23 +209,8 @@ def _finite(answer: Answer) -> Array:
     return found
 
 
-# ------------------------------------------------------------------------ one of each kind
-def _beams_on_wall() -> float:
-    wall = [[(4.0, -0.5), (4.0, 0.5)]]
-    ranges = cast_rays(wall, (0, 0, 0), np.radians(np.arange(-90, 91)), max_range=10.0)
-    return float(np.isfinite(ranges).sum())
-
-
-predict_beams_on_wall = Prediction(
-    "predict_beams_on_wall(guess): how many of 181 beams, one a degree from -90 to 90, meet a wall "
-    "of 1 m that stands square to the sensor, 4 m straight ahead; within 1 beam",
-    _beams_on_wall,
-    "beams",
-    within=1,
-    because="The wall is 2 atan(0.5 / 4) = 14.25 degrees wide; one beam looks straight ahead",
-)
-
-#: The map before, of the challenge below: the four walls of a room of 4 m x 3 m.
+# ------------------------------------------------------------------------ what several share
+#: The map before, of several challenges: the four walls of a room of 4 m x 3 m.
 ROOM = rectangular_room()
 
 
@@ -250,21 +234,3 @@ def admit_map(after: Array) -> None:
         raise ValueError(f"give 1 to 50 segments, (n, 2, 2) in metres, got shape {after.shape}")
     if np.abs(after).max() > 20:
         raise ValueError("stay within 20 m of the room's corner")
-
-
-def _quality_fooled(after: Array) -> str:
-    admit_map(after)
-    found, metres = quality(ROOM, after), metres_away(after, ROOM, 0.5)
-    if found < 0.95:
-        return f"the quality sees it: {found:.3f}, 0.95 is wanted"
-    return "" if metres >= 5 else f"only {metres:.1f} m of walls are invented, 5 m are wanted"
-
-
-break_quality = Challenge(
-    "break_quality(after): a map `after`, (n, 2, 2) in metres, of up to 50 segments within 20 m, "
-    "that has a quality of at least 0.95 against the walls of `simulation.rectangular_room()`, "
-    "though 5 m of its walls stand farther than 0.5 m from all of them",
-    _quality_fooled,
-    praise="The quality asks where the walls of the map before went, not where those after it come "
-    "from: what is invented costs nothing",
-)

@@ -219,7 +219,7 @@ def _solve(cell: Cell, exercise: Any, name: str) -> None:
 def module_of(exercise: Any) -> str:
     """The module in which an exercise is defined."""
     for module, loaded in list(sys.modules.items()):
-        inside = module.startswith("segmap_course.exercises._")
+        inside = module.startswith("segmap_course.exercises.")
         if inside and getattr(loaded, f"check_{exercise.name}", None) is exercise:
             return module
     raise ValueError(f"{exercise.name} is defined in no file of exercises")

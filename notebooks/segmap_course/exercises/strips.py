@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -13,12 +14,36 @@ from segmap.arrays import Array
 from ..literal import best_strip
 from ..literal.reduction import fusion, mean_shift
 from ..literal.reduction.mean_shift import mean_difference
-from ._answers import same_poses
-from ._exercise import Exercise
-from .draws import maps as draws_maps
+from ._answers import Cases, same_poses
+from ._exercise import Exercise, Rng, changed
 
 
 # ------------------------------------------------------------------------- mean shift
+def _pieces(rng: Rng) -> Cases:
+    """Pieces of walls at any angle, so near that none is beyond the three sigma of the thesis."""
+    sigma, slack, way = rng.uniform(0.15, 0.3), rng.uniform(8, 14), rng.uniform(40, 140)
+
+    def about(middle: float, count: int) -> Array:
+        place = np.array([1, 2, middle]) + rng.uniform(-1, 1, (count, 3)) * (0.08, 0.08, 6)
+        return place % (1e6, 1e6, 180)
+
+    def case(centres: Any, pieces: Any) -> tuple[Any, ...]:
+        scale = [1, 1, np.pi / 180]
+        places = np.array(centres, float) * scale, np.array(pieces, float) * scale
+        return *places, sigma, float(np.radians(slack)) / sigma
+
+    return {
+        "two pieces": case(about(way, 1), about(way, 2)),
+        "two centres among four pieces": case(about(way, 2), about(way, 4)),
+        "walls on both sides of 0 degrees": case(
+            [(1, 2, 2)], [(1, 2, rng.uniform(1, 5)), (1.1, 2, rng.uniform(174, 179))]
+        ),
+        "a centre that turned past 180 degrees": case(
+            about(0, 1) % (1e6, 1e6, 5) + (0, 0, 180), about(0, 5)
+        ),
+    }
+
+
 def _literal_step(centres: Array, pieces: Array, sigma: float, bandwidth: float) -> list[Any]:
     """One step of phase 1 (A 4.8)."""
 
@@ -29,13 +54,17 @@ def _literal_step(centres: Array, pieces: Array, sigma: float, bandwidth: float)
     return [at + mean_difference(points, at.tolist(), square) for at in centres]
 
 
+def _gaussian(away: Array, sigma: float) -> Array:
+    return np.asarray(np.exp(-((away / sigma) ** 2) / 2))
+
+
 def _mean_shift_step(
     centres: Array,
     pieces: Array,
     sigma: float,
     bandwidth: float,
     *,
-    divisor: float = 2.0,
+    kernel: Callable[[Array, float], Array] = _gaussian,
     axial: bool = True,
     normal: bool = True,
 ) -> Array:
@@ -43,53 +72,24 @@ def _mean_shift_step(
     d = pieces - centres[:, None]
     if axial:
         d[..., 2] = axial_difference(d[..., 2], 0.0)
-    w = _weights(d, sigma, bandwidth, divisor)
+    w = kernel(np.linalg.norm(d * [1, 1, 1 / bandwidth], axis=-1), sigma)
     move = (w[..., None] * d).sum(axis=1)
     return centres + (move / w.sum(axis=1)[:, None] if normal else move)
-
-
-def _weights(d: Array, sigma: float, bandwidth: float, divisor: float = 2.0) -> Array:
-    square = (d * [1, 1, 1 / bandwidth]) ** 2
-    return np.asarray(np.exp(-square.sum(axis=-1) / (divisor * sigma**2)))
 
 
 def _plain_mean(centres: Array, pieces: Array, sigma: float, bandwidth: float) -> Array:
     """Weights with axial differences, but angles averaged as numbers."""
     d = pieces - centres[:, None]
     d[..., 2] = axial_difference(d[..., 2], 0.0)
-    w = _weights(d, sigma, bandwidth)
+    w = _gaussian(np.linalg.norm(d * [1, 1, 1 / bandwidth], axis=-1), sigma)
     return w @ pieces / w.sum(axis=1)[:, None]
-
-
-def _by_distance(centres: Array, pieces: Array, sigma: float, bandwidth: float) -> Array:
-    """exp(-d / (2 sigma)) in the place of the kernel."""
-    d = pieces - centres[:, None]
-    d[..., 2] = axial_difference(d[..., 2], 0.0)
-    away = np.linalg.norm(d * [1, 1, 1 / bandwidth], axis=-1)
-    w = np.exp(-away / (2 * sigma))
-    return centres + (w[..., None] * d).sum(axis=1) / w.sum(axis=1)[:, None]
 
 
 check_mean_shift_step = Exercise(
     "mean_shift_step(centres, pieces, sigma, bandwidth) -> (n, 3): centres (n, 3), as x and y in "
     "metres and the angle in radians, after one step towards the pieces (m, 3)",
     _literal_step,
-    {
-        "two parallel pieces": draws_maps.pieces_case(
-            [(0, 0, 30)], [(0, 0, 30), (0, 0.1, 30)], 0.2, 10
-        ),
-        "two centres among three pieces": draws_maps.pieces_case(
-            [(0.1, 0, 80), (0.3, 0.1, 84)],
-            [(0, 0, 80), (0.2, 0.05, 84), (0.3, 0.1, 95)],
-            *(0.3, 15),
-        ),
-        "walls at 2 and 177 degrees": draws_maps.pieces_case(
-            [(0, 0, 2)], [(0, 0, 2), (0.1, 0, 177)], 0.2, 10
-        ),
-        "a centre that turned past 180 degrees": draws_maps.pieces_case(
-            [(1, 2, 183), (1, 2, 1)], [(1, 2, 1), (1.1, 2, 178), (0.9, 2.1, 5)], 0.2, 8
-        ),
-    },
+    _pieces,
     {
         "walls at 2 and 177 degrees differ by 5: take the axial difference of the angles": (
             lambda *given: _mean_shift_step(*given, axial=False)
@@ -103,7 +103,7 @@ check_mean_shift_step = Exercise(
             lambda c, p, s, b: _mean_shift_step(c, p, s, 1 / b)
         ),
         "the kernel is exp(-d^2 / (2 sigma^2)): the 2 is missing": (
-            lambda *given: _mean_shift_step(*given, divisor=1.0)
+            lambda c, p, s, b: _mean_shift_step(c, p, s / np.sqrt(2), b)
         ),
         "a weighted mean: divide by the sum of the weights": (
             lambda *given: _mean_shift_step(*given, normal=False)
@@ -122,10 +122,11 @@ check_mean_shift_step = Exercise(
         "the bandwidth is in radians a metre: angles stay in radians": (
             lambda c, p, s, b: _mean_shift_step(c, p, s, np.radians(b))
         ),
-        "the weight falls with the square of the distance": _by_distance,
+        "the weight falls with the square of the distance": (
+            lambda *given: _mean_shift_step(*given, kernel=lambda d, s: np.exp(-d / (2 * s)))
+        ),
     },
     same_poses,
-    draw=draws_maps.mean_shift_step,
     own=(reduction.mean_shift, reduction.common_directions, mean_shift),
 )
 
@@ -134,25 +135,28 @@ check_mean_shift_step = Exercise(
 _BORDER = 1e-9
 
 
+def _offsets(rng: Rng) -> Cases:
+    """Segments inside, outside and half inside a strip; ends right on its border, in 64ths."""
+    offsets, width = rng.uniform(-0.08, 0.08, (12, 2)), rng.uniform(0.03, 0.05)
+    edge = int(rng.integers(2, 8)) / 64
+    return {
+        "a line that is not moved": (offsets, 0.0, width),
+        "a line moved up": (offsets, rng.uniform(0.01, 0.03), width),
+        "a line moved down": (offsets, -rng.uniform(0.01, 0.03), width),
+        "ends that lie right on the border": (np.array([(0, edge), (-edge, 0)]), 0.0, edge),
+    }
+
+
 def _inside(offsets: Array, shift: float, tolerance: float) -> Array:
     """Which segments lie in the strip: both ends within tolerance of the shifted line."""
     return np.abs(offsets - shift).max(axis=1) <= tolerance + _BORDER
 
 
-_STRIP = np.array([(0.0, 0.0), (0.03, 0.05), (0.05, 0.03), (-0.05, -0.02), (-0.06, 0.06)])
-
 check_inside_strip = Exercise(
     "inside_strip(offsets, shift, tolerance) -> (n,) bool: which segments, with offsets (n, 2) of "
     "both ends from a line in metres, lie within tolerance of the line moved by shift",
     _inside,
-    {
-        "a line that is not moved": (_STRIP, 0.0, 0.04),
-        "a line moved by 0.02 m": (_STRIP, 0.02, 0.04),
-        "a line moved by -0.02 m": (_STRIP, -0.02, 0.04),
-        "ends that lie right on the border": (
-            *(np.array([(0.0, 0.0625), (-0.0625, 0.0)]), 0.0, 0.0625),
-        ),
-    },
+    _offsets,
     {
         "both ends must lie inside, not one of them": (
             lambda offsets, t, e: np.abs(offsets - t).min(axis=1) <= e + _BORDER
@@ -173,15 +177,35 @@ check_inside_strip = Exercise(
             lambda offsets, t, e: _inside(offsets, 0.0, e)
         ),
     },
-    draw=draws_maps.inside_strip,
 )
 
 
-def _best(offsets: Array, lengths: Array, tolerance: float, shifts: Array) -> float:
-    """Of these shifts the one whose strip holds most; of equals the smallest."""
-    totals = np.array([lengths[_inside(offsets, t, tolerance)].sum() for t in shifts])
-    equal = shifts[totals >= totals.max() - _BORDER]
-    return float(equal[np.argmin(np.abs(equal))])
+def _strips(rng: Rng) -> Cases:
+    """A segment of 3 m on the line, and others that a shift takes in or none does, in 64ths."""
+    e = int(rng.integers(3, 7))
+    up, down, long = e + 1, -e - 1, 1.5 + 0.25 * int(rng.integers(0, 4))
+    return {
+        words: (np.array([(0, 0), *offsets]) / 64, np.array([3, *lengths], float), e / 64)
+        for words, offsets, lengths in (
+            ("a long segment above, a short one below", [(up, up + 1), (down, 0)], [long, 1]),
+            (
+                "a long segment above, three short ones below",
+                *([(up, up), *[(down, down)] * 3], [long, 0.25, 0.25, 0.25]),
+            ),
+            ("as much above as below", [(up, up), (down - 1, down - 1)], [long, long]),
+            ("as much below as above", [(up + 1, up + 1), (down, down)], [long, long]),
+            ("a segment below", [(down - 1, down)], [long]),
+            ("a longer wall far away", [(20, 20), (20, 21)], [2.75, long]),
+            ("nothing to gain", [(e - 2, e - 1)], [1]),
+            ("a slanted segment, one of its ends near", [(up, up + 2 * e + 2)], [long]),
+        )
+    }
+
+
+def _best_shift(offsets: Array, lengths: Array, tolerance: float) -> float:
+    """The sweep of `literal.fusion` over segments that all overlap, the longest first."""
+    spans = [(0.0, 1.0)] * len(offsets)
+    return best_strip(spans, np.sort(offsets).tolist(), lengths.tolist(), 0, tolerance)[0]
 
 
 def _entering(offsets: Array, tolerance: float) -> Array:
@@ -197,46 +221,25 @@ def _within(shifts: Array, tolerance: float) -> Array:
     return shifts[np.abs(shifts) <= tolerance + _BORDER]
 
 
-def _best_shift(offsets: Array, lengths: Array, tolerance: float) -> float:
-    """The sweep of `literal.fusion` over segments that all overlap, the longest first."""
-    spans = [(0.0, 1.0)] * len(offsets)
-    return best_strip(spans, np.sort(offsets).tolist(), lengths.tolist(), 0, tolerance)[0]
+def _best(
+    offsets: Array, lengths: Array, tolerance: float, shifts: Array, either: bool = False
+) -> Array:
+    """Of these shifts those whose strip holds most; with `either` one end in it is enough."""
+    away = np.abs(offsets - shifts[:, None, None])
+    held = (away.min(axis=2) if either else away.max(axis=2)) <= tolerance + _BORDER
+    totals = (held * lengths).sum(axis=1)
+    return shifts[totals >= totals.max() - _BORDER]
 
 
-def _first_of(offsets: Array, lengths: Array, tolerance: float, shifts: Array) -> float:
-    """Of equal shifts the first in their order."""
-    totals = np.array([lengths[_inside(offsets, t, tolerance)].sum() for t in shifts])
-    return float(shifts[np.argmax(totals >= totals.max() - _BORDER)])
-
-
-def _best_of_either(offsets: Array, lengths: Array, tolerance: float) -> float:
-    """The best shift where one end of a segment in the strip is enough."""
-    shifts = _within(_shifts(offsets, tolerance), tolerance)
-    near = np.abs(offsets - shifts[:, None, None]).min(axis=2) <= tolerance + _BORDER
-    totals = (near * lengths).sum(axis=1)
-    equal = shifts[totals >= totals.max() - _BORDER]
-    return float(equal[np.argmin(np.abs(equal))])
+def _nearest(shifts: Array) -> float:
+    return float(shifts[np.argmin(np.abs(shifts))])
 
 
 check_best_shift = Exercise(
     "best_shift(offsets, lengths, tolerance) -> metres: the shift whose strip holds the greatest "
     "total of lengths (n,), among 0 and those where a segment enters or leaves",
     _best_shift,
-    {  # a segment of 3 m on the line and others; 64ths of a metre are free of rounding
-        words: (np.array([(0, 0), *offsets]) / 64, np.array([3, *lengths], float), 4 / 64)
-        for words, offsets, lengths in (
-            ("a long segment above and a short one below", [(5, 6), (-5, -4)], [2, 1]),
-            (
-                "a long segment above and three short ones below",
-                [(5, 5), (-5, -5), (-5, -5), (-5, -5)],
-                [2.5, 0.5, 0.5, 0.5],
-            ),
-            ("a segment below", [(-6, -5)], [2]),
-            ("a longer wall far away", [(20, 20), (20, 21)], [2.9, 2]),
-            ("nothing to gain", [(1, 3)], [1]),
-            ("a slanted segment, one of its ends near", [(5, 12)], [2]),
-        )
-    },
+    _strips,
     {
         "length decides, not number: noise makes many short segments": (
             lambda offsets, lengths, e: _best_shift(offsets, lengths**0, e)
@@ -245,27 +248,26 @@ check_best_shift = Exercise(
             lambda offsets, lengths, e: 0.0
         ),
         "a segment below enters as the line moves down: try the lower ends plus tolerance too": (
-            lambda o, lengths, e: _best(o, lengths, e, _within(_entering(o, e), e))
+            lambda o, lengths, e: _nearest(_best(o, lengths, e, _within(_entering(o, e), e)))
         ),
         "this moves the line away from what it wants to include, as row 72 of the thesis does": (
-            lambda offsets, lengths, e: -_best_shift(offsets, lengths, e)
+            changed(_best_shift, np.negative)
         ),
         "the strip must keep the longest segment: shift by no more than the tolerance": (
-            lambda o, lengths, e: _best(o, lengths, e, _shifts(o, e))
+            lambda o, lengths, e: _nearest(_best(o, lengths, e, _shifts(o, e)))
         ),
         "of equal shifts the one nearest to 0 counts, not the most negative one": (
-            lambda o, lengths, e: _first_of(o, lengths, e, np.sort(_within(_shifts(o, e), e)))
+            lambda o, lengths, e: _best(o, lengths, e, _within(_shifts(o, e), e)).min()
         ),
         "of equal shifts the one nearest to 0 counts, not the largest one": (
-            lambda o, lengths, e: _first_of(o, lengths, e, np.sort(_within(_shifts(o, e), e))[::-1])
+            lambda o, lengths, e: _best(o, lengths, e, _within(_shifts(o, e), e)).max()
         ),
         "the tolerance lies on both sides of the line: it is half the width of the strip": (
             lambda o, lengths, e: _best_shift(o, lengths, e / 2)
         ),
         "both ends of a segment must lie in the strip, not one of them": (
-            lambda o, lengths, e: _best_of_either(o, lengths, e)
+            lambda o, lengths, e: _nearest(_best(o, lengths, e, _within(_shifts(o, e), e), True))
         ),
     },
-    draw=draws_maps.best_shift,
     own=(reduction.fusion, reduction.fusion_online, fusion),
 )

@@ -1,21 +1,38 @@
-"""Exercises on clusters, polylines, the alignment of scans, and least cost."""
+"""Exercises on lines: their mean direction, the line of a cluster, the corner of a polyline."""
 
 from __future__ import annotations
+
+from typing import Any
 
 import numpy as np
 
 from segmap.angles import axial_mean
 from segmap.arrays import Array
 from segmap.extraction import fit_line
+from segmap.poses import transform
 
 from .. import literal
 from ..literal import extraction
-from ._answers import same_line
-from ._exercise import Exercise
-from .draws import scans as draws_scans
+from ._answers import Cases, same_line
+from ._exercise import Exercise, Rng, anywhere, changed
 
 
-# ------------------------------------------------------------------- angles and lines
+# --------------------------------------------------------------------- a mean direction
+def _bundles(rng: Rng) -> Cases:
+    def bundle(middle: float, count: int) -> tuple[Array]:
+        return (np.radians((middle + rng.uniform(-25, 25, count)) % 180),)
+
+    return {
+        "two lines on both sides of 0 degrees": (
+            np.radians([rng.uniform(1, 20), rng.uniform(150, 179)]),
+        ),
+        "three lines about 0 degrees": bundle(0, 3),
+        "five lines about an upright one": bundle(90, 5),
+        "four lines": bundle(rng.uniform(40, 140), 4),
+        "one line": bundle(45, 1),
+    }
+
+
 def _mean_vector(angles: Array) -> float:
     return float(np.arctan2(np.sin(angles).sum(), np.cos(angles).sum()))
 
@@ -23,21 +40,16 @@ def _mean_vector(angles: Array) -> float:
 check_axial_mean = Exercise(
     "axial_mean(angles) -> radians: mean direction of undirected lines at (n,) radians",
     axial_mean,
+    _bundles,
     {
-        f"lines at {', '.join(map(str, degrees))} degrees": (np.radians(degrees),)
-        for degrees in ((1, 179), (10, 20, 60), (170, 10, 20), (80, 100, 120, 130), (30,))
-    },
-    {
-        "1 and 179 degrees are two degrees apart: their mean is no number between them": (
-            lambda angles: np.mean(angles)
-        ),
+        "1 and 179 degrees are two degrees apart: their mean is no number between them": np.mean,
         "a line has no direction: its vector may as well be turned round. Double the angles": (
             _mean_vector
         ),
         "the mean of the doubled angles is double the angle: halve it": (
             lambda angles: _mean_vector(2 * angles)
         ),
-        "the answer is wanted in radians": lambda angles: np.degrees(axial_mean(angles)),
+        "the answer is wanted in radians": changed(axial_mean, np.degrees),
         "np.arctan2 takes the sum of the sines first, then that of the cosines": (
             lambda angles: np.arctan2(np.cos(2 * angles).sum(), np.sin(2 * angles).sum()) / 2
         ),
@@ -46,9 +58,31 @@ check_axial_mean = Exercise(
         ),
     },
     same_line,
-    draw=draws_scans.axial_mean,
     own=(axial_mean,),
 )
+
+
+# ------------------------------------------------------------------ the line of a cluster
+def _noisy_walls(rng: Rng) -> Cases:
+    """Nine points of a 1 m wall, 3 cm off it at random."""
+
+    def wall(degrees: float, through: Any) -> tuple[Array]:
+        points = np.stack([np.linspace(-0.5, 0.5, 9), rng.normal(0, 0.03, 9)], 1)
+        return (transform((*through, np.radians(degrees)), points),)
+
+    along, far = rng.uniform(20, 70), rng.uniform(0, 2)
+    return {
+        "a wall": wall(rng.uniform(10, 60), rng.uniform(2, 4, 2)),
+        "an upright wall": wall(90, (rng.uniform(1, 4), 0)),
+        "a wall in line with the sensor": wall(
+            along, far * np.array([np.cos(np.radians(along)), np.sin(np.radians(along))])
+        ),
+        "a wall that leans to the left": wall(rng.uniform(95, 170), rng.uniform(-4, -2, 2)),
+    }
+
+
+def _fit_line(points: Array) -> float:
+    return fit_line(points)[1]
 
 
 def _regression(points: Array) -> float:
@@ -63,22 +97,16 @@ def _algebraic(points: Array) -> float:
     return float(np.arctan2(-a, b))
 
 
-def _steepest(matrix: Array) -> float:
-    """Angle of the eigenvector with the largest eigenvalue of a symmetric matrix."""
-    x, y = np.linalg.eigh(matrix)[1][:, -1]
+def _not_centred(points: Array) -> float:
+    x, y = np.linalg.eigh(points.T @ points)[1][:, -1]
     return float(np.arctan2(y, x))
 
 
 check_fit_line = Exercise(
     "fit_line(points) -> radians: angle of the line with the least squared distances from "
     "points (n, 2) in metres",
-    lambda points: fit_line(points)[1],
-    {
-        "a wall at 30 degrees, 3 m away": (draws_scans.noisy_wall(30, (3, 1), 1),),
-        "an upright wall": (draws_scans.noisy_wall(90, (2, 0), 2),),
-        "a wall in line with the sensor": (draws_scans.noisy_wall(45, (0, 0), 3),),
-        "a wall at 100 degrees": (draws_scans.noisy_wall(100, (-1, 2), 4),),
-    },
+    _fit_line,
+    _noisy_walls,
     {
         "y = m x + q measures upright and fails for upright walls: use distances from the line": (
             _regression
@@ -89,20 +117,41 @@ check_fit_line = Exercise(
             lambda points: np.arctan2(*(points[-1] - points[0])[::-1])
         ),
         "this is the direction across the wall: turn it by 90 degrees": (
-            lambda points: fit_line(points)[1] + np.pi / 2
+            lambda points: _fit_line(points) + np.pi / 2
         ),
         "subtract the mean of the points first: of points far from the origin this is the "
-        "direction towards them": lambda points: _steepest(points.T @ points),
+        "direction towards them": _not_centred,
         "the formula with arctan2 gives twice the angle: halve it": (
-            lambda points: 2 * fit_line(points)[1]
+            lambda points: 2 * _fit_line(points)
         ),
-        "np.arctan2 takes y first, then x": lambda points: np.pi / 2 - fit_line(points)[1],
-        "the answer is wanted in radians": lambda points: np.degrees(fit_line(points)[1]),
+        "np.arctan2 takes y first, then x": lambda points: np.pi / 2 - _fit_line(points),
+        "the answer is wanted in radians": changed(_fit_line, np.degrees),
     },
     same_line,
-    draw=draws_scans.fit_line,
     own=(fit_line, literal.fit_total),
 )
+
+
+# ------------------------------------------------------------------ the corner of a polyline
+def _chords(rng: Rng) -> Cases:
+    """Points that are farthest to the left and to the right of chords of all directions."""
+
+    def chord(side: float, degrees: float) -> tuple[Array]:
+        count = int(rng.integers(4, 8))
+        off = rng.uniform(-0.3, 0.3, count)
+        off[[0, -1]] = 0
+        off[rng.integers(1, count - 1)] = side * rng.uniform(0.5, 0.9)
+        points = np.stack([np.linspace(0, rng.uniform(1, 3), count), off], 1)
+        return (transform(anywhere(rng, degrees, degrees), points),)
+
+    upright = chord(1, 0)[0][:, ::-1]
+    return {
+        "the farthest to the left": chord(1, rng.uniform(-30, 30)),
+        "the farthest to the right": chord(-1, rng.uniform(-30, 30)),
+        "a chord that stands upright": (upright - upright[0] * (1, 0),),
+        "a steep chord": chord(-1, rng.uniform(70, 80)),
+        "a steep chord, to the left": chord(1, rng.uniform(100, 110)),
+    }
 
 
 def _off_chord(points: Array) -> Array:
@@ -120,24 +169,16 @@ check_farthest_point = Exercise(
     "farthest_point(points) -> int: index of the one of points (n, 2) that is farthest from the "
     "line through the first and the last",
     lambda points: int(np.argmax(np.abs(_off_chord(points)))),
-    {
-        words: (np.array(points, float),)
-        for words, points in (
-            ("a corner", [(0, 0), (1, 0), (2, 0), (2, 0.5), (2, 1)]),
-            ("a bend to the other side", [(0, 0), (0.5, 0.1), (1, 0.8), (2, 0)]),
-            ("a chord that stands upright", [(0, 0), (0.2, 0.9), (0.6, 1), (-0.1, 2), (0, 3)]),
-            ("a steep chord", [(0, 0), (0.5, 1.0), (0.1, 2.1), (1, 3)]),
-        )
-    },
+    _chords,
     {
         "points lie on both sides of the chord: take absolute distances": (
-            lambda points: int(np.argmax(_off_chord(points)))
+            changed(_off_chord, np.argmax)
         ),
         "points lie on both sides of the chord: the sign must not decide": (
-            lambda points: int(np.argmin(_off_chord(points)))
+            changed(_off_chord, np.argmin)
         ),
         "measure across the chord, not upright: an upright chord has no slope": (
-            lambda points: int(np.argmax(_off_upright(points)))
+            changed(_off_upright, np.argmax)
         ),
         "this is the distance from the first point, wanted is the one from the chord": (
             lambda points: int(np.argmax(np.hypot(*(points - points[0]).T)))
@@ -152,6 +193,5 @@ check_farthest_point = Exercise(
             lambda points: np.abs(_off_chord(points)).max()
         ),
     },
-    draw=draws_scans.farthest_point,
     own=(extraction,),
 )

@@ -1,4 +1,4 @@
-"""Exercises on quality, on comparing methods, on the viewing sector, and on two maps."""
+"""Exercises on the worth of maps: reduction, quality, the curve of a method, errors of walls."""
 
 from __future__ import annotations
 
@@ -12,17 +12,24 @@ from segmap.segments import point_distance
 
 from .. import literal
 from .._storage import wall_errors
-from ._exercise import Exercise
-from .draws import maps as draws_maps
+from ._answers import Cases
+from ._exercise import Exercise, Rng, changed
+
 
 # -------------------------------------------------------------- reduction and quality
+def _counts(rng: Rng) -> Cases:
+    n = int(rng.integers(5, 30))
+    m = int(rng.integers(1, n - 1))
+    return {
+        f"{a} segments before and {b} after": (np.zeros((a, 2, 2)), np.zeros((b, 2, 2)))
+        for a, b in ((n, m), (n, n), (n + 3, 0), (0, 0))
+    }
+
+
 check_reduction_rate = Exercise(
     "reduction_rate(before, after) -> float: share of the segments (n, 2, 2) that are gone",
     reduction_rate,
-    {
-        f"{n} segments before and {m} after": (np.zeros((n, 2, 2)), np.zeros((m, 2, 2)))
-        for n, m in ((4, 1), (10, 7), (3, 3), (0, 0))
-    },
+    _counts,
     {
         "this is the share that is left, wanted is what is gone": (
             lambda before, after: len(after) / len(before) if len(before) else 0.0
@@ -46,27 +53,33 @@ check_reduction_rate = Exercise(
             lambda before, after: 1 - len(after) / max(len(before), 1)
         ),
     },
-    draw=draws_maps.reduction_rate,
     own=(reduction_rate,),
 )
+
+
+def _distances(rng: Rng) -> Cases:
+    n = int(rng.integers(2, 5))
+    return {
+        "more segments after": (rng.uniform(0.005, 0.08, (n, n + 2)),),
+        "fewer segments after": (rng.uniform(0.005, 0.08, (n + 2, n)),),
+        "a perfect map": (rng.uniform(0.1, 1, (n, n)) * (1 - np.eye(n))[rng.permutation(n)],),
+        "one segment for several": (rng.uniform(0.005, 0.08, (n + 1, 1)),),
+    }
 
 
 def _quality(mean_error: float, scale: float = 0.050) -> float:
     return float(np.exp(-mean_error / scale))
 
 
-_MATRIX = np.array([(0.010, 0.200, 0.350), (0.500, 0.030, 0.400)])
+def _quality_from(distances: Array) -> float:
+    return _quality(distances.min(axis=1).mean())
+
 
 check_quality = Exercise(
     "quality(distances) -> float: exp(-mean error / 0.050 m), from distances (n, m) in metres "
     "between n segments before and m after",
-    lambda distances: _quality(distances.min(axis=1).mean()),
-    {
-        "2 segments before, 3 after": (_MATRIX,),
-        "3 segments before, 2 after": (_MATRIX.T,),
-        "a perfect map": (np.array([(0.0, 1.0), (1.0, 0.0)]),),
-        "one segment for three": (np.array([(0.01,), (0.02,), (0.06,)]),),
-    },
+    _quality_from,
+    _distances,
     {
         "every segment of the map *before* looks for its nearest: the minimum runs along a row": (
             lambda distances: _quality(distances.min(axis=0).mean())
@@ -80,9 +93,7 @@ check_quality = Exercise(
         "the mean of the errors counts, not their sum: else large maps are always bad": (
             lambda distances: _quality(distances.min(axis=1).sum())
         ),
-        "quality lies between 0 and 1: no per cent": (
-            lambda distances: 100 * _quality(distances.min(axis=1).mean())
-        ),
+        "quality lies between 0 and 1: no per cent": lambda given: 100 * _quality_from(given),
         "distances are metres: the scale is 0.050 m, not 50": (
             lambda distances: _quality(distances.min(axis=1).mean(), 50.0)
         ),
@@ -96,18 +107,36 @@ check_quality = Exercise(
             lambda distances: _quality(distances.min(axis=1).mean(), 1.0)
         ),
         "a worse map has a lower quality: exp of minus the error": (
-            lambda distances: 1 / _quality(distances.min(axis=1).mean())
+            changed(_quality_from, np.reciprocal)
         ),
         "the mean of the errors counts, not the root of the mean of their squares": (
             lambda distances: _quality(np.sqrt((distances.min(axis=1) ** 2).mean()))
         ),
     },
-    draw=draws_maps.quality,
     own=(metrics.quality, literal.quality),
 )
 
 
 # -------------------------------------------------------------- the curve of a method
+def _runs(rng: Rng) -> Cases:
+    """Quality and reduction of eight runs, in no order, every other one beaten; and a quality."""
+    q = np.cumsum(rng.uniform(0.04, 0.09, 4)) + 0.5
+    r = 0.8 - np.cumsum(rng.uniform(0.06, 0.12, 4))
+    beaten = np.stack([q - rng.uniform(0.01, 0.03, 4), r - rng.uniform(0.02, 0.05, 4)], 1)
+    points = rng.permutation(np.concatenate([np.stack([q, r], 1), beaten]))
+    q = np.sort(points[:, 0])
+    return {
+        f"eight runs, {words}": (points, float(least))
+        for words, least in (
+            ("a quality between two of them", (q[3] + q[4]) / 2 + rng.uniform(0, 0.005)),
+            ("the quality of one of them", points[int(rng.integers(8)), 0]),
+            ("a quality next to a bad one", q[4] + 0.001),
+            ("a quality better than all", q[-1] + rng.uniform(0.01, 0.1)),
+            ("a quality worse than all", q[0] - rng.uniform(0.01, 0.1)),
+        )
+    }
+
+
 def _through_all(points: Array, quality: float) -> float:
     """On lines through every run, in the order of quality."""
     q, r = points[np.argsort(points[:, 0], kind="stable")].T
@@ -124,22 +153,11 @@ def _none_below(points: Array, quality: float) -> float:
     return float(np.interp(quality, q, r, left=np.nan, right=np.nan))
 
 
-#: Quality and reduction of seven runs, two of them beaten, in no order.
-_RUNS = np.array(
-    [(0.94, 0.30), (0.70, 0.66), (0.88, 0.42), (0.86, 0.35), (0.80, 0.60), (0.55, 0.72), (0.6, 0.5)]
-)
-
 check_reduction_at = Exercise(
     "reduction_at(points, quality) -> float: the reduction that a method reaches at a quality, on "
     "straight lines between those of its runs (n, 2), quality and reduction, that no other beats",
     reduction_at,
-    {
-        "seven runs at quality 0.84": (_RUNS, 0.84),
-        "seven runs at the quality of a run, 0.70": (_RUNS, 0.70),
-        "seven runs at quality 0.62, next to a bad run": (_RUNS, 0.62),
-        "seven runs at quality 0.95, better than all": (_RUNS, 0.95),
-        "seven runs at quality 0.50, worse than all": (_RUNS, 0.50),
-    },
+    _runs,
     {
         "a run that another one beats in both quality and reduction is not on the curve": (
             _through_all
@@ -167,12 +185,10 @@ check_reduction_at = Exercise(
             lambda points, quality: float(np.interp(quality, *points.T))
         ),
     },
-    draw=draws_maps.reduction_at,
     own=(reduction_at, front, equal_quality, pareto),
 )
 
 
-# -------------------------------------------------------------- the best of some runs
 def _best_run(points: Array, quality: float, border: float = 1e-12) -> int:
     good = np.flatnonzero(points[:, 0] >= quality - border)
     return int(good[points[good, 1].argmax()]) if len(good) else -1
@@ -182,7 +198,7 @@ check_best_run = Exercise(
     "best_run(points, quality) -> int: the row of the run, of points (n, 2) quality and reduction, "
     "that removes most among those of at least that quality; -1 where there is none",
     _best_run,
-    {f"seven runs, quality {least}": (_RUNS, least) for least in (0.84, 0.50, 0.70, 0.95)},
+    _runs,
     {
         "the run with the largest reduction of all need not have the quality": (
             lambda points, quality: int(points[:, 1].argmax())
@@ -216,13 +232,27 @@ check_best_run = Exercise(
             )
         ),
     },
-    draw=draws_maps.best_run,
 )
 
 
 # -------------------------------------------------------------------- errors of walls
+def _walls_and_points(rng: Rng) -> Cases:
+    """Points beside walls and beyond their ends; more points than walls, and fewer."""
+    walls = rng.uniform(-4, 4, (4, 2, 2))
+    points = np.concatenate([walls.mean(1), 1.5 * walls[:, 1] - 0.5 * walls[:, 0]])
+    points += rng.uniform(-0.3, 0.3, points.shape)
+    return {
+        f"{n} points, {m} walls": (rng.permutation(points)[:n], walls[:m])
+        for n, m in ((8, 4), (1, 4), (5, 1), (3, 3))
+    }
+
+
 def _to_walls(points: Array, walls: Array) -> Array:
     return point_distance(points[:, None], walls[None])
+
+
+def _to_nearest(points: Array, walls: Array) -> Array:
+    return _to_walls(points, walls).min(1)
 
 
 def _to_lines(points: Array, walls: Array) -> Array:
@@ -236,17 +266,11 @@ def _to_ends(points: Array, walls: Array) -> Array:
     return np.linalg.norm(points[:, None, None] - walls[None], axis=-1).min(-1)
 
 
-_WALLS = np.array([[(0, 0), (4, 0)], [(4, 0), (4, 3)], [(1, 2), (2, 3)]], float)
-_POINTS = np.array([(1.0, 0.1), (2.0, 1.0), (5.0, 1.0), (5.0, -1.0), (0.5, 2.5), (-1.0, 0.0)])
-
 check_mean_wall_error = Exercise(
     "mean_wall_error(points, walls) -> float: mean distance of points (n, 2) from the nearest of "
     "the walls (m, 2, 2)",
-    lambda points, walls: float(_to_walls(points, walls).min(1).mean()),
-    {
-        f"{n} points, {m} walls": (_POINTS[:n], _WALLS[:m])
-        for n, m in ((6, 3), (1, 3), (3, 1), (6, 2), (2, 2))
-    },
+    lambda points, walls: float(_to_nearest(points, walls).mean()),
+    _walls_and_points,
     {
         "a wall ends: beyond its ends the distance is that from the end point": (
             lambda points, walls: _to_lines(points, walls).min(1).mean()
@@ -254,25 +278,18 @@ check_mean_wall_error = Exercise(
         "beside a wall the distance is that from the foot on it, not from its ends": (
             lambda points, walls: _to_ends(points, walls).min(1).mean()
         ),
-        "only the nearest wall counts for each point": (
-            lambda points, walls: _to_walls(points, walls).mean()
-        ),
+        "only the nearest wall counts for each point": changed(_to_walls, np.mean),
         "every point looks for its wall: the minimum runs over the walls": (
             lambda points, walls: _to_walls(points, walls).min(0).mean()
         ),
-        "the mean of the errors counts, not the largest": (
-            lambda points, walls: _to_walls(points, walls).min(1).max()
-        ),
-        "the mean of the errors counts, not their sum": (
-            lambda points, walls: _to_walls(points, walls).min(1).sum()
-        ),
+        "the mean of the errors counts, not the largest": changed(_to_nearest, np.max),
+        "the mean of the errors counts, not their sum": changed(_to_nearest, np.sum),
         "the mean of the distances, not of their squares": (
-            lambda points, walls: (_to_walls(points, walls).min(1) ** 2).mean()
+            changed(_to_nearest, lambda errors: np.mean(errors**2))
         ),
         "the mean of the distances, not the root of the mean of their squares": (
-            lambda points, walls: np.sqrt((_to_walls(points, walls).min(1) ** 2).mean())
+            changed(_to_nearest, lambda errors: np.sqrt(np.mean(errors**2)))
         ),
     },
-    draw=draws_maps.mean_wall_error,
     own=(wall_errors,),
 )

@@ -19,7 +19,23 @@ from segmap.simulation import cast_rays, circular_room
 from ._open import Challenge, Prediction
 
 
-# -------------------------------------------------------------------- odometry and readers
+# ----------------------------------------------------------- beams, odometry and readers
+def _beams_on_wall() -> float:
+    wall = [[(4.0, -0.5), (4.0, 0.5)]]
+    ranges = cast_rays(wall, (0, 0, 0), np.radians(np.arange(-90, 91)), max_range=10.0)
+    return float(np.isfinite(ranges).sum())
+
+
+predict_beams_on_wall = Prediction(
+    "predict_beams_on_wall(guess): how many of 181 beams, one a degree from -90 to 90, meet a wall "
+    "of 1 m that stands square to the sensor, 4 m straight ahead; within 1 beam",
+    _beams_on_wall,
+    "beams",
+    within=1,
+    because="The wall is 2 atan(0.5 / 4) = 14.25 degrees wide; one beam looks straight ahead",
+)
+
+
 def _drift() -> float:
     believed = np.zeros(3)
     for _ in range(100):

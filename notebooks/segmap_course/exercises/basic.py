@@ -1,4 +1,4 @@
-"""Exercises of the chapters on Basic, Hybrid and fuzzy clustering."""
+"""Exercises on Basic and Hybrid: which segments match, what they become, lines by their normals."""
 
 from __future__ import annotations
 
@@ -10,23 +10,52 @@ import numpy as np
 from segmap import kernels
 from segmap.angles import axial_difference, axial_mean_of_two
 from segmap.arrays import Array
+from segmap.poses import transform
 from segmap.reduction import basic_offline, basic_online, hough, hybrid
 from segmap.segments import angle, extreme_projections, length, midpoint
 
 from .. import literal
 from ..literal.reduction import basic
-from ._answers import same_segment
-from ._exercise import Exercise
-from .draws import maps as draws_maps
+from ._answers import Cases, same_segment
+from ._exercise import Exercise, Rng, anywhere, changed
 
 
-# ------------------------------------------------------------------------------ Basic
+def _wall(middle: tuple[float, float], size: float, degrees: float) -> Array:
+    """A segment (2, 2) about its middle."""
+    half = size / 2 * np.array([np.cos(np.radians(degrees)), np.sin(np.radians(degrees))])
+    return np.array([middle - half, middle + half])
+
+
+# ---------------------------------------------------------------------------- a match
+def _pairs(rng: Rng) -> Cases:
+    """Pairs that match and pairs that fail one of the tests, placed anywhere where that is safe."""
+    place, shift = anywhere(rng), rng.integers(-8, 9, 2) / 4
+    size, lean = rng.uniform(1.5, 3), rng.uniform(3, 7)
+    limits = 0.25, np.radians(rng.uniform(8, 12))
+    flat, low, high = (_wall((-size / 2, 0), size, d) for d in (0, 1, 179))
+    next_to = _wall((1.1, 0), 2, lean)
+
+    def placed(a: Array, b: Array, *given: float) -> tuple[Any, ...]:
+        return transform(place, a), transform(place, b), *(given or limits)
+
+    corner = _wall((0, size / 2), size, 90)
+    border = np.array([[(0.0, 0), (2, 0)], [(2.25, 0), (4, 0)]]) + shift
+    return {
+        "end to end on one wall": placed(flat, next_to),
+        "the same, with swapped ends": placed(flat, next_to[::-1]),
+        "walls at 1 and 179 degrees": (low + shift, high + (size, 0) + shift, *limits),
+        "a corner": placed(flat, corner),
+        "a corner, to 1 degree": placed(flat, corner, 0.25, np.radians(1)),
+        "a piece beside the middle of a wall": placed(flat, _wall((-size / 2, 0.02), size / 3, 0)),
+        "two walls that begin together": placed(flat, _wall((0, 0.1), 2 * size, 0)),
+        "walls turned by 30 degrees": placed(flat, _wall((0.75, 0.4), 1.6, 30)),
+        "ends exactly 0.25 m apart": (*border, *limits),
+        "middles that meet and ends that do not": placed(flat, _wall((-size / 2, 0), size + 2, 2)),
+    }
+
+
 def _matches(a: Array, b: Array, distance: float, angle: float) -> bool:
     return len(basic_offline([a, b], distance=distance, angle=angle)) == 1
-
-
-def _merged(a: Array, b: Array) -> Array:
-    return basic_offline([a, b], distance=10.0, angle=np.pi / 2).segments[0]
 
 
 def _gaps(a: Array, b: Array) -> Array:
@@ -47,31 +76,11 @@ def _near(a: Array, b: Array, distance: float) -> bool:
     return bool(_gaps(a, b).min() < distance)
 
 
-_FLAT, _STEEP = draws_maps.wall((1, 0), 2, 0), draws_maps.wall((0, 2), 3, 85)
-
 check_matches = Exercise(
     "matches(a, b, distance, angle) -> bool: whether some end point of segment a (2, 2) is closer "
     "than distance, metres, to one of b, and their lines differ by less than angle, radians",
     _matches,
-    {
-        words: (a, b, 0.25, np.radians(10))
-        for words, a, b in (
-            ("end to end on one wall", _FLAT, draws_maps.wall((3.1, 0), 2, 5)),
-            ("the same, with swapped ends", _FLAT, draws_maps.wall((3.1, 0), 2, 5)[::-1]),
-            (
-                "walls at 1 and 179 degrees",
-                draws_maps.wall((1, 0), 2, 1),
-                draws_maps.wall((3, 0), 2, 179),
-            ),
-            ("a corner", _FLAT, draws_maps.wall((2, 1), 2, 90)),
-            ("a piece beside the middle of a wall", _FLAT, draws_maps.wall((1, 0.02), 1, 0)),
-            ("one wall that begins where the other does", _FLAT, draws_maps.wall((2, 0.1), 4, 0)),
-            ("walls turned by 30 degrees", _FLAT, draws_maps.wall((2.8, 0.4), 1.6, 30)),
-            ("ends exactly 0.25 m apart", _FLAT, np.array([(2.25, 0.0), (4, 0)])),
-            ("middles that meet and ends that do not", _FLAT, draws_maps.wall((1, 0), 5, 2)),
-        )
-    }
-    | {"a corner, to 1 degree": (_FLAT, draws_maps.wall((2, 1), 2, 90), 0.25, np.radians(1))},
+    _pairs,
     {
         "lines have no direction: 1 and 179 degrees lie 2 degrees apart, use axial_difference": (
             lambda a, b, d, t: _near(a, b, d) and abs(angle(a) - angle(b)) < t
@@ -107,19 +116,38 @@ check_matches = Exercise(
             lambda a, b, d, t: _gaps(a, b).min() <= d and _turn(a, b) < t
         ),
     },
-    draw=draws_maps.matches,
     own=(basic_offline, basic_online, kernels.become_mean, basic),
 )
+
+
+# ------------------------------------------------------------------ what two become
+def _pieces(rng: Rng) -> Cases:
+    size, lean, way = rng.uniform(2, 4), rng.uniform(3, 8), rng.uniform(20, 60)
+    flat = _wall((size / 2, 0), size, 0)
+    return {
+        words: (a, b)
+        for words, a, b in (
+            ("two pieces of one wall", flat, _wall((size + 0.7, 0.1), 1, lean)),
+            (
+                *("a short piece that overlaps a long one", _wall((0, 0), size, way)),
+                _wall((0.8, 1), 1, way + lean),
+            ),
+            ("walls at 1 and 179 degrees", _wall((1, 0), size, 1), _wall((size, 0), 1, 179)),
+            ("upright walls", _wall((0, 2), size, 85), _wall((0.1, 4), 0.7 * size, 90 + lean)),
+            ("a piece in the middle of a wall", flat, _wall((size / 2, 0.05), 0.5, lean)),
+        )
+    }
+
+
+def _merged(a: Array, b: Array) -> Array:
+    return basic_offline([a, b], distance=10.0, angle=np.pi / 2).segments[0]
+
 
 Mean = Callable[[Array, Array], Any]
 
 
 def _direction(a: Array, b: Array) -> Array:
     return axial_mean_of_two(angle(a), angle(b), length(a), length(b))
-
-
-def _plain_direction(a: Array, b: Array) -> float:
-    return float(np.average([angle(a), angle(b)], weights=[length(a), length(b)]))
 
 
 def _middle(a: Array, b: Array) -> Array:
@@ -131,6 +159,14 @@ def _on_line(direction: Mean = _direction, through: Mean = _middle) -> Mean:
     return lambda a, b: extreme_projections(
         np.concatenate([a, b]), through(a, b), float(direction(a, b))
     )
+
+
+def _plain_direction(a: Array, b: Array) -> float:
+    return float(np.average([angle(a), angle(b)], weights=[length(a), length(b)]))
+
+
+def _unweighted(a: Array, b: Array) -> Array:
+    return axial_mean_of_two(angle(a), angle(b))
 
 
 def _half_way(a: Array, b: Array) -> Array:
@@ -158,54 +194,58 @@ check_merged = Exercise(
     "merged(a, b) -> (2, 2) metres: the segment that takes the place of two; its line has the "
     "length-weighted mean direction and middle, its ends are the extreme projections of all four",
     _merged,
-    {
-        "two pieces of one wall": (_FLAT, draws_maps.wall((3.5, 0.1), 1, 5)),
-        "a short piece that overlaps a long one": (
-            draws_maps.wall((0, 0), 4, 30),
-            draws_maps.wall((1, 1), 1, 34),
-        ),
-        "walls at 1 and 179 degrees": (
-            draws_maps.wall((1, 0), 2, 1),
-            draws_maps.wall((3, 0), 1, 179),
-        ),
-        "upright walls": (_STEEP, draws_maps.wall((0.1, 4), 2, 93)),
-        "a piece in the middle of a wall": (_FLAT, draws_maps.wall((1, 0.05), 0.5, 3)),
-    },
+    _pieces,
     {
         "the plain mean of 1 and 179 degrees is a wall across: use axial_mean_of_two": (
             _on_line(_plain_direction)
         ),
         "the direction is weighted by length: a short piece knows little of it": (
-            _on_line(lambda a, b: axial_mean_of_two(angle(a), angle(b)))
+            _on_line(_unweighted)
         ),
         "the middle is weighted by length, as the direction is": _on_line(through=_half_way),
-        "direction and middle are weighted by length": (
-            _on_line(lambda a, b: axial_mean_of_two(angle(a), angle(b)), _half_way)
-        ),
+        "direction and middle are weighted by length": _on_line(_unweighted, _half_way),
         "the longer segment has the greater weight: here they are exchanged": (
             _on_line(lambda a, b: axial_mean_of_two(angle(a), angle(b), length(b), length(a)))
         ),
-        "np.cos and np.sin take radians: no degrees": (
-            _on_line(lambda a, b: np.degrees(_direction(a, b)))
-        ),
+        "np.cos and np.sin take radians: no degrees": _on_line(changed(_direction, np.degrees)),
         "the farthest two end points do not lie on the mean line: project them on it": _farthest,
         "the mean of the end points is too short, and depends on which end comes first": (
             lambda a, b: (a + b) / 2
         ),
         "the line is the mean of both, not the one of the longer segment": (
-            _on_line(lambda a, b: angle(_longer(a, b)), lambda a, b: midpoint(_longer(a, b)))
+            _on_line(changed(_longer, angle), changed(_longer, midpoint))
         ),
         "the length follows from the projections: it is no sum, for the two may overlap": (
             _of_length
         ),
     },
     same_segment,
-    draw=draws_maps.merged,
     own=(basic_offline, basic_online, kernels.become_mean, basic),
 )
 
 
 # ----------------------------------------------------------------------------- Hybrid
+def _named_lines(rng: Rng) -> Cases:
+    """Walls of all directions, and an angle on this side of the seam or beyond it."""
+
+    def case(ends: Any, turns: int) -> tuple[Any, ...]:
+        (x, y) = np.subtract(ends[1], ends[0])
+        near = np.arctan2(x, -y) + np.radians(rng.uniform(-50, 50)) + turns * np.pi
+        return np.array(ends, float), float(near)
+
+    x, y, size = *rng.uniform(1, 4, 2), rng.uniform(1, 3)
+    slanted, upright = [(x, y), (x + size, y + 0.7 * size)], [(x, -y), (x, size)]
+    return {
+        "a slanted wall": case(slanted, 0),
+        "the same wall, named after half a turn": case(slanted, 1),
+        "an upright wall": case(upright, 0),
+        "an upright wall, named after half a turn": case(upright, 1),
+        "a level wall below the origin": case([(x, -y), (-size, -y)], -1),
+        "a wall that leans to the left": case([(-x, y), (-x - 0.1, y + size)], 2),
+        "a slanted wall, named after three half turns": case([(-x, y), (-x - size, -y)], 3),
+    }
+
+
 def _brought(rho: float, theta: float, near: float) -> Array:
     """The representative of (rho, theta) that is nearest to another theta."""
     turns = float(np.round((near - theta) / np.pi))
@@ -231,35 +271,30 @@ def _of_the_segment(segment: Array, near: float) -> Array:
     return _brought(x * np.cos(along) + y * np.sin(along), along, near)
 
 
-def _with(segment: Array, near: float, *, rho: Any = None, theta: Any = None) -> Array:
-    """The right line with one of its two numbers replaced."""
-    right = hough(segment, near)
-    return np.array([right[0] if rho is None else rho, right[1] if theta is None else theta])
+def _with(rho: Any = None, theta: Any = None) -> Callable[[Array, float], Array]:
+    """The right line with one of its two numbers replaced by one of the segment and `near`."""
+
+    def line(segment: Array, near: float) -> Array:
+        found = zip((rho, theta), hough(segment, near), strict=True)
+        return np.array(
+            [right if wrong is None else wrong(segment, near) for wrong, right in found]
+        )
+
+    return line
 
 
 check_hough = Exercise(
     "hough(segment, near) -> [rho, theta], metres and radians: the line of a segment (2, 2) by its "
     "normal; of all the pairs that are this line, the one whose theta is nearest to `near`",
     hough,
-    {
-        f"{words}, near {near} degrees": (np.array(ends, float), float(np.radians(near)))
-        for words, ends, near in (
-            ("a slanted wall", [(0, 1), (4, 4)], 130),
-            ("an upright wall", [(2, -1), (2, 3)], 5),
-            ("the same upright wall", [(2, -1), (2, 3)], 176),
-            ("a wall that leans to the right", [(2.0, 0.0), (2.1, 2.0)], 3),
-            ("a level wall below the origin", [(3, -2), (-1, -2)], 92),
-            ("a slanted wall", [(-3, -1), (-1, -2)], 250),
-            ("a wall that leans to the left", [(5.0, 0.0), (4.9, 2.0)], 181),
-        )
-    },
+    _named_lines,
     {
         "an upright wall has no slope: take the angle of the normal with atan2, and rho from any "
         "point of the wall as x cos(theta) + y sin(theta)": _by_slope,
         "(rho, theta) and (-rho, theta + pi) are one line: add the half turns that bring theta "
         "nearest to `near`": lambda segment, near: hough(segment),
         "half a turn of theta makes the normal look the other way: rho changes its sign": (
-            lambda segment, near: _with(segment, near, rho=hough(segment)[0])
+            _with(rho=lambda segment, near: hough(segment)[0])
         ),
         "a line is the same after half a turn already: round in steps of pi, not of 2 pi": (
             _whole_turns
@@ -268,15 +303,14 @@ check_hough = Exercise(
             _of_the_segment
         ),
         "rho is right; theta is the angle of the normal, not of the segment, and has to be brought "
-        "near": lambda segment, near: _with(segment, near, theta=angle(segment)),
+        "near": _with(theta=lambda segment, near: angle(segment)),
         "rho has a sign: it is negative where the normal looks away from the wall": (
-            lambda segment, near: _with(segment, near, rho=abs(hough(segment, near)[0]))
+            _with(rho=lambda segment, near: abs(hough(segment, near)[0]))
         ),
         "rho is the distance of the origin from the line, along its normal, not from the middle of "
-        "the segment": lambda segment, near: _with(segment, near, rho=np.hypot(*midpoint(segment))),
+        "the segment": _with(rho=lambda segment, near: np.hypot(*midpoint(segment))),
         "rho comes first, then theta": lambda segment, near: hough(segment, near)[::-1],
         "theta is wanted in radians": lambda segment, near: hough(segment, near) * [1, 180 / np.pi],
     },
-    draw=draws_maps.hough,
     own=(hough, hybrid, literal.hough),
 )

@@ -1,4 +1,4 @@
-"""Exercises of the chapters on angle correspondence, the backbone and point ICP."""
+"""Exercises on alignment: the value of a match, a shift of a backbone, a step of ICP."""
 
 from __future__ import annotations
 
@@ -7,15 +7,36 @@ import numpy as np
 from segmap import kernels
 from segmap.alignment import angle_candidates, least_translation, match_angles, match_values
 from segmap.arrays import Array
+from segmap.poses import transform
 from segmap.segments import length, midpoint, point_distance
 
 from ..literal import point_to_line_step
 from ..literal.alignment import angle_correspondence, backbone, point_to_line
-from ._exercise import Exercise
-from .draws import scans as draws_scans
+from ._answers import Cases
+from ._exercise import Exercise, Rng, anywhere, changed
 
 
 # --------------------------------------------------------------- angle correspondence
+def _pairs(rng: Rng) -> Cases:
+    """Pairs that cover each other wholly, in part and not at all, placed anywhere."""
+    off, far = rng.uniform(0.03, 0.15, 2)
+    size, part = rng.uniform(2, 4), rng.uniform(0.2, 0.4)
+    place, distance = anywhere(rng), float(rng.uniform(0.03, 0.1))
+    long = [(0, 0), (size, 0)]
+    short = [(part * size, off), (2 * part * size, off + far)]
+    return {
+        words: (transform(place, u), transform(place, v), distance)
+        for words, u, v in (
+            ("two parallel walls", long, [(0, off), (size, off)]),
+            ("a short wall beside a long one", long, short),
+            ("the same, exchanged", short, long),
+            ("a leaning wall, end points exchanged", long, [(0.7 * size, 0.6), (0.3 * size, off)]),
+            ("walls that overlap in part", long, [(part * size, off), ((1 + part) * size, off)]),
+            ("walls beside each other", long, [(size + 0.5, off), (size + 2, off)]),
+        )
+    }
+
+
 def _match_value(u: Array, v: Array, distance: float) -> float:
     """What the library finds for one pair, however far apart."""
     return float(match_values(u[None], v[None], distance=distance, far=1e6, whole=True)[0, 0])
@@ -44,18 +65,7 @@ check_match_value = Exercise(
     "match_value(u, v, distance) -> float, metres: of two segments (2, 2) that do not cross, the "
     "mean of the lengths that they cover of each other, times 0.95 ** (D / distance)",
     _match_value,
-    {
-        words: (np.array(u, float), np.array(v, float), 0.05)
-        for words, u, v in (
-            ("two parallel walls", [(0, 0), (2, 0)], [(0, 0.1), (2, 0.1)]),
-            ("a short wall beside a long one", [(0, 0), (4, 0)], [(1, 0.05), (2, 0.1)]),
-            ("the same, exchanged", [(1, 0.05), (2, 0.1)], [(0, 0), (4, 0)]),
-            ("a leaning wall, end points exchanged", [(0, 0), (3, 0)], [(2, 0.8), (1, 0.1)]),
-            ("walls that overlap in part", [(0, 0), (2, 0)], [(1, 0.1), (3, 0.1)]),
-            ("walls beside each other", [(0, 0), (1, 0)], [(2, 0), (3, 0)]),
-            ("two upright walls", [(1, 0), (1, 3)], [(1.05, 2), (1.05, 0.5)]),
-        )
-    },
+    _pairs,
     {
         "this is the length of u that v covers; take the mean of it and of the length of v that "
         "u covers": lambda u, v, d: _covered(u, v) * _fading(min(_apart(u, v)), d),
@@ -82,12 +92,29 @@ check_match_value = Exercise(
             lambda u, v, d: _mean(u, v, -np.inf) * _fading(min(_apart(u, v)), d)
         ),
     },
-    draw=draws_scans.match_value,
     own=(match_values, angle_candidates, match_angles, kernels.match_value, angle_correspondence),
 )
 
 
 # --------------------------------------------------------------------------- backbone
+def _lines_off(rng: Rng) -> Cases:
+    """Unit normals of lines, how far points lie off them, and weights; also of corridors."""
+
+    def lines(*degrees: float) -> tuple[Array, Array, Array]:
+        turn, count = np.radians(degrees), len(degrees)
+        normals = np.stack([-np.sin(turn), np.cos(turn)], -1)
+        return normals, rng.uniform(-0.1, 0.1, count), rng.uniform(1, 3, count)
+
+    turn = rng.uniform(10, 80)
+    return {
+        "a corner": lines(turn, turn + 90, turn + rng.uniform(20, 70)),
+        "two walls at a slant": lines(turn, turn + rng.uniform(60, 120)),
+        "a corridor": lines(0, 0, 0),
+        "a corridor that runs askew": lines(turn, turn),
+        "walls of many directions": lines(*(turn + np.arange(0, 180, 36))),
+    }
+
+
 def _normal_equations(normals: Array, offsets: Array, weights: Array) -> Array:
     weighted = normals * weights[:, None]
     return np.asarray(np.linalg.solve(weighted.T @ normals, -weighted.T @ offsets), float)
@@ -98,20 +125,10 @@ check_least_translation = Exercise(
     "minimise the weighted squares of the distances from lines, given their normals (m, 2) and how "
     "far the points now lie from them, (m,) metres",
     least_translation,
-    {
-        "a corner seen askew": draws_scans.lines_off([10, 100, 40], [0.10, -0.05, 0.02], [1, 1, 1]),
-        "a long wall and two short ones": draws_scans.lines_off(
-            [0, 0, 90], [0.10, 0.02, 0.07], [6, 1, 2]
-        ),
-        "a corridor": draws_scans.lines_off([0, 0, 0], [0.08, 0.12, 0.10], [3, 3, 2]),
-        "a corridor that runs askew": draws_scans.lines_off([30, 30], [0.05, 0.07], [2, 1]),
-        "three directions that disagree": draws_scans.lines_off(
-            [0, 60, 120], [0.1, 0.1, 0.1], [1, 2, 3]
-        ),
-    },
+    _lines_off,
     {
         "this doubles the distances: a point above its line must come down, so mind the sign": (
-            lambda normals, offsets, weights: -least_translation(normals, offsets, weights)
+            changed(least_translation, np.negative)
         ),
         "points move across the lines, along the normals: a shift along a line changes nothing": (
             lambda normals, *rest: least_translation(normals[:, ::-1] * (1, -1), *rest)
@@ -135,12 +152,34 @@ check_least_translation = Exercise(
             )
         ),
     },
-    draw=draws_scans.least_translation,
     own=(least_translation, backbone),
 )
 
 
 # ---------------------------------------------------------------------------------- ICP
+def _rooms(rng: Rng) -> Cases:
+    """Points off three walls of a room, or off the two of a corridor: all of them askew."""
+    s = np.linspace(-1, 1, 5)
+    room = np.concatenate(
+        [np.stack([3 + 0 * s, 2 * s], 1), np.stack([2 * s, 2 + 0 * s], 1), -np.stack([s, s**0], 1)]
+    )
+    corridor = np.concatenate([np.stack([2 + 2 * s, 0 * s + side], 1) for side in (1, -1)])
+    turn = (0, 0, rng.uniform(-np.pi, np.pi))
+
+    def seen(walls: Array, ways: list[tuple[int, int]], *off: float) -> tuple[Array, Array, Array]:
+        feet = transform(turn, walls)
+        return transform(off, feet), feet, transform(turn, np.repeat(ways, 5, axis=0))
+
+    dx, dy, away = rng.uniform(0.1, 0.3, 3)
+    degrees, ways = np.radians(rng.uniform(2, 5)), [(1, 0), (0, 1), (0, -1)]
+    return {
+        "a room that is shifted": seen(room, ways, dx, -dy, 0),
+        "a room that is turned": seen(room, ways, 0, 0, degrees),
+        "a room that is shifted and turned": seen(room, ways, -dx, dy, -degrees),
+        "a corridor, which does not fix the motion along it": seen(corridor, ways[1:], dx, away, 0),
+    }
+
+
 def _rows(points: Array, normals: Array) -> Array:
     """How the offset of each point grows with x, y and the turn, `(n, 3)`."""
     lever = points[:, 0] * normals[:, 1] - points[:, 1] * normals[:, 0]
@@ -173,15 +212,10 @@ check_move_onto_walls = Exercise(
     "about the origin that minimise the squared offsets of points (n, 2) across walls through feet "
     "(n, 2) with unit normals (n, 2)",
     point_to_line_step,
-    {
-        "a room seen 0.2 m too far right and 0.1 m too low": draws_scans.room(0.2, -0.1, 0),
-        "a room seen turned by 3 degrees": draws_scans.room(0, 0, 3),
-        "a room moved and turned": draws_scans.room(-0.1, 0.3, -4),
-        "a corridor, which does not fix the motion along it": draws_scans.corridor(0.3, 0.1),
-    },
+    _rooms,
     {
         "the sign: the motion takes the offsets away, it does not add them again": (
-            lambda p, f, n: -np.array(point_to_line_step(p, f, n))
+            changed(point_to_line_step, np.negative)
         ),
         "points may slide along their walls: only the part of the offset along the normal counts": (
             _to_points
@@ -201,6 +235,5 @@ check_move_onto_walls = Exercise(
             lambda p, f, n: point_to_line_step(p - p.mean(0), f - p.mean(0), n)
         ),
     },
-    draw=draws_scans.move_onto_walls,
     own=(point_to_line,),
 )

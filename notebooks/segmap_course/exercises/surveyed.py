@@ -10,14 +10,28 @@ import numpy as np
 
 from segmap import reduction
 from segmap.arrays import Array
+from segmap.poses import transform
 
 from ..literal.reduction import fuzzy_clustering, viewing_sector, weighted_line_fitting
 from ..literal.reduction.least_cost import invented
 from ..literal.reduction.weighted_line_fitting import Line, add_pose
-from ._exercise import Exercise
-from .draws import maps as draws_maps
+from ._answers import Cases
+from ._exercise import Exercise, Rng, anywhere, changed
+
 
 # -------------------------------------------------------------- weighted line fitting
+def _lines_seen(rng: Rng) -> Cases:
+    """Walls ahead, aside and aslant, seen from anywhere, and a place that is known exactly."""
+    place, heading = rng.uniform(0.01, 0.05, 2)
+    turn, at = rng.uniform(-np.pi, np.pi, 4), rng.uniform(-5, 5, (8, 2))
+    ahead = at[1] + rng.uniform(1, 3) * np.array([np.cos(turn[0]), np.sin(turn[0])])
+    aside = at[1] + rng.uniform(1, 3) * np.array([-np.sin(turn[1]), np.cos(turn[1])])
+    return {
+        "a wall straight ahead": (ahead, float(turn[0]), at[1], place, heading),
+        "a wall along which the sensor looks": (aside, float(turn[1]), at[1], place, heading),
+        "a slanted wall": (at[2], float(turn[2]), at[3], place, heading),
+        "a place known exactly": (at[4], float(turn[3]), at[5], 0.0, heading),
+    }
 
 
 def _pose_covariance(
@@ -51,15 +65,7 @@ check_pose_covariance = Exercise(
     "of a scan adds to the covariance of (offset, angle), metres and radians, of a line with its "
     "normal at alpha, about its centre (2,), seen from sensor (2,)",
     _pose_covariance,
-    {
-        words: (np.array(centre, float), float(np.radians(alpha)), np.array(sensor, float), *noise)
-        for words, centre, alpha, sensor, noise in (
-            ("a wall straight ahead", (0, 2), 90, (0, 0), (0.03, 0.01)),
-            ("a wall along which the sensor looks", (5, 1), 90, (0, 0), (0.03, 0.01)),
-            ("a slanted wall", (2, 1), 30, (1, -2), (0.02, 0.02)),
-            ("a place known exactly", (4, 3), 135, (-1, 2), (0.0, 0.01)),
-        )
-    },
+    _lines_seen,
     {
         "a turn of the sensor swings a wall that lies aside: the third entry of K's first row is "
         "its arm, (s - c) . n'": _by_jacobian(lambda d, alpha: 0.0),
@@ -76,15 +82,39 @@ check_pose_covariance = Exercise(
             _by_jacobian(_along, diagonal=True)
         ),
         "the offset comes first, then the angle": (
-            lambda *given: _pose_covariance(*given)[::-1, ::-1]
+            changed(_pose_covariance, lambda found: found[::-1, ::-1])
         ),
     },
-    draw=draws_maps.pose_covariance,
     own=(reduction.weighted_line_fitting, weighted_line_fitting),
 )
 
 
 # -------------------------------------------------------------- viewing sector
+def _looks(rng: Rng) -> Cases:
+    """A wall with points on every side, placed anywhere; what is right on the border stays put."""
+    place, away, half = anywhere(rng), rng.uniform(2, 4), rng.uniform(1, 2)
+    wall, d = np.array([(-half, away), (half, away)]), np.array(0.125)
+    x = half * rng.uniform(0.2, 0.5)
+
+    def case(point: Any, ends: Array = wall) -> tuple[Any, ...]:
+        return transform(place, ends), transform(place, np.array([point]))[0], place[:2], d
+
+    border = np.array([(1.0, 3.0), (5.0, 3.0)]) + rng.integers(-8, 9, 2) / 8
+    sensor = border[0] - (1, 3)
+    return {
+        "a point on the wall": case((x, away)),
+        "a point before the wall": case((x / 2, away / 2)),
+        "a point behind the wall": case((-x, away + 0.5)),
+        "a point before the wall, its ends swapped": case((x / 2, away / 2), wall[::-1]),
+        "a point behind the wall, its ends swapped": case((x, away + 0.5), wall[::-1]),
+        "a point beside the sector": case((half + 1, away)),
+        "a point behind the sensor": case((-x, -away)),
+        "a glancing look, a little behind": case((0.95 * half, away + 0.11)),
+        "a point 0.125 m behind the wall": (border, sensor + (3, 3.125), sensor, d),
+        "a point far behind, on a ray that passes the wall": case((1.1 * half, 2 * away)),
+    }
+
+
 def _area(a: Array, b: Array, c: Array) -> float:
     """Twice the area of a triangle: above 0 where c lies to the left of the way from a to b."""
     return float((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]))
@@ -112,21 +142,18 @@ def _inside(wall: Array, point: Array, sensor: Array) -> bool:
 
 
 def _verdicts(
-    height: Callable[[Array, Array, Array], float] = _height, slack: float = 1e-9
+    height: Callable[[Array, Array, Array], float] = _height,
+    slack: float = 1e-9,
+    inside: Callable[[Array, Array, Array], bool] = _inside,
 ) -> Callable[..., float]:
     """1 where a point hides a wall, 0 on it, -1 behind it, NaN beside its sector."""
 
     def verdict(wall: Array, point: Array, sensor: Array, distance: float) -> float:
         h = height(wall, point, sensor)
         says = float(h > distance + slack) - float(h < -distance - slack)
-        return says if _inside(wall, point, sensor) else math.nan
+        return says if inside(wall, point, sensor) else math.nan
 
     return verdict
-
-
-def _wall_case(point: tuple[float, float], turned: bool = False) -> tuple[Array, ...]:
-    wall = np.array([(1.0, 3.0), (5.0, 3.0)])
-    return wall[::-1] if turned else wall, np.array(point), np.zeros(2), np.array(0.125)
 
 
 check_verdict = Exercise(
@@ -134,18 +161,7 @@ check_verdict = Exercise(
     "sensor (2,), 0 where it lies on it, within distance of its line, -1 where it was seen through "
     "the wall, nan outside the sector",
     _verdicts(),
-    {
-        "a point right on the wall": _wall_case((2, 3)),
-        "a point before the wall": _wall_case((1.5, 2)),
-        "a point behind the wall": _wall_case((3, 4)),
-        "a point before the wall, its ends swapped": _wall_case((1.5, 2), turned=True),
-        "a point behind the wall, its ends swapped": _wall_case((3, 4), turned=True),
-        "a point beside the sector": _wall_case((0, 3)),
-        "a point behind the sensor": _wall_case((-3, -3)),
-        "a glancing look, a little behind": _wall_case((4.5, 3.1)),
-        "a point 0.125 m behind the wall": _wall_case((3, 3.125)),
-        "a point far behind the wall, yet on a ray that passes it": _wall_case((1, 6)),
-    },
+    _looks,
     {
         "which side is before the wall must not depend on the order of its ends: ask where the "
         "sensor is": _verdicts(lambda w, at, _: -_area(w[0], w[1], at) / math.dist(*w)),
@@ -159,21 +175,28 @@ check_verdict = Exercise(
             _verdicts(_along_the_ray)
         ),
         "only what lies between the rays to both ends says something of the wall: nan elsewhere": (
-            lambda wall, q, p, d: (
-                float(np.sign(_height(wall, q, p))) * (abs(_height(wall, q, p)) > d + 1e-9)
-            )
+            _verdicts(inside=lambda *given: True)
         ),
         "the border belongs to the wall: <=, not <": _verdicts(slack=-1e-9),
         "a point outside the sector says nothing, which is nan: 0 says that it lies on the wall": (
-            lambda *given: np.nan_to_num(_verdicts()(*given))
+            changed(_verdicts(), np.nan_to_num)
         ),
     },
-    draw=draws_maps.verdict,
     own=(reduction.viewing_sector, viewing_sector),
 )
 
 
 # ------------------------------------------------------------------ fuzzy clustering
+def _squares(rng: Rng) -> Cases:
+    near, far = rng.uniform(1e-5, 1e-3), rng.uniform(0.2, 1, 3)
+    noise = np.array(rng.uniform(0.05, 0.3))
+    return {
+        "on one wall, far from another": (np.array([near, far[0]]), noise),
+        "between three walls": (rng.uniform(0.005, 0.02, 3), noise),
+        "far from all": (far, noise),
+    }
+
+
 def _shares(squares: Array, noise: float, power: float = 1.0) -> Array:
     weights = squares**-power
     return np.asarray(weights / (weights.sum() + noise ** (-2 * power)))
@@ -183,11 +206,7 @@ check_memberships = Exercise(
     "memberships(squares, noise) -> (k,): the share of a point in each of k prototypes, from its "
     "squared distances (k,), m^2, above 0; the noise, always noise metres away, has the rest",
     _shares,
-    {
-        "on one wall, far from another": (np.array([1e-4, 0.25]), np.array(0.1)),
-        "between two walls": (np.array([0.01, 0.01]), np.array(0.1)),
-        "far from all": (np.array([0.36, 0.25, 1.0]), np.array(0.2)),
-    },
+    _squares,
     {
         "the noise has a share too: the memberships add up to less than 1": (
             lambda squares, noise: 1 / squares / (1 / squares).sum()
@@ -197,25 +216,43 @@ check_memberships = Exercise(
         "squares are squared already": lambda s, n: _shares(s, n, 2.0),
         "the nearer a prototype, the larger its share": lambda s, n: _shares(s, n, -1.0),
         "the shares of the k prototypes are asked for; that of the noise is the rest": (
-            lambda s, n: np.append(_shares(s, n), 1 - _shares(s, n).sum())
+            changed(_shares, lambda shares: np.append(shares, 1 - shares.sum()))
         ),
         "the shares and that of the noise add up to 1: divide by the sum of all weights": (
             lambda s, n: 1 / s
         ),
     },
-    draw=draws_maps.memberships,
     own=(reduction.fuzzy_clustering, fuzzy_clustering),
 )
 
 
 # ------------------------------------------------------------------------- least cost
+def _members(rng: Rng) -> Cases:
+    """Gaps between members, before and behind them; members inside others; no member."""
+    gap, a, b = rng.integers(5, 20) / 100, *rng.integers(100, 300, 2) / 100
+
+    def case(whole: float, *spans: tuple[float, float]) -> tuple[Any, ...]:
+        return np.array(spans, float).reshape(-1, 2), np.array(whole), np.array(gap)
+
+    return {
+        "one member as long as the segment": case(a, (0, a)),
+        "two members and a hole, the last one first": case(a + b + 1, (a + 1, a + b + 1), (0, a)),
+        "a short member inside a long one": case(a + b, (0, a), (0.3, 0.6), (a + 0.5, a + b)),
+        "a gap shorter than the limit": case(a + b, (0, a), (a + 0.6 * gap, a + b)),
+        "nothing kept at the start": case(a + b, (a, a + b)),
+        "nothing kept at the end": case(a + b, (0, a / 2), (a / 2, a)),
+        "no member at all": case(a),
+        "no member, a segment shorter than the gap": case(0.7 * gap),
+    }
+
+
 def _gaps(
     order: str = "sorted",
     least: float = 1.0,
     most: bool = True,
     around: str = "both",
     beyond: bool = False,
-) -> Any:
+) -> Callable[[Array, float, float], float]:
     """Metres in gaps, with the details that mistakes change."""
 
     def metres(spans: Array, whole: float, gap: float) -> float:
@@ -235,19 +272,7 @@ check_invented_metres = Exercise(
     "invented_metres(spans, whole, gap) -> metres of a segment, from 0 to whole, in gaps longer "
     "than gap between spans (k, 2), low and high, of the members that it keeps",
     lambda spans, whole, gap: invented([(a, b) for a, b in spans.tolist()], whole, gap),
-    {
-        words: (np.array(spans, float).reshape(-1, 2), np.array(whole), np.array(0.05))
-        for words, spans, whole in (
-            ("one member as long as the segment", [(0, 2)], 2.0),
-            ("two members and a hole of 1 m", [(3, 5), (0, 2)], 5.0),
-            ("a short member inside a long one", [(0, 4), (1, 2), (4.5, 6)], 6.0),
-            ("a gap of 0.03 m", [(0, 2), (2.03, 4)], 4.0),
-            ("nothing kept at the start", [(0.5, 2)], 2.0),
-            ("nothing kept at the end", [(0, 1), (1, 1.5)], 2.0),
-            ("no member at all", [], 3.0),
-            ("no member, a segment shorter than the gap", [], 0.04),
-        )
-    },
+    _members,
     {
         "sort the members along the segment first": _gaps("as given"),
         "a short member inside a long one does not end it: keep the highest end": _gaps(most=False),
@@ -263,6 +288,5 @@ check_invented_metres = Exercise(
             lambda spans, whole, gap: float(whole - (spans[:, 1] - spans[:, 0]).sum())
         ),
     },
-    draw=draws_maps.invented_metres,
     own=(reduction.least_cost, invented),
 )

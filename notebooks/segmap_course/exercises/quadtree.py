@@ -1,7 +1,4 @@
-"""Exercises of the chapters on the quadtree: cells, growth, occupancy, rays, exported pictures.
-
-The answers are those of `segmap_course.literal`.
-"""
+"""Exercises on the quadtree: cells, growth, occupancy, rays, exported pictures."""
 
 from __future__ import annotations
 
@@ -9,34 +6,45 @@ from collections.abc import Callable
 from functools import cache
 from inspect import getsource
 from math import ceil, floor
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..literal import cell_of, grown, occupancy, ray_cells
 from ..literal.quadtrees import quadtree
-from ._answers import same_cells
-from ._exercise import Exercise
-from .draws import grids as draws_grids
+from ._answers import Cases, same_cells
+from ._exercise import Exercise, Rng, changed, listed
 
 Cell = tuple[int, int]
-Cells = NDArray[np.int64]
 #: The line that `segmap_course.literal` begins with.
 FUTURE = "from __future__ import annotations"
 
 
 # ------------------------------------------------------------------------------ cells
+def _places(rng: Rng) -> Cases:
+    """Inside cells, left of the corner, and where products and floor divisions round wrongly."""
+    r = float(rng.choice([0.05, 0.1, 0.2, 0.25]))
+    corner, k = round(rng.uniform(0.5, 3), 1), int(rng.integers(5, 40))
+    edges = [(round(i * s, 2), s) for s in (0.05, 0.1, 0.2) for i in range(1, 200)]
+    product = [(x, s) for x, s in edges if floor(x * (1 / s)) != floor(x / s)]
+    floored = [(x, s) for x, s in edges if x // s != floor(x / s)]
+    return listed(
+        [
+            (round((k + 0.6) * r, 4), 0.0, r),
+            (round(-0.4 * r, 4), 0.0, r),
+            (round(-(k + 0.7) * r, 4), 0.0, r),
+            (round(corner + (k + 0.6) * r, 4), corner, r),
+            *((float(x), 0.0, float(s)) for x, s in rng.permutation(product)[:1]),
+            *((float(x), 0.0, float(s)) for x, s in rng.permutation(floored)[:1]),
+        ]
+    )
+
+
 check_cell_of = Exercise(
     "cell_of(x, corner, resolution) -> int: the column that holds x, counted from the corner",
     cell_of,
-    {
-        f"x = {x}, corner {c}, cells of {r} m": (x, c, r)
-        for x, c, r in (
-            *((0.26, 0.0, 0.1), (-0.05, 0.0, 0.1), (-0.31, 0.0, 0.1)),
-            *((1.0, 0.0, 0.1), (0.3, 0.0, 0.1), (2.9, 2.0, 0.25), (0.24, 0.0, 0.1)),
-        )
-    },
+    _places,
     {
         "int() cuts towards zero: -0.5 becomes 0, so two columns share one number; use floor": (
             lambda x, c, r: int((x - c) / r)
@@ -51,17 +59,30 @@ check_cell_of = Exercise(
             lambda x, c, r: round((x - c) / r)
         ),
         "columns are counted from the corner: subtract it first": lambda x, c, r: floor(x / r),
-        "a cell begins at its left edge: floor, and not ceil": (lambda x, c, r: ceil((x - c) / r)),
+        "a cell begins at its left edge: floor, and not ceil": lambda x, c, r: ceil((x - c) / r),
         "cells have a side of `resolution` metres: divide by it": (
             lambda x, c, r: floor((x - c) * r)
         ),
     },
-    draw=draws_grids.cell_of,
     own=(quadtree,),
 )
 
 
 # ----------------------------------------------------------------------------- growth
+def _roots(rng: Rng) -> Cases:
+    """A root anywhere and a cell on each of its sides and corners, and one far away."""
+    side = int(2 ** rng.integers(2, 6))
+    x, y = (int(v) for v in rng.integers(-20, 20, 2))
+    near, far = (int(v) for v in rng.integers(0, side, 2))
+    away = side * int(rng.integers(2, 9))
+    cells = (
+        (x + near + away, y - 1 - far - away),
+        *((x + near, y + side + far), (x + side + far, y + near), (x - 1 - far, y + near)),
+        *((x + near, y - 1 - far), (x - 1 - far, y + side), (x + side + far, y - 1 - near)),
+    )
+    return {f"root {(x, y, side)} and cell {cell}": ((x, y, side), cell) for cell in cells}
+
+
 def _down_unless_above(root: tuple[int, int, int], cell: Cell) -> tuple[int, int, int]:
     x, y, side = root
     return x - side * (cell[0] < x), y - side * (not cell[1] >= y + side), 2 * side
@@ -76,13 +97,7 @@ def _until_inside(root: tuple[int, int, int], cell: Cell) -> tuple[int, int, int
 check_grown = Exercise(
     "grown(root, cell) -> (x, y, side): root (x, y, side), doubled once towards a cell outside it",
     grown,
-    {
-        f"root {root} and cell {cell}": (root, cell)
-        for root, cell in (
-            *(((0, 0, 8), (3, 8)), ((0, 0, 8), (8, 3)), ((0, 0, 8), (-1, 3))),
-            *(((4, -4, 4), (5, -9)), ((0, 0, 8), (-3, 20)), ((-8, -8, 16), (100, -100))),
-        )
-    },
+    _roots,
     {
         "for a cell beside the root this grows downwards for ever, as the thesis does: down only "
         "where the cell lies below": _down_unless_above,
@@ -100,22 +115,24 @@ check_grown = Exercise(
         ),
         "one doubling is asked for, though the cell may still lie outside": _until_inside,
     },
-    draw=draws_grids.grown,
     own=(quadtree,),
 )
 
 
 # -------------------------------------------------------------------------- occupancy
+def _counts(rng: Rng) -> Cases:
+    """Nothing known, few rays, many rays, hits; also fewer rays than the bias."""
+    bias = int(rng.integers(4, 40))
+    few, hits = int(rng.integers(1, bias)), int(rng.integers(1, bias))
+    rays = ((0, 0), (few, 0), (bias, 0), (3 * bias + few, 0))
+    hit = ((bias + hits, hits), (hits, hits), (few + 1, 1), (1, 1))
+    return {f"vis = {v}, occ = {o}, bias = {bias}": (v, o, bias) for v, o in (*rays, *hit)}
+
+
 check_occupancy = Exercise(
     "occupancy(vis, occ, bias) -> float in [0, 1], 0.5 where nothing is known",
     occupancy,
-    {
-        f"vis = {v}, occ = {o}, bias = {b}": (v, o, b)
-        for v, o, b in (
-            *((0, 0, 20), (5, 0, 20), (20, 0, 20), (90, 0, 20), (4, 1, 20)),
-            *((7, 7, 20), (3, 0, 4), (2, 2, 4)),
-        )
-    },
+    _counts,
     {
         "one ray would make a cell surely free: without hits it sinks slowly, over `bias` rays": (
             lambda v, o, b: o / v if v else 0.5
@@ -136,27 +153,34 @@ check_occupancy = Exercise(
             lambda v, o, b: 1 - occupancy(v, o, b)
         ),
     },
-    draw=draws_grids.occupancy,
     own=(quadtree,),
 )
 
 
 # ------------------------------------------------------------------------------- rays
-def _changed(line: str, other: str) -> Callable[[Cell, Cell], Cells]:
+def _rays(rng: Rng) -> Cases:
+    """Rays of all eight directions, along the axes, diagonal, of one cell, with equal errors."""
+    x, y = (int(v) for v in rng.integers(-9, 10, 2))
+    long, short = int(rng.integers(6, 12)), int(rng.integers(1, 6))
+    even = 2 * int(rng.integers(2, 5))
+    ways = (
+        *((long, short), (-long, short), (short, long), (-short, -long), (long, -short)),
+        *((even, even // 2), (-even, 1), (0, 0), (0, -short), (short, -short), (4 * short, 1)),
+    )
+    return {f"from {(x, y)} to {(x + dx, y + dy)}": ((x, y), (x + dx, y + dy)) for dx, dy in ways}
+
+
+def _with(line: str, other: str) -> Callable[[Cell, Cell], NDArray[np.int64]]:
     """The literal walk with one of its lines changed."""
 
     @cache
-    def changed() -> Callable[[Cell, Cell], list[Cell]]:
+    def walk() -> Callable[[Cell, Cell], list[Cell]]:
         scope: dict[str, Any] = {}
         exec(f"{FUTURE}\n{getsource(ray_cells)}".replace(line, other), scope)  # our own source
-        return cast(Callable[[Cell, Cell], list[Cell]], scope["ray_cells"])
+        found: Callable[[Cell, Cell], list[Cell]] = scope["ray_cells"]
+        return found
 
-    return lambda start, end: np.array(changed()(start, end), np.int64).reshape(-1, 2)
-
-
-_end_left_out = _changed("x1 + 1)", "x1)")
-_never_steep = _changed("abs(y1 - y0) > abs(x1 - x0)", "False")
-_one_early = _changed("error > 0", "error >= 0")
+    return lambda start, end: np.array(walk()(start, end), np.int64).reshape(-1, 2)
 
 
 def _from_the_start(start: Cell, end: Cell) -> list[Cell]:
@@ -167,10 +191,7 @@ def _from_the_start(start: Cell, end: Cell) -> list[Cell]:
     return [(x0 + right * x, y0 + up * y) for x, y in cells]
 
 
-_from_zero = _changed("error = -(dx // 2)", "error = 0")
-
-
-def _rounded(start: Cell, end: Cell) -> Cells:
+def _rounded(start: Cell, end: Cell) -> NDArray[np.int64]:
     """Evenly along the longer axis, rounded."""
     steps = max(abs(end[0] - start[0]), abs(end[1] - start[1])) + 1
     return np.round(np.linspace(start, end, steps)).astype(np.int64)
@@ -179,36 +200,40 @@ def _rounded(start: Cell, end: Cell) -> Cells:
 check_ray_cells = Exercise(
     "ray_cells(start, end) -> (n, 2) cells (x, y), both ends included, by Bresenham's loop (B 4.4)",
     ray_cells,
+    _rays,
     {
-        f"from {start} to {end}": (start, end)
-        for start, end in (
-            *(((0, 0), (4, 1)), ((0, 0), (7, 3)), ((4, 1), (0, 0)), ((0, 0), (1, 4))),
-            *(((2, 1), (-3, 3)), ((1, 7), (-1, -6)), ((3, 3), (3, 3)), ((0, 0), (-5, -5))),
-            ((0, 0), (4, 2)),
-        )
-    },
-    {
-        "the last x belongs to the ray too: range ends one before its end": _end_left_out,
+        "the last x belongs to the ray too: range ends one before its end": _with("x1 + 1)", "x1)"),
         "where the ray is steeper than 45 degrees x and y must change places, else it has gaps": (
-            _never_steep
+            _with("abs(y1 - y0) > abs(x1 - x0)", "False")
         ),
         "B walks towards larger x whichever way the ray runs: swap the ends where x decreases": (
             _from_the_start
         ),
-        "y moves where the error is above 0: at 0 it stays": _one_early,
+        "y moves where the error is above 0: at 0 it stays": _with("error > 0", "error >= 0"),
         "B's error starts at minus half of dx, rounded down: rounding y in each column decides "
         "otherwise where a ray runs right between two cells": _rounded,
         "the error starts at -(dx // 2), not at 0: the ray begins in the middle of its cell": (
-            _from_zero
+            _with("error = -(dx // 2)", "error = 0")
         ),
     },
     same_cells,
-    draw=draws_grids.ray_cells,
     own=(quadtree,),
 )
 
 
 # ------------------------------------------------------------------ exported pictures
+def _pictures(rng: Rng) -> Cases:
+    def case() -> tuple[Any, ...]:
+        side, rows = float(rng.choice([0.25, 0.5])), int(rng.integers(6, 30))
+        origin = tuple(float(v) for v in rng.integers(-8, 9, 2) / 4)
+        column, row = (int(v) for v in rng.integers(0, rows, 2))
+        part = rng.uniform(0.1, 0.9, 2)
+        x, y = origin[0] + (column + part[0]) * side, origin[1] + (row + part[1]) * side
+        return round(x, 3), round(y, 3), origin, side, rows
+
+    return listed([case() for _ in range(4)])
+
+
 def _pixel(x: float, y: float, origin: tuple[float, float], side: float, rows: int) -> Cell:
     return rows - 1 - floor((y - origin[1]) / side), floor((x - origin[0]) / side)
 
@@ -216,13 +241,7 @@ def _pixel(x: float, y: float, origin: tuple[float, float], side: float, rows: i
 check_pixel = Exercise(
     "pixel(x, y, origin, side, rows) -> (row, column) of a ROS map's picture, row 0 at the top",
     _pixel,
-    {
-        f"({x}, {y}), origin {o}, pixels of {side} m, {rows} rows": (x, y, o, side, rows)
-        for x, y, o, side, rows in (
-            *((0.1, 0.1, (0.0, 0.0), 0.5, 6), (1.3, 0.1, (0.0, 0.0), 0.5, 6)),
-            *((1.3, 2.9, (-1.0, 0.25), 0.5, 8), (-0.9, 1.1, (-1.0, -2.0), 0.25, 20)),
-        )
-    },
+    _pictures,
     {
         "the picture's first row is the top one: count rows from there": (
             lambda x, y, o, side, rows: (floor((y - o[1]) / side), floor((x - o[0]) / side))
@@ -230,9 +249,7 @@ check_pixel = Exercise(
         "the lowest row has number rows - 1": (
             lambda x, y, o, side, rows: _pixel(x, y, o, side, rows + 1)
         ),
-        "row first, then column: y decides on the row": (
-            lambda x, y, o, side, rows: _pixel(x, y, o, side, rows)[::-1]
-        ),
+        "row first, then column: y decides on the row": changed(_pixel, lambda cell: cell[::-1]),
         "the origin is the lower left corner of the lower left pixel, not of the upper left": (
             lambda x, y, o, side, rows: (floor((o[1] - y) / side), floor((x - o[0]) / side))
         ),
@@ -246,5 +263,4 @@ check_pixel = Exercise(
             lambda x, y, o, side, rows: _pixel(x, y, (0.0, 0.0), side, rows)
         ),
     },
-    draw=draws_grids.pixel,
 )

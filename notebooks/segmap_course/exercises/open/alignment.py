@@ -84,6 +84,24 @@ predict_turned_quality = Prediction(
 )
 
 
+def _quality_fooled(after: Array) -> str:
+    admit_map(after)
+    found, metres = quality(ROOM, after), metres_away(after, ROOM, 0.5)
+    if found < 0.95:
+        return f"the quality sees it: {found:.3f}, 0.95 is wanted"
+    return "" if metres >= 5 else f"only {metres:.1f} m of walls are invented, 5 m are wanted"
+
+
+break_quality = Challenge(
+    "break_quality(after): a map `after`, (n, 2, 2) in metres, of up to 50 segments within 20 m, "
+    "that has a quality of at least 0.95 against the walls of `simulation.rectangular_room()`, "
+    "though 5 m of its walls stand farther than 0.5 m from all of them",
+    _quality_fooled,
+    praise="The quality asks where the walls of the map before went, not where those after it come "
+    "from: what is invented costs nothing",
+)
+
+
 def _loss_unseen(after: Array) -> str:
     admit_map(after)
     if length(after).min() < 0.05:

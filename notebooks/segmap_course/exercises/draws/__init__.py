@@ -1,1 +1,0 @@
-"""Cases of the exercises, drawn from a seed."""

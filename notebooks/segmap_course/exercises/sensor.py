@@ -1,0 +1,235 @@
+"""Exercises on the sensor: its beams, its characters and its clock."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from segmap.arrays import Array
+from segmap.hokuyo import checksum, decode
+from segmap.poses import transform
+from segmap.readers import half_turn
+from segmap.simulation import cast_rays, simulate
+
+from ._answers import Cases
+from ._exercise import Exercise, Rng, anywhere, changed
+
+#: The sensor's clock, milliseconds, starts again here.
+WRAP = 1 << 24
+
+
+# ------------------------------------------------------------------------------ beams
+def _numbers_of_beams(rng: Rng) -> Cases:
+    few, many = rng.integers(3, 10), rng.integers(50, 400)
+    numbers = (2 * few, 2 * few + 1, 2 * many, 2 * many + 1)
+    return {f"{n} beams": (int(n),) for n in numbers}
+
+
+check_beam_angles = Exercise(
+    "beam_angles(n) -> (n,) radians: directions of the n beams of a sensor that sees half a turn",
+    half_turn,
+    _numbers_of_beams,
+    {
+        "180 or 360 beams leave the end point out: their step is exactly 1 or 0.5 degrees": (
+            lambda n: np.linspace(-np.pi / 2, np.pi / 2, n)
+        ),
+        "181 or 361 beams include both ends: the last one points to +90 degrees": (
+            lambda n: np.linspace(-np.pi / 2, np.pi / 2, n, endpoint=False)
+        ),
+        "0 is straight ahead: the first beam looks to the right, at -90 degrees": (
+            lambda n: half_turn(n) + np.pi / 2
+        ),
+        "the library works in radians: convert the degrees": changed(half_turn, np.degrees),
+        "angles count counter-clockwise, from the right (-90 degrees) to the left": (
+            changed(half_turn, np.negative)
+        ),
+        "the step depends on n: half a turn has 180 steps of 1 degree, or 360 of half a degree": (
+            lambda n: np.radians(np.arange(n) - 90)
+        ),
+        "odd numbers include both ends, even ones leave the last out; here it is exchanged": (
+            lambda n: np.linspace(-np.pi / 2, np.pi / 2, n, endpoint=n % 2 == 0)
+        ),
+        "the beams go from -90 to 90 degrees, half a turn, not from -180 to 180": (
+            lambda n: 2 * half_turn(n)
+        ),
+    },
+    own=(half_turn,),
+)
+
+
+def _walls_ahead(rng: Rng) -> Cases:
+    """A wall ahead, beside the beam, behind the robot and along the beam."""
+    robot = anywhere(rng, -40, 40) * (0.2, 0.2, 1)
+    away, half = rng.uniform(1, 4), rng.uniform(0.5, 1.5)
+    wall = np.array([(away, -half), (away, half * rng.uniform(0.7, 1.3))])
+    leaning = wall + [(rng.uniform(0.1, 0.5), 0), (0, 0)]
+    inside, outside = 0.5 * np.arctan(half / away), np.arctan(1.5 * half / away) + 0.1
+    return {
+        words: (transform(robot, ends)[:: rng.choice([-1, 1])], robot, float(beam))
+        for words, ends, beam in (
+            ("a wall straight ahead", wall, 0.0),
+            ("a beam to the left", wall, inside),
+            ("a leaning wall, a beam to the right", leaning, -inside),
+            ("a wall behind the robot", wall * (-1, 1), 0.0),
+            ("a beam that passes beside the wall", wall, outside),
+            ("a beam along the wall", wall, np.pi / 2),
+        )
+    }
+
+
+def _cast_ray(
+    wall: Array, pose: Array, angle: float, *, behind: bool = False, endless: bool = False
+) -> float:
+    """Range to a wall; with the tests for what lies behind or beside it left out when asked."""
+    beam = np.array([np.cos(pose[2] + angle), np.sin(pose[2] + angle)])
+    start, along = wall[0] - pose[:2], wall[1] - wall[0]
+    across = beam[0] * along[1] - beam[1] * along[0]
+    if abs(across) < 1e-12:
+        return np.inf
+    distance = (start[0] * along[1] - start[1] * along[0]) / across
+    share = (start[0] * beam[1] - start[1] * beam[0]) / across
+    met = (behind or distance > 0) and (endless or 0 <= share <= 1)
+    return float(distance) if met else np.inf
+
+
+def _square_to_the_wall(wall: Array, pose: Array, angle: float) -> float:
+    (x, y), (dx, dy) = pose[:2] - wall[0], wall[1] - wall[0]
+    found = _cast_ray(wall, pose, angle)
+    return float(min(found, abs(dx * y - dy * x) / np.hypot(dx, dy)) if found < np.inf else np.inf)
+
+
+check_cast_ray = Exercise(
+    "cast_ray(wall, pose, angle) -> metres to the wall (2, 2) along the beam at `angle` radians "
+    "from a robot at pose (3,); inf where it is not met",
+    lambda wall, pose, angle: float(cast_rays([wall], pose, [angle])[0]),
+    _walls_ahead,
+    {
+        "a beam goes one way only: a wall behind the sensor, at a negative range, is not met": (
+            lambda wall, pose, angle: _cast_ray(wall, pose, angle, behind=True)
+        ),
+        "a wall ends: the meeting point must lie between its end points": (
+            lambda wall, pose, angle: _cast_ray(wall, pose, angle, endless=True)
+        ),
+        "two lines always meet somewhere: test that it is ahead, and between the end points": (
+            lambda wall, pose, angle: _cast_ray(wall, pose, angle, behind=True, endless=True)
+        ),
+        "angles are radians already: sin and cos take them as they are": (
+            lambda wall, pose, angle: _cast_ray(wall, np.radians(pose), np.radians(angle))
+        ),
+        "the beam's angle counts from straight ahead: add the robot's heading": (
+            lambda wall, pose, angle: _cast_ray(wall, pose * (1, 1, 0), angle)
+        ),
+        "the beam starts at the robot: take its x and y from the wall's first": (
+            lambda wall, pose, angle: _cast_ray(wall, pose * (0, 0, 1), angle)
+        ),
+        "the range is measured along the beam, not square to the wall": _square_to_the_wall,
+        "angles count counter-clockwise: a beam at a positive angle looks to the left": (
+            lambda wall, pose, angle: _cast_ray(wall, pose * (1, 1, -1), -angle)
+        ),
+        "where the wall is not met the answer is inf, not nan": (
+            changed(_cast_ray, lambda found: np.nan_to_num(found, posinf=np.nan))
+        ),
+        "where the wall is not met the answer is inf, not 0: that would be a wall at the sensor": (
+            changed(_cast_ray, lambda found: np.nan_to_num(found, posinf=0.0))
+        ),
+    },
+    own=(cast_rays, simulate),
+)
+
+
+# ------------------------------------------------------------------------- the protocol
+def _blocks(rng: Rng) -> Cases:
+    """One block, blocks that cut distances, and none; each with its sum, as the sensor sends it."""
+
+    def blocks(size: int) -> tuple[Any, ...]:
+        values = rng.integers(0, 1 << 18, int(rng.integers(8, 20)))
+        digits = values[:, None] >> np.array([12, 6, 0]) & 63
+        text = bytes((digits.ravel() + 0x30).tolist())
+        cut = [text[i : i + size] for i in range(0, len(text), size)]
+        return ([block + checksum(block) for block in cut],)
+
+    return {
+        "one block": blocks(64),
+        "blocks that cut a distance": blocks(int(rng.choice([7, 8, 10, 11]))),
+        "blocks of whole distances": blocks(9),
+        "no block": ([],),
+    }
+
+
+def _joined(lines: list[bytes]) -> bytes:
+    return b"".join(line[:-1] for line in lines)
+
+
+def _digits(text: bytes) -> Array:
+    return np.frombuffer(text, np.uint8).astype(float).reshape(-1, 3) - 0x30
+
+
+def _sums_kept(lines: list[bytes]) -> Array:
+    text = b"".join(lines)
+    return decode(text[: len(text) // 3 * 3], 3).astype(float)
+
+
+check_distances = Exercise(
+    "distances(lines) -> (n,) millimetres; lines: list of bytes, each a block of characters and "
+    "its sum; three characters a distance, of six bits each, most significant first, from '0' on",
+    lambda lines: decode(_joined(lines), 3).astype(float),
+    _blocks,
+    {
+        "the first character is the most significant one": (
+            lambda lines: _digits(_joined(lines)) @ (1, 64, 4096)
+        ),
+        "the character '0' stands for 0: take 0x30 from each": (
+            lambda lines: decode(_joined(lines), 3) + 0x30 * 4161
+        ),
+        "the last character of each block is its sum, no part of a number": _sums_kept,
+        "a block need not hold whole numbers: join the blocks, then decode": (
+            lambda lines: [d for line in lines for d in decode(line[: len(line[:-1]) // 3 * 3], 3)]
+        ),
+        "a character carries six bits: the parts count 4096, 64 and 1, not 65536, 256 and 1": (
+            lambda lines: _digits(_joined(lines)) @ (65536, 256, 1)
+        ),
+        "millimetres are asked for, not metres": lambda lines: decode(_joined(lines), 3) / 1000,
+    },
+    own=(decode,),
+)
+
+
+def _stamps(rng: Rng) -> Cases:
+    def stamps(start: int, most: int, count: int) -> tuple[Any, ...]:
+        steps = rng.integers(most // 2, most, count)
+        return ((start + np.cumsum(steps)) % WRAP,)
+
+    start = int(rng.integers(1000, WRAP // 2))
+    return {
+        "a clock that does not wrap": stamps(start, 500, 5),
+        "a clock that wraps": stamps(WRAP - 900, 600, 6),
+        "a clock that wraps more than once": stamps(start, WRAP - 1, 6),
+    }
+
+
+def _unwrapped(stamps: ArrayLike, wrap: float = WRAP) -> Array:
+    return np.append(0, np.cumsum(np.diff(np.asarray(stamps, float)) % wrap)) / 1000
+
+
+check_unwrapped = Exercise(
+    "unwrapped(stamps) -> (n,) seconds since the first; stamps (n,) in milliseconds, which start "
+    "again at 0 after 2 ** 24 - 1",
+    _unwrapped,
+    _stamps,
+    {
+        "after 2 ** 24 - 1 comes 0, not a time before": lambda s: (s - s[0]) / 1000,
+        "it may wrap more than once: add up the steps from stamp to stamp": (
+            lambda s: (s - s[0]) % WRAP / 1000
+        ),
+        "from 2 ** 24 - 1 to 0 is one millisecond: there are 2 ** 24 values": (
+            lambda s: _unwrapped(s, WRAP - 1)
+        ),
+        "stamps are milliseconds, not seconds": lambda s: 1000 * _unwrapped(s),
+        "time counts from the first stamp: subtract it": lambda s: _unwrapped(s) + s[0] / 1000,
+        "after the clock has started again all later stamps are later, not this one alone": (
+            lambda s: (s - s[0] + WRAP * (np.diff(s, prepend=s[0]) < 0)) / 1000
+        ),
+    },
+)
