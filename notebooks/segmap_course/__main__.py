@@ -6,7 +6,7 @@ import argparse
 import sys
 from pathlib import Path
 
-from .grading import Limits, checks, class_report, grade, plan_of, read_key
+from .grading import Limits, class_report, grade, plan_of, read_key
 from .grading.handout import handout, write_solutions
 
 EPILOG = """\
@@ -47,7 +47,7 @@ def _add_solutions(command: argparse.ArgumentParser) -> None:
 
 
 def _solutions(given: argparse.Namespace) -> None:
-    count = write_solutions(given.folder, checks(), given.chapters)
+    count = write_solutions(given.folder, given.chapters)
     print(f"{count} chapters with solutions in {given.folder}: for you alone")
 
 
@@ -66,7 +66,7 @@ def whole(word: str) -> int:
 
 
 def _handout(given: argparse.Namespace) -> None:
-    key, tasks = handout(given.folder, checks(), wanted=given.chapters, seed=given.seed)
+    key, tasks = handout(given.folder, wanted=given.chapters, seed=given.seed)
     count = len(list(given.folder.glob("*.ipynb")))
     points = sum(task.points for task in tasks)
     print(f"{count} chapters, {len(tasks)} tasks, {points} points: give {given.folder} to students")
@@ -106,18 +106,15 @@ def _add_grade(command: argparse.ArgumentParser) -> None:
 
 
 def _grade(given: argparse.Namespace) -> None:
-    known = checks()
     if given.key and (given.chapters or given.seed is not None):
         raise ValueError("--key holds the chapters and the seed: leave --chapters and --seed out")
     if given.output.suffix != ".csv":
         raise ValueError(f"-o must name a table, grades.csv for instance, got {given.output}")
     if not given.output.parent.is_dir():
         raise ValueError(f"cannot write {given.output}: there is no folder {given.output.parent}")
-    plan = read_key(given.key) if given.key else plan_of(known, given.chapters, given.seed)
+    plan = read_key(given.key) if given.key else plan_of(given.chapters, given.seed)
     limits = Limits(seconds=max(given.seconds, 1), cpu=max(given.cpu, 1))
-    rows = grade(
-        given.folder, given.output, plan, known, limits=limits, unprotected=given.unprotected
-    )
+    rows = grade(given.folder, given.output, plan, limits=limits, unprotected=given.unprotected)
     hidden = "with" if plan.seed is not None else "without"
     pages = given.output.with_name(f"{given.output.stem}_feedback")
     print(f"{len(rows)} submissions, {len(plan.tasks)} tasks, {hidden} hidden cases")

@@ -14,14 +14,13 @@ import submitted
 from segmap_course import EXERCISES
 from segmap_course.__main__ import main
 from segmap_course.grading import _grade, _jail, _run
-from segmap_course.grading._checks import checks
 from segmap_course.grading._grade import cases_of
 from segmap_course.grading._jail import Limits, Locks
 from segmap_course.grading._report import safe
 from segmap_course.grading._run import Pool, outcome
 from segmap_course.grading._submissions import Answer, Submission, submissions
 from segmap_course.grading._wire import packed, unpacked
-from segmap_course.grading.handout._tasks import Task
+from segmap_course.grading.handout._tasks import CHECKS, Task
 
 LIMITS = Limits(seconds=30, cpu=1, memory=1 << 28)
 TASK = Task(
@@ -349,7 +348,7 @@ def test_without_a_lock_on_files_nothing_runs(tmp_path, monkeypatch):
 
 
 def test_every_exercise_has_a_column():
-    assert {name.removeprefix("check_") for name in checks()} >= set(EXERCISES)
+    assert {name.removeprefix("check_") for name in CHECKS} >= set(EXERCISES)
     assert shutil.which("unshare") is None or _run.apart is not None
 
 
@@ -357,7 +356,7 @@ WITHHELD = """
 import json, sys
 import right_answers
 from segmap_course import EXERCISES
-from segmap_course.grading._withhold import withhold
+from segmap_course.grading._answer import withhold
 exercise = EXERCISES[sys.argv[1]]
 withhold(exercise)
 print(json.dumps([exercise.answers(f) for f in right_answers.RIGHT[exercise.name]]))
@@ -378,8 +377,8 @@ EMPTIED = """
 import gc
 from segmap.compiled import Compiled
 from segmap_course import EXERCISES
-from segmap_course.exercises._notice import Watch
-from segmap_course.grading._withhold import GONE, withhold
+from segmap_course.exercises import Watch
+from segmap_course.grading._answer import GONE, withhold
 count = 0
 for exercise in EXERCISES.values():
     watch = Watch(exercise.own, exercise.solution)

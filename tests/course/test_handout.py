@@ -7,11 +7,9 @@ import pytest
 from chapter_rules import CHAPTERS
 from segmap_course import EXERCISES
 from segmap_course.__main__ import main
-from segmap_course.grading._checks import checks
 from segmap_course.grading.handout._handout import LINK, student_copy, with_links
-from segmap_course.grading.handout._places import chapters, defines, places
 from segmap_course.grading.handout._solutions import BEGIN, END, module_of, solution
-from segmap_course.grading.handout._tasks import tasks_of
+from segmap_course.grading.handout._tasks import CHECKS, chapters, defines, places, tasks_of
 
 
 @pytest.fixture(scope="module")
@@ -154,7 +152,7 @@ def test_a_definition_is_seen_and_nothing_else():
 
 def test_chapters_are_named_by_their_numbers():
     assert list(chapters("54, 34")) == ["34", "54"] and len(chapters()) == len(CHAPTERS)
-    assert set(checks()) >= {f"check_{name}" for name in EXERCISES}
+    assert set(CHECKS) >= {f"check_{name}" for name in EXERCISES}
 
 
 def made_up(*sources):
@@ -182,7 +180,7 @@ def test_what_a_person_grades_has_its_rubric_and_no_test_cell():
         "my_log, my_poses = None, None\ncourse.check_own_log(my_log, my_poses)",
         "Explain why, by hand: 6 points.",
     )
-    tasks = tasks_of("99_x.ipynb", chapter, checks())
+    tasks = tasks_of("99_x.ipynb", chapter)
     assert [(task.name, task.points, task.by_hand, task.given) for task in tasks] == [
         ("predict_beams_on_wall", 4, False, "my_guess"),
         ("break_quality", 2, False, "my_map"),
@@ -191,7 +189,7 @@ def test_what_a_person_grades_has_its_rubric_and_no_test_cell():
         ("by_hand_99_8", 6, True, ""),
     ]
     assert "| 6 | explained |" in tasks[3].rubric
-    found = {c["id"]: c for c in student_copy("99_x.ipynb", chapter, checks(), [])["cells"]}
+    found = {c["id"]: c for c in student_copy("99_x.ipynb", chapter, [])["cells"]}
     assert "own_log_99-test" not in found and found["break_quality-test"]["source"][:7] == "2 * boo"
     for name, points in {
         "own_log_99_by_hand": 10,

@@ -1,10 +1,18 @@
-"""One answer, in the child that is locked in: the imports of the chapter, the cell, the cases."""
+"""One answer, in the child that is locked in: the imports of the chapter, the cell, the cases.
+
+The library's answer is taken out of the process first.
+"""
 
 from __future__ import annotations
 
-from typing import Any
+import gc
+from types import CodeType, FunctionType
+from typing import Any, NoReturn
 
-from ._withhold import withhold
+from segmap.compiled import Compiled
+
+from .. import EXERCISES, OPEN_EXERCISES
+from ..exercises import Watch
 
 #: As much is kept of what an exception says.
 MOST_WORDS = 300
@@ -22,34 +30,27 @@ def answer(job: dict[str, Any], cases: Any) -> dict[str, Any]:
         `passed` and `hint` are found.
     cases : mapping from words to a tuple of arguments
     """
-    import segmap_course as course
-
     # Whatever the cell does to the package afterwards, this is what was there before.
-    exercise: Any = {**course.EXERCISES, **course.OPEN_EXERCISES}[job["task"]]
+    exercise: Any = {**EXERCISES, **OPEN_EXERCISES}[job["task"]]
+    wants_function = job["task"] in EXERCISES
     if "judge" in job:
         check = exercise.verdict(job["judge"])
         return {"passed": check.passed, "hint": check.hint}
     space: dict[str, Any] = {"__name__": "__main__"}
     exec(job["imports"], space)
-    if job["task"] in course.EXERCISES:
+    if wants_function:
         withhold(exercise)
-    if fault := defined(job["cell"], space) or missing(job["names"], space):
+    if fault := defined(job["cell"], space):
         return fault
+    if lost := ", ".join(name for name in job["names"] if name not in space):
+        return {"fault": "missing", "text": f"the cell does not define {lost}"}
     try:
         given = eval(job["given"], space)
-        if job["task"] in course.EXERCISES and not callable(given):
+        if wants_function and not callable(given):
             return {"fault": "missing", "text": f"{job['given']} is no function"}
         return {"answers": exercise.answers(given, cases)}
-    except MemoryError:
-        return {"fault": "memory", "text": ""}
     except BaseException as error:  # an interrupt, which is no Exception
-        return {"fault": "raised", "text": f"{type(error).__name__}: {_words(error)}"}
-
-
-def missing(names: list[str], space: dict[str, Any]) -> dict[str, str] | None:
-    """Names that a cell should have defined, and did not."""
-    lost = ", ".join(name for name in names if name not in space)
-    return {"fault": "missing", "text": f"the cell does not define {lost}"} if lost else None
+        return _raised(error)
 
 
 def defined(cell: str, space: dict[str, Any]) -> dict[str, str] | None:
@@ -60,11 +61,20 @@ def defined(cell: str, space: dict[str, Any]) -> dict[str, str] | None:
         return {"fault": "syntax", "text": _syntax(error)}
     try:
         exec(code, space)
-    except MemoryError:
-        return {"fault": "memory", "text": ""}
     except BaseException as error:
-        return {"fault": "raised", "text": f"{type(error).__name__}: {_words(error)}"}
+        return _raised(error)
     return None
+
+
+def _raised(error: BaseException) -> dict[str, str]:
+    """The fault of a cell that raises this; its own text may fail too."""
+    if isinstance(error, MemoryError):
+        return {"fault": "memory", "text": ""}
+    try:
+        words = str(error)[:MOST_WORDS]
+    except Exception:
+        words = "an error without a text"
+    return {"fault": "raised", "text": f"{type(error).__name__}: {words}"}
 
 
 def _syntax(error: Exception) -> str:
@@ -75,8 +85,41 @@ def _syntax(error: Exception) -> str:
     return f"line {error.lineno}: {error.msg}{magic}"
 
 
-def _words(error: BaseException) -> str:
-    try:
-        return str(error)[:MOST_WORDS]
-    except Exception:  # its own text may fail too
-        return "an error without a text"
+# ------------------------------------------------------------------ the library's answer
+GONE = "this is the library's; write your own"
+
+
+def withhold(exercise: Any) -> None:
+    """Let every function that is part of the library's answer raise; there is no way back.
+
+    A check that notices the library's answer can be changed by the code that runs beside it; an
+    answer that is not there cannot be called. (Its source can still be read, as from a book.)
+    """
+    watch = Watch(exercise.own, exercise.solution)
+    for found in gc.get_objects():
+        plain = found.plain if isinstance(found, Compiled) else found
+        if isinstance(plain, FunctionType) and watch.covers(plain.__code__):
+            if isinstance(found, Compiled):
+                found._fast = found._inner = _gone
+            else:
+                found.__code__ = _emptied(found.__code__)
+
+
+def _gone(*_: Any, **__: Any) -> NoReturn:
+    raise RuntimeError(GONE)
+
+
+def _emptied(code: CodeType) -> CodeType:
+    """Code that raises, with the name and the place of another, so that its call is noticed."""
+    held = "".join(f"    {name} = None\n" for name in code.co_freevars)
+    used = ", ".join(code.co_freevars)
+    space: dict[str, Any] = {}
+    source = (
+        f"def outer():\n{held}    def inner(*_, **__):\n        ({used})\n"
+        f"        raise RuntimeError({GONE!r})\n    return inner\n"
+    )
+    exec(source, space)
+    empty: CodeType = space["outer"]().__code__
+    return empty.replace(
+        co_filename=code.co_filename, co_name=code.co_name, co_qualname=code.co_qualname
+    )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -14,7 +14,7 @@ from ._jail import Limits
 from ._report import Row, class_report, write_feedback, write_table
 from ._run import Outcome, Pool, judged, outcome
 from ._submissions import Submission, submissions
-from .handout import KIND, Task, chapters, read_chapter, tasks_of
+from .handout import CHECKS, KIND, Task, chapters, read_chapter, tasks_of
 
 #: Answers that run at the same time.
 WORKERS = 2
@@ -46,12 +46,12 @@ def read_key(path: Path) -> Plan:
     return Plan([task._replace(answers=tuple(task.answers)) for task in tasks], seed)
 
 
-def plan_of(checks: Mapping[str, Any], wanted: str, seed: int | None) -> Plan:
+def plan_of(wanted: str, seed: int | None) -> Plan:
     """The plan of chapters by their numbers; of all of them by default."""
     found = [
         task
         for path in chapters(wanted).values()
-        for task in tasks_of(path.name, read_chapter(path), checks)
+        for task in tasks_of(path.name, read_chapter(path))
     ]
     return Plan(found, seed)
 
@@ -60,7 +60,6 @@ def grade(
     folder: Path,
     output: Path,
     plan: Plan,
-    checks: Mapping[str, Any],
     *,
     limits: Limits | None = None,
     unprotected: bool = False,
@@ -74,7 +73,6 @@ def grade(
         Submissions, and the table: `grades.csv`. Feedback goes to `grades_feedback`, what the class
         found hard to `grades_class.txt`.
     plan : Plan
-    checks : mapping of str to an exercise
     limits : Limits, optional
         Of each answer.
     unprotected : bool
@@ -90,7 +88,6 @@ def grade(
     handed, bounds = submissions(folder), limits or Limits()
     if not plan.tasks:
         raise ValueError("the chapters that are graded ask for no answer")
-    exercises = {name.removeprefix("check_"): exercise for name, exercise in checks.items()}
     with Pool(plan.tasks, bounds, WORKERS) as pool:
         tell(f"students' code runs under these locks: {pool.locks}")
         if not (pool.locks.files or unprotected):
@@ -98,7 +95,7 @@ def grade(
                 "this system would let a student's code change your files. Grade as root in a "
                 "container or on Linux 5.13 or later; or, if you have read all of it: --unprotected"
             )
-        rows = _rows(handed, plan, exercises, pool, bounds, tell)
+        rows = _rows(handed, plan, pool, bounds, tell)
     write_feedback(output.with_name(f"{output.stem}_feedback"), rows, plan.tasks)
     report = "\n".join([*class_report(rows, plan.tasks), ""])
     write_bytes(output.with_name(f"{output.stem}_class.txt"), report.encode("utf-8", "replace"))
@@ -109,12 +106,12 @@ def grade(
 def _rows(
     handed: Sequence[Submission],
     plan: Plan,
-    exercises: Mapping[str, Any],
     pool: Pool,
     limits: Limits,
     tell: Callable[[str], None],
 ) -> list[Row]:
     """Grade each submission; as many answers at a time as there are workers."""
+    exercises = {name.removeprefix("check_"): exercise for name, exercise in CHECKS.items()}
     cases = {t.name: cases_of(exercises[t.name], plan.seed) for t in plan.tasks if not t.by_hand}
 
     def graded(submission: Submission) -> Row:

@@ -1,6 +1,6 @@
 """Arguments of cases as plain text, from the grader to the process that runs a student's code.
 
-Only this way: what comes back is numbers (see `_exercise_answers`), and never becomes code.
+Only this way: what comes back is numbers (see `exercises/_answers.py`), and never becomes code.
 """
 
 from __future__ import annotations

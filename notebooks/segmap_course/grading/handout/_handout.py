@@ -16,8 +16,7 @@ from typing import Any
 
 from segmap.files import write_bytes
 
-from ._places import Cell, Notebook, chapters, parts, places, read_chapter
-from ._tasks import Task, column, tasks_of
+from ._tasks import Cell, Notebook, Task, chapters, column, parts, places, read_chapter, tasks_of
 
 #: First word of the instructor's file, with the version of its layout.
 KIND = "segmap handout 1"
@@ -25,17 +24,13 @@ KIND = "segmap handout 1"
 LINK = re.compile(r"(!?)\[([^\]\n]*)\]\(([^)#\s]+)(#[^)\s]*)?\)")
 
 
-def handout(
-    folder: Path, checks: Mapping[str, Any], *, wanted: str = "", seed: int | None = None
-) -> tuple[Path, list[Task]]:
+def handout(folder: Path, *, wanted: str = "", seed: int | None = None) -> tuple[Path, list[Task]]:
     """Write student copies of chapters into a new folder, and the instructor's file beside it.
 
     Parameters
     ----------
     folder : Path
         It must not exist, or be empty.
-    checks : mapping of str to an exercise
-        The calls that check an answer.
     wanted : str
         Numbers of chapters, "34,54"; all by default.
     seed : int, optional
@@ -59,8 +54,8 @@ def handout(
     if key.exists():
         raise ValueError(f"{key} is there already, with the seed of a handout: move it away first")
     notebooks = {path.name: read_chapter(path) for path in chosen.values()}
-    tasks = [task for name, book in notebooks.items() for task in tasks_of(name, book, checks)]
-    copies = {n: student_copy(n, book, checks, notebooks) for n, book in notebooks.items()}
+    tasks = [task for name, book in notebooks.items() for task in tasks_of(name, book)]
+    copies = {n: student_copy(n, book, notebooks) for n, book in notebooks.items()}
     write_folder(folder, {n: text(copy) for n, copy in copies.items()})
     held = {"format": KIND, "seed": seed, "tasks": [task._asdict() for task in tasks]}
     write_bytes(key, (json.dumps(held, indent=1) + "\n").encode())
@@ -104,18 +99,16 @@ def text(notebook: Notebook) -> bytes:
 
 
 # ------------------------------------------------------------------------------ a student's copy
-def student_copy(
-    name: str, notebook: Notebook, checks: Mapping[str, Any], handed: Iterable[str]
-) -> Notebook:
+def student_copy(name: str, notebook: Notebook, handed: Iterable[str]) -> Notebook:
     """A chapter as students get it; `handed` are the files that its links may lead to."""
-    tasks = {task.name: task for task in tasks_of(name, notebook, checks)}
-    asked = {place.checked: place for place in places(notebook["cells"], checks)}
+    tasks = {task.name: task for task in tasks_of(name, notebook)}
+    asked = {place.checked: place for place in places(notebook["cells"])}
     written = {place.written: column(place, name) for place in asked.values()}
     cells: list[Cell] = []
     for index, cell in enumerate(notebook["cells"]):
         if index in asked:
             own = column(asked[index], name)
-            cells += checked_cells(cell, own, set(checks), tasks, index in written)
+            cells += checked_cells(cell, own, tasks, index in written)
         elif index in written:
             cells += answer_cells(cell["source"], written[index], tasks)
         elif cell["cell_type"] == "markdown":
@@ -144,11 +137,9 @@ def name_cell(tasks: list[Task]) -> Cell:
     )
 
 
-def checked_cells(
-    cell: Cell, name: str, checks: set[str], tasks: Mapping[str, Task], both: bool
-) -> list[Cell]:
+def checked_cells(cell: Cell, name: str, tasks: Mapping[str, Task], both: bool) -> list[Cell]:
     """The cell with the check; before it the answer, where both stood in one cell."""
-    answer, check = parts(cell, checks)
+    answer, check = parts(cell)
     found = answer_cells(answer, name, tasks) if both else []
     found.append(code(f"{name}-check", check))
     points = tasks[name].points if name in tasks else 0

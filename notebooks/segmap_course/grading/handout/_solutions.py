@@ -8,15 +8,15 @@ from __future__ import annotations
 
 import ast
 import importlib
+import re
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 from ...exercises import Watch, plain
 from ._handout import refuse_old, student_copy, text, write_folder
-from ._places import Cell, Notebook, chapters, read_chapter
-from ._tasks import tasks_of
+from ._tasks import CHECKS, Notebook, chapters, read_chapter, tasks_of
 
 #: nbgrader leaves out what stands between these lines when it makes the students' version.
 BEGIN, END = "### BEGIN SOLUTION", "### END SOLUTION"
@@ -64,7 +64,7 @@ class Gatherer:
         self.own = Watch(own)
         self.imports: list[str] = []
         self.parts: list[str] = []
-        self._seen: set[tuple[str, str]] = set()
+        self._names: dict[tuple[str, str], str] = {}
         self._sources: dict[str, Source] = {}
 
     def source(self, module: str) -> Source:
@@ -73,61 +73,64 @@ class Gatherer:
 
     def needs(self, source: Source, node: ast.AST) -> str:
         """Gather all names of the module that a node uses; the text of the node, with these."""
-        code, inside = source.code(node), set()
+        renamed: dict[str, str] = {}
+        inside = set()
         for part in ast.walk(node):
-            if not isinstance(part, ast.Attribute) or not isinstance(part.value, ast.Name):
-                continue
-            if new := self._of_module(source, part.value.id, part.attr):
-                code = code.replace(f"{part.value.id}.{part.attr}", new)
-                inside.add(part.value.id)
+            if isinstance(part, ast.Attribute) and isinstance(part.value, ast.Name):
+                module = part.value.id
+                if home := self._inside(source, module, part.attr):
+                    renamed[f"{module}.{part.attr}"] = self.take(home, part.attr)
+                    inside.add(module)
         for part in ast.walk(node):
             if isinstance(part, ast.Name) and part.id in source.nodes and part.id not in inside:
-                self.take(source, part.id)
+                renamed[part.id] = self.take(source, part.id)
+        code = source.code(node)
+        for old, new in renamed.items():
+            if old != new:  # but no argument of this name
+                code = re.sub(rf"(?<![\w.]){re.escape(old)}\b(?!=[^=])", new, code)
         return code
 
-    def _of_module(self, source: Source, module: str, name: str) -> str:
-        """The new name of `module.name`, where that belongs to the answer; else nothing."""
+    def _inside(self, source: Source, module: str, name: str) -> Source | None:
+        """Where `module.name` stands, if that belongs to the answer."""
         node = source.nodes.get(module)
         if not isinstance(node, ast.ImportFrom):
-            return ""
+            return None
         alias = next(a.name for a in node.names if (a.asname or a.name) == module)
         home = self._home(f"{source.origin(node)}.{alias}", name)
-        if home is None or not self._is_own(home, name):
-            return ""
-        new = f"{alias}_{name}".strip("_")
-        self.take(home, name, new=new)
-        return new
+        return home if home is not None and self._is_own(home, name) else None
 
-    def take(self, source: Source, name: str, *, copied: bool = False, new: str = "") -> None:
-        """Gather one name of a module: its text, or an import."""
-        if (source.module, name) in self._seen:
-            return
-        self._seen.add((source.module, name))
+    def take(self, source: Source, name: str, *, copied: bool = False) -> str:
+        """Gather one name of a module, its text or an import; the name that it has from now on."""
+        key = (source.module, name)
+        if key in self._names:
+            return self._names[key]
         node = source.nodes[name]
         if isinstance(node, ast.Import | ast.ImportFrom):
-            self._import(source, node, name, copied)
-            return
+            self._names[key] = self._import(source, node, name, copied)
+            return self._names[key]
+        taken = name in self._names.values()
+        room = source.module.rpartition(".")[2].strip("_")
+        new = self._names[key] = f"{room}_{name.strip('_')}" if taken else name
         if isinstance(node, ast.FunctionDef):
             node.decorator_list = []  # the source of a function comes without them
         code = self.needs(source, node)
-        self.parts.append(code.replace(f"def {name}(", f"def {new}(", 1) if new else code)
+        self.parts.append(re.sub(rf"\b{name}\b", new, code) if taken else code)
+        return new
 
     def _import(
         self, source: Source, node: ast.Import | ast.ImportFrom, name: str, copied: bool
-    ) -> None:
+    ) -> str:
         alias = next(a for a in node.names if (a.asname or a.name) == name)
         renamed = f" as {alias.asname}" if alias.asname else ""
         if isinstance(node, ast.Import):
             self.imports.append(f"import {alias.name}{renamed}")
-            return
+            return name
         module = source.origin(node)
         home = self._home(module, alias.name)
         if home is not None and (copied or self._is_own(home, alias.name)):
-            self.take(home, alias.name)
-            if renamed:
-                self.parts.append(f"{name} = {alias.name}")
-        else:
-            self.imports.append(f"from {module} import {alias.name}{renamed}")
+            return self.take(home, alias.name)
+        self.imports.append(f"from {module} import {alias.name}{renamed}")
+        return name
 
     def _home(self, module: str, name: str) -> Source | None:
         """The module of segmap in which a name is defined, behind all that hand it on."""
@@ -179,7 +182,7 @@ def solution(exercise: Any, module: str, name: str) -> str:
     return "\n\n\n".join(part for part in [head, *gatherer.parts, last] if part)
 
 
-def write_solutions(folder: Path, checks: Mapping[str, Any], wanted: str = "") -> int:
+def write_solutions(folder: Path, wanted: str = "") -> int:
     """Write chapters with solutions into a new folder, each in one of its own; their number.
 
     So nbgrader wants them: `source/34_icp/34_icp.ipynb`.
@@ -191,29 +194,22 @@ def write_solutions(folder: Path, checks: Mapping[str, Any], wanted: str = "") -
     """
     refuse_old(folder)
     notebooks = {path.name: read_chapter(path) for path in chapters(wanted).values()}
-    copies = {n: solved_copy(n, book, checks, {n}) for n, book in notebooks.items()}
+    copies = {n: solved_copy(n, book) for n, book in notebooks.items()}
     write_folder(folder, {f"{n[:-6]}/{n}": text(copy) for n, copy in copies.items()})
     return len(copies)
 
 
-def solved_copy(
-    name: str, notebook: Notebook, checks: Mapping[str, Any], handed: set[str]
-) -> Notebook:
-    """A student's copy with the solutions, between the marks of nbgrader."""
-    copy = student_copy(name, notebook, checks, handed)
-    answers = {f"{task.name}-answer": task for task in tasks_of(name, notebook, checks)}
+def solved_copy(name: str, notebook: Notebook) -> Notebook:
+    """A student's copy with each solution below its stub, between the marks of nbgrader."""
+    copy = student_copy(name, notebook, {name})
+    answers = {f"{task.name}-answer": task for task in tasks_of(name, notebook)}
     for cell in copy["cells"]:
         task = answers.get(cell["id"])
-        exercise = checks.get(f"check_{task.name}") if task else None
+        exercise = CHECKS.get(f"check_{task.name}") if task else None
         if task and exercise is not None:
-            _solve(cell, exercise, task.answers[0])
+            code = solution(exercise, module_of(exercise), task.answers[0])
+            cell["source"] = f"{cell['source']}\n\n\n{BEGIN}\n{code}\n{END}"
     return copy
-
-
-def _solve(cell: Cell, exercise: Any, name: str) -> None:
-    """Put the solution below the stub, which stays for the students' version."""
-    code = solution(exercise, module_of(exercise), name)
-    cell["source"] = f"{cell['source']}\n\n\n{BEGIN}\n{code}\n{END}"
 
 
 def module_of(exercise: Any) -> str:

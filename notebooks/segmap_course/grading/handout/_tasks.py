@@ -1,4 +1,4 @@
-"""What a chapter asks for, and what that is worth: by the program, and by hand.
+"""What a chapter asks for: which cells hold and check an answer, and what that is worth.
 
 A function is worth four points. What an open exercise is worth says the text above it: a table
 whose rows begin with points, of which those about passing are the program's; or "4 points if the
@@ -7,14 +7,23 @@ program says passed"; or, anywhere in a chapter, "by hand: 6 points".
 
 from __future__ import annotations
 
+import ast
+import json
 import re
-from collections.abc import Mapping
+from collections.abc import Iterable, Iterator
+from pathlib import Path
 from typing import Any, NamedTuple
 
+from segmap.files import chapters_folder
+
+from ... import EXERCISES, OPEN_EXERCISES
 from ...exercises import Exercise
 from ...exercises.open import Prediction
-from ._places import Cell, Notebook, Place, imports, places
 
+Cell = dict[str, Any]
+Notebook = dict[str, Any]
+#: The calls by which chapters check an answer -> the exercises behind them.
+CHECKS: dict[str, Any] = {f"check_{n}": e for n, e in EXERCISES.items()} | OPEN_EXERCISES
 #: What an answer that the program judges is worth, all or nothing; a log, where nothing is said.
 POINTS, LOG_POINTS = 4, 10
 BY_HAND = re.compile(r"\bby hand: (\d+) points", re.IGNORECASE)
@@ -24,6 +33,143 @@ PASSES = re.compile(r"\bpass(?:es|ed)?\b")
 STATED = re.compile(r"(\d+) points\*? if the program")
 
 
+class Place(NamedTuple):
+    """Where a chapter asks for an answer.
+
+    Parameters
+    ----------
+    check : str
+        The call that checks it, `check_compose` for instance.
+    answers : tuple of str
+        The names that the student defines, in the order of the call.
+    given : str
+        What the check is called with: the name, or a tuple of names.
+    written, checked : int
+        Index of the cell that defines them, and of the cell with the call.
+    """
+
+    check: str
+    answers: tuple[str, ...]
+    given: str
+    written: int
+    checked: int
+
+
+def chapters(wanted: str = "") -> dict[str, Path]:
+    """Number -> file of the chapters that are named, "34,54" for instance; of all by default.
+
+    Raises
+    ------
+    ValueError
+        For a number that no chapter has.
+    FileNotFoundError
+        Where no chapters came with the package.
+    """
+    found = {path.name[:2]: path for path in sorted(chapters_folder().glob("[0-9][0-9]_*.ipynb"))}
+    numbers = [word for word in re.split(r"[,\s]+", wanted.strip()) if word]
+    unknown = [word for word in numbers if word not in found]
+    if unknown:
+        raise ValueError(
+            f"no chapter has the number {', '.join(unknown)}; there are {', '.join(found)}"
+        )
+    return {number: found[number] for number in found if not numbers or number in numbers}
+
+
+def read_chapter(path: Path) -> Notebook:
+    """A notebook as a dictionary, the source of each cell as one string."""
+    notebook: Notebook = json.loads(path.read_text(encoding="utf-8"))
+    for cell in notebook["cells"]:
+        cell["source"] = "".join(cell["source"])
+    return notebook
+
+
+def places(cells: list[Cell], checks: Iterable[str] = CHECKS) -> list[Place]:
+    """The answers that the cells of a chapter ask for, in their order.
+
+    Examples
+    --------
+    >>> cells = [{"cell_type": "code", "source": "def my_f(x): ..."},
+    ...          {"cell_type": "code", "source": "course.check_f(my_f)"}]
+    >>> places(cells, ["check_f"])
+    [Place(check='check_f', answers=('my_f',), given='my_f', written=0, checked=1)]
+    """
+    known, found = set(checks), []
+    for index, tree in _trees(cells):
+        for call in _calls(tree, known):
+            given = call.args[0] if len(call.args) == 1 else ast.Tuple(call.args, ast.Load())
+            used = [part.id for part in ast.walk(given) if isinstance(part, ast.Name)]
+            names = tuple(
+                name for name in dict.fromkeys(used) if _cells_of(cells[: index + 1], name)
+            )
+            check = ast.unparse(call.func).removeprefix("course.")
+            place = Place(check, names, ast.unparse(given), _written(cells, names, index), index)
+            found.append(place)
+    return found
+
+
+def _trees(cells: list[Cell]) -> Iterator[tuple[int, ast.Module]]:
+    for index, cell in enumerate(cells):
+        if cell["cell_type"] == "code":
+            yield index, ast.parse(cell["source"])
+
+
+def _calls(tree: ast.Module, checks: set[str]) -> Iterator[ast.Call]:
+    """Calls of a check that stand by themselves."""
+    for node in tree.body:
+        if isinstance(node, ast.Expr) and isinstance(node.value, ast.Call):
+            call = node.value
+            if ast.unparse(call.func).removeprefix("course.") in checks and call.args:
+                yield call
+
+
+def _written(cells: list[Cell], names: tuple[str, ...], checked: int) -> int:
+    """The last cell, up to the check, that defines the first of the names."""
+    if not names:
+        raise ValueError(f"cell {checked} checks what no cell before it defines")
+    return _cells_of(cells[: checked + 1], names[0])[-1]
+
+
+def _cells_of(cells: list[Cell], name: str) -> list[int]:
+    """Indices of the cells of code that define a name."""
+    code = [index for index, cell in enumerate(cells) if cell["cell_type"] == "code"]
+    return [index for index in code if defines(cells[index]["source"], name)]
+
+
+def defines(source: str, name: str) -> bool:
+    """Whether a source defines a function or a variable, without a look at what else it holds.
+
+    Examples
+    --------
+    >>> defines("def my_f(x): ...", "my_f"), defines("my_guess = 3", "my_guess")
+    (True, True)
+    >>> defines("print(my_f)", "my_f"), defines("my_f == 3", "my_f")
+    (False, False)
+    """
+    word = re.escape(name)
+    assigned = rf"(?:\w+\s*,\s*)*{word}(?:\s*,\s*\w+)*\s*(?::[^=\n]+)?=(?!=)"
+    return bool(re.search(rf"^(?:def {word}\s*\(|{assigned})", source, re.M))
+
+
+def imports(notebook: Notebook) -> str:
+    """The imports at the top of all cells of a chapter, a statement a line."""
+    nodes = [node for _, tree in _trees(notebook["cells"]) for node in tree.body]
+    found = [ast.unparse(n) for n in nodes if isinstance(n, ast.Import | ast.ImportFrom)]
+    return "\n".join(dict.fromkeys(found))
+
+
+def parts(cell: Cell) -> tuple[str, str]:
+    """The answer and the calls that check it, of a cell that may hold both."""
+    lines = cell["source"].splitlines()
+    calls = [
+        (call.lineno - 1, call.end_lineno or call.lineno)
+        for call in _calls(ast.parse(cell["source"]), set(CHECKS))
+    ]
+    checked = {line for first, last in calls for line in range(first, last)}
+    kept = "\n".join(line for k, line in enumerate(lines) if k not in checked).strip("\n")
+    return kept, "\n".join(lines[k] for k in sorted(checked))
+
+
+# ------------------------------------------------------------------------- what that is worth
 class Task(NamedTuple):
     """What a handout asks for: its column, its chapter, its names, its points, who grades it."""
 
@@ -37,14 +183,14 @@ class Task(NamedTuple):
     rubric: str = ""
 
 
-def tasks_of(name: str, notebook: Notebook, checks: Mapping[str, Any]) -> list[Task]:
+def tasks_of(name: str, notebook: Notebook) -> list[Task]:
     """The tasks of a chapter, in their order: what is checked, and what is graded by hand."""
     head, cells = imports(notebook), notebook["cells"]
     found = []
-    for place in places(cells, checks):
+    for place in places(cells):
         said, own = rubric(cells, place.written), column(place, name)
-        program, hand = worth(checks[place.check], said)
-        if not judged_by_hand(checks[place.check]):
+        program, hand = worth(CHECKS[place.check], said)
+        if not judged_by_hand(CHECKS[place.check]):
             known = Task(own, name, place.answers, program, head, place.given, rubric=said)
             found.append((place.checked, known))
         if hand:
