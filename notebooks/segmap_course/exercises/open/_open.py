@@ -1,36 +1,16 @@
 """Open exercises, with more than one right answer: predict and test, break it, a log of one's own.
 
-How to add one
---------------
-Write it in a file `_open_<part>.py` beside this one, import it in `course/__init__.py` and name it
-in `__all__` there; `course.OPEN_EXERCISES` finds it by itself. In the chapter:
-
-    my_guess = None  # your number
-    course.predict_beams_on_wall(my_guess)
-
-*Predict, then test.* `Prediction(task, measure, unit, ...)`: `measure()` computes the number when
-asked, in well under a second. Say in the task how near counts: `factor=2` for an estimate of
-the size, `within=1` in the unit itself for what can be computed.
-
-*Break it.* `Challenge(task, judge)`: `judge(given)` returns "" where the method is fooled, else the
-reason why not, as a sentence with the numbers that the method gave. `given` is an array of finite
-numbers, or several: `judge(a, b)` for the input `(a, b)`. Refuse what is not admissible by
-`raise ValueError("...")`: an input outside the sensor's range, a map of a million segments. A judge
-that needs a function or any other object takes it by `Challenge(..., numbers=False)`; that can be
-graded only where the student's code runs.
-
-All of them answer with a `Check` and never raise. Like `Exercise`, they judge in two steps, so that
-a grader takes the verdict where no code of a student runs: `answers(...)` gives plain values,
-`verdict(answers)` the check; `fresh(seed)` is empty, for there are no hidden cases.
-
-Each gets two tests at least in `tests/course/test_open_exercises.py`: an answer that passes, and
-one that fails for each reason of the judge.
+To add one, write it in a file beside this one and import it in the course's `__init__.py`. Its task
+says how near a guess must be, or what input is admitted; a judge refuses other input by
+`raise ValueError(...)` and answers with the numbers that the method gave. Like an `Exercise`, all
+of them judge in two steps, so that a grader takes the verdict where no code of a student runs:
+`answers(...)` gives plain values, `verdict(answers)` the check; there are no hidden cases.
 """
 
 from __future__ import annotations
 
 import copy
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -44,7 +24,7 @@ from .._answers import Answer, numbers, plain
 from .._exercise import Check
 
 
-class _Open:
+class Open:
     """What all open exercises share: their name, and a check in two steps."""
 
     task: str
@@ -61,12 +41,24 @@ class _Open:
         """No hidden cases: what the student gives is judged as it is."""
         return {}
 
+    def __call__(self, given: Any) -> Check:
+        """Check what a student gives. Raises nothing."""
+        return self.verdict(self.answers(given))
+
+    def answers(self, given: Any, cases: Any = None) -> list[Answer]:
+        """What is given, as plain values: one, or one for each part of a tuple."""
+        return [plain(part) for part in (given if isinstance(given, tuple) else (given,))]
+
+    def verdict(self, answers: Any, cases: Any = None) -> Check:
+        """Judge plain values."""
+        raise NotImplementedError
+
     def _check(self, hint: str, praise: str = "") -> Check:
         return Check(self.name, not hint, hint or praise)
 
 
 @dataclass(frozen=True, repr=False, eq=False)
-class Prediction(_Open):
+class Prediction(Open):
     """A number that is written down before it is measured. Call it with the number.
 
     Parameters
@@ -100,14 +92,11 @@ class Prediction(_Open):
     within: float = 0.0
     because: str = ""
 
-    def __call__(self, guess: Any) -> Check:
-        return self.verdict(self.answers(guess))
-
-    def answers(self, guess: Any, cases: Any = None) -> list[Answer]:
+    def answers(self, given: Any, cases: Any = None) -> list[Answer]:
         """The guess as a plain value."""
-        return [plain(None if isinstance(guess, bool) else guess)]
+        return [plain(None if isinstance(given, bool) else given)]
 
-    def verdict(self, answers: Sequence[Answer], cases: Any = None) -> Check:
+    def verdict(self, answers: Any, cases: Any = None) -> Check:
         """Whether the number is near enough, and what is true."""
         guess = _single(answers)
         if guess is None:
@@ -135,15 +124,12 @@ def _single(answers: Any) -> float | None:
     """The one finite number of plain answers, else None."""
     well = isinstance(answers, list | tuple) and len(answers) == 1 and isinstance(answers[0], dict)
     found = numbers(answers[0]) if well else None
-    return float(found.ravel()[0]) if found is not None and _one(found) else None
-
-
-def _one(found: Array) -> bool:
-    return found.size == 1 and bool(np.isfinite(found).all())
+    finite = found is not None and found.size == 1 and np.isfinite(found).all()
+    return float(found.ravel()[0]) if found is not None and finite else None
 
 
 @dataclass(frozen=True, repr=False, eq=False)
-class Challenge(_Open):
+class Challenge(Open):
     """An input that fools a method. Call it with the input.
 
     Parameters
@@ -180,11 +166,7 @@ class Challenge(_Open):
             return self.verdict(self.answers(given))
         return self._judged(lambda: [copy.deepcopy(given)])
 
-    def answers(self, given: Any, cases: Any = None) -> list[Answer]:
-        """The input as plain values: one, or one for each part of a tuple."""
-        return [plain(part) for part in (given if isinstance(given, tuple) else (given,))]
-
-    def verdict(self, answers: Sequence[Answer], cases: Any = None) -> Check:
+    def verdict(self, answers: Any, cases: Any = None) -> Check:
         """Whether these plain values fool the method."""
         if any("nothing" in answer for answer in answers):
             return self._check(f"give your input first; the task is {self.task}")
@@ -214,23 +196,33 @@ def _finite(answer: Answer) -> Array:
 ROOM = rectangular_room()
 
 
+def samples(walls: Array) -> Array:
+    """201 points of each wall, evenly spaced from end to end, `(201, n, 2)`."""
+    share = np.linspace(0, 1, 201)[:, None, None]
+    return walls[:, 0] * (1 - share) + walls[:, 1] * share
+
+
 def metres_away(map: Array, other: Array, off: float) -> float:
     """Metres of a map that lie farther than `off` from every wall of another map."""
-    share = np.linspace(0, 1, 101)[:, None, None]
-    points = map[:, 0] * (1 - share) + map[:, 1] * share
-    away = point_distance(points[:, :, None], other).min(axis=-1)
+    away = point_distance(samples(map)[:, :, None], other).min(axis=-1)
     return float(((away > off).mean(axis=0) * length(map)).sum())
 
 
-def admit_map(after: Array) -> None:
-    """Refuse what is no small map about the room.
+def admit(
+    given: Array, what: str, least: int, most: int, *, within: float = 20.0, of: str = "(0, 0)"
+) -> Array:
+    """Points `(n, 2)`, or segments `(n, 2, 2)` of any other name, as many as are wanted.
 
     Raises
     ------
     ValueError
-        For another shape, too many segments, and a place far away.
+        For another shape, too few or too many, and a place far away.
     """
-    if after.ndim != 3 or after.shape[1:] != (2, 2) or not 1 <= len(after) <= 50:
-        raise ValueError(f"give 1 to 50 segments, (n, 2, 2) in metres, got shape {after.shape}")
-    if np.abs(after).max() > 20:
-        raise ValueError("stay within 20 m of the room's corner")
+    tail, shape = ((2,), "(n, 2)") if what in ("points", "places") else ((2, 2), "(n, 2, 2)")
+    if given.shape[1:] != tail or not least <= len(given) <= most:
+        raise ValueError(
+            f"give {least} to {most} {what}, {shape} in metres, got shape {given.shape}"
+        )
+    if np.abs(given).max() > within:
+        raise ValueError(f"stay within {within:g} m of {of}")
+    return given

@@ -13,7 +13,7 @@ from segmap.poses import between, transform
 from segmap.readers import load
 from segmap.segments import length
 
-from ._open import ROOM, Challenge, Prediction, admit_map, metres_away
+from ._open import ROOM, Challenge, Prediction, admit, metres_away
 
 
 # ---------------------------------------------------------------------------- ICP
@@ -85,7 +85,7 @@ predict_turned_quality = Prediction(
 
 
 def _quality_fooled(after: Array) -> str:
-    admit_map(after)
+    admit(after, "segments", 1, 50, of="the room's corner")
     found, metres = quality(ROOM, after), metres_away(after, ROOM, 0.5)
     if found < 0.95:
         return f"the quality sees it: {found:.3f}, 0.95 is wanted"
@@ -103,7 +103,7 @@ break_quality = Challenge(
 
 
 def _loss_unseen(after: Array) -> str:
-    admit_map(after)
+    admit(after, "segments", 1, 50, of="the room's corner")
     if length(after).min() < 0.05:
         raise ValueError("give segments of 0.05 m and more")
     found, lost = quality(ROOM, after), metres_away(ROOM, after, 0.1) / length(ROOM).sum()

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Sequence
+from dataclasses import dataclass
 from functools import cache
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -19,6 +19,7 @@ from segmap.segments import length
 
 from .._answers import Answer
 from .._exercise import Check
+from ._open import Open
 
 #: The logs that come with segmap: none of them is a log of one's own.
 BUNDLED = ("corridor", "malaga", "room")
@@ -26,15 +27,12 @@ BUNDLED = ("corridor", "malaga", "room")
 MOST_SCANS = 200
 
 
-class Wanted(NamedTuple):
-    """What the log and its map must have at least; walls are segments of 1 m and more."""
-
-    scans: int = 20
-    metres: float = 1.0
-    walls: int = 4
+#: What the log and its map must have at least; walls are segments of 1 m and more.
+WANTED = {"scans": 20, "metres": 1.0, "walls": 4}
 
 
-class OwnLog(NamedTuple):
+@dataclass(frozen=True, repr=False, eq=False)
+class OwnLog(Open):
     """Call it with a log and its poses: it answers with a `Check` that tells what was found.
 
     It passes a log that is not one of the bundled ones, with poses that move, and with walls in the
@@ -42,23 +40,10 @@ class OwnLog(NamedTuple):
     """
 
     task: str
-    wanted: Wanted = Wanted()
 
-    @property
-    def name(self) -> str:
-        """The name in the course, with which the task begins."""
-        return self.task.partition("(")[0]
-
-    def __repr__(self) -> str:
-        return self.task
-
-    def __call__(self, log: Log | None, poses: Any = None) -> Check:
+    def __call__(self, log: Any, poses: Any = None) -> Check:
         """Check a log, with its poses `(k, 3)` or an `Alignment`. Raises nothing."""
         return self.verdict(self.answers((log, poses)))
-
-    def fresh(self, seed: int) -> dict[str, tuple[Any, ...]]:
-        """No hidden cases: the log is judged as it is."""
-        return {}
 
     def answers(self, given: Any, cases: Any = None) -> list[Answer]:
         """The facts about `(log, poses)` as plain values, or why there are none."""
@@ -68,27 +53,22 @@ class OwnLog(NamedTuple):
         except Exception as error:  # whatever a student gives, the check says what is wrong with it
             return [{"refused": str(error) or type(error).__name__}]
 
-    def verdict(self, answers: Sequence[Answer], cases: Any = None) -> Check:
+    def verdict(self, answers: Any, cases: Any = None) -> Check:
         """Judge the facts."""
         try:
             found = dict(answers[0])
-            return self._refused(str(found["refused"])) if "refused" in found else self._said(found)
+            if "refused" in found:
+                return Check(self.name, False, str(found["refused"]))
+            told = (
+                f"{found['scans']:d} scans, {found['seconds']:.0f} s, {found['metres']:.1f} m "
+                f"driven, {found['walls']:d} walls of 1 m or more, {found['wall metres']:.0f} m "
+                "together"
+            )
+            short = [key for key, least in WANTED.items() if not found[key] >= least]
         except (KeyError, IndexError, TypeError, ValueError) as error:
-            return self._refused(f"these are no facts about a log ({type(error).__name__})")
-
-    def _refused(self, reason: str) -> Check:
-        return Check(self.name, False, reason)
-
-    def _said(self, found: Answer) -> Check:
-        told = (
-            f"{found['scans']:d} scans, {found['seconds']:.0f} s, {found['metres']:.1f} m driven, "
-            f"{found['walls']:d} walls of 1 m or more, {found['wall metres']:.0f} m together"
-        )
-        lacking = [
-            f"at least {least:g} {key} are wanted"
-            for key, least in self.wanted._asdict().items()
-            if not found[key] >= least
-        ]
+            said = f"these are no facts about a log ({type(error).__name__})"
+            return Check(self.name, False, said)
+        lacking = [f"at least {WANTED[key]:g} {key} are wanted" for key in short]
         return Check(self.name, not lacking, "; ".join([told, *lacking]))
 
 
@@ -106,14 +86,7 @@ def facts(log: Any, poses: Any) -> Answer:
         raise ValueError(f"this is the bundled log {known!r}: take one of your own")
     if poses is None:
         raise ValueError("give the poses too: an Alignment, or (k, 3) in metres and radians")
-    return _map_facts(log, _array(poses))
-
-
-def _array(poses: Any) -> Array:
-    return np.asarray(poses.poses if isinstance(poses, Alignment) else poses, float)
-
-
-def _map_facts(log: Log, poses: Array) -> Answer:
+    poses = np.asarray(poses.poses if isinstance(poses, Alignment) else poses, float)
     if poses.shape != (len(log), 3):
         raise ValueError(f"poses must be ({len(log)}, 3), one a scan, got {poses.shape}")
     known = poses[np.isfinite(poses).all(axis=1)]

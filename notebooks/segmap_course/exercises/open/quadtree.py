@@ -11,7 +11,7 @@ from segmap.quadtree import QuadtreeMap, build_map
 from segmap.simulation import cast_rays
 
 from ..._trials import room_walk
-from ._open import Challenge, Prediction
+from ._open import Challenge, Prediction, admit
 
 #: A beam each half degree, all round.
 _BEAMS = np.radians(np.arange(720) / 2)
@@ -52,16 +52,8 @@ def _mapped(walls: Array, poses: Array, resolution: float) -> QuadtreeMap:
     return map
 
 
-def _walls(walls: Array, most: int) -> Array:
-    if walls.ndim != 3 or walls.shape[1:] != (2, 2) or not 1 <= len(walls) <= most:
-        raise ValueError(f"give 1 to {most} walls, (n, 2, 2) in metres, got shape {walls.shape}")
-    if np.abs(walls).max() > 20:
-        raise ValueError("stay within 20 m of (0, 0)")
-    return walls
-
-
 def _matching_fooled(walls: Array) -> str:
-    points = _ends(_walls(walls, 20), np.zeros(3))
+    points = _ends(admit(walls, "walls", 1, 20), np.zeros(3))
     if len(points) < 200:
         return f"only {len(points)} of 720 beams meet a wall, 200 are wanted"
     map = _mapped(walls, _PLACES, 0.02)
@@ -88,12 +80,8 @@ break_matching = Challenge(
 
 
 def _faded(walls: Array, places: Array) -> str:
-    if places.ndim != 2 or places.shape[1] != 2 or not 1 <= len(places) <= 30:
-        raise ValueError(f"give 1 to 30 places, (k, 2) in metres, got shape {places.shape}")
-    if np.abs(places).max() > 20:
-        raise ValueError("stay within 20 m of (0, 0)")
-    poses = np.column_stack([places, np.zeros(len(places))])
-    map = _mapped(_walls(walls, 400), poses, 0.05)
+    poses = np.column_stack([admit(places, "places", 1, 30), np.zeros(len(places))])
+    map = _mapped(admit(walls, "walls", 1, 400), poses, 0.05)
     hit = map.leaves().occ > 0
     lost = int((map.leaf_occupancy()[hit] <= 0.5).sum())
     if lost >= 20 and lost >= 0.1 * hit.sum():

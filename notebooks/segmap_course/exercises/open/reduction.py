@@ -11,7 +11,7 @@ from segmap.readers import load
 from segmap.reduction import basic_online, fusion, viewing_sector
 from segmap.segments import SegmentMap, length, point_distance
 
-from ._open import ROOM, Challenge, Prediction
+from ._open import ROOM, Challenge, Prediction, admit, metres_away, samples
 
 
 def _malaga() -> Array:
@@ -41,24 +41,14 @@ predict_fusion_twice = Prediction(
 
 # ------------------------------------------------------------------------------------ Fusion
 def _fusion_fooled(walls: Array) -> str:
-    if walls.ndim != 3 or walls.shape[1:] != (2, 2) or not 2 <= len(walls) <= 20:
-        raise ValueError(f"give 2 to 20 walls, (n, 2, 2) in metres, got shape {walls.shape}")
-    if np.abs(walls).max() > 100:
-        raise ValueError("stay within 100 m of the origin")
+    admit(walls, "walls", 2, 20, within=100, of="the origin")
     if length(walls).min() < 1:
         raise ValueError(f"a wall is {length(walls).min():.2f} m long, 1 m at least is wanted")
-    if (gap := _least_gap(walls)) < 0.07 - 1e-9:
+    away = point_distance(samples(walls)[:, :, None], walls).min(axis=0)
+    if (gap := (away + np.diag(np.full(len(walls), np.inf))).min()) < 0.07 - 1e-9:
         raise ValueError(f"two walls are only {1000 * gap:.3g} mm apart, 70 mm are wanted")
     count = len(fusion(walls, tolerance=0.04))
     return "" if count == 1 else f"Fusion leaves {count} of the {len(walls)} walls, not one"
-
-
-def _least_gap(walls: Array) -> float:
-    """Metres between the two walls that are nearest, from points at each hundredth of them."""
-    share = np.linspace(0, 1, 101)[:, None, None]
-    points = walls[:, 0] * (1 - share) + walls[:, 1] * share
-    away = point_distance(points[:, :, None], walls).min(axis=0)
-    return float((away + np.diag(np.full(len(walls), np.inf))).min())
 
 
 break_fusion = Challenge(
@@ -97,20 +87,11 @@ def _sector_fooled(slip: Array) -> str:
         raise ValueError(f"give three numbers, metres, metres and degrees, got shape {slip.shape}")
     if np.hypot(*slip[:2]) > 0.12 + 1e-9 or abs(slip[2]) > 1:
         raise ValueError("the pose may err by 0.12 m and by 1 degree at most")
-    lost = _forgotten(slip)
-    return "" if lost >= 2.5 else f"{lost:.2f} m of the walls are gone, 2.5 m at least are wanted"
-
-
-def _forgotten(slip: Array) -> float:
-    """Metres of the room that are gone when the second look at it has this error of its pose."""
     x, y = SENSOR
     about = transform((x + slip[0], y + slip[1], np.radians(slip[2])), ROOM - SENSOR)
     looks = SegmentMap(np.concatenate([ROOM, about]), np.repeat([0, 1], 4), sensors=[SENSOR] * 2)
-    found = viewing_sector(looks).segments
-    share = np.linspace(0, 1, 201)[:, None, None]
-    points = ROOM[:, 0] * (1 - share) + ROOM[:, 1] * share
-    away = point_distance(points[:, :, None], found).min(axis=-1)
-    return float(((away > 0.05).mean(axis=0) * length(ROOM)).sum())
+    lost = metres_away(ROOM, viewing_sector(looks).segments, 0.05)
+    return "" if lost >= 2.5 else f"{lost:.2f} m of the walls are gone, 2.5 m at least are wanted"
 
 
 break_viewing_sector = Challenge(

@@ -16,7 +16,7 @@ from segmap.scans import LaserScan
 from segmap.segments import angle, length, point_distance
 from segmap.simulation import cast_rays, circular_room
 
-from ._open import Challenge, Prediction
+from ._open import Challenge, Prediction, admit
 
 
 # ----------------------------------------------------------- beams, odometry and readers
@@ -114,10 +114,7 @@ def _line_fooled(points: Array, most: float = 0.01, wanted: float = 10.0) -> str
 
 def _one_wall(points: Array, most: float) -> Array:
     """The total least squares segment of points that are one straight wall."""
-    if points.ndim != 2 or points.shape[1] != 2 or not 20 <= len(points) <= 1000:
-        raise ValueError(f"give 20 to 1000 points, (n, 2) in metres, got shape {points.shape}")
-    if np.abs(points).max() > 20:
-        raise ValueError("stay within 20 m of the robot, which is at the origin")
+    admit(points, "points", 20, 1000, of="the robot, which is at the origin")
     total = extract_clusters(points, gap=np.inf)
     off = point_distance(points, total[0]).max() if len(total) else np.inf
     if not len(total) or length(total[0]) < 1 or off > most:
