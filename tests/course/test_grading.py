@@ -384,7 +384,7 @@ count = 0
 first = {name: next(iter(exercise.cases.values())) for name, exercise in EXERCISES.items()}
 for exercise in EXERCISES.values():
     watch = Watch(exercise.own, exercise.solution)
-    known = [found for found in gc.get_objects() if isinstance(found, Compiled)]
+    known = [found for found in gc.get_objects() if type(found) is Compiled]
     loops = [loop for loop in known if watch.covers(loop.plain.__code__)]
     withhold(exercise)
     calls = [(exercise.solution, first[exercise.name]), *((loop._fast, ()) for loop in loops)]

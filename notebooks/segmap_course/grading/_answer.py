@@ -97,9 +97,10 @@ def withhold(exercise: Any) -> None:
     """
     watch = Watch(exercise.own, exercise.solution)
     for found in gc.get_objects():
-        plain = found.plain if isinstance(found, Compiled) else found
-        if isinstance(plain, FunctionType) and watch.covers(plain.__code__):
-            if isinstance(found, Compiled):
+        # Its type, not isinstance: a weak reference to what is gone answers to no question.
+        plain = found.plain if type(found) is Compiled else found
+        if type(plain) is FunctionType and watch.covers(plain.__code__):
+            if type(found) is Compiled:
                 found._fast = found._inner = _gone
             else:
                 found.__code__ = _emptied(found.__code__)
