@@ -122,26 +122,18 @@ def unchecked(line: bytes) -> bytes:
 class ScanRequest(NamedTuple):
     """A request for scans.
 
-    Attributes
-    ----------
-    kind : str
-        GD or GS for the latest turn, MD or MS for a stream; with D distances take three characters,
-        with S two.
-    first, last : int
-        Steps.
-    cluster : int
-        So many neighbours are reported as the nearest of them.
-    skip : int
-        So many turns are left out after each.
-    scans : int
-        Scans of a stream; 0 goes on until QT.
+    GD and GS ask for the latest turn, MD and MS for a stream; with D distances take three
+    characters, with S two.
     """
 
     kind: str
     first: int
     last: int
+    #: So many neighbours are reported as the nearest of them.
     cluster: int = 1
+    #: So many turns are left out after each.
     skip: int = 0
+    #: Scans of a stream; 0 goes on until QT.
     scans: int = 0
 
     @property

@@ -192,8 +192,6 @@ def test_rays_that_met_nothing_are_free_where_told():
     ("options", "message"),
     [
         ({"settle": 0}, "settle must be a whole number of at least 1"),
-        ({"start": (0, 0)}, "start must be x, y, heading"),
-        ({"start": (0, 0, np.inf)}, "start must be finite"),
         ({"score": "field"}, "score must be a function .* nearest_score say, got 'field'"),
         ({"matcher": "hill climbing"}, "matcher must be a function .* hill_climb say, got 'hill"),
         ({"matcher": sample_and_rank}, "sample_and_rank draws poses: give rng"),

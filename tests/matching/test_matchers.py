@@ -206,26 +206,13 @@ class TestBothOnAMap:
         map.insert_scan((0, 0), self.walls())
         assert self.match(matcher, map, [], (1, 2, 0.5)).tolist() == [1, 2, 0.5]
 
-    @pytest.mark.parametrize(
-        ("points", "start", "options", "message"),
-        [
-            ([(1, 0)], (0, 0), {}, r"start must be x, y, heading, got shape \(2,\)"),
-            ([(1, 0)], [(0, 0, 0)], {}, r"start must be x, y, heading, got shape \(1, 3\)"),
-            ([(1, 0)], (0, 0, np.nan), {}, "start must be finite"),
-            ([(1, np.inf)], (0, 0, 0), {}, "points must be finite"),
-            ([1, 0], (0, 0, 0), {}, r"points must have shape \(n, 2\)"),
-            ([(50, 0)], (40, 40, 0), {}, "no occupied cell"),
-        ],
-    )
-    def test_what_is_refused(self, matcher, points, start, options, message):
-        map = QuadtreeMap()
-        map.insert_scan((0, 0), self.walls())
-        with pytest.raises(ValueError, match=message):
-            self.match(matcher, map, points, start, **options)
-
-    def test_an_empty_map_is_refused(self, matcher):
+    def test_an_empty_map_or_place_is_refused(self, matcher):
         with pytest.raises(ValueError, match="insert a scan"):
             self.match(matcher, QuadtreeMap(), [(1, 0)], (0, 0, 0))
+        map = QuadtreeMap()
+        map.insert_scan((0, 0), self.walls())
+        with pytest.raises(ValueError, match="no occupied cell"):
+            self.match(matcher, map, [(50, 0)], (40, 40, 0))
 
 
 @pytest.mark.parametrize(
@@ -240,20 +227,10 @@ def test_sigma_must_be_positive(sigma):
     ("options", "message"),
     [
         ({"steps": "small"}, "steps must be one of 'thesis', 'halving', got 'small'"),
-        ({"steps": [(0.001, 0.02)]}, "steps must be one of 'thesis', 'halving', got "),
         ({"rounds": -1}, "rounds must be a whole number of at least 0, got -1"),
-        ({"rounds": 2.5}, "rounds must be a whole number"),
-        ({"rounds": np.inf}, "rounds must be a whole number .* got inf"),
         ({"score": "nearest"}, "score must be a function .* nearest_score say, got 'nearest'"),
     ],
 )
 def test_what_a_climb_must_be_told(options, message):
     with pytest.raises(ValueError, match=message):
         hill_climb(MAP, SCAN, (0, 0, 0), **options)
-
-
-@pytest.mark.parametrize("rng", [1, None, np.random.RandomState(1)])
-def test_a_seed_is_no_generator(rng):
-    """Catches a seed that restarts at every call, as B's does."""
-    with pytest.raises(ValueError, match="rng must be a generator"):
-        sample_and_rank(MAP, SCAN, (0, 0, 0), rng=rng)
