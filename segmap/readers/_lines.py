@@ -129,34 +129,29 @@ class Lines(Reading):
             self.damaged(found)
 
     def __iter__(self) -> Iterator[list[str]]:
-        empty = 0
-        for line in self._decoded():
-            fields = line.split(self.separator)
-            if line and not line.startswith("#") and fields:
-                empty = 0
-                yield fields
-            elif (empty := empty + 1) > MAX_EMPTY:
-                raise self.error(f"{MAX_EMPTY} lines in a row are empty, expected a log")
-
-    def _decoded(self) -> Iterator[str]:
+        self.number = read = empty = 0
         try:
+            most = max(UNPACKED, RATIO * self.path.stat().st_size)
             with open_bytes(self.path) as file:
-                yield from self._bounded(file)
+                while line := file.readline(MAX_LINE + 1):
+                    self.number, read = self.number + 1, read + len(line)
+                    if len(line) > MAX_LINE:
+                        raise self.error(f"longer than {MAX_LINE} bytes, expected a line of a log")
+                    if read > most:
+                        raise self.error(
+                            f"unpacks to more than {most} bytes: unpack it, if it is a log"
+                        )
+                    text = line.decode("ascii", "replace").strip()
+                    fields = text.split(self.separator)
+                    if text and not text.startswith("#") and fields:
+                        empty = 0
+                        yield fields
+                    elif (empty := empty + 1) > MAX_EMPTY:
+                        raise self.error(f"{MAX_EMPTY} lines in a row are empty, expected a log")
         except BROKEN as fault:
             self.damaged(self.error(f"the packed file is broken or cut short ({fault})"))
         except OSError as fault:
             raise LogError(self.path, f"cannot be read ({fault.strerror or fault})") from fault
-
-    def _bounded(self, file: IO[bytes]) -> Iterator[str]:
-        self.number, read = 0, 0
-        most = max(UNPACKED, RATIO * self.path.stat().st_size)
-        while line := file.readline(MAX_LINE + 1):
-            self.number, read = self.number + 1, read + len(line)
-            if len(line) > MAX_LINE:
-                raise self.error(f"longer than {MAX_LINE} bytes, expected a line of a log")
-            if read > most:
-                raise self.error(f"unpacks to more than {most} bytes: unpack it, if it is a log")
-            yield line.decode("ascii", "replace").strip()
 
 
 @contextmanager

@@ -1,7 +1,7 @@
 """Bags of ROS 1 and ROS 2."""
 
 from .._text import Binary
-from . import _bags
-from ._bags import read_bag
+from ._bags import read, read_bag
+from ._files import kind_of
 
-BAG = Binary("ROS bag", _bags.claims, _bags.read)
+BAG = Binary("ROS bag", kind_of, read)

@@ -84,14 +84,9 @@ def read_bag(
         if not isinstance(topic, str | None):
             raise ValueError(f"{name} must be the name of a topic, got {arrays.brief(topic)}")
     with log_file(path, folders=True) as place:
-        if not claims(place):
+        if not kind_of(place):
             raise UnknownFormat(place, "is no bag of ROS, expected a .bag, .mcap, .db3 or a folder")
         return read(place, stem(place), on_error, scan, odometry)
-
-
-def claims(path: Path) -> bool:
-    """Whether a file or a folder is a bag."""
-    return kind_of(path) is not None
 
 
 def read(

@@ -79,7 +79,9 @@ def read_graph(path: str | Path) -> PoseGraph:
                         raise ValueError(
                             f"vertex {number} stands in the file twice, expected it once"
                         )
-                    poses[number] = _vertex(fields[1:])
+                    poses[number] = pose(fields[1:], "the vertex")
+                    if np.isnan(poses[number]).any():
+                        raise ValueError("expected metres and radians for the vertex, got nan")
                 elif kind in ORDERS:
                     ends = _number(fields, 0), _number(fields, 1)
                     found.append((lines.number, *ends, _measured(fields[2:], ORDERS[kind])))
@@ -98,13 +100,6 @@ def read_graph(path: str | Path) -> PoseGraph:
     relative = values[:, :3]
     information = rotated(values[:, 3:].reshape(-1, 3, 3), -relative[:, 2])
     return PoseGraph(np.array([poses[k] for k in ids]), edges, relative, information, ids)
-
-
-def _vertex(fields: Sequence[str]) -> Array:
-    found = pose(fields, "the vertex")
-    if np.isnan(found).any():
-        raise ValueError("expected metres and radians for the vertex, got nan")
-    return found
 
 
 def _number(fields: Sequence[str], place: int) -> int:

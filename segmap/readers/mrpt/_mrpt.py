@@ -29,7 +29,7 @@ from .._lines import BROKEN, LATEST, LogError, Reading, open_bytes
 from .._mounting import Tilted, flat, level
 from .._raw_scans import Track, clean, known, known_truth
 from ._classes import PARSERS, Movement, Turn, Wheels
-from ._stream import Broken, Stream, Unknown, begins, unpacked
+from ._stream import Broken, Stream, Unknown, unpacked
 
 OBJECTS = ("CSensoryFrame", "CActionCollection", "CObservation", "CSimpleMap", "CRawlog")
 
@@ -99,9 +99,10 @@ def claims(path: Path) -> bool:
     """Whether a file, unpacked where it is packed, begins with an object of MRPT."""
     try:
         with open_bytes(path) as file:
-            return begins(file.read(200))
-    except BROKEN:
+            Stream(file.read(200), {}).header()
+    except (*BROKEN, Broken):
         return False
+    return True
 
 
 def _sound(turn: Turn) -> Turn:

@@ -144,15 +144,6 @@ class Stream:
         raise self.broken(f"{what} is not known here, and its end was not found", start)
 
 
-def begins(head: bytes) -> bool:
-    """Whether bytes, from the first of a file on, begin as an MRPT file does."""
-    try:
-        Stream(head, {}).header()
-    except ValueError:
-        return False
-    return True
-
-
 def unpacked(path: Path) -> tuple[bytes, str]:
     """All bytes of a file, and what is wrong where it is packed and ends too early."""
     most = max(UNPACKED, RATIO * path.stat().st_size)

@@ -4,11 +4,12 @@ from .._text import Binary
 from . import _csv, _hokuyo_text, _npz, _rawseeds
 from ._coreslam import CoreSlam
 from ._csv import read_csv
+from ._csv_columns import head_of
 from ._dumps import Ld19, RpLidar
 from ._hokuyo_text import HokuyoText
 from ._rawseeds import Rawseeds, read_trajectory
 
-FILES = (Binary("NPZ", _npz.claims, _npz.read), Binary("CSV", _csv.claims, _csv.read))
+FILES = (Binary("NPZ", _npz.claims, _npz.read), Binary("CSV", head_of, _csv.read))
 FOLDERS = (
     Binary("Rawseeds", _rawseeds.files_of, _rawseeds.read_folder),
     Binary("Hokuyo text", _hokuyo_text.numbered, _hokuyo_text.read_folder),

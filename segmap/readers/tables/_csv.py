@@ -54,11 +54,6 @@ class _Table(Beams):
         self.scans.append(beam)
 
 
-def claims(path: Path) -> bool:
-    """Whether a file has a header that names angle and range."""
-    return head_of(path) is not None
-
-
 def read(path: Path, name: str, on_error: str = "raise") -> Log:
     """Read a file whose header names the columns: no odometry, no truth."""
     return _read(path, name, on_error, _stated(path))
