@@ -112,8 +112,8 @@ def test_an_unknown_mistake_is_answered_with_the_first_case_that_differs():
     (first,) = course.check_axial_mean.cases["two lines on both sides of 0 degrees"]
     mean = course.check_axial_mean.solution(first)
     assert found.hint == (
-        "for two lines on both sides of 0 degrees, "
-        f"axial_mean([{first[0]:.6g}, {first[1]:.6g}]), expected {mean:.6g}, got 7"
+        f"for two lines on both sides of 0 degrees expected {mean:.6g}, got 7 "
+        f"from axial_mean([{first[0]:.6g}, {first[1]:.6g}])"
     )
     found = course.check_beam_angles(np.arange)
     assert " expected an array (" in found.hint and " that starts [-1.5708, " in found.hint

@@ -78,7 +78,7 @@ class Exercise:
     >>> double(lambda x: x + x), double(lambda x: x**2)
     (passed, not yet: twice, not to the power of two)
     >>> double(lambda x: x)
-    not yet: for a number, double(3), expected 6, got 3
+    not yet: for a number expected 6, got 3 from double(3)
     """
 
     task: str
@@ -173,12 +173,12 @@ class Exercise:
         pairs = zip(cases, found, self.expected(cases), strict=True)
         words, got, right = next(pair for pair in pairs if not agree(*pair[1:], self.same))
         said = f"but it raised {text(got)}" if "error" in got else f"got {text(got)}"
-        return f"for {words}{self._call(cases[words])} expected {text(right)}, {said}"
+        return f"for {words} expected {text(right)}, {said}{self._call(cases[words])}"
 
     def _call(self, given: Sequence[Any]) -> str:
         """The call with these arguments, where they are few numbers."""
         answers = [plain(argument) for argument in given]
-        shown = f", {self.name}({', '.join(map(text, answers))}),"
+        shown = f" from {self.name}({', '.join(map(text, answers))})"
         whole = (
             all(numbers(answer) is not None for answer in answers) and "that starts" not in shown
         )
