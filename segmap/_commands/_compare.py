@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 from collections.abc import Callable
 from contextlib import suppress
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -14,9 +15,9 @@ from ..reduction import METHODS
 from ..scans import Log
 from ..segments import SegmentMap
 from ._logs import add_align, add_logs, aligned, each_log
-from ._targets import Targets, add_output
+from ._targets import add_output
 from ._thresholds import thresholds
-from ._words import begin, counted, line, percent, progress, say, seconds
+from ._words import counted, line, percent, progress, say, seconds
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -64,10 +65,8 @@ def run(given: argparse.Namespace) -> int:
     return each_log(given, compare)
 
 
-def compare(given: argparse.Namespace, log: Log, targets: Targets) -> None:
+def compare(given: argparse.Namespace, log: Log, paths: list[Path]) -> None:
     """Run all methods on the map of one log, and print what each leaves."""
-    paths = targets.paths(log.name)
-    begin(log, targets.source)
     map = whole = extraction.build_map(log, aligned(log, given.align).trusted, keep_points=True)
     if given.filter is not None:
         map = whole = whole.filtered(given.filter)

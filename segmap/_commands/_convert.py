@@ -12,8 +12,8 @@ from .. import exports
 from ..alignment import Alignment
 from ..scans import Log
 from ._logs import add_align, add_logs, aligned, each_log
-from ._targets import Targets, add_output
-from ._words import begin, counted, line
+from ._targets import add_output
+from ._words import counted, line
 
 #: What -o may end in.
 SUFFIXES = (".log", ".log.gz", ".npz", ".tum", ".g2o")
@@ -43,10 +43,8 @@ def run(given: argparse.Namespace) -> int:
     return each_log(given, convert)
 
 
-def convert(given: argparse.Namespace, log: Log, targets: Targets) -> None:
+def convert(given: argparse.Namespace, log: Log, paths: list[Path]) -> None:
     """Write one log to all its files."""
-    paths = targets.paths(log.name)
-    begin(log, targets.source)
     poses = aligned(log, given.align) if given.align else None
     for path in paths:
         line("written", _write(path, log, poses))

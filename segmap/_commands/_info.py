@@ -10,7 +10,6 @@ from .._display import facts
 from ..readers import format_of
 from ..scans import Log
 from ._logs import add_logs, each_log
-from ._targets import Targets
 from ._words import line, say
 
 
@@ -26,13 +25,16 @@ def add(commands: Any) -> None:
 def run(given: argparse.Namespace) -> int:
     """Tell of each log; damaged lines are left out and counted."""
     given.skip = True
-    return each_log(given, tell_of)
+    return each_log(given, tell_of, begin)
 
 
-def tell_of(given: argparse.Namespace, log: Log, targets: Targets) -> None:
+def begin(log: Log, source: str) -> None:
+    """Print which log comes now, and its format."""
+    known = Path(source).exists()
+    say(f"{log.name}: {f'{format_of(source)}, {source}' if known else 'comes with segmap'}")
+
+
+def tell_of(given: argparse.Namespace, log: Log, paths: list[Path]) -> None:
     """Print what a log is, a line a thing."""
-    known = Path(targets.source).exists()
-    where = f"{format_of(targets.source)}, {targets.source}" if known else "comes with segmap"
-    say(f"{log.name}: {where}")
     for word, text in facts(log):
         line(word, text)

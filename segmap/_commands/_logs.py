@@ -14,7 +14,7 @@ from ..alignment import METHODS, Alignment
 from ..readers import LogError, UnknownFormat, format_of, load, read, read_bag
 from ..scans import Log
 from ._targets import Targets
-from ._words import FAULTS, counted, line, progress, reason, say, seconds, tell
+from ._words import FAULTS, begin, counted, line, progress, reason, say, seconds, tell
 
 #: Files of these kinds lie beside logs: some quote a line of one.
 DOCUMENTS = {".html", ".ipynb", ".md", ".py", ".rst", ".sh"}
@@ -22,8 +22,8 @@ DOCUMENTS = {".html", ".ipynb", ".md", ".py", ".rst", ".sh"}
 MOST_REASONS = 3
 #: What happens without --align, in most commands.
 ALIGN = "default: ground_truth where the log has it for each scan, else pose_graph"
-#: What a command does with one log; the files that it writes are those of the targets.
-Work = Callable[[argparse.Namespace, Log, Targets], None]
+#: What a command does with one log, and the files that it writes.
+Work = Callable[[argparse.Namespace, Log, list[Path]], None]
 
 
 def add_logs(command: argparse.ArgumentParser) -> None:
@@ -39,7 +39,9 @@ def add_logs(command: argparse.ArgumentParser) -> None:
     command.set_defaults(refuse=command.error)
 
 
-def each_log(given: argparse.Namespace, work: Work) -> int:
+def each_log(
+    given: argparse.Namespace, work: Work, head: Callable[[Log, str], None] = begin
+) -> int:
     """Do one log after the other, and name at the end those that failed: then 1, else 0."""
     chosen = [source for text in given.logs for source in sources(text)]
     targets = Targets(getattr(given, "output", []))
@@ -50,7 +52,10 @@ def each_log(given: argparse.Namespace, work: Work) -> int:
         for source in chosen:
             bar.set_description(Path(source).name)
             try:
-                work(given, log_of(source, given), targets.of(source))
+                log = log_of(source, given)
+                paths = targets.paths(log.name, source)
+                head(log, source)
+                work(given, log, paths)
             except BrokenPipeError:  # nobody reads any more
                 raise
             except FAULTS as error:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from pathlib import Path
 from typing import Any
 
 from .. import exports, extraction, metrics
@@ -10,9 +11,9 @@ from ..reduction import METHODS, Reduction
 from ..scans import Log
 from ..segments import SegmentMap
 from ._logs import add_align, add_logs, aligned, each_log
-from ._targets import Targets, add_output
+from ._targets import add_output
 from ._thresholds import add_thresholds, chosen_thresholds, refuse_others
-from ._words import begin, counted, line, metres, percent, progress, seconds
+from ._words import counted, line, metres, percent, progress, seconds
 
 #: What -o may end in.
 SUFFIXES = (".svg", ".csv", ".npz", ".dxf", ".png", ".geojson", ".wkt")
@@ -52,10 +53,8 @@ def run(given: argparse.Namespace) -> int:
     return each_log(given, map_log)
 
 
-def map_log(given: argparse.Namespace, log: Log, targets: Targets) -> None:
+def map_log(given: argparse.Namespace, log: Log, paths: list[Path]) -> None:
     """Map one log, and write what was asked for."""
-    paths = targets.paths(log.name)
-    begin(log, targets.source)
     with progress(3, "step", "aligning") as bar:
         before = segments_of(given, log)
         bar.update()

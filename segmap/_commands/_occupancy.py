@@ -13,8 +13,8 @@ from .. import exports, quadtree
 from ..matching import MATCHERS, SCORES, map_scans
 from ..scans import Log
 from ._logs import add_align, add_logs, aligned, each_log
-from ._targets import Targets, add_output
-from ._words import begin, counted, line, progress
+from ._targets import add_output
+from ._words import counted, line, progress
 
 #: What -o may end in.
 SUFFIXES = (".yaml", ".png", ".svg", ".npz", ".geojson")
@@ -54,10 +54,8 @@ def run(given: argparse.Namespace) -> int:
     return each_log(given, map_log)
 
 
-def map_log(given: argparse.Namespace, log: Log, targets: Targets) -> None:
+def map_log(given: argparse.Namespace, log: Log, paths: list[Path]) -> None:
     """Map one log, and write what was asked for."""
-    paths = targets.paths(log.name)
-    begin(log, targets.source)
     if given.matcher:
         map = _matched(given, log)
     else:

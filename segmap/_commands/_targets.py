@@ -32,45 +32,28 @@ def _checked(suffixes: Sequence[str], text: str) -> str:
 
 
 class Targets:
-    """The names given with -o, with the name of each log in its place.
-
-    Examples
-    --------
-    >>> Targets(["maps/{name}.svg"]).alike()
-    ''
-
-    Examples
-    --------
-    >>> Targets(["maps/{name}.svg"]).alike()
-    ''
-    """
+    """The names given with -o, with the name of each log in its place."""
 
     def __init__(self, patterns: Sequence[str]) -> None:
-        self.patterns = patterns
-        self.source = ""
+        self._patterns = patterns
         self._taken: dict[Path, str] = {}
 
     def alike(self) -> str:
         """The first name that is the same for all logs; empty where there is none."""
-        return next((pattern for pattern in self.patterns if NAME not in pattern), "")
+        return next((pattern for pattern in self._patterns if NAME not in pattern), "")
 
-    def of(self, source: str) -> Targets:
-        """The same for the log that comes now."""
-        self.source = source
-        return self
-
-    def paths(self, name: str) -> list[Path]:
-        """The files for a log of this name, none of them written before by this command."""
-        found = [Path(pattern.replace(NAME, name)) for pattern in self.patterns]
+    def paths(self, name: str, source: str) -> list[Path]:
+        """The files for a log of this name, none of them written before, nor the log itself."""
+        found = [Path(pattern.replace(NAME, name)) for pattern in self._patterns]
         for path in found:
             place = path.resolve()
             if not place.parent.is_dir():
                 raise FileNotFoundError(f"cannot write {path}: make the folder {path.parent} first")
             if place.is_dir():
                 raise ValueError(f"cannot write {path}: it is a folder")
-            if place == Path(self.source).resolve():
+            if place == Path(source).resolve():
                 raise ValueError(f"cannot write {path}: it is the log itself")
             if other := self._taken.get(place):
                 raise ValueError(f"{path} was written for {other}: this log would replace it")
-            self._taken[place] = self.source
+            self._taken[place] = source
         return found

@@ -25,24 +25,12 @@ def percent(share: float) -> str:
 
 
 def metres(value: float) -> str:
-    """A length: millimetres below a tenth of a metre.
-
-    Examples
-    --------
-    >>> metres(0.0042), metres(0.312)
-    ('4.2 mm', '0.31 m')
-    """
+    """A length: millimetres below a tenth of a metre."""
     return f"{1000 * value:.1f} mm" if abs(value) < 0.1 else f"{value:.2f} m"
 
 
 def seconds(value: float) -> str:
-    """A time: milliseconds below a tenth of a second.
-
-    Examples
-    --------
-    >>> seconds(0.0042), seconds(3.14159)
-    ('4 ms', '3.1 s')
-    """
+    """A time: milliseconds below a tenth of a second."""
     return f"{1000 * value:.0f} ms" if value < 0.1 else f"{value:.1f} s"
 
 
