@@ -16,7 +16,6 @@ from ._storage import (
     wall_errors,
 )
 from ._thesis import (
-    PUBLISHED,
     THESIS_FILTERS,
     THESIS_GRIDS,
     alignment_table,
