@@ -160,7 +160,7 @@ def alignment_method(method: Callable[P, Outcome]) -> Callable[P, Alignment]:
     Each call checks the log and the thresholds as they are declared, is timed, and raises
     RuntimeError where the method gave not one finite pose and one reason for each scan.
     """
-    name, method = method.__name__, checked(method)
+    name = method.__name__
 
     @wraps(method)
     def run(*args: P.args, **kwargs: P.kwargs) -> Alignment:
@@ -174,7 +174,7 @@ def alignment_method(method: Callable[P, Outcome]) -> Callable[P, Alignment]:
 
     signature = inspect.signature(method).replace(return_annotation="Alignment")
     run.__signature__ = signature  # type: ignore[attr-defined]
-    return run
+    return checked(run)
 
 
 def concluded(name: str, scans: int, found: Outcome, seconds: float) -> Alignment:

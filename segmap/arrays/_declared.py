@@ -191,7 +191,9 @@ def checked(function: Callable[P, R]) -> Callable[P, R]:
         for name in kept.keys() & known.keys():
             q = known[name].quantity
             if q.usual and kept[name] is not None and kept[name] > q.usual:
-                data = args[0] if args and not hasattr(args[0], "scans") else None
+                first = args[0] if args else None  # a map or points; else a log, or self
+                is_map = isinstance(first, np.ndarray | list | tuple) or hasattr(first, "segments")
+                data = first if is_map and not hasattr(first, "scans") else None
                 slips.check_lengths(
                     data, most=q.usual, share=q.share or slips.LONG, **{name: kept[name]}
                 )
