@@ -101,9 +101,10 @@ def errors(before: Segments, after: Segments) -> Array:
     if len(a) == 0 or len(b) == 0:
         return np.full(len(a), np.inf)
     b = b[np.argsort(b[:, 0, 0] + b[:, 1, 0])]
-    near, far = describe(np.ascontiguousarray(a)), describe(b)
+    a = np.array(a, order="C")  # a map's own is read-only: all would be compiled once more for it
+    near, far = describe(a), describe(b)
     first = np.searchsorted(far[:, 0], near[:, 0])
-    return _nearest_distances(np.ascontiguousarray(a), b, near, far, first, far[:, 4].max())
+    return _nearest_distances(a, b, near, far, first, far[:, 4].max())
 
 
 @checked
