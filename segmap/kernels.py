@@ -26,15 +26,14 @@ Rule = tuple[float, float, float, bool]
 
 
 @compiled
-def describe_one(s: Array, i: int, out: Array) -> None:
-    """Row i of what `describe` returns."""
-    out[i, 0] = (s[i, 0, 0] + s[i, 1, 0]) / 2
-    out[i, 1] = (s[i, 0, 1] + s[i, 1, 1]) / 2
-    dx, dy = s[i, 1, 0] - s[i, 0, 0], s[i, 1, 1] - s[i, 0, 1]
+def describe_one(s: Array, out: Array) -> None:
+    """A row of what `describe` returns, for one segment, (2, 2)."""
+    out[0], out[1] = (s[0, 0] + s[1, 0]) / 2, (s[0, 1] + s[1, 1]) / 2
+    dx, dy = s[1, 0] - s[0, 0], s[1, 1] - s[0, 1]
     norm = np.hypot(dx, dy)
-    out[i, 2], out[i, 3], out[i, 4] = 0.0, 0.0, norm / 2
+    out[2], out[3], out[4] = 0.0, 0.0, norm / 2
     if norm >= MIN_LENGTH:
-        out[i, 2], out[i, 3] = dx / norm, dy / norm
+        out[2], out[3] = dx / norm, dy / norm
 
 
 @compiled
@@ -42,7 +41,7 @@ def describe(s: Array) -> Array:
     """Middle, unit direction (0 without length) and half length of segments, `(n, 5)`, metres."""
     out = np.empty((len(s), 5))
     for i in range(len(s)):
-        describe_one(s, i, out)
+        describe_one(s[i], out[i])
     return out
 
 
@@ -51,6 +50,12 @@ def turn_between(a: float, b: float) -> float:
     """Angle from one line's direction to another's, radians, in `[-pi/2, pi/2)`."""
     turn = b - a + np.pi / 2
     return (turn if 0.0 <= turn < np.pi else turn % np.pi) - np.pi / 2  # % takes long
+
+
+@compiled
+def length_of(s: Array) -> float:
+    """Length of one segment, (2, 2), metres."""
+    return np.hypot(s[1, 0] - s[0, 0], s[1, 1] - s[0, 1])
 
 
 @compiled
@@ -158,45 +163,6 @@ def match_value(s: Array, a: Array, i: int, t: Array, b: Array, j: int, rule: Ru
 
 
 @compiled
-def slot_of(column: int, row: int, slots: int) -> int:
-    """Slot of the cell in a column and row of a grid, of `slots`, a power of two; some share one.
-
-    Bounding the grid is not needed: a segment a kilometre away takes no memory. Cells of a column
-    lie side by side, so that loops over rows inside columns find neighbours in the same cache line.
-    """
-    return (column * 73856093 + row) & (slots - 1)
-
-
-def slots_of(columns: NDArray[np.int64], rows: NDArray[np.int64], slots: int) -> NDArray[np.int64]:
-    """`slot_of` of many cells, `(n,)` each."""
-    return (columns * 73856093 + rows) & (slots - 1)
-
-
-@compiled
-def put_in(head: Indices, after: Indices, before: Indices, slot: int, b: int) -> None:
-    """Put b first into the list of a slot.
-
-    `head[slot]` is the first of a list, -1 for none; `after` is the next of each, and `before` the
-    one before it, or -1 - slot for the first.
-    """
-    after[b], before[b] = head[slot], -1 - slot
-    if head[slot] >= 0:
-        before[head[slot]] = b
-    head[slot] = b
-
-
-@compiled
-def take_out(head: Indices, after: Indices, before: Indices, b: int) -> None:
-    """Take b out of the list that it is in, as `put_in` has them."""
-    if before[b] < 0:
-        head[-1 - before[b]] = after[b]
-    else:
-        after[before[b]] = after[b]
-    if after[b] >= 0:
-        before[after[b]] = before[b]
-
-
-@compiled
 def become_mean(s: Array, a: int, b: int, share: float, direction: float) -> float:
     """Row a of `(n, 2, 2)`, metres, becomes the mean of rows a and b; its length.
 
@@ -206,22 +172,53 @@ def become_mean(s: Array, a: int, b: int, share: float, direction: float) -> flo
     dx, dy = np.cos(direction), np.sin(direction)
     x = (1 - share) * (s[a, 0, 0] + s[a, 1, 0]) / 2 + share * (s[b, 0, 0] + s[b, 1, 0]) / 2
     y = (1 - share) * (s[a, 0, 1] + s[a, 1, 1]) / 2 + share * (s[b, 0, 1] + s[b, 1, 1]) / 2
-    low, high = np.inf, -np.inf
-    for k in range(2):
-        u = (s[a, k, 0] - x) * dx + (s[a, k, 1] - y) * dy
-        v = (s[b, k, 0] - x) * dx + (s[b, k, 1] - y) * dy
-        low, high = min(low, u, v), max(high, u, v)
-    s[a, 0, 0], s[a, 0, 1] = x + low * dx, y + low * dy
-    s[a, 1, 0], s[a, 1, 1] = x + high * dx, y + high * dy
+    (low, high), (begin, end) = span(s[a], x, y, dx, dy), span(s[b], x, y, dx, dy)
+    low, high = min(low, begin), max(high, end)
+    lay(s[a], x, y, dx, dy, low, high)
     return high - low
+
+
+@compiled
+def order_by_first(order: Indices, rows: Array) -> None:
+    """Write which of the rows `(n, k)` comes at each place, by their first column: Shell's sort."""
+    count, step = len(order), 1
+    while 3 * step < count:
+        step = 3 * step + 1
+    for k in range(count):
+        order[k] = k
+    while step > 0:
+        for i in range(step, count):
+            one, k = order[i], i
+            while k >= step and rows[order[k - step], 0] > rows[one, 0]:
+                order[k] = order[k - step]
+                k -= step
+            order[k] = one
+        step //= 3
+
+
+@compiled
+def join_sums(p: Array, q: Array, out: Array) -> None:
+    """Weight, centre and scatter of two sets together, (6,) each; nothing cancels far away."""
+    w = p[0] + q[0]
+    dx, dy, part = q[1] - p[1], q[2] - p[2], p[0] * q[0] / w
+    out[0], out[1], out[2] = w, p[1] + q[0] / w * dx, p[2] + q[0] / w * dy
+    out[3], out[4] = p[3] + q[3] + part * dx * dx, p[4] + q[4] + part * dx * dy
+    out[5] = p[5] + q[5] + part * dy * dy
+
+
+@compiled
+def span(s: Array, x: float, y: float, dx: float, dy: float) -> tuple[float, float]:
+    """Low and high projection of a segment, (2, 2), on the line through (x, y) along (dx, dy)."""
+    a = (s[0, 0] - x) * dx + (s[0, 1] - y) * dy
+    b = (s[1, 0] - x) * dx + (s[1, 1] - y) * dy
+    return min(a, b), max(a, b)
 
 
 @compiled
 def gap_along(u: Array, v: Array, dx: float, dy: float) -> float:
     """Metres between two segments, (2, 2) each, along a unit direction; below 0 they overlap."""
-    u0, u1 = u[0, 0] * dx + u[0, 1] * dy, u[1, 0] * dx + u[1, 1] * dy
-    v0, v1 = v[0, 0] * dx + v[0, 1] * dy, v[1, 0] * dx + v[1, 1] * dy
-    return max(min(u0, u1), min(v0, v1)) - min(max(u0, u1), max(v0, v1))
+    (low, high), (begin, end) = span(u, 0.0, 0.0, dx, dy), span(v, 0.0, 0.0, dx, dy)
+    return max(low, begin) - min(high, end)
 
 
 @compiled

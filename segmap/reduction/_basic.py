@@ -7,15 +7,15 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .. import arrays
-from ..arrays import Array, Segments, slips
+from ..arrays import Array, Metres, Segments, checked
 from ..compiled import compiled
 from ..kernels import become_mean, turn_between
 from ._index import Index, empty_index, enter, leave, meeting
-from ._runner import Found, Indices, Reduction, Rows, Steps, run, run_online
+from ._runner import Found, Indices, Reduction, Rows, Steps, Turn, run, run_online, survivors
 
 
-def basic_offline(map: Segments, *, distance: float = 0.20, angle: float = np.pi / 18) -> Reduction:
+@checked
+def basic_offline(map: Segments, *, distance: Metres = 0.20, angle: Turn = np.pi / 18) -> Reduction:
     """Merge pairs of segments of the whole map until none matches (A 4.1).
 
     Two segments match when some pair of their end points is closer than `distance` and their angles
@@ -26,22 +26,17 @@ def basic_offline(map: Segments, *, distance: float = 0.20, angle: float = np.pi
 
     Parameters
     ----------
-    map : SegmentMap, Reduction or (n, 2, 2) array, metres
-        The scans of a map are ignored.
-    distance : float, metres
+    map : SegmentMap, Reduction or (n, 2, 2) array
+        Its scans are ignored.
+    distance
         0.20 m is A's middle value: wider than noise, narrower than a door.
-    angle : float, radians
-        Above 0, at most pi/2; 10 degrees is A's smallest.
+    angle
+        10 degrees is A's smallest.
 
     Returns
     -------
     Reduction
         In the order of the segments that took the others in.
-
-    Raises
-    ------
-    ValueError
-        For coordinates that are not finite, thresholds out of range.
 
     Examples
     --------
@@ -50,30 +45,31 @@ def basic_offline(map: Segments, *, distance: float = 0.20, angle: float = np.pi
     >>> found, found.parents
     (Reduction(basic_offline: 3 -> 2 segments), array([0, 0, 1]))
     """
-    check_match(map, distance, angle)
-    return run("basic_offline", map, lambda rows: _offline(rows, distance, angle))
+
+    def reduce(rows: Rows) -> Found:
+        state = _start(rows.segments, distance)
+        _converge(state, 0, len(rows.segments), distance, angle)
+        alive, parents = survivors(state.parents)
+        return state.s[alive], parents
+
+    return run("basic_offline", map, reduce)
 
 
-def basic_online(map: Segments, *, distance: float = 0.20, angle: float = np.pi / 18) -> Reduction:
+@checked
+def basic_online(map: Segments, *, distance: Metres = 0.20, angle: Turn = np.pi / 18) -> Reduction:
     """Basic after every scan: its segments join the map, which then converges (A 4.1).
 
     Parameters
     ----------
-    map : SegmentMap, Reduction or (n, 2, 2) array, metres
+    map : SegmentMap, Reduction or (n, 2, 2) array
         Scans come in ascending order; without scans this is `basic_offline`.
-    distance : float, metres
-    angle : float, radians
+    distance, angle
         As in `basic_offline`.
 
     Returns
     -------
     Reduction
         In the order in which segments joined; with seconds and live segments for each scan.
-
-    Raises
-    ------
-    ValueError
-        As in `basic_offline`.
 
     Examples
     --------
@@ -82,43 +78,16 @@ def basic_online(map: Segments, *, distance: float = 0.20, angle: float = np.pi 
     >>> basic_online(wall).scan_live
     array([1, 2])
     """
-    check_match(map, distance, angle)
-    return run_online("basic_online", map, lambda rows: _online(rows, distance, angle))
 
+    def steps(rows: Rows) -> Steps:
+        state, live = _start(rows.segments, distance), 0
+        for first, stop in rows.scans():
+            live += stop - first - _converge(state, first, stop, distance, angle)
+            yield live
+        alive, parents = survivors(state.parents)
+        return state.s[alive], parents
 
-def check_match(map: Segments, distance: float, angle: float) -> None:
-    """Refuse a distance that is not positive, metres, or an angle beyond a quarter turn, radians.
-
-    Raises
-    ------
-    ValueError
-        Naming the argument and what was expected.
-    """
-    arrays.positive("metres", distance=distance)
-    slips.check_lengths(map, distance=distance)
-    arrays.number(angle, "angle", above=0, most=np.pi / 2, unit="radians")
-
-
-def _offline(rows: Rows, distance: float, angle: float) -> Found:
-    state = _start(rows.segments, distance)
-    _converge(state, 0, len(rows.segments), distance, angle)
-    return _outputs(state)
-
-
-def _online(rows: Rows, distance: float, angle: float) -> Steps:
-    state, live = _start(rows.segments, distance), 0
-    for first, stop in rows.scans():
-        live += stop - first - _converge(state, first, stop, distance, angle)
-        yield live
-    return _outputs(state)
-
-
-def _outputs(state: State) -> Found:
-    """The live segments, and which of them each segment went into, through however many merges."""
-    parents = state.parents
-    while not state.alive[parents].all():
-        parents = parents[parents]
-    return state.s[state.alive > 0], (np.cumsum(state.alive) - 1)[parents]
+    return run_online("basic_online", map, steps)
 
 
 class State(NamedTuple):
@@ -132,7 +101,6 @@ class State(NamedTuple):
     s: Array  # (n, 2, 2), metres
     angles: Array
     lengths: Array
-    alive: Indices  # 1 for segments of the map
     parents: Indices  # which segment took each in; its own index until then
     ends: Index  # end k of segment i is number 2 i + k
     near: Indices  # room for what lies near
@@ -145,7 +113,6 @@ def _start(segments: Array, distance: float) -> State:
         s=segments.copy(),
         angles=np.arctan2(d[:, 1], d[:, 0]),
         lengths=np.hypot(d[:, 0], d[:, 1]),
-        alive=np.zeros(n, np.int64),
         parents=np.arange(n),
         ends=empty_index(2 * n, distance),
         near=np.empty(4 * n + 1, np.int64),
@@ -156,8 +123,7 @@ def _start(segments: Array, distance: float) -> State:
 def _enter(state: State, i: int) -> None:
     """Put both end points of segment i into the index."""
     for k in range(2):
-        x, y = state.s[i, k, 0], state.s[i, k, 1]
-        enter(state.ends, 2 * i + k, x, y, x, y, 0.0)
+        enter(state.ends, 2 * i + k, state.s[i, k : k + 1], 0.0)
 
 
 @compiled
@@ -166,7 +132,7 @@ def _matches(state: State, a: int, distance: float, angle: float) -> int:
     s, near, found, count = state.s, state.near, 0, 0
     for k in range(2):
         x, y = s[a, k, 0], s[a, k, 1]
-        found = count + meeting(state.ends, x, y, x, y, distance, near[count:])
+        found = count + meeting(state.ends, s[a, k : k + 1], distance, near[count:])
         for m in range(count, found):
             b, end = near[m] // 2, near[m] % 2
             dx, dy = x - s[b, end, 0], y - s[b, end, 1]
@@ -187,7 +153,7 @@ def _merge(state: State, a: int, b: int) -> None:
         leave(state.ends, e)
     state.angles[a] += share * turn
     state.lengths[a] = become_mean(state.s, a, b, share, state.angles[a])
-    state.alive[b], state.parents[b] = 0, a
+    state.parents[b] = a
     _enter(state, a)
 
 
@@ -202,18 +168,19 @@ def _converge(state: State, first: int, stop: int, distance: float, angle: float
     now.pop()
     later.pop()
     for i in range(first, stop):
-        state.alive[i] = 1
         _enter(state, i)
     for i in range(first, stop):
-        heapq.heappush(now, i)
-        for k in range(_matches(state, i, distance, angle) if first > 0 else 0):
+        count = _matches(state, i, distance, angle) if first > 0 else 1
+        if count > 0:
+            heapq.heappush(now, i)
+        for k in range(count if first > 0 else 0):
             if near[k] < first:
                 heapq.heappush(now, near[k])
     while len(now):
         previous = -1
         while len(now):
             a = heapq.heappop(now)
-            if a == previous or state.alive[a] == 0:
+            if a == previous or state.parents[a] != a:
                 continue
             previous, last, next, count = a, -1, a, 0
             while next < len(state.s):

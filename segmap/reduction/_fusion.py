@@ -5,16 +5,27 @@ A moves the line greedily and can miss the best strip; the sweep over all shifts
 
 from __future__ import annotations
 
-import numpy as np
+from typing import NamedTuple
 
-from .. import arrays
-from ..arrays import Array, Segments, slips
-from ..kernels import slots_of
-from ._fusion_kernels import Grid, Room, fuse_all
+import numpy as np
+from numpy.typing import NDArray
+
+from ..arrays import Array, Metres, Segments, checked
+from ..compiled import compiled
+from ..kernels import lay, order_by_first
+from ..segments import length
+from ._index import Index, empty_index, enter, leave, meeting
 from ._runner import Indices, Reduction, Rows, Steps, run, run_online
 
+Line = tuple[float, float, float, float]
+Flags = NDArray[np.bool_]
 
-def fusion(map: Segments, *, tolerance: float = 0.04) -> Reduction:
+#: Lengths, shifts and gaps closer than this, in metres, are equal: rounding must not choose.
+SAME = 1e-9
+
+
+@checked
+def fusion(map: Segments, *, tolerance: Metres = 0.04) -> Reduction:
     """Replace chains of segments inside a strip by one segment each (A 4.4, 5.6).
 
     Until the map is empty: take the longest segment; among the lines parallel to it that keep it
@@ -24,8 +35,8 @@ def fusion(map: Segments, *, tolerance: float = 0.04) -> Reduction:
 
     Parameters
     ----------
-    map : SegmentMap, Reduction or (n, 2, 2) array, metres
-    tolerance : float, metres
+    map : SegmentMap, Reduction or (n, 2, 2) array
+    tolerance
         Half width of the strip. 0.04 m is about the spread of one wall seen from many poses; A
         finds that quality falls quickly beyond 0.06 m.
 
@@ -33,11 +44,6 @@ def fusion(map: Segments, *, tolerance: float = 0.04) -> Reduction:
     -------
     Reduction
         Longest first.
-
-    Raises
-    ------
-    ValueError
-        For coordinates that are not finite, a tolerance that is not positive and finite.
 
     Examples
     --------
@@ -49,12 +55,11 @@ def fusion(map: Segments, *, tolerance: float = 0.04) -> Reduction:
     array([[0., 0.],
            [3., 0.]])
     """
-    arrays.positive("metres", tolerance=tolerance)
-    slips.check_lengths(map, tolerance=tolerance)
     return run("fusion", map, lambda rows: fuse(rows.segments, tolerance))
 
 
-def fusion_online(map: Segments, *, tolerance: float = 0.04) -> Reduction:
+@checked
+def fusion_online(map: Segments, *, tolerance: Metres = 0.04) -> Reduction:
     """Fusion of the map and each new scan, one scan after the other (A 2.7.9, table 2.16).
 
     A names both ways and builds the off-line one. Each pass fuses the whole map again, and a second
@@ -64,22 +69,10 @@ def fusion_online(map: Segments, *, tolerance: float = 0.04) -> Reduction:
 
     The time of a scan grows with the map: that of all scans with scans times map.
 
-    Parameters
-    ----------
-    map : SegmentMap, Reduction or (n, 2, 2) array, metres
-        Scans come in ascending order.
-    tolerance : float, metres
-        As in `fusion`.
-
     Returns
     -------
     Reduction
         Longest first; with seconds and segments in the map for each scan.
-
-    Raises
-    ------
-    ValueError
-        As `fusion`.
 
     Examples
     --------
@@ -89,51 +82,221 @@ def fusion_online(map: Segments, *, tolerance: float = 0.04) -> Reduction:
     >>> found.scan_live, found.parents
     (array([1, 1, 1]), array([0, 0, 0]))
     """
-    arrays.positive("metres", tolerance=tolerance)
-    return run_online("fusion_online", map, lambda rows: _steps(rows, tolerance))
 
+    def steps(rows: Rows) -> Steps:
+        walls, parents = np.empty((0, 2, 2)), np.empty(len(rows.segments), np.int64)
+        for first, stop in rows.scans():
+            old = len(walls)
+            walls, into = fuse(np.concatenate([walls, rows.segments[first:stop]]), tolerance)
+            parents[:first] = into[parents[:first]]
+            parents[first:stop] = into[old:]
+            yield len(walls)
+        return walls, parents
 
-def _steps(rows: Rows, tolerance: float) -> Steps:
-    walls, parents = np.empty((0, 2, 2)), np.empty(len(rows.segments), np.int64)
-    for first, stop in rows.scans():
-        old = len(walls)
-        walls, into = fuse(np.concatenate([walls, rows.segments[first:stop]]), tolerance)
-        parents[:first] = into[parents[:first]]
-        parents[first:stop] = into[old:]
-        yield len(walls)
-    return walls, parents
+    return run_online("fusion_online", map, steps)
 
 
 def fuse(s: Array, tolerance: float) -> tuple[Array, Indices]:
     """Fusion of segments that all have a length: outputs `(m, 2, 2)`, metres, parents `(n,)`."""
-    if not len(s):
-        return np.empty((0, 2, 2)), np.empty(0, np.int64)
-    lengths = np.hypot(s[:, 1, 0] - s[:, 0, 0], s[:, 1, 1] - s[:, 0, 1])
-    grid = _grid_of(s, lengths, float(max(4 * tolerance, lengths.mean())))
-    falling = np.argsort(-lengths, kind="stable")
-    out, parents = np.empty((len(s), 2, 2)), np.full(len(s), -1)
-    count = fuse_all(s, lengths, falling, tolerance, grid, _room_for(len(s)), out, parents)
+    n, lengths = len(s), length(s)
+    step = float(max(4 * tolerance, lengths.mean() if n else 0.0))
+    near, order, seen = np.full((3, n + 1), -1)
+    tried, chosen = np.zeros((2, n), np.bool_)
+    measured, shifts = np.empty((n + 1, 4)), np.empty((2 * n + 1, 2))
+    found, piece = np.empty(n + 1, np.int64), np.empty((2, 2))
+    room = Room(near, measured, order, tried, chosen, shifts, seen, found, piece)
+    out, parents, falling = np.empty((n, 2, 2)), np.full(n, -1), np.argsort(-lengths, kind="stable")
+    places = empty_index(n, step)
+    count = _fuse_all(s, lengths, falling, tolerance, step, places, room, out, parents)
     return out[:count], parents
 
 
-def _grid_of(s: Array, lengths: Array, cell: float) -> Grid:
-    """Enter each segment into the cells of samples of it, at most half a cell apart."""
-    steps = np.ceil(2 * lengths / cell).astype(np.int64)
-    owner = np.repeat(np.arange(len(s)), steps + 1)
-    nth = np.arange(len(owner)) - (np.cumsum(steps + 1) - steps - 1)[owner]
-    sample = s[owner, 0] + (nth / steps[owner])[:, None] * (s[owner, 1] - s[owner, 0])
-    column, row = np.floor(sample / cell).astype(np.int64).T
-    slots = 1 << int(np.ceil(np.log2(4 * len(s))))
-    slot = slots_of(column, row, slots)
-    new = np.append(True, (np.diff(slot) != 0) | (np.diff(owner) != 0))
-    slot, owner = slot[new][::-1], owner[new][::-1]
-    stop = np.cumsum(np.bincount(slot, minlength=slots))
-    held = owner[np.argsort(slot, kind="stable")]
-    return Grid(np.append(0, stop[:-1]), stop, held, cell)
+class Room(NamedTuple):
+    """Room to work in, for the candidates of one strip; lengths are in metres."""
+
+    near: Indices  # the segments that may be in the strip
+    measured: Array  # (n + 1, 4) where each begins and ends along the line, lowest, highest offset
+    order: Indices  # candidates by where they begin
+    tried: Flags  # members of the chain of the shift that is tried
+    chosen: Flags  # and of the best one so far
+    shifts: Array  # (2 n + 1, 2) shifts that were tried, and the length of the chain of each
+    seen: Indices  # for each segment of the map, the last longest one that met it
+    found: Indices
+    piece: Array  # (2, 2) of the line of the strip
 
 
-def _room_for(n: int) -> Room:
-    near, order, seen = np.full((3, n), -1)
-    tried, chosen = np.zeros((2, n), np.bool_)
-    measured, shifts = np.empty((n + 1, 4)), np.empty((2 * n + 1, 2))
-    return Room(near, measured, np.empty(n), order, tried, chosen, shifts, seen)
+@compiled
+def _measure(s: Array, j: int, line: Line, wide: float, out: Array, k: int) -> bool:
+    """Write low and high of segment j along a line and across it into row k.
+
+    False where an end lies farther than `wide` from the line, or one from the other across it.
+    """
+    x, y, dx, dy = line
+    v0 = (s[j, 0, 1] - y) * dx - (s[j, 0, 0] - x) * dy
+    v1 = (s[j, 1, 1] - y) * dx - (s[j, 1, 0] - x) * dy
+    if abs(v0) > wide or abs(v1) > wide or abs(v1 - v0) > wide:
+        return False
+    u0 = (s[j, 0, 0] - x) * dx + (s[j, 0, 1] - y) * dy
+    u1 = (s[j, 1, 0] - x) * dx + (s[j, 1, 1] - y) * dy
+    out[k, 0], out[k, 1] = min(u0, u1), max(u0, u1)
+    out[k, 2], out[k, 3] = min(v0, v1), max(v0, v1)
+    return True
+
+
+@compiled
+def _gather(
+    s: Array, line: Line, wide: float, step: float, places: Index, longest: int, room: Room
+) -> int:
+    """Measure all live segments that may be in a chain through the longest; how many there are.
+
+    The longest comes first. Walks both ways from its middle for as long as the collected
+    projections reach on, whatever their shift.
+    """
+    x, y, dx, dy = line
+    near, measured, seen, found = room.near, room.measured, room.seen, room.found
+    near[0], seen[longest], count = longest, longest, 1
+    _measure(s, longest, line, wide, measured, 0)
+    for way in (1, -1):
+        reach, at = measured[0, 1], 0.0
+        while at <= reach + SAME:
+            lay(room.piece, x, y, dx, dy, way * at, way * (at + step))
+            for k in range(meeting(places, room.piece, wide, found)):
+                j = found[k]
+                if seen[j] != longest:
+                    seen[j], near[count] = longest, j
+                    count += _measure(s, j, line, wide, measured, count)
+            longer = True
+            while longer:
+                longer = False
+                for k in range(count):
+                    begin = measured[k, 0] if way == 1 else -measured[k, 1]
+                    end = measured[k, 1] if way == 1 else -measured[k, 0]
+                    if end > reach and begin <= reach + SAME:
+                        reach, longer = end, True
+            at += step
+    return count
+
+
+@compiled
+def _chain(
+    room: Room, lengths: Array, order: Indices, shift: float, half: float
+) -> tuple[float, int, int]:
+    """Length of the chain through candidate 0, and its range in `order`.
+
+    Only those of the range are its members that the strip of that shift holds (A 4.4.1).
+    """
+    total, start, reach, holds, measured = 0.0, 0, -np.inf, False, room.measured
+    for k in range(len(order)):
+        i = order[k]
+        if measured[i, 3] - half > shift + SAME or shift - SAME > measured[i, 2] + half:
+            continue
+        if measured[i, 0] > reach + SAME:
+            if holds:
+                return total, start, k
+            total, start = 0.0, k
+        holds = holds or i == 0
+        reach = max(reach, measured[i, 1])
+        total += lengths[room.near[i]]
+    return total, start, len(order)
+
+
+@compiled
+def _comes_first(tried: Flags, chosen: Flags, near: Indices) -> bool:
+    """Whether the members tried come before the chosen, as words of sorted indices do."""
+    apart, of_tried, more = -1, False, False
+    for k in range(len(tried)):
+        if tried[k] != chosen[k] and (apart < 0 or near[k] < apart):
+            apart, of_tried = near[k], tried[k]
+    for k in range(len(tried)):
+        more |= near[k] > apart and (chosen[k] if of_tried else tried[k])
+    return apart >= 0 and more == of_tried
+
+
+@compiled
+def _best_strip(
+    room: Room, lengths: Array, order: Indices, count: int, half: float
+) -> tuple[float, float, float]:
+    """Shift, low and high of the longest chain; flags its members as chosen.
+
+    Only where a segment enters or leaves the strip can the chain change: all these shifts are
+    tried, and 0. Of equal chains the least shift wins, then the first indices.
+    """
+    measured, shifts = room.measured, room.shifts
+    tried, chosen, near = room.tried[:count], room.chosen[:count], room.near[:count]
+    most, least, tries = 0.0, np.inf, 0
+    for k in range(-1, 2 * len(order)):
+        i = order[max(k, 0) // 2]
+        edge = measured[i, 2] + half if k % 2 else measured[i, 3] - half
+        shift = edge if k >= 0 else 0.0
+        if abs(shift) <= half:
+            total, _, _ = _chain(room, lengths, order, shift, half)
+            shifts[tries, 0], shifts[tries, 1] = shift, total
+            most = max(most, total)
+            tries += 1
+    for k in range(tries):
+        if shifts[k, 1] >= most - SAME:
+            least = min(least, abs(shifts[k, 0]))
+    best, low, high, found = 0.0, 0.0, 0.0, False
+    for k in range(tries):
+        shift = shifts[k, 0]
+        if shifts[k, 1] < most - SAME or abs(shift) > least + SAME:
+            continue
+        _, start, stop = _chain(room, lengths, order, shift, half)
+        begin, end = np.inf, -np.inf
+        for j in range(count):
+            tried[j] = False
+        for j in range(start, stop):
+            i = order[j]
+            if measured[i, 3] - half <= shift + SAME and shift - SAME <= measured[i, 2] + half:
+                tried[i] = True
+                begin, end = min(begin, measured[i, 0]), max(end, measured[i, 1])
+        if not found or _comes_first(tried, chosen, near):
+            best, low, high, found = shift, begin, end, True
+            for j in range(count):
+                chosen[j] = tried[j]
+    return best, low, high
+
+
+@compiled
+def _fuse_all(
+    s: Array,
+    lengths: Array,
+    falling: Indices,
+    tolerance: float,
+    step: float,
+    places: Index,
+    room: Room,
+    out: Array,
+    parents: Indices,
+) -> int:
+    """Fuse until the map is empty: writes outputs and parents; returns the number of outputs.
+
+    `falling` sorts the segments by falling length; parents are -1 before.
+    """
+    count, head, wide = 0, 0, 2 * (tolerance + SAME)
+    for j in range(len(s)):
+        enter(places, j, s[j], 0.0)
+    while True:
+        # A 4.4.4, step 1: the longest segment, of equal ones the first
+        while head < len(s) and parents[falling[head]] >= 0:
+            head += 1
+        if head == len(s):
+            return count
+        k, i = head, falling[head]
+        while k < len(s) and lengths[falling[k]] >= lengths[falling[head]] - SAME:
+            i = falling[k] if parents[falling[k]] < 0 and falling[k] < i else i
+            k += 1
+        dx, dy = (s[i, 1, 0] - s[i, 0, 0]) / lengths[i], (s[i, 1, 1] - s[i, 0, 1]) / lengths[i]
+        x, y = (s[i, 0, 0] + s[i, 1, 0]) / 2, (s[i, 0, 1] + s[i, 1, 1]) / 2
+        # steps 2 to 5: the strip, parallel to it, with the longest chain
+        near = _gather(s, (x, y, dx, dy), wide, step, places, i, room)
+        order_by_first(room.order[:near], room.measured)
+        _, start, stop = _chain(room, lengths, room.order[:near], 0.0, np.inf)
+        shift, low, high = _best_strip(room, lengths, room.order[start:stop], near, tolerance)
+        # step 6: one segment for the chain
+        lay(out[count], x - shift * dy, y + shift * dx, dx, dy, low, high)
+        for k in range(near):
+            if room.chosen[k]:
+                parents[room.near[k]] = count
+                leave(places, room.near[k])
+        count += 1

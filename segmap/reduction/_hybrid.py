@@ -6,24 +6,24 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .. import arrays
-from ..arrays import Array, Segments
+from ..arrays import Array, Metres, Segments, checked
 from ..compiled import compiled
-from ._basic import check_match
+from ..kernels import lay, length_of, span
 from ._hough import line_of
 from ._index import Index, empty_index, enter, leave, meeting
-from ._runner import Indices, Reduction, Rows, Steps, run_online
+from ._runner import Indices, Length, Reduction, Rows, Steps, Turn, run_online
 
 #: Distances closer than this, in metres, are equal: rounding must not choose between two walls.
 SAME = 1e-9
 
 
+@checked
 def hybrid(
     map: Segments,
     *,
-    distance: float = 0.20,
-    angle: float = np.pi / 18,
-    min_length: float | None = None,
+    distance: Metres = 0.20,
+    angle: Turn = np.pi / 18,
+    min_length: Length | None = None,
 ) -> Reduction:
     """Let each new segment go into the nearest one of the map whose line agrees (A 4.2).
 
@@ -39,13 +39,13 @@ def hybrid(
 
     Parameters
     ----------
-    map : SegmentMap, Reduction or (n, 2, 2) array, metres
+    map : SegmentMap, Reduction or (n, 2, 2) array
         Scans come in ascending order.
-    distance : float, metres
+    distance
         0.20 m is A's middle value: wider than noise, narrower than a door.
-    angle : float, radians
-        Above 0, at most pi/2; 10 degrees is A's smallest.
-    min_length : float, metres, or None
+    angle
+        10 degrees is A's smallest.
+    min_length
         None takes `distance`: the filter that A builds in.
 
     Returns
@@ -54,11 +54,6 @@ def hybrid(
         In the order in which segments joined; parents -1 for those that were too short; with
         seconds and segments in the map for each scan.
 
-    Raises
-    ------
-    ValueError
-        For coordinates that are not finite, thresholds out of range.
-
     Examples
     --------
     >>> wall = np.array([[(0, 0), (3, 0)], [(1, 0.02), (2, 0.02)], [(9, 0), (9.1, 0)]])
@@ -66,25 +61,17 @@ def hybrid(
     >>> found, found.parents
     (Reduction(hybrid: 3 -> 1 segments), array([ 0,  0, -1]))
     """
-    check_match(map, distance, angle)
-    least = least_length(distance, min_length)
-    return run_online("hybrid", map, lambda rows: _steps(rows, distance, angle, least))
+    least = distance if min_length is None else min_length
 
+    def steps(rows: Rows) -> Steps:
+        state = empty_map(len(rows.segments), distance)
+        parents = np.empty(len(rows.segments), np.int64)
+        for first, stop in rows.scans():
+            add(state, rows.segments, first, stop, distance, angle, least, parents)
+            yield int(state.used[0])
+        return state.s[: state.used[0]].copy(), parents
 
-def least_length(distance: float, min_length: float | None) -> float:
-    """Length, metres, below which a segment without a match is dropped; ValueError for none."""
-    if min_length is None:
-        return distance
-    return arrays.number(min_length, "min_length", least=0, unit="metres")
-
-
-def _steps(rows: Rows, distance: float, angle: float, min_length: float) -> Steps:
-    state = empty_map(len(rows.segments), distance)
-    parents = np.full(len(rows.segments), -1, np.int64)
-    for first, stop in rows.scans():
-        add(state, rows.segments, first, stop, distance, angle, min_length, parents)
-        yield int(state.used[0])
-    return state.s[: state.used[0]].copy(), parents
+    return run_online("hybrid", map, steps)
 
 
 class State(NamedTuple):
@@ -130,8 +117,7 @@ def _nearest_match(
     """The nearest wall whose line agrees with that of i; ties: lowest index; -1 for none."""
     lines, best, least = state.lines, -1, distance
     for k in range(2):
-        x, y = new[i, k, 0], new[i, k, 1]
-        for m in range(meeting(state.places, x, y, x, y, distance, state.near)):
+        for m in range(meeting(state.places, new[i, k : k + 1], distance, state.near)):
             b = state.near[m]
             if abs(abs(lines[b, 0]) - abs(rho)) < distance:
                 turns = round((lines[b, 1] - theta) / np.pi)
@@ -160,14 +146,10 @@ def _absorb(state: State, b: int, new: Array, i: int, rho: float, theta: float) 
     theta = (count * lines[b, 1] + theta + turns * np.pi) / (count + 1)
     lines[b, 0], lines[b, 1], lines[b, 2] = rho, theta, count + 1
     nx, ny = np.cos(theta), np.sin(theta)
-    low, high = np.inf, -np.inf
-    for k in range(2):
-        u, v = s[b, k, 1] * nx - s[b, k, 0] * ny, new[i, k, 1] * nx - new[i, k, 0] * ny
-        low, high = min(low, u, v), max(high, u, v)
-    s[b, 0, 0], s[b, 0, 1] = rho * nx - low * ny, rho * ny + low * nx
-    s[b, 1, 0], s[b, 1, 1] = rho * nx - high * ny, rho * ny + high * nx
+    (low, high), (begin, end) = span(s[b], 0.0, 0.0, -ny, nx), span(new[i], 0.0, 0.0, -ny, nx)
+    lay(s[b], rho * nx, rho * ny, -ny, nx, min(low, begin), max(high, end))
     leave(state.places, b)
-    enter(state.places, b, s[b, 0, 0], s[b, 0, 1], s[b, 1, 0], s[b, 1, 1], 0.0)
+    enter(state.places, b, s[b], 0.0)
 
 
 @compiled
@@ -179,7 +161,7 @@ def _join(state: State, new: Array, i: int, count: float) -> None:
     state.lines[b, 0], state.lines[b, 1] = line_of(new, i)
     state.lines[b, 2] = count
     state.used[0] += 1
-    enter(state.places, b, new[i, 0, 0], new[i, 0, 1], new[i, 1, 0], new[i, 1, 1], 0.0)
+    enter(state.places, b, new[i], 0.0)
 
 
 @compiled
@@ -203,7 +185,7 @@ def add(
         parents[i] = b
         if b >= 0:
             _absorb(state, b, new, i, rho, theta)
-        elif np.hypot(new[i, 1, 0] - new[i, 0, 0], new[i, 1, 1] - new[i, 0, 1]) >= min_length:
+        elif length_of(new[i]) >= min_length:
             parents[i] = state.used[0]
             _join(state, new, i, 1.0)
 

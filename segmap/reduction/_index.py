@@ -47,9 +47,16 @@ class Index(NamedTuple):
 
 def empty_index(count: int, unit: float) -> Index:
     """An index with room for so many boxes."""
-    head = np.full(1 << int(np.ceil(np.log2(max(4 * count, 2)))), -1)
+    head = np.full(1 << int(np.ceil(np.log2(max(2 * count, 2)))), -1)
     box, link = np.empty((count, 4)), np.full((count, 4), -1)
     return Index(box, link, head, np.zeros((65, 2)), float(unit))
+
+
+def wider(index: Index, count: int) -> Index:
+    """The same index, with room for so many boxes, more than before."""
+    box, link = np.empty((count, 4)), np.full((count, 4), -1)
+    box[: len(index.box)], link[: len(index.box)] = index.box, index.link
+    return index._replace(box=box, link=link)
 
 
 @compiled
@@ -59,16 +66,26 @@ def _address(column: int, row: int, level: int) -> int:
 
 
 @compiled
-def enter(index: Index, b: int, x: float, y: float, x2: float, y2: float, reach: float) -> None:
-    """Put the box around two points, grown by a reach, into the index as number b."""
+def _around(points: Array, reach: float) -> tuple[float, float, float, float]:
+    """Low x, low y, high x and high y of the box around points, `(k, 2)`, grown by a reach."""
+    x0, y0, x1, y1 = np.inf, np.inf, -np.inf, -np.inf
+    for k in range(len(points)):
+        x0, y0 = min(x0, points[k, 0]), min(y0, points[k, 1])
+        x1, y1 = max(x1, points[k, 0]), max(y1, points[k, 1])
+    return x0 - reach, y0 - reach, x1 + reach, y1 + reach
+
+
+@compiled
+def enter(index: Index, b: int, points: Array, reach: float) -> None:
+    """Put the box around points, `(k, 2)`, grown by a reach, into the index as number b."""
     box, link, head, levels = index.box, index.link, index.head, index.levels
-    box[b, 0], box[b, 1] = min(x, x2) - reach, min(y, y2) - reach
-    box[b, 2], box[b, 3] = max(x, x2) + reach, max(y, y2) + reach
-    size = max(box[b, 2] - box[b, 0], box[b, 3] - box[b, 1])
+    x0, y0, x1, y1 = _around(points, reach)
+    box[b, 0], box[b, 1], box[b, 2], box[b, 3] = x0, y0, x1, y1
+    size = max(x1 - x0, y1 - y0)
     level, side = 0, index.unit
     while side < size:
         level, side = level + 1, 2 * side
-    column, row = int(np.floor((x + x2) / 2 / side)), int(np.floor((y + y2) / 2 / side))
+    column, row = int(np.floor((x0 + x1) / 2 / side)), int(np.floor((y0 + y1) / 2 / side))
     link[b, CELL], link[b, LEVEL] = _address(column, row, level), level
     slot = link[b, CELL] & (len(head) - 1)
     link[b, AFTER], link[b, BEFORE] = head[slot], -1 - slot
@@ -97,17 +114,14 @@ def leave(index: Index, b: int) -> None:
 
 
 @compiled
-def meeting(
-    index: Index, x: float, y: float, x2: float, y2: float, reach: float, out: Indices
-) -> int:
-    """Write the boxes that meet the one around two points, grown by a reach; how many.
+def meeting(index: Index, points: Array, reach: float, out: Indices) -> int:
+    """Write the boxes that meet the one around points, `(k, 2)`, grown by a reach; how many.
 
     Each once, in no order; what is farther by a rounding error, too. `out` needs room for one more
     than there are boxes.
     """
     box, link, head, levels, count = index.box, index.link, index.head, index.levels, 0
-    reach += 1e-9 + 1e-15 * max(abs(x), abs(y), abs(x2), abs(y2))
-    x0, y0, x1, y1 = min(x, x2) - reach, min(y, y2) - reach, max(x, x2) + reach, max(y, y2) + reach
+    x0, y0, x1, y1 = _around(points, reach + 1e-9 + 1e-15 * (abs(points[0, 0]) + abs(points[0, 1])))
     side, level, left = index.unit, 0, levels[-1, 0]
     while left > 0:
         if levels[level, 0] > 0:

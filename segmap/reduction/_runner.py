@@ -6,14 +6,14 @@ import time
 from collections.abc import Callable, Generator, Iterator
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Annotated, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .. import arrays
 from .._display import Pictured
-from ..arrays import Array, Segments
+from ..arrays import Array, Metres, Radians, Segments, at_least, at_most
 from ..methods import Method
 from ..segments import MIN_LENGTH, SegmentMap, length
 
@@ -21,6 +21,10 @@ if TYPE_CHECKING:
     import pandas as pd
 
 Indices = NDArray[np.int64]
+#: Angle between two lines: at most a quarter turn.
+Turn = Annotated[Radians, at_most(np.pi / 2)]
+#: A length that may be none.
+Length = Annotated[Metres, at_least(0)]
 #: What a method returns: outputs `(m, 2, 2)`, metres, and the output of each of its rows, `(k,)`.
 Found = tuple[Array, Indices]
 #: An on-line method: yields the segments in its map after each scan, and returns what it found.
@@ -224,6 +228,20 @@ def rows_of(map: Segments, *, by_scan: bool = False) -> tuple[Rows, int]:
     inner = np.flatnonzero(np.diff(scan)) + 1
     cuts = np.concatenate([[0], inner, [len(index)] if len(index) else []]).astype(np.int64)
     return Rows(np.ascontiguousarray(segments[index]), index, cuts), len(segments)
+
+
+def survivors(into: Indices) -> tuple[NDArray[np.bool_], Indices]:
+    """Which went into themselves, and the number among these of the one that each ended in.
+
+    Examples
+    --------
+    >>> survivors(np.array([1, 3, 2, 3]))
+    (array([False, False,  True,  True]), array([1, 1, 0, 1]))
+    """
+    alive = into == np.arange(len(into))
+    while not alive[into].all():
+        into = into[into]
+    return alive, (np.cumsum(alive) - 1)[into]
 
 
 def by_lowest(into: Indices, row: Indices, count: int) -> tuple[Indices, Indices]:

@@ -142,12 +142,12 @@ def test_kernels_call_kernels():
 def test_a_whole_number_is_no_new_signature():
     """Catches `fusion(walls, tolerance=1)` that waits eight seconds, everything warm."""
     from segmap import fusion
-    from segmap.reduction._fusion_kernels import fuse_all
+    from segmap.reduction._fusion import _fuse_all
 
     for tolerance in (1, 1.0, np.float32(1)):
         fusion([[(0, 0), (1, 0)], [(0, 5), (3, 5)]], tolerance=tolerance)
         assert _double(tolerance) == 2
-    assert len(fuse_all._fast.signatures) == len(_double._fast.signatures) == 1
+    assert len(_fuse_all._fast.signatures) == len(_double._fast.signatures) == 1
 
 
 def test_falls_back_where_no_cache_can_be_written(monkeypatch):

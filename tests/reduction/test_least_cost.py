@@ -9,7 +9,7 @@ from reduction_maps import MAPS, malaga
 
 from segmap.metrics import invented, missed, quality
 from segmap.reduction import fusion, least_cost, reduce_to
-from segmap.reduction.least_cost._kernels import crosses
+from segmap.reduction.least_cost._least_cost import crosses
 from segmap.segments import length
 
 

@@ -1,6 +1,7 @@
 """Every method against its plain version, and what the thesis says of all of them."""
 
 from dataclasses import replace
+from inspect import unwrap
 
 import numpy as np
 import pytest
@@ -133,7 +134,7 @@ def test_equals_the_plain_method_in_the_zoo(name, zoo):
     segments = segment_zoo()[zoo]
     wide = {"sigma": max(0.3, length(segments).sum() / 120)}
     near = {"distance": 0.3, "angle": 0.3, "min_length": 0.0}
-    near = {k: v for k, v in near.items() if k in METHODS[name].function.__kwdefaults__}
+    near = {k: v for k, v in near.items() if k in unwrap(METHODS[name].function).__kwdefaults__}
     thresholds = wide if name == "mean_shift" else near
     scans, sensors = np.arange(len(segments)) // 2, np.zeros((len(segments), 2))
     assert_literal(name, SegmentMap(segments, scans, sensors=sensors), **thresholds)
@@ -213,7 +214,7 @@ def test_scaling_every_length_scales_the_result(name, make, scale):
     map = made(make, name, 6)
     scaled = {
         k: v / scale if k == "bandwidth" else v * scale
-        for k, v in METHODS[name].function.__kwdefaults__.items()
+        for k, v in unwrap(METHODS[name].function).__kwdefaults__.items()
         if k in LENGTHS and v is not None
     }
     found = METHODS[name](carried(map, (0, 0, 0), scale), **scaled)

@@ -13,7 +13,16 @@ from numpy.typing import NDArray
 
 from ...arrays import Array
 from ...compiled import compiled
-from ...kernels import ACROSS, ANGULAR, APART, apart, mean_line_terms
+from ...kernels import (
+    ACROSS,
+    ANGULAR,
+    APART,
+    apart,
+    describe_one,
+    lay,
+    mean_line_terms,
+    order_by_first,
+)
 
 Indices = NDArray[np.int64]
 #: A merge is looked at whose first estimate is up to so many penalties: estimates are too high.
@@ -40,6 +49,7 @@ class Room(NamedTuple):
     """The members of the two clusters that are being fitted, side by side, and room to work in."""
 
     who: Indices  # (n,) index of the input
+    order: Indices  # (n,) spans by where they begin
     ends: Array  # (n, 4) its end points
     about: Array  # (n, 5) its middle, direction and half length
     spans: Array  # (n, 2) projections of those that are kept
@@ -56,7 +66,7 @@ def distance_between(u: Array, v: Array, a: Array, b: Array) -> float:
 
 
 @compiled
-def distance_inside(ends: Array, about: Array, line: Array, frame: Array, near: float) -> float:
+def _distance_inside(ends: Array, about: Array, line: Array, frame: Array, near: float) -> float:
     """The same where the ends, (4,), project into the line, the nearer of them `near` off it.
 
     The least distance of their end points is then `near`; the angle must not be a right one.
@@ -78,42 +88,20 @@ def distance_inside(ends: Array, about: Array, line: Array, frame: Array, near: 
 
 
 @compiled
-def length_of(s: Array) -> float:
-    """Length of one segment, (2, 2), metres."""
-    return np.hypot(s[1, 0] - s[0, 0], s[1, 1] - s[0, 1])
-
-
-@compiled
-def describe_one(s: Array, out: Array) -> None:
-    """Write middle, unit direction and half length of one segment, (5,)."""
-    norm = length_of(s)
-    out[0], out[1] = (s[0, 0] + s[1, 0]) / 2, (s[0, 1] + s[1, 1]) / 2
-    out[2], out[3] = (s[1, 0] - s[0, 0]) / norm, (s[1, 1] - s[0, 1]) / norm
-    out[4] = norm / 2
-
-
-@compiled
-def draw(x: float, y: float, dx: float, dy: float, low: float, high: float, room: Room) -> None:
-    """Write the segment on a line between two projections."""
-    room.line[0, 0], room.line[0, 1] = x + low * dx, y + low * dy
-    room.line[1, 0], room.line[1, 1] = x + high * dx, y + high * dy
-    describe_one(room.line, room.frame)
-
-
-@compiled
-def spread(room: Room, count: int, x: float, y: float, dx: float, dy: float) -> float:
+def _spread(room: Room, count: int, x: float, y: float, dx: float, dy: float) -> float:
     """Draw the segment on a line that spans all members; its length, metres."""
     low, high = np.inf, -np.inf
     for k in range(count):
         one = (room.ends[k, 0] - x) * dx + (room.ends[k, 1] - y) * dy
         other = (room.ends[k, 2] - x) * dx + (room.ends[k, 3] - y) * dy
         low, high = min(low, one, other), max(high, one, other)
-    draw(x, y, dx, dy, low, high, room)
+    lay(room.line, x, y, dx, dy, low, high)
+    describe_one(room.line, room.frame)
     return high - low
 
 
 @compiled
-def line_cost(
+def _line_cost(
     s: Array, room: Room, count: int, limits: Limits, pose: tuple[float, float, float], most: float
 ) -> float:
     """Cost of the segment through (x, y) at an angle that spans all members; `inf` from `most` on.
@@ -121,7 +109,7 @@ def line_cost(
     The segment stays in `room.line`.
     """
     dx, dy = np.cos(pose[2]), np.sin(pose[2])
-    whole = spread(room, count, pose[0], pose[1], dx, dy)
+    whole = _spread(room, count, pose[0], pose[1], dx, dy)
     if whole < 1e-9:
         return np.inf
     x, y = room.line[0, 0], room.line[0, 1]
@@ -138,7 +126,7 @@ def line_cost(
         slant = room.about[k, 2] * dx + room.about[k, 3] * dy
         inside = one * other >= 0.0 or (low >= near and whole - high >= near)
         if inside and abs(slant) >= 0.1:
-            total += distance_inside(room.ends[k], room.about[k], room.line, room.frame, near)
+            total += _distance_inside(room.ends[k], room.about[k], room.line, room.frame, near)
         else:
             i = room.who[k]
             total += distance_between(s[i], room.line, room.about[k], room.frame)
@@ -153,41 +141,15 @@ def line_cost(
             kept += 1
         if total >= most:
             return np.inf
-    if not covered:
-        total += limits.price * invented(room.spans, kept, whole, limits.gap)
+    if not covered:  # metres in longer gaps between the spans of those that are kept
+        order_by_first(room.order[:kept], room.spans)
+        reached, metres = 0.0, 0.0
+        for k in range(kept + 1):
+            begin = room.spans[room.order[k], 0] if k < kept else whole
+            metres += begin - reached if begin - reached > limits.gap or kept == 0 else 0.0
+            reached = max(reached, room.spans[room.order[k], 1]) if k < kept else whole
+        total += limits.price * metres
     return total if total < most else np.inf
-
-
-@compiled
-def invented(spans: Array, count: int, whole: float, gap: float) -> float:
-    """Metres in gaps longer than `gap` between spans, `(count, 2)`, which are sorted here."""
-    if count == 0:
-        return whole
-    step = count // 2
-    while step > 0:  # Shell's sort: short lists, nothing to allocate
-        for i in range(step, count):
-            low, high, j = spans[i, 0], spans[i, 1], i
-            while j >= step and spans[j - step, 0] > low:
-                spans[j, 0], spans[j, 1] = spans[j - step, 0], spans[j - step, 1]
-                j -= step
-            spans[j, 0], spans[j, 1] = low, high
-        step //= 2
-    reached, metres = 0.0, 0.0
-    for i in range(count):
-        if spans[i, 0] - reached > gap:
-            metres += spans[i, 0] - reached
-        reached = max(reached, spans[i, 1])
-    return metres + (whole - reached if whole - reached > gap else 0.0)
-
-
-@compiled
-def join_sums(p: Array, q: Array, out: Array) -> None:
-    """Weight, centre and scatter of two clusters together, (6,) each; nothing cancels far away."""
-    w = p[0] + q[0]
-    dx, dy, part = q[1] - p[1], q[2] - p[2], p[0] * q[0] / w
-    out[0], out[1], out[2] = w, p[1] + q[0] / w * dx, p[2] + q[0] / w * dy
-    out[3], out[4] = p[3] + q[3] + part * dx * dx, p[4] + q[4] + part * dx * dy
-    out[5] = p[5] + q[5] + part * dy * dy
 
 
 @compiled
@@ -199,15 +161,15 @@ def fit(s: Array, room: Room, count: int, limits: Limits, longer: Array, most: f
     """
     x, y = room.sums[1], room.sums[2]
     theta = np.arctan2(2.0 * room.sums[4], room.sums[3] - room.sums[5]) / 2.0
-    best = line_cost(s, room, count, limits, (x, y, theta), most)
+    best = _line_cost(s, room, count, limits, (x, y, theta), most)
     mx, my = (longer[0, 0] + longer[1, 0]) / 2.0, (longer[0, 1] + longer[1, 1]) / 2.0
     along = np.arctan2(longer[1, 1] - longer[0, 1], longer[1, 0] - longer[0, 0])
-    found = line_cost(s, room, count, limits, (mx, my, along), min(best - EQUAL, most))
+    found = _line_cost(s, room, count, limits, (mx, my, along), min(best - EQUAL, most))
     if found < best:
         best, x, y, theta = found, mx, my, along
     if best == np.inf:
         return np.inf
-    whole = spread(room, count, x, y, np.cos(theta), np.sin(theta))
+    whole = _spread(room, count, x, y, np.cos(theta), np.sin(theta))
     shift, offset = 0.2 * limits.distance, 0.0
     turn = min(0.1, 4.0 * shift / max(whole, 2.0 * shift))
     for _ in range(STEPS):
@@ -216,7 +178,7 @@ def fit(s: Array, room: Room, count: int, limits: Limits, longer: Array, most: f
             t = theta + (turn if k == 0 else -turn if k == 1 else 0.0)
             o = offset + (shift if k == 2 else -shift if k == 3 else 0.0)
             at = (x - o * np.sin(t), y + o * np.cos(t), t)
-            found = line_cost(s, room, count, limits, at, best - EQUAL)
+            found = _line_cost(s, room, count, limits, at, best - EQUAL)
             if found < best:
                 best, move = found, k
         theta += turn if move == 0 else -turn if move == 1 else 0.0
@@ -224,5 +186,5 @@ def fit(s: Array, room: Room, count: int, limits: Limits, longer: Array, most: f
         if move < 0:
             turn, shift = turn / 2.0, shift / 2.0
     at = (x - offset * np.sin(theta), y + offset * np.cos(theta), theta)
-    spread(room, count, at[0], at[1], np.cos(theta), np.sin(theta))
+    _spread(room, count, at[0], at[1], np.cos(theta), np.sin(theta))
     return best

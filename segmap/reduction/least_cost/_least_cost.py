@@ -2,37 +2,39 @@
 
 from __future__ import annotations
 
+import heapq
+from typing import Annotated, NamedTuple
+
 import numpy as np
 
-from ... import arrays
-from ...arrays import Array, Segments
-from ...kernels import describe
+from ...arrays import Array, Metres, Positive, Segments, below, checked
+from ...compiled import compiled
+from ...kernels import apart, describe, describe_one, join_sums, lay, length_of, span
 from ...metrics import quality as measured
-from .._runner import Found, Reduction, run
-from . import _kernels as kernels
-from ._fit_kernels import Indices, Limits, Room
+from ...segments import MIN_LENGTH, length
+from .._index import Index, empty_index, enter, meeting
+from .._runner import Found, Indices, Length, Reduction, Rows, Turn, run, survivors
+from ._fit_kernels import EQUAL, WIDE, Limits, Room, distance_between, fit
 
 #: Neighbours of each input that may merge with it.
 NEIGHBOURS = 8
 #: What a metre missed or invented costs, in metres of summed distance. At 0.1, one or two segments
 #: of a hundred fewer remain, but at low quality more is invented than by Fusion (chapter 58).
 PRICE = 0.25
-#: A segment has at most about so many samples, on average, that its neighbours are found by: cells
-#: are as large as that takes, or a wall of a kilometre would fill the memory.
-SAMPLES = 64
 #: Two segments at a distance d across cost together about this share of d.
 SHARE = 0.3
 #: Least and largest penalty that `reduce_to` tries, metres.
 PENALTIES = 1e-4, 4.0
 
 
+@checked
 def least_cost(
     map: Segments,
     *,
-    penalty: float = 0.05,
-    distance: float = 0.05,
-    angle: float = np.radians(5),
-    gap: float = 0.05,
+    penalty: Metres = 0.05,
+    distance: Metres = 0.05,
+    angle: Turn = np.radians(5),
+    gap: Length = 0.05,
 ) -> Reduction:
     """Merge clusters of segments in the order of what a merge costs under quality; ours, off-line.
 
@@ -48,15 +50,14 @@ def least_cost(
 
     Parameters
     ----------
-    map : SegmentMap, Reduction or (n, 2, 2) array, metres
-    penalty : float, metres
+    map : SegmentMap, Reduction or (n, 2, 2) array
+    penalty
         What one segment fewer may cost; useful from 0.008 to 0.3. A metre missed or invented costs
         0.25, and more where the penalty is above 10 times the distance.
-    distance : float, metres
-        A segment whose end lies farther off the line of its output counts as missed.
-    angle : float, radians
-        So does one that is turned by more.
-    gap : float, metres
+    distance, angle
+        A segment whose end lies farther off the line of its output, or that is turned by more,
+        counts as missed.
+    gap
         Gaps up to this are bridged at no cost; across longer ones clusters never merge. Segments
         farther apart than twice the distance are not tried, so that more hardly changes a map.
 
@@ -65,43 +66,31 @@ def least_cost(
     Reduction
         In the order of the first segment of each cluster.
 
-    Raises
-    ------
-    ValueError
-        For a threshold that is not positive, coordinates that are not finite.
-
     Examples
     --------
     >>> wall = [[(0, 0), (2, 0)], [(1, 0.01), (3, 0.01)], [(0, 1), (2, 1)]]
     >>> least_cost(wall).parents
     array([0, 0, 1])
     """
-    arrays.positive("metres", penalty=penalty, distance=distance)
-    arrays.number(angle, "angle", above=0, most=np.pi / 2, unit="radians")
-    arrays.number(gap, "gap", least=0, unit="metres")
     price = max(PRICE, penalty / distance / 40)
-    limits = Limits(float(penalty), price, float(distance), float(np.sin(angle)), float(gap))
-    return run("least_cost", map, lambda rows: _reduce(rows.segments, limits))
+    limits = Limits(penalty, price, distance, float(np.sin(angle)), gap)
+    return run("least_cost", map, lambda rows: _reduce(rows, limits))
 
 
-def reduce_to(map: Segments, *, quality: float = 0.85) -> Reduction:
+@checked
+def reduce_to(map: Segments, *, quality: Annotated[Positive, below(1)] = 0.85) -> Reduction:
     """The smallest map by `least_cost` that keeps a quality: the penalty is found by bisection.
 
     Parameters
     ----------
-    map : SegmentMap, Reduction or (n, 2, 2) array, metres
-    quality : float
-        The least `metrics.quality(map, result)`, above 0 and below 1.
+    map : SegmentMap, Reduction or (n, 2, 2) array
+    quality
+        The least `metrics.quality(map, result)`.
 
     Returns
     -------
     Reduction
         Where even the least penalty that is tried, 0.1 mm, falls below the quality, it is of that.
-
-    Raises
-    ------
-    ValueError
-        For a quality that is not between 0 and 1, coordinates that are not finite.
 
     Examples
     --------
@@ -109,7 +98,6 @@ def reduce_to(map: Segments, *, quality: float = 0.85) -> Reduction:
     >>> reduce_to(wall, quality=0.9)
     Reduction(least_cost: 3 -> 2 segments)
     """
-    arrays.number(quality, "quality", above=0, below=1)
     low, high = np.log(PENALTIES)
     best = least_cost(map, penalty=float(np.exp(low)))
     for _ in range(12):  # the share of the penalty that is left open: 0.3 %
@@ -122,69 +110,238 @@ def reduce_to(map: Segments, *, quality: float = 0.85) -> Reduction:
     return best
 
 
-def _reduce(s: Array, limits: Limits) -> Found:
+#: Key, both clusters, both versions, and whether the key is the cost of a fit or an estimate.
+Entry = tuple[float, int, int, int, int, int]
+
+
+class State(NamedTuple):
+    """Clusters while they merge: n inputs, and as many clusters at first.
+
+    Members of a cluster, and its neighbours, are linked lists, -1 at the end.
+    """
+
+    s: Array  # (n, 2, 2) inputs
+    d: Array  # (n, 5) middle, direction and half length of each
+    drawn: Array  # (n, 2, 2) the segment of each cluster
+    sums: Array  # (n, 7) weight, centre, scatter xx, xy, yy; cost
+    link: Indices  # (n, 6) parent, version, members, first and last member, first neighbour
+    after: Indices  # (n,) the member behind a member
+    near: Indices  # (p, 2) a neighbour, and the entry behind it
+    mark: Indices  # (n,) when a cluster was last seen in a list of neighbours
+    fitted: Indices  # (n, 3) the last fit of each cluster: with which other, versions of both
+    fits: Array  # (n, 5) its segment and cost
+
+
+def _reduce(rows: Rows, limits: Limits) -> Found:
     """Outputs, and the output of each segment."""
-    state, n = _singles(s), len(s)
+    s, n, d = rows.segments, len(rows.segments), describe(rows.segments)
     reach = min(max(limits.penalty / SHARE, limits.gap), 2 * limits.distance)
-    state = _linked(state, _neighbours(state, reach))
-    room = Room(
-        np.empty(n, np.int64), *(np.empty(k) for k in ((n, 4), (n, 5), (n, 2), (2, 2), 5, 6))
-    )
-    kernels.merge_all(state, room, limits)
-    roots = state.link[:, 0]
-    while (roots != roots[roots]).any():
-        roots = roots[roots]
-    live, parents = np.unique(roots, return_inverse=True)
-    return state.drawn[live], parents
-
-
-def _singles(s: Array) -> kernels.State:
-    """Every segment as a cluster of its own, without neighbours."""
-    n, d = len(s), describe(s)
-    own, whole = np.arange(n), 2 * d[:, 4]
-    x, y = d[:, 2], d[:, 3]
-    sums = np.column_stack(
-        [whole, d[:, :2], *(whole**3 / 12 * p for p in (x * x, x * y, y * y)), 0 * whole]
-    )
-    link = np.column_stack([own, 0 * own, 0 * own + 1, own, own, 0 * own - 1])
-    none = np.full(n, -1)
-    return kernels.State(
-        s,
-        d,
-        s.copy(),
-        sums,
-        link,
-        none,
-        np.empty((0, 2), np.int64),
-        none.copy(),
-        np.full((n, 3), -1),
-        np.empty((n, 5)),
-    )
-
-
-def _neighbours(state: kernels.State, reach: float) -> Indices:
-    """Pairs that may merge, `(p, 2)`, both ways, ascending: those nearest to one of them."""
-    half = state.d[:, 4]
-    cell = max(2 * reach, 4 * half.sum() / (SAMPLES * max(len(half), 1)))
-    steps = np.maximum(np.ceil(4 * half / cell), 1).astype(np.int64)
-    slots = 1 << int(np.ceil(np.log2(max(4 * len(half), 16))))
-    begin = np.zeros(slots + 1, np.int64)
-    kernels.fill(state.s, steps, cell, begin, np.empty(0, np.int64))
-    begin = np.cumsum(begin)
-    held = np.empty(begin[-1], np.int64)
-    kernels.fill(state.s, steps, cell, begin, held)
-    who = np.full((len(half), NEIGHBOURS), -1)
-    kernels.nearest_neighbours(state, np.array([cell, reach]), steps, begin, held, who)
+    # step 1: pairs that may merge, both ways, ascending; then the list of neighbours of each
+    who, least = np.full((n, NEIGHBOURS), -1), np.full((n, NEIGHBOURS), np.inf)
+    places = empty_index(n, max(2 * reach, length(s).mean() if n else 0.0))
+    _nearest_neighbours(s, d, reach, places, np.empty(n + 1, np.int64), least, who)
     i, k = np.nonzero(who >= 0)
     pairs = np.column_stack([i, who[i, k]])
-    return np.unique(np.concatenate([pairs, pairs[:, ::-1]]), axis=0)
-
-
-def _linked(state: kernels.State, pairs: Indices) -> kernels.State:
-    """The same clusters with a list of neighbours each."""
+    pairs = np.unique(np.concatenate([pairs, pairs[:, ::-1]]), axis=0)
     near = np.column_stack([pairs[:, 1], np.arange(1, len(pairs) + 1)])
-    first = np.searchsorted(pairs[:, 0], np.arange(len(state.s) + 1))
+    first = np.searchsorted(pairs[:, 0], np.arange(n + 1))
     some = first[1:] > first[:-1]
     near[first[1:][some] - 1, 1] = -1
-    state.link[some, 5] = first[:-1][some]
-    return state._replace(near=near)
+    # step 2: every segment is a cluster
+    own, whole, (x, y) = np.arange(n), 2 * d[:, 4], d[:, 2:4].T
+    scatter = (whole**3 / 12 * p for p in (x * x, x * y, y * y))
+    state = State(
+        s=s,
+        d=d,
+        drawn=s.copy(),
+        sums=np.column_stack([whole, d[:, :2], *scatter, 0 * whole]),
+        link=np.column_stack([own, 0 * own, 0 * own + 1, own, own, np.where(some, first[:-1], -1)]),
+        after=np.full(n, -1),
+        near=near,
+        mark=np.full(n, -1),
+        fitted=np.full((n, 3), -1),
+        fits=np.empty((n, 5)),
+    )
+    shapes = (n, 4), (n, 5), (n, 2), (2, 2), 5, 6
+    room = Room(*np.empty((2, n), np.int64), *(np.empty(shape) for shape in shapes))
+    _merge_all(state, room, limits)
+    alive, parents = survivors(state.link[:, 0].copy())
+    return state.drawn[alive], parents
+
+
+@compiled
+def _rounded(cost: float) -> float:
+    """Costs that are equal but for rounding become the same number."""
+    return np.floor(cost / EQUAL + 0.5) * EQUAL
+
+
+# ------------------------------------------------------------------ step 1: who may merge
+@compiled
+def crosses(u: Array, v: Array) -> bool:
+    """Whether two segments cross in a point inside both."""
+    ax, ay = u[1, 0] - u[0, 0], u[1, 1] - u[0, 1]
+    bx, by = v[1, 0] - v[0, 0], v[1, 1] - v[0, 1]
+    p = ax * (v[0, 1] - u[0, 1]) - ay * (v[0, 0] - u[0, 0])
+    q = ax * (v[1, 1] - u[0, 1]) - ay * (v[1, 0] - u[0, 0])
+    r = bx * (u[0, 1] - v[0, 1]) - by * (u[0, 0] - v[0, 0])
+    t = bx * (u[1, 1] - v[0, 1]) - by * (u[1, 0] - v[0, 0])
+    return p * q < 0.0 and r * t < 0.0
+
+
+@compiled
+def _keep(nearest: Array, who: Indices, i: int, j: int, value: float) -> None:
+    """Put a neighbour into the list of the nearest of i, where it is among them (ties: lower)."""
+    at = who.shape[1]
+    while at > 0 and (
+        value < nearest[i, at - 1] or (value == nearest[i, at - 1] and j < who[i, at - 1])
+    ):
+        at -= 1
+        if at + 1 < who.shape[1]:
+            nearest[i, at + 1], who[i, at + 1] = nearest[i, at], who[i, at]
+    if at < who.shape[1]:
+        nearest[i, at], who[i, at] = value, j
+
+
+@compiled
+def _nearest_neighbours(
+    s: Array, d: Array, reach: float, places: Index, near: Indices, nearest: Array, who: Indices
+) -> None:
+    """Write the indices of the nearest of each input, `(n, k)`, -1 where there are no more.
+
+    Of those within reach, by the distance of quality, which is written too.
+    """
+    for i in range(len(s)):
+        for k in range(meeting(places, s[i], reach, near)):
+            j = near[k]
+            if apart(s[i], s[j]) <= reach or crosses(s[i], s[j]):
+                value = _rounded(distance_between(s[j], s[i], d[j], d[i]))
+                _keep(nearest, who, i, j, value)
+                _keep(nearest, who, j, i, value)
+        enter(places, i, s[i], 0.0)
+
+
+# ------------------------------------------------------------------ steps 3 and 4: the cheapest
+@compiled
+def _longer(state: State, a: int, b: int) -> bool:
+    """Whether the segment of b is longer than that of a."""
+    return length_of(state.drawn[b]) > length_of(state.drawn[a]) + MIN_LENGTH
+
+
+@compiled
+def _push(heap: list[Entry], state: State, room: Room, a: int, b: int, limits: Limits) -> None:
+    """Put a pair on the heap by an estimate of its cost, unless that is far too dear.
+
+    That is what it costs to draw the larger cluster's segment out over the smaller one's.
+    """
+    drawn, link, line = state.drawn, state.link, room.frame
+    members, longer = link[b, 2] - link[a, 2], _longer(state, a, b)
+    describe_one(drawn[b if longer else a], line)
+    low_a, high_a = span(drawn[a], line[0], line[1], line[2], line[3])
+    low_b, high_b = span(drawn[b], line[0], line[1], line[2], line[3])
+    if max(low_a, low_b) - min(high_a, high_b) > limits.gap:
+        return
+    big, small = (b, a) if members > 0 or (members == 0 and longer) else (a, b)
+    describe_one(drawn[big], line)
+    low_a, high_a = span(drawn[a], line[0], line[1], line[2], line[3])
+    low_b, high_b = span(drawn[b], line[0], line[1], line[2], line[3])
+    low, high = min(low_a, low_b), max(high_a, high_b)
+    lay(room.line, line[0], line[1], line[2], line[3], low, high)
+    describe_one(room.line, line)
+    total, i = -state.sums[small, 6], link[small, 3]
+    while i >= 0 and total <= WIDE * limits.penalty:
+        total += distance_between(state.s[i], room.line, state.d[i], line)
+        i = state.after[i]
+    if total <= WIDE * limits.penalty:
+        key = _rounded(max(total, 0.0) / WIDE)
+        heapq.heappush(heap, (key, a, b, link[a, 1], link[b, 1], 0))
+
+
+@compiled
+def _fit_pair(state: State, room: Room, a: int, b: int, limits: Limits) -> float:
+    """Cost of the best segment for two clusters; it stays in `fits`, for as long as both last."""
+    link, fitted, fits, count = state.link, state.fitted, state.fits, 0
+    if fitted[a, 0] == b and fitted[a, 1] == link[a, 1] and fitted[a, 2] == link[b, 1]:
+        return fits[a, 4]
+    most = state.sums[a, 6] + state.sums[b, 6] + WIDE * limits.penalty
+    join_sums(state.sums[a], state.sums[b], room.sums)
+    for c in (a, b):
+        i = link[c, 3]
+        while i >= 0:
+            room.who[count] = i
+            for k in range(4):
+                room.ends[count, k] = state.s[i, k // 2, k % 2]
+            for k in range(5):
+                room.about[count, k] = state.d[i, k]
+            i, count = state.after[i], count + 1
+    long = state.drawn[b if _longer(state, a, b) else a]
+    fitted[a, 0], fitted[a, 1], fitted[a, 2] = b, link[a, 1], link[b, 1]
+    fits[a, 4] = fit(state.s, room, count, limits, long, most)
+    for k in range(4):
+        fits[a, k] = room.line[k // 2, k % 2]
+    return fits[a, 4]
+
+
+@compiled
+def _merge(state: State, a: int, b: int) -> None:
+    """Let cluster b go into cluster a: segment, cost, sums, members, version, neighbours."""
+    link, near = state.link, state.near
+    join_sums(state.sums[a], state.sums[b], state.sums[a])
+    state.sums[a, 6] = state.fits[a, 4]
+    for k in range(4):
+        state.drawn[a, k // 2, k % 2] = state.fits[a, k]
+    state.after[link[a, 4]] = link[b, 3]
+    link[a, 4] = link[b, 4]
+    link[a, 1] += 1
+    link[a, 2] += link[b, 2]
+    link[b, 0] = a
+    # one list of neighbours: living ones, each once, without a itself
+    stamp, first, last = link[a, 1] * len(link) + a + len(link), -1, -1
+    state.mark[a] = stamp
+    for c in (a, b):
+        entry = link[c, 5]
+        while entry >= 0:
+            after, other = near[entry, 1], near[entry, 0]
+            while link[other, 0] != other:  # the living cluster that it went into
+                link[other, 0] = link[link[other, 0], 0]
+                other = link[other, 0]
+            if state.mark[other] != stamp:
+                state.mark[other] = stamp
+                near[entry, 0], near[entry, 1] = other, -1
+                if last >= 0:
+                    near[last, 1] = entry
+                else:
+                    first = entry
+                last = entry
+            entry = after
+    link[a, 5] = first
+
+
+@compiled
+def _merge_all(state: State, room: Room, limits: Limits) -> None:
+    """Merge clusters, the cheapest pair first, until every merge costs more than the penalty."""
+    link, near = state.link, state.near
+    heap = [(0.0, 0, 0, 0, 0, 0)]  # the compiler learns what an entry is
+    heap.pop()
+    for a in range(len(link)):
+        entry = link[a, 5]
+        while entry >= 0:
+            if near[entry, 0] > a:
+                _push(heap, state, room, a, near[entry, 0], limits)
+            entry = near[entry, 1]
+    while len(heap):
+        _, a, b, of_a, of_b, exact = heapq.heappop(heap)
+        if link[a, 0] != a or link[b, 0] != b or link[a, 1] != of_a or link[b, 1] != of_b:
+            continue
+        cost = _fit_pair(state, room, a, b, limits)
+        delta = _rounded(cost - (state.sums[a, 6] + state.sums[b, 6]))
+        if not exact:
+            if not delta <= limits.penalty:
+                continue
+            if len(heap) and delta > heap[0][0]:
+                heapq.heappush(heap, (delta, a, b, of_a, of_b, 1))
+                continue
+        _merge(state, a, b)
+        entry = link[a, 5]
+        while entry >= 0:
+            _push(heap, state, room, min(a, near[entry, 0]), max(a, near[entry, 0]), limits)
+            entry = near[entry, 1]

@@ -8,9 +8,8 @@ import numpy as np
 
 from ...arrays import Array
 from ...compiled import compiled
-from ...kernels import gap_along, lay
+from ...kernels import gap_along, join_sums, lay
 from .._runner import Indices
-from ..least_cost import join_sums
 
 #: Lengths and memberships closer than this are equal.
 SAME = 1e-9

@@ -6,19 +6,28 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ... import arrays
-from ...arrays import Array, Segments
+from ...arrays import Array, Metres, Segments, checked
 from ...compiled import compiled
-from ...kernels import ACROSS, ANGULAR, APART, PERPENDICULAR, across, apart, become_mean
+from ...kernels import (
+    ACROSS,
+    ANGULAR,
+    APART,
+    PERPENDICULAR,
+    across,
+    apart,
+    become_mean,
+    turn_between,
+)
 from ...segments import angle, length
-from .._cells import Cells, empty_cells, enter, leave, near
-from .._runner import Found, Indices, Reduction, Rows, run
+from .._index import Index, empty_index, enter, leave, meeting
+from .._runner import Found, Indices, Reduction, Rows, run, survivors
 
 #: Costs are compared in steps of so many metres: rounding must not choose.
 STEP = 1e-12
 
 
-def segment_similarity(map: Segments, *, distance: float = 0.03) -> Reduction:
+@checked
+def segment_similarity(map: Segments, *, distance: Metres = 0.03) -> Reduction:
     """Merge the two most similar segments while they cost less than `distance` (A 2.7.7).
 
     The cost of two segments is their `metrics.segment_distance`, weighted by the number of
@@ -30,9 +39,9 @@ def segment_similarity(map: Segments, *, distance: float = 0.03) -> Reduction:
 
     Parameters
     ----------
-    map : SegmentMap, Reduction or (n, 2, 2) array, metres
-        The scans of a map are ignored.
-    distance : float, metres
+    map : SegmentMap, Reduction or (n, 2, 2) array
+        Its scans are ignored.
+    distance
         A gives none. At 0.03 m parallel walls 0.10 m apart still merge, and a gap of up to 0.12 m
         is bridged.
 
@@ -40,11 +49,6 @@ def segment_similarity(map: Segments, *, distance: float = 0.03) -> Reduction:
     -------
     Reduction
         In the order of the lowest index among the segments that went into each.
-
-    Raises
-    ------
-    ValueError
-        For coordinates that are not finite, a distance that is not positive and finite.
 
     References
     ----------
@@ -60,81 +64,53 @@ def segment_similarity(map: Segments, *, distance: float = 0.03) -> Reduction:
     array([[0.  , 0.05],
            [3.  , 0.05]])
     """
-    arrays.positive("metres", distance=distance)
-    return run("segment_similarity", map, lambda rows: _reduce(rows, float(distance)))
+    return run("segment_similarity", map, lambda rows: _reduce(rows, distance))
 
 
 def _reduce(rows: Rows, distance: float) -> Found:
-    state = _start(rows.segments, distance)
-    _cluster(state, distance)
-    parents = state.parents
-    while not state.alive[parents].all():
-        parents = parents[parents]
-    return state.s[state.alive > 0], (np.cumsum(state.alive) - 1)[parents]
-
-
-class State(NamedTuple):
-    """The groups, their grid, and for each the cheapest partner that stands behind it.
-
-    Each group knows its cheapest partner of a higher index, and a tree of winners knows the
-    cheapest of all. So the memory grows with n, not with the number of pairs. When a group has
-    changed, its neighbours compare it with their partner; one whose own partner has changed looks
-    again only when it wins. Maps of 1 000, 3 604, 10 000 and 100 000 segments take 17, 76, 230 and
-    3400 ms where each wall was seen 20 times; 5, 18, 55 and 690 ms where it was seen three times.
-
-    Parameters
-    ----------
-    s : (n, 2, 2) array, metres
-    lines : (n, 3) array
-        Direction, radians, length, metres, and how many segments each group stands for.
-    alive : (n,) int array
-        1 for groups that are left.
-    parents : (n,) int array
-        Which group took each in; its own index until then.
-    costs : (n,) array
-        Cost of each with its partner, in steps; infinite without one.
-    partner : (n,) int array
-    changed, looked : (n,) int array
-        After how many merges each has changed, and has got its partner.
-    winners : (2 leaves,) int array
-        A tree: of nodes 2 k and 2 k + 1 the cheaper group stands in k; ties: the lower index.
-    cells : Cells
-    found : (n,) int array
-        Room for neighbours.
-    """
-
-    s: Array
-    lines: Array
-    alive: Indices
-    parents: Indices
-    costs: Array
-    partner: Indices
-    changed: Indices
-    looked: Indices
-    winners: Indices
-    cells: Cells
-    found: Indices
-
-
-def _start(s: Array, distance: float) -> State:
-    """Every segment of `(n, 2, 2)`, metres, is a group of its own."""
-    n, leaves = len(s), 1 << max(int(np.ceil(np.log2(max(len(s), 1)))), 1)
+    s, n = rows.segments, len(rows.segments)
+    leaves = 1 << max(int(np.ceil(np.log2(max(n, 1)))), 1)
     winners = np.full(2 * leaves, -1)
     winners[leaves : leaves + n] = np.arange(n)
-    partner, changed, looked, found = np.zeros((4, n), np.int64)
-    return State(
+    lengths, reach = length(s), distance / APART
+    partner, changed, looked = np.zeros((3, n), np.int64)
+    state = State(
         s=s.copy(),
-        lines=np.column_stack([angle(s), length(s), np.ones(n)]),
-        alive=np.ones(n, np.int64),
+        lines=np.column_stack([angle(s), lengths, np.ones(n)]),
         parents=np.arange(n),
         costs=np.full(n, np.inf),
         partner=partner,
         changed=changed,
         looked=looked,
         winners=winners,
-        cells=empty_cells(s, distance / APART, n),
-        found=found,
+        places=empty_index(n, max(2 * reach, lengths.mean() if n else 0.0)),
+        near=np.empty(n + 1, np.int64),
     )
+    _cluster(state, distance)
+    alive, parents = survivors(state.parents)
+    return state.s[alive], parents
+
+
+class State(NamedTuple):
+    """The groups, where they are, and for each the cheapest partner that stands behind it.
+
+    Each group knows its cheapest partner of a higher index, and a tree of winners knows the
+    cheapest of all. So the memory grows with n, not with the number of pairs. When a group has
+    changed, its neighbours compare it with their partner; one whose own partner has changed looks
+    again only when it wins. Maps of 1 000, 3 604, 10 000 and 100 000 segments take 17, 76, 230 and
+    3400 ms where each wall was seen 20 times; 5, 18, 55 and 690 ms where it was seen three times.
+    """
+
+    s: Array  # (n, 2, 2), metres
+    lines: Array  # (n, 3) direction, radians, length, metres, how many segments each stands for
+    parents: Indices  # which group took each in; its own index until then
+    costs: Array  # of each with its partner, in steps; infinite without one
+    partner: Indices
+    changed: Indices  # after how many merges each has changed
+    looked: Indices  # and has got its partner
+    winners: Indices  # of nodes 2 k and 2 k + 1 the cheaper group stands in k; ties: the lower
+    places: Index
+    near: Indices  # room for neighbours
 
 
 @compiled
@@ -152,7 +128,7 @@ def _line_cost(s: Array, lines: Array, i: int, j: int, share: float, turn: float
 @compiled
 def _turn(s: Array, lines: Array, i: int, j: int, share: float) -> float:
     """From i to j, radians; of the two of perpendicular segments the cheaper, or the left one."""
-    turn = (lines[j, 0] - lines[i, 0] + np.pi / 2) % np.pi - np.pi / 2
+    turn = turn_between(lines[i, 0], lines[j, 0])
     if abs(abs(turn) - np.pi / 2) > PERPENDICULAR:
         return turn
     left = _line_cost(s, lines, i, j, share, np.pi / 2)
@@ -188,16 +164,10 @@ def _play(state: State, i: int) -> None:
 @compiled
 def _look(state: State, i: int, distance: float, merges: int, tell: bool) -> None:
     """Find the cheapest partner behind i; where asked, `tell` those before i what i costs."""
-    s, lines, costs, partner, looked = (
-        state.s,
-        state.lines,
-        state.costs,
-        state.partner,
-        state.looked,
-    )
-    costs[i], partner[i], looked[i] = np.inf, -1, merges
-    for k in range(near(state.cells, s, s[i], state.found)):
-        j = state.found[k]
+    s, lines, costs, partner = state.s, state.lines, state.costs, state.partner
+    costs[i], partner[i], state.looked[i] = np.inf, -1, merges
+    for k in range(meeting(state.places, s[i], distance / APART, state.near)):
+        j = state.near[k]
         if j > i:
             cost = _cost(s, lines, i, j, distance)
             if cost < costs[i] or (cost == costs[i] and j < partner[i]):
@@ -205,7 +175,7 @@ def _look(state: State, i: int, distance: float, merges: int, tell: bool) -> Non
         elif j < i and tell:
             cost = _cost(s, lines, j, i, distance)
             if cost < costs[j] or (cost == costs[j] and i < partner[j]):
-                costs[j], partner[j], looked[j] = cost, i, merges
+                costs[j], partner[j], state.looked[j] = cost, i, merges
                 _play(state, j)
     _play(state, i)
 
@@ -216,26 +186,26 @@ def _merge(state: State, i: int, j: int) -> None:
     s, lines = state.s, state.lines
     share = lines[j, 2] / (lines[i, 2] + lines[j, 2])
     direction = lines[i, 0] + share * _turn(s, lines, i, j, share)
-    leave(state.cells, i)
-    leave(state.cells, j)
+    leave(state.places, i)
+    leave(state.places, j)
     lines[i, 0], lines[i, 1] = direction, become_mean(s, i, j, share, direction)
     lines[i, 2] += lines[j, 2]
-    state.alive[j], state.parents[j], state.costs[j] = 0, i, np.inf
-    enter(state.cells, s, i)
+    state.parents[j], state.costs[j] = i, np.inf
+    enter(state.places, i, s[i], 0.0)
 
 
 @compiled
 def _cluster(state: State, distance: float) -> None:
     """Merge the cheapest pair until none costs less than `distance`, metres."""
-    merges = 0
-    for i in range(len(state.s)):
-        enter(state.cells, state.s, i)
+    s, merges = state.s, 0
+    for i in range(len(s)):
+        enter(state.places, i, s[i], 0.0)
     for i in range(len(state.s)):
         _look(state, i, distance, merges, False)
     while len(state.s) > 0 and state.costs[state.winners[1]] < np.inf:
         i = state.winners[1]
         j = state.partner[i]
-        if state.alive[j] == 0 or state.changed[j] > state.looked[i]:
+        if state.parents[j] != j or state.changed[j] > state.looked[i]:
             _look(state, i, distance, merges, False)
             continue
         merges += 1

@@ -6,13 +6,12 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
-from ... import arrays
-from ...arrays import Array, Segments
+from ...arrays import Array, Metres, Segments, checked
 from ...compiled import compiled
+from ...kernels import apart, gap_along, lay, length_of, span, turn_between
 from ...segments import SegmentMap, length, point_distance, take_points
-from .._basic import check_match
-from .._cells import Cells, empty_cells, enter, leave, near
-from .._runner import Indices, Reduction, Rows, Steps, run_online
+from .._index import Index, empty_index, enter, leave, meeting
+from .._runner import Indices, Reduction, Rows, Steps, Turn, run_online, survivors
 
 #: No fused line is known better than this, metres and radians.
 LEAST_RHO, LEAST_THETA = 0.001, 1e-4
@@ -20,12 +19,13 @@ LEAST_RHO, LEAST_THETA = 0.001, 1e-4
 SAME = 1e-9
 
 
+@checked
 def uncertain_parameters(
     map: Segments,
     *,
-    distance: float = 0.10,
-    angle: float = np.pi / 18,
-    eps: float = 0.01,
+    distance: Metres = 0.10,
+    angle: Turn = np.pi / 18,
+    eps: Metres = 0.01,
     origin: Literal["map"] | None = None,
 ) -> Reduction:
     """Fuse each new segment with all of the map that it may be a look at (A 2.7.8).
@@ -42,15 +42,15 @@ def uncertain_parameters(
 
     Parameters
     ----------
-    map : SegmentMap, Reduction or (n, 2, 2) array, metres
+    map : SegmentMap, Reduction or (n, 2, 2) array
         Scans come in ascending order.
-    distance : float, metres
+    distance
         A's T_D, without a value: 0.10 m is the noise of two looks and of the poses between.
-    angle : float, radians
-        A's T_theta: above 0, at most pi/2.
-    eps : float, metres
+    angle
+        A's T_theta.
+    eps
         For a map without points. With points it is the largest distance of one from its segment.
-    origin : "map" or None
+    origin
         A takes rho about the origin of the map. Theta and rho have different weights, so 50 m away
         the fused line can miss both walls by 0.2 m. None takes it about the mean of the middles,
         weighted by length.
@@ -59,11 +59,6 @@ def uncertain_parameters(
     -------
     Reduction
         In the order in which segments joined; with seconds and segments in the map for each scan.
-
-    Raises
-    ------
-    ValueError
-        For coordinates that are not finite, thresholds out of range.
 
     References
     ----------
@@ -76,74 +71,44 @@ def uncertain_parameters(
     >>> found, found.parents
     (Reduction(uncertain_parameters: 3 -> 2 segments), array([0, 0, 1]))
     """
-    check_match(map, distance, angle)
-    arrays.positive("metres", eps=eps)
-    if origin is not None:
-        arrays.one_of(origin, "origin", ("map",))
-    return run_online(
-        "uncertain_parameters",
-        map,
-        lambda rows: _steps(rows, _eps(map, rows, eps), float(distance), angle, origin is None),
-    )
 
+    def steps(rows: Rows) -> Steps:
+        s, n = rows.segments, len(rows.segments)
+        off = np.full(n, float(eps))
+        if isinstance(map, SegmentMap) and map.points is not None and map.first is not None and n:
+            points, first = take_points(map.points, map.first, rows.row)
+            beside = point_distance(points, np.repeat(s, np.diff(first), axis=0))
+            off = np.maximum(np.maximum.reduceat(beside, first[:-1]), LEAST_RHO)
+        lengths = length(s)
+        sigma = np.stack([np.maximum(off, LEAST_RHO), np.minimum(2 * off / lengths, 1.0)], -1)
+        sigma[:, 1] = np.arcsin(sigma[:, 1])
+        state = State(
+            s=np.empty((n + 1, 2, 2)),
+            sigma=np.empty((n + 1, 2)),
+            into=np.arange(n + 1),
+            counts=np.zeros(2, np.int64),
+            places=empty_index(n + 1, max(2 * distance, lengths.mean() if n else 0.0)),
+            near=np.empty(n + 2, np.int64),
+        )
+        walls = np.empty(n, np.int64)
+        for first_row, stop in rows.scans():
+            _add(state, s, sigma, first_row, stop, distance, angle, origin is None, walls)
+            yield int(state.counts[1])
+        alive, into = survivors(state.into[: state.counts[0]])
+        return state.s[: len(into)][alive], into[walls]
 
-def _eps(map: Segments, rows: Rows, eps: float) -> Array:
-    """Largest distance, metres, of a point behind each row from it, `(k,)`; else `eps`."""
-    if not isinstance(map, SegmentMap) or map.points is None or map.first is None:
-        return np.full(len(rows.row), float(eps))
-    points, first = take_points(map.points, map.first, rows.row)
-    if not len(points):
-        return np.empty(0)
-    off = point_distance(points, np.repeat(rows.segments, np.diff(first), axis=0))
-    return np.maximum(np.maximum.reduceat(off, first[:-1]), LEAST_RHO)
-
-
-def _steps(rows: Rows, eps: Array, distance: float, angle: float, local: bool) -> Steps:
-    state = _empty_map(rows.segments, distance)
-    sigma = np.stack([np.maximum(eps, LEAST_RHO), 2 * eps / length(rows.segments)], -1)
-    sigma[:, 1] = np.arcsin(np.minimum(sigma[:, 1], 1.0))
-    walls = np.empty(len(rows.segments), np.int64)
-    for first, stop in rows.scans():
-        _add(state, rows.segments, sigma, first, stop, angle, local, walls)
-        yield int(state.counts[1])
-    into = state.into[: state.counts[0]]
-    alive = into == np.arange(len(into))
-    while not alive[into].all():
-        into = into[into]
-    return state.s[: len(into)][alive], (np.cumsum(alive) - 1)[into[walls]]
+    return run_online("uncertain_parameters", map, steps)
 
 
 class State(NamedTuple):
-    """The map: its walls in the order in which they joined, and a grid of them.
+    """The map: its walls in the order in which they joined, and one that is being compared."""
 
-    Parameters
-    ----------
-    s : (n, 2, 2) array, metres
-    sigma : (n, 2) array, metres and radians
-        Standard deviations of rho and theta.
-    into : (n,) int array
-        Which wall took each in; its own index until then.
-    counts : (2,) int array
-        How many walls there ever were, and how many are left.
-    cells : Cells
-    found : (n,) int array
-        Room for neighbours.
-    """
-
-    s: Array
-    sigma: Array
-    into: Indices
-    counts: Indices
-    cells: Cells
-    found: Indices
-
-
-def _empty_map(segments: Array, distance: float) -> State:
-    n = len(segments) + 1  # the last one has room for a segment that is being compared
-    cells, found = empty_cells(segments, distance, n), np.empty(n, np.int64)
-    return State(
-        np.empty((n, 2, 2)), np.empty((n, 2)), np.arange(n), np.zeros(2, np.int64), cells, found
-    )
+    s: Array  # (n, 2, 2), metres
+    sigma: Array  # (n, 2) standard deviations of rho and theta, metres and radians
+    into: Indices  # which wall took each in; its own index until then
+    counts: Indices  # (2,) how many walls there ever were, and how many are left
+    places: Index
+    near: Indices  # room for neighbours
 
 
 @compiled
@@ -152,32 +117,23 @@ def _angle(s: Array, i: int) -> float:
 
 
 @compiled
-def _agrees(s: Array, i: int, j: int, angle: float) -> bool:
-    """Whether j has the direction of i, radians, and overlaps it along the bisector."""
-    at = _angle(s, i)
-    turn = (_angle(s, j) - at + np.pi / 2) % np.pi - np.pi / 2
-    if abs(turn) >= angle:
-        return False
-    dx, dy = np.cos(at + turn / 2), np.sin(at + turn / 2)
-    a, b = s[i, 0, 0] * dx + s[i, 0, 1] * dy, s[i, 1, 0] * dx + s[i, 1, 1] * dy
-    c, d = s[j, 0, 0] * dx + s[j, 0, 1] * dy, s[j, 1, 0] * dx + s[j, 1, 1] * dy
-    return min(max(a, b), max(c, d)) >= max(min(a, b), min(c, d)) - SAME
-
-
-@compiled
-def _matches(state: State, b: int, angle: float) -> int:
+def _matches(state: State, b: int, distance: float, angle: float) -> int:
     """Write the walls that b may be a look at, ascending, and behind them b; how many they are."""
-    found, count = state.found, 0
-    for k in range(near(state.cells, state.s, state.s[b], found)):
-        j = found[k]
-        if _agrees(state.s, b, j, angle):
+    s, near, count, at = state.s, state.near, 0, _angle(state.s, b)
+    for k in range(meeting(state.places, s[b], distance, near)):
+        j = near[k]
+        turn = turn_between(at, _angle(s, j))
+        dx, dy = np.cos(at + turn / 2), np.sin(at + turn / 2)
+        if abs(turn) >= angle or gap_along(s[b], s[j], dx, dy) > SAME:
+            continue
+        if apart(s[b], s[j]) < distance:
             place = count
-            while place > 0 and found[place - 1] > j:
-                found[place] = found[place - 1]
+            while place > 0 and near[place - 1] > j:
+                near[place] = near[place - 1]
                 place -= 1
-            found[place] = j
+            near[place] = j
             count += 1
-    found[count] = b
+    near[count] = b
     return count
 
 
@@ -186,7 +142,7 @@ def _fuse(s: Array, sigma: Array, members: Indices, local: bool) -> None:
     """The first member becomes one wall for them all (A 2.38)."""
     total, longest, x, y, at = 0.0, 0.0, 0.0, 0.0, 0.0
     for i in members:
-        size = np.hypot(s[i, 1, 0] - s[i, 0, 0], s[i, 1, 1] - s[i, 0, 1])
+        size = length_of(s[i])
         total += size
         x += size * (s[i, 0, 0] + s[i, 1, 0]) / 2
         y += size * (s[i, 0, 1] + s[i, 1, 1]) / 2
@@ -195,8 +151,8 @@ def _fuse(s: Array, sigma: Array, members: Indices, local: bool) -> None:
     x, y = (x / total, y / total) if local else (0.0, 0.0)
     rho, of_rho, theta, of_theta, known_rho, known_theta = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     for i in members:
-        size = np.hypot(s[i, 1, 0] - s[i, 0, 0], s[i, 1, 1] - s[i, 0, 1])
-        turn = (_angle(s, i) - at + np.pi / 2) % np.pi - np.pi / 2
+        size = length_of(s[i])
+        turn = turn_between(at, _angle(s, i))
         across = ((s[i, 0, 1] + s[i, 1, 1]) / 2 - y) * np.cos(at + turn)
         across -= ((s[i, 0, 0] + s[i, 1, 0]) / 2 - x) * np.sin(at + turn)
         know_rho, know_theta = sigma[i, 0] ** -2.0, sigma[i, 1] ** -2.0
@@ -207,11 +163,9 @@ def _fuse(s: Array, sigma: Array, members: Indices, local: bool) -> None:
     dx, dy = np.cos(at), np.sin(at)
     x, y, low, high, first = x - rho * dy, y + rho * dx, np.inf, -np.inf, members[0]
     for i in members:
-        for k in range(2):
-            u = (s[i, k, 0] - x) * dx + (s[i, k, 1] - y) * dy
-            low, high = min(low, u), max(high, u)
-    s[first, 0, 0], s[first, 0, 1] = x + low * dx, y + low * dy
-    s[first, 1, 0], s[first, 1, 1] = x + high * dx, y + high * dy
+        begin, end = span(s[i], x, y, dx, dy)
+        low, high = min(low, begin), max(high, end)
+    lay(s[first], x, y, dx, dy, low, high)
     sigma[first, 0] = max(known_rho**-0.5, LEAST_RHO)
     sigma[first, 1] = max(known_theta**-0.5, LEAST_THETA)
 
@@ -223,6 +177,7 @@ def _add(
     sigma: Array,
     first: int,
     stop: int,
+    distance: float,
     angle: float,
     local: bool,
     walls: Indices,
@@ -231,21 +186,21 @@ def _add(
 
     Writes which wall took each in, `(n,)`.
     """
-    s, counts, found = state.s, state.counts, state.found
+    s, counts, near = state.s, state.counts, state.near
     for i in range(first, stop):
         b = counts[0]
         for k in range(2):
             s[b, k, 0], s[b, k, 1] = new[i, k, 0], new[i, k, 1]
             state.sigma[b, k] = sigma[i, k]
-        count = _matches(state, b, angle)
-        walls[i] = found[0]
+        count = _matches(state, b, distance, angle)
+        walls[i] = near[0]
         if count == 0:
             counts[0] += 1
             counts[1] += 1
         else:
             for k in range(count):
-                leave(state.cells, found[k])
-                state.into[found[k]] = found[0]
+                leave(state.places, near[k])
+                state.into[near[k]] = near[0]
             counts[1] -= count - 1
-            _fuse(s, state.sigma, found[: count + 1], local)
-        enter(state.cells, s, found[0])
+            _fuse(s, state.sigma, near[: count + 1], local)
+        enter(state.places, near[0], s[near[0]], 0.0)

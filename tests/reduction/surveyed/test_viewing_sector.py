@@ -13,8 +13,6 @@ from segmap import load
 from segmap.extraction import build_map
 from segmap.poses import transform
 from segmap.reduction import viewing_sector
-from segmap.reduction.surveyed.viewing_sector._viewing_sector import _room_for
-from segmap.reduction.surveyed.viewing_sector._views import Walls, _beside, _fill_bins
 from segmap.segments import SegmentMap, length
 from segmap.testing import assert_segments_equal
 
@@ -32,22 +30,14 @@ def scans_of(*scans, sensor=AT) -> SegmentMap:
 LOOK = [[(-1, 3.02), (0.5, 3.02)], [(0.8, 1.5), (1, 1.5)], [(1.2, 4), (2.4, 4)]]
 
 
-@pytest.mark.parametrize("seed", range(4))
-def test_what_is_in_a_sector_is_beside_it(seed):
-    """Catches a bin that is left out: at the turn from pi to -pi, or beside where a sector ends."""
-    rng = np.random.default_rng(seed)
-    middle = rng.uniform(0, 1, 60)
-    half = np.append(rng.uniform(1e-4, 0.01, 50), rng.uniform(0.01, 0.24, 10))
-    turns = np.stack([middle + half, middle - half], 1)  # a scan runs clockwise about its sensor
-    s = np.stack([np.cos(2 * np.pi * turns), np.sin(2 * np.pi * turns)], -1)
-    scan = Walls(s, np.empty((60, 6)), np.arange(60))
-    room = _room_for(60, 1, 1)
-    _fill_bins(scan, 0.0, 0.0, room)
-    for begin, width in [(turns[k, 1], 2 * half[k]) for k in range(60)] + [(0.0, 0.0), (0.5, 0.9)]:
-        apart = (middle - begin - width / 2 + 0.5) % 1 - 0.5
-        inside = np.flatnonzero(np.abs(apart) <= width / 2 + half)
-        found = room.near[: _beside(room, begin, width)].tolist()
-        assert len(set(found)) == len(found) and set(inside) <= set(found)
+@pytest.mark.parametrize("turn", [0.0, 0.3, np.pi / 2, np.pi - 0.01, np.pi, -2.0])
+def test_sectors_all_around(turn):
+    """Catches one that is left out: where a turn begins and ends."""
+    angles = turn + 2 * np.pi / 40 * np.arange(41)
+    corners = np.stack([np.cos(angles), np.sin(angles)], -1)
+    walls = np.stack([corners[:-1], corners[1:]], 1)
+    found = viewing_sector(scans_of(walls, 1.05 * walls[::-1], sensor=(0.0, 0.0)))
+    assert found.parents.tolist() == [*range(40), *range(40)[::-1]]
 
 
 def test_four_things_that_a_scan_can_say():

@@ -1,5 +1,3 @@
 """The viewing sector (A 2.7.5): each scan confirms, hides or removes what the map has there."""
 
-from ._viewing_sector import (
-    viewing_sector,
-)
+from ._viewing_sector import viewing_sector

@@ -4,23 +4,24 @@ from __future__ import annotations
 
 import numpy as np
 
-from .... import arrays
-from ....arrays import Array, Segments
+from ....arrays import Array, Metres, Segments, checked
 from ....compiled import compiled
-from ..._points import check_spacing, points_behind
-from ..._runner import Indices, Reduction, Rows, Steps, run_online
-from ._map import renew
-from ._views import SAME, Claims, Room, Walls, look
+from ....segments import length, midpoint
+from ..._index import empty_index
+from ..._points import points_behind
+from ..._runner import Indices, Length, Reduction, Rows, Steps, run_online
+from ._kernels import SAME, Claims, Room, Walls, look, renew
 
 
+@checked
 def viewing_sector(
     map: Segments,
     *,
-    distance: float = 0.10,
-    min_length: float = 0.10,
+    distance: Metres = 0.10,
+    min_length: Length = 0.10,
     forget: bool = True,
     rejoin: bool = True,
-    spacing: float = 0.05,
+    spacing: Metres = 0.05,
 ) -> Reduction:
     """Compare each segment with what a scan has in its sector (A 2.7.5; Gonzalez et al. 1994).
 
@@ -39,15 +40,15 @@ def viewing_sector(
     map : SegmentMap
         With the places of the sensor, and best with points: `build_map(..., keep_points=True)`.
         Scans come in ascending order.
-    distance : float, metres
+    distance
         A's delta: 0.10 m is wider than the noise of a pose and narrower than an open door.
-    min_length : float, metres
+    min_length
         Shorter pieces are neither removed nor added.
-    forget : bool
+    forget
         Whether to remove what was seen through.
-    rejoin : bool
+    rejoin
         False cuts the map at the ends of what was matched, as A does.
-    spacing : float, metres
+    spacing
         As in `weighted_line_fitting`.
 
     Returns
@@ -60,8 +61,7 @@ def viewing_sector(
     Raises
     ------
     ValueError
-        For a map without places of the sensor, coordinates that are not finite, thresholds out of
-        range.
+        For a map without places of the sensor.
 
     References
     ----------
@@ -78,153 +78,108 @@ def viewing_sector(
            [ 1.,  2.],
            [-2.,  2.]]), array([0, 0, 1, 2]))
     """
-    arrays.positive("metres", distance=distance)
-    arrays.number(min_length, "min_length", least=0, unit="metres")
-    check_spacing(spacing)
-    limits = (
-        float(distance),
-        max(float(min_length), 10 * SAME),
-        _flag(forget, "forget"),
-        _flag(rejoin, "rejoin"),
-    )
-    return run_online(
-        "viewing_sector", map, lambda rows: _steps(map, rows, limits, spacing), splits=True
-    )
+    least = max(min_length, 10 * SAME)
+
+    def steps(rows: Rows) -> Steps:
+        points, first, sensors, kept = points_behind(map, rows, None)
+        if np.isnan(sensors).any():
+            raise ValueError(
+                "map must tell where its sensor was: build_map(log, poses, keep_points=True) does, "
+                "or SegmentMap(segments, scan, sensors=...)"
+            )
+        a, b = (rows.segments - sensors[:, None]).swapaxes(0, 1)
+        turned = a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0] > 0  # ends as the sensor sees them clockwise
+        s = np.where(turned[:, None, None], rows.segments[:, ::-1], rows.segments)
+        sums = _sums_of_points(points, first) if kept else _sums_along(s, spacing)
+        most = int(np.diff(rows.cuts).max(initial=0))  # segments of a scan
+        walls, before, after, nodes = _walls_for(0), _walls_for(0), _walls_for(0), 0
+        claims, room = _claims_for(64, 64), _room_for(most, 64, 64)
+        # where the length of each input went: pieces are children of the wall they were cut from
+        family, given = [np.empty((0, 2))], [np.empty((0, 3))]
+        for begin, stop in rows.scans():
+            p, scan = sensors[begin], Walls(s[begin:stop], sums[begin:stop], np.arange(begin, stop))
+            if len(walls.s) >= len(room.first):
+                room = _room_for(most, len(room.after), 2 * len(walls.s))
+            found = look(walls, scan, p, distance, least, forget, room, claims)
+            if found[0] > len(claims.wall) or found[1] > len(claims.gone):
+                claims = _claims_for(2 * found[0] + 64, 2 * found[1] + 64)
+                room = _room_for(most, 2 * found[0] + 64, len(room.first))
+                look(walls, scan, p, distance, least, forget, room, claims)
+            n, m = (
+                len(walls.s) + found[1] + 4 * found[0] + stop - begin,
+                2 * found[0] + stop - begin,
+            )
+            after = after if len(after.s) >= n else _walls_for(2 * n)
+            tree, gifts = np.empty((n, 2)), np.empty((m, 3))
+            n, more, m = renew(
+                walls, scan, p, claims, found, least, rejoin, room, after, nodes, tree, gifts
+            )
+            walls = Walls(after.s[:n], after.sums[:n], after.node[:n])
+            before, after = after, before
+            family.append(tree[:more])
+            given.append(gifts[:m])
+            nodes += more
+            yield n
+        parents = _parents(walls.node, np.concatenate(family), np.concatenate(given), len(s))
+        return walls.s.copy(), parents
+
+    return run_online("viewing_sector", map, steps, splits=True)
 
 
-def _flag(value: object, name: str) -> bool:
-    if not isinstance(value, bool | np.bool_):
-        raise ValueError(f"{name} must be True or False, got {value!r}")
-    return bool(value)
-
-
-def _steps(
-    map: Segments, rows: Rows, limits: tuple[float, float, bool, bool], spacing: float
-) -> Steps:
-    points, first, sensors, kept = points_behind(map, rows, None)
-    if np.isnan(sensors).any():
-        raise ValueError(
-            "map must tell where its sensor was: build_map(log, poses, keep_points=True) does, or "
-            "SegmentMap(segments, scan, sensors=...)"
-        )
-    distance, min_length, forget, rejoin = limits
-    s = _clockwise(rows.segments, sensors)
-    inputs = Walls(s, np.empty((len(s), 6)), rows.row)
-    if kept:
-        _sum_points(points, first, inputs.sums)
-    else:
-        _sum_evenly(s, spacing, inputs.sums)
-    tree, before, after, count = _Tree(), _empty_walls(0), _empty_walls(0), 0
-    claims, room = _claims_for(64, 64), _room_for(1, 64, 1)
-    for begin, stop in rows.scans():
-        scan, p = (
-            Walls(s[begin:stop], inputs.sums[begin:stop], rows.row[begin:stop]),
-            sensors[begin],
-        )
-        while True:
-            room = _room_for(stop - begin, len(claims.wall), count, room)
-            found = look(before, count, scan, p, distance, min_length, forget, room, claims)
-            if found[0] <= len(claims.wall) and found[1] <= len(claims.gone):
-                break
-            claims = _claims_for(2 * found[0], 2 * found[1])
-        most = count + found[1] + 4 * found[0] + stop - begin
-        if most > len(after.s):
-            after = _empty_walls(2 * most)
-        tree.reserve(most, 2 * found[0] + stop - begin)
-        count, tree.nodes, gifts = renew(
-            before,
-            count,
-            scan,
-            p,
-            claims,
-            found,
-            min_length,
-            rejoin,
-            room,
-            after,
-            tree.nodes,
-            tree.family,
-            tree.given[tree.gifts :],
-        )
-        tree.gifts += gifts
-        before, after = after, before
-        yield count
-    return before.s[:count].copy(), tree.parents(before.node[:count], rows.row)
-
-
-def _clockwise(s: Array, sensors: Array) -> Array:
-    """Segments whose ends their sensor sees clockwise, whichever was given first."""
-    a, b = s[:, 0] - sensors, s[:, 1] - sensors
-    turned = a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0] > 0
-    return np.where(turned[:, None, None], s[:, ::-1], s)
-
-
-def _empty_walls(count: int) -> Walls:
+def _walls_for(count: int) -> Walls:
     return Walls(np.empty((count, 2, 2)), np.empty((count, 6)), np.empty(count, np.int64))
 
 
 def _claims_for(stretches: int, pieces: int) -> Claims:
     """Room for what a scan says."""
-    q, g = max(stretches, 64), max(pieces, 64)
-    wall, segment = np.empty((2, q), np.int64)
-    return Claims(wall, segment, np.empty((q, 5)), np.empty(g, np.int64), np.empty((g, 2)))
+    wall, segment = np.empty((2, stretches), np.int64)
+    gone_of, gone = np.empty(pieces, np.int64), np.empty((pieces, 2))
+    return Claims(wall, segment, np.empty((stretches, 5)), gone_of, gone)
 
 
-def _room_for(segments: int, claims: int, walls: int, room: Room | None = None) -> Room:
-    """Room for a scan of so many segments; the one that is there where it is large enough."""
-    if room is not None and _fits(room, segments, claims, walls):
-        return room
-    c, q, m = 2 * segments, claims, 2 * walls + 1
-    bins = 2 << c.bit_length()
+def _room_for(c: int, q: int, walls: int) -> Room:
+    """Room to work in, for a scan of c segments, that makes at most q claims on so many walls."""
     return Room(
-        np.empty((3 * c, 6)),
-        np.empty(6 * c + 2 * q + 2),
-        np.empty(c, np.int64),
-        np.empty(q, np.int64),
-        np.empty((c + 2 * q, 2)),
-        np.empty((c + 2 * q, 3), np.int64),
-        np.empty(m + 1, np.int64),
-        np.empty(bins, np.int64),
-        np.empty(c, np.int64),
-        np.empty(c, np.int64),
+        marks=np.empty((3 * c, 6)),
+        cuts=np.empty(6 * c + 2 * q + 2),
+        head=np.empty(c, np.int64),
+        after=np.empty(q, np.int64),
+        stretch=np.empty((c + 2 * q, 2)),
+        owner=np.empty((c + 2 * q, 3), np.int64),
+        first=np.empty(walls + 1, np.int64),
+        arcs=empty_index(2 * c, 4 / max(c, 1)),
+        arc=np.zeros((2, 2)),
+        beside=np.empty(2 * c + 1, np.int64),
+        seen=np.empty(c, np.int64),
     )
 
 
-def _fits(room: Room, segments: int, claims: int, walls: int) -> bool:
-    enough = len(room.head) >= segments and len(room.after) >= claims
-    return enough and len(room.first) > walls
+def _sums_of_points(points: Array, first: Indices) -> Array:
+    """Running sums of the points of each segment, `(n, 6)`."""
+    count = np.diff(first)
+    mean = np.add.reduceat(points, first[:-1]) / count[:, None]
+    x, y = (points - np.repeat(mean, count, axis=0)).T
+    spread = np.add.reduceat(np.column_stack([x * x, x * y, y * y]), first[:-1])
+    return np.column_stack([count, mean, spread])
 
 
-class _Tree:
-    """Where the length of each input went: pieces are the children of the wall they were cut from.
+def _sums_along(s: Array, spacing: float) -> Array:
+    """Running sums of points evenly along each segment: as many as the spacing, metres, puts."""
+    (x, y), n = (s[:, 1] - s[:, 0]).T, length(s) / spacing
+    return np.column_stack([n, midpoint(s), x * x * n / 12, x * y * n / 12, y * y * n / 12])
+
+
+def _parents(leaves: Indices, family: Array, given: Array, count: int) -> Indices:
+    """Which leaf holds most of each input `(count,)`, -1 for none; ties: the first.
 
     `family` has the parent of each node, -1 for none, and the share of it that the node is; a row
     of `given` says which input gave how many metres to which node.
     """
-
-    def __init__(self) -> None:
-        self.family, self.given = np.empty((64, 2)), np.empty((64, 3))
-        self.nodes = self.gifts = 0
-
-    def reserve(self, nodes: int, gifts: int) -> None:
-        """Room for so many more."""
-        if self.nodes + nodes > len(self.family):
-            self.family = np.resize(self.family, (2 * (self.nodes + nodes), 2))
-        if self.gifts + gifts > len(self.given):
-            self.given = np.resize(self.given, (2 * (self.gifts + gifts), 3))
-
-    def parents(self, leaves: Indices, row: Indices) -> Indices:
-        """Which leaf holds most of each input `(k,)`, -1 for none; ties: the first."""
-        given = self.given[: self.gifts]
-        order = np.argsort(given[:, 1], kind="stable")
-        first = np.searchsorted(given[order, 1], np.arange(self.nodes + 1))
-        place = np.full(int(row.max(initial=-1)) + 1, -1)
-        place[row] = np.arange(len(row))
-        given = np.column_stack([place[given[order, 0].astype(np.int64)], given[order, 2]])
-        most, parents = np.zeros(len(row)), np.full(len(row), -1)
-        held = np.zeros(len(row))
-        _weigh(leaves, self.family, first, given, held, most, parents)
-        return parents
+    order = np.argsort(given[:, 1], kind="stable")
+    first = np.searchsorted(given[order, 1], np.arange(len(family) + 1))
+    most, parents, held = np.zeros(count), np.full(count, -1), np.zeros(count)
+    _weigh(leaves, family, first, np.ascontiguousarray(given[order]), held, most, parents)
+    return parents
 
 
 @compiled
@@ -245,27 +200,10 @@ def _weigh(
                 for i in range(first[node], first[node + 1]):
                     j = int(given[i, 0])
                     if again == 0:
-                        held[j] += part * given[i, 1]
+                        held[j] += part * given[i, 2]
                     else:
                         if held[j] > most[j] + SAME or (parents[j] < 0 and held[j] > 0.0):
                             most[j], parents[j] = held[j], k
                         held[j] = 0.0
                 part *= family[node, 1]
                 node = int(family[node, 0])
-
-
-def _sum_points(points: Array, first: Indices, out: Array) -> None:
-    """Running sums of the points of each segment, `(n, 6)`."""
-    count = np.diff(first)
-    mean = np.add.reduceat(points, first[:-1]) / count[:, None]
-    x, y = (points - np.repeat(mean, count, axis=0)).T
-    out[:, 0], out[:, 1:3] = count, mean
-    out[:, 3:] = np.add.reduceat(np.column_stack([x * x, x * y, y * y]), first[:-1])
-
-
-def _sum_evenly(s: Array, spacing: float, out: Array) -> None:
-    """Running sums of points evenly along each segment: as many as the spacing, metres, puts."""
-    d = s[:, 1] - s[:, 0]
-    out[:, 0] = n = np.hypot(d[:, 0], d[:, 1]) / spacing
-    out[:, 1:3] = (s[:, 0] + s[:, 1]) / 2
-    out[:, 3:] = np.column_stack([d[:, 0] ** 2, d[:, 0] * d[:, 1], d[:, 1] ** 2]) * n[:, None] / 12

@@ -1,0 +1,402 @@
+"""What a scan says of the map, and the map after it (A 2.7.5). Lengths are in metres.
+
+A stretch of a segment of the scan is named by the shares t0 to t1 of its
+length, a stretch of a wall by metres.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ....arrays import Array
+from ....compiled import compiled
+from ....kernels import join_sums, lay, length_of, span
+from ..._index import LEVEL, Index, enter, leave, meeting
+from ..._runner import Indices
+
+#: Lengths closer than this, in metres, are equal; so are mean distances within TIE.
+SAME, TIE = 1e-9, 1e-12
+#: Turns by which a sector is looked at wider, for what rounding would hide.
+ROUNDING = 1e-6
+#: What a stretch of a scan says of a wall.
+MATCHES, HIDES, GONE = 0.0, 1.0, 2.0
+
+
+class Walls(NamedTuple):
+    """Segments with what lies behind them: of the map, or of one scan."""
+
+    s: Array  # (n, 2, 2)
+    sums: Array  # (n, 6) number of points, their mean, and xx, xy, yy of their scatter about it
+    node: Indices  # of the family tree that each wall of the map is; the input for a scan
+
+
+class Claims(NamedTuple):
+    """What a scan says of the map, wall after wall."""
+
+    wall: Indices  # which wall of the map
+    segment: Indices  # a stretch of which segment of the scan matches
+    data: Array  # (q, 5) t0 and t1 of it, its mean distance from the wall, where it falls on that
+    gone_of: Indices  # walls that have lost a piece
+    gone: Array  # (g, 2) where that piece was
+
+
+class Room(NamedTuple):
+    """Room to work in, for c segments of the scan and q claims."""
+
+    marks: Array  # (3 c, 6) what the scan says of one wall: what, from, to, t0, t1, mean distance
+    cuts: Array  # (6 c + 2 q + 2,)
+    head: Indices  # (c,) first claim on each segment of the scan, lowest wall first
+    after: Indices  # (q,)
+    stretch: Array  # (c + 2 q, 2) t0 and t1 of the stretches that the claims share out
+    owner: Indices  # (c + 2 q, 3) segment, claim that gets it, wall of the new map that it joins
+    first: Indices  # first piece of each wall in the new map
+    arcs: Index  # sectors of the segments, in turns: 2 j, and what is beyond a turn, 2 j + 1
+    arc: Array  # (2, 2) one of them
+    beside: Indices  # (2 c + 1,) those that may be in a sector
+    seen: Indices  # (c,) the last wall that each was compared with
+
+
+@compiled
+def _cross(px: float, py: float, a: Array, b: Array) -> float:
+    """Twice the area of the triangle of a point and two points, (2,) array each."""
+    return (a[0] - px) * (b[1] - py) - (a[1] - py) * (b[0] - px)
+
+
+@compiled
+def _share(left: float, right: float) -> float:
+    """Share of the length of a wall where a ray meets it, from the areas on both sides of it."""
+    return left / (left + right) if left + right != 0.0 else 0.0
+
+
+@compiled
+def _view(
+    wall: Array, s: Array, px: float, py: float, double: float, limit: float, out: Array, n: int
+) -> int:
+    """Steps 1 to 3: append what the stretches of s in the sector of a wall say of it.
+
+    A row of `out` is: what, where it falls on the wall, t0, t1, mean distance. How many there are.
+    """
+    sign, t0, t1 = 1.0 if double > 0.0 else -1.0, 0.0, 1.0
+    left0, left1 = sign * _cross(px, py, wall[0], s[0]), sign * _cross(px, py, wall[0], s[1])
+    if left0 < 0.0 and left1 <= 0.0:
+        return n
+    right0, right1 = sign * _cross(px, py, s[0], wall[1]), sign * _cross(px, py, s[1], wall[1])
+    if right0 < 0.0 and right1 <= 0.0:
+        return n
+    if left0 < 0.0:
+        t0 = max(t0, left0 / (left0 - left1))
+    elif left1 < 0.0:
+        t1 = min(t1, left0 / (left0 - left1))
+    if right0 < 0.0:
+        t0 = max(t0, right0 / (right0 - right1))
+    elif right1 < 0.0:
+        t1 = min(t1, right0 / (right0 - right1))
+    size = length_of(wall)
+    h0 = sign * _cross(wall[0, 0], wall[0, 1], wall[1], s[0]) / size
+    h1 = sign * _cross(wall[0, 0], wall[0, 1], wall[1], s[1]) / size
+    a = b = t1
+    if h1 != h0:
+        a, b = (limit - h0) / (h1 - h0), (-limit - h0) / (h1 - h0)
+        a, b = min(max(min(a, b), t0), t1), min(max(a, b), t1)
+    begin, own = t0, length_of(s)
+    for end in (a, max(a, b), t1):
+        if (end - begin) * own > SAME:
+            h = h0 + (begin + end) / 2 * (h1 - h0)
+            out[n, 0] = HIDES if h > limit + SAME else GONE if h < -limit - SAME else MATCHES
+            u = size * _share(left0 + begin * (left1 - left0), right0 + begin * (right1 - right0))
+            v = size * _share(left0 + end * (left1 - left0), right0 + end * (right1 - right0))
+            out[n, 1], out[n, 2], out[n, 3], out[n, 4] = min(u, v), max(u, v), begin, end
+            v, w = h0 + begin * (h1 - h0), h0 + end * (h1 - h0)
+            out[n, 5] = abs(v + w) / 2
+            if v * w < 0.0:  # the mean of what changes its sign
+                out[n, 5] = (v * v + w * w) / (2 * (abs(v) + abs(w)))
+            n += 1
+        begin = max(begin, end)
+    return n
+
+
+@compiled
+def _sort(values: Array, count: int) -> None:
+    """Sort a few numbers in place, by insertion."""
+    for i in range(1, count):
+        value, k = values[i], i
+        while k > 0 and values[k - 1] > value:
+            values[k] = values[k - 1]
+            k -= 1
+        values[k] = value
+
+
+@compiled
+def _lost(room: Room, count: int, min_length: float, k: int, claims: Claims, g: int) -> int:
+    """Step 5: append the pieces of wall k that were seen through, and by no other stretch held."""
+    marks, cuts = room.marks, room.cuts
+    for i in range(count):
+        cuts[2 * i], cuts[2 * i + 1] = marks[i, 1], marks[i, 2]
+    _sort(cuts, 2 * count)
+    begin, end = 0.0, -1.0
+    for c in range(2 * count):
+        gone = held = False
+        if c + 1 < 2 * count:
+            middle = (cuts[c] + cuts[c + 1]) / 2
+            for i in range(count):
+                if marks[i, 1] <= middle <= marks[i, 2]:
+                    gone = gone or marks[i, 0] == GONE
+                    held = held or marks[i, 0] != GONE
+            if cuts[c + 1] - cuts[c] <= SAME:
+                continue
+        if gone and not held:
+            begin = begin if end >= begin else cuts[c]
+            end = cuts[c + 1]
+        else:
+            if end > begin and end - begin >= min_length - SAME:
+                if g < len(claims.gone):
+                    claims.gone_of[g], claims.gone[g, 0], claims.gone[g, 1] = k, begin, end
+                g += 1
+            begin, end = 0.0, -1.0
+    return g
+
+
+@compiled
+def _sector(a: Array, b: Array, px: float, py: float, arc: Array) -> None:
+    """Write where the sector from point a to b, (2,) array each, begins and ends, in turns."""
+    begin = np.arctan2(a[1] - py, a[0] - px) / (2 * np.pi) % 1.0
+    width = (np.arctan2(b[1] - py, b[0] - px) / (2 * np.pi) - begin) % 1.0
+    arc[0, 0], arc[1, 0] = begin, begin + (width if width <= 0.75 else 0.0)  # 0, but for rounding
+
+
+@compiled
+def look(
+    map: Walls,
+    scan: Walls,
+    p: Array,
+    distance: float,
+    min_length: float,
+    forget: bool,
+    room: Room,
+    claims: Claims,
+) -> tuple[int, int]:
+    """How many claims and how many pieces that are gone; written as far as there is room."""
+    found, g, marks, arc, px, py = 0, 0, room.marks, room.arc, p[0], p[1]
+    for j in range(len(scan.s)):
+        _sector(scan.s[j, 1], scan.s[j, 0], px, py, arc)
+        room.seen[j] = -1
+        enter(room.arcs, 2 * j, arc, 0.0)
+        if arc[1, 0] > 1.0:  # it ends in the next turn
+            arc[0, 0], arc[1, 0] = 0.0, arc[1, 0] - 1.0
+            enter(room.arcs, 2 * j + 1, arc, 0.0)
+    for k in range(len(map.s)):
+        wall = map.s[k]
+        double = _cross(px, py, wall[0], wall[1])
+        far = np.hypot(wall[0, 0] - px, wall[0, 1] - py)
+        far *= np.hypot(wall[1, 0] - px, wall[1, 1] - py)
+        if abs(double) < 1e-6 * far or double == 0.0:
+            continue
+        a, b = (0, 1) if double > 0.0 else (1, 0)
+        _sector(wall[a], wall[b], px, py, arc)
+        n, any_gone = 0, False
+        for _ in range(2 if arc[1, 0] > 1.0 - ROUNDING or arc[0, 0] < ROUNDING else 1):
+            for i in range(meeting(room.arcs, arc, ROUNDING, room.beside)):
+                j = room.beside[i] // 2
+                if room.seen[j] == k:
+                    continue
+                room.seen[j], before = k, n
+                n = _view(wall, scan.s[j], px, py, double, distance, marks, n)
+                for m in range(before, n):
+                    any_gone = any_gone or marks[m, 0] == GONE
+                    if marks[m, 0] == MATCHES:
+                        if found < len(claims.wall):
+                            claims.wall[found], claims.segment[found] = k, j
+                            data = claims.data[found]
+                            data[0], data[1], data[2] = marks[m, 3], marks[m, 4], marks[m, 5]
+                            data[3], data[4] = marks[m, 1], marks[m, 2]
+                        found += 1
+            turn = 1.0 if arc[0, 0] < ROUNDING else -1.0
+            arc[0, 0], arc[1, 0] = arc[0, 0] + turn, arc[1, 0] + turn
+        if forget and any_gone:
+            g = _lost(room, n, min_length, k, claims, g)
+    for j in range(2 * len(scan.s)):
+        if room.arcs.link[j, LEVEL] >= 0:
+            leave(room.arcs, j)
+    return found, g
+
+
+@compiled
+def _write_part(
+    wall: Array, sums: Array, t0: float, t1: float, out: Walls, w: int, node: int
+) -> None:
+    """Put the part t0 to t1 of a wall, and its share of the running sums, into row w."""
+    to, of = out.s[w], out.sums[w]
+    out.node[w] = node
+    if t0 == 0.0 and t1 == 1.0:
+        for e in range(2):
+            to[e, 0], to[e, 1] = wall[e, 0], wall[e, 1]
+        for i in range(6):
+            of[i] = sums[i]
+        return
+    dx, dy = wall[1, 0] - wall[0, 0], wall[1, 1] - wall[0, 1]
+    to[0, 0], to[0, 1] = wall[0, 0] + t0 * dx, wall[0, 1] + t0 * dy
+    to[1, 0], to[1, 1] = wall[0, 0] + t1 * dx, wall[0, 1] + t1 * dy
+    size, f = np.hypot(dx, dy), t1 - t0
+    dx, dy, shift = dx / size, dy / size, ((t0 + t1) / 2 - 0.5) * size
+    along = sums[0] * f * (f * size) * (f * size) / 12
+    across = f * (sums[3] * dy * dy - 2 * sums[4] * dx * dy + sums[5] * dx * dx)
+    of[0], of[1], of[2] = sums[0] * f, sums[1] + shift * dx, sums[2] + shift * dy
+    of[3] = along * dx * dx + across * dy * dy
+    of[4] = (along - across) * dx * dy
+    of[5] = along * dy * dy + across * dx * dx
+
+
+@compiled
+def _keep(
+    map: Walls,
+    claims: Claims,
+    found: tuple[int, int],
+    min_length: float,
+    rejoin: bool,
+    room: Room,
+    out: Walls,
+    first_node: int,
+    family: Array,
+) -> tuple[int, int]:
+    """Step 5: write the pieces of all walls that stay; how many pieces and new nodes there are."""
+    w, c, g, nodes, cuts = 0, 0, 0, 0, room.cuts
+    for k in range(len(map.s)):
+        room.first[k] = w
+        size, begin, cut = length_of(map.s[k]), 0.0, 0
+        while c < found[0] and claims.wall[c] == k:
+            if not rejoin:
+                cuts[cut], cuts[cut + 1] = claims.data[c, 3], claims.data[c, 4]
+                cut += 2
+            c += 1
+        _sort(cuts, cut)
+        lost, more = g, True
+        while more:
+            more = g < found[1] and claims.gone_of[g] == k
+            end = claims.gone[g, 0] if more else size
+            if end - begin >= min_length - SAME or (g == lost and not more):
+                a = begin
+                for i in range(cut + 1):
+                    b = cuts[i] if i < cut else end
+                    if i < cut and min(b - a, end - b) < min_length - SAME:
+                        continue
+                    node = map.node[k]
+                    if a != 0.0 or b != size:
+                        family[nodes, 0], family[nodes, 1] = node, b / size - a / size
+                        node, nodes = first_node + nodes, nodes + 1
+                    _write_part(map.s[k], map.sums[k], a / size, b / size, out, w, node)
+                    w += 1
+                    a = b
+            if more:
+                begin = claims.gone[g, 1]
+                g += 1
+    room.first[len(map.s)] = w
+    return w, nodes
+
+
+@compiled
+def _share_out(scan: Walls, claims: Claims, found: int, room: Room) -> int:
+    """Step 4: each stretch of the scan and the claim that gets it, -1 for none; how many."""
+    data, cuts, n = claims.data, room.cuts, 0
+    for j in range(len(scan.s)):
+        room.head[j] = -1
+    for c in range(found - 1, -1, -1):
+        room.after[c] = room.head[claims.segment[c]]
+        room.head[claims.segment[c]] = c
+    for j in range(len(scan.s)):
+        size, cuts[0], cuts[1], count, start = length_of(scan.s[j]), 0.0, 1.0, 2, n
+        c = room.head[j]
+        while c >= 0:
+            cuts[count], cuts[count + 1] = data[c, 0], data[c, 1]
+            count += 2
+            c = room.after[c]
+        _sort(cuts, count)
+        for i in range(count - 1):
+            if (cuts[i + 1] - cuts[i]) * size <= SAME:
+                continue
+            middle, best, least = (cuts[i] + cuts[i + 1]) / 2, -1, np.inf
+            for again in range(2):
+                c = room.head[j]
+                while c >= 0:
+                    if data[c, 0] <= middle <= data[c, 1]:
+                        if again == 0:
+                            least = min(least, data[c, 2])
+                        elif best < 0 and data[c, 2] <= least + TIE:
+                            best = c
+                    c = room.after[c]
+            if n > start and room.owner[n - 1, 1] == best:
+                room.stretch[n - 1, 1] = cuts[i + 1]
+            else:
+                room.stretch[n, 0], room.stretch[n, 1] = cuts[i], cuts[i + 1]
+                room.owner[n, 0], room.owner[n, 1] = j, best
+                n += 1
+    return n
+
+
+@compiled
+def renew(
+    map: Walls,
+    scan: Walls,
+    p: Array,
+    claims: Claims,
+    found: tuple[int, int],
+    min_length: float,
+    rejoin: bool,
+    room: Room,
+    out: Walls,
+    first_node: int,
+    family: Array,
+    given: Array,
+) -> tuple[int, int, int]:
+    """Steps 4 to 7: write the map after a scan; how many walls, new nodes and gifts there are.
+
+    A piece is a new node, whose parent and share of it go into a row of `family`; a gift, a row of
+    `given`, is: input, node, metres of the input.
+    """
+    w, nodes = _keep(map, claims, found, min_length, rejoin, room, out, first_node, family)
+    stretches, gifts = _share_out(scan, claims, found[0], room), 0
+    # sums before lines: the pieces must lie where they were while stretches look for theirs
+    for r in range(stretches):
+        j, c, t0, t1 = room.owner[r, 0], room.owner[r, 1], room.stretch[r, 0], room.stretch[r, 1]
+        s, piece, size = scan.s[j], -1, (t1 - t0) * length_of(scan.s[j])
+        if c >= 0:  # the piece beside the middle of where the stretch falls on its wall
+            k = claims.wall[c]
+            wall, long, u, least = map.s[k], length_of(map.s[k]), 0.0, np.inf
+            left, right = _cross(p[0], p[1], wall[0], s[0]), _cross(p[0], p[1], s[0], wall[1])
+            left1, right1 = _cross(p[0], p[1], wall[0], s[1]), _cross(p[0], p[1], s[1], wall[1])
+            for t in (t0, t1):
+                u += _share(left + t * (left1 - left), right + t * (right1 - right))
+            dx, dy = (wall[1, 0] - wall[0, 0]) / long, (wall[1, 1] - wall[0, 1]) / long
+            for i in range(room.first[k], room.first[k + 1]):
+                low, high = span(out.s[i], wall[0, 0], wall[0, 1], dx, dy)
+                off = max(low - long * u / 2, long * u / 2 - high, 0.0)
+                if off < least - SAME:
+                    piece, least = i, off
+        room.owner[r, 2] = piece
+        _write_part(s, scan.sums[j], t0, t1, out, w, first_node + nodes)
+        if piece >= 0:
+            join_sums(out.sums[piece], out.sums[w], out.sums[piece])
+        elif c >= 0 or size >= min_length - SAME:
+            family[nodes, 0], family[nodes, 1] = -1.0, 1.0
+            piece, w, nodes = w, w + 1, nodes + 1
+        if piece >= 0:
+            given[gifts, 0], given[gifts, 1], given[gifts, 2] = scan.node[j], out.node[piece], size
+            gifts += 1
+    for r in range(stretches):
+        if room.owner[r, 2] < 0:
+            continue
+        # the line of the sums, where the piece and the stretch of the scan span it
+        s, own, sums = scan.s[room.owner[r, 0]], out.s[room.owner[r, 2]], out.sums[room.owner[r, 2]]
+        turn = 0.5 * np.arctan2(2 * sums[4], sums[3] - sums[5])
+        dx, dy, x, y = np.cos(turn), np.sin(turn), sums[1], sums[2]
+        if dx * (own[1, 0] - own[0, 0]) + dy * (own[1, 1] - own[0, 1]) < 0.0:
+            dx, dy = -dx, -dy
+        low, high = span(own, x, y, dx, dy)
+        for t in (room.stretch[r, 0], room.stretch[r, 1]):
+            px = s[0, 0] + t * (s[1, 0] - s[0, 0])
+            py = s[0, 1] + t * (s[1, 1] - s[0, 1])
+            u = (px - x) * dx + (py - y) * dy
+            low, high = min(low, u), max(high, u)
+        lay(own, x, y, dx, dy, low, high)
+    return w, nodes, gifts
