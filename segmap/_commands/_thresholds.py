@@ -5,15 +5,9 @@ from __future__ import annotations
 import argparse
 import inspect
 from collections.abc import Callable, Mapping
-from dataclasses import replace
 from typing import Any, NamedTuple
 
 from ..arrays import Declared, declared
-
-#: Radians, radians a metre, and no unit, where the annotation does not say the unit yet.
-ANGLES = {"angle", "axes", "sigma_bearing", "sigma_heading", "turn"}
-SLOPES = {"bandwidth"}
-PLAIN = {"chi2"}
 
 
 class Threshold(NamedTuple):
@@ -42,15 +36,8 @@ def thresholds(function: Callable[..., Any]) -> dict[str, Threshold]:
     for name, parameter in inspect.signature(function).parameters.items():
         own = parameter.kind is parameter.KEYWORD_ONLY and said[name]
         if own and (own.kind in (float, int, bool) or own.words):
-            found[name] = Threshold(_completed(own, name), parameter.default)
+            found[name] = Threshold(own, parameter.default)
     return found
-
-
-def _completed(said: Declared, name: str) -> Declared:
-    if said.kind is not float or said.quantity.unit is not None:
-        return said
-    unit = "radians" if name in ANGLES else "rad/m" if name in SLOPES else "metres"
-    return said._replace(quantity=replace(said.quantity, unit="" if name in PLAIN else unit))
 
 
 def add_thresholds(

@@ -10,9 +10,8 @@ from typing import Any
 
 import ipywidgets as W
 
-from ..arrays import Declared, Quantity
+from ..arrays import Declared, Quantity, declared
 from ._base import slider
-from ._undeclared import said_of
 
 #: The most that a number can be set to, in defaults; and what a count can at least be set to.
 MOST, LEAST_MOST = 1000, 100
@@ -60,7 +59,7 @@ def control(
     '0.349 radians'
     """
     first = inspect.signature(function).parameters[name].default
-    said = said_of(function).get(name) or Declared(type(first), Quantity(), (), False)
+    said = declared(function).get(name) or Declared(type(first), Quantity(), (), False)
     first = first if value is None else said.check(value, name)
     unit = {"metres": "m", "seconds": "s"}.get(said.unit, said.read_unit)
     label = label or name

@@ -8,11 +8,11 @@ from typing import Any
 
 from ... import alignment, extraction, reduction
 from ...alignment import Alignment
+from ...arrays import declared
 from ...metrics import quality, reduction_rate
 from ...reduction import Reduction
 from ...scans import Log
 from ...segments import SegmentMap
-from .._undeclared import said_of
 
 #: Ways to find the segments of a scan; both tell the points behind each.
 EXTRACTIONS: dict[str, Callable[..., Any]] = {
@@ -37,7 +37,7 @@ class Call:
 
     def arguments(self) -> str:
         """The thresholds as Python writes them, each behind a comma; angles by their degrees."""
-        said, written = said_of(self.function), ""
+        said, written = declared(self.function), ""
         for name, value in self.thresholds.items():
             text = _short(value) if isinstance(value, float) else repr(value)
             if isinstance(value, float) and said[name].read_unit != said[name].unit:
