@@ -5,6 +5,7 @@ What can mean nothing else is refused; what a strange but possible log may hold 
 
 from __future__ import annotations
 
+import inspect
 import warnings
 
 import numpy as np
@@ -50,10 +51,10 @@ def check_ranges(ranges: Array, max_range: float) -> None:
     known = ranges[np.isfinite(ranges) & (ranges > 0)]
     known = known[(known < max_range) | (known < known.max(initial=0.0))]
     if len(known) >= 3 and np.median(known) > FAR:
-        _warn("half of the ranges are above 1000 m: these look like millimetres, ranges / 1000")
+        warn("half of the ranges are above 1000 m: these look like millimetres, ranges / 1000")
 
 
-def check_headings(poses: Array, name: str, stacklevel: int = 4) -> None:
+def check_headings(poses: Array, name: str) -> None:
     """Warn of a path `(k, 3)` whose headings are degrees.
 
     They go beyond two turns, as headings that wind up do; but those turn by less than half a turn
@@ -68,7 +69,7 @@ def check_headings(poses: Array, name: str, stacklevel: int = 4) -> None:
     leaps = (turns > np.pi).sum() >= max(SHARE * len(turns), LEAST)
     even = (heading[far] % 15 == 0).all() and np.abs(heading[far]).max() <= 720
     if leaps or even:
-        _warn(f"the headings of {name} look like degrees: np.radians turns them", stacklevel)
+        warn(f"the headings of {name} look like degrees: np.radians turns them")
 
 
 def check_lengths(
@@ -81,7 +82,7 @@ def check_lengths(
     """
     for name, value in thresholds.items():
         if most < value < np.inf and value > share * _extent(data):
-            _warn(f"{name} is {value:.6g} m: this looks like millimetres, {name} / 1000")
+            warn(f"{name} is {value:.6g} m: this looks like millimetres, {name} / 1000")
 
 
 def _extent(data: object) -> float:
@@ -94,9 +95,12 @@ def _extent(data: object) -> float:
 def check_bandwidth(sigma: float, bandwidth: float) -> None:
     """Warn of a bandwidth, rad/m, that is above any in use and reaches over all directions."""
     if bandwidth > MOST_BANDWIDTH and sigma * bandwidth > np.pi / 2:
-        _warn(f"bandwidth is {bandwidth:.6g} rad/m: these look like degrees, np.radians(bandwidth)")
+        warn(f"bandwidth is {bandwidth:.6g} rad/m: these look like degrees, np.radians(bandwidth)")
 
 
-def _warn(text: str, stacklevel: int = 4) -> None:
-    """Point at the call of the public function, two calls above the check."""
-    warnings.warn(text, UserWarning, stacklevel=stacklevel)
+def warn(text: str) -> None:
+    """A UserWarning that points at the line outside of the library that called it."""
+    frame, level = inspect.currentframe(), 1
+    while frame and frame.f_globals.get("__name__", "").split(".")[0] == "segmap":
+        frame, level = frame.f_back, level + 1
+    warnings.warn(text, UserWarning, stacklevel=level)

@@ -5,7 +5,6 @@ Segment distance and quality: A 2.7.7 and 6.2.2; grades: A 6.2.3; relation error
 
 from __future__ import annotations
 
-import warnings
 from typing import Annotated
 
 import numpy as np
@@ -13,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .. import arrays
 from ..angles import axial_difference, wrap
-from ..arrays import Array, Metres, Seconds, Segments, at_least, checked
+from ..arrays import Array, Metres, Seconds, Segments, at_least, checked, slips
 from ..compiled import compiled
 from ..kernels import ACROSS, ANGULAR, APART, PERPENDICULAR, apart, describe, mean_line_terms
 from ..poses import between
@@ -126,7 +125,7 @@ def quality(before: Segments, after: Segments, *, scale: Metres = 0.050) -> floa
     if len(arrays.segments(after, "after")):
         return 1.0
     text = "quality is NaN: neither map holds a segment, before or after"
-    warnings.warn(text, UserWarning, stacklevel=3)
+    slips.warn(text)
     return np.nan
 
 

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
-
 import numpy as np
 
 from .. import arrays
@@ -24,7 +22,7 @@ def poses_for(log: Log, poses: Poses) -> Array:
     rows = arrays.poses(poses, count=len(log), missing=True)
     own = [log.odometry] if log.truth is None else [log.odometry, log.truth]
     if not any(np.array_equal(rows, known, equal_nan=True) for known in own):
-        slips.check_headings(rows, "the poses", stacklevel=5)
+        slips.check_headings(rows, "the poses")
     return rows
 
 
@@ -44,4 +42,4 @@ def warn_of_nothing(empty: bool, log: Log, poses: Array, nothing: str) -> None:
     parts.append((len(placed) - len(blind), nothing))
     reasons = ", ".join(f"{count} of {len(log)} scans {text}" for count, text in parts if count)
     text = f"the map of log {log.name!r} is empty: {reasons}"
-    warnings.warn(text, UserWarning, stacklevel=3)
+    slips.warn(text)

@@ -11,8 +11,8 @@ import time
 import urllib.parse
 
 import pytest
+from browsers import SCREENSHOT, browser, wait
 from chapter_rules import CHAPTERS, ROOT
-from test_browser import SCREENSHOT, browser, wait
 
 assert browser  # the fixture
 BUILD = """

@@ -17,7 +17,6 @@ covariances. A message without a time in its header has that of the recorder.
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -26,7 +25,7 @@ import numpy as np
 
 from ... import arrays
 from ...angles import wrap
-from ...arrays import Array, checked
+from ...arrays import Array, checked, slips
 from ...scans import LaserScan, Log
 from .._lines import LATEST, LogError, OnError, Reading, UnknownFormat, log_file, stem
 from .._mounting import flat, in_space, level
@@ -242,4 +241,4 @@ def _listed(bag: Bag) -> str:
 
 
 def _warn(text: str) -> None:
-    warnings.warn(text, UserWarning, stacklevel=2)
+    slips.warn(text)
