@@ -4,14 +4,16 @@ Every method has one signature, `method(map, *, thresholds) -> Reduction`, and s
 
 A new method is one file, one entry in `METHODS` and one plain version in `segmap_course.literal`:
 
-1. Its file, `_<name>.py`, has the public function with its docstring. It checks its thresholds with
-   `segmap.arrays` and ends in `return run("<name>", map, lambda rows: _reduce(rows, tolerance))`.
-2. `_reduce` gets `rows.segments`, `(k, 2, 2)`, which all have a length, and returns the outputs,
+1. Its file, `_<name>.py`, has the public function with its docstring. Its thresholds declare their
+   units and bounds (`distance: Metres = 0.20`), `@checked` holds them to it, and it ends in
+   `return run("<name>", map, reduce)`.
+2. `reduce` gets `rows.segments`, `(k, 2, 2)`, which all have a length, and returns the outputs,
    `(m, 2, 2)`, and the output that each row went into, `(k,)`, -1 where it was dropped.
    `rows.row` tells which row of the map each is, for a method that needs what lies behind it.
 3. An on-line method is a generator for `run_online`: it takes one scan of `rows.scans()` at a time,
    yields how many segments its map then holds, and returns the same two arrays.
-4. Loops that are compiled stand beside it in the same file, marked `@compiled`.
+4. Loops that are compiled stand beside it in the same file, marked `@compiled`. They look around in
+   an `Index`.
 
 The runner sorts by scan, measures the time, carries the parents back to the rows of the map and
 checks the result on every call.
@@ -34,9 +36,9 @@ from .surveyed import (
     polyline,
     segment_similarity,
     uncertain_parameters,
+    viewing_sector,
     weighted_line_fitting,
 )
-from .surveyed.viewing_sector import viewing_sector
 
 #: Name of each method -> the method, with its place in A's table 2.16. A calls the class of Basic
 #: "simple", after its conditions; like the class 2 -> 1 it makes one segment of two.
@@ -180,30 +182,3 @@ METHODS = Methods(
         needs_sensors=True,
     ),
 )
-
-__all__ = [
-    "METHODS",
-    "Directions",
-    "LiveReduction",
-    "Method",
-    "Methods",
-    "Reduction",
-    "basic_offline",
-    "basic_online",
-    "common_directions",
-    "fusion",
-    "fusion_online",
-    "fuzzy_clustering",
-    "fuzzy_set",
-    "hough",
-    "hybrid",
-    "hybrid_fusion",
-    "least_cost",
-    "mean_shift",
-    "polyline",
-    "reduce_to",
-    "segment_similarity",
-    "uncertain_parameters",
-    "viewing_sector",
-    "weighted_line_fitting",
-]

@@ -26,29 +26,15 @@ PERPENDICULAR = 1 - 1e-9
 
 
 class Strips(NamedTuple):
-    """Points by group and strip.
+    """Points by group and strip, n of them in r strips of g groups."""
 
-    Parameters
-    ----------
-    x, y, a : (n,) array, deviations
-        By group, strip and first coordinate.
-    order : (n,) int array
-        Which point each of them is.
-    rows : (r,) int array
-        Strips that hold points, ascending within their group.
-    first : (r + 1,) int array
-        Where each begins in the order, and n.
-    begins : (g + 1,) int array
-        Where the strips of each group begin, and r.
-    """
-
-    x: Array
+    x: Array  # (n,) by group, strip and first coordinate, in deviations
     y: Array
     a: Array
-    order: Indices
-    rows: Indices
-    first: Indices
-    begins: Indices
+    order: Indices  # (n,) which point each of them is
+    rows: Indices  # (r,) strips that hold points, ascending within their group
+    first: Indices  # (r + 1,) where each begins in the order, and n
+    begins: Indices  # (g + 1,) where the strips of each group begin, and r
 
 
 def _in_strips(points: Array, height: float, group: Indices) -> Strips:

@@ -5,12 +5,21 @@ The second phase stretches its kernel along the direction that the first has fou
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 
-from .. import arrays
-from ..arrays import Array, Segments, slips
+from ..arrays import (
+    Array,
+    Metres,
+    Quantity,
+    RadiansPerMetre,
+    Segments,
+    at_least,
+    at_most,
+    checked,
+    slips,
+)
 from ..compiled import compiled
 from ..segments import angle, length, midpoint
 from ._climb_kernels import climb, link
@@ -24,8 +33,9 @@ STOP = 1 / 200
 SAME = 1e-9
 
 
+@checked
 def mean_shift(
-    map: Segments, *, sigma: float = 0.20, bandwidth: float = np.pi / 18 / 0.20
+    map: Segments, *, sigma: Metres = 0.20, bandwidth: RadiansPerMetre = np.pi / 18 / 0.20
 ) -> Reduction:
     """Cluster pieces of segments by place and direction, then by line; join each line's (A 4.3).
 
@@ -48,11 +58,11 @@ def mean_shift(
 
     Parameters
     ----------
-    map : SegmentMap, Reduction or (n, 2, 2) array, metres
-    sigma : float, metres
+    map : SegmentMap, Reduction or (n, 2, 2) array
+    sigma
         Size of the smallest detail that matters, A's only parameter. Above 0.20 m quality falls
         quickly (A 6.3).
-    bandwidth : float, radians a metre
+    bandwidth
         The angle that counts as much as a metre: A takes 10 degrees for 0.20 m, whatever sigma.
 
     Returns
@@ -64,8 +74,8 @@ def mean_shift(
     Raises
     ------
     ValueError
-        For coordinates that are not finite; a sigma or bandwidth that is not positive and finite,
-        or so small that rounding would decide or the pieces would fill the memory.
+        For a sigma or bandwidth so small that rounding would decide, or that the pieces would fill
+        the memory.
 
     Examples
     --------
@@ -74,20 +84,105 @@ def mean_shift(
     >>> found, found.parents
     (Reduction(mean_shift: 3 -> 2 segments), array([0, 0, 1]))
     """
-    check_scales(sigma, bandwidth)
-    slips.check_lengths(map, sigma=sigma)
-    return run("mean_shift", map, lambda rows: _reduce(rows, sigma, bandwidth), splits=True)
+
+    def reduce(rows: Rows) -> Found:
+        found = _directions(rows.segments, sigma, bandwidth, np.inf)
+        if not len(found.pieces):
+            return found.pieces, found.owner
+        out, into = _lines(found.pieces, found.cluster, found.theta, sigma)
+        lowest = np.argsort(np.unique(into, return_index=True)[1])  # outputs by their first piece
+        into = np.argsort(lowest)[into]
+        return out[lowest], longest_share(len(rows.segments), found.owner, into)
+
+    _check_scales(sigma, bandwidth)
+    return run("mean_shift", map, reduce, splits=True)
 
 
-def _reduce(rows: Rows, sigma: float, bandwidth: float) -> Found:
-    """Both phases."""
-    found = _directions(rows.segments, sigma, bandwidth, np.inf)
-    if not len(found.pieces):
-        return found.pieces, found.owner
-    out, into = _lines(found.pieces, found.cluster, found.theta, sigma)
-    lowest = np.argsort(np.unique(into, return_index=True)[1])  # outputs by their first piece
-    into = np.argsort(lowest)[into]
-    return out[lowest], longest_share(len(rows.segments), found.owner, into)
+class Directions(NamedTuple):
+    """What phase 1 of mean shift makes of a map of n segments, cut into p pieces."""
+
+    pieces: Array  #: (p, 2, 2), metres
+    owner: Indices  #: (p,) the segment that each was cut from
+    centres: Array  #: (p, 3) where each has climbed to: x, y and angle, in `[0, pi)`
+    cluster: Indices  #: (p,) clusters by their first piece, from 0
+    theta: Array  #: (k,) direction of each cluster, in `(-pi/2, pi/2]`
+
+
+@checked
+def common_directions(
+    map: Segments,
+    *,
+    sigma: Metres = 0.20,
+    bandwidth: RadiansPerMetre = np.pi / 18 / 0.20,
+    steps: Annotated[float, Quantity(""), at_least(0), at_most(np.inf)] = np.inf,
+) -> Directions:
+    """Cluster the pieces of a map by place and direction: phase 1 of `mean_shift` (A 4.3.3).
+
+    Segments without length have no pieces. With `steps`, the climb ends after so many, before the
+    centres rest: to look at them on their way.
+
+    Examples
+    --------
+    >>> corner = np.array([[(0, 0), (0.4, 0)], [(0, 0), (0, 0.4)]])
+    >>> found = common_directions(corner)
+    >>> found.owner, found.cluster, np.degrees(found.theta)
+    (array([0, 0, 1, 1]), array([0, 0, 1, 1]), array([ 0., 90.]))
+    """
+    _check_scales(sigma, bandwidth)
+    rows, _ = rows_of(map)
+    found = _directions(rows.segments, sigma, bandwidth, steps)
+    return found._replace(owner=rows.row[found.owner])
+
+
+def _check_scales(sigma: float, bandwidth: float) -> None:
+    """Refuse what is too narrow to tell angles apart; warn of degrees."""
+    slips.check_bandwidth(sigma, bandwidth)
+    if sigma * bandwidth < 1e-9:
+        raise ValueError(
+            f"bandwidth must be at least 1e-9 rad a sigma, below which angles are rounding, "
+            f"got {bandwidth} rad/m with sigma {sigma} m"
+        )
+
+
+def _directions(segments: Array, sigma: float, bandwidth: float, steps: float) -> Directions:
+    """Phase 1 of segments `(n, 2, 2)` that all have a length (A 4.3.3)."""
+    extent = float(np.ptp(segments, axis=(0, 1)).max()) if len(segments) else 0.0
+    if sigma < 1e-10 * extent:
+        raise ValueError(
+            f"sigma must be at least 1e-10 of the extent of the map, {extent:.6g} m, "
+            f"below which moves are rounding, got {sigma}"
+        )
+    pieces, owner = pieces_of(segments, sigma)
+    if not len(pieces):
+        return Directions(pieces, owner, np.empty((0, 3)), owner, np.empty(0))
+    unit, middle = sigma * bandwidth, midpoint(pieces)
+    origin = middle.mean(axis=0)
+    points = np.column_stack([(middle - origin) / sigma, angle(pieces) / unit])
+    alike = np.zeros(len(points), np.int64)
+    centres, _ = climb(points, alike, np.pi / unit, STOP, float(steps))
+    label = link(centres, alike, np.pi / unit, 2.0)
+    centres = centres * (sigma, sigma, unit) + (*origin, 0.0)
+    cluster = np.unique(label, return_inverse=True)[1]
+    sine, cosine = (np.bincount(cluster, f(2 * centres[:, 2])) for f in (np.sin, np.cos))
+    return Directions(pieces, owner, centres, cluster, np.arctan2(sine, cosine) / 2)
+
+
+def pieces_of(segments: Array, sigma: float) -> tuple[Array, Indices]:
+    """Equal pieces `(p, 2, 2)` of `(n, 2, 2)` segments, at most `sigma` long, and their segments.
+
+    Pieces are as few as can be, in the order of their segments, from end point 0; metres.
+    """
+    counts = np.maximum(np.ceil(length(segments) / sigma - 1e-9), 1.0)
+    if counts.sum() > MOST_PIECES:
+        raise ValueError(
+            f"sigma must cut the map into at most {MOST_PIECES} pieces, "
+            f"got {sigma} m, which makes {counts.sum():.3g}: is it in metres?"
+        )
+    count = counts.astype(np.int64)
+    owner = np.repeat(np.arange(len(count)), count)
+    nth = np.arange(len(owner)) - (np.cumsum(count) - count)[owner]
+    begin, step = segments[owner, 0], (segments[:, 1] - segments[:, 0])[owner] / count[owner, None]
+    return np.stack([begin + nth[:, None] * step, begin + (nth + 1)[:, None] * step], 1), owner
 
 
 def _lines(pieces: Array, cluster: Indices, theta: Array, sigma: float) -> tuple[Array, Indices]:
@@ -106,122 +201,29 @@ def _lines(pieces: Array, cluster: Indices, theta: Array, sigma: float) -> tuple
     chain = np.unique(link(centres, cluster, np.inf, np.sqrt(0.5)), return_inverse=True)[1]
     offset = np.bincount(chain, centres[:, 1]) / np.bincount(chain) * across
     reach = np.abs(half[:, 0] * dx + half[:, 1] * dy)
-    low, high = u - reach, u + reach
-    into, end = np.empty(len(u), np.int64), np.empty(len(u))
-    count = _join(np.lexsort((low, chain)), chain, low, high, into, end)
+    low, high, into, spans = u - reach, u + reach, np.empty(len(u), np.int64), np.empty((len(u), 2))
+    count = _join(np.lexsort((low, chain)), chain, low, high, into, spans)
     first = np.unique(into, return_index=True)[1]  # a piece of each output
-    w = np.stack([_lowest(low, into, count), end[:count]], axis=1)
-    dx, dy, offset = dx[first, None], dy[first, None], offset[chain[first], None]
+    w, dx, dy, offset = spans[:count], dx[first, None], dy[first, None], offset[chain[first], None]
     return np.stack([w * dx - offset * dy, w * dy + offset * dx], axis=2) + origin, into
-
-
-def _lowest(low: Array, into: Indices, count: int) -> Array:
-    found = np.full(count, np.inf)
-    np.minimum.at(found, into, low)
-    return found
 
 
 @compiled
 def _join(
-    order: Indices, chain: Indices, low: Array, high: Array, into: Indices, end: Array
+    order: Indices, chain: Indices, low: Array, high: Array, into: Indices, spans: Array
 ) -> int:
-    """Union of the intervals of each chain, metres, sorted by chain and low: the number of parts.
+    """Union of the intervals of each chain, sorted by chain and low: the number of parts.
 
-    Writes the part of each interval and the end of each part.
+    Writes the part of each interval, and low and high of each part.
     """
     count, last = 0, -1
     for i in order:
-        if chain[i] != last or low[i] > end[count - 1] + SAME:
-            last, end[count] = chain[i], high[i]
+        if chain[i] != last or low[i] > spans[count - 1, 1] + SAME:
+            last, spans[count, 0], spans[count, 1] = chain[i], low[i], high[i]
             count += 1
-        end[count - 1] = max(end[count - 1], high[i])
+        spans[count - 1, 1] = max(spans[count - 1, 1], high[i])
         into[i] = count - 1
     return count
-
-
-class Directions(NamedTuple):
-    """What phase 1 of mean shift makes of a map of n segments, cut into p pieces.
-
-    Parameters
-    ----------
-    pieces : (p, 2, 2) array, metres
-    owner : (p,) int array
-        Index of the segment that each was cut from.
-    centres : (p, 3) array, metres and radians
-        Where each has climbed to: x, y and angle, in `[0, pi)`.
-    cluster : (p,) int array
-        Clusters by their first piece, from 0.
-    theta : (k,) array, radians
-        Direction of each cluster, in `(-pi/2, pi/2]`.
-    """
-
-    pieces: Array
-    owner: Indices
-    centres: Array
-    cluster: Indices
-    theta: Array
-
-
-def common_directions(
-    map: Segments,
-    *,
-    sigma: float = 0.20,
-    bandwidth: float = np.pi / 18 / 0.20,
-    steps: float = np.inf,
-) -> Directions:
-    """Cluster the pieces of a map by place and direction: phase 1 of `mean_shift` (A 4.3.3).
-
-    Parameters
-    ----------
-    map : SegmentMap, Reduction or (n, 2, 2) array, metres
-    sigma : float, metres
-    bandwidth : float, radians a metre
-        As for `mean_shift`.
-    steps : int or inf
-        Stop after so many, before the centres rest: to look at them on their way.
-
-    Returns
-    -------
-    Directions
-        Segments without length have no pieces.
-
-    Raises
-    ------
-    ValueError
-        As `mean_shift`.
-
-    Examples
-    --------
-    >>> corner = np.array([[(0, 0), (0.4, 0)], [(0, 0), (0, 0.4)]])
-    >>> found = common_directions(corner)
-    >>> found.owner, found.cluster, np.degrees(found.theta)
-    (array([0, 0, 1, 1]), array([0, 0, 1, 1]), array([ 0., 90.]))
-    """
-    check_scales(sigma, bandwidth)
-    arrays.number(steps, "steps", least=0, most=np.inf)
-    rows, _ = rows_of(map)
-    found = _directions(rows.segments, sigma, bandwidth, steps)
-    return found._replace(owner=rows.row[found.owner])
-
-
-def _directions(segments: Array, sigma: float, bandwidth: float, steps: float) -> Directions:
-    """Phase 1 of segments `(n, 2, 2)`, metres, that all have a length."""
-    _check_fit(segments, sigma)
-    if len(segments) == 0:
-        none = np.empty(0, np.int64)
-        return Directions(segments, none, np.empty((0, 3)), none, np.empty(0))
-    pieces, owner = pieces_of(segments, sigma)
-    unit = sigma * bandwidth
-    middle = midpoint(pieces)
-    origin = middle.mean(axis=0)
-    points = np.column_stack([(middle - origin) / sigma, angle(pieces) / unit])
-    alike = np.zeros(len(points), np.int64)
-    centres, _ = climb(points, alike, np.pi / unit, STOP, float(steps))
-    label = link(centres, alike, np.pi / unit, 2.0)
-    centres = centres * (sigma, sigma, unit) + (*origin, 0.0)
-    cluster = np.unique(label, return_inverse=True)[1]
-    sine, cosine = (np.bincount(cluster, f(2 * centres[:, 2])) for f in (np.sin, np.cos))
-    return Directions(pieces, owner, centres, cluster, np.arctan2(sine, cosine) / 2)
 
 
 def longest_share(count: int, owner: Indices, into: Indices) -> Indices:
@@ -235,54 +237,3 @@ def longest_share(count: int, owner: Indices, into: Indices) -> Indices:
     parents = np.full(count, -1, np.int64)
     parents[pairs[order] // most] = pairs[order] % most  # the most frequent of an owner stays
     return parents
-
-
-def pieces_of(segments: Array, sigma: float) -> tuple[Array, Indices]:
-    """Equal pieces `(p, 2, 2)` of `(n, 2, 2)` segments, at most `sigma` long, and their segments.
-
-    Pieces are as few as can be, in the order of their segments, from end point 0; metres.
-    """
-    count = piece_counts(segments, sigma).astype(np.int64)
-    owner = np.repeat(np.arange(len(count)), count)
-    nth = np.arange(len(owner)) - (np.cumsum(count) - count)[owner]
-    begin, step = segments[owner, 0], (segments[:, 1] - segments[:, 0])[owner] / count[owner, None]
-    return np.stack([begin + nth[:, None] * step, begin + (nth + 1)[:, None] * step], 1), owner
-
-
-def piece_counts(segments: Array, sigma: float) -> Array:
-    """How many pieces of at most `sigma`, metres, each of `(n, 2, 2)` segments is cut into."""
-    return np.maximum(np.ceil(length(segments) / sigma - 1e-9), 1.0)
-
-
-def check_scales(sigma: float, bandwidth: float) -> None:
-    """Refuse a sigma, metres, or a bandwidth, radians a metre, that cannot do.
-
-    Raises
-    ------
-    ValueError
-        Naming the argument and what was expected.
-    """
-    arrays.positive("metres", sigma=sigma)
-    arrays.positive("rad/m", bandwidth=bandwidth)
-    slips.check_bandwidth(sigma, bandwidth)
-    if sigma * bandwidth < 1e-9:
-        raise ValueError(
-            f"bandwidth must be at least 1e-9 rad a sigma, below which angles are rounding, "
-            f"got {bandwidth} rad/m with sigma {sigma} m"
-        )
-
-
-def _check_fit(segments: Array, sigma: float) -> None:
-    """Refuse a sigma, metres, that is too small for these segments."""
-    extent = float(np.ptp(segments, axis=(0, 1)).max()) if len(segments) else 0.0
-    if sigma < 1e-10 * extent:
-        raise ValueError(
-            f"sigma must be at least 1e-10 of the extent of the map, {extent:.6g} m, "
-            f"below which moves are rounding, got {sigma}"
-        )
-    pieces = float(piece_counts(segments, sigma).sum())
-    if pieces > MOST_PIECES:
-        raise ValueError(
-            f"sigma must cut the map into at most {MOST_PIECES} pieces, "
-            f"got {sigma} m, which makes {pieces:.3g}: is it in metres?"
-        )

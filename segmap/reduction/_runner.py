@@ -40,15 +40,15 @@ class Reduction(Pictured):
     segments : (m, 2, 2) array, metres
     parents : (n,) int array
         Index in `segments` of the output that each input went into, -1 where it was dropped.
-    seconds : float
+    seconds
         Time that the method took.
-    method : str
+    method
         Its name in `reduction.METHODS`.
     scan_seconds : (k,) array or None
         Time that an on-line method took for each scan that has segments.
     scan_live : (k,) int array or None
         Segments in its map after each of these scans.
-    doubt : str
+    doubt
         Why the method may not suit this map; nothing where it does.
     """
 
@@ -88,8 +88,12 @@ class Methods(dict[str, Method[Reduction]]):
         """Class of reduction, process, what each method needs and keeps (A 2.8, table 2.16)."""
         import pandas as pd
 
+        rows = []
+        for m in self.values():
+            runs, needs = ("off-line", "on-line")[m.online], ("segments", "points")[m.needs_points]
+            rows.append([m.source, m.merges, runs, needs, m.keeps, m.paper])
         head = ["in", "merges", "runs", "needs", "keeps", "published by"]
-        return pd.DataFrame([_row(method) for method in self.values()], list(self), head)
+        return pd.DataFrame(rows, list(self), head)
 
     def __repr__(self) -> str:
         return self.table().to_string()
@@ -98,28 +102,12 @@ class Methods(dict[str, Method[Reduction]]):
         return self.table().to_html()
 
 
-def _row(method: Method[Reduction]) -> tuple[str, ...]:
-    runs = "on-line" if method.online else "off-line"
-    needs = "points" if method.needs_points else "segments"
-    return method.source, method.merges, runs, needs, method.keeps, method.paper
-
-
 class Rows(NamedTuple):
-    """The segments of a map that a method works on: those that have a length.
+    """The segments of a map that a method works on: those that have a length."""
 
-    Parameters
-    ----------
-    segments : (k, 2, 2) array, metres
-        In the order of the map; for an on-line method scan after scan, in that order within each.
-    row : (k,) int array
-        Row of the map that each of them is.
-    cuts : (s + 1,) int array
-        Scan j has the rows `cuts[j]` to `cuts[j + 1]`; an off-line method gets one run of them all.
-    """
-
-    segments: Array
-    row: Indices
-    cuts: Indices
+    segments: Array  #: (k, 2, 2), in the order of the map; on-line scan after scan, and so in each
+    row: Indices  #: (k,) row of the map that each of them is
+    cuts: Indices  #: (s + 1,) scan j has the rows `cuts[j]` to `cuts[j + 1]`; off-line one run
 
     def scans(self) -> Iterator[tuple[int, int]]:
         """First row of each scan that has rows, and the one behind its last."""
@@ -131,24 +119,11 @@ def run(
 ) -> Reduction:
     """Call an off-line method: `method(rows) -> (outputs, the output that each row went into)`.
 
-    Parameters
-    ----------
-    name : str
-        Of the method in `METHODS`.
-    map : SegmentMap, Reduction or (n, 2, 2) array, metres
-    method : callable
-    splits : bool
-        Whether one input can end in several outputs. Then an output can be the first choice of no
-        input, and there can be more outputs than inputs.
-
-    Returns
-    -------
-    Reduction
+    Where one input can end in several outputs, `splits`: then an output can be the first choice of
+    no input, and there can be more outputs than inputs.
 
     Raises
     ------
-    ValueError
-        For a map that is none, coordinates that are not finite.
     RuntimeError
         Where the method breaks what a `Reduction` promises: a mistake in the method.
 
@@ -171,21 +146,6 @@ def run_online(
     """Call an on-line method, a generator that takes one scan of the rows at each step.
 
     It yields how many segments its map holds, scan after scan, and returns what `run` asks for.
-
-    Parameters
-    ----------
-    name, map, method, splits
-        As in `run`.
-
-    Returns
-    -------
-    Reduction
-        With seconds and segments in the map for each scan.
-
-    Raises
-    ------
-    ValueError, RuntimeError
-        As in `run`.
 
     Examples
     --------

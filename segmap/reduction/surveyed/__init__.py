@@ -1,20 +1,9 @@
 """The seven reduction methods that A surveys (2.7)."""
 
-from ._fuzzy_clustering import (
-    fuzzy_clustering,
-)
-from ._fuzzy_set import (
-    fuzzy_set,
-)
-from ._polyline import (
-    polyline,
-)
-from ._segment_similarity import (
-    segment_similarity,
-)
-from ._uncertain_parameters import (
-    uncertain_parameters,
-)
-from ._weighted_line_fitting import (
-    weighted_line_fitting,
-)
+from ._fuzzy_clustering import fuzzy_clustering
+from ._fuzzy_set import fuzzy_set
+from ._polyline import polyline
+from ._segment_similarity import segment_similarity
+from ._uncertain_parameters import uncertain_parameters
+from ._weighted_line_fitting import weighted_line_fitting
+from .viewing_sector import viewing_sector

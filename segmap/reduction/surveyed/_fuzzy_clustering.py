@@ -2,36 +2,37 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Annotated, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ... import arrays
-from ...arrays import Array, Segments
+from ...arrays import Array, Count, Metres, Segments, at_least, checked
 from ...segments import length
 from .._mean_shift import longest_share
-from .._points import MOST_POINTS, check_spacing, points_behind
-from .._runner import Indices, Reduction, Rows, Steps, run_online
+from .._points import MOST_POINTS, points_behind
+from .._runner import Indices, Length, Reduction, Rows, Steps, Turn, run_online
 from ._fuzzy_kernels import SAME, State, add_scan, cluster, group_across
 
 #: Keys of neighbouring rows of cells differ by this; columns and rows must be less than half of it.
 ROW = 1 << 32
 
 
+@checked
 def fuzzy_clustering(
     map: Segments,
     *,
-    cell: float = 2.0,
+    cell: Metres = 2.0,
     corner: ArrayLike = (0.0, 0.0),
-    noise: float = 0.10,
-    angle: float = np.pi / 18,
-    distance: float = 0.10,
-    gap: float = 0.30,
-    every: int = 10,
-    min_points: int = 5,
-    min_length: float = 0.10,
-    spacing: float = 0.05,
+    noise: Metres = 0.10,
+    angle: Turn = np.pi / 18,
+    distance: Metres = 0.10,
+    gap: Length = 0.30,
+    every: Count = 10,
+    min_points: Annotated[Count, at_least(0)] = 5,
+    min_length: Length = 0.10,
+    spacing: Metres = 0.05,
 ) -> Reduction:
     """Cluster the points of each scan in cells, and group what is alike: a reconstruction.
 
@@ -51,21 +52,21 @@ def fuzzy_clustering(
 
     Parameters
     ----------
-    map : SegmentMap, Reduction or (n, 2, 2) array, metres
+    map : SegmentMap, Reduction or (n, 2, 2) array
         Scans come in ascending order. Without points they are put along the segments.
-    cell : float, metres
+    cell
         Side of a cell: 2 m has few walls in each scan.
-    corner : (2,) array, metres
+    corner : (2,) array
         A corner of a cell.
-    noise : float, metres
+    noise
         Distance of the noise from every point: what is farther from all clusters is noise.
-    angle, distance, gap : float, radians and metres
+    angle, distance, gap
         Within these two clusters are one wall.
-    every : int
+    every
         Scans between two groupings across cells.
-    min_points, min_length : int; float, metres
+    min_points, min_length
         Clusters with less are dropped.
-    spacing : float, metres
+    spacing
         As in `weighted_line_fitting`.
 
     Returns
@@ -78,7 +79,7 @@ def fuzzy_clustering(
     Raises
     ------
     ValueError
-        For coordinates that are not finite, thresholds out of range, cells that suit no map.
+        For cells that suit no map.
 
     References
     ----------
@@ -92,50 +93,64 @@ def fuzzy_clustering(
     >>> found, found.parents
     (Reduction(fuzzy_clustering: 3 -> 2 segments), array([0, 0, 1]))
     """
-    arrays.positive("metres", cell=cell, noise=noise, distance=distance)
     origin = arrays.point(corner, "corner")
-    arrays.number(angle, "angle", above=0, most=np.pi / 2, unit="radians")
-    arrays.number(gap, "gap", least=0, unit="metres")
-    arrays.number(min_length, "min_length", least=0, unit="metres")
-    min_points = max(arrays.whole(min_points, "min_points", least=0), 2)
-    least = np.array([min_points, max(min_length, 10 * SAME)], float)
-    limits = np.array([angle, distance, gap], float)
-    every = arrays.whole(every, "every")
-    check_spacing(spacing)
+    least = np.array([max(min_points, 2), max(min_length, 10 * SAME)], float)
+    limits = np.array([angle, distance, gap])
 
     def steps(rows: Rows) -> Steps:
-        return _steps(rows, _deal(map, rows, cell, origin, spacing), noise, least, limits, every)
+        points, owner, pieces, first, begin, place, scan, nine = _deal(
+            map, rows, cell, origin, spacing
+        )
+        n, label = int(begin[-1]), np.empty(len(points), np.int64)
+        cells = np.bincount(np.repeat(place, np.diff(begin)), minlength=len(nine))
+        held, updated = np.zeros((2, len(nine)), np.int64)
+        state = State(
+            sums=np.zeros((2 * n, 6)),
+            ends=np.empty((2 * n, 2, 2)),
+            theta=np.empty(2 * n),
+            into=np.full(2 * n, -1),
+            first=np.append(0, np.cumsum(cells)),
+            held=held,
+            slot=np.empty(n, np.int64),
+            near=np.empty(n, np.int64),
+            nine=nine,
+            updated=updated,
+            used=np.zeros(2, np.int64),
+        )
+        room = np.zeros([1 + np.diff(runs).max(initial=0) for runs in (first, begin)])
+        cluster(points, first, pieces, begin, noise, room, label, state)
+        scans = len(rows.cuts) - 1
+        cuts = np.searchsorted(scan, np.arange(scans + 1))
+        for k in range(scans):
+            add_scan(state, place, begin, cuts[k], cuts[k + 1], least, limits)
+            if (k + 1) % every == 0 or k + 1 == scans:
+                group_across(state, limits)
+            yield int(state.used[0])
+        # step 6: at the end every cluster that is left is in a wall of the buffer
+        walls = n + np.flatnonzero(state.into[n : n + state.used[1]] < 0)
+        number = np.full(2 * n, -1)
+        number[walls] = np.arange(len(walls))
+        root = np.where(state.into < 0, np.arange(2 * n), state.into)
+        while (root[root] != root).any():
+            root = root[root]
+        wall = np.where(label >= 0, number[root[label]], -1) if n else label
+        some = wall >= 0
+        return state.ends[walls], longest_share(len(rows.segments), owner[some], wall[some])
 
     return run_online("fuzzy_clustering", map, steps, splits=True)
 
 
 class Dealt(NamedTuple):
-    """Points and pieces of segments by batches: what one scan has in one cell.
+    """Points and pieces of segments by batches: what one scan has in one cell."""
 
-    Parameters
-    ----------
-    points : (p, 2) array, metres
-        Those in a cell where their scan has a piece.
-    owner : (p,) int array
-        Segment of each.
-    pieces : (c, 6) array
-        Prototypes: centre, metres, unit direction, mixing, and room for a sum.
-    first, begin : (b + 1,) int array
-        Where points and pieces of each batch begin.
-    place, scan : (b,) int array
-        Cell and scan of each.
-    nine : (k, 9) int array
-        Each cell and its neighbours, -1 for none.
-    """
-
-    points: Array
-    owner: Indices
-    pieces: Array
-    first: Indices
-    begin: Indices
-    place: Indices
+    points: Array  # (p, 2) those in a cell where their scan has a piece
+    owner: Indices  # (p,) segment of each
+    pieces: Array  # (c, 6) prototypes: centre, unit direction, mixing, and room for a sum
+    first: Indices  # (b + 1,) where the points of each batch begin
+    begin: Indices  # (b + 1,) and its pieces
+    place: Indices  # (b,) cell of each
     scan: Indices
-    nine: Indices
+    nine: Indices  # (k, 9) each cell and its neighbours, -1 for none
 
 
 def _deal(map: Segments, rows: Rows, cell: float, origin: Array, spacing: float) -> Dealt:
@@ -170,14 +185,9 @@ def _find(keys: Indices, wanted: Indices) -> Indices:
     return np.where(keys[at] == wanted, at, -1) if len(keys) else np.full(wanted.shape, -1)
 
 
-def _spots(points: Array, cell: float, origin: Array) -> Indices:
-    """Column and row of the cells of points, `(n, 2)`."""
-    return np.floor((points - origin) / cell).astype(np.int64)
-
-
 def _keys(points: Array, cell: float, origin: Array) -> Indices:
     """A number for the cell of each point, by row, then column."""
-    spots = _spots(points, cell, origin)
+    spots = np.floor((points - origin) / cell).astype(np.int64)
     return spots[:, 1] * ROW + spots[:, 0]
 
 
@@ -207,51 +217,3 @@ def _clipped(s: Array, cell: float, origin: Array) -> tuple[Array, Indices]:
     centre = s[of, 0] + middle[:, None] * step[of]
     mixing_and_room = np.ones((len(of), 2))
     return np.column_stack([centre, step[of] / size[of, None], mixing_and_room]), of
-
-
-def _steps(
-    rows: Rows, dealt: Dealt, noise: float, least: Array, limits: Array, every: int
-) -> Steps:
-    points, owner, pieces, first, begin, place, scan, nine = dealt
-    state, label = _empty(begin, place, nine), np.empty(len(points), np.int64)
-    room = np.zeros([1 + np.diff(runs).max(initial=0) for runs in (first, begin)])
-    cluster(points, first, pieces, begin, float(noise), room, label, state)
-    scans = len(rows.cuts) - 1
-    cuts = np.searchsorted(scan, np.arange(scans + 1))
-    for k in range(scans):
-        add_scan(state, place, begin, cuts[k], cuts[k + 1], least, limits)
-        if (k + 1) % every == 0 or k + 1 == scans:
-            group_across(state, limits)
-        yield int(state.used[0])
-    # step 6: at the end every cluster that is left is in a wall of the buffer
-    n = len(state.slot)
-    walls = n + np.flatnonzero(state.into[n : n + state.used[1]] < 0)
-    number = np.full(2 * n, -1)
-    number[walls] = np.arange(len(walls))
-    root = np.where(state.into < 0, np.arange(2 * n), state.into)
-    while (root[root] != root).any():
-        root = root[root]
-    held = np.flatnonzero(label >= 0)
-    held = held[number[root[label[held]]] >= 0]
-    parents = longest_share(len(rows.segments), owner[held], number[root[label[held]]])
-    return state.ends[walls], parents
-
-
-def _empty(begin: Indices, place: Indices, nine: Indices) -> State:
-    n, cells = int(begin[-1]), len(nine)
-    held, updated = np.zeros((2, cells), np.int64)
-    slot, near = np.empty((2, n), np.int64)
-    first = np.append(0, np.cumsum(np.bincount(np.repeat(place, np.diff(begin)), minlength=cells)))
-    return State(
-        np.zeros((2 * n, 6)),
-        np.empty((2 * n, 2, 2)),
-        np.empty(2 * n),
-        np.full(2 * n, -1),
-        first,
-        held,
-        slot,
-        near,
-        nine,
-        updated,
-        np.zeros(2, np.int64),
-    )

@@ -8,7 +8,7 @@ import numpy as np
 
 from ...arrays import Array
 from ...compiled import compiled
-from ...kernels import gap_along, join_sums, lay
+from ...kernels import gap_along, join_sums, lay, length_of, span, turn_between
 from .._runner import Indices
 
 #: Lengths and memberships closer than this are equal.
@@ -16,37 +16,19 @@ SAME = 1e-9
 
 
 class State(NamedTuple):
-    """n clusters, by scan and cell, and behind them as many rows for the walls of the buffer.
+    """n clusters, by scan and cell, and behind them as many rows for the walls of the buffer."""
 
-    Parameters
-    ----------
-    sums, ends, theta : (2n, 6), (2n, 2, 2), (2n,) array
-        Running sums, end points, metres, direction, radians.
-    into : (2n,) int array
-        The cluster or wall that each is in, -1 for itself.
-    first, held : (k + 1,), (k,) int array
-        The clusters of a cell that are not absorbed are `held` in `slot` from `first` on.
-    slot, near : (n,) int array
-        Clusters by cell; room for the walls around one.
-    nine : (k, 9) int array
-        Each cell and its neighbours, -1 for none.
-    updated : (k,) int array
-        1 for cells with new clusters.
-    used : (2,) int array
-        Clusters and walls that are a segment of the map; walls that there ever were.
-    """
-
-    sums: Array
-    ends: Array
-    theta: Array
-    into: Indices
-    first: Indices
-    held: Indices
-    slot: Indices
-    near: Indices
-    nine: Indices
-    updated: Indices
-    used: Indices
+    sums: Array  # (2 n, 6) running sums
+    ends: Array  # (2 n, 2, 2), metres
+    theta: Array  # (2 n,) direction, radians
+    into: Indices  # (2 n,) the cluster or wall that each is in, -1 for itself
+    first: Indices  # (k + 1,) where the clusters of each cell begin in `slot`
+    held: Indices  # (k,) how many of them are not absorbed
+    slot: Indices  # (n,)
+    near: Indices  # (n,) room for the walls around one
+    nine: Indices  # (k, 9) each cell and its neighbours, -1 for none
+    updated: Indices  # (k,) 1 for cells with new clusters
+    used: Indices  # (2,) clusters and walls that are a segment of the map; walls that ever were
 
 
 @compiled
@@ -168,7 +150,7 @@ def cluster(
 def _alike(s: State, a: int, b: int, limits: Array) -> bool:
     """Step 4: parallel, on one line, and near each other."""
     ends, theta = s.ends, s.theta
-    turn = (theta[a] - theta[b] + np.pi / 2) % np.pi - np.pi / 2
+    turn = turn_between(theta[b], theta[a])
     if abs(turn) >= limits[0]:
         return False
     for i, j in ((a, b), (b, a)):
@@ -186,12 +168,9 @@ def _absorb(s: State, a: int, b: int) -> None:
     join_sums(s.sums[a], s.sums[b], s.sums[a])
     x, y = s.sums[a, 1], s.sums[a, 2]
     s.theta[a] = 0.5 * np.arctan2(2 * s.sums[a, 4], s.sums[a, 3] - s.sums[a, 5])
-    cos, sin, low, high = np.cos(s.theta[a]), np.sin(s.theta[a]), np.inf, -np.inf
-    for i in (a, b):
-        for e in range(2):
-            along = (s.ends[i, e, 0] - x) * cos + (s.ends[i, e, 1] - y) * sin
-            low, high = min(low, along), max(high, along)
-    lay(s.ends[a], x, y, cos, sin, low, high)
+    cos, sin = np.cos(s.theta[a]), np.sin(s.theta[a])
+    (low, high), (begin, end) = span(s.ends[a], x, y, cos, sin), span(s.ends[b], x, y, cos, sin)
+    lay(s.ends[a], x, y, cos, sin, min(low, begin), max(high, end))
 
 
 @compiled
@@ -238,8 +217,7 @@ def add_scan(
         cell = place[b]
         items = s.slot[s.first[cell] : s.first[cell + 1]]
         for c in range(begin[b], begin[b + 1]):
-            size = np.hypot(s.ends[c, 1, 0] - s.ends[c, 0, 0], s.ends[c, 1, 1] - s.ends[c, 0, 1])
-            if s.sums[c, 0] >= least[0] and size >= least[1]:
+            if s.sums[c, 0] >= least[0] and length_of(s.ends[c]) >= least[1]:
                 items[s.held[cell]] = c
                 s.held[cell] += 1
                 s.used[0] += 1
