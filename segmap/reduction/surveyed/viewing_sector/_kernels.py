@@ -1,8 +1,4 @@
-"""What a scan says of the map, and the map after it (A 2.7.5). Lengths are in metres.
-
-A stretch of a segment of the scan is named by the shares t0 to t1 of its
-length, a stretch of a wall by metres.
-"""
+"""What a scan says of the map, and the map after it (A 2.7.5), in metres; t are shares of a length."""
 
 from __future__ import annotations
 
