@@ -1,4 +1,4 @@
-"""What a scan says of the map, and the map after it (A 2.7.5), in metres; t are shares of a length."""
+"""What a scan says of the map, and the map after it (A 2.7.5): metres, and shares of lengths, t."""
 
 from __future__ import annotations
 
