@@ -102,6 +102,7 @@ def test_headings_may_wind_up():
     log_of(300, truth=wound)
 
 
+@pytest.mark.slow
 def test_no_log_that_we_have_looks_like_another_unit():
     files = [p for p in sorted(SHARED.glob("data/**/*")) if p.suffix in (".gz", ".log", ".dat")]
     for path in files:

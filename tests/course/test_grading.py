@@ -397,6 +397,7 @@ print(count > len(EXERCISES))  # there are compiled loops among them
 """
 
 
+@pytest.mark.slow
 def test_the_library_s_answers_are_gone():
     """Catches a kind of function, a compiled loop say, that can still be called."""
     where = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}

@@ -5,6 +5,7 @@ from functools import cache
 import numpy as np
 import pytest
 import segmap_course as course
+from conftest import slow
 from driven_panels import assert_answers, unpainted
 from matplotlib.figure import Figure
 from quadtrees import leaves_of
@@ -100,7 +101,11 @@ def test_all_lesson_panels_are_here():
     assert set(PANELS) == {name for name in dir(course) if name.endswith("Panel")}
 
 
-@pytest.mark.parametrize("name", PANELS)
+#: One of each kind; chapters drive every panel.
+QUICK = ("BasicPanel", "ClusterPanel", "DistancePanel", "FusionPanel", "RayPanel", "IcpPanel")
+
+
+@pytest.mark.parametrize("name", [name if name in QUICK else slow(name) for name in PANELS])
 def test_a_lesson_panel_answers_its_controls_and_is_shown_without_a_kernel(name, monkeypatch):
     shown, control, value = PANELS[name]
     more = (looped(),) if name == "PoseGraphPanel" else ()

@@ -25,7 +25,7 @@ _PACKAGES = (Path(segmap.__file__).parent, Path(__file__).parents[1])
 #: The call of a kernel: the kernel itself stands in its first argument.
 _COMPILED = Compiled.__call__.__code__
 #: What all methods of a family share is no part of the answer to an exercise on one of them.
-_SHARED = "_runner"
+_SHARED = ("_runner", "_index")
 
 
 class Watch:
@@ -133,7 +133,7 @@ def _helpers(function: FunctionType) -> Iterator[FunctionType]:
             *_, file = helper.__module__.split(".")
             exported = getattr(sys.modules[room], helper.__name__, None) is found
             private = file.startswith("_") or helper.__name__.startswith("_")
-            if private and not exported and file != _SHARED:
+            if private and not exported and file not in _SHARED:
                 yield helper
 
 

@@ -180,6 +180,7 @@ def test_many_looks_in_one_scan_vanish():
     assert len(fuzzy_clustering(looks(look, 17))) == 1
 
 
+@pytest.mark.filterwarnings("ignore:cell is 10000 m:UserWarning")
 @pytest.mark.parametrize(("cell", "what"), [(1e-9, "larger"), (1e4, "smaller")])
 def test_cells_that_no_map_can_bear(cell, what):
     """Memory, in bytes and not in metres."""
