@@ -21,6 +21,7 @@ from ._thesis import (
     alignment_table,
     thesis_grid,
     thesis_results,
+    within_thesis,
 )
 from ._trials import (
     Trial,
