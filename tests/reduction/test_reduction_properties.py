@@ -27,7 +27,6 @@ from segmap.testing import assert_segments_equal, segment_zoo
 methods = pytest.mark.parametrize("name", METHODS)
 #: All but the one whose cells lie along the axes of the map: surveyed/test_fuzzy_clustering.py.
 anyhow = pytest.mark.parametrize("name", [n for n in METHODS if n != "fuzzy_clustering"])
-TEN = np.pi / 18
 
 #: Thresholds at which each method meets its plain version, and how many segments that can bear.
 THRESHOLDS = {
@@ -104,7 +103,7 @@ LENGTHS |= {"sigma_range", "sigma_place", "spacing", "eps", "penalty", "far", "l
 LENGTHS |= {"min_length", "across", "along", "error", "cell", "noise"}
 #: Mean shift looks at every piece from every piece: smaller maps, nearer together; the plain least
 #: cost tries thousands of lines.
-SMALL = {"mean_shift": (12, 0.5), "least_cost": (24, 0.7)}
+SMALL = {"mean_shift": (10, 0.4), "least_cost": (20, 0.7)}
 #: Segments of a real map that the plain versions of these can bear; the others take 300.
 REAL = {"mean_shift": 25, "least_cost": 80, "segment_similarity": 150, "fuzzy_set": 150}
 GIVEN = [(name, k) for name in METHODS for k in range(len(THRESHOLDS[name]))]
@@ -132,7 +131,7 @@ def test_equals_the_plain_method(name, case, seed, make):
 def test_equals_the_plain_method_in_the_zoo(name, zoo):
     """Empty, points, duplicates, crossings, a map far from the origin."""
     segments = segment_zoo()[zoo]
-    wide = {"sigma": max(0.3, length(segments).sum() / 120)}
+    wide = {"sigma": max(0.3, length(segments).sum() / 60)}
     near = {"distance": 0.3, "angle": 0.3, "min_length": 0.0}
     near = {k: v for k, v in near.items() if k in unwrap(METHODS[name].function).__kwdefaults__}
     thresholds = wide if name == "mean_shift" else near
@@ -192,15 +191,6 @@ def test_moving_the_map_moves_the_result(name, make, pose):
     moved(name, pose, make)
 
 
-@pytest.mark.parametrize("name", ["hybrid", "hybrid_fusion"])
-def test_moving_the_map_can_change_the_result_of_hybrid(name):
-    """The counter-example: rho of a slanted wall changes with the distance of the origin.
-
-    Fusion does not mend it: the second wall leaves its strip.
-    """
-    walls = np.array([[(0, 0.0), (2, 0.0)], [(1.95, 0.0), (3.9, 0.2)]])
-    there = transform((-20, 0, 0), walls)
-    assert [len(METHODS[name](walls)), len(METHODS[name](there))] == [1, 2]
 
 
 @pytest.mark.filterwarnings("ignore:.*millimetres:UserWarning")
@@ -271,7 +261,7 @@ def test_a_map_without_redundancy_is_kept(name, turn):
 
 @methods
 @given(seed=st.integers(0, 10_000))
-@settings(max_examples=25)
+@settings(max_examples=12)
 def test_no_wall_is_lost_and_none_invented(name, seed):
     """A segment that is listed twice; one that vanishes although no filter asks for it."""
     map = made(MAPS[seed % 4], name, seed)
@@ -297,18 +287,8 @@ def test_basic_is_idempotent(name, make):
     assert_segments_equal(METHODS[name](once).segments, once.segments, ordered=True)
 
 
-@pytest.mark.parametrize("name", ["hybrid", "fusion", "hybrid_fusion", slow("mean_shift")])
-def test_the_others_are_not_idempotent(name):
-    """The counter-example: what has grown together is near what it was far from, or cut anew."""
-    once = METHODS[name](malaga())
-    assert len(METHODS[name](once)) != len(once)
 
 
-def test_hybrid_is_not_idempotent_because_it_never_compares_its_own_segments():
-    """The smallest counter-example: a third piece joins one of two, and reaches the other."""
-    pieces = [[(0, 1), (2, 1)], [(3, 1), (5, 1)], [(1.9, 1), (3.1, 1)]]
-    once = METHODS["hybrid"](SegmentMap(pieces, [0, 0, 0]))
-    assert [len(once), len(METHODS["hybrid"](once))] == [2, 1]
 
 
 @pytest.mark.parametrize("name", [n for n in METHODS if METHODS[n].online])
