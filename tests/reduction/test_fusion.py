@@ -51,10 +51,6 @@ def test_members_lie_inside_their_strip(seed):
         assert off.max() <= TOLERANCE + 1e-8
 
 
-
-
-
-
 @pytest.mark.parametrize("side", [1, -1])
 @pytest.mark.parametrize("turn", [0.0, np.pi])
 def test_of_equal_chains_the_first_indices_win(side, turn):

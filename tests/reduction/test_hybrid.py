@@ -23,10 +23,6 @@ def test_both_end_points_lie_on_the_line(segment, near):
     assert 0 <= hough(segment)[1] < np.pi
 
 
-
-
-
-
 def test_many_lines_at_once_are_those_of_the_loops_and_of_the_literal_method():
     """Catches two definitions that drift apart."""
     segments = np.random.default_rng(8).uniform(-9, 9, (50, 2, 2))
@@ -34,14 +30,6 @@ def test_many_lines_at_once_are_those_of_the_loops_and_of_the_literal_method():
     assert found == pytest.approx(np.array([line_of(segments, i) for i in range(50)]))
     assert found == pytest.approx(np.array([literal.hough(s) for s in segments]))
     assert hough(segments, found[:, 1]) == pytest.approx(found)
-
-
-
-
-
-
-
-
 
 
 def test_the_filter_drops_what_neither_matches_nor_is_long_enough():

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from reduction_maps import MAPS, malaga
+from reduction_maps import MAPS
 
 from segmap.reduction import fusion, hybrid, hybrid_fusion
 from segmap.segments import SegmentMap
@@ -71,7 +71,3 @@ def test_no_more_segments_than_hybrid_with_fusion_at_the_end_only(make, seed):
     whole = np.where(kept.parents < 0, -1, np.append(fused.parents, -1)[kept.parents])
     np.testing.assert_array_equal(found.parents, whole)
     assert len(found) <= len(kept)
-
-
-
-

@@ -2,13 +2,12 @@
 
 import numpy as np
 import pytest
-from conftest import slow
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from reduction_maps import MAPS, malaga
 
-from segmap.metrics import invented, missed, quality
-from segmap.reduction import fusion, least_cost, reduce_to
+from segmap.metrics import quality
+from segmap.reduction import least_cost, reduce_to
 from segmap.reduction.least_cost._least_cost import crosses
 from segmap.segments import length
 
@@ -92,8 +91,6 @@ def test_the_order_of_the_segments_changes_ties_only():
     found, other = least_cost(map), least_cost(map[order])
     assert abs(len(found) - len(other)) <= 1
     assert quality(map, found) == pytest.approx(quality(map, other), abs=1e-3)
-
-
 
 
 def test_no_penalty_reaches_a_quality_that_one_merge_breaks():

@@ -2,10 +2,9 @@
 
 import numpy as np
 import pytest
-from reduction_maps import MAPS, malaga, redundant_map
+from reduction_maps import MAPS, redundant_map
 from segmap_course.literal.reduction.mean_shift import cut
 
-from segmap import metrics
 from segmap.poses import transform
 from segmap.reduction import common_directions, mean_shift
 from segmap.reduction._climb_kernels import climb
@@ -27,8 +26,6 @@ def test_turning_a_building_of_right_angles_turns_the_result(turn, sigma):
     assert_segments_equal(found.segments, moved, atol=1e-8)
 
 
-
-
 @pytest.mark.parametrize("make", MAPS)
 def test_the_order_of_the_input_changes_nothing(make):
     """Centres that move in turn among centres, not among pieces, would make order matter."""
@@ -48,8 +45,6 @@ def test_pieces_are_as_few_as_are_no_longer_than_sigma(wall, pieces):
     assert owner.tolist() == [0] * pieces
     np.testing.assert_allclose(length(found), wall / pieces, atol=1e-15)
     np.testing.assert_allclose(found[1:, 0], found[:-1, 1], atol=1e-15)
-
-
 
 
 def test_points_at_three_deviations_pull_and_those_beyond_do_not():
@@ -99,10 +94,6 @@ def test_the_first_phase_can_be_watched():
     assert np.abs(whole.centres - one)[:, :2].max() > 0.01
     assert len(whole.theta) == whole.cluster.max() + 1
     np.testing.assert_array_equal(whole.owner, [piece.owner for piece in literal])
-
-
-
-
 
 
 @pytest.mark.parametrize(

@@ -78,8 +78,6 @@ def test_maps_arrays_and_reductions_are_all_accepted(name):
     assert len(METHODS[name](once)) <= len(once)
 
 
-
-
 @methods
 def test_segments_without_length_are_left_out_first(name):
     """They have no angle: parents -1, and the rest is reduced as if they were not there."""
@@ -103,8 +101,6 @@ def test_a_map_that_does_not_tell_where_its_sensor_was_is_refused(name):
 def test_coordinates_must_be_finite(name, bad):
     with pytest.raises(ValueError, match="map must be finite, in metres, but map"):
         METHODS[name](np.array([[(0, 0), (bad, 1)]]))
-
-
 
 
 #: What each threshold must refuse; every other one must refuse NaN.

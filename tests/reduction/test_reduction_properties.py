@@ -191,8 +191,6 @@ def test_moving_the_map_moves_the_result(name, make, pose):
     moved(name, pose, make)
 
 
-
-
 @pytest.mark.filterwarnings("ignore:.*millimetres:UserWarning")
 @methods
 @pytest.mark.parametrize("scale", [0.01, 1000.0])
@@ -285,10 +283,6 @@ def test_basic_is_idempotent(name, make):
     """A last pass that left a match is found by running again."""
     once = METHODS[name](made(make, name, 8) if make else malaga())
     assert_segments_equal(METHODS[name](once).segments, once.segments, ordered=True)
-
-
-
-
 
 
 @pytest.mark.parametrize("name", [n for n in METHODS if METHODS[n].online])

@@ -2,12 +2,9 @@
 
 import numpy as np
 import pytest
-from numpy.testing import assert_allclose
-from segmap_course.literal.reduction.fuzzy_clustering import Prototype, clustered, memberships
 
 from segmap import load
 from segmap.extraction import build_map
-from segmap.metrics import quality
 from segmap.poses import transform
 from segmap.reduction import fuzzy_clustering
 from segmap.segments import SegmentMap
@@ -23,8 +20,6 @@ WALLS = np.array([[(0.2, 1.0), (7.8, 1.1)], [(5.2, 0.2), (5.3, 0.9)]])
 def looks(walls, times: int) -> SegmentMap:
     """As many scans that each see all walls."""
     return SegmentMap(np.tile(walls, (times, 1, 1)), np.repeat(np.arange(times), len(walls)))
-
-
 
 
 def test_the_same_corner_as_a_map():
@@ -62,8 +57,6 @@ def test_a_quarter_turn_about_the_corner_turns_the_result():
     map, quarter = looks(WALLS, 3), (0, 0, np.pi / 2)
     expected = transform(quarter, fuzzy_clustering(map).segments)
     assert_segments_equal(fuzzy_clustering(carried(map, quarter)), expected, atol=1e-6)
-
-
 
 
 def carried(map: SegmentMap, pose) -> SegmentMap:
@@ -107,12 +100,6 @@ def test_a_gap_between_two_pieces(more, left):
     assert len(fuzzy_clustering(map, gap=0.25 + 0.6 / 13 + more)) == left
 
 
-
-
-
-
-
-
 def test_few_points_and_short_walls_are_dropped():
     short = [[(0.2, 0.5), (0.44, 0.5)]]  # five points over 0.192 m
     assert len(fuzzy_clustering(short)) == 1
@@ -138,8 +125,6 @@ def test_walls_of_the_buffer_that_a_look_joins_are_one_segment():
     assert_segments_equal(found, [[(0.2, 0.5), (1.8, 0.5)]], atol=0.05)
 
 
-
-
 @pytest.mark.filterwarnings("ignore:cell is 10000 m:UserWarning")
 @pytest.mark.parametrize(("cell", "what"), [(1e-9, "larger"), (1e4, "smaller")])
 def test_cells_that_no_map_can_bear(cell, what):
@@ -154,7 +139,3 @@ def test_cells_that_no_map_can_bear(cell, what):
 def test_a_corner_is_a_point(corner):
     with pytest.raises(ValueError, match=r"^corner must be"):
         fuzzy_clustering(WALLS, corner=corner)
-
-
-
-

@@ -62,8 +62,6 @@ def test_with_its_own_axes_it_turns_with_the_building_and_with_those_of_the_map_
     assert slanted.doubt.startswith("not orthogonal: ") and not found.doubt
 
 
-
-
 def test_the_points_give_the_error():
     """Catches points that are not turned with the map, or that are measured along the wall."""
     walls = np.array([[(0, 0), (4, 0)], [(0, 0.1), (4, 0.1)]], float)
@@ -75,5 +73,3 @@ def test_the_points_give_the_error():
     pose = (3, 1, 0.7)
     there = SegmentMap(transform(pose, walls), points=transform(pose, points), first=map.first)
     assert_segments_equal(fuzzy_set(there), transform(pose, fuzzy_set(map).segments))
-
-

@@ -9,15 +9,11 @@ from reduction_maps import assert_literal, malaga, redundant_map
 from segmap_course import literal
 from segmap_course.literal.reduction.polyline import apart as distance
 
-from segmap.alignment import match_values
-from segmap.poses import transform
 from segmap.reduction import polyline
 from segmap.segments import SegmentMap, length
 from segmap.testing import assert_segments_equal
 
 BEND = [[(0, 0), (1, 0)], [(0.9, 0.02), (2, 0.3)], [(1.8, 0.3), (3, 0.3)]]
-
-
 
 
 def test_two_segments_of_a_scan_meet_through_a_wall_of_the_map():
@@ -33,8 +29,6 @@ def test_a_segment_is_put_in_by_the_shorter_links():
     assert_literal("polyline", SegmentMap(bend, [0, 1, 0]))
     found = polyline(SegmentMap(bend, [0, 1, 0]))
     assert length(found.segments).sum() < 3.4
-
-
 
 
 @pytest.mark.parametrize(
@@ -61,8 +55,6 @@ def test_every_segment_of_a_chain_stays_within_tolerance_of_a_piece():
         assert (
             np.mean(np.array(off) < 0.10) > 0.97
         )  # a piece of a piece may drift from scan to scan
-
-
 
 
 def test_two_walls_of_the_map_meet_through_a_segment_of_the_scan():
@@ -113,7 +105,3 @@ def test_more_pieces_than_the_room_that_was_made(count):
     """Catches a map that ends where its arrays do: few long walls and many short scans."""
     map = redundant_map(np.random.default_rng(1), count)
     assert_literal("polyline", SegmentMap(map, np.arange(count) // 2), tolerance=0.005, bridge=5.0)
-
-
-
-

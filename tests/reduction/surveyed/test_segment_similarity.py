@@ -12,8 +12,6 @@ from segmap.testing import assert_segments_equal
 WALL = [(0.0, 0.0), (2.0, 0.0)]
 
 
-
-
 def test_the_cheapest_pair_comes_first():
     """Catches a method that merges whatever it meets first: the first would pull in the last."""
     rows = [WALL, [(0, 0.06), (2, 0.06)], [(0, 0.11), (2, 0.11)]]
@@ -62,14 +60,6 @@ def test_perpendicular_scraps_take_the_cheaper_of_both_directions(turn):
         assert len(found) == 1
         d = (found.segments[0, 1] - found.segments[0, 0]) @ [(c, -s), (s, c)]
         assert d[1] / d[0] == pytest.approx(side)
-
-
-
-
-
-
-
-
 
 
 def test_scans_do_not_matter():

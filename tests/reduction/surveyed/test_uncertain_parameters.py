@@ -18,8 +18,6 @@ def in_scans(segments) -> SegmentMap:
     return SegmentMap(segments, np.arange(len(segments)))
 
 
-
-
 def test_a_long_look_and_a_short_one():
     """Catches weights without the length, or deviations that are added."""
     found = uncertain_parameters(PAIR)
@@ -29,8 +27,6 @@ def test_a_long_look_and_a_short_one():
     wall = fused([uncertain(s, 0.01, i) for i, s in enumerate(PAIR.tolist())], None)
     assert wall.sigma_theta == pytest.approx(0.0048507, abs=1e-7)
     assert wall.sigma_rho == pytest.approx(0.0070711, abs=1e-7)
-
-
 
 
 @pytest.mark.parametrize("turn", [0.3, 2.0, -2.5])
@@ -65,8 +61,6 @@ def test_the_fused_wall_stands_where_the_first_of_them_stood():
         assert uncertain_parameters(in_scans(turned)).parents.tolist() == [0, 1, 0, 0]
 
 
-
-
 def test_the_points_behind_a_segment_say_how_well_it_is_known():
     """Catches `eps` for a map that keeps its points, or points of another segment."""
     walls = [[(0, 0.0), (2, 0.0)], [(0, 0.05), (2, 0.05)]]
@@ -75,8 +69,6 @@ def test_the_points_behind_a_segment_say_how_well_it_is_known():
     expected = (0.05 / 0.04**2) / (1 / 0.001**2 + 1 / 0.04**2)
     assert uncertain_parameters(map).segments[0, :, 1] == pytest.approx(expected)
     assert uncertain_parameters(map.segments).segments[0, :, 1] == pytest.approx(0.025)
-
-
 
 
 def test_another_origin_is_refused():

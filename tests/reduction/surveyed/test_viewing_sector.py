@@ -6,12 +6,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
-from reduction_maps import malaga
-from segmap_course.literal.reduction.viewing_sector import kept_pieces, views, wall_of
+from segmap_course.literal.reduction.viewing_sector import views, wall_of
 
 from segmap import load
 from segmap.extraction import build_map
-from segmap.poses import transform
 from segmap.reduction import viewing_sector
 from segmap.segments import SegmentMap, length
 from segmap.testing import assert_segments_equal
@@ -49,16 +47,6 @@ def test_four_things_that_a_scan_can_say():
     assert found.parents.tolist() == [0, 0, 2, 3] and found.scan_live.tolist() == [1, 4]
 
 
-
-
-
-
-
-
-
-
-
-
 def test_a_wall_seen_edge_on_says_nothing():
     """Catches a sector without width: division by nothing, a wall that is always matched."""
     found = viewing_sector(scans_of([[(1, 0), (3, 0)]], [[(0.5, -0.01), (0.5, 0.01)]]))
@@ -78,8 +66,6 @@ def test_two_walls_that_a_look_crosses_claim_it_equally():
     assert first.parents[2] == 0
 
 
-
-
 def test_every_scan_twice_gives_as_many_segments():
     """SURVEYED check d, where nothing is gone."""
     log = load("room")
@@ -90,8 +76,6 @@ def test_every_scan_twice_gives_as_many_segments():
     scan = 2 * twice.scan + np.tile([0, 1], len(map))
     placed = replace(twice, scan=scan, sensors=np.repeat(map.sensors, 2, axis=0))
     assert len(viewing_sector(placed, forget=False)) == len(once)
-
-
 
 
 def test_points_weigh_and_not_lengths():

@@ -5,23 +5,17 @@ import math
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
-from reduction_maps import redundant_map
 from segmap_course.literal.reduction.weighted_line_fitting import (
     Line,
     about,
-    add_pose,
     compare,
-    fit,
 )
 
-from segmap.poses import transform
 from segmap.reduction import weighted_line_fitting
 from segmap.segments import SegmentMap
 from segmap.testing import assert_segments_equal
 
 EXACT = {"sigma_place": 0.0, "sigma_heading": 0.0}
-
-
 
 
 def a_map(walls, sensors=None, points_each: int = 21) -> SegmentMap:
@@ -31,12 +25,6 @@ def a_map(walls, sensors=None, points_each: int = 21) -> SegmentMap:
     points = np.concatenate([a + t * (b - a) for a, b in s])
     first = np.arange(len(s) + 1) * points_each
     return SegmentMap(s, np.arange(len(s)), points=points, first=first, sensors=sensors)
-
-
-
-
-
-
 
 
 @pytest.mark.parametrize("seed", range(20))
@@ -59,8 +47,6 @@ def test_chi_is_symmetric_and_a_merge_is_known_better_than_both(seed):
     for one in (a, b):
         assert about(merged, *middle)[1] <= about(one, *middle)[1] * (1 + 1e-9)
         assert merged.aa <= one.aa * (1 + 1e-9)
-
-
 
 
 def test_far_walls_on_one_line_merge_without_a_test_of_extent():
@@ -99,8 +85,6 @@ def test_points_decide_and_not_the_end_points():
     map = a_map([[(0, 0), (2, 0)]])
     bent = SegmentMap(map.segments, points=map.points + (0.0, 0.3), first=map.first)
     assert_segments_equal(weighted_line_fitting(bent), [[(0, 0.3), (2, 0.3)]])
-
-
 
 
 def test_a_spacing_that_is_no_length_is_refused():
