@@ -86,9 +86,9 @@ def test_a_loop_is_closed():
 @pytest.mark.parametrize(
     ("change", "most", "unused"),
     [
-        ("30 % missing", 0.15, 0),
+        slow("30 % missing", 0.15, 0),
         ("no odometry", 0.15, 0),
-        ("odometry for some", 0.10, 0),
+        slow("odometry for some", 0.10, 0),
         ("a person comes by", 0.10, 0),
         ("blind", 0.40, 4),
         slow("blind at first", 0.50, 2),
