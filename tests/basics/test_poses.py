@@ -51,11 +51,6 @@ def test_the_laws_of_a_group_hold(a, b, c):
     assert_same(compose(a, between(a, b)), b, 1e-8)  # catches the motion from b to a
 
 
-def test_one_step_ahead_of_a_robot_that_looks_left_is_up():
-    """The example by hand, against a convention with y ahead or angles clockwise."""
-    assert compose((1, 2, np.pi / 2), (1, 0, 0)).round(9).tolist() == [1, 3, round(np.pi / 2, 9)]
-
-
 def test_compose_and_inverse_work_row_by_row_and_broadcast():
     rng = np.random.default_rng(1)
     a, b = rng.normal(size=(2, 6, 3))

@@ -37,11 +37,6 @@ def test_without_a_maximum_every_finite_positive_range_is_valid():
     assert LaserScan([1e6, np.inf], [0, 0]).valid.tolist() == [True, False]
 
 
-def test_points_are_left_and_ahead_as_the_convention_says():
-    """Catches clockwise angles and x and y exchanged."""
-    np.testing.assert_allclose(scan().points(), [(0, -1), (2, 0), (0, 3)], atol=1e-12)
-
-
 @given(
     st.lists(st.floats(0.1, 30) | st.just(np.nan) | st.just(np.inf), min_size=1, max_size=20),
     st.tuples(st.floats(-5, 5), st.floats(-5, 5), st.floats(-4, 4)),
