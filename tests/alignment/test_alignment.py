@@ -160,12 +160,6 @@ def test_the_runner_refuses_a_broken_result(outcome):
 
 
 @methods
-def test_what_is_no_log_is_refused(name):
-    with pytest.raises(ValueError, match="log must be a Log, got list"):
-        METHODS[name]([])
-
-
-@methods
 def test_the_same_log_gives_the_same_poses(name):
     """Chance from a generator of its own."""
     again = METHODS[name](CASES["plain"](), **NEEDS.get(name, {}))

@@ -83,22 +83,6 @@ def test_many_poses_move_a_group_each_or_copy_one_group():
     )
 
 
-@pytest.mark.parametrize(
-    ("call", "message"),
-    [
-        (lambda: compose((0, 0), NOWHERE), r"a_from_b must have shape \(..., 3\), got \(2,\)"),
-        (lambda: compose(NOWHERE, [(0, 0)]), r"b_from_c must have shape \(..., 3\), got \(1, 2\)"),
-        (lambda: inverse([[1, 2]]), r"a_from_b must have shape"),
-        (lambda: transform(NOWHERE, [1, 2, 3]), r"points must have shape \(..., 2\)"),
-        (lambda: transform((1, 2), [(1, 2)]), "a_from_b must have shape"),
-        (lambda: interpolate(["a"], [NOWHERE], [0]), "times must be an array of real numbers"),
-    ],
-)
-def test_wrong_shapes_are_named(call, message):
-    with pytest.raises(ValueError, match=message):
-        call()
-
-
 # ------------------------------------------------------------------ interpolate
 def literal_interpolation(times, poses, at):
     """Search for the two poses one by one."""
