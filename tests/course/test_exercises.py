@@ -27,9 +27,7 @@ from segmap.angles import axial_difference
 from segmap.compiled import Compiled
 from segmap.extraction import _kernels
 from segmap.metrics import quality
-from segmap.poses import between
 from segmap.reduction import common_directions
-from segmap.testing import assert_poses_equal
 
 EACH = pytest.mark.parametrize("exercise", EXERCISES.values(), ids=EXERCISES)
 
@@ -145,12 +143,6 @@ def test_answers_that_somebody_made_up_fail(answers):
 
 
 # ---------------------------------------------------- an exercise teaches what the library does
-def test_the_wrong_order_of_compose_differs_from_the_right_one():
-    """The hint's claim by hand: the first pose is where the robot stands."""
-    first, step = np.array([1, 2, np.pi / 2]), np.array([1.0, 0, 0])
-    found = course.check_compose.solution(first, step)
-    assert_poses_equal(found, (1, 3, np.pi / 2))
-    assert_poses_equal(between(first, found), step)
 
 
 @given(st.integers(0, 10**6))

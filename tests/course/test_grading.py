@@ -3,7 +3,6 @@
 import csv
 import json
 import os
-import shutil
 import subprocess
 import sys
 
@@ -20,7 +19,7 @@ from segmap_course.grading._report import safe
 from segmap_course.grading._run import Pool, outcome
 from segmap_course.grading._submissions import Answer, Submission, submissions
 from segmap_course.grading._wire import packed, unpacked
-from segmap_course.grading.handout._tasks import CHECKS, Task
+from segmap_course.grading.handout._tasks import Task
 
 LIMITS = Limits(seconds=30, cpu=1, memory=1 << 28)
 TASK = Task(
@@ -173,8 +172,8 @@ my_compose = abs
         (body("os.kill(os.getpid(), 9)"), "ended"),
         (body("[os.write(k, b'x' * 99) for k in range(3, 60) if ok(k)]"), "wrong"),
         (
-            "import os\nfor k in range(3, 64):\n    try: os.write(k, b'[1, 2]')\n"
-            "    except OSError: pass\nos._exit(0)",
+            "import contextlib, os\nfor k in range(3, 64):\n"
+            "    with contextlib.suppress(OSError): os.write(k, b'[1, 2]')\nos._exit(0)",
             "no answer",
         ),
         (body("return np.zeros(10**6)"), "wrong"),
@@ -345,11 +344,6 @@ def test_without_a_lock_on_files_nothing_runs(tmp_path, monkeypatch):
     assert main(["grade", str(tmp_path), "-o", str(tmp_path / "g.csv"), "--chapters", "11"]) == 1
     assert not (tmp_path / "g.csv").exists()
     assert "Not on this system: files" in str(Open.locks)
-
-
-def test_every_exercise_has_a_column():
-    assert {name.removeprefix("check_") for name in CHECKS} >= set(EXERCISES)
-    assert shutil.which("unshare") is None or _run.apart is not None
 
 
 WITHHELD = """

@@ -72,6 +72,7 @@ def test_a_copy_is_what_nbgrader_reads(handed):
     for path in handed.iterdir():
         notebook = nbformat.read(path, as_version=4)
         nbformat.validate(notebook)
+        assert any("nbgrader" in cell.metadata for cell in notebook.cells)
         schema.MetadataValidatorV3().validate_nb(notebook)
 
 

@@ -19,7 +19,7 @@ from segmap.segments import SegmentMap
 
 #: Sizes of a room from a millimetre to a hundred kilometres, and lengths of thresholds, metres.
 SIZES = (slow(1e-3), slow(0.1), slow(10), slow(310), slow(1e3), 1e5)
-LENGTHS = (1e-4, 1e-2, 0.2, 10, 1e3)
+LENGTHS = (1e-4, 0.2, 1e3)
 #: Parameters that are lengths; the other thresholds are angles, shares and counts.
 NAMED = {"distance", "min_length", "reach", "sigma", "similar", "spacing", "spread", "step",
          "tolerance", "window", "gap"}  # fmt: skip

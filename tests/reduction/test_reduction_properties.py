@@ -164,7 +164,7 @@ def carried(map: SegmentMap, pose, scale: float = 1.0) -> SegmentMap:
     return replace(map, **kept)
 
 
-def moved(name: str, pose, make) -> None:
+def assert_moves(name: str, pose, make) -> None:
     map = made(make, name, 5)
     there = carried(map, pose)
     found, expected = METHODS[name](there), METHODS[name](map)
@@ -178,7 +178,7 @@ def moved(name: str, pose, make) -> None:
 @pytest.mark.parametrize("make", [random_map, redundant_map])
 def test_turning_the_map_about_the_origin_turns_the_result(name, make, turn):
     """`y = mx + q`, plain angles, a theta that wraps wrongly, the sign of eq. 4.15."""
-    moved(name, (0, 0, turn), make)
+    assert_moves(name, (0, 0, turn), make)
 
 
 @pytest.mark.parametrize("name", [n for n in METHODS if not n.startswith("hybrid")])
@@ -188,7 +188,7 @@ def test_moving_the_map_moves_the_result(name, make, pose):
     """A grid that forgets negative cells, a line that depends on the origin."""
     if name == "fuzzy_clustering":
         pose = (2 * pose[0], pose[1], 0)  # by whole cells
-    moved(name, pose, make)
+    assert_moves(name, pose, make)
 
 
 @pytest.mark.filterwarnings("ignore:.*millimetres:UserWarning")
