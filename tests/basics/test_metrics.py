@@ -36,17 +36,6 @@ def test_perpendicular_segments_do_not_change_when_turned(turn):
     assert metrics.segment_distance(*moved, 1, 2) == pytest.approx(expected, abs=1e-9)
 
 
-def test_terms_by_hand():
-    """Two parallel walls 0.1 m apart; two that cross at 60 degrees in their middles."""
-    terms = metrics.distance_terms([(0, 0), (2, 0)], [(1, 0.1), (5, 0.1)])
-    np.testing.assert_allclose(terms, (0, 0.05, 0.1), atol=1e-12)
-    half = np.radians(30)
-    u = np.array([(-1, 0), (1, 0)])
-    v = transform((0, 0, 2 * half), u)
-    terms = metrics.distance_terms(u, v)
-    np.testing.assert_allclose(terms, (2 * np.tan(half), np.sin(half), np.sin(2 * half)))
-
-
 def test_segments_without_length():
     """A point takes the direction of the other segment; two points have no angular term."""
     point, wall = [(1, 1), (1, 1)], [(0, 0), (0, 2)]

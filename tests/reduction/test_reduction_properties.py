@@ -30,73 +30,36 @@ anyhow = pytest.mark.parametrize("name", [n for n in METHODS if n != "fuzzy_clus
 
 #: Thresholds at which each method meets its plain version, and how many segments that can bear.
 THRESHOLDS = {
-    "basic_offline": [
-        {"distance": 0.1, "angle": 0.1},
-        {},
-        {"distance": 0.37, "angle": 0.5},
-        {"angle": np.pi / 2},
-    ],
-    "hybrid": [
-        {"distance": 0.1, "angle": 0.1, "min_length": 0.0},
-        {},
-        {"distance": 0.37, "angle": 0.5, "min_length": 0.1},
-        {"angle": np.pi / 2, "min_length": 0.0},
-    ],
-    "mean_shift": [
-        {},
-        {"sigma": 0.5},
-        {"sigma": 0.35, "bandwidth": 0.1},
-        {"sigma": 0.4, "bandwidth": 2.0},
-        {"sigma": 0.9, "bandwidth": 1.5},
-    ],
+    "basic_offline": [{}, {"distance": 0.1, "angle": 0.1}, {"distance": 0.37, "angle": 0.5},
+                      {"angle": np.pi / 2}],
+    "hybrid": [{}, {"distance": 0.1, "angle": 0.1, "min_length": 0.0},
+               {"distance": 0.37, "angle": 0.5, "min_length": 0.1},
+               {"angle": np.pi / 2, "min_length": 0.0}],
+    "mean_shift": [{}, {"sigma": 0.5}, {"sigma": 0.35, "bandwidth": 0.1},
+                   {"sigma": 0.4, "bandwidth": 2.0}, {"sigma": 0.9, "bandwidth": 1.5}],
     "fusion": [{"tolerance": t} for t in (0.013, 0.04, 0.1, 2.0)],
-    "hybrid_fusion": [
-        {**others, "every": every}
-        for every in (1, 2, 5, 100)
-        for others in ({}, {"distance": 0.37, "angle": 0.5, "min_length": 0.0, "tolerance": 0.11})
-    ],
+    "hybrid_fusion": [{**others, "every": every} for every in (1, 2, 5, 100) for others in (
+        {}, {"distance": 0.37, "angle": 0.5, "min_length": 0.0, "tolerance": 0.11})],
     "segment_similarity": [{"distance": d} for d in (0.01, 0.03, 0.1, 0.4)],
-    "least_cost": [
-        {},
-        {"penalty": 0.2, "gap": 0.3},
-        {"penalty": 0.01, "angle": 0.3},
-        {"penalty": 0.7, "distance": 0.11},
-    ],
-}
-THRESHOLDS["basic_online"] = THRESHOLDS["basic_offline"]
-THRESHOLDS["weighted_line_fitting"] = [
-    {},
-    {"chi2": 2.0, "gap": np.inf, "turn": np.pi / 2},
-    {"sigma_place": 0.1, "sigma_heading": 0.1, "gap": 0.0},
-    {"sigma_bearing": 0.05, "spacing": 0.2, "chi2": 30.0},
-]
-THRESHOLDS["uncertain_parameters"] = [
-    {},
-    {"distance": 0.37, "angle": 0.5, "eps": 0.03},
-    {"angle": np.pi / 2, "origin": "map"},
-]
-THRESHOLDS["polyline"] = [
-    {},
-    {"tolerance": 0.01, "bridge": 0.0},
-    {"tolerance": 0.213, "far": 0.31, "long": 0.11, "bridge": np.inf},
-]
+    "least_cost": [{}, {"penalty": 0.2, "gap": 0.3}, {"penalty": 0.01, "angle": 0.3},
+                   {"penalty": 0.7, "distance": 0.11}],
+    "weighted_line_fitting": [{}, {"chi2": 2.0, "gap": np.inf, "turn": np.pi / 2},
+                              {"sigma_place": 0.1, "sigma_heading": 0.1, "gap": 0.0},
+                              {"sigma_bearing": 0.05, "spacing": 0.2, "chi2": 30.0}],
+    "uncertain_parameters": [{}, {"distance": 0.37, "angle": 0.5, "eps": 0.03},
+                             {"angle": np.pi / 2, "origin": "map"}],
+    "polyline": [{}, {"tolerance": 0.01, "bridge": 0.0},
+                 {"tolerance": 0.213, "far": 0.31, "long": 0.11, "bridge": np.inf}],
+    "fuzzy_set": [{}, {"across": 0.5, "along": 0.05, "angle": np.pi / 4},
+                  {"axes": 0.3, "error": 0.1}],
+    "fuzzy_clustering": [{}, {"cell": 0.7, "corner": (0.3, -0.2), "every": 1, "min_points": 3},
+                         {"noise": 0.5, "angle": 0.5, "distance": 0.37, "gap": 0.0, "every": 2,
+                          "min_length": 0.0}],
+    "viewing_sector": [{}, {"distance": 0.3, "forget": False},
+                       {"distance": 0.05, "min_length": 0.01}, {"rejoin": False, "spacing": 0.2}],
+}  # fmt: skip
 THRESHOLDS["fusion_online"] = THRESHOLDS["fusion"]
-THRESHOLDS["fuzzy_set"] = [
-    {},
-    {"across": 0.5, "along": 0.05, "angle": np.pi / 4},
-    {"axes": 0.3, "error": 0.1},
-]
-THRESHOLDS["fuzzy_clustering"] = [
-    {},
-    {"cell": 0.7, "corner": (0.3, -0.2), "every": 1, "min_points": 3},
-    {"noise": 0.5, "angle": 0.5, "distance": 0.37, "gap": 0.0, "every": 2, "min_length": 0.0},
-]
-THRESHOLDS["viewing_sector"] = [
-    {},
-    {"distance": 0.3, "forget": False},
-    {"distance": 0.05, "min_length": 0.01},
-    {"rejoin": False, "spacing": 0.2},
-]
+THRESHOLDS["basic_online"] = THRESHOLDS["basic_offline"]
 #: Thresholds that are lengths, or in the case of the bandwidth one over a length.
 LENGTHS = {"distance", "tolerance", "sigma", "bandwidth", "gap"}
 LENGTHS |= {"sigma_range", "sigma_place", "spacing", "eps", "penalty", "far", "long", "bridge"}
