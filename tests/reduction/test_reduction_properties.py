@@ -66,7 +66,7 @@ LENGTHS |= {"sigma_range", "sigma_place", "spacing", "eps", "penalty", "far", "l
 LENGTHS |= {"min_length", "across", "along", "error", "cell", "noise"}
 #: Mean shift looks at every piece from every piece: smaller maps, nearer together; the plain least
 #: cost tries thousands of lines.
-SMALL = {"mean_shift": (10, 0.4), "least_cost": (20, 0.7)}
+SMALL = {"mean_shift": (12, 0.4), "least_cost": (24, 0.7)}
 #: Segments of a real map that the plain versions of these can bear; the others take 300.
 REAL = {"mean_shift": 25, "least_cost": 80, "segment_similarity": 150, "fuzzy_set": 150}
 GIVEN = [(name, k) for name in METHODS for k in range(len(THRESHOLDS[name]))]
