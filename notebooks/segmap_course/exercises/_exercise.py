@@ -117,15 +117,11 @@ class Exercise:
                 return cases
         raise ValueError(f"{self.name}: no draw tells {alike} from the library and from each other")
 
-    def __call__(self, function: Callable[..., Any]) -> Check:
-        """Check a student's function on the open cases."""
-        return self.check(function)
-
     def __repr__(self) -> str:
         return f"check_{self.name}(your function): {self.task}"
 
-    def check(self, function: Callable[..., Any], cases: Cases | None = None) -> Check:
-        """Check a function on these cases, by default the open ones. Raises nothing."""
+    def __call__(self, function: Callable[..., Any], cases: Cases | None = None) -> Check:
+        """Check a student's function on these cases, by default the open ones. Raises nothing."""
         if not callable(function):
             said = f"give the function itself, check_{self.name}(my_{self.name}), without a call"
             return Check(self.name, False, said)

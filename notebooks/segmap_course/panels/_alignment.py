@@ -98,13 +98,6 @@ class AnglePanel(LessonPanel):
         Index of the first scan of the pair, at first.
     apart : int
         How many scans later the second one is, at first; at most the last of the log is taken.
-
-    Examples
-    --------
-    >>> from segmap import load
-    >>> panel = AnglePanel(load("room"), scan=0, apart=4)
-    >>> panel.verdict.value, panel.found.value
-    ('match, overlap 0.63', '1 of 5: 6.23 m match, 0.00 m hidden')
     """
 
     candidates: list[Candidate]
@@ -156,14 +149,6 @@ class BackbonePanel(LessonPanel):
     Lines are black. The relevant segments, longer than `min_length`, are red where odometry would
     place them and blue where the method placed them. The path so far is blue. `state` says whether
     the scan was used, or why not.
-
-    Examples
-    --------
-    >>> from segmap import load
-    >>> panel = BackbonePanel(load("corridor")[:60])
-    >>> panel.scan.value = 50
-    >>> panel.state.value, panel.turned.value
-    ('taken while turning', 'turned by -2.30 deg, 3 lines')
     """
 
     step: BackboneStep

@@ -142,14 +142,6 @@ class PoseGraphPanel(LessonPanel):
         At least one scan.
     alignment : Alignment or None
         Of that log, with a graph; None: `alignment.pose_graph(log)`.
-
-    Examples
-    --------
-    >>> from segmap import load
-    >>> panel = PoseGraphPanel(load("corridor"))
-    >>> panel.loops.value, panel.odometry.value = False, True
-    >>> panel.count.value.split(", ")[1], panel.gap.value[:-3]
-    ('4 loops not used', 'loops stay open by up to 2.3')
     """
 
     #: Of the scans so far.

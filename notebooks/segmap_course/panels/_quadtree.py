@@ -88,21 +88,7 @@ def _leaves_crossed(map: QuadtreeMap, start: Cell, end: Cell, touched: bool, mas
 
 
 def touched_cells(start: Cell, end: Cell) -> Cells:
-    """Cells whose square, border included, meets the segment between two cells' corners.
-
-    Parameters
-    ----------
-    start, end : (2,) int
-
-    Returns
-    -------
-    (n, 2) int array
-
-    Examples
-    --------
-    >>> touched_cells((0, 0), (1, 1)).tolist()
-    [[-1, -1], [-1, 0], [0, -1], [0, 0], [0, 1], [1, 0], [1, 1]]
-    """
+    """Cells `(n, 2)` whose square, with its border, meets the segment between two cell corners."""
     a, b = np.array(start, float), np.array(end, float)
     cuts = np.unique(np.concatenate([_cuts(a[i], b[i]) for i in (0, 1)]))
     part = np.concatenate([cuts, (cuts[:-1] + cuts[1:]) / 2])
@@ -134,15 +120,6 @@ class RayPanel(LessonPanel):
     walls : (n, 2, 2) array, metres, or None
         A closed chain of walls; None takes a round room of 2 m radius.
     poses : (k, 3) array, metres and radians
-
-    Examples
-    --------
-    >>> panel = RayPanel()
-    >>> panel.walls_kept.value
-    '100 % of 265 hit cells above 0.5'
-    >>> panel.mask.value = False
-    >>> panel.walls_kept.value
-    '94 % of 265 hit cells above 0.5'
     """
 
     map: QuadtreeMap
@@ -193,14 +170,6 @@ class ClassesPanel(LessonPanel):
 
     A cell above the one is occupied, up to the other free. `doublings` says how often the side of a
     pixel is doubled.
-
-    Examples
-    --------
-    >>> map = QuadtreeMap(resolution=0.5, size=4, bias=1)
-    >>> map.insert_scan((0.2, 0.2), [(1.2, 0.2)])
-    >>> panel = ClassesPanel(map)
-    >>> panel.counts.value
-    '15 free, 0 unknown, 1 occupied'
     """
 
     classes: Classes
