@@ -59,7 +59,7 @@ def _answer(function: Callable[..., Any], arguments: tuple[Any, ...], watch: Wat
             with watch:
                 found = plain(function(*given))
         except (Exception, SystemExit) as error:
-            found = {"error": type(error).__name__, "message": _words(error)}
+            found = {"error": type(error).__name__, "message": words(error)}
     return {"library": watch.seen} if watch.seen else found
 
 
@@ -76,7 +76,8 @@ def plain(found: Any) -> Answer:
     return {"shape": list(array.shape), "values": array.ravel().tolist()}
 
 
-def _words(error: BaseException) -> str:
+def words(error: BaseException) -> str:
+    """What an exception says, where that is text."""
     try:
         return str(error)[:MOST_WORDS]
     except Exception:  # its own text may fail too

@@ -12,10 +12,7 @@ from typing import Any, NoReturn
 from segmap.compiled import Compiled
 
 from .. import EXERCISES, OPEN_EXERCISES
-from ..exercises import Watch
-
-#: As much is kept of what an exception says.
-MOST_WORDS = 300
+from ..exercises import Watch, words
 
 
 def answer(job: dict[str, Any], cases: Any) -> dict[str, Any]:
@@ -67,14 +64,10 @@ def defined(cell: str, space: dict[str, Any]) -> dict[str, str] | None:
 
 
 def _raised(error: BaseException) -> dict[str, str]:
-    """The fault of a cell that raises this; its own text may fail too."""
+    """The fault of a cell that raises this."""
     if isinstance(error, MemoryError):
         return {"fault": "memory", "text": ""}
-    try:
-        words = str(error)[:MOST_WORDS]
-    except Exception:
-        words = "an error without a text"
-    return {"fault": "raised", "text": f"{type(error).__name__}: {words}"}
+    return {"fault": "raised", "text": f"{type(error).__name__}: {words(error)}"}
 
 
 def _syntax(error: Exception) -> str:

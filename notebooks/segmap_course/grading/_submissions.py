@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -137,10 +136,6 @@ def _source(cell: dict[str, Any]) -> str:
 
 
 def _name(cells: list[dict[str, Any]]) -> str:
-    return next(_names(cells), "")
-
-
-def _names(cells: list[dict[str, Any]]) -> Iterator[str]:
-    for cell in cells:
-        if cell.get("cell_type") == "markdown" and (match := NAME.search(_source(cell))):
-            yield match.group(1).strip()[:100]
+    texts = [_source(cell) for cell in cells if cell.get("cell_type") == "markdown"]
+    found = [match.group(1).strip()[:100] for text in texts if (match := NAME.search(text))]
+    return found[0] if found else ""

@@ -9,7 +9,6 @@ of them judge in two steps, so that a grader takes the verdict where no code of 
 
 from __future__ import annotations
 
-import copy
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
@@ -130,7 +129,7 @@ def _single(answers: Any) -> float | None:
 
 @dataclass(frozen=True, repr=False, eq=False)
 class Challenge(Open):
-    """An input that fools a method. Call it with the input.
+    """An input that fools a method. Call it with the input: an array, or a tuple of several.
 
     Parameters
     ----------
@@ -141,8 +140,6 @@ class Challenge(Open):
         ValueError for an input that is not admissible.
     praise : str
         One sentence, shown when it is done: what this means for who uses the method.
-    numbers : bool
-        Whether the input is numbers: one array, or a tuple of several.
 
     Examples
     --------
@@ -157,25 +154,14 @@ class Challenge(Open):
     task: str
     judge: Callable[..., str]
     praise: str = ""
-    numbers: bool = True
-
-    def __call__(self, given: Any) -> Check:
-        if given is None or given is ...:
-            return self._check(f"give your input first; the task is {self.task}")
-        if self.numbers:
-            return self.verdict(self.answers(given))
-        return self._judged(lambda: [copy.deepcopy(given)])
 
     def verdict(self, answers: Any, cases: Any = None) -> Check:
         """Whether these plain values fool the method."""
         if any("nothing" in answer for answer in answers):
             return self._check(f"give your input first; the task is {self.task}")
-        return self._judged(lambda: [_finite(answer) for answer in answers])
-
-    def _judged(self, given: Callable[[], list[Any]]) -> Check:
         try:
             with np.errstate(all="ignore"):
-                return self._check(str(self.judge(*given())), self.praise)
+                return self._check(str(self.judge(*map(_finite, answers))), self.praise)
         except ValueError as error:
             return self._check(str(error))
         except Exception as error:  # whatever a student gives, the check says what is wrong with it

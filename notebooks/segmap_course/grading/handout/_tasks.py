@@ -18,7 +18,7 @@ from segmap.files import chapters_folder
 
 from ... import EXERCISES, OPEN_EXERCISES
 from ...exercises import Exercise
-from ...exercises.open import Prediction
+from ...exercises.open import OwnLog
 
 Cell = dict[str, Any]
 Notebook = dict[str, Any]
@@ -213,10 +213,8 @@ def column(place: Place, chapter: str) -> str:
 
 
 def judged_by_hand(exercise: Any) -> bool:
-    """Whether an exercise takes more than numbers: a log, or any object of the student's."""
-    return not isinstance(exercise, Exercise | Prediction) and not getattr(
-        exercise, "numbers", False
-    )
+    """Whether an exercise takes more than numbers: a log."""
+    return isinstance(exercise, OwnLog)
 
 
 def worth(exercise: Any, said: str) -> tuple[int, int]:
