@@ -5,8 +5,9 @@ from __future__ import annotations
 import html
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
-from typing import Any
+from functools import cache, cached_property
+from inspect import getsource
+from typing import Any, cast
 
 import numpy as np
 
@@ -196,6 +197,29 @@ class Exercise:
 def changed(function: Callable[..., Any], change: Callable[[Any], Any]) -> Callable[..., Any]:
     """A function whose answer is changed: a mistake at the end."""
     return lambda *given: change(function(*given))
+
+
+def edited(function: Callable[..., Any], *changes: tuple[str, str]) -> Callable[..., Any]:
+    """A plain version with parts of its source changed: a mistake in the middle.
+
+    Raises
+    ------
+    ValueError
+        When it is called, where the source does not hold what is to be changed.
+    """
+
+    @cache
+    def wrong() -> Callable[..., Any]:
+        source = getsource(function)
+        for part, other in changes:
+            if part not in source:
+                raise ValueError(f"{function.__name__} must hold {part!r}")
+            source = source.replace(part, other)
+        scope = dict(function.__globals__)
+        exec(f"from __future__ import annotations\n{source}", scope)  # our own source
+        return cast(Callable[..., Any], scope[function.__name__])
+
+    return lambda *given: wrong()(*given)
 
 
 def listed(cases: Sequence[tuple[Any, ...]]) -> dict[str, tuple[Any, ...]]:

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import cache
-from inspect import getsource
 from math import ceil, floor
 from typing import Any
 
@@ -14,11 +12,9 @@ from numpy.typing import NDArray
 from ..literal import cell_of, grown, occupancy, ray_cells
 from ..literal.quadtrees import quadtree
 from ._answers import Cases, same_cells
-from ._exercise import Exercise, Rng, changed, listed
+from ._exercise import Exercise, Rng, changed, edited, listed
 
 Cell = tuple[int, int]
-#: The line that `segmap_course.literal` begins with.
-FUTURE = "from __future__ import annotations"
 
 
 # ------------------------------------------------------------------------------ cells
@@ -83,11 +79,6 @@ def _roots(rng: Rng) -> Cases:
     return {f"root {(x, y, side)} and cell {cell}": ((x, y, side), cell) for cell in cells}
 
 
-def _down_unless_above(root: tuple[int, int, int], cell: Cell) -> tuple[int, int, int]:
-    x, y, side = root
-    return x - side * (cell[0] < x), y - side * (not cell[1] >= y + side), 2 * side
-
-
 def _until_inside(root: tuple[int, int, int], cell: Cell) -> tuple[int, int, int]:
     x, y, side = root
     inside = x <= cell[0] < x + side and y <= cell[1] < y + side
@@ -100,7 +91,7 @@ check_grown = Exercise(
     _roots,
     {
         "for a cell beside the root this grows downwards for ever, as the thesis does: down only "
-        "where the cell lies below": _down_unless_above,
+        "where the cell lies below": edited(grown, ("cell[1] < y", "cell[1] < y + side")),
         "a cell to the left or below is never reached this way: move the corner by one side": (
             lambda root, cell: (*root[:2], 2 * root[2])
         ),
@@ -171,16 +162,9 @@ def _rays(rng: Rng) -> Cases:
 
 
 def _with(line: str, other: str) -> Callable[[Cell, Cell], NDArray[np.int64]]:
-    """The literal walk with one of its lines changed."""
-
-    @cache
-    def walk() -> Callable[[Cell, Cell], list[Cell]]:
-        scope: dict[str, Any] = {}
-        exec(f"{FUTURE}\n{getsource(ray_cells)}".replace(line, other), scope)  # our own source
-        found: Callable[[Cell, Cell], list[Cell]] = scope["ray_cells"]
-        return found
-
-    return lambda start, end: np.array(walk()(start, end), np.int64).reshape(-1, 2)
+    """The plain walk with one of its lines changed."""
+    walk = edited(ray_cells, (line, other))
+    return lambda start, end: np.array(walk(start, end), np.int64).reshape(-1, 2)
 
 
 def _from_the_start(start: Cell, end: Cell) -> list[Cell]:

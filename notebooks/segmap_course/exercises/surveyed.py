@@ -16,7 +16,7 @@ from ..literal.reduction import fuzzy_clustering, viewing_sector, weighted_line_
 from ..literal.reduction.least_cost import invented
 from ..literal.reduction.weighted_line_fitting import Line, add_pose
 from ._answers import Cases
-from ._exercise import Exercise, Rng, anywhere, changed
+from ._exercise import Exercise, Rng, anywhere, changed, edited
 
 
 # -------------------------------------------------------------- weighted line fitting
@@ -246,42 +246,38 @@ def _members(rng: Rng) -> Cases:
     }
 
 
-def _gaps(
-    order: str = "sorted",
-    least: float = 1.0,
-    most: bool = True,
-    around: str = "both",
-    beyond: bool = False,
-) -> Callable[[Array, float, float], float]:
-    """Metres in gaps, with the details that mistakes change."""
+def _by(metres: Callable[..., float]) -> Callable[[Array, float, float], float]:
+    """With spans as the plain version takes them, a list of pairs."""
+    return lambda spans, whole, gap: metres([(a, b) for a, b in spans.tolist()], whole, gap)
 
-    def metres(spans: Array, whole: float, gap: float) -> float:
-        spans = spans if order == "as given" else spans[np.argsort(spans[:, 0])]
-        if not len(spans):
-            return float(whole * (order != "none kept" or whole > gap))
-        reached, found = 0.0 if around == "both" else spans[0, 0], 0.0
-        for low, high in [*spans, (whole, whole)][: len(spans) + (around != "between")]:
-            found += (low - reached - beyond * gap) * (low - reached > least * gap)
-            reached = max(reached, high) if most else high
-        return found
 
-    return metres
+def _with(*changes: tuple[str, str]) -> Callable[[Array, float, float], float]:
+    """The plain version with parts of it changed."""
+    return _by(edited(invented, *changes))
+
+
+#: Starts where the first member begins, not where the segment does.
+_LATE = ("reached, metres = 0.0", "reached, metres = min(spans)[0] if spans else 0.0")
 
 
 check_invented_metres = Exercise(
     "invented_metres(spans, whole, gap) -> metres of a segment, from 0 to whole, in gaps longer "
     "than gap between spans (k, 2), low and high, of the members that it keeps",
-    lambda spans, whole, gap: invented([(a, b) for a, b in spans.tolist()], whole, gap),
+    _by(invented),
     _members,
     {
-        "sort the members along the segment first": _gaps("as given"),
-        "a short member inside a long one does not end it: keep the highest end": _gaps(most=False),
-        "a gap up to `gap` costs nothing": _gaps(least=0.0),
-        "look before the first member and behind the last one too": _gaps(around="between"),
-        "behind the last member you look; look before the first one too": _gaps(around="end"),
-        "where no member is kept, all is invented, however short": _gaps("none kept"),
+        "sort the members along the segment first": _with(("*sorted(spans)", "*spans")),
+        "a short member inside a long one does not end it: keep the highest end": (
+            _with(("max(reached, high)", "high"))
+        ),
+        "a gap up to `gap` costs nothing": _with(("> gap", "> 0")),
+        "look before the first member and behind the last one too": (
+            _with(_LATE, ("(whole, whole)]", "(whole, whole)][: len(spans) or 1]"))
+        ),
+        "behind the last member you look; look before the first one too": _with(_LATE),
+        "where no member is kept, all is invented, however short": _with(("not spans or ", "")),
         "a gap that is longer than `gap` counts whole, not only what it is longer": (
-            _gaps(beyond=True)
+            _with(("low - reached\n", "low - reached - gap * bool(spans)\n"))
         ),
         "members may lie inside each other, and short gaps cost nothing: the sum of their lengths "
         "does not say what they leave": (
