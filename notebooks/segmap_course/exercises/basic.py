@@ -8,16 +8,16 @@ from typing import Any
 import numpy as np
 
 from segmap import kernels
-from segmap.angles import axial_difference, axial_mean_of_two
+from segmap.angles import axial_difference
 from segmap.arrays import Array
 from segmap.poses import transform
 from segmap.reduction import basic_offline, basic_online, hough, hybrid
-from segmap.segments import angle, extreme_projections, length, midpoint
+from segmap.segments import angle, midpoint
 
 from .. import literal
 from ..literal.reduction import basic
 from ._answers import Cases, same_segment
-from ._exercise import Exercise, Rng, anywhere, changed
+from ._exercise import Exercise, Rng, anywhere, edited
 
 
 def _wall(middle: tuple[float, float], size: float, degrees: float) -> Array:
@@ -143,51 +143,18 @@ def _merged(a: Array, b: Array) -> Array:
     return basic_offline([a, b], distance=10.0, angle=np.pi / 2).segments[0]
 
 
-Mean = Callable[[Array, Array], Any]
-
-
-def _direction(a: Array, b: Array) -> Array:
-    return axial_mean_of_two(angle(a), angle(b), length(a), length(b))
-
-
-def _middle(a: Array, b: Array) -> Array:
-    return np.average([midpoint(a), midpoint(b)], axis=0, weights=[length(a), length(b)])
-
-
-def _on_line(direction: Mean = _direction, through: Mean = _middle) -> Mean:
-    """A merge whose line has another direction, or runs through another point."""
-    return lambda a, b: extreme_projections(
-        np.concatenate([a, b]), through(a, b), float(direction(a, b))
-    )
-
-
-def _plain_direction(a: Array, b: Array) -> float:
-    return float(np.average([angle(a), angle(b)], weights=[length(a), length(b)]))
-
-
-def _unweighted(a: Array, b: Array) -> Array:
-    return axial_mean_of_two(angle(a), angle(b))
-
-
-def _half_way(a: Array, b: Array) -> Array:
-    return (midpoint(a) + midpoint(b)) / 2
-
-
-def _longer(a: Array, b: Array) -> Array:
-    return a if length(a) >= length(b) else b
-
-
 def _farthest(a: Array, b: Array) -> Array:
     """The two of four end points that lie farthest apart."""
     ends = np.concatenate([a, b])
     return ends[list(np.unravel_index(np.argmax(_gaps(ends, ends)), (4, 4)))]
 
 
-def _of_length(a: Array, b: Array) -> Array:
-    """A segment as long as both together, about the mean middle."""
-    way = _direction(a, b)
-    half = (length(a) + length(b)) / 2 * np.array([np.cos(way), np.sin(way)])
-    return _middle(a, b) + np.array([-half, half])
+#: A segment as long as both together, about the mean middle.
+_AS_LONG_AS_BOTH = (
+    "spanning(x, y, direction, (*a, *b))",
+    "[(x + math.cos(direction) * w, y + math.sin(direction) * w) for w in"
+    " (-(size_a + size_b) / 2, (size_a + size_b) / 2)]",
+)
 
 
 check_merged = Exercise(
@@ -197,26 +164,36 @@ check_merged = Exercise(
     _pieces,
     {
         "the plain mean of 1 and 179 degrees is a wall across: use axial_mean_of_two": (
-            _on_line(_plain_direction)
+            edited(
+                basic.merge,
+                ("axial_difference(line_angle(b), ", "(line_angle(b) % math.pi - "),
+                ("line_angle(a))", "line_angle(a) % math.pi)"),
+            )
         ),
         "the direction is weighted by length: a short piece knows little of it": (
-            _on_line(_unweighted)
+            edited(basic.merge, ("share * turn", "turn / 2"))
         ),
-        "the middle is weighted by length, as the direction is": _on_line(through=_half_way),
-        "direction and middle are weighted by length": _on_line(_unweighted, _half_way),
+        "the middle is weighted by length, as the direction is": (
+            edited(basic.merge, ("(1 - share) * (", "0.5 * ("), ("+ share * (", "+ 0.5 * ("))
+        ),
+        "direction and middle are weighted by length": (
+            edited(basic.merge, ("size_b / (size_a + size_b)", "0.5"))
+        ),
         "the longer segment has the greater weight: here they are exchanged": (
-            _on_line(lambda a, b: axial_mean_of_two(angle(a), angle(b), length(b), length(a)))
+            edited(basic.merge, ("share * turn", "(1 - share) * turn"))
         ),
-        "np.cos and np.sin take radians: no degrees": _on_line(changed(_direction, np.degrees)),
+        "np.cos and np.sin take radians: no degrees": (
+            edited(basic.merge, ("y, direction", "y, math.degrees(direction % math.pi)"))
+        ),
         "the farthest two end points do not lie on the mean line: project them on it": _farthest,
         "the mean of the end points is too short, and depends on which end comes first": (
             lambda a, b: (a + b) / 2
         ),
         "the line is the mean of both, not the one of the longer segment": (
-            _on_line(changed(_longer, angle), changed(_longer, midpoint))
+            edited(basic.merge, ("size_b / (size_a + size_b)", "float(size_b > size_a)"))
         ),
         "the length follows from the projections: it is no sum, for the two may overlap": (
-            _of_length
+            edited(basic.merge, _AS_LONG_AS_BOTH)
         ),
     },
     same_segment,
