@@ -221,7 +221,7 @@ def test_an_open_exercise_is_judged_where_no_student_s_code_runs(
     exercise = course.OPEN_EXERCISES[task]
     asked = Task(task, "x", (given,), 4, "import numpy as np\nimport segmap", given)
     handed = Submission("ann", "", [Answer(f"{task}-answer", "code", cell)], [])
-    found = _grade._one(handed, asked, exercise, cases_of(exercise, 5), pool, LIMITS)
+    found = _grade._one(handed, asked, exercise, cases_of(exercise, 5), pool)
     assert found.kind == kind and words in found.reason
 
 

@@ -133,12 +133,9 @@ def draw_candidate(
 def draw_basin(outcomes: ArrayLike, x: ArrayLike, y: ArrayLike, *, ax: Axes | None = None) -> Axes:
     """Draw the outcome of a match from each start: the basin of attraction is blue.
 
-    Parameters
-    ----------
-    outcomes : (m, n) array of str
-        "no match" is light grey, "right" blue, "free" (along one direction) orange, "wrong" red.
-    x, y : (n,) and (m,) arrays
-        Where the columns and the rows start, in any unit.
+    Of the outcomes `(m, n)` "no match" is light grey, "right" blue, "free" (along one direction)
+    orange and "wrong" red; x `(n,)` and y `(m,)` are where the columns and the rows start, in any
+    unit.
     """
     words, shape = np.asarray(outcomes), (np.size(y), np.size(x))
     if words.shape != shape or not np.isin(words, list(OUTCOMES)).all():

@@ -124,12 +124,8 @@ def draw_strip(walls: Segments, shift: float, tolerance: float, *, ax: Axes | No
 def draw_centres(ways: ArrayLike, group: ArrayLike, *, ax: Axes | None = None) -> Axes:
     """Draw how the centres of mean shift climb: grey paths from black dots to coloured ones.
 
-    Parameters
-    ----------
-    ways : (k, n, 2) array
-        Where each of n centres is, from the first step to the last; each axis has its own scale.
-    group : (n,) int array
-        Each group has a colour.
+    The ways `(k, n, 2)` are where each of n centres is, from the first step to the last; each axis
+    has its own scale, and each group, of `(n,)` numbers, a colour.
     """
     ax, steps = axes_or_new(ax), np.asarray(ways, float)
     ax.plot(*np.moveaxis(steps, -1, 0), color=RAW, linewidth=0.6)

@@ -39,14 +39,7 @@ def answered(
 ) -> list[Answer]:
     """What a function answers to each case, given copies of its arguments. Raises nothing.
 
-    Parameters
-    ----------
-    function : callable
-        The student's, the library's or one of the mistakes.
-    cases : mapping from words to a tuple of arguments
-        What it is called with.
-    watch : Watch, optional
-        The functions of the library that must not run meanwhile.
+    `watch` holds the functions of the library that must not run meanwhile.
     """
     return [_answer(function, arguments, watch or Watch()) for arguments in cases.values()]
 

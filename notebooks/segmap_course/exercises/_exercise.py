@@ -55,23 +55,6 @@ class Check:
 class Exercise:
     """A function to be written again. Call it with yours: it answers with a `Check`, never raises.
 
-    Parameters
-    ----------
-    task : str
-        The signature, which begins with the name, and what is returned, with shapes and units.
-    solution : callable
-        The library's function.
-    draw : callable
-        `draw(rng) -> cases`, words -> arguments: one case of each kind that catches a mistake. What
-        students see is drawn by it too, from a seed of our own.
-    mistakes : mapping from a hint to a callable
-        Wrong functions that students write, and what to tell them.
-    same : callable
-        `same(found, expected) -> bool`.
-    own : tuple of functions and modules
-        Where the library has the answer, beside the solution (see `Watch`): a student's function
-        that calls it is told to do without. Everything else of the library may be called.
-
     Examples
     --------
     >>> double = Exercise("double(x) -> 2 x", lambda x: 2 * x, lambda rng: {"a number": (3,)},
@@ -82,11 +65,19 @@ class Exercise:
     not yet: for a number expected 6, got 3 from double(3)
     """
 
+    #: The signature, which begins with the name, and what is returned, with shapes and units.
     task: str
+    #: The library's function.
     solution: Callable[..., Any]
+    #: One case of each kind that catches a mistake. What students see is drawn by it too, from a
+    #: seed of our own.
     draw: Callable[[Rng], Cases]
+    #: What to tell students -> the wrong function that they write.
     mistakes: Mapping[str, Callable[..., Any]]
+    #: Whether an answer is the expected one.
     same: Callable[[Any, Any], bool] = close
+    #: Functions and modules where the library has the answer, beside the solution (see `Watch`): a
+    #: student's function that calls them is told to do without. All else may be called.
     own: tuple[Any, ...] = ()
 
     @property
@@ -113,7 +104,11 @@ class Exercise:
         for _ in range(MOST_DRAWS):
             cases = dict(self.draw(rng))
             known = {hint: answered(f, cases) for hint, f in self._known().items()}
-            alike = [hint for hint, found in known.items() if self._first(found, known) != hint]
+            first = {
+                hint: next((other for other, a in known.items() if self._agree(found, a)), None)
+                for hint, found in known.items()
+            }
+            alike = [hint for hint in known if first[hint] != hint]
             if not alike:
                 return cases
         raise ValueError(f"{self.name}: no draw tells {alike} from the library and from each other")
@@ -142,14 +137,9 @@ class Exercise:
         return answered(self.solution, self.cases if cases is None else cases)
 
     def verdict(self, answers: Sequence[Answer], cases: Cases | None = None) -> Check:
-        """Judge answers that were found elsewhere: no code of the student runs here.
+        """Judge what `answers` found elsewhere for the same cases, by default the open ones.
 
-        Parameters
-        ----------
-        answers : sequence of dict
-            From `answers`, for the same cases; whatever else it holds fails with a hint.
-        cases : mapping, optional
-            Those that were answered, by default the open ones.
+        No code of the student runs here; whatever else the answers hold fails with a hint.
         """
         hint = self._hint(answers, self.cases if cases is None else cases)
         return Check(self.name, not hint, hint)
@@ -187,10 +177,6 @@ class Exercise:
 
     def _agree(self, found: Sequence[Answer], expected: Sequence[Answer]) -> bool:
         return all(agree(*pair, self.same) for pair in zip(found, expected, strict=True))
-
-    def _first(self, found: Sequence[Answer], known: Mapping[str, Sequence[Answer]]) -> str | None:
-        """The hint of the first that answers the same."""
-        return next((hint for hint, a in known.items() if self._agree(found, a)), None)
 
 
 # --------------------------------------------------------------- for draws and mistakes

@@ -31,13 +31,9 @@ _SHARED = ("_runner", "_index")
 class Watch:
     """Open it around a call: `seen` is the first function of the library's answer that ran.
 
-    Parameters
-    ----------
-    answers : iterable of functions and modules
-        A function, with what is defined inside it, and with all that it calls of the private files
-        and functions of its room; or a module: all its functions.
-    solution : callable, optional
-        A function that is part of the answer; a file of exercises that it stands in counts whole.
+    An answer is a function, with what is defined inside it, and with all that it calls of the
+    private files and functions of its room; or a module: all its functions. The solution is one
+    too; a file of exercises that it stands in counts whole.
 
     Examples
     --------

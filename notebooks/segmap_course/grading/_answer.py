@@ -18,14 +18,10 @@ from ..exercises import Watch, words
 def answer(job: dict[str, Any], cases: Any) -> dict[str, Any]:
     """What a student's cell answers, as plain values: `answers`, or a `fault` with its `text`.
 
-    Parameters
-    ----------
-    job : dict
-        `imports`, `cell`: sources; `task`: a name in `course.EXERCISES` or `OPEN_EXERCISES`;
-        `names`: those that the cell must define; `given`: what the check is called with. Or
-        `task` and `judge`, the answers to an open exercise: then no code of a student runs, and
-        `passed` and `hint` are found.
-    cases : mapping from words to a tuple of arguments
+    A job has `imports` and `cell`: sources; `task`: a name in `course.EXERCISES` or
+    `OPEN_EXERCISES`; `names`: those that the cell must define; `given`: what the check is called
+    with. Or `task` and `judge`, the answers to an open exercise: then no code of a student runs,
+    and `passed` and `hint` are found.
     """
     # Whatever the cell does to the package afterwards, this is what was there before.
     exercise: Any = {**EXERCISES, **OPEN_EXERCISES}[job["task"]]

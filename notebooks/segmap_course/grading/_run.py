@@ -141,7 +141,7 @@ class Pool:
     """Several servers, for several threads."""
 
     def __init__(self, tasks: Sequence[Task], limits: Limits, workers: int) -> None:
-        self.servers = [Server(tasks, limits) for _ in range(workers)]
+        self.limits, self.servers = limits, [Server(tasks, limits) for _ in range(workers)]
         self.locks = self.servers[0].locks
         self._free: queue.Queue[Server] = queue.Queue()
         for server in self.servers:

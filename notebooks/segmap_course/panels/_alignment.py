@@ -32,14 +32,8 @@ class GroundTruthPanel(LessonPanel):
     """A log placed by some of its true poses: what interpolation puts between them (A 3.3.3).
 
     Only every so many-th true pose is given; the others tell how wrong the placed scans are. Scans
-    without a place are red crosses, the poses given green dots.
-
-    Parameters
-    ----------
-    log : Log
-        With truth for some of its scans.
-    max_gap : float, seconds
-        Between two known poses farther apart nothing is claimed, at first.
+    without a place are red crosses, the poses given green dots. The log has a truth for some of its
+    scans; between two known poses farther apart than `max_gap`, seconds, nothing is claimed.
 
     Examples
     --------
@@ -88,16 +82,8 @@ class AnglePanel(LessonPanel):
     """Pairs of scans, and the candidates of angle correspondence by rank (A 3.3.1).
 
     The walls of the first scan are black. Those of the second are placed by the candidate, of which
-    0 is the best: blue where it is the match, red where it is rejected.
-
-    Parameters
-    ----------
-    log : Log
-        At least two scans.
-    scan : int
-        Index of the first scan of the pair, at first.
-    apart : int
-        How many scans later the second one is, at first; at most the last of the log is taken.
+    0 is the best: blue where it is the match, red where it is rejected. Of a log of at least two
+    scans the pair is at first `scan` and the one so many scans later, at most the last.
     """
 
     candidates: list[Candidate]

@@ -43,17 +43,10 @@ def insert_variant(
 ) -> None:
     """Insert a scan as `map.insert_scan` does, or with one of the thesis' two failures.
 
-    Parameters
-    ----------
-    map : QuadtreeMap
-        Without `free_resolution`. It counts more scans than one.
-    sensor_xy : (2,) array, metres
-    points : (n, 2) array, metres
-    touched : bool
-        Instead of Bresenham's cells, all that the segment between both cells' corners touches: B's
-        coordinates are whole centimetres (B fig. 4.5).
-    mask : bool
-        Whether the end cell's eight neighbours are left out (B 4.4.2); the end cell always is.
+    With `touched` a ray has, instead of Bresenham's cells, all that the segment between both cells'
+    corners touches: B's coordinates are whole centimetres (B fig. 4.5). The `mask` leaves out the
+    end cell's eight neighbours (B 4.4.2); the end cell always is. The map, which has no
+    `free_resolution`, counts more scans than one.
 
     Examples
     --------
@@ -113,13 +106,8 @@ _SIDE = 0.05
 class RayPanel(LessonPanel):
     """A room seen once or more, with the cells of its rays chosen well or badly (B 4.4).
 
-    `walls_kept` says how many of the cells that were hit still look occupied.
-
-    Parameters
-    ----------
-    walls : (n, 2, 2) array, metres, or None
-        A closed chain of walls; None takes a round room of 2 m radius.
-    poses : (k, 3) array, metres and radians
+    `walls_kept` says how many of the cells that were hit still look occupied. The walls are a
+    closed chain, without any a round room of 2 m radius.
     """
 
     map: QuadtreeMap

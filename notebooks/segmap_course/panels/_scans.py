@@ -24,15 +24,8 @@ from ._lesson import LessonPanel, keyword, note, pick, slide
 class RoomPanel(LessonPanel):
     """One scan of a room by a sensor that can be made better and worse.
 
-    Parameters
-    ----------
-    walls : (n, 2, 2) array, metres, or a map
-    pose : (3,) array, metres and radians
-        Where the robot stands.
-    sensor : Sensor
-        Its field of view is kept when the number of beams changes.
-    seed : int
-        Of the noise: the same for every position of the sliders.
+    The robot stands at the pose. The sensor keeps its field of view when the number of beams
+    changes, and the seed of the noise is the same for every position of the sliders.
     """
 
     scan: LaserScan

@@ -60,21 +60,6 @@ class Open:
 class Prediction(Open):
     """A number that is written down before it is measured. Call it with the number.
 
-    Parameters
-    ----------
-    task : str
-        The call, which begins with the name, then what is asked, the unit, and how near counts.
-    measure : callable
-        `measure() -> float`, the true value.
-    unit : str
-        Written after both numbers.
-    factor : float
-        A guess is near enough up to so many times the true value, and down to that part of it.
-    within : float
-        Or so far from it.
-    because : str
-        One sentence, shown with the true value.
-
     Examples
     --------
     >>> week = Prediction("predict_week(guess): hours of a week", lambda: 168.0, "h", factor=1.1)
@@ -84,11 +69,17 @@ class Prediction(Open):
     not yet: you wrote 24 h, it is 168 h; near enough is within a factor of 1.1
     """
 
+    #: The call, which begins with the name, then what is asked, the unit, and how near counts.
     task: str
+    #: The true value.
     measure: Callable[[], float]
+    #: Written after both numbers.
     unit: str
+    #: A guess is near enough up to so many times the true value, and down to that part of it,
     factor: float = 1.0
+    #: or so far from it.
     within: float = 0.0
+    #: One sentence, shown with the true value.
     because: str = ""
 
     def answers(self, given: Any, cases: Any = None) -> list[Answer]:
@@ -131,16 +122,6 @@ def _single(answers: Any) -> float | None:
 class Challenge(Open):
     """An input that fools a method. Call it with the input: an array, or a tuple of several.
 
-    Parameters
-    ----------
-    task : str
-        The call, which begins with the name, then what input is admissible and what fools.
-    judge : callable
-        `judge(input) -> str`: empty where the method is fooled, else the reason why not; it raises
-        ValueError for an input that is not admissible.
-    praise : str
-        One sentence, shown when it is done: what this means for who uses the method.
-
     Examples
     --------
     >>> even = Challenge("break_parity(n): an odd number that is even",
@@ -151,8 +132,12 @@ class Challenge(Open):
     (not yet: 3 is odd, passed, not yet: numbers are wanted, got str)
     """
 
+    #: The call, which begins with the name, then what input is admissible and what fools.
     task: str
+    #: From the input: empty where the method is fooled, else the reason why not. It raises
+    #: ValueError for an input that is not admissible.
     judge: Callable[..., str]
+    #: One sentence, shown when it is done: what this means for who uses the method.
     praise: str = ""
 
     def verdict(self, answers: Any, cases: Any = None) -> Check:

@@ -160,15 +160,9 @@ def _module(name: str) -> Any:
 
 
 def solution(exercise: Any, module: str, name: str) -> str:
-    """A cell that defines `name` by the library's source.
+    """A cell that defines `name`, which the student is asked for, by the library's source.
 
-    Parameters
-    ----------
-    exercise : Exercise
-    module : str
-        Where `check_<exercise>` is defined.
-    name : str
-        What the student is asked to define.
+    The module is that in which `check_<exercise>` is defined.
     """
     gatherer = Gatherer(exercise.own)
     source = gatherer.source(module)

@@ -34,23 +34,15 @@ STATED = re.compile(r"(\d+) points\*? if the program")
 
 
 class Place(NamedTuple):
-    """Where a chapter asks for an answer.
+    """Where a chapter asks for an answer."""
 
-    Parameters
-    ----------
-    check : str
-        The call that checks it, `check_compose` for instance.
-    answers : tuple of str
-        The names that the student defines, in the order of the call.
-    given : str
-        What the check is called with: the name, or a tuple of names.
-    written, checked : int
-        Index of the cell that defines them, and of the cell with the call.
-    """
-
+    #: The call that checks it, `check_compose` for instance.
     check: str
+    #: The names that the student defines, in the order of the call.
     answers: tuple[str, ...]
+    #: What the check is called with: the name, or a tuple of names.
     given: str
+    #: Index of the cell that defines them, and of the cell with the call.
     written: int
     checked: int
 

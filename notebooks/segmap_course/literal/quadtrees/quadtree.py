@@ -99,16 +99,10 @@ def quarters(square: Square) -> list[Square]:
 class Quadtree:
     """Leaves `(x, y, side)`, in cells from the first corner, with their two counts.
 
-    Parameters
-    ----------
-    resolution : float, metres
-    cells : int
-        Side of the root at first, a power of two; it grows up to `largest`.
-    corner : (2,) floats, metres
-    finest : int or None
-        The `free_resolution` of `segmap.quadtree.QuadtreeMap`, in cells: rays split leaves too,
-        splits hand their counts on, and equal children join. B has nothing like it.
-    largest : int
+    The resolution and the corner are in metres. The side of the root is `cells` at first, a power
+    of two, and grows up to `largest`. `finest` is the `free_resolution` of
+    `segmap.quadtree.QuadtreeMap`, in cells: rays split leaves too, splits hand their counts on, and
+    equal children join. B has nothing like it.
 
     Examples
     --------
