@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -223,41 +222,26 @@ def _named_lines(rng: Rng) -> Cases:
     }
 
 
-def _brought(rho: float, theta: float, near: float) -> Array:
-    """The representative of (rho, theta) that is nearest to another theta."""
-    turns = float(np.round((near - theta) / np.pi))
+def _line(segment: Array, near: float) -> Array:
+    """The line of a segment, of which the mistakes change a part."""
+    theta = (angle(segment) + np.pi / 2) % np.pi
+    x, y = midpoint(segment)
+    rho = x * np.cos(theta) + y * np.sin(theta)
+    turns = np.round((near - theta) / np.pi)
     return np.array([-rho if turns % 2 else rho, theta + turns * np.pi])
 
 
-def _by_slope(segment: Array, near: float) -> Array:
-    """By y = m x + q, which does not exist for upright walls."""
-    (x, y), (dx, dy) = segment[0], segment[1] - segment[0]
-    slope = dy / dx
-    theta = np.arctan2(1.0, -slope)
-    return _brought((y - slope * x) * np.sin(theta), theta, near)
+#: By y = m x + q, which does not exist for upright walls.
+_SLOPE = "np.divide(*(segment[1] - segment[0])[::-1])"
+_BY_SLOPE = (
+    ("(angle(segment) + np.pi / 2) % np.pi", f"np.arctan2(1.0, -{_SLOPE})"),
+    ("x * np.cos(theta) + y", f"(y - {_SLOPE} * x)"),
+)
 
 
 def _whole_turns(segment: Array, near: float) -> Array:
     rho, theta = hough(segment)
     return np.array([rho, theta + 2 * np.pi * np.round((near - theta) / (2 * np.pi))])
-
-
-def _of_the_segment(segment: Array, near: float) -> Array:
-    """The angle along the wall, in the place of the one across it."""
-    along, (x, y) = float(angle(segment)), midpoint(segment)
-    return _brought(x * np.cos(along) + y * np.sin(along), along, near)
-
-
-def _with(rho: Any = None, theta: Any = None) -> Callable[[Array, float], Array]:
-    """The right line with one of its two numbers replaced by one of the segment and `near`."""
-
-    def line(segment: Array, near: float) -> Array:
-        found = zip((rho, theta), hough(segment, near), strict=True)
-        return np.array(
-            [right if wrong is None else wrong(segment, near) for wrong, right in found]
-        )
-
-    return line
 
 
 check_hough = Exercise(
@@ -267,25 +251,25 @@ check_hough = Exercise(
     _named_lines,
     {
         "an upright wall has no slope: take the angle of the normal with atan2, and rho from any "
-        "point of the wall as x cos(theta) + y sin(theta)": _by_slope,
+        "point of the wall as x cos(theta) + y sin(theta)": edited(_line, *_BY_SLOPE),
         "(rho, theta) and (-rho, theta + pi) are one line: add the half turns that bring theta "
         "nearest to `near`": lambda segment, near: hough(segment),
         "half a turn of theta makes the normal look the other way: rho changes its sign": (
-            _with(rho=lambda segment, near: hough(segment)[0])
+            edited(_line, ("-rho if turns % 2 else rho", "rho"))
         ),
         "a line is the same after half a turn already: round in steps of pi, not of 2 pi": (
             _whole_turns
         ),
         "theta is the angle of the normal: a quarter turn from that of the segment": (
-            _of_the_segment
+            edited(_line, ("(angle(segment) + np.pi / 2) % np.pi", "angle(segment)"))
         ),
         "rho is right; theta is the angle of the normal, not of the segment, and has to be brought "
-        "near": _with(theta=lambda segment, near: angle(segment)),
+        "near": edited(_line, ("theta + turns * np.pi", "angle(segment)")),
         "rho has a sign: it is negative where the normal looks away from the wall": (
-            _with(rho=lambda segment, near: abs(hough(segment, near)[0]))
+            edited(_line, ("-rho if turns % 2 else rho", "abs(rho)"))
         ),
         "rho is the distance of the origin from the line, along its normal, not from the middle of "
-        "the segment": _with(rho=lambda segment, near: np.hypot(*midpoint(segment))),
+        "the segment": edited(_line, ("-rho if turns % 2 else rho", "np.hypot(x, y)")),
         "rho comes first, then theta": lambda segment, near: hough(segment, near)[::-1],
         "theta is wanted in radians": lambda segment, near: hough(segment, near) * [1, 180 / np.pi],
     },

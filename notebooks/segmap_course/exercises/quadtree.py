@@ -238,10 +238,7 @@ check_pixel = Exercise(
             lambda x, y, o, side, rows: (floor((o[1] - y) / side), floor((x - o[0]) / side))
         ),
         "a pixel begins at its edges: floor, and not the nearest whole number": (
-            lambda x, y, o, side, rows: (
-                rows - 1 - round((y - o[1]) / side),
-                round((x - o[0]) / side),
-            )
+            edited(_pixel, ("floor", "round"))
         ),
         "count from the origin: subtract it first": (
             lambda x, y, o, side, rows: _pixel(x, y, (0.0, 0.0), side, rows)
