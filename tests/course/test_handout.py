@@ -8,7 +8,7 @@ from chapter_rules import CHAPTERS
 from segmap_course import EXERCISES
 from segmap_course.__main__ import main
 from segmap_course.grading.handout._handout import LINK, student_copy, with_links
-from segmap_course.grading.handout._solutions import BEGIN, END, module_of, solution
+from segmap_course.grading.handout._solutions import BEGIN, END, solution
 from segmap_course.grading.handout._tasks import CHECKS, chapters, defines, places, tasks_of
 
 
@@ -211,7 +211,7 @@ def test_a_solution_is_the_library_s_source_and_passes(name):
 
 
 def _solution(name):
-    return solution(EXERCISES[name], module_of(EXERCISES[name]), "mine")
+    return solution(EXERCISES[name], "mine")
 
 
 def test_solutions_stand_between_the_marks_of_nbgrader(tmp_path):

@@ -62,9 +62,7 @@ check_match_value = Exercise(
     {
         "this is the length of u that v covers; take the mean of it and of the length of v that "
         "u covers": edited(_value, ("sum(lengths) / 2", "lengths[0]")),
-        "the mean of both lengths is wanted, not their sum": (
-            lambda u, v, d: 2 * _match_value(u, v, d)
-        ),
+        "the mean of both lengths is wanted, not their sum": edited(_value, (" / 2", "")),
         "the length is right; multiply it by 0.95 ** (D / distance)": (
             edited(_value, (" * 0.95 ** (apart / distance)", ""))
         ),

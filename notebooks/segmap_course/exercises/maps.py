@@ -13,7 +13,7 @@ from segmap.segments import point_distance
 from .. import literal
 from .._storage import wall_errors
 from ._answers import Cases
-from ._exercise import Exercise, Rng, changed, edited
+from ._exercise import Exercise, Rng, edited
 
 
 # -------------------------------------------------------------- reduction and quality
@@ -34,9 +34,7 @@ check_reduction_rate = Exercise(
         "this is the share that is left, wanted is what is gone": (
             lambda before, after: len(after) / len(before) if len(before) else 0.0
         ),
-        "a share lies between 0 and 1: no per cent": (
-            lambda before, after: 100 * reduction_rate(before, after)
-        ),
+        "a share lies between 0 and 1: no per cent": lambda *maps: 100 * reduction_rate(*maps),
         "a map without segments has lost nothing: its rate is 0, and no division by zero": (
             lambda before, after: (len(before) - len(after)) / len(before)
         ),
@@ -95,9 +93,7 @@ check_quality = Exercise(
         "the mean of the errors counts, not their median": (
             edited(_quality, ("distances.min(axis=1).mean()", "np.median(distances.min(axis=1))"))
         ),
-        "divide the mean error by 0.050 m before you take exp": (
-            edited(_quality, (" / 0.050", ""))
-        ),
+        "divide the mean error by 0.050 m before you take exp": edited(_quality, (" / 0.050", "")),
         "a worse map has a lower quality: exp of minus the error": (
             edited(_quality, ("-distances", "distances"))
         ),
@@ -199,9 +195,7 @@ check_best_run = Exercise(
         "the answer is a row of points: that of the good ones alone counts others": (
             edited(_best_run, ("good[points[good, 1].argmax()]", "points[good, 1].argmax()"))
         ),
-        "at least that quality: a run that just has it counts": (
-            edited(_best_run, ("- 1e-12", "+ 1e-12"))
-        ),
+        "at least that quality: a run that just has it counts": edited(_best_run, ("- 1e", "+ 1e")),
         "where no run is good enough the answer is -1": (
             lambda points, quality: max(0, _best_run(points, quality))
         ),
@@ -229,12 +223,9 @@ def _walls_and_points(rng: Rng) -> Cases:
     }
 
 
-def _to_walls(points: Array, walls: Array) -> Array:
-    return point_distance(points[:, None], walls[None])
-
-
-def _to_nearest(points: Array, walls: Array) -> Array:
-    return _to_walls(points, walls).min(1)
+def _mean_error(points: Array, walls: Array) -> float:
+    away = point_distance(points[:, None], walls[None])
+    return float(away.min(axis=1).mean())
 
 
 def _to_lines(points: Array, walls: Array) -> Array:
@@ -251,7 +242,7 @@ def _to_ends(points: Array, walls: Array) -> Array:
 check_mean_wall_error = Exercise(
     "mean_wall_error(points, walls) -> float: mean distance of points (n, 2) from the nearest of "
     "the walls (m, 2, 2)",
-    lambda points, walls: float(_to_nearest(points, walls).mean()),
+    _mean_error,
     _walls_and_points,
     {
         "a wall ends: beyond its ends the distance is that from the end point": (
@@ -260,17 +251,19 @@ check_mean_wall_error = Exercise(
         "beside a wall the distance is that from the foot on it, not from its ends": (
             lambda points, walls: _to_ends(points, walls).min(1).mean()
         ),
-        "only the nearest wall counts for each point": changed(_to_walls, np.mean),
+        "only the nearest wall counts for each point": edited(_mean_error, (".min(axis=1)", "")),
         "every point looks for its wall: the minimum runs over the walls": (
-            lambda points, walls: _to_walls(points, walls).min(0).mean()
+            edited(_mean_error, ("axis=1", "axis=0"))
         ),
-        "the mean of the errors counts, not the largest": changed(_to_nearest, np.max),
-        "the mean of the errors counts, not their sum": changed(_to_nearest, np.sum),
+        "the mean of the errors counts, not the largest": edited(_mean_error, (".mean", ".max")),
+        "the mean of the errors counts, not their sum": edited(_mean_error, (".mean", ".sum")),
         "the mean of the distances, not of their squares": (
-            changed(_to_nearest, lambda errors: np.mean(errors**2))
+            edited(_mean_error, ("away.min(axis=1)", "(away.min(axis=1) ** 2)"))
         ),
         "the mean of the distances, not the root of the mean of their squares": (
-            changed(_to_nearest, lambda errors: np.sqrt(np.mean(errors**2)))
+            edited(
+                _mean_error, ("away.min(axis=1).mean()", "(away.min(axis=1) ** 2).mean() ** 0.5")
+            )
         ),
     },
     own=(wall_errors,),

@@ -131,9 +131,7 @@ check_occupancy = Exercise(
         "after `bias` rays it is 0 and stays there": (
             lambda v, o, b: o / v if o else 0.5 * (b - v) / b
         ),
-        "nothing known is 0.5, not 1: half of this": (
-            lambda v, o, b: o / v if o else max((b - v) / b, 0.0)
-        ),
+        "nothing known is 0.5, not 1: half of this": edited(occupancy, ("0.5 * ", "")),
         "the bias is for cells that were never hit: with hits it is occ / vis at once": (
             lambda v, o, b: o / max(v, b) if o else max(0.5 * (b - v) / b, 0.0)
         ),
@@ -230,9 +228,7 @@ check_pixel = Exercise(
         "the picture's first row is the top one: count rows from there": (
             lambda x, y, o, side, rows: (floor((y - o[1]) / side), floor((x - o[0]) / side))
         ),
-        "the lowest row has number rows - 1": (
-            lambda x, y, o, side, rows: _pixel(x, y, o, side, rows + 1)
-        ),
+        "the lowest row has number rows - 1": edited(_pixel, ("rows - 1", "rows")),
         "row first, then column: y decides on the row": changed(_pixel, lambda cell: cell[::-1]),
         "the origin is the lower left corner of the lower left pixel, not of the upper left": (
             lambda x, y, o, side, rows: (floor((o[1] - y) / side), floor((x - o[0]) / side))

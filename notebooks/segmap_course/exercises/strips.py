@@ -152,9 +152,7 @@ check_inside_strip = Exercise(
         "the border belongs to the strip: <=, not <": (
             lambda offsets, t, e: np.abs(offsets - t).max(axis=1) < e - _BORDER
         ),
-        "the line has moved: measure from where it is now": (
-            lambda offsets, t, e: _inside(offsets, 0.0, e)
-        ),
+        "the line has moved: measure from where it is now": edited(_inside, (" - shift", "")),
     },
 )
 

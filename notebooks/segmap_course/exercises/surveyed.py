@@ -78,9 +78,7 @@ check_pose_covariance = Exercise(
         "offset and angle err together: K diag K' is not diagonal": (
             edited(_by_jacobian, ("jacobian.T", "jacobian.T * np.eye(2)"))
         ),
-        "the offset comes first, then the angle": (
-            changed(_pose_covariance, lambda found: found[::-1, ::-1])
-        ),
+        "the offset comes first, then the angle": changed(_pose_covariance, np.flip),
     },
     own=(reduction.weighted_line_fitting, weighted_line_fitting),
 )

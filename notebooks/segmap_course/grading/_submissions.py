@@ -85,7 +85,8 @@ def _counts(path: Path) -> bool:
 
 
 def _submission(path: Path) -> Submission:
-    files = _notebooks(path) if path.is_dir() else [path]
+    found = sorted(path.rglob("*.ipynb")) if path.is_dir() else [path]
+    files = [p for p in found if not p.is_symlink() and ".ipynb_checkpoints" not in p.parts]
     problems = [] if files else ["the folder holds no notebook"]
     cells: list[dict[str, Any]] = []
     for file in files:
@@ -96,11 +97,6 @@ def _submission(path: Path) -> Submission:
     student = path.name if path.is_dir() else path.stem
     answers = [Answer(_id(cell), str(cell.get("cell_type")), _source(cell)) for cell in cells]
     return Submission(student, _name(cells), answers, problems)
-
-
-def _notebooks(folder: Path) -> list[Path]:
-    found = sorted(folder.rglob("*.ipynb"))
-    return [p for p in found if not p.is_symlink() and ".ipynb_checkpoints" not in p.parts]
 
 
 def _cells(file: Path) -> list[dict[str, Any]]:

@@ -16,6 +16,8 @@ from typing import Any
 import numpy as np
 
 from segmap.arrays import Array
+from segmap.extraction import build_map
+from segmap.readers import load
 from segmap.segments import length, point_distance
 from segmap.simulation import rectangular_room
 
@@ -165,6 +167,13 @@ def _finite(answer: Answer) -> Array:
 # ------------------------------------------------------------------------ what several share
 #: The map before, of several challenges: the four walls of a room of 4 m x 3 m.
 ROOM = rectangular_room()
+
+
+def malaga() -> Array:
+    """The segments of the Malaga map, by its true poses."""
+    log = load("malaga")
+    assert log.truth is not None
+    return build_map(log, log.truth).segments
 
 
 def samples(walls: Array) -> Array:
