@@ -168,16 +168,7 @@ def load_columns(name: str) -> NDArray[np.void]:
 
 
 def write_trials(trials: Iterable[Trial], path: Path) -> None:
-    """Write what `load_trials` reads, through a temporary file: whole or not at all.
-
-    Examples
-    --------
-    >>> import tempfile
-    >>> with tempfile.TemporaryDirectory() as folder:
-    ...     write_trials(load_trials()[:2], Path(folder) / "it.csv")
-    ...     len(load_trials(Path(folder) / "it.csv"))
-    2
-    """
+    """Write what `load_trials` reads, through a temporary file: whole or not at all."""
     with replacing(path) as target:
         target.write(table_text([HEAD, *map(astuple, trials)]).encode())
 

@@ -166,10 +166,9 @@ class Exercise:
         """The call with these arguments, where they are few numbers."""
         answers = [plain(argument) for argument in given]
         shown = f" from {self.name}({', '.join(map(text, answers))})"
-        whole = (
-            all(numbers(answer) is not None for answer in answers) and "that starts" not in shown
-        )
-        return shown if whole and len(shown) <= MOST_SHOWN else ""
+        whole = all(numbers(answer) is not None for answer in answers)
+        short = len(shown) <= MOST_SHOWN and "that starts" not in shown
+        return shown if whole and short else ""
 
     def _known(self) -> dict[str, Callable[..., Any]]:
         """Hint -> the wrong function; the library's has none."""

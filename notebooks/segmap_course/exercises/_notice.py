@@ -163,9 +163,8 @@ def _parts(found: Any) -> list[Any]:
     if not isinstance(found, FunctionType) or "/" in _short(found.__code__.co_filename):
         return []
     cells = [cell.cell_contents for cell in found.__closure__ or () if _filled(cell)]
-    named = [
-        found.__globals__[name] for name in found.__code__.co_names if name in found.__globals__
-    ]
+    scope = found.__globals__
+    named = [scope[name] for name in found.__code__.co_names if name in scope]
     return [*cells, *named, *(found.__defaults__ or ())]
 
 

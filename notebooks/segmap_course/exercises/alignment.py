@@ -66,9 +66,7 @@ check_match_value = Exercise(
         "the length is right; multiply it by 0.95 ** (D / distance)": (
             edited(_value, (" * 0.95 ** (apart / distance)", ""))
         ),
-        "D is measured in units of `distance`: divide it by that": (
-            edited(_value, ("apart / distance", "apart"))
-        ),
+        "D is measured in units of `distance`: divide by that": edited(_value, ("/ distance", "")),
         "D is the smaller of the two directed Hausdorff distances (A 2.39), not the larger": (
             edited(_value, ("apart = min", "apart = max"))
         ),

@@ -257,9 +257,7 @@ check_hough = Exercise(
         "half a turn of theta makes the normal look the other way: rho changes its sign": (
             edited(_line, ("-rho if turns % 2 else rho", "rho"))
         ),
-        "a line is the same after half a turn already: round in steps of pi, not of 2 pi": (
-            _whole_turns
-        ),
+        "a line is the same after half a turn: round in steps of pi, not of 2 pi": _whole_turns,
         "theta is the angle of the normal: a quarter turn from that of the segment": (
             edited(_line, ("(angle(segment) + np.pi / 2) % np.pi", "angle(segment)"))
         ),

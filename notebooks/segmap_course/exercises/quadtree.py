@@ -56,9 +56,7 @@ check_cell_of = Exercise(
         ),
         "columns are counted from the corner: subtract it first": lambda x, c, r: floor(x / r),
         "a cell begins at its left edge: floor, and not ceil": lambda x, c, r: ceil((x - c) / r),
-        "cells have a side of `resolution` metres: divide by it": (
-            lambda x, c, r: floor((x - c) * r)
-        ),
+        "cells have `resolution` metres a side: divide by it": lambda x, c, r: floor((x - c) * r),
     },
     own=(quadtree,),
 )

@@ -42,14 +42,7 @@ def least_cost(
     angle: float = math.radians(5),
     gap: float = 0.05,
 ) -> tuple[list[Segment], list[int]]:
-    """Reduced segments, and the index of the output that each of the inputs went into.
-
-    Examples
-    --------
-    >>> wall = [((0, 0), (2, 0)), ((1, 0.01), (3, 0.01)), ((0, 1), (2, 1))]
-    >>> least_cost(wall)[1]
-    [0, 0, 1]
-    """
+    """Reduced segments, and the index of the output that each of the inputs went into."""
     limits = max(0.25, penalty / distance / 40), distance, math.sin(angle), gap
     members = {i: [i] for i, s in enumerate(segments) if segment_length(s) >= SAME}
     drawn = {i: segments[i] for i in members}
