@@ -26,20 +26,14 @@ SPACING = 0.01
 
 
 class Representation(NamedTuple):
-    """One way to keep a building; a dense grid has the cells of the quadtree.
+    """One way to keep a building; a dense grid has the cells of the quadtree."""
 
-    Parameters
-    ----------
-    map : (n, 2) array of points, (n, 2, 2) array of segments, metres, or QuadtreeMap
-    parts, nbytes : int
-    points : (n, 2) array, metres
-        Where it says that walls are: the points themselves, samples along segments, or centres of
-        occupied cells.
-    """
-
+    #: Points `(n, 2)` or segments `(n, 2, 2)`, metres, or a `QuadtreeMap`.
     map: Any
     parts: int
     nbytes: int
+    #: Where it says that walls are, `(n, 2)`, metres: the points themselves, samples along
+    #: segments, or centres of occupied cells.
     points: Array
 
 
@@ -84,14 +78,9 @@ def compare_with_walls(
 ) -> pd.DataFrame:
     """Compare representations with the true walls: a table with a row for each.
 
-    Walls that the first, the points, do not reach were never seen, and do not count.
-
-    Returns
-    -------
-    DataFrame
-        parts, nbytes; error: mean distance of its points from the walls, metres; covered: share of
-        the samples of walls seen that have one of its points `within` so many metres, NaN where
-        none was.
+    Its columns are parts; nbytes; error: mean distance of the points from the walls, metres;
+    covered: share of the samples of walls seen that have a point `within` so many metres, NaN where
+    none was. Walls that the first, the points, do not reach were never seen, and do not count.
     """
     import pandas as pd
     from scipy.spatial import cKDTree
