@@ -34,15 +34,12 @@ from ._scalars import (
     instance,
     number,
     one_of,
-    positive,
     switch,
     whole,
 )
 from ._tables import (
     FAR,
     Array,
-    HasPoses,
-    HasSegments,
     Poses,
     Segments,
     indices,

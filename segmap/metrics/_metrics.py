@@ -175,9 +175,8 @@ def relation_errors(
 
     Parameters
     ----------
-    times : (k,) array, seconds, in any order
-    poses : (k, 3) array, metres and radians
-        Rows of NaN are passed over.
+    times, poses : (k,) array, seconds; (k, 3) array, metres and radians
+        In any order; rows of NaN are passed over.
     relations : (m, 8) array
         As in the benchmark's files: t1, t2 [s], x, y, z [m], roll, pitch, yaw [rad] of the pose at
         t2 in the frame of the pose at t1.

@@ -55,7 +55,6 @@ def mean_shift(
 
     Parameters
     ----------
-    map : SegmentMap, Reduction or (n, 2, 2) array
     sigma
         Size of the smallest detail that matters, A's only parameter. Above 0.20 m quality falls
         quickly (A 6.3).
