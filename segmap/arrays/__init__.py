@@ -30,7 +30,6 @@ from ._scalars import (
     file,
     frame,
     function,
-    generator,
     instance,
     number,
     one_of,
@@ -54,5 +53,4 @@ from ._tables import (
     table,
     trailing,
     values,
-    weights,
 )

@@ -131,7 +131,7 @@ def mean_rotation(differences: Array, weights: Array) -> float:
     2.0
     """
     doubled = 2 * arrays.row(differences, "differences")
-    each = arrays.weights(weights, len(doubled))
+    each = _checked_weights(weights, len(doubled))
     return float(np.arctan2(each @ np.sin(doubled), each @ np.cos(doubled)) / 2)
 
 
@@ -164,9 +164,17 @@ def least_translation(
     array([ 0. , -0.2])
     """
     lines = arrays.table(normals, "normals", 2)
-    root = np.sqrt(arrays.weights(weights, len(lines)))
+    root = np.sqrt(_checked_weights(weights, len(lines)))
     away = -root * arrays.row(offsets, "offsets", len(lines))
     return np.asarray(np.linalg.lstsq(root[:, None] * lines, away, parallel)[0], float)
+
+
+def _checked_weights(weights: Array, count: int) -> Array:
+    """Weights of `count` things, `(count,)`, not negative."""
+    array = arrays.row(weights, "weights", count)
+    if (array < 0).any():
+        raise ValueError(f"weights must not be negative, got {array.min():g}")
+    return array
 
 
 def turned(pose: Array, seen: Array, lines: Lines, partner: Indices, parallel: float) -> Array:
