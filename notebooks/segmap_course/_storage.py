@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from segmap import arrays
-from segmap.arrays import Array, Segments
+from segmap.arrays import Array, Metres, Segments, checked
 from segmap.extraction import build_map
 from segmap.poses import transform
 from segmap.quadtree import QuadtreeMap
@@ -103,7 +103,8 @@ def occupied_centres(map: QuadtreeMap) -> Array:
     return corner + leaves.side[occupied, None] / 2
 
 
-def sample_points(segments: Segments, spacing: float = SPACING) -> Array:
+@checked
+def sample_points(segments: Segments, spacing: Metres = SPACING) -> Array:
     """Points `(n, 2)`, metres, along segments, evenly, at most so far apart, with both ends.
 
     Examples
@@ -113,7 +114,6 @@ def sample_points(segments: Segments, spacing: float = SPACING) -> Array:
            [0.5, 0. ],
            [1. , 0. ]])
     """
-    arrays.positive("metres", spacing=spacing)
     ends = arrays.segments(segments)
     counts = np.maximum(np.ceil(length(ends) / spacing - 1e-9), 1).astype(int)
     parts = [

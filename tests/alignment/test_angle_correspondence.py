@@ -31,14 +31,14 @@ from segmap.simulation import (
     Sensor,
     corridor_loop,
     drive,
-    polygon,
+    polyline,
     rectangular_room,
     simulate,
 )
 
 UTM = Sensor("UTM-30LX", 1081, np.radians(-135), np.radians(0.25), max_range=30.0, sigma=0.01)
 ROOM = logs.L_ROOM
-OTHER_ROOM = polygon([(0, 0), (2.2, 0), (2.2, 1.6), (6, 1.6), (6, 7), (0, 7)])
+OTHER_ROOM = polyline([(0, 0), (2.2, 0), (2.2, 1.6), (6, 1.6), (6, 7), (0, 7)], closed=True)
 NO_CORNER = "no two walls of one stand at an angle that the other has too"
 
 

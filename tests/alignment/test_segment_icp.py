@@ -4,7 +4,8 @@ import alignment_logs as logs
 import numpy as np
 import pytest
 
-from segmap.alignment import match_segments, segment_icp
+from segmap.alignment import segment_icp
+from segmap.alignment.segment_icp import match_segments
 from segmap.angles import wrap
 from segmap.extraction import extract_polylines
 from segmap.poses import compose, transform

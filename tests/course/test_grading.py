@@ -19,7 +19,7 @@ from segmap_course.grading._jail import Limits, Locks
 from segmap_course.grading._report import safe
 from segmap_course.grading._run import Pool, outcome
 from segmap_course.grading._submissions import Answer, Submission, submissions
-from segmap_course.grading.handout._tasks import CHECKS, Task
+from segmap_course.grading.handout._tasks import Task
 
 LIMITS = Limits(seconds=30, cpu=1, memory=1 << 28)
 TASK = Task(

@@ -12,7 +12,10 @@ from matplotlib.patches import Ellipse
 from numpy.typing import ArrayLike
 
 from segmap import arrays
-from segmap.alignment import BackboneStep, Candidate, Match, PointStep
+from segmap.alignment import Match
+from segmap.alignment.angle_correspondence import Candidate
+from segmap.alignment.backbone import BackboneStep
+from segmap.alignment.points import PointStep
 from segmap.plotting import (
     ERROR,
     GROUPS,

@@ -7,8 +7,6 @@ from matplotlib.figure import Figure
 
 from segmap.alignment import (
     Alignment,
-    BackboneStep,
-    Candidate,
     Match,
     angle_candidates,
     backbone,
@@ -16,6 +14,8 @@ from segmap.alignment import (
     ground_truth,
     match_angles,
 )
+from segmap.alignment.angle_correspondence import Candidate
+from segmap.alignment.backbone import BackboneStep
 from segmap.extraction import extract_polylines
 from segmap.plotting import ERROR, MAP, RESULT, TRUTH, draw_alignment, draw_path, draw_segments
 from segmap.poses import transform

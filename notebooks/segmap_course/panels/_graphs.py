@@ -12,12 +12,12 @@ from scipy.spatial import cKDTree
 
 from segmap.alignment import (
     Alignment,
-    PointStep,
     match_points,
     point_steps,
     pose_graph,
     solve_graph,
 )
+from segmap.alignment.points import PointStep
 from segmap.arrays import Array
 from segmap.plotting import RAW, RESULT, draw_alignment
 from segmap.poses import between, transform
