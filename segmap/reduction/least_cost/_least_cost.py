@@ -45,8 +45,8 @@ def least_cost(
     costs more than `penalty`.
 
     So `quality(map, result) >= exp(-penalty * (n - m) / n / 0.05)` for n segments with a length
-    before and m after. Every segment lies within twice the distance of the line of its output, and inside its
-    span.
+    before and m after. Every segment lies within twice the distance of the line of its output, and
+    inside its span.
 
     Parameters
     ----------
