@@ -35,6 +35,7 @@ from ._scalars import (
     number,
     one_of,
     positive,
+    refuse_masked,
     switch,
     whole,
 )
@@ -51,6 +52,7 @@ from ._tables import (
     points,
     pose,
     poses,
+    ranges,
     row,
     segments,
     share,
