@@ -282,8 +282,8 @@ def test_a_point_far_off_the_others_weighs_little():
 def test_the_covariance_grows_as_the_inflation(monkeypatch):
     """Catches an inflation that is squared, or another one than its reason beside it."""
     scan = load("room")[0].points()
-    assert _point_map.INFLATION == 2.0
+    assert _point_map.INFLATION == 1.7
     found = match_points(scan, scan, (0.01, 0.0, 0.0)).covariance
     monkeypatch.setattr(_point_map, "INFLATION", 3.0)
     again = match_points(scan, scan, (0.01, 0.0, 0.0)).covariance
-    np.testing.assert_allclose(again, 1.5 * found, rtol=1e-6)
+    np.testing.assert_allclose(again, 3.0 / 1.7 * found, rtol=1e-6)

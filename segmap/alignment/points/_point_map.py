@@ -29,8 +29,8 @@ LEVELS = 5
 #: So many points of a scan are enough for the search, and far from the answer for the descent.
 SAMPLE = 250
 #: Points of a scan and map errors are not independent: measured errors are this many times the
-#: Hessian's (simulated rooms and offices, tests/alignment/test_match_points.py).
-INFLATION = 2.0
+#: Hessian's (simulated rooms and offices, tests/alignment/test_covariances.py).
+INFLATION = 1.7
 #: A motion that the walls leave free is one along a direction where its shift is at least this
 #: share of it, the turn counted as the length by which it moves the scan's points.
 SHIFT = 0.7

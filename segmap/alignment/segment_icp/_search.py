@@ -186,12 +186,12 @@ def best_shift(
 
 def least_cost(
     reference: Array, current: Array, angle: float, distance: float, width: float, step: float
-) -> tuple[Array, Array, Array]:
+) -> tuple[Array, Array, Indices]:
     """Turn, then shift, until neither helps; again with finer steps (A 2.5.1, step 6).
 
     New correspondences can raise the cost, so each finer search begins at the best place so far.
-    Returns the motion there, (3,) array, the current segments there, `(m, 2, 2)`, and their
-    distances from what they correspond to, `(m,)`; metres and radians.
+    Returns the motion there, (3,) array, the current segments there, `(m, 2, 2)`, and the pairs
+    that correspond; metres and radians.
     """
     r, motion, away = describe(reference), np.zeros(3), np.empty(len(current))
     pairs = correspondences(reference, r, current, angle, distance)
@@ -214,5 +214,4 @@ def least_cost(
                 break
         motion, current, pairs = best
         width, step = width / FINER, step / FINER
-    cost(reference, r, current, pairs, distance, away)
-    return motion, current, away
+    return best
