@@ -279,11 +279,12 @@ def test_a_point_far_off_the_others_weighs_little():
     assert far.sum() == 2 and step.weights[far].max() < 0.1 < step.weights[~far].min()
 
 
-def test_the_covariance_grows_as_the_inflation(monkeypatch):
-    """Catches an inflation that is squared, or another one than its reason beside it."""
-    scan = load("room")[0].points()
-    assert _point_map.INFLATION == 1.7
-    found = match_points(scan, scan, (0.01, 0.0, 0.0)).covariance
-    monkeypatch.setattr(_point_map, "INFLATION", 3.0)
-    again = match_points(scan, scan, (0.01, 0.0, 0.0)).covariance
-    np.testing.assert_allclose(again, 3.0 / 1.7 * found, rtol=1e-6)
+def test_the_covariance_grows_as_the_inflation():
+    """Catches an inflation that is squared, and that of a map for a match of two scans."""
+    scan, start = load("room")[0].points(), (0.01, 0.0, 0.0)
+    map = _point_map.PointMap(scan)
+    on_a_map = map.register(scan, start).covariance
+    again = map.register(scan, start, inflation=3.0).covariance
+    np.testing.assert_allclose(again, 1.5 * on_a_map, rtol=1e-6)
+    found = match_points(scan, scan, start).covariance
+    np.testing.assert_allclose(on_a_map, 2.0 / 1.7 * found, rtol=1e-3)
