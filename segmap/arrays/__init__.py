@@ -30,11 +30,9 @@ from ._scalars import (
     file,
     frame,
     function,
-    generator,
     instance,
     number,
     one_of,
-    positive,
     refuse_masked,
     switch,
     whole,
@@ -42,8 +40,6 @@ from ._scalars import (
 from ._tables import (
     FAR,
     Array,
-    HasPoses,
-    HasSegments,
     Poses,
     Segments,
     indices,
@@ -59,5 +55,4 @@ from ._tables import (
     table,
     trailing,
     values,
-    weights,
 )

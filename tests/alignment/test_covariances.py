@@ -17,19 +17,20 @@ from segmap.alignment import (
     align_to_truth,
     match_angles,
     match_points,
-    match_segments,
     solve_graph,
 )
 from segmap.alignment.graph import Edge, spread
+from segmap.alignment.segment_icp import match_segments
 from segmap.angles import wrap
 from segmap.extraction import extract_polylines
 from segmap.poses import between, compose, transform
 from segmap.reduction.surveyed._weighted_line_fitting import _fit_all
-from segmap.simulation import SICK_LMS200, URG_04LX, box, polygon, rectangular_room, simulate
+from segmap.simulation import SICK_LMS200, URG_04LX, box, rectangular_room, simulate
 
 FURNISHED = [rectangular_room(5, 4), box(0.6, 0.8, (4, 1, 0.3)), box(1.2, 0.5, (1, 3.2, -0.4))]
-OUTLINE = [(0, 0), (12, 0), (12, 9), (7, 9), (7, 8), (0, 8)]
-HALL = np.concatenate([polygon(OUTLINE), box(1, 1, (3, 5, 0.5)), box(2, 0.5, (9, 3, 1.1))])
+OUTLINE = np.array([(0, 0), (12, 0), (12, 9), (7, 9), (7, 8), (0, 8)], float)
+HALL = np.stack([OUTLINE, np.roll(OUTLINE, -1, axis=0)], axis=1)
+HALL = np.concatenate([HALL, box(1, 1, (3, 5, 0.5)), box(2, 0.5, (9, 3, 1.1))])
 #: Walls, and two places in them; the robot stands near one of them.
 SCENES = {
     "L": (L_ROOM, [(1.5, 1.4, 0.4), (2.2, 1.5, 2.0)]),
