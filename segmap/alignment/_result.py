@@ -19,6 +19,7 @@ from ..extraction import extract_polylines
 from ..poses.motions import between, compose
 from ..scans import LaserScan, Log
 from ..segments import length
+from ._verdict import Verdict, judge
 from .graph import Graph
 
 if TYPE_CHECKING:
@@ -124,6 +125,11 @@ class Alignment(Pictured):
         `build_map` leaves those out.
         """
         return np.where(self.used[:, None], self.poses, np.nan)
+
+    @property
+    def verdict(self) -> Verdict:
+        """Whether this makes a map; `judge(alignment, map)` also looks at the walls of the map."""
+        return judge(self)
 
     def why(self) -> pd.DataFrame:
         """How many scans were not used: a row for each reason, a column `scans`.

@@ -172,7 +172,9 @@ class FrontEnd:
         if graph is not None:
             weight = np.bincount(frame, minlength=len(self.frames)).astype(float)
             far = spread(self.frames.poses, stacked(self.frames.edges), weight)[frame]
-            apart = untied(self.tied, self.frames.edges, weight)[frame]
+            seeing = np.array([not own for own in reasons], float)
+            matched = np.bincount(frame, seeing, minlength=len(self.frames))
+            apart = untied(self.tied, self.frames.edges, matched)[frame]
             both = zip(reasons, apart, strict=True)
             reasons = [own or (UNTIED if alone else "") for own, alone in both]
             left = graph.residuals[graph.loop]
@@ -189,7 +191,8 @@ def _seen(scan: LaserScan) -> Array:
 def untied(tied: Sequence[bool], edges: Sequence[Edge], weight: Array) -> NDArray[np.bool_]:
     """Which of n poses no edge that a match made ties to the largest group of them.
 
-    `tied` says so of the step to each pose; loops always do. `weight` counts the scans of each.
+    `tied` says so of the step to each pose; loops always do. `weight` counts the scans of each
+    that matched: a robot that stands blind for long is no map.
     """
     sure = [edge for edge in edges if edge.loop or tied[edge.second]]
     first, second = np.reshape([edge[:2] for edge in sure], (-1, 2)).T.astype(np.int64)
