@@ -173,7 +173,7 @@ class FrontEnd:
             weight = np.bincount(frame, minlength=len(self.frames)).astype(float)
             far = spread(self.frames.poses, stacked(self.frames.edges), weight)[frame]
             seeing = np.array([not own for own in reasons], float)
-            matched = np.bincount(frame, seeing, minlength=len(self.frames))
+            matched = np.bincount(frame, seeing, len(self.frames)).astype(float)
             apart = untied(self.tied, self.frames.edges, matched)[frame]
             both = zip(reasons, apart, strict=True)
             reasons = [own or (UNTIED if alone else "") for own, alone in both]
