@@ -34,9 +34,10 @@ class Verdict:
     Parameters
     ----------
     grade
-        "not a map" where fewer than two scans of several, fewer than a quarter, or no wall is there.
-        "doubtful" where less than nine tenths of the scans are placed, less than half of those are
-        sure, more than a quarter of the walls is doubled, or nothing but the wheels places them.
+        "not a map" where fewer than two scans of several are placed, fewer than a quarter, or no
+        wall is there. "doubtful" where less than nine tenths of the scans are placed, less than
+        half of those are sure, more than a quarter of the walls is doubled, or nothing but the
+        wheels places them.
     words
         One line for a user, which begins with the grade in capitals; what makes the map doubtful
         comes first.
@@ -74,10 +75,7 @@ class Verdict:
 
 
 def judge(alignment: Alignment, map: SegmentMap | None = None) -> Verdict:
-    """The verdict on an alignment; with the map that was made of it, also on its walls.
-
-    Without a map this is `Alignment.verdict`. The map is the one before its reduction.
-    """
+    """The verdict on an alignment; with the map that was made of it, also on its walls."""
     used, spread, scans = alignment.used, alignment.spread, len(alignment)
     placed, sure, worst, doubled = int(used.sum()), None, None, None
     if spread is not None:

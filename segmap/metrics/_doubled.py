@@ -9,11 +9,12 @@ from numpy.typing import ArrayLike
 
 from .. import arrays
 from ..angles import wrap
-from ..arrays import Array, Count, Metres, Radians, at_most, checked
+from ..arrays import Array, Count, Metres, Radians, at_least, at_most, checked
 from ..segments import SegmentMap, length, midpoint
 
-#: Walls are looked at in pieces of this side, metres: a tenth of a door.
-PIECE = 0.10
+#: Walls are looked at in pieces of this side, metres: a tenth of a door; a segment in so many at
+#: most, which is a kilometre.
+PIECE, PIECES = 0.10, 10_000
 
 
 @checked
@@ -21,9 +22,9 @@ def doubled_walls(
     map: SegmentMap,
     sensors: ArrayLike | None = None,
     *,
-    near: Metres = 0.15,
-    far: Metres = 0.50,
-    angle: Annotated[Radians, at_most(np.pi / 4)] = np.radians(10),
+    nearest: Metres = 0.15,
+    farthest: Metres = 0.50,
+    angle: Annotated[Radians, at_least(np.radians(1)), at_most(np.pi / 4)] = np.radians(10),
     looks: Count = 3,
 ) -> float:
     """Share of the walls of a map that have another beside them, seen from the same side.
@@ -31,7 +32,7 @@ def doubled_walls(
     A laser sees the front of a wall and nothing behind it, so two walls half a metre apart that
     face the same way are one wall, drawn at two wrong poses. The two faces of a thin wall look
     away from each other and do not count. Bundled and real logs show 0 to 15 % with good poses;
-    by odometry alone Malaga shows 65 % and Intel 53 %. A wall that lies more than `far` beside
+    by odometry alone Malaga shows 65 % and Intel 53 %. A wall that lies more than `farthest` beside
     itself is not found, so little doubling alone does not make a good map.
 
     Parameters
@@ -39,9 +40,8 @@ def doubled_walls(
     map : SegmentMap
     sensors : (k, 2) array, metres, or None
         Where the sensor or the robot was at each scan. None: what the map has kept.
-    near, far
-        How far beside. Less than `near` may be the noise of far beams, and more than `far` a
-        cupboard in front of a wall.
+    nearest, farthest
+        How far beside. Less may be the noise of far beams, and more a cupboard before a wall.
     angle
         By how much the two may be turned.
     looks
@@ -80,13 +80,13 @@ def doubled_walls(
         return float("nan")
     from scipy.spatial import cKDTree
 
-    pairs = cKDTree(places).query_pairs(np.hypot(far, PIECE), output_type="ndarray")
+    pairs = cKDTree(places).query_pairs(np.hypot(farthest, PIECE), output_type="ndarray")
     i, j = pairs.T
     turn = wrap(facing[j] - facing[i])
     across, away = facing[i] + turn / 2, places[j] - places[i]
     beside = np.abs(away[:, 0] * np.cos(across) + away[:, 1] * np.sin(across))
     along = np.abs(away[:, 1] * np.cos(across) - away[:, 0] * np.sin(across))
-    same = (np.abs(turn) <= angle) & (along < PIECE) & (near < beside) & (beside < far)
+    same = (np.abs(turn) <= angle) & (along < PIECE) & (nearest < beside) & (beside < farthest)
     return len(np.unique(pairs[same])) / len(places)
 
 
@@ -97,7 +97,7 @@ def _seen_often(map: SegmentMap, stood: Array, angle: float, looks: int) -> tupl
     one cell of place and direction.
     """
     sizes, spans = length(map.segments), map.segments[:, 1] - map.segments[:, 0]
-    counts = np.maximum(np.ceil(sizes / PIECE).astype(np.int64), 1)
+    counts = np.clip(np.ceil(sizes / PIECE), 1, PIECES).astype(np.int64)
     row = np.repeat(np.arange(len(map)), counts)
     number = np.arange(len(row)) - np.repeat(np.cumsum(counts) - counts, counts)
     places = map.segments[row, 0] + ((number + 0.5) / counts[row])[:, None] * spans[row]

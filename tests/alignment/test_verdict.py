@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from segmap import load
-from segmap.alignment import Alignment, judge, odometry, pose_graph
+from segmap.alignment import Alignment, odometry, pose_graph
 from segmap.extraction import build_map
 from segmap.scans import LaserScan, Log
 from segmap.segments import SegmentMap
@@ -23,7 +23,7 @@ def outcome(used, *, method="pose_graph", spread=None):
 def test_a_whole_map_is_good():
     log = load("room")
     found = pose_graph(log)
-    verdict = judge(found, build_map(log, found.trusted))
+    verdict = found.verdict_on(build_map(log, found.trusted))
     assert verdict.grade == "good" and str(verdict).startswith("GOOD: 61 of 61 scans placed")
     assert (verdict.placed, verdict.scans, verdict.sure) == (61, 61, 61)
     assert verdict.worst < 0.5 and verdict.doubled < 0.05
@@ -55,7 +55,7 @@ def test_wheels_alone_are_doubtful_and_their_walls_are_doubled():
     """Catches a baseline that counts all its scans as placed, whatever it draws."""
     log = load("malaga")
     found = odometry(log)
-    verdict = judge(found, build_map(log, found.trusted))
+    verdict = found.verdict_on(build_map(log, found.trusted))
     assert verdict.grade == "doubtful" and verdict.doubled > 0.5
     assert "wheels" in found.verdict.words and "of the walls doubled" in verdict.words
 
@@ -91,6 +91,6 @@ def test_what_makes_it_doubtful_comes_first():
 def test_scans_without_a_wall_are_no_map():
     scans = [LaserScan([1.0, 1.0, 1.0], [0.0, 2.0, 4.0])] * 3
     found = outcome([True] * 3)
-    verdict = judge(found, SegmentMap(np.empty((0, 2, 2))))
+    verdict = found.verdict_on(SegmentMap(np.empty((0, 2, 2))))
     assert len(scans) == verdict.placed and verdict.grade == "not a map"
     assert verdict.words == "NOT A MAP: 3 of 3 scans placed, but no wall found"
