@@ -229,6 +229,11 @@ class LiveGraph:
         return np.zeros((0, 3)) if self._parts is None else self._parts[0].poses()
 
     @property
+    def reasons(self) -> tuple[str, ...]:
+        """Why each scan so far was not matched, as it came; empty where it was."""
+        return () if self._parts is None else tuple(self._parts[0].trail.reasons)
+
+    @property
     def graph(self) -> Graph | None:
         """Edges between key frames, by the scans' indices; None before there is one."""
         return None if self._parts is None else self._parts[0].graph(self._parts[1].rejected)
