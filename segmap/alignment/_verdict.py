@@ -97,7 +97,7 @@ def judge(alignment: Alignment, map: SegmentMap | None = None) -> Verdict:
     if worst:
         said.append((False, f"all within {worst:.2f} m"))
     if doubled is not None:
-        said.append((doubled > DOUBLED, f"{doubled:.0%} of the walls doubled"))
+        said.append((doubled > DOUBLED, f"{100 * doubled:.0f} % of the walls doubled"))
     against, rest = ([text for bad, text in said if bad is kind] for kind in (True, False))
     words = "; ".join(", ".join(texts) for texts in (against, rest) if texts)
     if against:
