@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import argparse
+import csv
+import io
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict
@@ -101,11 +103,22 @@ def each_log(given: argparse.Namespace, work: Work, head: Callable[[Log, str], s
 
 
 def write_table(path: Path, reports: Sequence[Report]) -> None:
-    """A row for each log, a column for each figure: `aligned.placed` and so on."""
-    import pandas as pd
-
-    rows = pd.json_normalize([report.found for report in reports])
-    write_bytes(path, rows.to_csv(index=False).encode())
+    """A row for each log, a column for each figure: `aligned.matched` and so on."""
+    rows: list[dict[str, Any]] = []
+    for report in reports:
+        row: dict[str, Any] = {}
+        for word, said in report.found.items():
+            row |= (
+                {f"{word}.{k}": v for k, v in said.items()}
+                if isinstance(said, dict)
+                else {word: said}
+            )
+        rows.append(row)
+    text = io.StringIO()
+    table = csv.DictWriter(text, list(dict.fromkeys(name for row in rows for name in row)))
+    table.writeheader()
+    table.writerows(rows)
+    write_bytes(path, text.getvalue().encode())
 
 
 def sources(text: str) -> Iterator[str]:
