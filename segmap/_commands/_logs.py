@@ -108,11 +108,8 @@ def write_table(path: Path, reports: Sequence[Report]) -> None:
     for report in reports:
         row: dict[str, Any] = {}
         for word, said in report.found.items():
-            row |= (
-                {f"{word}.{k}": v for k, v in said.items()}
-                if isinstance(said, dict)
-                else {word: said}
-            )
+            figures = said if isinstance(said, dict) else {"": said}
+            row |= {f"{word}.{name}".rstrip("."): value for name, value in figures.items()}
         rows.append(row)
     text = io.StringIO()
     table = csv.DictWriter(text, list(dict.fromkeys(name for row in rows for name in row)))
