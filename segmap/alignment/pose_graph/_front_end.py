@@ -73,7 +73,7 @@ class FrontEnd:
         """Lay a scan on the local map, or carry it by the expected step: in the last key frame."""
         points, before = _seen(scan), self.offset[-1]
         self.trail.add(scan)
-        measured = self.trail.measured(len(self.scans))
+        measured = self.measured()
         # A motion that goes on from match to false match grows until it is many metres a scan:
         # without odometry the robot stands after a scan that did not match
         lost = self.trail.reasons[-1] not in ("", LOOSE)
@@ -98,6 +98,10 @@ class FrontEnd:
         reason = LOOSE if loose else match.reason
         self.trail.place(compose(self.trail.poses[-1], between(before, match.pose)), reason)
         return match
+
+    def measured(self) -> bool:
+        """Whether odometry says how the robot came to the scan that is laid now."""
+        return self.trail.measured(len(self.scans))
 
     def needs_frame(self, step: float, turn: float) -> bool:
         """Whether the last scan is farther from its key frame, or the first to have points."""
