@@ -82,6 +82,8 @@ GOOD = {
     "LaserScan.angles": LOG[0].angles, "LaserScan.codes": np.zeros(181),
     "LaserScan.odometry": PATH[0], "LaserScan.ranges": LOG[0].ranges, "least_translation.weights":
     np.ones(4), "fuzzy_set.axes": 0.1,
+    "doubled_walls.map": segments.SegmentMap(WALLS, sensors=[(0.0, 0.0)]),
+    "doubled_walls.sensors": np.ones((1, 2)), "verdict_on.map": MAP,
     "viewing_sector.map": segments.SegmentMap(WALLS, sensors=[(0.0, 0.0)]),
     "load.name": "room", "load.path": "map.npz", "log": LOG, "map": WALLS,
     "map_scans.map": quadtree.QuadtreeMap(), "map_scans.rng": rng(), "match_segments.current":
@@ -147,6 +149,7 @@ GOOD |= {
 FREE = {"Log.name", "simulate.name", "Log.skipped", "Sensor.name"}
 #: NaN is what these say of a time or scan that has none.
 NAN_IS_MEANT = {
+    "doubled_walls",
     "Geometry.ranges",
     "LivePanel.source=a log",
     "interpolate",
