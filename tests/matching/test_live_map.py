@@ -187,7 +187,7 @@ def test_a_scan_that_was_placed_and_not_drawn_is_drawn_in_the_end(monkeypatch, f
     live.finish()
     assert live.map.scans == len(live.poses) == len(live.graph) == first + 2
     np.testing.assert_allclose(live.poses[0], START, atol=1e-12)
-    assert state(live.map) == expected(LOG[: first + 2], live)
+    assert state(live.map) == expected(LOG[: first + 2], live.poses)
 
 
 def test_a_scan_that_the_map_refuses_has_no_pose_in_it():
