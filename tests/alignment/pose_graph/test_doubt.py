@@ -95,7 +95,7 @@ def test_reasons_and_the_sentence():
 
 
 def test_rooms_are_known_in_a_building_that_is_not():
-    """Catches one bit against the whole map: of 300 m no scan was sure, though each room is right."""
+    """Catches one bit against the whole map: of 300 m no scan was sure, but rooms are right."""
     steps = [Edge(k, k + 1, np.array([0.5, 0.0, 0.0]), inv(REAL)) for k in range(600)]
     poses = np.arange(601)[:, None] * (0.5, 0.0, 0.0)
     far, near = (spread(poses, stacked(steps), np.ones(601), reach=r) for r in (np.inf, 20.0))
