@@ -117,16 +117,18 @@ def within_thesis(frame: pd.DataFrame, *, margin: float = 0.05) -> pd.DataFrame:
     )
     ranges = theirs.groupby(keys)[["quality", "reduction"]].agg(["min", "max"])
     limits = ranges.loc[list(ours[keys].itertuples(index=False, name=None))]
-    found = {
+    inside = {
         what: ours[what].between(
             limits[what, "min"].to_numpy() - margin, limits[what, "max"].to_numpy() + margin
         )
         for what in ("quality", "reduction")
     }
-    table = pd.DataFrame(found).groupby([ours["method"], ours["map"]]).mean().unstack("map")
-    maps = dict.fromkeys(ours["map"])
-    columns = [(what, name) for name in maps for what in found]
-    return table[columns].swaplevel(axis=1).reindex(list(THESIS_GRIDS))
+    table = pd.DataFrame(index=list(THESIS_GRIDS), columns=pd.MultiIndex.from_product([[], []]))
+    for name in dict.fromkeys(ours["map"]):
+        here = ours["map"] == name
+        for what, within in inside.items():
+            table[name, what] = within[here].groupby(ours["method"]).mean()
+    return table
 
 
 def alignment_table(runs: pd.DataFrame) -> pd.DataFrame:

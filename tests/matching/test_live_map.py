@@ -2,6 +2,7 @@
 
 import sys
 import threading
+from contextlib import suppress
 from copy import deepcopy
 
 import numpy as np
@@ -9,7 +10,7 @@ import pytest
 from planned_loops import LOG, Planned
 from quadtrees import state
 
-from segmap import LaserScan, extraction, quadtree
+from segmap import LaserScan, extraction
 from segmap.alignment import LiveGraph, LoopClosing
 from segmap.matching import LiveMap, _live_map, map_scans
 from segmap.poses import between, compose
@@ -25,25 +26,30 @@ def blank(resolution=0.05):
     return QuadtreeMap(resolution=resolution, free_resolution=0.4)
 
 
-def expected(log, live):
-    """The map of all scans at the poses that the graph has corrected."""
+def expected(log, poses):
+    """The map of all scans at their corrected poses."""
     map = blank()
-    for scan, pose in zip(log, live.poses, strict=True):
+    for scan, pose in zip(log, poses, strict=True):
         _live_map.insert(map, None, scan, pose, free=False)
     return state(map)
+
+
+def finished(closes, **options):
+    """A live map after the whole log, and the scans at which a loop closed."""
+    live = LiveMap(Planned(closes), map=blank(), **options)
+    closed = [k for k, scan in enumerate(LOG) if live.add(scan).closed]
+    live.finish()
+    return live, closed
 
 
 @pytest.mark.parametrize("closes", [(), (5,), (5, 6, 7, 20), (23,), tuple(range(24))])
 def test_the_map_in_the_end_is_that_of_the_corrected_poses(closes):
     """Whenever loops close, while another map is being made too; and at the last scan."""
-    live = LiveMap(Planned(closes), map=blank(), start=START)
-    map = live.map
-    steps = [live.add(scan) for scan in LOG]
-    live.finish()
-    assert [k for k, step in enumerate(steps) if step.closed] == list(closes)
+    live, closed = finished(closes, start=START)
+    assert closed == list(closes)
     graph = live.graph.poses
     np.testing.assert_allclose(live.poses, compose(START, between(graph[0], graph)), atol=1e-12)
-    assert live.map is map and map.scans == len(LOG) and state(map) == expected(LOG, live)
+    assert live.map.scans == len(LOG) and state(live.map) == expected(LOG, live.poses)
 
 
 def test_map_scans_with_a_graph():
@@ -53,10 +59,9 @@ def test_map_scans_with_a_graph():
     assert [k for k, step in enumerate(steps) if step.closed] == [9, 20]
     poses = compose(START, between(graph.poses[0], graph.poses))
     np.testing.assert_allclose(steps[-1].pose, poses[-1])
-    again = blank()
-    for scan, pose in zip(LOG, poses, strict=True):
-        _live_map.insert(again, None, scan, pose, free=False)
-    assert state(map) == state(again)
+    assert state(map) == expected(LOG, poses)
+    with pytest.raises(ValueError, match="graph must be a LiveGraph"):
+        map_scans(LOG, graph="graph")
 
 
 def test_a_new_graph_closes_loops():
@@ -68,8 +73,7 @@ def test_a_new_graph_closes_loops():
     assert any(step.closed for step in steps)
     poses = compose(LOG.truth[0], between(graph.poses[0], graph.poses))
     assert np.hypot(*(poses - LOG.truth)[:, :2].T).max() < 0.03
-    assert state(map) == state(quadtree.build_map(LOG, poses, resolution=0.05, free_resolution=0.4,
-                                                  corner=(0.0, 0.0)))  # fmt: skip
+    assert state(map) == expected(LOG, poses)
 
 
 def test_the_old_map_stands_until_the_new_one_holds_all_scans(monkeypatch):
@@ -88,17 +92,14 @@ def test_the_old_map_stands_until_the_new_one_holds_all_scans(monkeypatch):
         assert live.map.scans == k + 1 and state(live.map) == state(old)
     go.set()
     live.finish()
-    assert live.map.scans == len(LOG) and state(live.map) == expected(LOG, live) != state(old)
+    assert live.map.scans == len(LOG) and state(live.map) == expected(LOG, live.poses) != state(old)
 
 
 @pytest.mark.parametrize("closes", [(), (5, 6, 20)])
 def test_the_reduced_map_is_made_anew_with_the_map(closes):
     """Equal to the on-line method on all scans at their corrected poses; walls are few again."""
     walls = LiveReduction(every=8)
-    live = LiveMap(Planned(closes), map=blank(), walls=walls)
-    for scan in LOG:
-        live.add(scan)
-    live.finish()
+    live, _ = finished(closes, walls=walls)
     whole = hybrid_fusion(extraction.build_map(Log("it", LOG.scans), live.poses), every=8)
     assert walls.scans == len(LOG) and live.walls is walls
     np.testing.assert_allclose(walls.segments, whole.segments, atol=1e-9)
@@ -129,23 +130,17 @@ def test_an_interrupt_costs_no_scan_but_its_own(call):
     for scan in LOG[:6]:
         live.add(scan)
     sys.setprofile(count)
-    try:
+    with suppress(KeyboardInterrupt):
         for scan in LOG[6:10]:
             live.add(scan)
-    except KeyboardInterrupt:
-        pass
-    finally:
-        sys.setprofile(None)
+    sys.setprofile(None)
+    assert left <= 0, "it was interrupted"
     for scan in LOG[live.graph.count :]:
         live.add(scan)
     live.finish()
     assert len(LOG) - 1 <= live.map.scans <= len(LOG)
     drawn = [number for number, _ in live._scans]
-    rest, poses = [LOG[k] for k in drawn], live.poses[drawn]
-    again = blank()
-    for scan, pose in zip(rest, poses, strict=True):
-        _live_map.insert(again, None, scan, pose, free=False)
-    assert state(live.map) == state(again)
+    assert state(live.map) == expected([LOG[k] for k in drawn], live.poses[drawn])
 
 
 def test_a_scan_beyond_the_map_is_told_of():
@@ -159,12 +154,6 @@ def test_a_scan_beyond_the_map_is_told_of():
     assert state(map) == state(before)
     with pytest.raises(ValueError, match=r"^scan 0: the scan reaches beyond max_size"):
         list(map_scans([LaserScan([500.0], [0.0])], graph=True, map=map))
-
-
-@pytest.mark.parametrize("graph", [1, "graph", None])
-def test_a_graph_is_asked_for(graph):
-    with pytest.raises(ValueError, match="graph must be a LiveGraph"):
-        map_scans(Log("none", []), graph=graph)
 
 
 def test_kernels_let_other_threads_go_on():

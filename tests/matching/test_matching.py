@@ -18,7 +18,7 @@ from segmap.poses import compose, transform
 from segmap.quadtree import QuadtreeMap
 
 SCORES = (occupancy_score, distance_score, nearest_score, descent_score, field_score)
-SEEDS = range(8)
+SEEDS = range(5)
 
 
 def asked(map, rng, *, spread=30, beams=17):
@@ -123,16 +123,20 @@ def test_descent_misses_the_nearest_cell():
 
 
 @pytest.mark.parametrize("score", SCORES)
-def test_a_batch_is_its_single_poses(score):
-    """Catches sums over poses instead of beams."""
+def test_a_score_is_a_sum_over_beams_for_each_pose(score):
+    """Catches sums over poses instead of beams; twice the beams is twice the score, none is 0."""
     map, rng = random_map(3)
     points, poses = asked(map, rng)
     field = DistanceField.around(map, points, poses)
     ask = score if score is not field_score else lambda _, *scan: field.score(*scan)
     single = [ask(map, points, pose) for pose in poses]
     assert all(value.shape == (1,) for value in single)
-    np.testing.assert_allclose(ask(map, points, poses), np.concatenate(single), rtol=1e-12)
+    once = ask(map, points, poses)
+    np.testing.assert_allclose(once, np.concatenate(single), rtol=1e-12)
+    np.testing.assert_allclose(ask(map, points[::-1], poses), once, rtol=1e-12)
+    np.testing.assert_allclose(ask(map, np.tile(points, (2, 1)), poses), 2 * once, rtol=1e-12)
     assert ask(map, points, np.empty((0, 3))).shape == (0,)
+    assert score(map, [], [(0, 0, 0), (1, 0, 0)]).tolist() == [0, 0]
 
 
 @pytest.mark.parametrize("score", SCORES)
@@ -172,17 +176,6 @@ def test_a_score_is_that_of_the_map_now(score):
     again, _ = random_map(9)
     again.insert_scan((0, 0), points)
     np.testing.assert_array_equal(score(map, points, poses), score(again, points, poses))
-
-
-@pytest.mark.parametrize("score", SCORES)
-def test_every_beam_counts_once(score):
-    """Order does not matter, twice the beams is twice the score, no beam is none."""
-    map, rng = random_map(7)
-    points, poses = asked(map, rng)
-    once = score(map, points, poses)
-    np.testing.assert_allclose(score(map, points[::-1], poses), once, rtol=1e-12)
-    np.testing.assert_allclose(score(map, np.tile(points, (2, 1)), poses), 2 * once, rtol=1e-12)
-    assert score(map, [], [(0, 0, 0), (1, 0, 0)]).tolist() == [0, 0]
 
 
 @pytest.mark.parametrize("score", SCORES)

@@ -218,9 +218,9 @@ def test_untouched_controls_are_the_defaults(name):
         ("angle", None, ("angle [degrees]", 10), 20, np.radians(20)),
         ("angle", np.radians(4), ("angle [degrees]", 4), 4, np.radians(4)),
         ("bandwidth", None, ("bandwidth [degrees/m]", 50), 7.5, np.radians(7.5)),
-        ("min_length", None, ("min_length [m]", ""), " 0.25 ", 0.25),
+        ("axes", None, ("axes [degrees]", ""), " 30 ", np.radians(30)),
         ("every", 7, ("every", 7), 9, 9),
-        ("origin", None, ("origin", None), "map", "map"),
+        ("origin", None, ("origin", "map"), "pair", "pair"),
         ("forget", None, ("forget", True), False, False),
     ],
 )
@@ -234,10 +234,10 @@ def test_a_control_shows_and_means_what_is_declared(name, first, shown, moved, m
 
 
 def test_what_a_control_cannot_take_is_named():
-    length = control(reduction.hybrid, "min_length")
-    length.value = "long"
-    with pytest.raises(ValueError, match=r"min_length \[m\] must be a number or nothing, got 'lo"):
-        length.meant()
+    axes = control(reduction.fuzzy_set, "axes")
+    axes.value = "long"
+    with pytest.raises(ValueError, match=r"axes \[degrees\] must be a number or nothing, got 'lo"):
+        axes.meant()
     with pytest.raises(ValueError, match="skew must be"):
         control(strange, "skew", -1.0, least=1, most=45, step=1)
 
