@@ -7,6 +7,7 @@ from ..methods import Method
 from ._baselines import align_to_truth, ground_truth, odometry, position_errors
 from ._point_icp import point_icp
 from ._result import Alignment, Match
+from ._verdict import Verdict
 from .angle_correspondence import (
     angle_candidates,
     angle_correspondence,

@@ -13,12 +13,14 @@ from typing import TYPE_CHECKING, NamedTuple, ParamSpec
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from .. import arrays
 from .._display import Pictured
 from ..arrays import Array, checked
 from ..extraction import extract_polylines
 from ..poses.motions import between, compose
 from ..scans import LaserScan, Log
-from ..segments import length
+from ..segments import SegmentMap, length
+from ._verdict import Verdict, judge
 from .graph import Graph
 
 if TYPE_CHECKING:
@@ -124,6 +126,18 @@ class Alignment(Pictured):
         `build_map` leaves those out.
         """
         return np.where(self.used[:, None], self.poses, np.nan)
+
+    @property
+    def verdict(self) -> Verdict:
+        """Whether this makes a map, from the poses alone."""
+        return judge(self)
+
+    def verdict_on(self, map: SegmentMap) -> Verdict:
+        """The verdict on the map that was made of these poses: it looks at the walls as well.
+
+        The map is the one before its reduction.
+        """
+        return judge(self, arrays.instance(map, "map", SegmentMap))
 
     def why(self) -> pd.DataFrame:
         """How many scans were not used: a row for each reason, a column `scans`.

@@ -22,6 +22,7 @@ from ...reduction import polyline
 from ...scans import Log
 from ...segments import SegmentMap, length, point_distance
 from .._result import Match, Outcome, Trail, alignment_method, no_match
+from .._walls import constraints
 from . import _kernels as kernels
 from ._scenes import Candidate, Heuristic, Scene, corners, scene
 
@@ -157,7 +158,7 @@ def _matched(poses: Array, s: Scene, t: Scene, rule: Rule) -> list[tuple[int, Ar
         kernels.fill_values(s.segments, described, there, rule, value)
         some = value > 0
         rows = np.empty((2 * np.count_nonzero(some), 5))
-        kernels.constraints(s.segments, described, there, value, rows)
+        constraints(s.segments, described, there, value, rows)
         rows[:, 2] -= rows[:, 1] * x - rows[:, 0] * y
         found.append((int(min(some.any(0).sum(), some.any(1).sum())), rows))
     return found

@@ -73,7 +73,7 @@ class FrontEnd:
         """Lay a scan on the local map, or carry it by the expected step: in the last key frame."""
         points, before = _seen(scan), self.offset[-1]
         self.trail.add(scan)
-        measured = self.trail.measured(len(self.scans))
+        measured = self.measured()
         # A motion that goes on from match to false match grows until it is many metres a scan:
         # without odometry the robot stands after a scan that did not match
         lost = self.trail.reasons[-1] not in ("", LOOSE)
@@ -98,6 +98,10 @@ class FrontEnd:
         reason = LOOSE if loose else match.reason
         self.trail.place(compose(self.trail.poses[-1], between(before, match.pose)), reason)
         return match
+
+    def measured(self) -> bool:
+        """Whether odometry says how the robot came to the scan that is laid now."""
+        return self.trail.measured(len(self.scans))
 
     def needs_frame(self, step: float, turn: float) -> bool:
         """Whether the last scan is farther from its key frame, or the first to have points."""
@@ -172,7 +176,9 @@ class FrontEnd:
         if graph is not None:
             weight = np.bincount(frame, minlength=len(self.frames)).astype(float)
             far = spread(self.frames.poses, stacked(self.frames.edges), weight)[frame]
-            apart = untied(self.tied, self.frames.edges, weight)[frame]
+            seeing = np.array([not own for own in reasons], float)
+            matched = np.bincount(frame, seeing, len(self.frames)).astype(float)
+            apart = untied(self.tied, self.frames.edges, matched)[frame]
             both = zip(reasons, apart, strict=True)
             reasons = [own or (UNTIED if alone else "") for own, alone in both]
             left = graph.residuals[graph.loop]
@@ -189,7 +195,8 @@ def _seen(scan: LaserScan) -> Array:
 def untied(tied: Sequence[bool], edges: Sequence[Edge], weight: Array) -> NDArray[np.bool_]:
     """Which of n poses no edge that a match made ties to the largest group of them.
 
-    `tied` says so of the step to each pose; loops always do. `weight` counts the scans of each.
+    `tied` says so of the step to each pose; loops always do. `weight` counts the scans of each
+    that matched: a robot that stands blind for long is no map.
     """
     sure = [edge for edge in edges if edge.loop or tied[edge.second]]
     first, second = np.reshape([edge[:2] for edge in sure], (-1, 2)).T.astype(np.int64)
