@@ -126,41 +126,35 @@ def test_what_cannot_be_recorded_is_told_before_a_sensor_is_asked(name, tmp_path
     assert sorted(tmp_path.iterdir()) == before
 
 
-@pytest.mark.parametrize("count", ["-3", "0"])
-def test_a_count_below_one_is_told_plainly(count, tmp_path, capsys):
-    assert program(["record", str(tmp_path / "it"), "--port", "/no-port", "--count", count]) == 1
-    wanted = f"count must be a whole number of at least 1, got {count}"
-    assert wanted in capsys.readouterr().err
-    with pytest.raises(ValueError, match=wanted):
-        record(NotAsked(), tmp_path / "it", count=int(count))
-
-
 @pytest.mark.parametrize("name", ["new.log", "new", "old.log", "old"])
-def test_trying_out_leaves_nothing(name, tmp_path):
-    """Catches an empty log, or folder, of a recording that never began."""
-    (tmp_path / "old").mkdir()
-    (tmp_path / "old.log").write_text("mine")
-    before = sorted(tmp_path.rglob("*"))
-    assert program(["record", str(tmp_path / name), "--port", "/no-port"]) == 1
-    assert sorted(tmp_path.rglob("*")) == before
-    assert (tmp_path / "old.log").read_text() == "mine"
+def test_trying_out_leaves_nothing(name, tmp_path, capsys, monkeypatch):
+    """Catches an empty log, or folder, of a recording that never began.
 
-
-@pytest.mark.parametrize("name", ["new.log", "new", "old.log", "old"])
-def test_what_may_not_be_written_is_told_before_a_sensor_is_asked(
-    name, tmp_path, capsys, monkeypatch
-):
-    """A folder of somebody else; root, who may run the tests, is refused nothing by itself."""
-    (tmp_path / "old").mkdir()
-    (tmp_path / "old.log").write_text("mine")
+    Root, who may run the tests, is refused nothing by itself.
+    """
 
     def refused(*arguments, **named):
         raise PermissionError(13, "Permission denied", name)
 
-    monkeypatch.setattr(os, "open", refused)
-    monkeypatch.setattr(Path, "mkdir", refused)
-    assert program(["record", str(tmp_path / name), "--port", "/no-port"]) == 1
-    assert capsys.readouterr().err.startswith("PermissionError: [Errno 13] Permission denied")
+    (tmp_path / "old").mkdir()
+    (tmp_path / "old.log").write_text("mine")
+    before = sorted(tmp_path.rglob("*"))
+    command = ["record", str(tmp_path / name), "--port", "/no-port"]
+    for more, said in (
+        ([], "cannot open /no-port"),
+        (["--count", "0"], "count must be a whole number of at least 1, got 0"),
+        ([], "PermissionError: [Errno 13] Permission denied"),
+    ):
+        if said.startswith("Permission"):
+            monkeypatch.setattr(os, "open", refused)
+            monkeypatch.setattr(Path, "mkdir", refused)
+        assert program(command + more) == 1
+        assert said in capsys.readouterr().err
+    monkeypatch.undo()
+    assert sorted(tmp_path.rglob("*")) == before
+    assert (tmp_path / "old.log").read_text() == "mine"
+    with pytest.raises(ValueError, match="count must be"):
+        record(NotAsked(), tmp_path / "it", count=-3)
 
 
 # ----------------------------------------------------------------------- nothing left behind

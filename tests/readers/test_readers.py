@@ -55,15 +55,6 @@ def test_the_mode_is_that_of_the_whole_log_and_odd_values_are_errors(read):
     assert np.isnan(log[0].ranges).tolist() == [False, True, True, True, False, True]
 
 
-def test_truth_is_the_robots_pose_not_the_lasers(read):
-    """Forgetting the offset moves every wall by 0.3 m, in a direction that turns with the robot."""
-    log = read(CARMEN)
-    assert log[0].sensor_pose.tolist() == [0.3, 0, 0]
-    assert poses.compose(log.truth, (0.3, 0, 0)) == pytest.approx(np.array(TRUTH))
-    assert log.odometry == pytest.approx(np.array(ODOMETRY))
-    assert log.times == pytest.approx(TIMES)
-
-
 def test_parameters_of_a_recorder_that_are_no_places(read):
     """Catches a device's name that is read as a number."""
     said = ["PARAM laser_front_dev /dev/ttyS0", "PARAM robot_max_t_vel 0.5", "PARAM"]

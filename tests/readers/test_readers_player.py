@@ -2,22 +2,12 @@
 
 import numpy as np
 import pytest
-from log_samples import ODOMETRY, PLAYER_1, PLAYER_2, PLAYER_BARE, TIMES, text
+from log_samples import ODOMETRY, PLAYER_1, PLAYER_2, text
 
 from segmap.readers.carmen._player import spread
 
 HEAD = "1000.500 16777343 6665"
 SCAN = "-1.5708 +1.5708 +1.5708"
-
-
-@pytest.mark.parametrize("content", [PLAYER_1, PLAYER_2, PLAYER_BARE])
-def test_all_versions_tell_the_same(read, content):
-    """Shifted by a field, angles become ranges and times become metres."""
-    log = read(content)
-    assert log.times == pytest.approx(TIMES)
-    assert log.odometry == pytest.approx(np.array(ODOMETRY))
-    assert log[0].ranges == pytest.approx([1.5, 2.0, 2.5, np.inf, 3.0])
-    assert np.degrees(log[0].angles) == pytest.approx([-90, -45, 0, 45, 90], abs=1e-3)
 
 
 def test_the_host_may_be_empty(read):
