@@ -76,12 +76,11 @@ def executed_in_order(notebook: dict) -> list[str]:
 
 
 def no_errors(notebook: dict) -> list[str]:
-    bad = [
+    return [
         f"cell {number}: {output.get('ename') or 'writes to standard error'}"
         for number, output in outputs(notebook)
         if output["output_type"] == "error" or output.get("name") == "stderr"
     ]
-    return bad
 
 
 def no_widget_state(notebook: dict) -> list[str]:
@@ -95,33 +94,30 @@ def small(notebook: dict) -> list[str]:
 
 
 def small_pictures(notebook: dict) -> list[str]:
-    sizes = [
-        (number, len(base64.b64decode(lines_of(output["data"]["image/png"]))))
-        for number, output in outputs(notebook)
-        if "image/png" in output.get("data", {})
-    ]
     return [
-        f"cell {n}: a picture of {size} bytes" for n, size in sizes if size > MOST_PICTURE_BYTES
+        f"cell {number}: a picture of more than {MOST_PICTURE_BYTES} bytes"
+        for number, output in outputs(notebook)
+        if len(base64.b64decode(lines_of(output.get("data", {}).get("image/png", ""))))
+        > MOST_PICTURE_BYTES
     ]
 
 
 def large_figures(notebook: dict) -> list[str]:
     """Figures that can be read from the second row."""
-    sizes = [
-        (number, [float(side) / 72 for side in match.groups()])
+    found = [
+        (number, *(float(dots) / 72 + 0.01 for dots in match.groups()))
         for number, output in outputs(notebook)
         for text in texts(output)
         if (match := re.match(r"<Figure size ([\d.]+)x([\d.]+) ", text))
     ]
-    small = [(n, size) for n, size in sizes if min(map(float.__sub__, size, LEAST_INCHES)) < -0.01]
-    return [f"cell {n}: a figure of {w:.1f} x {h:.1f} inches" for n, (w, h) in small]
+    small = [size for size in found if size[1] < LEAST_INCHES[0] or size[2] < LEAST_INCHES[1]]
+    return [f"cell {number}: a figure of {w:.1f} x {h:.1f} inches" for number, w, h in small]
 
 
 def words_between(notebook: dict) -> list[str]:
     kinds = "".join("c" if cell["cell_type"] == "code" else "m" for cell in notebook["cells"])
     longest = max(map(len, kinds.split("m")))
-    too_long = longest > MOST_WORDLESS
-    return [f"{longest} cells of code without a word between them"] if too_long else []
+    return [f"{longest} cells of code without words"] if longest > MOST_WORDLESS else []
 
 
 def steady_outputs(notebook: dict) -> list[str]:
@@ -144,23 +140,19 @@ def nothing_forbidden(notebook: dict) -> list[str]:
 
 
 def short_cells(notebook: dict) -> list[str]:
-    counts = [
-        (number, sum(bool(line.strip()) for line in source.splitlines()))
+    return [
+        f"cell {number}: {count} lines"
         for number, source, _ in code_cells(notebook)
+        if (count := sum(bool(line.strip()) for line in source.splitlines())) > MOST_LINES
     ]
-    return [f"cell {number}: {count} lines" for number, count in counts if count > MOST_LINES]
 
 
 @functools.cache
 def defined_in_segmap() -> set[str]:
     """Names that a reader can import from the rooms of the library and from the course."""
     rooms = [segmap, segmap_course, *(getattr(segmap, name) for name in segmap.__all__)]
-    return {
-        n
-        for room in rooms
-        for n, value in getattr(room, "__dict__", {}).items()
-        if n[0] != "_" and callable(value)
-    }
+    named = [pair for room in rooms for pair in getattr(room, "__dict__", {}).items()]
+    return {name for name, value in named if name[0] != "_" and callable(value)}
 
 
 def defines_nothing_twice(notebook: dict) -> list[str]:
@@ -193,10 +185,8 @@ def has_claim(notebook: dict) -> list[str]:
 
 def has_summary(notebook: dict) -> list[str]:
     """Ends with a summary that leads on to other chapters and back."""
-    last = lines_of(notebook["cells"][-1]["source"])
-    if notebook["cells"][-1]["cell_type"] != "markdown" or not re.search(
-        r"^#+ Summary", last, re.M
-    ):
+    kind, last = notebook["cells"][-1]["cell_type"], lines_of(notebook["cells"][-1]["source"])
+    if kind != "markdown" or not re.search(r"^#+ Summary", last, re.M):
         return ["the last cell must be a Summary"]
     return [] if len(links(last)) >= 2 else ["the summary must link onward and back"]
 
@@ -233,38 +223,15 @@ def resets_its_panel(notebook: dict) -> list[str]:
     """After the last cell that uses it, a panel is again as the words above it describe it."""
     code = list(code_cells(notebook))
     made = r"(\w+) = (?:\w+\.)?(?!Live)\w+Panel\("
-    named = [m.group(1) for _, source, _ in code if (m := re.match(made, source))]
-    used = {
-        name: (number, source)
-        for name in named
-        for number, source, _ in code
-        if re.search(rf"\b{name}\.", source)
-    }
-    left = [
-        (number, name)
-        for name, (number, source) in used.items()
-        if not re.search(rf"^{name}\.reset\(\)$", source, re.MULTILINE)
-    ]
-    return [f"cell {number}: ends without {name}.reset()" for number, name in left]
+    left = []
+    for name in (m.group(1) for _, source, _ in code if (m := re.match(made, source))):
+        used = [(k, source) for k, source, _ in code if re.search(rf"\b{name}\.", source)]
+        if used and not re.search(rf"^{name}\.reset\(\)$", used[-1][1], re.MULTILINE):
+            left.append(f"cell {used[-1][0]}: ends without {name}.reset()")
+    return left
 
 
-RULES = (
-    executed_in_order,
-    no_errors,
-    no_widget_state,
-    small,
-    small_pictures,
-    large_figures,
-    words_between,
-    steady_outputs,
-    nothing_forbidden,
-    short_cells,
-    defines_nothing_twice,
-    links_resolve,
-    has_claim,
-    has_summary,
-    shows_what_goes_wrong,
-    has_exercise,
-    has_driven_panel,
-    resets_its_panel,
-)
+RULES = (executed_in_order, no_errors, no_widget_state, small, small_pictures, large_figures,
+         words_between, steady_outputs, nothing_forbidden, short_cells, defines_nothing_twice,
+         links_resolve, has_claim, has_summary, shows_what_goes_wrong, has_exercise,
+         has_driven_panel, resets_its_panel)  # fmt: skip

@@ -2,9 +2,20 @@
 
 import re
 
+import numpy as np
 import pytest
 
+from segmap import SegmentMap
 from segmap.panels._base import FINER, VIEW
+from segmap.simulation import URG_04LX, drive, rectangular_room, simulate
+
+ROOM = rectangular_room(4.0, 3.0)
+LOG = simulate(
+    ROOM, drive([(1, 1), (3, 1)], step=0.5), sensor=URG_04LX, rng=np.random.default_rng(2)
+)
+WALLS = SegmentMap([[(0, y), (2, y)] for y in (0.0, 0.03, 0.10, 0.15, 1.0)])
+#: Two that touch at (2, 0), six degrees apart: rho of both is near 0 there, and not elsewhere.
+LEANING = SegmentMap([[(0, 0), (2, 0)], [(1.95, 0), (3.9, 0.2)], [(9, 9), (9, 9.1)]])
 
 #: A panel draws its figure, which takes its time as a picture: most tests only read it.
 unpainted = pytest.mark.usefixtures("no_png")

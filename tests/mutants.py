@@ -57,7 +57,11 @@ class Bug(NamedTuple):
         return f"{self.path.relative_to(ROOT)}:{line}:{column}: {self.old!r} -> {self.new!r}"
 
     def tests(self) -> list[str]:
-        """The examples of the file, the tests that are named like it, then all of its room."""
+        """The tests that are named like the file, all others of its room, then its examples.
+
+        Pytest collects in this order, and to collect the examples of a package sets its name in the
+        package above: there `pose_graph` would be the folder for all tests that come later.
+        """
         base = next(p for p in PACKAGES.values() if self.path.is_relative_to(p))
         parts = self.path.relative_to(base).with_suffix("").parts
         if base.name == "segmap_course":
@@ -69,7 +73,7 @@ class Bug(NamedTuple):
             within = sorted(folder.parent.rglob(f"test_{room}*.py"))
         named = [p for p in within if p.stem.removeprefix("test_") in (own, *parts[1:])]
         rest = [p for p in within if p not in named]
-        return [str(p.relative_to(ROOT)) for p in (self.path, *named, *rest)]
+        return [str(p.relative_to(ROOT)) for p in (*named, *rest, self.path)]
 
 
 def sources(room: str) -> list[Path]:

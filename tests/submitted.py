@@ -35,46 +35,33 @@ def spoilt(line: str) -> str:
     return f"import os, shutil, sys, time\n{head}\n    {line}\n{rest}"
 
 
-#: Student -> the answer to `compose`; the answer to `cast_ray` is right.
+FORGED = '[os.write(k, b\'{{"answers": [], "passed": true}}\') for k in (1, 2)]; return [0, 0, 0]'
+OVERWRITES = """\
+import segmap_course as course
+course.check_compose = lambda f: True
+course.Exercise.__call__ = course.Exercise.verdict = lambda *_: True
+"""
+#: Student -> what becomes of the answer to `compose`, and the answer; that to `cast_ray` is right.
 ANSWERS = {
-    "01_right": COMPOSE,
-    "02_stub": None,
-    "03_wrong": WRONG,
-    "04_library": LIBRARY,
-    "05_deletes": spoilt("shutil.rmtree({folder!r})"),
-    "06_exits": spoilt("os._exit(0)"),
-    "07_endless": spoilt("while True: pass"),
-    "08_ten_gigabytes": spoilt("np.ones(1_250_000_000)"),
-    "09_overwrites": (
-        "import segmap_course as course\n"
-        "course.check_compose = lambda f: True\n"
-        "course.Exercise.__call__ = course.Exercise.verdict = lambda *_: True\n" + WRONG
-    ),
-    "12_forged": spoilt(
-        '[os.write(k, b\'{{"answers": [], "passed": true}}\') for k in (1, 2)]; return [0, 0, 0]'
-    ),
+    "01_right": ("right", COMPOSE),
+    "02_stub": ("wrong", None),
+    "03_wrong": ("wrong", WRONG),
+    "04_library": ("library", LIBRARY),
+    "05_deletes": ("wrong", spoilt("shutil.rmtree({folder!r})")),
+    "06_exits": ("ended", spoilt("os._exit(0)")),
+    "07_endless": ("too long", spoilt("while True: pass")),
+    "08_ten_gigabytes": ("memory", spoilt("np.ones(1_250_000_000)")),
+    "09_overwrites": ("wrong", OVERWRITES + WRONG),
+    "12_forged": ("wrong", spoilt(FORGED)),
 }
-#: Student -> the kind of what became of `compose`.
-KINDS = {
-    "01_right": "right",
-    "02_stub": "wrong",
-    "03_wrong": "wrong",
-    "04_library": "library",
-    "05_deletes": "wrong",
-    "06_exits": "ended",
-    "07_endless": "too long",
-    "08_ten_gigabytes": "memory",
-    "09_overwrites": "wrong",
-    "10_broken": "unreadable",
-    "11_no_cell": "missing",
-    "12_forged": "wrong",
-}
+KINDS = {student: kind for student, (kind, _) in ANSWERS.items()}
+KINDS |= {"10_broken": "unreadable", "11_no_cell": "missing"}
 
 
 def hand_in(handed: Path, folder: Path, victim: Path) -> None:
     """Write the submissions of all students, made from the student copies of a handout."""
     copies = {path.name: json.loads(path.read_text()) for path in sorted(handed.iterdir())}
-    for student, answer in ANSWERS.items():
+    for student, (_, answer) in ANSWERS.items():
         books = copy.deepcopy(copies)
         put(books, "cast_ray-answer", CAST)
         if answer is not None:

@@ -30,19 +30,15 @@ from ._scalars import (
     file,
     frame,
     function,
-    generator,
     instance,
     number,
     one_of,
-    positive,
     switch,
     whole,
 )
 from ._tables import (
     FAR,
     Array,
-    HasPoses,
-    HasSegments,
     Poses,
     Segments,
     indices,
@@ -57,5 +53,4 @@ from ._tables import (
     table,
     trailing,
     values,
-    weights,
 )

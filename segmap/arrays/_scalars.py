@@ -69,22 +69,6 @@ def number(
     return float(array)
 
 
-def positive(unit: str = "", most: float | None = None, /, **values: object) -> None:
-    """Refuse each named value that is not one positive, finite number, at most `most`.
-
-    An angle in radians is at most a whole turn.
-
-    Examples
-    --------
-    >>> positive("metres", distance=0.2, gap=0)
-    Traceback (most recent call last):
-    ValueError: gap must be a number above 0, in metres, got 0
-    """
-    most = 2 * np.pi if most is None and unit == "radians" else most
-    for name, value in values.items():
-        number(value, name, above=0, most=most, unit=unit)
-
-
 def whole(value: object, name: str, *, least: int = 1, most: int = MOST) -> int:
     """One whole number.
 

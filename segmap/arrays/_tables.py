@@ -106,21 +106,6 @@ def row(value: object, name: str, count: int | None = None) -> Array:
     return array
 
 
-def weights(value: object, count: int) -> Array:
-    """Weights of `count` things, `(count,)`, not negative.
-
-    Examples
-    --------
-    >>> weights([1, -1], 2)
-    Traceback (most recent call last):
-    ValueError: weights must not be negative, got -1
-    """
-    array = row(value, "weights", count)
-    if (array < 0).any():
-        raise ValueError(f"weights must not be negative, got {array.min():g}")
-    return array
-
-
 def share(first: object, second: object, names: tuple[str, str]) -> Array:
     """Share of the second of two weights in their sum, 0 to 1.
 

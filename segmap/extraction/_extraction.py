@@ -123,7 +123,6 @@ def build_map(
 
     Parameters
     ----------
-    log : Log
     poses : (k, 3) array, metres and radians, or Alignment
         Pose of the robot at each scan, such as `log.truth`; a scan with NaN in it is left out.
     extract

@@ -62,7 +62,6 @@ def map_scans(
 
     Parameters
     ----------
-    log : Log, or any iterable of LaserScan
     matcher : callable
         `hill_climb`, `sample_and_rank`, or any `matcher(map, points, start, score=score) -> (3,)`.
     settle : int

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 
 from .. import arrays
 from .._display import counted
-from ..arrays import Array
+from ..arrays import Array, Metres, checked
 from ..extraction import extract_polylines
 from ..hokuyo import Newest, SensorError, UrgSensor
 from ..matching import LiveMap, Step, map_scans
@@ -74,14 +74,14 @@ class LivePanel(Panel):
     LivePanel(3 scans: 11 segments)
     """
 
+    @checked
     def __init__(
         self,
         source: UrgSensor | Iterable[LaserScan],
         *,
-        resolution: float = 0.02,
+        resolution: Metres = 0.02,
         start: ArrayLike = (0.0, 0.0, 0.0),
     ) -> None:
-        arrays.positive("metres", resolution=resolution)
         self.source, self._resolution = _checked(source), resolution
         self._begin: Array = arrays.pose(start, "start")
         self.map, self.seconds, self.taken, self.lost = self._empty(), 0.0, 0, 0

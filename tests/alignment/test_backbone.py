@@ -27,7 +27,6 @@ from segmap.simulation import (
     circular_room,
     corridor_loop,
     drive,
-    polygon,
     polyline,
     rectangular_room,
     simulate,
@@ -70,14 +69,6 @@ def test_heading_stays_within_half_a_degree_in_an_orthogonal_building(sensor, se
     assert found.doubt == ""
 
 
-def test_without_following_the_headings_between_used_scans_are_odometry():
-    """A's method to the letter: used scans are right, the turns between them are not."""
-    log = simulate(corridor_loop(), LOOP, sensor=URG_04LX, rng=np.random.default_rng(0))
-    found = backbone(log, follow=False)
-    errors = heading_errors(log, found.poses)
-    assert errors.max() > 1.0
-
-
 def ring(radius, width=2.0, share=0.8):
     turn = np.linspace(0, 2 * np.pi * share, int(720 * share))
     circle = np.stack([np.cos(turn), np.sin(turn)], -1)
@@ -90,7 +81,7 @@ def ring(radius, width=2.0, share=0.8):
 def corridor_about(corners, radius=12.0, width=2.0):
     turn = 2 * np.pi * np.arange(corners) / corners
     circle = np.stack([np.cos(turn), np.sin(turn)], -1)
-    walls = [polygon(r * circle) for r in (radius, radius - width)]
+    walls = [polyline(r * circle, closed=True) for r in (radius, radius - width)]
     return np.concatenate(walls), drive(
         (radius - width / 2) * np.concatenate([circle, circle[:1]]), step=0.2
     )
@@ -120,15 +111,6 @@ def test_it_says_so_where_the_building_is_not_orthogonal(name, sensor):
     assert not found.used[1:].any()
     assert all(reason == found.doubt for reason in found.reasons[1:])
     np.testing.assert_allclose(found.poses, log.odometry, atol=1e-9)
-
-
-def test_insisting_on_a_curved_building_does_harm():
-    """What the refusal spares: a ring bent straight, with headings that are off by far more."""
-    walls, path = ring(15.0)
-    log = simulate(walls, path, sensor=SICK_LMS200, rng=np.random.default_rng(1))
-    bent = backbone(log, orthogonal=0.0)
-    assert heading_errors(log, bent.poses).max() > 90
-    assert heading_errors(log, log.odometry).max() < 10
 
 
 def test_a_gentle_bend_is_doubted():
@@ -304,22 +286,3 @@ def test_a_kidnapped_robot_is_not_laid_on_lines_far_away():
     found = backbone(log)
     assert found.reasons[3] == "no segment on a line of the backbone"
     np.testing.assert_allclose(found.poses[3], log.odometry[3], atol=1e-6)
-
-
-def outliers(k, ranges):
-    rng = np.random.default_rng(8)
-    return np.where(rng.random(len(ranges)) < 0.2, rng.uniform(0.3, 2.0, len(ranges)), ranges)
-
-
-def gaps(k, ranges):
-    rng = np.random.default_rng(8)
-    return np.where(rng.random(len(ranges)) < 0.3, np.inf, ranges)
-
-
-@pytest.mark.parametrize("change", [outliers, gaps])
-def test_outliers_and_missing_beams_never_make_it_worse_than_odometry(change):
-    """A person walking by, or beams lost: less is used, what is used is right."""
-    rng = np.random.default_rng(3)
-    log = logs.changed(simulate(corridor_loop(), LOOP, sensor=URG_04LX, rng=rng), change)
-    found = backbone(log)
-    assert heading_errors(log, found.poses).max() <= heading_errors(log, log.odometry).max()

@@ -155,12 +155,6 @@ def test_it_is_right_or_says_that_it_is_not(seed, error):
     assert not right or error < 0.5
 
 
-def test_missing_odometry_is_filled_in_between():
-    """NaN in the poses where one scan has no odometry."""
-    log = logs.without_odometry(logs.exact_log(), 3, 4)
-    assert errors(log, global_segments(log).poses).max() < 0.02
-
-
 def test_groups_that_share_nothing_hang_on_odometry():
     """A singular system, or a second building laid over the first."""
     log = logs.exact_log()

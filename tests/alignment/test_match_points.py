@@ -7,7 +7,6 @@ import pytest
 
 from segmap import load
 from segmap.alignment import match_points, point_steps
-from segmap.alignment.points import _point_map
 from segmap.angles import wrap
 from segmap.poses import between, compose, transform
 from segmap.simulation import (
@@ -16,7 +15,6 @@ from segmap.simulation import (
     circular_room,
     corridor_loop,
     office,
-    rectangular_room,
 )
 
 OFFICE = office(rng=np.random.default_rng(1), rooms=2)
@@ -67,15 +65,6 @@ def test_the_workload(workloads, place, size, median):
     wrong = np.array([match.pose for match in found]) - case.motion
     squares = [e @ np.linalg.solve(m.covariance, e) for e, m in zip(wrong, found, strict=True)]
     assert np.mean(squares) == pytest.approx(3, abs=2)
-
-
-def test_two_scans_without_error_lie_exactly():
-    """A pose that is composed the wrong way round, or an offset across the wrong wall."""
-    walls = rectangular_room(5, 4)
-    here, motion = np.array([2.0, 1.5, 2.8]), np.array([0.2, -0.1, 0.15])
-    found = match_points(seen(walls, here, 0), seen(walls, compose(here, motion), 0))
-    assert_near(found, motion, 5e-4, 0.005)
-    assert found.overlap > 0.95
 
 
 # ------------------------------------------------------------------ symmetries
@@ -184,13 +173,6 @@ def test_a_round_room_does_not_fix_the_heading():
 
 
 # ------------------------------------------------------------------ no match
-def test_scans_of_different_places_do_not_match():
-    """A pose made up where the scans have nothing in common."""
-    before, now = seen(OFFICE, (2.0, 5.0, 0.4)), seen(corridor_loop(), (29.0, 6.0, 1.5))
-    found = match_points(before, now, (15.0, -8.0, 0.0))
-    assert not found.matched and found.reason
-    assert found.pose.tolist() == [15.0, -8.0, 0.0]
-    assert np.isinf(np.diag(found.covariance)).all()
 
 
 def test_a_scan_that_shares_little_does_not_match():
@@ -277,13 +259,3 @@ def test_a_point_far_off_the_others_weighs_little():
     step = point_steps(ONE_WALL, now)[0]
     far = step.offsets > 0.4
     assert far.sum() == 2 and step.weights[far].max() < 0.1 < step.weights[~far].min()
-
-
-def test_the_covariance_grows_as_the_inflation(monkeypatch):
-    """Catches an inflation that is squared, or another one than its reason beside it."""
-    scan = load("room")[0].points()
-    assert _point_map.INFLATION == 2.0
-    found = match_points(scan, scan, (0.01, 0.0, 0.0)).covariance
-    monkeypatch.setattr(_point_map, "INFLATION", 3.0)
-    again = match_points(scan, scan, (0.01, 0.0, 0.0)).covariance
-    np.testing.assert_allclose(again, 1.5 * found, rtol=1e-6)

@@ -22,14 +22,9 @@ def test_equals_the_literal_distance(u, v, weight_u, weight_v):
     expected = literal.segment_distance(u, v, weight_u, weight_v)
     found = metrics.segment_distance(u, v, weight_u, weight_v)
     assert found == pytest.approx(expected, rel=1e-7, abs=1e-9)
-
-
-@given(segment, segment, weight, weight)
-def test_symmetric_and_without_direction(u, v, weight_u, weight_v):
-    """D(u, v) = D(v, u), also for perpendicular segments, and whatever end comes first."""
-    d = metrics.segment_distance(u, v, weight_u, weight_v)
-    assert metrics.segment_distance(v, u, weight_v, weight_u) == pytest.approx(d, abs=1e-7)
-    assert metrics.segment_distance(u[::-1], v, weight_u, weight_v) == pytest.approx(d, abs=1e-7)
+    assert metrics.segment_distance(v, u[::-1], weight_v, weight_u) == pytest.approx(
+        found, abs=1e-7
+    )
 
 
 @pytest.mark.parametrize("turn", np.linspace(0, np.pi, 13))
@@ -39,17 +34,6 @@ def test_perpendicular_segments_do_not_change_when_turned(turn):
     expected = metrics.segment_distance(u, v, 1, 2)
     moved = [transform((5, -3, turn), s) for s in (u, v)]
     assert metrics.segment_distance(*moved, 1, 2) == pytest.approx(expected, abs=1e-9)
-
-
-def test_terms_by_hand():
-    """Two parallel walls 0.1 m apart; two that cross at 60 degrees in their middles."""
-    terms = metrics.distance_terms([(0, 0), (2, 0)], [(1, 0.1), (5, 0.1)])
-    np.testing.assert_allclose(terms, (0, 0.05, 0.1), atol=1e-12)
-    half = np.radians(30)
-    u = np.array([(-1, 0), (1, 0)])
-    v = transform((0, 0, 2 * half), u)
-    terms = metrics.distance_terms(u, v)
-    np.testing.assert_allclose(terms, (2 * np.tan(half), np.sin(half), np.sin(2 * half)))
 
 
 def test_segments_without_length():
@@ -126,61 +110,23 @@ def test_nothing_reduced_to_nothing_has_no_quality():
     assert np.isnan(literal.quality([], []))
 
 
-def test_quality_asks_what_was_lost_not_what_was_invented():
-    """Swapping the two maps would punish an invented wall, and overlook a lost one."""
-    walls = np.array([[(0, 0), (5, 0)], [(0, 3), (5, 3)]])
-    assert metrics.quality(walls[:1], walls) == 1
-    assert metrics.quality(walls, walls[:1]) < 0.01
-
-
-@pytest.mark.parametrize("pose", [(100, -20, 2.0), (0, 0, -np.pi / 2)])
-def test_quality_does_not_change_when_both_maps_move(pose):
-    before, after = random_maps(3)
-    moved = metrics.quality(transform(pose, before), transform(pose, after), scale=1)
-    assert moved == pytest.approx(metrics.quality(before, after, scale=1), abs=1e-9)
-
-
 def test_reduction_rate():
     assert metrics.reduction_rate(np.zeros((10, 2, 2)), np.zeros((3, 2, 2))) == pytest.approx(0.7)
     assert metrics.reduction_rate(np.empty((0, 2, 2)), np.empty((0, 2, 2))) == 0
 
 
-@pytest.mark.parametrize(
-    ("value", "word"),
-    [
-        (0.99, "excellent"),
-        (0.65, "excellent"),
-        (0.649, "very good"),
-        (0.55, "very good"),
-        (0.45, "good"),
-        (0.35, "good"),
-        (0.349, "fair"),
-        (0.25, "fair"),
-        (0.2, "poor"),
-        (-3, "poor"),
-    ],
-)
-def test_grades_of_reduction(value, word):
+REDUCTIONS = {"excellent": (0.99, 0.65), "very good": (0.649, 0.55), "good": (0.45, 0.35),
+              "fair": (0.349, 0.25), "poor": (0.2, -3)}  # fmt: skip
+QUALITIES = {"excellent": (1, 0.85), "very good": (0.8499, 0.75), "good": (0.7,), "fair": (0.6,),
+             "poor": (0.5,), "very poor": (0.44, 0)}  # fmt: skip
+
+
+@pytest.mark.parametrize("kind", ["reduction", "quality"])
+def test_grades(kind):
     """Nearest step, halves upward, first and last beyond the list (A 6.2.3)."""
-    assert metrics.grade_reduction(value) == word
-
-
-@pytest.mark.parametrize(
-    ("value", "word"),
-    [
-        (1, "excellent"),
-        (0.85, "excellent"),
-        (0.8499, "very good"),
-        (0.75, "very good"),
-        (0.7, "good"),
-        (0.6, "fair"),
-        (0.5, "poor"),
-        (0.44, "very poor"),
-        (0, "very poor"),
-    ],
-)
-def test_grades_of_quality(value, word):
-    assert metrics.grade_quality(value) == word
+    grade = getattr(metrics, f"grade_{kind}")
+    for word, values in (REDUCTIONS if kind == "reduction" else QUALITIES).items():
+        assert {grade(value) for value in values} == {word}
 
 
 # ------------------------------------------------------------------------ relation errors

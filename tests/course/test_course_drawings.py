@@ -13,7 +13,9 @@ from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 from segmap_course import thesis_results
 
-from segmap.alignment import Candidate, Match, PointStep
+from segmap.alignment import Match
+from segmap.alignment.angle_correspondence import Candidate
+from segmap.alignment.points import PointStep
 from segmap.experiments import select
 from segmap.exports import ros_classes
 from segmap.matching import DistanceField

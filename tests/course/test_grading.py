@@ -3,7 +3,7 @@
 import csv
 import json
 import os
-import shutil
+import pickle
 import subprocess
 import sys
 
@@ -19,8 +19,7 @@ from segmap_course.grading._jail import Limits, Locks
 from segmap_course.grading._report import safe
 from segmap_course.grading._run import Pool, outcome
 from segmap_course.grading._submissions import Answer, Submission, submissions
-from segmap_course.grading._wire import packed, unpacked
-from segmap_course.grading.handout._tasks import CHECKS, Task
+from segmap_course.grading.handout._tasks import Task
 
 LIMITS = Limits(seconds=30, cpu=1, memory=1 << 28)
 TASK = Task(
@@ -173,8 +172,8 @@ my_compose = abs
         (body("os.kill(os.getpid(), 9)"), "ended"),
         (body("[os.write(k, b'x' * 99) for k in range(3, 60) if ok(k)]"), "wrong"),
         (
-            "import os\nfor k in range(3, 64):\n    try: os.write(k, b'[1, 2]')\n"
-            "    except OSError: pass\nos._exit(0)",
+            "import contextlib, os\nfor k in range(3, 64):\n"
+            "    with contextlib.suppress(OSError): os.write(k, b'[1, 2]')\nos._exit(0)",
             "no answer",
         ),
         (body("return np.zeros(10**6)"), "wrong"),
@@ -221,7 +220,7 @@ def test_an_open_exercise_is_judged_where_no_student_s_code_runs(
     exercise = course.OPEN_EXERCISES[task]
     asked = Task(task, "x", (given,), 4, "import numpy as np\nimport segmap", given)
     handed = Submission("ann", "", [Answer(f"{task}-answer", "code", cell)], [])
-    found = _grade._one(handed, asked, exercise, cases_of(exercise, 5), pool, LIMITS)
+    found = _grade._one(handed, asked, exercise, cases_of(exercise, 5), pool)
     assert found.kind == kind and words in found.reason
 
 
@@ -238,7 +237,7 @@ def test_cases_arrive_as_they_were_sent(name):
     """Catches a tuple that becomes a list, a whole number that becomes a float, a lost function."""
     exercise = EXERCISES[name]
     cases = {**exercise.cases, **exercise.fresh(5)}
-    arrived = unpacked(json.loads(json.dumps(packed(cases))))
+    arrived = pickle.loads(pickle.dumps(cases))
     assert list(arrived) == list(cases)
     for sent, found in zip(cases.values(), arrived.values(), strict=True):
         assert [type(a) for a in sent] == [type(b) for b in found]
@@ -347,11 +346,6 @@ def test_without_a_lock_on_files_nothing_runs(tmp_path, monkeypatch):
     assert "Not on this system: files" in str(Open.locks)
 
 
-def test_every_exercise_has_a_column():
-    assert {name.removeprefix("check_") for name in CHECKS} >= set(EXERCISES)
-    assert shutil.which("unshare") is None or _run.apart is not None
-
-
 WITHHELD = """
 import json, sys
 import right_answers
@@ -360,7 +354,7 @@ from segmap_course.grading._answer import withhold
 exercise = EXERCISES[sys.argv[1]]
 cases = exercise.cases
 withhold(exercise)
-print(json.dumps([exercise.answers(f, cases) for f in right_answers.RIGHT[exercise.name]]))
+print(json.dumps(exercise.answers(right_answers.RIGHT[exercise.name], cases)))
 """
 
 
@@ -371,7 +365,7 @@ def test_right_answers_do_without_the_library_s(name):
     words = [sys.executable, "-c", WITHHELD, name]
     where = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
     found = subprocess.run(words, capture_output=True, text=True, check=True, env=where)
-    assert all(EXERCISES[name].verdict(answers) for answers in json.loads(found.stdout))
+    assert EXERCISES[name].verdict(json.loads(found.stdout))
 
 
 EMPTIED = """

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import segmap_course as course
 from conftest import slow
-from driven_panels import assert_answers, unpainted
+from driven_panels import LEANING, LOG, ROOM, WALLS, assert_answers, unpainted
 from matplotlib.figure import Figure
 from quadtrees import leaves_of
 from segmap_course.panels._graphs import partnered
@@ -29,16 +29,9 @@ from segmap.reduction import (
     viewing_sector,
     weighted_line_fitting,
 )
-from segmap.simulation import URG_04LX, drive, rectangular_room, simulate, square_room
+from segmap.simulation import URG_04LX, square_room
 from segmap.testing import assert_poses_equal
 
-ROOM = rectangular_room(4.0, 3.0)
-LOG = simulate(
-    ROOM, drive([(1, 1), (3, 1)], step=0.5), sensor=URG_04LX, rng=np.random.default_rng(2)
-)
-WALLS = SegmentMap([[(0, y), (2, y)] for y in (0.0, 0.03, 0.10, 0.15, 1.0)])
-#: Two that touch at (2, 0), six degrees apart: rho of both is near 0 there, and not elsewhere.
-LEANING = SegmentMap([[(0, 0), (2, 0)], [(1.95, 0), (3.9, 0.2)], [(9, 9), (9, 9.1)]])
 #: A door in the wall at y = 3: shut in scan 0, open in scan 1, which sees the wall behind.
 DOOR = SegmentMap(
     [[(-2, 3), (2, 3)], [(-2, 3), (-1, 3)], [(1, 3.05), (2, 3.05)], [(-2, 5), (2, 5)]],
@@ -158,25 +151,18 @@ def test_a_point_between_two_with_partners_has_one_and_others_have_not():
         ("FusionPanel", WALLS, fusion, {"tolerance": 0.06}),
         ("BasicPanel", BEND, basic_offline, {"distance": 0.15, "angle": 4}),
         ("BasicPanel", BEND, basic_online, {"distance": 0.15, "angle": 4}),
-        ("HybridPanel", LEANING, hybrid, {"angle": 5}),
-        ("HybridPanel", LEANING, hybrid, {"distance": 0.05}),
-        ("MeanShiftPanel", CORNER, mean_shift, {"sigma": 0.2, "angle": 10}),
+        ("HybridPanel", LEANING, hybrid, {"angle": 5, "distance": 0.05}),
         ("MeanShiftPanel", CORNER, mean_shift, {"sigma": 0.5, "angle": 10}),
         ("MeanShiftPanel", CORNER, mean_shift, {"sigma": 0.5, "angle": 1}),
-        ("WeightedPanel", WALLS, weighted_line_fitting, {"place": 0, "heading": 0, "chi2": 9.2}),
         ("WeightedPanel", WALLS, weighted_line_fitting, {"place": 0.1, "heading": 2, "chi2": 3}),
         ("WeightedPanel", WALLS, weighted_line_fitting, {"place": 0.2, "gap": 0, "chi2": 30}),
-        ("LeastCostPanel", WALLS, least_cost, {"penalty": 0.005}),
-        ("LeastCostPanel", WALLS, least_cost, {"distance": 0.02}),
         ("LeastCostPanel", WALLS, least_cost, {"penalty": 0.4, "distance": 0.2}),
         ("LeastCostPanel", BROKEN, least_cost, {"gap": 0.09}),
-        ("ChainPanel", BENT, polyline, {"tolerance": 0.4}),
-        ("ChainPanel", BENT, polyline, {"far": 0.25}),
+        ("ChainPanel", BENT, polyline, {"tolerance": 0.4, "far": 0.25}),
         ("ChainPanel", BENT, polyline, {"bridge": 0.0}),
         ("SectorPanel", DOOR, viewing_sector, {"forget": False}),
         ("SectorPanel", DOOR, viewing_sector, {"rejoin": False}),
-        ("SectorPanel", DOOR, viewing_sector, {"distance": 0.02}),
-        ("SectorPanel", DOOR, viewing_sector, {"min_length": 1.0}),
+        ("SectorPanel", DOOR, viewing_sector, {"min_length": 1.0, "distance": 0.02}),
     ],
 )
 def test_a_panel_of_a_reduction_shows_what_the_method_finds(name, map, method, settings):
@@ -410,7 +396,7 @@ def test_without_the_mask_a_ray_crosses_the_neighbours_of_its_end():
     assert (counts[False] - counts[True]).tolist() == [0, 0, 1, 0]
 
 
-@pytest.mark.parametrize("seed", range(30))
+@pytest.mark.parametrize("seed", range(12))
 def test_touched_cells_are_those_whose_square_the_segment_meets(seed):
     """Against every cell of a box, by clipping the segment to its square."""
     rng = np.random.default_rng(seed)
@@ -429,20 +415,6 @@ def test_touched_cells_are_those_whose_square_the_segment_meets(seed):
                 expected.add((x, y))
     found = touched_cells(tuple(start.tolist()), tuple(end.tolist()))
     assert {tuple(c) for c in found.tolist()} == expected
-
-
-@unpainted
-def test_both_failures_do_what_the_thesis_shows():
-    """B fig. 4.5: walls turn grey, and space outside turns free; the mask alone cures the first."""
-    panel = course.RayPanel()
-    share = {}
-    for touched in (False, True):
-        for mask in (True, False):
-            panel.touched.value, panel.mask.value = touched, mask
-            share[touched, mask] = panel.walls_kept.value.split()[0], panel.outside.value
-    assert share[False, True] == ("100", "0.00 m\u00b2 free outside")
-    assert int(share[False, False][0]) < 100
-    assert int(share[True, False][0]) < 50 and share[True, False][1] > share[False, False][1]
 
 
 @unpainted

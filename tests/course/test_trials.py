@@ -22,26 +22,11 @@ def test_the_records_hold_every_pair():
     assert np.median([t.seconds for t in best]) <= 0.010
 
 
-def test_literal_pairs_lose_their_way():
-    """Each of B's printed settings with the occupancy score: more than a metre off at the worst."""
-    lost = {t.matcher for t in load_trials() if t.score == "occupancy" and t.largest > 1.0}
-    assert lost == {"hill climbing, thesis", "sample and rank, thesis"}
-
-
-def test_good_poses_leave_few_leaves():
-    """B's free figure of merit (Fig. 6.17), over all trials: order by error is order by leaves."""
-    from scipy.stats import spearmanr
-
-    trials = load_trials()
-    rank = spearmanr([t.median for t in trials], [t.leaves for t in trials]).statistic
-    assert rank > 0.8
-
-
-@pytest.mark.parametrize("matcher", ["hill climbing", "sample and rank"])
-def test_a_record_is_made_again(matcher):
+def test_a_record_is_made_again():
     """Same walk, same seed, same errors; the machine may be another."""
-    record = next(t for t in load_trials() if (t.matcher, t.score) == (matcher, "field"))
-    again = try_pair(room_walk(seed=record.seed), matcher, "field", seed=record.seed)
+    drawn = [t for t in load_trials() if (t.matcher, t.score) == ("sample and rank", "field")]
+    record = drawn[0]
+    again = try_pair(room_walk(seed=record.seed), "sample and rank", "field", seed=record.seed)
     assert replace(again, seconds=0.0) == replace(record, seconds=0.0)
 
 

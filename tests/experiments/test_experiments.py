@@ -25,7 +25,8 @@ from sweep_samples import (
 )
 
 from segmap import METHODS, metrics
-from segmap.experiments import digest, read_records, select, sweep, thresholds_of
+from segmap.experiments import read_records, select, sweep, thresholds_of
+from segmap.experiments._plan import digest
 
 
 @pytest.fixture(scope="module")

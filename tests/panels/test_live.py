@@ -122,6 +122,7 @@ def test_the_panel_tells_of_a_lost_sensor():
         emulator.unplug()
         wait_for(lambda: "the sensor is gone" in panel.state.value)
         panel.stop.click()
+        assert panel.taken and "live map" not in [each.name for each in threading.enumerate()]
 
 
 def test_the_map_is_that_of_map_scans():
@@ -310,6 +311,7 @@ def test_a_fault_of_the_source_ends_in_words(source, words):
     panel = LivePanel(source)
     panel.start.click()
     wait_for(lambda: words in panel.state.value)
+    assert panel.taken == 0
 
 
 def test_stop_does_not_wait_for_ever(monkeypatch):

@@ -3,7 +3,7 @@
 import ipywidgets as W
 import numpy as np
 import pytest
-from driven_panels import FINER, assert_answers, unpainted
+from driven_panels import FINER, LEANING, LOG, WALLS, assert_answers, unpainted
 from matplotlib.figure import Figure
 from quadtrees import leaves_of
 from segmap_course import FusionPanel, HybridPanel, MeanShiftPanel, SectorPanel
@@ -14,15 +14,7 @@ from segmap.panels import ComparePanel, LivePanel, Panel, QuadtreePanel, ScanPan
 from segmap.panels._view import FRAME
 from segmap.plotting import ERROR, RESULT, TRUTH
 from segmap.quadtree import build_map
-from segmap.simulation import URG_04LX, drive, rectangular_room, simulate
 
-ROOM = rectangular_room(4.0, 3.0)
-LOG = simulate(
-    ROOM, drive([(1, 1), (3, 1)], step=0.5), sensor=URG_04LX, rng=np.random.default_rng(2)
-)
-WALLS = SegmentMap([[(0, y), (2, y)] for y in (0.0, 0.03, 0.10, 0.15, 1.0)])
-#: Two that touch at (2, 0), six degrees apart: rho of both is near 0 there, and not elsewhere.
-LEANING = SegmentMap([[(0, 0), (2, 0)], [(1.95, 0), (3.9, 0.2)], [(9, 9), (9, 9.1)]])
 RUNS = sweep(
     {"walls": WALLS},
     ["fusion", "hybrid"],

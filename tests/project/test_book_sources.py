@@ -99,12 +99,6 @@ def test_names_in_the_words_of_a_chapter_lead_to_one_entry():
 # ------------------------------------------------------------------ formulas
 
 
-@pytest.mark.parametrize("name", [r"\arg\min_k", r"\operatorname{atan2}(y, x)", r"\argument"])
-def test_names_of_functions_in_formulas(name):
-    """Catches a backslash on the page; one that is no name stays, and the next test finds it."""
-    assert ("\\" in extension.formula(name)) == (name == r"\argument")
-
-
 def test_every_formula_of_the_chapters_can_be_shown():
     """Catches a command that the converter does not know and would print as it stands."""
     from markdown_it import MarkdownIt

@@ -31,7 +31,6 @@ ROOMS = [
     "reduction", "quadtree", "matching", "exports", "readers", "plotting", "experiments",
     "panels", "testing", "hokuyo", "hokuyo.emulator",
 ]  # fmt: skip
-#: Not walked: what needs a sensor that is connected, see tests/hokuyo.
 #: What the library makes itself and hands out: nobody else has to call these.
 MADE = {"Alignment", "Graph", "LogError", "Match", "Methods", "Reduction", "take_points", "Tree",
         "Verdict", "Port", "SensorError", "SensorGone", "UnknownFormat"}  # fmt: skip
@@ -111,9 +110,7 @@ def bounded(tmp_path_factory):
     resource.setrlimit(resource.RLIMIT_AS, (12 << 30, hard))
     with pytest.MonkeyPatch.context() as patch:
         patch.chdir(folder)
-        patch.setattr(
-            "segmap.panels._base.figure_png", lambda figure, **finer: b""
-        )  # drawn, not painted
+        patch.setattr("segmap.panels._base.figure_png", lambda figure, **finer: b"")
         yield
     resource.setrlimit(resource.RLIMIT_AS, (soft, hard))
 
@@ -147,12 +144,6 @@ def numbers_in(found):
         names = ("pose", "poses", "segments")
         parts = [getattr(found, name) for name in names if hasattr(found, name)]
     return np.concatenate([np.empty(0), *map(numbers_in, parts)])
-
-
-@pytest.mark.parametrize(("room", "door", "function"), DOORS, ids=lambda v: v if v in ROOMS else "")
-def test_the_good_call_is_good(room, door, function):
-    """Catches a table whose calls fail for another reason than the one tested."""
-    call(room, door, function)
 
 
 #: What a value that is allowed is warned of: see test_units.
@@ -191,6 +182,7 @@ def complaint(room, door, function, name, bad, must):
 @pytest.mark.parametrize(("room", "door", "function"), DOORS, ids=lambda v: v if v in ROOMS else "")
 def test_bad_arguments_are_value_errors(room, door, function):
     """Catches a traceback of numpy, numba or scipy, nonsense that passes in silence, and a hang."""
+    call(room, door, function)  # as it should be: else all that follows fails for another reason
     wrong = []
     for name, word, bad, must in cases(room, door, function):
         faulthandler.dump_traceback_later(300, exit=True)

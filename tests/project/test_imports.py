@@ -103,21 +103,15 @@ def test_imports_run_downwards_and_leave_private_names(path):
     ("module", "source", "count"),
     [
         ("segmap.scans._scans", "from ..readers import read", 1),
-        ("segmap.scans._scans", "from .. import readers", 1),
-        ("segmap.scans._scans", "import segmap.readers.carmen", 1),
         ("segmap.scans._scans", "def f():\n    from segmap import readers", 1),
-        ("segmap.poses._poses", "from ..segments import length", 1),
-        ("segmap.reduction._fusion", "from ..plotting import draw_segments", 1),
         ("segmap.scans._scans", "import importlib\nimportlib.import_module('segmap.plotting')", 1),
-        ("segmap._commands._map", "import segmap_course", 0),
-        ("segmap._commands._map", "from segmap_course import panels", 1),
+        ("segmap.poses._poses", "from ..segments import length", 1),
+        ("segmap._commands._map", "import segmap_course.panels", 1),
         ("segmap.reduction._fusion", "from ._runner import run\nfrom ..segments import length", 0),
     ],
 )
 def test_an_upward_import_is_seen(module, source, count):
     """Catches a test that looks at one spelling of `import` only, or forbids siblings."""
-    if source == "import segmap_course":
-        source, count = "import segmap_course.panels", 1
     assert len(upward(source, module, module.split(".")[:-1])) == count
 
 
@@ -125,10 +119,7 @@ def test_an_upward_import_is_seen(module, source, count):
     ("source", "count"),
     [
         ("from ..quadtree._tree import grow", 1),
-        ("from ..quadtree import _tree", 1),
-        ("import segmap.quadtree._tree", 1),
         ("from .. import quadtree\nquadtree._tree.grow()", 1),
-        ("from ..quadtree import QuadtreeMap\nQuadtreeMap._of(1)", 1),
         ("from ..alignment.points._match import step", 1),
         ("from ._score import look_up\nfrom .._display import picture\nself._x = 1", 0),
         ("from numpy._core import _x", 0),
@@ -136,11 +127,6 @@ def test_an_upward_import_is_seen(module, source, count):
 )
 def test_a_private_name_of_another_folder_is_seen(source, count):
     assert len(crossing(source, ["segmap", "matching"])) == count
-
-
-def test_a_room_without_a_place_is_asked_for_one():
-    with pytest.raises(AssertionError, match="give the room 'cellar' its place"):
-        upward("", "segmap.cellar", ["segmap"])
 
 
 def python(code: str, *options: str) -> subprocess.CompletedProcess[str]:
@@ -164,14 +150,7 @@ def test_a_notebook_draws_though_only_segmap_was_imported():
 
 def test_every_room_is_reachable_after_import_segmap():
     """Catches a room that a newcomer must import by itself before it can be used."""
-    shared = {
-        "compiled",
-        "files",
-        "kernels",
-        "methods",
-        "threads",
-        "data",
-    }  # parts of several rooms
+    shared = {"compiled", "files", "kernels", "methods", "threads", "data"}  # parts of several
     rooms = {p.stem for p in PACKAGES[0].iterdir() if p.suffix in ("", ".py") and p.stem[0] != "_"}
     assert rooms - set(segmap.__all__) - shared == set()
     reached = python("import segmap\nfor name in segmap.__all__: getattr(segmap, name).__name__")
@@ -190,10 +169,7 @@ def test_a_missing_package_is_named_with_the_extra_that_brings_it():
     ("code", "options", "now"),
     [
         ("from segmap import course", (), "segmap_course"),
-        ("import segmap.course", (), "segmap_course"),
         ("from segmap.literal import basic", (), "segmap_course.literal"),
-        ("import segmap; segmap.emulator", (), "segmap.hokuyo.emulator"),
-        ("", ("-m", "segmap.course", "handout"), "segmap_course"),
         ("", ("-m", "segmap.emulator"), "segmap.hokuyo.emulator"),
     ],
 )

@@ -27,19 +27,19 @@ def test_there_are_chapters_and_all_have_a_number():
     assert all(re.match(r"\d\d_[a-z0-9_]+\.ipynb$", path.name) for path in CHAPTERS)
 
 
-@pytest.mark.parametrize("path", CHAPTERS, ids=lambda path: path.stem[:2])
-def test_chapter_is_linked(path):
+def test_every_chapter_is_linked():
     """Catches a chapter that no reader finds."""
-    assert f"notebooks/{path.name}" in rules.links((ROOT / "README.md").read_text())
-    start = CHAPTERS[0]
-    assert path == start or path.name in rules.links(rules.markdown(read(start)))
+    start, *others = [path.name for path in CHAPTERS]
+    named = rules.links((ROOT / "README.md").read_text())
+    assert {f"notebooks/{name}" for name in (start, *others)} <= set(named)
+    assert set(others) <= set(rules.links(rules.markdown(read(CHAPTERS[0]))))
 
 
-@pytest.mark.parametrize("name", ["README.md", "environment.md", "data/malaga/README.md"])
+@pytest.mark.parametrize("name", ["README.md", "environment.md", "data/malaga/README.md",
+                                  "notebooks/SYLLABUS.md", "notebooks/INSTRUCTOR.md"])  # fmt: skip
 def test_links_of_the_other_texts_resolve(name):
     here = ROOT / name
-    broken = [t for t in rules.links(here.read_text()) if not (here.parent / t).exists()]
-    assert broken == []
+    assert [t for t in rules.links(here.read_text()) if not (here.parent / t).exists()] == []
 
 
 def test_readme_picture_is_the_one_of_chapter_00():
@@ -59,13 +59,8 @@ def markdown_cell(text):
 
 
 def code_cell(source, count, *outputs):
-    return {
-        "cell_type": "code",
-        "metadata": {},
-        "source": source,
-        "execution_count": count,
-        "outputs": list(outputs),
-    }
+    ran = {"execution_count": count, "outputs": list(outputs)}
+    return {"cell_type": "code", "metadata": {}, "source": source} | ran
 
 
 def stream(text, name="stdout"):
@@ -97,7 +92,6 @@ GOOD = {
 
 BREACHES = [
     ("executed_in_order", lambda c: c[3].update(execution_count=None)),
-    ("executed_in_order", lambda c: c[3].update(execution_count=7)),
     ("executed_in_order", lambda c: c.__delitem__(slice(1, 2))),
     ("no_errors", lambda c: put(c, {"output_type": "error", "ename": "ValueError"})),
     ("no_errors", lambda c: put(c, stream("Warning: old", "stderr"))),
@@ -109,7 +103,6 @@ BREACHES = [
     ("resets_its_panel", lambda c: c[4].update(source="panel.step.value = 3\nassert panel")),
     ("steady_outputs", lambda c: put(c, shown(plain="<Thing object at 0x7f3a5c0d>"))),
     ("steady_outputs", lambda c: put(c, shown(page=["<b>/home/me", "/log.gz</b>"]))),
-    ("steady_outputs", lambda c: put(c, stream("/tmp/x/y"))),
     ("steady_outputs", lambda c: put(c, stream(r"C:\Users\me"))),
     ("steady_outputs", lambda c: put(c, stream("on 2026-11-21"))),
     ("steady_outputs", lambda c: put(c, stream("at 10:02:33"))),
@@ -123,7 +116,6 @@ BREACHES = [
     ("short_cells", lambda c: c[1].update(source=["x = 1\n"] * 16)),
     ("defines_nothing_twice", lambda c: c[6].update(source="def wrap(angle):\n    return angle")),
     ("links_resolve", lambda c: c[2].update(source="## What goes wrong\n[x](98_gone.ipynb)")),
-    ("links_resolve", lambda c: c[2].update(source="## What goes wrong\n![x](no.png)")),
     ("has_claim", lambda c: c[0].update(source="# 99 A chapter\n")),
     ("has_claim", lambda c: c[0].update(source="No title\n\nIt claims this.")),
     ("has_summary", lambda c: c.pop()),
@@ -141,12 +133,6 @@ def put(cells, output):
     cells[1]["outputs"].append(output)
 
 
-def broken(breach):
-    notebook = copy.deepcopy(GOOD)
-    breach(notebook["cells"])
-    return notebook
-
-
 def test_a_clean_chapter_passes():
     """Catches a rule that nothing can meet."""
     assert [rule.__name__ for rule in rules.RULES if rule(GOOD)] == []
@@ -157,17 +143,14 @@ def test_a_clean_chapter_passes():
 )
 def test_a_breach_is_seen_by_its_rule_alone(name, breach):
     """Catches a rule that passes silently, and one that complains of something else."""
-    notebook = broken(breach)
+    notebook = copy.deepcopy(GOOD)
+    breach(notebook["cells"])
     complaining = {rule.__name__ for rule in rules.RULES if rule(notebook)}
     assert name in complaining
     assert complaining <= {name, "executed_in_order"}
 
 
-def test_widget_state_is_seen():
-    notebook = copy.deepcopy(GOOD) | {"metadata": {"widgets": {}}}
-    assert rules.no_widget_state(notebook) == ["metadata holds widgets: run make refresh"]
-
-
 def test_every_rule_has_a_breach():
+    assert rules.no_widget_state(GOOD | {"metadata": {"widgets": {}}})
     tried = {name for name, _ in BREACHES} | {"no_widget_state"}
     assert tried == {rule.__name__ for rule in rules.RULES}

@@ -14,7 +14,7 @@ from segmap.testing import assert_segments_equal
 TOLERANCE = 0.04
 
 
-@pytest.mark.parametrize("seed", range(20))
+@pytest.mark.parametrize("seed", range(8))
 def test_first_chain_is_at_least_as_long_as_any_on_a_fine_grid_of_lines(seed):
     """A greedy move of the line, or a forgotten shift, misses the best strip."""
     segments = corridor_map(np.random.default_rng(seed), 40)
@@ -49,22 +49,6 @@ def test_members_lie_inside_their_strip(seed):
         along = (b - a) / np.hypot(*(b - a))
         off = np.abs((ends - a) @ (-along[1], along[0]))
         assert off.max() <= TOLERANCE + 1e-8
-
-
-def test_weakness_a_stub_across_the_wall_is_swallowed():
-    """The counter-example of the chapter: there is no test of angles (A 6.3)."""
-    wall_and_stub = np.array([[(0, 0), (4, 0)], [(2, -0.03), (2, 0.03)]])
-    assert len(fusion(wall_and_stub, tolerance=0.04)) == 1
-    assert len(fusion(wall_and_stub, tolerance=0.02)) == 2
-
-
-def test_weakness_the_longest_decides_the_direction():
-    """The result is parallel to the longest segment even where all others disagree (A 6.3)."""
-    rows = [[(0, 0.0), (1.0, 0.05)]] + [[(0, y), (0.99, y)] for y in (0.01, 0.02, 0.03)]
-    found = fusion(np.array(rows), tolerance=0.05)
-    assert len(found) == 1
-    rise = np.diff(found.segments[0], axis=0)[0]
-    assert rise[1] / rise[0] == pytest.approx(0.05)
 
 
 @pytest.mark.parametrize("side", [1, -1])

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from reduction_maps import MAPS, malaga
+from reduction_maps import MAPS
 
 from segmap.reduction import fusion, hybrid, hybrid_fusion
 from segmap.segments import SegmentMap
@@ -71,21 +71,3 @@ def test_no_more_segments_than_hybrid_with_fusion_at_the_end_only(make, seed):
     whole = np.where(kept.parents < 0, -1, np.append(fused.parents, -1)[kept.parents])
     np.testing.assert_array_equal(found.parents, whole)
     assert len(found) <= len(kept)
-
-
-def test_fewer_segments_than_hybrid_on_a_real_map_and_a_smaller_map_meanwhile():
-    """What the thesis hopes for (A 7); a Fusion that does nothing fails here."""
-    map = malaga()
-    plain, often = (
-        hybrid(map, distance=0.1),
-        hybrid_fusion(map, distance=0.1, tolerance=0.02, every=10),
-    )
-    assert len(often) < 0.7 * len(plain)
-    assert often.scan_live.max() < 0.8 * plain.scan_live.max()
-
-
-def test_weakness_a_stub_that_hybrid_keeps_is_swallowed():
-    """Hybrid tests angles and Fusion does not: so the two together do not."""
-    wall_and_stub = [[(0, 0), (4, 0)], [(2, -0.03), (2, 0.03)]]
-    assert len(hybrid(wall_and_stub, min_length=0.0)) == 2
-    assert len(hybrid_fusion(wall_and_stub, min_length=0.0)) == 1

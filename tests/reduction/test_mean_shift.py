@@ -2,14 +2,13 @@
 
 import numpy as np
 import pytest
-from reduction_maps import MAPS, malaga, redundant_map
+from reduction_maps import MAPS, redundant_map
 from segmap_course.literal.reduction.mean_shift import cut
 
-from segmap import metrics
 from segmap.poses import transform
 from segmap.reduction import common_directions, mean_shift
-from segmap.reduction._climb_kernels import climb
 from segmap.reduction._mean_shift import pieces_of
+from segmap.reduction._mean_shift_kernels import climb
 from segmap.segments import length
 from segmap.testing import assert_segments_equal
 
@@ -25,12 +24,6 @@ def test_turning_a_building_of_right_angles_turns_the_result(turn, sigma):
     found = mean_shift(transform((0, 0, turn), room), sigma=sigma)
     moved = transform((0, 0, turn), mean_shift(room, sigma=sigma).segments)
     assert_segments_equal(found.segments, moved, atol=1e-8)
-
-
-def test_scaling_without_the_bandwidth_does_not():
-    """The counter-example: a thousandth of the bandwidth keeps angles apart that were alike."""
-    segments = redundant_map(np.random.default_rng(6), 20) / 3
-    assert len(mean_shift(segments / 1000, sigma=0.2 / 1000)) != len(mean_shift(segments))
 
 
 @pytest.mark.parametrize("make", MAPS)
@@ -52,15 +45,6 @@ def test_pieces_are_as_few_as_are_no_longer_than_sigma(wall, pieces):
     assert owner.tolist() == [0] * pieces
     np.testing.assert_allclose(length(found), wall / pieces, atol=1e-15)
     np.testing.assert_allclose(found[1:, 0], found[:-1, 1], atol=1e-15)
-
-
-def test_two_points_attract_as_their_kernel_says():
-    """The closed form: at distance h, the weights are 1 and exp(-h^2 / 2)."""
-    points = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]])
-    centres, steps = climb(points, ALIKE, np.inf, 10.0)
-    share = np.exp(-0.5) / (1 + np.exp(-0.5))
-    assert steps == 1
-    np.testing.assert_allclose(centres, [(share, 0, 0), (1 - share, 0, 0)], atol=1e-12)
 
 
 def test_points_at_three_deviations_pull_and_those_beyond_do_not():
@@ -110,25 +94,6 @@ def test_the_first_phase_can_be_watched():
     assert np.abs(whole.centres - one)[:, :2].max() > 0.01
     assert len(whole.theta) == whole.cluster.max() + 1
     np.testing.assert_array_equal(whole.owner, [piece.owner for piece in literal])
-
-
-def test_weakness_more_segments_than_it_got():
-    """The counter-example: pieces climb to where the wall was seen twice, and leave gaps behind.
-
-    Both inputs have most of their length in the middle: the outer outputs are no one's parent.
-    """
-    wall_and_part = np.array([[(0, 0), (4, 0)], [(1.5, 0.01), (2.5, 0.01)]])
-    found = mean_shift(wall_and_part)
-    assert len(found) == 3
-    assert found.parents.tolist() == [1, 1]
-    np.testing.assert_allclose(found.segments[:, :, 0], [(0, 1), (1, 3), (3, 4)], atol=1e-9)
-
-
-def test_weakness_quality_collapses_as_sigma_grows():
-    """Walls shorter than sigma stay whole, and are turned to one direction (A 6.3)."""
-    map = malaga()
-    found = [metrics.quality(map, mean_shift(map, sigma=s)) for s in (0.2, 0.4, 1.0)]
-    assert found[0] > 0.7 > 0.5 > found[1] > 0.2 > found[2]
 
 
 @pytest.mark.parametrize(

@@ -17,94 +17,57 @@ from reduction_maps import (
     redundant_map,
     second_building,
 )
+from zoo import segment_zoo
 
 from segmap.metrics import quality
 from segmap.poses import transform
 from segmap.reduction import METHODS
 from segmap.segments import SegmentMap, length
-from segmap.testing import assert_segments_equal, segment_zoo
+from segmap.testing import assert_segments_equal
 
 methods = pytest.mark.parametrize("name", METHODS)
 #: All but the one whose cells lie along the axes of the map: surveyed/test_fuzzy_clustering.py.
 anyhow = pytest.mark.parametrize("name", [n for n in METHODS if n != "fuzzy_clustering"])
-TEN = np.pi / 18
 
 #: Thresholds at which each method meets its plain version, and how many segments that can bear.
 THRESHOLDS = {
-    "basic_offline": [
-        {"distance": 0.1, "angle": 0.1},
-        {},
-        {"distance": 0.37, "angle": 0.5},
-        {"angle": np.pi / 2},
-    ],
-    "hybrid": [
-        {"distance": 0.1, "angle": 0.1, "min_length": 0.0},
-        {},
-        {"distance": 0.37, "angle": 0.5, "min_length": 0.1},
-        {"angle": np.pi / 2, "min_length": 0.0},
-    ],
-    "mean_shift": [
-        {},
-        {"sigma": 0.5},
-        {"sigma": 0.35, "bandwidth": 0.1},
-        {"sigma": 0.4, "bandwidth": 2.0},
-        {"sigma": 0.9, "bandwidth": 1.5},
-    ],
+    "basic_offline": [{}, {"distance": 0.1, "angle": 0.1}, {"distance": 0.37, "angle": 0.5},
+                      {"angle": np.pi / 2}],
+    "hybrid": [{}, {"distance": 0.1, "angle": 0.1, "min_length": 0.0},
+               {"distance": 0.37, "angle": 0.5, "min_length": 0.1},
+               {"angle": np.pi / 2, "min_length": 0.0}],
+    "mean_shift": [{}, {"sigma": 0.5}, {"sigma": 0.35, "bandwidth": 0.1},
+                   {"sigma": 0.4, "bandwidth": 2.0}, {"sigma": 0.9, "bandwidth": 1.5}],
     "fusion": [{"tolerance": t} for t in (0.013, 0.04, 0.1, 2.0)],
-    "hybrid_fusion": [
-        {**others, "every": every}
-        for every in (1, 2, 5, 100)
-        for others in ({}, {"distance": 0.37, "angle": 0.5, "min_length": 0.0, "tolerance": 0.11})
-    ],
+    "hybrid_fusion": [{**others, "every": every} for every in (1, 2, 5, 100) for others in (
+        {}, {"distance": 0.37, "angle": 0.5, "min_length": 0.0, "tolerance": 0.11})],
     "segment_similarity": [{"distance": d} for d in (0.01, 0.03, 0.1, 0.4)],
-    "least_cost": [
-        {},
-        {"penalty": 0.2, "gap": 0.3},
-        {"penalty": 0.01, "angle": 0.3},
-        {"penalty": 0.7, "distance": 0.11},
-    ],
-}
-THRESHOLDS["basic_online"] = THRESHOLDS["basic_offline"]
-THRESHOLDS["weighted_line_fitting"] = [
-    {},
-    {"chi2": 2.0, "gap": np.inf, "turn": np.pi / 2},
-    {"sigma_place": 0.1, "sigma_heading": 0.1, "gap": 0.0},
-    {"sigma_bearing": 0.05, "spacing": 0.2, "chi2": 30.0},
-]
-THRESHOLDS["uncertain_parameters"] = [
-    {},
-    {"distance": 0.37, "angle": 0.5, "eps": 0.03},
-    {"angle": np.pi / 2, "origin": "map"},
-]
-THRESHOLDS["polyline"] = [
-    {},
-    {"tolerance": 0.01, "bridge": 0.0},
-    {"tolerance": 0.213, "far": 0.31, "long": 0.11, "bridge": np.inf},
-]
+    "least_cost": [{}, {"penalty": 0.2, "gap": 0.3}, {"penalty": 0.01, "angle": 0.3},
+                   {"penalty": 0.7, "distance": 0.11}],
+    "weighted_line_fitting": [{}, {"chi2": 2.0, "gap": np.inf, "turn": np.pi / 2},
+                              {"sigma_place": 0.1, "sigma_heading": 0.1, "gap": 0.0},
+                              {"sigma_bearing": 0.05, "spacing": 0.2, "chi2": 30.0}],
+    "uncertain_parameters": [{}, {"distance": 0.37, "angle": 0.5, "eps": 0.03},
+                             {"angle": np.pi / 2, "origin": "map"}],
+    "polyline": [{}, {"tolerance": 0.01, "bridge": 0.0},
+                 {"tolerance": 0.213, "far": 0.31, "long": 0.11, "bridge": np.inf}],
+    "fuzzy_set": [{}, {"across": 0.5, "along": 0.05, "angle": np.pi / 4},
+                  {"axes": 0.3, "error": 0.1}],
+    "fuzzy_clustering": [{}, {"cell": 0.7, "corner": (0.3, -0.2), "every": 1, "min_points": 3},
+                         {"noise": 0.5, "angle": 0.5, "distance": 0.37, "gap": 0.0, "every": 2,
+                          "min_length": 0.0}],
+    "viewing_sector": [{}, {"distance": 0.3, "forget": False},
+                       {"distance": 0.05, "min_length": 0.01}, {"rejoin": False, "spacing": 0.2}],
+}  # fmt: skip
 THRESHOLDS["fusion_online"] = THRESHOLDS["fusion"]
-THRESHOLDS["fuzzy_set"] = [
-    {},
-    {"across": 0.5, "along": 0.05, "angle": np.pi / 4},
-    {"axes": 0.3, "error": 0.1},
-]
-THRESHOLDS["fuzzy_clustering"] = [
-    {},
-    {"cell": 0.7, "corner": (0.3, -0.2), "every": 1, "min_points": 3},
-    {"noise": 0.5, "angle": 0.5, "distance": 0.37, "gap": 0.0, "every": 2, "min_length": 0.0},
-]
-THRESHOLDS["viewing_sector"] = [
-    {},
-    {"distance": 0.3, "forget": False},
-    {"distance": 0.05, "min_length": 0.01},
-    {"rejoin": False, "spacing": 0.2},
-]
+THRESHOLDS["basic_online"] = THRESHOLDS["basic_offline"]
 #: Thresholds that are lengths, or in the case of the bandwidth one over a length.
 LENGTHS = {"distance", "tolerance", "sigma", "bandwidth", "gap"}
 LENGTHS |= {"sigma_range", "sigma_place", "spacing", "eps", "penalty", "far", "long", "bridge"}
 LENGTHS |= {"min_length", "across", "along", "error", "cell", "noise"}
 #: Mean shift looks at every piece from every piece: smaller maps, nearer together; the plain least
 #: cost tries thousands of lines.
-SMALL = {"mean_shift": (12, 0.5), "least_cost": (24, 0.7)}
+SMALL = {"mean_shift": (12, 0.4), "least_cost": (24, 0.7)}
 #: Segments of a real map that the plain versions of these can bear; the others take 300.
 REAL = {"mean_shift": 25, "least_cost": 80, "segment_similarity": 150, "fuzzy_set": 150}
 GIVEN = [(name, k) for name in METHODS for k in range(len(THRESHOLDS[name]))]
@@ -132,7 +95,7 @@ def test_equals_the_plain_method(name, case, seed, make):
 def test_equals_the_plain_method_in_the_zoo(name, zoo):
     """Empty, points, duplicates, crossings, a map far from the origin."""
     segments = segment_zoo()[zoo]
-    wide = {"sigma": max(0.3, length(segments).sum() / 120)}
+    wide = {"sigma": max(0.3, length(segments).sum() / 60)}
     near = {"distance": 0.3, "angle": 0.3, "min_length": 0.0}
     near = {k: v for k, v in near.items() if k in unwrap(METHODS[name].function).__kwdefaults__}
     thresholds = wide if name == "mean_shift" else near
@@ -165,7 +128,7 @@ def carried(map: SegmentMap, pose, scale: float = 1.0) -> SegmentMap:
     return replace(map, **kept)
 
 
-def moved(name: str, pose, make) -> None:
+def assert_moves(name: str, pose, make) -> None:
     map = made(make, name, 5)
     there = carried(map, pose)
     found, expected = METHODS[name](there), METHODS[name](map)
@@ -179,7 +142,7 @@ def moved(name: str, pose, make) -> None:
 @pytest.mark.parametrize("make", [random_map, redundant_map])
 def test_turning_the_map_about_the_origin_turns_the_result(name, make, turn):
     """`y = mx + q`, plain angles, a theta that wraps wrongly, the sign of eq. 4.15."""
-    moved(name, (0, 0, turn), make)
+    assert_moves(name, (0, 0, turn), make)
 
 
 @pytest.mark.parametrize("name", [n for n in METHODS if not n.startswith("hybrid")])
@@ -189,18 +152,7 @@ def test_moving_the_map_moves_the_result(name, make, pose):
     """A grid that forgets negative cells, a line that depends on the origin."""
     if name == "fuzzy_clustering":
         pose = (2 * pose[0], pose[1], 0)  # by whole cells
-    moved(name, pose, make)
-
-
-@pytest.mark.parametrize("name", ["hybrid", "hybrid_fusion"])
-def test_moving_the_map_can_change_the_result_of_hybrid(name):
-    """The counter-example: rho of a slanted wall changes with the distance of the origin.
-
-    Fusion does not mend it: the second wall leaves its strip.
-    """
-    walls = np.array([[(0, 0.0), (2, 0.0)], [(1.95, 0.0), (3.9, 0.2)]])
-    there = transform((-20, 0, 0), walls)
-    assert [len(METHODS[name](walls)), len(METHODS[name](there))] == [1, 2]
+    assert_moves(name, pose, make)
 
 
 @pytest.mark.filterwarnings("ignore:.*millimetres:UserWarning")
@@ -271,7 +223,7 @@ def test_a_map_without_redundancy_is_kept(name, turn):
 
 @methods
 @given(seed=st.integers(0, 10_000))
-@settings(max_examples=25)
+@settings(max_examples=12)
 def test_no_wall_is_lost_and_none_invented(name, seed):
     """A segment that is listed twice; one that vanishes although no filter asks for it."""
     map = made(MAPS[seed % 4], name, seed)
@@ -295,20 +247,6 @@ def test_basic_is_idempotent(name, make):
     """A last pass that left a match is found by running again."""
     once = METHODS[name](made(make, name, 8) if make else malaga())
     assert_segments_equal(METHODS[name](once).segments, once.segments, ordered=True)
-
-
-@pytest.mark.parametrize("name", ["hybrid", "fusion", "hybrid_fusion", slow("mean_shift")])
-def test_the_others_are_not_idempotent(name):
-    """The counter-example: what has grown together is near what it was far from, or cut anew."""
-    once = METHODS[name](malaga())
-    assert len(METHODS[name](once)) != len(once)
-
-
-def test_hybrid_is_not_idempotent_because_it_never_compares_its_own_segments():
-    """The smallest counter-example: a third piece joins one of two, and reaches the other."""
-    pieces = [[(0, 1), (2, 1)], [(3, 1), (5, 1)], [(1.9, 1), (3.1, 1)]]
-    once = METHODS["hybrid"](SegmentMap(pieces, [0, 0, 0]))
-    assert [len(once), len(METHODS["hybrid"](once))] == [2, 1]
 
 
 @pytest.mark.parametrize("name", [n for n in METHODS if METHODS[n].online])

@@ -58,14 +58,6 @@ def draw_threshold(*groups: pd.DataFrame, method: str, ax: Axes | None = None) -
     ------
     ValueError
         For a method that was run over something else, or not at all.
-
-    Examples
-    --------
-    >>> from matplotlib.figure import Figure
-    >>> from segmap_course import thesis_results
-    >>> ax = draw_threshold(thesis_results(), method="fusion", ax=Figure().subplots())
-    >>> ax.get_xlabel(), [text.get_text() for text in ax.texts]  # upwards
-    ('tolerance [mm]', ['S', 'P', 'B', 'U'])
     """
     runs = [select(group, method=method, filtered=False) for group in groups]
     name = _only_length(method, runs)

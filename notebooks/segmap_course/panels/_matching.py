@@ -19,14 +19,8 @@ from ._lesson import LessonPanel, note, pick, play, slide
 class LandscapePanel(LessonPanel):
     """What a matcher could climb: a score over x and y, and over the heading (B 4.3).
 
-    The scan chosen is laid on the map of those before it, with its heading turned.
-
-    Parameters
-    ----------
-    log : Log
-        With a truth for every scan.
-    resolution : float, metres
-        Of the map.
+    The scan chosen is laid on the map of those before it, with its heading turned. The log has a
+    truth for every scan; the resolution, metres, is that of the map.
 
     Examples
     --------
@@ -78,14 +72,7 @@ class MatcherPanel(LessonPanel):
     """A scan that starts from a wrong pose, and how a matcher moves it (B 4.3).
 
     A step is an accepted move of hill climbing, or a round of sampling: all poses that were tried
-    in it, the best so far last. Beyond the last step it stays there.
-
-    Parameters
-    ----------
-    map : QuadtreeMap
-    points : (n, 2) array, metres
-    pose : (3,) array, metres and radians
-        Where the scan belongs.
+    in it, the best so far last. Beyond the last step it stays there. The scan belongs at the pose.
 
     Examples
     --------

@@ -24,23 +24,8 @@ from ._lesson import LessonPanel, keyword, note, pick, slide
 class RoomPanel(LessonPanel):
     """One scan of a room by a sensor that can be made better and worse.
 
-    Parameters
-    ----------
-    walls : (n, 2, 2) array, metres, or a map
-    pose : (3,) array, metres and radians
-        Where the robot stands.
-    sensor : Sensor
-        Its field of view is kept when the number of beams changes.
-    seed : int
-        Of the noise: the same for every position of the sliders.
-
-    Examples
-    --------
-    >>> from segmap.simulation import square_room
-    >>> panel = RoomPanel(square_room(), (2, 2, 0))
-    >>> panel.noise.value = 0
-    >>> panel.spread.value
-    'range error 0.0 mm (root mean square)'
+    The robot stands at the pose. The sensor keeps its field of view when the number of beams
+    changes, and the seed of the noise is the same for every position of the sliders.
     """
 
     scan: LaserScan
@@ -144,15 +129,7 @@ class PolylinePanel(ExtractionPanel):
 
 
 class DistancePanel(LessonPanel):
-    """A wall of 2 m and a second segment to turn, shift and shorten: what each term measures.
-
-    Examples
-    --------
-    >>> panel = DistancePanel()
-    >>> panel.offset.value = 0.10
-    >>> panel.across.value, panel.apart.value, panel.distance.value
-    ('across 0.050 m', 'apart 0.100 m', 'distance 0.0295 m')
-    """
+    """A wall of 2 m and a second segment to turn, shift and shorten: what each term measures."""
 
     #: The wall and the second segment.
     segments: Array

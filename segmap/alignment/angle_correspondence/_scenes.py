@@ -213,11 +213,11 @@ def match_values(
 
     The mean of the length of u that v covers when projected on it, and the reverse; times
     `0.95 ** (D / distance)` where they do not meet; 0 where D exceeds `far`, or where they cross at
-    more than 45 degrees and both are longer than `long` (A has no such angle).
+    more than 45 degrees and both are longer than `long` (A has no such angle). Both sets lie in one
+    frame.
 
     Parameters
     ----------
-    first, second : SegmentMap or (n, 2, 2), (m, 2, 2) array, metres, in one frame
     distance
         T_p of A: how near points coincide. 0.05 m is the noise of two sensors and a wall.
     far

@@ -4,4 +4,3 @@ from ._equations import Edge, stacked
 from ._graph import Graph, Rejected, deviations, groups, information, residuals, solve_graph
 from ._solver import SCALE, Solver, solve
 from ._spread import spread
-from ._ways import Ways

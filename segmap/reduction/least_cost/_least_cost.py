@@ -50,7 +50,6 @@ def least_cost(
 
     Parameters
     ----------
-    map : SegmentMap, Reduction or (n, 2, 2) array
     penalty
         What one segment fewer may cost; useful from 0.008 to 0.3. A metre missed or invented costs
         0.25, and more where the penalty is above 10 times the distance.
@@ -83,7 +82,6 @@ def reduce_to(map: Segments, *, quality: Annotated[Positive, below(1)] = 0.85) -
 
     Parameters
     ----------
-    map : SegmentMap, Reduction or (n, 2, 2) array
     quality
         The least `metrics.quality(map, result)`.
 

@@ -2,8 +2,6 @@
 
 import numpy as np
 import pytest
-from scipy.sparse import csr_array
-from scipy.sparse.csgraph import dijkstra
 from segmap_course import literal
 
 from segmap import load
@@ -12,7 +10,6 @@ from segmap.alignment.graph import (
     SCALE,
     Edge,
     Solver,
-    Ways,
     deviations,
     information,
     residuals,
@@ -145,17 +142,6 @@ def test_exact_motions_give_exact_key_frames_and_others_stay_beside_them(scale):
     found = solve_graph(DRIFTED, EDGES, MOTIONS, scale=scale)
     assert_poses_equal(found[::2], POSES[::2], atol=1e-4)
     assert_poses_equal(between(found[::2], found[1::2]), between(DRIFTED[::2], DRIFTED[1::2]))
-
-
-def test_a_false_loop_is_outvoted_by_weights_and_believed_by_least_squares():
-    """Catches a scale that is ignored."""
-    rng = np.random.default_rng(1)
-    poses = np.column_stack([np.arange(12.0), np.zeros((12, 2))])
-    ends = np.array([(i, j) for i in range(12) for j in (i + 1, i + 2) if j < 12])
-    motions = between(poses[ends[:, 0]], poses[ends[:, 1]]) + rng.normal(0, 0.003, (len(ends), 3))
-    edges, motions = np.vstack([ends, (0, 11)]), np.vstack([motions, (3.0, 0, 0)])
-    robust, plain = (solve_graph(poses, edges, motions, scale=s) for s in (3.0, np.inf))
-    assert np.abs(robust - poses)[:, :2].max() < 0.1 < 1 < np.abs(plain - poses)[:, :2].max()
 
 
 def test_a_pose_graph_solved_again_stays():
@@ -317,43 +303,3 @@ def test_key_frames_hand_edges_over_that_are_new_and_begin_anew_where_some_were_
         found = solve(start, stacked(chosen)).poses
         assert frames.converged
         assert_poses_equal(frames.poses, found, atol=2e-5)
-
-
-# ------------------------------------------------------------------ ways through it
-RNG = np.random.default_rng(3)
-PATH = [0.0, *np.cumsum(RNG.uniform(0.2, 1.0, 299)).tolist()]
-LOOPS = [(int(a), int(b)) for a, b in RNG.integers(0, 300, (40, 2)) if abs(a - b) > 1]
-
-
-def of_scipy(start: int, loops: list) -> np.ndarray:
-    graph = np.diag(np.diff(PATH), 1)
-    for first, second in loops:
-        graph[min(first, second), max(first, second)] = 0.5
-    return dijkstra(csr_array(graph), directed=False, indices=start)
-
-
-@pytest.mark.parametrize("most", [np.inf, 12.0])
-def test_ways_are_those_of_scipy(most):
-    """While loops come in, some are undone, and others come instead."""
-    ways = Ways(0.5)
-    for loops in ([], LOOPS[:10], LOOPS[:30], LOOPS[:20], LOOPS[:20] + LOOPS[32:], LOOPS[:1]):
-        found = ways.between(299, np.arange(300), PATH, loops, most)
-        expected = of_scipy(299, loops)
-        np.testing.assert_allclose(found, np.where(expected > most, np.inf, expected))
-    assert ways.between(299, np.arange(0), PATH, LOOPS).shape == (0,)
-
-
-def test_a_search_stays_near_its_start():
-    """Counted: how often it looks at the path to a key frame, in a graph of ten thousand."""
-
-    class Path(list):
-        looked = 0
-
-        def __getitem__(self, k):
-            Path.looked += 1
-            return super().__getitem__(k)
-
-    path = Path(np.arange(10_000) / 2)
-    found = Ways(0.5).between(9_999, np.array([9_990, 0]), path, [(0, 9_980)])
-    assert found.tolist() == [4.5, 10.0]
-    assert Path.looked < 200

@@ -2,12 +2,9 @@
 
 import numpy as np
 import pytest
-from numpy.testing import assert_allclose
-from segmap_course.literal.reduction.fuzzy_clustering import Prototype, clustered, memberships
 
 from segmap import load
 from segmap.extraction import build_map
-from segmap.metrics import quality
 from segmap.poses import transform
 from segmap.reduction import fuzzy_clustering
 from segmap.segments import SegmentMap
@@ -23,19 +20,6 @@ WALLS = np.array([[(0.2, 1.0), (7.8, 1.1)], [(5.2, 0.2), (5.3, 0.9)]])
 def looks(walls, times: int) -> SegmentMap:
     """As many scans that each see all walls."""
     return SegmentMap(np.tile(walls, (times, 1, 1)), np.repeat(np.arange(times), len(walls)))
-
-
-def test_a_corner_and_a_point_of_noise():
-    """SURVEYED check a: another membership, mixing, scatter or noise."""
-    starts = [Prototype(0.5, 0, 1, 0), Prototype(0, 0.5, 0, 1)]
-    found = clustered(CORNER.tolist(), starts, 0.10)
-    assert_allclose(found[0][:2], (0.537012, 0.000041), atol=1e-6)
-    assert_allclose(found[1][:2], (0.000041, 0.537012), atol=1e-6)
-    assert [q.mixing for q in found] == pytest.approx([0.999719, 0.999719], abs=1e-6)
-    outlier, corner = (memberships(p, found, 0.10) for p in ((0.6, 0.6), (0.0, 0.0)))
-    assert 1 - sum(outlier) == pytest.approx(0.947361, abs=1e-6)
-    assert_allclose(corner, (0.497984, 0.497984), atol=1e-6)
-    assert 1 - sum(corner) == pytest.approx(0.004032, abs=1e-6)
 
 
 def test_the_same_corner_as_a_map():
@@ -73,15 +57,6 @@ def test_a_quarter_turn_about_the_corner_turns_the_result():
     map, quarter = looks(WALLS, 3), (0, 0, np.pi / 2)
     expected = transform(quarter, fuzzy_clustering(map).segments)
     assert_segments_equal(fuzzy_clustering(carried(map, quarter)), expected, atol=1e-6)
-
-
-@pytest.mark.parametrize("pose", [(0.15, 0, 0), (0, 0, -0.6)])
-def test_other_moves_and_turns_change_what_shares_a_cell(pose):
-    """The counter-example: a wall whose last decimetres are in another cell, and are lost."""
-    walls = [[(0.5, 1.0), (1.95, 1.0)]]
-    found = fuzzy_clustering(carried(SegmentMap(walls), pose))
-    back = transform(pose, fuzzy_clustering(walls).segments)
-    assert abs(found.segments - back).max() > 0.05
 
 
 def carried(map: SegmentMap, pose) -> SegmentMap:
@@ -125,28 +100,6 @@ def test_a_gap_between_two_pieces(more, left):
     assert len(fuzzy_clustering(map, gap=0.25 + 0.6 / 13 + more)) == left
 
 
-def test_a_door_in_one_cell_of_one_scan_is_walled_up():
-    """Weak: along its line a prototype knows no distance, so a cluster spans any gap."""
-    beside = [[(0.2, 0.5), (0.6, 0.5)], [(1.4, 0.5), (1.8, 0.5)]]
-    assert len(fuzzy_clustering(SegmentMap(beside, [0, 1]))) == 2
-    assert_segments_equal(fuzzy_clustering(beside), [[(0.2, 0.5), (1.8, 0.5)]], atol=0.05)
-
-
-def test_two_looks_in_one_scan_share_their_points():
-    """Weak: memberships are shared, so that two looks of one scan 1 cm apart become one wall."""
-    near = [[(0.2, 0.5), (1.8, 0.5)], [(0.2, 0.51), (1.8, 0.51)]]
-    found = fuzzy_clustering(near)
-    assert len(found) == 1 and set(found.parents) == {0}
-
-
-def test_the_noise_distance_decides_what_is_a_wall():
-    """Weak: points that zigzag by 6 cm are a wall, or noise."""
-    zigzag = [(0.2 + 0.05 * k, 0.5 + 0.06 * (-1) ** k) for k in range(30)]
-    map = SegmentMap([[(0.2, 0.5), (1.65, 0.5)]], points=zigzag, first=[0, 30])
-    assert len(fuzzy_clustering(map, noise=0.07)) == 1
-    assert fuzzy_clustering(map, noise=0.05).parents.tolist() == [-1]
-
-
 def test_few_points_and_short_walls_are_dropped():
     short = [[(0.2, 0.5), (0.44, 0.5)]]  # five points over 0.192 m
     assert len(fuzzy_clustering(short)) == 1
@@ -172,14 +125,6 @@ def test_walls_of_the_buffer_that_a_look_joins_are_one_segment():
     assert_segments_equal(found, [[(0.2, 0.5), (1.8, 0.5)]], atol=0.05)
 
 
-def test_many_looks_in_one_scan_vanish():
-    """Weak: 17 looks of 33 points share them, and no sum of squares, 33 / 17, is as large as 2."""
-    look = [[(0.2, 0.5), (1.8, 0.5)]]
-    assert fuzzy_clustering(np.tile(look, (16, 1, 1))).parents.tolist() == [0] * 16
-    assert len(fuzzy_clustering(np.tile(look, (17, 1, 1)))) == 0
-    assert len(fuzzy_clustering(looks(look, 17))) == 1
-
-
 @pytest.mark.filterwarnings("ignore:cell is 10000 m:UserWarning")
 @pytest.mark.parametrize(("cell", "what"), [(1e-9, "larger"), (1e4, "smaller")])
 def test_cells_that_no_map_can_bear(cell, what):
@@ -194,21 +139,3 @@ def test_cells_that_no_map_can_bear(cell, what):
 def test_a_corner_is_a_point(corner):
     with pytest.raises(ValueError, match=r"^corner must be"):
         fuzzy_clustering(WALLS, corner=corner)
-
-
-def test_a_room_is_kept_but_for_the_steps_of_its_points():
-    """Corners that are cut, walls that are joined through a door; each wall loses 5 cm."""
-    walls = [[(0, 0), (4, 0)], [(0, 3), (4, 3)], [(5, 0), (9, 0)], [(5, 3), (9, 3)]]
-    walls += [[(x, 0), (x, 3)] for x in (0, 4, 9)]
-    found = fuzzy_clustering(walls)
-    assert sorted(found.parents) == list(range(7))
-    assert_segments_equal(found.segments[found.parents], walls, ordered=True, atol=0.05)
-
-
-@pytest.mark.parametrize(("kept", "left", "worth"), [(False, 36, 0.676), (True, 40, 0.775)])
-def test_the_room(kept, left, worth):
-    """Fewer segments than Fusion's 45, at much less than its quality of 0.927."""
-    log = load("room")
-    room = build_map(log, log.truth, keep_points=kept).filtered()
-    found = fuzzy_clustering(room)
-    assert len(found) == left and quality(room, found) == pytest.approx(worth, abs=1e-3)

@@ -62,12 +62,6 @@ def test_with_its_own_axes_it_turns_with_the_building_and_with_those_of_the_map_
     assert slanted.doubt.startswith("not orthogonal: ") and not found.doubt
 
 
-def test_it_is_idempotent_with_the_same_axes():
-    """SURVEYED check d: a partner that was left."""
-    once = fuzzy_set(the_room(), axes=0.0)
-    assert len(fuzzy_set(once, axes=0.0)) == len(once)
-
-
 def test_the_points_give_the_error():
     """Catches points that are not turned with the map, or that are measured along the wall."""
     walls = np.array([[(0, 0), (4, 0)], [(0, 0.1), (4, 0.1)]], float)
@@ -79,10 +73,3 @@ def test_the_points_give_the_error():
     pose = (3, 1, 0.7)
     there = SegmentMap(transform(pose, walls), points=transform(pose, points), first=map.first)
     assert_segments_equal(fuzzy_set(there), transform(pose, fuzzy_set(map).segments))
-
-
-def test_a_chain_drifts_by_more_than_across():
-    """Weak: looks 3 cm apart one after another, and one wall that stands for all of 0.36 m."""
-    walls = [[(0, 0.03 * k), (4, 0.03 * k)] for k in range(13)]
-    assert len(fuzzy_set(walls)) == 1
-    assert len(fuzzy_set([walls[0], walls[12]])) == 2

@@ -9,18 +9,11 @@ from reduction_maps import assert_literal, malaga, redundant_map
 from segmap_course import literal
 from segmap_course.literal.reduction.polyline import apart as distance
 
-from segmap.alignment import match_values
-from segmap.poses import transform
 from segmap.reduction import polyline
 from segmap.segments import SegmentMap, length
 from segmap.testing import assert_segments_equal
 
 BEND = [[(0, 0), (1, 0)], [(0.9, 0.02), (2, 0.3)], [(1.8, 0.3), (3, 0.3)]]
-
-
-def in_scans(segments) -> SegmentMap:
-    """A scan for each segment."""
-    return SegmentMap(segments, np.arange(len(segments)))
 
 
 def test_two_segments_of_a_scan_meet_through_a_wall_of_the_map():
@@ -36,14 +29,6 @@ def test_a_segment_is_put_in_by_the_shorter_links():
     assert_literal("polyline", SegmentMap(bend, [0, 1, 0]))
     found = polyline(SegmentMap(bend, [0, 1, 0]))
     assert length(found.segments).sum() < 3.4
-
-
-def test_match_values_of_the_survey():
-    wall, beside, half = [[(0, 0), (2, 0)]], [[(0, 0.05), (2, 0.05)]], [[(1, 0.05), (3, 0.05)]]
-    assert match_values(wall, beside) == pytest.approx(1.9)
-    assert match_values(wall, half) == pytest.approx(0.95)
-    assert match_values(wall, half, whole=True) == 0
-    assert_segments_equal(polyline(in_scans(wall + half)), [[(0, 0), (3, 0.05)]])
 
 
 @pytest.mark.parametrize(
@@ -70,12 +55,6 @@ def test_every_segment_of_a_chain_stays_within_tolerance_of_a_piece():
         assert (
             np.mean(np.array(off) < 0.10) > 0.97
         )  # a piece of a piece may drift from scan to scan
-
-
-def test_segments_of_one_scan_are_not_compared():
-    """Catches chains within a scan: corners of a room would be drawn as lines."""
-    wall = np.array([[(0, 0), (2, 0)], [(1, 0.01), (3, 0.01)]])
-    assert len(polyline(wall)) == 2 and len(polyline(in_scans(wall))) == 1
 
 
 def test_two_walls_of_the_map_meet_through_a_segment_of_the_scan():
@@ -126,18 +105,3 @@ def test_more_pieces_than_the_room_that_was_made(count):
     """Catches a map that ends where its arrays do: few long walls and many short scans."""
     map = redundant_map(np.random.default_rng(1), count)
     assert_literal("polyline", SegmentMap(map, np.arange(count) // 2), tolerance=0.005, bridge=5.0)
-
-
-def test_weakness_the_noise_of_end_points_stays():
-    """The counter-example of the chapter: two looks, and the line runs along neither's middle."""
-    looks = [[(0, 0.04), (2, 0)], [(0.1, 0), (2.1, -0.04)]]
-    found = polyline(in_scans(looks))
-    assert_segments_equal(found, [[(0, 0.04), (2.1, -0.04)]])
-
-
-@pytest.mark.parametrize("pose", [(3, -8, -2.9), (0, 0, 1.0)])
-def test_a_real_map_can_be_moved(pose):
-    map = malaga()[:800]
-    there = SegmentMap(transform(pose, map.segments), map.scan)
-    found, expected = polyline(there), polyline(map)
-    assert_segments_equal(found, transform(pose, expected.segments), ordered=True, atol=1e-8)

@@ -5,28 +5,17 @@ import math
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
-from reduction_maps import redundant_map
 from segmap_course.literal.reduction.weighted_line_fitting import (
     Line,
     about,
-    add_pose,
     compare,
-    fit,
 )
 
-from segmap.poses import transform
 from segmap.reduction import weighted_line_fitting
 from segmap.segments import SegmentMap
 from segmap.testing import assert_segments_equal
 
-DEGREE = math.radians(1)
-BEARING = DEGREE / 4
 EXACT = {"sigma_place": 0.0, "sigma_heading": 0.0}
-
-
-def seen(y: float, sensor=(0.0, 0.0), x0: float = -1.0) -> Line:
-    """The line of 21 points from (x0, y) to (x0 + 2, y)."""
-    return fit([(x0 + i / 10, y) for i in range(21)], sensor, 0.01, BEARING)
 
 
 def a_map(walls, sensors=None, points_each: int = 21) -> SegmentMap:
@@ -36,32 +25,6 @@ def a_map(walls, sensors=None, points_each: int = 21) -> SegmentMap:
     points = np.concatenate([a + t * (b - a) for a, b in s])
     first = np.arange(len(s) + 1) * points_each
     return SegmentMap(s, np.arange(len(s)), points=points, first=first, sensors=sensors)
-
-
-def test_two_lines_by_hand():
-    """SURVEYED check a: a chi, a centre, a direction, covariances of the merge."""
-    a, b = Line(0, 0, math.pi / 2, 1e-4, 0, 1e-4), Line(2, 0.02, math.pi / 2, 1e-4, 0, 1e-4)
-    chi, merged = compare(a, b)
-    assert chi == pytest.approx(1.0)
-    assert_allclose(merged, (1, 0.01, math.pi / 2 + 0.005, 5e-5, 0, 2.5e-5), atol=1e-12)
-
-
-def test_what_the_noise_of_the_sensor_leaves_and_what_that_of_the_pose_adds():
-    """SURVEYED check b: without the pose term two looks 3 cm apart are two walls."""
-    near, far = seen(2.0), seen(2.03)
-    assert math.sqrt(near.rr) == pytest.approx(2.17e-3, abs=5e-6)
-    assert math.sqrt(near.aa) == pytest.approx(0.205 * DEGREE, rel=2e-3)
-    assert compare(near, far)[0] == pytest.approx(95.3, abs=0.05)
-    placed = [add_pose(line, (0, 0), 0.03, DEGREE / 2) for line in (near, far)]
-    assert compare(*placed)[0] == pytest.approx(0.497, abs=5e-4)
-
-
-def test_the_lever_of_the_centre():
-    """The closed form of the paper leaves it out: 4.7 mm and 0.055 degrees for such a wall."""
-    offset, rr, _ = about(seen(2.0, x0=4.0), 0, 0)
-    assert offset == pytest.approx(2.0)
-    assert math.sqrt(rr) == pytest.approx(38.8e-3, rel=5e-3)
-    assert math.sqrt(seen(2.0, x0=4.0).aa) == pytest.approx(0.454 * DEGREE, rel=5e-3)
 
 
 @pytest.mark.parametrize("seed", range(20))
@@ -84,13 +47,6 @@ def test_chi_is_symmetric_and_a_merge_is_known_better_than_both(seed):
     for one in (a, b):
         assert about(merged, *middle)[1] <= about(one, *middle)[1] * (1 + 1e-9)
         assert merged.aa <= one.aa * (1 + 1e-9)
-
-
-def test_with_the_noise_of_the_sensor_alone_nothing_merges():
-    """Weak: the pose term decides, and it is a guess."""
-    map = a_map([[(-1, 2), (1, 2)], [(-1, 2.03), (1, 2.03)]], sensors=np.zeros((2, 2)))
-    assert len(weighted_line_fitting(map, **EXACT)) == 2
-    assert len(weighted_line_fitting(map)) == 1
 
 
 def test_far_walls_on_one_line_merge_without_a_test_of_extent():
@@ -129,22 +85,6 @@ def test_points_decide_and_not_the_end_points():
     map = a_map([[(0, 0), (2, 0)]])
     bent = SegmentMap(map.segments, points=map.points + (0.0, 0.3), first=map.first)
     assert_segments_equal(weighted_line_fitting(bent), [[(0, 0.3), (2, 0.3)]])
-
-
-@pytest.mark.parametrize("pose", [(0, 0, 2.0), (-70, 40, 0), (500, -800, -2.9)])
-def test_the_result_moves_with_map_points_and_sensors(pose):
-    """SURVEYED check c: about the centres it is equivariant exactly, not to first order only."""
-    map = a_map(redundant_map(np.random.default_rng(4)), sensors=np.zeros((60, 2)))
-    there = SegmentMap(
-        transform(pose, map.segments),
-        map.scan,
-        points=transform(pose, map.points),
-        first=map.first,
-        sensors=transform(pose, map.sensors),
-    )
-    expected = transform(pose, weighted_line_fitting(map).segments)
-    assert 5 < len(expected) < 15
-    assert_segments_equal(weighted_line_fitting(there), expected, ordered=True)
 
 
 def test_a_spacing_that_is_no_length_is_refused():
