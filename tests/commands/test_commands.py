@@ -98,14 +98,15 @@ def test_info_counts_damaged_lines_and_the_others_refuse_them(run, near):
     assert run("map", "cut.log", "--method", "none", "--skip", "-o", "cut.csv")[0] == 0
 
 
-def test_what_is_no_log_is_told_what_to_do_line_by_line(run, near):
+def test_what_is_no_log_is_told_what_to_do_line_by_line(run):
     """Catches lines of Python that are run together, and --skip where it does not help."""
-    Path("it.txt").write_text("hello\n")
-    code, _, beside = run("info", "it.txt")
-    assert code == 1 and '    log = segmap.Log("mine", scans)' in beside.splitlines()
-    Path("it.csv").write_text("angle,range_mm\n1,1000\n")
-    code, _, beside = run("info", "it.csv")
-    assert code == 1 and "the unit of 'angle' is not said" in beside and "--skip" not in beside
+    for text, said in (
+        ("hello\n", '\n    log = segmap.Log("mine", scans)\n'),
+        ("angle,range_mm\n1,1000\n", "the unit of 'angle' is not said"),
+    ):
+        Path("it.txt").write_text(text)
+        code, _, beside = run("info", "it.txt")
+        assert code == 1 and said in beside and "--skip" not in beside
 
 
 def test_topics_of_a_bag_are_options(run, near):
@@ -270,17 +271,20 @@ def test_a_failed_log_is_told_at_the_end_and_the_others_are_done(run, folder, tm
     assert np.array_equal(readers.read_segments("maps/far.csv").segments, wanted.segments)
 
 
-def test_logs_of_one_name_do_not_replace_each_other(run, near, tmp_path):
-    """Catches a second run.log whose map overwrites that of the first."""
-    for name in ("a", "b"):
+def test_logs_do_not_replace_each_other(run, near, tmp_path):
+    """Catches a second run.log whose map overwrites the first, and a log gone by a slip of -o."""
+    for name, log in (("a", near), ("b", Path(near).with_name("far.log"))):
         (tmp_path / name).mkdir()
-    shutil.copy(near, "a/run.log")
-    shutil.copy(Path(near).with_name("far.log"), "b/run.log")
+        shutil.copy(log, f"{name}/run.log")
     words = ("a/run.log", "b/run.log", "--method", "fusion", "-o", "{name}.csv")
     code, said, beside = run("map", *words)
     assert code == 1 and "1 of 2 logs done" in said
     assert "b/run.log: run.csv was written for a/run.log" in beside
     assert len(readers.read_segments("run.csv")) == len(expected(near, "fusion"))
+    before = Path("a/run.log").read_bytes()
+    code, _, beside = run("convert", "a/run.log", "-o", "./a/{name}.log")
+    assert code == 1 and "it is the log itself" in beside
+    assert Path("a/run.log").read_bytes() == before
 
 
 def test_control_c_ends_with_130_and_leaves_nothing_half_written(run, near, monkeypatch):
@@ -385,25 +389,17 @@ def test_convert_to_arrays_keeps_where_the_points_are(run, near):
     code, said, _ = run("convert", near, "-o", "it.npz")
     before, after = segmap.read(near), segmap.read("it.npz")
     assert code == 0 and "12 with a corrected pose" in said and before[0].sensor_pose[0] > 0.7
-    for old, new, at, to in zip(before, after, before.truth, after.truth, strict=True):
-        assert np.allclose(
-            segmap.poses.transform(at, old.points()), segmap.poses.transform(to, new.points())
-        )
+    drawn = [
+        [segmap.poses.transform(pose, s.points()) for pose, s in zip(log.truth, log, strict=True)]
+        for log in (before, after)
+    ]
+    assert all(np.allclose(old, new) for old, new in zip(*drawn, strict=True))
     assert np.isfinite(after.odometry).all() and np.array_equal(after.times, before.times)
     exports.write_arrays("dark.npz", segmap.Log("dark", [segmap.LaserScan([9.0, 0.0], [0, 1])]))
     assert not segmap.read("dark.npz")[0].valid[1]
     scans = [segmap.LaserScan([1.0] * n, range(n)) for n in (1, 2)]
     with pytest.raises(ValueError, match=r"scans of one number of beams, got \[1, 2\]"):
         exports.write_arrays("two.npz", segmap.Log("two", scans))
-
-
-def test_a_log_is_not_replaced_by_itself(run, near, tmp_path):
-    """Catches a log that is gone after a slip of -o."""
-    shutil.copy(near, tmp_path)
-    before = Path("near.log").read_bytes()
-    code, _, beside = run("convert", "near.log", "-o", "./{name}.log")
-    assert code == 1 and "it is the log itself" in beside
-    assert Path("near.log").read_bytes() == before
 
 
 # ------------------------------------------------------------------------------ notebooks
