@@ -100,14 +100,15 @@ def test_info_counts_damaged_lines_and_the_others_refuse_them(run, near):
     assert run("map", "cut.log", "--method", "none", "--skip", "-o", "cut.csv")[0] == 0
 
 
-def test_what_is_no_log_is_told_what_to_do_line_by_line(run, near):
+def test_what_is_no_log_is_told_what_to_do_line_by_line(run):
     """Catches lines of Python that are run together, and --skip where it does not help."""
-    Path("it.txt").write_text("hello\n")
-    code, _, beside = run("info", "it.txt")
-    assert code == 1 and '    log = segmap.Log("mine", scans)' in beside.splitlines()
-    Path("it.csv").write_text("angle,range_mm\n1,1000\n")
-    code, _, beside = run("info", "it.csv")
-    assert code == 1 and "the unit of 'angle' is not said" in beside and "--skip" not in beside
+    for text, said in (
+        ("hello\n", '\n    log = segmap.Log("mine", scans)\n'),
+        ("angle,range_mm\n1,1000\n", "the unit of 'angle' is not said"),
+    ):
+        Path("it.txt").write_text(text)
+        code, _, beside = run("info", "it.txt")
+        assert code == 1 and said in beside and "--skip" not in beside
 
 
 def test_topics_of_a_bag_are_options(run, near):
@@ -366,17 +367,20 @@ def test_a_failed_log_is_told_at_the_end_and_the_others_are_done(run, folder, tm
     assert np.array_equal(readers.read_segments("maps/far.csv").segments, wanted.segments)
 
 
-def test_logs_of_one_name_do_not_replace_each_other(run, near, tmp_path):
-    """Catches a second run.log whose map overwrites that of the first."""
-    for name in ("a", "b"):
+def test_logs_do_not_replace_each_other(run, near, tmp_path):
+    """Catches a second run.log whose map overwrites the first, and a log gone by a slip of -o."""
+    for name, log in (("a", near), ("b", Path(near).with_name("far.log"))):
         (tmp_path / name).mkdir()
-    shutil.copy(near, "a/run.log")
-    shutil.copy(Path(near).with_name("far.log"), "b/run.log")
+        shutil.copy(log, f"{name}/run.log")
     words = ("a/run.log", "b/run.log", "--method", "fusion", "-o", "{name}.csv")
     code, said, beside = run("map", *words)
     assert code == 1 and "1 of 2 logs done" in said
     assert "b/run.log: run.csv was written for a/run.log" in beside
     assert len(readers.read_segments("run.csv")) == len(expected(near, "fusion"))
+    before = Path("a/run.log").read_bytes()
+    code, _, beside = run("convert", "a/run.log", "-o", "./a/{name}.log")
+    assert code == 1 and "it is the log itself" in beside
+    assert Path("a/run.log").read_bytes() == before
 
 
 def test_control_c_ends_with_130_and_leaves_nothing_half_written(run, near, monkeypatch):
@@ -494,15 +498,6 @@ def test_convert_to_arrays_keeps_where_the_points_are(run, near):
     scans = [segmap.LaserScan([1.0] * n, range(n)) for n in (1, 2)]
     with pytest.raises(ValueError, match=r"scans of one number of beams, got \[1, 2\]"):
         exports.write_arrays("two.npz", segmap.Log("two", scans))
-
-
-def test_a_log_is_not_replaced_by_itself(run, near, tmp_path):
-    """Catches a log that is gone after a slip of -o."""
-    shutil.copy(near, tmp_path)
-    before = Path("near.log").read_bytes()
-    code, _, beside = run("convert", "near.log", "-o", "./{name}.log")
-    assert code == 1 and "it is the log itself" in beside
-    assert Path("near.log").read_bytes() == before
 
 
 # ------------------------------------------------------------------------------ notebooks

@@ -125,18 +125,6 @@ def test_gtsam_finds_the_same_errors_and_minimum(referee, seed, tmp_path):
     np.testing.assert_allclose(optimized(graph, values)[:, :2], solved[:, :2], atol=1e-5)
 
 
-def test_gtsam_ends_where_we_do_on_a_log(referee, aligned, tmp_path):
-    """Within 1e-5 m, with vertices of scans that no edge names."""
-    write_graph(tmp_path / "it.g2o", aligned)
-    graph, values = gtsam.readG2o(str(tmp_path / "it.g2o"), False)
-    edges, relative = aligned.graph.edges, aligned.graph.relative
-    information = aligned.graph.information
-    solved = solve_graph(aligned.poses, edges, relative, information=information, scale=np.inf)
-    named = np.unique(edges)
-    theirs = optimized(graph, values)
-    np.testing.assert_allclose(theirs[named, :2], solved[named, :2], atol=1e-5)
-
-
 def test_what_gtsam_writes_is_read(referee, tmp_path):
     """It writes six digits: the information and the poses are those, and in their places."""
     ours = a_graph(5)
