@@ -142,14 +142,17 @@ class Alignment(Pictured):
     @property
     def verdict(self) -> Verdict:
         """Whether this makes a map, from the poses alone."""
-        return judge(self)
+        return self._judged(None)
 
     def verdict_on(self, map: SegmentMap) -> Verdict:
         """The verdict on the map that was made of these poses: it looks at the walls as well.
 
         The map is the one before its reduction.
         """
-        return judge(self, arrays.instance(map, "map", SegmentMap))
+        return self._judged(arrays.instance(map, "map", SegmentMap))
+
+    def _judged(self, map: SegmentMap | None) -> Verdict:
+        return judge(self.poses, self.used, self.sure, self.spread, self.method, map)
 
     def why(self) -> pd.DataFrame:
         """How many scans were not used: a row for each reason, a column `scans`.

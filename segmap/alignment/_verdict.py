@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .._display import counted
+from ..arrays import Array
 from ..metrics import doubled_walls
 from ..segments import SegmentMap
-
-if TYPE_CHECKING:
-    from ._result import Alignment
 
 #: With fewer of its scans placed a log has no map: three of four say nothing of the building.
 LEAST = 0.25
@@ -74,14 +73,20 @@ class Verdict:
         return self.words
 
 
-def judge(alignment: Alignment, map: SegmentMap | None = None) -> Verdict:
+def judge(
+    poses: Array,
+    used: NDArray[np.bool_],
+    certain: NDArray[np.bool_],
+    spread: Array | None,
+    method: str,
+    map: SegmentMap | None = None,
+) -> Verdict:
     """The verdict on an alignment; with the map that was made of it, also on its walls."""
-    used, spread, scans = alignment.used, alignment.spread, len(alignment)
-    placed, sure, worst, doubled = int(used.sum()), None, None, None
+    placed, scans, sure, worst, doubled = int(used.sum()), len(used), None, None, None
     if spread is not None:
-        sure, worst = int(alignment.sure.sum()), float(2 * spread[used].max(initial=0.0))
+        sure, worst = int(certain.sum()), float(2 * spread[used].max(initial=0.0))
     if map is not None and len(map):
-        share = doubled_walls(map, alignment.poses[:, :2] if map.sensors is None else None)
+        share = doubled_walls(map, poses[:, :2] if map.sensors is None else None)
         doubled = share if np.isfinite(share) else None
     told = f"{placed} of {counted(scans, 'scan')} placed"
     figures = placed, scans, sure, worst, doubled
@@ -90,7 +95,7 @@ def judge(alignment: Alignment, map: SegmentMap | None = None) -> Verdict:
     if map is not None and not len(map):
         return Verdict("not a map", f"NOT A MAP: {told}, but no wall found", *figures)
     said = [(placed < PLACED * scans, told)]  # and whether it speaks against the map
-    if alignment.method == "odometry":
+    if method == "odometry":
         said.append((True, "nothing but the wheels places them"))
     if sure is not None:
         said.append((sure < SURE_SHARE * placed, f"{counted(sure, 'scan')} sure"))
