@@ -152,7 +152,8 @@ class Alignment(Pictured):
         return self._judged(arrays.instance(map, "map", SegmentMap))
 
     def _judged(self, map: SegmentMap | None) -> Verdict:
-        return judge(self.poses, self.used, self.sure, self.spread, self.method, map)
+        near = self.sure if self.local_spread is None else self.locally_sure
+        return judge(self.poses, self.used, self.sure, near, self.spread, self.method, map)
 
     def why(self) -> pd.DataFrame:
         """How many scans were not used: a row for each reason, a column `scans`.

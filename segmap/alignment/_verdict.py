@@ -17,8 +17,8 @@ from ..segments import SegmentMap
 LEAST = 0.25
 #: A good map holds this share of the scans: the real logs of the benchmarks have 0.99 and more.
 PLACED = 0.9
-#: Of the scans that are placed at least so many are sure. A large building may be right in each of
-#: its parts and bent as a whole, so not all of them must be.
+#: Of the scans that are placed at least so many are sure, in the whole map or relative to those near
+#: by: a large building may be right in each of its parts and bent as a whole.
 SURE_SHARE = 0.5
 #: More walls are not doubled in a good map: see `metrics.doubled_walls` for what was measured.
 DOUBLED = 0.25
@@ -35,8 +35,8 @@ class Verdict:
     grade
         "not a map" where fewer than two scans of several are placed, fewer than a quarter, or no
         wall is there. "doubtful" where less than nine tenths of the scans are placed, less than
-        half of those are sure, more than a quarter of the walls is doubled, or nothing but the
-        wheels places them.
+        half of those are sure relative to those within 20 m, more than a quarter of the walls is
+        doubled, or nothing but the wheels places them.
     words
         One line for a user, which begins with the grade in capitals; what makes the map doubtful
         comes first.
@@ -77,6 +77,7 @@ def judge(
     poses: Array,
     used: NDArray[np.bool_],
     certain: NDArray[np.bool_],
+    near: NDArray[np.bool_],
     spread: Array | None,
     method: str,
     map: SegmentMap | None = None,
@@ -98,7 +99,9 @@ def judge(
     if method == "odometry":
         said.append((True, "nothing but the wheels places them"))
     if sure is not None:
-        said.append((sure < SURE_SHARE * placed, f"{counted(sure, 'scan')} sure"))
+        local = int(near.sum())
+        more = f" ({local} relative to those within 20 m)" if local > sure else ""
+        said.append((local < SURE_SHARE * placed, f"{counted(sure, 'scan')} sure{more}"))
     if worst:
         said.append((False, f"all within {worst:.2f} m"))
     if doubled is not None:

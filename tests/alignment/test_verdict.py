@@ -94,3 +94,12 @@ def test_scans_without_a_wall_are_no_map():
     verdict = found.verdict_on(SegmentMap(np.empty((0, 2, 2))))
     assert len(scans) == verdict.placed and verdict.grade == "not a map"
     assert verdict.words == "NOT A MAP: 3 of 3 scans placed, but no wall found"
+
+
+def test_a_large_building_may_be_sure_in_each_of_its_parts():
+    """No scan is sure in 300 m of building, and each is relative to those within 20 m."""
+    whole = outcome([True] * 4, spread=np.full(4, 0.4))
+    found = replace(whole, local_spread=np.array([0.1, 0.1, 0.1, 0.4]))
+    assert found.verdict.grade == "good"
+    assert "0 scans sure (3 relative to those within 20 m)" in str(found.verdict)
+    assert whole.verdict.grade == "doubtful" and "relative" not in str(whole.verdict)
