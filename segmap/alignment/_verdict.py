@@ -17,8 +17,8 @@ from ..segments import SegmentMap
 LEAST = 0.25
 #: A good map holds this share of the scans: the real logs of the benchmarks have 0.99 and more.
 PLACED = 0.9
-#: Of the scans that are placed at least so many are sure, in the whole map or relative to those near
-#: by: a large building may be right in each of its parts and bent as a whole.
+#: Of the scans that are placed at least so many are sure, in the whole map or relative to those
+#: near by: a large building may be right in each of its parts and bent as a whole.
 SURE_SHARE = 0.5
 #: More walls are not doubled in a good map: see `metrics.doubled_walls` for what was measured.
 DOUBLED = 0.25
