@@ -17,6 +17,8 @@ from ..segments import SegmentMap
 from ._files import NAMES, Row, Threshold
 
 Function = Callable[..., Reduction]
+#: How good a map after its reduction is, of the map before and after: in [0, 1].
+Measure = Callable[[Segments, Reduction], float]
 Thresholds = dict[str, Threshold]
 Items = tuple[tuple[str, Threshold], ...]
 T = TypeVar("T")
@@ -34,6 +36,7 @@ class Job(NamedTuple):
     function: Function
     first: Items
     repeat: int
+    measure: Measure
 
 
 def digest(map: SegmentMap) -> str:
@@ -78,6 +81,7 @@ def planned(
     grids: Mapping[str, Grid],
     filters: Iterable[float | None],
     repeat: int,
+    measure: Measure,
 ) -> list[Job]:
     """All runs of a sweep in the order of the request; arguments and errors as of `sweep`."""
     least = [
@@ -92,7 +96,14 @@ def planned(
     needs = {k for k, m in own.items() if isinstance(m, Method) and m.needs_sensors}
     plans = {name: _combinations(name, f, grids.get(name, [{}])) for name, f in functions.items()}
     return [
-        Job({**known, "method": method, "thresholds": row}, part, functions[method], first, repeat)
+        Job(
+            {**known, "method": method, "thresholds": row},
+            part,
+            functions[method],
+            first,
+            repeat,
+            measure,
+        )
         for name, map in maps.items()
         for known, part in _filtered(name, map, least)
         for method, plan in plans.items()

@@ -18,7 +18,7 @@ from ..metrics import invented, missed, quality, reduction_rate
 from ..reduction import METHODS
 from ..segments import SegmentMap
 from ._files import RUNS, Row, as_frame, journal
-from ._plan import Function, Grid, Items, Job, planned
+from ._plan import Function, Grid, Items, Job, Measure, planned
 from ._records import number_text
 
 if TYPE_CHECKING:
@@ -40,6 +40,7 @@ def sweep(
     records: str | Path | None = None,
     progress: bool | Callable[..., Any] = False,
     repeat: int = 1,
+    measure: Measure = quality,
 ) -> pd.DataFrame:
     """Run methods on maps with all thresholds of their grids.
 
@@ -67,6 +68,9 @@ def sweep(
         `tqdm.tqdm`.
     repeat
         Seconds are the median of so many runs, all else is that of the last one.
+    measure
+        What the column quality holds: a function of the map before and the reduction, in [0, 1]
+        (A 6.1 leaves it open). For processes one that can be sent to them.
 
     Returns
     -------
@@ -108,7 +112,8 @@ def sweep(
     if executor is not None:
         arrays.instance(executor, "executor", Executor)
     records = None if records is None else arrays.file(records, "records")
-    jobs = planned(maps, chosen, grids, filters, arrays.whole(repeat, "repeat"))
+    arrays.function(measure, "measure", "of the map before and the reduction")
+    jobs = planned(maps, chosen, grids, filters, arrays.whole(repeat, "repeat"), measure)
     done: dict[int, Row] = {}
     with journal(records) as (found, add):
         done |= _known(jobs, found, records)
@@ -137,7 +142,9 @@ def run(job: Job) -> Row:
         thresholds = job.row["thresholds"]
         runs = [job.function(job.segments, **thresholds) for _ in range(job.repeat)]
         found, seconds = runs[-1], median(each.seconds for each in runs)
-        kept = quality(job.segments, found) if len(job.segments) else math.nan
+        kept = float(job.measure(job.segments, found)) if len(job.segments) else math.nan
+        if not (0 <= kept <= 1 or math.isnan(kept)):
+            raise ValueError(f"measure must give a number in [0, 1] or NaN, got {kept}")
         rate = reduction_rate(job.segments, found)
     except Exception as error:
         kind = ValueError if isinstance(error, ValueError) else RuntimeError

@@ -192,3 +192,19 @@ def test_a_bar_is_shown_only_where_somebody_looks(where, monkeypatch, capsys):
     sweep({"room": ROOM}, ["fusion"], GRIDS, progress=True)
     shown = capsys.readouterr().err
     assert ("2/2" in shown and "fusion on room" in shown) == (where != "a pipe")
+
+
+def test_another_measure_takes_the_place_of_quality():
+    """The share of a floor plan that a map keeps; a number that no curve could draw is refused."""
+    walls = [[(0, 0), (2, 0)], [(1, 0.03), (3, 0.03)], [(5, 0), (5, 2)]]
+
+    def kept(before, after):
+        judged = metrics.against_walls([[(0, 0), (3, 0)], [(5, 0), (5, 2)]], after)
+        return judged.kept.sum() / judged.seen.sum()
+
+    found = sweep({"plan": walls}, ["fusion"], measure=kept)
+    assert found["quality"].item() == pytest.approx(1) and found["n_after"].item() == 2
+    with pytest.raises(ValueError, match=r"measure must give a number in \[0, 1\] or NaN, got 7"):
+        sweep({"plan": walls}, ["fusion"], measure=lambda *maps: 7)
+    with pytest.raises(ValueError, match="measure must be a function"):
+        sweep({"plan": walls}, ["fusion"], measure=3)

@@ -17,7 +17,7 @@ from .alignment.point_to_line import point_to_line, point_to_line_step
 from .alignment.segment_icp import correspond, segment_cost
 from .extraction import extract_clusters, extract_polylines, fit_algebraic, fit_total
 from .lines import axial_difference, line_angle, placed, point_to_segment, segment_length
-from .metrics import mean_lines, quality, segment_distance
+from .metrics import against_walls, mean_lines, quality, segment_distance
 from .quadtrees.matching import (
     MOVES,
     climb_step,

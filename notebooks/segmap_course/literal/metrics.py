@@ -4,14 +4,18 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from itertools import pairwise
 
 from .lines import (
     SAME,
     Line,
     Segment,
     axial_difference,
+    extreme_projections,
     line_angle,
+    line_of,
     point_to_segment,
+    seen_from,
     segment_length,
 )
 
@@ -58,3 +62,128 @@ def quality(before: Sequence[Segment], after: Sequence[Segment], *, scale: float
         return 0.0
     mean = sum(min(segment_distance(s, t) for t in after) for s in walls) / len(walls)
     return math.exp(-mean / scale)
+
+
+def joined_walls(walls: Sequence[Segment]) -> list[Segment]:
+    """Longest first: walls whose ends lie within 1 mm of its line, and that touch it, join it."""
+    left = sorted((w for w in walls if segment_length(w) >= SAME), key=segment_length, reverse=True)
+    found: list[Segment] = []
+    while left:
+        wall: Segment = left.pop(0)
+        while True:
+            line, size = line_of(wall), segment_length(wall)
+            for other in left:
+                seen = [seen_from(line, p) for p in other]
+                low, high = min(a for a, _ in seen), max(a for a, _ in seen)
+                if max(abs(o) for _, o in seen) <= 1e-3 and low <= size + 1e-3 and high >= -1e-3:
+                    wall = extreme_projections((*wall, *other), line)
+                    left.remove(other)
+                    break
+            else:
+                break
+        found.append((wall[0], wall[1]))
+    return found
+
+
+def beside(wall: Segment, s: Segment, distance: float, angle: float) -> tuple[float, float] | None:
+    """From which share of a segment to which it lies beside a wall; None where nowhere."""
+    line, size, length = line_of(wall), segment_length(wall), segment_length(s)
+    (a, o), (b, p) = (seen_from(line, point) for point in s)
+    if abs(p - o) / length > max(math.sin(angle), min(0.5, distance / 2 / length)):
+        return None
+    start, end = 0.0, 1.0
+    for at, to, low, high in ((a, b, 0.0, size), (o, p, -distance, distance)):
+        if at != to:
+            first, last = sorted(((low - at) / (to - at), (high - at) / (to - at)))
+            start, end = max(start, first), min(end, last)
+        elif not low <= at <= high:
+            return None
+    return (start, end) if (end - start) * length > SAME else None
+
+
+def owned_pieces(
+    walls: Sequence[Segment], s: Segment, distance: float, angle: float
+) -> list[tuple[float, float, int, float]]:
+    """A segment in pieces: from and to, as shares; the wall, -1 for none; mean squared offset."""
+    near = {k: beside(wall, s, distance, angle) for k, wall in enumerate(walls)}
+    spans = {k: span for k, span in near.items() if span is not None}
+    length = segment_length(s)
+    cuts = [0.0]
+    for cut in sorted([1.0, *(end for span in spans.values() for end in span)]):
+        if (cut - cuts[-1]) * length > SAME:
+            cuts.append(cut)
+    cuts[-1] = 1.0
+    found = []
+    for a, b in pairwise(cuts):
+        owner, least = -1, math.inf
+        for k, (start, end) in spans.items():
+            if start <= (a + b) / 2 <= end:
+                o, p = (seen_from(line_of(walls[k]), point)[1] for point in s)
+                u, v = o + a * (p - o), o + b * (p - o)
+                if (u * u + u * v + v * v) / 3 < least - 1e-12:
+                    owner, least = k, (u * u + u * v + v * v) / 3
+        found.append((a, b, owner, least if owner >= 0 else 0.0))
+    return found
+
+
+def covered(spans: Sequence[tuple[float, float]]) -> float:
+    """Metres that lie in at least one of some spans."""
+    metres, reached = 0.0, -math.inf
+    for low, high in sorted(spans):
+        metres += max(0.0, high - max(low, reached))
+        reached = max(reached, high)
+    return metres
+
+
+def against_walls(
+    walls: Sequence[Segment],
+    map: Sequence[Segment],
+    *,
+    seen: Sequence[Segment] | None = None,
+    distance: float = 0.10,
+    angle: float = math.radians(5),
+    least: float = 0.10,
+) -> dict[str, float]:
+    """What a map keeps of the true walls, misses, invents and has twice, in metres."""
+    whole = joined_walls(walls)
+    known: list[list[tuple[float, float]]] = [[] for _ in whole]
+    spans: list[list[tuple[float, float]]] = [[] for _ in whole]
+    invented = squares = turns = metres = 0.0
+    found = set()
+    for looks, into in ((seen or [], known), (map, spans)):
+        for s in looks:
+            length, mine = segment_length(s), [0.0] * len(whole)
+            if length < SAME:
+                continue
+            for a, b, k, square in owned_pieces(whole, s, distance, angle):
+                if k < 0:
+                    invented += (b - a) * length if into is spans else 0.0
+                    continue
+                at, to = (seen_from(line_of(whole[k]), p)[0] for p in s)
+                low, high = sorted((at + a * (to - at), at + b * (to - at)))
+                into[k].append((low, high))
+                mine[k] += (b - a) * length
+                if into is spans:
+                    o, p = (seen_from(line_of(whole[k]), point)[1] for point in s)
+                    metres += (b - a) * length
+                    squares += (b - a) * length * square
+                    turns += (b - a) * length * math.asin((p - o) / length) ** 2
+            if into is spans and max(mine) > 0:
+                found.add(mine.index(max(mine)))
+    if seen is None:
+        known = [[(0.0, segment_length(w))] for w in whole]
+    counts = [
+        covered(each) >= min(least, segment_length(w)) - SAME
+        for w, each in zip(whole, known, strict=True)
+    ]
+    both = [covered(a) + covered(b) - covered([*a, *b]) for a, b in zip(known, spans, strict=True)]
+    return {
+        "missed": sum(covered(a) for a in known) - sum(both),
+        "invented": invented,
+        "doubled": sum(b - a for each in spans for a, b in each)
+        - sum(covered(each) for each in spans),
+        "per_wall": sum(segment_length(s) >= SAME for s in map) / sum(counts),
+        "found": sum(counts[k] for k in found) / sum(counts),
+        "offset": math.sqrt(squares / metres) if metres else math.nan,
+        "angle": math.sqrt(turns / metres) if metres else math.nan,
+    }

@@ -1,0 +1,252 @@
+"""A map against the walls of its building, where these are known: what is kept, missed, invented.
+
+Quality asks how near a reduced map is to the noisy map before. Here the judge is the building.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from itertools import pairwise
+from typing import Annotated, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .. import arrays
+from ..arrays import Array, Metres, Radians, Segments, at_least, at_most, checked
+from ..segments import MIN_LENGTH, length
+
+#: Walls whose ends lie this far off one line, and touch, are one wall; metres.
+ONE_LINE = 1e-3
+#: Owners whose squared offsets differ by less are alike, metres^2: rounding must not choose.
+ALIKE = 1e-12
+
+
+@dataclass(frozen=True, eq=False)
+class AgainstWalls:
+    """How a map and the walls of its building agree.
+
+    Parameters
+    ----------
+    walls : (w, 2, 2) array, metres
+        The walls, those that continue each other joined.
+    seen, kept, doubled : (w,) arrays, metres
+        Of each wall: what could be known, what of that the map has, what it has more than once.
+    invented
+        Metres of the map beside no wall.
+    per_wall
+        Segments of the map for each wall that counts: 1 is a perfect reduction. Below 1 walls are
+        swallowed: look at `found`.
+    found
+        Share of the walls that count which own the largest part of some segment.
+    offset, angle
+        Root mean square over the metres of the map that lie beside a wall.
+    pieces : (p, 2, 2) array, metres
+        The map, cut where its owner changes.
+    owner : (p,) int array
+        Wall of each piece, -1 where it is invented.
+    """
+
+    walls: Array
+    seen: Array
+    kept: Array
+    doubled: Array
+    invented: float
+    per_wall: float
+    found: float
+    offset: float
+    angle: float
+    pieces: Array = field(repr=False)
+    owner: NDArray[np.int64] = field(repr=False)
+
+    @property
+    def missed(self) -> float:
+        """Metres of wall that could be known and are not in the map."""
+        return float((self.seen - self.kept).sum())
+
+    def __repr__(self) -> str:
+        whole = self.seen.sum() or np.nan
+        return (
+            f"AgainstWalls({self.per_wall:.2f} segments a wall, {self.found:.0%} of the walls "
+            f"found, {self.missed / whole:.1%} missed, {self.invented / whole:.1%} invented, "
+            f"{self.doubled.sum() / whole:.1%} double, {1000 * self.offset:.0f} mm off)"
+        )
+
+
+@checked
+def against_walls(
+    walls: Segments,
+    map: Segments,
+    *,
+    seen: Segments | None = None,
+    distance: Metres = 0.10,
+    angle: Annotated[Radians, at_most(np.pi / 2)] = np.radians(5),
+    least: Annotated[Metres, at_least(0)] = 0.10,
+) -> AgainstWalls:
+    """Judge a map by the true walls: what it keeps, misses, invents and has twice.
+
+    A piece of a segment lies beside a wall where it is at most `distance` off its line, within its
+    ends, and turned by at most `angle` (a short segment by as much as half of `distance` turns it,
+    at most 30 degrees). Of several walls the one with the least squared offset owns the piece.
+
+    Parameters
+    ----------
+    walls : SegmentMap or (w, 2, 2) array
+        Walls that continue each other count as one. A thin wall is two: one for each side.
+    map : SegmentMap, Reduction or (n, 2, 2) array
+    seen
+        A map of what could be known: that of the same scans at their true poses, or the map before
+        its reduction where these are not known. None takes the walls whole.
+    distance
+        0.10 m is three times the noise of a good log; half the thickness of a wall is the limit.
+    least
+        A wall counts where so much of it, or all of it, was seen.
+
+    Raises
+    ------
+    ValueError
+        For walls without any length: there is nothing to judge by.
+
+    Examples
+    --------
+    >>> room = np.array([[(0, 0), (4, 0)], [(4, 0), (4, 3)], [(4, 3), (0, 3)], [(0, 3), (0, 0)]])
+    >>> against_walls(room, [[(0, 0.02), (3, 0.02)], [(2, 0), (4.5, 0)], [(4, 0), (4, 3)]])
+    AgainstWalls(0.75 segments a wall, 50% of the walls found, 50.0% missed, 3.6% invented, \
+7.1% double, 12 mm off)
+    """
+    whole = joined(arrays.segments(walls, "walls"))
+    if not len(whole):
+        raise ValueError("walls must hold a segment that has a length, got none")
+    segments = arrays.segments(map, "map")
+    segments = segments[length(segments) >= MIN_LENGTH]
+    size = length(whole)
+    limits = distance, float(np.sin(angle))
+    known = [[(0.0, end)] for end in size]
+    if seen is not None:
+        looks = arrays.segments(seen, "seen")
+        known = _owned(whole, looks[length(looks) >= MIN_LENGTH], *limits).spans(len(whole))
+    mine = _owned(whole, segments, *limits)
+    spans = mine.spans(len(whole))
+    could, has = (np.array([_covered(each) for each in found]) for found in (known, spans))
+    both = np.array([_covered([*a, *b]) for a, b in zip(known, spans, strict=True)])
+    counts = could >= np.minimum(least, size) - MIN_LENGTH
+    metres = np.zeros((len(segments), len(whole) + 1))  # the last column: beside no wall
+    np.add.at(metres, (mine.of, mine.owner), mine.metres)
+    most = metres[:, :-1].argmax(axis=1)[metres[:, :-1].any(axis=1)]
+    beside = mine.owner >= 0
+    weight = mine.metres[beside].sum() or np.nan
+    walls_left = np.count_nonzero(counts)
+    return AgainstWalls(
+        walls=whole,
+        seen=could,
+        kept=could + has - both,
+        doubled=np.array([sum(b - a for a, b in each) for each in spans]) - has,
+        invented=float(metres[:, -1].sum()),
+        per_wall=len(segments) / walls_left if walls_left else np.nan,
+        found=len(set(most[counts[most]])) / walls_left if walls_left else np.nan,
+        offset=float(np.sqrt((mine.squares * mine.metres)[beside].sum() / weight)),
+        angle=float(np.sqrt((mine.turns * mine.metres)[beside].sum() / weight)),
+        pieces=mine.pieces,
+        owner=mine.owner,
+    )
+
+
+def joined(walls: Array) -> Array:
+    """Walls with those that lie on one line and touch made one, longest first; others stay."""
+    left = [wall for wall in walls[np.argsort(-length(walls), kind="stable")]]
+    left = [wall for wall in left if length(wall) >= MIN_LENGTH]
+    found = []
+    while left:
+        wall = left.pop(0)
+        grown = True
+        while grown:
+            grown = False
+            size = float(length(wall))
+            way = (wall[1] - wall[0]) / size
+            for k, other in enumerate(left):
+                along = (other - wall[0]) @ way
+                off = (other - wall[0]) @ (-way[1], way[0])
+                touches = along.min() <= size + ONE_LINE and along.max() >= -ONE_LINE
+                if touches and abs(off).max() <= ONE_LINE:
+                    ends = min(0.0, along.min()), max(size, along.max())
+                    wall = wall[0] + np.outer(ends, way)
+                    del left[k]
+                    grown = True
+                    break
+        found.append(wall)
+    return np.reshape(found, (-1, 2, 2))
+
+
+class _Owned(NamedTuple):
+    """Segments cut where their owner changes, `(p,)` each; lengths in metres."""
+
+    pieces: Array  # (p, 2, 2)
+    of: NDArray[np.int64]  # the segment that it is a piece of
+    owner: NDArray[np.int64]  # its wall, -1 for none
+    metres: Array
+    squares: Array  # mean squared offset from its wall, metres^2
+    turns: Array  # square of its angle to its wall, radians^2
+    low: Array  # where it begins on its wall, and where it ends
+    high: Array
+
+    def spans(self, walls: int) -> list[list[tuple[float, float]]]:
+        """Where on each wall its pieces lie."""
+        found: list[list[tuple[float, float]]] = [[] for _ in range(walls)]
+        for k, low, high in zip(self.owner, self.low, self.high, strict=True):
+            if k >= 0:
+                found[k].append((low, high))
+        return found
+
+
+def _owned(walls: Array, segments: Array, distance: float, sine: float) -> _Owned:
+    """Cut each segment at the ends of what lies beside a wall, and give each piece its owner."""
+    size, step = length(walls), segments[:, 1] - segments[:, 0]
+    way = (walls[:, 1] - walls[:, 0]) / size[:, None]
+    metres = length(segments)
+    # along and across each wall, at the start of each segment and to its end: (n, w)
+    to = segments[:, None, 0] - walls[:, 0]
+    along = np.einsum("nwk,wk->nw", to, way)
+    off = to[..., 1] * way[:, 0] - to[..., 0] * way[:, 1]
+    run, rise = step @ way.T, step[:, 1:] * way[:, 0] - step[:, :1] * way[:, 1]
+    start, end = np.zeros_like(run), np.ones_like(run)
+    for at, by, low, high in ((along, run, 0.0, size), (off, rise, -distance, distance)):
+        with np.errstate(divide="ignore", invalid="ignore"):
+            one, other = (low - at) / by, (high - at) / by
+        within = (at >= low) & (at <= high)
+        one = np.where(by == 0, np.where(within, -np.inf, np.inf), one)
+        other = np.where(by == 0, np.inf, other)
+        start = np.maximum(start, np.minimum(one, other))
+        end = np.minimum(end, np.maximum(one, other))
+    turn = np.minimum(abs(rise) / metres[:, None], 1.0)
+    may = np.maximum(sine, np.minimum(0.5, distance / 2 / metres))
+    start[turn > may[:, None]] = np.inf
+    found = []
+    for i in range(len(segments)):
+        near = np.flatnonzero((end[i] - start[i]) * metres[i] > MIN_LENGTH)
+        cuts = np.unique([0.0, 1.0, *start[i, near], *end[i, near]])
+        cuts = cuts[np.append(True, np.diff(cuts) * metres[i] > MIN_LENGTH)]
+        for a, b in pairwise([*cuts[:-1], 1.0]):
+            here = near[(start[i, near] <= (a + b) / 2) & ((a + b) / 2 <= end[i, near])]
+            u, v = (off[i, here] + t * rise[i, here] for t in (a, b))
+            squares = (u * u + u * v + v * v) / 3
+            k = here[np.argmax(squares <= squares.min() + ALIKE)] if len(here) else -1
+            ends = sorted(along[i, k] + np.array([a, b]) * run[i, k])
+            square = (squares[here == k][0], np.arcsin(turn[i, k]) ** 2) if k >= 0 else (0.0, 0.0)
+            part = segments[i, 0] + np.outer((a, b), step[i])
+            found.append((part, i, k, (b - a) * metres[i], *square, *ends))
+    pieces, of, owner, *others = zip(*found, strict=True) if found else [()] * 8
+    return _Owned(
+        np.reshape(pieces, (-1, 2, 2)),
+        np.array(of, np.int64),
+        np.array(owner, np.int64),
+        *(np.array(column, float) for column in others),
+    )
+
+
+def _covered(spans: list[tuple[float, float]]) -> float:
+    """Metres that lie in at least one of some spans."""
+    metres, reached = 0.0, -np.inf
+    for low, high in sorted(spans):
+        metres += max(0.0, high - max(low, reached))
+        reached = max(reached, high)
+    return metres

@@ -1,0 +1,115 @@
+"""A map against true walls: kept, missed, invented, doubled."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from reduction_maps import MAPS
+from segmap_course import literal
+
+from segmap import simulation
+from segmap.metrics import against_walls
+from segmap.poses import transform
+
+ROOM = simulation.rectangular_room(4, 3)
+FIELDS = ("missed", "invented", "doubled", "per_wall", "found", "offset", "angle")
+
+
+def values(found) -> np.ndarray:
+    return np.array([np.sum(getattr(found, name)) for name in FIELDS])
+
+
+@given(st.integers(0, 10_000), st.sampled_from([{}, {"distance": 0.3, "angle": 0.5}]))
+@settings(max_examples=40, deadline=None)
+def test_equals_the_plain_version(seed, limits):
+    """Another strip, a wall that owns by its index, a span that is not joined."""
+    rng = np.random.default_rng(seed)
+    walls, map, looks = (MAPS[(seed + k) % 4](rng, 12) for k in range(3))
+    for seen in (None, looks):
+        found = against_walls(walls, map, seen=seen, **limits)
+        if not np.isfinite(found.per_wall):
+            continue
+        plain = literal.against_walls(
+            walls.tolist(), map.tolist(), seen=None if seen is None else seen.tolist(), **limits
+        )
+        wanted = [plain[name] for name in FIELDS]
+        np.testing.assert_allclose(values(found), wanted, atol=1e-6, equal_nan=True)
+
+
+def test_walls_against_themselves_are_perfect():
+    found = against_walls(ROOM, ROOM)
+    assert values(found) == pytest.approx([0, 0, 0, 1, 1, 0, 0])
+    assert str(found).startswith("AgainstWalls(1.00 segments a wall, 100% of the walls found, 0.0%")
+
+
+def test_a_wall_in_three_pieces_is_one_wall():
+    """Walls that continue each other are joined, also where the middle one comes last."""
+    pieces = [[(0, 0), (1, 0)], [(3, 0), (2, 0)], [(1, 0), (2, 0)]]
+    found = against_walls(pieces, [[(0, 0), (3, 0)]])
+    assert len(found.walls) == 1 and found.per_wall == 1 and found.missed == pytest.approx(0)
+    assert len(against_walls([*pieces[:2], [(1.1, 0), (1.9, 0)]], ROOM).walls) == 3
+
+
+def test_one_line_between_two_walls_belongs_to_the_nearer():
+    """Of 4 m and 3 m, ten centimetres apart, a line at 6 cm misses the one of 4 m: 57.1 %."""
+    walls = [[(0, 0), (4, 0)], [(0, 0.10), (3, 0.10)]]
+    found = against_walls(walls, [[(0, 0.06), (3, 0.06)]])
+    assert found.missed / found.seen.sum() == pytest.approx(4 / 7)
+    assert found.per_wall == 0.5 and found.found == 0.5 and found.offset == pytest.approx(0.04)
+
+
+def test_a_bridge_over_a_door_is_invented():
+    """Of 7 m of wall, a door of 1 m: 14.3 %."""
+    walls = [[(0, 0), (3, 0)], [(4, 0), (8, 0)]]
+    found = against_walls(walls, [[(0, 0), (8, 0)]])
+    assert found.invented / found.seen.sum() == pytest.approx(1 / 7)
+    np.testing.assert_array_equal(found.owner, [1, -1, 0])
+    assert found.found == 0.5  # the line is mostly the longer wall
+
+
+def test_what_is_there_twice_is_doubled():
+    found = against_walls(ROOM, [*ROOM, [(1, 0), (2.5, 0.05)]])
+    assert found.doubled.sum() == pytest.approx(1.5, abs=0.01) and found.per_wall == 1.25
+
+
+def test_what_nobody_saw_is_not_missed():
+    """And a wall that hardly was seen does not count."""
+    seen = [[(0, 0), (2, 0)], [(4, 0), (4, 0.05)]]
+    found = against_walls(ROOM, [[(0, 0), (1, 0)]], seen=seen)
+    assert found.missed == pytest.approx(1.05) and found.per_wall == 1
+    assert against_walls(ROOM, ROOM, seen=seen, least=0.0).per_wall == 1
+
+
+@pytest.mark.parametrize(("rise", "beside"), [(0.02, True), (0.049, True), (0.08, False)])
+def test_a_stub_may_be_turned_by_more_than_the_angle(rise, beside):
+    """Five degrees of 20 cm are 17 mm: noise alone would reject each stub."""
+    found = against_walls(ROOM, [[(1, 0), (1.2, rise)]])
+    assert (found.invented == 0) == beside
+
+
+@given(st.integers(0, 10_000))
+@settings(max_examples=20, deadline=None)
+def test_moving_all_swapping_ends_and_another_order_change_nothing(seed):
+    rng = np.random.default_rng(seed)
+    walls, map, seen = (MAPS[seed % 2](rng, 15) for _ in range(3))
+    found = against_walls(walls, map, seen=seen)
+    to = (5.0, -3.0, 1.2)
+    moved = [transform(to, each) for each in (walls, map[:, ::-1], seen)]
+    there = against_walls(moved[0], rng.permutation(moved[1]), seen=moved[2])
+    np.testing.assert_allclose(values(there), values(found), atol=1e-6, equal_nan=True)
+
+
+def test_pieces_are_the_map():
+    rng = np.random.default_rng(2)
+    map = MAPS[1](rng, 30)
+    found = against_walls(ROOM, map)
+    metres = np.hypot(*(found.pieces[:, 1] - found.pieces[:, 0]).T)
+    assert metres.sum() == pytest.approx(np.hypot(*(map[:, 1] - map[:, 0]).T).sum())
+    assert metres[found.owner < 0].sum() == pytest.approx(found.invented)
+
+
+def test_nothing_to_judge_by_is_refused():
+    with pytest.raises(ValueError, match="walls must hold a segment that has a length"):
+        against_walls([[(1, 1), (1, 1)]], ROOM)
+    empty = against_walls(ROOM, np.empty((0, 2, 2)))
+    assert empty.missed == pytest.approx(14) and empty.per_wall == 0 and np.isnan(empty.offset)
