@@ -99,7 +99,7 @@ GOOD = {
     "relation_errors.times": np.arange(4), "relations": np.array([[0, 1, 0.05, 0, 0, 0, 0, 0.02]]),
     "relative": np.tile((0.05, 0.0, 0.02), (3, 1)), "resolution": 0.05, "rng": rng(),
     "save.path": "saved.npz", "scan": LOG[0], "scans": LOG.scans, "second": WALLS,
-    "segments": WALLS, "SegmentMap.scan": np.arange(4), "sensor": simulation.SICK_LMS200,
+    "seen": WALLS, "segments": WALLS, "SegmentMap.scan": np.arange(4), "sensor": simulation.SICK_LMS200,
     "sensor_xy": PATH[0, :2], "size": 2.56, "start": PATH[0], "through": np.zeros(2),
     "times": np.array([0.0, 1.0]), "truth": PATH, "u": WALLS[0], "v": WALLS[1], "value": 0.5,
     "rasterize.values": np.zeros(len(TREE.leaves().x)), "walls": WALLS,

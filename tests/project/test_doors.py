@@ -32,7 +32,7 @@ ROOMS = [
     "panels", "testing", "hokuyo", "hokuyo.emulator",
 ]  # fmt: skip
 #: What the library makes itself and hands out: nobody else has to call these.
-MADE = {"Alignment", "Graph", "LogError", "Match", "Methods", "Reduction", "take_points", "Tree",
+MADE = {"AgainstWalls", "Alignment", "Graph", "LogError", "Match", "Methods", "Reduction", "take_points", "Tree",
         "Verdict", "Port", "SensorError", "SensorGone", "UnknownFormat"}  # fmt: skip
 #: What drawings and panels are made of: these take what a drawing or a panel has checked.
 PARTS = {"axes_grid", "axes_or_new", "axes_row", "group_colors", "map_axes", "method_style",
