@@ -26,17 +26,18 @@ PIECES = {"min_points": 2, "min_length": 0.0}
 
 _ANGLES = np.radians([2.5, 5, 10, 20])
 _DISTANCES = [0.02, 0.05, 0.10, 0.20, 0.30, 0.40]
-#: A's thresholds, smaller ones that reach higher qualities, and a grid for what A only names.
+#: A's thresholds, others that reach higher qualities, and a grid for what A only names.
 GRIDS = {
     "basic_offline": {"angle": _ANGLES, "distance": _DISTANCES},
     "basic_online": {"angle": _ANGLES, "distance": _DISTANCES},
-    "hybrid": {"angle": _ANGLES, "distance": _DISTANCES},
+    "hybrid": {"angle": _ANGLES, "distance": _DISTANCES, "min_length": [0.0, 0.10]},
     "mean_shift": {"sigma": [0.05, 0.10, 0.20, 0.30, 0.40]},
     "fusion": {"tolerance": [0.005, 0.01, 0.02, 0.04, 0.06, 0.08, 0.10]},
     "hybrid_fusion": {
         "angle": np.radians([5, 10]),
         "distance": [0.02, 0.05, 0.10, 0.20],
         "tolerance": [0.01, 0.02, 0.04],
+        "min_length": [0.0, 0.10],
     },
     "polyline": {"tolerance": [0.015, 0.02, 0.03, 0.05, 0.10, 0.20]},
     "segment_similarity": {"distance": [0.005, 0.01, 0.02, 0.03, 0.05, 0.10]},

@@ -197,6 +197,15 @@ def order_by_first(order: Indices, rows: Array) -> None:
 
 
 @compiled
+def root_of(parent: Indices, i: int) -> int:
+    """What stands for the set of i, where each points to another or to itself; halves the way."""
+    while parent[i] != i:
+        parent[i] = parent[parent[i]]
+        i = parent[i]
+    return i
+
+
+@compiled
 def join_sums(p: Array, q: Array, out: Array) -> None:
     """Weight, centre and scatter of two sets together, (6,) each; nothing cancels far away."""
     w = p[0] + q[0]

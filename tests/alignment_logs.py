@@ -14,7 +14,7 @@ from segmap.simulation import (
     corridor_loop,
     drive,
     office,
-    polygon,
+    polyline,
     simulate,
 )
 
@@ -24,8 +24,8 @@ BAD_WHEELS = OdometryNoise(turn_bias=0.05, turn_noise=0.05, heading_noise=0.02)
 #: An L-shaped room with a pillar: no turn and no shift carries it onto itself.
 L_ROOM = np.concatenate(
     [
-        polygon([(0, 0), (5, 0), (5, 3), (3, 3), (3, 4.5), (0, 4.5)]),
-        polygon([(1.0, 2.8), (1.5, 2.8), (1.5, 3.2), (1.0, 3.2)]),
+        polyline([(0, 0), (5, 0), (5, 3), (3, 3), (3, 4.5), (0, 4.5)], closed=True),
+        polyline([(1.0, 2.8), (1.5, 2.8), (1.5, 3.2), (1.0, 3.2)], closed=True),
     ]
 )
 OFFICE = office(rng=np.random.default_rng(1), rooms=2)

@@ -11,7 +11,8 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 
-from segmap.hokuyo import Geometry, SensorError, UrgSensor
+from segmap.hokuyo import SensorError, UrgSensor
+from segmap.hokuyo._geometry import Geometry
 from segmap.hokuyo.emulator import Unit
 from segmap.hokuyo.emulator._device import Fault, Unplugged, Wire
 

@@ -21,6 +21,7 @@ from ._thesis import (
     alignment_table,
     thesis_grid,
     thesis_results,
+    within_thesis,
 )
 from ._trials import (
     Trial,
@@ -32,33 +33,7 @@ from ._trials import (
     try_pair,
     write_trials,
 )
-from .drawings import (
-    draw_backbone,
-    draw_basin,
-    draw_buildings,
-    draw_candidate,
-    draw_cases,
-    draw_cells,
-    draw_centres,
-    draw_classes,
-    draw_climb,
-    draw_distance_terms,
-    draw_field,
-    draw_frames,
-    draw_growth,
-    draw_icp_step,
-    draw_landscape,
-    draw_marked,
-    draw_merge,
-    draw_normals,
-    draw_profile,
-    draw_ray,
-    draw_strip,
-    draw_threshold,
-    draw_trade_off,
-    draw_trials,
-    draw_uncertainty,
-)
+from .drawings import *
 from .exercises import Check, Exercise
 from .exercises.alignment import (
     check_least_translation,
@@ -127,31 +102,7 @@ from .exercises.surveyed import (
     check_pose_covariance,
     check_verdict,
 )
-from .panels import (
-    AnglePanel,
-    BackbonePanel,
-    BasicPanel,
-    ChainPanel,
-    ClassesPanel,
-    ClusterPanel,
-    DistancePanel,
-    FusionPanel,
-    GroundTruthPanel,
-    HybridPanel,
-    IcpPanel,
-    LandscapePanel,
-    LeastCostPanel,
-    MatcherPanel,
-    MeanShiftPanel,
-    PolylinePanel,
-    PoseGraphPanel,
-    RayPanel,
-    RoomPanel,
-    SectorPanel,
-    StoragePanel,
-    WeightedPanel,
-    insert_variant,
-)
+from .panels import *
 
 #: Name of each exercise -> its check.
 EXERCISES: dict[str, Exercise] = {

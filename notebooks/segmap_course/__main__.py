@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import argparse
 import sys
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 from .grading import Limits, class_report, grade, plan_of, read_key
 from .grading.handout import handout, write_solutions
@@ -34,28 +36,39 @@ def parser() -> argparse.ArgumentParser:
         prog="python -m segmap_course", description=__doc__, epilog=EPILOG, allow_abbrev=False
     )
     commands = found.add_subparsers(required=True, metavar="COMMAND", dest="command")
-    _add_handout(commands.add_parser("handout", help="student copies of the chapters"))
-    _add_grade(commands.add_parser("grade", help="points and feedback for all submissions"))
-    _add_solutions(commands.add_parser("solutions", help="chapters with solutions, for you alone"))
+
+    def command(run: Callable[[argparse.Namespace], None], folder: str, text: str) -> Any:
+        added = commands.add_parser(run.__name__.strip("_"), help=text)
+        added.add_argument("folder", metavar="DIR", type=Path, help=folder)
+        added.add_argument("--chapters", default="", metavar="34,54", help="default: all")
+        added.set_defaults(run=run)
+        return added
+
+    handed = command(_handout, "a new folder for the students", "student copies of the chapters")
+    handed.add_argument("--seed", type=whole, metavar="N", help="of the hidden cases; keep it")
+    notebooks = "a notebook or a folder a student: ann.ipynb, ann/"
+    _add_options(command(_grade, notebooks, "points and feedback for all submissions"))
+    command(_solutions, "a new folder, not for students", "chapters with solutions, for you alone")
     return found
 
 
-def _add_solutions(command: argparse.ArgumentParser) -> None:
-    command.add_argument("folder", metavar="DIR", type=Path, help="a new folder, not for students")
-    command.add_argument("--chapters", default="", metavar="34,54", help="default: all")
-    command.set_defaults(run=_solutions)
+def _add_options(grade: argparse.ArgumentParser) -> None:
+    grade.add_argument("-o", "--output", type=Path, required=True, metavar="grades.csv")
+    grade.add_argument(
+        "--key", type=Path, metavar="FILE", help="the instructor's file of handout: chapters, seed"
+    )
+    grade.add_argument("--seed", type=whole, metavar="N", help="without --key: of the hidden cases")
+    for name, unit in (("seconds", "of the clock"), ("cpu", "seconds of computing")):
+        words = f"of an answer, {unit}; default: %(default)s"
+        default = int(getattr(Limits(), name))
+        grade.add_argument(f"--{name}", type=whole, default=default, metavar="N", help=words)
+    words = "run where nothing guards your files"
+    grade.add_argument("--unprotected", action="store_true", help=words)
 
 
 def _solutions(given: argparse.Namespace) -> None:
     count = write_solutions(given.folder, given.chapters)
     print(f"{count} chapters with solutions in {given.folder}: for you alone")
-
-
-def _add_handout(command: argparse.ArgumentParser) -> None:
-    command.add_argument("folder", metavar="DIR", type=Path, help="a new folder for the students")
-    command.add_argument("--chapters", default="", metavar="34,54", help="default: all")
-    command.add_argument("--seed", type=whole, metavar="N", help="of the hidden cases; keep it")
-    command.set_defaults(run=_handout)
 
 
 def whole(word: str) -> int:
@@ -70,39 +83,8 @@ def _handout(given: argparse.Namespace) -> None:
     count = len(list(given.folder.glob("*.ipynb")))
     points = sum(task.points for task in tasks)
     print(f"{count} chapters, {len(tasks)} tasks, {points} points: give {given.folder} to students")
-    hidden = (
-        "the seed of the hidden cases" if given.seed is not None else "no seed: no hidden cases"
-    )
+    hidden = "no seed: no hidden cases" if given.seed is None else "the seed of the hidden cases"
     print(f"for you alone: {key} ({hidden}); grade with --key {key}")
-
-
-def _add_grade(command: argparse.ArgumentParser) -> None:
-    limits = Limits()
-    command.add_argument(
-        "folder", metavar="DIR", type=Path, help="a notebook or a folder a student: ann.ipynb, ann/"
-    )
-    command.add_argument("-o", "--output", type=Path, required=True, metavar="grades.csv")
-    command.add_argument(
-        "--key", type=Path, metavar="FILE", help="the instructor's file of handout"
-    )
-    command.add_argument(
-        "--chapters", default="", metavar="34,54", help="without --key; default: all"
-    )
-    command.add_argument(
-        "--seed", type=whole, metavar="N", help="without --key: of the hidden cases"
-    )
-    for name, unit in (("seconds", "of the clock"), ("cpu", "seconds of computing")):
-        command.add_argument(
-            f"--{name}",
-            type=whole,
-            default=int(getattr(limits, name)),
-            metavar="N",
-            help=f"of an answer, {unit}; default: %(default)s",
-        )
-    command.add_argument(
-        "--unprotected", action="store_true", help="run where nothing guards your files"
-    )
-    command.set_defaults(run=_grade)
 
 
 def _grade(given: argparse.Namespace) -> None:

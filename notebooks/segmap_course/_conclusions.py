@@ -174,17 +174,11 @@ def _by_density(maps: dict[str, Runs]) -> Iterator[tuple[str, str, list[Answer]]
     for letter, claim, method, thresholds, least in asked:
         found = {name: runs.quality(method, **thresholds) for name, runs in maps.items()}
         worst = min(found[name] for name in sparse)
-        yield (
-            letter,
-            claim,
-            [
-                Answer(
-                    f"{value:.0%} at {copies[name]:.1f} copies",
-                    value >= least if name in sparse else value < worst,
-                )
-                for name, value in found.items()
-            ],
-        )
+        answers = []
+        for name, value in found.items():
+            holds = value >= least if name in sparse else value < worst
+            answers.append(Answer(f"{value:.0%} at {copies[name]:.1f} copies", holds))
+        yield letter, claim, answers
 
 
 def _times(ratio: float) -> str:

@@ -14,13 +14,7 @@ from segmap.quadtree import QuadtreeMap
 
 
 class Landscape(NamedTuple):
-    """Scores `(m, m)` at offsets `(m,)` in metres: rows along the map's y, columns along its x.
-
-    Examples
-    --------
-    >>> Landscape(np.array([0.0]), np.array([[-2.5]])).values.shape
-    (1, 1)
-    """
+    """Scores `(m, m)` at offsets `(m,)` in metres: rows along the map's y, columns along its x."""
 
     offsets: Array
     values: Array

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from segmap import arrays
-from segmap.arrays import Array, Segments
+from segmap.arrays import Array, Metres, Segments, checked
 from segmap.extraction import build_map
 from segmap.poses import transform
 from segmap.quadtree import QuadtreeMap
@@ -26,20 +26,14 @@ SPACING = 0.01
 
 
 class Representation(NamedTuple):
-    """One way to keep a building; a dense grid has the cells of the quadtree.
+    """One way to keep a building; a dense grid has the cells of the quadtree."""
 
-    Parameters
-    ----------
-    map : (n, 2) array of points, (n, 2, 2) array of segments, metres, or QuadtreeMap
-    parts, nbytes : int
-    points : (n, 2) array, metres
-        Where it says that walls are: the points themselves, samples along segments, or centres of
-        occupied cells.
-    """
-
+    #: Points `(n, 2)` or segments `(n, 2, 2)`, metres, or a `QuadtreeMap`.
     map: Any
     parts: int
     nbytes: int
+    #: Where it says that walls are, `(n, 2)`, metres: the points themselves, samples along
+    #: segments, or centres of occupied cells.
     points: Array
 
 
@@ -84,14 +78,9 @@ def compare_with_walls(
 ) -> pd.DataFrame:
     """Compare representations with the true walls: a table with a row for each.
 
-    Walls that the first, the points, do not reach were never seen, and do not count.
-
-    Returns
-    -------
-    DataFrame
-        parts, nbytes; error: mean distance of its points from the walls, metres; covered: share of
-        the samples of walls seen that have one of its points `within` so many metres, NaN where
-        none was.
+    Its columns are parts; nbytes; error: mean distance of the points from the walls, metres;
+    covered: share of the samples of walls seen that have a point `within` so many metres, NaN where
+    none was. Walls that the first, the points, do not reach were never seen, and do not count.
     """
     import pandas as pd
     from scipy.spatial import cKDTree
@@ -114,7 +103,8 @@ def occupied_centres(map: QuadtreeMap) -> Array:
     return corner + leaves.side[occupied, None] / 2
 
 
-def sample_points(segments: Segments, spacing: float = SPACING) -> Array:
+@checked
+def sample_points(segments: Segments, spacing: Metres = SPACING) -> Array:
     """Points `(n, 2)`, metres, along segments, evenly, at most so far apart, with both ends.
 
     Examples
@@ -124,7 +114,6 @@ def sample_points(segments: Segments, spacing: float = SPACING) -> Array:
            [0.5, 0. ],
            [1. , 0. ]])
     """
-    arrays.positive("metres", spacing=spacing)
     ends = arrays.segments(segments)
     counts = np.maximum(np.ceil(length(ends) / spacing - 1e-9), 1).astype(int)
     parts = [

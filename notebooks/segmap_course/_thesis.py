@@ -96,6 +96,41 @@ def thesis_grid(frame: pd.DataFrame) -> pd.DataFrame:
     return frame[kept]
 
 
+def within_thesis(frame: pd.DataFrame, *, margin: float = 0.05) -> pd.DataFrame:
+    """Share of the runs of A's grid that lie within the range of A's own four buildings.
+
+    A row for each of A's methods; for each map a column of quality and one of reduction. A run lies
+    within where A has the same method, thresholds and filter, and its value is at most `margin`
+    below the smallest or above the largest that A found.
+
+    Examples
+    --------
+    >>> within_thesis(thesis_results()).loc["hybrid", "usc"].to_dict()
+    {'quality': 1.0, 'reduction': 1.0}
+    """
+    import pandas as pd
+
+    keys = ["method", "filtered", "angle", "distance", "sigma", "tolerance"]
+    ours, theirs = (
+        runs.assign(**runs[keys[2:]].fillna(-1.0), filtered=runs["filtered"].fillna(0.0)).round(6)
+        for runs in (thesis_grid(frame), thesis_results())
+    )
+    ranges = theirs.groupby(keys)[["quality", "reduction"]].agg(["min", "max"])
+    limits = ranges.loc[list(ours[keys].itertuples(index=False, name=None))]
+    inside = {
+        what: ours[what].between(
+            limits[what, "min"].to_numpy() - margin, limits[what, "max"].to_numpy() + margin
+        )
+        for what in ("quality", "reduction")
+    }
+    table = pd.DataFrame(index=list(THESIS_GRIDS), columns=pd.MultiIndex.from_product([[], []]))
+    for name in dict.fromkeys(ours["map"]):
+        here = ours["map"] == name
+        for what, within in inside.items():
+            table[name, what] = within[here].groupby(ours["method"]).mean()
+    return table
+
+
 def alignment_table(runs: pd.DataFrame) -> pd.DataFrame:
     """Errors of alignment methods on one log beside published ones, without times.
 

@@ -27,18 +27,10 @@ if TYPE_CHECKING:
 class Trial:
     """One walk mapped without odometry by one matcher and one score.
 
-    Parameters
-    ----------
-    seed : int
-        Of the log's errors and of the matcher.
-    median, largest : float, metres
-        Errors of position.
-    heading : float, radians
-        Largest error of heading.
-    leaves, nbytes : int
-        Of the map: poses that agree leave a small one (B Fig. 6.17).
-    seconds : float
-        Median of a whole step: field, match and insertion.
+    The seed is that of the log's errors and of the matcher. Errors of position are in metres, their
+    median and the largest, and the largest of the heading in radians. Leaves and bytes are those of
+    the map: poses that agree leave a small one (B Fig. 6.17). A whole step, field, match and
+    insertion, takes so many seconds in the median.
 
     Examples
     --------
@@ -176,16 +168,7 @@ def load_columns(name: str) -> NDArray[np.void]:
 
 
 def write_trials(trials: Iterable[Trial], path: Path) -> None:
-    """Write what `load_trials` reads, through a temporary file: whole or not at all.
-
-    Examples
-    --------
-    >>> import tempfile
-    >>> with tempfile.TemporaryDirectory() as folder:
-    ...     write_trials(load_trials()[:2], Path(folder) / "it.csv")
-    ...     len(load_trials(Path(folder) / "it.csv"))
-    2
-    """
+    """Write what `load_trials` reads, through a temporary file: whole or not at all."""
     with replacing(path) as target:
         target.write(table_text([HEAD, *map(astuple, trials)]).encode())
 

@@ -9,8 +9,8 @@ import re
 from pathlib import Path
 from typing import Any
 
+from .._display import counted
 from ..files import chapters_folder, existing, write_bytes
-from ._words import counted
 
 #: The chapter that is opened first.
 FIRST = "00_start_here.ipynb"
@@ -76,17 +76,11 @@ def _hand_over(folder: Path, name: str, content: bytes, handed: dict[str, str]) 
         return "copied"
     if before is None or before == digest:
         return "yours"
-    beside = _free(path)
+    count = 1  # a newer original goes beside the student's, under a name that is not taken
+    while existing(beside := path.with_name(f"{path.stem}.newer-{count}{path.suffix}")):
+        count += 1
     write_bytes(beside, content)
     return beside.name
-
-
-def _free(path: Path) -> Path:
-    """Where a newer original goes, beside the student's: a name that is not taken."""
-    count = 1
-    while existing(found := path.with_name(f"{path.stem}.newer-{count}{path.suffix}")):
-        count += 1
-    return found
 
 
 def _tell(folder: Path, done: dict[str, str]) -> None:

@@ -7,17 +7,17 @@ from ..methods import Method
 from ._baselines import align_to_truth, ground_truth, odometry, position_errors
 from ._point_icp import point_icp
 from ._result import Alignment, Match
+from ._verdict import Verdict
 from .angle_correspondence import (
-    Candidate,
     angle_candidates,
     angle_correspondence,
     match_angles,
     match_values,
 )
-from .backbone import BackboneStep, backbone, backbone_steps, least_translation, mean_rotation
+from .backbone import backbone, backbone_steps, least_translation, mean_rotation
 from .global_segments import global_segments
-from .graph import Graph, Rejected, solve_graph
-from .points import PointStep, match_points, point_steps
+from .graph import Graph, solve_graph
+from .points import match_points, point_steps
 from .pose_graph import LiveGraph, LoopClosing, Tracking, align_parts, pose_graph
 from .segment_icp import match_segments, segment_icp
 

@@ -167,9 +167,9 @@ def _read(hint: Any) -> Declared:
 
 
 def checked(function: Callable[P, R]) -> Callable[P, R]:
-    """Check the keywords of a function as their annotations declare them, when it is called.
+    """Check the arguments of a function as their annotations declare them, when it is called.
 
-    What is refused is a ValueError that names the keyword, the value and what was expected; a
+    What is refused is a ValueError that names the argument, the value and what was expected; a
     length that looks like millimetres is warned of.
 
     Examples
@@ -182,22 +182,26 @@ def checked(function: Callable[P, R]) -> Callable[P, R]:
     ValueError: distance must be a number above 0, in metres, got -1
     """
     known: dict[str, Declared] = {}
+    names = list(inspect.signature(function).parameters)
 
     @functools.wraps(function)
     def call(*args: Any, **given: Any) -> R:
-        if given and not known:
+        if not known:
             known.update(declared(function))
-        kept = {n: known[n].check(v, n) if n in known else v for n, v in given.items()}
+        named = dict(zip(names, args, strict=False)) | given
+        kept = {n: known[n].check(v, n) if n in known else v for n, v in named.items()}
         for name in kept.keys() & known.keys():
             q = known[name].quantity
             if q.usual and kept[name] is not None and kept[name] > q.usual:
-                first = args[0] if args else None  # a map or points; else a log, or self
-                is_map = isinstance(first, np.ndarray | list | tuple) or hasattr(first, "segments")
-                data = first if is_map and not hasattr(first, "scans") else None
+                data = args[0] if args else None  # a map or points; else a log, or self
+                is_map = isinstance(data, np.ndarray | list | tuple) or hasattr(data, "segments")
+                data = data if is_map and not hasattr(data, "scans") else None
                 slips.check_lengths(
                     data, most=q.usual, share=q.share or slips.LONG, **{name: kept[name]}
                 )
-        return cast(Callable[..., R], function)(*args, **kept)
+        first = [kept[name] for name in names[: len(args)]]
+        rest = {name: kept[name] for name in given}
+        return cast(Callable[..., R], function)(*first, *args[len(names) :], **rest)
 
     return cast(Callable[P, R], call)
 

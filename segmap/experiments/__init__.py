@@ -7,7 +7,7 @@ one row a run; `equal_quality` and `pareto` compare. `load_records`, `load_onlin
 
 from ._compare import equal_quality, front, pareto, reduction_at
 from ._online import growth, online_times
-from ._plan import default_thresholds, digest
+from ._plan import default_thresholds
 from ._records import (
     load_alignments,
     load_online,

@@ -154,12 +154,12 @@ def _combinations(name: str, function: Function, grid: Grid) -> list[tuple[Thres
         if taken := NAMES & set(row):
             raise ValueError(f"{name} must not call a threshold {taken.pop()!r}: a column is")
     found = [{k: v for k, v in row.items() if v is not None or defaults is None} for row in found]
+    kinds = [tuple(map(type, row.values())) for row in found]
     first: dict[tuple[type, ...], Items] = {}
-    return [(row, first.setdefault(_kinds(row), tuple(row.items()))) for row in found]
-
-
-def _kinds(thresholds: Thresholds) -> tuple[type, ...]:
-    return tuple(type(value) for value in thresholds.values())
+    return [
+        (row, first.setdefault(kind, tuple(row.items())))
+        for row, kind in zip(found, kinds, strict=True)
+    ]
 
 
 def _plain(value: Any) -> Threshold:

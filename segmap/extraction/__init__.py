@@ -5,7 +5,6 @@ at least `gap` apart; a polyline is then split and merged until it follows the p
 """
 
 from ._extraction import (
-    Runs,
     build_map,
     extract_clusters,
     extract_polylines,

@@ -3,13 +3,9 @@
 `python -m segmap.hokuyo list`, `info` and `record` do the same from a terminal.
 """
 
-from ._geometry import Geometry
 from ._host import Newest
-from ._lines import Port
-from ._port import ports
 from ._protocol import (
     SensorError,
-    SensorGone,
     checksum,
     decode,
     encode,

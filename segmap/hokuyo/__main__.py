@@ -8,7 +8,8 @@ import sys
 from pathlib import Path
 from typing import NoReturn
 
-from . import SensorError, UrgSensor, ports, record
+from . import SensorError, UrgSensor, record
+from ._port import ports
 from ._record import check_target
 
 _PORT = "device, or tcp://host[:10940] on Ethernet (default: the Hokuyo on USB)"

@@ -58,11 +58,8 @@ class Silent(SensorError):
 def encode(values: ArrayLike, characters: int) -> bytes:
     """Whole numbers as characters, the same count for each, most significant first.
 
-    Parameters
-    ----------
-    values : (n,) or () int array, 0 to 64 ** characters - 1
-    characters : int
-        2 or 3 for distances in millimetres, 4 for the clock.
+    Of numbers from 0 to `64 ** characters - 1`: 2 or 3 characters for distances in millimetres, 4
+    for the clock.
 
     Examples
     --------

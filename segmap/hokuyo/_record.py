@@ -42,7 +42,6 @@ def record(
 
     Parameters
     ----------
-    sensor : UrgSensor, or any iterable of LaserScan
     path : str or Path
         Scans are added to what is there.
     count : int or None

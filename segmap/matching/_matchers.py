@@ -62,7 +62,6 @@ def hill_climb(
 
     Parameters
     ----------
-    map : QuadtreeMap
     points : (n, 2) array, metres
         Ends of the beams in the robot's frame.
     start : (3,) array, metres and radians
@@ -124,7 +123,8 @@ def sample_and_rank(
     ----------
     map, points, start, score
         As for `hill_climb`.
-    sigma : (2,) floats, metres and radians
+    sigma
+        Standard deviations of a shift, metres, and of a turn, radians.
 
     Returns
     -------

@@ -34,6 +34,7 @@ def occupancy_score(map: QuadtreeMap, points: ArrayLike, poses: ArrayLike) -> Ar
     points : (n, 2) array, metres
         Ends of the beams in the robot's frame.
     poses : (k, 3) or (3,) array, metres and radians
+        Of the robot, on the map.
 
     Returns
     -------

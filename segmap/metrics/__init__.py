@@ -4,9 +4,8 @@ Segment distance and quality: A 2.7.7 and 6.2.2; grades: A 6.2.3; relation error
 """
 
 from ._coverage import invented, missed
+from ._doubled import doubled_walls
 from ._metrics import (
-    QUALITY_GRADES,
-    REDUCTION_GRADES,
     distance_terms,
     errors,
     grade_quality,

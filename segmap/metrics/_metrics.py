@@ -112,6 +112,7 @@ def quality(before: Segments, after: Segments, *, scale: Metres = 0.050) -> floa
 
     1 for an unchanged map, or where there was nothing to lose; 0 where nothing is left; NaN, with a
     warning, where both are empty. `scale` is the mean error at which it falls to 37 %: 50 mm in A.
+    A segment without length is no wall: every reduction drops it, and it does not count here.
 
     Examples
     --------
@@ -119,10 +120,11 @@ def quality(before: Segments, after: Segments, *, scale: Metres = 0.050) -> floa
     >>> quality(wall, wall), round(quality(wall, wall + 0.1), 3)
     (1.0, 0.554)
     """
-    found = errors(before, after)
+    given = arrays.segments(before, "before")
+    found = errors(given[length(given) >= MIN_LENGTH], after)
     if len(found):
         return float(np.exp(-found.mean() / scale))
-    if len(arrays.segments(after, "after")):
+    if len(given) or len(arrays.segments(after, "after")):
         return 1.0
     text = "quality is NaN: neither map holds a segment, before or after"
     slips.warn(text)
@@ -175,9 +177,8 @@ def relation_errors(
 
     Parameters
     ----------
-    times : (k,) array, seconds, in any order
-    poses : (k, 3) array, metres and radians
-        Rows of NaN are passed over.
+    times, poses : (k,) array, seconds; (k, 3) array, metres and radians
+        In any order; rows of NaN are passed over.
     relations : (m, 8) array
         As in the benchmark's files: t1, t2 [s], x, y, z [m], roll, pitch, yaw [rad] of the pose at
         t2 in the frame of the pose at t1.
@@ -207,7 +208,9 @@ def relation_errors(
     t, p = t[known][order], p[known][order]
     if not len(t):
         return np.empty(0), np.empty(0)
-    ends = _nearest(t, wanted[:, :2])
+    after = np.minimum(np.searchsorted(t, wanted[:, :2]), len(t) - 1)
+    before = np.maximum(after - 1, 0)
+    ends = np.where(wanted[:, :2] - t[before] <= t[after] - wanted[:, :2], before, after)
     near = (np.abs(t[ends] - wanted[:, :2]) <= tolerance).all(1)
     found = between(p[ends[near, 0]], p[ends[near, 1]])
     d = between(wanted[near][:, [2, 3, 7]], found)
@@ -239,13 +242,6 @@ def _mean_line_terms(
 def _grade(value: float, grades: dict[int, str]) -> str:
     step = int(np.floor(round(100 * value, 9) / 10 + 0.5)) * 10
     return grades[min(max(step, min(grades)), max(grades))]
-
-
-def _nearest(t: Array, wanted: Array) -> NDArray[np.int64]:
-    """Index of the sorted time nearest to each wanted one; ties: the earlier."""
-    after = np.minimum(np.searchsorted(t, wanted), len(t) - 1)
-    before = np.maximum(after - 1, 0)
-    return np.where(wanted - t[before] <= t[after] - wanted, before, after)
 
 
 @compiled

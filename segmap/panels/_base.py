@@ -112,7 +112,8 @@ class Panel:
 
 def slider(name: str, value: float, least: float, most: float, step: float, unit: str = "m") -> Any:
     """A slider that redraws when it is released: a drawing takes longer than a movement."""
-    kind, form = (W.IntSlider, "d") if isinstance(step, int) else (W.FloatSlider, _decimals(step))
+    digits = max(0, len(f"{step:.6f}".rstrip("0").split(".")[1]))
+    kind, form = (W.IntSlider, "d") if isinstance(step, int) else (W.FloatSlider, f".{digits}f")
     return kind(
         value=value,
         min=least,
@@ -148,7 +149,3 @@ def _fit_names(parts: Sequence[Any]) -> None:
             part.layout.width = f"calc({letters}ch + 250px)"
     for box in (part for part in named if isinstance(part, W.Checkbox)):
         box.indent, box.layout.width, box.layout.margin = False, "auto", "2px 16px 2px 2px"
-
-
-def _decimals(step: float) -> str:
-    return f".{max(0, len(f'{step:.6f}'.rstrip('0').split('.')[1]))}f"

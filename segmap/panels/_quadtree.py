@@ -7,6 +7,7 @@ from matplotlib.figure import Figure
 from numpy.typing import ArrayLike
 
 from .. import arrays
+from ..arrays import Metres, checked
 from ..plotting import draw_quadtree
 from ..quadtree import QuadtreeMap, build_map
 from ..scans import Log
@@ -34,12 +35,12 @@ class QuadtreePanel(Panel):
 
     map: QuadtreeMap
 
+    @checked
     def __init__(
-        self, log: Log, poses: ArrayLike | None = None, *, resolution: float = 0.05
+        self, log: Log, poses: ArrayLike | None = None, *, resolution: Metres = 0.05
     ) -> None:
         if not len(arrays.instance(log, "log", Log)):
             raise ValueError("log must hold one scan at least, got none")
-        arrays.positive("metres", resolution=resolution)
         given = log.truth
         if poses is not None:
             given = arrays.poses(poses, count=len(log), missing=True)

@@ -89,10 +89,11 @@ def titled(things: Mapping[str, T], name: str) -> Mapping[str, T]:
 
 def inches(size: tuple[float, float]) -> tuple[float, float]:
     """Width and height of a picture."""
-    width, height = arrays.row(size, "size", 2)
-    arrays.positive("inches", 1000.0, size=min(width, height))
-    arrays.positive("inches", 1000.0, size=max(width, height))
-    return float(width), float(height)
+    width, height = (
+        arrays.number(side, "size", above=0, most=1000, unit="inches")
+        for side in arrays.row(size, "size", 2)
+    )
+    return width, height
 
 
 def axes_row(count: int, size: tuple[float, float], *, shared: str = "") -> list[Axes]:

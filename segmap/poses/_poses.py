@@ -77,9 +77,10 @@ def interpolate(
 
     Parameters
     ----------
-    times : (k,) array, seconds, not decreasing
-    poses : (k, 3) array, metres and radians
+    times, poses : (k,) array, seconds; (k, 3) array, metres and radians
+        The known ones; times do not decrease.
     at : (m,) array, seconds
+        Where poses are wanted.
     max_gap
         Between two poses farther apart than this nothing is claimed.
 

@@ -23,7 +23,6 @@ def build_map(
 
     Parameters
     ----------
-    log : Log
     poses : (k, 3) array, metres and radians, or Alignment
         One a scan; scans with NaN in their pose are left out.
     free : bool

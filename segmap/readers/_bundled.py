@@ -17,8 +17,12 @@ KILLIAN = "killian"
 def find(name: str) -> Path:
     """The file of a bundled log: `data/<name>/<name>.log.gz`."""
     if name == KILLIAN:
-        return _killian()
-    logs = _all()
+        other = find_spec("rtbdata")
+        if other is None or not other.submodule_search_locations:
+            raise ValueError("the log 'killian' is in another package: pip install rtb-data")
+        return Path(other.submodule_search_locations[0]) / "data" / "killian.g2o.zip"
+    found = [path for place in reversed(PLACES) for path in place.glob("*/*.log.gz")]
+    logs = {path.parent.name: path for path in found if path.name == f"{path.parent.name}.log.gz"}
     if not isinstance(name, str) or name not in logs:
         known = ", ".join(repr(known) for known in sorted(logs)) or "none"
         raise ValueError(f"name must be that of a bundled log ({known}), got {name!r}")
@@ -32,15 +36,3 @@ def data_file(name: str) -> Path:
         if (path := place / name).exists():
             return path
     raise ValueError(f"segmap's data/{name} is missing: run `make bench`, or install segmap again")
-
-
-def _all() -> dict[str, Path]:
-    found = (path for place in reversed(PLACES) for path in place.glob("*/*.log.gz"))
-    return {path.parent.name: path for path in found if path.name == f"{path.parent.name}.log.gz"}
-
-
-def _killian() -> Path:
-    found = find_spec("rtbdata")
-    if found is None or not found.submodule_search_locations:
-        raise ValueError("the log 'killian' is in another package: pip install rtb-data")
-    return Path(found.submodule_search_locations[0]) / "data" / "killian.g2o.zip"

@@ -35,7 +35,6 @@ def fusion(map: Segments, *, tolerance: Metres = 0.04) -> Reduction:
 
     Parameters
     ----------
-    map : SegmentMap, Reduction or (n, 2, 2) array
     tolerance
         Half width of the strip. 0.04 m is about the spread of one wall seen from many poses; A
         finds that quality falls quickly beyond 0.06 m.

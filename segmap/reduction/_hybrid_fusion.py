@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import pairwise
+from typing import Literal
 
 import numpy as np
 
 from .. import arrays
 from ..arrays import Array, Count, Metres, Segments, checked
 from ._fusion import fuse
-from ._hybrid import State, add, empty_map, replace_map
+from ._hybrid import State, add, doubt_of, empty_map, replace_map
 from ._runner import Indices, Length, Reduction, Rows, Steps, Turn, rows_of, run_online
 
 
@@ -19,7 +21,8 @@ def hybrid_fusion(
     *,
     distance: Metres = 0.20,
     angle: Turn = np.pi / 18,
-    min_length: Length | None = None,
+    min_length: Length = 0.10,
+    origin: Literal["map", "pair"] = "map",
     tolerance: Metres = 0.04,
     every: Count = 50,
 ) -> Reduction:
@@ -38,7 +41,7 @@ def hybrid_fusion(
     ----------
     map : SegmentMap, Reduction or (n, 2, 2) array
         Scans come in ascending order.
-    distance, angle, min_length
+    distance, angle, min_length, origin
         As in `hybrid`.
     tolerance
         As in `fusion`.
@@ -61,7 +64,6 @@ def hybrid_fusion(
     >>> len(hybrid(wall)), len(hybrid_fusion(wall))
     (2, 1)
     """
-    least = distance if min_length is None else min_length
 
     def steps(rows: Rows) -> Steps:
         state, s = empty_map(len(rows.segments), distance), rows.segments
@@ -69,7 +71,7 @@ def hybrid_fusion(
         moves: list[Indices] = []  # where each segment of the map went at each Fusion
         borders = [0]  # inputs until then
         for done, (first, stop) in enumerate(rows.scans(), 1):
-            add(state, s, first, stop, distance, angle, least, parents)
+            add(state, s, first, stop, distance, angle, min_length, origin == "pair", parents)
             if done % every == 0 or stop == len(s):
                 moves.append(_fuse_map(state, tolerance))
                 borders.append(stop)
@@ -81,7 +83,7 @@ def hybrid_fusion(
             parents[first:stop] = carried[parents[first:stop]]
         return state.s[: state.used[0]].copy(), parents
 
-    return run_online("hybrid_fusion", map, steps)
+    return replace(run_online("hybrid_fusion", map, steps), doubt=doubt_of(map, origin))
 
 
 class LiveReduction:
@@ -106,12 +108,13 @@ class LiveReduction:
         *,
         distance: Metres = 0.20,
         angle: Turn = np.pi / 18,
-        min_length: Length | None = None,
+        min_length: Length = 0.10,
+        origin: Literal["map", "pair"] = "map",
         tolerance: Metres = 0.04,
         every: Count = 50,
     ) -> None:
         self.distance, self.angle, self.tolerance, self.every = distance, angle, tolerance, every
-        self.min_length = distance if min_length is None else min_length
+        self.min_length, self.origin = min_length, origin
         self._state = empty_map(0, distance)
 
     def add(self, segments: Segments) -> None:
@@ -124,7 +127,10 @@ class LiveReduction:
             self._state = empty_map(2 * (used + len(new)), self.distance)
             replace_map(self._state, state.s[:used], state.lines[:used, 2].copy())
         parents = np.empty(len(new), np.int64)
-        add(self._state, new, 0, len(new), self.distance, self.angle, self.min_length, parents)
+        pair = self.origin == "pair"
+        add(
+            self._state, new, 0, len(new), self.distance, self.angle, self.min_length, pair, parents
+        )
         self.scans += 1
         if self.scans % self.every == 0:
             _fuse_map(self._state, self.tolerance)

@@ -20,17 +20,14 @@ from ..arrays import (
     checked,
     slips,
 )
-from ..compiled import compiled
 from ..segments import angle, length, midpoint
-from ._climb_kernels import climb, link
+from ._mean_shift_kernels import climb, join, link
 from ._runner import Found, Indices, Reduction, Rows, rows_of, run
 
 #: More pieces than this are refused: a slip in the unit of sigma would fill the memory.
 MOST_PIECES = 20_000_000
 #: Climbing ends when no centre moves by more than this part of sigma, or of (sx, sy) in phase 2.
 STOP = 1 / 200
-#: Intervals at most this far apart, in metres, are joined.
-SAME = 1e-9
 
 
 @checked
@@ -58,7 +55,6 @@ def mean_shift(
 
     Parameters
     ----------
-    map : SegmentMap, Reduction or (n, 2, 2) array
     sigma
         Size of the smallest detail that matters, A's only parameter. Above 0.20 m quality falls
         quickly (A 6.3).
@@ -202,28 +198,10 @@ def _lines(pieces: Array, cluster: Indices, theta: Array, sigma: float) -> tuple
     offset = np.bincount(chain, centres[:, 1]) / np.bincount(chain) * across
     reach = np.abs(half[:, 0] * dx + half[:, 1] * dy)
     low, high, into, spans = u - reach, u + reach, np.empty(len(u), np.int64), np.empty((len(u), 2))
-    count = _join(np.lexsort((low, chain)), chain, low, high, into, spans)
+    count = join(np.lexsort((low, chain)), chain, low, high, into, spans)
     first = np.unique(into, return_index=True)[1]  # a piece of each output
     w, dx, dy, offset = spans[:count], dx[first, None], dy[first, None], offset[chain[first], None]
     return np.stack([w * dx - offset * dy, w * dy + offset * dx], axis=2) + origin, into
-
-
-@compiled
-def _join(
-    order: Indices, chain: Indices, low: Array, high: Array, into: Indices, spans: Array
-) -> int:
-    """Union of the intervals of each chain, sorted by chain and low: the number of parts.
-
-    Writes the part of each interval, and low and high of each part.
-    """
-    count, last = 0, -1
-    for i in order:
-        if chain[i] != last or low[i] > spans[count - 1, 1] + SAME:
-            last, spans[count, 0], spans[count, 1] = chain[i], low[i], high[i]
-            count += 1
-        spans[count - 1, 1] = max(spans[count - 1, 1], high[i])
-        into[i] = count - 1
-    return count
 
 
 def longest_share(count: int, owner: Indices, into: Indices) -> Indices:

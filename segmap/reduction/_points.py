@@ -6,7 +6,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .. import arrays
 from ..arrays import Array, Segments
 from ..segments import SegmentMap, length, take_points
 from ._runner import Indices, Rows
@@ -66,8 +65,3 @@ def stand_ins(segments: Array, spacing: float) -> tuple[Array, Indices]:
     owner = np.repeat(np.arange(len(count)), count)
     t = (np.arange(first[-1]) - first[owner] + 0.5) / count[owner]
     return segments[owner, 0] + t[:, None] * (segments[:, 1] - segments[:, 0])[owner], first
-
-
-def check_spacing(spacing: float) -> None:
-    """Refuse a spacing, metres, that is none: ValueError."""
-    arrays.positive("metres", spacing=spacing)

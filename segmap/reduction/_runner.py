@@ -69,7 +69,8 @@ class Reduction(Pictured):
         return len(self.segments)
 
     def __repr__(self) -> str:
-        return f"Reduction({self.method}: {len(self.parents)} -> {len(self)} segments)"
+        doubt = f"; {self.doubt}" if self.doubt else ""
+        return f"Reduction({self.method}: {len(self.parents)} -> {len(self)} segments{doubt})"
 
 
 class Methods(dict[str, Method[Reduction]]):

@@ -5,7 +5,6 @@ A segment has no direction: swapping its end points gives the same segment.
 
 from ._segments import (
     MIN_LENGTH,
-    STORED,
     SegmentMap,
     angle,
     extreme_projections,

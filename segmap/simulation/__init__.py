@@ -10,7 +10,6 @@ from ._rooms import (
     circular_room,
     corridor_loop,
     office,
-    polygon,
     polyline,
     rectangular_room,
     square_room,

@@ -25,32 +25,25 @@ Sides = Annotated[Count, at_least(3), at_most(100_000)]
 THICKNESS = 0.1
 
 
-def polyline(corners: ArrayLike) -> Array:
-    """Walls from corner to corner `(k, 2)`, metres, open at the end.
+@checked
+def polyline(corners: ArrayLike, *, closed: bool = False) -> Array:
+    """Walls from corner to corner `(k, 2)`, metres; where it is closed, back to the first.
 
     Examples
     --------
     >>> polyline([(0, 0), (1, 0), (1, 2)]).shape
     (2, 2, 2)
-    """
-    points = arrays.points(corners, "corners")
-    return np.stack([points[:-1], points[1:]], 1)
-
-
-def polygon(corners: ArrayLike) -> Array:
-    """Walls from corner to corner `(k, 2)`, metres, and back to the first.
-
-    Examples
-    --------
-    >>> polygon([(0, 0), (1, 0), (0, 1)])[-1]
+    >>> polyline([(0, 0), (1, 0), (0, 1)], closed=True)[-1]
     array([[0., 1.],
            [0., 0.]])
     """
     points = arrays.points(corners, "corners")
-    return polyline(np.concatenate([points, points[:1]]))
+    following = np.roll(points, -1, axis=0)
+    return np.stack([points, following], 1)[: len(points) if closed else max(len(points) - 1, 0)]
 
 
-def box(width: float, depth: float, pose: ArrayLike = (0.0, 0.0, 0.0)) -> Array:
+@checked
+def box(width: Length, depth: Length, pose: ArrayLike = (0.0, 0.0, 0.0)) -> Array:
     """Four walls of a rectangle about a pose: a cupboard, a pillar, a table.
 
     Width and depth, metres, lie along the x and the y axis of the pose, `(3,)`, in metres and
@@ -62,12 +55,11 @@ def box(width: float, depth: float, pose: ArrayLike = (0.0, 0.0, 0.0)) -> Array:
     array([[0., 0.],
            [2., 0.]])
     """
-    arrays.positive("metres", width=width, depth=depth)
     corners = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)]) * (width / 2, depth / 2)
-    return transform(arrays.pose(pose), polygon(corners))
+    return transform(arrays.pose(pose), polyline(corners, closed=True))
 
 
-def rectangular_room(width: float = 4.0, depth: float = 3.0) -> Array:
+def rectangular_room(width: Length = 4.0, depth: Length = 3.0) -> Array:
     """A rectangle of walls from the origin to (width, depth), metres.
 
     Examples
@@ -78,7 +70,8 @@ def rectangular_room(width: float = 4.0, depth: float = 3.0) -> Array:
     return box(width, depth) + (width / 2, depth / 2)
 
 
-def square_room(side: float = 4.0) -> Array:
+@checked
+def square_room(side: Length = 4.0) -> Array:
     """A square of walls from the origin to (side, side), metres.
 
     Examples
@@ -86,12 +79,11 @@ def square_room(side: float = 4.0) -> Array:
     >>> square_room(2).max(axis=(0, 1))
     array([2., 2.])
     """
-    arrays.positive("metres", side=side)
     return rectangular_room(side, side)
 
 
 @checked
-def circular_room(radius: float = 2.0, *, sides: Sides = 64) -> Array:
+def circular_room(radius: Length = 2.0, *, sides: Sides = 64) -> Array:
     """A round room as a polygon with its corners on the circle about (radius, radius), metres.
 
     With 64 sides the walls lie at most `radius * (1 - cos(pi / 64))` inside the circle: 2.4 mm for
@@ -103,9 +95,9 @@ def circular_room(radius: float = 2.0, *, sides: Sides = 64) -> Array:
     >>> np.allclose(np.hypot(*(walls[:, 0] - 2.0).T), 2.0)
     True
     """
-    arrays.positive("metres", LONGEST, radius=radius)
     turn = 2 * np.pi * np.arange(sides) / sides
-    return polygon(radius + radius * np.stack([np.cos(turn), np.sin(turn)], -1))
+    corners = radius + radius * np.stack([np.cos(turn), np.sin(turn)], -1)
+    return polyline(corners, closed=True)
 
 
 def two_position_square(side: float = 4.0) -> tuple[Array, Array]:
@@ -124,7 +116,7 @@ def two_position_square(side: float = 4.0) -> tuple[Array, Array]:
 
 
 @checked
-def corridor_loop(length: float = 30.0, depth: float = 12.0, *, width: Length = 2.0) -> Array:
+def corridor_loop(length: Length = 30.0, depth: Length = 12.0, *, width: Length = 2.0) -> Array:
     """A corridor around a block, with door niches and pillars.
 
     The niches (0.9 m wide, 0.2 m deep) are spaced unevenly, each wall in its own way: no two
@@ -132,7 +124,7 @@ def corridor_loop(length: float = 30.0, depth: float = 12.0, *, width: Length = 
 
     Parameters
     ----------
-    length, depth : float, metres
+    length, depth
         Outer sides of the loop, along x and y.
     width : float
         Between the outer wall and the block.
@@ -142,7 +134,6 @@ def corridor_loop(length: float = 30.0, depth: float = 12.0, *, width: Length = 
     >>> corridor_loop().min(axis=(0, 1)), corridor_loop().max(axis=(0, 1))
     (array([-0.2, -0.2]), array([30.2, 12.2]))
     """
-    arrays.positive("metres", LONGEST, length=length, depth=depth)
     if min(length, depth) - 2 * width < 4 * DOOR:
         got = f"{length:g} x {depth:g} m with a corridor of {width:g} m"
         least = f"the block inside must measure at least {4 * DOOR:g} m in length and depth"

@@ -43,7 +43,6 @@ def cast_rays(
 
     Parameters
     ----------
-    walls : (n, 2, 2) array, metres, or a map
     pose : (3,) array, metres and radians
         Pose of the sensor in the frame of the walls.
     angles : (b,) array, radians
@@ -176,7 +175,6 @@ def simulate(
 
     Parameters
     ----------
-    walls : (n, 2, 2) array, metres, or a map
     path : (k, 3) array, metres and radians
         True poses of the robot, one a scan, as `drive` makes them.
     sensor : Sensor

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from conftest import slow
 
-from segmap.alignment import LoopClosing, Rejected, align_parts, pose_graph
-from segmap.alignment.graph import Edge
+from segmap.alignment import LoopClosing, align_parts, pose_graph
+from segmap.alignment.graph import Edge, Rejected
 from segmap.alignment.pose_graph._key_frames import KeyFrames
 from segmap.alignment.pose_graph._loop_closing import LoopCloser
 from segmap.alignment.pose_graph._parts import Joint, _aligned, _append_loops, _inside, _join

@@ -27,7 +27,6 @@ from segmap.simulation import (
     circular_room,
     corridor_loop,
     drive,
-    polygon,
     polyline,
     rectangular_room,
     simulate,
@@ -82,7 +81,7 @@ def ring(radius, width=2.0, share=0.8):
 def corridor_about(corners, radius=12.0, width=2.0):
     turn = 2 * np.pi * np.arange(corners) / corners
     circle = np.stack([np.cos(turn), np.sin(turn)], -1)
-    walls = [polygon(r * circle) for r in (radius, radius - width)]
+    walls = [polyline(r * circle, closed=True) for r in (radius, radius - width)]
     return np.concatenate(walls), drive(
         (radius - width / 2) * np.concatenate([circle, circle[:1]]), step=0.2
     )

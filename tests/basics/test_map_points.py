@@ -8,7 +8,7 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 from segmap import extraction, load
-from segmap.experiments import digest
+from segmap.experiments._plan import digest
 from segmap.extraction import build_map, extract_clusters, extract_polylines, fit_line
 from segmap.scans import Log
 from segmap.segments import SegmentMap, extreme_projections

@@ -1,5 +1,7 @@
 """Segments have no direction; maps of them keep the scan that each came from."""
 
+from typing import Annotated
+
 import numpy as np
 import pytest
 from hypothesis import assume, given
@@ -205,8 +207,14 @@ def test_a_count_that_is_refused_is_told_the_bound_that_matters(value, bounds, s
 
 def test_an_angle_is_at_most_a_whole_turn_and_told_in_radians():
     """Catches another bound where none is given, and the hint of degrees for metres."""
-    arrays.positive("radians", turn=2 * np.pi)
-    with pytest.raises(ValueError, match=r"in radians \(of degrees np.radians\(7\)\), got 7$"):
-        arrays.positive("radians", turn=7)
+
+    @arrays.checked
+    def call(turn: arrays.Radians, *, reach: Annotated[arrays.Metres, arrays.at_most(5.0)] = 1.0):
+        return turn, reach
+
+    assert call(2 * np.pi) == (2 * np.pi, 1.0)
+    for refused in (lambda: call(7), lambda: call(turn=7)):
+        with pytest.raises(ValueError, match=r"in radians \(of degrees np.radians\(7\)\), got 7$"):
+            refused()
     with pytest.raises(ValueError, match=r"a number above 0 and of at most 5, in metres, got 7$"):
-        arrays.positive("metres", 5.0, reach=7)
+        call(1, reach=7)

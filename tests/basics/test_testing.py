@@ -4,17 +4,12 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from zoo import point_zoo, scan_zoo, segment_zoo
 
 import segmap
 from segmap import arrays, plotting
 from segmap.segments import angle, length
-from segmap.testing import (
-    assert_poses_equal,
-    assert_segments_equal,
-    point_zoo,
-    scan_zoo,
-    segment_zoo,
-)
+from segmap.testing import assert_poses_equal, assert_segments_equal
 
 SEGMENTS, POINTS, SCANS = segment_zoo(), point_zoo(), scan_zoo()
 THREE = np.array([[(0, 0), (1, 0)], [(1, 1), (1, 2)], [(0, 5), (2, 5)]], float)

@@ -5,10 +5,12 @@ import re
 import shutil
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import bag_samples
 import numpy as np
+import pandas as pd
 import pytest
 from chapter_rules import links, markdown
 from conftest import later, slow
@@ -185,8 +187,8 @@ def test_switches_filters_and_thresholds_of_the_extraction(run, near):
 @pytest.mark.parametrize(
     "method", ["backbone", slow("odometry"), slow("point_icp"), slow("angle_correspondence")]
 )
-def test_each_alignment_is_an_option(run, near, method):
-    code, said, _ = run("map", near, "--align", method, "--method", "none")
+def test_each_alignment_is_an_option(run, folder, method):
+    code, said, _ = run("map", folder / "far.log", "--align", method, "--method", "none")
     assert code == 0 and f"by {method}: " in said
 
 
@@ -201,6 +203,97 @@ def test_scans_that_were_not_matched_are_left_out_and_told(run, near):
     assert "4 scans not: no ground truth at its time" in said
     assert f"extracted {len(segmap.build_map(log[:8], log.truth[:8]))} segments" in said
     assert "by pose_graph: 12 of 12 scans" in run("map", "few.log", "--method", "none")[1]
+
+
+# ------------------------------------------------------------------------------ verdict
+@pytest.fixture
+def lost(tmp_path):
+    """A log of which one scan in sixty saw anything, and that has no odometry."""
+    log = segmap.load("room")
+    scans = [
+        replace(scan, odometry=None, ranges=scan.ranges if k == 0 else np.full(len(scan), np.inf))
+        for k, scan in enumerate(log)
+    ]
+    exports.write_arrays(tmp_path / "lost.npz", segmap.Log("lost", scans))
+    return "lost.npz"
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ("map", "-o", "it.csv"),
+        ("map", "--method", "none", "-o", "it.csv"),
+        ("occupancy", "-o", "it.npz"),
+        ("convert", "--align", "pose_graph", "-o", "it.tum"),
+    ],
+)
+def test_no_map_is_told_and_writes_nothing(run, lost, words):
+    """Catches a map of one scan in sixty that replaces yesterday's, and ends with 0."""
+    Path(words[-1]).write_text("yesterday's")
+    code, said, beside = run(words[0], lost, *words[1:])
+    last = said.splitlines()[-1]
+    assert code == 3 and last == "  verdict   NOT A MAP: 1 of 61 scans placed" and beside == ""
+    assert f"nothing; --force writes {words[-1]} all the same" in said
+    assert Path(words[-1]).read_text() == "yesterday's"
+    code, said, _ = run(words[0], lost, *words[1:], "--force")
+    assert code == 3 and "nothing" not in said and words[-1] in said
+    assert Path(words[-1]).read_bytes() != b"yesterday's"
+
+
+def test_a_good_map_is_called_so_and_strict_asks_for_more(run, folder, tmp_path):
+    """Catches a grade of the reduction that reads like one of the map, and --strict that is met."""
+    shutil.copy(folder / "far.log", tmp_path)
+    code, said, _ = run("map", "far.log", "--method", "fusion")
+    assert code == 0 and said.splitlines()[-1].startswith("  verdict   GOOD: 12 of 12 scans placed")
+    assert re.search(r"quality   [\d.]+ % \([a-z ]+ reduction\): ", said)
+    words = ("map", "far.log", "--align", "backbone", "--method", "none", "-o", "it.csv")
+    code, said, _ = run(*words, "--strict", "0.5")
+    assert code == 0 and "verdict   DOUBTFUL: 10 of 12 scans placed" in said
+    Path("it.csv").unlink()
+    code, said, _ = run(*words, "--strict", "0.9")
+    assert code == 3 and not Path("it.csv").exists()
+    assert said.splitlines()[-1].endswith("(--strict asks for 90.0 % of the scans)")
+
+
+def test_a_robot_that_a_matcher_has_lost_is_doubtful(run):
+    """Catches a map of a lost robot that is good since its scans fit what they drew."""
+    code, said, _ = run("occupancy", "room", "--matcher", "hill-climbing")
+    assert code == 0 and said.splitlines()[-1].startswith("  verdict   DOUBTFUL: ")
+
+
+def test_json_is_an_object_a_log_with_all_that_is_printed(run, folder, lost, tmp_path):
+    """Catches text between the objects, a figure that only the text has, and a log left out."""
+    shutil.copy(folder / "far.log", tmp_path)
+    (tmp_path / "bad.log").write_text("FLASER 3 1.0 2.0\n")
+    logs, options = ("far.log", lost, "bad.log"), ("--method", "fusion", "-o", "{name}.csv")
+    code, said, beside = run("map", *logs, *options, "--json", "--table", "all.csv")
+    found = [json.loads(line) for line in said.splitlines()]
+    assert code == 1 and [one["source"] for one in found] == list(logs)
+    far, dark, bad = found
+    assert far["verdict"]["grade"] == "good" and far["verdict"]["placed"] == SCANS
+    assert far["written"]["files"] == ["far.csv"] and 0 < far["quality"]["quality"] < 1
+    assert dark["verdict"]["words"] == "NOT A MAP: 1 of 61 scans placed"
+    assert dark["aligned"]["notes"] and dark["written"]["files"] == []
+    assert bad["failed"] in beside and "verdict" not in bad
+    _, plain, _ = run("map", "far.log", *options)
+    for line in plain.splitlines()[1:]:
+        word, text = line.split(maxsplit=1)
+        shown = re.sub(r"[\d.]+ m?s$", "", text)  # but for the time that it took
+        assert far[word]["text"].startswith(shown)
+    table = pd.read_csv("all.csv")
+    assert table["source"].tolist() == list(logs)
+    assert table["verdict.grade"].tolist()[:2] == ["good", "not a map"]
+    assert table["reduced.segments"][0] == far["reduced"]["segments"]
+
+
+@pytest.mark.parametrize("command", ["info", "compare", "occupancy", "convert"])
+def test_every_command_says_json(run, folder, command):
+    """Catches a line that a command prints beside its object."""
+    more = ("-o", "it.tum") if command == "convert" else ()
+    code, said, _ = run(command, folder / "far.log", "--json", *more)
+    found = json.loads(said)
+    assert code == 0 and found["log"] == "far"
+    assert command != "compare" or set(found["methods"]) == set(reduction.METHODS)
 
 
 # ------------------------------------------------------------------------------ usage
@@ -220,6 +313,9 @@ def test_scans_that_were_not_matched_are_left_out_and_told(run, near):
         (("convert", "-o", "it.g2o"), "a .g2o holds a pose graph: add --align pose_graph"),
         (("compare", "--quality", "0"), "--quality must be above 0 and at most 100"),
         (("info", "--bad"), "unrecognized arguments"),
+        (("info", "--table", "it.txt"), "'it.txt' must end in .csv"),
+        (("map", "--strict", "90"), "90 must be from 0 to 1"),
+        (("map", "--strict", "nan"), "nan must be from 0 to 1"),
     ],
 )
 def test_what_is_not_understood_is_said_before_anything_is_done(run, near, words, said):
@@ -309,7 +405,7 @@ def test_a_log_without_anything(run, tmp_path):
     assert "none is valid" in said and "1 scan, without times" in said
     assert said.count("none\n") == 2
     code, said, beside = run("map", "dark.txt", "--align", "odometry", "--method", "fusion")
-    assert code == 0 and "extracted 0 segments" in said and ".py" not in beside
+    assert code == 3 and "extracted 0 segments" in said and ".py" not in beside
     assert beside.startswith("warning: the map of log 'dark' is empty")
 
 
@@ -389,14 +485,16 @@ def test_convert_to_arrays_keeps_where_the_points_are(run, near):
     code, said, _ = run("convert", near, "-o", "it.npz")
     before, after = segmap.read(near), segmap.read("it.npz")
     assert code == 0 and "12 with a corrected pose" in said and before[0].sensor_pose[0] > 0.7
-    drawn = [
-        [segmap.poses.transform(pose, s.points()) for pose, s in zip(log.truth, log, strict=True)]
-        for log in (before, after)
-    ]
-    assert all(np.allclose(old, new) for old, new in zip(*drawn, strict=True))
-    assert np.isfinite(after.odometry).all() and np.array_equal(after.times, before.times)
-    exports.write_arrays("dark.npz", segmap.Log("dark", [segmap.LaserScan([9.0, 0.0], [0, 1])]))
-    assert not segmap.read("dark.npz")[0].valid[1]
+    for old, new in zip(before, after, strict=True):
+        assert new.points().tolist() == old.points().tolist()
+        assert new.sensor_pose.tolist() == old.sensor_pose.tolist()
+        assert new.max_range == old.max_range and new.valid.tolist() == old.valid.tolist()
+    for name in ("truth", "odometry", "times"):
+        assert np.array_equal(getattr(after, name), getattr(before, name), equal_nan=True)
+    dark = segmap.LaserScan([9.0, np.nan], [0, 1], max_range=8.5, codes=[0, 7])
+    exports.write_arrays("dark.npz", segmap.Log("dark", [dark]))
+    found = segmap.read("dark.npz")[0]
+    assert not found.valid.any() and found.max_range == 8.5 and found.codes.tolist() == [0, 7]
     scans = [segmap.LaserScan([1.0] * n, range(n)) for n in (1, 2)]
     with pytest.raises(ValueError, match=r"scans of one number of beams, got \[1, 2\]"):
         exports.write_arrays("two.npz", segmap.Log("two", scans))

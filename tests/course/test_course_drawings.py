@@ -13,7 +13,9 @@ from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 from segmap_course import thesis_results
 
-from segmap.alignment import Candidate, Match, PointStep
+from segmap.alignment import Match
+from segmap.alignment.angle_correspondence import Candidate
+from segmap.alignment.points import PointStep
 from segmap.experiments import select
 from segmap.exports import ros_classes
 from segmap.matching import DistanceField
@@ -202,6 +204,13 @@ def test_each_outcome_has_its_colour_where_it_started(ax):
     assert ax.get_xlim() == (-0.5, 1.5) and ax.get_ylim() == (4, 8)
 
 
+def test_outcomes_of_like_colours_have_marks_where_they_started(ax):
+    """Catches red and orange cells that a colour-blind reader cannot tell apart."""
+    course.draw_basin([["free", "wrong"], ["right", "no match"]], [0, 1], [5, 7], ax=ax)
+    marks = {line.get_marker(): line.get_xydata().tolist() for line in ax.lines}
+    assert marks == {"_": [[0, 5]], "x": [[1, 5]]}
+
+
 @pytest.mark.parametrize(
     ("draw", "message"),
     [
@@ -357,12 +366,14 @@ def test_a_picture_for_each_building_two_a_row():
 
 
 def test_letters_of_lines_that_end_together_do_not_cover_each_other(ax):
-    """Catches eight letters on one heap."""
+    """Catches eight letters on one heap, and a letter that is moved away without a line to it."""
     runs = [run(name, "fusion", 0.5, tolerance=0.04) for name in ("ash", "box", "cot")]
     runs += [run("den", "fusion", 0.9, tolerance=0.04)]
     course.draw_threshold(pd.concat(runs), method="fusion", ax=ax)
-    places = {text.get_text(): text.xy[1] for text in ax.texts}
+    places = {text.get_text(): text.xyann[1] for text in ax.texts}
     low, high = ax.get_ylim()
     assert np.diff(sorted(places.values())).min() >= 0.05 * (high - low)
     assert places["D"] == 0.9 and places["A"] < places["B"] < places["C"]
     assert np.mean([places[k] for k in "ABC"]) == pytest.approx(0.5)
+    assert [text.xy for text in ax.texts] == [(40, 0.5)] * 3 + [(40, 0.9)]
+    assert all(text.arrow_patch.get_arrowstyle() for text in ax.texts)

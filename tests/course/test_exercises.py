@@ -17,7 +17,7 @@ from right_answers import RIGHT
 from segmap_course import EXERCISES, Check, Exercise, literal
 from segmap_course.exercises import Watch, maps
 from segmap_course.exercises._answers import answered, same_line, same_poses
-from segmap_course.grading.handout._solutions import module_of, solution
+from segmap_course.grading.handout._solutions import solution
 from segmap_course.literal.reduction import basic
 from segmap_course.literal.reduction.fuzzy_clustering import memberships
 from segmap_course.literal.reduction.viewing_sector import views
@@ -35,7 +35,7 @@ EACH = pytest.mark.parametrize("exercise", EXERCISES.values(), ids=EXERCISES)
 # -------------------------------------------------------------- all exercises alike
 def right(exercise):
     """Two right answers: from another idea, and the library's source as one's own function."""
-    source = solution(exercise, module_of(exercise), "mine")
+    source = solution(exercise, "mine")
     exec("from __future__ import annotations\n" + source, space := {})
     return RIGHT[exercise.name], space["mine"]
 
@@ -67,7 +67,7 @@ def test_hidden_cases_of_many_seeds_let_other_ways_pass(exercise):
     for seed in range(100, 300):
         cases = exercise.fresh(seed)
         for function in functions:
-            assert exercise.check(function, cases), seed
+            assert exercise(function, cases), seed
 
 
 def test_a_draw_that_lets_a_mistake_through_is_refused():

@@ -3,6 +3,7 @@
 import csv
 import json
 import os
+import pickle
 import subprocess
 import sys
 
@@ -18,7 +19,6 @@ from segmap_course.grading._jail import Limits, Locks
 from segmap_course.grading._report import safe
 from segmap_course.grading._run import Pool, outcome
 from segmap_course.grading._submissions import Answer, Submission, submissions
-from segmap_course.grading._wire import packed, unpacked
 from segmap_course.grading.handout._tasks import Task
 
 LIMITS = Limits(seconds=30, cpu=1, memory=1 << 28)
@@ -220,7 +220,7 @@ def test_an_open_exercise_is_judged_where_no_student_s_code_runs(
     exercise = course.OPEN_EXERCISES[task]
     asked = Task(task, "x", (given,), 4, "import numpy as np\nimport segmap", given)
     handed = Submission("ann", "", [Answer(f"{task}-answer", "code", cell)], [])
-    found = _grade._one(handed, asked, exercise, cases_of(exercise, 5), pool, LIMITS)
+    found = _grade._one(handed, asked, exercise, cases_of(exercise, 5), pool)
     assert found.kind == kind and words in found.reason
 
 
@@ -237,7 +237,7 @@ def test_cases_arrive_as_they_were_sent(name):
     """Catches a tuple that becomes a list, a whole number that becomes a float, a lost function."""
     exercise = EXERCISES[name]
     cases = {**exercise.cases, **exercise.fresh(5)}
-    arrived = unpacked(json.loads(json.dumps(packed(cases))))
+    arrived = pickle.loads(pickle.dumps(cases))
     assert list(arrived) == list(cases)
     for sent, found in zip(cases.values(), arrived.values(), strict=True):
         assert [type(a) for a in sent] == [type(b) for b in found]

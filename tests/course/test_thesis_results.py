@@ -5,11 +5,19 @@ from math import radians
 
 import numpy as np
 import pytest
-from segmap_course import THESIS_FILTERS, THESIS_GRIDS, alignment_table, thesis_grid, thesis_results
+from segmap_course import (
+    THESIS_FILTERS,
+    THESIS_GRIDS,
+    alignment_table,
+    thesis_grid,
+    thesis_results,
+    within_thesis,
+)
 
-from segmap import METHODS
-from segmap.experiments import load_alignments, select, sweep
+from segmap import METHODS, build_map, load, quality
+from segmap.experiments import load_alignments, load_records, select, sweep
 from segmap.readers import data_file
+from segmap.reduction import hybrid
 
 FOUND = thesis_results()
 
@@ -60,7 +68,7 @@ def test_a_sweep_over_the_grid_of_the_thesis_is_in_it_and_others_are_not():
     found = sweep({"wall": wall}, METHODS, grids, filters=THESIS_FILTERS)
     assert len(thesis_grid(found)) == 66
     other = {"mean_shift": {"sigma": 0.1, "bandwidth": 0.5}, "fusion": {"tolerance": 0.03}}
-    other["hybrid"] = {"distance": 0.1, "min_length": 0.1}
+    other["hybrid"] = {"distance": 0.1, "min_length": 0.0}
     assert len(thesis_grid(sweep({"wall": wall}, list(other), other, filters=(None, 0.05)))) == 0
     assert len(thesis_grid(sweep({"wall": wall}, ["fusion"], filters=(0.05,)))) == 0
 
@@ -100,3 +108,43 @@ def test_alignments_keep_their_columns_and_stand_beside_published_ones_without_t
 def test_damaged_files_are_named(tmp_path, text, message):
     with pytest.raises(ValueError, match=rf"alignment.csv, {message}"):
         loaded(tmp_path, text)
+
+
+RECORDS = load_records("malaga", "office", "intel", "fr079")
+#: Share of the runs on each building whose quality, and reduction, lie within A's; chapter 59 has
+#: the reason for each method that lies outside.
+WITHIN = {
+    "basic_offline": ([0.25, 1.0, 0.25, 0.5], 0.6),
+    "basic_online": ([0.5, 1.0, 0.25, 0.5], 0.6),
+    "hybrid": ([1.0, 1.0, 0.5, 0.5], 0.6),
+    "mean_shift": ([0.8, 0.6, 1.0, 1.0], 0.7),
+    "fusion": ([0.3, 0.8, 1.0, 0.5], 0.6),
+}
+
+
+@pytest.mark.parametrize("method", THESIS_GRIDS)
+def test_each_method_is_the_one_that_a_ran(method):
+    """A filter of Hybrid that grows with the distance left its share at 12 to 50 %."""
+    table = within_thesis(RECORDS).loc[method].unstack()
+    least, reduces = WITHIN[method]
+    assert (table["quality"][["malaga", "office", "intel", "fr079"]] >= least).all()
+    assert (table["reduction"] >= reduces).all()
+
+
+def test_outside_of_a_s_range_by_hand():
+    """A margin on the wrong side, or the range of another setting."""
+    assert (within_thesis(FOUND, margin=0.0) == 1).all(axis=None)
+    runs = select(FOUND, map="usc", method="fusion").assign(map="moved")
+    fall = FOUND[FOUND["method"] == "fusion"].groupby(["tolerance", "filtered"])["quality"].min()
+    low = runs.assign(quality=runs.set_index(["tolerance", "filtered"]).index.map(fall) - 0.06)
+    low.loc[low.index[0], "quality"] += 0.02
+    found = within_thesis(low).loc["fusion", "moved"]
+    assert found["quality"] == 0.1 and found["reduction"] == 1
+
+
+def test_hybrid_at_its_widest_keeps_what_a_found():
+    """The run itself, and not its record: A's buildings keep .71 to .84."""
+    log = load("malaga")
+    pieces = build_map(log, log.truth, min_points=2, min_length=0.0)
+    kept = quality(pieces, hybrid(pieces, distance=0.40, angle=radians(20)))
+    assert 0.71 < kept < 0.84

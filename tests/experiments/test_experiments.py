@@ -25,7 +25,8 @@ from sweep_samples import (
 )
 
 from segmap import METHODS, metrics
-from segmap.experiments import digest, read_records, select, sweep, thresholds_of
+from segmap.experiments import read_records, select, sweep, thresholds_of
+from segmap.experiments._plan import digest
 
 
 @pytest.fixture(scope="module")
@@ -79,7 +80,8 @@ def test_all_methods_run_with_their_defaults_and_those_that_are_none_are_left_ou
     for method, (thresholds, left) in runs.items():
         assert len(METHODS[method](placed, **thresholds)) == left
     assert runs["fusion"][0] == {"tolerance": 0.04}
-    assert runs["hybrid"][0] == {"distance": 0.20, "angle": np.pi / 18}
+    wanted = {"distance": 0.20, "angle": np.pi / 18, "min_length": 0.10}
+    assert runs["hybrid"][0] == wanted
     assert type(runs["hybrid_fusion"][0]["every"]) is int
     some = {name: METHODS[name] for name in ("fusion", "viewing_sector")}
     assert list(sweep({"room": ROOM}, some)["method"]) == ["fusion"]

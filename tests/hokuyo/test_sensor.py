@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 from emulated import Wired, capture, connected, turn_of
 
-from segmap.hokuyo import SensorError, UrgSensor, ports
+from segmap.hokuyo import SensorError, UrgSensor
 from segmap.hokuyo._connect import RATES
-from segmap.hokuyo._port import find_port
+from segmap.hokuyo._port import find_port, ports
 from segmap.hokuyo.emulator import Replay, Room
 from segmap.hokuyo.emulator._worlds import MODELS
 from segmap.simulation import rectangular_room

@@ -13,7 +13,8 @@ from emulated import FAULTS, URG, Wired, connected, run, turn_of
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from segmap.hokuyo import SensorError, SensorGone, UrgSensor, _sensor
+from segmap.hokuyo import SensorError, UrgSensor, _sensor
+from segmap.hokuyo._protocol import SensorGone
 from segmap.hokuyo.emulator._device import Fault
 
 #: Runs with a fault; after some of them the sensor is never what it was.

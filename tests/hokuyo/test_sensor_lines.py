@@ -30,8 +30,8 @@ from emulated import (
     wait_for,
 )
 
-from segmap.hokuyo import SensorError, SensorGone, UrgSensor, _sensor
-from segmap.hokuyo._protocol import encode_reply
+from segmap.hokuyo import SensorError, UrgSensor, _sensor
+from segmap.hokuyo._protocol import SensorGone, encode_reply
 from segmap.hokuyo._tcp import open_tcp, parse_address
 from segmap.hokuyo.emulator import Emulator
 

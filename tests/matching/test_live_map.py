@@ -140,7 +140,8 @@ def test_an_interrupt_costs_no_scan_but_its_own(call):
     live.finish()
     assert len(LOG) - 1 <= live.map.scans <= len(LOG)
     drawn = [number for number, _ in live._scans]
-    assert state(live.map) == expected([LOG[k] for k in drawn], live.poses[drawn])
+    assert len(live.poses) == len(drawn) == live.map.scans
+    assert state(live.map) == expected([LOG[k] for k in drawn], live.poses)
 
 
 def test_a_scan_beyond_the_map_is_told_of():
@@ -164,20 +165,37 @@ def test_kernels_let_other_threads_go_on():
     assert getattr(fast, "targetoptions", {"nogil": True})["nogil"]  # plain Python has no kernel
 
 
-def test_a_scan_that_is_broken_off_is_not_in_the_map_in_the_end(monkeypatch):
-    """Catches a map that keeps the half of a scan that was interrupted while it was drawn."""
-    live = LiveMap(Planned(()), map=blank())
-    live.add(LOG[0])
+@pytest.mark.parametrize("first", [0, 3])
+@pytest.mark.parametrize("drawn", [False, True])
+def test_a_scan_that_was_placed_and_not_drawn_is_drawn_in_the_end(monkeypatch, first, drawn):
+    """Catches 30 poses and 29 scans that are drawn, and the half of a scan that stays there."""
+    live = LiveMap(Planned(()), map=blank(), start=START)
+    for scan in LOG[:first]:
+        live.add(scan)
     insert = _live_map.insert
 
-    def half(*given, **named):
-        insert(*given, **named)
+    def interrupted(*given, **named):
+        if drawn:
+            insert(*given, **named)
         raise KeyboardInterrupt
 
     with monkeypatch.context() as patch:
-        patch.setitem(LiveMap.add.__globals__, "insert", half)
+        patch.setitem(LiveMap.add.__globals__, "insert", interrupted)
         with pytest.raises(KeyboardInterrupt):
-            live.add(LOG[1])
-    live.add(LOG[2])
+            live.add(LOG[first])
+    live.add(LOG[first + 1])
     live.finish()
-    assert live.map.scans == 2
+    assert live.map.scans == len(live.poses) == len(live.graph) == first + 2
+    np.testing.assert_allclose(live.poses[0], START, atol=1e-12)
+    assert state(live.map) == expected(LOG[: first + 2], live.poses)
+
+
+def test_a_scan_that_the_map_refuses_has_no_pose_in_it():
+    """Catches poses and drawn scans that no longer belong together."""
+    live = LiveMap(map=QuadtreeMap(resolution=0.05, max_size=25.6), start=(12, 12, 0))
+    live.add(LOG[0])
+    with pytest.raises(ValueError, match="beyond max_size"):
+        live.add(LaserScan([500.0], [0.0]))
+    live.add(LOG[1])
+    live.finish()
+    assert live.map.scans == len(live.poses) == 2 and len(live.graph) == 3

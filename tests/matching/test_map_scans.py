@@ -82,9 +82,44 @@ def test_a_scan_far_from_all_stays():
     map = QuadtreeMap()
     near, far = map_scans(scans, start=(5, 5, 0), map=map, matcher=partial(shifted, by=1.0))
     assert far.pose.tolist() == near.pose.tolist() and np.isnan(far.score)
+    assert near.found and not far.found and far.overlap == 0
     assert map.scans == 2
     with pytest.raises(ValueError, match=r"^scan 1: the scan reaches beyond max_size"):
         list(map_scans(room_log(2), matcher=partial(shifted, by=1e4)))
+
+
+@pytest.mark.parametrize("resolution", [0.01, 0.05])
+def test_steps_say_where_the_robot_was_lost(resolution):
+    """Catches a robot that is lost in silence: in the room it turns by 30 degrees from scan 3 on.
+
+    Its way is known to hill climbing where it moves little, as in Malaga.
+    """
+    maps = [QuadtreeMap(resolution=resolution) for _ in range(2)]
+    room = list(map_scans(load("room"), map=maps[0]))
+    truth = load("room").truth
+    expected = compose(inverse(truth[0]), truth)
+    lost = [k for k, step in enumerate(room) if not step.found]
+    assert position_errors(room[: lost[0]], expected[: lost[0]]).max() < 0.5
+    assert position_errors(room[-1:], expected[-1:])[0] > 2
+    malaga = list(map_scans(load("malaga")[:60], map=maps[1]))
+    assert all(step.found for step in malaga) and min(step.overlap for step in malaga) > 0.6
+
+
+def test_a_scan_without_a_return_is_not_found_and_the_first_begins_the_map():
+    blind = LaserScan([np.inf, np.nan, 9.0], [0.0, 0.1, 0.2], max_range=6.0)
+    steps = list(map_scans([*room_log(2), blind]))
+    assert [step.found for step in steps] == [True, True, False]
+    assert steps[0].overlap == 1 and steps[2].overlap == 0
+    with_graph = list(map_scans([*room_log(2), blind], graph=True))
+    assert [step.found for step in with_graph] == [True, True, False]
+
+
+def test_overlap_is_on_the_map_before_the_scan():
+    """Catches ends that lie on what the scan itself has just drawn, and a cell more or less."""
+    walls = [LaserScan([size] * 3, [0.0, 0.05, 0.1]) for size in (1.0, 1.1, 1.3)]
+    stand = partial(shifted, by=0.0)
+    assert [step.overlap for step in map_scans(walls[:2], matcher=stand)] == [1, 1]
+    assert [step.overlap for step in map_scans(walls[::2], matcher=stand)] == [1, 0]
 
 
 def shifted(map, points, start, *, score, by):

@@ -14,7 +14,8 @@ from matplotlib.figure import Figure
 
 import segmap
 from segmap import plotting
-from segmap.alignment import Alignment, Graph, Rejected, odometry
+from segmap.alignment import Alignment, Graph, odometry
+from segmap.alignment.graph import Rejected
 from segmap.plotting import ERROR, GROUPS, MAP, RAW, RESULT, TRUTH
 from segmap.poses import transform
 from segmap.quadtree import QuadtreeMap, build_map

@@ -57,7 +57,7 @@ def outcome(function, given, **threshold):
 def test_every_reduction_returns(name, size):
     """Catches a loop over cells or pieces that grows without end, and a count that overflows."""
     function = reduction.METHODS[name].function
-    walls = simulation.polygon(ROOM * size)
+    walls = simulation.polyline(ROOM * size, closed=True)
     segments = np.concatenate([walls, walls * 0.99])
     first = np.arange(0, 2 * len(segments) + 1, 2)
     map = SegmentMap(segments, points=segments.reshape(-1, 2), first=first, sensors=[(0.0, 0.0)])
@@ -75,7 +75,7 @@ def test_every_alignment_returns(name, size):
     round_about = simulation.Sensor("round", 180, -np.pi, np.pi / 90, max_range=np.inf)
     path = [((0.3 + 0.01 * k) * size, 0.3 * size, 0.02 * k) for k in range(5)]
     still = simulation.OdometryNoise().ideal()
-    walls, rng = simulation.polygon(ROOM * size), np.random.default_rng(1)
+    walls, rng = simulation.polyline(ROOM * size, closed=True), np.random.default_rng(1)
     log = simulation.simulate(walls, path, sensor=round_about, rng=rng, odometry_noise=still)
     for threshold, length in product(lengths(function), LENGTHS):
         found = outcome(function, log, **{threshold: length})

@@ -109,9 +109,12 @@ def test_poses_that_repeat_the_odometry_are_no_truth(read, lines):
 def test_poses_of_a_mapper_and_corrected_ones_are_truth(read):
     """A mapper writes its poses twice; one corrected line makes the log a corrected one."""
     log = read(text(flaser(t, t, time) for t, time in zip(TRUTH, TIMES, strict=True)))
-    assert log.truth == pytest.approx(np.array(TRUTH))
-    log = read(text([flaser(ODOMETRY[0], ODOMETRY[0]), flaser(TRUTH[1], ODOMETRY[1])]))
-    assert log.truth == pytest.approx(np.array([ODOMETRY[0], TRUTH[1]]))
+    assert log.truth == pytest.approx(np.array(TRUTH)) and np.isnan(log.odometry).all()
+    for times in ((), TIMES):
+        lines = [(ODOMETRY[0], ODOMETRY[0], *times[:1]), (TRUTH[1], ODOMETRY[1], *times[1:2])]
+        log = read(text(flaser(*line) for line in lines))
+        assert log.truth == pytest.approx(np.array([ODOMETRY[0], TRUTH[1]]))
+        assert log.odometry == pytest.approx(np.array(ODOMETRY))
 
 
 def test_what_gmapping_wrote_is_truth_and_no_odometry(read):

@@ -204,6 +204,19 @@ class TestNpz:
         assert log[1].odometry is None and log[1].angles.tolist() == [1, 2]
         assert len(self.log(written, ranges=[1.0, 2.0], angles=[0.0, 1.0])) == 1
 
+    def test_the_laser_on_the_robot_and_its_reach(self, written):
+        """Once for all scans, or once for each; what is missing is at the robot, without end."""
+        beams = {"ranges": [[1, 9], [3, 4]], "angles": [0, 1]}
+        log = self.log(written, **beams, max_range=8.0, sensor_pose=[0.1, 0.0, 1.0])
+        assert [scan.max_range for scan in log] == [8.0, 8.0] and not log[0].valid[1]
+        assert log[1].sensor_pose.tolist() == [0.1, 0.0, 1.0] and log[1].codes is None
+        places = [[0.1, 0, 0], [0.2, 0, 0]]
+        log = self.log(written, **beams, max_range=[8.0, 3.5], sensor_pose=places)
+        assert [scan.max_range for scan in log] == [8.0, 3.5]
+        assert [scan.sensor_pose.tolist() for scan in log] == places
+        log = self.log(written, **beams)
+        assert log[0].max_range == np.inf and log[0].sensor_pose.tolist() == [0, 0, 0]
+
     @pytest.mark.parametrize(
         ("held", "reason"),
         [
@@ -213,6 +226,9 @@ class TestNpz:
             ({"ranges": [[1.0]], "angles": [0.0], "times": [np.nan]}, r"must be \(1,\) finite"),
             ({"ranges": [[1.0]], "angles": [0.0], "odometry": [[1.0, 2]]}, "odometry must"),
             ({"ranges": [["a"]], "angles": [0.0]}, "ranges must"),
+            ({"ranges": [[1.0]], "angles": [0.0], "sensor_pose": [1, 2]}, "sensor_pose must"),
+            ({"ranges": [[1.0]], "angles": [0.0], "max_range": [1, 2]}, "max_range must"),
+            ({"ranges": [[1.0]], "angles": [0.0], "codes": [[1, 2]]}, "codes must"),
             ({"ranges": np.empty((0, 3)), "angles": np.zeros(3)}, "ranges must have shape"),
             ({"ranges": np.array([None]), "angles": [0.0]}, "not a readable NPZ file"),
         ],

@@ -4,10 +4,14 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from reduction_maps import redundant_map
 from segmap_course import literal
 
-from segmap.reduction import hough, hybrid
+from segmap.poses import transform
+from segmap.reduction import hough, hybrid, hybrid_fusion
 from segmap.reduction._hough import line_of
+from segmap.segments import SegmentMap
+from segmap.testing import assert_segments_equal
 
 NUMBER = st.floats(-20, 20)
 POINT = st.tuples(NUMBER, NUMBER)
@@ -33,7 +37,7 @@ def test_many_lines_at_once_are_those_of_the_loops_and_of_the_literal_method():
 
 
 def test_the_filter_drops_what_neither_matches_nor_is_long_enough():
-    segments = [[(0, 0), (0.1, 0)], [(1, 0), (3, 0)], [(1.5, 0.01), (1.6, 0.01)]]
+    segments = [[(0, 0), (0.09, 0)], [(1, 0), (3, 0)], [(1.5, 0.01), (1.6, 0.01)]]
     found = hybrid(segments)
     np.testing.assert_array_equal(found.parents, [-1, 0, 0])
     assert len(hybrid(segments, min_length=0.0)) == 2
@@ -42,3 +46,47 @@ def test_the_filter_drops_what_neither_matches_nor_is_long_enough():
 def test_the_filter_keeps_what_is_exactly_long_enough():
     assert len(hybrid([[(0, 0), (0.25, 0)]], min_length=0.25)) == 1
     assert len(hybrid([[(0, 0), (0.25, 0)]], min_length=0.2500001)) == 0
+
+
+@pytest.mark.parametrize("distance", [0.05, 0.4, 2.0])
+def test_the_filter_does_not_grow_with_the_distance(distance):
+    """A's is fixed: after the external filter of 100 mm it finds nothing to do (A 6.3)."""
+    assert len(hybrid([[(0, 0), (0.125, 0)]], distance=distance)) == 1
+    assert len(hybrid([[(0, 0), (0.0625, 0)]], distance=distance)) == 0
+
+
+SEEN_TWICE = SegmentMap(
+    np.concatenate([redundant_map(np.random.default_rng(4)), [[(-9, -9), (9, 9)]]])
+)
+
+
+@pytest.mark.parametrize("method", [hybrid, hybrid_fusion])
+@pytest.mark.parametrize("to", [(100.0, 0.0, 0.0), (5e5, 4.6e6, 0.0), (3.0, -40.0, 1.0)])
+def test_about_each_pair_the_result_moves_with_the_map(method, to):
+    """About the origin it does not: fewer segments are left near to it (chapter 52)."""
+    there = SegmentMap(transform(to, SEEN_TWICE.segments))
+    here, moved = (method(map, origin="pair") for map in (SEEN_TWICE, there))
+    np.testing.assert_array_equal(here.parents, moved.parents)
+    there = transform(to, here.segments)
+    assert_segments_equal(there, moved.segments, ordered=True, atol=1e-6)
+    assert not moved.doubt
+
+
+@pytest.mark.parametrize("method", [hybrid, hybrid_fusion])
+def test_an_origin_outside_of_the_map_is_told(method):
+    """Malaga: 493 segments at the origin, 897 at 100 m, 1 226 at UTM coordinates."""
+    wall = np.array([[(-1.0, 0.0), (3.0, 0.0)], [(0.0, -1.0), (0.0, 2.0)]])
+    assert not method(wall).doubt and not method(wall[:0]).doubt
+    for to, off in (((5, 0), 4.0), ((-5, 0), 2.0), ((0, 7), 6.0), ((6, 9), np.hypot(5, 8))):
+        doubt = method(wall + to).doubt
+        assert doubt.startswith(f"the origin lies {off:.1f} m outside of the map")
+        assert doubt in repr(method(wall + to))
+
+
+def test_a_mean_about_each_pair_by_hand():
+    """Two walls that cross 100 m above the origin at +-beta: about the pair their mean is level."""
+    beta = np.radians(4.9)
+    cross = np.array([[(-1, -np.tan(b)), (1, np.tan(b))] for b in (beta, -beta)]) + [0, 100]
+    (mean,) = hybrid(cross, origin="pair").segments
+    np.testing.assert_allclose(mean[:, 1], 100, atol=1e-9)
+    assert hybrid(cross).segments[0, 0, 1] < 99.64

@@ -7,8 +7,8 @@ from segmap_course.literal.reduction.mean_shift import cut
 
 from segmap.poses import transform
 from segmap.reduction import common_directions, mean_shift
-from segmap.reduction._climb_kernels import climb
 from segmap.reduction._mean_shift import pieces_of
+from segmap.reduction._mean_shift_kernels import climb
 from segmap.segments import length
 from segmap.testing import assert_segments_equal
 

@@ -17,12 +17,13 @@ from reduction_maps import (
     redundant_map,
     second_building,
 )
+from zoo import segment_zoo
 
 from segmap.metrics import quality
 from segmap.poses import transform
 from segmap.reduction import METHODS
 from segmap.segments import SegmentMap, length
-from segmap.testing import assert_segments_equal, segment_zoo
+from segmap.testing import assert_segments_equal
 
 methods = pytest.mark.parametrize("name", METHODS)
 #: All but the one whose cells lie along the axes of the map: surveyed/test_fuzzy_clustering.py.

@@ -12,7 +12,10 @@ from matplotlib.patches import Ellipse
 from numpy.typing import ArrayLike
 
 from segmap import arrays
-from segmap.alignment import BackboneStep, Candidate, Match, PointStep
+from segmap.alignment import Match
+from segmap.alignment.angle_correspondence import Candidate
+from segmap.alignment.backbone import BackboneStep
+from segmap.alignment.points import PointStep
 from segmap.plotting import (
     ERROR,
     GROUPS,
@@ -40,14 +43,6 @@ def draw_frames(scan: LaserScan, frames: Mapping[str, ArrayLike], *, every: int 
 
     The frames are the robot's pose by the name of each. One beam in so many is drawn, from the
     sensor to its end. All pictures, of a new figure, have the same limits.
-
-    Examples
-    --------
-    >>> axes = draw_frames(LaserScan([1.0], [0.0]), {"robot": (0, 0, 0), "map": (3, 4, 0)})
-    >>> [ax.get_title() for ax in axes]
-    ['In the frame of the robot', 'In the frame of the map']
-    >>> axes[1].lines[0].get_xdata().tolist()
-    [4.0]
     """
     some = slice(None, None, every)
     few = LaserScan(
@@ -94,15 +89,6 @@ def draw_icp_step(reference: ArrayLike, step: PointStep, *, ax: Axes | None = No
 
     Points of the walls are grey, those of the scan blue, and lines of little weight thin. Where
     there are many points, only every second or third has a line.
-
-    Examples
-    --------
-    >>> from matplotlib.figure import Figure
-    >>> from segmap.alignment import point_steps
-    >>> wall = np.array([(0.1 * k, 0) for k in range(30)])
-    >>> step = point_steps(wall, wall - (0, 0.2))[0]
-    >>> len(draw_icp_step(wall, step, ax=Figure().subplots()).collections[0].get_segments())
-    30
     """
     ax, walls = axes_or_new(ax), arrays.points(reference, "reference")
     ax.plot(*walls.T, ".", color=RAW, markersize=4, markeredgewidth=0)
@@ -120,14 +106,6 @@ def draw_uncertainty(match: Match, *, ax: Axes | None = None) -> Axes:
     ------
     ValueError
         Where nothing matched: there the covariance is infinite.
-
-    Examples
-    --------
-    >>> from matplotlib.figure import Figure
-    >>> match = Match(np.zeros(3), np.diag([0.04, 0.01, 0.0]), True)
-    >>> ellipse = draw_uncertainty(match, ax=Figure().subplots()).patches[0]
-    >>> np.round(sorted([ellipse.width, ellipse.height]), 6)
-    array([0.4, 0.8])
     """
     if not match.matched:
         raise ValueError(f"match must be one that was found, got {match!r}")
@@ -148,16 +126,6 @@ def draw_candidate(
 
     The first is black, the second of the colour: `RESULT` where the candidate is believed, else
     `ERROR`. The title tells what speaks for it and against it.
-
-    Examples
-    --------
-    >>> from matplotlib.figure import Figure
-    >>> from segmap.simulation import rectangular_room
-    >>> from segmap.alignment import angle_candidates
-    >>> walls = rectangular_room()
-    >>> best = angle_candidates(walls, walls, rng=np.random.default_rng(0))[0]
-    >>> draw_candidate(walls, walls, best, ax=Figure().subplots(), color=RESULT).get_title()
-    '14.0 m agree, 0.0 m seen through walls'
     """
     ax = draw_segments(first, ax=ax, width=2.5)
     draw_segments(transform(guess.pose, second), ax=ax, color=color, width=1.5)
@@ -168,19 +136,9 @@ def draw_candidate(
 def draw_basin(outcomes: ArrayLike, x: ArrayLike, y: ArrayLike, *, ax: Axes | None = None) -> Axes:
     """Draw the outcome of a match from each start: the basin of attraction is blue.
 
-    Parameters
-    ----------
-    outcomes : (m, n) array of str
-        "no match" is light grey, "right" blue, "free" (along one direction) orange, "wrong" red.
-    x, y : (n,) and (m,) arrays
-        Where the columns and the rows start, in any unit.
-
-    Examples
-    --------
-    >>> from matplotlib.figure import Figure
-    >>> ax = draw_basin([["right", "wrong"]], [0.0, 0.1], [0.0], ax=Figure().subplots())
-    >>> ax.collections[0].get_array().tolist()
-    [[1, 3]]
+    Of the outcomes `(m, n)` "no match" is light grey, "right" blue, "free" (along one direction)
+    orange with a dash and "wrong" red with a cross, which the colour-blind see apart, too; x `(n,)`
+    and y `(m,)` are where the columns and the rows start, in any unit.
     """
     words, shape = np.asarray(outcomes), (np.size(y), np.size(x))
     if words.shape != shape or not np.isin(words, list(OUTCOMES)).all():
@@ -189,4 +147,8 @@ def draw_basin(outcomes: ArrayLike, x: ArrayLike, y: ArrayLike, *, ax: Axes | No
     ax, colors = axes_or_new(ax), ListedColormap(list(OUTCOMES.values()))
     numbers = (words[..., None] == np.array(list(OUTCOMES))).argmax(-1)
     ax.pcolormesh(np.asarray(x), np.asarray(y), numbers, cmap=colors, vmin=0, vmax=3)
+    for word, mark in (("free", "_"), ("wrong", "x")):
+        rows, columns = np.nonzero(words == word)
+        if len(rows):
+            ax.plot(np.asarray(x)[columns], np.asarray(y)[rows], mark, color=MAP, markersize=5)
     return ax

@@ -26,15 +26,6 @@ def draw_cells(map: QuadtreeMap, cells: ArrayLike, *, ax: Axes | None = None) ->
     """Draw chosen cells of a map's grid as red squares, over what the axes show already.
 
     The cells are `(n, n)` bools of `map.to_grid()`, or of a coarser one: row 0 is the lowest.
-
-    Examples
-    --------
-    >>> from matplotlib.figure import Figure
-    >>> map = QuadtreeMap(resolution=0.1, size=1.6)
-    >>> map.insert_scan((0.2, 0.2), [(1.0, 0.2)])
-    >>> ax = draw_cells(map, map.to_grid() > 0.5, ax=Figure().subplots())
-    >>> len(ax.collections[0].get_paths())
-    1
     """
     chosen = np.asarray(cells, bool)
     if chosen.ndim != 2 or chosen.shape[0] != chosen.shape[1]:
@@ -51,13 +42,6 @@ def draw_ray(start: ArrayLike, end: ArrayLike, *, ax: Axes | None = None) -> Axe
     """Draw the cells of a ray (B 4.4): blue the crossed ones, grey those that the mask leaves out.
 
     Its ends are cells: column and row.
-
-    Examples
-    --------
-    >>> from matplotlib.figure import Figure
-    >>> ax = draw_ray((0, 0), (14, 5), ax=Figure().subplots())
-    >>> [len(squares.get_paths()) for squares in ax.collections]
-    [13, 2]
     """
     ax, ends = axes_or_new(ax), np.array([start, end], np.int64)
     (a, b), (c, d) = ends.tolist()
@@ -79,14 +63,6 @@ def draw_classes(classes: Classes, *, ax: Axes | None = None) -> Axes:
     """Draw what a robot is given: white is free, black occupied, grey unknown.
 
     From `exports.ros_classes`, or a picture read back, its rows turned so that 0 is the lowest.
-
-    Examples
-    --------
-    >>> from matplotlib.figure import Figure
-    >>> greys = np.array([[254, 205, 0]], np.uint8)
-    >>> ax = draw_classes(Classes(greys, left=2.0, low=0.0, side=0.5), ax=Figure().subplots())
-    >>> [float(x) for x in ax.get_xlim()]
-    [2.0, 3.5]
     """
     ax, (rows, columns) = axes_or_new(ax), classes.greys.shape
     right, high = classes.left + columns * classes.side, classes.low + rows * classes.side
@@ -96,17 +72,7 @@ def draw_classes(classes: Classes, *, ax: Axes | None = None) -> Axes:
 
 
 def draw_field(field: DistanceField, *, ax: Axes | None = None) -> Axes:
-    """Draw a distance field: the darker, the nearer an occupied cell; a bar tells the metres.
-
-    Examples
-    --------
-    >>> from matplotlib.figure import Figure
-    >>> from segmap.quadtree import QuadtreeMap
-    >>> map = QuadtreeMap(resolution=0.1, size=1.6)
-    >>> map.insert_scan((0.2, 0.2), [(1.0, 0.2)])
-    >>> draw_field(DistanceField(map), ax=Figure().subplots()).images[0].get_array().shape
-    (16, 16)
-    """
+    """Draw a distance field: the darker, the nearer an occupied cell; a bar tells the metres."""
     ax, (left, low, right, high) = axes_or_new(ax), field.bounds
     picture = ax.imshow(field.distance, origin="lower", extent=(left, right, low, high))
     ax.figure.colorbar(picture, ax=ax, label="distance [m]")
@@ -161,13 +127,6 @@ def draw_profile(
     """Draw scores over the heading, radians from the true one: a blue line, red dots at its peaks.
 
     Both are from `heading_profile`.
-
-    Examples
-    --------
-    >>> from matplotlib.figure import Figure
-    >>> ax = draw_profile([-1, 0, 1, 2], [0, 2, 0, 1], ax=Figure().subplots())
-    >>> ax.lines[1].get_ydata().tolist()
-    [2.0, 1.0]
     """
     ax, scores = axes_or_new(ax), np.asarray(values, float)
     degrees = np.degrees(np.asarray(turn, float))
@@ -184,13 +143,6 @@ def draw_trials(trials: Iterable[Trial], *, ax: Axes | None = None) -> Axes:
 
     Each matcher has a mark. Those with the thesis' steps are red, the others blue. Both axes are
     logarithmic.
-
-    Examples
-    --------
-    >>> from matplotlib.figure import Figure
-    >>> from segmap_course import load_trials
-    >>> len(draw_trials(load_trials(), ax=Figure().subplots()).lines)
-    4
     """
     ax, all_of = axes_or_new(ax), list(trials)
     for k, matcher in enumerate(dict.fromkeys(trial.matcher for trial in all_of)):

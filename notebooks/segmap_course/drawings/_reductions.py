@@ -48,15 +48,6 @@ def draw_growth(map: SegmentMap, reduction: Reduction, *, ax: Axes | None = None
     ------
     ValueError
         Where the reduction is off-line, or one of another drive.
-
-    Examples
-    --------
-    >>> from matplotlib.figure import Figure
-    >>> from segmap.reduction import hybrid
-    >>> twice = SegmentMap([[(0, 0), (1, 0)]] * 2, [0, 1])
-    >>> ax = draw_growth(twice, hybrid(twice), ax=Figure().subplots())
-    >>> [line.get_ydata().tolist() for line in ax.lines]
-    [[1, 2], [1, 1]]
     """
     seen, live = np.cumsum([len(scan) for scan in map.by_scan()]), reduction.scan_live
     if live is None or len(live) != len(seen):
@@ -75,13 +66,6 @@ def draw_trade_off(
     """Draw reduction, blue, and quality, red, of one method against its threshold.
 
     Both are rates in `[0, 1]`; the name and the unit of the threshold are for the x label.
-
-    Examples
-    --------
-    >>> from matplotlib.figure import Figure
-    >>> ax = draw_trade_off([10, 20], [0.5, 0.6], [0.9, 0.8], ax=Figure().subplots())
-    >>> [line.get_label() for line in ax.lines]
-    ['reduction', 'quality']
     """
     ax = axes_or_new(ax, (6.0, 3.6))
     ax.plot(values, reduction, "o-", color=RESULT, label="reduction")

@@ -83,14 +83,6 @@ def draw_marked(
     """Draw segments, and the marked ones over them, thicker and red.
 
     Colour is that of the rest, and width, in points, that of the marked ones.
-
-    Examples
-    --------
-    >>> from matplotlib.figure import Figure
-    >>> walls = np.array([[(0, 0), (1, 0)], [(0, 1), (1, 1)], [(0, 2), (1, 2)]])
-    >>> ax = draw_marked(walls, [True, False, False], ax=Figure().subplots())
-    >>> [len(lines.get_segments()) for lines in ax.collections]
-    [2, 1]
     """
     array, which = arrays.segments(segments), np.asarray(marked, bool)
     if which.shape != (len(array),):
@@ -106,13 +98,6 @@ def draw_merge(
 
     The wall is thick, its parts are thin and black, and a dotted line leads from each of their ends
     to its foot on the line of the wall.
-
-    Examples
-    --------
-    >>> from matplotlib.figure import Figure
-    >>> ax = draw_merge([[(0, 1), (2, 1)]], [(0, 0), (4, 0)], ax=Figure().subplots())
-    >>> ax.collections[0].get_segments()[1].tolist()
-    [[2.0, 1.0], [2.0, 0.0]]
     """
     ax, line = axes_or_new(ax, (6.0, 3.5)), np.asarray(wall, float)
     ends, along = arrays.segments(parts).reshape(-1, 2), line[1] - line[0]
@@ -127,14 +112,6 @@ def draw_strip(walls: Segments, shift: float, tolerance: float, *, ax: Axes | No
     """Draw walls along x and a strip of Fusion: what lies in it is black, the rest red (A 4.4.1).
 
     The middle of the grey strip is the line y = `shift`; the tolerance is half its width.
-
-    Examples
-    --------
-    >>> from matplotlib.figure import Figure
-    >>> walls = np.array([[(0, 0), (1, 0)], [(0, 0.05), (1, 0.05)]])
-    >>> ax = draw_strip(walls, 0.0, 0.04, ax=Figure().subplots())
-    >>> [len(lines.get_segments()) for lines in ax.collections]
-    [1, 1]
     """
     ax, array = axes_or_new(ax, (6.0, 3.5)), arrays.segments(walls)
     ax.axhspan(shift - tolerance, shift + tolerance, color=RAW, alpha=0.4)
@@ -147,20 +124,8 @@ def draw_strip(walls: Segments, shift: float, tolerance: float, *, ax: Axes | No
 def draw_centres(ways: ArrayLike, group: ArrayLike, *, ax: Axes | None = None) -> Axes:
     """Draw how the centres of mean shift climb: grey paths from black dots to coloured ones.
 
-    Parameters
-    ----------
-    ways : (k, n, 2) array
-        Where each of n centres is, from the first step to the last; each axis has its own scale.
-    group : (n,) int array
-        Each group has a colour.
-
-    Examples
-    --------
-    >>> from matplotlib.figure import Figure
-    >>> ways = [[(0, 0), (1, 0)], [(0.4, 0), (0.6, 0)]]
-    >>> ax = draw_centres(ways, [0, 0], ax=Figure().subplots())
-    >>> [dots.get_offsets().data.tolist() for dots in ax.collections]
-    [[[0.0, 0.0], [1.0, 0.0]], [[0.4, 0.0], [0.6, 0.0]]]
+    The ways `(k, n, 2)` are where each of n centres is, from the first step to the last; each axis
+    has its own scale, and each group, of `(n,)` numbers, a colour.
     """
     ax, steps = axes_or_new(ax), np.asarray(ways, float)
     ax.plot(*np.moveaxis(steps, -1, 0), color=RAW, linewidth=0.6)
@@ -175,13 +140,6 @@ def draw_normals(walls: Segments, *, ax: Axes | None = None) -> Axes:
     """Draw walls, each with the normal of its line, dashed from the origin (A 4.2).
 
     A wall and its normal have one colour; a dotted line joins the foot to the middle of the wall.
-
-    Examples
-    --------
-    >>> from matplotlib.figure import Figure
-    >>> ax = draw_normals([[(1, 2), (3, 2)]], ax=Figure().subplots())
-    >>> ax.lines[0].get_ydata().round(2).tolist()
-    [0.0, 2.0]
     """
     ax, array = axes_or_new(ax), arrays.segments(walls)
     rho, theta = hough(array).T

@@ -39,14 +39,7 @@ def answered(
 ) -> list[Answer]:
     """What a function answers to each case, given copies of its arguments. Raises nothing.
 
-    Parameters
-    ----------
-    function : callable
-        The student's, the library's or one of the mistakes.
-    cases : mapping from words to a tuple of arguments
-        What it is called with.
-    watch : Watch, optional
-        The functions of the library that must not run meanwhile.
+    `watch` holds the functions of the library that must not run meanwhile.
     """
     return [_answer(function, arguments, watch or Watch()) for arguments in cases.values()]
 
@@ -59,7 +52,7 @@ def _answer(function: Callable[..., Any], arguments: tuple[Any, ...], watch: Wat
             with watch:
                 found = plain(function(*given))
         except (Exception, SystemExit) as error:
-            found = {"error": type(error).__name__, "message": _words(error)}
+            found = {"error": type(error).__name__, "message": words(error)}
     return {"library": watch.seen} if watch.seen else found
 
 
@@ -76,7 +69,8 @@ def plain(found: Any) -> Answer:
     return {"shape": list(array.shape), "values": array.ravel().tolist()}
 
 
-def _words(error: BaseException) -> str:
+def words(error: BaseException) -> str:
+    """What an exception says, where that is text."""
     try:
         return str(error)[:MOST_WORDS]
     except Exception:  # its own text may fail too

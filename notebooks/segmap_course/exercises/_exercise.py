@@ -5,8 +5,9 @@ from __future__ import annotations
 import html
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
-from typing import Any
+from functools import cache, cached_property
+from inspect import getsource
+from typing import Any, cast
 
 import numpy as np
 
@@ -54,23 +55,6 @@ class Check:
 class Exercise:
     """A function to be written again. Call it with yours: it answers with a `Check`, never raises.
 
-    Parameters
-    ----------
-    task : str
-        The signature, which begins with the name, and what is returned, with shapes and units.
-    solution : callable
-        The library's function.
-    draw : callable
-        `draw(rng) -> cases`, words -> arguments: one case of each kind that catches a mistake. What
-        students see is drawn by it too, from a seed of our own.
-    mistakes : mapping from a hint to a callable
-        Wrong functions that students write, and what to tell them.
-    same : callable
-        `same(found, expected) -> bool`.
-    own : tuple of functions and modules
-        Where the library has the answer, beside the solution (see `Watch`): a student's function
-        that calls it is told to do without. Everything else of the library may be called.
-
     Examples
     --------
     >>> double = Exercise("double(x) -> 2 x", lambda x: 2 * x, lambda rng: {"a number": (3,)},
@@ -81,11 +65,19 @@ class Exercise:
     not yet: for a number expected 6, got 3 from double(3)
     """
 
+    #: The signature, which begins with the name, and what is returned, with shapes and units.
     task: str
+    #: The library's function.
     solution: Callable[..., Any]
+    #: One case of each kind that catches a mistake. What students see is drawn by it too, from a
+    #: seed of our own.
     draw: Callable[[Rng], Cases]
+    #: What to tell students -> the wrong function that they write.
     mistakes: Mapping[str, Callable[..., Any]]
+    #: Whether an answer is the expected one.
     same: Callable[[Any, Any], bool] = close
+    #: Functions and modules where the library has the answer, beside the solution (see `Watch`): a
+    #: student's function that calls them is told to do without. All else may be called.
     own: tuple[Any, ...] = ()
 
     @property
@@ -112,20 +104,20 @@ class Exercise:
         for _ in range(MOST_DRAWS):
             cases = dict(self.draw(rng))
             known = {hint: answered(f, cases) for hint, f in self._known().items()}
-            alike = [hint for hint, found in known.items() if self._first(found, known) != hint]
+            first = {
+                hint: next((other for other, a in known.items() if self._agree(found, a)), None)
+                for hint, found in known.items()
+            }
+            alike = [hint for hint in known if first[hint] != hint]
             if not alike:
                 return cases
         raise ValueError(f"{self.name}: no draw tells {alike} from the library and from each other")
 
-    def __call__(self, function: Callable[..., Any]) -> Check:
-        """Check a student's function on the open cases."""
-        return self.check(function)
-
     def __repr__(self) -> str:
         return f"check_{self.name}(your function): {self.task}"
 
-    def check(self, function: Callable[..., Any], cases: Cases | None = None) -> Check:
-        """Check a function on these cases, by default the open ones. Raises nothing."""
+    def __call__(self, function: Callable[..., Any], cases: Cases | None = None) -> Check:
+        """Check a student's function on these cases, by default the open ones. Raises nothing."""
         if not callable(function):
             said = f"give the function itself, check_{self.name}(my_{self.name}), without a call"
             return Check(self.name, False, said)
@@ -145,14 +137,9 @@ class Exercise:
         return answered(self.solution, self.cases if cases is None else cases)
 
     def verdict(self, answers: Sequence[Answer], cases: Cases | None = None) -> Check:
-        """Judge answers that were found elsewhere: no code of the student runs here.
+        """Judge what `answers` found elsewhere for the same cases, by default the open ones.
 
-        Parameters
-        ----------
-        answers : sequence of dict
-            From `answers`, for the same cases; whatever else it holds fails with a hint.
-        cases : mapping, optional
-            Those that were answered, by default the open ones.
+        No code of the student runs here; whatever else the answers hold fails with a hint.
         """
         hint = self._hint(answers, self.cases if cases is None else cases)
         return Check(self.name, not hint, hint)
@@ -179,10 +166,9 @@ class Exercise:
         """The call with these arguments, where they are few numbers."""
         answers = [plain(argument) for argument in given]
         shown = f" from {self.name}({', '.join(map(text, answers))})"
-        whole = (
-            all(numbers(answer) is not None for answer in answers) and "that starts" not in shown
-        )
-        return shown if whole and len(shown) <= MOST_SHOWN else ""
+        whole = all(numbers(answer) is not None for answer in answers)
+        short = len(shown) <= MOST_SHOWN and "that starts" not in shown
+        return shown if whole and short else ""
 
     def _known(self) -> dict[str, Callable[..., Any]]:
         """Hint -> the wrong function; the library's has none."""
@@ -191,15 +177,34 @@ class Exercise:
     def _agree(self, found: Sequence[Answer], expected: Sequence[Answer]) -> bool:
         return all(agree(*pair, self.same) for pair in zip(found, expected, strict=True))
 
-    def _first(self, found: Sequence[Answer], known: Mapping[str, Sequence[Answer]]) -> str | None:
-        """The hint of the first that answers the same."""
-        return next((hint for hint, a in known.items() if self._agree(found, a)), None)
-
 
 # --------------------------------------------------------------- for draws and mistakes
 def changed(function: Callable[..., Any], change: Callable[[Any], Any]) -> Callable[..., Any]:
     """A function whose answer is changed: a mistake at the end."""
     return lambda *given: change(function(*given))
+
+
+def edited(function: Callable[..., Any], *changes: tuple[str, str]) -> Callable[..., Any]:
+    """A plain version with parts of its source changed: a mistake in the middle.
+
+    Raises
+    ------
+    ValueError
+        When it is called, where the source does not hold what is to be changed.
+    """
+
+    @cache
+    def wrong() -> Callable[..., Any]:
+        source = getsource(function)
+        for part, other in changes:
+            if part not in source:
+                raise ValueError(f"{function.__name__} must hold {part!r}")
+            source = source.replace(part, other)
+        scope = dict(function.__globals__)
+        exec(f"from __future__ import annotations\n{source}", scope)  # our own source
+        return cast(Callable[..., Any], scope[function.__name__])
+
+    return lambda *given: wrong()(*given)
 
 
 def listed(cases: Sequence[tuple[Any, ...]]) -> dict[str, tuple[Any, ...]]:

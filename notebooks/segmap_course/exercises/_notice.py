@@ -31,13 +31,9 @@ _SHARED = ("_runner", "_index")
 class Watch:
     """Open it around a call: `seen` is the first function of the library's answer that ran.
 
-    Parameters
-    ----------
-    answers : iterable of functions and modules
-        A function, with what is defined inside it, and with all that it calls of the private files
-        and functions of its room; or a module: all its functions.
-    solution : callable, optional
-        A function that is part of the answer; a file of exercises that it stands in counts whole.
+    An answer is a function, with what is defined inside it, and with all that it calls of the
+    private files and functions of its room; or a module: all its functions. The solution is one
+    too; a file of exercises that it stands in counts whole.
 
     Examples
     --------
@@ -167,9 +163,8 @@ def _parts(found: Any) -> list[Any]:
     if not isinstance(found, FunctionType) or "/" in _short(found.__code__.co_filename):
         return []
     cells = [cell.cell_contents for cell in found.__closure__ or () if _filled(cell)]
-    named = [
-        found.__globals__[name] for name in found.__code__.co_names if name in found.__globals__
-    ]
+    scope = found.__globals__
+    named = [scope[name] for name in found.__code__.co_names if name in scope]
     return [*cells, *named, *(found.__defaults__ or ())]
 
 

@@ -8,12 +8,12 @@ from segmap import kernels
 from segmap.alignment import angle_candidates, least_translation, match_angles, match_values
 from segmap.arrays import Array
 from segmap.poses import transform
-from segmap.segments import length, midpoint, point_distance
+from segmap.segments import length, point_distance
 
 from ..literal import point_to_line_step
 from ..literal.alignment import angle_correspondence, backbone, point_to_line
 from ._answers import Cases
-from ._exercise import Exercise, Rng, anywhere, changed
+from ._exercise import Exercise, Rng, anywhere, changed, edited
 
 
 # --------------------------------------------------------------- angle correspondence
@@ -42,24 +42,17 @@ def _match_value(u: Array, v: Array, distance: float) -> float:
     return float(match_values(u[None], v[None], distance=distance, far=1e6, whole=True)[0, 0])
 
 
-def _covered(u: Array, v: Array, least: float = 0.0) -> float:
-    """Length of u that v covers when projected on it; -inf as the least counts gaps too."""
-    low, high = np.sort((v - u[0]) @ (u[1] - u[0]) / length(u))
-    return float(max(least, min(high, length(u)) - max(low, 0)))
+def _value(u: Array, v: Array, distance: float) -> float:
+    """The same for one pair, of which the mistakes change a part."""
+    lengths = []
+    for a, b in ((u, v), (v, u)):
+        low, high = np.sort((b - a[0]) @ (a[1] - a[0]) / length(a))
+        lengths.append(max(0.0, min(high, length(a)) - max(low, 0)))
+    apart = min(point_distance(v, u).max(), point_distance(u, v).max())
+    return float(sum(lengths) / 2 * 0.95 ** (apart / distance))
 
 
-def _mean(u: Array, v: Array, least: float = 0.0) -> float:
-    return (_covered(u, v, least) + _covered(v, u, least)) / 2
-
-
-def _apart(u: Array, v: Array) -> tuple[float, float]:
-    """The two directed Hausdorff distances."""
-    return float(point_distance(v, u).max()), float(point_distance(u, v).max())
-
-
-def _fading(apart: float, distance: float) -> float:
-    return float(0.95 ** (apart / distance))
-
+_FROM_MIDDLE = "np.hypot(*(u.mean(axis=0) - v.mean(axis=0)))"
 
 check_match_value = Exercise(
     "match_value(u, v, distance) -> float, metres: of two segments (2, 2) that do not cross, the "
@@ -68,28 +61,26 @@ check_match_value = Exercise(
     _pairs,
     {
         "this is the length of u that v covers; take the mean of it and of the length of v that "
-        "u covers": lambda u, v, d: _covered(u, v) * _fading(min(_apart(u, v)), d),
-        "the mean of both lengths is wanted, not their sum": (
-            lambda u, v, d: 2 * _match_value(u, v, d)
+        "u covers": edited(_value, ("sum(lengths) / 2", "lengths[0]")),
+        "the mean of both lengths is wanted, not their sum": edited(_value, (" / 2", "")),
+        "the length is right; multiply it by 0.95 ** (D / distance)": (
+            edited(_value, (" * 0.95 ** (apart / distance)", ""))
         ),
-        "the length is right; multiply it by 0.95 ** (D / distance)": lambda u, v, d: _mean(u, v),
-        "D is measured in units of `distance`: divide it by that": (
-            lambda u, v, d: _mean(u, v) * _fading(min(_apart(u, v)), 1.0)
-        ),
+        "D is measured in units of `distance`: divide by that": edited(_value, ("/ distance", "")),
         "D is the smaller of the two directed Hausdorff distances (A 2.39), not the larger": (
-            lambda u, v, d: _mean(u, v) * _fading(max(_apart(u, v)), d)
+            edited(_value, ("apart = min", "apart = max"))
         ),
         "D asks for the farthest point of one from the other, not for the nearest": (
-            lambda u, v, d: (
-                _mean(u, v)
-                * _fading(min(point_distance(v, u).min(), point_distance(u, v).min()), d)
-            )
+            edited(_value, (".max()", ".min()"))
         ),
         "D is measured from the end points of one to the other segment, not between middles": (
-            lambda u, v, d: _mean(u, v) * _fading(np.hypot(*(midpoint(u) - midpoint(v))), d)
+            edited(
+                _value,
+                ("min(point_distance(v, u).max(), point_distance(u, v).max())", _FROM_MIDDLE),
+            )
         ),
         "two walls beside each other cover nothing: no length is less than 0": (
-            lambda u, v, d: _mean(u, v, -np.inf) * _fading(min(_apart(u, v)), d)
+            edited(_value, ("max(0.0, ", "("))
         ),
     },
     own=(match_values, angle_candidates, match_angles, kernels.match_value, angle_correspondence),
@@ -180,31 +171,17 @@ def _rooms(rng: Rng) -> Cases:
     }
 
 
-def _rows(points: Array, normals: Array) -> Array:
-    """How the offset of each point grows with x, y and the turn, `(n, 3)`."""
+def _in_arrays(points: Array, feet: Array, normals: Array) -> Array:
+    """The same in arrays, of which the mistakes change a part."""
     lever = points[:, 0] * normals[:, 1] - points[:, 1] * normals[:, 0]
-    return np.column_stack([normals, lever])
-
-
-def _least(rows: Array, offsets: Array) -> Array:
-    return np.asarray(np.linalg.lstsq(rows, offsets, rcond=1e-9)[0], float)
-
-
-def _solved(points: Array, feet: Array, normals: Array) -> Array:
-    """By the normal equations, which a corridor makes singular."""
-    rows, offsets = _rows(points, normals), ((points - feet) * normals).sum(1)
-    return -np.linalg.solve(rows.T @ rows, rows.T @ offsets)
+    rows, offsets = np.column_stack([normals, lever]), ((points - feet) * normals).sum(1)
+    return -np.asarray(np.linalg.lstsq(rows, offsets, rcond=1e-9)[0], float)
 
 
 def _to_points(points: Array, feet: Array, _: Array) -> Array:
     """Both coordinates of each point count, not only the one across the wall."""
-    x, y = np.repeat(np.eye(2)[:, None], len(points), 1)
-    rows = np.concatenate([_rows(points, x), _rows(points, y)])
-    return -_least(rows, (points - feet).T.ravel())
-
-
-def _without_turn(points: Array, feet: Array, normals: Array) -> Array:
-    return np.append(-_least(normals, ((points - feet) * normals).sum(1)), 0.0)
+    axes = np.repeat(np.eye(2), len(points), axis=0)
+    return _in_arrays(np.tile(points, (2, 1)), np.tile(feet, (2, 1)), axes)
 
 
 check_move_onto_walls = Exercise(
@@ -220,7 +197,9 @@ check_move_onto_walls = Exercise(
         "points may slide along their walls: only the part of the offset along the normal counts": (
             _to_points
         ),
-        "a turn moves points too: the third column is x n_y - y n_x": _without_turn,
+        "a turn moves points too: the third column is x n_y - y n_x": (
+            edited(_in_arrays, ("[normals, lever]", "[normals, 0 * lever]"))
+        ),
         "angles count counter-clockwise: a small turn moves (x, y) by (-y, x), not by (y, -x)": (
             lambda p, f, n: point_to_line_step(p, f, n) * np.array((1, 1, -1))
         ),
@@ -228,7 +207,10 @@ check_move_onto_walls = Exercise(
             lambda p, f, n: point_to_line_step(p, f, n) * np.array((1, 1, 180 / np.pi))
         ),
         "in a corridor the equations are singular: np.linalg.lstsq takes the smallest motion": (
-            _solved
+            edited(
+                _in_arrays,
+                ("lstsq(rows, offsets, rcond=1e-9)[0]", "solve(rows.T @ rows, rows.T @ offsets)"),
+            )
         ),
         "the turn is one about the origin: with the third column taken about the middle of the "
         "points x and y come out differently": (

@@ -2,22 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
 from segmap import kernels
-from segmap.angles import axial_difference, axial_mean_of_two
+from segmap.angles import axial_difference
 from segmap.arrays import Array
 from segmap.poses import transform
 from segmap.reduction import basic_offline, basic_online, hough, hybrid
-from segmap.segments import angle, extreme_projections, length, midpoint
+from segmap.segments import angle, midpoint
 
 from .. import literal
 from ..literal.reduction import basic
 from ._answers import Cases, same_segment
-from ._exercise import Exercise, Rng, anywhere, changed
+from ._exercise import Exercise, Rng, anywhere, edited
 
 
 def _wall(middle: tuple[float, float], size: float, degrees: float) -> Array:
@@ -143,51 +142,18 @@ def _merged(a: Array, b: Array) -> Array:
     return basic_offline([a, b], distance=10.0, angle=np.pi / 2).segments[0]
 
 
-Mean = Callable[[Array, Array], Any]
-
-
-def _direction(a: Array, b: Array) -> Array:
-    return axial_mean_of_two(angle(a), angle(b), length(a), length(b))
-
-
-def _middle(a: Array, b: Array) -> Array:
-    return np.average([midpoint(a), midpoint(b)], axis=0, weights=[length(a), length(b)])
-
-
-def _on_line(direction: Mean = _direction, through: Mean = _middle) -> Mean:
-    """A merge whose line has another direction, or runs through another point."""
-    return lambda a, b: extreme_projections(
-        np.concatenate([a, b]), through(a, b), float(direction(a, b))
-    )
-
-
-def _plain_direction(a: Array, b: Array) -> float:
-    return float(np.average([angle(a), angle(b)], weights=[length(a), length(b)]))
-
-
-def _unweighted(a: Array, b: Array) -> Array:
-    return axial_mean_of_two(angle(a), angle(b))
-
-
-def _half_way(a: Array, b: Array) -> Array:
-    return (midpoint(a) + midpoint(b)) / 2
-
-
-def _longer(a: Array, b: Array) -> Array:
-    return a if length(a) >= length(b) else b
-
-
 def _farthest(a: Array, b: Array) -> Array:
     """The two of four end points that lie farthest apart."""
     ends = np.concatenate([a, b])
     return ends[list(np.unravel_index(np.argmax(_gaps(ends, ends)), (4, 4)))]
 
 
-def _of_length(a: Array, b: Array) -> Array:
-    """A segment as long as both together, about the mean middle."""
-    way = _direction(a, b)
-    half = (length(a) + length(b)) / 2 * np.array([np.cos(way), np.sin(way)])
-    return _middle(a, b) + np.array([-half, half])
+#: A segment as long as both together, about the mean middle.
+_AS_LONG_AS_BOTH = (
+    "spanning(x, y, direction, (*a, *b))",
+    "[(x + math.cos(direction) * w, y + math.sin(direction) * w) for w in"
+    " (-(size_a + size_b) / 2, (size_a + size_b) / 2)]",
+)
 
 
 check_merged = Exercise(
@@ -197,26 +163,36 @@ check_merged = Exercise(
     _pieces,
     {
         "the plain mean of 1 and 179 degrees is a wall across: use axial_mean_of_two": (
-            _on_line(_plain_direction)
+            edited(
+                basic.merge,
+                ("axial_difference(line_angle(b), ", "(line_angle(b) % math.pi - "),
+                ("line_angle(a))", "line_angle(a) % math.pi)"),
+            )
         ),
         "the direction is weighted by length: a short piece knows little of it": (
-            _on_line(_unweighted)
+            edited(basic.merge, ("share * turn", "turn / 2"))
         ),
-        "the middle is weighted by length, as the direction is": _on_line(through=_half_way),
-        "direction and middle are weighted by length": _on_line(_unweighted, _half_way),
+        "the middle is weighted by length, as the direction is": (
+            edited(basic.merge, ("(1 - share) * (", "0.5 * ("), ("+ share * (", "+ 0.5 * ("))
+        ),
+        "direction and middle are weighted by length": (
+            edited(basic.merge, ("size_b / (size_a + size_b)", "0.5"))
+        ),
         "the longer segment has the greater weight: here they are exchanged": (
-            _on_line(lambda a, b: axial_mean_of_two(angle(a), angle(b), length(b), length(a)))
+            edited(basic.merge, ("share * turn", "(1 - share) * turn"))
         ),
-        "np.cos and np.sin take radians: no degrees": _on_line(changed(_direction, np.degrees)),
+        "np.cos and np.sin take radians: no degrees": (
+            edited(basic.merge, ("y, direction", "y, math.degrees(direction % math.pi)"))
+        ),
         "the farthest two end points do not lie on the mean line: project them on it": _farthest,
         "the mean of the end points is too short, and depends on which end comes first": (
             lambda a, b: (a + b) / 2
         ),
         "the line is the mean of both, not the one of the longer segment": (
-            _on_line(changed(_longer, angle), changed(_longer, midpoint))
+            edited(basic.merge, ("size_b / (size_a + size_b)", "float(size_b > size_a)"))
         ),
         "the length follows from the projections: it is no sum, for the two may overlap": (
-            _of_length
+            edited(basic.merge, _AS_LONG_AS_BOTH)
         ),
     },
     same_segment,
@@ -246,41 +222,26 @@ def _named_lines(rng: Rng) -> Cases:
     }
 
 
-def _brought(rho: float, theta: float, near: float) -> Array:
-    """The representative of (rho, theta) that is nearest to another theta."""
-    turns = float(np.round((near - theta) / np.pi))
+def _line(segment: Array, near: float) -> Array:
+    """The line of a segment, of which the mistakes change a part."""
+    theta = (angle(segment) + np.pi / 2) % np.pi
+    x, y = midpoint(segment)
+    rho = x * np.cos(theta) + y * np.sin(theta)
+    turns = np.round((near - theta) / np.pi)
     return np.array([-rho if turns % 2 else rho, theta + turns * np.pi])
 
 
-def _by_slope(segment: Array, near: float) -> Array:
-    """By y = m x + q, which does not exist for upright walls."""
-    (x, y), (dx, dy) = segment[0], segment[1] - segment[0]
-    slope = dy / dx
-    theta = np.arctan2(1.0, -slope)
-    return _brought((y - slope * x) * np.sin(theta), theta, near)
+#: By y = m x + q, which does not exist for upright walls.
+_SLOPE = "np.divide(*(segment[1] - segment[0])[::-1])"
+_BY_SLOPE = (
+    ("(angle(segment) + np.pi / 2) % np.pi", f"np.arctan2(1.0, -{_SLOPE})"),
+    ("x * np.cos(theta) + y", f"(y - {_SLOPE} * x)"),
+)
 
 
 def _whole_turns(segment: Array, near: float) -> Array:
     rho, theta = hough(segment)
     return np.array([rho, theta + 2 * np.pi * np.round((near - theta) / (2 * np.pi))])
-
-
-def _of_the_segment(segment: Array, near: float) -> Array:
-    """The angle along the wall, in the place of the one across it."""
-    along, (x, y) = float(angle(segment)), midpoint(segment)
-    return _brought(x * np.cos(along) + y * np.sin(along), along, near)
-
-
-def _with(rho: Any = None, theta: Any = None) -> Callable[[Array, float], Array]:
-    """The right line with one of its two numbers replaced by one of the segment and `near`."""
-
-    def line(segment: Array, near: float) -> Array:
-        found = zip((rho, theta), hough(segment, near), strict=True)
-        return np.array(
-            [right if wrong is None else wrong(segment, near) for wrong, right in found]
-        )
-
-    return line
 
 
 check_hough = Exercise(
@@ -290,25 +251,23 @@ check_hough = Exercise(
     _named_lines,
     {
         "an upright wall has no slope: take the angle of the normal with atan2, and rho from any "
-        "point of the wall as x cos(theta) + y sin(theta)": _by_slope,
+        "point of the wall as x cos(theta) + y sin(theta)": edited(_line, *_BY_SLOPE),
         "(rho, theta) and (-rho, theta + pi) are one line: add the half turns that bring theta "
         "nearest to `near`": lambda segment, near: hough(segment),
         "half a turn of theta makes the normal look the other way: rho changes its sign": (
-            _with(rho=lambda segment, near: hough(segment)[0])
+            edited(_line, ("-rho if turns % 2 else rho", "rho"))
         ),
-        "a line is the same after half a turn already: round in steps of pi, not of 2 pi": (
-            _whole_turns
-        ),
+        "a line is the same after half a turn: round in steps of pi, not of 2 pi": _whole_turns,
         "theta is the angle of the normal: a quarter turn from that of the segment": (
-            _of_the_segment
+            edited(_line, ("(angle(segment) + np.pi / 2) % np.pi", "angle(segment)"))
         ),
         "rho is right; theta is the angle of the normal, not of the segment, and has to be brought "
-        "near": _with(theta=lambda segment, near: angle(segment)),
+        "near": edited(_line, ("theta + turns * np.pi", "angle(segment)")),
         "rho has a sign: it is negative where the normal looks away from the wall": (
-            _with(rho=lambda segment, near: abs(hough(segment, near)[0]))
+            edited(_line, ("-rho if turns % 2 else rho", "abs(rho)"))
         ),
         "rho is the distance of the origin from the line, along its normal, not from the middle of "
-        "the segment": _with(rho=lambda segment, near: np.hypot(*midpoint(segment))),
+        "the segment": edited(_line, ("-rho if turns % 2 else rho", "np.hypot(x, y)")),
         "rho comes first, then theta": lambda segment, near: hough(segment, near)[::-1],
         "theta is wanted in radians": lambda segment, near: hough(segment, near) * [1, 180 / np.pi],
     },

@@ -14,7 +14,7 @@ from segmap.poses import transform
 from .. import literal
 from ..literal import extraction
 from ._answers import Cases, same_line
-from ._exercise import Exercise, Rng, anywhere, changed
+from ._exercise import Exercise, Rng, anywhere, changed, edited
 
 
 # --------------------------------------------------------------------- a mean direction
@@ -154,43 +154,38 @@ def _chords(rng: Rng) -> Cases:
     }
 
 
-def _off_chord(points: Array) -> Array:
-    """Distances from the line through the first and last point, with a sign."""
+def _farthest_point(points: Array) -> int:
     d, r = points[-1] - points[0], points - points[0]
-    return (d[0] * r[:, 1] - d[1] * r[:, 0]) / np.hypot(*d)
-
-
-def _off_upright(points: Array) -> Array:
-    d, r = points[-1] - points[0], points - points[0]
-    return np.abs(r[:, 1] - d[1] / d[0] * r[:, 0])
+    off = (d[0] * r[:, 1] - d[1] * r[:, 0]) / np.hypot(*d)  # positive to the left
+    return int(np.argmax(np.abs(off)))
 
 
 check_farthest_point = Exercise(
     "farthest_point(points) -> int: index of the one of points (n, 2) that is farthest from the "
     "line through the first and the last",
-    lambda points: int(np.argmax(np.abs(_off_chord(points)))),
+    _farthest_point,
     _chords,
     {
         "points lie on both sides of the chord: take absolute distances": (
-            changed(_off_chord, np.argmax)
+            edited(_farthest_point, ("np.abs(off)", "off"))
         ),
         "points lie on both sides of the chord: the sign must not decide": (
-            changed(_off_chord, np.argmin)
+            edited(_farthest_point, ("argmax(np.abs(off))", "argmin(off)"))
         ),
         "measure across the chord, not upright: an upright chord has no slope": (
-            changed(_off_upright, np.argmax)
+            edited(_farthest_point, ("(d[0] * r[:, 1]", "(r[:, 1]"), ("d[1]", "d[1] / d[0]"))
         ),
         "this is the distance from the first point, wanted is the one from the chord": (
             lambda points: int(np.argmax(np.hypot(*(points - points[0]).T)))
         ),
         "the index counts from the first point of all, not from the first inner one": (
-            lambda points: int(np.argmax(np.abs(_off_chord(points))[1:-1]))
+            edited(_farthest_point, ("np.abs(off)", "np.abs(off)[1:-1]"))
         ),
         "this is the distance from the last point, wanted is the one from the chord": (
             lambda points: int(np.argmax(np.hypot(*(points - points[-1]).T)))
         ),
         "give the index of the point, not its distance": (
-            lambda points: np.abs(_off_chord(points)).max()
+            edited(_farthest_point, ("int(np.argmax(np.abs(off)))", "np.abs(off).max()"))
         ),
     },
     own=(extraction,),

@@ -13,7 +13,7 @@ from segmap.segments import point_distance
 from .. import literal
 from .._storage import wall_errors
 from ._answers import Cases
-from ._exercise import Exercise, Rng, changed
+from ._exercise import Exercise, Rng, edited
 
 
 # -------------------------------------------------------------- reduction and quality
@@ -34,9 +34,7 @@ check_reduction_rate = Exercise(
         "this is the share that is left, wanted is what is gone": (
             lambda before, after: len(after) / len(before) if len(before) else 0.0
         ),
-        "a share lies between 0 and 1: no per cent": (
-            lambda before, after: 100 * reduction_rate(before, after)
-        ),
+        "a share lies between 0 and 1: no per cent": lambda *maps: 100 * reduction_rate(*maps),
         "a map without segments has lost nothing: its rate is 0, and no division by zero": (
             lambda before, after: (len(before) - len(after)) / len(before)
         ),
@@ -67,50 +65,43 @@ def _distances(rng: Rng) -> Cases:
     }
 
 
-def _quality(mean_error: float, scale: float = 0.050) -> float:
-    return float(np.exp(-mean_error / scale))
-
-
-def _quality_from(distances: Array) -> float:
-    return _quality(distances.min(axis=1).mean())
+def _quality(distances: Array) -> float:
+    return float(np.exp(-distances.min(axis=1).mean() / 0.050))
 
 
 check_quality = Exercise(
     "quality(distances) -> float: exp(-mean error / 0.050 m), from distances (n, m) in metres "
     "between n segments before and m after",
-    _quality_from,
+    _quality,
     _distances,
     {
         "every segment of the map *before* looks for its nearest: the minimum runs along a row": (
-            lambda distances: _quality(distances.min(axis=0).mean())
+            edited(_quality, ("axis=1", "axis=0"))
         ),
         "only the nearest segment after counts, not the mean distance from all": (
-            lambda distances: _quality(distances.mean())
+            edited(_quality, (".min(axis=1)", ""))
         ),
-        "the mean of the errors counts, not the largest": (
-            lambda distances: _quality(distances.min(axis=1).max())
-        ),
+        "the mean of the errors counts, not the largest": (edited(_quality, ("mean", "max"))),
         "the mean of the errors counts, not their sum: else large maps are always bad": (
-            lambda distances: _quality(distances.min(axis=1).sum())
+            edited(_quality, ("mean", "sum"))
         ),
-        "quality lies between 0 and 1: no per cent": lambda given: 100 * _quality_from(given),
-        "distances are metres: the scale is 0.050 m, not 50": (
-            lambda distances: _quality(distances.min(axis=1).mean(), 50.0)
-        ),
+        "quality lies between 0 and 1: no per cent": lambda given: 100 * _quality(given),
+        "distances are metres: the scale is 0.050 m, not 50": edited(_quality, ("0.050", "50.0")),
         "take the mean of the errors first, then exp: the mean of the exponentials is larger": (
-            lambda distances: np.exp(-distances.min(axis=1) / 0.050).mean()
+            edited(_quality, (".mean() / 0.050)", " / 0.050).mean()"))
         ),
         "the mean of the errors counts, not their median": (
-            lambda distances: _quality(np.median(distances.min(axis=1)))
+            edited(_quality, ("distances.min(axis=1).mean()", "np.median(distances.min(axis=1))"))
         ),
-        "divide the mean error by 0.050 m before you take exp": (
-            lambda distances: _quality(distances.min(axis=1).mean(), 1.0)
-        ),
+        "divide the mean error by 0.050 m before you take exp": edited(_quality, (" / 0.050", "")),
         "a worse map has a lower quality: exp of minus the error": (
-            changed(_quality_from, np.reciprocal)
+            edited(_quality, ("-distances", "distances"))
         ),
         "the mean of the errors counts, not the root of the mean of their squares": (
-            lambda distances: _quality(np.sqrt((distances.min(axis=1) ** 2).mean()))
+            edited(
+                _quality,
+                ("distances.min(axis=1).mean()", "np.sqrt(np.mean(distances.min(1) ** 2))"),
+            )
         ),
     },
     own=(metrics.quality, literal.quality),
@@ -137,20 +128,19 @@ def _runs(rng: Rng) -> Cases:
     }
 
 
-def _through_all(points: Array, quality: float) -> float:
-    """On lines through every run, in the order of quality."""
-    q, r = points[np.argsort(points[:, 0], kind="stable")].T
+def _on_curve(points: Array, quality: float) -> float:
+    """The right answer, of which the mistakes change a part."""
+    q, r = front(points).T
     return float(np.interp(quality, q, r, right=np.nan))
+
+
+#: All runs, in the order of quality.
+_BY_QUALITY = ("front(points)", "points[np.argsort(points[:, 0], kind='stable')]")
 
 
 def _step(points: Array, quality: float) -> float:
     reached = points[points[:, 0] >= quality, 1]
     return float(reached.max()) if len(reached) else np.nan
-
-
-def _none_below(points: Array, quality: float) -> float:
-    q, r = front(points).T
-    return float(np.interp(quality, q, r, left=np.nan, right=np.nan))
 
 
 check_reduction_at = Exercise(
@@ -160,27 +150,23 @@ check_reduction_at = Exercise(
     _runs,
     {
         "a run that another one beats in both quality and reduction is not on the curve": (
-            _through_all
+            edited(_on_curve, _BY_QUALITY)
         ),
         "take the place between two runs, not the nearest run": (
             lambda points, quality: float(points[np.argmin(np.abs(points[:, 0] - quality)), 1])
         ),
         "between two runs the curve is a straight line, not a step": _step,
         "above the best quality of all runs nothing has been reached: nan": (
-            lambda points, quality: float(np.interp(quality, *front(points).T))
+            edited(_on_curve, (", right=np.nan", ""))
         ),
         "a map that is better than asked for will do: below all runs, the largest reduction": (
-            _none_below
+            edited(_on_curve, ("right=", "left=np.nan, right="))
         ),
         "quality is the first column of points, reduction the second": (
             lambda points, quality: reduction_at(points[:, ::-1], quality)
         ),
         "leave out the runs that another one beats, then interpolate; and above the best quality "
-        "nothing has been reached: nan": (
-            lambda points, quality: float(
-                np.interp(quality, *points[np.argsort(points[:, 0], kind="stable")].T)
-            )
-        ),
+        "nothing has been reached: nan": (edited(_on_curve, _BY_QUALITY, (", right=np.nan", ""))),
         "np.interp wants qualities that rise: sort the runs first": (
             lambda points, quality: float(np.interp(quality, *points.T))
         ),
@@ -189,8 +175,8 @@ check_reduction_at = Exercise(
 )
 
 
-def _best_run(points: Array, quality: float, border: float = 1e-12) -> int:
-    good = np.flatnonzero(points[:, 0] >= quality - border)
+def _best_run(points: Array, quality: float) -> int:
+    good = np.flatnonzero(points[:, 0] >= quality - 1e-12)
     return int(good[points[good, 1].argmax()]) if len(good) else -1
 
 
@@ -204,32 +190,22 @@ check_best_run = Exercise(
             lambda points, quality: int(points[:, 1].argmax())
         ),
         "among runs that are good enough the one that removes most counts, not the best one": (
-            lambda points, quality: int(
-                points[:, 0].argmax() if points[:, 0].max() >= quality else -1
-            )
+            edited(_best_run, ("points[good, 1]", "points[good, 0]"))
         ),
         "the answer is a row of points: that of the good ones alone counts others": (
-            lambda points, quality: int(
-                points[points[:, 0] >= quality, 1].argmax() if points[:, 0].max() >= quality else -1
-            )
+            edited(_best_run, ("good[points[good, 1].argmax()]", "points[good, 1].argmax()"))
         ),
-        "at least that quality: a run that just has it counts": (
-            lambda points, quality: _best_run(points, quality, border=-1e-12)
-        ),
+        "at least that quality: a run that just has it counts": edited(_best_run, ("- 1e", "+ 1e")),
         "where no run is good enough the answer is -1": (
             lambda points, quality: max(0, _best_run(points, quality))
         ),
         "the row of the run is asked for, not its reduction": (
-            lambda points, quality: (
-                points[_best_run(points, quality), 1] if points[:, 0].max() >= quality else -1
-            )
+            edited(_best_run, ("int(good[points[good, 1].argmax()])", "points[good, 1].max()"))
         ),
         "not the run whose quality is nearest: of all that are good enough the one that removes "
         "most": lambda points, quality: int(np.abs(points[:, 0] - quality).argmin()),
         "where no run is good enough argmax has nothing to choose from: answer -1 before": (
-            lambda points, quality: (
-                _best_run(points, quality) if points[:, 0].max() >= quality else np.argmax([])
-            )
+            edited(_best_run, (" if len(good) else -1", ""))
         ),
     },
 )
@@ -247,12 +223,9 @@ def _walls_and_points(rng: Rng) -> Cases:
     }
 
 
-def _to_walls(points: Array, walls: Array) -> Array:
-    return point_distance(points[:, None], walls[None])
-
-
-def _to_nearest(points: Array, walls: Array) -> Array:
-    return _to_walls(points, walls).min(1)
+def _mean_error(points: Array, walls: Array) -> float:
+    away = point_distance(points[:, None], walls[None])
+    return float(away.min(axis=1).mean())
 
 
 def _to_lines(points: Array, walls: Array) -> Array:
@@ -269,7 +242,7 @@ def _to_ends(points: Array, walls: Array) -> Array:
 check_mean_wall_error = Exercise(
     "mean_wall_error(points, walls) -> float: mean distance of points (n, 2) from the nearest of "
     "the walls (m, 2, 2)",
-    lambda points, walls: float(_to_nearest(points, walls).mean()),
+    _mean_error,
     _walls_and_points,
     {
         "a wall ends: beyond its ends the distance is that from the end point": (
@@ -278,17 +251,19 @@ check_mean_wall_error = Exercise(
         "beside a wall the distance is that from the foot on it, not from its ends": (
             lambda points, walls: _to_ends(points, walls).min(1).mean()
         ),
-        "only the nearest wall counts for each point": changed(_to_walls, np.mean),
+        "only the nearest wall counts for each point": edited(_mean_error, (".min(axis=1)", "")),
         "every point looks for its wall: the minimum runs over the walls": (
-            lambda points, walls: _to_walls(points, walls).min(0).mean()
+            edited(_mean_error, ("axis=1", "axis=0"))
         ),
-        "the mean of the errors counts, not the largest": changed(_to_nearest, np.max),
-        "the mean of the errors counts, not their sum": changed(_to_nearest, np.sum),
+        "the mean of the errors counts, not the largest": edited(_mean_error, (".mean", ".max")),
+        "the mean of the errors counts, not their sum": edited(_mean_error, (".mean", ".sum")),
         "the mean of the distances, not of their squares": (
-            changed(_to_nearest, lambda errors: np.mean(errors**2))
+            edited(_mean_error, ("away.min(axis=1)", "(away.min(axis=1) ** 2)"))
         ),
         "the mean of the distances, not the root of the mean of their squares": (
-            changed(_to_nearest, lambda errors: np.sqrt(np.mean(errors**2)))
+            edited(
+                _mean_error, ("away.min(axis=1).mean()", "(away.min(axis=1) ** 2).mean() ** 0.5")
+            )
         ),
     },
     own=(wall_errors,),

@@ -14,7 +14,7 @@ from segmap.poses import transform
 from ..literal import MOVES, climb_step, distance_score
 from ..literal.quadtrees import matching
 from ._answers import Cases
-from ._exercise import Exercise, Rng, anywhere, changed
+from ._exercise import Exercise, Rng, anywhere, changed, edited
 
 
 # --------------------------------------------------------------------------------- scores
@@ -112,15 +112,7 @@ def _hills(rng: Rng) -> Cases:
     }
 
 
-def _tried(value: Value, pose: Pose, move: float, turn: float) -> tuple[Array, list[float]]:
-    """Poses after each of the six moves, and their values."""
-    tried = pose + np.array(MOVES) * (move, move, turn)
-    return tried, [value(p) for p in tried]
-
-
-def _always(*given: Any) -> Pose:
-    tried, values = _tried(*given)
-    return tried[int(np.argmax(values))]
+_always = edited(climb_step, ("pose, value(pose)", "pose, float('-inf')"))
 
 
 def _if_as_good(value: Value, pose: Pose, move: float, turn: float) -> Pose:
@@ -128,23 +120,10 @@ def _if_as_good(value: Value, pose: Pose, move: float, turn: float) -> Pose:
     return best if value(best) >= value(pose) else pose
 
 
-def _first_improvement(value: Value, pose: Pose, move: float, turn: float) -> Pose:
-    tried, values = _tried(value, pose, move, turn)
-    here = value(pose)
-    return next((p for p, at in zip(tried, values, strict=True) if at > here), pose)
-
-
 def _along_the_robot(value: Value, pose: Pose, move: float, turn: float) -> Pose:
     c, s = np.cos(pose[2]), np.sin(pose[2])
     turned = np.array(MOVES) @ [(c, s, 0), (-s, c, 0), (0, 0, 1)]
     return climb_step(value, pose, move, turn, turned)
-
-
-def _walking_on(value: Value, pose: Pose, move: float, turn: float) -> Pose:
-    """Takes each move that improves, and tries the next one from there."""
-    for step in np.array(MOVES) * (move, move, turn):
-        pose = pose + step if value(pose + step) > value(pose) else pose
-    return pose
 
 
 check_climb_step = Exercise(
@@ -155,7 +134,7 @@ check_climb_step = Exercise(
     {
         "an equal score is no improvement: on a plain the robot would walk for ever": _if_as_good,
         "look at all six before you move: the best counts, not the first that improves": (
-            _first_improvement
+            edited(climb_step, ("best, most = tried, value(tried)", "return tried"))
         ),
         "of equal moves the first in the order counts": (
             lambda value, at, move, turn: climb_step(value, at, move, turn, MOVES[::-1])
@@ -166,7 +145,7 @@ check_climb_step = Exercise(
             lambda value, *rest: climb_step(lambda p: -value(p), *rest)
         ),
         "try all six moves from where the pose is: do not walk on from each that improves": (
-            _walking_on
+            edited(climb_step, ("best, most = t", "pose, most = t"), ("return best", "return pose"))
         ),
         "the pose after the move is asked for, not its value": (
             lambda value, *rest: value(climb_step(value, *rest))

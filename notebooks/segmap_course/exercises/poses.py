@@ -112,9 +112,7 @@ check_heading_between = Exercise(
         "a share of 0 is the heading before, of 1 the heading after": (
             lambda a, b, t: _heading_between(b, a, t)
         ),
-        "headings are in radians: hand the answer back as it came": (
-            changed(_heading_between, np.degrees)
-        ),
+        "headings are in radians: hand it back as it came": changed(_heading_between, np.degrees),
         "the mean of the two directions as vectors does not turn evenly: take a share of the "
         "angle": _mixed,
     },

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import cache
-from inspect import getsource
 from math import ceil, floor
 from typing import Any
 
@@ -14,11 +12,9 @@ from numpy.typing import NDArray
 from ..literal import cell_of, grown, occupancy, ray_cells
 from ..literal.quadtrees import quadtree
 from ._answers import Cases, same_cells
-from ._exercise import Exercise, Rng, changed, listed
+from ._exercise import Exercise, Rng, changed, edited, listed
 
 Cell = tuple[int, int]
-#: The line that `segmap_course.literal` begins with.
-FUTURE = "from __future__ import annotations"
 
 
 # ------------------------------------------------------------------------------ cells
@@ -60,9 +56,7 @@ check_cell_of = Exercise(
         ),
         "columns are counted from the corner: subtract it first": lambda x, c, r: floor(x / r),
         "a cell begins at its left edge: floor, and not ceil": lambda x, c, r: ceil((x - c) / r),
-        "cells have a side of `resolution` metres: divide by it": (
-            lambda x, c, r: floor((x - c) * r)
-        ),
+        "cells have `resolution` metres a side: divide by it": lambda x, c, r: floor((x - c) * r),
     },
     own=(quadtree,),
 )
@@ -83,11 +77,6 @@ def _roots(rng: Rng) -> Cases:
     return {f"root {(x, y, side)} and cell {cell}": ((x, y, side), cell) for cell in cells}
 
 
-def _down_unless_above(root: tuple[int, int, int], cell: Cell) -> tuple[int, int, int]:
-    x, y, side = root
-    return x - side * (cell[0] < x), y - side * (not cell[1] >= y + side), 2 * side
-
-
 def _until_inside(root: tuple[int, int, int], cell: Cell) -> tuple[int, int, int]:
     x, y, side = root
     inside = x <= cell[0] < x + side and y <= cell[1] < y + side
@@ -100,7 +89,7 @@ check_grown = Exercise(
     _roots,
     {
         "for a cell beside the root this grows downwards for ever, as the thesis does: down only "
-        "where the cell lies below": _down_unless_above,
+        "where the cell lies below": edited(grown, ("cell[1] < y", "cell[1] < y + side")),
         "a cell to the left or below is never reached this way: move the corner by one side": (
             lambda root, cell: (*root[:2], 2 * root[2])
         ),
@@ -140,9 +129,7 @@ check_occupancy = Exercise(
         "after `bias` rays it is 0 and stays there": (
             lambda v, o, b: o / v if o else 0.5 * (b - v) / b
         ),
-        "nothing known is 0.5, not 1: half of this": (
-            lambda v, o, b: o / v if o else max((b - v) / b, 0.0)
-        ),
+        "nothing known is 0.5, not 1: half of this": edited(occupancy, ("0.5 * ", "")),
         "the bias is for cells that were never hit: with hits it is occ / vis at once": (
             lambda v, o, b: o / max(v, b) if o else max(0.5 * (b - v) / b, 0.0)
         ),
@@ -171,16 +158,9 @@ def _rays(rng: Rng) -> Cases:
 
 
 def _with(line: str, other: str) -> Callable[[Cell, Cell], NDArray[np.int64]]:
-    """The literal walk with one of its lines changed."""
-
-    @cache
-    def walk() -> Callable[[Cell, Cell], list[Cell]]:
-        scope: dict[str, Any] = {}
-        exec(f"{FUTURE}\n{getsource(ray_cells)}".replace(line, other), scope)  # our own source
-        found: Callable[[Cell, Cell], list[Cell]] = scope["ray_cells"]
-        return found
-
-    return lambda start, end: np.array(walk()(start, end), np.int64).reshape(-1, 2)
+    """The plain walk with one of its lines changed."""
+    walk = edited(ray_cells, (line, other))
+    return lambda start, end: np.array(walk(start, end), np.int64).reshape(-1, 2)
 
 
 def _from_the_start(start: Cell, end: Cell) -> list[Cell]:
@@ -246,18 +226,13 @@ check_pixel = Exercise(
         "the picture's first row is the top one: count rows from there": (
             lambda x, y, o, side, rows: (floor((y - o[1]) / side), floor((x - o[0]) / side))
         ),
-        "the lowest row has number rows - 1": (
-            lambda x, y, o, side, rows: _pixel(x, y, o, side, rows + 1)
-        ),
+        "the lowest row has number rows - 1": edited(_pixel, ("rows - 1", "rows")),
         "row first, then column: y decides on the row": changed(_pixel, lambda cell: cell[::-1]),
         "the origin is the lower left corner of the lower left pixel, not of the upper left": (
             lambda x, y, o, side, rows: (floor((o[1] - y) / side), floor((x - o[0]) / side))
         ),
         "a pixel begins at its edges: floor, and not the nearest whole number": (
-            lambda x, y, o, side, rows: (
-                rows - 1 - round((y - o[1]) / side),
-                round((x - o[0]) / side),
-            )
+            edited(_pixel, ("floor", "round"))
         ),
         "count from the origin: subtract it first": (
             lambda x, y, o, side, rows: _pixel(x, y, (0.0, 0.0), side, rows)

@@ -14,7 +14,7 @@ from segmap.readers import half_turn
 from segmap.simulation import cast_rays, simulate
 
 from ._answers import Cases
-from ._exercise import Exercise, Rng, anywhere, changed
+from ._exercise import Exercise, Rng, anywhere, changed, edited
 
 #: The sensor's clock, milliseconds, starts again here.
 WRAP = 1 << 24
@@ -79,10 +79,8 @@ def _walls_ahead(rng: Rng) -> Cases:
     }
 
 
-def _cast_ray(
-    wall: Array, pose: Array, angle: float, *, behind: bool = False, endless: bool = False
-) -> float:
-    """Range to a wall; with the tests for what lies behind or beside it left out when asked."""
+def _cast_ray(wall: Array, pose: Array, angle: float) -> float:
+    """Range to a wall, of which the mistakes change a part."""
     beam = np.array([np.cos(pose[2] + angle), np.sin(pose[2] + angle)])
     start, along = wall[0] - pose[:2], wall[1] - wall[0]
     across = beam[0] * along[1] - beam[1] * along[0]
@@ -90,8 +88,7 @@ def _cast_ray(
         return np.inf
     distance = (start[0] * along[1] - start[1] * along[0]) / across
     share = (start[0] * beam[1] - start[1] * beam[0]) / across
-    met = (behind or distance > 0) and (endless or 0 <= share <= 1)
-    return float(distance) if met else np.inf
+    return float(distance) if distance > 0 and 0 <= share <= 1 else np.inf
 
 
 def _square_to_the_wall(wall: Array, pose: Array, angle: float) -> float:
@@ -107,13 +104,13 @@ check_cast_ray = Exercise(
     _walls_ahead,
     {
         "a beam goes one way only: a wall behind the sensor, at a negative range, is not met": (
-            lambda wall, pose, angle: _cast_ray(wall, pose, angle, behind=True)
+            edited(_cast_ray, ("distance > 0 and ", ""))
         ),
         "a wall ends: the meeting point must lie between its end points": (
-            lambda wall, pose, angle: _cast_ray(wall, pose, angle, endless=True)
+            edited(_cast_ray, (" and 0 <= share <= 1", ""))
         ),
         "two lines always meet somewhere: test that it is ahead, and between the end points": (
-            lambda wall, pose, angle: _cast_ray(wall, pose, angle, behind=True, endless=True)
+            edited(_cast_ray, ("distance > 0 and 0 <= share <= 1", "True"))
         ),
         "angles are radians already: sin and cos take them as they are": (
             lambda wall, pose, angle: _cast_ray(wall, np.radians(pose), np.radians(angle))

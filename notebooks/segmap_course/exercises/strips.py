@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -15,7 +14,7 @@ from ..literal import best_strip
 from ..literal.reduction import fusion, mean_shift
 from ..literal.reduction.mean_shift import mean_difference
 from ._answers import Cases, same_poses
-from ._exercise import Exercise, Rng, changed
+from ._exercise import Exercise, Rng, changed, edited
 
 
 # ------------------------------------------------------------------------- mean shift
@@ -54,35 +53,13 @@ def _literal_step(centres: Array, pieces: Array, sigma: float, bandwidth: float)
     return [at + mean_difference(points, at.tolist(), square) for at in centres]
 
 
-def _gaussian(away: Array, sigma: float) -> Array:
-    return np.asarray(np.exp(-((away / sigma) ** 2) / 2))
-
-
-def _mean_shift_step(
-    centres: Array,
-    pieces: Array,
-    sigma: float,
-    bandwidth: float,
-    *,
-    kernel: Callable[[Array, float], Array] = _gaussian,
-    axial: bool = True,
-    normal: bool = True,
-) -> Array:
-    """The same in arrays, with the details that the mistakes change."""
-    d = pieces - centres[:, None]
-    if axial:
-        d[..., 2] = axial_difference(d[..., 2], 0.0)
-    w = kernel(np.linalg.norm(d * [1, 1, 1 / bandwidth], axis=-1), sigma)
-    move = (w[..., None] * d).sum(axis=1)
-    return centres + (move / w.sum(axis=1)[:, None] if normal else move)
-
-
-def _plain_mean(centres: Array, pieces: Array, sigma: float, bandwidth: float) -> Array:
-    """Weights with axial differences, but angles averaged as numbers."""
+def _mean_shift_step(centres: Array, pieces: Array, sigma: float, bandwidth: float) -> Array:
+    """The same in arrays, of which the mistakes change a part."""
     d = pieces - centres[:, None]
     d[..., 2] = axial_difference(d[..., 2], 0.0)
-    w = _gaussian(np.linalg.norm(d * [1, 1, 1 / bandwidth], axis=-1), sigma)
-    return w @ pieces / w.sum(axis=1)[:, None]
+    away = np.linalg.norm(d * [1, 1, 1 / bandwidth], axis=-1)
+    w = np.exp(-((away / sigma) ** 2) / 2)
+    return np.asarray(centres + (w[..., None] * d).sum(axis=1) / w.sum(axis=1)[:, None])
 
 
 check_mean_shift_step = Exercise(
@@ -92,10 +69,12 @@ check_mean_shift_step = Exercise(
     _pieces,
     {
         "walls at 2 and 177 degrees differ by 5: take the axial difference of the angles": (
-            lambda *given: _mean_shift_step(*given, axial=False)
+            edited(_mean_shift_step, ("axial_difference(d[..., 2], 0.0)", "d[..., 2]"))
         ),
         "the weights are right; add the weighted mean of the axial differences to the angle of the "
-        "centre, in place of averaging the angles themselves": _plain_mean,
+        "centre, in place of averaging the angles themselves": (
+            edited(_mean_shift_step, ("centres + (w[..., None] * d).sum(axis=1)", "w @ pieces"))
+        ),
         "a radian is not a metre: divide the difference of the angles by the bandwidth": (
             lambda c, p, s, b: _mean_shift_step(c, p, s, 1.0)
         ),
@@ -106,7 +85,7 @@ check_mean_shift_step = Exercise(
             lambda c, p, s, b: _mean_shift_step(c, p, s / np.sqrt(2), b)
         ),
         "a weighted mean: divide by the sum of the weights": (
-            lambda *given: _mean_shift_step(*given, normal=False)
+            edited(_mean_shift_step, (" / w.sum(axis=1)[:, None]", ""))
         ),
         "this is how far each centre moves: add it to where the centre is": (
             lambda c, *rest: _mean_shift_step(c, *rest) - c
@@ -123,7 +102,7 @@ check_mean_shift_step = Exercise(
             lambda c, p, s, b: _mean_shift_step(c, p, s, np.radians(b))
         ),
         "the weight falls with the square of the distance": (
-            lambda *given: _mean_shift_step(*given, kernel=lambda d, s: np.exp(-d / (2 * s)))
+            edited(_mean_shift_step, ("((away / sigma) ** 2)", "(away / sigma)"))
         ),
     },
     same_poses,
@@ -173,9 +152,7 @@ check_inside_strip = Exercise(
         "the border belongs to the strip: <=, not <": (
             lambda offsets, t, e: np.abs(offsets - t).max(axis=1) < e - _BORDER
         ),
-        "the line has moved: measure from where it is now": (
-            lambda offsets, t, e: _inside(offsets, 0.0, e)
-        ),
+        "the line has moved: measure from where it is now": edited(_inside, (" - shift", "")),
     },
 )
 
@@ -208,31 +185,15 @@ def _best_shift(offsets: Array, lengths: Array, tolerance: float) -> float:
     return best_strip(spans, np.sort(offsets).tolist(), lengths.tolist(), 0, tolerance)[0]
 
 
-def _entering(offsets: Array, tolerance: float) -> Array:
-    return np.append(0.0, offsets.max(axis=1) - tolerance)
-
-
-def _shifts(offsets: Array, tolerance: float) -> Array:
-    """0, and where a segment enters or leaves the strip."""
-    return np.append(_entering(offsets, tolerance), offsets.min(axis=1) + tolerance)
-
-
-def _within(shifts: Array, tolerance: float) -> Array:
-    return shifts[np.abs(shifts) <= tolerance + _BORDER]
-
-
-def _best(
-    offsets: Array, lengths: Array, tolerance: float, shifts: Array, either: bool = False
-) -> Array:
-    """Of these shifts those whose strip holds most; with `either` one end in it is enough."""
-    away = np.abs(offsets - shifts[:, None, None])
-    held = (away.min(axis=2) if either else away.max(axis=2)) <= tolerance + _BORDER
-    totals = (held * lengths).sum(axis=1)
-    return shifts[totals >= totals.max() - _BORDER]
-
-
-def _nearest(shifts: Array) -> float:
-    return float(shifts[np.argmin(np.abs(shifts))])
+def _shift_in_arrays(offsets: Array, lengths: Array, tolerance: float) -> float:
+    """The same in arrays, of which the mistakes change a part."""
+    shifts = np.append(0.0, offsets.max(axis=1) - tolerance)
+    shifts = np.append(shifts, offsets.min(axis=1) + tolerance)
+    shifts = shifts[np.abs(shifts) <= tolerance + _BORDER]
+    away = np.abs(offsets - shifts[:, None, None]).max(axis=2)
+    totals = ((away <= tolerance + _BORDER) * lengths).sum(axis=1)
+    best = shifts[totals >= totals.max() - _BORDER]
+    return float(best[np.argmin(np.abs(best))])
 
 
 check_best_shift = Exercise(
@@ -248,25 +209,25 @@ check_best_shift = Exercise(
             lambda offsets, lengths, e: 0.0
         ),
         "a segment below enters as the line moves down: try the lower ends plus tolerance too": (
-            lambda o, lengths, e: _nearest(_best(o, lengths, e, _within(_entering(o, e), e)))
+            edited(_shift_in_arrays, ("offsets.min(axis=1) + tolerance", "[]"))
         ),
         "this moves the line away from what it wants to include, as row 72 of the thesis does": (
             changed(_best_shift, np.negative)
         ),
         "the strip must keep the longest segment: shift by no more than the tolerance": (
-            lambda o, lengths, e: _nearest(_best(o, lengths, e, _shifts(o, e)))
+            edited(_shift_in_arrays, ("shifts[np.abs(shifts) <= tolerance + _BORDER]", "shifts"))
         ),
         "of equal shifts the one nearest to 0 counts, not the most negative one": (
-            lambda o, lengths, e: _best(o, lengths, e, _within(_shifts(o, e), e)).min()
+            edited(_shift_in_arrays, ("best[np.argmin(np.abs(best))]", "best.min()"))
         ),
         "of equal shifts the one nearest to 0 counts, not the largest one": (
-            lambda o, lengths, e: _best(o, lengths, e, _within(_shifts(o, e), e)).max()
+            edited(_shift_in_arrays, ("best[np.argmin(np.abs(best))]", "best.max()"))
         ),
         "the tolerance lies on both sides of the line: it is half the width of the strip": (
             lambda o, lengths, e: _best_shift(o, lengths, e / 2)
         ),
         "both ends of a segment must lie in the strip, not one of them": (
-            lambda o, lengths, e: _nearest(_best(o, lengths, e, _within(_shifts(o, e), e), True))
+            edited(_shift_in_arrays, (".max(axis=2)", ".min(axis=2)"))
         ),
     },
     own=(reduction.fusion, reduction.fusion_online, fusion),

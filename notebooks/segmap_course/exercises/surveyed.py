@@ -16,7 +16,7 @@ from ..literal.reduction import fuzzy_clustering, viewing_sector, weighted_line_
 from ..literal.reduction.least_cost import invented
 from ..literal.reduction.weighted_line_fitting import Line, add_pose
 from ._answers import Cases
-from ._exercise import Exercise, Rng, anywhere, changed
+from ._exercise import Exercise, Rng, anywhere, changed, edited
 
 
 # -------------------------------------------------------------- weighted line fitting
@@ -43,21 +43,16 @@ def _pose_covariance(
     return np.array([[line.rr, line.ra], [line.ra, line.aa]])
 
 
-def _by_jacobian(
-    arm: Callable[[Any, float], float], power: int = 2, diagonal: bool = False
-) -> Callable[..., Array]:
-    """K diag K', with an arm of (sensor - centre, alpha) and the details that mistakes change."""
-
-    def covariance(c: Array, alpha: float, s: Array, place: float, heading: float) -> Array:
-        jacobian = np.array([(np.cos(alpha), np.sin(alpha), arm(s - c, alpha)), (0, 0, 1)])
-        found = jacobian @ np.diag([place, place, heading]) ** power @ jacobian.T
-        return np.asarray(found * np.eye(2) if diagonal else found)
-
-    return covariance
+def _by_jacobian(c: Array, alpha: float, s: Array, place: float, heading: float) -> Array:
+    """K diag K', of which the mistakes change a part."""
+    d = s - c
+    arm = d[1] * np.cos(alpha) - d[0] * np.sin(alpha)
+    jacobian = np.array([(np.cos(alpha), np.sin(alpha), arm), (0, 0, 1)])
+    return np.asarray(jacobian @ np.diag([place, place, heading]) ** 2 @ jacobian.T)
 
 
-def _along(d: Any, alpha: float) -> float:
-    return float(d[1] * np.cos(alpha) - d[0] * np.sin(alpha))
+#: Where its arm stands.
+_ARM = "d[1] * np.cos(alpha) - d[0] * np.sin(alpha)"
 
 
 check_pose_covariance = Exercise(
@@ -68,22 +63,22 @@ check_pose_covariance = Exercise(
     _lines_seen,
     {
         "a turn of the sensor swings a wall that lies aside: the third entry of K's first row is "
-        "its arm, (s - c) . n'": _by_jacobian(lambda d, alpha: 0.0),
+        "its arm, (s - c) . n'": edited(_by_jacobian, (_ARM, "0.0")),
         "the arm is measured along the wall, by n' = (-sin, cos), not across it": (
-            _by_jacobian(lambda d, alpha: float(d[0] * np.cos(alpha) + d[1] * np.sin(alpha)))
+            edited(_by_jacobian, (_ARM, "d[0] * np.cos(alpha) + d[1] * np.sin(alpha)"))
         ),
         "the arm leads from the centre to the sensor, s - c: the other way round the sign of the "
-        "off-diagonal is wrong": _by_jacobian(lambda d, alpha: -_along(d, alpha)),
+        "off-diagonal is wrong": edited(_by_jacobian, ("s - c", "c - s")),
         "the arm is how far the sensor lies along the wall, not its whole distance": (
-            _by_jacobian(lambda d, alpha: float(np.hypot(*d)))
+            edited(_by_jacobian, (_ARM, "np.hypot(*d)"))
         ),
-        "a covariance holds squares of the standard deviations": _by_jacobian(_along, power=1),
+        "a covariance holds squares of the standard deviations": edited(
+            _by_jacobian, (" ** 2", "")
+        ),
         "offset and angle err together: K diag K' is not diagonal": (
-            _by_jacobian(_along, diagonal=True)
+            edited(_by_jacobian, ("jacobian.T", "jacobian.T * np.eye(2)"))
         ),
-        "the offset comes first, then the angle": (
-            changed(_pose_covariance, lambda found: found[::-1, ::-1])
-        ),
+        "the offset comes first, then the angle": changed(_pose_covariance, np.flip),
     },
     own=(reduction.weighted_line_fitting, weighted_line_fitting),
 )
@@ -141,45 +136,42 @@ def _inside(wall: Array, point: Array, sensor: Array) -> bool:
     return bool(min(_area(a, b, sensor) * first, _area(a, b, sensor) * second) >= 0)
 
 
-def _verdicts(
-    height: Callable[[Array, Array, Array], float] = _height,
-    slack: float = 1e-9,
-    inside: Callable[[Array, Array, Array], bool] = _inside,
-) -> Callable[..., float]:
+def _verdict(wall: Array, point: Array, sensor: Array, distance: float) -> float:
     """1 where a point hides a wall, 0 on it, -1 behind it, NaN beside its sector."""
-
-    def verdict(wall: Array, point: Array, sensor: Array, distance: float) -> float:
-        h = height(wall, point, sensor)
-        says = float(h > distance + slack) - float(h < -distance - slack)
-        return says if inside(wall, point, sensor) else math.nan
-
-    return verdict
+    h = _height(wall, point, sensor)
+    says = float(h > distance + 1e-9) - float(h < -distance - 1e-9)
+    return says if _inside(wall, point, sensor) else math.nan
 
 
 check_verdict = Exercise(
     "verdict(wall, point, sensor, distance) -> 1 where a point (2,) hides the wall (2, 2) from the "
     "sensor (2,), 0 where it lies on it, within distance of its line, -1 where it was seen through "
     "the wall, nan outside the sector",
-    _verdicts(),
+    _verdict,
     _looks,
     {
         "which side is before the wall must not depend on the order of its ends: ask where the "
-        "sensor is": _verdicts(lambda w, at, _: -_area(w[0], w[1], at) / math.dist(*w)),
+        "sensor is": (
+            edited(
+                _verdict,
+                ("_height(wall, point, sensor)", "-_area(*wall, point) / math.dist(*wall)"),
+            )
+        ),
         "before the wall hides it, behind it says that it is gone": (
-            _verdicts(lambda *given: -_height(*given))
+            edited(_verdict, ("h = _height", "h = -_height"))
         ),
         "a distance without a sign cannot tell before from behind": (
-            _verdicts(lambda *given: abs(_height(*given)))
+            edited(_verdict, ("_height(wall, point, sensor)", "abs(_height(wall, point, sensor))"))
         ),
         "h is measured square to the wall, not along the ray: a glancing look stretches it": (
-            _verdicts(_along_the_ray)
+            edited(_verdict, ("_height", "_along_the_ray"))
         ),
         "only what lies between the rays to both ends says something of the wall: nan elsewhere": (
-            _verdicts(inside=lambda *given: True)
+            edited(_verdict, ("_inside(wall, point, sensor)", "True"))
         ),
-        "the border belongs to the wall: <=, not <": _verdicts(slack=-1e-9),
+        "the border belongs to the wall: <=, not <": edited(_verdict, ("1e-9", "-1e-9")),
         "a point outside the sector says nothing, which is nan: 0 says that it lies on the wall": (
-            changed(_verdicts(), np.nan_to_num)
+            changed(_verdict, np.nan_to_num)
         ),
     },
     own=(reduction.viewing_sector, viewing_sector),
@@ -246,42 +238,38 @@ def _members(rng: Rng) -> Cases:
     }
 
 
-def _gaps(
-    order: str = "sorted",
-    least: float = 1.0,
-    most: bool = True,
-    around: str = "both",
-    beyond: bool = False,
-) -> Callable[[Array, float, float], float]:
-    """Metres in gaps, with the details that mistakes change."""
+def _by(metres: Callable[..., float]) -> Callable[[Array, float, float], float]:
+    """With spans as the plain version takes them, a list of pairs."""
+    return lambda spans, whole, gap: metres([(a, b) for a, b in spans.tolist()], whole, gap)
 
-    def metres(spans: Array, whole: float, gap: float) -> float:
-        spans = spans if order == "as given" else spans[np.argsort(spans[:, 0])]
-        if not len(spans):
-            return float(whole * (order != "none kept" or whole > gap))
-        reached, found = 0.0 if around == "both" else spans[0, 0], 0.0
-        for low, high in [*spans, (whole, whole)][: len(spans) + (around != "between")]:
-            found += (low - reached - beyond * gap) * (low - reached > least * gap)
-            reached = max(reached, high) if most else high
-        return found
 
-    return metres
+def _with(*changes: tuple[str, str]) -> Callable[[Array, float, float], float]:
+    """The plain version with parts of it changed."""
+    return _by(edited(invented, *changes))
+
+
+#: Starts where the first member begins, not where the segment does.
+_LATE = ("reached, metres = 0.0", "reached, metres = min(spans)[0] if spans else 0.0")
 
 
 check_invented_metres = Exercise(
     "invented_metres(spans, whole, gap) -> metres of a segment, from 0 to whole, in gaps longer "
     "than gap between spans (k, 2), low and high, of the members that it keeps",
-    lambda spans, whole, gap: invented([(a, b) for a, b in spans.tolist()], whole, gap),
+    _by(invented),
     _members,
     {
-        "sort the members along the segment first": _gaps("as given"),
-        "a short member inside a long one does not end it: keep the highest end": _gaps(most=False),
-        "a gap up to `gap` costs nothing": _gaps(least=0.0),
-        "look before the first member and behind the last one too": _gaps(around="between"),
-        "behind the last member you look; look before the first one too": _gaps(around="end"),
-        "where no member is kept, all is invented, however short": _gaps("none kept"),
+        "sort the members along the segment first": _with(("*sorted(spans)", "*spans")),
+        "a short member inside a long one does not end it: keep the highest end": (
+            _with(("max(reached, high)", "high"))
+        ),
+        "a gap up to `gap` costs nothing": _with(("> gap", "> 0")),
+        "look before the first member and behind the last one too": (
+            _with(_LATE, ("(whole, whole)]", "(whole, whole)][: len(spans) or 1]"))
+        ),
+        "behind the last member you look; look before the first one too": _with(_LATE),
+        "where no member is kept, all is invented, however short": _with(("not spans or ", "")),
         "a gap that is longer than `gap` counts whole, not only what it is longer": (
-            _gaps(beyond=True)
+            _with(("low - reached\n", "low - reached - gap * bool(spans)\n"))
         ),
         "members may lie inside each other, and short gaps cost nothing: the sum of their lengths "
         "does not say what they leave": (

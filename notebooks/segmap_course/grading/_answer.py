@@ -12,23 +12,16 @@ from typing import Any, NoReturn
 from segmap.compiled import Compiled
 
 from .. import EXERCISES, OPEN_EXERCISES
-from ..exercises import Watch
-
-#: As much is kept of what an exception says.
-MOST_WORDS = 300
+from ..exercises import Watch, words
 
 
 def answer(job: dict[str, Any], cases: Any) -> dict[str, Any]:
     """What a student's cell answers, as plain values: `answers`, or a `fault` with its `text`.
 
-    Parameters
-    ----------
-    job : dict
-        `imports`, `cell`: sources; `task`: a name in `course.EXERCISES` or `OPEN_EXERCISES`;
-        `names`: those that the cell must define; `given`: what the check is called with. Or
-        `task` and `judge`, the answers to an open exercise: then no code of a student runs, and
-        `passed` and `hint` are found.
-    cases : mapping from words to a tuple of arguments
+    A job has `imports` and `cell`: sources; `task`: a name in `course.EXERCISES` or
+    `OPEN_EXERCISES`; `names`: those that the cell must define; `given`: what the check is called
+    with. Or `task` and `judge`, the answers to an open exercise: then no code of a student runs,
+    and `passed` and `hint` are found.
     """
     # Whatever the cell does to the package afterwards, this is what was there before.
     exercise: Any = {**EXERCISES, **OPEN_EXERCISES}[job["task"]]
@@ -67,14 +60,10 @@ def defined(cell: str, space: dict[str, Any]) -> dict[str, str] | None:
 
 
 def _raised(error: BaseException) -> dict[str, str]:
-    """The fault of a cell that raises this; its own text may fail too."""
+    """The fault of a cell that raises this."""
     if isinstance(error, MemoryError):
         return {"fault": "memory", "text": ""}
-    try:
-        words = str(error)[:MOST_WORDS]
-    except Exception:
-        words = "an error without a text"
-    return {"fault": "raised", "text": f"{type(error).__name__}: {words}"}
+    return {"fault": "raised", "text": f"{type(error).__name__}: {words(error)}"}
 
 
 def _syntax(error: Exception) -> str:

@@ -61,41 +61,33 @@ def grade(
     output: Path,
     plan: Plan,
     *,
-    limits: Limits | None = None,
+    limits: Limits = Limits(),
     unprotected: bool = False,
     tell: Callable[[str], None] = print,
 ) -> list[Row]:
     """Grade all submissions of a folder; write the table, and feedback and a report beside it.
 
-    Parameters
-    ----------
-    folder, output : Path
-        Submissions, and the table: `grades.csv`. Feedback goes to `grades_feedback`, what the class
-        found hard to `grades_class.txt`.
-    plan : Plan
-    limits : Limits, optional
-        Of each answer.
-    unprotected : bool
-        Whether to run where this system keeps no files from a student's code.
-    tell : callable
-        It is told which locks hold, and each student who is done.
+    The output is the table, `grades.csv`; feedback goes to `grades_feedback`, what the class found
+    hard to `grades_class.txt`. The limits are those of each answer. `unprotected` runs where this
+    system keeps no files from a student's code, and `tell` is told which locks hold, and each
+    student who is done.
 
     Raises
     ------
     ValueError
         Without submissions, tasks or, unless `unprotected`, a lock on files.
     """
-    handed, bounds = submissions(folder), limits or Limits()
+    handed = submissions(folder)
     if not plan.tasks:
         raise ValueError("the chapters that are graded ask for no answer")
-    with Pool(plan.tasks, bounds, WORKERS) as pool:
+    with Pool(plan.tasks, limits, WORKERS) as pool:
         tell(f"students' code runs under these locks: {pool.locks}")
         if not (pool.locks.files or unprotected):
             raise ValueError(
                 "this system would let a student's code change your files. Grade as root in a "
                 "container or on Linux 5.13 or later; or, if you have read all of it: --unprotected"
             )
-        rows = _rows(handed, plan, pool, bounds, tell)
+        rows = _rows(handed, plan, pool, tell)
     write_feedback(output.with_name(f"{output.stem}_feedback"), rows, plan.tasks)
     report = "\n".join([*class_report(rows, plan.tasks), ""])
     write_bytes(output.with_name(f"{output.stem}_class.txt"), report.encode("utf-8", "replace"))
@@ -104,11 +96,7 @@ def grade(
 
 
 def _rows(
-    handed: Sequence[Submission],
-    plan: Plan,
-    pool: Pool,
-    limits: Limits,
-    tell: Callable[[str], None],
+    handed: Sequence[Submission], plan: Plan, pool: Pool, tell: Callable[[str], None]
 ) -> list[Row]:
     """Grade each submission; as many answers at a time as there are workers."""
     exercises = {name.removeprefix("check_"): exercise for name, exercise in CHECKS.items()}
@@ -119,7 +107,7 @@ def _rows(
         for task in plan.tasks:
             if not task.by_hand:
                 exercise = exercises[task.name]
-                found[task.name] = _one(submission, task, exercise, cases[task.name], pool, limits)
+                found[task.name] = _one(submission, task, exercise, cases[task.name], pool)
         row = Row(submission, found)
         tell(f"{submission.student}: {sum(o.right for o in found.values())} of {len(found)} right")
         return row
@@ -135,14 +123,12 @@ def cases_of(exercise: Any, seed: int | None) -> dict[str, Any]:
     return {**shown, **{f"{words} (hidden case)": v for words, v in hidden.items()}}
 
 
-def _one(
-    handed: Submission, task: Task, exercise: Any, cases: Any, pool: Pool, limits: Limits
-) -> Outcome:
+def _one(handed: Submission, task: Task, exercise: Any, cases: Any, pool: Pool) -> Outcome:
     """What becomes of one answer."""
     cell = handed.find(task.name, task.answers)
     if cell is None and handed.problems:
         return Outcome("unreadable", "; ".join(handed.problems))
     if cell is None:
         return Outcome("missing", f"no cell defines {' and '.join(task.answers)}")
-    found = outcome(exercise, cases, pool.run(task, cell, cases), limits)
-    return found if isinstance(found, Outcome) else judged(pool.judge(task, found), limits)
+    found = outcome(exercise, cases, pool.run(task, cell, cases), pool.limits)
+    return found if isinstance(found, Outcome) else judged(pool.judge(task, found), pool.limits)

@@ -116,9 +116,8 @@ def write_feedback(folder: Path, rows: Sequence[Row], tasks: Sequence[Task]) -> 
     """A page a student, named as the submission; everything of the student's is shown as text."""
     folder.mkdir(exist_ok=True)
     for row in rows:
-        write_bytes(
-            folder / f"{row.submission.student}.html", page(row, tasks).encode("utf-8", "replace")
-        )
+        path = folder / f"{row.submission.student}.html"
+        write_bytes(path, page(row, tasks).encode("utf-8", "replace"))
 
 
 def page(row: Row, tasks: Sequence[Task]) -> str:
@@ -136,28 +135,21 @@ def page(row: Row, tasks: Sequence[Task]) -> str:
 
 
 def _section(row: Row, task: Task) -> str:
+    """What became of an answer; of what a person grades the rubric, and what the student wrote."""
     if task.by_hand:
-        return _by_hand(row, task)
+        written = row.submission.written(task.name)
+        head = f"{task.name}: graded by hand, up to {task.points} points"
+        said = "<p>Nothing was handed in.</p>" if written is None else _code(written)
+        return f"<section><h2>{html.escape(head)}</h2>{_code(task.rubric)}{said}</section>"
     found = row.outcomes[task.name]
     answer = row.submission.find(task.name, task.answers) or ""
     head = f"{task.name}: {task.points * found.right} of {task.points} points"
+    passed = found.reason == "passed"
+    said = "Right." if passed else f"{found.kind.capitalize()}: {found.reason}"
     return (
         f'<section class="{"right" if found.right else "wrong"}"><h2>{html.escape(head)}</h2>'
-        f"<p>{html.escape(_said(found))}</p>{_code(answer)}</section>"
+        f"<p>{html.escape(said)}</p>{_code(answer)}</section>"
     )
-
-
-def _said(found: Outcome) -> str:
-    said = f"{found.kind.capitalize()}: {found.reason}"
-    return "Right." if found.reason == "passed" else said
-
-
-def _by_hand(row: Row, task: Task) -> str:
-    """The task with its rubric, and what the student wrote."""
-    written = row.submission.written(task.name)
-    head = f"{task.name}: graded by hand, up to {task.points} points"
-    said = "<p>Nothing was handed in.</p>" if written is None else _code(written)
-    return f"<section><h2>{html.escape(head)}</h2>{_code(task.rubric)}{said}</section>"
 
 
 def _code(text: str) -> str:

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import base64
 import contextlib
 import json
 import os
+import pickle
 import queue
 import shutil
 import signal
@@ -12,13 +14,12 @@ import subprocess
 import sys
 import tempfile
 import threading
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
 from ..exercises import Exercise
 from ._jail import PACKAGES, Limits, Locks
-from ._wire import packed
 from .handout import Task
 
 #: How a process without network and without sight of others is started, the first that works.
@@ -31,6 +32,8 @@ APART = (
 PATIENCE = 60.0
 #: Libraries that start threads of their own: a locked process may have none.
 SINGLE = ("OPENBLAS", "OMP", "MKL", "NUMBA")
+#: What a process tells of a cell -> the words before its text.
+FAULTS = {"syntax": "the cell is not Python: ", "raised": "the cell itself raises ", "missing": ""}
 
 
 class Outcome(NamedTuple):
@@ -39,12 +42,6 @@ class Outcome(NamedTuple):
     kind: str
     reason: str
     right: bool = False
-
-
-class Unjudged(NamedTuple):
-    """Answers to an open exercise: a method of the library must run on them, see `Pool.judge`."""
-
-    answers: list[Any]
 
 
 class Server:
@@ -130,14 +127,9 @@ def apart() -> tuple[str, ...]:
 
 def environment() -> dict[str, str]:
     """What the process finds in its environment: nothing that is the grader's business."""
-    kept = {name: os.environ[name] for name in ("PATH", "HOME", "LANG") if name in os.environ}
-    kept |= {
-        name: os.environ[name]
-        for name in ("NUMBA_CACHE_DIR", "MPLCONFIGDIR", "SEGMAP_PLAIN")
-        if name in os.environ
-    }
+    kept = ("PATH", "HOME", "LANG", "NUMBA_CACHE_DIR", "MPLCONFIGDIR", "SEGMAP_PLAIN")
     return {
-        **kept,
+        **{name: os.environ[name] for name in kept if name in os.environ},
         **{f"{name}_NUM_THREADS": "1" for name in SINGLE},
         "MPLBACKEND": "Agg",
         "PYTHONPATH": os.pathsep.join(str(package.parent) for package in PACKAGES),
@@ -149,33 +141,31 @@ class Pool:
     """Several servers, for several threads."""
 
     def __init__(self, tasks: Sequence[Task], limits: Limits, workers: int) -> None:
-        self.servers = [Server(tasks, limits) for _ in range(workers)]
+        self.limits, self.servers = limits, [Server(tasks, limits) for _ in range(workers)]
         self.locks = self.servers[0].locks
         self._free: queue.Queue[Server] = queue.Queue()
         for server in self.servers:
             self._free.put(server)
 
-    @contextlib.contextmanager
-    def _one(self) -> Iterator[Server]:
+    def _run(self, task: Task, cases: Any, job: Mapping[str, Any]) -> dict[str, Any]:
+        sent = base64.b64encode(pickle.dumps(cases)).decode()
         server = self._free.get()
         try:
-            yield server
+            return server.run({"task": task.name, "cases": sent, **job})
         finally:
             self._free.put(server)
 
     def run(self, task: Task, cell: str, cases: Any) -> dict[str, Any]:
         """The report on a student's cell."""
-        job = {"task": task.name, "imports": task.imports, "cell": cell, "cases": packed(cases)}
-        with self._one() as server:
-            return server.run({**job, "names": task.answers, "given": task.given})
+        job = {"imports": task.imports, "cell": cell, "names": task.answers, "given": task.given}
+        return self._run(task, cases, job)
 
-    def judge(self, task: Task, answers: Unjudged) -> dict[str, Any]:
+    def judge(self, task: Task, answers: list[Any]) -> dict[str, Any]:
         """The report on numbers that should fool a method: the method runs on them, locked in too.
 
         No code of the student runs there, so that the verdict is the library's.
         """
-        with self._one() as server:
-            return server.run({"task": task.name, "judge": answers.answers, "cases": {}})
+        return self._run(task, {}, {"judge": answers})
 
     def __enter__(self) -> Pool:
         return self
@@ -188,15 +178,25 @@ class Pool:
 # ------------------------------------------------------------------------------ the verdict
 def outcome(
     exercise: Any, cases: Any, report: Mapping[str, Any], limits: Limits
-) -> Outcome | Unjudged:
-    """Judge what a process sent: numbers are compared here, with what the library answers here."""
+) -> Outcome | list[Any]:
+    """Judge what a process sent: numbers are compared here, with what the library answers here.
+
+    Answers to an open exercise come back as they are: `Pool.judge` takes them.
+    """
     found = _read(report, limits)
     if isinstance(found, Outcome):
         return found
     answers = found.get("answers")
-    if isinstance(exercise, Exercise):
-        return _judged(exercise, cases, answers)
-    return Unjudged(answers if isinstance(answers, list) else [])
+    if not isinstance(exercise, Exercise):
+        return answers if isinstance(answers, list) else []
+    try:
+        check = exercise.verdict(answers, cases)  # type: ignore[arg-type]  # whatever it holds
+    except Exception as error:  # answers of a student may be made to break this
+        return Outcome("no answer", f"what came back is no answer ({type(error).__name__})")
+    if check.passed:
+        return Outcome("right", "passed", True)
+    kind = "library" if "this is the library's" in check.hint else "wrong"
+    return Outcome(kind, check.hint[:1000])
 
 
 def judged(report: Mapping[str, Any], limits: Limits) -> Outcome:
@@ -219,15 +219,12 @@ def _read(report: Mapping[str, Any], limits: Limits) -> Outcome | dict[str, Any]
     try:
         found = json.loads(report["text"])
     except (ValueError, RecursionError):
-        return Outcome("ended", _ended(report["status"]))
+        status = report["status"]
+        how = f"by signal {-status}" if status < 0 else "before it answered"
+        return Outcome("ended", f"its process ended {how}: exit, kill, or too deep a recursion?")
     if not isinstance(found, dict):
         return Outcome("no answer", "what came back is no answer")
     return _fault(found) or found
-
-
-def _ended(status: int) -> str:
-    how = f"by signal {-status}" if status < 0 else "before it answered"
-    return f"its process ended {how}: exit, kill, or too deep a recursion?"
 
 
 def _fault(found: Mapping[str, Any]) -> Outcome | None:
@@ -238,24 +235,9 @@ def _fault(found: Mapping[str, Any]) -> Outcome | None:
     errors = [answer.get("error") for answer in listed if isinstance(answer, dict)]
     if found.get("fault") == "memory" or "MemoryError" in errors:
         return Outcome("memory", "it asks for more memory than an answer may have")
-    known = {
-        "syntax": ("syntax", f"the cell is not Python: {text}"),
-        "raised": ("raised", f"the cell itself raises {text}"),
-        "missing": ("missing", text),
-    }
-    if "fault" in found:
-        return Outcome(
-            *known.get(str(found["fault"]), ("no answer", f"it could not be run: {text}"))
-        )
-    return None
-
-
-def _judged(exercise: Exercise, cases: Any, answers: Any) -> Outcome:
-    try:
-        check = exercise.verdict(answers, cases)
-    except Exception as error:  # answers of a student may be made to break this
-        return Outcome("no answer", f"what came back is no answer ({type(error).__name__})")
-    if check.passed:
-        return Outcome("right", "passed", True)
-    kind = "library" if "this is the library's" in check.hint else "wrong"
-    return Outcome(kind, check.hint[:1000])
+    if "fault" not in found:
+        return None
+    kind = str(found["fault"])
+    if kind not in FAULTS:
+        return Outcome("no answer", f"it could not be run: {text}")
+    return Outcome(kind, FAULTS[kind] + text)

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -86,7 +85,8 @@ def _counts(path: Path) -> bool:
 
 
 def _submission(path: Path) -> Submission:
-    files = _notebooks(path) if path.is_dir() else [path]
+    found = sorted(path.rglob("*.ipynb")) if path.is_dir() else [path]
+    files = [p for p in found if not p.is_symlink() and ".ipynb_checkpoints" not in p.parts]
     problems = [] if files else ["the folder holds no notebook"]
     cells: list[dict[str, Any]] = []
     for file in files:
@@ -97,11 +97,6 @@ def _submission(path: Path) -> Submission:
     student = path.name if path.is_dir() else path.stem
     answers = [Answer(_id(cell), str(cell.get("cell_type")), _source(cell)) for cell in cells]
     return Submission(student, _name(cells), answers, problems)
-
-
-def _notebooks(folder: Path) -> list[Path]:
-    found = sorted(folder.rglob("*.ipynb"))
-    return [p for p in found if not p.is_symlink() and ".ipynb_checkpoints" not in p.parts]
 
 
 def _cells(file: Path) -> list[dict[str, Any]]:
@@ -137,10 +132,6 @@ def _source(cell: dict[str, Any]) -> str:
 
 
 def _name(cells: list[dict[str, Any]]) -> str:
-    return next(_names(cells), "")
-
-
-def _names(cells: list[dict[str, Any]]) -> Iterator[str]:
-    for cell in cells:
-        if cell.get("cell_type") == "markdown" and (match := NAME.search(_source(cell))):
-            yield match.group(1).strip()[:100]
+    texts = [_source(cell) for cell in cells if cell.get("cell_type") == "markdown"]
+    found = [match.group(1).strip()[:100] for text in texts if (match := NAME.search(text))]
+    return found[0] if found else ""

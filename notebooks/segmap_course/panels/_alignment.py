@@ -7,8 +7,6 @@ from matplotlib.figure import Figure
 
 from segmap.alignment import (
     Alignment,
-    BackboneStep,
-    Candidate,
     Match,
     angle_candidates,
     backbone,
@@ -16,6 +14,8 @@ from segmap.alignment import (
     ground_truth,
     match_angles,
 )
+from segmap.alignment.angle_correspondence import Candidate
+from segmap.alignment.backbone import BackboneStep
 from segmap.extraction import extract_polylines
 from segmap.plotting import ERROR, MAP, RESULT, TRUTH, draw_alignment, draw_path, draw_segments
 from segmap.poses import transform
@@ -32,14 +32,8 @@ class GroundTruthPanel(LessonPanel):
     """A log placed by some of its true poses: what interpolation puts between them (A 3.3.3).
 
     Only every so many-th true pose is given; the others tell how wrong the placed scans are. Scans
-    without a place are red crosses, the poses given green dots.
-
-    Parameters
-    ----------
-    log : Log
-        With truth for some of its scans.
-    max_gap : float, seconds
-        Between two known poses farther apart nothing is claimed, at first.
+    without a place are red crosses, the poses given green dots. The log has a truth for some of its
+    scans; between two known poses farther apart than `max_gap`, seconds, nothing is claimed.
 
     Examples
     --------
@@ -88,23 +82,8 @@ class AnglePanel(LessonPanel):
     """Pairs of scans, and the candidates of angle correspondence by rank (A 3.3.1).
 
     The walls of the first scan are black. Those of the second are placed by the candidate, of which
-    0 is the best: blue where it is the match, red where it is rejected.
-
-    Parameters
-    ----------
-    log : Log
-        At least two scans.
-    scan : int
-        Index of the first scan of the pair, at first.
-    apart : int
-        How many scans later the second one is, at first; at most the last of the log is taken.
-
-    Examples
-    --------
-    >>> from segmap import load
-    >>> panel = AnglePanel(load("room"), scan=0, apart=4)
-    >>> panel.verdict.value, panel.found.value
-    ('match, overlap 0.63', '1 of 5: 6.23 m match, 0.00 m hidden')
+    0 is the best: blue where it is the match, red where it is rejected. Of a log of at least two
+    scans the pair is at first `scan` and the one so many scans later, at most the last.
     """
 
     candidates: list[Candidate]
@@ -156,14 +135,6 @@ class BackbonePanel(LessonPanel):
     Lines are black. The relevant segments, longer than `min_length`, are red where odometry would
     place them and blue where the method placed them. The path so far is blue. `state` says whether
     the scan was used, or why not.
-
-    Examples
-    --------
-    >>> from segmap import load
-    >>> panel = BackbonePanel(load("corridor")[:60])
-    >>> panel.scan.value = 50
-    >>> panel.state.value, panel.turned.value
-    ('taken while turning', 'turned by -2.30 deg, 3 lines')
     """
 
     step: BackboneStep

@@ -12,12 +12,12 @@ from scipy.spatial import cKDTree
 
 from segmap.alignment import (
     Alignment,
-    PointStep,
     match_points,
     point_steps,
     pose_graph,
     solve_graph,
 )
+from segmap.alignment.points import PointStep
 from segmap.arrays import Array
 from segmap.plotting import RAW, RESULT, draw_alignment
 from segmap.poses import between, transform
@@ -38,14 +38,9 @@ class IcpPanel(LessonPanel):
     The first scan is grey. The moving one is blue where it has a partner within reach, and pale
     where it has none; all of it is always in the picture. Red lines lead to the partners.
 
-    Parameters
-    ----------
-    reference, current : (n, 2) and (m, 2) arrays, metres
-        Points of the two scans, each in its own frame: at least six.
-    pose : (3,) array, metres and radians
-        Nearly where the current scan belongs: the match from there is taken as the truth.
-    reach : float, metres
-        How far partners are searched, at first.
+    The scans are at least six points each, `(n, 2)` and `(m, 2)` in metres, in its own frame. The
+    current one belongs nearly at the pose: the match from there is taken as the truth. Partners are
+    searched as far as `reach`, metres, at first.
 
     Examples
     --------
@@ -134,22 +129,8 @@ class PoseGraphPanel(LessonPanel):
 
     With `odometry` the motion from key frame to key frame is that of the odometry, not of the
     scans; all by plain least squares, since loops contradict the odometry. `gap` is the largest
-    distance that a loop stays open.
-
-    Parameters
-    ----------
-    log : Log
-        At least one scan.
-    alignment : Alignment or None
-        Of that log, with a graph; None: `alignment.pose_graph(log)`.
-
-    Examples
-    --------
-    >>> from segmap import load
-    >>> panel = PoseGraphPanel(load("corridor"))
-    >>> panel.loops.value, panel.odometry.value = False, True
-    >>> panel.count.value.split(", ")[1], panel.gap.value[:-3]
-    ('4 loops not used', 'loops stay open by up to 2.3')
+    distance that a loop stays open. The alignment is one of that log, with a graph; without one it
+    is `alignment.pose_graph(log)`.
     """
 
     #: Of the scans so far.

@@ -19,14 +19,8 @@ from ._lesson import LessonPanel, note, pick, play, slide
 class LandscapePanel(LessonPanel):
     """What a matcher could climb: a score over x and y, and over the heading (B 4.3).
 
-    The scan chosen is laid on the map of those before it, with its heading turned.
-
-    Parameters
-    ----------
-    log : Log
-        With a truth for every scan.
-    resolution : float, metres
-        Of the map.
+    The scan chosen is laid on the map of those before it, with its heading turned. The log has a
+    truth for every scan; the resolution, metres, is that of the map.
 
     Examples
     --------
@@ -78,14 +72,8 @@ class MatcherPanel(LessonPanel):
     """A scan that starts from a wrong pose, and how a matcher moves it (B 4.3).
 
     A step is an accepted move of hill climbing, or a round of sampling: all poses that were tried
-    in it, the best so far last. Beyond the last step it stays there.
-
-    Parameters
-    ----------
-    map : QuadtreeMap
-    points : (n, 2) array, metres
-    pose : (3,) array, metres and radians
-        Where the scan belongs.
+    in it, the best so far last. Beyond the last step it stays there. The scan belongs at the pose.
+    The landscape is that of the heading after the step: it changes when the scan is turned.
 
     Examples
     --------
@@ -116,7 +104,7 @@ class MatcherPanel(LessonPanel):
     def __init__(self, map: QuadtreeMap, points: ArrayLike, pose: ArrayLike) -> None:
         self.map, self.points = map, np.asarray(points, float)
         self.pose = np.asarray(pose, float)
-        self._lands: dict[str, Landscape] = {}
+        self._lands: dict[tuple[str, float], Landscape] = {}
         self._begin()
 
     def _draw(self, figure: Figure) -> None:
@@ -130,11 +118,12 @@ class MatcherPanel(LessonPanel):
         x, y, heading = now - self.pose
         turned = f"{abs(np.degrees(heading)):.1f} degrees"
         self.error.value = f"{100 * np.hypot(x, y):.1f} cm and {turned} off"
-        score = self.score.value
-        if score not in self._lands:
-            scan = self.map, self.points, self.pose
-            self._lands[score] = landscape(*scan, score=SCORES[score], step=0.015)
-        ax = draw_landscape(self._lands[score], ax=figure.subplots(), tops=False)
+        seen = self.score.value, round(float(np.degrees(heading)), 1)
+        if seen not in self._lands:
+            scan = self.map, self.points, self.pose + (0, 0, heading)
+            self._lands[seen] = landscape(*scan, score=SCORES[seen[0]], step=0.02)
+        ax = draw_landscape(self._lands[seen], ax=figure.subplots(), tops=False)
+        ax.set_title(f"Scores of the scan turned by {seen[1]:+.1f} degrees", fontsize="medium")
         way = np.concatenate(self.poses[: k + 1]) if climbs else self.poses[k]
         draw_climb(way - self.pose, ax=ax, joined=climbs)
 

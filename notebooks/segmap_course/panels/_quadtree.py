@@ -43,17 +43,10 @@ def insert_variant(
 ) -> None:
     """Insert a scan as `map.insert_scan` does, or with one of the thesis' two failures.
 
-    Parameters
-    ----------
-    map : QuadtreeMap
-        Without `free_resolution`. It counts more scans than one.
-    sensor_xy : (2,) array, metres
-    points : (n, 2) array, metres
-    touched : bool
-        Instead of Bresenham's cells, all that the segment between both cells' corners touches: B's
-        coordinates are whole centimetres (B fig. 4.5).
-    mask : bool
-        Whether the end cell's eight neighbours are left out (B 4.4.2); the end cell always is.
+    With `touched` a ray has, instead of Bresenham's cells, all that the segment between both cells'
+    corners touches: B's coordinates are whole centimetres (B fig. 4.5). The `mask` leaves out the
+    end cell's eight neighbours (B 4.4.2); the end cell always is. The map, which has no
+    `free_resolution`, counts more scans than one.
 
     Examples
     --------
@@ -88,21 +81,7 @@ def _leaves_crossed(map: QuadtreeMap, start: Cell, end: Cell, touched: bool, mas
 
 
 def touched_cells(start: Cell, end: Cell) -> Cells:
-    """Cells whose square, border included, meets the segment between two cells' corners.
-
-    Parameters
-    ----------
-    start, end : (2,) int
-
-    Returns
-    -------
-    (n, 2) int array
-
-    Examples
-    --------
-    >>> touched_cells((0, 0), (1, 1)).tolist()
-    [[-1, -1], [-1, 0], [0, -1], [0, 0], [0, 1], [1, 0], [1, 1]]
-    """
+    """Cells `(n, 2)` whose square, with its border, meets the segment between two cell corners."""
     a, b = np.array(start, float), np.array(end, float)
     cuts = np.unique(np.concatenate([_cuts(a[i], b[i]) for i in (0, 1)]))
     part = np.concatenate([cuts, (cuts[:-1] + cuts[1:]) / 2])
@@ -127,22 +106,8 @@ _SIDE = 0.05
 class RayPanel(LessonPanel):
     """A room seen once or more, with the cells of its rays chosen well or badly (B 4.4).
 
-    `walls_kept` says how many of the cells that were hit still look occupied.
-
-    Parameters
-    ----------
-    walls : (n, 2, 2) array, metres, or None
-        A closed chain of walls; None takes a round room of 2 m radius.
-    poses : (k, 3) array, metres and radians
-
-    Examples
-    --------
-    >>> panel = RayPanel()
-    >>> panel.walls_kept.value
-    '100 % of 265 hit cells above 0.5'
-    >>> panel.mask.value = False
-    >>> panel.walls_kept.value
-    '94 % of 265 hit cells above 0.5'
+    `walls_kept` says how many of the cells that were hit still look occupied. The walls are a
+    closed chain, without any a round room of 2 m radius.
     """
 
     map: QuadtreeMap
@@ -193,14 +158,6 @@ class ClassesPanel(LessonPanel):
 
     A cell above the one is occupied, up to the other free. `doublings` says how often the side of a
     pixel is doubled.
-
-    Examples
-    --------
-    >>> map = QuadtreeMap(resolution=0.5, size=4, bias=1)
-    >>> map.insert_scan((0.2, 0.2), [(1.2, 0.2)])
-    >>> panel = ClassesPanel(map)
-    >>> panel.counts.value
-    '15 free, 0 unknown, 1 occupied'
     """
 
     classes: Classes

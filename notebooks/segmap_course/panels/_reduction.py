@@ -91,17 +91,7 @@ class BasicPanel(ReductionPanel):
 
 
 class FusionPanel(ReductionPanel):
-    """A map and its fusion: how much is gained and what it costs, for each tolerance (A 4.4).
-
-    Examples
-    --------
-    >>> panel = FusionPanel(SegmentMap([[(0, 0), (1, 0)], [(0, 0.1), (1, 0.1)]]))
-    >>> panel.count.value
-    '2 of 2 segments left'
-    >>> panel.tolerance.value = 0.06
-    >>> panel.count.value
-    '1 of 2 segments left'
-    """
+    """A map and its fusion: how much is gained and what it costs, for each tolerance (A 4.4)."""
 
     method = staticmethod(fusion)
     tolerance = keyword(0.01, 0.20, 0.01)
@@ -115,15 +105,6 @@ class HybridPanel(ReductionPanel):
     In the map, inputs are thin, results thick, and a black cross is the origin, which moves along x
     while the map stays. In Hough space an input is a dot and a result a cross amid the box of what
     agrees with it. What the filter dropped is grey.
-
-    Examples
-    --------
-    >>> panel = HybridPanel(SegmentMap([[(0, 0), (2, 0)], [(1.95, 0), (3.9, 0.2)]]))
-    >>> panel.count.value
-    '1 of 2 segments left'
-    >>> panel.origin.value = 20
-    >>> panel.count.value
-    '2 of 2 segments left'
     """
 
     method = staticmethod(hybrid)
@@ -171,15 +152,6 @@ class MeanShiftPanel(ReductionPanel):
     In the map inputs are thin, results thick, each in the colour of the result that holds most of
     it. Beside it every piece is a grey dot, with a line to the place that it climbs to; these are
     coloured by cluster.
-
-    Examples
-    --------
-    >>> panel = MeanShiftPanel(SegmentMap([[(0, 0), (1, 0)], [(0, 0.15), (1, 0.15)]]))
-    >>> panel.count.value, panel.pieces.value
-    ('2 of 2 segments left', '10 pieces, 1 cluster')
-    >>> panel.sigma.value = 0.6
-    >>> panel.count.value, panel.pieces.value
-    ('1 of 2 segments left', '4 pieces, 1 cluster')
     """
 
     directions: Directions
@@ -212,15 +184,6 @@ class WeightedPanel(ReductionPanel):
     """A map, best with points and places of the sensor, and its weighted line fitting (A 2.7.3).
 
     For each error that poses may have: of the place of a scan, and of its heading.
-
-    Examples
-    --------
-    >>> panel = WeightedPanel(SegmentMap([[(0, 0), (2, 0)], [(1, 0.03), (3, 0.03)]]))
-    >>> panel.count.value
-    '1 of 2 segments left'
-    >>> panel.place.value = 0
-    >>> panel.count.value
-    '2 of 2 segments left'
     """
 
     method = staticmethod(weighted_line_fitting)
@@ -237,16 +200,6 @@ class SectorPanel(ReductionPanel):
 
     All that was seen, `map`, is thin and black, the map made of it thick and blue, and a red dot is
     the sensor, whose places are needed.
-
-    Examples
-    --------
-    >>> door = [[(-2, 3), (2, 3)], [(-2, 3), (-1, 3)], [(1, 3), (2, 3)], [(-2, 5), (2, 5)]]
-    >>> panel = SectorPanel(SegmentMap(door, [0, 1, 1, 1], sensors=[(0, 0), (0, 0)]))
-    >>> panel.count.value
-    '3 of 4 segments left'
-    >>> panel.forget.value = False
-    >>> panel.count.value
-    '2 of 4 segments left'
     """
 
     method = staticmethod(viewing_sector)
@@ -278,15 +231,6 @@ class LeastCostPanel(ReductionPanel):
     """A map and what least cost leaves of it, for each penalty; and what quality does not see.
 
     `promised` is the quality that the penalty guarantees, `unseen` metres invented and missed.
-
-    Examples
-    --------
-    >>> panel = LeastCostPanel(SegmentMap([[(0, 0), (2, 0)], [(0, 0.05), (2, 0.05)]]))
-    >>> panel.count.value, panel.promised.value
-    ('1 of 2 segments left', 'quality promised 60.7%')
-    >>> panel.penalty.value = 0.01
-    >>> panel.count.value
-    '2 of 2 segments left'
     """
 
     method = staticmethod(least_cost)
@@ -311,12 +255,6 @@ class ChainPanel(ReductionPanel):
 
     Segments farther apart than `far` do not match; longer links than `bridge`, which nobody saw,
     are left out.
-
-    Examples
-    --------
-    >>> panel = ChainPanel(SegmentMap([[(0, 0), (2, 0)], [(1, 0.05), (3, 0.05)]], [0, 1]))
-    >>> panel.count.value
-    '1 of 2 segments left'
     """
 
     method = staticmethod(polyline)

@@ -24,23 +24,8 @@ from ._lesson import LessonPanel, keyword, note, pick, slide
 class RoomPanel(LessonPanel):
     """One scan of a room by a sensor that can be made better and worse.
 
-    Parameters
-    ----------
-    walls : (n, 2, 2) array, metres, or a map
-    pose : (3,) array, metres and radians
-        Where the robot stands.
-    sensor : Sensor
-        Its field of view is kept when the number of beams changes.
-    seed : int
-        Of the noise: the same for every position of the sliders.
-
-    Examples
-    --------
-    >>> from segmap.simulation import square_room
-    >>> panel = RoomPanel(square_room(), (2, 2, 0))
-    >>> panel.noise.value = 0
-    >>> panel.spread.value
-    'range error 0.0 mm (root mean square)'
+    The robot stands at the pose. The sensor keeps its field of view when the number of beams
+    changes, and the seed of the noise is the same for every position of the sliders.
     """
 
     scan: LaserScan
@@ -144,25 +129,17 @@ class PolylinePanel(ExtractionPanel):
 
 
 class DistancePanel(LessonPanel):
-    """A wall of 2 m and a second segment to turn, shift and shorten: what each term measures.
-
-    Examples
-    --------
-    >>> panel = DistancePanel()
-    >>> panel.offset.value = 0.10
-    >>> panel.across.value, panel.apart.value, panel.distance.value
-    ('across 0.050 m', 'apart 0.100 m', 'distance 0.0295 m')
-    """
+    """A wall of 2 m and a second segment to turn, shift and shorten: what each term measures."""
 
     #: The wall and the second segment.
     segments: Array
-    angle = slide(0, -90, 90, 1, "degrees")
-    offset = slide(0.0, -1.0, 1.0, 0.01)
-    along = slide(0.0, -2.0, 2.0, 0.05)
+    angle = slide(0, -90, 90, 1, "degrees", label="turn")
+    offset = slide(0.0, -1.0, 1.0, 0.01, label="shift")
+    along = slide(0.0, -2.0, 2.0, 0.05, label="push along")
     length = slide(2.0, 0.1, 2.0, 0.1)
-    angular = across = apart = distance = note()
-    rows = ("angle", "offset", "along", "length", "angular across", "apart distance")
-    words = "{angle} degrees, {offset:.2f} m across: {distance}"
+    turned = shifted = apart = distance = note()
+    rows = ("angle", "offset", "along", "length", "turned shifted", "apart distance")
+    words = "turned by {angle} degrees, shifted by {offset:.2f} m: {distance}"
 
     def __init__(self) -> None:
         self._begin()
@@ -171,7 +148,7 @@ class DistancePanel(LessonPanel):
         pose = (self.along.value, self.offset.value, self.angle.meant())
         wall, half = np.array([(-1.0, 0.0), (1.0, 0.0)]), self.length.value / 2
         self.segments = np.stack([wall, transform(pose, [(-half, 0.0), (half, 0.0)])])
-        terms = zip(("angular", "across", "apart"), distance_terms(*self.segments), strict=True)
+        terms = zip(("turned", "shifted", "apart"), distance_terms(*self.segments), strict=True)
         for name, term in terms:
             getattr(self, name).value = f"{name} {term:.3f} m"
         self.distance.value = f"distance {segment_distance(*self.segments):.4f} m"

@@ -120,18 +120,10 @@ def _least(cost: Array) -> Indices:
 
 
 def mean_rotation(differences: Array, weights: Array) -> float:
-    """Weighted mean of axial differences (A 3.3.2, step 6).
+    """Mean of axial differences `(m,)`, in `(-pi/2, pi/2]`, radians (A 3.3.2, step 6).
 
-    Parameters
-    ----------
-    differences : (m,) array, radians
-        Turns that would bring each segment onto its line; a half turn more or less is the same.
-    weights : (m,) array, not negative, not all zero
-
-    Returns
-    -------
-    float
-        Radians, in `(-pi/2, pi/2]`.
+    They are turns that would bring each segment onto its line; a half turn more or less is the
+    same. Weights are not negative, and not all zero.
 
     Examples
     --------
@@ -139,7 +131,7 @@ def mean_rotation(differences: Array, weights: Array) -> float:
     2.0
     """
     doubled = 2 * arrays.row(differences, "differences")
-    each = arrays.weights(weights, len(doubled))
+    each = _checked_weights(weights, len(doubled))
     return float(np.arctan2(each @ np.sin(doubled), each @ np.cos(doubled)) / 2)
 
 
@@ -158,7 +150,8 @@ def least_translation(
         Unit normals of the lines.
     offsets : (m,) array, metres
         How far each point lies from its line, positive on the side of the normal.
-    weights : (m,) array, not negative
+    weights : (m,) array
+        What each point counts, not negative.
     parallel
         Lines count as parallel where they hold one direction less than this share of the other
         (singular values): two of equal weight within 33 degrees of each other, or an end wall of a
@@ -171,9 +164,17 @@ def least_translation(
     array([ 0. , -0.2])
     """
     lines = arrays.table(normals, "normals", 2)
-    root = np.sqrt(arrays.weights(weights, len(lines)))
+    root = np.sqrt(_checked_weights(weights, len(lines)))
     away = -root * arrays.row(offsets, "offsets", len(lines))
     return np.asarray(np.linalg.lstsq(root[:, None] * lines, away, parallel)[0], float)
+
+
+def _checked_weights(weights: Array, count: int) -> Array:
+    """Weights of `count` things, `(count,)`, not negative."""
+    array = arrays.row(weights, "weights", count)
+    if (array < 0).any():
+        raise ValueError(f"weights must not be negative, got {array.min():g}")
+    return array
 
 
 def turned(pose: Array, seen: Array, lines: Lines, partner: Indices, parallel: float) -> Array:

@@ -100,7 +100,8 @@ class Solver:
         """
         poses = before = poses.copy()
         factor, n = self._prepared(len(poses)), len(poses)
-        edges, changed = self._all(), self._changed
+        known: Any = (field[: self._count] for field in self._edges)  # not the room for more
+        edges, changed = Edges(*known), self._changed
         keep = STALE if lazily else ALL
         step, loss = Step(keep), np.inf
         for count in range(1, rounds + 1):
@@ -129,11 +130,6 @@ class Solver:
                 return Solution(poses, True, count)
             step = Step(keep, size < step.near, step.near, size)
         return Solution(poses, False, rounds)
-
-    def _all(self) -> Edges:
-        """The edges without the room for more."""
-        parts: Any = (field[: self._count] for field in self._edges)
-        return Edges(*parts)
 
     def _prepared(self, n: int) -> Factor:
         """The factor with n columns, and the rows that all edges need."""

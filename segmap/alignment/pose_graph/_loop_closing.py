@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from ...arrays import Array, Count, Metres, Positive, Settings
 from ...poses.motions import between, compose
 from ...threads import in_threads
-from ..graph import Edge, Rejected, Ways, deviations, information, residuals, stacked
+from ..graph import Edge, Rejected, deviations, information, residuals, stacked
 from ..points import PointMap
 from ._key_frames import KeyFrames
 
@@ -131,7 +131,6 @@ class LoopCloser:
         self.rejected: list[Rejected] = []
         self.maps: dict[tuple[int, int, int], PointMap | None] = {}
         self.ways: list[tuple[int, int]] = []
-        self.shortest = Ways(LOOP_PATH)
 
     def close(self, *, confirmed: bool) -> bool:
         """Look for loops of the newest key frame; True where accepted ones strain the map.
@@ -189,12 +188,21 @@ class LoopCloser:
         return np.minimum(self.rules.reach + self.drift * way, self.rules.max_reach)
 
     def _way(self, new: int, old: NDArray[np.int64]) -> Array:
-        """Shortest way through the graph from older key frames to a new one, metres.
+        """Metres from older key frames to a new one through the graph (Dijkstra 1959).
 
         Infinite where it is so long that the widest window is searched.
         """
-        most = (self.rules.max_reach - self.rules.reach) / self.drift
-        return self.shortest.between(new, old, self.frames.path, self.ways, max(most, 0.0))
+        from scipy.sparse import csr_array
+        from scipy.sparse.csgraph import dijkstra
+
+        steps, size = np.arange(len(self.frames) - 1), len(self.frames)
+        found = [(i, j) for i, j in set(self.ways) if j - i > 1]  # scipy adds up equal entries
+        loops = np.array(found, np.int64).reshape(-1, 2)
+        ends = np.r_[steps, loops[:, 0]], np.r_[steps + 1, loops[:, 1]]
+        length = np.r_[np.diff(self.frames.along), np.full(len(loops), LOOP_PATH)]
+        graph = csr_array((length, ends), shape=(size, size))
+        most = max((self.rules.max_reach - self.rules.reach) / self.drift, 0.0)
+        return np.asarray(dijkstra(graph, directed=False, indices=[new], limit=most)[0, old])
 
     def _by_descriptor(self, new: int, before: int) -> list[Window]:
         """Where the robot is lost: on what looks most like the place, at any heading."""
@@ -223,7 +231,7 @@ class LoopCloser:
         match = map.register(frames.points[new], start, reach=0.2)
         if not match.matched:
             return match.reason
-        return Edge(window.old, new, match.pose, information(match.covariance), True)
+        return Edge(window.old, new, match.pose, information(match.covariance, frames.least), True)
 
     def _map_around(self, window: Window) -> PointMap | None:
         """The surroundings of an old key frame, in its frame, as far as the window; some are kept.

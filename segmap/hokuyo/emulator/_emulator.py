@@ -5,16 +5,15 @@ from __future__ import annotations
 import threading
 import time
 import weakref
-from collections.abc import Callable
 from pathlib import Path
-from typing import Annotated, Self
+from typing import Annotated, Any, Self
 
 import numpy as np
 
 from ... import arrays
 from ...arrays import Count, Seconds, at_least, checked
 from ._device import FAULTS, Fault, Listener, Terminal, Unplugged, Wire
-from ._unit import Milliseconds, PowerUp, Speed, Unit, World
+from ._unit import Unit, World
 from ._worlds import ModelName, Replay, Room, furnished_room
 
 #: The thread looks at the clock so often, seconds.
@@ -79,24 +78,13 @@ class Emulator:
     model : "URG-04LX" or "UST-10LX"
     tcp : str or None
         `[host:]port` to be reached at by TCP instead of a pseudo-terminal; port 0 takes a free one.
-    protocol : "2.0", "1.1" or "1.1 only"
-        What it speaks after power-up; the last has firmware that cannot switch.
-    rate : int, bits a second
-        That it is left at.
-    usb : bool
-        False makes it an RS-232 sensor: the rate must match and slows it down.
-    speed : float
-        Its seconds go by so much faster.
-    clock : callable
-        Seconds.
-    stamp : int, milliseconds
-        Its own clock at power-up; it wraps at 2 ** 24.
-    streaming, timing : bool
-        Left streaming, or in time mode, by a host that crashed.
     link : str or Path or None
         A symbolic link to make, which names the device, the same after `replug`.
     rng : numpy.random.Generator or None
         Of noise on the line.
+    **settings
+        Of the sensor itself: `protocol`, `rate`, `usb`, `speed`, `clock`, `stamp`, `streaming` and
+        `timing`, as `Unit` says.
 
     Raises
     ------
@@ -120,33 +108,16 @@ class Emulator:
         *,
         model: ModelName = "URG-04LX",
         tcp: str | None = None,
-        protocol: PowerUp = "2.0",
-        rate: Count = 19200,
-        usb: bool = True,
-        speed: Speed = 1.0,
-        clock: Callable[[], float] = time.monotonic,
-        stamp: Milliseconds = 0,
-        streaming: bool = False,
-        timing: bool = False,
         link: str | Path | None = None,
         rng: np.random.Generator | None = None,
+        **settings: Any,
     ) -> None:
-        if tcp is not None and not (usb and link is None):
+        if tcp is not None and not (settings.get("usb", True) and link is None):
             raise ValueError("tcp goes with neither usb=False nor a link: both are of a device")
         if isinstance(world, Room | Replay) and world.model != model:
             raise ValueError(f"model must be {world.model!r}, as the world's is, got {model!r}")
-        self.unit = Unit(
-            furnished_room(model) if world is None else world,
-            model=model,
-            protocol=protocol,
-            rate=rate,
-            usb=usb,
-            speed=speed,
-            clock=clock,
-            stamp=stamp,
-            streaming=streaming,
-            timing=timing,
-        )
+        seen = furnished_room(model) if world is None else world
+        self.unit = Unit(seen, model=model, **settings)
         self.wire = Wire(time.monotonic, np.random.default_rng(1) if rng is None else rng)
         self._end: Terminal | Listener
         if tcp is not None:

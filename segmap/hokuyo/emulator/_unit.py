@@ -50,7 +50,27 @@ Milliseconds = Annotated[Count, at_least(0)]
 
 
 class Unit:
-    """The sensor: bytes in, bytes out, a clock. Its settings are those of `Emulator`."""
+    """The sensor: bytes in, bytes out, a clock.
+
+    Parameters
+    ----------
+    world, model
+        As of `Emulator`.
+    protocol : "2.0", "1.1" or "1.1 only"
+        What it speaks after power-up; the last has firmware that cannot switch.
+    rate : int, bits a second
+        That it is left at.
+    usb : bool
+        False makes it an RS-232 sensor: the rate must match and slows it down.
+    speed : float
+        Its seconds go by so much faster.
+    clock : callable
+        Seconds.
+    stamp : int, milliseconds
+        Its own clock at power-up; it wraps at 2 ** 24.
+    streaming, timing : bool
+        Left streaming, or in time mode, by a host that crashed.
+    """
 
     @checked
     def __init__(

@@ -156,7 +156,7 @@ class Room:
         most = self._made.steps - self._made.first
         if self.sensor.beams > most:
             raise ValueError(f"sensor must have at most {most} beams, got {self.sensor.beams}")
-        self.rng = np.random.default_rng(1) if rng is None else arrays.generator(rng)
+        self.rng = np.random.default_rng(1) if rng is None else rng
         cast_rays(self.walls, self.path[0], [0.0])  # compiles before a driver waits for it
 
     def pose(self, turn: int) -> Array:

@@ -114,12 +114,7 @@ def read_trajectory(path: str | Path, *, on_error: OnError = "raise") -> tuple[A
     """Read a file of poses: Rawseeds ground truth, or its odometry.
 
     Its lines are `t, x, y, theta, 9 covariances`, or those of ODOMETRY_XYT.csv; damage is as in
-    `read`.
-
-    Returns
-    -------
-    times : (k,) array, ascending
-    poses : (k, 3) array
+    `read`. Returned are times `(k,)`, ascending, and poses `(k, 3)`.
 
     Examples
     --------

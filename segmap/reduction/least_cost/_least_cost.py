@@ -44,13 +44,12 @@ def least_cost(
     clusters merges first, each new segment is drawn where it costs least, until every further merge
     costs more than `penalty`.
 
-    So `quality(map, result) >= exp(-penalty * (n - m) / n / 0.05)` for n segments before and m
-    after. Every segment lies within twice the distance of the line of its output, and inside its
-    span.
+    So `quality(map, result) >= exp(-penalty * (n - m) / n / 0.05)` for n segments with a length
+    before and m after. Every segment lies within twice the distance of the line of its output, and
+    inside its span.
 
     Parameters
     ----------
-    map : SegmentMap, Reduction or (n, 2, 2) array
     penalty
         What one segment fewer may cost; useful from 0.008 to 0.3. A metre missed or invented costs
         0.25, and more where the penalty is above 10 times the distance.
@@ -83,7 +82,6 @@ def reduce_to(map: Segments, *, quality: Annotated[Positive, below(1)] = 0.85) -
 
     Parameters
     ----------
-    map : SegmentMap, Reduction or (n, 2, 2) array
     quality
         The least `metrics.quality(map, result)`.
 

@@ -57,24 +57,6 @@ def _memberships(x: Array, q: Array, k: int, noise: float, u: Array) -> float:
 
 
 @compiled
-def _move(x: Array, q: Array, j: int, u: Array) -> None:
-    """Step 2: the prototype of points with their memberships."""
-    mx = my = xx = xy = yy = 0.0
-    for i in range(len(x)):
-        w = u[i + 1, j] * u[i + 1, j] / q[j, 5]
-        mx, my = mx + w * x[i, 0], my + w * x[i, 1]
-    for i in range(len(x)):
-        w, dx, dy = u[i + 1, j] * u[i + 1, j], x[i, 0] - mx, x[i, 1] - my
-        xx, xy, yy = xx + w * dx * dx, xy + w * dx * dy, yy + w * dy * dy
-    spread = np.hypot(xx - yy, 2 * xy)
-    q[j, 0], q[j, 1] = mx, my
-    if xx + yy + spread > 0.0:
-        theta = 0.5 * np.arctan2(2 * xy, xx - yy)
-        q[j, 2], q[j, 3] = np.cos(theta), np.sin(theta)
-        q[j, 4] = 1 - max(xx + yy - spread, 0.0) / (xx + yy + spread)
-
-
-@compiled
 def _settle(x: Array, q: Array, k: int, noise: float, u: Array) -> int:
     """Step 2: move k prototypes until no membership changes; how many are left."""
     known = False
@@ -89,21 +71,21 @@ def _settle(x: Array, q: Array, k: int, noise: float, u: Array) -> int:
             break
         known = kept == k
         k = kept
-        for j in range(k if known else 0):
-            _move(x, q, j, u)
+        for j in range(k if known else 0):  # each becomes the prototype of its points
+            mx = my = xx = xy = yy = 0.0
+            for i in range(len(x)):
+                w = u[i + 1, j] * u[i + 1, j] / q[j, 5]
+                mx, my = mx + w * x[i, 0], my + w * x[i, 1]
+            for i in range(len(x)):
+                w, dx, dy = u[i + 1, j] * u[i + 1, j], x[i, 0] - mx, x[i, 1] - my
+                xx, xy, yy = xx + w * dx * dx, xy + w * dx * dy, yy + w * dy * dy
+            spread = np.hypot(xx - yy, 2 * xy)
+            q[j, 0], q[j, 1] = mx, my
+            if xx + yy + spread > 0.0:
+                theta = 0.5 * np.arctan2(2 * xy, xx - yy)
+                q[j, 2], q[j, 3] = np.cos(theta), np.sin(theta)
+                q[j, 4] = 1 - max(xx + yy - spread, 0.0) / (xx + yy + spread)
     return k
-
-
-@compiled
-def _span(state: State, c: int, points: Array, label: Indices, lo: int) -> None:
-    """End points of a cluster from the points, `(p, 2)`, that have its label from `lo` on."""
-    cos, sin = np.cos(state.theta[c]), np.sin(state.theta[c])
-    x, y, low, high = state.sums[c, 1], state.sums[c, 2], np.inf, -np.inf
-    for i in range(len(points)):
-        if label[lo + i] == c:
-            along = (points[i, 0] - x) * cos + (points[i, 1] - y) * sin
-            low, high = min(low, along), max(high, along)
-    lay(state.ends[c], x, y, cos, sin, low, high)
 
 
 @compiled
@@ -143,7 +125,12 @@ def cluster(
                 one[5] += part * dy * dy
         for j in range(c, c + k):
             state.theta[j] = 0.5 * np.arctan2(2 * sums[j, 4], sums[j, 3] - sums[j, 5])
-            _span(state, j, x, label, lo)
+            cos, sin, low, high = np.cos(state.theta[j]), np.sin(state.theta[j]), np.inf, -np.inf
+            for i in range(len(x)):
+                if label[lo + i] == j:
+                    along = (x[i, 0] - sums[j, 1]) * cos + (x[i, 1] - sums[j, 2]) * sin
+                    low, high = min(low, along), max(high, along)
+            lay(state.ends[j], sums[j, 1], sums[j, 2], cos, sin, low, high)
 
 
 @compiled
@@ -227,7 +214,11 @@ def add_scan(
 
 @compiled
 def group_across(s: State, limits: Array) -> None:
-    """Step 5: clusters become walls; those of each updated cell and its neighbours are grouped."""
+    """Step 5: clusters become walls; those of each updated cell and its neighbours are grouped.
+
+    Walls are grouped in the order of their numbers, each once.
+    """
+    near = s.near
     for cell in range(len(s.updated)):
         for k in range(s.held[cell] if s.updated[cell] else 0):
             c, wall = s.slot[s.first[cell] + k], len(s.slot) + s.used[1]
@@ -239,23 +230,18 @@ def group_across(s: State, limits: Array) -> None:
                 s.theta[wall], s.into[c] = s.theta[c], wall
                 s.used[1] += 1
     for cell in range(len(s.updated)):
-        if s.updated[cell]:
-            _group(s, s.near, _around(s, cell), limits)
-            s.updated[cell] = 0
-
-
-@compiled
-def _around(s: State, cell: int) -> int:
-    """Write the walls in a cell and its neighbours by their numbers, each once; how many."""
-    near, count = s.near, 0
-    for n in s.nine[cell]:
-        for k in range(s.held[n] if n >= 0 else 0):
-            wall, at = _root(s.into, s.slot[s.first[n] + k]), count
-            while at > 0 and near[at - 1] > wall:
-                at -= 1
-            if at == 0 or near[at - 1] != wall:
-                for i in range(count, at, -1):
-                    near[i] = near[i - 1]
-                near[at] = wall
-                count += 1
-    return count
+        if not s.updated[cell]:
+            continue
+        count = 0
+        for n in s.nine[cell]:
+            for k in range(s.held[n] if n >= 0 else 0):
+                wall, at = _root(s.into, s.slot[s.first[n] + k]), count
+                while at > 0 and near[at - 1] > wall:
+                    at -= 1
+                if at == 0 or near[at - 1] != wall:
+                    for i in range(count, at, -1):
+                        near[i] = near[i - 1]
+                    near[at] = wall
+                    count += 1
+        _group(s, near, count, limits)
+        s.updated[cell] = 0

@@ -95,8 +95,12 @@ def fuzzy_set(
         errors = error + sizes[kept] / 2 * np.sin(off[kept])
         state = _laid(map, rows, kept, upright[kept], axis, errors, error, limits)
         last = _merge_all(state, len(kept), limits)
-        live, ends = survivors(state.into[:last])
-        out = _turned(_ends(state, np.flatnonzero(live)), axis)
+        alive, ends = survivors(state.into[:last])
+        live = np.flatnonzero(alive)
+        across, low, high, _ = state.data[live].T
+        flat = np.stack([np.stack([low, across], -1), np.stack([high, across], -1)], 1)
+        standing = state.upright[live][:, None, None] == 1
+        out = _turned(np.where(standing, flat[..., ::-1], flat), axis)
         into = np.empty(n, np.int64)  # outputs: those of the rectangles, then each slanted one
         into[kept], into[slanted] = ends[: len(kept)], len(out) + np.arange(len(slanted))
         out = np.concatenate([out, s[slanted]])
@@ -153,13 +157,6 @@ def _laid(
     queued, near = np.zeros(2 * n, np.int64), np.empty(2 * n + 1, np.int64)
     flags, box = np.concatenate([up, up]), np.empty((2, 2))
     return State(data, key, flags, places, queued, near, np.arange(2 * n), box)
-
-
-def _ends(state: State, live: Indices) -> Array:
-    """End points of rectangles, `(m, 2, 2)`, in the frame of the axes."""
-    across, low, high, _ = state.data[live].T
-    flat = np.stack([np.stack([low, across], -1), np.stack([high, across], -1)], 1)
-    return np.where(state.upright[live][:, None, None] == 1, flat[..., ::-1], flat)
 
 
 @compiled

@@ -8,7 +8,7 @@ import numpy as np
 
 from ...arrays import Array, Metres, Segments, at_least, at_most, checked
 from ...compiled import compiled
-from ...kernels import SAME, Rule, describe, describe_one, hausdorff, match_value
+from ...kernels import SAME, Rule, describe, describe_one, hausdorff, match_value, root_of
 from ...segments import length
 from .._index import Index, empty_index, enter, leave, meeting, wider
 from .._runner import Indices, Reduction, Rows, Steps, run_online
@@ -253,15 +253,6 @@ def _trace(s: Array, tolerance: float, corners: Array, owner: Indices) -> int:
 
 # ------------------------------------------------------------------ the map and a scan
 @compiled
-def _root(root: Indices, i: int) -> int:
-    """The segment that stands for the chain of i."""
-    while root[i] != i:
-        root[i] = root[root[i]]
-        i = root[i]
-    return i
-
-
-@compiled
 def _place(state: State, p: Array, q: Array, behind: int) -> int:
     """A new piece from p to q, behind another one of the ring; which it is."""
     b = state.counts[0]
@@ -372,14 +363,14 @@ def _add(
                 state.chain[b], state.touched[touched] = i, b
                 touched += 1
             else:
-                root[_root(root, i)] = _root(root, state.chain[b])
+                root[root_of(root, i)] = root_of(root, state.chain[b])
     for k in range(touched):
         b = state.touched[k]
-        r = _root(root, state.chain[b])
+        r = root_of(root, state.chain[b])
         state.next[b] = links[1, r]
         links[1, r] = b
     for i in range(stop - 1, first - 1, -1):
-        r = _root(root, i)
+        r = root_of(root, i)
         links[3, i] = links[2, r]
         links[2, r] = i
     for i in range(first, stop):

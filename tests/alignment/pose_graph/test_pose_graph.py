@@ -221,6 +221,14 @@ def test_believed_loops_shorten_the_way_to_old_places():
     )
 
 
+def test_ways_count_a_loop_once_and_end_where_the_widest_window_is_searched():
+    """One pair of places can be proposed twice: by place, and by what it looks like."""
+    _, closer = walked(500)
+    assert np.isinf(closer._way(500, np.array([100]))[0])  # 400 m: (12 - 1) / 0.03 = 367 m at most
+    closer.ways = [(110, 490), (110, 490), (200, 201)]
+    assert closer._way(500, np.array([100, 110, 195])).tolist() == [20.5, 10.5, 95.5]
+
+
 @pytest.mark.parametrize(("steps", "believed"), [(2, 0), (4, 0), (6, 3)])
 def test_loops_side_by_side_are_no_witnesses(steps, believed):
     """One door looks like the next: in a window of six metres they must lie along six metres."""

@@ -9,7 +9,6 @@ of them judge in two steps, so that a grader takes the verdict where no code of 
 
 from __future__ import annotations
 
-import copy
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
@@ -17,6 +16,8 @@ from typing import Any
 import numpy as np
 
 from segmap.arrays import Array
+from segmap.extraction import build_map
+from segmap.readers import load
 from segmap.segments import length, point_distance
 from segmap.simulation import rectangular_room
 
@@ -61,21 +62,6 @@ class Open:
 class Prediction(Open):
     """A number that is written down before it is measured. Call it with the number.
 
-    Parameters
-    ----------
-    task : str
-        The call, which begins with the name, then what is asked, the unit, and how near counts.
-    measure : callable
-        `measure() -> float`, the true value.
-    unit : str
-        Written after both numbers.
-    factor : float
-        A guess is near enough up to so many times the true value, and down to that part of it.
-    within : float
-        Or so far from it.
-    because : str
-        One sentence, shown with the true value.
-
     Examples
     --------
     >>> week = Prediction("predict_week(guess): hours of a week", lambda: 168.0, "h", factor=1.1)
@@ -85,11 +71,17 @@ class Prediction(Open):
     not yet: you wrote 24 h, it is 168 h; near enough is within a factor of 1.1
     """
 
+    #: The call, which begins with the name, then what is asked, the unit, and how near counts.
     task: str
+    #: The true value.
     measure: Callable[[], float]
+    #: Written after both numbers.
     unit: str
+    #: A guess is near enough up to so many times the true value, and down to that part of it,
     factor: float = 1.0
+    #: or so far from it.
     within: float = 0.0
+    #: One sentence, shown with the true value.
     because: str = ""
 
     def answers(self, given: Any, cases: Any = None) -> list[Answer]:
@@ -130,19 +122,7 @@ def _single(answers: Any) -> float | None:
 
 @dataclass(frozen=True, repr=False, eq=False)
 class Challenge(Open):
-    """An input that fools a method. Call it with the input.
-
-    Parameters
-    ----------
-    task : str
-        The call, which begins with the name, then what input is admissible and what fools.
-    judge : callable
-        `judge(input) -> str`: empty where the method is fooled, else the reason why not; it raises
-        ValueError for an input that is not admissible.
-    praise : str
-        One sentence, shown when it is done: what this means for who uses the method.
-    numbers : bool
-        Whether the input is numbers: one array, or a tuple of several.
+    """An input that fools a method. Call it with the input: an array, or a tuple of several.
 
     Examples
     --------
@@ -154,28 +134,21 @@ class Challenge(Open):
     (not yet: 3 is odd, passed, not yet: numbers are wanted, got str)
     """
 
+    #: The call, which begins with the name, then what input is admissible and what fools.
     task: str
+    #: From the input: empty where the method is fooled, else the reason why not. It raises
+    #: ValueError for an input that is not admissible.
     judge: Callable[..., str]
+    #: One sentence, shown when it is done: what this means for who uses the method.
     praise: str = ""
-    numbers: bool = True
-
-    def __call__(self, given: Any) -> Check:
-        if given is None or given is ...:
-            return self._check(f"give your input first; the task is {self.task}")
-        if self.numbers:
-            return self.verdict(self.answers(given))
-        return self._judged(lambda: [copy.deepcopy(given)])
 
     def verdict(self, answers: Any, cases: Any = None) -> Check:
         """Whether these plain values fool the method."""
         if any("nothing" in answer for answer in answers):
             return self._check(f"give your input first; the task is {self.task}")
-        return self._judged(lambda: [_finite(answer) for answer in answers])
-
-    def _judged(self, given: Callable[[], list[Any]]) -> Check:
         try:
             with np.errstate(all="ignore"):
-                return self._check(str(self.judge(*given())), self.praise)
+                return self._check(str(self.judge(*map(_finite, answers))), self.praise)
         except ValueError as error:
             return self._check(str(error))
         except Exception as error:  # whatever a student gives, the check says what is wrong with it
@@ -194,6 +167,13 @@ def _finite(answer: Answer) -> Array:
 # ------------------------------------------------------------------------ what several share
 #: The map before, of several challenges: the four walls of a room of 4 m x 3 m.
 ROOM = rectangular_room()
+
+
+def malaga() -> Array:
+    """The segments of the Malaga map, by its true poses."""
+    log = load("malaga")
+    assert log.truth is not None
+    return build_map(log, log.truth).segments
 
 
 def samples(walls: Array) -> Array:

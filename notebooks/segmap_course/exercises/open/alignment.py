@@ -6,14 +6,13 @@ import numpy as np
 
 from segmap.alignment import match_points, point_icp, position_errors
 from segmap.arrays import Array
-from segmap.extraction import build_map
 from segmap.hokuyo import checksum, decode
 from segmap.metrics import quality
 from segmap.poses import between, transform
 from segmap.readers import load
 from segmap.segments import length
 
-from ._open import ROOM, Challenge, Prediction, admit, metres_away
+from ._open import ROOM, Challenge, Prediction, admit, malaga, metres_away
 
 
 # ---------------------------------------------------------------------------- ICP
@@ -68,10 +67,8 @@ break_icp = Challenge(
 
 # ---------------------------------------------------------------------------- quality
 def _turned_quality() -> float:
-    log = load("malaga")
-    assert log.truth is not None
-    before = build_map(log, log.truth)
-    return float(quality(before, transform((0, 0, np.radians(1)), before.segments)))
+    before = malaga()
+    return float(quality(before, transform((0, 0, np.radians(1)), before)))
 
 
 predict_turned_quality = Prediction(

@@ -25,8 +25,6 @@ from ._open import Open
 BUNDLED = ("corridor", "malaga", "room")
 #: A map is made from so many scans at most, evenly chosen.
 MOST_SCANS = 200
-
-
 #: What the log and its map must have at least; walls are segments of 1 m and more.
 WANTED = {"scans": 20, "metres": 1.0, "walls": 4}
 

@@ -5,25 +5,16 @@ from __future__ import annotations
 import numpy as np
 
 from segmap.arrays import Array
-from segmap.extraction import build_map
 from segmap.poses import transform
-from segmap.readers import load
 from segmap.reduction import basic_online, fusion, viewing_sector
 from segmap.segments import SegmentMap, length, point_distance
 
-from ._open import ROOM, Challenge, Prediction, admit, metres_away, samples
-
-
-def _malaga() -> Array:
-    log = load("malaga")
-    assert log.truth is not None
-    return build_map(log, log.truth).segments
-
+from ._open import ROOM, Challenge, Prediction, admit, malaga, metres_away, samples
 
 predict_fusion_left = Prediction(
     "predict_fusion_left(guess): how many of the 1227 segments of the Malaga map Fusion leaves "
     "with a tolerance of 15 mm; within a tenth",
-    lambda: len(fusion(_malaga(), tolerance=0.015)),
+    lambda: len(fusion(malaga(), tolerance=0.015)),
     "segments",
     factor=1.1,
     because="Fusion leaves 649 at 10 mm and 412 at 20 mm, and the curve is steeper on the left",
@@ -32,7 +23,7 @@ predict_fusion_left = Prediction(
 predict_fusion_twice = Prediction(
     "predict_fusion_twice(guess): how many segments Fusion leaves at its default tolerance, 40 mm, "
     "of the Malaga map in which each of the 1227 segments stands twice; the number itself",
-    lambda: len(fusion(np.repeat(_malaga(), 2, axis=0))),
+    lambda: len(fusion(np.repeat(malaga(), 2, axis=0))),
     "segments",
     because="A copy lies in each strip that holds its original, and all chains become twice as "
     "long, so the longest one stays the longest",

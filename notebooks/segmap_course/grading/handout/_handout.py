@@ -27,20 +27,10 @@ LINK = re.compile(r"(!?)\[([^\]\n]*)\]\(([^)#\s]+)(#[^)\s]*)?\)")
 def handout(folder: Path, *, wanted: str = "", seed: int | None = None) -> tuple[Path, list[Task]]:
     """Write student copies of chapters into a new folder, and the instructor's file beside it.
 
-    Parameters
-    ----------
-    folder : Path
-        It must not exist, or be empty.
-    wanted : str
-        Numbers of chapters, "34,54"; all by default.
-    seed : int, optional
-        Of the hidden cases; without one, grading uses the cases that students see.
-
-    Returns
-    -------
-    Path
-        The instructor's file: keep it out of the folder that students get.
-    list of Task
+    The folder must not exist, or be empty, and `wanted` are numbers of chapters, "34,54"; all by
+    default. The seed is that of the hidden cases; without one, grading uses the cases that students
+    see. What is returned is the instructor's file, which must stay out of the folder that students
+    get, and the tasks.
 
     Raises
     ------

@@ -9,12 +9,11 @@ from __future__ import annotations
 import ast
 import importlib
 import re
-import sys
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from ...exercises import Watch, plain
+from ...exercises import Exercise, Watch, plain
 from ._handout import refuse_old, student_copy, text, write_folder
 from ._tasks import CHECKS, Notebook, chapters, read_chapter, tasks_of
 
@@ -159,19 +158,10 @@ def _module(name: str) -> Any:
         return None
 
 
-def solution(exercise: Any, module: str, name: str) -> str:
-    """A cell that defines `name` by the library's source.
-
-    Parameters
-    ----------
-    exercise : Exercise
-    module : str
-        Where `check_<exercise>` is defined.
-    name : str
-        What the student is asked to define.
-    """
+def solution(exercise: Exercise, name: str) -> str:
+    """A cell that defines `name`, which the student is asked for, by the library's source."""
     gatherer = Gatherer(exercise.own)
-    source = gatherer.source(module)
+    source = gatherer.source(exercise.draw.__module__)  # where it is defined itself
     made = source.nodes[f"check_{exercise.name}"]
     assert isinstance(made, ast.Assign) and isinstance(made.value, ast.Call)
     answer = made.value.args[1]
@@ -207,15 +197,6 @@ def solved_copy(name: str, notebook: Notebook) -> Notebook:
         task = answers.get(cell["id"])
         exercise = CHECKS.get(f"check_{task.name}") if task else None
         if task and exercise is not None:
-            code = solution(exercise, module_of(exercise), task.answers[0])
+            code = solution(exercise, task.answers[0])
             cell["source"] = f"{cell['source']}\n\n\n{BEGIN}\n{code}\n{END}"
     return copy
-
-
-def module_of(exercise: Any) -> str:
-    """The module in which an exercise is defined."""
-    for module, loaded in list(sys.modules.items()):
-        inside = module.startswith("segmap_course.exercises.")
-        if inside and getattr(loaded, f"check_{exercise.name}", None) is exercise:
-            return module
-    raise ValueError(f"{exercise.name} is defined in no file of exercises")

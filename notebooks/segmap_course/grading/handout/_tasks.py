@@ -18,7 +18,7 @@ from segmap.files import chapters_folder
 
 from ... import EXERCISES, OPEN_EXERCISES
 from ...exercises import Exercise
-from ...exercises.open import Prediction
+from ...exercises.open import OwnLog
 
 Cell = dict[str, Any]
 Notebook = dict[str, Any]
@@ -34,23 +34,15 @@ STATED = re.compile(r"(\d+) points\*? if the program")
 
 
 class Place(NamedTuple):
-    """Where a chapter asks for an answer.
+    """Where a chapter asks for an answer."""
 
-    Parameters
-    ----------
-    check : str
-        The call that checks it, `check_compose` for instance.
-    answers : tuple of str
-        The names that the student defines, in the order of the call.
-    given : str
-        What the check is called with: the name, or a tuple of names.
-    written, checked : int
-        Index of the cell that defines them, and of the cell with the call.
-    """
-
+    #: The call that checks it, `check_compose` for instance.
     check: str
+    #: The names that the student defines, in the order of the call.
     answers: tuple[str, ...]
+    #: What the check is called with: the name, or a tuple of names.
     given: str
+    #: Index of the last cell, up to the call, that defines the first of them, and of the call's.
     written: int
     checked: int
 
@@ -101,9 +93,11 @@ def places(cells: list[Cell], checks: Iterable[str] = CHECKS) -> list[Place]:
             names = tuple(
                 name for name in dict.fromkeys(used) if _cells_of(cells[: index + 1], name)
             )
+            if not names:
+                raise ValueError(f"cell {index} checks what no cell before it defines")
             check = ast.unparse(call.func).removeprefix("course.")
-            place = Place(check, names, ast.unparse(given), _written(cells, names, index), index)
-            found.append(place)
+            written = _cells_of(cells[: index + 1], names[0])[-1]
+            found.append(Place(check, names, ast.unparse(given), written, index))
     return found
 
 
@@ -120,13 +114,6 @@ def _calls(tree: ast.Module, checks: set[str]) -> Iterator[ast.Call]:
             call = node.value
             if ast.unparse(call.func).removeprefix("course.") in checks and call.args:
                 yield call
-
-
-def _written(cells: list[Cell], names: tuple[str, ...], checked: int) -> int:
-    """The last cell, up to the check, that defines the first of the names."""
-    if not names:
-        raise ValueError(f"cell {checked} checks what no cell before it defines")
-    return _cells_of(cells[: checked + 1], names[0])[-1]
 
 
 def _cells_of(cells: list[Cell], name: str) -> list[int]:
@@ -190,7 +177,7 @@ def tasks_of(name: str, notebook: Notebook) -> list[Task]:
     for place in places(cells):
         said, own = rubric(cells, place.written), column(place, name)
         program, hand = worth(CHECKS[place.check], said)
-        if not judged_by_hand(CHECKS[place.check]):
+        if not isinstance(CHECKS[place.check], OwnLog):
             known = Task(own, name, place.answers, program, head, place.given, rubric=said)
             found.append((place.checked, known))
         if hand:
@@ -212,13 +199,6 @@ def column(place: Place, chapter: str) -> str:
     return f"{own}_{chapter[:2]}" if own == "own_log" else own
 
 
-def judged_by_hand(exercise: Any) -> bool:
-    """Whether an exercise takes more than numbers: a log, or any object of the student's."""
-    return not isinstance(exercise, Exercise | Prediction) and not getattr(
-        exercise, "numbers", False
-    )
-
-
 def worth(exercise: Any, said: str) -> tuple[int, int]:
     """Points of an exercise that the program gives, and points that a person gives.
 
@@ -234,7 +214,7 @@ def worth(exercise: Any, said: str) -> tuple[int, int]:
     total = sum(points for points, _ in rows)
     if isinstance(exercise, Exercise):
         return POINTS, 0
-    if judged_by_hand(exercise):
+    if isinstance(exercise, OwnLog):
         return 0, total or LOG_POINTS
     if rows:
         program = sum(points for points, words in rows if PASSES.search(words))

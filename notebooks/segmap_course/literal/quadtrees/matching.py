@@ -4,21 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from math import dist, pi, radians
-from typing import Protocol
+from typing import TYPE_CHECKING
 
 from ..lines import placed
-from .quadtree import Point, Quadtree, Square, occupancy, quarters
+from .quadtree import Point, Quadtree, Square, holds, occupancy, quarters
+
+if TYPE_CHECKING:
+    from numpy.random import Generator
 
 Pose = Sequence[float]
 #: Six moves, in the order that decides between equals: x, y and heading.
 MOVES = ((-1, 0, 0), (1, 0, 0), (0, -1, 0), (0, 1, 0), (0, 0, -1), (0, 0, 1))
-
-
-class Generator(Protocol):
-    """A source of random numbers: `numpy.random.Generator`, say."""
-
-    def normal(self, mean: float, sigma: float, /) -> float:
-        """A number drawn around a mean."""
 
 
 def occupancy_score(tree: Quadtree, points: Iterable[Point], pose: Pose) -> float:
@@ -32,20 +28,12 @@ def occupancy_score(tree: Quadtree, points: Iterable[Point], pose: Pose) -> floa
     1.0
     """
     cells = [tree.cell(placed(point, pose)) for point in points]
-    left, low, side = tree.root
-    inside = [c for c in cells if left <= c[0] < left + side and low <= c[1] < low + side]
-    values = [occupancy(*tree.leaves[tree.leaf(cell)]) for cell in inside]
+    values = [occupancy(*tree.leaves[tree.leaf(c)]) for c in cells if holds(tree.root, c)]
     return sum(value for value in values if value > 0.5)
 
 
 def distance_score(points: Iterable[Point], pose: Pose, centres: Iterable[Point]) -> float:
-    """Minus the sum of the distances from the ends to the nearest of the centres, metres (B 4.3).
-
-    Examples
-    --------
-    >>> distance_score([(1.0, 0.0)], (0.0, 0.0, 0.0), [(1.0, 0.5), (3.0, 0.0)])
-    -0.5
-    """
+    """Minus the sum of distances from the ends to the nearest of the centres, metres (B 4.3)."""
     known = list(centres)
     ends = [placed(point, pose) for point in points]
     return -sum(min(dist(end, centre) for centre in known) for end in ends)
@@ -89,13 +77,7 @@ def climb_step(
     turn: float,
     moves: Iterable[Pose] = MOVES,
 ) -> Pose:
-    """The best of six small moves, or the pose itself where none improves its value (B 4.3.1).
-
-    Examples
-    --------
-    >>> climb_step(lambda pose: -abs(pose[0] - 1), (0.0, 0.0, 0.0), 0.25, 0.1)
-    (0.25, 0.0, 0.0)
-    """
+    """The best of six small moves, or the pose itself where none improves its value (B 4.3.1)."""
     best, most = pose, value(pose)
     for x, y, heading in moves:
         tried = pose[0] + x * move, pose[1] + y * move, pose[2] + heading * turn

@@ -13,36 +13,18 @@ Square = tuple[int, int, int]
 
 
 def cell_of(x: float, corner: float, resolution: float) -> int:
-    """Column that holds a coordinate, in metres: one division and then the floor (B 4.1).
-
-    Examples
-    --------
-    >>> cell_of(1.0, 0.0, 0.1), cell_of(-0.05, 0.0, 0.1)
-    (10, -1)
-    """
+    """Column that holds a coordinate, in metres: one division and then the floor (B 4.1)."""
     return floor((x - corner) / resolution)
 
 
 def grown(root: Square, cell: Cell) -> Square:
-    """The root, doubled once towards a cell that lies outside it (B 4.2).
-
-    Examples
-    --------
-    >>> grown((0, 0, 8), (3, -1))
-    (0, -8, 16)
-    """
+    """The root, doubled once towards a cell that lies outside it (B 4.2)."""
     x, y, side = root
     return x - side * (cell[0] < x), y - side * (cell[1] < y), 2 * side
 
 
 def occupancy(vis: int, occ: int, bias: int = 20) -> float:
-    """Occupancy of a leaf that `vis` rays crossed and `occ` beams ended in, in [0, 1] (B 4.1).
-
-    Examples
-    --------
-    >>> occupancy(0, 0), occupancy(10, 0), occupancy(4, 1)
-    (0.5, 0.25, 0.25)
-    """
+    """Occupancy of a leaf that `vis` rays crossed and `occ` beams ended in, in [0, 1] (B 4.1)."""
     return occ / vis if occ else max(0.5 * (bias - vis) / bias, 0.0)
 
 
@@ -72,25 +54,13 @@ def ray_cells(start: Cell, end: Cell) -> list[Cell]:
 
 
 def crossed_cells(start: Cell, end: Cell) -> list[Cell]:
-    """Cells of a ray without the mask: its end and the end's eight neighbours (B 4.4.2).
-
-    Examples
-    --------
-    >>> crossed_cells((0, 0), (4, 0))
-    [(0, 0), (1, 0), (2, 0)]
-    """
+    """Cells of a ray without the mask: its end and the end's eight neighbours (B 4.4.2)."""
     cells = ray_cells(start, end)
     return [(x, y) for x, y in cells if max(abs(x - end[0]), abs(y - end[1])) > 1]
 
 
 def quarters(square: Square) -> list[Square]:
-    """The four squares of half the side.
-
-    Examples
-    --------
-    >>> quarters((0, 0, 4))
-    [(0, 0, 2), (0, 2, 2), (2, 0, 2), (2, 2, 2)]
-    """
+    """The four squares of half the side."""
     left, low, side = square
     half = side // 2
     return [(x, y, half) for x in (left, left + half) for y in (low, low + half)]
@@ -99,16 +69,10 @@ def quarters(square: Square) -> list[Square]:
 class Quadtree:
     """Leaves `(x, y, side)`, in cells from the first corner, with their two counts.
 
-    Parameters
-    ----------
-    resolution : float, metres
-    cells : int
-        Side of the root at first, a power of two; it grows up to `largest`.
-    corner : (2,) floats, metres
-    finest : int or None
-        The `free_resolution` of `segmap.quadtree.QuadtreeMap`, in cells: rays split leaves too,
-        splits hand their counts on, and equal children join. B has nothing like it.
-    largest : int
+    The resolution and the corner are in metres. The side of the root is `cells` at first, a power
+    of two, and grows up to `largest`. `finest` is the `free_resolution` of
+    `segmap.quadtree.QuadtreeMap`, in cells: rays split leaves too, splits hand their counts on, and
+    equal children join. B has nothing like it.
 
     Examples
     --------
@@ -165,7 +129,7 @@ class Quadtree:
 
     def grow(self, cell: Cell) -> None:
         """Double the root until it holds a cell."""
-        while not _holds(self.root, cell):
+        while not holds(self.root, cell):
             root = grown(self.root, cell)
             if root[2] > self.largest:
                 raise ValueError(f"cell {cell} lies beyond {self.largest} cells a side")
@@ -210,7 +174,7 @@ class Quadtree:
         ]
 
 
-def _holds(square: Square, cell: Cell) -> bool:
+def holds(square: Square, cell: Cell) -> bool:
     """Whether a cell lies in a square."""
     (left, low, side), (x, y) = square, cell
     return left <= x < left + side and low <= y < low + side

@@ -87,19 +87,13 @@ def clipped(s: Segment, cell: float, corner: Point) -> list[tuple[Cell, Prototyp
 
 def moved(old: Prototype, points: Sequence[Point], u: Sequence[float]) -> Prototype:
     """The prototype of points with memberships u."""
-    weighted = [(w * w, *p) for w, p in zip(u, points, strict=True)]
-    total = sum(w for w, _, _ in weighted)
-    x = sum(w * px for w, px, _ in weighted) / total
-    y = sum(w * py for w, _, py in weighted) / total
-    xx = sum(w * (px - x) * (px - x) for w, px, _ in weighted)
-    xy = sum(w * (px - x) * (py - y) for w, px, py in weighted)
-    yy = sum(w * (py - y) * (py - y) for w, _, py in weighted)
-    spread = math.hypot(xx - yy, 2 * xy)
-    if xx + yy + spread <= 0:
-        return Prototype(x, y, *old[2:])
-    theta = 0.5 * math.atan2(2 * xy, xx - yy)
-    mixing = 1 - max(xx + yy - spread, 0.0) / (xx + yy + spread)
-    return Prototype(x, y, math.cos(theta), math.sin(theta), mixing)
+    sums = sums_of(points, [w * w for w in u])
+    both, spread = sums.xx + sums.yy, math.hypot(sums.xx - sums.yy, 2 * sums.xy)
+    if both + spread <= 0:
+        return Prototype(sums.x, sums.y, *old[2:])
+    theta = sums.direction()
+    mixing = 1 - max(both - spread, 0.0) / (both + spread)
+    return Prototype(sums.x, sums.y, math.cos(theta), math.sin(theta), mixing)
 
 
 def memberships(p: Point, prototypes: Sequence[Prototype], noise: float) -> list[float]:

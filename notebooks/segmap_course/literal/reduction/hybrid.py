@@ -76,7 +76,7 @@ def take_scan(
     parents: list[int],
     segments: Sequence[Segment],
     new: list[int],
-    thresholds: tuple[float, float, float | None],
+    thresholds: tuple[float, float, float],
 ) -> None:
     """Each new segment goes into a wall of the map, joins the map, or is dropped as too short."""
     distance, angle, min_length = thresholds
@@ -85,7 +85,7 @@ def take_scan(
         if found is not None:
             parents[i] = found[0]
             absorb(walls[found[0]], segments[i], *found[1:])
-        elif segment_length(segments[i]) >= (distance if min_length is None else min_length):
+        elif segment_length(segments[i]) >= min_length:
             parents[i] = len(walls)
             walls.append(Wall(segments[i], *hough(segments[i])))
 
@@ -96,9 +96,9 @@ def hybrid(
     *,
     distance: float = 0.20,
     angle: float = math.pi / 18,
-    min_length: float | None = None,
+    min_length: float = 0.10,
 ) -> Found:
-    """Scan after scan into the map; `min_length` None is `distance`."""
+    """Scan after scan into the map."""
     walls: list[Wall] = []
     parents = [-1] * len(segments)
     for new in by_scan(segments, scans):
@@ -112,7 +112,7 @@ def hybrid_fusion(
     *,
     distance: float = 0.20,
     angle: float = math.pi / 18,
-    min_length: float | None = None,
+    min_length: float = 0.10,
     tolerance: float = 0.04,
     every: int = 50,
 ) -> Found:

@@ -23,6 +23,7 @@ from ..lines import (
     spanning,
 )
 from ..metrics import nearness, segment_distance
+from ..points import sums_along
 
 #: Price of a metre, distance, sine of the angle, and gap.
 Limits = tuple[float, float, float, float]
@@ -41,14 +42,7 @@ def least_cost(
     angle: float = math.radians(5),
     gap: float = 0.05,
 ) -> tuple[list[Segment], list[int]]:
-    """Reduced segments, and the index of the output that each of the inputs went into.
-
-    Examples
-    --------
-    >>> wall = [((0, 0), (2, 0)), ((1, 0.01), (3, 0.01)), ((0, 1), (2, 1))]
-    >>> least_cost(wall)[1]
-    [0, 0, 1]
-    """
+    """Reduced segments, and the index of the output that each of the inputs went into."""
     limits = max(0.25, penalty / distance / 40), distance, math.sin(angle), gap
     members = {i: [i] for i, s in enumerate(segments) if segment_length(s) >= SAME}
     drawn = {i: segments[i] for i in members}
@@ -141,7 +135,8 @@ def fit(
     ends = [p for s in members for p in s]
     longer = of_b if is_longer(of_b, of_a) else of_a
     best, at = most, None
-    for x, y, theta in (total_least_squares(members), middle_line(longer)):
+    middle = [(longer[0][k] + longer[1][k]) / 2 for k in (0, 1)]
+    for x, y, theta in (total_least_squares(members), (*middle, line_angle(longer))):
         found = cost_of(members, spanning(x, y, theta, ends), limits, best)
         if found < best - (EQUAL if at else 0.0):
             best, at = found, (x, y, theta)
@@ -199,21 +194,10 @@ def invented(spans: list[tuple[float, float]], whole: float, gap: float) -> floa
 
 def total_least_squares(members: Sequence[Segment]) -> tuple[float, float, float]:
     """Centre and angle of the line that lies nearest to all the material of the members."""
-    w, cx, cy, xx, xy, yy = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    for s in members:
-        n, ((x0, y0), (x1, y1)) = segment_length(s), s
-        mx, my, dx, dy = (x0 + x1) / 2 - cx, (y0 + y1) / 2 - cy, x1 - x0, y1 - y0
-        part = w * n / (w + n)
-        xx, xy = xx + n * dx * dx / 12 + part * mx * mx, xy + n * dx * dy / 12 + part * mx * my
-        yy += n * dy * dy / 12 + part * my * my
-        w, cx, cy = w + n, cx + n / (w + n) * mx, cy + n / (w + n) * my
-    return cx, cy, math.atan2(2 * xy, xx - yy) / 2
-
-
-def middle_line(s: Segment) -> tuple[float, float, float]:
-    """Middle of a segment, and its angle."""
-    (x0, y0), (x1, y1) = s
-    return (x0 + x1) / 2, (y0 + y1) / 2, line_angle(s)
+    sums, *others = (sums_along(s, segment_length(s)) for s in members)
+    for other in others:
+        sums = sums + other
+    return sums.x, sums.y, sums.direction()
 
 
 def line_at(x: float, y: float, theta: float, offset: float, ends: Sequence[Point]) -> Segment:

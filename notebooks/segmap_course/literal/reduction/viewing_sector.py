@@ -8,7 +8,7 @@ from itertools import pairwise
 from typing import NamedTuple
 
 from ..lines import SAME, Found, Point, Segment, by_scan, segment_length, spanning
-from ..points import Sums, sums_of
+from ..points import Sums, sums_along, sums_of
 
 #: Where a stretch begins and ends along a segment: metres, or shares of its length.
 Interval = tuple[float, float]
@@ -229,13 +229,7 @@ def wall_of(i: int, s: Segment, points: Sequence[Point] | None, spacing: float) 
     size = segment_length(s)
     if points is not None:
         return Wall(s, sums_of(points), {i: size})
-    (ax, ay), (bx, by) = s
-    n, dx, dy = size / spacing, bx - ax, by - ay
-    return Wall(
-        s,
-        Sums(n, (ax + bx) / 2, (ay + by) / 2, n * dx * dx / 12, n * dx * dy / 12, n * dy * dy / 12),
-        {i: size},
-    )
+    return Wall(s, sums_along(s, size / spacing), {i: size})
 
 
 def viewing_sector(

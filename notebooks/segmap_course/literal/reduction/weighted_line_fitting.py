@@ -17,7 +17,7 @@ from ..lines import (
     gap_along,
     parents_of,
 )
-from ..points import points_behind
+from ..points import points_behind, sums_of
 
 
 class Line(NamedTuple):
@@ -57,18 +57,10 @@ def variance(p: Point, s: Point | None, alpha: float, range_: float, bearing: fl
 
 def fit(points: Sequence[Point], s: Point | None, range_: float, bearing: float) -> Line:
     """The weighted line of the points of one scan, step 1: weights follow from its angle."""
-    weights, alpha, before = [1.0] * len(points), 0.0, math.inf
-    x = y = 0.0
+    weights, before = [1.0] * len(points), math.inf
     for _ in range(50):
-        total = sum(weights)
-        x = sum(w * p[0] for w, p in zip(weights, points, strict=True)) / total
-        y = sum(w * p[1] for w, p in zip(weights, points, strict=True)) / total
-        xx = xy = yy = 0.0
-        for w, p in zip(weights, points, strict=True):
-            xx += w * (p[0] - x) * (p[0] - x)
-            xy += w * (p[0] - x) * (p[1] - y)
-            yy += w * (p[1] - y) * (p[1] - y)
-        alpha = 0.5 * math.atan2(2 * xy, xx - yy) + math.pi / 2
+        sums = sums_of(points, weights)
+        x, y, alpha = sums.x, sums.y, sums.direction() + math.pi / 2
         weights = [1 / variance(p, s, alpha, range_, bearing) for p in points]
         if before < math.inf and abs(axial_difference(alpha, before)) < 1e-12:
             break

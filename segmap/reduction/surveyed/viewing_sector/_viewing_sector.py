@@ -94,7 +94,8 @@ def viewing_sector(
         most = int(np.diff(rows.cuts).max(initial=0))  # segments of a scan
         walls, before, after, nodes = _walls_for(0), _walls_for(0), _walls_for(0), 0
         claims, room = _claims_for(64, 64), _room_for(most, 64, 64)
-        # where the length of each input went: pieces are children of the wall they were cut from
+        # where the length of each input went: rows of `family` have the parent of a node, -1 for
+        # none, and the share of it that the node is; rows of `given` an input, a node, and metres
         family, given = [np.empty((0, 2))], [np.empty((0, 3))]
         for begin, stop in rows.scans():
             p, scan = sensors[begin], Walls(s[begin:stop], sums[begin:stop], np.arange(begin, stop))
@@ -120,7 +121,11 @@ def viewing_sector(
             given.append(gifts[:m])
             nodes += more
             yield n
-        parents = _parents(walls.node, np.concatenate(family), np.concatenate(given), len(s))
+        nodes_of, gifts = np.concatenate(family), np.concatenate(given)
+        gifts = gifts[np.argsort(gifts[:, 1], kind="stable")]
+        starts = np.searchsorted(gifts[:, 1], np.arange(len(nodes_of) + 1))
+        held, longest, parents = np.zeros(len(s)), np.zeros(len(s)), np.full(len(s), -1)
+        _weigh(walls.node, nodes_of, starts, gifts, held, longest, parents)
         return walls.s.copy(), parents
 
     return run_online("viewing_sector", map, steps, splits=True)
@@ -169,19 +174,6 @@ def _sums_along(s: Array, spacing: float) -> Array:
     return np.column_stack([n, midpoint(s), x * x * n / 12, x * y * n / 12, y * y * n / 12])
 
 
-def _parents(leaves: Indices, family: Array, given: Array, count: int) -> Indices:
-    """Which leaf holds most of each input `(count,)`, -1 for none; ties: the first.
-
-    `family` has the parent of each node, -1 for none, and the share of it that the node is; a row
-    of `given` says which input gave how many metres to which node.
-    """
-    order = np.argsort(given[:, 1], kind="stable")
-    first = np.searchsorted(given[order, 1], np.arange(len(family) + 1))
-    most, parents, held = np.zeros(count), np.full(count, -1), np.zeros(count)
-    _weigh(leaves, family, first, np.ascontiguousarray(given[order]), held, most, parents)
-    return parents
-
-
 @compiled
 def _weigh(
     leaves: Indices,
@@ -192,7 +184,10 @@ def _weigh(
     most: Array,
     parents: Indices,
 ) -> None:
-    """The leaf that holds most metres of each input: walks from each leaf up to its root."""
+    """The leaf that holds most metres of each input, -1 for none; ties: the first.
+
+    Walks from each leaf up to its root.
+    """
     for k in range(len(leaves)):
         for again in range(2):
             node, part = leaves[k], 1.0

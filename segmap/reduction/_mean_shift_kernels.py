@@ -1,4 +1,4 @@
-"""Climbing and linking, for mean shift: centres move to where points are dense, and make chains.
+"""The loops of mean shift: centres climb to where points are dense, and make chains.
 
 Points are `(n, 3)` arrays in units of the kernel's deviations: two coordinates and an angle, which
 wraps at `period`; points of different groups do not see each other. They are kept in strips of
@@ -15,6 +15,7 @@ import numpy as np
 
 from ..arrays import Array
 from ..compiled import compiled
+from ..kernels import root_of
 from ._runner import Indices
 
 #: Points farther away than this many deviations, where the weight is 0.011, do not pull.
@@ -23,6 +24,8 @@ REACH = 3 * (1 + 1e-9)
 LANES, SPREAD = 16, 8.0
 #: Beyond this share of a quarter turn a point counts as perpendicular: it turns neither way.
 PERPENDICULAR = 1 - 1e-9
+#: Intervals at most this far apart, in metres, are joined.
+SAME = 1e-9
 
 
 class Strips(NamedTuple):
@@ -61,12 +64,9 @@ def climb(
     that a step leaves where it was stays there.
     """
     strips = _in_strips(points, REACH, group)
-    cuts = np.empty(len(points) + 1, np.int64)
-    cuts = cuts[: _neighbours(strips.x, strips.first, cuts)]
-    runs = np.searchsorted(cuts, strips.first[strips.begins])
-    centres, moves = np.stack(strips[:3]), np.empty(len(cuts))
-    steps = _climb(strips, cuts, runs, centres, moves, np.empty((7, LANES)), period, stop, most)
-    found = np.empty_like(points)
+    centres, found = np.stack(strips[:3]), np.empty_like(points)
+    begin, moves = np.empty(len(points) + 1, np.int64), np.empty(len(points))
+    steps = _climb(strips, centres, begin, moves, np.empty((7, LANES)), period, stop, most)
     found[strips.order] = centres.T
     return found, steps
 
@@ -76,23 +76,6 @@ def link(points: Array, group: Indices, period: float, reach: float) -> Indices:
     parent = np.arange(len(points))
     _link(_in_strips(points, reach, group), parent, period, reach)
     return parent
-
-
-@compiled
-def _neighbours(x: Array, first: Indices, cuts: Indices) -> int:
-    """Cut strips into runs of neighbours, all within `SPREAD` of the first: where each begins, n.
-
-    Writes them to `cuts` and returns how many there are.
-    """
-    count = 0
-    for r in range(len(first) - 1):
-        begin = -1
-        for i in range(first[r], first[r + 1]):
-            if begin < 0 or i - begin == LANES or x[i] - x[begin] > SPREAD:
-                cuts[count], begin = i, i
-                count += 1
-    cuts[count] = len(x)
-    return count + 1
 
 
 @compiled
@@ -140,8 +123,7 @@ def _pull(px: Array, py: Array, pa: Array, block: Array, period: float) -> None:
 @compiled
 def _step(
     strips: Strips,
-    low: int,
-    high: int,
+    g: int,
     centres: Array,
     begin: int,
     end: int,
@@ -150,9 +132,9 @@ def _step(
 ) -> float:
     """Move the centres `begin` to `end` of `(3, n)` once; the square of the largest move, if any.
 
-    They see the points of the strips `low` to `high`; `block`, (7, LANES), is room to work.
+    They see the points of their group g; `block`, (7, LANES), is room to work.
     """
-    rows, first = strips.rows, strips.first
+    rows, first, high = strips.rows, strips.first, strips.begins[g + 1]
     left, right, bottom, top = np.inf, -np.inf, np.inf, -np.inf
     for i in range(LANES):
         k = min(begin + i, end - 1)  # the last one fills up
@@ -161,7 +143,7 @@ def _step(
         block[6, i] = 0.0
         left, right = min(left, centres[0, k]), max(right, centres[0, k])
         bottom, top = min(bottom, centres[1, k]), max(top, centres[1, k])
-    r = _bisect(rows, low, high, np.floor((bottom - REACH) / REACH))
+    r = _bisect(rows, strips.begins[g], high, np.floor((bottom - REACH) / REACH))
     while r < high and rows[r] <= np.floor((top + REACH) / REACH):
         i = _bisect(strips.x, first[r], first[r + 1], left - REACH)
         j = _bisect(strips.x, i, first[r + 1], right + REACH)
@@ -183,9 +165,8 @@ def _step(
 @compiled
 def _climb(
     strips: Strips,
-    cuts: Indices,
-    runs: Indices,
     centres: Array,
+    begin: Indices,
     moves: Array,
     block: Array,
     period: float,
@@ -194,21 +175,25 @@ def _climb(
 ) -> int:
     """Move the centres, `(3, n)`, of each group until none moves by more than `stop`; the steps.
 
-    A group has the runs of neighbours `runs[g]` to `runs[g + 1]`, which begin at `cuts`.
+    `begin` and `moves` are room for the centres that climb together, each run of neighbours in a
+    strip: where it begins, and the square of its last move.
     """
-    longest = 0
-    for g in range(len(runs) - 1):
-        steps, largest = 0, np.inf
-        for k in range(runs[g], runs[g + 1]):
-            moves[k] = np.inf
+    first, longest = strips.first, 0
+    for g in range(len(strips.begins) - 1):
+        count, steps, largest = 0, 0, np.inf
+        for r in range(strips.begins[g], strips.begins[g + 1]):
+            start = first[r]
+            for i in range(first[r], first[r + 1]):
+                far = strips.x[i] - strips.x[start] > SPREAD
+                if i == first[r] or i - start == LANES or far:
+                    start, begin[count], moves[count] = i, i, np.inf
+                    count += 1
+        begin[count] = first[strips.begins[g + 1]]
         while largest > stop * stop and steps < most:
             largest = 0.0
-            for k in range(runs[g], runs[g + 1]):
+            for k in range(count):
                 if moves[k] > 0:
-                    low, high = strips.begins[g], strips.begins[g + 1]
-                    moves[k] = _step(
-                        strips, low, high, centres, cuts[k], cuts[k + 1], period, block
-                    )
+                    moves[k] = _step(strips, g, centres, begin[k], begin[k + 1], period, block)
                 largest = max(largest, moves[k])
             steps += 1
         longest = max(longest, steps)
@@ -216,41 +201,41 @@ def _climb(
 
 
 @compiled
-def _root_of(parent: Indices, i: int) -> int:
-    """Lowest member of the set of i; halves the way there."""
-    while parent[i] != i:
-        parent[i] = parent[parent[i]]
-        i = parent[i]
-    return i
-
-
-@compiled
-def _link_with(
-    strips: Strips, parent: Indices, i: int, j: int, stop: int, period: float, reach: float
-) -> None:
-    """Unite the set of point i with those of the sorted points j to stop closer than `reach`."""
-    x, y, a, order = strips.x, strips.y, strips.a, strips.order
-    while j < stop and x[j] - x[i] < reach:
-        dx, dy, da = x[i] - x[j], y[i] - y[j], abs(a[i] - a[j])
-        da = min(da, period - da)
-        if dx * dx + dy * dy + da * da < reach * reach:
-            k, m = _root_of(parent, order[i]), _root_of(parent, order[j])
-            parent[max(k, m)] = min(k, m)
-        j += 1
-
-
-@compiled
 def _link(strips: Strips, parent: Indices, period: float, reach: float) -> None:
     """Unite all points of a group closer than `reach`: `parent` becomes the lowest of each set."""
-    rows, first = strips.rows, strips.first
+    x, y, a, order, first = strips.x, strips.y, strips.a, strips.order, strips.first
     for g in range(len(strips.begins) - 1):
-        last = strips.begins[g + 1] - 1
-        for r in range(strips.begins[g], last + 1):
-            above = first[r + 1]
+        for r in range(strips.begins[g], strips.begins[g + 1]):
             for i in range(first[r], first[r + 1]):
-                _link_with(strips, parent, i, i + 1, first[r + 1], period, reach)
-                if r < last and rows[r + 1] == rows[r] + 1:
-                    above = _bisect(strips.x, above, first[r + 2], strips.x[i] - reach)
-                    _link_with(strips, parent, i, above, first[r + 2], period, reach)
+                for s in range(r, min(r + 2, strips.begins[g + 1])):  # its strip and the next
+                    if strips.rows[s] > strips.rows[r] + 1:
+                        continue
+                    stop = first[s + 1]
+                    j = i + 1 if s == r else _bisect(x, first[s], stop, x[i] - reach)
+                    while j < stop and x[j] - x[i] < reach:
+                        dx, dy, da = x[i] - x[j], y[i] - y[j], abs(a[i] - a[j])
+                        da = min(da, period - da)
+                        if dx * dx + dy * dy + da * da < reach * reach:
+                            k, m = root_of(parent, order[i]), root_of(parent, order[j])
+                            parent[max(k, m)] = min(k, m)
+                        j += 1
     for i in range(len(parent)):
-        parent[i] = _root_of(parent, i)
+        parent[i] = root_of(parent, i)
+
+
+@compiled
+def join(
+    order: Indices, chain: Indices, low: Array, high: Array, into: Indices, spans: Array
+) -> int:
+    """Union of the intervals of each chain, sorted by chain and low: the number of parts.
+
+    Writes the part of each interval, and low and high of each part.
+    """
+    count, last = 0, -1
+    for i in order:
+        if chain[i] != last or low[i] > spans[count - 1, 1] + SAME:
+            last, spans[count, 0], spans[count, 1] = chain[i], low[i], high[i]
+            count += 1
+        spans[count - 1, 1] = max(spans[count - 1, 1], high[i])
+        into[i] = count - 1
+    return count

@@ -4,23 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..arrays import Array
-from ..scans import LaserScan
+from segmap.arrays import Array
+from segmap.scans import LaserScan
 
 
 def segment_zoo() -> dict[str, Array]:
     """Maps of segments that have broken programs: empty, crossing, vertical, repeated, tiny, far.
 
-    Returns
-    -------
-    dict of (n, 2, 2) arrays, metres
-        New arrays at each call. All are finite.
-
-    Examples
-    --------
-    >>> zoo = segment_zoo()
-    >>> zoo["vertical"].tolist()
-    [[[1.0, 0.0], [1.0, 2.0]]]
+    New arrays at each call. All are finite.
     """
     wall = [(0, 0), (2, 0)]
     zoo = {
@@ -53,15 +44,7 @@ def segment_zoo() -> dict[str, Array]:
 def point_zoo() -> dict[str, Array]:
     """Points of a scan, in the order of the beams, that have broken programs.
 
-    Returns
-    -------
-    dict of (n, 2) arrays, metres
-        New arrays at each call. All are finite.
-
-    Examples
-    --------
-    >>> len(point_zoo()["empty"])
-    0
+    New arrays at each call. All are finite.
     """
     line = np.linspace(0, 1, 11)
     ones, turn = np.ones(11), np.linspace(0, 2 * np.pi, 90, endpoint=False)
@@ -85,15 +68,7 @@ def point_zoo() -> dict[str, Array]:
 def scan_zoo() -> dict[str, LaserScan]:
     """Scans that have broken programs: without a valid beam, with NaN, over the whole turn.
 
-    Returns
-    -------
-    dict of LaserScan
-        Ranges in metres, `(n,)`, angles in radians.
-
-    Examples
-    --------
-    >>> scan_zoo()["all invalid"]
-    LaserScan(5 beams, 0 valid, t=0 s)
+    Ranges in metres, `(n,)`, angles in radians.
     """
     half, whole = np.radians(np.arange(-90, 91)), np.radians(np.arange(-180, 180))
     wall = 1 / np.cos(half[30:151])

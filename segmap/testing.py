@@ -1,14 +1,14 @@
-"""Assertions that know what is the same: segments without direction, headings that wrap."""
+"""Assertions for tests: segments are equal without direction, headings where they wrap."""
 
 from __future__ import annotations
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .. import arrays
-from ..angles import wrap
-from ..arrays import Array, Segments
-from ..segments import midpoint
+from . import arrays
+from .angles import wrap
+from .arrays import Array, Segments
+from .segments import midpoint
 
 
 def assert_segments_equal(
@@ -18,7 +18,6 @@ def assert_segments_equal(
 
     Parameters
     ----------
-    actual, expected : SegmentMap, Reduction or (n, 2, 2) array, metres
     atol : float, metres
         Coordinates may differ by so much.
     ordered : bool
@@ -68,7 +67,8 @@ def assert_poses_equal(actual: ArrayLike, expected: ArrayLike, *, atol: float = 
     ----------
     actual, expected : (..., 3) array, metres and radians
         Rows with NaN equal rows with NaN in the same columns.
-    atol : float, metres and radians
+    atol
+        Metres and radians.
 
     Raises
     ------
