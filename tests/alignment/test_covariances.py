@@ -17,10 +17,10 @@ from segmap.alignment import (
     align_to_truth,
     match_angles,
     match_points,
+    match_segments,
     solve_graph,
 )
 from segmap.alignment.graph import Edge, spread
-from segmap.alignment.segment_icp import match_segments
 from segmap.angles import wrap
 from segmap.extraction import extract_polylines
 from segmap.poses import between, compose, transform

@@ -22,7 +22,6 @@ from segmap.simulation import (
     box,
     drive,
     office,
-    polygon,
     polyline,
     rectangular_room,
     simulate,
@@ -142,7 +141,7 @@ def turning_in_a_hall_of_teeth(seed: int, step: float) -> Log:
     """A robot turns on the spot where a turn by 8 degrees shows the same walls again."""
     at, count = np.radians(np.arange(0, 360, PITCH / 2)), round(400 / step)
     far = np.where(np.arange(len(at)) % 2, RADIUS, RADIUS + TEETH)
-    walls = polygon(np.stack([far * np.cos(at), far * np.sin(at)], -1))
+    walls = polyline(np.stack([far * np.cos(at), far * np.sin(at)], -1), closed=True)
     k = np.arange(count)
     path = np.stack([0.05 * np.cos(k), 0.05 * np.sin(k), wrap(np.radians(step) * k)], -1)
     laser, rng = replace(LASER, max_range=12.0), np.random.default_rng(seed)

@@ -5,8 +5,7 @@ import numpy as np
 import pytest
 
 from segmap import load
-from segmap.alignment import segment_icp
-from segmap.alignment.segment_icp import match_segments
+from segmap.alignment import match_segments, segment_icp
 from segmap.angles import wrap
 from segmap.extraction import extract_polylines
 from segmap.poses import between, compose, inverse, transform

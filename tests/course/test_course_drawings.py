@@ -366,12 +366,14 @@ def test_a_picture_for_each_building_two_a_row():
 
 
 def test_letters_of_lines_that_end_together_do_not_cover_each_other(ax):
-    """Catches eight letters on one heap."""
+    """Catches eight letters on one heap, and a letter that is moved away without a line to it."""
     runs = [run(name, "fusion", 0.5, tolerance=0.04) for name in ("ash", "box", "cot")]
     runs += [run("den", "fusion", 0.9, tolerance=0.04)]
     course.draw_threshold(pd.concat(runs), method="fusion", ax=ax)
-    places = {text.get_text(): text.xy[1] for text in ax.texts}
+    places = {text.get_text(): text.xyann[1] for text in ax.texts}
     low, high = ax.get_ylim()
     assert np.diff(sorted(places.values())).min() >= 0.05 * (high - low)
     assert places["D"] == 0.9 and places["A"] < places["B"] < places["C"]
     assert np.mean([places[k] for k in "ABC"]) == pytest.approx(0.5)
+    assert [text.xy for text in ax.texts] == [(40, 0.5)] * 3 + [(40, 0.9)]
+    assert all(text.arrow_patch.get_arrowstyle() for text in ax.texts)

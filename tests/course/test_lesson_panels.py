@@ -249,7 +249,19 @@ def test_distance_panel_turned_wall():
     panel = course.DistancePanel()
     panel.angle.value = 90
     assert panel.segments[1].round(9).tolist() == [[0.0, -1.0], [0.0, 1.0]]
-    assert panel.apart.value == "apart 1.000 m" and panel.angular.value == "angular 2.000 m"
+    assert panel.apart.value == "apart 1.000 m" and panel.turned.value == "turned 2.000 m"
+
+
+@unpainted
+def test_matcher_panel_shows_the_landscape_of_the_heading_that_the_scan_has():
+    """Catches the slider "and turned", which once changed the words and not the picture."""
+    shown, _, _ = PANELS["MatcherPanel"]
+    panel = course.MatcherPanel(*shown)
+    best = []
+    for turn in (0, 15):
+        panel.turn.value = turn
+        best.append(panel._lands["field", float(turn)].values.max())
+    assert best[0] > best[1]
 
 
 @unpainted

@@ -85,6 +85,8 @@ def test_all_methods_run_with_their_defaults_and_those_that_are_none_are_left_ou
     assert type(runs["hybrid_fusion"][0]["every"]) is int
     some = {name: METHODS[name] for name in ("fusion", "viewing_sector")}
     assert list(sweep({"room": ROOM}, some)["method"]) == ["fusion"]
+    with pytest.raises(ValueError, match=r"map must tell where its sensor was"):
+        sweep({"room": ROOM}, ["viewing_sector"])
 
 
 MISTAKES = [
@@ -95,7 +97,6 @@ MISTAKES = [
     ((MAPS, {"mine": lambda map, **all: 0}, {"mine": [{"seconds": 1}]}), {}, "threshold 'seconds'"),
     (({"two\nlines": HALL}, ["fusion"]), {}, "names of one line"),
     (({"bad": [[(0, np.nan), (1, 1)]]}, ["fusion"]), {}, r"maps\['bad'\]\[0\] is"),
-    (({"room": ROOM}, ["viewing_sector"]), {}, "map must tell where its sensor was"),
     ((MAPS, ["fusion"]), {"repeat": 0}, "repeat must be .* at least 1, got 0"),
     *(
         ((MAPS, ["fusion"]), {"filters": (None, least)}, "filters must be .* in metres, or None")

@@ -103,16 +103,6 @@ def test_the_search_looks_into_few_blocks(seed):
     assert len({node // 4 for node in occ.asked}) > 10 and len(occ.asked) < 4 * 3 * 300
 
 
-def test_the_root_may_double_on_any_side():
-    """Catches blocks above the first root that are taken for empty."""
-    for x in (-50.0, 50.0):
-        for y in (-50.0, 50.0):
-            map = QuadtreeMap(resolution=0.5, size=2.0)
-            map.insert_scan((1, 1), [(1.2, 1.2)])
-            map.insert_scan((x, y), [(x, y)])
-            assert nearest_score(map, [(1.25, 1.75), (x, y)], (0, 0, 0))[0] > -0.9
-
-
 def test_descent_misses_the_nearest_cell():
     """Two quarters: the nearer centre belongs to the one whose only cell lies far away."""
     map = QuadtreeMap(resolution=1.0, size=8.0)
@@ -148,22 +138,6 @@ def test_points_and_poses_may_move_together(score):
     moved = score(map, transform(step, points), poses)
     away = 2 * len(points) * 0.01 * map.resolution if score is field_score else 1e-9
     np.testing.assert_allclose(score(map, points, compose(poses, step)), moved, atol=away)
-
-
-@pytest.mark.parametrize("score", SCORES[1:3])
-@pytest.mark.parametrize("motion", [(2.0, -3.0, 0.0), (-1.0, 0.5, np.pi / 2), (0, 0, np.pi)])
-def test_moving_map_and_pose_keeps_the_distance(score, motion):
-    """Whole cells and quarter turns: nothing of the frame may be left in the score."""
-    rng = np.random.default_rng(2)
-    cells = rng.integers(-20, 20, (30, 2)) * 0.25 + 0.125
-    maps = [QuadtreeMap(resolution=0.25) for _ in range(2)]
-    for cell in cells:
-        maps[0].insert_scan(cell, [cell])
-        moved = transform(motion, cell[None])
-        maps[1].insert_scan(moved[0], moved)
-    points, poses = asked(maps[0], rng)
-    expected = score(maps[0], points, poses)
-    np.testing.assert_allclose(score(maps[1], points, compose(motion, poses)), expected, rtol=1e-9)
 
 
 @pytest.mark.parametrize("score", SCORES)

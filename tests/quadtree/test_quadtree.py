@@ -70,16 +70,6 @@ def test_equals_the_literal_map_on_edges(scans, free_resolution):
     assert equal
 
 
-@pytest.mark.parametrize("angle", range(0, 360, 9))
-def test_every_direction_of_a_ray(angle):
-    """Catches a ray that rounds the other way where x or y decreases."""
-    end = 5 * np.array([np.cos(np.radians(angle)), np.sin(np.radians(angle))])
-    for sensor in [(0.1, 0.1), (0.9, 0.6)]:
-        scan = (sensor, [end, end / 2, end / 3], [end * 0.7])
-        _, equal = both([scan], cells=64, corner=(-8, -8))
-        assert equal
-
-
 NEAR = (0.5, 0.5)
 GROWN = [((-0.1, 0.5), (-1, 0, 1, 2)), ((0.5, -0.1), (0, -1, 2, 1)), ((1.1, 0.5), (0, 0, 2, 2))]
 GROWN += [((0.5, 1.1), (0, 0, 2, 2)), ((-0.1, -0.1), (-1, -1, 1, 1)), ((2.5, -1.5), (0, -3, 4, 1))]

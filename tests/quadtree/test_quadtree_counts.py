@@ -26,13 +26,6 @@ def test_counts_by_hand():
     assert found[(0, 0, 2)] == [2, 0]  # cell 0; 1 and 2 are masked
 
 
-def test_the_mask_leaves_out_cells_and_not_their_leaves():
-    """Catches a mask that spares a whole leaf, part of which the ray crosses before."""
-    map = QuadtreeMap(resolution=0.25, size=2)
-    map.insert_scan((0.1, 0.1), [(1.1, 0.1)])
-    assert map.leaves().vis[0] == 1 and map.leaves().side[0] == 1.0
-
-
 @pytest.mark.parametrize(
     ("vis", "occ", "bias", "expected"),
     [
@@ -51,14 +44,6 @@ def test_what_lies_outside_is_unknown():
     map.insert_scan((1, 1), [(2, 1)])
     found = map.occupancy([(-1e-9, 0), (51.2, 1), (1e300, -1e300)])
     assert found.tolist() == [0.5] * 3 and map.occupancy([]).shape == (0,)
-
-
-def test_rays_that_met_nothing_only_cross():
-    """Catches a free ray that splits, or leaves its last cells out."""
-    map = QuadtreeMap(resolution=1, size=8)
-    map.insert_scan((0.5, 0.5), [], [(7.5, 0.5), (0.5, 0.5)])
-    found = leaves_of(map)
-    assert found == {(0, 0, 4): [2, 0], (4, 0, 4): [1, 0], (0, 4, 4): [0, 0], (4, 4, 4): [0, 0]}
 
 
 @pytest.fixture(scope="module")

@@ -9,6 +9,7 @@ import damaged_maps
 import numpy as np
 import pytest
 from conftest import slow
+from damage import MUTANTS
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.lib import format as npy
@@ -50,7 +51,7 @@ def test_a_map_comes_back_and_goes_on(options, tmp_path):
     assert (found.bias, found.free_resolution) == (7, options.get("free_resolution"))
 
 
-@settings(max_examples=200)
+@settings(max_examples=max(200, MUTANTS))
 @given(
     st.integers(0, 10**6),
     st.sampled_from(["flip", "drop", "cut", "zero", "insert"]),
@@ -160,7 +161,7 @@ def test_another_file_is_refused(data, tmp_path):
 # ------------------------------------------------------------------------ crafted files
 
 
-@pytest.mark.parametrize("count", [500, slow(1200)])
+@pytest.mark.parametrize("count", [max(500, MUTANTS), slow(1200)])
 def test_a_crafted_file_is_refused_or_everything_works_on_its_map(count, tmp_path):
     """Catches an invariant that a loop relies on and that nobody checks."""
     rng, path = random.Random(5), tmp_path / "crafted.npz"

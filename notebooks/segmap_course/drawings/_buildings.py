@@ -92,13 +92,14 @@ def _buildings(frame: pd.DataFrame) -> list[str]:
 
 
 def _spread_letters(ends: list[tuple[str, tuple[float, float]]], ax: Axes) -> None:
-    """Initials beside the ends of lines, moved apart where lines end close together."""
+    """Initials beside the ends of lines; where they are moved apart, a thin line leads to each."""
     from scipy.optimize import isotonic_regression
 
     low, high = ax.get_ylim()
     ordered = sorted(ends, key=lambda end: end[1][1])
     steps = _LETTER * (high - low) * np.arange(len(ordered))
     heights = isotonic_regression([y for _, (_, y) in ordered] - steps).x + steps
-    for (name, (x, _)), y in zip(ordered, heights, strict=True):
-        text = ax.annotate(name[0].upper(), (x, y), (6, -3), textcoords="offset points")
-        text.set_fontsize("small")
+    for (name, end), y in zip(ordered, heights, strict=True):
+        at = end[0] + 0.05 * np.ptp(ax.get_xlim()), y
+        leader = {"arrowstyle": "-", "linewidth": 0.6, "shrinkA": 0, "shrinkB": 0}
+        ax.annotate(name[0].upper(), end, at, va="center", fontsize="small", arrowprops=leader)

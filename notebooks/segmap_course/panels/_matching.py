@@ -73,6 +73,7 @@ class MatcherPanel(LessonPanel):
 
     A step is an accepted move of hill climbing, or a round of sampling: all poses that were tried
     in it, the best so far last. Beyond the last step it stays there. The scan belongs at the pose.
+    The landscape is that of the heading after the step: it changes when the scan is turned.
 
     Examples
     --------
@@ -103,7 +104,7 @@ class MatcherPanel(LessonPanel):
     def __init__(self, map: QuadtreeMap, points: ArrayLike, pose: ArrayLike) -> None:
         self.map, self.points = map, np.asarray(points, float)
         self.pose = np.asarray(pose, float)
-        self._lands: dict[str, Landscape] = {}
+        self._lands: dict[tuple[str, float], Landscape] = {}
         self._begin()
 
     def _draw(self, figure: Figure) -> None:
@@ -117,11 +118,12 @@ class MatcherPanel(LessonPanel):
         x, y, heading = now - self.pose
         turned = f"{abs(np.degrees(heading)):.1f} degrees"
         self.error.value = f"{100 * np.hypot(x, y):.1f} cm and {turned} off"
-        score = self.score.value
-        if score not in self._lands:
-            scan = self.map, self.points, self.pose
-            self._lands[score] = landscape(*scan, score=SCORES[score], step=0.015)
-        ax = draw_landscape(self._lands[score], ax=figure.subplots(), tops=False)
+        seen = self.score.value, round(float(np.degrees(heading)), 1)
+        if seen not in self._lands:
+            scan = self.map, self.points, self.pose + (0, 0, heading)
+            self._lands[seen] = landscape(*scan, score=SCORES[seen[0]], step=0.02)
+        ax = draw_landscape(self._lands[seen], ax=figure.subplots(), tops=False)
+        ax.set_title(f"Scores of the scan turned by {seen[1]:+.1f} degrees", fontsize="medium")
         way = np.concatenate(self.poses[: k + 1]) if climbs else self.poses[k]
         draw_climb(way - self.pose, ax=ax, joined=climbs)
 

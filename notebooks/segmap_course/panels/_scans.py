@@ -133,13 +133,13 @@ class DistancePanel(LessonPanel):
 
     #: The wall and the second segment.
     segments: Array
-    angle = slide(0, -90, 90, 1, "degrees")
-    offset = slide(0.0, -1.0, 1.0, 0.01)
-    along = slide(0.0, -2.0, 2.0, 0.05)
+    angle = slide(0, -90, 90, 1, "degrees", label="turn")
+    offset = slide(0.0, -1.0, 1.0, 0.01, label="shift")
+    along = slide(0.0, -2.0, 2.0, 0.05, label="push along")
     length = slide(2.0, 0.1, 2.0, 0.1)
-    angular = across = apart = distance = note()
-    rows = ("angle", "offset", "along", "length", "angular across", "apart distance")
-    words = "{angle} degrees, {offset:.2f} m across: {distance}"
+    turned = shifted = apart = distance = note()
+    rows = ("angle", "offset", "along", "length", "turned shifted", "apart distance")
+    words = "turned by {angle} degrees, shifted by {offset:.2f} m: {distance}"
 
     def __init__(self) -> None:
         self._begin()
@@ -148,7 +148,7 @@ class DistancePanel(LessonPanel):
         pose = (self.along.value, self.offset.value, self.angle.meant())
         wall, half = np.array([(-1.0, 0.0), (1.0, 0.0)]), self.length.value / 2
         self.segments = np.stack([wall, transform(pose, [(-half, 0.0), (half, 0.0)])])
-        terms = zip(("angular", "across", "apart"), distance_terms(*self.segments), strict=True)
+        terms = zip(("turned", "shifted", "apart"), distance_terms(*self.segments), strict=True)
         for name, term in terms:
             getattr(self, name).value = f"{name} {term:.3f} m"
         self.distance.value = f"distance {segment_distance(*self.segments):.4f} m"
