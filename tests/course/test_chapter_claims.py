@@ -10,6 +10,7 @@ import pytest
 
 from segmap import alignment, simulation
 from segmap.angles import wrap
+from segmap.extraction import extract_polylines
 from segmap.poses import between
 from segmap.scans import Log
 
@@ -119,3 +120,62 @@ def test_most_drives_round_the_block_close_their_loops_while_driving():
             ends.append(alignment.position_errors(graph.poses, log.truth)[-1])
     assert len(ends) == 5
     assert max(ends) < 0.2
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_the_heading_jumps_more_in_wider_corridors(seed):
+    """Chapter 33: with each doubling of the width, and more than that of the odometry."""
+    noisy, jumps = replace(simulation.SICK_LMS200, sigma=0.03), []
+    for width in (2, 4, 8, 16):
+        walls = simulation.rectangular_room(80, width)[[0, 2]]
+        way = simulation.drive([(20, width / 2), (60, width / 2)], step=0.25)
+        rng = np.random.default_rng(seed)
+        log = simulation.simulate(walls, way, sensor=noisy, rng=rng)
+        laid = alignment.backbone(log, orthogonal=0).poses
+        errors = (np.degrees(wrap(p[:, 2] - log.truth[:, 2])) for p in (log.odometry, laid))
+        jumps.append([np.diff(error).std() for error in errors])
+    by_wheels, by_lines = np.transpose(jumps)
+    assert (np.diff(by_lines) > 0).all() and (by_lines > by_wheels).all()
+
+
+def office_pairs(seed: int) -> list[tuple]:
+    """Sixty pairs of scans of simulated offices, as in chapter 32, and how they really lie."""
+    rng, pairs = np.random.default_rng(seed), []
+    for _ in range(60):
+        walls = simulation.office(rng=rng, rooms=1)
+        at = (rng.uniform(1, 3), rng.choice([2.5, 7.5]) + rng.uniform(-0.5, 0.5))
+        p = np.array([*at, rng.uniform(-np.pi, np.pi)])
+        q = p + [*rng.uniform(-0.7, 0.7, 2), rng.uniform(-np.pi, np.pi)]
+        scans = simulation.simulate(walls, [p, q], sensor=simulation.URG_04LX, rng=rng)
+        pairs.append((*(extract_polylines(s.points()) for s in scans), between(p, q)))
+    return pairs
+
+
+def right_and_wrong(pairs: list[tuple], **options) -> tuple[int, int]:
+    """How many pairs are matched rightly, and how many wrongly."""
+    right = wrong = 0
+    for a, b, real in pairs:
+        found = alignment.match_angles(a, b, rng=np.random.default_rng(1), **options)
+        x, y, turn = between(real, found.pose)
+        near = np.hypot(x, y) < 0.1 and abs(turn) < np.radians(3)
+        right, wrong = right + (found.matched and near), wrong + (found.matched and not near)
+    return right, wrong
+
+
+def test_angles_are_seldom_wrong_in_one_office_and_random_walls_miss_most():
+    """Chapter 32: five other sets of sixty pairs."""
+    believed, undoubted = [], []
+    for seed in range(5):
+        pairs = office_pairs(seed)
+        few = {
+            name: right_and_wrong(pairs, heuristic=name, most_pairs=10)[0]
+            for name in ("consecutive", "random", "perpendicular", "all")
+        }
+        assert few["random"] < min(few["consecutive"], few["perpendicular"])
+        assert few["all"] >= max(few.values()) - 1
+        believed.append(right_and_wrong(pairs))
+        no_doubt = {"rival": 1.0, "least_share": 1e-6, "least_across": 1e-6}
+        undoubted.append(right_and_wrong(pairs, **no_doubt))
+    assert min(right for right, _ in believed) >= 45
+    assert sum(wrong for _, wrong in believed) <= 1
+    assert max(wrong for _, wrong in undoubted) <= 5 < sum(wrong for _, wrong in undoubted)
