@@ -69,8 +69,9 @@ refresh: $(SETUP) ## run the chapters again and store what they show (CHAPTERS="
 mutants: $(SETUP) $(WARM) ## plant bugs by rule and see a test fail (ROOM=reduction ARGS="--count 40 --seed 2")
 	$(RUN) tests/mutants.py $(or $(ROOM),reduction) $(ARGS)
 
-fuzz: $(SETUP) $(WARM) ## read 100 000 damaged files: logs, maps, records (ARGS="500 carmen" for fewer)
-	$(RUN) tests/fuzz.py $(ARGS)
+fuzz: $(SETUP) $(WARM) ## read 100 000 damaged files: logs, maps, records (MUTANTS=500 ARGS="-k carmen" for fewer)
+	SEGMAP_MUTANTS=$(or $(MUTANTS),4600) $(RUN) -m pytest $(SPREAD) --dist load -m "not slow" -p no:nbval \
+		tests/readers/test_damage.py tests/quadtree/test_quadtree_files.py $(or $(ARGS),-k "damaged_ or crafted")
 
 bounds: $(SETUP) ## run every compiled loop with each index checked
 	NUMBA_BOUNDSCHECK=1 NUMBA_CACHE_DIR=build/bounds $(RUN) -m pytest $(SPREAD) -p no:nbval $(INDEXED)

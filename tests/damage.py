@@ -11,9 +11,11 @@ from pathlib import Path
 import numpy as np
 from log_samples import GROUNDTRUTH, NPZ, ODOMETRY_CSV, RAWSEEDS, SINGLE_FILES
 from mrpt_samples import BINARY_FILES
+from segmap_course import load_trials
 
 from segmap import SegmentMap, readers
 from segmap.arrays import LIMIT
+from segmap.experiments import load_alignments, read_records
 from segmap.exports import write_graph, write_segments
 from segmap.poses import between, compose
 from segmap.readers import LogError, PoseGraph
@@ -45,8 +47,8 @@ with gzip.open(readers.data_file("malaga/malaga.log.gz"), "rt") as _file:
     MALAGA = "".join(line for _, line in zip(range(4), _file, strict=False))
 SAMPLES = {name: text.encode() for name, text in (SINGLE_FILES | {"malaga": MALAGA}).items()}
 SAMPLES |= BINARY_FILES | {"npz": NPZ}
-#: The same mutants in each run; another seed makes others.
-SEED = os.environ.get("SEGMAP_SEED", "1")
+#: The same mutants in each run: another seed makes others, `make fuzz` more of each sample.
+SEED, MUTANTS = os.environ.get("SEGMAP_SEED", "1"), int(os.environ.get("SEGMAP_MUTANTS", "150"))
 
 ODD = ["nan", "inf", "-inf", "-1", "0", "1e999", "1e308", "-1e308", "1e-320", "1_0", "²", "x", "#"]
 ODD += ["1000000000", "9" * 400, "FLASER", "laser", "VERTEX2", "ROBOTLASER1", "\n", ",", "\0", " "]
@@ -194,6 +196,31 @@ def given_to(
     return ["read"]
 
 
+def table(
+    read: Callable[[Path], object], head: bytes, folder: Path, rng: random.Random
+) -> list[str]:
+    """A CSV file; half of the mutants keep their head, so that a line is damaged."""
+    path = folder / "table.csv"
+    first, _, rest = head.partition(b"\n")
+    kept = first + b"\n" if rng.random() < 0.5 else b""
+    path.write_bytes(kept + mutated(rest if kept else head, rng).replace(b" ", b","))
+    try:
+        found = read(path)
+    except ValueError as fault:
+        assert "table.csv, line " in str(fault)
+        return ["LogError"]
+    for name in ("n_before", "n_after", "scans", "used", "quality", "seconds", "median"):
+        if name in getattr(found, "columns", ()):
+            assert not (found[name] < 0).any()
+    return ["read"]
+
+
+def beginning(name: str) -> bytes:
+    """The head and three lines of a table of records."""
+    path = readers.data_file(f"records/{name}.csv")
+    return b"".join(path.read_bytes().splitlines(keepends=True)[:4])
+
+
 TARGETS: dict[str, Target] = {n: partial(log, n, data) for n, data in SAMPLES.items()}
 TARGETS |= {n: partial(log, n, t.encode()) for n, t in RAWSEEDS.items()}
 TARGETS["track"] = partial(trajectory, GROUNDTRUTH.encode())
@@ -201,4 +228,9 @@ TARGETS["odometry"] = partial(trajectory, ODOMETRY_CSV.encode())
 for _name in ("segments.csv", "segments.npz"):
     TARGETS[_name] = partial(given_to, readers.read_segments, _name, ODD_MAP)
 TARGETS["graph"] = partial(given_to, readers.read_graph, "it.g2o", a_graph(3, 4, 2))
+TARGETS["runs"] = partial(table, read_records, beginning("malaga"))
+TARGETS["trials"] = partial(table, load_trials, beginning("matching"))
+TARGETS["alignments"] = partial(
+    table, lambda path: load_alignments(path=path), beginning("alignment")
+)
 BAGS: dict[str, Target] = {n: partial(bag, n) for n in ("ros1", "db3", "mcap", "bz2", "metadata")}

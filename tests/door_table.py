@@ -82,6 +82,8 @@ GOOD = {
     "LaserScan.angles": LOG[0].angles, "LaserScan.codes": np.zeros(181),
     "LaserScan.odometry": PATH[0], "LaserScan.ranges": LOG[0].ranges, "least_translation.weights":
     np.ones(4), "fuzzy_set.axes": 0.1,
+    "doubled_walls.map": segments.SegmentMap(WALLS, sensors=[(0.0, 0.0)]),
+    "doubled_walls.sensors": np.ones((1, 2)), "verdict_on.map": MAP,
     "viewing_sector.map": segments.SegmentMap(WALLS, sensors=[(0.0, 0.0)]),
     "load.name": "room", "load.path": "map.npz", "log": LOG, "map": WALLS,
     "map_scans.map": quadtree.QuadtreeMap(), "map_scans.rng": rng(), "match_segments.current":
@@ -147,6 +149,7 @@ GOOD |= {
 FREE = {"Log.name", "simulate.name", "Log.skipped", "Sensor.name"}
 #: NaN is what these say of a time or scan that has none.
 NAN_IS_MEANT = {
+    "doubled_walls",
     "Geometry.ranges",
     "LivePanel.source=a log",
     "interpolate",
@@ -155,8 +158,10 @@ NAN_IS_MEANT = {
     "reduction_at",
 }
 #: What else is meant, though it looks bad: a name that no run has selects none.
-MEANT = {"LaserScan.time=nan", "select.map=NUL", "select.method=NUL",
-         "explain.status=NUL", "encode_reply.echo=NUL", "encode_reply.status=NUL",
+#: A range that is masked is a beam without a measurement.
+MEANT = {"LaserScan.ranges=masked", "LaserScan.time=nan", "measure.ranges=masked",
+         "select.map=NUL", "select.method=NUL", "explain.status=NUL",
+         "encode_reply.echo=NUL", "encode_reply.status=NUL",
          "encode_reply_1.echo=NUL", "encode_reply_1.status=NUL", "laser_scan.time=nan",
          "info_line.key=NUL", "info_line.text=NUL",
          "sweep.filters=objects"}  # fmt: skip
@@ -179,10 +184,12 @@ def spoilt(value, many):
     if isinstance(value, bool):
         return {"a word": "no", "nothing": None, "many": np.ones(3)}
     if isinstance(value, int | float | np.number):
-        kinds |= {"complex": 1 + 2j, "a map": MAP, "a tree": TREE}
+        kinds |= {"masked": np.ma.masked, "complex": 1 + 2j, "a map": MAP, "a tree": TREE}
         return kinds if many else kinds | {"many": np.ones(3), "nan": np.nan}
     if holds_numbers(value):
         array = np.array(value, float)
+        kinds["masked"] = np.ma.masked_array(array, np.arange(array.size).reshape(array.shape) == 0)
+        kinds["rows masked"] = list(np.ma.atleast_2d(kinds["masked"]))
         if array.ndim > 1:  # poses of two numbers, points of one
             kinds["cut"] = array[..., :-1]
         return kinds | {"complex": array + 1j, "words": array.astype(str), "a tree": TREE,

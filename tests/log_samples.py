@@ -36,6 +36,15 @@ def text(lines) -> str:
     return "\n".join(lines) + "\n"
 
 
+def twice(*lines) -> list[str]:
+    """Lines of both scans; in braces stand their number, time, odometry and truth."""
+    return [
+        line.format(k=k, time=TIMES[k], odometry=row(ODOMETRY[k]), truth=row(TRUTH[k]))
+        for k in range(2)
+        for line in lines
+    ]
+
+
 CARMEN = text(
     [
         "# message formats are described elsewhere",
@@ -47,46 +56,31 @@ CARMEN = text(
 )
 CARMEN_NEW = text(map(robotlaser, TRUTH, ODOMETRY, TIMES))
 G2O = text(
-    line
+    f"VERTEX_SE2 {k} {row(TRUTH[k])}\n{robotlaser(ODOMETRY[k], ODOMETRY[k], TIMES[k])}\n"
+    "EDGE_SE2 0 1 1 0 0 1 0 0 1 0 1"
     for k in range(2)
-    for line in (
-        f"VERTEX_SE2 {k} {row(TRUTH[k])}",
-        robotlaser(ODOMETRY[k], ODOMETRY[k], TIMES[k]),
-        "EDGE_SE2 0 1 1 0 0 1 0 0 1 0 1",
-    )
 )
+PAIRS = " ".join(f"{r}  0" for r in RANGES.split())
 PLAYER_1 = text(
-    line
-    for k in range(2)
-    for line in (
-        f"{TIMES[k]:.3f} robot 6665 position 00 {TIMES[k]:.3f} {row(ODOMETRY[k])} 0 0 0 0",
-        f"{TIMES[k]:.3f} robot 6665 laser 00 {TIMES[k]:.3f} -1.5708 +1.5708 +0.7854 0005 "
-        + " ".join(f"{r}  0" for r in RANGES.split()),
-        f"{TIMES[k]:.3f} robot 6665 sync 00 {TIMES[k]:.3f}",
+    twice(
+        "{time:.3f} robot 6665 position 00 {time:.3f} {odometry} 0 0 0 0",
+        f"{{time:.3f}} robot 6665 laser 00 {{time:.3f}} -1.5708 +1.5708 +0.7854 0005 {PAIRS}",
+        "{time:.3f} robot 6665 sync 00 {time:.3f}",
     )
 )
 PLAYER_2 = text(
     [
         "## Player version 2.1.0",
         "999.0 16777343 6665 laser 00 004 001 +0.300 +0.100 +0.000 0.156 0.155",
-        *(
-            line
-            for k in range(2)
-            for line in (
-                f"{TIMES[k]:.3f} 16777343 6665 position2d 00 001 001 {row(ODOMETRY[k])} 0 0 0 0",
-                f"{TIMES[k]:.3f} 16777343 6665 laser 00 001 001 {k:04d} -1.5708 +1.5708 "
-                "+0.78539816 +8.0000 0005 " + " ".join(f"{r}  0" for r in RANGES.split()),
-            )
+        *twice(
+            "{time:.3f} 16777343 6665 position2d 00 001 001 {odometry} 0 0 0 0",
+            "{time:.3f} 16777343 6665 laser 00 001 001 {k:04d} -1.5708 +1.5708 +0.78539816 "
+            f"+8.0000 0005 {PAIRS}",
         ),
     ]
 )
 PLAYER_BARE = text(
-    line
-    for k in range(2)
-    for line in (
-        f"position 0 {TIMES[k]} {row(ODOMETRY[k])}",
-        f"laser 0 {TIMES[k]} -1.5708 1.5708 0.7854 5 {RANGES}",
-    )
+    twice("position 0 {time} {odometry}", f"laser 0 {{time}} -1.5708 1.5708 0.7854 5 {RANGES}")
 )
 HOKUYO = text(f"{1000 + k} {0.01 * (k - 10):.4f}" for k in range(20)) + "0 0.11\n7 0.12\n"
 CORESLAM = text(
@@ -101,22 +95,16 @@ GMAPPING = text(
         "PARAM maxrange 80",
         "ODOM 0.000 0.000 0.000000 1000.000000",
         "ODO_UPDATE 2 0.0 0.0 0.0 0.0 0.0 0.0 0.0 0.0 1000.000000",
-        *(
-            line
-            for k in range(2)
-            for line in (
-                f"FRAME {k} 0.220005 0.767718",
-                f"LASER_READING 5 {RANGES} {row(ODOMETRY[k])} {TIMES[k]}",
-                f"SM_UPDATE 3 0.1 0.2 0.3 -70.5 {row(TRUTH[k])} -20.25 0.4 0.5 0.6 -inf",
-                "NEFF 27.666644",
-            )
+        *twice(
+            "FRAME {k} 0.220005 0.767718",
+            f"LASER_READING 5 {RANGES} {{odometry}} {{time}}",
+            "SM_UPDATE 3 0.1 0.2 0.3 -70.5 {truth} -20.25 0.4 0.5 0.6 -inf",
+            "NEFF 27.666644",
         ),
         "RESAMPLE 3 1 1 1",
     ]
 )
-DPSLAM = text(
-    f"Odometry {row(ODOMETRY[k])} \nLaser 5 {RANGES.replace('81.83', '8.18')}" for k in range(2)
-)
+DPSLAM = text(twice("Odometry {odometry} ", f"Laser 5 {RANGES.replace('81.83', '8.18')}"))
 WEAN = text(
     f"O {100 * x} {100 * y} {h} 1\nL {100 * x} {100 * y} {h} {100 * x + 25 * np.cos(h)} "
     f"{100 * y + 25 * np.sin(h)} {h} {'151 ' * 179}8183 {t}"

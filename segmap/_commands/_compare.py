@@ -11,13 +11,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .. import extraction
+from .._display import counted
 from ..reduction import METHODS
 from ..scans import Log
 from ..segments import SegmentMap
-from ._logs import add_align, add_logs, aligned, each_log
+from ._logs import add_align, add_logs, add_strict, aligned, allowed, concluded, each_log
 from ._targets import add_output
 from ._thresholds import thresholds
-from ._words import counted, line, percent, progress, say, seconds
+from ._words import Report, percent, progress, seconds
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -54,6 +55,7 @@ def add(commands: Any) -> None:
         "--all", action="store_true", help=f"every scan; else as many as give {MOST} segments"
     )
     command.add_argument("--filter", type=float, metavar="METRES", help="leave shorter ones out")
+    add_strict(command)
     add_output(command, SUFFIXES, "a picture of the curves, or all runs")
     command.set_defaults(run=run)
 
@@ -65,9 +67,11 @@ def run(given: argparse.Namespace) -> int:
     return each_log(given, compare)
 
 
-def compare(given: argparse.Namespace, log: Log, paths: list[Path]) -> None:
+def compare(given: argparse.Namespace, log: Log, paths: list[Path], report: Report) -> int:
     """Run all methods on the map of one log, and print what each leaves."""
-    map = whole = extraction.build_map(log, aligned(log, given.align).trusted, keep_points=True)
+    poses = aligned(log, given.align, report)
+    map = whole = extraction.build_map(log, poses.trusted, keep_points=True)
+    verdict = poses.verdict_on(map)
     if given.filter is not None:
         map = whole = whole.filtered(given.filter)
     if not len(map):
@@ -78,11 +82,13 @@ def compare(given: argparse.Namespace, log: Log, paths: list[Path]) -> None:
     if len(map) < len(whole):
         kept, every = (len(np.unique(m.scan)) for m in (map, whole))
         part = f"; compared on {len(map)} of them, from {kept} of {every} scans (--all takes all)"
-    line("extracted", f"{counted(len(whole), 'segment')}{part}")
+    report.line("extracted", f"{counted(len(whole), 'segment')}{part}", segments=len(whole))
     runs = compared(log.name, map, given.quality / 100)
-    line("compared", f"{counted(len(runs), 'run')}, {seconds(float(runs['seconds'].sum()))}")
-    print_table(runs, given.quality / 100)
-    for path in paths:
+    taken = float(runs["seconds"].sum())
+    report.line("compared", f"{counted(len(runs), 'run')}, {seconds(taken)}", seconds=taken)
+    print_table(runs, given.quality / 100, report)
+    written = allowed(given, verdict, paths, report)
+    for path in written:
         if path.suffix == ".csv":
             from ..experiments import write_records
 
@@ -91,8 +97,10 @@ def compare(given: argparse.Namespace, log: Log, paths: list[Path]) -> None:
             from ._pictures import write_curves
 
             write_curves(path, runs, given.quality / 100)
-    if paths:
-        line("written", ", ".join(str(path) for path in paths))
+    if written:
+        names = [str(path) for path in written]
+        report.line("written", ", ".join(names), files=names)
+    return concluded(given, verdict, report)
 
 
 def compared(name: str, map: SegmentMap, quality: float) -> pd.DataFrame:
@@ -160,20 +168,24 @@ def thinned(map: SegmentMap) -> SegmentMap:
     raise AssertionError("one scan is left at last")
 
 
-def print_table(runs: pd.DataFrame, quality: float) -> None:
+def print_table(runs: pd.DataFrame, quality: float, report: Report) -> None:
     """What each method leaves at one quality, the best first, and its run that comes nearest."""
     from ..experiments import equal_quality, select
 
     total, at = int(runs["n_before"].iloc[0]), equal_quality(runs, quality).iloc[0]
     methods = map(str, dict.fromkeys(runs["method"]))
     names = sorted(methods, key=lambda name: -np.nan_to_num(at[name], nan=-np.inf))
-    say(f"\n  {f'at quality {percent(quality)}':<22} {'gone':>11} {'left':>6}  nearest run")
+    report.say(f"\n  {f'at quality {percent(quality)}':<22} {'gone':>11} {'left':>6}  nearest run")
     for name in names:
         gone, own = float(at[name]), select(runs, method=name)
         near = own.iloc[int((own["quality"].fillna(0.0) - quality).abs().argmin())]
         left = "-" if np.isnan(gone) else f"{(1 - gone) * total:.0f}"
         share, varies = "not reached" if np.isnan(gone) else percent(gone), METHODS[name].varies
         words = f"quality {percent(near['quality'])}, {near['n_after']} left"
-        run = f"--{varies.replace('_', '-')} {near[varies]:.3g}: {words}"
-        say(f"  {name:<22} {share:>11} {left:>6}  {run}, {seconds(near['seconds'])}")
-    say()
+        run = (
+            f"--{varies.replace('_', '-')} {near[varies]:.3g}: {words}, {seconds(near['seconds'])}"
+        )
+        report.say(f"  {name:<22} {share:>11} {left:>6}  {run}")
+        figures = {"gone": None if np.isnan(gone) else gone, "nearest": run}
+        report.found.setdefault("methods", {})[name] = figures
+    report.say()

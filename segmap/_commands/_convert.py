@@ -9,11 +9,12 @@ from typing import Any
 import numpy as np
 
 from .. import exports
+from .._display import counted
 from ..alignment import Alignment
 from ..scans import Log
-from ._logs import add_align, add_logs, aligned, each_log
+from ._logs import add_align, add_logs, add_strict, aligned, allowed, concluded, each_log
 from ._targets import add_output
-from ._words import counted, line
+from ._words import Report
 
 #: What -o may end in.
 SUFFIXES = (".log", ".log.gz", ".npz", ".tum", ".g2o")
@@ -26,6 +27,7 @@ def add(commands: Any) -> None:
     )
     add_logs(command)
     add_align(command, "its poses are written instead of the true ones that the log has")
+    add_strict(command)
     add_output(
         command,
         SUFFIXES,
@@ -43,11 +45,16 @@ def run(given: argparse.Namespace) -> int:
     return each_log(given, convert)
 
 
-def convert(given: argparse.Namespace, log: Log, paths: list[Path]) -> None:
-    """Write one log to all its files."""
-    poses = aligned(log, given.align) if given.align else None
-    for path in paths:
-        line("written", _write(path, log, poses))
+def convert(given: argparse.Namespace, log: Log, paths: list[Path], report: Report) -> int:
+    """Write one log to all its files; where its poses were sought, only if they make a map."""
+    poses = aligned(log, given.align, report) if given.align else None
+    written = paths if poses is None else allowed(given, poses.verdict, paths, report)
+    if written:
+        texts = [_write(path, log, poses) for path in written]
+        report.line("written", texts[0], files=[str(path) for path in written])
+        for text in texts[1:]:
+            report.line("", text)
+    return 0 if poses is None else concluded(given, poses.verdict, report)
 
 
 def _write(path: Path, log: Log, poses: Alignment | None) -> str:

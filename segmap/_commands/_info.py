@@ -10,7 +10,7 @@ from .._display import facts
 from ..readers import format_of
 from ..scans import Log
 from ._logs import add_logs, each_log
-from ._words import line, say
+from ._words import Report
 
 
 def add(commands: Any) -> None:
@@ -28,13 +28,14 @@ def run(given: argparse.Namespace) -> int:
     return each_log(given, tell_of, begin)
 
 
-def begin(log: Log, source: str) -> None:
-    """Print which log comes now, and its format."""
+def begin(log: Log, source: str) -> str:
+    """Which log comes now, and its format."""
     known = Path(source).exists()
-    say(f"{log.name}: {f'{format_of(source)}, {source}' if known else 'comes with segmap'}")
+    return f"{log.name}: {f'{format_of(source)}, {source}' if known else 'comes with segmap'}"
 
 
-def tell_of(given: argparse.Namespace, log: Log, paths: list[Path]) -> None:
+def tell_of(given: argparse.Namespace, log: Log, paths: list[Path], report: Report) -> int:
     """Print what a log is, a line a thing."""
     for word, text in facts(log):
-        line(word, text)
+        report.line(word, text)
+    return 0

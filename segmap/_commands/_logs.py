@@ -3,18 +3,23 @@
 from __future__ import annotations
 
 import argparse
+import csv
+import io
 from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
 
-from ..alignment import METHODS, Alignment
+from .._display import counted
+from ..alignment import METHODS, Alignment, Verdict
+from ..files import write_bytes
 from ..readers import LogError, UnknownFormat, format_of, load, read, read_bag
 from ..scans import Log
 from ._targets import Targets
-from ._words import FAULTS, begin, counted, line, progress, reason, say, seconds, tell
+from ._words import FAULTS, Report, percent, progress, reason, say, seconds, tell
 
 #: Files of these kinds lie beside logs: some quote a line of one.
 DOCUMENTS = {".html", ".ipynb", ".md", ".py", ".rst", ".sh"}
@@ -22,8 +27,10 @@ DOCUMENTS = {".html", ".ipynb", ".md", ".py", ".rst", ".sh"}
 MOST_REASONS = 3
 #: What happens without --align, in most commands.
 ALIGN = "default: ground_truth where the log has it for each scan, else pose_graph"
-#: What a command does with one log, and the files that it writes.
-Work = Callable[[argparse.Namespace, Log, list[Path]], None]
+#: Exit code where a log gave no map.
+NO_MAP = 3
+#: What a command does with one log, and the files that it writes: to an exit code.
+Work = Callable[[argparse.Namespace, Log, list[Path], Report], int]
 
 
 def add_logs(command: argparse.ArgumentParser) -> None:
@@ -36,36 +43,79 @@ def add_logs(command: argparse.ArgumentParser) -> None:
     )
     command.add_argument("--scan-topic", metavar="TOPIC", help="of bags; default: the fullest one")
     command.add_argument("--odometry-topic", metavar="TOPIC", help="of bags, likewise")
+    command.add_argument(
+        "--json", action="store_true", help="print all that is said as JSON, one object a log"
+    )
+    command.add_argument(
+        "--table",
+        type=_csv,
+        metavar="FILE",
+        help="write the figures as .csv too, a row for each log",
+    )
     command.set_defaults(refuse=command.error)
 
 
-def each_log(
-    given: argparse.Namespace, work: Work, head: Callable[[Log, str], None] = begin
-) -> int:
-    """Do one log after the other, and name at the end those that failed: then 1, else 0."""
+def _csv(text: str) -> Path:
+    if not text.lower().endswith(".csv"):
+        raise argparse.ArgumentTypeError(f"{text!r} must end in .csv")
+    return Path(text)
+
+
+def begin(log: Log, source: str) -> str:
+    """Which log comes now."""
+    where = "" if source == log.name else f", {source}"
+    return f"{log.name}: {counted(len(log), 'scan')}{where}"
+
+
+def each_log(given: argparse.Namespace, work: Work, head: Callable[[Log, str], str] = begin) -> int:
+    """Do one log after the other, and name at the end those that failed.
+
+    The exit code is 1 where one failed, else the largest of the codes of all.
+    """
     chosen = [source for text in given.logs for source in sources(text)]
     targets = Targets(getattr(given, "output", []))
     if len(chosen) > 1 and (alike := targets.alike()):
         given.refuse(f"{counted(len(chosen), 'log')} would go to {alike}: write {{name}} in it")
-    failed = []
+    failed, codes, reports = [], [0], []
     with progress(len(chosen), "log") as bar:
         for source in chosen:
             bar.set_description(Path(source).name)
+            reports.append(report := Report(source, json=given.json))
             try:
                 log = log_of(source, given)
                 paths = targets.paths(log.name, source)
-                head(log, source)
-                work(given, log, paths)
+                report.begin(log, head(log, source))
+                codes.append(work(given, log, paths, report))
             except BrokenPipeError:  # nobody reads any more
                 raise
             except FAULTS as error:
                 failed.append(reason(error) if source in str(error) else f"{source}: {error}")
+                report.found["failed"] = failed[-1]
+            report.end()
             bar.update()
+    if given.table:
+        write_table(given.table, reports)
     for why in failed:
         tell(why)
-    if len(chosen) > 1:
+    if len(chosen) > 1 and not given.json:
         say(f"{len(chosen) - len(failed)} of {counted(len(chosen), 'log')} done")
-    return 1 if failed else 0
+    return 1 if failed else max(codes)
+
+
+def write_table(path: Path, reports: Sequence[Report]) -> None:
+    """A row for each log, a column for each figure: `aligned.matched` and so on."""
+    rows: list[dict[str, Any]] = []
+    for report in reports:
+        row: dict[str, Any] = {}
+        for word, said in report.found.items():
+            figures = said if isinstance(said, dict) else {"": said}
+            row |= {f"{word}.{name}".rstrip("."): value for name, value in figures.items()}
+        rows.append(row)
+    text = io.StringIO()
+    table = csv.DictWriter(text, list(dict.fromkeys(name for row in rows for name in row)))
+    table.writeheader()
+    table.writerows(rows)
+    write_bytes(path, text.getvalue().encode())
 
 
 def sources(text: str) -> Iterator[str]:
@@ -117,7 +167,28 @@ def add_align(command: Any, without: str = ALIGN) -> None:
     )
 
 
-def aligned(log: Log, method: str | None) -> Alignment:
+def add_strict(command: Any) -> None:
+    """The options that say what counts as a map, and what happens where there is none."""
+    command.add_argument(
+        "--strict",
+        type=_share,
+        default=0.0,
+        metavar="SHARE",
+        help=f"end with {NO_MAP} too where a smaller share of the scans is placed: 0.9 say",
+    )
+    command.add_argument(
+        "--force", action="store_true", help=f"write the files even where that ends with {NO_MAP}"
+    )
+
+
+def _share(text: str) -> float:
+    share = float(text)
+    if not 0 <= share <= 1:
+        raise argparse.ArgumentTypeError(f"{text} must be from 0 to 1")
+    return share
+
+
+def aligned(log: Log, method: str | None, report: Report) -> Alignment:
     """Align a log and say how it went.
 
     By default: the true poses where the log has one for each scan; else all poses at once, loops
@@ -131,13 +202,41 @@ def aligned(log: Log, method: str | None) -> Alignment:
     if name == "angle_correspondence":
         options = {"rng": np.random.default_rng(0)}
     found = METHODS[name](log, **options)
-    placed = f"{int(found.used.sum())} of {counted(len(found), 'scan')} matched"
+    figures: dict[str, Any] = {"method": name, "matched": int(found.used.sum())}
+    placed = f"{figures['matched']} of {counted(len(found), 'scan')} matched"
     if found.graph is not None:
-        placed += f", {counted(int(found.graph.loop.sum()), 'loop')} closed"
-    line("aligned", f"by {name}: {placed}, {seconds(found.seconds)}")
+        figures["loops"] = int(found.graph.loop.sum())
+        placed += f", {counted(figures['loops'], 'loop')} closed"
+    words = f"by {name}: {placed}, {seconds(found.seconds)}"
+    report.line("aligned", words, **figures, scans=len(found), seconds=found.seconds)
     reasons = Counter(filter(None, found.reasons)).most_common(MOST_REASONS)
     for why, count in reasons:
-        line("", f"{counted(count, 'scan')} not: {why}")
+        report.line("", f"{counted(count, 'scan')} not: {why}")
     if found.doubt:
-        line("", f"doubt: {found.doubt}")
+        report.line("", f"doubt: {found.doubt}")
     return found
+
+
+def too_little(given: argparse.Namespace, verdict: Verdict) -> bool:
+    """Whether this is no map, or holds fewer scans than --strict asks for."""
+    return verdict.grade == "not a map" or verdict.placed < given.strict * verdict.scans
+
+
+def allowed(
+    given: argparse.Namespace, verdict: Verdict, paths: list[Path], report: Report
+) -> list[Path]:
+    """The files that may be written: none where there is too little, unless --force says so."""
+    if given.force or not too_little(given, verdict):
+        return paths
+    if paths:
+        names = ", ".join(map(str, paths))
+        report.line("written", f"nothing; --force writes {names} all the same", files=[])
+    return []
+
+
+def concluded(given: argparse.Namespace, verdict: Verdict, report: Report) -> int:
+    """Say the verdict on the map, as the last line, and give the exit code."""
+    few = verdict.grade != "not a map" and too_little(given, verdict)
+    asked = f" (--strict asks for {percent(given.strict)} of the scans)" if few else ""
+    report.line("verdict", f"{verdict}{asked}", **asdict(verdict))
+    return NO_MAP if too_little(given, verdict) else 0

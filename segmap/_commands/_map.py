@@ -1,4 +1,4 @@
-"""`segmap map LOG...`: poses, segments, a reduction, and how good it is."""
+"""`segmap map LOG...`: poses, segments, a reduction, how good it is, and whether it is a map."""
 
 from __future__ import annotations
 
@@ -7,13 +7,15 @@ from pathlib import Path
 from typing import Any
 
 from .. import exports, extraction, metrics
+from .._display import counted
+from ..alignment import Alignment
 from ..reduction import METHODS, Reduction
 from ..scans import Log
 from ..segments import SegmentMap
-from ._logs import add_align, add_logs, aligned, each_log
+from ._logs import add_align, add_logs, add_strict, aligned, allowed, concluded, each_log
 from ._targets import add_output
 from ._thresholds import add_thresholds, chosen_thresholds, refuse_others
-from ._words import counted, line, metres, percent, progress, seconds
+from ._words import Report, metres, percent, progress, seconds
 
 #: What -o may end in.
 SUFFIXES = (".svg", ".csv", ".npz", ".dxf", ".png", ".geojson", ".wkt")
@@ -28,6 +30,7 @@ def add(commands: Any) -> None:
     )
     add_logs(command)
     add_align(command)
+    add_strict(command)
     names = (*METHODS, "none")
     command.add_argument(
         "--method",
@@ -53,53 +56,82 @@ def run(given: argparse.Namespace) -> int:
     return each_log(given, map_log)
 
 
-def map_log(given: argparse.Namespace, log: Log, paths: list[Path]) -> None:
-    """Map one log, and write what was asked for."""
+def map_log(given: argparse.Namespace, log: Log, paths: list[Path], report: Report) -> int:
+    """Map one log, and write what was asked for where there is a map."""
     with progress(3, "step", "aligning") as bar:
-        before = segments_of(given, log)
+        poses = aligned(log, given.align, report)
+        before = segments_of(given, log, poses, report)
+        verdict = poses.verdict_on(before)
+        before = filtered(given, before, report)
         bar.update()
         bar.set_description("reducing")
-        after = before if given.method == "none" else reduced(given, before)
+        after = before if given.method == "none" else reduced(given, before, report)
         bar.update()
         bar.set_description("writing")
-        for path in paths:
+        written = allowed(given, verdict, paths, report)
+        for path in written:
             if path.suffix.lower() == ".png":
                 from ._pictures import write_map_picture
 
                 write_map_picture(path, before, after)
             else:
                 exports.write_segments(path, after)
-    if paths:
-        line("written", ", ".join(map(str, paths)))
+    if written:
+        names = [str(path) for path in written]
+        report.line("written", ", ".join(names), files=names)
+    return concluded(given, verdict, report)
 
 
-def segments_of(given: argparse.Namespace, log: Log) -> SegmentMap:
-    """Align a log and extract its segments."""
-    poses = aligned(log, given.align)
+def segments_of(
+    given: argparse.Namespace, log: Log, poses: Alignment, report: Report
+) -> SegmentMap:
+    """Extract the segments of a log at its poses."""
     options = chosen_thresholds(given, extraction.extract_polylines, EXTRACT)
     method = METHODS.get(given.method)
     needs = method is not None and (method.needs_points or method.needs_sensors)
     map = extraction.build_map(log, poses.trusted, keep_points=needs, **options)
-    line("extracted", counted(len(map), "segment"))
-    if given.filter is not None:
-        map = map.filtered(given.filter)
-        line("filtered", f"{counted(len(map), 'segment')} of {given.filter:g} m or more")
+    report.line("extracted", counted(len(map), "segment"), segments=len(map))
     return map
 
 
-def reduced(given: argparse.Namespace, map: SegmentMap) -> Reduction:
-    """Reduce a map and say how good the result is."""
+def filtered(given: argparse.Namespace, map: SegmentMap, report: Report) -> SegmentMap:
+    """Leave short segments out, where that is asked for."""
+    if given.filter is None:
+        return map
+    map = map.filtered(given.filter)
+    words = f"{counted(len(map), 'segment')} of {given.filter:g} m or more"
+    report.line("filtered", words, segments=len(map), least=given.filter)
+    return map
+
+
+def reduced(given: argparse.Namespace, map: SegmentMap, report: Report) -> Reduction:
+    """Reduce a map and say how good the reduction is."""
     method = METHODS[given.method]
     options = chosen_thresholds(given, method.function)
     found = method(map, **options)
     rate = metrics.reduction_rate(map, found)
     gone = f"{percent(rate)} gone ({metrics.grade_reduction(rate)})"
     left = counted(len(found), "segment")
-    line("reduced", f"by {given.method}: {left} left, {gone}, {seconds(found.seconds)}")
+    report.line(
+        "reduced",
+        f"by {given.method}: {left} left, {gone}, {seconds(found.seconds)}",
+        method=given.method,
+        segments=len(found),
+        rate=rate,
+        grade=metrics.grade_reduction(rate),
+        seconds=found.seconds,
+    )
     if found.doubt:
-        line("", f"doubt: {found.doubt}")
+        report.line("", f"doubt: {found.doubt}")
     if len(map):
         kept, errors = metrics.quality(map, found), metrics.errors(map, found)
         off = f"segments lie {metres(errors.mean())} off on average, {metres(errors.max())} at most"
-        line("quality", f"{percent(kept)} ({metrics.grade_quality(kept)}): {off}")
+        report.line(
+            "quality",
+            f"{percent(kept)} ({metrics.grade_quality(kept)} reduction): {off}",
+            quality=kept,
+            grade=metrics.grade_quality(kept),
+            mean_error=float(errors.mean()),
+            largest_error=float(errors.max()),
+        )
     return found

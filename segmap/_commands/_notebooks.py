@@ -9,8 +9,8 @@ import re
 from pathlib import Path
 from typing import Any
 
+from .._display import counted
 from ..files import chapters_folder, existing, write_bytes
-from ._words import counted
 
 #: The chapter that is opened first.
 FIRST = "00_start_here.ipynb"

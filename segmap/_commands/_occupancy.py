@@ -4,17 +4,20 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from .. import exports, quadtree
+from .._display import counted
+from ..alignment import Alignment, Verdict
 from ..matching import MATCHERS, SCORES, map_scans
 from ..scans import Log
-from ._logs import add_align, add_logs, aligned, each_log
+from ._logs import add_align, add_logs, add_strict, aligned, allowed, concluded, each_log
 from ._targets import add_output
-from ._words import counted, line, progress
+from ._words import Report, progress
 
 #: What -o may end in.
 SUFFIXES = (".yaml", ".png", ".svg", ".npz", ".geojson")
@@ -43,6 +46,7 @@ def add(commands: Any) -> None:
     command.add_argument(
         "--resolution", type=float, default=0.05, metavar="METRES", help="of a cell; default: 0.05"
     )
+    add_strict(command)
     add_output(command, SUFFIXES, "the map: .yaml for ROS, with its .pgm; .npz to load it again")
     command.set_defaults(run=run)
 
@@ -54,42 +58,57 @@ def run(given: argparse.Namespace) -> int:
     return each_log(given, map_log)
 
 
-def map_log(given: argparse.Namespace, log: Log, paths: list[Path]) -> None:
-    """Map one log, and write what was asked for."""
+def map_log(given: argparse.Namespace, log: Log, paths: list[Path], report: Report) -> int:
+    """Map one log, and write what was asked for where there is a map."""
     if given.matcher:
-        map = _matched(given, log)
+        map, verdict = _matched(given, log, report)
     else:
-        poses = aligned(log, given.align).trusted
-        map = quadtree.build_map(log, poses, resolution=given.resolution)
+        found = aligned(log, given.align, report)
+        verdict = found.verdict
+        map = quadtree.build_map(log, found.trusted, resolution=given.resolution)
     left, low, right, high = quadtree.extent(map, margin=0)
     size = f"{right - left:.1f} m by {high - low:.1f} m at {given.resolution:g} m"
     leaves = map.leaves()
     full = map.leaf_occupancy() > 0.5
-    area = f"{(leaves.side[full] ** 2).sum():.2f} m2 occupied"
-    line("mapped", f"{size}: {area}, {len(full)} leaves in {map.nbytes / 1024:.0f} KB")
-    for path in paths:
+    area = float((leaves.side[full] ** 2).sum())
+    words = f"{size}: {area:.2f} m2 occupied, {len(full)} leaves in {map.nbytes / 1024:.0f} KB"
+    figures = {"width": right - left, "height": high - low, "occupied": area, "leaves": len(full)}
+    report.line("mapped", words, **figures, resolution=given.resolution, bytes=map.nbytes)
+    written = allowed(given, verdict, paths, report)
+    for path in written:
         _write(path, map)
-    if paths:  # beside a .yaml lies its picture
-        pairs = ([p, p.with_suffix(".pgm")] if p.suffix == ".yaml" else [p] for p in paths)
-        line("written", ", ".join(str(path) for pair in pairs for path in pair))
+    if written:  # beside a .yaml lies its picture
+        pairs = ([p, p.with_suffix(".pgm")] if p.suffix == ".yaml" else [p] for p in written)
+        names = [str(path) for pair in pairs for path in pair]
+        report.line("written", ", ".join(names), files=names)
+    return concluded(given, verdict, report)
 
 
-def _matched(given: argparse.Namespace, log: Log) -> quadtree.QuadtreeMap:
-    """The map that grows scan by scan; the first scan is its origin."""
+def _matched(
+    given: argparse.Namespace, log: Log, report: Report
+) -> tuple[quadtree.QuadtreeMap, Verdict]:
+    """The map that grows scan by scan, and the verdict on it; the first scan is its origin."""
     map, score = quadtree.QuadtreeMap(resolution=given.resolution), given.score or "field"
     rng = np.random.default_rng(0)
-    steps = map_scans(
-        log, map=map, matcher=MATCHERS[NAMES[given.matcher]](rng), score=SCORES[score], rng=rng
-    )
-    scores = []
+    steps = []
     with progress(len(log), "scan") as bar:
-        for step in steps:
-            scores.append(step.score)
+        for step in map_scans(
+            log, map=map, matcher=MATCHERS[NAMES[given.matcher]](rng), score=SCORES[score], rng=rng
+        ):
+            steps.append(step)
             bar.update()
-    placed = int(np.isfinite(scores).sum())
-    found = f"{placed} of {counted(len(log), 'scan')} (the first begins the map)"
-    line("matched", f"by {given.matcher}, score {score}: {found}")
-    return map
+    placed = int(np.isfinite([step.score for step in steps]).sum())
+    words = f"{placed} of {counted(len(log), 'scan')} (the first begins the map)"
+    figures = {"method": given.matcher, "score": score, "matched": placed, "scans": len(log)}
+    report.line("matched", f"by {given.matcher}, score {score}: {words}", **figures)
+    found = np.array([step.found for step in steps], bool)
+    poses = np.reshape([step.pose for step in steps], (-1, 3))
+    verdict = Alignment(poses, found, sum(step.seconds for step in steps), "map_scans").verdict
+    if verdict.grade == "good" and not found.all():
+        lost = f"lost at scan {int(np.argmin(found))}, and what follows hangs on it; "
+        words = verdict.words.replace("GOOD: ", f"DOUBTFUL: {lost}")
+        verdict = replace(verdict, grade="doubtful", words=words)
+    return map, verdict
 
 
 def _write(path: Path, map: quadtree.QuadtreeMap) -> None:

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import json
+import math
 import sys
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
-from .._display import counted
 from ..readers import LogError, UnknownFormat
 from ..scans import Log
 
@@ -34,15 +35,52 @@ def seconds(value: float) -> str:
     return f"{1000 * value:.0f} ms" if value < 0.1 else f"{value:.1f} s"
 
 
-def begin(log: Log, source: str) -> None:
-    """Print which log comes now."""
-    where = "" if source == log.name else f", {source}"
-    say(f"{log.name}: {counted(len(log), 'scan')}{where}")
+class Report:
+    """What a command says of one log: a line a thing, or all of it as one JSON object at the end.
+
+    `found` holds it by the words that begin the lines: the text of each and the figures in it.
+
+    Examples
+    --------
+    >>> report = Report("it.log", json=True)
+    >>> report.line("extracted", "3 segments", segments=3)
+    >>> report.end()
+    {"source": "it.log", "extracted": {"text": "3 segments", "segments": 3}}
+    """
+
+    def __init__(self, source: str, *, json: bool = False) -> None:
+        self._json = json
+        self.found: dict[str, Any] = {"source": source}
+        self._last: dict[str, Any] = {}
+
+    def begin(self, log: Log, title: str) -> None:
+        """Which log comes now."""
+        self.found["log"] = log.name
+        self.say(title)
+
+    def say(self, text: str = "") -> None:
+        """Print a line that is no figure of the log; in JSON there is no place for it."""
+        if not self._json:
+            say(text)
+
+    def line(self, word: str, text: str, **figures: Any) -> None:
+        """One thing about the log, below its name; without a word it belongs to the line before."""
+        if word:
+            self._last = {"text": text} | {k: _finite(v) for k, v in figures.items()}
+            self.found[word] = self._last
+        else:
+            self._last.setdefault("notes", []).append(text)
+        self.say(f"  {word:<9} {text}")
+
+    def end(self) -> None:
+        """Print the object, where JSON was asked for."""
+        if self._json:
+            say(json.dumps(self.found))
 
 
-def line(word: str, text: str) -> None:
-    """Print one thing about a log, below its name."""
-    say(f"  {word:<9} {text}")
+def _finite(value: Any) -> Any:
+    """A figure as JSON can hold it: nothing in the place of NaN."""
+    return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
 def say(text: str = "") -> None:

@@ -7,6 +7,7 @@ from ..methods import Method
 from ._baselines import align_to_truth, ground_truth, odometry, position_errors
 from ._point_icp import point_icp
 from ._result import Alignment, Match
+from ._verdict import Verdict
 from .angle_correspondence import (
     angle_candidates,
     angle_correspondence,
@@ -18,7 +19,7 @@ from .global_segments import global_segments
 from .graph import Graph, solve_graph
 from .points import match_points, point_steps
 from .pose_graph import LiveGraph, LoopClosing, Tracking, align_parts, pose_graph
-from .segment_icp import segment_icp
+from .segment_icp import match_segments, segment_icp
 
 #: Name of each method -> the method, with what it needs.
 METHODS: dict[str, Method[Alignment]] = {

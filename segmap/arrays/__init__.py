@@ -33,6 +33,7 @@ from ._scalars import (
     instance,
     number,
     one_of,
+    refuse_masked,
     switch,
     whole,
 )
@@ -47,6 +48,7 @@ from ._tables import (
     points,
     pose,
     poses,
+    ranges,
     row,
     segments,
     share,

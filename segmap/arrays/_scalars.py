@@ -205,7 +205,28 @@ def _scalar(value: object) -> NDArray[Any]:
         array = np.asarray(value)
     except (TypeError, ValueError):  # rows of different lengths
         return np.array(None)
-    return array if array.shape == () else np.array(None)
+    return array if array.shape == () and not is_masked(value) else np.array(None)
+
+
+def is_masked(value: object) -> bool:
+    """Whether part of an array, or of those in a list, is masked: numpy would lay it bare."""
+    if isinstance(value, np.ma.MaskedArray):
+        return bool(np.ma.is_masked(value))
+    return isinstance(value, list | tuple) and any(is_masked(each) for each in value)
+
+
+def refuse_masked(value: object, name: str) -> None:
+    """Refuse an array, or a list of them, of which a part is masked.
+
+    Examples
+    --------
+    >>> refuse_masked(np.ma.masked_greater([1.0, 65.0], 60.0), "angles")
+    Traceback (most recent call last):
+    ValueError: angles must hold no masked values: leave them out, or fill them, .filled(np.nan)
+    """
+    if is_masked(value):
+        text = "must hold no masked values: leave them out, or fill them, .filled(np.nan)"
+        raise ValueError(f"{name} {text}")
 
 
 def brief(value: object) -> str:

@@ -6,7 +6,7 @@ from typing import Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ._scalars import LIMIT, brief
+from ._scalars import LIMIT, brief, refuse_masked
 
 #: Squares of numbers up to here are still numbers: enough for arithmetic that counts no cells.
 FAR = 1e100
@@ -39,7 +39,7 @@ Poses = HasPoses | ArrayLike
 
 
 def numbers(value: object, name: str, expected: str = "an array of real numbers") -> Array:
-    """Real numbers of any shape as floats: no text, no complex numbers, no objects.
+    """Real numbers of any shape as floats: no text, no complex numbers, no objects, none masked.
 
     An error calls the argument by its `name`, and says what was `expected`.
 
@@ -51,6 +51,7 @@ def numbers(value: object, name: str, expected: str = "an array of real numbers"
     Traceback (most recent call last):
     ValueError: ranges must be an array of real numbers, got 'two'
     """
+    refuse_masked(value, name)
     try:
         array = np.asarray(value)
     except (TypeError, ValueError):
@@ -58,6 +59,19 @@ def numbers(value: object, name: str, expected: str = "an array of real numbers"
     if array.dtype.kind not in "fiub":
         raise ValueError(f"{name} must be {expected}, got {brief(value)}")
     return array.astype(float, copy=False)
+
+
+def ranges(value: object, name: str = "ranges") -> Array:
+    """Ranges of beams, of any shape, metres: a masked one is no measurement, NaN.
+
+    Examples
+    --------
+    >>> ranges(np.ma.masked_greater([1.0, 65.0], 60.0))
+    array([ 1., nan])
+    """
+    if isinstance(value, np.ma.MaskedArray) and value.dtype.kind in "fiu":
+        value = np.ma.filled(value.astype(float), np.nan)
+    return numbers(value, name)
 
 
 def values(value: object, name: str) -> Array:

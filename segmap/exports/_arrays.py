@@ -8,17 +8,17 @@ import numpy as np
 
 from .. import arrays
 from ..files import write_npz
-from ..poses import compose
 from ..scans import Log
 
 
 def write_arrays(path: str | Path, log: Log) -> None:
-    """Write a log as `ranges`, `angles`, `times`, `odometry` and `truth`, as `read` takes it in.
+    """Write a log as arrays by name, as `read` takes it in.
 
-    Ranges and angles are `(k, n)`, so all scans must have one number of beams; the name must end in
-    `.npz`. The format does not tell where the laser sits on the robot: the poses, `(k, 3)`, NaN
-    where a scan has none, become those of the laser. Beams that met nothing are infinite, those
-    with an error NaN.
+    They are `ranges` and `angles`, `(k, n)`, so that all scans must have one number of beams;
+    `times` and `max_range`, `(k,)`; `sensor_pose`, `(k, 3)`, of the laser on the robot; and where
+    the log has them `odometry` and `truth`, `(k, 3)`, of the robot, NaN where a scan has none, and
+    `codes`, `(k, n)`. The name must end in `.npz`. Beams that met nothing are infinite, those with
+    an error NaN.
 
     Examples
     --------
@@ -43,8 +43,12 @@ def write_arrays(path: str | Path, log: Log) -> None:
         ),
         "angles": np.array([scan.angles for scan in log]),
         "times": log.times,
+        "max_range": np.array([scan.max_range for scan in log]),
+        "sensor_pose": np.array([scan.sensor_pose for scan in log]),
     }
     for name, poses in (("odometry", log.odometry), ("truth", log.truth)):
         if poses is not None and np.isfinite(poses).all(1).any():
-            held[name] = compose(poses, np.array([scan.sensor_pose for scan in log]))
+            held[name] = poses
+    if all(scan.codes is not None for scan in log):
+        held["codes"] = np.array([scan.codes for scan in log])
     write_npz(place, "log of segmap 1", held)

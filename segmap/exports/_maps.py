@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Annotated, NamedTuple
 
@@ -22,8 +22,9 @@ OCCUPIED_THRESH, FREE_THRESH = 0.65, 0.196
 #: Outlines of leaves, their width in pixels, and the part of a small leaf that they take at most;
 #: width of a drawing, pixels.
 BLUE, LINE, PART, WIDTH = "#0072b2", 0.6, 0.1, 800
-#: As wide at any zoom; said of each line, since it is not inherited.
-THIN = 'vector-effect="non-scaling-stroke"'
+#: A plane in metres that lies nowhere on the earth. GDAL, and so QGIS, takes this text for the name
+#: of a reference system; where none is named it takes metres for degrees.
+LOCAL = 'LOCAL_CS["frame of the map",UNIT["metre",1],AXIS["x",EAST],AXIS["y",NORTH]]'
 #: A threshold that is checked together with another.
 Number = Annotated[float, Quantity("")]
 
@@ -141,8 +142,8 @@ def write_geojson(
 ) -> None:
     """Write the leaves of greater occupancy than `occupied` as squares, with both counts.
 
-    Coordinates are metres in the map's frame, x before y: GeoJSON programs that take them for
-    degrees must be told (QGIS: set the layer's reference system to one in metres).
+    Coordinates are metres in the map's frame, x before y; the file says so in its `crs`, a local
+    reference system. GDAL and QGIS read it; who follows RFC 7946 to the letter takes degrees.
 
     Examples
     --------
@@ -168,8 +169,14 @@ def write_geojson(
                 "geometry": {"type": "Polygon", "coordinates": [ring]},
             }
         )
-    text = json.dumps({"type": "FeatureCollection", "features": features}, separators=(",", ":"))
-    write_bytes(arrays.file(path), text.encode("ascii"))
+    write_bytes(arrays.file(path), collection(features).encode("ascii"))
+
+
+def collection(features: Sequence[object]) -> str:
+    """The text of a GeoJSON file whose coordinates are metres in the map's frame."""
+    crs = {"type": "name", "properties": {"name": LOCAL}}
+    held = {"type": "FeatureCollection", "crs": crs, "features": features}
+    return json.dumps(held, separators=(",", ":"))
 
 
 @checked
@@ -178,7 +185,7 @@ def write_svg(path: str | Path, map: QuadtreeMap, *, outlines: bool = True) -> N
 
     The picture shows where beams ended, with a margin; the other leaves lie beyond its border.
 
-    Outlines are blue, as the thesis draws them: as thin at any zoom, and at most a tenth of a leaf.
+    Outlines are blue, as the thesis draws them: as thin in any building, at most a tenth of a leaf.
 
     Examples
     --------
@@ -190,23 +197,24 @@ def write_svg(path: str | Path, map: QuadtreeMap, *, outlines: bool = True) -> N
     """
     left, low, right, high = extent(map)
     wide, tall = right - left, high - low
-    look = f'stroke="{BLUE}" stroke-width="{LINE}"' if outlines else 'shape-rendering="crispEdges"'
+    thin = LINE * wide / WIDTH if outlines else 0.0
+    stroke = f'stroke="{BLUE}" stroke-width="{thin:.6g}"'
+    look = stroke if outlines else 'shape-rendering="crispEdges"'
     head = (
         f'<svg xmlns="http://www.w3.org/2000/svg" width="{WIDTH}" '
         f'height="{WIDTH * tall / wide:.0f}" '
         f'viewBox="{left:.9g} {-high:.9g} {wide:.9g} {tall:.9g}">\n'
         f'<g transform="scale(1 -1)" {look}>\n'
     )
-    small = LINE / PART * wide / WIDTH if outlines else 0.0
-    text = head + "\n".join(_paths(map, small)) + "\n</g>\n</svg>\n"
+    text = head + "\n".join(_paths(map, thin / PART)) + "\n</g>\n</svg>\n"
     write_bytes(arrays.file(path), text.encode("ascii"))
 
 
 def _paths(map: QuadtreeMap, small: float) -> Iterator[str]:
     """For each grey a path that holds all its squares, and one for each side below `small`.
 
-    Lines of the first are as thin at any zoom, so that none vanishes in a large building; those of
-    the others shrink with their squares, so that walls of small leaves stay black.
+    Lines of the first have the width of the drawing's, so that none vanishes in a large building;
+    those of the others shrink with their squares, so that walls of small leaves stay black.
     """
     x, y, side = (v.round(_digits(map.resolution)) for v in map.leaves()[:3])
     greys = np.rint(255 * (1 - map.leaf_occupancy())).astype(int)
@@ -214,8 +222,8 @@ def _paths(map: QuadtreeMap, small: float) -> Iterator[str]:
     for kind in np.unique(kinds, axis=0):
         rows = np.stack([x, y, side], -1)[(kinds == kind).all(1)].tolist()
         squares = "".join(f"M{x:.15g} {y:.15g}h{a:.15g}v{a:.15g}h-{a:.15g}z" for x, y, a in rows)
-        line = f'stroke-width="{PART * kind[1]:.6g}"' if kind[1] else THIN
-        yield f'<path fill="#{3 * f"{int(kind[0]):02x}"}" {line} d="{squares}"/>'
+        line = f' stroke-width="{PART * kind[1]:.6g}"' if kind[1] else ""
+        yield f'<path fill="#{3 * f"{int(kind[0]):02x}"}"{line} d="{squares}"/>'
 
 
 def _digits(resolution: float) -> int:

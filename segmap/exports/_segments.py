@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
@@ -12,9 +11,9 @@ from .. import arrays
 from ..arrays import Array, Segments
 from ..files import write_bytes
 from ..segments import SegmentMap
-from ._maps import THIN
+from ._maps import collection
 
-#: Largest side of a drawing, and its lines, pixels; its margin as a part of the larger side.
+#: Largest side of a drawing, width of its lines, pixels; its margin as a part of that side.
 PIXELS, LINE, MARGIN = 800, 1.5, 0.02
 #: Metres in the header of a DXF file.
 METRES = 6
@@ -26,9 +25,10 @@ def write_segments(path: str | Path, map: Segments) -> None:
     - `.csv`: a table `x1,y1,x2,y2,scan`, with as many digits (up to 17) as `readers.read_segments`
       needs to find the same numbers, bit for bit.
     - `.npz`: as `SegmentMap.save`, with the points and sensors that the map keeps.
-    - `.svg`: a drawing, y upwards, units are metres; lines stay as thin at any zoom.
-    - `.geojson`: LineStrings with the property `scan`, x before y, metres in the map's frame. No
-      reference system is claimed; a program that takes one for granted must be told.
+    - `.svg`: a drawing, y upwards, units are metres, those of the lines' width too.
+    - `.geojson`: LineStrings with the property `scan`, x before y, metres in the map's frame. Its
+      `crs` names a local reference system, which GDAL and QGIS read; who follows RFC 7946 to the
+      letter takes degrees.
     - `.wkt`: one line, a MULTILINESTRING, which `shapely.from_wkt` and QGIS take.
     - `.dxf`: a drawing of LINEs on layer 0, in metres, of the version R12 that every program reads;
       a segment without length is left out.
@@ -84,7 +84,7 @@ def _geojson(map: SegmentMap) -> Iterator[str]:
         }
         for ends, scan in zip(map.segments.tolist(), map.scan.tolist(), strict=True)
     ]
-    yield json.dumps({"type": "FeatureCollection", "features": features}, separators=(",", ":"))
+    yield collection(features)
 
 
 def _wkt(map: SegmentMap) -> Iterator[str]:
@@ -112,11 +112,11 @@ def _svg(map: SegmentMap) -> Iterator[str]:
     yield (
         f'<svg xmlns="http://www.w3.org/2000/svg" width="{scale * wide:.0f}" '
         f'height="{scale * tall:.0f}" viewBox="{left!r} {-low - tall!r} {wide!r} {tall!r}">\n'
-        f'<g transform="scale(1 -1)" stroke="#000000" stroke-width="{LINE}" '
+        f'<g transform="scale(1 -1)" stroke="#000000" stroke-width="{LINE / scale:.6g}" '
         'stroke-linecap="round">\n'
     )
     for a, b, c, d in _rows(map):
-        yield f'<line x1="{a!r}" y1="{b!r}" x2="{c!r}" y2="{d!r}" {THIN}/>\n'
+        yield f'<line x1="{a!r}" y1="{b!r}" x2="{c!r}" y2="{d!r}"/>\n'
     yield "</g>\n</svg>\n"
 
 

@@ -32,7 +32,10 @@ def extract_clusters(
 ) -> Array:
     """One segment for each run of points without a gap (A 3.2, 5.1). Corners are not cut.
 
-    A's loop never advances and loses the last cluster; this implements its prose.
+    Two walls that meet are one run, and get one diagonal that follows neither: a laser that looks
+    into the corner of a closed room draws one line through the room. Where that does not do,
+    `extract_polylines` cuts corners. A's loop never advances and loses the last cluster; this
+    implements its prose.
 
     Parameters
     ----------
@@ -62,6 +65,12 @@ def extract_clusters(
     <BLANKLINE>
            [[2. , 0. ],
             [2. , 0.2]]])
+
+    A corner:
+
+    >>> extract_clusters([(0, 1), (0.2, 1), (0.4, 1), (0.4, 0.8), (0.4, 0.6)]).round(2)
+    array([[[0.08, 1.08],
+            [0.48, 0.68]]])
     """
     return _clusters(points, gap, fit, closed).segments
 

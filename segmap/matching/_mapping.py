@@ -16,7 +16,7 @@ from ..arrays import Array, Count, checked
 from ..quadtree import QuadtreeMap
 from ..scans import LaserScan
 from ._field import NothingNear
-from ._live_map import LiveMap, Step, insert
+from ._live_map import FOUND, LiveMap, Step, insert, overlap_of
 from ._matchers import Score, field_score, hill_climb, prepared, sample_and_rank
 from ._scores import descent_score, nearest_score, occupancy_score, scan_and_poses
 
@@ -85,7 +85,8 @@ def map_scans(
     ------
     Step
         After each scan. A scan gets the pose of the one before, and NaN for its score, if it is one
-        of the first, has no return, or if the map holds nothing near it. With a graph, `closed`
+        of the first, has no return, or if the map holds nothing near it. `found` says whether it
+        lies on the map, or the robot is lost. With a graph, `closed`
         says that earlier poses have moved: the graph, or `LiveMap`, has them.
 
     Raises
@@ -134,11 +135,13 @@ def _steps(
         try:
             if len(points) and inserted >= settle:
                 pose, value = _matched(matcher, score, map, points, pose)
+            overlap = overlap_of(map, scan, pose)
             insert(map, None, scan, pose, free=free)
             inserted += len(points) > 0
         except ValueError as error:
             raise ValueError(f"scan {k}: {error}") from error
-        yield Step(pose.copy(), value, time.perf_counter() - begun)
+        seconds = time.perf_counter() - begun
+        yield Step(pose.copy(), value, seconds, False, overlap >= FOUND, overlap)
 
 
 def _graph_steps(log: Iterable[LaserScan], live: LiveMap) -> Iterator[Step]:
@@ -167,6 +170,7 @@ def _warm(score: Score) -> None:
     """
     map, points = QuadtreeMap(resolution=0.1, size=1.6, free_resolution=0.2), np.eye(2)
     for _ in range(2):
+        overlap_of(map, LaserScan([1.0], [0.0]), np.zeros(3))
         map.insert_scan((0.05, 0.05), points, -points)
         _matched(hill_climb, score, map, points, np.zeros(3))
 

@@ -4,6 +4,7 @@ Segment distance and quality: A 2.7.7 and 6.2.2; grades: A 6.2.3; relation error
 """
 
 from ._coverage import invented, missed
+from ._doubled import doubled_walls
 from ._metrics import (
     distance_terms,
     errors,

@@ -112,6 +112,7 @@ def quality(before: Segments, after: Segments, *, scale: Metres = 0.050) -> floa
 
     1 for an unchanged map, or where there was nothing to lose; 0 where nothing is left; NaN, with a
     warning, where both are empty. `scale` is the mean error at which it falls to 37 %: 50 mm in A.
+    A segment without length is no wall: every reduction drops it, and it does not count here.
 
     Examples
     --------
@@ -119,10 +120,11 @@ def quality(before: Segments, after: Segments, *, scale: Metres = 0.050) -> floa
     >>> quality(wall, wall), round(quality(wall, wall + 0.1), 3)
     (1.0, 0.554)
     """
-    found = errors(before, after)
+    given = arrays.segments(before, "before")
+    found = errors(given[length(given) >= MIN_LENGTH], after)
     if len(found):
         return float(np.exp(-found.mean() / scale))
-    if len(arrays.segments(after, "after")):
+    if len(given) or len(arrays.segments(after, "after")):
         return 1.0
     text = "quality is NaN: neither map holds a segment, before or after"
     slips.warn(text)

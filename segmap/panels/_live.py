@@ -13,10 +13,12 @@ import ipywidgets as W
 from numpy.typing import ArrayLike
 
 from .. import arrays
+from .._display import counted
 from ..arrays import Array, Metres, checked
 from ..extraction import extract_polylines
 from ..hokuyo import Newest, SensorError, UrgSensor
 from ..matching import LiveMap, Step, map_scans
+from ..plotting import ERROR
 from ..poses import transform
 from ..quadtree import QuadtreeMap
 from ..reduction import LiveReduction
@@ -57,7 +59,8 @@ class LivePanel(Panel):
     ----------
     tolerance : slider
         Of the segments.
-    count, leaves, rate, dropped, graph, state : labels
+    count, leaves, rate, dropped, graph, place, state : labels
+        `place` says whether the last scan was found on the map, and how often the robot was lost.
     map : QuadtreeMap
     seconds : float
         Duration of the last step, drawing included.
@@ -81,7 +84,7 @@ class LivePanel(Panel):
     ) -> None:
         self.source, self._resolution = _checked(source), resolution
         self._begin: Array = arrays.pose(start, "start")
-        self.map, self.seconds, self.taken = self._empty(), 0.0, 0
+        self.map, self.seconds, self.taken, self.lost = self._empty(), 0.0, 0, 0
         self._scan: LaserScan | None = None
         self._step: Step | None = None
         self._steps: Iterator[Step] | None = self._begun()
@@ -97,14 +100,14 @@ class LivePanel(Panel):
         self.loops = W.Checkbox(value=False, description="close loops", indent=False)
         self.loops.observe(self._choose, names="value")
         self.count, self.leaves, self.rate, self.dropped = (text() for _ in range(4))
-        self.graph, self.state = text(), text()
+        self.graph, self.place, self.state = text(), text(), text()
         self._picture = LivePicture()
         self._assemble(
             (self.start, self.stop),
             (self.tolerance, self.loops),
             (self.count, self.leaves),
             (self.rate, self.dropped),
-            self.graph,
+            (self.graph, self.place),
             self.state,
         )
 
@@ -123,6 +126,7 @@ class LivePanel(Panel):
         with self._drawing:
             self._match(scan)
             self.taken += 1
+            self.lost += self._step is not None and not self._step.found
             self._times.append(scan.time)
             self._redraw()
         self.seconds = time.perf_counter() - begun
@@ -138,6 +142,7 @@ class LivePanel(Panel):
         with self._drawing:
             self._begin = self._begin if self._step is None else self._step.pose
             self.map, self._steps, self._live, self._step = self._empty(), None, None, None
+            self.lost = 0
 
     def _empty(self) -> QuadtreeMap:
         return QuadtreeMap(resolution=self._resolution, free_resolution=COARSE * self._resolution)
@@ -211,13 +216,17 @@ class LivePanel(Panel):
                 return
             own = extract_polylines(self._scan.points(), tolerance=self.tolerance.value)
             segments = transform(self._step.pose, own.reshape(-1, 2)).reshape(-1, 2, 2)
-            self._tell(len(segments))
+            self._tell(len(segments), self._step)
             walls = None if self._live is None else self._live.walls
             reduced = None if walls is None else walls.segments
             self._picture.show(self.map, self._scan, self._step.pose, segments, reduced)
             self.picture.value = self._picture.png()
 
-    def _tell(self, segments: int) -> None:
+    def _tell(self, segments: int, step: Step) -> None:
+        lies = f"{step.overlap:.0%} of the scan lies on the map"
+        before = f"; {counted(self.lost, 'scan')} lost on this map" if self.lost else ""
+        self.place.value = f"{'found' if step.found else 'LOST'}: {lies}{before}"
+        self.place.style.text_color = None if step.found else ERROR
         self.count.value = f"{segments} segments"
         self.leaves.value = f"{3 * self.map.tree.used + 1} leaves"
         self.graph.value = "" if self._live is None else repr(self._live.graph)

@@ -205,6 +205,6 @@ def level_of(name: str, length: float, resolution: float, *, least: int = 0) -> 
 
 def pairs(name: str, values: ArrayLike) -> Array:
     """Points as an array `(n, 2)`; whether they are finite is seen where their cells are found."""
-    if isinstance(values, np.ndarray) and values.dtype == float and values.shape[1:] == (2,):
+    if type(values) is np.ndarray and values.dtype == float and values.shape[1:] == (2,):
         return values
     return arrays.table(values, name, 2, unit=UNIT, limit=np.inf)

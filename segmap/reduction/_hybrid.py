@@ -26,7 +26,7 @@ def hybrid(
     distance: Metres = 0.20,
     angle: Turn = np.pi / 18,
     min_length: Length = 0.10,
-    origin: Literal["map"] | None = "map",
+    origin: Literal["map", "pair"] = "map",
 ) -> Reduction:
     """Let each new segment go into the nearest one of the map whose line agrees (A 4.2).
 
@@ -53,7 +53,7 @@ def hybrid(
         The filter that A builds in. It is useless after A's own filter of 0.10 m (A 6.3), so A's
         is fixed and no longer than that.
     origin
-        A takes rho about the origin of the map. None takes it about the mean of both middles,
+        A takes rho about the origin of the map. "pair" takes it about the mean of both middles,
         weighted by length: then the result moves with the map, and on four buildings 8 to 50 %
         fewer segments are left at the same quality of .80 to .90.
 
@@ -86,7 +86,7 @@ def hybrid(
                 distance,
                 angle,
                 min_length,
-                origin is None,
+                origin == "pair",
                 parents,
             )
             yield int(state.used[0])
@@ -95,17 +95,17 @@ def hybrid(
     return replace(run_online("hybrid", map, steps), doubt=doubt_of(map, origin))
 
 
-def doubt_of(map: Segments, origin: Literal["map"] | None) -> str:
+def doubt_of(map: Segments, origin: Literal["map", "pair"]) -> str:
     """Why Hybrid may not suit a map: its origin lies outside of it; nothing where it does not."""
     ends = arrays.segments(map).reshape(-1, 2)
-    if origin is None or not len(ends):
+    if origin == "pair" or not len(ends):
         return ""
     outside = np.hypot(*np.maximum(0, np.maximum(ends.min(axis=0), -ends.max(axis=0))))
     if not outside:
         return ""
     return (
         f"the origin lies {outside:.1f} m outside of the map, and rho is taken about it: the "
-        "farther it is, the less merges; origin=None takes it about each pair of walls"
+        'farther it is, the less merges; origin="pair" takes it about each pair of walls'
     )
 
 

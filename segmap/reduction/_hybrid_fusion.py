@@ -22,7 +22,7 @@ def hybrid_fusion(
     distance: Metres = 0.20,
     angle: Turn = np.pi / 18,
     min_length: Length = 0.10,
-    origin: Literal["map"] | None = "map",
+    origin: Literal["map", "pair"] = "map",
     tolerance: Metres = 0.04,
     every: Count = 50,
 ) -> Reduction:
@@ -71,7 +71,7 @@ def hybrid_fusion(
         moves: list[Indices] = []  # where each segment of the map went at each Fusion
         borders = [0]  # inputs until then
         for done, (first, stop) in enumerate(rows.scans(), 1):
-            add(state, s, first, stop, distance, angle, min_length, origin is None, parents)
+            add(state, s, first, stop, distance, angle, min_length, origin == "pair", parents)
             if done % every == 0 or stop == len(s):
                 moves.append(_fuse_map(state, tolerance))
                 borders.append(stop)
@@ -109,7 +109,7 @@ class LiveReduction:
         distance: Metres = 0.20,
         angle: Turn = np.pi / 18,
         min_length: Length = 0.10,
-        origin: Literal["map"] | None = "map",
+        origin: Literal["map", "pair"] = "map",
         tolerance: Metres = 0.04,
         every: Count = 50,
     ) -> None:
@@ -127,7 +127,7 @@ class LiveReduction:
             self._state = empty_map(2 * (used + len(new)), self.distance)
             replace_map(self._state, state.s[:used], state.lines[:used, 2].copy())
         parents = np.empty(len(new), np.int64)
-        pair = self.origin is None
+        pair = self.origin == "pair"
         add(
             self._state, new, 0, len(new), self.distance, self.angle, self.min_length, pair, parents
         )

@@ -22,7 +22,8 @@ class LaserScan(Pictured):
     """Ranges that one turn of the laser measured.
 
     A beam is valid where its range is finite, positive and below `max_range`. Readers write `inf`
-    where the beam met nothing and NaN where the sensor reported an error. Angles in degrees are
+    where the beam met nothing and NaN where the sensor reported an error; a range that is masked
+    becomes NaN. Angles in degrees are
     refused; a warning tells of ranges that look like millimetres.
 
     Parameters
@@ -69,7 +70,7 @@ class LaserScan(Pictured):
         codes: ArrayLike | None = None,
     ) -> None:
         keep = object.__setattr__
-        keep(self, "ranges", _row(ranges, "ranges"))
+        keep(self, "ranges", _row(arrays.ranges(ranges), "ranges"))
         keep(self, "angles", _row(angles, "angles", len(self.ranges)))
         if not np.isfinite(self.angles).all():
             raise ValueError("angles must be finite, in radians")
@@ -187,6 +188,7 @@ class Log(Pictured, Sequence[LaserScan]):
     @overload
     def __getitem__(self, index: slice | Sequence[int] | NDArray[Any]) -> Log: ...
     def __getitem__(self, index: Any) -> LaserScan | Log:
+        arrays.refuse_masked(index, "the index")
         if not isinstance(index, slice) and np.ndim(index) == 0:
             return self.scans[index]
         chosen = np.arange(len(self))[index]

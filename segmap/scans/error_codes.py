@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from .. import arrays
 from ..arrays import Array
 
 #: Values below this, in millimetres, are codes.
@@ -65,7 +66,7 @@ def as_ranges(millimetres: ArrayLike) -> tuple[Array, NDArray[np.int64]]:
     >>> as_ranges([392, 0, 7])
     (array([0.392,   inf,   nan]), array([0, 0, 7]))
     """
-    given = np.asarray(millimetres, float)
+    given = arrays.numbers(millimetres, "millimetres")
     whole = np.rint(given)
     coded = (given >= 0) & (whole < LOWEST)
     codes = np.where(coded, whole, 0).astype(np.int64)
@@ -106,7 +107,7 @@ def as_far_ranges(
     >>> as_far_ranges([9392, 1, 3, 65533], least=23, most=30000)
     (array([9.392,   inf,   nan,   inf]), array([    0,     1,     3, 65533]))
     """
-    given = np.rint(np.asarray(millimetres, float)).astype(np.int64)
+    given = np.rint(arrays.numbers(millimetres, "millimetres")).astype(np.int64)
     is_range = (given >= least) & (given <= most)
     nothing = (given == NOTHING) | ((given > most) & (given <= NOTHING_FAR))
     ranges = np.where(is_range, given / 1000, np.where(nothing, np.inf, np.nan))

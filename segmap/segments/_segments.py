@@ -159,6 +159,7 @@ SegmentMap(1 segment of 1 scan))
 
     def __getitem__(self, rows: slice | ArrayLike) -> SegmentMap:
         """Some of the segments, by a slice, a mask or indices, with all that lies behind them."""
+        arrays.refuse_masked(rows, "the index")
         index = np.arange(len(self))[rows if isinstance(rows, slice) else np.asarray(rows)]
         if index.ndim != 1:
             raise TypeError(f"take a slice, a mask or indices of segments, got {rows!r}")

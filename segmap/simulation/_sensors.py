@@ -135,7 +135,7 @@ def measure(
     array([ nan, 1.25,  inf])
     """
     arrays.instance(sensor, "sensor", Sensor)
-    true, angle = arrays.numbers(ranges, "ranges"), arrays.numbers(incidence, "incidence")
+    true, angle = arrays.ranges(ranges), arrays.numbers(incidence, "incidence")
     if true.ndim != 1 or angle.shape != true.shape:
         shapes = f"{true.shape} and {angle.shape}"
         raise ValueError(f"ranges and incidence must have one shape, (n,), got {shapes}")

@@ -31,6 +31,7 @@ from segmap.simulation import (
     Sensor,
     corridor_loop,
     drive,
+    office,
     polyline,
     rectangular_room,
     simulate,
@@ -278,8 +279,28 @@ def test_on_a_growing_map_errors_do_not_add_up_while_the_place_is_known():
         assert found.used.mean() > 0.85 and least < np.nanmax(errors) < most
 
 
-def test_a_map_has_forgotten_what_hides_what():
-    """The counter-example: a room that is nearly symmetric fits from the wrong side as well."""
-    log = load("room")
-    far = logs.errors(log, angle_correspondence(log, grow=True).poses)[0]
-    assert far[:26].max() < 0.05 and far.max() > 1.0
+#: Root mean square errors that a map which grows may leave, metres; by scans alone 0.003, 0.13
+#: and 0.11 were measured.
+ON_A_MAP = {"room": 0.02, "corridor": 0.1, "malaga": 0.12}
+
+
+@pytest.mark.parametrize("name", ON_A_MAP)
+def test_on_a_growing_map_no_scan_is_worse_than_by_scans_alone(name):
+    """Catches one wrong match that grows into the map: in a room that is nearly symmetric the wrong
+    side fits as well, for a map has forgotten what hides what; errors were 2 to 5 m in the mean."""
+    log = load(name)
+    alone, grown = (angle_correspondence(log, grow=grow) for grow in (False, True))
+    errors = position_errors(grown.poses, log.truth, best=True)
+    assert np.sqrt((errors**2).mean()) < ON_A_MAP[name]
+    assert grown.used.sum() >= alone.used.sum()
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_growing_map_of_an_office_is_as_good_as_the_scans(seed):
+    """On a building that no threshold was chosen on."""
+    chance = rng(seed)
+    walls = office(rng=chance, rooms=2)
+    path = drive([(1, 5), (2, 5), (2, 7.5), (2, 5), (6, 5)], step=0.3, turn=np.radians(15))
+    log = simulate(walls, path, sensor=UTM, rng=chance, odometry_noise=logs.BAD_WHEELS)
+    found = angle_correspondence(log, grow=True)
+    assert found.used.all() and position_errors(found.poses, log.truth, best=True).max() < 0.05

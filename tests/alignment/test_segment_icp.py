@@ -4,11 +4,11 @@ import alignment_logs as logs
 import numpy as np
 import pytest
 
-from segmap.alignment import segment_icp
-from segmap.alignment.segment_icp import match_segments
+from segmap import load
+from segmap.alignment import match_segments, segment_icp
 from segmap.angles import wrap
 from segmap.extraction import extract_polylines
-from segmap.poses import compose, transform
+from segmap.poses import between, compose, inverse, transform
 from segmap.scans import LaserScan, Log
 from segmap.segments import length
 from segmap.simulation import (
@@ -44,14 +44,45 @@ def test_recovers_the_motion_between_scans_without_error(seed):
     assert abs(wrap(found.pose[2] - true[2])) < np.radians(0.01)
 
 
-def test_frames_and_the_order_of_end_points_mean_nothing():
-    """Steps tied to an axis; a direction taken from the order of the end points."""
-    a, b, start = seen((2, 5, 0)), seen((2.2, 5.1, 0.1)), np.array([0.25, 0.05, 0.07])
-    plain, world = match_segments(a, b, start), np.array([3.0, -2.0, 0.7])
+#: Pairs of scans and starts: without error, with error, and rooms in which much is equal.
+NOISE = np.random.default_rng(3)
+PAIRS = {
+    "office": (seen((2, 5, 0)), seen((2.2, 5.1, 0.1)), (0.25, 0.05, 0.07)),
+    "with error": (
+        *(seen(p) + NOISE.normal(0, 0.01, seen(p).shape) for p in ((2, 5, 0), (2.2, 5, 0.1))),
+        (0.3, -0.05, 0.04),
+    ),
+    "room": (rectangular_room(4, 3), rectangular_room(4, 3), (0.1, 0.05, 0.03)),
+    "corridor": (rectangular_room(20, 2), rectangular_room(20, 2)[::-1], (0.2, 0.1, 0.0)),
+}
+
+
+@pytest.mark.parametrize("turn", [0.7, np.pi / 2, -2.0])
+@pytest.mark.parametrize("pair", PAIRS)
+def test_frames_and_the_order_of_end_points_mean_nothing(pair, turn):
+    """Steps tied to an axis of the world or of the scan; ties that rounding decides."""
+    a, b, start = PAIRS[pair]
+    plain, world, own = match_segments(a, b, start), (3.0, -2.0, turn), (0.4, 1.0, -turn)
     moved = match_segments(transform(world, a), b, compose(world, start))
-    np.testing.assert_allclose(compose(world, plain.pose), moved.pose, atol=2e-3)
+    np.testing.assert_allclose(between(compose(world, plain.pose), moved.pose), 0, atol=1e-6)
+    turned = np.array(
+        [(np.cos(turn), -np.sin(turn), 0), (np.sin(turn), np.cos(turn), 0), (0, 0, 1)]
+    )
+    covariance = turned @ plain.covariance @ turned.T
+    np.testing.assert_allclose(moved.covariance, covariance, rtol=1e-6, atol=1e-9)
+    back = inverse(own)
+    moved = match_segments(a, transform(own, b), compose(start, back))
+    np.testing.assert_allclose(between(compose(plain.pose, back), moved.pose), 0, atol=1e-6)
     swapped = match_segments(a[:, ::-1], b[:, ::-1], start)
     np.testing.assert_allclose(plain.pose, swapped.pose, atol=1e-4)
+
+
+def test_a_whole_log_is_matched_alike_in_another_frame():
+    """Catches errors of single matches that differ from frame to frame, and add up."""
+    log, world = load("room"), np.array([20.0, -7.0, 0.7])
+    there = segment_icp(logs.changed(log, odometry=compose(world, log.odometry)))
+    here = compose(world, segment_icp(log).poses)
+    np.testing.assert_allclose(between(here, there.poses), 0, atol=1e-6)
 
 
 def test_a_corridor_leaves_its_direction_free():

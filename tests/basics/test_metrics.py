@@ -99,6 +99,8 @@ def test_quality_at_its_ends():
     assert metrics.quality(before, before) == pytest.approx(1, abs=1e-12)
     assert metrics.quality(before, empty) == 0
     assert metrics.quality(empty, before) == literal.quality(empty, before) == 1
+    point = [[(5.0, 5.0), (5.0, 5.0)]]
+    assert metrics.quality(point, empty) == literal.quality(point, []) == 1
     assert metrics.quality(SegmentMap(before), before[::-1]) == pytest.approx(1, abs=1e-12)
 
 

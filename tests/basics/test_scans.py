@@ -33,6 +33,24 @@ def test_a_beam_is_valid_between_zero_and_the_maximum_both_left_out(reading, val
     assert one.points().shape == (int(valid), 2)
 
 
+@pytest.mark.parametrize("kind", [float, np.float32, int])
+def test_a_masked_range_is_no_measurement(kind):
+    """Catches a mask that is forgotten: the beam becomes a wall."""
+    read = np.ma.masked_greater(np.array([1, 65, 2], kind), 60)
+    scan = LaserScan(read, np.radians([0, 90, 180]))
+    assert scan.valid.tolist() == [True, False, True]
+    np.testing.assert_allclose(scan.points(), [(1, 0), (-2, 0)], atol=1e-12)
+    assert LaserScan(np.ma.array([1.0, 2.0]), [0, 1]).valid.all()
+
+
+def test_a_log_is_not_cut_by_a_mask_that_is_masked():
+    """Catches an index under whose mask numpy looks."""
+    log = Log("two", [LaserScan([1.0], [0.0], time=t) for t in (0.0, 0.1)])
+    times = np.ma.masked_less(log.times, 0.05)
+    with pytest.raises(ValueError, match="masked"):
+        log[times < 1]
+
+
 def test_without_a_maximum_every_finite_positive_range_is_valid():
     assert LaserScan([1e6, np.inf], [0, 0]).valid.tolist() == [True, False]
 

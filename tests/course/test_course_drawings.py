@@ -204,6 +204,13 @@ def test_each_outcome_has_its_colour_where_it_started(ax):
     assert ax.get_xlim() == (-0.5, 1.5) and ax.get_ylim() == (4, 8)
 
 
+def test_outcomes_of_like_colours_have_marks_where_they_started(ax):
+    """Catches red and orange cells that a colour-blind reader cannot tell apart."""
+    course.draw_basin([["free", "wrong"], ["right", "no match"]], [0, 1], [5, 7], ax=ax)
+    marks = {line.get_marker(): line.get_xydata().tolist() for line in ax.lines}
+    assert marks == {"_": [[0, 5]], "x": [[1, 5]]}
+
+
 @pytest.mark.parametrize(
     ("draw", "message"),
     [

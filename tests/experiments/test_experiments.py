@@ -2,7 +2,7 @@
 
 import sys
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from dataclasses import replace
 from itertools import cycle
 from multiprocessing import get_context
@@ -32,6 +32,13 @@ from segmap.experiments._plan import digest
 @pytest.fixture(scope="module")
 def expected():
     return sweep(MAPS, NAMES, GRIDS, filters=(None, 0.10))
+
+
+@pytest.fixture(scope="module")
+def spawned():
+    """Two processes that know nothing of this one."""
+    with ProcessPoolExecutor(2, mp_context=get_context("spawn")) as pool:
+        yield pool
 
 
 # ------------------------------------------------------------------ what is run
@@ -82,52 +89,43 @@ def test_all_methods_run_with_their_defaults_and_those_that_are_none_are_left_ou
         sweep({"room": ROOM}, ["viewing_sector"])
 
 
-def test_a_method_of_ones_own():
-    """Catches a sweep that knows only the methods of the library, or takes its own time."""
-    grids = {"mine": {"share": [1.0, 0.5]}}
-    found = sweep({"hall": HALL.segments}, {"mine": keep_all, "fusion": METHODS["fusion"]}, grids)
-    assert list(found["method"]) == ["mine", "mine", "fusion"]
-    assert list(found["n_after"])[:2] == [70, 35] and list(found["seconds"])[:2] == [1.25, 1.25]
+MISTAKES = [
+    ((MAPS, ["fussion"]), {}, "methods must be one of 'basic_offline'.*got 'fussion'"),
+    ((MAPS, ["fusion"], {"fussion": [{}]}), {}, "grids must be one of 'fusion', got 'fussion'"),
+    ((MAPS, ["fusion"], {"fusion": [{"tolerence": 1}]}), {}, "of tolerance, got tolerence"),
+    ((MAPS, ["fusion"], {"fusion": {"tolerance": ["a"]}}), {}, "numbers or None, got 'a'"),
+    ((MAPS, {"mine": lambda map, **all: 0}, {"mine": [{"seconds": 1}]}), {}, "threshold 'seconds'"),
+    (({"two\nlines": HALL}, ["fusion"]), {}, "names of one line"),
+    (({"bad": [[(0, np.nan), (1, 1)]]}, ["fusion"]), {}, r"maps\['bad'\]\[0\] is"),
+    ((MAPS, ["fusion"]), {"repeat": 0}, "repeat must be .* at least 1, got 0"),
+    *(
+        ((MAPS, ["fusion"]), {"filters": (None, least)}, "filters must be .* in metres, or None")
+        for least in (0.0, -1.0, np.nan, np.inf)
+    ),
+]
 
 
-@pytest.mark.parametrize(
-    ("arguments", "said"),
-    [
-        ((MAPS, ["fussion"]), "methods must be one of 'basic_offline'.*got 'fussion'"),
-        ((MAPS, ["fusion"], {"fussion": [{}]}), "grids must be one of 'fusion', got 'fussion'"),
-        ((MAPS, ["fusion"], {"fusion": [{"tolerence": 1}]}), "of tolerance, got tolerence"),
-        ((MAPS, ["fusion"], {"fusion": {"tolerance": ["a"]}}), "numbers or None, got 'a'"),
-        ((MAPS, {"mine": lambda map, **all: 0}, {"mine": [{"seconds": 1}]}), "threshold 'seconds'"),
-        (({"two\nlines": HALL}, ["fusion"]), "names of one line"),
-        (({"bad": [[(0, np.nan), (1, 1)]]}, ["fusion"]), r"maps\['bad'\]\[0\] is"),
-    ],
-)
-def test_mistakes_are_found_before_anything_runs(arguments, said, monkeypatch):
+@pytest.mark.parametrize(("arguments", "options", "said"), MISTAKES)
+def test_mistakes_are_found_before_anything_runs(arguments, options, said, monkeypatch):
     """Catches an hour of runs that ends in a spelling mistake."""
     monkeypatch.setattr("segmap.experiments._sweep.run", lambda job: pytest.fail("it ran"))
     with pytest.raises(ValueError, match=said):
-        sweep(*arguments)
-    for least in (0.0, -1.0, np.nan, np.inf):
-        with pytest.raises(ValueError, match=r"filters must be .* in metres, or None"):
-            sweep(MAPS, ["fusion"], filters=(None, least))
+        sweep(*arguments, **options)
 
 
 def break_down(map, *, threshold: float = 0.5):
     raise KeyError("something inside")
 
 
-@pytest.mark.parametrize("pool", [None, "spawn"])
-def test_an_error_names_the_run_here_and_in_another_process(pool):
+def test_an_error_names_the_run_here_and_in_another_process(spawned):
     """Catches a traceback that leaves one guessing which of 264 runs it was."""
-    pool = pool and ProcessPoolExecutor(1, mp_context=get_context(pool))
     said = r"fusion\(hall, tolerance=-1\), filter 0.10 m: ValueError: .*tolerance must be"
-    grids, options = {"fusion": [{"tolerance": -1}]}, {"filters": (0.10,), "executor": pool}
-    with pytest.raises(ValueError, match=said):
-        sweep({"hall": HALL}, ["fusion"], grids, **options)
-    with pytest.raises(RuntimeError, match=r"mine\(hall, threshold=0.5\), filter no: KeyError"):
-        sweep({"hall": HALL}, {"mine": break_down}, executor=pool)
-    if pool:
-        pool.shutdown()
+    grids = {"fusion": [{"tolerance": -1}]}
+    for pool in (None, spawned):
+        with pytest.raises(ValueError, match=said):
+            sweep({"hall": HALL}, ["fusion"], grids, filters=(0.10,), executor=pool)
+        with pytest.raises(RuntimeError, match=r"mine\(hall, threshold=0.5\), filter no: KeyError"):
+            sweep({"hall": HALL}, {"mine": break_down}, executor=pool)
 
 
 def test_seconds_are_the_median_of_the_runs_after_one_call_for_all():
@@ -143,8 +141,6 @@ def test_seconds_are_the_median_of_the_runs_after_one_call_for_all():
     assert list(found["seconds"]) == [3.0] * 6
     assert [call for call in calls if call[0] == 3] == [(3, 0.1), (3, 1)]
     assert calls[0] == (3, 0.1) and calls[7] == (3, 1) and len(calls) == 2 + 18
-    with pytest.raises(ValueError, match=r"repeat must be .* at least 1, got 0"):
-        sweep({"hall": HALL}, ["fusion"], repeat=0)
 
 
 # ------------------------------------------------------------------ where it is run
@@ -162,10 +158,9 @@ def dask(folder):
 
 
 @pytest.mark.parametrize("kind", ["processes", slow("dask")])
-def test_a_pool_gives_the_same_runs(kind, expected, tmp_path):
+def test_a_pool_gives_the_same_runs(kind, expected, tmp_path, spawned):
     """Catches runs in the order of finishing, and what cannot be sent to a process or cluster."""
-    spawned = ProcessPoolExecutor(2, mp_context=get_context("spawn"))
-    with dask(tmp_path) if kind == "dask" else spawned as pool:
+    with dask(tmp_path) if kind == "dask" else nullcontext(spawned) as pool:
         found = sweep(MAPS, NAMES, GRIDS, filters=(None, 0.10), executor=pool)
     assert_frame_equal(without_seconds(found), without_seconds(expected))
 
@@ -173,11 +168,17 @@ def test_a_pool_gives_the_same_runs(kind, expected, tmp_path):
 # ------------------------------------------------------------------ what is shown
 
 
-def test_runs_come_back_in_order_though_the_first_ends_last():
-    bar, maps, grids = notes(), {"<hall>": HALL}, {"mine": {"wait": [0.2, 0.0, 0.0]}}
+def test_methods_of_ones_own_come_back_in_order_though_the_first_ends_last():
+    """Catches a sweep that knows only the methods of the library, or takes its own time."""
+    bar, grids = notes(), {"mine": {"wait": [0.2, 0.0, 0.0]}, "half": {"share": [1.0, 0.5]}}
+    methods = {"mine": slow_start, "half": keep_all, "fusion": METHODS["fusion"]}
     with ThreadPoolExecutor(3) as pool:
-        found = sweep(maps, {"mine": slow_start}, grids, executor=pool, progress=bar)
-    assert list(found["wait"]) == [0.2, 0.0, 0.0] and bar.seen == [0, 1, 2, 3]
+        found = sweep({"<hall>": HALL.segments}, methods, grids, executor=pool, progress=bar)
+    assert list(found["method"]) == ["mine"] * 3 + ["half"] * 2 + ["fusion"]
+    assert list(found["wait"])[:3] == [0.2, 0.0, 0.0] and bar.seen == list(range(7))
+    assert list(found["n_after"])[:5] == [70, 70, 70, 70, 35] and set(found["seconds"][:5]) == {
+        1.25
+    }
 
 
 @pytest.mark.parametrize("where", ["a pipe", "a terminal", "a notebook"])

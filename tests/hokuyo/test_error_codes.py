@@ -7,8 +7,7 @@ from emulated import URG, Wired, connected
 from segmap import LaserScan, read
 from segmap.hokuyo import parse_scan, record
 from segmap.hokuyo._geometry import laser_scan
-from segmap.hokuyo._protocol import ScanRequest, encode_reply, encode_scan
-from segmap.hokuyo.emulator import Replay
+from segmap.hokuyo._protocol import ScanRequest, encode_scan
 from segmap.hokuyo.emulator._worlds import MODELS
 from segmap.scans.error_codes import CODES, LOWEST, as_far_ranges, as_ranges
 
@@ -22,26 +21,25 @@ def driven():
     return laser_scan(parse_scan(encode_scan(0, MET, 3), 3), request, URG, time=0.0)
 
 
+def read_text(tmp_path, name, text):
+    (tmp_path / name).write_text(text)
+    return read(tmp_path / name)[0]
+
+
 def as_text(tmp_path):
     lines = [f"{r} {a!r}" for r, a in zip(MET.tolist(), driven().angles.tolist(), strict=True)]
-    (tmp_path / "scan1.txt").write_text("\n".join(lines) + "\n")
-    return read(tmp_path)[0]
+    return read_text(tmp_path, "scan1.txt", "\n".join(lines) + "\n")
 
 
 def as_coreslam(tmp_path):
-    header, count = 24, 683
-    beams = np.full(count, 1000)
-    beams[: len(MET)] = MET
-    (tmp_path / "one.dat").write_text(" ".join(map(str, [0] * header + beams.tolist())))
-    return read(tmp_path / "one.dat")[0]
+    beams = np.r_[np.zeros(24, int), MET, np.full(683 - len(MET), 1000)]
+    return read_text(tmp_path, "one.dat", " ".join(map(str, beams.tolist())))
 
 
 def as_rawseeds(tmp_path):
     """In metres: 0.007 is code 7."""
-    beams = np.full(681, 1.0)
-    beams[: len(MET)] = MET / 1000
-    (tmp_path / "HOKUYO_FRONT.csv").write_text(",".join(["0", *(f"{b:.3f}" for b in beams)]))
-    return read(tmp_path / "HOKUYO_FRONT.csv")[0]
+    beams = np.r_[MET / 1000, np.ones(681 - len(MET))]
+    return read_text(tmp_path, "HOKUYO_FRONT.csv", ",".join(["0", *(f"{b:.3f}" for b in beams)]))
 
 
 def recorded(tmp_path):
@@ -72,28 +70,9 @@ def test_no_return_is_inf_and_an_error_nan():
     assert codes.tolist() == [*range(20), 0, 0]
     assert len(CODES) == LOWEST
     assert all(code.words for code in CODES)
-
-
-def test_what_is_no_number_is_no_code_either():
-    """Catches a negative range, or one that is missing, that is taken for "nothing met"."""
-    ranges, codes = as_ranges([np.nan, -0.2, -1000.0, np.inf, 6.9999999])
+    ranges, codes = as_ranges([np.nan, -0.2, -1000.0, np.inf, 6.9999999])  # no number, no code
     assert np.isnan(ranges).tolist() == [True, True, True, False, True]
     assert codes.tolist() == [0, 0, 0, 0, 7]
-
-
-def test_a_replay_gives_every_code_again():
-    """Catches an emulator that makes a distance of a code."""
-    request = ScanRequest("GD", 370, 370 + len(MET) - 1)
-    sent = encode_reply(request.text, "00", encode_scan(0, MET, 3))
-    assert Replay(sent)(0)[370 : 370 + len(MET)].tolist() == MET.tolist()
-
-
-def test_a_range_too_short_for_millimetres_is_no_code(tmp_path):
-    """Catches 7 mm, which a simulated sensor may meet, recorded as "the beams beside are bad"."""
-    record([LaserScan([0.007, 0.0004, 0.0, 1.0], [0.0, 0.1, 0.2, 0.3])], tmp_path / "near")
-    log = read(tmp_path / "near")
-    assert log[0].codes.tolist() == [19, 19, 19, 0]
-    assert np.isnan(log[0].ranges[:3]).all()
 
 
 def test_codes_are_those_of_the_model():
@@ -116,12 +95,16 @@ def test_codes_are_those_of_the_model():
 
 
 def test_a_folder_of_texts_keeps_what_it_can(tmp_path):
-    """Catches 65533 read again as a wall, an error that clears the map, and lost ranges."""
-    beams = np.array([np.inf, np.nan, np.inf, np.nan, 5.5]), np.arange(5) / 10
-    codes = np.array([65533, 2, 1, 65535, 0])
+    """Catches 65533 read again as a wall, an error that clears the map, and lost ranges.
+
+    7 mm, which a simulated sensor may meet, is not "the beams beside are bad".
+    """
+    beams = [np.inf, np.nan, np.inf, np.nan, 5.5, 0.007, 0.0004, 0.0], np.arange(8) / 10
+    codes = np.array([65533, 2, 1, 65535, 0, 0, 0, 0])
     assert record([LaserScan(*beams, max_range=30.0, codes=codes)], tmp_path / "near") == 1
     found = read(tmp_path / "near")[0]
-    assert np.array_equal(found.ranges, beams[0], equal_nan=True)
-    assert found.codes.tolist() == [0, 2, 0, 19, 0]
+    expected = [np.inf, np.nan, np.inf, np.nan, 5.5, np.nan, np.nan, np.nan]
+    assert np.array_equal(found.ranges, expected, equal_nan=True)
+    assert found.codes.tolist() == [0, 2, 0, 19, 0, 19, 19, 19]
     with pytest.raises(ValueError, match=r"to 5.6 m, but a range is 9.500 m: .*ends in .log"):
         record([LaserScan([1.0, 9.5], [0.0, 0.1], max_range=30.0)], tmp_path / "far")

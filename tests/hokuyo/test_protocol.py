@@ -53,20 +53,22 @@ def test_numbers_there_and_back(characters, count, seed):
 
 @given(st.integers(0, 2**24 - 1), st.integers(0, 800), st.integers(0, 999))
 def test_scans_there_and_back(clock, count, seed):
-    """Catches values that are cut at the border of a block: 64 is no multiple of 3."""
-    millimetres = np.random.default_rng(seed).integers(0, 5600, count).tolist()
-    met = parse_scan(encode_scan(clock, millimetres, 3), 3)
-    assert met.clock == clock
-    assert met.millimetres.tolist() == millimetres
+    """Catches values that are cut at the border of a block: 64 is no multiple of 3.
+
+    What two or three characters cannot hold is cut, and a clock beyond its 24 bits wraps.
+    """
+    millimetres = np.random.default_rng(seed).integers(0, 5600, count)
+    for characters in (2, 3):
+        met = parse_scan(encode_scan(clock + 2**24, millimetres, characters), characters)
+        assert met.clock == clock
+        most = 64**characters - 1
+        assert met.millimetres.tolist() == np.minimum(millimetres, most).tolist()
+    assert parse_scan(encode_scan(0, [2**18], 3), 3).millimetres.tolist() == [2**18 - 1]
 
 
 @given(
     st.sampled_from(["GD", "GS", "MD", "MS"]),
-    st.integers(0, 768),
-    st.integers(0, 768),
-    st.integers(0, 99),
-    st.integers(0, 9),
-    st.integers(0, 99),
+    *(st.integers(0, most) for most in (768, 768, 99, 9, 99)),
 )
 def test_requests_there_and_back(kind, first, last, cluster, skip, scans):
     streams = kind[0] == "M"
@@ -75,20 +77,10 @@ def test_requests_there_and_back(kind, first, last, cluster, skip, scans):
     assert ScanRequest("MD", 44, 725).text == "MD0044072501000", "every turn, without an end"
 
 
-def test_what_does_not_fit_is_cut_and_wrapped():
-    """Catches a distance that two characters cannot hold, and a clock beyond its 24 bits."""
-    met = parse_scan(encode_scan(2**24 + 5, [4094, 4095, 4096, 5600], 2), 2)
-    assert (met.clock, met.millimetres.tolist()) == (5, [4094, 4095, 4095, 4095])
-    assert parse_scan(encode_scan(0, [2**18], 3), 3).millimetres.tolist() == [2**18 - 1]
-
-
-@pytest.mark.parametrize(
-    "text",
-    ["", "GD", "GD004407250", "GD00440725011", "MD0044072501", "XD0044072501"],
-)
-def test_other_texts_are_no_requests(text):
-    with pytest.raises(SensorError, match="is no request for scans"):
-        parse_request(text)
+def test_other_texts_are_no_requests():
+    for text in ("", "GD", "GD004407250", "GD00440725011", "MD0044072501", "XD0044072501"):
+        with pytest.raises(SensorError, match="is no request for scans"):
+            parse_request(text)
 
 
 # -------------------------------------------------------------------------- captures
@@ -116,17 +108,11 @@ def test_the_capture_byte_by_byte():
     assert again == rest
 
 
-def test_the_host_of_the_capture_asked_as_we_do():
-    """Catches fields of a request in another order or width."""
-    asked = capture(TO).split(b"\n")
-    ours = {ScanRequest("GD", 46, 722).text, "VV", "PP", "II", "BM", "SCIP2.0"}
-    said = {line.decode() for line in asked if line}
-    assert ours <= said
-    assert said - ours == {"V", "CR00", "HS0"}
-
-
 def test_the_old_and_the_streamed_capture():
-    """Six scans of SCIP 1.1, whose ends are not measured, and one of MS: written again the same."""
+    """Six scans of SCIP 1.1, whose ends are not measured, and one of MS: written again the same.
+
+    The host of the long capture asked as we do.
+    """
     replies = replies_of(capture("urg04lx-scip1.scip"))
     assert len(replies) == 6
     again = b""
@@ -141,6 +127,9 @@ def test_the_old_and_the_streamed_capture():
     met = parse_scan(reply.body, 2)
     assert (reply.status, len(met.millimetres)) == ("99", parse_request(reply.echo).beams)
     assert encode_reply(reply.echo, "99", encode_scan(*met, 2)) == data
+    said = {line.decode() for line in capture(TO).split(b"\n") if line}
+    ours = {ScanRequest("GD", 46, 722).text, "VV", "PP", "II", "BM", "SCIP2.0"}
+    assert ours <= said and said - ours == {"V", "CR00", "HS0"}
 
 
 # ---------------------------------------------------------------------------- damage
@@ -189,27 +178,28 @@ def test_a_wrong_sum_is_overlooked_in_information_only():
             parse_info([line], strict=True)
 
 
-def test_no_flipped_bit_moves_the_geometry():
-    """Catches AFRT read without its sum: 385 for 384 turns every scan by a beam."""
-    right, text = parse_geometry(TOLD), b"\n".join(encode_info(TOLD))
+def flipped(text):
+    """A text with each of its bits turned over."""
     for at in range(8 * len(text)):
         damaged = bytearray(text)
         damaged[at // 8] ^= 1 << at % 8
-        try:
-            found = parse_geometry(parse_info(bytes(damaged).split(b"\n"), strict=True))
-        except SensorError:
-            continue
-        assert found == right
+        yield bytes(damaged)
+
+
+def test_no_flipped_bit_moves_the_geometry():
+    """Catches AFRT read without its sum: 385 for 384 turns every scan by a beam."""
+    right = parse_geometry(TOLD)
+    for damaged in flipped(b"\n".join(encode_info(TOLD))):
+        with contextlib.suppress(SensorError):
+            assert parse_geometry(parse_info(damaged.split(b"\n"), strict=True)) == right
 
 
 def test_no_flipped_bit_makes_another_status():
     """Catches "p0", whose sum is that of "00": a refusal that the sensor never gave."""
     assert parse_reply([b"BM", b"00P"]).status == "00"
-    for bit in range(24):
-        status = bytearray(b"00P")
-        status[bit // 8] ^= 1 << bit % 8
+    for status in flipped(b"00P"):
         with pytest.raises(SensorError, match=r"check sum|no status"):
-            parse_reply([b"BM", bytes(status)])
+            parse_reply([b"BM", status])
 
 
 CANNOT_BE = [dict(ARES="0"), dict(AMIN="x"), dict(AMAX="9999"), dict(SCAN="0"), dict(AFRT="1024")]
@@ -236,16 +226,14 @@ def test_a_geometry_that_cannot_be():
 
 def test_what_a_model_is():
     """Catches one wrong bit that changes the table of codes: no sum sees the upper two bits."""
-    told = TOLD
     for model in ("UTM-30LX-EW", "UST-20LX", "UXM-30LX-EW(Hokuyo)"):
-        assert parse_geometry(told | {"MODL": model}).is_far
+        assert parse_geometry(TOLD | {"MODL": model}).is_far
     for model in ("URG-04LX-UG01(Simple-URG)", "UBG-04LX-F01", "UHG-08LX"):
-        assert not parse_geometry(told | {"MODL": model}).is_far
-    for at, bit in itertools.product((5, 6, 7), (6, 7)):
-        line = bytearray(b"MODL:URG-04LX;" + checksum(b"MODL:URG-04LX"))
-        line[at] ^= 1 << bit
+        assert not parse_geometry(TOLD | {"MODL": model}).is_far
+    line = b"MODL:URG-04LX;" + checksum(b"MODL:URG-04LX")
+    for damaged in itertools.islice(flipped(line), 8 * 5, 8 * 8):
         with pytest.raises(SensorError, match="no line of information"):
-            parse_info([bytes(line)], strict=True)
+            parse_info([damaged], strict=True)
 
 
 # ------------------------------------------------------------------- arbitrary bytes
@@ -334,10 +322,8 @@ def test_parsers_raise_nothing_else(lines, characters):
         lambda body: parse_scan(body, characters),
         lambda body: parse_geometry(parse_info(body)),
     ):
-        try:
-            parse(lines)
-        except SensorError as error:
-            assert str(error)
+        with contextlib.suppress(SensorError):
+            assert parse(lines) is not None
 
 
 # ----------------------------------------------------------------------------- clock

@@ -94,21 +94,12 @@ def test_auto_looks_for_the_vendor(monkeypatch):
 
 @pytest.mark.parametrize(
     ("wrong", "message"),
-    [
-        ({"rates": ()}, "at least one bit rate"),
-        ({"reconnect": 1.0}, "reconnect needs the name"),
-        ({"reconnect": -1}, "reconnect must be a number of at least 0, in seconds"),
-        ({"timeout": 0}, "timeout must be a number above 0, in seconds"),
-        ({"sensor_pose": (0, 0)}, "sensor_pose must be x, y, heading"),
-    ],
+    [({"rates": ()}, "at least one bit rate"), ({"reconnect": 1.0}, "reconnect needs the name")],
 )
 def test_settings_that_cannot_be(wrong, message):
+    """Catches a hang too: `serial.Serial(device)` has no timeout unless it is given one."""
     with pytest.raises(ValueError, match=message):
         connected(Wired(), **wrong)
-
-
-def test_what_is_no_port():
-    """Catches a hang too: `serial.Serial(device)` has no timeout unless it is given one."""
     port = Wired()
     port.timeout = None
     with pytest.raises(ValueError, match="timeout"):
@@ -118,10 +109,6 @@ def test_what_is_no_port():
 
 
 # ----------------------------------------------------------------------------- ranges
-def test_a_stream_is_turn_after_turn():
-    with sensor_of() as sensor:
-        assert set(np.diff([turn_of(scan) for scan in first(sensor, 10)])) == {1}
-        assert (sensor.delivered, sensor.dropped) == (10, 0)
 
 
 def test_turns_that_nobody_fetched_are_counted():
@@ -163,6 +150,8 @@ def test_two_streams_by_turns():
 
 def test_skip_cluster_part_and_short():
     with sensor_of() as sensor:
+        assert set(np.diff([turn_of(scan) for scan in first(sensor, 10)])) == {1}
+        assert (sensor.delivered, sensor.dropped) == (10, 0)
         assert set(np.diff([turn_of(scan) for scan in first(sensor, 3, skip=2)])) == {3}
         part = sensor.scan(first=384, last=400)
         assert (len(part), part.angles[0]) == (17, 0.0)
@@ -182,8 +171,6 @@ def test_skip_cluster_part_and_short():
         ({"cluster": 0}, "cluster must be a whole number of at least 1"),
         ({"skip": 10}, r"skip must be .* at most 9"),
         ({"first": 100.5}, "first must be a whole number"),
-        ({"cluster": 2.5}, "cluster must be a whole number"),
-        ({"last": "725"}, "last must be a whole number"),
     ],
 )
 def test_steps_that_it_has_not(wrong, message):
@@ -223,25 +210,20 @@ def test_replay_gives_the_capture_again():
 
 
 def test_times_are_the_sensors_own():
-    """Catches times of arrival: the reader sleeps, the sensor's turns stay even."""
+    """Catches times of arrival: the reader sleeps, the turns stay even; the clock wraps."""
     port = Wired()
-    with connected(port) as sensor:
+    with connected(port) as sensor, contextlib.closing(sensor.scans()) as stream:
         scans = []
-        for scan in itertools.islice(sensor.scans(), 6):
+        for scan in itertools.islice(stream, 6):
             scans.append(scan)
             port.now += 0.06 * (len(scans) % 2)
         gaps = np.diff([scan.time for scan in scans]) / np.diff([turn_of(scan) for scan in scans])
         assert gaps == pytest.approx([0.1] * 5, abs=0.03)
         assert abs(scans[-1].time - port.now) < 1.0
-
-
-def test_the_clock_of_the_sensor_wraps():
-    port = Wired()
-    with connected(port) as sensor, contextlib.closing(sensor.scans()) as stream:
-        times = [next(stream).time]
         port.unit.wrap_clock()
-        times += [scan.time for scan in itertools.islice(stream, 4)]
-        assert 0 < min(np.diff(times[1:])) <= max(np.diff(times[1:])) < 1.0
+        next(stream)
+        gaps = np.diff([scan.time for scan in itertools.islice(stream, 4)])
+        assert 0 < gaps.min() <= gaps.max() < 1.0
 
 
 def test_slow_lines_are_explained():

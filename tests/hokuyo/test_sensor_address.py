@@ -102,12 +102,26 @@ def test_something_else_at_the_address(answer):
         thread.join()
 
 
+def port_at(connection):
+    port = TcpPort.__new__(TcpPort)
+    port._connection, port._kept = connection, b""
+    port.timeout = port.write_timeout = 0.01
+    return port
+
+
+class Dead:
+    """A line that the system gave up."""
+
+    settimeout = staticmethod(lambda seconds: None)
+
+    def recv(self, size):
+        raise TimeoutError(errno.ETIMEDOUT, "Connection timed out")
+
+
 def test_a_port_by_itself():
     """Catches bytes that are lost before the end is told, an end that is silence, and a hang."""
     here, there = socket.socketpair()
-    port = TcpPort.__new__(TcpPort)
-    port._connection, port._kept = here, b""
-    port.timeout = port.write_timeout = 0.01
+    port = port_at(here)
     assert (port.in_waiting, port.read(5)) == (0, b"")
     there.sendall(b"abcdef")
     assert (port.in_waiting, port.read(4), port.read(9), port.read()) == (6, b"abcd", b"ef", b"")
@@ -121,18 +135,5 @@ def test_a_port_by_itself():
             ask()
     port.close()
     port.close()
-
-
-def test_a_line_that_the_system_gave_up():
-    """Catches a connection that is dead for minutes and taken for a silent one."""
-    port = TcpPort.__new__(TcpPort)
-
-    class Dead:
-        settimeout = staticmethod(lambda seconds: None)
-
-        def recv(self, size):
-            raise TimeoutError(errno.ETIMEDOUT, "Connection timed out")
-
-    port._connection, port._kept = Dead(), b""
     with pytest.raises(OSError, match="Connection timed out"):
-        port.read()
+        port_at(Dead()).read()

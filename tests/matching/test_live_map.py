@@ -2,6 +2,7 @@
 
 import sys
 import threading
+from contextlib import suppress
 from copy import deepcopy
 
 import numpy as np
@@ -9,7 +10,7 @@ import pytest
 from planned_loops import LOG, Planned
 from quadtrees import state
 
-from segmap import LaserScan, extraction, quadtree
+from segmap import LaserScan, extraction
 from segmap.alignment import LiveGraph, LoopClosing
 from segmap.matching import LiveMap, _live_map, map_scans
 from segmap.poses import between, compose
@@ -25,25 +26,30 @@ def blank(resolution=0.05):
     return QuadtreeMap(resolution=resolution, free_resolution=0.4)
 
 
-def expected(log, live):
-    """The map of all scans at the poses that the graph has corrected."""
+def expected(log, poses):
+    """The map of all scans at their corrected poses."""
     map = blank()
-    for scan, pose in zip(log, live.poses, strict=True):
+    for scan, pose in zip(log, poses, strict=True):
         _live_map.insert(map, None, scan, pose, free=False)
     return state(map)
+
+
+def finished(closes, **options):
+    """A live map after the whole log, and the scans at which a loop closed."""
+    live = LiveMap(Planned(closes), map=blank(), **options)
+    closed = [k for k, scan in enumerate(LOG) if live.add(scan).closed]
+    live.finish()
+    return live, closed
 
 
 @pytest.mark.parametrize("closes", [(), (5,), (5, 6, 7, 20), (23,), tuple(range(24))])
 def test_the_map_in_the_end_is_that_of_the_corrected_poses(closes):
     """Whenever loops close, while another map is being made too; and at the last scan."""
-    live = LiveMap(Planned(closes), map=blank(), start=START)
-    map = live.map
-    steps = [live.add(scan) for scan in LOG]
-    live.finish()
-    assert [k for k, step in enumerate(steps) if step.closed] == list(closes)
+    live, closed = finished(closes, start=START)
+    assert closed == list(closes)
     graph = live.graph.poses
     np.testing.assert_allclose(live.poses, compose(START, between(graph[0], graph)), atol=1e-12)
-    assert live.map is map and map.scans == len(LOG) and state(map) == expected(LOG, live)
+    assert live.map.scans == len(LOG) and state(live.map) == expected(LOG, live.poses)
 
 
 def test_map_scans_with_a_graph():
@@ -53,10 +59,9 @@ def test_map_scans_with_a_graph():
     assert [k for k, step in enumerate(steps) if step.closed] == [9, 20]
     poses = compose(START, between(graph.poses[0], graph.poses))
     np.testing.assert_allclose(steps[-1].pose, poses[-1])
-    again = blank()
-    for scan, pose in zip(LOG, poses, strict=True):
-        _live_map.insert(again, None, scan, pose, free=False)
-    assert state(map) == state(again)
+    assert state(map) == expected(LOG, poses)
+    with pytest.raises(ValueError, match="graph must be a LiveGraph"):
+        map_scans(LOG, graph="graph")
 
 
 def test_a_new_graph_closes_loops():
@@ -68,8 +73,7 @@ def test_a_new_graph_closes_loops():
     assert any(step.closed for step in steps)
     poses = compose(LOG.truth[0], between(graph.poses[0], graph.poses))
     assert np.hypot(*(poses - LOG.truth)[:, :2].T).max() < 0.03
-    assert state(map) == state(quadtree.build_map(LOG, poses, resolution=0.05, free_resolution=0.4,
-                                                  corner=(0.0, 0.0)))  # fmt: skip
+    assert state(map) == expected(LOG, poses)
 
 
 def test_the_old_map_stands_until_the_new_one_holds_all_scans(monkeypatch):
@@ -88,17 +92,14 @@ def test_the_old_map_stands_until_the_new_one_holds_all_scans(monkeypatch):
         assert live.map.scans == k + 1 and state(live.map) == state(old)
     go.set()
     live.finish()
-    assert live.map.scans == len(LOG) and state(live.map) == expected(LOG, live) != state(old)
+    assert live.map.scans == len(LOG) and state(live.map) == expected(LOG, live.poses) != state(old)
 
 
 @pytest.mark.parametrize("closes", [(), (5, 6, 20)])
 def test_the_reduced_map_is_made_anew_with_the_map(closes):
     """Equal to the on-line method on all scans at their corrected poses; walls are few again."""
     walls = LiveReduction(every=8)
-    live = LiveMap(Planned(closes), map=blank(), walls=walls)
-    for scan in LOG:
-        live.add(scan)
-    live.finish()
+    live, _ = finished(closes, walls=walls)
     whole = hybrid_fusion(extraction.build_map(Log("it", LOG.scans), live.poses), every=8)
     assert walls.scans == len(LOG) and live.walls is walls
     np.testing.assert_allclose(walls.segments, whole.segments, atol=1e-9)
@@ -129,23 +130,18 @@ def test_an_interrupt_costs_no_scan_but_its_own(call):
     for scan in LOG[:6]:
         live.add(scan)
     sys.setprofile(count)
-    try:
+    with suppress(KeyboardInterrupt):
         for scan in LOG[6:10]:
             live.add(scan)
-    except KeyboardInterrupt:
-        pass
-    finally:
-        sys.setprofile(None)
+    sys.setprofile(None)
+    assert left <= 0, "it was interrupted"
     for scan in LOG[live.graph.count :]:
         live.add(scan)
     live.finish()
     assert len(LOG) - 1 <= live.map.scans <= len(LOG)
     drawn = [number for number, _ in live._scans]
-    rest, poses = [LOG[k] for k in drawn], live.poses[drawn]
-    again = blank()
-    for scan, pose in zip(rest, poses, strict=True):
-        _live_map.insert(again, None, scan, pose, free=False)
-    assert state(live.map) == state(again)
+    assert len(live.poses) == len(drawn) == live.map.scans
+    assert state(live.map) == expected([LOG[k] for k in drawn], live.poses)
 
 
 def test_a_scan_beyond_the_map_is_told_of():
@@ -161,12 +157,6 @@ def test_a_scan_beyond_the_map_is_told_of():
         list(map_scans([LaserScan([500.0], [0.0])], graph=True, map=map))
 
 
-@pytest.mark.parametrize("graph", [1, "graph", None])
-def test_a_graph_is_asked_for(graph):
-    with pytest.raises(ValueError, match="graph must be a LiveGraph"):
-        map_scans(Log("none", []), graph=graph)
-
-
 def test_kernels_let_other_threads_go_on():
     """Catches a map that is made in the background, while nothing else moves."""
     map = blank()
@@ -175,20 +165,37 @@ def test_kernels_let_other_threads_go_on():
     assert getattr(fast, "targetoptions", {"nogil": True})["nogil"]  # plain Python has no kernel
 
 
-def test_a_scan_that_is_broken_off_is_not_in_the_map_in_the_end(monkeypatch):
-    """Catches a map that keeps the half of a scan that was interrupted while it was drawn."""
-    live = LiveMap(Planned(()), map=blank())
-    live.add(LOG[0])
+@pytest.mark.parametrize("first", [0, 3])
+@pytest.mark.parametrize("drawn", [False, True])
+def test_a_scan_that_was_placed_and_not_drawn_is_drawn_in_the_end(monkeypatch, first, drawn):
+    """Catches 30 poses and 29 scans that are drawn, and the half of a scan that stays there."""
+    live = LiveMap(Planned(()), map=blank(), start=START)
+    for scan in LOG[:first]:
+        live.add(scan)
     insert = _live_map.insert
 
-    def half(*given, **named):
-        insert(*given, **named)
+    def interrupted(*given, **named):
+        if drawn:
+            insert(*given, **named)
         raise KeyboardInterrupt
 
     with monkeypatch.context() as patch:
-        patch.setitem(LiveMap.add.__globals__, "insert", half)
+        patch.setitem(LiveMap.add.__globals__, "insert", interrupted)
         with pytest.raises(KeyboardInterrupt):
-            live.add(LOG[1])
-    live.add(LOG[2])
+            live.add(LOG[first])
+    live.add(LOG[first + 1])
     live.finish()
-    assert live.map.scans == 2
+    assert live.map.scans == len(live.poses) == len(live.graph) == first + 2
+    np.testing.assert_allclose(live.poses[0], START, atol=1e-12)
+    assert state(live.map) == expected(LOG[: first + 2], live.poses)
+
+
+def test_a_scan_that_the_map_refuses_has_no_pose_in_it():
+    """Catches poses and drawn scans that no longer belong together."""
+    live = LiveMap(map=QuadtreeMap(resolution=0.05, max_size=25.6), start=(12, 12, 0))
+    live.add(LOG[0])
+    with pytest.raises(ValueError, match="beyond max_size"):
+        live.add(LaserScan([500.0], [0.0]))
+    live.add(LOG[1])
+    live.finish()
+    assert live.map.scans == len(live.poses) == 2 and len(live.graph) == 3

@@ -1,5 +1,7 @@
 """The greedy matchers against their literal forms (B 4.3)."""
 
+from functools import partial
+
 import numpy as np
 import pytest
 from quadtrees import random_map
@@ -10,14 +12,10 @@ from segmap.quadtree import QuadtreeMap
 
 MAP = QuadtreeMap()
 SCAN = np.array([(1.0, 0.0)])
+#: Of drawn poses, where nothing is said.
+DEFAULT = (0.02, 0.02, np.radians(2))
 THESIS = [(0.001, np.radians(1.0))]
-HALVING = [
-    (0.016, np.radians(1.6)),
-    (0.008, np.radians(0.8)),
-    (0.004, np.radians(0.4)),
-    (0.002, np.radians(0.2)),
-    (0.001, np.radians(0.1)),
-]
+HALVING = [(0.016 / 2**k, np.radians(1.6) / 2**k) for k in range(5)]
 
 
 class Watched:
@@ -84,22 +82,6 @@ def test_the_first_of_equals_is_taken(value, moves_to):
     np.testing.assert_allclose(found, np.array(moves_to) * (0.001, 0.001, np.radians(1)))
 
 
-@pytest.mark.parametrize(("steps", "step"), [("thesis", 0.001), ("halving", 0.016)])
-def test_rounds_end_a_climb(steps, step):
-    """An endless slope: sixty steps, or as many as are asked for."""
-    slope = Watched(lambda x, y, h: x)
-    assert hill_climb(MAP, SCAN, (0, 0, 0), score=slope, steps=steps)[0] == pytest.approx(60 * step)
-    found = hill_climb(MAP, SCAN, (0, 0, 0), score=slope, steps=steps, rounds=5)
-    assert found[0] == pytest.approx(5 * step)
-
-
-def test_the_thesis_degree_is_too_coarse():
-    """The counter-example: half a degree off, B's moves never turn; the default's do."""
-    value = Watched(lambda x, y, h: -abs(h - np.radians(0.45)))
-    assert hill_climb(MAP, SCAN, (0, 0, 0), score=value, steps="thesis")[2] == 0
-    assert np.degrees(hill_climb(MAP, SCAN, (0, 0, 0), score=value)[2]) == pytest.approx(0.45, 0.2)
-
-
 @pytest.mark.parametrize("matcher", [hill_climb, sample_and_rank])
 def test_the_heading_comes_back_wrapped(matcher):
     rng = {"rng": np.random.default_rng(1)} if matcher is sample_and_rank else {}
@@ -124,43 +106,31 @@ def test_samples_as_the_literal_rounds(seed):
 
 
 def test_rounds_draw_ever_more_closely():
-    """Twice sigma at first, then sigma / 1, / 2, / 3: B's integer division makes the third zero."""
-    watched = Watched(lambda *_: 0.0)
-    for seed in range(30):
-        rng = np.random.default_rng(seed)
-        sample_and_rank(MAP, SCAN, (0, 0, 0), score=watched, rng=rng, sigma=(0.02, 0.1))
-    first = np.concatenate([poses[1:] for poses in watched.asked[::4]]).std(0)
-    np.testing.assert_allclose(first, (0.04, 0.04, 0.2), rtol=0.05)
-    for k in (1, 2, 3):
-        drawn = np.concatenate(
-            [
-                watched.asked[4 * run + k] - np.repeat(watched.asked[4 * run][:20], 4, axis=0)
-                for run in range(30)
-            ]
-        )
-        np.testing.assert_allclose(drawn.std(0), np.array((0.02, 0.02, 0.1)) / k, rtol=0.06)
+    """Twice sigma at first, then sigma / 1, / 2, / 3: B's integer division makes the third zero.
 
-
-def test_the_default_heading_sigma_is_degrees():
-    """B's is 2 radians: half of its poses look back."""
-    watched = Watched(lambda *_: 0.0)
-    sample_and_rank(MAP, SCAN, (0, 0, 0), score=watched, rng=np.random.default_rng(1))
-    spread = watched.asked[0].std(0)
-    np.testing.assert_allclose(spread, (0.04, 0.04, np.radians(4)), rtol=0.2)
+    The default heading is of degrees: B's is 2 radians, half of its poses look back.
+    """
+    for options, sigma in (({"sigma": (0.02, 0.1)}, (0.02, 0.02, 0.1)), ({}, DEFAULT)):
+        watched = Watched(lambda *_: 0.0)
+        for seed in range(30):
+            rng = np.random.default_rng(seed)
+            sample_and_rank(MAP, SCAN, (0, 0, 0), score=watched, rng=rng, **options)
+        asked = np.array(watched.asked, object).reshape(30, 4)
+        first = np.concatenate([poses[1:] for poses in asked[:, 0]]).std(0)
+        np.testing.assert_allclose(first, np.multiply(sigma, 2), rtol=0.05)
+        for k in (1, 2, 3):
+            around = (np.repeat(poses[:20], 4, axis=0) for poses in asked[:, 0])
+            drawn = np.concatenate([a - b for a, b in zip(asked[:, k], around, strict=True)])
+            np.testing.assert_allclose(drawn.std(0), np.divide(sigma, k), rtol=0.06)
 
 
 @pytest.mark.parametrize("seed", range(10))
 def test_never_worse_than_the_start(seed):
     """The start itself is among those ranked, and stays where it is best or no worse."""
-    rng = np.random.default_rng(seed)
-    peak = Watched(lambda x, y, h: float((x, y, h) == (0.3, 0.2, 0.1)))
-    assert sample_and_rank(MAP, SCAN, (0.3, 0.2, 0.1), score=peak, rng=rng).tolist() == [
-        0.3,
-        0.2,
-        0.1,
-    ]
-    flat = Watched(lambda *_: 0.0)
-    assert sample_and_rank(MAP, SCAN, (0.3, 0.2, 0.1), score=flat, rng=rng)[0] == 0.3
+    rng, start = np.random.default_rng(seed), (0.3, 0.2, 0.1)
+    for value in (lambda *pose: float(pose == start), lambda *_: 0.0):
+        found = sample_and_rank(MAP, SCAN, start, score=Watched(value), rng=rng)
+        assert found.tolist() == [0.3, 0.2, 0.1]
     map, _ = random_map(seed)
     points = rng.normal(0, 10 * map.resolution, (20, 2))
     found = sample_and_rank(map, points, (0, 0, 0), score=nearest_score, rng=rng)
@@ -168,69 +138,30 @@ def test_never_worse_than_the_start(seed):
     assert after >= before
 
 
-def test_the_generator_decides():
-    """The same seed gives the same pose; a second call goes on, where B's starts again."""
-    start = (0.0, 0.0, 0.0)
-
-    def run(rng):
-        return sample_and_rank(MAP, SCAN, start, score=Watched(bowl), rng=rng).tolist()
-
-    rng = np.random.default_rng(3)
-    first, second = run(rng), run(rng)
-    assert first == run(np.random.default_rng(3)) != second
+def walls():
+    """A corner of two walls, seen from the origin."""
+    along = np.arange(-1, 1, 0.02)
+    beside = np.full_like(along, 1.005)
+    return np.concatenate([np.stack([along, beside], -1), np.stack([beside, along], -1)])
 
 
+@pytest.mark.parametrize("score", [field_score, nearest_score])
 @pytest.mark.parametrize("matcher", [hill_climb, sample_and_rank])
-class TestBothOnAMap:
-    def walls(self):
-        """A corner of two walls, seen from the origin."""
-        along = np.arange(-1, 1, 0.02)
-        return np.concatenate(
-            [np.stack([along, 0 * along + 1.005], -1), np.stack([0 * along + 1.005, along], -1)]
-        )
-
-    def match(self, matcher, *args, **options):
-        rng = {"rng": np.random.default_rng(2)} if matcher is sample_and_rank else {}
-        return matcher(*args, **options, **rng)
-
-    @pytest.mark.parametrize("score", [field_score, nearest_score])
-    def test_finds_the_pose(self, matcher, score):
-        """Catches a pose that is applied the other way round."""
-        map = QuadtreeMap()
-        map.insert_scan((0, 0), self.walls())
-        found = self.match(matcher, map, self.walls(), (0.04, -0.03, 0.03), score=score)
-        np.testing.assert_allclose(found, 0, atol=0.012)
-
-    def test_no_beams_leave_the_start(self, matcher):
-        map = QuadtreeMap()
-        map.insert_scan((0, 0), self.walls())
-        assert self.match(matcher, map, [], (1, 2, 0.5)).tolist() == [1, 2, 0.5]
-
-    def test_an_empty_map_or_place_is_refused(self, matcher):
-        with pytest.raises(ValueError, match="insert a scan"):
-            self.match(matcher, QuadtreeMap(), [(1, 0)], (0, 0, 0))
-        map = QuadtreeMap()
-        map.insert_scan((0, 0), self.walls())
+def test_both_on_a_map(matcher, score):
+    """Catches a pose that is applied the other way round, and one found where nothing is."""
+    given = {"rng": np.random.default_rng(2)} if matcher is sample_and_rank else {}
+    match, map = partial(matcher, score=score, **given), QuadtreeMap()
+    with pytest.raises(ValueError, match="insert a scan"):
+        match(map, [(1, 0)], (0, 0, 0))
+    map.insert_scan((0, 0), walls())
+    np.testing.assert_allclose(match(map, walls(), (0.04, -0.03, 0.03)), 0, atol=0.012)
+    assert match(map, [], (1, 2, 0.5)).tolist() == [1, 2, 0.5]
+    if score is field_score:
         with pytest.raises(ValueError, match="no occupied cell"):
-            self.match(matcher, map, [(50, 0)], (40, 40, 0))
+            match(map, [(50, 0)], (40, 40, 0))
 
 
-@pytest.mark.parametrize(
-    "sigma", [(0, 1), (0.1, -1), (np.nan, 1), (0.1, np.inf), 0.02, (0.02, 0.02, 0.03)]
-)
-def test_sigma_must_be_positive(sigma):
-    with pytest.raises(ValueError, match="sigma must be positive"):
-        sample_and_rank(MAP, SCAN, (0, 0, 0), rng=np.random.default_rng(0), sigma=sigma)
-
-
-@pytest.mark.parametrize(
-    ("options", "message"),
-    [
-        ({"steps": "small"}, "steps must be one of 'thesis', 'halving', got 'small'"),
-        ({"rounds": -1}, "rounds must be a whole number of at least 0, got -1"),
-        ({"score": "nearest"}, "score must be a function .* nearest_score say, got 'nearest'"),
-    ],
-)
-def test_what_a_climb_must_be_told(options, message):
-    with pytest.raises(ValueError, match=message):
-        hill_climb(MAP, SCAN, (0, 0, 0), **options)
+def test_sigma_must_be_positive():
+    for sigma in ((0, 1), (0.1, -1), (np.nan, 1), (0.1, np.inf), 0.02, (0.02, 0.02, 0.03)):
+        with pytest.raises(ValueError, match="sigma must be positive"):
+            sample_and_rank(MAP, SCAN, (0, 0, 0), rng=np.random.default_rng(0), sigma=sigma)

@@ -46,6 +46,24 @@ def test_a_slow_reader_gets_the_newest():
     assert newest.skipped > 10
 
 
+def test_the_panel_says_found_or_lost():
+    """Catches a robot that is lost while the panel goes on as if all were well."""
+    panel, scans = LivePanel(load("room")), list(load("room")[:6])
+    for scan in scans[:3]:
+        panel.take(scan)
+    assert re.fullmatch(r"found: \d+% of the scan lies on the map", panel.place.value)
+    assert panel.place.style.text_color is None
+    panel.take(scans[3])
+    panel.take(scans[4])
+    assert panel.place.value.startswith("LOST: ") and panel.place.style.text_color is not None
+    assert panel.place.value.endswith(f"{panel.lost} scan{'s' * (panel.lost > 1)} lost on this map")
+    panel.loops.value = True
+    panel.take(scans[5])
+    assert panel.place.value == "found: 100% of the scan lies on the map"
+    panel.take(LaserScan([np.inf], [0.0]))
+    assert panel.place.value == "LOST: 0% of the scan lies on the map; 1 scan lost on this map"
+
+
 def test_errors_reach_the_reader():
     def fails():
         yield from many(1)

@@ -2,6 +2,7 @@
 
 import time
 import xml.etree.ElementTree as ET
+from dataclasses import replace
 from datetime import UTC, datetime
 from inspect import signature
 
@@ -20,7 +21,13 @@ from segmap.panels._base import VIEW
 from segmap.panels.workbench._choices import Choice
 from segmap.panels.workbench._job import Failed, Worker
 from segmap.panels.workbench._recipe import Outcome
-from segmap.panels.workbench._shown import figures_table, plane, runs_table
+from segmap.panels.workbench._shown import (
+    COLORS,
+    figures_table,
+    plane,
+    runs_table,
+    verdict_line,
+)
 from segmap.plotting import thumbnail
 from segmap.scans import Skipped
 from segmap.simulation import URG_04LX, drive, rectangular_room, simulate
@@ -218,9 +225,9 @@ def test_untouched_controls_are_the_defaults(name):
         ("angle", None, ("angle [degrees]", 10), 20, np.radians(20)),
         ("angle", np.radians(4), ("angle [degrees]", 4), 4, np.radians(4)),
         ("bandwidth", None, ("bandwidth [degrees/m]", 50), 7.5, np.radians(7.5)),
-        ("min_length", None, ("min_length [m]", ""), " 0.25 ", 0.25),
+        ("axes", None, ("axes [degrees]", ""), " 30 ", np.radians(30)),
         ("every", 7, ("every", 7), 9, 9),
-        ("origin", None, ("origin", None), "map", "map"),
+        ("origin", None, ("origin", "map"), "pair", "pair"),
         ("forget", None, ("forget", True), False, False),
     ],
 )
@@ -234,10 +241,10 @@ def test_a_control_shows_and_means_what_is_declared(name, first, shown, moved, m
 
 
 def test_what_a_control_cannot_take_is_named():
-    length = control(reduction.hybrid, "min_length")
-    length.value = "long"
-    with pytest.raises(ValueError, match=r"min_length \[m\] must be a number or nothing, got 'lo"):
-        length.meant()
+    axes = control(reduction.fuzzy_set, "axes")
+    axes.value = "long"
+    with pytest.raises(ValueError, match=r"axes \[degrees\] must be a number or nothing, got 'lo"):
+        axes.meant()
     with pytest.raises(ValueError, match="skew must be"):
         control(strange, "skew", -1.0, least=1, most=45, step=1)
 
@@ -458,12 +465,35 @@ def test_the_table_holds_reduction_quality_their_grades_and_seconds(both):
         rate = segmap.reduction_rate(outcome.map, reduced)
         assert f"{rate:.1%}, {segmap.metrics.grade_reduction(rate)}" in table
         assert f"{kept:.1%}, {segmap.metrics.grade_quality(kept)}" in table
-    doubtful = Outcome(outcome.recipe, outcome.alignment, outcome.map, [
+    doubtful = Outcome(outcome.recipe, outcome.alignment, outcome.map, outcome.verdict, [
         reduction.Reduction(r.segments, r.parents, 0.5, doubt="a < b") for r in outcome.reductions
     ], outcome.qualities)  # fmt: skip
     assert figures_table(doubtful).count("<br>a &lt; b") == 2 and ">0.500<" in figures_table(
         doubtful
     )
+
+
+def test_the_verdict_on_the_map_comes_first_in_words_and_in_a_colour(both):
+    """Catches a map that nobody judges, and a verdict that stands below the maps."""
+    assert both.outcome.verdict.words in both.verdict.value and COLORS["good"] in both.verdict.value
+    assert both.outcome.verdict.doubled is not None
+    assert set(both.runs["verdict"]) == {"good"} and set(both.runs["placed"]) == {len(LOG)}
+    parts = list(both._view.children)
+    assert parts.index(both.verdict) < parts.index(both.figures)
+    bad = replace(both.outcome.verdict, grade="not a map", words="NOT A MAP: a < b")
+    assert "a &lt; b" in verdict_line(bad) and len(set(COLORS.values())) == len(COLORS) == 3
+
+
+def test_a_map_without_a_wall_is_refused_with_its_verdict():
+    """Catches a run that ends with a hint about the extraction where no scan was placed."""
+    bench = Workbench(Log("dark", [replace(s, ranges=np.full(len(s), np.inf)) for s in LOG]))
+    bench.align.value = "odometry"
+    with (
+        pytest.warns(UserWarning, match="is empty"),
+        pytest.raises(ValueError, match=r"NOT A MAP: .* no wall found; no segment is left"),
+    ):
+        bench.run()
+    assert bench.verdict.value == ""
 
 
 def test_it_is_shown_without_a_kernel(both):

@@ -1,6 +1,7 @@
 """One contract for every `draw_*`: axes, figure, labels, colours, and nothing to draw."""
 
 from dataclasses import replace
+from functools import partial
 
 import matplotlib
 import matplotlib.pyplot as plt
@@ -197,50 +198,45 @@ NOTHING = {
     "alignment": lambda ax: plotting.draw_alignment(LOG[:0], odometry(LOG[:0]), ax=ax),
     "before_after": lambda ax: plotting.draw_before_after([], [], ax=ax),
     "log": lambda ax: plotting.draw_log(Log("no poses", [SCAN]), ax=ax),
-    "path": lambda ax: plotting.draw_path([], ax=ax),
-    "points": lambda ax: plotting.draw_points([], ax=ax),
-    "poses": lambda ax: plotting.draw_poses([], ax=ax),
     "provenance": lambda ax: plotting.draw_provenance([], hybrid([]), ax=ax),
     "quadtree": lambda ax: plotting.draw_quadtree(QuadtreeMap(), ax=ax),
     "scan": lambda ax: plotting.draw_scan(LaserScan([], []), ax=ax),
-    "segments by error": lambda ax: plotting.draw_segments([], error=[], ax=ax),
-    "segments by group": lambda ax: plotting.draw_segments([], group=[], ax=ax),
-    "segments by scan": lambda ax: plotting.draw_segments([], scan=[], ax=ax),
-    "segments": lambda ax: plotting.draw_segments([], ax=ax),
+    **{
+        name: partial(getattr(plotting, f"draw_{name}"), []) for name in ("path", "points", "poses")
+    },
+    **{
+        f"segments by {value}": partial(plotting.draw_segments, [], **{value: []})
+        for value in ("error", "group", "scan")
+    },
 }
 
 
 @pytest.mark.parametrize("name", NOTHING)
 def test_nothing_is_an_empty_picture_in_metres(name, ax):
     """Catches the mean or the largest of no values."""
-    NOTHING[name](ax)
+    NOTHING[name](ax=ax)
     assert (ax.get_xlabel(), ax.get_ylabel()) == ("x [m]", "y [m]")
     assert sum(len(line.get_xdata()) for line in ax.lines) == 0
     assert plotting.figure_png(ax.figure)[:4] == b"\x89PNG"
 
 
 # ------------------------------------------------------------------------- colours
-GREEN_BLIND = [
-    (0.367322, 0.860646, -0.227968),
-    (0.280085, 0.672501, 0.047413),
-    (-0.01182, 0.04294, 0.968881),
-]
-RED_BLIND = [
-    (0.152286, 1.052583, -0.204868),
-    (0.114503, 0.786281, 0.099216),
-    (-0.003882, -0.048116, 1.051998),
-]
+#: What a reader sees of red, green and blue: Machado, Oliveira, Fernandes 2009.
+CONES = {
+    "all": np.eye(3),
+    "no green": [(0.367322, 0.860646, -0.227968), (0.280085, 0.672501, 0.047413),
+                 (-0.01182, 0.04294, 0.968881)],
+    "no red": [(0.152286, 1.052583, -0.204868), (0.114503, 0.786281, 0.099216),
+               (-0.003882, -0.048116, 1.051998)],
+}  # fmt: skip
 
 
-@pytest.mark.parametrize("cones", [np.eye(3), GREEN_BLIND, RED_BLIND])
+@pytest.mark.parametrize("cones", CONES)
 def test_the_colours_with_a_meaning_can_be_told_apart(cones):
-    """Catches grey dots with a green path of the same lightness: one reader in twelve loses it.
-
-    Colours as the colour-blind see them: Machado, Oliveira, Fernandes 2009.
-    """
+    """Catches grey dots with a green path of the same lightness: one reader in twelve loses it."""
     light = np.array([to_rgba(color)[:3] for color in (RAW, MAP, RESULT, TRUTH, ERROR)])
     linear = np.where(light <= 0.04045, light / 12.92, ((light + 0.055) / 1.055) ** 2.4)
-    mixed = np.clip(linear @ np.transpose(cones), 0, 1)
+    mixed = np.clip(linear @ np.transpose(CONES[cones]), 0, 1)
     seen = np.where(mixed <= 0.0031308, 12.92 * mixed, 1.055 * mixed ** (1 / 2.4) - 0.055)
     gaps = np.linalg.norm(seen[:, None] - seen, axis=-1)
     assert gaps[np.triu_indices(len(seen), 1)].min() > 0.25

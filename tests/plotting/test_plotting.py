@@ -72,16 +72,12 @@ def pixels(png):
 
 # ------------------------------------------------------------------- scans, logs, poses
 def test_a_scan_is_drawn_where_its_valid_beams_end_and_the_robot_points_ahead(ax):
-    """Catches readings at maximum range drawn as walls, and a pose that is left out."""
+    """Catches readings at maximum range drawn as walls, and beams from the turning point."""
     pose = (1, 1, np.pi / 2)
     plotting.draw_scan(SCAN, pose, ax=ax)
     np.testing.assert_allclose(dots_of(ax), transform(pose, [(0, -1), (2, 0)]), atol=1e-12)
     corners = ax.patches[0].get_xy()
     assert corners[np.argmax(corners[:, 1])] == pytest.approx((1, 1.15))
-
-
-def test_beams_run_from_the_sensor_to_their_end_points(ax):
-    """Catches beams drawn from the robot's turning point."""
     moved = LaserScan([1.0, np.nan], [0, 1], sensor_pose=(0.5, 0, 0))
     plotting.draw_scan(moved, (0, 2, 0), ax=ax, beams=True)
     np.testing.assert_allclose(lines_of(ax), [[(0.5, 2), (1.5, 2)]])
@@ -114,20 +110,15 @@ def test_a_log_is_drawn_at_its_poses_whose_colour_tells_their_origin(log, poses,
 
 
 def test_scans_and_places_that_are_unknown_are_left_out(ax):
+    """Catches, of a long log, a picture of the first scans only."""
     plotting.draw_log(LOG, [(0, 0, 0), (np.nan, np.nan, np.nan)], ax=ax)
     assert len(dots_of(ax)) == 2
     rows = np.array([(0, 0, 0), (np.nan,) * 3, (2, 1, 0)])
     plotting.draw_path(rows, ax=ax, label="truth")
     assert np.isnan(ax.lines[-1].get_xdata()).tolist() == [False, True, False]
-    with pytest.raises(ValueError, match=r"poses must have shape \(2, 3\), got"):
-        plotting.draw_log(LOG, np.zeros((3, 3)), ax=ax)
-
-
-def test_a_long_log_is_thinned_evenly(ax):
-    """Catches a picture of the first scans only."""
     many = LaserScan(np.linspace(1, 2, 50_000), np.zeros(50_000))
-    plotting.draw_log(Log("long", [many] * 3, truth=np.zeros((3, 3))), ax=ax)
-    drawn = dots_of(ax)[:, 0]
+    long = plotting.draw_log(Log("long", [many] * 3, truth=np.zeros((3, 3))))
+    drawn = dots_of(long)[:, 0]
     assert 40_000 < len(drawn) <= 60_000 and drawn[-1] > 1.99
 
 
@@ -139,11 +130,6 @@ def test_segments_are_one_collection_that_fits_into_the_picture(ax):
     np.testing.assert_array_equal(lines_of(ax), THREE + 100)
     (x0, x1), (y0, y1) = ax.get_xlim(), ax.get_ylim()
     assert 99 < x0 <= 100 and 104 <= x1 < 105 and 99 < y0 <= 100 and 103 <= y1 < 104
-
-
-def test_groups_have_a_colour_each_in_turn_and_none_is_grey(ax):
-    plotting.draw_segments(THREE, group=[1, -1, 1 + len(GROUPS)], ax=ax)
-    assert colors_of(ax) == [GROUPS[1], RAW, GROUPS[1]]
 
 
 @pytest.mark.parametrize(
@@ -185,6 +171,7 @@ def test_errors_and_scans_run_through_their_colours_with_a_scale(values, most, e
             r"alignments\[.a.\] must .* \(4, 3\), got",
         ),
         (lambda: plotting.draw_position_errors(Log("raw", [SCAN]), {}), "log must have truth"),
+        (lambda: plotting.draw_log(LOG, np.zeros((3, 3))), r"poses must have shape \(2, 3\), got"),
     ],
 )
 def test_what_does_not_fit_is_named(draw, message):
@@ -212,6 +199,8 @@ def test_each_output_shares_its_colour_with_the_inputs_that_made_it(ax):
     plotting.draw_provenance(before, Reduction(THREE[:2], np.array([1, 0, 1, -1]), 0.0), ax=ax)
     outputs, inputs = (colors_of(ax, k) for k in (0, 1))
     assert outputs == list(GROUPS[:2]) and inputs == [outputs[1], outputs[0], outputs[1], RAW]
+    in_turn = plotting.draw_segments(THREE, group=[1, -1, 1 + len(GROUPS)])
+    assert colors_of(in_turn) == [GROUPS[1], RAW, GROUPS[1]]
 
 
 def test_maps_have_their_titles_their_colours_and_the_same_truth_and_scan_below():
@@ -229,10 +218,13 @@ def test_maps_have_their_titles_their_colours_and_the_same_truth_and_scan_below(
 
 
 def test_columns_fold_the_row_and_leave_no_empty_axes():
+    """Catches an empty second row, which leaves half of the figure white."""
     row = plotting.draw_maps(dict.fromkeys("abc", THREE), columns=2)
-    assert len(row) == 3 and len(row[0].figure.axes) == 3
+    assert len(row) == 3 and row[0].figure.axes == row
     heights = [ax.get_position().y0 for ax in row]
     assert heights[0] == pytest.approx(heights[1]) and heights[2] < heights[0]
+    row = plotting.axes_row(3, (300, 100))
+    assert row[0].figure.axes == row
 
 
 # --------------------------------------------------------------------------- alignments
@@ -323,15 +315,6 @@ def test_the_part_that_was_hit_is_shown_or_the_whole_root(ax):
     assert plotting.draw_quadtree(map, ax=ax, whole=True).get_xlim() == map.bounds[0::2]
 
 
-def test_quadtrees_side_by_side_have_their_titles_limits_and_options():
-    other = QuadtreeMap(resolution=1, size=8, corner=(-4, 2))
-    maps = {"one": tree(), "other": other}
-    left, right = plotting.draw_quadtrees(maps, whole=True, outlines=False)
-    assert (left.get_title(), right.get_title()) == ("one", "other")
-    assert left.get_xlim() == (0, 16) and (*right.get_xlim(), *right.get_ylim()) == (-4, 4, 2, 10)
-    assert len(left.collections) == len(right.collections) == 1
-
-
 # ------------------------------------------------------------------------ as bytes
 @pytest.mark.parametrize(
     ("value", "color"),
@@ -368,18 +351,3 @@ def test_a_figure_becomes_a_png_without_leaving_its_canvas():
     canvas = figure.canvas
     assert pixels(plotting.figure_png(figure)).shape == (30, 60, 3)
     assert figure.canvas is canvas
-
-
-def test_a_real_map_fits_into_a_small_picture():
-    """Catches pictures of megabytes in the chapters."""
-    log = segmap.load("malaga")[::8]
-    map = segmap.build_map(log, log.truth)
-    ax = plotting.draw_before_after(map, segmap.fusion(map))
-    assert 3_000 < len(plotting.figure_png(ax.figure)) < 40_000
-
-
-def test_a_row_has_no_axes_but_its_own():
-    """Catches an empty second row, which leaves half of the figure white."""
-    row = plotting.axes_row(3, (300, 100))
-    assert row[0].figure.axes == row
-    plt.close(row[0].figure)

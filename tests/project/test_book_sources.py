@@ -127,7 +127,7 @@ def test_every_public_name_has_its_entry():
     import segmap
 
     rooms = {name for name in segmap.__all__ if hasattr(getattr(segmap, name), "__path__")}
-    rooms |= {"angles", "poses", "segments", "scans", "extraction", "metrics", "arrays"}
+    rooms |= {"angles", "poses", "segments", "scans", "extraction", "metrics", "arrays", "testing"}
     more = {"segmap", "hokuyo.emulator", "segmap_course", "segmap_course.literal"}
     assert set(api.ROOMS) == rooms | more
     for room in api.ROOMS[1:]:

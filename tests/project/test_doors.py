@@ -33,7 +33,7 @@ ROOMS = [
 ]  # fmt: skip
 #: What the library makes itself and hands out: nobody else has to call these.
 MADE = {"Alignment", "Graph", "LogError", "Match", "Methods", "Reduction", "take_points", "Tree",
-        "Port", "SensorError", "SensorGone", "UnknownFormat"}  # fmt: skip
+        "Verdict", "Port", "SensorError", "SensorGone", "UnknownFormat"}  # fmt: skip
 #: What drawings and panels are made of: these take what a drawing or a panel has checked.
 PARTS = {"axes_grid", "axes_or_new", "axes_row", "group_colors", "map_axes", "method_style",
          "square_corners", "Panel", "control", "player", "slider", "text"}  # fmt: skip

@@ -47,14 +47,10 @@ def test_equals_the_literal_map(seed, free_resolution):
     rng = np.random.default_rng(seed)
     resolution = rng.choice([0.01, 0.05, 0.1, 0.25])
     corner = rng.uniform(-1, 1, 2).round(2)
-    _, equal = both(
-        list(random_scans(rng, resolution, corner, resolution * rng.choice([2, 10, 60]))),
-        cells=2 ** int(rng.integers(2, 6)),
-        resolution=resolution,
-        corner=corner,
-        free_resolution=free_resolution and free_resolution * resolution,
-    )
-    assert equal
+    scans = list(random_scans(rng, resolution, corner, resolution * rng.choice([2, 10, 60])))
+    settings = {"cells": 2 ** int(rng.integers(2, 6)), "resolution": resolution, "corner": corner}
+    settings["free_resolution"] = free_resolution and free_resolution * resolution
+    assert both(scans, **settings)[1]
 
 
 LATTICE = st.tuples(*[st.integers(-70, 70)] * 2)
@@ -74,46 +70,27 @@ def test_equals_the_literal_map_on_edges(scans, free_resolution):
     assert equal
 
 
-@pytest.mark.parametrize("angle", range(0, 360, 9))
-def test_every_direction_of_a_ray(angle):
-    """Catches a ray that rounds the other way where x or y decreases."""
-    end = 5 * np.array([np.cos(np.radians(angle)), np.sin(np.radians(angle))])
-    for sensor in [(0.1, 0.1), (0.9, 0.6)]:
-        scan = (sensor, [end, end / 2, end / 3], [end * 0.7])
-        _, equal = both([scan], cells=64, corner=(-8, -8))
-        assert equal
+NEAR = (0.5, 0.5)
+GROWN = [((-0.1, 0.5), (-1, 0, 1, 2)), ((0.5, -0.1), (0, -1, 2, 1)), ((1.1, 0.5), (0, 0, 2, 2))]
+GROWN += [((0.5, 1.1), (0, 0, 2, 2)), ((-0.1, -0.1), (-1, -1, 1, 1)), ((2.5, -1.5), (0, -3, 4, 1))]
 
 
 @pytest.mark.parametrize(
-    ("point", "bounds"),
+    ("scan", "bounds"),
     [
-        ((-0.1, 0.5), (-1, 0, 1, 2)),
-        ((0.5, -0.1), (0, -1, 2, 1)),
-        ((1.1, 0.5), (0, 0, 2, 2)),
-        ((0.5, 1.1), (0, 0, 2, 2)),
-        ((-0.1, -0.1), (-1, -1, 1, 1)),
-        ((2.5, -1.5), (0, -3, 4, 1)),
+        *(((point, [NEAR], []), bounds) for point, bounds in GROWN),
+        *(((NEAR, [point], []), bounds) for point, bounds in GROWN),
+        *(((NEAR, [], [point]), bounds) for point, bounds in GROWN),
+        # on the top edge, neither above nor below, B grows downwards until its largest size
+        ((NEAR, [(0.5, 1.0)], []), (0, 0, 2, 2)),
+        # the sensor grows it before the ends: on which side the room lies
+        (((-0.1, 0.5), [(1.1, 0.5)], []), (-1, 0, 3, 4)),
     ],
 )
-@pytest.mark.parametrize("outside", ["sensor", "end", "free"])
-def test_grows_towards_the_point(point, bounds, outside):
+def test_grows_towards_the_point(scan, bounds):
     """Catches a root that grows the wrong way, and points that are forgotten in growing."""
-    near = (0.5, 0.5)
-    scan = {"sensor": (point, [near], []), "end": (near, [point], []), "free": (near, [], [point])}
-    map, equal = both([scan[outside]], cells=4)
+    map, equal = both([scan], cells=4)
     assert equal and map.bounds == bounds
-
-
-def test_a_point_on_the_top_edge_grows_the_root_once():
-    """B grows downwards where a point is neither above nor below: until its largest size."""
-    map, equal = both([((0.5, 0.5), [(0.5, 1.0)], [])], cells=4)
-    assert equal and map.bounds == (0, 0, 2, 2)
-
-
-def test_the_sensor_grows_the_root_before_the_ends():
-    """The order decides on which side the room lies; B's is the sensor, then the beams."""
-    map, equal = both([((-0.1, 0.5), [(1.1, 0.5)], [])], cells=4)
-    assert equal and map.bounds == (-1, 0, 3, 4)
 
 
 @pytest.mark.parametrize(("x", "column"), [(1.0, 10), (0.3, 2), (0.6, 5), (-0.05, -1)])
@@ -125,22 +102,12 @@ def test_a_cell_is_the_floor_of_one_division(x, column):
     assert np.rint(map.leaves().x[hit] / 0.1).tolist() == [column]
 
 
-def test_cells_stay_where_they_were_as_the_root_grows():
-    """Catches cells counted from the grown root, whose corner rounds differently."""
-    scans = [
-        ((0.05, 0.05), [(0.3, 0.3)], []),
-        ((-6.1, 0), [(0.3, 0.3), (0.7, -9.9)], []),
-    ]
-    assert both(scans, cells=4, resolution=0.1)[1]
-
-
 def test_the_order_of_beams_does_not_matter():
     """B splits and counts beam by beam, so that its counts depend on it."""
-    rng = np.random.default_rng(4)
-    ends = rng.uniform(0, 2, (40, 2))
+    ends = np.random.default_rng(4).uniform(0, 2, (40, 2))
     maps = [QuadtreeMap(resolution=0.01, size=2.56) for _ in range(2)]
-    maps[0].insert_scan((1, 1), ends)
-    maps[1].insert_scan((1, 1), rng.permutation(ends))
+    for map, beams in zip(maps, (ends, ends[::-1]), strict=True):
+        map.insert_scan((1, 1), beams)
     assert leaves_of(maps[0]) == leaves_of(maps[1])
 
 
@@ -163,9 +130,3 @@ def test_the_literal_walk_takes_the_cell_nearest_to_the_line(start, end):
     assert {start, end} <= {tuple(cell) for cell in cells.tolist()}
     aside = abs((cells - start) @ [[0, 1], [-1, 0]] @ away)  # times the steps
     assert (2 * aside <= steps).all()
-
-
-def test_points_of_another_shape_are_refused():
-    """Catches an array of floats that passes by, since nobody looks at its middle axis."""
-    with pytest.raises(ValueError, match="points must have shape"):
-        QuadtreeMap(resolution=0.1).insert_scan((0.0, 0.0), np.zeros((2, 3, 2)))

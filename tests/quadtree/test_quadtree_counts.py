@@ -26,29 +26,17 @@ def test_counts_by_hand():
     assert found[(0, 0, 2)] == [2, 0]  # cell 0; 1 and 2 are masked
 
 
-def test_the_mask_leaves_out_cells_and_not_their_leaves():
-    """Catches a mask that spares a whole leaf, part of which the ray crosses before."""
-    map = QuadtreeMap(resolution=0.25, size=2)
-    map.insert_scan((0.1, 0.1), [(1.1, 0.1)])
-    assert map.leaves().vis[0] == 1 and map.leaves().side[0] == 1.0
-
-
 @pytest.mark.parametrize(
-    ("vis", "occ", "expected"),
-    [(0, 0, 0.5), (5, 0, 0.375), (19, 0, 0.025), (20, 0, 0), (900, 0, 0), (4, 1, 0.25), (3, 3, 1)],
+    ("vis", "occ", "bias", "expected"),
+    [
+        *((0, 0, 20, 0.5), (5, 0, 20, 0.375), (19, 0, 20, 0.025), (20, 0, 20, 0)),
+        *((900, 0, 20, 0), (4, 1, 20, 0.25), (3, 3, 20, 1), (1, 0, 1, 0), (1, 0, 2, 0.25)),
+    ],
 )
-def test_occupancy_by_its_formula(vis, occ, expected):
-    map = QuadtreeMap(resolution=1, size=4)
+def test_occupancy_by_its_formula(vis, occ, bias, expected):
+    map = QuadtreeMap(resolution=1, size=4, bias=bias)
     map.tree.vis[0], map.tree.occ[0] = vis, occ
     assert map.occupancy([(0.5, 0.5)]) == pytest.approx(expected)
-
-
-def test_bias_says_how_soon_space_is_free():
-    """Catches a bias that is kept and not used."""
-    maps = [QuadtreeMap(resolution=1, size=4, bias=bias) for bias in (1, 2, 20)]
-    for map in maps:
-        map.insert_scan((0, 0), [], [(1.5, 0)])
-    assert [float(m.occupancy([(0, 0)])[0]) for m in maps] == [0.0, 0.25, 0.475]
 
 
 def test_what_lies_outside_is_unknown():
@@ -58,14 +46,6 @@ def test_what_lies_outside_is_unknown():
     assert found.tolist() == [0.5] * 3 and map.occupancy([]).shape == (0,)
 
 
-def test_rays_that_met_nothing_only_cross():
-    """Catches a free ray that splits, or leaves its last cells out."""
-    map = QuadtreeMap(resolution=1, size=8)
-    map.insert_scan((0.5, 0.5), [], [(7.5, 0.5), (0.5, 0.5)])
-    found = leaves_of(map)
-    assert found == {(0, 0, 4): [2, 0], (4, 0, 4): [1, 0], (0, 4, 4): [0, 0], (4, 4, 4): [0, 0]}
-
-
 @pytest.fixture(scope="module")
 def room() -> QuadtreeMap:
     log = load("room")
@@ -73,23 +53,19 @@ def room() -> QuadtreeMap:
 
 
 def test_leaves_cover_the_root_exactly_once(room):
-    """Catches leaves lost or doubled by growth."""
+    """Catches leaves lost or doubled by growth, and hits that no ray brought."""
     grid = np.zeros((round(room.side / 0.02),) * 2, int)
     found = room.leaves()
     corner = np.rint((np.stack([found.x, found.y], -1) - room.bounds[:2]) / 0.02).astype(int)
     for (x, y), n in zip(corner, np.rint(found.side / 0.02).astype(int), strict=True):
         grid[y : y + n, x : x + n] += 1
     assert (grid == 1).all()
-
-
-def test_no_leaf_is_hit_more_often_than_crossed(room):
-    found = room.leaves()
     assert (found.occ <= found.vis).all() and (found.occ > 0).sum() > 1000
     assert found.side[found.occ > 0] == pytest.approx(0.02)
 
 
 def test_grid_holds_the_occupancy_of_every_cell(room):
-    """Catches rows and columns exchanged, and row 0 at the top."""
+    """Catches rows and columns exchanged, row 0 at the top, a coarse grid that loses a wall."""
     grid = room.to_grid()
     left, low, right, high = room.bounds
     x = np.arange(left, right - 0.01, 0.02) + 0.01
@@ -97,29 +73,22 @@ def test_grid_holds_the_occupancy_of_every_cell(room):
     points = np.stack(np.meshgrid(x, y), -1)
     expected = room.occupancy(points.reshape(-1, 2)).reshape(points.shape[:2])
     assert np.array_equal(grid, expected) and not np.array_equal(grid, grid.T)
+    for times in (2, 8, 1024):
+        side = len(grid) // times
+        largest = grid.reshape(side, times, side, times).max((1, 3))
+        assert np.array_equal(room.to_grid(0.02 * times), largest)
 
 
-@pytest.mark.parametrize("times", [2, 8, 1024])
-def test_a_coarse_grid_loses_no_obstacle(room, times):
-    grid = room.to_grid()
-    side = len(grid) // times
-    largest = grid.reshape(side, times, side, times).max((1, 3))
-    assert np.array_equal(room.to_grid(0.02 * times), largest)
-
-
-def test_bytes_a_leaf(room):
+def test_bytes_a_leaf_and_statistics(room):
     """At most 12 (two counts of four bytes a node, of which a quarter are no leaves)."""
-    tree = room.tree
+    tree, leaves = room.tree, room.leaves()
     assert room.nbytes == tree.vis[: 4 * tree.used].nbytes + tree.occ[: 4 * tree.used].nbytes
-    assert room.nbytes <= 12 * len(room.leaves().x)
-    assert room.tree.vis.nbytes + room.tree.occ.nbytes <= 1.6 * room.nbytes
-
-
-def test_statistics_count_the_leaves_by_side(room):
+    assert room.nbytes <= 12 * len(leaves.x)
+    assert tree.vis.nbytes + tree.occ.nbytes <= 1.6 * room.nbytes
     rows = room.statistics()["count"].to_dict()
     by_side = {k: v for k, v in rows.items() if k.startswith("leaves of")}
-    assert by_side["leaves of 0.02 m"] == np.isclose(room.leaves().side, 0.02).sum()
-    assert sum(by_side.values()) == rows["leaves"] == len(room.leaves().x)
+    assert by_side["leaves of 0.02 m"] == np.isclose(leaves.side, 0.02).sum()
+    assert sum(by_side.values()) == rows["leaves"] == len(leaves.x)
     assert rows["bytes"] == room.nbytes
     assert rows["bytes of a grid"] == round(room.side / 0.02) ** 2
 
@@ -185,14 +154,11 @@ def test_sizes_that_do_not_fit_are_refused(wrong, message):
         QuadtreeMap(**wrong)
 
 
-@pytest.mark.parametrize("resolution", [0.03, -0.02, 100.0, 0.01])
-def test_a_grid_that_does_not_fit_is_refused(room, resolution):
-    with pytest.raises(ValueError, match="resolution"):
-        room.to_grid(resolution)
-
-
-def test_values_of_other_leaves_are_refused(room):
-    """Catches a loop that reads beyond the leaves."""
+def test_a_grid_that_does_not_fit_is_refused(room):
+    """Catches a loop that reads beyond the leaves, too."""
+    for resolution in (0.03, 100.0, 0.01):
+        with pytest.raises(ValueError, match="resolution"):
+            room.to_grid(resolution)
     with pytest.raises(ValueError, match="could not broadcast"):
         room.rasterize(np.zeros(len(room.leaves().x) + 1))
 
@@ -225,17 +191,18 @@ def test_a_log_is_inserted_scan_by_scan():
             assert leaves_of(map) == leaves_of(by_hand) and map.scans == 1
 
 
-def test_a_log_without_poses_is_an_empty_map():
-    log = Log("lost", [LaserScan([1.0], [0.0])])
-    with pytest.warns(UserWarning, match=r"empty: 1 of 1 scans without a pose \(NaN\)$"):
-        assert build_map(log, [(np.nan,) * 3]).scans == 0
-
-
-def test_a_log_without_valid_beams_says_so():
+@pytest.mark.parametrize(
+    ("ranges", "pose", "said"),
+    [
+        ([1.0], [np.nan] * 3, r"empty: 1 of 1 scans without a pose \(NaN\)$"),
+        ([4000.0, 0.0], [0.0] * 3, "0 not finite, 1 not above 0, 1 at max_range or beyond"),
+    ],
+)
+def test_an_empty_map_says_why(ranges, pose, said):
     """Catches ranges in millimetres beyond the largest range in metres, and no word of it."""
-    log = Log("blind", [LaserScan([4000.0, 0.0], [0.0, 1.0], max_range=8.0)])
-    with pytest.warns(UserWarning, match="0 not finite, 1 not above 0, 1 at max_range or beyond"):
-        build_map(log, [(0, 0, 0)])
+    log = Log("blind", [LaserScan(ranges, np.arange(len(ranges)), max_range=8.0)])
+    with pytest.warns(UserWarning, match=said):
+        assert build_map(log, [pose]).scans == (said[0] == "0")
 
 
 @pytest.mark.parametrize(

@@ -7,9 +7,10 @@ import time
 import tracemalloc
 import zipfile
 
+import mrpt_samples as mrpt
 import pytest
 from conftest import shared_file, slow
-from damage import BAGS, SEED, TARGETS
+from damage import BAGS, MUTANTS, SEED, TARGETS
 from log_samples import (
     CARMEN,
     CORESLAM,
@@ -79,23 +80,17 @@ def test_files_that_are_no_logs(path, content, reason, on_error):
         (GOOD, "FLASER 1000000000 1 2 3", "announces 1000000000 ranges, but 3 fields follow"),
         (GOOD, "FLASER " + "9" * 5000 + " 1 2", "expected the number of ranges"),
         (GOOD, "FLASER 0 0 0 0 0 0 0", "announces 0 ranges"),
-        (GOOD, "FLASER -2 1 2", "expected the number of ranges, got '-2'"),
         (GOOD, "FLASER 2 1 2 3 4", "2 fields follow them, expected 0, 6 or 9"),
         (GOOD, GOOD.replace("FLASER 5", "FLASER 4"), "10 fields follow"),
-        (GOOD, GOOD.replace("FLASER 5", "FLASER 6"), "8 fields follow"),
         (GOOD, GOOD.replace("2.50", "2,50"), "expected numbers for ranges, got '2,50'"),
         (GOOD, GOOD.replace("2.50", "2_50"), "expected numbers for ranges, got '2_50'"),
-        (GOOD, GOOD.replace("0.500000", "inf"), "expected metres and radians for the laser"),
         (GOOD, GOOD.replace("0.500000", "nan"), "expected metres and radians for the laser"),
         (GOOD, GOOD.replace("2.000000", "1e300"), "expected metres and radians for the laser"),
         (GOOD, GOOD.replace("1.000000 robot", "nan robot"), "expected seconds for the time"),
         (GOOD, "FLAZER 5 1 2 3 4 5", "expected a line of a CARMEN log, got 'FLAZER'"),
-        (GOOD, "FLAS", "expected a line of a CARMEN log, got 'FLAS'"),
         (GOOD, "PARAM robot_frontlaser_offset wide", "numbers for robot_frontlaser_offset"),
         (GOOD, "PARAM robot_frontlaser_offset", "expected x, y, heading"),
         (GMAPPING, "SM_UPDATE 2 0 0 0 1", "announces '2' particles, but 4 fields follow"),
-        (GMAPPING, "SM_UPDATE", "announces '' particles"),
-        (GMAPPING, "SM_UPDATE 0", "expected the weight of a particle, got none"),
         (GMAPPING, "SM_UPDATE 1 0 0 0 nan", "expected the weight of a particle, got none"),
         (GMAPPING, "SM_UPDATE 1 0 inf 0 1", "metres and radians for the heaviest particle"),
         (GMAPPING, "LASER_READING 1 1 0 0 0", "x, y, heading and the time after the ranges"),
@@ -115,8 +110,6 @@ def test_files_that_are_no_logs(path, content, reason, on_error):
         (PLAYER_BARE, "position 0 1.0 2.0", "expected x y heading vx vy turn stall, got 2"),
         (PLAYER_BARE, "laser x 1.0 3 1 1 1", "expected the index of the laser, got 'x'"),
         (PLAYER_BARE, "laser 0 1.0 -1.5708 nan 1.5708 3 1 1 1", "expected angles in radians"),
-        (PLAYER_BARE, "laser 0 1.0 -90 90 90 3 1 1 1", "expected angles in radians"),
-        (PLAYER_BARE, "laser", "expected the index of the laser, got ''"),
         (G2O, "EDGES 0 1", "expected a line of a g2o graph, got 'EDGES'"),
         (CORESLAM, CORESLAM.splitlines()[0].replace("1500 ", "", 1), "683 ranges, got 706 in all"),
         (HOKUYO, "x 1", "expected numbers for range and angle, got 'x'"),
@@ -124,11 +117,9 @@ def test_files_that_are_no_logs(path, content, reason, on_error):
         (SICK, "1,2", "expected t, count, offset and ranges, got 2 columns"),
         (SICK, SICK.splitlines()[0] + ", 1", "announces 181 ranges, but 182 follow"),
         (CSV, "x,1,0,0", "a number for the angle, got 'x'"),
-        (CSV, "1e9,1,0,0", "a number for the angle, got '1e9'"),
         (CSV, "800,1,0,0", "an angle within two turns, got '800'"),
         (CSV, "1", "4 columns or more, got 1"),
         (CSV, "1,x,0,0", "a number for the range, got 'x'"),
-        (CSV, "1,1_0,0,0", "a number for the range, got '1_0'"),
         (RPLIDAR, "theta: 12.3", "expected a beam with theta:, Dist:, Q:"),
         (LD19, "stamp(ns):1,angle:12.3,dist", "expected a beam with angle:, distance(,"),
     ],
@@ -153,21 +144,16 @@ def test_a_damaged_first_line_does_not_decide_the_format(path, first):
 
 
 def test_a_truncated_gzip_is_noticed_and_its_whole_lines_may_be_kept(path):
-    """A reader that stops quietly at the break loses the end of a log unseen."""
+    """A reader that stops quietly at the break loses the end of a log unseen; or a wrong sum."""
     lines = [flaser((k, 0, 0), (0, 0, 0), k + 0.123) for k in range(1000)]
-    path.write_bytes(gzip.compress("\n".join(lines).encode())[:-1500])
-    with pytest.raises(LogError, match="packed file is broken or cut short"):
-        readers.read(path)
+    packed = bytearray(gzip.compress("\n".join(lines).encode()))
+    packed[-6] ^= 255
+    for data, said in ((packed, "packed file is broken"), (packed[:-1500], "broken or cut short")):
+        path.write_bytes(data)
+        with pytest.raises(LogError, match=said):
+            readers.read(path)
     log = readers.read(path, on_error="skip")
     assert 300 < len(log) < 1000 and "cut short" in log.skipped.reason
-
-
-def test_a_gzip_with_a_wrong_sum_is_noticed(path):
-    packed = bytearray(gzip.compress(CARMEN.encode()))
-    packed[-6] ^= 255
-    path.write_bytes(packed)
-    with pytest.raises(LogError, match="packed file is broken"):
-        readers.read(path)
 
 
 def test_a_zip_holds_one_log(path):
@@ -195,13 +181,13 @@ def test_damaged_zips(path, method):
 
 # ------------------------------------------------------------------------------ bounds
 @pytest.mark.parametrize("start", [b"", b"FLASER 400000000 ", GOOD.encode() + b"\nFLASER 9 "])
-@pytest.mark.parametrize("on_error", ["raise", "skip"])
-def test_endless_lines_are_refused_before_they_are_in_memory(path, start, on_error):
+def test_endless_lines_are_refused_before_they_are_in_memory(path, start):
     """200 MB of one line, packed into 200 kB: reading it whole would fill the machine."""
     path.write_bytes(gzip.compress(start) + 200 * gzip.compress(b"1 " * 500_000))
     tracemalloc.start()
-    with pytest.raises(LogError, match="longer than 1048576 bytes"):
-        readers.read(path, on_error=on_error)
+    for on_error in ("raise", "skip"):
+        with pytest.raises(LogError, match="longer than 1048576 bytes"):
+            readers.read(path, on_error=on_error)
     assert tracemalloc.get_traced_memory()[1] < 20e6
     tracemalloc.stop()
 
@@ -209,7 +195,9 @@ def test_endless_lines_are_refused_before_they_are_in_memory(path, start, on_err
 LONG = b"FLASER 2 1 81.83 0 0 0 0 0 0\nSYNC " + b"x" * 2000 + b"\n"
 
 
-@pytest.mark.parametrize("bomb", [b"\n" * 2_000_000, LONG * 3000, b"#\n" * 500_000])
+@pytest.mark.parametrize(
+    "bomb", [b"\n" * 2_000_000, LONG * 3000, b"#\n" * 500_000, mrpt.scan(1.0) + bytes(20_000_000)]
+)
 def test_bombs(path, bomb):
     """Catches time or memory out of proportion to the file."""
     path.write_bytes(gzip.compress(bomb))
@@ -251,27 +239,14 @@ def test_what_is_no_file_is_named(tmp_path):
             readers.read(bad)
 
 
-def test_files_that_may_not_be_read_are_named(path):
-    path.write_text(CARMEN)
-    path.chmod(0)
-    if os.access(path, os.R_OK):
-        pytest.skip("this user may read everything")
-    with pytest.raises(LogError, match="Permission denied"):
-        readers.read(path)
-
-
 # ---------------------------------------------------------------------------- mutation
-#: Damaged files of each sample that `make test` reads, and `make test-all`; `make fuzz` reads more.
-FEW, MANY = 150, 4000
-
-
-@pytest.mark.parametrize("part", [1, slow(MANY // FEW)])
+@pytest.mark.parametrize("times", [1, slow(27)])
 @pytest.mark.parametrize("name", [*TARGETS, *BAGS])
-def test_nothing_but_log_errors_comes_out_of_damaged_files(name, part, tmp_path):
+def test_nothing_but_log_errors_comes_out_of_damaged_files(name, times, tmp_path):
     """Each mutant is refused, or sound whether damage is skipped or not; some of each there are."""
     dear = {"coreslam": 3, "coreslam_13": 3, "metadata": 5} | dict.fromkeys((*RAWSEEDS, *BAGS), 2)
     rng, target, ends = random.Random(f"{SEED} {name}"), (TARGETS | BAGS)[name], set()
-    for number in range(part * FEW // dear.get(name, 1)):
+    for number in range(times * MUTANTS // dear.get(name, 1)):
         try:
             ends.update(target(tmp_path, rng))
         except Exception as fault:

@@ -1,11 +1,7 @@
 """CARMEN logs of the old kind, and what all readers share: beams, no-return values, arguments."""
 
 import gzip
-import os
 import pickle
-import shutil
-import subprocess
-import sys
 
 import numpy as np
 import pytest
@@ -55,15 +51,6 @@ def test_the_mode_is_that_of_the_whole_log_and_odd_values_are_errors(read):
     assert np.isnan(log[0].ranges).tolist() == [False, True, True, True, False, True]
 
 
-def test_truth_is_the_robots_pose_not_the_lasers(read):
-    """Forgetting the offset moves every wall by 0.3 m, in a direction that turns with the robot."""
-    log = read(CARMEN)
-    assert log[0].sensor_pose.tolist() == [0.3, 0, 0]
-    assert poses.compose(log.truth, (0.3, 0, 0)) == pytest.approx(np.array(TRUTH))
-    assert log.odometry == pytest.approx(np.array(ODOMETRY))
-    assert log.times == pytest.approx(TIMES)
-
-
 def test_parameters_of_a_recorder_that_are_no_places(read):
     """Catches a device's name that is read as a number."""
     said = ["PARAM laser_front_dev /dev/ttyS0", "PARAM robot_max_t_vel 0.5", "PARAM"]
@@ -82,10 +69,13 @@ def test_offsets_are_honoured_and_rear_lasers_face_backwards(read, stated):
     assert log[1].points()[1] == pytest.approx([-2.25, 0])
 
 
-def test_lines_without_times_are_numbered(read):
+def test_lines_without_times_are_numbered_and_nan_poses_are_no_truth(read):
     log = read(text(map(flaser, TRUTH, ODOMETRY)))
     assert log.times.tolist() == [0, 1]
     assert log.truth == pytest.approx(np.array(TRUTH))
+    log = read(text([flaser([np.nan] * 3, ODOMETRY[0], 1.0), flaser(TRUTH[1], ODOMETRY[1], 2.0)]))
+    assert np.isnan(log.truth[0]).all() and log.truth[1] == pytest.approx(TRUTH[1])
+    assert "truth for 1" in repr(log)
 
 
 def test_lines_without_poses_take_the_odometry_from_odom_lines(read):
@@ -95,12 +85,6 @@ def test_lines_without_poses_take_the_odometry_from_odom_lines(read):
     )
     assert log[0].odometry.tolist() == [0.5, 0, 0]
     assert log[1].odometry is None and log.truth is None
-
-
-def test_nan_laser_poses_are_scans_without_truth(read):
-    log = read(text([flaser([np.nan] * 3, ODOMETRY[0], 1.0), flaser(TRUTH[1], ODOMETRY[1], 2.0)]))
-    assert np.isnan(log.truth[0]).all() and log.truth[1] == pytest.approx(TRUTH[1])
-    assert "truth for 1" in repr(log)
 
 
 AHEAD = [flaser(poses.compose(o, (0.3, 0, 0)), o, 1.0) for o in ODOMETRY]
@@ -125,9 +109,12 @@ def test_poses_that_repeat_the_odometry_are_no_truth(read, lines):
 def test_poses_of_a_mapper_and_corrected_ones_are_truth(read):
     """A mapper writes its poses twice; one corrected line makes the log a corrected one."""
     log = read(text(flaser(t, t, time) for t, time in zip(TRUTH, TIMES, strict=True)))
-    assert log.truth == pytest.approx(np.array(TRUTH))
-    log = read(text([flaser(ODOMETRY[0], ODOMETRY[0]), flaser(TRUTH[1], ODOMETRY[1])]))
-    assert log.truth == pytest.approx(np.array([ODOMETRY[0], TRUTH[1]]))
+    assert log.truth == pytest.approx(np.array(TRUTH)) and np.isnan(log.odometry).all()
+    for times in ((), TIMES):
+        lines = [(ODOMETRY[0], ODOMETRY[0], *times[:1]), (TRUTH[1], ODOMETRY[1], *times[1:2])]
+        log = read(text(flaser(*line) for line in lines))
+        assert log.truth == pytest.approx(np.array([ODOMETRY[0], TRUTH[1]]))
+        assert log.odometry == pytest.approx(np.array(ODOMETRY))
 
 
 def test_what_gmapping_wrote_is_truth_and_no_odometry(read):
@@ -169,15 +156,12 @@ def test_raw_odometry_beside_gmappings_poses_is_odometry(read):
 
 
 def test_the_name_is_the_files(read, tmp_path):
+    """Ends of lines of other systems, blank lines and comments change nothing."""
     assert read(CARMEN, "b.25.log").name == "b.25"
-    (tmp_path / "run.log.gz").write_bytes(gzip.compress(CARMEN.encode()))
+    odd = "\r\n# x\r\n   # y\n\n" + CARMEN.replace("\n", "\r\n\r\n")
+    (tmp_path / "run.log.gz").write_bytes(gzip.compress(odd.encode()))
     log = readers.read(str(tmp_path / "run.log.gz"))
-    assert log.name == "run" and len(log) == 2
-
-
-def test_crlf_blank_lines_and_comments_change_nothing(read):
-    log = read("\r\n# x\r\n   # y\n\n" + CARMEN.replace("\n", "\r\n\r\n"))
-    assert log.truth.tolist() == read(CARMEN).truth.tolist()
+    assert log.name == "run" and log.truth.tolist() == read(CARMEN).truth.tolist()
 
 
 def test_errors_survive_the_way_from_another_process(read):
@@ -189,30 +173,12 @@ def test_errors_survive_the_way_from_another_process(read):
 
 
 class TestBundled:
-    def test_unknown_names_list_the_known(self):
+    def test_what_is_not_here_says_what_to_do(self, monkeypatch):
         with pytest.raises(ValueError, match=r"'malaga'.*got 'malga'"):
             readers.load("malga")
-
-    def test_killian_without_its_package_says_what_to_install(self, monkeypatch):
         monkeypatch.setattr(_bundled, "find_spec", lambda name: None)
         with pytest.raises(ValueError, match="pip install rtb-data"):
             readers.load("killian")
-
-    def test_found_in_a_wheel_where_there_is_no_clone(self, tmp_path):
-        """An installed wheel has `segmap/data` and nothing beside the package."""
-        shutil.copytree(_bundled.PACKAGE, tmp_path / "segmap")
-        shutil.rmtree(tmp_path / "segmap" / "data", ignore_errors=True)
-        place = tmp_path / "segmap" / "data" / "two"
-        place.mkdir(parents=True)
-        (place / "two.log.gz").write_bytes(gzip.compress(CARMEN.encode()))
-        found = subprocess.run(
-            [sys.executable, "-c", "from segmap.readers import load; print(load('two'))"],
-            env={**os.environ, "PYTHONPATH": str(tmp_path)},
-            cwd=tmp_path,
-            capture_output=True,
-            text=True,
-        )
-        assert found.stdout.startswith("Log('two', 2 scans"), found.stderr
 
     def test_a_clone_goes_before_the_wheel(self, monkeypatch, tmp_path):
         for place, lines in (("clone", 1), ("wheel", 2)):

@@ -1,11 +1,12 @@
 """CARMEN logs of the new kind, g2o, Rawseeds, Hokuyo text and CoreSLAM."""
 
+import gzip
+
 import numpy as np
 import pytest
 from log_samples import (
     CARMEN_NEW,
     CORESLAM,
-    G2O,
     GROUNDTRUTH,
     HOKUYO,
     HOKUYO_CSV,
@@ -13,12 +14,14 @@ from log_samples import (
     RANGES,
     RAWSEEDS,
     SICK,
+    SINGLE_FILES,
     TIMES,
     TRUTH,
     robotlaser,
     row,
     text,
 )
+from mrpt_samples import BINARY_FILES
 
 from segmap import poses, readers
 from segmap.readers import LogError
@@ -65,11 +68,6 @@ class TestRobotLaser:
 
 
 class TestG2o:
-    def test_the_vertex_before_a_scan_is_its_truth(self, read):
-        log = read(G2O)
-        assert log.truth == pytest.approx(np.array(TRUTH))
-        assert log.odometry == pytest.approx(np.array(ODOMETRY))
-
     def test_a_scan_without_a_vertex_of_its_own_has_no_truth(self, read):
         """A vertex used twice would put two scans into one place."""
         laser = robotlaser(ODOMETRY[1], ODOMETRY[1], 3.0)
@@ -171,7 +169,46 @@ class TestCoreSlam:
         assert integrate(circle)[-1] == pytest.approx([0, 0, 0], abs=1e-9)
 
 
-def test_samples_are_told_apart_by_content(read, tmp_path):
-    """A name says nothing: everything here is called `run`."""
-    lengths = [len(read(s)[0]) for s in (CARMEN_NEW, G2O, HOKUYO, CORESLAM, SICK, HOKUYO_CSV)]
-    assert lengths == [len(RANGES.split())] * 2 + [22, 683, 181, 681]
+HALF = [-90, -45, 0, 45, 90]
+NEAR = [0, 0, 0]
+#: Of each sample: whether it tells times, odometry and truth; the laser's place, its reach.
+ROOM = {
+    "carmen": ("times odometry truth", [0.3, 0, 0], 50),
+    "g2o": ("times odometry truth", NEAR, 50),
+    "player_1": ("times odometry", NEAR, 50),
+    "player_2": ("times odometry", [0.3, 0.1, 0], 8),
+    "player_bare": ("times odometry", NEAR, 50),
+    "gmapping": ("times odometry truth", NEAR, 50),
+    "dpslam": ("odometry", NEAR, 8.18),
+    "rawlog": ("times odometry", [0.3, 0.1, 0], 80),
+    "observations": ("times odometry", [0.3, 0.1, 0], 80),
+    "simplemap": ("times truth", [0.3, 0.1, 0], 80),
+    "old_simplemap": ("times truth", [0.3, 0.1, 0], 80),
+}
+
+
+@pytest.mark.parametrize("name", ROOM)
+def test_every_format_tells_of_the_same_room(name, tmp_path):
+    """Catches fields shifted by one, a laser's pose taken for the robot's, units and beams lost.
+
+    A name says nothing: every file here is called `run`.
+    """
+    told, place, reach = ROOM[name]
+    content = SINGLE_FILES[name].encode() if name in SINGLE_FILES else BINARY_FILES[name]
+    for data in (content, gzip.compress(content)):
+        (tmp_path / "run").write_bytes(data)
+        log = readers.read(tmp_path / "run")
+        assert log.times == pytest.approx(TIMES if "times" in told else [0, 1])
+        wheels = np.array(ODOMETRY) if "odometry" in told else np.full((2, 3), np.nan)
+        assert log.odometry == pytest.approx(wheels, nan_ok=True)
+        seen = poses.compose(log.truth, (0.3, 0, 0)) if name == "carmen" else log.truth
+        assert (seen is None) == ("truth" not in told)
+        assert seen is None or seen == pytest.approx(np.array(TRUTH), abs=1e-6)
+        assert log[0].sensor_pose == pytest.approx(place) and log[0].max_range == reach
+        assert log[0].ranges == pytest.approx([1.5, 2.0, 2.5, np.inf, 3.0])
+        assert np.degrees(log[0].angles) == pytest.approx(HALF, abs=1e-3)
+
+
+def test_longer_scans_are_told_apart_too(read):
+    lengths = [len(read(s)[0]) for s in (CARMEN_NEW, HOKUYO, CORESLAM, SICK, HOKUYO_CSV)]
+    assert lengths == [len(RANGES.split()), 22, 683, 181, 681]

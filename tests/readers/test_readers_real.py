@@ -12,6 +12,7 @@ from conftest import shared_file
 from scipy.spatial import cKDTree
 
 from segmap import poses, readers
+from segmap.angles import wrap
 from segmap.readers import LogError, _bundled
 
 MALAGA = _bundled.find("malaga").parent
@@ -64,10 +65,42 @@ class TestMalaga:
         assert again == gzip.decompress(_read_bytes("malaga.log.gz")).decode()
 
 
+#: Of each file: scans, beams, largest range, scans with truth, metres driven where known (NaN: no
+#: odometry).
+SHARED = {
+    "intel.log.gz": (2672, 180, 50, 2672, None),
+    "fr079.log.gz": (4791, 360, 50, 4791, np.nan),  # the corrected poses are no odometry
+    "laserazos.log.gz": (778, 361, 8.18, 0, None),
+    "urg04lx-exp1.dat.gz": (756, 683, 5.6, 0, None),
+    "formats/gmapping-acapulco.log.gz": (861, 181, 50, 861, np.nan),
+    "formats/gmapping-sample.gfs": (12, 361, 50, 12, 7.10),
+    "formats/dpslam-first-40-lines.log": (20, 181, 8.18, 0, 0.004),
+    "formats/wean-robotdata4.log.gz": (600, 180, 50, 0, 21.50),
+    "formats/coreslam-test_lab2.dat.gz": (404, 683, 5.6, 0, 24.62),
+    "formats/localization_demo.rawlog": (37, 361, 80, 0, None),
+    "formats/localization_demo.simplemap.gz": (72, 361, 80, 72, np.nan),
+}
+
+
+@pytest.mark.parametrize("name", SHARED)
+def test_shared_logs(name):
+    """A format that was understood wrongly agrees with its own writer only."""
+    scans, beams, limit, known, driven = SHARED[name]
+    log = readers.read(shared_file(f"data/{name}"), on_error="skip")
+    assert (len(log), {len(scan) for scan in log}) == (scans, {beams})
+    assert log[0].max_range == limit and log.skipped.lines == ("lab2" in name)
+    truth = np.full((1, 3), np.nan) if log.truth is None else log.truth
+    assert np.isfinite(truth).all(1).sum() == known
+    assert np.isnan(log.odometry).all() == (driven is np.nan)
+    if driven is not None:
+        assert length(log.odometry) == pytest.approx(driven, abs=0.01, nan_ok=True)
+    if known:
+        assert np.ptp(truth[:, :2], axis=0).max() > 2
+
+
 class TestShared:
     def test_intel(self):
         log = readers.read(shared_file("data/intel.log.gz"))
-        assert len(log) == 2672 and len(log[0]) == 180 and log[0].max_range == 50
         assert np.degrees(log[0].angles[[0, -1]]) == pytest.approx([-90, 89])
         assert sum(int(np.isposinf(scan.ranges).sum()) for scan in log) == 10677
         assert log.times[0] == 976053557.767368
@@ -75,30 +108,27 @@ class TestShared:
         every = log[::8]
         assert spread_of_walls(every, every.truth) < 0.2 * spread_of_walls(every, every.odometry)
 
-    def test_freiburg_repeats_its_corrected_poses(self):
-        log = readers.read(shared_file("data/fr079.log.gz"))
-        assert len(log) == 4791 and np.isfinite(log.truth).all()
-        assert poses.between(log.odometry, log.truth) == pytest.approx(np.zeros((4791, 3)))
-
-    def test_what_gmapping_corrected(self):
-        log = readers.read(shared_file("data/formats/gmapping-acapulco.log.gz"))
-        assert len(log) == 861 and np.isfinite(log.truth).all()
-        assert np.isnan(log.odometry).all() and not log.skipped
-        assert np.ptp(log.truth[:, :2], axis=0) == pytest.approx((93, 44), abs=12)
-
-    def test_laserazos_has_no_times_and_no_truth(self):
-        log = readers.read(shared_file("data/laserazos.log.gz"))
-        assert log.truth is None and log.times.tolist() == list(range(778))
-        assert log[0].max_range == 8.18 and np.isfinite(log.odometry).all()
-
     def test_coreslam(self):
         """Beams mirrored, or wheels swapped, would not bring any two scans together."""
         log = readers.read(shared_file("data/urg04lx-exp1.dat.gz"))
-        assert len(log) == 756 and np.ptp(log.times) == pytest.approx(74.62, abs=0.01)
+        assert np.ptp(log.times) == pytest.approx(74.62, abs=0.01)
         assert {0, 6, 7} <= set(np.unique([scan.codes for scan in log]).tolist())
         part = log[40:80:4]
         mirrored = part.odometry * [1, -1, -1]
         assert spread_of_walls(part, part.odometry) < 0.04 < spread_of_walls(part, mirrored)
+
+    def test_coreslam_with_a_cut_line(self):
+        """Its wheels stand for the first 53 scans only: the odometry is real."""
+        path = shared_file("data/formats/coreslam-test_lab2.dat.gz")
+        with pytest.raises(LogError, match=r"line 405: expected 24 fields and 683 ranges, got 640"):
+            readers.read(path)
+        assert not readers.read(path, on_error="skip").odometry[:53].any()
+
+    def test_the_poses_of_a_run_of_gmapping(self):
+        log = readers.read(shared_file("data/formats/gmapping-sample.gfs"))
+        assert length(log.truth) == pytest.approx(7.39, abs=0.01)
+        turned = np.diff(log.truth[:, 2]) - np.diff(log.odometry[:, 2])
+        assert np.abs(wrap(turned)).max() < 0.4 < np.abs(np.diff(log.odometry[:, 2])).max()
 
     def test_bicocca_is_a_trajectory(self):
         path = shared_file("data/bicocca-25b-GROUNDTRUTH.csv.gz")
@@ -112,6 +142,10 @@ class TestShared:
         pytest.importorskip("rtbdata", reason="the package rtb-data is not installed")
         log = readers.load("killian")
         assert len(log) == 3873 and np.isfinite(log.truth).all() and log[0].max_range == 50
+
+
+def length(path):
+    return np.hypot(*np.diff(path[:, :2], axis=0).T).sum()
 
 
 def _read_bytes(name):

@@ -65,7 +65,7 @@ SEEN_TWICE = SegmentMap(
 def test_about_each_pair_the_result_moves_with_the_map(method, to):
     """About the origin it does not: fewer segments are left near to it (chapter 52)."""
     there = SegmentMap(transform(to, SEEN_TWICE.segments))
-    here, moved = (method(map, origin=None) for map in (SEEN_TWICE, there))
+    here, moved = (method(map, origin="pair") for map in (SEEN_TWICE, there))
     np.testing.assert_array_equal(here.parents, moved.parents)
     there = transform(to, here.segments)
     assert_segments_equal(there, moved.segments, ordered=True, atol=1e-6)
@@ -87,6 +87,6 @@ def test_a_mean_about_each_pair_by_hand():
     """Two walls that cross 100 m above the origin at +-beta: about the pair their mean is level."""
     beta = np.radians(4.9)
     cross = np.array([[(-1, -np.tan(b)), (1, np.tan(b))] for b in (beta, -beta)]) + [0, 100]
-    (mean,) = hybrid(cross, origin=None).segments
+    (mean,) = hybrid(cross, origin="pair").segments
     np.testing.assert_allclose(mean[:, 1], 100, atol=1e-9)
     assert hybrid(cross).segments[0, 0, 1] < 99.64

@@ -16,13 +16,22 @@ from segmap.segments import length
 @settings(max_examples=20)
 def test_quality_is_never_below_the_guarantee(seed, penalty):
     """Catches a merge that costs more than the penalty, or a cost that leaves a member out."""
-    map = MAPS[seed % 4](np.random.default_rng(seed))
-    found = least_cost(map, penalty=penalty)
-    n = np.count_nonzero(found.parents >= 0)
-    assert (
-        quality(map[found.parents >= 0], found)
-        >= np.exp(-penalty * (n - len(found)) / n / 0.05) - 1e-9
-    )
+    rng = np.random.default_rng(seed)
+    points = rng.uniform(-9, 9, (seed % 7, 1, 2)).repeat(2, axis=1)
+    map = np.concatenate([MAPS[seed % 4](rng), points])
+    found, n = least_cost(map, penalty=penalty), np.count_nonzero(length(map))
+    assert quality(map, found) >= np.exp(-penalty * (n - len(found)) / n / 0.05) - 1e-9
+
+
+@pytest.mark.parametrize("wanted", [0.7, 0.85, 0.95])
+def test_segments_without_length_cost_no_quality(wanted):
+    """Catches a quality that falls with what every method drops: no penalty would reach it."""
+    map = MAPS[1](np.random.default_rng(2))
+    points = np.random.default_rng(3).uniform(-20, 20, (5, 1, 2)).repeat(2, axis=1)
+    alone, mixed = reduce_to(map, quality=wanted), np.concatenate([map, points])
+    found = reduce_to(mixed, quality=wanted)
+    assert len(found) == len(alone) < len(map)
+    assert quality(mixed, found) == quality(map, alone) >= wanted
 
 
 @pytest.mark.parametrize("place", [(0, 0), (7, -3)])

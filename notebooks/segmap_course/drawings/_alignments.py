@@ -137,8 +137,8 @@ def draw_basin(outcomes: ArrayLike, x: ArrayLike, y: ArrayLike, *, ax: Axes | No
     """Draw the outcome of a match from each start: the basin of attraction is blue.
 
     Of the outcomes `(m, n)` "no match" is light grey, "right" blue, "free" (along one direction)
-    orange and "wrong" red; x `(n,)` and y `(m,)` are where the columns and the rows start, in any
-    unit.
+    orange with a dash and "wrong" red with a cross, which the colour-blind see apart, too; x `(n,)`
+    and y `(m,)` are where the columns and the rows start, in any unit.
     """
     words, shape = np.asarray(outcomes), (np.size(y), np.size(x))
     if words.shape != shape or not np.isin(words, list(OUTCOMES)).all():
@@ -147,4 +147,8 @@ def draw_basin(outcomes: ArrayLike, x: ArrayLike, y: ArrayLike, *, ax: Axes | No
     ax, colors = axes_or_new(ax), ListedColormap(list(OUTCOMES.values()))
     numbers = (words[..., None] == np.array(list(OUTCOMES))).argmax(-1)
     ax.pcolormesh(np.asarray(x), np.asarray(y), numbers, cmap=colors, vmin=0, vmax=3)
+    for word, mark in (("free", "_"), ("wrong", "x")):
+        rows, columns = np.nonzero(words == word)
+        if len(rows):
+            ax.plot(np.asarray(x)[columns], np.asarray(y)[rows], mark, color=MAP, markersize=5)
     return ax

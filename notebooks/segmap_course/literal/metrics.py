@@ -51,9 +51,10 @@ def segment_distance(u: Segment, v: Segment, weight_u: float = 1.0, weight_v: fl
 
 def quality(before: Sequence[Segment], after: Sequence[Segment], *, scale: float = 0.050) -> float:
     """`exp(-mean distance to the nearest segment left / scale)`; scale in metres."""
-    if len(before) == 0:
-        return 1.0 if len(after) else math.nan
+    walls = [s for s in before if segment_length(s) >= SAME]  # what has no length is no wall
+    if len(walls) == 0:
+        return 1.0 if len(before) or len(after) else math.nan
     if len(after) == 0:
         return 0.0
-    mean = sum(min(segment_distance(s, t) for t in after) for s in before) / len(before)
+    mean = sum(min(segment_distance(s, t) for t in after) for s in walls) / len(walls)
     return math.exp(-mean / scale)

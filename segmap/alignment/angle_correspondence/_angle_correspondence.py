@@ -17,11 +17,12 @@ from ... import arrays
 from ...arrays import Array, Count, Metres, Positive, Segments, at_least, at_most, checked
 from ...extraction import extract_polylines
 from ...kernels import Rule, describe
-from ...poses import compose, transform
+from ...poses import between, compose, transform
 from ...reduction import polyline
 from ...scans import Log
 from ...segments import SegmentMap, length, point_distance
 from .._result import Match, Outcome, Trail, alignment_method, no_match
+from .._walls import constraints
 from . import _kernels as kernels
 from ._scenes import Candidate, Heuristic, Scene, corners, scene
 
@@ -31,6 +32,8 @@ TRIED, REFINED = 150, 10
 NEAR = 0.1, np.radians(3)
 #: ... candidates this near are one.
 SAME = 0.3, np.radians(10)
+#: Share of the walls, and metres of wall across the others, that are enough to believe a match.
+LEAST_SHARE, LEAST_ACROSS = 0.40, 0.25
 #: As many matched walls, or more, are all the evidence that can be asked for.
 ENOUGH_WALLS = 4
 
@@ -157,7 +160,7 @@ def _matched(poses: Array, s: Scene, t: Scene, rule: Rule) -> list[tuple[int, Ar
         kernels.fill_values(s.segments, described, there, rule, value)
         some = value > 0
         rows = np.empty((2 * np.count_nonzero(some), 5))
-        kernels.constraints(s.segments, described, there, value, rows)
+        constraints(s.segments, described, there, value, rows)
         rows[:, 2] -= rows[:, 1] * x - rows[:, 0] * y
         found.append((int(min(some.any(0).sum(), some.any(1).sum())), rows))
     return found
@@ -169,8 +172,8 @@ def match_angles(
     current_segments: Segments,
     *,
     rng: np.random.Generator,
-    least_share: Positive = 0.40,
-    least_across: Positive = 0.25,
+    least_share: Positive = LEAST_SHARE,
+    least_across: Positive = LEAST_ACROSS,
     rival: Positive = 0.88,
     **options: Any,
 ) -> Match:
@@ -238,10 +241,11 @@ def angle_correspondence(
 
     Each scan is matched to a reference scan, and where they share too little to the scan just
     before it, the next reference: errors add up from reference to reference, not from scan to
-    scan. Where nothing matches the log's odometry carries the pose on. With `grow` each scan is
-    matched to the map of all before it, in which chains of segments that match are polylines
-    (A 3.3.1, step 3). Only a scan has a place from which it tells what hides what: in a symmetric
-    room the wrong side of the map fits as well.
+    scan. Where nothing matches the log's odometry carries the pose on. With `grow` a scan that has
+    left the reference is also laid on the map of all before it, in which chains of segments that
+    match are polylines (A 3.3.1, step 3): of the places that fit, the best near what the scans
+    alone say, or near the last motion. Only a scan has a place from which it tells what hides what;
+    by the map alone, the wrong side of a symmetric room would fit as well.
 
     Parameters
     ----------
@@ -252,7 +256,7 @@ def angle_correspondence(
     extract
         `extract(points) -> (n, 2, 2)` segments of one scan, metres, in the frame of the robot.
     grow
-        Match with a map that grows; `new_reference` is not used then.
+        Lay scans that have left the reference on a map that grows.
     **thresholds
         Handed to `match_angles`.
 
@@ -265,36 +269,59 @@ def angle_correspondence(
     arrays.function(extract, "extract", "of points")
     chance, trail = np.random.default_rng(0) if rng is None else rng, Trail(log)
     seen = [(extract(scan.points()), scan.sensor_pose[:2]) for scan in log]
-    if grow:
-        return _on_a_growing_map(trail, [walls for walls, _ in seen], chance, thresholds)
+    map = transform(trail.poses[0], seen[0][0]) if grow and seen else None
     reference = 0
     for k in range(1, len(log)):
+        pose, reason, kept = trail.guess(), "", False
         for known in dict.fromkeys((reference, k - 1)):
             sets, stood = zip(seen[known], seen[k], strict=True)
             match = match_angles(*sets, rng=chance, viewpoints=stood, **thresholds)
             if match.matched and (known == k - 1 or match.overlap >= new_reference):
-                trail.place(compose(trail.poses[known], match.pose))
-                reference = known
+                pose, reason = compose(trail.poses[known], match.pose), ""
+                kept, reference = known == reference, known
                 break
-        else:
-            trail.carry(match.reason)
+            reason = match.reason or reason
+        if map is not None:
+            walls = seen[k][0]
+            if not kept:
+                place = _on_map(map, walls, pose, chance, thresholds, known=not reason)
+                pose, reason = (pose, reason) if place is None else (place, "")
+            map = map if reason else _grown(map, transform(pose, walls), thresholds)
+        trail.place(pose, reason)
     return trail.outcome()
 
 
-def _on_a_growing_map(
-    trail: Trail, seen: list[Array], rng: np.random.Generator, thresholds: dict[str, Any]
-) -> Outcome:
-    """A 3.3.1, step 3: the segments of each scan, (n, 2, 2) arrays, metres, on those before it."""
+def _on_map(
+    map: Array,
+    walls: Array,
+    pose: Array,
+    rng: np.random.Generator,
+    thresholds: dict[str, Any],
+    *,
+    known: bool,
+) -> Array | None:
+    """The best place of a scan on the map near a pose, (3,) array, metres and radians, or None.
+
+    The pose is `known` by scans alone, or it is the last motion that goes on: then the place may be
+    farther from it, and must have as much evidence as a match of scans.
+    """
+    size = float(length(walls).sum())
+    rules = {"least_share": LEAST_SHARE, "least_across": LEAST_ACROSS, "penalty": 0.0} | thresholds
+    share, across = rules.pop("least_share"), rules.pop("least_across")
+    rules.pop("rival", None)
+    reach = 1.5 * np.hypot(*walls.reshape(-1, 2).T).max(initial=0.0)  # the scan's, and some
+    near = map[point_distance(pose[:2], map) <= reach]
+    for found in angle_candidates(near, walls, rng=rng, **rules):
+        x, y, turn = between(pose, found.pose)
+        distance, angle = NEAR if known else SAME
+        believed = known or (found.value >= share * size and found.wall_across() >= across)
+        if np.hypot(x, y) < distance and abs(turn) < angle and believed:
+            return found.pose
+    return None
+
+
+def _grown(map: Array, walls: Array, thresholds: dict[str, Any]) -> Array:
+    """The map with the walls of one more scan: chains that match become polylines (A 3.3.1)."""
     rule = {name: thresholds[name] for name in ("distance", "far", "long") if name in thresholds}
-    grown = transform(trail.poses[0], seen[0]) if seen else np.empty((0, 2, 2))
-    for walls in seen[1:]:
-        reach = 1.5 * np.hypot(*walls.reshape(-1, 2).T).max(initial=0.0)  # the scan's, and some
-        near = grown[point_distance(trail.poses[-1][:2], grown) <= reach]
-        match = match_angles(near, walls, rng=rng, **{"penalty": 0.0} | thresholds)
-        if not match.matched:
-            trail.carry(match.reason)
-            continue
-        trail.place(match.pose)
-        both = np.concatenate([grown, transform(match.pose, walls)])
-        grown = polyline(SegmentMap(both, np.arange(len(both)) >= len(grown)), **rule).segments
-    return trail.outcome()
+    both = np.concatenate([map, walls])
+    return polyline(SegmentMap(both, np.arange(len(both)) >= len(map)), **rule).segments

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from ...arrays import Array
 from ...compiled import compiled
 from ...kernels import Rule, describe, match_value
+from .._walls import constraints
 
 #: The angles of two corners differ by less, radians: a wall of 0.3 m seen with 10 mm of noise leans
 #: by 3 degrees.
@@ -116,32 +117,6 @@ def values(s: Array, t: Array, poses: Array, rule: Rule, found: Array) -> None:
     for k in range(len(poses)):
         there = moved(t, poses[k, 0], poses[k, 1], poses[k, 2])
         found[k] = fill_values(s, a, there, rule, pairs)
-
-
-@compiled
-def constraints(s: Array, a: Array, t: Array, value: Array, rows: Array) -> int:
-    """What matched segments say of a small motion of t: both ends of each common part.
-
-    A row, of 5, holds the normal of the segment of s, the lever of a turn about the origin, the
-    offset (metres) that the motion should undo, and the match value (metres) as its weight. Returns
-    how many rows it wrote: two for each `value` above 0, (n, m) array, metres.
-    """
-    count = 0
-    for i in range(len(s)):
-        x, y, dx, dy, size = s[i, 0, 0], s[i, 0, 1], a[i, 2], a[i, 3], 2 * a[i, 4]
-        for j in range(len(t)):
-            if value[i, j] <= 0:
-                continue
-            low = (t[j, 0, 0] - x) * dx + (t[j, 0, 1] - y) * dy
-            high = (t[j, 1, 0] - x) * dx + (t[j, 1, 1] - y) * dy
-            for k in range(2):
-                part = (min(max(high if k else low, 0.0), size) - low) / (high - low)
-                px = t[j, 0, 0] + part * (t[j, 1, 0] - t[j, 0, 0])
-                py = t[j, 0, 1] + part * (t[j, 1, 1] - t[j, 0, 1])
-                rows[count, 0], rows[count, 1], rows[count, 2] = -dy, dx, px * dx + py * dy
-                rows[count, 3], rows[count, 4] = (py - y) * dx - (px - x) * dy, value[i, j]
-                count += 1
-    return count
 
 
 @compiled

@@ -16,6 +16,7 @@ from ...angles import axial_difference, wrap
 from ...arrays import Array, Metres, Segments, checked
 from ...kernels import describe
 from ...segments import MIN_LENGTH, angle, length, midpoint
+from .._walls import wall_covariance
 from . import _kernels as kernels
 
 Heuristic = Literal["all", "consecutive", "random", "perpendicular"]
@@ -27,8 +28,6 @@ PARALLEL, RIGHT = np.radians(20), np.radians(8)
 OVERTAKEN = np.radians(2)
 #: Longest segments that viewpoints are looked for among, and viewpoints kept.
 WALLS, PLACES = 8, 3
-#: Least standard deviation of an end point that a covariance rests on, metres: that of a laser.
-SIGMA = 0.01
 
 
 class Candidate(NamedTuple):
@@ -71,9 +70,8 @@ class Candidate(NamedTuple):
 
     def covariance(self) -> Array:
         """Covariance `(3, 3)` of the pose from the offsets left."""
-        rows = self.constraints
-        sigma = max(SIGMA, float(np.sqrt(np.mean(rows[:, 3] ** 2))))
-        return np.asarray(sigma**2 * np.linalg.inv(rows[:, :3].T @ rows[:, :3]), float)
+        pull = self.constraints[::2, 4]
+        return wall_covariance(self.constraints, pull, np.ones(len(pull)))
 
 
 class Scene(NamedTuple):

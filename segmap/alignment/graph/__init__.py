@@ -1,6 +1,16 @@
 """Pose graphs: measured motions between poses, and the poses that fit all of them best."""
 
 from ._equations import Edge, stacked
-from ._graph import Graph, Rejected, deviations, groups, information, residuals, solve_graph
+from ._graph import (
+    REAL,
+    REAL_ERRORS,
+    Graph,
+    Rejected,
+    deviations,
+    groups,
+    information,
+    residuals,
+    solve_graph,
+)
 from ._solver import SCALE, Solver, solve
-from ._spread import spread
+from ._spread import NEARBY, spread

@@ -19,9 +19,10 @@ from ...poses.motions import between, compose
 from ._equations import Edge, Indices
 from ._solver import SCALE, solve
 
-#: Covariance of the errors that matches of real scans have at least, whatever their Hessian says:
-#: 2 cm and 0.3 degrees (the bundled logs).
-REAL = np.diag([0.02, 0.02, np.radians(0.3)]) ** 2
+#: Standard deviations that matches of real scans have at least, whatever their Hessian says, metres
+#: and radians (the bundled logs); and their covariance.
+REAL_ERRORS = 0.02, float(np.radians(0.3))
+REAL = np.diag([REAL_ERRORS[0], *REAL_ERRORS]) ** 2
 
 
 class Rejected(NamedTuple):
@@ -142,9 +143,9 @@ def groups(first: Indices, second: Indices, count: int) -> Indices:
     return np.asarray(connected_components(graph, directed=False)[1], np.int64)
 
 
-def information(covariance: Array) -> Array:
-    """Information of a motion that was matched with this covariance, (3, 3) arrays."""
-    return np.asarray(np.linalg.inv(covariance + REAL))
+def information(covariance: Array, least: Array = REAL) -> Array:
+    """Information of a motion with this covariance, beside that of all matches; (3, 3) arrays."""
+    return np.asarray(np.linalg.inv(covariance + least))
 
 
 def residuals(poses: Array, edges: Edge) -> Array:

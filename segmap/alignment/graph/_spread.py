@@ -12,19 +12,22 @@ from ._solver import SCALE
 
 #: So many draws give standard deviations to a tenth of their size.
 DRAWS = 32
+#: What lies within this, metres, is the neighbourhood of a pose: a large room, or a few small ones.
+NEARBY = 20.0
 
 
-def spread(poses: Array, edges: Edge, weight: Array) -> Array:
+def spread(poses: Array, edges: Edge, weight: Array, *, reach: float = np.inf) -> Array:
     """Standard deviation of the place of each pose, `(n,)`, as the information of all edges has it.
 
     The edges are drawn anew from their covariances, and the poses solved for, in the linear
     neighbourhood of the solution (Papandreou and Yuille 2010): 32 solves with one factorisation,
     instead of the inverse of a large matrix. The draws are the same at each call. All poses are
-    tied to the first; `weight` counts the scans at each. The place is that relative to all others:
-    after the rigid motion that fits best.
+    tied to the first; `weight` counts the scans at each. The place is that relative to the others
+    within `reach` metres: after the rigid motion that fits these best.
     """
     from scipy.sparse import bsr_array
     from scipy.sparse.linalg import splu
+    from scipy.spatial import cKDTree
 
     # Derivatives of the residuals by the first and by the second pose of each edge
     m, found = len(edges.relative), between(poses[edges.first], poses[edges.second])
@@ -50,10 +53,20 @@ def spread(poses: Array, edges: Edge, weight: Array) -> Array:
     draws = np.random.default_rng(0).normal(size=(m, 3, DRAWS))
     pull = (np.linalg.cholesky(known) @ draws).reshape(3 * m, DRAWS)
     moved = factors.solve((jacobian.T @ pull)[3:]).reshape(-1, 3, DRAWS)[:, :2]
-    moved = np.concatenate([np.zeros((1, 2, DRAWS)), moved])
-    # Less the small rigid motion that fits best
+    moved, places = np.concatenate([np.zeros((1, 2, DRAWS)), moved]), poses[:, :2]
+    if np.isinf(reach):
+        return _left(places, moved, weight)
+    tree, found = cKDTree(places), np.empty(len(places))
+    for k, place in enumerate(places):
+        near = np.sort(tree.query_ball_point(place, reach))
+        found[k] = _left(places[near], moved[near], weight[near])[np.searchsorted(near, k)]
+    return found
+
+
+def _left(places: Array, moved: Array, weight: Array) -> Array:
+    """How far places `(n, 2)` move in draws `(n, 2, d)` beside the rigid motion that fits best."""
     share = weight / weight.sum()
-    arm = poses[:, :2] - share @ poses[:, :2]
+    arm = places - share @ places
     moved = moved - np.tensordot(share, moved, 1)
     across = np.stack([-arm[:, 1], arm[:, 0]], -1)
     turn = np.einsum("n,ni,nid->d", share, across, moved) / max(share @ (arm**2).sum(1), 1e-9)

@@ -14,7 +14,7 @@ from ... import arrays
 from ...arrays import Array, Metres, Share, checked
 from ...poses import transform
 from .._result import Match, no_match
-from ._point_map import LAST, ROUNDS, SAMPLE, PointMap, in_range
+from ._point_map import LAST, ON_A_SCAN, ROUNDS, SAMPLE, PointMap, in_range
 
 
 @checked
@@ -48,7 +48,9 @@ def match_points(
     Returns
     -------
     Match
-        With the covariance that the Hessian gives, and `free` where a direction is not fixed.
+        With the covariance that the Hessian gives, and `free` where a direction is not fixed. A
+        noise of less than 10 mm is not believed: for a laser that errs by 3 mm its standard
+        deviations are three times too large.
 
     Examples
     --------
@@ -59,7 +61,8 @@ def match_points(
     before, now, begin = _given(reference, current, start)
     if min(len(before), len(now)) < 6:
         return no_match(begin, f"too few points: {len(before)} and {len(now)}")
-    return PointMap(before).register(now, begin, reach=reach, overlap=overlap)
+    map = PointMap(before)
+    return map.register(now, begin, reach=reach, overlap=overlap, inflation=ON_A_SCAN)
 
 
 class PointStep(NamedTuple):

@@ -28,9 +28,10 @@ FINE, BAND = 0.05, 0.06
 LEVELS = 5
 #: So many points of a scan are enough for the search, and far from the answer for the descent.
 SAMPLE = 250
-#: Points of a scan and map errors are not independent: measured errors are this many times the
-#: Hessian's (simulated rooms and offices, tests/alignment/test_match_points.py).
-INFLATION = 2.0
+#: Offsets of points from their walls are not independent: the variance of measured errors is this
+#: many times the Hessian's, on a scan (tests/alignment/test_covariances.py) and on a map, where the
+#: poses of its scans err as well.
+ON_A_SCAN, INFLATION = 1.7, 2.0
 #: A motion that the walls leave free is one along a direction where its shift is at least this
 #: share of it, the turn counted as the length by which it moves the scan's points.
 SHIFT = 0.7
@@ -93,6 +94,7 @@ class PointMap:
         reach: float = 0.3,
         last: float = LAST,
         overlap: float = 0.0,
+        inflation: float = INFLATION,
     ) -> Match:
         """Point-to-line ICP from a start (Censi 2008; A 2.5.1: Lu and Milios 1997).
 
@@ -109,7 +111,7 @@ class PointMap:
         # Along a direction that the walls do not fix, the match says nothing: one metre. In a round
         # room it is the heading that they do not fix: that is no direction
         covariance, scratch = np.empty((3, 3)), np.empty((2, 3, 3))
-        variance, span = INFLATION * found.sigma**2, _span(current)
+        variance, span = inflation * found.sigma**2, _span(current)
         x, y, shift = uncertainty(found.system, variance, span, scratch[0], scratch[1], covariance)
         free = None if shift < SHIFT else np.array([x, y])
         return Match(found.pose, covariance, True, "", found.near, free)

@@ -13,7 +13,7 @@ from ...poses.motions import between, compose
 from ...scans import LaserScan
 from ...threads import in_threads
 from .._result import SURE, Match, Outcome, Trail, no_match
-from ..graph import Edge, Graph, Rejected, deviations, groups, spread, stacked
+from ..graph import NEARBY, REAL_ERRORS, Edge, Graph, Rejected, deviations, groups, spread, stacked
 from ..points import PointMap, in_range
 from ._key_frames import KeyFrames
 
@@ -47,12 +47,18 @@ class Tracking(Settings):
     step_error, turn_error
         Standard deviations of the odometry between key frames where nothing matched: less for good
         wheels.
+    match_error, match_turn_error
+        Standard deviations that every match is supposed to have at least, whatever its own
+        covariance says: what matches in real buildings err by. Walls that are as flat as simulated
+        ones allow a tenth. `Alignment.spread` grows with them.
     """
 
     frames: Count = 10
     overlap: Positive = 0.4
     step_error: Metres = 0.5
     turn_error: Radians = np.pi / 9  # 20 degrees
+    match_error: Metres = REAL_ERRORS[0]
+    match_turn_error: Radians = REAL_ERRORS[1]
 
 
 class FrontEnd:
@@ -62,7 +68,8 @@ class FrontEnd:
         self.scans, self.points = [first], _seen(first)  # and the points of the last one
         blind = "" if len(self.points) else "too few points"
         self.trail, self.matcher, self.rules = Trail([first], reason=blind), matcher, rules
-        self.frames = KeyFrames(self.points, self.trail.poses[0])
+        least = np.diag([rules.match_error, rules.match_error, rules.match_turn_error]) ** 2
+        self.frames = KeyFrames(self.points, self.trail.poses[0], least)
         self.frame = [0]  # the key frame of each scan,
         self.offset = [np.zeros(3)]  # and its pose there
         self.loose = [False]  # whether nothing says how far it went along the walls
@@ -73,7 +80,7 @@ class FrontEnd:
         """Lay a scan on the local map, or carry it by the expected step: in the last key frame."""
         points, before = _seen(scan), self.offset[-1]
         self.trail.add(scan)
-        measured = self.trail.measured(len(self.scans))
+        measured = self.measured()
         # A motion that goes on from match to false match grows until it is many metres a scan:
         # without odometry the robot stands after a scan that did not match
         lost = self.trail.reasons[-1] not in ("", LOOSE)
@@ -98,6 +105,10 @@ class FrontEnd:
         reason = LOOSE if loose else match.reason
         self.trail.place(compose(self.trail.poses[-1], between(before, match.pose)), reason)
         return match
+
+    def measured(self) -> bool:
+        """Whether odometry says how the robot came to the scan that is laid now."""
+        return self.trail.measured(len(self.scans))
 
     def needs_frame(self, step: float, turn: float) -> bool:
         """Whether the last scan is farther from its key frame, or the first to have points."""
@@ -168,16 +179,19 @@ class FrontEnd:
     def outcome(self, rejected: Sequence[Rejected] = ()) -> Outcome:
         """Poses, reasons and standard deviations of all scans, the graph, and what it doubts."""
         graph, frame, reasons = self.graph(rejected), np.array(self.frame), self.trail.reasons
-        far, left = np.zeros(len(frame)), np.zeros(0)
+        far, near, left = np.zeros(len(frame)), np.zeros(len(frame)), np.zeros(0)
         if graph is not None:
             weight = np.bincount(frame, minlength=len(self.frames)).astype(float)
-            far = spread(self.frames.poses, stacked(self.frames.edges), weight)[frame]
-            apart = untied(self.tied, self.frames.edges, weight)[frame]
+            solved = self.frames.poses, stacked(self.frames.edges), weight
+            far, near = spread(*solved)[frame], spread(*solved, reach=NEARBY)[frame]
+            seeing = np.array([not own for own in reasons], float)
+            matched = np.bincount(frame, seeing, len(self.frames)).astype(float)
+            apart = untied(self.tied, self.frames.edges, matched)[frame]
             both = zip(reasons, apart, strict=True)
             reasons = [own or (UNTIED if alone else "") for own, alone in both]
             left = graph.residuals[graph.loop]
-        doubt = sentence(reasons, far, left, converged=self.frames.converged)
-        return Outcome(self.poses(), reasons, graph, doubt, far)
+        doubt = sentence(reasons, far, left, near=near, converged=self.frames.converged)
+        return Outcome(self.poses(), reasons, graph, doubt, far, near)
 
 
 def _seen(scan: LaserScan) -> Array:
@@ -189,7 +203,8 @@ def _seen(scan: LaserScan) -> Array:
 def untied(tied: Sequence[bool], edges: Sequence[Edge], weight: Array) -> NDArray[np.bool_]:
     """Which of n poses no edge that a match made ties to the largest group of them.
 
-    `tied` says so of the step to each pose; loops always do. `weight` counts the scans of each.
+    `tied` says so of the step to each pose; loops always do. `weight` counts the scans of each
+    that matched: a robot that stands blind for long is no map.
     """
     sure = [edge for edge in edges if edge.loop or tied[edge.second]]
     first, second = np.reshape([edge[:2] for edge in sure], (-1, 2)).T.astype(np.int64)
@@ -197,10 +212,18 @@ def untied(tied: Sequence[bool], edges: Sequence[Edge], weight: Array) -> NDArra
     return np.asarray(group != np.argmax(np.bincount(group, weight)))
 
 
-def sentence(reasons: Sequence[str], far: Array, left: Array, *, converged: bool = True) -> str:
+def sentence(
+    reasons: Sequence[str],
+    far: Array,
+    left: Array,
+    *,
+    near: Array | None = None,
+    converged: bool = True,
+) -> str:
     """What to doubt of the whole, with numbers; empty where nothing is.
 
-    `left` is what the solution leaves of each loop, `(m,)`, in standard deviations.
+    `far` and `near` are the standard deviations of all places in the whole and relative to those
+    within 20 m, `left` is what the solution leaves of each loop, `(m,)`, in standard deviations.
     """
     count, said = len(reasons), []
     if loose := sum(reason == LOOSE for reason in reasons):
@@ -208,11 +231,18 @@ def sentence(reasons: Sequence[str], far: Array, left: Array, *, converged: bool
     if apart := sum(reason == UNTIED for reason in reasons):
         said.append(f"no match ties {apart} of {count} scans to the rest")
     if vague := int((far > SURE).sum()):
-        worst = int(np.argmax(far))
-        most = f"scan {worst} by {2 * far[worst]:.1f} m"
-        said.append(f"{vague} of {count} scans may be more than {2 * SURE} m off, {most}")
+        said.append(f"{vague} of {count} scans may be more than {2 * SURE} m off, {_worst(far)}")
+        if near is not None:
+            vague = int((near > SURE).sum())
+            most = f"{vague} of {count}, {_worst(near)}" if vague else "none"
+            said.append(f"relative to those within {NEARBY:g} m {most}")
     if wide := int((left > OPEN).sum()):
         said.append(f"{wide} of {len(left)} loops stay open by over {OPEN:g} standard deviations")
     if not converged:
         said.append("the solver stopped before it came to an end")
     return "; ".join(said)
+
+
+def _worst(far: Array) -> str:
+    """The scan that is known least, by two standard deviations."""
+    return f"scan {np.argmax(far)} by {2 * far.max():.1f} m"

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from ...arrays import Array
 from ...poses.motions import between, compose
-from ..graph import Edge, Solver, information, stacked
+from ..graph import REAL, Edge, Solver, information, stacked
 from ..points import FAR, PointMap, place_clouds
 
 Members = Sequence[int] | NDArray[np.int64]
@@ -18,13 +18,14 @@ Members = Sequence[int] | NDArray[np.int64]
 class KeyFrames:
     """The scans that stand for the map, half a metre apart, with poses that loops still move."""
 
-    def __init__(self, points: Array, pose: Array) -> None:
+    def __init__(self, points: Array, pose: Array, least: Array = REAL) -> None:
         self.scan = [0]  # index in the log of each key frame
         self.points = [points]  # of each, in the frame of the robot
         self.path, self.along = [0.0], np.zeros(1)  # metres driven up to each
         self.poses = np.array([pose])
         self.edges: list[Edge] = []
         self.converged = True  # whether the last `optimize` came to an end: the poses fit best
+        self.least = least  # covariance that every match has at least
         self._solver = Solver()
         self._last: Edge | None = None  # of the edges that the solver has
 
@@ -34,7 +35,7 @@ class KeyFrames:
     def add(self, scan: int, points: Array, relative: Array, covariance: Array) -> None:
         """Append a key frame at its motion `(3,)` from the last one, with an edge between them."""
         new = len(self)
-        self.edges.append(Edge(new - 1, new, relative, information(covariance)))
+        self.edges.append(Edge(new - 1, new, relative, information(covariance, self.least)))
         path = self.path[-1] + float(np.hypot(relative[0], relative[1]))
         self.poses = np.vstack([self.poses, compose(self.poses[-1], relative)])
         self.along = np.append(self.along, path)

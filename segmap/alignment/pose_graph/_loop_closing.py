@@ -231,7 +231,7 @@ class LoopCloser:
         match = map.register(frames.points[new], start, reach=0.2)
         if not match.matched:
             return match.reason
-        return Edge(window.old, new, match.pose, information(match.covariance), True)
+        return Edge(window.old, new, match.pose, information(match.covariance, frames.least), True)
 
     def _map_around(self, window: Window) -> PointMap | None:
         """The surroundings of an old key frame, in its frame, as far as the window; some are kept.

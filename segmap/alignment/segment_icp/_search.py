@@ -2,6 +2,10 @@
 
 Segments are `(n, 2, 2)` arrays in metres; `r` describes the reference, `(n, 5)`; pairs `(p, 2)`
 hold the indices of a current segment and of a reference segment, current ones ascending.
+
+No axis of any frame has a part in it: what is tried is turns about the scan's middle, and shifts
+along its walls and across them. What differs by rounding only counts as equal, so that the answer
+moves with the frames.
 """
 
 from __future__ import annotations
@@ -15,8 +19,8 @@ from ...kernels import ACROSS, ANGULAR, APART, apart, describe, mean_line_terms
 
 Indices = NDArray[np.int64]
 
-#: Differences of costs below this, in metres, are rounding.
-ROUNDING = 1e-12
+#: Differences of costs and of places below this, in metres, are rounding.
+ROUNDING = 1e-9
 #: Directions whose sine differs by less are tried once.
 SAME_WAY = 0.02
 
@@ -78,7 +82,8 @@ def correspondences(
         x, y, dx, dy, half = a[i, 0], a[i, 1], a[i, 2], a[i, 3], a[i, 4]
         for j in range(len(reference)):
             u, v = r[j, 0] - x, r[j, 1] - y
-            if abs(dx * r[j, 3] - dy * r[j, 2]) >= sine or abs(u * dx + v * dy) >= half + r[j, 4]:
+            beside = abs(u * dx + v * dy) < half + r[j, 4] - ROUNDING
+            if not beside or abs(dx * r[j, 3] - dy * r[j, 2]) >= sine:
                 continue
             if APART * (abs(v * dx - u * dy) - (half + r[j, 4]) * sine) >= most:
                 continue
@@ -135,15 +140,26 @@ def best_turn(
 
 @compiled
 def ways(s: Array) -> Array:
-    """Unit vectors `(k, 2)` to try: along and across each direction of the segments, axes first.
+    """Unit vectors `(k, 2)` to try: along and across each direction of the segments.
 
-    The cost has its creases where a wall meets its line, so the way down leads along some wall.
+    The cost has its creases where a wall meets its line, so the way down leads along some wall. The
+    direction that most metres lie along or across comes first, since the noise of one wall turns it
+    least.
     """
     a = describe(s)
+    c = z = 0.0  # sums of the cosines and sines of four times the angles
+    for i in range(len(s)):
+        double, twice = a[i, 2] ** 2 - a[i, 3] ** 2, 2.0 * a[i, 2] * a[i, 3]
+        c += a[i, 4] * (double * double - twice * twice)
+        z += a[i, 4] * 2.0 * double * twice
+    first = np.arctan2(a[0, 3], a[0, 2])  # of the four ways of a cross the one nearest to a wall
+    turn = (np.arctan2(z, c) / 4.0 - first + np.pi / 4.0) % (np.pi / 2.0) - np.pi / 4.0
     out = np.zeros((4 * len(s) + 4, 2))
     n = 0
     for i in range(-1, len(s)):
-        x, y = (1.0, 0.0) if i < 0 else (a[i, 2], a[i, 3])
+        x, y = np.cos(first + turn), np.sin(first + turn)
+        if i >= 0:
+            x, y = a[i, 2], a[i, 3]
         new = x != 0.0 or y != 0.0
         for k in range(n):
             new = new and abs(out[k, 0] * y - out[k, 1] * x) > SAME_WAY
@@ -181,12 +197,12 @@ def best_shift(
 
 def least_cost(
     reference: Array, current: Array, angle: float, distance: float, width: float, step: float
-) -> tuple[Array, Array, Array]:
+) -> tuple[Array, Array, Indices]:
     """Turn, then shift, until neither helps; again with finer steps (A 2.5.1, step 6).
 
     New correspondences can raise the cost, so each finer search begins at the best place so far.
-    Returns the motion there, (3,) array, the current segments there, `(m, 2, 2)`, and their
-    distances from what they correspond to, `(m,)`; metres and radians.
+    Returns the motion there, (3,) array, the current segments there, `(m, 2, 2)`, and the pairs
+    that correspond; metres and radians.
     """
     r, motion, away = describe(reference), np.zeros(3), np.empty(len(current))
     pairs = correspondences(reference, r, current, angle, distance)
@@ -203,11 +219,10 @@ def least_cost(
             motion = np.array([px + x + c * u - s * v, py + y + s * u + c * v, motion[2] + turn])
             pairs = correspondences(reference, r, current, angle, distance)
             found = cost(reference, r, current, pairs, distance, away)
-            if found < least:
+            if found < least - ROUNDING:
                 least, best = found, (motion, current, pairs)
             if turn == 0.0 and x == 0.0 and y == 0.0:
                 break
         motion, current, pairs = best
         width, step = width / FINER, step / FINER
-    cost(reference, r, current, pairs, distance, away)
-    return motion, current, away
+    return best

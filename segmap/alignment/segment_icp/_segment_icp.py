@@ -13,23 +13,20 @@ from numpy.typing import ArrayLike
 
 from ... import arrays
 from ...arrays import Array, Count, Metres, Positive, Radians, Segments, at_most, below, checked
-from ...kernels import ACROSS, APART
+from ...kernels import ACROSS, APART, describe
 from ...poses import between, compose, transform
 from ...scans import Log
 from ...segments import MIN_LENGTH, length
 from ...segments import angle as angle_of
 from .._result import Match, Outcome, Trail, alignment_method, long_segments, no_match
-from ._search import least_cost
+from .._walls import constraints, wall_covariance
+from ._search import Indices, least_cost
 
 #: Segment distance (A 2.7.7) of two parallel walls one metre apart: follows from its weights.
 SIDEWAYS = ACROSS / 2 + APART
-#: Information that every match is given, so that a free direction has a finite variance, 1e6 m^2.
-NO_INFORMATION = 1e-6
 #: The search begins with this part of its widest turn and step, for a wide search finds other walls
 #: as well; it is widened to the whole where less than this share of the scan finds a partner.
 NEAR, ENOUGH = 1 / 16, 0.70
-#: Least standard deviation of a wall's position across, metres: the noise of the laser.
-SIGMA = 0.01
 #: Where a smaller share of the walls lies across a direction, it is free.
 LEAST_ACROSS = 0.02
 ONE_DIRECTION = "walls in one direction only: along them the guess was kept"
@@ -74,7 +71,8 @@ def match_segments(
     Returns
     -------
     Match
-        `free` is set where all partners run in one direction: along it the start is kept.
+        `free` is set where all partners run in one direction: along it the start is kept. The
+        covariance rests on the noise that the matched walls show.
 
     Examples
     --------
@@ -94,8 +92,8 @@ def match_segments(
         return no_match(guess, "no segments to match with")
     for part in (NEAR, 1.0):
         widest = (part * angle, part * distance / SIDEWAYS / 4)
-        motion, ended, away = least_cost(theirs, transform(guess, ours), angle, distance, *widest)
-        found = np.isfinite(away)
+        motion, ended, pairs = least_cost(theirs, transform(guess, ours), angle, distance, *widest)
+        found = np.isin(np.arange(len(ours)), pairs[:, 0])
         overlap = float(length(ours)[found].sum() / length(ours).sum())
         if overlap >= ENOUGH:
             break
@@ -104,17 +102,28 @@ def match_segments(
         return no_match(guess, f"too few segments found a partner: less than {share:.0%}", overlap)
     if np.hypot(*(pose - guess)[:2]) > distance / SIDEWAYS or abs(motion[2]) > angle:
         return no_match(guess, "farther from the start than segments correspond", overlap)
-    # Each end point of what found a partner fixes the pose across its wall to within sigma
-    sigma, laid = max(float(away[found].mean()) / SIDEWAYS, SIGMA), ended[found]
-    normal = angle_of(laid) + np.pi / 2
+    normal = angle_of(ended[found]) + np.pi / 2
     n = np.stack([np.cos(normal), np.sin(normal)], -1)
-    arm = laid - pose[:2]
-    swing = n[:, None, 1] * arm[..., 0] - n[:, None, 0] * arm[..., 1]
-    rows = np.concatenate([np.column_stack([n, swing[:, k]]) for k in (0, 1)])
-    covariance = np.linalg.inv(rows.T @ rows / sigma**2 + NO_INFORMATION * np.eye(3))
     across, ways = np.linalg.eigh(n.T @ n / len(n))
     free = None if across[0] >= LEAST_ACROSS else ways[:, 0]
-    return Match(pose, covariance, True, "", overlap, free)
+    return Match(pose, _covariance(theirs, ended, pairs, pose), True, "", overlap, free)
+
+
+def _covariance(reference: Array, current: Array, pairs: Indices, pose: Array) -> Array:
+    """Covariance `(3, 3)` of the pose (3,) at which pairs of segments lie together.
+
+    Each wall of the scan pulls alike, however long it is (A's 2.1): the short ones err most.
+    """
+    r, (i, j) = describe(reference), pairs.T
+    along = np.einsum("pkx,px->pk", current[i] - r[j, None, :2], r[j, 2:4])
+    shared = np.minimum(along.max(1), r[j, 4]) - np.maximum(along.min(1), -r[j, 4])
+    metres = np.zeros((len(reference), len(current)))
+    metres[j, i] = np.maximum(shared, 0.0)
+    partners, scan = (metres > 0).sum(0), np.nonzero(metres)[1]
+    rows = np.empty((2 * len(scan), 5))
+    constraints(reference, r, current, metres, rows)
+    rows[:, 2] -= rows[:, 1] * pose[0] - rows[:, 0] * pose[1]  # a turn is one about the robot
+    return wall_covariance(rows, np.ones(len(scan)), 1 / partners[scan])
 
 
 @alignment_method

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from ... import alignment, extraction, reduction
-from ...alignment import Alignment
+from ...alignment import Alignment, Verdict
 from ...arrays import declared
 from ...metrics import quality, reduction_rate
 from ...reduction import Reduction
@@ -89,11 +89,15 @@ class Recipe:
 
 @dataclass(frozen=True)
 class Outcome:
-    """What followed from a recipe: the map after the filter, and for each method what it left."""
+    """What followed from a recipe: the map after the filter, the verdict on it, and what is left.
+
+    Each method has a reduction and a quality.
+    """
 
     recipe: Recipe
     alignment: Alignment
     map: SegmentMap
+    verdict: Verdict
     reductions: list[Reduction]
     qualities: list[float]
 
@@ -122,6 +126,8 @@ class Outcome:
             "extraction": recipe.extract.name,
             "extract_thresholds": recipe.extract.words(),
             "filtered": recipe.least,
+            "verdict": self.verdict.grade,
+            "placed": self.verdict.placed,
             "n_before": len(self.map),
         }
         return [
@@ -154,7 +160,7 @@ def follow(recipe: Recipe, log: Log, before: Outcome | None, tell: Tell) -> Outc
         found = recipe.align.run(log)
     how = recipe.extract, recipe.least
     if before is not None and (before.recipe.extract, before.recipe.least) == how:
-        map = before.map
+        map, verdict = before.map, before.verdict
     else:
         before = None
         tell(f"extracting segments by {recipe.extract.name}")
@@ -162,16 +168,18 @@ def follow(recipe: Recipe, log: Log, before: Outcome | None, tell: Tell) -> Outc
         map = extraction.build_map(
             log, found.trusted, extract=extract, keep_points=True, **thresholds
         )
+        verdict = found.verdict_on(map)
         map = map.filtered(recipe.least) if recipe.least else map
         if not len(map):
-            raise ValueError("no segment is left: loosen the extraction or the filter")
+            raise ValueError(f"{verdict}; no segment is left: loosen the extraction or the filter")
     reductions = []
     for call in recipe.methods():
         known = before.found() if before is not None else []
         done = [reduced for was, reduced, _ in known if was == call]
         reductions.append(done[0] if done else _reduced(call, map, tell))
     tell("measuring quality")
-    return Outcome(recipe, found, map, reductions, [quality(map, each) for each in reductions])
+    kept = [quality(map, each) for each in reductions]
+    return Outcome(recipe, found, map, verdict, reductions, kept)
 
 
 def _reduced(call: Call, map: SegmentMap, tell: Tell) -> Reduction:

@@ -10,6 +10,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from ..._display import facts
+from ...alignment import Verdict
 from ...metrics import grade_quality, grade_reduction, reduction_rate
 from ...plotting import DPI, MAP, RAW, RESULT, draw_segments, figure_png, map_axes, method_style
 from ...scans import Log
@@ -18,6 +19,8 @@ from ._recipe import Outcome
 
 #: Pixels of the static picture, and of the plane of quality and reduction.
 WIDTH, HEIGHT, SIDE = 648, 320, 260
+#: Colours of the verdicts, which colour-blind eyes tell apart too.
+COLORS = {"good": "#009e73", "doubtful": "#e69f00", "not a map": "#d55e00"}
 #: So many runs are listed.
 LATEST = 8
 CELL = 'style="padding: 1px 7px; text-align: left; white-space: nowrap"'
@@ -38,9 +41,15 @@ def titles(outcome: Outcome) -> list[str]:
     return [f"before: {len(outcome.map)} segments", *after]
 
 
+def verdict_line(verdict: Verdict) -> str:
+    """The verdict on the map in its words, beside a stripe in the colour of its grade, as HTML."""
+    stripe = f"border-left: 12px solid {COLORS[verdict.grade]}; padding: 3px 9px"
+    return f'<div style="{stripe}"><b>{html.escape(verdict.words)}</b></div>'
+
+
 def figures_table(outcome: Outcome) -> str:
     """Reduction, quality, A's words for both, and seconds, of each method, as HTML."""
-    head = ["method", "segments", "reduction", "quality", "seconds"]
+    head = ["method", "segments", "reduction", "quality of the reduction", "seconds"]
     rows = []
     for call, reduced, kept in outcome.found():
         rate = reduction_rate(outcome.map, reduced)

@@ -28,8 +28,8 @@ if TYPE_CHECKING:
 
 COLUMNS = (
     *("map", "alignment", "align_thresholds", "align_seconds", "extraction"),
-    *("extract_thresholds", "filtered", "method", "thresholds", "n_before", "n_after"),
-    *("reduction", "quality", "seconds"),
+    *("extract_thresholds", "filtered", "verdict", "placed", "method", "thresholds"),
+    *("n_before", "n_after", "reduction", "quality", "seconds"),
 )
 #: What `exports.write_segments` writes.
 FORMATS = (".csv", ".npz", ".svg", ".geojson", ".wkt", ".dxf")
@@ -51,8 +51,9 @@ class Workbench:
     bundled, path, upload : controls
     outcome : Outcome or None
         Alignment, map and reductions of the last good run.
-    about, state, chosen : labels
-        What the log is; what happens, or why it does not; what is pointed at.
+    about, state, verdict, chosen : labels
+        What the log is; what happens, or why it does not; whether the map is one; what is pointed
+        at.
 
     Examples
     --------
@@ -145,6 +146,7 @@ class Workbench:
             self.canvas.show(outcome.map.segments, segments, titles)
         else:
             self.picture.value = _shown.still(outcome)
+        self.verdict.value = _shown.verdict_line(outcome.verdict)
         self.figures.value = _shown.figures_table(outcome)
         self.plane.value = _shown.plane(self._rows)
         self.listed.value = _shown.runs_table(self._rows)
@@ -216,7 +218,8 @@ class Workbench:
         self.stop.on_click(self._stop)
         self.progress: Any = W.IntProgress(max=5, layout=W.Layout(width="120px"))
         self.state, self.chosen = W.HTML(), W.Label()
-        self.figures, self.plane, self.listed, self.listing = (W.HTML() for _ in range(4))
+        self.verdict, self.figures, self.plane = (W.HTML() for _ in range(3))
+        self.listed, self.listing = W.HTML(), W.HTML()
         try:
             from ._canvas import Canvas
         except ImportError:  # anywidget is not installed: a picture instead
@@ -242,7 +245,7 @@ class Workbench:
         )
         tabs = W.Tab(list(steps.values()), titles=list(steps))
         files = [] if self.canvas is None else [self.files]
-        parts = [tabs, run, seen, self.chosen, self.figures, *files, kept]
+        parts = [tabs, run, self.verdict, seen, self.chosen, self.figures, *files, kept]
         return W.VBox(parts, layout=W.Layout(width="100%", max_width="1200px"))
 
     def _repr_mimebundle_(self, include: Any = None, exclude: Any = None) -> dict[str, Any]:

@@ -22,12 +22,13 @@ the robot's. A RLASER whose stated angle looks forward is read as that much off 
 **What is truth.** The laser poses of FLASER and RLASER lines are corrected ones, unless every one
 of them is where the odometry puts the laser. Then the file does not tell, and the rule is: a log
 whose laser lines carry the fields of time, with no line of a recorder in the file (ODOM, PARAM,
-...), went through a mapper, which writes its poses twice (Freiburg 079); any other log is raw and
-has no truth. GMapping leaves NEFF, WEIGHT and ENTROPY lines, and writes its poses twice into a
-laser line, FLASER or ROBOTLASER: they are truth. It writes them into the ODOM lines too, and then
-there is no odometry; where the poses of most scans are in no ODOM line, these are the raw odometry.
-Other lines that are a word in capital letters and at most one field are left out and counted, as
-`skipped`. For ROBOTLASERn lines of other logs see `extrinsic_by_poses`.
+...), went through a mapper, which writes its poses twice (Freiburg 079): they are truth, and there
+is no odometry. Any other log is raw and has no truth. GMapping leaves NEFF, WEIGHT and ENTROPY
+lines, and writes its poses twice into a laser line, FLASER or ROBOTLASER: they are truth. It writes
+them into the ODOM lines too, and then there is no odometry; where the poses of most scans are in no
+ODOM line, these are the raw odometry. Other lines that are a word in capital letters and at most
+one field are left out and counted, as `skipped`. For ROBOTLASERn lines of other logs see
+`extrinsic_by_poses`.
 """
 
 from __future__ import annotations
@@ -110,6 +111,8 @@ class Carmen(TextFormat):
 
     def _finished(self) -> list[RawScan]:
         """The scans; those of a mapper with the odometry of ODOM lines, where that is raw."""
+        if self._repeats():
+            return [scan._replace(odometry=NOWHERE) for scan in self.scans]
         if not self.mapped:
             return super()._finished()
         raw = [scan._replace(odometry=NOWHERE) for scan in self.scans]
@@ -117,13 +120,25 @@ class Carmen(TextFormat):
         repeated = 2 * sum(_rounded(scan.pose) in noted for scan in self.scans) > len(raw)
         return raw if repeated else with_odometry(raw, self.track)
 
+    def _corrected(self, scans: Sequence[RawScan]) -> bool:
+        """Whether the poses of laser lines went through a mapper, by the rule above."""
+        return self.mapped or (all(s.time is not None for s in scans) and not self.recorded)
+
+    def _repeats(self) -> bool:
+        """Whether a mapper, not GMapping, wrote its poses into the fields of the odometry too."""
+        old = bool(self.scans) and all(scan.laser in OLD for scan in self.scans)
+        if not old or self.mapped or not self._corrected(self.scans):
+            return False
+        poses = np.array([scan.pose for scan in self.scans])
+        odometry = np.array([scan.odometry for scan in self.scans])
+        return bool(np.isfinite(poses).all()) and same_poses(poses, odometry)
+
     def _extrinsic(self, laser: str, scans: Sequence[RawScan]) -> Extrinsic:
         """Place of a laser and truth, by the rule above."""
         offset = self._offset(laser)
         if laser in NEW:
             return extrinsic_by_poses(scans, offset)
-        corrected = self.mapped or (all(s.time is not None for s in scans) and not self.recorded)
-        if not corrected:
+        if not self._corrected(scans):
             poses = np.array([scan.pose for scan in scans])
             odometry = np.array([scan.odometry for scan in scans])
             if any(same_poses(poses, at) for at in (compose(odometry, offset), odometry)):

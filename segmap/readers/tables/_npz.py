@@ -4,8 +4,10 @@
 
 `ranges` is `(k, n)`, or `(n,)` for one scan; `angles` `(n,)`, or `(k, n)` where they differ from
 scan to scan. `odometry` and `truth`, `(k, 3)`, and `times`, `(k,)`, may be left out: scans are
-numbered then. Metres, radians counter-clockwise, seconds. A range that is not finite or not
-positive is no measurement. Other arrays are left out; nothing is unpickled.
+numbered then. So may `max_range`, one number or `(k,)`, the `sensor_pose` on the robot, `(3,)` or
+`(k, 3)`, and the sensor's `codes`, `(k, n)`. Metres, radians counter-clockwise, seconds. A range
+that is not finite or not positive is no measurement. Other arrays are left out; nothing is
+unpickled.
 """
 
 from __future__ import annotations
@@ -18,6 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ... import arrays
+from ...arrays import Array
 from ...files import read_arrays
 from ...scans import LaserScan, Log
 from .._lines import LATEST, LogError
@@ -57,9 +60,8 @@ def _log(name: str, held: Mapping[str, NDArray[Any]]) -> Log:
     ranges = np.atleast_2d(arrays.numbers(held["ranges"], "ranges"))
     if ranges.ndim != 2 or not len(ranges):
         raise ValueError(f"ranges must have shape (k, n), got {ranges.shape}")
-    angles, shape, count = arrays.numbers(held["angles"], "angles"), ranges.shape, len(ranges)
-    if angles.shape not in (shape, shape[1:]):
-        raise ValueError(f"angles must have shape {shape[1:]} or {shape}, got {angles.shape}")
+    shape, count = ranges.shape, len(ranges)
+    angles = _each(held, "angles", np.empty(0), *shape)
     times = np.atleast_1d(arrays.numbers(held.get("times", np.arange(float(count))), "times"))
     if times.shape != (count,) or not (np.abs(times) <= LATEST).all():
         raise ValueError(f"times must be ({count},) finite seconds, got shape {times.shape}")
@@ -69,8 +71,20 @@ def _log(name: str, held: Mapping[str, NDArray[Any]]) -> Log:
         else np.full((count, 3), np.nan)
         for kind in ("odometry", "truth")
     )
-    scans = [
-        LaserScan(np.where(r > 0, r, np.nan), a, t, known(o))
-        for r, a, t, o in zip(ranges, np.broadcast_to(angles, shape), times, odometry, strict=True)
-    ]
+    places = _each(held, "sensor_pose", np.zeros(3), count, 3)
+    most = _each(held, "max_range", np.array(np.inf), count)
+    codes = _each(held, "codes", np.empty(0), *shape) if "codes" in held else [None] * count
+    beams = np.where(ranges > 0, ranges, np.nan), angles
+    rows = zip(*beams, times, odometry, most, places, codes, strict=True)
+    scans = [LaserScan(r, a, t, known(o), m, p, c) for r, a, t, o, m, p, c in rows]
     return Log(name, scans, known_truth(truth))
+
+
+def _each(
+    held: Mapping[str, NDArray[Any]], name: str, default: Array, count: int, *row: int
+) -> Array:
+    """An array that stands once for all scans, of shape `row`, or once for each of `count`."""
+    found = arrays.numbers(held.get(name, default), name)
+    if found.shape not in (row, (count, *row)):
+        raise ValueError(f"{name} must have shape {row} or {(count, *row)}, got {found.shape}")
+    return np.broadcast_to(found, (count, *row))

@@ -44,9 +44,9 @@ def least_cost(
     clusters merges first, each new segment is drawn where it costs least, until every further merge
     costs more than `penalty`.
 
-    So `quality(map, result) >= exp(-penalty * (n - m) / n / 0.05)` for n segments before and m
-    after. Every segment lies within twice the distance of the line of its output, and inside its
-    span.
+    So `quality(map, result) >= exp(-penalty * (n - m) / n / 0.05)` for n segments with a length
+    before and m after. Every segment lies within twice the distance of the line of its output, and
+    inside its span.
 
     Parameters
     ----------

@@ -26,7 +26,7 @@ def uncertain_parameters(
     distance: Metres = 0.10,
     angle: Turn = np.pi / 18,
     eps: Metres = 0.01,
-    origin: Literal["map"] | None = None,
+    origin: Literal["map", "pair"] = "pair",
 ) -> Reduction:
     """Fuse each new segment with all of the map that it may be a look at (A 2.7.8).
 
@@ -52,7 +52,7 @@ def uncertain_parameters(
         For a map without points. With points it is the largest distance of one from its segment.
     origin
         A takes rho about the origin of the map. Theta and rho have different weights, so 50 m away
-        the fused line can miss both walls by 0.2 m. None takes it about the mean of the middles,
+        the fused line can miss both walls by 0.2 m. "pair" takes it about the mean of the middles,
         weighted by length.
 
     Returns
@@ -92,7 +92,7 @@ def uncertain_parameters(
         )
         walls = np.empty(n, np.int64)
         for first_row, stop in rows.scans():
-            _add(state, s, sigma, first_row, stop, distance, angle, origin is None, walls)
+            _add(state, s, sigma, first_row, stop, distance, angle, origin == "pair", walls)
             yield int(state.counts[1])
         alive, into = survivors(state.into[: state.counts[0]])
         return state.s[: len(into)][alive], into[walls]

@@ -72,5 +72,5 @@ def test_the_points_behind_a_segment_say_how_well_it_is_known():
 
 
 def test_another_origin_is_refused():
-    with pytest.raises(ValueError, match="origin must be one of 'map', got 'here'"):
+    with pytest.raises(ValueError, match="origin must be one of 'map', 'pair', got 'here'"):
         uncertain_parameters(PAIR, origin="here")

@@ -48,7 +48,7 @@ def overlap(u: Segment, v: Segment) -> bool:
     return gap_along(u, v, at) <= SAME
 
 
-def fused(walls: Sequence[UncertainWall], origin: str | None) -> UncertainWall:
+def fused(walls: Sequence[UncertainWall], origin: str) -> UncertainWall:
     """One wall for all: weighted means of theta, and of rho about a point near all of them."""
     lengths = [segment_length(wall.ends) for wall in walls]
     shares = [length / sum(lengths) for length in lengths]
@@ -89,7 +89,7 @@ def uncertain_parameters(
     distance: float = 0.10,
     angle: float = math.pi / 18,
     eps: float = 0.01,
-    origin: str | None = None,
+    origin: str = "pair",
 ) -> Found:
     """Each new segment becomes one with all segments of the map that it may be a look at."""
     walls: list[UncertainWall] = []
