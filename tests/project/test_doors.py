@@ -32,8 +32,10 @@ ROOMS = [
     "panels", "testing", "hokuyo", "hokuyo.emulator",
 ]  # fmt: skip
 #: What the library makes itself and hands out: nobody else has to call these.
-MADE = {"AgainstWalls", "Alignment", "Graph", "LogError", "Match", "Methods", "Reduction", "take_points", "Tree",
-        "Verdict", "Port", "SensorError", "SensorGone", "UnknownFormat"}  # fmt: skip
+MADE = {
+    *("AgainstWalls", "Alignment", "Graph", "LogError", "Match", "Methods", "Port", "Reduction"),
+    *("SensorError", "SensorGone", "Tree", "UnknownFormat", "Verdict", "take_points"),
+}
 #: What drawings and panels are made of: these take what a drawing or a panel has checked.
 PARTS = {"axes_grid", "axes_or_new", "axes_row", "group_colors", "map_axes", "method_style",
          "square_corners", "Panel", "control", "player", "slider", "text"}  # fmt: skip
