@@ -167,22 +167,21 @@ def _nearest_match(
 ) -> int:
     """The nearest wall whose line agrees with that of i; ties: lowest index; -1 for none."""
     lines, best, least = state.lines, -1, distance
-    for k in range(2):
-        for m in range(meeting(state.places, new[i, k : k + 1], distance, state.near)):
-            b = state.near[m]
-            if pair or abs(abs(lines[b, 0]) - abs(rho)) < distance:
-                turns = round((lines[b, 1] - theta) / np.pi)
-                sign = 1.0 if turns % 2 == 0 else -1.0
-                apart = lines[b, 0] - sign * rho
-                if pair:  # rho of both about a point between them
-                    x, y = _between(state.s[b], new[i])
-                    apart -= x * (np.cos(lines[b, 1]) - sign * np.cos(theta))
-                    apart -= y * (np.sin(lines[b, 1]) - sign * np.sin(theta))
-                if abs(apart) < distance and abs(lines[b, 1] - theta - turns * np.pi) < angle:
-                    near = _nearness(new, i, state.s, b)
-                    tie = abs(near - least) <= SAME and best >= 0
-                    if b < best if tie else near < least:
-                        best, least = b, near
+    for m in range(meeting(state.places, new[i], distance, state.near)):
+        b = state.near[m]
+        if pair or abs(abs(lines[b, 0]) - abs(rho)) < distance:
+            turns = round((lines[b, 1] - theta) / np.pi)
+            sign = 1.0 if turns % 2 == 0 else -1.0
+            apart = lines[b, 0] - sign * rho
+            if pair:  # rho of both about a point between them
+                x, y = _between(state.s[b], new[i])
+                apart -= x * (np.cos(lines[b, 1]) - sign * np.cos(theta))
+                apart -= y * (np.sin(lines[b, 1]) - sign * np.sin(theta))
+            if abs(apart) < distance and abs(lines[b, 1] - theta - turns * np.pi) < angle:
+                near = _nearness(new, i, state.s, b)
+                tie = abs(near - least) <= SAME and best >= 0
+                if b < best if tie else near < least:
+                    best, least = b, near
     return best
 
 
