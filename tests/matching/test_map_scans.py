@@ -109,6 +109,7 @@ def test_a_scan_without_a_return_is_not_found_and_the_first_begins_the_map():
     blind = LaserScan([np.inf, np.nan, 9.0], [0.0, 0.1, 0.2], max_range=6.0)
     steps = list(map_scans([*room_log(2), blind]))
     assert [step.found for step in steps] == [True, True, False]
+    assert all(0 < step.seconds < 60 for step in steps)
     assert steps[0].overlap == 1 and steps[2].overlap == 0
     with_graph = list(map_scans([*room_log(2), blind], graph=True))
     assert [step.found for step in with_graph] == [True, True, False]
