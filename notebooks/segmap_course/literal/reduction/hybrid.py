@@ -46,8 +46,21 @@ def nearness(a: Segment, b: Segment) -> float:
     return min(found)
 
 
+def between(a: Segment, b: Segment) -> tuple[float, float]:
+    """Mean of the middles of two segments, weighted by their lengths."""
+    share = segment_length(b) / (segment_length(a) + segment_length(b))
+    x, y = ((1 - share) * (p + q) / 2 for p, q in zip(*a, strict=True))
+    u, v = (share * (p + q) / 2 for p, q in zip(*b, strict=True))
+    return x + u, y + v
+
+
+def rho_about(x: float, y: float, rho: float, theta: float) -> float:
+    """Distance of a point from a line, where the origin is at rho."""
+    return rho - x * math.cos(theta) - y * math.sin(theta)
+
+
 def absorbing_wall(
-    walls: list[Wall], a: Segment, distance: float, angle: float
+    walls: list[Wall], a: Segment, distance: float, angle: float, origin: str
 ) -> tuple[int, float, float] | None:
     """The nearest wall whose line agrees, and the line of a by the name nearest to its; or None."""
     rho, theta = hough(a)
@@ -56,16 +69,21 @@ def absorbing_wall(
         turns = round((wall.theta - theta) / math.pi)
         r, t = rho if turns % 2 == 0 else -rho, theta + turns * math.pi
         near = nearness(a, wall.ends)
-        if near < distance and abs(wall.rho - r) < distance and abs(wall.theta - t) < angle:
+        x, y = between(wall.ends, a) if origin == "pair" else (0.0, 0.0)
+        apart = rho_about(x, y, wall.rho, wall.theta) - rho_about(x, y, r, t)
+        if near < distance and abs(apart) < distance and abs(wall.theta - t) < angle:
             found.append((near, k, r, t))
     least = min(found)[0] if found else 0.0
     return next((entry[1:] for entry in found if entry[0] <= least + SAME), None)
 
 
-def absorb(wall: Wall, a: Segment, rho: float, theta: float) -> None:
+def absorb(wall: Wall, a: Segment, rho: float, theta: float, origin: str) -> None:
     """The line becomes the mean of all that the wall stands for; it spans all four end points."""
-    wall.rho = (wall.count * wall.rho + rho) / (wall.count + 1)
+    x, y = between(wall.ends, a) if origin == "pair" else (0.0, 0.0)
+    old, new = rho_about(x, y, wall.rho, wall.theta), rho_about(x, y, rho, theta)
+    mean = (wall.count * old + new) / (wall.count + 1)
     wall.theta = (wall.count * wall.theta + theta) / (wall.count + 1)
+    wall.rho = rho_about(-x, -y, mean, wall.theta)
     wall.count += 1
     c, s = math.cos(wall.theta), math.sin(wall.theta)
     wall.ends = extreme_projections((*wall.ends, *a), (wall.rho * c, wall.rho * s, -s, c))
@@ -77,14 +95,15 @@ def take_scan(
     segments: Sequence[Segment],
     new: list[int],
     thresholds: tuple[float, float, float],
+    origin: str,
 ) -> None:
     """Each new segment goes into a wall of the map, joins the map, or is dropped as too short."""
     distance, angle, min_length = thresholds
     for i in new:
-        found = absorbing_wall(walls, segments[i], distance, angle)
+        found = absorbing_wall(walls, segments[i], distance, angle, origin)
         if found is not None:
             parents[i] = found[0]
-            absorb(walls[found[0]], segments[i], *found[1:])
+            absorb(walls[found[0]], segments[i], *found[1:], origin)
         elif segment_length(segments[i]) >= min_length:
             parents[i] = len(walls)
             walls.append(Wall(segments[i], *hough(segments[i])))
@@ -97,12 +116,13 @@ def hybrid(
     distance: float = 0.20,
     angle: float = math.pi / 18,
     min_length: float = 0.10,
+    origin: str = "map",
 ) -> Found:
     """Scan after scan into the map."""
     walls: list[Wall] = []
     parents = [-1] * len(segments)
     for new in by_scan(segments, scans):
-        take_scan(walls, parents, segments, new, (distance, angle, min_length))
+        take_scan(walls, parents, segments, new, (distance, angle, min_length), origin)
     return [wall.ends for wall in walls], parents
 
 
@@ -113,6 +133,7 @@ def hybrid_fusion(
     distance: float = 0.20,
     angle: float = math.pi / 18,
     min_length: float = 0.10,
+    origin: str = "map",
     tolerance: float = 0.04,
     every: int = 50,
 ) -> Found:
@@ -121,7 +142,7 @@ def hybrid_fusion(
     parents = [-1] * len(segments)
     used = by_scan(segments, scans)
     for done, new in enumerate(used, 1):
-        take_scan(walls, parents, segments, new, (distance, angle, min_length))
+        take_scan(walls, parents, segments, new, (distance, angle, min_length), origin)
         if done % every == 0 or done == len(used):
             fused, into = fusion([wall.ends for wall in walls], tolerance=tolerance)
             counts = [0] * len(fused)
