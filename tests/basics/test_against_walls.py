@@ -68,8 +68,20 @@ def test_a_bridge_over_a_door_is_invented():
 
 
 def test_what_is_there_twice_is_doubled():
+    """And three times once more, but the stretch is one."""
     found = against_walls(ROOM, [*ROOM, [(1, 0), (2.5, 0.05)]])
     assert found.doubled.sum() == pytest.approx(1.5, abs=0.01) and found.per_wall == 1.25
+    more = against_walls(ROOM, [*ROOM, [(1, 0), (2.5, 0)], [(2, 0), (3, 0)]])
+    assert more.doubled.sum() == pytest.approx(2.5)
+    np.testing.assert_allclose(more.twice, [[(1, 0), (3, 0)]], atol=1e-9)
+
+
+def test_what_is_missed_lies_on_its_wall():
+    """Catches stretches of what nobody saw, and one stretch in the place of two."""
+    seen = [[(0.5, 0.03), (3.5, 0.03)]]
+    found = against_walls(ROOM, [[(1, 0.02), (1.5, 0.02)], [(2, -0.02), (4, -0.02)]], seen=seen)
+    np.testing.assert_allclose(found.lost, [[(0.5, 0), (1, 0)], [(1.5, 0), (2, 0)]], atol=1e-9)
+    assert found.missed == pytest.approx(1.0) and not len(found.twice)
 
 
 def test_what_nobody_saw_is_not_missed():
