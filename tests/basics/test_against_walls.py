@@ -58,6 +58,15 @@ def test_one_line_between_two_walls_belongs_to_the_nearer():
     assert found.per_wall == 0.5 and found.found == 0.5 and found.offset == pytest.approx(0.04)
 
 
+def test_a_line_in_the_middle_of_two_walls_belongs_to_the_first():
+    """However the building lies: catches rounding that chooses."""
+    walls, line = [[(0, 0), (3, 0)], [(0, 0.10), (3, 0.10)]], [[(0, 0.05), (3, 0.05)]]
+    for turn in np.linspace(0, 6, 25):
+        to = (7.0, -2.0, turn)
+        found = against_walls(transform(to, walls), transform(to, line))
+        np.testing.assert_array_equal(found.owner, [0])
+
+
 def test_a_bridge_over_a_door_is_invented():
     """Of 7 m of wall, a door of 1 m: 14.3 %."""
     walls = [[(0, 0), (3, 0)], [(4, 0), (8, 0)]]
