@@ -243,7 +243,7 @@ def judge(
 
 
 def table(group: str) -> pd.DataFrame:
-    """The maps of a group that are good, and with the thresholds that are best for the first one."""
+    """The maps of a group that are good, also with the thresholds that are best for the first."""
     frame, chosen = load_walls(group), good_maps(load_walls("tuned"))["thresholds"]
     tuned = frame[frame["thresholds"] == frame["method"].map(chosen)]
     return good_maps(frame).assign(as_tuned=good_maps(tuned)["all"])
