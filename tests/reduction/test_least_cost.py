@@ -5,10 +5,15 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from reduction_maps import MAPS, malaga
+from segmap_course.literal.metrics import nearness
+from segmap_course.literal.reduction import least_cost as plain
 
 from segmap.metrics import quality
 from segmap.reduction import least_cost, reduce_to
-from segmap.reduction.least_cost._least_cost import crosses
+from segmap.reduction._runner import rows_of
+from segmap.reduction.least_cost._exchange import exchanged
+from segmap.reduction.least_cost._fit_kernels import Limits
+from segmap.reduction.least_cost._least_cost import crosses, merged
 from segmap.segments import length
 
 
@@ -52,18 +57,33 @@ def test_segments_cross_where_both_ends_lie_on_other_sides(place):
 
 @given(st.integers(0, 10_000), st.sampled_from([0.02, 0.05]))
 @settings(max_examples=20)
-def test_every_segment_lies_in_the_strip_and_the_span_of_its_output(seed, distance):
-    """Catches an output that was drawn before its last member came, and a limit left out."""
+def test_every_segment_meets_its_output_and_no_other_costs_it_less(seed, distance):
+    """Catches parents of the first phase, an output that moved after its members were counted."""
     map = MAPS[seed % 4](np.random.default_rng(seed))
     found = least_cost(map, penalty=0.2, distance=distance)
-    held = found.parents >= 0
-    out = found.segments[found.parents[held]]
-    direction = (out[:, 1] - out[:, 0]) / length(out)[:, None]
-    from_start = map[held] - out[:, :1]
-    along = np.einsum("ikj,ij->ik", from_start, direction)
-    across = np.einsum("ikj,ij->ik", from_start[..., ::-1] * (1, -1), direction)
-    assert np.abs(across).max() <= 2 * distance + 1e-9
-    assert along.min() >= -1e-9 and (along <= length(out)[:, None] + 1e-9).all()
+    limits = (0.3 * max(0.25, 0.2 / distance / 40), 0.0, distance, np.sin(np.radians(5)), 0.0)
+    for s, parent in zip(map, found.parents, strict=True):
+        if parent >= 0:
+            costs = [plain.charge(s, line, limits) for line in found.segments]
+            assert nearness(s, found.segments[parent]) <= 2 * distance * (1 + 2e-9)
+            assert costs[parent] <= min(costs) + 1e-9
+
+
+@given(st.integers(0, 10_000), st.sampled_from([0.01, 0.05, 0.3]))
+@settings(max_examples=20)
+def test_the_second_phase_only_lowers_the_sum(seed, penalty):
+    """Catches an exchange that is kept although it costs more, and a sum that is not undone."""
+    map = MAPS[seed % 4](np.random.default_rng(seed))
+    rows, sine = rows_of(map)[0], float(np.sin(np.radians(5)))
+    limits = Limits(penalty, 0.25, 0.25, 0.05, sine, 0.05)
+
+    def summed(outputs):
+        plain_limits = (0.3 * 0.25, 0.25, 0.05, sine, 0.05)
+        costs = [[plain.charge(s, line, plain_limits) for line in outputs] for s in rows.segments]
+        return np.min(costs, axis=1).sum() + penalty * len(outputs)
+
+    first = merged(rows, limits)[0]
+    assert summed(exchanged(rows, first, limits)[0]) <= summed(first) + 1e-9
 
 
 @pytest.mark.parametrize(

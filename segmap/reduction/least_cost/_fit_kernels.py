@@ -22,12 +22,15 @@ from ...kernels import (
     lay,
     mean_line_terms,
     order_by_first,
+    span,
 )
 
 Indices = NDArray[np.int64]
+#: A place and an angle: metres, radians.
+Pose = tuple[float, float, float]
 #: A merge is looked at whose first estimate is up to so many penalties: estimates are too high.
 WIDE = 3.0
-#: A member may lie so many times the distance off the line, or the merge is refused.
+#: A member may lie so many times the distance off the line, or the line is refused.
 HARD = 2.0
 #: Rounds in which a line is turned and shifted; each halves what it tried where nothing helped.
 STEPS = 6
@@ -36,26 +39,63 @@ EQUAL = 1e-12
 
 
 class Limits(NamedTuple):
-    """Thresholds of `least_cost`: metres, a sine, and the price of a metre missed or invented."""
+    """Thresholds of `least_cost`: metres, a sine, and prices of a metre missed or invented."""
 
     penalty: float
-    price: float
+    missed: float
+    invented: float
     distance: float
     sine: float
     gap: float
 
 
 class Room(NamedTuple):
-    """The members of the two clusters that are being fitted, side by side, and room to work in."""
+    """The inputs for which a segment is drawn, side by side, and room to work in."""
 
     who: Indices  # (n,) index of the input
     order: Indices  # (n,) spans by where they begin
     ends: Array  # (n, 4) its end points
     about: Array  # (n, 5) its middle, direction and half length
+    caps: Array  # (n,) what each costs elsewhere: it is charged no more
     spans: Array  # (n, 2) projections of those that are kept
     line: Array  # (2, 2) the segment that was drawn last
     frame: Array  # (5,) its middle, direction and half length
     sums: Array  # (6,) weight, centre and scatter of both clusters
+
+
+def empty_room(n: int) -> Room:
+    """Room for n inputs, which cost any price elsewhere."""
+    shapes = (n, 4), (n, 5), n, (n, 2), (2, 2), 5, 6
+    room = Room(*np.empty((2, n), np.int64), *(np.empty(shape) for shape in shapes))
+    room.caps[:] = np.inf
+    return room
+
+
+def sums_of(d: Array) -> Array:
+    """Weight, centre and scatter xx, xy, yy of segments that are described, `(n, 6)`."""
+    whole, (x, y) = 2 * d[:, 4], d[:, 2:4].T
+    scatter = (whole**3 / 12 * p for p in (x * x, x * y, y * y))
+    return np.column_stack([whole, d[:, :2], *scatter])
+
+
+@compiled
+def rounded(cost: float) -> float:
+    """Costs that are equal but for rounding become the same number."""
+    return np.floor(cost / EQUAL + 0.5) * EQUAL
+
+
+@compiled
+def keep(nearest: Array, who: Indices, i: int, j: int, value: float) -> None:
+    """Put a neighbour into the list of the nearest of i, where it is among them (ties: lower)."""
+    at = who.shape[1]
+    while at > 0 and (
+        value < nearest[i, at - 1] or (value == nearest[i, at - 1] and j < who[i, at - 1])
+    ):
+        at -= 1
+        if at + 1 < who.shape[1]:
+            nearest[i, at + 1], who[i, at + 1] = nearest[i, at], who[i, at]
+    if at < who.shape[1]:
+        nearest[i, at], who[i, at] = value, j
 
 
 @compiled
@@ -88,6 +128,34 @@ def _distance_inside(ends: Array, about: Array, line: Array, frame: Array, near:
 
 
 @compiled
+def charge(s: Array, d: Array, line: Array, about: Array, limits: Limits) -> float:
+    """What an input, (2, 2), costs if it goes to a segment, described by (5,); `inf`: too far off.
+
+    Its distance, and the price of the metres that are not beside the segment.
+    """
+    near = apart(s, line)
+    if near > HARD * limits.distance * (1.0 + 1e-9):
+        return np.inf
+    angular, most = mean_line_terms(s, line, d, about)
+    off, low, high = against(s, about)
+    lost = 1.0
+    if off <= limits.distance and abs(d[2] * about[3] - d[3] * about[2]) <= limits.sine:
+        lost -= max(min(high, about[4]) - max(low, -about[4]), 0.0) / (high - low)
+    lost *= limits.missed * 2.0 * d[4]
+    return ANGULAR * angular + ACROSS * most + APART * near + lost
+
+
+@compiled
+def against(s: Array, about: Array) -> tuple[float, float, float]:
+    """How far an input's ends lie off a line, (5,), at most; low and high projection from its
+    middle."""
+    x, y, dx, dy = about[0], about[1], about[2], about[3]
+    low, high = span(s, x, y, dx, dy)
+    one = abs((s[0, 0] - x) * dy - (s[0, 1] - y) * dx)
+    return max(one, abs((s[1, 0] - x) * dy - (s[1, 1] - y) * dx)), low, high
+
+
+@compiled
 def _spread(room: Room, count: int, x: float, y: float, dx: float, dy: float) -> float:
     """Draw the segment on a line that spans all members; its length, metres."""
     low, high = np.inf, -np.inf
@@ -102,19 +170,20 @@ def _spread(room: Room, count: int, x: float, y: float, dx: float, dy: float) ->
 
 @compiled
 def _line_cost(
-    s: Array, room: Room, count: int, limits: Limits, pose: tuple[float, float, float], most: float
+    s: Array, room: Room, count: tuple[int, int], limits: Limits, pose: Pose, most: float
 ) -> float:
     """Cost of the segment through (x, y) at an angle that spans all members; `inf` from `most` on.
 
-    The segment stays in `room.line`.
+    Members are the first `count[0]`; those behind them, up to `count[1]`, may go to it, too. The
+    segment stays in `room.line`.
     """
     dx, dy = np.cos(pose[2]), np.sin(pose[2])
-    whole = _spread(room, count, pose[0], pose[1], dx, dy)
+    whole = _spread(room, count[0], pose[0], pose[1], dx, dy)
     if whole < 1e-9:
         return np.inf
     x, y = room.line[0, 0], room.line[0, 1]
     total, kept, covered = 0.0, 0, False
-    for k in range(count):
+    for k in range(count[0]):
         px, py = room.ends[k, 0] - x, room.ends[k, 1] - y
         qx, qy = room.ends[k, 2] - x, room.ends[k, 3] - y
         one, other = px * dy - py * dx, qx * dy - qy * dx
@@ -126,21 +195,25 @@ def _line_cost(
         slant = room.about[k, 2] * dx + room.about[k, 3] * dy
         inside = one * other >= 0.0 or (low >= near and whole - high >= near)
         if inside and abs(slant) >= 0.1:
-            total += _distance_inside(room.ends[k], room.about[k], room.line, room.frame, near)
+            cost = _distance_inside(room.ends[k], room.about[k], room.line, room.frame, near)
         else:
             i = room.who[k]
-            total += distance_between(s[i], room.line, room.about[k], room.frame)
+            cost = distance_between(s[i], room.line, room.about[k], room.frame)
         if (
             off > limits.distance
             or abs(dx * room.about[k, 3] - dy * room.about[k, 2]) > limits.sine
         ):
-            total += limits.price * 2.0 * room.about[k, 4]
+            cost += limits.missed * 2.0 * room.about[k, 4]
         elif not covered:
             room.spans[kept, 0], room.spans[kept, 1] = low, high
             covered = low <= limits.gap and high >= whole - limits.gap
             kept += 1
+        total += min(cost, room.caps[k])
         if total >= most:
             return np.inf
+    for k in range(count[0], count[1]):
+        cost = charge(s[room.who[k]], room.about[k], room.line, room.frame, limits)
+        total += min(cost, room.caps[k])
     if not covered:  # metres in longer gaps between the spans of those that are kept
         order_by_first(room.order[:kept], room.spans)
         reached, metres = 0.0, 0.0
@@ -148,28 +221,30 @@ def _line_cost(
             begin = room.spans[room.order[k], 0] if k < kept else whole
             metres += begin - reached if begin - reached > limits.gap or kept == 0 else 0.0
             reached = max(reached, room.spans[room.order[k], 1]) if k < kept else whole
-        total += limits.price * metres
+        total += limits.invented * metres
     return total if total < most else np.inf
 
 
 @compiled
-def fit(s: Array, room: Room, count: int, limits: Limits, longer: Array, most: float) -> float:
+def fit(
+    s: Array, room: Room, count: tuple[int, int], limits: Limits, guess: Array, most: float
+) -> float:
     """Leave the segment of least cost for the members in `room.line`; its cost, `inf`: too dear.
 
-    From the line of total least squares, `room.sums`, or that of the longer cluster's segment,
-    whichever costs less, to the best of four moves, or of half of each, again and again.
+    From the line of total least squares, `room.sums`, or that of a guess, whichever costs less, to
+    the best of four moves, or of half of each, again and again.
     """
     x, y = room.sums[1], room.sums[2]
     theta = np.arctan2(2.0 * room.sums[4], room.sums[3] - room.sums[5]) / 2.0
     best = _line_cost(s, room, count, limits, (x, y, theta), most)
-    mx, my = (longer[0, 0] + longer[1, 0]) / 2.0, (longer[0, 1] + longer[1, 1]) / 2.0
-    along = np.arctan2(longer[1, 1] - longer[0, 1], longer[1, 0] - longer[0, 0])
+    mx, my = (guess[0, 0] + guess[1, 0]) / 2.0, (guess[0, 1] + guess[1, 1]) / 2.0
+    along = np.arctan2(guess[1, 1] - guess[0, 1], guess[1, 0] - guess[0, 0])
     found = _line_cost(s, room, count, limits, (mx, my, along), min(best - EQUAL, most))
     if found < best:
         best, x, y, theta = found, mx, my, along
     if best == np.inf:
         return np.inf
-    whole = _spread(room, count, x, y, np.cos(theta), np.sin(theta))
+    whole = _spread(room, count[0], x, y, np.cos(theta), np.sin(theta))
     shift, offset = 0.2 * limits.distance, 0.0
     turn = min(0.1, 4.0 * shift / max(whole, 2.0 * shift))
     for _ in range(STEPS):
@@ -186,5 +261,5 @@ def fit(s: Array, room: Room, count: int, limits: Limits, longer: Array, most: f
         if move < 0:
             turn, shift = turn / 2.0, shift / 2.0
     at = (x - offset * np.sin(theta), y + offset * np.cos(theta), theta)
-    _spread(room, count, at[0], at[1], np.cos(theta), np.sin(theta))
+    _spread(room, count[0], at[0], at[1], np.cos(theta), np.sin(theta))
     return best

@@ -1,0 +1,304 @@
+"""The second phase of least cost: each input is charged to its nearest output, as by quality.
+
+Clusters that merged are not for good here: lines are drawn anew, close, and give way to others.
+"""
+
+from __future__ import annotations
+
+import heapq
+from typing import NamedTuple
+
+import numpy as np
+
+from ...arrays import Array
+from ...compiled import compiled
+from ...kernels import describe, describe_one, join_sums, lay
+from ...segments import MIN_LENGTH, length
+from .._index import LEVEL, Index, empty_index, enter, leave, meeting
+from .._runner import Found, Indices, Rows, by_lowest
+from ._fit_kernels import (
+    EQUAL,
+    HARD,
+    Limits,
+    Room,
+    against,
+    charge,
+    empty_room,
+    fit,
+    keep,
+    rounded,
+    sums_of,
+)
+
+#: A metre that is missed costs this share of what it costs in the first phase.
+SHARE_MISSED = 0.3
+#: Rounds at most, and the share of the sum by which one must lower it for another to follow.
+ROUNDS, FALL = 6, 1e-4
+#: What lowers the sum by less than this share of the penalty changes nothing.
+LEAST = 1e-6
+
+
+class State(NamedTuple):
+    """Inputs and the outputs that they may go to; m at first, and a number that is free."""
+
+    s: Array  # (n, 2, 2) inputs
+    d: Array  # (n, 5) middle, direction and half length of each
+    sums: Array  # (n, 6) weight, centre and scatter
+    line: Array  # (m + 1, 2, 2) outputs
+    about: Array  # (m + 1, 5)
+    who: Indices  # (n, 2) nearest output, and the next, -1 for none
+    cost: Array  # (n, 2) what each input costs there, inf for none
+    total: Array  # (1,) sum of the least costs and of the penalties
+    inputs: Index
+    outputs: Index
+    met: Indices  # (n + 2,) and four more: room for what an index finds
+    near: Indices
+    members: Indices
+    around: Indices
+    beside: Indices
+    offer: Array  # (n,) what each costs at a line that is tried, inf elsewhere
+    seen: Indices  # (m + 1,) whether an output stands beside that line
+
+
+def exchanged(rows: Rows, drawn: Array, limits: Limits) -> Found:
+    """Outputs, and the nearest of each segment; their sum is not above that of the first phase."""
+    s, n, m = rows.segments, len(rows.segments), len(drawn)
+    line, d = np.concatenate([drawn, np.zeros((1, 2, 2))]), describe(s)
+    reach = 2 * HARD * limits.distance
+    state = State(
+        s=s,
+        d=d,
+        sums=sums_of(d),
+        line=line,
+        about=describe(line),
+        who=np.full((n, 2), -1),
+        cost=np.full((n, 2), np.inf),
+        total=np.zeros(1),
+        inputs=empty_index(n, max(reach, length(s).mean() if n else 0.0)),
+        outputs=empty_index(m + 1, max(reach, length(drawn).mean() if n else 0.0)),
+        met=np.empty(n + 2, np.int64),
+        near=np.empty(n + 2, np.int64),
+        members=np.empty(n + 2, np.int64),
+        around=np.empty(n + 2, np.int64),
+        beside=np.empty(n + 2, np.int64),
+        offer=np.full(n, np.inf),
+        seen=np.zeros(m + 1, np.int64),
+    )
+    longest = np.argsort(-np.round(length(s), 9), kind="stable")
+    limits = limits._replace(missed=SHARE_MISSED * limits.missed)
+    _improve(state, empty_room(n), longest, limits)
+    alive = state.outputs.link[:, LEVEL] >= 0
+    into = (np.cumsum(alive) - 1)[state.who[:, 0]]
+    order, into = by_lowest(into, np.arange(n), int(alive.sum()))
+    return line[alive][order], into
+
+
+# ------------------------------------------------------------------ who goes where
+@compiled
+def _assign(state: State, i: int, limits: Limits) -> None:
+    """Find the two cheapest outputs of an input anew."""
+    cost, who, reach = state.cost, state.who, HARD * limits.distance
+    state.total[0] -= cost[i, 0] if who[i, 0] >= 0 else 0.0
+    for k in range(2):
+        cost[i, k], who[i, k] = np.inf, -1
+    for k in range(meeting(state.outputs, state.s[i], reach, state.met)):
+        f = state.met[k]
+        value = charge(state.s[i], state.d[i], state.line[f], state.about[f], limits)
+        keep(cost, who, i, f, rounded(value))
+    state.total[0] += cost[i, 0]
+
+
+@compiled
+def _assign_near(state: State, f: int, limits: Limits) -> None:
+    """The same for all inputs near an output that has come or gone."""
+    for k in range(meeting(state.inputs, state.line[f], HARD * limits.distance, state.around)):
+        _assign(state, state.around[k], limits)
+
+
+@compiled
+def _open(state: State, f: int, limits: Limits) -> None:
+    """Let inputs go to an output that is drawn already."""
+    enter(state.outputs, f, state.line[f], 0.0)
+    state.total[0] += limits.penalty
+    _assign_near(state, f, limits)
+
+
+@compiled
+def _close(state: State, f: int, limits: Limits) -> None:
+    """Send the members of an output elsewhere."""
+    leave(state.outputs, f)
+    state.total[0] -= limits.penalty
+    _assign_near(state, f, limits)
+
+
+@compiled
+def _loss(state: State, f: int, limits: Limits) -> float:
+    """What the members of an output lose by going elsewhere, to the line that is tried too."""
+    cost, offer, total = state.cost, state.offer, 0.0
+    for k in range(meeting(state.inputs, state.line[f], HARD * limits.distance, state.members)):
+        i = state.members[k]
+        if state.who[i, 0] == f:
+            total += min(cost[i, 1], offer[i]) - min(cost[i, 0], offer[i])
+    return rounded(total)
+
+
+# ------------------------------------------------------------------ the three steps
+@compiled
+def _refit(state: State, room: Room, f: int, free: int, limits: Limits) -> int:
+    """Draw an output anew for its members, as the free one; the number that is free then.
+
+    Members whose ends lie too far off its line, or behind a gap, do not count where it is drawn.
+    """
+    about, count, core, before = state.about[f], 0, 0, 0.0
+    for k in range(meeting(state.inputs, state.line[f], HARD * limits.distance, state.members)):
+        i = state.members[k]
+        if state.who[i, 0] == f:
+            off, low, high = against(state.s[i], about)
+            aside = max(low, -high) - about[4] > limits.gap or off > HARD * limits.distance
+            room.who[count], room.caps[count] = i, state.cost[i, 1]
+            if not aside:
+                room.who[count], room.who[core] = room.who[core], i
+                room.caps[count], room.caps[core] = room.caps[core], room.caps[count]
+                core += 1
+            count, before = count + 1, before + state.cost[i, 0]
+    if core == 0:
+        return free
+    for k in range(count):
+        i = room.who[k]
+        for j in range(4):
+            room.ends[k, j] = state.s[i, j // 2, j % 2]
+        for j in range(5):
+            room.about[k, j] = state.d[i, j]
+        if k == 0:
+            for j in range(6):
+                room.sums[j] = state.sums[i, j]
+        elif k < core:
+            join_sums(room.sums, state.sums[i], room.sums)
+    most = before - LEAST * limits.penalty
+    if fit(state.s, room, (core, count), limits, state.line[f], most) == np.inf:
+        return free
+    _copy(state, room.line, free)
+    _open(state, free, limits)
+    _close(state, f, limits)
+    return f
+
+
+@compiled
+def _copy(state: State, line: Array, f: int) -> None:
+    """Let a line be output f."""
+    for k in range(4):
+        state.line[f, k // 2, k % 2] = line[k // 2, k % 2]
+    describe_one(state.line[f], state.about[f])
+
+
+@compiled
+def _close_all(state: State, limits: Limits) -> None:
+    """Close outputs, the cheapest first, until every one would lose more than the penalty."""
+    heap = [(0.0, 0)]  # the compiler learns what an entry is
+    heap.pop()
+    for f in range(len(state.line)):
+        if state.outputs.link[f, LEVEL] >= 0:
+            heapq.heappush(heap, (_loss(state, f, limits), f))
+    while len(heap):
+        key, f = heapq.heappop(heap)
+        loss = _loss(state, f, limits)
+        if loss > key + EQUAL:  # losses only rise while others close
+            heapq.heappush(heap, (loss, f))
+        elif loss < limits.penalty:
+            _close(state, f, limits)
+
+
+@compiled
+def _exchange(state: State, h: int, limits: Limits) -> int:
+    """Open output h, and close those that lose less than the penalty then; the number that is free.
+
+    That is h again where the sum does not fall.
+    """
+    cost, offer, beside, penalty = state.cost, state.offer, state.beside, limits.penalty
+    count = meeting(state.inputs, state.line[h], HARD * limits.distance, state.near)
+    gain, others = -penalty, 0
+    for k in range(count):
+        i = state.near[k]
+        offer[i] = charge(state.s[i], state.d[i], state.line[h], state.about[h], limits)
+        gain += max(cost[i, 0] - offer[i], 0.0)
+    for k in range(count):
+        f = state.who[state.near[k], 0]
+        if offer[state.near[k]] < np.inf and not state.seen[f]:
+            beside[others], state.seen[f], others = f, 1, others + 1
+            gain += max(penalty - _loss(state, f, limits), 0.0)
+    for k in range(count):
+        offer[state.near[k]] = np.inf
+    for k in range(others):
+        state.seen[beside[k]] = 0
+    if gain <= LEAST * penalty:
+        return h
+    before, closed = state.total[0], 0
+    _open(state, h, limits)
+    while closed < others:
+        best, least = closed, np.inf
+        for k in range(closed, others):
+            loss = _loss(state, beside[k], limits)
+            if loss < least or (loss == least and beside[k] < beside[best]):
+                best, least = k, loss
+        if least >= penalty:
+            break
+        beside[closed], beside[best] = beside[best], beside[closed]
+        _close(state, beside[closed], limits)
+        closed += 1
+    if closed > 0 and state.total[0] < before - LEAST * penalty:
+        return beside[0]
+    for k in range(closed):
+        _open(state, beside[k], limits)
+    _close(state, h, limits)
+    return h
+
+
+@compiled
+def _draw_out(state: State, i: int, h: int, limits: Limits) -> bool:
+    """Draw output h along input i, over those beside it that would rather go there than elsewhere.
+
+    Whether it is longer than the input.
+    """
+    line, about = state.s[i], state.d[i]
+    low, high = -about[4], about[4]
+    for k in range(meeting(state.inputs, line, limits.distance, state.near)):
+        j = state.near[k]
+        off, start, end = against(state.s[j], about)
+        turned = abs(state.d[j, 2] * about[3] - state.d[j, 3] * about[2]) > limits.sine
+        aside = off > limits.distance or turned or max(start, -end) - about[4] > limits.gap
+        if not aside and charge(state.s[j], state.d[j], line, about, limits) < state.cost[j, 1]:
+            low, high = min(low, start), max(high, end)
+    lay(state.line[h], about[0], about[1], about[2], about[3], low, high)
+    describe_one(state.line[h], state.about[h])
+    return high - low > 2.0 * about[4] + MIN_LENGTH
+
+
+@compiled
+def _improve(state: State, room: Room, longest: Indices, limits: Limits) -> None:
+    """Refit, close and exchange until a round lowers the sum by next to nothing."""
+    free = len(state.line) - 1
+    for i in range(len(state.s)):
+        enter(state.inputs, i, state.s[i], 0.0)
+    for f in range(free):
+        enter(state.outputs, f, state.line[f], 0.0)
+    state.total[0] = free * limits.penalty
+    for i in range(len(state.s)):
+        _assign(state, i, limits)
+    for _ in range(ROUNDS):
+        before = state.total[0]
+        heap = [(0.0, 0)]
+        heap.pop()
+        for f in range(len(state.line)):
+            if state.outputs.link[f, LEVEL] >= 0:
+                heapq.heappush(heap, (-rounded(state.about[f, 4]), f))
+        while len(heap):
+            free = _refit(state, room, heapq.heappop(heap)[1], free, limits)
+        _close_all(state, limits)
+        for k in range(len(longest)):
+            i, last = longest[k], free
+            _copy(state, state.s[i], free)
+            free = _exchange(state, free, limits)
+            if free == last and _draw_out(state, i, free, limits):
+                free = _exchange(state, free, limits)
+        if state.total[0] >= before * (1.0 - FALL):
+            break
