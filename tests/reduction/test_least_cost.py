@@ -61,7 +61,7 @@ def test_every_segment_meets_its_output_and_no_other_costs_it_less(seed, distanc
     """Catches parents of the first phase, an output that moved after its members were counted."""
     map = MAPS[seed % 4](np.random.default_rng(seed))
     found = least_cost(map, penalty=0.2, distance=distance)
-    limits = (0.3 * max(0.25, 0.2 / distance / 40), 0.0, distance, np.sin(np.radians(5)), 0.0)
+    limits = (max(0.075, 0.2 / distance / 40), 0.0, distance, np.sin(np.radians(5)), 0.0)
     for s, parent in zip(map, found.parents, strict=True):
         if parent >= 0:
             costs = [plain.charge(s, line, limits) for line in found.segments]
@@ -78,7 +78,7 @@ def test_the_second_phase_only_lowers_the_sum(seed, penalty):
     limits = Limits(penalty, 0.25, 0.25, 0.05, sine, 0.05)
 
     def summed(outputs):
-        plain_limits = (0.3 * 0.25, 0.25, 0.05, sine, 0.05)
+        plain_limits = (max(0.075, penalty / 2), 0.25, 0.05, sine, 0.05)
         costs = [[plain.charge(s, line, plain_limits) for line in outputs] for s in rows.segments]
         return np.min(costs, axis=1).sum() + penalty * len(outputs)
 
@@ -112,6 +112,22 @@ def test_a_higher_penalty_leaves_fewer_segments():
     map = malaga()[np.arange(600)]
     left = [len(least_cost(map, penalty=p)) for p in (0.0001, 0.01, 0.05, 0.2, 1.0)]
     assert left == sorted(left, reverse=True) and left[0] > 2 * left[-1]
+
+
+def test_a_quality_that_is_asked_for_is_met_by_about_as_few_segments_as_any_penalty_leaves():
+    """Catches a map that jumps with the penalty: bisection would end far from what was asked."""
+    map = malaga()[np.arange(600)]
+    penalties = np.geomspace(0.003, 1.0, 25)
+    runs = [
+        (quality(map, found), len(found))
+        for found in (least_cost(map, penalty=p) for p in penalties)
+    ]
+    kept, left = np.array(runs).T
+    assert np.diff(kept).max() < 1e-3 and np.diff(left).max() <= 1
+    for wanted in (0.95, 0.9, 0.85, 0.8, 0.75):
+        found = reduce_to(map, quality=wanted)
+        assert wanted <= quality(map, found) < wanted + 0.01
+        assert len(found) <= left[kept >= wanted].min() * 1.02
 
 
 def test_the_order_of_the_segments_changes_ties_only():

@@ -30,8 +30,10 @@ from ._fit_kernels import (
     sums_of,
 )
 
-#: A metre that is missed costs this share of what it costs in the first phase.
-SHARE_MISSED = 0.3
+#: What a metre missed costs here. Of 0.0375, 0.05, 0.075, 0.1, 0.15 and 0.25 the least at which, on
+#: three buildings with and without the filter, no more is missed or invented at qualities of 0.9,
+#: 0.85 and 0.8 than by segment similarity, the best of the others.
+MISSED = 0.075
 #: Rounds at most, and the share of the sum by which one must lower it for another to follow.
 ROUNDS, FALL = 6, 1e-4
 #: What lowers the sum by less than this share of the penalty changes nothing.
@@ -85,8 +87,8 @@ def exchanged(rows: Rows, drawn: Array, limits: Limits) -> Found:
         seen=np.zeros(m + 1, np.int64),
     )
     longest = np.argsort(-np.round(length(s), 9), kind="stable")
-    limits = limits._replace(missed=SHARE_MISSED * limits.missed)
-    _improve(state, empty_room(n), longest, limits)
+    price = max(MISSED, limits.penalty / limits.distance / 40)
+    _improve(state, empty_room(n), longest, limits._replace(missed=price))
     alive = state.outputs.link[:, LEVEL] >= 0
     into = (np.cumsum(alive) - 1)[state.who[:, 0]]
     order, into = by_lowest(into, np.arange(n), int(alive.sum()))

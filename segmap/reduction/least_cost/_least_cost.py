@@ -65,8 +65,8 @@ def least_cost(
     ----------
     penalty
         What one segment fewer may cost; useful from 0.008 to 0.3. A metre invented costs 0.25, one
-        missed 0.25 in the first phase and 0.075 in the second, and both more where the penalty is
-        above 10 times the distance.
+        missed 0.25 in the first phase and 0.075 in the second; more where the penalty is above 10
+        and 3 times the distance.
     distance, angle
         A segment whose end lies farther off the line of its output, or that is turned by more,
         counts as missed.

@@ -40,7 +40,7 @@ HARD, NEIGHBOURS, STEPS, WIDE = 2.0, 8, 6, 3.0
 #: Costs that differ by less are equal, metres: then the lower index comes first. In decimals, too.
 EQUAL, DECIMALS = 1e-12, 12
 #: Those of its second phase.
-SHARE_MISSED, ROUNDS, FALL, LEAST = 0.3, 6, 1e-4, 1e-6
+MISSED, ROUNDS, FALL, LEAST = 0.075, 6, 1e-4, 1e-6
 
 
 def least_cost(
@@ -56,7 +56,7 @@ def least_cost(
     limits = price, price, distance, math.sin(angle), gap
     long = [i for i, s in enumerate(segments) if segment_length(s) >= SAME]
     drawn = merged(segments, penalty, limits)
-    limits = SHARE_MISSED * price, price, distance, math.sin(angle), gap
+    limits = max(MISSED, penalty / distance / 40), price, distance, math.sin(angle), gap
     lines, nearest = exchanged([segments[i] for i in long], drawn, penalty, limits)
     order = sorted(set(nearest), key=nearest.index)
     groups = ([i for k, i in enumerate(long) if nearest[k] == f] for f in order)
