@@ -12,8 +12,8 @@ import numpy as np
 
 from ...arrays import Array
 from ...compiled import compiled
-from ...kernels import describe, describe_one, join_sums, lay
-from ...segments import MIN_LENGTH, length
+from ...kernels import describe, describe_one, join_sums
+from ...segments import length
 from .._index import LEVEL, Index, empty_index, enter, leave, meeting
 from .._runner import Found, Indices, Rows, by_lowest
 from ._fit_kernels import (
@@ -21,13 +21,13 @@ from ._fit_kernels import (
     HARD,
     Limits,
     Room,
-    against,
     charge,
     empty_room,
     fit,
     keep,
     rounded,
     sums_of,
+    take,
 )
 
 #: What a metre missed costs here. Of 0.0375, 0.05, 0.075, 0.1, 0.15 and 0.25 the least at which, on
@@ -53,11 +53,7 @@ class State(NamedTuple):
     total: Array  # (1,) sum of the least costs and of the penalties
     inputs: Index
     outputs: Index
-    met: Indices  # (n + 2,) and four more: room for what an index finds
-    near: Indices
-    members: Indices
-    around: Indices
-    beside: Indices
+    lists: Indices  # (5, n + 2) room for what an index finds
     offer: Array  # (n,) what each costs at a line that is tried, inf elsewhere
     seen: Indices  # (m + 1,) whether an output stands beside that line
 
@@ -78,11 +74,7 @@ def exchanged(rows: Rows, drawn: Array, limits: Limits) -> Found:
         total=np.zeros(1),
         inputs=empty_index(n, max(reach, length(s).mean() if n else 0.0)),
         outputs=empty_index(m + 1, max(reach, length(drawn).mean() if n else 0.0)),
-        met=np.empty(n + 2, np.int64),
-        near=np.empty(n + 2, np.int64),
-        members=np.empty(n + 2, np.int64),
-        around=np.empty(n + 2, np.int64),
-        beside=np.empty(n + 2, np.int64),
+        lists=np.empty((5, n + 2), np.int64),
         offer=np.full(n, np.inf),
         seen=np.zeros(m + 1, np.int64),
     )
@@ -99,46 +91,36 @@ def exchanged(rows: Rows, drawn: Array, limits: Limits) -> Found:
 @compiled
 def _assign(state: State, i: int, limits: Limits) -> None:
     """Find the two cheapest outputs of an input anew."""
-    cost, who, reach = state.cost, state.who, HARD * limits.distance
+    cost, who, near = state.cost, state.who, state.lists[0]
     state.total[0] -= cost[i, 0] if who[i, 0] >= 0 else 0.0
     for k in range(2):
         cost[i, k], who[i, k] = np.inf, -1
-    for k in range(meeting(state.outputs, state.s[i], reach, state.met)):
-        f = state.met[k]
-        value = charge(state.s[i], state.d[i], state.line[f], state.about[f], limits)
-        keep(cost, who, i, f, rounded(value))
+    for k in range(meeting(state.outputs, state.s[i], HARD * limits.distance, near)):
+        line, about = state.line[near[k]], state.about[near[k]]
+        keep(cost, who, i, near[k], rounded(charge(state.s[i], state.d[i], line, about, limits)))
     state.total[0] += cost[i, 0]
 
 
 @compiled
-def _assign_near(state: State, f: int, limits: Limits) -> None:
-    """The same for all inputs near an output that has come or gone."""
-    for k in range(meeting(state.inputs, state.line[f], HARD * limits.distance, state.around)):
-        _assign(state, state.around[k], limits)
-
-
-@compiled
-def _open(state: State, f: int, limits: Limits) -> None:
-    """Let inputs go to an output that is drawn already."""
-    enter(state.outputs, f, state.line[f], 0.0)
-    state.total[0] += limits.penalty
-    _assign_near(state, f, limits)
-
-
-@compiled
-def _close(state: State, f: int, limits: Limits) -> None:
-    """Send the members of an output elsewhere."""
-    leave(state.outputs, f)
-    state.total[0] -= limits.penalty
-    _assign_near(state, f, limits)
+def _switch(state: State, f: int, limits: Limits) -> None:
+    """Open an output that is drawn already, or close it: what is near goes where it costs least."""
+    if state.outputs.link[f, LEVEL] < 0:
+        enter(state.outputs, f, state.line[f], 0.0)
+        state.total[0] += limits.penalty
+    else:
+        leave(state.outputs, f)
+        state.total[0] -= limits.penalty
+    near = state.lists[1]
+    for k in range(meeting(state.inputs, state.line[f], HARD * limits.distance, near)):
+        _assign(state, near[k], limits)
 
 
 @compiled
 def _loss(state: State, f: int, limits: Limits) -> float:
     """What the members of an output lose by going elsewhere, to the line that is tried too."""
-    cost, offer, total = state.cost, state.offer, 0.0
-    for k in range(meeting(state.inputs, state.line[f], HARD * limits.distance, state.members)):
-        i = state.members[k]
+    cost, offer, near, total = state.cost, state.offer, state.lists[2], 0.0
+    for k in range(meeting(state.inputs, state.line[f], HARD * limits.distance, near)):
+        i = near[k]
         if state.who[i, 0] == f:
             total += min(cost[i, 1], offer[i]) - min(cost[i, 0], offer[i])
     return rounded(total)
@@ -146,51 +128,35 @@ def _loss(state: State, f: int, limits: Limits) -> float:
 
 # ------------------------------------------------------------------ the three steps
 @compiled
-def _refit(state: State, room: Room, f: int, free: int, limits: Limits) -> int:
-    """Draw an output anew for its members, as the free one; the number that is free then.
-
-    Members whose ends lie too far off its line, or behind a gap, do not count where it is drawn.
-    """
-    about, count, core, before = state.about[f], 0, 0, 0.0
-    for k in range(meeting(state.inputs, state.line[f], HARD * limits.distance, state.members)):
-        i = state.members[k]
-        if state.who[i, 0] == f:
-            off, low, high = against(state.s[i], about)
-            aside = max(low, -high) - about[4] > limits.gap or off > HARD * limits.distance
-            room.who[count], room.caps[count] = i, state.cost[i, 1]
-            if not aside:
-                room.who[count], room.who[core] = room.who[core], i
-                room.caps[count], room.caps[core] = room.caps[core], room.caps[count]
-                core += 1
-            count, before = count + 1, before + state.cost[i, 0]
-    if core == 0:
-        return free
-    for k in range(count):
-        i = room.who[k]
-        for j in range(4):
-            room.ends[k, j] = state.s[i, j // 2, j % 2]
-        for j in range(5):
-            room.about[k, j] = state.d[i, j]
-        if k == 0:
-            for j in range(6):
-                room.sums[j] = state.sums[i, j]
-        elif k < core:
-            join_sums(room.sums, state.sums[i], room.sums)
-    most = before - LEAST * limits.penalty
-    if fit(state.s, room, (core, count), limits, state.line[f], most) == np.inf:
-        return free
-    _copy(state, room.line, free)
-    _open(state, free, limits)
-    _close(state, f, limits)
-    return f
-
-
-@compiled
 def _copy(state: State, line: Array, f: int) -> None:
     """Let a line be output f."""
     for k in range(4):
         state.line[f, k // 2, k % 2] = line[k // 2, k % 2]
     describe_one(state.line[f], state.about[f])
+
+
+@compiled
+def _refit(state: State, room: Room, f: int, free: int, limits: Limits) -> int:
+    """Draw an output anew for its members, as the free one; the number that is free then."""
+    count, before, near = 0, 0.0, state.lists[2]
+    for k in range(meeting(state.inputs, state.line[f], HARD * limits.distance, near)):
+        i = near[k]
+        if state.who[i, 0] == f:
+            take(room, count, i, state.s, state.d)
+            room.caps[count] = state.cost[i, 1]
+            if count == 0:
+                for j in range(6):
+                    room.sums[j] = state.sums[i, j]
+            else:
+                join_sums(room.sums, state.sums[i], room.sums)
+            count, before = count + 1, before + state.cost[i, 0]
+    most = before - LEAST * limits.penalty
+    if count == 0 or fit(state.s, room, count, limits, state.line[f], most) == np.inf:
+        return free
+    _copy(state, room.line, free)
+    _switch(state, free, limits)
+    _switch(state, f, limits)
+    return f
 
 
 @compiled
@@ -207,7 +173,7 @@ def _close_all(state: State, limits: Limits) -> None:
         if loss > key + EQUAL:  # losses only rise while others close
             heapq.heappush(heap, (loss, f))
         elif loss < limits.penalty:
-            _close(state, f, limits)
+            _switch(state, f, limits)
 
 
 @compiled
@@ -216,26 +182,26 @@ def _exchange(state: State, h: int, limits: Limits) -> int:
 
     That is h again where the sum does not fall.
     """
-    cost, offer, beside, penalty = state.cost, state.offer, state.beside, limits.penalty
-    count = meeting(state.inputs, state.line[h], HARD * limits.distance, state.near)
-    gain, others = -penalty, 0
+    cost, offer, near, beside = state.cost, state.offer, state.lists[3], state.lists[4]
+    count = meeting(state.inputs, state.line[h], HARD * limits.distance, near)
+    penalty, gain, others = limits.penalty, -limits.penalty, 0
     for k in range(count):
-        i = state.near[k]
+        i = near[k]
         offer[i] = charge(state.s[i], state.d[i], state.line[h], state.about[h], limits)
         gain += max(cost[i, 0] - offer[i], 0.0)
     for k in range(count):
-        f = state.who[state.near[k], 0]
-        if offer[state.near[k]] < np.inf and not state.seen[f]:
+        f = state.who[near[k], 0]
+        if offer[near[k]] < np.inf and not state.seen[f]:
             beside[others], state.seen[f], others = f, 1, others + 1
             gain += max(penalty - _loss(state, f, limits), 0.0)
     for k in range(count):
-        offer[state.near[k]] = np.inf
+        offer[near[k]] = np.inf
     for k in range(others):
         state.seen[beside[k]] = 0
     if gain <= LEAST * penalty:
         return h
     before, closed = state.total[0], 0
-    _open(state, h, limits)
+    _switch(state, h, limits)
     while closed < others:
         best, least = closed, np.inf
         for k in range(closed, others):
@@ -245,34 +211,14 @@ def _exchange(state: State, h: int, limits: Limits) -> int:
         if least >= penalty:
             break
         beside[closed], beside[best] = beside[best], beside[closed]
-        _close(state, beside[closed], limits)
+        _switch(state, beside[closed], limits)
         closed += 1
     if closed > 0 and state.total[0] < before - LEAST * penalty:
         return beside[0]
     for k in range(closed):
-        _open(state, beside[k], limits)
-    _close(state, h, limits)
+        _switch(state, beside[k], limits)
+    _switch(state, h, limits)
     return h
-
-
-@compiled
-def _draw_out(state: State, i: int, h: int, limits: Limits) -> bool:
-    """Draw output h along input i, over those beside it that would rather go there than elsewhere.
-
-    Whether it is longer than the input.
-    """
-    line, about = state.s[i], state.d[i]
-    low, high = -about[4], about[4]
-    for k in range(meeting(state.inputs, line, limits.distance, state.near)):
-        j = state.near[k]
-        off, start, end = against(state.s[j], about)
-        turned = abs(state.d[j, 2] * about[3] - state.d[j, 3] * about[2]) > limits.sine
-        aside = off > limits.distance or turned or max(start, -end) - about[4] > limits.gap
-        if not aside and charge(state.s[j], state.d[j], line, about, limits) < state.cost[j, 1]:
-            low, high = min(low, start), max(high, end)
-    lay(state.line[h], about[0], about[1], about[2], about[3], low, high)
-    describe_one(state.line[h], state.about[h])
-    return high - low > 2.0 * about[4] + MIN_LENGTH
 
 
 @compiled
@@ -297,10 +243,7 @@ def _improve(state: State, room: Room, longest: Indices, limits: Limits) -> None
             free = _refit(state, room, heapq.heappop(heap)[1], free, limits)
         _close_all(state, limits)
         for k in range(len(longest)):
-            i, last = longest[k], free
-            _copy(state, state.s[i], free)
+            _copy(state, state.s[longest[k]], free)
             free = _exchange(state, free, limits)
-            if free == last and _draw_out(state, i, free, limits):
-                free = _exchange(state, free, limits)
         if state.total[0] >= before * (1.0 - FALL):
             break

@@ -26,8 +26,6 @@ from ...kernels import (
 )
 
 Indices = NDArray[np.int64]
-#: A place and an angle: metres, radians.
-Pose = tuple[float, float, float]
 #: A merge is looked at whose first estimate is up to so many penalties: estimates are too high.
 WIDE = 3.0
 #: A member may lie so many times the distance off the line, or the line is refused.
@@ -76,6 +74,16 @@ def sums_of(d: Array) -> Array:
     whole, (x, y) = 2 * d[:, 4], d[:, 2:4].T
     scatter = (whole**3 / 12 * p for p in (x * x, x * y, y * y))
     return np.column_stack([whole, d[:, :2], *scatter])
+
+
+@compiled
+def take(room: Room, k: int, i: int, s: Array, d: Array) -> None:
+    """Let input i be member k."""
+    room.who[k] = i
+    for j in range(4):
+        room.ends[k, j] = s[i, j // 2, j % 2]
+    for j in range(5):
+        room.about[k, j] = d[i, j]
 
 
 @compiled
@@ -137,22 +145,15 @@ def charge(s: Array, d: Array, line: Array, about: Array, limits: Limits) -> flo
     if near > HARD * limits.distance * (1.0 + 1e-9):
         return np.inf
     angular, most = mean_line_terms(s, line, d, about)
-    off, low, high = against(s, about)
-    lost = 1.0
-    if off <= limits.distance and abs(d[2] * about[3] - d[3] * about[2]) <= limits.sine:
-        lost -= max(min(high, about[4]) - max(low, -about[4]), 0.0) / (high - low)
-    lost *= limits.missed * 2.0 * d[4]
-    return ANGULAR * angular + ACROSS * most + APART * near + lost
-
-
-@compiled
-def against(s: Array, about: Array) -> tuple[float, float, float]:
-    """How far an input's ends lie off a line, (5,), at most; low and high projection from its
-    middle."""
     x, y, dx, dy = about[0], about[1], about[2], about[3]
-    low, high = span(s, x, y, dx, dy)
-    one = abs((s[0, 0] - x) * dy - (s[0, 1] - y) * dx)
-    return max(one, abs((s[1, 0] - x) * dy - (s[1, 1] - y) * dx)), low, high
+    off = abs((s[0, 0] - x) * dy - (s[0, 1] - y) * dx)
+    off = max(off, abs((s[1, 0] - x) * dy - (s[1, 1] - y) * dx))
+    lost = 2.0 * d[4]
+    if off <= limits.distance and abs(d[2] * dy - d[3] * dx) <= limits.sine:
+        low, high = span(s, x, y, dx, dy)
+        kept = max(min(high, about[4]) - max(low, -about[4]), 0.0)
+        lost *= 1.0 - kept / (high - low)
+    return ANGULAR * angular + ACROSS * most + APART * near + limits.missed * lost
 
 
 @compiled
@@ -170,20 +171,19 @@ def _spread(room: Room, count: int, x: float, y: float, dx: float, dy: float) ->
 
 @compiled
 def _line_cost(
-    s: Array, room: Room, count: tuple[int, int], limits: Limits, pose: Pose, most: float
+    s: Array, room: Room, count: int, limits: Limits, pose: tuple[float, float, float], most: float
 ) -> float:
     """Cost of the segment through (x, y) at an angle that spans all members; `inf` from `most` on.
 
-    Members are the first `count[0]`; those behind them, up to `count[1]`, may go to it, too. The
-    segment stays in `room.line`.
+    The segment stays in `room.line`.
     """
     dx, dy = np.cos(pose[2]), np.sin(pose[2])
-    whole = _spread(room, count[0], pose[0], pose[1], dx, dy)
+    whole = _spread(room, count, pose[0], pose[1], dx, dy)
     if whole < 1e-9:
         return np.inf
     x, y = room.line[0, 0], room.line[0, 1]
     total, kept, covered = 0.0, 0, False
-    for k in range(count[0]):
+    for k in range(count):
         px, py = room.ends[k, 0] - x, room.ends[k, 1] - y
         qx, qy = room.ends[k, 2] - x, room.ends[k, 3] - y
         one, other = px * dy - py * dx, qx * dy - qy * dx
@@ -211,9 +211,6 @@ def _line_cost(
         total += min(cost, room.caps[k])
         if total >= most:
             return np.inf
-    for k in range(count[0], count[1]):
-        cost = charge(s[room.who[k]], room.about[k], room.line, room.frame, limits)
-        total += min(cost, room.caps[k])
     if not covered:  # metres in longer gaps between the spans of those that are kept
         order_by_first(room.order[:kept], room.spans)
         reached, metres = 0.0, 0.0
@@ -226,9 +223,7 @@ def _line_cost(
 
 
 @compiled
-def fit(
-    s: Array, room: Room, count: tuple[int, int], limits: Limits, guess: Array, most: float
-) -> float:
+def fit(s: Array, room: Room, count: int, limits: Limits, guess: Array, most: float) -> float:
     """Leave the segment of least cost for the members in `room.line`; its cost, `inf`: too dear.
 
     From the line of total least squares, `room.sums`, or that of a guess, whichever costs less, to
@@ -244,7 +239,7 @@ def fit(
         best, x, y, theta = found, mx, my, along
     if best == np.inf:
         return np.inf
-    whole = _spread(room, count[0], x, y, np.cos(theta), np.sin(theta))
+    whole = _spread(room, count, x, y, np.cos(theta), np.sin(theta))
     shift, offset = 0.2 * limits.distance, 0.0
     turn = min(0.1, 4.0 * shift / max(whole, 2.0 * shift))
     for _ in range(STEPS):
@@ -261,5 +256,5 @@ def fit(
         if move < 0:
             turn, shift = turn / 2.0, shift / 2.0
     at = (x - offset * np.sin(theta), y + offset * np.cos(theta), theta)
-    _spread(room, count[0], at[0], at[1], np.cos(theta), np.sin(theta))
+    _spread(room, count, at[0], at[1], np.cos(theta), np.sin(theta))
     return best

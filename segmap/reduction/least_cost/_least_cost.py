@@ -25,6 +25,7 @@ from ._fit_kernels import (
     keep,
     rounded,
     sums_of,
+    take,
 )
 
 #: Neighbours of each input that may merge with it.
@@ -54,11 +55,11 @@ def least_cost(
     beside no output. First, clusters merge, the cheapest pair first, each new segment drawn where
     it costs least, until every further merge costs more than `penalty`. Then each segment goes to
     the output where it costs least: outputs are drawn anew for their members, close where these
-    lose less than the penalty elsewhere, and give way to a segment of the map, or to one drawn out
-    along it, while the sum of costs and penalties falls.
+    lose less than the penalty elsewhere, and give way to a segment of the map, while the sum of
+    costs and penalties falls.
 
     So `quality(map, result) >= exp(-penalty * (n - m) / n / 0.05)` for n segments with a length
-    before and m after. Every segment comes within twice the distance of its output; it may end
+    before and m after. Every segment comes within twice the distance of its output, but it may end
     farther off, and beyond its ends.
 
     Parameters
@@ -256,15 +257,11 @@ def _fit_pair(state: State, room: Room, a: int, b: int, limits: Limits) -> float
     for c in (a, b):
         i = link[c, 3]
         while i >= 0:
-            room.who[count] = i
-            for k in range(4):
-                room.ends[count, k] = state.s[i, k // 2, k % 2]
-            for k in range(5):
-                room.about[count, k] = state.d[i, k]
+            take(room, count, i, state.s, state.d)
             i, count = state.after[i], count + 1
     long = state.drawn[b if _longer(state, a, b) else a]
     fitted[a, 0], fitted[a, 1], fitted[a, 2] = b, link[a, 1], link[b, 1]
-    fits[a, 4] = fit(state.s, room, (count, count), limits, long, most)
+    fits[a, 4] = fit(state.s, room, count, limits, long, most)
     for k in range(4):
         fits[a, k] = room.line[k // 2, k % 2]
     return fits[a, 4]

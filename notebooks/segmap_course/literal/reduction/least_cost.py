@@ -16,7 +16,6 @@ from ..lines import (
     SAME,
     Point,
     Segment,
-    extreme_projections,
     line_angle,
     line_of,
     parents_of,
@@ -155,8 +154,7 @@ def fit(
     of_b: Segment,
     most: float,
     limits: Limits,
-    aside: Sequence[Segment] = (),
-    caps: Sequence[float] = (),
+    caps: Sequence[float] | None = None,
 ) -> tuple[Segment, float]:
     """Step 5: the segment of least cost for all members, and its cost; `inf` from `most` on."""
     ends = [p for s in members for p in s]
@@ -164,7 +162,7 @@ def fit(
     best, at = most, None
     middle = [(longer[0][k] + longer[1][k]) / 2 for k in (0, 1)]
     for x, y, theta in (total_least_squares(members), (*middle, line_angle(longer))):
-        found = cost_of(members, spanning(x, y, theta, ends), limits, best, aside, caps)
+        found = cost_of(members, spanning(x, y, theta, ends), limits, best, caps)
         if found < best - (EQUAL if at else 0.0):
             best, at = found, (x, y, theta)
     if at is None:
@@ -178,7 +176,7 @@ def fit(
         better = None
         for d_theta, d_offset in moves:
             line = line_at(x, y, theta + d_theta, offset + d_offset, ends)
-            found = cost_of(members, line, limits, math.inf, aside, caps)
+            found = cost_of(members, line, limits, math.inf, caps)
             if found < best - EQUAL:
                 best, better = found, (theta + d_theta, offset + d_offset)
         if better:
@@ -193,12 +191,11 @@ def cost_of(
     line: Segment,
     limits: Limits,
     most: float = math.inf,
-    aside: Sequence[Segment] = (),
-    caps: Sequence[float] = (),
+    caps: Sequence[float] | None = None,
 ) -> float:
     """Cost of one segment for its members: distances, metres missed and metres invented.
 
-    Others, aside, may go to it, too. No input costs more than its cap, what it costs elsewhere.
+    No member costs more than its cap, what it costs elsewhere.
     """
     missed, price, distance, sine, gap = limits
     x, y, dx, dy = line_of(line)
@@ -214,8 +211,7 @@ def cost_of(
         else:
             kept.append(span_on(line, s))
         costs.append(cost)
-    costs += [charge(s, line, limits) for s in aside]
-    total = sum(map(min, costs, caps)) if caps else sum(costs)
+    total = sum(map(min, costs, caps or costs))
     total += price * invented(kept, segment_length(line), gap)
     return total if total < most else math.inf
 
@@ -279,11 +275,8 @@ def exchanged(
                 free = f
         close_all(outputs, penalty)
         for i in longest:
-            last, line = free, inputs[i]
+            line = inputs[i]
             free = exchange(outputs, free, line, charges(inputs, line, limits), penalty)
-            line = drawn_out(inputs, outputs, i, limits) if free == last else line
-            if segment_length(line) > segment_length(inputs[i]) + SAME:
-                free = exchange(outputs, free, line, charges(inputs, line, limits), penalty)
         if summed(ranks(outputs), outputs, penalty) >= before * (1 - FALL):
             break
     lines = {f: line for f, (line, _) in outputs.items()}
@@ -295,19 +288,12 @@ def charge(s: Segment, line: Segment, limits: Limits) -> float:
     missed, _, distance, sine, _ = limits
     if nearness(s, line) > HARD * distance * (1 + 1e-9):
         return math.inf
-    off, turn, low, high = beside(s, line)
-    kept = 0.0
-    if off <= distance and turn <= sine:
-        kept = max(min(high, segment_length(line)) - max(low, 0.0), 0.0) / (high - low)
-    return segment_distance(s, line) + missed * segment_length(s) * (1 - kept)
-
-
-def beside(s: Segment, line: Segment) -> tuple[float, float, float, float]:
-    """How far a segment is off a line at most, sine of the angle, low and high projection."""
     seen = [seen_from(line_of(line), p) for p in s]
     (_, _, dx, dy), (_, _, ex, ey) = line_of(line), line_of(s)
-    along = sorted(a for a, _ in seen)
-    return max(abs(o) for _, o in seen), abs(dx * ey - dy * ex), along[0], along[1]
+    (low, high), lost = sorted(a for a, _ in seen), segment_length(s)
+    if max(abs(o) for _, o in seen) <= distance and abs(dx * ey - dy * ex) <= sine:
+        lost *= 1 - max(min(high, segment_length(line)) - max(low, 0.0), 0.0) / (high - low)
+    return segment_distance(s, line) + missed * lost
 
 
 def charges(inputs: Sequence[Segment], line: Segment, limits: Limits) -> list[float]:
@@ -345,25 +331,14 @@ def loss(ranked: Ranks, f: int, offer: Sequence[float] | None = None) -> float:
 def refitted(
     inputs: Sequence[Segment], outputs: Outputs, f: int, penalty: float, limits: Limits
 ) -> Segment | None:
-    """A line that costs the members of an output less; none where there is no such line.
-
-    Members whose ends lie too far off the line, or behind a gap, do not count where it is drawn.
-    """
-    _, _, distance, _, gap = limits
+    """A line that costs the members of an output less; none where there is no such line."""
     line, ranked = outputs[f][0], ranks(outputs)
-    core: list[tuple[int, float]] = []
-    aside: list[tuple[int, float]] = []
-    for i, ((_, at), (second, _)) in enumerate(ranked):
-        if at == f:
-            off, _, low, high = beside(inputs[i], line)
-            apart = max(low - segment_length(line), -high)
-            (aside if off > HARD * distance or apart > gap else core).append((i, second))
-    if not core:
+    members = [i for i, ((_, at), _) in enumerate(ranked) if at == f]
+    if not members:
         return None
-    most = sum(ranked[i][0][0] for i, _ in core + aside) - LEAST * penalty
-    near, far = ([inputs[i] for i, _ in some] for some in (core, aside))
-    caps = [second for _, second in core + aside]
-    found, cost = fit(near, line, line, most, limits, far, caps)
+    most = sum(ranked[i][0][0] for i in members) - LEAST * penalty
+    caps = [ranked[i][1][0] for i in members]
+    found, cost = fit([inputs[i] for i in members], line, line, most, limits, caps)
     return found if cost < math.inf else None
 
 
@@ -405,16 +380,3 @@ def exchange(outputs: Outputs, h: int, line: Segment, offer: list[float], penalt
         del outputs[f]
     outputs[h] = line, offer
     return closed[0]
-
-
-def drawn_out(inputs: Sequence[Segment], outputs: Outputs, i: int, limits: Limits) -> Segment:
-    """An input drawn out over those beside it that would rather go there than to their second."""
-    _, _, distance, sine, gap = limits
-    line, ranked, ends = inputs[i], ranks(outputs), list(inputs[i])
-    for j, s in enumerate(inputs):
-        off, turn, low, high = beside(s, line)
-        apart = max(low - segment_length(line), -high)
-        kept = off <= distance and turn <= sine and apart <= gap
-        if kept and charge(s, line, limits) < ranked[j][1][0]:
-            ends += s
-    return extreme_projections(ends, line_of(line))
