@@ -61,7 +61,7 @@ def test_every_segment_meets_its_output_and_no_other_costs_it_less(seed, distanc
     """Catches parents of the first phase, an output that moved after its members were counted."""
     map = MAPS[seed % 4](np.random.default_rng(seed))
     found = least_cost(map, penalty=0.2, distance=distance)
-    limits = (max(0.075, 0.2 / distance / 40), 0.0, distance, np.sin(np.radians(5)), 0.0)
+    limits = (max(0.075, 0.2 / distance / 40), distance, np.sin(np.radians(5)), 0.0)
     for s, parent in zip(map, found.parents, strict=True):
         if parent >= 0:
             costs = [plain.charge(s, line, limits) for line in found.segments]
@@ -78,7 +78,7 @@ def test_the_second_phase_only_lowers_the_sum(seed, penalty):
     limits = Limits(penalty, 0.25, 0.25, 0.05, sine, 0.05)
 
     def summed(outputs):
-        plain_limits = (max(0.075, penalty / 2), 0.25, 0.05, sine, 0.05)
+        plain_limits = (max(0.075, penalty / 2), 0.05, sine, 0.05)
         costs = [[plain.charge(s, line, plain_limits) for line in outputs] for s in rows.segments]
         return np.min(costs, axis=1).sum() + penalty * len(outputs)
 

@@ -27,8 +27,8 @@ from ..lines import (
 from ..metrics import nearness, segment_distance
 from ..points import sums_along
 
-#: Price of a metre missed, of one invented, distance, sine of the angle, and gap.
-Limits = tuple[float, float, float, float, float]
+#: Price of a metre, distance, sine of the angle, and gap.
+Limits = tuple[float, float, float, float]
 #: Number of an output -> its segment, and what each input costs there.
 Outputs = dict[int, tuple[Segment, list[float]]]
 #: Of each input what it costs at its nearest output, and that one's number; the same of the next.
@@ -52,11 +52,11 @@ def least_cost(
 ) -> tuple[list[Segment], list[int]]:
     """Reduced segments, and the index of the output that each of the inputs went into."""
     price = max(0.25, penalty / distance / 40)
-    limits = price, price, distance, math.sin(angle), gap
-    long = [i for i, s in enumerate(segments) if segment_length(s) >= SAME]
+    limits = price, distance, math.sin(angle), gap
     drawn = merged(segments, penalty, limits)
-    limits = max(MISSED, penalty / distance / 40), price, distance, math.sin(angle), gap
-    lines, nearest = exchanged([segments[i] for i in long], drawn, penalty, limits)
+    long = [i for i, s in enumerate(segments) if segment_length(s) >= SAME]
+    limits = max(MISSED, penalty / distance / 40), distance, math.sin(angle), gap
+    lines, nearest = exchanged([segments[i] for i in long], drawn, penalty, limits, price)
     order = sorted(set(nearest), key=nearest.index)
     groups = ([i for k, i in enumerate(long) if nearest[k] == f] for f in order)
     return [lines[f] for f in order], parents_of(groups, len(segments))
@@ -64,7 +64,7 @@ def least_cost(
 
 def merged(segments: Sequence[Segment], penalty: float, limits: Limits) -> list[Segment]:
     """The first phase: the segment of each cluster, once every merge costs too much."""
-    _, _, distance, _, gap = limits
+    _, distance, _, gap = limits
     members = {i: [i] for i, s in enumerate(segments) if segment_length(s) >= SAME}
     drawn = {i: segments[i] for i in members}
     cost = dict.fromkeys(members, 0.0)
@@ -155,6 +155,7 @@ def fit(
     most: float,
     limits: Limits,
     caps: Sequence[float] | None = None,
+    bridged: float | None = None,
 ) -> tuple[Segment, float]:
     """Step 5: the segment of least cost for all members, and its cost; `inf` from `most` on."""
     ends = [p for s in members for p in s]
@@ -162,13 +163,13 @@ def fit(
     best, at = most, None
     middle = [(longer[0][k] + longer[1][k]) / 2 for k in (0, 1)]
     for x, y, theta in (total_least_squares(members), (*middle, line_angle(longer))):
-        found = cost_of(members, spanning(x, y, theta, ends), limits, best, caps)
+        found = cost_of(members, spanning(x, y, theta, ends), limits, best, caps, bridged)
         if found < best - (EQUAL if at else 0.0):
             best, at = found, (x, y, theta)
     if at is None:
         return of_a, math.inf
     (x, y, theta), offset = at, 0.0
-    shift = 0.2 * limits[2]
+    shift = 0.2 * limits[1]
     whole = segment_length(line_at(x, y, theta, offset, ends))
     turn = min(0.1, 4 * shift / max(whole, 2 * shift))
     for _ in range(STEPS):
@@ -176,7 +177,7 @@ def fit(
         better = None
         for d_theta, d_offset in moves:
             line = line_at(x, y, theta + d_theta, offset + d_offset, ends)
-            found = cost_of(members, line, limits, math.inf, caps)
+            found = cost_of(members, line, limits, math.inf, caps, bridged)
             if found < best - EQUAL:
                 best, better = found, (theta + d_theta, offset + d_offset)
         if better:
@@ -192,12 +193,14 @@ def cost_of(
     limits: Limits,
     most: float = math.inf,
     caps: Sequence[float] | None = None,
+    bridged: float | None = None,
 ) -> float:
     """Cost of one segment for its members: distances, metres missed and metres invented.
 
-    No member costs more than its cap, what it costs elsewhere.
+    No member costs more than its cap, what it costs elsewhere. A metre invented costs as much as
+    one missed, or the price `bridged`.
     """
-    missed, price, distance, sine, gap = limits
+    price, distance, sine, gap = limits
     x, y, dx, dy = line_of(line)
     costs, kept = [], []
     for s in members:
@@ -207,11 +210,12 @@ def cost_of(
         cost = segment_distance(s, line)
         _, _, ex, ey = line_of(s)
         if off > distance or abs(dx * ey - dy * ex) > sine:
-            cost += missed * segment_length(s)
+            cost += price * segment_length(s)
         else:
             kept.append(span_on(line, s))
         costs.append(cost)
     total = sum(map(min, costs, caps or costs))
+    price = price if bridged is None else bridged
     total += price * invented(kept, segment_length(line), gap)
     return total if total < most else math.inf
 
@@ -258,7 +262,11 @@ def segments_apart(u: Segment, v: Segment) -> float:
 
 # ----------------------------------------------------------------------------- second phase
 def exchanged(
-    inputs: Sequence[Segment], drawn: Sequence[Segment], penalty: float, limits: Limits
+    inputs: Sequence[Segment],
+    drawn: Sequence[Segment],
+    penalty: float,
+    limits: Limits,
+    bridged: float,
 ) -> tuple[dict[int, Segment], list[int]]:
     """Outputs by their numbers, and the number of the nearest one of each input."""
     outputs = {f: (line, charges(inputs, line, limits)) for f, line in enumerate(drawn)}
@@ -268,7 +276,7 @@ def exchanged(
         before = summed(ranks(outputs), outputs, penalty)
         sizes = {f: round(segment_length(line) / 2, DECIMALS) for f, (line, _) in outputs.items()}
         for f in sorted(sizes, key=lambda f: (-sizes[f], f)):
-            line = refitted(inputs, outputs, f, penalty, limits)
+            line = refitted(inputs, outputs, f, penalty, limits, bridged)
             if line:
                 outputs[free] = line, charges(inputs, line, limits)
                 del outputs[f]
@@ -285,7 +293,7 @@ def exchanged(
 
 def charge(s: Segment, line: Segment, limits: Limits) -> float:
     """What an input costs at an output: its distance, and the metres that are not beside it."""
-    missed, _, distance, sine, _ = limits
+    price, distance, sine, _ = limits
     if nearness(s, line) > HARD * distance * (1 + 1e-9):
         return math.inf
     seen = [seen_from(line_of(line), p) for p in s]
@@ -293,7 +301,7 @@ def charge(s: Segment, line: Segment, limits: Limits) -> float:
     (low, high), lost = sorted(a for a, _ in seen), segment_length(s)
     if max(abs(o) for _, o in seen) <= distance and abs(dx * ey - dy * ex) <= sine:
         lost *= 1 - max(min(high, segment_length(line)) - max(low, 0.0), 0.0) / (high - low)
-    return segment_distance(s, line) + missed * lost
+    return segment_distance(s, line) + price * lost
 
 
 def charges(inputs: Sequence[Segment], line: Segment, limits: Limits) -> list[float]:
@@ -329,7 +337,12 @@ def loss(ranked: Ranks, f: int, offer: Sequence[float] | None = None) -> float:
 
 
 def refitted(
-    inputs: Sequence[Segment], outputs: Outputs, f: int, penalty: float, limits: Limits
+    inputs: Sequence[Segment],
+    outputs: Outputs,
+    f: int,
+    penalty: float,
+    limits: Limits,
+    bridged: float,
 ) -> Segment | None:
     """A line that costs the members of an output less; none where there is no such line."""
     line, ranked = outputs[f][0], ranks(outputs)
@@ -338,7 +351,7 @@ def refitted(
         return None
     most = sum(ranked[i][0][0] for i in members) - LEAST * penalty
     caps = [ranked[i][1][0] for i in members]
-    found, cost = fit([inputs[i] for i in members], line, line, most, limits, caps)
+    found, cost = fit([inputs[i] for i in members], line, line, most, limits, caps, bridged)
     return found if cost < math.inf else None
 
 
