@@ -37,7 +37,7 @@ from ._style import (
 
 #: A result is drawn over what it was made of; a line's own place is 2.
 ABOVE = 3
-#: Of walls that stand twice: with black, blue and red 30 apart (CIE 1976) or more, however one sees
+#: Of walls that stand twice: with black, blue and red 30 apart in CIE Lab or more, however one sees
 #: colours; with orange it would be 18.
 DOUBLE = GROUPS[6]
 #: Least end of the scale of errors, metres, so that rounding errors do not look like errors.
