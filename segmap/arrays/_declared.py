@@ -207,14 +207,17 @@ def checked(function: Callable[P, R]) -> Callable[P, R]:
 
 
 class Settings:
-    """A dataclass of settings: each field is checked as its annotation declares it.
+    """A dataclass of settings: each field is checked, and kept, as its annotation declares it.
 
     What is a plain float is positive; a tuple holds positive numbers.
     """
 
     def __post_init__(self) -> None:
         for name, said in declared(type(self)).items():
-            given = getattr(self, name)
-            for value in given if isinstance(given, tuple) else (given,):
-                plain = said.kind is tuple or (said.kind is float and said.quantity.unit is None)
-                number(value, name, above=0) if plain else said.check(value, name)
+            given, many = getattr(self, name), said.kind is tuple
+            if many or (said.kind is float and said.quantity.unit is None):
+                listed = given if isinstance(given, tuple) else (given,)
+                found = tuple(number(value, name, above=0) for value in listed)
+                object.__setattr__(self, name, found if many else found[0])
+            else:
+                object.__setattr__(self, name, said.check(given, name))

@@ -155,7 +155,10 @@ def build_map(
     if arrays.switch(keep_points, "keep_points"):
         map = _map_with_points(log, rows, known, extract, thresholds)
     else:
-        found = [transform(rows[k], extract(log[int(k)].points(), **thresholds)) for k in known]
+        seen = [log[int(k)].points() for k in known]
+        each = [arrays.called(extract, "extract", points, **thresholds) for points in seen]
+        each = [arrays.segments(part, "extract(points)") for part in each]
+        found = [transform(rows[k], part) for k, part in zip(known, each, strict=True)]
         scan = np.repeat(known, [len(segments) for segments in found])
         map = SegmentMap(np.concatenate([np.empty((0, 2, 2)), *found]), scan)
     warn_of_nothing(not len(map), log, rows, "without a segment (too few points, or too short)")

@@ -75,10 +75,10 @@ def extreme_projections(points: ArrayLike, through: ArrayLike, angle: ArrayLike)
            [3., 0.]])
     """
     xy, origin = arrays.points(points), arrays.point(through, "through")
-    arrays.number(angle, "angle", unit="radians")
+    turn = arrays.number(angle, "angle", unit="radians")
     if not len(xy):
         raise ValueError("points must hold at least one point, got none")
-    d = np.array([np.cos(angle), np.sin(angle)])
+    d = np.array([np.cos(turn), np.sin(turn)])
     u = (xy - origin) @ d
     return origin + np.array([u.min(), u.max()])[:, None] * d
 
