@@ -193,8 +193,26 @@ def read_arrays(path: Path) -> dict[str, NDArray[Any]]:
     with path.open("rb") as source:
         try:
             return _arrays(source)
-        except Exception as error:  # zipfile, zlib and numpy raise a dozen kinds for damaged bytes
+        except (OSError, ValueError, zipfile.BadZipFile) as error:
             raise ValueError(f"{path}: not a readable NPZ file ({error})") from None
+
+
+@contextmanager
+def unzipped(source: Path | IO[bytes]) -> Iterator[tuple[zipfile.ZipFile, list[zipfile.ZipInfo]]]:
+    """A zip file and the files in it.
+
+    Raises
+    ------
+    zipfile.BadZipFile
+        For damage of any kind, also while it is read here: zipfile, zlib and numpy raise a dozen.
+    """
+    try:
+        with zipfile.ZipFile(source) as packed:
+            yield packed, [m for m in packed.infolist() if not m.filename.endswith("/")]
+    except (OSError, zipfile.BadZipFile):
+        raise
+    except Exception as error:
+        raise zipfile.BadZipFile(str(error) or type(error).__name__) from error
 
 
 def _most(size: int) -> int:
@@ -207,8 +225,7 @@ def _arrays(source: IO[bytes]) -> dict[str, NDArray[Any]]:
     if source.read(2) != b"PK":
         raise ValueError("it does not begin like one")
     most = _most(os.fstat(source.fileno()).st_size)
-    with zipfile.ZipFile(source) as packed:
-        members = packed.infolist()
+    with unzipped(source) as (packed, members):
         if sum(member.file_size for member in members) > most:
             raise ValueError(f"it unpacks to more than {most} bytes")
         if any(member.compress_type not in PACKED for member in members):
