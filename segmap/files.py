@@ -32,6 +32,18 @@ PACKED = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
 HEAD = 256
 
 
+def shown(name: object) -> str:
+    """A name or a line from outside as a terminal may show it: nothing in it moves the cursor.
+
+    Examples
+    --------
+    >>> print(shown("a\\x1b[2J\\n.log"))
+    a\\x1b[2J\\n.log
+    """
+    letters = (c if c.isprintable() else ascii(c)[1:-1] for c in str(name))
+    return "".join(letters)
+
+
 def existing(path: Path) -> os.stat_result | None:
     """The regular file that a path or its link leads to; None where nothing is there yet.
 
@@ -48,7 +60,7 @@ def existing(path: Path) -> os.stat_result | None:
         return None
     if not stat.S_ISREG(found.st_mode):
         kind = "a folder" if stat.S_ISDIR(found.st_mode) else "a device or a pipe"
-        raise ValueError(f"{path} is {kind}, no regular file: name a file")
+        raise ValueError(f"{shown(path)} is {kind}, no regular file: name a file")
     return found
 
 
@@ -67,7 +79,8 @@ def replacing(path: Path, *, sync: bool = True) -> Iterator[IO[bytes]]:
     """
     old, place = existing(path), Path(os.path.realpath(path))
     if not place.parent.is_dir():
-        raise FileNotFoundError(f"cannot write {path}: the folder {place.parent} does not exist")
+        said = f"cannot write {shown(path)}: the folder {shown(place.parent)} does not exist"
+        raise FileNotFoundError(said)
     part = place.with_name(f".segmap-{os.getpid()}-{threading.get_ident()}.part")
     mode = 0o666 if old is None else 0o600
     try:
@@ -129,7 +142,7 @@ def read_table(path: Path, head: Sequence[str]) -> Iterator[tuple[list[str], str
         Naming file and line: another head, bytes that are no text, quotes that do not end.
     """
     existing(path)
-    return table_lines(path.read_bytes(), path.name, head)
+    return table_lines(path.read_bytes(), shown(path.name), head)
 
 
 def table_lines(data: bytes, name: str, head: Sequence[str]) -> Iterator[tuple[list[str], str]]:
@@ -144,7 +157,7 @@ def table_lines(data: bytes, name: str, head: Sequence[str]) -> Iterator[tuple[l
     try:
         first = next(rows, [])
         if first != list(head):
-            said = ",".join(first)[:200]
+            said = shown(",".join(first)[:200])
             raise ValueError(f"{name}, line 1: expected the head {','.join(head)}, got {said}")
         for cells in rows:
             yield cells, f"{name}, line {rows.line_num}"
@@ -175,9 +188,9 @@ def read_npz(path: Path, kind: str) -> dict[str, NDArray[Any]]:
     found = read_arrays(path)
     (name, version), said = kind.rsplit(" ", 1), str(found.pop("format", ""))
     if not said.startswith(name):
-        raise ValueError(f"{path}: not a {name.split()[1]} of segmap, holds {sorted(found)}")
+        raise ValueError(f"{shown(path)}: not a {name.split()[1]} of segmap, holds {sorted(found)}")
     if said != kind:
-        raise ValueError(f"{path}: written as {said!r}, this version reads {version}")
+        raise ValueError(f"{shown(path)}: written as {said!r}, this version reads {version}")
     return found
 
 
@@ -194,7 +207,7 @@ def read_arrays(path: Path) -> dict[str, NDArray[Any]]:
         try:
             return _arrays(source)
         except (OSError, ValueError, zipfile.BadZipFile) as error:
-            raise ValueError(f"{path}: not a readable NPZ file ({error})") from None
+            raise ValueError(f"{shown(path)}: not a readable NPZ file ({shown(error)})") from None
 
 
 @contextmanager
