@@ -8,10 +8,10 @@ from __future__ import annotations
 import csv
 import gzip
 import io
+import itertools
 import math
 import os
 import stat
-import threading
 import zipfile
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
@@ -28,6 +28,8 @@ from numpy.typing import NDArray
 UNPACKED, RATIO = 1 << 20, 50
 #: How numpy packs: other ways cannot be unpacked piece by piece.
 PACKED = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
+#: Of files that this process writes: two may be begun at the same time.
+COUNT = itertools.count()
 #: More bytes than the head of an array takes.
 HEAD = 256
 
@@ -81,7 +83,7 @@ def replacing(path: Path, *, sync: bool = True) -> Iterator[IO[bytes]]:
     if not place.parent.is_dir():
         said = f"cannot write {shown(path)}: the folder {shown(place.parent)} does not exist"
         raise FileNotFoundError(said)
-    part = place.with_name(f".segmap-{os.getpid()}-{threading.get_ident()}.part")
+    part = place.with_name(f".segmap-{os.getpid()}-{next(COUNT)}.part")
     mode = 0o666 if old is None else 0o600
     try:
         with open(part, "wb", opener=lambda name, how: os.open(name, how, mode)) as target:
