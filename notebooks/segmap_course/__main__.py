@@ -8,6 +8,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+from segmap.files import shown
+
 from .grading import Limits, class_report, grade, plan_of, read_key
 from .grading.handout import handout, write_solutions
 
@@ -26,7 +28,7 @@ def main(arguments: list[str] | None = None) -> int:
         print("stopped", file=sys.stderr)
         return 130
     except (ValueError, OSError) as error:
-        print(f"{given.command}: {error}", file=sys.stderr)
+        print(shown(f"{given.command}: {error}"), file=sys.stderr)
         return 1
 
 
@@ -68,7 +70,7 @@ def _add_options(grade: argparse.ArgumentParser) -> None:
 
 def _solutions(given: argparse.Namespace) -> None:
     count = write_solutions(given.folder, given.chapters)
-    print(f"{count} chapters with solutions in {given.folder}: for you alone")
+    print(f"{count} chapters with solutions in {shown(given.folder)}: for you alone")
 
 
 def whole(word: str) -> int:
@@ -82,9 +84,10 @@ def _handout(given: argparse.Namespace) -> None:
     key, tasks = handout(given.folder, wanted=given.chapters, seed=given.seed)
     count = len(list(given.folder.glob("*.ipynb")))
     points = sum(task.points for task in tasks)
-    print(f"{count} chapters, {len(tasks)} tasks, {points} points: give {given.folder} to students")
+    held = f"{count} chapters, {len(tasks)} tasks, {points} points"
+    print(shown(f"{held}: give {given.folder} to students"))
     hidden = "no seed: no hidden cases" if given.seed is None else "the seed of the hidden cases"
-    print(f"for you alone: {key} ({hidden}); grade with --key {key}")
+    print(shown(f"for you alone: {key} ({hidden}); grade with --key {key}"))
 
 
 def _grade(given: argparse.Namespace) -> None:
@@ -102,7 +105,8 @@ def _grade(given: argparse.Namespace) -> None:
     print(f"{len(rows)} submissions, {len(plan.tasks)} tasks, {hidden} hidden cases")
     for line in class_report(rows, plan.tasks):
         print(f"  {line}")
-    print(f"written: {given.output}, {given.output.stem}_class.txt, feedback for each in {pages}")
+    report = f"{given.output.stem}_class.txt"
+    print(shown(f"written: {given.output}, {report}, feedback for each in {pages}"))
     if any(task.by_hand for task in plan.tasks):
         print(
             "columns that are empty are graded by hand: task, rubric and answer are in the feedback"

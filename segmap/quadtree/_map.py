@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 from .. import arrays
 from .._display import Pictured
 from ..arrays import LIMIT, Array, Count, Quantity, at_most, checked
+from ..files import shown
 from . import _kernels as kernels
 from ._file import Stored, read, write
 from ._tree import LEAST, UNIT, Leaves, Tree, level_of, pairs
@@ -253,7 +254,7 @@ class QuadtreeMap(Pictured):
         try:
             map = cls(resolution=resolution, **sizes)
         except ValueError as error:
-            raise ValueError(f"{path}: damaged, {error}") from None
+            raise ValueError(f"{shown(path)}: damaged, {error}") from None
         map.scans = scans
         map.tree.restore(found)
         return map

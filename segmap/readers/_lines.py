@@ -16,7 +16,7 @@ import numpy as np
 
 from .. import arrays
 from ..arrays import LIMIT, Array
-from ..files import RATIO, UNPACKED, unzipped
+from ..files import RATIO, UNPACKED, shown, unzipped
 from ..scans import NOTHING_SKIPPED, Skipped
 
 #: No line of a log is longer, in bytes: 1000 beams with intensities take 20 000.
@@ -55,8 +55,9 @@ class LogError(ValueError):
     """
 
     def __init__(self, path: Path, reason: str, line: int | None = None) -> None:
-        place = f"{path}, line {line}" if line else f"{path}"
-        super().__init__(f"{place}: {reason}")
+        place = f"{shown(path)}, line {line}" if line else shown(path)
+        told = "\n".join(map(shown, reason.split("\n")))  # what to do takes several lines
+        super().__init__(f"{place}: {told}")
         self.path, self.line, self.reason = path, line, reason
 
     def __reduce__(self) -> tuple[type[LogError], tuple[Path, str, int | None]]:

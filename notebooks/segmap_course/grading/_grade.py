@@ -8,7 +8,7 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from segmap.files import write_bytes
+from segmap.files import shown, write_bytes
 
 from ._jail import Limits
 from ._report import Row, class_report, write_feedback, write_table
@@ -109,7 +109,8 @@ def _rows(
                 exercise = exercises[task.name]
                 found[task.name] = _one(submission, task, exercise, cases[task.name], pool)
         row = Row(submission, found)
-        tell(f"{submission.student}: {sum(o.right for o in found.values())} of {len(found)} right")
+        right = sum(o.right for o in found.values())
+        tell(shown(f"{submission.student}: {right} of {len(found)} right"))
         return row
 
     with ThreadPoolExecutor(WORKERS) as workers:
@@ -119,8 +120,8 @@ def _rows(
 def cases_of(exercise: Any, seed: int | None) -> dict[str, Any]:
     """The cases that students see, and the hidden ones of a seed."""
     hidden = {} if seed is None else exercise.fresh(seed)
-    shown = getattr(exercise, "cases", {})  # an open exercise has none
-    return {**shown, **{f"{words} (hidden case)": v for words, v in hidden.items()}}
+    seen = getattr(exercise, "cases", {})  # an open exercise has none
+    return {**seen, **{f"{words} (hidden case)": v for words, v in hidden.items()}}
 
 
 def _one(handed: Submission, task: Task, exercise: Any, cases: Any, pool: Pool) -> Outcome:

@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
-from segmap.files import table_text, write_bytes
+from segmap.files import shown, table_text, write_bytes
 
 from ._run import Outcome
 from ._submissions import Submission
@@ -91,7 +91,7 @@ def class_report(rows: Sequence[Row], tasks: Sequence[Task]) -> list[str]:
             found = [row.outcomes[task.name] for row in rows]
             lines.append(f"{task.name}: {sum(o.right for o in found)} of {len(found)} right")
             lost = Counter(_shared(o) for o in found if not o.right)
-            lines += [f"  {count} x {why}" for why, count in lost.most_common(MOST_REASONS)]
+            lines += [f"  {count} x {shown(why)}" for why, count in lost.most_common(MOST_REASONS)]
     return lines
 
 
