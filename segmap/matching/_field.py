@@ -120,11 +120,12 @@ class DistanceField:
 
     @classmethod
     def around(
-        cls, map: Map, points: ArrayLike, poses: ArrayLike, *, resolution: Metres = 0.05
+        cls, map: Map, points: ArrayLike, poses: ArrayLike, *, resolution: Metres = 0.02
     ) -> DistanceField:
         """The field that a scan needs near poses: a box about robot and ends, and half a metre.
 
-        Points and poses are those of `occupancy_score`; resolution is that of the field.
+        Points and poses are those of `occupancy_score`. The resolution, of a SegmentMap only, is
+        finer than for a whole map: a matcher moves by centimetres.
 
         Examples
         --------
