@@ -6,41 +6,21 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .. import arrays
 from ..angles import wrap
 from ..arrays import Array, Count, Share, checked
 from ..compiled import compiled
-from ..poses import transform
 from ..quadtree import QuadtreeMap
 from ..scans import LaserScan
 from ..segments import SegmentMap
-from ._field import (
-    FAR,
-    FAR_AWAY,
-    MARGIN,
-    MOST,
-    DistanceField,
-    Map,
-    either_map,
-    fits,
-    transform_cells,
-)
+from ._field import FAR, FAR_AWAY, either_map
+from ._likelihoods import TOP, Levels, Likelihoods
 from ._scores import Cells, Counts, whole
 
-Levels = NDArray[np.uint8]
-#: Standard deviation of an end of a beam about its wall, metres: noise, cells, and what moved.
-SIGMA = 0.1
-#: Share of the beams that anything may stop, in the fit of a pose.
-ANYTHING = 0.1
 #: A pose that fits worse is not believed (our choice): right ones have .94, those in a wrong
 #: building .5 to .77.
 SURE = 0.85
-#: Side of a cell of the search, metres; smaller cells of a quadtree are joined up to it.
-CELL = 0.05
-#: The first blocks of poses are 2^TOP cells a side.
-TOP = 6
 #: A pose so near to a better one is no place of its own, metres and radians.
 APART, TURNED = 0.3, 0.3
 #: The mean beam is taken to be so many cells long at least: no headings coarser than 3 degrees.
@@ -114,13 +94,14 @@ def search(
 
     Every pose on cells of 0.05 m is tried, in headings by which the mean beam moves one cell: in
     blocks, by the most that a pose of a block can score, until none is left that could change the
-    answer (Hess, Kohler, Rapp and Andor 2016). A quadtree's cells are joined up to 0.05 m, and are
+    answer (Hess et al. 2016). A quadtree's cells are joined up to 0.05 m, and are
     its own where these are larger.
 
     A score is the mean over the beams of `exp(-d^2 / 2 sigma^2)`, in 255 parts, with the distance d
     to the nearest wall and a sigma of 0.1 m. A fit is the geometric mean of nine tenths of this and
-    one tenth: it falls with each beam that nothing explains. Two buildings of one plan can not be
-    told apart by it.
+    one tenth: it falls with each beam that nothing explains. Where rooms differ in their furniture
+    alone and it has moved, one that looks as another did is found there (a tenth of those found in
+    an office with one room in six refurnished; nothing in one scan tells): see `localize`.
 
     Parameters
     ----------
@@ -153,130 +134,97 @@ def search(
     """
     either_map(map)
     points = arrays.instance(scan, "scan", LaserScan).points()
-    return Likelihoods(map).search(points, least, margin, most_places, beams, nodes)
+    return places_of(Likelihoods(map), points, least, margin, most_places, beams, nodes)
 
 
-class Likelihoods:
-    """What ends of beams are worth in each cell of a map, and the most in squares of 2, 4, 8, ...
+def places_of(
+    map: Likelihoods,
+    points: Array,
+    least: float = 0.5,
+    margin: float = 0.05,
+    most_places: int = 6,
+    beams: int = 60,
+    nodes: int | None = None,
+) -> Places:
+    """The places of points `(n, 2)`, metres: see `search`."""
+    if not len(points):
+        none = np.zeros((0, 3)), np.zeros(0), np.zeros(0), np.zeros((0, 3, 3))
+        return Places(*none, "no beam of the scan has an end", 0)
+    used = spread(np.clip(points, -FAR_AWAY, FAR_AWAY), beams)
+    scan, step = _turned(map, used)
+    full = 255 * len(used)
+    asked = int(np.ceil(least * full - 1e-9)), int(margin * full + 1e-9)
+    leaves, looked, stopped = _leaves(map, scan, *asked, nodes)
+    leaves = leaves[np.lexsort((*leaves.T[:0:-1], -leaves[:, 0]))]
+    poses = np.empty((len(leaves), 3))
+    poses[:, :2] = map.corner + (leaves[:, 2:] + 0.5) * map.size
+    poses[:, 2] = wrap(leaves[:, 1] * step)
+    chosen = distinct(poses, most_places + 1)
+    reason = stopped
+    if not stopped and not len(chosen):
+        reason = f"no pose scores {least:.6g}"
+    elif len(chosen) > 1:
+        count = f"more than {most_places}" if len(chosen) > most_places else len(chosen)
+        reason = reason or f"{count} places explain it"
+    chosen = chosen[:most_places]
+    fits = map.fits(used, poses[chosen])
+    if len(chosen) and not reason and fits[0] < SURE:
+        reason = f"the best place fits it to {fits[0]:.2f} only"
+    spreads = [_covariance(map, scan, leaves[k], step) for k in chosen]
+    scores, covariances = leaves[chosen, 0] / full, np.reshape(spreads, (-1, 3, 3))
+    return Places(poses[chosen], scores, fits, covariances, reason, looked)
 
-    Attributes
-    ----------
-    corner, size
-        Where the cells begin, (2,) array, and their side, metres.
-    levels : (l, rows, columns) array of bytes
-        From the first level on; before the first cell, and after the last, lies a border of 0.
-    """
 
-    def __init__(self, map: Map) -> None:
-        distance, self.corner, self.size = _distances(map)
-        self.shape, border = distance.shape, 1 << TOP
-        rows, columns = self.shape
-        levels = np.zeros((TOP + 1, rows + border + 1, columns + border + 1), np.uint8)
-        levels[0, border:-1, border:-1] = np.rint(255 * np.exp(-0.5 * (distance / SIGMA) ** 2))
-        for k in range(TOP):
-            step, wide = 1 << k, levels[k + 1]
-            wide[:] = levels[k]
-            np.maximum(wide[:, :-step], levels[k][:, step:], out=wide[:, :-step])
-            np.maximum(wide[:-step], wide[step:].copy(), out=wide[:-step])
-        self.levels = levels
+def _turned(map: Likelihoods, points: Array) -> tuple[Counts, float]:
+    """Cells of points at each heading, `(h, n, 2)`, for a robot in a cell's middle; the step
+    between headings, radians."""
+    farthest = np.hypot(*map.shape)
+    lengths = np.minimum(np.hypot(*points.T) / map.size, farthest)
+    count = int(np.ceil(2 * np.pi * max(lengths.mean(), SHORTEST)))
+    step = 2 * np.pi / count
+    angle = step * np.arange(count)[:, None]
+    x, y = points.T / map.size
+    c, s = np.cos(angle), np.sin(angle)
+    cells = np.stack([c * x - s * y, s * x + c * y], -1) + 0.5
+    return np.floor(np.clip(cells, -FAR, FAR)).astype(np.int32), step
 
-    def likelihood(self, places: Array) -> Array:
-        """What an end of a beam is worth at places `(..., 2)`, metres: 0 to 1."""
-        cell = (places - self.corner) / self.size + (1 << TOP)
-        most = np.array(self.levels.shape[:0:-1]) - 1
-        i, j = np.moveaxis(np.clip(cell, 0, most).astype(np.int64), -1, 0)
-        return self.levels[0, j, i] / 255
 
-    def fits(self, points: Array, poses: Array) -> Array:
-        """How well points `(n, 2)` fit at poses `(k, 3)`, metres and radians: (k,), 0 to 1."""
-        worth = self.likelihood(transform(poses, points))
-        return np.asarray(np.exp(np.log((1 - ANYTHING) * worth + ANYTHING).mean(-1)))
+def _leaves(
+    map: Likelihoods, scan: Counts, least: int, slack: int, nodes: int | None
+) -> tuple[Cells, int, str]:
+    """Poses with a sum of at least `least`, and at most `slack` below the best: sum, heading,
+    column and row; how many blocks were looked into, and why not all."""
+    rows, columns = map.shape
+    across, up = -(-columns >> TOP), -(-rows >> TOP)
+    grid = Grid(map.levels, scan, columns, rows)
+    bound = np.empty(len(scan) * across * up, np.int32)
+    bound_blocks(grid, across, up, bound)
+    order = np.flatnonzero(bound >= least)
+    order = order[np.argsort(-bound[order], kind="stable")]
+    blocks = np.stack([bound[order], *np.unravel_index(order, (len(scan), up, across))], -1)
+    state, leaves = np.array([least, 0, 0, len(bound)]), np.empty((MOST_LEAVES, 4), np.int64)
+    todo, stopped = np.empty((3 * TOP + 4, 4), np.int64), ""
+    while state[2] < len(blocks) and not stopped:
+        portion = PORTION if nodes is None else max(min(PORTION, nodes - int(state[3])), 1)
+        descend(grid, blocks, least, slack, portion, todo, state, leaves)
+        if state[1] == MOST_LEAVES:
+            stopped = f"it fits at more than {MOST_LEAVES} poses"
+        elif nodes is not None and state[3] >= nodes and state[2] < len(blocks):
+            stopped = f"the search stopped after {state[3]} blocks"
+    kept = leaves[: state[1]]
+    return kept[kept[:, 0] >= max(state[0] - slack, least)], int(state[3]), stopped
 
-    def search(
-        self,
-        points: Array,
-        least: float = 0.5,
-        margin: float = 0.05,
-        most_places: int = 6,
-        beams: int = 60,
-        nodes: int | None = None,
-    ) -> Places:
-        """The places of points `(n, 2)`, metres: see `search`."""
-        if not len(points):
-            none = np.zeros((0, 3)), np.zeros(0), np.zeros(0), np.zeros((0, 3, 3))
-            return Places(*none, "no beam of the scan has an end", 0)
-        used = spread(np.clip(points, -FAR_AWAY, FAR_AWAY), beams)
-        scan, step = self._turned(used)
-        full = 255 * len(used)
-        asked = int(np.ceil(least * full - 1e-9)), int(margin * full + 1e-9)
-        leaves, looked, stopped = self._leaves(scan, *asked, nodes)
-        leaves = leaves[np.lexsort((*leaves.T[:0:-1], -leaves[:, 0]))]
-        poses = np.empty((len(leaves), 3))
-        poses[:, :2] = self.corner + (leaves[:, 2:] + 0.5) * self.size
-        poses[:, 2] = wrap(leaves[:, 1] * step)
-        chosen = distinct(poses, most_places + 1)
-        reason = stopped
-        if not stopped and not len(chosen):
-            reason = f"no pose scores {least:.6g}"
-        elif len(chosen) > 1:
-            count = f"more than {most_places}" if len(chosen) > most_places else len(chosen)
-            reason = reason or f"{count} places explain it"
-        chosen = chosen[:most_places]
-        fits = self.fits(used, poses[chosen])
-        if len(chosen) and not reason and fits[0] < SURE:
-            reason = f"the best place fits it to {fits[0]:.2f} only"
-        spreads = [self._covariance(scan, leaves[k], step) for k in chosen]
-        scores, covariances = leaves[chosen, 0] / full, np.reshape(spreads, (-1, 3, 3))
-        return Places(poses[chosen], scores, fits, covariances, reason, looked)
 
-    def _turned(self, points: Array) -> tuple[Counts, float]:
-        """Cells of points at each heading, `(h, n, 2)`, for a robot in a cell's middle; the step
-        between headings, radians."""
-        farthest = np.hypot(*self.shape)
-        lengths = np.minimum(np.hypot(*points.T) / self.size, farthest)
-        count = int(np.ceil(2 * np.pi * max(lengths.mean(), SHORTEST)))
-        step = 2 * np.pi / count
-        angle = step * np.arange(count)[:, None]
-        x, y = points.T / self.size
-        c, s = np.cos(angle), np.sin(angle)
-        cells = np.stack([c * x - s * y, s * x + c * y], -1) + 0.5
-        return np.floor(np.clip(cells, -FAR, FAR)).astype(np.int32), step
-
-    def _leaves(
-        self, scan: Counts, least: int, slack: int, nodes: int | None
-    ) -> tuple[Cells, int, str]:
-        """Poses with a sum of at least `least`, and at most `slack` below the best: sum, heading,
-        column and row; how many blocks were looked into, and why not all."""
-        rows, columns = self.shape
-        across, up = -(-columns >> TOP), -(-rows >> TOP)
-        grid = Grid(self.levels, scan, columns, rows)
-        bound = np.empty(len(scan) * across * up, np.int32)
-        bound_blocks(grid, across, up, bound)
-        order = np.flatnonzero(bound >= least)
-        order = order[np.argsort(-bound[order], kind="stable")]
-        blocks = np.stack([bound[order], *np.unravel_index(order, (len(scan), up, across))], -1)
-        state, leaves = np.array([least, 0, 0, len(bound)]), np.empty((MOST_LEAVES, 4), np.int64)
-        todo, stopped = np.empty((3 * TOP + 4, 4), np.int64), ""
-        while state[2] < len(blocks) and not stopped:
-            portion = PORTION if nodes is None else max(min(PORTION, nodes - int(state[3])), 1)
-            descend(grid, blocks, least, slack, portion, todo, state, leaves)
-            if state[1] == MOST_LEAVES:
-                stopped = f"it fits at more than {MOST_LEAVES} poses"
-            elif nodes is not None and state[3] >= nodes and state[2] < len(blocks):
-                stopped = f"the search stopped after {state[3]} blocks"
-        kept = leaves[: state[1]]
-        return kept[kept[:, 0] >= max(state[0] - slack, least)], int(state[3]), stopped
-
-    def _covariance(self, scan: Counts, leaf: Cells, step: float) -> Array:
-        """Covariance `(3, 3)` of the pose of a leaf, metres and radians."""
-        h, i, j = (leaf[1:] + SHIFTS).T
-        cells = scan[h % len(scan)] + np.stack([i, j], -1)[:, None]
-        worth = self.likelihood(self.corner + (cells + 0.5) * self.size).sum(1)
-        weight = np.exp(worth - worth.max())
-        weight /= weight.sum()
-        away = SHIFTS[:, [1, 2, 0]] * np.array([self.size, self.size, step])
-        cell = np.diag([self.size, self.size, step]) ** 2 / 12
-        return np.asarray((away.T * weight) @ away + cell)
+def _covariance(map: Likelihoods, scan: Counts, leaf: Cells, step: float) -> Array:
+    """Covariance `(3, 3)` of the pose of a leaf, metres and radians."""
+    h, i, j = (leaf[1:] + SHIFTS).T
+    cells = scan[h % len(scan)] + np.stack([i, j], -1)[:, None]
+    worth = map.likelihood(map.corner + (cells + 0.5) * map.size).sum(1)
+    weight = np.exp(worth - worth.max())
+    weight /= weight.sum()
+    away = SHIFTS[:, [1, 2, 0]] * np.array([map.size, map.size, step])
+    cell = np.diag([map.size, map.size, step]) ** 2 / 12
+    return np.asarray((away.T * weight) @ away + cell)
 
 
 def spread(points: Array, beams: int) -> Array:
@@ -302,25 +250,6 @@ def distinct(poses: Array, most: int) -> Cells:
         near = (np.hypot(*away.T[:2]) <= APART) & (np.abs(wrap(away[:, 2])) <= TURNED)
         left = left[~near]
     return chosen
-
-
-def _distances(map: Map) -> tuple[Array, Array, float]:
-    """Distances of cells from the nearest wall `(rows, columns)`, where they begin, their side."""
-    if isinstance(map, SegmentMap):
-        field = DistanceField(map, resolution=CELL)
-        return field.distance, np.array(field.bounds[:2]), CELL
-    join = max(int(np.floor(np.log2(CELL / map.resolution) + 1e-9)), 0)
-    size, tree = float(np.ldexp(map.resolution, join)), map.tree
-    cells = tree.occupied_cells(np.array([0, 0, 1, 1]) << tree.level) + tree.corner >> join
-    edge = int(np.ceil(MARGIN / size))
-    first = cells.min(0) - edge
-    columns, rows = (cells.max(0) + edge + 1 - first).tolist()
-    fits(columns, rows)
-    grid, unit = np.full((rows, columns), FAR, np.int32), MOST // (columns + rows)
-    x, y = (cells - first).T
-    grid[y, x] = 0
-    transform_cells(grid, unit)
-    return grid * (size / unit), map.corner + first * size, size
 
 
 # ---------------------------------------------------------------------------------- loops

@@ -7,8 +7,9 @@ from segmap_course import literal
 
 from segmap.angles import wrap
 from segmap.matching import DistanceField, Places, search
+from segmap.matching import _likelihoods as likelihoods
 from segmap.matching import _search as inner
-from segmap.matching._search import Likelihoods
+from segmap.matching._likelihoods import Likelihoods
 from segmap.poses import compose, transform
 from segmap.quadtree import QuadtreeMap, build_map
 from segmap.scans import LaserScan
@@ -99,6 +100,7 @@ def test_the_size_of_the_first_blocks_changes_nothing(top, monkeypatch):
     scan = scan_of(random.uniform(-1, 1, (7, 2)))
     expected = search(map, scan, most_places=99, margin=0.1)
     monkeypatch.setattr(inner, "TOP", top)
+    monkeypatch.setattr(likelihoods, "TOP", top)
     monkeypatch.setattr(inner, "PORTION", 1)
     found = search(map, scan, most_places=99, margin=0.1)
     np.testing.assert_array_equal(found.poses, expected.poses)
@@ -145,6 +147,16 @@ def test_scans_of_an_office_are_found_or_not_believed():
             assert good or not places.found
             right, found = right + good, found + places.found
     assert right >= 28 and found >= 14  # of 36
+
+
+def test_rooms_that_differ_in_their_furniture_alone_are_mistaken():
+    """The counter-example: all furniture is another, and each wrong place fits as a right one."""
+    walls = office(rng=rng(1))
+    log = simulate(walls, drive(ROUTE, step=0.2), sensor=SICK_LMS200, rng=rng(51))
+    map, pose = build_map(log, log.truth), (1.52, 2.78, -1.79)
+    wrong = search(map, seen(office(rng=rng(1001)), pose, SICK_LMS200))
+    assert wrong.found and np.hypot(*(wrong.poses[0, :2] - pose[:2])) > 1 and wrong.fits[0] > 0.85
+    assert np.hypot(*(search(map, seen(walls, pose, SICK_LMS200)).poses[0, :2] - pose[:2])) < 0.1
 
 
 @pytest.mark.parametrize("count", [5, slow(50)])
