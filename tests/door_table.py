@@ -97,6 +97,7 @@ GOOD = {
     "beams": 9, "Sensor.first": 0.0, "step": 0.1, "max_range": 4.0, "cast_rays.angles": np.ones(3),
     "SegmentMap.sensors": PATH[:, :2], "SegmentMap.points": None, "SegmentMap.first": None,
     "count": 9, "nodes": 1000,
+    "route.start": PATH[0, :2], "route.goal": np.array([1.5, 1.4]), "radius": 0.2,
     "rate": 0.5, "readers.path": "good.log.gz", "reference": POINTS, "reference_segments": WALLS,
     "relation_errors.times": np.arange(4), "relations": np.array([[0, 1, 0.05, 0, 0, 0, 0, 0.02]]),
     "relative": np.tile((0.05, 0.0, 0.02), (3, 1)), "resolution": 0.05, "rng": rng(),

@@ -50,6 +50,7 @@ ROOMS = [
 MADE = {
     *("AgainstWalls", "Alignment", "Graph", "LogError", "Match", "Methods", "Places", "Port"),
     *("Reduction", "SensorError", "SensorGone", "Tree", "UnknownFormat", "Verdict", "take_points"),
+    *("NoRoute", "Squares"),
 }
 #: What drawings and panels are made of: these take what a drawing or a panel has checked.
 PARTS = {"axes_grid", "axes_or_new", "axes_row", "group_colors", "map_axes", "method_style",

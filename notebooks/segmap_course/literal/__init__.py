@@ -32,6 +32,7 @@ from .quadtrees.quadtree import (
     cell_of,
     crossed_cells,
     grown,
+    mean_and_variance,
     occupancy,
     quarters,
     ray_cells,
