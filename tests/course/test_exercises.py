@@ -15,7 +15,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from right_answers import RIGHT
 from segmap_course import EXERCISES, Check, Exercise, literal
-from segmap_course.exercises import Watch, maps
+from segmap_course.exercises import Watch, decode, encode, maps
 from segmap_course.exercises._answers import answered, same_line, same_poses
 from segmap_course.grading.handout._solutions import solution
 from segmap_course.literal.reduction import basic
@@ -52,8 +52,8 @@ def test_right_answers_pass_and_each_mistake_fails_with_its_own_hint(exercise):
     for cases in (exercise.cases, exercise.fresh(3)):
         assert exercise.verdict(exercise.expected(cases), cases)
         for function in right(exercise):
-            sent = json.loads(json.dumps(exercise.answers(function, cases)))
-            assert exercise.verdict(sent, cases)
+            sent = json.loads(json.dumps(encode(exercise.answers(function, cases))))
+            assert exercise.verdict(decode(sent), cases)
         for hint, mistake in exercise.mistakes.items():
             assert exercise.verdict(answered(mistake, cases), cases).hint == hint
     assert repr(exercise.fresh(3)) == repr(exercise.fresh(3)) != repr(exercise.cases)

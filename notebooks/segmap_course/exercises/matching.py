@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -11,6 +10,7 @@ import numpy as np
 from segmap.arrays import Array
 from segmap.poses import transform
 
+from .._alone import Surface
 from ..literal import MOVES, climb_step, distance_score
 from ..literal.quadtrees import matching
 from ._answers import Cases
@@ -75,21 +75,6 @@ check_scan_score = Exercise(
 #: A pose is an array or a tuple: three numbers.
 Pose = Any
 Value = Callable[[Pose], float]
-Three = tuple[float, float, float]
-
-
-@dataclass(frozen=True)
-class Surface:
-    """The value of a pose: so much for each metre or radian from a point, or away from it."""
-
-    slope: Three
-    point: Three = (0.0, 0.0, 0.0)
-    away: tuple[bool, bool, bool] = (False, False, False)
-
-    def __call__(self, pose: Pose) -> float:
-        """The score of a pose."""
-        off = np.subtract(pose, self.point)
-        return float(np.where(self.away, np.abs(off), off) @ np.array(self.slope))
 
 
 def _hills(rng: Rng) -> Cases:
