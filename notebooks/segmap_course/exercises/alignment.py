@@ -12,7 +12,7 @@ from segmap.segments import length, point_distance
 
 from ..literal import point_to_line_step
 from ..literal.alignment import angle_correspondence, backbone, point_to_line
-from ._answers import Cases
+from ._answers import Cases, near
 from ._exercise import Exercise, Rng, anywhere, changed, edited
 
 
@@ -143,6 +143,7 @@ check_least_translation = Exercise(
             )
         ),
     },
+    near,
     own=(least_translation, backbone),
 )
 
@@ -217,5 +218,6 @@ check_move_onto_walls = Exercise(
             lambda p, f, n: point_to_line_step(p - p.mean(0), f - p.mean(0), n)
         ),
     },
+    near,
     own=(point_to_line,),
 )

@@ -38,6 +38,12 @@ def _pairs(rng: Rng) -> Cases:
         return transform(place, a), transform(place, b), *(given or limits)
 
     corner = _wall((0, size / 2), size, 90)
+
+    def joined(gap: float, turn: float) -> Array:
+        """A wall that begins so far behind the end of `flat`, turned by so much."""
+        c, s = np.cos(turn), np.sin(turn)
+        return np.array([(gap, 0), (gap + size * c, size * s)])
+
     border = np.array([[(0.0, 0), (2, 0)], [(2.25, 0), (4, 0)]]) + shift
     return {
         "end to end on one wall": placed(flat, next_to),
@@ -47,6 +53,10 @@ def _pairs(rng: Rng) -> Cases:
         "a corner, to 1 degree": placed(flat, corner, 0.25, np.radians(1)),
         "a piece beside the middle of a wall": placed(flat, _wall((-size / 2, 0.02), size / 3, 0)),
         "two walls that begin together": placed(flat, _wall((0, 0.1), 2 * size, 0)),
+        "a turn a little too large": placed(flat, joined(0.1, 1.5 * limits[1])),
+        "a turn that is just small enough": placed(flat, joined(0.1, -0.8 * limits[1])),
+        "a gap a little too wide": placed(flat, joined(0.375, 0)),
+        "a gap that is just small enough": placed(flat, joined(0.2, 0)),
         "walls turned by 30 degrees": placed(flat, _wall((0.75, 0.4), 1.6, 30)),
         "ends exactly 0.25 m apart": (*border, *limits),
         "middles that meet and ends that do not": placed(flat, _wall((-size / 2, 0), size + 2, 2)),

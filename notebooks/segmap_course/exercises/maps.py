@@ -116,7 +116,12 @@ def _runs(rng: Rng) -> Cases:
     beaten = np.stack([q - rng.uniform(0.01, 0.03, 4), r - rng.uniform(0.02, 0.05, 4)], 1)
     points = rng.permutation(np.concatenate([np.stack([q, r], 1), beaten]))
     q = np.sort(points[:, 0])
+    middle = float((q[3] + q[4]) / 2)
+    taken = int(np.where(points[:, 0] >= middle, points[:, 1], 0).argmax())
     return {
+        "eight runs, the first of them counts": (np.roll(points, -taken, axis=0), middle),
+        "eight runs, the last of them counts": (np.roll(points, -taken - 1, axis=0), middle),
+    } | {
         f"eight runs, {words}": (points, float(least))
         for words, least in (
             ("a quality between two of them", (q[3] + q[4]) / 2 + rng.uniform(0, 0.005)),

@@ -91,8 +91,19 @@ def _hills(rng: Rng) -> Cases:
             ("on the top", hill, top, move, move),
             ("a plain", Surface((0, 0, 0)), start, move, move),
             ("a valley, both ways up", valley, start * (1, 0, 1), 0.125, 0.125),
+            (
+                "a valley in x",
+                Surface((1, 0, 0), away=(True, False, False)),
+                start * (0, 1, 1),
+                0.125,
+                1,
+            ),
+            ("a slope to the left", Surface((-2, 1, 0)), start, move, move),
+            ("a slope down to the right", Surface((1, -1, 0)), start, move, move),
             ("a slope, the robot turned", slope, start * (1, 1, 0) + (0, 0, 2), move, move),
             ("a coarse turn", hill, top - (0, 0, 0.4), 0.001, 1.0),
+            ("a turn to the left", hill, top - (0, 0, right), 0.01, 0.2),
+            ("a turn to the right", hill, top + (0, 0, up), 0.01, 0.2),
         )
     }
 

@@ -98,6 +98,11 @@ def _looks(rng: Rng) -> Cases:
     sensor = border[0] - (1, 3)
     return {
         "a point on the wall": case((x, away)),
+        "a point right before the sensor": case((0.01 * x, 0.01 * away)),
+        "a point 0.1 m behind a long wall that is near": case((x, 1.1), wall * (2, 0) + (0, 1)),
+        "a point 0.15 m behind a short wall that is far": (
+            case((0.02, away + 0.15), wall * (0.1 / half, 1))
+        ),
         "a point before the wall": case((x / 2, away / 2)),
         "a point behind the wall": case((-x, away + 0.5)),
         "a point before the wall, its ends swapped": case((x / 2, away / 2), wall[::-1]),
