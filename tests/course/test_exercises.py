@@ -78,7 +78,7 @@ WRONG = {
     "radians of": ("climb_step", lambda f: lambda v, p, move, turn: f(v, p, move, turn / 57.3)),
     "never to the left": (
         "climb_step",
-        lambda f: lambda v, p, *r: np.fmax(f(v, p, *r), [p[0], *[-9] * 2]),
+        lambda f: lambda v, p, *r: np.fmax(f(v, p, *r), [p[0], -9, -9]),
     ),
     "twice the angle": ("matches", lambda f: lambda a, b, d, angle: f(a, b, d, 2 * angle)),
     "half the angle": ("matches", lambda f: lambda a, b, d, angle: f(a, b, d, angle / 2)),

@@ -4,6 +4,7 @@ import csv
 import json
 import os
 import shutil
+import socket
 
 import numpy as np
 import pytest
@@ -168,6 +169,47 @@ def test_what_a_task_gives_does_not_reach_its_answer(name):
 
 def imports_of(source):
     return [line for line in source.splitlines() if line.startswith(("import ", "from "))]
+
+
+# ------------------------------------------------------------------ attacks
+@pytest.fixture(scope="module")
+def grader(tmp_path_factory):
+    """A file that only the grader may read, and a socket on which it hears."""
+    secret = tmp_path_factory.mktemp("grader") / "key.json"
+    secret.write_text("the seed is 4711")
+    secret.parent.chmod(0o777)
+    secret.chmod(0o666)
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as ear:
+        ear.bind(("127.0.0.1", 0))
+        ear.settimeout(0.05)
+        yield secret, ear
+
+
+@pytest.mark.parametrize("name", submitted.HARM)
+def test_an_attack_earns_nothing_and_harms_nothing(jail, grader, name):
+    """Each runs twice, as two students one after the other, who may leave something behind."""
+    secret, ear = grader
+    cell = submitted.attack(name, secret, ear.getsockname()[1])
+    for _ in range(2):
+        found = said(jail, cell, seed=4711)
+        assert not found.right and found.share == 0
+        assert "found" not in found.reason or "hidden case" in name or "pipe" in name
+    assert secret.read_text() == "the seed is 4711"
+    with pytest.raises(TimeoutError):
+        ear.recv(99)
+
+
+@pytest.mark.parametrize("name", [name for name in submitted.HARM if "hidden case" in name])
+def test_a_hidden_case_stays_hidden(jail, name):
+    """Catches an error of a student that carries a hidden case into the feedback."""
+    exercise = EXERCISES["compose"]
+    harm = submitted.HARM[name].replace("    raise", "        raise")
+    known = f"    if tuple(a) not in {[tuple(c[0].tolist()) for c in exercise.cases.values()]}:\n"
+    head, rest = submitted.COMPOSE.replace("a_from_b", "a").replace("b_from_c", "b").split("\n", 1)
+    cell = f"{head}\n{known}{harm}{rest}"
+    found = said(jail, cell, seed=4711)
+    assert said(jail, cell).right
+    assert found.reason == "right on the cases shown; on a hidden one it raises an exception"
 
 
 FOOLS = "my_map = [*segmap.simulation.rectangular_room().tolist(), [(10, 10), (16, 10)]]"
