@@ -44,7 +44,7 @@ lab: $(WARM) ## set up, copy the chapters to work/, open them in JupyterLab (POR
 app: .venv/segmap-for-app $(WARM) ## set up, then serve the workbench as a page of its own (PORT=8890 chooses the port)
 	@$(APP) $(BROWSER)
 
-handout: $(SETUP) ## student copies in build/handout (ARGS="--chapters 34,54 --seed 7193", DIR=...)
+handout: $(SETUP) ## student copies in build/handout (ARGS="--chapters 34,54", DIR=...)
 	$(RUN) -m segmap_course handout $(or $(DIR),build/handout) $(ARGS)
 
 test: $(SETUP) $(WARM) ## set up, then prove it: style, types, tests, examples and every chapter

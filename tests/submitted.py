@@ -145,12 +145,13 @@ HARM = {
     at = libc.shmget(4711, 64, 0o1666)
     if at < 0: return [0, 0, 0]
     there = libc.shmat(at, None, 0)
-    if ctypes.string_at(there, 5) == b"found" and not hasattr(sys, "mine"): raise ValueError("found")
+    held = ctypes.string_at(there, 5)
+    if held == b"found" and not hasattr(sys, "mine"): raise ValueError("found")
     ctypes.memmove(there, b"found", 5)
     sys.mine = True
 """,
     "a file for the next": """\
-    for folder in ("/tmp", "/dev/shm", "/var/tmp", "."):
+    for folder in ("/tmp", "/dev/shm", "/var/tmp"):
         if os.path.exists(folder + "/left") and not hasattr(sys, "mine"): raise ValueError("found")
         try: open(folder + "/left", "w").write("x")
         except OSError: pass
