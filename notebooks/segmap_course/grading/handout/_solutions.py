@@ -1,5 +1,7 @@
 """Solutions from the library's own source: each as a cell that runs, with all that it calls.
 
+An open exercise gets the number that is true, or an input that fools the method.
+
 What belongs to the answer is copied; what a student may call too is imported. So the solution
 passes the check, which notices the library.
 """
@@ -9,10 +11,13 @@ from __future__ import annotations
 import ast
 from pathlib import Path
 
+from ... import EXERCISES, OPEN_EXERCISES
 from ...exercises import Exercise
+from ...exercises.open import Prediction
 from ._handout import refuse_old, student_copy, text, write_folder
+from ._inputs import INPUTS
 from ._source import Gatherer
-from ._tasks import CHECKS, Notebook, chapters, read_chapter, tasks_of
+from ._tasks import Notebook, chapters, read_chapter, tasks_of
 
 #: nbgrader leaves out what stands between these lines when it makes the students' version.
 BEGIN, END = "### BEGIN SOLUTION", "### END SOLUTION"
@@ -30,6 +35,14 @@ def solution(exercise: Exercise, name: str) -> str:
     last = f"{name} = {gatherer.needs(source, answer)}"
     head = "\n".join(dict.fromkeys(gatherer.imports))
     return "\n\n\n".join(part for part in [head, *gatherer.parts, last] if part)
+
+
+def open_answer(name: str, names: str) -> str:
+    """A cell with an answer to an open exercise: the true number, or what fools a method."""
+    exercise = OPEN_EXERCISES[name]
+    if isinstance(exercise, Prediction):
+        return f"{names} = {exercise.measure():.6g}  # {exercise.unit}"
+    return f"import numpy as np\n\n{names} = {INPUTS[name]}"
 
 
 def write_solutions(folder: Path, wanted: str = "") -> int:
@@ -54,9 +67,9 @@ def solved_copy(name: str, notebook: Notebook) -> Notebook:
     copy = student_copy(name, notebook, {name})
     answers = {f"{task.name}-answer": task for task in tasks_of(name, notebook)}
     for cell in copy["cells"]:
-        task = answers.get(cell["id"])
-        exercise = CHECKS.get(f"check_{task.name}") if task else None
-        if task and exercise is not None:
-            code = solution(exercise, task.answers[0])
+        if task := answers.get(cell["id"]):
+            exercise = EXERCISES.get(task.name)
+            names = ", ".join(task.answers)
+            code = solution(exercise, names) if exercise else open_answer(task.name, names)
             cell["source"] = f"{cell['source']}\n\n\n{BEGIN}\n{code}\n{END}"
     return copy
