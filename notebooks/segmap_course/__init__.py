@@ -6,6 +6,7 @@
 from __future__ import annotations
 
 from ._conclusions import conclusions, density, filter_change
+from ._known import Known, known_building
 from ._landscapes import Landscape, heading_profile, landscape, peaks, profile_peaks
 from ._storage import (
     Representation,
@@ -45,6 +46,7 @@ from .exercises.lines import check_axial_mean, check_farthest_point, check_fit_l
 from .exercises.maps import (
     check_best_run,
     check_mean_wall_error,
+    check_missed_metres,
     check_quality,
     check_reduction_at,
     check_reduction_rate,
