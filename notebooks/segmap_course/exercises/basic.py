@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from typing import Any
 
 import numpy as np
@@ -142,6 +143,9 @@ def _pieces(rng: Rng) -> Cases:
                 _wall((0.8, 1), 1, way + lean),
             ),
             ("walls at 1 and 179 degrees", _wall((1, 0), size, 1), _wall((size, 0), 1, 179)),
+            ("walls at 179 and 1 degrees", _wall((1, 0), size, 179), _wall((size, 0), 1, 1)),
+            ("a wall that leans far to the left", flat, _wall((size, 1), 2.2, 60 + 3 * lean)),
+            ("a wall that leans far to the right", flat, _wall((size, 1), 2.2, -60 - 3 * lean)),
             ("upright walls", _wall((0, 2), size, 85), _wall((0.1, 4), 0.7 * size, 90 + lean)),
             ("a piece in the middle of a wall", flat, _wall((size / 2, 0.05), 0.5, lean)),
         )
@@ -212,12 +216,13 @@ check_merged = Exercise(
 
 # ----------------------------------------------------------------------------- Hybrid
 def _named_lines(rng: Rng) -> Cases:
-    """Walls of all directions, and an angle on this side of the seam or beyond it."""
+    """Walls of all directions, and an angle on this side of the seam or beyond it, far off."""
+    sides = itertools.cycle(rng.permutation([-1, 1]))
 
     def case(ends: Any, turns: int) -> tuple[Any, ...]:
         (x, y) = np.subtract(ends[1], ends[0])
-        near = np.arctan2(x, -y) + np.radians(rng.uniform(-50, 50)) + turns * np.pi
-        return np.array(ends, float), float(near)
+        off = next(sides) * np.radians(rng.uniform(62, 85))
+        return np.array(ends, float), float(np.arctan2(x, -y) + off + turns * np.pi)
 
     x, y, size = *rng.uniform(1, 4, 2), rng.uniform(1, 3)
     slanted, upright = [(x, y), (x + size, y + 0.7 * size)], [(x, -y), (x, size)]

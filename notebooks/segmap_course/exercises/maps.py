@@ -129,6 +129,8 @@ def _runs(rng: Rng) -> Cases:
         for words, least in (
             ("a quality between two of them", (q[3] + q[4]) / 2 + rng.uniform(0, 0.005)),
             ("the quality of one of them", points[int(rng.integers(8)), 0]),
+            ("the best quality of all", q[-1]),
+            ("a quality between the two best on the curve", (q[6] + q[7]) / 2),
             ("a quality next to a bad one", q[4] + 0.001),
             ("a quality better than all", q[-1] + rng.uniform(0.01, 0.1)),
             ("a quality worse than all", q[0] - rng.uniform(0.01, 0.1)),

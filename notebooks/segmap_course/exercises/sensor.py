@@ -70,6 +70,7 @@ def _walls_ahead(rng: Rng) -> Cases:
         words: (transform(robot, ends)[:: rng.choice([-1, 1])], robot, float(beam))
         for words, ends, beam in (
             ("a wall straight ahead", wall, 0.0),
+            ("the middle of a wall", np.array([(away, -half), (away, half)]), 0.0),
             ("a beam to the left", wall, inside),
             ("a leaning wall, a beam to the right", leaning, -inside),
             ("a wall close ahead", wall * (0.1, 1), 0.0),
