@@ -99,7 +99,7 @@ GET = """\
     from pathlib import Path
 """
 LOOKS = """\
-    found = [p for top in ["/", *sys.path] for p in glob.glob(top + "/{pattern}", recursive=True)]
+    found = [folder + "/" + name for folder, _, names in os.walk("/") for name in names]
     found = [p for p in found if {wanted}]
     if found: raise ValueError("found " + found[0])
 """
@@ -126,10 +126,9 @@ HARM = {
     "another function that calls it": (
         "    from segmap.poses import between, inverse\n    return between(inverse(a), b)\n"
     ),
-    "the library's source": LOOKS.format(pattern="**/motions.py", wanted="True"),
-    "the library's machine code": (
-        LOOKS.format(pattern="**/*.nb[ci]", wanted="'compose' in p")
-        + LOOKS.format(pattern="**/*.pyc", wanted="'motions' in p or '_poses' in p")
+    "the library's source": LOOKS.format(wanted="p.endswith('/motions.py')"),
+    "the library's machine code": LOOKS.format(
+        wanted="p[-4:] in ('.nbi', '.nbc', '.pyc') and ('/motions.' in p or '/_poses.' in p)"
     ),
     "the solution among the objects": """\
     known = [f for f in gc.get_objects() if getattr(f, "__name__", "") in ("compose", "_composed")]

@@ -90,7 +90,7 @@ class Exercise:
         """The cases that students see, words -> arguments."""
         return self._drawn(np.random.default_rng(np.random.SeedSequence(0, spawn_key=(0,))))
 
-    def fresh(self, seed: int) -> dict[str, tuple[Any, ...]]:
+    def fresh(self, seed: int | tuple[int, ...]) -> dict[str, tuple[Any, ...]]:
         """Hidden cases: the same seed gives the same ones, in any process, and never those shown.
 
         Raises

@@ -96,12 +96,21 @@ def _lines_off(rng: Rng) -> Cases:
         normals = np.stack([-np.sin(turn), np.cos(turn)], -1)
         return normals, rng.uniform(-0.1, 0.1, count), rng.uniform(1, 3, count)
 
+    def askew() -> tuple[Array, Array, Array]:
+        """A corridor that rounding leaves a little width across: no number is divided by that."""
+        while True:
+            found = normals, _, weights = lines(*[rng.uniform(10, 80)] * 3)
+            if np.linalg.eigvalsh(normals.T @ (normals * weights[:, None]))[0] > 0:
+                return found
+
     turn = rng.uniform(10, 80)
     return {
         "a corner": lines(turn, turn + 90, turn + rng.uniform(20, 70)),
         "two walls at a slant": lines(turn, turn + rng.uniform(60, 120)),
         "a corridor": lines(0, 0, 0),
         "a corridor that runs askew": lines(turn, turn),
+        "a corridor of three walls, askew": askew(),
+        "another corridor, askew": askew(),
         "walls of many directions": lines(*(turn + np.arange(0, 180, 36))),
     }
 

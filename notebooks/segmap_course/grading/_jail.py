@@ -28,7 +28,7 @@ import segmap
 
 from ..exercises import decode, encode
 
-PACKAGES = (Path(segmap.__file__).parent, Path(__file__).parents[1])
+PACKAGES = (Path(segmap.__file__).resolve().parent, Path(__file__).resolve().parents[1])
 #: A reply with more bytes is no answer.
 MOST_BYTES = 8 << 20
 #: Bytes of the files that an answer may write, all in memory.
@@ -119,8 +119,9 @@ class Jail:
                 script += f"mount --bind {shlex.quote(path)} {shlex.quote(seen)} && "
             words += ["--ro-bind", seen, path]
             if not whole:
-                inside = [str(p) for p in PACKAGES if p.is_relative_to(path)]
-                words += hidden(inside)
+                real = Path(path).resolve()  # /lib may be a link to /usr/lib
+                inside = [p.relative_to(real) for p in PACKAGES if p.is_relative_to(real)]
+                words += hidden([str(Path(path) / part) for part in inside])
         # What the course keeps for who teaches is no part of the library.
         words += hidden([str(Path(__file__).parent)]) if whole else []
         for name, value in ENVIRONMENT.items():
