@@ -15,7 +15,7 @@ from segmap_course import load_trials
 
 from segmap import SegmentMap, readers
 from segmap.arrays import LIMIT
-from segmap.experiments import load_alignments, read_records
+from segmap.experiments import load_alignments, load_walls, read_records
 from segmap.exports import write_graph, write_segments
 from segmap.poses import between, compose
 from segmap.readers import LogError, PoseGraph
@@ -233,4 +233,5 @@ TARGETS["trials"] = partial(table, load_trials, beginning("matching"))
 TARGETS["alignments"] = partial(
     table, lambda path: load_alignments(path=path), beginning("alignment")
 )
+TARGETS["walls"] = partial(table, lambda path: load_walls(path=path), beginning("walls"))
 BAGS: dict[str, Target] = {n: partial(bag, n) for n in ("ros1", "db3", "mcap", "bz2", "metadata")}

@@ -125,8 +125,10 @@ GOOD |= {
     "function": reduction.METHODS["fusion"].function, "digest.map": MAP, "front.points":
     PATH[:, :2], "reduction_at.points": PATH[:, :2], "names": "malaga", "load_online.name":
     "intel", "read_records.path": "runs.csv", "write_records.path": "saved.csv",
-    "load_alignments.path": "alignment.csv", "sweep.methods": ["fusion"], "select.method": "fusion",
-    "select.map": "it", "filtered": 0.0, "sweep.filters": (0.1,), "sweep.records": "swept.csv",
+    "load_alignments.path": "alignment.csv", "load_walls.path": "walls.csv",
+    "good_maps.frame": experiments.load_walls("tuned"), "sweep.methods": ["fusion"],
+    "select.method": "fusion", "select.map": "it", "filtered": 0.0,
+    "sweep.filters": (0.1,), "sweep.records": "swept.csv",
     "thresholds": {"distance": 0.2}, "run": {"distance": 0.2}, "sweep.grids":
     {"fusion": {"tolerance": [0.04]}},
 }  # fmt: skip

@@ -85,6 +85,17 @@ def match_with_helpers(u, v, distance):
     return (covered(u, v) + covered(v, u)) / 2 * 0.95 ** (apart / distance)
 
 
+def missed_between_ends(seen, kept):
+    """Cut at every end: each piece is seen or not, kept or not."""
+    cuts = np.unique(np.concatenate([seen.ravel(), kept.ravel()]))
+    middle = (cuts[1:] + cuts[:-1]) / 2
+    inside = [
+        ((spans[:, 0] <= middle[:, None]) & (middle[:, None] <= spans[:, 1])).any(axis=1)
+        for spans in (seen, kept)
+    ]
+    return np.diff(cuts)[inside[0] & ~inside[1]].sum()
+
+
 def metres_between_ends(spans, whole, gap):
     """Between two neighbouring ends of members all is covered or nothing is."""
     ends = np.unique([0, whole, *spans.ravel()])
@@ -181,6 +192,7 @@ RIGHT = {
     "quality": quality_as_a_geometric_mean,
     "reduction_at": reduction_by_mask,
     "best_run": row_by_masked_argmax,
+    "missed_metres": missed_between_ends,
     "mean_wall_error": lambda p, w: segments.point_distance(p[:, None], w).min(axis=1).mean(),
     "hough": hough_of_the_nearest_name,
     "matches": matches_with_helpers,

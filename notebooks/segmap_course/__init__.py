@@ -45,6 +45,7 @@ from .exercises.lines import check_axial_mean, check_farthest_point, check_fit_l
 from .exercises.maps import (
     check_best_run,
     check_mean_wall_error,
+    check_missed_metres,
     check_quality,
     check_reduction_at,
     check_reduction_rate,

@@ -88,6 +88,43 @@ def pareto(frame: pd.DataFrame, *, each_method: bool = False) -> pd.DataFrame:
     return frame[kept]
 
 
+def good_maps(frame: pd.DataFrame) -> pd.DataFrame:
+    """In how many maps of `load_walls` all four figures are good, by method, the best first.
+
+    Returns
+    -------
+    DataFrame
+        thresholds: those that are best for all maps; a column for each noise and all: the maps
+        that are good with them; each_its_own: those that are good with some thresholds of the
+        method; maps: how many were tried.
+
+    Examples
+    --------
+    >>> import pandas as pd
+    >>> runs = pd.DataFrame({"noise": ["0", "drift"] * 2, "all_four": ["110", "000", "001", "011"]})
+    >>> runs = runs.assign(group="it", sensor="URG", method="fusion", maps=3)
+    >>> runs["thresholds"] = ["tolerance 0.02"] * 2 + ["tolerance 0.04"] * 2
+    >>> good_maps(runs).iloc[0].to_dict()
+    {'thresholds': 'tolerance 0.04', '0': 1, 'drift': 2, 'all': 3, 'each_its_own': 5, 'maps': 6}
+    """
+    setting, of = ["method", "group", "sensor", "noise"], ["method", "thresholds"]
+    arrays.frame(frame, [*setting, "thresholds", "all_four"], ["maps"])
+    good = frame["all_four"].map(lambda flags: str(flags).count("1"))
+    found = frame.assign(good=good).pivot_table(
+        "good", of, "noise", aggfunc="sum", sort=False, fill_value=0
+    )
+    found = found.rename_axis(columns=None).assign(all=lambda each: each.sum(axis=1))
+    found = found.loc[found["all"].groupby("method").idxmax()].reset_index("thresholds")
+    maps = frame.groupby(setting).agg({"all_four": _ever, "maps": "max"}).groupby("method").sum()
+    found[["each_its_own", "maps"]] = maps
+    return found.sort_values(["all", "each_its_own"], ascending=False, kind="stable")
+
+
+def _ever(flags: pd.Series) -> int:
+    """How many of some maps are good in one run at least."""
+    return sum("1" in each for each in zip(*flags, strict=True))
+
+
 def front(points: ArrayLike) -> Array:
     """The points (quality, reduction) that no other beats in both, by ascending first one.
 

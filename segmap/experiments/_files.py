@@ -53,6 +53,13 @@ def _threshold(text: str) -> Threshold:
     return value
 
 
+def _flags(cell: str) -> str:
+    """One 0 or 1 for each of some things."""
+    if not cell or set(cell) - {"0", "1"}:
+        raise ValueError(cell)
+    return cell
+
+
 def _thresholds(text: str) -> dict[str, Threshold]:
     """Thresholds as a file keeps them, to the last digit: `distance=0.2;angle=0.1745`."""
     pairs = [pair.split("=") for pair in text.split(";") if pair]
@@ -93,6 +100,15 @@ ALIGNMENTS: Columns = {
     **dict.fromkeys(("mean", "deviation", "rms", "p95", "largest"), _number),
     "above_0.2": lambda cell: _number(cell, most=1.0),
     **dict.fromkeys(("heading", "seconds"), _number),
+}
+#: Maps judged by the walls of their building. Means over maps, shares of what could be known, and
+#: one 0 or 1 for each map: whether all four figures are good.
+WALLS: Columns = {
+    **dict.fromkeys(("group", "sensor", "noise", "method"), str),
+    "thresholds": _thresholds,
+    **dict.fromkeys(("per_wall", "largest", "found", "missed", "invented", "doubled"), _number),
+    "offset": _number,
+    "all_four": _flags,
 }
 #: Every column that is no threshold.
 NAMES = {*RUNS, *ONLINE} - {"thresholds"}

@@ -17,6 +17,7 @@ from ._files import (
     NAMES,
     ONLINE,
     RUNS,
+    WALLS,
     Threshold,
     as_frame,
     checked,
@@ -114,6 +115,39 @@ def load_alignments(log: str = "", *, path: Path | None = None) -> pd.DataFrame:
         known = ", ".join(dict.fromkeys(frame["log"]))
         raise ValueError(f"log must be the beginning of one of {known}, got {log!r}")
     return found
+
+
+def load_walls(group: str = "", *, path: Path | None = None) -> pd.DataFrame:
+    """Reduction methods against the true walls of simulated buildings, as `make bench` judged them.
+
+    Only groups of maps whose name begins with `group`; `path` is another such file. The buildings,
+    and what is good, are told in `data/records/README.md`.
+
+    Returns
+    -------
+    DataFrame
+        group, sensor, noise (of the poses: metres, or "drift"), method, thresholds (to read); means
+        over the maps as `metrics.against_walls` has them: per_wall and its largest, found, missed,
+        invented, doubled (shares of what could be known), offset (root mean square, metres);
+        all_four: 1 for each map that is good, 0 for others; maps: how many.
+
+    Examples
+    --------
+    >>> load_walls("tuned")[["noise", "method", "thresholds", "all_four"]].head(2)
+      noise         method     thresholds      all_four
+    0     0  basic_offline  distance 0.02  000000000000
+    1     0  basic_offline  distance 0.05  000000000000
+    """
+    import pandas as pd
+
+    arrays.instance(group, "group", str)
+    path = data_file("records/walls.csv") if path is None else arrays.file(path)
+    rows = [row for row in read_rows(path, WALLS) if row["group"].startswith(group)]
+    if group and not rows:
+        raise ValueError(f"group must be the beginning of one in {path.name}, got {group!r}")
+    for row in rows:
+        row |= {"thresholds": thresholds_text(row["thresholds"]), "maps": len(row["all_four"])}
+    return pd.DataFrame(rows, columns=[*WALLS, "maps"])
 
 
 def select(

@@ -6,7 +6,6 @@ Quality asks how near a reduced map is to the noisy map before. Here the judge i
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from itertools import pairwise
 from typing import Annotated, NamedTuple
 
 import numpy as np
@@ -153,26 +152,23 @@ def against_walls(
 
 def joined(walls: Array) -> Array:
     """Walls with those that lie on one line and touch made one, longest first; others stay."""
-    left = [wall for wall in walls[np.argsort(-length(walls), kind="stable")]]
-    left = [wall for wall in left if length(wall) >= MIN_LENGTH]
+    left = walls[np.argsort(-length(walls), kind="stable")]
+    left = left[length(left) >= MIN_LENGTH]
     found = []
-    while left:
-        wall = left.pop(0)
-        grown = True
-        while grown:
-            grown = False
+    while len(left):
+        wall, left = left[0], left[1:]
+        while True:
             size = float(length(wall))
             way = (wall[1] - wall[0]) / size
-            for k, other in enumerate(left):
-                along = (other - wall[0]) @ way
-                off = (other - wall[0]) @ (-way[1], way[0])
-                touches = along.min() <= size + ONE_LINE and along.max() >= -ONE_LINE
-                if touches and abs(off).max() <= ONE_LINE:
-                    ends = min(0.0, along.min()), max(size, along.max())
-                    wall = wall[0] + np.outer(ends, way)
-                    del left[k]
-                    grown = True
-                    break
+            along = (left - wall[0]) @ way
+            off = abs((left - wall[0]) @ (-way[1], way[0])).max(axis=1)
+            touches = (along.min(axis=1) <= size + ONE_LINE) & (along.max(axis=1) >= -ONE_LINE)
+            grows = np.flatnonzero(touches & (off <= ONE_LINE))
+            if not len(grows):
+                break
+            ends = min(0.0, along[grows[0]].min()), max(size, along[grows[0]].max())
+            wall = wall[0] + np.outer(ends, way)
+            left = np.delete(left, grows[0], axis=0)
         found.append(wall)
     return np.reshape(found, (-1, 2, 2))
 
@@ -220,27 +216,43 @@ def _owned(walls: Array, segments: Array, distance: float, sine: float) -> _Owne
     turn = np.minimum(abs(rise) / metres[:, None], 1.0)
     may = np.maximum(sine, np.minimum(0.5, distance / 2 / metres))
     start[turn > may[:, None]] = np.inf
-    found = []
-    for i in range(len(segments)):
-        near = np.flatnonzero((end[i] - start[i]) * metres[i] > MIN_LENGTH)
-        cuts = np.unique([0.0, 1.0, *start[i, near], *end[i, near]])
-        cuts = cuts[np.append(True, np.diff(cuts) * metres[i] > MIN_LENGTH)]
-        for a, b in pairwise([*cuts[:-1], 1.0]):
-            here = near[(start[i, near] <= (a + b) / 2) & ((a + b) / 2 <= end[i, near])]
-            u, v = (off[i, here] + t * rise[i, here] for t in (a, b))
-            squares = (u * u + u * v + v * v) / 3
-            k = here[np.argmax(squares <= squares.min() + ALIKE)] if len(here) else -1
-            ends = sorted(along[i, k] + np.array([a, b]) * run[i, k])
-            square = (squares[here == k][0], np.arcsin(turn[i, k]) ** 2) if k >= 0 else (0.0, 0.0)
-            part = segments[i, 0] + np.outer((a, b), step[i])
-            found.append((part, i, k, (b - a) * metres[i], *square, *ends))
-    pieces, of, owner, *others = zip(*found, strict=True) if found else [()] * 8
-    return _Owned(
-        np.reshape(pieces, (-1, 2, 2)),
-        np.array(of, np.int64),
-        np.array(owner, np.int64),
-        *(np.array(column, float) for column in others),
+    # what lies beside a wall, in the order of segments and walls
+    pair, wall = np.nonzero((end - start) * metres[:, None] > MIN_LENGTH)
+    start, end, along, run, off, rise, turn = (
+        each[pair, wall] for each in (start, end, along, run, off, rise, turn)
     )
+    whole = np.arange(len(segments))
+    of = np.concatenate([whole, whole, pair, pair])
+    cuts = np.concatenate([np.zeros(len(whole)), np.ones(len(whole)), start, end])
+    order = np.lexsort([cuts, of])
+    of, cuts = of[order], cuts[order]
+    kept = (np.diff(of, prepend=-1) > 0) | (np.diff(cuts, prepend=0.0) * metres[of] > MIN_LENGTH)
+    of, cuts = of[kept], cuts[kept]
+    last = np.diff(of, append=len(segments)) > 0
+    cuts[last] = 1.0
+    a, b, of = cuts[~last], cuts[1:][~last[:-1]], of[~last]
+    # every piece with every pair of its segment
+    first = np.searchsorted(pair, of)
+    many = np.searchsorted(pair, of, "right") - first
+    piece = np.repeat(np.arange(len(of)), many)
+    near = np.arange(len(piece)) + np.repeat(first - np.cumsum(many) + many, many)
+    middle = (a + b)[piece] / 2
+    here = (start[near] <= middle) & (middle <= end[near])
+    piece, near = piece[here], near[here]
+    u, v = (off[near] + t[piece] * rise[near] for t in (a, b))
+    squares = (u * u + u * v + v * v) / 3
+    least = np.full(len(of), np.inf)
+    np.minimum.at(least, piece, squares)
+    alike = np.flatnonzero(squares <= least[piece] + ALIKE)
+    piece, lowest = np.unique(piece[alike], return_index=True)
+    squares, near = squares[alike[lowest]], near[alike[lowest]]
+    owned = np.zeros((4, len(of)))  # square, turn and ends of what has an owner
+    ends = np.sort([along[near] + t[piece] * run[near] for t in (a, b)], axis=0)
+    owned[:, piece] = squares, np.arcsin(turn[near]) ** 2, *ends
+    owner = np.full(len(of), -1)
+    owner[piece] = wall[near]
+    pieces = segments[of, :1] + np.stack([a, b], -1)[..., None] * step[of, None]
+    return _Owned(pieces, of, owner, (b - a) * metres[of], *owned)
 
 
 def _covered(spans: list[tuple[float, float]]) -> float:

@@ -21,7 +21,7 @@ from segmap import alignment, exports, readers, reduction
 from segmap._commands import _compare, main
 from segmap._commands._compare import MOST, thinned
 from segmap._commands._thresholds import thresholds
-from segmap.arrays import Metres, Radians, checked
+from segmap.arrays import Metres, Radians, RadiansPerMetre, checked
 from segmap.methods import Method
 from segmap.quadtree import QuadtreeMap
 
@@ -149,13 +149,15 @@ def test_a_threshold_has_the_unit_of_its_annotation(run, near, monkeypatch):
     given = []
 
     @checked
-    def strange(map, *, angle: Metres = 0.2, skew: Radians = np.radians(10)):
-        given.extend((angle, skew))
+    def strange(map, *, angle: Metres = 0.2, skew: Radians = np.radians(10),
+                bend: RadiansPerMetre = 1.0):  # fmt: skip
+        given.extend((angle, skew, bend))
         return reduction.fusion(map)
 
     monkeypatch.setitem(reduction.METHODS, "strange", Method(strange, "here", varies="angle"))
-    assert run("map", near, "--method", "strange", "--skew", 20, "--angle", 0.3)[0] == 0
-    assert given == [0.3, np.radians(20)]
+    words = ("--skew", 20, "--angle", 0.3, "--bend", 30)
+    assert run("map", near, "--method", "strange", *words)[0] == 0
+    assert given == [0.3, np.radians(20), np.radians(30)]
     said = " ".join(run("map", "--help")[1].split())
     assert "--skew DEGREES default: 10 for strange " in said
     assert "--angle DEGREES|METRES default: 10 for basic_offline," in said

@@ -17,7 +17,9 @@ from sweep_samples import GRIDS, HALL, MAPS, NAMES, keep_all, notes, slow_start,
 
 from segmap import SegmentMap
 from segmap.experiments import (
+    good_maps,
     load_records,
+    load_walls,
     read_records,
     select,
     sweep,
@@ -25,6 +27,7 @@ from segmap.experiments import (
     write_records,
 )
 from segmap.readers import _bundled
+from segmap.reduction import METHODS
 
 
 @pytest.fixture(scope="module")
@@ -283,3 +286,56 @@ def test_a_file_of_before_the_metres_is_read_and_gone_on_with(tmp_path):
     old = read_records(path)
     assert list(old) == list(found) and old[["invented", "missed"]].isna().all(axis=None)
     assert (found[["invented", "missed"]] >= 0).all(axis=None)
+
+
+WALLS_HEAD = "group,sensor,noise,method,thresholds,per_wall,largest,found,missed,invented,doubled,"
+WALLS_HEAD += "offset,all_four\n"
+
+
+def judged(folder, *lines):
+    path = folder / "walls.csv"
+    path.write_text(WALLS_HEAD + "".join(f"{line}\n" for line in lines), encoding="utf-8")
+    return path
+
+
+def test_maps_that_are_good_are_counted(tmp_path):
+    """Catches digits read as a number, noises taken one by one, and maps that are counted twice."""
+    figures = "1,1.05,0.9,0,0,0,0.01"
+    lines = [
+        f"old,SICK,{noise},fusion,tolerance={tolerance},{figures},{flags}"
+        for noise, tolerance, flags in (
+            *(("0", 0.02, "0011"), ("drift", 0.02, "0000")),
+            *(("0", 0.04, "0001"), ("drift", 0.04, "0110")),
+        )
+    ]
+    lines.append(f"new,URG,0,fusion,tolerance=0.02,{figures},00")
+    lines.append(f"old,SICK,0,hybrid,distance=0.2;min_length=0.1,{figures},1111")
+    frame = load_walls(path=judged(tmp_path, *lines))
+    assert frame["all_four"][1] == "0000" and list(frame["maps"]) == [4] * 4 + [2, 4]
+    table = good_maps(frame)
+    assert list(table.index) == ["hybrid", "fusion"]
+    assert table.loc["hybrid"].to_dict() == {
+        "thresholds": "distance 0.2, min_length 0.1",
+        **{"0": 4, "drift": 0, "all": 4, "each_its_own": 4, "maps": 4},
+    }
+    assert list(table.loc["fusion"]) == ["tolerance 0.04", 1, 2, 3, 4, 10]
+    assert list(load_walls("n", path=tmp_path / "walls.csv")["group"]) == ["new"]
+    with pytest.raises(
+        ValueError, match=r"group must be the beginning of one in walls\.csv, got 'x"
+    ):
+        load_walls("x", path=tmp_path / "walls.csv")
+
+
+@pytest.mark.parametrize("flags", ["", "2", "0 1", "1.0"])
+def test_a_map_is_good_or_not(flags, tmp_path):
+    path = judged(tmp_path, f"old,SICK,0,fusion,tolerance=0.02,1,1,1,0,0,0,0.01,{flags}")
+    with pytest.raises(ValueError, match=r"walls.csv, line 2: expected group"):
+        load_walls(path=path)
+
+
+def test_the_judged_maps_are_those_of_the_table():
+    """Catches a method that was not run on all maps, and one that is no longer there."""
+    frame = load_walls("tuned")
+    assert set(frame["method"]) <= set(METHODS)
+    assert set(frame["noise"]) == {"0", "0.01", "0.02", "0.03", "drift"}
+    assert set(good_maps(frame)["maps"]) == {60}

@@ -15,7 +15,14 @@ from segmap_course import load_trials, write_trials
 
 import segmap
 from segmap import LaserScan, Log, SegmentMap, exports, readers
-from segmap.experiments import load_alignments, load_records, read_records, sweep, write_records
+from segmap.experiments import (
+    load_alignments,
+    load_records,
+    load_walls,
+    read_records,
+    sweep,
+    write_records,
+)
 from segmap.files import RATIO, UNPACKED, packed, table_lines
 from segmap.quadtree import QuadtreeMap
 
@@ -206,6 +213,7 @@ READERS = {
     **{"csv": readers.read_csv, "segments": readers.read_segments, "graph": readers.read_graph},
     **{"tree": QuadtreeMap.load, "map": SegmentMap.load, "runs": read_records},
     "alignments": lambda path: load_alignments(path=path),
+    "walls": lambda path: load_walls(path=path),
     "trials": load_trials,
     "sweep": lambda path: sweep({"it": WALLS}, ["fusion"], records=path),
 }

@@ -11,6 +11,7 @@ from segmap.hokuyo import SensorError, UrgSensor
 from segmap.hokuyo._connect import RATES
 from segmap.hokuyo._port import find_port, ports
 from segmap.hokuyo.emulator import Replay, Room
+from segmap.hokuyo.emulator._unit import Unit
 from segmap.hokuyo.emulator._worlds import MODELS
 from segmap.simulation import rectangular_room
 
@@ -224,6 +225,16 @@ def test_times_are_the_sensors_own():
         next(stream)
         gaps = np.diff([scan.time for scan in itertools.islice(stream, 4)])
         assert 0 < gaps.min() <= gaps.max() < 1.0
+
+
+def test_a_sensor_that_does_not_take_the_faster_rate_is_talked_to_at_its_own(monkeypatch):
+    """It says yes, and stays as it is: the driver looks for it once more."""
+    port = Wired(usb=False)
+    own = property(lambda unit: 19200, lambda unit, rate: None)
+    monkeypatch.setattr(Unit, "rate", own, raising=False)
+    with connected(port, rates=(115200, 19200)) as sensor:
+        assert sensor.rate == port.baudrate == 19200
+        first(sensor, 1)
 
 
 def test_slow_lines_are_explained():

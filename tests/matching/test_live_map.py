@@ -165,12 +165,18 @@ def test_kernels_let_other_threads_go_on():
     assert getattr(fast, "targetoptions", {"nogil": True})["nogil"]  # plain Python has no kernel
 
 
-@pytest.mark.parametrize("first", [0, 3])
+@pytest.mark.parametrize(("held", "first"), [(0, 0), (2, 0), (0, 3)])
 @pytest.mark.parametrize("drawn", [False, True])
-def test_a_scan_that_was_placed_and_not_drawn_is_drawn_in_the_end(monkeypatch, first, drawn):
-    """Catches 30 poses and 29 scans that are drawn, and the half of a scan that stays there."""
-    live = LiveMap(Planned(()), map=blank(), start=START)
-    for scan in LOG[:first]:
+def test_a_scan_that_was_placed_and_not_drawn_is_drawn_in_the_end(monkeypatch, held, first, drawn):
+    """Catches 30 poses and 29 scans that are drawn, and the half of a scan that stays there.
+
+    The first one lays the map also where the graph held scans before.
+    """
+    graph, log = Planned(()), LOG[held:]
+    for scan in LOG[:held]:
+        graph.add(scan)
+    live = LiveMap(graph, map=blank(), start=START)
+    for scan in log[:first]:
         live.add(scan)
     insert = _live_map.insert
 
@@ -182,12 +188,12 @@ def test_a_scan_that_was_placed_and_not_drawn_is_drawn_in_the_end(monkeypatch, f
     with monkeypatch.context() as patch:
         patch.setitem(LiveMap.add.__globals__, "insert", interrupted)
         with pytest.raises(KeyboardInterrupt):
-            live.add(LOG[first])
-    live.add(LOG[first + 1])
+            live.add(log[first])
+    live.add(log[first + 1])
     live.finish()
-    assert live.map.scans == len(live.poses) == len(live.graph) == first + 2
+    assert live.map.scans == len(live.poses) == len(graph) - held == first + 2
     np.testing.assert_allclose(live.poses[0], START, atol=1e-12)
-    assert state(live.map) == expected(LOG[: first + 2], live.poses)
+    assert state(live.map) == expected(log[: first + 2], live.poses)
 
 
 def test_a_scan_that_the_map_refuses_has_no_pose_in_it():
@@ -199,3 +205,5 @@ def test_a_scan_that_the_map_refuses_has_no_pose_in_it():
     live.add(LOG[1])
     live.finish()
     assert live.map.scans == len(live.poses) == 2 and len(live.graph) == 3
+    apart = between(*live.graph.poses[[0, 2]])
+    np.testing.assert_allclose(between(*live.poses), apart, atol=1e-12)

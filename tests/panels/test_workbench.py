@@ -157,6 +157,8 @@ def test_what_is_known_is_not_done_again(monkeypatch):
     made.least.value = 0.5
     made.run()
     assert calls == [LOG.name] and len(made.outcome.map) < len(first)
+    (reduced,) = made.outcome.reductions
+    assert len(reduced.parents) == len(made.outcome.map)
     made.open(Log("other", LOG.scans[:3], LOG.truth[:3]))
     made.run()
     assert calls == [LOG.name, "other"] and max(made.outcome.map.scan) == 2

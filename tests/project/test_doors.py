@@ -106,8 +106,8 @@ def bounded(tmp_path_factory):
         exports.write_segments(folder / name, MAP)
     exports.write_graph(folder / "graph.g2o", GOOD["write_graph.graph"])
     experiments.write_records(GOOD["frame"], folder / "runs.csv")
-    alignments = readers.data_file("records/alignment.csv")
-    (folder / "alignment.csv").write_bytes(alignments.read_bytes())
+    for name in ("alignment.csv", "walls.csv"):
+        (folder / name).write_bytes(readers.data_file(f"records/{name}").read_bytes())
     soft, hard = resource.getrlimit(resource.RLIMIT_AS)
     resource.setrlimit(resource.RLIMIT_AS, (12 << 30, hard))
     with pytest.MonkeyPatch.context() as patch:

@@ -178,8 +178,11 @@ class TestFrames:
         with pytest.raises(LogError, match=r"level, or upside down, .* tilted by (17|86) degrees"):
             read(scan(), STANDS, frames(("base_link", "laser", LEVEL, turn)))
 
-    def test_a_laser_that_moves_on_the_robot_is_refused(self, read):
-        links = [("base_link", "laser", LEVEL, (0, 0, turn)) for turn in (0.0, 0.5)]
+    @pytest.mark.parametrize(
+        "move", [(LEVEL, (0, 0, 0.5)), ((0.02, 0, 0), LEVEL), ((0, -0.02, 0), LEVEL)]
+    )
+    def test_a_laser_that_moves_on_the_robot_is_refused(self, read, move):
+        links = [("base_link", "laser", *place) for place in ((LEVEL, LEVEL), move)]
         told = [frames(link, topic="/tf") for link in links]
         with pytest.raises(LogError, match="fixed to base_link, but laser moves"):
             read(scan(), STANDS, *told)

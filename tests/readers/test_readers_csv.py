@@ -120,6 +120,10 @@ class TestTurns:
             ([0, 90, 89.5, 180, 270, 1, 90], [5, 2]),
             ([5, 5, 5], [3]),
             ([7], [1]),
+            ([0, 90, 0], [2, 1]),  # as many steps to and fro: they go up
+            ([9, 9, 6, 6, 3, 3, 0, 0, 9], [8, 1]),  # steps of nothing do not count
+            ([0, 0, 3, 3, 6, 6, 9, 9, 0], [8, 1]),
+            ([0, 8, 4, 8], [4]),  # back by half of them, and no more
         ],
     )
     def test_a_scan_ends_where_the_angle_wraps(self, written, angles, lengths):

@@ -139,10 +139,12 @@ def test_damage_ends_the_reading_and_bad_values_cost_one_object(read):
     assert 100 < len(read(packed[: len(packed) // 2], on_error="skip")) < 200
 
 
-def test_a_beam_that_is_flagged_is_an_error_of_the_sensor(read):
-    found = read(mrpt.scan(START, bad=(1, 3)))[0]
+def test_a_beam_that_is_flagged_is_an_error_of_the_sensor_or_met_nothing(read):
+    """Nothing, where its range is the largest or beyond."""
+    found = read(mrpt.scan(START, ranges=(1.5, 2.0, 80.0, 81.83, 3.0), bad=(1, 3)))[0]
     assert np.isnan(found.ranges).tolist() == [False, True, False, False, False]
-    assert found.valid.tolist() == [True, False, True, False, True]
+    assert np.isposinf(found.ranges).tolist() == [False, False, True, True, False]
+    assert found.valid.tolist() == [True, False, False, False, True]
     odd = b"\x01\x00\x80\x7f"  # a NaN that numpy warns of
     assert np.isnan(read(mrpt.scan(START).replace(struct.pack("<f", 2.5), odd))[0].ranges[2])
 

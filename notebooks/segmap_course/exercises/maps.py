@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 from segmap import metrics
@@ -12,6 +14,7 @@ from segmap.segments import point_distance
 
 from .. import literal
 from .._storage import wall_errors
+from ..literal.metrics import covered
 from ._answers import Cases
 from ._exercise import Exercise, Rng, edited
 
@@ -267,4 +270,79 @@ check_mean_wall_error = Exercise(
         ),
     },
     own=(wall_errors,),
+)
+
+
+# ----------------------------------------------------------------- one wall, by intervals
+def _looks_at_a_wall(rng: Rng) -> Cases:
+    """What was seen of a wall and what a map has of it, out of order, overlapping, with gaps."""
+    a = np.cumsum(rng.uniform(0.4, 0.9, 12))
+    seen = np.array([(a[4], a[7]), (a[1], a[5]), (a[9], a[11])])
+    return {
+        "a map that runs on where nobody looked": (seen, np.array([(a[6], a[8]), (a[0], a[3])])),
+        "a map with two segments on one place": (seen, np.array([(a[4], a[6]), (a[5], a[7])])),
+        "a map without anything here": (seen, np.empty((0, 2))),
+        "a map with all of it": (seen, np.array([(a[0], a[11])])),
+    }
+
+
+def _joined(spans: Array) -> float:
+    return float(covered(spans.tolist()))
+
+
+def _missed(seen: Array, kept: Array) -> float:
+    return _joined(np.concatenate([seen, kept])) - _joined(kept)
+
+
+def _hull(spans: Array) -> float:
+    return float(np.ptp(spans)) if len(spans) else 0.0
+
+
+def _sum(spans: Array) -> float:
+    return float(np.diff(spans).sum())
+
+
+def _unsorted(spans: Array) -> float:
+    """`covered` in the order in which the spans are given."""
+    metres, reached = 0.0, -np.inf
+    for low, high in spans:
+        metres += max(0.0, high - max(low, reached))
+        reached = max(reached, high)
+    return float(metres)
+
+
+def _missed_by(measure: Callable[[Array], float]) -> Callable[[Array, Array], float]:
+    """The same sums over another measure of spans."""
+    return lambda seen, kept: measure(np.concatenate([seen, kept])) - measure(kept)
+
+
+check_missed_metres = Exercise(
+    "missed_metres(seen, kept) -> float: metres of one wall that were seen and are not in the map, "
+    "from spans (n, 2) and (m, 2), low and high along the wall in metres, in any order; they may "
+    "overlap, and m may be 0",
+    _missed,
+    _looks_at_a_wall,
+    {
+        "spans that overlap count once: join them before you measure": _missed_by(_sum),
+        "what the map has beyond what was seen does not make good for what it lacks": (
+            lambda seen, kept: _joined(seen) - _joined(kept)
+        ),
+        "a gap between two looks was not seen: measure the spans, not from first to last": (
+            _missed_by(_hull)
+        ),
+        "spans come in any order: sort them before you join them": _missed_by(_unsorted),
+        "metres that were seen and not kept are asked for; you give those kept and not seen": (
+            lambda seen, kept: _missed(kept, seen)
+        ),
+        "this is what is kept of the wall; wanted is what is missed": (
+            lambda seen, kept: _joined(seen) - _missed(seen, kept)
+        ),
+        "metres, not a share of what was seen": (
+            lambda seen, kept: _missed(seen, kept) / _joined(seen)
+        ),
+        "a map may have nothing of this wall: then all that was seen is missed": (
+            lambda seen, kept: _missed(seen, kept) if len(kept) else 0.0
+        ),
+    },
+    own=(literal.metrics.against_walls, metrics.against_walls),
 )

@@ -8,7 +8,7 @@ import pytest
 from numpy.linalg import inv
 
 from segmap.alignment import Alignment, Tracking, point_icp, pose_graph
-from segmap.alignment.graph import REAL, Edge, residuals, spread, stacked
+from segmap.alignment.graph import REAL, SCALE, Edge, residuals, spread, stacked
 from segmap.alignment.pose_graph._front_end import LOOSE, UNTIED, sentence, untied
 from segmap.poses import between, compose
 from segmap.scans import Log
@@ -62,6 +62,16 @@ def test_spread_is_that_of_the_inverse(loops, reach):
     there = compose(np.array([40.0, -3.0, 2.0]), poses)
     moved = spread(there, stacked(edges), weight, reach=reach)
     np.testing.assert_allclose(moved, drawn, rtol=1e-6)
+
+
+def test_a_loop_left_open_by_six_deviations_ties_a_fifth():
+    """Catches a Cauchy weight by the deviation over its scale, and not by the square of that."""
+    poses, edges = chain(30, (0, 29))
+    *steps, loop = edges
+    bent = loop._replace(relative=loop.relative + (6 * 0.02, 0, 0))
+    less = loop._replace(information=loop.information / (1 + (6 / SCALE) ** 2))
+    found, expected = (spread(poses, stacked([*steps, e]), np.ones(30)) for e in (bent, less))
+    np.testing.assert_allclose(found, expected, rtol=1e-9)
 
 
 def test_a_loop_makes_the_middle_surer():

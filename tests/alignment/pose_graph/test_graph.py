@@ -16,7 +16,9 @@ from segmap.alignment.graph import (
     solve,
     stacked,
 )
+from segmap.alignment.graph._equations import Edges, linearise
 from segmap.alignment.graph._graph import REAL
+from segmap.alignment.graph._solver import STALE
 from segmap.alignment.pose_graph._key_frames import KeyFrames
 from segmap.angles import wrap
 from segmap.poses import between, compose
@@ -243,6 +245,19 @@ def test_only_what_a_loop_changes_is_computed_again():
         counts.append((solver.solve(poses, lazily=lazily).rounds, solver.columns - before))
     (rounds, columns), (_, lazy) = counts
     assert columns == 2000 * rounds and lazy < columns / 3
+
+
+@pytest.mark.parametrize(("moved", "stale"), [(4e-4, False), (6e-3, True)])
+def test_equations_are_stale_where_their_weight_has_changed_by_a_hundredth_of_itself(moved, stale):
+    """An edge far open weighs a thousandth: of 1 the change by 12 % is nothing."""
+    no_blocks, never = np.zeros((1, 3, 9)), np.full((1, 4), np.inf)
+    edges = Edges(np.array([(0, 1)]), np.zeros((1, 3)), 1e6 * np.eye(3)[None], no_blocks, never)
+    changed = np.zeros(2, bool)
+    for x in (0.1, 0.1 + moved):
+        changed[:] = False
+        poses, room = np.array([(0, 0, 0), (x, 0, 0)]), np.empty((6, 3))
+        linearise(poses, edges, SCALE, 0.0, STALE, np.zeros((2, 3)), changed, room)
+    assert changed.all() == changed.any() == stale
 
 
 def test_it_says_whether_it_converged():

@@ -210,7 +210,9 @@ def test_believed_loops_shorten_the_way_to_old_places():
         frames.add(scan, np.zeros((0, 2)), np.array([1.0, 0, np.pi / 5]), np.eye(3))
     closer = LoopCloser(frames, 0.03, LoopClosing())
     assert closer._way(30, np.arange(30)).tolist() == list(range(30, 0, -1))
-    sure, vague = information(np.eye(3) * 1e-4), information(np.eye(3))
+    # 0.3 m across where the heading is not known, and exact where it is
+    lever = np.array([(1e-4, 0, 0), (0, 0.09, 0.03), (0, 0.03, 0.01001)])
+    sure, vague = information(np.eye(3) * 1e-4), np.linalg.inv(lever)
     closer._believe([Edge(3, 23, np.zeros(3), sure, True), Edge(9, 29, np.zeros(3), vague, True)])
     assert closer._way(30, np.array([3, 5, 9, 22])).tolist() == [7.5, 9.5, 13.5, 8.0]
     (window,) = closer._by_place(30, 30)
@@ -240,17 +242,20 @@ def test_loops_side_by_side_are_no_witnesses(steps, believed):
     assert len(closer._confirmed_by_others([(closer.pending[-1], 1.0)])) == 3
 
 
-def walked(steps):
-    """Key frames a metre apart on a line, without points, and what closes loops among them."""
-    frames = KeyFrames(np.zeros((0, 2)), np.zeros(3))
+def walked(steps, points=np.zeros((0, 2))):
+    """Key frames a metre apart on a line, and what closes loops among them."""
+    frames = KeyFrames(points, np.zeros(3))
     for scan in range(1, steps + 1):
-        frames.add(scan, np.zeros((0, 2)), np.array([1.0, 0, 0]), np.eye(3))
+        frames.add(scan, points, np.array([1.0, 0, 0]), np.eye(3))
     return frames, LoopCloser(frames, 0.03, LoopClosing())
 
 
 @pytest.mark.parametrize(
     ("first", "motion", "believed"),
-    [(2, (28.0, 0, 0), 2), (14, (16.0, 0, 0), 2), (14, (16.3, 0, 0), 0), (24, (6.0, 0, 0), 0)],
+    [
+        *((2, (28.0, 0, 0), 2), (14, (16.0, 0, 0), 2), (14, (16.3, 0, 0), 0), (24, (6.0, 0, 0), 0)),
+        *((14, (16.0, 0, turn), 0) for turn in (-0.1, 0.1)),
+    ],
 )
 def test_at_the_end_loops_to_passes_far_apart_are_witnesses(first, motion, believed):
     """Two loops of one scan count where they say the same of old places more than 8 m apart."""
@@ -264,13 +269,45 @@ def test_at_the_end_loops_to_passes_far_apart_are_witnesses(first, motion, belie
     assert not closer.pending
 
 
+@pytest.mark.parametrize(
+    ("one", "other", "apart", "compared"),
+    [
+        ((1, 31), (4, 34), False, True),
+        ((1, 31), (20, 34), False, False),
+        ((1, 24), (4, 34), False, False),
+        ((1, 31), (4, 31), False, False),
+        ((1, 31), (20, 31), True, True),
+        ((1, 31), (4, 31), True, False),
+        ((1, 31), (20, 34), True, False),
+    ],
+)
+def test_which_loops_are_compared(one, other, apart, compared):
+    """Whichever of them is the older one, at each end."""
+    _, closer = walked(40)
+    a, b = (Edge(i, j, np.array([j - i, 0.0, 0]), np.eye(3), True) for i, j in (one, other))
+    for loop, known in ((a, b), (b, a)):
+        assert bool(closer._agreeing(loop, [known], apart=apart)) == compared
+
+
+@pytest.mark.parametrize(("lost_since", "seen"), [(None, 4), (0, 4), (29, 2)])
+def test_a_lost_robot_is_sought_by_what_it_has_seen_since(lost_since, seen):
+    """Catches a view that reaches back to where the robot was before it was carried away."""
+
+    class Map:
+        def search(self, points, guess, **place):
+            assert len(points) == 10 * seen
+            return None, 0.0
+
+    _, closer = walked(30, points=np.ones((10, 2)))
+    closer.lost_since = lost_since
+    window = Window(3, np.zeros(3), 1.0, 0.3)
+    assert closer._measure(window, Map(), 30) == "the two places look different"
+
+
 @pytest.mark.parametrize(("reach", "covered"), [(1.0, 5), (2.5, 5), (9.0, 9), (12.0, 12)])
 def test_the_map_of_an_old_place_reaches_as_far_as_the_window(reach, covered):
     """Killian Court: a door 3.8 m off fitted better than the true place, where no map was."""
-    frames = KeyFrames(np.zeros((1, 2)), np.zeros(3))
-    for scan in range(1, 41):
-        frames.add(scan, np.zeros((1, 2)), np.array([1.0, 0, 0]), np.eye(3))
-    closer = LoopCloser(frames, 0.03, LoopClosing())
+    _, closer = walked(40, points=np.zeros((1, 2)))
     x = closer._map_around(Window(20, np.zeros(3), reach, 0.3)).grid.points[:, 0]
     assert (x.min(), x.max()) == (-covered, covered)
 

@@ -48,6 +48,10 @@ def test_of_equal_costs_the_lowest_indices_come_first():
     assert found.parents.tolist() == [0, 0, 0, 0]
     two_ways = [WALL, [(0, 0.05), (2, 0.05)], [(0, -0.05), (2, -0.05)]]
     assert segment_similarity(two_ways, distance=0.018).parents.tolist() == [0, 0, 1]
+    # 1 and 2 first; then their mean, 1 m off, costs 0 as much as 3 does
+    y = 0.03840407735
+    rest = [[(3, -0.105), (4, -0.105)], [(3, 0.045), (4, 0.045)], [(-2, y), (-1, y)]]
+    assert segment_similarity([WALL, *rest], distance=0.2535).parents.tolist() == [0, 0, 0, 1]
 
 
 @pytest.mark.parametrize("turn", [0.0, 0.7, 2.0])
