@@ -146,6 +146,7 @@ METHODS = Methods(
         merges="m -> 1",
         keeps="end points, scans, members",
         varies="factor",
+        needs_points=True,
     ),
     fusion_online=Method(
         fusion_online,

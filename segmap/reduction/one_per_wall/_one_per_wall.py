@@ -20,6 +20,8 @@ BEND = 0.0115
 FEWEST = 8
 #: Rounds in which scans move, each with the noise that the last one left, and steps in each.
 ROUNDS, STEPS = 10, 6
+#: Of what its pairs ask for a scan moves this share in a step: two scans must not change places.
+SHARE = 0.8
 
 
 @checked
@@ -56,7 +58,7 @@ def one_per_wall(map: Segments, *, factor: Positive = 1.0) -> Reduction:
     >>> found.parents
     array([0, 0, 1])
     """
-    noise = np.nan
+    noise = float(np.nan)
     scan = map.scan if isinstance(map, SegmentMap) else np.zeros(0, np.int64)
     places = map.sensors if isinstance(map, SegmentMap) else None
     several = len(np.unique(scan)) > 1
@@ -106,7 +108,7 @@ def _agreed(
 ) -> tuple[Array, Array, float]:
     """Segments and sensors where the scans agree best, and the noise that is left.
 
-    Each step moves all scans by half of what their pairs and their first places ask for.
+    Each step moves all scans by a share of what their pairs and their first places ask for.
     """
     scans, of = np.unique(scan, return_inverse=True)
     count = np.bincount(of)
@@ -120,7 +122,7 @@ def _agreed(
             normal, right = first[:, :, None] * np.eye(3), -first * moved
             pull(s, pairs, of, centre, max(left, noise / 10), normal, right)
             normal[:, 2, 2] += first[:, 0] * 1e-9  # a scan of one look turns about its middle
-            step = np.linalg.solve(normal, right[..., None])[..., 0] / 2
+            step = np.linalg.solve(normal, right[..., None])[..., 0] * SHARE
             moved += step
             c, d = np.cos(step[of, 2]), np.sin(step[of, 2])
             turn = np.stack([c, -d, d, c], axis=-1).reshape(-1, 2, 2)
@@ -153,10 +155,11 @@ def _drawn(rows: Rows, s: Array, sensors: Array, tolerance: float) -> Found:
     )
     longest = np.argsort(-length(rows.segments).round(9), kind="stable")
     drawn = walls.drawn[: grow(walls, longest, tolerance)]
-    metres = np.bincount(walls.label, length(rows.segments), len(drawn))
+    metres = np.zeros(len(drawn))
+    np.add.at(metres, walls.label, length(rows.segments))
     weakest = np.argsort(metres.round(9), kind="stable")
     places = empty_index(len(drawn), unit)
-    into = take_in(drawn, metres.copy(), weakest, places, walls.near, WIDE * tolerance)
+    into = take_in(drawn, metres, weakest, places, walls.near, WIDE * tolerance)
     while (into[into] != into).any():
         into = into[into]
     left, label = np.unique(into[walls.label], return_inverse=True)

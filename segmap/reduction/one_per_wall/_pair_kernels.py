@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from ...arrays import Array
 from ...compiled import compiled
-from ...kernels import length_of, span
+from ...kernels import SAME, length_of
 from .._index import Index, enter, meeting
 
 Indices = NDArray[np.int64]
@@ -61,7 +61,7 @@ def find_pairs(
             if abs(cross) > SINE * other or _side(s, sensors, i, i) * _side(s, sensors, i, j) < 0:
                 continue
             low, high, one, two = _over(s, i, j)
-            if high - low < OVERLAP * min(size, other) or abs(one + two) / 2 > APART:
+            if high - low < OVERLAP * min(size, other) - SAME or abs(one + two) / 2 > APART:
                 continue
             if count == len(pairs):
                 more = np.empty((2 * count, 2), np.int64)

@@ -72,6 +72,7 @@ def _bridged(walls: Walls, line: Array, low: float, high: float, tolerance: floa
             if behind or before:
                 on = from_u + (u - from_u) * abs(from_v) / (abs(from_v) - v)
                 begin, end = min(begin, on), max(end, on)
+                before = before and np.hypot(on - u, v) <= SHADOW
         shared = min(high, end) - max(low, begin)
         if behind and abs(from_v) > tolerance and shared > THROUGH:
             return False
@@ -85,16 +86,20 @@ def _together(walls: Walls, seed: int, line: Array, tolerance: float) -> tuple[i
 
     They are `who[order[first:stop]]`.
     """
-    s, near, spans, count = walls.s, walls.near, walls.spans, 0
+    s, near, spans, count = walls.s, walls.near, walls.spans, 1
     x, y, dx, dy = line[0], line[1], line[2], line[3]
+    low, high = span(walls.grown, x, y, dx, dy)
+    walls.who[0] = seed
+    spans[0, 0], spans[0, 1] = span(s[seed], x, y, dx, dy)
     for k in range(meeting(walls.places, walls.grown, HIDDEN + tolerance, near)):
         i = near[k]
         one = (s[i, 0, 1] - y) * dx - (s[i, 0, 0] - x) * dy
         other = (s[i, 1, 1] - y) * dx - (s[i, 1, 0] - x) * dy
         off, rise = max(abs(one), abs(other)), abs(one - other)
-        if i == seed or (off <= tolerance and rise <= SINE * length_of(s[i])):
-            walls.who[count] = i
-            spans[count, 0], spans[count, 1] = span(s[i], x, y, dx, dy)
+        begin, end = span(s[i], x, y, dx, dy)
+        near_by = begin <= high + HIDDEN and end >= low - HIDDEN
+        if i != seed and near_by and off <= tolerance and rise <= SINE * length_of(s[i]):
+            walls.who[count], spans[count, 0], spans[count, 1] = i, begin, end
             count += 1
     order = walls.order
     order_by_first(order[:count], spans)
