@@ -60,7 +60,8 @@ def find_pairs(
             cross = (s[j, 1, 1] - s[j, 0, 1]) * dx - (s[j, 1, 0] - s[j, 0, 0]) * dy
             if abs(cross) > SINE * other or _side(s, sensors, i, i) * _side(s, sensors, i, j) < 0:
                 continue
-            low, high, one, two = _over(s, i, j)
+            a, b = (i, j) if other <= size + SAME else (j, i)  # along the longer look
+            low, high, one, two = _over(s, a, b)
             if high - low < OVERLAP * min(size, other) - SAME or abs(one + two) / 2 > APART:
                 continue
             if count == len(pairs):
@@ -68,7 +69,7 @@ def find_pairs(
                 for row in range(count):
                     more[row, 0], more[row, 1] = pairs[row, 0], pairs[row, 1]
                 pairs = more
-            pairs[count, 0], pairs[count, 1] = i, j
+            pairs[count, 0], pairs[count, 1] = a, b
             count += 1
         enter(places, i, s[i], 0.0)
     return pairs, count

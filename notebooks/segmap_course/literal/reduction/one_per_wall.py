@@ -86,10 +86,11 @@ def pairs_of(
                 continue
             if sensor and seen_from(line, sensor[i])[1] * seen_from(line, sensor[j])[1] < 0:
                 continue
-            low, high, one, two = shared(looks[i], looks[j])
-            shorter = min(segment_length(looks[i]), segment_length(looks[j]))
-            if high - low >= OVERLAP * shorter - SAME and abs(one + two) / 2 <= APART:
-                found.append((i, j))
+            size, other = segment_length(looks[i]), segment_length(looks[j])
+            a, b = (i, j) if other <= size + SAME else (j, i)  # along the longer look
+            low, high, one, two = shared(looks[a], looks[b])
+            if high - low >= OVERLAP * min(size, other) - SAME and abs(one + two) / 2 <= APART:
+                found.append((a, b))
     return found
 
 
