@@ -98,7 +98,7 @@ def pull(
     """Add what the pairs ask of their two scans to the normal equations, `(k, 3, 3)` and `(k, 3)`.
 
     A pair asks that both ends of what it shares meet, with the weight of its metres; what is far
-    beyond sigma, metres, counts less (Geman, McClure 1985).
+    beyond sigma, metres, counts less.
     """
     row = np.empty(3)
     for p in range(len(pairs)):

@@ -17,8 +17,8 @@ Indices = NDArray[np.int64]
 GAP, HIDDEN = 0.3, 1.0
 #: A beam that passed through so much of a gap, metres, saw that there is no wall.
 THROUGH = 0.1
-#: What hides a gap stands no farther before it, metres.
-SHADOW = 2.0
+#: What hides a gap stands so far before it, metres: what is nearer, a pilaster, is the wall.
+NICHE, SHADOW = 0.3, 2.0
 #: What hides at least this share of a gap hides it.
 SHADE = 0.5
 #: A look turns no more from its wall: sine of 30 degrees.
@@ -68,7 +68,7 @@ def _bridged(walls: Walls, line: Array, low: float, high: float, tolerance: floa
             v = (s[j, e, 1] - y) * dx - (s[j, e, 0] - x) * dy
             if from_v < 0.0:
                 v = -v
-            behind, before = behind and v < -tolerance, before and tolerance < v < abs(from_v)
+            behind, before = behind and v < -tolerance, before and NICHE < v < abs(from_v)
             if behind or before:
                 on = from_u + (u - from_u) * abs(from_v) / (abs(from_v) - v)
                 begin, end = min(begin, on), max(end, on)

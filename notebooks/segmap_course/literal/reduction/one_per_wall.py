@@ -27,7 +27,8 @@ from ..lines import (
 #: Constants of `reduction.one_per_wall`, metres where they are lengths.
 BEND, FEWEST, ROUNDS, STEPS, SHARE = 0.0115, 8, 10, 6, 0.8
 LEAST, APART, SINE, OVERLAP = 0.3, 0.25, 0.174, 0.5
-GAP, HIDDEN, THROUGH, SHADOW, SHADE, SLANT = 0.3, 1.0, 0.1, 2.0, 0.5, 0.5
+GAP, HIDDEN, THROUGH, SHADE, SLANT = 0.3, 1.0, 0.1, 0.5, 0.5
+NICHE, SHADOW = 0.3, 2.0
 CHANGES, WEIGHT, MORE, WIDE, BESIDE = 12, 0.01, 1.5, 1.5, 0.8
 
 Pair = tuple[int, int]
@@ -244,7 +245,7 @@ def bridged(
         side = -1.0 if from_v < 0 else 1.0
         ends = [(u, side * v) for u, v in (seen_from(line, p) for p in looks[i])]
         behind = all(v < -tolerance for _, v in ends)
-        if not behind and not all(tolerance < v < abs(from_v) for _, v in ends):
+        if not behind and not all(NICHE < v < abs(from_v) for _, v in ends):
             continue
         on = [from_u + (u - from_u) * abs(from_v) / (abs(from_v) - v) for u, v in ends]
         metres = min(high, max(on)) - max(low, min(on))
