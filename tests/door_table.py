@@ -16,6 +16,7 @@ from segmap import (
     alignment,
     experiments,
     matching,
+    metrics,
     quadtree,
     readers,
     reduction,
@@ -110,7 +111,7 @@ GOOD = {
 GOOD |= {
     "plotting.ax": Figure().subplots(), "alignment": ALIGNMENT, "alignments": {"it": PATH},
     "maps": {"it": MAP}, "draw_quadtree.map": TREE, "draw_quadtrees.maps": {"it": TREE},
-    "frame": RUNS, "quality": 0.9,
+    "frame": RUNS, "quality": 0.9, "draw_against_walls.found": metrics.against_walls(WALLS, MAP),
     "draw_online.frame": TIMES, "growth.frame": TIMES, "reduction": REDUCTION,     "columns": 1,
     "draw_maps.color": "#000000", "draw_maps.truth": WALLS, "draw_maps.scan": LOG[0],
     "draw_log.path": "#000000", "draw_log.poses": PATH, "robot": PATH[0], "figure": Figure((1, 1)),

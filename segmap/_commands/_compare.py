@@ -1,4 +1,7 @@
-"""`segmap compare LOG`: all reduction methods on one map, at equal quality (A 6.2.3)."""
+"""`segmap compare LOG`: all reduction methods on one map, at equal quality (A 6.2.3).
+
+With a plan of the building also against its walls: quality asks how near the noisy map is.
+"""
 
 from __future__ import annotations
 
@@ -10,15 +13,16 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .. import extraction
+from .. import extraction, metrics
 from .._display import counted
+from ..readers import LogError, read_segments
 from ..reduction import METHODS
 from ..scans import Log
-from ..segments import SegmentMap
+from ..segments import SegmentMap, length
 from ._logs import add_align, add_logs, add_strict, aligned, allowed, concluded, each_log
 from ._targets import add_output
 from ._thresholds import thresholds
-from ._words import Report, percent, progress, seconds
+from ._words import Report, finite, percent, progress, seconds
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -31,6 +35,9 @@ SUFFIXES = (".png", ".csv")
 DOUBLED, BETWEEN, SLOW = 5, 2, 20.0
 #: A longer map is thinned, scan by scan: some methods take time with the square of its segments.
 MOST = 2000
+#: Where a smaller share of the map lies beside the walls of a plan, or the plan is so many times as
+#: large, it is of another place or in another unit: a few walls at 0 lie there in any unit.
+BESIDE, LARGER = 0.1, 50
 
 
 class _TooSlow(Exception):
@@ -55,6 +62,13 @@ def add(commands: Any) -> None:
         "--all", action="store_true", help=f"every scan; else as many as give {MOST} segments"
     )
     command.add_argument("--filter", type=float, metavar="METRES", help="leave shorter ones out")
+    command.add_argument(
+        "--walls",
+        type=Path,
+        metavar="FILE",
+        help="judge by true walls too: a .csv with x1,y1,x2,y2,scan or .npz, metres, in the frame "
+        "of the map",
+    )
     add_strict(command)
     add_output(command, SUFFIXES, "a picture of the curves, or all runs")
     command.set_defaults(run=run)
@@ -64,6 +78,10 @@ def run(given: argparse.Namespace) -> int:
     """Compare on each log."""
     if not 0 < given.quality <= 100:
         given.refuse(f"--quality must be above 0 and at most 100 per cent, got {given.quality:g}")
+    try:
+        given.plan = None if given.walls is None else read_segments(given.walls)
+    except LogError as error:  # of a plan --skip leaves nothing out
+        raise ValueError(f"--walls {error}") from error
     return each_log(given, compare)
 
 
@@ -83,10 +101,14 @@ def compare(given: argparse.Namespace, log: Log, paths: list[Path], report: Repo
         kept, every = (len(np.unique(m.scan)) for m in (map, whole))
         part = f"; compared on {len(map)} of them, from {kept} of {every} scans (--all takes all)"
     report.line("extracted", f"{counted(len(whole), 'segment')}{part}", segments=len(whole))
+    if given.plan is not None:
+        check_plan(given, map, report)
     runs = compared(log.name, map, given.quality / 100)
     taken = float(runs["seconds"].sum())
     report.line("compared", f"{counted(len(runs), 'run')}, {seconds(taken)}", seconds=taken)
-    print_table(runs, given.quality / 100, report)
+    nearest = print_table(runs, given.quality / 100, report)
+    if given.plan is not None:
+        print_walls(given, map, nearest, report)
     written = allowed(given, verdict, paths, report)
     for path in written:
         if path.suffix == ".csv":
@@ -168,7 +190,55 @@ def thinned(map: SegmentMap) -> SegmentMap:
     raise AssertionError("one scan is left at last")
 
 
-def print_table(runs: pd.DataFrame, quality: float, report: Report) -> None:
+def check_plan(given: argparse.Namespace, map: SegmentMap, report: Report) -> None:
+    """Say how much of a map lies beside the walls of a plan; refuse a plan of another place."""
+    found = metrics.against_walls(given.plan, map)
+    share = 1 - found.invented / length(map.segments).sum()
+    ends = [each.segments.reshape(-1, 2) for each in (map, given.plan)]
+    small, large = (np.ptp(each, axis=0).max() for each in ends)
+    if share < BESIDE or large > LARGER * small:
+        spans = [f"from {each.min(0).round(1)} to {each.max(0).round(1)}" for each in ends]
+        raise ValueError(
+            f"{percent(share)} of the map lies beside a wall of {given.walls}: the map is "
+            f"{spans[0]} m, the plan {spans[1]}. A plan must be in metres, not millimetres, and in "
+            "the frame of the map: `segmap map LOG --method none -o map.dxf` writes the map, to "
+            "lay the plan on it"
+        )
+    words = f"{counted(len(found.walls), 'wall')} of {given.walls}; beside them lies"
+    figures = {"walls": len(found.walls), "beside": share}
+    report.line("plan", f"{words} {percent(share)} of the map", **figures)
+
+
+def print_walls(
+    given: argparse.Namespace, map: SegmentMap, runs: dict[str, pd.Series], report: Report
+) -> None:
+    """What one run of each method keeps of the walls of a plan, of what the map before has."""
+    from ..experiments import thresholds_of
+
+    report.say(
+        f"  {'against the plan':<22} {'a wall':>11} {'found':>8} {'missed':>8} {'invented':>8} "
+        f"{'double':>8} {'off':>8}"
+    )
+    for name, run in {"the map before": None, **runs}.items():
+        after = map if run is None else METHODS[name](map, **thresholds_of(run))
+        found = metrics.against_walls(given.plan, after, seen=map)
+        seen = float(found.seen.sum())
+        shares = {
+            "found": found.found,
+            "missed": found.missed / seen,
+            "invented": found.invented / seen,
+            "double": float(found.doubled.sum()) / seen,
+        }
+        columns = " ".join(f"{percent(share):>8}" for share in shares.values())
+        off = f"{1000 * found.offset:.0f} mm"
+        report.say(f"  {name:<22} {found.per_wall:>11.2f} {columns} {off:>8}")
+        figures = {"per_wall": found.per_wall, **shares, "offset": found.offset}
+        said = report.found["plan"] if run is None else report.found["methods"][name]
+        said["against_walls"] = {word: finite(figure) for word, figure in figures.items()}
+    report.say()
+
+
+def print_table(runs: pd.DataFrame, quality: float, report: Report) -> dict[str, pd.Series]:
     """What each method leaves at one quality, the best first, and its run that comes nearest."""
     from ..experiments import equal_quality, select
 
@@ -176,9 +246,10 @@ def print_table(runs: pd.DataFrame, quality: float, report: Report) -> None:
     methods = map(str, dict.fromkeys(runs["method"]))
     names = sorted(methods, key=lambda name: -np.nan_to_num(at[name], nan=-np.inf))
     report.say(f"\n  {f'at quality {percent(quality)}':<22} {'gone':>11} {'left':>6}  nearest run")
+    nearest = {}
     for name in names:
         gone, own = float(at[name]), select(runs, method=name)
-        near = own.iloc[int((own["quality"].fillna(0.0) - quality).abs().argmin())]
+        nearest[name] = near = own.iloc[int((own["quality"].fillna(0.0) - quality).abs().argmin())]
         left = "-" if np.isnan(gone) else f"{(1 - gone) * total:.0f}"
         share, varies = "not reached" if np.isnan(gone) else percent(gone), METHODS[name].varies
         words = f"quality {percent(near['quality'])}, {near['n_after']} left"
@@ -189,3 +260,4 @@ def print_table(runs: pd.DataFrame, quality: float, report: Report) -> None:
         figures = {"gone": None if np.isnan(gone) else gone, "nearest": run}
         report.found.setdefault("methods", {})[name] = figures
     report.say()
+    return nearest

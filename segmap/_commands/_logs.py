@@ -104,18 +104,21 @@ def each_log(given: argparse.Namespace, work: Work, head: Callable[[Log, str], s
 
 def write_table(path: Path, reports: Sequence[Report]) -> None:
     """A row for each log, a column for each figure: `aligned.matched` and so on."""
-    rows: list[dict[str, Any]] = []
-    for report in reports:
-        row: dict[str, Any] = {}
-        for word, said in report.found.items():
-            figures = said if isinstance(said, dict) else {"": said}
-            row |= {f"{word}.{name}".rstrip("."): value for name, value in figures.items()}
-        rows.append(row)
+    rows = [dict(_figures(report.found)) for report in reports]
     text = io.StringIO()
     table = csv.DictWriter(text, list(dict.fromkeys(name for row in rows for name in row)))
     table.writeheader()
     table.writerows(rows)
     write_bytes(path, text.getvalue().encode())
+
+
+def _figures(said: dict[str, Any], begin: str = "") -> Iterator[tuple[str, Any]]:
+    """Each figure with the words that lead to it."""
+    for word, value in said.items():
+        if isinstance(value, dict):
+            yield from _figures(value, f"{begin}{word}.")
+        else:
+            yield f"{begin}{word}", value
 
 
 def sources(text: str) -> Iterator[str]:

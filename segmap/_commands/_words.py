@@ -66,7 +66,7 @@ class Report:
     def line(self, word: str, text: str, **figures: Any) -> None:
         """One thing about the log, below its name; without a word it belongs to the line before."""
         if word:
-            self._last = {"text": text} | {k: _finite(v) for k, v in figures.items()}
+            self._last = {"text": text} | {k: finite(v) for k, v in figures.items()}
             self.found[word] = self._last
         else:
             self._last.setdefault("notes", []).append(text)
@@ -78,7 +78,7 @@ class Report:
             say(json.dumps(self.found))
 
 
-def _finite(value: Any) -> Any:
+def finite(value: Any) -> Any:
     """A figure as JSON can hold it: nothing in the place of NaN."""
     return None if isinstance(value, float) and not math.isfinite(value) else value
 

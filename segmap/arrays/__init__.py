@@ -49,6 +49,7 @@ from ._tables import (
     pose,
     poses,
     ranges,
+    ready,
     row,
     segments,
     share,

@@ -1,7 +1,7 @@
 """Arrays of numbers, checked: any shape, rows, points, poses, segments."""
 
 import sys
-from typing import Protocol, runtime_checkable
+from typing import Protocol, TypeGuard, runtime_checkable
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -59,6 +59,17 @@ def numbers(value: object, name: str, expected: str = "an array of real numbers"
     if array.dtype.kind not in "fiub":
         raise ValueError(f"{name} must be {expected}, got {brief(value)}")
     return array.astype(float, copy=False)
+
+
+def ready(value: object) -> TypeGuard[Array]:
+    """Whether a loop takes it as it is: it is compiled for whole arrays that it may write into.
+
+    Examples
+    --------
+    >>> ready(np.zeros((4, 2))), ready(np.zeros((4, 4))[:, :2]), ready([[0.0, 0.0]])
+    (True, False, False)
+    """
+    return type(value) is np.ndarray and value.dtype == float and value.flags.carray
 
 
 def ranges(value: object, name: str = "ranges") -> Array:

@@ -96,7 +96,9 @@ def good_maps(frame: pd.DataFrame) -> pd.DataFrame:
     DataFrame
         thresholds: those that are best for all maps; a column for each noise and all: the maps
         that are good with them; each_its_own: those that are good with some thresholds of the
-        method; maps: how many were tried.
+        method; maps: how many were tried. Thresholds that are best here were chosen with these
+        maps in sight; those of another table are taken by
+        `frame[frame["thresholds"] == frame["method"].map(table["thresholds"])]`.
 
     Examples
     --------

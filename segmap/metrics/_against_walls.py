@@ -44,6 +44,8 @@ class AgainstWalls:
         The map, cut where its owner changes.
     owner : (p,) int array
         Wall of each piece, -1 where it is invented.
+    lost, twice : (m, 2, 2) arrays, metres
+        The stretches of the walls that are missed, and those that the map has more than once.
     """
 
     walls: Array
@@ -57,6 +59,8 @@ class AgainstWalls:
     angle: float
     pieces: Array = field(repr=False)
     owner: NDArray[np.int64] = field(repr=False)
+    lost: Array = field(repr=False)
+    twice: Array = field(repr=False)
 
     @property
     def missed(self) -> float:
@@ -125,9 +129,18 @@ def against_walls(
         looks = arrays.segments(seen, "seen")
         known = _owned(whole, looks[length(looks) >= MIN_LENGTH], *limits).spans(len(whole))
     mine = _owned(whole, segments, *limits)
-    spans = mine.spans(len(whole))
-    could, has = (np.array([_covered(each) for each in found]) for found in (known, spans))
-    both = np.array([_covered([*a, *b]) for a, b in zip(known, spans, strict=True)])
+    could, kept, doubled = np.zeros((3, len(whole)))
+    lost: list[Array] = []
+    twice: list[Array] = []
+    for k, (theirs, own) in enumerate(zip(known, mine.spans(len(whole)), strict=True)):
+        at = np.unique([0.0, *np.ravel(theirs), *np.ravel(own)])
+        seen_there, times, step = _cover(at, theirs) > 0, _cover(at, own), np.diff(at)
+        could[k] = step[seen_there].sum()
+        kept[k] = step[seen_there & (times > 0)].sum()
+        doubled[k] = (step * np.maximum(times - 1, 0)).sum()
+        for which, found in ((seen_there & (times == 0), lost), (times > 1, twice)):
+            ends = at[np.diff(which.astype(int), prepend=0, append=0) != 0] / size[k]
+            found.append(whole[k, 0] + np.outer(ends, whole[k, 1] - whole[k, 0]).reshape(-1, 2, 2))
     counts = could >= np.minimum(least, size) - MIN_LENGTH
     metres = np.zeros((len(segments), len(whole) + 1))  # the last column: beside no wall
     np.add.at(metres, (mine.of, mine.owner), mine.metres)
@@ -138,8 +151,8 @@ def against_walls(
     return AgainstWalls(
         walls=whole,
         seen=could,
-        kept=could + has - both,
-        doubled=np.array([sum(b - a for a, b in each) for each in spans]) - has,
+        kept=kept,
+        doubled=doubled,
         invented=float(metres[:, -1].sum()),
         per_wall=len(segments) / walls_left if walls_left else np.nan,
         found=len(set(most[counts[most]])) / walls_left if walls_left else np.nan,
@@ -147,6 +160,8 @@ def against_walls(
         angle=float(np.sqrt((mine.turns * mine.metres)[beside].sum() / weight)),
         pieces=mine.pieces,
         owner=mine.owner,
+        lost=np.concatenate(lost),
+        twice=np.concatenate(twice),
     )
 
 
@@ -255,10 +270,8 @@ def _owned(walls: Array, segments: Array, distance: float, sine: float) -> _Owne
     return _Owned(pieces, of, owner, (b - a) * metres[of], *owned)
 
 
-def _covered(spans: list[tuple[float, float]]) -> float:
-    """Metres that lie in at least one of some spans."""
-    metres, reached = 0.0, -np.inf
-    for low, high in sorted(spans):
-        metres += max(0.0, high - max(low, reached))
-        reached = max(reached, high)
-    return metres
+def _cover(at: Array, spans: list[tuple[float, float]]) -> NDArray[np.int64]:
+    """How many of some spans cover each stretch between ends `(k + 1,)`; `(k,)`."""
+    low, high = np.sort(np.reshape(spans, (-1, 2)), axis=0).T
+    begun, ended = (np.searchsorted(each, at[:-1], "right") for each in (low, high))
+    return begun - ended

@@ -12,6 +12,7 @@ from ._pictures import figure_png, thumbnail
 from ._quadtrees import draw_quadtree, draw_quadtrees, square_corners
 from ._scans import draw_log, draw_path, draw_points, draw_poses, draw_robot, draw_scan
 from ._segments import (
+    draw_against_walls,
     draw_before_after,
     draw_maps,
     draw_provenance,

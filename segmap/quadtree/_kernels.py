@@ -32,6 +32,8 @@ DEPTH = 32
 MOST = 2**31 - 1
 #: No cell is further away than this, so that whole numbers hold it.
 FAR = 2.0**60
+#: Longer rays share no way: their slopes may differ by less than numbers hold.
+EXACT = 2**22
 
 
 # ------------------------------------------------------------------------ single leaves
@@ -121,7 +123,7 @@ def _split(
 
 
 @compiled
-def insert_ends(
+def _insert_ends(
     vis: Counts, occ: Counts, used: int, cells: Cells, ends: int, done: int, keep: bool, path: Cells
 ) -> tuple[int, int]:
     """Steps 1 and 2: split the leaf of each end down to a cell, and count the end there (B 4.2.2).
@@ -148,56 +150,153 @@ def insert_ends(
 
 
 @compiled
-def walk_rays(
-    vis: Counts, occ: Counts, used: int, cells: Cells, ends: int, done: int, least: int, path: Cells
+def _close(vis: Counts, way: Cells, tip: int) -> int:
+    """Leave the last leaf of a way: its rays count there, and they crossed the leaf before too."""
+    node, count = way[tip, 0], way[tip, 4]
+    vis[node] = min(vis[node] + count, MOST)
+    if tip > 0:
+        way[tip - 1, 4] += count
+    return tip - 1
+
+
+@compiled
+def _walk_rays(
+    vis: Counts,
+    occ: Counts,
+    used: int,
+    cells: Cells,
+    ends: int,
+    done: int,
+    least: int,
+    path: Cells,
+    way: Cells,
+    slopes: Array,
 ) -> tuple[int, int]:
     """Step 3: add 1 to `vis` of every leaf that holds a cell of a ray, but for the mask (B 4.4).
 
     Rays run from `cells[0]` to each other cell. The first `ends` of them leave out their end and
     its neighbours: of the cells that Bresenham takes, those of the last two steps along the longer
-    axis. A square is entered and left once, so each leaf counts once a ray. With a level `least`
-    below the root's, leaves above it are split instead, and nothing is counted. Returns as
-    `insert_ends`.
+    axis. A square is entered and left once, so each leaf counts once a ray. Leaves above the level
+    `least` are split first. Returns as `_insert_ends`.
+
+    With `u` along the longer axis and `v` along the shorter, from the sensor's cell, a ray has come
+    to `v = (u short + rest) // long` after `u` steps: its way depends on its slope alone, and its
+    length only cuts it. `way`, `(m, 5)`, holds the leaves of the ray before, each its node, first
+    `u` and `v`, side, and how many rays ended there; `slopes`, `(m, 2)`, above which slope and up
+    to which one a ray comes to that leaf by this way.
     """
-    top = len(path) - 1
-    level, x, y, add = top, cells[0, 0], cells[0, 1], least >= top
+    top, tip, octant = len(path) - 1, whole(-1), whole(-1)
+    level, x, y = top, cells[0, 0], cells[0, 1]
     for k in range(done, len(cells)):
         dx, dy = cells[k, 0] - cells[0, 0], cells[k, 1] - cells[0, 1]
         sign_x, sign_y = (1 if dx >= 0 else -1), (1 if dy >= 0 else -1)
         steep = abs(dy) > abs(dx)
         long, short = (abs(dy), abs(dx)) if steep else (abs(dx), abs(dy))
         last = long - 2 if k <= ends else long
-        # after n steps along the longer side `(n short + rest) // long` along the shorter are made
+        if last < 0:
+            continue
         long += long == 0
-        half = (long - 1) // 2  # Bresenham's loop always runs in increasing order
-        rest = half if (dy if steep else dx) > 0 else long - 1 - half
-        step, across = whole(0), whole(0)
-        while step <= last:
-            new_x = cells[0, 0] + sign_x * (across if steep else step)
-            new_y = cells[0, 1] + sign_y * (step if steep else across)
+        # Bresenham's loop always runs in increasing order, and of two cells as near takes the first
+        forward = (sign_y if steep else sign_x) > 0
+        rest = (long - 1) // 2 if forward else long // 2
+        reach, slope = last * short + rest, short / long
+        # back to the leaf where the ways part; bounds give way to ties, and slopes lie 2^-45 apart
+        nudge, before = 1 + 2.0**-46 if forward else 1 - 2.0**-46, octant
+        octant = 3 * sign_x + sign_y + 10 * steep if long <= EXACT else k + 20
+        while tip >= 0 and not (octant == before and slopes[tip, 0] < slope <= slopes[tip, 1]):
+            tip = _close(vis, way, tip)
+        at = tip
+        while at >= 0 and (last < way[at, 1] or reach < way[at, 2] * long):
+            at -= 1
+        while at == tip:
+            low, high, beyond_u, beyond_v, u, v = -1.0, 2.0, whole(0), whole(0), whole(0), whole(0)
+            right = True
+            if tip >= 0:
+                low, high = slopes[tip, 0], slopes[tip, 1]
+                beyond_u, beyond_v = way[tip, 1] + way[tip, 3], way[tip, 2] + way[tip, 3]
+                at_u, at_v = beyond_u * short + rest, beyond_v * long
+                right = at_u < at_v
+                if beyond_u > last if right else at_v > reach:
+                    break
+                if right:
+                    u, v = beyond_u, at_u // long
+                else:
+                    u, v = (at_v - rest + short - 1) // short, beyond_v
+            new_x = cells[0, 0] + sign_x * (v if steep else u)
+            new_y = cells[0, 1] + sign_y * (u if steep else v)
             node, level = _find(vis, path, level, new_x, new_y, x, y)
             x, y = new_x, new_y
+            if tip + 1 == len(way) or (level > least and 4 * (used + top) > len(vis)):
+                while tip >= 0:
+                    tip = _close(vis, way, tip)
+                return used, k
             if level > least:
-                if 4 * (used + top) > len(vis):
-                    return used, k
                 first = whole(vis[node])
                 node, used = _split(vis, occ, path, node, used, level, least, x, y, first)
                 level = least
-            if vis[node] < MOST:
-                vis[node] += add
-            # cells to the first beyond the leaf, along both axes
-            mask = (1 << level) - 1
-            to_x = mask + 1 - (x & mask) if sign_x > 0 else (x & mask) + 1
-            to_y = mask + 1 - (y & mask) if sign_y > 0 else (y & mask) + 1
-            along, aside = (to_y, to_x) if steep else (to_x, to_y)
-            reach = (step + along) * short + rest
-            if reach < (across + aside) * long:
-                step, across = step + along, reach // long
-            else:
-                across += aside
-                step = (across * long - rest + short - 1) // short
+            side = whole(1) << level
+            back_x = x & (side - 1) if sign_x > 0 else side - 1 - (x & (side - 1))
+            back_y = y & (side - 1) if sign_y > 0 else side - 1 - (y & (side - 1))
+            left, lower = (u - back_y, v - back_x) if steep else (u - back_x, v - back_y)
+            if tip >= 0 and right:
+                unit = nudge / (2 * u)
+                low = max(low, unit * (2 * lower - 1))
+                high = min(high, unit * (2 * min(lower + side, beyond_v) - 1))
+            elif tip >= 0:
+                unit = nudge * (2 * v - 1)
+                low = max(low, unit / (2 * min(left + side - 1, beyond_u)))
+                if left > 1:
+                    high = min(high, unit / (2 * (left - 1)))
+            tip += 1
+            at = tip
+            way[tip, 0], way[tip, 1], way[tip, 2] = node, left, lower
+            way[tip, 3], way[tip, 4] = side, 0
+            slopes[tip, 0], slopes[tip, 1] = low, high
             level += 1
+        way[at, 4] += 1
+    while tip >= 0:
+        tip = _close(vis, way, tip)
     return used, len(cells)
+
+
+@compiled
+def insert(
+    vis: Counts,
+    occ: Counts,
+    used: int,
+    sensor: Array,
+    points: Array,
+    free: Array,
+    corner: Array,
+    resolution: float,
+    root: Cells,
+    cells: Cells,
+    done: int,
+    finest: int,
+    path: Cells,
+    way: Cells,
+    slopes: Array,
+) -> tuple[int, int]:
+    """Insert a scan: places `(n, 2)` of its sensor, of ends, and of beams that met nothing.
+
+    Rays split leaves above the level `finest`, where that is not negative. Returns the blocks used
+    and how far it came, `len(points) + len(cells)` in the end: with more room it goes on from
+    there. -1 says that a place lies outside the root or is not finite, and nothing was done.
+    """
+    ends, top = len(points), len(path) - 1
+    if done == 0:
+        at = corner, resolution, root, 1 << top
+        found = cells_of(sensor, *at, cells[:1]) + cells_of(points, *at, cells[1 : ends + 1])
+        if found + cells_of(free, *at, cells[ends + 1 :]) > 0:
+            return used, -1
+        done = 1
+    if done <= ends:
+        used, done = _insert_ends(vis, occ, used, cells, ends, done, finest >= 0, path)
+        if done <= ends:
+            return used, done
+    least = min(finest, top) if finest >= 0 else top
+    used, k = _walk_rays(vis, occ, used, cells, ends, done - ends, least, path, way, slopes)
+    return used, ends + k
 
 
 # ------------------------------------------------------------------------- the whole tree

@@ -18,7 +18,7 @@ from ._tree import LEAST, UNIT, Leaves, Tree, level_of, pairs
 if TYPE_CHECKING:
     import pandas as pd
 
-
+NO_POINTS = np.empty((0, 2))
 Resolution = Annotated[float, Quantity("metres", least=LEAST, most=LIMIT)]
 #: A length that must fit the cells, see `level_of`.
 Side = Annotated[float, Quantity("metres", most=1e300)]
@@ -98,13 +98,21 @@ class QuadtreeMap(Pictured):
         >>> map.occupancy([(3.5, 0.5), (0.5, 3.5), (3.5, 3.5)])
         array([1.   , 0.475, 0.5  ])
         """
-        at, ends = arrays.point(sensor_xy, "sensor_xy", limit=np.inf)[None], pairs("points", points)
-        free = pairs("free_points", () if free_points is None else free_points)
-        cells, inside = self._cells(sensor_xy=at, points=ends, free_points=free)
-        cells = cells if inside else self.tree.grow(cells, self.resolution)
+        sensor = sensor_xy
+        if not (arrays.ready(sensor) and sensor.shape == (2,)):
+            sensor = np.array(arrays.point(sensor, "sensor_xy", limit=np.inf))
+        free = NO_POINTS if free_points is None else pairs("free_points", free_points)
+        scan = sensor[None], pairs("points", points), free
+        given = scan, (self.corner, self.resolution), self._finest
         try:
-            self.tree.insert(cells, len(ends), self._finest)
+            if not self.tree.insert(*given):
+                arrays.point(sensor, "sensor_xy", limit=np.inf)
+                cells = self._cells(sensor_xy=scan[0], points=scan[1], free_points=free)
+                self.tree.grow(cells, self.resolution)
+                self.tree.insert(*given)
             self.scans += 1
+        except ValueError:  # refused, and the map is as it was
+            raise
         except BaseException:  # interrupted: half a scan may be in, but in a tree
             self.tree.mend()
             raise
@@ -114,7 +122,7 @@ class QuadtreeMap(Pictured):
 
         `occ / vis` where ends were seen; else from 0.5 (unknown) down to 0 (surely free).
         """
-        leaf = self.tree.leaves_at(self._cells(points=pairs("points", points))[0])
+        leaf = self.tree.leaves_at(self._cells(points=pairs("points", points)))
         inside = leaf >= 0
         return np.where(inside, self._occupancy(np.where(inside, leaf, 0)), 0.5)
 
@@ -255,8 +263,8 @@ class QuadtreeMap(Pictured):
         scans = f"{self.scans} scan" + "s" * (self.scans != 1)
         return f"QuadtreeMap({self.side:.6g} m, {leaves}, {scans})"
 
-    def _cells(self, **named: Array) -> tuple[kernels.Cells, bool]:
-        """Cells of points `(n, 2)`, counted from the root's, and whether it holds them all."""
+    def _cells(self, **named: Array) -> kernels.Cells:
+        """Cells of points `(n, 2)`, counted from the root's; all must be finite."""
         together = np.concatenate(list(named.values()))
         cells = np.empty(together.shape, np.int64)
         root = self.tree.corner, 1 << self.tree.level
@@ -264,7 +272,7 @@ class QuadtreeMap(Pictured):
         if found == 2:
             for name, points in named.items():
                 arrays.table(points, name, 2, unit=UNIT, limit=np.inf)
-        return cells, found == 0
+        return cells
 
     def _occupancy(self, node: kernels.Cells) -> Array:
         vis, occ = self.tree.vis[node], self.tree.occ[node]

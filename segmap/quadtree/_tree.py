@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 UNIT = "metres (leave out beams without return)"
 #: No cell is smaller, metres: single precision must hold coordinates counted in cells.
 LEAST = 1e-6
+#: Places `(n, 2)`, metres: of the sensor, of the ends of beams, of where the others left its range.
+Scan = tuple[Array, Array, Array]
 
 
 class Leaves(NamedTuple):
@@ -64,11 +66,10 @@ class Tree:
         self.corner, self.version = np.zeros(2, np.int64), 0
         self._occupied: tuple[int, kernels.Holds] = (-1, np.zeros(0, np.bool_))
 
-    def grow(self, cells: kernels.Cells, resolution: float) -> kernels.Cells:
+    def grow(self, cells: kernels.Cells, resolution: float) -> None:
         """Double the root until it holds all cells `(n, 2)`, in their order.
 
-        Returns them counted from the corner of the new root. Where a cell lies beyond the largest
-        root, that is a ValueError, and the tree is as it was.
+        Where a cell lies beyond the largest root, that is a ValueError, and the tree is as it was.
         """
         x, y, level, steps = 0, 0, self.level, []
         for cell_x, cell_y in cells.tolist():
@@ -84,7 +85,6 @@ class Tree:
                 x, y, level = x - left * (1 << level), y - down * (1 << level), level + 1
         for quarter in steps:
             self._double(quarter)
-        return cells - (x, y)
 
     def _double(self, quarter: int) -> None:
         """Put the root into one quarter of a new one, whose other quarters nothing has crossed."""
@@ -96,34 +96,30 @@ class Tree:
         self.corner, self.level = corner, self.level + 1
         self.block, self.used, self.version = self.used, self.used + 1, self.version + 1
 
-    def insert(self, cells: kernels.Cells, ends: int, finest: int | None) -> None:
-        """Insert a scan (B 4.2 to 4.4).
+    def insert(self, scan: Scan, at: tuple[Array, float], finest: int | None) -> bool:
+        """Insert a scan (B 4.2 to 4.4); False where the root does not hold it: nothing was done.
 
-        Cells `(n, 2)` are that of the sensor, of `ends` beams that ended and of those that did not.
-        Rays too split leaves above the level `finest`, where there is one: children then keep the
-        count, and leaves that are alike join in the end.
+        `at` are corner and resolution of the map, metres. Rays too split leaves above the level
+        `finest`, where there is one: children then keep the count, and leaves that are alike join
+        in the end.
         """
-        done, keep = 1, finest is not None
-        while done <= ends:
-            self._make_room(self.level)
-            tree = self.vis, self.occ, self.used
-            self.used, done = kernels.insert_ends(*tree, cells, ends, done, keep, self._path())
+        ends, count = len(scan[1]), sum(map(len, scan))
+        cells, level = np.empty((count, 2), np.int64), -1 if finest is None else finest
+        done, room = 0, 64
+        while done < ends + count:
+            room *= 1 if self._make_room(self.level) else 2
+            tree, frame = (self.vis, self.occ, self.used), (*at, self.corner)
+            ways = np.empty((room, 5), np.int64), np.empty((room, 2))
+            self.used, done = kernels.insert(
+                *tree, *scan, *frame, cells, done, level, self._path(), *ways
+            )
+            if done < 0:
+                return False
             self.version += 1
-        if finest is not None and finest < self.level:
-            self._walk(cells, ends, finest)
-        self._walk(cells, ends, self.level)
         if finest is not None:
             self._compact(self.used, join=True)
             self._compact(self.used, join=False)
-
-    def _walk(self, cells: kernels.Cells, ends: int, least: int) -> None:
-        """Count the rays in all leaves that they cross, or split these leaves down to a level."""
-        done = 1
-        while done < len(cells):
-            self._make_room(self.level)
-            tree = self.vis, self.occ, self.used
-            self.used, done = kernels.walk_rays(*tree, cells, ends, done, least, self._path())
-            self.version += 1
+        return True
 
     def mend(self) -> None:
         """Keep the blocks that the root reaches: an interrupt may have hidden how many are used."""
@@ -183,12 +179,14 @@ class Tree:
         path[-1] = self.block
         return path
 
-    def _make_room(self, blocks: int) -> None:
-        """Make sure that so many blocks can be added."""
+    def _make_room(self, blocks: int) -> bool:
+        """Make sure that so many blocks can be added; whether that took larger arrays."""
         wanted = 4 * (self.used + blocks)
-        if wanted > len(self.vis):
-            room = 3 * wanted // 2
-            self.vis, self.occ = np.resize(self.vis, room), np.resize(self.occ, room)
+        if wanted <= len(self.vis):
+            return False
+        room = 3 * wanted // 2
+        self.vis, self.occ = np.resize(self.vis, room), np.resize(self.occ, room)
+        return True
 
 
 def level_of(name: str, length: float, resolution: float, *, least: int = 0) -> int:
@@ -205,6 +203,6 @@ def level_of(name: str, length: float, resolution: float, *, least: int = 0) -> 
 
 def pairs(name: str, values: ArrayLike) -> Array:
     """Points as an array `(n, 2)`; whether they are finite is seen where their cells are found."""
-    if type(values) is np.ndarray and values.dtype == float and values.shape[1:] == (2,):
+    if arrays.ready(values) and values.shape[1:] == (2,):
         return values
-    return arrays.table(values, name, 2, unit=UNIT, limit=np.inf)
+    return np.array(arrays.table(values, name, 2, unit=UNIT, limit=np.inf), order="C")

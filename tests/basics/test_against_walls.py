@@ -58,6 +58,15 @@ def test_one_line_between_two_walls_belongs_to_the_nearer():
     assert found.per_wall == 0.5 and found.found == 0.5 and found.offset == pytest.approx(0.04)
 
 
+def test_a_line_in_the_middle_of_two_walls_belongs_to_the_first():
+    """However the building lies: catches rounding that chooses."""
+    walls, line = [[(0, 0), (3, 0)], [(0, 0.10), (3, 0.10)]], [[(0, 0.05), (3, 0.05)]]
+    for turn in np.linspace(0, 6, 25):
+        to = (7.0, -2.0, turn)
+        found = against_walls(transform(to, walls), transform(to, line))
+        np.testing.assert_array_equal(found.owner, [0])
+
+
 def test_a_bridge_over_a_door_is_invented():
     """Of 7 m of wall, a door of 1 m: 14.3 %."""
     walls = [[(0, 0), (3, 0)], [(4, 0), (8, 0)]]
@@ -68,8 +77,20 @@ def test_a_bridge_over_a_door_is_invented():
 
 
 def test_what_is_there_twice_is_doubled():
+    """And three times once more, but the stretch is one."""
     found = against_walls(ROOM, [*ROOM, [(1, 0), (2.5, 0.05)]])
     assert found.doubled.sum() == pytest.approx(1.5, abs=0.01) and found.per_wall == 1.25
+    more = against_walls(ROOM, [*ROOM, [(1, 0), (2.5, 0)], [(2, 0), (3, 0)]])
+    assert more.doubled.sum() == pytest.approx(2.5)
+    np.testing.assert_allclose(more.twice, [[(1, 0), (3, 0)]], atol=1e-9)
+
+
+def test_what_is_missed_lies_on_its_wall():
+    """Catches stretches of what nobody saw, and one stretch in the place of two."""
+    seen = [[(0.5, 0.03), (3.5, 0.03)]]
+    found = against_walls(ROOM, [[(1, 0.02), (1.5, 0.02)], [(2, -0.02), (4, -0.02)]], seen=seen)
+    np.testing.assert_allclose(found.lost, [[(0.5, 0), (1, 0)], [(1.5, 0), (2, 0)]], atol=1e-9)
+    assert found.missed == pytest.approx(1.0) and not len(found.twice)
 
 
 def test_what_nobody_saw_is_not_missed():

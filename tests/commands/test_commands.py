@@ -17,7 +17,15 @@ from conftest import later, slow
 from makefile import ROOT
 
 import segmap
-from segmap import alignment, exports, readers, reduction
+from segmap import (
+    alignment,
+    exports,
+    extraction,
+    metrics,
+    readers,
+    reduction,
+    simulation,
+)
 from segmap._commands import _compare, main
 from segmap._commands._compare import MOST, thinned
 from segmap._commands._thresholds import thresholds
@@ -455,6 +463,69 @@ def test_methods_are_compared_at_one_quality(run, near, monkeypatch, methods):
     best, share, left = shown[0]
     assert float(share) == round(100 * at[best], 1)
     assert int(left) == round((1 - at[best]) * runs["n_before"].iloc[0])
+
+
+@pytest.fixture
+def plan(tmp_path, monkeypatch):
+    """A few methods, a drive through a room of 6 m x 4 m at noisy poses, and its walls."""
+    few = {name: reduction.METHODS[name] for name in ("hybrid", "least_cost")}
+    monkeypatch.setattr(_compare, "METHODS", few)
+    rng, walls = np.random.default_rng(3), simulation.rectangular_room(6, 4)
+    path = simulation.drive([(1, 1), (5, 1), (5, 3)], step=1.0, turn=0.8)
+    log = simulation.simulate(walls, path, sensor=simulation.SICK_LMS200, rng=rng)
+    exports.write_carmen(tmp_path / "drive.log", log, path + rng.normal(0, 0.01, path.shape))
+    exports.write_segments(tmp_path / "plan.csv", walls)
+    return walls
+
+
+def test_a_plan_judges_the_run_that_is_shown(run, plan):
+    """Catches a judge of other thresholds, and shares of the whole walls in the place of seen."""
+    words = ("drive.log", "--walls", "plan.csv", "--json", "--table", "it.csv")
+    code, said, _ = run("compare", *words)
+    found = json.loads(said)
+    log = segmap.read("drive.log")
+    before = extraction.build_map(log, log.truth, keep_points=True)
+    assert code == 0 and found["plan"]["walls"] == 4 and found["plan"]["beside"] > 0.9
+    for name, said in [*found["methods"].items(), ("none", found["plan"])]:
+        after = before
+        if name != "none":
+            varies, value = re.match(r"--(\w+) ([\d.]+):", said["nearest"]).groups()
+            after = reduction.METHODS[name](before, **{varies: float(value)})
+            assert f", {len(after)} left" in said["nearest"]
+        wanted = metrics.against_walls(plan, after, seen=before)
+        judged = said["against_walls"]
+        assert judged["per_wall"] == wanted.per_wall and judged["found"] == wanted.found
+        assert judged["missed"] == pytest.approx(wanted.missed / wanted.seen.sum(), abs=0.01)
+        assert judged["offset"] == pytest.approx(wanted.offset, abs=0.002)
+    table = pd.read_csv("it.csv")
+    told = found["methods"]["hybrid"]["against_walls"]["per_wall"]
+    assert table["methods.hybrid.against_walls.per_wall"].item() == told
+    _, said, _ = run("compare", "drive.log", "--walls", "plan.csv")
+    shown = said[said.index("against the plan") :].splitlines()[1:4]
+    assert [line.split()[0] for line in shown] == ["the", *sorted(found["methods"])[::-1]]
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        (lambda walls: walls * 1000, "the plan from [0. 0.] to [6000. 4000.]. A plan must be in m"),
+        (lambda walls: walls + (30, 0), "0.0 % of the map lies beside a wall of plan.csv"),
+        (lambda walls: walls[:0], "walls must hold a segment that has a length"),
+    ],
+)
+def test_a_plan_of_another_place_is_refused_before_anything_is_run(run, plan, change, said):
+    """Catches a plan in millimetres, whose walls through 0 lie beside the map all the same."""
+    exports.write_segments("plan.csv", change(plan))
+    code, out, beside = run("compare", "drive.log", "--walls", "plan.csv")
+    assert code == 1 and said in " ".join(beside.split()) and "compared" not in out
+
+
+def test_a_damaged_plan_is_named_before_the_log_is_read(run, plan):
+    """Catches the advice of --skip, which is for logs."""
+    Path("plan.csv").write_text("x1,y1,x2,y2,scan\n0,0,one,0,0\n")
+    code, out, beside = run("compare", "drive.log", "--walls", "plan.csv")
+    assert code == 1 and out == "" and "--skip" not in beside
+    assert "--walls plan.csv, line 2: expected numbers for x1,y1,x2,y2,scan" in beside
 
 
 def test_a_long_log_is_thinned_scan_by_scan():

@@ -85,6 +85,7 @@ PANELS = {
     "RoomPanel": ((ROOM, (1, 1, 0)), "beams", 51),
     "SectorPanel": ((DOOR,), "scan", 0),
     "StoragePanel": ((LOG, LOG.truth, ROOM), "resolution", 10.0),
+    "WallsPanel": ((), "noise", "0.03"),
     "WeightedPanel": ((WALLS,), "place", 0.10),
 }
 

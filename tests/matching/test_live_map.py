@@ -161,7 +161,7 @@ def test_kernels_let_other_threads_go_on():
     """Catches a map that is made in the background, while nothing else moves."""
     map = blank()
     map.insert_scan((0, 0), [(1.0, 1.0)])
-    fast = kernels.walk_rays._fast
+    fast = kernels.insert._fast
     assert getattr(fast, "targetoptions", {"nogil": True})["nogil"]  # plain Python has no kernel
 
 

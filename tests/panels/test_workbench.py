@@ -162,8 +162,10 @@ def test_what_is_known_is_not_done_again(monkeypatch):
     made.open(Log("other", LOG.scans[:3], LOG.truth[:3]))
     made.run()
     assert calls == [LOG.name, "other"] and max(made.outcome.map.scan) == 2
+    first = made.outcome.map
     made.align.value = "odometry"
     made.run()
+    assert not np.array_equal(made.outcome.map.segments, first.segments)
     assert made.outcome.alignment.method == made.runs["alignment"].iloc[-1] == "odometry"
 
 

@@ -17,6 +17,7 @@ from segmap.alignment import Match as Matched
 from segmap.experiments import online_times, select
 from segmap.exports import ros_classes
 from segmap.matching import DistanceField
+from segmap.metrics import against_walls
 from segmap.plotting import ERROR, GROUPS, MAP, RAW, RESULT, TRUTH, method_style
 from segmap.quadtree import QuadtreeMap
 from segmap.reduction import Reduction, hybrid
@@ -28,6 +29,7 @@ WALLS = np.array([[(0, 0), (4, 0)], [(4, 0), (4, 3)], [(0, 0.02), (4, 0.02)]], f
 ROOM = rectangular_room()
 SEEN = SegmentMap(WALLS, [0, 0, 1])
 REDUCED = Reduction(WALLS[:2], np.array([0, 1, 0]), 0.0, "by hand")
+JUDGED = against_walls([*WALLS[:2], [(1, 1), (1, 2)]], [*WALLS, [(2, 1), (2, 2)]])
 SCAN = LaserScan([1.0, 2.0], [0.0, 0.5])
 POSES = np.array([(0, 0, 0), (1, 0, 0.1), (2, 1, 0.2)], float)
 LOG = Log("three", [replace(SCAN, odometry=tuple(pose)) for pose in POSES], truth=POSES)
@@ -43,6 +45,10 @@ THESIS = {method_style(method, 0)[0] for method in USC["method"]}
 
 #: Each drawing on given axes, and the colours that it uses: every meaning has its own everywhere.
 DRAWINGS = {
+    "against_walls": (
+        lambda ax: plotting.draw_against_walls(JUDGED, ax=ax),
+        {GROUPS[6], MAP, RESULT, ERROR},
+    ),
     "alignment": (lambda ax: plotting.draw_alignment(LOG, ALIGNED, ax=ax), {RAW, RESULT, ERROR}),
     "backbone": (
         lambda ax: course.draw_backbone(backbone_steps(load("corridor")[:2])[1], ax=ax),

@@ -6,7 +6,7 @@ import tomllib
 import pytest
 from makefile import ROOT, lab_command, make
 
-from segmap import METHODS, fusion, quality
+from segmap import METHODS, experiments, fusion, quality
 from segmap.metrics import invented, missed
 
 README = (ROOT / "README.md").read_text(encoding="utf-8")
@@ -45,8 +45,18 @@ def test_least_cost_is_as_much_better_than_fusion_as_the_text_says(names):
     map, ours, fused = names["map"], names["small"], fusion(names["map"], tolerance=0.04)
     kept = [round(100 * quality(map, small)) for small in (ours, fused)]
     assert [int(n) for n in found.groups()] == [len(ours), kept[0], len(fused), kept[1]]
-    assert 2 * missed(map, ours) < missed(map, fused) and invented(map, ours) < invented(map, fused)
+    assert 1.25 * missed(map, ours) < missed(map, fused)
+    assert invented(map, ours) < invented(map, fused)
     assert len(METHODS) == 16 and "fifteen of the sixteen" in README
+
+
+def test_the_order_under_the_other_judge_is_that_of_the_records():
+    """Catches a ranking by true walls that outlives new records."""
+    counts = experiments.good_maps(experiments.load_walls("fresh buildings"))["all"]
+    first = ["least_cost", "hybrid_fusion", "fusion_online", "segment_similarity"]
+    assert list(counts.index[:4]) == first and counts.iloc[0] - counts.iloc[1] == 1
+    said = " ".join(README.split())
+    assert "`least_cost`, Hybrid with Fusion, on-line Fusion, segment similarity, the" in said
 
 
 def test_the_session_of_commands_is_true(names, tmp_path, monkeypatch, capsys):

@@ -111,6 +111,31 @@ def test_the_order_of_beams_does_not_matter():
     assert leaves_of(maps[0]) == leaves_of(maps[1])
 
 
+#: Two rays of 2^26 cells whose slopes differ by 2^-51: they part at step 2^25.
+APART = [(2**26, 2**25 - 1), (2**26 + 2, 2**25)]
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_a_ray_counts_as_it_does_alone(seed):
+    """Catches a leaf taken over from the ray before that a tie, or a slope that is less apart than
+    numbers hold, does not come to by the same way."""
+    rng = np.random.default_rng(seed)
+    sensor, sign = 2**27 + 0.5, rng.choice([-1, 1], 2)
+    ties = np.repeat(rng.integers(-9, 10, (40, 2)), 3, 0) * rng.integers(1, 4**seed + 1, (120, 1))
+    rng.shuffle(ties[: 60 * (seed % 3)])
+    ends = np.concatenate([sign * [*APART, (2**25, 2**24), (2**25, 2**24 - 1)], ties]) + sensor
+    free = sensor + rng.integers(-(2**seed), 2**seed, (9, 2))
+    together, alone = [QuadtreeMap(resolution=1, size=2**28) for _ in range(2)]
+    for map in (together, alone):  # all leaves are split
+        map.insert_scan((sensor, sensor), ends, free)
+    together.insert_scan((sensor, sensor), ends, free)
+    for end in ends:
+        alone.insert_scan((sensor, sensor), [end])
+    for end in free:
+        alone.insert_scan((sensor, sensor), [], [end])
+    assert leaves_of(together) == leaves_of(alone)
+
+
 def test_the_literal_walk_is_that_of_the_thesis():
     """By hand: the loop starts at the smaller x, so a ray and its mirror image differ."""
     there = [(0, 0), (1, 0), (2, 0), (3, 1), (4, 1)]

@@ -13,7 +13,7 @@ from segmap.quadtree._tree import Tree
 #: More than the last call of each loop in a scan that grows, splits and joins.
 CALLS = [0, slow(1), 2, slow(3), 4, slow(5)]
 LOOPS = [
-    *((_kernels, name, side) for name in ("insert_ends", "walk_rays") for side in (None, 0.4)),
+    *((_kernels, "insert", side) for side in (None, 0.4)),
     *((Tree, "_double", side) for side in (None, 0.4)),
     (_kernels, "compact", 0.4),  # the thesis joins nothing
 ]

@@ -5,10 +5,15 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from reduction_maps import MAPS, malaga
+from segmap_course.literal.metrics import nearness
+from segmap_course.literal.reduction import least_cost as plain
 
 from segmap.metrics import quality
 from segmap.reduction import least_cost, reduce_to
-from segmap.reduction.least_cost._least_cost import crosses
+from segmap.reduction._runner import rows_of
+from segmap.reduction.least_cost._exchange import exchanged
+from segmap.reduction.least_cost._fit_kernels import Limits
+from segmap.reduction.least_cost._least_cost import crosses, merged
 from segmap.segments import length
 
 
@@ -52,18 +57,33 @@ def test_segments_cross_where_both_ends_lie_on_other_sides(place):
 
 @given(st.integers(0, 10_000), st.sampled_from([0.02, 0.05]))
 @settings(max_examples=20)
-def test_every_segment_lies_in_the_strip_and_the_span_of_its_output(seed, distance):
-    """Catches an output that was drawn before its last member came, and a limit left out."""
+def test_every_segment_meets_its_output_and_no_other_costs_it_less(seed, distance):
+    """Catches parents of the first phase, an output that moved after its members were counted."""
     map = MAPS[seed % 4](np.random.default_rng(seed))
     found = least_cost(map, penalty=0.2, distance=distance)
-    held = found.parents >= 0
-    out = found.segments[found.parents[held]]
-    direction = (out[:, 1] - out[:, 0]) / length(out)[:, None]
-    from_start = map[held] - out[:, :1]
-    along = np.einsum("ikj,ij->ik", from_start, direction)
-    across = np.einsum("ikj,ij->ik", from_start[..., ::-1] * (1, -1), direction)
-    assert np.abs(across).max() <= 2 * distance + 1e-9
-    assert along.min() >= -1e-9 and (along <= length(out)[:, None] + 1e-9).all()
+    limits = (max(0.075, 0.2 / distance / 40), distance, np.sin(np.radians(5)), 0.0)
+    for s, parent in zip(map, found.parents, strict=True):
+        if parent >= 0:
+            costs = [plain.charge(s, line, limits) for line in found.segments]
+            assert nearness(s, found.segments[parent]) <= 2 * distance * (1 + 2e-9)
+            assert costs[parent] <= min(costs) + 1e-9
+
+
+@given(st.integers(0, 10_000), st.sampled_from([0.01, 0.05, 0.3]))
+@settings(max_examples=20)
+def test_the_second_phase_only_lowers_the_sum(seed, penalty):
+    """Catches an exchange that is kept although it costs more, and a sum that is not undone."""
+    map = MAPS[seed % 4](np.random.default_rng(seed))
+    rows, sine = rows_of(map)[0], float(np.sin(np.radians(5)))
+    limits = Limits(penalty, 0.25, 0.25, 0.05, sine, 0.05)
+
+    def summed(outputs):
+        plain_limits = (max(0.075, penalty / 2), 0.05, sine, 0.05)
+        costs = [[plain.charge(s, line, plain_limits) for line in outputs] for s in rows.segments]
+        return np.min(costs, axis=1).sum() + penalty * len(outputs)
+
+    first = merged(rows, limits)[0]
+    assert summed(exchanged(rows, first, limits)[0]) <= summed(first) + 1e-9
 
 
 @pytest.mark.parametrize(
@@ -92,6 +112,22 @@ def test_a_higher_penalty_leaves_fewer_segments():
     map = malaga()[np.arange(600)]
     left = [len(least_cost(map, penalty=p)) for p in (0.0001, 0.01, 0.05, 0.2, 1.0)]
     assert left == sorted(left, reverse=True) and left[0] > 2 * left[-1]
+
+
+def test_a_quality_that_is_asked_for_is_met_by_about_as_few_segments_as_any_penalty_leaves():
+    """Catches a map that jumps with the penalty: bisection would end far from what was asked."""
+    map = malaga()[np.arange(600)]
+    penalties = np.geomspace(0.003, 1.0, 25)
+    runs = [
+        (quality(map, found), len(found))
+        for found in (least_cost(map, penalty=p) for p in penalties)
+    ]
+    kept, left = np.array(runs).T
+    assert np.diff(kept).max() < 1e-3 and np.diff(left).max() <= 1
+    for wanted in (0.95, 0.9, 0.85, 0.8, 0.75):
+        found = reduce_to(map, quality=wanted)
+        assert wanted <= quality(map, found) < wanted + 0.01
+        assert len(found) <= left[kept >= wanted].min() * 1.02
 
 
 def test_the_order_of_the_segments_changes_ties_only():

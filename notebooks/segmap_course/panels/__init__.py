@@ -12,6 +12,7 @@ from ._reduction import (
     LeastCostPanel,
     MeanShiftPanel,
     SectorPanel,
+    WallsPanel,
     WeightedPanel,
 )
 from ._scans import ClusterPanel, DistancePanel, PolylinePanel, RoomPanel

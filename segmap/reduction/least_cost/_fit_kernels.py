@@ -22,12 +22,13 @@ from ...kernels import (
     lay,
     mean_line_terms,
     order_by_first,
+    span,
 )
 
 Indices = NDArray[np.int64]
 #: A merge is looked at whose first estimate is up to so many penalties: estimates are too high.
 WIDE = 3.0
-#: A member may lie so many times the distance off the line, or the merge is refused.
+#: A member may lie so many times the distance off the line, or the line is refused.
 HARD = 2.0
 #: Rounds in which a line is turned and shifted; each halves what it tried where nothing helped.
 STEPS = 6
@@ -36,26 +37,73 @@ EQUAL = 1e-12
 
 
 class Limits(NamedTuple):
-    """Thresholds of `least_cost`: metres, a sine, and the price of a metre missed or invented."""
+    """Thresholds of `least_cost`: metres, a sine, and prices of a metre missed or invented."""
 
     penalty: float
-    price: float
+    missed: float
+    invented: float
     distance: float
     sine: float
     gap: float
 
 
 class Room(NamedTuple):
-    """The members of the two clusters that are being fitted, side by side, and room to work in."""
+    """The inputs for which a segment is drawn, side by side, and room to work in."""
 
     who: Indices  # (n,) index of the input
     order: Indices  # (n,) spans by where they begin
     ends: Array  # (n, 4) its end points
     about: Array  # (n, 5) its middle, direction and half length
+    caps: Array  # (n,) what each costs elsewhere: it is charged no more
     spans: Array  # (n, 2) projections of those that are kept
     line: Array  # (2, 2) the segment that was drawn last
     frame: Array  # (5,) its middle, direction and half length
     sums: Array  # (6,) weight, centre and scatter of both clusters
+
+
+def empty_room(n: int) -> Room:
+    """Room for n inputs, which cost any price elsewhere."""
+    shapes = (n, 4), (n, 5), n, (n, 2), (2, 2), 5, 6
+    room = Room(*np.empty((2, n), np.int64), *(np.empty(shape) for shape in shapes))
+    room.caps[:] = np.inf
+    return room
+
+
+def sums_of(d: Array) -> Array:
+    """Weight, centre and scatter xx, xy, yy of segments that are described, `(n, 6)`."""
+    whole, (x, y) = 2 * d[:, 4], d[:, 2:4].T
+    scatter = (whole**3 / 12 * p for p in (x * x, x * y, y * y))
+    return np.column_stack([whole, d[:, :2], *scatter])
+
+
+@compiled
+def take(room: Room, k: int, i: int, s: Array, d: Array) -> None:
+    """Let input i be member k."""
+    room.who[k] = i
+    for j in range(4):
+        room.ends[k, j] = s[i, j // 2, j % 2]
+    for j in range(5):
+        room.about[k, j] = d[i, j]
+
+
+@compiled
+def rounded(cost: float) -> float:
+    """Costs that are equal but for rounding become the same number."""
+    return np.floor(cost / EQUAL + 0.5) * EQUAL
+
+
+@compiled
+def keep(nearest: Array, who: Indices, i: int, j: int, value: float) -> None:
+    """Put a neighbour into the list of the nearest of i, where it is among them (ties: lower)."""
+    at = who.shape[1]
+    while at > 0 and (
+        value < nearest[i, at - 1] or (value == nearest[i, at - 1] and j < who[i, at - 1])
+    ):
+        at -= 1
+        if at + 1 < who.shape[1]:
+            nearest[i, at + 1], who[i, at + 1] = nearest[i, at], who[i, at]
+    if at < who.shape[1]:
+        nearest[i, at], who[i, at] = value, j
 
 
 @compiled
@@ -85,6 +133,27 @@ def _distance_inside(ends: Array, about: Array, line: Array, frame: Array, near:
     )
     angular = (about[4] + frame[4]) * abs(cross) / (1.0 + dot)
     return ANGULAR * angular + ACROSS * across / np.sqrt(dx * dx + dy * dy) + APART * near
+
+
+@compiled
+def charge(s: Array, d: Array, line: Array, about: Array, limits: Limits) -> float:
+    """What an input, (2, 2), costs if it goes to a segment, described by (5,); `inf`: too far off.
+
+    Its distance, and the price of the metres that are not beside the segment.
+    """
+    near = apart(s, line)
+    if near > HARD * limits.distance * (1.0 + 1e-9):
+        return np.inf
+    angular, most = mean_line_terms(s, line, d, about)
+    x, y, dx, dy = about[0], about[1], about[2], about[3]
+    off = abs((s[0, 0] - x) * dy - (s[0, 1] - y) * dx)
+    off = max(off, abs((s[1, 0] - x) * dy - (s[1, 1] - y) * dx))
+    lost = 2.0 * d[4]
+    if off <= limits.distance and abs(d[2] * dy - d[3] * dx) <= limits.sine:
+        low, high = span(s, x, y, dx, dy)
+        kept = max(min(high, about[4]) - max(low, -about[4]), 0.0)
+        lost *= 1.0 - kept / (high - low)
+    return ANGULAR * angular + ACROSS * most + APART * near + limits.missed * lost
 
 
 @compiled
@@ -126,19 +195,20 @@ def _line_cost(
         slant = room.about[k, 2] * dx + room.about[k, 3] * dy
         inside = one * other >= 0.0 or (low >= near and whole - high >= near)
         if inside and abs(slant) >= 0.1:
-            total += _distance_inside(room.ends[k], room.about[k], room.line, room.frame, near)
+            cost = _distance_inside(room.ends[k], room.about[k], room.line, room.frame, near)
         else:
             i = room.who[k]
-            total += distance_between(s[i], room.line, room.about[k], room.frame)
+            cost = distance_between(s[i], room.line, room.about[k], room.frame)
         if (
             off > limits.distance
             or abs(dx * room.about[k, 3] - dy * room.about[k, 2]) > limits.sine
         ):
-            total += limits.price * 2.0 * room.about[k, 4]
+            cost += limits.missed * 2.0 * room.about[k, 4]
         elif not covered:
             room.spans[kept, 0], room.spans[kept, 1] = low, high
             covered = low <= limits.gap and high >= whole - limits.gap
             kept += 1
+        total += min(cost, room.caps[k])
         if total >= most:
             return np.inf
     if not covered:  # metres in longer gaps between the spans of those that are kept
@@ -148,22 +218,22 @@ def _line_cost(
             begin = room.spans[room.order[k], 0] if k < kept else whole
             metres += begin - reached if begin - reached > limits.gap or kept == 0 else 0.0
             reached = max(reached, room.spans[room.order[k], 1]) if k < kept else whole
-        total += limits.price * metres
+        total += limits.invented * metres
     return total if total < most else np.inf
 
 
 @compiled
-def fit(s: Array, room: Room, count: int, limits: Limits, longer: Array, most: float) -> float:
+def fit(s: Array, room: Room, count: int, limits: Limits, guess: Array, most: float) -> float:
     """Leave the segment of least cost for the members in `room.line`; its cost, `inf`: too dear.
 
-    From the line of total least squares, `room.sums`, or that of the longer cluster's segment,
-    whichever costs less, to the best of four moves, or of half of each, again and again.
+    From the line of total least squares, `room.sums`, or that of a guess, whichever costs less, to
+    the best of four moves, or of half of each, again and again.
     """
     x, y = room.sums[1], room.sums[2]
     theta = np.arctan2(2.0 * room.sums[4], room.sums[3] - room.sums[5]) / 2.0
     best = _line_cost(s, room, count, limits, (x, y, theta), most)
-    mx, my = (longer[0, 0] + longer[1, 0]) / 2.0, (longer[0, 1] + longer[1, 1]) / 2.0
-    along = np.arctan2(longer[1, 1] - longer[0, 1], longer[1, 0] - longer[0, 0])
+    mx, my = (guess[0, 0] + guess[1, 0]) / 2.0, (guess[0, 1] + guess[1, 1]) / 2.0
+    along = np.arctan2(guess[1, 1] - guess[0, 1], guess[1, 0] - guess[0, 0])
     found = _line_cost(s, room, count, limits, (mx, my, along), min(best - EQUAL, most))
     if found < best:
         best, x, y, theta = found, mx, my, along

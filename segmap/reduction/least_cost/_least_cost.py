@@ -14,7 +14,19 @@ from ...metrics import quality as measured
 from ...segments import MIN_LENGTH, length
 from .._index import Index, empty_index, enter, meeting
 from .._runner import Found, Indices, Length, Reduction, Rows, Turn, run, survivors
-from ._fit_kernels import EQUAL, WIDE, Limits, Room, distance_between, fit
+from ._exchange import exchanged
+from ._fit_kernels import (
+    WIDE,
+    Limits,
+    Room,
+    distance_between,
+    empty_room,
+    fit,
+    keep,
+    rounded,
+    sums_of,
+    take,
+)
 
 #: Neighbours of each input that may merge with it.
 NEIGHBOURS = 8
@@ -38,21 +50,24 @@ def least_cost(
 ) -> Reduction:
     """Merge clusters of segments in the order of what a merge costs under quality; ours, off-line.
 
-    Quality (A 6.2.2) charges each segment of the map its distance from the nearest one after. A
-    cluster costs the sum of these distances, and a price for what quality does not see: metres that
-    its segment invents, and metres of its members that lie too far off it. The cheapest pair of
-    clusters merges first, each new segment is drawn where it costs least, until every further merge
-    costs more than `penalty`.
+    Quality (A 6.2.2) charges each segment of the map its distance from the nearest one after. What
+    it does not see has a price here: metres that an output invents, and metres of the map that lie
+    beside no output. First, clusters merge, the cheapest pair first, each new segment drawn where
+    it costs least, until every further merge costs more than `penalty`. Then each segment goes to
+    the output where it costs least: outputs are drawn anew for their members, close where these
+    lose less than the penalty elsewhere, and give way to a segment of the map, while the sum of
+    costs and penalties falls.
 
     So `quality(map, result) >= exp(-penalty * (n - m) / n / 0.05)` for n segments with a length
-    before and m after. Every segment lies within twice the distance of the line of its output, and
-    inside its span.
+    before and m after. Every segment comes within twice the distance of its output, but it may end
+    farther off, and beyond its ends.
 
     Parameters
     ----------
     penalty
-        What one segment fewer may cost; useful from 0.008 to 0.3. A metre missed or invented costs
-        0.25, and more where the penalty is above 10 times the distance.
+        What one segment fewer may cost; useful from 0.008 to 0.3. A metre invented costs 0.25, one
+        missed 0.25 in the first phase and 0.075 in the second; more where the penalty is above 10
+        and 3 times the distance.
     distance, angle
         A segment whose end lies farther off the line of its output, or that is turned by more,
         counts as missed.
@@ -63,7 +78,7 @@ def least_cost(
     Returns
     -------
     Reduction
-        In the order of the first segment of each cluster.
+        In the order of the first segment of each output.
 
     Examples
     --------
@@ -72,8 +87,8 @@ def least_cost(
     array([0, 0, 1])
     """
     price = max(PRICE, penalty / distance / 40)
-    limits = Limits(penalty, price, distance, float(np.sin(angle)), gap)
-    return run("least_cost", map, lambda rows: _reduce(rows, limits))
+    limits = Limits(penalty, price, price, distance, float(np.sin(angle)), gap)
+    return run("least_cost", map, lambda rows: exchanged(rows, merged(rows, limits)[0], limits))
 
 
 @checked
@@ -130,8 +145,8 @@ class State(NamedTuple):
     fits: Array  # (n, 5) its segment and cost
 
 
-def _reduce(rows: Rows, limits: Limits) -> Found:
-    """Outputs, and the output of each segment."""
+def merged(rows: Rows, limits: Limits) -> Found:
+    """The first phase: outputs, and the cluster of each segment."""
     s, n, d = rows.segments, len(rows.segments), describe(rows.segments)
     reach = min(max(limits.penalty / SHARE, limits.gap), 2 * limits.distance)
     # step 1: pairs that may merge, both ways, ascending; then the list of neighbours of each
@@ -146,13 +161,12 @@ def _reduce(rows: Rows, limits: Limits) -> Found:
     some = first[1:] > first[:-1]
     near[first[1:][some] - 1, 1] = -1
     # step 2: every segment is a cluster
-    own, whole, (x, y) = np.arange(n), 2 * d[:, 4], d[:, 2:4].T
-    scatter = (whole**3 / 12 * p for p in (x * x, x * y, y * y))
+    own = np.arange(n)
     state = State(
         s=s,
         d=d,
         drawn=s.copy(),
-        sums=np.column_stack([whole, d[:, :2], *scatter, 0 * whole]),
+        sums=np.column_stack([sums_of(d), np.zeros(n)]),
         link=np.column_stack([own, 0 * own, 0 * own + 1, own, own, np.where(some, first[:-1], -1)]),
         after=np.full(n, -1),
         near=near,
@@ -160,17 +174,9 @@ def _reduce(rows: Rows, limits: Limits) -> Found:
         fitted=np.full((n, 3), -1),
         fits=np.empty((n, 5)),
     )
-    shapes = (n, 4), (n, 5), (n, 2), (2, 2), 5, 6
-    room = Room(*np.empty((2, n), np.int64), *(np.empty(shape) for shape in shapes))
-    _merge_all(state, room, limits)
+    _merge_all(state, empty_room(n), limits)
     alive, parents = survivors(state.link[:, 0].copy())
     return state.drawn[alive], parents
-
-
-@compiled
-def _rounded(cost: float) -> float:
-    """Costs that are equal but for rounding become the same number."""
-    return np.floor(cost / EQUAL + 0.5) * EQUAL
 
 
 # ------------------------------------------------------------------ step 1: who may merge
@@ -187,20 +193,6 @@ def crosses(u: Array, v: Array) -> bool:
 
 
 @compiled
-def _keep(nearest: Array, who: Indices, i: int, j: int, value: float) -> None:
-    """Put a neighbour into the list of the nearest of i, where it is among them (ties: lower)."""
-    at = who.shape[1]
-    while at > 0 and (
-        value < nearest[i, at - 1] or (value == nearest[i, at - 1] and j < who[i, at - 1])
-    ):
-        at -= 1
-        if at + 1 < who.shape[1]:
-            nearest[i, at + 1], who[i, at + 1] = nearest[i, at], who[i, at]
-    if at < who.shape[1]:
-        nearest[i, at], who[i, at] = value, j
-
-
-@compiled
 def _nearest_neighbours(
     s: Array, d: Array, reach: float, places: Index, near: Indices, nearest: Array, who: Indices
 ) -> None:
@@ -212,9 +204,9 @@ def _nearest_neighbours(
         for k in range(meeting(places, s[i], reach, near)):
             j = near[k]
             if apart(s[i], s[j]) <= reach or crosses(s[i], s[j]):
-                value = _rounded(distance_between(s[j], s[i], d[j], d[i]))
-                _keep(nearest, who, i, j, value)
-                _keep(nearest, who, j, i, value)
+                value = rounded(distance_between(s[j], s[i], d[j], d[i]))
+                keep(nearest, who, i, j, value)
+                keep(nearest, who, j, i, value)
         enter(places, i, s[i], 0.0)
 
 
@@ -250,7 +242,7 @@ def _push(heap: list[Entry], state: State, room: Room, a: int, b: int, limits: L
         total += distance_between(state.s[i], room.line, state.d[i], line)
         i = state.after[i]
     if total <= WIDE * limits.penalty:
-        key = _rounded(max(total, 0.0) / WIDE)
+        key = rounded(max(total, 0.0) / WIDE)
         heapq.heappush(heap, (key, a, b, link[a, 1], link[b, 1], 0))
 
 
@@ -265,11 +257,7 @@ def _fit_pair(state: State, room: Room, a: int, b: int, limits: Limits) -> float
     for c in (a, b):
         i = link[c, 3]
         while i >= 0:
-            room.who[count] = i
-            for k in range(4):
-                room.ends[count, k] = state.s[i, k // 2, k % 2]
-            for k in range(5):
-                room.about[count, k] = state.d[i, k]
+            take(room, count, i, state.s, state.d)
             i, count = state.after[i], count + 1
     long = state.drawn[b if _longer(state, a, b) else a]
     fitted[a, 0], fitted[a, 1], fitted[a, 2] = b, link[a, 1], link[b, 1]
@@ -331,7 +319,7 @@ def _merge_all(state: State, room: Room, limits: Limits) -> None:
         if link[a, 0] != a or link[b, 0] != b or link[a, 1] != of_a or link[b, 1] != of_b:
             continue
         cost = _fit_pair(state, room, a, b, limits)
-        delta = _rounded(cost - (state.sums[a, 6] + state.sums[b, 6]))
+        delta = rounded(cost - (state.sums[a, 6] + state.sums[b, 6]))
         if not exact:
             if not delta <= limits.penalty:
                 continue

@@ -1,7 +1,8 @@
 """Least cost as one page of plain Python: the yardstick of `reduction.least_cost`.
 
 Clusters of segments merge in the order of what a merge costs: how far each member then is from the
-one segment that stands for all, what this segment invents, and what it misses.
+one segment that stands for all, what this segment invents, and what it misses. Then each segment
+goes to its nearest output: lines are drawn anew, close, and give way to others.
 """
 
 from __future__ import annotations
@@ -18,6 +19,7 @@ from ..lines import (
     line_angle,
     line_of,
     parents_of,
+    seen_from,
     segment_length,
     span_on,
     spanning,
@@ -27,11 +29,17 @@ from ..points import sums_along
 
 #: Price of a metre, distance, sine of the angle, and gap.
 Limits = tuple[float, float, float, float]
+#: Number of an output -> its segment, and what each input costs there.
+Outputs = dict[int, tuple[Segment, list[float]]]
+#: Of each input what it costs at its nearest output, and that one's number; the same of the next.
+Ranks = list[tuple[tuple[float, int], tuple[float, int]]]
 
 #: Constants of `reduction.least_cost`.
 HARD, NEIGHBOURS, STEPS, WIDE = 2.0, 8, 6, 3.0
 #: Costs that differ by less are equal, metres: then the lower index comes first. In decimals, too.
 EQUAL, DECIMALS = 1e-12, 12
+#: Those of its second phase.
+MISSED, ROUNDS, FALL, LEAST = 0.075, 6, 1e-4, 1e-6
 
 
 def least_cost(
@@ -43,7 +51,20 @@ def least_cost(
     gap: float = 0.05,
 ) -> tuple[list[Segment], list[int]]:
     """Reduced segments, and the index of the output that each of the inputs went into."""
-    limits = max(0.25, penalty / distance / 40), distance, math.sin(angle), gap
+    price = max(0.25, penalty / distance / 40)
+    limits = price, distance, math.sin(angle), gap
+    drawn = merged(segments, penalty, limits)
+    long = [i for i, s in enumerate(segments) if segment_length(s) >= SAME]
+    limits = max(MISSED, penalty / distance / 40), distance, math.sin(angle), gap
+    lines, nearest = exchanged([segments[i] for i in long], drawn, penalty, limits, price)
+    order = sorted(set(nearest), key=nearest.index)
+    groups = ([i for k, i in enumerate(long) if nearest[k] == f] for f in order)
+    return [lines[f] for f in order], parents_of(groups, len(segments))
+
+
+def merged(segments: Sequence[Segment], penalty: float, limits: Limits) -> list[Segment]:
+    """The first phase: the segment of each cluster, once every merge costs too much."""
+    _, distance, _, gap = limits
     members = {i: [i] for i, s in enumerate(segments) if segment_length(s) >= SAME}
     drawn = {i: segments[i] for i in members}
     cost = dict.fromkeys(members, 0.0)
@@ -82,8 +103,7 @@ def least_cost(
         for c in near[a]:
             near[c] = (near[c] - {b}) | {a}
             estimate(min(a, c), max(a, c))
-    order = sorted(members, key=lambda a: min(members[a]))
-    return [drawn[a] for a in order], parents_of((members[a] for a in order), len(segments))
+    return [drawn[a] for a in sorted(members)]
 
 
 def neighbour_sets(
@@ -129,7 +149,13 @@ def estimated(
 
 
 def fit(
-    members: Sequence[Segment], of_a: Segment, of_b: Segment, most: float, limits: Limits
+    members: Sequence[Segment],
+    of_a: Segment,
+    of_b: Segment,
+    most: float,
+    limits: Limits,
+    caps: Sequence[float] | None = None,
+    bridged: float | None = None,
 ) -> tuple[Segment, float]:
     """Step 5: the segment of least cost for all members, and its cost; `inf` from `most` on."""
     ends = [p for s in members for p in s]
@@ -137,7 +163,7 @@ def fit(
     best, at = most, None
     middle = [(longer[0][k] + longer[1][k]) / 2 for k in (0, 1)]
     for x, y, theta in (total_least_squares(members), (*middle, line_angle(longer))):
-        found = cost_of(members, spanning(x, y, theta, ends), limits, best)
+        found = cost_of(members, spanning(x, y, theta, ends), limits, best, caps, bridged)
         if found < best - (EQUAL if at else 0.0):
             best, at = found, (x, y, theta)
     if at is None:
@@ -151,7 +177,7 @@ def fit(
         better = None
         for d_theta, d_offset in moves:
             line = line_at(x, y, theta + d_theta, offset + d_offset, ends)
-            found = cost_of(members, line, limits)
+            found = cost_of(members, line, limits, math.inf, caps, bridged)
             if found < best - EQUAL:
                 best, better = found, (theta + d_theta, offset + d_offset)
         if better:
@@ -162,22 +188,34 @@ def fit(
 
 
 def cost_of(
-    members: Sequence[Segment], line: Segment, limits: Limits, most: float = math.inf
+    members: Sequence[Segment],
+    line: Segment,
+    limits: Limits,
+    most: float = math.inf,
+    caps: Sequence[float] | None = None,
+    bridged: float | None = None,
 ) -> float:
-    """Cost of one segment for its members: distances, metres missed and metres invented."""
+    """Cost of one segment for its members: distances, metres missed and metres invented.
+
+    No member costs more than its cap, what it costs elsewhere. A metre invented costs as much as
+    one missed, or the price `bridged`.
+    """
     price, distance, sine, gap = limits
     x, y, dx, dy = line_of(line)
-    total, kept = 0.0, []
+    costs, kept = [], []
     for s in members:
         off = max(abs((px - x) * dy - (py - y) * dx) for px, py in s)
         if off > HARD * distance:
             return math.inf
-        total += segment_distance(s, line)
+        cost = segment_distance(s, line)
         _, _, ex, ey = line_of(s)
         if off > distance or abs(dx * ey - dy * ex) > sine:
-            total += price * segment_length(s)
+            cost += price * segment_length(s)
         else:
             kept.append(span_on(line, s))
+        costs.append(cost)
+    total = sum(map(min, costs, caps or costs))
+    price = price if bridged is None else bridged
     total += price * invented(kept, segment_length(line), gap)
     return total if total < most else math.inf
 
@@ -220,3 +258,138 @@ def segments_apart(u: Segment, v: Segment) -> float:
     if side(u, v[0]) * side(u, v[1]) < 0 and side(v, u[0]) * side(v, u[1]) < 0:
         return 0.0
     return nearness(u, v)
+
+
+# ----------------------------------------------------------------------------- second phase
+def exchanged(
+    inputs: Sequence[Segment],
+    drawn: Sequence[Segment],
+    penalty: float,
+    limits: Limits,
+    bridged: float,
+) -> tuple[dict[int, Segment], list[int]]:
+    """Outputs by their numbers, and the number of the nearest one of each input."""
+    outputs = {f: (line, charges(inputs, line, limits)) for f, line in enumerate(drawn)}
+    free = len(drawn)
+    longest = sorted(range(len(inputs)), key=lambda i: -round(segment_length(inputs[i]), 9))
+    for _ in range(ROUNDS if inputs else 0):
+        before = summed(ranks(outputs), outputs, penalty)
+        sizes = {f: round(segment_length(line) / 2, DECIMALS) for f, (line, _) in outputs.items()}
+        for f in sorted(sizes, key=lambda f: (-sizes[f], f)):
+            line = refitted(inputs, outputs, f, penalty, limits, bridged)
+            if line:
+                outputs[free] = line, charges(inputs, line, limits)
+                del outputs[f]
+                free = f
+        close_all(outputs, penalty)
+        for i in longest:
+            line = inputs[i]
+            free = exchange(outputs, free, line, charges(inputs, line, limits), penalty)
+        if summed(ranks(outputs), outputs, penalty) >= before * (1 - FALL):
+            break
+    lines = {f: line for f, (line, _) in outputs.items()}
+    return lines, [first[1] for first, _ in ranks(outputs)]
+
+
+def charge(s: Segment, line: Segment, limits: Limits) -> float:
+    """What an input costs at an output: its distance, and the metres that are not beside it."""
+    price, distance, sine, _ = limits
+    if nearness(s, line) > HARD * distance * (1 + 1e-9):
+        return math.inf
+    seen = [seen_from(line_of(line), p) for p in s]
+    (_, _, dx, dy), (_, _, ex, ey) = line_of(line), line_of(s)
+    (low, high), lost = sorted(a for a, _ in seen), segment_length(s)
+    if max(abs(o) for _, o in seen) <= distance and abs(dx * ey - dy * ex) <= sine:
+        lost *= 1 - max(min(high, segment_length(line)) - max(low, 0.0), 0.0) / (high - low)
+    return segment_distance(s, line) + price * lost
+
+
+def charges(inputs: Sequence[Segment], line: Segment, limits: Limits) -> list[float]:
+    """What each input costs at an output."""
+    return [round_off(charge(s, line, limits)) for s in inputs]
+
+
+def round_off(cost: float) -> float:
+    """Costs that are equal but for rounding become the same number."""
+    return round(cost, DECIMALS) if cost < math.inf else cost
+
+
+def ranks(outputs: Outputs) -> Ranks:
+    """The two cheapest outputs of each input (ties: the lower number)."""
+    none = [(math.inf, -1), (math.inf, -1)]
+    table = zip(*([(c, f) for c in costs] for f, (_, costs) in outputs.items()), strict=True)
+    return [tuple(sorted([*row, *none], key=lambda r: (r[0], r[1] < 0, r[1]))[:2]) for row in table]
+
+
+def summed(ranked: Ranks, outputs: Outputs, penalty: float) -> float:
+    """What is minimised."""
+    return sum(first for (first, _), _ in ranked) + penalty * len(outputs)
+
+
+def loss(ranked: Ranks, f: int, offer: Sequence[float] | None = None) -> float:
+    """What the members of an output lose by going elsewhere, to the line that is tried too."""
+    total = 0.0
+    for i, ((first, at), (second, _)) in enumerate(ranked):
+        if at == f:
+            tried = offer[i] if offer else math.inf
+            total += min(second, tried) - min(first, tried)
+    return round_off(total)
+
+
+def refitted(
+    inputs: Sequence[Segment],
+    outputs: Outputs,
+    f: int,
+    penalty: float,
+    limits: Limits,
+    bridged: float,
+) -> Segment | None:
+    """A line that costs the members of an output less; none where there is no such line."""
+    line, ranked = outputs[f][0], ranks(outputs)
+    members = [i for i, ((_, at), _) in enumerate(ranked) if at == f]
+    if not members:
+        return None
+    most = sum(ranked[i][0][0] for i in members) - LEAST * penalty
+    caps = [ranked[i][1][0] for i in members]
+    found, cost = fit([inputs[i] for i in members], line, line, most, limits, caps, bridged)
+    return found if cost < math.inf else None
+
+
+def close_all(outputs: Outputs, penalty: float) -> None:
+    """Close outputs, the cheapest first, until every one would lose more than the penalty."""
+    while outputs:
+        ranked = ranks(outputs)
+        lost, f = min((loss(ranked, f), f) for f in outputs)
+        if lost >= penalty:
+            return
+        del outputs[f]
+
+
+def exchange(outputs: Outputs, h: int, line: Segment, offer: list[float], penalty: float) -> int:
+    """Open a line as output h, and close those that lose less than the penalty then.
+
+    The number that is free then: h again where the sum does not fall.
+    """
+    ranked = ranks(outputs)
+    others = {at for ((_, at), _), cost in zip(ranked, offer, strict=True) if cost < math.inf}
+    gain = sum(max(r[0][0] - cost, 0.0) for r, cost in zip(ranked, offer, strict=True)) - penalty
+    gain += sum(max(penalty - loss(ranked, f, offer), 0.0) for f in others)
+    if gain <= LEAST * penalty:
+        return h
+    now: Outputs = {**outputs, h: (line, offer)}
+    closed = []
+    while others:
+        tried = ranks(now)
+        lost, f = min((loss(tried, f), f) for f in others)
+        if lost >= penalty:
+            break
+        del now[f]
+        others.remove(f)
+        closed.append(f)
+    most = summed(ranked, outputs, penalty) - LEAST * penalty
+    if not closed or summed(ranks(now), now, penalty) >= most:
+        return h
+    for f in closed:
+        del outputs[f]
+    outputs[h] = line, offer
+    return closed[0]
