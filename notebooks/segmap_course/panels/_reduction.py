@@ -293,7 +293,7 @@ class WallsPanel(ReductionPanel):
     --------
     >>> panel = WallsPanel()
     >>> panel.walls.value
-    '1.15 segments a wall, 100% of the walls found'
+    '1.08 segments a wall, 100% of the walls found'
     """
 
     found: AgainstWalls
