@@ -26,6 +26,7 @@ METHOD_STYLES = {
     "segment_similarity": ("#009e73", "p", "-"),
     "uncertain_parameters": ("#d55e00", "h", "--"),
     "least_cost": ("#000000", "d", "-"),
+    "one_per_wall": ("#cc3311", ".", "-"),
     "polyline": ("#332288", "*", "--"),
     "viewing_sector": ("#aa4499", "<", "-"),
     "fusion_online": ("#4477aa", ">", "--"),

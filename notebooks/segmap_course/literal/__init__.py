@@ -45,6 +45,7 @@ from .reduction.fuzzy_set import fuzzy_set
 from .reduction.hybrid import fusion_online, hough, hybrid, hybrid_fusion
 from .reduction.least_cost import least_cost
 from .reduction.mean_shift import mean_shift
+from .reduction.one_per_wall import one_per_wall
 from .reduction.polyline import polyline, polyline_through
 from .reduction.segment_similarity import mean_segment, segment_similarity
 from .reduction.uncertain_parameters import uncertain_parameters
