@@ -111,6 +111,17 @@ def test_what_lies_beyond_the_maximum_is_written_as_nothing_met(tmp_path):
         np.testing.assert_array_equal(found[[1, 3]], [5, 1])
 
 
+def test_arrays_hold_what_is_known_of_scans_of_one_size(tmp_path):
+    """Catches a log without odometry or truth that cannot be written."""
+    bare = [shot(k, wheels=None) for k in range(2)]
+    exports.write_arrays(tmp_path / "bare.npz", log_of(bare, None))
+    found = read(tmp_path / "bare.npz")
+    assert found.truth is None and [scan.odometry for scan in found] == [None, None]
+    for scans, told in (([*bare, LaserScan([1.0], [0.0])], r"\[1, 5\]"), ([], "no scan")):
+        with pytest.raises(ValueError, match=f"of one number of beams, got {told}"):
+            exports.write_arrays(tmp_path / "it.npz", log_of(scans, None))
+
+
 @pytest.mark.parametrize("largest", [8.179, 8.15, 32.7, 49.9])
 def test_a_far_wall_stays_beside_beams_that_met_nothing(largest, tmp_path):
     """Catches an answer for nothing met that makes the reader guess another mode."""
