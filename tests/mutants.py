@@ -164,7 +164,8 @@ def changes(path: Path) -> Iterator[Bug]:
             case ast.AugAssign():
                 yield from operator(node.target, node.value)
             case ast.UnaryOp(op=ast.USub() | ast.Not() | ast.Invert()):
-                yield change(begin(node), begin(node.operand), "")
+                word = "not " if isinstance(node.op, ast.Not) else "-"
+                yield change(begin(node), begin(node) + len(word), "")
             case ast.Constant(value=bool(value)):
                 yield change(begin(node), end(node), repr(not value))
             case ast.Constant(value=int(value)):
@@ -176,9 +177,9 @@ def changes(path: Path) -> Iterator[Bug]:
             case ast.Expr(value=ast.Call()):
                 yield change(begin(node), end(node), "None")
             case ast.Attribute(attr="T"):
-                yield change(end(node.value), end(node), "")
+                yield change(end(node) - len(".T"), end(node), "")
             case ast.Call(keywords=[], args=[], func=ast.Attribute(attr=name)) if name in DROPPED:
-                yield change(end(node.func.value), end(node), "")
+                yield change(end(node.func) - len(f".{name}"), end(node), "")
             case ast.Call(keywords=[], args=[first, *rest]):
                 name = getattr(node.func, "attr", getattr(node.func, "id", ""))
                 if name in SWAPPED:
