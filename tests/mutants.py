@@ -5,9 +5,8 @@
 A bug is an operator, a sign, a number, an index, a default, an axis or two arguments exchanged, or
 a call or a copy left out. Each goes into a copy of the project in a temporary folder, where the
 fast tests of its room must fail. These run once without any bug, to know which of them reaches
-which line; then a bug meets the tests that reach its statement, the quickest first, and last the
-others in their files, which may share what one of them computed. What survives is listed: a test is
-missing, the code could be simpler, or the bug changes nothing.
+which line; then a bug meets the tests that reach its statement, the quickest first. What survives
+is listed: a test is missing, the code could be simpler, or the bug changes nothing.
 """
 
 import argparse
@@ -260,12 +259,11 @@ class Reached(NamedTuple):
     by_line: defaultdict[tuple[str, int], set[str]]
 
     def tests(self, bug: Bug) -> list[str]:
-        """Those that reach the bug, the quickest first; then the others in their files."""
+        """Those that reach the bug, the quickest first; or those whose file alone reaches it."""
         name = str(bug.path.relative_to(ROOT))
         near = set().union(*(self.by_line[name, line] for line in bug.lines()))
-        files = {*map(file_of, near)}
-        first = sorted(near & self.seconds.keys(), key=self.seconds.__getitem__)
-        return list(dict.fromkeys([*first, *(t for t in self.seconds if file_of(t) in files)]))
+        tests = near & self.seconds.keys() or {t for t in self.seconds if file_of(t) in near}
+        return sorted(tests, key=self.seconds.__getitem__)
 
 
 class Notes:

@@ -179,6 +179,7 @@ REFUSED = {
     "late": (LATE, None, r"it\.log cannot hold this log, .*expected seconds for the time"),
     "a long name": (Log("n" * 2**21, OLD.scans), None, "line 1: longer than 1048576 bytes"),
     "far": (Log("x", NEW.scans[:2], [(1e7, 0, 0), (1e7, 1, 0)]), None, "metres and radians"),
+    "1.2 mm beside": (Log("x", NEW.scans[:1], [(0.0012, 0, 0)]), None, "as the laser's place"),
     "one pose elsewhere": (Log("x", NEW.scans[:1], [(9, 9, 1)]), None, "read as the laser's place"),
 }
 
@@ -193,7 +194,8 @@ def test_what_cannot_be_written_is_refused_and_leaves_no_file(name, tmp_path):
 
 
 def test_one_pose_elsewhere_is_fine_in_old_lines_and_without_odometry(tmp_path):
-    """Catches a refusal where nothing is ambiguous."""
+    """Catches a refusal where nothing is ambiguous, or by less than a millimetre."""
+    written(tmp_path, Log("x", NEW.scans[:1], [(0.0008, 0, 0)]))
     bare = log_of([shot(0, HALF_TURN / 2, wheels=None)], TRUTH[:1])
     for log in (OLD[:1], bare):
         assert_same_log(written(tmp_path, log), log)
