@@ -10,7 +10,7 @@ from segmap.simulation import office
 
 from .measure import ROOT, Row
 
-SEEDS, WAYS = range(8), ("nearest", "largest")
+SEEDS, WAYS = range(6), ("nearest", "largest")
 #: Metres driven from row to row of the record.
 EVERY = 5.0
 

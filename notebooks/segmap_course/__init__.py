@@ -87,6 +87,7 @@ from .exercises.poses import (
 )
 from .exercises.quadtree import (
     check_cell_of,
+    check_frontier_cells,
     check_grown,
     check_occupancy,
     check_pixel,

@@ -26,6 +26,8 @@ CLOSER = (1.0, 0.8, 0.6, 0.4)
 NEAR = 0.9
 #: A place where the robot has been needs no second visit, metres.
 BEEN = 0.3
+#: No drive has more scans.
+MOST = 10_000
 #: Side of the squares in which the floor is counted, metres.
 FLOOR = 0.1
 
@@ -84,7 +86,7 @@ def explore(
 
     for heading in AROUND:
         look(np.append(here, heading))
-    while (way := next_way(map, here, goals, choose, radius)) is not None:
+    while len(poses) < MOST and (way := next_way(map, here, goals, choose, radius)) is not None:
         path = drive(way, step=STEP, turn=np.radians(30))
         path = path[np.r_[0, np.cumsum(np.hypot(*np.diff(path[:, :2], axis=0).T))] <= AGAIN]
         for k in range(1, len(path)):
@@ -92,7 +94,7 @@ def explore(
             if len(ahead) and point_distance(ends[:, None], ahead).min() < NEAR * radius:
                 break  # a wall that was not known
         here = path[k, :2]
-        if np.array_equal(here, way[-1]):
+        if np.allclose(here, way[-1]):
             goals.append(here)
             for heading in AROUND:
                 look(np.append(here, heading))
@@ -108,15 +110,13 @@ def next_way(
     fresh = [group[np.hypot(*(group[:, None] - been).T).min(0) > BEEN] for group in groups]
     if choose == "nearest" and fresh:
         fresh = [np.concatenate(fresh)]
-    free = next((part * radius for part in CLOSER if _stands(map, here, part * radius)), None)
-    for group in fresh:
-        if free is not None and len(group) and (way := _way(map, here, group, free)) is not None:
-            return way
+    for part in CLOSER:
+        for group in filter(len, fresh):
+            if (way := _way(map, here, group, part * radius)) is not None:
+                return way
+        if _way(map, here, here[None], part * radius) is not None:
+            return None  # it could leave, and there is nowhere to go
     return None
-
-
-def _stands(map: QuadtreeMap, here: Array, radius: float) -> bool:
-    return _way(map, here, here[None], radius) is not None
 
 
 def _way(map: QuadtreeMap, here: Array, goals: Array, radius: float) -> Array | None:
