@@ -82,6 +82,7 @@ GOOD = {
     "ground_truth.poses": None, "hill_climb.start": PATH[0], "incidence": np.ones(4),
     "information": np.tile(np.eye(3), (3, 1, 1)), "interpolate.poses": PATH[:2],
     "LaserScan.angles": LOG[0].angles, "LaserScan.codes": np.zeros(181),
+    "LaserScan.delays": np.zeros(181), "Log.track": np.zeros((2, 4)), "Log.order_known": True,
     "LaserScan.odometry": PATH[0], "LaserScan.ranges": LOG[0].ranges, "least_translation.weights":
     np.ones(4), "fuzzy_set.axes": 0.1,
     "doubled_walls.map": segments.SegmentMap(WALLS, sensors=[(0.0, 0.0)]),
@@ -152,7 +153,7 @@ GOOD |= {
     "capture": b"GD0383038401\n00P\nJUGnD\n06805m`\n\n",
 }
 #: Parameters that may be anything.
-FREE = {"Log.name", "simulate.name", "Log.skipped", "Sensor.name"}
+FREE = {"Log.name", "simulate.name", "Log.skipped", "Log.doubt", "Sensor.name"}
 #: NaN is what these say of a time or scan that has none.
 NAN_IS_MEANT = {
     "doubled_walls",

@@ -14,10 +14,11 @@ from typing import Any, Literal
 import numpy as np
 
 from .._display import counted
-from ..alignment import METHODS, Alignment, Verdict
+from ..alignment import METHODS, Alignment, Verdict, deskew
 from ..files import shown, write_bytes
 from ..readers import LogError, UnknownFormat, format_of, load, read, read_bag
 from ..scans import Log
+from ..scans.moving import is_timed
 from ._targets import Targets
 from ._words import FAULTS, Report, percent, progress, reason, say, seconds, tell
 
@@ -171,6 +172,15 @@ def add_align(command: Any, without: str = ALIGN) -> None:
     )
 
 
+def add_deskew(command: Any) -> None:
+    """The option --no-deskew."""
+    command.add_argument(
+        "--no-deskew",
+        action="store_true",
+        help="take all beams of a scan to be measured at once, even where the log has their times",
+    )
+
+
 def add_strict(command: Any) -> None:
     """The options that say what counts as a map, and what happens where there is none."""
     command.add_argument(
@@ -190,6 +200,17 @@ def _share(text: str) -> float:
     if not 0 <= share <= 1:
         raise argparse.ArgumentTypeError(f"{text} must be from 0 to 1")
     return share
+
+
+def deskewed(given: argparse.Namespace, log: Log, report: Report) -> Log:
+    """The log with its beams carried to the start of each scan where it has their times."""
+    if given.no_deskew or not is_timed(log):
+        return log
+    found = deskew(log)
+    count = sum(new is not old for new, old in zip(found, log, strict=True))
+    words = f"{count} of {counted(len(log), 'scan')}, by how the robot moved meanwhile"
+    report.line("de-skewed", words, scans=count)
+    return found
 
 
 def aligned(log: Log, method: str | None, report: Report) -> Alignment:

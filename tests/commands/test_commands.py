@@ -8,6 +8,7 @@ import sys
 from dataclasses import replace
 from pathlib import Path
 
+import alignment_logs as logs
 import bag_samples
 import numpy as np
 import pandas as pd
@@ -150,6 +151,29 @@ def test_a_map_is_what_the_library_makes_in_every_format(run, near):
     one, both = (plt.imread(name) for name in ("none.png", "it.png"))
     assert one.shape[:2] != both.shape[:2] and both.size > 1.5 * one.size
     assert plt.get_fignums() == []
+
+
+@pytest.mark.parametrize("command", ["map", "compare", "occupancy"])
+def test_beams_with_times_are_carried_to_the_start_of_their_scan(run, command, monkeypatch):
+    """Catches a command that de-skews in silence, or not at all, and one that cannot leave it."""
+    log = logs.moving_log()
+    exports.write_arrays("moving.npz", log)
+    if command == "compare":
+        few = {"fusion": reduction.METHODS["fusion"]}
+        monkeypatch.setattr("segmap._commands._compare.METHODS", few)
+    words = command, "moving.npz", "--align", "pose_graph"
+    code, said, _ = run(*words, "--json")
+    found = json.loads(said)
+    assert code == 0 and found["de-skewed"]["scans"] == len(log)
+    assert "by how the robot moved" in found["de-skewed"]["text"]
+    assert "notes" not in found["aligned"]
+    if command == "map":
+        new = alignment.deskew(log)
+        wanted = segmap.build_map(new, alignment.pose_graph(new).trusted)
+        assert found["extracted"]["segments"] == len(wanted)
+    code, said, _ = run(*words, "--no-deskew")
+    assert code == 0 and "de-skewed" not in said
+    assert "scans the robot moved by more than the spacing of the beams, up to" in said
 
 
 def test_a_threshold_has_the_unit_of_its_annotation(run, near, monkeypatch):

@@ -11,6 +11,7 @@ from dataclasses import replace
 from datetime import UTC, datetime
 from inspect import signature
 
+import alignment_logs as logs
 import ipywidgets as W
 import numpy as np
 import pytest
@@ -172,6 +173,30 @@ def test_what_is_known_is_not_done_again(monkeypatch):
     made.run()
     assert not np.array_equal(made.outcome.map.segments, first.segments)
     assert made.outcome.alignment.method == made.runs["alignment"].iloc[-1] == "odometry"
+
+
+def test_beams_with_times_are_carried_to_the_start_of_their_scan():
+    """Catches the map of the log as it was, a choice without effect, and code that leaves it."""
+    made = bench(logs.moving_log(), deskew=True)
+    made.align.value = "pose_graph"
+    made.run()
+    assert made.runs["align_thresholds"].iloc[-1].startswith("de-skewed")
+    assert made.outcome.alignment.doubt == ""
+    names = {"log": made.log}
+    exec(made.code, names)
+    assert np.array_equal(names["map"].segments, made.outcome.map.segments)
+    first = made.outcome
+    made.least.value = 0.3
+    made.run()
+    assert made.outcome.log is first.log and len(made.outcome.map) < len(first.map)
+    made.deskew.value = False
+    made.run()
+    assert "deskew" not in made.code and made.outcome.log is made.log
+    assert "the robot moved by more than the spacing" in made.figures.value
+    made.open(LOG)
+    made.deskew.value = True
+    made.run()
+    assert "deskew" not in made.code and made.outcome.log is LOG
 
 
 def test_a_second_method_does_not_repeat_the_first():

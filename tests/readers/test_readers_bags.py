@@ -93,6 +93,19 @@ def test_odometry_is_interpolated_by_the_shorter_way_and_nowhere_else(read):
     assert log.odometry[1] == pytest.approx([0.5, 0, 3 + (2 * np.pi - 6) / 4])
 
 
+def test_beams_have_times_whose_order_nobody_knows(read):
+    """Catches a negative increment, none, and nonsense; and odometry that is no denser."""
+    for apart, delays in ((0.01, 0.01), (-0.02, 0.02), (0.0, None), (np.nan, None), (9.0, None)):
+        log = read(scan(apart=apart), STANDS, PLACE)
+        known = None if delays is None else (np.arange(5) * np.float32(delays)).tolist()
+        found = log[0].delays
+        assert known == (None if found is None else pytest.approx(found.tolist()))
+        assert log.order_known == (known is None) and log.track is None
+    told = [odometry(START + t, (t, 0, 3 + t)) for t in (0.2, 0.1, 0.0)]
+    track = read(scan(START + 0.1), *told, PLACE).track
+    assert track[:, :2] == pytest.approx(np.array([(START + t, t) for t in (0, 0.1, 0.2)]))
+
+
 class TestTopics:
     STORY = (scan(topic="/a"), scan(topic="/b"), scan(START + 1, "/b"), STANDS, PLACE)
 

@@ -13,6 +13,7 @@ from .alignment.backbone import least_translation, line_partner, mean_rotation
 from .alignment.correlative_search import correlative_search, likelihoods
 from .alignment.gauss_newton import edge_residual, gauss_newton
 from .alignment.global_segments import best_shifts, best_turns, least_squares
+from .alignment.moving_laser import after, carry_beam, steady_twist
 from .alignment.point_to_line import point_to_line, point_to_line_step
 from .alignment.segment_icp import correspond, segment_cost
 from .extraction import extract_clusters, extract_polylines, fit_algebraic, fit_total
