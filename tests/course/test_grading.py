@@ -17,7 +17,7 @@ from segmap_course.exercises import decode, encode
 from segmap_course.grading import _jail
 from segmap_course.grading._grade import judged, run
 from segmap_course.grading._jail import Jail, Limits
-from segmap_course.grading._report import Outcome, safe
+from segmap_course.grading._report import Outcome, Row, page, safe
 from segmap_course.grading._submissions import Answer, Book, Submission, submissions
 from segmap_course.grading.handout import package
 from segmap_course.grading.handout._tasks import Task
@@ -109,6 +109,27 @@ def test_hidden_cases_catch_answers_to_the_open_ones():
     assert judged(exercise, [None, *known[1:], *(None for _ in hidden)], hidden, 0.5).share == 0
     right = exercise.expected(dict(enumerate([*exercise.cases.values(), *hidden])))
     assert judged(exercise, right, hidden) == Outcome("right", "", 1.0)
+
+
+def test_feedback_shows_open_cases_in_full_and_hidden_ones_not():
+    """Catches a case that is cut to three numbers, and numbers of a hidden case on a page."""
+    exercise = EXERCISES["fit_line"]
+    hidden = list(exercise.fresh(4711).values())
+    wrong = [0.25] * (len(exercise.cases) + len(hidden))
+    found = judged(exercise, wrong, hidden)
+    assert all(words in found.cases for words in exercise.cases)
+    said = found.cases + found.reason
+    known, unseen = (
+        {f"{x:.6f}".rstrip("0") for (points,) in cases for x in points.ravel()}
+        for cases in (exercise.cases.values(), hidden)
+    )
+    assert all(number in said for number in known) and "got      0.25" in said
+    assert not any(number in said for number in unseen - known if len(number) > 6)
+    right = [*exercise.expected(), *wrong[len(exercise.cases) :]]
+    assert judged(exercise, right, hidden).cases == ""
+    row = Row(handed("fit_line", "<b>"), {"fit_line": found._replace(cases="<i>")})
+    shown = page(row, [TASK._replace(name="fit_line")])
+    assert "&lt;i&gt;" in shown and "&lt;b&gt;" in shown
 
 
 # ------------------------------------------------------------------ one answer in its jail

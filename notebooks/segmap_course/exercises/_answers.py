@@ -80,6 +80,13 @@ def text(answer: Any) -> str:
     return f"something of type {type_name(answer)}" if array is None else _shown(array)
 
 
+def in_full(answer: Any) -> str:
+    """An answer with all of its numbers, as many as a page holds; an argument that has none too."""
+    if numbers(answer) is not None:
+        return np.array2string(np.asarray(answer), precision=6, suppress_small=True, threshold=200)
+    return text(answer) if isinstance(answer, Raised | Other) else repr(answer)[:500]
+
+
 def type_name(answer: Any) -> str:
     """The name of the type of what was answered."""
     return answer.name if isinstance(answer, Other) else type(answer).__name__

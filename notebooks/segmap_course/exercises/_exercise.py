@@ -14,7 +14,7 @@ import numpy as np
 from segmap.arrays import Array
 from segmap.plotting import ERROR, TRUTH
 
-from ._answers import Cases, Library, Raised, agree, answered, close, numbers, text
+from ._answers import Cases, Library, Raised, agree, answered, close, in_full, numbers, text
 from ._notice import Watch
 
 Rng = np.random.Generator
@@ -161,6 +161,17 @@ class Exercise:
         words, got, right = next(pair for pair in pairs if not agree(*pair[1:], self.same))
         said = f"but it raised {text(got)}" if isinstance(got, Raised) else f"got {text(got)}"
         return f"for {words} expected {text(right)}, {said}{self._call(cases[words])}"
+
+    def told(self, found: Sequence[Any]) -> str:
+        """The open cases that have another answer, in full."""
+        lines = []
+        for (words, given), got, right in zip(
+            self.cases.items(), found, self.expected(), strict=True
+        ):
+            if not agree(got, right, self.same):
+                lines += [f"{words}: {self.name}({', '.join(map(in_full, given))})"]
+                lines += [f"expected {in_full(right)}", f"got      {in_full(got)}", ""]
+        return "\n".join(lines)
 
     def _call(self, given: Sequence[Any]) -> str:
         """The call with these arguments, where they are few numbers."""

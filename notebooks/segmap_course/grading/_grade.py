@@ -168,7 +168,8 @@ def judged(
         return Outcome("right", "", 1.0)
     shown = exercise.verdict(found[: len(exercise.cases)])  # answered before a hidden one came in
     if not shown:
-        return Outcome("library" if NOT_GIVEN in shown.hint else "wrong", hint or shown.hint)
+        kind = "library" if NOT_GIVEN in shown.hint else "wrong"
+        return Outcome(kind, hint or shown.hint, cases=exercise.told(found[: len(exercise.cases)]))
     fails = any(isinstance(value, Raised) for value in found)
     said = "it raises an exception" if fails else "it gives another answer"
     return Outcome("wrong", hint or f"right on the cases shown; on a hidden one {said}", partial)

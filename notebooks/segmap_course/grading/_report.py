@@ -46,11 +46,15 @@ pre {{ background: #f5f5f5; padding: .7em; overflow-x: auto; white-space: pre-wr
 
 
 class Outcome(NamedTuple):
-    """What became of an answer: its kind in one word, the reason, and its share of the points."""
+    """What became of an answer: its kind in one word, the reason, and its share of the points.
+
+    `cases` are those that students see and that have another answer, in full.
+    """
 
     kind: str
     reason: str
     share: float = 0.0
+    cases: str = ""
 
     @property
     def right(self) -> bool:
@@ -283,7 +287,7 @@ def _section(row: Row, task: Task) -> str:
     said += f" ({note})" if note else ""
     return (
         f'<section class="{"right" if found.right else "wrong"}"><h2>{html.escape(head)}</h2>'
-        f"<p>{html.escape(said)}</p>{_code(answer or '')}</section>"
+        f"<p>{html.escape(said)}</p>{_code(found.cases)}{_code(answer or '')}</section>"
     )
 
 
