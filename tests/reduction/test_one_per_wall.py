@@ -3,7 +3,10 @@
 import numpy as np
 import pytest
 from reduction_maps import redundant_map
+from segmap_course import known_building
 
+from segmap.experiments import load_walls
+from segmap.metrics import against_walls
 from segmap.poses import transform
 from segmap.reduction import one_per_wall
 from segmap.segments import SegmentMap, length
@@ -130,3 +133,29 @@ def test_it_is_not_idempotent():
     """What `hidden` and weak walls were is gone: a second run may join more, never less."""
     once = one_per_wall(seen(0.03, 0.01))
     assert len(one_per_wall(once)) <= len(once)
+
+
+@pytest.mark.parametrize(
+    ("group", "least"), [("tuned", 45), ("fresh seeds", 24), ("fresh buildings", 60)]
+)
+def test_it_makes_the_good_maps_that_were_promised(group, least):
+    """A change after which three quarters of the maps in sight, or 60 % of others, are not good."""
+    runs = load_walls(group).query("method == 'one_per_wall' and thresholds == 'factor 1'")
+    assert set(runs["noise"]) == {"0", "0.01", "0.02", "0.03", "drift"}
+    assert runs["all_four"].str.count("1").sum() >= least
+
+
+@pytest.mark.parametrize("seed", range(2))
+@pytest.mark.parametrize("noise", ["0.01", "0.02", "0.03"])
+def test_a_floor_has_its_walls_once_and_the_noise_is_that_of_its_looks(noise, seed):
+    """A record that outlives the method; a noise that counts headings twice, or not."""
+    walls, true, map = known_building("floor", noise, seed)
+    found = one_per_wall(map)
+    judged = against_walls(walls, found, seen=true)
+    assert judged.per_wall <= 1.1 and judged.found == 1 and judged.offset <= 0.01
+    assert judged.missed <= 0.01 * judged.seen.sum() >= judged.invented / 3
+    way, off = np.diff(map.segments, axis=1)[:, 0], (map.segments - true.segments).mean(axis=1)
+    size = np.hypot(*way.T)
+    across = (off[:, 1] * way[:, 0] - off[:, 0] * way[:, 1]) / size
+    assert found.noise == pytest.approx(np.sqrt((across[size >= 0.3] ** 2).mean()), rel=0.1)
+    assert found.noise == pytest.approx(float(noise), rel=0.2)
