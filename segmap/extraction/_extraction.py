@@ -210,9 +210,16 @@ def _polylines(
     min_length: float,
     closed: bool,
 ) -> Runs:
-    p, least = _in_order(points, gap, closed), max(min_points, 2)
-    out, room = np.empty((len(p) // least + 1, 2, 2)), np.empty((4, len(p) + 1), np.int64)
-    found = kernels.polylines(p, gap, tolerance, least, min_length, out, room, np.empty(len(p) + 1))
+    if arrays.ready(points) and points.shape[1:] == (2,) and not closed:
+        p = points  # the loop looks whether they are finite
+    else:
+        p = _in_order(points, gap, closed)
+    least = max(min_points, 2)
+    out, room = np.empty((len(p) // least + 1, 2, 2)), np.empty((4, len(p)), np.int64)
+    sums = np.empty((6, len(p)))
+    found = kernels.polylines(p, gap, tolerance, least, min_length, out, room, sums)
+    if found < 0:
+        arrays.points(p)  # says which is wrong
     return Runs(out[:found], p, room[2, :found], room[3, :found])
 
 
