@@ -56,7 +56,8 @@ class LogError(ValueError):
 
     def __init__(self, path: Path, reason: str, line: int | None = None) -> None:
         place = f"{shown(path)}, line {line}" if line else shown(path)
-        told = "\n".join(map(shown, reason.split("\n")))  # what to do takes several lines
+        lines = reason.split("\n") if isinstance(self, UnknownFormat) else [reason]
+        told = "\n".join(map(shown, lines))  # what to do takes several
         super().__init__(f"{place}: {told}")
         self.path, self.line, self.reason = path, line, reason
 

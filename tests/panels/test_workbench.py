@@ -402,6 +402,17 @@ def test_an_uploaded_file_is_read(tmp_path):
     assert made.log.name == "mine" and "upload.log" in made.state.value
 
 
+def test_a_file_that_is_too_large_is_told_and_not_sent():
+    """Catches a page that loses its kernel over a log of 40 MB, without a word."""
+    made = bench()
+    assert made.upload.most == 10_000_000
+    made.upload._handle_custom_msg({"name": "a\0/long.log", "size": 10_000_001}, [])
+    assert made.state.value == (
+        "long.log has 10.0 MB: uploads have up to 10 MB; larger ones by their path"
+    )
+    assert made.log is LOG and made.upload.value == ()
+
+
 def upload(made, name, content):
     now = datetime(2026, 1, 1, tzinfo=UTC)
     file = {"name": name, "type": "", "size": len(content), "last_modified": now}

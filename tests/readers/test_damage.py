@@ -78,6 +78,8 @@ def test_files_that_are_no_logs(path, content, reason, on_error):
     ("sample", "line", "reason"),
     [
         (GOOD, "FLASER 1000000000 1 2 3", "announces 1000000000 ranges, but 3 fields follow"),
+        (GOOD, "FLASER " + "9" * 18 + " 1 2", "announces 999999999999999999 ranges, but 2"),
+        (GOOD, "FLASER " + "9" * 19 + " 1 2", "expected the number of ranges"),
         (GOOD, "FLASER " + "9" * 5000 + " 1 2", "expected the number of ranges"),
         (GOOD, "FLASER 0 0 0 0 0 0 0", "announces 0 ranges"),
         (GOOD, "FLASER 2 1 2 3 4", "2 fields follow them, expected 0, 6 or 9"),

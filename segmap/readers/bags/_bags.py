@@ -110,7 +110,7 @@ def read(
         said.each(SCAN, [scan], said.take_scan)
         said.each(ODOMETRY, [odometry] if odometry else [], said.take_odometry)
         if not said.scans:
-            raise LogError(bag.path, f"holds no scan in {shown(scan)}{said.why()}")
+            raise LogError(bag.path, f"holds no scan in {scan}{said.why()}")
         said.take_transforms(odometry is None)
         return said.log(name)
 
@@ -133,7 +133,7 @@ class _Recording(Reading):
                 with np.errstate(all="ignore"):
                     take(message, received / 1e9)
             except ValueError as fault:
-                reason = f"{shown(topic)}, message {number + 1}: {fault}"
+                reason = f"{topic}, message {number + 1}: {fault}"
             else:
                 continue
             self.damaged(LogError(self.path, reason))
@@ -247,7 +247,7 @@ def _chosen(bag: Bag, kind: str, named: str | None, argument: str) -> str | None
 
 
 def _listed(bag: Bag) -> str:
-    found = sorted({f"{shown(c.topic)} ({c.msgtype.replace('/msg', '')})" for c in bag.connections})
+    found = sorted({f"{c.topic} ({c.msgtype.replace('/msg', '')})" for c in bag.connections})
     return f"the bag holds {', '.join(found[:20]) or 'nothing'}{' ...' if found[20:] else ''}"
 
 
