@@ -319,8 +319,10 @@ def test_which_loops_are_compared(one, other, apart, compared):
         assert bool(closer._agreeing(loop, [known], apart=apart)) == compared
 
 
-@pytest.mark.parametrize(("lost_since", "seen"), [(None, 4), (0, 4), (29, 2)])
-def test_a_lost_robot_is_sought_by_what_it_has_seen_since(lost_since, seen):
+@pytest.mark.parametrize(
+    ("new", "lost_since", "seen"), [(30, None, 4), (30, 0, 4), (30, 29, 2), (2, None, 3)]
+)
+def test_a_lost_robot_is_sought_by_what_it_has_seen_since(new, lost_since, seen):
     """Catches a view that reaches back to where the robot was before it was carried away."""
 
     class Map:
@@ -331,7 +333,7 @@ def test_a_lost_robot_is_sought_by_what_it_has_seen_since(lost_since, seen):
     _, closer = walked(30, points=np.ones((10, 2)))
     closer.lost_since = lost_since
     window = Window(3, np.zeros(3), 1.0, 0.3)
-    assert closer._measure(window, Map(), 30) == "the two places look different"
+    assert closer._measure(window, Map(), new) == "the two places look different"
 
 
 @pytest.mark.parametrize(("reach", "covered"), [(1.0, 5), (2.5, 5), (9.0, 9), (12.0, 12)])
