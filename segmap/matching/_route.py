@@ -74,7 +74,7 @@ def route(map: QuadtreeMap, start: ArrayLike, goal: ArrayLike, *, radius: Metres
         closed = _shortest(least, places, held) is None
         why = "walls or unknown space close it" if closed else "it is too narrow somewhere"
         raise NoRoute(
-            f"no way from start {first.tolist()} to a goal keeps {radius:g} m from walls: {why}"
+            f"no way from start {_named(first)} to a goal keeps {radius:g} m from walls: {why}"
         )
     return corner + _straightened(clear, corners) * map.resolution
 
@@ -160,7 +160,11 @@ def _refused(map: QuadtreeMap, name: str, start: Array, goal: Array, radius: flo
     """Why a robot cannot stand somewhere."""
     place = start if name == "start" else goal
     value = map.occupancy(place[None])[0]
-    said = f"{name} {place.tolist()} lies"
+    said = f"{name} {_named(place)} lies"
     if value == 0.5:
         return f"{said} where nothing has been seen"
     return f"{said} in a wall" if value > 0.5 else f"{said} nearer than {radius:g} m to a wall"
+
+
+def _named(place: Array) -> str:
+    return f"({place[0]:.6g}, {place[1]:.6g})"

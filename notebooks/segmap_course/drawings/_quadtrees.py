@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from segmap.exports import Classes
 from segmap.matching import DistanceField
-from segmap.plotting import ERROR, RAW, RESULT, TRUTH, axes_or_new, map_axes, square_corners
+from segmap.plotting import ERROR, GROUPS, RAW, RESULT, TRUTH, axes_or_new, map_axes, square_corners
 from segmap.quadtree import Frontier, QuadtreeMap
 
 from .._landscapes import Landscape, peaks, profile_peaks
@@ -39,10 +39,10 @@ def draw_cells(map: QuadtreeMap, cells: ArrayLike, *, ax: Axes | None = None) ->
 
 
 def draw_frontiers(found: Iterable[Frontier], *, ax: Axes | None = None) -> Axes:
-    """Draw frontiers as green lines, over what the axes show already."""
+    """Draw frontiers as orange lines, over what the axes show already."""
     lines = [edge for frontier in found for edge in frontier.edges]
     ax = axes_or_new(ax)
-    ax.add_collection(LineCollection(lines, color=TRUTH, linewidth=2))
+    ax.add_collection(LineCollection(lines, color=GROUPS[0], linewidth=2.5))
     return map_axes(ax)
 
 

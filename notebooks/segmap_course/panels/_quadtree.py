@@ -276,4 +276,4 @@ class RoutePanel(LessonPanel):
         ax.add_patch(Circle(goal, radius, fill=False, color=ERROR))
         ax.add_patch(Circle(tuple(self.start), radius, fill=False, color=RESULT))
         metres = sum(found.size for found in self.frontiers)
-        self.open.value = f"{len(self.frontiers)} frontiers, {metres:.1f} m (green)"
+        self.open.value = f"{len(self.frontiers)} frontiers, {metres:.1f} m (orange)"
