@@ -163,7 +163,7 @@ def judged(log: Log) -> tuple[float, int, str]:
     """Root mean square distance from the walls, metres; segments left; doubt."""
     found = pose_graph(log)
     start = compose(PATH[0], inverse(found.poses[0]))
-    off = off_walls(points_of(log, compose(start, found.poses))[::20], OFFICE)
+    off = off_walls(points_of(log, compose(start, found.poses))[::7], OFFICE)
     map = build_map(log[::2], found.trusted[::2], keep_points=True)
     left = least_cost(map)
     assert quality(map, left) > 0.9
@@ -224,7 +224,7 @@ def test_a_bag_whose_beams_and_clock_lie(still, tmp_path, wheels, most):
     assert said[0] == "the beams are in the other order than the file says"
     assert said[1:] == (["scans and odometry differ by 0.12 s"] if wheels else [])
     rms, left, doubt = judged(found)
-    assert left <= most * still[1] and rms < 1.2 * still[0] and doubt == found.doubt
+    assert left <= most * still[1] and rms < 1.3 * still[0] and doubt == found.doubt
     if not wheels:
         believed = judged(deskew(replace(log, order_known=True)))
         assert believed[0] > 4 * still[0] and believed[1] > 1.5 * left
