@@ -29,6 +29,7 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[1]
 PACKAGES = {"segmap": ROOT / "segmap", "segmap_course": ROOT / "notebooks" / "segmap_course"}
+ANSWERS = ROOT / "tests" / "right_answers.py"
 #: Seconds after which a run counts as failed, since the bug made it hang; and for a whole room.
 LONGEST, WHOLE_ROOM = 300, 1500
 FORK = multiprocessing.get_context("fork")
@@ -62,6 +63,8 @@ class Bug(NamedTuple):
         Pytest collects in this order, and to collect the examples of a package sets its name in the
         package above: there `pose_graph` would be the folder for all tests that come later.
         """
+        if self.path == ANSWERS:
+            return ["tests/course/test_exercises.py"]
         base = next(p for p in PACKAGES.values() if self.path.is_relative_to(p))
         parts = self.path.relative_to(base).with_suffix("").parts
         if base.name == "segmap_course":
@@ -77,7 +80,12 @@ class Bug(NamedTuple):
 
 
 def sources(room: str) -> list[Path]:
-    """The files of a room: a folder or file of the library, a folder of the course, or `course`."""
+    """The files of a room: a folder or file of the library, a folder of the course, or `course`.
+
+    `answers` are right answers to the exercises: with a bug they are wrong, and must not pass.
+    """
+    if room == "answers":
+        return [ANSWERS]
     for base in (PACKAGES["segmap"], PACKAGES["segmap_course"]):
         for path in (base / room, base / f"{room}.py"):
             if path.exists():
