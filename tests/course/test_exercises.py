@@ -121,7 +121,7 @@ def nearest(point, wall):
     def away(t):
         return np.hypot(*(wall[0] + t * (wall[1] - wall[0]) - point))
 
-    return minimize_scalar(away, bounds=(0, 1), method="bounded").fun
+    return minimize_scalar(away, bounds=(0, 1), method="bounded", options={"xatol": 1e-8}).fun
 
 
 @pytest.mark.parametrize(
