@@ -36,6 +36,7 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[1]
 PACKAGES = {"segmap": ROOT / "segmap", "segmap_course": ROOT / "notebooks" / "segmap_course"}
+ANSWERS = ROOT / "tests" / "right_answers.py"
 #: Seconds after which a run counts as failed, since the bug made it hang; and for a whole room.
 LONGEST, WHOLE_ROOM = 300, 1500
 #: What each run would import anew; pytest warns of one that it would like to rewrite.
@@ -96,6 +97,8 @@ def tests_of(room: str) -> list[str]:
     package above: there `pose_graph` would be the folder for all tests that come later.
     """
     first = sources(room)[0]
+    if first == ANSWERS:
+        return ["tests/course/test_exercises.py"]
     words = [part.strip("_") for part in room.split("/")]
     if first.is_relative_to(PACKAGES["segmap_course"]):
         words.insert(0, "course")
@@ -108,7 +111,12 @@ def tests_of(room: str) -> list[str]:
 
 
 def sources(room: str) -> list[Path]:
-    """The files of a room: a folder or file of the library, a folder of the course, or `course`."""
+    """The files of a room: a folder or file of the library, a folder of the course, or `course`.
+
+    `answers` are right answers to the exercises: with a bug they are wrong, and must not pass.
+    """
+    if room == "answers":
+        return [ANSWERS]
     for base in (PACKAGES["segmap"], PACKAGES["segmap_course"]):
         for path in (base / room, base / f"{room}.py"):
             if path.exists():

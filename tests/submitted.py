@@ -99,6 +99,8 @@ GET = """\
     from pathlib import Path
 """
 LOOKS = """\
+    if hasattr(sys, "looked"): return [0, 0, 0]
+    sys.looked = True
     found = [folder + "/" + name for folder, _, names in os.walk("/") for name in names]
     found = [p for p in found if {wanted}]
     if found: raise ValueError("found " + found[0])

@@ -14,7 +14,7 @@ import segmap_course as course
 from hypothesis import given
 from hypothesis import strategies as st
 from right_answers import RIGHT
-from scipy.optimize import minimize
+from scipy.optimize import minimize, minimize_scalar
 from segmap_course import EXERCISES, Check, Exercise, literal
 from segmap_course.exercises import Watch, decode, encode, maps
 from segmap_course.exercises._answers import answered, same_line, same_poses
@@ -117,6 +117,13 @@ def turned_until_least(points):
     return minimize(lambda t: ((d @ [-np.sin(t[0]), np.cos(t[0])]) ** 2).sum(), [begin]).x[0]
 
 
+def nearest(point, wall):
+    def away(t):
+        return np.hypot(*(wall[0] + t * (wall[1] - wall[0]) - point))
+
+    return minimize_scalar(away, bounds=(0, 1), method="bounded", options={"xatol": 1e-8}).fun
+
+
 @pytest.mark.parametrize(
     ("name", "other"),
     [
@@ -124,6 +131,10 @@ def turned_until_least(points):
         (
             "least_translation",
             lambda n, off, w: minimize(lambda t: (w * (off + n @ t) ** 2).sum(), [0, 0]).x,
+        ),
+        (
+            "mean_wall_error",
+            lambda points, walls: np.mean([min(nearest(p, w) for w in walls) for p in points]),
         ),
         ("cell_of", lambda x, corner, r: int(np.floor(np.round((x - corner) / r, 9)))),
         ("cell_of", lambda x, corner, r: int(np.floor((x - corner) / r + 1e-9))),
@@ -134,6 +145,11 @@ def test_minimised_and_rounded_answers_are_right(name, other):
     """Catches "expected 1.60319, got 1.60319"."""
     exercise = EXERCISES[name]
     assert all(exercise(other, exercise.fresh(seed)) for seed in range(5)) and exercise(other)
+
+
+def test_an_answer_that_is_off_by_less_than_is_shown_says_by_how_much():
+    found = course.check_quality(lambda distances: RIGHT["quality"](distances) + 1e-7)
+    assert "which is off by 1e-07" in found.hint
 
 
 def test_a_draw_that_lets_a_mistake_through_is_refused():

@@ -7,8 +7,9 @@ import pytest
 from chapter_rules import CHAPTERS
 from segmap_course import EXERCISES, OPEN_EXERCISES
 from segmap_course.__main__ import main
+from segmap_course.grading.handout import package
 from segmap_course.grading.handout._handout import LINK, student_copy, with_links
-from segmap_course.grading.handout._solutions import BEGIN, END, open_answer
+from segmap_course.grading.handout._solutions import BEGIN, END, open_answer, solution
 from segmap_course.grading.handout._tasks import CHECKS, chapters, defines, places, tasks_of
 
 
@@ -213,6 +214,17 @@ def test_solutions_stand_between_the_marks_of_nbgrader(tmp_path):
     assert "def my_move_onto_walls(" in before and "..." in before
     assert "my_move_onto_walls = " in rest.split(END)[0] and "def " in rest
     assert main(["solutions", str(tmp_path / "source")]) == 1
+
+
+@pytest.mark.parametrize("name", EXERCISES)
+def test_a_solution_needs_nothing_but_what_its_task_gives(name):
+    """Catches a solution that is refused when it is handed in, since it calls the library."""
+    exercise = EXERCISES[name]
+    given = [
+        f"from {room} import {f}" for room, names in package(exercise)[1].items() for f in names
+    ]
+    wanted = [line for line in solution(exercise, "mine").splitlines() if "import" in line]
+    assert [line for line in wanted if "segmap" in line and line not in given] == []
 
 
 def test_no_copy_of_a_student_holds_a_solution(handed):

@@ -160,6 +160,8 @@ class Exercise:
         pairs = zip(cases, found, self.expected(cases), strict=True)
         words, got, right = next(pair for pair in pairs if not agree(*pair[1:], self.same))
         said = f"but it raised {text(got)}" if isinstance(got, Raised) else f"got {text(got)}"
+        if text(got) == text(right):
+            said += f", which is off by {np.abs(np.subtract(got, right)).max():.1g}"
         return f"for {words} expected {text(right)}, {said}{self._call(cases[words])}"
 
     def told(self, found: Sequence[Any]) -> str:

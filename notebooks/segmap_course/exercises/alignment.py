@@ -83,6 +83,7 @@ check_match_value = Exercise(
             edited(_value, ("max(0.0, ", "("))
         ),
     },
+    near,
     own=(match_values, angle_candidates, match_angles, kernels.match_value, angle_correspondence),
 )
 

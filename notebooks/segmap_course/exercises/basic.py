@@ -65,7 +65,7 @@ def _pairs(rng: Rng) -> Cases:
 
 
 def _matches(a: Array, b: Array, distance: float, angle: float) -> bool:
-    return len(basic_offline([a, b], distance=distance, angle=angle)) == 1
+    return basic.match(a.tolist(), b.tolist(), distance, angle)
 
 
 def _gaps(a: Array, b: Array) -> Array:
@@ -153,7 +153,7 @@ def _pieces(rng: Rng) -> Cases:
 
 
 def _merged(a: Array, b: Array) -> Array:
-    return basic_offline([a, b], distance=10.0, angle=np.pi / 2).segments[0]
+    return np.array(basic.merge(a.tolist(), b.tolist()))
 
 
 def _farthest(a: Array, b: Array) -> Array:

@@ -15,7 +15,7 @@ from segmap.segments import point_distance
 from .. import literal
 from .._storage import wall_errors
 from ..literal.metrics import covered
-from ._answers import Cases
+from ._answers import Cases, near
 from ._exercise import Exercise, Rng, edited
 
 
@@ -276,6 +276,7 @@ check_mean_wall_error = Exercise(
             )
         ),
     },
+    near,
     own=(wall_errors,),
 )
 

@@ -15,7 +15,7 @@ from segmap.poses import transform
 from ..literal.reduction import fuzzy_clustering, viewing_sector, weighted_line_fitting
 from ..literal.reduction.least_cost import invented
 from ..literal.reduction.weighted_line_fitting import Line, add_pose
-from ._answers import Cases
+from ._answers import Cases, near
 from ._exercise import Exercise, Rng, anywhere, changed, edited
 
 
@@ -80,6 +80,7 @@ check_pose_covariance = Exercise(
         ),
         "the offset comes first, then the angle": changed(_pose_covariance, np.flip),
     },
+    near,
     own=(reduction.weighted_line_fitting, weighted_line_fitting),
 )
 

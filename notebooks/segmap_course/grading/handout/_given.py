@@ -35,7 +35,7 @@ def package(exercise: Exercise) -> Package:
 @cache
 def gathered(*basics: tuple[str, str]) -> Gatherer:
     """Functions, each by its room and name, and all that they call."""
-    found = Gatherer((), everything=True)
+    found = Gatherer()
     for room, name in basics:
         found.gather(room, name)
     return found

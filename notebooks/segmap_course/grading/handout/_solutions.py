@@ -2,8 +2,8 @@
 
 An open exercise gets the number that is true, or an input that fools the method.
 
-What belongs to the answer is copied; what a student may call too is imported. So the solution
-passes the check, which notices the library.
+All of it is copied but what the task gives, which is imported. So a solution is right when it is
+handed in.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ from pathlib import Path
 from ... import EXERCISES, OPEN_EXERCISES
 from ...exercises import Exercise
 from ...exercises.open import Prediction
+from ._given import package
 from ._handout import refuse_old, student_copy, text, write_folder
 from ._inputs import INPUTS
 from ._source import Gatherer
@@ -25,13 +26,13 @@ BEGIN, END = "### BEGIN SOLUTION", "### END SOLUTION"
 
 def solution(exercise: Exercise, name: str) -> str:
     """A cell that defines `name`, which the student is asked for, by the library's source."""
-    gatherer = Gatherer(exercise.own)
+    gatherer = Gatherer(package(exercise)[1])
     source = gatherer.source(exercise.draw.__module__)  # where it is defined itself
     made = source.nodes[f"check_{exercise.name}"]
     assert isinstance(made, ast.Assign) and isinstance(made.value, ast.Call)
     answer = made.value.args[1]
     if isinstance(answer, ast.Name):
-        gatherer.take(source, answer.id, copied=True)
+        gatherer.take(source, answer.id)
     last = f"{name} = {gatherer.needs(source, answer)}"
     head = "\n".join(dict.fromkeys(gatherer.imports))
     return "\n\n\n".join(part for part in [head, *gatherer.parts, last] if part)

@@ -5,8 +5,9 @@ from __future__ import annotations
 import ast
 import importlib
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 from ...exercises import Watch, plain
@@ -25,7 +26,9 @@ class Source:
         self.nodes = {name: n for n in ast.parse(self.text).body for name in _names(n)}
 
     def code(self, node: ast.AST) -> str:
-        """The text of a node, without decorators."""
+        """The text of a node; a function or class as it is now, without comments."""
+        if isinstance(node, ast.FunctionDef | ast.ClassDef):
+            return ast.unparse(node)
         return ast.get_source_segment(self.text, node) or ast.unparse(node)
 
     def origin(self, node: ast.ImportFrom) -> str:
@@ -50,15 +53,20 @@ def _names(node: ast.stmt) -> Iterator[str]:
 class Gatherer:
     """Collects the statements that a solution needs, each once, what it calls first.
 
-    Copied is what belongs to the answer, or `everything` of segmap; the rest is imported.
+    Copied is all of segmap, but for what is `given`: room -> the names that are imported from it.
     """
 
-    def __init__(self, own: tuple[Any, ...], *, everything: bool = False) -> None:
-        self.own, self.everything = Watch(own), everything
+    def __init__(self, given: Mapping[str, Iterable[str]] = MappingProxyType({})) -> None:
         self.imports: list[str] = []
         self.parts: list[str] = []
         self._names: dict[tuple[str, str], str] = {}
         self._sources: dict[str, Source] = {}
+        self._rooms = {
+            (home.module, name): room
+            for room, names in given.items()
+            for name in names
+            if (home := self._home(room, name)) is not None
+        }
 
     def source(self, module: str) -> Source:
         """The text of a module, read once."""
@@ -85,7 +93,7 @@ class Gatherer:
             if isinstance(part, ast.Attribute) and isinstance(part.value, ast.Name):
                 module = part.value.id
                 if home := self._inside(source, module, part.attr):
-                    renamed[f"{module}.{part.attr}"] = self.take(home, part.attr)
+                    renamed[f"{module}.{part.attr}"] = self.take(home, part.attr, module)
                     inside.add(module)
         for part in ast.walk(node):
             if isinstance(part, ast.Name) and part.id in source.nodes and part.id not in inside:
@@ -103,33 +111,34 @@ class Gatherer:
             return None
         alias = next(a.name for a in node.names if (a.asname or a.name) == module)
         home = self._home(f"{source.origin(node)}.{alias}", name)
-        return home if home is not None and self._is_own(home, name) else None
+        is_given = home is not None and (home.module, name) in self._rooms
+        return None if is_given else home
 
-    def take(self, source: Source, name: str, *, copied: bool = False) -> str:
+    def take(self, source: Source, name: str, module: str = "") -> str:
         """Gather one name of a module, its text or an import; the name that it has from now on."""
         key = (source.module, name)
         if key in self._names:
             return self._names[key]
         node = source.nodes[name]
         if isinstance(node, ast.Import | ast.ImportFrom):
-            self._names[key] = self._import(source, node, name, copied)
+            self._names[key] = self._import(source, node, name)
             return self._names[key]
-        taken = name in self._names.values()
-        room = source.module.rpartition(".")[2].strip("_")
+        # `arrays.points` is no `points`, which may be an argument.
+        taken = bool(module) or name in self._names.values()
+        room = module or source.module.rpartition(".")[2].strip("_")
         new = self._names[key] = f"{room}_{name.strip('_')}" if taken else name
         if isinstance(node, ast.FunctionDef):
+            if words := ast.get_docstring(node):
+                node.body[0] = ast.Expr(ast.Constant(words.splitlines()[0]))
             node.decorator_list = []  # the source of a function comes without them
-            if self.everything:  # annotations are left as they are, since nobody looks them up
-                node.returns, arguments = None, node.args
-                for one in (*arguments.posonlyargs, *arguments.args, *arguments.kwonlyargs):
-                    one.annotation = None
+            node.returns, arguments = None, node.args  # what annotations name is not needed then
+            for one in (*arguments.posonlyargs, *arguments.args, *arguments.kwonlyargs):
+                one.annotation = None
         code = self.needs(source, node)
         self.parts.append(re.sub(rf"\b{name}\b", new, code) if taken else code)
         return new
 
-    def _import(
-        self, source: Source, node: ast.Import | ast.ImportFrom, name: str, copied: bool
-    ) -> str:
+    def _import(self, source: Source, node: ast.Import | ast.ImportFrom, name: str) -> str:
         alias = next(a for a in node.names if (a.asname or a.name) == name)
         renamed = f" as {alias.asname}" if alias.asname else ""
         if isinstance(node, ast.Import):
@@ -137,8 +146,10 @@ class Gatherer:
             return name
         module = source.origin(node)
         home = self._home(module, alias.name)
-        if home is not None and (copied or self._is_own(home, alias.name)):
+        room = self._rooms.get((home.module, alias.name)) if home else None
+        if home is not None and room is None:
             return self.take(home, alias.name)
+        module = room or module
         self.imports.append(f"from {module} import {alias.name}{renamed}")
         return name
 
@@ -154,13 +165,6 @@ class Gatherer:
                 return source if node is not None else None
             module = source.origin(node)
         return None
-
-    def _is_own(self, home: Source, name: str) -> bool:
-        """Whether the exercise takes a name for a part of the answer; its constants are one too."""
-        if self.everything:
-            return True
-        function = plain(getattr(importlib.import_module(home.module), name))
-        return self.own.covers(function.__code__) if function else home.file in self.own.files
 
 
 def _module(name: str) -> Any:
