@@ -19,8 +19,16 @@ from ..readers import LogError, read_segments
 from ..reduction import METHODS
 from ..scans import Log
 from ..segments import SegmentMap, length
-from ._logs import add_align, add_logs, add_strict, aligned, allowed, concluded, each_log
-from ._targets import add_output
+from ._logs import (
+    add_align,
+    add_logs,
+    add_output,
+    add_strict,
+    aligned,
+    allowed,
+    concluded,
+    each_log,
+)
 from ._thresholds import thresholds
 from ._words import Report, finite, percent, progress, seconds
 

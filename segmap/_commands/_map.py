@@ -12,8 +12,16 @@ from ..alignment import Alignment
 from ..reduction import METHODS, Reduction
 from ..scans import Log
 from ..segments import SegmentMap
-from ._logs import add_align, add_logs, add_strict, aligned, allowed, concluded, each_log
-from ._targets import add_output
+from ._logs import (
+    add_align,
+    add_logs,
+    add_output,
+    add_strict,
+    aligned,
+    allowed,
+    concluded,
+    each_log,
+)
 from ._thresholds import add_thresholds, chosen_thresholds, refuse_others
 from ._words import Report, metres, percent, progress, seconds
 

@@ -15,8 +15,16 @@ from .._display import counted
 from ..alignment import Alignment, Verdict
 from ..matching import MATCHERS, SCORES, map_scans
 from ..scans import Log
-from ._logs import add_align, add_logs, add_strict, aligned, allowed, concluded, each_log
-from ._targets import add_output
+from ._logs import (
+    add_align,
+    add_logs,
+    add_output,
+    add_strict,
+    aligned,
+    allowed,
+    concluded,
+    each_log,
+)
 from ._words import Report, progress
 
 #: What -o may end in.
