@@ -160,6 +160,7 @@ NAN_IS_MEANT = {
     "Geometry.ranges",
     "LivePanel.source=a log",
     "interpolate",
+    "localize",
     "map_scans",
     "measure",
     "reduction_at",

@@ -23,6 +23,7 @@ from ._logs import (
     add_align,
     add_deskew,
     add_logs,
+    add_output,
     add_strict,
     aligned,
     allowed,
@@ -30,7 +31,6 @@ from ._logs import (
     deskewed,
     each_log,
 )
-from ._targets import add_output
 from ._thresholds import thresholds
 from ._words import Report, finite, percent, progress, seconds
 

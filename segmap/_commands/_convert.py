@@ -13,8 +13,16 @@ from .. import exports
 from .._display import counted
 from ..alignment import Alignment
 from ..scans import Log
-from ._logs import add_align, add_logs, add_strict, aligned, allowed, concluded, each_log
-from ._targets import add_output
+from ._logs import (
+    add_align,
+    add_logs,
+    add_output,
+    add_strict,
+    aligned,
+    allowed,
+    concluded,
+    each_log,
+)
 from ._words import Report
 
 #: What -o may end in.

@@ -1,4 +1,5 @@
-"""Logs one after the other, those named and those in a folder, and a pose for each scan."""
+"""Logs one after the other, those named and those in a folder, a pose for each scan, and the files
+that a command writes: their names are checked before any work is done."""
 
 from __future__ import annotations
 
@@ -8,6 +9,7 @@ import io
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict
+from functools import partial
 from pathlib import Path
 from typing import Any, Literal
 
@@ -19,9 +21,10 @@ from ..files import shown, write_bytes
 from ..readers import LogError, UnknownFormat, format_of, load, read, read_bag
 from ..scans import Log
 from ..scans.moving import is_timed
-from ._targets import Targets
 from ._words import FAULTS, Report, percent, progress, reason, say, seconds, tell
 
+#: Stands for the name of the log.
+NAME = "{name}"
 #: Files of these kinds lie beside logs: some quote a line of one.
 DOCUMENTS = {".html", ".ipynb", ".md", ".py", ".rst", ".sh"}
 #: So many reasons for scans that were not matched are told.
@@ -265,3 +268,51 @@ def concluded(given: argparse.Namespace, verdict: Verdict, report: Report) -> in
     asked = f" (--strict asks for {percent(given.strict)} of the scans)" if few else ""
     report.line("verdict", f"{verdict}{asked}", **asdict(verdict))
     return NO_MAP if too_little(given, verdict) else 0
+
+
+def add_output(command: argparse.ArgumentParser, suffixes: Sequence[str], what: str) -> None:
+    """The option -o, as often as one likes, for names that end in one of the suffixes."""
+    command.add_argument(
+        "-o",
+        "--output",
+        action="append",
+        default=[],
+        metavar="FILE",
+        type=partial(_checked, suffixes),
+        help=f"write {what}; the name ends in {', '.join(suffixes)}; may be given more than once; "
+        f"{NAME} in it stands for the name of the log, for several logs: 'maps/{NAME}.svg'",
+    )
+
+
+def _checked(suffixes: Sequence[str], text: str) -> str:
+    if not text.lower().endswith(tuple(suffixes)) or text.startswith(tuple(suffixes)):
+        raise argparse.ArgumentTypeError(f"{text!r} must end in one of {', '.join(suffixes)}")
+    return text
+
+
+class Targets:
+    """The names given with -o, with the name of each log in its place."""
+
+    def __init__(self, patterns: Sequence[str]) -> None:
+        self._patterns = patterns
+        self._taken: dict[Path, str] = {}
+
+    def alike(self) -> str:
+        """The first name that is the same for all logs; empty where there is none."""
+        return next((pattern for pattern in self._patterns if NAME not in pattern), "")
+
+    def paths(self, name: str, source: str) -> list[Path]:
+        """The files for a log of this name, none of them written before, nor the log itself."""
+        found = [Path(pattern.replace(NAME, name)) for pattern in self._patterns]
+        for path in found:
+            place = path.resolve()
+            if not place.parent.is_dir():
+                raise FileNotFoundError(f"cannot write {path}: make the folder {path.parent} first")
+            if place.is_dir():
+                raise ValueError(f"cannot write {path}: it is a folder")
+            if place == Path(source).resolve():
+                raise ValueError(f"cannot write {path}: it is the log itself")
+            if other := self._taken.get(place):
+                raise ValueError(f"{path} was written for {other}: this log would replace it")
+            self._taken[place] = source
+        return found

@@ -9,18 +9,18 @@ from typing import Any, NoReturn
 
 from .. import __version__
 from ..files import shown
-from . import _compare, _convert, _info, _map, _notebooks, _occupancy, _warm
+from . import _compare, _convert, _info, _locate, _map, _notebooks, _occupancy, _warm
 from ._words import FAULTS, plain_warnings, reason, tell
 
 DESCRIPTION = "Maps of buildings from the logs of a 2D laser."
 EPILOG = """\
 LOG is a file or a folder of any format that segmap reads, a folder of such logs, or the name of a
 log that comes with segmap: malaga, corridor, room. Exit codes: 0 done, 1 something failed, 2 the
-command was not understood, 3 a log gave no map, 130 stopped by Control-C. `segmap COMMAND --help`
-tells the rest.
+command was not understood, 3 a log gave no map, or was not found on one, 130 stopped by Control-C.
+`segmap COMMAND --help` tells the rest.
 """
 #: In the order in which they are listed.
-COMMANDS = (_info, _map, _compare, _occupancy, _convert, _notebooks, _warm)
+COMMANDS = (_info, _map, _compare, _occupancy, _locate, _convert, _notebooks, _warm)
 
 
 class _Strict(argparse.ArgumentParser):

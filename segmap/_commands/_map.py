@@ -16,6 +16,7 @@ from ._logs import (
     add_align,
     add_deskew,
     add_logs,
+    add_output,
     add_strict,
     aligned,
     allowed,
@@ -23,7 +24,6 @@ from ._logs import (
     deskewed,
     each_log,
 )
-from ._targets import add_output
 from ._thresholds import add_thresholds, chosen_thresholds, refuse_others
 from ._words import Report, metres, percent, progress, seconds
 

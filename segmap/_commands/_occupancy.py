@@ -19,6 +19,7 @@ from ._logs import (
     add_align,
     add_deskew,
     add_logs,
+    add_output,
     add_strict,
     aligned,
     allowed,
@@ -26,7 +27,6 @@ from ._logs import (
     deskewed,
     each_log,
 )
-from ._targets import add_output
 from ._words import Report, progress
 
 #: What -o may end in.

@@ -2,6 +2,7 @@
 
 from ._field import DistanceField
 from ._live_map import LiveMap, Step
+from ._localize import Belief, localize
 from ._mapping import MATCHERS, SCORES, map_scans
 from ._matchers import Score, field_score, hill_climb, sample_and_rank
 from ._route import NoRoute, route

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import threading
 import time
+from collections.abc import Iterator
 from copy import deepcopy
 from typing import NamedTuple
 
@@ -18,6 +19,7 @@ from ..poses import compose, inverse, transform
 from ..quadtree import QuadtreeMap, free_ends
 from ..reduction import LiveReduction
 from ..scans import LaserScan
+from ._localize import Belief, localize
 from ._scores import nearest_score
 
 
@@ -83,12 +85,15 @@ class LiveMap:
         Scans that it holds already are not drawn; a new one by default.
     map : QuadtreeMap or None
         Scans are inserted here, beside what it holds; a new map by default.
-    start : (3,) array, metres and radians
-        Pose of the robot in the map at the first scan.
+    start : (3,) array, metres and radians, or None
+        Pose of the robot in the map at the first scan. None for a robot that does not know where on
+        a map it is: `localize` finds it, and scans before are not drawn.
     free : bool
         As in `map_scans`.
     walls : LiveReduction or None
         Takes in the polylines of each scan, where it is given; after a loop anew.
+    rng : numpy.random.Generator or None
+        Draws the particles where `start` is None.
 
     Attributes
     ----------
@@ -113,14 +118,20 @@ class LiveMap:
         graph: LiveGraph | None = None,
         *,
         map: QuadtreeMap | None = None,
-        start: ArrayLike = (0.0, 0.0, 0.0),
+        start: ArrayLike | None = (0.0, 0.0, 0.0),
         free: bool = False,
         walls: LiveReduction | None = None,
+        rng: np.random.Generator | None = None,
     ) -> None:
+        if start is None and rng is None:
+            raise ValueError("to find the start, particles are drawn: give rng")
         self.walls = walls if walls is None else arrays.instance(walls, "walls", LiveReduction)
         self.graph = LiveGraph() if graph is None else arrays.instance(graph, "graph", LiveGraph)
         self.map = QuadtreeMap() if map is None else arrays.instance(map, "map", QuadtreeMap)
-        self._blank, self._start = deepcopy((self.map, walls)), arrays.pose(start, "start")
+        self._blank = deepcopy((self.map, walls))
+        self._start = None if start is None else arrays.pose(start, "start")
+        self._rng, self._asked = rng, LaserScan([], [])
+        self._beliefs: Iterator[Belief] | None = None
         self._free = free
         self._map_from_graph: Array | None = None
         self._scans: list[tuple[int, LaserScan]] = []  # those that are drawn, by their number
@@ -134,6 +145,11 @@ class LiveMap:
         """
         begun, number = time.perf_counter(), len(self.graph)
         self._exchange()
+        if self._start is None and (seen := self._sought(scan)).reason:
+            known = np.isfinite(seen.pose[0])
+            overlap = overlap_of(self.map, scan, seen.pose) if known else 0.0
+            seconds = time.perf_counter() - begun
+            return Step(seen.pose, np.nan, seconds, found=False, overlap=overlap)
         try:
             found, closed = self.graph.add(scan)
             self._stale |= closed
@@ -155,9 +171,25 @@ class LiveMap:
         seconds = time.perf_counter() - begun
         return Step(pose, np.nan, seconds, closed, matched, overlap)
 
+    def _sought(self, scan: LaserScan) -> Belief:
+        """Where the robot may be on the map; that is the start where it is found."""
+        self._asked = arrays.instance(scan, "scan", LaserScan)
+        if self._beliefs is None:
+            assert self._rng is not None
+            scans = iter(lambda: self._asked, None)
+            self._beliefs = localize(self.map, scans, rng=self._rng)
+        try:
+            belief = next(self._beliefs)
+        except BaseException:
+            self._beliefs = None  # a generator that raised has ended
+            raise
+        self._start = belief.pose if belief.found else None
+        return belief
+
     def _in_map(self, pose: Array) -> Array:
         """A pose (3,) of the graph in the map, metres and radians; the first one lays the map."""
         if self._map_from_graph is None:
+            assert self._start is not None
             self._map_from_graph = compose(self._start, inverse(pose))
         return compose(self._map_from_graph, pose)
 

@@ -7,9 +7,11 @@ import threading
 import time
 from collections import deque
 from collections.abc import Generator, Iterable, Iterator, Sized
+from copy import deepcopy
 from itertools import islice
 
 import ipywidgets as W
+import numpy as np
 from numpy.typing import ArrayLike
 
 from .. import arrays
@@ -17,7 +19,7 @@ from .._display import counted
 from ..arrays import Array, Metres, checked
 from ..extraction import extract_polylines
 from ..hokuyo import Newest, SensorError, UrgSensor
-from ..matching import LiveMap, Step, map_scans
+from ..matching import Belief, LiveMap, Step, localize, map_scans
 from ..plotting import ERROR
 from ..poses import transform
 from ..quadtree import QuadtreeMap
@@ -45,6 +47,9 @@ class LivePanel(Panel):
     kept reduced by `LiveReduction`, are drawn as thin lines. A change begins a new map where the
     robot now is.
 
+    *find me* looks for the robot on the map that stands: `localize` takes scans, and none is
+    inserted, until it is found; then mapping goes on from there.
+
     Parameters
     ----------
     source
@@ -54,6 +59,8 @@ class LivePanel(Panel):
         down to sixteen times as much, so that what was not seen is not white.
     start
         Pose of the first scan.
+    map
+        A map to go on with, on which the robot is found first; its resolution is kept.
 
     Attributes
     ----------
@@ -81,14 +88,18 @@ class LivePanel(Panel):
         *,
         resolution: Metres = 0.02,
         start: ArrayLike = (0.0, 0.0, 0.0),
+        map: QuadtreeMap | None = None,
     ) -> None:
         self.source, self._resolution = _checked(source), resolution
+        self._given = map if map is None else arrays.instance(map, "map", QuadtreeMap)
         self._begin: Array = arrays.pose(start, "start")
         self.map, self.seconds, self.taken, self.lost = self._empty(), 0.0, 0, 0
         self._scan: LaserScan | None = None
         self._step: Step | None = None
         self._steps: Iterator[Step] | None = self._begun()
         self._live: LiveMap | None = None
+        self._beliefs: Iterator[Belief] | None = None
+        self._belief: Belief | None = None
         self._newest: Newest | None = None
         self._times: deque[float] = deque(maxlen=RATE)
         self._thread: threading.Thread | None = None
@@ -96,6 +107,8 @@ class LivePanel(Panel):
         self.start, self.stop = W.Button(description="start"), W.Button(description="stop")
         self.start.on_click(self._start)
         self.stop.on_click(self._stop)
+        self.find = W.Button(description="find me")
+        self.find.on_click(self._find)
         self.tolerance = slider("tolerance", 0.03, 0.005, 0.10, 0.005)
         self.loops = W.Checkbox(value=False, description="close loops", indent=False)
         self.loops.observe(self._choose, names="value")
@@ -103,13 +116,15 @@ class LivePanel(Panel):
         self.graph, self.place, self.state = text(), text(), text()
         self._picture = LivePicture()
         self._assemble(
-            (self.start, self.stop),
+            (self.start, self.stop, self.find),
             (self.tolerance, self.loops),
             (self.count, self.leaves),
             (self.rate, self.dropped),
             (self.graph, self.place),
             self.state,
         )
+        if self._given is not None:
+            self._find()
 
     def run(self, scans: int) -> None:
         """Take so many scans in the calling thread, and leave none out; then end the map."""
@@ -126,7 +141,7 @@ class LivePanel(Panel):
         with self._drawing:
             self._match(scan)
             self.taken += 1
-            self.lost += self._step is not None and not self._step.found
+            self.lost += self._beliefs is None and self._step is not None and not self._step.found
             self._times.append(scan.time)
             self._redraw()
         self.seconds = time.perf_counter() - begun
@@ -142,9 +157,33 @@ class LivePanel(Panel):
         with self._drawing:
             self._begin = self._begin if self._step is None else self._step.pose
             self.map, self._steps, self._live, self._step = self._empty(), None, None, None
-            self.lost = 0
+            looking, self._beliefs, self.lost = self._beliefs is not None, None, 0
+            if looking and self._given is not None:
+                self._find()
+
+    def _find(self, button: object = None) -> None:
+        """Look for the robot on the map, from the next scan on."""
+        with self._drawing:
+            scans, self._belief = iter(lambda: self._scan, None), None
+            try:
+                self._beliefs = localize(self.map, scans, rng=np.random.default_rng(0))
+            except ValueError as fault:  # the map is empty
+                self.state.value = str(fault)
+
+    def _found(self, scan: LaserScan) -> bool:
+        """Whether mapping may go on; where the robot was looked for, it begins at its place."""
+        if self._beliefs is None:
+            return True
+        self._scan = scan
+        self._belief = next(self._beliefs)
+        if self._belief.found:
+            self._begin, self._step, self._beliefs = self._belief.pose, None, None
+            self._live = self._steps = None
+        return self._belief.found
 
     def _empty(self) -> QuadtreeMap:
+        if self._given is not None:
+            return deepcopy(self._given)
         return QuadtreeMap(resolution=self._resolution, free_resolution=COARSE * self._resolution)
 
     # --------------------------------------------------------------------- threads
@@ -184,6 +223,8 @@ class LivePanel(Panel):
         """Match and insert; a scan that fails, or is interrupted, is left out."""
         before = self._scan
         try:
+            if not self._found(scan):
+                return
             if self.loops.value:
                 walls = LiveReduction()
                 self._live = self._live or LiveMap(map=self.map, start=self._begin, walls=walls)
@@ -194,6 +235,8 @@ class LivePanel(Panel):
             self._step = next(self._steps)
         except BaseException:
             self._scan, self._steps = before, None  # a generator that raised has ended
+            if self._beliefs is not None:
+                self._find()
             self._picture = LivePicture()  # half a scan may be in the map
             raise
 
@@ -211,22 +254,30 @@ class LivePanel(Panel):
     # --------------------------------------------------------------------- drawing
     def _redraw(self, change: object = None) -> None:
         with self._drawing:
-            if self._scan is None or self._step is None:
+            now = self._step if self._beliefs is None else self._belief
+            if now is not None:
+                self._tell_place(now)
+            if self._scan is None or now is None or not np.isfinite(now.pose[0]):
                 self.picture.value = self._picture.png()
                 return
             own = extract_polylines(self._scan.points(), tolerance=self.tolerance.value)
-            segments = transform(self._step.pose, own.reshape(-1, 2)).reshape(-1, 2, 2)
-            self._tell(len(segments), self._step)
+            segments = transform(now.pose, own.reshape(-1, 2)).reshape(-1, 2, 2)
+            self._tell(len(segments))
             walls = None if self._live is None else self._live.walls
             reduced = None if walls is None else walls.segments
-            self._picture.show(self.map, self._scan, self._step.pose, segments, reduced)
+            self._picture.show(self.map, self._scan, now.pose, segments, reduced)
             self.picture.value = self._picture.png()
 
-    def _tell(self, segments: int, step: Step) -> None:
-        lies = f"{step.overlap:.0%} of the scan lies on the map"
+    def _tell_place(self, now: Step | Belief) -> None:
+        self.place.style.text_color = None if now.found else ERROR
+        if isinstance(now, Belief):
+            self.place.value = f"looking: {now.reason}"
+            return
+        lies = f"{now.overlap:.0%} of the scan lies on the map"
         before = f"; {counted(self.lost, 'scan')} lost on this map" if self.lost else ""
-        self.place.value = f"{'found' if step.found else 'LOST'}: {lies}{before}"
-        self.place.style.text_color = None if step.found else ERROR
+        self.place.value = f"{'found' if now.found else 'LOST'}: {lies}{before}"
+
+    def _tell(self, segments: int) -> None:
         self.count.value = f"{segments} segments"
         self.leaves.value = f"{3 * self.map.tree.used + 1} leaves"
         self.graph.value = "" if self._live is None else repr(self._live.graph)

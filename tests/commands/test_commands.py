@@ -381,6 +381,23 @@ def test_only_warnings_for_users_are_shown(capsys):
     assert capsys.readouterr().err == "warning: mine\n"
 
 
+def test_locate_finds_a_log_on_a_map_of_either_kind(run, folder):
+    """Catches a map read as the other kind, a robot called found elsewhere, and a wrong code."""
+    log = segmap.load("room")
+    segmap.quadtree.build_map(log, log.truth, resolution=0.05).save("squares.npz")
+    exports.write_segments("walls.csv", segmap.build_map(log, log.truth).filtered(0.3))
+    exports.write_segments("walls.npz", segmap.build_map(log, log.truth).filtered(0.3))
+    for map in ("squares.npz", "walls.csv", "walls.npz"):
+        code, said, _ = run("locate", map, "room", "--json")
+        place, verdict = json.loads(said)["place"], json.loads(said)["verdict"]
+        assert code == 0 and verdict["reason"] == "", said
+        assert np.hypot(place["x"] - log.truth[-1, 0], place["y"] - log.truth[-1, 1]) < 0.1
+    code, said, _ = run("locate", "squares.npz", folder / "near.log")
+    assert code == 3 and f"found     0 of {SCANS} scans; lost at" in said
+    code, _, error = run("locate", "none.npz", "room")
+    assert code == 1 and "none.npz" in error
+
+
 # ------------------------------------------------------------------------------ usage
 @pytest.mark.parametrize(
     ("words", "said"),

@@ -14,10 +14,11 @@ from segmap import LaserScan, extraction
 from segmap.alignment import LiveGraph, LoopClosing
 from segmap.matching import LiveMap, _live_map, map_scans
 from segmap.poses import between, compose
-from segmap.quadtree import QuadtreeMap
+from segmap.quadtree import QuadtreeMap, build_map
 from segmap.quadtree import _kernels as kernels
 from segmap.reduction import LiveReduction, hybrid_fusion
 from segmap.scans import Log
+from segmap.simulation import Sensor, box, drive, simulate, square_room
 
 START = (3.0, 2.0, 0.5)
 
@@ -213,3 +214,28 @@ def test_a_scan_that_the_map_refuses_has_no_pose_in_it():
     assert live.map.scans == len(live.poses) == 2 and len(live.graph) == 3
     apart = between(*live.graph.poses[[0, 2]])
     np.testing.assert_allclose(between(*live.poses), apart, atol=1e-12)
+
+
+def test_a_saved_map_goes_on_where_the_robot_is_found():
+    """Catches a start taken for the origin, scans drawn before, and a map that forgets what it held
+    when a loop makes it anew."""
+    walls = np.concatenate([square_room(4), box(0.5, 0.8, (3, 3, 0.2))])
+    ring = Sensor("ring", 72, -np.pi, np.pi / 36, max_range=30.0, sigma=0.01)
+    path = drive([(1, 1), (3, 1), (3, 2)], step=0.05)
+    log = simulate(walls, path, sensor=ring, rng=np.random.default_rng(1))
+    again = simulate(walls, path[20:60], sensor=ring, rng=np.random.default_rng(2))
+    saved = build_map(log, log.truth, resolution=0.02)
+    before = saved.leaves().vis.sum()
+    live = LiveMap(map=saved, start=None, rng=np.random.default_rng(3))
+    steps = [live.add(scan) for scan in again]
+    found = [step.found for step in steps]
+    first = found.index(True)
+    assert first < 15 and all(found[first:]) and len(live.poses) == len(again) - first
+    assert np.abs(live.poses[-1] - again.truth[-1])[:2].max() < 0.1
+    live._stale = True
+    live.finish()
+    assert live.map.leaves().vis.sum() > before
+    with pytest.raises(ValueError, match="give rng"):
+        LiveMap(map=saved, start=None)
+    with pytest.raises(ValueError, match="scan"):
+        LiveMap(map=saved, start=None, rng=np.random.default_rng(3)).add(3)

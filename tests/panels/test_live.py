@@ -18,7 +18,8 @@ from segmap.hokuyo.emulator import Emulator, furnished_room
 from segmap.matching import LiveMap
 from segmap.panels import LivePanel
 from segmap.panels._live_picture import Greys, occupancy
-from segmap.quadtree import QuadtreeMap
+from segmap.quadtree import QuadtreeMap, build_map
+from segmap.simulation import Sensor, box, drive, simulate, square_room
 
 
 @pytest.fixture(scope="module", autouse=True)
@@ -346,3 +347,33 @@ def test_another_map_is_asked_as_a_whole():
         fresh = Greys()
         fresh.update(map, np.vstack([(0.0, 0.0), ends]))
         assert np.array_equal(greys.grid, fresh.grid)
+
+
+def test_find_me_goes_on_with_a_saved_map():
+    """Catches scans that are inserted before the robot is found, and a map that begins empty."""
+    walls = np.concatenate([square_room(4), box(0.5, 0.8, (3, 3, 0.2))])
+    ring = Sensor("ring", 72, -np.pi, np.pi / 36, max_range=30.0, sigma=0.01)
+    path = drive([(1, 1), (3, 1), (3, 2)], step=0.05)
+    log = simulate(walls, path, sensor=ring, rng=np.random.default_rng(1))
+    again = simulate(walls, log.truth[20:], sensor=ring, rng=np.random.default_rng(2))
+    saved = build_map(log, log.truth, resolution=0.02)
+    panel = LivePanel(again, map=saved, resolution=0.05)
+    assert panel.map.resolution == 0.02
+    before, looked = panel.map.leaves().vis.sum(), 0
+    for scan in again[:25]:
+        panel.take(scan)
+        if "looking" in panel.place.value:
+            looked += 1
+            assert panel.map.leaves().vis.sum() == before
+    assert looked < 20 and "found" in panel.place.value and panel.map.leaves().vis.sum() > before
+    assert (
+        np.hypot(*(panel._step.pose - again.truth[24])[:2]) < 0.1
+        and saved.leaves().vis.sum() == before
+    )
+    panel.find.click()
+    panel.take(again[25])
+    assert panel._beliefs is None or "looking" in panel.place.value
+    panel.loops.value = True
+    empty = LivePanel(again)
+    empty.find.click()
+    assert "no" in empty.state.value and empty._beliefs is None

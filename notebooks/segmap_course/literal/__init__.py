@@ -19,6 +19,14 @@ from .alignment.segment_icp import correspond, segment_cost
 from .extraction import extract_clusters, extract_polylines, fit_algebraic, fit_total
 from .lines import axial_difference, line_angle, placed, point_to_segment, segment_length
 from .metrics import against_walls, mean_lines, quality, segment_distance
+from .quadtrees.histograms import (
+    angle_histogram,
+    best_shift,
+    histogram,
+    hough_lines,
+    match_histograms,
+    match_hough,
+)
 from .quadtrees.matching import (
     MOVES,
     climb_step,
@@ -28,6 +36,7 @@ from .quadtrees.matching import (
     occupancy_score,
     sample_and_rank,
 )
+from .quadtrees.particles import enough, fit, picked, weighed
 from .quadtrees.quadtree import (
     Quadtree,
     cell_of,

@@ -1,0 +1,240 @@
+"""Where a robot is while it drives on a known map: particles that a search seeds."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from typing import Annotated, NamedTuple
+
+import numpy as np
+
+from .. import arrays
+from ..angles import wrap
+from ..arrays import Array, Count, at_least, checked
+from ..poses import between, compose
+from ..quadtree import QuadtreeMap
+from ..scans import LaserScan
+from ..segments import SegmentMap
+from ._field import either_map
+from ._likelihoods import Likelihoods
+from ._scores import Cells
+from ._search import places_of, spread
+
+#: Beams are not independent: those of a scan count as so many that are.
+INDEPENDENT = 10
+#: A robot whose scans fit worse is lost: the wrong building has .50 to .75. Below the other the
+#: map is searched: right places have .94, and .87 in a building where much has moved.
+LOST, DOUBT = 0.7, 0.8
+#: Share of the particles at one place from which on it is the place.
+ENOUGH = 0.95
+#: Particles so near to the best one are at its place, metres and radians.
+NEAR, TURNED = 0.5, 0.5
+#: Errors of odometry: at rest, for a metre and for a radian; metres and radians.
+REST, METRE, RADIAN = np.array([0.02, 0.01]), np.array([0.1, 0.05]), np.array([0.0, 0.1])
+#: How far a robot without odometry may go between two scans, metres and radians.
+UNKNOWN = np.array([0.1, 0.1])
+#: Cells in which particles are counted, metres and radians, and the error that Fox allows.
+BIN, ERROR, QUANTILE = np.array([0.25, 0.25, 0.2]), 0.05, 2.326
+#: Never fewer particles.
+FEWEST = 300
+#: Fresh particles come to all places that score so much less than the best, and at most so many.
+MARGIN, MOST = 0.1, 100
+#: In the mean of the fits the newest scan has this share.
+NEWEST = 0.5
+#: A place that fits better by less than this share is no reason to go there.
+BETTER = 0.05
+#: Where a search brings nothing better, the next waits twice as many scans as this one; at most:
+PATIENCE = 16
+
+
+class Belief(NamedTuple):
+    """What is known of the robot after a scan.
+
+    `pose`, (3,) array, and `covariance`, (3, 3), metres and radians, are mean and spread of the
+    particles at the likeliest place; `share` is that of the weight there; `fit` is how well the
+    scans fit, 0 to 1: the mean over the last few, as in `search`. `reason` is empty where the robot
+    is found, and says else "not yet: 3 places" or that it is lost. `poses` (n, 3) and `weights`
+    (n,) are the particles.
+    """
+
+    pose: Array
+    covariance: Array
+    share: float
+    fit: float
+    reason: str
+    poses: Array
+    weights: Array
+
+    @property
+    def found(self) -> bool:
+        """Whether the robot is at the pose."""
+        return not self.reason
+
+
+@checked
+def localize(
+    map: QuadtreeMap | SegmentMap,
+    scans: Iterable[LaserScan],
+    *,
+    rng: np.random.Generator,
+    particles: Annotated[Count, at_least(FEWEST)] = 1000,
+    beams: Count = 40,
+) -> Iterator[Belief]:
+    """Keep track of a robot on a known map, from anywhere, and tell when it is lost.
+
+    Monte Carlo localisation (Dellaert et al. 1999): particles move by odometry with its errors, and
+    their weights are multiplied by what the scan is worth there. A scan counts as ten independent
+    beams: 40 factors for one wall would make one particle certain. As many particles are drawn
+    anew as the places need (Fox 2003).
+
+    Where a scan fits badly, the whole map is searched. Does it fit better elsewhere, so many fresh
+    particles come there, as augmented filters draw anywhere. Lost is told by the fit itself, which
+    sees a first convergence to a wrong place too.
+
+    Parameters
+    ----------
+    map : QuadtreeMap or SegmentMap
+    scans
+        A Log, or scans one by one; without odometry the robot may go 0.1 m between two.
+    particles
+        At most.
+    beams
+        Of each scan, spread evenly along the walls.
+
+    Yields
+    ------
+    Belief
+        After each scan.
+
+    Raises
+    ------
+    ValueError
+        At once for wrong arguments; later it names the scan that is no LaserScan.
+
+    Examples
+    --------
+    >>> from segmap import load
+    >>> from segmap.quadtree import build_map
+    >>> log = load("room")
+    >>> for belief in localize(build_map(log, log.truth), log[20:40], rng=np.random.default_rng(1)):
+    ...     pass
+    >>> belief.found, bool(np.hypot(*(belief.pose - log.truth[39])[:2]) < 0.05)
+    (True, True)
+    """
+    either_map(map)
+    if not isinstance(scans, Iterable):
+        raise ValueError(f"scans must be a Log, or give scans, got {arrays.brief(scans)}")
+    return _beliefs(Likelihoods(map), scans, rng, particles, beams)
+
+
+def _beliefs(
+    map: Likelihoods,
+    scans: Iterable[LaserScan],
+    rng: np.random.Generator,
+    particles: int,
+    beams: int,
+) -> Iterator[Belief]:
+    poses, weights = np.zeros((0, 3)), np.zeros(0)
+    before: LaserScan | None = None
+    fit, wait, patience = 0.0, 0, 1
+    for k, scan in enumerate(scans):
+        arrays.instance(scan, f"scan {k}", LaserScan)
+        poses = moved(poses, before, scan, rng)
+        before, ends = scan, scan.points()
+        if not len(ends):
+            yield believed(poses, weights, fit)
+            continue
+        points = spread(ends, beams)
+        fits = map.fits(points, poses)
+        best, wait = fits.max(initial=0.0), wait - 1
+        fit = fit ** (1 - NEWEST) * best**NEWEST if fit else best
+        if fit < DOUBT and wait <= 0:
+            fresh = fresh_poses(map, ends, particles, rng)
+            there = map.fits(points, fresh)
+            new = 1 - best / there.max(initial=1e-9)
+            if new > BETTER:
+                weights = np.r_[(1 - new) * weights, np.full(len(fresh), new / len(fresh))]
+                poses, fits = np.concatenate([poses, fresh]), np.r_[fits, there]
+                fit = fit or there.max(initial=0.0)
+            patience = 1 if new > BETTER else min(2 * patience, PATIENCE)
+            wait = patience
+        weights = weights * fits**INDEPENDENT
+        weights /= weights.sum() or 1.0
+        yield believed(poses, weights, fit)
+        if len(weights) > particles or len(weights) * (weights**2).sum() > 2:
+            chosen = drawn(weights, particles, rng.uniform())
+            chosen = chosen[rng.permutation(len(chosen))]
+            poses = poses[chosen[: enough(poses[chosen])]]
+            weights = np.full(len(poses), 1 / max(len(poses), 1))
+
+
+def moved(
+    poses: Array, before: LaserScan | None, scan: LaserScan, rng: np.random.Generator
+) -> Array:
+    """Particles `(n, 3)`, metres and radians, after the way from one scan to the next."""
+    if before is None or not len(poses):
+        return poses
+    way, error = np.zeros(3), UNKNOWN
+    if before.odometry is not None and scan.odometry is not None:
+        way = between(before.odometry, scan.odometry)
+        error = REST + METRE * np.hypot(*way[:2]) + RADIAN * abs(way[2])
+    return compose(poses, way + rng.normal(0, error[[0, 0, 1]], poses.shape))
+
+
+def fresh_poses(map: Likelihoods, ends: Array, count: int, rng: np.random.Generator) -> Array:
+    """Poses at all places that explain a scan, `(count, 3)` or none."""
+    places = places_of(map, ends, margin=MARGIN, most_places=MOST)
+    if not len(places) or "more than" in places.reason:
+        return np.zeros((0, 3))
+    chosen = np.arange(count) % len(places)
+    roots = np.linalg.cholesky(places.covariances)[chosen]
+    away = np.einsum("nij,nj->ni", roots, rng.normal(0, 1, (count, 3)))
+    return np.asarray(places.poses[chosen] + away)
+
+
+def drawn(weights: Array, count: int, offset: float) -> Cells:
+    """Indices of so many particles, each as often as its weight says: at equal steps."""
+    steps = (np.arange(count) + offset) / count
+    return np.minimum(np.searchsorted(np.cumsum(weights), steps), len(weights) - 1)
+
+
+def enough(poses: Array) -> int:
+    """How many of the first particles are enough for the cells in which these lie (Fox 2003)."""
+    cells = np.floor(poses / BIN).astype(np.int64)
+    first = np.unique(cells, axis=0, return_index=True)[1]
+    count = np.arange(len(poses)) + 1
+    k = np.maximum(np.searchsorted(np.sort(first), count - 1, side="right") - 1, 1)
+    a = 2 / (9 * k)
+    needed = np.maximum(k / (2 * ERROR) * (1 - a + np.sqrt(a) * QUANTILE) ** 3, FEWEST)
+    return min(int(np.argmax(np.r_[count >= needed, True])) + 1, len(poses))
+
+
+def believed(poses: Array, weights: Array, fit: float) -> Belief:
+    """The likeliest place of the particles, and what is known of it."""
+    left, places = np.arange(len(poses)), []
+    while len(left):
+        top = poses[left[np.argmax(weights[left])]]
+        away = poses[left] - top
+        near = (np.hypot(*away.T[:2]) <= NEAR) & (np.abs(wrap(away[:, 2])) <= TURNED)
+        places.append(left[near])
+        left = left[~near]
+    if not places:
+        unknown = np.full(3, np.nan), np.full((3, 3), np.nan)
+        return Belief(*unknown, 0.0, fit, "lost: no place explains the scan", poses, weights)
+    shares = np.array([weights[place].sum() for place in places])
+    place, share = places[int(np.argmax(shares))], float(shares.max())
+    weight = weights[place] / share
+    turns = wrap(poses[place, 2] - poses[place[0], 2])
+    flat = np.column_stack([poses[place, :2], turns])
+    mean = weight @ flat
+    covariance = np.asarray(((flat - mean).T * weight) @ (flat - mean))
+    pose = np.array([mean[0], mean[1], float(wrap(mean[2] + poses[place[0], 2]))])
+    reason = ""
+    if fit < LOST:
+        reason = f"lost: the best pose fits to {fit:.2f} only"
+    elif fit < DOUBT:
+        reason = f"not yet: the best place fits to {fit:.2f} only"
+    elif share < ENOUGH:
+        ranked = np.cumsum(np.sort(shares)[::-1])
+        count = int((ranked < ENOUGH).sum()) + 1
+        reason = f"not yet: {count} places"
+    return Belief(pose, covariance, share, fit, reason, poses, weights)

@@ -1,0 +1,212 @@
+"""A robot on a known map while it drives: found, kept, lost, and found again."""
+
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from conftest import slow
+from segmap_course import literal
+
+from segmap.angles import wrap
+from segmap.matching import _localize as inner
+from segmap.matching import localize
+from segmap.matching._likelihoods import Likelihoods
+from segmap.poses import compose, transform
+from segmap.quadtree import build_map
+from segmap.segments import SegmentMap
+from segmap.simulation import (
+    SICK_LMS200,
+    URG_04LX,
+    OdometryNoise,
+    Sensor,
+    box,
+    corridor_loop,
+    drifting_odometry,
+    drive,
+    office,
+    simulate,
+    square_room,
+)
+
+ROOM = SegmentMap(np.concatenate([square_room(4), box(0.5, 0.8, (3, 3, 0.2))]))
+ROUND = Sensor("round", 72, -np.pi, np.pi / 36, max_range=30.0, sigma=0.01)
+#: A drive through all rooms of an office.
+ROUTE = [(0.7, 5), (11.3, 5), (10, 5), (10, 7.4), (10, 5), (10, 2.6), (10, 5), (6, 5), (6, 7.4),
+         (6, 5), (6, 2.6), (6, 5), (2, 5), (2, 7.4), (2, 5), (2, 2.6), (2, 5)]  # fmt: skip
+
+
+def rng(seed):
+    return np.random.default_rng(seed)
+
+
+def seen(walls, pose):
+    """The scan from a pose."""
+    return simulate(walls, [pose], sensor=ROUND, rng=rng(1))[0]
+
+
+def with_odometry(log, seed):
+    """Scans with an odometry that drifts, in a frame of its own."""
+    drifted = drifting_odometry(log.truth, odometry_noise=OdometryNoise(), rng=rng(seed))
+    frame = compose((5.0, -3.0, 2.0), drifted)
+    return [replace(scan, odometry=pose) for scan, pose in zip(log, frame, strict=True)]
+
+
+def office_drive(seed, scans=14, sensor=URG_04LX):
+    """An office as a drive has mapped it, and scans of another day every 0.4 m with their poses."""
+    walls, path = office(rng=rng(seed)), drive(ROUTE, step=0.4)
+    log = simulate(walls, drive(ROUTE, step=0.2), sensor=sensor, rng=rng(seed + 50))
+    begin = int(rng(seed + 60).integers(len(path) - scans))
+    again = simulate(walls, path[begin : begin + scans], sensor=sensor, rng=rng(seed + 70))
+    return build_map(log, log.truth), with_odometry(again, seed), again.truth
+
+
+def away(belief, pose):
+    return np.hypot(*(belief.pose - pose)[:2])
+
+
+@pytest.mark.parametrize("count", [4, slow(30)])
+def test_a_drive_through_an_office_ends_found_and_is_never_found_wrong(count):
+    """Six equal rooms, another noise, odometry that drifts in a frame of its own."""
+    for seed in range(count):
+        map, scans, truth = office_drive(seed)
+        beliefs = list(localize(map, scans, rng=rng(seed)))
+        for belief, pose in zip(beliefs, truth, strict=True):
+            assert not belief.found or away(belief, pose) < 0.3, seed
+            assert belief.weights.sum() == pytest.approx(1.0)
+            assert 0 < belief.share <= 1 + 1e-9 and np.linalg.eigvalsh(belief.covariance)[0] > 0
+        assert beliefs[-1].found and away(beliefs[-1], truth[-1]) < 0.1
+
+
+@pytest.mark.parametrize("seeds", [range(3), slow(range(40))])
+def test_a_robot_that_is_carried_away_says_so_and_is_found_again(seeds):
+    """Odometry knows nothing of it: lost within two scans, at the new place soon after."""
+    known, again = 0, []
+    for seed in seeds:
+        map, scans, truth = office_drive(seed, 40)
+        far = np.hypot(*(truth[12:30] - truth[10])[:, :2].T).argmax() + 12  # and go on there
+        moved = replace(scans[far], odometry=scans[10].odometry)
+        shift = compose(scans[10].odometry, (0.0, 0.0, 0.0))
+        after = [moved]
+        for before, scan in pairwise(scans[far : far + 10]):
+            step = inner.between(before.odometry, scan.odometry)
+            shift = compose(shift, step)
+            after.append(replace(scan, odometry=shift))
+        true = [*truth[:11], *truth[far : far + 10]]
+        beliefs = list(localize(map, [*scans[:11], *after], rng=rng(seed)))
+        assert beliefs[10].found and away(beliefs[10], truth[10]) < 0.3
+        assert any(not belief.found for belief in beliefs[11:13])
+        good = [b.found and away(b, p) < 0.3 for b, p in zip(beliefs, true, strict=True)][11:]
+        known += any("lost" in belief.reason for belief in beliefs[11:14])
+        again.append(good.index(True) if any(good) else 99)
+    assert np.mean(np.array(again) <= 5) >= 0.6 and known >= len(seeds) / 2
+
+
+@pytest.mark.parametrize("kind", ["walls", "squares"])
+def test_a_square_room_is_never_found_and_four_places_stay(kind):
+    for seed in range(5):
+        log = simulate(square_room(4.0), drive([(1, 1), (3, 1), (3, 3), (1, 3)], step=0.4),
+                       sensor=ROUND, rng=rng(seed))  # fmt: skip
+        map = SegmentMap(square_room(4.0)) if kind == "walls" else build_map(log, log.truth)
+        beliefs = list(localize(map, with_odometry(log[:8], seed), rng=rng(seed)))
+        assert not any(belief.found for belief in beliefs)
+        assert "places" in beliefs[0].reason
+
+
+def test_another_building_is_never_found():
+    """A ring of corridors on the map of an office: what fits badly is told as lost."""
+    log = simulate(corridor_loop(), drive([(1, 1), (29, 1), (29, 11)], step=0.5),
+                   sensor=SICK_LMS200, rng=rng(2))  # fmt: skip
+    map = office_drive(1)[0]
+    for begin in range(0, 60, 12):
+        scans = with_odometry(log[begin : begin + 12], begin)
+        assert not any(belief.found for belief in localize(map, scans, rng=rng(1)))
+
+
+def test_equal_generators_give_equal_beliefs_and_the_map_may_move():
+    log = simulate(ROOM.segments, drive([(1, 1), (3, 1), (3, 2)], step=0.3), sensor=ROUND,
+                   rng=rng(1))  # fmt: skip
+    scans = with_odometry(log, 1)
+    first, again = (list(localize(ROOM, scans, rng=rng(4))) for _ in range(2))
+    for a, b in zip(first, again, strict=True):
+        np.testing.assert_array_equal(a.poses, b.poses)
+        np.testing.assert_array_equal(a.weights, b.weights)
+    step = np.array([2.0, -1.0, 0.8])
+    turned = list(localize(SegmentMap(transform(step, ROOM.segments)), scans, rng=rng(4)))[-1]
+    gone = turned.pose - compose(step, first[-1].pose)
+    assert turned.found and np.hypot(*gone[:2]) < 0.03 and abs(wrap(gone[2])) < 0.02
+    moved = [replace(scan, odometry=compose((7, 7, 1), scan.odometry)) for scan in scans]
+    same = list(localize(ROOM, moved, rng=rng(4)))[-1]
+    np.testing.assert_allclose(same.pose, first[-1].pose, atol=1e-6)
+
+
+def test_the_steps_are_those_of_the_literal_filter():
+    """Catches a wheel that skips the last particle, a cell counted twice, and a fit of the wrong
+    mean."""
+    random = rng(3)
+    for n in (1, 2, 37, 400):
+        weights = random.uniform(0, 1, n) ** 4
+        weights /= weights.sum()
+        for offset in (0.0, 0.37, 0.999):
+            expected = literal.picked(weights.tolist(), 50, offset)
+            assert inner.drawn(weights, 50, offset).tolist() == expected
+    for wide in (0.01, 0.5, 2.0, 9.0):
+        poses = random.normal(0, wide, (1500, 3))
+        assert inner.enough(poses) == literal.enough(poses.tolist())
+    map, points = Likelihoods(ROOM), seen(ROOM.segments, (1.2, 1.6, 0.4)).points()
+    poses = np.array([1.2, 1.6, 0.4]) + random.normal(0, 0.1, (9, 3))
+    for pose, found in zip(poses, map.fits(points, poses), strict=True):
+        expected = literal.fit(lambda p: float(map.likelihood(np.array(p))), points.tolist(), pose)
+        assert found == pytest.approx(expected)
+    weights = literal.weighed([1 / 9] * 9, map.fits(points, poses).tolist())
+    tempered = map.fits(points, poses) ** inner.INDEPENDENT
+    np.testing.assert_allclose(weights, tempered / tempered.sum())
+
+
+def test_the_places_of_a_belief():
+    """Two heaps of particles are two places until one holds 95 %; headings about pi are one."""
+    heap = rng(1).normal(0, 0.05, (100, 3)) + (1, 2, np.pi)
+    poses = np.concatenate([heap, heap[:50] + (3, 0, 0)])
+    even = inner.believed(poses, np.full(150, 1 / 150), 0.95)
+    assert even.reason == "not yet: 2 places" and even.share == pytest.approx(2 / 3)
+    np.testing.assert_allclose(even.pose[:2], heap[:, :2].mean(0))
+    assert abs(wrap(even.pose[2] - np.pi)) < 0.02 and even.covariance[2, 2] < 0.01
+    weights = np.r_[np.full(100, 0.96 / 100), np.full(50, 0.04 / 50)]
+    assert inner.believed(poses, weights, 0.95).found
+    assert "lost: the best pose fits to 0.60" in inner.believed(poses, weights, 0.6).reason
+    assert "not yet: the best place fits to 0.75" in inner.believed(poses, weights, 0.75).reason
+
+
+def test_blind_scans_no_odometry_and_bad_input():
+    """A scan without ends changes no weight; without odometry a slow robot is kept too."""
+    scan = seen(ROOM.segments, (1.2, 1.6, 0.4))
+    blind = replace(scan, ranges=np.full(len(scan.ranges), np.inf))
+    nothing = next(localize(ROOM, [blind], rng=rng(1)))
+    assert "lost" in nothing.reason and not len(nothing.poses) and np.isnan(nothing.pose).all()
+    first, second = localize(ROOM, [scan, blind], rng=rng(1))
+    assert second.fit == first.fit > 0.9 and np.abs(second.pose - first.pose).max() < 0.1
+    slowly = simulate(ROOM.segments, drive([(1, 1), (3, 1)], step=0.05), sensor=ROUND, rng=rng(1))
+    beliefs = list(localize(ROOM, slowly, rng=rng(2)))
+    for belief, pose in zip(beliefs[8:], slowly.truth[8:], strict=True):
+        assert belief.found and away(belief, pose) < 0.1
+    assert max(len(b.poses) for b in localize(ROOM, slowly, rng=rng(2), particles=400)) <= 800
+    with pytest.raises(ValueError, match="scan 1"):
+        list(localize(ROOM, [scan, 3], rng=rng(1)))
+    for bad, word in ((3, "scans must be"), (None, "scans must be")):
+        with pytest.raises(ValueError, match=word):
+            localize(ROOM, bad, rng=rng(1))
+    with pytest.raises(ValueError, match="holds no wall"):
+        localize(SegmentMap([]), [scan], rng=rng(1))
+
+
+@pytest.mark.parametrize("match", [literal.match_histograms, literal.match_hough])
+def test_sums_along_lines_find_a_scan_beside_another(match):
+    """Two scans of one room, 0.4 m and 20 degrees apart: what the chapter compares with search."""
+    reference, pose = (1.2, 1.6, 0.0), np.array([1.5, 1.3, np.radians(20)])
+    dense = Sensor("dense", 360, -np.pi, np.radians(1), max_range=30.0, sigma=0.01)
+    map, scan = (
+        simulate(ROOM.segments, [at], sensor=dense, rng=rng(1))[0].points()
+        for at in (reference, pose)
+    )
+    found = np.array(match((map + reference[:2]).tolist(), scan.tolist()))
+    assert np.hypot(*(found - pose)[:2]) < 0.2 and abs(wrap(found[2] - pose[2])) < 0.06
