@@ -27,6 +27,7 @@ from .quadtrees.matching import (
     occupancy_score,
     sample_and_rank,
 )
+from .quadtrees.particles import effective_number, information, log_likelihood, systematic
 from .quadtrees.quadtree import (
     Quadtree,
     cell_of,
