@@ -203,8 +203,16 @@ def _matched(
         values = prepared(score, map, points, start)
     except NothingNear:
         return start, np.nan
-    pose = matcher(map, points, start, score=asked(values, points, score))
+    pose = found_by(matcher, map, points, start, asked(values, points, score))
     return pose, float(values(pose[None])[0])
+
+
+def found_by(
+    matcher: Matcher, map: QuadtreeMap, points: Array, start: Array, score: Score
+) -> Array:
+    """What a matcher answers, checked: it may be the user's own."""
+    found = arrays.called(matcher, "matcher", map, points, start, score=score)
+    return arrays.pose(found, "matcher(map, points, start)")
 
 
 def asked(values: Callable[[Array], Array], points: Array, score: Score) -> Score:

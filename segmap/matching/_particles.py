@@ -18,7 +18,7 @@ from ..scans import LaserScan
 from ..simulation import OdometryNoise
 from ._field import DistanceField, NothingNear
 from ._live_map import FOUND, insert, overlap_of
-from ._mapping import Matcher, _check_scan, _warm, asked, drawing
+from ._mapping import Matcher, _check_scan, _warm, asked, drawing, found_by
 from ._matchers import field_score, hill_climb
 
 #: Beams of a scan that are weighed, evenly chosen: neighbours meet one wall, and would say the same
@@ -225,7 +225,7 @@ def _climbed(
     except NothingNear:
         return guess, None
     score = asked(field.scorer(points), points, field_score)
-    return matcher(map, points, guess, score=score), field
+    return found_by(matcher, map, points, guess, score), field
 
 
 def _log_likelihood(field: DistanceField | None, points: Array, poses: Array) -> Array:

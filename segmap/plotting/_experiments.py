@@ -56,7 +56,8 @@ def draw_curves(
         raise ValueError(f"frame must hold runs on one map, with one filter, got {found}")
     ax = axes_or_new(ax)
     if quality is not None:
-        ax.axvline(arrays.number(quality, "quality"), color="#666666", linewidth=1, linestyle=":")
+        at = arrays.number(quality, "quality", least=0, most=1)
+        ax.axvline(at, color="#666666", linewidth=1, linestyle=":")
     for k, (method, runs) in enumerate(frame.groupby("method", sort=False)):
         color, marker, line = method_style(str(method), k)
         points = runs[["quality", "reduction"]].to_numpy(float)

@@ -377,6 +377,27 @@ def test_a_failed_log_is_told_at_the_end_and_the_others_are_done(run, folder, tm
     assert np.array_equal(readers.read_segments("maps/far.csv").segments, wanted.segments)
 
 
+def test_a_name_from_outside_moves_no_cursor(run, near, tmp_path):
+    """Catches names of files that clear the screen, or that pass for lines of their own."""
+    (tmp_path / "logs").mkdir()
+    good = "good\x1b[2J\n2 of 2 logs done\udc80.log"
+    for name in (good, "bad\x1b]0;it\x07\n.log", "no\x9b2J\n"):
+        text = Path(near).read_text() if name == good else "FLASER 3 1.0\x1b[2J 2.0\n"
+        (tmp_path / "logs" / name).write_text(text[: 20 if name == "no\x9b2J\n" else None])
+    for words in (
+        ("map", "logs", "--method", "fusion", "-o", "{name}.csv"),
+        ("info", "logs"),
+        ("info", "logs/bad\x1b]0;it\x07\n.log", "logs/no\x9b2J\n/\x1b"),
+        ("map", "logs", "-o", "no\x1b/\n/{name}.csv"),
+        ("info", "--no\x1b[2J\n"),
+    ):
+        code, *said = run(*words)
+        assert code in (1, 2) and all(c.isprintable() or c == "\n" for c in "".join(said))
+        assert "\n2 of 2" not in "".join(said)
+    with pytest.raises(readers.LogError, match=r"^no\\x1b\\n: does not exist"):
+        readers.read("no\x1b\n")
+
+
 def test_logs_do_not_replace_each_other(run, near, tmp_path):
     """Catches a second run.log whose map overwrites the first, and a log gone by a slip of -o."""
     for name, log in (("a", near), ("b", Path(near).with_name("far.log"))):

@@ -1,5 +1,10 @@
 """The workbench without a browser: what it runs, keeps, says and refuses."""
 
+import contextlib
+import os
+import signal
+import subprocess
+import sys
 import time
 import xml.etree.ElementTree as ET
 from dataclasses import replace
@@ -279,6 +284,41 @@ def test_run_stop_and_failure_in_the_worker(worker):
     assert made.outcome is first and len(made.runs) == 1
     assert made.state.value.startswith("angle must be")
     assert made.state.value.endswith("The last good run is kept.")
+
+
+ENDLESS = """
+from segmap.compiled import compiled
+from segmap.panels.workbench._job import Worker
+
+@compiled
+def turn(count: int) -> float:
+    total = 0.0
+    for k in range(count):
+        total += k % 7
+    return total
+
+def endless(tell):
+    tell(str(turn(9)))  # compiled
+    turn(10**13)
+
+if __name__ == "__main__":
+    import endless
+    Worker().do(endless.endless, tell=lambda text: print(text, flush=True))
+"""
+
+
+def test_the_worker_ends_with_its_kernel(tmp_path):
+    """Catches work of many minutes that nobody waits for, and that nobody can stop."""
+    (tmp_path / "endless.py").write_text(ENDLESS)
+    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "start_new_session": True}
+    kernel = subprocess.Popen([sys.executable, "endless.py"], cwd=tmp_path, **pipes)
+    try:
+        assert kernel.stdout.readline() == b"22.0\n"
+        kernel.kill()
+        assert kernel.communicate(timeout=30) == (b"", b"")  # which the worker holds open too
+    finally:
+        with contextlib.suppress(ProcessLookupError):
+            os.killpg(kernel.pid, signal.SIGKILL)
 
 
 class Unknown:

@@ -164,6 +164,13 @@ def test_a_zip_holds_one_log(path):
     assert len(log) == 2 and not log.skipped
 
 
+def test_a_file_without_a_name_in_a_zip_is_a_file(path):
+    """Catches an IndexError of zipfile, which asks for the last letter of a name."""
+    with zipfile.ZipFile(path, "w") as packed, packed.open(zipfile.ZipInfo(""), "w") as member:
+        member.write(CARMEN.encode())
+    assert len(readers.read(path, on_error="skip")) == 2
+
+
 @pytest.mark.parametrize("method", [zipfile.ZIP_DEFLATED, zipfile.ZIP_BZIP2, zipfile.ZIP_LZMA])
 def test_damaged_zips(path, method):
     """Catches the exceptions of each way to pack, at every byte of the file."""

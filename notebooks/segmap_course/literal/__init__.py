@@ -33,10 +33,12 @@ from .quadtrees.quadtree import (
     cell_of,
     crossed_cells,
     grown,
+    mean_and_variance,
     occupancy,
     quarters,
     ray_cells,
 )
+from .quadtrees.search import every_pose, headings, likelihood, places
 from .reduction.basic import basic_offline, basic_online
 from .reduction.fusion import best_strip, chain, fusion
 from .reduction.fuzzy_clustering import fuzzy_clustering

@@ -26,6 +26,7 @@ import numpy as np
 from ... import arrays
 from ...angles import wrap
 from ...arrays import Array, checked, slips
+from ...files import shown
 from ...scans import LaserScan, Log
 from .._lines import LATEST, LogError, OnError, Reading, UnknownFormat, log_file, stem
 from .._mounting import flat, in_space, level
@@ -105,7 +106,7 @@ def read(
         said.each(SCAN, [scan], said.take_scan)
         said.each(ODOMETRY, [odometry] if odometry else [], said.take_odometry)
         if not said.scans:
-            raise LogError(bag.path, f"holds no scan in {scan}{said.why()}")
+            raise LogError(bag.path, f"holds no scan in {shown(scan)}{said.why()}")
         said.take_transforms(odometry is None)
         return said.log(name)
 
@@ -128,7 +129,7 @@ class _Recording(Reading):
                 with np.errstate(all="ignore"):
                     take(message, received / 1e9)
             except ValueError as fault:
-                reason = f"{topic}, message {number + 1}: {fault}"
+                reason = f"{shown(topic)}, message {number + 1}: {fault}"
             else:
                 continue
             self.damaged(LogError(self.path, reason))
@@ -236,9 +237,9 @@ def _chosen(bag: Bag, kind: str, named: str | None, argument: str) -> str | None
 
 
 def _listed(bag: Bag) -> str:
-    found = sorted({f"{c.topic} ({c.msgtype.replace('/msg', '')})" for c in bag.connections})
+    found = sorted({f"{shown(c.topic)} ({c.msgtype.replace('/msg', '')})" for c in bag.connections})
     return f"the bag holds {', '.join(found[:20]) or 'nothing'}{' ...' if found[20:] else ''}"
 
 
 def _warn(text: str) -> None:
-    slips.warn(text)
+    slips.warn(shown(text))

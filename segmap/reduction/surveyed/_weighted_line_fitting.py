@@ -28,7 +28,7 @@ from .._runner import (
 Line = tuple[float, float, float, float, float, float]
 #: Angles and gaps closer than this, in radians and metres, are equal; so are chis within TIE.
 SAME, TIE = 1e-9, 1e-12
-#: No gap in a map is wider, metres.
+#: No gap in a map is wider, and no room: the index has no level for it. Metres.
 FAR = 1e8
 
 
@@ -280,7 +280,7 @@ def _settle(state: State, a: int, points: Array, first: Indices, limits: Array) 
         rr = state.lines[a, 3] - 2 * u * state.lines[a, 4] + u * u * state.lines[a, 5]
         wide = state.lines[a, 3] + 2 * u * state.lines[a, 4] + u * u * state.lines[a, 5]
         off = max(off, rr, wide)
-    state.rooms[a] = 1.1 * np.sqrt(limits[0] * off) + gap
+    state.rooms[a] = min(1.1 * np.sqrt(limits[0] * off) + gap, FAR)
 
 
 @compiled
