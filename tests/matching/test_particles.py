@@ -1,7 +1,6 @@
 """Mapping with particles: what must hold for any number of them, and what they are there for."""
 
 import itertools
-from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -28,10 +27,8 @@ from segmap.matching import _particles as particles_file
 from segmap.poses import compose, transform
 from segmap.quadtree import QuadtreeMap, build_map
 from segmap.simulation import (
-    SICK_LMS200,
     OdometryNoise,
     Sensor,
-    corridor_loop,
     drive,
     rectangular_room,
     simulate,
@@ -261,17 +258,10 @@ def test_the_room_walk_is_no_worse_than_hill_climbing(resolution):
     assert errors[0] < errors[1] + 0.015
 
 
-def corridor(seed):
-    """Once round, with a sensor that sees 8 m."""
-    path = drive([(1, 1), (29, 1), (29, 11), (1, 11), (1, 1), (4, 1)], step=0.3, turn=np.pi / 12)
-    sensor = replace(SICK_LMS200, max_range=8.0)
-    return simulate(corridor_loop(), path, sensor=sensor, rng=np.random.default_rng(seed))
-
-
 @pytest.mark.slow
 def test_a_loop_closes_that_one_hypothesis_leaves_open():
     for seed in (1, 10, 12):
-        log = corridor(seed)
+        log = course.corridor_walk(seed=seed)
         options = {"start": log.truth[0]}
         one = mapped(log, seed, particles=1, noise=0, **options)[0][-1]
         many = mapped(log, seed, particles=15, **options)[0][-1]
