@@ -53,6 +53,7 @@ GRAPH = readers.PoseGraph(PATH[:2], [(0, 1)], PATH[1:2], [np.eye(3)])
 TIMES = pd.DataFrame(
     {"method": "hybrid", "scans": [1, 2, 4], "seconds": [1.0, 4.0, 16.0], "live": 2}
 )
+STEPS = list(matching.particle_mapping(LOG, particles=2, rng=rng()))
 #: Objects whose public methods are doors too.
 OBJECTS = {"matching": [matching.DistanceField(TREE), matching.LiveMap()],
            "quadtree": [TREE], "segments": [MAP], "scans": [LOG, LOG[0]],
@@ -89,6 +90,9 @@ GOOD = {
     "doubled_walls.sensors": np.ones((1, 2)), "verdict_on.map": MAP,
     "viewing_sector.map": segments.SegmentMap(WALLS, sensors=[(0.0, 0.0)]),
     "load.name": "room", "load.path": "map.npz", "log": LOG, "map": WALLS,
+    "particle_mapping.map": quadtree.QuadtreeMap(), "particle_mapping.odometry": None,
+    "steps": STEPS, "systematic.weights": np.full(4, 0.25), "systematic.offset": 0.5,
+    "effective_number.weights": np.full(4, 0.25),
     "map_scans.map": quadtree.QuadtreeMap(), "map_scans.rng": rng(), "match_segments.current":
     WALLS, "match_segments.reference": WALLS, "matching.map": TREE, "max_size": 5.12,
     "mean_rotation.weights": np.ones(2), "min_length": 0.1, "near": 0.3,

@@ -39,6 +39,14 @@ def grown_by_arrays(root, cell):
     return np.append(np.where(np.array(cell) < low, low - root[2], low), 2 * root[2])
 
 
+def resampled_by_counts(weights, offset):
+    """How many teeth lie below the end of each particle, and below that of the one before."""
+    n = len(weights)
+    below = np.ceil(n * np.cumsum(weights) - offset - 1e-12).clip(0, n)
+    below[-1] = n
+    return np.repeat(np.arange(n), np.diff(below, prepend=0).astype(int))
+
+
 def cells_by_formula(start, end):
     """After k steps along the longer axis, rounded from the end with the smaller coordinate."""
     start, end = np.array(start), np.array(end)
@@ -216,6 +224,7 @@ RIGHT = {
     "pixel": lambda x, y, o, side, n: (int((o[1] + n * side - y) / side), int((x - o[0]) / side)),
     "scan_score": lambda p, pose, c: -cKDTree(c).query(transform(pose, p))[0].sum(),
     "climb_step": climb_by_argmax,
+    "resampled": resampled_by_counts,
     "pose_covariance": pose_covariance_closed,
     "verdict": verdict_by_parts,
     "invented_metres": metres_between_ends,

@@ -27,6 +27,7 @@ from ._thesis import (
 )
 from ._trials import (
     Trial,
+    corridor_walk,
     load_columns,
     load_trials,
     room_walk,
@@ -52,7 +53,7 @@ from .exercises.maps import (
     check_reduction_at,
     check_reduction_rate,
 )
-from .exercises.matching import check_climb_step, check_scan_score
+from .exercises.matching import check_climb_step, check_resampled, check_scan_score
 from .exercises.open import Challenge, OwnLog, Prediction
 from .exercises.open.alignment import (
     break_icp,

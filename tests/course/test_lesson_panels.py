@@ -82,6 +82,7 @@ PANELS = {
         3,
     ),
     "MeanShiftPanel": ((WALLS,), "sigma", 0.60),
+    "ParticlePanel": ((LOG,), "particles", 2),
     "PolylinePanel": ((LOG[0],), "tolerance", 0.005),
     "PoseGraphPanel": ((LOOP,), "scan", 60),
     "RayPanel": ((), "mask", False),
