@@ -36,11 +36,8 @@ from .quadtrees.matching import (
     occupancy_score,
     sample_and_rank,
 )
-<<<<<<< HEAD
+from .quadtrees.hypotheses import effective_number, information, log_likelihood, systematic
 from .quadtrees.particles import enough, fit, picked, weighed
-=======
-from .quadtrees.particles import effective_number, information, log_likelihood, systematic
->>>>>>> acdf701ccddbf744aef09973b511006ce9618ff0
 from .quadtrees.quadtree import (
     Quadtree,
     cell_of,

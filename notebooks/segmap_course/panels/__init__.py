@@ -2,13 +2,8 @@
 
 from ._alignment import AnglePanel, BackbonePanel, GroundTruthPanel
 from ._graphs import IcpPanel, PoseGraphPanel
-<<<<<<< HEAD
-from ._matching import LandscapePanel, MatcherPanel
-from ._quadtree import ClassesPanel, RayPanel, RoutePanel, StoragePanel, insert_variant
-=======
 from ._matching import LandscapePanel, MatcherPanel, ParticlePanel
-from ._quadtree import ClassesPanel, RayPanel, StoragePanel, insert_variant
->>>>>>> acdf701ccddbf744aef09973b511006ce9618ff0
+from ._quadtree import ClassesPanel, RayPanel, RoutePanel, StoragePanel, insert_variant
 from ._reduction import (
     BasicPanel,
     ChainPanel,
