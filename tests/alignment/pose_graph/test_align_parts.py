@@ -92,10 +92,11 @@ def test_behind_the_joint_a_robot_may_be_lost_and_loops_may_wait(monkeypatch):
     Loops between the parts lead to key frames before the joint, and those that wait when the log
     ends are settled.
     """
-    asked, settled = [], []
+    asked, settled, since = [], [], {}
 
     def seek(self, new, before, *, confirmed):
         asked.append((new, before, confirmed))
+        since[new] = self.lost_since
         self.lost_since = self.lost_since if confirmed else new
         return False
 
@@ -125,6 +126,8 @@ def test_behind_the_joint_a_robot_may_be_lost_and_loops_may_wait(monkeypatch):
     assert [front.frames.scan[new] in lost for new, *_ in alone] == [
         not confirmed for *_, confirmed in alone
     ]
+    (gone,) = (new for new, *_ in alone if front.frames.scan[new] in lost)
+    assert {since[new] for new, *_ in alone if new > gone} == {gone}
     assert _inside(first)[1].lost_since is None, "the loop at the end of the part found it again"
     assert (40, 45, "why") in _inside(first)[1].rejected
     first.refine()
