@@ -271,6 +271,11 @@ def test_loops_side_by_side_are_no_witnesses(steps, believed):
         closer.pending.append(Edge(k, 20 + k, np.zeros(3), sure, True))
     assert len(closer._confirmed_by_others([(closer.pending[-1], 6.0)])) == believed
     assert len(closer._confirmed_by_others([(closer.pending[-1], 1.0)])) == 3
+    *older, newest = closer.pending
+    elsewhere = [Edge(20, 21, np.zeros(3), sure, True)] * 29
+    for accepted, found in (([*older, *elsewhere[1:]], [newest]), ([*older, *elsewhere], [])):
+        closer.pending, closer.accepted = [newest], accepted  # only the last thirty are asked
+        assert closer._confirmed_by_others([(newest, 1.0)]) == found
 
 
 def walked(steps, points=np.zeros((0, 2))):
