@@ -7,7 +7,7 @@ import sqlite3
 import subprocess
 import sys
 import tempfile
-from contextlib import closing
+from contextlib import closing, nullcontext
 from pathlib import Path
 
 import bag_samples as bags
@@ -317,6 +317,16 @@ class TestDamage:
             path = bags.write(tmp_path, "ros1", compression=packed, story=_nothing_seen)
         with pytest.raises(LogError, match="unpacks to more than"):
             readers.read(path)
+
+    @pytest.mark.parametrize(("second", "twice"), [(40, True), (41, False), (40 << 56, False)])
+    def test_a_chunk_is_listed_once(self, tmp_path, second, twice):
+        """Catches a place of which a byte is not looked at: a bag that is refused, or a bomb."""
+        places = [place.to_bytes(8, "little") for place in (40, second)]
+        lists = [b"\x08" + (24).to_bytes(8, "little") + bytes(16) + place for place in places]
+        path = tmp_path / "it.mcap"
+        path.write_bytes(b"\x89MCAP0\r\n" + b"".join(lists) + b"\2" + bytes(8))
+        with pytest.raises(LogError, match="twice") if twice else nullcontext():
+            _bounds._check_mcap(path, _bounds.Budget(path, 100))
 
     @pytest.mark.parametrize(
         ("change", "reason"),

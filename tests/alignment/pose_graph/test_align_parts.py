@@ -41,6 +41,16 @@ def test_parts_are_joined_by_the_loops_between_them(joined):
     assert logs.errors(LOG, joined.poses)[0].max() < 0.2
 
 
+def test_a_part_that_comes_back_is_solved_and_light():
+    """Catches windows about places that its own loops would move, and maps that travel."""
+    front, closer = _inside(_aligned({"closing": LoopClosing(strain=9.0)}, LOG))
+    known = front.frames.poses
+    front.frames.optimize()
+    assert closer.accepted and np.array_equal(front.frames.poses[0], known[0])
+    assert_poses_equal(front.frames.poses, known, atol=1e-5)
+    assert (front.scans, front.local, closer.maps) == ([], None, {})
+
+
 def test_what_a_part_knows_of_loops_is_kept_behind_the_joint():
     """Its key frame 10, of scan 20, is key frame 50 of scan 100."""
     closer, part = (LoopCloser(KeyFrames(POINTS, START), 0.03, LoopClosing()) for _ in range(2))
@@ -82,10 +92,11 @@ def test_behind_the_joint_a_robot_may_be_lost_and_loops_may_wait(monkeypatch):
     Loops between the parts lead to key frames before the joint, and those that wait when the log
     ends are settled.
     """
-    asked, settled = [], []
+    asked, settled, since = [], [], {}
 
     def seek(self, new, before, *, confirmed):
         asked.append((new, before, confirmed))
+        since[new] = self.lost_since
         self.lost_since = self.lost_since if confirmed else new
         return False
 
@@ -115,6 +126,8 @@ def test_behind_the_joint_a_robot_may_be_lost_and_loops_may_wait(monkeypatch):
     assert [front.frames.scan[new] in lost for new, *_ in alone] == [
         not confirmed for *_, confirmed in alone
     ]
+    (gone,) = (new for new, *_ in alone if front.frames.scan[new] in lost)
+    assert {since[new] for new, *_ in alone if new > gone} == {gone}
     assert _inside(first)[1].lost_since is None, "the loop at the end of the part found it again"
     assert (40, 45, "why") in _inside(first)[1].rejected
     first.refine()

@@ -1,5 +1,6 @@
 """The pose graph on simulated buildings and on logs that go wrong."""
 
+from dataclasses import replace
 from functools import cache
 
 import alignment_logs as logs
@@ -172,11 +173,11 @@ def test_a_scan_that_does_not_lie_in_the_window_is_sought_in_twice_the_window():
 @pytest.mark.parametrize(
     ("heading", "turned", "less", "kept"),
     [
-        *((0.5, 0.08, 0.3, True), (0.5, 0.4, 0.16, False), (0.5, 0.4, 0.18, True)),
+        *((0.5, 0.08, 0.0, True), (0.5, 0.4, 0.16, False), (0.5, 0.4, 0.18, True)),
         *((-0.5, -0.4, 0.16, False), (-0.5, -0.4, 0.18, True)),
         *((0.0, 0.4, 0.04, False), (0.0, 0.4, 0.06, True)),  # it has seen nothing new
         *((3.12, 0.4, 0.16, False), (-3.12, -0.4, 0.16, False)),  # across the seam
-        *((3.12, 0.08, 0.05, True), (0.5, -0.08, 0.3, True)),
+        *((3.12, 0.08, 0.05, True), (0.5, -0.08, 0.0, True)),
     ],
 )
 def test_what_agrees_with_the_odometry_may_fit_less_well(heading, turned, less, kept):
@@ -270,6 +271,11 @@ def test_loops_side_by_side_are_no_witnesses(steps, believed):
         closer.pending.append(Edge(k, 20 + k, np.zeros(3), sure, True))
     assert len(closer._confirmed_by_others([(closer.pending[-1], 6.0)])) == believed
     assert len(closer._confirmed_by_others([(closer.pending[-1], 1.0)])) == 3
+    *older, newest = closer.pending
+    elsewhere = [Edge(20, 21, np.zeros(3), sure, True)] * 29
+    for accepted, found in (([*older, *elsewhere[1:]], [newest]), ([*older, *elsewhere], [])):
+        closer.pending, closer.accepted = [newest], accepted  # only the last thirty are asked
+        assert closer._confirmed_by_others([(newest, 1.0)]) == found
 
 
 def walked(steps, points=np.zeros((0, 2))):
@@ -356,6 +362,15 @@ def test_a_loop_that_stays_far_open_is_taken_out(metres, out):
     assert len(frames.edges) == 20 + (metres is not None and not out)
 
 
+def test_a_loop_is_sought_where_the_way_since_the_old_place_is_over_ten_metres():
+    """Five metres out and back: after ten the robot is where it was, and on the local map."""
+    frames, closer = walked(5)
+    for scan, step in enumerate([(0, 0, np.pi)] + [(1, 0, 0)] * 6, start=6):
+        frames.add(scan, np.zeros((0, 2)), np.array(step, float), np.eye(3))
+    found = [[window.old for window in closer._by_place(new, new)] for new in (11, 12)]
+    assert frames.path[11:] == [10, 11] and found == [[], [0]]
+
+
 def test_each_pass_is_searched_once_where_it_looks_most_alike():
     """Catches a pass that begins one key frame too late, or a fourth one."""
     frames, cost = np.array([0, 3, 10, 11, 30, 31, 50]), np.full(51, np.inf)
@@ -385,6 +400,21 @@ def test_a_step_along_a_wall_is_known_as_well_as_the_odometry(wheels):
     found = np.linalg.inv(front.frames.edges[0].information) - REAL
     along = 1 / (1 / 0.25 + 1 / 0.2**2) if wheels else 0.25
     np.testing.assert_allclose(np.diag(found), [along, 1e-4, 1e-4], rtol=1e-6)
+
+
+@pytest.mark.parametrize("count", [5, 6])
+def test_a_scan_of_six_points_is_laid_and_refined(count, monkeypatch):
+    """Catches a scan that says nothing and is matched, or is matched at first only."""
+    first, second = logs.office_log()[:2]
+    seen = np.cumsum(second.valid) <= count
+    few = replace(second, ranges=np.where(seen, second.ranges, np.nan))
+    laid, refined = (Match(np.array([x, 0, 0]), REAL, True, "", 1.0) for x in (0.1, 0.2))
+    front = FrontEnd(first, lambda *given: laid, Tracking())
+    assert front.track(few).reason == ("" if count == 6 else "too few points")
+    before = front.offset[1]
+    monkeypatch.setattr(PointMap, "register", lambda *given, **rules: refined)
+    front.refine()
+    assert front.offset[1] is (refined.pose if count == 6 else before)
 
 
 @pytest.mark.parametrize("method", [pose_graph, point_icp])
