@@ -12,7 +12,7 @@ from segmap.poses import transform
 
 from .._alone import Surface
 from ..literal import MOVES, climb_step, distance_score, systematic
-from ..literal.quadtrees import matching, particles
+from ..literal.quadtrees import hypotheses, matching
 from ._answers import Cases
 from ._exercise import Exercise, Rng, anywhere, changed, edited
 
@@ -214,5 +214,5 @@ check_resampled = Exercise(
             )
         ),
     },
-    own=(particles,),
+    own=(hypotheses,),
 )

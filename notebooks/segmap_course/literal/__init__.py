@@ -27,6 +27,7 @@ from .quadtrees.histograms import (
     match_histograms,
     match_hough,
 )
+from .quadtrees.hypotheses import effective_number, information, log_likelihood, systematic
 from .quadtrees.matching import (
     MOVES,
     climb_step,
@@ -36,7 +37,6 @@ from .quadtrees.matching import (
     occupancy_score,
     sample_and_rank,
 )
-from .quadtrees.hypotheses import effective_number, information, log_likelihood, systematic
 from .quadtrees.particles import enough, fit, picked, weighed
 from .quadtrees.quadtree import (
     Quadtree,
