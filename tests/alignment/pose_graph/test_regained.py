@@ -3,7 +3,7 @@
 import alignment_logs as logs
 import numpy as np
 import pytest
-from conftest import shared_file, slow
+from conftest import shared_file
 
 from segmap import read
 from segmap.alignment import LiveGraph, Tracking, align_to_truth, pose_graph
@@ -87,7 +87,7 @@ def test_after_two_scans_in_a_row_a_map_begins_anew():
 CASES = {"intel": (1, 2300, 0.5, 0.06), "fr079": (8, 200, 0.15, None)}
 
 
-@slow
+@pytest.mark.slow
 @pytest.mark.parametrize("name", CASES)
 def test_real_logs_without_their_odometry(name):
     """Measured: Intel 2320 of 2672 scans used, 0.21 m, relations 0.038 m; FR079 240, 0.07 m.
