@@ -257,7 +257,8 @@ def print_table(runs: pd.DataFrame, quality: float, report: Report) -> dict[str,
     total, at = int(runs["n_before"].iloc[0]), equal_quality(runs, quality).iloc[0]
     methods = map(str, dict.fromkeys(runs["method"]))
     names = sorted(methods, key=lambda name: -np.nan_to_num(at[name], nan=-np.inf))
-    report.say(f"\n  {f'at quality {percent(quality)}':<22} {'gone':>11} {'left':>6}  nearest run")
+    report.say()
+    report.say(f"  {f'at quality {percent(quality)}':<22} {'gone':>11} {'left':>6}  nearest run")
     nearest = {}
     for name in names:
         gone, own = float(at[name]), select(runs, method=name)

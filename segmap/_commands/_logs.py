@@ -15,7 +15,7 @@ import numpy as np
 
 from .._display import counted
 from ..alignment import METHODS, Alignment, Verdict, deskew
-from ..files import write_bytes
+from ..files import shown, write_bytes
 from ..readers import LogError, UnknownFormat, format_of, load, read, read_bag
 from ..scans import Log
 from ..scans.moving import is_timed
@@ -80,7 +80,7 @@ def each_log(given: argparse.Namespace, work: Work, head: Callable[[Log, str], s
     failed, codes, reports = [], [0], []
     with progress(len(chosen), "log") as bar:
         for source in chosen:
-            bar.set_description(Path(source).name)
+            bar.set_description(shown(Path(source).name))
             reports.append(report := Report(source, json=given.json))
             try:
                 log = log_of(source, given)
@@ -90,7 +90,8 @@ def each_log(given: argparse.Namespace, work: Work, head: Callable[[Log, str], s
             except BrokenPipeError:  # nobody reads any more
                 raise
             except FAULTS as error:
-                failed.append(reason(error) if source in str(error) else f"{source}: {error}")
+                why, named = reason(error), shown(source)
+                failed.append(why if named in why else f"{named}: {why}")
                 report.found["failed"] = failed[-1]
             report.end()
             bar.update()
@@ -131,7 +132,7 @@ def sources(text: str) -> Iterator[str]:
     inside = sorted(path for path in folder.iterdir() if not path.name.startswith("."))
     found = [path for path in inside if is_log(path)]
     if rest := [path.name for path in inside if path not in found]:
-        tell(f"{folder}: left out, since no log: {', '.join(rest)}")
+        tell(f"{shown(folder)}: left out, since no log: {', '.join(map(shown, rest))}")
     yield from map(str, found or [folder])
 
 

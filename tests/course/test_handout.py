@@ -5,10 +5,10 @@ import re
 
 import pytest
 from chapter_rules import CHAPTERS
-from segmap_course import EXERCISES
+from segmap_course import EXERCISES, OPEN_EXERCISES
 from segmap_course.__main__ import main
 from segmap_course.grading.handout._handout import LINK, student_copy, with_links
-from segmap_course.grading.handout._solutions import BEGIN, END
+from segmap_course.grading.handout._solutions import BEGIN, END, open_answer
 from segmap_course.grading.handout._tasks import CHECKS, chapters, defines, places, tasks_of
 
 
@@ -217,3 +217,11 @@ def test_solutions_stand_between_the_marks_of_nbgrader(tmp_path):
 
 def test_no_copy_of_a_student_holds_a_solution(handed):
     assert not any(BEGIN in path.read_text() for path in handed.iterdir())
+
+
+@pytest.mark.parametrize("name", OPEN_EXERCISES)
+def test_the_open_exercises_are_answered_too(name):
+    """Catches an input that no longer fools the method, and a measured number that is not near."""
+    if name != "check_own_log":
+        exec(open_answer(name, "mine"), space := {})
+        assert OPEN_EXERCISES[name](space["mine"])

@@ -1,5 +1,10 @@
 """The workbench without a browser: what it runs, keeps, says and refuses."""
 
+import contextlib
+import os
+import signal
+import subprocess
+import sys
 import time
 import xml.etree.ElementTree as ET
 from dataclasses import replace
@@ -306,6 +311,41 @@ def test_run_stop_and_failure_in_the_worker(worker):
     assert made.state.value.endswith("The last good run is kept.")
 
 
+ENDLESS = """
+from segmap.compiled import compiled
+from segmap.panels.workbench._job import Worker
+
+@compiled
+def turn(count: int) -> float:
+    total = 0.0
+    for k in range(count):
+        total += k % 7
+    return total
+
+def endless(tell):
+    tell(str(turn(9)))  # compiled
+    turn(10**13)
+
+if __name__ == "__main__":
+    import endless
+    Worker().do(endless.endless, tell=lambda text: print(text, flush=True))
+"""
+
+
+def test_the_worker_ends_with_its_kernel(tmp_path):
+    """Catches work of many minutes that nobody waits for, and that nobody can stop."""
+    (tmp_path / "endless.py").write_text(ENDLESS)
+    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "start_new_session": True}
+    kernel = subprocess.Popen([sys.executable, "endless.py"], cwd=tmp_path, **pipes)
+    try:
+        assert kernel.stdout.readline() == b"22.0\n"
+        kernel.kill()
+        assert kernel.communicate(timeout=30) == (b"", b"")  # which the worker holds open too
+    finally:
+        with contextlib.suppress(ProcessLookupError):
+            os.killpg(kernel.pid, signal.SIGKILL)
+
+
 class Unknown:
     """Arrives nowhere, as what a notebook defines."""
 
@@ -360,6 +400,17 @@ def test_an_uploaded_file_is_read(tmp_path):
     assert made.state.value == "mine: ready to run"
     upload(made, "\0", b"no log at all")
     assert made.log.name == "mine" and "upload.log" in made.state.value
+
+
+def test_a_file_that_is_too_large_is_told_and_not_sent():
+    """Catches a page that loses its kernel over a log of 40 MB, without a word."""
+    made = bench()
+    assert made.upload.most == 10_000_000
+    made.upload._handle_custom_msg({"name": "a\0/long.log", "size": 10_000_001}, [])
+    assert made.state.value == (
+        "long.log has 10.0 MB: uploads have up to 10 MB; larger ones by their path"
+    )
+    assert made.log is LOG and made.upload.value == ()
 
 
 def upload(made, name, content):

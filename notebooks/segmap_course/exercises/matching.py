@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -11,6 +10,7 @@ import numpy as np
 from segmap.arrays import Array
 from segmap.poses import transform
 
+from .._alone import Surface
 from ..literal import MOVES, climb_step, distance_score
 from ..literal.quadtrees import matching
 from ._answers import Cases
@@ -75,21 +75,6 @@ check_scan_score = Exercise(
 #: A pose is an array or a tuple: three numbers.
 Pose = Any
 Value = Callable[[Pose], float]
-Three = tuple[float, float, float]
-
-
-@dataclass(frozen=True)
-class Surface:
-    """The value of a pose: so much for each metre or radian from a point, or away from it."""
-
-    slope: Three
-    point: Three = (0.0, 0.0, 0.0)
-    away: tuple[bool, bool, bool] = (False, False, False)
-
-    def __call__(self, pose: Pose) -> float:
-        """The score of a pose."""
-        off = np.subtract(pose, self.point)
-        return float(np.where(self.away, np.abs(off), off) @ np.array(self.slope))
 
 
 def _hills(rng: Rng) -> Cases:
@@ -106,8 +91,19 @@ def _hills(rng: Rng) -> Cases:
             ("on the top", hill, top, move, move),
             ("a plain", Surface((0, 0, 0)), start, move, move),
             ("a valley, both ways up", valley, start * (1, 0, 1), 0.125, 0.125),
+            (
+                "a valley in x",
+                Surface((1, 0, 0), away=(True, False, False)),
+                start * (0, 1, 1),
+                0.125,
+                1,
+            ),
+            ("a slope to the left", Surface((-2, 1, 0)), start, move, move),
+            ("a slope down to the right", Surface((1, -1, 0)), start, move, move),
             ("a slope, the robot turned", slope, start * (1, 1, 0) + (0, 0, 2), move, move),
             ("a coarse turn", hill, top - (0, 0, 0.4), 0.001, 1.0),
+            ("a turn to the left", hill, top - (0, 0, right), 0.01, 0.2),
+            ("a turn to the right", hill, top + (0, 0, up), 0.01, 0.2),
         )
     }
 

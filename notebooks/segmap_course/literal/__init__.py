@@ -33,10 +33,12 @@ from .quadtrees.quadtree import (
     cell_of,
     crossed_cells,
     grown,
+    mean_and_variance,
     occupancy,
     quarters,
     ray_cells,
 )
+from .quadtrees.search import every_pose, headings, likelihood, places
 from .reduction.basic import basic_offline, basic_online
 from .reduction.fusion import best_strip, chain, fusion
 from .reduction.fuzzy_clustering import fuzzy_clustering
@@ -44,6 +46,7 @@ from .reduction.fuzzy_set import fuzzy_set
 from .reduction.hybrid import fusion_online, hough, hybrid, hybrid_fusion
 from .reduction.least_cost import least_cost
 from .reduction.mean_shift import mean_shift
+from .reduction.one_per_wall import one_per_wall
 from .reduction.polyline import polyline, polyline_through
 from .reduction.segment_similarity import mean_segment, segment_similarity
 from .reduction.uncertain_parameters import uncertain_parameters

@@ -9,7 +9,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import ArrayLike
 
-from segmap.arrays import Array, Segments
+from segmap.arrays import Array, Segments, segments
 from segmap.extraction import extract_clusters, extract_polylines
 from segmap.metrics import distance_terms, segment_distance
 from segmap.plotting import ERROR, MAP, RESULT, draw_scan, draw_segments
@@ -82,7 +82,7 @@ class MovingPanel(LessonPanel):
     words = "{speed:.1f} m/s, {turn} degrees/s, {rate:.1f} turns/s, {deskewed}: {off}"
 
     def __init__(self, walls: Segments, pose: ArrayLike) -> None:
-        self.walls, self.pose = walls, np.array(pose, float)
+        self.walls, self.pose = segments(walls, "walls"), np.array(pose, float)
         self._begin()
 
     def _draw(self, figure: Figure) -> None:

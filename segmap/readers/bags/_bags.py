@@ -28,6 +28,7 @@ import numpy as np
 from ... import arrays
 from ...angles import wrap
 from ...arrays import Array, checked, slips
+from ...files import shown
 from ...scans import LaserScan, Log
 from .._lines import LATEST, LogError, OnError, Reading, UnknownFormat, log_file, stem
 from .._mounting import flat, in_space, level
@@ -251,4 +252,4 @@ def _listed(bag: Bag) -> str:
 
 
 def _warn(text: str) -> None:
-    slips.warn(text)
+    slips.warn(shown(text))

@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 
 from ... import arrays
 from ...arrays import Array
-from ...files import read_arrays
+from ...files import read_arrays, shown
 from ...scans import LaserScan, Log
 from .._lines import LATEST, LogError
 from .._raw_scans import known, known_truth
@@ -45,7 +45,7 @@ def read(path: Path, name: str, on_error: str = "raise") -> Log:
     try:
         held = read_arrays(path)
     except ValueError as fault:
-        raise LogError(path, str(fault).removeprefix(f"{path}: ")) from fault
+        raise LogError(path, str(fault).removeprefix(f"{shown(path)}: ")) from fault
     if missing := [needed for needed in NEEDED if needed not in held]:
         known = ", ".join(sorted(held)[:10])
         raise LogError(
