@@ -180,6 +180,14 @@ def pose_covariance_closed(centre, alpha, sensor, place, heading):
     ]
 
 
+def beam_about_a_centre(distance, angle, delay, ahead, rate):
+    """Round a point that stands still, in complex numbers."""
+    turned = np.exp(1j * rate * delay)
+    way = (turned - 1) * ahead / (1j * rate) if rate else ahead * delay
+    end = way + turned * distance * np.exp(1j * angle)
+    return end.real, end.imag
+
+
 def frontier_by_shifts(grid):
     found = np.zeros(grid.shape, bool)
     for i, j in np.argwhere(grid < 0.5):
@@ -203,6 +211,7 @@ RIGHT = {
     "least_translation": by_pseudo_inverse,
     "move_onto_walls": moved_by_pseudo_inverse,
     "edge_error": lambda first, second, relative: between(compose(first, relative), second),
+    "carried_beam": beam_about_a_centre,
     "carried": lambda before, after, pose: compose(compose(after, inverse(before)), pose),
     "reduction_rate": lambda a, b: 1 - len(b) / len(a) if len(a) else 0,
     "quality": quality_as_a_geometric_mean,

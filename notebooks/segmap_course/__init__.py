@@ -82,6 +82,7 @@ from .exercises.open.scans import (
 )
 from .exercises.poses import (
     check_carried,
+    check_carried_beam,
     check_compose,
     check_edge_error,
     check_heading_between,

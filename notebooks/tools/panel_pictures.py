@@ -35,6 +35,7 @@ STATES: dict[str, list[str]] = {
     "11-1": ["", "step=20", "step=40", "step=60"],
     "12-1": ["", "step=16", "step=32", "step=48"],
     "13-1": ["", "noise=50", "beams=91", "noise=10, beams=682, turn=90"],
+    "14-1": ["", "rate=20", "rate=5.5, turn=180", "deskewed=True"],
     "21-1": ["gap=0.05", "gap=0.30", "gap=1.0", "gap=0.30, fit='algebraic'"],
     "22-1": ["tolerance=0.005", "tolerance=0.03", "tolerance=0.10", "tolerance=0.5"],
     "31-1": ["", "every=4", "max_gap=3.0", "every=1, late=0.3"],

@@ -55,9 +55,11 @@ def deskew(log: Log, poses: Poses | None = None) -> Log:
     >>> log[0].delays.max().round(3), deskew(log)[0].delays
     (np.float64(0.067), None)
     """
-    if not is_timed(arrays.instance(log, "log", Log)):
+    arrays.instance(log, "log", Log)
+    given = None if poses is None else poses_for(log, poses)
+    if not is_timed(log):
         return log
-    rows = pose_graph(log).poses if poses is None else poses_for(log, poses)
+    rows = pose_graph(log).poses if given is None else given
     motions, said = twists(log.times, rows), []
     if not log.order_known:
         margin = _margin(log, rows, motions)

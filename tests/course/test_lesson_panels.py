@@ -83,6 +83,7 @@ PANELS = {
     ),
     "MeanShiftPanel": ((WALLS,), "sigma", 0.60),
     "ParticlePanel": ((LOG,), "particles", 2),
+    "MovingPanel": ((ROOM, (1, 1, 0)), "turn", 150),
     "PolylinePanel": ((LOG[0],), "tolerance", 0.005),
     "PoseGraphPanel": ((LOOP,), "scan", 60),
     "RayPanel": ((), "mask", False),
@@ -278,6 +279,18 @@ def test_room_panel_without_noise_measures_exactly_and_keeps_the_field_of_view()
     panel.noise.value, panel.beams.value = 0, 51
     assert panel.spread.value == "range error 0.0 mm (root mean square)"
     assert panel.scan.angles[[0, -1]] == pytest.approx(URG_04LX.angles[[0, -1]])
+
+
+@unpainted
+def test_moving_panel_carries_the_beams_back_onto_the_walls():
+    """Catches a motion the wrong way round, and metres where centimetres are said."""
+    panel = course.MovingPanel(ROOM, (1, 1, 0))
+    assert panel.moved.value == "moved by 10.9 degrees and 5.5 cm in a scan"
+    assert float(panel.off.value.split()[2]) > 20
+    panel.deskewed.value = True
+    assert panel.off.value == "up to 0.0 cm off the walls"
+    panel.deskewed.value, panel.speed.value, panel.turn.value = False, 0.0, 0
+    assert panel.off.value == "up to 0.0 cm off the walls"
 
 
 @unpainted

@@ -15,4 +15,4 @@ from ._reduction import (
     WallsPanel,
     WeightedPanel,
 )
-from ._scans import ClusterPanel, DistancePanel, PolylinePanel, RoomPanel
+from ._scans import ClusterPanel, DistancePanel, MovingPanel, PolylinePanel, RoomPanel

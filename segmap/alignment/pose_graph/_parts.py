@@ -130,6 +130,8 @@ def _join(graph: LiveGraph, part: LiveGraph, log: Log) -> None:
     front.offset += later.offset[rest]
     front.loose += later.loose[rest]
     front.tied += later.tied[its_frame + 1 :]
+    front.begins += [joint.frame - its_frame + k for k in later.begins if k > its_frame]
+    front.lost = later.lost
     _append_loops(closer, its_closer, joint)
     # 3. Loops that lead to the parts before, as if the robot drove there now
     found = {loop.second for loop in closer.accepted}
