@@ -63,7 +63,7 @@ test: $(SETUP) $(WARM) ## set up, then prove it: style, types, tests, examples a
 	$(RUN) -m pytest $(SPREAD) -m "not slow" -p no:nbval
 	PYTHONWARNINGS=error::DeprecationWarning:__main__ $(RUN) -m pytest $(SPREAD) $(NBVAL) notebooks/*.ipynb
 
-test-all: test ## the same, then the tests that are marked slow
+test-all: test bounds ## the same, every index of the loops checked, then the tests that are marked slow
 	$(RUN) -m pytest $(SPREAD) -m slow
 
 test-lowest: | $(RUN) ## the tests once more, in .venv-lowest, with the oldest packages that pyproject.toml allows

@@ -15,7 +15,7 @@ import numpy as np
 
 from . import alignment, extraction, matching, metrics, quadtree, readers, reduction, simulation
 from .arrays import Array
-from .scans import Log
+from .scans import LaserScan, Log
 from .segments import SegmentMap
 
 Found = list[Any]
@@ -136,4 +136,9 @@ def _matched() -> Found:
     poses = rng.normal(0, 0.2, (3, 3))
     names = ("occupancy_score", "distance_score", "nearest_score", "descent_score")
     found: Found = [getattr(matching, name)(map, points, poses) for name in names]
-    return [*found, matching.hill_climb(map, points, poses[0])]
+    found.append(matching.hill_climb(map, points, poses[0]))
+    room = SegmentMap(simulation.box(4, 3))
+    scan = LaserScan(np.hypot(*points.T), np.arctan2(*points.T[::-1]))
+    for places in (matching.search(each, scan, beams=12) for each in (map, room)):
+        found += [places.poses, places.scores, places.covariances]
+    return [*found, matching.DistanceField(room).distance]

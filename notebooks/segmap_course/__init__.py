@@ -6,6 +6,7 @@
 from __future__ import annotations
 
 from ._conclusions import conclusions, density, filter_change
+from ._explore import Explored, explore, floor_of
 from ._known import Known, known_building
 from ._landscapes import Landscape, heading_profile, landscape, peaks, profile_peaks
 from ._storage import (
@@ -86,6 +87,7 @@ from .exercises.poses import (
 )
 from .exercises.quadtree import (
     check_cell_of,
+    check_frontier_cells,
     check_grown,
     check_occupancy,
     check_pixel,

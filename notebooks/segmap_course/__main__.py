@@ -10,7 +10,7 @@ from datetime import datetime
 from pathlib import Path
 from typing import Any
 
-from segmap.files import write_bytes
+from segmap.files import shown, write_bytes
 
 from .grading import (
     Limits,
@@ -39,7 +39,7 @@ def main(arguments: list[str] | None = None) -> int:
         print("stopped", file=sys.stderr)
         return 130
     except (ValueError, OSError) as error:
-        print(f"{given.command}: {error}", file=sys.stderr)
+        print(shown(f"{given.command}: {error}"), file=sys.stderr)
         return 1
 
 
@@ -93,7 +93,7 @@ def _add_options(grade: argparse.ArgumentParser) -> None:
 
 def _solutions(given: argparse.Namespace) -> None:
     count = write_solutions(given.folder, given.chapters)
-    print(f"{count} chapters with solutions in {given.folder}: for you alone")
+    print(f"{count} chapters with solutions in {shown(given.folder)}: for you alone")
 
 
 def whole(word: str) -> int:
@@ -114,8 +114,9 @@ def _handout(given: argparse.Namespace) -> None:
     key, tasks = handout(given.folder, wanted=given.chapters, seed=given.seed)
     count = len(list(given.folder.glob("*.ipynb")))
     points = sum(task.points for task in tasks)
-    print(f"{count} chapters, {len(tasks)} tasks, {points} points: give {given.folder} to students")
-    print(f"for you alone: {key} (the seed of the hidden cases); grade with --key {key}")
+    held = f"{count} chapters, {len(tasks)} tasks, {points} points"
+    print(shown(f"{held}: give {given.folder} to students"))
+    print(shown(f"for you alone: {key} (the seed of the hidden cases); grade with --key {key}"))
 
 
 def _grade(given: argparse.Namespace) -> None:
@@ -140,7 +141,7 @@ def _grade(given: argparse.Namespace) -> None:
         write_feedback(pages, row, plan.tasks)
         rows.append(row)
         right = sum(outcome.right for outcome in row.outcomes.values())
-        print(f"{printable(row.submission.student)}: {right} of {len(row.outcomes)} right")
+        print(f"{shown(row.submission.student)}: {right} of {len(row.outcomes)} right")
     alike = duplicates(rows, plan.tasks)
     for row in rows:
         if said := alike.get(row.submission.student):
@@ -153,27 +154,22 @@ def _grade(given: argparse.Namespace) -> None:
     if rows[0].jail == "none":
         print("no jail: the code of students could read and change your files")
     for line in report:
-        print(f"  {printable(line)}")
+        print(f"  {shown(line)}")
     if table.changes:
         print(
             f"{len(table.changes)} cells have changed"
             + ("" if given.regrade else ": see --regrade")
         )
-    print("\n".join(f"  {printable(line)}" for line in table.changes if given.regrade))
+    print("\n".join(f"  {shown(line)}" for line in table.changes if given.regrade))
     if alike:
         print(f"{len(alike)} students with answers that are alike: look at the column `alike`")
     if given.export:
-        print(f"for {given.export}: {table.export(given.export)}")
-    print(f"written: {given.output}, {path.name}, feedback for each in {pages}")
+        print(shown(f"for {given.export}: {table.export(given.export)}"))
+    print(shown(f"written: {given.output}, {path.name}, feedback for each in {pages}"))
     if any(task.by_hand for task in plan.tasks):
         print(
             "columns that are empty are graded by hand: task, rubric and answer are in the feedback"
         )
-
-
-def printable(text: str) -> str:
-    """A text that does nothing to a terminal."""
-    return "".join(letter if letter.isprintable() else "?" for letter in text)
 
 
 if __name__ == "__main__":

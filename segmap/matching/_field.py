@@ -1,4 +1,4 @@
-"""A distance field: the distance to the nearest occupied cell, computed once for a window."""
+"""A distance field: the distance to the nearest occupied cell or wall, once for a window."""
 
 from __future__ import annotations
 
@@ -8,10 +8,15 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import arrays
-from ..arrays import Array
+from ..arrays import Array, Metres, checked
 from ..compiled import compiled
+from ..kernels import off_segment
 from ..quadtree import QuadtreeMap
+from ..segments import SegmentMap, point_distance
 from ._scores import Cells, Counts, all_placed, occupied_blocks, scan_and_poses, whole
+
+#: What a scan is laid on: squares, or walls.
+Map = QuadtreeMap | SegmentMap
 
 Singles = NDArray[np.float32]
 #: Distances are whole numbers, the longest in a window below this: 32 bits.
@@ -27,35 +32,41 @@ FAR_AWAY = 1e9
 
 
 class NothingNear(ValueError):
-    """The window holds no occupied cell."""
+    """The window holds no occupied cell or wall."""
 
 
 class DistanceField:
-    """Distances to the nearest occupied cell of a window, looked up by cell.
+    """Distances to the nearest occupied cell, or the nearest wall, looked up by cell.
 
     A point counts as its cell's centre: the score differs from `distance_score` by at most
     `resolution / sqrt(2)` a beam where the window holds all ends and the cells nearest to them.
-    Occupied cells outside the window do not count, which can only lower the score of ends inside.
+    Occupied cells outside the window do not count, which can only lower the score of ends inside;
+    walls outside do.
 
     Parameters
     ----------
-    map : QuadtreeMap
+    map : QuadtreeMap or SegmentMap
         Scans that are inserted later do not change the field.
     window : (4,) sequence, metres, or None
-        Left, low, right, high edge; the whole root by default. A point beyond counts as on it.
+        Left, low, right, high edge. A point beyond counts as on it. By default the whole root, or
+        what holds all walls and half a metre more.
+    resolution
+        Side of a cell, for a SegmentMap only; the cells of a quadtree are its own.
 
     Attributes
     ----------
     cells : (rows, columns) int32 array
         Distances, row 0 lowest, in parts of a cell. They are the exact Euclidean distance transform
-        of Meijster, Roerdink and Hesselink (2000); B has none.
+        of Meijster, Roerdink and Hesselink (2000), or, for walls, the distance from the cell's
+        centre; B has none.
     unit : int
         How many parts a cell has.
 
     Raises
     ------
     ValueError
-        For a window without area, of too many cells, or one that holds no occupied cell.
+        For a window without area, of too many cells, or one that holds no occupied cell or whose
+        circle no wall meets.
 
     Examples
     --------
@@ -63,29 +74,58 @@ class DistanceField:
     >>> map.insert_scan((0, 0), [(1.05, 0.05)])
     >>> DistanceField(map).score([(1.05, 0.05)], [(0, 0, 0), (0.3, 0, 0)]).round(6) + 0
     array([ 0. , -0.3])
+    >>> DistanceField(SegmentMap([[(0, 0), (2, 1)]])).score([(2.025, 0.025)], (0, 0, 0)).round(4)
+    array([-0.8832])
     """
 
-    def __init__(self, map: QuadtreeMap, window: ArrayLike | None = None) -> None:
-        first, (columns, rows) = _cells_of_window(map, window)
-        occupied_blocks(map)
-        left, low = first - map.tree.corner
+    @checked
+    def __init__(
+        self, map: Map, window: ArrayLike | None = None, *, resolution: Metres = 0.05
+    ) -> None:
+        either_map(map)
+        if isinstance(map, SegmentMap):
+            corner, side, ends = np.zeros(2), resolution, map.segments.reshape(-1, 2)
+            bounds = *(ends.min(0) - MARGIN), *(ends.max(0) + MARGIN)
+        else:
+            corner, side, bounds = map.corner, map.resolution, map.bounds
+        first, (columns, rows) = _cells_of_window(
+            bounds if window is None else window, corner, side
+        )
+        corner = corner + first * side
+        self.unit, self.cells = MOST // (columns + rows), np.full((rows, columns), FAR, np.int32)
+        self._frame = np.array([*corner, side, columns, rows, -side / self.unit])
+        if isinstance(map, SegmentMap):
+            self._measure(map.segments, corner)
+        else:
+            self._transform(map, *(first - map.tree.corner).tolist())
+
+    def _transform(self, map: QuadtreeMap, left: int, low: int) -> None:
+        """The field of the occupied cells in the window, whose first cell is given."""
+        rows, columns = self.cells.shape
         x, y = map.tree.occupied_cells(np.array([left, low, left + columns, low + rows])).T
         if not len(x):
             raise NothingNear("the window holds no occupied cell, so no pose in it has a score")
-        self.unit, grid = MOST // (columns + rows), np.full((rows, columns), FAR, np.int32)
-        grid[y - low, x - left] = 0
-        room, share = np.empty((columns, 3), np.int64), 0.5 / np.arange(1, columns + 1)
-        transform(grid, self.unit, room, share)
-        self.cells = grid
-        corner = map.corner + first * map.resolution
-        worth = -map.resolution / self.unit
-        self._frame = np.array([*corner, map.resolution, columns, rows, worth])
+        self.cells[y - low, x - left] = 0
+        transform_cells(self.cells, self.unit)
+
+    def _measure(self, walls: Array, corner: Array) -> None:
+        """The field of all walls, `(n, 2, 2)`."""
+        walls, size = (walls - corner) / self._frame[2], np.array(self.cells.shape[::-1])
+        if not point_distance(size / 2, walls).min(initial=np.inf) <= np.hypot(*size) / 2:
+            raise NothingNear("the window holds no wall, so no pose in it has a score")
+        level = int(size.max() - 1).bit_length()
+        near, begin = np.empty((level + 2) * len(walls), np.int64), np.empty(level + 2, np.int64)
+        away, todo = np.empty(len(walls)), np.empty((3 * level + 4, 3), np.int64)
+        wall_distances(walls, self.unit, level, near, begin, away, todo, self.cells)
 
     @classmethod
-    def around(cls, map: QuadtreeMap, points: ArrayLike, poses: ArrayLike) -> DistanceField:
+    def around(
+        cls, map: Map, points: ArrayLike, poses: ArrayLike, *, resolution: Metres = 0.02
+    ) -> DistanceField:
         """The field that a scan needs near poses: a box about robot and ends, and half a metre.
 
-        Points and poses are those of `occupancy_score`.
+        Points and poses are those of `occupancy_score`. The resolution, of a SegmentMap only, is
+        finer than for a whole map: a matcher moves by centimetres.
 
         Examples
         --------
@@ -94,12 +134,13 @@ class DistanceField:
         >>> DistanceField.around(map, [(1.05, 0.05)], (0, 0, 0))
         DistanceField(21 x 11 cells of 0.1 m)
         """
-        arrays.instance(map, "map", QuadtreeMap)
+        either_map(map, empty=True)
         ends, at = scan_and_poses(points, poses)
         if not len(at):
             raise ValueError("poses must hold at least one pose, to know where the scan is")
         placed = np.concatenate([at[:, :2], all_placed(ends, at)])
-        return cls(map, [*(placed.min(0) - MARGIN), *(placed.max(0) + MARGIN)])
+        window = [*(placed.min(0) - MARGIN), *(placed.max(0) + MARGIN)]
+        return cls(map, window, resolution=resolution)
 
     @property
     def distance(self) -> Array:
@@ -147,26 +188,97 @@ class DistanceField:
         return f"DistanceField({columns} x {rows} cells of {self._frame[2]:.6g} m)"
 
 
-def _cells_of_window(map: QuadtreeMap, window: ArrayLike | None) -> tuple[Cells, tuple[int, int]]:
-    """First cell of a window, counted from the map's first corner, and its columns and rows."""
-    arrays.instance(map, "map", QuadtreeMap)
-    edges = arrays.numbers(map.bounds if window is None else window, "window")
-    if edges.shape != (4,) or not np.isfinite(edges).all() or (edges[2:] <= edges[:2]).any():
-        raise ValueError(f"window must be left, low, right, high in metres, got {window!r}")
-    edges = (edges.reshape(2, 2) - map.corner) / map.resolution
-    first, beyond = np.floor(edges[0]), np.ceil(edges[1])
-    count = beyond - first
-    if (count > MOST_SIDE).any() or count.prod() > MOST_CELLS:
+def either_map(map: object, *, empty: bool = False) -> None:
+    """Refuse what is neither of the two maps, and, unless it may be, an empty one."""
+    if not isinstance(map, Map):
+        got = arrays.brief(map)
+        raise ValueError(f"map must be a QuadtreeMap or a SegmentMap, got {got}")
+    if isinstance(map, QuadtreeMap) and not empty:
+        occupied_blocks(map)
+    elif isinstance(map, SegmentMap) and not (empty or len(map)):
+        raise ValueError("the map holds no wall, so no pose has a score")
+
+
+def fits(columns: float, rows: float) -> None:
+    """Refuse a window of too many cells."""
+    if max(columns, rows) > MOST_SIDE or columns * rows > MOST_CELLS:
         raise ValueError(
-            f"a window of {count[0]:.9g} x {count[1]:.9g} cells is too large: at most {MOST_SIDE} "
+            f"a window of {columns:.9g} x {rows:.9g} cells is too large: at most {MOST_SIDE} "
             f"a side and {MOST_CELLS} in all; give a smaller one, or a coarser map"
         )
+
+
+def _cells_of_window(
+    window: ArrayLike, corner: Array, side: float
+) -> tuple[Cells, tuple[int, int]]:
+    """First cell of a window, counted from a map's first corner, and its columns and rows."""
+    edges = arrays.numbers(window, "window")
+    if edges.shape != (4,) or not np.isfinite(edges).all() or (edges[2:] <= edges[:2]).any():
+        raise ValueError(f"window must be left, low, right, high in metres, got {window!r}")
+    edges = (edges.reshape(2, 2) - corner) / side
+    first, beyond = np.floor(edges[0]), np.ceil(edges[1])
+    count = beyond - first
+    fits(*count)
     if (abs(first) > 2.0**60).any():
         raise NothingNear(f"the window {window!r} lies beyond every map")
     return first.astype(np.int64), (int(count[0]), int(count[1]))
 
 
+def transform_cells(grid: Counts, unit: int) -> None:
+    """Replace each cell of a grid of 0 and FAR by its distance to the nearest 0, in place."""
+    columns = grid.shape[1]
+    transform(grid, unit, np.empty((columns, 3), np.int64), 0.5 / np.arange(1, columns + 1))
+
+
 # ---------------------------------------------------------------------------------- loops
+@compiled
+def wall_distances(
+    walls: Array,
+    unit: int,
+    level: int,
+    near: Cells,
+    begin: Cells,
+    away: Array,
+    todo: Cells,
+    grid: Counts,
+) -> None:
+    """Write the distance of each cell's centre from the nearest wall, in cells / `unit`.
+
+    Walls `(n, 2, 2)` are in cells of the grid `(rows, columns)`. The square of `2^level` cells that
+    holds the grid is quartered again and again; of the walls only those stay that can be nearest to
+    a point of a square: no farther from its middle than the nearest and its whole diagonal. Those
+    of a square of each level stand in `near`, `((level + 2) n,)`, one after the other; `begin`,
+    `away` and `todo` are room to work in.
+    """
+    rows, columns = grid.shape
+    todo[0, 0], todo[0, 1], todo[0, 2], used = 0, 0, level, 1
+    for k in range(len(walls)):
+        near[k] = k
+    begin[level + 1], begin[level] = 0, len(walls)
+    while used:
+        used -= 1
+        i, j, at = todo[used, 0], todo[used, 1], todo[used, 2]
+        half, first, last = 0.5 * (1 << at), begin[at + 1], begin[at]
+        least = np.inf
+        for k in range(first, last):
+            away[k - first] = off_segment(i + half, j + half, walls[near[k]])
+            least = min(least, away[k - first])
+        if at == 0:
+            grid[j, i] = whole(least * unit + 0.5)
+            continue
+        kept = last
+        for k in range(first, last):
+            if away[k - first] <= least + 2 * np.sqrt(2.0) * half:
+                near[kept] = near[k]
+                kept += 1
+        begin[at - 1], width = kept, 1 << (at - 1)
+        for q in range(4):
+            a, b = i + width * (q & 1), j + width * (q >> 1)
+            if a < columns and b < rows:
+                todo[used, 0], todo[used, 1], todo[used, 2] = a, b, at - 1
+                used += 1
+
+
 @compiled
 def transform(grid: Counts, unit: int, room: Cells, share: Array) -> None:
     """Replace each cell of a grid `(rows, columns)` of 0 and FAR by its distance to the nearest 0.

@@ -204,5 +204,6 @@ def _matched(
         """The score at poses `(k, 3)`, metres and radians; the prepared one for the same points."""
         return values(scan_and_poses(ends, poses)[1]) if ends is points else score(map, ends, poses)
 
-    pose = matcher(map, points, start, score=ask)
+    found = arrays.called(matcher, "matcher", map, points, start, score=ask)
+    pose = arrays.pose(found, "matcher(map, points, start)")
     return pose, float(values(pose[None])[0])

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -12,11 +12,12 @@ from .. import arrays
 from ..angles import wrap
 from ..arrays import Array, Count, at_least, checked
 from ..quadtree import QuadtreeMap
-from ._field import DistanceField
-from ._scores import occupancy_score, scan_and_poses
+from ..segments import SegmentMap
+from ._field import DistanceField, either_map
+from ._scores import scan_and_poses
 
-#: From a map, points and poses to scores, the higher the better.
-Score = Callable[[QuadtreeMap, ArrayLike, ArrayLike], Array]
+#: From a map, points and poses to scores, the higher the better; for a SegmentMap `field_score`.
+Score = Callable[[Any, ArrayLike, ArrayLike], Array]
 #: The six moves of a round, in the order that decides between equals.
 MOVES = np.array([(-1, 0, 0), (1, 0, 0), (0, -1, 0), (0, 1, 0), (0, 0, -1), (0, 0, 1)], float)
 #: Sizes of the moves, metres and radians: B's literal ones, and those that halve.
@@ -26,8 +27,8 @@ STEPS = {
 }
 
 
-def field_score(map: QuadtreeMap, points: ArrayLike, poses: ArrayLike) -> Array:
-    """`distance_score` (B 4.3) looked up in a field: what the matchers use by default.
+def field_score(map: QuadtreeMap | SegmentMap, points: ArrayLike, poses: ArrayLike) -> Array:
+    """`distance_score` (B 4.3) looked up in a field, of a SegmentMap too: the matchers' default.
 
     A matcher transforms the field once, around its start, and asks it for all poses. The field ends
     half a metre around the scan, so a beam that is farther from all walls may score lower than in
@@ -42,15 +43,15 @@ def field_score(map: QuadtreeMap, points: ArrayLike, poses: ArrayLike) -> Array:
     array([-0.3])
     """
     ends, at = scan_and_poses(points, poses)
-    arrays.instance(map, "map", QuadtreeMap)
     if not ends.size * at.size:
-        return occupancy_score(map, ends, at)  # nothing to sum, but an empty map is an error
+        either_map(map)  # nothing to sum, but an empty map is an error
+        return np.zeros(len(at))
     return DistanceField.around(map, ends, at).score(ends, at)
 
 
 @checked
 def hill_climb(
-    map: QuadtreeMap,
+    map: QuadtreeMap | SegmentMap,
     points: ArrayLike,
     start: ArrayLike,
     *,
@@ -106,7 +107,7 @@ def hill_climb(
 
 @checked
 def sample_and_rank(
-    map: QuadtreeMap,
+    map: QuadtreeMap | SegmentMap,
     points: ArrayLike,
     start: ArrayLike,
     *,
@@ -164,14 +165,20 @@ def wrapped(pose: Array) -> Array:
 
 
 def prepared(
-    score: Score, map: QuadtreeMap, points: Array, start: Array
+    score: Score, map: QuadtreeMap | SegmentMap, points: Array, start: Array
 ) -> Callable[[Array], Array]:
     """The score of points `(n, 2)` as a function of poses `(k, 3)` alone, metres and radians.
 
     A field is transformed once, around where the start `(3,)` puts the points.
     """
     arrays.function(score, "score", "of map, points and poses, nearest_score say")
-    arrays.instance(map, "map", QuadtreeMap)
+    either_map(map, empty=True)
     if score is field_score and len(points):
         return DistanceField.around(map, points, start).scorer(points)
-    return lambda poses: score(map, points, poses)
+
+    def asked(poses: Array) -> Array:
+        """What the score says of poses, `(k,)`."""
+        found = arrays.called(score, "score", map, points, poses)
+        return arrays.row(found, "score(map, points, poses)", len(poses))
+
+    return asked

@@ -51,6 +51,9 @@ BEND = SegmentMap(
 )
 CORNER = SegmentMap([[(0, 0), (2, 0)], [(0, 0.01), (1.95, 0.3)]])
 LOOP = load("corridor")
+#: Half a square room, seen from its middle.
+OPEN = QuadtreeMap(resolution=0.05, free_resolution=0.1)
+OPEN.insert_scan((1, 1), [(x, y) for x in np.arange(0, 2, 0.05) for y in (0, 2)])
 
 
 @cache
@@ -83,6 +86,7 @@ PANELS = {
     "PoseGraphPanel": ((LOOP,), "scan", 60),
     "RayPanel": ((), "mask", False),
     "RoomPanel": ((ROOM, (1, 1, 0)), "beams", 51),
+    "RoutePanel": ((OPEN, (1, 1), (1, 1.5)), "goal_y", 0.5),
     "SectorPanel": ((DOOR,), "scan", 0),
     "StoragePanel": ((LOG, LOG.truth, ROOM), "resolution", 10.0),
     "WallsPanel": ((), "noise", "0.03"),

@@ -7,6 +7,7 @@ from scipy.ndimage import distance_transform_edt
 
 from segmap.matching import DistanceField, distance_score
 from segmap.quadtree import QuadtreeMap
+from segmap.segments import SegmentMap, point_distance
 
 
 @pytest.mark.parametrize("seed", range(8))
@@ -121,3 +122,43 @@ def test_which_windows_are_refused():
         with pytest.raises(ValueError, match=message):
             DistanceField.around(map, points, poses)
     assert DistanceField(map, (0, 0, 2, 2)).score([(1.005, 1.005)], (0, 0, 0))[0] == 0
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_the_field_of_walls_is_the_distance_to_the_nearest(seed):
+    """Catches a wall that is dropped too early, a centre taken for a corner, and a window that is
+    transposed; walls outside the window count, one without length too."""
+    rng = np.random.default_rng(seed)
+    walls = rng.uniform(-3, 3, (rng.integers(1, 14), 2, 2))
+    walls[0, 1] = walls[0, 0]
+    window = (*rng.uniform(-4, 0, 2), *rng.uniform(0.1, 4, 2))
+    side = float(rng.choice([0.05, 0.13, 0.7]))
+    field = DistanceField(SegmentMap(walls), window, resolution=side)
+    left, low, right, high = field.bounds
+    rows, columns = field.cells.shape
+    x, y = (low_ + side * (np.arange(n) + 0.5) for low_, n in ((left, columns), (low, rows)))
+    centres = np.stack(np.meshgrid(x, y), -1)
+    expected = point_distance(centres[:, :, None], walls).min(-1)
+    np.testing.assert_allclose(field.distance, expected, atol=1e-6 * side * (rows + columns))
+    assert left <= window[0] < left + side and high - side < window[3] <= high
+    places = rng.uniform((left, low), (right, high), (50, 2))
+    exact = point_distance(places[:, None], walls).min(-1)
+    found = field.score([(0, 0)], np.column_stack([places, np.zeros(50)]))
+    assert np.abs(found + exact).max() <= side / np.sqrt(2) + 1e-6
+
+
+def test_windows_of_walls():
+    """By default all walls and half a metre; a narrow window far from a wall overflows nothing."""
+    map = SegmentMap([[(0, 0), (4, 0)], [(4, 0), (4, 3)]])
+    assert DistanceField(map).bounds == pytest.approx((-0.5, -0.5, 4.5, 3.5))
+    around = DistanceField.around(map, [(1.0, 0.0)], (0, 0, 0), resolution=0.1)
+    assert around.bounds == pytest.approx((-0.5, -0.5, 1.5, 0.5)) and "0.1 m" in repr(around)
+    thin = DistanceField(map, (-40, 20, 40, 20.05))
+    assert thin.distance.max() == pytest.approx(np.hypot(39.975, 20.025))
+    for window in ((0, 30, 4, 31), (1e6, 0, 1e6 + 1, 1)):
+        with pytest.raises(ValueError, match="no wall"):
+            DistanceField(map, window)
+    with pytest.raises(ValueError, match="no wall"):
+        DistanceField(SegmentMap([]))
+    with pytest.raises(ValueError, match="too large"):
+        DistanceField(map, resolution=1e-5)

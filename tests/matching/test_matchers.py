@@ -9,6 +9,7 @@ from segmap_course import literal
 
 from segmap.matching import field_score, hill_climb, nearest_score, occupancy_score, sample_and_rank
 from segmap.quadtree import QuadtreeMap
+from segmap.segments import SegmentMap
 
 MAP = QuadtreeMap()
 SCAN = np.array([(1.0, 0.0)])
@@ -165,3 +166,22 @@ def test_sigma_must_be_positive():
     for sigma in ((0, 1), (0.1, -1), (np.nan, 1), (0.1, np.inf), 0.02, (0.02, 0.02, 0.03)):
         with pytest.raises(ValueError, match="sigma must be positive"):
             sample_and_rank(MAP, SCAN, (0, 0, 0), rng=np.random.default_rng(0), sigma=sigma)
+
+
+@pytest.mark.parametrize("matcher", [hill_climb, sample_and_rank])
+def test_both_on_walls(matcher):
+    """The field is the bridge to a map of segments; the scores of cells refuse one."""
+    given = {"rng": np.random.default_rng(2)} if matcher is sample_and_rank else {}
+    map = SegmentMap([[(-1, 1.005), (1, 1.005)], [(1.005, -1), (1.005, 1)]])
+    found = matcher(map, walls(), (0.04, -0.03, 0.03), **given)
+    np.testing.assert_allclose(found, 0, atol=0.02)
+    assert matcher(map, [], (1, 2, 0.5), **given).tolist() == [1, 2, 0.5]
+    for bad, score, word in (
+        (map, nearest_score, "map must be a QuadtreeMap"),
+        (SegmentMap([]), field_score, "holds no wall"),
+        (map.segments, field_score, "a QuadtreeMap or a SegmentMap"),
+    ):
+        with pytest.raises(ValueError, match=word):
+            matcher(bad, walls(), (0, 0, 0), score=score, **given)
+    with pytest.raises(ValueError, match="holds no wall"):
+        field_score(SegmentMap([]), [], (0, 0, 0))

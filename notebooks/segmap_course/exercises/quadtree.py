@@ -9,6 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from segmap.arrays import Array
+
 from ..literal import cell_of, grown, occupancy, ray_cells
 from ..literal.quadtrees import quadtree
 from ._answers import Cases, same_cells
@@ -236,6 +238,76 @@ check_pixel = Exercise(
         ),
         "count from the origin: subtract it first": (
             lambda x, y, o, side, rows: _pixel(x, y, (0.0, 0.0), side, rows)
+        ),
+    },
+)
+
+
+# -------------------------------------------------------------------------- frontiers
+def _grids(rng: Rng) -> Cases:
+    """Free, unknown and occupied cells at the edges, in the corners and in the middle."""
+
+    def case(rows: int, columns: int) -> tuple[Any, ...]:
+        return (rng.choice([0.0, 0.1, 0.45, 0.5, 0.5, 0.9], (rows, columns)),)
+
+    lone = np.full((3, 3), 0.0)
+    lone[tuple(rng.integers(0, 3, 2))] = 0.5
+    return {
+        "a wide grid": case(4, 7),
+        "a high grid": case(6, 3),
+        "a single row": case(1, 9),
+        "one unknown cell": (lone,),
+    }
+
+
+def _frontier_cells(grid: Array) -> NDArray[np.bool_]:
+    """The right answer, of which the mistakes change a part."""
+    unknown = np.pad(grid == 0.5, 1)
+    beside = unknown[:-2, 1:-1] | unknown[2:, 1:-1] | unknown[1:-1, :-2] | unknown[1:-1, 2:]
+    return (grid < 0.5) & beside
+
+
+def _rolled(grid: Array) -> NDArray[np.bool_]:
+    unknown = grid == 0.5
+    rolled = [np.roll(unknown, step, axis) for step in (-1, 1) for axis in (0, 1)]
+    return (grid < 0.5) & np.any(rolled, axis=0)
+
+
+def _with_diagonals(grid: Array) -> NDArray[np.bool_]:
+    unknown, (rows, columns) = np.pad(grid == 0.5, 1), grid.shape
+    parts = [unknown[i : i + rows, j : j + columns] for i in range(3) for j in range(3)]
+    return (grid < 0.5) & np.any(parts, axis=0)
+
+
+check_frontier_cells = Exercise(
+    "frontier_cells(grid) -> bools like the grid (rows, columns) of occupancies: which cells are "
+    "free, below 0.5, and have an unknown one, 0.5, beside them in their row or column",
+    _frontier_cells,
+    _grids,
+    {
+        "np.roll brings the cells of one edge to the other: nothing lies beyond an edge": _rolled,
+        "cells that touch at a corner only are not beside each other": _with_diagonals,
+        "what lies beyond the edge of the grid is no cell, so it is not unknown": (
+            edited(_frontier_cells, ("0.5, 1)", "0.5, 1, constant_values=True)"))
+        ),
+        "the free cell is asked for, not the unknown one beside it": (
+            edited(
+                _frontier_cells,
+                ("grid == 0.5", "grid < 0.5"),
+                ("(grid < 0.5) &", "(grid == 0.5) &"),
+            )
+        ),
+        "an occupied cell is no place to drive to: below 0.5 only": (
+            edited(_frontier_cells, ("(grid < 0.5)", "(grid != 0.5)"))
+        ),
+        "an occupied cell is known: only 0.5 is unknown": (
+            edited(_frontier_cells, ("np.pad(grid == 0.5, 1)", "np.pad(grid >= 0.5, 1)"))
+        ),
+        "rows count as well as columns: a cell has four beside it": (
+            edited(_frontier_cells, ("unknown[:-2, 1:-1] | unknown[2:, 1:-1] | ", ""))
+        ),
+        "an unknown cell is not free itself": (
+            edited(_frontier_cells, ("(grid < 0.5)", "(grid <= 0.5)"))
         ),
     },
 )

@@ -15,7 +15,7 @@ from itertools import combinations
 from pathlib import Path
 from typing import NamedTuple
 
-from segmap.files import table_text, write_bytes
+from segmap.files import shown, table_text, write_bytes
 
 from ._submissions import Submission, code_of, is_stub
 from .handout import Task
@@ -207,7 +207,7 @@ def class_report(rows: Sequence[Row], tasks: Sequence[Task]) -> list[str]:
             found = [row.outcomes[task.name] for row in rows]
             lines.append(f"{task.name}: {sum(o.right for o in found)} of {len(found)} right")
             lost = Counter(_shared(o) for o in found if not o.right)
-            lines += [f"  {count} x {why}" for why, count in lost.most_common(MOST_REASONS)]
+            lines += [f"  {count} x {shown(why)}" for why, count in lost.most_common(MOST_REASONS)]
     return lines
 
 
@@ -269,8 +269,8 @@ def page(row: Row, tasks: Sequence[Task]) -> str:
     summary += [f"Up to {hand} more are given by hand."] if hand else []
     summary += handed.problems
     sections = "\n".join(_section(row, task) for task in tasks)
-    shown = html.escape(" ".join(summary))
-    return PAGE.format(title=html.escape(title), summary=shown, sections=sections)
+    said = html.escape(" ".join(summary))
+    return PAGE.format(title=html.escape(title), summary=said, sections=sections)
 
 
 def _section(row: Row, task: Task) -> str:

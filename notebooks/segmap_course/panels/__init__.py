@@ -3,7 +3,7 @@
 from ._alignment import AnglePanel, BackbonePanel, GroundTruthPanel
 from ._graphs import IcpPanel, PoseGraphPanel
 from ._matching import LandscapePanel, MatcherPanel
-from ._quadtree import ClassesPanel, RayPanel, StoragePanel, insert_variant
+from ._quadtree import ClassesPanel, RayPanel, RoutePanel, StoragePanel, insert_variant
 from ._reduction import (
     BasicPanel,
     ChainPanel,

@@ -72,7 +72,8 @@ def align_parts(
             _inside(graph)[0].scans += log
     # 3. All poses together; 4. each scan once more, as in `pose_graph`
     found = graph.settled()
-    return concluded("align_parts", len(graph), found, time.perf_counter() - begun)
+    scans = [scan for log in logs for scan in log]
+    return concluded("align_parts", scans, found, time.perf_counter() - begun)
 
 
 def _aligned(thresholds: dict[str, Any], log: Log) -> LiveGraph:

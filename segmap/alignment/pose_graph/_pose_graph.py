@@ -254,7 +254,8 @@ class LiveGraph:
         begun = time.perf_counter()
         found = self.settled()
         self.seconds += time.perf_counter() - begun
-        return concluded("pose_graph", len(self), found, self.seconds)
+        scans = [] if self._parts is None else self._parts[0].scans
+        return concluded("pose_graph", scans, found, self.seconds)
 
     @property
     def poses(self) -> Array:

@@ -1,0 +1,278 @@
+"""One scan on a whole map: branch and bound against every pose, symmetry, and what is not found."""
+
+import numpy as np
+import pytest
+from conftest import slow
+from segmap_course import literal
+
+from segmap.angles import wrap
+from segmap.matching import DistanceField, Places, search
+from segmap.matching import _likelihoods as likelihoods
+from segmap.matching import _search as inner
+from segmap.matching._likelihoods import Likelihoods
+from segmap.poses import compose, transform
+from segmap.quadtree import QuadtreeMap, build_map
+from segmap.scans import LaserScan
+from segmap.segments import SegmentMap
+from segmap.simulation import (
+    SICK_LMS200,
+    URG_04LX,
+    Sensor,
+    box,
+    city,
+    corridor_loop,
+    drive,
+    office,
+    simulate,
+    square_room,
+)
+
+ROUND = Sensor("round", 72, -np.pi, np.pi / 36, max_range=30.0, sigma=0.01)
+#: A drive through all rooms of an office.
+ROUTE = [(0.7, 5), (11.3, 5), (10, 5), (10, 7.4), (10, 5), (10, 2.6), (10, 5), (6, 5), (6, 7.4),
+         (6, 5), (6, 2.6), (6, 5), (2, 5), (2, 7.4), (2, 5), (2, 2.6), (2, 5)]  # fmt: skip
+
+
+def rng(seed):
+    return np.random.default_rng(seed)
+
+
+def scan_of(points):
+    return LaserScan(np.hypot(*points.T), np.arctan2(*points.T[::-1]))
+
+
+def seen(walls, pose, sensor=ROUND, seed=1):
+    """The scan from a pose."""
+    return simulate(walls, [pose], sensor=sensor, rng=rng(seed))[0]
+
+
+def cells_of(map, wide=0.5):
+    """Likelihoods of a quadtree's cells for the literal search, shape and corner, by every pair."""
+    leaves = map.leaves()
+    occupied = np.stack([leaves.x, leaves.y], -1)[2 * leaves.occ > leaves.vis]
+    at = np.rint((occupied - map.corner) / map.resolution).astype(int)
+    edge = int(np.ceil(wide / map.resolution))
+    first, last = at.min(0) - edge, at.max(0) + edge + 1
+    values = {}
+    for i, j in np.ndindex(*(last - first)):
+        away = map.resolution * np.hypot(*(at - first - (i, j)).T).min()
+        values[i, j] = literal.likelihood(away)
+    return values, tuple((last - first).tolist()), map.corner + first * map.resolution
+
+
+def small_map(seed):
+    """A few strokes of wall on coarse cells."""
+    random = rng(seed)
+    map = QuadtreeMap(resolution=0.1, corner=random.uniform(-1, 1, 2))
+    for _ in range(3):
+        start, way = random.uniform(0, 0.8, 2), random.uniform(-0.6, 0.6, 2)
+        ends = start + np.linspace(0, 1, 12)[:, None] * way
+        map.insert_scan(start, ends)
+    return map, random
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_search_is_every_pose_tried(seed):
+    """Catches a block that is passed over, a bound too low at an edge, a margin or a heading that
+    is missed, and a place that is told twice."""
+    map, random = small_map(seed)
+    points = random.uniform(-1, 1, (7, 2))
+    cells, shape, corner = cells_of(map)
+    count = literal.headings(points, 0.1)
+    scored = list(literal.every_pose(cells, shape, points, 0.1, count))
+    full = 255 * len(points)
+    for margin, least in ((0.0, 0.0), (0.05, 0.3), (0.12, 0.5)):
+        asked = int(margin * full + 1e-9), int(np.ceil(least * full))
+        expected = literal.places(scored, 0.1, count, *asked)
+        found = search(map, scan_of(points), margin=margin, least=least, most_places=999)
+        assert not found.found or len(expected) == 1
+        np.testing.assert_allclose(found.scores * full, [total for total, _ in expected])
+        poses = np.array([pose for _, pose in expected]).reshape(-1, 3)
+        np.testing.assert_allclose(found.poses[:, :2], corner + (poses[:, 1:] + 0.5) * 0.1)
+        turned = wrap(found.poses[:, 2] - 2 * np.pi * poses[:, 0] / count)
+        np.testing.assert_allclose(turned, 0, atol=1e-9)
+
+
+@pytest.mark.parametrize("top", [0, 1, 3])
+def test_the_size_of_the_first_blocks_changes_nothing(top, monkeypatch):
+    """Many small blocks of many rows and columns, in portions of one block each."""
+    map, random = small_map(7)
+    scan = scan_of(random.uniform(-1, 1, (7, 2)))
+    expected = search(map, scan, most_places=99, margin=0.1)
+    monkeypatch.setattr(inner, "TOP", top)
+    monkeypatch.setattr(likelihoods, "TOP", top)
+    monkeypatch.setattr(inner, "PORTION", 1)
+    found = search(map, scan, most_places=99, margin=0.1)
+    np.testing.assert_array_equal(found.poses, expected.poses)
+    np.testing.assert_allclose(found.covariances, expected.covariances)
+
+
+@pytest.mark.parametrize("kind", ["walls", "squares"])
+@pytest.mark.parametrize("seed", range(5))
+def test_a_square_room_has_four_places(kind, seed):
+    """Never found, and the true one is among the four, which are quarter turns of each other."""
+    walls, random = square_room(4.0), rng(seed)
+    pose = (*random.uniform(0.8, 1.6, 2), random.uniform(-3, 3))
+    map = SegmentMap(walls)
+    if kind == "squares":
+        log = simulate(walls, drive([(1, 1), (3, 1), (3, 3)]), sensor=ROUND, rng=rng(seed))
+        map = build_map(log, log.truth)
+    found = search(map, seen(walls, pose, seed=seed))
+    assert len(found) == 4 and not found.found and "4 places" in repr(found)
+    turns = np.arange(4) * np.pi / 2
+    four = compose([(2, 2, turn) for turn in turns], np.subtract(pose, (2, 2, 0)))
+    away = np.hypot(*(found.poses[:, None, :2] - four[:, :2]).transpose(2, 0, 1))
+    assert sorted(away.argmin(1)) == [0, 1, 2, 3] and away.min(1).max() < 0.08
+    turned = wrap(found.poses[:, 2] - four[away.argmin(1), 2])
+    assert np.abs(turned).max() < 0.05
+
+
+def asked_in_office(seed, count=6, sensor=URG_04LX):
+    """An office as a drive has mapped it, and scans of another day with their poses."""
+    walls = office(rng=rng(seed))
+    log = simulate(walls, drive(ROUTE, step=0.2), sensor=sensor, rng=rng(seed + 50))
+    poses = log.truth[rng(seed + 60).choice(len(log), count, replace=False)]
+    again = simulate(walls, poses, sensor=sensor, rng=rng(seed + 70))
+    return build_map(log, log.truth), again
+
+
+def test_scans_of_an_office_are_found_or_not_believed():
+    """Six offices, another noise: right or told as doubtful, and most are right."""
+    right = found = 0
+    for seed in range(6):
+        map, scans = asked_in_office(seed)
+        for scan, pose in zip(scans, scans.truth, strict=True):
+            places = search(map, scan)
+            good = np.hypot(*(places.poses[0] - pose)[:2]) < 0.3
+            assert good or not places.found
+            right, found = right + good, found + places.found
+    assert right >= 28 and found >= 14  # of 36
+
+
+def test_rooms_that_differ_in_their_furniture_alone_are_mistaken():
+    """The counter-example: all furniture is another, and each wrong place fits as a right one."""
+    walls = office(rng=rng(1))
+    log = simulate(walls, drive(ROUTE, step=0.2), sensor=SICK_LMS200, rng=rng(51))
+    map, pose = build_map(log, log.truth), (1.52, 2.78, -1.79)
+    wrong = search(map, seen(office(rng=rng(1001)), pose, SICK_LMS200))
+    assert wrong.found and np.hypot(*(wrong.poses[0, :2] - pose[:2])) > 1 and wrong.fits[0] > 0.85
+    assert np.hypot(*(search(map, seen(walls, pose, SICK_LMS200)).poses[0, :2] - pose[:2])) < 0.1
+
+
+@pytest.mark.parametrize("count", [5, slow(50)])
+def test_a_scan_of_another_building_is_never_found(count):
+    """Streets, an office and a ring of corridors: catches `found` that looks at the score alone."""
+    buildings = {
+        "office": (office(rng=rng(1)), ROUTE),
+        "city": (city(2, 2, rng=rng(1)), [(1.5, 1.5), (1.5, 20.5), (20.5, 20.5), (20.5, 1.5)]),
+        "ring": (corridor_loop(), [(1, 1), (29, 1), (29, 11), (1, 11), (1, 1.5)]),
+    }
+    logs = {
+        name: simulate(walls, drive(path, step=0.3), sensor=SICK_LMS200, rng=rng(2))
+        for name, (walls, path) in buildings.items()
+    }
+    for here, log in logs.items():
+        map = build_map(log, log.truth)
+        for there in logs.keys() - {here}:
+            for k in rng(3).choice(len(logs[there]), count, replace=False):
+                assert not search(map, logs[there][int(k)]).found, (here, there, k)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_map_and_poses_may_move_together(seed):
+    """Whole cells move the answer exactly; a turn of the map moves it within cell and heading."""
+    walls = box(5, 3, (2.5, 1.5, 0.0))
+    walls = np.concatenate([walls, box(1.2, 0.8, (1, 1, 0.4)), box(0.5, 0.5, (4.5, 2.5, 0.2))])
+    pose = np.array([3.6, 1.1, 0.7]) + rng(seed).normal(0, 0.2, 3)
+    scan = seen(walls, pose, seed=seed)
+    before = search(SegmentMap(walls), scan)
+    moved = search(SegmentMap(walls + (1.0, -2.0)), scan)
+    np.testing.assert_allclose(moved.poses, before.poses + (1.0, -2.0, 0.0), atol=1e-9)
+    np.testing.assert_allclose(moved.scores, before.scores, atol=0.005)
+    step = np.array([0.7, -0.3, 1.1])
+    turned = search(SegmentMap(transform(step, walls)), scan)
+    assert before.found and turned.found
+    away = turned.poses[0] - compose(step, before.poses[0])
+    assert np.hypot(*away[:2]) < 0.1 and abs(wrap(away[2])) < 0.05
+    assert np.hypot(*(before.poses[0] - pose)[:2]) < 0.06
+
+
+def test_the_covariance_holds_the_error_and_grows_along_a_corridor():
+    """Errors are within three standard deviations; a wall without end fixes nothing along it."""
+    walls, random = np.concatenate([box(6, 4), box(0.7, 0.5, (1, 0.6, 0.5))]), rng(2)
+    map, errors = SegmentMap(walls), []
+    for seed in range(20):
+        pose = np.array([*random.uniform(-1, 0.2, 2), random.uniform(-3, 3)])
+        found = search(map, seen(walls, pose, seed=seed))
+        error = found.poses[0] - pose
+        error[2] = wrap(error[2])
+        errors.append(error @ np.linalg.solve(found.covariances[0], error) / 3)
+    assert 0.1 < np.mean(errors) < 1.5 and max(errors) < 5
+    long = search(SegmentMap([[(-50, 1), (50, 1)], [(-50, -1), (50, -1)]]), scan_of(
+        np.stack([np.tile(np.linspace(-1, 1, 9), 2), np.repeat([1.0, -1.0], 9)], -1)))  # fmt: skip
+    along, across, _ = np.diag(long.covariances[0])
+    assert along > 5 * across and not long.found
+
+
+def test_fewer_beams_spread_along_the_walls():
+    """A near wall of many ends and a far one of few, equally long: both get as many."""
+    near = np.stack([np.linspace(0, 2, 180), np.ones(180)], -1)
+    far = np.stack([np.linspace(8, 10, 20), np.full(20, 9.0)], -1)
+    kept = inner.spread(np.concatenate([near, far]), 40)
+    assert len(kept) == 40 and abs((kept[:, 1] > 5).sum() - 20) <= 3
+    np.testing.assert_array_equal(np.sort(inner.spread(far, 60)[:, 0]), far[:, 0])
+    assert len(inner.spread(np.ones((9, 2)), 3)) == 3
+
+
+def test_it_says_why_nothing_is_found():
+    map = SegmentMap(np.concatenate([square_room(4), box(0.5, 0.8, (3, 3, 0.2))]))
+    scan = seen(map.segments, (1.2, 1.6, 0.4))
+    assert search(map, scan).found and search(map, scan).reason == ""
+    blind = search(map, LaserScan([np.inf], [0.0]))
+    assert isinstance(blind, Places) and not len(blind) and "no beam" in repr(blind)
+    wide = scan_of(transform((0, 0, 0), scan.points() * 3))
+    assert "no pose scores 0.9" in search(map, wide, least=0.9).reason
+    few = search(map, scan, nodes=1)
+    assert not few.found and "stopped after" in few.reason and few.nodes <= search(map, scan).nodes
+    four = search(map, scan, margin=0.4, most_places=2)
+    assert len(four) == 2 and four.reason == "more than 2 places explain it"
+    single = search(SegmentMap([[(0, 0), (200, 0)]]), LaserScan([1.0], [0.0]))
+    assert "more than 65536 poses" in single.reason
+    moved = seen(np.concatenate([square_room(4), *(box(0.9, 0.9, (x, 0.6, x)) for x in (1, 2, 3))]),
+                 (1.2, 2.6, 0.4))  # fmt: skip
+    assert "fits it to 0." in search(map, moved, margin=0.0).reason
+
+
+def test_beams_without_end_and_maps_far_away():
+    """A range of 1e90 m overflows nothing; a map a thousand kilometres off is searched as well."""
+    walls = np.concatenate([square_room(4), box(0.5, 0.8, (3, 3, 0.2))])
+    scan = seen(walls, (1.2, 1.6, 0.4))
+    odd = LaserScan([1e90, *scan.ranges], [0.1, *scan.angles])
+    assert search(SegmentMap(walls), odd).found
+    far = search(SegmentMap(walls + 1e6), scan)
+    assert far.found and np.abs(far.poses[0, :2] - (1000001.2, 1000001.6)).max() < 0.06
+
+
+def test_fine_and_coarse_squares():
+    """Cells of a centimetre are joined to 4 cm and cells of 0.1 m stay: the place is the same."""
+    walls = np.concatenate([square_room(4), box(0.5, 0.8, (3, 3, 0.2))])
+    log = simulate(walls, drive([(1, 1), (3, 1), (1, 3)]), sensor=ROUND, rng=rng(1))
+    sizes = []
+    for resolution, size in ((0.01, 0.04), (0.05, 0.05), (0.1, 0.1)):
+        map = build_map(log, log.truth, resolution=resolution)
+        sizes.append(Likelihoods(map).size)
+        found = search(map, seen(walls, (1.2, 1.6, 0.4)))
+        assert np.hypot(*(found.poses[0, :2] - (1.2, 1.6))) < 1.5 * size
+    np.testing.assert_allclose(sizes, (0.04, 0.05, 0.1))
+
+
+def test_a_map_is_of_either_kind():
+    scan = seen(square_room(4), (1, 1, 0))
+    for bad in (square_room(4), DistanceField(SegmentMap(square_room(4))), None):
+        with pytest.raises(ValueError, match="map must be a QuadtreeMap or a SegmentMap"):
+            search(bad, scan)
+    for empty, word in ((QuadtreeMap(), "no occupied cell"), (SegmentMap([]), "no wall")):
+        with pytest.raises(ValueError, match=word):
+            search(empty, scan)
+    with pytest.raises(ValueError, match="too large"):
+        search(SegmentMap([[(0, 0), (1e5, 0)]]), scan)
