@@ -36,7 +36,6 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[1]
 PACKAGES = {"segmap": ROOT / "segmap", "segmap_course": ROOT / "notebooks" / "segmap_course"}
-ANSWERS = ROOT / "tests" / "right_answers.py"
 #: Seconds after which a run counts as failed, since the bug made it hang; and for a whole room.
 LONGEST, WHOLE_ROOM = 300, 1500
 #: What each run would import anew; pytest warns of one that it would like to rewrite.
@@ -111,12 +110,7 @@ def tests_of(room: str) -> list[str]:
 
 
 def sources(room: str) -> list[Path]:
-    """The files of a room: a folder or file of the library, a folder of the course, or `course`.
-
-    `answers` are right answers to the exercises: with a bug they are wrong, and must not pass.
-    """
-    if room == "answers":
-        return [ANSWERS]
+    """The files of a room: a folder or file of the library, a folder of the course, or `course`."""
     for base in (PACKAGES["segmap"], PACKAGES["segmap_course"]):
         for path in (base / room, base / f"{room}.py"):
             if path.exists():

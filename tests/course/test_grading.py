@@ -20,6 +20,7 @@ from segmap_course.grading._jail import Jail, Limits
 from segmap_course.grading._report import Outcome, Row, page, safe
 from segmap_course.grading._submissions import Answer, Book, Submission, submissions
 from segmap_course.grading.handout import package
+from segmap_course.grading.handout._solutions import solution
 from segmap_course.grading.handout._tasks import Task
 
 LIMITS = Limits(seconds=30, cpu=10)
@@ -174,6 +175,17 @@ def said(jail, cell, seed=None):
 )
 def test_faults_are_told_apart(jail, cell, kind):
     assert said(jail, cell).kind == kind
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", EXERCISES)
+def test_a_solution_is_right_in_the_jail(jail, name):
+    """Catches a task that cannot be answered with what it gives, and hidden cases that refuse."""
+    exercise = EXERCISES[name]
+    hidden = list(exercise.fresh(4711).values())
+    task = TASK._replace(name=name, answers=("mine",), given="mine")
+    found = run(handed(name, solution(exercise, "mine")), task, exercise, hidden, jail)
+    assert judged(exercise, found, hidden).right
 
 
 @pytest.mark.parametrize("name", EXERCISES)
