@@ -150,12 +150,12 @@ def _beliefs(
         if fit < DOUBT and wait <= 0:
             fresh = fresh_poses(map, ends, particles, rng)
             there = map.fits(points, fresh)
-            new = 1 - best / there.max(initial=1e-9)
+            new = 1 - best / there.max() if len(fresh) else 0.0
             if new > BETTER:
                 weights = np.r_[(1 - new) * weights, np.full(len(fresh), new / len(fresh))]
                 poses, fits = np.concatenate([poses, fresh]), np.r_[fits, there]
-                fit = fit or there.max(initial=0.0)
-            patience = 1 if new > BETTER else min(2 * patience, PATIENCE)
+                fit = fit or there.max()
+            patience = min(2 * patience, PATIENCE) if new <= BETTER and len(poses) else 1
             wait = patience
         weights = weights * fits**INDEPENDENT
         weights /= weights.sum() or 1.0
