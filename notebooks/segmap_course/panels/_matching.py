@@ -172,7 +172,7 @@ class ParticlePanel(LessonPanel):
     >>> panel = ParticlePanel(room_walk(12))
     >>> panel.scan.value = 11
     >>> panel.error.value
-    'the best 3.7 cm off'
+    'the best 2.5 cm off'
     """
 
     #: What `particle_mapping` has yielded.
