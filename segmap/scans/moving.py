@@ -25,12 +25,15 @@ def twists(times: Array, poses: Array) -> Array:
 
     Poses `(k, 3)` that scans were matched at lie in the middle of each scan, so the difference is
     that from the scan before to the one after; at the ends, and beside a gap, it is one-sided.
+    A laser turns evenly where the stamps of a computer do not: scans lie whole turns apart.
     """
-    known = np.isfinite(poses).all(1) & np.isfinite(times)
-    close = known[:-1] & known[1:] & (np.diff(times) > 0) & (np.diff(times) <= GAP)
-    here = np.arange(len(times))
+    known, steps = np.isfinite(poses).all(1) & np.isfinite(times), np.diff(times)
+    close = known[:-1] & known[1:] & (steps > 0) & (steps <= GAP)
+    turn = np.median(steps[close]) if close.any() else 1.0
+    turns = np.where(close, np.maximum(np.rint(np.where(close, steps, 0.0) / turn), 1), 0)
+    clock, here = np.r_[0.0, np.cumsum(turns * turn)], np.arange(len(times))
     before, after = here - np.r_[False, close], here + np.r_[close, False]
-    apart = times[after] - times[before]
+    apart = clock[after] - clock[before]
     found = twist(between(poses[before], poses[after]))
     return np.where(apart[:, None] > 0, found / np.where(apart > 0, apart, 1.0)[:, None], 0.0)
 

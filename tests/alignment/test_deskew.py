@@ -133,6 +133,13 @@ def test_gaps_and_unplaced_scans_say_nothing_of_the_motion():
     assert twists(times, poses)[[2, 3]].tolist() == [[0, 0, 0]] * 2
     times = np.arange(6) * 0.5
     assert twists(times, poses * 0 + 1)[1].tolist() == [0, 0, 0]
+    stamped = times + 0.05 * np.array(
+        [0, 1, -1, 1.5, 1, -2]
+    )  # by a computer that does other things
+    even = np.array([(k, 0, 0.1 * k) for k in range(6)], float)
+    np.testing.assert_allclose(twists(stamped, even)[:, 2], 0.2, atol=0.02)
+    lost = twists(np.array([0, 0.5, 1.5, 2.0]), even[[0, 1, 3, 4]])
+    np.testing.assert_allclose(lost[:, 2], 0.2)
     middle = twists(times[:3], np.array([(0, 0, 0), (1, 0, 0), (4.0, 0, 0)]))
     np.testing.assert_allclose(middle[:, 0], [2, 4, 6])
 

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from segmap.arrays import Array, Segments, segments
 from segmap.extraction import extract_clusters, extract_polylines
 from segmap.metrics import distance_terms, segment_distance
-from segmap.plotting import ERROR, MAP, RESULT, draw_scan, draw_segments
+from segmap.plotting import ERROR, MAP, RAW, RESULT, draw_scan, draw_segments
 from segmap.poses import compose, transform
 from segmap.poses.motions import arc
 from segmap.scans import LaserScan
@@ -99,7 +99,7 @@ class MovingPanel(LessonPanel):
         degrees, centimetres = abs(self.turn.value) * period, 100 * self.speed.value * period
         self.moved.value = f"moved by {degrees:.1f} degrees and {centimetres:.1f} cm in a scan"
         self.off.value = f"up to {100 * far.max():.1f} cm off the walls"
-        ax = draw_segments(self.walls, ax=figure.subplots(), color=MAP)
+        ax = draw_segments(self.walls, ax=figure.subplots(), color=RAW, width=0.8)
         draw_scan(self.scan, self.pose, ax=ax, color=RESULT if self.deskewed.value else ERROR)
 
 
