@@ -207,6 +207,7 @@ RIGHT = {
     "pixel": lambda x, y, o, side, n: (int((o[1] + n * side - y) / side), int((x - o[0]) / side)),
     "scan_score": lambda p, pose, c: -cKDTree(c).query(transform(pose, p))[0].sum(),
     "climb_step": climb_by_argmax,
+    "weighed": lambda w, f, n: softmax(np.log(w) + n * np.log(f)),
     "pose_covariance": pose_covariance_closed,
     "verdict": verdict_by_parts,
     "invented_metres": metres_between_ends,

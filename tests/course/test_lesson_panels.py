@@ -79,6 +79,7 @@ PANELS = {
         3,
     ),
     "MeanShiftPanel": ((WALLS,), "sigma", 0.60),
+    "PlacePanel": ((build_map(LOG, LOG.truth, resolution=0.05), LOG), "scan", 2),
     "PolylinePanel": ((LOG[0],), "tolerance", 0.005),
     "PoseGraphPanel": ((LOOP,), "scan", 60),
     "RayPanel": ((), "mask", False),

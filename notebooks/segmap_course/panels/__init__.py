@@ -2,7 +2,7 @@
 
 from ._alignment import AnglePanel, BackbonePanel, GroundTruthPanel
 from ._graphs import IcpPanel, PoseGraphPanel
-from ._matching import LandscapePanel, MatcherPanel
+from ._matching import LandscapePanel, MatcherPanel, PlacePanel
 from ._quadtree import ClassesPanel, RayPanel, StoragePanel, insert_variant
 from ._reduction import (
     BasicPanel,
