@@ -234,6 +234,7 @@ RIGHT = {
     "scan_score": lambda p, pose, c: -cKDTree(c).query(transform(pose, p))[0].sum(),
     "climb_step": climb_by_argmax,
     "resampled": resampled_by_counts,
+    "weighed": lambda w, f, n: softmax(np.log(w) + n * np.log(f)),
     "pose_covariance": pose_covariance_closed,
     "verdict": verdict_by_parts,
     "invented_metres": metres_between_ends,

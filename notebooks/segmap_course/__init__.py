@@ -53,7 +53,12 @@ from .exercises.maps import (
     check_reduction_at,
     check_reduction_rate,
 )
-from .exercises.matching import check_climb_step, check_resampled, check_scan_score
+from .exercises.matching import (
+    check_climb_step,
+    check_resampled,
+    check_scan_score,
+    check_weighed,
+)
 from .exercises.open import Challenge, OwnLog, Prediction
 from .exercises.open.alignment import (
     break_icp,

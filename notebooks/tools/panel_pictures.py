@@ -60,6 +60,7 @@ STATES: dict[str, list[str]] = {
     "64-1": ["", "step=5", "step=60", "matcher='sample and rank'"],
     "65-1": ["", "occupied=0.9", "occupied=0.5, free=0.0", "free=0.25, doublings=2"],
     "66-1": ["", "resolution=20.0", "resolution=1.0", "resolution=5.0, tolerance=20.0"],
+    "67-1": ["", "scan=20", "scan=40", "carried=True, scan=30"],
     "68-1": ["", "scan=150", "scan=255", "scan=290"],
     "69-1": ["", "radius=0.35", "radius=0.5", "goal_x=6.0, goal_y=2.8, radius=0.1"],
     "71-1": ["", "step=2", "step=4"],

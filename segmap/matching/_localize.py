@@ -9,7 +9,7 @@ import numpy as np
 
 from .. import arrays
 from ..angles import wrap
-from ..arrays import Array, Count, at_least, checked
+from ..arrays import Array, Count, at_least, at_most, checked
 from ..poses import between, compose
 from ..quadtree import QuadtreeMap
 from ..scans import LaserScan
@@ -76,7 +76,7 @@ def localize(
     scans: Iterable[LaserScan],
     *,
     rng: np.random.Generator,
-    particles: Annotated[Count, at_least(FEWEST)] = 1000,
+    particles: Annotated[Count, at_least(FEWEST), at_most(100_000)] = 1000,
     beams: Count = 40,
 ) -> Iterator[Belief]:
     """Keep track of a robot on a known map, from anywhere, and tell when it is lost.

@@ -82,6 +82,7 @@ PANELS = {
         3,
     ),
     "MeanShiftPanel": ((WALLS,), "sigma", 0.60),
+    "PlacePanel": ((build_map(LOG, LOG.truth, resolution=0.05), LOG), "scan", 2),
     "ParticlePanel": ((LOG,), "particles", 2),
     "MovingPanel": ((ROOM, (1, 1, 0)), "turn", 150),
     "PolylinePanel": ((LOG[0],), "tolerance", 0.005),

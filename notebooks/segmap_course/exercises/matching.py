@@ -11,8 +11,8 @@ from segmap.arrays import Array
 from segmap.poses import transform
 
 from .._alone import Surface
-from ..literal import MOVES, climb_step, distance_score, systematic
-from ..literal.quadtrees import hypotheses, matching
+from ..literal import MOVES, climb_step, distance_score, systematic, weighed
+from ..literal.quadtrees import hypotheses, matching, particles
 from ._answers import Cases
 from ._exercise import Exercise, Rng, anywhere, changed, edited
 
@@ -215,4 +215,41 @@ check_resampled = Exercise(
         ),
     },
     own=(hypotheses,),
+)
+
+
+# ------------------------------------------------------------------------------- particles
+def _particles(rng: Rng) -> Cases:
+    weights = rng.uniform(0.1, 1, 5)
+    fits, even = rng.uniform(0.4, 0.95, 5), np.full(5, 0.2)
+    return {
+        "equal weights": (even, fits, 10),
+        "weights of their own": (weights / weights.sum(), fits, 10),
+        "one independent beam": (weights / weights.sum(), fits, 1),
+        "fits that are all equal": (weights / weights.sum(), np.full(5, fits[0]), 10),
+        "a single particle": (np.ones(1), fits[:1], 10),
+    }
+
+
+check_weighed = Exercise(
+    "weighed(weights, fits, beams) -> (n,): the weights of particles after a scan that fits them "
+    "so well, as often as it has independent beams",
+    weighed,
+    _particles,
+    {
+        "the weights must sum to 1": (edited(weighed, ("[w / sum(each) for w in each]", "each"))),
+        "what was believed before the scan counts too: multiply": (
+            lambda weights, fits, beams: weighed([1.0] * len(weights), fits, beams)
+        ),
+        "each independent beam is a factor: a power, not a product": (
+            edited(weighed, ("w * f**beams", "w * f * beams"))
+        ),
+        "the power is that of the fit alone, not that of the weight": (
+            edited(weighed, ("w * f**beams", "(w * f) ** beams"))
+        ),
+        "divide by the sum, not by the largest": (
+            edited(weighed, ("w / sum(each)", "w / max(each)"))
+        ),
+    },
+    own=(particles,),
 )

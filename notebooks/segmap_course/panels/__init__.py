@@ -2,7 +2,7 @@
 
 from ._alignment import AnglePanel, BackbonePanel, GroundTruthPanel
 from ._graphs import IcpPanel, PoseGraphPanel
-from ._matching import LandscapePanel, MatcherPanel, ParticlePanel
+from ._matching import LandscapePanel, MatcherPanel, ParticlePanel, PlacePanel
 from ._quadtree import ClassesPanel, RayPanel, RoutePanel, StoragePanel, insert_variant
 from ._reduction import (
     BasicPanel,

@@ -8,12 +8,15 @@ import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import ArrayLike
 
+from segmap.angles import wrap
 from segmap.arrays import Array
 from segmap.matching import (
     MATCHERS,
     SCORES,
+    Belief,
     DistanceField,
     Particles,
+    localize,
     particle_mapping,
     particle_paths,
 )
@@ -23,7 +26,7 @@ from segmap.scans import Log
 
 from .._landscapes import Landscape, heading_profile, landscape, peaks
 from ..drawings import draw_climb, draw_landscape, draw_profile
-from ._lesson import LessonPanel, note, pick, play, slide
+from ._lesson import LessonPanel, note, pick, play, slide, tick
 
 
 class LandscapePanel(LessonPanel):
@@ -213,3 +216,59 @@ class ParticlePanel(LessonPanel):
         ax.plot(*truth[: k + 1, :2].T, color=TRUTH, linewidth=2)
         ax.plot(*paths[step.best, :, :2].T, color=RESULT, linewidth=1.5)
         ax.plot(*step.poses[:, :2].T, ".", color=ERROR)
+
+
+class PlacePanel(LessonPanel):
+    """A robot that looks for its place on a known map while it drives (B 2.2).
+
+    Its particles after each scan are blue, the truth is green, what is believed is red. Carried
+    away, the robot goes from a third of the log at once to its last third. The log has a truth for
+    every scan.
+
+    Examples
+    --------
+    >>> from segmap_course import room_walk
+    >>> log = room_walk(40)
+    >>> panel = PlacePanel(build_map(log, log.truth, resolution=0.05), log)
+    >>> panel.scan.value = 39
+    >>> panel.place.value, panel.error.value
+    ('found', '1 cm off')
+    """
+
+    beliefs: list[Belief]
+    scan = slide(0, 0, lambda p: len(p.log) - 1, 1, "")
+    play = play("scan", interval=300)
+    carried = tick("carried away", says=("as it drives", "carried away"))
+    place = error = note()
+    rows = ("play scan", "carried", "place error")
+    words = "scan {scan}, {carried}: {place}, {error}"
+    pixels = {"width": 480, "height": 420}  # noqa: RUF012
+
+    def __init__(self, map: QuadtreeMap, log: Log) -> None:
+        if log.truth is None:
+            raise ValueError(f"log {log.name!r} must have the truth of each scan")
+        self.map, self.log, self.truth = map, log, log.truth
+        self._found: dict[bool, list[Belief]] = {}
+        self._begin()
+
+    def _draw(self, figure: Figure) -> None:
+        carried, count = self.carried.value, len(self.log)
+        gone = range(2 * count // 3, count) if carried else range(count // 3, count)
+        order = [*range(count // 3), *gone]
+        if carried not in self._found:
+            scans = [self.log[k] for k in order]
+            self._found[carried] = list(localize(self.map, scans, rng=np.random.default_rng(67)))
+        self.beliefs = self._found[carried]
+        k = min(self.scan.value, len(order) - 1)
+        belief, true = self.beliefs[k], self.truth[order[k]]
+        self.place.value = belief.reason or "found"
+        off = np.hypot(*(belief.pose - true)[:2])
+        turned = abs(np.degrees(wrap(belief.pose[2] - true[2])))
+        self.error.value = f"{100 * off:.0f} cm off" + (", turned" if turned > 30 else "")
+        ax = draw_quadtree(self.map, ax=figure.subplots(), outlines=False)
+        ax.plot(*belief.poses[:, :2].T, ".", color=RESULT, markersize=3)
+        for pose, color in ((true, TRUTH), (belief.pose, ERROR)):
+            ahead = 0.6 * np.array([np.cos(pose[2]), np.sin(pose[2])])
+            ax.plot(*pose[:2], "o", color=color, markersize=6)
+            ax.plot(*np.stack([pose[:2], pose[:2] + ahead], -1), color=color, linewidth=2)
+        ax.set_title(f"{len(belief.poses)} particles", fontsize="medium")
