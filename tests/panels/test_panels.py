@@ -11,7 +11,7 @@ from segmap_course import FusionPanel, HybridPanel, MeanShiftPanel, SectorPanel
 from segmap import LaserScan, Log, SegmentMap, load, panels
 from segmap.experiments import sweep
 from segmap.panels import ComparePanel, LivePanel, Panel, QuadtreePanel, ScanPanel, slider, text
-from segmap.panels._view import FRAME
+from segmap.panels._view import FRAME, View
 from segmap.plotting import ERROR, RESULT, TRUTH
 from segmap.quadtree import build_map
 
@@ -85,6 +85,14 @@ def test_reset_goes_back_to_what_was_shown_first_and_draws_once():
     assert panel._look.zoom == 1
     panel.position.value = 5
     assert panel.label.value == "5"
+
+
+def test_the_whole_is_seen_as_it_was_drawn():
+    """Catches a middle that moves a drawing whose own is not at the origin."""
+    ax = Figure().subplots()
+    ax.set(aspect=1, xlim=(3, 9), ylim=(-1, 4))
+    View(print, print).take(ax.figure)
+    assert (ax.get_xlim(), ax.get_ylim()) == ((3, 9), (-1, 4))
 
 
 def test_a_play_button_begins_where_its_slider_is(monkeypatch):
