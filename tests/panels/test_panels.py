@@ -200,6 +200,11 @@ def test_the_compare_panel_shows_the_run_that_reduces_most_at_a_quality():
 
 
 @unpainted
+def test_a_run_of_an_unknown_method_is_refused():
+    with pytest.raises(ValueError, match=r"^runs: a method must be one of"):
+        ComparePanel(WALLS, RUNS.assign(method="magic"))
+
+
 def test_the_compare_panel_names_the_curve_of_its_method_only():
     """Catches a legend above the curves, and a curve of another method that stands out."""
     panel, figure = ComparePanel(WALLS, RUNS), Figure()
