@@ -174,6 +174,8 @@ def test_the_path_is_drawn_in_the_colour_of_its_origin(log, poses, color):
     ScanPanel(log, poses)._draw(figure)
     paths = [line for line in figure.axes[0].lines if line.get_linestyle() == "-"]
     assert [line.get_color() for line in paths] == [color]
+    grey = figure.axes[0].lines[0]  # all that the scans saw
+    assert grey.get_marker() == "." and len(grey.get_xdata()) > 10 * len(log)
 
 
 @unpainted

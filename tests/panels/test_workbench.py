@@ -223,6 +223,13 @@ def test_untouched_controls_are_the_defaults(name):
     assert all(c.meant() == usual[key].default for key, c in made.controls.items())
 
 
+def test_what_has_no_threshold_says_so():
+    ways = {"none": None, "odometry": (alignment.odometry, ""), "fusion": (reduction.fusion, "")}
+    shown = [Choice("way", ways, name)._box.children for name in ways]
+    assert shown[0] == () and [part.value for part in shown[1]] == ["no threshold"]
+    assert shown[2] and not isinstance(shown[2][0], W.Label)
+
+
 @pytest.mark.parametrize(
     ("name", "first", "shown", "moved", "meant"),
     [
