@@ -384,10 +384,10 @@ def main() -> int:
         reached = dict(zip(given.rooms, pool.map(_reached, given.rooms), strict=True))
         tests = [reached[room].tests(bug) for room, bug in bugs]
         lives = pool.map(_survives, [bug for _, bug in bugs], tests)
-        for (room, bug), survived in zip(bugs, lives, strict=True):
+        for (room, bug), reaching, survived in zip(bugs, tests, lives, strict=True):
             killed[room] += not survived
             if survived:
-                print(f"survived: {bug}", flush=True)
+                print("survived:" if reaching else "never run:", bug, flush=True)
     for room, count in Counter(room for room, _ in bugs).items():
         print(f"{room:14} {killed[room]:4} of {count:4} killed")
     return 0

@@ -2,6 +2,7 @@
 
 import io
 import json
+import os
 import re
 import shutil
 import subprocess
@@ -32,7 +33,7 @@ from segmap import (
 from segmap._commands import _compare, _pictures, main
 from segmap._commands._compare import MOST, thinned
 from segmap._commands._thresholds import thresholds
-from segmap._commands._words import plain_warnings
+from segmap._commands._words import metres, plain_warnings, say
 from segmap.arrays import Metres, Radians, RadiansPerMetre, checked
 from segmap.methods import Method
 from segmap.quadtree import QuadtreeMap
@@ -145,6 +146,9 @@ def test_a_map_is_what_the_library_makes_in_every_format(run, near):
     assert "by ground_truth: 12 of 12 scans" in said
     kept = segmap.quality(segmap.build_map(segmap.read(near), segmap.read(near).truth), wanted)
     assert f"quality   {100 * kept:.1f} %" in said and ", ".join(names) in said
+    off = metrics.errors(segmap.build_map(segmap.read(near), segmap.read(near).truth), wanted)
+    assert f"lie {metres(off.mean())} off on average, {metres(off.max())} at most" in said
+    assert said.startswith(f"near: 12 scans, {near}\n")
     for name in ("it.csv", "it.npz"):
         assert np.array_equal(readers.read_segments(name).segments, wanted.segments)
     assert len(json.loads(Path("it.geojson").read_text())["features"]) == len(wanted)
@@ -192,7 +196,7 @@ def test_a_threshold_has_the_unit_of_its_annotation(run, near, monkeypatch):
     monkeypatch.setitem(reduction.METHODS, "strange", Method(strange, "here", varies="angle"))
     words = ("--skew", 20, "--angle", 0.3, "--bend", 30)
     code, said, _ = run("map", near, "--method", "strange", *words)
-    assert code == 0 and "doubt: it is strange" in said
+    assert code == 0 and "            doubt: it is strange" in said.splitlines()
     assert given == [0.3, np.radians(20), np.radians(30)]
     said = " ".join(run("map", "--help")[1].split())
     assert "--skew DEGREES default: 10 for strange " in said
@@ -300,6 +304,7 @@ def test_a_robot_that_a_matcher_has_lost_is_doubtful(run):
     """Catches a map of a lost robot that is good since its scans fit what they drew."""
     code, said, _ = run("occupancy", "room", "--matcher", "hill-climbing")
     assert code == 0 and said.splitlines()[-1].startswith("  verdict   DOUBTFUL: ")
+    assert said.startswith("room: 61 scans\n")
 
 
 def test_json_is_an_object_a_log_with_all_that_is_printed(run, folder, lost, tmp_path):
@@ -358,6 +363,15 @@ def test_a_picture_holds_both_maps_at_one_scale(monkeypatch, tmp_path, wide, tal
     assert bool(first.get_xlabel()) == (rows == 1) and bool(second.get_ylabel()) == (rows == 2)
 
 
+def test_curves_are_drawn_from_none_to_all(monkeypatch, tmp_path):
+    figures, runs = [], segmap.experiments.load_records("malaga")
+    monkeypatch.setattr(_pictures, "figure_png", lambda figure: figures.append(figure) or PNG)
+    runs = segmap.experiments.select(runs, filtered=False)
+    _pictures.write_curves(tmp_path / "it.png", runs, 0.9)
+    assert figures[0].axes[0].get_ylim() == (0, 1)
+    assert _pictures._inches(np.zeros((0, 2))) == (7.9, 7.9)  # of no map at all
+
+
 class Terminal(io.StringIO):
     def isatty(self):
         return True
@@ -366,8 +380,10 @@ class Terminal(io.StringIO):
 def test_a_bar_says_what_is_done_and_goes_when_it_is_done(run, near, monkeypatch):
     """Catches bars that stay between the lines of a report."""
     monkeypatch.setattr(sys, "stderr", screen := Terminal())
-    assert run("map", near, "--align", "ground_truth", "--method", "none")[0] == 0
-    assert all(word in screen.getvalue() for word in ("aligning", "reducing", "writing"))
+    words = ("--align", "ground_truth", "--method", "none", "-o", "it.PNG")
+    assert run("map", near, *words)[0] == 0 and Path("it.PNG").read_bytes()[:4] == PNG
+    for shown in ("aligning: .* 0/3", "reducing: .* 1/3", "writing: .* 2/3"):
+        assert re.search(shown, screen.getvalue())
     assert screen.getvalue().endswith(" \r")
 
 
@@ -403,6 +419,10 @@ def test_locate_finds_a_log_on_a_map_of_either_kind(run, folder):
     ("words", "said"),
     [
         (("map", "--method", "fusion", "--sigma", "1"), "fusion has no --sigma; it has --toleranc"),
+        (
+            ("map", "--method", "fusion", "--sigma=1", "--bandwidth=1", "--angle=1", "--gap=1"),
+            "fusion has no --angle",
+        ),
         (("map", "--method", "none", "--sigma", "1"), "none has no --sigma; it has no threshold"),
         (("map", "-o", "it.pdf"), "'it.pdf' must end in one of .svg, .csv"),
         (("map", "-o", ".svg"), "'.svg' must end in one of"),
@@ -414,6 +434,7 @@ def test_locate_finds_a_log_on_a_map_of_either_kind(run, folder):
         (("convert",), "name the file to write: -o FILE"),
         (("convert", "-o", "it.g2o"), "a .g2o holds a pose graph: add --align pose_graph"),
         (("compare", "--quality", "0"), "--quality must be above 0 and at most 100"),
+        (("compare", "--quality", "100.5"), "at most 100 per cent, got 100.5"),
         (("info", "--bad"), "unrecognized arguments"),
         (("info", "--table", "it.txt"), "'it.txt' must end in .csv"),
         (("map", "--strict", "90"), "90 must be from 0 to 1"),
@@ -641,6 +662,17 @@ def test_a_damaged_plan_is_named_before_the_log_is_read(run, plan):
     assert "--walls plan.csv, line 2: expected numbers for x1,y1,x2,y2,scan" in beside
 
 
+def test_what_is_compared_of_a_long_log_is_said(run, near, monkeypatch):
+    monkeypatch.setattr(_compare, "METHODS", {"hybrid": reduction.METHODS["hybrid"]})
+    monkeypatch.setattr(_compare, "MOST", 60)
+    map = segmap.build_map(segmap.read(near), segmap.read(near).truth)
+    part = thinned(map)
+    count, scans = len(part), len(np.unique(part.scan))
+    assert 1 < scans < SCANS < count <= 60 < len(map)
+    told = f"{len(map)} segments; compared on {count} of them, from {scans} of {SCANS} scans (--all"
+    assert told in run("compare", near)[1]
+
+
 def test_a_long_log_is_thinned_scan_by_scan():
     """Catches a comparison that takes hours, and a map of the first scans only."""
     scan = np.repeat(np.arange(100), 90)
@@ -738,7 +770,8 @@ def test_work_in_a_clone_has_all_links_and_the_originals_stay(run, clone):
     for path in work.glob("*.ipynb"):
         assert path.read_bytes() == (clone / path.name).read_bytes()
         path.write_text("saved")
-    run("notebooks", work)
+    _, said, _ = run("notebooks", work)
+    assert "since yours differ: 00_start_here.ipynb, 11_next.ipynb\n" in said
     assert {path: path.read_bytes() for path in clone.rglob("*.*")} == before
     assert "work/" in (ROOT / ".gitignore").read_text().split()
 
@@ -776,7 +809,11 @@ def test_a_reader_that_has_gone_ends_the_program_with_1(clone, monkeypatch):
                 raise BrokenPipeError
 
         monkeypatch.setattr(sys, "stdout", Gone())
+        with pytest.raises(BrokenPipeError):
+            say("a line that the next program is to see at once")
         assert main(["notebooks", str(clone.parent / "work")]) == 1
+        os.write(out.fileno(), b"what Python still has to say")
+    assert (clone / "nobody.txt").read_bytes() == b""
 
 
 # ------------------------------------------------------------------------------ the program

@@ -197,7 +197,8 @@ def test_one_pose_elsewhere_is_fine_in_old_lines_and_without_odometry(tmp_path):
     """Catches a refusal where nothing is ambiguous, or by less than a millimetre."""
     written(tmp_path, Log("x", NEW.scans[:1], [(0.0008, 0, 0)]))
     bare = log_of([shot(0, HALF_TURN / 2, wheels=None)], TRUTH[:1])
-    for log in (OLD[:1], bare):
+    two = Log("two", [LaserScan([1.0, 2.0], [0.1, 0.4], 5.0)], [(1, 2, 1)])
+    for log in (OLD[:1], bare, two):
         assert_same_log(written(tmp_path, log), log)
 
 

@@ -164,8 +164,14 @@ def test_geojson_holds_the_occupied_leaves(room, occupied, tmp_path):
     np.testing.assert_allclose(told, expected, rtol=0, atol=1e-6)
 
 
-@pytest.mark.parametrize("resolution", [0.01, 0.25, 8.0])
-def test_drawings_keep_a_thousandth_of_a_cell(resolution, tmp_path):
+@pytest.mark.parametrize("write", [write_ros_map, write_geojson, write_svg])
+def test_what_is_no_map_is_refused(write, tmp_path):
+    with pytest.raises(ValueError, match="map must be a QuadtreeMap, got "):
+        write(tmp_path / "it.yaml", "map")
+
+
+@pytest.mark.parametrize(("resolution", "digits"), [(0.01, 5), (0.25, 4), (8.0, 3)])
+def test_drawings_keep_a_thousandth_of_a_cell(resolution, digits, tmp_path):
     """Catches corners rounded to centimetres, and cells of other sizes than the map's."""
     map = QuadtreeMap(resolution=resolution, corner=(0.123456, -9.876543))
     map.insert_scan((0.2, -9.8), [(3.0, -7.0)])
@@ -175,6 +181,7 @@ def test_drawings_keep_a_thousandth_of_a_cell(resolution, tmp_path):
     write_geojson(tmp_path / "it.geojson", map)
     (found,) = json.loads((tmp_path / "it.geojson").read_text())["features"]
     ring = np.array(found["geometry"]["coordinates"][0])
+    assert (ring == ring.round(digits)).all() and (ring != ring.round(digits - 1)).any()
     write_svg(tmp_path / "it.svg", map)
     squares = np.array(SQUARE.findall((tmp_path / "it.svg").read_text()))[:, :2].astype(float)
     for low, side in ((ring.min(0), np.ptp(ring, axis=0)), (squares, resolution)):

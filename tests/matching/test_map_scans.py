@@ -10,6 +10,7 @@ from quadtrees import leaves_of, state
 
 from segmap import LaserScan, load
 from segmap.matching import (
+    MATCHERS,
     Step,
     field_score,
     hill_climb,
@@ -74,6 +75,8 @@ def test_scans_without_returns_are_passed_over():
     assert np.isnan([step.score for step in steps]).tolist() == [1, 1, 0, 1, 0, 0]
     assert steps[3].pose.tolist() == steps[2].pose.tolist()
     assert map.scans == 4
+    one = list(map_scans([LaserScan([1.0], [0.0])] * 2))  # a single return settles too
+    assert np.isnan([step.score for step in one]).tolist() == [True, False]
 
 
 def test_a_scan_far_from_all_stays():
@@ -121,6 +124,11 @@ def test_overlap_is_on_the_map_before_the_scan():
     stand = partial(shifted, by=0.0)
     assert [step.overlap for step in map_scans(walls[:2], matcher=stand)] == [1, 1]
     assert [step.overlap for step in map_scans(walls[::2], matcher=stand)] == [1, 0]
+    for on, found in ((2, False), (3, True)):  # of five ends
+        half = LaserScan([1.0] * on + [1.3] * (5 - on), [0.0, 0.02, 0.04, 0.06, 0.08])
+        whole = LaserScan([1.0] * 5, half.angles)
+        _, step = map_scans([whole, half], matcher=stand)
+        assert (step.overlap, step.found) == (on / 5, found)
 
 
 def shifted(map, points, start, *, score, by):
@@ -197,6 +205,7 @@ def test_rays_that_met_nothing_are_free_where_told():
 @pytest.mark.parametrize(
     ("options", "message"),
     [
+        ({"matcher": "climb"}, "matcher must be a function of map, points and start"),
         ({"settle": 0}, "settle must be a whole number of at least 1"),
         ({"matcher": sample_and_rank}, "sample_and_rank draws poses: give rng"),
     ],
@@ -205,6 +214,15 @@ def test_wrong_arguments_are_refused_at_once(options, message):
     """Not at the first scan, which a live user may wait for."""
     with pytest.raises(ValueError, match=message):
         map_scans([], **options)
+
+
+def test_the_thesis_matchers_have_the_steps_of_the_thesis():
+    """B's standard deviations, metres and radians; the others have defaults of their own."""
+    rng = np.random.default_rng(1)
+    given = {name: getattr(make(rng), "keywords", {}) for name, make in MATCHERS.items()}
+    assert given["hill climbing"] == {} and given["sample and rank"] == {"rng": rng}
+    assert given["hill climbing, thesis"] == {"steps": "thesis"}
+    assert given["sample and rank, thesis"] == {"rng": rng, "sigma": (0.02, 2.0)}
 
 
 def test_a_matcher_that_draws_gets_the_generator():

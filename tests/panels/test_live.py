@@ -224,6 +224,8 @@ def test_stop_while_the_map_is_made_anew(planned):
     panel.start.click()
     wait_for(lambda: panel.taken == 8)
     assert panel._live._anew is not None
+    rate, unit = panel.rate.value.split(" ", 1)
+    assert unit == "scans a second" and 0 < float(rate) < 1e4
     tree = panel.map.tree
     planned.set()
     more.set()

@@ -11,7 +11,7 @@ from segmap_course import FusionPanel, HybridPanel, MeanShiftPanel, SectorPanel
 from segmap import LaserScan, Log, SegmentMap, load, panels
 from segmap.experiments import sweep
 from segmap.panels import ComparePanel, LivePanel, Panel, QuadtreePanel, ScanPanel, slider, text
-from segmap.panels._view import FRAME
+from segmap.panels._view import FRAME, View
 from segmap.plotting import ERROR, RESULT, TRUTH
 from segmap.quadtree import build_map
 
@@ -85,6 +85,14 @@ def test_reset_goes_back_to_what_was_shown_first_and_draws_once():
     assert panel._look.zoom == 1
     panel.position.value = 5
     assert panel.label.value == "5"
+
+
+def test_the_whole_is_seen_as_it_was_drawn():
+    """Catches a middle that moves a drawing whose own is not at the origin."""
+    ax = Figure().subplots()
+    ax.set(aspect=1, xlim=(3, 9), ylim=(-1, 4))
+    View(print, print).take(ax.figure)
+    assert (ax.get_xlim(), ax.get_ylim()) == ((3, 9), (-1, 4))
 
 
 def test_a_play_button_begins_where_its_slider_is(monkeypatch):
@@ -166,6 +174,8 @@ def test_the_path_is_drawn_in_the_colour_of_its_origin(log, poses, color):
     ScanPanel(log, poses)._draw(figure)
     paths = [line for line in figure.axes[0].lines if line.get_linestyle() == "-"]
     assert [line.get_color() for line in paths] == [color]
+    grey = figure.axes[0].lines[0]  # all that the scans saw
+    assert grey.get_marker() == "." and len(grey.get_xdata()) > 10 * len(log)
 
 
 @unpainted
@@ -192,6 +202,11 @@ def test_the_compare_panel_shows_the_run_that_reduces_most_at_a_quality():
 
 
 @unpainted
+def test_a_run_of_an_unknown_method_is_refused():
+    with pytest.raises(ValueError, match=r"^runs: a method must be one of"):
+        ComparePanel(WALLS, RUNS.assign(method="magic"))
+
+
 def test_the_compare_panel_names_the_curve_of_its_method_only():
     """Catches a legend above the curves, and a curve of another method that stands out."""
     panel, figure = ComparePanel(WALLS, RUNS), Figure()

@@ -26,7 +26,7 @@ from segmap.panels import Workbench, control
 from segmap.panels._base import VIEW
 from segmap.panels.workbench._choices import Choice
 from segmap.panels.workbench._job import Failed, Worker
-from segmap.panels.workbench._recipe import Outcome
+from segmap.panels.workbench._recipe import Outcome, follow
 from segmap.panels.workbench._shown import (
     COLORS,
     figures_table,
@@ -251,6 +251,13 @@ def test_untouched_controls_are_the_defaults(name):
     assert sliders == [*filter(None, [method.varies])] == list(made.controls)[: len(sliders)]
     usual = signature(method.function).parameters
     assert all(c.meant() == usual[key].default for key, c in made.controls.items())
+
+
+def test_what_has_no_threshold_says_so():
+    ways = {"none": None, "odometry": (alignment.odometry, ""), "fusion": (reduction.fusion, "")}
+    shown = [Choice("way", ways, name)._box.children for name in ways]
+    assert shown[0] == () and [part.value for part in shown[1]] == ["no threshold"]
+    assert shown[2] and not isinstance(shown[2][0], W.Label)
 
 
 @pytest.mark.parametrize(
@@ -514,6 +521,14 @@ def unpacked_of(content):
     return np.frombuffer(content, np.float32)
 
 
+def test_what_is_repeated_is_said(both):
+    """Catches a bar that stands still in silence, and an alignment that is made twice."""
+    outcome, told, again = both.outcome, [], []
+    follow(outcome.recipe, LOG, None, told.append)
+    follow(outcome.recipe, LOG, outcome, again.append)
+    assert told[0] == f"aligning {len(LOG)} scans by ground_truth" and told[0] not in again
+
+
 def test_every_run_is_kept(both):
     """Catches rows that experiments cannot compare, and figures of the other method."""
     rows, outcome = both.runs, both.outcome
@@ -535,6 +550,9 @@ def test_runs_are_points_of_a_plane():
     assert x[0] > x[1] > x[2] and y[1] < y[0] < y[2]
     rings = [c for c in drawing.iter("circle") if c.get("fill") == "none"]
     assert [(ring.get("cx"), ring.get("cy")) for ring in rings] == [(str(x[2]), str(y[2]))]
+    assert all(0 < v < float(drawing.get("height")) for v in (*x, *y))
+    told = [mark.text for mark in drawing.iter("text")]
+    assert all(told.count(mark) == 2 for mark in ("0%", "25%", "50%", "75%", "100%"))
     assert dots[0].find("title").text == "run 0: fusion(tolerance 0.04) on <&>"
     assert "&lt;&amp;&gt;" in runs_table(rows) and runs_table(rows).count("<tr>") == 4
 

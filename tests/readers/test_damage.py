@@ -114,6 +114,7 @@ def test_files_that_are_no_logs(path, content, reason, on_error):
         (PLAYER_BARE, "laser 0 1.0 -1.5708 nan 1.5708 3 1 1 1", "expected angles in radians"),
         (G2O, "EDGES 0 1", "expected a line of a g2o graph, got 'EDGES'"),
         (CORESLAM, CORESLAM.splitlines()[0].replace("1500 ", "", 1), "683 ranges, got 706 in all"),
+        (CORESLAM, CORESLAM.splitlines()[0].replace(" 29221 ", " -1e13 ", 1), "the ticks of"),
         (HOKUYO, "x 1", "expected numbers for range and angle, got 'x'"),
         (HOKUYO, "1000 13", "expected a range in millimetres and an angle in radians, got 1000 13"),
         (SICK, "1,2", "expected t, count, offset and ranges, got 2 columns"),

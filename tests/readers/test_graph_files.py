@@ -156,6 +156,7 @@ WRONG = {
     "short": (LINES + "EDGE_SE2 0 1 1 0 0 9 0 0 9 0\n", 4, "and 6 for its information, got 1 0 0"),
     "long": (LINES + "EDGE_SE2 0 1 1 0 0 9 0 0 9 0 9 9\n", 4, "and 6 for its information"),
     "not finite": (LINES + "EDGE_SE2 0 1 1 0 0 inf 0 0 9 0 9\n", 4, "expected 3 finite numbers"),
+    "far below": (LINES + "EDGE_SE2 0 1 1 0 0 9 -1e300 0 9 0 9\n", 4, "expected 3 finite numbers"),
     "negative": (LINES + "EDGE_SE2 0 1 1 0 0 9 0 0 -9 0 9\n", 4, "nowhere negative, got [9.0"),
 }
 

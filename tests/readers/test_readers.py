@@ -11,6 +11,7 @@ from log_samples import CARMEN, ODOMETRY, TIMES, TRUTH, flaser, robotlaser, row,
 
 from segmap import poses, readers
 from segmap.readers import LogError, _bundled
+from segmap.readers._raw_scans import same_poses
 
 
 def beams(log):
@@ -172,6 +173,14 @@ def test_errors_survive_the_way_from_another_process(read):
         read("FLASER 2 1 2\nFLASER 3 1 2\n")
     again = pickle.loads(pickle.dumps(caught.value))
     assert str(again) == str(caught.value) and again.line == 2
+
+
+def test_poses_agree_whichever_is_ahead():
+    here, there = np.array([(0, 0, np.pi), (1, 2, np.nan)]), np.array([(0, 0, -np.pi), (1, 2, 5)])
+    assert same_poses(here, there)
+    for off in ((1e-2, 0, 0), (0, -1e-2, 0), (0, 0, 1e-2)):
+        assert not same_poses(here[:1], there[:1] + off)
+        assert not same_poses(there[:1] + off, here[:1])
 
 
 class TestBundled:

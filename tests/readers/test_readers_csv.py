@@ -136,6 +136,8 @@ class TestTurns:
         monkeypatch.setattr("segmap.readers._turns.MOST_BEAMS", 99)
         with pytest.raises(LogError, match="at most 99 beams in a scan"):
             read_csv(written("1,1\n" * 100), columns="angle_deg,range_m")
+        with pytest.raises(LogError, match="at most 99 beams in a scan"):  # the second of two
+            read_csv(written("9,1\n5,1\n" + "1,1\n" * 100), columns="angle_deg,range_m")
 
     @given(
         st.lists(
@@ -191,6 +193,7 @@ class TestDumps:
     def test_a_stamp_without_unit_is_left_out_and_centimetres_are_honoured(self, read):
         log = read(LD19.replace("(ns)", "").replace("(mm)", "(cm)"))
         assert log.times.tolist() == [0, 1] and log[0].ranges[-1] == 1.5
+        assert read(LD19.replace("(mm)", "(m)"))[0].ranges[-1] == 150
         assert len(read(text(["angle:1.5,distance(mm):200,intensity:3"] * 3))[0]) == 3
 
     def test_a_scan_of_slamtecs_programs(self, read):
@@ -280,7 +283,7 @@ class TestNoLogs:
         assert isinstance(names["log"], segmap.Log) and names["log"].times.tolist() == [0.5]
 
     @pytest.mark.parametrize("name", ["img_00{}.jpg", "x_{}.mcap", "run{}.log"])
-    def test_numbered_files_of_another_kind_are_no_scans(self, tmp_path, name):
+    def test_numbered_files_of_another_kind_are_no_scans(self, tmp_path, monkeypatch, name):
         """Catches pictures that are read as a scan each, beside scans too."""
         picture = b"\xff\xd8\xff\xe0\x00\x10JFIF 1 2\n3 4\n"
         for k in range(3):
@@ -293,3 +296,5 @@ class TestNoLogs:
             (tmp_path / f"scan_{k}.txt").write_text(f"{100 * k + 100} 0\n")
         if "jpg" in name:
             assert [scan.ranges[0] for scan in readers.read(tmp_path)] == [0.1, 0.2]
+            monkeypatch.chdir(tmp_path)
+            assert readers.read(".").name == tmp_path.name

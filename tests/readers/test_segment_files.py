@@ -23,7 +23,7 @@ EMPTY = SegmentMap([])
 MAPS = {
     "upright": SegmentMap([[(1, 0), (1, 2)], [(0, 1), (2, 1)]]),
     "empty": EMPTY,
-    "one": SegmentMap([[(0, 0), (1, 2)]], [4]),
+    "one": SegmentMap([[(3, -1), (4, 1)]], [4]),
     "odd": ODD_MAP,
 }
 BACK = ["it.csv", "it.csv.gz", "it.npz"]

@@ -369,6 +369,9 @@ def test_a_loop_is_sought_where_the_way_since_the_old_place_is_over_ten_metres()
         frames.add(scan, np.zeros((0, 2)), np.array(step, float), np.eye(3))
     found = [[window.old for window in closer._by_place(new, new)] for new in (11, 12)]
     assert frames.path[11:] == [10, 11] and found == [[], [0]]
+    (window,) = closer._by_place(12, 12)
+    assert (window.reach, window.turn) == (1 + 0.03 * 11, np.radians(20))
+    np.testing.assert_allclose(window.guess, between(frames.poses[0], frames.poses[12]))
 
 
 def test_each_pass_is_searched_once_where_it_looks_most_alike():
