@@ -87,6 +87,7 @@ GOOD = {
     "doubled_walls.sensors": np.ones((1, 2)), "verdict_on.map": MAP,
     "viewing_sector.map": segments.SegmentMap(WALLS, sensors=[(0.0, 0.0)]),
     "load.name": "room", "load.path": "map.npz", "log": LOG, "map": WALLS,
+    "LivePanel.map": TREE,
     "map_scans.map": quadtree.QuadtreeMap(), "map_scans.rng": rng(), "match_segments.current":
     WALLS, "match_segments.reference": WALLS, "matching.map": TREE, "max_size": 5.12,
     "mean_rotation.weights": np.ones(2), "min_length": 0.1, "near": 0.3,
