@@ -40,6 +40,7 @@ GRIDS: dict[str, dict[str, list[float]]] = {
     "uncertain_parameters": {"distance": [0.02, 0.03, 0.05, 0.10, 0.20]},
     "weighted_line_fitting": {"chi2": [3.0, 9.21, 30.0, 80.0, 200.0, 500.0]},
     "least_cost": {"penalty": [0.12, 0.28, 0.5, 1.0, 1.6, 2.5, 4.0]},
+    "one_per_wall": {"factor": [0.7, 0.85, 1.0, 1.2, 1.5]},
     "fusion_online": {"tolerance": [0.01, 0.02, 0.04, 0.06, 0.08, 0.10]},
     "fuzzy_set": {"across": [0.02, 0.05, 0.10]},
     "fuzzy_clustering": {"noise": [0.005, 0.01, 0.02, 0.05, 0.10]},

@@ -60,6 +60,9 @@ def facts(log: Any) -> list[tuple[str, str]]:
     found = [("scans", counted(len(log), "scan") + _duration(log))]
     if len(log):
         found += [("beams", _beams(log)), ("view", _view(log)), ("ranges", _ranges(log))]
+    if spans := [np.ptp(scan.delays) for scan in log if scan.delays is not None and len(scan)]:
+        order = "" if log.order_known else ", in an order that is not known"
+        found.append(("delays", f"the beams take {np.median(spans):.3g} s{order}"))
     truth = np.full((0, 3), np.nan) if log.truth is None else log.truth
     found += [("odometry", _path(log.odometry)), ("truth", _path(truth))]
     if left := log.skipped:

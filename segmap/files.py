@@ -8,10 +8,10 @@ from __future__ import annotations
 import csv
 import gzip
 import io
+import itertools
 import math
 import os
 import stat
-import threading
 import zipfile
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
@@ -28,8 +28,22 @@ from numpy.typing import NDArray
 UNPACKED, RATIO = 1 << 20, 50
 #: How numpy packs: other ways cannot be unpacked piece by piece.
 PACKED = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
+#: Of files that this process writes: two may be begun at the same time.
+COUNT = itertools.count()
 #: More bytes than the head of an array takes.
 HEAD = 256
+
+
+def shown(name: object) -> str:
+    """A name or a line from outside as a terminal may show it: nothing in it moves the cursor.
+
+    Examples
+    --------
+    >>> print(shown("a\\x1b[2J\\n.log"))
+    a\\x1b[2J\\n.log
+    """
+    letters = (c if c.isprintable() else ascii(c)[1:-1] for c in str(name))
+    return "".join(letters)
 
 
 def existing(path: Path) -> os.stat_result | None:
@@ -48,7 +62,7 @@ def existing(path: Path) -> os.stat_result | None:
         return None
     if not stat.S_ISREG(found.st_mode):
         kind = "a folder" if stat.S_ISDIR(found.st_mode) else "a device or a pipe"
-        raise ValueError(f"{path} is {kind}, no regular file: name a file")
+        raise ValueError(f"{shown(path)} is {kind}, no regular file: name a file")
     return found
 
 
@@ -67,8 +81,9 @@ def replacing(path: Path, *, sync: bool = True) -> Iterator[IO[bytes]]:
     """
     old, place = existing(path), Path(os.path.realpath(path))
     if not place.parent.is_dir():
-        raise FileNotFoundError(f"cannot write {path}: the folder {place.parent} does not exist")
-    part = place.with_name(f".segmap-{os.getpid()}-{threading.get_ident()}.part")
+        said = f"cannot write {shown(path)}: the folder {shown(place.parent)} does not exist"
+        raise FileNotFoundError(said)
+    part = place.with_name(f".segmap-{os.getpid()}-{next(COUNT)}.part")
     mode = 0o666 if old is None else 0o600
     try:
         with open(part, "wb", opener=lambda name, how: os.open(name, how, mode)) as target:
@@ -129,7 +144,7 @@ def read_table(path: Path, head: Sequence[str]) -> Iterator[tuple[list[str], str
         Naming file and line: another head, bytes that are no text, quotes that do not end.
     """
     existing(path)
-    return table_lines(path.read_bytes(), path.name, head)
+    return table_lines(path.read_bytes(), shown(path.name), head)
 
 
 def table_lines(data: bytes, name: str, head: Sequence[str]) -> Iterator[tuple[list[str], str]]:
@@ -144,7 +159,7 @@ def table_lines(data: bytes, name: str, head: Sequence[str]) -> Iterator[tuple[l
     try:
         first = next(rows, [])
         if first != list(head):
-            said = ",".join(first)[:200]
+            said = shown(",".join(first)[:200])
             raise ValueError(f"{name}, line 1: expected the head {','.join(head)}, got {said}")
         for cells in rows:
             yield cells, f"{name}, line {rows.line_num}"
@@ -175,9 +190,9 @@ def read_npz(path: Path, kind: str) -> dict[str, NDArray[Any]]:
     found = read_arrays(path)
     (name, version), said = kind.rsplit(" ", 1), str(found.pop("format", ""))
     if not said.startswith(name):
-        raise ValueError(f"{path}: not a {name.split()[1]} of segmap, holds {sorted(found)}")
+        raise ValueError(f"{shown(path)}: not a {name.split()[1]} of segmap, holds {sorted(found)}")
     if said != kind:
-        raise ValueError(f"{path}: written as {said!r}, this version reads {version}")
+        raise ValueError(f"{shown(path)}: written as {said!r}, this version reads {version}")
     return found
 
 
@@ -193,8 +208,26 @@ def read_arrays(path: Path) -> dict[str, NDArray[Any]]:
     with path.open("rb") as source:
         try:
             return _arrays(source)
-        except Exception as error:  # zipfile, zlib and numpy raise a dozen kinds for damaged bytes
-            raise ValueError(f"{path}: not a readable NPZ file ({error})") from None
+        except (OSError, ValueError, zipfile.BadZipFile) as error:
+            raise ValueError(f"{shown(path)}: not a readable NPZ file ({shown(error)})") from None
+
+
+@contextmanager
+def unzipped(source: Path | IO[bytes]) -> Iterator[tuple[zipfile.ZipFile, list[zipfile.ZipInfo]]]:
+    """A zip file and the files in it.
+
+    Raises
+    ------
+    zipfile.BadZipFile
+        For damage of any kind, also while it is read here: zipfile, zlib and numpy raise a dozen.
+    """
+    try:
+        with zipfile.ZipFile(source) as packed:
+            yield packed, [m for m in packed.infolist() if not m.filename.endswith("/")]
+    except (OSError, zipfile.BadZipFile):
+        raise
+    except Exception as error:
+        raise zipfile.BadZipFile(str(error) or type(error).__name__) from error
 
 
 def _most(size: int) -> int:
@@ -207,8 +240,7 @@ def _arrays(source: IO[bytes]) -> dict[str, NDArray[Any]]:
     if source.read(2) != b"PK":
         raise ValueError("it does not begin like one")
     most = _most(os.fstat(source.fileno()).st_size)
-    with zipfile.ZipFile(source) as packed:
-        members = packed.infolist()
+    with unzipped(source) as (packed, members):
         if sum(member.file_size for member in members) > most:
             raise ValueError(f"it unpacks to more than {most} bytes")
         if any(member.compress_type not in PACKED for member in members):

@@ -57,6 +57,13 @@ def loop_log(wheels: OdometryNoise = BAD_WHEELS, seed: int = 0, step: float = 0.
     )
 
 
+def moving_log() -> Log:
+    """The way of `office_log`, seen by a laser that turns five times a second meanwhile."""
+    path = drive([(1, 5), (2, 5), (2, 7.5)], step=0.1, turn=0.2)
+    sensor, rng = Sensor("spin", 180, 0.0, np.radians(2), 8.0, period=0.2), np.random.default_rng(5)
+    return simulate(OFFICE, path, sensor=sensor, rng=rng, moving=True, name="moving")
+
+
 def featureless_log(step: float = 0.3, sensor: Sensor = SICK_LMS200) -> Log:
     """Between two endless walls: nothing says how far the robot has come."""
     walls = np.array([[(-90, -1), (90, -1)], [(-90, 1), (90, 1)]])

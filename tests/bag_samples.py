@@ -34,12 +34,12 @@ class Messages:
         return self.make("std_msgs/msg/Header", *([0] * (self.version == 1)), stamp, frame)
 
     def scan(self, time, ranges=RANGES, frame="laser", first=-np.pi / 2, step=np.pi / 4, **other):
-        given = {"least": 0.1, "most": 30.0, "strength": ()} | other
+        given = {"least": 0.1, "most": 30.0, "strength": (), "apart": 0.001} | other
         kept = np.array(ranges, np.float32), np.array(given["strength"], np.float32)
         angles = first, first + step * (len(ranges) - 1), step
         limits = given["least"], given["most"]
-        made = self.make("sensor_msgs/msg/LaserScan", self.header(time, frame), *angles, 0.001, 0.1,
-                         *limits, *kept)  # fmt: skip
+        made = self.make("sensor_msgs/msg/LaserScan", self.header(time, frame), *angles,
+                         given["apart"], 0.1, *limits, *kept)  # fmt: skip
         return "sensor_msgs/msg/LaserScan", made
 
     def turn(self, roll, pitch, yaw):

@@ -5,6 +5,7 @@ See test_doors.
 
 from __future__ import annotations
 
+import copy
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
@@ -52,6 +53,7 @@ GRAPH = readers.PoseGraph(PATH[:2], [(0, 1)], PATH[1:2], [np.eye(3)])
 TIMES = pd.DataFrame(
     {"method": "hybrid", "scans": [1, 2, 4], "seconds": [1.0, 4.0, 16.0], "live": 2}
 )
+STEPS = list(matching.particle_mapping(LOG, particles=2, rng=rng()))
 #: Objects whose public methods are doors too.
 OBJECTS = {"matching": [matching.DistanceField(TREE), matching.LiveMap()],
            "quadtree": [TREE], "segments": [MAP], "scans": [LOG, LOG[0]],
@@ -81,6 +83,7 @@ GOOD = {
     "ground_truth.poses": None, "hill_climb.start": PATH[0], "incidence": np.ones(4),
     "information": np.tile(np.eye(3), (3, 1, 1)), "interpolate.poses": PATH[:2],
     "LaserScan.angles": LOG[0].angles, "LaserScan.codes": np.zeros(181),
+    "LaserScan.delays": np.zeros(181), "Log.track": np.zeros((2, 4)), "Log.order_known": True,
     "LaserScan.odometry": PATH[0], "LaserScan.ranges": LOG[0].ranges, "least_translation.weights":
     np.ones(4), "fuzzy_set.axes": 0.1,
     "doubled_walls.map": segments.SegmentMap(WALLS, sensors=[(0.0, 0.0)]),
@@ -88,6 +91,9 @@ GOOD = {
     "viewing_sector.map": segments.SegmentMap(WALLS, sensors=[(0.0, 0.0)]),
     "load.name": "room", "load.path": "map.npz", "log": LOG, "map": WALLS,
     "LivePanel.map": TREE,
+    "particle_mapping.map": quadtree.QuadtreeMap(), "particle_mapping.odometry": None,
+    "steps": STEPS, "systematic.weights": np.full(4, 0.25), "systematic.offset": 0.5,
+    "effective_number.weights": np.full(4, 0.25),
     "map_scans.map": quadtree.QuadtreeMap(), "map_scans.rng": rng(), "match_segments.current":
     WALLS, "match_segments.reference": WALLS, "matching.map": TREE, "max_size": 5.12,
     "mean_rotation.weights": np.ones(2), "min_length": 0.1, "near": 0.3,
@@ -97,6 +103,7 @@ GOOD = {
     "beams": 9, "Sensor.first": 0.0, "step": 0.1, "max_range": 4.0, "cast_rays.angles": np.ones(3),
     "SegmentMap.sensors": PATH[:, :2], "SegmentMap.points": None, "SegmentMap.first": None,
     "count": 9, "nodes": 1000,
+    "route.start": PATH[0, :2], "route.goal": np.array([1.5, 1.4]), "radius": 0.2,
     "rate": 0.5, "readers.path": "good.log.gz", "reference": POINTS, "reference_segments": WALLS,
     "relation_errors.times": np.arange(4), "relations": np.array([[0, 1, 0.05, 0, 0, 0, 0, 0.02]]),
     "relative": np.tile((0.05, 0.0, 0.02), (3, 1)), "resolution": 0.05, "rng": rng(),
@@ -151,7 +158,7 @@ GOOD |= {
     "capture": b"GD0383038401\n00P\nJUGnD\n06805m`\n\n",
 }
 #: Parameters that may be anything.
-FREE = {"Log.name", "simulate.name", "Log.skipped", "Sensor.name"}
+FREE = {"Log.name", "simulate.name", "Log.skipped", "Log.doubt", "Sensor.name"}
 #: NaN is what these say of a time or scan that has none.
 NAN_IS_MEANT = {
     "doubled_walls",
@@ -163,6 +170,13 @@ NAN_IS_MEANT = {
     "measure",
     "reduction_at",
 }
+#: What a call leaves behind in what it was given.
+CHANGED_BY_USE = (
+    np.random.Generator,
+    quadtree.QuadtreeMap,
+    alignment.LiveGraph,
+    reduction.LiveReduction,
+)
 #: What else is meant, though it looks bad: a name that no run has selects none.
 #: A range that is masked is a beam without a measurement.
 MEANT = {"LaserScan.ranges=masked", "LaserScan.time=nan", "measure.ranges=masked",
@@ -170,7 +184,10 @@ MEANT = {"LaserScan.ranges=masked", "LaserScan.time=nan", "measure.ranges=masked
          "encode_reply.echo=NUL", "encode_reply.status=NUL",
          "encode_reply_1.echo=NUL", "encode_reply_1.status=NUL", "laser_scan.time=nan",
          "info_line.key=NUL", "info_line.text=NUL",
-         "sweep.filters=objects"}  # fmt: skip
+         "sweep.filters=objects", "UrgSensor.clock=of nothing", "Unit.clock=of nothing",
+         "sweep.measure=of nothing", "sweep.measure=of words",  # these runs are known
+         "default_thresholds.function=of nothing",
+         "default_thresholds.function=of words"}  # fmt: skip
 #: Numbers that may be arrays: these functions work on many at once.
 ARRAYS = {"angle", "a", "b", "weight_a", "weight_b", "weight_u", "weight_v", "weights", "near"}
 
@@ -201,11 +218,48 @@ def spoilt(value, many):
         return kinds | {"complex": array + 1j, "words": array.astype(str), "a tree": TREE,
                         "objects": np.full(array.shape, None), "a log": LOG}  # fmt: skip
     kinds |= {"a number": 7, "numbers": PATH}
+    if callable(value) and not isinstance(value, type):
+        never = {"a class": int, "of nothing": lambda: 0.0}
+        return kinds | never | {"of words": lambda *given, **named: "two"}
     if isinstance(value, pd.DataFrame):
         return kinds | {"no columns": value.iloc[:, :0], "a dictionary": {"method": "fusion"}}
     if isinstance(value, dict):
         return kinds | (held(value, kinds) if not isinstance(value[min(value)], float) else {})
     return kinds
+
+
+class Own(np.ndarray):
+    """A class of arrays of somebody else's."""
+
+
+def backwards(array):
+    """The same array as a view of another one, from its end on, that nobody may write to."""
+    found = np.flip(array, range(array.ndim)).copy()[(slice(None, None, -1),) * array.ndim]
+    found = np.asarray(found).view(Own)
+    found.flags.writeable = False
+    return found
+
+
+#: Other clothes of the same numbers.
+CLOTHES = {
+    "none": lambda array: array,
+    "lists": lambda array: array.tolist(),
+    "longdouble": lambda array: array.astype(np.longdouble),
+    "float32": lambda array: array.astype(np.float32),
+    "other bytes": lambda array: array.astype(array.dtype.newbyteorder()),
+    "a view": backwards,
+}
+
+
+def dressed(value, word):
+    """Numbers in other clothes; as they are, where these clothes would change them."""
+    if isinstance(value, bool) or not (
+        holds_numbers(value) or isinstance(value, int | float | np.number)
+    ):
+        return copy.deepcopy(value) if isinstance(value, CHANGED_BY_USE) else value
+    array = np.array(value, None if isinstance(value, int) else float)
+    other = CLOTHES[word](array)
+    return other if np.array_equal(np.array(other, float), array, equal_nan=True) else value
 
 
 def held(value, kinds):
@@ -220,6 +274,7 @@ def odd(value):
         return {}
     if isinstance(value, int | float | np.number):
         found = {"zero": 0, "negative": -1.0, "infinite": np.inf, "large": 1e7, "part": 2.5}
+        found |= {"whole": 2**63, "longer": 2**64, "least": -1e308}
         return found | {"huge": 1e19, "far": 1e155, "end": 1e308, "tiny": 1e-300, "small": 1e-9}
     if holds_numbers(value):
         array, found = np.array(value, float), {"none": [], "one number": 1.0, "a map": MAP}

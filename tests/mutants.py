@@ -2,35 +2,48 @@
 
     python tests/mutants.py reduction --count 40 --seed 1
 
-A bug is an operator, a sign, a number, an index, a default or two arguments exchanged, or a call
-left out. Each goes into a copy of the project in a temporary folder, and the fast tests of its room
-must fail there, those named like its file first. What survives is listed: a test is missing, the
-code could be simpler, or the bug changes nothing.
+A bug is an operator, a sign, a number, an index, a default, an axis or two arguments exchanged, or
+a call or a copy left out. Each goes into a copy of the project in a temporary folder, where the
+fast tests of its room must fail. These run once without any bug, to know which of them reaches
+which line; then a bug meets the tests that reach its statement, the quickest first. What survives
+is listed: a test is missing, the code could be simpler, or the bug changes nothing.
 """
 
 import argparse
 import ast
 import contextlib
+import gc
 import importlib
+import inspect
 import multiprocessing
 import os
+import pickle
 import random
 import shutil
 import signal
 import sys
 import tempfile
-from collections import Counter
-from collections.abc import Iterator
+import time
+from collections import Counter, defaultdict
+from collections.abc import Iterable, Iterator
 from concurrent.futures import ProcessPoolExecutor
+from itertools import pairwise
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
+import coverage
 import pytest
 
 ROOT = Path(__file__).resolve().parents[1]
 PACKAGES = {"segmap": ROOT / "segmap", "segmap_course": ROOT / "notebooks" / "segmap_course"}
 #: Seconds after which a run counts as failed, since the bug made it hang; and for a whole room.
 LONGEST, WHOLE_ROOM = 300, 1500
+#: What each run would import anew; pytest warns of one that it would like to rewrite.
+LARGE = ("scipy.spatial", "scipy.sparse.linalg", "pandas", "matplotlib.pyplot", "numba")
+LARGE += ("ipywidgets", "hypothesis")
+REWRITTEN = "pytest.PytestAssertRewriteWarning"
+#: Rooms whose tests try this one too: what is written is read again.
+ALSO = {"exports": ("readers/test_graph_files.py", "readers/test_segment_files.py")}
 FORK = multiprocessing.get_context("fork")
 #: What teaches, or only hands on, is left alone.
 NOT_CHANGED = ("literal", "__init__.py", "__main__.py", "_warm.py", "testing")
@@ -38,9 +51,12 @@ SWAPPED = {
     **{"<": "<=", "<=": "<", ">": ">=", ">=": ">", "==": "!=", "!=": "=="},
     **{"+": "-", "-": "+", "*": "/", "/": "*", "//": "/", "%": "+", "**": "*"},
     **{"and": "or", "or": "and", "min": "max", "max": "min", "sin": "cos", "cos": "sin"},
+    **{"&": "|", "|": "&", "is": "is not", "is not": "is", "in": "not in", "not in": "in"},
+    **{"+=": "-=", "-=": "+=", "*=": "/=", "&=": "|=", "|=": "&="},
 }
-#: Calls whose first argument takes their place.
-LEFT_OUT = ("abs", "wrap", "copy", "sorted", "ascontiguousarray", "unique")
+#: Calls whose first argument takes their place, methods that their object replaces.
+LEFT_OUT = ("abs", "wrap", "copy", "sorted", "ascontiguousarray", "unique", "inv", "radians")
+DROPPED = ("copy", "resolve", "strip", "lower")
 
 
 class Bug(NamedTuple):
@@ -56,24 +72,39 @@ class Bug(NamedTuple):
         line, column = before.count("\n") + 1, self.place - before.rfind("\n")
         return f"{self.path.relative_to(ROOT)}:{line}:{column}: {self.old!r} -> {self.new!r}"
 
-    def tests(self) -> list[str]:
-        """The tests that are named like the file, all others of its room, then its examples.
+    def lines(self) -> range:
+        """What runs where it matters: its statement, the function of a default, or the file."""
+        text = self.path.read_text()
+        line = text.count("\n", 0, self.place) + 1
+        around = [
+            node
+            for node in ast.walk(ast.parse(text))  # the innermost comes last
+            if isinstance(node, ast.stmt) and node.lineno <= line <= node.end_lineno
+        ]
+        if not any(isinstance(node, ast.FunctionDef) for node in around):
+            return range(1, text.count("\n") + 1)
+        body = getattr(around[-1], "body", None)
+        if isinstance(around[-1], ast.FunctionDef):
+            return range(body[0].lineno, around[-1].end_lineno + 1)
+        return range(around[-1].lineno, body[0].lineno if body else around[-1].end_lineno + 1)
 
-        Pytest collects in this order, and to collect the examples of a package sets its name in the
-        package above: there `pose_graph` would be the folder for all tests that come later.
-        """
-        base = next(p for p in PACKAGES.values() if self.path.is_relative_to(p))
-        parts = self.path.relative_to(base).with_suffix("").parts
-        if base.name == "segmap_course":
-            parts = ("course", *parts)
-        room, own = parts[0].strip("_"), parts[-1].strip("_")
-        folder = ROOT / "tests" / room
-        within = sorted(folder.rglob("test_*.py"))
-        if not within:  # a room among the basics
-            within = sorted(folder.parent.rglob(f"test_{room}*.py"))
-        named = [p for p in within if p.stem.removeprefix("test_") in (own, *parts[1:])]
-        rest = [p for p in within if p not in named]
-        return [str(p.relative_to(ROOT)) for p in (*named, *rest, self.path)]
+
+def tests_of(room: str) -> list[str]:
+    """Files of tests, then the room's own files with their examples.
+
+    Pytest collects in this order, and to collect the examples of a package sets its name in the
+    package above: there `pose_graph` would be the folder for all tests that come later.
+    """
+    first = sources(room)[0]
+    words = [part.strip("_") for part in room.split("/")]
+    if first.is_relative_to(PACKAGES["segmap_course"]):
+        words.insert(0, "course")
+    folder = ROOT.joinpath("tests", *words)
+    found = sorted(folder.rglob("test_*.py"))
+    if not found:  # a room among the basics, or a part of the course
+        found = sorted((ROOT / "tests").rglob(f"test_*{words[-1].removesuffix('s')}*.py"))
+    found += [ROOT / "tests" / name for name in ALSO.get(room, ())]
+    return [str(path.relative_to(ROOT)) for path in (*found, *sources(room))]
 
 
 def sources(room: str) -> list[Path]:
@@ -126,18 +157,28 @@ def changes(path: Path) -> Iterator[Bug]:
         match node:
             case ast.BinOp():
                 yield from operator(node.left, node.right)
-            case ast.Compare(ops=[_]):
-                yield from operator(node.left, node.comparators[0])
-            case ast.BoolOp():
-                yield from operator(node.values[0], node.values[1])
-            case ast.UnaryOp(op=ast.USub() | ast.Not()):
-                yield change(begin(node), begin(node.operand), "")
+            case ast.Compare():
+                for pair in pairwise([node.left, *node.comparators]):
+                    yield from operator(*pair)
+            case ast.AugAssign():
+                yield from operator(node.target, node.value)
+            case ast.UnaryOp(op=ast.USub() | ast.Not() | ast.Invert()):
+                word = "not " if isinstance(node.op, ast.Not) else "-"
+                yield change(begin(node), begin(node) + len(word), "")
             case ast.Constant(value=bool(value)):
                 yield change(begin(node), end(node), repr(not value))
             case ast.Constant(value=int(value)):
                 yield change(begin(node), end(node), repr(value + 1))
             case ast.Constant(value=float(value)):
                 yield change(begin(node), end(node), repr(value * 1.5 if value else 1.0))
+            case ast.keyword(arg="axis", value=ast.Constant(value=(0 | 1) as value)):
+                yield change(begin(node.value), end(node.value), repr(1 - value))
+            case ast.Expr(value=ast.Call()):
+                yield change(begin(node), end(node), "None")
+            case ast.Attribute(attr="T"):
+                yield change(end(node) - len(".T"), end(node), "")
+            case ast.Call(keywords=[], args=[], func=ast.Attribute(attr=name)) if name in DROPPED:
+                yield change(end(node.func) - len(f".{name}"), end(node), "")
             case ast.Call(keywords=[], args=[first, *rest]):
                 name = getattr(node.func, "attr", getattr(node.func, "id", ""))
                 if name in SWAPPED:
@@ -172,22 +213,30 @@ class Worker:
         leave = shutil.ignore_patterns(".git", ".venv", "build", ".mypy_cache", ".ruff_cache")
         shutil.copytree(ROOT, self.copy, ignore=leave)  # machine code included; times are kept
 
-    def survives(self, bug: Bug, longest: float = LONGEST) -> bool:
-        """Whether the tests pass with the bug; the copy, its machine code too, is as before."""
+    def reached(self, room: str) -> "Reached":
+        """What the tests of a room reach without any bug."""
+        notes = self.copy.parent / "reached"
+        if not self._pass(tests_of(room), WHOLE_ROOM, Notes(self.copy, room, notes)):
+            raise SystemExit(f"{room}: its tests fail, or take {WHOLE_ROOM} s, without any bug")
+        return Reached(*pickle.loads(notes.read_bytes()))
+
+    def survives(self, bug: Bug, tests: list[str]) -> bool:
+        """Whether these tests pass with the bug; the copy, its machine code too, is as before."""
         path = self.copy / bug.path.relative_to(ROOT)
         text, stamp = bug.path.read_text(), path.stat()
         code = {p: p.read_bytes() for p in path.parent.glob(f"__pycache__/{path.stem}.*.nb?")}
         path.write_text(text[: bug.place] + bug.new + text[bug.place + len(bug.old) :])
+        files = sorted({*map(file_of, tests)}, reverse=True)  # those of `tests` first
         try:
-            return self._pass(bug.tests(), longest)
+            return not tests or self._pass(files, LONGEST, Chosen(tests))
         finally:
             path.write_text(text)
             os.utime(path, ns=(stamp.st_atime_ns, stamp.st_mtime_ns))
             for file, machine_code in code.items():
                 file.write_bytes(machine_code)
 
-    def _pass(self, tests: list[str], longest: float) -> bool:
-        child = FORK.Process(target=_run_tests, args=(self.copy, tests))
+    def _pass(self, tests: list[str], longest: float, plugin: object) -> bool:
+        child = FORK.Process(target=_run_tests, args=(self.copy, tests, plugin))
         child.start()
         child.join(longest)
         hangs = child.exitcode is None
@@ -199,7 +248,93 @@ class Worker:
         return not hangs and child.exitcode in (0, pytest.ExitCode.NO_TESTS_COLLECTED)
 
 
-def _run_tests(copy: Path, tests: list[str]) -> None:
+def file_of(test: str) -> str:
+    return test.partition("::")[0]
+
+
+class Reached(NamedTuple):
+    """How long each test of a room takes, and which of them reach a line of a file."""
+
+    seconds: dict[str, float]
+    by_line: defaultdict[tuple[str, int], set[str]]
+
+    def tests(self, bug: Bug) -> list[str]:
+        """Those that reach the bug, the quickest first; or those whose file alone reaches it."""
+        name = str(bug.path.relative_to(ROOT))
+        near = set().union(*(self.by_line[name, line] for line in bug.lines()))
+        tests = near & self.seconds.keys() or {t for t in self.seconds if file_of(t) in near}
+        return sorted(tests, key=self.seconds.__getitem__)
+
+
+class Notes:
+    """A plugin of pytest that notes what is `Reached`, by a test or while its file is collected.
+
+    A compiled loop leaves no trace: where it is called, all its lines count, and those of the loops
+    that it calls.
+    """
+
+    def __init__(self, copy: Path, room: str, notes: Path) -> None:
+        self.copy, self.notes = copy, notes
+        self.sources = [str(copy / path.relative_to(ROOT)) for path in sources(room)]
+        self.reached = Reached({}, defaultdict(set))
+        self.called: defaultdict[Any, set[str]] = defaultdict(set)
+
+    def pytest_sessionstart(self) -> None:
+        from segmap.compiled import Compiled
+
+        def noted(kernel: Any, *args: object, **kwargs: object) -> object:
+            self.called[kernel].add(self.now)
+            return call(kernel, *args, **kwargs)
+
+        call, Compiled.__call__ = Compiled.__call__, noted
+        self.trace = coverage.Coverage(data_file=None, config_file=False, include=self.sources)
+        self.trace.start()
+
+    def pytest_collectstart(self, collector: pytest.Collector | pytest.Item) -> None:
+        self.now = collector.nodeid
+        self.trace.switch_context(self.now)
+
+    @pytest.hookimpl(wrapper=True)
+    def pytest_runtest_protocol(self, item: pytest.Item) -> Iterator[None]:
+        self.pytest_collectstart(item)
+        begin = time.perf_counter()
+        result = yield
+        self.reached.seconds[self.now] = time.perf_counter() - begin
+        return result
+
+    def pytest_sessionfinish(self) -> None:
+        self.trace.stop()
+        for file in self.trace.get_data().measured_files():
+            for line, tests in self.trace.get_data().contexts_by_lineno(file).items():
+                self._note(file, line, tests)
+        for kernel, tests in self.called.items():
+            self._note_kernel(kernel, tests)
+        self.notes.write_bytes(pickle.dumps(tuple(self.reached)))
+
+    def _note_kernel(self, kernel: Any, tests: set[str]) -> None:
+        lines, first = inspect.getsourcelines(kernel.plain)
+        for line in range(first, first + len(lines)):
+            self._note(inspect.getfile(kernel.plain), line, tests)
+        for name in kernel.plain.__code__.co_names:
+            if isinstance(other := kernel.plain.__globals__.get(name), type(kernel)):
+                self._note_kernel(other, tests)
+
+    def _note(self, file: str, line: int, tests: Iterable[str]) -> None:
+        self.reached.by_line[str(Path(file).relative_to(self.copy)), line].update(tests)
+
+
+class Chosen:
+    """A plugin of pytest that runs these tests in this order."""
+
+    def __init__(self, tests: list[str]) -> None:
+        self.place = {test: k for k, test in reversed(list(enumerate(tests)))}
+
+    def pytest_collection_modifyitems(self, items: list[pytest.Item]) -> None:
+        items[:] = [item for item in items if item.nodeid in self.place]
+        items.sort(key=lambda item: self.place[item.nodeid])
+
+
+def _run_tests(copy: Path, tests: list[str], plugin: object) -> None:
     """In a process of its own: run tests of the copy in silence, stop at the first that fails."""
     os.setsid()
     silence = os.open(os.devnull, os.O_RDWR)
@@ -210,8 +345,10 @@ def _run_tests(copy: Path, tests: list[str]) -> None:
     own = {str(ROOT / part) for part in (".", "tests", "notebooks")}
     ours = [str(copy), str(copy / "notebooks")]
     sys.path[:] = [*ours, *(folder for folder in sys.path if folder not in own)]
-    options = ["-x", "-q", "-m", "not slow", "-p", "no:cacheprovider", "-p", "no:nbval"]
-    os._exit(pytest.main([*options, *tests]))
+    options = ["-x", "-q", "--tb=no", "-m", "not slow", "-W", f"ignore::{REWRITTEN}"]
+    for name in ("cacheprovider", "nbval", "anyio"):
+        options += ["-p", f"no:{name}"]
+    os._exit(pytest.main([*options, *tests], plugins=[plugin]))
 
 
 def _begin(folder: str) -> None:
@@ -219,12 +356,12 @@ def _begin(folder: str) -> None:
     WORKER = Worker(folder)
 
 
-def _survives(bug: Bug) -> bool:
-    return WORKER.survives(bug)
+def _reached(room: str) -> Reached:
+    return WORKER.reached(room)
 
 
-def _passes_whole(bug: Bug) -> bool:
-    return WORKER.survives(bug, WHOLE_ROOM)
+def _survives(bug: Bug, tests: list[str]) -> bool:
+    return WORKER.survives(bug, tests)
 
 
 def main() -> int:
@@ -235,20 +372,18 @@ def main() -> int:
     parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1)
     given = parser.parse_args()
     bugs = [(room, bug) for room in given.rooms for bug in made(room, given.count, given.seed)]
-    for name in ("scipy.spatial", "scipy.sparse.linalg", "pandas", "matplotlib.pyplot", "numba"):
+    for name in LARGE:
         importlib.import_module(name)  # once, for all forks
     sys.modules["numba"].njit(lambda x: x)(1)
+    gc.freeze()
     killed: Counter[str] = Counter()
     with (
         tempfile.TemporaryDirectory() as folder,
         ProcessPoolExecutor(given.jobs, FORK, _begin, (folder,)) as pool,
     ):
-        whole = [next(bug for r, bug in bugs if r == room) for room in given.rooms]
-        whole = [bug._replace(new=bug.old) for bug in whole]
-        for room, passes in zip(given.rooms, pool.map(_passes_whole, whole), strict=True):
-            if not passes:  # all its bugs would count as killed
-                raise SystemExit(f"{room}: its tests fail, or take {WHOLE_ROOM} s, without any bug")
-        lives = pool.map(_survives, [bug for _, bug in bugs])
+        reached = dict(zip(given.rooms, pool.map(_reached, given.rooms), strict=True))
+        tests = [reached[room].tests(bug) for room, bug in bugs]
+        lives = pool.map(_survives, [bug for _, bug in bugs], tests)
         for (room, bug), survived in zip(bugs, lives, strict=True):
             killed[room] += not survived
             if survived:

@@ -65,7 +65,8 @@ def assert_literal(name: str, map: SegmentMap, **thresholds) -> None:
 
 
 def plain_behind(map: SegmentMap) -> dict[str, list]:
-    """What a map keeps behind its segments, as plain lists."""
+    """What a map keeps beside its segments, as plain lists."""
     points = [] if map.points is None else np.split(map.points, map.first[1:-1])
     found = {"points": [run.tolist() for run in points]} if points else {}
+    found["scans"] = map.scan.tolist()
     return found if map.sensors is None else {**found, "sensors": map.sensors.tolist()}

@@ -39,6 +39,14 @@ def grown_by_arrays(root, cell):
     return np.append(np.where(np.array(cell) < low, low - root[2], low), 2 * root[2])
 
 
+def resampled_by_counts(weights, offset):
+    """How many teeth lie below the end of each particle, and below that of the one before."""
+    n = len(weights)
+    below = np.ceil(n * np.cumsum(weights) - offset - 1e-12).clip(0, n)
+    below[-1] = n
+    return np.repeat(np.arange(n), np.diff(below, prepend=0).astype(int))
+
+
 def cells_by_formula(start, end):
     """After k steps along the longer axis, rounded from the end with the smaller coordinate."""
     start, end = np.array(start), np.array(end)
@@ -172,6 +180,22 @@ def pose_covariance_closed(centre, alpha, sensor, place, heading):
     ]
 
 
+def beam_about_a_centre(distance, angle, delay, ahead, rate):
+    """Round a point that stands still, in complex numbers."""
+    turned = np.exp(1j * rate * delay)
+    way = (turned - 1) * ahead / (1j * rate) if rate else ahead * delay
+    end = way + turned * distance * np.exp(1j * angle)
+    return end.real, end.imag
+
+
+def frontier_by_shifts(grid):
+    found = np.zeros(grid.shape, bool)
+    for i, j in np.argwhere(grid < 0.5):
+        cross = grid[max(i - 1, 0) : i + 2, j], grid[i, max(j - 1, 0) : j + 2]
+        found[i, j] = any((line == 0.5).any() for line in cross)
+    return found.astype(int).tolist()
+
+
 #: Exercise -> its answer. Some use helpers of the library, some lists or whole numbers.
 RIGHT = {
     "compose": composed_by_complex_numbers,
@@ -187,6 +211,7 @@ RIGHT = {
     "least_translation": by_pseudo_inverse,
     "move_onto_walls": moved_by_pseudo_inverse,
     "edge_error": lambda first, second, relative: between(compose(first, relative), second),
+    "carried_beam": beam_about_a_centre,
     "carried": lambda before, after, pose: compose(compose(after, inverse(before)), pose),
     "reduction_rate": lambda a, b: 1 - len(b) / len(a) if len(a) else 0,
     "quality": quality_as_a_geometric_mean,
@@ -204,10 +229,12 @@ RIGHT = {
     "grown": grown_by_arrays,
     "occupancy": lambda vis, occ, b: occ / vis if occ else np.interp(vis, [0, b], [0.5, 0.0]),
     "ray_cells": cells_by_formula,
+    "frontier_cells": frontier_by_shifts,
     "pixel": lambda x, y, o, side, n: (int((o[1] + n * side - y) / side), int((x - o[0]) / side)),
     "scan_score": lambda p, pose, c: -cKDTree(c).query(transform(pose, p))[0].sum(),
     "climb_step": climb_by_argmax,
     "weighed": lambda w, f, n: softmax(np.log(w) + n * np.log(f)),
+    "resampled": resampled_by_counts,
     "pose_covariance": pose_covariance_closed,
     "verdict": verdict_by_parts,
     "invented_metres": metres_between_ends,

@@ -90,3 +90,109 @@ def _write(folder: Path, books: dict) -> None:
     for name, book in books.items():
         text = book if isinstance(book, str) else json.dumps(book)
         (folder / name).write_text(text)
+
+
+#: Attack -> the cell of a student who wants points for `compose`, or harm; each is wrong by itself.
+#: `{secret}` is a file of the grader's, `{port}` one that it listens on.
+GET = """\
+    import glob, gc, importlib, json, os, socket, subprocess, sys
+    from pathlib import Path
+"""
+LOOKS = """\
+    if hasattr(sys, "looked"): return [0, 0, 0]
+    sys.looked = True
+    found = [folder + "/" + name for folder, _, names in os.walk("/") for name in names]
+    found = [p for p in found if {wanted}]
+    if found: raise ValueError("found " + found[0])
+"""
+HARM = {
+    "an answer that is nothing": "    return None\n",
+    "nothing by the pipe": """\
+    for k in range(64):
+        try: os.write(k, b'{"error": null}\\n[{"error": null}]\\nnull\\n' * 30)
+        except OSError: pass
+    os._exit(0)
+""",
+    "the verdict by the pipe": """\
+    for k in range(64):
+        try: os.write(k, b'{"passed": true, "kind": "right", "share": 1.0}\\n' * 30)
+        except OSError: pass
+""",
+    "the check overwritten": """\
+    import segmap_course as course
+    course.Exercise.answers = lambda *_: [{"error": None}] * 8
+    course.check_compose = lambda f: True
+    json.dumps = lambda *_: "null"
+""",
+    "the library called": "    from segmap.poses import compose\n    return compose(a, b)\n",
+    "another function that calls it": (
+        "    from segmap.poses import between, inverse\n    return between(inverse(a), b)\n"
+    ),
+    "the library's source": LOOKS.format(wanted="p.endswith('/motions.py')"),
+    "the library's machine code": LOOKS.format(
+        wanted="p[-4:] in ('.nbi', '.nbc', '.pyc') and ('/motions.' in p or '/_poses.' in p)"
+    ),
+    "the solution among the objects": """\
+    known = [f for f in gc.get_objects() if getattr(f, "__name__", "") in ("compose", "_composed")]
+    if [f for f in known if callable(f)]: raise ValueError("found")
+""",
+    "the seed and what others wrote": """\
+    raise ValueError("found " + open("{secret}").read())
+""",
+    "shared memory": """\
+    import ctypes
+    libc = ctypes.CDLL(None)
+    libc.shmat.restype = ctypes.c_void_p
+    at = libc.shmget(4711, 64, 0o1666)
+    if at < 0: return [0, 0, 0]
+    there = libc.shmat(at, None, 0)
+    held = ctypes.string_at(there, 5)
+    if held == b"found" and not hasattr(sys, "mine"): raise ValueError("found")
+    ctypes.memmove(there, b"found", 5)
+    sys.mine = True
+""",
+    "a file for the next": """\
+    for folder in ("/tmp", "/dev/shm", "/var/tmp"):
+        if os.path.exists(folder + "/left") and not hasattr(sys, "mine"): raise ValueError("found")
+        try: open(folder + "/left", "w").write("x")
+        except OSError: pass
+    sys.mine = True
+""",
+    "all processes killed": "    os.kill(-1, 9)\n",
+    "the grader killed": "    os.kill(os.getppid(), 9)\n",
+    "a fork bomb": "    while True: os.fork()\n",
+    "ten gigabytes": "    np.ones(1_250_000_000)\n",
+    "a disk that is filled": """\
+    with open("/tmp/full", "wb") as file:
+        for _ in range(10_000): file.write(bytes(1 << 20))
+""",
+    "a loop without end": "    while True: pass\n",
+    "a word by the network": """\
+    socket.socket(socket.AF_INET, socket.SOCK_DGRAM).sendto(b"found", ("127.0.0.1", {port}))
+    socket.create_connection(("127.0.0.1", {port}), 1)
+""",
+    "a file that is removed": """\
+    os.remove("{secret}")
+""",
+    "another user": "    os.setuid(0)\n    os.remove('{secret}')\n",
+    "a jail inside the jail": """\
+    import ctypes
+    if ctypes.CDLL(None).unshare(0x10000000) == 0: raise ValueError("found")
+""",
+    "a hidden case in an error": "    raise ValueError('found ' + repr(a))\n",
+    "a hidden case in the name of an error": (
+        "    raise type('found' + repr(a), (Exception,), {})('x')\n"
+    ),
+    "megabytes": "    return ['x' * 1000] * 99_000\n",
+    "a number without end": "    return [10**5000, float('nan')]\n",
+}
+
+
+def attack(name: str, secret: Path, port: int) -> str:
+    """The cell of an attack on `compose`, with a wrong answer behind it.
+
+    Those on hidden cases answer the open ones as they should, or there were nothing to tell.
+    """
+    text = HARM[name].replace("{secret}", str(secret)).replace("{port}", str(port))
+    head = "import gc\ndef my_compose(a, b):\n" + GET
+    return f"{head}{text}    return [0, 0, 0]\n"

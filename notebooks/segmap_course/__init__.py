@@ -6,6 +6,7 @@
 from __future__ import annotations
 
 from ._conclusions import conclusions, density, filter_change
+from ._explore import Explored, explore, floor_of
 from ._known import Known, known_building
 from ._landscapes import Landscape, heading_profile, landscape, peaks, profile_peaks
 from ._storage import (
@@ -26,6 +27,7 @@ from ._thesis import (
 )
 from ._trials import (
     Trial,
+    corridor_walk,
     load_columns,
     load_trials,
     room_walk,
@@ -51,7 +53,12 @@ from .exercises.maps import (
     check_reduction_at,
     check_reduction_rate,
 )
-from .exercises.matching import check_climb_step, check_scan_score, check_weighed
+from .exercises.matching import (
+    check_climb_step,
+    check_resampled,
+    check_scan_score,
+    check_weighed,
+)
 from .exercises.open import Challenge, OwnLog, Prediction
 from .exercises.open.alignment import (
     break_icp,
@@ -80,12 +87,14 @@ from .exercises.open.scans import (
 )
 from .exercises.poses import (
     check_carried,
+    check_carried_beam,
     check_compose,
     check_edge_error,
     check_heading_between,
 )
 from .exercises.quadtree import (
     check_cell_of,
+    check_frontier_cells,
     check_grown,
     check_occupancy,
     check_pixel,

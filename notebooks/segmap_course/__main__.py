@@ -3,12 +3,25 @@
 from __future__ import annotations
 
 import argparse
+import re
 import sys
 from collections.abc import Callable
+from datetime import datetime
 from pathlib import Path
 from typing import Any
 
-from .grading import Limits, class_report, grade, plan_of, read_key
+from segmap.files import shown, write_bytes
+
+from .grading import (
+    Limits,
+    Table,
+    class_report,
+    duplicates,
+    graded,
+    plan_of,
+    read_key,
+    write_feedback,
+)
 from .grading.handout import handout, write_solutions
 
 EPILOG = """\
@@ -26,7 +39,7 @@ def main(arguments: list[str] | None = None) -> int:
         print("stopped", file=sys.stderr)
         return 130
     except (ValueError, OSError) as error:
-        print(f"{given.command}: {error}", file=sys.stderr)
+        print(shown(f"{given.command}: {error}"), file=sys.stderr)
         return 1
 
 
@@ -45,7 +58,9 @@ def parser() -> argparse.ArgumentParser:
         return added
 
     handed = command(_handout, "a new folder for the students", "student copies of the chapters")
-    handed.add_argument("--seed", type=whole, metavar="N", help="of the hidden cases; keep it")
+    handed.add_argument(
+        "--seed", type=whole, metavar="N", help="of the hidden cases; default: 128 bits, drawn"
+    )
     notebooks = "a notebook or a folder a student: ann.ipynb, ann/"
     _add_options(command(_grade, notebooks, "points and feedback for all submissions"))
     command(_solutions, "a new folder, not for students", "chapters with solutions, for you alone")
@@ -62,13 +77,23 @@ def _add_options(grade: argparse.ArgumentParser) -> None:
         words = f"of an answer, {unit}; default: %(default)s"
         default = int(getattr(Limits(), name))
         grade.add_argument(f"--{name}", type=whole, default=default, metavar="N", help=words)
-    words = "run where nothing guards your files"
+    words = "run where nothing guards your files; the table says so"
     grade.add_argument("--unprotected", action="store_true", help=words)
+    words = "list what has changed since the table was written; points by hand are kept anyway"
+    grade.add_argument("--regrade", action="store_true", help=words)
+    words = "of the points, 0 to 1, for an answer that fails on hidden cases only; default: 0"
+    grade.add_argument("--partial", type=share, default=0.0, metavar="SHARE", help=words)
+    words = "adds a column with the hours that files are late"
+    grade.add_argument(
+        "--deadline", type=datetime.fromisoformat, metavar="2026-11-23T10:00", help=words
+    )
+    words = "write a table that it imports, too"
+    grade.add_argument("--export", choices=("moodle", "canvas"), help=words)
 
 
 def _solutions(given: argparse.Namespace) -> None:
     count = write_solutions(given.folder, given.chapters)
-    print(f"{count} chapters with solutions in {given.folder}: for you alone")
+    print(f"{count} chapters with solutions in {shown(given.folder)}: for you alone")
 
 
 def whole(word: str) -> int:
@@ -78,13 +103,20 @@ def whole(word: str) -> int:
     return int(word)
 
 
+def share(word: str) -> float:
+    """A number from 0 to 1."""
+    if not re.fullmatch(r"0?\.\d+|[01](\.0*)?", word):
+        raise argparse.ArgumentTypeError(f"expected a number from 0 to 1, got {word!r}")
+    return float(word)
+
+
 def _handout(given: argparse.Namespace) -> None:
     key, tasks = handout(given.folder, wanted=given.chapters, seed=given.seed)
     count = len(list(given.folder.glob("*.ipynb")))
     points = sum(task.points for task in tasks)
-    print(f"{count} chapters, {len(tasks)} tasks, {points} points: give {given.folder} to students")
-    hidden = "no seed: no hidden cases" if given.seed is None else "the seed of the hidden cases"
-    print(f"for you alone: {key} ({hidden}); grade with --key {key}")
+    held = f"{count} chapters, {len(tasks)} tasks, {points} points"
+    print(shown(f"{held}: give {given.folder} to students"))
+    print(shown(f"for you alone: {key} (the seed of the hidden cases); grade with --key {key}"))
 
 
 def _grade(given: argparse.Namespace) -> None:
@@ -96,13 +128,44 @@ def _grade(given: argparse.Namespace) -> None:
         raise ValueError(f"cannot write {given.output}: there is no folder {given.output.parent}")
     plan = read_key(given.key) if given.key else plan_of(given.chapters, given.seed)
     limits = Limits(seconds=max(given.seconds, 1), cpu=max(given.cpu, 1))
-    rows = grade(given.folder, given.output, plan, limits=limits, unprotected=given.unprotected)
-    hidden = "with" if plan.seed is not None else "without"
+    table = Table(given.output, plan.tasks, given.deadline)
     pages = given.output.with_name(f"{given.output.stem}_feedback")
+    rows = []
+    for row in graded(
+        given.folder,
+        plan._replace(partial=given.partial),
+        limits=limits,
+        unprotected=given.unprotected,
+    ):
+        table.add(row)
+        write_feedback(pages, row, plan.tasks)
+        rows.append(row)
+        right = sum(outcome.right for outcome in row.outcomes.values())
+        print(f"{shown(row.submission.student)}: {right} of {len(row.outcomes)} right")
+    alike = duplicates(rows, plan.tasks)
+    for row in rows:
+        if said := alike.get(row.submission.student):
+            table.add(row, said)
+    report = class_report(rows, plan.tasks)
+    path = given.output.with_name(f"{given.output.stem}_class.txt")
+    write_bytes(path, "\n".join([*report, ""]).encode("utf-8", "replace"))
+    hidden = "with" if plan.seed is not None else "without"
     print(f"{len(rows)} submissions, {len(plan.tasks)} tasks, {hidden} hidden cases")
-    for line in class_report(rows, plan.tasks):
-        print(f"  {line}")
-    print(f"written: {given.output}, {given.output.stem}_class.txt, feedback for each in {pages}")
+    if rows[0].jail == "none":
+        print("no jail: the code of students could read and change your files")
+    for line in report:
+        print(f"  {shown(line)}")
+    if table.changes:
+        print(
+            f"{len(table.changes)} cells have changed"
+            + ("" if given.regrade else ": see --regrade")
+        )
+    print("\n".join(f"  {shown(line)}" for line in table.changes if given.regrade))
+    if alike:
+        print(f"{len(alike)} students with answers that are alike: look at the column `alike`")
+    if given.export:
+        print(shown(f"for {given.export}: {table.export(given.export)}"))
+    print(shown(f"written: {given.output}, {path.name}, feedback for each in {pages}"))
     if any(task.by_hand for task in plan.tasks):
         print(
             "columns that are empty are graded by hand: task, rubric and answer are in the feedback"

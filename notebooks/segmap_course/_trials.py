@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from dataclasses import asdict, astuple, dataclass, fields
+from dataclasses import asdict, astuple, dataclass, fields, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -17,7 +17,15 @@ from segmap.matching import MATCHERS, SCORES, map_scans
 from segmap.quadtree import QuadtreeMap
 from segmap.readers import data_file
 from segmap.scans import Log
-from segmap.simulation import URG_04LX, box, rectangular_room, simulate
+from segmap.simulation import (
+    SICK_LMS200,
+    URG_04LX,
+    box,
+    corridor_loop,
+    drive,
+    rectangular_room,
+    simulate,
+)
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -74,6 +82,22 @@ def room_walk(scans: int = 200, *, seed: int = 0) -> Log:
     path = np.stack([x, y, np.arctan2(0.65 * np.cos(turn), -1.05 * np.sin(turn))], -1)
     rng = np.random.default_rng(seed)
     return simulate(room_walls(), path, sensor=URG_04LX, rng=rng, name="room walk")
+
+
+def corridor_walk(*, seed: int = 0) -> Log:
+    """Once round the corridor of `corridor_loop` and 3 m on, with a SICK that sees 8 m.
+
+    The seed is that of the errors of sensor and wheels.
+
+    Examples
+    --------
+    >>> corridor_walk()
+    Log('corridor walk', 291 scans, odometry, truth)
+    """
+    corners = [(1, 1), (29, 1), (29, 11), (1, 11), (1, 1), (4, 1)]
+    path = drive(corners, step=0.3, turn=np.radians(15))
+    sensor, rng = replace(SICK_LMS200, max_range=8.0), np.random.default_rng(seed)
+    return simulate(corridor_loop(), path, sensor=sensor, rng=rng, name="corridor walk")
 
 
 def room_walls() -> Array:

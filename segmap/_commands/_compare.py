@@ -21,12 +21,14 @@ from ..scans import Log
 from ..segments import SegmentMap, length
 from ._logs import (
     add_align,
+    add_deskew,
     add_logs,
     add_output,
     add_strict,
     aligned,
     allowed,
     concluded,
+    deskewed,
     each_log,
 )
 from ._thresholds import thresholds
@@ -77,6 +79,7 @@ def add(commands: Any) -> None:
         help="judge by true walls too: a .csv with x1,y1,x2,y2,scan or .npz, metres, in the frame "
         "of the map",
     )
+    add_deskew(command)
     add_strict(command)
     add_output(command, SUFFIXES, "a picture of the curves, or all runs")
     command.set_defaults(run=run)
@@ -95,6 +98,7 @@ def run(given: argparse.Namespace) -> int:
 
 def compare(given: argparse.Namespace, log: Log, paths: list[Path], report: Report) -> int:
     """Run all methods on the map of one log, and print what each leaves."""
+    log = deskewed(given, log, report)
     poses = aligned(log, given.align, report)
     map = whole = extraction.build_map(log, poses.trusted, keep_points=True)
     verdict = poses.verdict_on(map)
@@ -253,7 +257,8 @@ def print_table(runs: pd.DataFrame, quality: float, report: Report) -> dict[str,
     total, at = int(runs["n_before"].iloc[0]), equal_quality(runs, quality).iloc[0]
     methods = map(str, dict.fromkeys(runs["method"]))
     names = sorted(methods, key=lambda name: -np.nan_to_num(at[name], nan=-np.inf))
-    report.say(f"\n  {f'at quality {percent(quality)}':<22} {'gone':>11} {'left':>6}  nearest run")
+    report.say()
+    report.say(f"  {f'at quality {percent(quality)}':<22} {'gone':>11} {'left':>6}  nearest run")
     nearest = {}
     for name in names:
         gone, own = float(at[name]), select(runs, method=name)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -80,7 +81,7 @@ def _write(path: Path, log: Log, poses: Alignment | None) -> str:
         return f"{path}: {counted(len(log), 'pose')}, {counted(edges, 'edge')}"
     known = log.truth if poses is None else poses.poses
     if path.suffix == ".npz":
-        exports.write_arrays(path, Log(log.name, log.scans, known))
+        exports.write_arrays(path, replace(log, truth=known))
     else:
         exports.write_carmen(path, log, poses)
     placed = 0 if known is None else int(np.isfinite(known).all(1).sum())

@@ -16,10 +16,11 @@ from typing import Any, Literal
 import numpy as np
 
 from .._display import counted
-from ..alignment import METHODS, Alignment, Verdict
-from ..files import write_bytes
+from ..alignment import METHODS, Alignment, Verdict, deskew
+from ..files import shown, write_bytes
 from ..readers import LogError, UnknownFormat, format_of, load, read, read_bag
 from ..scans import Log
+from ..scans.moving import is_timed
 from ._words import FAULTS, Report, percent, progress, reason, say, seconds, tell
 
 #: Stands for the name of the log.
@@ -82,7 +83,7 @@ def each_log(given: argparse.Namespace, work: Work, head: Callable[[Log, str], s
     failed, codes, reports = [], [0], []
     with progress(len(chosen), "log") as bar:
         for source in chosen:
-            bar.set_description(Path(source).name)
+            bar.set_description(shown(Path(source).name))
             reports.append(report := Report(source, json=given.json))
             try:
                 log = log_of(source, given)
@@ -92,7 +93,8 @@ def each_log(given: argparse.Namespace, work: Work, head: Callable[[Log, str], s
             except BrokenPipeError:  # nobody reads any more
                 raise
             except FAULTS as error:
-                failed.append(reason(error) if source in str(error) else f"{source}: {error}")
+                why, named = reason(error), shown(source)
+                failed.append(why if named in why else f"{named}: {why}")
                 report.found["failed"] = failed[-1]
             report.end()
             bar.update()
@@ -133,7 +135,7 @@ def sources(text: str) -> Iterator[str]:
     inside = sorted(path for path in folder.iterdir() if not path.name.startswith("."))
     found = [path for path in inside if is_log(path)]
     if rest := [path.name for path in inside if path not in found]:
-        tell(f"{folder}: left out, since no log: {', '.join(rest)}")
+        tell(f"{shown(folder)}: left out, since no log: {', '.join(map(shown, rest))}")
     yield from map(str, found or [folder])
 
 
@@ -173,6 +175,15 @@ def add_align(command: Any, without: str = ALIGN) -> None:
     )
 
 
+def add_deskew(command: Any) -> None:
+    """The option --no-deskew."""
+    command.add_argument(
+        "--no-deskew",
+        action="store_true",
+        help="take all beams of a scan to be measured at once, even where the log has their times",
+    )
+
+
 def add_strict(command: Any) -> None:
     """The options that say what counts as a map, and what happens where there is none."""
     command.add_argument(
@@ -192,6 +203,17 @@ def _share(text: str) -> float:
     if not 0 <= share <= 1:
         raise argparse.ArgumentTypeError(f"{text} must be from 0 to 1")
     return share
+
+
+def deskewed(given: argparse.Namespace, log: Log, report: Report) -> Log:
+    """The log with its beams carried to the start of each scan where it has their times."""
+    if given.no_deskew or not is_timed(log):
+        return log
+    found = deskew(log)
+    count = sum(new is not old for new, old in zip(found, log, strict=True))
+    words = f"{count} of {counted(len(log), 'scan')}, by how the robot moved meanwhile"
+    report.line("de-skewed", words, scans=count)
+    return found
 
 
 def aligned(log: Log, method: str | None, report: Report) -> Alignment:

@@ -5,9 +5,10 @@ from __future__ import annotations
 import argparse
 import os
 import sys
-from typing import Any
+from typing import Any, NoReturn
 
 from .. import __version__
+from ..files import shown
 from . import _compare, _convert, _info, _locate, _map, _notebooks, _occupancy, _warm
 from ._words import FAULTS, plain_warnings, reason, tell
 
@@ -27,6 +28,10 @@ class _Strict(argparse.ArgumentParser):
 
     def __init__(self, **settings: Any) -> None:
         super().__init__(**settings, allow_abbrev=False)
+
+    def error(self, message: str) -> NoReturn:
+        """End with a message; the shell may have put names of files into it."""
+        super().error(shown(message))
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -50,7 +55,7 @@ def main(arguments: list[str] | None = None) -> int:
 
 def parser() -> argparse.ArgumentParser:
     """The parser of all commands."""
-    found = argparse.ArgumentParser(prog="segmap", description=DESCRIPTION, epilog=EPILOG)
+    found = _Strict(prog="segmap", description=DESCRIPTION, epilog=EPILOG)
     found.add_argument("--version", action="version", version=f"segmap {__version__}")
     commands = found.add_subparsers(
         required=True, metavar="COMMAND", title="commands", parser_class=_Strict

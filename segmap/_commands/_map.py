@@ -14,12 +14,14 @@ from ..scans import Log
 from ..segments import SegmentMap
 from ._logs import (
     add_align,
+    add_deskew,
     add_logs,
     add_output,
     add_strict,
     aligned,
     allowed,
     concluded,
+    deskewed,
     each_log,
 )
 from ._thresholds import add_thresholds, chosen_thresholds, refuse_others
@@ -38,6 +40,7 @@ def add(commands: Any) -> None:
     )
     add_logs(command)
     add_align(command)
+    add_deskew(command)
     add_strict(command)
     names = (*METHODS, "none")
     command.add_argument(
@@ -67,6 +70,7 @@ def run(given: argparse.Namespace) -> int:
 def map_log(given: argparse.Namespace, log: Log, paths: list[Path], report: Report) -> int:
     """Map one log, and write what was asked for where there is a map."""
     with progress(3, "step", "aligning") as bar:
+        log = deskewed(given, log, report)
         poses = aligned(log, given.align, report)
         before = segments_of(given, log, poses, report)
         verdict = poses.verdict_on(before)

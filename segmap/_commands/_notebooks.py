@@ -11,6 +11,7 @@ from typing import Any
 
 from .._display import counted
 from ..files import chapters_folder, existing, write_bytes
+from ._words import say
 
 #: The chapter that is opened first.
 FIRST = "00_start_here.ipynb"
@@ -40,7 +41,7 @@ def run(given: argparse.Namespace) -> None:
     _tell(folder, done)
     if not near:
         opened = folder / FIRST
-        print(f"open them with: jupyter lab {opened}  (needs: pip install 'segmap[lab]')")
+        say(f"open them with: jupyter lab {opened}  (needs: pip install 'segmap[lab]')")
 
 
 def originals(source: Path, *, outside: bool) -> dict[str, bytes]:
@@ -86,13 +87,13 @@ def _hand_over(folder: Path, name: str, content: bytes, handed: dict[str, str]) 
 def _tell(folder: Path, done: dict[str, str]) -> None:
     """Say what was done, and where a newer original lies."""
     kinds = [kind for name, kind in done.items() if name.endswith(".ipynb")]
-    print(f"{counted(kinds.count('copied'), 'chapter')} copied to {folder}")
+    say(f"{counted(kinds.count('copied'), 'chapter')} copied to {folder}")
     if same := kinds.count("there already"):
-        print(f"{counted(same, 'chapter')} there already")
+        say(f"{counted(same, 'chapter')} there already")
     if yours := [name for name, kind in done.items() if kind == "yours"]:
-        print(f"left as they are, since yours differ: {', '.join(yours)}")
-        print("rename one of these, and run this again, to get the chapter as it was")
+        say(f"left as they are, since yours differ: {', '.join(yours)}")
+        say("rename one of these, and run this again, to get the chapter as it was")
     kept = {"copied", "there already", "yours"}
     for name, kind in done.items():
         if kind not in kept:
-            print(f"{name} is newer than yours, which stays: the new one is {folder / kind}")
+            say(f"{name} is newer than yours, which stays: the new one is {folder / kind}")

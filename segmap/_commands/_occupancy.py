@@ -17,12 +17,14 @@ from ..matching import MATCHERS, SCORES, map_scans
 from ..scans import Log
 from ._logs import (
     add_align,
+    add_deskew,
     add_logs,
     add_output,
     add_strict,
     aligned,
     allowed,
     concluded,
+    deskewed,
     each_log,
 )
 from ._words import Report, progress
@@ -54,6 +56,7 @@ def add(commands: Any) -> None:
     command.add_argument(
         "--resolution", type=float, default=0.05, metavar="METRES", help="of a cell; default: 0.05"
     )
+    add_deskew(command)
     add_strict(command)
     add_output(command, SUFFIXES, "the map: .yaml for ROS, with its .pgm; .npz to load it again")
     command.set_defaults(run=run)
@@ -71,6 +74,7 @@ def map_log(given: argparse.Namespace, log: Log, paths: list[Path], report: Repo
     if given.matcher:
         map, verdict = _matched(given, log, report)
     else:
+        log = deskewed(given, log, report)
         found = aligned(log, given.align, report)
         verdict = found.verdict
         map = quadtree.build_map(log, found.trusted, resolution=given.resolution)

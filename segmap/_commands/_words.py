@@ -10,6 +10,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
+from ..files import shown
 from ..readers import LogError, UnknownFormat
 from ..scans import Log
 
@@ -84,16 +85,17 @@ def finite(value: Any) -> Any:
 
 
 def say(text: str = "") -> None:
-    """Print a line; a bar that is shown moves below it."""
+    """Print one line; a bar that is shown moves below it."""
     from tqdm import tqdm
 
-    tqdm.write(text, file=sys.stdout)
+    tqdm.write(shown(text), file=sys.stdout)
     sys.stdout.flush()
 
 
 def tell(text: str) -> None:
     """Say beside the output what went wrong."""
-    print(f"segmap: {text}", file=sys.stderr, flush=True)
+    lines = "\n".join(map(shown, text.split("\n")))
+    print(f"segmap: {lines}", file=sys.stderr, flush=True)
 
 
 def reason(error: BaseException) -> str:
@@ -103,7 +105,7 @@ def reason(error: BaseException) -> str:
     if isinstance(error, LogError) and error.line and "read_csv" not in error.reason:
         return f"{error} (--skip leaves damaged lines out)"
     if isinstance(error, OSError) and error.strerror:
-        return f"{error.filename}: {error.strerror}" if error.filename else error.strerror
+        return f"{shown(error.filename)}: {error.strerror}" if error.filename else error.strerror
     if isinstance(error, MemoryError):
         return "there is not enough memory for this"
     return " ".join(str(error).split()) or type(error).__name__
@@ -118,7 +120,7 @@ def plain_warnings() -> Iterator[None]:
         from tqdm import tqdm  # it draws the bar anew below the line
 
         if issubclass(category, UserWarning):
-            tqdm.write(f"warning: {message}", file=sys.stderr)
+            tqdm.write(f"warning: {shown(message)}", file=sys.stderr)
 
     with warnings.catch_warnings():
         warnings.simplefilter("always", UserWarning)

@@ -19,6 +19,7 @@ from ..arrays import Array, checked
 from ..extraction import extract_polylines
 from ..poses.motions import between, compose
 from ..scans import LaserScan, Log
+from ..scans.moving import unmoved
 from ..segments import SegmentMap, length
 from ._verdict import Verdict, judge
 from .graph import Graph
@@ -201,20 +202,22 @@ def alignment_method(method: Callable[P, Outcome]) -> Callable[P, Alignment]:
         begun = time.perf_counter()
         found = method(*args, **kwargs)
         seconds = time.perf_counter() - begun
-        return concluded(name, len(log), found, seconds)
+        return concluded(name, log, found, seconds)
 
     signature = inspect.signature(method).replace(return_annotation="Alignment")
     run.__signature__ = signature  # type: ignore[attr-defined]
     return checked(run)
 
 
-def concluded(name: str, scans: int, found: Outcome, seconds: float) -> Alignment:
-    """The alignment of so many scans by a method of that name, checked."""
+def concluded(name: str, scans: Sequence[LaserScan], found: Outcome, seconds: float) -> Alignment:
+    """The alignment of scans by a method of that name, checked."""
     poses, reasons = np.array(found.poses, float).reshape(-1, 3), tuple(found.reasons)
-    if len(poses) != scans or len(reasons) != scans or not np.isfinite(poses).all():
+    if len(poses) != len(scans) or len(reasons) != len(scans) or not np.isfinite(poses).all():
         raise RuntimeError(f"{name} must give a finite pose and a reason for each scan")
     used = np.array([not reason for reason in reasons], bool)
-    evidence = reasons, found.graph, found.doubt, found.spread, found.local_spread
+    doubts = getattr(scans, "doubt", ""), unmoved(scans, poses), found.doubt
+    doubt = "; ".join(filter(None, doubts))
+    evidence = reasons, found.graph, doubt, found.spread, found.local_spread
     return Alignment(poses, used, seconds, name, *evidence)
 
 

@@ -27,6 +27,7 @@ from ._scalars import (
     LIMIT,
     MOST,
     brief,
+    called,
     file,
     frame,
     function,

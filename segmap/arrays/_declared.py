@@ -118,6 +118,12 @@ class Declared(typing.NamedTuple):
     def _is_angle(self) -> bool:
         return self.unit.startswith("rad")
 
+    @property
+    def is_limited(self) -> bool:
+        """Whether `check` refuses anything."""
+        known = self.words or self.kind in (bool, int, np.random.Generator)
+        return bool(known) or (self.kind is float and self.quantity.unit is not None)
+
     def check(self, value: Any, name: str) -> Any:
         """The value as its kind, or a ValueError that names it."""
         if value is None and self.optional:
@@ -183,11 +189,17 @@ def checked(function: Callable[P, R]) -> Callable[P, R]:
     """
     known: dict[str, Declared] = {}
     names = list(inspect.signature(function).parameters)
+    free = -1  # so many in front may be anything
 
     @functools.wraps(function)
     def call(*args: Any, **given: Any) -> R:
-        if not known:
+        nonlocal free
+        if free < 0:
             known.update(declared(function))
+            limited = (k for k, n in enumerate(names) if n in known and known[n].is_limited)
+            free = next(limited, len(names))
+        if not given and len(args) <= free:
+            return cast(Callable[..., R], function)(*args)
         named = dict(zip(names, args, strict=False)) | given
         kept = {n: known[n].check(v, n) if n in known else v for n, v in named.items()}
         for name in kept.keys() & known.keys():
@@ -207,14 +219,17 @@ def checked(function: Callable[P, R]) -> Callable[P, R]:
 
 
 class Settings:
-    """A dataclass of settings: each field is checked as its annotation declares it.
+    """A dataclass of settings: each field is checked, and kept, as its annotation declares it.
 
     What is a plain float is positive; a tuple holds positive numbers.
     """
 
     def __post_init__(self) -> None:
         for name, said in declared(type(self)).items():
-            given = getattr(self, name)
-            for value in given if isinstance(given, tuple) else (given,):
-                plain = said.kind is tuple or (said.kind is float and said.quantity.unit is None)
-                number(value, name, above=0) if plain else said.check(value, name)
+            given, many = getattr(self, name), said.kind is tuple
+            if many or (said.kind is float and said.quantity.unit is None):
+                listed = given if isinstance(given, tuple) else (given,)
+                found = tuple(number(value, name, above=0) for value in listed)
+                object.__setattr__(self, name, found if many else found[0])
+            else:
+                object.__setattr__(self, name, said.check(given, name))

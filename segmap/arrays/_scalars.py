@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable
+from collections.abc import Callable, Collection, Iterable
 from os import PathLike
 from pathlib import Path
 from typing import Any, TypeVar
@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 T = TypeVar("T")
+R = TypeVar("R")
 
 #: No coordinate of a map of a building is larger, metres. Compiled loops count cells in 64 bits,
 #: and cells of a hundredth of a millimetre still fit.
@@ -156,7 +157,7 @@ def switch(value: object, name: str) -> bool:
 
 
 def function(value: T, name: str, words: str) -> T:
-    """Something that can be called; words say what is expected.
+    """Something that can be called, and is no class; words say what is expected.
 
     Examples
     --------
@@ -164,9 +165,24 @@ def function(value: T, name: str, words: str) -> T:
     Traceback (most recent call last):
     ValueError: extract must be a function of points, got 'fast'
     """
-    if not callable(value):
+    if not callable(value) or isinstance(value, type):
         raise ValueError(f"{name} must be a function {words}, got {brief(value)}")
     return value
+
+
+def called(function: Callable[..., R], name: str, *given: Any, **named: Any) -> R:
+    """What a function of the caller's gives; a TypeError names the argument that brought it.
+
+    Examples
+    --------
+    >>> called(lambda: 3.0, "score", "map")
+    Traceback (most recent call last):
+    TypeError: score: <lambda>() takes 0 positional arguments but 1 was given
+    """
+    try:
+        return function(*given, **named)
+    except TypeError as error:
+        raise TypeError(f"{name}: {error}") from error
 
 
 def file(value: object, name: str = "path") -> Path:

@@ -69,7 +69,7 @@ def load_records(*names: str) -> pd.DataFrame:
     >>> runs[["filtered", "n_before", "n_after"]]
          filtered  n_before  n_after
     104       0.0      4240     1086
-    333       0.1      3840     1036
+    340       0.1      3840     1036
     """
     place = data_file("records")
     chosen = names or sorted(path.stem for path in place.glob("*.csv") if _holds_runs(path))

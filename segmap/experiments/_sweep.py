@@ -142,12 +142,15 @@ def run(job: Job) -> Row:
         thresholds = job.row["thresholds"]
         runs = [job.function(job.segments, **thresholds) for _ in range(job.repeat)]
         found, seconds = runs[-1], median(each.seconds for each in runs)
-        kept = float(job.measure(job.segments, found)) if len(job.segments) else math.nan
+        kept = math.nan
+        if len(job.segments):
+            kept = float(arrays.called(job.measure, "measure", job.segments, found))
         if not (0 <= kept <= 1 or math.isnan(kept)):
             raise ValueError(f"measure must give a number in [0, 1] or NaN, got {kept}")
         rate = reduction_rate(job.segments, found)
     except Exception as error:
-        kind = ValueError if isinstance(error, ValueError) else RuntimeError
+        kinds = (kind for kind in (ValueError, TypeError) if isinstance(error, kind))
+        kind = next(kinds, RuntimeError)
         raise kind(f"{_words(job.row)}: {type(error).__name__}: {error}") from error
     return job.row | {
         "n_before": len(job.segments),

@@ -16,9 +16,9 @@ def write_arrays(path: str | Path, log: Log) -> None:
 
     They are `ranges` and `angles`, `(k, n)`, so that all scans must have one number of beams;
     `times` and `max_range`, `(k,)`; `sensor_pose`, `(k, 3)`, of the laser on the robot; and where
-    the log has them `odometry` and `truth`, `(k, 3)`, of the robot, NaN where a scan has none, and
-    `codes`, `(k, n)`. The name must end in `.npz`. Beams that met nothing are infinite, those with
-    an error NaN.
+    the log has them `odometry` and `truth`, `(k, 3)`, of the robot, NaN where a scan has none,
+    `codes` and `delays`, `(k, n)`, with `order_known`, and the odometry's `track`, `(m, 4)`. The
+    name must end in `.npz`. Beams that met nothing are infinite, those with an error NaN.
 
     Examples
     --------
@@ -51,4 +51,10 @@ def write_arrays(path: str | Path, log: Log) -> None:
             held[name] = poses
     if all(scan.codes is not None for scan in log):
         held["codes"] = np.array([scan.codes for scan in log])
+    if any(scan.delays is not None for scan in log):
+        none = np.full(counts[0], np.nan)
+        held["delays"] = np.array([none if s.delays is None else s.delays for s in log])
+        held["order_known"] = np.array(log.order_known)
+    if log.track is not None:
+        held["track"] = log.track
     write_npz(place, "log of segmap 1", held)

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from .. import arrays
 from ..arrays import Quantity, Share, below, checked
-from ..files import write_bytes
+from ..files import replacing, write_bytes
 from ..quadtree import QuadtreeMap, extent
 
 #: Grey values of classes: free, unknown, occupied.
@@ -114,7 +114,6 @@ def write_ros_map(
     found = ros_classes(map, resolution=resolution, occupied=occupied, free=free)
     rows, columns = found.greys.shape
     picture, pixels = place.with_suffix(".pgm"), np.flipud(found.greys).tobytes()
-    write_bytes(picture, f"P5\n{columns} {rows}\n255\n".encode("ascii") + pixels)
     thresholds = f"free: occupancy <= {free:g}, occupied: occupancy > {occupied:g}"
     lines = [
         f"image: {json.dumps(picture.name, ensure_ascii=False)}",
@@ -126,7 +125,9 @@ def write_ros_map(
         "mode: trinary",
         f"# {thresholds}, else unknown; bias {map.bias}",
     ]
-    write_bytes(place, "".join(f"{line}\n" for line in lines).encode())
+    with replacing(place) as text, replacing(picture) as image:  # both can be written, or none is
+        image.write(f"P5\n{columns} {rows}\n255\n".encode("ascii") + pixels)
+        text.write("".join(f"{line}\n" for line in lines).encode())
 
 
 def _number(value: float) -> str:

@@ -155,7 +155,10 @@ def build_map(
     if arrays.switch(keep_points, "keep_points"):
         map = _map_with_points(log, rows, known, extract, thresholds)
     else:
-        found = [transform(rows[k], extract(log[int(k)].points(), **thresholds)) for k in known]
+        seen = [log[int(k)].points() for k in known]
+        each = [arrays.called(extract, "extract", points, **thresholds) for points in seen]
+        each = [arrays.segments(part, "extract(points)") for part in each]
+        found = [transform(rows[k], part) for k, part in zip(known, each, strict=True)]
         scan = np.repeat(known, [len(segments) for segments in found])
         map = SegmentMap(np.concatenate([np.empty((0, 2, 2)), *found]), scan)
     warn_of_nothing(not len(map), log, rows, "without a segment (too few points, or too short)")
@@ -207,9 +210,16 @@ def _polylines(
     min_length: float,
     closed: bool,
 ) -> Runs:
-    p, least = _in_order(points, gap, closed), max(min_points, 2)
-    out, room = np.empty((len(p) // least + 1, 2, 2)), np.empty((4, len(p) + 1), np.int64)
-    found = kernels.polylines(p, gap, tolerance, least, min_length, out, room, np.empty(len(p) + 1))
+    if arrays.ready(points) and points.shape[1:] == (2,) and not closed:
+        p = points  # the loop looks whether they are finite
+    else:
+        p = _in_order(points, gap, closed)
+    least = max(min_points, 2)
+    out, room = np.empty((len(p) // least + 1, 2, 2)), np.empty((4, len(p)), np.int64)
+    sums = np.empty((6, len(p)))
+    found = kernels.polylines(p, gap, tolerance, least, min_length, out, room, sums)
+    if found < 0:
+        arrays.points(p)  # says which is wrong
     return Runs(out[:found], p, room[2, :found], room[3, :found])
 
 

@@ -9,12 +9,16 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ..arrays import Array
+from ..arrays import LIMIT, Array
 from ..compiled import compiled
 from ..segments import MIN_LENGTH
 
 Line = tuple[float, float, float, float]
 Indices = NDArray[np.int64]
+
+#: Errors from sums that are so near to each other are computed anew, metres: rounding of sums is a
+#: thousand times smaller.
+NEAR = 1e-9
 
 
 @compiled
@@ -75,12 +79,13 @@ def _off(p: Array, i: int, line: Line) -> float:
 @compiled
 def _farthest(p: Array, start: int, stop: int, line: Line) -> tuple[int, float]:
     """Index of the point of a run farthest from a line, and its distance, metres."""
-    index, most = start, -1.0
-    for i in range(start, stop):
-        off = _off(p, i, line)
+    run = p[start:stop]  # counted from 0: the compiler need not look out for negative indices
+    index, most = 0, -1.0
+    for i in range(len(run)):
+        off = _off(run, i, line)
         if off > most:
             index, most = i, off
-    return index, most
+    return start + index, most
 
 
 @compiled
@@ -165,7 +170,41 @@ def _split(p: Array, start: int, stop: int, tolerance: float, ends: Indices, tod
 
 
 @compiled
-def _joint_error(p: Array, start: int, ends: Indices, k: int) -> float:
+def _sum_up(p: Array, start: int, begin: int, end: int, sums: Array, k: int) -> None:
+    """Into column k: sums of x, y, xx, yy, xy of a piece without its first point, metres.
+
+    About the first point of the cluster; the sums of two pieces that are joined add up.
+    """
+    x = y = xx = yy = xy = 0.0
+    for i in range(begin + 1, end + 1):
+        u, v = p[i, 0] - p[start, 0], p[i, 1] - p[start, 1]
+        x, y, xx, yy, xy = x + u, y + v, xx + u * u, yy + v * v, xy + u * v
+    sums[0, k], sums[1, k], sums[2, k], sums[3, k], sums[4, k] = x, y, xx, yy, xy
+
+
+@compiled
+def _fit_sums(p: Array, start: int, begin: int, end: int, sums: Array, k: int) -> Line:
+    """Line of `fit_total` through the pieces k and k + 1, from their sums; metres."""
+    u, v, n = p[begin, 0] - p[start, 0], p[begin, 1] - p[start, 1], end + 1 - begin
+    x, y = u + sums[0, k] + sums[0, k + 1], v + sums[1, k] + sums[1, k + 1]
+    xx = u * u + sums[2, k] + sums[2, k + 1] - x * x / n
+    yy = v * v + sums[3, k] + sums[3, k + 1] - y * y / n
+    xy = u * v + sums[4, k] + sums[4, k + 1] - x * y / n
+    a, b = xx - yy, 2 * xy
+    h = np.hypot(a, b)
+    if h == 0.0:
+        dx, dy = 1.0, 0.0
+    elif a >= 0:
+        dx = np.sqrt((h + a) / (2 * h))
+        dy = b / (2 * h * dx)
+    else:
+        dy = np.sqrt((h - a) / (2 * h))
+        dx = b / (2 * h * dy)
+    return p[start, 0] + x / n, p[start, 1] + y / n, dx, dy
+
+
+@compiled
+def _exact_error(p: Array, start: int, ends: Indices, k: int) -> float:
     """Largest distance from one line through the pieces k and k + 1 of a cluster, metres."""
     begin = ends[k - 1] if k else start
     line = fit_total(p, begin, ends[k + 1] + 1)
@@ -173,25 +212,60 @@ def _joint_error(p: Array, start: int, ends: Indices, k: int) -> float:
 
 
 @compiled
-def _merge(p: Array, start: int, tolerance: float, ends: Indices, count: int, errors: Array) -> int:
+def _joint_error(
+    p: Array, start: int, ends: Indices, k: int, tolerance: float, sums: Array
+) -> float:
+    """The same from sums, to their rounding; infinite where it is above the tolerance.
+
+    Three points are within it of one line only where the least height of their triangle is at most
+    twice as much.
+    """
+    begin, corner, end = ends[k - 1] if k else start, ends[k], ends[k + 1]
+    ax, ay = p[corner, 0] - p[begin, 0], p[corner, 1] - p[begin, 1]
+    bx, by = p[end, 0] - p[corner, 0], p[end, 1] - p[corner, 1]
+    cx, cy = ax + bx, ay + by
+    twice_area = ax * by - ay * bx
+    longest = max(ax * ax + ay * ay, bx * bx + by * by, cx * cx + cy * cy)
+    if twice_area * twice_area > 4.0001 * tolerance * tolerance * longest:
+        return np.inf
+    line = _fit_sums(p, start, begin, end, sums, k)
+    error = _farthest(p, begin, end + 1, line)[1]
+    if abs(error - tolerance) < NEAR:
+        error = _exact_error(p, start, ends, k)
+    return error if error <= tolerance else np.inf
+
+
+@compiled
+def _merge(
+    p: Array, start: int, tolerance: float, ends: Indices, count: int, errors: Array, sums: Array
+) -> int:
     """Join the two neighbours that one line fits best, while it fits within tolerance, metres.
 
-    Of a cluster cut into `count` pieces: the last point of each changes in place. `errors` is room
-    to work.
+    Of a cluster cut into `count` pieces: the last point of each changes in place. `errors` and
+    `sums` are room to work.
     """
+    for k in range(count):
+        _sum_up(p, start, ends[k - 1] if k else start, ends[k], sums, k)
     for k in range(count - 1):
-        errors[k] = _joint_error(p, start, ends, k)
+        errors[k] = _joint_error(p, start, ends, k, tolerance, sums)
     while count > 1:
         best = 0
         for k in range(1, count - 1):
+            if errors[k] < errors[best] + NEAR and errors[best] < errors[k] + NEAR:
+                errors[k] = _exact_error(p, start, ends, k)
+                errors[best] = _exact_error(p, start, ends, best)
             best = k if errors[k] < errors[best] else best
-        if errors[best] > tolerance:
+        if errors[best] == np.inf:
             break
         count -= 1
+        for row in range(5):
+            sums[row, best] += sums[row, best + 1]
+            for k in range(best + 1, count):
+                sums[row, k] = sums[row, k + 1]
         for k in range(best, count):
             ends[k], errors[k] = ends[k + 1], errors[k + 1]
         for k in range(max(best - 1, 0), min(best + 1, count - 1)):
-            errors[k] = _joint_error(p, start, ends, k)
+            errors[k] = _joint_error(p, start, ends, k, tolerance, sums)
     return count
 
 
@@ -222,18 +296,22 @@ def polylines(
     min_length: float,
     out: Array,
     room: Indices,
-    errors: Array,
+    sums: Array,
 ) -> int:
     """Write the segments of all clusters, split and merged, metres; how many.
 
-    `room`, (4, n + 1), and `errors`, (n + 1,), are room to work. The last two rows of `room` get
-    the first point of each segment, and the one behind its last.
+    -1 where a point is not finite or out of reach. `room`, (4, n), and `sums`, (6, n), are room to
+    work. The last two rows of `room` get the first point of each segment, and the one behind its
+    last.
     """
-    ends, todo, begin, found = room[0], room[1], 0, 0
+    for i in range(len(p)):
+        if not (abs(p[i, 0]) <= LIMIT and abs(p[i, 1]) <= LIMIT):
+            return -1
+    ends, todo, errors, begin, found = room[0], room[1], sums[5], 0, 0
     while begin < len(p):
         stop = _end_of_cluster(p, begin, gap)
         count = _split(p, begin, stop, tolerance, ends, todo)
-        count = _merge(p, begin, tolerance, ends, count, errors)
+        count = _merge(p, begin, tolerance, ends, count, errors, sums)
         start = begin
         for k in range(count):
             end = ends[k] + 1

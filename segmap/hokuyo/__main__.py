@@ -8,6 +8,7 @@ import sys
 from pathlib import Path
 from typing import NoReturn
 
+from ..files import shown
 from . import SensorError, UrgSensor, record
 from ._port import ports
 from ._record import check_target
@@ -25,7 +26,7 @@ def main(arguments: list[str] | None = None) -> int:
     except KeyboardInterrupt:
         return 130
     except (SensorError, OSError, ValueError) as error:
-        print(f"{type(error).__name__}: {error}", file=sys.stderr)
+        print(shown(f"{type(error).__name__}: {error}"), file=sys.stderr)
         return 1
     return 0
 
@@ -51,7 +52,8 @@ def _stop_on_signals() -> None:
 def _list(given: argparse.Namespace) -> None:
     found = ports()
     for port in found:
-        print(f"{port.device}  {'Hokuyo' if port.is_hokuyo else 'other '}  {port.description}")
+        kind = "Hokuyo" if port.is_hokuyo else "other "
+        print(shown(f"{port.device}  {kind}  {port.description}"))
     if not found:
         print("no serial port: is the sensor plugged in?")
 
@@ -59,7 +61,7 @@ def _list(given: argparse.Namespace) -> None:
 def _info(given: argparse.Namespace) -> None:
     with UrgSensor(given.port) as sensor:
         for key, text in (sensor.info | sensor.state()).items():
-            print(f"{key}  {text}")
+            print(shown(f"{key}  {text}"))
         print(f"RATE  {sensor.rate} bit/s")
         print(f"SCAN  {sensor.scan()}")
 
@@ -72,7 +74,7 @@ def _record(given: argparse.Namespace) -> None:
         except KeyboardInterrupt:
             pass
         finally:
-            print(f"{sensor.delivered} scans, {sensor.dropped} dropped; {given.path}")
+            print(f"{sensor.delivered} scans, {sensor.dropped} dropped; {shown(given.path)}")
             if sensor.slow:
                 print(sensor.slow)
 

@@ -103,4 +103,8 @@ def laser_scan(
     steps = middle + request.cluster * np.arange(len(ranges))
     most = min(geometry.most, 64 ** CHARACTERS[request.kind] - 1)
     angles = steps * 2 * np.pi / geometry.steps
-    return LaserScan(ranges, angles, time, None, most / 1000.0, sensor_pose, codes)
+    # The stamp belongs to the rear of the sensor, from where its mirror turns to the left
+    delays = (angles + np.pi) / (2 * np.pi) * geometry.turn
+    begin, limits = delays.min(initial=np.inf), (most / 1000.0, sensor_pose, codes)
+    time = time + begin if len(angles) else time
+    return LaserScan(ranges, angles, time, None, *limits, delays - begin)

@@ -66,7 +66,7 @@ def encode(values: ArrayLike, characters: int) -> bytes:
     >>> encode(1234, 2), encode([5432], 3), encode(16_000_000, 4)
     (b'CB', b'1Dh', b'm2@0')
     """
-    arrays.whole(characters, "characters", most=8)
+    characters = arrays.whole(characters, "characters", most=8)
     numbers = arrays.indices(values, "values").reshape(-1)
     if ((numbers < 0) | (numbers >= 64**characters)).any():
         raise ValueError(f"values must fit into {characters} characters, 0 to {64**characters - 1}")
@@ -87,7 +87,7 @@ def decode(text: bytes, characters: int) -> NDArray[np.int64]:
     >>> decode(b"CB1D", 2)
     array([1234,   84])
     """
-    arrays.whole(characters, "characters", most=8)
+    characters = arrays.whole(characters, "characters", most=8)
     if len(arrays.instance(text, "text", bytes)) % characters:
         raise SensorError(f"{len(text)} characters do not divide into numbers of {characters}")
     digits = np.frombuffer(text, np.uint8).astype(np.int64) - ZERO
@@ -303,7 +303,7 @@ def parse_scan(body: Sequence[bytes], characters: int) -> Measurement:
     >>> parse_scan([b"JUGnD", b"06805m" + checksum(b"06805m")], 3)
     Measurement(clock=6968830, millimetres=array([392, 381]))
     """
-    arrays.whole(characters, "characters", most=8)
+    characters = arrays.whole(characters, "characters", most=8)
     lines = list(body) if isinstance(body, Iterable) else [body]
     if not all(isinstance(line, bytes) for line in lines):
         raise ValueError("body must be lines of bytes, one after the other")

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from .. import arrays
 from ..arrays import LIMIT, Array, Count, checked
-from ..files import existing, replacing
+from ..files import existing, replacing, shown
 from ..scans import LaserScan
 from ..scans.error_codes import LOWEST, NOT_MEASURED, NOTHING_MET, told_in_a_text
 from ._host import one_by_one
@@ -97,15 +97,17 @@ def check_target(path: str | Path, count: int | None = None) -> Path:
     if count is not None:
         arrays.whole(count, "count")
     if target.suffix.lower() == ".gz":
-        raise ValueError(f"{target.name}: a packed file cannot be added to, leave .gz out")
+        raise ValueError(f"{shown(target.name)}: a packed file cannot be added to, leave .gz out")
     if not target.parent.is_dir():
-        raise FileNotFoundError(f"cannot record {path}: no folder {target.parent} exists")
+        said = f"cannot record {path}: no folder {target.parent} exists"
+        raise FileNotFoundError(shown(said))
     if target.suffix.lower() in CARMEN:
         _try_out(Path(os.path.realpath(target)), new=existing(target) is None)
     elif target.is_dir():
         _try_out(target / f".segmap-{os.getpid()}.part", new=True)
     elif target.exists():
-        raise ValueError(f"{path} is a file: name a folder, or a log that ends in {CARMEN[0]}")
+        said = f"{path} is a file: name a folder, or a log that ends in {CARMEN[0]}"
+        raise ValueError(shown(said))
     else:
         target.mkdir()
         target.rmdir()

@@ -119,6 +119,7 @@ class UrgSensor:
         self._reconnect, self._timeout = reconnect, timeout
         self._sensor_pose = arrays.pose(sensor_pose, "sensor_pose")
         self._clock = arrays.function(clock, "clock", "without arguments, of seconds")
+        arrays.number(arrays.called(clock, "clock"), "clock()", unit="seconds")
         self.delivered = self.dropped = self.unsent = self.reconnects = 0
         self.why = ""
         self._asked: ScanRequest | None = None  # the last stream, and the stamps of its scans

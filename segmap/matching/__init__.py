@@ -1,9 +1,11 @@
-"""Where a scan lies on a quadtree map: scores, and the two greedy matchers of B (4.3)."""
+"""Where a scan lies on a quadtree map: scores, the two greedy matchers of B (4.3); and routes."""
 
 from ._field import DistanceField
 from ._live_map import LiveMap, Step
 from ._localize import Belief, localize
 from ._mapping import MATCHERS, SCORES, map_scans
 from ._matchers import Score, field_score, hill_climb, sample_and_rank
+from ._particles import Particles, effective_number, particle_mapping, particle_paths, systematic
+from ._route import NoRoute, route
 from ._scores import descent_score, distance_score, nearest_score, occupancy_score
 from ._search import Places, search

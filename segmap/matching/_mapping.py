@@ -113,9 +113,13 @@ def map_scans(
     arrays.function(matcher, "matcher", "of map, points and start, hill_climb say")
     if matcher is sample_and_rank and rng is None:
         raise ValueError("sample_and_rank draws poses: give rng, numpy.random.default_rng(1) say")
-    if rng is not None and "rng" in signature(matcher).parameters:
-        matcher = partial(matcher, rng=rng)
-    return _steps(log, tree, pose, settle, free, matcher, score)
+    return _steps(log, tree, pose, settle, free, drawing(matcher, rng), score)
+
+
+def drawing(matcher: Matcher, rng: np.random.Generator | None) -> Matcher:
+    """A matcher that draws, with the generator that it draws from."""
+    takes = rng is not None and "rng" in signature(matcher).parameters
+    return partial(matcher, rng=rng) if takes else matcher
 
 
 def _steps(
@@ -199,10 +203,23 @@ def _matched(
         values = prepared(score, map, points, start)
     except NothingNear:
         return start, np.nan
+    pose = found_by(matcher, map, points, start, asked(values, points, score))
+    return pose, float(values(pose[None])[0])
+
+
+def found_by(
+    matcher: Matcher, map: QuadtreeMap, points: Array, start: Array, score: Score
+) -> Array:
+    """What a matcher answers, checked: it may be the user's own."""
+    found = arrays.called(matcher, "matcher", map, points, start, score=score)
+    return arrays.pose(found, "matcher(map, points, start)")
+
+
+def asked(values: Callable[[Array], Array], points: Array, score: Score) -> Score:
+    """A score as matchers ask it: the prepared `values` of poses where the points are the same."""
 
     def ask(map: QuadtreeMap, ends: ArrayLike, poses: ArrayLike) -> Array:
-        """The score at poses `(k, 3)`, metres and radians; the prepared one for the same points."""
+        """The score at poses `(k, 3)`, metres and radians."""
         return values(scan_and_poses(ends, poses)[1]) if ends is points else score(map, ends, poses)
 
-    pose = matcher(map, points, start, score=ask)
-    return pose, float(values(pose[None])[0])
+    return ask

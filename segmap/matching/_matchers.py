@@ -175,4 +175,10 @@ def prepared(
     either_map(map, empty=True)
     if score is field_score and len(points):
         return DistanceField.around(map, points, start).scorer(points)
-    return lambda poses: score(map, points, poses)
+
+    def asked(poses: Array) -> Array:
+        """What the score says of poses, `(k,)`."""
+        found = arrays.called(score, "score", map, points, poses)
+        return arrays.row(found, "score(map, points, poses)", len(poses))
+
+    return asked

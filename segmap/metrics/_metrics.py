@@ -151,7 +151,7 @@ def grade_reduction(rate: float) -> str:
     >>> grade_reduction(0.66), grade_reduction(0.45)
     ('excellent', 'good')
     """
-    return _grade(arrays.number(rate, "rate", most=1), REDUCTION_GRADES)
+    return _grade(arrays.number(rate, "rate", least=-arrays.MOST, most=1), REDUCTION_GRADES)
 
 
 def grade_quality(value: float) -> str:

@@ -26,6 +26,7 @@ METHOD_STYLES = {
     "segment_similarity": ("#009e73", "p", "-"),
     "uncertain_parameters": ("#d55e00", "h", "--"),
     "least_cost": ("#000000", "d", "-"),
+    "one_per_wall": ("#cc3311", ".", "-"),
     "polyline": ("#332288", "*", "--"),
     "viewing_sector": ("#aa4499", "<", "-"),
     "fusion_online": ("#4477aa", ">", "--"),
@@ -56,7 +57,8 @@ def draw_curves(
         raise ValueError(f"frame must hold runs on one map, with one filter, got {found}")
     ax = axes_or_new(ax)
     if quality is not None:
-        ax.axvline(arrays.number(quality, "quality"), color="#666666", linewidth=1, linestyle=":")
+        at = arrays.number(quality, "quality", least=0, most=1)
+        ax.axvline(at, color="#666666", linewidth=1, linestyle=":")
     for k, (method, runs) in enumerate(frame.groupby("method", sort=False)):
         color, marker, line = method_style(str(method), k)
         points = runs[["quality", "reduction"]].to_numpy(float)

@@ -56,6 +56,22 @@ def transform(a_from_b: Array, points: Array) -> Array:
     return np.stack([pose[..., 0] + c * x - s * y, pose[..., 1] + s * x + c * y], -1)
 
 
+def arc(twist: Array) -> Array:
+    """Where a steady twist `(..., 3)` leads: x and y in metres and radians, `(..., 3)` too."""
+    half, chord = twist[..., 2] / 2, np.sinc(twist[..., 2] / TURN)
+    c, s = chord * np.cos(half), chord * np.sin(half)
+    x, y = twist[..., 0], twist[..., 1]
+    return np.stack([c * x - s * y, s * x + c * y, wrap(twist[..., 2])], -1)
+
+
+def twist(motion: Array) -> Array:
+    """The steady twist `(..., 3)` that leads to a motion `(..., 3)` by an arc: the way back."""
+    half, chord = motion[..., 2] / 2, np.sinc(motion[..., 2] / TURN)
+    c, s = np.cos(half) / chord, np.sin(half) / chord
+    x, y = motion[..., 0], motion[..., 1]
+    return np.stack([c * x + s * y, c * y - s * x, motion[..., 2]], -1)
+
+
 def _composed(
     x: float, y: float, heading: float, ahead: float, aside: float, turn: float
 ) -> tuple[float, float, float]:

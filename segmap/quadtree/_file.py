@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..arrays import Array
-from ..files import read_npz, write_npz
+from ..files import read_npz, shown, write_npz
 from . import _kernels as kernels
 
 #: What a file calls itself, with the version of its layout.
@@ -34,7 +34,7 @@ def read(path: Path) -> Stored:
     """Read a file and check it: compiled loops rely on what it holds."""
     arrays = read_npz(path, FORMAT)
     if wrong := _fault(arrays):
-        raise ValueError(f"{path}: damaged, {wrong}")
+        raise ValueError(f"{shown(path)}: damaged, {wrong}")
     return Stored(**arrays)
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 from .. import arrays
 from .._display import Pictured
 from ..arrays import LIMIT, Array, Count, Quantity, at_most, checked
+from ..files import shown
 from . import _kernels as kernels
 from ._file import Stored, read, write
 from ._tree import LEAST, UNIT, Leaves, Tree, level_of, pairs
@@ -137,11 +138,20 @@ class QuadtreeMap(Pictured):
         """Occupancy of all leaves, (n,) array in [0, 1], in the order of `leaves()` (B 4.1)."""
         return self._occupancy(self.tree.leaves()[0])
 
-    def to_grid(self, resolution: float | None = None) -> Array:
+    @checked
+    def to_grid(
+        self,
+        resolution: float | None = None,
+        *,
+        value: Literal["max", "mean", "variance"] = "max",
+    ) -> Array:
         """Occupancy on a grid over the whole root, `(rows, columns)`, row 0 lowest.
 
         Its cells are those of the map by default, or these times a power of two, up to the map's
-        side: then the largest occupancy of each counts, so that no obstacle gets lost.
+        side. Then the largest occupancy of each counts, so that no obstacle gets lost; or the mean
+        over its area, or the variance there: that of the four children, by the law of total
+        variance from level to level (Kraetzschmar, Pages Gassull and Uhl 2004, in B 2.1). It is 0
+        within a leaf.
 
         Examples
         --------
@@ -150,8 +160,27 @@ class QuadtreeMap(Pictured):
         >>> map.to_grid(2)
         array([[0.475, 1.   ],
                [0.5  , 0.5  ]])
+        >>> map.to_grid(2, value="mean")[0]
+        array([0.475  , 0.60625])
         """
-        return self.rasterize(self.leaf_occupancy(), resolution=resolution)[0]
+        if value == "max":
+            return self.rasterize(self.leaf_occupancy(), resolution=resolution)[0]
+        k = self._level(resolution)
+        _, cell, level = self.tree.leaves()
+        mean = self.leaf_occupancy()
+        variance = np.zeros(len(mean))
+        for below in range(k):  # the four of a square come one after the other
+            low = level == below
+            four, spread = mean[low].reshape(-1, 4), variance[low].reshape(-1, 4)
+            above, kept = four.reshape(-1, 2, 2).mean(2).mean(1), ~low
+            kept[np.flatnonzero(low)[::4]] = True
+            level[low], mean[low] = below + 1, np.repeat(above, 4)
+            variance[low] = np.repeat((spread + (four - above[:, None]) ** 2).mean(1), 4)
+            cell, level, mean, variance = cell[kept], level[kept], mean[kept], variance[kept]
+        first = cell >> k
+        last, grid = first + (1 << level - k)[:, None], np.zeros((1 << self.tree.level - k,) * 2)
+        kernels.paint(first, last, mean if value == "mean" else variance, grid)
+        return grid
 
     def rasterize(
         self, values: ArrayLike, *, shown: ArrayLike | None = None, resolution: float | None = None
@@ -169,9 +198,7 @@ class QuadtreeMap(Pictured):
         (array([[2., 2., 3., 3.],
                [2., 2., 3., 3.]]), 0.0, 2.0, 1.0)
         """
-        k = 0 if resolution is None else level_of("resolution", resolution, self.resolution)
-        if k > self.tree.level:
-            raise ValueError(f"resolution {resolution} is larger than the map, {self.side:.6g} m")
+        k = self._level(resolution)
         _, cell, level = self.tree.leaves()
         value = np.full(level.shape, arrays.numbers(values, "values"))
         part = np.full(level.shape, arrays.numbers(1 if shown is None else shown, "shown") != 0)
@@ -253,7 +280,7 @@ class QuadtreeMap(Pictured):
         try:
             map = cls(resolution=resolution, **sizes)
         except ValueError as error:
-            raise ValueError(f"{path}: damaged, {error}") from None
+            raise ValueError(f"{shown(path)}: damaged, {error}") from None
         map.scans = scans
         map.tree.restore(found)
         return map
@@ -262,6 +289,13 @@ class QuadtreeMap(Pictured):
         leaves = f"{3 * self.tree.used + 1} leaves of {self.resolution:.6g} m and more"
         scans = f"{self.scans} scan" + "s" * (self.scans != 1)
         return f"QuadtreeMap({self.side:.6g} m, {leaves}, {scans})"
+
+    def _level(self, resolution: float | None) -> int:
+        """Level of the squares of a grid; the root's is the highest."""
+        k = 0 if resolution is None else level_of("resolution", resolution, self.resolution)
+        if k > self.tree.level:
+            raise ValueError(f"resolution {resolution} is larger than the map, {self.side:.6g} m")
+        return k
 
     def _cells(self, **named: Array) -> kernels.Cells:
         """Cells of points `(n, 2)`, counted from the root's; all must be finite."""

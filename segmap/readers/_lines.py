@@ -16,7 +16,7 @@ import numpy as np
 
 from .. import arrays
 from ..arrays import LIMIT, Array
-from ..files import RATIO, UNPACKED
+from ..files import RATIO, UNPACKED, shown, unzipped
 from ..scans import NOTHING_SKIPPED, Skipped
 
 #: No line of a log is longer, in bytes: 1000 beams with intensities take 20 000.
@@ -55,8 +55,10 @@ class LogError(ValueError):
     """
 
     def __init__(self, path: Path, reason: str, line: int | None = None) -> None:
-        place = f"{path}, line {line}" if line else f"{path}"
-        super().__init__(f"{place}: {reason}")
+        place = f"{shown(path)}, line {line}" if line else shown(path)
+        lines = reason.split("\n") if isinstance(self, UnknownFormat) else [reason]
+        told = "\n".join(map(shown, lines))  # what to do takes several
+        super().__init__(f"{place}: {told}")
         self.path, self.line, self.reason = path, line, reason
 
     def __reduce__(self) -> tuple[type[LogError], tuple[Path, str, int | None]]:
@@ -189,11 +191,11 @@ def open_bytes(path: Path) -> IO[bytes]:
         return cast(IO[bytes], gzip.open(path, "rb"))
     if magic != b"PK\x03\x04":
         return path.open("rb")
-    with zipfile.ZipFile(path) as packed:  # its first file; `__MACOSX/` holds none of the user's
-        names = [m for m in packed.infolist() if not m.is_dir() and not m.filename.startswith("__")]
-        if not names or names[0].flag_bits & 1:
+    with unzipped(path) as (packed, members):  # `__MACOSX/` holds none of the user's
+        first = next((m for m in members if not m.filename.startswith("__")), None)
+        if first is None or first.flag_bits & 1:
             raise zipfile.BadZipFile("no readable file in it")
-        return packed.open(names[0])
+        return packed.open(first)
 
 
 def merged(first: Skipped, second: Skipped) -> Skipped:

@@ -24,6 +24,8 @@ MODES = ((8.2, 8.18), (32.77, 32.76), (np.inf, 50.0))
 #: Turn from one beam of an URG-04LX to the next, radians, and how far it sees, metres.
 URG_STEP = 2 * np.pi / 1024
 URG_REACH = 5.6
+#: Its mirror turns once in this time, seconds.
+URG_TURN = 0.1
 NOWHERE = np.array(NO_POSE)
 #: Poses closer than this, in metres and radians, are one: logs print three decimals or more.
 SAME = 1e-3
@@ -40,6 +42,7 @@ class RawScan(NamedTuple):
     pose: Array = NOWHERE  #: that the line holds besides
     limit: float = np.inf  #: longest range that the line states
     codes: NDArray[np.int64] | None = None  #: see `segmap.scans.error_codes`
+    delays: Array | None = None  #: (n,), as those of a `LaserScan`
 
 
 class Extrinsic(NamedTuple):
@@ -89,6 +92,11 @@ def clean(ranges: Array, limit: float) -> Array:
 def centred(count: int, step: float) -> Array:
     """Directions of beams `step` apart, as many left as right: (count,) array, radians."""
     return (np.arange(count, dtype=float) - (count - 1) / 2) * step
+
+
+def urg_delays(angles: Array) -> Array:
+    """How long after the first beam an URG-04LX measures each: its mirror turns to the left."""
+    return (angles - angles.min(initial=np.inf)) / (2 * np.pi) * URG_TURN
 
 
 # ------------------------------------------------------------------------------ poses
@@ -177,7 +185,8 @@ def assemble(
     for k, scan in enumerate(raw):
         limit, when = min(scan.limit, usual), k if scan.time is None else scan.time
         odometry, ranges = known(scan.odometry), clean(scan.ranges, limit)
-        scans.append(LaserScan(ranges, scan.angles, when, odometry, limit, places[k], scan.codes))
+        limits = limit, places[k], scan.codes, scan.delays
+        scans.append(LaserScan(ranges, scan.angles, when, odometry, *limits))
     return scans, known_truth(truth)
 
 

@@ -14,6 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from ..arrays import LIMIT, Array
+from ..files import shown
 from ..segments import SegmentMap
 from ._lines import Lines, LogError, log_file, numbers
 
@@ -51,7 +52,7 @@ def read_segments(path: str | Path) -> SegmentMap:
         try:
             return SegmentMap.load(place)
         except ValueError as fault:
-            raise LogError(place, str(fault).removeprefix(f"{place}: ")) from None
+            raise LogError(place, str(fault).removeprefix(f"{shown(place)}: ")) from None
 
 
 def _table(path: Path) -> SegmentMap:

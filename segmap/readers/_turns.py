@@ -22,7 +22,8 @@ class Beams(TextFormat):
     """A format whose lines are beams, in the order in which they were measured.
 
     A scan ends where its number changes; without numbers, where the angle wraps. Its time is that
-    of its first beam, or its place in the log. Scans of a clockwise sensor are turned round.
+    of its first beam, or its place in the log; each beam keeps its own. Scans of a clockwise sensor
+    are turned round.
     """
 
     clockwise = True
@@ -43,9 +44,12 @@ class Beams(TextFormat):
             )
         scans = []
         for k, part in enumerate(parts):
-            time = k if np.isnan(part[0, 2]) else part[0, 2]
             turned = part[::-1] * (-1, 1, 1, 1) if self.clockwise else part
-            scans.append(LaserScan(turned[:, 1], turned[:, 0], time))
+            times, time = turned[:, 2], k if np.isnan(part[0, 2]) else part[0, 2]
+            delays = None
+            if np.ptp(times) > 0:  # neither unknown nor one time for all
+                time, delays = times.min(), times - times.min()
+            scans.append(LaserScan(turned[:, 1], turned[:, 0], time, delays=delays))
         return Log(name, scans, None, self.lines.skipped)
 
 

@@ -30,6 +30,7 @@ from ._hybrid_fusion import LiveReduction, hybrid_fusion
 from ._mean_shift import Directions, common_directions, mean_shift
 from ._runner import Methods, Reduction
 from .least_cost import least_cost, reduce_to
+from .one_per_wall import one_per_wall
 from .surveyed import (
     fuzzy_clustering,
     fuzzy_set,
@@ -138,6 +139,14 @@ METHODS = Methods(
         merges="m -> 1",
         keeps="end points, sums, members",
         varies="penalty",
+    ),
+    one_per_wall=Method(
+        one_per_wall,
+        "ours",
+        merges="m -> 1",
+        keeps="end points, scans, members",
+        varies="factor",
+        needs_points=True,
     ),
     fusion_online=Method(
         fusion_online,

@@ -83,7 +83,7 @@ def enter(index: Index, b: int, points: Array, reach: float) -> None:
     box[b, 0], box[b, 1], box[b, 2], box[b, 3] = x0, y0, x1, y1
     size = max(x1 - x0, y1 - y0)
     level, side = 0, index.unit
-    while side < size:
+    while side < size and level < len(levels) - 2:  # what is wider still is in the last level
         level, side = level + 1, 2 * side
     column, row = int(np.floor((x0 + x1) / 2 / side)), int(np.floor((y0 + y1) / 2 / side))
     link[b, CELL], link[b, LEVEL] = _address(column, row, level), level

@@ -26,6 +26,8 @@ from ._runner import Found, Indices, Reduction, Rows, rows_of, run
 
 #: More pieces than this are refused: a slip in the unit of sigma would fill the memory.
 MOST_PIECES = 20_000_000
+#: So few segments are a sketch of a case, and no map of a building.
+SKETCH = 50
 #: Climbing ends when no centre moves by more than this part of sigma, or of (sx, sy) in phase 2.
 STOP = 1 / 200
 
@@ -51,7 +53,8 @@ def mean_shift(
     exp(-9 / 2), does not pull (at three it does, to 1e-9 of them). One perpendicular to a centre,
     to 1e-9 of a quarter turn, pulls it to its place and turns it neither way.
 
-    One input can end in several outputs: mean shift can return more segments than it got.
+    One input can end in several outputs: of a map in which nothing repeats mean shift returns more
+    segments than it got, and warns.
 
     Parameters
     ----------
@@ -91,7 +94,11 @@ def mean_shift(
         return out[lowest], longest_share(len(rows.segments), found.owner, into)
 
     _check_scales(sigma, bandwidth)
-    return run("mean_shift", map, reduce, splits=True)
+    found = run("mean_shift", map, reduce, splits=True)
+    if len(found) > len(found.parents) > SKETCH:
+        text = f"mean_shift makes {len(found)} segments of {len(found.parents)}"
+        slips.warn(f"{text}: nothing repeats in this map, or sigma is too small to see it")
+    return found
 
 
 class Directions(NamedTuple):

@@ -50,6 +50,8 @@ class Reduction(Pictured):
         Segments in its map after each of these scans.
     doubt
         Why the method may not suit this map; nothing where it does.
+    noise
+        Standard deviation of looks at one wall, metres, for a method that estimates it; else NaN.
     """
 
     segments: Array
@@ -59,6 +61,7 @@ class Reduction(Pictured):
     scan_seconds: Array | None = None
     scan_live: Indices | None = None
     doubt: str = ""
+    noise: float = np.nan
 
     def members(self, index: int) -> Indices:
         """Input segments that went into one output, ascending, `(k,)` int array."""

@@ -40,6 +40,9 @@ class LaserScan(Pictured):
         Pose of the sensor in the frame of the robot.
     codes : (n,) int array or None
         Error codes of the sensor, where its format has them; 0 where it reported none.
+    delays : (n,) array, seconds, or None
+        How long after `time` each beam was measured: `time`, and the pose of the scan, are those of
+        the beam measured first. None takes all beams to be measured at once.
 
     Examples
     --------
@@ -58,6 +61,7 @@ class LaserScan(Pictured):
     max_range: float
     sensor_pose: Array
     codes: NDArray[np.int64] | None
+    delays: Array | None
 
     def __init__(
         self,
@@ -68,6 +72,7 @@ class LaserScan(Pictured):
         max_range: float = np.inf,
         sensor_pose: ArrayLike = (0.0, 0.0, 0.0),
         codes: ArrayLike | None = None,
+        delays: ArrayLike | None = None,
     ) -> None:
         keep = object.__setattr__
         keep(self, "ranges", _row(arrays.ranges(ranges), "ranges"))
@@ -85,6 +90,9 @@ class LaserScan(Pictured):
         keep(self, "sensor_pose", _frozen(arrays.pose(sensor_pose, "sensor_pose")))
         slips.check_angles(self.sensor_pose[2], "sensor_pose[2]")
         keep(self, "codes", None if codes is None else _row(codes, "codes", len(self.ranges), int))
+        keep(self, "delays", None if delays is None else _row(delays, "delays", len(self.ranges)))
+        if self.delays is not None and not ((self.delays >= 0) & np.isfinite(self.delays)).all():
+            raise ValueError("delays must be finite and at least 0, in seconds after time")
 
     @property
     def valid(self) -> NDArray[np.bool_]:
@@ -133,6 +141,14 @@ class Log(Pictured, Sequence[LaserScan]):
         Corrected pose of the robot for each scan; rows of NaN for scans without.
     skipped : Skipped
         What the reader left out of a damaged file.
+    track : (m, 4) array, seconds, metres and radians, or None
+        Time and pose by odometry, in ascending order of times, where the file holds them more often
+        than scans.
+    order_known : bool
+        Whether `delays` have the order in which the beams were measured: drivers of ROS may state
+        the other one.
+    doubt : str
+        What `alignment.deskew` found wrong; it comes first in the doubt of every alignment.
 
     Examples
     --------
@@ -145,6 +161,9 @@ class Log(Pictured, Sequence[LaserScan]):
     scans: tuple[LaserScan, ...]
     truth: Array | None
     skipped: Skipped
+    track: Array | None
+    order_known: bool
+    doubt: str
 
     def __init__(
         self,
@@ -152,6 +171,9 @@ class Log(Pictured, Sequence[LaserScan]):
         scans: Sequence[LaserScan],
         truth: ArrayLike | None = None,
         skipped: Skipped = NOTHING_SKIPPED,
+        track: ArrayLike | None = None,
+        order_known: bool = True,
+        doubt: str = "",
     ) -> None:
         keep = object.__setattr__
         keep(self, "name", name)
@@ -165,6 +187,9 @@ class Log(Pictured, Sequence[LaserScan]):
         rows = None if truth is None else arrays.poses(truth, "truth", count=count, missing=True)
         keep(self, "truth", None if rows is None else _frozen(rows))
         keep(self, "skipped", skipped)
+        keep(self, "track", None if track is None else _frozen(_track(track)))
+        keep(self, "order_known", arrays.switch(order_known, "order_known"))
+        keep(self, "doubt", doubt)
         slips.check_headings(self.odometry, "the odometry")
         if self.truth is not None:
             slips.check_headings(self.truth, "the truth")
@@ -196,7 +221,7 @@ class Log(Pictured, Sequence[LaserScan]):
         part = object.__new__(Log)  # the units of the whole are checked, a part may be thin
         scans = tuple(self.scans[k] for k in chosen)
         known = None if truth is None else _frozen(truth)
-        vars(part).update(name=self.name, scans=scans, truth=known, skipped=self.skipped)
+        vars(part).update(vars(self) | {"scans": scans, "truth": known})
         return part
 
     def __iter__(self) -> Iterator[LaserScan]:
@@ -223,6 +248,14 @@ def _row(values: ArrayLike, name: str, count: int | None = None, dtype: type = f
         wanted = "(n,)" if count is None else f"({count},)"
         raise ValueError(f"{name} must have shape {wanted}, got {array.shape}")
     return _frozen(array, dtype)
+
+
+def _track(values: ArrayLike) -> Array:
+    """Times and poses, `(m, 4)`, in ascending order of times."""
+    rows = arrays.trailing(values, "track", 4)
+    if rows.ndim != 2 or not np.isfinite(rows).all() or (np.diff(rows[:, 0]) < 0).any():
+        raise ValueError("track must be (m, 4), finite, its times ascending")
+    return rows
 
 
 def _scalar(value: object, name: str) -> float:

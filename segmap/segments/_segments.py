@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from .. import arrays
 from .._display import Pictured
 from ..arrays import Array, Segments
-from ..files import read_npz, write_npz
+from ..files import read_npz, shown, write_npz
 from ._points import behind, places_of, take_points
 
 __all__ = [
@@ -75,10 +75,10 @@ def extreme_projections(points: ArrayLike, through: ArrayLike, angle: ArrayLike)
            [3., 0.]])
     """
     xy, origin = arrays.points(points), arrays.point(through, "through")
-    arrays.number(angle, "angle", unit="radians")
+    turn = arrays.number(angle, "angle", unit="radians")
     if not len(xy):
         raise ValueError("points must hold at least one point, got none")
-    d = np.array([np.cos(angle), np.sin(angle)])
+    d = np.array([np.cos(turn), np.sin(turn)])
     u = (xy - origin) @ d
     return origin + np.array([u.min(), u.max()])[:, None] * d
 
@@ -199,11 +199,11 @@ SegmentMap(1 segment of 1 scan))
         """
         found = read_npz(arrays.file(path), STORED)
         if not {"segments", "scan"} <= set(found) <= {field.name for field in fields(cls)}:
-            raise ValueError(f"{path}: damaged, it holds {sorted(found)}")
+            raise ValueError(f"{shown(path)}: damaged, it holds {sorted(found)}")
         try:
             return cls(**found)
         except ValueError as fault:
-            raise ValueError(f"{path}: damaged, {fault}") from None
+            raise ValueError(f"{shown(path)}: damaged, {fault}") from None
 
     def __len__(self) -> int:
         return len(self.segments)

@@ -59,6 +59,7 @@ def box(width: Length, depth: Length, pose: ArrayLike = (0.0, 0.0, 0.0)) -> Arra
     return transform(arrays.pose(pose), polyline(corners, closed=True))
 
 
+@checked
 def rectangular_room(width: Length = 4.0, depth: Length = 3.0) -> Array:
     """A rectangle of walls from the origin to (width, depth), metres.
 
@@ -100,7 +101,8 @@ def circular_room(radius: Length = 2.0, *, sides: Sides = 64) -> Array:
     return polyline(corners, closed=True)
 
 
-def two_position_square(side: float = 4.0) -> tuple[Array, Array]:
+@checked
+def two_position_square(side: Length = 4.0) -> tuple[Array, Array]:
     """A square room and the two places from which it is seen (B 6.2, Fig. 6.2).
 
     The robot stands in the middle of the upper left quarter, then of the lower right one, so each

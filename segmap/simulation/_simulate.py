@@ -12,7 +12,8 @@ from .. import arrays
 from ..angles import axial_difference, wrap
 from ..arrays import Array, Quantity, Radians, Segments, checked
 from ..compiled import compiled
-from ..poses import compose
+from ..poses import between, compose
+from ..poses.motions import arc, twist
 from ..scans import LaserScan, Log
 from ..segments import angle
 from ._rooms import polyline
@@ -169,6 +170,7 @@ def simulate(
     rng: np.random.Generator,
     odometry_noise: OdometryNoise = OdometryNoise(),
     sensor_pose: ArrayLike = (0.0, 0.0, 0.0),
+    moving: bool = False,
     name: str = "simulated",
 ) -> Log:
     """The log of a robot that scans from every pose of a path.
@@ -183,6 +185,9 @@ def simulate(
         `OdometryNoise().ideal()` gives odometry equal to the truth.
     sensor_pose : (3,) array, metres and radians
         Pose of the sensor in the frame of the robot.
+    moving
+        Whether the sensor turns while the robot moves: each beam is measured where the robot then
+        is on its arc to the next pose. Else the robot stops for each scan.
 
     Returns
     -------
@@ -201,25 +206,33 @@ def simulate(
     truth, offset = arrays.poses(path, "path"), arrays.pose(sensor_pose, "sensor_pose")
     drifted = drifting_odometry(truth, odometry_noise=odometry_noise, rng=rng)
     near, angles = _near_walls(arrays.segments(walls, "walls"), sensor), sensor.angles
+    lasers, delays = compose(truth, offset)[:, None], None
+    if moving and len(truth) > 1:  # the last scan moves on as the one before it
+        turned = np.arange(sensor.beams) * abs(sensor.step) / (2 * np.pi)
+        steps = twist(between(truth[:-1], truth[1:]))[[*range(len(truth) - 1), -1]]
+        on_the_way = compose(truth[:, None], arc(steps[:, None] * turned[:, None]))
+        lasers, delays = compose(on_the_way, offset), turned * sensor.period
     scans = [
         LaserScan(
-            _scan(near(laser), laser, sensor, rng),
+            _scan(near(laser[0]), laser, sensor, rng),
             angles,
             time=i * sensor.period,
             odometry=odometry,
             max_range=sensor.max_range,
             sensor_pose=offset,
+            delays=delays,
         )
-        for i, (laser, odometry) in enumerate(zip(compose(truth, offset), drifted, strict=True))
+        for i, (laser, odometry) in enumerate(zip(lasers, drifted, strict=True))
     ]
     return Log(name, scans, truth)
 
 
-def _scan(walls: Array, pose: Array, sensor: Sensor, rng: np.random.Generator) -> Array:
-    """Ranges that a sensor measures from one pose."""
-    ranges, met = _meet(walls, pose, sensor.angles)
+def _scan(walls: Array, poses: Array, sensor: Sensor, rng: np.random.Generator) -> Array:
+    """Ranges that a sensor measures from one pose, or each beam from its own, `(1 or n, 3)`."""
+    parts = zip(poses, np.split(sensor.angles, len(poses)), strict=True)
+    ranges, met = map(np.concatenate, zip(*(_meet(walls, *p) for p in parts), strict=True))
     seen = np.append(angle(walls), np.nan)[met]  # -1, nothing met, takes the last
-    incidence = np.abs(axial_difference(sensor.angles + pose[2], seen))
+    incidence = np.abs(axial_difference(sensor.angles + poses[:, 2], seen))
     return measure(ranges, incidence, sensor=sensor, rng=rng)
 
 

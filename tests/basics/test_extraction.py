@@ -11,6 +11,7 @@ from segmap_course import literal
 
 from segmap import extraction, load
 from segmap.alignment import odometry
+from segmap.extraction import _kernels as kernels
 from segmap.extraction import build_map, extract_clusters, extract_polylines, fit_line
 from segmap.extraction._kernels import start_of_round
 from segmap.poses import transform
@@ -86,6 +87,25 @@ def test_equals_the_plain_method(make, closed, seed):
     found = extract_clusters(points, fit="algebraic", closed=closed)
     plain = literal.extract_clusters(points.tolist(), fit="algebraic", closed=closed)
     assert_same(found, plain, 1e-6)
+
+
+@pytest.mark.parametrize("tolerance", [0.03, 0.125, 0.25])
+def test_sums_settle_no_tie(tolerance, monkeypatch):
+    """Errors on a lattice are equal, or equal to the tolerance: merged as if fits were exact."""
+    rng = np.random.default_rng(2)
+    scans = [0.25 * np.cumsum(rng.integers(-1, 2, (60, 2)), 0) for _ in range(40)]
+    some = {"tolerance": tolerance, "gap": 1.0, "min_points": 2, "min_length": 0.0}
+    found = [extract_polylines(points, **some) for points in scans]
+
+    def exact(p, start, ends, k, tolerance, sums):
+        error = kernels._exact_error(p, start, ends, k)
+        return error if error <= tolerance else np.inf
+
+    monkeypatch.setattr(kernels, "_joint_error", exact)
+    monkeypatch.setattr(kernels, "_merge", kernels._merge.plain)
+    monkeypatch.setattr(kernels, "polylines", kernels.polylines.plain)
+    for points, segments in zip(scans, found, strict=True):
+        np.testing.assert_array_equal(extract_polylines(points, **some), segments)
 
 
 def test_the_plain_fits_are_least_squares():

@@ -93,6 +93,9 @@ def test_a_scan_cannot_be_changed_nor_through_the_array_that_it_was_made_of():
         (dict(odometry=(0, np.inf, 0)), "odometry must be finite"),
         (dict(sensor_pose=(0, np.nan, 0)), "sensor_pose must be finite"),
         (dict(codes=[1]), r"codes must have shape \(3,\)"),
+        (dict(delays=[0, 1]), r"delays must have shape \(3,\)"),
+        (dict(delays=[0, np.nan, 1]), "delays must be finite and at least 0"),
+        (dict(delays=[0, -1e-9, 1]), "delays must be finite and at least 0"),
     ],
 )
 def test_shapes_that_disagree_are_named(arguments, message):
@@ -116,6 +119,22 @@ def test_a_log_counts_indexes_and_iterates_over_its_scans():
     assert walk[1] is walk.scans[1] and walk[-1] is walk.scans[3]
     with pytest.raises(IndexError):
         walk[4]
+
+
+def test_a_part_of_a_log_keeps_what_belongs_to_the_whole():
+    """Catches a slice whose beams are believed to come in the order that the file states."""
+    track = [(0, 1, 2, 3), (0.1, 1, 2, 3)]
+    part = Log("it", [scan()] * 3, track=track, order_known=False, doubt="odd")[1:]
+    assert (part.track.tolist(), part.order_known, part.doubt) == (
+        list(map(list, track)),
+        False,
+        "odd",
+    )
+    for bad in (track[::-1], [(0, np.nan, 0, 0)], [0, 1, 2, 3]):
+        with pytest.raises(
+            ValueError, match=r"track must be \(m, 4\), finite, its times ascending"
+        ):
+            Log("it", [scan()], track=bad)
 
 
 def test_odometry_is_nan_where_a_scan_has_none():

@@ -2,6 +2,7 @@
 
 import itertools
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
@@ -355,3 +356,33 @@ def test_grazing_beams_of_a_log_are_lost_and_steep_ones_kept():
 def test_an_empty_path_gives_an_empty_log():
     log = simulated(simulation.square_room(), np.empty((0, 3)))
     assert len(log) == 0 and log.truth.shape == (0, 3)
+
+
+def test_a_laser_that_turns_while_the_robot_moves():
+    """Catches beams that wait for the next pose, a turn the wrong way, a last scan that stands."""
+    moving = partial(simulate, moving=True, rng=np.random.default_rng(1))
+    sensor = Sensor("half", 90, 0.0, np.radians(2), max_range=9.0, period=0.5)
+    path = [(1, 2, 0.4 * k) for k in range(3)]
+    log = moving(
+        simulation.square_room(4),
+        path,
+        sensor=sensor,
+    )
+    turned = np.arange(90) / 180  # shares of a period, of which half a turn takes the half
+    for k, scan in enumerate(log):
+        np.testing.assert_allclose(scan.delays, 0.5 * turned)
+        aim = sensor.angles + 0.4 * (k + turned)
+        expected = cast_rays(simulation.square_room(4), (1, 2, 0), aim)
+        np.testing.assert_allclose(scan.ranges, expected, atol=1e-12)
+    ahead = moving(simulation.square_room(4), [(1, 2, 0), (2, 2, 0)],
+                     sensor=replace(sensor, beams=2, step=2 * np.pi / 3), sensor_pose=(0.5, 0, 0),
+                     odometry_noise=OdometryNoise().ideal())  # fmt: skip
+    assert ahead[0].ranges[0] == pytest.approx(2.5)
+    aim = np.radians(120)
+    assert ahead[1].ranges[1] == pytest.approx(2 / np.sin(aim)) and ahead[1].time == 0.5
+    one = moving(
+        simulation.square_room(4),
+        path[:1],
+        sensor=sensor,
+    )
+    assert one[0].delays is None

@@ -1,13 +1,16 @@
 """`segmap ...`: each command on a real log, its exit code, its words, and its files read back."""
 
+import io
 import json
 import re
 import shutil
 import subprocess
 import sys
+import warnings
 from dataclasses import replace
 from pathlib import Path
 
+import alignment_logs as logs
 import bag_samples
 import numpy as np
 import pandas as pd
@@ -26,9 +29,10 @@ from segmap import (
     reduction,
     simulation,
 )
-from segmap._commands import _compare, main
+from segmap._commands import _compare, _pictures, main
 from segmap._commands._compare import MOST, thinned
 from segmap._commands._thresholds import thresholds
+from segmap._commands._words import plain_warnings
 from segmap.arrays import Metres, Radians, RadiansPerMetre, checked
 from segmap.methods import Method
 from segmap.quadtree import QuadtreeMap
@@ -152,6 +156,29 @@ def test_a_map_is_what_the_library_makes_in_every_format(run, near):
     assert plt.get_fignums() == []
 
 
+@pytest.mark.parametrize("command", ["map", "compare", "occupancy"])
+def test_beams_with_times_are_carried_to_the_start_of_their_scan(run, command, monkeypatch):
+    """Catches a command that de-skews in silence, or not at all, and one that cannot leave it."""
+    log = logs.moving_log()
+    exports.write_arrays("moving.npz", log)
+    if command == "compare":
+        few = {"fusion": reduction.METHODS["fusion"]}
+        monkeypatch.setattr("segmap._commands._compare.METHODS", few)
+    words = command, "moving.npz", "--align", "pose_graph"
+    code, said, _ = run(*words, "--json")
+    found = json.loads(said)
+    assert code == 0 and found["de-skewed"]["scans"] == len(log)
+    assert "by how the robot moved" in found["de-skewed"]["text"]
+    assert "notes" not in found["aligned"]
+    if command == "map":
+        new = alignment.deskew(log)
+        wanted = segmap.build_map(new, alignment.pose_graph(new).trusted)
+        assert found["extracted"]["segments"] == len(wanted)
+    code, said, _ = run(*words, "--no-deskew")
+    assert code == 0 and "de-skewed" not in said
+    assert "scans the robot moved by more than the spacing of the beams, up to" in said
+
+
 def test_a_threshold_has_the_unit_of_its_annotation(run, near, monkeypatch):
     """Catches a unit that is guessed from a name: radians that the command takes in metres."""
     given = []
@@ -160,16 +187,20 @@ def test_a_threshold_has_the_unit_of_its_annotation(run, near, monkeypatch):
     def strange(map, *, angle: Metres = 0.2, skew: Radians = np.radians(10),
                 bend: RadiansPerMetre = 1.0):  # fmt: skip
         given.extend((angle, skew, bend))
-        return reduction.fusion(map)
+        return replace(reduction.fusion(map), doubt="it is strange")
 
     monkeypatch.setitem(reduction.METHODS, "strange", Method(strange, "here", varies="angle"))
     words = ("--skew", 20, "--angle", 0.3, "--bend", 30)
-    assert run("map", near, "--method", "strange", *words)[0] == 0
+    code, said, _ = run("map", near, "--method", "strange", *words)
+    assert code == 0 and "doubt: it is strange" in said
     assert given == [0.3, np.radians(20), np.radians(30)]
     said = " ".join(run("map", "--help")[1].split())
     assert "--skew DEGREES default: 10 for strange " in said
     assert "--angle DEGREES|METRES default: 10 for basic_offline," in said
     assert "; 0.2 for strange" in said
+    options = re.findall(r" (--[\w-]+)", said[said.index("thresholds of the reduction") :])
+    options = [name for name in options if not name.startswith(("--extract", "--no-"))]
+    assert options == sorted(options) and "--tolerance" in options
     assert all(m.varies in thresholds(m.function) for m in reduction.METHODS.values())
 
 
@@ -306,6 +337,50 @@ def test_every_command_says_json(run, folder, command):
     assert command != "compare" or set(found["methods"]) == set(reduction.METHODS)
 
 
+@pytest.mark.parametrize(("wide", "tall", "rows"), [(8, 2, 2), (2, 8, 1), (8, 8, 1)])
+def test_a_picture_holds_both_maps_at_one_scale(monkeypatch, tmp_path, wide, tall, rows):
+    """Catches a map that is missing or squeezed: wide ones stand below each other, 7 inches long.
+
+    A frame of 0.9 inches is left for titles and scales, and no map is thinner than 0.3 of 7.
+    """
+    figures = []
+    monkeypatch.setattr(_pictures, "figure_png", lambda figure: figures.append(figure) or PNG)
+    wall = segmap.SegmentMap([[(0, 0), (wide, 0)], [(0.1, 0), (wide, 0)], [(0, 0), (0, tall)]])
+    reduced = reduction.basic_offline(wall)
+    _pictures.write_map_picture(tmp_path / "it.png", wall, reduced)
+    sides = 7 * np.maximum(np.array([wide, tall]) / 8, 0.3) + 0.9
+    assert figures[0].get_size_inches() == pytest.approx(sides * (3 - rows, rows))
+    shown = [ax.collections[0].get_segments() for ax in figures[0].axes]
+    assert [len(drawn) for drawn in shown] == [3, 2] == [len(wall), len(reduced)]
+    titles = [ax.get_title() for ax in figures[0].axes]
+    assert titles == ["Segments: 3", "Reduced: 2"]
+    first, second = figures[0].axes
+    assert bool(first.get_xlabel()) == (rows == 1) and bool(second.get_ylabel()) == (rows == 2)
+
+
+class Terminal(io.StringIO):
+    def isatty(self):
+        return True
+
+
+def test_a_bar_says_what_is_done_and_goes_when_it_is_done(run, near, monkeypatch):
+    """Catches bars that stay between the lines of a report."""
+    monkeypatch.setattr(sys, "stderr", screen := Terminal())
+    assert run("map", near, "--align", "ground_truth", "--method", "none")[0] == 0
+    assert all(word in screen.getvalue() for word in ("aligning", "reducing", "writing"))
+    assert screen.getvalue().endswith(" \r")
+
+
+def test_only_warnings_for_users_are_shown(capsys):
+    class Own(UserWarning):
+        pass
+
+    with plain_warnings():
+        warnings.warn("mine", Own, stacklevel=1)
+        warnings.showwarning("another's", Warning, "it.py", 1)
+    assert capsys.readouterr().err == "warning: mine\n"
+
+
 def test_locate_finds_a_log_on_a_map_of_either_kind(run, folder):
     """Catches a map read as the other kind, a robot called found elsewhere, and a wrong code."""
     log = segmap.load("room")
@@ -392,6 +467,27 @@ def test_a_failed_log_is_told_at_the_end_and_the_others_are_done(run, folder, tm
     assert last.startswith("segmap: bad.log, line 1: ")
     wanted = expected("far.log", "fusion")
     assert np.array_equal(readers.read_segments("maps/far.csv").segments, wanted.segments)
+
+
+def test_a_name_from_outside_moves_no_cursor(run, near, tmp_path):
+    """Catches names of files that clear the screen, or that pass for lines of their own."""
+    (tmp_path / "logs").mkdir()
+    good = "good\x1b[2J\n2 of 2 logs done\udc80.log"
+    for name in (good, "bad\x1b]0;it\x07\n.log", "no\x9b2J\n"):
+        text = Path(near).read_text() if name == good else "FLASER 3 1.0\x1b[2J 2.0\n"
+        (tmp_path / "logs" / name).write_text(text[: 20 if name == "no\x9b2J\n" else None])
+    for words in (
+        ("map", "logs", "--method", "fusion", "-o", "{name}.csv"),
+        ("info", "logs"),
+        ("info", "logs/bad\x1b]0;it\x07\n.log", "logs/no\x9b2J\n/\x1b"),
+        ("map", "logs", "-o", "no\x1b/\n/{name}.csv"),
+        ("info", "--no\x1b[2J\n"),
+    ):
+        code, *said = run(*words)
+        assert code in (1, 2) and all(c.isprintable() or c == "\n" for c in "".join(said))
+        assert "\n2 of 2" not in "".join(said)
+    with pytest.raises(readers.LogError, match=r"^no\\x1b\\n: does not exist"):
+        readers.read("no\x1b\n")
 
 
 def test_logs_do_not_replace_each_other(run, near, tmp_path):
@@ -559,6 +655,8 @@ def test_convert_keeps_what_the_log_holds(run, near):
     """Catches poses that are lost on the way, a path with other poses, a graph as a log."""
     code, said, _ = run("convert", near, "-o", "it.log.gz", "-o", "it.tum")
     assert code == 0 and "12 with a corrected pose" in said and "12 poses by ground truth" in said
+    _, said, _ = run("convert", near, "-o", "it.log.gz", "-o", "it.tum", "--json")
+    assert json.loads(said)["written"]["notes"] == ["it.tum: 12 poses by ground truth"]
     before, after = segmap.read(near), segmap.read("it.log.gz")
     assert np.allclose(after.truth, before.truth, atol=1e-5)
     assert np.allclose(after[3].ranges, before[3].ranges, atol=1e-6)
@@ -581,6 +679,8 @@ def test_convert_to_arrays_keeps_where_the_points_are(run, near):
         assert new.max_range == old.max_range and new.valid.tolist() == old.valid.tolist()
     for name in ("truth", "odometry", "times"):
         assert np.array_equal(getattr(after, name), getattr(before, name), equal_nan=True)
+    exports.write_arrays("bare.npz", segmap.Log("bare", before.scans))
+    assert "12 scans, 0 with a corrected pose" in run("convert", "bare.npz", "-o", "bare.log")[1]
     dark = segmap.LaserScan([9.0, np.nan], [0, 1], max_range=8.5, codes=[0, 7])
     exports.write_arrays("dark.npz", segmap.Log("dark", [dark]))
     found = segmap.read("dark.npz")[0]
@@ -663,6 +763,20 @@ def test_a_newer_original_is_offered_beside_the_work_of_a_student(run, clone):
     (work / ".originals.json").write_text("[broken")
     code, *_ = run("notebooks", work)
     assert code == 0 and (work / first.name).read_text() == "my answers"
+
+
+def test_a_reader_that_has_gone_ends_the_program_with_1(clone, monkeypatch):
+    """Catches what Python prints when it ends, where `head` has closed the pipe."""
+    with (clone / "nobody.txt").open("w") as out:
+
+        class Gone(io.StringIO):
+            fileno = out.fileno
+
+            def flush(self):
+                raise BrokenPipeError
+
+        monkeypatch.setattr(sys, "stdout", Gone())
+        assert main(["notebooks", str(clone.parent / "work")]) == 1
 
 
 # ------------------------------------------------------------------------------ the program

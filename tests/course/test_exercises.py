@@ -14,8 +14,9 @@ import segmap_course as course
 from hypothesis import given
 from hypothesis import strategies as st
 from right_answers import RIGHT
+from scipy.optimize import minimize, minimize_scalar
 from segmap_course import EXERCISES, Check, Exercise, literal
-from segmap_course.exercises import Watch, maps
+from segmap_course.exercises import Watch, decode, encode, maps
 from segmap_course.exercises._answers import answered, same_line, same_poses
 from segmap_course.grading.handout._solutions import solution
 from segmap_course.literal.reduction import basic
@@ -52,8 +53,8 @@ def test_right_answers_pass_and_each_mistake_fails_with_its_own_hint(exercise):
     for cases in (exercise.cases, exercise.fresh(3)):
         assert exercise.verdict(exercise.expected(cases), cases)
         for function in right(exercise):
-            sent = json.loads(json.dumps(exercise.answers(function, cases)))
-            assert exercise.verdict(sent, cases)
+            sent = json.loads(json.dumps(encode(exercise.answers(function, cases))))
+            assert exercise.verdict(decode(sent), cases)
         for hint, mistake in exercise.mistakes.items():
             assert exercise.verdict(answered(mistake, cases), cases).hint == hint
     assert repr(exercise.fresh(3)) == repr(exercise.fresh(3)) != repr(exercise.cases)
@@ -68,6 +69,87 @@ def test_hidden_cases_of_many_seeds_let_other_ways_pass(exercise):
         cases = exercise.fresh(seed)
         for function in functions:
             assert exercise(function, cases), seed
+
+
+#: Wrong in one step -> the exercise, and the answer; each of them passed once.
+WRONG = {
+    "it never turns": ("climb_step", lambda f: lambda v, p, move, turn: f(v, p, move, 0.0)),
+    "degrees": ("climb_step", lambda f: lambda v, p, move, turn: f(v, p, move, np.degrees(turn))),
+    "radians of": ("climb_step", lambda f: lambda v, p, move, turn: f(v, p, move, turn / 57.3)),
+    "never to the left": (
+        "climb_step",
+        lambda f: lambda v, p, *r: np.fmax(f(v, p, *r), [p[0], -9, -9]),
+    ),
+    "twice the angle": ("matches", lambda f: lambda a, b, d, angle: f(a, b, d, 2 * angle)),
+    "half the angle": ("matches", lambda f: lambda a, b, d, angle: f(a, b, d, angle / 2)),
+    "twice the distance": ("matches", lambda f: lambda a, b, d, angle: f(a, b, 2 * d, angle)),
+    "without the last": ("best_run", lambda f: lambda points, q: f(points[:-1], q)),
+    "without the first": (
+        "best_run",
+        lambda f: lambda points, q: f(points[1:], q) + (f(points[1:], q) >= 0),
+    ),
+    "curve without the last": ("reduction_at", lambda f: lambda points, q: f(points[:-1], q)),
+    "curve without the first": ("reduction_at", lambda f: lambda points, q: f(points[1:], q)),
+    "far ahead only": (
+        "cast_ray",
+        lambda f: lambda *given: found if (found := f(*given)) > 0.5 else np.inf,
+    ),
+    "left of its own column too": (
+        "grown",
+        lambda f: lambda root, cell: f(root, (cell[0] - (cell[0] == root[0]), cell[1])),
+    ),
+}
+
+
+@pytest.mark.parametrize("words", WRONG)
+def test_an_answer_that_is_wrong_in_one_step_fails(words):
+    """On the open cases, and on hidden ones of any seed."""
+    name, wrong = WRONG[words]
+    exercise, mine = EXERCISES[name], wrong(RIGHT[name])
+    assert not exercise(mine)
+    assert not any(exercise(mine, exercise.fresh(seed)) for seed in range(5))
+
+
+def turned_until_least(points):
+    """The line fit by minimising, as a student may write it who forgot the formula."""
+    d = points - points.mean(0)
+    begin = np.arctan2(*(points[-1] - points[0])[::-1])
+    return minimize(lambda t: ((d @ [-np.sin(t[0]), np.cos(t[0])]) ** 2).sum(), [begin]).x[0]
+
+
+def nearest(point, wall):
+    def away(t):
+        return np.hypot(*(wall[0] + t * (wall[1] - wall[0]) - point))
+
+    return minimize_scalar(away, bounds=(0, 1), method="bounded", options={"xatol": 1e-8}).fun
+
+
+@pytest.mark.parametrize(
+    ("name", "other"),
+    [
+        ("fit_line", turned_until_least),
+        (
+            "least_translation",
+            lambda n, off, w: minimize(lambda t: (w * (off + n @ t) ** 2).sum(), [0, 0]).x,
+        ),
+        (
+            "mean_wall_error",
+            lambda points, walls: np.mean([min(nearest(p, w) for w in walls) for p in points]),
+        ),
+        ("cell_of", lambda x, corner, r: int(np.floor(np.round((x - corner) / r, 9)))),
+        ("cell_of", lambda x, corner, r: int(np.floor((x - corner) / r + 1e-9))),
+        ("inside_strip", lambda off, t, e: (np.round(np.abs(off - t), 9) <= round(e, 9)).all(1)),
+    ],
+)
+def test_minimised_and_rounded_answers_are_right(name, other):
+    """Catches "expected 1.60319, got 1.60319"."""
+    exercise = EXERCISES[name]
+    assert all(exercise(other, exercise.fresh(seed)) for seed in range(5)) and exercise(other)
+
+
+def test_an_answer_that_is_off_by_less_than_is_shown_says_by_how_much():
+    found = course.check_quality(lambda distances: RIGHT["quality"](distances) + 1e-7)
+    assert "which is off by 1e-07" in found.hint
 
 
 def test_a_draw_that_lets_a_mistake_through_is_refused():

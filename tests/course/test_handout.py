@@ -5,10 +5,11 @@ import re
 
 import pytest
 from chapter_rules import CHAPTERS
-from segmap_course import EXERCISES
+from segmap_course import EXERCISES, OPEN_EXERCISES
 from segmap_course.__main__ import main
+from segmap_course.grading.handout import package
 from segmap_course.grading.handout._handout import LINK, student_copy, with_links
-from segmap_course.grading.handout._solutions import BEGIN, END
+from segmap_course.grading.handout._solutions import BEGIN, END, open_answer, solution
 from segmap_course.grading.handout._tasks import CHECKS, chapters, defines, places, tasks_of
 
 
@@ -215,5 +216,24 @@ def test_solutions_stand_between_the_marks_of_nbgrader(tmp_path):
     assert main(["solutions", str(tmp_path / "source")]) == 1
 
 
+@pytest.mark.parametrize("name", EXERCISES)
+def test_a_solution_needs_nothing_but_what_its_task_gives(name):
+    """Catches a solution that is refused when it is handed in, since it calls the library."""
+    exercise = EXERCISES[name]
+    given = [
+        f"from {room} import {f}" for room, names in package(exercise)[1].items() for f in names
+    ]
+    wanted = [line for line in solution(exercise, "mine").splitlines() if "import" in line]
+    assert [line for line in wanted if "segmap" in line and line not in given] == []
+
+
 def test_no_copy_of_a_student_holds_a_solution(handed):
     assert not any(BEGIN in path.read_text() for path in handed.iterdir())
+
+
+@pytest.mark.parametrize("name", OPEN_EXERCISES)
+def test_the_open_exercises_are_answered_too(name):
+    """Catches an input that no longer fools the method, and a measured number that is not near."""
+    if name != "check_own_log":
+        exec(open_answer(name, "mine"), space := {})
+        assert OPEN_EXERCISES[name](space["mine"])

@@ -51,6 +51,9 @@ BEND = SegmentMap(
 )
 CORNER = SegmentMap([[(0, 0), (2, 0)], [(0, 0.01), (1.95, 0.3)]])
 LOOP = load("corridor")
+#: Half a square room, seen from its middle.
+OPEN = QuadtreeMap(resolution=0.05, free_resolution=0.1)
+OPEN.insert_scan((1, 1), [(x, y) for x in np.arange(0, 2, 0.05) for y in (0, 2)])
 
 
 @cache
@@ -80,10 +83,13 @@ PANELS = {
     ),
     "MeanShiftPanel": ((WALLS,), "sigma", 0.60),
     "PlacePanel": ((build_map(LOG, LOG.truth, resolution=0.05), LOG), "scan", 2),
+    "ParticlePanel": ((LOG,), "particles", 2),
+    "MovingPanel": ((ROOM, (1, 1, 0)), "turn", 150),
     "PolylinePanel": ((LOG[0],), "tolerance", 0.005),
     "PoseGraphPanel": ((LOOP,), "scan", 60),
     "RayPanel": ((), "mask", False),
     "RoomPanel": ((ROOM, (1, 1, 0)), "beams", 51),
+    "RoutePanel": ((OPEN, (1, 1), (1, 1.5)), "goal_y", 0.5),
     "SectorPanel": ((DOOR,), "scan", 0),
     "StoragePanel": ((LOG, LOG.truth, ROOM), "resolution", 10.0),
     "WallsPanel": ((), "noise", "0.03"),
@@ -274,6 +280,18 @@ def test_room_panel_without_noise_measures_exactly_and_keeps_the_field_of_view()
     panel.noise.value, panel.beams.value = 0, 51
     assert panel.spread.value == "range error 0.0 mm (root mean square)"
     assert panel.scan.angles[[0, -1]] == pytest.approx(URG_04LX.angles[[0, -1]])
+
+
+@unpainted
+def test_moving_panel_carries_the_beams_back_onto_the_walls():
+    """Catches a motion the wrong way round, and metres where centimetres are said."""
+    panel = course.MovingPanel(ROOM, (1, 1, 0))
+    assert panel.moved.value == "moved by 10.9 degrees and 5.5 cm in a scan"
+    assert float(panel.off.value.split()[2]) > 20
+    panel.deskewed.value = True
+    assert panel.off.value == "up to 0.0 cm off the walls"
+    panel.deskewed.value, panel.speed.value, panel.turn.value = False, 0.0, 0
+    assert panel.off.value == "up to 0.0 cm off the walls"
 
 
 @unpainted

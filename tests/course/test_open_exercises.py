@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 import segmap_course as course
 from segmap_course import EXERCISES, OPEN_EXERCISES, Challenge, Check, OwnLog, Prediction
+from segmap_course.exercises import decode, encode
 from segmap_course.exercises.open.own_log import BUNDLED
 
 from segmap import readers
@@ -173,7 +174,7 @@ def test_an_open_exercise_passes_and_fails_with_its_reason(name):
     """Catches one that raises, that passes whatever it is given, or whose answers only the process
     of the student can read."""
     exercise, (right, wrong) = OPEN_EXERCISES[name], ANSWERS[name]
-    check = exercise.verdict(json.loads(json.dumps(exercise.answers(right))))
+    check = exercise.verdict(decode(json.loads(json.dumps(encode(exercise.answers(right))))))
     assert check and exercise(right) == check and exercise.fresh(1) == {}
     for answer, words in wrong:
         found = exercise(answer)

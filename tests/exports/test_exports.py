@@ -111,6 +111,17 @@ def test_what_lies_beyond_the_maximum_is_written_as_nothing_met(tmp_path):
         np.testing.assert_array_equal(found[[1, 3]], [5, 1])
 
 
+def test_arrays_hold_what_is_known_of_scans_of_one_size(tmp_path):
+    """Catches a log without odometry or truth that cannot be written."""
+    bare = [shot(k, wheels=None) for k in range(2)]
+    exports.write_arrays(tmp_path / "bare.npz", log_of(bare, None))
+    found = read(tmp_path / "bare.npz")
+    assert found.truth is None and [scan.odometry for scan in found] == [None, None]
+    for scans, told in (([*bare, LaserScan([1.0], [0.0])], r"\[1, 5\]"), ([], "no scan")):
+        with pytest.raises(ValueError, match=f"of one number of beams, got {told}"):
+            exports.write_arrays(tmp_path / "it.npz", log_of(scans, None))
+
+
 @pytest.mark.parametrize("largest", [8.179, 8.15, 32.7, 49.9])
 def test_a_far_wall_stays_beside_beams_that_met_nothing(largest, tmp_path):
     """Catches an answer for nothing met that makes the reader guess another mode."""
@@ -168,6 +179,7 @@ REFUSED = {
     "late": (LATE, None, r"it\.log cannot hold this log, .*expected seconds for the time"),
     "a long name": (Log("n" * 2**21, OLD.scans), None, "line 1: longer than 1048576 bytes"),
     "far": (Log("x", NEW.scans[:2], [(1e7, 0, 0), (1e7, 1, 0)]), None, "metres and radians"),
+    "1.2 mm beside": (Log("x", NEW.scans[:1], [(0.0012, 0, 0)]), None, "as the laser's place"),
     "one pose elsewhere": (Log("x", NEW.scans[:1], [(9, 9, 1)]), None, "read as the laser's place"),
 }
 
@@ -182,7 +194,8 @@ def test_what_cannot_be_written_is_refused_and_leaves_no_file(name, tmp_path):
 
 
 def test_one_pose_elsewhere_is_fine_in_old_lines_and_without_odometry(tmp_path):
-    """Catches a refusal where nothing is ambiguous."""
+    """Catches a refusal where nothing is ambiguous, or by less than a millimetre."""
+    written(tmp_path, Log("x", NEW.scans[:1], [(0.0008, 0, 0)]))
     bare = log_of([shot(0, HALF_TURN / 2, wheels=None)], TRUTH[:1])
     for log in (OLD[:1], bare):
         assert_same_log(written(tmp_path, log), log)

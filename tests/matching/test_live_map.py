@@ -167,8 +167,8 @@ def test_kernels_let_other_threads_go_on():
 
 
 @pytest.mark.parametrize(("held", "first"), [(0, 0), (2, 0), (0, 3)])
-@pytest.mark.parametrize("drawn", [False, True])
-def test_a_scan_that_was_placed_and_not_drawn_is_drawn_in_the_end(monkeypatch, held, first, drawn):
+@pytest.mark.parametrize("done", ["placed", "known", "drawn"])
+def test_a_scan_that_was_placed_and_not_drawn_is_drawn_in_the_end(monkeypatch, held, first, done):
     """Catches 30 poses and 29 scans that are drawn, and the half of a scan that stays there.
 
     The first one lays the map also where the graph held scans before.
@@ -179,14 +179,20 @@ def test_a_scan_that_was_placed_and_not_drawn_is_drawn_in_the_end(monkeypatch, h
     live = LiveMap(graph, map=blank(), start=START)
     for scan in log[:first]:
         live.add(scan)
-    insert = _live_map.insert
+    place, insert = graph.add, _live_map.insert
+
+    def placed(scan):
+        place(scan)
+        raise KeyboardInterrupt
 
     def interrupted(*given, **named):
-        if drawn:
+        if done == "drawn":
             insert(*given, **named)
         raise KeyboardInterrupt
 
     with monkeypatch.context() as patch:
+        if done == "placed":
+            patch.setattr(graph, "add", placed)
         patch.setitem(LiveMap.add.__globals__, "insert", interrupted)
         with pytest.raises(KeyboardInterrupt):
             live.add(log[first])

@@ -1,11 +1,17 @@
 """The workbench without a browser: what it runs, keeps, says and refuses."""
 
+import contextlib
+import os
+import signal
+import subprocess
+import sys
 import time
 import xml.etree.ElementTree as ET
 from dataclasses import replace
 from datetime import UTC, datetime
 from inspect import signature
 
+import alignment_logs as logs
 import ipywidgets as W
 import numpy as np
 import pytest
@@ -169,6 +175,30 @@ def test_what_is_known_is_not_done_again(monkeypatch):
     assert made.outcome.alignment.method == made.runs["alignment"].iloc[-1] == "odometry"
 
 
+def test_beams_with_times_are_carried_to_the_start_of_their_scan():
+    """Catches the map of the log as it was, a choice without effect, and code that leaves it."""
+    made = bench(logs.moving_log(), deskew=True)
+    made.align.value = "pose_graph"
+    made.run()
+    assert made.runs["align_thresholds"].iloc[-1].startswith("de-skewed")
+    assert made.outcome.alignment.doubt == ""
+    names = {"log": made.log}
+    exec(made.code, names)
+    assert np.array_equal(names["map"].segments, made.outcome.map.segments)
+    first = made.outcome
+    made.least.value = 0.3
+    made.run()
+    assert made.outcome.log is first.log and len(made.outcome.map) < len(first.map)
+    made.deskew.value = False
+    made.run()
+    assert "deskew" not in made.code and made.outcome.log is made.log
+    assert "the robot moved by more than the spacing" in made.figures.value
+    made.open(LOG)
+    made.deskew.value = True
+    made.run()
+    assert "deskew" not in made.code and made.outcome.log is LOG
+
+
 def test_a_second_method_does_not_repeat_the_first():
     """Catches a row for a run that was not made, and seconds that change by looking on."""
     made = done()
@@ -281,6 +311,41 @@ def test_run_stop_and_failure_in_the_worker(worker):
     assert made.state.value.endswith("The last good run is kept.")
 
 
+ENDLESS = """
+from segmap.compiled import compiled
+from segmap.panels.workbench._job import Worker
+
+@compiled
+def turn(count: int) -> float:
+    total = 0.0
+    for k in range(count):
+        total += k % 7
+    return total
+
+def endless(tell):
+    tell(str(turn(9)))  # compiled
+    turn(10**13)
+
+if __name__ == "__main__":
+    import endless
+    Worker().do(endless.endless, tell=lambda text: print(text, flush=True))
+"""
+
+
+def test_the_worker_ends_with_its_kernel(tmp_path):
+    """Catches work of many minutes that nobody waits for, and that nobody can stop."""
+    (tmp_path / "endless.py").write_text(ENDLESS)
+    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "start_new_session": True}
+    kernel = subprocess.Popen([sys.executable, "endless.py"], cwd=tmp_path, **pipes)
+    try:
+        assert kernel.stdout.readline() == b"22.0\n"
+        kernel.kill()
+        assert kernel.communicate(timeout=30) == (b"", b"")  # which the worker holds open too
+    finally:
+        with contextlib.suppress(ProcessLookupError):
+            os.killpg(kernel.pid, signal.SIGKILL)
+
+
 class Unknown:
     """Arrives nowhere, as what a notebook defines."""
 
@@ -335,6 +400,17 @@ def test_an_uploaded_file_is_read(tmp_path):
     assert made.state.value == "mine: ready to run"
     upload(made, "\0", b"no log at all")
     assert made.log.name == "mine" and "upload.log" in made.state.value
+
+
+def test_a_file_that_is_too_large_is_told_and_not_sent():
+    """Catches a page that loses its kernel over a log of 40 MB, without a word."""
+    made = bench()
+    assert made.upload.most == 10_000_000
+    made.upload._handle_custom_msg({"name": "a\0/long.log", "size": 10_000_001}, [])
+    assert made.state.value == (
+        "long.log has 10.0 MB: uploads have up to 10 MB; larger ones by their path"
+    )
+    assert made.log is LOG and made.upload.value == ()
 
 
 def upload(made, name, content):

@@ -19,7 +19,7 @@ from segmap.exports import ros_classes
 from segmap.matching import DistanceField
 from segmap.metrics import against_walls
 from segmap.plotting import ERROR, GROUPS, MAP, RAW, RESULT, TRUTH, method_style
-from segmap.quadtree import QuadtreeMap
+from segmap.quadtree import QuadtreeMap, frontiers
 from segmap.reduction import Reduction, hybrid
 from segmap.scans import LaserScan, Log
 from segmap.segments import SegmentMap
@@ -78,6 +78,10 @@ DRAWINGS = {
     "climb": (lambda ax: course.draw_climb(POSES, ax=ax), {RESULT}),
     "curves": (lambda ax: plotting.draw_curves(USC, ax=ax), THESIS),
     "field": (lambda ax: course.draw_field(DistanceField(TREE), ax=ax), set()),
+    "frontiers": (
+        lambda ax: course.draw_frontiers(frontiers(TREE, min_size=1), ax=ax),
+        {GROUPS[0]},
+    ),
     "growth": (lambda ax: course.draw_growth(SEEN, hybrid(SEEN), ax=ax), {MAP, RESULT}),
     "icp_step": (
         lambda ax: course.draw_icp_step(POINTS, point_steps(POINTS, POINTS)[0], ax=ax),
@@ -201,6 +205,7 @@ def test_a_row_of_pictures_is_one_figure_with_titles_at_one_scale(name):
 
 
 NOTHING = {
+    "frontiers": lambda ax: course.draw_frontiers([], ax=ax),
     "alignment": lambda ax: plotting.draw_alignment(LOG[:0], odometry(LOG[:0]), ax=ax),
     "before_after": lambda ax: plotting.draw_before_after([], [], ax=ax),
     "log": lambda ax: plotting.draw_log(Log("no poses", [SCAN]), ax=ax),

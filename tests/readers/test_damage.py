@@ -78,6 +78,8 @@ def test_files_that_are_no_logs(path, content, reason, on_error):
     ("sample", "line", "reason"),
     [
         (GOOD, "FLASER 1000000000 1 2 3", "announces 1000000000 ranges, but 3 fields follow"),
+        (GOOD, "FLASER " + "9" * 18 + " 1 2", "announces 999999999999999999 ranges, but 2"),
+        (GOOD, "FLASER " + "9" * 19 + " 1 2", "expected the number of ranges"),
         (GOOD, "FLASER " + "9" * 5000 + " 1 2", "expected the number of ranges"),
         (GOOD, "FLASER 0 0 0 0 0 0 0", "announces 0 ranges"),
         (GOOD, "FLASER 2 1 2 3 4", "2 fields follow them, expected 0, 6 or 9"),
@@ -162,6 +164,13 @@ def test_a_zip_holds_one_log(path):
         packed.writestr("some.log", CARMEN)
     log = readers.read(path, on_error="skip")
     assert len(log) == 2 and not log.skipped
+
+
+def test_a_file_without_a_name_in_a_zip_is_a_file(path):
+    """Catches an IndexError of zipfile, which asks for the last letter of a name."""
+    with zipfile.ZipFile(path, "w") as packed, packed.open(zipfile.ZipInfo(""), "w") as member:
+        member.write(CARMEN.encode())
+    assert len(readers.read(path, on_error="skip")) == 2
 
 
 @pytest.mark.parametrize("method", [zipfile.ZIP_DEFLATED, zipfile.ZIP_BZIP2, zipfile.ZIP_LZMA])

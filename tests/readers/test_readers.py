@@ -2,6 +2,8 @@
 
 import gzip
 import pickle
+from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -179,8 +181,13 @@ class TestBundled:
         monkeypatch.setattr(_bundled, "find_spec", lambda name: None)
         with pytest.raises(ValueError, match="pip install rtb-data"):
             readers.load("killian")
+        there = SimpleNamespace(submodule_search_locations=["rtbdata"])
+        monkeypatch.setattr(_bundled, "find_spec", lambda name: there)
+        assert _bundled.find("killian") == Path("rtbdata/data/killian.g2o.zip")
 
     def test_a_clone_goes_before_the_wheel(self, monkeypatch, tmp_path):
+        package = Path(readers.__file__).parents[1]
+        assert (package.with_name("data"), package / "data") == _bundled.PLACES
         for place, lines in (("clone", 1), ("wheel", 2)):
             (tmp_path / place / "a").mkdir(parents=True)
             content = text([flaser(TRUTH[0], ODOMETRY[0])] * lines)

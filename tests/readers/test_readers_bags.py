@@ -1,10 +1,13 @@
 """Bags of ROS 1 and ROS 2: what the messages mean, which are chosen, and damage."""
 
+import bz2
 import gzip
+import importlib
 import sqlite3
 import subprocess
 import sys
 import tempfile
+from contextlib import closing, nullcontext
 from pathlib import Path
 
 import bag_samples as bags
@@ -12,6 +15,7 @@ import numpy as np
 import pytest
 from bag_samples import LEVEL, RANGES
 from log_samples import ODOMETRY, TIMES
+from rosbags import rosbag1
 
 from segmap import readers
 from segmap.readers import LogError
@@ -91,6 +95,19 @@ def test_odometry_is_interpolated_by_the_shorter_way_and_nowhere_else(read):
     known = np.isfinite(log.odometry).all(1)
     assert known.tolist() == [False, True, True, False] and log[0].odometry is None
     assert log.odometry[1] == pytest.approx([0.5, 0, 3 + (2 * np.pi - 6) / 4])
+
+
+def test_beams_have_times_whose_order_nobody_knows(read):
+    """Catches a negative increment, none, and nonsense; and odometry that is no denser."""
+    for apart, delays in ((0.01, 0.01), (-0.02, 0.02), (0.0, None), (np.nan, None), (9.0, None)):
+        log = read(scan(apart=apart), STANDS, PLACE)
+        known = None if delays is None else (np.arange(5) * np.float32(delays)).tolist()
+        found = log[0].delays
+        assert known == (None if found is None else pytest.approx(found.tolist()))
+        assert log.order_known == (known is None) and log.track is None
+    told = [odometry(START + t, (t, 0, 3 + t)) for t in (0.2, 0.1, 0.0)]
+    track = read(scan(START + 0.1), *told, PLACE).track
+    assert track[:, :2] == pytest.approx(np.array([(START + t, t) for t in (0, 0.1, 0.2)]))
 
 
 class TestTopics:
@@ -193,6 +210,9 @@ class TestFrames:
 
 
 class TestBeams:
+    def test_the_least_range_is_one(self, read):
+        assert read(scan(ranges=[0.1, 2.0, 0.099]))[0].valid.tolist() == [True, True, False]
+
     def test_what_lies_outside_of_the_limits_is_no_wall(self, read):
         """Angles may fall, and a limit that is none limits nothing."""
         ranges = [0.5, 0.05, 30.0, 31.0, np.inf, -np.inf, np.nan, 0.0, -1.0, 29.9]
@@ -218,8 +238,42 @@ class TestBeams:
         with pytest.warns(UserWarning, match="no scan lies within the time of the odometry"):
             assert read(scan(START + 9), STANDS, frames(bags.LASER))[0].odometry is None
 
+    @pytest.mark.parametrize("time", [1e21, -1e21])
+    def test_a_time_beyond_all_clocks_is_told(self, tmp_path, time):
+        """The recorder's, of a message without one: a database can hold what no clock shows."""
+
+        def story(m):
+            yield "/scan", START, *m.scan(0.0)
+
+        path = bags.write(tmp_path, "db3", story)
+
+        def read(time):
+            with closing(sqlite3.connect(path / "it.db3")) as db, db:
+                db.execute("UPDATE messages SET timestamp = ?", [time])
+            return readers.read(path)
+
+        assert read(time).times == [time / 1e9]
+        with pytest.raises(LogError, match=r"expected a time, got -?1.1e\+12 s"):
+            read(1.1 * time)
+
 
 class TestDamage:
+    @pytest.mark.parametrize("counts", [(1, 0), (0, 1), (0, 0)])
+    def test_a_topic_without_messages_is_not_chosen(self, tmp_path, counts):
+        """Catches the first of two topics, and one message that counts as none."""
+        m = bags.Messages(1)
+        with rosbag1.Writer(tmp_path / "it.bag") as writer:
+            for name, count in zip("ab", counts, strict=True):
+                kind, made = m.scan(START)
+                to = writer.add_connection(f"/{name}", kind, typestore=m.store)
+                for _ in range(count):
+                    writer.write(to, 1, bytes(m.store.serialize_ros1(made, kind)))
+        if any(counts):
+            assert len(readers.read(tmp_path / "it.bag")) == 1
+        else:
+            with pytest.raises(LogError, match="holds no sensor_msgs/LaserScan, but the bag holds"):
+                readers.read(tmp_path / "it.bag")
+
     @pytest.mark.parametrize("given", [{"step": 0.0}, {"step": 100.0}, {"ranges": []}])
     def test_a_message_without_sense_costs_one(self, read, given):
         story = scan(), scan(START + 1, **given), scan(START + 2)
@@ -264,6 +318,16 @@ class TestDamage:
         with pytest.raises(LogError, match="unpacks to more than"):
             readers.read(path)
 
+    @pytest.mark.parametrize(("second", "twice"), [(40, True), (41, False), (40 << 56, False)])
+    def test_a_chunk_is_listed_once(self, tmp_path, second, twice):
+        """Catches a place of which a byte is not looked at: a bag that is refused, or a bomb."""
+        places = [place.to_bytes(8, "little") for place in (40, second)]
+        lists = [b"\x08" + (24).to_bytes(8, "little") + bytes(16) + place for place in places]
+        path = tmp_path / "it.mcap"
+        path.write_bytes(b"\x89MCAP0\r\n" + b"".join(lists) + b"\2" + bytes(8))
+        with pytest.raises(LogError, match="twice") if twice else nullcontext():
+            _bounds._check_mcap(path, _bounds.Budget(path, 100))
+
     @pytest.mark.parametrize(
         ("change", "reason"),
         [
@@ -285,6 +349,38 @@ class TestDamage:
         db.close()
         with pytest.raises(LogError, match=reason):
             readers.read(path)
+
+    def test_what_fills_the_budget_is_no_bomb(self, tmp_path, monkeypatch):
+        """Catches a limit of one byte less, and data that are cut off where the budget ends."""
+        monkeypatch.setattr(_bounds, "UNPACKED", 500)
+        packers = {"bz2": bz2.compress, "lz4": importlib.import_module("lz4.frame").compress}
+        for kind, pack in (packers | {"zstd": _bounds._zstd().compress}).items():
+            for size, most in ((10, 500), (11, 550)):  # 50 times its size
+                budget = _bounds.Budget(tmp_path, size)
+                assert len(budget.unpack(kind, pack(bytes(most - 3)))) == most - 3
+                assert budget.unpack(kind, pack(b"end")) == b"end" and budget.left == 0
+                assert budget.unpack(kind, pack(b"")) == b""
+                with pytest.raises(LogError, match=f"more than {most} bytes"):
+                    budget.unpack(kind, pack(b"1"))
+
+    def test_a_record_may_end_with_its_file(self, tmp_path):
+        path = tmp_path / "it.mcap"
+        for more, said in ((0, ""), (1, "byte 17: announces 4 bytes, 3 follow")):
+            path.write_bytes(b"\x89MCAP0\r\n\1" + (3 + more).to_bytes(8, "little") + b"abc")
+            if not said:
+                _bounds.look_through(path, ".mcap", _bounds.Budget(path, 20))
+                continue
+            with pytest.raises(LogError, match=said):
+                _bounds.look_through(path, ".mcap", _bounds.Budget(path, 20))
+
+    @pytest.mark.parametrize("text", [b" " * (1 << 22), b"[" * 5000 + b"{" * 5000])
+    def test_metadata_at_the_limit_are_read(self, tmp_path, text):
+        path = tmp_path / "metadata.yaml"
+        path.write_bytes(text)
+        _bounds.check_metadata(path)
+        path.write_bytes(text + b"{")
+        with pytest.raises(LogError, match="larger than that of any bag"):
+            _bounds.check_metadata(path)
 
     def test_metadata_of_brackets_is_refused(self, tmp_path):
         """Their nesting takes time by the square of their number."""

@@ -174,6 +174,16 @@ class TestDumps:
         assert np.degrees(log[0].angles) == pytest.approx(np.arange(-315, 1, 45))
         assert log[0].points()[-3] == pytest.approx([0, -0.24])  # 90 degrees are on the right
 
+    def test_each_beam_keeps_its_time(self, read):
+        """Catches delays in the order of the file, which was turned round, and a common time."""
+        shaken = LD19.replace("stamp(ns):1000000000", "stamp(ns):2500000000")
+        for sample, delays in ((LD19, range(8)), (shaken, [0, 2, 2.5, 3, 4, 5, 6, 7])):
+            turn = read(sample)[0]
+            assert sorted(turn.delays) == pytest.approx(delays) and turn.time == 0
+            assert turn.delays[np.argmax(turn.angles)] == 0  # the first beam looks ahead
+        alike = "angle_deg,range_mm,time_s\n0,1000,2\n90,1000,2\n180,1000,2\n"
+        assert read(alike)[0].delays is read(RPLIDAR)[0].delays is None
+
     def test_nothing_measured(self, read):
         log = read("theta: 1.00 Dist: 00000.00 Q: 0\ntheta: 2.00 Dist: 00010.00 Q: 4\n")
         assert log[0].valid.tolist() == [True, False]
@@ -201,6 +211,18 @@ class TestNpz:
         assert log.odometry.tolist() == [list(o) for o in ODOMETRY]
         assert log.truth.tolist() == [list(t) for t in TRUTH]
         assert log[0].valid.tolist() == [True, True, False] and np.isnan(log[1].ranges[1])
+
+    def test_delays_and_what_belongs_to_them_come_back(self, written, tmp_path):
+        """Catches scans without delays that get zeros, and an order that is believed."""
+        shots = [segmap.LaserScan([1, 2], [0, 1], delays=d) for d in ([0, 0.1], None)]
+        track = [(0.0, 1, 2, 3), (1.0, 2, 2, 3)]
+        log = segmap.Log("it", shots, track=track, order_known=False)
+        segmap.exports.write_arrays(tmp_path / "it.npz", log)
+        found = readers.read(tmp_path / "it.npz")
+        assert found[0].delays.tolist() == [0, 0.1] and found[1].delays is None
+        assert found.track.tolist() == log.track.tolist() and not found.order_known
+        plain = self.log(written, ranges=[1, 2], angles=[0, 1], delays=[0.5, 0])
+        assert plain[0].delays.tolist() == [0.5, 0] and plain.order_known and plain.track is None
 
     def test_ranges_and_angles_are_enough(self, written):
         log = self.log(written, ranges=[[1, 2], [3, 4]], angles=[[0, 1], [1, 2]])
@@ -233,6 +255,9 @@ class TestNpz:
             ({"ranges": [[1.0]], "angles": [0.0], "sensor_pose": [1, 2]}, "sensor_pose must"),
             ({"ranges": [[1.0]], "angles": [0.0], "max_range": [1, 2]}, "max_range must"),
             ({"ranges": [[1.0]], "angles": [0.0], "codes": [[1, 2]]}, "codes must"),
+            ({"ranges": [[1.0]], "angles": [0.0], "delays": [-1.0]}, "delays must"),
+            ({"ranges": [[1.0]], "angles": [0.0], "track": [1.0, 2.0]}, "track must"),
+            ({"ranges": [[1.0]], "angles": [0.0], "order_known": [1, 0]}, "order_known must"),
             ({"ranges": np.empty((0, 3)), "angles": np.zeros(3)}, "ranges must have shape"),
             ({"ranges": np.array([None]), "angles": [0.0]}, "not a readable NPZ file"),
         ],

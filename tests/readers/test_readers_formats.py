@@ -187,6 +187,20 @@ ROOM = {
 }
 
 
+#: Formats of a sensor whose turn is known; the others measure all beams at once.
+TURNING = {"coreslam", "coreslam_13", "hokuyo", "hokuyo_csv", "csv", "ld19"}
+
+
+@pytest.mark.parametrize("name", SINGLE_FILES)
+def test_beams_have_times_where_the_format_tells(name, read):
+    """Catches a SICK whose beams are spread over a turn, and one that is turned round."""
+    log = read(SINGLE_FILES[name])
+    assert [scan.delays is not None for scan in log] == [name in TURNING] * len(log)
+    if name in ("coreslam", "coreslam_13", "hokuyo_csv"):
+        np.testing.assert_allclose(log[0].delays, np.arange(len(log[0])) * 0.1 / 1024, atol=1e-15)
+    assert log.order_known and log.track is None
+
+
 @pytest.mark.parametrize("name", ROOM)
 def test_every_format_tells_of_the_same_room(name, tmp_path):
     """Catches fields shifted by one, a laser's pose taken for the robot's, units and beams lost.

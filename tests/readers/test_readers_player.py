@@ -82,3 +82,11 @@ def test_a_rounded_step_does_not_add_up(first, last, step, count, true_last, dig
     ]
     lost = 0.36 if count == 682 and digits == 4 else 0.01
     assert np.degrees(spread(settings, count)[-1]) == pytest.approx(true_last, abs=lost)
+
+
+@pytest.mark.parametrize(("count", "last"), [(181, 3.14159), (182, 3.14159 * 181 / 182)])
+def test_of_two_rounded_steps_an_odd_number_of_beams_takes_both_ends(count, last):
+    step = f"{np.mean([3.14159 / count, 3.14159 / (count - 1)]):.6f}"
+    assert spread(["0", "3.14159", step], count)[-1] == pytest.approx(last)
+    with pytest.raises(ValueError, match="expected angles in radians, got 10 "):
+        spread(["10", "3.14159", step], count)

@@ -134,6 +134,10 @@ def svg(path):
     x, y = np.reshape(ends, (-1, 2)).T * [[1], [-1]]
     assert wide > 0 and tall > 0 and ((left < x) & (x < left + wide)).all()
     assert ((top < y) & (y < top + tall)).all()
+    if ends:
+        room = 0.02 * max(np.ptp(x), np.ptp(y), 1)
+        assert (x.min() - left, y.min() - top) == pytest.approx((room, room), rel=1e-6)
+        assert (wide - np.ptp(x), tall - np.ptp(y)) == pytest.approx((2 * room, 2 * room), rel=1e-6)
     sides = float(root.get("width")), float(root.get("height"))
     assert max(sides) == 800 and sides[0] / sides[1] == pytest.approx(wide / tall, rel=0.1)
     return ends, None
@@ -156,6 +160,7 @@ def dxf(path):
     assert not audit.errors and not audit.fixes
     lines = list(drawing.modelspace())
     assert {line.dxftype() for line in lines} <= {"LINE"}
+    assert path.read_text().count("\nLINE\n8\n0\n") == len(lines)  # on a layer that is there
     ends = np.reshape([(line.dxf.start, line.dxf.end) for line in lines], (-1, 2, 3))
     assert not ends[..., 2].any()
     return ends[..., :2], None
@@ -195,6 +200,7 @@ WRONG = {
     "no number": (HEAD + "nan,2,3,4,5\n", 2, "expected metres for x1,y1,x2,y2, got nan,2,3,4"),
     "too far": (HEAD + "1,2,3,1.1e7,5\n", 2, "expected metres for"),
     "half a scan": (HEAD + "1,2,3,4,0.5\n", 2, "expected a whole number for scan, got 0.5"),
+    "far below": (HEAD + "1,2,3,4,-9.1e15\n", 2, "expected a whole number for scan, got -9.1e15"),
     "no scan": (HEAD + "1,2,3,4,inf\n", 2, "expected a whole number for scan, got inf"),
     "a log": ("FLASER 1 2 3\n", 1, "expected the head"),
 }

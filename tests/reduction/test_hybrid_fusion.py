@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from reduction_maps import MAPS
 
-from segmap.reduction import fusion, hybrid, hybrid_fusion
+from segmap.reduction import LiveReduction, fusion, hybrid, hybrid_fusion
 from segmap.segments import SegmentMap
 from segmap.testing import assert_segments_equal
 
@@ -38,6 +38,20 @@ def test_parents_follow_through_hybrid_and_every_fusion():
     found = hybrid_fusion(map, min_length=0.0, every=3)
     assert len(found) == 6
     np.testing.assert_allclose(found.segments[found.parents, 0, 1], 2.0 * wall, atol=0.05)
+
+
+def test_a_live_map_is_that_of_the_method():
+    """Catches a fusion that comes too early or too late; a scan without segments is none."""
+    rng = np.random.default_rng(5)
+    walls = np.array([[(0, y), (4, y)] for y in (0, 1, 2, 3)]).repeat(6, axis=0)
+    map = SegmentMap(walls + rng.normal(0, 0.02, walls.shape), np.tile(np.arange(12), 2))
+    live = LiveReduction(every=5)
+    for part in (map.segments[:0], *map.by_scan()):
+        live.add(part)
+        if live.scans % 5 == 0 and live.scans:
+            found = hybrid_fusion(map[map.scan < live.scans], every=5)
+            np.testing.assert_array_equal(live.segments, found.segments)
+    assert live.scans == 12
 
 
 def test_what_hybrid_dropped_stays_dropped():

@@ -37,3 +37,13 @@ def test_a_touch_is_a_meeting():
         assert meeting(index, np.array([[place + 0.1, 0.1]]), 0.1, found) == 1
         assert meeting(index, np.array([[place + 0.1, 0.1]]), 0.099, found) == 0
         leave(index, 0)
+
+
+def test_a_box_wider_than_all_levels_is_in_the_last_one():
+    """Catches a level that is not there: the count was written beside the array."""
+    index, found = empty_index(2, 0.1), np.empty(3, np.int64)
+    enter(index, 0, np.zeros((1, 2)), 1e77)
+    assert index.levels[-2, 0] == index.levels[-1, 0] == 1
+    assert meeting(index, np.full((1, 2), 5.0), 0.1, found) == 1
+    leave(index, 0)
+    assert not index.levels[:, 0].any()

@@ -14,6 +14,7 @@ from ._quadtrees import (
     draw_classes,
     draw_climb,
     draw_field,
+    draw_frontiers,
     draw_landscape,
     draw_profile,
     draw_ray,

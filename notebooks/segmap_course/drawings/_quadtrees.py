@@ -6,13 +6,13 @@ from collections.abc import Iterable
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.collections import PolyCollection
+from matplotlib.collections import LineCollection, PolyCollection
 from numpy.typing import ArrayLike
 
 from segmap.exports import Classes
 from segmap.matching import DistanceField
-from segmap.plotting import ERROR, RAW, RESULT, TRUTH, axes_or_new, map_axes, square_corners
-from segmap.quadtree import QuadtreeMap
+from segmap.plotting import ERROR, GROUPS, RAW, RESULT, TRUTH, axes_or_new, map_axes, square_corners
+from segmap.quadtree import Frontier, QuadtreeMap
 
 from .._landscapes import Landscape, peaks, profile_peaks
 from .._trials import Trial
@@ -35,6 +35,14 @@ def draw_cells(map: QuadtreeMap, cells: ArrayLike, *, ax: Axes | None = None) ->
     rows, columns = np.nonzero(chosen)
     squares = square_corners(left + columns * side, low + rows * side, np.full(len(rows), side))
     ax.add_collection(PolyCollection(squares, facecolor=ERROR, antialiased=False, linewidth=0))
+    return map_axes(ax)
+
+
+def draw_frontiers(found: Iterable[Frontier], *, ax: Axes | None = None) -> Axes:
+    """Draw frontiers as orange lines, over what the axes show already."""
+    lines = [edge for frontier in found for edge in frontier.edges]
+    ax = axes_or_new(ax)
+    ax.add_collection(LineCollection(lines, color=GROUPS[0], linewidth=2.5))
     return map_axes(ax)
 
 

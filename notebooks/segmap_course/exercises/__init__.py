@@ -3,6 +3,6 @@
 Each file holds those of one subject: their cases, wrong answers and hints; the course lists them.
 """
 
-from ._answers import words
+from .._alone import NOT_GIVEN, Raised, decode, encode
 from ._exercise import Check, Exercise
 from ._notice import Watch, plain

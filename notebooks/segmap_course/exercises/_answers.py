@@ -1,20 +1,14 @@
-"""What a function answers to cases, as plain values that go from one process to another as JSON.
+"""What a function answers to cases, and when two answers are the same.
 
-An answer is a dictionary with one of these keys:
-
-- `values`, with `shape`: the numbers, flattened;
-- `nothing`: the stub, None or `...`;
-- `error`, with `message`: the name of the exception that was raised, and what it says;
-- `type`: the name of the type of something that is no array of numbers;
-- `library`: the function of the library that ran in place of the student's own code.
+An answer is a plain value, as it comes back from another process too (see `_alone`); or `Raised`,
+the exception in its place; `Library`, the function of the library that ran in place of the
+student's own; `Other`, for something that is no plain value. The stub's answer is None.
 """
 
 from __future__ import annotations
 
-import copy
-import math
-import warnings
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -22,88 +16,80 @@ import numpy as np
 from segmap.angles import axial_difference
 from segmap.arrays import Array
 
+from .._alone import Other, Raised, decode, encode, reply
 from ._notice import Watch
 
 #: What one case asks: words -> the arguments.
 Cases = Mapping[str, tuple[Any, ...]]
-#: A plain answer, as described above.
-Answer = dict[str, Any]
-#: An answer with more numbers is no answer to an exercise: no file of a gigabyte from a student.
-MOST_NUMBERS = 100_000
-#: As many characters of the message of an exception are kept.
-MOST_WORDS = 300
 
 
-def answered(
-    function: Callable[..., Any], cases: Cases, watch: Watch | None = None
-) -> list[Answer]:
+@dataclass(frozen=True)
+class Library:
+    """In place of an answer: the function of the library that gave it."""
+
+    name: str
+
+
+def answered(function: Callable[..., Any], cases: Cases, watch: Watch | None = None) -> list[Any]:
     """What a function answers to each case, given copies of its arguments. Raises nothing.
 
     `watch` holds the functions of the library that must not run meanwhile.
     """
-    return [_answer(function, arguments, watch or Watch()) for arguments in cases.values()]
+    watch = watch or Watch()
+    found = []
+    for arguments in cases.values():
+        given = plain(arguments)
+        with watch:
+            data = reply(function, given)
+        found.append(Library(watch.seen) if watch.seen else decode(data))
+    return found
 
 
-def _answer(function: Callable[..., Any], arguments: tuple[Any, ...], watch: Watch) -> Answer:
-    given = copy.deepcopy(arguments)
-    with warnings.catch_warnings(), np.errstate(all="ignore"):
-        warnings.simplefilter("ignore")
-        try:
-            with watch:
-                found = plain(function(*given))
-        except (Exception, SystemExit) as error:
-            found = {"error": type(error).__name__, "message": words(error)}
-    return {"library": watch.seen} if watch.seen else found
+def plain(value: Any) -> Any:
+    """A value as it comes back from another process."""
+    return decode(encode(value))
 
 
-def plain(found: Any) -> Answer:
-    """What a function returned, as a plain answer."""
-    if found is None or found is ...:
-        return {"nothing": True}
-    try:
-        array = np.asarray(found, float)
-    except Exception:  # an answer may be any object at all
-        return {"type": type(found).__name__}
-    if array.size > MOST_NUMBERS:
-        return {"type": f"array of {array.size} numbers"}
-    return {"shape": list(array.shape), "values": array.ravel().tolist()}
-
-
-def words(error: BaseException) -> str:
-    """What an exception says, where that is text."""
-    try:
-        return str(error)[:MOST_WORDS]
-    except Exception:  # its own text may fail too
-        return "an error without a text"
-
-
-def numbers(answer: Answer) -> Array | None:
-    """The numbers of a plain answer, as an array of its shape; None where it holds none."""
-    try:
-        values, shape = answer["values"], tuple(map(int, answer["shape"]))
-        if len(values) > MOST_NUMBERS or math.prod(shape) != len(values):
-            return None
-        return np.array([float(value) for value in values]).reshape(shape)
-    except Exception:  # it may come from a file that somebody wrote
+def numbers(answer: Any) -> Array | None:
+    """The numbers of an answer, as an array of its shape; None where it holds none."""
+    if isinstance(answer, Raised | Other | Library):
         return None
+    try:
+        array = np.asarray(answer)
+    except ValueError:  # lists of several lengths
+        return None
+    return array.astype(float) if array.dtype.kind in "biuf" else None
 
 
-def agree(found: Answer, expected: Answer, same: Callable[[Any, Any], bool]) -> bool:
-    """Whether two plain answers are the same: numbers by `same`, exceptions by their names."""
-    if "error" in found or "error" in expected:
-        return found.get("error") == expected.get("error")
+def agree(found: Any, expected: Any, same: Callable[[Any, Any], bool]) -> bool:
+    """Whether two answers are the same: numbers by `same`, exceptions by their names.
+
+    What holds no numbers agrees with nothing, not with its like either.
+    """
+    if isinstance(found, Raised) and isinstance(expected, Raised):
+        return found.name == expected.name
     a, b = numbers(found), numbers(expected)
     return a is not None and b is not None and bool(same(a, b))
 
 
-def text(answer: Answer) -> str:
+def text(answer: Any) -> str:
     """An answer to six digits; of a long array the shape and how it starts."""
-    if "error" in answer:
-        return f"{answer['error']}: {answer.get('message', '')}"
+    if isinstance(answer, Raised):
+        return f"{answer.name}: {answer.words}"
     array = numbers(answer)
-    if array is None:
-        return f"something of type {answer.get('type', type(None).__name__)}"
-    return _shown(array)
+    return f"something of type {type_name(answer)}" if array is None else _shown(array)
+
+
+def in_full(answer: Any) -> str:
+    """An answer with all of its numbers, as many as a page holds; an argument that has none too."""
+    if numbers(answer) is not None:
+        return np.array2string(np.asarray(answer), precision=6, suppress_small=True, threshold=200)
+    return text(answer) if isinstance(answer, Raised | Other) else repr(answer)[:500]
+
+
+def type_name(answer: Any) -> str:
+    """The name of the type of what was answered."""
+    return answer.name if isinstance(answer, Other) else type(answer).__name__
 
 
 def _shown(array: Array) -> str:
@@ -121,10 +107,16 @@ def close(found: Any, expected: Any) -> bool:
     return a.shape == b.shape and np.allclose(a, b, rtol=1e-9, atol=1e-9, equal_nan=True)
 
 
-def same_line(found: Any, expected: Any) -> bool:
-    """Whether two angles, in radians, are those of one undirected line."""
+def near(found: Any, expected: Any) -> bool:
+    """The same to 1e-5 of the largest value: for what may be found by minimising, too."""
     a, b = _pair(found, expected)
-    return a.shape == () and bool(np.isfinite(a) and abs(axial_difference(a, b)) < 5e-9)
+    return a.shape == b.shape and np.allclose(a, b, rtol=0, atol=1e-5 * np.abs(b).max() + 1e-9)
+
+
+def same_line(found: Any, expected: Any) -> bool:
+    """Whether two angles, radians, are those of one undirected line; minimising is near enough."""
+    a, b = _pair(found, expected)
+    return a.shape == () and bool(np.isfinite(a) and abs(axial_difference(a, b)) < 1e-5)
 
 
 def same_segment(found: Any, expected: Any) -> bool:

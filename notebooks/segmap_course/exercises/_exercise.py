@@ -14,7 +14,7 @@ import numpy as np
 from segmap.arrays import Array
 from segmap.plotting import ERROR, TRUTH
 
-from ._answers import Answer, Cases, agree, answered, close, numbers, plain, text
+from ._answers import Cases, Library, Raised, agree, answered, close, in_full, numbers, text
 from ._notice import Watch
 
 Rng = np.random.Generator
@@ -90,7 +90,7 @@ class Exercise:
         """The cases that students see, words -> arguments."""
         return self._drawn(np.random.default_rng(np.random.SeedSequence(0, spawn_key=(0,))))
 
-    def fresh(self, seed: int) -> dict[str, tuple[Any, ...]]:
+    def fresh(self, seed: int | tuple[int, ...]) -> dict[str, tuple[Any, ...]]:
         """Hidden cases: the same seed gives the same ones, in any process, and never those shown.
 
         Raises
@@ -123,50 +123,62 @@ class Exercise:
             return Check(self.name, False, said)
         return self.verdict(self.answers(function, cases), cases)
 
-    def answers(self, function: Callable[..., Any], cases: Cases | None = None) -> list[Answer]:
-        """What a student's function answers to these cases, as plain values (see `verdict`).
-
-        Runs in the process of the student; the values can be sent as JSON.
-        """
+    def answers(self, function: Callable[..., Any], cases: Cases | None = None) -> list[Any]:
+        """What a student's function answers to these cases, in this process (see `verdict`)."""
         watch = Watch(self.own, self.solution)
         watch.look_into(function)
         return answered(function, self.cases if cases is None else cases, watch)
 
-    def expected(self, cases: Cases | None = None) -> list[Answer]:
-        """What the library answers to these cases, by default the open ones, as plain values."""
+    def expected(self, cases: Cases | None = None) -> list[Any]:
+        """What the library answers to these cases, by default the open ones."""
         return answered(self.solution, self.cases if cases is None else cases)
 
-    def verdict(self, answers: Sequence[Answer], cases: Cases | None = None) -> Check:
-        """Judge what `answers` found elsewhere for the same cases, by default the open ones.
+    def verdict(self, answers: Sequence[Any], cases: Cases | None = None) -> Check:
+        """Judge what was answered, here or elsewhere, to the same cases, by default the open ones.
 
         No code of the student runs here; whatever else the answers hold fails with a hint.
         """
-        hint = self._hint(answers, self.cases if cases is None else cases)
+        cases = self.cases if cases is None else cases
+        if not isinstance(answers, list | tuple) or len(answers) != len(cases):
+            return Check(self.name, False, "an answer to each of the cases is wanted")
+        hint = self.mistake(answers, cases)
+        hint = self._difference(answers, cases) if hint is None else hint
         return Check(self.name, not hint, hint)
 
-    def _hint(self, found: Any, cases: Cases) -> str:
-        """The hint for these answers; empty where they are right."""
-        listed = isinstance(found, list | tuple) and len(found) == len(cases)
-        if not listed or not all(isinstance(answer, dict) for answer in found):
-            return "the answers are not those of the cases: one plain answer for each"
-        library = next((answer["library"] for answer in found if "library" in answer), None)
+    def mistake(self, found: Sequence[Any], cases: Cases) -> str | None:
+        """The hint of the mistake that gives these answers; empty where they are right, or None."""
+        library = next((answer.name for answer in found if isinstance(answer, Library)), None)
         if library is not None:
             return f"this is the library's; write your own ({library} ran)"
-        if all("nothing" in answer for answer in found) and found:
+        if found and all(answer is None for answer in found):
             return f"it returns nothing yet; the task is {self.task}"
-        for hint, function in self._known().items():
-            if self._agree(found, answered(function, cases)):
-                return hint
+        known = self._known().items()
+        return next((hint for hint, f in known if self._agree(found, answered(f, cases))), None)
+
+    def _difference(self, found: Sequence[Any], cases: Cases) -> str:
+        """The first case that has another answer, in full."""
         pairs = zip(cases, found, self.expected(cases), strict=True)
         words, got, right = next(pair for pair in pairs if not agree(*pair[1:], self.same))
-        said = f"but it raised {text(got)}" if "error" in got else f"got {text(got)}"
+        said = f"but it raised {text(got)}" if isinstance(got, Raised) else f"got {text(got)}"
+        if text(got) == text(right):
+            said += f", which is off by {np.abs(np.subtract(got, right)).max():.1g}"
         return f"for {words} expected {text(right)}, {said}{self._call(cases[words])}"
+
+    def told(self, found: Sequence[Any]) -> str:
+        """The open cases that have another answer, in full."""
+        lines = []
+        for (words, given), got, right in zip(
+            self.cases.items(), found, self.expected(), strict=True
+        ):
+            if not agree(got, right, self.same):
+                lines += [f"{words}: {self.name}({', '.join(map(in_full, given))})"]
+                lines += [f"expected {in_full(right)}", f"got      {in_full(got)}", ""]
+        return "\n".join(lines)
 
     def _call(self, given: Sequence[Any]) -> str:
         """The call with these arguments, where they are few numbers."""
-        answers = [plain(argument) for argument in given]
-        shown = f" from {self.name}({', '.join(map(text, answers))})"
-        whole = all(numbers(answer) is not None for answer in answers)
+        shown = f" from {self.name}({', '.join(map(text, given))})"
+        whole = all(numbers(argument) is not None for argument in given)
         short = len(shown) <= MOST_SHOWN and "that starts" not in shown
         return shown if whole and short else ""
 
@@ -174,7 +186,7 @@ class Exercise:
         """Hint -> the wrong function; the library's has none."""
         return {"": self.solution, **self.mistakes}
 
-    def _agree(self, found: Sequence[Answer], expected: Sequence[Answer]) -> bool:
+    def _agree(self, found: Sequence[Any], expected: Sequence[Any]) -> bool:
         return all(agree(*pair, self.same) for pair in zip(found, expected, strict=True))
 
 

@@ -12,7 +12,7 @@ from segmap.segments import length, point_distance
 
 from ..literal import point_to_line_step
 from ..literal.alignment import angle_correspondence, backbone, point_to_line
-from ._answers import Cases
+from ._answers import Cases, near
 from ._exercise import Exercise, Rng, anywhere, changed, edited
 
 
@@ -83,6 +83,7 @@ check_match_value = Exercise(
             edited(_value, ("max(0.0, ", "("))
         ),
     },
+    near,
     own=(match_values, angle_candidates, match_angles, kernels.match_value, angle_correspondence),
 )
 
@@ -96,12 +97,21 @@ def _lines_off(rng: Rng) -> Cases:
         normals = np.stack([-np.sin(turn), np.cos(turn)], -1)
         return normals, rng.uniform(-0.1, 0.1, count), rng.uniform(1, 3, count)
 
+    def askew() -> tuple[Array, Array, Array]:
+        """A corridor that rounding leaves a little width across: no number is divided by that."""
+        while True:
+            found = normals, _, weights = lines(*[rng.uniform(10, 80)] * 3)
+            if np.linalg.eigvalsh(normals.T @ (normals * weights[:, None]))[0] > 0:
+                return found
+
     turn = rng.uniform(10, 80)
     return {
         "a corner": lines(turn, turn + 90, turn + rng.uniform(20, 70)),
         "two walls at a slant": lines(turn, turn + rng.uniform(60, 120)),
         "a corridor": lines(0, 0, 0),
         "a corridor that runs askew": lines(turn, turn),
+        "a corridor of three walls, askew": askew(),
+        "another corridor, askew": askew(),
         "walls of many directions": lines(*(turn + np.arange(0, 180, 36))),
     }
 
@@ -143,6 +153,7 @@ check_least_translation = Exercise(
             )
         ),
     },
+    near,
     own=(least_translation, backbone),
 )
 
@@ -217,5 +228,6 @@ check_move_onto_walls = Exercise(
             lambda p, f, n: point_to_line_step(p - p.mean(0), f - p.mean(0), n)
         ),
     },
+    near,
     own=(point_to_line,),
 )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from typing import Any
 
 import numpy as np
@@ -38,6 +39,12 @@ def _pairs(rng: Rng) -> Cases:
         return transform(place, a), transform(place, b), *(given or limits)
 
     corner = _wall((0, size / 2), size, 90)
+
+    def joined(gap: float, turn: float) -> Array:
+        """A wall that begins so far behind the end of `flat`, turned by so much."""
+        c, s = np.cos(turn), np.sin(turn)
+        return np.array([(gap, 0), (gap + size * c, size * s)])
+
     border = np.array([[(0.0, 0), (2, 0)], [(2.25, 0), (4, 0)]]) + shift
     return {
         "end to end on one wall": placed(flat, next_to),
@@ -47,6 +54,10 @@ def _pairs(rng: Rng) -> Cases:
         "a corner, to 1 degree": placed(flat, corner, 0.25, np.radians(1)),
         "a piece beside the middle of a wall": placed(flat, _wall((-size / 2, 0.02), size / 3, 0)),
         "two walls that begin together": placed(flat, _wall((0, 0.1), 2 * size, 0)),
+        "a turn a little too large": placed(flat, joined(0.1, 1.5 * limits[1])),
+        "a turn that is just small enough": placed(flat, joined(0.1, -0.8 * limits[1])),
+        "a gap a little too wide": placed(flat, joined(0.375, 0)),
+        "a gap that is just small enough": placed(flat, joined(0.2, 0)),
         "walls turned by 30 degrees": placed(flat, _wall((0.75, 0.4), 1.6, 30)),
         "ends exactly 0.25 m apart": (*border, *limits),
         "middles that meet and ends that do not": placed(flat, _wall((-size / 2, 0), size + 2, 2)),
@@ -54,7 +65,7 @@ def _pairs(rng: Rng) -> Cases:
 
 
 def _matches(a: Array, b: Array, distance: float, angle: float) -> bool:
-    return len(basic_offline([a, b], distance=distance, angle=angle)) == 1
+    return basic.match(a.tolist(), b.tolist(), distance, angle)
 
 
 def _gaps(a: Array, b: Array) -> Array:
@@ -132,6 +143,9 @@ def _pieces(rng: Rng) -> Cases:
                 _wall((0.8, 1), 1, way + lean),
             ),
             ("walls at 1 and 179 degrees", _wall((1, 0), size, 1), _wall((size, 0), 1, 179)),
+            ("walls at 179 and 1 degrees", _wall((1, 0), size, 179), _wall((size, 0), 1, 1)),
+            ("a wall that leans far to the left", flat, _wall((size, 1), 2.2, 60 + 3 * lean)),
+            ("a wall that leans far to the right", flat, _wall((size, 1), 2.2, -60 - 3 * lean)),
             ("upright walls", _wall((0, 2), size, 85), _wall((0.1, 4), 0.7 * size, 90 + lean)),
             ("a piece in the middle of a wall", flat, _wall((size / 2, 0.05), 0.5, lean)),
         )
@@ -139,7 +153,7 @@ def _pieces(rng: Rng) -> Cases:
 
 
 def _merged(a: Array, b: Array) -> Array:
-    return basic_offline([a, b], distance=10.0, angle=np.pi / 2).segments[0]
+    return np.array(basic.merge(a.tolist(), b.tolist()))
 
 
 def _farthest(a: Array, b: Array) -> Array:
@@ -202,12 +216,13 @@ check_merged = Exercise(
 
 # ----------------------------------------------------------------------------- Hybrid
 def _named_lines(rng: Rng) -> Cases:
-    """Walls of all directions, and an angle on this side of the seam or beyond it."""
+    """Walls of all directions, and an angle on this side of the seam or beyond it, far off."""
+    sides = itertools.cycle(rng.permutation([-1, 1]))
 
     def case(ends: Any, turns: int) -> tuple[Any, ...]:
         (x, y) = np.subtract(ends[1], ends[0])
-        near = np.arctan2(x, -y) + np.radians(rng.uniform(-50, 50)) + turns * np.pi
-        return np.array(ends, float), float(near)
+        off = next(sides) * np.radians(rng.uniform(62, 85))
+        return np.array(ends, float), float(np.arctan2(x, -y) + off + turns * np.pi)
 
     x, y, size = *rng.uniform(1, 4, 2), rng.uniform(1, 3)
     slanted, upright = [(x, y), (x + size, y + 0.7 * size)], [(x, -y), (x, size)]

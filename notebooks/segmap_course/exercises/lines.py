@@ -144,11 +144,17 @@ def _chords(rng: Rng) -> Cases:
         points = np.stack([np.linspace(0, rng.uniform(1, 3), count), off], 1)
         return (transform(anywhere(rng, degrees, degrees), points),)
 
+    def two_far(first: float, second: float) -> tuple[Array]:
+        points = np.array([(0, 0), (0.5, first), (1.2, 0.1), (1.9, second), (2.4, 0)])
+        return (transform(anywhere(rng), points * (1, rng.choice([-1, 1]))),)
+
     upright = chord(1, 0)[0][:, ::-1]
     return {
         "the farthest to the left": chord(1, rng.uniform(-30, 30)),
         "the farthest to the right": chord(-1, rng.uniform(-30, 30)),
         "a chord that stands upright": (upright - upright[0] * (1, 0),),
+        "two that are far, the second farther": two_far(0.5, 0.6),
+        "two that are far, the first farther": two_far(0.6, 0.5),
         "a steep chord": chord(-1, rng.uniform(70, 80)),
         "a steep chord, to the left": chord(1, rng.uniform(100, 110)),
     }

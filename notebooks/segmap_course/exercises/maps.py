@@ -15,7 +15,7 @@ from segmap.segments import point_distance
 from .. import literal
 from .._storage import wall_errors
 from ..literal.metrics import covered
-from ._answers import Cases
+from ._answers import Cases, near
 from ._exercise import Exercise, Rng, edited
 
 
@@ -119,11 +119,18 @@ def _runs(rng: Rng) -> Cases:
     beaten = np.stack([q - rng.uniform(0.01, 0.03, 4), r - rng.uniform(0.02, 0.05, 4)], 1)
     points = rng.permutation(np.concatenate([np.stack([q, r], 1), beaten]))
     q = np.sort(points[:, 0])
+    middle = float((q[3] + q[4]) / 2)
+    taken = int(np.where(points[:, 0] >= middle, points[:, 1], 0).argmax())
     return {
+        "eight runs, the first of them counts": (np.roll(points, -taken, axis=0), middle),
+        "eight runs, the last of them counts": (np.roll(points, -taken - 1, axis=0), middle),
+    } | {
         f"eight runs, {words}": (points, float(least))
         for words, least in (
             ("a quality between two of them", (q[3] + q[4]) / 2 + rng.uniform(0, 0.005)),
             ("the quality of one of them", points[int(rng.integers(8)), 0]),
+            ("the best quality of all", q[-1]),
+            ("a quality between the two best on the curve", (q[6] + q[7]) / 2),
             ("a quality next to a bad one", q[4] + 0.001),
             ("a quality better than all", q[-1] + rng.uniform(0.01, 0.1)),
             ("a quality worse than all", q[0] - rng.uniform(0.01, 0.1)),
@@ -269,6 +276,7 @@ check_mean_wall_error = Exercise(
             )
         ),
     },
+    near,
     own=(wall_errors,),
 )
 

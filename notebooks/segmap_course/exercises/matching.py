@@ -1,9 +1,8 @@
-"""Exercises on scores, matchers and particles: a score, a step of a climb, the weights."""
+"""Exercises on scores and matchers: the score of a scan, a step of hill climbing."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -11,8 +10,9 @@ import numpy as np
 from segmap.arrays import Array
 from segmap.poses import transform
 
-from ..literal import MOVES, climb_step, distance_score, weighed
-from ..literal.quadtrees import matching, particles
+from .._alone import Surface
+from ..literal import MOVES, climb_step, distance_score, systematic, weighed
+from ..literal.quadtrees import hypotheses, matching, particles
 from ._answers import Cases
 from ._exercise import Exercise, Rng, anywhere, changed, edited
 
@@ -75,21 +75,6 @@ check_scan_score = Exercise(
 #: A pose is an array or a tuple: three numbers.
 Pose = Any
 Value = Callable[[Pose], float]
-Three = tuple[float, float, float]
-
-
-@dataclass(frozen=True)
-class Surface:
-    """The value of a pose: so much for each metre or radian from a point, or away from it."""
-
-    slope: Three
-    point: Three = (0.0, 0.0, 0.0)
-    away: tuple[bool, bool, bool] = (False, False, False)
-
-    def __call__(self, pose: Pose) -> float:
-        """The score of a pose."""
-        off = np.subtract(pose, self.point)
-        return float(np.where(self.away, np.abs(off), off) @ np.array(self.slope))
 
 
 def _hills(rng: Rng) -> Cases:
@@ -106,8 +91,19 @@ def _hills(rng: Rng) -> Cases:
             ("on the top", hill, top, move, move),
             ("a plain", Surface((0, 0, 0)), start, move, move),
             ("a valley, both ways up", valley, start * (1, 0, 1), 0.125, 0.125),
+            (
+                "a valley in x",
+                Surface((1, 0, 0), away=(True, False, False)),
+                start * (0, 1, 1),
+                0.125,
+                1,
+            ),
+            ("a slope to the left", Surface((-2, 1, 0)), start, move, move),
+            ("a slope down to the right", Surface((1, -1, 0)), start, move, move),
             ("a slope, the robot turned", slope, start * (1, 1, 0) + (0, 0, 2), move, move),
             ("a coarse turn", hill, top - (0, 0, 0.4), 0.001, 1.0),
+            ("a turn to the left", hill, top - (0, 0, right), 0.01, 0.2),
+            ("a turn to the right", hill, top + (0, 0, up), 0.01, 0.2),
         )
     }
 
@@ -155,6 +151,70 @@ check_climb_step = Exercise(
         ),
     },
     own=(matching,),
+)
+
+
+# ------------------------------------------------------------------------------ resampling
+def _combs(rng: Rng) -> Cases:
+    count, offset = int(rng.integers(5, 9)), float(rng.uniform(0.1, 0.4))
+    drawn, heavy = rng.dirichlet(np.ones(count)), rng.permutation(np.r_[0.72, np.full(7, 0.04)])
+    return {
+        "weights of all sizes": (drawn, offset),
+        "the same, the comb further on": (drawn, offset + 0.5),
+        "a heavy particle": (heavy, offset),
+        "equal weights": (np.full(count, 1 / count), 0.5),
+        "a particle without weight first, the comb at 0": (np.r_[0, drawn], 0.0),
+        "a particle without weight last": (np.r_[drawn, 0], offset + 0.5),
+        "one particle": (np.ones(1), offset),
+    }
+
+
+def _toothed(weights: Array, teeth: Array) -> Array:
+    found = np.searchsorted(np.cumsum(weights), teeth, side="right")
+    return np.minimum(found, len(weights) - 1)
+
+
+def _teeth(weights: Array) -> Array:
+    return np.arange(len(weights)) / len(weights)
+
+
+check_resampled = Exercise(
+    "resampled(weights, offset) -> (n,): which particle each new one goes on from, by a comb of n "
+    "teeth, 1 / n apart, the first at offset / n, laid on the weights (n,) in a row",
+    systematic,
+    _combs,
+    {
+        "the first tooth is at offset / n, not at 0": lambda w, offset: _toothed(w, _teeth(w)),
+        "the first tooth is at offset / n, not at offset": (
+            lambda w, offset: _toothed(w, _teeth(w) + offset)
+        ),
+        "n teeth, the last beyond 1 - 1 / n: yours are 1 / (n + 1) apart": (
+            lambda w, offset: _toothed(w, (np.arange(len(w)) + offset) / (len(w) + 1))
+        ),
+        "the weights lie in a row: compare a tooth with their running sum": (
+            lambda w, offset: np.minimum(
+                np.searchsorted(np.sort(w), _teeth(w) + offset / len(w)), len(w) - 1
+            )
+        ),
+        "not the heaviest alone: every particle has as many teeth as its weight is long": (
+            lambda w, offset: np.full(len(w), np.argmax(w))
+        ),
+        "heavy particles go on several times, light ones not at all: yours all go on": (
+            lambda w, offset: np.arange(len(w))
+        ),
+        "a particle begins where the one before ends: yours are one too far": (
+            lambda w, offset: np.minimum(_toothed(w, _teeth(w) + offset / len(w)) + 1, len(w) - 1)
+        ),
+        "a particle without weight has no teeth: a tooth on an edge belongs to what follows": (
+            lambda w, offset: np.searchsorted(np.cumsum(w), _teeth(w) + offset / len(w))
+        ),
+        "which particle, not how many of each": (
+            lambda w, offset: np.bincount(
+                _toothed(w, _teeth(w) + offset / len(w)), minlength=len(w)
+            )
+        ),
+    },
+    own=(hypotheses,),
 )
 
 

@@ -9,9 +9,9 @@ import numpy as np
 from segmap.alignment.graph import residuals
 from segmap.angles import wrap
 from segmap.arrays import Array
-from segmap.poses import between, compose, interpolate, motions
+from segmap.poses import between, compose, interpolate, motions, transform
 
-from ..literal import edge_residual
+from ..literal import after, carry_beam, edge_residual
 from ._answers import Cases
 from ._exercise import Exercise, Rng, anywhere, changed
 
@@ -208,4 +208,58 @@ check_carried = Exercise(
         ),
         "the scan keeps its place beside the key frame; it does not go onto it": lambda b, a, p: a,
     },
+)
+
+
+# --------------------------------------------------------------------------- a moving laser
+def _beams_in_motion(rng: Rng) -> Cases:
+    def beam(ahead: float, rate: float) -> tuple[float, ...]:
+        return float(rng.uniform(1, 4)), float(rng.uniform(-3, 3)), 0.15, ahead, rate
+
+    return {
+        "a robot that drives straight on": beam(2.0, 0.0),
+        "one that turns on the spot": beam(0.0, float(rng.uniform(2, 3))),
+        "one that drives to the left": beam(2.0, float(rng.uniform(2, 3))),
+        "one that drives to the right": beam(3.0, -float(rng.uniform(2, 3))),
+    }
+
+
+def _beam(distance: float, angle: float, *motion: float) -> Array:
+    return transform(motion, [distance * np.cos(angle), distance * np.sin(angle)])
+
+
+def _carried_beam(distance: float, angle: float, delay: float, ahead: float, rate: float) -> Array:
+    return _beam(distance, angle, *motions.arc(np.array([ahead, 0, rate]) * delay))
+
+
+check_carried_beam = Exercise(
+    "carried_beam(distance, angle, delay, ahead, rate) -> (2,) metres: end point of a beam, seen "
+    "from where the robot was when its scan began; the beam, metres and radians from straight "
+    "ahead, was measured `delay` seconds later, and the robot drives `ahead` metres and turns by "
+    "`rate` radians a second; the laser sits at its turning point",
+    _carried_beam,
+    _beams_in_motion,
+    {
+        "the point is where the laser saw it: it moves by what the robot moved, not back by it": (
+            lambda r, a, t, v, w: _carried_beam(r, a, -t, v, w)
+        ),
+        "the robot drives, it does not only turn": (
+            lambda r, a, t, v, w: _carried_beam(r, a, t, 0.0, w)
+        ),
+        "the robot turns, it does not only drive: after a turn the beam looks elsewhere": (
+            lambda r, a, t, v, w: _beam(r, a, v * t, 0, 0)
+        ),
+        "it turns while it drives: its way is an arc, not straight ahead; take a circle of radius "
+        "ahead / rate": lambda r, a, t, v, w: _beam(r, a, v * t, 0, w * t),
+        "it does not turn first and drive then: its way is an arc": (
+            lambda r, a, t, v, w: _beam(r, a, v * t * np.cos(w * t), v * t * np.sin(w * t), w * t)
+        ),
+        "speeds are a second, the delay is in seconds: how far it came is their product": (
+            lambda r, a, t, v, w: _carried_beam(r, a, 1.0, v, w)
+        ),
+        "x and y are asked for, not range and direction": changed(
+            _carried_beam, lambda p: np.array([np.hypot(*p), np.arctan2(p[1], p[0])])
+        ),
+    },
+    own=(carry_beam, after),
 )

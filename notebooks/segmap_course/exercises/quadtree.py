@@ -9,6 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from segmap.arrays import Array
+
 from ..literal import cell_of, grown, occupancy, ray_cells
 from ..literal.quadtrees import quadtree
 from ._answers import Cases, same_cells
@@ -19,20 +21,21 @@ Cell = tuple[int, int]
 
 # ------------------------------------------------------------------------------ cells
 def _places(rng: Rng) -> Cases:
-    """Inside cells, left of the corner, and where products and floor divisions round wrongly."""
+    """Inside cells, left of the corner, and on edges where floor divisions round wrongly.
+
+    On an edge where x / r itself is a little off, rounded answers are as right: there is none.
+    """
     r = float(rng.choice([0.05, 0.1, 0.2, 0.25]))
     corner, k = round(rng.uniform(0.5, 3), 1), int(rng.integers(5, 40))
     edges = [(round(i * s, 2), s) for s in (0.05, 0.1, 0.2) for i in range(1, 200)]
-    product = [(x, s) for x, s in edges if floor(x * (1 / s)) != floor(x / s)]
-    floored = [(x, s) for x, s in edges if x // s != floor(x / s)]
+    floored = [(x, s) for x, s in edges if x // s != floor(x / s) == round(x / s)]
     return listed(
         [
             (round((k + 0.6) * r, 4), 0.0, r),
             (round(-0.4 * r, 4), 0.0, r),
             (round(-(k + 0.7) * r, 4), 0.0, r),
             (round(corner + (k + 0.6) * r, 4), corner, r),
-            *((float(x), 0.0, float(s)) for x, s in rng.permutation(product)[:1]),
-            *((float(x), 0.0, float(s)) for x, s in rng.permutation(floored)[:1]),
+            *((float(x), 0.0, float(s)) for x, s in rng.permutation(floored)[:2]),
         ]
     )
 
@@ -47,9 +50,6 @@ check_cell_of = Exercise(
         ),
         "1.0 // 0.1 is 9, as 0.1 is a little more than a tenth: divide first, then take floor": (
             lambda x, c, r: int((x - c) // r)
-        ),
-        "0.3 * (1 / 0.1) is 3, and 0.3 / 0.1 is a little less: divide, do not multiply": (
-            lambda x, c, r: floor((x - c) * (1 / r))
         ),
         "a cell begins at its left edge: floor, and not the nearest whole number": (
             lambda x, c, r: round((x - c) / r)
@@ -73,6 +73,7 @@ def _roots(rng: Rng) -> Cases:
         (x + near + away, y - 1 - far - away),
         *((x + near, y + side + far), (x + side + far, y + near), (x - 1 - far, y + near)),
         *((x + near, y - 1 - far), (x - 1 - far, y + side), (x + side + far, y - 1 - near)),
+        *((x, y - 1 - near), (x + side + near, y), (x, y + side), (x - 1 - near, y)),
     )
     return {f"root {(x, y, side)} and cell {cell}": ((x, y, side), cell) for cell in cells}
 
@@ -153,6 +154,7 @@ def _rays(rng: Rng) -> Cases:
     ways = (
         *((long, short), (-long, short), (short, long), (-short, -long), (long, -short)),
         *((even, even // 2), (-even, 1), (0, 0), (0, -short), (short, -short), (4 * short, 1)),
+        *((1, 1), (-1, 1), (2 * short + 7, 3), (3, 2 * short + 7)),
     )
     return {f"from {(x, y)} to {(x + dx, y + dy)}": ((x, y), (x + dx, y + dy)) for dx, dy in ways}
 
@@ -236,6 +238,76 @@ check_pixel = Exercise(
         ),
         "count from the origin: subtract it first": (
             lambda x, y, o, side, rows: _pixel(x, y, (0.0, 0.0), side, rows)
+        ),
+    },
+)
+
+
+# -------------------------------------------------------------------------- frontiers
+def _grids(rng: Rng) -> Cases:
+    """Free, unknown and occupied cells at the edges, in the corners and in the middle."""
+
+    def case(rows: int, columns: int) -> tuple[Any, ...]:
+        return (rng.choice([0.0, 0.1, 0.45, 0.5, 0.5, 0.9], (rows, columns)),)
+
+    lone = np.full((3, 3), 0.0)
+    lone[tuple(rng.integers(0, 3, 2))] = 0.5
+    return {
+        "a wide grid": case(4, 7),
+        "a high grid": case(6, 3),
+        "a single row": case(1, 9),
+        "one unknown cell": (lone,),
+    }
+
+
+def _frontier_cells(grid: Array) -> NDArray[np.bool_]:
+    """The right answer, of which the mistakes change a part."""
+    unknown = np.pad(grid == 0.5, 1)
+    beside = unknown[:-2, 1:-1] | unknown[2:, 1:-1] | unknown[1:-1, :-2] | unknown[1:-1, 2:]
+    return (grid < 0.5) & beside
+
+
+def _rolled(grid: Array) -> NDArray[np.bool_]:
+    unknown = grid == 0.5
+    rolled = [np.roll(unknown, step, axis) for step in (-1, 1) for axis in (0, 1)]
+    return (grid < 0.5) & np.any(rolled, axis=0)
+
+
+def _with_diagonals(grid: Array) -> NDArray[np.bool_]:
+    unknown, (rows, columns) = np.pad(grid == 0.5, 1), grid.shape
+    parts = [unknown[i : i + rows, j : j + columns] for i in range(3) for j in range(3)]
+    return (grid < 0.5) & np.any(parts, axis=0)
+
+
+check_frontier_cells = Exercise(
+    "frontier_cells(grid) -> bools like the grid (rows, columns) of occupancies: which cells are "
+    "free, below 0.5, and have an unknown one, 0.5, beside them in their row or column",
+    _frontier_cells,
+    _grids,
+    {
+        "np.roll brings the cells of one edge to the other: nothing lies beyond an edge": _rolled,
+        "cells that touch at a corner only are not beside each other": _with_diagonals,
+        "what lies beyond the edge of the grid is no cell, so it is not unknown": (
+            edited(_frontier_cells, ("0.5, 1)", "0.5, 1, constant_values=True)"))
+        ),
+        "the free cell is asked for, not the unknown one beside it": (
+            edited(
+                _frontier_cells,
+                ("grid == 0.5", "grid < 0.5"),
+                ("(grid < 0.5) &", "(grid == 0.5) &"),
+            )
+        ),
+        "an occupied cell is no place to drive to: below 0.5 only": (
+            edited(_frontier_cells, ("(grid < 0.5)", "(grid != 0.5)"))
+        ),
+        "an occupied cell is known: only 0.5 is unknown": (
+            edited(_frontier_cells, ("np.pad(grid == 0.5, 1)", "np.pad(grid >= 0.5, 1)"))
+        ),
+        "rows count as well as columns: a cell has four beside it": (
+            edited(_frontier_cells, ("unknown[:-2, 1:-1] | unknown[2:, 1:-1] | ", ""))
+        ),
+        "an unknown cell is not free itself": (
+            edited(_frontier_cells, ("(grid < 0.5)", "(grid <= 0.5)"))
         ),
     },
 )

@@ -70,8 +70,10 @@ def _walls_ahead(rng: Rng) -> Cases:
         words: (transform(robot, ends)[:: rng.choice([-1, 1])], robot, float(beam))
         for words, ends, beam in (
             ("a wall straight ahead", wall, 0.0),
+            ("the middle of a wall", np.array([(away, -half), (away, half)]), 0.0),
             ("a beam to the left", wall, inside),
             ("a leaning wall, a beam to the right", leaning, -inside),
+            ("a wall close ahead", wall * (0.1, 1), 0.0),
             ("a wall behind the robot", wall * (-1, 1), 0.0),
             ("a beam that passes beside the wall", wall, outside),
             ("a beam along the wall", wall, np.pi / 2),
@@ -203,6 +205,7 @@ def _stamps(rng: Rng) -> Cases:
         "a clock that does not wrap": stamps(start, 500, 5),
         "a clock that wraps": stamps(WRAP - 900, 600, 6),
         "a clock that wraps more than once": stamps(start, WRAP - 1, 6),
+        "a stamp that comes twice": (np.array([start, start + 40, start + 40, start + 90]),),
     }
 
 

@@ -173,6 +173,8 @@ def _strips(rng: Rng) -> Cases:
             ("as much below as above", [(up + 1, up + 1), (down, down)], [long, long]),
             ("a segment below", [(down - 1, down)], [long]),
             ("a longer wall far away", [(20, 20), (20, 21)], [2.75, long]),
+            ("a longer wall far below", [(-20, -20), (-21, -20)], [2.75, long]),
+            ("a wall that takes the whole tolerance", [(e, 2 * e)], [long]),
             ("nothing to gain", [(e - 2, e - 1)], [1]),
             ("a slanted segment, one of its ends near", [(up, up + 2 * e + 2)], [long]),
         )

@@ -15,7 +15,7 @@ from segmap.poses import transform
 from ..literal.reduction import fuzzy_clustering, viewing_sector, weighted_line_fitting
 from ..literal.reduction.least_cost import invented
 from ..literal.reduction.weighted_line_fitting import Line, add_pose
-from ._answers import Cases
+from ._answers import Cases, near
 from ._exercise import Exercise, Rng, anywhere, changed, edited
 
 
@@ -80,6 +80,7 @@ check_pose_covariance = Exercise(
         ),
         "the offset comes first, then the angle": changed(_pose_covariance, np.flip),
     },
+    near,
     own=(reduction.weighted_line_fitting, weighted_line_fitting),
 )
 
@@ -98,7 +99,13 @@ def _looks(rng: Rng) -> Cases:
     sensor = border[0] - (1, 3)
     return {
         "a point on the wall": case((x, away)),
+        "a point right before the sensor": case((0.01 * x, 0.01 * away)),
+        "a point 0.1 m behind a long wall that is near": (case((x, 0.6), wall * (2, 0) + (0, 0.5))),
+        "a point 0.15 m behind a short wall that is far": (
+            case((0.02, away + 0.15), wall * (0.1 / half, 1))
+        ),
         "a point before the wall": case((x / 2, away / 2)),
+        "a point before a wall that is near": case((0.1 * x, 0.2), wall * (1, 0) + (0, 0.5)),
         "a point behind the wall": case((-x, away + 0.5)),
         "a point before the wall, its ends swapped": case((x / 2, away / 2), wall[::-1]),
         "a point behind the wall, its ends swapped": case((x, away + 0.5), wall[::-1]),
@@ -106,6 +113,7 @@ def _looks(rng: Rng) -> Cases:
         "a point behind the sensor": case((-x, -away)),
         "a glancing look, a little behind": case((0.95 * half, away + 0.11)),
         "a point 0.125 m behind the wall": (border, sensor + (3, 3.125), sensor, d),
+        "a point 0.125 m before the wall": (border, sensor + (3, 2.875), sensor, d),
         "a point far behind, on a ray that passes the wall": case((1.1 * half, 2 * away)),
     }
 
@@ -231,6 +239,10 @@ def _members(rng: Rng) -> Cases:
         "two members and a hole, the last one first": case(a + b + 1, (a + 1, a + b + 1), (0, a)),
         "a short member inside a long one": case(a + b, (0, a), (0.3, 0.6), (a + 0.5, a + b)),
         "a gap shorter than the limit": case(a + b, (0, a), (a + 0.6 * gap, a + b)),
+        "short gaps at both ends": case(a + b, (0.6 * gap, a), (a, a + b - 0.6 * gap)),
+        "gaps as long as the limit": (
+            *(np.array([(0, 1), (1.125, 3)]), np.array(3.125), np.array(0.125)),
+        ),
         "nothing kept at the start": case(a + b, (a, a + b)),
         "nothing kept at the end": case(a + b, (0, a / 2), (a / 2, a)),
         "no member at all": case(a),

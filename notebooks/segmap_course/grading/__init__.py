@@ -1,5 +1,5 @@
-"""Grading: students' answers run behind locks, and what comes out is judged here."""
+"""Grading: students' answers run in a jail, and what comes out is judged here."""
 
-from ._grade import grade, plan_of, read_key
+from ._grade import graded, plan_of, read_key
 from ._jail import Limits
-from ._report import class_report
+from ._report import Table, class_report, duplicates, write_feedback

@@ -1,30 +1,43 @@
-"""From a folder of submissions to a table of points, and a page of feedback for each student."""
+"""From a folder of submissions to a table of points, and a page of feedback for each student.
+
+No code of a student runs in this process: it runs in a jail, which sends back values, and here they
+are compared with what the library answers here.
+"""
 
 from __future__ import annotations
 
+import ast
 import json
-from collections.abc import Callable, Sequence
+import re
+from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from segmap.files import write_bytes
-
-from ._jail import Limits
-from ._report import Row, class_report, write_feedback, write_table
-from ._run import Outcome, Pool, judged, outcome
+from ..exercises import NOT_GIVEN, Exercise, Raised
+from ._jail import Ended, Jail, Limits, answers
+from ._report import Outcome, Row
 from ._submissions import Submission, submissions
-from .handout import CHECKS, KIND, Task, chapters, read_chapter, tasks_of
+from .handout import CHECKS, KIND, Task, chapters, package, read_chapter, tasks_of
 
 #: Answers that run at the same time.
 WORKERS = 2
+#: Hidden cases are drawn so often: what one draw of three shows, then passes one time in seven.
+DRAWS = 5
+#: A cell with more characters is no answer.
+MOST_CHARACTERS = 200_000
 
 
 class Plan(NamedTuple):
-    """What is graded: the tasks, and the seed of the hidden cases where there is one."""
+    """What is graded: the tasks, the seed of the hidden cases where there is one, and how.
+
+    `partial` is the share of the points for an answer that is right on all cases that students see,
+    and wrong on a hidden one.
+    """
 
     tasks: list[Task]
     seed: int | None = None
+    partial: float = 0.0
 
 
 def read_key(path: Path) -> Plan:
@@ -56,79 +69,107 @@ def plan_of(wanted: str, seed: int | None) -> Plan:
     return Plan(found, seed)
 
 
-def grade(
-    folder: Path,
-    output: Path,
-    plan: Plan,
-    *,
-    limits: Limits = Limits(),
-    unprotected: bool = False,
-    tell: Callable[[str], None] = print,
-) -> list[Row]:
-    """Grade all submissions of a folder; write the table, and feedback and a report beside it.
+def graded(
+    folder: Path, plan: Plan, *, limits: Limits = Limits(), unprotected: bool = False
+) -> Iterator[Row]:
+    """Grade the submissions of a folder, one student after the other.
 
-    The output is the table, `grades.csv`; feedback goes to `grades_feedback`, what the class found
-    hard to `grades_class.txt`. The limits are those of each answer. `unprotected` runs where this
-    system keeps no files from a student's code, and `tell` is told which locks hold, and each
-    student who is done.
+    The limits are those of each answer. `unprotected` runs them where this system has no jail.
 
     Raises
     ------
     ValueError
-        Without submissions, tasks or, unless `unprotected`, a lock on files.
+        Without submissions, tasks or, unless `unprotected`, a jail.
     """
     handed = submissions(folder)
     if not plan.tasks:
         raise ValueError("the chapters that are graded ask for no answer")
-    with Pool(plan.tasks, limits, WORKERS) as pool:
-        tell(f"students' code runs under these locks: {pool.locks}")
-        if not (pool.locks.files or unprotected):
-            raise ValueError(
-                "this system would let a student's code change your files. Grade as root in a "
-                "container or on Linux 5.13 or later; or, if you have read all of it: --unprotected"
-            )
-        rows = _rows(handed, plan, pool, tell)
-    write_feedback(output.with_name(f"{output.stem}_feedback"), rows, plan.tasks)
-    report = "\n".join([*class_report(rows, plan.tasks), ""])
-    write_bytes(output.with_name(f"{output.stem}_class.txt"), report.encode("utf-8", "replace"))
-    write_table(output, rows, plan.tasks)
-    return rows
+    with Jail(limits, unprotected=unprotected) as jail, ThreadPoolExecutor(WORKERS) as workers:
+        asked = [task for task in plan.tasks if not task.by_hand]
+        known = {name.removeprefix("check_"): exercise for name, exercise in CHECKS.items()}
+        exercises = {task.name: known[task.name] for task in asked}
+        hidden = {name: _hidden(exercise, plan.seed) for name, exercise in exercises.items()}
+
+        def ran(submission: Submission) -> dict[str, Outcome | list[Any]]:
+            return {
+                task.name: run(submission, task, exercises[task.name], hidden[task.name], jail)
+                for task in asked
+            }
+
+        for submission, found in zip(handed, workers.map(ran, handed), strict=True):
+            outcomes = {
+                name: got
+                if isinstance(got, Outcome)
+                else judged(exercises[name], got, hidden[name], plan.partial)
+                for name, got in found.items()
+            }
+            yield Row(submission, outcomes, str(jail))
 
 
-def _rows(
-    handed: Sequence[Submission], plan: Plan, pool: Pool, tell: Callable[[str], None]
-) -> list[Row]:
-    """Grade each submission; as many answers at a time as there are workers."""
-    exercises = {name.removeprefix("check_"): exercise for name, exercise in CHECKS.items()}
-    cases = {t.name: cases_of(exercises[t.name], plan.seed) for t in plan.tasks if not t.by_hand}
-
-    def graded(submission: Submission) -> Row:
-        found = {}
-        for task in plan.tasks:
-            if not task.by_hand:
-                exercise = exercises[task.name]
-                found[task.name] = _one(submission, task, exercise, cases[task.name], pool)
-        row = Row(submission, found)
-        tell(f"{submission.student}: {sum(o.right for o in found.values())} of {len(found)} right")
-        return row
-
-    with ThreadPoolExecutor(WORKERS) as workers:
-        return list(workers.map(graded, handed))
+def _hidden(exercise: Any, seed: int | None) -> list[tuple[Any, ...]]:
+    draws = [] if seed is None else [exercise.fresh((seed, draw)) for draw in range(DRAWS)]
+    return [case for cases in draws for case in cases.values()]
 
 
-def cases_of(exercise: Any, seed: int | None) -> dict[str, Any]:
-    """The cases that students see, and the hidden ones of a seed."""
-    hidden = {} if seed is None else exercise.fresh(seed)
-    shown = getattr(exercise, "cases", {})  # an open exercise has none
-    return {**shown, **{f"{words} (hidden case)": v for words, v in hidden.items()}}
-
-
-def _one(handed: Submission, task: Task, exercise: Any, cases: Any, pool: Pool) -> Outcome:
-    """What becomes of one answer."""
-    cell = handed.find(task.name, task.answers)
+def run(
+    handed: Submission, task: Task, exercise: Any, hidden: Sequence[tuple[Any, ...]], jail: Jail
+) -> Outcome | list[Any]:
+    """What a student answers to a task, case by case, the open ones first; or why there is none."""
+    cell, _ = handed.find(task)
     if cell is None and handed.problems:
         return Outcome("unreadable", "; ".join(handed.problems))
     if cell is None:
         return Outcome("missing", f"no cell defines {' and '.join(task.answers)}")
-    found = outcome(exercise, cases, pool.run(task, cell, cases), pool.limits)
-    return found if isinstance(found, Outcome) else judged(pool.judge(task, found), pool.limits)
+    if len(cell) > MOST_CHARACTERS:
+        return Outcome("too much", f"the cell has {len(cell)} characters")
+    wants_function = isinstance(exercise, Exercise)
+    job = {
+        **{"imports": needed(task.imports, cell), "cell": cell, "names": task.answers},
+        **{"given": task.given, "package": package(exercise) if wants_function else None},
+    }
+    cases = [*exercise.cases.values(), *hidden] if wants_function else [()]
+    try:
+        return answers(jail, job, cases)
+    except Ended as error:
+        return Outcome(*error.args)
+
+
+def needed(imports: str, cell: str) -> str:
+    """Of the imports of a chapter those whose names a cell uses: matplotlib alone takes a second.
+
+    Examples
+    --------
+    >>> needed("import numpy as np\\nfrom math import cos, sin", "np.cos(0) + cos(0)")
+    'import numpy as np\\nfrom math import cos'
+    """
+    kept = []
+    for node in ast.parse(imports).body:
+        assert isinstance(node, ast.Import | ast.ImportFrom)
+        bound = [(alias, (alias.asname or alias.name).partition(".")[0]) for alias in node.names]
+        node.names = [alias for alias, name in bound if re.search(rf"\b{re.escape(name)}\b", cell)]
+        kept += [ast.unparse(node)] if node.names else []
+    return "\n".join(kept)
+
+
+# ------------------------------------------------------------------------------ the verdict
+def judged(
+    exercise: Any, found: list[Any], hidden: Sequence[tuple[Any, ...]], partial: float = 0.0
+) -> Outcome:
+    """Judge what came back. Of a hidden case no more is told than the kind of the mistake."""
+    if not isinstance(exercise, Exercise):
+        check = exercise.verdict(exercise.answers(*found))
+        return Outcome("right" if check else "wrong", check.hint, float(check.passed))
+    if any(isinstance(value, Raised) and value.name == "MemoryError" for value in found):
+        return Outcome("memory", "it asks for more memory than an answer may have")
+    # Numbers, since the words of a case may tell what it is.
+    numbered = enumerate([*exercise.cases.values(), *hidden])
+    hint = exercise.mistake(found, {str(number): case for number, case in numbered})
+    if hint == "":
+        return Outcome("right", "", 1.0)
+    shown = exercise.verdict(found[: len(exercise.cases)])  # answered before a hidden one came in
+    if not shown:
+        kind = "library" if NOT_GIVEN in shown.hint else "wrong"
+        return Outcome(kind, hint or shown.hint, cases=exercise.told(found[: len(exercise.cases)]))
+    fails = any(isinstance(value, Raised) for value in found)
+    said = "it raises an exception" if fails else "it gives another answer"
+    return Outcome("wrong", hint or f"right on the cases shown; on a hidden one {said}", partial)

@@ -1,172 +1,245 @@
-"""Locks around a student's code: user, files, network, other processes, memory, time.
+"""A jail for one answer: bubblewrap around a process that holds no secret, with limits by prlimit.
 
-`lock` is called in the process that is going to run it, after all imports, and cannot be undone
-there. What a system does not offer is left out, and `locks` says so.
+Inside are Python and its packages, read-only; for an open exercise the library too. There is no
+network, no file of the grader's, no other process, and of memory, time and processes what the
+limits leave. As root the jail belongs to `nobody`: bubblewrap that is started by root would keep
+its rights.
 """
 
 from __future__ import annotations
 
-import ctypes
+import contextlib
+import inspect
+import json
 import os
+import select
+import shlex
+import shutil
+import signal
+import subprocess
 import sys
-from collections.abc import Sequence
+import tempfile
+import time
+from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import segmap
 
-PACKAGES = (Path(segmap.__file__).parent, Path(__file__).parents[1])
-#: The user of a student's code where the grader is root: nobody.
-NOBODY = 65534
-#: Open files, of which a student needs none; the size of a file that is written, in bytes.
-MOST_OPEN, MOST_WRITTEN = 64, 0
+from ..exercises import decode, encode
 
-# Linux: system calls (the same numbers on all machines that Python runs on) and their bits.
-_CREATE, _ADD, _RESTRICT = 444, 445, 446
-_NO_NEW_PRIVILEGES, _DUMPABLE, _KEEP_CAPABILITIES = 38, 4, 8
-_EXECUTE, _READ_FILE, _READ_FOLDER = 1 << 0, 1 << 2, 1 << 3
-#: Rights about files that the versions of Landlock from 1 on handle.
-_FILE_RIGHTS = {1: (1 << 13) - 1, 2: (1 << 14) - 1, 3: (1 << 15) - 1, 5: (1 << 16) - 1}
-#: Capability to read whatever the mode of a file says: Landlock says then what is read.
-_READ_ANYTHING = 1 << 2
+PACKAGES = (Path(segmap.__file__).resolve().parent, Path(__file__).resolve().parents[1])
+#: A reply with more bytes is no answer.
+MOST_BYTES = 8 << 20
+#: Bytes of the files that an answer may write, all in memory.
+MOST_WRITTEN = 16 << 20
+BUBBLEWRAP = (
+    "bwrap --unshare-all --unshare-user --disable-userns --cap-drop ALL --new-session "
+    f"--clearenv --die-with-parent --dev /dev --remount-ro /dev --size {MOST_WRITTEN} --tmpfs /tmp"
+).split()
+ENVIRONMENT = {
+    **{f"{name}_NUM_THREADS": "1" for name in ("OPENBLAS", "OMP", "MKL", "NUMBA")},
+    **{"HOME": "/tmp", "MPLCONFIGDIR": "/tmp", "MPLBACKEND": "Agg", "LANG": "C.UTF-8"},
+}
+#: What a process tells of a cell -> the words before its text.
+FAULTS = {
+    "syntax": "the cell is not Python: ",
+    "raised": "the cell itself raises ",
+    "missing": "",
+    "memory": "it asks for more memory than an answer may have",
+}
+REFUSED = """\
+no answer was run, since this system cannot keep a student's code in: {}.
+Install bubblewrap 0.8 or later (Debian, Ubuntu: apt install bubblewrap), or grade in a container by
+the command in notebooks/INSTRUCTOR.md; or, if you have read all of the code: --unprotected"""
 
 
 class Limits(NamedTuple):
-    """What one answer may take: seconds of the clock and of the processor, bytes of memory.
-
-    The memory is what comes on top of the libraries, which are loaded before.
-    """
+    """What one answer may take: seconds of the clock and of the processor, bytes of memory."""
 
     seconds: float = 30.0
     cpu: int = 10
-    memory: int = 1 << 30
+    memory: int = 3 << 30
 
 
-class Locks(NamedTuple):
-    """Which locks hold."""
-
-    landlock: int
-    user: bool
-    apart: bool
-
-    @property
-    def files(self) -> bool:
-        """Whether the grader's files are out of reach."""
-        return self.landlock > 0 or self.user
-
-    def __str__(self) -> str:
-        """What holds and what does not, in words."""
-        held = {
-            "files are read-only, and none but Python's can be opened": self.landlock > 0,
-            "another user (nobody)": self.user,
-            "no network, no sight of other processes": self.apart,
-            "limits on memory, time, files and processes": True,
-        }
-        missing = [words for words, holds in held.items() if not holds]
-        said = "; ".join(words for words, holds in held.items() if holds)
-        return said + (f". Not on this system: {'; '.join(missing)}" if missing else "")
+class Ended(Exception):
+    """An answer that came to no end of its own: the kind of the end, and the reason."""
 
 
-def landlock_version() -> int:
-    """The version of Landlock that the system has; 0 where it has none."""
-    if not sys.platform.startswith("linux"):
-        return 0
-    return max(int(ctypes.CDLL(None).syscall(_CREATE, None, 0, 1)), 0)
-
-
-def available(apart: bool) -> Locks:
-    """The locks that this process can put on; `apart` tells whether it has namespaces already."""
-    return Locks(landlock_version(), hasattr(os, "geteuid") and os.geteuid() == 0, apart)
-
-
-def lock(limits: Limits, locks: Locks) -> None:
-    """Put all locks on this process."""
-    _limit(limits)
-    if locks.user:
-        _become_nobody(keep_reading=locks.landlock > 0)
-    if sys.platform.startswith("linux"):
-        ctypes.CDLL(None).prctl(_DUMPABLE, 0, 0, 0, 0)
-        ctypes.CDLL(None).prctl(_NO_NEW_PRIVILEGES, 1, 0, 0, 0)
-    if locks.landlock:
-        _close_files(locks.landlock, readable())
-
-
-def readable() -> list[str]:
-    """What Python reads when it imports something, and nothing of the grader's own."""
-    roots = {sys.prefix, sys.base_prefix, "/usr", "/lib", "/lib64", "/dev/null", "/dev/urandom"}
-    packages = {path for path in sys.path if "site-packages" in path or "dist-packages" in path}
-    data = {str(folder / "data") for folder in (PACKAGES[0], PACKAGES[0].parent)}
-    found = {os.path.realpath(path) for path in roots | packages | data | set(map(str, PACKAGES))}
-    return sorted(path for path in found if Path(path).exists())
-
-
-def _limit(limits: Limits) -> None:
-    """Bound what is used from now on. A process without the right to start one has no thread."""
-    import resource  # which Windows does not have
-
-    pages = Path("/proc/self/statm")
-    used = int(pages.read_text().split()[0]) * resource.getpagesize() if pages.exists() else 0
-    bounds = {
-        "RLIMIT_AS": used + limits.memory if used else resource.RLIM_INFINITY,
-        "RLIMIT_CPU": limits.cpu,
-        "RLIMIT_FSIZE": MOST_WRITTEN,
-        "RLIMIT_NOFILE": MOST_OPEN,
-        "RLIMIT_CORE": 0,
-        "RLIMIT_NPROC": 0,
-    }
-    for name, bound in bounds.items():
-        # At the first bound on time the process gets a signal that tells it from others.
-        later = bound + 1 if name == "RLIMIT_CPU" else bound
-        resource.setrlimit(getattr(resource, name), (bound, later))
-
-
-def _become_nobody(keep_reading: bool) -> None:
-    """Another user, for good. Python may lie where only root reads; Landlock guards the rest."""
-    libc = ctypes.CDLL(None, use_errno=True)
-    if keep_reading:
-        libc.prctl(_KEEP_CAPABILITIES, 1, 0, 0, 0)
-    os.setgroups([])
-    os.setresgid(NOBODY, NOBODY, NOBODY)
-    os.setresuid(NOBODY, NOBODY, NOBODY)
-    bits = _READ_ANYTHING if keep_reading else 0
-    head = (ctypes.c_uint32 * 2)(0x20080522, 0)
-    libc.capset(head, (ctypes.c_uint32 * 6)(bits, bits, 0, 0, 0, 0))
-
-
-class _Ruleset(ctypes.Structure):
-    _fields_ = (("files", ctypes.c_uint64), ("net", ctypes.c_uint64), ("scoped", ctypes.c_uint64))
-
-
-class _Beneath(ctypes.Structure):
-    _pack_ = 1
-    _fields_ = (("rights", ctypes.c_uint64), ("folder", ctypes.c_int32))
-
-
-def _close_files(version: int, paths: Sequence[str]) -> None:
-    """Landlock: these paths may be read, no other; nothing may be written; no TCP, no signals.
+class Jail:
+    """Starts jails, each with a process for one answer.
 
     Raises
     ------
-    OSError
-        Where the system refuses: then nothing may run.
+    ValueError
+        Where none can be had on this system; but `unprotected` starts the processes without.
     """
-    libc = ctypes.CDLL(None, use_errno=True)
-    rights = max(bits for since, bits in _FILE_RIGHTS.items() if since <= version)
-    rules = _Ruleset(rights, 3 if version >= 4 else 0, 3 if version >= 6 else 0)
-    size = 24 if version >= 6 else 16 if version >= 4 else 8
-    ruleset = _checked(libc.syscall(_CREATE, ctypes.byref(rules), size, 0))
-    for path in paths:
-        folder = os.open(path, os.O_PATH | os.O_CLOEXEC)
-        allowed = _READ_FILE | (_EXECUTE | _READ_FOLDER if Path(path).is_dir() else 0)
-        beneath = _Beneath(allowed, folder)
-        _checked(libc.syscall(_ADD, ruleset, 1, ctypes.byref(beneath), 0))
-        os.close(folder)
-    _checked(libc.syscall(_RESTRICT, ruleset, 0))
-    os.close(ruleset)
+
+    def __init__(self, limits: Limits = Limits(), *, unprotected: bool = False) -> None:
+        self.limits, self.bare = limits, False
+        self._made = tempfile.TemporaryDirectory(prefix="segmap-jail-")
+        self.folder = Path(self._made.name)
+        self.folder.chmod(0o755)  # nobody finds the mounts there
+        why = "there is no bubblewrap" if shutil.which("bwrap") is None else self._fault()
+        self.bare = bool(why)
+        if why and not unprotected:
+            self._made.cleanup()
+            raise ValueError(REFUSED.format(why))
+
+    def __enter__(self) -> Jail:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._made.cleanup()
+
+    def _fault(self) -> str:
+        """Why no jail starts here; empty where one does."""
+        words = self.command(["-c", "import numpy"], whole=False)
+        found = subprocess.run(words, capture_output=True, text=True, check=False)
+        return (found.stderr.strip() or "it fails")[-300:] if found.returncode else ""
+
+    def __str__(self) -> str:
+        return "none" if self.bare else "bubblewrap"
+
+    def command(self, python: list[str], *, whole: bool) -> list[str]:
+        """The words that start Python in a jail; `whole` with the library."""
+        limits = [
+            *(f"--cpu={self.limits.cpu}:{self.limits.cpu + 1}", f"--as={self.limits.memory}"),
+            *("--nproc=1", "--nofile=64", f"--fsize={MOST_WRITTEN}", "--core=0"),
+        ]
+        limited = ["prlimit", *limits, sys.executable, "-I", *python]
+        if self.bare:
+            return limited if shutil.which("prlimit") else limited[len(limits) + 1 :]
+        script, words = "", list(BUBBLEWRAP)
+        for number, path in enumerate(readable(whole)):
+            seen = path
+            if os.geteuid() == 0:  # nobody may have no way to it: Python below /root, for instance
+                seen = str(self.folder / str(number))
+                Path(seen).mkdir(exist_ok=True)
+                script += f"mount --bind {shlex.quote(path)} {shlex.quote(seen)} && "
+            words += ["--ro-bind", seen, path]
+            if not whole:
+                real = Path(path).resolve()  # /lib may be a link to /usr/lib
+                inside = [p.relative_to(real) for p in PACKAGES if p.is_relative_to(real)]
+                words += hidden([str(Path(path) / part) for part in inside])
+        # What the course keeps for who teaches is no part of the library.
+        words += hidden([str(Path(__file__).parent)]) if whole else []
+        for name, value in ENVIRONMENT.items():
+            words += ["--setenv", name, value]
+        words += ["--chdir", "/tmp", "--remount-ro", "/", *limited]
+        if os.geteuid() != 0:
+            return words
+        script += 'exec setpriv --reuid=65534 --regid=65534 --clear-groups "$@"'
+        return ["unshare", "--mount", "sh", "-c", script, "sh", *words]
 
 
-def _checked(result: int) -> int:
-    if result < 0:
-        number = ctypes.get_errno()
-        raise OSError(number, f"this system refuses to close its files: {os.strerror(number)}")
-    return result
+def hidden(paths: list[str]) -> list[str]:
+    """The words that put nothing in the place of folders."""
+    return [word for path in paths for word in ("--tmpfs", path, "--remount-ro", path)]
+
+
+def readable(whole: bool) -> list[str]:
+    """What Python reads when it imports something; `whole` with the library and its data."""
+    roots = {"/usr", "/lib", "/lib64", sys.base_prefix, sys.prefix}
+    roots |= {path for path in sys.path if path.endswith(("site-packages", "dist-packages"))}
+    if whole:
+        roots |= {str(path) for path in PACKAGES}
+        roots |= {str(folder / "data") for folder in (PACKAGES[0], PACKAGES[0].parent)}
+    return sorted(path for path in roots if Path(path).is_dir())
+
+
+def answers(jail: Jail, job: Mapping[str, Any], cases: Iterable[tuple[Any, ...]]) -> list[Any]:
+    """What a cell answers to each case, as plain values (see `exercises`).
+
+    Raises
+    ------
+    Ended
+        Where it does not answer them all, or the cell itself has a fault.
+    """
+    found: list[Any] = []
+    with Session(jail, whole=job["package"] is None) as session:
+        fault = session.ask({**job, "paths": [str(path.parent) for path in PACKAGES]})
+        if fault is not None:
+            kind, text = map(str, fault) if isinstance(fault, list) and len(fault) == 2 else "  "
+            if kind not in FAULTS:
+                raise Ended("no answer", "what came back is no answer")
+            raise Ended(kind, f"{FAULTS[kind]}{text[:500]}")
+        os.set_blocking(session.sent.fileno(), False)  # from here on it may choose not to read
+        for arguments in cases:
+            try:
+                found.append(decode(session.ask(encode(arguments))))
+            except ValueError:
+                found.append({})  # which agrees with nothing
+    return found
+
+
+class Session:
+    """A process that has a student's cell, and answers one case at a time."""
+
+    def __init__(self, jail: Jail, *, whole: bool) -> None:
+        self.limits = jail.limits
+        self.until = time.monotonic() + self.limits.seconds
+        self.held = b""
+        source = Path(inspect.getfile(encode)).read_text(encoding="utf-8")
+        self.process = subprocess.Popen(
+            jail.command(["-c", source], whole=whole),
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.DEVNULL,
+            cwd=jail.folder,
+            env=ENVIRONMENT | {"PATH": os.environ.get("PATH", os.defpath)},
+            start_new_session=True,
+            bufsize=0,
+        )
+        assert self.process.stdin is not None and self.process.stdout is not None
+        self.sent, self.got = self.process.stdin, self.process.stdout
+
+    def __enter__(self) -> Session:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """End the process and all that it started."""
+        with contextlib.suppress(OSError):
+            os.killpg(self.process.pid, signal.SIGKILL)
+        self.process.wait()
+        self.sent.close()
+        self.got.close()
+
+    def ask(self, data: Any) -> Any:
+        """Send a line and get the next one back.
+
+        Raises
+        ------
+        Ended
+            Where none came: too late, too long, or the process ended.
+        """
+        with contextlib.suppress(OSError):  # it has ended: why is asked below
+            self.sent.write(json.dumps(data).encode() + b"\n")
+        while b"\n" not in self.held:
+            left = self.until - time.monotonic()
+            if left <= 0 or not select.select([self.got], [], [], left)[0]:
+                said = f"stopped after {self.limits.seconds:g} s: a loop that does not end?"
+                raise Ended("too long", said)
+            piece = os.read(self.got.fileno(), 1 << 16)
+            self.held += piece
+            if not piece:
+                raise self._end()
+            if len(self.held) > MOST_BYTES:
+                raise Ended("too much", "it answered with megabytes: return what the task says")
+        line, _, self.held = self.held.partition(b"\n")
+        try:
+            return json.loads(line)
+        except (ValueError, RecursionError):
+            return {}  # which is no value
+
+    def _end(self) -> Ended:
+        """Why the process has no more to say."""
+        with contextlib.suppress(subprocess.TimeoutExpired):
+            self.process.wait(2)
+        status = self.process.returncode or 0
+        ended = -status if status < 0 else status - 128
+        if ended == signal.SIGXCPU:
+            said = f"stopped after {self.limits.cpu} s of computing: an endless loop?"
+            return Ended("too long", said)
+        how = f"by signal {ended}" if ended > 0 else "before it answered"
+        return Ended("ended", f"its process ended {how}: exit, kill, or too deep a recursion?")

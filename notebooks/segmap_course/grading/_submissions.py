@@ -6,12 +6,13 @@ the name of the file or folder names the row.
 
 from __future__ import annotations
 
+import ast
 import json
 import re
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from .handout import defines
+from .handout import Task, defines
 
 #: A larger file is no notebook of this course, bytes.
 MOST_BYTES = 20_000_000
@@ -27,31 +28,67 @@ class Answer(NamedTuple):
     source: str
 
 
+class Book(NamedTuple):
+    """A notebook: its file, when that was written, seconds since 1970, and its cells."""
+
+    file: str
+    time: float
+    cells: list[Answer]
+
+    def find(self, task: Task) -> str | None:
+        """The text of the cell that answers a task; None where there is none.
+
+        The cell of the handout, unless nothing was written into it and another cell defines the
+        names that are wanted; but never the answer to another task, which may use the same name.
+        """
+        code = [cell for cell in self.cells if cell.kind == "code"]
+        own = [cell.source for cell in code if cell.id == f"{task.name}-answer"]
+        other = [cell.source for cell in code if not cell.id.endswith("-answer")]
+        wanted = [text for text in [*other, *own] if all(defines(text, n) for n in task.answers)]
+        written = [text for text in wanted if not is_stub(text, task)]
+        found = written or wanted or own
+        return found[-1] if found else None
+
+
 class Submission(NamedTuple):
-    """All that one student handed in, and which files could not be read."""
+    """All that one student handed in, the newest file first; and which could not be read."""
 
     student: str
     name: str
-    answers: list[Answer]
+    books: list[Book]
     problems: list[str]
 
-    def find(self, task: str, names: tuple[str, ...]) -> str | None:
-        """The text of the cell that answers a task; None where there is none.
+    def find(self, task: Task) -> tuple[str | None, str]:
+        """The text of the cell that answers a task, and which file it is from, if several do.
 
-        The cell of the handout, unless only another one defines the names that are wanted; but
-        never the answer to another task, which may use the same name.
+        The newest file counts in which something was written.
         """
-        code = [cell for cell in self.answers if cell.kind == "code"]
-        own = [cell.source for cell in code if cell.id == f"{task}-answer"]
-        other = [cell.source for cell in code if not cell.id.endswith("-answer")]
-        wanted = [source for source in [*other, *own] if all(defines(source, n) for n in names)]
-        return wanted[-1] if wanted else own[-1] if own else None
+        held = [(book.file, text) for book in self.books if (text := book.find(task)) is not None]
+        written = [(file, text) for file, text in held if not is_stub(text, task)]
+        if not held:
+            return None, ""
+        file, text = (written or held)[0]
+        said = f"{task.name}: {file} counts, the newest of {len(written)} files that answer it"
+        return text, said if len({text for _, text in written}) > 1 else ""
 
     def written(self, task: str) -> str | None:
         """What was written below a task that a person grades; None where its cell is gone."""
         ids = (f"{task.removesuffix('_by_hand')}-answer", task)
-        found = [cell.source for cell in self.answers if cell.id in ids]
+        found = [cell.source for book in self.books for cell in book.cells if cell.id in ids]
         return "\n\n".join(found) if found else None
+
+
+def is_stub(source: str, task: Task) -> bool:
+    """Whether a text is what was handed out, but for comments and spaces."""
+    return source == task.stub or code_of(source) == code_of(task.stub)
+
+
+def code_of(source: str) -> str:
+    """A text without what Python does not see; the text itself where it is no Python."""
+    try:
+        return ast.dump(ast.parse(source))
+    except (SyntaxError, ValueError, RecursionError, MemoryError):
+        return source
 
 
 def submissions(folder: Path) -> list[Submission]:
@@ -88,15 +125,20 @@ def _submission(path: Path) -> Submission:
     found = sorted(path.rglob("*.ipynb")) if path.is_dir() else [path]
     files = [p for p in found if not p.is_symlink() and ".ipynb_checkpoints" not in p.parts]
     problems = [] if files else ["the folder holds no notebook"]
-    cells: list[dict[str, Any]] = []
+    books, names = [], []
     for file in files:
         try:
-            cells += _cells(file)
+            cells = _cells(file)
+            answers = [
+                Answer(_id(cell), str(cell.get("cell_type")), _source(cell)) for cell in cells
+            ]
+            books.append(Book(file.name, file.stat().st_mtime, answers))
+            names.append(_name(answers))
         except Exception as error:  # a file of a student may hold anything
             problems.append(f"{file.name} cannot be read: {error}"[:300])
     student = path.name if path.is_dir() else path.stem
-    answers = [Answer(_id(cell), str(cell.get("cell_type")), _source(cell)) for cell in cells]
-    return Submission(student, _name(cells), answers, problems)
+    books.sort(key=lambda book: -book.time)
+    return Submission(student, next(filter(None, names), ""), books, problems)
 
 
 def _cells(file: Path) -> list[dict[str, Any]]:
@@ -110,7 +152,7 @@ def _cells(file: Path) -> list[dict[str, Any]]:
     if not file.is_file() or file.stat().st_size > MOST_BYTES:
         raise ValueError(f"expected a file of at most {MOST_BYTES // 1_000_000} MB")
     try:
-        found = json.loads(file.read_text(encoding="utf-8"))
+        found = json.loads(file.read_text(encoding="utf-8-sig"))
         cells = found["cells"]
     except (ValueError, KeyError, TypeError, RecursionError) as error:
         raise ValueError(f"it is no notebook ({type(error).__name__}: {error})") from None
@@ -128,10 +170,11 @@ def _id(cell: dict[str, Any]) -> str:
 
 def _source(cell: dict[str, Any]) -> str:
     source = cell.get("source", "")
-    return "".join(map(str, source)) if isinstance(source, list) else str(source)
+    text = "".join(map(str, source)) if isinstance(source, list) else str(source)
+    return text.removeprefix("\ufeff")
 
 
-def _name(cells: list[dict[str, Any]]) -> str:
-    texts = [_source(cell) for cell in cells if cell.get("cell_type") == "markdown"]
+def _name(cells: list[Answer]) -> str:
+    texts = [cell.source for cell in cells if cell.kind == "markdown"]
     found = [match.group(1).strip()[:100] for text in texts if (match := NAME.search(text))]
     return found[0] if found else ""

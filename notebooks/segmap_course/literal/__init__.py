@@ -13,6 +13,7 @@ from .alignment.backbone import least_translation, line_partner, mean_rotation
 from .alignment.correlative_search import correlative_search, likelihoods
 from .alignment.gauss_newton import edge_residual, gauss_newton
 from .alignment.global_segments import best_shifts, best_turns, least_squares
+from .alignment.moving_laser import after, carry_beam, steady_twist
 from .alignment.point_to_line import point_to_line, point_to_line_step
 from .alignment.segment_icp import correspond, segment_cost
 from .extraction import extract_clusters, extract_polylines, fit_algebraic, fit_total
@@ -26,6 +27,7 @@ from .quadtrees.histograms import (
     match_histograms,
     match_hough,
 )
+from .quadtrees.hypotheses import effective_number, information, log_likelihood, systematic
 from .quadtrees.matching import (
     MOVES,
     climb_step,
@@ -41,6 +43,7 @@ from .quadtrees.quadtree import (
     cell_of,
     crossed_cells,
     grown,
+    mean_and_variance,
     occupancy,
     quarters,
     ray_cells,
@@ -53,6 +56,7 @@ from .reduction.fuzzy_set import fuzzy_set
 from .reduction.hybrid import fusion_online, hough, hybrid, hybrid_fusion
 from .reduction.least_cost import least_cost
 from .reduction.mean_shift import mean_shift
+from .reduction.one_per_wall import one_per_wall
 from .reduction.polyline import polyline, polyline_through
 from .reduction.segment_similarity import mean_segment, segment_similarity
 from .reduction.uncertain_parameters import uncertain_parameters

@@ -2,8 +2,8 @@
 
 from ._alignment import AnglePanel, BackbonePanel, GroundTruthPanel
 from ._graphs import IcpPanel, PoseGraphPanel
-from ._matching import LandscapePanel, MatcherPanel, PlacePanel
-from ._quadtree import ClassesPanel, RayPanel, StoragePanel, insert_variant
+from ._matching import LandscapePanel, MatcherPanel, ParticlePanel, PlacePanel
+from ._quadtree import ClassesPanel, RayPanel, RoutePanel, StoragePanel, insert_variant
 from ._reduction import (
     BasicPanel,
     ChainPanel,
@@ -15,4 +15,4 @@ from ._reduction import (
     WallsPanel,
     WeightedPanel,
 )
-from ._scans import ClusterPanel, DistancePanel, PolylinePanel, RoomPanel
+from ._scans import ClusterPanel, DistancePanel, MovingPanel, PolylinePanel, RoomPanel

@@ -1,6 +1,8 @@
-"""Panels of the chapters on scores, on matchers and on a robot that looks for its place."""
+"""Panels of the chapters on scores and on matchers."""
 
 from __future__ import annotations
+
+from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -8,8 +10,17 @@ from numpy.typing import ArrayLike
 
 from segmap.angles import wrap
 from segmap.arrays import Array
-from segmap.matching import MATCHERS, SCORES, Belief, DistanceField, localize
-from segmap.plotting import ERROR, RESULT, TRUTH, draw_quadtree
+from segmap.matching import (
+    MATCHERS,
+    SCORES,
+    Belief,
+    DistanceField,
+    Particles,
+    localize,
+    particle_mapping,
+    particle_paths,
+)
+from segmap.plotting import ERROR, RAW, RESULT, TRUTH, draw_quadtree
 from segmap.quadtree import QuadtreeMap, build_map
 from segmap.scans import Log
 
@@ -153,6 +164,58 @@ class MatcherPanel(LessonPanel):
         rng = np.random.default_rng(0 if climbs else 64)
         MATCHERS[self.matcher.value](rng)(self.map, self.points, start, score=watched)
         return found[1:] if climbs else found
+
+
+class ParticlePanel(LessonPanel):
+    """Particles that map a log: their ways in grey up to a scan, the best one's in blue, its map.
+
+    Examples
+    --------
+    >>> from segmap_course import room_walk
+    >>> panel = ParticlePanel(room_walk(12))
+    >>> panel.scan.value = 11
+    >>> panel.error.value
+    'the best 3.7 cm off'
+    """
+
+    #: What `particle_mapping` has yielded.
+    steps: list[Particles]
+    particles = slide(8, 1, 30, 1, "")
+    noise = slide(1.0, 0.0, 3.0, 0.1, "")
+    scan = slide(0, 0, lambda panel: len(panel.log) - 1, 1, "")
+    play = play("scan", interval=200)
+    count = error = note()
+    rows = ("particles noise", "play scan", "count error")
+    words = "{particles} particles, noise {noise}, scan {scan}: {count}, {error}"
+    pixels = {"width": 560, "height": 380}  # noqa: RUF012
+
+    def __init__(self, log: Log) -> None:
+        if log.truth is None:
+            raise ValueError(f"{log.name} must have a true pose for every scan")
+        self.log, self.truth = log, log.truth
+        self._runs: dict[tuple[int, float], list[Particles]] = {}
+        self._begin()
+
+    def _draw(self, figure: Figure) -> None:
+        chosen, k = (self.particles.value, self.noise.value), self.scan.value
+        truth = self.truth
+        if chosen not in self._runs:
+            rng = np.random.default_rng(1)
+            options: Any = {"particles": chosen[0], "noise": chosen[1], "start": truth[0]}
+            self._runs[chosen] = list(particle_mapping(self.log, rng=rng, **options))
+        self.steps = self._runs[chosen]
+        step, paths = self.steps[k], particle_paths(self.steps[: k + 1])
+        self.count.value = f"{step.effective:.1f} of {chosen[0]} count"
+        off = np.hypot(*(step.pose - truth[k])[:2])
+        self.error.value = f"the best {100 * off:.1f} cm off"
+        ax = figure.subplots()
+        map = build_map(self.log[: k + 1], paths[step.best], resolution=0.05)
+        draw_quadtree(map, ax=ax, outlines=False)
+        for path in paths:
+            ax.plot(*path[:, :2].T, color=RAW, linewidth=1)
+        ax.plot(*truth[: k + 1, :2].T, color=TRUTH, linewidth=2)
+        ax.plot(*paths[step.best, :, :2].T, color=RESULT, linewidth=1.5)
+        ax.plot(*step.poses[:, :2].T, ".", color=ERROR)
 
 
 class PlacePanel(LessonPanel):

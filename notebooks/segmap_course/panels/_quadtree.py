@@ -1,4 +1,4 @@
-"""Panels of the chapters on rays and on maps for others, and rays that fail (B 4.4)."""
+"""Panels on rays and rays that fail (B 4.4), on maps for others, and on ways through a map."""
 
 from __future__ import annotations
 
@@ -6,22 +6,24 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.figure import Figure
+from matplotlib.patches import Circle
 from matplotlib.path import Path
 from numpy.typing import ArrayLike, NDArray
 
 from segmap import arrays
 from segmap.arrays import Array, Segments
 from segmap.exports import Classes, ros_classes
-from segmap.plotting import RESULT, TRUTH, draw_quadtree, draw_segments
+from segmap.matching import NoRoute, route
+from segmap.plotting import ERROR, RESULT, TRUTH, draw_quadtree, draw_segments
 from segmap.poses import transform
-from segmap.quadtree import QuadtreeMap
+from segmap.quadtree import QuadtreeMap, extent, frontiers
 from segmap.scans import Log
 from segmap.simulation import Sensor, circular_room, simulate
 
 from .._storage import compare_with_walls, represent
-from ..drawings import draw_classes
+from ..drawings import draw_classes, draw_frontiers
 from ..literal import cell_of, ray_cells
-from ._lesson import LessonPanel, note, slide, tick
+from ._lesson import LessonPanel, keyword, note, slide, tick
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -231,3 +233,47 @@ class StoragePanel(LessonPanel):
         else:
             draw_segments(found["reduced segments"].map, ax=ax, color=RESULT, width=2.5)
         draw_segments(self.walls, ax=ax, color=TRUTH, width=0.8)
+
+
+class RoutePanel(LessonPanel):
+    """The way of a robot to a goal that is moved, and the frontiers of the map.
+
+    `told` is the length of the way, or why there is none; `way` is the way, `(k, 2)`, or None.
+
+    Examples
+    --------
+    >>> map = QuadtreeMap(resolution=0.1, size=3.2, free_resolution=0.1)
+    >>> map.insert_scan((0.5, 0.5), [(0.1, 0.1), (2.5, 0.5), (0.5, 2.5)])
+    >>> RoutePanel(map, (0.5, 0.5), (1.5, 0.5)).told.value
+    'a way of 1.00 m, 0 corners'
+    """
+
+    method = route
+    way: Array | None
+    goal_x = slide(lambda p: p.goal[0], lambda p: p.box[0], lambda p: p.box[2], 0.1, label="goal x")
+    goal_y = slide(lambda p: p.goal[1], lambda p: p.box[1], lambda p: p.box[3], 0.1, label="goal y")
+    radius = keyword(0.05, 0.6, 0.05, value=0.25)
+    told = open = note()
+    rows = ("goal_x", "goal_y", "radius", "told", "open")
+    words = "to ({goal_x:.1f}, {goal_y:.1f}) m with {radius:.2f} m: {told}"
+
+    def __init__(self, map: QuadtreeMap, start: ArrayLike, goal: ArrayLike) -> None:
+        self.map, self.start, self.goal = map, arrays.point(start), arrays.point(goal, "goal")
+        self.box, self.frontiers = extent(map), frontiers(map)
+        self._begin()
+
+    def _draw(self, figure: Figure) -> None:
+        ax = draw_quadtree(self.map, ax=figure.subplots(), outlines=False, robot=self.start)
+        draw_frontiers(self.frontiers, ax=ax)
+        goal, radius = (self.goal_x.value, self.goal_y.value), self.radius.meant()
+        try:
+            self.way = route(self.map, self.start, goal, radius=radius)
+            length = np.hypot(*np.diff(self.way, axis=0).T).sum()
+            self.told.value = f"a way of {length:.2f} m, {len(self.way) - 2} corners"
+            ax.plot(*self.way.T, color=RESULT, linewidth=2)
+        except NoRoute as why:
+            self.way, self.told.value = None, str(why)
+        ax.add_patch(Circle(goal, radius, fill=False, color=ERROR))
+        ax.add_patch(Circle(tuple(self.start), radius, fill=False, color=RESULT))
+        metres = sum(found.size for found in self.frontiers)
+        self.open.value = f"{len(self.frontiers)} frontiers, {metres:.1f} m (orange)"

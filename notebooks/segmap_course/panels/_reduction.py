@@ -40,6 +40,7 @@ from segmap.reduction import (
     hybrid,
     least_cost,
     mean_shift,
+    one_per_wall,
     polyline,
     segment_similarity,
     viewing_sector,
@@ -285,31 +286,42 @@ class ChainPanel(ReductionPanel):
 
 
 class WallsPanel(ReductionPanel):
-    """A floor with 13 walls whose poses are off, what segment similarity leaves, and two judges.
+    """A floor with 13 walls whose poses are off, what a method leaves of it, and two judges.
 
-    `found` is what the walls say (`metrics.against_walls`); the picture is in its four colours.
+    `distance` is of segment similarity, `factor` of one per wall. `found` is what the walls say
+    (`metrics.against_walls`); the picture is in its four colours.
 
     Examples
     --------
     >>> panel = WallsPanel()
     >>> panel.walls.value
     '1.08 segments a wall, 100% of the walls found'
+    >>> panel.noise.value, panel.by.value = "0.02", "one_per_wall"
+    >>> panel.estimate.value
+    'poses off by 22 mm, it says'
     """
 
     found: AgainstWalls
     method = staticmethod(segment_similarity)
     noise = pick(NOISES, "poses off by [m]")
+    by = pick(("segment_similarity", "one_per_wall"), "method")
     distance = keyword(0.005, 0.15, 0.005)
-    walls = metres = note()
-    rows = ("noise distance", "count quality", "walls", "metres")
-    words = "poses off by {noise} m, {distance:.3f} m: {count}"
+    factor = slide(1.0, 0.2, 4.0, 0.2, "")
+    walls = metres = estimate = note()
+    rows = ("noise by", "distance factor", "count quality", "walls estimate", "metres")
+    words = "poses off by {noise} m, {by}, {distance:.3f} m, factor {factor:.1f}: {count}"
 
     def __init__(self, **first: float) -> None:
         self._begin(**first)
 
     def _draw(self, figure: Figure) -> None:
         walls, true, self.map = known_building("floor", self.noise.value)
-        self._tell(self.method(self.map, **self.chosen()))
+        if self.by.value == "one_per_wall":
+            self._tell(one_per_wall(self.map, factor=self.factor.meant()))
+            self.estimate.value = f"poses off by {1000 * self.reduction.noise:.0f} mm, it says"
+        else:
+            self._tell(self.method(self.map, **self.chosen()))
+            self.estimate.value = ""
         self.found = found = against_walls(walls, self.reduction, seen=true)
         said = str(found)[len("AgainstWalls(") : -1].split(", ")
         self.walls.value, self.metres.value = ", ".join(said[:2]), ", ".join(said[2:])

@@ -9,16 +9,18 @@ import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import ArrayLike
 
-from segmap.arrays import Array, Segments
+from segmap.arrays import Array, Segments, segments
 from segmap.extraction import extract_clusters, extract_polylines
 from segmap.metrics import distance_terms, segment_distance
-from segmap.plotting import MAP, RESULT, draw_scan, draw_segments
-from segmap.poses import transform
+from segmap.plotting import ERROR, MAP, RESULT, draw_scan, draw_segments
+from segmap.poses import compose, transform
+from segmap.poses.motions import arc
 from segmap.scans import LaserScan
-from segmap.segments import length
+from segmap.scans.moving import carried
+from segmap.segments import length, point_distance
 from segmap.simulation import URG_04LX, Sensor, simulate
 
-from ._lesson import LessonPanel, keyword, note, pick, slide
+from ._lesson import LessonPanel, keyword, note, pick, slide, tick
 
 
 class RoomPanel(LessonPanel):
@@ -62,6 +64,43 @@ class RoomPanel(LessonPanel):
         self.spread.value = f"range error {root:.1f} mm (root mean square)"
         ax = draw_segments(self.walls, ax=figure.subplots(), color=MAP)
         draw_scan(self.scan, pose, ax=ax, color=RESULT)
+
+
+class MovingPanel(LessonPanel):
+    """One scan of a laser that turns while the robot drives, as measured and carried back.
+
+    The robot starts at the pose, sees the walls without noise, and drives on an arc.
+    """
+
+    scan: LaserScan
+    speed = slide(0.3, 0.0, 2.0, 0.1, "m/s")
+    turn = slide(60, -180, 180, 10, "degrees/s")
+    rate = slide(5.5, 1.0, 40.0, 0.5, "turns/s")
+    deskewed = tick("carry each beam to the start", says=("as measured", "carried back"))
+    moved = off = note()
+    rows = ("speed", "turn", "rate", "deskewed", "moved off")
+    words = "{speed:.1f} m/s, {turn} degrees/s, {rate:.1f} turns/s, {deskewed}: {off}"
+
+    def __init__(self, walls: Segments, pose: ArrayLike) -> None:
+        self.walls, self.pose = segments(walls, "walls"), np.array(pose, float)
+        self._begin()
+
+    def _draw(self, figure: Figure) -> None:
+        period = 1 / self.rate.value
+        laser = Sensor("turning", 360, 0.0, np.radians(1), max_range=30.0, period=period)
+        motion = np.array([self.speed.value, 0.0, np.radians(self.turn.value)])
+        path = np.stack([self.pose, compose(self.pose, arc(motion * period))])
+        rng = np.random.default_rng(1)
+        self.scan = simulate(self.walls, path, sensor=laser, rng=rng, moving=True)[0]
+        if self.deskewed.value and self.scan.delays is not None:
+            self.scan = carried(self.scan, arc(motion * self.scan.delays[:, None]))
+        points = transform(self.pose, self.scan.points())
+        far = point_distance(points[:, None], self.walls).min(axis=1)
+        degrees, centimetres = abs(self.turn.value) * period, 100 * self.speed.value * period
+        self.moved.value = f"moved by {degrees:.1f} degrees and {centimetres:.1f} cm in a scan"
+        self.off.value = f"up to {100 * far.max():.1f} cm off the walls"
+        ax = draw_segments(self.walls, ax=figure.subplots(), color=MAP)
+        draw_scan(self.scan, self.pose, ax=ax, color=RESULT if self.deskewed.value else ERROR)
 
 
 class ExtractionPanel(LessonPanel):

@@ -268,7 +268,9 @@ def angle_correspondence(
     """
     arrays.function(extract, "extract", "of points")
     chance, trail = np.random.default_rng(0) if rng is None else rng, Trail(log)
-    seen = [(extract(scan.points()), scan.sensor_pose[:2]) for scan in log]
+    found = [arrays.called(extract, "extract", scan.points()) for scan in log]
+    segments = [arrays.segments(each, "extract(points)") for each in found]
+    seen = [(each, scan.sensor_pose[:2]) for each, scan in zip(segments, log, strict=True)]
     map = transform(trail.poses[0], seen[0][0]) if grow and seen else None
     reference = 0
     for k in range(1, len(log)):

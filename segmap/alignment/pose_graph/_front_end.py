@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,8 +20,20 @@ from ._key_frames import KeyFrames
 #: From a map, a scan's points `(m, 2)` and a guess `(3,)` to the match.
 Matcher = Callable[[PointMap, Array, Array], Match]
 
-#: Share of a scan that must lie on the map where it is found again without odometry.
-REGAINED = 0.6
+#: Without odometry a step is looked for anew where at most this share of the scan lies on the map,
+#: and believed where more does, by so much more than before: below it false places match.
+SURE_OVERLAP, BETTER = 0.7, 0.1
+#: It is looked for so far about the last place, metres: so many times the last step, for each scan
+#: that was lost before, and no farther.
+REACH, STEPS, FARTHEST = 1.5, 1.5, 6.0
+#: Two places whose scores differ by less are one as likely as the other, if they lie so far apart.
+ALIKE, APART, TURNED = 0.05, 0.5, np.radians(15)
+#: Along a corridor no larger turn is believed. After so many scans that were lost in a row a map
+#: begins anew; standard deviations of the step to it, metres and radians.
+CORRIDOR_TURN, LOST = np.radians(60), 2
+BREAK = (1.5, 1.5, np.radians(60))
+#: A descent that goes farther from where the search began is no match: it slides along walls.
+SLIDE, SLIDE_ANGLE = 0.3, 0.2
 #: Standard deviation of the odometry along a direction that a match leaves free, metres.
 ALONG_ERROR = 0.2
 #: At last each scan is laid on the map of so many key frames within so many metres: more of them,
@@ -74,6 +86,8 @@ class FrontEnd:
         self.offset = [np.zeros(3)]  # and its pose there
         self.loose = [False]  # whether nothing says how far it went along the walls
         self.tied = [True]  # of each key frame: whether a match fixes the step to it
+        self.begins = [0]  # key frames at which a map began anew
+        self.lost = 0  # scans in a row without odometry and match
         self.local = self.frames.map_of([0], 0)
 
     def track(self, scan: LaserScan) -> Match:
@@ -90,13 +104,11 @@ class FrontEnd:
             match = no_match(guess, "too few points")
         else:
             match = self.matcher(map, points, guess)
-            if not match.matched and not measured:  # at any heading, near the last place
-                start, _ = map.search(points, before, reach=0.5, turn=np.pi, least=0.5)
-                if start is not None:
-                    found = map.register(points, start, overlap=REGAINED)
-                    match = found if found.matched and found.free is None else match
+            if not measured and not (match.matched and match.overlap > SURE_OVERLAP):
+                match = self._regained(map, points, guess, match)
             if match.free is not None and not measured:
                 loose = not map.has_wall_facing(match.free, points, match.pose)
+        self.lost = 0 if match.matched or measured else self.lost + 1
         self.scans.append(scan)
         self.points = points
         self.frame.append(len(self.frames) - 1)
@@ -106,6 +118,39 @@ class FrontEnd:
         self.trail.place(compose(self.trail.poses[-1], between(before, match.pose)), reason)
         return match
 
+    def _regained(self, map: PointMap, points: Array, guess: Array, match: Match) -> Match:
+        """Without odometry: the match, or a better one at any heading about the last place."""
+        last = self.offset[-1]
+        reach = max(REACH, STEPS * float(np.hypot(*self.trail.step()[:2])))
+        found: list[tuple[float, Match]] = []
+        for quarter in range(4):
+            about = last + (0.0, 0.0, quarter * np.pi / 2)
+            start, score = map.search(
+                points, about, reach=min(reach * (1 + self.lost), FARTHEST), turn=np.pi / 4,
+                least=0.45,
+            )  # fmt: skip
+            if start is None:
+                continue
+            other = map.register(points, start, overlap=SURE_OVERLAP)
+            x, y, heading = np.abs(between(start, other.pose))
+            if other.matched and np.hypot(x, y) <= SLIDE and heading <= SLIDE_ANGLE:
+                found.append((score, other))
+        if not found:
+            return match
+        best, chosen = max(found, key=lambda each: each[0])
+        for score, other in found:
+            x, y, heading = np.abs(between(chosen.pose, other.pose))
+            if score > best - ALIKE and (np.hypot(x, y) > APART or heading > TURNED):
+                return match
+        if match.matched and not chosen.overlap > match.overlap + BETTER:
+            return match
+        if chosen.free is not None:
+            if match.matched or abs(between(last, chosen.pose)[2]) > CORRIDOR_TURN:
+                return match
+            along = chosen.free @ (guess[:2] - chosen.pose[:2]) * chosen.free
+            chosen = replace(chosen, pose=chosen.pose + (*along, 0.0))
+        return chosen
+
     def measured(self) -> bool:
         """Whether odometry says how the robot came to the scan that is laid now."""
         return self.trail.measured(len(self.scans))
@@ -114,13 +159,17 @@ class FrontEnd:
         """Whether the last scan is farther from its key frame, or the first to have points."""
         x, y, heading = self.offset[-1]
         moved = np.hypot(x, y) > step or abs(heading) > turn
-        return bool(moved or (self.local is None and len(self.points)))
+        anew = self.lost >= LOST and len(self.points) >= 6
+        return bool(moved or anew or (self.local is None and len(self.points)))
 
     def add_frame(self, match: Match) -> None:
         """Make the last scan the newest key frame, at its match."""
         scan = len(self.scans) - 1
         step, turn = self.rules.step_error, self.rules.turn_error
         covariance = match.covariance if match.matched else np.diag([step, step, turn]) ** 2
+        if self.lost >= LOST:  # nothing ties it to the map before but a guess
+            self.lost, covariance = 0, np.diag(BREAK) ** 2
+            self.begins.append(len(self.frames))
         if match.matched and match.free is not None and self.trail.measured(scan):
             along = np.array([*match.free, 0.0]) / ALONG_ERROR
             covariance = np.linalg.inv(np.linalg.inv(covariance) + np.outer(along, along))
@@ -133,7 +182,8 @@ class FrontEnd:
     def see_last_frames(self) -> None:
         """Make the local map anew, of the last key frames."""
         last = len(self.frames) - 1
-        self.local = self.frames.map_of(range(max(last - self.rules.frames + 1, 0), last + 1), last)
+        first = max(last - self.rules.frames + 1, self.begins[-1])
+        self.local = self.frames.map_of(range(first, last + 1), last)
 
     def refine(self) -> None:
         """Lay each scan between key frames on the map of all that are near, whenever those were."""

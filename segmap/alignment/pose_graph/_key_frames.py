@@ -74,7 +74,7 @@ class KeyFrames:
         """From a key frame to those that are nearest, at most so many, within a reach in metres."""
         from scipy.spatial import cKDTree
 
-        places = self.poses[:, :2].copy()
+        places = self.poses[:, :2]
         tree = cKDTree(places)
 
         def around(frame: int) -> NDArray[np.int64]:

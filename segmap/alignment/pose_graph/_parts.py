@@ -72,7 +72,8 @@ def align_parts(
             _inside(graph)[0].scans += log
     # 3. All poses together; 4. each scan once more, as in `pose_graph`
     found = graph.settled()
-    return concluded("align_parts", len(graph), found, time.perf_counter() - begun)
+    scans = [scan for log in logs for scan in log]
+    return concluded("align_parts", scans, found, time.perf_counter() - begun)
 
 
 def _aligned(thresholds: dict[str, Any], log: Log) -> LiveGraph:
@@ -129,6 +130,8 @@ def _join(graph: LiveGraph, part: LiveGraph, log: Log) -> None:
     front.offset += later.offset[rest]
     front.loose += later.loose[rest]
     front.tied += later.tied[its_frame + 1 :]
+    front.begins += [joint.frame - its_frame + k for k in later.begins if k > its_frame]
+    front.lost = later.lost
     _append_loops(closer, its_closer, joint)
     # 3. Loops that lead to the parts before, as if the robot drove there now
     found = {loop.second for loop in closer.accepted}

@@ -21,15 +21,12 @@ from ...scans import LaserScan, Log
 from .._result import Alignment, Match, Outcome, alignment_method, concluded, no_match
 from ..graph import Graph
 from ..points import PointMap
-from ._front_end import FrontEnd, Tracking
+from ._front_end import BETTER, SLIDE, SLIDE_ANGLE, SURE_OVERLAP, FrontEnd, Tracking
 from ._loop_closing import LoopCloser, LoopClosing
 
-#: Above this share of a scan on the map nobody looks for a better place in twice the window.
-SURE_OVERLAP = 0.7
-#: A place in twice the window has to hold this much more of the scan, and at least this much.
-BETTER, LEAST = 0.1, 0.6
-#: A descent that goes farther from where the search began is no match: it slides along walls.
-SLIDE, SLIDE_ANGLE = 0.3, 0.2
+#: Above `SURE_OVERLAP` nobody looks in twice the window; a place there has to hold `BETTER` more of
+#: the scan, and at least this much.
+LEAST = 0.6
 
 #: A match within this turn of the odometry agrees with it: ordinary wheels err by 3 degrees a step.
 AGREES = np.radians(5)
@@ -61,7 +58,8 @@ def pose_graph(
     metre and a radian at a step. Key frames that come back to an old place are searched for there;
     a loop counts only where two others agree with it. The poses fit all steps and loops best, with
     Cauchy weights (Grisetti et al. 2010). Without odometry the last motion is assumed to go
-    on, and after a scan that did not match the robot is assumed to stand.
+    on, after a scan that did not match the robot to stand; what fits badly is sought at any
+    heading, and after two lost scans a map begins anew, which only loops tie to the rest.
 
     Parameters
     ----------
@@ -254,7 +252,8 @@ class LiveGraph:
         begun = time.perf_counter()
         found = self.settled()
         self.seconds += time.perf_counter() - begun
-        return concluded("pose_graph", len(self), found, self.seconds)
+        scans = [] if self._parts is None else self._parts[0].scans
+        return concluded("pose_graph", scans, found, self.seconds)
 
     @property
     def poses(self) -> Array:

@@ -10,6 +10,7 @@ import sys
 import threading
 from pathlib import Path
 
+from ...files import shown
 from .. import SensorError
 from . import Emulator, Replay
 
@@ -20,7 +21,7 @@ def main(arguments: list[str] | None = None) -> int:
     try:
         _run(given)
     except (SensorError, OSError, ValueError) as error:
-        print(f"{type(error).__name__}: {error}", file=sys.stderr)
+        print(shown(f"{type(error).__name__}: {error}"), file=sys.stderr)
         return 1
     return 0
 

@@ -93,12 +93,13 @@ class Unit:
         if rate not in RATES:
             raise ValueError(f"rate must be one of {RATES}, got {rate}")
         self.world = arrays.function(world, "world", "from a turn to its millimetres")
+        arrays.row(arrays.called(world, "world", 0), "world(0)")
         self.speed, self.usb, self.timing = speed, usb, timing
         self.stamp, self.rate, self.next_rate = stamp, rate, rate
         self.old, self._switches = protocol != "2.0", protocol == "1.1"
         self.laser, self.dead, self.trouble = self.old, False, ""
         self._clock = arrays.function(clock, "clock", "without arguments, of seconds")
-        self._begun = clock()
+        self._begun = arrays.number(arrays.called(clock, "clock"), "clock()", unit="seconds")
         self.stream: ScanRequest | None = None
         self.received: list[str] = []
         self._next_turn, self._line = 0, b""

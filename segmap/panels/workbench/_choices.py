@@ -100,7 +100,7 @@ def _controls(function: Callable[..., Any], varies: str) -> dict[str, Any]:
 
 
 class Choices:
-    """Alignment, extraction, filter (`least`, metres), method and a second method."""
+    """De-skewing, alignment, extraction, filter (`least`, metres), method and a second method."""
 
     def __init__(self) -> None:
         alignments = {k: (m.function, "") for k, m in alignment.METHODS.items()}
@@ -111,19 +111,22 @@ class Choices:
         self.method = Choice("method", reductions, "fusion")
         self.second = Choice("second method", {NONE: None, **reductions}, NONE)
         named: Any = {"description": "leave out below [m]", "style": ENTRY}
+        words = "carry the beams to the start of their scan, where the log has their times"
+        self.deskew: Any = W.Checkbox(True, description=words, indent=False)
         self.least: Any = W.BoundedFloatText(0.0, min=0, max=100, step=0.05, **named)
         self.least.layout.width = "240px"
 
-    def recipe(self, log: str) -> Recipe:
-        """All that is chosen, for the log that an expression gives."""
+    def recipe(self, log: str, *, timed: bool) -> Recipe:
+        """All that is chosen, for the log that an expression gives; `timed` if its beams are."""
         chosen = (choice.call() for choice in (self.align, self.extract, self.method))
         align, extract, first = (call for call in chosen if call is not None)
-        return Recipe(log, align, extract, float(self.least.value), first, self.second.call())
+        least, deskew = float(self.least.value), timed and bool(self.deskew.value)
+        return Recipe(log, align, extract, least, first, self.second.call(), deskew)
 
     def views(self) -> dict[str, Any]:
         """Their controls, by the titles of their tabs."""
         return {
-            "Alignment": self.align.view,
+            "Alignment": W.VBox([self.deskew, self.align.view]),
             "Segments": W.VBox([self.extract.view, self.least]),
             "Reduction": self.method.view,
             "Second": self.second.view,

@@ -1,9 +1,8 @@
 """Long work in a process of its own, which can be stopped at any time.
 
-A compiled loop cannot be interrupted, and lets no other thread run meanwhile: in a thread, even the
-click on Stop would wait for it. So the work runs in a second Python that stays warm for the next
-run; stopping kills it. Functions travel by their names: one that is defined in a notebook is not
-known there, and `Workbench.run` calls it here instead.
+A compiled loop cannot be interrupted. So the work runs in a second Python that stays warm for the
+next run; stopping kills it, and so does the end of this one. Functions travel by their names: one
+that is defined in a notebook is not known there, and `Workbench.run` calls it here instead.
 """
 
 from __future__ import annotations
@@ -11,6 +10,7 @@ from __future__ import annotations
 import contextlib
 import os
 import pickle
+import queue
 import subprocess
 import sys
 import threading
@@ -102,14 +102,16 @@ def _end(process: subprocess.Popen[bytes] | None) -> None:
 
 
 def serve() -> None:
-    """What the worker does: calls that come in by standard input, until that is closed."""
+    """What the worker does: calls that come in by standard input, until that is closed.
+
+    A thread waits there, and ends the process in the middle of its work where the kernel is gone.
+    """
+    calls: queue.SimpleQueue[bytes] = queue.SimpleQueue()
+    threading.Thread(target=_listen, args=[calls], daemon=True).start()
     answers = os.fdopen(os.dup(sys.stdout.fileno()), "wb")
     os.dup2(sys.stderr.fileno(), sys.stdout.fileno())  # what a method prints is no answer
     while True:
-        try:
-            work = pickle.load(sys.stdin.buffer)
-        except EOFError:
-            return
+        work = calls.get()
         try:
             try:
                 function, given = pickle.loads(work)
@@ -118,6 +120,15 @@ def serve() -> None:
             _send(answers, "done", function(*given, lambda text: _send(answers, "told", text)))
         except Exception as fault:
             _send(answers, "failed", said(fault))
+
+
+def _listen(calls: queue.SimpleQueue[bytes]) -> None:
+    """Hand on what comes in; compiled loops let this thread run beside them."""
+    try:
+        while True:
+            calls.put(pickle.load(sys.stdin.buffer))
+    finally:  # closed, or cut off
+        os._exit(0)
 
 
 def _send(answers: BinaryIO, kind: str, value: Any) -> None:

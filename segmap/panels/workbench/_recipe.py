@@ -62,6 +62,7 @@ class Recipe:
     least: float
     first: Call
     second: Call | None = None
+    deskew: bool = False
 
     def methods(self) -> list[Call]:
         """The one or two methods of reduction."""
@@ -76,6 +77,7 @@ class Recipe:
         found = _called(alignment, "alignment", self.align, "log")
         lines = [
             f"log = {self.log}",
+            *(["log = segmap.alignment.deskew(log)"] * self.deskew),
             f"found = {found}",
             f"map = segmap.build_map(log, found.trusted, keep_points=True{thresholds}){kept}",
         ]
@@ -91,10 +93,11 @@ class Recipe:
 class Outcome:
     """What followed from a recipe: the map after the filter, the verdict on it, and what is left.
 
-    Each method has a reduction and a quality.
+    Each method has a reduction and a quality. `log` is the one that was aligned.
     """
 
     recipe: Recipe
+    log: Log
     alignment: Alignment
     map: SegmentMap
     verdict: Verdict
@@ -121,7 +124,7 @@ class Outcome:
         way = {
             "map": name,
             "alignment": recipe.align.name,
-            "align_thresholds": recipe.align.words(),
+            "align_thresholds": "de-skewed " * recipe.deskew + recipe.align.words(),
             "align_seconds": round(self.alignment.seconds, 6),
             "extraction": recipe.extract.name,
             "extract_thresholds": recipe.extract.words(),
@@ -152,6 +155,13 @@ def follow(recipe: Recipe, log: Log, before: Outcome | None, tell: Tell) -> Outc
     ValueError
         Where a function refuses its thresholds or the log, or no scan gives a segment.
     """
+    if before is not None and before.recipe.deskew == recipe.deskew:
+        log = before.log
+    else:
+        before = None
+        if recipe.deskew:
+            tell(f"de-skewing {len(log)} scans")
+            log = alignment.deskew(log)
     if before is not None and before.recipe.align == recipe.align:
         found = before.alignment
     else:
@@ -179,7 +189,7 @@ def follow(recipe: Recipe, log: Log, before: Outcome | None, tell: Tell) -> Outc
         reductions.append(done[0] if done else _reduced(call, map, tell))
     tell("measuring quality")
     kept = [quality(map, each) for each in reductions]
-    return Outcome(recipe, found, map, verdict, reductions, kept)
+    return Outcome(recipe, log, found, map, verdict, reductions, kept)
 
 
 def _reduced(call: Call, map: SegmentMap, tell: Tell) -> Reduction:

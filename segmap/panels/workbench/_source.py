@@ -19,7 +19,8 @@ from ._job import said
 
 #: What the list of bundled logs says of a log of one's own.
 OWN = "(a log of your own)"
-#: A browser sends a file in one message, and Jupyter takes no larger one.
+#: A browser sends a file in one message, and Jupyter takes no larger one; bytes.
+MOST = 10_000_000
 LARGEST = "up to 10 MB; larger ones by their path"
 
 
@@ -45,7 +46,7 @@ class Source:
         self.controls: Any = (
             W.Dropdown(options=[OWN, *self.names], description="bundled log", style=ENTRY),
             W.Text(continuous_update=False, style=ENTRY, **named),
-            W.FileUpload(description="or upload it"),
+            _upload("or upload it"),
         )
         bundled, path, upload = self.controls
         self.about: Any = W.HTML()
@@ -84,6 +85,9 @@ class Source:
         """A file came from the browser: it is read and not kept."""
         for file in change["new"]:
             name = Path(file["name"].replace("\0", "")).name or "upload.log"
+            if file["size"] > MOST:
+                self._say(f"{name} has {file['size'] / 1e6:.1f} MB: uploads have {LARGEST}")
+                continue
             with telling(self._say), tempfile.TemporaryDirectory() as folder:
                 path = Path(folder) / name
                 path.write_bytes(bytes(file["content"]))
@@ -91,6 +95,15 @@ class Source:
                 self._take(log, f'segmap.read({name!r}, on_error="skip")')
         if change["new"]:
             self.controls[2].value = ()
+
+
+def _upload(description: str) -> Any:
+    """A button that takes a file of the browser."""
+    try:
+        from ._upload import Upload
+    except ImportError:  # anywidget is not installed: what is too large breaks the connection
+        return W.FileUpload(description=description)
+    return Upload(description, MOST)
 
 
 @contextlib.contextmanager

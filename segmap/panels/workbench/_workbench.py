@@ -16,6 +16,7 @@ from ...arrays import Array
 from ...plotting import thumbnail
 from ...reduction import Reduction
 from ...scans import Log
+from ...scans.moving import is_timed
 from ...segments import length
 from . import _shown
 from ._choices import WRAP, Choices
@@ -48,6 +49,8 @@ class Workbench:
         `workbench.method.value = "hybrid"; workbench.method["angle"].value = 5`: angles in degrees.
     least : number, metres
         Shorter segments are left out before the reduction.
+    deskew : checkbox
+        Whether beams are carried to the start of their scan; where they have times only.
     bundled, path, upload : controls
     outcome : Outcome or None
         Alignment, map and reductions of the last good run.
@@ -74,7 +77,7 @@ class Workbench:
         self._worker, self._thread = Worker(), threading.Thread()
         self._choices = chosen = Choices()
         self.align, self.extract, self.least = chosen.align, chosen.extract, chosen.least
-        self.method, self.second = chosen.method, chosen.second
+        self.method, self.second, self.deskew = chosen.method, chosen.second, chosen.deskew
         self._make_outputs()
         self._source = Source("malaga" if log is None else log, self._taken, self._say)
         self.bundled, self.path, self.upload = self._source.controls
@@ -101,7 +104,8 @@ class Workbench:
         self._show(self.log, follow(*self._work(), self._tell))
 
     def _work(self) -> tuple[Recipe, Log, Outcome | None]:
-        return self._choices.recipe(self._source.expression), self.log, self._known
+        recipe = self._choices.recipe(self._source.expression, timed=is_timed(self.log))
+        return recipe, self.log, self._known
 
     def _start(self, button: object = None) -> None:
         """Do it in the worker, and show it when it is done."""

@@ -10,9 +10,11 @@ A laser that hangs upside down is honoured: its beams turn the other way. One th
 that moves on the robot, is refused. The robot's frame is the one that the odometry names.
 
 Ranges from `range_max` on and `inf` met nothing; those below `range_min`, `-inf` and NaN are
-errors. Angles are `angle_min` plus multiples of `angle_increment`, which may be negative. Dropped
-are the time of each beam (a scan is taken to be measured at once), intensities, speeds and
-covariances. A message without a time in its header has that of the recorder.
+errors. Angles are `angle_min` plus multiples of `angle_increment`, which may be negative. Beam k is
+measured k times `time_increment` after the first, or in the other order: drivers state either with
+a positive increment, and `Log.order_known` says that nobody knows; 0 is no time. Odometry that
+comes more often than scans is the `track`. Dropped are intensities, speeds and covariances. A
+message without a time in its header has that of the recorder.
 """
 
 from __future__ import annotations
@@ -26,6 +28,7 @@ import numpy as np
 from ... import arrays
 from ...angles import wrap
 from ...arrays import Array, checked, slips
+from ...files import shown
 from ...scans import LaserScan, Log
 from .._lines import LATEST, LogError, OnError, Reading, UnknownFormat, log_file, stem
 from .._mounting import flat, in_space, level
@@ -36,6 +39,8 @@ from ._frames import Frames
 SCAN = "sensor_msgs/msg/LaserScan"
 ODOMETRY = "nav_msgs/msg/Odometry"
 STATIC = "tf_static"
+#: No laser waits longer from beam to beam, seconds.
+MOST_APART = 1.0
 
 
 @checked
@@ -52,7 +57,7 @@ def read_bag(
     `nav_msgs/Odometry`, interpolated at the times of the scans, or else the way of the frame below
     `odom`; scans before its beginning and after its end have none. Where the laser sits, upside
     down or not, is what `/tf_static` and `/tf` say. Ranges from `range_max` on met nothing, those
-    below `range_min` are errors. All beams of a scan are taken to be measured at its time.
+    below `range_min` are errors. Beams have their times, whose order `alignment.deskew` finds.
 
     Parameters
     ----------
@@ -192,8 +197,12 @@ class _Recording(Reading):
         scans = []
         for (time, beams), pose in zip(self.scans, poses, strict=True):
             angles = -beams.angles if mirrored else beams.angles
-            scans.append(LaserScan(beams.ranges, angles, time, known(pose), beams.max_range, place))
-        return Log(name, scans, None, self.skipped)
+            sensor = beams.max_range, place, None, beams.delays
+            scans.append(LaserScan(beams.ranges, angles, time, known(pose), *sensor))
+        dense = len(self.track.times) > len(scans)
+        track = np.column_stack(self.track.ordered()) if dense else None
+        ordered = all(scan.delays is None for scan in scans)
+        return Log(name, scans, None, self.skipped, track, ordered)
 
 
 def _beams(message: Any) -> LaserScan:
@@ -207,7 +216,9 @@ def _beams(message: Any) -> LaserScan:
     least, most = float(message.range_min), float(message.range_max)
     most = most if most > 0 else np.inf
     known = clean(np.where(ranges < least, np.nan, ranges), most)
-    return LaserScan(known, first + step * np.arange(len(ranges)), max_range=most)
+    count, apart = np.arange(len(ranges)), abs(float(message.time_increment))
+    delays = count * apart if 0 < apart <= MOST_APART else None
+    return LaserScan(known, first + step * count, max_range=most, delays=delays)
 
 
 def _time(header: Any, received: float) -> float:
@@ -241,4 +252,4 @@ def _listed(bag: Bag) -> str:
 
 
 def _warn(text: str) -> None:
-    slips.warn(text)
+    slips.warn(shown(text))

@@ -10,7 +10,8 @@ A wheel of 77 mm radius makes 2000 ticks a turn, the wheels are 330 mm apart, th
 ahead of their axle.
 
 The beams are the sensor's steps of 360/1024 degree, the middle one straight ahead: 239.8 degrees
-in all. Between two lines the robot is taken to drive an exact arc; the odometry starts at 0, 0, 0.
+in all. It turns in 0.1 s, which gives each beam its time. Between two lines the robot is taken to
+drive an exact arc; the odometry starts at 0, 0, 0.
 """
 
 from __future__ import annotations
@@ -26,7 +27,7 @@ from ...poses import compose
 from ...scans import LaserScan, Log
 from ...scans.error_codes import as_ranges
 from .._lines import Lines, is_number, numbers, time
-from .._raw_scans import URG_REACH, URG_STEP, centred, known
+from .._raw_scans import URG_REACH, URG_STEP, centred, known, urg_delays
 from .._text import TextFormat
 
 
@@ -86,9 +87,8 @@ class CoreSlam(TextFormat):
         for (when, _, found), pose in zip(self.scans, poses, strict=True):
             ranges, codes = as_ranges(found)
             angles = centred(len(ranges), URG_STEP)
-            scans.append(
-                LaserScan(ranges, angles, when, known(pose), URG_REACH, SENSOR_POSE, codes)
-            )
+            sensor = URG_REACH, SENSOR_POSE, codes, urg_delays(angles)
+            scans.append(LaserScan(ranges, angles, when, known(pose), *sensor))
         return Log(name, scans, None, self.lines.skipped)
 
 

@@ -19,11 +19,10 @@ import numpy as np
 from ...scans import LaserScan, Log
 from ...scans.error_codes import as_ranges
 from .._lines import Lines, LogError, Reading, is_number, merged, numbers
-from .._raw_scans import URG_REACH
+from .._raw_scans import URG_REACH, URG_TURN, urg_delays
 from .._text import TextFormat
 from .._turns import MOST_BEAMS, MOST_TURN
 
-SECONDS_PER_TURN = 0.1
 #: So many files of a kind, and lines of a file, are looked at.
 FEW = 20
 
@@ -51,10 +50,11 @@ class HokuyoText(TextFormat):
         return Log(name, [self.scan(0.0)], None, self.lines.skipped)
 
     def scan(self, time: float) -> LaserScan:
-        """All beams, measured at a time."""
+        """All beams, the first measured at a time."""
         millimetres, angles = np.array(self.scans).T
         ranges, codes = as_ranges(millimetres)
-        return LaserScan(ranges, angles, time, None, URG_REACH, codes=codes)
+        delays = urg_delays(angles)
+        return LaserScan(ranges, angles, time, None, URG_REACH, codes=codes, delays=delays)
 
 
 def numbered(folder: Path) -> list[Path]:
@@ -88,7 +88,7 @@ def read_folder(folder: Path, name: str, on_error: str = "raise") -> Log:
         except LogError as fault:
             reading.damaged(fault)
         else:
-            scans.append(found.scan(k * SECONDS_PER_TURN))
+            scans.append(found.scan(k * URG_TURN))
             reading.skipped = merged(reading.skipped, found.lines.skipped)
     if not scans:
         raise LogError(folder, f"holds no scan; {reading.skipped.reason}")

@@ -5,9 +5,10 @@
 `ranges` is `(k, n)`, or `(n,)` for one scan; `angles` `(n,)`, or `(k, n)` where they differ from
 scan to scan. `odometry` and `truth`, `(k, 3)`, and `times`, `(k,)`, may be left out: scans are
 numbered then. So may `max_range`, one number or `(k,)`, the `sensor_pose` on the robot, `(3,)` or
-`(k, 3)`, and the sensor's `codes`, `(k, n)`. Metres, radians counter-clockwise, seconds. A range
-that is not finite or not positive is no measurement. Other arrays are left out; nothing is
-unpickled.
+`(k, 3)`, the sensor's `codes`, `(k, n)`, and the `delays` of the beams, `(n,)` or `(k, n)`; with a
+`track` of the odometry, `(m, 4)`, and `order_known`, these are as in `LaserScan` and `Log`. Metres,
+radians counter-clockwise, seconds. A range that is not finite or not positive is no measurement.
+Other arrays are left out; nothing is unpickled.
 """
 
 from __future__ import annotations
@@ -21,7 +22,7 @@ from numpy.typing import NDArray
 
 from ... import arrays
 from ...arrays import Array
-from ...files import read_arrays
+from ...files import read_arrays, shown
 from ...scans import LaserScan, Log
 from .._lines import LATEST, LogError
 from .._raw_scans import known, known_truth
@@ -44,7 +45,7 @@ def read(path: Path, name: str, on_error: str = "raise") -> Log:
     try:
         held = read_arrays(path)
     except ValueError as fault:
-        raise LogError(path, str(fault).removeprefix(f"{path}: ")) from fault
+        raise LogError(path, str(fault).removeprefix(f"{shown(path)}: ")) from fault
     if missing := [needed for needed in NEEDED if needed not in held]:
         known = ", ".join(sorted(held)[:10])
         raise LogError(
@@ -74,10 +75,12 @@ def _log(name: str, held: Mapping[str, NDArray[Any]]) -> Log:
     places = _each(held, "sensor_pose", np.zeros(3), count, 3)
     most = _each(held, "max_range", np.array(np.inf), count)
     codes = _each(held, "codes", np.empty(0), *shape) if "codes" in held else [None] * count
+    delays = _each(held, "delays", np.full(shape[1], np.nan), *shape)
     beams = np.where(ranges > 0, ranges, np.nan), angles
-    rows = zip(*beams, times, odometry, most, places, codes, strict=True)
-    scans = [LaserScan(r, a, t, known(o), m, p, c) for r, a, t, o, m, p, c in rows]
-    return Log(name, scans, known_truth(truth))
+    rows = zip(*beams, times, odometry, most, places, codes, delays, strict=True)
+    scans = [LaserScan(r, a, t, known(o), m, p, c, known(d)) for r, a, t, o, m, p, c, d in rows]
+    ordered = arrays.switch(held.get("order_known", np.array(True)).tolist(), "order_known")
+    return Log(name, scans, known_truth(truth), track=held.get("track"), order_known=ordered)
 
 
 def _each(

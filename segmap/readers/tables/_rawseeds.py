@@ -43,6 +43,7 @@ from .._lines import (
     time,
 )
 from .._raw_scans import (
+    NOWHERE,
     URG_REACH,
     URG_STEP,
     Extrinsic,
@@ -52,6 +53,7 @@ from .._raw_scans import (
     half_turn,
     known_truth,
     uncorrected,
+    urg_delays,
 )
 from .._text import TextFormat
 
@@ -143,7 +145,8 @@ def _parse_scan(columns: list[str]) -> RawScan:
         metres = np.clip(numbers(columns[1:], "ranges"), -LIMIT, LIMIT)
         found, codes = as_ranges(1000 * metres)
         angles, when = centred(len(found), URG_STEP), time(columns[0])
-        return RawScan("hokuyo", found, angles, when, limit=URG_REACH, codes=codes)
+        turn = codes, urg_delays(angles)
+        return RawScan("hokuyo", found, angles, when, NOWHERE, NOWHERE, URG_REACH, *turn)
     if len(columns) in (ODOMETRY_COLUMNS, TRUTH_COLUMNS):
         raise ValueError(
             "holds poses and no scan: read its folder, or the poses with read_trajectory"

@@ -314,7 +314,9 @@ def test_key_frames_hand_edges_over_that_are_new_and_begin_anew_where_some_were_
     for chosen in ([*each[:119], wrong, *each[119:]], each, [*each[:130], wrong], each[:131]):
         frames.edges = chosen
         frames.optimize(lazily=True)
+        kept = frames._solver
         frames.optimize()
+        assert frames._solver is kept  # nothing was undone
         found = solve(start, stacked(chosen)).poses
         assert frames.converged
         assert_poses_equal(frames.poses, found, atol=2e-5)

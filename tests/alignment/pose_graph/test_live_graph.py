@@ -1,5 +1,6 @@
 """The pose graph while the robot drives: as the whole log gives it, and after any interrupt."""
 
+import inspect
 import sys
 from copy import deepcopy
 
@@ -27,6 +28,10 @@ def test_a_log_fed_scan_by_scan_is_aligned_as_a_whole():
     assert found.reasons == whole.reasons and found.graph.rejected == whole.graph.rejected
     np.testing.assert_array_equal(found.graph.edges, whole.graph.edges)
     assert not np.array_equal(before, found.poses) and len(graph) == len(log)
+    assert 0 < found.seconds < 600
+    _, *options = inspect.signature(pose_graph).parameters.values()
+    live = inspect.signature(LiveGraph).parameters
+    assert {p.name: p.default for p in options} == {p.name: p.default for p in live.values()}
 
 
 def test_the_poses_move_where_a_loop_is_said_to_close_and_only_there():

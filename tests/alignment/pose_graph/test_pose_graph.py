@@ -1,5 +1,6 @@
 """The pose graph on simulated buildings and on logs that go wrong."""
 
+from dataclasses import replace
 from functools import cache
 
 import alignment_logs as logs
@@ -10,7 +11,7 @@ from conftest import slow
 from segmap import load
 from segmap.alignment import Alignment, LiveGraph, LoopClosing, Tracking, point_icp, pose_graph
 from segmap.alignment._result import Match, no_match
-from segmap.alignment.graph import Edge, information
+from segmap.alignment.graph import REAL, Edge, information
 from segmap.alignment.points import PointMap
 from segmap.alignment.pose_graph import FrontEnd, _front_end, _loop_closing
 from segmap.alignment.pose_graph._key_frames import KeyFrames
@@ -169,6 +170,36 @@ def test_a_scan_that_does_not_lie_in_the_window_is_sought_in_twice_the_window():
     np.testing.assert_allclose(found.pose, 0, atol=0.01)
 
 
+@pytest.mark.parametrize(
+    ("heading", "turned", "less", "kept"),
+    [
+        *((0.5, 0.08, 0.0, True), (0.5, 0.4, 0.16, False), (0.5, 0.4, 0.18, True)),
+        *((-0.5, -0.4, 0.16, False), (-0.5, -0.4, 0.18, True)),
+        *((0.0, 0.4, 0.04, False), (0.0, 0.4, 0.06, True)),  # it has seen nothing new
+        *((3.12, 0.4, 0.16, False), (-3.12, -0.4, 0.16, False)),  # across the seam
+        *((3.12, 0.08, 0.05, True), (0.5, -0.08, 0.0, True)),
+    ],
+)
+def test_what_agrees_with_the_odometry_may_fit_less_well(heading, turned, less, kept):
+    """By a share of 0.05, and one for half a round of new sight: (0.4 - 0.03) / pi = 0.118."""
+
+    def match(turn, overlap, matched=True):
+        pose = np.array([0, 0, (heading + turn + np.pi) % (2 * np.pi) - np.pi])
+        return Match(pose, np.eye(3), matched, "", overlap)
+
+    class Graph(LiveGraph):
+        def _sought(self, map, points, guess, reach, turn):
+            assert (reach, turn) == (0.5, pytest.approx(np.radians(5)))
+            return self.other
+
+    graph, guess, best = Graph(), np.array([0, 0, heading]), match(turned, 0.9)
+    graph.other = match(0.03 * np.sign(turned), 0.9 - less)
+    assert (graph._agreeing(None, None, guess, best) is best) == kept
+    for other in (None, match(0.0, 0.9, matched=False), match(0.1, 0.9), match(-0.1, 0.9)):
+        graph.other = other
+        assert graph._agreeing(None, None, guess, best) is best
+
+
 # ------------------------------------------------------------------ nothing to go by
 @pytest.mark.parametrize(
     ("rule", "reason"),
@@ -240,6 +271,11 @@ def test_loops_side_by_side_are_no_witnesses(steps, believed):
         closer.pending.append(Edge(k, 20 + k, np.zeros(3), sure, True))
     assert len(closer._confirmed_by_others([(closer.pending[-1], 6.0)])) == believed
     assert len(closer._confirmed_by_others([(closer.pending[-1], 1.0)])) == 3
+    *older, newest = closer.pending
+    elsewhere = [Edge(20, 21, np.zeros(3), sure, True)] * 29
+    for accepted, found in (([*older, *elsewhere[1:]], [newest]), ([*older, *elsewhere], [])):
+        closer.pending, closer.accepted = [newest], accepted  # only the last thirty are asked
+        assert closer._confirmed_by_others([(newest, 1.0)]) == found
 
 
 def walked(steps, points=np.zeros((0, 2))):
@@ -289,8 +325,10 @@ def test_which_loops_are_compared(one, other, apart, compared):
         assert bool(closer._agreeing(loop, [known], apart=apart)) == compared
 
 
-@pytest.mark.parametrize(("lost_since", "seen"), [(None, 4), (0, 4), (29, 2)])
-def test_a_lost_robot_is_sought_by_what_it_has_seen_since(lost_since, seen):
+@pytest.mark.parametrize(
+    ("new", "lost_since", "seen"), [(30, None, 4), (30, 0, 4), (30, 29, 2), (2, None, 3)]
+)
+def test_a_lost_robot_is_sought_by_what_it_has_seen_since(new, lost_since, seen):
     """Catches a view that reaches back to where the robot was before it was carried away."""
 
     class Map:
@@ -301,7 +339,7 @@ def test_a_lost_robot_is_sought_by_what_it_has_seen_since(lost_since, seen):
     _, closer = walked(30, points=np.ones((10, 2)))
     closer.lost_since = lost_since
     window = Window(3, np.zeros(3), 1.0, 0.3)
-    assert closer._measure(window, Map(), 30) == "the two places look different"
+    assert closer._measure(window, Map(), new) == "the two places look different"
 
 
 @pytest.mark.parametrize(("reach", "covered"), [(1.0, 5), (2.5, 5), (9.0, 9), (12.0, 12)])
@@ -310,6 +348,35 @@ def test_the_map_of_an_old_place_reaches_as_far_as_the_window(reach, covered):
     _, closer = walked(40, points=np.zeros((1, 2)))
     x = closer._map_around(Window(20, np.zeros(3), reach, 0.3)).grid.points[:, 0]
     assert (x.min(), x.max()) == (-covered, covered)
+
+
+@pytest.mark.parametrize(("metres", "out"), [(None, False), (1.4, False), (1.6, True)])
+def test_a_loop_that_stays_far_open_is_taken_out(metres, out):
+    """By more than 15 standard deviations of 0.1 m; the steps are never loops."""
+    frames, closer = walked(20)
+    if metres is not None:
+        weight = np.eye(3) / 0.1**2
+        closer._believe([Edge(2, 18, np.array([16.0 + metres, 0, 0]), weight, True)])
+    assert closer.drop_contradicted() == out
+    assert [loop[:2] for loop in closer.rejected] == [(2, 18)] * out
+    assert len(frames.edges) == 20 + (metres is not None and not out)
+
+
+def test_a_loop_is_sought_where_the_way_since_the_old_place_is_over_ten_metres():
+    """Five metres out and back: after ten the robot is where it was, and on the local map."""
+    frames, closer = walked(5)
+    for scan, step in enumerate([(0, 0, np.pi)] + [(1, 0, 0)] * 6, start=6):
+        frames.add(scan, np.zeros((0, 2)), np.array(step, float), np.eye(3))
+    found = [[window.old for window in closer._by_place(new, new)] for new in (11, 12)]
+    assert frames.path[11:] == [10, 11] and found == [[], [0]]
+
+
+def test_each_pass_is_searched_once_where_it_looks_most_alike():
+    """Catches a pass that begins one key frame too late, or a fourth one."""
+    frames, cost = np.array([0, 3, 10, 11, 30, 31, 50]), np.full(51, np.inf)
+    cost[frames] = [5, 4, 1, 2, 3, 9, 0.5]
+    assert _loop_closing._best_of_passes(frames, cost) == [50, 10, 30]
+    assert _loop_closing._best_of_passes(frames[:3], cost) == [10, 3]
 
 
 def test_turns_on_the_spot_do_not_cut_the_way():
@@ -327,11 +394,27 @@ def test_a_step_along_a_wall_is_known_as_well_as_the_odometry(wheels):
     log = log if wheels else logs.without_odometry(log)
     front = FrontEnd(log[0], lambda _, points, guess: no_match(guess, "none"), Tracking())
     front.track(log[1])
-    loose = np.diag([1.0, 1e-4, 1e-4])
+    loose = np.diag([0.25, 1e-4, 1e-4])
     match = Match(np.array([0.5, 0, 0]), loose, True, "", 1.0, np.array([1.0, 0]))
     front.add_frame(match)
-    along = np.sqrt(np.linalg.inv(front.frames.edges[0].information)[0, 0])
-    assert along == pytest.approx(np.hypot(0.2 / np.hypot(1, 0.2), 0.02) if wheels else 1, 1e-3)
+    found = np.linalg.inv(front.frames.edges[0].information) - REAL
+    along = 1 / (1 / 0.25 + 1 / 0.2**2) if wheels else 0.25
+    np.testing.assert_allclose(np.diag(found), [along, 1e-4, 1e-4], rtol=1e-6)
+
+
+@pytest.mark.parametrize("count", [5, 6])
+def test_a_scan_of_six_points_is_laid_and_refined(count, monkeypatch):
+    """Catches a scan that says nothing and is matched, or is matched at first only."""
+    first, second = logs.office_log()[:2]
+    seen = np.cumsum(second.valid) <= count
+    few = replace(second, ranges=np.where(seen, second.ranges, np.nan))
+    laid, refined = (Match(np.array([x, 0, 0]), REAL, True, "", 1.0) for x in (0.1, 0.2))
+    front = FrontEnd(first, lambda *given: laid, Tracking())
+    assert front.track(few).reason == ("" if count == 6 else "too few points")
+    before = front.offset[1]
+    monkeypatch.setattr(PointMap, "register", lambda *given, **rules: refined)
+    front.refine()
+    assert front.offset[1] is (refined.pose if count == 6 else before)
 
 
 @pytest.mark.parametrize("method", [pose_graph, point_icp])

@@ -1,6 +1,9 @@
 """Weighted line fitting: covariances by hand, what they allow, and where the method fails."""
 
 import math
+import os
+import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -11,6 +14,7 @@ from segmap_course.literal.reduction.weighted_line_fitting import (
     compare,
 )
 
+from segmap.compiled import PLAIN
 from segmap.reduction import weighted_line_fitting
 from segmap.segments import SegmentMap
 from segmap.testing import assert_segments_equal
@@ -90,3 +94,10 @@ def test_points_decide_and_not_the_end_points():
 def test_a_spacing_that_is_no_length_is_refused():
     with pytest.raises(ValueError, match=r"spacing must make at most .* is it in metres"):
         weighted_line_fitting([[(0, 0), (1, 0)]], spacing=1e-9)
+
+
+def test_a_threshold_that_allows_all_writes_nothing_beyond_the_index():
+    """Catches a room of 1e75 m, more than the index has levels for: the loops check no index."""
+    walls = "[[(0, 0), (3, 0)], [(3, 0), (3, 2)], [(3, 2), (0, 2)]]"
+    text = f"from segmap import reduction as r; r.weighted_line_fitting({walls}, chi2=1e155)"
+    subprocess.run([sys.executable, "-c", text], check=True, env={**os.environ, PLAIN: "1"})

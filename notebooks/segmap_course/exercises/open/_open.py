@@ -21,7 +21,7 @@ from segmap.readers import load
 from segmap.segments import length, point_distance
 from segmap.simulation import rectangular_room
 
-from .._answers import Answer, numbers, plain
+from .._answers import numbers, plain, type_name
 from .._exercise import Check
 
 
@@ -38,7 +38,7 @@ class Open:
     def __repr__(self) -> str:
         return self.task
 
-    def fresh(self, seed: int) -> dict[str, tuple[Any, ...]]:
+    def fresh(self, seed: int | tuple[int, ...]) -> dict[str, tuple[Any, ...]]:
         """No hidden cases: what the student gives is judged as it is."""
         return {}
 
@@ -46,7 +46,7 @@ class Open:
         """Check what a student gives. Raises nothing."""
         return self.verdict(self.answers(given))
 
-    def answers(self, given: Any, cases: Any = None) -> list[Answer]:
+    def answers(self, given: Any, cases: Any = None) -> list[Any]:
         """What is given, as plain values: one, or one for each part of a tuple."""
         return [plain(part) for part in (given if isinstance(given, tuple) else (given,))]
 
@@ -84,7 +84,7 @@ class Prediction(Open):
     #: One sentence, shown with the true value.
     because: str = ""
 
-    def answers(self, given: Any, cases: Any = None) -> list[Answer]:
+    def answers(self, given: Any, cases: Any = None) -> list[Any]:
         """The guess as a plain value."""
         return [plain(None if isinstance(given, bool) else given)]
 
@@ -114,7 +114,7 @@ class Prediction(Open):
 
 def _single(answers: Any) -> float | None:
     """The one finite number of plain answers, else None."""
-    well = isinstance(answers, list | tuple) and len(answers) == 1 and isinstance(answers[0], dict)
+    well = isinstance(answers, list | tuple) and len(answers) == 1
     found = numbers(answers[0]) if well else None
     finite = found is not None and found.size == 1 and np.isfinite(found).all()
     return float(found.ravel()[0]) if found is not None and finite else None
@@ -144,7 +144,7 @@ class Challenge(Open):
 
     def verdict(self, answers: Any, cases: Any = None) -> Check:
         """Whether these plain values fool the method."""
-        if any("nothing" in answer for answer in answers):
+        if not answers or any(answer is None for answer in answers):
             return self._check(f"give your input first; the task is {self.task}")
         try:
             with np.errstate(all="ignore"):
@@ -155,10 +155,10 @@ class Challenge(Open):
             return self._check(f"this cannot be judged, {type(error).__name__}: {error}")
 
 
-def _finite(answer: Answer) -> Array:
+def _finite(answer: Any) -> Array:
     found = numbers(answer)
     if found is None:
-        raise ValueError(f"numbers are wanted, got {answer.get('type', 'something else')}")
+        raise ValueError(f"numbers are wanted, got {type_name(answer)}")
     if not np.isfinite(found).all():
         raise ValueError("finite numbers are wanted: there are nan or inf among them")
     return found

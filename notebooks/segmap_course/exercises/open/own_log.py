@@ -17,7 +17,6 @@ from segmap.readers import load
 from segmap.scans import Log
 from segmap.segments import length
 
-from .._answers import Answer
 from .._exercise import Check
 from ._open import Open
 
@@ -43,7 +42,7 @@ class OwnLog(Open):
         """Check a log, with its poses `(k, 3)` or an `Alignment`. Raises nothing."""
         return self.verdict(self.answers((log, poses)))
 
-    def answers(self, given: Any, cases: Any = None) -> list[Answer]:
+    def answers(self, given: Any, cases: Any = None) -> list[Any]:
         """The facts about `(log, poses)` as plain values, or why there are none."""
         log, poses = given if isinstance(given, tuple) and len(given) == 2 else (given, None)
         try:
@@ -70,7 +69,7 @@ class OwnLog(Open):
         return Check(self.name, not lacking, "; ".join([told, *lacking]))
 
 
-def facts(log: Any, poses: Any) -> Answer:
+def facts(log: Any, poses: Any) -> dict[str, Any]:
     """What a log and its map hold: scans, seconds, metres driven, walls, metres of walls.
 
     Raises

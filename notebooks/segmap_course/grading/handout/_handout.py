@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import json
 import re
+import secrets
 import shutil
 from collections.abc import Iterable, Mapping
 from pathlib import Path
@@ -16,6 +17,8 @@ from typing import Any
 
 from segmap.files import write_bytes
 
+from ... import EXERCISES
+from ._given import listed
 from ._tasks import Cell, Notebook, Task, chapters, column, parts, places, read_chapter, tasks_of
 
 #: First word of the instructor's file, with the version of its layout.
@@ -28,8 +31,8 @@ def handout(folder: Path, *, wanted: str = "", seed: int | None = None) -> tuple
     """Write student copies of chapters into a new folder, and the instructor's file beside it.
 
     The folder must not exist, or be empty, and `wanted` are numbers of chapters, "34,54"; all by
-    default. The seed is that of the hidden cases; without one, grading uses the cases that students
-    see. What is returned is the instructor's file, which must stay out of the folder that students
+    default. The seed is that of the hidden cases, by default 128 bits that nobody can guess. What
+    is returned is the instructor's file, which must stay out of the folder that students
     get, and the tasks.
 
     Raises
@@ -37,7 +40,8 @@ def handout(folder: Path, *, wanted: str = "", seed: int | None = None) -> tuple
     ValueError
         For a chapter that does not exist, a seed below 0, or a folder that holds something.
     """
-    if seed is not None and seed < 0:
+    seed = secrets.randbits(128) if seed is None else seed
+    if seed < 0:
         raise ValueError(f"the seed must be a whole number from 0 on, got {seed}")
     chosen, key = chapters(wanted), folder.with_name(f"{folder.name}.instructor.json")
     refuse_old(folder)
@@ -148,9 +152,11 @@ def answer_cells(source: str, name: str, tasks: Mapping[str, Task]) -> list[Cell
         for task in known
         if task.points
     ]
+    exercise = EXERCISES.get(name)
+    said += [f"of segmap it may call {listed(exercise)}"] if exercise else []
     cell = code(f"{name}-answer", source)
     cell["metadata"] = nbgrader(f"{name}-answer", solution=True)
-    return [markdown(f"{name}-points", f"`{name}`: {', '.join(said)}"), cell]
+    return [markdown(f"{name}-points", f"`{name}`: {'; '.join(said)}"), cell]
 
 
 def hand_cells(task: Task | None) -> list[Cell]:

@@ -1,175 +1,49 @@
 """Solutions from the library's own source: each as a cell that runs, with all that it calls.
 
-What belongs to the answer is copied; what a student may call too is imported. So the solution
-passes the check, which notices the library.
+An open exercise gets the number that is true, or an input that fools the method.
+
+All of it is copied but what the task gives, which is imported. So a solution is right when it is
+handed in.
 """
 
 from __future__ import annotations
 
 import ast
-import importlib
-import re
-from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
-from ...exercises import Exercise, Watch, plain
+from ... import EXERCISES, OPEN_EXERCISES
+from ...exercises import Exercise
+from ...exercises.open import Prediction
+from ._given import package
 from ._handout import refuse_old, student_copy, text, write_folder
-from ._tasks import CHECKS, Notebook, chapters, read_chapter, tasks_of
+from ._inputs import INPUTS
+from ._source import Gatherer
+from ._tasks import Notebook, chapters, read_chapter, tasks_of
 
 #: nbgrader leaves out what stands between these lines when it makes the students' version.
 BEGIN, END = "### BEGIN SOLUTION", "### END SOLUTION"
 
 
-class Source:
-    """The text of a module of segmap, by the names that it defines."""
-
-    def __init__(self, module: str) -> None:
-        self.module = module
-        loaded = importlib.import_module(module)
-        path = Path(str(loaded.__file__))
-        self.text = path.read_text(encoding="utf-8")
-        self.file = str(path)
-        self.is_package = path.name == "__init__.py"
-        self.nodes = {name: n for n in ast.parse(self.text).body for name in _names(n)}
-
-    def code(self, node: ast.AST) -> str:
-        """The text of a node, without decorators."""
-        return ast.get_source_segment(self.text, node) or ast.unparse(node)
-
-    def origin(self, node: ast.ImportFrom) -> str:
-        """The full name of the module that an import names."""
-        base = self.module.split(".")
-        base = base[: len(base) - node.level + self.is_package] if node.level else []
-        return ".".join([*base, *([node.module] if node.module else [])])
-
-
-def _names(node: ast.stmt) -> Iterator[str]:
-    """The names that a statement of a module defines."""
-    if isinstance(node, ast.FunctionDef | ast.ClassDef):
-        yield node.name
-    elif isinstance(node, ast.Import | ast.ImportFrom):
-        yield from (alias.asname or alias.name for alias in node.names)
-    elif isinstance(node, ast.Assign | ast.AnnAssign):
-        targets = node.targets if isinstance(node, ast.Assign) else [node.target]
-        parts = [part for target in targets for part in ast.walk(target)]
-        yield from (part.id for part in parts if isinstance(part, ast.Name))
-
-
-class Gatherer:
-    """Collects the statements that a solution needs, each once, what it calls first."""
-
-    def __init__(self, own: tuple[Any, ...]) -> None:
-        self.own = Watch(own)
-        self.imports: list[str] = []
-        self.parts: list[str] = []
-        self._names: dict[tuple[str, str], str] = {}
-        self._sources: dict[str, Source] = {}
-
-    def source(self, module: str) -> Source:
-        """The text of a module, read once."""
-        return self._sources.setdefault(module, Source(module))
-
-    def needs(self, source: Source, node: ast.AST) -> str:
-        """Gather all names of the module that a node uses; the text of the node, with these."""
-        renamed: dict[str, str] = {}
-        inside = set()
-        for part in ast.walk(node):
-            if isinstance(part, ast.Attribute) and isinstance(part.value, ast.Name):
-                module = part.value.id
-                if home := self._inside(source, module, part.attr):
-                    renamed[f"{module}.{part.attr}"] = self.take(home, part.attr)
-                    inside.add(module)
-        for part in ast.walk(node):
-            if isinstance(part, ast.Name) and part.id in source.nodes and part.id not in inside:
-                renamed[part.id] = self.take(source, part.id)
-        code = source.code(node)
-        for old, new in renamed.items():
-            if old != new:  # but no argument of this name
-                code = re.sub(rf"(?<![\w.]){re.escape(old)}\b(?!=[^=])", new, code)
-        return code
-
-    def _inside(self, source: Source, module: str, name: str) -> Source | None:
-        """Where `module.name` stands, if that belongs to the answer."""
-        node = source.nodes.get(module)
-        if not isinstance(node, ast.ImportFrom):
-            return None
-        alias = next(a.name for a in node.names if (a.asname or a.name) == module)
-        home = self._home(f"{source.origin(node)}.{alias}", name)
-        return home if home is not None and self._is_own(home, name) else None
-
-    def take(self, source: Source, name: str, *, copied: bool = False) -> str:
-        """Gather one name of a module, its text or an import; the name that it has from now on."""
-        key = (source.module, name)
-        if key in self._names:
-            return self._names[key]
-        node = source.nodes[name]
-        if isinstance(node, ast.Import | ast.ImportFrom):
-            self._names[key] = self._import(source, node, name, copied)
-            return self._names[key]
-        taken = name in self._names.values()
-        room = source.module.rpartition(".")[2].strip("_")
-        new = self._names[key] = f"{room}_{name.strip('_')}" if taken else name
-        if isinstance(node, ast.FunctionDef):
-            node.decorator_list = []  # the source of a function comes without them
-        code = self.needs(source, node)
-        self.parts.append(re.sub(rf"\b{name}\b", new, code) if taken else code)
-        return new
-
-    def _import(
-        self, source: Source, node: ast.Import | ast.ImportFrom, name: str, copied: bool
-    ) -> str:
-        alias = next(a for a in node.names if (a.asname or a.name) == name)
-        renamed = f" as {alias.asname}" if alias.asname else ""
-        if isinstance(node, ast.Import):
-            self.imports.append(f"import {alias.name}{renamed}")
-            return name
-        module = source.origin(node)
-        home = self._home(module, alias.name)
-        if home is not None and (copied or self._is_own(home, alias.name)):
-            return self.take(home, alias.name)
-        self.imports.append(f"from {module} import {alias.name}{renamed}")
-        return name
-
-    def _home(self, module: str, name: str) -> Source | None:
-        """The module of segmap in which a name is defined, behind all that hand it on."""
-        while module.split(".")[0] in ("segmap", "segmap_course"):
-            loaded = _module(module)
-            if loaded is None or not hasattr(loaded, name):
-                return None
-            source = self.source(module)
-            node = source.nodes.get(name)
-            if not isinstance(node, ast.ImportFrom):
-                return source if node is not None else None
-            module = source.origin(node)
-        return None
-
-    def _is_own(self, home: Source, name: str) -> bool:
-        """Whether the exercise takes a name for a part of the answer; its constants are one too."""
-        function = plain(getattr(importlib.import_module(home.module), name))
-        return self.own.covers(function.__code__) if function else home.file in self.own.files
-
-
-def _module(name: str) -> Any:
-    """A module by its name; None where that is something inside a module."""
-    try:
-        return importlib.import_module(name)
-    except ModuleNotFoundError:
-        return None
-
-
 def solution(exercise: Exercise, name: str) -> str:
     """A cell that defines `name`, which the student is asked for, by the library's source."""
-    gatherer = Gatherer(exercise.own)
+    gatherer = Gatherer(package(exercise)[1])
     source = gatherer.source(exercise.draw.__module__)  # where it is defined itself
     made = source.nodes[f"check_{exercise.name}"]
     assert isinstance(made, ast.Assign) and isinstance(made.value, ast.Call)
     answer = made.value.args[1]
     if isinstance(answer, ast.Name):
-        gatherer.take(source, answer.id, copied=True)
+        gatherer.take(source, answer.id)
     last = f"{name} = {gatherer.needs(source, answer)}"
     head = "\n".join(dict.fromkeys(gatherer.imports))
     return "\n\n\n".join(part for part in [head, *gatherer.parts, last] if part)
+
+
+def open_answer(name: str, names: str) -> str:
+    """A cell with an answer to an open exercise: the true number, or what fools a method."""
+    exercise = OPEN_EXERCISES[name]
+    if isinstance(exercise, Prediction):
+        return f"{names} = {exercise.measure():.6g}  # {exercise.unit}"
+    return f"import numpy as np\n\n{names} = {INPUTS[name]}"
 
 
 def write_solutions(folder: Path, wanted: str = "") -> int:
@@ -194,9 +68,9 @@ def solved_copy(name: str, notebook: Notebook) -> Notebook:
     copy = student_copy(name, notebook, {name})
     answers = {f"{task.name}-answer": task for task in tasks_of(name, notebook)}
     for cell in copy["cells"]:
-        task = answers.get(cell["id"])
-        exercise = CHECKS.get(f"check_{task.name}") if task else None
-        if task and exercise is not None:
-            code = solution(exercise, task.answers[0])
+        if task := answers.get(cell["id"]):
+            exercise = EXERCISES.get(task.name)
+            names = ", ".join(task.answers)
+            code = solution(exercise, names) if exercise else open_answer(task.name, names)
             cell["source"] = f"{cell['source']}\n\n\n{BEGIN}\n{code}\n{END}"
     return copy

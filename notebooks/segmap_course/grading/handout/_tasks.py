@@ -168,6 +168,7 @@ class Task(NamedTuple):
     given: str = ""
     by_hand: bool = False
     rubric: str = ""
+    stub: str = ""
 
 
 def tasks_of(name: str, notebook: Notebook) -> list[Task]:
@@ -178,7 +179,8 @@ def tasks_of(name: str, notebook: Notebook) -> list[Task]:
         said, own = rubric(cells, place.written), column(place, name)
         program, hand = worth(CHECKS[place.check], said)
         if not isinstance(CHECKS[place.check], OwnLog):
-            known = Task(own, name, place.answers, program, head, place.given, rubric=said)
+            stub, _ = parts(cells[place.written])
+            known = Task(own, name, place.answers, program, head, place.given, False, said, stub)
             found.append((place.checked, known))
         if hand:
             found.append((place.checked, _hand(f"{own}_by_hand", name, hand, said)))

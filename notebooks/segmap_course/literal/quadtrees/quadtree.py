@@ -174,6 +174,25 @@ class Quadtree:
         ]
 
 
+def mean_and_variance(tree: Quadtree, square: Square) -> tuple[float, float]:
+    """Of the occupancy over a square: those of its four children's means and variances (B 2.1).
+
+    Examples
+    --------
+    >>> tree = Quadtree(1.0, 4)
+    >>> tree.leaves[0, 0, 2] = [4, 2]
+    >>> tree.insert((3.5, 3.5), [], free=[(3.5, 3.5)] * 20)
+    >>> mean_and_variance(tree, tree.root)
+    (0.375, 0.046875)
+    """
+    if square in tree.leaves:
+        vis, occ = tree.leaves[square]
+        return occupancy(vis, occ), 0.0
+    four = [mean_and_variance(tree, quarter) for quarter in quarters(square)]
+    mean = sum(m for m, _ in four) / 4
+    return mean, sum(v + (m - mean) ** 2 for m, v in four) / 4
+
+
 def holds(square: Square, cell: Cell) -> bool:
     """Whether a cell lies in a square."""
     (left, low, side), (x, y) = square, cell

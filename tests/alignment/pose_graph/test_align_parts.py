@@ -14,6 +14,7 @@ from segmap.alignment.graph import Edge, Rejected
 from segmap.alignment.pose_graph._key_frames import KeyFrames
 from segmap.alignment.pose_graph._loop_closing import LoopCloser
 from segmap.alignment.pose_graph._parts import Joint, _aligned, _append_loops, _inside, _join
+from segmap.testing import assert_poses_equal
 
 LOG = logs.loop_log(step=0.5)
 POINTS, START = np.array([(1.0, 0.0)]), np.zeros(3)
@@ -38,6 +39,16 @@ def test_parts_are_joined_by_the_loops_between_them(joined):
     steps = joined.graph.edges[~joined.graph.loop]
     assert (steps[1:, 0] == steps[:-1, 1]).all()
     assert logs.errors(LOG, joined.poses)[0].max() < 0.2
+
+
+def test_a_part_that_comes_back_is_solved_and_light():
+    """Catches windows about places that its own loops would move, and maps that travel."""
+    front, closer = _inside(_aligned({"closing": LoopClosing(strain=9.0)}, LOG))
+    known = front.frames.poses
+    front.frames.optimize()
+    assert closer.accepted and np.array_equal(front.frames.poses[0], known[0])
+    assert_poses_equal(front.frames.poses, known, atol=1e-5)
+    assert (front.scans, front.local, closer.maps) == ([], None, {})
 
 
 def test_what_a_part_knows_of_loops_is_kept_behind_the_joint():
@@ -81,10 +92,11 @@ def test_behind_the_joint_a_robot_may_be_lost_and_loops_may_wait(monkeypatch):
     Loops between the parts lead to key frames before the joint, and those that wait when the log
     ends are settled.
     """
-    asked, settled = [], []
+    asked, settled, since = [], [], {}
 
     def seek(self, new, before, *, confirmed):
         asked.append((new, before, confirmed))
+        since[new] = self.lost_since
         self.lost_since = self.lost_since if confirmed else new
         return False
 
@@ -98,6 +110,7 @@ def test_behind_the_joint_a_robot_may_be_lost_and_loops_may_wait(monkeypatch):
     near = logs.changed(LOG[:50], lambda k, ranges: 0 * ranges + 0.5 if k in odd else ranges)
     first, second = (_aligned({}, part) for part in cut(near, 20))
     _inside(second)[1].pending = [Edge(12, 14, START, np.eye(3), True)]
+    _inside(second)[1].rejected = [Rejected(20, 25, "why")]
     frames = _inside(second)[0].frames
     frames.edges.append(Edge(11, len(frames) - 1, START, np.eye(3), True))
     front, later = (_inside(graph)[0] for graph in (first, second))
@@ -113,7 +126,10 @@ def test_behind_the_joint_a_robot_may_be_lost_and_loops_may_wait(monkeypatch):
     assert [front.frames.scan[new] in lost for new, *_ in alone] == [
         not confirmed for *_, confirmed in alone
     ]
+    (gone,) = (new for new, *_ in alone if front.frames.scan[new] in lost)
+    assert {since[new] for new, *_ in alone if new > gone} == {gone}
     assert _inside(first)[1].lost_since is None, "the loop at the end of the part found it again"
+    assert (40, 45, "why") in _inside(first)[1].rejected
     first.refine()
     assert settled == [(joint + 2, joint + 4)]
 
@@ -124,6 +140,15 @@ def test_one_part_is_the_whole_log():
     np.testing.assert_allclose(found.poses, whole.poses, atol=1e-9)
     assert found.reasons == whole.reasons
     assert len(align_parts([])) == len(align_parts([log[:0]])) == 0
+
+
+def test_parts_of_one_scan_and_of_a_few():
+    """Catches a joint that lies before or behind the key frames that a short part has."""
+    log = LOG[:10]
+    found, whole = align_parts(cut(log, 4, 5)), pose_graph(log)
+    assert_poses_equal(found.poses, whole.poses, atol=0.02)
+    first, second = found.graph.edges[~found.graph.loop].T
+    assert (first[1:] == second[:-1]).all() and (first < second).all()
 
 
 @contextmanager

@@ -1,0 +1,144 @@
+"""De-skewing: beams of a laser that turns while the robot moves, carried to the first of each scan.
+
+1. A pose graph of the scans as they are says how the robot moved: its poses lie in mid-scan.
+2. Of two orders of the beams that one holds which makes the walls of all scans that turn sharper.
+3. Odometry that comes more often than scans says it better, once its clock is found.
+4. Each beam moves by what the robot moved since the first one. A second graph finds the poses.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from .. import arrays
+from ..arrays import Array, Poses, checked
+from ..poses import interpolate
+from ..poses.motions import arc, between, transform, wrap
+from ..scans import LaserScan, Log
+from ..scans.moving import GAP, carried, is_timed, twists
+from ..scans.placed import poses_for
+from .pose_graph import pose_graph
+
+#: The order of beams shows in scans that turn by more than this, radians: in so many at least.
+TURNED, ENOUGH = np.radians(1), 20
+#: Cells of the entropy, metres; by less than this one order is no better than the other, nats.
+CELL, MARGIN = 0.05, 0.05
+#: Clocks are tried up to so far apart, in such steps; both halves of a log agree so well: seconds.
+APART, STEP, AGREE = 0.5, 0.005, 0.02
+
+
+@checked
+def deskew(log: Log, poses: Poses | None = None) -> Log:
+    """Carry each beam to the moment of the first one of its scan, where the log has their times.
+
+    A turning laser measures a scan while the robot moves: walls bend, by what it turns meanwhile.
+    How it moved is what a pose graph of the log says, or the `track` of its odometry where that
+    agrees in time. An order of the beams that is not known is found, or nothing is changed.
+
+    Parameters
+    ----------
+    poses
+        Of the scans as they are, by matching: they lie in mid-scan. None makes a `pose_graph`.
+
+    Returns
+    -------
+    Log
+        Without `delays`; the same object where there are none. `doubt` says what was found wrong.
+
+    Examples
+    --------
+    >>> from segmap.simulation import URG_04LX, drive, simulate, square_room
+    >>> path, rng = drive([(1, 1), (3, 1), (3, 2)], step=0.1, turn=0.1), np.random.default_rng(1)
+    >>> log = simulate(square_room(), path, sensor=URG_04LX, rng=rng, moving=True)
+    >>> log[0].delays.max().round(3), deskew(log)[0].delays
+    (np.float64(0.067), None)
+    """
+    arrays.instance(log, "log", Log)
+    given = None if poses is None else poses_for(log, poses)
+    if not is_timed(log):
+        return log
+    rows = pose_graph(log).poses if given is None else given
+    motions, said = twists(log.times, rows), []
+    if not log.order_known:
+        margin = _margin(log, rows, motions)
+        if not abs(margin) >= MARGIN:
+            return replace(log, doubt="nothing tells in which order the beams were measured")
+        if margin > 0:
+            log = replace(log, scans=tuple(map(_reversed, log.scans)), order_known=True)
+            said.append("the beams are in the other order than the file says")
+    turns = [s.delays.max() for s in log if s.delays is not None and len(s)]
+    turn = float(np.median(turns)) if turns else 0.0
+    offset = _clock(log, rows) - turn / 2  # NaN where it is not found
+    if abs(offset) > turn / 2:
+        said.append(f"scans and odometry differ by {abs(offset):.2f} s")
+    scans = []
+    for scan, motion in zip(log, motions, strict=True):
+        if scan.delays is not None:
+            steps = arc(motion * scan.delays[:, None])
+            if np.isfinite(offset) and log.track is not None:
+                at = scan.time + offset + np.r_[0.0, scan.delays]
+                way = interpolate(log.track[:, 0], log.track[:, 1:], at, max_gap=GAP)
+                steps = between(way[0], way[1:]) if np.isfinite(way).all() else steps
+            scan = carried(scan, steps)
+        scans.append(scan)
+    return replace(log, scans=tuple(scans), doubt="; ".join(said))
+
+
+def _reversed(scan: LaserScan) -> LaserScan:
+    """The scan with its beams measured in the other order."""
+    delays = scan.delays
+    return scan if delays is None else replace(scan, delays=delays.max(initial=0.0) - delays)
+
+
+def _margin(log: Log, poses: Array, motions: Array) -> float:
+    """How much sharper the walls are with the beams in the other order, nats; NaN for too few.
+
+    Poses `(k, 3)` lie in mid-scan, so both orders are carried there: either errs as much.
+    """
+    found: tuple[list[Array], list[Array]] = ([], [])
+    for scan, pose, motion in zip(log, poses, motions, strict=True):
+        if scan.delays is None or not len(scan) or not np.isfinite(pose).all():
+            continue
+        middle = scan.delays - scan.delays.max() / 2
+        if 2 * abs(motion[2]) * middle.max() > TURNED:
+            for points, since in zip(found, (middle, -middle), strict=True):
+                steps = arc(motion * since[:, None])
+                points.append(transform(pose, carried(scan, steps).points()))
+    if len(found[0]) < ENOUGH:
+        return float("nan")
+    stated, other = (_entropy(np.concatenate(points)) for points in found)
+    return stated - other
+
+
+def _entropy(points: Array) -> float:
+    """Of the cells in which points `(n, 2)` lie, nats: sharp walls fill fewer."""
+    cells = np.floor(points / CELL).astype(np.int64)
+    counts = np.unique(cells @ np.array([1 << 32, 1]), return_counts=True)[1]
+    share = counts / counts.sum()
+    return float(-(share * np.log(share)).sum())
+
+
+def _clock(log: Log, poses: Array) -> float:
+    """How much later than the scans the odometry shows the turns of poses `(k, 3)`, seconds.
+
+    NaN where it has no track, or where the two halves of the log do not agree.
+    """
+    if log.track is None or not len(log.track):
+        return float("nan")
+    times, heading = log.track[:, 0], np.unwrap(log.track[:, 3])
+    shifts = np.arange(-APART, APART + STEP / 2, STEP)
+    at = log.times + shifts[:, None]
+    seen = np.diff(np.interp(at, times, heading, left=np.nan, right=np.nan), axis=1)
+    errors = wrap(seen - np.diff(poses[:, 2])) ** 2
+    known = np.isfinite(errors).all(0)  # at any shift
+    errors = errors[:, known & (np.diff(log.times) > 0) & (np.diff(log.times) <= GAP)]
+    half = errors.shape[1] // 2
+    if not half:
+        return float("nan")
+    first, second, both = (
+        int(np.argmin(part.mean(1))) for part in (errors[:, :half], errors[:, half:], errors)
+    )
+    is_inside = 0 < both < len(shifts) - 1
+    return float(shifts[both]) if is_inside and abs(first - second) * STEP <= AGREE else np.nan

@@ -1,0 +1,334 @@
+"""Mapping with many hypotheses, each a particle with a pose, a weight and a map of its own."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterable, Iterator, Sequence
+from copy import deepcopy
+from typing import Annotated, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .. import arrays
+from ..arrays import Array, Count, Quantity, Share, at_most, checked
+from ..poses.motions import between, compose, transform
+from ..quadtree import QuadtreeMap
+from ..scans import LaserScan
+from ..simulation import OdometryNoise
+from ._field import DistanceField, NothingNear
+from ._live_map import FOUND, insert, overlap_of
+from ._mapping import Matcher, _check_scan, _warm, asked, drawing, found_by
+from ._matchers import field_score, hill_climb
+
+#: Beams of a scan that are weighed, evenly chosen: neighbours meet one wall, and would say the same
+#: thing again and again.
+BEAMS = 60
+#: The end of a beam lies about so far from a wall of the map, metres, but for one in ten, which has
+#: met what the map does not hold.
+SIGMA, ASTRAY = 0.05, 0.10
+#: Poses are drawn and weighed where the robot has moved so far, metres or radians: scans from one
+#: place err alike. In between each particle stands on its peak.
+MOVED = 0.3, 0.3
+#: Even so a map errs alike for metres: a weight takes in this part of a logarithm. With all of it
+#: one particle soon holds the whole weight of 15 in the corridor loop.
+PART = 1 / 3
+#: Around a peak its likelihood is asked at 3 x 3 x 3 poses, so far apart, metres and radians: a
+#: cell of the usual map, and what moves an end at 5 m as far.
+APART = np.array([0.05, 0.05, 0.01])
+LATTICE = np.array([(x, y, turn) for x in (-1, 0, 1) for y in (-1, 0, 1) for turn in (-1, 0, 1)])
+#: A wheel errs by so much however short the way, metres and radians.
+SLIP = np.array([0.002, 0.002, 0.001])
+#: The same where there is no odometry, metres and radians.
+ALONE = np.array([0.1, 0.1, 0.05])
+#: More particles would fill the memory: each has a map.
+MOST = 10_000
+
+Noise = Annotated[float, Quantity("", least=0, most=100)]
+
+
+class Particles(NamedTuple):
+    """The particles after one scan.
+
+    `poses`, `(n, 3)`, are the robot's in the map, metres and radians; `weights`, `(n,)`, sum to 1;
+    `parents`, `(n,)`, says which particle after the scan before each one goes on from. `best` is
+    the particle whose whole way is the most likely one, and `overlap` the share of the scan that
+    lay on its map; `seconds` is what the whole step took.
+
+    Examples
+    --------
+    >>> here = Particles(np.zeros((4, 3)), np.array([0.5, 0.5, 0, 0]), np.arange(4), 0, 1.0, 0.1)
+    >>> float(here.effective), here.found
+    (2.0, True)
+    """
+
+    poses: Array
+    weights: Array
+    parents: NDArray[np.int64]
+    best: int
+    overlap: float
+    seconds: float
+
+    @property
+    def pose(self) -> Array:
+        """Pose of the best particle, (3,) array, metres and radians."""
+        return self.poses[self.best]
+
+    @property
+    def effective(self) -> float:
+        """How many particles count: all where weights are equal, 1 where one has all the weight."""
+        return effective_number(self.weights)
+
+    @property
+    def found(self) -> bool:
+        """Whether the scan lies on the map of the best particle, as in `Step`."""
+        return self.overlap >= FOUND
+
+
+@checked
+def particle_mapping(
+    log: Iterable[LaserScan],
+    *,
+    particles: Annotated[Count, at_most(MOST)] = 30,
+    rng: np.random.Generator,
+    odometry: OdometryNoise | None = OdometryNoise(),
+    noise: Noise = 1.0,
+    resample: Share = 0.5,
+    matcher: Matcher = hill_climb,
+    map: QuadtreeMap | None = None,
+    start: ArrayLike = (0.0, 0.0, 0.0),
+    free: bool = False,
+) -> Iterator[Particles]:
+    """Follow many ways that the robot may have taken, each with its own map (Grisetti et al. 2007).
+
+    A particle moves by the odometry, and the matcher seeks the peak on its own map. Every 0.3 m the
+    next pose is drawn about the peak, as widely as the likelihood around it and the errors of the
+    odometry say, and the particle is weighed by how well the scan fits. Where few particles hold
+    most of the weight, they are drawn anew: the heavy ones several times, each with a copy of its
+    map. So a way that fits when the robot comes back replaces those that do not.
+
+    Parameters
+    ----------
+    odometry : OdometryNoise or None
+        Errors of the odometry of the scans; it is where the matcher begins. Where there is none,
+        that is the pose before, as in `map_scans`.
+    noise : float
+        How much of the way drawn from the peak is gone: with 0 all particles stay on their peaks
+        and do the same. One particle without noise and odometry does what `map_scans` does.
+    resample : float
+        Particles are drawn anew where the effective number is below this share of them: never
+        with 0, after nearly every scan with 1.
+    matcher : callable
+        As in `map_scans`; the score is that of the field.
+    map : QuadtreeMap or None
+        Each particle begins with a copy of it; after each scan it is a copy of the best one's. A
+        new one with cells of 5 cm by default.
+    start, free
+        As in `map_scans`.
+
+    Yields
+    ------
+    Particles
+        After each scan; `particle_paths` puts them together.
+
+    Raises
+    ------
+    ValueError
+        As `map_scans` does; the map is then as before that scan.
+
+    Examples
+    --------
+    >>> from segmap import load
+    >>> steps = list(particle_mapping(load("room")[:5], particles=4, rng=np.random.default_rng(1)))
+    >>> steps[-1].poses.shape, particle_paths(steps).shape
+    ((4, 3), (4, 5, 3))
+    """
+    pose = arrays.pose(start, "start")
+    tree = QuadtreeMap(resolution=0.05) if map is None else arrays.instance(map, "map", QuadtreeMap)
+    if not isinstance(log, Iterable):
+        raise ValueError(f"log must be a Log, or give scans one by one, got {type(log).__name__}")
+    if odometry is not None:
+        arrays.instance(odometry, "odometry", OdometryNoise)
+    arrays.function(matcher, "matcher", "of map, points and start, hill_climb say")
+    poses, matcher = np.tile(pose, (particles, 1)), drawing(matcher, rng)
+    return _steps(log, tree, poses, matcher, odometry, noise, resample, free, rng)
+
+
+def _steps(
+    log: Iterable[LaserScan],
+    map: QuadtreeMap,
+    poses: Array,
+    matcher: Matcher,
+    odometry: OdometryNoise | None,
+    noise: float,
+    resample: float,
+    free: bool,
+    rng: np.random.Generator,
+) -> Iterator[Particles]:
+    _warm(field_score)
+    count, settled, drawn = len(poses), False, poses
+    wheels = wheels_drawn = None  # odometry at the scan before, and where poses were drawn last
+    maps = [deepcopy(map) for _ in range(count)]
+    recent, likely = np.zeros(count), np.zeros(count)  # logarithms: since drawn anew, of all
+    for k, scan in enumerate(log):
+        _check_scan(scan, k)
+        begun, points, parents = time.perf_counter(), scan.points(), np.arange(count)
+        if effective_number(_weights(recent)) < resample * count:
+            parents = systematic(_weights(recent), rng.random())
+            maps = [
+                deepcopy(maps[at]) if again else maps[at]
+                for at, again in zip(parents, np.diff(parents, prepend=-1) == 0, strict=True)
+            ]
+            poses, drawn = poses[parents], drawn[parents]
+            likely, recent = likely[parents], np.zeros(count)
+        if odometry is not None and scan.odometry is not None:
+            poses = poses if wheels is None else compose(poses, between(wheels, scan.odometry))
+            wheels = scan.odometry
+        try:
+            if len(points) and settled:
+                found = [_climbed(matcher, *each, points) for each in zip(maps, poses, strict=True)]
+                poses = np.array([pose for pose, _ in found])
+                best = int(np.argmax(likely))
+                way = np.abs(between(drawn[best], poses[best]))
+                if np.hypot(*way[:2]) > MOVED[0] or way[2] > MOVED[1]:
+                    wide = ALONE
+                    if wheels is not None and wheels_drawn is not None and odometry is not None:
+                        wide = spread(between(wheels_drawn, wheels), odometry)
+                    for i, (peak, field) in enumerate(found):
+                        around = compose(peak, LATTICE * APART)
+                        covariance, weight = proposal(_log_likelihood(field, points, around), wide)
+                        recent[i] += PART * weight
+                        likely[i] += PART * weight
+                        if noise > 0:
+                            turned = np.linalg.cholesky(covariance) @ rng.standard_normal(3)
+                            poses[i] = compose(peak, noise * turned)
+                    drawn, wheels_drawn = poses.copy(), wheels
+            best = int(np.argmax(likely))
+            overlap = overlap_of(maps[best], scan, poses[best])
+            for own, pose in zip(maps, poses, strict=True):
+                insert(own, None, scan, pose, free=free)
+            vars(map).update(vars(deepcopy(maps[best])))
+        except ValueError as error:
+            raise ValueError(f"scan {k}: {error}") from error
+        if len(points) and not settled:
+            settled, drawn, wheels_drawn = True, poses.copy(), wheels
+        seconds = time.perf_counter() - begun
+        yield Particles(poses.copy(), _weights(recent), parents, best, overlap, seconds)
+
+
+def _climbed(
+    matcher: Matcher, map: QuadtreeMap, guess: Array, points: Array
+) -> tuple[Array, DistanceField | None]:
+    """The pose that the matcher finds from a guess, and the field; the guess with nothing near."""
+    try:
+        field = DistanceField.around(map, points, guess)
+    except NothingNear:
+        return guess, None
+    score = asked(field.scorer(points), points, field_score)
+    return found_by(matcher, map, points, guess, score), field
+
+
+def _log_likelihood(field: DistanceField | None, points: Array, poses: Array) -> Array:
+    """Of points `(n, 2)` at poses `(k, 3)`, metres and radians: (k,) array."""
+    few = points[np.linspace(0, len(points) - 1, min(BEAMS, len(points))).astype(np.int64)]
+    ends = transform(poses, few).reshape(-1, 2)
+    each = np.column_stack([ends, np.zeros(len(ends))])
+    away = np.full(len(ends), -np.inf)
+    if field is not None:
+        away = field.scorer(np.zeros((1, 2)))(each)  # each end as a scan of one point
+    near = np.exp(-(away**2) / (2 * SIGMA**2))
+    found: Array = np.log((1 - ASTRAY) * near + ASTRAY).reshape(len(poses), -1).sum(1)
+    return found
+
+
+def proposal(values: Array, wide: Array) -> tuple[Array, float]:
+    """Covariance of the pose about a peak, (3, 3) array, and the logarithm of the weight.
+
+    A greedy matcher has no covariance: a parabola fits the log likelihood on the lattice, (27,)
+    array, best. What it leaves open, along a corridor say, the odometry bounds, by its standard
+    deviations `wide`, (3,) array. The weight is the integral of both, eq. 12 of the paper. All in
+    the frame of the peak, metres and radians.
+    """
+    bend = (LATTICE.T * values) @ LATTICE / 12
+    bend[np.diag_indices(3)] = (LATTICE.T**2 - 2 / 3) @ values / 3
+    size, axes = np.linalg.eigh(-bend)
+    scan = axes * np.maximum(size, 0) @ axes.T / np.outer(APART, APART)
+    covariance = np.linalg.inv(scan + np.diag(wide**-2))
+    shrunk = np.linalg.slogdet(covariance)[1] / 2 - np.log(wide).sum()
+    return covariance, float(values[len(values) // 2] + shrunk)
+
+
+def spread(step: Array, odometry: OdometryNoise) -> Array:
+    """Standard deviations of a step `(3,)` of the odometry, (3,) array, metres and radians."""
+    way, turn = np.hypot(*step[:2]), abs(step[2])
+    along = odometry.distance_noise * np.sqrt(way)
+    about = odometry.turn_noise**2 * turn + odometry.heading_noise**2 * way
+    about += (odometry.turn_bias * turn) ** 2
+    return np.hypot([along, along, np.sqrt(about)], SLIP)
+
+
+def _weights(logarithms: Array) -> Array:
+    """Weights `(n,)` that sum to 1."""
+    parts = np.exp(logarithms - logarithms.max())
+    found: Array = parts / parts.sum()
+    return found
+
+
+def _shares(weights: ArrayLike) -> Array:
+    """Weights as an array."""
+    share = arrays.values(weights, "weights")
+    if share.ndim != 1 or not (share >= 0).all() or not abs(share.sum() - 1) < 1e-6:
+        raise ValueError(f"weights must be (n,), none negative, and sum to 1, got {share}")
+    return share
+
+
+def effective_number(weights: ArrayLike) -> float:
+    """How many particles count, `1 / sum(w^2)` (Liu 1996); weights `(n,)` that sum to 1.
+
+    Examples
+    --------
+    >>> effective_number([0.5, 0.5, 0.0])
+    2.0
+    """
+    share = _shares(weights)
+    return float(1 / (share @ share))
+
+
+def systematic(weights: ArrayLike, offset: float) -> NDArray[np.int64]:
+    """Which particle each of the new ones goes on from, `(n,)`, ascending (Kitagawa 1996).
+
+    A comb of n teeth, 1 / n apart, the first at `offset / n`, is laid on the weights `(n,)` in a
+    row: a particle is taken once for each tooth on it.
+
+    Examples
+    --------
+    >>> systematic([0.7, 0.1, 0.2], 0.5)
+    array([0, 0, 2])
+    """
+    share = _shares(weights)
+    teeth = (np.arange(len(share)) + arrays.number(offset, "offset", least=0, most=1)) / len(share)
+    found = np.searchsorted(np.cumsum(share), teeth, side="right")
+    return np.minimum(found, len(share) - 1)
+
+
+def particle_paths(steps: Sequence[Particles]) -> Array:
+    """The way of each particle that is left in the end, `(n, k, 3)`, metres and radians.
+
+    Backwards from the last scan to parents and their parents: relatives share their past.
+
+    Examples
+    --------
+    >>> first = Particles(np.zeros((2, 3)), np.full(2, 0.5), np.arange(2), 0, 1.0, 0.1)
+    >>> last = first._replace(poses=np.ones((2, 3)), parents=np.array([1, 1]))
+    >>> particle_paths([first, last])[:, :, 0]
+    array([[0., 1.],
+           [0., 1.]])
+    """
+    listed = isinstance(steps, list | tuple) and len(steps) > 0
+    if not listed or not all(isinstance(step, Particles) for step in steps):
+        raise ValueError("steps must be a list of what particle_mapping yields, not empty")
+    at, found = np.arange(len(steps[-1].poses)), []
+    for step in reversed(steps):
+        found.append(step.poses[at])
+        at = step.parents[at]
+    return np.stack(found[::-1], 1)

@@ -1,0 +1,3 @@
+"""One per wall, a method of our own: scans move to where they agree, then each wall is drawn."""
+
+from ._one_per_wall import one_per_wall

@@ -1,0 +1,123 @@
+"""The loops of one per wall over pairs of looks: where two scans saw the same stretch of a wall."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...arrays import Array
+from ...compiled import compiled
+from ...kernels import SAME, length_of
+from .._index import Index, enter, meeting
+
+Indices = NDArray[np.int64]
+#: Shorter looks have no pairs, metres: their direction is mostly noise of the range.
+LEAST = 0.3
+#: Looks at one wall lie no farther apart, metres, and turn no more, sine of 10 degrees.
+APART, SINE = 0.25, 0.174
+#: Looks overlap by at least this share of the shorter one.
+OVERLAP = 0.5
+
+
+@compiled
+def _over(s: Array, i: int, j: int) -> tuple[float, float, float, float]:
+    """Where look j lies beside look i: from and to along i, and its offset there; metres."""
+    whole = length_of(s[i])
+    x, y = s[i, 0, 0], s[i, 0, 1]
+    dx, dy = (s[i, 1, 0] - x) / whole, (s[i, 1, 1] - y) / whole
+    u = (s[j, 0, 0] - x) * dx + (s[j, 0, 1] - y) * dy
+    v = (s[j, 0, 1] - y) * dx - (s[j, 0, 0] - x) * dy
+    run = (s[j, 1, 0] - s[j, 0, 0]) * dx + (s[j, 1, 1] - s[j, 0, 1]) * dy
+    slope = ((s[j, 1, 1] - s[j, 0, 1]) * dx - (s[j, 1, 0] - s[j, 0, 0]) * dy) / run
+    low, high = max(0.0, min(u, u + run)), min(whole, max(u, u + run))
+    return low, high, v + slope * (low - u), v + slope * (high - u)
+
+
+@compiled
+def _side(s: Array, sensors: Array, i: int, j: int) -> float:
+    """How far the sensor that saw look j is to the left of look i; NaN where nobody knows."""
+    x, y = s[i, 0, 0], s[i, 0, 1]
+    left = (s[i, 1, 0] - x) * (sensors[j, 1] - y) - (s[i, 1, 1] - y) * (sensors[j, 0] - x)
+    return left / length_of(s[i])
+
+
+@compiled
+def find_pairs(
+    s: Array, scan: Indices, sensors: Array, places: Index, near: Indices
+) -> tuple[Indices, int]:
+    """Pairs of looks of different scans at one wall, from one side; how many rows count."""
+    pairs, count = np.empty((64, 2), np.int64), 0
+    for i in range(len(s)):
+        size = length_of(s[i])
+        if size < LEAST:
+            continue
+        dx, dy = (s[i, 1, 0] - s[i, 0, 0]) / size, (s[i, 1, 1] - s[i, 0, 1]) / size
+        for k in range(meeting(places, s[i], APART, near)):
+            j = near[k]
+            if scan[i] == scan[j]:
+                continue
+            other = length_of(s[j])
+            cross = (s[j, 1, 1] - s[j, 0, 1]) * dx - (s[j, 1, 0] - s[j, 0, 0]) * dy
+            if abs(cross) > SINE * other or _side(s, sensors, i, i) * _side(s, sensors, i, j) < 0:
+                continue
+            a, b = (i, j) if other <= size + SAME else (j, i)  # along the longer look
+            low, high, one, two = _over(s, a, b)
+            if high - low < OVERLAP * min(size, other) - SAME or abs(one + two) / 2 > APART:
+                continue
+            if count == len(pairs):
+                more = np.empty((2 * count, 2), np.int64)
+                for row in range(count):
+                    more[row, 0], more[row, 1] = pairs[row, 0], pairs[row, 1]
+                pairs = more
+            pairs[count, 0], pairs[count, 1] = a, b
+            count += 1
+        enter(places, i, s[i], 0.0)
+    return pairs, count
+
+
+@compiled
+def offsets(s: Array, pairs: Indices) -> Array:
+    """How far the looks of each pair are apart in the middle of what they share, `(p,)`, metres."""
+    found = np.empty(len(pairs))
+    for p in range(len(pairs)):
+        _, _, one, two = _over(s, pairs[p, 0], pairs[p, 1])
+        found[p] = (one + two) / 2
+    return found
+
+
+@compiled
+def pull(
+    s: Array,
+    pairs: Indices,
+    of: Indices,
+    centre: Array,
+    sigma: float,
+    normal: Array,
+    right: Array,
+) -> None:
+    """Add what the pairs ask of their two scans to the normal equations, `(k, 3, 3)` and `(k, 3)`.
+
+    A pair asks that both ends of what it shares meet, with the weight of its metres; what is far
+    beyond sigma, metres, counts less.
+    """
+    row = np.empty(3)
+    for p in range(len(pairs)):
+        i, j = pairs[p, 0], pairs[p, 1]
+        low, high, one, two = _over(s, i, j)
+        if high <= low:
+            continue
+        whole = length_of(s[i])
+        dx, dy = (s[i, 1, 0] - s[i, 0, 0]) / whole, (s[i, 1, 1] - s[i, 0, 1]) / whole
+        far = max(abs(one), abs(two)) / (2 * sigma)
+        weight = (high - low) / (sigma * (1 + far * far)) ** 2
+        for side in range(2):
+            k = of[i] if side == 0 else of[j]
+            sign = 1.0 if side == 0 else -1.0
+            for end in range(2):
+                at, off = (low, one) if end == 0 else (high, two)
+                x, y = s[i, 0, 0] + at * dx - centre[k, 0], s[i, 0, 1] + at * dy - centre[k, 1]
+                row[0], row[1], row[2] = -dy, dx, x * dx + y * dy
+                for a in range(3):
+                    right[k, a] += weight * sign * off * row[a]
+                    for b in range(3):
+                        normal[k, a, b] += weight * row[a] * row[b]

@@ -1,0 +1,234 @@
+"""The loops of one per wall that draw the walls: grow them, look for what hid a gap, take in."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...arrays import Array
+from ...compiled import compiled
+from ...kernels import SAME, lay, length_of, order_by_first, span
+from .._index import Index, enter, leave, meeting
+
+Indices = NDArray[np.int64]
+#: Gaps that are bridged, metres; those up to HIDDEN if something stood before them.
+GAP, HIDDEN = 0.3, 1.0
+#: A beam that passed through so much of a gap, metres, saw that there is no wall.
+THROUGH = 0.1
+#: What hides a gap stands so far before it, metres: what is nearer, a pilaster, is the wall.
+NICHE, SHADOW = 0.3, 2.0
+#: What hides at least this share of a gap hides it.
+SHADE = 0.5
+#: A look turns no more from its wall: sine of 30 degrees.
+SINE = 0.5
+#: How often a wall may change its members.
+ROUNDS = 12
+#: Least weight of a member in the fit of a line.
+WEIGHT = 0.01
+#: A wall takes in one with so many times less metres, so many tolerances off, this share beside it.
+MORE, WIDE, BESIDE = 1.5, 1.5, 0.8
+
+
+class Walls(NamedTuple):
+    """Looks, the walls that they become, and room to work in."""
+
+    s: Array  # (n, 2, 2) looks, metres
+    sensors: Array  # (n, 2) where the sensor was, NaN where nobody knows
+    places: Index  # of the looks that have no wall yet
+    fans: Index  # of the triangles between sensor and look, and the shadow behind it
+    drawn: Array  # (n, 2, 2) the walls
+    label: Indices  # (n,) the wall of each look, -1 for none
+    mark: Indices  # (n,) when a look was last a member
+    near: Indices  # (n + 1,) room for neighbours
+    seen: Indices  # (n + 1,)
+    who: Indices  # (n,) candidates
+    order: Indices  # (n,)
+    spans: Array  # (n, 2) where they lie along the wall
+    grown: Array  # (2, 2) the wall that grows
+
+
+@compiled
+def _bridged(walls: Walls, line: Array, low: float, high: float, tolerance: float) -> bool:
+    """Whether something hid a gap, from low to high along a line, and no beam passed through it.
+
+    A line is a point and a unit direction, (4,).
+    """
+    s, sensors, gap, hidden = walls.s, walls.sensors, np.empty((2, 2)), False
+    x, y, dx, dy = line[0], line[1], line[2], line[3]
+    lay(gap, x, y, dx, dy, low, high)
+    for k in range(meeting(walls.fans, gap, 0.0, walls.seen)):
+        j = walls.seen[k]
+        px, py = sensors[j, 0] - x, sensors[j, 1] - y
+        from_u, from_v = px * dx + py * dy, py * dx - px * dy
+        begin, end, behind, before = np.inf, -np.inf, True, True
+        for e in range(2):
+            u = (s[j, e, 0] - x) * dx + (s[j, e, 1] - y) * dy
+            v = (s[j, e, 1] - y) * dx - (s[j, e, 0] - x) * dy
+            if from_v < 0.0:
+                v = -v
+            behind, before = behind and v < -tolerance, before and NICHE < v < abs(from_v)
+            if behind or before:
+                on = from_u + (u - from_u) * abs(from_v) / (abs(from_v) - v)
+                begin, end = min(begin, on), max(end, on)
+                before = before and np.hypot(on - u, v) <= SHADOW
+        shared = min(high, end) - max(low, begin)
+        if behind and abs(from_v) > tolerance and shared > THROUGH:
+            return False
+        hidden = hidden or (before and shared >= SHADE * (high - low))
+    return hidden
+
+
+@compiled
+def _together(walls: Walls, seed: int, line: Array, tolerance: float) -> tuple[int, int]:
+    """Order looks that fit a line by where they begin; those that hang together with the seed.
+
+    They are `who[order[first:stop]]`.
+    """
+    s, near, spans, count = walls.s, walls.near, walls.spans, 1
+    x, y, dx, dy = line[0], line[1], line[2], line[3]
+    low, high = span(walls.grown, x, y, dx, dy)
+    walls.who[0] = seed
+    spans[0, 0], spans[0, 1] = span(s[seed], x, y, dx, dy)
+    for k in range(meeting(walls.places, walls.grown, HIDDEN + tolerance, near)):
+        i = near[k]
+        one = (s[i, 0, 1] - y) * dx - (s[i, 0, 0] - x) * dy
+        other = (s[i, 1, 1] - y) * dx - (s[i, 1, 0] - x) * dy
+        off, rise = max(abs(one), abs(other)), abs(one - other)
+        begin, end = span(s[i], x, y, dx, dy)
+        near_by = begin <= high + HIDDEN and end >= low - HIDDEN
+        if i != seed and near_by and off <= tolerance and rise <= SINE * length_of(s[i]):
+            walls.who[count], spans[count, 0], spans[count, 1] = i, begin, end
+            count += 1
+    order = walls.order
+    order_by_first(order[:count], spans)
+    first, has, reached = 0, False, spans[order[0], 0]
+    for k in range(count):
+        low = spans[order[k], 0]
+        if low - reached > GAP + SAME and not (
+            low - reached <= HIDDEN + SAME and _bridged(walls, line, reached, low, tolerance)
+        ):
+            if has:
+                return first, k
+            first, reached = k, low
+        has = has or walls.who[order[k]] == seed
+        reached = max(reached, spans[order[k], 1])
+    return first, count
+
+
+@compiled
+def _fit(walls: Walls, first: int, stop: int, line: Array, tolerance: float) -> None:
+    """The line of total least squares of some looks; those that lie far off it count less."""
+    s, weight, sums = walls.s, walls.spans, np.zeros(6)
+    x, y, dx, dy = line[0], line[1], line[2], line[3]
+    for k in range(first, stop):
+        i, off = walls.who[walls.order[k]], 0.0
+        for e in range(2):
+            off = max(off, abs((s[i, e, 1] - y) * dx - (s[i, e, 0] - x) * dy))
+        share = max(1.0 - (off / tolerance) ** 2, 0.0)
+        w = length_of(s[i]) * max(share * share, WEIGHT)
+        weight[walls.order[k], 0] = w
+        sums[0] += w
+        sums[1] += w * ((s[i, 0, 0] + s[i, 1, 0]) / 2 - x)
+        sums[2] += w * ((s[i, 0, 1] + s[i, 1, 1]) / 2 - y)
+    x, y = x + sums[1] / sums[0], y + sums[2] / sums[0]
+    for k in range(first, stop):
+        i, w = walls.who[walls.order[k]], weight[walls.order[k], 0]
+        ex, ey = (s[i, 1, 0] - s[i, 0, 0]) / 2, (s[i, 1, 1] - s[i, 0, 1]) / 2
+        mx, my = s[i, 0, 0] + ex - x, s[i, 0, 1] + ey - y
+        sums[3] += w * (mx * mx + ex * ex / 3)
+        sums[4] += w * (mx * my + ex * ey / 3)
+        sums[5] += w * (my * my + ey * ey / 3)
+    theta = np.arctan2(2 * sums[4], sums[3] - sums[5]) / 2
+    line[0], line[1], line[2], line[3] = x, y, np.cos(theta), np.sin(theta)
+
+
+@compiled
+def _spread(walls: Walls, first: int, stop: int, line: Array, out: Array) -> None:
+    """Draw the segment on a line that spans some looks."""
+    low, high = np.inf, -np.inf
+    for k in range(first, stop):
+        look = walls.s[walls.who[walls.order[k]]]
+        begin, end = span(look, line[0], line[1], line[2], line[3])
+        low, high = min(low, begin), max(high, end)
+    lay(out, line[0], line[1], line[2], line[3], low, high)
+
+
+@compiled
+def grow(walls: Walls, longest: Indices, tolerance: float) -> int:
+    """Let each look that has no wall, the longest first, gather one; how many walls there are."""
+    s, drawn, mark, line = walls.s, walls.drawn, walls.mark, np.empty(4)
+    count, stamp = 0, 0
+    for i in range(len(s)):
+        enter(walls.places, i, s[i], 0.0)
+        if np.isfinite(walls.sensors[i, 0]):
+            fan = np.empty((3, 2))
+            for c in range(2):
+                fan[0, c] = walls.sensors[i, c]
+            for e in range(2):
+                x, y = s[i, e, 0] - fan[0, 0], s[i, e, 1] - fan[0, 1]
+                longer = 1.0 + SHADOW / max(np.hypot(x, y), SAME)
+                fan[1 + e, 0], fan[1 + e, 1] = fan[0, 0] + longer * x, fan[0, 1] + longer * y
+            enter(walls.fans, i, fan, 0.0)
+    for seed in longest:
+        if walls.label[seed] >= 0:
+            continue
+        size, members = length_of(s[seed]), 0
+        line[0], line[1] = s[seed, 0, 0], s[seed, 0, 1]
+        line[2] = (s[seed, 1, 0] - s[seed, 0, 0]) / size
+        line[3] = (s[seed, 1, 1] - s[seed, 0, 1]) / size
+        lay(walls.grown, line[0], line[1], line[2], line[3], 0.0, size)
+        for _ in range(ROUNDS):
+            first, stop = _together(walls, seed, line, tolerance)
+            stamp, same = stamp + 1, members == stop - first
+            members = stop - first
+            for k in range(first, stop):
+                i = walls.who[walls.order[k]]
+                same = same and mark[i] == stamp - 1
+                mark[i] = stamp
+            if same:
+                break
+            _fit(walls, first, stop, line, tolerance)
+            _spread(walls, first, stop, line, walls.grown)
+        _spread(walls, first, stop, line, drawn[count])
+        for k in range(first, stop):
+            i = walls.who[walls.order[k]]
+            walls.label[i] = count
+            leave(walls.places, i)
+        count += 1
+    return count
+
+
+@compiled
+def take_in(
+    drawn: Array, metres: Array, weakest: Indices, places: Index, near: Indices, reach: float
+) -> Indices:
+    """The wall that each goes into: the nearest stronger one that it lies beside, or itself.
+
+    `metres` are those of the looks at each, `(m,)`; the stronger keeps its line.
+    """
+    into = np.arange(len(drawn))
+    for b in range(len(drawn)):
+        enter(places, b, drawn[b], 0.0)
+    for a in weakest:
+        best, least, size = -1, reach, length_of(drawn[a])
+        for k in range(meeting(places, drawn[a], reach, near)):
+            b = near[k]
+            if b == a or metres[b] < MORE * metres[a] - SAME:
+                continue
+            whole = length_of(drawn[b])
+            x, y = drawn[b, 0, 0], drawn[b, 0, 1]
+            dx, dy = (drawn[b, 1, 0] - x) / whole, (drawn[b, 1, 1] - y) / whole
+            low, high = span(drawn[a], x, y, dx, dy)
+            off = 0.0
+            for e in range(2):
+                off = max(off, abs((drawn[a, e, 1] - y) * dx - (drawn[a, e, 0] - x) * dy))
+            beside = min(high, whole) - max(low, 0.0) >= BESIDE * size - SAME
+            if beside and (off < least - SAME or (off <= least + SAME and b < best)):
+                best, least = b, min(off, least)
+        if best >= 0:
+            into[a] = best
+            metres[best] += metres[a]
+            leave(places, a)
+    return into

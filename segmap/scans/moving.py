@@ -1,0 +1,71 @@
+"""Scans of a laser that turns while the robot moves: how it moved, and each beam carried back."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from ..arrays import Array
+from ..poses.motions import between, compose, inverse, twist, wrap
+from ._scans import LaserScan
+
+#: Between scans that are farther apart than this nobody knows how the robot moved, seconds.
+GAP = 1.0
+
+
+def is_timed(scans: Iterable[LaserScan]) -> bool:
+    """Whether any scan has a time for each beam."""
+    return any(scan.delays is not None for scan in scans)
+
+
+def twists(times: Array, poses: Array) -> Array:
+    """How the robot moved at each scan, `(k, 3)`, metres and radians a second; 0 where unknown.
+
+    Poses `(k, 3)` that scans were matched at lie in the middle of each scan, so the difference is
+    that from the scan before to the one after; at the ends, and beside a gap, it is one-sided.
+    """
+    known = np.isfinite(poses).all(1) & np.isfinite(times)
+    close = known[:-1] & known[1:] & (np.diff(times) > 0) & (np.diff(times) <= GAP)
+    here = np.arange(len(times))
+    before, after = here - np.r_[False, close], here + np.r_[close, False]
+    apart = times[after] - times[before]
+    found = twist(between(poses[before], poses[after]))
+    return np.where(apart[:, None] > 0, found / np.where(apart > 0, apart, 1.0)[:, None], 0.0)
+
+
+def carried(scan: LaserScan, motions: Array) -> LaserScan:
+    """The scan as if all beams had been measured at its `time`.
+
+    `motions`, `(n, 3)` or `(3,)`, says where the robot was at each beam, in its frame at `time`.
+    Valid beams stay valid, for `max_range` grows with the longest, and no other becomes so.
+    """
+    ranges, angles, valid = scan.ranges, scan.angles, scan.valid
+    moved = compose(inverse(scan.sensor_pose), compose(motions, scan.sensor_pose))
+    seen = np.where(valid, ranges, 0.0)
+    aim = angles + moved[..., 2]
+    x, y = moved[..., 0] + seen * np.cos(aim), moved[..., 1] + seen * np.sin(aim)
+    far = np.isfinite(ranges) & (ranges >= scan.max_range)
+    found = np.where(valid, np.hypot(x, y), np.where(far, np.inf, ranges))
+    turned = np.where(valid, aim + wrap(np.arctan2(y, x) - aim), aim)
+    limit = max(scan.max_range, float(np.nextafter(found[valid].max(initial=0.0), np.inf)))
+    return replace(scan, ranges=found, angles=turned, max_range=limit, delays=None)
+
+
+def unmoved(scans: Sequence[LaserScan], poses: Array) -> str:
+    """In how many scans the beams err by more than their spacing, as their times are not used."""
+    if not is_timed(scans):
+        return ""
+    motions = twists(np.array([scan.time for scan in scans]), poses)
+    many, turn, way = 0, 0.0, 0.0
+    for scan, motion in zip(scans, motions, strict=True):
+        if scan.delays is None or len(scan) < 2 or not scan.valid.any():
+            continue
+        x, y, heading = np.abs(motion) * scan.delays.max()
+        half, spacing = np.median(scan.ranges[scan.valid]), np.median(np.abs(np.diff(scan.angles)))
+        if heading * half + np.hypot(x, y) > half * spacing:
+            many, turn, way = many + 1, max(turn, heading), max(way, float(np.hypot(x, y)))
+    most = f"up to {np.degrees(turn):.1f} degrees and {way:.2f} m"
+    moved = "the robot moved by more than the spacing of the beams"
+    return f"in {many} of {len(scans)} scans {moved}, {most}" if many else ""

@@ -1,0 +1,273 @@
+"""De-skewing: exact on a steady twist, sure of what it believes, and as good as standing still."""
+
+from dataclasses import replace
+
+import bag_samples as bags
+import numpy as np
+import pytest
+from alignment_logs import L_ROOM, OFFICE, errors
+from segmap_course import literal
+
+from segmap import build_map, read
+from segmap.alignment import Alignment, deskew, pose_graph
+from segmap.metrics import quality
+from segmap.poses import between, compose, inverse, transform
+from segmap.poses.motions import arc, twist
+from segmap.reduction import least_cost
+from segmap.scans import LaserScan, Log
+from segmap.scans.moving import carried, twists, unmoved
+from segmap.simulation import OdometryNoise, Sensor, drifting_odometry, drive, simulate
+
+TWIST, OFFSET = np.array([0.4, -0.1, 0.9]), (0.2, -0.1, 0.7)
+EXACT = Sensor("turning", 90, -3.0, np.radians(4), max_range=20.0)
+#: 5.5 turns a second, as the cheapest lasers have, and nine poses of the wheels in each.
+PERIOD, FINE = 0.18, 9
+SPIN = Sensor("cheap", 360, 0.0, np.radians(1), max_range=8.0, sigma=0.01, period=PERIOD)
+WAY = [(1, 5), (2, 5), (2, 7.8), (2, 5), (6, 5), (6, 2.2), (6, 4.4)]
+PATH = drive(WAY, step=0.3 * PERIOD, turn=1.0 * PERIOD)
+ARCS = arc(twist(between(PATH[:-1], PATH[1:]))[:, None] * (np.arange(FINE)[:, None] / FINE))
+DRIVEN = compose(PATH[:-1, None], ARCS).reshape(-1, 3)
+TIMES = np.arange(len(DRIVEN)) * PERIOD / FINE
+
+
+def off_walls(points: np.ndarray, walls: np.ndarray) -> np.ndarray:
+    """Distance of points `(n, 2)` from the nearest wall, `(n,)`."""
+    a, along = walls[:, 0], walls[:, 1] - walls[:, 0]
+    rel = points[:, None] - a
+    part = np.clip((rel * along).sum(-1) / (along**2).sum(-1), 0, 1)
+    return np.hypot(*np.moveaxis(rel - part[..., None] * along, -1, 0)).min(1)
+
+
+def points_of(log: Log, poses: np.ndarray) -> np.ndarray:
+    return np.concatenate([transform(p, s.points()) for p, s in zip(poses, log, strict=True)])
+
+
+def steady(sensor: Sensor = EXACT, place=OFFSET) -> Log:
+    """A robot that drives and turns evenly, without any noise."""
+    path = compose((2.0, 1.2, 0.3), arc(TWIST * sensor.period * np.arange(12)[:, None]))
+    return simulate(L_ROOM, path, sensor=sensor, rng=np.random.default_rng(1), sensor_pose=place,
+                    odometry_noise=OdometryNoise().ideal(), moving=True)  # fmt: skip
+
+
+def shuffled(log: Log) -> Log:
+    """The beams of each scan in another order."""
+    order = np.random.default_rng(2).permutation(len(log[0]))
+    kinds = ("ranges", "angles", "delays")
+    scans = [replace(s, **{kind: getattr(s, kind)[order] for kind in kinds}) for s in log]
+    return replace(log, scans=tuple(scans))
+
+
+def moved(log: Log) -> Log:
+    return replace(log, truth=compose((5.0, -3.0, 2.0), log.truth))
+
+
+def late(log: Log) -> Log:
+    """Years after 1970: seconds with nine digits before the point."""
+    return replace(log, scans=tuple(replace(s, time=s.time + 2.0**30) for s in log))
+
+
+WAYS = {
+    "as it is": (steady, 1e-12),
+    "clockwise": (lambda: steady(replace(EXACT, step=-EXACT.step)), 1e-12),
+    "at the turning point": (lambda: steady(place=(0, 0, 0)), 1e-12),
+    "shuffled": (lambda: shuffled(steady()), 1e-12),
+    "moved": (lambda: moved(steady()), 1e-12),
+    "late": (lambda: late(steady()), 1e-6),
+}
+
+
+@pytest.mark.parametrize("way", WAYS)
+def test_a_steady_twist_is_undone_exactly(way):
+    """Catches a wrong sign, half a twist, the laser's place left out, and beams out of order."""
+    made, most = WAYS[way]
+    log = made()
+    walls = transform((5.0, -3.0, 2.0), L_ROOM) if way == "moved" else L_ROOM
+    assert off_walls(points_of(log, log.truth), walls).max() > 0.1
+    found = deskew(log, log.truth)
+    assert off_walls(points_of(found, log.truth), walls).max() < most
+    assert all(scan.delays is None for scan in found) and found.doubt == ""
+    for before, after in zip(log, found, strict=True):
+        assert (before.time, before.valid.tolist()) == (after.time, after.valid.tolist())
+        assert np.abs(after.angles - before.angles).max() < 1  # not the same direction a turn on
+
+
+def test_the_plain_loops_say_the_same():
+    """Catches an error that the simulation shares, since both use one arc."""
+    log = steady(replace(EXACT, beams=30, step=0.3))
+    for k, found in enumerate(deskew(log, log.truth)):
+        for beam in range(30):
+            scan = log[k]
+            said = literal.carry_beam(
+                scan.ranges[beam], scan.angles[beam], scan.delays[beam], TWIST, OFFSET
+            )
+            assert (found.ranges[beam], found.angles[beam]) == pytest.approx(said, abs=1e-12)
+    for motion in ((1.0, 2.0, 0.5), (-0.3, 0.1, -3.0), (0.2, 0.0, 0.0), (0.0, 0.0, 1.0)):
+        said = literal.steady_twist(motion, 1.0)
+        assert twist(np.array(motion)) == pytest.approx(said, abs=1e-12)
+        assert literal.after(said, 1.0) == pytest.approx(motion, abs=1e-12)
+        assert arc(np.array(said)) == pytest.approx(motion, abs=1e-12)
+
+
+def test_without_times_of_the_beams_nothing_changes():
+    """Catches zeros in the place of None, which differ by 9e-16; and a doubt of a robot at rest."""
+    log = steady()
+    bare = replace(log, scans=tuple(replace(scan, delays=None) for scan in log))
+    assert deskew(bare) is bare and deskew(Log("none", [])).scans == ()
+    assert unmoved(bare, log.truth) == "" == pose_graph(bare).doubt
+    mixed = replace(log, scans=(bare[0], *log[1:]))
+    assert deskew(mixed, log.truth)[0] is bare[0]
+    still = simulate(L_ROOM, log.truth[[0] * 5], sensor=EXACT, rng=np.random.default_rng(1),
+                     odometry_noise=OdometryNoise().ideal(), moving=True)  # fmt: skip
+    assert unmoved(still, still.truth) == ""
+
+
+def test_gaps_and_unplaced_scans_say_nothing_of_the_motion():
+    """Catches a twist over a pause, by times that stand still, or by a pose that is none."""
+    poses = np.array([(k, 0, 0.1 * k) for k in range(6)], float)
+    times = np.array([0.0, 0.5, 0.5, 1.0, 3.0, 3.5])
+    found = twists(times, poses)
+    speeds = twist(between(poses[:-1], poses[1:])) / 0.5
+    expected = [speeds[0], speeds[0], speeds[2], speeds[2], speeds[4], speeds[4]]
+    np.testing.assert_allclose(found, expected, atol=1e-12)
+    poses[3] = np.nan
+    assert twists(times, poses)[[2, 3]].tolist() == [[0, 0, 0]] * 2
+    times = np.arange(6) * 0.5
+    assert twists(times, poses * 0 + 1)[1].tolist() == [0, 0, 0]
+    middle = twists(times[:3], np.array([(0, 0, 0), (1, 0, 0), (4.0, 0, 0)]))
+    np.testing.assert_allclose(middle[:, 0], [2, 4, 6])
+
+
+def test_beams_stay_as_good_or_bad_as_they_were():
+    """Catches walls where the laser met nothing, and a wall that moved out of reach."""
+    ranges = [8.0, 9.0, np.inf, np.nan, 0.0, -1.0, 7.99, 7.99, 1.0]
+    scan = LaserScan(ranges, np.linspace(-3, 3, 9), max_range=8.0, delays=np.full(9, 0.1))
+    found = carried(scan, np.array([-0.3, 0.0, 0.2]))
+    assert found.valid.tolist() == scan.valid.tolist()
+    assert np.isposinf(found.ranges[:3]).all() and np.isnan(found.ranges[3])
+    assert found.ranges[4:6].tolist() == [0, -1] and found.max_range > 8.1
+    np.testing.assert_allclose(found.angles[:6], scan.angles[:6] + 0.2, atol=1e-12)
+    np.testing.assert_allclose(found.points(), transform((-0.3, 0.0, 0.2), scan.points()))
+    blind = LaserScan([np.inf], [0.0], max_range=8.0, delays=[0.0])
+    assert carried(blind, np.zeros(3)).max_range == 8.0
+    kept = replace(scan, codes=np.arange(9), odometry=(1, 2, 3))
+    assert carried(kept, np.zeros(3)).codes.tolist() == list(range(9))
+
+
+# ------------------------------------------------------------- an office, 5.5 turns a second
+def simulated(moving: bool, sensor: Sensor = SPIN) -> Log:
+    rng = np.random.default_rng(1)
+    return simulate(OFFICE, PATH, sensor=sensor, rng=rng, moving=moving)
+
+
+def judged(log: Log) -> tuple[float, int, str]:
+    """Root mean square distance from the walls, metres; segments left; doubt."""
+    found = pose_graph(log)
+    start = compose(PATH[0], inverse(found.poses[0]))
+    off = off_walls(points_of(log, compose(start, found.poses))[::7], OFFICE)
+    map = build_map(log[::2], found.trusted[::2], keep_points=True)
+    left = least_cost(map)
+    assert quality(map, left) > 0.9
+    assert found.used.all()
+    return float(np.sqrt(np.mean(off[off < 0.3] ** 2))), len(left), found.doubt
+
+
+@pytest.fixture(scope="module")
+def still():
+    return judged(simulated(moving=False))
+
+
+@pytest.fixture(scope="module")
+def skewed():
+    return simulated(moving=True)
+
+
+def test_walls_are_as_sharp_as_if_the_robot_had_stopped(still, skewed):
+    """Catches half of the turn left, and the second graph on the scans of the first."""
+    before, after = judged(skewed), judged(deskew(skewed))
+    assert before[0] > 2 * still[0] and after[0] < 1.2 * still[0]
+    assert before[1] > 1.5 * still[1] and after[1] <= 1.4 * still[1]
+    assert after[2] == "" and "in 355 of 355" in before[2]
+    assert "scans the robot moved by more than the spacing of the beams, up to 10." in before[2]
+
+
+def recorded(folder, wheels: bool, offset: float = 0.12) -> Log:
+    """The office as a bag of an RPLidar, that turns clockwise.
+
+    Its driver states the ranges, reversed, with a positive increment, and the clock of the wheels
+    is late.
+    """
+    clockwise = replace(SPIN, first=np.radians(359), step=-SPIN.step)
+    log = simulated(moving=True, sensor=clockwise)
+    noise, rng = OdometryNoise(turn_noise=0.01), np.random.default_rng(3)
+    track = drifting_odometry(DRIVEN, odometry_noise=noise, rng=rng)
+
+    def story(m):
+        yield "/tf_static", 99, *m.frames(99, ("base_link", "laser", (0, 0, 0), (0, 0, 0)))
+        for scan in log:
+            told = m.scan(100 + scan.time, scan.ranges[::-1], first=0.0, step=SPIN.step,
+                          most=8.0, apart=PERIOD / 360)  # fmt: skip
+            yield "/scan", 100 + scan.time, *told
+        for time, pose in zip(100 + TIMES, track, strict=True):
+            if wheels:
+                yield "/odom", time, *m.odometry(time + offset, pose)
+
+    return read(bags.write(folder, "mcap", story))
+
+
+@pytest.mark.parametrize(("wheels", "most"), [(True, 1.1), (False, 1.4)])
+def test_a_bag_whose_beams_and_clock_lie(still, tmp_path, wheels, most):
+    """Catches a sign that is believed, and wheels that are read at the wrong time."""
+    log = recorded(tmp_path, wheels)
+    assert not log.order_known and (log.track is not None) == wheels
+    found = deskew(log)
+    said = found.doubt.split("; ")
+    assert said[0] == "the beams are in the other order than the file says"
+    assert said[1:] == (["scans and odometry differ by 0.12 s"] if wheels else [])
+    rms, left, doubt = judged(found)
+    assert left <= most * still[1] and rms < 1.3 * still[0] and doubt == found.doubt
+    if not wheels:
+        believed = judged(deskew(replace(log, order_known=True)))
+        assert believed[0] > 4 * still[0] and believed[1] > 1.5 * left
+
+
+def test_an_order_that_nothing_shows_is_left_alone():
+    """Catches a coin that is tossed: a robot that drives straight on, or turns a few times."""
+    path = drive([(1, 5), (5, 5)], step=0.3 * PERIOD)
+    log = simulate(OFFICE, path, sensor=SPIN, rng=np.random.default_rng(1), moving=True,
+                   odometry_noise=OdometryNoise().ideal())  # fmt: skip
+    unsure = replace(log, order_known=False)
+    found = deskew(unsure, log.truth)
+    assert found.doubt == "nothing tells in which order the beams were measured"
+    assert found.scans == unsure.scans and not found.order_known
+    assert pose_graph(found[:20]).doubt.startswith("nothing tells in which order the beams")
+    known = deskew(log, log.truth)
+    assert known.doubt == "" and all(scan.delays is None for scan in known)
+
+
+def test_a_clock_that_is_not_found_is_not_used(skewed):
+    """Catches wheels of another drive that bend the scans."""
+    rng = np.random.default_rng(4)
+    tracks = {
+        "another drive": np.column_stack([TIMES, DRIVEN[rng.permutation(len(DRIVEN))]]),
+        "far away in time": np.column_stack([TIMES + 1e6, DRIVEN]),
+        "nothing": np.empty((0, 4)),
+        "beyond what is tried": np.column_stack([TIMES + 0.9, DRIVEN]),
+    }
+    poses = pose_graph(skewed).poses
+    by_graph = deskew(skewed, poses)
+    for word, track in tracks.items():
+        found = deskew(replace(skewed, track=track), poses)
+        assert found.doubt == "", word
+        assert all((a.ranges == b.ranges).all() for a, b in zip(found, by_graph, strict=True)), word
+    short = replace(skewed, track=np.column_stack([TIMES, DRIVEN])[: len(TIMES) * 3 // 4])
+    ends = deskew(short, poses)[-1], by_graph[-1]
+    assert (ends[0].ranges == ends[1].ranges).all()  # where the wheels say nothing
+
+
+def test_an_alignment_says_where_the_robot_was(skewed):
+    found = Alignment(skewed.truth, np.full(len(skewed), True), 0.0)
+    a, b = deskew(skewed, found), deskew(skewed, skewed.truth)
+    assert all((p.ranges == q.ranges).all() for p, q in zip(a, b, strict=True))
+    with pytest.raises(ValueError, match=r"poses must have shape"):
+        deskew(skewed, skewed.truth[1:])
+    assert errors(skewed, pose_graph(deskew(skewed)).poses)[0].max() < 0.05

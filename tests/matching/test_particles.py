@@ -1,0 +1,269 @@
+"""Mapping with particles: what must hold for any number of them, and what they are there for."""
+
+import itertools
+from functools import partial
+
+import numpy as np
+import pytest
+import segmap_course as course
+from conftest import slow
+from hypothesis import given
+from hypothesis import strategies as st
+from quadtrees import leaves_of, state
+from segmap_course import literal
+
+from segmap import LaserScan, Log, load
+from segmap.matching import (
+    DistanceField,
+    effective_number,
+    hill_climb,
+    map_scans,
+    particle_mapping,
+    particle_paths,
+    sample_and_rank,
+    systematic,
+)
+from segmap.matching import _particles as particles_file
+from segmap.poses import compose, transform
+from segmap.quadtree import QuadtreeMap, build_map
+from segmap.simulation import (
+    OdometryNoise,
+    Sensor,
+    drive,
+    rectangular_room,
+    simulate,
+)
+
+SENSOR = Sensor("it", 61, -np.pi, 2 * np.pi / 61, max_range=6.0, sigma=0.005)
+
+
+def room_log(scans=12, seed=4):
+    path = drive([(1.2, 1.3), (2.8, 1.7), (2.0, 2.2)], step=0.25)[:scans]
+    return simulate(rectangular_room(4, 3), path, sensor=SENSOR, rng=np.random.default_rng(seed))
+
+
+def without_odometry(log):
+    return Log(log.name, [LaserScan(s.ranges, s.angles, max_range=s.max_range) for s in log])
+
+
+def mapped(log, seed=1, *, particles=6, resolution=0.05, **options):
+    map = options.pop("map", None) or QuadtreeMap(resolution=resolution)
+    rng = np.random.default_rng(seed)
+    return list(particle_mapping(log, particles=particles, rng=rng, map=map, **options)), map
+
+
+def position_errors(poses, truth):
+    return np.hypot(*(poses - truth)[..., :2].T)
+
+
+@pytest.mark.parametrize("matcher", [hill_climb, sample_and_rank])
+@pytest.mark.parametrize("odometry", [None, OdometryNoise()])
+def test_one_particle_without_noise_is_map_scans(matcher, odometry):
+    """Bit for bit, where the log has no odometry or it is not used. Catches a draw that is made and
+    thrown away, which shifts the draws of the matcher, and a pose wrapped twice."""
+    log, maps = room_log(), [QuadtreeMap(resolution=0.05) for _ in range(2)]
+    log = without_odometry(log) if odometry else log
+    options = {"start": (1, 1, 0.5), "matcher": matcher, "free": True}
+    one, _ = mapped(log, 5, particles=1, noise=0, odometry=odometry, map=maps[0], **options)
+    steps = list(map_scans(log, map=maps[1], rng=np.random.default_rng(5), **options))
+    assert [step.pose.tolist() for step in one] == [step.pose.tolist() for step in steps]
+    assert [step.overlap for step in one] == [step.overlap for step in steps]
+    assert leaves_of(maps[0]) == leaves_of(maps[1])
+
+
+def test_equal_generators_give_equal_results_and_others_do_not():
+    log = room_log()
+    found = [mapped(log, seed) for seed in (1, 1, 2)]
+    poses = [particle_paths(steps).tolist() for steps, _ in found]
+    assert poses[0] == poses[1] != poses[2]
+    assert leaves_of(found[0][1]) == leaves_of(found[1][1])
+
+
+def test_weights_sum_to_1_and_the_effective_number_lies_between_1_and_all():
+    for step in mapped(room_log(), particles=9, resample=1.0)[0]:
+        assert step.weights.sum() == pytest.approx(1, abs=1e-12) and (step.weights >= 0).all()
+        assert 1 - 1e-9 <= step.effective <= 9 + 1e-9
+        assert step.poses.shape == (9, 3) and 0 <= step.best < 9
+
+
+def test_particles_are_drawn_anew_only_below_the_share():
+    log = load("room")
+    assert all(step.parents.tolist() == [*range(6)] for step in mapped(log, resample=0.0)[0])
+    steps = mapped(log, resample=0.8)[0]
+    drawn = [(a.effective, b.parents.tolist()) for a, b in itertools.pairwise(steps)]
+    assert {parents != [*range(6)] for _, parents in drawn} == {True, False}
+    for effective, parents in drawn:
+        assert parents == sorted(parents) and (effective < 4.8 or parents == [*range(6)])
+
+
+@pytest.mark.parametrize("turn", [0.0, np.pi / 2])
+def test_a_moved_start_moves_all_poses(turn):
+    """By whole cells, and by a quarter of a turn, which carries cells into cells. Catches draws
+    along the axes of the map. Hill climbing moves along these: for the turn nothing is matched; an
+    end on the edge of a cell may fall to either side."""
+    log, cell = room_log(20), 2.0**-4
+    moved = np.array([4.0, -2.0, turn])
+    start = np.array([0.03, 0.01, 0.2])
+    still = partial(lambda map, points, at, *, score: at)
+    found = [
+        mapped(log, start=at, map=QuadtreeMap(resolution=cell, size=16, corner=(-8, -8)),
+               matcher=hill_climb if turn == 0 else still)[0]
+        for at in (start, compose(moved, start))
+    ]  # fmt: skip
+    for here, there in zip(*found, strict=True):
+        np.testing.assert_allclose(compose(moved, here.poses), there.poses, atol=1e-3 * turn + 1e-9)
+        np.testing.assert_allclose(here.weights, there.weights, atol=0.02 * turn + 1e-7)
+
+
+def test_a_map_is_that_of_the_best_path():
+    """Catches maps that resampled particles share, and scans inserted twice."""
+    log = load("room")[:30]
+    for k in (12, 30):
+        steps, map = mapped(log[:k], particles=5, resample=1.0, start=(0.5, 0.2, 0.1))
+        path = particle_paths(steps)[steps[-1].best]
+        again = build_map(log[:k], path, resolution=0.05, corner=(0, 0))
+        assert leaves_of(map) == leaves_of(again)
+    assert any(np.unique(step.parents).size < 5 for step in steps)
+
+
+def test_a_map_that_is_given_is_gone_on_with():
+    """Each particle begins with all of it; its own later changes are not the particles'."""
+    log = room_log()
+    map = build_map(log[:6], log.truth[:6], resolution=0.05)
+    steps = particle_mapping(
+        log[6:], particles=3, rng=np.random.default_rng(1), map=map, start=log.truth[6]
+    )
+    assert next(steps).overlap > 0.95
+    map.insert_scan((0, 0), [(30.0, 30.0)])
+    far = [step.poses for step in steps][-1]
+    assert position_errors(far, log.truth[-1]).max() < 0.2 and map.scans == len(log)
+
+
+@pytest.mark.parametrize("call", [0, 1, 7, 20])
+def test_an_interrupt_leaves_the_map_of_the_scan_before(call, monkeypatch):
+    map, left, insert = QuadtreeMap(resolution=0.05), [call], particles_file.insert
+
+    def interrupted(*given, **options):
+        left[0] -= 1
+        if left[0] == -1:
+            raise KeyboardInterrupt
+        insert(*given, **options)
+
+    monkeypatch.setattr(particles_file, "insert", interrupted)
+    before = state(map)
+    with pytest.raises(KeyboardInterrupt):
+        steps = particle_mapping(room_log(), particles=3, rng=np.random.default_rng(1), map=map)
+        for _ in steps:
+            before = state(map)
+    assert state(map) == before and map.scans == call // 3
+    map.insert_scan((0, 0), [(1, 1)])
+
+
+@pytest.mark.parametrize("scan", [np.ones(9), LaserScan([1.0, np.inf], [0.0, 1.0], max_range=1e9)])
+def test_a_broken_scan_is_named_and_leaves_the_map(scan):
+    map = QuadtreeMap(resolution=0.05)
+    steps = particle_mapping(
+        [*room_log(2), scan], particles=3, rng=np.random.default_rng(1), map=map, free=True
+    )
+    next(steps), next(steps)
+    before = state(map)
+    with pytest.raises(ValueError, match=r"^scan 2: "):
+        next(steps)
+    assert state(map) == before
+
+
+def test_scans_without_returns_and_far_from_all_are_gone_through():
+    blind = LaserScan([np.inf, 9.0], [0.0, 0.2], max_range=6.0)
+    near, far = LaserScan([1.0, 1.0], [0.0, 0.2]), LaserScan([9.0, 9.1], [3.0, 3.1])
+    steps, map = mapped([blind, near, blind, far], particles=4)
+    assert [step.found for step in steps] == [False, True, False, False]
+    assert map.scans == 2 and np.isfinite(steps[-1].poses).all()
+
+
+def test_where_a_scan_does_not_tell_the_odometry_bounds_the_draw():
+    """Between two bare walls the particles spread along them, and across hardly."""
+    walls = np.array([[(-50, 1), (50, 1)], [(-50, -1), (50, -1)]], float)
+    path = np.column_stack([np.arange(0, 6, 0.4), np.zeros((15, 2))])
+    noise = OdometryNoise(0, 0, 0, 0.05)
+    log = simulate(walls, path, sensor=SENSOR, rng=np.random.default_rng(1), odometry_noise=noise)
+    steps = mapped(log, particles=40, odometry=noise, resample=0.0)[0]
+    along, across, _ = steps[-1].poses.std(0)
+    assert 0.5 < along / (0.05 * np.sqrt(5.6)) < 2 and across < 0.05
+
+
+@given(st.lists(st.floats(1e-9, 1), min_size=1, max_size=12), st.floats(0, 1, exclude_max=True))
+def test_resampling_equals_its_loops(weights, offset):
+    share = np.array(weights) / np.sum(weights)
+    taken = systematic(share, offset)
+    assert effective_number(share) == pytest.approx(literal.effective_number(share.tolist()))
+    walked = literal.systematic(share.tolist(), offset)
+    sums = np.cumsum(share)
+    near = np.abs(np.subtract.outer((np.arange(len(share)) + offset) / len(share), sums)).min(1)
+    assert [a for a, d in zip(taken, near, strict=True) if d > 1e-12] == [
+        a for a, d in zip(walked, near, strict=True) if d > 1e-12
+    ]
+    count = np.bincount(taken, minlength=len(share))
+    assert (np.abs(count - len(share) * share) < 1 + 1e-9).all()
+
+
+def test_the_proposal_equals_its_loops():
+    """The likelihood of a scan over all cells, and the information of the parabola."""
+    log, map = room_log(), QuadtreeMap(resolution=0.01)
+    points, peak = log[0].points(), log.truth[0]
+    map.insert_scan(peak[:2], transform(peak, points))
+    lattice = particles_file.LATTICE * particles_file.APART
+    field = DistanceField.around(map, points, peak)
+    found = particles_file._log_likelihood(field, points, compose(peak, lattice))
+    leaves, few = map.leaves(), points[np.linspace(0, len(points) - 1, 60).astype(int)]
+    centres = (np.column_stack(leaves[:2])[leaves.occ > 0] + map.resolution / 2).tolist()
+
+    def value(offset):
+        ends = transform(compose(peak, np.array(offset)), few).tolist()
+        return literal.log_likelihood(ends, centres, sigma=0.05, astray=0.1)
+
+    np.testing.assert_allclose(found, [value(offset) for offset in lattice], atol=2.0)
+    exact = np.array([value(offset) for offset in lattice])
+    wide = np.array([0.02, 0.03, 0.01])
+    covariance, weight = particles_file.proposal(exact, wide)
+    bent = np.array(literal.information(value, particles_file.APART))
+    assert np.linalg.eigvalsh(bent).min() > 0
+    np.testing.assert_allclose(np.linalg.inv(covariance), bent + np.diag(wide**-2), rtol=1e-6)
+    shrunk = np.log(np.sqrt(np.linalg.det(covariance)) / wide.prod())
+    assert weight == pytest.approx(exact[13] + shrunk)
+
+
+def test_a_ridge_or_a_valley_leaves_the_odometry():
+    """Catches a covariance that is negative, or larger than the odometry's."""
+    wide = np.array([0.02, 0.03, 0.01])
+    x, y, turn = particles_file.LATTICE.T
+    for values in (np.zeros(27), x * x + y * y + turn * turn):
+        covariance, weight = particles_file.proposal(values, wide)
+        np.testing.assert_allclose(covariance, np.diag(wide**2), atol=1e-12)
+        assert weight == pytest.approx(values[13])
+    flat_along_x, _ = particles_file.proposal(-8 * y * y - 8 * turn * turn, wide)
+    assert np.sqrt(flat_along_x[0, 0]) == pytest.approx(0.02)
+    assert np.sqrt(flat_along_x[1, 1]) < 0.02
+
+
+@pytest.mark.parametrize("resolution", [0.05, slow(0.01)])
+def test_the_room_walk_is_no_worse_than_hill_climbing(resolution):
+    log, maps = course.room_walk(), [QuadtreeMap(resolution=resolution) for _ in range(2)]
+    options = {"start": log.truth[0], "free": True}
+    climbed = np.array([step.pose for step in map_scans(log, map=maps[0], **options)])
+    steps, _ = mapped(log, map=maps[1], particles=8, **options)
+    errors = [
+        np.median(position_errors(poses, log.truth))
+        for poses in (particle_paths(steps)[steps[-1].best], climbed)
+    ]
+    assert errors[0] < errors[1] + 0.015
+
+
+@pytest.mark.slow
+def test_a_loop_closes_that_one_hypothesis_leaves_open():
+    for seed in (1, 10, 12):
+        log = course.corridor_walk(seed=seed)
+        options = {"start": log.truth[0]}
+        one = mapped(log, seed, particles=1, noise=0, **options)[0][-1]
+        many = mapped(log, seed, particles=15, **options)[0][-1]
+        away = [position_errors(step.pose, log.truth[-1]) for step in (one, many)]
+        assert away[1] < 0.3 < 0.5 < away[0]
