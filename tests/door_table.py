@@ -90,6 +90,7 @@ GOOD = {
     "doubled_walls.sensors": np.ones((1, 2)), "verdict_on.map": MAP,
     "viewing_sector.map": segments.SegmentMap(WALLS, sensors=[(0.0, 0.0)]),
     "load.name": "room", "load.path": "map.npz", "log": LOG, "map": WALLS,
+    "LivePanel.map": TREE,
     "particle_mapping.map": quadtree.QuadtreeMap(), "particle_mapping.odometry": None,
     "steps": STEPS, "systematic.weights": np.full(4, 0.25), "systematic.offset": 0.5,
     "effective_number.weights": np.full(4, 0.25),

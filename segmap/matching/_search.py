@@ -100,8 +100,8 @@ def search(
     A score is the mean over the beams of `exp(-d^2 / 2 sigma^2)`, in 255 parts, with the distance d
     to the nearest wall and a sigma of 0.1 m. A fit is the geometric mean of nine tenths of this and
     one tenth: it falls with each beam that nothing explains. Where rooms differ in their furniture
-    alone and it has moved, one that looks as another did is found there (a tenth of those found in
-    an office with one room in six refurnished; nothing in one scan tells): see `localize`.
+    alone and it has moved, one that looks as another did is found there: 11 of 156 that were found
+    in offices with one room in six refurnished. Nothing in one scan tells.
 
     Parameters
     ----------
