@@ -563,7 +563,7 @@ def test_the_table_holds_reduction_quality_their_grades_and_seconds(both):
         rate = segmap.reduction_rate(outcome.map, reduced)
         assert f"{rate:.1%}, {segmap.metrics.grade_reduction(rate)}" in table
         assert f"{kept:.1%}, {segmap.metrics.grade_quality(kept)}" in table
-    doubtful = Outcome(outcome.recipe, outcome.alignment, outcome.map, outcome.verdict, [
+    doubtful = Outcome(outcome.recipe, outcome.log, outcome.alignment, outcome.map, outcome.verdict, [
         reduction.Reduction(r.segments, r.parents, 0.5, doubt="a < b") for r in outcome.reductions
     ], outcome.qualities)  # fmt: skip
     assert figures_table(doubtful).count("<br>a &lt; b") == 2 and ">0.500<" in figures_table(
