@@ -175,6 +175,15 @@ def test_errors_survive_the_way_from_another_process(read):
     assert str(again) == str(caught.value) and again.line == 2
 
 
+@pytest.mark.parametrize(("said", "heading"), [(0.3, 0.3 + np.pi), (3.0, 3.0)])
+def test_a_rear_laser_looks_back(read, said, heading):
+    """Catches a turn that is added to a file that has it already, or only where it says nothing."""
+    lines = [flaser(t, o) for t, o in zip(TRUTH, ODOMETRY, strict=True)]
+    rear = text(lines).replace("FLASER", "RLASER")
+    log = read(f"PARAM robot_rearlaser_angular_offset {said}\n{rear}")
+    np.testing.assert_allclose(log[0].sensor_pose, (0, 0, heading), atol=1e-9)
+
+
 def test_poses_agree_whichever_is_ahead():
     here, there = np.array([(0, 0, np.pi), (1, 2, np.nan)]), np.array([(0, 0, -np.pi), (1, 2, 5)])
     assert same_poses(here, there)

@@ -137,7 +137,7 @@ class TestTurns:
         with pytest.raises(LogError, match="at most 99 beams in a scan"):
             read_csv(written("1,1\n" * 100), columns="angle_deg,range_m")
         with pytest.raises(LogError, match="at most 99 beams in a scan"):  # the second of two
-            read_csv(written("9,1\n5,1\n" + "1,1\n" * 100), columns="angle_deg,range_m")
+            read_csv(written("1,1\n9,1\n" + "1,1\n" * 100), columns="angle_deg,range_m")
 
     @given(
         st.lists(
