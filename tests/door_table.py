@@ -16,6 +16,7 @@ from matplotlib.figure import Figure
 from segmap import (
     alignment,
     experiments,
+    exports,
     matching,
     metrics,
     quadtree,
@@ -114,6 +115,9 @@ GOOD = {
     "times": np.array([0.0, 1.0]), "truth": PATH, "u": WALLS[0], "v": WALLS[1], "value": 0.5,
     "rasterize.values": np.zeros(len(TREE.leaves().x)), "walls": WALLS,
     "rasterize.shown": np.ones(len(TREE.leaves().x)), "waypoints": PATH[:, :2],
+    "cropped.left": 0.0, "cropped.low": 0.0, "cropped.right": 2.0, "cropped.high": 1.0,
+    "latitude": 52.5, "longitude": 13.4, "north": 0.3, "Grid.name": "EPSG:25832", "east": 5e5,
+    "northing": 5.8e6, "world": exports.Earth(52.5, 13.4),
     "origin": "map", "window": np.array([0.0, 0.0, 3.0, 2.0]),
 }  # fmt: skip
 GOOD |= {

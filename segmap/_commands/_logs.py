@@ -8,7 +8,7 @@ import csv
 import io
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from functools import partial
 from pathlib import Path
 from typing import Any, Literal
@@ -17,10 +17,14 @@ import numpy as np
 
 from .._display import counted
 from ..alignment import METHODS, Alignment, Verdict, deskew
+from ..exports import Earth, Frame, Grid
+from ..extraction import build_map
 from ..files import shown, write_bytes
+from ..poses import compose
 from ..readers import LogError, UnknownFormat, format_of, load, read, read_bag
 from ..scans import Log
 from ..scans.moving import is_timed
+from ..segments import main_direction
 from ._words import FAULTS, Report, percent, progress, reason, say, seconds, tell
 
 #: Stands for the name of the log.
@@ -243,6 +247,69 @@ def aligned(log: Log, method: str | None, report: Report) -> Alignment:
     if found.doubt:
         report.line("", f"doubt: {found.doubt}")
     return found
+
+
+def add_world(command: Any) -> None:
+    """The options that say how a map is turned, and where on the earth it lies."""
+    group = command.add_argument_group("where the map lies")
+    group.add_argument(
+        "--square",
+        action="store_true",
+        help="turn the map about its origin, by the smallest angle, until most walls run along x "
+        "and y; all files then have this frame",
+    )
+    group.add_argument(
+        "--place",
+        nargs=2,
+        type=float,
+        metavar=("LAT", "LON"),
+        help="where (0, 0) of the map lies, degrees of WGS84: a .geojson is then in degrees, the "
+        "other files stay in metres",
+    )
+    group.add_argument(
+        "--north",
+        type=float,
+        metavar="DEGREES",
+        help="where north is in the map, and in the squared one with --square: counter-clockwise "
+        "from x; default: 90, y points north",
+    )
+    group.add_argument(
+        "--crs",
+        metavar="EPSG:CODE",
+        help="a grid in metres, as EPSG:25832: --place is then EAST NORTH in it, and a .geojson "
+        "names it",
+    )
+
+
+def world_of(given: argparse.Namespace) -> Frame:
+    """Where the map lies; ends with an error of usage where the options do not go together."""
+    if given.place is None:
+        for option in ("north", "crs"):
+            if getattr(given, option) is not None:
+                given.refuse(f"--{option} needs --place, the place of the map's (0, 0)")
+        return Frame()
+    if not any(name.lower().endswith(".geojson") for name in given.output):
+        given.refuse("--place is for a .geojson, the other files have no place: name one with -o")
+    north = np.radians(90.0 if given.north is None else given.north)
+    first, second = given.place
+    try:
+        if given.crs is not None:
+            return Grid(given.crs, first, second, north)
+        return Earth(first, second, north)
+    except ValueError as error:
+        swapped = given.crs is None and 90 < abs(first) <= 180 and abs(second) <= 90
+        given.refuse(f"--place: {error}" + ("; the latitude comes first" if swapped else ""))
+        raise
+
+
+def squared(given: argparse.Namespace, log: Log, found: Alignment, report: Report) -> Alignment:
+    """The poses turned about the origin until most walls run along x and y, where asked for."""
+    if not given.square:
+        return found
+    turn = -main_direction(build_map(log, found.trusted))
+    words = f"by {np.degrees(turn):.2f} degrees about the origin: most walls along x and y"
+    report.line("turned", words, degrees=float(np.degrees(turn)))
+    return replace(found, poses=compose((0, 0, turn), found.poses))
 
 
 def too_little(given: argparse.Namespace, verdict: Verdict) -> bool:

@@ -6,6 +6,8 @@ import argparse
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from .. import exports, extraction, metrics
 from .._display import counted
 from ..alignment import Alignment
@@ -18,11 +20,14 @@ from ._logs import (
     add_logs,
     add_output,
     add_strict,
+    add_world,
     aligned,
     allowed,
     concluded,
     deskewed,
     each_log,
+    squared,
+    world_of,
 )
 from ._thresholds import add_thresholds, chosen_thresholds, refuse_others
 from ._words import Report, metres, percent, progress, seconds
@@ -53,6 +58,14 @@ def add(commands: Any) -> None:
     command.add_argument(
         "--filter", type=float, metavar="METRES", help="leave shorter segments out before reducing"
     )
+    add_world(command)
+    command.add_argument(
+        "--crop",
+        nargs=4,
+        type=float,
+        metavar=("LEFT", "LOW", "RIGHT", "HIGH"),
+        help="keep what lies in this rectangle, metres, of the map that is written",
+    )
     add_output(command, SUFFIXES, "the map after the reduction; a .png shows it before and after")
     functions = {name: method.function for name, method in METHODS.items()}
     add_thresholds(command, "thresholds of the reduction methods", functions)
@@ -64,6 +77,12 @@ def add(commands: Any) -> None:
 def run(given: argparse.Namespace) -> int:
     """Map each log."""
     refuse_others(given, given.method, METHODS)
+    world_of(given)  # before any work is done
+    if given.crop is not None:
+        try:
+            SegmentMap([]).cropped(*given.crop)
+        except ValueError as error:
+            given.refuse(f"--crop: {error}")
     return each_log(given, map_log)
 
 
@@ -71,10 +90,10 @@ def map_log(given: argparse.Namespace, log: Log, paths: list[Path], report: Repo
     """Map one log, and write what was asked for where there is a map."""
     with progress(3, "step", "aligning") as bar:
         log = deskewed(given, log, report)
-        poses = aligned(log, given.align, report)
+        poses = squared(given, log, aligned(log, given.align, report), report)
         before = segments_of(given, log, poses, report)
         verdict = poses.verdict_on(before)
-        before = filtered(given, before, report)
+        before = filtered(given, cropped(given, before, report), report)
         bar.update()
         bar.set_description("reducing")
         after = before if given.method == "none" else reduced(given, before, report)
@@ -87,7 +106,7 @@ def map_log(given: argparse.Namespace, log: Log, paths: list[Path], report: Repo
 
                 write_map_picture(path, before, after)
             else:
-                exports.write_segments(path, after)
+                exports.write_segments(path, after, world=world_of(given))
     if written:
         names = [str(path) for path in written]
         report.line("written", ", ".join(names), files=names)
@@ -104,6 +123,19 @@ def segments_of(
     map = extraction.build_map(log, poses.trusted, keep_points=needs, **options)
     report.line("extracted", counted(len(map), "segment"), segments=len(map))
     return map
+
+
+def cropped(given: argparse.Namespace, map: SegmentMap, report: Report) -> SegmentMap:
+    """Cut off what lies outside a rectangle, where that is asked for."""
+    if given.crop is None:
+        return map
+    found = map.cropped(*given.crop)
+    if len(map) and not len(found):
+        (left, low), (right, high) = (f(map.segments, (0, 1)) for f in (np.min, np.max))
+        reach = f"x {left:.2f} to {right:.2f} m, y {low:.2f} to {high:.2f} m"
+        raise ValueError(f"--crop: no segment lies in that rectangle; the map reaches from {reach}")
+    report.line("cropped", f"to {counted(len(found), 'segment')}", segments=len(found))
+    return found
 
 
 def filtered(given: argparse.Namespace, map: SegmentMap, report: Report) -> SegmentMap:

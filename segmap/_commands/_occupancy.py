@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -21,11 +20,14 @@ from ._logs import (
     add_logs,
     add_output,
     add_strict,
+    add_world,
     aligned,
     allowed,
     concluded,
     deskewed,
     each_log,
+    squared,
+    world_of,
 )
 from ._words import Report, progress
 
@@ -58,6 +60,7 @@ def add(commands: Any) -> None:
     )
     add_deskew(command)
     add_strict(command)
+    add_world(command)
     add_output(command, SUFFIXES, "the map: .yaml for ROS, with its .pgm; .npz to load it again")
     command.set_defaults(run=run)
 
@@ -66,6 +69,9 @@ def run(given: argparse.Namespace) -> int:
     """Map each log."""
     if given.score and not given.matcher:
         given.refuse(f"--score {given.score} is for --matcher: name one of {', '.join(NAMES)}")
+    if given.square and given.matcher:
+        given.refuse("--square turns poses that --align finds, and --matcher finds them on the way")
+    world_of(given)  # before any work is done
     return each_log(given, map_log)
 
 
@@ -75,7 +81,7 @@ def map_log(given: argparse.Namespace, log: Log, paths: list[Path], report: Repo
         map, verdict = _matched(given, log, report)
     else:
         log = deskewed(given, log, report)
-        found = aligned(log, given.align, report)
+        found = squared(given, log, aligned(log, given.align, report), report)
         verdict = found.verdict
         map = quadtree.build_map(log, found.trusted, resolution=given.resolution)
     left, low, right, high = quadtree.extent(map, margin=0)
@@ -88,7 +94,7 @@ def map_log(given: argparse.Namespace, log: Log, paths: list[Path], report: Repo
     report.line("mapped", words, **figures, resolution=given.resolution, bytes=map.nbytes)
     written = allowed(given, verdict, paths, report)
     for path in written:
-        _write(path, map)
+        _write(path, map, world_of(given))
     if written:  # beside a .yaml lies its picture
         pairs = ([p, p.with_suffix(".pgm")] if p.suffix == ".yaml" else [p] for p in written)
         names = [str(path) for pair in pairs for path in pair]
@@ -123,17 +129,15 @@ def _matched(
     return map, verdict
 
 
-def _write(path: Path, map: quadtree.QuadtreeMap) -> None:
+def _write(path: Path, map: quadtree.QuadtreeMap, world: exports.Frame) -> None:
     if path.suffix == ".png":
         from ._pictures import write_quadtree_picture
 
         write_quadtree_picture(path, map)
     elif path.suffix == ".npz":
         map.save(path)
+    elif path.suffix == ".geojson":
+        exports.write_geojson(path, map, world=world)
     else:
-        writers: dict[str, Callable[..., None]] = {
-            ".yaml": exports.write_ros_map,
-            ".svg": exports.write_svg,
-            ".geojson": exports.write_geojson,
-        }
-        writers[path.suffix](path, map)
+        write = exports.write_ros_map if path.suffix == ".yaml" else exports.write_svg
+        write(path, map)

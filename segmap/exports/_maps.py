@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Annotated, NamedTuple
 
@@ -14,6 +14,7 @@ from .. import arrays
 from ..arrays import Quantity, Share, below, checked
 from ..files import replacing, write_bytes
 from ..quadtree import QuadtreeMap, extent
+from ._world import Frame, collection
 
 #: Grey values of classes: free, unknown, occupied.
 GREYS = np.array([254, 205, 0], np.uint8)
@@ -22,9 +23,6 @@ OCCUPIED_THRESH, FREE_THRESH = 0.65, 0.196
 #: Outlines of leaves, their width in pixels, and the part of a small leaf that they take at most;
 #: width of a drawing, pixels.
 BLUE, LINE, PART, WIDTH = "#0072b2", 0.6, 0.1, 800
-#: A plane in metres that lies nowhere on the earth. GDAL, and so QGIS, takes this text for the name
-#: of a reference system; where none is named it takes metres for degrees.
-LOCAL = 'LOCAL_CS["frame of the map",UNIT["metre",1],AXIS["x",EAST],AXIS["y",NORTH]]'
 #: A threshold that is checked together with another.
 Number = Annotated[float, Quantity("")]
 
@@ -139,12 +137,17 @@ def _number(value: float) -> str:
 # ------------------------------------------------------------------------- drawings
 @checked
 def write_geojson(
-    path: str | Path, map: QuadtreeMap, *, occupied: Annotated[Share, below(1)] = 0.5
+    path: str | Path,
+    map: QuadtreeMap,
+    *,
+    occupied: Annotated[Share, below(1)] = 0.5,
+    world: Frame = Frame(),
 ) -> None:
     """Write the leaves of greater occupancy than `occupied` as squares, with both counts.
 
     Coordinates are metres in the map's frame, x before y; the file says so in its `crs`, a local
-    reference system. GDAL and QGIS read it; who follows RFC 7946 to the letter takes degrees.
+    reference system. GDAL and QGIS read it; who follows RFC 7946 to the letter takes degrees. With
+    a `world`, an `Earth` or a `Grid`, they are degrees of WGS84, or metres of that grid.
 
     Examples
     --------
@@ -158,26 +161,21 @@ def write_geojson(
     [1.0, 0.0]
     """
     value = arrays.instance(map, "map", QuadtreeMap).leaf_occupancy()
+    arrays.instance(world, "world", Frame)
     digits, features = _digits(map.resolution), []
     table = np.stack([*map.leaves(), value], -1)[value > occupied]
     for x, y, side, vis, occ, occupancy in table.tolist():
         left, low, right, high = (round(v, digits) for v in (x, y, x + side, y + side))
         ring = [(left, low), (right, low), (right, high), (left, high), (left, low)]
+        corners = world.coordinates(ring).tolist()
         features.append(
             {
                 "type": "Feature",
                 "properties": {"occupancy": round(occupancy, 6), "vis": int(vis), "occ": int(occ)},
-                "geometry": {"type": "Polygon", "coordinates": [ring]},
+                "geometry": {"type": "Polygon", "coordinates": [corners]},
             }
         )
-    write_bytes(arrays.file(path), collection(features).encode("ascii"))
-
-
-def collection(features: Sequence[object]) -> str:
-    """The text of a GeoJSON file whose coordinates are metres in the map's frame."""
-    crs = {"type": "name", "properties": {"name": LOCAL}}
-    held = {"type": "FeatureCollection", "crs": crs, "features": features}
-    return json.dumps(held, separators=(",", ":"))
+    write_bytes(arrays.file(path), collection(features, world).encode("ascii"))
 
 
 @checked

@@ -11,7 +11,7 @@ from .. import arrays
 from ..arrays import Array, Segments
 from ..files import write_bytes
 from ..segments import SegmentMap
-from ._maps import collection
+from ._world import Frame, collection
 
 #: Largest side of a drawing, width of its lines, pixels; its margin as a part of that side.
 PIXELS, LINE, MARGIN = 800, 1.5, 0.02
@@ -19,7 +19,7 @@ PIXELS, LINE, MARGIN = 800, 1.5, 0.02
 METRES = 6
 
 
-def write_segments(path: str | Path, map: Segments) -> None:
+def write_segments(path: str | Path, map: Segments, *, world: Frame = Frame()) -> None:
     """Write a map of segments in the format that the name asks for.
 
     - `.csv`: a table `x1,y1,x2,y2,scan`, with as many digits (up to 17) as `readers.read_segments`
@@ -28,7 +28,8 @@ def write_segments(path: str | Path, map: Segments) -> None:
     - `.svg`: a drawing, y upwards, units are metres, those of the lines' width too.
     - `.geojson`: LineStrings with the property `scan`, x before y, metres in the map's frame. Its
       `crs` names a local reference system, which GDAL and QGIS read; who follows RFC 7946 to the
-      letter takes degrees.
+      letter takes degrees. With a `world`, an `Earth` or a `Grid`, it is in degrees of WGS84, or in
+      metres of that grid; the other formats stay in the map's frame.
     - `.wkt`: one line, a MULTILINESTRING, which `shapely.from_wkt` and QGIS take.
     - `.dxf`: a drawing of LINEs on layer 0, in metres, of the version R12 that every program reads;
       a segment without length is left out.
@@ -53,10 +54,11 @@ def write_segments(path: str | Path, map: Segments) -> None:
     name = place.name.removesuffix(".gz")
     end = Path(name).suffix.lower()
     held = map if isinstance(map, SegmentMap) else SegmentMap(arrays.segments(map, "map"))
+    arrays.instance(world, "world", Frame)
     if end == ".npz" and name == place.name:
         held.save(place)
     elif end in TEXTS:
-        write_bytes(place, "".join(TEXTS[end](held)).encode("ascii"))
+        write_bytes(place, "".join(TEXTS[end](held, world)).encode("ascii"))
     else:
         known = ", ".join([*TEXTS, *(f"{each}.gz" for each in TEXTS)])
         raise ValueError(f"path: the name must end in .npz, {known}, got {place.name!r}")
@@ -69,30 +71,31 @@ def _rows(map: SegmentMap) -> list[list[float]]:
     return found
 
 
-def _csv(map: SegmentMap) -> Iterator[str]:
+def _csv(map: SegmentMap, world: Frame) -> Iterator[str]:
     yield "x1,y1,x2,y2,scan\n"
     for row, scan in zip(_rows(map), map.scan.tolist(), strict=True):
         yield ",".join([*(repr(value) for value in row), f"{scan}\n"])
 
 
-def _geojson(map: SegmentMap) -> Iterator[str]:
+def _geojson(map: SegmentMap, world: Frame) -> Iterator[str]:
+    placed = world.coordinates(map.segments)
     features = [
         {
             "type": "Feature",
             "properties": {"scan": scan},
             "geometry": {"type": "LineString", "coordinates": ends},
         }
-        for ends, scan in zip(map.segments.tolist(), map.scan.tolist(), strict=True)
+        for ends, scan in zip(placed.tolist(), map.scan.tolist(), strict=True)
     ]
-    yield collection(features)
+    yield collection(features, world)
 
 
-def _wkt(map: SegmentMap) -> Iterator[str]:
+def _wkt(map: SegmentMap, world: Frame) -> Iterator[str]:
     parts = [f"({a!r} {b!r}, {c!r} {d!r})" for a, b, c, d in _rows(map)]
     yield f"MULTILINESTRING {'(' + ', '.join(parts) + ')' if parts else 'EMPTY'}\n"
 
 
-def _dxf(map: SegmentMap) -> Iterator[str]:
+def _dxf(map: SegmentMap, world: Frame) -> Iterator[str]:
     yield _tags((0, "SECTION"), (2, "HEADER"), (9, "$ACADVER"), (1, "AC1009"))
     yield _tags((9, "$INSUNITS"), (70, METRES), (0, "ENDSEC"), (0, "SECTION"), (2, "ENTITIES"))
     for a, b, c, d in _rows(map):
@@ -106,7 +109,7 @@ def _tags(*pairs: tuple[int, str | int | float]) -> str:
     return "".join(f"{code}\n{value}\n" for code, value in pairs)
 
 
-def _svg(map: SegmentMap) -> Iterator[str]:
+def _svg(map: SegmentMap, world: Frame) -> Iterator[str]:
     (left, low), (wide, tall) = _frame(map.segments)
     scale = PIXELS / max(wide, tall)
     yield (
@@ -128,7 +131,7 @@ def _frame(segments: Array) -> tuple[list[float], list[float]]:
     return (low - room).tolist(), (high - low + 2 * room).tolist()
 
 
-#: Formats that are text, by the end of their name.
-TEXTS: dict[str, Callable[[SegmentMap], Iterator[str]]] = {
+#: Formats that are text, by the end of their name; GeoJSON alone asks where the map lies.
+TEXTS: dict[str, Callable[[SegmentMap, Frame], Iterator[str]]] = {
     ".csv": _csv, ".svg": _svg, ".geojson": _geojson, ".wkt": _wkt, ".dxf": _dxf,
 }  # fmt: skip

@@ -9,6 +9,7 @@ from ._segments import (
     angle,
     extreme_projections,
     length,
+    main_direction,
     midpoint,
     point_distance,
     take_points,

@@ -54,3 +54,19 @@ def places_of(sensors: ArrayLike, scan: NDArray[np.int64]) -> Array:
             f"got {len(places)} places"
         )
     return places
+
+
+def clipped(segments: Array, low: Array, high: Array) -> tuple[Array, NDArray[np.bool_]]:
+    """What of segments `(n, 2, 2)` lies in a rectangle, metres, and which have something in it.
+
+    Liang and Barsky 1984: a segment enters where it is inside the last of four borders.
+    """
+    start, span = segments[:, 0], segments[:, 1] - segments[:, 0]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        cuts = np.sort([(low - start) / span, (high - start) / span], axis=0)
+    beside = (span == 0) & ~((low <= start) & (start <= high))
+    cuts[:, span == 0] = [[-np.inf], [np.inf]]  # along a border: inside all the way, or never
+    enter, leave = cuts[0].max(1).clip(0, 1), cuts[1].min(1).clip(0, 1)
+    ends = start[:, None] + np.stack([enter, leave], -1)[..., None] * span[:, None]
+    ends[leave == 1, 1] = segments[leave == 1, 1]
+    return ends.clip(low, high), (enter < leave) & ~beside.any(1)

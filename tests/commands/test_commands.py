@@ -26,6 +26,7 @@ from segmap import (
     exports,
     extraction,
     metrics,
+    poses,
     readers,
     reduction,
     simulation,
@@ -439,6 +440,19 @@ def test_locate_finds_a_log_on_a_map_of_either_kind(run, folder):
         (("info", "--table", "it.txt"), "'it.txt' must end in .csv"),
         (("map", "--strict", "90"), "90 must be from 0 to 1"),
         (("map", "--strict", "nan"), "nan must be from 0 to 1"),
+        (("map", "--crop", "0", "0", "-1", "2"), "--crop: wanted left < right and low < high"),
+        (("map", "--north", "30"), "--north needs --place, the place of the map's (0, 0)"),
+        (("occupancy", "--crs", "EPSG:25832"), "--crs needs --place"),
+        (("map", "--place", "52", "13", "-o", "it.dxf"), "--place is for a .geojson"),
+        (("map", "--place", "139.7", "35.7", "-o", "it.geojson"), "; the latitude comes first"),
+        (
+            ("occupancy", "--place", "5", "5", "--crs", "UTM", "-o", "it.geojson"),
+            "--place: name must be like EPSG:25832",
+        ),
+        (
+            ("occupancy", "--square", "--matcher", "hill-climbing"),
+            "--square turns poses that --align finds",
+        ),
     ],
 )
 def test_what_is_not_understood_is_said_before_anything_is_done(run, near, words, said):
@@ -575,6 +589,60 @@ def test_occupancy_by_matching_alone(run, matcher):
     code, said, _ = run("occupancy", "room.log", *words)
     assert code == 0 and f"by {matcher}, score nearest: 5 of 6 scans" in said
     assert QuadtreeMap.load("it.npz").scans == 6
+
+
+# ------------------------------------------------------------------------------ where it lies
+def test_both_maps_are_turned_into_one_frame(run):
+    """Catches a ROS map that lies askew in the DXF of one building, and a turn about elsewhere."""
+    log = segmap.load("room")
+    true = poses.compose((2.0, -1.0, 0.5), log.truth)
+    exports.write_carmen("room.log", log, true)
+    words = ("room.log", "--square", "--json")
+    code, said, _ = run("map", *words, "--method", "none", "-o", "it.csv")
+    turn = json.loads(said)["turned"]["degrees"]
+    assert code == 0 and turn == pytest.approx(-np.degrees(0.5), abs=0.2)
+    walls = segmap.build_map(log, poses.compose((0, 0, np.radians(turn)), true)).segments
+    np.testing.assert_allclose(readers.read_segments("it.csv").segments, walls, atol=1e-4)
+    code, said, _ = run("occupancy", *words, "-o", "it.npz")
+    assert code == 0 and json.loads(said)["turned"]["degrees"] == turn
+    ends = walls[segmap.segments.length(walls) > 0.5].reshape(-1, 2)
+    leaves = (found := QuadtreeMap.load("it.npz")).leaves()
+    full = np.stack([leaves.x, leaves.y], -1)[found.leaf_occupancy() > 0.5] + 0.025
+    assert all(np.abs(full - end).max(1).min() < 0.1 for end in ends)
+
+
+@pytest.mark.parametrize("command", ["map", "occupancy"])
+def test_a_map_is_placed_on_the_earth(run, near, command):
+    """Catches a place that is not handed on, north in radians, and a grid without its name."""
+    if command == "map":
+        command = "map", near, "--method", "none"
+        write = exports.write_segments, segmap.build_map(segmap.read(near), segmap.read(near).truth)
+    else:
+        command = "occupancy", near
+        log = segmap.read(near)
+        write = exports.write_geojson, segmap.quadtree.build_map(log, log.truth)
+    places = {
+        ("--place", "36.7", "-4.4", "--north", "60"): exports.Earth(36.7, -4.4, np.radians(60)),
+        ("--place", "5e5", "4e6", "--crs", "EPSG:25830"): exports.Grid("EPSG:25830", 5e5, 4e6),
+    }
+    for words, world in places.items():
+        assert run(*command, *words, "-o", "it.geojson")[0] == 0
+        write[0]("wanted.geojson", write[1], world=world)
+        assert Path("it.geojson").read_bytes() == Path("wanted.geojson").read_bytes()
+
+
+def test_what_lies_outside_a_rectangle_is_cut_off(run, near):
+    """Catches a crop after the reduction, of the filtered map, and an empty map in silence."""
+    code, said, _ = run(
+        "map", near, "--method", "none", "--crop", "0", "-5", "20", "5", "-o", "it.csv"
+    )
+    map = segmap.build_map(segmap.read(near), segmap.read(near).truth)
+    wanted = map.cropped(0, -5, 20, 5)
+    assert code == 0 and 0 < len(wanted) < len(map) and f"to {len(wanted)} segments" in said
+    assert np.array_equal(readers.read_segments("it.csv").segments, wanted.segments)
+    code, _, beside = run("map", near, "--crop", "900", "0", "901", "1", "-o", "no.csv")
+    assert code == 1 and not Path("no.csv").exists()
+    assert "--crop: no segment lies in that rectangle; the map reaches from x " in beside
 
 
 # ------------------------------------------------------------------------------ compare

@@ -1,0 +1,141 @@
+"""Where a map lies on the earth, against geodesics of Vincenty, arcs of ellipses, and by hand."""
+
+import json
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from segmap.exports import Earth, Frame, Grid, write_geojson, write_segments
+from segmap.quadtree import QuadtreeMap
+
+A, F = 6378137.0, 1 / 298.257223563
+WALLS = [[(0, 0), (3, 0)], [(3, 0), (3, 2)]]
+
+
+def geodesic(place, other):
+    """Length, metres, and first azimuth, radians, from (longitude, latitude) to another, degrees.
+
+    Vincenty 1975, inverse formula.
+    """
+    (l1, p1), (l2, p2) = np.radians(place), np.radians(other)
+    b, u1, u2 = A * (1 - F), np.arctan((1 - F) * np.tan(p1)), np.arctan((1 - F) * np.tan(p2))
+    lam = l2 - l1
+    for _ in range(50):
+        down = np.cos(u1) * np.sin(u2) - np.sin(u1) * np.cos(u2) * np.cos(lam)
+        sin_s = np.hypot(np.cos(u2) * np.sin(lam), down)
+        cos_s = np.sin(u1) * np.sin(u2) + np.cos(u1) * np.cos(u2) * np.cos(lam)
+        s = np.arctan2(sin_s, cos_s)
+        sin_a = np.cos(u1) * np.cos(u2) * np.sin(lam) / sin_s
+        c2 = 1 - sin_a**2
+        mid = cos_s - 2 * np.sin(u1) * np.sin(u2) / c2
+        c = F / 16 * c2 * (4 + F * (4 - 3 * c2))
+        term = s + c * sin_s * (mid + c * cos_s * (2 * mid**2 - 1))
+        lam = l2 - l1 + (1 - c) * F * sin_a * term
+    k = c2 * (A**2 - b**2) / b**2
+    big = 1 + k / 16384 * (4096 + k * (-768 + k * (320 - 175 * k)))
+    small = k / 1024 * (256 + k * (-128 + k * (74 - 47 * k)))
+    inner = cos_s * (2 * mid**2 - 1) - small / 6 * mid * (4 * sin_s**2 - 3) * (4 * mid**2 - 3)
+    length = b * big * (s - small * sin_s * (mid + small / 4 * inner))
+    return length, np.arctan2(np.cos(u2) * np.sin(lam), down)
+
+
+def test_the_referee_knows_the_published_geodesic():
+    """Flinders Peak to Buninyong, as the geodetic manual of Australia has it (GRS 80)."""
+    peak = 144 + 25 / 60 + 29.52440 / 3600, -(37 + 57 / 60 + 3.72030 / 3600)
+    hill = 143 + 55 / 60 + 35.38390 / 3600, -(37 + 39 / 60 + 10.15610 / 3600)
+    length, azimuth = geodesic(peak, hill)
+    assert length == pytest.approx(54972.271, abs=0.001)
+    assert np.degrees(azimuth) % 360 == pytest.approx(306 + 52 / 60 + 5.37 / 3600, abs=1e-5)
+
+
+@given(
+    st.floats(-85, 85), st.floats(-179, 179), st.floats(1, 1000), st.floats(-3.1, 3.1),
+    st.floats(-3, 3),
+)  # fmt: skip
+def test_a_kilometre_is_a_kilometre_in_its_direction(latitude, longitude, far, way, north):
+    """Catches a sphere, radii of curvature exchanged, first order only (0.1 m), north clockwise.
+
+    And the way back: length and azimuth on the ellipsoid give the point of the map again.
+    """
+    world = Earth(latitude, longitude, north)
+    point = far * np.array([np.cos(way), np.sin(way)])
+    found = world.coordinates(point)
+    length, azimuth = geodesic((longitude, latitude), found)
+    back = length * np.array([np.cos(north - azimuth), np.sin(north - azimuth)])
+    np.testing.assert_allclose(back, point, rtol=0, atol=2e-4)
+
+
+def test_arcs_of_the_ellipse_by_closed_form():
+    """At the equator 1 m north is 1 / M radians and 1 m east 1 / A; x east and y north."""
+    (east, _), (_, north) = Earth(0, 0).coordinates([(100, 0), (0, 100)])
+    assert east == pytest.approx(np.degrees(100 / A), abs=1e-10)
+    assert north == pytest.approx(np.degrees(100 / (A * (1 - F) ** 2)), abs=1e-10)
+    np.testing.assert_array_equal(Earth(-33.5, 151.2).coordinates((0, 0)), [151.2, -33.5])
+    assert Earth(0, 180).coordinates((100, 0))[0] < -179.99  # over the date line
+    assert Earth(90, 0).coordinates((0, -1000))[1] == pytest.approx(89.991, abs=1e-4)  # no NaN
+
+
+@pytest.mark.parametrize(("north", "at"), [(90, (3, 2)), (0, (-2, 3)), (180, (2, -3))])
+def test_a_grid_is_turned_and_shifted_by_hand(north, at, tmp_path):
+    """Catches a map that is turned the other way, and a reference system without its name."""
+    world = Grid("EPSG:25832", 500_000, 5_800_000, np.radians(north))
+    write_segments(tmp_path / "it.geojson", WALLS, world=world)
+    found = json.loads((tmp_path / "it.geojson").read_text())
+    assert found["crs"]["properties"]["name"] == "urn:ogc:def:crs:EPSG::25832"
+    end = found["features"][1]["geometry"]["coordinates"][1]
+    assert end == [500_000 + at[0], 5_800_000 + at[1]]
+
+
+def test_degrees_name_no_reference_system_and_drawings_stay_in_metres(tmp_path):
+    """Catches GeoJSON that RFC 7946 refuses, and a DXF in degrees."""
+    world = Earth(52.5, 13.4, np.radians(60))
+    for name in ("it.geojson", "it.csv", "it.dxf", "it.svg", "it.wkt"):
+        write_segments(tmp_path / name, WALLS, world=world)
+        if name != "it.geojson":
+            write_segments(tmp_path / f"local_{name}", WALLS)
+            assert (tmp_path / name).read_bytes() == (tmp_path / f"local_{name}").read_bytes()
+    found = json.loads((tmp_path / "it.geojson").read_text())
+    assert set(found) == {"type", "features"}
+    ends = [each["geometry"]["coordinates"] for each in found["features"]]
+    np.testing.assert_array_equal(ends, world.coordinates(WALLS))
+    assert geodesic(*ends[0])[0] == pytest.approx(3, abs=1e-4)
+
+
+def test_squares_of_a_quadtree_lie_where_its_walls_do(tmp_path):
+    """Catches rings that stay in metres, and rings that run clockwise."""
+    map, world = QuadtreeMap(resolution=0.5, size=4), Earth(52.5, 13.4, 0.3)
+    map.insert_scan((0.2, 0.2), [(1.2, 0.2)])
+    write_geojson(tmp_path / "it.geojson", map, world=world)
+    found = json.loads((tmp_path / "it.geojson").read_text())
+    ring = np.array(found["features"][0]["geometry"]["coordinates"][0])
+    square = [(1, 0), (1.5, 0), (1.5, 0.5), (1, 0.5), (1, 0)]
+    assert "crs" not in found
+    np.testing.assert_array_equal(ring, world.coordinates(square))
+    x, y = (ring - ring[0]).T
+    assert (x[:-1] * y[1:] - x[1:] * y[:-1]).sum() > 0
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (lambda: Earth(139.7, 35.7), "latitude must be .* at most 90, in degrees, got 139.7"),
+        (lambda: Earth(0, 181), "longitude must be .* at most 180, in degrees, got 181"),
+        (lambda: Earth(np.nan, 0), "latitude must be .* got nan"),
+        (lambda: Earth(0, 0, 90), "north must be .*got 90"),
+        (lambda: Grid("25832", 0, 0), "name must be like EPSG:25832"),
+        (lambda: Grid("EPSG:4326", 0, 0), "is in degrees, no grid in metres"),
+        (lambda: Grid("EPSG:25832", np.inf, 0), "east must be .* in metres, got inf"),
+        (lambda: write_segments("it.csv", WALLS, world=(52, 13)), "world must be a Frame"),
+        (lambda: write_geojson("it.geojson", QuadtreeMap(), world="x"), "world must be a Frame"),
+    ],
+)
+def test_what_is_no_place_is_refused_by_name(make, message):
+    with pytest.raises(ValueError, match=message):
+        make()
+
+
+def test_a_map_that_lies_nowhere_keeps_its_digits():
+    odd = np.array([[(-0.0, 1e-17), (0.1 + 0.2, 1e6)]])
+    assert Frame().coordinates(odd).tobytes() == odd.tobytes()
