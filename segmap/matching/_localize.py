@@ -16,8 +16,8 @@ from ..scans import LaserScan
 from ..segments import SegmentMap
 from ._field import either_map
 from ._likelihoods import Likelihoods
-from ._scores import Cells
 from ._search import places_of, spread
+from ._weights import systematic
 
 #: Beams are not independent: those of a scan count as so many that are.
 INDEPENDENT = 10
@@ -161,7 +161,7 @@ def _beliefs(
         weights /= weights.sum() or 1.0
         yield believed(poses, weights, fit)
         if len(weights) > particles or len(weights) * (weights**2).sum() > 2:
-            chosen = drawn(weights, particles, rng.uniform())
+            chosen = systematic(weights, rng.uniform(), particles)
             chosen = chosen[rng.permutation(len(chosen))]
             poses = poses[chosen[: enough(poses[chosen])]]
             weights = np.full(len(poses), 1 / max(len(poses), 1))
@@ -189,12 +189,6 @@ def fresh_poses(map: Likelihoods, ends: Array, count: int, rng: np.random.Genera
     roots = np.linalg.cholesky(places.covariances)[chosen]
     away = np.einsum("nij,nj->ni", roots, rng.normal(0, 1, (count, 3)))
     return np.asarray(places.poses[chosen] + away)
-
-
-def drawn(weights: Array, count: int, offset: float) -> Cells:
-    """Indices of so many particles, each as often as its weight says: at equal steps."""
-    steps = (np.arange(count) + offset) / count
-    return np.minimum(np.searchsorted(np.cumsum(weights), steps), len(weights) - 1)
 
 
 def enough(poses: Array) -> int:

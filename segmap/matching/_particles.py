@@ -20,6 +20,7 @@ from ._field import DistanceField, NothingNear
 from ._live_map import FOUND, insert, overlap_of
 from ._mapping import Matcher, _check_scan, _warm, asked, drawing, found_by
 from ._matchers import field_score, hill_climb
+from ._weights import effective_number, systematic
 
 #: Beams of a scan that are weighed, evenly chosen: neighbours meet one wall, and would say the same
 #: thing again and again.
@@ -272,43 +273,6 @@ def _weights(logarithms: Array) -> Array:
     parts = np.exp(logarithms - logarithms.max())
     found: Array = parts / parts.sum()
     return found
-
-
-def _shares(weights: ArrayLike) -> Array:
-    """Weights as an array."""
-    share = arrays.values(weights, "weights")
-    if share.ndim != 1 or not (share >= 0).all() or not abs(share.sum() - 1) < 1e-6:
-        raise ValueError(f"weights must be (n,), none negative, and sum to 1, got {share}")
-    return share
-
-
-def effective_number(weights: ArrayLike) -> float:
-    """How many particles count, `1 / sum(w^2)` (Liu 1996); weights `(n,)` that sum to 1.
-
-    Examples
-    --------
-    >>> effective_number([0.5, 0.5, 0.0])
-    2.0
-    """
-    share = _shares(weights)
-    return float(1 / (share @ share))
-
-
-def systematic(weights: ArrayLike, offset: float) -> NDArray[np.int64]:
-    """Which particle each of the new ones goes on from, `(n,)`, ascending (Kitagawa 1996).
-
-    A comb of n teeth, 1 / n apart, the first at `offset / n`, is laid on the weights `(n,)` in a
-    row: a particle is taken once for each tooth on it.
-
-    Examples
-    --------
-    >>> systematic([0.7, 0.1, 0.2], 0.5)
-    array([0, 0, 2])
-    """
-    share = _shares(weights)
-    teeth = (np.arange(len(share)) + arrays.number(offset, "offset", least=0, most=1)) / len(share)
-    found = np.searchsorted(np.cumsum(share), teeth, side="right")
-    return np.minimum(found, len(share) - 1)
 
 
 def particle_paths(steps: Sequence[Particles]) -> Array:

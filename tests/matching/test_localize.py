@@ -10,7 +10,7 @@ from segmap_course import literal
 
 from segmap.angles import wrap
 from segmap.matching import _localize as inner
-from segmap.matching import localize
+from segmap.matching import localize, systematic
 from segmap.matching._likelihoods import Likelihoods
 from segmap.poses import compose, transform
 from segmap.quadtree import build_map
@@ -149,8 +149,8 @@ def test_the_steps_are_those_of_the_literal_filter():
         weights = random.uniform(0, 1, n) ** 4
         weights /= weights.sum()
         for offset in (0.0, 0.37, 0.999):
-            expected = literal.picked(weights.tolist(), 50, offset)
-            assert inner.drawn(weights, 50, offset).tolist() == expected
+            expected = literal.systematic(weights.tolist(), offset, 50)
+            assert systematic(weights, offset, 50).tolist() == expected
     for wide in (0.01, 0.5, 2.0, 9.0):
         poses = random.normal(0, wide, (1500, 3))
         assert inner.enough(poses) == literal.enough(poses.tolist())

@@ -26,7 +26,7 @@ from segmap.panels import Workbench, control
 from segmap.panels._base import VIEW
 from segmap.panels.workbench._choices import Choice
 from segmap.panels.workbench._job import Failed, Worker
-from segmap.panels.workbench._recipe import Outcome, follow
+from segmap.panels.workbench._recipe import follow
 from segmap.panels.workbench._shown import (
     COLORS,
     figures_table,
@@ -563,9 +563,10 @@ def test_the_table_holds_reduction_quality_their_grades_and_seconds(both):
         rate = segmap.reduction_rate(outcome.map, reduced)
         assert f"{rate:.1%}, {segmap.metrics.grade_reduction(rate)}" in table
         assert f"{kept:.1%}, {segmap.metrics.grade_quality(kept)}" in table
-    doubtful = Outcome(outcome.recipe, outcome.log, outcome.alignment, outcome.map, outcome.verdict, [
+    doubted = [
         reduction.Reduction(r.segments, r.parents, 0.5, doubt="a < b") for r in outcome.reductions
-    ], outcome.qualities)  # fmt: skip
+    ]
+    doubtful = replace(outcome, reductions=doubted)
     assert figures_table(doubtful).count("<br>a &lt; b") == 2 and ">0.500<" in figures_table(
         doubtful
     )

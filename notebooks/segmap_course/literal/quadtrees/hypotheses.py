@@ -20,17 +20,19 @@ def effective_number(weights: Sequence[float]) -> float:
     return 1 / sum(weight * weight for weight in weights)
 
 
-def systematic(weights: Sequence[float], offset: float) -> list[int]:
-    """Which particle each new one goes on from: a comb of n teeth on the weights (Kitagawa 1996).
+def systematic(weights: Sequence[float], offset: float, count: int | None = None) -> list[int]:
+    """Which particle each new one goes on from: a comb on the weights (Kitagawa 1996).
+
+    It has `count` teeth, or as many as there are weights.
 
     Examples
     --------
     >>> systematic([0.7, 0.1, 0.2], 0.5)
     [0, 0, 2]
     """
-    taken, at, reached = [], 0, weights[0]
-    for k in range(len(weights)):
-        tooth = (k + offset) / len(weights)
+    taken, at, reached, count = [], 0, weights[0], count or len(weights)
+    for k in range(count):
+        tooth = (k + offset) / count
         while reached <= tooth and at < len(weights) - 1:
             at += 1
             reached += weights[at]

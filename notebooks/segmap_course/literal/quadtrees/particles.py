@@ -36,23 +36,6 @@ def weighed(weights: Sequence[float], fits: Sequence[float], beams: float = 10) 
     return [w / sum(each) for w in each]
 
 
-def picked(weights: Sequence[float], count: int, offset: float) -> list[int]:
-    """Which particle each of `count` new ones copies: a wheel of the weights, in equal steps.
-
-    Examples
-    --------
-    >>> picked([0.2, 0.5, 0.3], 4, 0.5)
-    [0, 1, 1, 2]
-    """
-    found, k, passed = [], 0, weights[0]
-    for step in range(count):
-        while k < len(weights) - 1 and passed < (step + offset) / count:
-            k += 1
-            passed += weights[k]
-        found.append(k)
-    return found
-
-
 def enough(
     poses: Sequence[Pose], size: Pose = (0.25, 0.25, 0.2), least: int = 300, error: float = 0.05
 ) -> int:
