@@ -73,8 +73,10 @@ def without_passers(log: Log, poses: Poses, *, seen_through: Share = 0.2) -> Log
 
     A quadtree of all scans counts for each square of `PASSING` the rays that crossed it and those
     that ended in it (B 4.1). Ends of beams become NaN where at most the share `seen_through` of
-    these rays ended: the others saw through. Who stood still remains. Of ten people who walk past
-    a robot in a simulated office 0.8 of the beams or more go, and 0.005 of those that met walls.
+    these rays ended: the others saw through. They came later, since a square counts from the first
+    beam that ends near it: who stood still remains, and who came at the end. Of the
+    beams on ten people who walk past a robot in a simulated office 0.8 and more go, and 0.005 of
+    those on walls.
 
     Parameters
     ----------
@@ -84,9 +86,9 @@ def without_passers(log: Log, poses: Poses, *, seen_through: Share = 0.2) -> Log
     Examples
     --------
     >>> wall, person = LaserScan([4.05], [0.0]), LaserScan([2.05], [0.0])
-    >>> found = without_passers(Log("it", [wall] * 20 + [person]), np.zeros((21, 3)))
+    >>> found = without_passers(Log("it", [person] + [wall] * 20), np.zeros((21, 3)))
     >>> found[0].ranges, found[20].ranges
-    (array([4.05]), array([nan]))
+    (array([nan]), array([4.05]))
     """
     where = poses_for(log, poses)
     map, scans = build_map(log, where, resolution=PASSING), list(log)
