@@ -77,8 +77,10 @@ def _write(path: Path, log: Log, poses: Alignment | None) -> str:
         return f"{path}: {counted(int(np.isfinite(rows).all(1).sum()), 'pose')} by {kind}"
     if path.suffix == ".g2o" and poses is not None:
         exports.write_graph(path, poses)  # which refuses an alignment without a graph
-        edges = 0 if poses.graph is None else len(poses.graph.edges)
-        return f"{path}: {counted(len(log), 'pose')}, {counted(edges, 'edge')}"
+        edges = np.empty((0, 2)) if poses.graph is None else poses.graph.edges
+        words = f"{path}: {counted(len(log), 'pose')}, {counted(len(edges), 'edge')}"
+        loose = len(log) - len(np.unique(edges))
+        return f"{words}; {loose} without an edge: only key scans have some" if loose else words
     known = log.truth if poses is None else poses.poses
     if path.suffix == ".npz":
         exports.write_arrays(path, replace(log, truth=known))

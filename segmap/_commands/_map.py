@@ -11,6 +11,7 @@ import numpy as np
 from .. import exports, extraction, metrics
 from .._display import counted
 from ..alignment import Alignment
+from ..quadtree import without_passers
 from ..reduction import METHODS, Reduction
 from ..scans import Log
 from ..segments import SegmentMap
@@ -57,6 +58,13 @@ def add(commands: Any) -> None:
     )
     command.add_argument(
         "--filter", type=float, metavar="METRES", help="leave shorter segments out before reducing"
+    )
+    command.add_argument(
+        "--seen-through",
+        type=float,
+        metavar="SHARE",
+        help="leave people out who walked through: beams that end where at most this share of all "
+        "beams ended while the others went on, 0.2 say",
     )
     add_world(command)
     command.add_argument(
@@ -118,6 +126,12 @@ def segments_of(
 ) -> SegmentMap:
     """Extract the segments of a log at its poses."""
     options = chosen_thresholds(given, extraction.extract_polylines, EXTRACT)
+    if given.seen_through is not None:
+        left = without_passers(log, poses.trusted, seen_through=given.seen_through)
+        gone = sum(int(a.valid.sum() - b.valid.sum()) for a, b in zip(log, left, strict=True))
+        words = f"{counted(gone, 'beam')} left out that others saw through"
+        report.line("passers", words, beams=gone)
+        log = left
     method = METHODS.get(given.method)
     needs = method is not None and (method.needs_points or method.needs_sensors)
     map = extraction.build_map(log, poses.trusted, keep_points=needs, **options)

@@ -17,7 +17,9 @@ from ..readers import PoseGraph
 def write_graph(path: str | Path, graph: Alignment | PoseGraph) -> None:
     """Write a pose graph for g2o, gtsam, Ceres: VERTEX_SE2 and EDGE_SE2 lines, and nothing else.
 
-    All scans are vertices, named by their number; those without an edge stay where they are. Other
+    All scans are vertices, named by their number. Those without an edge stay where they are: on a
+    tracked log only key scans are solved for, and the others follow them. They have no measurement
+    of their own that an edge could state. Other
     solvers minimise plain squares: their minimum is that of `alignment.solve_graph` with
     `scale=inf`, while `alignment.pose_graph` distrusts what fits badly. The file does not tell what
     was rejected, nor which edges are loops.

@@ -1,6 +1,6 @@
 """Occupancy in a quadtree: a map that grows by itself, small and built scan by scan (B 4)."""
 
-from ._build import build_map, extent, free_ends
+from ._build import build_map, extent, free_ends, without_passers
 from ._frontiers import Frontier, frontiers
 from ._map import QuadtreeMap
 from ._squares import NINE, Squares

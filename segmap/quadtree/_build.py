@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Annotated, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from .. import arrays
-from ..arrays import LIMIT, Array, Poses, Quantity, checked
+from ..arrays import LIMIT, Array, Poses, Quantity, Share, checked
 from ..poses import compose, transform
 from ..scans import LaserScan, Log
 from ..scans.placed import poses_for, warn_of_nothing
 from ._map import QuadtreeMap, Resolution
+
+#: Side of the squares in which rays are counted that saw through, metres: half a leg's width, and
+#: more than walls scatter.
+PASSING = 0.1
 
 
 @checked
@@ -60,6 +65,39 @@ def build_map(
     empty = not any(log[k].valid.any() for k in used)
     warn_of_nothing(empty, log, where, "without an end point")
     return map
+
+
+@checked
+def without_passers(log: Log, poses: Poses, *, seen_through: Share = 0.2) -> Log:
+    """The log without beams that met what is gone: people who walked through.
+
+    A quadtree of all scans counts for each square of `PASSING` the rays that crossed it and those
+    that ended in it (B 4.1). Ends of beams become NaN where at most the share `seen_through` of
+    these rays ended: the others saw through. They came later, since a square counts from the first
+    beam that ends near it: who stood still remains, and who came at the end. Of the
+    beams on ten people who walk past a robot in a simulated office 0.8 and more go, and 0.005 of
+    those on walls.
+
+    Parameters
+    ----------
+    poses : (k, 3) array, metres and radians, or Alignment
+        One a scan; scans with NaN in their pose are kept as they are.
+
+    Examples
+    --------
+    >>> wall, person = LaserScan([4.05], [0.0]), LaserScan([2.05], [0.0])
+    >>> found = without_passers(Log("it", [person] + [wall] * 20), np.zeros((21, 3)))
+    >>> found[0].ranges, found[20].ranges
+    (array([nan]), array([4.05]))
+    """
+    where = poses_for(log, poses)
+    map, scans = build_map(log, where, resolution=PASSING), list(log)
+    for k in np.flatnonzero(np.isfinite(where).all(1)).tolist():
+        ranges, seen = log[k].ranges.copy(), np.flatnonzero(log[k].valid)
+        ends = transform(where[k], log[k].points())
+        ranges[seen[map.occupancy(ends) <= seen_through]] = np.nan
+        scans[k] = replace(log[k], ranges=ranges)
+    return replace(log, scans=tuple(scans))
 
 
 def free_ends(scan: LaserScan, sensor: ArrayLike) -> Array:

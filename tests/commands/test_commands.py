@@ -645,6 +645,20 @@ def test_what_lies_outside_a_rectangle_is_cut_off(run, near):
     assert "--crop: no segment lies in that rectangle; the map reaches from x " in beside
 
 
+def test_beams_that_others_saw_through_are_left_out(run, near):
+    """Catches an option that does nothing, and one that counts beams without an echo."""
+    log = segmap.read(near)
+    wanted = segmap.quadtree.without_passers(log, log.truth, seen_through=0.3)
+    gone = sum(int(a.valid.sum() - b.valid.sum()) for a, b in zip(log, wanted, strict=True))
+    words = "--method", "none", "--seen-through", "0.3", "-o", "it.csv"
+    code, said, _ = run("map", near, *words)
+    assert code == 0 and gone > 0 and f"passers   {gone} beams left out" in said
+    walls = segmap.build_map(wanted, log.truth).segments
+    assert np.array_equal(readers.read_segments("it.csv").segments, walls)
+    code, _, beside = run("map", near, "--seen-through", "2")
+    assert code == 1 and "seen_through must be" in beside
+
+
 # ------------------------------------------------------------------------------ compare
 @pytest.mark.parametrize("methods", [("fuzzy_set", "hybrid", "fusion"), slow(reduction.METHODS)])
 def test_methods_are_compared_at_one_quality(run, near, monkeypatch, methods):
@@ -765,6 +779,10 @@ def test_convert_keeps_what_the_log_holds(run, near):
     code, said, _ = run("convert", far, "--align", "pose_graph", "-o", "it.tum", "-o", "it.g2o")
     graph = readers.read_graph("it.g2o")
     assert code == 0 and "12 poses by pose_graph" in said and f"{len(graph.edges)} edges" in said
+    loose = 12 - len(set(np.ravel(graph.edges).tolist()))
+    assert ("without an edge" in said) == (loose > 0)
+    if loose:
+        assert f"; {loose} without an edge: only key scans have some" in said
     assert np.allclose(np.loadtxt("it.tum")[:, 1:3], graph.poses[:, :2], atol=1e-5)
 
 

@@ -1,0 +1,68 @@
+"""People who walk through a simulated office, and a map that leaves them out."""
+
+import numpy as np
+import pytest
+
+from segmap import Log, extraction, simulation
+from segmap.poses import transform
+from segmap.quadtree import without_passers
+from segmap.segments import point_distance
+
+PEOPLE, RADIUS = 10, 0.2
+
+
+def walked(seed, people=PEOPLE):
+    """A log of a robot in a corridor where people walk past it on both sides; and the walls."""
+    rng = np.random.default_rng(seed)
+    walls = simulation.office(rng=rng)
+    path = simulation.drive([(1.0, 5.0), (11.0, 5.0)], step=0.1)
+    y = 5 + rng.uniform(0.4, 0.7, people) * rng.choice([-1, 1], people)
+    starts, steps = rng.uniform(0, 11, people), rng.uniform(0.1, 0.25, people)
+    turn = np.linspace(0, 2 * np.pi, 9)
+    ring = RADIUS * np.stack([np.cos(turn), np.sin(turn)], -1)
+    scans = []
+    for k in range(len(path)):
+        at = np.stack([0.5 + (starts + k * steps) % 11, y], -1)
+        circles = at[:, None] + ring
+        moving = np.stack([circles[:, :-1], circles[:, 1:]], 2).reshape(-1, 2, 2)
+        seen = simulation.simulate(
+            np.concatenate([walls, moving]), path[k : k + 1],
+            sensor=simulation.SICK_LMS200, rng=rng,
+        )  # fmt: skip
+        scans.append(seen[0])
+    return Log("office", scans, path), walls
+
+
+def met(log, walls):
+    """How many beams met a wall, and how many something else."""
+    ends = np.concatenate([transform(p, s.points()) for p, s in zip(log.truth, log, strict=True)])
+    off = point_distance(ends[:, None], walls).min(1)
+    return int((off < 0.06).sum()), int((off > 0.12).sum())
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_ten_people_are_left_out_and_the_walls_stay(seed):
+    """Catches people who are kept, walls that grazing rays erase, and beams of other scans."""
+    log, walls = walked(seed)
+    found = without_passers(log, log.truth)
+    (wall, people), (wall_left, people_left) = met(log, walls), met(found, walls)
+    assert people > 4000 and people_left < 0.25 * people and wall_left > 0.99 * wall
+    most = met(without_passers(log, log.truth, seen_through=0.3), walls)
+    assert most[1] < people_left and most[0] < wall_left  # a larger share takes more of both
+    before, after = (extraction.build_map(each, log.truth) for each in (log, found))
+    assert 0 < len(after) < len(before)
+    changed = [
+        np.isfinite(a.ranges) & np.isfinite(b.ranges) for a, b in zip(log, found, strict=True)
+    ]
+    for both, a, b in zip(changed, log, found, strict=True):
+        assert np.array_equal(a.ranges[both], b.ranges[both])
+
+
+def test_none_is_lost_where_nobody_walks_and_unknown_poses_are_kept():
+    log, _ = walked(1, people=0)
+    poses = log.truth.copy()
+    poses[:5] = np.nan
+    found = without_passers(log, poses)
+    assert all(found[k] is log[k] for k in range(5))
+    kept, had = (sum(int(s.valid.sum()) for s in each) for each in (found, log))
+    assert kept > 0.98 * had
