@@ -107,6 +107,7 @@ WINDOWS = [
     ((0, 0, np.nan, 1), "left, low, right, high"),
     ((0, 0, 1e4, 1), "1000000 x 100 cells is too large"),
     ((0, 0, 163.85, 0.01), "16385 x 1 cells is too large"),
+    ((0, 0, 163.84, 40.97), "16384 x 4097 cells is too large"),
     ((0, 0, 1e300, 1e300), "too large"),
     ((40, 40, 41, 41), "no occupied cell"),
     ((1e300, 0, 1.0000001e300, 1), "left, low|too large|no occupied|beyond"),

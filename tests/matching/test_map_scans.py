@@ -114,8 +114,8 @@ def test_a_scan_without_a_return_is_not_found_and_the_first_begins_the_map():
     assert [step.found for step in steps] == [True, True, False]
     assert all(0 < step.seconds < 60 for step in steps)
     assert steps[0].overlap == 1 and steps[2].overlap == 0
-    with_graph = list(map_scans([*room_log(2), blind], graph=True))
-    assert [step.found for step in with_graph] == [True, True, False]
+    with_graph = list(map_scans([*room_log(2), blind, room_log(3)[2]], graph=True))
+    assert [step.found for step in with_graph] == [True, True, False, True]
 
 
 def test_overlap_is_on_the_map_before_the_scan():

@@ -160,7 +160,8 @@ def dxf(path):
     assert not audit.errors and not audit.fixes
     lines = list(drawing.modelspace())
     assert {line.dxftype() for line in lines} <= {"LINE"}
-    assert path.read_text().count("\nLINE\n8\n0\n") == len(lines)  # on a layer that is there
+    for tags in ("LINE\n8\n0", "30\n0.0", "31\n0.0"):  # on a layer, both heights given
+        assert path.read_text().count(f"\n{tags}\n") == len(lines)
     ends = np.reshape([(line.dxf.start, line.dxf.end) for line in lines], (-1, 2, 3))
     assert not ends[..., 2].any()
     return ends[..., :2], None

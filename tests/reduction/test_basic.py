@@ -1,8 +1,9 @@
 """What is particular to Basic: strict thresholds, and a piece beside the middle of a wall."""
 
 import numpy as np
+import pytest
 
-from segmap.reduction import basic_offline
+from segmap.reduction import basic_offline, hybrid
 
 
 def test_end_points_exactly_a_distance_apart_do_not_match():
@@ -15,3 +16,11 @@ def test_end_points_exactly_a_distance_apart_do_not_match():
 def test_weakness_a_piece_in_the_middle_of_a_wall_is_never_merged():
     """The counter-example of A fig. 4.4: all end points are far."""
     assert len(basic_offline(np.array([[(0, 0), (5, 0)], [(2, 0), (3, 0)]]))) == 2
+
+
+@pytest.mark.parametrize("method", [basic_offline, hybrid])
+def test_two_lines_differ_by_a_quarter_turn_at_most(method):
+    wall = [[(0, 0), (1, 0)]]
+    assert len(method(wall, angle=np.pi / 2)) == 1
+    with pytest.raises(ValueError, match=r"^angle must be"):
+        method(wall, angle=1.6)
