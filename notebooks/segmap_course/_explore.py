@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Literal, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -52,15 +52,14 @@ def explore(
     start: ArrayLike = (1.0, 5.0),
     *,
     rng: np.random.Generator,
-    choose: Literal["nearest", "largest"] = "nearest",
     radius: Metres = 0.25,
     sensor: Sensor = URG_04LX,
 ) -> Explored:
     """Drive from frontier to frontier until none is left that the robot can reach (Yamauchi 1997).
 
-    Poses are the true ones; scans have the sensor's noise. The robot looks around, chooses the
-    frontier that is nearest to drive to, or the largest, drives up to a metre towards it, and
-    chooses anew. `start` is a place, `(2,)`, metres.
+    Poses are the true ones; scans have the sensor's noise. The robot looks around, drives up to a
+    metre towards the frontier that is nearest to drive to, and chooses anew. `start` is a place,
+    `(2,)`, metres.
 
     Examples
     --------
@@ -86,7 +85,7 @@ def explore(
 
     for heading in AROUND:
         look(np.append(here, heading))
-    while len(poses) < MOST and (way := next_way(map, here, goals, choose, radius)) is not None:
+    while len(poses) < MOST and (way := next_way(map, here, goals, radius)) is not None:
         path = drive(way, step=STEP, turn=np.radians(30))
         path = path[np.r_[0, np.cumsum(np.hypot(*np.diff(path[:, :2], axis=0).T))] <= AGAIN]
         for k in range(1, len(path)):
@@ -102,18 +101,13 @@ def explore(
     return Explored(map, np.array(poses), driven, np.array(known), np.array(goals[1:]))
 
 
-def next_way(
-    map: QuadtreeMap, here: Array, been: list[Array], choose: str, radius: float
-) -> Array | None:
-    """The way to the frontier that comes next; None where none can be reached."""
-    groups = [found.places for found in frontiers(map)]
-    fresh = [group[np.hypot(*(group[:, None] - been).T).min(0) > BEEN] for group in groups]
-    if choose == "nearest" and fresh:
-        fresh = [np.concatenate(fresh)]
+def next_way(map: QuadtreeMap, here: Array, been: list[Array], radius: float) -> Array | None:
+    """The way to the frontier that is nearest to drive to; None where none can be reached."""
+    places = np.concatenate([np.empty((0, 2)), *(found.places for found in frontiers(map))])
+    fresh = places[np.hypot(*(places[:, None] - been).T).min(0) > BEEN]
     for part in CLOSER:
-        for group in filter(len, fresh):
-            if (way := _way(map, here, group, part * radius)) is not None:
-                return way
+        if len(fresh) and (way := _way(map, here, fresh, part * radius)) is not None:
+            return way
         if _way(map, here, here[None], part * radius) is not None:
             return None  # it could leave, and there is nowhere to go
     return None

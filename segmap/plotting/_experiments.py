@@ -49,7 +49,7 @@ def draw_curves(
     >>> from segmap.experiments import load_records, select
     >>> runs = select(load_records("malaga"), filtered=False)
     >>> len(draw_curves(runs, ax=Figure().subplots()).lines)
-    30
+    32
     """
     arrays.frame(frame, ["map", "method"], ["filtered", "quality", "reduction"])
     if len(settings := frame[["map", "filtered"]].drop_duplicates()) > 1:

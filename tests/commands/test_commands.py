@@ -545,7 +545,7 @@ def test_control_c_ends_with_130_and_leaves_nothing_half_written(run, near, monk
     """Catches a traceback, an exit code of 1, and the rest of the logs that goes on."""
     calls = []
 
-    def stop(*given):
+    def stop(*given, **named):
         calls.append(given)
         raise KeyboardInterrupt
 
@@ -608,7 +608,7 @@ def test_both_maps_are_turned_into_one_frame(run):
     ends = walls[segmap.segments.length(walls) > 0.5].reshape(-1, 2)
     leaves = (found := QuadtreeMap.load("it.npz")).leaves()
     full = np.stack([leaves.x, leaves.y], -1)[found.leaf_occupancy() > 0.5] + 0.025
-    assert all(np.abs(full - end).max(1).min() < 0.1 for end in ends)
+    assert all(np.abs(full - end).max(1).min() < 0.15 for end in ends)
 
 
 @pytest.mark.parametrize("command", ["map", "occupancy"])

@@ -1,7 +1,6 @@
 """The robot that explores by itself: what it knows in the end, and that it meets no wall."""
 
 import numpy as np
-import pytest
 import segmap_course as course
 
 from segmap.segments import point_distance
@@ -18,10 +17,9 @@ ROOMS = np.concatenate(
 )
 
 
-@pytest.mark.parametrize("choose", ["nearest", "largest"])
-def test_it_sees_both_rooms_and_meets_no_wall(choose):
+def test_it_sees_both_rooms_and_meets_no_wall():
     """Catches a robot that stops at its first frontier, and one that drives through a wall."""
-    found = course.explore(ROOMS, (1, 1.5), rng=np.random.default_rng(1), choose=choose)
+    found = course.explore(ROOMS, (1, 1.5), rng=np.random.default_rng(1))
     assert len(found.poses) == len(found.metres) == len(found.known)
     assert 0.3 < found.known[0] < found.known[-1] and found.known[-1] > 0.97
     assert (np.diff(found.known) >= -0.01).all() and (np.diff(found.metres) >= 0).all()
