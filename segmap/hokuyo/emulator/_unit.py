@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import time
 from collections import deque
 from collections.abc import Callable
@@ -93,7 +94,7 @@ class Unit:
         if rate not in RATES:
             raise ValueError(f"rate must be one of {RATES}, got {rate}")
         self.world = arrays.function(world, "world", "from a turn to its millimetres")
-        arrays.row(arrays.called(world, "world", 0), "world(0)")
+        arrays.called(inspect.signature(world).bind, "world", 0)  # a call would draw from its noise
         self.speed, self.usb, self.timing = speed, usb, timing
         self.stamp, self.rate, self.next_rate = stamp, rate, rate
         self.old, self._switches = protocol != "2.0", protocol == "1.1"
