@@ -45,6 +45,7 @@ STATES: dict[str, list[str]] = {
     "35-1": ["", "loops=False", "odometry=True", "loops=True"],
     "36-1": ["", "run(40)", "run(40)", "run(40)"],
     "41-1": ["", "angle=30", "angle=0, offset=0.5", "offset=0, length=0.5"],
+    "50-1": ["", "noise='0.02'", "by='one_per_wall'", "factor=3.0"],
     "51-1": ["distance=0.05", "distance=0.2", "distance=0.4", "distance=0.4, angle=30"],
     "52-1": ["", "origin=-40", "origin=-100", "origin=0, distance=0.6"],
     "53-1": ["sigma=0.05", "sigma=0.2", "sigma=0.6", "sigma=1.0"],

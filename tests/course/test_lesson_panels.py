@@ -89,10 +89,10 @@ PANELS = {
     "PoseGraphPanel": ((LOOP,), "scan", 60),
     "RayPanel": ((), "mask", False),
     "RoomPanel": ((ROOM, (1, 1, 0)), "beams", 51),
-    "RoutePanel": ((OPEN, (1, 1), (1, 1.5)), "goal_y", 0.5),
+    "RoutePanel": ((OPEN, (1, 1), (1, 1.5)), "goal_x", 2.0),
     "SectorPanel": ((DOOR,), "scan", 0),
     "StoragePanel": ((LOG, LOG.truth, ROOM), "resolution", 10.0),
-    "WallsPanel": ((), "noise", "0.03"),
+    "WallsPanel": ((), "distance", 0.1),
     "WeightedPanel": ((WALLS,), "place", 0.10),
 }
 

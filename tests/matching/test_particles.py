@@ -264,6 +264,6 @@ def test_a_loop_closes_that_one_hypothesis_leaves_open():
         log = course.corridor_walk(seed=seed)
         options = {"start": log.truth[0]}
         one = mapped(log, seed, particles=1, noise=0, **options)[0][-1]
-        many = mapped(log, seed, particles=15, **options)[0][-1]
+        many = mapped(log, seed, particles=30, **options)[0][-1]
         away = [position_errors(step.pose, log.truth[-1]) for step in (one, many)]
         assert away[1] < 0.4 < 0.6 < away[0]
