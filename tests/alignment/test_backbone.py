@@ -57,14 +57,14 @@ def misled(log, k, error):
     return logs.changed(log, odometry=odometry)
 
 
-@pytest.mark.parametrize("seed", [0, slow(1), slow(2)])
+@pytest.mark.parametrize("seed", [0, slow(1), slow(3), slow(4)])
 @pytest.mark.parametrize("sensor", [SICK_LMS200, URG_04LX], ids=lambda s: s.name)
 def test_heading_stays_within_half_a_degree_in_an_orthogonal_building(sensor, seed):
-    """The target: throughout the run, scans taken while turning included."""
+    """The target: throughout the run, scans taken while turning included, where odometry is bad."""
     rng = np.random.default_rng(seed)
     log = simulate(corridor_loop(), LOOP, sensor=sensor, rng=rng)
     found = backbone(log)
-    assert heading_errors(log, log.odometry).max() > 3.0
+    assert heading_errors(log, log.odometry).max() > 4.0
     assert heading_errors(log, found.poses).max() < 0.5
     assert found.doubt == ""
 

@@ -605,10 +605,10 @@ def test_both_maps_are_turned_into_one_frame(run):
     np.testing.assert_allclose(readers.read_segments("it.csv").segments, walls, atol=1e-4)
     code, said, _ = run("occupancy", *words, "-o", "it.npz")
     assert code == 0 and json.loads(said)["turned"]["degrees"] == turn
-    ends = walls[segmap.segments.length(walls) > 0.5].reshape(-1, 2)
+    ends = walls[segmap.segments.length(walls) > 1.0].reshape(-1, 2)
     leaves = (found := QuadtreeMap.load("it.npz")).leaves()
     full = np.stack([leaves.x, leaves.y], -1)[found.leaf_occupancy() > 0.5] + 0.025
-    assert all(np.abs(full - end).max(1).min() < 0.15 for end in ends)
+    assert len(ends) > 300 and all(np.abs(full - end).max(1).min() < 0.1 for end in ends)
 
 
 @pytest.mark.parametrize("command", ["map", "occupancy"])
