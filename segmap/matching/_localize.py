@@ -92,7 +92,8 @@ def localize(
 
     Parameters
     ----------
-    map : QuadtreeMap or SegmentMap
+    map
+        As for `search`.
     scans
         A Log, or scans one by one; without odometry the robot may go 0.1 m between two.
     particles

@@ -80,7 +80,10 @@ def test_equal_generators_give_equal_results_and_others_do_not():
 
 
 def test_weights_sum_to_1_and_the_effective_number_lies_between_1_and_all():
-    for step in mapped(room_log(), particles=9, resample=1.0)[0]:
+    log = room_log()
+    steps = mapped(log, particles=9, resample=1.0)[0]
+    assert len(steps) == len(log)
+    for step in steps:
         assert step.weights.sum() == pytest.approx(1, abs=1e-12) and (step.weights >= 0).all()
         assert 1 - 1e-9 <= step.effective <= 9 + 1e-9
         assert step.poses.shape == (9, 3) and 0 <= step.best < 9
