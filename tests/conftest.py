@@ -55,6 +55,24 @@ def no_png(monkeypatch):
 
 
 @pytest.fixture
+def agg():
+    """Figures are drawn without a window, and closed."""
+    import matplotlib.pyplot as plt
+
+    with plt.rc_context({"backend": "agg"}):
+        yield
+        plt.close("all")
+
+
+@pytest.fixture
+def ax(agg):
+    """Axes of a small figure."""
+    from matplotlib.figure import Figure
+
+    return Figure(figsize=(4, 3), dpi=50).subplots()
+
+
+@pytest.fixture
 def read(tmp_path):
     """Read a text, or a folder of texts by name, as if it were a log of that name."""
     from segmap import readers

@@ -97,6 +97,7 @@ def against_walls(
     walls : SegmentMap or (w, 2, 2) array
         Walls that continue each other count as one. A thin wall is two: one for each side.
     map : SegmentMap, Reduction or (n, 2, 2) array
+        What is judged, in the frame of `walls`.
     seen
         A map of what could be known: that of the same scans at their true poses, or the map before
         its reduction where these are not known. None takes the walls whole.

@@ -37,7 +37,6 @@ def doubled_walls(
 
     Parameters
     ----------
-    map : SegmentMap
     sensors : (k, 2) array, metres, or None
         Where the sensor or the robot was at each scan. None: what the map has kept.
     nearest, farthest

@@ -2,15 +2,12 @@
 
 from dataclasses import replace
 
-import matplotlib
-import matplotlib.pyplot as plt
 import numpy as np
 import pandas as pd
 import pytest
 import segmap_course as course
 from matplotlib.collections import LineCollection
 from matplotlib.colors import to_hex
-from matplotlib.figure import Figure
 from segmap_course import thesis_results
 
 from segmap.alignment import Match
@@ -41,16 +38,7 @@ TRIAL = course.Trial("it", "hill climbing", "field", 0, 0.013, 0.03, 0.01, 900, 
 LOST = replace(TRIAL, matcher="hill climbing, thesis")
 
 
-@pytest.fixture
-def ax():
-    return Figure(figsize=(4, 3), dpi=50).subplots()
-
-
-@pytest.fixture(autouse=True)
-def agg():
-    with matplotlib.rc_context({"backend": "agg"}):
-        yield
-        plt.close("all")
+pytestmark = pytest.mark.usefixtures("agg")
 
 
 def lines_of(ax, index=0):

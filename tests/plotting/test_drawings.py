@@ -3,13 +3,11 @@
 from dataclasses import replace
 from functools import partial
 
-import matplotlib
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 import segmap_course as course
 from matplotlib.colors import to_hex, to_rgba
-from matplotlib.figure import Figure
 
 from segmap import load, plotting
 from segmap.alignment import Alignment, angle_candidates, backbone_steps, odometry, point_steps
@@ -145,16 +143,7 @@ CALLER_LABELS = {"basin", "climb", "trade_off"}
 STRETCHED = {"centres", "strip"}
 
 
-@pytest.fixture
-def ax():
-    return Figure(figsize=(4, 3), dpi=50).subplots()
-
-
-@pytest.fixture(autouse=True)
-def agg():
-    with matplotlib.rc_context({"backend": "agg"}):
-        yield
-        plt.close("all")
+pytestmark = pytest.mark.usefixtures("agg")
 
 
 def colors_of(ax):

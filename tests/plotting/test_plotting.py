@@ -5,7 +5,6 @@ import io
 import json
 from dataclasses import replace
 
-import matplotlib
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest
@@ -37,16 +36,7 @@ PLAIN = Alignment(POSES, np.full(4, True), 0.0, "odometry", ("",) * 4)
 FOUR = Log("four", [SCAN] * 4, truth=[(1, 1, 0), (np.nan,) * 3, (3, 2, 0), (2, 2, 0)])
 
 
-@pytest.fixture
-def ax():
-    return Figure(figsize=(4, 3), dpi=50).subplots()
-
-
-@pytest.fixture(autouse=True)
-def agg():
-    with matplotlib.rc_context({"backend": "agg"}):
-        yield
-        plt.close("all")
+pytestmark = pytest.mark.usefixtures("agg")
 
 
 def lines_of(ax, index=0):
