@@ -253,10 +253,10 @@ def test_comes_back_when_asked(line, single):
 @pytest.mark.parametrize("single", [True, False])
 def test_comes_back_when_the_cable_was_pulled(line, single):
     """Catches a driver that waits for ever where nobody tells it that the sensor has gone."""
-    with line.emulator() as emulator, of(emulator, reconnect=10.0, timeout=0.1) as sensor:
+    with line.emulator() as emulator, of(emulator, reconnect=10.0, timeout=0.2) as sensor:
         source = iter(sensor.scan, None) if single else sensor.scans()
         line.turn(next(source))
-        emulator.inject("silence", seconds=1.0)
+        emulator.inject("silence", seconds=2.5)
         for scan in itertools.islice(source, 300):  # many may be on their way to a slow reader
             line.turn(scan)
             if sensor.reconnects:
