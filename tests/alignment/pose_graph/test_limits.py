@@ -302,11 +302,14 @@ def test_how_a_loop_is_measured(overlap, matched, reason):
         np.testing.assert_allclose(found.information, expected)
 
 
-@pytest.mark.parametrize(("each", "asked"), [(1, None), (2, 8), (187, 748), (188, 376), (375, 500)])
-def test_of_a_dense_place_some_points_are_searched_for(each, asked):
+@pytest.mark.parametrize(
+    ("new", "each", "asked"),
+    [(4, 1, None), (2, 2, 6), (4, 187, 748), (4, 188, 376), (4, 375, 500)],
+)
+def test_of_a_dense_place_some_points_are_searched_for(new, each, asked):
     """Four key frames see it; below six points it says nothing, above 750 only some are laid."""
     map = Scripted()
-    found = walked(30, np.ones((each, 2)))._measure(Window(3, ZERO, 1.0, 0.3), map, 30)
+    found = walked(4, np.ones((each, 2)))._measure(Window(0, ZERO, 1.0, 0.3), map, new)
     assert [given["points"] for given in map.asked] == ([] if asked is None else [asked])
     assert found == ("too few points" if asked is None else "the two places look different")
 
