@@ -7,13 +7,14 @@ import numpy as np
 import pytest
 
 from segmap import LaserScan
-from segmap.matching import MATCHERS, map_scans, search
+from segmap.matching import MATCHERS, effective_number, hill_climb, map_scans, search
 from segmap.matching import _localize as localizing
 from segmap.matching import _search as searching
 from segmap.matching._likelihoods import Likelihoods
 from segmap.matching._live_map import overlap_of
 from segmap.matching._particles import Particles, spread
-from segmap.quadtree import QuadtreeMap
+from segmap.matching._route import _sees
+from segmap.quadtree import QuadtreeMap, Squares
 from segmap.segments import SegmentMap
 from segmap.simulation import OdometryNoise, square_room
 
@@ -209,3 +210,34 @@ def test_a_place_must_fit_better_by_a_twentieth(there, added, monkeypatch):
         share = beliefs[1].weights[-300:].sum()
         new = 1 - 0.5 / 0.53
         assert share == pytest.approx(new * 0.53**10 / ((1 - new) * 0.5**10 + new * 0.53**10))
+
+
+@pytest.mark.parametrize(("missing", "both"), [(2, True), (3, False)])
+def test_fresh_particles_come_to_places_that_are_worse_by_a_tenth(missing, both):
+    """Of two places where 25 ends were, one lacks some."""
+    x, y = np.divmod(np.arange(25), 5)
+    ends = np.column_stack([x + 0.3 * np.sin(9 * x + y), y + 0.3 * np.sin(x * y)]) - 1.5
+    map = QuadtreeMap(resolution=0.05)
+    for place in (*(ends + 5.025), *(ends[missing:] + (20.025, 5.025))):
+        map.insert_scan(place, [place])
+    found = localizing.fresh_poses(Likelihoods(map), ends, 40, np.random.default_rng(1))
+    assert np.unique(np.rint(found[:, 0])).tolist() == [5, 20][: 1 + both]
+
+
+# ------------------------------------------------------------------ smaller parts
+def test_a_line_through_the_corner_of_four_cells_crosses_two_of_them():
+    clear = Squares(np.array([(0, 1), (1, 0)]), np.zeros(2, int))
+    assert _sees(clear, np.array([0.5, 1.5]), np.array([1.5, 0.5]))
+    assert not _sees(clear, np.array([0.5, 1.5]), np.array([1.5, 0.6]))
+
+
+@pytest.mark.parametrize("weights", [[0.5, 0.4], [0.5, 0.6], [1.1, -0.1], [[1.0]]])
+def test_weights_are_shares(weights):
+    with pytest.raises(ValueError, match="none negative, and sum to 1"):
+        effective_number(weights)
+
+
+@pytest.mark.parametrize(("heading", "wrapped"), [(np.pi, -np.pi), (-np.pi, -np.pi), (3.0, 3.0)])
+def test_a_heading_of_half_a_turn_is_that_to_the_right(heading, wrapped):
+    score = lambda map, points, poses: np.zeros(len(poses))  # noqa: E731
+    assert hill_climb(QuadtreeMap(), [(1, 0)], (0, 0, heading), score=score)[2] == wrapped
