@@ -9,13 +9,15 @@ import pytest
 
 from segmap.alignment import LiveGraph, LoopClosing, Tracking
 from segmap.alignment._result import Match, no_match
-from segmap.alignment.graph import Edge, information
+from segmap.alignment.graph import Edge, Solver, information, stacked
 from segmap.alignment.pose_graph._front_end import FrontEnd
 from segmap.alignment.pose_graph._key_frames import KeyFrames
 from segmap.alignment.pose_graph._loop_closing import LoopCloser, Window, descriptor
+from segmap.alignment.pose_graph._parts import _aligned, _inside, _join
+from segmap.poses import between
 
 ZERO, NOTHING = np.zeros(3), no_match(np.zeros(3), "nothing")
-SCAN = logs.office_log()[0]
+SCAN, LOG = logs.office_log()[0], logs.loop_log(step=0.5)
 ALONG_X = np.array([1.0, 0.0])
 
 
@@ -87,7 +89,7 @@ def test_a_lost_robot_is_sought_farther_the_faster_and_the_longer_lost(step, los
         *((place(-0.31), None, NOTHING, False), (place(degrees=-11), None, NOTHING, True)),
         *((place(degrees=-12), None, NOTHING, False), (place(matched=False), None, NOTHING, False)),
         # another place is as likely, unless it is the same one
-        *((place(), (0.84, place(9)), NOTHING, True), (place(), (0.86, place(9)), NOTHING, False)),
+        *((place(), (0.85, place(9)), NOTHING, True), (place(), (0.86, place(9)), NOTHING, False)),
         *((place(), (0.86, place(0, 0.49)), NOTHING, True),),
         *((place(), (0.86, place(0.36, 0.36)), NOTHING, False),),
         *((place(), (0.86, place(degrees=-14)), NOTHING, True),),
@@ -235,6 +237,34 @@ def test_a_match_that_slides_from_where_the_search_began_is_none(x, y, degrees, 
     assert found.matched == matched and found.overlap == 0.9
 
 
+# ------------------------------------------------------------------ key frames and parts
+def test_lazily_only_what_is_new_is_solved_and_else_everything():
+    rng, frames, solver = np.random.default_rng(1), walked(60).frames, Solver()
+    frames.edges += [loop(k, 30 + k, 30 + rng.normal(0, 0.3)) for k in range(29)]
+    poses, lazy = frames.poses, []
+    solver.add(stacked(frames.edges))
+    for lazily in (True, False):
+        poses, *_ = solver.solve(poses, lazily=lazily)
+        frames.optimize(**({"lazily": True} if lazily else {}))
+        np.testing.assert_array_equal(frames.poses, poses)
+        lazy.append(poses)
+    assert not np.array_equal(*lazy)
+
+
+def test_behind_the_joint_the_robot_goes_on_as_in_its_part(monkeypatch):
+    """And loops that lead to the part before move the poses before the next ones are sought."""
+    first, second = (_aligned({}, part) for part in (LOG[:20], LOG[20:40]))
+    (front, _), (later, _), asked = _inside(first), _inside(second), []
+    front.scans += LOG[:20]
+    monkeypatch.setattr(LoopCloser, "seek", lambda *given, **said: True)
+    monkeypatch.setattr(KeyFrames, "optimize", lambda self, *, lazily: asked.append(lazily))
+    behind = later.frames.scan[10]
+    _join(first, second, LOG[20:40])
+    own, whole = np.array(later.trail.poses[behind:]), np.array(front.trail.poses[20 + behind :])
+    np.testing.assert_allclose(between(whole[0], whole), between(own[0], own), atol=1e-9)
+    assert len(front.trail.poses) == 40 and asked and all(asked)
+
+
 # ------------------------------------------------------------------ loops
 def test_a_descriptor_says_how_many_points_lie_in_each_ring():
     """Sixteen rings of half a metre; what lies farther off is not counted."""
@@ -312,6 +342,14 @@ def test_of_a_dense_place_some_points_are_searched_for(new, each, asked):
     found = walked(4, np.ones((each, 2)))._measure(Window(0, ZERO, 1.0, 0.3), map, new)
     assert [given["points"] for given in map.asked] == ([] if asked is None else [asked])
     assert found == ("too few points" if asked is None else "the two places look different")
+
+
+def test_where_key_frames_stand_close_the_map_of_an_old_place_is_of_five_before_and_after():
+    closer = walked(0, np.zeros((1, 2)))
+    for scan in range(1, 41):
+        closer.frames.add(scan, np.zeros((1, 2)), np.array([0.1, 0, 0]), np.eye(3))
+    closer._map_around(Window(20, ZERO, 2.5, 0.3))
+    assert list(closer.maps) == [(20, 15, 26)]
 
 
 def test_some_maps_of_old_places_are_kept():
