@@ -1,5 +1,7 @@
 """Hybrid with Fusion: weights and parents through both, and what it gains."""
 
+from inspect import signature
+
 import numpy as np
 import pytest
 from reduction_maps import MAPS
@@ -46,6 +48,8 @@ def test_a_live_map_is_that_of_the_method():
     walls = np.array([[(0, y), (4, y)] for y in (0, 1, 2, 3)]).repeat(6, axis=0)
     map = SegmentMap(walls + rng.normal(0, 0.02, walls.shape), np.tile(np.arange(12), 2))
     live = LiveReduction(every=5)
+    _, *options = signature(hybrid_fusion).parameters.values()
+    assert signature(LiveReduction).parameters == {option.name: option for option in options}
     for part in (map.segments[:0], *map.by_scan()):
         live.add(part)
         if live.scans % 5 == 0 and live.scans:

@@ -11,6 +11,7 @@ from segmap_course.literal.reduction import least_cost as plain
 from segmap.metrics import quality
 from segmap.reduction import least_cost, reduce_to
 from segmap.reduction._runner import rows_of
+from segmap.reduction.least_cost import _least_cost
 from segmap.reduction.least_cost._exchange import exchanged
 from segmap.reduction.least_cost._fit_kernels import Limits
 from segmap.reduction.least_cost._least_cost import crosses, merged
@@ -26,6 +27,15 @@ def test_quality_is_never_below_the_guarantee(seed, penalty):
     map = np.concatenate([MAPS[seed % 4](rng), points])
     found, n = least_cost(map, penalty=penalty), np.count_nonzero(length(map))
     assert quality(map, found) >= np.exp(-penalty * (n - len(found)) / n / 0.05) - 1e-9
+
+
+@pytest.mark.parametrize("sought", [1e-5, 1.01e-4, 0.05, 3.98])
+def test_the_penalty_is_found_to_within_a_third_of_a_percent(sought, monkeypatch):
+    """Catches a bisection that ends early or on the wrong side, and penalties out of its range."""
+    monkeypatch.setattr(_least_cost, "least_cost", lambda map, penalty: penalty)
+    monkeypatch.setattr(_least_cost, "measured", lambda map, penalty: 1 - penalty / 10)
+    found = reduce_to([], quality=1 - sought / 10)
+    assert found <= sought < 1.003 * found or (found == pytest.approx(1e-4) and sought < found)
 
 
 @pytest.mark.parametrize("wanted", [0.7, 0.85, 0.95])

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from reduction_maps import redundant_map
+from reduction_maps import assert_literal, grid_map, redundant_map
 from segmap_course import known_building
 
 from segmap.experiments import load_walls
@@ -65,6 +65,15 @@ def test_scans_that_move_leave_a_wall_each_and_a_niche_that_is_thinner_than_the_
     assert np.isfinite(scattered.noise)
 
 
+@pytest.mark.parametrize("seed", range(8))
+def test_equals_the_plain_method_on_a_grid_of_a_tenth_of_a_metre(seed):
+    """Gaps of 0.3 m and 1 m, beams through 0.1 m, niches: what hides, bridges and takes in."""
+    rng = np.random.default_rng(seed)
+    scan = np.arange(48) if seed % 2 else rng.integers(0, 9, 48)
+    map = SegmentMap(0.4 * grid_map(rng), scan, sensors=rng.uniform(-1, 1, (48, 2)))
+    assert_literal("one_per_wall", map)
+
+
 def gap(*, before: bool, behind: bool, sensors: bool = True) -> SegmentMap:
     """A wall with a gap of 0.8 m, what stands before the gap, and what is seen through it."""
     looks = [[(0, 2), (2, 2)], [(2.8, 2), (5, 2)]]
@@ -106,9 +115,18 @@ def test_the_factor_widens_what_is_one_wall():
     assert [len(one_per_wall(walls, factor=f)) for f in (1.0, 3.0)] == [2, 1]
 
 
-def test_no_pair_tells_no_noise():
-    found = one_per_wall([[(0, 0), (2, 0)], [(0, 1), (2, 1)]])
-    assert np.isnan(found.noise) and len(found) == 2
+@pytest.mark.parametrize(("before", "joined"), [(1.9, True), (2.1, False)])
+def test_what_stands_more_than_two_metres_before_a_gap_does_not_hide_it(before, joined):
+    looks = [[(0, 2), (2, 2)], [(2.8, 2), (5, 2)], [(1.9, 2 - before), (2.9, 2 - before)]]
+    parents = one_per_wall(SegmentMap(looks, sensors=[(2.4, -40)])).parents
+    assert (parents[0] == parents[1]) == joined
+
+
+@pytest.mark.parametrize(("looks", "known"), [(1, False), (4, False), (5, True)])
+def test_less_than_eight_pairs_tell_no_noise(looks, known):
+    """Four looks have six pairs, five have ten."""
+    found = one_per_wall([[(0, 0.001 * k), (2, 0.001 * k)] for k in range(looks)])
+    assert np.isfinite(found.noise) == known and len(found) == 1
 
 
 @pytest.mark.parametrize("seed", range(5))

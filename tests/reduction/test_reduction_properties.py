@@ -12,6 +12,7 @@ from reduction_maps import (
     MAPS,
     assert_literal,
     corridor_map,
+    grid_map,
     malaga,
     random_map,
     redundant_map,
@@ -63,6 +64,11 @@ THRESHOLDS = {
 }  # fmt: skip
 THRESHOLDS["fusion_online"] = THRESHOLDS["fusion"]
 THRESHOLDS["basic_online"] = THRESHOLDS["basic_offline"]
+#: What each threshold is on a grid of 1/4 m.
+MET = {"distance": 0.25, "tolerance": 0.125, "gap": 0.25, "min_length": 0.25, "penalty": 0.0625,
+       "far": 0.5, "long": 0.5, "bridge": 0.25, "across": 0.25, "along": 0.25, "error": 0.25,
+       "cell": 0.5, "noise": 0.25, "sigma": 0.25, "spacing": 0.25, "eps": 0.125, "every": 2,
+       "axes": 0.0}  # fmt: skip
 #: Thresholds that are lengths, or in the case of the bandwidth one over a length.
 LENGTHS = {"distance", "tolerance", "sigma", "bandwidth", "gap"}
 LENGTHS |= {"sigma_range", "sigma_place", "spacing", "eps", "penalty", "far", "long", "bridge"}
@@ -96,6 +102,20 @@ def made(make, name: str, seed: int) -> SegmentMap:
 def test_equals_the_plain_method(name, case, seed, make):
     """Another order, tie, neighbour, representative, chain, shift, count, filter or scan."""
     assert_literal(name, made(make, name, seed), **THRESHOLDS[name][case])
+
+
+@methods
+@pytest.mark.parametrize("factor", [1, 2])
+@pytest.mark.parametrize("seed", range(3))
+def test_equals_the_plain_method_where_limits_are_met(name, factor, seed):
+    """A limit that belongs to the other side; of equals another one."""
+    rng = np.random.default_rng(seed)
+    n = SMALL.get(name, (48, 1.0))[0]
+    map = SegmentMap(
+        grid_map(rng, n), rng.integers(0, 9, n), sensors=rng.integers(-6, 7, (9, 2)) / 4
+    )
+    known = unwrap(METHODS[name].function).__kwdefaults__
+    assert_literal(name, map, **{k: factor * v for k, v in MET.items() if k in known})
 
 
 @methods

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from reduction_maps import redundant_map
+from reduction_maps import assert_literal, corridor_map, redundant_map
 from segmap_course.literal.reduction.uncertain_parameters import fused, uncertain
 
 from segmap.poses import transform
@@ -69,6 +69,13 @@ def test_the_points_behind_a_segment_say_how_well_it_is_known():
     expected = (0.05 / 0.04**2) / (1 / 0.001**2 + 1 / 0.04**2)
     assert uncertain_parameters(map).segments[0, :, 1] == pytest.approx(expected)
     assert uncertain_parameters(map.segments).segments[0, :, 1] == pytest.approx(0.025)
+
+
+@pytest.mark.parametrize("seed", range(2))
+def test_lines_of_hundreds_of_metres_are_known_no_better_than_any_line(seed):
+    rng = np.random.default_rng(seed)
+    map = SegmentMap(100 * corridor_map(rng, 40), rng.integers(0, 9, 40))
+    assert_literal("uncertain_parameters", map, distance=10.0)
 
 
 def test_another_origin_is_refused():

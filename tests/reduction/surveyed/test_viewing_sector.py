@@ -38,6 +38,15 @@ def test_sectors_all_around(turn):
     assert found.parents.tolist() == [*range(40), *range(40)[::-1]]
 
 
+def test_a_hundred_doors_that_are_seen_and_then_open():
+    """More claims, and more pieces that are gone, than there was room for at first."""
+    x = np.arange(100) / 5 - 10
+    doors = [[(a, 3), (a + 0.15, 3)] for a in x]
+    found = viewing_sector(scans_of(doors, doors, [[(-90, 20), (90, 20)]]))
+    assert found.scan_live.tolist() == [100, 100, 1]
+    assert found.parents.tolist() == [-1] * 200 + [0]
+
+
 def test_four_things_that_a_scan_can_say():
     """SURVEYED check a: matched, hidden, gone and not looked at; sums weigh 58 against 30."""
     found = viewing_sector(scans_of([WALL], LOOK))

@@ -1,0 +1,243 @@
+"""Where the rules of matching end: a little less and a little more than what they allow."""
+
+from functools import partial
+from inspect import signature
+
+import numpy as np
+import pytest
+
+from segmap import LaserScan
+from segmap.matching import MATCHERS, effective_number, hill_climb, map_scans, search
+from segmap.matching import _localize as localizing
+from segmap.matching import _search as searching
+from segmap.matching._likelihoods import Likelihoods
+from segmap.matching._live_map import overlap_of
+from segmap.matching._particles import Particles, spread
+from segmap.matching._route import _sees
+from segmap.quadtree import QuadtreeMap, Squares
+from segmap.segments import SegmentMap
+from segmap.simulation import OdometryNoise, square_room
+
+ROOM = SegmentMap(square_room(4.0))
+ZERO = np.zeros(3)
+
+
+def scan_of(points):
+    x, y = np.array(points, float).T
+    return LaserScan(np.hypot(x, y), np.arctan2(y, x))
+
+
+# ------------------------------------------------------------------ a scan on a whole map
+@pytest.mark.parametrize(
+    ("other", "places"),
+    [
+        *(((0.3, 0, 0), 1), ((0.31, 0, 0), 2), ((0.2, -0.2, 0), 1), ((0.22, 0.22, 0), 2)),
+        *(((0, 0, -0.29), 1), ((0, 0, 0.31), 2), ((0, 0, 2 * np.pi - 0.29), 1)),
+    ],
+)
+def test_a_place_so_near_to_a_better_one_is_none_of_its_own(other, places):
+    assert searching.distinct(np.array([ZERO, other]), 9).tolist() == [0, 1][:places]
+    assert len(searching.distinct(np.arange(9)[:, None] * np.ones(3), 4)) == 4
+
+
+def test_ends_that_lie_far_apart_count_as_a_step_of_thirty_centimetres():
+    """Of six ends two gaps are of ten metres: all steps are equal."""
+    x = np.array([0, 10, 20, 20.3, 20.6, 20.9])
+    found = searching.spread(np.column_stack([x, 0 * x]), 3)
+    assert sorted(found[:, 0]) == [0, 20.3, 20.9]
+
+
+@pytest.mark.parametrize(("length", "headings"), [(0.5, 126), (2.0, 252), (90.0, 889)])
+def test_headings_move_the_mean_beam_by_a_cell(length, headings):
+    """Not coarser than three degrees, not finer than for a beam across the map (141.4 cells)."""
+    map, ends = Likelihoods(ROOM), length * np.array([(1, 0), (0, 1)])
+    cells, step = searching._turned(map, ends)
+    assert cells.shape == (headings, 2, 2) and step == 2 * np.pi / headings
+
+
+def test_the_covariance_of_a_pose_that_nothing_tells_is_that_of_all_poses_within_four_cells():
+    map = Likelihoods(ROOM)
+    scan, step = searching._turned(map, np.array([(70.0, 0), (0, 80)]))
+    found = searching._covariance(map, scan, np.array([0, 0, 9, 9]), step)
+    expected = np.array([0.05, 0.05, step]) ** 2 * (60 / 9 + 1 / 12)
+    np.testing.assert_allclose(found, np.diag(expected), atol=1e-15)
+
+
+@pytest.mark.parametrize(("fit", "found"), [(0.85, True), (0.849, False)])
+def test_a_place_is_believed_where_it_fits(fit, found):
+    map = Likelihoods(SegmentMap([[(0, 0), (3, 0)], [(0, 0), (0, 2)], [(1, 1), (2, 1.6)]]))
+    map.fits = lambda points, poses: np.full(len(poses), fit)
+    points = (
+        [(x / 4, 0) for x in range(1, 12)] + [(0, y / 4) for y in range(8)] + [(1, 1), (2, 1.6)]
+    )
+    places = searching.places_of(map, np.array(points), margin=0.01)
+    assert len(places) == 1 and places.found == found
+    options = signature(search).parameters
+    inside = signature(searching.places_of).parameters
+    assert {k: p.default for k, p in inside.items() if k in options and k != "map"} == {
+        k: p.default for k, p in options.items() if k not in ("map", "scan")
+    }
+
+
+# ------------------------------------------------------------------ scan after scan
+@pytest.mark.parametrize(("off", "on"), [(0.14, True), (0.15, False)])
+def test_an_end_lies_on_the_map_twelve_centimetres_and_half_a_cell_from_it(off, on):
+    map = QuadtreeMap(resolution=0.05)
+    map.insert_scan((0, 0), [(1.025, 0.025)])
+    assert overlap_of(map, scan_of([(1.025, 0.025 + off)]), ZERO) == on
+    assert overlap_of(map, LaserScan([], []), ZERO) == 0
+
+
+@pytest.mark.parametrize(("on", "found"), [(3, True), (2, False)])
+def test_a_robot_is_found_where_three_fifths_of_its_scan_lie_on_the_map(on, found):
+    first = [(1, y / 2) for y in range(5)]
+    second = first[:on] + [(9, y) for y in range(5 - on)]
+    still = partial(lambda map, points, start, *, score: start)
+    *_, last = map_scans([scan_of(first), scan_of(second)], matcher=still)
+    assert last.overlap == on / 5 and last.found == found
+    assert Particles(np.zeros((1, 3)), np.ones(1), np.zeros(1, int), 0, on / 5, 0.0).found == found
+
+
+def test_the_matchers_of_the_thesis_step_and_draw_as_it_prints():
+    """One millimetre and one degree; two centimetres and two radians: at first twice as wide."""
+    asked = []
+
+    def score(map, points, poses):
+        asked.append(poses)
+        return np.zeros(len(poses))
+
+    given = QuadtreeMap(), np.ones((1, 2)), ZERO
+    for name in ("hill climbing, thesis", "sample and rank, thesis"):
+        MATCHERS[name](np.random.default_rng(1))(*given, score=score)
+    steps, drawn = asked[1], asked[2]
+    np.testing.assert_allclose(steps.max(0), (0.001, 0.001, np.radians(1)))
+    np.testing.assert_allclose(drawn.std(0), (0.04, 0.04, 4.0), rtol=0.25)
+
+
+@pytest.mark.parametrize("step", [(3, 4, 0), (0, 0, -2), (0, 0, 0)])
+def test_the_errors_of_the_odometry_add_up_as_squares(step):
+    noise, way, turn = OdometryNoise(0.1, 0.2, 0.3, 0.4), np.hypot(*step[:2]), abs(step[2])
+    along = noise.distance_noise**2 * way + 0.002**2
+    about = noise.turn_noise**2 * turn + noise.heading_noise**2 * way
+    about += (noise.turn_bias * turn) ** 2 + 0.001**2
+    np.testing.assert_allclose(spread(np.array(step), noise) ** 2, (along, along, about))
+
+
+# ------------------------------------------------------------------ a robot on a known map
+@pytest.mark.parametrize(
+    ("fit", "said"), [(0.8, ""), (0.799, "not yet"), (0.7, "not yet"), (0.699, "lost")]
+)
+def test_how_well_scans_fit_says_whether_the_robot_is_found(fit, said):
+    belief = localizing.believed(np.zeros((5, 3)), np.full(5, 0.2), fit)
+    assert belief.reason.split(":")[0] == said and belief.found == (not said)
+
+
+@pytest.mark.parametrize(
+    ("poses", "weights", "places"),
+    [
+        *(([ZERO, (1, 0, 0)], [0.951, 0.049], 1), ([ZERO, (1, 0, 0)], [0.949, 0.051], 2)),
+        *(([ZERO, (0.3, 0.4, 0)], [0.5, 0.5], 1), ([ZERO, (0.36, 0.36, 0)], [0.5, 0.5], 2)),
+        *(([ZERO, (0, 0, -0.49)], [0.5, 0.5], 1), ([ZERO, (0, 0, 0.51)], [0.5, 0.5], 2)),
+        ([ZERO, (1, 0, 0), (2, 0, 0)], [0.5, 0.3, 0.2], 3),
+        ([ZERO, (1, 0, 0), (2, 0, 0)], [0.5, 0.46, 0.04], 2),
+    ],
+)
+def test_how_many_places_there_are(poses, weights, places):
+    belief = localizing.believed(np.array(poses, float), np.array(weights), 0.9)
+    assert belief.reason == ("" if places == 1 else f"not yet: {places} places")
+
+
+@pytest.mark.parametrize(
+    ("way", "errors"),
+    [
+        *((None, (0.1, 0.1, 0.1)), (ZERO, (0.02, 0.02, 0.01))),
+        *(((3, -4, 0), (0.52, 0.52, 0.26)), ((0, 0, -2), (0.02, 0.02, 0.21))),
+    ],
+)
+def test_particles_move_by_the_odometry_with_its_errors(way, errors):
+    """At rest, for each metre and for each radian; 0.1 m and 0.1 rad where there is none."""
+    first = LaserScan([], [], odometry=None if way is None else ZERO)
+    second = LaserScan([], [], odometry=way)
+    poses, rng = np.zeros((20_000, 3)), np.random.default_rng(1)
+    found = localizing.moved(poses, first, second, rng)
+    np.testing.assert_allclose(found.std(0), errors, rtol=0.03)
+    np.testing.assert_allclose(found.mean(0), ZERO if way is None else way, atol=0.02)
+    assert localizing.moved(poses, None, second, rng) is poses
+
+
+def believed_of(fits, there, monkeypatch):
+    """Beliefs of a robot whose scans fit so, and those at which the whole map was searched."""
+    searched, beliefs, now = [], [], iter(fits)
+
+    class Map:
+        def fits(self, points, poses):
+            if searched and searched[-1] == len(beliefs) and self.fresh:
+                self.fresh = False
+                return np.full(len(poses), there)
+            return np.full(len(poses), next(now))
+
+    def fresh(map, ends, count, rng):
+        searched.append(len(beliefs))
+        map.fresh = True
+        return np.zeros((count, 3))
+
+    monkeypatch.setattr(localizing, "fresh_poses", fresh)
+    scans = [scan_of([(1, 0), (0, 1)])] * len(fits)
+    for belief in localizing._beliefs(Map(), scans, np.random.default_rng(1), 300, 40):
+        beliefs.append(belief)
+    return beliefs, searched
+
+
+def test_a_search_that_brings_nothing_is_repeated_ever_less_often(monkeypatch):
+    _, searched = believed_of([0.5] * 70, 0.5, monkeypatch)
+    assert searched == [0, 1, 3, 7, 15, 31, 47, 63]
+
+
+def test_the_newest_scan_is_half_of_the_fit(monkeypatch):
+    beliefs, searched = believed_of([0, 1.0, 0.9], 0.65, monkeypatch)
+    fits = [belief.fit for belief in beliefs]
+    np.testing.assert_allclose(fits, [0.65, 0.65**0.5, (0.65**0.5 * 0.9) ** 0.5])
+    assert searched == [0]
+
+
+@pytest.mark.parametrize(("there", "added"), [(0.51, 0), (0.53, 300)])
+def test_a_place_must_fit_better_by_a_twentieth(there, added, monkeypatch):
+    """As many as fit better are new: by 0.03 of 0.53."""
+    beliefs, _ = believed_of([0, 0.5], there, monkeypatch)
+    before, after = (len(belief.poses) for belief in beliefs)
+    assert after - before == added
+    if added:
+        share = beliefs[1].weights[-300:].sum()
+        new = 1 - 0.5 / 0.53
+        assert share == pytest.approx(new * 0.53**10 / ((1 - new) * 0.5**10 + new * 0.53**10))
+
+
+@pytest.mark.parametrize(("missing", "both"), [(2, True), (3, False)])
+def test_fresh_particles_come_to_places_that_are_worse_by_a_tenth(missing, both):
+    """Of two places where 25 ends were, one lacks some."""
+    x, y = np.divmod(np.arange(25), 5)
+    ends = np.column_stack([x + 0.3 * np.sin(9 * x + y), y + 0.3 * np.sin(x * y)]) - 1.5
+    map = QuadtreeMap(resolution=0.05)
+    for place in (*(ends + 5.025), *(ends[missing:] + (20.025, 5.025))):
+        map.insert_scan(place, [place])
+    found = localizing.fresh_poses(Likelihoods(map), ends, 40, np.random.default_rng(1))
+    assert np.unique(np.rint(found[:, 0])).tolist() == [5, 20][: 1 + both]
+
+
+# ------------------------------------------------------------------ smaller parts
+def test_a_line_through_the_corner_of_four_cells_crosses_two_of_them():
+    clear = Squares(np.array([(0, 1), (1, 0)]), np.zeros(2, int))
+    assert _sees(clear, np.array([0.5, 1.5]), np.array([1.5, 0.5]))
+    assert not _sees(clear, np.array([0.5, 1.5]), np.array([1.5, 0.6]))
+
+
+@pytest.mark.parametrize("weights", [[0.5, 0.4], [0.5, 0.6], [1.1, -0.1], [[1.0]]])
+def test_weights_are_shares(weights):
+    with pytest.raises(ValueError, match="none negative, and sum to 1"):
+        effective_number(weights)
+
+
+@pytest.mark.parametrize(("heading", "wrapped"), [(np.pi, -np.pi), (-np.pi, -np.pi), (3.0, 3.0)])
+def test_a_heading_of_half_a_turn_is_that_to_the_right(heading, wrapped):
+    score = lambda map, points, poses: np.zeros(len(poses))  # noqa: E731
+    assert hill_climb(QuadtreeMap(), [(1, 0)], (0, 0, heading), score=score)[2] == wrapped
