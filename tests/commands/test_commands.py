@@ -64,22 +64,6 @@ def near(folder):
     return str(folder / "near.log")
 
 
-@pytest.fixture
-def run(tmp_path, monkeypatch, capsys):
-    """Run a command in a folder of its own: exit code, output, what is said beside it."""
-    monkeypatch.chdir(tmp_path)
-
-    def command(*words):
-        capsys.readouterr()
-        try:
-            code = main([str(word) for word in words])
-        except SystemExit as end:
-            code = end.code
-        return code, *capsys.readouterr()
-
-    return command
-
-
 def expected(path, method, **settings):
     log = segmap.read(path)
     return reduction.METHODS[method](segmap.build_map(log, log.truth, keep_points=True), **settings)
