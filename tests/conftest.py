@@ -103,3 +103,21 @@ def workloads():
     sys.modules["workloads"] = module
     spec.loader.exec_module(module)
     return module
+
+
+@pytest.fixture
+def run(tmp_path, monkeypatch, capsys):
+    """Run a command in a folder of its own: exit code, output, what is said beside it."""
+    from segmap._commands import main
+
+    monkeypatch.chdir(tmp_path)
+
+    def command(*words):
+        capsys.readouterr()
+        try:
+            code = main([str(word) for word in words])
+        except SystemExit as end:
+            code = end.code
+        return code, *capsys.readouterr()
+
+    return command

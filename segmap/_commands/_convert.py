@@ -76,8 +76,9 @@ def _write(path: Path, log: Log, poses: Alignment | None) -> str:
         exports.write_tum(path, log, rows)
         return f"{path}: {counted(int(np.isfinite(rows).all(1).sum()), 'pose')} by {kind}"
     if path.suffix == ".g2o" and poses is not None:
-        exports.write_graph(path, poses)  # which refuses an alignment without a graph
-        edges = np.empty((0, 2)) if poses.graph is None else poses.graph.edges
+        exports.write_graph(path, poses)
+        assert poses.graph is not None  # it refuses an alignment without
+        edges = poses.graph.edges
         words = f"{path}: {counted(len(log), 'pose')}, {counted(len(edges), 'edge')}"
         loose = len(log) - len(np.unique(edges))
         return f"{words}; {loose} without an edge: only key scans have some" if loose else words

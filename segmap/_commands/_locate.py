@@ -61,7 +61,7 @@ def locate_log(given: argparse.Namespace, log: Log, paths: list[Path], report: R
         return NO_MAP
     last = beliefs[-1]
     x, y, heading = last.pose.tolist()
-    off = float(np.sqrt(np.trace(last.covariance[:2, :2])))
+    off = float(np.sqrt(np.diag(last.covariance)[:2].sum()))
     words = f"{x:.2f} m, {y:.2f} m, {np.degrees(heading):.1f} degrees, within {metres(off)}"
     report.line("place", words if np.isfinite(x) else "unknown", x=x, y=y, heading=heading, off=off)
     sure = f"{percent(last.share)} of the particles are there, scans fit to {last.fit:.2f}"

@@ -39,9 +39,7 @@ def main(arguments: list[str] | None = None) -> int:
     given = parser().parse_args(arguments)
     try:
         with plain_warnings():
-            code = int(given.run(given) or 0)
-            sys.stdout.flush()
-            return code
+            return int(given.run(given) or 0)
     except KeyboardInterrupt:
         tell("stopped")
         return 130

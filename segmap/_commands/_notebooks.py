@@ -37,7 +37,7 @@ def run(given: argparse.Namespace) -> None:
     near = folder.resolve().parent == source.resolve().parent
     files, handed = originals(source, outside=near), _handed(folder)
     done = {name: _hand_over(folder, name, files[name], handed) for name in files}
-    write_bytes(folder / RECORD, json.dumps(handed, indent=0).encode())
+    write_bytes(folder / RECORD, json.dumps(handed).encode())
     _tell(folder, done)
     if not near:
         opened = folder / FIRST

@@ -90,9 +90,9 @@ def chosen_thresholds(
 
 def refuse_others(given: argparse.Namespace, method: str, methods: Mapping[str, Any]) -> None:
     """End with an error of usage where a threshold is given that another method has."""
-    every = {name for other in methods.values() for name in thresholds(other.function)}
-    own = set(thresholds(methods[method].function)) if method in methods else set()
-    for name in sorted(every - own):
-        if getattr(given, name) is not None:
-            known = ", ".join(map(_flag, sorted(own))) or "no threshold"
+    every = [name for other in methods.values() for name in thresholds(other.function)]
+    own = thresholds(methods[method].function) if method in methods else {}
+    for name in every:
+        if name not in own and getattr(given, name) is not None:
+            known = ", ".join(map(_flag, own)) or "no threshold"
             given.refuse(f"{method} has no {_flag(name)}; it has {known}")

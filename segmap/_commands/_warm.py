@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from .. import _warm
 from ..threads import cores
-from ._words import progress
+from ._words import progress, say
 
 if TYPE_CHECKING:
     from tqdm import tqdm
@@ -27,11 +27,11 @@ def run(given: argparse.Namespace) -> None:
     names, start = list(_warm.cases()), time.monotonic()
     jobs = max(1, min(given.jobs or cores(), len(names)))
     where = "one core" if jobs == 1 else f"{jobs} cores"
-    print(f"Compiling the loops of segmap on {where}, which is kept for later ...", flush=True)
+    say(f"Compiling the loops of segmap on {where}, which is kept for later ...")
     importlib.import_module("matplotlib.font_manager")  # lists the machine's fonts, once
     with progress(len(names), "method") as bar:
         _run_all(names, jobs, bar)
-    print(f"Done in {time.monotonic() - start:.0f} s.")
+    say(f"Done in {time.monotonic() - start:.0f} s.")
 
 
 def _run_all(names: list[str], jobs: int, bar: tqdm[Any]) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import gzip
 import lzma
+import re
 import stat
 import zipfile
 import zlib
@@ -225,6 +226,11 @@ def is_number(field: str) -> bool:
     return "_" not in field
 
 
+def is_count(field: str) -> bool:
+    """Whether a field is a whole number from 0, and one that fits into 64 bits."""
+    return re.fullmatch("[0-9]{1,18}", field) is not None
+
+
 def pose(fields: Sequence[str], what: str) -> Array:
     """Three fields as a (3,) array, metres and radians; three times `nan` where there is none."""
     found = numbers(fields, what)
@@ -248,7 +254,7 @@ def counted(
 ) -> tuple[Sequence[str], Sequence[str]]:
     """Split `n f1 ... fn rest` into the n fields that the first one announces, and the rest."""
     field, rest = (fields[0], fields[1:]) if fields else ("", ())
-    if not (field.isdecimal() and len(field) < 19):
+    if not is_count(field):
         raise ValueError(f"expected the number of {what}, got {field[:40]!r}")
     if not least <= int(field) <= len(rest):
         raise ValueError(f"announces {int(field)} {what}, but {len(rest)} fields follow")

@@ -1,6 +1,7 @@
 """Exports: another program finds what was meant, and `read` takes in again what was written."""
 
 import random
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -33,8 +34,16 @@ NEW = log_of([shot(k, HALF_TURN * 0.75 + 0.1, max_range=4.0) for k in range(3)])
 BOTH = log_of([shot(0), shot(1, place=BACK), shot(2)])
 SHOTS = [shot(k % 3, HALF_TURN * 0.75, p) for k, p in enumerate((BACK, AHEAD, BACK, AHEAD))]
 BOTH_NEW = log_of(SHOTS, np.vstack([TRUTH, TRUTH[1:2]]))
+TURNED = log_of([shot(k, HALF_TURN - 0.1) for k in range(3)])
 UNPLACED = log_of(OLD.scans, np.where([[True], [False], [True]], TRUTH, np.nan))
-LOGS = {"old": OLD, "new": NEW, "both": BOTH, "both new": BOTH_NEW, "unplaced": UNPLACED}
+LOGS = {
+    "old": OLD,
+    "new": NEW,
+    "turned": TURNED,
+    "both": BOTH,
+    "both new": BOTH_NEW,
+    "unplaced": UNPLACED,
+}
 
 
 def written(tmp_path, log, *poses, name="it.log"):
@@ -122,6 +131,22 @@ def test_arrays_hold_what_is_known_of_scans_of_one_size(tmp_path):
             exports.write_arrays(tmp_path / "it.npz", log_of(scans, None))
 
 
+@pytest.mark.parametrize("ordered", [True, False])
+def test_arrays_hold_all_that_a_log_knows(ordered, tmp_path):
+    """Catches times of beams, codes or a track that are lost on the way, and an order made up."""
+    codes, delays = [0, 7, 0, 16, 0], np.arange(5) * 0.01
+    scans = [replace(shot(k), codes=codes, delays=None if k == 0 else k * delays) for k in range(3)]
+    track = np.column_stack([np.arange(4) + 999.0, np.eye(4, 3)])
+    log = Log("three", scans, TRUTH, track=track, order_known=ordered)
+    exports.write_arrays(tmp_path / "it.npz", log)
+    found = read(tmp_path / "it.npz")
+    assert found.order_known == ordered and found.track.tolist() == track.tolist()
+    assert found[0].delays is None and found.truth.tolist() == TRUTH.tolist()
+    for k in range(3):
+        assert found[k].codes.tolist() == codes
+        assert k == 0 or found[k].delays.tolist() == (k * delays).tolist()
+
+
 @pytest.mark.parametrize("largest", [8.179, 8.15, 32.7, 49.9])
 def test_a_far_wall_stays_beside_beams_that_met_nothing(largest, tmp_path):
     """Catches an answer for nothing met that makes the reader guess another mode."""
@@ -159,7 +184,7 @@ def test_times_keep_their_microseconds_and_their_order(tmp_path):
 
 
 # ----------------------------------------------------------------------------- refused
-UNEVEN = np.array([-1.0, -0.5, 0.1, 0.5, 1.0])
+UNEVEN, ASKEW = np.array([-1.0, -0.5, 0.1, 0.5, 1.0]), np.array([0, 0, 1e-6, 0, 0])
 ENDLESS = [(0, 0, 0), (np.inf, 0, 0), (0, 0, 0)]
 TIMELESS = Log("x", [*OLD.scans[:2], LaserScan([1.0], [0.0], time=np.nan)], TRUTH)
 LATE = Log("late", [LaserScan([1.0], [0.0], time=1e13)])
@@ -171,15 +196,27 @@ REFUSED = {
     "an endless pose": (OLD, ENDLESS, r"poses must be finite, .* poses\[1\] is \[inf, 0.0, 0.0\]"),
     "no time": (TIMELESS, None, "the time of scan 2 must be finite, got nan"),
     "uneven": (log_of([shot(0), shot(1, UNEVEN), shot(2)]), None, "beams of scan 1 must be evenly"),
+    "uneven below": (log_of([shot(0), shot(1, -UNEVEN[::-1]), shot(2)]), None, "of scan 1 must be"),
+    "barely uneven": (
+        log_of([shot(k, HALF_TURN / 2 + 1.2 * ASKEW) for k in range(3)]),
+        None,
+        "must",
+    ),
     "clockwise": (log_of([shot(k, -HALF_TURN) for k in range(3)]), None, "counter-clockwise"),
     "no beam": (Log("x", [LaserScan([], [])], [(0, 0, 0)]), None, "scan 0 has no beam"),
     "two that look ahead": (AHEAD_TWICE, None, "of which one looks back, got 2: "),
     "three places": (THREE_PLACES, None, "got 3: "),
+    "six places": (
+        log_of([shot(0, place=(k, 0, 0)) for k in range(6)], None),
+        None,
+        r"got 6: (\[[^]]*\](, )?){4}$",
+    ),
     "one pose a laser": (log_of(SHOTS[:3]), None, "read as the laser's place on the robot"),
     "late": (LATE, None, r"it\.log cannot hold this log, .*expected seconds for the time"),
     "a long name": (Log("n" * 2**21, OLD.scans), None, "line 1: longer than 1048576 bytes"),
     "far": (Log("x", NEW.scans[:2], [(1e7, 0, 0), (1e7, 1, 0)]), None, "metres and radians"),
     "1.2 mm beside": (Log("x", NEW.scans[:1], [(0.0012, 0, 0)]), None, "as the laser's place"),
+    "as much ahead": (Log("x", NEW.scans[:1], [(-0.0012, 0, 0)]), None, "as the laser's place"),
     "one pose elsewhere": (Log("x", NEW.scans[:1], [(9, 9, 1)]), None, "read as the laser's place"),
 }
 
@@ -195,7 +232,8 @@ def test_what_cannot_be_written_is_refused_and_leaves_no_file(name, tmp_path):
 
 def test_one_pose_elsewhere_is_fine_in_old_lines_and_without_odometry(tmp_path):
     """Catches a refusal where nothing is ambiguous, or by less than a millimetre."""
-    written(tmp_path, Log("x", NEW.scans[:1], [(0.0008, 0, 0)]))
+    written(tmp_path, Log("x", [replace(NEW[0], sensor_pose=(0, 0, 0))], [(0.001, 0, 0)]))
+    written(tmp_path, log_of([shot(k, HALF_TURN / 2 + 0.8 * ASKEW) for k in range(3)]))
     bare = log_of([shot(0, HALF_TURN / 2, wheels=None)], TRUTH[:1])
     two = Log("two", [LaserScan([1.0, 2.0], [0.1, 0.4], 5.0)], [(1, 2, 1)])
     for log in (OLD[:1], bare, two):

@@ -160,6 +160,7 @@ def test_geojson_holds_the_occupied_leaves(room, occupied, tmp_path):
     cross = rings[:, :-1, 0] * rings[:, 1:, 1] - rings[:, 1:, 0] * rings[:, :-1, 1]
     np.testing.assert_allclose(cross.sum(1) / 2, leaves.side[hit] ** 2, rtol=1e-3)
     told = [[f["properties"][k] for k in ("vis", "occ", "occupancy")] for f in found["features"]]
+    assert max(len(repr(occupancy)) for *_, occupancy in told) == len("0.123456")
     expected = np.column_stack([leaves.vis, leaves.occ, value])[hit]
     np.testing.assert_allclose(told, expected, rtol=0, atol=1e-6)
 
@@ -207,6 +208,7 @@ def test_svg_holds_every_leaf_in_its_grey(room, outlines, tmp_path):
     expected = np.column_stack([*sides, np.rint(255 * (1 - value))])
     assert sorted(found) == sorted(map(tuple, expected.tolist()))
     left, top, wide, tall = map(float, root.get("viewBox").split())
+    assert root.get("width") == "800"  # as that of segments
     hit = leaves.occ > 0
     assert left < leaves.x[hit].min() < leaves.x[hit].max() < left + wide
     assert top < -leaves.y[hit].max() < -leaves.y[hit].min() < top + tall

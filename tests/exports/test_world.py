@@ -73,6 +73,9 @@ def test_arcs_of_the_ellipse_by_closed_form():
     assert east == pytest.approx(np.degrees(100 / A), abs=1e-10)
     assert north == pytest.approx(np.degrees(100 / (A * (1 - F) ** 2)), abs=1e-10)
     np.testing.assert_array_equal(Earth(-33.5, 151.2).coordinates((0, 0)), [151.2, -33.5])
+    for world, digits in ((Earth(-33.5, 151.2), 10), (Grid("EPSG:25832", 5e5, 5e6), 5)):
+        found = world.coordinates((1 / 3, 1 / 7))  # to a hundredth of a millimetre, and no more
+        assert (found == found.round(digits)).all() and (found != found.round(digits - 2)).all()
     assert Earth(0, 180).coordinates((100, 0))[0] < -179.99  # over the date line
     assert Earth(90, 0).coordinates((0, -1000))[1] == pytest.approx(89.991, abs=1e-4)  # no NaN
 
@@ -124,6 +127,8 @@ def test_squares_of_a_quadtree_lie_where_its_walls_do(tmp_path):
         (lambda: Earth(0, 181), "longitude must be .* at most 180, in degrees, got 181"),
         (lambda: Earth(np.nan, 0), "latitude must be .* got nan"),
         (lambda: Earth(0, 0, 90), "north must be .*got 90"),
+        (lambda: Earth(0, 0, 6.3), "north must be .*got 6.3"),
+        (lambda: Earth(0, 0, -6.3), "north must be .*got -6.3"),
         (lambda: Grid("25832", 0, 0), "name must be like EPSG:25832"),
         (lambda: Grid("EPSG:4326", 0, 0), "is in degrees, no grid in metres"),
         (lambda: Grid("EPSG:25832", np.inf, 0), "east must be .* in metres, got inf"),

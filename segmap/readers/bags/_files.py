@@ -16,7 +16,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import IO, Any
 
 from .._lines import BROKEN, LogError, open_bytes
 from ._bounds import Budget, check_metadata, look_through
@@ -44,9 +44,14 @@ def kind_of(path: Path) -> str | None:
         return "folder" if (path / METADATA).is_file() else None
     try:
         with open_bytes(path) as file:
-            head = file.read(16)
+            return _kind_in(file)
     except BROKEN:
         return None
+
+
+def _kind_in(file: IO[bytes]) -> str | None:
+    """Which bag begins here."""
+    head = file.read(max(map(len, MAGIC)))
     return next((kind for magic, kind in MAGIC.items() if head.startswith(magic)), None)
 
 
@@ -125,7 +130,7 @@ def opened(path: Path) -> Iterator[Bag]:
     with damage(path):
         if kind != "folder":
             with path.open("rb") as start:
-                if not start.read(16).startswith(tuple(MAGIC)):
+                if not _kind_in(start):
                     raise LogError(path, "is a bag that is packed as a whole: unpack it first")
         if kind == "ROS 1":
             reader = _reader_1(path, budget)
@@ -162,7 +167,7 @@ def damage(path: Path) -> Iterator[None]:
 
 
 def _words(fault: Exception) -> str:
-    return f"{type(fault).__name__}: {fault}"[:300]
+    return f"{type(fault).__name__}: {str(fault)[:300]}"
 
 
 def _reader_1(path: Path, budget: Budget) -> Any:

@@ -12,8 +12,6 @@ from .._raw_scans import Track
 
 #: A laser that moves by more than this on its robot, in metres and radians, has no place on it.
 STILL = 0.01, np.radians(1)
-#: So many frames hang in one chain at most.
-LONGEST = 100
 ODOMETRY, BASE = "odom", "base"
 
 
@@ -50,7 +48,7 @@ class Frames:
         """The frame itself and all above it, each with the pose of the frame in it."""
         pose = np.eye(4)
         found = {frame: pose}
-        while self.above.get(frame, frame) not in found and len(found) < LONGEST:
+        while self.above.get(frame, frame) not in found:
             pose, frame = self.poses[frame] @ pose, self.above[frame]
             found[frame] = pose
         return found

@@ -22,7 +22,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ...arrays import Array
-from .._lines import Lines, counted, numbers, pose, time
+from .._lines import Lines, counted, is_count, numbers, pose, time
 from .._raw_scans import URG_STEP, Extrinsic, RawScan, centred, extrinsic_by_offset, half_turn
 from .._text import TextFormat
 
@@ -82,7 +82,7 @@ def _parse_scan(fields: list[str]) -> RawScan:
 def _heaviest(fields: list[str]) -> Array:
     """Pose of the heaviest particle, (3,) array; weights are logarithms, -inf is one."""
     field = fields[1] if len(fields) > 1 else ""
-    if not field.isdecimal() or len(field) > 18 or len(fields) != 2 + PARTICLE * int(field):
+    if not is_count(field) or len(fields) != 2 + PARTICLE * int(field):
         raise ValueError(f"announces {field[:40]!r} particles, but {len(fields) - 2} fields follow")
     weights = numbers(fields[5::PARTICLE], "the weights")
     if np.isnan(weights).all():

@@ -31,7 +31,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...arrays import Array, slips
-from .._lines import Lines, is_number, numbers, pose, time
+from .._lines import Lines, is_count, is_number, numbers, pose, time
 from .._raw_scans import NOWHERE, Extrinsic, RawScan, Track, half_turn, uncorrected, with_odometry
 from .._text import TextFormat
 
@@ -118,10 +118,10 @@ def _message(fields: list[str]) -> Message:
     if at is None:
         raise ValueError(f"expected a message of Player, got {' '.join(fields)[:40]!r}")
     index, *body = fields[at + 1 :] or [""]
-    if not (index.isdecimal() and len(index) < 10):
+    if not is_count(index):
         raise ValueError(f"expected the index of the {fields[at]}, got {index[:40]!r}")
     when = time(fields[0]) if at else None
-    words = [int(word) for word in body[:2] if word.isdecimal() and len(word) < 10] if at else []
+    words = [int(word) for word in body[:2] if is_count(word)] if at else []
     kind = tuple(words) if len(words) == 2 and min(words) > 0 else ()
     return Message(f"{fields[at]} {int(index)}", int(index), when, kind, body[len(kind) :])
 
@@ -155,7 +155,7 @@ def _split(body: list[str], heads: Sequence[int]) -> tuple[int, list[str]]:
     """How many fields lie before the number of ranges, and the ranges without intensities."""
     for size in heads:
         word = body[size] if size < len(body) else ""
-        rest, announced = body[size + 1 :], int(word) if word.isdecimal() and len(word) < 19 else 0
+        rest, announced = body[size + 1 :], int(word) if is_count(word) else 0
         if announced and len(rest) in (announced, 2 * announced):
             return size, rest[:: len(rest) // announced]
     raise ValueError(

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from ...arrays import FAR, Array
 from ...poses.information import SYMMETRIC, rotated
-from .._lines import Lines, LogError, log_file, numbers, pose
+from .._lines import Lines, LogError, is_count, log_file, numbers, pose
 from ._g2o import LASERS, OTHERS, VERTICES
 
 #: Of each kind of edge: where the nine entries of the information stand among the six in the file.
@@ -105,7 +105,7 @@ def read_graph(path: str | Path) -> PoseGraph:
 def _number(fields: Sequence[str], place: int) -> int:
     """The number of a vertex."""
     field = fields[place] if len(fields) > place else ""
-    if not (field.isdecimal() and field.isascii() and len(field) < 16):
+    if not is_count(field):
         raise ValueError(f"expected the number of a vertex, got {field[:40]!r}")
     return int(field)
 

@@ -74,8 +74,7 @@ class CoreSlam(TextFormat):
             )
         ticks = numbers(fields[left : left + 2], "the ticks of the wheels") * (1, sign)
         if not (np.abs(ticks) <= MOST_TICKS).all():
-            said = " ".join(fields[left : left + 2])
-            raise ValueError(f"expected the ticks of the wheels, got {said[:40]}")
+            raise ValueError(f"expected the ticks of the wheels, got {ticks.tolist()}")
         when, ranges = time(fields[0], unit=1e-6), numbers(fields[header:], "ranges")
         self.scans.append((when, ticks, ranges))
 

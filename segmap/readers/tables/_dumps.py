@@ -35,10 +35,10 @@ class _Dump(Beams):
     @classmethod
     def claims(cls, fields: Sequence[str]) -> bool:
         """Whether a line is one of this format."""
-        return cls.pattern.fullmatch(" ".join(fields[:20])[:400]) is not None
+        return cls.pattern.fullmatch(" ".join(fields)) is not None
 
     def _take(self, fields: list[str]) -> None:
-        line = " ".join(fields)[:400]
+        line = " ".join(fields)
         if found := self.pattern.fullmatch(line):
             self.scans.append(self._beam(found))
         elif any(word in line for word in self.words):

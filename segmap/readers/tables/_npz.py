@@ -47,10 +47,8 @@ def read(path: Path, name: str, on_error: str = "raise") -> Log:
     except ValueError as fault:
         raise LogError(path, str(fault).removeprefix(f"{shown(path)}: ")) from fault
     if missing := [needed for needed in NEEDED if needed not in held]:
-        known = ", ".join(sorted(held)[:10])
-        raise LogError(
-            path, f"expected arrays {' and '.join(NEEDED)}, got {known}; no {missing[0]}"
-        )
+        got = f"got {', '.join(sorted(held))[:80]}; no {missing[0]}"
+        raise LogError(path, f"expected arrays {' and '.join(NEEDED)}, {got}")
     try:
         return _log(name, held)
     except ValueError as fault:

@@ -1,0 +1,223 @@
+"""Readers at their limits: what is just taken in, and what is just refused; and closed forms."""
+
+import gzip
+from contextlib import nullcontext
+from pathlib import Path
+from types import SimpleNamespace
+
+import mrpt_samples as mrpt
+import numpy as np
+import pytest
+from log_samples import CORESLAM, ODOMETRY, SICK, TIMES, WEAN, flaser, robotlaser, text
+
+from segmap import readers
+from segmap.readers import LogError, _mounting
+from segmap.readers.bags._bounds import Budget
+from segmap.readers.bags._frames import Frames
+from segmap.readers.tables._coreslam import integrate
+
+GOOD = flaser((1, 2, 0.5), (0, 0, 0), 1.0)
+ROBOT = "ROBOTLASER1 0 {} {} {} 80 0 0 2 1 2 0 0 0 0 0 0 0 0 0 0 0 0 1 h 0"
+WHEELS = CORESLAM.splitlines()[0].replace("29221", "{}")
+#: A line with a number in it; numbers that it may hold, and numbers that are refused.
+LIMITS = {
+    "place": ("FLASER 1 1 {} 0 0 0 0 0", "1e7 -1e7", "1.1e7 -1.1e7"),
+    "time": ("FLASER 1 1 0 0 0 0 0 0 {} h 0", "1e12 -1e12", "1.1e12 -1.1e12"),
+    "start": (ROBOT.format("{}", 0, 0.1), "9.9 -9.9", "10 -10 10.5"),
+    "view": (ROBOT.format(0, "{}", 0), "0 9.9", "-0.1 10 10.5"),
+    "step": (ROBOT.format(0, 1, "{}"), "0 9.9", "-0.1 10 10.5"),
+    "laser": (ROBOT.format(0, 1, 1).replace("ROBOTLASER1", "ROBOTLASER{}"), "1 5", "0 6"),
+    "raw": ("RAWLASER{} 0 0 1 1 80 0 0 2 1 2 0 1 h 0", "1 5", "0 6"),
+    "particles": (
+        "LASER_READING 1 1 0 0 0 1\nSM_UPDATE {} 1 2 3 0",
+        "1 000000000000000001",
+        "2 -1",
+    ),
+    "maxrange": ("PARAM maxrange {}\nLASER_READING 1 1 0 0 0 1", "0.5", "0 -1"),
+    "angles": ("laser 0 1.0 {} 1.5708 1.5708 3 1 1 1", "9.9 -9.9", "10 -10 10.5"),
+    "ticks": (WHEELS, "1e12 -1e12", "1.1e12 -1.1e12"),
+    "beam": ("1000 {}", "12.56 -12.56", "12.57 -12.57 15"),
+    "offset": (SICK.splitlines()[0].replace("181, 0,", "181, {},"), "720 -720", "721 -720.5"),
+    "degrees": ("angle_deg,range_mm\n{},1", "720 -720", "720.1 -720.1 800"),
+    "range": ("angle_deg,range_m\n0,{}", "1e7", "1.1e7 -1.1e7"),
+    "scan": ("angle_deg,range_m,scan\n0,1,{}", "1e7 -1e7", "1.1e7 -1.1e7"),
+    "clock": ("angle_deg,range_m,time_s\n0,1,{}", "1e12 -1e12", "1.1e12 -1.1e12"),
+}
+
+
+@pytest.mark.filterwarnings("ignore:.*degrees:UserWarning")
+@pytest.mark.parametrize("name", LIMITS)
+def test_a_number_is_read_up_to_its_limit(name, tmp_path):
+    """Catches a limit that is lost, or holds above zero only, or refuses what just fits."""
+    line, fine, bad = LIMITS[name]
+    path = tmp_path / "some.log"
+    for said in fine.split():
+        path.write_text(line.format(said) + "\n")
+        assert len(readers.read(path)) == 1, said
+    for said in bad.split():
+        path.write_text(line.format(said) + "\n")
+        with pytest.raises(LogError):
+            readers.read(path)
+
+
+@pytest.mark.parametrize(
+    ("ranges", "valid"),
+    [("8.17 8.18 8.2", [1, 0, 0]), ("8.18 8.21", [1, 1]), ("32.75 32.76 32.77", [1, 0, 0]),
+     ("32.76 32.78", [1, 1]), ("49.99 50 75", [1, 0, 0]), ("1e-9 0 -0.0", [1, 0, 0])],
+)  # fmt: skip
+def test_modes_end_where_they_say(read, ranges, valid):
+    """Catches a wall that is taken for nothing met, between the values of two modes."""
+    assert read(flaser((0, 0, 0), (0, 0, 1), ranges=ranges))[0].valid.tolist() == valid
+
+
+def test_a_line_and_a_head_and_a_packed_file_may_be_just_so_long(tmp_path):
+    """Catches limits of one byte or line less, which refuse what they promise to read."""
+    line, some = GOOD.encode(), 2**20 - 1 - len(GOOD)
+    for more, said in ((0, None), (1, "longer than 1048576 bytes")):
+        for name, data in {
+            "line": line + b" " * (some + more) + b"\n",
+            "head": b"#\n" * (100_000 + more) + line,
+            "packed": gzip.compress(line + b"\n" + (b"#" * 999 + b"\n") * 1048
+                                    + b"#" * (some - 1_048_000 + more)),
+        }.items():  # fmt: skip
+            (tmp_path / name).write_bytes(data)
+            reason = {"line": said, "head": "100000 lines in a row", "packed": "unpacks to more"}
+            with pytest.raises(LogError, match=reason[name]) if more else nullcontext():
+                assert len(readers.read(tmp_path / name)) == 1
+
+
+def test_the_first_lines_decide_and_no_later_one(tmp_path):
+    """Of 200 lines half are CARMEN's, which is asked first; of 201 most would be another's."""
+    path = tmp_path / "it.log"
+    path.write_text("FLASER 1 1\n" * 100 + "Laser 1 1\n" * 101)
+    assert readers.format_of(path) == "CARMEN"
+    path.write_text("FLASER 1 1\n" * 99 + "Laser 1 1\n" * 101)
+    assert readers.format_of(path) == "DP-SLAM"
+
+
+@pytest.mark.parametrize(("first", "form"), [("O 1 2 3 4\n" * 3, "Wean Hall"), (WEAN, "Wean Hall")])
+def test_lines_of_odometry_alone_tell_the_format(tmp_path, first, form):
+    """Catches a log that begins with a drive of 200 lines, and is of no known format then."""
+    (tmp_path / "it.log").write_text(first)
+    assert form in readers.format_of(tmp_path / "it.log")
+
+
+def test_a_header_is_sought_in_the_first_lines(read):
+    """Catches a header in line 20, or of 4096 bytes, that is not seen, and one beyond."""
+    table = "angle_deg,range_mm{}\n1,1000\n"
+    for notes, more, fine in ((19, 0, True), (20, 0, False), (0, 4076, True), (0, 4077, False)):
+        said = "# note\n" * notes + table.format("," + "x" * more if more else "")
+        with nullcontext() if fine else pytest.raises(LogError):
+            assert len(read(said)) == 1
+
+
+def test_a_scan_has_so_many_beams_and_no_more(read):
+    """Catches a last scan of a few beams that hides one of 100 001."""
+    head, beam = "angle_deg,range_m,scan\n", "1,1,0\n"
+    log = read(head + beam * 100_000 + "1,1,1\n")
+    assert [len(scan) for scan in log] == [100_000, 1]
+    with pytest.raises(LogError, match="at most 100000 beams in a scan"):
+        read(head + beam * 100_001 + "1,1,1\n")
+    assert len(readers.half_turn(1_000_000)) == 1_000_000 and len(readers.half_turn(0)) == 0
+    with pytest.raises(ValueError, match="count must be"):
+        readers.half_turn(1_000_001)
+
+
+@pytest.mark.parametrize(("count", "step"), [(540, 0.5), (541, 0.5), (682, 0.3515625),
+                                             (683, 0.3515625), (539, 180 / 538)])  # fmt: skip
+def test_beams_of_gmapping_are_centred(read, count, step):
+    angles = read(f"LASER_READING {count} {'1 ' * count}0 0 0 1\nNEFF 3\n")[0].angles
+    assert np.degrees(np.diff(angles)) == pytest.approx(step)
+    assert angles[0] == pytest.approx(-angles[-1])
+
+
+def test_places_of_a_laser_agree_to_a_millimetre(read):
+    """Catches poses by hand that are taken for a mounting, and noise that is taken for truth."""
+    for off, truth in ((0.0009, False), (0.0011, True), (-0.0011, True)):
+        lasers = [(x - 0.1 - k * off, y, h) for k, (x, y, h) in enumerate(((0, 0, 0), (3, 1, 0)))]
+        robots = [(0, 0, 0), (3, 1, 0)]
+        log = read(text(map(robotlaser, lasers, robots, TIMES)))
+        assert (log.truth is not None) == truth
+        if not truth:
+            assert log[0].sensor_pose.tolist() == [-0.1, 0, 0]
+            assert not np.signbit(log[0].sensor_pose[1:]).any()  # -0.0 in a file looks odd
+
+
+def test_wheels_drive_on_from_where_they_are():
+    """By hand: a quarter turn round the left wheel, then 1 m straight ahead."""
+    poses = integrate(np.array([[0.0, np.pi * 0.330 / 2], [1.0, 1.0]]))
+    expected = [(0, 0, 0), (0.165, 0.165, np.pi / 2), (0.165, 1.165, np.pi / 2)]
+    np.testing.assert_allclose(poses, expected, atol=1e-12)
+
+
+# ------------------------------------------------------------------------- in space, bags
+def tilted(degrees):
+    angle = np.radians(degrees)
+    return _mounting.in_space((0, 0, 0), (np.cos(angle / 2), np.sin(angle / 2), 0, 0))
+
+
+def test_a_laser_may_be_tilted_by_five_degrees():
+    for degrees, hangs in ((4.9, False), (-4.9, False), (175.1, True), (184.9, True)):
+        assert _mounting.flat(tilted(degrees))[1] == hangs
+    for degrees in (5.1, -5.5, 90, 174.9, 185.5):
+        with pytest.raises(_mounting.Tilted, match="tilted by"):
+            _mounting.flat(tilted(degrees))
+    for way in (1.0, -1.0):  # a matrix of rounded numbers
+        assert _mounting.flat(np.diag([1, way, way * (1 + 1e-9), 1]))[1] == (way < 0)
+
+
+def test_poses_in_space_have_limits():
+    """Catches a place 10 000 km away to the left, and a turn that is none."""
+    still = (1, 0, 0, 0)
+    for place in ((1e7, 0, 0), (0, -1e7, 0)):
+        assert _mounting.level(_mounting.in_space(place, still))[:2].tolist() == list(place[:2])
+        for far in (1.1, -1.1):
+            with pytest.raises(ValueError):
+                _mounting.in_space(np.multiply(place, far), still)
+            moved = np.eye(4)
+            moved[:3, 3] = np.multiply(place, far)
+            with pytest.raises(ValueError):
+                _mounting.level(moved)
+    assert _mounting.in_space((0, 0, 0), (1.1e-6, 0, 0, 0)).tolist() == np.eye(4).tolist()
+    with pytest.raises(ValueError):
+        _mounting.in_space((0, 0, 0), (0.9e-6, 0, 0, 0))
+
+
+@pytest.mark.parametrize(("ahead", "degrees", "moves"), [
+    (0.0099, 0.9, False), (-0.0099, -0.9, False), (0.0101, 0, True), (-0.0101, 0, True),
+    (0, 1.1, True), (0, -1.1, True)])  # fmt: skip
+def test_a_frame_that_trembles_stands_still(ahead, degrees, moves):
+    """Catches a laser that is refused for the noise of its mounting, and one that drives on it."""
+    frames = Frames()
+    for k in range(2):
+        angle = k * np.radians(degrees) / 2
+        turn = SimpleNamespace(w=np.cos(angle), x=0, y=0, z=np.sin(angle))
+        place = SimpleNamespace(x=1 + k * ahead, y=2, z=0)
+        where = SimpleNamespace(translation=place, rotation=turn)
+        header = SimpleNamespace(frame_id="/base")
+        frames.take(SimpleNamespace(header=header, child_frame_id="laser", transform=where), k)
+    assert (frames.moving == {"laser"}) == moves
+    with pytest.raises(ValueError, match="laser moves") if moves else nullcontext():
+        assert frames.place("laser", "base")[:2, 3].tolist() == [1, 2]
+
+
+def test_a_bag_may_unpack_to_256_megabytes():
+    for size, most in ((10, 256 << 20), (10 << 20, 500 << 20)):
+        budget = Budget(Path("it.bag"), size)
+        budget.take(most)
+        with pytest.raises(LogError, match="unpacks to more"):
+            budget.take(1)
+
+
+# ---------------------------------------------------------------------------------- MRPT
+def test_what_is_wrong_within_an_object_of_mrpt_names_file_and_byte(tmp_path):
+    """Catches an error whose words stand in the place of the path, and limits above zero only."""
+    path, good = tmp_path / "it.rawlog", mrpt.scan(1.0)
+    far = mrpt.scan(1.0, place=(-2e7, 0, 0)), mrpt.actions(mrpt.movement((-2e7, 0, 0)))
+    for bad in (mrpt.scan(1.0, pitch=1.0), *far):
+        path.write_bytes(good + bad + good)
+        log = readers.read(path, on_error="skip")
+        assert len(log) == 2 and log.skipped.lines == 1
+        assert log.skipped.reason.startswith(f"{path}: byte {len(good)}: ")
+    path.write_bytes(mrpt.actions(mrpt.movement((*ODOMETRY[1][:2], 4.0))) + good)
+    assert readers.read(path).odometry[0] == pytest.approx([1, 0, 4 - 2 * np.pi])
