@@ -192,7 +192,7 @@ MEANT = {"LaserScan.ranges=masked", "LaserScan.time=nan", "measure.ranges=masked
          "sweep.measure=of nothing", "sweep.measure=of words",  # these runs are known
          "default_thresholds.function=of nothing",
          "default_thresholds.function=of words",
-         # a call would draw from its noise
+         # a call would draw from its noise: the first scan tells
          "Emulator.world=of words", "Unit.world=of words"}  # fmt: skip
 #: Numbers that may be arrays: these functions work on many at once.
 ARRAYS = {"angle", "a", "b", "weight_a", "weight_b", "weight_u", "weight_v", "weights", "near"}

@@ -45,8 +45,12 @@ LARGE = (
     *("ipywidgets", "hypothesis"),
 )
 REWRITTEN = "pytest.PytestAssertRewriteWarning"
-#: Rooms whose tests try this one too: what is written is read again.
-ALSO = {"exports": ("readers/test_graph_files.py", "readers/test_segment_files.py")}
+#: Files of tests under another name, and those of rooms that try this one too: what is written is
+#: read again.
+ALSO = {
+    "exports": ("readers/test_graph_files.py", "readers/test_segment_files.py"),
+    "grading": ("course/test_grades_table.py", "course/test_handout.py"),
+}
 FORK = multiprocessing.get_context("fork")
 #: What teaches, or only hands on, is left alone.
 NOT_CHANGED = ("literal", "__init__.py", "__main__.py", "_warm.py", "testing")

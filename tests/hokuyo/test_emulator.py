@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from emulated import far_pattern, needs_terminals, open_files, pattern
 
-from segmap.hokuyo import SensorError, decode, parse_scan
+from segmap.hokuyo import SensorError, UrgSensor, decode, parse_scan
 from segmap.hokuyo._protocol import encode_reply, encode_scan, parse_reply
 from segmap.hokuyo.emulator import Emulator, Replay, Room, Unit, furnished_room
 from segmap.hokuyo.emulator._device import Fault, Wire
@@ -238,6 +238,24 @@ def test_emulators_that_cannot_be(wrong, message):
         Emulator(**({"world": pattern} | wrong))
     with Emulator(pattern, tcp="0") as it, pytest.raises(ValueError, match=r"'flip'.*'wrap'"):
         it.inject("burn")
+
+
+WRONG_WORLDS = [(lambda turn: "two", "two"), (lambda turn: np.ones(5), r"\(769,\)")]
+
+
+@pytest.mark.parametrize(("world", "message"), WRONG_WORLDS)
+def test_a_world_that_gives_no_scan_is_named_at_its_first(world, message):
+    """Catches an exception that ends in a thread, where nobody sees why the sensor is silent."""
+    with (
+        pytest.raises(ValueError, match=f"world must .*{message}"),
+        Emulator(world, tcp="0", speed=10.0) as emulator,
+        UrgSensor(emulator.port) as sensor,
+    ):
+        sensor.scan()
+    emulator.stop()
+    old = Bench(world, protocol="1.1")
+    with pytest.raises(ValueError, match=f"world must .*{message}"):
+        old.says("G00000001")
 
 
 @needs_terminals

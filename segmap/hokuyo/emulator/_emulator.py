@@ -27,21 +27,33 @@ class Device:
         self.unit, self.wire, self.end = unit, wire, end
         self._thread: threading.Thread | None = None
         self._stopping = threading.Event()
+        self._failure: Exception | None = None
 
     def start(self) -> None:
         """Open the line and serve it in a thread until `stop`."""
         self.end.open()
         self._stopping.clear()
-        self._thread = threading.Thread(target=self._serve, name="URG emulator", daemon=True)
+        self._thread = threading.Thread(target=self._run, name="URG emulator", daemon=True)
         self._thread.start()
 
     def stop(self) -> None:
-        """End the thread and cut the line; a second call does nothing."""
+        """End the thread and cut the line, and raise what ended it; then a call does nothing."""
         self._stopping.set()
         if self._thread is not None and self._thread is not threading.current_thread():
             self._thread.join()
             self._thread = None
         self.end.close()
+        failure, self._failure = self._failure, None
+        if failure is not None:
+            raise failure
+
+    def _run(self) -> None:
+        """Serve until the end; what the world raises cuts the line."""
+        try:
+            self._serve()
+        except Exception as error:
+            self._failure = error
+            self.end.close()
 
     def _serve(self) -> None:
         """Read, answer and write, again and again."""
@@ -169,7 +181,7 @@ class Emulator:
         self._device.start()
 
     def stop(self) -> None:
-        """End the thread and free the device; nothing happens the second time."""
+        """End the thread and free the device; raises what the world raised, once."""
         self._finalizer()
 
     def __enter__(self) -> Self:

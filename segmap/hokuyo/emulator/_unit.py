@@ -177,7 +177,7 @@ class Unit:
         elif len(text) == 9 and text[0] == "G" and text[1:].isdigit():
             first, last, cluster = int(text[1:4]), int(text[4:7]), max(int(text[7:]), 1)
             if first <= last < self.model.steps:
-                met = self.world(max(self.turn(), 0))[first : last + 1 : cluster]
+                met = self._met(max(self.turn(), 0))[first : last + 1 : cluster]
                 status, body = "0", blocks(encode(np.minimum(met, 4095), 2))
         return encode_reply(text, status, body, old=True)
 
@@ -274,9 +274,13 @@ class Unit:
         if self.trouble:
             return encode_reply(request.text, "50")
         turn = self.turn()
-        met = clustered(self.world(turn)[request.first : request.last + 1], request.cluster)
+        met = clustered(self._met(turn)[request.first : request.last + 1], request.cluster)
         body = encode_scan(self._stamp(turn), met, CHARACTERS[request.kind])
         return encode_reply(request.text, status, body)
+
+    def _met(self, turn: int) -> NDArray[np.int64]:
+        """Millimetres of all steps in a turn."""
+        return arrays.row(self.world(turn), "world", self.model.steps).astype(np.int64)
 
     def _stamp(self, turn: int) -> int:
         return (self.stamp + round(1000 * self.model.turn * turn)) % (1 << 24)

@@ -116,12 +116,17 @@ def test_behind_the_joint_a_robot_may_be_lost_and_loops_may_wait(monkeypatch):
     front, later = (_inside(graph)[0] for graph in (first, second))
     front.scans += near[:20]
     front.loose[3] = later.loose[36 - 20] = True
+    later.lost, later.tied[-2] = 2, False
+    later.begins.append(len(frames) - 3)
     asked.clear()
     _join(first, second, near[20:])
     joint = asked[-1][1]
     alone = [call for call in asked if call[1] == joint]
     assert [new for new, *_ in alone] == list(range(joint, alone[-1][0] + 1))
     assert np.flatnonzero(front.loose).tolist() == [3, 36]
+    last = len(front.frames) - 1
+    assert [k for k, tied in enumerate(front.tied) if not tied] == [joint + 1, last - 1]
+    assert (front.lost, front.begins) == (2, [0, last - 2])
     lost = {47}  # in 36 the robot only does not know how far it has come
     assert [front.frames.scan[new] in lost for new, *_ in alone] == [
         not confirmed for *_, confirmed in alone
