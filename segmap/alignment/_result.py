@@ -22,7 +22,7 @@ from ..scans import LaserScan, Log
 from ..scans.moving import unmoved
 from ..segments import SegmentMap, length
 from ._verdict import Verdict, judge
-from .graph import Graph
+from .graph import Graph, loops_of
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -166,6 +166,15 @@ class Alignment(Pictured):
         counts = Counter(reason for reason in self.reasons if reason)
         rows = sorted(((n, reason) for reason, n in counts.items()), reverse=True)
         return pd.DataFrame([n for n, _ in rows], [reason for _, reason in rows], ["scans"])
+
+    def loops(self) -> pd.DataFrame:
+        """The loops that a pose graph closed: a row for each, numbered from 0.
+
+        Columns `first` and `second`, the scans at both ends; `residual`, what the poses leave of
+        the loop, in standard deviations; the span, in `scans` and `metres` driven; and where both
+        places lie, `x_first`, `y_first`, `x_second`, `y_second`, metres.
+        """
+        return loops_of(self.graph, self.poses)
 
     def __len__(self) -> int:
         return len(self.poses)

@@ -9,6 +9,7 @@ from ._graph import (
     deviations,
     groups,
     information,
+    loops_of,
     residuals,
     solve_graph,
 )

@@ -23,6 +23,7 @@ class Edge(NamedTuple):
     relative: Array  # (3,): pose of the second in the frame of the first, metres and radians
     information: Array  # (3, 3): inverse covariance of that motion
     loop: Any = False  # whether it closes a loop; else it joins neighbours in time
+    forced: Any = False  # whether it keeps its weight, however far the others leave it open
 
 
 def stacked(edges: Sequence[Edge]) -> Edge:
@@ -36,6 +37,7 @@ class Edges(NamedTuple):
     ends: Indices  # (m, 2)
     relative: Array
     information: Array
+    scale: Array  # (m,): left open by so many standard deviations it has half the weight
     blocks: Array  # (m, 3, 9): first and first, second and second, first and second
     made: Array  # (m, 4), from what: motion, metres, heading of the first, radians, and weight
 
@@ -44,7 +46,6 @@ class Edges(NamedTuple):
 def linearise(
     poses: Array,
     edges: Edges,
-    scale: float,
     bent: float,
     stale: float,
     gradient: Array,
@@ -72,6 +73,7 @@ def linearise(
             for q in range(3):
                 room[1, p] += edges.information[e, p, q] * room[0, q]
             square += room[1, p] * room[0, p]
+        scale = edges.scale[e]
         part = max(square, 0.0) / (scale * scale)
         weight = 1.0 / (1.0 + part)
         loss += 0.5 * (square if scale == np.inf else scale * scale * np.log1p(part))

@@ -6,7 +6,7 @@ Grisetti et al. (2010), "A tutorial on graph-based SLAM", with Cauchy weights.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Annotated, NamedTuple
+from typing import TYPE_CHECKING, Annotated, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -18,6 +18,9 @@ from ...poses.information import checked
 from ...poses.motions import between, compose
 from ._equations import Edge, Indices
 from ._solver import SCALE, solve
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 #: Standard deviations that matches of real scans have at least, whatever their Hessian says, metres
 #: and radians (the bundled logs); and their covariance.
@@ -63,6 +66,22 @@ class Graph:
     def __repr__(self) -> str:
         loops, rejected = int(self.loop.sum()), len(self.rejected)
         return f"Graph({len(self.edges) - loops} steps, {loops} loops, {rejected} rejected)"
+
+
+def loops_of(graph: Graph | None, poses: Array) -> pd.DataFrame:
+    """The closed loops of a graph and the poses `(k, 3)` that it gave: see `Alignment.loops`."""
+    import pandas as pd
+
+    chosen = slice(0) if graph is None else graph.loop
+    ends, left = (np.zeros((0, 2), np.int64), np.zeros(0)) if graph is None else (
+        graph.edges, graph.residuals)  # fmt: skip
+    first, second = ends[chosen].T
+    way = np.r_[0.0, np.cumsum(np.hypot(*np.diff(poses[:, :2], axis=0).T))]
+    table = {"first": first, "second": second, "residual": left[chosen]}
+    table |= {"scans": abs(second - first), "metres": abs(way[second] - way[first])}
+    for name, scan in (("first", first), ("second", second)):
+        table |= {f"{axis}_{name}": poses[scan, k] for k, axis in enumerate("xy")}
+    return pd.DataFrame(table).rename_axis("loop")
 
 
 @arrays.checked

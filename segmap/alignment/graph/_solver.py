@@ -60,7 +60,8 @@ class Step(NamedTuple):
 class Solver:
     """Solves for poses `(n, 3)` again and again as edges come in; the first pose is held.
 
-    Edges left open by `scale` standard deviations have half the weight; `inf`: all the same.
+    Edges left open by `scale` standard deviations have half the weight, but for those that are
+    forced; `inf`: all the same.
     """
 
     def __init__(self, scale: float = SCALE) -> None:
@@ -68,7 +69,7 @@ class Solver:
         self._count, self._used, self._ordered = 0, 0, 0
         self._edges = Edges(
             np.empty((0, 2), np.int64),
-            *(np.empty((0, *shape)) for shape in ((3,), (3, 3), (3, 9), (4,))),
+            *(np.empty((0, *shape)) for shape in ((3,), (3, 3), (), (3, 9), (4,))),
         )
         self._factor: Factor | None = None
         self._changed = np.empty(0, np.bool_)  # poses whose equations the factor does not hold yet
@@ -87,6 +88,7 @@ class Solver:
         e.ends[old:new] = np.stack([more.first, more.second], -1)
         e.relative[old:new] = more.relative
         e.information[old:new] = (more.information + more.information.swapaxes(1, 2)) / 2
+        e.scale[old:new] = np.where(more.forced, np.inf, self.scale)
         e.made[old:new] = np.inf
         self._count = new
 
@@ -108,7 +110,7 @@ class Solver:
             # 1. Half the loss and its gradient; equations that are stale are made anew
             gradient, bent = np.zeros((n, 3)), BENT if step.curved else 0.0
             room = np.empty((6, 3))
-            now = linearise(poses, edges, self.scale, bent, step.stale, gradient, changed, room)
+            now = linearise(poses, edges, bent, step.stale, gradient, changed, room)
             gradient[0] = 0.0
             if step.curved and now > loss * (1 + SAME) + SAME * len(self):
                 poses, step = before, Step(ALL, near=step.size / 4)

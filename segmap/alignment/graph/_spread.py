@@ -38,7 +38,8 @@ def spread(poses: Array, edges: Edge, weight: Array, *, reach: float = np.inf) -
     blocks[:, 1, 2, 2] = 1.0
     blocks[:, 0] = -blocks[:, 1]
     blocks[:, 0, 0, 2], blocks[:, 0, 1, 2] = found[:, 1], -found[:, 0]
-    known = edges.information / (1.0 + (deviations(poses, edges) / SCALE) ** 2)[:, None, None]
+    weight_of = 1.0 / (1.0 + (deviations(poses, edges) / SCALE) ** 2)
+    known = edges.information * np.where(edges.forced, 1.0, weight_of)[:, None, None]
     ends, rows = np.stack([edges.first, edges.second], -1).ravel(), np.arange(0, 2 * m + 1, 2)
     shape = 3 * m, 3 * len(poses)
     jacobian = bsr_array((blocks.reshape(-1, 3, 3), ends, rows), shape=shape)

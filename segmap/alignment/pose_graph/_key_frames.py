@@ -70,6 +70,10 @@ class KeyFrames:
             self._last = self.edges[-1]
         self.poses, self.converged, _ = self._solver.solve(self.poses, lazily=lazily)
 
+    def exchange(self, edges: list[Edge]) -> None:
+        """Put other edges in the place of all: the next `optimize` begins anew."""
+        self.edges, self._solver, self._last = edges, Solver(), None
+
     def neighbourhoods(self, most: int, reach: float) -> Callable[[int], NDArray[np.int64]]:
         """From a key frame to those that are nearest, at most so many, within a reach in metres."""
         from scipy.spatial import cKDTree

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from ...arrays import Array, Count, Metres, Positive, Settings
 from ...poses.motions import between, compose
 from ...threads import in_threads
+from .._result import Match, no_match
 from ..graph import Edge, Rejected, deviations, information, residuals, stacked
 from ..points import PointMap
 from ._key_frames import KeyFrames
@@ -55,6 +56,7 @@ STRAIN_ANGLE = np.radians(0.5)
 CONTRADICTED = 15.0
 #: Why a loop is not believed that no other, or too few, agree with.
 ALONE = "no other loop agrees with it"
+CONTRADICTS, VETOED = "the rest of the graph contradicts it", "it was vetoed"
 
 
 @dataclass(frozen=True)
@@ -148,18 +150,19 @@ class LoopCloser:
         # 1. Old places that may be the new one
         windows = self._by_place(new, before) + self._by_descriptor(new, before)
         # 2. How the new place lies on each
-        tasks = [(window, self._map_around(window), new) for window in windows]
-        measured = in_threads(lambda task: self._measure(*task), tasks)
+        tasks = [(window, self.map_around(window), new) for window in windows]
+        measured = in_threads(lambda task: self.measure(*task), tasks)
         fresh: list[tuple[Edge, float]] = []
-        for window, loop in zip(windows, measured, strict=True):
-            if isinstance(loop, Edge):
-                fresh.append((loop, window.reach))
+        for window, match in zip(windows, measured, strict=True):
+            if match.matched:
+                known = information(match.covariance, self.frames.least)
+                fresh.append((Edge(window.old, new, match.pose, known, True), window.reach))
             else:
-                self._reject(window.old, new, loop)
+                self._reject(window.old, new, match.reason)
         # 3. Loops that others confirm are believed; those that wait too long are given up
         self.pending += [loop for loop, _ in fresh]
         found = self._confirmed_by_others(fresh)
-        self._believe(found)
+        self.believe(found)
         self.lost_since = None if found else self.lost_since
         path = self.frames.path
         self._give_up([e for e in self.pending if path[new] - path[e.second] > STRETCH])
@@ -214,26 +217,24 @@ class LoopCloser:
         best = _best_of_passes(np.arange(old), unlike)
         return [Window(k, np.zeros(3), LOST_REACH, np.pi) for k in best]
 
-    def _measure(self, window: Window, map: PointMap | None, new: int) -> Edge | str:
-        """The loop between two key frames by their surroundings, or why there is none."""
+    def measure(self, window: Window, map: PointMap | None, new: int) -> Match:
+        """How a key frame lies on an old one by their surroundings, or why that is not told."""
         frames, rules = self.frames, self.rules
-        first = max(new - rules.new_frames, self.lost_since or 0)
+        lost = self.lost_since or 0
+        first = max(new - rules.new_frames, lost if lost <= new else 0)
         seen, _ = frames.points_around(range(first, new + 1), new)
         if map is None or len(seen) < 6:
-            return "too few points"
+            return no_match(window.guess, "too few points")
         seen = seen[:: 1 + len(seen) // SAMPLE]
         place = {"reach": window.reach, "turn": window.turn, "least": rules.likelihood}
         start, _ = map.search(seen, window.guess, reach_cost=0.05, **place)
         if start is None:
-            return "the two places look different"
-        if map.register(seen, start, reach=0.2).overlap < rules.overlap:
-            return "too little of the new place is in the old one"
-        match = map.register(frames.points[new], start, reach=0.2)
-        if not match.matched:
-            return match.reason
-        return Edge(window.old, new, match.pose, information(match.covariance, frames.least), True)
+            return no_match(window.guess, "the two places look different")
+        if (overlap := map.register(seen, start, reach=0.2).overlap) < rules.overlap:
+            return no_match(start, "too little of the new place is in the old one", overlap)
+        return map.register(frames.points[new], start, reach=0.2)
 
-    def _map_around(self, window: Window) -> PointMap | None:
+    def map_around(self, window: Window) -> PointMap | None:
         """The surroundings of an old key frame, in its frame, as far as the window; some are kept.
 
         On a map that ends before the window does, the best place is not the true one.
@@ -295,7 +296,7 @@ class LoopCloser:
             others = self._agreeing(loop, known) + self._agreeing(loop, known, apart=True)
             found += [loop] if len(others) >= LAST_WITNESSES else []
         self._give_up(_without(self.pending, found))
-        self._believe(found)
+        self.believe(found)
         return bool(found)
 
     def drop_contradicted(self) -> bool:
@@ -305,13 +306,24 @@ class LoopCloser:
             return False
         left = deviations(frames.poses, stacked(frames.edges))
         open_by = zip(frames.edges, left, strict=True)
-        out = [e for e, d in open_by if e.loop and d > CONTRADICTED]
+        out = [e for e, d in open_by if e.loop and not e.forced and d > CONTRADICTED]
         for loop in out:
-            self._reject(loop.first, loop.second, "the rest of the graph contradicts it")
-        frames.edges = _without(frames.edges, out)
+            self._reject(loop.first, loop.second, CONTRADICTS)
+        frames.exchange(_without(frames.edges, out))
         return bool(out)
 
-    def _believe(self, loops: list[Edge]) -> None:
+    def veto(self, loops: list[Edge]) -> None:
+        """Take loops out; others that were taken out since they contradict the rest come back."""
+        self.accepted = _without(self.accepted, loops)
+        steps = [edge for edge in self.frames.edges if not edge.loop]
+        self.frames.exchange(steps + self.accepted)
+        self.rejected = [r for r in self.rejected if r.reason != CONTRADICTS]
+        for loop in loops:
+            self._reject(loop.first, loop.second, VETOED)
+            if loop[:2] in self.ways:
+                self.ways.remove(loop[:2])
+
+    def believe(self, loops: list[Edge]) -> None:
         """Make loops edges of the graph, and ways through it where they fix the place."""
         self.pending = _without(self.pending, loops)
         self.accepted += loops

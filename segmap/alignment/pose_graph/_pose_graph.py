@@ -10,19 +10,23 @@ import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
-from typing import Annotated, NamedTuple
+from typing import TYPE_CHECKING, Annotated, NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ... import arrays
 from ...arrays import Array, Metres, Positive, Radians, at_most
-from ...poses.motions import between, wrap
+from ...poses.motions import between, compose, inverse, wrap
 from ...scans import LaserScan, Log
 from .._result import Alignment, Match, Outcome, alignment_method, concluded, no_match
-from ..graph import Graph
+from ..graph import REAL, Edge, Graph, loops_of
 from ..points import PointMap
 from ._front_end import BETTER, SLIDE, SLIDE_ANGLE, SURE_OVERLAP, FrontEnd, Tracking
-from ._loop_closing import LoopCloser, LoopClosing
+from ._loop_closing import LOST_REACH, LoopCloser, LoopClosing, Window
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 #: Above `SURE_OVERLAP` nobody looks in twice the window; a place there has to hold `BETTER` more of
 #: the scan, and at least this much.
@@ -152,6 +156,7 @@ class LiveGraph:
         self.step, self.turn, self.drift = step, turn, drift
         self.window, self.window_angle, self.seconds = window, window_angle, 0.0
         self._parts: tuple[FrontEnd, LoopCloser] | None = None
+        self._mended = False  # whether poses have moved since the last scan
 
     def add(self, scan: LaserScan) -> Placed:
         """Place the next scan, and close the loops that it finds."""
@@ -173,6 +178,7 @@ class LiveGraph:
                     if closed:
                         front.frames.optimize(lazily=True)
         self.seconds += time.perf_counter() - begun
+        closed, self._mended = closed or self._mended, False
         return Placed(self._parts[0].pose(), closed)
 
     def _laid(self, map: PointMap, points: Array, guess: Array) -> Match:
@@ -254,6 +260,79 @@ class LiveGraph:
         self.seconds += time.perf_counter() - begun
         scans = [] if self._parts is None else self._parts[0].scans
         return concluded("pose_graph", scans, found, self.seconds)
+
+    def loops(self) -> pd.DataFrame:
+        """The loops closed so far, a row for each, as `Alignment.loops` has them."""
+        return loops_of(self.graph, self.poses)
+
+    def veto(self, loop: int, *more: int) -> None:
+        """Take loops out, by their rows in `loops`, and solve for all poses without them.
+
+        Loops that had been given up because the rest contradicted them come back.
+        """
+        known = [] if self._parts is None else [e for e in self._parts[0].frames.edges if e.loop]
+        rows = {arrays.whole(row, "loop", least=0) for row in (loop, *more)}
+        if max(rows) >= len(known):
+            raise ValueError(f"loop must be a row of the {len(known)} loops, got {max(rows)}")
+        with self._mending() as closer:
+            closer.veto([known[row] for row in sorted(rows)])
+
+    def match(self, first: int, second: int) -> Match:
+        """How the place of one scan lies on the map around another, for `tie`.
+
+        The pose is that of the second in the frame of the first. It is sought within 2 m at any
+        heading, and must hold as much as a loop's.
+
+        Examples
+        --------
+        >>> from segmap import load
+        >>> graph, log = LiveGraph(), load("room")
+        >>> for scan in log:
+        ...     pose, closed = graph.add(scan)
+        >>> graph.tie(2, 9, graph.match(2, 9).pose)
+        >>> graph.loops()[["first", "second", "scans"]].values.tolist()
+        [[2, 9, 7]]
+        """
+        (old, at), (new, there) = self._hung(first, "first"), self._hung(second, "second")
+        assert self._parts is not None
+        closer = self._parts[1]
+        window = Window(old, np.zeros(3), LOST_REACH, np.pi)
+        found = closer.measure(window, closer.map_around(window), new)
+        return replace(found, pose=between(at, compose(found.pose, there)))
+
+    def tie(self, first: int, second: int, pose: ArrayLike) -> None:
+        """Close a loop by force, and solve for all poses: it holds, whatever else gives way.
+
+        The pose is that of one scan in the frame of the other: `match` measures it. Such a loop is
+        as sure as a match in a real building. It is one of `loops`, and can be vetoed.
+        """
+        relative = arrays.pose(pose, "pose")
+        (old, at), (new, there) = self._hung(first, "first"), self._hung(second, "second")
+        if old == new:
+            raise ValueError(f"scans {first} and {second} hang on one key frame: no tie moves them")
+        motion = compose(compose(at, relative), inverse(there))
+        if old > new:
+            old, new, motion = new, old, inverse(motion)
+        with self._mending() as closer:
+            closer.believe([Edge(old, new, motion, np.linalg.inv(REAL), True, True)])
+
+    def _hung(self, scan: int, name: str) -> tuple[int, Array]:
+        """The key frame that a scan hangs on, and its pose there."""
+        if arrays.whole(scan, name, least=0) >= len(self):
+            raise ValueError(f"{name} must be one of the {len(self)} scans so far, got {scan}")
+        assert self._parts is not None
+        return self._parts[0].frame[scan], self._parts[0].offset[scan]
+
+    @contextmanager
+    def _mending(self) -> Iterator[LoopCloser]:
+        """The graph's loops, to change them: then all poses are solved."""
+        assert self._parts is not None
+        begun, (front, closer) = time.perf_counter(), self._parts
+        with _all_or_nothing(front.frames, closer):
+            yield closer
+            front.frames.optimize()
+        self._mended = True
+        self.seconds += time.perf_counter() - begun
 
     @property
     def poses(self) -> Array:

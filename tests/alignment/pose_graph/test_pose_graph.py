@@ -244,7 +244,7 @@ def test_believed_loops_shorten_the_way_to_old_places():
     # 0.3 m across where the heading is not known, and exact where it is
     lever = np.array([(1e-4, 0, 0), (0, 0.09, 0.03), (0, 0.03, 0.01001)])
     sure, vague = information(np.eye(3) * 1e-4), np.linalg.inv(lever)
-    closer._believe([Edge(3, 23, np.zeros(3), sure, True), Edge(9, 29, np.zeros(3), vague, True)])
+    closer.believe([Edge(3, 23, np.zeros(3), sure, True), Edge(9, 29, np.zeros(3), vague, True)])
     assert closer._way(30, np.array([3, 5, 9, 22])).tolist() == [7.5, 9.5, 13.5, 8.0]
     (window,) = closer._by_place(30, 30)
     assert (
@@ -339,14 +339,14 @@ def test_a_lost_robot_is_sought_by_what_it_has_seen_since(new, lost_since, seen)
     _, closer = walked(30, points=np.ones((10, 2)))
     closer.lost_since = lost_since
     window = Window(3, np.zeros(3), 1.0, 0.3)
-    assert closer._measure(window, Map(), new) == "the two places look different"
+    assert closer.measure(window, Map(), new).reason == "the two places look different"
 
 
 @pytest.mark.parametrize(("reach", "covered"), [(1.0, 5), (2.5, 5), (9.0, 9), (12.0, 12)])
 def test_the_map_of_an_old_place_reaches_as_far_as_the_window(reach, covered):
     """Killian Court: a door 3.8 m off fitted better than the true place, where no map was."""
     _, closer = walked(40, points=np.zeros((1, 2)))
-    x = closer._map_around(Window(20, np.zeros(3), reach, 0.3)).grid.points[:, 0]
+    x = closer.map_around(Window(20, np.zeros(3), reach, 0.3)).grid.points[:, 0]
     assert (x.min(), x.max()) == (-covered, covered)
 
 
@@ -356,7 +356,7 @@ def test_a_loop_that_stays_far_open_is_taken_out(metres, out):
     frames, closer = walked(20)
     if metres is not None:
         weight = np.eye(3) / 0.1**2
-        closer._believe([Edge(2, 18, np.array([16.0 + metres, 0, 0]), weight, True)])
+        closer.believe([Edge(2, 18, np.array([16.0 + metres, 0, 0]), weight, True)])
     assert closer.drop_contradicted() == out
     assert [loop[:2] for loop in closer.rejected] == [(2, 18)] * out
     assert len(frames.edges) == 20 + (metres is not None and not out)
