@@ -4,6 +4,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Generic, TypeVar
 
+from .progress import Progress, told
+
 R = TypeVar("R")
 
 
@@ -49,6 +51,9 @@ class Method(Generic[R]):
     needs_sensors: bool = False
     needs_odometry: bool = False
 
-    def __call__(self, data: object, **thresholds: object) -> R:
+    def __call__(
+        self, data: object, *, progress: Progress | None = None, **thresholds: object
+    ) -> R:
         """Run it: `METHODS[name](map, ...)` is `reduction.<name>(map, ...)`."""
-        return self.function(data, **thresholds)
+        with told(progress):
+            return self.function(data, **thresholds)

@@ -16,7 +16,7 @@ from typing import Any, Literal
 import numpy as np
 
 from .._display import counted
-from ..alignment import METHODS, Alignment, Verdict, deskew
+from ..alignment import METHODS, Alignment, Verdict, deskew, usual_method
 from ..exports import Earth, Frame, Grid
 from ..extraction import build_map
 from ..files import shown, write_bytes
@@ -226,8 +226,7 @@ def aligned(log: Log, method: str | None, report: Report) -> Alignment:
     By default: the true poses where the log has one for each scan; else all poses at once, loops
     closed.
     """
-    true = log.truth is not None and np.isfinite(log.truth).all()
-    name = method or ("ground_truth" if true else "pose_graph")
+    name = method or usual_method(log)
     options: dict[str, Any] = {}
     if name == "ground_truth":
         options = {"missing": "drop"}

@@ -9,7 +9,7 @@ from typing import Any, NoReturn
 
 from .. import __version__
 from ..files import shown
-from . import _compare, _convert, _info, _locate, _map, _notebooks, _occupancy, _warm
+from . import _app, _compare, _convert, _info, _locate, _map, _notebooks, _occupancy, _warm
 from ._words import FAULTS, plain_warnings, reason, tell
 
 DESCRIPTION = "Maps of buildings from the logs of a 2D laser."
@@ -20,7 +20,7 @@ command was not understood, 3 a log gave no map, or was not found on one, 130 st
 `segmap COMMAND --help` tells the rest.
 """
 #: In the order in which they are listed.
-COMMANDS = (_info, _map, _compare, _occupancy, _locate, _convert, _notebooks, _warm)
+COMMANDS = (_info, _map, _compare, _occupancy, _locate, _convert, _app, _notebooks, _warm)
 
 
 class _Strict(argparse.ArgumentParser):

@@ -898,3 +898,19 @@ def test_the_program_is_light_and_ends_with_the_code_of_the_command(near, tmp_pa
     loaded = set(re.findall(r"\| +([\w.]+)$", done.stderr, re.MULTILINE))
     assert "segmap._commands._map" in loaded
     assert loaded & {"numba", "matplotlib", "pandas", "ipywidgets"} == set()
+
+
+def test_the_page_is_served_to_this_machine_only(run, monkeypatch):
+    """Catches a page without a token, a port that is forgotten, and a riddle where voila is not."""
+    app = pytest.importorskip("voila.app")
+    asked = []
+    monkeypatch.setattr(app.Voila, "launch_instance", lambda options: asked.append(options))
+    monkeypatch.setenv("DISPLAY", ":0")
+    assert run("app", "--port", "8890")[0] == run("app", "--no-browser")[0] == 0
+    assert Path(asked[0][0]).is_file() and asked[0][0] == asked[1][0]
+    both = {"--Voila.ip=127.0.0.1", "--Voila.auto_token=True"}
+    assert {*asked[0][1:]} == both | {"--Voila.port=8890", "--Voila.port_retries=0"}
+    assert {*asked[1][1:]} == both | {"--no-browser"}
+    monkeypatch.setitem(sys.modules, "voila.app", None)
+    code, _, told = run("app")
+    assert code == 1 and told == "segmap: the page needs voila: pip install 'segmap[app]'\n"

@@ -1,6 +1,7 @@
 """The workbench without a browser: what it runs, keeps, says and refuses."""
 
 import contextlib
+import json
 import os
 import signal
 import subprocess
@@ -18,6 +19,7 @@ import pytest
 
 import segmap
 from segmap import LaserScan, Log, SegmentMap, alignment, exports, readers, reduction
+from segmap._commands import main
 from segmap._display import facts
 from segmap.arrays import Metres, Radians, checked
 from segmap.experiments import pareto
@@ -50,7 +52,7 @@ METHODS = {**alignment.METHODS, **reduction.METHODS}
 def bench(log=LOG, **chosen):
     """A workbench that takes the true poses, which costs no time."""
     made = Workbench(log)
-    made.align.value = "ground_truth"
+    made.align.value, made.method.value = "ground_truth", "fusion"
     for name, value in chosen.items():
         getattr(made, name).value = value
     return made
@@ -71,6 +73,33 @@ def in_browser(made):
 
 
 # ------------------------------------------------------------------ what is run
+
+
+@pytest.mark.parametrize("kind", ["room", "malaga", "no truth", "no odometry", "beam times"])
+def test_page_and_command_make_the_same_map_of_a_log(kind, tmp_path, monkeypatch, capsys):
+    """Catches another alignment, method or threshold by default behind one of the two doors."""
+    monkeypatch.chdir(tmp_path)
+    made = Workbench(segmap.load("room"))
+    if kind in ("room", "malaga"):
+        made.bundled.value = source = kind
+    else:
+        log = replace(LOG, truth=None) if kind != "beam times" else logs.moving_log()
+        if kind == "no odometry":
+            log = replace(log, scans=tuple(replace(scan, odometry=None) for scan in log))
+        exports.write_arrays(tmp_path / "it.npz", log)
+        made.path.value = source = "it.npz"
+    made.run()
+    assert main(["map", source, "--json"]) == 0
+    told = json.loads(capsys.readouterr().out)
+    assert [len(made.outcome.map), len(made.outcome.reductions[0])] == [
+        told["extracted"]["segments"],
+        told["reduced"]["segments"],
+    ]
+    assert made.outcome.alignment.method == told["aligned"]["method"]
+    assert made.outcome.recipe.deskew == ("de-skewed" in told) == (kind == "beam times")
+    made.align.value = "odometry"
+    made.open(segmap.load("room"))
+    assert made.align.value == "odometry"  # what was chosen stays
 
 
 def test_it_runs_what_is_chosen():

@@ -9,6 +9,7 @@ from typing import Any
 import ipywidgets as W
 
 from ... import alignment, reduction
+from ...scans import Log
 from .._control import ENTRY, control
 from ._recipe import EXTRACTIONS, Call, Recipe
 
@@ -106,15 +107,23 @@ class Choices:
         alignments = {k: (m.function, "") for k, m in alignment.METHODS.items()}
         reductions = {k: (m.function, m.varies) for k, m in reduction.METHODS.items()}
         extractions = {k: (f, "") for k, f in EXTRACTIONS.items()}
-        self.align = Choice("alignment", alignments, "pose_graph")
+        self._usual = "pose_graph"
+        self.align = Choice("alignment", alignments, self._usual)
         self.extract = Choice("extraction", extractions, "extract_polylines")
-        self.method = Choice("method", reductions, "fusion")
+        self.method = Choice("method", reductions, "least_cost")
         self.second = Choice("second method", {NONE: None, **reductions}, NONE)
         named: Any = {"description": "leave out below [m]", "style": ENTRY}
         words = "carry the beams to the start of their scan, where the log has their times"
         self.deskew: Any = W.Checkbox(True, description=words, indent=False)
         self.least: Any = W.BoundedFloatText(0.0, min=0, max=100, step=0.05, **named)
         self.least.layout.width = "240px"
+
+    def begin(self, log: Log) -> None:
+        """Choose the alignment that the command takes for a log, unless another one was chosen."""
+        usual = alignment.usual_method(log)
+        if self.align.value == self._usual:
+            self.align.value = usual
+        self._usual = usual
 
     def recipe(self, log: str, *, timed: bool) -> Recipe:
         """All that is chosen, for the log that an expression gives; `timed` if its beams are."""

@@ -96,6 +96,7 @@ class Workbench:
     def _taken(self, log: Log) -> None:
         """Another log: nothing that was found holds for it."""
         self._known = None
+        self._choices.begin(log)
         self._say(f"{log.name}: ready to run")
 
     # --------------------------------------------------------------------- a run
