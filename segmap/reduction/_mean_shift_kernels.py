@@ -16,12 +16,15 @@ import numpy as np
 from ..arrays import Array
 from ..compiled import compiled
 from ..kernels import root_of
+from ..threads import shares, team
 from ._runner import Indices
 
 #: Points farther away than this many deviations, where the weight is 0.011, do not pull.
 REACH = 3 * (1 + 1e-9)
 #: How many centres climb together, and how far apart they may start, in deviations.
 LANES, SPREAD = 16, 8.0
+#: A thread moves at least so many such runs of centres.
+SHARE = 64
 #: Beyond this share of a quarter turn a point counts as perpendicular: it turns neither way.
 PERPENDICULAR = 1 - 1e-9
 #: Intervals at most this far apart, in metres, are joined.
@@ -60,13 +63,24 @@ def climb(
     All of a group, `(n,)`, move until none moves by more than `stop`, or for `most` steps. They do
     come to rest: with k(q) = max(0, exp(-q / 2) - exp(-9 / 2)), convex and falling, each step
     raises the sum of k over the points by at least exp(-9 / 2) / 2 times the square of the move,
-    and the sum is at most n. Each moves by itself, so "at once" and "in turn" are the same; one
-    that a step leaves where it was stays there.
+    and the sum is at most n. Each moves by itself, so "at once" and "in turn" are the same, in any
+    number of threads; one that a step leaves where it was stays there.
     """
-    strips = _in_strips(points, REACH, group)
+    strips, steps = _in_strips(points, REACH, group), 0
     centres, found = np.stack(strips[:3]), np.empty_like(points)
-    begin, moves = np.empty(len(points) + 1, np.int64), np.empty(len(points))
-    steps = _climb(strips, centres, begin, moves, np.empty((7, LANES)), period, stop, most)
+    begin, of = np.empty(len(points) + 1, np.int64), np.empty(len(points), np.int64)
+    count = _side_by_side(strips, begin, of)
+    moves, todo, of = np.full(count, np.inf), np.arange(count), of[:count]
+    first = np.flatnonzero(np.diff(of, prepend=-1))
+
+    def move(part: Indices) -> None:
+        _move(strips, part, of, begin, centres, moves, np.empty((7, LANES)), period)
+
+    with team() as each:
+        while len(todo) and steps < most:
+            each(move, shares(todo, SHARE))
+            restless = np.maximum.reduceat(moves, first) > stop * stop
+            todo, steps = np.flatnonzero((moves > 0) & restless[of]), steps + 1
     found[strips.order] = centres.T
     return found, steps
 
@@ -163,41 +177,35 @@ def _step(
 
 
 @compiled
-def _climb(
-    strips: Strips,
-    centres: Array,
-    begin: Indices,
-    moves: Array,
-    block: Array,
-    period: float,
-    stop: float,
-    most: float,
-) -> int:
-    """Move the centres, `(3, n)`, of each group until none moves by more than `stop`; the steps.
-
-    `begin` and `moves` are room for the centres that climb together, each run of neighbours in a
-    strip: where it begins, and the square of its last move.
-    """
-    first, longest = strips.first, 0
+def _side_by_side(strips: Strips, begin: Indices, of: Indices) -> int:
+    """Write where each run of neighbours in a strip begins, and its group; the number of runs."""
+    first, count = strips.first, 0
     for g in range(len(strips.begins) - 1):
-        count, steps, largest = 0, 0, np.inf
         for r in range(strips.begins[g], strips.begins[g + 1]):
             start = first[r]
             for i in range(first[r], first[r + 1]):
                 far = strips.x[i] - strips.x[start] > SPREAD
                 if i == first[r] or i - start == LANES or far:
-                    start, begin[count], moves[count] = i, i, np.inf
+                    start, begin[count], of[count] = i, i, g
                     count += 1
-        begin[count] = first[strips.begins[g + 1]]
-        while largest > stop * stop and steps < most:
-            largest = 0.0
-            for k in range(count):
-                if moves[k] > 0:
-                    moves[k] = _step(strips, g, centres, begin[k], begin[k + 1], period, block)
-                largest = max(largest, moves[k])
-            steps += 1
-        longest = max(longest, steps)
-    return longest
+    begin[count] = len(strips.x)
+    return count
+
+
+@compiled
+def _move(
+    strips: Strips,
+    part: Indices,
+    of: Indices,
+    begin: Indices,
+    centres: Array,
+    moves: Array,
+    block: Array,
+    period: float,
+) -> None:
+    """Move the runs of centres, `(3, n)`, that are a thread's part: the squares of their moves."""
+    for k in part:
+        moves[k] = _step(strips, of[k], centres, begin[k], begin[k + 1], period, block)
 
 
 @compiled

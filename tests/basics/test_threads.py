@@ -1,17 +1,24 @@
 """Work on all cores: the same results as on one, in the same order."""
 
+import signal
+import subprocess
+import sys
 import threading
+import time
+from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 
 import numpy as np
 import pytest
 
 from segmap import load, threads
 from segmap.alignment import pose_graph
-from segmap.threads import in_threads
+from segmap.reduction._mean_shift_kernels import climb
+from segmap.threads import THREADS, in_threads, shares
 
 
 @pytest.fixture
 def three(monkeypatch):
+    monkeypatch.delenv(THREADS, raising=False)
     monkeypatch.setattr(threads, "cores", lambda: 3)
 
 
@@ -35,6 +42,57 @@ def test_one_core_or_one_thing_needs_no_thread(monkeypatch, three):
     assert here not in in_threads(lambda _: threading.get_ident(), [1, 2])
     monkeypatch.setattr(threads, "cores", lambda: 1)
     assert in_threads(lambda _: threading.get_ident(), [1, 2]) == [here, here]
+
+
+def test_workers_of_several_have_one_thread(monkeypatch, three):
+    """Threads inside threads, or in each process of a sweep: more of them than there are cores."""
+    assert threads.threads() == 3
+    assert in_threads(lambda _: threads.threads(), [1, 2]) == [1, 1]
+    for kind in (ThreadPoolExecutor, ProcessPoolExecutor):
+        with kind(1) as pool:
+            assert pool.submit(threads.threads).result(60) == 1
+
+
+def test_the_number_of_threads_is_what_the_environment_says(monkeypatch, three):
+    monkeypatch.setenv(THREADS, "2")
+    assert threads.threads() == 2
+    assert [each.tolist() for each in shares(np.arange(5), 2)] == [[0, 2, 4], [1, 3]]
+    assert len(shares(np.arange(5), 3)) == len(shares(np.arange(0), 3)) == 1
+    for wrong in ("0", "two", "", "-1"):
+        monkeypatch.setenv(THREADS, wrong)
+        with pytest.raises(
+            ValueError, match=f"{THREADS} must be a whole number of at least 1, got"
+        ):
+            threads.threads()
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="no interrupt for one process")
+def test_an_interrupt_ends_the_work_at_once():
+    """Control-C that all work which has not begun outlives."""
+    code = (
+        "import time; from segmap.threads import in_threads\n"
+        "in_threads(lambda k: print(k, flush=True) or time.sleep(0.2), range(999))"
+    )
+    process = subprocess.Popen(
+        [sys.executable, "-c", code], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL
+    )
+    with process:
+        assert process.stdout.readline() in (b"0\n", b"1\n")
+        process.send_signal(signal.SIGINT)
+        begun = time.monotonic()
+        assert process.wait(20) != 0
+    assert time.monotonic() - begun < 10  # .2 s where the machine is quiet
+
+
+def test_threads_or_none_climb_to_the_same_places(monkeypatch, three):
+    """Centres of one thread that another moves too, or moves by the last step's sums."""
+    points = np.abs(np.random.default_rng(0).normal(0, 30, (6000, 3)))
+    group = np.sort(np.arange(6000) % 7)
+    several = climb(points, group, 100.0, 1 / 200)
+    monkeypatch.setenv(THREADS, "1")
+    one = climb(points, group, 100.0, 1 / 200)
+    np.testing.assert_array_equal(several[0], one[0])
+    assert several[1] == one[1] > 10
 
 
 def test_an_error_ends_it_and_what_has_not_begun_is_left(three):
