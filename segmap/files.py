@@ -168,15 +168,31 @@ def table_lines(data: bytes, name: str, head: Sequence[str]) -> Iterator[tuple[l
 
 
 # ------------------------------------------------------------------------------ arrays
-def write_npz(path: Path, kind: str, held: Mapping[str, NDArray[Any]]) -> None:
-    """Write arrays by name; `kind` says what they are, with the version of their layout."""
-    named: dict[str, Any] = {"format": np.array(kind), **held}
+def write_npz(path: Path, kind: str, held: Mapping[str, NDArray[Any] | str]) -> None:
+    """Write arrays by name; `kind` says what they are, with the version of their layout.
+
+    A text among them is a file of its own in the archive; its name ends in `.json`.
+    """
+    named: dict[str, Any] = {**held, "format": np.array(kind)}
+    large = sum((len(v) if isinstance(v, str) else v.nbytes) + HEAD for v in named.values())
     with replacing(path) as target:
-        np.savez_compressed(target, **named)
-        if sum(array.nbytes + HEAD for array in named.values()) > _most(target.tell()):
+        _pack(target, named, zipfile.ZIP_DEFLATED)
+        if large > _most(target.tell()):
             target.seek(0)  # packed so small that a reader would take it for a bomb
             target.truncate()
-            np.savez(target, **named)
+            _pack(target, named, zipfile.ZIP_STORED)
+
+
+def _pack(target: IO[bytes], named: Mapping[str, Any], how: int) -> None:
+    """Arrays as numpy packs them, texts as they stand."""
+    with zipfile.ZipFile(target, "w", how) as packed:
+        for name, value in named.items():
+            text = isinstance(value, str)
+            with packed.open(name if text else f"{name}.npy", "w", force_zip64=True) as member:
+                if text:
+                    member.write(value.encode("ascii"))
+                else:
+                    npy.write_array(member, value, allow_pickle=False)
 
 
 def read_npz(path: Path, kind: str) -> dict[str, NDArray[Any]]:
@@ -249,8 +265,10 @@ def _arrays(source: IO[bytes]) -> dict[str, NDArray[Any]]:
 
 
 def _array(packed: zipfile.ZipFile, member: zipfile.ZipInfo) -> NDArray[Any]:
-    """One array; its header must not ask for more than there is."""
+    """One array, or a text; its header must not ask for more than there is."""
     with packed.open(member) as source:
+        if member.filename.endswith(".json"):
+            return np.array(source.read().decode("ascii"))
         if npy.read_magic(source) != (1, 0):
             raise ValueError(f"{member.filename} is of another version of NPY")
         shape, by_columns, kind = npy.read_array_header_1_0(source)

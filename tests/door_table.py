@@ -68,7 +68,8 @@ GOOD = {
     "angle_candidates.viewpoints": np.zeros((2, 2)), "write_ros_map.path": "written.yaml",
     "read_bag.path": "it.bag", "read_bag.scan": "/scan", "read_bag.odometry": "/odom",
     "read_trajectory.path": "poses.csv", "write_segments.path": "written.csv",
-    "write_arrays.path": "written.npz",
+    "write_arrays.path": "written.npz", "write_session.path": "written.segmap",
+    "session": readers.Session(LOG, {}), "read_session.path": "it.segmap", "settings": {"a": 1},
     "read_csv.path": "beams.csv", "read_csv.columns": "angle_rad,range_m",
     "read_segments.path": "segments.csv", "SegmentMap.load.path": "segments.npz",
     "write_segments.map": MAP, "read_graph.path": "graph.g2o", "write_graph.graph": GRAPH,
@@ -192,7 +193,13 @@ MEANT = {"LaserScan.ranges=masked", "LaserScan.time=nan", "measure.ranges=masked
          "sweep.measure=of nothing", "sweep.measure=of words",  # these runs are known
          "default_thresholds.function=of nothing",
          "default_thresholds.function=of words",
+<<<<<<< HEAD
          # a call would draw from its noise: the first scan tells
+=======
+         "Session.settings=holding nothing", "Session.settings=holding a word",  # a command reads
+         "Session.settings=holding ragged", "Session.settings=holding a number",  # them later
+         # a call would draw from its noise
+>>>>>>> 2e5f5f22fe1a0c9e1cafa5d01922894c6d29817f
          "Emulator.world=of words", "Unit.world=of words"}  # fmt: skip
 #: Numbers that may be arrays: these functions work on many at once.
 ARRAYS = {"angle", "a", "b", "weight_a", "weight_b", "weight_u", "weight_v", "weights", "near"}

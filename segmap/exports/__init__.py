@@ -6,7 +6,7 @@ stood there before stays until the new one is complete. A name that ends in `.gz
 folder that does not exist, or cannot be written to, is an OSError.
 """
 
-from ._arrays import write_arrays
+from ._arrays import write_arrays, write_session
 from ._graph import write_graph
 from ._maps import Classes, ros_classes, write_geojson, write_ros_map, write_svg
 from ._segments import write_segments

@@ -1,13 +1,17 @@
-"""A log as arrays in an NPZ file of numpy's: for scripts of one's own."""
+"""A log as arrays in an NPZ file of numpy's, for scripts of one's own; a session with it."""
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .. import arrays
 from ..files import write_npz
+from ..readers import Session
 from ..scans import Log
 
 
@@ -37,24 +41,67 @@ def write_arrays(path: str | Path, log: Log) -> None:
         raise ValueError(
             f"log {log.name!r} must have scans of one number of beams, got {counts or 'no scan'}"
         )
-    held = {
-        "ranges": np.array(  # those beyond the sensor's reach are no measurement
-            [np.where(s.valid | ~(s.ranges >= s.max_range), s.ranges, np.inf) for s in log]
-        ),
-        "angles": np.array([scan.angles for scan in log]),
+    write_npz(place, "log of segmap 1", log_arrays(log))
+
+
+def write_session(path: str | Path, session: Session) -> None:
+    """Write a log with all that was chosen and found on it, as `readers.read_session` reads it.
+
+    The file is a zip: `session.json` holds settings, runs and edits, and beside it lie the arrays
+    of the log, as `write_arrays` names them; `beams` counts those of each scan, where scans with
+    fewer are filled up. The name must end in `.segmap`.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> from segmap import load
+    >>> from segmap.readers import read_session
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     write_session(f"{folder}/it.segmap", Session(load("room"), {"method": "fusion"}))
+    ...     read_session(f"{folder}/it.segmap").settings
+    {'method': 'fusion'}
+    """
+    place = arrays.file(path)
+    if place.suffix != ".segmap":
+        raise ValueError(f"path: the name must end in .segmap, got {place.name!r}")
+    log = arrays.instance(session, "session", Session).log
+    said = {name: getattr(session, name) for name in ("settings", "runs", "edits")}
+    said |= {"name": log.name, "skipped": log.skipped, "doubt": log.doubt}
+    write_npz(place, Session.FORMAT, {"session.json": json.dumps(said), **log_arrays(log)})
+
+
+def log_arrays(log: Log) -> dict[str, NDArray[Any]]:
+    """What a log holds, by the names of `write_arrays`; scans with fewer beams are filled up."""
+    if not len(log):
+        raise ValueError(f"log {log.name!r} must hold a scan")
+    counts = np.array([len(scan) for scan in log])
+    there = np.arange(counts.max()) < counts[:, None]
+
+    def table(rows: list[Any], fill: float) -> NDArray[Any]:
+        found = np.full(there.shape, fill)
+        found[there] = np.concatenate(rows)
+        return found
+
+    far = [s.ranges >= s.max_range for s in log]  # beyond the sensor's reach: no measurement
+    beams = [np.where(s.valid | ~f, s.ranges, np.inf) for s, f in zip(log, far, strict=True)]
+    held: dict[str, NDArray[Any]] = {
+        "ranges": table(beams, np.nan),
+        "angles": table([scan.angles for scan in log], 0.0),
         "times": log.times,
         "max_range": np.array([scan.max_range for scan in log]),
         "sensor_pose": np.array([scan.sensor_pose for scan in log]),
     }
+    if not there.all():
+        held["beams"] = counts
     for name, poses in (("odometry", log.odometry), ("truth", log.truth)):
         if poses is not None and np.isfinite(poses).all(1).any():
             held[name] = poses
     if all(scan.codes is not None for scan in log):
-        held["codes"] = np.array([scan.codes for scan in log])
+        held["codes"] = table([scan.codes for scan in log], 0)
     if any(scan.delays is not None for scan in log):
-        none = np.full(counts[0], np.nan)
-        held["delays"] = np.array([none if s.delays is None else s.delays for s in log])
+        rows = [np.full(len(s), np.nan) if s.delays is None else s.delays for s in log]
+        held["delays"] = table(rows, np.nan)
         held["order_known"] = np.array(log.order_known)
     if log.track is not None:
         held["track"] = log.track
-    write_npz(place, "log of segmap 1", held)
+    return held

@@ -2,7 +2,8 @@
 
 `read` recognises the format by what is in the file; `load` reads a log that comes with segmap. One
 file a format, each with what it means to the field; `_formats` lists them. `read_segments` reads a
-map that `exports.write_segments` wrote, `read_graph` a pose graph of g2o.
+map that `exports.write_segments` wrote, `read_graph` a pose graph of g2o,
+`read_session` a log with what was made of it.
 """
 
 from ._bundled import data_file
@@ -10,6 +11,7 @@ from ._lines import LogError, UnknownFormat
 from ._raw_scans import half_turn
 from ._read import format_of, load, read
 from ._segments import read_segments
+from ._session import Session, read_session
 from .bags import read_bag
 from .graphs import PoseGraph, read_graph
 from .tables import read_csv, read_trajectory

@@ -44,6 +44,7 @@ WRITERS = {
     "segment map": (lambda path: WALLS.save(path), ".npz"),
     "segments": (lambda path: exports.write_segments(path, WALLS), ".csv"),
     "arrays": (lambda path: exports.write_arrays(path, LOG), ".npz"),
+    "session": (lambda path: exports.write_session(path, readers.Session(LOG, {})), ".segmap"),
     "graph": (lambda path: exports.write_graph(path, GRAPH), ".g2o"),
     "drawn": (lambda path: exports.write_segments(path, WALLS), ".dxf.gz"),
     "records": (lambda path: write_records(load_records("malaga")[:2], path), ".csv"),
@@ -68,7 +69,7 @@ def test_the_table_of_writers_is_whole():
     functions = {name for name, found in vars(exports).items() if inspect.isfunction(found)}
     assert functions - {"ros_classes"} == {
         *("write_tum", "write_carmen", "write_ros_map", "write_geojson", "write_svg"),
-        *("write_segments", "write_graph", "write_arrays"),
+        *("write_segments", "write_graph", "write_arrays", "write_session"),
     }
     found = set()
     for package in (Path(segmap.__file__).parent, Path(course.__file__).parent):

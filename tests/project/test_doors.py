@@ -120,6 +120,7 @@ def bounded(tmp_path_factory):
     TREE.save(folder / "map.npz")
     for name in ("segments.csv", "segments.npz"):
         exports.write_segments(folder / name, MAP)
+    exports.write_session(folder / "it.segmap", GOOD["session"])
     exports.write_graph(folder / "graph.g2o", GOOD["write_graph.graph"])
     experiments.write_records(GOOD["frame"], folder / "runs.csv")
     for name in ("alignment.csv", "walls.csv"):

@@ -7,6 +7,7 @@ from ._csv import read_csv
 from ._csv_columns import head_of
 from ._dumps import Ld19, RpLidar
 from ._hokuyo_text import HokuyoText
+from ._npz import log_of
 from ._rawseeds import Rawseeds, read_trajectory
 
 FILES = (Binary("NPZ", _npz.claims, _npz.read), Binary("CSV", head_of, _csv.read))

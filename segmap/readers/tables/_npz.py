@@ -6,7 +6,8 @@
 scan to scan. `odometry` and `truth`, `(k, 3)`, and `times`, `(k,)`, may be left out: scans are
 numbered then. So may `max_range`, one number or `(k,)`, the `sensor_pose` on the robot, `(3,)` or
 `(k, 3)`, the sensor's `codes`, `(k, n)`, and the `delays` of the beams, `(n,)` or `(k, n)`; with a
-`track` of the odometry, `(m, 4)`, and `order_known`, these are as in `LaserScan` and `Log`. Metres,
+`track` of the odometry, `(m, 4)`, and `order_known`, these are as in `LaserScan` and `Log`. Scans
+that are shorter than the longest have so many `beams`, `(k,)`, at the front of their row. Metres,
 radians counter-clockwise, seconds. A range that is not finite or not positive is no measurement.
 Other arrays are left out; nothing is unpickled.
 """
@@ -50,12 +51,13 @@ def read(path: Path, name: str, on_error: str = "raise") -> Log:
         got = f"got {', '.join(sorted(held))[:80]}; no {missing[0]}"
         raise LogError(path, f"expected arrays {' and '.join(NEEDED)}, {got}")
     try:
-        return _log(name, held)
+        return log_of(name, held)
     except ValueError as fault:
         raise LogError(path, str(fault)) from fault
 
 
-def _log(name: str, held: Mapping[str, NDArray[Any]]) -> Log:
+def log_of(name: str, held: Mapping[str, NDArray[Any]]) -> Log:
+    """A log of arrays by their names."""
     ranges = np.atleast_2d(arrays.numbers(held["ranges"], "ranges"))
     if ranges.ndim != 2 or not len(ranges):
         raise ValueError(f"ranges must have shape (k, n), got {ranges.shape}")
@@ -75,10 +77,22 @@ def _log(name: str, held: Mapping[str, NDArray[Any]]) -> Log:
     codes = _each(held, "codes", np.empty(0), *shape) if "codes" in held else [None] * count
     delays = _each(held, "delays", np.full(shape[1], np.nan), *shape)
     beams = np.where(ranges > 0, ranges, np.nan), angles
-    rows = zip(*beams, times, odometry, most, places, codes, delays, strict=True)
-    scans = [LaserScan(r, a, t, known(o), m, p, c, known(d)) for r, a, t, o, m, p, c, d in rows]
+    counts = _counts(held.get("beams", np.full(count, shape[1])), shape)
+    rows = zip(counts, *beams, codes, delays, times, odometry, most, places, strict=True)
+    scans = [
+        LaserScan(r[:n], a[:n], t, known(o), m, p, c if c is None else c[:n], known(d[:n]))
+        for n, r, a, c, d, t, o, m, p in rows
+    ]
     ordered = arrays.switch(held.get("order_known", np.array(True)).tolist(), "order_known")
     return Log(name, scans, known_truth(truth), track=held.get("track"), order_known=ordered)
+
+
+def _counts(value: object, shape: tuple[int, int]) -> list[int]:
+    """How many beams each scan has, of those of the longest."""
+    found = arrays.indices(value, "beams")
+    if found.shape != shape[:1] or not ((found >= 0) & (found <= shape[1])).all():
+        raise ValueError(f"beams must be {shape[0]} numbers from 0 to {shape[1]}")
+    return found.tolist()
 
 
 def _each(

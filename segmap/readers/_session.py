@@ -1,0 +1,95 @@
+"""A log with all that was chosen and found on it: what `exports.write_session` wrote."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any, ClassVar
+
+from .. import arrays
+from ..files import read_npz, shown
+from ..scans import Log, Skipped
+from ._lines import LogError, log_file
+from .tables import log_of
+
+#: Its first member, and where a zip file holds the name of that.
+JSON, NAME = b"session.json", 30
+
+
+@dataclass(frozen=True, eq=False)
+class Session:
+    """A log, and what a person made of it; all but the log is kept as JSON holds it.
+
+    Parameters
+    ----------
+    log : Log
+        As it was read, before any beam was carried.
+    settings : mapping
+        Options of `segmap map` by their names: `{"method": "fusion", "extract_gap": 0.3}`, in the
+        units of the command, degrees for angles.
+    runs : sequence of mappings
+        The figures of what was run.
+    edits : mapping
+        What was done to the map by hand, by the options of the command too: `crop`, `square`, ...
+
+    Examples
+    --------
+    >>> from segmap import load
+    >>> Session(load("room"), {"method": "fusion"}, edits={"crop": (0, 0, 4, 3)}).edits
+    {'crop': [0, 0, 4, 3]}
+    """
+
+    FORMAT: ClassVar[str] = "segmap session 1"
+
+    log: Log
+    settings: Mapping[str, Any]
+    runs: Sequence[Mapping[str, Any]] = ()
+    edits: Mapping[str, Any] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        arrays.instance(self.log, "log", Log)
+        for name in ("settings", "runs", "edits"):
+            try:  # what JSON does not hold is refused; NaN becomes null
+                text = json.dumps(getattr(self, name))
+                found = json.loads(text, parse_constant=lambda word: None)
+            except (TypeError, ValueError, RecursionError) as fault:
+                raise ValueError(f"{name} must be what JSON holds: {fault}") from fault
+            rows = found if name == "runs" else [found]
+            if not isinstance(rows, list) or not all(isinstance(row, dict) for row in rows):
+                raise ValueError(f"{name} must have a name for each value, got {text[:80]}")
+            object.__setattr__(self, name, found)
+
+
+def read_session(path: str | Path) -> Session:
+    """Read a session that `exports.write_session` wrote.
+
+    Raises
+    ------
+    LogError
+        A file that is damaged, no session, or of a newer version of segmap.
+    """
+    with log_file(path) as place:
+        try:
+            held = read_npz(place, Session.FORMAT)
+            said = json.loads(str(held.pop(JSON.decode())))
+            log = log_of(str(said.pop("name")), held)
+            lines, why = said.pop("skipped")
+            log = replace(log, skipped=Skipped(int(lines), str(why)), doubt=str(said.pop("doubt")))
+            return Session(log, **said)
+        except (TypeError, LookupError, AttributeError, RecursionError) as fault:
+            raise LogError(place, f"its session.json is damaged ({fault})") from fault
+        except ValueError as fault:
+            raise LogError(place, str(fault).removeprefix(f"{shown(place)}: ")) from fault
+
+
+def claims(path: Path) -> bool:
+    """Whether a file is a session."""
+    with path.open("rb") as file:
+        return file.read(NAME + len(JSON))[NAME:] == JSON
+
+
+def read(path: Path, name: str, on_error: str = "raise") -> Log:
+    """The log of a session, under the name of the file as others are."""
+    return replace(read_session(path).log, name=name)
