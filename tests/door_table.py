@@ -193,13 +193,9 @@ MEANT = {"LaserScan.ranges=masked", "LaserScan.time=nan", "measure.ranges=masked
          "sweep.measure=of nothing", "sweep.measure=of words",  # these runs are known
          "default_thresholds.function=of nothing",
          "default_thresholds.function=of words",
-<<<<<<< HEAD
-         # a call would draw from its noise: the first scan tells
-=======
          "Session.settings=holding nothing", "Session.settings=holding a word",  # a command reads
          "Session.settings=holding ragged", "Session.settings=holding a number",  # them later
-         # a call would draw from its noise
->>>>>>> 2e5f5f22fe1a0c9e1cafa5d01922894c6d29817f
+         # a call would draw from its noise: the first scan tells
          "Emulator.world=of words", "Unit.world=of words"}  # fmt: skip
 #: Numbers that may be arrays: these functions work on many at once.
 ARRAYS = {"angle", "a", "b", "weight_a", "weight_b", "weight_u", "weight_v", "weights", "near"}
