@@ -7,7 +7,16 @@ import numpy as np
 import pytest
 
 from segmap import LaserScan
-from segmap.matching import MATCHERS, effective_number, hill_climb, map_scans, search
+from segmap.matching import (
+    MATCHERS,
+    _mapping,
+    effective_number,
+    field_score,
+    hill_climb,
+    map_scans,
+    nearest_score,
+    search,
+)
 from segmap.matching import _localize as localizing
 from segmap.matching import _search as searching
 from segmap.matching._likelihoods import Likelihoods
@@ -63,6 +72,13 @@ def test_the_covariance_of_a_pose_that_nothing_tells_is_that_of_all_poses_within
     np.testing.assert_allclose(found, np.diag(expected), atol=1e-15)
 
 
+def test_a_map_has_half_a_metre_around_it():
+    map = QuadtreeMap(resolution=0.05)
+    map.insert_scan((1.025, 2.025), [(1.025, 2.025)])
+    found = Likelihoods(map)
+    assert found.shape == (21, 21) and found.corner == pytest.approx((0.5, 1.5))
+
+
 @pytest.mark.parametrize(("fit", "found"), [(0.85, True), (0.849, False)])
 def test_a_place_is_believed_where_it_fits(fit, found):
     map = Likelihoods(SegmentMap([[(0, 0), (3, 0)], [(0, 0), (0, 2)], [(1, 1), (2, 1.6)]]))
@@ -96,6 +112,19 @@ def test_a_robot_is_found_where_three_fifths_of_its_scan_lie_on_the_map(on, foun
     *_, last = map_scans([scan_of(first), scan_of(second)], matcher=still)
     assert last.overlap == on / 5 and last.found == found
     assert Particles(np.zeros((1, 3)), np.ones(1), np.zeros(1, int), 0, on / 5, 0.0).found == found
+
+
+@pytest.mark.parametrize("score", [field_score, nearest_score, lambda *given: np.zeros(1)])
+def test_what_is_compiled_is_loaded_before_a_scan_is_asked_for(score, monkeypatch):
+    """Of a score of the user's own nothing is compiled."""
+    asked = []
+    monkeypatch.setattr(_mapping, "_warm", asked.append)
+    monkeypatch.setattr(_mapping, "_warm_graph", lambda: asked.append("graph"))
+    scans = (asked.append("scan") or scan_of([(1, 0)]) for _ in range(1))
+    list(map_scans(scans, score=score))
+    list(map_scans([], graph=True))
+    warm = field_score if score is not nearest_score else score
+    assert asked == [warm, "scan", "graph"]
 
 
 def test_the_matchers_of_the_thesis_step_and_draw_as_it_prints():
@@ -179,7 +208,7 @@ def believed_of(fits, there, monkeypatch):
     def fresh(map, ends, count, rng):
         searched.append(len(beliefs))
         map.fresh = True
-        return np.zeros((count, 3))
+        return np.zeros((count if there else 0, 3))
 
     monkeypatch.setattr(localizing, "fresh_poses", fresh)
     scans = [scan_of([(1, 0), (0, 1)])] * len(fits)
@@ -198,6 +227,12 @@ def test_the_newest_scan_is_half_of_the_fit(monkeypatch):
     fits = [belief.fit for belief in beliefs]
     np.testing.assert_allclose(fits, [0.65, 0.65**0.5, (0.65**0.5 * 0.9) ** 0.5])
     assert searched == [0]
+
+
+def test_a_scan_that_lies_nowhere_brings_no_particles(monkeypatch):
+    beliefs, searched = believed_of([0, 0], 0, monkeypatch)
+    assert [belief.reason for belief in beliefs] == ["lost: no place explains the scan"] * 2
+    assert searched == [0, 1]
 
 
 @pytest.mark.parametrize(("there", "added"), [(0.51, 0), (0.53, 300)])
@@ -241,3 +276,5 @@ def test_weights_are_shares(weights):
 def test_a_heading_of_half_a_turn_is_that_to_the_right(heading, wrapped):
     score = lambda map, points, poses: np.zeros(len(poses))  # noqa: E731
     assert hill_climb(QuadtreeMap(), [(1, 0)], (0, 0, heading), score=score)[2] == wrapped
+    with pytest.raises(ValueError, match="map must be a QuadtreeMap or a SegmentMap"):
+        hill_climb(3, [(1, 0)], (0, 0, heading), score=score)
