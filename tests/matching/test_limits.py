@@ -1,13 +1,30 @@
 """Where the rules of matching end: a little less and a little more than what they allow."""
 
+import threading
+from dataclasses import replace
 from functools import partial
 from inspect import signature
 
 import numpy as np
 import pytest
+from planned_loops import LOG, Planned
+from quadtrees import state
 
 from segmap import LaserScan
-from segmap.matching import MATCHERS, effective_number, hill_climb, map_scans, search
+from segmap.matching import (
+    MATCHERS,
+    LiveMap,
+    _live_map,
+    _mapping,
+    _particles,
+    effective_number,
+    field_score,
+    hill_climb,
+    map_scans,
+    nearest_score,
+    particle_mapping,
+    search,
+)
 from segmap.matching import _localize as localizing
 from segmap.matching import _search as searching
 from segmap.matching._likelihoods import Likelihoods
@@ -16,7 +33,7 @@ from segmap.matching._particles import Particles, spread
 from segmap.matching._route import _sees
 from segmap.quadtree import QuadtreeMap, Squares
 from segmap.segments import SegmentMap
-from segmap.simulation import OdometryNoise, square_room
+from segmap.simulation import URG_04LX, OdometryNoise, simulate, square_room
 
 ROOM = SegmentMap(square_room(4.0))
 ZERO = np.zeros(3)
@@ -63,6 +80,13 @@ def test_the_covariance_of_a_pose_that_nothing_tells_is_that_of_all_poses_within
     np.testing.assert_allclose(found, np.diag(expected), atol=1e-15)
 
 
+def test_a_map_has_half_a_metre_around_it():
+    map = QuadtreeMap(resolution=0.05)
+    map.insert_scan((1.025, 2.025), [(1.025, 2.025)])
+    found = Likelihoods(map)
+    assert found.shape == (21, 21) and found.corner == pytest.approx((0.5, 1.5))
+
+
 @pytest.mark.parametrize(("fit", "found"), [(0.85, True), (0.849, False)])
 def test_a_place_is_believed_where_it_fits(fit, found):
     map = Likelihoods(SegmentMap([[(0, 0), (3, 0)], [(0, 0), (0, 2)], [(1, 1), (2, 1.6)]]))
@@ -98,6 +122,21 @@ def test_a_robot_is_found_where_three_fifths_of_its_scan_lie_on_the_map(on, foun
     assert Particles(np.zeros((1, 3)), np.ones(1), np.zeros(1, int), 0, on / 5, 0.0).found == found
 
 
+@pytest.mark.parametrize("score", [field_score, nearest_score, lambda *given: np.zeros(1)])
+def test_what_is_compiled_is_loaded_before_a_scan_is_asked_for(score, monkeypatch):
+    """Of a score of the user's own nothing is compiled."""
+    asked = []
+    monkeypatch.setattr(_mapping, "_warm", asked.append)
+    monkeypatch.setattr(_mapping, "_warm_graph", lambda: asked.append("graph"))
+    scans = (asked.append("scan") or scan_of([(1, 0)]) for _ in range(1))
+    list(map_scans(scans, score=score))
+    list(map_scans([], graph=True))
+    warm = field_score if score is not nearest_score else score
+    assert asked == [warm, "scan", "graph"]
+    with pytest.raises(ValueError, match="score must be"):  # at once
+        map_scans([], score=3)
+
+
 def test_the_matchers_of_the_thesis_step_and_draw_as_it_prints():
     """One millimetre and one degree; two centimetres and two radians: at first twice as wide."""
     asked = []
@@ -121,6 +160,76 @@ def test_the_errors_of_the_odometry_add_up_as_squares(step):
     about = noise.turn_noise**2 * turn + noise.heading_noise**2 * way
     about += (noise.turn_bias * turn) ** 2 + 0.001**2
     np.testing.assert_allclose(spread(np.array(step), noise) ** 2, (along, along, about))
+
+
+def driven(*steps):
+    """Scans of a room from places that the odometry knows."""
+    poses = np.vstack([(1, 1, 0), (1, 1, 0) + np.reshape(steps, (-1, 3))])
+    log = simulate(ROOM.segments, poses, sensor=URG_04LX, rng=np.random.default_rng(1))
+    return [replace(scan, odometry=pose) for scan, pose in zip(log, poses, strict=True)]
+
+
+@pytest.mark.parametrize(
+    ("step", "times"),
+    [((0.29, 0, 0), 0), ((0, -0.31, 0), 1), ((0, 0, 0.29), 0), ((0, 0, -0.31), 1)],
+)
+def test_poses_are_drawn_every_thirty_centimetres(step, times, monkeypatch):
+    """With the covariance about the peak; and a third of the logarithm goes into the weight."""
+    told = []
+
+    def proposal(values, wide):
+        told.append(len(told) % 2 * 3 * np.log(2))
+        return np.diag([0.1, 0.1, 0.2]) ** 2, told[-1]
+
+    monkeypatch.setattr(_particles, "proposal", proposal)
+    still = partial(lambda map, points, start, *, score: start)
+    rng, given = np.random.default_rng(1), {"particles": 400, "resample": 0.0, "matcher": still}
+    *_, last = particle_mapping(driven(step), rng=rng, map=QuadtreeMap(resolution=0.2), **given)
+    assert len(told) == 400 * times
+    spreads = times * np.array([0.1, 0.1, 0.2])
+    np.testing.assert_allclose(last.poses.std(0), spreads, rtol=0.15, atol=1e-9)
+    np.testing.assert_allclose(last.weights[0] / last.weights[1], 0.5 if times else 1.0)
+
+
+def test_beams_that_met_nothing_say_nothing_unless_they_are_asked():
+    scan, rng = LaserScan([1.0, np.inf], [0.0, 1.5], max_range=5.0), np.random.default_rng(1)
+    ways = [
+        lambda map: [*map_scans([scan], map=map)],
+        lambda map: [*particle_mapping([scan], map=map, rng=rng)],
+        lambda map: LiveMap(map=map).add(scan),
+    ]
+    for way in ways:
+        way(map := QuadtreeMap(free_resolution=0.08))
+        crossed, unseen = map.occupancy([(0.5, 0), (0.1, 1)])
+        assert crossed < unseen == 0.5
+
+
+def test_a_map_that_could_not_be_made_anew_is_made_with_the_next(monkeypatch):
+    live, insert, fails = LiveMap(Planned((9,))), _live_map.insert, [True]
+
+    def failing(*given, free):
+        if threading.current_thread().name == "new map" and fails and fails.pop():
+            raise MemoryError
+        insert(*given, free=free)
+
+    monkeypatch.setattr(_live_map, "insert", failing)
+    for scan in LOG[:9]:
+        live.add(scan)
+    with pytest.raises(MemoryError):
+        live.add(LOG[9])
+        live.finish()
+    live.finish()
+    again = QuadtreeMap()
+    for (_, scan), pose in zip(live._scans, live.poses, strict=True):
+        insert(again, None, scan, pose, free=False)
+    assert state(live.map) == state(again) and not fails
+
+
+def test_a_robot_that_is_nowhere_has_nothing_on_the_map():
+    map = QuadtreeMap()
+    map.insert_scan((0, 0), [(1, 1)])
+    step = LiveMap(map=map, start=None, rng=np.random.default_rng(1)).add(LaserScan([], []))
+    assert step.overlap == 0 and not step.found
 
 
 # ------------------------------------------------------------------ a robot on a known map
@@ -179,7 +288,7 @@ def believed_of(fits, there, monkeypatch):
     def fresh(map, ends, count, rng):
         searched.append(len(beliefs))
         map.fresh = True
-        return np.zeros((count, 3))
+        return np.zeros((count if there else 0, 3))
 
     monkeypatch.setattr(localizing, "fresh_poses", fresh)
     scans = [scan_of([(1, 0), (0, 1)])] * len(fits)
@@ -198,6 +307,12 @@ def test_the_newest_scan_is_half_of_the_fit(monkeypatch):
     fits = [belief.fit for belief in beliefs]
     np.testing.assert_allclose(fits, [0.65, 0.65**0.5, (0.65**0.5 * 0.9) ** 0.5])
     assert searched == [0]
+
+
+def test_a_scan_that_lies_nowhere_brings_no_particles(monkeypatch):
+    beliefs, searched = believed_of([0, 0], 0, monkeypatch)
+    assert [belief.reason for belief in beliefs] == ["lost: no place explains the scan"] * 2
+    assert searched == [0, 1]
 
 
 @pytest.mark.parametrize(("there", "added"), [(0.51, 0), (0.53, 300)])
@@ -222,6 +337,8 @@ def test_fresh_particles_come_to_places_that_are_worse_by_a_tenth(missing, both)
         map.insert_scan(place, [place])
     found = localizing.fresh_poses(Likelihoods(map), ends, 40, np.random.default_rng(1))
     assert np.unique(np.rint(found[:, 0])).tolist() == [5, 20][: 1 + both]
+    for nowhere in (9 * ends, ends[:1]):  # and where a hundred places are as good
+        assert len(localizing.fresh_poses(Likelihoods(ROOM), nowhere, 40, None)) == 0
 
 
 # ------------------------------------------------------------------ smaller parts
@@ -241,3 +358,5 @@ def test_weights_are_shares(weights):
 def test_a_heading_of_half_a_turn_is_that_to_the_right(heading, wrapped):
     score = lambda map, points, poses: np.zeros(len(poses))  # noqa: E731
     assert hill_climb(QuadtreeMap(), [(1, 0)], (0, 0, heading), score=score)[2] == wrapped
+    with pytest.raises(ValueError, match="map must be a QuadtreeMap or a SegmentMap"):
+        hill_climb(3, [(1, 0)], (0, 0, heading), score=score)

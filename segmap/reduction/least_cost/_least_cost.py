@@ -175,7 +175,7 @@ def merged(rows: Rows, limits: Limits) -> Found:
         fits=np.empty((n, 5)),
     )
     _merge_all(state, empty_room(n), limits)
-    alive, parents = survivors(state.link[:, 0].copy())
+    alive, parents = survivors(state.link[:, 0])
     return state.drawn[alive], parents
 
 
