@@ -8,7 +8,7 @@ from types import SimpleNamespace
 import mrpt_samples as mrpt
 import numpy as np
 import pytest
-from log_samples import CORESLAM, ODOMETRY, SICK, TIMES, WEAN, flaser, robotlaser, text
+from log_samples import CORESLAM, ODOMETRY, SICK, TIMES, flaser, robotlaser, text
 from scipy.spatial.transform import Rotation
 
 from segmap import readers
@@ -68,16 +68,6 @@ def test_a_number_is_read_up_to_its_limit(name, tmp_path):
             readers.read(path)
 
 
-@pytest.mark.parametrize(
-    ("ranges", "valid"),
-    [("8.17 8.18 8.2", [1, 0, 0]), ("8.18 8.21", [1, 1]), ("32.75 32.76 32.77", [1, 0, 0]),
-     ("32.76 32.78", [1, 1]), ("49.99 50 75", [1, 0, 0]), ("1e-9 0 -0.0", [1, 0, 0])],
-)  # fmt: skip
-def test_modes_end_where_they_say(read, ranges, valid):
-    """Catches a wall that is taken for nothing met, between the values of two modes."""
-    assert read(flaser((0, 0, 0), (0, 0, 1), ranges=ranges))[0].valid.tolist() == valid
-
-
 def test_a_line_and_a_head_and_a_packed_file_may_be_just_so_long(tmp_path):
     """Catches limits of one byte or line less, which refuse what they promise to read."""
     line, some = GOOD.encode(), 2**20 - 1 - len(GOOD)
@@ -132,13 +122,8 @@ def test_the_first_lines_decide_and_no_later_one(tmp_path):
     assert readers.format_of(path) == "CARMEN"
     path.write_text("FLASER 1 1\n" * 99 + "Laser 1 1\n" * 101)
     assert readers.format_of(path) == "DP-SLAM"
-
-
-@pytest.mark.parametrize(("first", "form"), [("O 1 2 3 4\n" * 3, "Wean Hall"), (WEAN, "Wean Hall")])
-def test_lines_of_odometry_alone_tell_the_format(tmp_path, first, form):
-    """Catches a log that begins with a drive of 200 lines, and is of no known format then."""
-    (tmp_path / "it.log").write_text(first)
-    assert form in readers.format_of(tmp_path / "it.log")
+    path.write_text("O 1 2 3 4\n" * 3)  # a drive alone
+    assert "Wean" in readers.format_of(path)
 
 
 def test_a_header_is_sought_in_the_first_lines(read):
@@ -224,19 +209,15 @@ def test_a_laser_may_be_tilted_by_five_degrees():
 
 def test_poses_in_space_have_limits():
     """Catches a place 10 000 km away to the left, and a turn that is none."""
-    still = (1, 0, 0, 0)
-    for place in ((1e7, 0, 0), (0, -1e7, 0)):
-        assert _mounting.level(_mounting.in_space(place, still))[:2].tolist() == list(place[:2])
-        for far in (1.1, -1.1):
+    for far in (1e7, -1e7):
+        pose = _mounting.in_space((far, 0, 0), (1.1e-6, 0, 0, 0))
+        assert _mounting.level(pose).tolist() == [far, 0, 0]
+        pose[0, 3] *= 1.1
+        with pytest.raises(ValueError):
+            _mounting.level(pose)
+        for place, length in ((1.1 * far, 1), (far, 0.9e-6)):
             with pytest.raises(ValueError):
-                _mounting.in_space(np.multiply(place, far), still)
-            moved = np.eye(4)
-            moved[:3, 3] = np.multiply(place, far)
-            with pytest.raises(ValueError):
-                _mounting.level(moved)
-    assert _mounting.in_space((0, 0, 0), (1.1e-6, 0, 0, 0)).tolist() == np.eye(4).tolist()
-    with pytest.raises(ValueError):
-        _mounting.in_space((0, 0, 0), (0.9e-6, 0, 0, 0))
+                _mounting.in_space((place, 0, 0), (length, 0, 0, 0))
 
 
 @pytest.mark.parametrize(("ahead", "degrees", "moves"), [
@@ -248,10 +229,11 @@ def test_a_frame_that_trembles_stands_still(ahead, degrees, moves):
     for k in range(2):
         angle = k * np.radians(degrees) / 2
         turn = SimpleNamespace(w=np.cos(angle), x=0, y=0, z=np.sin(angle))
-        place = SimpleNamespace(x=1 + k * ahead, y=2, z=0)
-        where = SimpleNamespace(translation=place, rotation=turn)
-        header = SimpleNamespace(frame_id="/base")
-        frames.take(SimpleNamespace(header=header, child_frame_id="laser", transform=where), k)
+        where = SimpleNamespace(
+            translation=SimpleNamespace(x=1 + k * ahead, y=2, z=0), rotation=turn
+        )
+        said = {"header": SimpleNamespace(frame_id="/base"), "child_frame_id": "laser"}
+        frames.take(SimpleNamespace(**said, transform=where), k)
     assert (frames.moving == {"laser"}) == moves
     with pytest.raises(ValueError, match="laser moves") if moves else nullcontext():
         assert frames.place("laser", "base")[:2, 3].tolist() == [1, 2]
