@@ -47,7 +47,7 @@ LIMITS = {
     "beam": ("1000 {}", "12.56 -12.56", "12.57 -12.57 15"),
     "offset": (SICK.splitlines()[0].replace("181, 0,", "181, {},"), "720 -720", "721 -720.5"),
     "degrees": ("angle_deg,range_mm\n{},1", "720 -720", "720.1 -720.1 800"),
-    "range": ("angle_deg,range_m\n0,{}", "1e7", "1.1e7 -1.1e7"),
+    "range": ("angle_deg,range_m\n0,{}", "1e7 NaN INF Null", "1.1e7 -1.1e7"),
     "scan": ("angle_deg,range_m,scan\n0,1,{}", "1e7 -1e7", "1.1e7 -1.1e7"),
     "clock": ("angle_deg,range_m,time_s\n0,1,{}", "1e12 -1e12", "1.1e12 -1.1e12"),
 }
