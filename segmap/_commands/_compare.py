@@ -115,10 +115,11 @@ def compare(given: argparse.Namespace, log: Log, paths: list[Path], report: Repo
     report.line("extracted", f"{counted(len(whole), 'segment')}{part}", segments=len(whole))
     if given.plan is not None:
         check_plan(given, map, report)
-    runs = compared(log.name, map, given.quality / 100)
+    quality = given.quality / 100
+    runs = compared(log.name, map, quality)
     taken = float(runs["seconds"].sum())
     report.line("compared", f"{counted(len(runs), 'run')}, {seconds(taken)}", seconds=taken)
-    nearest = print_table(runs, given.quality / 100, report)
+    nearest = print_table(runs, quality, report)
     if given.plan is not None:
         print_walls(given, map, nearest, report)
     written = allowed(given, verdict, paths, report)
@@ -130,7 +131,7 @@ def compare(given: argparse.Namespace, log: Log, paths: list[Path], report: Repo
         else:
             from ._pictures import write_curves
 
-            write_curves(path, runs, given.quality / 100)
+            write_curves(path, runs, quality)
     if written:
         names = [str(path) for path in written]
         report.line("written", ", ".join(names), files=names)
@@ -171,7 +172,7 @@ def searched(map: dict[str, SegmentMap], method: str, quality: float) -> pd.Data
         for _ in range(BETWEEN if ends else 0):
             middle = float(np.sqrt(ends[0] * ends[1]))
             ends = (middle, ends[1]) if good(middle) else (ends[0], middle)
-    return pd.concat(found, ignore_index=True)
+    return pd.concat(found)
 
 
 def around(good: Callable[[float], bool], value: float) -> tuple[float, ...]:
@@ -194,12 +195,11 @@ def around(good: Callable[[float], bool], value: float) -> tuple[float, ...]:
 
 def thinned(map: SegmentMap) -> SegmentMap:
     """Every second scan, every third, ...: the first part of a map that is not too long."""
-    for step in range(1, len(map) + 2):
-        scans = np.unique(map.scan)[::step]
-        part = map[np.isin(map.scan, scans)]
-        if len(part) <= MOST or len(scans) == 1:
-            return part
-    raise AssertionError("one scan is left at last")
+    every, part, step = np.unique(map.scan), map, 1
+    while len(part) > MOST and step < len(every):
+        step += 1
+        part = map[np.isin(map.scan, every[::step])]
+    return part
 
 
 def check_plan(given: argparse.Namespace, map: SegmentMap, report: Report) -> None:

@@ -34,7 +34,7 @@ def run(given: argparse.Namespace) -> None:
     """Copy what is not there; what differs is a student's work: a newer original goes beside it."""
     folder, source = given.folder, chapters_folder()
     folder.mkdir(parents=True, exist_ok=True)
-    near = folder.resolve().parent == source.resolve().parent
+    near = folder.resolve().parent == source.parent
     files, handed = originals(source, outside=near), _handed(folder)
     done = {name: _hand_over(folder, name, files[name], handed) for name in files}
     write_bytes(folder / RECORD, json.dumps(handed).encode())

@@ -95,7 +95,7 @@ def say(text: str = "") -> None:
 def tell(text: str) -> None:
     """Say beside the output what went wrong."""
     lines = "\n".join(map(shown, text.split("\n")))
-    print(f"segmap: {lines}", file=sys.stderr, flush=True)
+    print(f"segmap: {lines}", file=sys.stderr)
 
 
 def reason(error: BaseException) -> str:

@@ -201,7 +201,7 @@ def open_bytes(path: Path) -> IO[bytes]:
         return path.open("rb")
     with unzipped(path) as (packed, members):  # `__MACOSX/` holds none of the user's
         first = next((m for m in members if not m.filename.startswith("__")), None)
-        if first is None or first.flag_bits & 1:
+        if first is None:
             raise zipfile.BadZipFile("no readable file in it")
         return packed.open(first)
 

@@ -186,7 +186,7 @@ def test_a_threshold_has_the_unit_of_its_annotation(run, near, monkeypatch):
     said = " ".join(run("map", "--help")[1].split())
     assert "--skew DEGREES default: 10 for strange " in said
     assert "--angle DEGREES|METRES default: 10 for basic_offline," in said
-    assert "; 0.2 for strange" in said
+    assert "; 0.2 for strange" in said and " for extract_polylines" not in said
     options = re.findall(r" (--[\w-]+)", said[said.index("thresholds of the reduction") :])
     options = [name for name in options if not name.startswith(("--extract", "--no-"))]
     assert options == sorted(options) and "--tolerance" in options
@@ -346,6 +346,10 @@ def test_a_picture_holds_both_maps_at_one_scale(monkeypatch, tmp_path, wide, tal
     titles = [ax.get_title() for ax in figures[0].axes]
     assert titles == ["Segments: 3", "Reduced: 2"]
     first, second = figures[0].axes
+    assert first.get_shared_x_axes().joined(first, second)
+    assert first.get_shared_y_axes().joined(first, second)
+    thin, thick = (ax.collections[0].get_linewidth()[0] for ax in figures[0].axes)
+    assert thin < 1 < thick and figures[0].dpi * 7 == 1050  # dots along a map
     assert bool(first.get_xlabel()) == (rows == 1) and bool(second.get_ylabel()) == (rows == 2)
 
 
@@ -354,23 +358,13 @@ def test_curves_are_drawn_from_none_to_all(monkeypatch, tmp_path):
     monkeypatch.setattr(_pictures, "figure_png", lambda figure: figures.append(figure) or PNG)
     runs = segmap.experiments.select(runs, filtered=False)
     _pictures.write_curves(tmp_path / "it.png", runs, 0.9)
-    assert figures[0].axes[0].get_ylim() == (0, 1)
+    figures[0].draw_without_rendering()
+    (ax,) = figures[0].axes
+    curves, legend = ax.get_window_extent(), ax.get_legend().get_window_extent()
+    assert ax.get_ylim() == (0, 1) and curves.x1 < legend.x0 < legend.x1 < figures[0].bbox.x1
+    assert legend.x0 - curves.x1 < 0.05 * curves.width < curves.width / 2
+    assert legend.y0 + legend.y1 == pytest.approx(curves.y0 + curves.y1, rel=0.01)
     assert _pictures._inches(np.zeros((0, 2))) == (7.9, 7.9)  # of no map at all
-
-
-class Terminal(io.StringIO):
-    def isatty(self):
-        return True
-
-
-def test_a_bar_says_what_is_done_and_goes_when_it_is_done(run, near, monkeypatch):
-    """Catches bars that stay between the lines of a report."""
-    monkeypatch.setattr(sys, "stderr", screen := Terminal())
-    words = ("--align", "ground_truth", "--method", "none", "-o", "it.PNG")
-    assert run("map", near, *words)[0] == 0 and Path("it.PNG").read_bytes()[:4] == PNG
-    for shown in ("aligning: .* 0/3", "reducing: .* 1/3", "writing: .* 2/3"):
-        assert re.search(shown, screen.getvalue())
-    assert screen.getvalue().endswith(" \r")
 
 
 def test_only_warnings_for_users_are_shown(capsys):
@@ -652,7 +646,8 @@ def test_methods_are_compared_at_one_quality(run, near, monkeypatch, methods):
     monkeypatch.setattr(_compare, "METHODS", chosen)
     exports.write_carmen("short.log", segmap.read(near)[:3])
     code, said, _ = run("compare", "short.log", "--quality", "90", "-o", "it.png", "-o", "it.csv")
-    assert code == 0 and "at quality 90.0 %" in said
+    assert code == 0 and "at quality 90.0 %" in said and "(--all" not in said
+    assert "  written   it.png, it.csv\n" in said
     runs = segmap.experiments.read_records("it.csv")
     assert set(runs["method"]) == set(methods) and Path("it.png").read_bytes()[:4] == PNG
     table = said[said.index("at quality") :]
@@ -696,14 +691,19 @@ def test_a_plan_judges_the_run_that_is_shown(run, plan):
         wanted = metrics.against_walls(plan, after, seen=before)
         judged = said["against_walls"]
         assert judged["per_wall"] == wanted.per_wall and judged["found"] == wanted.found
-        assert judged["missed"] == pytest.approx(wanted.missed / wanted.seen.sum(), abs=0.01)
+        for word, lost in (
+            ("missed", wanted.missed),
+            ("invented", wanted.invented),
+            ("double", wanted.doubled.sum()),
+        ):
+            assert judged[word] == pytest.approx(lost / wanted.seen.sum(), abs=0.01)
         assert judged["offset"] == pytest.approx(wanted.offset, abs=0.002)
     table = pd.read_csv("it.csv")
     told = found["methods"]["hybrid"]["against_walls"]["per_wall"]
     assert table["methods.hybrid.against_walls.per_wall"].item() == told
     _, said, _ = run("compare", "drive.log", "--walls", "plan.csv")
-    shown = said[said.index("against the plan") :].splitlines()[1:4]
-    assert [line.split()[0] for line in shown] == ["the", *sorted(found["methods"])[::-1]]
+    shown = said[said.index("against the plan") :].splitlines()[1:5]
+    assert [line[2:5] for line in shown] == ["the", "lea", "hyb", ""]
 
 
 @pytest.mark.parametrize(
@@ -746,7 +746,6 @@ def test_a_long_log_is_thinned_scan_by_scan():
     map = segmap.SegmentMap(np.tile([[(0, 0), (1, 0)]], (9000, 1, 1)), scan)
     part = thinned(map)
     assert np.unique(part.scan).tolist() == list(range(0, 100, 5)) and len(part) <= MOST
-    assert thinned(part) is not None and len(thinned(part)) == len(part)
 
 
 # ------------------------------------------------------------------------------ convert
@@ -836,7 +835,7 @@ def test_work_in_a_clone_has_all_links_and_the_originals_stay(run, clone):
     """Catches a link cut though it leads somewhere, a picture left behind, a save git tracks."""
     before = {path: path.read_bytes() for path in clone.rglob("*.*")}
     work = clone.parent / "work"
-    _, said, _ = run("notebooks", work)
+    _, said, _ = run("notebooks", "clone/work")
     assert "jupyter lab" not in said and broken_links(work) == []
     for path in work.glob("*.ipynb"):
         assert path.read_bytes() == (clone / path.name).read_bytes()
@@ -850,8 +849,9 @@ def test_work_in_a_clone_has_all_links_and_the_originals_stay(run, clone):
 def test_a_newer_original_is_offered_beside_the_work_of_a_student(run, clone):
     """Catches work that is overwritten, an offer that is made each time or hides an older one, and
     a copy without work that stays old."""
-    work, (first, second) = clone.parent / "work", sorted(clone.glob("*.ipynb"))
-    run("notebooks", work)
+    work, (first, second) = clone.parent / "new" / "work", sorted(clone.glob("*.ipynb"))
+    _, said, _ = run("notebooks", work)
+    assert Path(re.search(r"jupyter lab (\S+)", said)[1]) == work / first.name
     (work / first.name).write_text("my answers")
     for k, text in enumerate(("new", "newer still"), start=1):
         first.write_text(text)
@@ -888,6 +888,12 @@ def test_a_reader_that_has_gone_ends_the_program_with_1(clone, monkeypatch):
 
 
 # ------------------------------------------------------------------------------ the program
+def test_without_a_command_it_says_what_there_is(run):
+    code, _, beside = run()
+    assert code == 2 and "required: COMMAND" in beside
+    assert run("--version")[1] == f"segmap {segmap.__version__}\n"
+
+
 def test_the_program_is_light_and_ends_with_the_code_of_the_command(near, tmp_path):
     """Catches numba that is loaded to say what a log is, and a script that overlooks a fault."""
     command = [sys.executable, "-X", "importtime", "-m", "segmap", "info", near, "gone.log"]

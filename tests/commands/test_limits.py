@@ -2,8 +2,10 @@
 
 import io
 import json
+import re
 import sys
 from argparse import Namespace
+from contextlib import nullcontext
 from pathlib import Path
 
 import numpy as np
@@ -35,9 +37,49 @@ def test_a_bar_of_one_step_is_none(monkeypatch):
         assert [n for n in (1, 2, 3) if not progress(n, "log").disable] == shown
 
 
+@pytest.mark.parametrize(
+    ("words", "bars"),
+    [
+        (("map", "it.log", "--method", "none"), {"step": (2, 3, "writing: ")}),
+        (("occupancy", "it.log", "--matcher", "hill-climbing"), {"scan": (4, 4, "")}),
+        (("locate", "it.npz", "it.log"), {"scan": (4, 4, "")}),
+        (("compare", "it.log"), {"method": (2, 2, "hybrid")}),
+        (("info", "it.log", "it.log"), {"log": (2, 2, "it.log: ")}),
+    ],
+)
+def test_a_bar_grows_to_its_end(run, monkeypatch, words, bars):
+    """Catches a bar that stays at nothing while the work goes on, or says no name."""
+    exports.write_carmen("it.log", segmap.load("room")[:4])
+    quadtree.QuadtreeMap(resolution=0.5, size=4).save("it.npz")
+    few = {name: reduction.METHODS[name] for name in ("fusion", "hybrid")}
+    monkeypatch.setattr(_compare, "METHODS", few)
+    monkeypatch.setattr(_locate, "localize", lambda *given, rng: iter([belief(1, "lost")] * 4))
+    found = {}
+
+    def close(bar):
+        if not bar.disable:
+            found[bar.unit] = bar.n, bar.total, bar.postfix or bar.desc
+
+    monkeypatch.setattr("tqdm.tqdm.close", close)
+    monkeypatch.setattr(sys, "stderr", Terminal())
+    run(*words)
+    assert found == bars
+
+
 class Terminal(io.StringIO):
     def isatty(self):
         return True
+
+
+def test_a_bar_says_what_is_done_and_goes_when_it_is_done(run, monkeypatch):
+    """Catches bars that stay between the lines of a report."""
+    exports.write_carmen("it.log", segmap.load("room")[:9])
+    monkeypatch.setattr(sys, "stderr", screen := Terminal())
+    words = ("--align", "ground_truth", "--method", "none", "-o", "it.PNG")
+    assert run("map", "it.log", *words)[0] == 0 and Path("it.PNG").read_bytes()[:4] == b"\x89PNG"
+    for shown in ("aligning: .* 0/3", "reducing: .* 1/3", "writing: .* 2/3"):
+        assert re.search(shown, screen.getvalue())
+    assert screen.getvalue().endswith(" \r")
 
 
 # ---------------------------------------------------------------------- logs, verdicts
@@ -75,24 +117,15 @@ def test_strict_is_met_by_just_as_many(grade, placed, strict, code, capsys):
     assert _logs.allowed(Namespace(strict=strict, force=True), verdict, paths, report) == paths
 
 
-@pytest.mark.parametrize(
-    ("first", "second", "more", "swapped"),
-    [
-        ("90.5", "0", (), True),
-        ("-120", "45", (), True),
-        ("180", "-90", (), True),
-        ("180.5", "0", (), False),
-        ("120", "90.5", (), False),
-        ("120", "-100", (), False),
-        ("90", "0", ("--north", "400"), False),
-        ("120", "1e9", ("--crs", "EPSG:25832"), False),
-    ],
-)
-def test_a_longitude_that_comes_first_is_told(run, first, second, more, swapped):
-    words = ("map", "it.log", "--place", first, second, *more, "-o", "IT.GEOJSON")
-    code, _, beside = run(*words)
-    assert code == 2 and ("; the latitude comes first" in beside) == swapped
-    assert "--place: " in beside
+SWAPPED = ("90.5 0", "-120 45", "180 -90")
+WRONG = ("180.5 0", "120 90.5", "120 -100", "90 0 --north 400", "120 1e9 --crs EPSG:25832")
+
+
+@pytest.mark.parametrize("place", SWAPPED + WRONG)
+def test_a_longitude_that_comes_first_is_told(run, place):
+    code, _, beside = run("map", "it.log", "--place", *place.split(), "-o", "IT.GEOJSON")
+    assert code == 2 and "--place: " in beside
+    assert ("; the latitude comes first" in beside) == (place in SWAPPED)
 
 
 def test_a_folder_is_read_by_name_and_what_cannot_be_read_was_a_log(run, monkeypatch):
@@ -182,47 +215,38 @@ def test_locate_tells_the_last_belief(run, monkeypatch, beliefs, code, said):
 
 
 # ------------------------------------------------------------------------------- compare
-@pytest.fixture
-def sweeps(monkeypatch):
-    """A method of which a run costs what one likes: good up to a threshold; which were tried."""
-    tried = []
+def test_a_method_is_sought_by_doubling_and_then_between(monkeypatch):
+    """Catches a search that ends beside the quality, or never, or that waits for a slow method."""
     default = _compare.thresholds(reduction.fusion)["tolerance"].default
 
-    def searched(limit, slow_at=np.inf, seconds=20.0):
+    def tried(limit, slow_at=np.inf, seconds=20.0):
+        """Thresholds that are run, of the default, where all up to a limit are good."""
+        found = []
+
         def sweep(maps, methods, settings):
             value = settings["fusion"]["tolerance"][0] / default
-            tried.append(round(value, 6))
+            found.append(round(value, 6))
             took = seconds if value >= slow_at else 0.1
             return pd.DataFrame({"quality": [0.9 if value <= limit else 0.5], "seconds": [took]})
 
-        tried.clear()
         monkeypatch.setattr("segmap.experiments.sweep", sweep)
-        found = _compare.searched({}, "fusion", 0.9)
-        assert list(found.index) == list(range(len(tried)))
-        return tried
+        assert len(_compare.searched({}, "fusion", 0.9)) == len(found)
+        return found
 
-    return searched
-
-
-def test_a_method_is_sought_by_doubling_and_then_between(sweeps):
-    """Catches a search that ends beside the quality, or never, or that waits for a slow method."""
-    root = 2**0.5
-    assert sweeps(3.0) == pytest.approx([1, 2, 4, 2 * root, 2 * root * root**0.5], abs=1e-5)
-    assert sweeps(0.3) == pytest.approx([1, 0.5, 0.25, 0.25 * root, 0.25 * root**0.5], abs=1e-5)
-    assert sweeps(1e9) == [1, 2, 4, 8, 16, 32] and len(sweeps(0)) == 6
-    assert sweeps(31)[:6] == [1, 2, 4, 8, 16, 32] and len(sweeps(31)) == 8
-    assert sweeps(1e9, slow_at=4) == [1, 2, 4, 8, 16, 32]
-    assert sweeps(1e9, slow_at=4, seconds=20.1) == [1, 2, 4]
-    assert sweeps(1e9, slow_at=0, seconds=99.0) == [1]
+    root, doubled = 2**0.5, [1, 2, 4, 8, 16, 32]
+    assert tried(3.0) == pytest.approx([1, 2, 4, 2 * root, 2 * root * root**0.5], abs=1e-5)
+    assert tried(0.3) == pytest.approx([1, 0.5, 0.25, 0.25 * root, 0.25 * root**0.5], abs=1e-5)
+    assert tried(1e9) == doubled and len(tried(0)) == 6
+    assert tried(31)[:6] == doubled and len(tried(31)) == 8
+    assert tried(1e9, slow_at=4) == doubled and tried(1e9, slow_at=4, seconds=20.1) == [1, 2, 4]
+    assert tried(1e9, slow_at=0, seconds=99.0) == [1]
 
 
-def test_a_map_is_thinned_only_beyond_its_limit():
+def test_a_map_is_thinned_only_beyond_2000_segments():
     """Catches a map of just so many segments that loses half, and one scan that loses itself."""
-    most = _compare.MOST
-    for scans, wanted in ((2, most), (1, most + 1)):
-        scan = np.arange(wanted) % scans
-        map = segmap.SegmentMap(np.tile(WALL, (wanted, 1, 1)), scan)
-        assert len(_compare.thinned(map)) == wanted
+    for scans, count, kept in ((2, 2000, 2000), (2, 2001, 1001), (1, 2001, 2001)):
+        map = segmap.SegmentMap(np.tile(WALL, (count, 1, 1)), np.arange(count) % scans)
+        assert len(_compare.thinned(map)) == kept
 
 
 @pytest.mark.parametrize(
@@ -235,27 +259,18 @@ def test_a_plan_is_of_another_place_beyond_its_limits(beside, large, fine, capsy
     A tenth of the map lies beside a wall, or the plan is fifty times as large.
     """
     map = segmap.SegmentMap([[(0, 0), (beside, 0)], [(beside, 3), (10, 3)], [(0, 0.0), (0, 0.0)]])
-    plan = np.array([[(0, 0), (beside, 0)], [(0, -4), (0, 10 * large - 4)]])
-    plan = plan if large > 1 else plan[:1]
+    plan = np.array([[(0, 0), (beside, 0)], [(0, -4), (0, 10 * large - 4)]])[: 1 + (large > 1)]
     given, report = Namespace(plan=segmap.SegmentMap(plan), walls="p.csv"), Report("it")
-    if not fine:
-        with pytest.raises(ValueError, match="A plan must be in metres"):
-            _compare.check_plan(given, map, report)
-        return
-    _compare.check_plan(given, map, report)
-    found = report.found["plan"]
-    assert found["walls"] == len(plan) and found["beside"] == pytest.approx(beside / 10, abs=0.01)
+    with nullcontext() if fine else pytest.raises(ValueError, match="A plan must be in metres"):
+        _compare.check_plan(given, map, report)
+        assert report.found["plan"]["walls"] == len(plan)
+        assert report.found["plan"]["beside"] == pytest.approx(beside / 10, abs=0.01)
 
 
 def test_the_table_has_the_best_first_and_the_run_that_is_nearest(monkeypatch, capsys):
     """Catches the worst first, a run without quality that is nearest, and gone taken for left."""
-    rows = [
-        ("hybrid", np.nan, 0.3, 70),
-        ("hybrid", 0.7, 0.4, 40),
-        ("fusion", 0.8, 0.5, 50),
-        ("fusion", 0.86, 0.6, 35),
-        ("least_cost", 0.2, 0.9, 10),
-    ]
+    rows = [("hybrid", np.nan, 0.3, 70), ("hybrid", 0.7, 0.4, 40), ("fusion", 0.8, 0.5, 50),
+            ("fusion", 0.86, 0.6, 35), ("least_cost", 0.2, 0.9, 10)]  # fmt: skip
     runs = pd.DataFrame([{"method": method, "quality": quality, "n_before": 100, "n_after": left,
                           reduction.METHODS[method].varies: value, "seconds": 0.5}
                          for method, quality, value, left in rows])  # fmt: skip

@@ -134,17 +134,18 @@ def test_arrays_hold_what_is_known_of_scans_of_one_size(tmp_path):
 @pytest.mark.parametrize("ordered", [True, False])
 def test_arrays_hold_all_that_a_log_knows(ordered, tmp_path):
     """Catches times of beams, codes or a track that are lost on the way, and an order made up."""
-    codes, delays = [0, 7, 0, 16, 0], np.arange(5) * 0.01
-    scans = [replace(shot(k), codes=codes, delays=None if k == 0 else k * delays) for k in range(3)]
+    codes, delays = [0, 7, 0, 16, 0], [k * np.arange(5) * 0.01 for k in (1, 2, 3)]
+    delays[0] = delays[0] if ordered else None
+    scans = [replace(shot(k), codes=codes, delays=delays[k]) for k in range(3)]
     track = np.column_stack([np.arange(4) + 999.0, np.eye(4, 3)])
     log = Log("three", scans, TRUTH, track=track, order_known=ordered)
     exports.write_arrays(tmp_path / "it.npz", log)
     found = read(tmp_path / "it.npz")
     assert found.order_known == ordered and found.track.tolist() == track.tolist()
-    assert found[0].delays is None and found.truth.tolist() == TRUTH.tolist()
-    for k in range(3):
-        assert found[k].codes.tolist() == codes
-        assert k == 0 or found[k].delays.tolist() == (k * delays).tolist()
+    assert found.truth.tolist() == TRUTH.tolist()
+    for scan, known in zip(found, delays, strict=True):
+        assert scan.codes.tolist() == codes and (scan.delays is None) == (known is None)
+        assert known is None or scan.delays.tolist() == known.tolist()
 
 
 @pytest.mark.parametrize("largest", [8.179, 8.15, 32.7, 49.9])

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from segmap import load
-from segmap.exports import write_geojson, write_ros_map, write_svg
+from segmap.exports import ros_classes, write_geojson, write_ros_map, write_svg
 from segmap.quadtree import QuadtreeMap, build_map
 
 
@@ -57,6 +57,8 @@ def test_another_reader_finds_the_map(room, options, tmp_path):
     write_ros_map(tmp_path / "room.yaml", room, **options)
     values, origin, side = read_ros(tmp_path / "room.yaml")
     assert origin[2] == 0 and side == 0.05
+    assert np.array_equal(values == 0, ros_classes(room, **options).greys == 254)
+    assert np.array_equal(values == 100, ros_classes(room, **options).greys == 0)
     assert np.array_equal(values, classes(room, values, origin, side, **options))
     assert {-1, 0, 100} == set(np.unique(values))
     assert not np.array_equal(values, values[::-1])
@@ -146,7 +148,8 @@ SQUARE = re.compile(r"M(\S+) (\S+?)h(\S+?)v(\S+?)h-(\S+?)z")
 @pytest.mark.parametrize("occupied", [0.5, 0.9])
 def test_geojson_holds_the_occupied_leaves(room, occupied, tmp_path):
     """Catches leaves lost, rings that run clockwise or stay open, and y before x."""
-    write_geojson(tmp_path / "room.geojson", room, occupied=occupied)
+    options = {} if occupied == 0.5 else {"occupied": occupied}
+    write_geojson(tmp_path / "room.geojson", room, **options)
     found = json.loads((tmp_path / "room.geojson").read_text())
     leaves, value = room.leaves(), room.leaf_occupancy()
     hit = np.flatnonzero(value > occupied)

@@ -8,7 +8,8 @@ from types import SimpleNamespace
 import mrpt_samples as mrpt
 import numpy as np
 import pytest
-from log_samples import CORESLAM, ODOMETRY, SICK, TIMES, WEAN, flaser, robotlaser, text
+from log_samples import CORESLAM, ODOMETRY, SICK, TIMES, flaser, robotlaser, text
+from scipy.spatial.transform import Rotation
 
 from segmap import readers
 from segmap.readers import LogError, _mounting
@@ -18,6 +19,10 @@ from segmap.readers.tables._coreslam import integrate
 
 GOOD = flaser((1, 2, 0.5), (0, 0, 0), 1.0)
 ROBOT = "ROBOTLASER1 0 {} {} {} 80 0 0 2 1 2 0 0 0 0 0 0 0 0 0 0 0 0 1 h 0"
+PLAYER = (
+    "999.0 16777343 6665 laser 00 004 001 0.3 0.1 {} 0.156 0.155\n"
+    "999.5 16777343 6665 laser 00 001 001 0001 -1.5708 1.5708 1.5708 8.0 0003 1 0 1 0 1 0"
+)
 WHEELS = CORESLAM.splitlines()[0].replace("29221", "{}")
 #: A line with a number in it; numbers that it may hold, and numbers that are refused.
 LIMITS = {
@@ -26,6 +31,9 @@ LIMITS = {
     "start": (ROBOT.format("{}", 0, 0.1), "9.9 -9.9", "10 -10 10.5"),
     "view": (ROBOT.format(0, "{}", 0), "0 9.9", "-0.1 10 10.5"),
     "step": (ROBOT.format(0, 1, "{}"), "0 9.9", "-0.1 10 10.5"),
+    "last beam": (ROBOT.format(9, 0, "{}"), "3.5", "3.6"),
+    "mounting": ("PARAM robot_frontlaser_angular_offset {}\nFLASER 1 1", "12.5 -12.5", "12.6 -90"),
+    "player": (PLAYER, "12.5 -12.5", "12.6 -90"),
     "laser": (ROBOT.format(0, 1, 1).replace("ROBOTLASER1", "ROBOTLASER{}"), "1 5", "0 6"),
     "raw": ("RAWLASER{} 0 0 1 1 80 0 0 2 1 2 0 1 h 0", "1 5", "0 6"),
     "particles": (
@@ -39,7 +47,7 @@ LIMITS = {
     "beam": ("1000 {}", "12.56 -12.56", "12.57 -12.57 15"),
     "offset": (SICK.splitlines()[0].replace("181, 0,", "181, {},"), "720 -720", "721 -720.5"),
     "degrees": ("angle_deg,range_mm\n{},1", "720 -720", "720.1 -720.1 800"),
-    "range": ("angle_deg,range_m\n0,{}", "1e7", "1.1e7 -1.1e7"),
+    "range": ("angle_deg,range_m\n0,{}", "1e7 NaN INF Null", "1.1e7 -1.1e7"),
     "scan": ("angle_deg,range_m,scan\n0,1,{}", "1e7 -1e7", "1.1e7 -1.1e7"),
     "clock": ("angle_deg,range_m,time_s\n0,1,{}", "1e12 -1e12", "1.1e12 -1.1e12"),
 }
@@ -60,30 +68,51 @@ def test_a_number_is_read_up_to_its_limit(name, tmp_path):
             readers.read(path)
 
 
-@pytest.mark.parametrize(
-    ("ranges", "valid"),
-    [("8.17 8.18 8.2", [1, 0, 0]), ("8.18 8.21", [1, 1]), ("32.75 32.76 32.77", [1, 0, 0]),
-     ("32.76 32.78", [1, 1]), ("49.99 50 75", [1, 0, 0]), ("1e-9 0 -0.0", [1, 0, 0])],
-)  # fmt: skip
-def test_modes_end_where_they_say(read, ranges, valid):
-    """Catches a wall that is taken for nothing met, between the values of two modes."""
-    assert read(flaser((0, 0, 0), (0, 0, 1), ranges=ranges))[0].valid.tolist() == valid
-
-
 def test_a_line_and_a_head_and_a_packed_file_may_be_just_so_long(tmp_path):
     """Catches limits of one byte or line less, which refuse what they promise to read."""
     line, some = GOOD.encode(), 2**20 - 1 - len(GOOD)
     for more, said in ((0, None), (1, "longer than 1048576 bytes")):
         for name, data in {
             "line": line + b" " * (some + more) + b"\n",
-            "head": b"#\n" * (100_000 + more) + line,
+            "head": line + b"\n" + b"#\n" * (100_000 + more) + line,
             "packed": gzip.compress(line + b"\n" + (b"#" * 999 + b"\n") * 1048
                                     + b"#" * (some - 1_048_000 + more)),
         }.items():  # fmt: skip
             (tmp_path / name).write_bytes(data)
             reason = {"line": said, "head": "100000 lines in a row", "packed": "unpacks to more"}
             with pytest.raises(LogError, match=reason[name]) if more else nullcontext():
-                assert len(readers.read(tmp_path / name)) == 1
+                assert len(readers.read(tmp_path / name)) == 1 + (name == "head")
+
+
+def test_a_link_has_the_name_of_what_it_leads_to(tmp_path, monkeypatch):
+    """Catches a log that is called `today`, or nothing at all."""
+    (tmp_path / "run").mkdir()
+    (tmp_path / "run" / "SICK_FRONT.csv").write_text(SICK)
+    (tmp_path / "today").symlink_to("run")
+    (tmp_path / "last.csv").symlink_to("run/SICK_FRONT.csv")
+    monkeypatch.chdir(tmp_path / "run")
+    for path, name in ((".", "run"), ("../today", "run"), ("../last.csv", "SICK_FRONT")):
+        assert readers.read(path).name == name
+    with pytest.raises(LogError, match="is no file"):
+        readers.read_segments(".")
+
+
+def test_a_limit_of_the_sensor_is_a_positive_one(read):
+    """Catches a maximum of 0 below which nothing is measured, and one of 0.9 that is overlooked."""
+    for stated, valid in (("0", [1, 1]), ("0.9", [0, 0]), ("1.5", [1, 0])):
+        line = ROBOT.format(0, 1, 1).replace(" 80 ", f" {stated} ")
+        assert read(line)[0].valid.tolist() == valid
+        line = PLAYER.format(0).replace("8.0 0003 1 0 1 0 1 0", f"{stated} 0002 1 0 2 0")
+        assert read(line)[0].valid.tolist() == valid
+
+
+def test_times_of_arrays_have_limits(tmp_path):
+    beams = {"ranges": np.ones((1, 3)), "angles": np.arange(3.0)}
+    for time, fine in ((1e12, True), (-1e12, True), (1.1e12, False), (-1.1e12, False)):
+        np.savez(tmp_path / "it.npz", **beams, times=[time])
+        with nullcontext() if fine else pytest.raises(LogError, match="finite seconds"):
+            log = readers.read(tmp_path / "it.npz")
+            assert log.times.tolist() == [time] and log.order_known
 
 
 def test_the_first_lines_decide_and_no_later_one(tmp_path):
@@ -93,13 +122,8 @@ def test_the_first_lines_decide_and_no_later_one(tmp_path):
     assert readers.format_of(path) == "CARMEN"
     path.write_text("FLASER 1 1\n" * 99 + "Laser 1 1\n" * 101)
     assert readers.format_of(path) == "DP-SLAM"
-
-
-@pytest.mark.parametrize(("first", "form"), [("O 1 2 3 4\n" * 3, "Wean Hall"), (WEAN, "Wean Hall")])
-def test_lines_of_odometry_alone_tell_the_format(tmp_path, first, form):
-    """Catches a log that begins with a drive of 200 lines, and is of no known format then."""
-    (tmp_path / "it.log").write_text(first)
-    assert form in readers.format_of(tmp_path / "it.log")
+    path.write_text("O 1 2 3 4\n" * 3)  # a drive alone
+    assert "Wean" in readers.format_of(path)
 
 
 def test_a_header_is_sought_in_the_first_lines(read):
@@ -150,7 +174,24 @@ def test_wheels_drive_on_from_where_they_are():
     np.testing.assert_allclose(poses, expected, atol=1e-12)
 
 
+@pytest.mark.parametrize(("keyword", "heading"), [("ROBOTLASER1", 0), ("ROBOTLASER2", np.pi)])
+def test_a_laser_of_a_g2o_whose_place_varies_is_at_the_robots_centre(read, keyword, heading):
+    lines = (robotlaser((k, 0, 0), (0, k, 0), t, keyword=keyword) for k, t in enumerate(TIMES))
+    log = read("VERTEX2 0 0 0 0\n" + text(lines))
+    assert log[0].sensor_pose == pytest.approx([0, 0, heading])
+
+
 # ------------------------------------------------------------------------- in space, bags
+@pytest.mark.parametrize("turn", [(1, 2, 3, 4), (-0.3, 0.1, -0.7, 0.2), (0, 0, 2, 1)])
+def test_a_quaternion_turns_as_scipy_has_it(turn):
+    w, *axis = turn
+    found = _mounting.in_space((1, -2, 3), turn)
+    np.testing.assert_allclose(
+        found[:3, :3], Rotation.from_quat([*axis, w]).as_matrix(), atol=1e-12
+    )
+    assert found[:3, 3].tolist() == [1, -2, 3] and found[3].tolist() == [0, 0, 0, 1]
+
+
 def tilted(degrees):
     angle = np.radians(degrees)
     return _mounting.in_space((0, 0, 0), (np.cos(angle / 2), np.sin(angle / 2), 0, 0))
@@ -168,19 +209,15 @@ def test_a_laser_may_be_tilted_by_five_degrees():
 
 def test_poses_in_space_have_limits():
     """Catches a place 10 000 km away to the left, and a turn that is none."""
-    still = (1, 0, 0, 0)
-    for place in ((1e7, 0, 0), (0, -1e7, 0)):
-        assert _mounting.level(_mounting.in_space(place, still))[:2].tolist() == list(place[:2])
-        for far in (1.1, -1.1):
+    for far in (1e7, -1e7):
+        pose = _mounting.in_space((far, 0, 0), (1.1e-6, 0, 0, 0))
+        assert _mounting.level(pose).tolist() == [far, 0, 0]
+        pose[0, 3] *= 1.1
+        with pytest.raises(ValueError):
+            _mounting.level(pose)
+        for place, length in ((1.1 * far, 1), (far, 0.9e-6)):
             with pytest.raises(ValueError):
-                _mounting.in_space(np.multiply(place, far), still)
-            moved = np.eye(4)
-            moved[:3, 3] = np.multiply(place, far)
-            with pytest.raises(ValueError):
-                _mounting.level(moved)
-    assert _mounting.in_space((0, 0, 0), (1.1e-6, 0, 0, 0)).tolist() == np.eye(4).tolist()
-    with pytest.raises(ValueError):
-        _mounting.in_space((0, 0, 0), (0.9e-6, 0, 0, 0))
+                _mounting.in_space((place, 0, 0), (length, 0, 0, 0))
 
 
 @pytest.mark.parametrize(("ahead", "degrees", "moves"), [
@@ -192,10 +229,11 @@ def test_a_frame_that_trembles_stands_still(ahead, degrees, moves):
     for k in range(2):
         angle = k * np.radians(degrees) / 2
         turn = SimpleNamespace(w=np.cos(angle), x=0, y=0, z=np.sin(angle))
-        place = SimpleNamespace(x=1 + k * ahead, y=2, z=0)
-        where = SimpleNamespace(translation=place, rotation=turn)
-        header = SimpleNamespace(frame_id="/base")
-        frames.take(SimpleNamespace(header=header, child_frame_id="laser", transform=where), k)
+        where = SimpleNamespace(
+            translation=SimpleNamespace(x=1 + k * ahead, y=2, z=0), rotation=turn
+        )
+        said = {"header": SimpleNamespace(frame_id="/base"), "child_frame_id": "laser"}
+        frames.take(SimpleNamespace(**said, transform=where), k)
     assert (frames.moving == {"laser"}) == moves
     with pytest.raises(ValueError, match="laser moves") if moves else nullcontext():
         assert frames.place("laser", "base")[:2, 3].tolist() == [1, 2]
@@ -219,5 +257,8 @@ def test_what_is_wrong_within_an_object_of_mrpt_names_file_and_byte(tmp_path):
         log = readers.read(path, on_error="skip")
         assert len(log) == 2 and log.skipped.lines == 1
         assert log.skipped.reason.startswith(f"{path}: byte {len(good)}: ")
+    large = mrpt.scan(1.0, ranges=np.random.default_rng(0).random(30_000))
+    path.write_bytes(gzip.compress(large * 8, 1))  # 1.2 MB: more than any file may unpack to
+    assert len(readers.read(path)) == 8
     path.write_bytes(mrpt.actions(mrpt.movement((*ODOMETRY[1][:2], 4.0))) + good)
     assert readers.read(path).odometry[0] == pytest.approx([1, 0, 4 - 2 * np.pi])

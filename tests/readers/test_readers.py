@@ -2,6 +2,7 @@
 
 import gzip
 import pickle
+import re
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -33,6 +34,10 @@ def test_even_numbers_of_beams_leave_the_end_out(read, count, first, last, step)
     ("ranges", "limit", "valid"),
     [
         ("1 7.99 8.18 8.19", 8.18, [1, 1, 0, 0]),
+        ("8.17 8.2", 8.18, [1, 0]),
+        ("8.18 8.21", 32.76, [1, 1]),
+        ("32.75 32.77", 32.76, [1, 0]),
+        ("32.76 32.78", 50, [1, 1]),
         ("1 8.18 32.76 32.5", 32.76, [1, 1, 0, 1]),
         ("1 8.18 81.83 81.91 50 51.16 49.9", 50, [1, 1, 0, 0, 0, 0, 1]),
     ],
@@ -124,7 +129,7 @@ def test_what_gmapping_wrote_is_truth_and_no_odometry(read):
     """Catches a corrected log that is refused for its NEFF lines, or taken for perfect odometry."""
     scans = [flaser(t, t, time) for t, time in zip(TRUTH, TIMES, strict=True)]
     where = zip(TRUTH, TIMES, strict=True)
-    odom = [f"ODOM {x} {y} {h} 0 0 0 {time} h {time}" for (x, y, h), time in where]
+    odom = [f"ODOM {x + 0.0003} {y} {h} 0 0 0 {time} h {time}" for (x, y, h), time in where]
     lines = [f"{line}\nNEFF 29.3" for line in scans]
     log = read(text([*odom, *lines]))
     assert log.truth == pytest.approx(np.array(TRUTH))
@@ -194,8 +199,12 @@ def test_poses_agree_whichever_is_ahead():
 
 class TestBundled:
     def test_what_is_not_here_says_what_to_do(self, monkeypatch):
-        with pytest.raises(ValueError, match=r"'malaga'.*got 'malga'"):
+        with pytest.raises(ValueError, match=r"'malaga'.*got 'malga'") as caught:
             readers.load("malga")
+        known = re.findall(r"'(\w+)'", str(caught.value))[:-1]
+        assert known == sorted(known) and len(known) > 2
+        with pytest.raises(ValueError, match="name must be"):
+            readers.data_file(3)
         monkeypatch.setattr(_bundled, "find_spec", lambda name: None)
         with pytest.raises(ValueError, match="pip install rtb-data"):
             readers.load("killian")

@@ -90,7 +90,10 @@ class TestRawseeds:
 
     def test_outside_of_them_and_in_long_gaps_there_is_none(self, read):
         """The cameras that gave the truth saw the robot in some places only."""
-        late, long = SICK.replace(str(TIMES[1]), "2000.0"), GROUNDTRUTH.replace("1001.25", "1010.0")
+        late, long = (
+            SICK.replace(str(TIMES[1]), "2000.0"),
+            GROUNDTRUTH.replace("1001.25", "1001.45"),
+        )
         log = read(RAWSEEDS | {"SICK_FRONT.csv": late}, "late")
         assert log[1].odometry is None and np.isnan(log.truth[1]).all()
         log = read(RAWSEEDS | {"run-GROUNDTRUTH.csv": long}, "long")

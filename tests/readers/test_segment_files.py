@@ -26,7 +26,7 @@ MAPS = {
     "one": SegmentMap([[(3, -1), (4, 1)]], [4]),
     "odd": ODD_MAP,
 }
-BACK = ["it.csv", "it.csv.gz", "it.npz"]
+BACK = ["it.csv", "IT.CSV", "it.csv.gz", "it.npz"]
 
 maps = st.integers(0, 5).flatmap(
     lambda n: st.builds(

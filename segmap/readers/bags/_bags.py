@@ -250,8 +250,8 @@ def _chosen(bag: Bag, kind: str, named: str | None, argument: str) -> str | None
 
 
 def _listed(bag: Bag) -> str:
-    found = sorted({f"{c.topic} ({c.msgtype.replace('/msg', '')})" for c in bag.connections})
-    return f"the bag holds {', '.join(found[:20]) or 'nothing'}{' ...' if found[20:] else ''}"
+    found = dict.fromkeys(f"{c.topic} ({c.msgtype.replace('/msg', '')})" for c in bag.connections)
+    return f"the bag holds {', '.join(found)[:1000] or 'nothing'}"
 
 
 def _warn(text: str) -> None:

@@ -125,7 +125,7 @@ def opened(path: Path) -> Iterator[Bag]:
     """A bag, closed in the end; one that is damaged, or made to fill the memory, is a LogError."""
     path = sole_file(path)
     kind = str(kind_of(path))
-    files = sorted(path.iterdir()) if kind == "folder" else [path]
+    files = list(path.iterdir()) if kind == "folder" else [path]
     budget = Budget(path, sum(file.stat().st_size for file in files))
     with damage(path):
         if kind != "folder":

@@ -70,11 +70,12 @@ def numbered(folder: Path) -> list[Path]:
         numerals = re.findall(r"[0-9]{1,18}", words[0])
         if path.is_file() and words[0] and numerals:
             found.append((int(numerals[-1]), path))
+    found.sort()
     kinds: dict[str, list[Path]] = {}
-    for _, path in sorted(found):
+    for _, path in found:
         kinds.setdefault(_suffix(path), []).append(path)
     kept = {kind for kind, files in kinds.items() if any(map(_is_scan, files[:FEW]))}
-    return [path for _, path in sorted(found) if _suffix(path) in kept]
+    return [path for _, path in found if _suffix(path) in kept]
 
 
 def _suffix(path: Path) -> str:
