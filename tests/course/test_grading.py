@@ -177,6 +177,12 @@ def test_faults_are_told_apart(jail, cell, kind):
     assert said(jail, cell).kind == kind
 
 
+def test_python_finds_its_library_without_proc(jail):
+    """Catches a jail in which the interpreter of a container, or one's own, does not start."""
+    cell = "import os, sys\nassert os.environ['LD_LIBRARY_PATH'] == sys.base_prefix + '/lib'\n"
+    assert said(jail, cell + submitted.COMPOSE).right
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("name", EXERCISES)
 def test_a_solution_is_right_in_the_jail(jail, name):
@@ -444,4 +450,5 @@ def test_the_container_is_made_of_what_is_there():
     assert "bubblewrap" in recipe and "segmap_course" in recipe
     lines = "\n".join(make("-n", "grade", "CONTAINER=podman", "DIR=/lab", "ARGS=in -o g.csv"))
     assert "--network none --cap-drop all" in lines and "--userns keep-id" in lines
+    assert "systempaths=unconfined" in lines, "bubblewrap writes below /proc/sys"
     assert '"/lab:/work"' in lines and lines.endswith("segmap-grade grade in -o g.csv")

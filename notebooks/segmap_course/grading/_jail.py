@@ -40,6 +40,7 @@ BUBBLEWRAP = (
 ENVIRONMENT = {
     **{f"{name}_NUM_THREADS": "1" for name in ("OPENBLAS", "OMP", "MKL", "NUMBA")},
     **{"HOME": "/tmp", "MPLCONFIGDIR": "/tmp", "MPLBACKEND": "Agg", "LANG": "C.UTF-8"},
+    "LD_LIBRARY_PATH": f"{sys.base_prefix}/lib",  # without /proc `$ORIGIN/../lib` leads nowhere
 }
 #: What a process tells of a cell -> the words before its text.
 FAULTS = {
