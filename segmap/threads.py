@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import closing
 from typing import TypeVar
 
 from .progress import tell
@@ -40,5 +39,9 @@ def in_threads(
         return counted(map(work, things))
     from concurrent.futures import ThreadPoolExecutor
 
-    with ThreadPoolExecutor(workers) as pool, closing(pool.map(work, things)) as each:
-        return counted(each)
+    with ThreadPoolExecutor(workers) as pool:
+        try:
+            return counted(pool.map(work, things))
+        except BaseException:
+            pool.shutdown(cancel_futures=True)
+            raise
