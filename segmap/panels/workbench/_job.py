@@ -12,6 +12,7 @@ import contextlib
 import os
 import pickle
 import queue
+import signal
 import subprocess
 import sys
 import threading
@@ -135,6 +136,7 @@ def serve() -> None:
 
     A thread waits there, and ends the process in the middle of its work where the kernel is gone.
     """
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # that is for the kernel
     calls: queue.SimpleQueue[bytes] = queue.SimpleQueue()
     stop, last = threading.Event(), [0.0]
     threading.Thread(target=_listen, args=[calls, stop], daemon=True).start()
