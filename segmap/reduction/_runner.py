@@ -163,7 +163,7 @@ def run_online(
     """
     start = time.perf_counter()
     rows, count = rows_of(map, by_scan=True)
-    steps, live, ended = method(rows), [], [time.perf_counter()]
+    steps, live, ended = method(rows), list[int](), [time.perf_counter()]
     while True:
         try:
             tell(len(live) / len(rows.cuts), f"{name}: {len(live)} of {len(rows.cuts) - 1} scans")
