@@ -146,4 +146,4 @@ def _given(reference: ArrayLike, current: ArrayLike, start: ArrayLike) -> tuple[
     """Both clouds of points and the start, as the matcher takes them."""
     now = arrays.points(current, "current")
     before, begin = arrays.points(reference, "reference"), arrays.pose(start, "start")
-    return before, now[in_range(now)], begin
+    return before, in_range(now), begin

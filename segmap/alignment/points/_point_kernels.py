@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ...arrays import Array
 from ...compiled import compiled
-from ._step_kernels import gauss_newton_step, normal_equations
+from ._step_kernels import gauss_newton_step, half_angle, normal_equations
 
 #: A neighbourhood is a wall where its variance across is below this share of that along: corners
 #: and bushes lie above.
@@ -63,6 +63,17 @@ def place_clouds(
 
 
 @compiled
+def bounding_box(points: Array) -> tuple[float, float, float, float]:
+    """Least x and y, largest x and y of points `(n, 2)`, at least one."""
+    left = right = points[0, 0]
+    low = top = points[0, 1]
+    for k in range(1, len(points)):
+        left, right = min(left, points[k, 0]), max(right, points[k, 0])
+        low, top = min(low, points[k, 1]), max(top, points[k, 1])
+    return left, low, right, top
+
+
+@compiled
 def sort_points(grid: PointGrid, points: Array, viewpoints: Array) -> None:
     """Write points and viewpoints `(n, 2)`, metres, cell by cell; `first` is zero before.
 
@@ -84,32 +95,26 @@ def sort_points(grid: PointGrid, points: Array, viewpoints: Array) -> None:
 
 
 @compiled
-def _cells_around(grid: PointGrid, x: float, y: float, reach: float) -> tuple[int, int, int, int]:
-    """Columns and rows, first and last, that hold all points within reach (metres) of (x, y)."""
-    left = max(int((x - reach - grid.x) / grid.size), 0)
-    right = min(int((x + reach - grid.x) / grid.size), grid.columns - 1)
-    low = max(int((y - reach - grid.y) / grid.size), 0)
-    high = min(int((y + reach - grid.y) / grid.size), grid.rows - 1)
-    return left, right if low <= high else left - 1, low, high
-
-
-@compiled
 def fit_normal(grid: PointGrid, k: int) -> None:
     """Write the unit normal of the wall through a point, where its neighbours form a wall.
 
     The neighbourhood is doubled until it holds enough points; the normal is the minor axis of its
     scatter about the mean.
     """
-    x, y, reach, n = grid.points[k, 0], grid.points[k, 1], NARROWEST, 0
+    points, first, size, columns = grid.points, grid.first, grid.size, grid.columns
+    x, y, reach, n = points[k, 0], points[k, 1], NARROWEST, 0
     xx = xy = yy = 0.0
     while n < ENOUGH and reach <= 1.001 * WIDEST:
-        left, right, low, high = _cells_around(grid, x, y, reach)
+        low = max(int((y - reach - grid.y) / size), 0)
+        high = min(int((y + reach - grid.y) / size), grid.rows - 1)
         n = 0
         sx = sy = xx = xy = yy = 0.0
-        for i in range(left, right + 1):
-            row = i * grid.rows
-            for p in range(grid.first[row + low], grid.first[row + high + 1]):
-                dx, dy = grid.points[p, 0] - x, grid.points[p, 1] - y
+        for i in range(
+            max(int((x - reach - grid.x) / size), 0),
+            min(int((x + reach - grid.x) / size), columns - 1) + 1,
+        ):
+            for p in range(first[i * grid.rows + low], first[i * grid.rows + high + 1]):
+                dx, dy = points[p, 0] - x, points[p, 1] - y
                 if dx * dx + dy * dy <= reach * reach:
                     n += 1
                     sx, sy = sx + dx, sy + dy
@@ -120,36 +125,21 @@ def fit_normal(grid: PointGrid, k: int) -> None:
     nx = ny = math.nan
     middle, half = 0.5 * (xx + yy), math.hypot(0.5 * (xx - yy), xy)
     if n >= ENOUGH and middle - half < NARROW * (middle + half):
-        along = 0.5 * math.atan2(2.0 * xy, xx - yy)
-        nx, ny = -math.sin(along), math.cos(along)
+        ny, nx = half_angle(xx - yy, -2.0 * xy)
         if grid.sided and nx * (grid.viewpoints[k, 0] - x) + ny * (grid.viewpoints[k, 1] - y) < 0:
             nx, ny = -nx, -ny
     grid.normals[k, 0], grid.normals[k, 1] = nx, ny
 
 
 @compiled
-def nearest(grid: PointGrid, x: float, y: float, reach: float) -> int:
-    """Index of the point nearest to (x, y); -1 where none is in reach (metres).
-
-    Cells are looked through within a radius that is doubled until it holds the nearest.
-    """
-    best, found, radius = reach * reach, -1, min(reach, grid.size)
-    while True:
-        left, right, low, high = _cells_around(grid, x, y, radius)
-        for i in range(left, right + 1):
-            row = i * grid.rows
-            for p in range(grid.first[row + low], grid.first[row + high + 1]):
-                dx, dy = grid.points[p, 0] - x, grid.points[p, 1] - y
-                if dx * dx + dy * dy < best:
-                    best, found = dx * dx + dy * dy, p
-        if radius >= reach or best <= radius * radius:
-            return found
-        radius = min(2.0 * radius, reach)
-
-
-@compiled
 def residuals(
-    grid: PointGrid, current: Array, pose: Array, reach: float, stride: int, rows: Array
+    grid: PointGrid,
+    current: Array,
+    pose: Array,
+    reach: float,
+    stride: int,
+    partner: NDArray[np.int64],
+    rows: Array,
 ) -> tuple[int, float]:
     """Write a row for each point that has a wall within reach (metres) of it; their number.
 
@@ -157,27 +147,52 @@ def residuals(
     that lies behind a wall, as seen from the robot, has no row. Rows, (m, 6) array: derivative of
     the offset by x, y and heading; offset across the wall, metres; weight (left as it is); index of
     the point. Also returned is the share of those asked that have any point within reach.
+
+    `partner`, (m,), holds the nearest point of each as of the step before, and then of this, -1 for
+    none. No other can be nearer than within the distance of that one, or of the beam's before: the
+    cells so far are looked through.
     """
+    points, normals, first = grid.points, grid.normals, grid.first
+    left, bottom, size = grid.x, grid.y, grid.size
+    columns, height, sided = grid.columns, grid.rows, grid.sided
     c, s = math.cos(pose[2]), math.sin(pose[2])
     used = near = 0
+    p = -1
     for k in range(0, len(current), stride):
         turned_x = c * current[k, 0] - s * current[k, 1]
         turned_y = s * current[k, 0] + c * current[k, 1]
         x, y = turned_x + pose[0], turned_y + pose[1]
-        p = nearest(grid, x, y, reach)
+        best, radius, known = reach * reach, reach, partner[k] if partner[k] >= 0 else p
+        if known >= 0:
+            dx, dy = points[known, 0] - x, points[known, 1] - y
+            far = dx * dx + dy * dy
+            if far < best:
+                best, radius = far * (1 + 1e-15) + 1e-300, math.sqrt(far) + 1e-9
+        p = -1
+        low = max(int((y - radius - bottom) / size), 0)
+        high = min(int((y + radius - bottom) / size), height - 1)
+        for i in range(
+            max(int((x - radius - left) / size), 0),
+            min(int((x + radius - left) / size), columns - 1) + 1 if low <= high else 0,
+        ):
+            for q in range(first[i * height + low], first[i * height + high + 1]):
+                dx, dy = points[q, 0] - x, points[q, 1] - y
+                if dx * dx + dy * dy < best:
+                    best, p = dx * dx + dy * dy, q
+        partner[k] = p
         if p < 0:
             continue
         near += 1
-        if math.isinf(grid.normals[p, 0]) or math.isinf(grid.normals[p, 1]):
+        if math.isinf(normals[p, 0]) or math.isinf(normals[p, 1]):
             fit_normal(grid, p)  # another thread may be doing the same: it writes the same
-        nx, ny = grid.normals[p, 0], grid.normals[p, 1]
+        nx, ny = normals[p, 0], normals[p, 1]
         inward = nx * turned_x + ny * turned_y
         behind = inward > 0.0 and inward > BACK * math.hypot(turned_x, turned_y)
-        if math.isnan(nx) or (grid.sided and behind):
+        if math.isnan(nx) or (sided and behind):
             continue
         rows[used, 0], rows[used, 1] = nx, ny
         rows[used, 2] = ny * turned_x - nx * turned_y
-        rows[used, 3] = nx * (x - grid.points[p, 0]) + ny * (y - grid.points[p, 1])
+        rows[used, 3] = nx * (x - points[p, 0]) + ny * (y - points[p, 1])
         rows[used, 5] = k
         used += 1
     return used, near / ((len(current) + stride - 1) // stride)
@@ -194,6 +209,7 @@ def point_to_line(
     span: float,
     stride: int,
     rounds: int,
+    partner: NDArray[np.int64],
     rows: Array,
     system: Array,
     scratch: Array,
@@ -201,13 +217,13 @@ def point_to_line(
     """Point-to-line ICP, at most so many rounds: moves a pose `(3,)` to where the scan lies best.
 
     Far from the answer every `stride`-th point is enough and partners are sought within `reach`;
-    near it all points count, and only partners within `last`. Rows and system hold the last step
-    afterwards; scratch is a (2, 3, 3) array. Returned are sigma, the share of points near, the rows
-    used, reach and stride by then, and whether it has converged.
+    near it all points count, and only partners within `last`. Partners are -1 at first. Rows and
+    system hold the last step afterwards; scratch is a (2, 3, 3) array. Returned are sigma, the
+    share of points near, the rows used, reach and stride by then, and whether it has converged.
     """
     sigma, near, used = floor, 0.0, 0
     for _ in range(rounds):
-        used, near = residuals(grid, current, pose, reach, stride, rows)
+        used, near = residuals(grid, current, pose, reach, stride, partner, rows)
         if used < 6:
             break
         sigma = normal_equations(rows, used, floor, system)

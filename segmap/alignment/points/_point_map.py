@@ -7,7 +7,7 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from ...arrays import Array
 from ...poses.motions import wrap
@@ -68,8 +68,7 @@ class PointMap:
     """
 
     def __init__(self, points: Array, viewpoints: Array | None = None) -> None:
-        x, y = points[:, 0], points[:, 1]
-        left, low, right, top = map(float, (x.min(), y.min(), x.max(), y.max()))
+        left, low, right, top = kernels.bounding_box(points)
         size = max(CELL, max(right - left, top - low) / 2000)
         columns, rows = int((right - left) / size) + 1, int((top - low) / size) + 1
         sided = viewpoints is not None
@@ -131,10 +130,11 @@ class PointMap:
         """
         pose, rows = np.array(start, float), np.empty((len(current), 6))
         system, scratch = np.empty((3, 4)), np.empty((2, 3, 3))
+        partner = np.full(len(current), -1)
         points, reaches = np.ascontiguousarray(current), (float(reach), float(last))
         sigma, near, used, reach, stride, converged = kernels.point_to_line(
             self._grid, points, pose, *reaches, FLOOR, _span(current), stride, rounds,
-            rows, system, scratch,
+            partner, rows, system, scratch,
         )  # fmt: skip
         pose[2] = wrap(pose[2])
         return Descent(pose, rows[:used], system, sigma, near, reach, stride, converged)
@@ -208,9 +208,10 @@ class PointMap:
         return (pose if h >= 0 else None), score
 
 
-def in_range(points: Array) -> NDArray[np.bool_]:
-    """Which points `(n, 2)`, metres, a laser can have seen from near the origin."""
-    return (np.abs(points[:, 0]) < FAR) & (np.abs(points[:, 1]) < FAR)
+def in_range(points: Array) -> Array:
+    """Those points of `(n, 2)`, metres, that a laser can have seen from near the origin."""
+    near = np.abs(points) < FAR
+    return points if near.all() else points[near.all(1)]
 
 
 def _span(current: Array) -> float:

@@ -45,18 +45,36 @@ def normal_equations(rows: Array, used: int, floor: float, system: Array) -> flo
     size = rows[:, 4]
     for k in range(used):
         size[k] = abs(rows[k, 3])
-    middle = _ranked(size, used, used // 2)
-    sigma = max(1.4826 * 0.5 * (middle + _ranked(size, used, (used - 1) // 2)), floor)
-    for i in range(3):
-        for j in range(4):
-            system[i, j] = 0.0
+    middle = below = _ranked(size, used, used // 2)
+    if used % 2 == 0:  # the largest of those before it
+        below = size[0]
+        for k in range(1, used // 2):
+            below = max(below, size[k])
+    sigma = max(1.4826 * 0.5 * (middle + below), floor)
+    xx = xy = xa = yy = ya = aa = x = y = a = 0.0
     for k in range(used):
         weight = 1.0 / (1.0 + (rows[k, 3] / (2.0 * sigma)) ** 2)
         rows[k, 4] = weight
-        for i in range(3):
-            for j in range(4):
-                system[i, j] += weight * rows[k, i] * rows[k, j]
+        of_x, of_y, of_a, off = rows[k, 0], rows[k, 1], rows[k, 2], rows[k, 3]
+        wx, wy, wa = weight * of_x, weight * of_y, weight * of_a
+        xx, xy, xa, x = xx + wx * of_x, xy + wx * of_y, xa + wx * of_a, x + wx * off
+        yy, ya, y = yy + wy * of_y, ya + wy * of_a, y + wy * off
+        aa, a = aa + wa * of_a, a + wa * off
+    system[0, 0], system[0, 1], system[0, 2], system[0, 3] = xx, xy, xa, x
+    system[1, 0], system[1, 1], system[1, 2], system[1, 3] = xy, yy, ya, y
+    system[2, 0], system[2, 1], system[2, 2], system[2, 3] = xa, ya, aa, a
     return sigma
+
+
+@compiled
+def half_angle(x: float, y: float) -> tuple[float, float]:
+    """Cosine and sine of half the angle of (x, y), which is not zero, in `(-pi/2, pi/2]`."""
+    r = math.hypot(x, y)
+    if x >= 0.0:
+        c = math.sqrt(0.5 * (1.0 + x / r))
+        return c, 0.5 * y / (r * c)
+    s = math.copysign(math.sqrt(0.5 * (1.0 - x / r)), y)
+    return 0.5 * y / (r * s), s
 
 
 @compiled
@@ -71,10 +89,12 @@ def _principal_axes(system: Array, span: float, a: Array, axes: Array) -> float:
             a[i, j] = system[i, j] / ((span if i == 2 else 1.0) * (span if j == 2 else 1.0))
             axes[i, j] = 1.0 if i == j else 0.0
     for turn in range(30):
+        off = a[0, 1] * a[0, 1] + a[0, 2] * a[0, 2] + a[1, 2] * a[1, 2]
+        if off <= 1e-34 * (a[0, 0] * a[0, 0] + a[1, 1] * a[1, 1] + a[2, 2] * a[2, 2]):
+            break
         p, q = (0, 0, 1)[turn % 3], (1, 2, 2)[turn % 3]
         if a[p, q] != 0.0:
-            angle = 0.5 * math.atan2(2.0 * a[p, q], a[q, q] - a[p, p])
-            c, s = math.cos(angle), math.sin(angle)
+            c, s = half_angle(a[q, q] - a[p, p], 2.0 * a[p, q])
             for k in range(3):
                 a[k, p], a[k, q] = c * a[k, p] - s * a[k, q], s * a[k, p] + c * a[k, q]
                 u, v = axes[k, p], axes[k, q]

@@ -247,8 +247,7 @@ class FrontEnd:
 
 def _seen(scan: LaserScan) -> Array:
     """Points of a scan, `(m, 2)`, metres, that a laser can have seen."""
-    points = scan.points()
-    return points[in_range(points)]
+    return in_range(scan.points())
 
 
 def untied(tied: Sequence[bool], edges: Sequence[Edge], weight: Array) -> NDArray[np.bool_]:
