@@ -13,12 +13,14 @@ from pathlib import Path
 
 import alignment_logs as logs
 import bag_samples
+import log_samples as samples
 import numpy as np
 import pandas as pd
 import pytest
 from chapter_rules import links, markdown
 from conftest import later, slow
 from makefile import ROOT
+from mrpt_samples import BINARY_FILES
 
 import segmap
 from segmap import (
@@ -530,6 +532,39 @@ def test_a_session_of_many_sizes_and_with_times(run):
     code, said, beside = run("map", "bad.segmap", "it.segmap", "--align", "pose_graph")
     assert code == 1 and "1 of 2 logs done" in said
     assert "bad.segmap: argument --filter: invalid float value: 'wide'" in beside
+
+
+#: Each format that is read: what files hold it, and the log that is named for it.
+FORMATS = {name: {name: text.encode()} for name, text in samples.SINGLE_FILES.items()}
+FORMATS |= {name: {name: content} for name, content in BINARY_FILES.items()}
+FORMATS |= {"it.npz": {"it.npz": samples.NPZ}}
+FORMATS |= {"rawseeds": {f"rawseeds/{k}": text.encode() for k, text in samples.RAWSEEDS.items()}}
+COARSE = {"gap": 9.0, "tolerance": 0.5, "min_points": 2, "min_length": 0.01}
+
+
+@pytest.mark.parametrize("name", [*FORMATS, "ros1", "mcap", "it.segmap"])
+def test_a_log_of_each_kind_gives_the_map_of_the_library(run, name):
+    """Catches a format that the command reads in another way, or loses poses of."""
+    for path, content in FORMATS.get(name, {}).items():
+        Path(path).parent.mkdir(exist_ok=True)
+        Path(path).write_bytes(content)
+    if name in ("ros1", "mcap"):
+        name = str(bag_samples.write(Path(), name))
+    if name == "it.segmap":
+        exports.write_session(name, readers.Session(segmap.load("room")[:3], {}))
+    options = [f"--extract-{k.replace('_', '-')}={value}" for k, value in COARSE.items()]
+    code, said, beside = run(
+        "map", name, "--method", "none", *options, "--json", "--force", "-o", "out.npz"
+    )
+    assert code in (0, 3), beside
+    log = segmap.read(name)
+    log = alignment.deskew(log) if "de-skewed" in json.loads(said) else log
+    method = json.loads(said)["aligned"]["method"]
+    more = {"missing": "drop"} if method == "ground_truth" else {}
+    poses = alignment.METHODS[method](log, **more)
+    wanted = segmap.build_map(log, poses.trusted, **COARSE)
+    found = readers.read_segments("out.npz")
+    assert np.array_equal(found.segments, wanted.segments) and len(wanted) > 0
 
 
 def test_options_in_a_file_are_those_of_the_command(run, near):
