@@ -173,7 +173,7 @@ def write_npz(path: Path, kind: str, held: Mapping[str, NDArray[Any] | str]) -> 
 
     A text among them is a file of its own in the archive; its name ends in `.json`.
     """
-    named: dict[str, Any] = {**held, "format": np.array(kind)}
+    named: dict[str, Any] = {"format": np.array(kind), **held}
     large = sum((len(v) if isinstance(v, str) else v.nbytes) + HEAD for v in named.values())
     with replacing(path) as target:
         _pack(target, named, zipfile.ZIP_DEFLATED)

@@ -4,4 +4,4 @@ The library never prints; only these do, results to the output and warnings and 
 A command is a function `add(commands)`, which names its arguments, and one of these that does it.
 """
 
-from ._main import main
+from ._main import main, parser

@@ -8,6 +8,7 @@ from __future__ import annotations
 import argparse
 from collections.abc import Callable
 from contextlib import suppress
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -19,18 +20,7 @@ from ..readers import LogError, read_segments
 from ..reduction import METHODS
 from ..scans import Log
 from ..segments import SegmentMap, length
-from ._logs import (
-    add_align,
-    add_deskew,
-    add_logs,
-    add_output,
-    add_strict,
-    aligned,
-    allowed,
-    concluded,
-    deskewed,
-    each_log,
-)
+from . import opening
 from ._thresholds import thresholds
 from ._words import Report, finite, percent, progress, seconds
 
@@ -59,8 +49,7 @@ def add(commands: Any) -> None:
     command = commands.add_parser(
         "compare", help="all reduction methods on the map of a log, at equal quality"
     )
-    add_logs(command)
-    add_align(command)
+    opening.add_poses(command)
     command.add_argument(
         "--quality",
         type=float,
@@ -79,27 +68,24 @@ def add(commands: Any) -> None:
         help="judge by true walls too: a .csv with x1,y1,x2,y2,scan or .npz, metres, in the frame "
         "of the map",
     )
-    add_deskew(command)
-    add_strict(command)
-    add_output(command, SUFFIXES, "a picture of the curves, or all runs")
-    command.set_defaults(run=run)
+    opening.add_output(command, SUFFIXES, "a picture of the curves, or all runs")
+    command.set_defaults(run=partial(opening.each_log, work=compare, check=check))
 
 
-def run(given: argparse.Namespace) -> int:
-    """Compare on each log."""
+def check(given: argparse.Namespace) -> None:
+    """Refuse a quality that is none, and read the plan."""
+    opening.check_options(given)
     if not 0 < given.quality <= 100:
         given.refuse(f"--quality must be above 0 and at most 100 per cent, got {given.quality:g}")
     try:
         given.plan = None if given.walls is None else read_segments(given.walls)
     except LogError as error:  # of a plan --skip leaves nothing out
         raise ValueError(f"--walls {error}") from error
-    return each_log(given, compare)
 
 
 def compare(given: argparse.Namespace, log: Log, paths: list[Path], report: Report) -> int:
     """Run all methods on the map of one log, and print what each leaves."""
-    log = deskewed(given, log, report)
-    poses = aligned(log, given.align, report)
+    log, poses = opening.placed(given, log, report)
     map = whole = extraction.build_map(log, poses.trusted, keep_points=True)
     verdict = poses.verdict_on(map)
     if given.filter is not None:
@@ -122,8 +108,9 @@ def compare(given: argparse.Namespace, log: Log, paths: list[Path], report: Repo
     nearest = print_table(runs, quality, report)
     if given.plan is not None:
         print_walls(given, map, nearest, report)
-    written = allowed(given, verdict, paths, report)
-    for path in written:
+
+    def write(path: Path) -> None:
+        """All runs, or their picture."""
         if path.suffix == ".csv":
             from ..experiments import write_records
 
@@ -132,10 +119,8 @@ def compare(given: argparse.Namespace, log: Log, paths: list[Path], report: Repo
             from ._pictures import write_curves
 
             write_curves(path, runs, quality)
-    if written:
-        names = [str(path) for path in written]
-        report.line("written", ", ".join(names), files=names)
-    return concluded(given, verdict, report)
+
+    return opening.finished(given, verdict, paths, report, write)
 
 
 def compared(name: str, map: SegmentMap, quality: float) -> pd.DataFrame:

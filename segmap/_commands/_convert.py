@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -13,16 +14,7 @@ from .. import exports
 from .._display import counted
 from ..alignment import Alignment
 from ..scans import Log
-from ._logs import (
-    add_align,
-    add_logs,
-    add_output,
-    add_strict,
-    aligned,
-    allowed,
-    concluded,
-    each_log,
-)
+from . import opening
 from ._words import Report
 
 #: What -o may end in.
@@ -34,36 +26,36 @@ def add(commands: Any) -> None:
     command = commands.add_parser(
         "convert", help="write a log, its path or its pose graph, for other programs"
     )
-    add_logs(command)
-    add_align(command, "its poses are written instead of the true ones that the log has")
-    add_strict(command)
-    add_output(
+    opening.add_logs(command)
+    opening.add_align(command, "its poses are written instead of the true ones that the log has")
+    opening.add_strict(command)
+    opening.add_output(
         command,
         SUFFIXES,
         "the log for CARMEN or as arrays (.npz), its path (.tum), its graph (.g2o)",
     )
-    command.set_defaults(run=run)
+    command.set_defaults(run=partial(opening.each_log, work=convert, check=check))
 
 
-def run(given: argparse.Namespace) -> int:
-    """Convert each log."""
+def check(given: argparse.Namespace) -> None:
+    """Refuse files that nothing would be written to."""
+    opening.check_options(given)
     if not given.output:
         given.refuse("name the file to write: -o FILE")
     if given.align != "pose_graph" and any(name.endswith(".g2o") for name in given.output):
         given.refuse("a .g2o holds a pose graph: add --align pose_graph")
-    return each_log(given, convert)
 
 
 def convert(given: argparse.Namespace, log: Log, paths: list[Path], report: Report) -> int:
     """Write one log to all its files; where its poses were sought, only if they make a map."""
-    poses = aligned(log, given.align, report) if given.align else None
-    written = paths if poses is None else allowed(given, poses.verdict, paths, report)
+    poses = opening.aligned(given, log, report) if given.align else None
+    written = paths if poses is None else opening.allowed(given, poses.verdict, paths, report)
     if written:
         texts = [_write(path, log, poses) for path in written]
         report.line("written", texts[0], files=[str(path) for path in written])
         for text in texts[1:]:
             report.line("", text)
-    return 0 if poses is None else concluded(given, poses.verdict, report)
+    return 0 if poses is None else opening.concluded(given, poses.verdict, report)
 
 
 def _write(path: Path, log: Log, poses: Alignment | None) -> str:

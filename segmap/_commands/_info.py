@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import argparse
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 from .._display import facts
 from ..readers import format_of
 from ..scans import Log
-from ._logs import add_logs, each_log
 from ._words import Report
+from .opening import add_logs, each_log
 
 
 def add(commands: Any) -> None:
@@ -19,13 +20,12 @@ def add(commands: Any) -> None:
         "info", help="what a log is: scans, beams, field of view, path, odometry, truth, damage"
     )
     add_logs(command)
-    command.set_defaults(run=run)
+    command.set_defaults(run=partial(each_log, work=tell_of, head=begin, check=check))
 
 
-def run(given: argparse.Namespace) -> int:
-    """Tell of each log; damaged lines are left out and counted."""
+def check(given: argparse.Namespace) -> None:
+    """Damaged lines are left out and counted."""
     given.skip = True
-    return each_log(given, tell_of, begin)
 
 
 def begin(log: Log, source: str) -> str:

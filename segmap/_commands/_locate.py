@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -12,8 +13,8 @@ from .. import quadtree, readers
 from ..matching import localize
 from ..scans import Log
 from ..segments import SegmentMap
-from ._logs import NO_MAP, add_logs, each_log
 from ._words import Report, metres, percent, progress
+from .opening import NO_MAP, add_logs, each_log
 
 
 def add(commands: Any) -> None:
@@ -25,13 +26,12 @@ def add(commands: Any) -> None:
         "map", type=Path, metavar="MAP", help="of `segmap occupancy` or `segmap map`: .npz, .csv"
     )
     add_logs(command)
-    command.set_defaults(run=run)
+    command.set_defaults(run=partial(each_log, work=locate_log, check=check))
 
 
-def run(given: argparse.Namespace) -> int:
-    """Read the map, and find each log on it."""
+def check(given: argparse.Namespace) -> None:
+    """Read the map."""
     given.known = read_map(given.map)
-    return each_log(given, locate_log)
 
 
 def read_map(path: Path) -> quadtree.QuadtreeMap | SegmentMap:

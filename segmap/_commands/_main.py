@@ -8,9 +8,9 @@ import sys
 from typing import Any, NoReturn
 
 from .. import __version__
-from ..files import shown
 from . import _app, _compare, _convert, _info, _locate, _map, _notebooks, _occupancy, _warm
-from ._words import FAULTS, plain_warnings, reason, tell
+from ._words import FAULTS, Usage, plain_warnings, reason, tell
+from .opening import parsed
 
 DESCRIPTION = "Maps of buildings from the logs of a 2D laser."
 EPILOG = """\
@@ -30,14 +30,14 @@ class _Strict(argparse.ArgumentParser):
         super().__init__(**settings, allow_abbrev=False)
 
     def error(self, message: str) -> NoReturn:
-        """End with a message; the shell may have put names of files into it."""
-        super().error(shown(message))
+        """End with a message."""
+        raise Usage(f"{message}\n`{self.prog} --help` tells what there is")
 
 
 def main(arguments: list[str] | None = None) -> int:
     """Run a command and return its exit code."""
-    given = parser().parse_args(arguments)
     try:
+        given = parsed(parser(), sys.argv[1:] if arguments is None else arguments)
         with plain_warnings():
             return int(given.run(given) or 0)
     except KeyboardInterrupt:
@@ -46,6 +46,9 @@ def main(arguments: list[str] | None = None) -> int:
     except BrokenPipeError:  # `segmap info ... | head`
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return 1
+    except Usage as error:
+        tell(str(error))
+        return 2
     except FAULTS as error:
         tell(reason(error))
         return 1

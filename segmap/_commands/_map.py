@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import argparse
+from functools import partial
 from pathlib import Path
 from typing import Any
-
-import numpy as np
 
 from .. import exports, extraction, metrics
 from .._display import counted
@@ -15,26 +14,16 @@ from ..quadtree import without_passers
 from ..reduction import METHODS, Reduction
 from ..scans import Log
 from ..segments import SegmentMap
-from ._logs import (
-    add_align,
-    add_deskew,
-    add_logs,
-    add_output,
-    add_strict,
-    add_world,
-    aligned,
-    allowed,
-    concluded,
-    deskewed,
-    each_log,
-    squared,
-    world_of,
-)
+from . import opening
 from ._thresholds import add_thresholds, chosen_thresholds, refuse_others
 from ._words import Report, metres, percent, progress, seconds
 
 #: What -o may end in.
-SUFFIXES = (".svg", ".csv", ".npz", ".dxf", ".png", ".geojson", ".wkt")
+SUFFIXES = (".svg", ".csv", ".npz", ".dxf", ".png", ".geojson", ".wkt", ".segmap")
+WRITTEN = (
+    "the map after the reduction; a .png shows it before and after, a .segmap keeps the log with "
+    "these options and figures"
+)
 #: The thresholds of the extraction begin so.
 EXTRACT = "extract_"
 
@@ -44,10 +33,7 @@ def add(commands: Any) -> None:
     command = commands.add_parser(
         "map", help="a map of segments: align, extract, reduce, and tell how good it is"
     )
-    add_logs(command)
-    add_align(command)
-    add_deskew(command)
-    add_strict(command)
+    opening.add_poses(command)
     names = (*METHODS, "none")
     command.add_argument(
         "--method",
@@ -66,59 +52,46 @@ def add(commands: Any) -> None:
         help="leave people out who walked through: beams that end where at most this share of all "
         "beams ended while the others went on, 0.2 say",
     )
-    add_world(command)
-    command.add_argument(
-        "--crop",
-        nargs=4,
-        type=float,
-        metavar=("LEFT", "LOW", "RIGHT", "HIGH"),
-        help="keep what lies in this rectangle, metres, of the map that is written",
-    )
-    add_output(command, SUFFIXES, "the map after the reduction; a .png shows it before and after")
+    opening.add_world(command)
+    opening.add_output(command, SUFFIXES, WRITTEN)
     functions = {name: method.function for name, method in METHODS.items()}
     add_thresholds(command, "thresholds of the reduction methods", functions)
     extract = {"extract_polylines": extraction.extract_polylines}
     add_thresholds(command, "thresholds of the extraction", extract, EXTRACT)
-    command.set_defaults(run=run)
+    command.set_defaults(run=partial(opening.each_log, work=map_log, check=check))
 
 
-def run(given: argparse.Namespace) -> int:
-    """Map each log."""
+def check(given: argparse.Namespace) -> None:
+    """Refuse options that do not go together."""
     refuse_others(given, given.method, METHODS)
-    world_of(given)  # before any work is done
-    if given.crop is not None:
-        try:
-            SegmentMap([]).cropped(*given.crop)
-        except ValueError as error:
-            given.refuse(f"--crop: {error}")
-    return each_log(given, map_log)
+    opening.check_options(given)
 
 
 def map_log(given: argparse.Namespace, log: Log, paths: list[Path], report: Report) -> int:
     """Map one log, and write what was asked for where there is a map."""
     with progress(3, "step", "aligning") as bar:
-        log = deskewed(given, log, report)
-        poses = squared(given, log, aligned(log, given.align, report), report)
-        before = segments_of(given, log, poses, report)
+        carried, poses = opening.placed(given, log, report)
+        before = segments_of(given, carried, poses, report)
         verdict = poses.verdict_on(before)
-        before = filtered(given, cropped(given, before, report), report)
+        before = filtered(given, opening.cropped(given, before, report), report)
         bar.update()
         bar.set_description("reducing")
         after = before if given.method == "none" else reduced(given, before, report)
         bar.update()
         bar.set_description("writing")
-        written = allowed(given, verdict, paths, report)
-        for path in written:
+
+        def write(path: Path) -> None:
+            """In the format that the name asks for."""
             if path.suffix.lower() == ".png":
                 from ._pictures import write_map_picture
 
                 write_map_picture(path, before, after)
+            elif path.suffix.lower() == ".segmap":
+                exports.write_session(path, opening.session_of(given, log, report.found))
             else:
-                exports.write_segments(path, after, world=world_of(given))
-    if written:
-        names = [str(path) for path in written]
-        report.line("written", ", ".join(names), files=names)
-    return concluded(given, verdict, report)
+                exports.write_segments(path, after, world=opening.world_of(given))
+
+        return opening.finished(given, verdict, paths, report, write)
 
 
 def segments_of(
@@ -137,19 +110,6 @@ def segments_of(
     map = extraction.build_map(log, poses.trusted, keep_points=needs, **options)
     report.line("extracted", counted(len(map), "segment"), segments=len(map))
     return map
-
-
-def cropped(given: argparse.Namespace, map: SegmentMap, report: Report) -> SegmentMap:
-    """Cut off what lies outside a rectangle, where that is asked for."""
-    if given.crop is None:
-        return map
-    found = map.cropped(*given.crop)
-    if len(map) and not len(found):
-        (left, low), (right, high) = (f(map.segments, (0, 1)) for f in (np.min, np.max))
-        reach = f"x {left:.2f} to {right:.2f} m, y {low:.2f} to {high:.2f} m"
-        raise ValueError(f"--crop: no segment lies in that rectangle; the map reaches from {reach}")
-    report.line("cropped", f"to {counted(len(found), 'segment')}", segments=len(found))
-    return found
 
 
 def filtered(given: argparse.Namespace, map: SegmentMap, report: Report) -> SegmentMap:

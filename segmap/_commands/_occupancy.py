@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -14,21 +15,7 @@ from .._display import counted
 from ..alignment import Alignment, Verdict
 from ..matching import MATCHERS, SCORES, map_scans
 from ..scans import Log
-from ._logs import (
-    add_align,
-    add_deskew,
-    add_logs,
-    add_output,
-    add_strict,
-    add_world,
-    aligned,
-    allowed,
-    concluded,
-    deskewed,
-    each_log,
-    squared,
-    world_of,
-)
+from . import opening
 from ._words import Report, progress
 
 #: What -o may end in.
@@ -42,10 +29,8 @@ def add(commands: Any) -> None:
     command = commands.add_parser(
         "occupancy", help="a quadtree of what is occupied and free, for ROS too"
     )
-    add_logs(command)
-    ways = command.add_mutually_exclusive_group()
-    add_align(ways)
-    ways.add_argument(
+    opening.add_poses(command)
+    command.add_argument(
         "--matcher",
         choices=NAMES,
         metavar="MATCHER",
@@ -58,21 +43,22 @@ def add(commands: Any) -> None:
     command.add_argument(
         "--resolution", type=float, default=0.05, metavar="METRES", help="of a cell; default: 0.05"
     )
-    add_deskew(command)
-    add_strict(command)
-    add_world(command)
-    add_output(command, SUFFIXES, "the map: .yaml for ROS, with its .pgm; .npz to load it again")
-    command.set_defaults(run=run)
+    opening.add_world(command)
+    opening.add_output(
+        command, SUFFIXES, "the map: .yaml for ROS, with its .pgm; .npz to load it again"
+    )
+    command.set_defaults(run=partial(opening.each_log, work=map_log, check=check))
 
 
-def run(given: argparse.Namespace) -> int:
-    """Map each log."""
+def check(given: argparse.Namespace) -> None:
+    """Refuse options that do not go together."""
     if given.score and not given.matcher:
         given.refuse(f"--score {given.score} is for --matcher: name one of {', '.join(NAMES)}")
     if given.square and given.matcher:
         given.refuse("--square turns poses that --align finds, and --matcher finds them on the way")
-    world_of(given)  # before any work is done
-    return each_log(given, map_log)
+    if given.align and given.matcher:
+        given.refuse("--align finds poses before there is a map, --matcher on the way: name one")
+    opening.check_options(given)
 
 
 def map_log(given: argparse.Namespace, log: Log, paths: list[Path], report: Report) -> int:
@@ -80,10 +66,10 @@ def map_log(given: argparse.Namespace, log: Log, paths: list[Path], report: Repo
     if given.matcher:
         map, verdict = _matched(given, log, report)
     else:
-        log = deskewed(given, log, report)
-        found = squared(given, log, aligned(log, given.align, report), report)
+        log, found = opening.placed(given, log, report)
         verdict = found.verdict
         map = quadtree.build_map(log, found.trusted, resolution=given.resolution)
+    map = opening.cropped(given, map, report)
     left, low, right, high = quadtree.extent(map, margin=0)
     size = f"{right - left:.1f} m by {high - low:.1f} m at {given.resolution:g} m"
     leaves = map.leaves()
@@ -92,14 +78,8 @@ def map_log(given: argparse.Namespace, log: Log, paths: list[Path], report: Repo
     words = f"{size}: {area:.2f} m2 occupied, {len(full)} leaves in {map.nbytes / 1024:.0f} KB"
     figures = {"width": right - left, "height": high - low, "occupied": area, "leaves": len(full)}
     report.line("mapped", words, **figures, resolution=given.resolution, bytes=map.nbytes)
-    written = allowed(given, verdict, paths, report)
-    for path in written:
-        _write(path, map, world_of(given))
-    if written:  # beside a .yaml lies its picture
-        pairs = ([p, p.with_suffix(".pgm")] if p.suffix == ".yaml" else [p] for p in written)
-        names = [str(path) for pair in pairs for path in pair]
-        report.line("written", ", ".join(names), files=names)
-    return concluded(given, verdict, report)
+    world = opening.world_of(given)
+    return opening.finished(given, verdict, paths, report, lambda path: _write(path, map, world))
 
 
 def _matched(
@@ -117,7 +97,12 @@ def _matched(
             bar.update()
     placed = int(np.isfinite([step.score for step in steps]).sum())
     words = f"{placed} of {counted(len(log), 'scan')} (the first begins the map)"
-    figures = {"method": given.matcher, "score": score, "matched": placed, "scans": len(log)}
+    figures = {
+        "method": given.matcher,
+        "score": score,
+        "matched": placed,
+        "scans": len(log),
+    }
     report.line("matched", f"by {given.matcher}, score {score}: {words}", **figures)
     found = np.array([step.found for step in steps], bool)
     poses = np.reshape([step.pose for step in steps], (-1, 3))

@@ -21,6 +21,10 @@ if TYPE_CHECKING:
 FAULTS = (ValueError, OSError, ImportError, MemoryError)
 
 
+class Usage(ValueError):
+    """A command that is not understood."""
+
+
 def percent(share: float) -> str:
     """A share to a tenth of a per cent."""
     return f"{100 * share:.1f} %"

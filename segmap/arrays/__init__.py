@@ -51,6 +51,7 @@ from ._tables import (
     poses,
     ranges,
     ready,
+    rectangle,
     row,
     segments,
     share,

@@ -239,6 +239,16 @@ def point(value: object, name: str = "point", *, limit: float = LIMIT) -> Array:
     return array
 
 
+def rectangle(left: float, low: float, right: float, high: float) -> Array:
+    """Lower left and upper right corner, `(2, 2)`, metres, of a rectangle that holds something."""
+    found = np.stack([point((left, low), "left, low"), point((right, high), "right, high")])
+    if not (found[0] < found[1]).all():
+        raise ValueError(
+            f"wanted left < right and low < high, got {left}, {low}, {right} and {high}"
+        )
+    return found
+
+
 def segments(value: Segments, name: str = "segments") -> Array:
     """Segments of a map, a reduction or an array, `(n, 2, 2)`, metres."""
     given = getattr(value, "segments", value)

@@ -67,7 +67,7 @@ def write_session(path: str | Path, session: Session) -> None:
     log = arrays.instance(session, "session", Session).log
     said = {name: getattr(session, name) for name in ("settings", "runs", "edits")}
     said |= {"name": log.name, "skipped": log.skipped, "doubt": log.doubt}
-    write_npz(place, Session.FORMAT, {"session.json": json.dumps(said), **log_arrays(log)})
+    write_npz(place, Session.FORMAT, {**log_arrays(log), "session.json": json.dumps(said)})
 
 
 def log_arrays(log: Log) -> dict[str, NDArray[Any]]:

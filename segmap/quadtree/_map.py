@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
@@ -231,6 +232,22 @@ class QuadtreeMap(Pictured):
         rows = dict(zip(names, counts.tolist(), strict=True)) | {"leaves": int(counts.sum())}
         rows |= {"bytes": self.nbytes, "bytes of a grid": 4**self.tree.level}
         return pd.DataFrame({"count": rows})
+
+    def cropped(self, left: float, low: float, right: float, high: float) -> QuadtreeMap:
+        """What lies in a rectangle, metres, to the nearest cell; the rest becomes unknown.
+
+        Examples
+        --------
+        >>> map = QuadtreeMap(resolution=1, size=4)
+        >>> map.insert_scan((0.5, 0.5), [(3.5, 0.5)])
+        >>> map.cropped(1, 0, 3, 1).occupancy([(0.5, 0.5), (1.5, 0.5), (2.5, 0.5), (3.5, 0.5)])
+        array([0.5  , 0.475, 0.475, 0.5  ])
+        """
+        corners = arrays.rectangle(left, low, right, high)
+        cells = np.rint((corners - self.corner) / self.resolution) - self.tree.corner
+        map = copy.deepcopy(self)
+        map.tree.crop(cells.astype(np.int64))
+        return map
 
     @property
     def nbytes(self) -> int:

@@ -121,6 +121,24 @@ class Tree:
             self._compact(self.used, join=False)
         return True
 
+    def crop(self, corners: kernels.Cells) -> None:
+        """Forget what lies outside a rectangle of cells, `(2, 2)`; leaves on its border split."""
+        while True:
+            node, first, level = self.leaves()
+            last = first + (1 << level)[:, None]
+            outside = ((last <= corners[0]) | (first >= corners[1])).any(1)
+            within = ((first >= corners[0]) & (last <= corners[1])).all(1)
+            self.vis[node[outside]], self.occ[node[outside]] = 0, 0
+            border = node[~(outside | within) & (self.vis[node] > 0)]
+            self.version += 1
+            if not len(border):
+                return
+            self._make_room(len(border))
+            blocks = np.arange(self.used, self.used + len(border), dtype=np.int32)
+            nodes = 4 * blocks[:, None] + np.arange(4)
+            self.vis[nodes], self.occ[nodes] = self.vis[border][:, None], 0
+            self.vis[border], self.used = ~blocks, self.used + len(border)
+
     def mend(self) -> None:
         """Keep the blocks that the root reaches: an interrupt may have hidden how many are used."""
         self._compact(len(self.vis) // 4, join=False)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from itertools import islice
 from pathlib import Path
 
-from . import _session, bags, mrpt, tables
+from . import bags, mrpt, tables
 from ._lines import Lines, UnknownFormat
 from ._text import Binary, TextFormat
 from .carmen import Carmen, DpSlam, GMapping, Player, WeanHall
@@ -13,8 +13,7 @@ from .graphs import G2o
 from .tables import CoreSlam, HokuyoText, Ld19, Rawseeds, RpLidar
 
 #: These are asked first, in this order.
-SESSION = Binary("session of segmap", _session.claims, _session.read)
-FILES: tuple[Binary, ...] = (bags.BAG, mrpt.MRPT, SESSION, *tables.FILES)
+FILES: tuple[Binary, ...] = (bags.BAG, mrpt.MRPT, *tables.FILES)
 FOLDERS: tuple[Binary, ...] = (bags.BAG, *tables.FOLDERS)
 TEXTS: tuple[type[TextFormat], ...] = (
     *(Carmen, GMapping, G2o, Player, DpSlam, WeanHall, HokuyoText, CoreSlam),

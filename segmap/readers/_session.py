@@ -14,9 +14,6 @@ from ..scans import Log, Skipped
 from ._lines import LogError, log_file
 from .tables import log_of
 
-#: Its first member, and where a zip file holds the name of that.
-JSON, NAME = b"session.json", 30
-
 
 @dataclass(frozen=True, eq=False)
 class Session:
@@ -73,7 +70,7 @@ def read_session(path: str | Path) -> Session:
     with log_file(path) as place:
         try:
             held = read_npz(place, Session.FORMAT)
-            said = json.loads(str(held.pop(JSON.decode())))
+            said = json.loads(str(held.pop("session.json")))
             log = log_of(str(said.pop("name")), held)
             lines, why = said.pop("skipped")
             log = replace(log, skipped=Skipped(int(lines), str(why)), doubt=str(said.pop("doubt")))
@@ -82,14 +79,3 @@ def read_session(path: str | Path) -> Session:
             raise LogError(place, f"its session.json is damaged ({fault})") from fault
         except ValueError as fault:
             raise LogError(place, str(fault).removeprefix(f"{shown(place)}: ")) from fault
-
-
-def claims(path: Path) -> bool:
-    """Whether a file is a session."""
-    with path.open("rb") as file:
-        return file.read(NAME + len(JSON))[NAME:] == JSON
-
-
-def read(path: Path, name: str, on_error: str = "raise") -> Log:
-    """The log of a session, under the name of the file as others are."""
-    return replace(read_session(path).log, name=name)

@@ -192,14 +192,7 @@ SegmentMap(1 segment of 1 scan))
         >>> SegmentMap([[(0, 1), (4, 1)], [(0, 5), (4, 5)]]).cropped(1, 0, 9, 2).segments.tolist()
         [[[1.0, 1.0], [4.0, 1.0]]]
         """
-        corner, end = (
-            arrays.point((left, low), "left, low"),
-            arrays.point((right, high), "right, high"),
-        )
-        if not (corner < end).all():
-            raise ValueError(
-                f"wanted left < right and low < high, got {left}, {low}, {right} and {high}"
-            )
+        corner, end = arrays.rectangle(left, low, right, high)
         segments, kept = clipped(self.segments, corner, end)
         points, first = self.points, self.first
         if points is not None and first is not None:

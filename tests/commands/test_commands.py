@@ -13,12 +13,14 @@ from pathlib import Path
 
 import alignment_logs as logs
 import bag_samples
+import log_samples as samples
 import numpy as np
 import pandas as pd
 import pytest
 from chapter_rules import links, markdown
 from conftest import later, slow
 from makefile import ROOT
+from mrpt_samples import BINARY_FILES
 
 import segmap
 from segmap import (
@@ -95,7 +97,9 @@ def test_info_counts_damaged_lines_and_the_others_refuse_them(run, near):
     code, said, beside = run("map", "cut.log", "--method", "none", "-o", "cut.csv")
     assert code == 1 and not Path("cut.csv").exists() and said == ""
     assert re.match(r"segmap: cut.log, line \d+: .*\(--skip leaves damaged lines out\)\n", beside)
-    assert run("map", "cut.log", "--method", "none", "--skip", "-o", "cut.csv")[0] == 0
+    code, said, _ = run("map", "cut.log", "--method", "none", "--skip", "-o", "cut.csv", "--json")
+    found = json.loads(said)["damaged"]
+    assert code == 0 and found["lines"] == 1 and "1 line left out; cut.log, line" in found["text"]
 
 
 def test_what_is_no_log_is_told_what_to_do_line_by_line(run):
@@ -432,12 +436,18 @@ def test_locate_finds_a_log_on_a_map_of_either_kind(run, folder):
             ("occupancy", "--square", "--matcher", "hill-climbing"),
             "--square turns poses that --align finds",
         ),
+        (("occupancy", "--align", "odometry", "--matcher", "hill-climbing"), "name one"),
+        (
+            ("map", "--align", "odometry", "--align-angle", "1"),
+            "odometry has no --align-angle; it has",
+        ),
     ],
 )
 def test_what_is_not_understood_is_said_before_anything_is_done(run, near, words, said):
     """Catches usage errors that end as 1, or after a minute of work."""
     code, out, beside = run(words[0], near, *words[1:])
     assert code == 2 and out == "" and said in " ".join(beside.split())
+    assert beside.count("\n") == 2 and beside.endswith(" --help` tells what there is\n")
 
 
 @pytest.mark.parametrize(
@@ -464,6 +474,114 @@ def test_faults_are_one_line_and_1(run, near, tmp_path, words, said):
         assert out == ""
 
 
+# ------------------------------------------------------------------------------ kept options
+CHOICE = "--method", "hybrid", "--angle", "20", "--extract-gap", "0.2", "--square", "--crop"
+CROP = "-2", "-30", "20.5", "30"
+
+
+def test_a_session_repeats_its_map(run, near):
+    """Catches an option that is lost on the way, another unit, and a log that is changed by it."""
+    code, *_ = run("map", near, *CHOICE, *CROP, "-o", "it.csv", "-o", "it.segmap")
+    assert code == 0
+    session = readers.read_session("it.segmap")
+    assert session.settings == {"method": "hybrid", "angle": 20.0, "extract_gap": 0.2}
+    assert session.edits == {"square": True, "crop": [-2.0, -30.0, 20.5, 30.0]}
+    code, said, _ = run("map", "it.segmap", "-o", "again.csv", "--json")
+    assert code == 0 and Path("again.csv").read_bytes() == Path("it.csv").read_bytes()
+    before, after = session.runs[0], json.loads(said)
+    assert {k: after[k] for k in ("extracted", "cropped", "quality")} == {
+        k: before[k] for k in ("extracted", "cropped", "quality")
+    }
+    # what is said on the command wins, and thresholds of the method before are no fault then
+    code, said, _ = run("map", "it.segmap", "--method", "fusion", "--json")
+    assert code == 0 and json.loads(said)["reduced"]["method"] == "fusion"
+    code, said, _ = run("map", "it.segmap", "--angle", "3", "--json")
+    assert code == 0 and json.loads(said)["reduced"]["segments"] != before["reduced"]["segments"]
+    code, said, _ = run("occupancy", "it.segmap")
+    assert code == 0 and "its method, angle, extract_gap is left out: no option" in said
+    assert "turned " in said and "cropped " in said
+
+
+def test_a_session_of_many_sizes_and_with_times(run):
+    """Catches delays that a session loses: then nothing is carried."""
+    exports.write_session("it.segmap", readers.Session(logs.moving_log(), {"method": "none"}))
+    found = json.loads(run("map", "it.segmap", "--json", "--align", "pose_graph")[1])
+    assert found["de-skewed"]["scans"] > 0 and "reduced" not in found
+    exports.write_session("bad.segmap", readers.Session(logs.moving_log(), {"filter": "wide"}))
+    code, said, beside = run("map", "bad.segmap", "it.segmap", "--align", "pose_graph")
+    assert code == 1 and "1 of 2 logs done" in said
+    assert "bad.segmap: argument --filter: invalid float value: 'wide'" in beside
+
+
+#: Each format that is read: what files hold it, and the log that is named for it.
+FORMATS = {name: {name: text.encode()} for name, text in samples.SINGLE_FILES.items()}
+FORMATS |= {name: {name: content} for name, content in BINARY_FILES.items()}
+FORMATS |= {"it.npz": {"it.npz": samples.NPZ}}
+FORMATS |= {"rawseeds": {f"rawseeds/{k}": text.encode() for k, text in samples.RAWSEEDS.items()}}
+COARSE = {"gap": 9.0, "tolerance": 0.5, "min_points": 2, "min_length": 0.01}
+
+
+@pytest.mark.parametrize("name", [*FORMATS, "ros1", "mcap", "it.segmap"])
+def test_a_log_of_each_kind_gives_the_map_of_the_library(run, name):
+    """Catches a format that the command reads in another way, or loses poses of."""
+    for path, content in FORMATS.get(name, {}).items():
+        Path(path).parent.mkdir(exist_ok=True)
+        Path(path).write_bytes(content)
+    if name in ("ros1", "mcap"):
+        name = str(bag_samples.write(Path(), name))
+    if name == "it.segmap":
+        exports.write_session(name, readers.Session(segmap.load("room")[:3], {}))
+    options = [f"--extract-{k.replace('_', '-')}={value}" for k, value in COARSE.items()]
+    code, said, beside = run(
+        "map", name, "--method", "none", *options, "--json", "--force", "-o", "out.npz"
+    )
+    assert code in (0, 3), beside
+    log = segmap.read(name)
+    log = alignment.deskew(log) if "de-skewed" in json.loads(said) else log
+    method = json.loads(said)["aligned"]["method"]
+    more = {"missing": "drop"} if method == "ground_truth" else {}
+    poses = alignment.METHODS[method](log, **more)
+    wanted = segmap.build_map(log, poses.trusted, **COARSE)
+    found = readers.read_segments("out.npz")
+    assert np.array_equal(found.segments, wanted.segments) and len(wanted) > 0
+
+
+def test_options_in_a_file_are_those_of_the_command(run, near):
+    """Catches another unit than the option's, a file that wins, and an output in two places."""
+    Path("map.toml").write_text(
+        'method = "hybrid"\nangle = 20\nextract-gap = 0.2\nsquare = true\n'
+        'crop = [-2, -30.0, 20.5, 30]\noutput = ["a.csv"]\njson = true\n'
+    )
+    run("map", near, *CHOICE, *CROP, "-o", "it.csv")
+    code, said, _ = run("map", near, "--config", "map.toml")
+    assert code == 0 and json.loads(said)["written"]["files"] == ["a.csv"]
+    assert Path("a.csv").read_bytes() == Path("it.csv").read_bytes()
+    Path("a.csv").unlink()
+    code, said, _ = run("map", near, "--config", "map.toml", "--angle", "3", "-o", "b.csv")
+    assert json.loads(said)["reduced"]["segments"] != len(readers.read_segments("it.csv"))
+    assert not Path("a.csv").exists() and Path("b.csv").exists()
+
+
+@pytest.mark.parametrize(
+    ("text", "code", "said"),
+    [
+        ("tolerence = 0.05", 2, "map.toml has tolerence, which is no option; tolerance is one"),
+        ("xyzzy = 1", 2, "map.toml has xyzzy, which is no option"),
+        ('filter = "wide"', 2, "argument --filter: invalid float value: 'wide'"),
+        ("crop = [1, 2]", 2, "argument --crop: expected 4 arguments"),
+        ("crop = [0, 0, -1e-5, 2]", 2, "--crop: wanted left < right and low < high"),
+        ('method = "magic"', 2, "argument --method: invalid choice: 'magic'"),
+        ("[fusion]\ntolerance = 0.05", 2, "map.toml has fusion, which is no option"),
+        ("method = fusion", 1, "map.toml: Invalid value (at line 1, column 10)"),
+    ],
+)
+def test_a_file_of_options_that_is_not_understood(run, near, text, code, said):
+    """Catches a slip in a file that changes nothing and is not told."""
+    Path("map.toml").write_text(text)
+    found, out, beside = run("map", near, "--config", "map.toml")
+    assert found == code and out == "" and said in beside and beside.count("\n") == code
+
+
 # ------------------------------------------------------------------------------ several logs
 def test_a_failed_log_is_told_at_the_end_and_the_others_are_done(run, folder, tmp_path):
     """Catches a bad log that stops the night's work, or that nobody hears of."""
@@ -472,14 +590,17 @@ def test_a_failed_log_is_told_at_the_end_and_the_others_are_done(run, folder, tm
     (tmp_path / "bad.log").write_text("FLASER 3 1.0 2.0\n")
     (tmp_path / "README.md").write_text("FLASER 3 1.0 2.0\n")
     (tmp_path / ".hidden.log").write_text("FLASER 3 1.0 2.0\n")
+    (tmp_path / "deep" / "down").mkdir(parents=True)
+    (tmp_path / "far.log").rename(tmp_path / "deep" / "down" / "far.log")
+    (tmp_path / "deep" / "back").symlink_to(tmp_path)
     (tmp_path / "maps").mkdir()
     code, said, beside = run("map", ".", "--method", "fusion", "-o", "maps/{name}.csv")
     assert code == 1 and said.splitlines()[-1] == "2 of 3 logs done"
     assert {path.name for path in Path("maps").iterdir()} == {"near.csv", "far.csv"}
     first, last = beside.splitlines()
-    assert first == "segmap: .: left out, since no log: README.md, maps"
+    assert first == "segmap: .: left out, since no log: README.md, deep/back"
     assert last.startswith("segmap: bad.log, line 1: ")
-    wanted = expected("far.log", "fusion")
+    wanted = expected("deep/down/far.log", "fusion")
     assert np.array_equal(readers.read_segments("maps/far.csv").segments, wanted.segments)
 
 
@@ -622,6 +743,24 @@ def test_what_lies_outside_a_rectangle_is_cut_off(run, near):
     code, _, beside = run("map", near, "--crop", "900", "0", "901", "1", "-o", "no.csv")
     assert code == 1 and not Path("no.csv").exists()
     assert "--crop: no segment lies in that rectangle; the map reaches from x " in beside
+
+
+def test_a_map_of_squares_is_cropped_to_cells(run, near):
+    """Catches an option that only one of two maps has, and space that stays free outside."""
+    words = "occupancy", near, "--resolution", "0.2", "-o", "it.npz", "--crop"
+    code, said, _ = run(*words, "0", "-5", "20", "5", "--json")
+    log = segmap.read(near)
+    whole = segmap.quadtree.build_map(log, log.truth, resolution=0.2)
+    map = QuadtreeMap.load("it.npz")
+    hits = int((map.leaves().occ > 0).sum())
+    assert code == 0 and json.loads(said)["cropped"]["squares"] == hits > 0
+    places = np.random.default_rng(1).uniform(-30, 30, (20_000, 2))
+    kept = ((places > (0, -5)) & (places < (20, 5))).all(1)
+    edge = (np.abs(places[:, None] - [(0, -5), (20, 5)]) < 0.1).any((1, 2))
+    wanted = np.where(kept, whole.occupancy(places), 0.5)
+    assert np.array_equal(map.occupancy(places)[~edge], wanted[~edge])
+    code, _, beside = run(*words, "900", "0", "901", "1")
+    assert code == 1 and "--crop: no square lies in that rectangle; the map reaches" in beside
 
 
 def test_beams_that_others_saw_through_are_left_out(run, near):

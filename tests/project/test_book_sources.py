@@ -8,7 +8,7 @@ from chapter_rules import CHAPTERS, ROOT
 from conftest import later
 
 sources, citations, api = later("book.sources"), later("book.citations"), later("book.api")
-extension = later("book.extension")
+extension, commands = later("book.extension"), later("book.commands")
 
 
 @pytest.mark.parametrize(
@@ -167,3 +167,16 @@ def prose(path):
         return path.read_text(encoding="utf-8")
     cells = nbformat.read(path, as_version=4).cells
     return "\n\n".join(cell.source for cell in cells if cell.cell_type == "markdown")
+
+
+def test_each_command_has_a_page_with_its_options():
+    """Catches a command without a page, and help of which a sign becomes a mark."""
+    pages = dict(commands.command_pages())
+    assert {"info", "map", "occupancy", "notebooks"} <= set(pages)
+    assert ".. option:: --tolerance METRES\n\n   default: 0.04 for fusion" in pages["map"]
+    assert "--output FILE\n\n   write the log for CARMEN" in pages["convert"]
+    assert (
+        "ground\\_truth where" in pages["compare"]
+        and "   segmap locate MAP LOG [LOG ...] [OPT" in pages["locate"]
+    )
+    assert all(page.count(".. option:: ") >= 1 for page in pages.values())

@@ -2,6 +2,7 @@
 
 import re
 import tomllib
+from dataclasses import replace
 
 import pandas as pd
 import pytest
@@ -74,13 +75,15 @@ def test_the_orders_under_both_judges_are_those_of_the_records():
 
 def test_the_session_of_commands_is_true(names, tmp_path, monkeypatch, capsys):
     """Catches a printed line, an option or a figure that the commands have left behind."""
-    from segmap._commands import _logs, main
+    from segmap._commands import main
+    from segmap.alignment import METHODS
 
     block = re.search(
         r"## One command\n.*?```console\n\$ segmap (.*?)\n(.*?)```", README, re.DOTALL
     )
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setitem(_logs.METHODS, "pose_graph", lambda log: names["found"])
+    known = replace(METHODS["pose_graph"], function=lambda log: names["found"])
+    monkeypatch.setitem(METHODS, "pose_graph", known)
     assert main(block.group(1).split()) == 0
     said = [
         re.sub(r"[\d.]+ m?s$", "", text, flags=re.MULTILINE)

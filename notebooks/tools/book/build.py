@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from .api import ROOMS, write_api
+from .commands import write_commands
 from .sources import CHAPTERS, copy_sources, write_stub, write_summaries
 
 HERE = Path(__file__).parent
@@ -45,6 +46,7 @@ def build(folder: Path, *, chapters: list[Path] = CHAPTERS, rooms: tuple[str, ..
     sources = work / "sources"
     complaints = copy_sources(sources, chapters)
     write_api(sources / "api", rooms)
+    write_commands(sources / "commands")
     write_summaries(sources)
     for _ in range(MOST_FAILURES):
         page, said = _run(sources, work / "pages", work / "notes")

@@ -150,6 +150,8 @@ def write_summaries(folder: Path) -> None:
         said[f"notebooks/{path.stem}"] = re.sub(r"\[([^]]*)\]\([^)]*\)|[*`$\\]", r"\1", claim)
     for path in (folder / "api").glob("*.rst"):
         said[f"api/{path.stem}"] = f"API: every public name of {path.stem}"
+    for path in (folder / "commands").glob("*.rst"):
+        said[f"commands/{path.stem}"] = f"Command: every option of segmap {path.stem}"
     text = f"const SUMMARIES = {json.dumps(said)};\n"
     (folder / "_static" / "summaries.js").write_text(text, encoding="utf-8")
 
@@ -271,7 +273,10 @@ def _write_contents(folder: Path, chapters: list[Path]) -> None:
     data = sorted(str(p.relative_to(folder).with_suffix("")) for p in folder.glob("data/**/*.md"))
     texts = ["README", "environment", *data, "CONTRIBUTING", "CHANGELOG"]
     trees += [_tree("For teachers", own)] if own else []
-    trees += [_tree("Reference", ["api/index", "references"]), _tree("The project", texts)]
+    trees += [
+        _tree("Reference", ["commands/index", "api/index", "references"]),
+        _tree("The project", texts),
+    ]
     with (folder / "index.md").open("a", encoding="utf-8") as index:
         index.write("\n".join(trees))
 

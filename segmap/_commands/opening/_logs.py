@@ -1,4 +1,4 @@
-"""Logs one after the other, those named and those in a folder, a pose for each scan, and the files
+"""Logs one after the other, those named, those in a folder and those of sessions; and the files
 that a command writes: their names are checked before any work is done."""
 
 from __future__ import annotations
@@ -6,37 +6,28 @@ from __future__ import annotations
 import argparse
 import csv
 import io
-from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, replace
 from functools import partial
 from pathlib import Path
 from typing import Any, Literal
 
-import numpy as np
-
-from .._display import counted
-from ..alignment import METHODS, Alignment, Verdict, deskew, usual_method
-from ..exports import Earth, Frame, Grid
-from ..extraction import build_map
-from ..files import shown, write_bytes
-from ..poses import compose
-from ..readers import LogError, UnknownFormat, format_of, load, read, read_bag
-from ..scans import Log
-from ..scans.moving import is_timed
-from ..segments import main_direction
-from ._words import FAULTS, Report, percent, progress, reason, say, seconds, tell
+from ..._display import counted
+from ...alignment import Verdict
+from ...files import shown, write_bytes
+from ...readers import LogError, UnknownFormat, format_of, load, read, read_bag, read_session
+from ...scans import Log
+from .._words import FAULTS, Report, percent, progress, reason, say, tell
+from ._settings import applied
 
 #: Stands for the name of the log.
 NAME = "{name}"
-#: Files of these kinds lie beside logs: some quote a line of one.
-DOCUMENTS = {".html", ".ipynb", ".md", ".py", ".rst", ".sh"}
-#: So many reasons for scans that were not matched are told.
-MOST_REASONS = 3
-#: What happens without --align, in most commands.
-ALIGN = "default: ground_truth where the log has it for each scan, else pose_graph"
 #: Exit code where a log gave no map.
 NO_MAP = 3
+#: Files of these kinds lie beside logs: some quote a line of one.
+DOCUMENTS = {".html", ".ipynb", ".md", ".py", ".rst", ".sh"}
+#: So many files that are no logs are named.
+NAMED = 5
 #: What a command does with one log, and the files that it writes: to an exit code.
 Work = Callable[[argparse.Namespace, Log, list[Path], Report], int]
 
@@ -44,7 +35,10 @@ Work = Callable[[argparse.Namespace, Log, list[Path], Report], int]
 def add_logs(command: argparse.ArgumentParser) -> None:
     """The arguments LOG... and --skip."""
     command.add_argument(
-        "logs", nargs="+", metavar="LOG", help="a file, a folder, or malaga, corridor, room"
+        "logs",
+        nargs="+",
+        metavar="LOG",
+        help="a file, a folder, a session (.segmap) with its options, or malaga, corridor, room",
     )
     command.add_argument(
         "--skip", action="store_true", help="leave damaged lines out, and say how many"
@@ -60,7 +54,13 @@ def add_logs(command: argparse.ArgumentParser) -> None:
         metavar="FILE",
         help="write the figures as .csv too, a row for each log",
     )
-    command.set_defaults(refuse=command.error)
+    command.add_argument(
+        "--config",
+        type=Path,
+        metavar="FILE",
+        help="a .toml with options by their names, `tolerance = 0.05`; those given here win",
+    )
+    command.set_defaults(refuse=command.error, command=command)
 
 
 def _csv(text: str) -> Path:
@@ -75,25 +75,41 @@ def begin(log: Log, source: str) -> str:
     return f"{log.name}: {counted(len(log), 'scan')}{where}"
 
 
-def each_log(given: argparse.Namespace, work: Work, head: Callable[[Log, str], str] = begin) -> int:
+def each_log(
+    given: argparse.Namespace,
+    work: Work,
+    head: Callable[[Log, str], str] = begin,
+    check: Callable[[argparse.Namespace], None] = lambda given: None,
+) -> int:
     """Do one log after the other, and name at the end those that failed.
 
-    The exit code is 1 where one failed, else the largest of the codes of all.
+    `check` refuses options that do not go together. The exit code is 1 where one log failed, else
+    the largest of the codes of all.
     """
     chosen = [source for text in given.logs for source in sources(text)]
     targets = Targets(getattr(given, "output", []))
     if len(chosen) > 1 and (alike := targets.alike()):
         given.refuse(f"{counted(len(chosen), 'log')} would go to {alike}: write {{name}} in it")
+    if not all(map(is_session, chosen)):
+        check(given)
     failed, codes, reports = [], [0], []
     with progress(len(chosen), "log") as bar:
         for source in chosen:
             bar.set_description(shown(Path(source).name))
             reports.append(report := Report(source, json=given.json))
             try:
-                log = log_of(source, given)
+                log, own, left = log_of(source, given)
+                if is_session(source):
+                    check(own)
                 paths = targets.paths(log.name, source)
                 report.begin(log, head(log, source))
-                codes.append(work(given, log, paths, report))
+                if log.skipped and head is begin:
+                    lines = counted(log.skipped.lines, "line")
+                    words = f"{lines} left out; {log.skipped.reason}"
+                    report.line("damaged", words, lines=log.skipped.lines)
+                if left:
+                    report.line("session", f"its {', '.join(left)} is left out: no option here")
+                codes.append(work(own, log, paths, report))
             except BrokenPipeError:  # nobody reads any more
                 raise
             except FAULTS as error:
@@ -131,16 +147,32 @@ def _figures(said: dict[str, Any], begin: str = "") -> Iterator[tuple[str, Any]]
 
 
 def sources(text: str) -> Iterator[str]:
-    """The logs that an argument names: itself, or those in a folder that is no log itself."""
+    """The logs that an argument names: itself, or those below a folder that is no log itself."""
     folder = Path(text)
     if not folder.is_dir() or is_log(folder):
         yield text
         return
-    inside = sorted(path for path in folder.iterdir() if not path.name.startswith("."))
+    inside = list(below(folder))
     found = [path for path in inside if is_log(path)]
-    if rest := [path.name for path in inside if path not in found]:
-        tell(f"{shown(folder)}: left out, since no log: {', '.join(map(shown, rest))}")
+    if rest := [str(path.relative_to(folder)) for path in inside if path not in found]:
+        more = f" and {len(rest) - NAMED} more" if len(rest) > NAMED else ""
+        names = f"{', '.join(map(shown, rest[:NAMED]))}{more}"
+        tell(f"{shown(folder)}: left out, since no log: {names}")
     yield from map(str, found or [folder])
+
+
+def below(folder: Path) -> Iterator[Path]:
+    """What lies in a folder, with the files of a folder that is no log in its place."""
+    for path in sorted(folder.iterdir()):
+        if path.is_dir() and not (path.name.startswith(".") or path.is_symlink() or is_log(path)):
+            yield from below(path)
+        elif not path.name.startswith("."):
+            yield path
+
+
+def is_session(source: str) -> bool:
+    """Whether a log comes with options of its own."""
+    return source.lower().endswith(".segmap")
 
 
 def is_log(path: Path) -> bool:
@@ -156,7 +188,16 @@ def is_log(path: Path) -> bool:
     return True
 
 
-def log_of(source: str, given: argparse.Namespace) -> Log:
+def log_of(source: str, given: argparse.Namespace) -> tuple[Log, argparse.Namespace, Sequence[str]]:
+    """A log, the options for it, and those of its session that this command does not have."""
+    if is_session(source):
+        session = read_session(source)
+        log = replace(session.log, name=Path(source).stem)
+        return log, *applied(given, {**session.settings, **session.edits})
+    return _log_of(source, given), given, ()
+
+
+def _log_of(source: str, given: argparse.Namespace) -> Log:
     """The log at a path, or the one of that name that comes with segmap."""
     on_error: Literal["raise", "skip"] = "skip" if given.skip else "raise"
     if given.scan_topic or given.odometry_topic:
@@ -170,22 +211,6 @@ def log_of(source: str, given: argparse.Namespace) -> Log:
         raise
     except ValueError as error:
         raise LogError(Path(source), f"is neither a file nor a folder, and {error}") from error
-
-
-def add_align(command: Any, without: str = ALIGN) -> None:
-    """The option --align; `without` says what happens where it is not given."""
-    command.add_argument(
-        "--align", choices=METHODS, metavar="METHOD", help=f"{', '.join(METHODS)}; {without}"
-    )
-
-
-def add_deskew(command: Any) -> None:
-    """The option --no-deskew."""
-    command.add_argument(
-        "--no-deskew",
-        action="store_true",
-        help="take all beams of a scan to be measured at once, even where the log has their times",
-    )
 
 
 def add_strict(command: Any) -> None:
@@ -207,108 +232,6 @@ def _share(text: str) -> float:
     if not 0 <= share <= 1:
         raise argparse.ArgumentTypeError(f"{text} must be from 0 to 1")
     return share
-
-
-def deskewed(given: argparse.Namespace, log: Log, report: Report) -> Log:
-    """The log with its beams carried to the start of each scan where it has their times."""
-    if given.no_deskew or not is_timed(log):
-        return log
-    found = deskew(log)
-    count = sum(new is not old for new, old in zip(found, log, strict=True))
-    words = f"{count} of {counted(len(log), 'scan')}, by how the robot moved meanwhile"
-    report.line("de-skewed", words, scans=count)
-    return found
-
-
-def aligned(log: Log, method: str | None, report: Report) -> Alignment:
-    """Align a log and say how it went.
-
-    By default: the true poses where the log has one for each scan; else all poses at once, loops
-    closed.
-    """
-    name = method or usual_method(log)
-    options: dict[str, Any] = {}
-    if name == "ground_truth":
-        options = {"missing": "drop"}
-    if name == "angle_correspondence":
-        options = {"rng": np.random.default_rng(0)}
-    found = METHODS[name](log, **options)
-    figures: dict[str, Any] = {"method": name, "matched": int(found.used.sum())}
-    placed = f"{figures['matched']} of {counted(len(found), 'scan')} matched"
-    if found.graph is not None:
-        figures["loops"] = int(found.graph.loop.sum())
-        placed += f", {counted(figures['loops'], 'loop')} closed"
-    words = f"by {name}: {placed}, {seconds(found.seconds)}"
-    report.line("aligned", words, **figures, scans=len(found), seconds=found.seconds)
-    reasons = Counter(filter(None, found.reasons)).most_common(MOST_REASONS)
-    for why, count in reasons:
-        report.line("", f"{counted(count, 'scan')} not: {why}")
-    if found.doubt:
-        report.line("", f"doubt: {found.doubt}")
-    return found
-
-
-def add_world(command: Any) -> None:
-    """The options that say how a map is turned, and where on the earth it lies."""
-    group = command.add_argument_group("where the map lies")
-    group.add_argument(
-        "--square",
-        action="store_true",
-        help="turn the map about its origin, by the smallest angle, until most walls run along x "
-        "and y; all files then have this frame",
-    )
-    group.add_argument(
-        "--place",
-        nargs=2,
-        type=float,
-        metavar=("LAT", "LON"),
-        help="where (0, 0) of the map lies, degrees of WGS84: a .geojson is then in degrees, the "
-        "other files stay in metres",
-    )
-    group.add_argument(
-        "--north",
-        type=float,
-        metavar="DEGREES",
-        help="where north is in the map, and in the squared one with --square: counter-clockwise "
-        "from x; default: 90, y points north",
-    )
-    group.add_argument(
-        "--crs",
-        metavar="EPSG:CODE",
-        help="a grid in metres, as EPSG:25832: --place is then EAST NORTH in it, and a .geojson "
-        "names it",
-    )
-
-
-def world_of(given: argparse.Namespace) -> Frame:
-    """Where the map lies; ends with an error of usage where the options do not go together."""
-    if given.place is None:
-        for option in ("north", "crs"):
-            if getattr(given, option) is not None:
-                given.refuse(f"--{option} needs --place, the place of the map's (0, 0)")
-        return Frame()
-    if not any(name.lower().endswith(".geojson") for name in given.output):
-        given.refuse("--place is for a .geojson, the other files have no place: name one with -o")
-    north = np.radians(90.0 if given.north is None else given.north)
-    first, second = given.place
-    try:
-        if given.crs is not None:
-            return Grid(given.crs, first, second, north)
-        return Earth(first, second, north)
-    except ValueError as error:
-        swapped = given.crs is None and 90 < abs(first) <= 180 and abs(second) <= 90
-        given.refuse(f"--place: {error}" + ("; the latitude comes first" if swapped else ""))
-        raise
-
-
-def squared(given: argparse.Namespace, log: Log, found: Alignment, report: Report) -> Alignment:
-    """The poses turned about the origin until most walls run along x and y, where asked for."""
-    if not given.square:
-        return found
-    turn = -main_direction(build_map(log, found.trusted))
-    words = f"by {np.degrees(turn):.2f} degrees about the origin: most walls along x and y"
-    report.line("turned", words, degrees=float(np.degrees(turn)))
-    return replace(found, poses=compose((0, 0, turn), found.poses))
 
 
 def too_little(given: argparse.Namespace, verdict: Verdict) -> bool:
@@ -334,6 +257,24 @@ def concluded(given: argparse.Namespace, verdict: Verdict, report: Report) -> in
     asked = f" (--strict asks for {percent(given.strict)} of the scans)" if few else ""
     report.line("verdict", f"{verdict}{asked}", **asdict(verdict))
     return NO_MAP if too_little(given, verdict) else 0
+
+
+def finished(
+    given: argparse.Namespace,
+    verdict: Verdict,
+    paths: list[Path],
+    report: Report,
+    write: Callable[[Path], None],
+) -> int:
+    """Write each file where there is a map, name what was written, and say the verdict."""
+    written = allowed(given, verdict, paths, report)
+    for path in written:
+        write(path)
+    if written:  # beside a .yaml lies its picture
+        pairs = ([p, p.with_suffix(".pgm")] if p.suffix == ".yaml" else [p] for p in written)
+        names = [str(path) for pair in pairs for path in pair]
+        report.line("written", ", ".join(names), files=names)
+    return concluded(given, verdict, report)
 
 
 def add_output(command: argparse.ArgumentParser, suffixes: Sequence[str], what: str) -> None:

@@ -1,0 +1,14 @@
+"""What commands share: the logs and options that are named, poses of their scans, files written."""
+
+from ._logs import NO_MAP, add_logs, add_output, add_strict, allowed, concluded, each_log, finished
+from ._poses import (
+    add_align,
+    add_poses,
+    add_world,
+    aligned,
+    check_options,
+    cropped,
+    placed,
+    world_of,
+)
+from ._settings import parsed, session_of

@@ -1,0 +1,94 @@
+"""Options from elsewhere: the file of --config, and what a session keeps."""
+
+from __future__ import annotations
+
+import argparse
+import tomllib
+from collections.abc import Mapping, Sequence
+from difflib import get_close_matches
+from typing import Any
+
+from numpy import format_float_positional
+
+from ...files import shown
+from ...readers import Session
+from ...scans import Log
+
+#: What is asked of one run, and what it reads: no session keeps these.
+OF_A_RUN = {
+    *("logs", "skip", "scan_topic", "odometry_topic", "json", "table", "config"),
+    *("output", "strict", "force"),
+}
+#: Options that change the map and not the way to it.
+EDITS = {"crop", "square", "place", "north", "crs"}
+
+
+def parsed(parser: argparse.ArgumentParser, words: Sequence[str]) -> argparse.Namespace:
+    """The options given, above those of the file that --config names."""
+    found = parser.parse_args(words, argparse.Namespace(parser=parser, words=words, lent=set()))
+    if path := getattr(found, "config", None):
+        try:
+            held = tomllib.loads(path.read_text(encoding="utf-8"))
+        except ValueError as error:  # no TOML, or no text
+            raise ValueError(f"{shown(path)}: {error}") from error
+        found, left = applied(found, held)
+        if left:
+            near = get_close_matches(left[0].replace("_", "-"), flags(found), 1)
+            meant = f"; {near[0]} is one" if near else ""
+            found.refuse(f"{path} has {left[0]}, which is no option{meant}")
+    return found
+
+
+def applied(
+    given: argparse.Namespace, held: Mapping[str, Any]
+) -> tuple[argparse.Namespace, list[str]]:
+    """The options given above those held, and the names of those that the command does not have.
+
+    Where another method is given than is held, its thresholds are lent to none.
+    """
+    words, left, known = [given.words[0]], [], flags(given)
+    for name, value in held.items():
+        flag = name.replace("_", "-")
+        if flag not in known:
+            left.append(name)
+        elif not (flag == "output" and given.output):
+            words += _written(flag, value, known[flag])
+    words += given.words[1:]
+    found = given.parser.parse_args(
+        words, argparse.Namespace(parser=given.parser, words=words, lent=set())
+    )
+    for kind in ("method", "align"):
+        if kind in held and getattr(found, kind, held[kind]) != held[kind]:
+            found.lent = {name.replace("-", "_") for name in held}
+    return found, left
+
+
+def flags(given: argparse.Namespace) -> dict[str, argparse.Action]:
+    """The options of a command, by their names without dashes in front."""
+    found = given.command._option_string_actions
+    return {flag[2:]: action for flag, action in found.items() if flag.startswith("--")}
+
+
+def _written(flag: str, value: Any, action: argparse.Action) -> list[str]:
+    """A value as one writes it on the command line."""
+    if value is True or value is False:
+        wanted = f"--{flag}" if value else f"--no-{flag}"
+        return [wanted] if value or wanted in action.option_strings else []
+    values = value if isinstance(value, list) else [value]
+    texts = [
+        format_float_positional(v, trim="0") if isinstance(v, float) else str(v) for v in values
+    ]
+    if isinstance(action.nargs, int) and action.nargs:
+        return [f"--{flag}", *texts]
+    return [f"--{flag}={text}" for text in texts]
+
+
+def session_of(given: argparse.Namespace, log: Log, figures: dict[str, Any]) -> Session:
+    """A log with the options that were given for its map, and the figures of this run."""
+    chosen: dict[str, Any] = {}
+    for action in flags(given).values():
+        name, value = action.dest, getattr(given, action.dest, None)
+        if name == "method" or not (name in OF_A_RUN or value in (None, action.default)):
+            chosen[name] = value
+    edits = {name: chosen.pop(name) for name in EDITS & set(chosen)}
+    return Session(log, chosen, [figures], edits)
