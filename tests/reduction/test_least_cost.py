@@ -8,12 +8,13 @@ from reduction_maps import MAPS, malaga
 from segmap_course.literal.metrics import nearness
 from segmap_course.literal.reduction import least_cost as plain
 
+from segmap.kernels import describe
 from segmap.metrics import quality
 from segmap.reduction import least_cost, reduce_to
 from segmap.reduction._runner import rows_of
 from segmap.reduction.least_cost import _least_cost
 from segmap.reduction.least_cost._exchange import exchanged
-from segmap.reduction.least_cost._fit_kernels import Limits
+from segmap.reduction.least_cost._fit_kernels import Limits, _line_cost, empty_room, take
 from segmap.reduction.least_cost._least_cost import crosses, merged
 from segmap.segments import length
 
@@ -27,6 +28,21 @@ def test_quality_is_never_below_the_guarantee(seed, penalty):
     map = np.concatenate([MAPS[seed % 4](rng), points])
     found, n = least_cost(map, penalty=penalty), np.count_nonzero(length(map))
     assert quality(map, found) >= np.exp(-penalty * (n - len(found)) / n / 0.05) - 1e-9
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_a_line_costs_what_the_plain_sum_says(seed):
+    """Members that cross it, at its ends and steeply too: what is cheap to reckon must be exact."""
+    rng = np.random.default_rng(seed)
+    s = rng.uniform((0, -0.15), (1, 0.15), (5, 2, 2))
+    room, about = empty_room(5), describe(s)
+    for k in range(5):
+        take(room, k, k, s, about)
+    pose, limits = (0.5, 0.01, rng.normal(0, 0.05)), Limits(0.1, 0.25, 0.4, 0.12, 0.3, 0.2)
+    found = _line_cost(s, room, 5, limits, pose, np.inf)
+    line = plain.spanning(*pose, s.reshape(-1, 2).tolist())
+    expected = plain.cost_of(s.tolist(), line, (0.25, 0.12, 0.3, 0.2), bridged=0.4)
+    assert found == pytest.approx(expected, rel=1e-12)
 
 
 @pytest.mark.parametrize("sought", [1e-5, 1.01e-4, 0.05, 3.98])

@@ -60,6 +60,7 @@ def test_a_perpendicular_point_attracts_but_does_not_turn():
     centres, _ = climb(points, ALIKE, 2.0, 10.0)
     assert centres[0, 0] > 0.1
     assert centres[:, 2].tolist() == [0.0, 1.0]
+    assert climb(points, ALIKE, 2.0, 10.0, 0.0)[1] == 0
 
 
 def test_all_climb_until_the_slowest_rests():

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from segmap import reduction
-from segmap.reduction import METHODS, Reduction
+from segmap.reduction import METHODS, Reduction, _points
 from segmap.reduction._runner import run, run_online
 from segmap.segments import SegmentMap, length
 
@@ -132,6 +132,19 @@ def test_thresholds_out_of_range(name, threshold, bad):
     """Refused by name before anything runs, on an empty map too."""
     with pytest.raises(ValueError, match=rf"^{threshold} must be .*, got {bad}$"):
         METHODS[name](np.empty((0, 2, 2)), **{threshold: bad})
+
+
+@pytest.mark.parametrize("index", [-1, 1, 0.5])
+def test_members_are_those_of_an_output(index):
+    with pytest.raises(ValueError, match="index must be"):
+        METHODS["fusion"]([[(0, 0), (1, 0)]]).members(index)
+
+
+def test_as_many_points_as_are_allowed_are_made(monkeypatch):
+    monkeypatch.setattr(_points, "MOST_POINTS", 10)
+    assert len(_points.stand_ins(np.array([[(0, 0), (1, 0)]], float), 0.1)[0]) == 11
+    with pytest.raises(ValueError, match="at most 10 points"):
+        _points.stand_ins(np.array([[(0, 0), (1.1, 0)]], float), 0.1)
 
 
 WALLS = np.array([[(0, 0), (1, 0)], [(1, 1), (1, 1)], [(0, 1), (1, 1)]], float)

@@ -125,6 +125,12 @@ def test_walls_of_the_buffer_that_a_look_joins_are_one_segment():
     assert_segments_equal(found, [[(0.2, 0.5), (1.8, 0.5)]], atol=0.05)
 
 
+def test_walls_that_cross_at_right_angles_are_never_alike():
+    """Both middles lie on both lines: the turn alone tells, and it must be less than the angle."""
+    cross = SegmentMap([[(0.5, 1), (1.5, 1)], [(1, 0.5), (1, 1.5)]], [0, 1])
+    assert len(fuzzy_clustering(cross, angle=np.pi / 2)) == 2
+
+
 @pytest.mark.filterwarnings("ignore:cell is 10000 m:UserWarning")
 @pytest.mark.parametrize(("cell", "what"), [(1e-9, "larger"), (1e4, "smaller")])
 def test_cells_that_no_map_can_bear(cell, what):

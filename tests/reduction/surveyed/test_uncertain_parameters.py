@@ -44,6 +44,16 @@ def test_segments_that_touch_nothing_do_not_meet():
     assert len(uncertain_parameters(in_scans([[(0, 0), (1, 0)], [(0.95, 0), (2, 0)]]))) == 1
 
 
+@pytest.mark.parametrize(("shift", "side", "left"), [(s, y, 1 if s > 0.0101 else 2)
+                         for s in (0.005, 0.015) for y in (1, -1)])  # fmt: skip
+def test_overlap_is_along_the_bisector(shift, side, left):
+    """One begins 5 cm above the end of the other: tan(0.2) of it, 1 cm, is what they must share."""
+    x, y = 1 - shift, 0.05 * side
+    turned = [(x, y), (x + np.cos(0.4), y + side * np.sin(0.4))]
+    for map in ([[(0, 0), (1, 0)], turned], [turned, [(0, 0), (1, 0)]]):
+        assert len(uncertain_parameters(in_scans(map), angle=0.5)) == left
+
+
 def test_a_segment_takes_in_all_its_matches():
     """Catches the nearest alone, or two looks that both keep the same wall."""
     apart = [[(0, 0), (1.2, 0)], [(1.9, 0), (3, 0)]]
