@@ -227,4 +227,4 @@ def _paths(map: QuadtreeMap, small: float) -> Iterator[str]:
 
 def _digits(resolution: float) -> int:
     """How many decimals keep a thousandth of a cell."""
-    return max(0, 3 - int(np.floor(np.log10(resolution))))
+    return 3 - int(np.floor(np.log10(resolution)))

@@ -44,12 +44,13 @@ class Beams(TextFormat):
             )
         scans = []
         for k, part in enumerate(parts):
-            turned = part[::-1] * (-1, 1, 1, 1) if self.clockwise else part
-            times, time = turned[:, 2], k if np.isnan(part[0, 2]) else part[0, 2]
-            delays = None
+            angles, ranges, times, _ = part.T
+            time, delays = k if np.isnan(times[0]) else times[0], None
+            if self.clockwise:
+                angles, ranges, times = -angles[::-1], ranges[::-1], times[::-1]
             if np.ptp(times) > 0:  # neither unknown nor one time for all
                 time, delays = times.min(), times - times.min()
-            scans.append(LaserScan(turned[:, 1], turned[:, 0], time, delays=delays))
+            scans.append(LaserScan(ranges, angles, time, delays=delays))
         return Log(name, scans, None, self.lines.skipped)
 
 

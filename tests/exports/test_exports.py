@@ -275,6 +275,8 @@ def test_an_empty_log_is_an_empty_trajectory_and_that_of_another_log_is_refused(
     assert (tmp_path / "t.tum").read_text() == "# time x y z qx qy qz qw\n"
     with pytest.raises(ValueError, match=r"poses must have shape \(3, 3\)"):
         exports.write_tum(tmp_path / "t.tum", OLD, TRUTH[:2])
+    with pytest.raises(ValueError, match="log must be a Log"):
+        exports.write_tum(tmp_path / "t.tum", OLD.scans, TRUTH)
 
 
 def test_a_name_that_is_not_plain_ascii_does_not_break_the_log(tmp_path):

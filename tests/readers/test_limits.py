@@ -135,6 +135,15 @@ def test_a_header_is_sought_in_the_first_lines(read):
             assert len(read(said)) == 1
 
 
+@pytest.mark.parametrize("units", ["rad m s", "deg cm ms", "deg mm us", "deg mm ns"])
+def test_every_unit_of_a_table(read, units):
+    factors = {"deg": 180 / np.pi, "cm": 100, "mm": 1e3, "ms": 1e3, "us": 1e6, "ns": 1e9}
+    angle, range, time = (k * factors.get(unit, 1) for k, unit in enumerate(units.split(), 1))
+    head = "angle_{},range_{},time_{}".format(*units.split())
+    log = read(f"{head},range_std\n{angle},{range},{time},9\n")  # another word: another column
+    assert (log[0].angles[0], log[0].ranges[0], log.times[0]) == pytest.approx((1, 2, 3))
+
+
 def test_a_scan_has_so_many_beams_and_no_more(read):
     """Catches a last scan of a few beams that hides one of 100 001."""
     head, beam = "angle_deg,range_m,scan\n", "1,1,0\n"
@@ -257,6 +266,10 @@ def test_what_is_wrong_within_an_object_of_mrpt_names_file_and_byte(tmp_path):
         log = readers.read(path, on_error="skip")
         assert len(log) == 2 and log.skipped.lines == 1
         assert log.skipped.reason.startswith(f"{path}: byte {len(good)}: ")
+    for more, said in ((0, None), (1, "expected an object of MRPT")):
+        path.write_bytes(good + mrpt.new("CObservation" + "X" * (108 + more), 1) + good)
+        with pytest.raises(LogError, match=said) if more else nullcontext():
+            assert len(log := readers.read(path)) == 2 and log.skipped.lines == 1
     large = mrpt.scan(1.0, ranges=np.random.default_rng(0).random(30_000))
     path.write_bytes(gzip.compress(large * 8, 1))  # 1.2 MB: more than any file may unpack to
     assert len(readers.read(path)) == 8

@@ -11,6 +11,7 @@ from log_samples import (
     HOKUYO,
     HOKUYO_CSV,
     ODOMETRY,
+    ODOMETRY_CSV,
     RANGES,
     RAWSEEDS,
     SICK,
@@ -119,6 +120,8 @@ class TestRawseeds:
     def test_ground_truth_alone_is_no_log_but_a_trajectory(self, read, tmp_path):
         with pytest.raises(LogError, match=r"line 1: holds poses and no scan.*read_trajectory"):
             read(GROUNDTRUTH)
+        with pytest.raises(LogError, match="line 1: holds poses and no scan"):
+            read(ODOMETRY_CSV, "wheels.csv")
         times, where = readers.read_trajectory(tmp_path / "some.log")
         assert times == pytest.approx(TIMES) and where == pytest.approx(np.array(TRUTH))
 

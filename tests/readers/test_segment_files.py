@@ -23,6 +23,7 @@ EMPTY = SegmentMap([])
 MAPS = {
     "upright": SegmentMap([[(1, 0), (1, 2)], [(0, 1), (2, 1)]]),
     "empty": EMPTY,
+    "short": SegmentMap([[(0, 0), (0.3, 0.1)]]),
     "one": SegmentMap([[(3, -1), (4, 1)]], [4]),
     "odd": ODD_MAP,
 }

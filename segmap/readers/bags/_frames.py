@@ -85,4 +85,4 @@ def _name(frame: str) -> str:
 
 def _is(frame: str, word: str) -> bool:
     """Whether the last part of a name begins with a word: `robot1/odom_combined` is an odom."""
-    return frame.rsplit("/", 1)[-1].startswith(word)
+    return frame.split("/")[-1].startswith(word)

@@ -90,10 +90,8 @@ class Stream:
         return self.take(self.values("I")[0]).decode("utf-8", "replace")
 
     def many(self, *names: str) -> list[Any]:
-        """A count and so many objects; each takes ten bytes or more."""
+        """A count and so many objects."""
         (count,) = self.values("I")
-        if 10 * count > self.left:
-            raise self.broken(f"expected {count} objects, but only {self.left} bytes follow")
         return [self.object(*names, closing=int(k == count - 1)) for k in range(count)]
 
     def object(self, *names: str, closing: int = 0) -> Any:
