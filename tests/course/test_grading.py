@@ -359,7 +359,9 @@ def test_an_answer_is_found_by_its_cell_else_by_its_name(tmp_path):
     (tmp_path / "d" / "work.ipynb").write_text(notebook(("z", "print()")))
     (tmp_path / ".hidden.ipynb").write_text("{")
     (tmp_path / "link.ipynb").symlink_to(tmp_path / "a.ipynb")
-    assert {s.student: s.find(F)[0] for s in submissions(tmp_path)} == {
+    found = submissions(tmp_path)
+    assert {s.find(F)[1] for s in found} == {""}, "one file has no note"
+    assert {s.student: s.find(F)[0] for s in found} == {
         "a": "def my_f(): 2",
         "b": "def my_f(): 3",
         "c": "# empty",

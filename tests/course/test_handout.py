@@ -63,8 +63,9 @@ def test_every_exercise_of_the_chapters_has_an_answer_a_check_and_points(handed)
             "course.check" not in answer["source"] and "points" in held[f"{name}-points"]["source"]
         )
         assert answer["metadata"]["nbgrader"]["solution"]
-        assert test["metadata"]["nbgrader"] | {"points": 4} == test["metadata"]["nbgrader"]
-        assert test["metadata"]["nbgrader"]["locked"] and f"check_{name}(" in test["source"]
+        meta = test["metadata"]["nbgrader"]
+        assert meta | {"points": 4, "grade": True, "locked": True} == meta
+        assert f"check_{name}(" in test["source"]
 
 
 def test_a_copy_is_what_nbgrader_reads(handed):
@@ -118,8 +119,9 @@ def test_what_is_wrong_is_said_at_the_door(tmp_path, capsys):
     )
     assert not (tmp_path / "a").exists()
     (tmp_path / "mine").mkdir()
-    (tmp_path / "mine" / "thesis.txt").write_text("x")
-    assert "holds thesis.txt already" in refused(tmp_path / "mine")
+    for name in ("a", "b", "c", "thesis.txt"):
+        (tmp_path / "mine" / name).write_text("x")
+    assert "holds a, b, c already" in refused(tmp_path / "mine")
     assert "is a file" in refused(tmp_path / "mine" / "thesis.txt")
     (tmp_path / "b.instructor.json").write_text("{}")
     assert "with the seed of a handout" in refused(tmp_path / "b", "--chapters", "34")
@@ -207,7 +209,13 @@ def test_what_a_person_grades_has_its_rubric_and_no_test_cell():
 
 
 def test_solutions_stand_between_the_marks_of_nbgrader(tmp_path):
-    assert main(["solutions", str(tmp_path / "source"), "--chapters", "34,51"]) == 0
+    assert main(["solutions", str(tmp_path / "source"), "--chapters", "13,34"]) == 0
+    (guess,) = (
+        cell["source"]
+        for cell in cells(tmp_path / "source" / "13_simulated_rooms" / "13_simulated_rooms.ipynb")
+        if cell["id"] == "predict_beams_on_wall-answer"
+    )
+    assert guess.endswith(f"{BEGIN}\n{open_answer('predict_beams_on_wall', 'my_beams')}\n{END}")
     path = tmp_path / "source" / "34_icp" / "34_icp.ipynb"
     held = {cell["id"]: cell for cell in cells(path)}["move_onto_walls-answer"]
     before, rest = held["source"].split(BEGIN)

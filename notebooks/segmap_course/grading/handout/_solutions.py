@@ -30,10 +30,7 @@ def solution(exercise: Exercise, name: str) -> str:
     source = gatherer.source(exercise.draw.__module__)  # where it is defined itself
     made = source.nodes[f"check_{exercise.name}"]
     assert isinstance(made, ast.Assign) and isinstance(made.value, ast.Call)
-    answer = made.value.args[1]
-    if isinstance(answer, ast.Name):
-        gatherer.take(source, answer.id)
-    last = f"{name} = {gatherer.needs(source, answer)}"
+    last = f"{name} = {gatherer.needs(source, made.value.args[1])}"
     head = "\n".join(dict.fromkeys(gatherer.imports))
     return "\n\n\n".join(part for part in [head, *gatherer.parts, last] if part)
 
