@@ -10,7 +10,7 @@ from typing import Any, NoReturn
 from .. import __version__
 from ..files import shown
 from . import _app, _compare, _convert, _info, _locate, _map, _notebooks, _occupancy, _warm
-from ._words import FAULTS, plain_warnings, reason, tell
+from ._words import FAULTS, moving, plain_warnings, reason, tell
 
 DESCRIPTION = "Maps of buildings from the logs of a 2D laser."
 EPILOG = """\
@@ -38,7 +38,7 @@ def main(arguments: list[str] | None = None) -> int:
     """Run a command and return its exit code."""
     given = parser().parse_args(arguments)
     try:
-        with plain_warnings():
+        with plain_warnings(), moving():
             code = int(given.run(given) or 0)
             sys.stdout.flush()
             return code
