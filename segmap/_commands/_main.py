@@ -9,7 +9,7 @@ from typing import Any, NoReturn
 
 from .. import __version__
 from . import _app, _compare, _convert, _info, _locate, _map, _notebooks, _occupancy, _warm
-from ._words import FAULTS, Usage, plain_warnings, reason, tell
+from ._words import FAULTS, Usage, moving, plain_warnings, reason, tell
 from .opening import parsed
 
 DESCRIPTION = "Maps of buildings from the logs of a 2D laser."
@@ -38,7 +38,7 @@ def main(arguments: list[str] | None = None) -> int:
     """Run a command and return its exit code."""
     try:
         given = parsed(parser(), sys.argv[1:] if arguments is None else arguments)
-        with plain_warnings():
+        with plain_warnings(), moving():
             return int(given.run(given) or 0)
     except KeyboardInterrupt:
         tell("stopped")

@@ -82,6 +82,17 @@ def test_a_bar_says_what_is_done_and_goes_when_it_is_done(run, monkeypatch):
     assert screen.getvalue().endswith(" \r")
 
 
+def test_long_work_moves_a_bar_on_a_terminal(run, monkeypatch):
+    """Catches a bar that stands at 0/3 for the whole alignment, and one that stays."""
+    monkeypatch.setattr(sys, "stderr", screen := Terminal())
+    monkeypatch.setattr("tqdm.std.tqdm.monitor_interval", 0)
+    assert run("map", "malaga", "--method", "none")[0] == 0
+    scans = [int(k) for k in re.findall(r"placing scan (\d+) of 225 \|", screen.getvalue())]
+    assert len(set(scans)) > 3 and scans == sorted(scans)
+    assert re.search(r"\| \d\d:\d\d left", screen.getvalue())
+    assert screen.getvalue().endswith(" \r")
+
+
 # ---------------------------------------------------------------------- logs, verdicts
 def test_an_alignment_is_told_with_its_commonest_reasons_first(run, monkeypatch):
     """Catches a list of reasons as long as the log, the rare ones, and a doubt that is kept."""

@@ -228,7 +228,7 @@ def test_beams_with_times_are_carried_to_the_start_of_their_scan():
     made.deskew.value = False
     made.run()
     assert "deskew" not in made.code and made.outcome.log is made.log
-    assert "the robot moved by more than the spacing" in made.figures.value
+    assert "the robot moved by more than the spacing" in made.verdict.value
     made.open(LOG)
     made.deskew.value = True
     made.run()
@@ -419,8 +419,8 @@ def forever():
 def test_a_worker_is_stopped_at_once_and_begins_anew(worker, work, stays, monkeypatch):
     """Catches a stop that waits for the work, or ends a worker that would have listened."""
     monkeypatch.setattr(_job, "PATIENCE", 20 if stays else 0.3)  # a machine with much to do
+    worker.do(until, bool, 0.0)  # it has read this file now
     process, ended = worker.start(), []
-    worker.do(print)
 
     def wait():
         with contextlib.suppress(Stopped):
@@ -458,13 +458,13 @@ def test_a_run_that_is_stopped_says_so(worker):
     until(lambda: "of 225" in made.state.value)
     made.stop.click()
     made.wait()
-    assert (made.state.value, made.progress.value) == ("stopped.", 0.0) and made.outcome is None
+    assert (made.state.value, made.progress.value) == ("stopped", 0.0) and made.outcome is None
     assert not made.start.disabled
 
 
-def until(true):
-    end = time.monotonic() + 60
-    while not true():
+def until(true, seconds=60):
+    end = time.monotonic() + seconds
+    while not true() and seconds:
         assert time.monotonic() < end
         time.sleep(0.01)
 
@@ -495,7 +495,7 @@ def test_an_uploaded_file_is_read(tmp_path, worker):
     upload(made, "../../etc/mine.log", content)
     assert made.log.name == "mine" and len(made.log) == len(LOG)
     assert "<b>mine</b> 9 scans" in made.about.value
-    assert "1 line left out; mine.log, line 10: announces" in made.about.value
+    assert "1 line left out; mine.log, line 11: announces" in made.about.value
     assert made.state.value == "mine: ready to run"
     upload(made, "\0", b"no log\n")
     assert made.log.name == "mine" and made.state.value.startswith(

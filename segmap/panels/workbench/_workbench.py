@@ -143,16 +143,16 @@ class Workbench:
     def _wait(
         self, function: Callable[..., Any], given: tuple[Any, ...], then: Callable[[Any], None]
     ) -> None:
-        kept = " The last good run is kept." if self.outcome and function is follow else ""
+        kept = ". The last good run is kept." if self.outcome and function is follow else ""
         try:
             with told(self._bar.tell):
                 then(self._worker.do(function, *given))
         except Stopped:
-            self._bar.say(f"stopped.{kept}", 0.0)
+            self._bar.say(f"stopped{kept}", 0.0)
         except Failed as fault:
-            self._bar.say(f"{fault}.{kept}", 0.0)
+            self._bar.say(f"{fault}{kept}", 0.0)
         except Exception as fault:
-            self._bar.say(f"{said(fault)}.{kept}", 0.0)
+            self._bar.say(f"{said(fault)}{kept}", 0.0)
         finally:
             self.start.disabled = False
 
