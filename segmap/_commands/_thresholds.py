@@ -92,8 +92,8 @@ def refuse_others(
     given: argparse.Namespace, method: str, methods: Mapping[str, Any], prefix: str = ""
 ) -> None:
     """End with an error of usage where a threshold is given that another method has."""
-    every = {name for other in methods.values() for name in thresholds(other.function)}
-    own = set(thresholds(methods[method].function)) if method in methods else set()
+    named = {k: set(thresholds(getattr(m, "function", m))) for k, m in methods.items()}
+    every, own = set().union(*named.values()), named.get(method, set())
     for name in sorted(f"{prefix}{name}" for name in every - own):
         if getattr(given, name) is not None and name not in given.lent:
             known = ", ".join(_flag(prefix + name) for name in sorted(own)) or "no threshold"

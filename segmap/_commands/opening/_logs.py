@@ -108,7 +108,7 @@ def each_log(
                     words = f"{lines} left out; {log.skipped.reason}"
                     report.line("damaged", words, lines=log.skipped.lines)
                 if left:
-                    report.line("session", f"its {', '.join(left)} is left out: no option here")
+                    report.line("session", f"its {', '.join(left)} left out: no option here")
                 codes.append(work(own, log, paths, report))
             except BrokenPipeError:  # nobody reads any more
                 raise

@@ -14,11 +14,6 @@ from ...reduction import Reduction
 from ...scans import Log
 from ...segments import SegmentMap
 
-#: Ways to find the segments of a scan; both tell the points behind each.
-EXTRACTIONS: dict[str, Callable[..., Any]] = {
-    "extract_polylines": extraction.extract_polylines,
-    "extract_clusters": extraction.extract_clusters,
-}
 #: Says what is being done, before it is done.
 Tell = Callable[[str], None]
 
