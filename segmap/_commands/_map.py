@@ -43,6 +43,13 @@ def add(commands: Any) -> None:
         help=f"{', '.join(names)}; default: least_cost",
     )
     command.add_argument(
+        "--extract",
+        choices=extraction.METHODS,
+        default="extract_polylines",
+        metavar="METHOD",
+        help=f"{', '.join(extraction.METHODS)}; default: extract_polylines",
+    )
+    command.add_argument(
         "--filter", type=float, metavar="METRES", help="leave shorter segments out before reducing"
     )
     command.add_argument(
@@ -56,14 +63,14 @@ def add(commands: Any) -> None:
     opening.add_output(command, SUFFIXES, WRITTEN)
     functions = {name: method.function for name, method in METHODS.items()}
     add_thresholds(command, "thresholds of the reduction methods", functions)
-    extract = {"extract_polylines": extraction.extract_polylines}
-    add_thresholds(command, "thresholds of the extraction", extract, EXTRACT)
+    add_thresholds(command, "thresholds of the extraction", extraction.METHODS, EXTRACT)
     command.set_defaults(run=partial(opening.each_log, work=map_log, check=check))
 
 
 def check(given: argparse.Namespace) -> None:
     """Refuse options that do not go together."""
     refuse_others(given, given.method, METHODS)
+    refuse_others(given, given.extract, extraction.METHODS, EXTRACT)
     opening.check_options(given)
 
 
@@ -98,7 +105,8 @@ def segments_of(
     given: argparse.Namespace, log: Log, poses: Alignment, report: Report
 ) -> SegmentMap:
     """Extract the segments of a log at its poses."""
-    options = chosen_thresholds(given, extraction.extract_polylines, EXTRACT)
+    extract = extraction.METHODS[given.extract]
+    options = chosen_thresholds(given, extract, EXTRACT) | {"extract": extract}
     if given.seen_through is not None:
         left = without_passers(log, poses.trusted, seen_through=given.seen_through)
         gone = sum(int(a.valid.sum() - b.valid.sum()) for a, b in zip(log, left, strict=True))

@@ -92,9 +92,9 @@ def refuse_others(
     given: argparse.Namespace, method: str, methods: Mapping[str, Any], prefix: str = ""
 ) -> None:
     """End with an error of usage where a threshold is given that another method has."""
-    every = [name for other in methods.values() for name in thresholds(other.function)]
-    own = thresholds(methods[method].function) if method in methods else {}
-    for name in (prefix + name for name in every if name not in own):
+    named = {k: thresholds(getattr(m, "function", m)) for k, m in methods.items()}
+    own = named.get(method, {})
+    for name in (prefix + name for every in named.values() for name in every if name not in own):
         if getattr(given, name) is not None and name not in given.lent:
             known = ", ".join(_flag(prefix + name) for name in own) or "no threshold"
             given.refuse(f"{method} has no {_flag(name)}; it has {known}")

@@ -4,9 +4,18 @@ Points come in the order of the beams. Both methods first cut that order where t
 at least `gap` apart; a polyline is then split and merged until it follows the points.
 """
 
+from collections.abc import Callable
+from typing import Any
+
 from ._extraction import (
     build_map,
     extract_clusters,
     extract_polylines,
     fit_line,
 )
+
+#: Ways to find the segments of a scan; both tell the points behind each.
+METHODS: dict[str, Callable[..., Any]] = {
+    "extract_polylines": extract_polylines,
+    "extract_clusters": extract_clusters,
+}

@@ -498,7 +498,7 @@ def test_a_session_repeats_its_map(run, near):
     code, said, _ = run("map", "it.segmap", "--angle", "3", "--json")
     assert code == 0 and json.loads(said)["reduced"]["segments"] != before["reduced"]["segments"]
     code, said, _ = run("occupancy", "it.segmap")
-    assert code == 0 and "its method, angle, extract_gap is left out: no option" in said
+    assert code == 0 and "its method, angle, extract_gap left out: no option" in said
     assert "turned " in said and "cropped " in said
 
 

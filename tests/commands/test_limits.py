@@ -14,7 +14,7 @@ import pytest
 
 import segmap
 from segmap import alignment, exports, quadtree, reduction
-from segmap._commands import _compare, _locate, _logs, _map, _occupancy
+from segmap._commands import _compare, _locate, _occupancy, opening
 from segmap._commands._words import Report, metres, progress, seconds
 from segmap.alignment import Alignment, Verdict
 from segmap.matching import Belief
@@ -122,10 +122,10 @@ def test_strict_is_met_by_just_as_many(grade, placed, strict, code, capsys):
     """Catches 9 of 10 scans that are fewer than 0.9, and --force that is not asked."""
     verdict, report = Verdict(grade, "as said", placed, 10), Report("it")
     given, paths = Namespace(strict=strict, force=False), [Path("it.svg")]
-    assert _logs.concluded(given, verdict, report) == code
+    assert opening.concluded(given, verdict, report) == code
     assert ("(--strict asks" in capsys.readouterr().out) == (code == 3 and grade == "good")
-    assert _logs.allowed(given, verdict, paths, report) == ([] if code else paths)
-    assert _logs.allowed(Namespace(strict=strict, force=True), verdict, paths, report) == paths
+    assert opening.allowed(given, verdict, paths, report) == ([] if code else paths)
+    assert opening.allowed(Namespace(strict=strict, force=True), verdict, paths, report) == paths
 
 
 SWAPPED = ("90.5 0", "-120 45", "180 -90")
@@ -159,7 +159,7 @@ def test_a_crop_beside_the_map_tells_how_far_that_reaches():
     """Catches x for y, and the middle of the map for its end."""
     map = segmap.SegmentMap([[(-1, 2), (3, 5)], [(0, 1), (4, 2)]])
     with pytest.raises(ValueError, match=r"from x -1\.00 to 4\.00 m, y 1\.00 to 5\.00 m$"):
-        _map.cropped(Namespace(crop=(8, 8, 9, 9)), map, Report("it"))
+        opening.cropped(Namespace(crop=(8, 8, 9, 9)), map, Report("it"))
 
 
 def test_occupancy_tells_size_and_area(run):

@@ -103,12 +103,12 @@ def each_log(
                     check(own)
                 paths = targets.paths(log.name, source)
                 report.begin(log, head(log, source))
-                if log.skipped and head is begin:
-                    lines = counted(log.skipped.lines, "line")
-                    words = f"{lines} left out; {log.skipped.reason}"
-                    report.line("damaged", words, lines=log.skipped.lines)
-                if left:
-                    report.line("session", f"its {', '.join(left)} is left out: no option here")
+                if log.skipped and head is begin:  # `info` tells it among the rest
+                    count, why = log.skipped
+                    words = f"{counted(count, 'line')} left out; {why}"
+                    report.line("damaged", words, lines=count)
+                if left and head is begin:
+                    report.line("session", f"its {', '.join(left)} left out: no option here")
                 codes.append(work(own, log, paths, report))
             except BrokenPipeError:  # nobody reads any more
                 raise

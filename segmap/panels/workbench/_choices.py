@@ -8,10 +8,10 @@ from typing import Any
 
 import ipywidgets as W
 
-from ... import alignment, reduction
+from ... import alignment, extraction, reduction
 from ...scans import Log
 from .._control import ENTRY, control
-from ._recipe import EXTRACTIONS, Call, Recipe
+from ._recipe import Call, Recipe
 
 #: A slider goes in twentieths of the default up to ten times it.
 STEPS, TIMES = 20, 10
@@ -74,6 +74,12 @@ class Choice:
         """Controls of the thresholds of the function that is chosen, by their names."""
         return self._made.get(self.value, {})
 
+    def begin(self, name: str) -> None:
+        """Choose a function with its defaults."""
+        self._made.clear()
+        self.value = name
+        self._chosen()
+
     def call(self) -> Call | None:
         """The function with the thresholds that are not its defaults, and the one that varies."""
         if (about := self._functions[self.value]) is None:
@@ -118,7 +124,7 @@ class Choices:
     def __init__(self) -> None:
         alignments = {k: (m.function, "") for k, m in alignment.METHODS.items()}
         reductions = {k: (m.function, m.varies) for k, m in reduction.METHODS.items()}
-        extractions = {k: (f, "") for k, f in EXTRACTIONS.items()}
+        extractions = {k: (f, "") for k, f in extraction.METHODS.items()}
         self._usual = "pose_graph"
         self.align = Choice("alignment", alignments, self._usual)
         self.extract = Choice("extraction", extractions, "extract_polylines")

@@ -15,12 +15,6 @@ from ...reduction import Reduction
 from ...scans import Log
 from ...segments import SegmentMap
 
-#: Ways to find the segments of a scan; both tell the points behind each.
-EXTRACTIONS: dict[str, Callable[..., Any]] = {
-    "extract_polylines": extraction.extract_polylines,
-    "extract_clusters": extraction.extract_clusters,
-}
-
 
 @dataclass(frozen=True)
 class Call:
