@@ -180,7 +180,7 @@ def load_columns(name: str) -> NDArray[np.void]:
     """Another record of matching that `make bench` wrote, as columns with names.
 
     "matching_growth" is what a score costs as the map grows (B table 6.3), "matching_exp1" poses
-    and scores on a real log; metres, radians and seconds.
+    and scores on a real log, "particles" how far off drives end; metres, radians and seconds.
 
     Examples
     --------

@@ -17,13 +17,12 @@ from ..segments import SegmentMap
 from ._field import either_map
 from ._likelihoods import Likelihoods
 from ._search import places_of, spread
-from ._weights import systematic
+from ._weights import PART, systematic
 
-#: Beams are not independent: those of a scan count as so many that are.
-INDEPENDENT = 10
-#: A robot whose scans fit worse is lost: the wrong building has .50 to .75. Below the other the
-#: map is searched: right places have .94, and .87 in a building where much has moved.
-LOST, DOUBT = 0.7, 0.8
+#: A robot whose scans fit worse is lost: the wrong building has .50 to .75. Below the second the
+#: map is searched: right places have .94, and .87 in a building where much has moved. Found it is
+#: from the third on, and then until below the second: what has moved makes wrong rooms fit to .92.
+LOST, DOUBT, SURE = 0.7, 0.8, 0.93
 #: Share of the particles at one place from which on it is the place.
 ENOUGH = 0.95
 #: Particles so near to the best one are at its place, metres and radians.
@@ -77,14 +76,14 @@ def localize(
     *,
     rng: np.random.Generator,
     particles: Annotated[Count, at_least(FEWEST), at_most(100_000)] = 1000,
-    beams: Count = 40,
+    beams: Count = 60,
 ) -> Iterator[Belief]:
     """Keep track of a robot on a known map, from anywhere, and tell when it is lost.
 
     Monte Carlo localisation (Dellaert et al. 1999): particles move by odometry with its errors, and
-    their weights are multiplied by what the scan is worth there. A scan counts as ten independent
-    beams: 40 factors for one wall would make one particle certain. As many particles are drawn
-    anew as the places need (Fox 2003).
+    their weights are multiplied by what the scan is worth there. Each beam counts as a third: 60
+    factors for one wall would make one particle certain. As many particles are drawn anew as the
+    places need (Fox 2003).
 
     Where a scan fits badly, the whole map is searched. Does it fit better elsewhere, so many fresh
     particles come there, as augmented filters draw anywhere. Lost is told by the fit itself, which
@@ -136,18 +135,18 @@ def _beliefs(
 ) -> Iterator[Belief]:
     poses, weights = np.zeros((0, 3)), np.zeros(0)
     before: LaserScan | None = None
-    fit, wait, patience = 0.0, 0, 1
+    fit, anew, wait, patience, least = 0.0, True, 0, 1, SURE
     for k, scan in enumerate(scans):
         arrays.instance(scan, f"scan {k}", LaserScan)
         poses = moved(poses, before, scan, rng)
         before, ends = scan, scan.points()
         if not len(ends):
-            yield believed(poses, weights, fit)
+            yield believed(poses, weights, fit, least)
             continue
         points = spread(ends, beams)
         fits = map.fits(points, poses)
         best, wait = fits.max(initial=0.0), wait - 1
-        fit = fit ** (1 - NEWEST) * best**NEWEST if fit else best
+        fit, anew = best if anew else fit ** (1 - NEWEST) * best**NEWEST, False
         if fit < DOUBT and wait <= 0:
             fresh = fresh_poses(map, ends, particles, rng)
             there = map.fits(points, fresh)
@@ -155,12 +154,14 @@ def _beliefs(
             if new > BETTER:
                 weights = np.r_[(1 - new) * weights, np.full(len(fresh), new / len(fresh))]
                 poses, fits = np.concatenate([poses, fresh]), np.r_[fits, there]
-                fit = fit or there.max()
+                fit, anew = fit or there.max(), True  # the mean begins anew there
             patience = min(2 * patience, PATIENCE) if new <= BETTER and len(poses) else 1
             wait = patience
-        weights = weights * fits**INDEPENDENT
+        weights = weights * fits ** (PART * len(points))
         weights /= weights.sum() or 1.0
-        yield believed(poses, weights, fit)
+        belief = believed(poses, weights, fit, least)
+        least = DOUBT if belief.found else SURE
+        yield belief
         if len(weights) > particles or len(weights) * (weights**2).sum() > 2:
             chosen = systematic(weights, rng.uniform(), particles)
             chosen = chosen[rng.permutation(len(chosen))]
@@ -203,8 +204,8 @@ def enough(poses: Array) -> int:
     return min(int(np.argmax(np.r_[count >= needed, True])) + 1, len(poses))
 
 
-def believed(poses: Array, weights: Array, fit: float) -> Belief:
-    """The likeliest place of the particles, and what is known of it."""
+def believed(poses: Array, weights: Array, fit: float, least: float) -> Belief:
+    """The likeliest place of the particles, and what is known of it; it must fit so well."""
     left, places = np.arange(len(poses)), []
     while len(left):
         top = poses[left[np.argmax(weights[left])]]
@@ -226,7 +227,7 @@ def believed(poses: Array, weights: Array, fit: float) -> Belief:
     reason = ""
     if fit < LOST:
         reason = f"lost: the best pose fits to {fit:.2f} only"
-    elif fit < DOUBT:
+    elif fit < least:
         reason = f"not yet: the best place fits to {fit:.2f} only"
     elif share < ENOUGH:
         ranked = np.cumsum(np.sort(shares)[::-1])

@@ -17,23 +17,20 @@ from ..quadtree import QuadtreeMap
 from ..scans import LaserScan
 from ..simulation import OdometryNoise
 from ._field import DistanceField, NothingNear
+from ._likelihoods import ANYTHING
 from ._live_map import FOUND, insert, overlap_of
 from ._mapping import Matcher, _check_scan, _warm, asked, drawing, found_by
 from ._matchers import field_score, hill_climb
-from ._weights import effective_number, systematic
+from ._weights import PART, effective_number, systematic
 
 #: Beams of a scan that are weighed, evenly chosen: neighbours meet one wall, and would say the same
 #: thing again and again.
 BEAMS = 60
-#: The end of a beam lies about so far from a wall of the map, metres, but for one in ten, which has
-#: met what the map does not hold.
-SIGMA, ASTRAY = 0.05, 0.10
+#: The end of a beam lies about so far from a wall of the map, metres.
+SIGMA = 0.05
 #: Poses are drawn and weighed where the robot has moved so far, metres or radians: scans from one
 #: place err alike. In between each particle stands on its peak.
 MOVED = 0.3, 0.3
-#: Even so a map errs alike for metres: a weight takes in this part of a logarithm. With all of it
-#: one particle soon holds the whole weight of 15 in the corridor loop.
-PART = 1 / 3
 #: Around a peak its likelihood is asked at 3 x 3 x 3 poses, so far apart, metres and radians: a
 #: cell of the usual map, and what moves an end at 5 m as far.
 APART = np.array([0.05, 0.05, 0.01])
@@ -42,6 +39,9 @@ LATTICE = np.array([(x, y, turn) for x in (-1, 0, 1) for y in (-1, 0, 1) for tur
 SLIP = np.array([0.002, 0.002, 0.001])
 #: The same where there is no odometry, metres and radians.
 ALONE = np.array([0.1, 0.1, 0.05])
+#: Where a scan does not lie on the map, the matcher begins again after these turns, radians: while
+#: a robot turns fast, odometry that is late by a tenth of a second is wrong by so much.
+LATE = np.outer([-0.9, -0.6, -0.3, 0.3, 0.6, 0.9], [0, 0, 1])
 #: More particles would fill the memory: each has a map.
 MOST = 10_000
 
@@ -187,7 +187,8 @@ def _steps(
             wheels = scan.odometry
         try:
             if len(points) and settled:
-                found = [_climbed(matcher, *each, points) for each in zip(maps, poses, strict=True)]
+                late, both = wheels is not None, zip(maps, poses, strict=True)
+                found = [_climbed(matcher, *each, scan, late) for each in both]
                 poses = np.array([pose for pose, _ in found])
                 best = int(np.argmax(likely))
                 way = np.abs(between(drawn[best], poses[best]))
@@ -218,15 +219,25 @@ def _steps(
 
 
 def _climbed(
-    matcher: Matcher, map: QuadtreeMap, guess: Array, points: Array
+    matcher: Matcher, map: QuadtreeMap, guess: Array, scan: LaserScan, late: bool = False
 ) -> tuple[Array, DistanceField | None]:
-    """The pose that the matcher finds from a guess, and the field; the guess with nothing near."""
+    """The pose that the matcher finds from a guess, and the field; the guess with nothing near.
+
+    Where the scan does not lie on the map there, the best of those from a turned guess, if it does.
+    """
+    points = scan.points()
     try:
         field = DistanceField.around(map, points, guess)
     except NothingNear:
         return guess, None
     score = asked(field.scorer(points), points, field_score)
-    return found_by(matcher, map, points, guess, score), field
+    pose = found_by(matcher, map, points, guess, score)
+    if late and overlap_of(map, scan, pose) < FOUND:
+        turned = [_climbed(matcher, map, start, scan) for start in compose(guess, LATE)]
+        overlaps = [overlap_of(map, scan, pose) for pose, _ in turned]
+        if max(overlaps) >= FOUND:
+            return turned[int(np.argmax(overlaps))]
+    return pose, field
 
 
 def _log_likelihood(field: DistanceField | None, points: Array, poses: Array) -> Array:
@@ -238,7 +249,7 @@ def _log_likelihood(field: DistanceField | None, points: Array, poses: Array) ->
     if field is not None:
         away = field.scorer(np.zeros((1, 2)))(each)  # each end as a scan of one point
     near = np.exp(-(away**2) / (2 * SIGMA**2))
-    found: Array = np.log((1 - ASTRAY) * near + ASTRAY).reshape(len(poses), -1).sum(1)
+    found: Array = np.log((1 - ANYTHING) * near + ANYTHING).reshape(len(poses), -1).sum(1)
     return found
 
 

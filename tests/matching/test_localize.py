@@ -132,10 +132,12 @@ def test_equal_generators_give_equal_beliefs_and_the_map_may_move():
     for a, b in zip(first, again, strict=True):
         np.testing.assert_array_equal(a.poses, b.poses)
         np.testing.assert_array_equal(a.weights, b.weights)
-    step = np.array([2.0, -1.0, 0.8])
-    turned = list(localize(SegmentMap(transform(step, ROOM.segments)), scans, rng=rng(4)))[-1]
-    gone = turned.pose - compose(step, first[-1].pose)
-    assert turned.found and np.hypot(*gone[:2]) < 0.03 and abs(wrap(gone[2])) < 0.02
+    for step in ((1.0, -2.0, 0.0), (2.0, -1.0, 0.8)):  # by whole cells, and turned
+        there = localize(SegmentMap(transform(np.array(step), ROOM.segments)), scans, rng=rng(4))
+        for a, b in zip(first, there, strict=True):
+            gone = b.pose - compose(step, a.pose)
+            assert a.found == b.found and abs(a.fit - b.fit) < 0.05
+            assert np.hypot(*gone[:2]) < 0.03 and abs(wrap(gone[2])) < 0.02
     moved = [replace(scan, odometry=compose((7, 7, 1), scan.odometry)) for scan in scans]
     same = list(localize(ROOM, moved, rng=rng(4)))[-1]
     np.testing.assert_allclose(same.pose, first[-1].pose, atol=1e-6)
@@ -159,23 +161,51 @@ def test_the_steps_are_those_of_the_literal_filter():
     for pose, found in zip(poses, map.fits(points, poses), strict=True):
         expected = literal.fit(lambda p: float(map.likelihood(np.array(p))), points.tolist(), pose)
         assert found == pytest.approx(expected)
-    weights = literal.weighed([1 / 9] * 9, map.fits(points, poses).tolist())
-    tempered = map.fits(points, poses) ** inner.INDEPENDENT
-    np.testing.assert_allclose(weights, tempered / tempered.sum())
+
+
+@pytest.mark.parametrize("seed", range(2))
+def test_the_whole_run_is_that_of_the_literal_filter(seed):
+    """From nowhere, and carried away after three scans: each particle and weight, scan by scan."""
+    map, few = Likelihoods(ROOM), Sensor("few", 12, -np.pi, np.pi / 6, max_range=30.0, sigma=0.01)
+    path = [*drive([(1, 1), (2, 1)], step=0.3)[:3], *[(2.8, 1.2, 1.6)] * 3]
+    log = simulate(ROOM.segments, path, sensor=few, rng=rng(seed))
+    scans = with_odometry(log, seed)
+    scans[3:] = [replace(scan, odometry=scans[2].odometry) for scan in scans[3:]]
+    drawn, searched, sizes = rng(seed), [], set()
+
+    def fresh(points, count):
+        searched.append(count)
+        return inner.fresh_poses(map, np.array(points), count, drawn).tolist()
+
+    steps = literal.localize(
+        [(scan.points().tolist(), scan.odometry.tolist()) for scan in scans],
+        lambda place: float(map.likelihood(np.array(place))),
+        fresh, rng=drawn, particles=400,
+    )  # fmt: skip
+    beliefs = localize(ROOM, scans, rng=rng(seed), particles=400)
+    for belief, (poses, weights, fit) in zip(beliefs, steps, strict=True):
+        np.testing.assert_allclose(belief.weights, weights, atol=1e-9)
+        turned = wrap(belief.poses[:, 2] - np.array(poses)[:, 2])
+        np.testing.assert_allclose(belief.poses[:, :2], np.array(poses)[:, :2], atol=1e-9)
+        assert np.abs(turned).max() < 1e-9 and belief.fit == pytest.approx(fit)
+        sizes.add(len(weights))
+    assert len(searched) >= 2 and len(sizes) >= 2
 
 
 def test_the_places_of_a_belief():
     """Two heaps of particles are two places until one holds 95 %; headings about pi are one."""
     heap = rng(1).normal(0, 0.05, (100, 3)) + (1, 2, np.pi)
     poses = np.concatenate([heap, heap[:50] + (3, 0, 0)])
-    even = inner.believed(poses, np.full(150, 1 / 150), 0.95)
+    even = inner.believed(poses, np.full(150, 1 / 150), 0.95, 0.9)
     assert even.reason == "not yet: 2 places" and even.share == pytest.approx(2 / 3)
     np.testing.assert_allclose(even.pose[:2], heap[:, :2].mean(0))
     assert abs(wrap(even.pose[2] - np.pi)) < 0.02 and even.covariance[2, 2] < 0.01
     weights = np.r_[np.full(100, 0.96 / 100), np.full(50, 0.04 / 50)]
-    assert inner.believed(poses, weights, 0.95).found
-    assert "lost: the best pose fits to 0.60" in inner.believed(poses, weights, 0.6).reason
-    assert "not yet: the best place fits to 0.75" in inner.believed(poses, weights, 0.75).reason
+    assert inner.believed(poses, weights, 0.85, 0.8).found
+    for fit, least, said in ((0.6, 0.8, "lost: the best pose fits to 0.60"),
+                             (0.75, 0.8, "not yet: the best place fits to 0.75"),
+                             (0.85, 0.9, "not yet: the best place fits to 0.85")):  # fmt: skip
+        assert said in inner.believed(poses, weights, fit, least).reason
 
 
 def test_blind_scans_no_odometry_and_bad_input():

@@ -1,6 +1,7 @@
 """Mapping with particles: what must hold for any number of them, and what they are there for."""
 
 import itertools
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -192,6 +193,18 @@ def test_where_a_scan_does_not_tell_the_odometry_bounds_the_draw():
     steps = mapped(log, particles=40, odometry=noise, resample=0.0)[0]
     along, across, _ = steps[-1].poses.std(0)
     assert 0.5 < along / (0.05 * np.sqrt(5.6)) < 2 and across < 0.05
+
+
+@pytest.mark.parametrize("turn", [-0.8, 0.8])
+def test_odometry_that_is_late_in_a_turn_is_made_good(turn):
+    """As in the log of the Intel lab. Catches a matcher that begins at the odometry alone."""
+    log = room_log()
+    late = replace(log[6], odometry=compose(log[6].odometry, np.array([0, 0, turn])))
+    scans = [*log[:6], late, *log[7:]]
+    steps = mapped(scans, particles=3, start=log.truth[0])[0]
+    off = np.array([step.pose for step in steps]) - log.truth
+    assert np.hypot(*off[:, :2].T).max() < 0.1 and np.abs(off[:, 2]).max() < 0.05
+    assert min(step.overlap for step in steps) > 0.8
 
 
 @given(st.lists(st.floats(1e-9, 1), min_size=1, max_size=12), st.floats(0, 1, exclude_max=True))

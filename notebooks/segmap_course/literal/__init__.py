@@ -37,7 +37,7 @@ from .quadtrees.matching import (
     occupancy_score,
     sample_and_rank,
 )
-from .quadtrees.particles import enough, fit, weighed
+from .quadtrees.particles import enough, fit, localize, weighed
 from .quadtrees.quadtree import (
     Quadtree,
     cell_of,

@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from math import exp, floor, log, sqrt
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from math import dist, exp, floor, log, pi, sqrt
+from typing import TYPE_CHECKING
 
 from ..lines import Point, placed
+from .hypotheses import effective_number, systematic
+
+if TYPE_CHECKING:
+    from numpy.random import Generator
 
 Pose = Sequence[float]
 
@@ -56,3 +61,61 @@ def enough(
         if count >= max(k / (2 * error) * (1 - a + sqrt(a) * 2.326) ** 3, least):
             return count
     return len(poses)
+
+
+def moved(pose: Pose, before: Pose, now: Pose, rng: Generator) -> Pose:
+    """A particle after the way from one odometry to the next, with an error of its own."""
+    x, y = placed((now[0] - before[0], now[1] - before[1]), (0.0, 0.0, -before[2]))
+    turn, way = (now[2] - before[2] + pi) % (2 * pi) - pi, dist(before[:2], now[:2])
+    x, y = (part + rng.normal(0.0, 0.02 + 0.1 * way) for part in (x, y))
+    turn += rng.normal(0.0, 0.01 + 0.05 * way + 0.1 * abs(turn))
+    return *placed((x, y), pose), (pose[2] + turn + pi) % (2 * pi) - pi
+
+
+def localize(
+    scans: Iterable[tuple[Sequence[Point], Pose]],
+    value: Callable[[Point], float],
+    fresh: Callable[[Sequence[Point], int], list[Pose]],
+    *,
+    rng: Generator,
+    particles: int = 1000,
+) -> Iterator[tuple[list[Pose], list[float], float]]:
+    """Particles, their weights, and how well the scans fit, after each scan (Dellaert et al. 1999).
+
+    A scan is its ends, metres in the robot's frame, and the odometry. `value` is that of `fit`;
+    `fresh` gives so many poses at the places that explain the ends: a search.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> scans = [([(1.0, 0.0)], (0.0, 0.0, 0.0))] * 2
+    >>> there = lambda points, count: [(0.0, 0.0, 0.0)] * count
+    >>> steps = localize(scans, lambda place: 1.0, there, rng=np.random.default_rng(1))
+    >>> [(len(poses), fit) for poses, _, fit in steps]
+    [(1000, 1.0), (1000, 1.0)]
+    """
+    poses: list[Pose] = []
+    weights: list[float] = []
+    before, lately, anew, wait, patience = None, 0.0, True, 0, 1
+    for points, odometry in scans:
+        if before is not None:
+            poses = [moved(pose, before, odometry, rng) for pose in poses]
+        fits = [fit(value, points, pose) for pose in poses]
+        best, before, wait = max(fits, default=0.0), odometry, wait - 1
+        lately, anew = best if anew else sqrt(lately * best), False  # anew at another place
+        if lately < 0.8 and wait <= 0:  # perhaps it is elsewhere
+            others = fresh(points, particles)
+            there = [fit(value, points, pose) for pose in others]
+            share, patience = 1 - best / max(there, default=1.0), min(2 * patience, 16)
+            if others and share > 0.05:
+                weights = [(1 - share) * w for w in weights] + [share / len(there)] * len(there)
+                poses, fits, patience = poses + others, fits + there, 1
+                lately, anew = lately or max(there), True
+            wait = patience = patience if poses else 1
+        weights = weighed(weights, fits, len(points) / 3)
+        yield poses, weights, lately
+        if poses and (len(poses) > particles or effective_number(weights) < len(poses) / 2):
+            taken = systematic(weights, rng.uniform(), particles)
+            poses = [poses[taken[k]] for k in rng.permutation(particles)]
+            poses = poses[: enough(poses)]
+            weights = [1 / len(poses)] * len(poses)
