@@ -50,6 +50,10 @@ TREE = quadtree.build_map(LOG, PATH, resolution=0.05)
 MAP = segments.SegmentMap(WALLS)
 REDUCTION = reduction.METHODS["hybrid"](MAP)
 RUNS = experiments.sweep({"it": MAP}, ["fusion"], {"fusion": {"tolerance": [0.01, 0.04]}})
+LIVE = alignment.LiveGraph(step=0.02)
+for each in LOG:
+    LIVE.add(each)
+LIVE.tie(0, 2, (0.1, 0.0, 0.04))
 GRAPH = readers.PoseGraph(PATH[:2], [(0, 1)], PATH[1:2], [np.eye(3)])
 TIMES = pd.DataFrame(
     {"method": "hybrid", "scans": [1, 2, 4], "seconds": [1.0, 4.0, 16.0], "live": 2}
@@ -58,7 +62,7 @@ STEPS = list(matching.particle_mapping(LOG, particles=2, rng=rng()))
 #: Objects whose public methods are doors too.
 OBJECTS = {"matching": [matching.DistanceField(TREE), matching.LiveMap()],
            "quadtree": [TREE], "segments": [MAP], "scans": [LOG, LOG[0]],
-           "simulation": [simulation.URG_04LX], "alignment": [ALIGNMENT, alignment.LiveGraph()],
+           "simulation": [simulation.URG_04LX], "alignment": [ALIGNMENT, LIVE],
            "reduction": [REDUCTION, reduction.LiveReduction()],
            "hokuyo.emulator": [emulator.Room(WALLS, PATH)]}  # fmt: skip
 
@@ -117,6 +121,7 @@ GOOD = {
     "rasterize.values": np.zeros(len(TREE.leaves().x)), "walls": WALLS,
     "rasterize.shown": np.ones(len(TREE.leaves().x)), "waypoints": PATH[:, :2],
     "cropped.left": 0.0, "cropped.low": 0.0, "cropped.right": 2.0, "cropped.high": 1.0,
+    "match.first": 0, "match.second": 2, "tie.first": 0, "tie.second": 2, "loop": 0,
     "latitude": 52.5, "longitude": 13.4, "north": 0.3, "Grid.name": "EPSG:25832", "east": 5e5,
     "northing": 5.8e6, "world": exports.Earth(52.5, 13.4),
     "origin": "map", "window": np.array([0.0, 0.0, 3.0, 2.0]),

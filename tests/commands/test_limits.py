@@ -6,6 +6,7 @@ import re
 import sys
 from argparse import Namespace
 from contextlib import nullcontext
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -63,7 +64,7 @@ def test_a_bar_grows_to_its_end(run, monkeypatch, words, bars):
     monkeypatch.setattr("tqdm.tqdm.close", close)
     monkeypatch.setattr(sys, "stderr", Terminal())
     run(*words)
-    assert found == bars
+    assert bars.items() <= found.items()
 
 
 class Terminal(io.StringIO):
@@ -99,7 +100,8 @@ def test_an_alignment_is_told_with_its_commonest_reasons_first(run, monkeypatch)
     reasons = ("late", *["dark"] * 4, *["far"] * 3, *["turning"] * 2, "")
     used = np.array([not reason for reason in reasons])
     found = Alignment(np.zeros((11, 3)), used, 0.04, "odometry", reasons, doubt="it slipped")
-    monkeypatch.setitem(alignment.METHODS, "odometry", lambda log: found)
+    method = replace(alignment.METHODS["odometry"], function=lambda log: found)
+    monkeypatch.setitem(alignment.METHODS, "odometry", method)
     exports.write_carmen("it.log", segmap.load("room")[:11])
     code, said, _ = run("map", "it.log", "--align", "odometry", "--method", "none")
     assert code == 3 and said.splitlines() == [
