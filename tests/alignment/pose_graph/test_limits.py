@@ -251,9 +251,11 @@ def test_behind_the_joint_the_robot_goes_on_as_in_its_part(monkeypatch):
     monkeypatch.setattr(LoopCloser, "seek", lambda *given, **said: next(sought) >= 0)
     monkeypatch.setattr(KeyFrames, "optimize", lambda self, *, lazily: asked.append(lazily))
     behind = later.frames.scan[10]
+    later.begins += [10, 12]
     _join(first, second, LOG[20:40])
     own, whole = np.array(later.trail.poses[behind:]), np.array(front.trail.poses[20 + behind :])
     np.testing.assert_allclose(between(whole[0], whole), between(own[0], own), atol=1e-9)
+    assert front.begins == [0, len(front.frames) - len(later.frames) + 12]
     assert len(front.trail.poses) == 40 and len(asked) == next(sought) and all(asked)
 
 
