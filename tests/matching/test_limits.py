@@ -191,6 +191,28 @@ def test_poses_are_drawn_every_thirty_centimetres(step, times, monkeypatch):
     np.testing.assert_allclose(last.weights[0] / last.weights[1], 0.5 if times else 1.0)
 
 
+@pytest.mark.parametrize("wheels", [OdometryNoise(), None])
+def test_around_a_peak_a_lattice_is_asked_and_the_odometry_bounds_the_draw(wheels, monkeypatch):
+    """A cell of the usual map, and what moves an end at 5 m as far; 0.1 m and 3 degrees alone."""
+    asked, bounds = [], []
+
+    def proposal(values, wide):
+        bounds.append(wide)
+        return np.eye(3), 0.0
+
+    monkeypatch.setattr(_particles, "proposal", proposal)
+    monkeypatch.setattr(_particles, "_log_likelihood", lambda *given: asked.append(given[2]))
+    ahead = partial(lambda map, points, start, *, score: start + (0.31, 0, 0))
+    given = {"particles": 1, "rng": np.random.default_rng(1), "noise": 0, "odometry": wheels}
+    list(particle_mapping(driven((0.3, 0, 0)), matcher=ahead, **given))
+    (poses,), (wide,) = asked, bounds
+    np.testing.assert_allclose(np.ptp(poses, axis=0), (0.1, 0.1, 0.02))
+    alone = (0.1, 0.1, 0.05)
+    np.testing.assert_allclose(
+        wide, alone if wheels is None else spread(np.array([0.3, 0, 0]), wheels)
+    )
+
+
 def test_beams_that_met_nothing_say_nothing_unless_they_are_asked():
     scan, rng = LaserScan([1.0, np.inf], [0.0, 1.5], max_range=5.0), np.random.default_rng(1)
     ways = [

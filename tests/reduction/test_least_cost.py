@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from reduction_maps import MAPS, malaga
+from reduction_maps import MAPS, assert_literal, malaga
 from segmap_course.literal.metrics import nearness
 from segmap_course.literal.reduction import least_cost as plain
 
@@ -16,7 +16,7 @@ from segmap.reduction.least_cost import _least_cost
 from segmap.reduction.least_cost._exchange import exchanged
 from segmap.reduction.least_cost._fit_kernels import Limits, _line_cost, empty_room, take
 from segmap.reduction.least_cost._least_cost import crosses, merged
-from segmap.segments import length
+from segmap.segments import SegmentMap, length
 
 
 @given(st.integers(0, 10_000), st.sampled_from([0.01, 0.05, 0.3]))
@@ -125,6 +125,13 @@ def test_the_second_phase_only_lowers_the_sum(seed, penalty):
 def test_what_does_not_merge(walls):
     """A door that is closed, two walls of a thin partition, a stub that is swallowed."""
     assert least_cost(walls).parents.tolist() == [0, 1]
+
+
+def test_what_stands_across_a_wall_is_beside_none_of_it():
+    """At an angle of a quarter turn it may go there, and covers no metre: a division by nothing."""
+    cross = [[(0, 0), (2, 0)], [(1, -0.02), (1, 0.02)]]
+    assert least_cost(cross, angle=np.pi / 2).parents.tolist() == [0, 1]
+    assert_literal("least_cost", SegmentMap(cross), angle=np.pi / 2, penalty=0.5)
 
 
 def test_a_gap_is_bridged_up_to_its_limit():

@@ -8,7 +8,7 @@ from segmap_course.literal.reduction.mean_shift import cut
 from segmap.poses import transform
 from segmap.reduction import common_directions, mean_shift
 from segmap.reduction._mean_shift import pieces_of
-from segmap.reduction._mean_shift_kernels import climb
+from segmap.reduction._mean_shift_kernels import climb, link
 from segmap.segments import length
 from segmap.testing import assert_segments_equal
 
@@ -61,6 +61,13 @@ def test_a_perpendicular_point_attracts_but_does_not_turn():
     assert centres[0, 0] > 0.1
     assert centres[:, 2].tolist() == [0.0, 1.0]
     assert climb(points, ALIKE, 2.0, 10.0, 0.0)[1] == 0
+
+
+@pytest.mark.parametrize("angles", [(0.05, 1.95), (1.95, 0.05)])
+def test_directions_at_both_ends_of_half_a_turn_make_a_chain(angles):
+    points = np.column_stack([(0.0, 0.1), (0.0, 0.0), angles])
+    assert link(points, ALIKE, 2.0, 0.5).tolist() == [0, 0]
+    assert link(points, ALIKE, 9.0, 0.5).tolist() == [0, 1]
 
 
 def test_all_climb_until_the_slowest_rests():

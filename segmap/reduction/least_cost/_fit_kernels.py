@@ -149,8 +149,8 @@ def charge(s: Array, d: Array, line: Array, about: Array, limits: Limits) -> flo
     off = abs((s[0, 0] - x) * dy - (s[0, 1] - y) * dx)
     off = max(off, abs((s[1, 0] - x) * dy - (s[1, 1] - y) * dx))
     lost = 2.0 * d[4]
-    if off <= limits.distance and abs(d[2] * dy - d[3] * dx) <= limits.sine:
-        low, high = span(s, x, y, dx, dy)
+    low, high = span(s, x, y, dx, dy)
+    if off <= limits.distance and abs(d[2] * dy - d[3] * dx) <= limits.sine and low < high:
         kept = max(min(high, about[4]) - max(low, -about[4]), 0.0)
         lost *= 1.0 - kept / (high - low)
     return ANGULAR * angular + ACROSS * most + APART * near + limits.missed * lost

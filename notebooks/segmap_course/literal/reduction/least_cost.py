@@ -299,7 +299,8 @@ def charge(s: Segment, line: Segment, limits: Limits) -> float:
     seen = [seen_from(line_of(line), p) for p in s]
     (_, _, dx, dy), (_, _, ex, ey) = line_of(line), line_of(s)
     (low, high), lost = sorted(a for a, _ in seen), segment_length(s)
-    if max(abs(o) for _, o in seen) <= distance and abs(dx * ey - dy * ex) <= sine:
+    beside = max(abs(o) for _, o in seen) <= distance and abs(dx * ey - dy * ex) <= sine
+    if beside and low < high:
         lost *= 1 - max(min(high, segment_length(line)) - max(low, 0.0), 0.0) / (high - low)
     return segment_distance(s, line) + price * lost
 
