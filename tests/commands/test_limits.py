@@ -14,7 +14,7 @@ import pytest
 
 import segmap
 from segmap import alignment, exports, quadtree, reduction
-from segmap._commands import _compare, _locate, _logs, _map, _occupancy
+from segmap._commands import _compare, _locate, _logs, _occupancy
 from segmap._commands._words import Report, metres, progress, seconds
 from segmap.alignment import Alignment, Verdict
 from segmap.matching import Belief
@@ -144,13 +144,6 @@ def test_a_folder_is_read_by_name_and_what_cannot_be_read_was_a_log(run, monkeyp
 
 
 # ---------------------------------------------------------------------------- map, occupancy
-def test_a_crop_beside_the_map_tells_how_far_that_reaches():
-    """Catches x for y, and the middle of the map for its end."""
-    map = segmap.SegmentMap([[(-1, 2), (3, 5)], [(0, 1), (4, 2)]])
-    with pytest.raises(ValueError, match=r"from x -1\.00 to 4\.00 m, y 1\.00 to 5\.00 m$"):
-        _map.cropped(Namespace(crop=(8, 8, 9, 9)), map, Report("it"))
-
-
 def test_occupancy_tells_size_and_area(run):
     """Catches the area as a length, a size with a margin, and one of another kind of leaves."""
     code, said, _ = run("occupancy", "room", "--resolution", "0.1", "--json", "-o", "it.geojson",

@@ -54,6 +54,7 @@ def path(tmp_path):
         (b"PK\x03\x04 and no zip", "packed file is broken"),
         (b"1.0 2.0 3.0\n", "of no known format"),
         (b"3 " + b"sheep " * 30 + b"in 2 fields", "of no known format"),
+        (b"3 4 " + b"sheep " * 30, "of no known format"),
         (b"FLASER\n", "line 1: expected the number of ranges, got ''"),
         (b"PARAM robot_length 1\n", "holds no scan"),
         (
