@@ -551,6 +551,7 @@ def test_occupancy_is_written_for_everybody(run, near):
     assert 'image: "it.pgm"' in Path("it.yaml").read_text()
     assert Path("it.pgm").read_bytes()[:2] == b"P5" and Path("it.png").read_bytes()[:4] == PNG
     assert len(json.loads(Path("it.geojson").read_text())["features"]) > 10
+    assert np.ptp(plt.imread("it.png")[..., :3], axis=-1).max() == 0  # grey: no blue outlines
 
 
 @pytest.mark.parametrize("matcher", ["hill-climbing", "sample-and-rank-thesis"])

@@ -249,7 +249,7 @@ def test_what_is_wrong_within_an_object_of_mrpt_names_file_and_byte(tmp_path):
     """Catches an error whose words stand in the place of the path, and limits above zero only."""
     path, good = tmp_path / "it.rawlog", mrpt.scan(1.0)
     far = mrpt.scan(1.0, place=(-2e7, 0, 0)), mrpt.actions(mrpt.movement((-2e7, 0, 0)))
-    for bad in (mrpt.scan(1.0, pitch=1.0), *far):
+    for bad in (mrpt.scan(1.0, pitch=1.0), mrpt.scan(1.1e12), *far):
         path.write_bytes(good + bad + good)
         log = readers.read(path, on_error="skip")
         assert len(log) == 2 and log.skipped.lines == 1
