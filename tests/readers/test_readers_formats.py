@@ -173,6 +173,8 @@ class TestCoreSlam:
         """Straight steps, or ones as long as the arc, do not close a circle of unequal parts."""
         circle = np.outer([0.1, 0.5, 0.15, 0.25], [0.0, 2 * np.pi * 0.330])
         assert integrate(circle)[-1] == pytest.approx([0, 0, 0], abs=1e-9)
+        ahead = np.array([(0.0, np.pi * 0.330 / 2), (1.0, 1.0)])  # a quarter turn, then 1 m
+        assert integrate(ahead)[-1] == pytest.approx([0.165, 1.165, np.pi / 2])
 
 
 HALF = [-90, -45, 0, 45, 90]

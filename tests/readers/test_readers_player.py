@@ -46,8 +46,10 @@ def test_beyond_the_position_lines_and_without_times_the_last_one_counts(read):
 
 def test_the_first_position_device_is_the_odometry(read):
     """The second is often the answer of a localiser: another frame."""
-    lines = ["position 1 1.0 50 50 0", "position 0 1.0 1 2 0.5", f"laser 0 1.0 {SCAN} 3 1 1 1"]
-    assert read(text(lines)).odometry[0].tolist() == [1, 2, 0.5]
+    lines = ["position 1 1.0 50 50 0", "position 0 1.0 1 2 0.5"]
+    for time in (1.0, 3.0):  # at the time of a line, and beyond all
+        log = read(text([*lines, f"laser 0 {time} {SCAN} 3 1 1 1"]))
+        assert log.odometry[0].tolist() == [1, 2, 0.5]
 
 
 def test_other_interfaces_are_skipped_knowingly_and_the_host_may_be_empty(read):

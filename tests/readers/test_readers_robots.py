@@ -76,12 +76,6 @@ class TestGMapping:
         assert log.truth is None and log[0].valid.tolist() == [True, False, False]
         assert log[0].max_range == 4
 
-    @pytest.mark.parametrize(("count", "degrees"), [(361, 180), (541, 270), (682, 239.4)])
-    def test_beams_are_those_that_gmapping_takes_them_for(self, read, count, degrees):
-        """Catches the 270 degrees of a S300 squeezed into half a turn."""
-        log = read(f"LASER_READING {count} {'1 ' * count}0 0 0 1\nNEFF 3\n")
-        assert np.degrees(np.ptp(log[0].angles)) == pytest.approx(degrees, abs=0.05)
-
 
 class TestDpSlam:
     def test_a_line_of_odometry_is_used_once(self, read):

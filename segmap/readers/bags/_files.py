@@ -16,14 +16,14 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from functools import cache
 from pathlib import Path
-from typing import IO, Any
+from typing import Any
 
 from .._lines import BROKEN, LogError, open_bytes
 from ._bounds import Budget, check_metadata, look_through
 
 #: What the first bytes of a file say.
 MAGIC = {b"#ROSBAG V": "ROS 1", b"SQLite format 3\0": ".db3", b"\x89MCAP0\r\n": ".mcap"}
-METADATA = "metadata.yaml"
+METADATA, LONGEST = "metadata.yaml", max(map(len, MAGIC))
 SUFFIXES = (".db3", ".mcap", ".bag")
 #: Messages with transforms between frames: today's, and how ROS 1 called them first.
 FRAMES = "tf2_msgs/msg/TFMessage", "tf/msg/tfMessage"
@@ -44,14 +44,9 @@ def kind_of(path: Path) -> str | None:
         return "folder" if (path / METADATA).is_file() else None
     try:
         with open_bytes(path) as file:
-            return _kind_in(file)
+            head = file.read(LONGEST)
     except BROKEN:
         return None
-
-
-def _kind_in(file: IO[bytes]) -> str | None:
-    """Which bag begins here."""
-    head = file.read(max(map(len, MAGIC)))
     return next((kind for magic, kind in MAGIC.items() if head.startswith(magic)), None)
 
 
@@ -130,7 +125,7 @@ def opened(path: Path) -> Iterator[Bag]:
     with damage(path):
         if kind != "folder":
             with path.open("rb") as start:
-                if not _kind_in(start):
+                if not start.read(LONGEST).startswith(tuple(MAGIC)):
                     raise LogError(path, "is a bag that is packed as a whole: unpack it first")
         if kind == "ROS 1":
             reader = _reader_1(path, budget)

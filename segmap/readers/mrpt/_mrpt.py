@@ -127,6 +127,6 @@ def _pose(values: Array) -> Array:
 
 
 def _time(seconds: float) -> float:
-    if not abs(seconds) <= LATEST:
+    if not seconds <= LATEST:
         raise ValueError(f"expected a time, got {seconds:.6g} s since 1970")
     return seconds

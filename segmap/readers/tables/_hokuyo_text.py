@@ -40,10 +40,7 @@ class HokuyoText(TextFormat):
     def _take(self, fields: list[str]) -> None:
         beam = numbers(fields, "range and angle")
         if len(beam) != 2 or not abs(beam[1]) <= MOST_TURN:
-            raise ValueError(
-                "expected a range in millimetres and an angle in radians, got "
-                f"{' '.join(fields)[:80]}"
-            )
+            raise ValueError(f"expected {self.expected}, got {' '.join(fields)[:80]}")
         if len(self.scans) == MOST_BEAMS:
             raise self.lines.error(f"expected one scan, but there are more than {MOST_BEAMS} beams")
         self.scans.append(beam)
