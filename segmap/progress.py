@@ -33,6 +33,7 @@ def told(progress: Progress | None) -> Iterator[None]:
       0% placing scan 1 of 2
      50% placing scan 2 of 2
       0% solving for all poses
+    100% laying each scan once more
     """
     if progress is None:
         yield

@@ -25,18 +25,18 @@ class Bar:
         self.bar: Any = W.FloatProgress(max=1.0, layout=W.Layout(flex="1 1 90px", width="90px"))
         self.state: Any = W.HTML()
         self.state.add_class("segmap-state")  # canvas.js makes it heard when it changes
-        self._words, self._begun, self._share = "", 0.0, 0.0
+        self._words, self._begun, self._share = "-", 0.0, 0.0
 
     def say(self, text: str, share: float | None = None) -> None:
         """One line in the place of the one before."""
         self.state.value = html.escape(text)
         if share is not None:
-            self.bar.value = share
+            self.bar.value = self._share = share
 
     def tell(self, share: float, words: str) -> None:
         """Show how much is done of what."""
-        if share < self._share or not share:
-            self._begun = time.monotonic()
+        if share < self._share or words.split()[0] != self._words.split()[0]:
+            self._begun = time.monotonic()  # another kind of work
         self._words, self._share = words, share
         self.tick()
 

@@ -9,6 +9,7 @@ notebook is not known there, and `Workbench.run` calls it here instead.
 from __future__ import annotations
 
 import contextlib
+import io
 import os
 import pickle
 import queue
@@ -17,10 +18,11 @@ import subprocess
 import sys
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import IO, Any
 
 from ...progress import tell, told
+from ...scans import Log
 
 #: What the worker begins with: it finds the package that this Python has imported.
 START = (
@@ -29,7 +31,7 @@ START = (
 #: What to do with a function that cannot be sent.
 HERE = "what only this notebook defines runs with workbench.run()"
 #: A step may take so long, and is told at most every so often: seconds.
-PATIENCE, OFTEN = 0.3, 0.1
+PATIENCE, OFTEN = 0.2, 0.1
 
 
 class Stopped(Exception):
@@ -45,6 +47,7 @@ class Worker:
 
     def __init__(self) -> None:
         self._process: subprocess.Popen[bytes] | None = None
+        self._kept: Log | None = None
         self._lock, self._idle, self._stopped = threading.Lock(), threading.Event(), False
         self._idle.set()
 
@@ -61,11 +64,15 @@ class Worker:
         self._stopped = False
         self._idle.clear()
         try:
+            process, work = self.start(), io.BytesIO()
             try:
-                work = pickle.dumps((function, given))
+                _Writer(work, self._kept).dump((function, given))
             except Exception as fault:
                 raise Failed(f"{fault}; {HERE}") from fault
-            return self._done(self.start(), work)
+            self._kept = _kept(given, self._kept)
+            result = self._done(process, work.getvalue())
+            self._kept = _kept((result,), self._kept)
+            return result
         finally:
             self._idle.set()
 
@@ -77,7 +84,7 @@ class Worker:
                     raise Stopped
                 _send(process.stdin, work)
             while True:
-                kind, value = pickle.load(process.stdout)
+                kind, value = _Reader(process.stdout, self._kept).load()
                 if kind == "done":
                     return value
                 if kind == "failed":
@@ -95,6 +102,7 @@ class Worker:
         with self._lock:
             if self._process is None or self._process.poll() is not None:
                 _end(self._process)
+                self._kept = None
                 command = [sys.executable, "-c", START, *sys.path]
                 pipes: Any = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE}
                 self._process = subprocess.Popen(command, **pipes)
@@ -102,23 +110,53 @@ class Worker:
 
     def stop(self) -> None:
         """End what it does, at its next step or with its process; nothing where it does nothing."""
-        with self._lock:
-            self._stopped = True
-            if self._process is None or self._idle.is_set():
-                return
+        self._stopped = True
+        process = self._process
+        if process is None or self._idle.is_set():
+            return
+        if self._lock.acquire(timeout=PATIENCE):  # else a long log is on its way
             with contextlib.suppress(OSError, ValueError):
-                _send(self._process.stdin, None)  # type: ignore[arg-type]
+                _send(process.stdin, None)  # type: ignore[arg-type]
+            self._lock.release()
         if not self._idle.wait(PATIENCE):
             self.end()
 
     def end(self) -> None:
         """Kill the process, whatever it does."""
-        with self._lock:
-            process, self._process = self._process, None
+        process, self._process = self._process, None
         _end(process)
 
     def __del__(self) -> None:
         self.end()
+
+
+def _kept(values: Sequence[Any], before: Log | None) -> Log | None:
+    """The log that both sides have: it goes only once, for a long one takes seconds."""
+    return next((value for value in values if isinstance(value, Log)), before)
+
+
+class _Writer(pickle.Pickler):
+    """Sends a word in the place of the log that the other side has."""
+
+    def __init__(self, pipe: IO[bytes], kept: Log | None) -> None:
+        super().__init__(pipe)
+        self._known = kept
+
+    def persistent_id(self, value: Any) -> str | None:
+        """The word."""
+        return "kept" if value is self._known and value is not None else None
+
+
+class _Reader(pickle.Unpickler):
+    """Puts the log in the place of the word."""
+
+    def __init__(self, pipe: IO[bytes], kept: Log | None) -> None:
+        super().__init__(pipe)
+        self._known = kept
+
+    def persistent_load(self, word: str) -> Log | None:
+        """The log."""
+        return self._known
 
 
 def _end(process: subprocess.Popen[bytes] | None) -> None:
@@ -152,16 +190,20 @@ def serve() -> None:
 
     with contextlib.suppress(ImportError):
         import numba  # noqa: F401 -- while the user still reads the page
+    kept: Log | None = None
     while True:
         work = calls.get()
         stop.clear()
         try:
             try:
-                function, given = pickle.loads(work)
+                function, given = _Reader(io.BytesIO(work), kept).load()
             except Exception as fault:
                 raise ValueError(f"{fault}; {HERE}") from fault
+            kept = _kept(given, kept)
             with told(hand_on):
-                _send(answers, ("done", function(*given)))
+                result = function(*given)
+            _send(answers, ("done", result), kept)
+            kept = _kept((result,), kept)
         except Stopped:
             _send(answers, ("stopped", None))
         except Exception as fault:
@@ -180,8 +222,8 @@ def _listen(calls: queue.SimpleQueue[bytes], stop: threading.Event) -> None:
         os._exit(0)
 
 
-def _send(pipe: IO[bytes], value: object) -> None:
-    pickle.dump(value, pipe)
+def _send(pipe: IO[bytes], value: object, kept: Log | None = None) -> None:
+    _Writer(pipe, kept).dump(value)
     pipe.flush()
 
 
