@@ -130,14 +130,15 @@ class Tree:
             within = ((first >= corners[0]) & (last <= corners[1])).all(1)
             self.vis[node[outside]], self.occ[node[outside]] = 0, 0
             border = node[~(outside | within) & (self.vis[node] > 0)]
-            self.version += 1
             if not len(border):
-                return
+                break
             self._make_room(len(border))
             blocks = np.arange(self.used, self.used + len(border), dtype=np.int32)
             nodes = 4 * blocks[:, None] + np.arange(4)
             self.vis[nodes], self.occ[nodes] = self.vis[border][:, None], 0
             self.vis[border], self.used = ~blocks, self.used + len(border)
+        self._compact(self.used, join=True)
+        self._compact(self.used, join=False)
 
     def mend(self) -> None:
         """Keep the blocks that the root reaches: an interrupt may have hidden how many are used."""
