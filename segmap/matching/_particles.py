@@ -47,8 +47,6 @@ LATE = np.outer([0, -0.9, -0.6, -0.3, 0.3, 0.6, 0.9], [0, 0, 1])
 #: More particles would fill the memory: each has a map.
 MOST = 10_000
 
-Noise = Annotated[float, Quantity("", least=0, most=100)]
-
 
 class Particles(NamedTuple):
     """The particles after one scan.
@@ -95,7 +93,7 @@ def particle_mapping(
     particles: Annotated[Count, at_most(MOST)] = 30,
     rng: np.random.Generator,
     odometry: OdometryNoise | None = OdometryNoise(),
-    noise: Noise = 1.0,
+    noise: Annotated[float, Quantity("", least=0, most=100)] = 1.0,
     resample: Share = 0.5,
     matcher: Matcher = hill_climb,
     map: QuadtreeMap | None = None,
@@ -104,7 +102,8 @@ def particle_mapping(
 ) -> Iterator[Particles]:
     """Follow many ways that the robot may have taken, each with its own map (Grisetti et al. 2007).
 
-    A particle moves by the odometry, and the matcher seeks the peak on its own map. Every 0.3 m the
+    A particle moves by the odometry, and the matcher seeks the peak on its own map; from other
+    headings too where the odometry turns fast or the scan does not lie on the map. Every 0.3 m the
     next pose is drawn about the peak, as widely as the likelihood around it and the errors of the
     odometry say, and the particle is weighed by how well the scan fits. Where few particles hold
     most of the weight, they are drawn anew: the heavy ones several times, each with a copy of its
