@@ -37,8 +37,6 @@ BIN, ERROR, QUANTILE = np.array([0.25, 0.25, 0.2]), 0.05, 2.326
 FEWEST = 300
 #: Fresh particles come to all places that score so much less than the best, and at most so many.
 MARGIN, MOST = 0.1, 100
-#: In the mean of the fits the newest scan has this share.
-NEWEST = 0.5
 #: A place that fits better by less than this share is no reason to go there.
 BETTER = 0.05
 #: Where a search brings nothing better, the next waits twice as many scans as this one; at most:
@@ -146,7 +144,7 @@ def _beliefs(
         points = spread(ends, beams)
         fits = map.fits(points, poses)
         best, wait = fits.max(initial=0.0), wait - 1
-        fit, anew = best if anew else fit ** (1 - NEWEST) * best**NEWEST, False
+        fit, anew = best if anew else np.sqrt(fit * best), False
         if fit < DOUBT and wait <= 0:
             fresh = fresh_poses(map, ends, particles, rng)
             there = map.fits(points, fresh)

@@ -39,13 +39,13 @@ LATTICE = np.array([(x, y, turn) for x in (-1, 0, 1) for y in (-1, 0, 1) for tur
 SLIP = np.array([0.002, 0.002, 0.001])
 #: The same where there is no odometry, metres and radians.
 ALONE = np.array([0.1, 0.1, 0.05])
-#: Where a scan does not lie on the map, the matcher begins again after these turns, radians: while
-#: a robot turns fast, odometry that is late by a tenth of a second is wrong by so much.
-LATE = np.outer([-0.9, -0.6, -0.3, 0.3, 0.6, 0.9], [0, 0, 1])
+#: While a robot turns fast its odometry may be late. Where it tells of a larger turn from scan to
+#: scan, radians, or less than this share of a scan lies on the map, the matcher also begins with
+#: these turns more, radians: a start is good to 0.3.
+FAST, LIES = 0.3, 0.75
+LATE = np.outer([0, -0.9, -0.6, -0.3, 0.3, 0.6, 0.9], [0, 0, 1])
 #: More particles would fill the memory: each has a map.
 MOST = 10_000
-
-Noise = Annotated[float, Quantity("", least=0, most=100)]
 
 
 class Particles(NamedTuple):
@@ -93,7 +93,7 @@ def particle_mapping(
     particles: Annotated[Count, at_most(MOST)] = 30,
     rng: np.random.Generator,
     odometry: OdometryNoise | None = OdometryNoise(),
-    noise: Noise = 1.0,
+    noise: Annotated[float, Quantity("", least=0, most=100)] = 1.0,
     resample: Share = 0.5,
     matcher: Matcher = hill_climb,
     map: QuadtreeMap | None = None,
@@ -102,7 +102,8 @@ def particle_mapping(
 ) -> Iterator[Particles]:
     """Follow many ways that the robot may have taken, each with its own map (Grisetti et al. 2007).
 
-    A particle moves by the odometry, and the matcher seeks the peak on its own map. Every 0.3 m the
+    A particle moves by the odometry, and the matcher seeks the peak on its own map; from other
+    headings too where the odometry turns fast or the scan does not lie on the map. Every 0.3 m the
     next pose is drawn about the peak, as widely as the likelihood around it and the errors of the
     odometry say, and the particle is weighed by how well the scan fits. Where few particles hold
     most of the weight, they are drawn anew: the heavy ones several times, each with a copy of its
@@ -182,13 +183,17 @@ def _steps(
             ]
             poses, drawn = poses[parents], drawn[parents]
             likely, recent = likely[parents], np.zeros(count)
+        tries = [LATE[:1]]
         if odometry is not None and scan.odometry is not None:
-            poses = poses if wheels is None else compose(poses, between(wheels, scan.odometry))
+            if wheels is not None:
+                step = between(wheels, scan.odometry)
+                poses = compose(poses, step)
+                tries = [LATE] if abs(step[2]) > FAST else [LATE[:1], LATE]
             wheels = scan.odometry
         try:
             if len(points) and settled:
-                late, both = wheels is not None, zip(maps, poses, strict=True)
-                found = [_climbed(matcher, *each, scan, late) for each in both]
+                both = zip(maps, poses, strict=True)
+                found = [_climbed(matcher, *each, scan, tries) for each in both]
                 poses = np.array([pose for pose, _ in found])
                 best = int(np.argmax(likely))
                 way = np.abs(between(drawn[best], poses[best]))
@@ -219,25 +224,26 @@ def _steps(
 
 
 def _climbed(
-    matcher: Matcher, map: QuadtreeMap, guess: Array, scan: LaserScan, late: bool = False
+    matcher: Matcher, map: QuadtreeMap, start: Array, scan: LaserScan, tries: Sequence[Array]
 ) -> tuple[Array, DistanceField | None]:
-    """The pose that the matcher finds from a guess, and the field; the guess with nothing near.
+    """The pose that the matcher finds from a start, and the field; the start with nothing near.
 
-    Where the scan does not lie on the map there, the best of those from a turned guess, if it does.
+    More turns are tried where too little of the scan lies on the map, and kept if it then does.
     """
-    points = scan.points()
-    try:
-        field = DistanceField.around(map, points, guess)
-    except NothingNear:
-        return guess, None
-    score = asked(field.scorer(points), points, field_score)
-    pose = found_by(matcher, map, points, guess, score)
-    if late and overlap_of(map, scan, pose) < FOUND:
-        turned = [_climbed(matcher, map, start, scan) for start in compose(guess, LATE)]
-        overlaps = [overlap_of(map, scan, pose) for pose, _ in turned]
-        if max(overlaps) >= FOUND:
-            return turned[int(np.argmax(overlaps))]
-    return pose, field
+    points, answers = scan.points(), []
+    for turns in tries:
+        starts = start + turns
+        try:
+            field = DistanceField.around(map, points, starts)
+        except NothingNear:
+            return start, None
+        values = field.scorer(points)
+        score = asked(values, points, field_score)
+        found = np.array([found_by(matcher, map, points, each, score) for each in starts])
+        answers.append((found[np.argmax(values(found))], field))
+        if len(tries) == 1 or overlap_of(map, scan, answers[-1][0]) >= LIES:
+            return answers[-1]
+    return answers[0]
 
 
 def _log_likelihood(field: DistanceField | None, points: Array, poses: Array) -> Array:

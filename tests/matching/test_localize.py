@@ -88,11 +88,11 @@ def test_a_robot_that_is_carried_away_says_so_and_is_found_again(seeds):
         moved = replace(scans[far], odometry=scans[10].odometry)
         shift = compose(scans[10].odometry, (0.0, 0.0, 0.0))
         after = [moved]
-        for before, scan in pairwise(scans[far : far + 10]):
+        for before, scan in pairwise(scans[far:]):
             step = inner.between(before.odometry, scan.odometry)
             shift = compose(shift, step)
             after.append(replace(scan, odometry=shift))
-        true = [*truth[:11], *truth[far : far + 10]]
+        true = [*truth[:11], *truth[far:]]
         beliefs = list(localize(map, [*scans[:11], *after], rng=rng(seed)))
         kept.append(beliefs[10].found and away(beliefs[10], truth[10]) < 0.3)
         assert any(not belief.found for belief in beliefs[11:13])
@@ -100,7 +100,8 @@ def test_a_robot_that_is_carried_away_says_so_and_is_found_again(seeds):
         known += any("lost" in belief.reason for belief in beliefs[11:14])
         again.append(good.index(True) if any(good) else 99)
     assert np.mean(kept) >= 0.9
-    assert np.mean(np.array(again) <= 5) >= 0.6 and known >= len(seeds) / 2
+    assert np.mean(np.array(again) <= 5) >= (0.6 if len(seeds) < 40 else 0.85)
+    assert max(again) <= 20 and known >= 0.9 * len(seeds)
 
 
 @pytest.mark.parametrize("kind", ["walls", "squares"])

@@ -205,6 +205,11 @@ def test_odometry_that_is_late_in_a_turn_is_made_good(turn):
     off = np.array([step.pose for step in steps]) - log.truth
     assert np.hypot(*off[:, :2].T).max() < 0.1 and np.abs(off[:, 2]).max() < 0.05
     assert min(step.overlap for step in steps) > 0.8
+    path = [(1.2, 1.3, 0.3)] * 3 + [(1.2, 1.3, 0.3 + turn)] * 3
+    log = simulate(rectangular_room(4, 3), path, sensor=SENSOR, rng=np.random.default_rng(1))
+    still = [replace(scan, odometry=np.zeros(3)) for scan in log]
+    last = mapped(still, particles=3, start=path[0])[0][-1]
+    assert np.abs(last.poses - path[-1]).max() < 0.1  # it turned, and no wheel told
 
 
 @given(st.lists(st.floats(1e-9, 1), min_size=1, max_size=12), st.floats(0, 1, exclude_max=True))
