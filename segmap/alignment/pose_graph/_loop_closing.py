@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+import heapq
 from dataclasses import dataclass
+from itertools import chain
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...arrays import Array, Count, Metres, Positive, Settings
+from ...compiled import compiled
 from ...poses.motions import between, compose
-from ...threads import in_threads
 from .._result import Match, no_match
 from ..graph import Edge, Rejected, deviations, information, residuals, stacked
 from ..points import PointMap
@@ -150,8 +152,7 @@ class LoopCloser:
         # 1. Old places that may be the new one
         windows = self._by_place(new, before) + self._by_descriptor(new, before)
         # 2. How the new place lies on each
-        tasks = [(window, self.map_around(window), new) for window in windows]
-        measured = in_threads(lambda task: self.measure(*task), tasks)
+        measured = [self.measure(window, self.map_around(window), new) for window in windows]
         fresh: list[tuple[Edge, float]] = []
         for window, match in zip(windows, measured, strict=True):
             if match.matched:
@@ -174,38 +175,34 @@ class LoopCloser:
 
     def _by_place(self, new: int, before: int) -> list[Window]:
         """Around the nearest old key frame of each pass, as far as the map may have drifted."""
-        rules, poses = self.rules, self.frames.poses
-        path = self.frames.along[new] - self.frames.along[:before]
-        distance = np.hypot(*(poses[:before, :2] - poses[new, :2]).T)
-        reach = self._reach(path)
-        near = np.flatnonzero((distance < reach + BESIDE) & (path > rules.min_path))
-        reach[near] = np.minimum(reach[near], self._reach(self._way(new, near)))
-        near = near[distance[near] < reach[near] + BESIDE]
-        return [
-            Window(k, between(poses[k], poses[new]), float(reach[k]), TURN)
-            for k in _best_of_passes(near, distance)
-        ]
+        poses, along, widest = self.frames.poses, self.frames.along, self.rules.max_reach + BESIDE
+        off = poses[:before, :2] - poses[new, :2]
+        near = np.flatnonzero((np.abs(off[:, 0]) < widest) & (np.abs(off[:, 1]) < widest))
+        path, distance = along[new] - along[near], np.hypot(*off[near].T)
+        far = (distance >= self._reach(path) + BESIDE) | (path <= self.rules.min_path)
+        near, path, distance = near[~far], path[~far], distance[~far]
+        if not len(near):
+            return []
+        reach = self._reach(np.minimum(path, self._way(new, near)))
+        kept = distance < reach + BESIDE
+        reaches = dict(zip(near[kept].tolist(), reach[kept].tolist(), strict=True))
+        best = _best_of_passes(near[kept], distance[kept])
+        return [Window(k, between(poses[k], poses[new]), reaches[k], TURN) for k in best]
 
     def _reach(self, way: Array) -> Array:
         """How far the map may have bent along ways `(m,)`, metres."""
         return np.minimum(self.rules.reach + self.drift * way, self.rules.max_reach)
 
     def _way(self, new: int, old: NDArray[np.int64]) -> Array:
-        """Metres from older key frames to a new one through the graph (Dijkstra 1959).
+        """Metres from older key frames to a new one through the graph.
 
         Infinite where it is so long that the widest window is searched.
         """
-        from scipy.sparse import csr_array
-        from scipy.sparse.csgraph import dijkstra
-
-        steps, size = np.arange(len(self.frames) - 1), len(self.frames)
-        found = [(i, j) for i, j in set(self.ways) if j - i > 1]  # scipy adds up equal entries
-        loops = np.array(found, np.int64).reshape(-1, 2)
-        ends = np.r_[steps, loops[:, 0]], np.r_[steps + 1, loops[:, 1]]
-        length = np.r_[np.diff(self.frames.along), np.full(len(loops), LOOP_PATH)]
-        graph = csr_array((length, ends), shape=(size, size))
         most = max((self.rules.max_reach - self.rules.reach) / self.drift, 0.0)
-        return np.asarray(dijkstra(graph, directed=False, indices=[new], limit=most)[0, old])
+        ways = np.fromiter(chain.from_iterable(self.ways), np.int64)
+        metres = np.full(len(self.frames), np.inf)
+        _walk(self.frames.along, ways.reshape(-1, 2), new, old, most, metres)
+        return metres[old]
 
     def _by_descriptor(self, new: int, before: int) -> list[Window]:
         """Where the robot is lost: on what looks most like the place, at any heading."""
@@ -343,6 +340,46 @@ class LoopCloser:
         self.rejected.append(Rejected(self.frames.scan[old], self.frames.scan[new], reason))
 
 
+@compiled
+def _walk(
+    along: Array,
+    ways: NDArray[np.int64],
+    begin: int,
+    wanted: NDArray[np.int64],
+    most: float,
+    metres: Array,
+) -> None:
+    """Write the metres of the shortest ways, up to `most`, to wanted key frames (Dijkstra 1959).
+
+    Before that they are infinite. `along`, (n,), is the path driven; `ways`, (w, 2), join old key
+    frames and new ones. Ends when all that are wanted are reached: most often near.
+    """
+    head, link, left = np.full(len(along), -1), np.full(2 * len(ways), -1), len(wanted)
+    asked = np.zeros(len(along), np.bool_)
+    for slot in range(2 * len(ways)):
+        end = ways[slot // 2, slot % 2]
+        if abs(end - ways[slot // 2, 1 - slot % 2]) > 1:
+            link[slot], head[end] = head[end], slot
+    for k in wanted:
+        asked[k] = True
+    heap, metres[begin] = [(0.0, begin)], 0.0
+    while left and len(heap):
+        far, k = heapq.heappop(heap)
+        if far > metres[k]:
+            continue
+        left -= asked[k]
+        slot, side = head[k], -1
+        while slot >= 0 or side < 2:
+            if side < 2:  # the key frames before and after it, then those at ways
+                j = min(max(k + side, 0), len(along) - 1)
+                step, side = abs(along[j] - along[k]), side + 2
+            else:
+                j, step, slot = ways[slot // 2, 1 - slot % 2], LOOP_PATH, link[slot]
+            if far + step <= most and far + step < metres[j]:
+                metres[j] = far + step
+                heapq.heappush(heap, (metres[j], j))
+
+
 def descriptor(points: Array) -> Array:
     """Shares of points `(m, 2)`, metres, by their distance from the origin, (16,) array."""
     distance = np.hypot(points[:, 0], points[:, 1])
@@ -351,10 +388,14 @@ def descriptor(points: Array) -> Array:
 
 
 def _best_of_passes(members: NDArray[np.int64], cost: Array) -> list[int]:
-    """The cheapest of each run of neighbouring key frames, at most three, cheapest first."""
-    passes = np.split(members, np.flatnonzero(np.diff(members) > GAP) + 1)
-    best = [int(run[np.argmin(cost[run])]) for run in passes if len(run)]
-    return sorted(best, key=lambda k: float(cost[k]))[:PASSES]
+    """The cheapest of each run of neighbouring key frames, at most three, cheapest first.
+
+    `cost` is that of each member, `(m,)`.
+    """
+    cuts = np.flatnonzero(np.diff(members) > GAP) + 1
+    passes = [run for run in np.split(np.arange(len(members)), cuts) if len(run)]
+    best = sorted((run[np.argmin(cost[run])] for run in passes), key=lambda k: float(cost[k]))
+    return [int(members[k]) for k in best[:PASSES]]
 
 
 def _without(edges: list[Edge], gone: list[Edge]) -> list[Edge]:
