@@ -316,16 +316,12 @@ def test_how_a_loop_is_measured(overlap, matched, reason):
     match = place(0.5, overlap=overlap, matched=matched)
     map = Scripted((ZERO, 0.9, match if matched else no_match(ZERO, reason, overlap)))
     window = Window(3, np.array([1.0, 2, 3]), 1.5, 0.3)
-    found = closer._measure(window, map, 30)
+    found = closer.measure(window, map, 30)
     search, *rest = map.asked
     assert (search["reach"], search["turn"], search["least"]) == (1.5, 0.3, 0.55)
     assert search["about"] is window.guess and {given["reach"] for given in rest} == {0.2}
-    if reason:
-        assert found == reason
-    else:
-        assert found[:2] == (3, 30) and found.loop and found.relative is match.pose
-        expected = information(np.eye(3), closer.frames.least)
-        np.testing.assert_allclose(found.information, expected)
+    assert (found.matched, found.reason) == (not reason, reason)
+    assert reason or found is match
 
 
 @pytest.mark.parametrize(
@@ -335,9 +331,9 @@ def test_how_a_loop_is_measured(overlap, matched, reason):
 def test_of_a_dense_place_some_points_are_searched_for(new, each, asked):
     """Four key frames see it; below six points it says nothing, above 750 only some are laid."""
     map = Scripted()
-    found = walked(4, np.ones((each, 2)))._measure(Window(0, ZERO, 1.0, 0.3), map, new)
+    found = walked(4, np.ones((each, 2))).measure(Window(0, ZERO, 1.0, 0.3), map, new)
     assert [given["points"] for given in map.asked] == ([] if asked is None else [asked])
-    assert found == ("too few points" if asked is None else "the two places look different")
+    assert found.reason == ("too few points" if asked is None else "the two places look different")
 
 
 def test_maps_of_old_places_are_of_five_key_frames_before_and_after_and_some_are_kept():
@@ -345,7 +341,7 @@ def test_maps_of_old_places_are_of_five_key_frames_before_and_after_and_some_are
     for scan in range(1, 61):
         closer.frames.add(scan, np.zeros((1, 2)), np.array([0.1, 0, 0]), np.eye(3))
     for old in range(55):
-        closer._map_around(Window(old, ZERO, 2.5, 0.3))
+        closer.map_around(Window(old, ZERO, 2.5, 0.3))
     assert list(closer.maps) == [(old, max(old - 5, 0), old + 6) for old in range(15, 55)]
 
 
@@ -378,23 +374,26 @@ def test_where_the_robot_was_lost_five_others_must_agree(others, believed):
 )
 def test_the_graph_is_solved_at_once_where_a_loop_strains_it(motion, closes):
     """And what no other has confirmed for eight metres is given up."""
-    found = Edge(0, 20, np.array(motion), np.eye(3), True)
+    match = Match(np.array(motion), 0.1 * np.eye(3), True)
 
     class Closer(LoopCloser):
         def _by_place(self, new, before):
             return [Window(0, ZERO, 1.0, 0.3), Window(1, ZERO, 1.0, 0.3)]
 
-        def _measure(self, window, map, new):
-            return found if window.old == 0 else "no"
+        def measure(self, window, map, new):
+            return match if window.old == 0 else NOTHING
 
         def _confirmed_by_others(self, fresh):
-            assert fresh == [(found, 1.0)]
+            ((found, reach),) = fresh
+            assert found[:2] == (0, 20) and found.loop and found.relative is match.pose
+            known = information(match.covariance, self.frames.least)
+            assert reach == 1.0 and (found.information == known).all()
             return [found]
 
     closer = walked(20, closer=Closer)
     closer.pending = [loop(2, 11), loop(3, 12)]
     assert closer.seek(20, 20, confirmed=True) == closes
-    assert [edge[:2] for edge in closer.pending] == [(3, 12)] and closer.accepted == [found]
+    assert [edge[:2] for edge in closer.pending] == [(3, 12)] and len(closer.accepted) == 1
     assert [gone[:2] for gone in closer.rejected] == [(1, 20), (2, 11)]
     assert closer.lost_since is None
 
@@ -403,5 +402,5 @@ def test_the_graph_is_solved_at_once_where_a_loop_strains_it(motion, closes):
 def test_a_loop_that_is_vague_shortens_no_way(deviation, counts):
     closer = walked(30)
     weight = np.linalg.inv(np.diag([1e-4, deviation**2, 1e-4]))
-    closer._believe([Edge(5, 25, ZERO, weight, True)])
+    closer.believe([Edge(5, 25, ZERO, weight, True)])
     assert closer.ways == [(5, 25)] * counts and len(closer.frames.edges) == 31
