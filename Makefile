@@ -20,9 +20,6 @@ SPREAD := -n $(shell $(PYTHON) -c 'import os; print(os.cpu_count() + 1)') --dist
 LAB = JUPYTER_CONFIG_PATH="$(CURDIR)/notebooks/tools/jupyter$${JUPYTER_CONFIG_PATH:+:$$JUPYTER_CONFIG_PATH}" \
 	$(RUN) -m jupyterlab --ip=127.0.0.1 $(if $(PORT),--port=$(PORT) --ServerApp.port_retries=0) \
 	--allow-root --ServerApp.log_level=WARN --LabApp.default_url=/lab/tree/work/00_start_here.ipynb
-# The workbench alone, as a page: who has the address with its token sees it, and nobody else.
-APP = $(RUN) -m voila segmap/panels/workbench/app.ipynb --Voila.ip=127.0.0.1 --Voila.auto_token=True \
-	$(if $(PORT),--Voila.port=$(PORT) --Voila.port_retries=0)
 # Without a display the address is printed, and served until Control-C.
 BROWSER = $(if $(DISPLAY)$(WAYLAND_DISPLAY)$(filter Darwin,$(shell uname)),,--no-browser)
 NBVAL := --nbval --nbval-current-env --nbval-cell-timeout=120 \
@@ -42,7 +39,7 @@ lab: $(WARM) ## set up, copy the chapters to work/, open them in JupyterLab (POR
 	@$(LAB) $(BROWSER)
 
 app: .venv/segmap-for-app $(WARM) ## set up, then serve the workbench as a page of its own (PORT=8890 chooses the port)
-	@$(APP) $(BROWSER)
+	@$(RUN) -m segmap app $(if $(PORT),--port $(PORT))
 
 handout: $(SETUP) ## student copies in build/handout (ARGS="--chapters 34,54", DIR=...)
 	$(RUN) -m segmap_course handout $(or $(DIR),build/handout) $(ARGS)

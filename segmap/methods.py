@@ -2,7 +2,9 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Generic, TypeVar
+from typing import Any, Generic, TypeVar
+
+from .progress import told
 
 R = TypeVar("R")
 
@@ -49,6 +51,10 @@ class Method(Generic[R]):
     needs_sensors: bool = False
     needs_odometry: bool = False
 
-    def __call__(self, data: object, **thresholds: object) -> R:
-        """Run it: `METHODS[name](map, ...)` is `reduction.<name>(map, ...)`."""
-        return self.function(data, **thresholds)
+    def __call__(self, data: object, **thresholds: Any) -> R:
+        """Run it: `METHODS[name](map, ...)` is `reduction.<name>(map, ...)`.
+
+        `progress` may be given too: it is called with the share that is done and words.
+        """
+        with told(thresholds.pop("progress", None)):
+            return self.function(data, **thresholds)

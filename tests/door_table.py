@@ -65,6 +65,7 @@ OBJECTS = {"matching": [matching.DistanceField(TREE), matching.LiveMap()],
 #: Good values by the name of a parameter; `function.parameter` comes first, then `room.parameter`.
 #: A parameter that is not here keeps its default.
 GOOD = {
+    "share": 0.5, "words": "it",
     "angle_candidates.viewpoints": np.zeros((2, 2)), "write_ros_map.path": "written.yaml",
     "read_bag.path": "it.bag", "read_bag.scan": "/scan", "read_bag.odometry": "/odom",
     "read_trajectory.path": "poses.csv", "write_segments.path": "written.csv",
@@ -164,6 +165,8 @@ GOOD |= {
 }
 #: Parameters that may be anything.
 FREE = {"Log.name", "simulate.name", "Log.skipped", "Log.doubt", "Sensor.name"}
+#: Who listens is called where there is much to tell: see test_progress.
+FREE |= {f"{name}.progress" for name in ("align_parts", "deskew", "pose_graph", "read", "told")}
 #: NaN is what these say of a time or scan that has none.
 NAN_IS_MEANT = {
     "doubled_walls",

@@ -27,7 +27,6 @@ def lab_command(port: int | str = "", display: str = "") -> str:
     return next(line for line in lines if "-m jupyterlab" in line)
 
 
-def app_command(port: int | str = "", display: str = "") -> str:
+def app_command(port: int | str = "") -> str:
     """The line with which `make app` serves the workbench."""
-    lines = make("-n", "app", f"DISPLAY={display}", "WAYLAND_DISPLAY=", f"PORT={port}")
-    return next(line for line in lines if "-m voila" in line)
+    return next(line for line in make("-n", "app", f"PORT={port}") if "-m segmap app" in line)

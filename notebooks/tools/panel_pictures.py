@@ -66,7 +66,7 @@ STATES: dict[str, list[str]] = {
     "69-1": ["", "radius=0.35", "radius=0.5", "goal_x=6.0, goal_y=2.8, radius=0.1"],
     "71-1": ["", "step=2", "step=4"],
     "72-1": ["", "run(20)", "run(20)", "run(20)"],
-    "01-1": ["", "run()", "method='hybrid', run()", "method='least_cost', run()"],
+    "01-1": ["", "run()", "method='hybrid', run()", "method='fusion', run()"],
     "01-2": ["", "least=0.5, run()"],
     "01-3": ["", "method['tolerance']=0.1, run()"],
 }

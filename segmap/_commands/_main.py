@@ -8,8 +8,8 @@ import sys
 from typing import Any, NoReturn
 
 from .. import __version__
-from . import _compare, _convert, _info, _locate, _map, _notebooks, _occupancy, _warm
-from ._words import FAULTS, Usage, plain_warnings, reason, tell
+from . import _app, _compare, _convert, _info, _locate, _map, _notebooks, _occupancy, _warm
+from ._words import FAULTS, Usage, moving, plain_warnings, reason, tell
 from .opening import parsed
 
 DESCRIPTION = "Maps of buildings from the logs of a 2D laser."
@@ -20,7 +20,7 @@ command was not understood, 3 a log gave no map, or was not found on one, 130 st
 `segmap COMMAND --help` tells the rest.
 """
 #: In the order in which they are listed.
-COMMANDS = (_info, _map, _compare, _occupancy, _locate, _convert, _notebooks, _warm)
+COMMANDS = (_info, _map, _compare, _occupancy, _locate, _convert, _app, _notebooks, _warm)
 
 
 class _Strict(argparse.ArgumentParser):
@@ -38,7 +38,7 @@ def main(arguments: list[str] | None = None) -> int:
     """Run a command and return its exit code."""
     try:
         given = parsed(parser(), sys.argv[1:] if arguments is None else arguments)
-        with plain_warnings():
+        with plain_warnings(), moving():
             code = int(given.run(given) or 0)
             sys.stdout.flush()
             return code

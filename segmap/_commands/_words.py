@@ -11,6 +11,7 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 from ..files import shown
+from ..progress import told
 from ..readers import LogError, UnknownFormat
 from ..scans import Log
 
@@ -138,3 +139,32 @@ def progress(total: int, unit: str, doing: str = "") -> tqdm[Any]:
 
     hidden = True if total == 1 else None
     return tqdm(total=total, unit=unit, desc=doing or None, disable=hidden, leave=False)
+
+
+@contextmanager
+def moving() -> Iterator[None]:
+    """Show on a terminal how far long work says it is, below the bar that `progress` makes."""
+    if not sys.stderr.isatty():
+        yield
+        return
+    from tqdm import tqdm
+
+    bars: list[tqdm[Any]] = []
+
+    def show(share: float, words: str) -> None:
+        """Let the bar go on, or begin anew with other work."""
+        if not bars:
+            shape = "{desc} |{bar}| {remaining} left"
+            bars.append(tqdm(total=1.0, delay=0.5, leave=False, bar_format=shape))
+        (bar,) = bars
+        if share < bar.n:
+            bar.reset()
+        bar.set_description_str(shown(words), refresh=False)
+        bar.update(share - bar.n)
+
+    try:
+        with told(show):
+            yield
+    finally:
+        for bar in bars:
+            bar.close()

@@ -4,7 +4,7 @@ Every method has one signature, `method(log, *, thresholds) -> Alignment`, and s
 """
 
 from ..methods import Method
-from ._baselines import align_to_truth, ground_truth, odometry, position_errors
+from ._baselines import align_to_truth, ground_truth, odometry, position_errors, usual_method
 from ._deskew import deskew
 from ._point_icp import point_icp
 from ._result import Alignment, Match

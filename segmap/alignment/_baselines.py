@@ -30,6 +30,22 @@ def odometry(log: Log) -> Outcome:
     return _known_poses(log, poses, np.asarray(np.isfinite(poses).all(1)), "no odometry")
 
 
+def usual_method(log: Log) -> str:
+    """The method of commands and workbench where none is chosen: the truth, or a pose graph.
+
+    The truth where the log has it for each scan.
+
+    Examples
+    --------
+    >>> from segmap import load
+    >>> usual_method(load("room")), usual_method(load("malaga"))
+    ('ground_truth', 'pose_graph')
+    """
+    arrays.instance(log, "log", Log)
+    whole = log.truth is not None and bool(np.isfinite(log.truth).all())
+    return "ground_truth" if whole else "pose_graph"
+
+
 @alignment_method
 def ground_truth(
     log: Log,

@@ -15,7 +15,7 @@ from ._base import slider
 
 #: The most that a number can be set to, in defaults; and what a count can at least be set to.
 MOST, LEAST_MOST = 1000, 100
-ENTRY = {"description_width": "150px"}
+ENTRY = {"description_width": "165px"}
 
 
 def control(
@@ -76,7 +76,7 @@ def control(
 
 
 def _entry(said: Declared, first: Any, label: str) -> Any:
-    named: Any = {"description": label, "style": ENTRY, "layout": W.Layout(width="240px")}
+    named: Any = {"description": label, "style": ENTRY, "layout": W.Layout(width="270px")}
     if said.words:
         options = [*([None] if said.optional else []), *said.words]
         return W.Dropdown(options=options, value=first, **named)

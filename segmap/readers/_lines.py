@@ -17,6 +17,7 @@ import numpy as np
 from .. import arrays
 from ..arrays import LIMIT, Array
 from ..files import RATIO, UNPACKED, shown, unzipped
+from ..progress import tell
 from ..scans import NOTHING_SKIPPED, Skipped
 
 #: No line of a log is longer, in bytes: 1000 beams with intensities take 20 000.
@@ -33,6 +34,8 @@ BROKEN = (
 )
 #: So many lines in a row hold nothing, or a comment: no log has a head of this length.
 MAX_EMPTY = 100_000
+#: How far the reading is, is told every so many lines.
+STEP = 200
 #: Later than this, in seconds, no clock stands.
 LATEST = 1e12
 
@@ -133,10 +136,14 @@ class Lines(Reading):
     def __iter__(self) -> Iterator[list[str]]:
         self.number = read = empty = 0
         try:
-            most = max(UNPACKED, RATIO * self.path.stat().st_size)
+            size = self.path.stat().st_size
+            most = max(UNPACKED, RATIO * size)
             with open_bytes(self.path) as file:
                 while line := file.readline(MAX_LINE + 1):
                     self.number, read = self.number + 1, read + len(line)
+                    if self.number % STEP == 0:  # of a packed file its fileobj says how far it is
+                        at = getattr(file, "fileobj", file).tell()
+                        tell(min(at / size, 1.0), f"reading line {self.number}")
                     if len(line) > MAX_LINE:
                         raise self.error(f"longer than {MAX_LINE} bytes, expected a line of a log")
                     if read > most:

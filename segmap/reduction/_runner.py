@@ -15,6 +15,7 @@ from .. import arrays
 from .._display import Pictured
 from ..arrays import Array, Metres, Radians, Segments, at_least, at_most
 from ..methods import Method
+from ..progress import tell
 from ..segments import MIN_LENGTH, SegmentMap, length
 
 if TYPE_CHECKING:
@@ -162,9 +163,10 @@ def run_online(
     """
     start = time.perf_counter()
     rows, count = rows_of(map, by_scan=True)
-    steps, live, ended = method(rows), [], [time.perf_counter()]
+    steps, live, ended = method(rows), list[int](), [time.perf_counter()]
     while True:
         try:
+            tell(len(live) / len(rows.cuts), f"{name}: {len(live)} of {len(rows.cuts) - 1} scans")
             live.append(next(steps))
         except StopIteration as last:
             found: Found = last.value

@@ -392,6 +392,17 @@ def test_a_bar_says_what_is_done_and_goes_when_it_is_done(run, near, monkeypatch
     assert screen.getvalue().endswith(" \r")
 
 
+def test_long_work_moves_a_bar_on_a_terminal(run, monkeypatch):
+    """Catches a bar that stands at 0/3 for the whole alignment, and one that stays."""
+    monkeypatch.setattr(sys, "stderr", screen := Terminal())
+    monkeypatch.setattr("tqdm.std.tqdm.monitor_interval", 0)
+    assert run("map", "malaga", "--method", "none")[0] == 0
+    scans = [int(k) for k in re.findall(r"placing scan (\d+) of 225 \|", screen.getvalue())]
+    assert len(set(scans)) > 3 and scans == sorted(scans)
+    assert re.search(r"\| \d\d:\d\d left", screen.getvalue())
+    assert screen.getvalue().endswith(" \r")
+
+
 def test_only_warnings_for_users_are_shown(capsys):
     class Own(UserWarning):
         pass
@@ -1052,3 +1063,19 @@ def test_the_program_is_light_and_ends_with_the_code_of_the_command(near, tmp_pa
     loaded = set(re.findall(r"\| +([\w.]+)$", done.stderr, re.MULTILINE))
     assert "segmap._commands._map" in loaded
     assert loaded & {"numba", "matplotlib", "pandas", "ipywidgets"} == set()
+
+
+def test_the_page_is_served_to_this_machine_only(run, monkeypatch):
+    """Catches a page without a token, a port that is forgotten, and a riddle where voila is not."""
+    app = pytest.importorskip("voila.app")
+    asked = []
+    monkeypatch.setattr(app.Voila, "launch_instance", lambda options: asked.append(options))
+    monkeypatch.setenv("DISPLAY", ":0")
+    assert run("app", "--port", "8890")[0] == run("app", "--no-browser")[0] == 0
+    assert Path(asked[0][0]).is_file() and asked[0][0] == asked[1][0]
+    both = {"--Voila.ip=127.0.0.1", "--Voila.auto_token=True"}
+    assert {*asked[0][1:]} == both | {"--Voila.port=8890", "--Voila.port_retries=0"}
+    assert {*asked[1][1:]} == both | {"--no-browser"}
+    monkeypatch.setitem(sys.modules, "voila.app", None)
+    code, _, told = run("app")
+    assert code == 1 and told == "segmap: the page needs voila: pip install 'segmap[app]'\n"

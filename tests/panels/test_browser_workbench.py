@@ -3,6 +3,7 @@
 Pictures of what it showed are left at build/browser/workbench_*.png.
 """
 
+import os
 import re
 import shlex
 import sys
@@ -23,6 +24,28 @@ assert browser  # the fixture
 OPEN = """
 HTMLInputElement.prototype.click = function () { document.body.appendChild(this); }"""
 TEXT = "return document.body.innerText"
+STATE = "return (document.querySelector('.segmap-state') || {}).innerText"
+LABEL = "return document.querySelector('.segmap-canvas').getAttribute('aria-label')"
+WIDE = "return document.documentElement.scrollWidth <= window.innerWidth"
+#: Letters with a contrast below 4.5 to 1 against what is behind them (WCAG 2, AA).
+PALE = """
+const light = color => {
+  const [r, g, b] = color.match(/[\\d.]+/g).map(v => v / 255)
+    .map(v => v <= 0.04045 ? v / 12.92 : ((v + 0.055) / 1.055) ** 2.4);
+  return 0.2126 * r + 0.7152 * g + 0.0722 * b;
+};
+const clear = e => /^rgba\\(.*, 0\\)$/.test(getComputedStyle(e).backgroundColor);
+const pale = [], walk = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
+while (walk.nextNode()) {
+  const text = walk.currentNode, own = text.parentElement;
+  if (!text.data.trim() || !own.getClientRects().length) continue;
+  let behind = own;
+  while (behind.parentElement && clear(behind)) behind = behind.parentElement;
+  const ground = clear(behind) ? 1 : light(getComputedStyle(behind).backgroundColor);
+  const [low, high] = [light(getComputedStyle(own).color), ground].sort((a, b) => a - b);
+  if ((high + 0.05) / (low + 0.05) < 4.5) pale.push(text.data.trim());
+}
+return pale"""
 #: Digests of the panes of the canvas, halves or thirds of its width, and the view that they share.
 PANES = """
 const c = document.querySelector('.segmap-canvas'), w = Math.floor(c.width / arguments[0]);
@@ -47,7 +70,6 @@ return null"""
 #: Voila's page asks the net for a font of icons: see `ICONS` in the errors of a machine without.
 ICONS = "fontawesome"
 BUTTON = "//button[normalize-space()='{}']"
-TAB = "//*[contains(@class, 'lm-TabBar-tabLabel') and normalize-space()='{}']"
 PICKED = "//label[normalize-space()='{}']/following-sibling::select"
 
 
@@ -56,7 +78,7 @@ def app(tmp_path_factory) -> Iterator[str]:
     """The address with its token, as the page's own server prints it."""
     folder, port = tmp_path_factory.mktemp("app"), free_port()
     command = app_command(port).replace(".venv/bin/python", shlex.quote(sys.executable))
-    assert command.startswith(shlex.quote(sys.executable))
+    assert shlex.quote(sys.executable) in command
 
     def printed():
         found = re.search(rb"http://\S+token=\w+", (folder / "log").read_bytes())
@@ -94,26 +116,20 @@ def test_a_log_goes_in_and_a_map_comes_out(app, browser, tmp_path):
     exports.write_carmen(tmp_path / "mine.log", log)
     downloads = {"behavior": "allow", "downloadPath": str(tmp_path)}
     browser.devtools("Browser.setDownloadBehavior", downloads)
-    browser.size(1280, 1250)
-    browser.open(app)
-    wait("the workbench", lambda: browser.run("return !!document.querySelector('.segmap-canvas')"))
-    browser.run(OPEN)
-    browser.click("//button[contains(., 'upload it')]")
-    (tmp_path / "long.log").write_bytes(bytes(12_000_000))
-    browser.type(browser.find("//input[@type='file']"), str(tmp_path / "long.log"))
-    wait("what is too large", lambda: "long.log has 12.0 MB" in browser.run(TEXT))
-    browser.click("//button[contains(., 'upload it')]")
-    browser.type(browser.find("//input[@type='file']"), str(tmp_path / "mine.log"))
+    opened(browser, app, 1280)
+    chosen(browser, tmp_path / "mine.log")
     wait("the log", lambda: "mine: ready to run" in browser.run(TEXT))
     assert f"mine {len(log)} scans" in browser.run(TEXT)
 
+    browser.click(f"{PICKED.format('method')}/option[normalize-space()='fusion']")
     browser.click(BUTTON.format("Run"))
     wait("a run", lambda: "fusion (tolerance 0.04)" in browser.run(TEXT), 120)
-    browser.click(TAB.format("Second"))
     browser.click(f"{PICKED.format('second method')}/option[normalize-space()='basic_online']")
     browser.click(BUTTON.format("Run"))
     wait("a second method", lambda: "basic_online (distance 0.2)" in browser.run(TEXT), 60)
-    time.sleep(0.5)  # until it is drawn
+    assert "fusion: " in browser.run(LABEL) and "Arrow keys move it" in browser.run(LABEL)
+    browser.click(BUTTON.format("both"))
+    time.sleep(1)  # until it is drawn
 
     before = browser.run(PANES, 3)
     assert len(set(before[:3])) == 3
@@ -133,22 +149,81 @@ def test_a_log_goes_in_and_a_map_comes_out(app, browser, tmp_path):
     browser.mouse("mouseWheel", left + 200, top + 200, deltaX=0, deltaY=-200, buttons=0)
     nearer = wait("the wheel", lambda: changed(browser.run(PANES, 3), after))
     assert float(nearer[3].split()[2]) > 1.2 * scale
+    browser.type(browser.find("//canvas"), "\ue014\ue013-")  # arrows to the right and up
+    keyed = wait("the keys", lambda: changed(browser.run(PANES, 3)[3:], nearer[3:]))
+    (x, y, scale), (x2, y2, scale2) = (map(float, each.split()) for each in (nearer[3], keyed[0]))
+    assert x2 > x and y2 > y and scale2 == pytest.approx(0.8 * scale, rel=1e-3)
 
     browser.click(BUTTON.format(".csv"))
     saved = tmp_path / "mine-fusion.csv"
     wait("the file", lambda: saved.exists() and saved.stat().st_size, 20)
     found = readers.read_segments(saved)
-    left = re.search(r"fusion \(tolerance 0\.04\)\s+\d+ to (\d+)", browser.run(TEXT))
+    left = re.search(r"fusion \(tolerance 0\.04\): (\d+) of", browser.run(TEXT))
     assert len(found) == int(left.group(1)) > 3
-    browser.screenshot(SCREENSHOT.with_name("workbench_1280.png"))
-    browser.size(700, 1400)
-    time.sleep(0.5)
-    browser.screenshot(SCREENSHOT.with_name("workbench_700.png"))
-    wide = "return document.documentElement.scrollWidth <= window.innerWidth"
-    assert browser.run(wide), "something is cut off at 700 px"
+    for width in (1280, 700, 400):
+        browser.size(width, 3000 - width)
+        time.sleep(0.5)
+        browser.screenshot(SCREENSHOT.with_name(f"workbench_{width}.png"))
+        assert browser.run(WIDE), f"something is cut off at {width} px"
+        assert browser.run(PALE) == [], f"letters too pale at {width} px"
     browser.run("console.error('planted, to prove that errors are seen')")
     errors = [line for line in browser.errors() if ICONS not in line]
     assert len(errors) == 1 and "planted" in errors[0], errors
+
+
+@pytest.mark.parametrize("width", [400, 700, 1280])
+def test_a_long_log_is_taken_in_pieces_stopped_and_gone_after_a_reload(
+    app, browser, tmp_path, width
+):
+    """Catches a page that says nothing for a minute, and work that goes on when nobody waits."""
+    scan = exports_of_one_scan(tmp_path / "one.log")
+    (tmp_path / "long.log").write_bytes(scan * (12_000_000 // len(scan)))
+    (tmp_path / "huge.log").write_bytes(b"")
+    os.truncate(tmp_path / "huge.log", 100_000_001)
+    opened(browser, app, width)
+    chosen(browser, tmp_path / "huge.log")
+    wait("what is too large", lambda: "huge.log has 100.0 MB: only a file" in browser.run(TEXT))
+    chosen(browser, tmp_path / "long.log")
+    wait("pieces", lambda: "uploading long.log, " in browser.run(STATE), 20)
+    wait("the reading", lambda: "reading line" in browser.run(STATE))
+    begun = time.monotonic()
+    browser.click(BUTTON.format("Stop"))
+    wait("the stop", lambda: browser.run(STATE) == "stopped", 20)
+    assert time.monotonic() - begun < 5  # half a second, but for the load of the machine
+    assert "malaga 225 scans" in browser.run(TEXT)
+
+    browser.click(BUTTON.format("Run"))
+    wait("the scans", lambda: " of 225" in browser.run(STATE))
+    if width > 900:
+        ways = "[...document.querySelectorAll('h2, canvas')].map(e => e.getBoundingClientRect().x)"
+        assert len(set(browser.run(f"return {ways}"))) == 2  # the map stands beside the steps
+    browser.open(app)
+    wait("the page", lambda: browser.run(STATE) == "malaga: ready to run")
+    assert browser.run("return [...document.querySelectorAll('h1, h2')].map(e => e.innerText)") == [
+        "From a log of a laser to a map", *("1 Log", "2 Poses", "3 Segments", "4 Map"),
+        *("All runs", "In Python"),
+    ]  # fmt: skip
+
+
+def exports_of_one_scan(path):
+    """A line of a log."""
+    exports.write_carmen(path, readers.load("corridor")[:1])
+    return path.read_bytes().splitlines(keepends=True)[-1]
+
+
+def opened(browser, address, width):
+    """The page, once it can be used."""
+    browser.size(width, 1250)
+    browser.open(address)
+    wait("the workbench", lambda: browser.run("return !!document.querySelector('.segmap-canvas')"))
+    browser.run(OPEN)
+
+
+def chosen(browser, path):
+    """A file, as a user chooses it."""
+    browser.run("document.querySelectorAll('body > input').forEach(e => e.remove())")
+    browser.click("//button[contains(., 'upload it')]")
+    browser.type(browser.find("/html/body/input[@type='file']"), str(path))
 
 
 def changed(now, before):

@@ -1,14 +1,18 @@
 """The workbench without a browser: what it runs, keeps, says and refuses."""
 
 import contextlib
+import itertools
+import json
 import os
 import signal
 import subprocess
 import sys
+import tempfile
+import threading
 import time
 import xml.etree.ElementTree as ET
 from dataclasses import replace
-from datetime import UTC, datetime
+from functools import partial
 from inspect import signature
 
 import alignment_logs as logs
@@ -17,24 +21,27 @@ import numpy as np
 import pytest
 
 import segmap
-from segmap import LaserScan, Log, SegmentMap, alignment, exports, readers, reduction
+from segmap import LaserScan, Log, SegmentMap, alignment, exports, progress, readers, reduction
+from segmap._commands import main
 from segmap._display import facts
 from segmap.arrays import Metres, Radians, checked
 from segmap.experiments import pareto
 from segmap.methods import Method
 from segmap.panels import Workbench, control
 from segmap.panels._base import VIEW
+from segmap.panels.workbench import _bar, _job
+from segmap.panels.workbench._bar import Bar
 from segmap.panels.workbench._choices import Choice
-from segmap.panels.workbench._job import Failed, Worker
+from segmap.panels.workbench._job import Failed, Stopped, Worker
 from segmap.panels.workbench._recipe import follow
 from segmap.panels.workbench._shown import (
     COLORS,
-    figures_table,
-    plane,
+    left,
     runs_table,
     verdict_line,
 )
 from segmap.plotting import thumbnail
+from segmap.progress import tell
 from segmap.scans import Skipped
 from segmap.simulation import URG_04LX, drive, rectangular_room, simulate
 
@@ -50,7 +57,7 @@ METHODS = {**alignment.METHODS, **reduction.METHODS}
 def bench(log=LOG, **chosen):
     """A workbench that takes the true poses, which costs no time."""
     made = Workbench(log)
-    made.align.value = "ground_truth"
+    made.align.value, made.method.value = "ground_truth", "fusion"
     for name, value in chosen.items():
         getattr(made, name).value = value
     return made
@@ -71,6 +78,34 @@ def in_browser(made):
 
 
 # ------------------------------------------------------------------ what is run
+
+
+@pytest.mark.parametrize("kind", ["room", "malaga", "no truth", "no odometry", "beam times"])
+def test_page_and_command_make_the_same_map_of_a_log(kind, tmp_path, monkeypatch, capsys):
+    """Catches another alignment, method or threshold by default behind one of the two doors."""
+    monkeypatch.chdir(tmp_path)
+    made = Workbench(segmap.load("room"))
+    if kind in ("room", "malaga"):
+        made.bundled.value = source = kind
+    else:
+        log = replace(LOG, truth=None) if kind != "beam times" else logs.moving_log()
+        if kind == "no odometry":
+            log = replace(log, scans=tuple(replace(scan, odometry=None) for scan in log))
+        exports.write_arrays(tmp_path / "it.npz", log)
+        made.path.value = source = "it.npz"
+        made.wait()
+    made.run()
+    assert main(["map", source, "--json"]) == 0
+    told = json.loads(capsys.readouterr().out)
+    assert [len(made.outcome.map), len(made.outcome.reductions[0])] == [
+        told["extracted"]["segments"],
+        told["reduced"]["segments"],
+    ]
+    assert made.outcome.alignment.method == told["aligned"]["method"]
+    assert made.outcome.recipe.deskew == ("de-skewed" in told) == (kind == "beam times")
+    made.align.value = "odometry"
+    made.open(segmap.load("room"))
+    assert made.align.value == "odometry"  # what was chosen stays
 
 
 def test_it_runs_what_is_chosen():
@@ -136,6 +171,7 @@ def test_the_same_in_python_names_the_log(tmp_path):
     made = bench(segmap.load("room"))
     assert made.bundled.value != "room"
     made.path.value = str(path)
+    made.wait()
     assert made.log.skipped.lines == 1 and made.bundled.value != "room"
     made.run()
     exec(made.code, names := {})
@@ -192,7 +228,7 @@ def test_beams_with_times_are_carried_to_the_start_of_their_scan():
     made.deskew.value = False
     made.run()
     assert "deskew" not in made.code and made.outcome.log is made.log
-    assert "the robot moved by more than the spacing" in made.figures.value
+    assert "the robot moved by more than the spacing" in made.verdict.value
     made.open(LOG)
     made.deskew.value = True
     made.run()
@@ -321,6 +357,7 @@ def test_run_stop_and_failure_in_the_worker(worker):
 ENDLESS = """
 from segmap.compiled import compiled
 from segmap.panels.workbench._job import Worker
+from segmap.progress import tell, told
 
 @compiled
 def turn(count: int) -> float:
@@ -329,13 +366,14 @@ def turn(count: int) -> float:
         total += k % 7
     return total
 
-def endless(tell):
-    tell(str(turn(9)))  # compiled
+def endless():
+    tell(0.0, str(turn(9)))  # compiled
     turn(10**13)
 
 if __name__ == "__main__":
     import endless
-    Worker().do(endless.endless, tell=lambda text: print(text, flush=True))
+    with told(lambda share, text: print(text, flush=True)):
+        Worker().do(endless.endless)
 """
 
 
@@ -363,72 +401,145 @@ class Unknown:
 def test_a_method_of_the_notebook_is_told_to_run_here(worker):
     """Catches a worker that is out of step after what it could not take in."""
     with pytest.raises(Failed, match="only this notebook defines"):
-        worker.do(lambda tell: 1, tell=print)
+        worker.do(lambda: 1)
     with pytest.raises(Failed, match=r"invalid literal.*only this notebook defines"):
-        worker.do(facts, Unknown(), tell=print)
+        worker.do(facts, Unknown())
     with pytest.raises(Failed, match="positional argument"):
-        worker.do(facts, LOG, tell=print)
+        worker.do(facts, LOG, LOG)
 
 
-def test_a_worker_is_stopped_at_once_and_begins_anew(worker, monkeypatch):
-    """Catches a stop that waits for the work, and one that is taken for a failure."""
-    made = bench(segmap.load("malaga"), align="angle_correspondence")
-    made._worker, begun, say = worker, time.monotonic(), made._tell
+def forever():
+    """Work with steps."""
+    for k in itertools.count():
+        tell(k % 100 / 100, f"step {k}")
+        time.sleep(0.001)
 
-    def stop_at_once(text):
-        say(text)
-        made.stop.click()
 
-    made._tell = stop_at_once
-    in_browser(made)
-    assert made.state.value == "stopped." and made.outcome is None
-    assert time.monotonic() - begun < 20  # it would take as long as this on a slow machine
-    assert worker._process is None
-    made.stop.click()
+@pytest.mark.parametrize(("work", "stays"), [(forever, True), (partial(time.sleep, 60), False)])
+def test_a_worker_is_stopped_at_once_and_begins_anew(worker, work, stays, monkeypatch):
+    """Catches a stop that waits for the work, or ends a worker that would have listened."""
+    monkeypatch.setattr(_job, "PATIENCE", 20 if stays else 0.3)  # a machine with much to do
+    worker.do(until, bool, 0.0)  # it has read this file now
+    process, ended = worker.start(), []
+
+    def wait():
+        with contextlib.suppress(Stopped):
+            worker.do(work)
+        ended.append(time.monotonic())
+
+    thread = threading.Thread(target=wait)
+    thread.start()
+    time.sleep(0.5)
+    begun = time.monotonic()
+    worker.stop()
+    thread.join(20)
+    assert ended[0] - begun < 5  # half a second, but for the load of the machine
+    assert (worker._process is process) or not stays
+    assert (worker._process is None) or stays
+    assert worker.do(print) is None
+
+
+def test_a_worker_that_dies_is_told_and_replaced(worker, monkeypatch):
+    """Catches a run that waits for ever for a process that the system has ended."""
     process = worker.start()
     process.kill(), process.wait()
     with monkeypatch.context() as patch, pytest.raises(Failed, match="ended by itself"):
         patch.setattr(worker, "start", lambda: process)  # it died only after it was asked for
-        worker.do(print, tell=print)
-    assert worker.do(print, tell=print) is None
+        worker.do(print)
+    assert worker.do(print) is None
     assert worker._process is not process and process.stdin.closed and process.stdout.closed
+
+
+def test_a_run_that_is_stopped_says_so(worker):
+    """Catches a stop that is taken for a failure, and a bar that stays where it was."""
+    made = bench(segmap.load("malaga"), align="pose_graph")
+    made._worker = worker
+    made.start.click()
+    until(lambda: "of 225" in made.state.value)
+    made.stop.click()
+    made.wait()
+    assert (made.state.value, made.progress.value) == ("stopped", 0.0) and made.outcome is None
+    assert not made.start.disabled
+
+
+def until(true, seconds=60):
+    end = time.monotonic() + seconds
+    while not true() and seconds:
+        assert time.monotonic() < end
+        time.sleep(0.01)
+
+
+def test_the_bar_moves_and_tells_the_time_that_is_left(monkeypatch):
+    """Catches a bar that stands still for a minute, and a time that is left of another work."""
+    bar, now = Bar(), iter([0, 0, 1, 10, 10, 40, 41])
+    monkeypatch.setattr(_bar.time, "monotonic", lambda: next(now))
+    for share, words, said in (
+        (0.0, "a < b", "a &lt; b ..."),
+        (0.1, "a", "a ..."),
+        (0.25, "a", "a, 30 s left"),
+        (0.0, "b", "b, 30 s so far"),
+    ):
+        bar.tell(share, words)
+        assert (bar.state.value, bar.bar.value) == (said, share)
 
 
 # ------------------------------------------------------------------ logs
 
 
-def test_an_uploaded_file_is_read(tmp_path):
-    """Catches a name that leaves its folder, and a file that is no log taking the log away."""
+def test_an_uploaded_file_is_read(tmp_path, worker):
+    """Catches a name that leaves its folder, a piece that is lost or comes twice, and a file that
+    is no log taking the log away, or told with places and Python that its user does not know."""
     exports.write_carmen(tmp_path / "a.log", LOG)
-    made = bench()
-    upload(made, "../../etc/mine.log", (tmp_path / "a.log").read_bytes())
-    assert made.log.name == "mine" and len(made.log) == len(LOG) and made.upload.value == ()
+    made, content = bench(), (tmp_path / "a.log").read_bytes() + b"FLASER 3 1\n"
+    made._worker = worker
+    upload(made, "../../etc/mine.log", content)
+    assert made.log.name == "mine" and len(made.log) == len(LOG)
     assert "<b>mine</b> 9 scans" in made.about.value
+    assert "1 line left out; mine.log, line 11: announces" in made.about.value
     assert made.state.value == "mine: ready to run"
-    upload(made, "\0", b"no log at all")
-    assert made.log.name == "mine" and "upload.log" in made.state.value
-
-
-def test_a_file_that_is_too_large_is_told_and_not_sent():
-    """Catches a page that loses its kernel over a log of 40 MB, without a word."""
-    made = bench()
-    assert made.upload.most == 10_000_000
-    made.upload._handle_custom_msg({"name": "a\0/long.log", "size": 10_000_001}, [])
-    assert made.state.value == (
-        "long.log has 10.0 MB: uploads have up to 10 MB; larger ones by their path"
+    upload(made, "\0", b"no log\n")
+    assert made.log.name == "mine" and made.state.value.startswith(
+        "upload.log: is of no known format: it starts with &#x27;no log&#x27;. Known formats: "
     )
-    assert made.log is LOG and made.upload.value == ()
+    upload(made, "b.log", b"FLASER 3 1\n")
+    assert made.state.value.startswith("b.log: holds no scan, expected a FLASER")
+    assert "damaged line 1: " in made.state.value
+    assert "segmap" not in made.state.value and tempfile.gettempdir() not in made.state.value
 
 
-def upload(made, name, content):
-    now = datetime(2026, 1, 1, tzinfo=UTC)
-    file = {"name": name, "type": "", "size": len(content), "last_modified": now}
-    made.upload.value = ({**file, "content": memoryview(content)},)
+def upload(made, name, content, piece=700):
+    """What upload.js does."""
+    asked = [0]
+    made.upload.send = lambda said: asked.append(said["next"])
+    while asked[-1] >= 0:
+        said = {"name": name, "size": len(content), "start": asked[-1]}
+        part = memoryview(content[asked[-1] : asked[-1] + piece])
+        made.upload._handle_custom_msg(said, [part])
+    made.wait()
+
+
+def test_an_upload_can_be_stopped_and_what_is_too_large_is_not_sent():
+    """Catches a page that loses its kernel over a log of 200 MB, and one that takes it all."""
+    made, asked = bench(), []
+    made.upload.send = lambda said: asked.append(said["next"])
+    assert made.upload.most == 100_000_000
+    made.upload._handle_custom_msg({"name": "a\0/long.log", "size": 100_100_000, "start": 0}, [])
+    assert made.state.value == (
+        "long.log has 100.1 MB: only a file up to 100 MB; larger ones by their path"
+    )
+    for start in (0, 7, 2):  # one does not go on where the other ends
+        said = {"name": "it.log", "size": 50_000_000, "start": start}
+        made.upload._handle_custom_msg(said, [memoryview(b"xx")])
+    assert made.state.value.startswith("uploading it.log, 0 of 50 MB")
+    made.stop.click()
+    made.upload._handle_custom_msg(said | {"start": 4}, [memoryview(b"xx")])
+    assert asked == [-1, 2, 2, 4, -1] and made.log is LOG
 
 
 def test_a_path_that_is_none_is_told_and_the_log_kept():
     made = bench()
     made.path.value = "/nowhere/at.log"
+    made.wait()
     assert "does not exist" in made.state.value and made.log is LOG
     with pytest.raises(ValueError, match="source must be the path"):
         made.open(3)
@@ -524,8 +635,10 @@ def unpacked_of(content):
 def test_what_is_repeated_is_said(both):
     """Catches a bar that stands still in silence, and an alignment that is made twice."""
     outcome, told, again = both.outcome, [], []
-    follow(outcome.recipe, LOG, None, told.append)
-    follow(outcome.recipe, LOG, outcome, again.append)
+    with progress.told(lambda share, words: told.append(words)):
+        follow(outcome.recipe, LOG, None)
+    with progress.told(lambda share, words: again.append(words)):
+        follow(outcome.recipe, LOG, outcome)
     assert told[0] == f"aligning {len(LOG)} scans by ground_truth" and told[0] not in again
 
 
@@ -539,48 +652,58 @@ def test_every_run_is_kept(both):
     assert list(Workbench(LOG).runs.columns) == list(rows.columns)
 
 
-def test_runs_are_points_of_a_plane():
-    """Catches axes that are swapped, a ring around the wrong run, names that are no text."""
+def test_runs_are_rows_with_bars():
+    """Catches a bar of another share, numbers at the left, names that are no text."""
     row = {"map": "<&>", "method": "fusion", "thresholds": "tolerance 0.04", "alignment": "it",
-           "n_before": 10, "n_after": 4}  # fmt: skip
-    rows = [row | {"quality": q, "reduction": r} for q, r in ((0.9, 0.6), (0.5, 0.8), (np.nan, 0))]
-    drawing = ET.fromstring(plane(rows))
-    dots = [c for c in drawing.iter("circle") if c.get("r") == "5" and c.find("title") is not None]
-    x, y = ([float(dot.get(axis)) for dot in dots] for axis in ("cx", "cy"))
-    assert x[0] > x[1] > x[2] and y[1] < y[0] < y[2]
-    rings = [c for c in drawing.iter("circle") if c.get("fill") == "none"]
-    assert [(ring.get("cx"), ring.get("cy")) for ring in rings] == [(str(x[2]), str(y[2]))]
-    assert "V10M" in plane(rows)  # all gone is the upper edge
-    told = [mark.text for mark in drawing.iter("text")]
-    assert all(told.count(mark) == 2 for mark in ("0%", "25%", "50%", "75%", "100%"))
-    assert dots[0].find("title").text == "run 0: fusion(tolerance 0.04) on <&>"
-    assert "&lt;&amp;&gt;" in runs_table(rows) and runs_table(rows).count("<tr>") == 4
+           "n_before": 10, "n_after": 4, "seconds": 0.5}  # fmt: skip
+    rows = [row | {"quality": q, "reduction": r} for q, r in ((0.9, 0.6), (np.nan, -0.1))]
+    head, last, first = ET.fromstring(runs_table(rows)).iter("tr")
+    assert [cell.text for cell in head][:4] == ["reduction", "quality", "run", "method"]
+    assert [cell.text for cell in first] == [
+        *("60.0%", "90.0%", "0", "fusion", "tolerance 0.04", "4", "10", "0.500", "<&>", "it")
+    ]
+    assert last[2].text == "1"
+    right = ["text-align: right" in cell.get("style", "") for cell in first]
+    assert right == [True, True, True, False, False, True, True, True, False, False]
+    for cell in first[:2]:
+        assert f"#bfdcec {cell.text}, #f0f0f0 {cell.text}" in cell.get("style")
+    assert all("#bfdcec 0.0%" in cell.get("style") for cell in last[:2])
+    assert runs_table(rows * 10).count("<tr>") == 9
 
 
-def test_the_table_holds_reduction_quality_their_grades_and_seconds(both):
-    table, outcome = both.figures.value, both.outcome
+def test_each_step_holds_what_came_of_it(both):
+    """Catches figures of the other method, and a doubt that nobody reads."""
+    told, outcome = both.figures.value, both.outcome
     for reduced, kept in zip(outcome.reductions, outcome.qualities, strict=True):
         rate = segmap.reduction_rate(outcome.map, reduced)
-        assert f"{rate:.1%}, {segmap.metrics.grade_reduction(rate)}" in table
-        assert f"{kept:.1%}, {segmap.metrics.grade_quality(kept)}" in table
+        assert f"reduction {rate:.1%}, {segmap.metrics.grade_reduction(rate)}" in told
+        assert f"quality {kept:.1%}, {segmap.metrics.grade_quality(kept)}" in told
+    assert both.extracted.value == f"{len(outcome.map)} segments of {len(LOG)} scans"
     doubted = [
         reduction.Reduction(r.segments, r.parents, 0.5, doubt="a < b") for r in outcome.reductions
     ]
-    doubtful = replace(outcome, reductions=doubted)
-    assert figures_table(doubtful).count("<br>a &lt; b") == 2 and ">0.500<" in figures_table(
-        doubtful
-    )
+    told = left(replace(outcome, reductions=doubted))
+    assert told.count("<br>a &lt; b") == 2 and "; 0.500 s" in told
 
 
-def test_the_verdict_on_the_map_comes_first_in_words_and_in_a_colour(both):
-    """Catches a map that nobody judges, and a verdict that stands below the maps."""
+def test_the_verdict_on_the_map_comes_in_words_and_in_a_colour(both):
+    """Catches a map that nobody judges."""
     assert both.outcome.verdict.words in both.verdict.value and COLORS["good"] in both.verdict.value
     assert both.outcome.verdict.doubled is not None
     assert set(both.runs["verdict"]) == {"good"} and set(both.runs["placed"]) == {len(LOG)}
-    parts = list(both._view.children)
-    assert parts.index(both.verdict) < parts.index(both.figures)
     bad = replace(both.outcome.verdict, grade="not a map", words="NOT A MAP: a < b")
     assert "a &lt; b" in verdict_line(bad) and len(set(COLORS.values())) == len(COLORS) == 3
+
+
+def test_thresholds_are_shown_where_they_are_asked_for():
+    made = bench(second="none")
+    shown = [choice._box.layout for choice in (made.align, made.method)]
+    assert [layout.display for layout in shown] == ["none", "none"]
+    made.align.settings.value = True
+    assert [layout.display for layout in shown] == ["flex", "none"]
+    assert made.second.settings.layout.visibility == "hidden"
+    made.second.value = "hybrid"
+    assert made.second.settings.layout.visibility == "visible"
 
 
 def test_a_map_without_a_wall_is_refused_with_its_verdict():
@@ -611,7 +734,7 @@ def test_without_anywidget_there_is_a_picture(monkeypatch):
     monkeypatch.setitem(__import__("sys").modules, "segmap.panels.workbench._canvas", None)
     made = done()
     assert made.canvas is None and bytes(made.picture.value).startswith(b"\x89PNG")
-    assert len(made.point(0)) and made.picture in made._view.children
+    assert len(made.point(0)) and made.picture in made._view.children[0].children[1].children
 
 
 @pytest.mark.parametrize("end", [".csv", ".npz", ".svg", ".geojson", ".wkt", ".dxf"])

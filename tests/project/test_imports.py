@@ -16,7 +16,9 @@ SOURCES = sorted(path for package in PACKAGES for path in package.rglob("*.py"))
 
 #: From the ground up. A room imports rooms of lower storeys only; a folder is one room.
 STOREYS = (
-    "compiled _display files threads methods arrays",
+    "compiled _display files arrays",
+    "progress",
+    "threads methods",
     "angles",
     "poses segments",
     "scans kernels",

@@ -10,7 +10,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from ..._display import counted
-from ...alignment import METHODS, Alignment, deskew
+from ...alignment import METHODS, Alignment, deskew, usual_method
 from ...arrays import Array
 from ...exports import Earth, Frame, Grid
 from ...extraction import build_map
@@ -77,8 +77,7 @@ def aligned(given: argparse.Namespace, log: Log, report: Report) -> Alignment:
     By default: the true poses where the log has one for each scan; else all poses at once, loops
     closed.
     """
-    true = log.truth is not None and np.isfinite(log.truth).all()
-    name = given.align or ("ground_truth" if true else "pose_graph")
+    name = given.align or usual_method(log)
     refuse_others(given, name, METHODS, "align_")
     options: dict[str, Any] = {"missing": "drop"} if name == "ground_truth" else {}
     if name == "angle_correspondence":

@@ -204,7 +204,8 @@ class FrontEnd:
             return found
 
         by_frame = np.split(others, np.flatnonzero(np.diff(own[others])) + 1)
-        for scans, found in zip(by_frame, in_threads(refined, by_frame), strict=True):
+        laid = in_threads(refined, by_frame, "laying each scan once more")
+        for scans, found in zip(by_frame, laid, strict=True):
             for scan, offset in zip(scans, found, strict=True):
                 self.offset[scan] = offset
 

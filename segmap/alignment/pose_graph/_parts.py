@@ -12,6 +12,7 @@ import numpy as np
 
 from ... import arrays
 from ...poses import between, compose
+from ...progress import Progress, tell, told
 from ...scans import Log
 from .._result import Alignment, concluded
 from ..graph import Edge, Rejected
@@ -21,7 +22,11 @@ from ._pose_graph import LiveGraph
 
 
 def align_parts(
-    parts: Sequence[Log], *, executor: Executor | None = None, **thresholds: Any
+    parts: Sequence[Log],
+    *,
+    executor: Executor | None = None,
+    progress: Progress | None = None,
+    **thresholds: Any,
 ) -> Alignment:
     """Align the parts of a long log side by side, and join them: `pose_graph` on all cores.
 
@@ -40,6 +45,8 @@ def align_parts(
     executor
         A process pool, or `client.get_executor()` of `dask.distributed`; None works one part after
         the other. The result is the same.
+    progress
+        As in `pose_graph`; of parts that an executor aligns when they are joined.
     **thresholds
         As of `pose_graph`.
 
@@ -63,15 +70,17 @@ def align_parts(
     if executor is not None:
         arrays.instance(executor, "executor", Executor)
     graph, run = LiveGraph(**thresholds), map if executor is None else executor.map
-    # 1. Each part alone; 2. as they come, joined to those before
-    for log, part in zip(logs, run(work, logs), strict=True):
-        if len(graph):
-            _join(graph, part, log)
-        else:
-            graph = part
-            _inside(graph)[0].scans += log
-    # 3. All poses together; 4. each scan once more, as in `pose_graph`
-    found = graph.settled()
+    with told(progress):
+        # 1. Each part alone; 2. as they come, joined to those before
+        for k, (log, part) in enumerate(zip(logs, run(work, logs), strict=True)):
+            tell(k / len(logs), f"joining part {k + 1} of {len(logs)}")
+            if len(graph):
+                _join(graph, part, log)
+            else:
+                graph = part
+                _inside(graph)[0].scans += log
+        # 3. All poses together; 4. each scan once more, as in `pose_graph`
+        found = graph.settled()
     scans = [scan for log in logs for scan in log]
     return concluded("align_parts", scans, found, time.perf_counter() - begun)
 
@@ -79,7 +88,8 @@ def align_parts(
 def _aligned(thresholds: dict[str, Any], log: Log) -> LiveGraph:
     """The graph of one part, without what the caller has or can make again: it may travel far."""
     graph = LiveGraph(**thresholds)
-    for scan in log:
+    for k, scan in enumerate(log):
+        tell(k / len(log), f"placing scan {k + 1} of {len(log)} of a part")
         graph.add(scan)
     front, closer = _inside(graph)
     front.frames.optimize()
@@ -136,6 +146,7 @@ def _join(graph: LiveGraph, part: LiveGraph, log: Log) -> None:
     # 3. Loops that lead to the parts before, as if the robot drove there now
     found = {loop.second for loop in closer.accepted}
     for new in range(joint.frame, len(front.frames)):
+        tell(new / len(front.frames), "looking for loops between parts")
         scan = front.frames.scan[new]
         confirmed = front.loose[scan] or not front.trail.reasons[scan]
         if closer.seek(new, joint.frame, confirmed=confirmed):

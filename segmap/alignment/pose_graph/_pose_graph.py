@@ -17,6 +17,7 @@ import numpy as np
 from ... import arrays
 from ...arrays import Array, Metres, Positive, Radians, at_most
 from ...poses.motions import between, wrap
+from ...progress import Progress, tell, told
 from ...scans import LaserScan, Log
 from .._result import Alignment, Match, Outcome, alignment_method, concluded, no_match
 from ..graph import Graph
@@ -50,6 +51,7 @@ def pose_graph(
     drift: Positive = 0.03,
     tracking: Tracking = Tracking(),
     closing: LoopClosing = LoopClosing(),
+    progress: Progress | None = None,
 ) -> Outcome:
     """Match each scan with a local map, close loops, and solve for all poses together.
 
@@ -75,6 +77,8 @@ def pose_graph(
         sought within 1 m and this share of the shortest way through the graph, at most 12 m.
     tracking, closing
         What else can be turned.
+    progress
+        Is called with the share of the scans that are placed and words, and may raise to stop.
 
     Returns
     -------
@@ -97,9 +101,11 @@ def pose_graph(
         tracking=tracking,
         closing=closing,
     )
-    for scan in log:
-        graph.add(scan)
-    return graph.settled()
+    with told(progress):
+        for k, scan in enumerate(log):
+            tell(k / len(log), f"placing scan {k + 1} of {len(log)}")
+            graph.add(scan)
+        return graph.settled()
 
 
 class Placed(NamedTuple):
@@ -233,6 +239,7 @@ class LiveGraph:
         if self._parts is None:
             return Outcome(np.zeros((0, 3)), ())
         front, closer = self._parts
+        tell(0.0, "solving for all poses")
         # 4. All poses together, without loops that the others contradict
         front.frames.optimize()
         if closer.settle():

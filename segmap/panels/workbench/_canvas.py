@@ -11,6 +11,8 @@ import traitlets
 
 from ...arrays import Array
 
+#: What may be shown: the map before, what is left of it, or both beside each other.
+SHOWN = ("before", "after", "both")
 #: Nothing is pointed at.
 NOTHING = [-1, -1]
 
@@ -20,7 +22,7 @@ class Canvas(anywidget.AnyWidget):
 
     `pointed` says which of the results, and which of its segments the mouse is on, -1 for none;
     `members` are rows of the map before that went into it. `size` is width and height, metres, of
-    what is seen at first; the middle of the map is (0, 0).
+    what is seen at first; the middle of the map is (0, 0). `shown` is one of `SHOWN`.
     """
 
     _esm = (Path(__file__).parent / "canvas.js").read_text(encoding="utf-8")
@@ -31,6 +33,7 @@ class Canvas(anywidget.AnyWidget):
     size = traitlets.List(traitlets.Float(), [1.0, 1.0]).tag(sync=True)
     pointed = traitlets.List(traitlets.Int(), NOTHING).tag(sync=True)
     members = traitlets.List(traitlets.Int()).tag(sync=True)
+    shown = traitlets.Unicode(SHOWN[1]).tag(sync=True)
 
     def show(self, before: Array, results: list[Array], titles: list[str]) -> None:
         """Show other maps, `(n, 2, 2)`, metres; the view stays where the map covers the same."""

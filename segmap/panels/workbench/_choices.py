@@ -9,12 +9,15 @@ from typing import Any
 import ipywidgets as W
 
 from ... import alignment, extraction, reduction
+from ...scans import Log
 from .._control import ENTRY, control
 from ._recipe import Call, Recipe
 
 #: A slider goes in twentieths of the default up to ten times it.
 STEPS, TIMES = 20, 10
 WRAP: Any = {"flex_flow": "row wrap", "align_items": "center"}
+#: Names of the lists, one below the other.
+NAME = {"description_width": "104px"}
 #: What the list of second methods says of none.
 NONE = "none"
 
@@ -41,10 +44,15 @@ class Choice:
         self._functions = functions
         self._made: dict[str, dict[str, Any]] = {}
         self.picker: Any = W.Dropdown(
-            options=list(functions), value=first, description=name, style=ENTRY
+            options=list(functions), value=first, description=name, style=NAME
         )
-        self._box = W.Box(layout=W.Layout(**WRAP))
-        self.view = W.VBox([self.picker, self._box])
+        self.picker.layout.flex = "1 1 200px"
+        self._box = W.Box(layout=W.Layout(**WRAP, display="none"))
+        self.settings: Any = W.ToggleButton(False, description="settings")
+        self.settings.tooltip, self.settings.layout.width = f"settings of {name}", "76px"
+        self.settings.observe(self._folded, names="value")
+        row = W.Box([self.picker, self.settings])
+        self.view = W.VBox([row, self._box])
         self.picker.observe(self._chosen, names="value")
         self._chosen()
 
@@ -82,12 +90,17 @@ class Choice:
         changed = {k: v for k, v in values.items() if k == varies or v != usual[k].default}
         return Call(self.value, function, changed)
 
+    def _folded(self, change: Any) -> None:
+        """Show the thresholds where that is asked for."""
+        self._box.layout.display = "flex" if change["new"] else "none"
+
     def _chosen(self, change: Any = None) -> None:
         about = self._functions[self.value]
         if about is not None and self.value not in self._made:
             self._made[self.value] = _controls(*about)
         nothing = [] if about is None else [W.Label("no threshold")]
         self._box.children = list(self.controls.values()) or nothing
+        self.settings.layout.visibility = "hidden" if about is None else "visible"
 
 
 def _controls(function: Callable[..., Any], varies: str) -> dict[str, Any]:
@@ -112,15 +125,24 @@ class Choices:
         alignments = {k: (m.function, "") for k, m in alignment.METHODS.items()}
         reductions = {k: (m.function, m.varies) for k, m in reduction.METHODS.items()}
         extractions = {k: (f, "") for k, f in extraction.METHODS.items()}
-        self.align = Choice("alignment", alignments, "pose_graph")
+        self._usual = "pose_graph"
+        self.align = Choice("alignment", alignments, self._usual)
         self.extract = Choice("extraction", extractions, "extract_polylines")
-        self.method = Choice("method", reductions, "fusion")
+        self.method = Choice("method", reductions, "least_cost")
         self.second = Choice("second method", {NONE: None, **reductions}, NONE)
         named: Any = {"description": "leave out below [m]", "style": ENTRY}
-        words = "carry the beams to the start of their scan, where the log has their times"
+        words = "de-skew, where the beams have their times"
         self.deskew: Any = W.Checkbox(True, description=words, indent=False)
+        self.deskew.layout.width = "auto"
         self.least: Any = W.BoundedFloatText(0.0, min=0, max=100, step=0.05, **named)
-        self.least.layout.width = "240px"
+        self.least.layout.width = "270px"
+
+    def begin(self, log: Log) -> None:
+        """Choose the alignment that the command takes for a log, unless another one was chosen."""
+        usual = alignment.usual_method(log)
+        if self.align.value == self._usual:
+            self.align.value = usual
+        self._usual = usual
 
     def recipe(self, log: str, *, timed: bool) -> Recipe:
         """All that is chosen, for the log that an expression gives; `timed` if its beams are."""
@@ -130,10 +152,9 @@ class Choices:
         return Recipe(log, align, extract, least, first, self.second.call(), deskew)
 
     def views(self) -> dict[str, Any]:
-        """Their controls, by the titles of their tabs."""
+        """Their controls, by the steps of the way."""
         return {
-            "Alignment": W.VBox([self.deskew, self.align.view]),
+            "Poses": W.VBox([self.align.view, self.deskew]),
             "Segments": W.VBox([self.extract.view, self.least]),
-            "Reduction": self.method.view,
-            "Second": self.second.view,
+            "Map": W.VBox([self.method.view, self.second.view]),
         }

@@ -1,21 +1,28 @@
 """Long work in a process of its own, which can be stopped at any time.
 
-A compiled loop cannot be interrupted. So the work runs in a second Python that stays warm for the
-next run; stopping kills it, and so does the end of this one. Functions travel by their names: one
-that is defined in a notebook is not known there, and `Workbench.run` calls it here instead.
+Work that says how far it is stops at its next step. A compiled loop cannot be interrupted: so the
+work runs in a second Python that stays warm for the next run, and where no step comes soon stopping
+kills it; so does the end of this one. Functions travel by their names: one that is defined in a
+notebook is not known there, and `Workbench.run` calls it here instead.
 """
 
 from __future__ import annotations
 
 import contextlib
+import io
 import os
 import pickle
 import queue
+import signal
 import subprocess
 import sys
 import threading
-from collections.abc import Callable
-from typing import Any, BinaryIO
+import time
+from collections.abc import Callable, Sequence
+from typing import IO, Any
+
+from ...progress import tell, told
+from ...scans import Log
 
 #: What the worker begins with: it finds the package that this Python has imported.
 START = (
@@ -23,6 +30,8 @@ START = (
 )
 #: What to do with a function that cannot be sent.
 HERE = "what only this notebook defines runs with workbench.run()"
+#: A step may take so long, and is told at most every so often: seconds.
+PATIENCE, OFTEN = 0.2, 0.1
 
 
 class Stopped(Exception):
@@ -38,10 +47,12 @@ class Worker:
 
     def __init__(self) -> None:
         self._process: subprocess.Popen[bytes] | None = None
-        self._lock = threading.Lock()
+        self._kept: Log | None = None
+        self._lock, self._idle, self._stopped = threading.Lock(), threading.Event(), False
+        self._idle.set()
 
-    def do(self, function: Callable[..., Any], *given: Any, tell: Callable[[str], None]) -> Any:
-        """Call `function(*given, tell)` there, and hand on what it tells.
+    def do(self, function: Callable[..., Any], *given: Any) -> Any:
+        """Call `function(*given)` there, and tell here how far it says it is.
 
         Raises
         ------
@@ -50,22 +61,37 @@ class Worker:
         Failed
             With what the function raised, or where the process ended by itself.
         """
+        self._stopped = False
+        self._idle.clear()
         try:
-            work = pickle.dumps((function, given))
-        except Exception as fault:
-            raise Failed(f"{fault}; {HERE}") from fault
-        process = self.start()
+            process, work = self.start(), io.BytesIO()
+            try:
+                _Writer(work, self._kept).dump((function, given))
+            except Exception as fault:
+                raise Failed(f"{fault}; {HERE}") from fault
+            self._kept = _kept(given, self._kept)
+            result = self._done(process, work.getvalue())
+            self._kept = _kept((result,), self._kept)
+            return result
+        finally:
+            self._idle.set()
+
+    def _done(self, process: subprocess.Popen[bytes], work: bytes) -> Any:
         assert process.stdin is not None and process.stdout is not None
         try:
-            pickle.dump(work, process.stdin)
-            process.stdin.flush()
+            with self._lock:
+                if self._stopped:
+                    raise Stopped
+                _send(process.stdin, work)
             while True:
-                kind, value = pickle.load(process.stdout)
+                kind, value = _Reader(process.stdout, self._kept).load()
                 if kind == "done":
                     return value
                 if kind == "failed":
                     raise Failed(value)
-                tell(value)
+                if kind == "stopped":
+                    raise Stopped
+                tell(*value)
         except (EOFError, OSError, ValueError, pickle.UnpicklingError):  # a pipe that was closed
             if self._process is process:
                 raise Failed("the work ended by itself: is there memory enough?") from None
@@ -76,19 +102,61 @@ class Worker:
         with self._lock:
             if self._process is None or self._process.poll() is not None:
                 _end(self._process)
+                self._kept = None
                 command = [sys.executable, "-c", START, *sys.path]
                 pipes: Any = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE}
                 self._process = subprocess.Popen(command, **pipes)
             return self._process
 
     def stop(self) -> None:
-        """End it, whatever it does; nothing happens where it does not run."""
-        with self._lock:
-            process, self._process = self._process, None
+        """End what it does, at its next step or with its process; nothing where it does nothing."""
+        self._stopped = True
+        process = self._process
+        if process is None or self._idle.is_set():
+            return
+        if self._lock.acquire(timeout=PATIENCE):  # else a long log is on its way
+            with contextlib.suppress(OSError, ValueError):
+                _send(process.stdin, None)  # type: ignore[arg-type]
+            self._lock.release()
+        if not self._idle.wait(PATIENCE):
+            self.end()
+
+    def end(self) -> None:
+        """Kill the process, whatever it does."""
+        process, self._process = self._process, None
         _end(process)
 
     def __del__(self) -> None:
-        self.stop()
+        self.end()
+
+
+def _kept(values: Sequence[Any], before: Log | None) -> Log | None:
+    """The log that both sides have: it goes only once, for a long one takes seconds."""
+    return next((value for value in values if isinstance(value, Log)), before)
+
+
+class _Writer(pickle.Pickler):
+    """Sends a word in the place of the log that the other side has."""
+
+    def __init__(self, pipe: IO[bytes], kept: Log | None) -> None:
+        super().__init__(pipe)
+        self._known = kept
+
+    def persistent_id(self, value: Any) -> str | None:
+        """The word."""
+        return "kept" if value is self._known and value is not None else None
+
+
+class _Reader(pickle.Unpickler):
+    """Puts the log in the place of the word."""
+
+    def __init__(self, pipe: IO[bytes], kept: Log | None) -> None:
+        super().__init__(pipe)
+        self._known = kept
+
+    def persistent_load(self, word: str) -> Log | None:
+        """The log."""
+        return self._known
 
 
 def _end(process: subprocess.Popen[bytes] | None) -> None:
@@ -106,34 +174,57 @@ def serve() -> None:
 
     A thread waits there, and ends the process in the middle of its work where the kernel is gone.
     """
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # that is for the kernel
     calls: queue.SimpleQueue[bytes] = queue.SimpleQueue()
-    threading.Thread(target=_listen, args=[calls], daemon=True).start()
+    stop, last = threading.Event(), [0.0]
+    threading.Thread(target=_listen, args=[calls, stop], daemon=True).start()
     answers = os.fdopen(os.dup(sys.stdout.fileno()), "wb")
     os.dup2(sys.stderr.fileno(), sys.stdout.fileno())  # what a method prints is no answer
+
+    def hand_on(share: float, words: str) -> None:
+        if stop.is_set():
+            raise Stopped
+        if share == 0 or time.monotonic() - last[0] > OFTEN:
+            last[0] = time.monotonic()
+            _send(answers, ("told", (share, words)))
+
+    with contextlib.suppress(ImportError):
+        import numba  # noqa: F401 -- while the user still reads the page
+    kept: Log | None = None
     while True:
         work = calls.get()
+        stop.clear()
         try:
             try:
-                function, given = pickle.loads(work)
+                function, given = _Reader(io.BytesIO(work), kept).load()
             except Exception as fault:
                 raise ValueError(f"{fault}; {HERE}") from fault
-            _send(answers, "done", function(*given, lambda text: _send(answers, "told", text)))
+            kept = _kept(given, kept)
+            with told(hand_on):
+                result = function(*given)
+            _send(answers, ("done", result), kept)
+            kept = _kept((result,), kept)
+        except Stopped:
+            _send(answers, ("stopped", None))
         except Exception as fault:
-            _send(answers, "failed", said(fault))
+            _send(answers, ("failed", said(fault)))
 
 
-def _listen(calls: queue.SimpleQueue[bytes]) -> None:
-    """Hand on what comes in; compiled loops let this thread run beside them."""
+def _listen(calls: queue.SimpleQueue[bytes], stop: threading.Event) -> None:
+    """Hand on what comes in, None to stop; compiled loops let this thread run beside them."""
     try:
         while True:
-            calls.put(pickle.load(sys.stdin.buffer))
+            if (work := pickle.load(sys.stdin.buffer)) is None:
+                stop.set()
+            else:
+                calls.put(work)
     finally:  # closed, or cut off
         os._exit(0)
 
 
-def _send(answers: BinaryIO, kind: str, value: Any) -> None:
-    pickle.dump((kind, value), answers)
-    answers.flush()
+def _send(pipe: IO[bytes], value: object, kept: Log | None = None) -> None:
+    _Writer(pipe, kept).dump(value)
+    pipe.flush()
 
 
 def said(fault: Exception) -> str:

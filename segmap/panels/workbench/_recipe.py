@@ -10,12 +10,10 @@ from ... import alignment, extraction, reduction
 from ...alignment import Alignment, Verdict
 from ...arrays import declared
 from ...metrics import quality, reduction_rate
+from ...progress import tell
 from ...reduction import Reduction
 from ...scans import Log
 from ...segments import SegmentMap
-
-#: Says what is being done, before it is done.
-Tell = Callable[[str], None]
 
 
 @dataclass(frozen=True)
@@ -142,7 +140,7 @@ class Outcome:
         ]
 
 
-def follow(recipe: Recipe, log: Log, before: Outcome | None, tell: Tell) -> Outcome:
+def follow(recipe: Recipe, log: Log, before: Outcome | None) -> Outcome:
     """Align, extract, reduce and measure; what is as it was `before`, on this log, is not repeated.
 
     Raises
@@ -155,20 +153,20 @@ def follow(recipe: Recipe, log: Log, before: Outcome | None, tell: Tell) -> Outc
     else:
         before = None
         if recipe.deskew:
-            tell(f"de-skewing {len(log)} scans")
+            tell(0.0, f"de-skewing {len(log)} scans")
             log = alignment.deskew(log)
     if before is not None and before.recipe.align == recipe.align:
         found = before.alignment
     else:
         before = None
-        tell(f"aligning {len(log)} scans by {recipe.align.name}")
+        tell(0.0, f"aligning {len(log)} scans by {recipe.align.name}")
         found = recipe.align.run(log)
     how = recipe.extract, recipe.least
     if before is not None and (before.recipe.extract, before.recipe.least) == how:
         map, verdict = before.map, before.verdict
     else:
         before = None
-        tell(f"extracting segments by {recipe.extract.name}")
+        tell(0.0, f"extracting segments by {recipe.extract.name}")
         extract, thresholds = recipe.extract.function, recipe.extract.thresholds
         map = extraction.build_map(
             log, found.trusted, extract=extract, keep_points=True, **thresholds
@@ -181,14 +179,14 @@ def follow(recipe: Recipe, log: Log, before: Outcome | None, tell: Tell) -> Outc
     for call in recipe.methods():
         known = before.found() if before is not None else []
         done = [reduced for was, reduced, _ in known if was == call]
-        reductions.append(done[0] if done else _reduced(call, map, tell))
-    tell("measuring quality")
+        reductions.append(done[0] if done else _reduced(call, map))
+    tell(0.0, "measuring quality")
     kept = [quality(map, each) for each in reductions]
     return Outcome(recipe, log, found, map, verdict, reductions, kept)
 
 
-def _reduced(call: Call, map: SegmentMap, tell: Tell) -> Reduction:
-    tell(f"reducing {len(map)} segments by {call.name}")
+def _reduced(call: Call, map: SegmentMap) -> Reduction:
+    tell(0.0, f"reducing {len(map)} segments by {call.name}")
     reduced = call.run(map)
     if not isinstance(reduced, Reduction):
         raise ValueError(f"{call.name} must return a Reduction, got {type(reduced).__name__}")

@@ -3,31 +3,39 @@
 from __future__ import annotations
 
 import contextlib
+import shutil
 import tempfile
+import weakref
 from collections.abc import Callable, Iterator
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import ipywidgets as W
 
 from ... import arrays, readers
+from ...readers import Session
 from ...scans import Log
-from .._control import ENTRY
 from . import _shown
-from ._choices import WRAP
+from ._bar import Bar
+from ._choices import NAME, WRAP
 from ._job import said
+from ._session import read
 
 #: What the list of bundled logs says of a log of one's own.
 OWN = "(a log of your own)"
-#: A browser sends a file in one message, and Jupyter takes no larger one; bytes.
-MOST = 10_000_000
-LARGEST = "up to 10 MB; larger ones by their path"
+#: The largest file that is taken from a browser, bytes.
+MOST = 100_000_000
+LARGEST = "a file up to 100 MB; larger ones by their path"
+#: Calls a function elsewhere, and hands what it returns to the second one here.
+Begin = Callable[[Callable[..., Any], tuple[Any, ...], Callable[[Any], None]], None]
 
 
 class Source:
     """A log, the Python `expression` that gives it, and the controls that choose another.
 
-    `taken` is called with each new log, `say` told why there is none.
+    `taken` is called with each new log, and its session where it has one; `bar` is told why there
+    is none, and `begin` reads in the worker.
     """
 
     log: Log
@@ -36,26 +44,29 @@ class Source:
     def __init__(
         self,
         first: str | Path | Log,
-        taken: Callable[[Log], None],
-        say: Callable[[str], None],
+        taken: Callable[[Log, Session | None], None],
+        bar: Bar,
+        begin: Begin,
     ) -> None:
-        self._taken, self._say = taken, say
+        self._taken, self._bar, self._begin = taken, bar, begin
+        self._folder = ""  # of an upload
+        self._drop: Callable[[], object] = str
         files = readers.data_file("malaga").parent.glob("*/*.log.gz")
         self.names = sorted(path.parent.name for path in files)
-        named: Any = {"description": "or its path", "placeholder": "my.log.gz, then Enter"}
+        named: Any = {"style": NAME, "layout": W.Layout(width="auto")}
+        hint = "my.log.gz, then Enter"
         self.controls: Any = (
-            W.Dropdown(options=[OWN, *self.names], description="bundled log", style=ENTRY),
-            W.Text(continuous_update=False, style=ENTRY, **named),
-            _upload("or upload it"),
+            W.Dropdown(options=[OWN, *self.names], description="bundled log", **named),
+            W.Text(continuous_update=False, description="or its path", placeholder=hint, **named),
+            _upload("or upload it", self.take),
         )
         bundled, path, upload = self.controls
         self.about: Any = W.HTML()
-        chosen = W.Box([bundled, path, upload, W.Label(LARGEST)], layout=W.Layout(**WRAP))
-        self.view = W.VBox([chosen, self.about])
+        sent = W.Box([upload, W.Label(LARGEST)], layout=W.Layout(**WRAP))
+        self.view = W.VBox([bundled, path, sent, self.about])
         self.open(first)
         bundled.observe(self._opened, names="value")
         path.observe(self._opened, names="value")
-        upload.observe(self._uploaded, names="value")
 
     def open(self, source: str | Path | Log) -> None:
         """Take the log of a bundled name, of a path, or this one; `ValueError` keeps the other."""
@@ -64,46 +75,79 @@ class Source:
         elif source in self.names:
             self._take(readers.load(str(source)), f"segmap.load({source!r})")
         else:
-            log = readers.read(arrays.file(source, "source"), on_error="skip")
-            self._take(log, f'segmap.read({str(source)!r}, on_error="skip")')
+            self._take(
+                read(arrays.file(source, "source")),
+                f'segmap.read({str(source)!r}, on_error="skip")',
+            )
 
-    def _take(self, log: Log, expression: str) -> None:
+    def _take(self, found: Log | Session, expression: str) -> None:
+        session = found if isinstance(found, Session) else None
+        log = found if isinstance(found, Log) else found.log
         if not len(log):
             raise ValueError(f"{log.name} must hold one scan at least, got none")
         self.log, self.expression = log, expression
         self.about.value = _shown.about(log)
         self.controls[0].value = log.name if expression == f"segmap.load({log.name!r})" else OWN
-        self._taken(log)
+        self._taken(log, session)
 
     def _opened(self, change: Any) -> None:
         """A bundled log or a path was chosen; the log there is may have set its own name."""
-        if change["new"] not in ("", OWN) and self.expression != f"segmap.load({change['new']!r})":
-            with telling(self._say):
-                self.open(change["new"])
+        name = change["new"]
+        if name in self.names and self.expression != f"segmap.load({name!r})":
+            with telling(self._bar.say):
+                self.open(name)
+        elif name not in ("", OWN, *self.names):
+            self._read(Path.cwd(), name)
 
-    def _uploaded(self, change: Any) -> None:
-        """A file came from the browser: it is read and not kept."""
-        for file in change["new"]:
-            name = Path(file["name"].replace("\0", "")).name or "upload.log"
-            if file["size"] > MOST:
-                self._say(f"{name} has {file['size'] / 1e6:.1f} MB: uploads have {LARGEST}")
-                continue
-            with telling(self._say), tempfile.TemporaryDirectory() as folder:
-                path = Path(folder) / name
-                path.write_bytes(bytes(file["content"]))
-                log = readers.read(path, on_error="skip")
-                self._take(log, f'segmap.read({name!r}, on_error="skip")')
-        if change["new"]:
-            self.controls[2].value = ()
+    def _read(self, folder: str | Path, name: str) -> None:
+        expression = f'segmap.read({name!r}, on_error="skip")'
+        self._begin(_read, (str(folder), name), lambda log: self._take(log, expression))
+
+    def take(self, name: str, size: int, start: int, content: bytes) -> int:
+        """Keep a piece of a file of the browser, and read it when it is whole; what comes next."""
+        name = Path(name.replace("\0", "")).name or "upload.log"
+        if size > MOST:
+            self._bar.say(f"{name} has {size / 1e6:.1f} MB: only {LARGEST}")
+            return -1
+        if start == 0:
+            self.stop()
+            self._folder = folder = tempfile.mkdtemp()
+            self._drop = weakref.finalize(self, partial(shutil.rmtree, folder, ignore_errors=True))
+        if not self._folder:  # it was stopped
+            return -1
+        with (Path(self._folder) / name).open("ab") as file:
+            if file.tell() != start:
+                return file.tell()
+            end = start + file.write(content)
+        self._bar.tell(
+            end / max(size, 1), f"uploading {name}, {end / 1e6:.0f} of {size / 1e6:.0f} MB"
+        )
+        if end >= size:
+            self._read(self._folder, name)
+        return end if end < size else -1
+
+    def stop(self) -> None:
+        """Take no more of what the browser sends, and forget what it has sent."""
+        self._drop()
+        self._folder = ""
 
 
-def _upload(description: str) -> Any:
+def _read(folder: str, name: str) -> Log | Session:
+    """A log by its name in a folder, so that what is said of it is what its user knows."""
+    with contextlib.chdir(folder):
+        try:
+            return read(Path(name))
+        except readers.LogError as fault:  # what follows there is for who writes Python
+            raise ValueError(". ".join(str(fault).split("\n")[:2])) from fault
+
+
+def _upload(description: str, take: Callable[[str, int, int, bytes], int]) -> Any:
     """A button that takes a file of the browser."""
     try:
         from ._upload import Upload
-    except ImportError:  # anywidget is not installed: what is too large breaks the connection
-        return W.FileUpload(description=description)
-    return Upload(description, MOST)
+    except ImportError:  # anywidget is not installed
+        return W.Label("upload needs anywidget: pip install 'segmap[lab]'")
+    return Upload(description, MOST, take)
 
 
 @contextlib.contextmanager

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-import html
 import tempfile
 import threading
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
@@ -14,14 +15,18 @@ import numpy as np
 from ... import arrays, exports
 from ...arrays import Array
 from ...plotting import thumbnail
+from ...progress import told
+from ...readers import Session
 from ...reduction import Reduction
 from ...scans import Log
 from ...scans.moving import is_timed
 from ...segments import length
 from . import _shown
+from ._bar import Bar
 from ._choices import WRAP, Choices
 from ._job import Failed, Stopped, Worker, said
 from ._recipe import Outcome, Recipe, follow
+from ._session import restore, session_of
 from ._source import Source, telling
 
 if TYPE_CHECKING:
@@ -33,7 +38,7 @@ COLUMNS = (
     *("n_before", "n_after", "reduction", "quality", "seconds"),
 )
 #: What `exports.write_segments` writes.
-FORMATS = (".csv", ".npz", ".svg", ".geojson", ".wkt", ".dxf")
+FORMATS = (".csv", ".npz", ".svg", ".geojson", ".wkt", ".dxf", ".segmap")
 
 
 class Workbench:
@@ -57,15 +62,16 @@ class Workbench:
     about, state, verdict, chosen : labels
         What the log is; what happens, or why it does not; whether the map is one; what is pointed
         at.
+    shown : buttons
+        "before", "after" or "both": which maps are seen.
 
     Examples
     --------
     >>> from segmap import load
     >>> workbench = Workbench(load("room"))
-    >>> workbench.align.value = "ground_truth"
     >>> workbench.run()
     >>> workbench
-    Workbench(room: fusion leaves 45 of 567 segments, quality 92.7%)
+    Workbench(room: least_cost leaves 52 of 567 segments, quality 95.1%)
     """
 
     def __init__(self, log: Log | None = None) -> None:
@@ -74,12 +80,14 @@ class Workbench:
         self.outcome: Outcome | None = None
         self._known: Outcome | None = None
         self._rows: list[dict[str, Any]] = []
-        self._worker, self._thread = Worker(), threading.Thread()
+        self._worker, self._thread, self._bar = Worker(), threading.Thread(), Bar()
+        self.progress, self.state = self._bar.bar, self._bar.state
         self._choices = chosen = Choices()
         self.align, self.extract, self.least = chosen.align, chosen.extract, chosen.least
         self.method, self.second, self.deskew = chosen.method, chosen.second, chosen.deskew
         self._make_outputs()
-        self._source = Source("malaga" if log is None else log, self._taken, self._say)
+        first: str | Log = "malaga" if log is None else log
+        self._source = Source(first, self._taken, self._bar, self._begin)
         self.bundled, self.path, self.upload = self._source.controls
         self.about = self._source.about
         self._view = self._laid_out()
@@ -93,15 +101,29 @@ class Workbench:
         """The log that the next run begins with."""
         return self._source.log
 
-    def _taken(self, log: Log) -> None:
-        """Another log: nothing that was found holds for it."""
+    def _taken(self, log: Log, session: Session | None) -> None:
+        """Another log: nothing that was found holds for it; a session has choices and runs."""
         self._known = None
-        self._say(f"{log.name}: ready to run")
+        self._choices.begin(log)
+        if session is not None:
+            restore(self._choices, session)
+            whole = (
+                row for row in session.runs if {*COLUMNS} <= {*row} and None not in row.values()
+            )
+            self._rows = [dict(row) for row in whole]
+            self.listed.value = _shown.runs_table(self._rows)
+        self._bar.say(f"{log.name}: ready to run", 0.0)
 
     # --------------------------------------------------------------------- a run
     def run(self) -> None:
         """Do it, here and now, and show it; where a method refuses, the run before stays."""
-        self._show(self.log, follow(*self._work(), self._tell))
+        with told(self._bar.tell):
+            self._show(self.log, follow(*self._work()))
+
+    def wait(self) -> None:
+        """Wait for what a click has begun: a run, or a file that is read."""
+        if self._thread.is_alive():
+            self._thread.join()
 
     def _work(self) -> tuple[Recipe, Log, Outcome | None]:
         recipe = self._choices.recipe(self._source.expression, timed=is_timed(self.log))
@@ -109,35 +131,43 @@ class Workbench:
 
     def _start(self, button: object = None) -> None:
         """Do it in the worker, and show it when it is done."""
-        if not self._thread.is_alive():
-            with telling(self._say):
-                work = self._work()
-                self._thread = threading.Thread(target=self._wait, args=(work,), daemon=True)
-                self._thread.start()
+        with telling(self._bar.say):
+            work = self._work()
+            self._begin(follow, work, partial(self._show, work[1]))
 
-    def _wait(self, work: tuple[Any, ...]) -> None:
-        self.start.disabled, self.progress.value = True, 0
-        kept = " The last good run is kept." if self.outcome else ""
+    def _begin(
+        self, function: Callable[..., Any], given: tuple[Any, ...], then: Callable[[Any], None]
+    ) -> None:
+        """Call a function in the worker, and hand what it returns to another one here."""
+        if self._thread.is_alive():
+            self._bar.say("something is running: wait for it, or press Stop, then try again")
+            return
+        self.start.disabled = True
+        self._bar.tell(0.0, "starting")
+        self._thread = threading.Thread(target=self._wait, args=(function, given, then))
+        self._thread.daemon = True
+        self._thread.start()
+        threading.Thread(target=self._bar.watch, args=[self._thread], daemon=True).start()
+
+    def _wait(
+        self, function: Callable[..., Any], given: tuple[Any, ...], then: Callable[[Any], None]
+    ) -> None:
+        kept = ". The last good run is kept." if self.outcome and function is follow else ""
         try:
-            self._show(work[1], self._worker.do(follow, *work, tell=self._tell))
+            with told(self._bar.tell):
+                then(self._worker.do(function, *given))
         except Stopped:
-            self._say(f"stopped.{kept}")
+            self._bar.say(f"stopped{kept}", 0.0)
         except Failed as fault:
-            self._say(f"{fault}.{kept}")
+            self._bar.say(f"{fault}{kept}", 0.0)
         except Exception as fault:
-            self._say(f"{said(fault)}.{kept}")
+            self._bar.say(f"{said(fault)}{kept}", 0.0)
         finally:
             self.start.disabled = False
 
     def _stop(self, button: object = None) -> None:
+        self._source.stop()
         self._worker.stop()
-
-    def _say(self, text: str) -> None:
-        self.state.value = html.escape(text)
-
-    def _tell(self, text: str) -> None:
-        self._say(f"{text} ...")
-        self.progress.value += 1
 
     def _show(self, log: Log, outcome: Outcome) -> None:
         self.outcome = outcome
@@ -150,15 +180,14 @@ class Workbench:
             self.canvas.show(outcome.map.segments, segments, titles)
         else:
             self.picture.value = _shown.still(outcome)
-        self.verdict.value = _shown.verdict_line(outcome.verdict)
-        self.figures.value = _shown.figures_table(outcome)
-        self.plane.value = _shown.plane(self._rows)
+        self.verdict.value = _shown.placed(outcome)
+        scans = len(np.unique(outcome.map.scan))
+        self.extracted.value = f"{len(outcome.map)} segments of {scans} scans"
+        self.figures.value = _shown.left(outcome)
         self.listed.value = _shown.runs_table(self._rows)
-        self.listing.value = (
-            f'<pre style="line-height: 1.4">{html.escape(outcome.recipe.code())}</pre>'
-        )
-        self.progress.value, self.state.value = self.progress.max, "done"
-        self.chosen.value = "point at a segment that is left: its members show in the map before"
+        self.listing.value = _shown.code(outcome.recipe.code())
+        self._bar.say("done", 1.0)
+        self.chosen.value = "point at a segment that is left: what it was made of lights up"
 
     # --------------------------------------------------------------------- what came out
     @property
@@ -191,18 +220,24 @@ class Workbench:
     def _pointed(self, change: Any) -> None:
         which, index = change["new"]
         if which >= 0:
-            with telling(self._say):
+            with telling(self._bar.say):
                 self.point(index, which)
         elif self.canvas is not None:
             self.canvas.members, self.chosen.value = [], ""
 
     def export(self, path: str | Path, which: int = 0) -> None:
-        """Write what a method leaves, as `exports.write_segments` does; 1 for the second."""
-        exports.write_segments(path, self._result(which))
+        """Write what a method leaves, as `exports.write_segments` does; 1 for the second.
+
+        A name that ends in `.segmap` keeps the log with all that is chosen, and the runs.
+        """
+        if arrays.file(path).suffix == ".segmap":
+            exports.write_session(path, session_of(self._choices, self.log, self._rows))
+        else:
+            exports.write_segments(path, self._result(which))
 
     def _download(self, button: Any) -> None:
         """Hand the first result to the browser."""
-        with telling(self._say), tempfile.TemporaryDirectory() as folder:
+        with telling(self._bar.say), tempfile.TemporaryDirectory() as folder:
             method = self._result().method
             path = Path(folder) / f"{self._rows[-1]['map']}-{method}{button.description}"
             self.export(path)
@@ -216,44 +251,55 @@ class Workbench:
 
     # --------------------------------------------------------------------- how it looks
     def _make_outputs(self) -> None:
-        self.start = W.Button(description="Run", button_style="primary")
+        self.start = W.Button(description="Run", style={"button_color": "#0072b2"})
+        self.start.style.text_color = "white"
         self.stop = W.Button(description="Stop")
-        self.start.on_click(self._start)
-        self.stop.on_click(self._stop)
-        self.progress: Any = W.IntProgress(max=5, layout=W.Layout(width="120px"))
-        self.state, self.chosen = W.HTML(), W.Label()
-        self.verdict, self.figures, self.plane = (W.HTML() for _ in range(3))
-        self.listed, self.listing = W.HTML(), W.HTML()
-        try:
-            from ._canvas import Canvas
-        except ImportError:  # anywidget is not installed: a picture instead
-            self.canvas: Any = None
-        else:
-            self.canvas = Canvas(layout=W.Layout(width="100%"))
+        for button, done in ((self.start, self._start), (self.stop, self._stop)):
+            button.layout.width = "80px"
+            button.on_click(done)
+        self.verdict, self.extracted, self.figures, self.chosen = (W.HTML() for _ in range(4))
+        wide = {"width": "100%", "overflow": "auto"}
+        self.listed, self.listing = (W.HTML(layout=W.Layout(**wide)) for _ in range(2))
         named = [W.Button(description=end, layout=W.Layout(width="auto")) for end in FORMATS]
         for button in named:
             button.on_click(self._download)
         self.files = W.Box([W.Label("Save the first result as"), *named], layout=W.Layout(**WRAP))
         self.picture: Any = W.Image(format="png")
-        if self.canvas is not None:
-            self.canvas.observe(self._pointed, names="pointed")
+        self.shown: Any = W.ToggleButtons(options=["before", "after", "both"], value="after")
+        self.shown.style.button_width = "80px"
+        try:
+            from ._canvas import Canvas
+        except ImportError:  # anywidget is not installed: a picture instead
+            self.canvas: Any = None
+            return
+        self.canvas = Canvas(layout=W.Layout(width="100%"))
+        self.canvas.observe(self._pointed, names="pointed")
+        W.link((self.shown, "value"), (self.canvas, "shown"))
 
     def _laid_out(self) -> Any:
-        wrap = W.Layout(**WRAP)
-        steps = {"Log": self._source.view, **self._choices.views()}
-        run = W.Box([self.start, self.stop, self.progress, self.state], layout=wrap)
-        seen = self.picture if self.canvas is None else self.canvas
-        kept = W.Tab(
-            [W.Box([self.plane, self.listed], layout=wrap), self.listing],
-            titles=["All runs", "In Python"],
-        )
-        tabs = W.Tab(list(steps.values()), titles=list(steps))
+        """The way from step to step at the left, the map at the right; above it where it is narrow.
+
+        All runs below.
+        """
+        found = (None, self.verdict, self.extracted, self.figures)
+        views = {"Log": self._source.view, **self._choices.views()}
+        steps: list[Any] = []
+        for k, ((name, view), told_of) in enumerate(zip(views.items(), found, strict=True)):
+            steps += [W.HTML(_shown.heading(f"{k + 1}  {name}")), view, *filter(None, [told_of])]
+        run = W.Box([self.start, self.stop, self.progress], layout=W.Layout(**WRAP))
+        seen = [self.picture] if self.canvas is None else [self.shown, self.canvas]
         files = [] if self.canvas is None else [self.files]
-        parts = [tabs, run, self.verdict, seen, self.chosen, self.figures, *files, kept]
-        return W.VBox(parts, layout=W.Layout(width="100%", max_width="1200px"))
+        way = W.VBox(steps, layout=W.Layout(flex="1 1 310px", min_width="0", max_width="100%"))
+        right = [run, self.state, *seen, self.chosen, *files]
+        maps = W.VBox(right, layout=W.Layout(flex="3 1 540px", min_width="0"))
+        both = W.Box([way, maps], layout=W.Layout(flex_flow="row wrap", grid_gap="4px 24px"))
+        runs = [W.HTML(_shown.heading("All runs")), self.listed]
+        code = [W.HTML(_shown.heading("In Python")), self.listing]
+        return W.VBox([both, *runs, *code], layout=W.Layout(width="100%", max_width="1500px"))
 
     def _repr_mimebundle_(self, include: Any = None, exclude: Any = None) -> dict[str, Any]:
         """The live panel, and for readers without a kernel its picture and its text."""
+        self._worker.start()  # so that the first run need not wait for it
         bundle: dict[str, Any] = dict(self._view._repr_mimebundle_())
         picture = _shown.still(self.outcome) if self.outcome else thumbnail(self.log)
         return bundle | {"image/png": picture, "text/plain": repr(self)}

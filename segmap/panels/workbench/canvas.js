@@ -1,5 +1,7 @@
 // Maps side by side that are panned and zoomed together. Coordinates are metres about an origin.
-const RAW = "#b0b0b0", MAP = "#000000", RESULT = "#0072b2", CHOSEN = "#e69f00", MEMBER = "#d55e00";
+const RAW = "#8c8c8c", MAP = "#000000", RESULT = "#0072b2", CHOSEN = "#b5478d", MEMBER = "#d55e00";
+const KEYS = "Arrow keys move it, plus and minus zoom, 0 shows all of it.";
+const MOVES = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
 const GAP = 8, NEAR = 9, LABEL = 22;
 
 function floats(model, name) {
@@ -18,7 +20,10 @@ function render({ model, el }) {
   }
   canvas.className = "segmap-canvas";
   canvas.tabIndex = 0;
+  canvas.setAttribute("role", "application");
+  canvas.setAttribute("aria-roledescription", "map");
   Object.assign(canvas.style, { display: "block", width: "100%", cursor: "grab", touchAction: "none" });
+  for (const line of document.querySelectorAll(".segmap-state")) line.setAttribute("role", "status");
   el.style.width = "100%";
   el.appendChild(canvas);
   let before, results, view, panes = [], width = 0, height = 0;
@@ -32,12 +37,13 @@ function render({ model, el }) {
 
   function lay() {  // as many panes as there are maps, in one row unless they would be too narrow
     width = Math.max(200, el.clientWidth || 640);
-    const count = 1 + Math.max(1, results.length);
-    const columns = width / count < 200 ? Math.ceil(count / 2) : count;
-    const rows = Math.ceil(count / columns), wide = (width - GAP * (columns - 1)) / columns;
-    const high = Math.round(Math.min(420, Math.max(230, 0.85 * wide)));
+    const all = [0, 1, 2].slice(0, 1 + Math.max(1, results.length)), shown = model.get("shown");
+    const maps = shown === "both" ? all : shown === "before" ? [0] : all.slice(1);
+    const columns = width / maps.length < 200 ? Math.ceil(maps.length / 2) : maps.length;
+    const rows = Math.ceil(maps.length / columns), wide = (width - GAP * (columns - 1)) / columns;
+    const high = Math.round(Math.min(560, Math.max(230, 0.85 * wide)));
     height = rows * high + GAP * (rows - 1);
-    panes = Array.from({ length: count }, (_, k) => ({
+    panes = maps.map((map, k) => ({ map,
       x: (k % columns) * (wide + GAP), y: Math.floor(k / columns) * (high + GAP), w: wide, h: high }));
   }
 
@@ -98,7 +104,9 @@ function render({ model, el }) {
     pen.fillStyle = "white";
     pen.fillRect(0, 0, width, height);
     const [which, index] = model.get("pointed"), members = model.get("members"), titles = model.get("titles");
-    panes.forEach((pane, k) => {
+    canvas.setAttribute("aria-label", `${titles.join(", ") || "no map yet"}. ${KEYS}`);
+    panes.forEach(pane => {
+      const k = pane.map;
       pen.save();
       pen.beginPath();
       pen.rect(pane.x, pane.y, pane.w, pane.h);
@@ -114,6 +122,7 @@ function render({ model, el }) {
       }
       write(titles[k] || "", pane.x + 8, pane.y + 16, true);
       if (before.length) bar(pane);
+      else write("Run draws the map here", pane.x + pane.w / 2 - 70, pane.y + pane.h / 2);
       pen.restore();
       pen.strokeStyle = "#d0d0d0";
       pen.lineWidth = 1;
@@ -131,7 +140,7 @@ function render({ model, el }) {
     const box = canvas.getBoundingClientRect(), x = event.clientX - box.left, y = event.clientY - box.top;
     const k = panes.findIndex(p => x >= p.x && x <= p.x + p.w && y >= p.y && y <= p.y + p.h);
     const pane = panes[Math.max(k, 0)];
-    return { k, x: view.x + (x - pane.x - pane.w / 2) / view.scale,
+    return { k: k < 0 ? k : pane.map, x: view.x + (x - pane.x - pane.w / 2) / view.scale,
              y: view.y - (y - pane.y - (pane.h + LABEL) / 2) / view.scale };
   }
 
@@ -195,8 +204,14 @@ function render({ model, el }) {
   }, { passive: false });
   canvas.addEventListener("dblclick", () => { fit(); ask(); });
   canvas.addEventListener("keydown", event => {
-    const factor = { "+": 1.25, "=": 1.25, "-": 0.8 }[event.key];
+    const factor = { "+": 1.25, "=": 1.25, "-": 0.8 }[event.key], move = MOVES[event.key];
     if (factor) zoom(factor, view);
+    else if (move) {
+      const step = panes[0].w / 8 / view.scale;
+      moved = true;
+      view = { ...view, x: view.x + step * move[0], y: view.y + step * move[1] };
+      ask();
+    }
     else if (event.key === "0") { fit(); ask(); }
     else return;
     event.preventDefault();
@@ -212,7 +227,7 @@ function render({ model, el }) {
   }
   function another() { load(); lay(); fit(); ask(); }
   model.on("change:before change:first change:second change:titles", changed);
-  model.on("change:size", another);
+  model.on("change:size change:shown", another);
   model.on("change:pointed change:members", ask);
   model.on("msg:custom", (content, buffers) => {  // a file to keep
     const link = document.createElement("a");

@@ -24,6 +24,7 @@ import numpy as np
 from ...angles import wrap
 from ...arrays import LIMIT, Array, slips
 from ...poses import compose
+from ...progress import tell
 from ...scans import LaserScan, Log
 from .._lines import BROKEN, LATEST, LogError, Reading, open_bytes
 from .._mounting import Tilted, flat, level
@@ -48,8 +49,8 @@ class _Recording(Reading):
             try:
                 self._take(each)
             except ValueError as fault:
-                tell = self.leave_out if isinstance(fault, Tilted) else self.damaged
-                tell(LogError(self.path, f"byte {start}: {fault}"))
+                said = self.leave_out if isinstance(fault, Tilted) else self.damaged
+                said(LogError(self.path, f"byte {start}: {fault}"))
 
     def _take(self, found: Any) -> None:
         if isinstance(found, Turn):
@@ -72,6 +73,7 @@ def recorded(path: Path, on_error: str = "raise") -> _Recording:
     try:
         while stream.left:
             start = stream.at
+            tell(start / max(len(data), 1), "reading objects of MRPT")
             found.take(stream.object(*OBJECTS), start)
     except Broken as broken:
         if not fault:

@@ -1,0 +1,51 @@
+"""Long work says how far it is, and whoever listens may stop it.
+
+`pose_graph(log, progress=listen)` calls `listen(share, words)` at each step: the share that is
+done, from 0 to 1, of what the words name. What it raises ends the work. `told` does the same for
+all that is called within it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
+
+from . import arrays
+
+#: Is called with the share that is done and what is done; what it raises ends the work.
+Progress = Callable[[float, str], object]
+
+_listener: ContextVar[Progress | None] = ContextVar("listener", default=None)
+
+
+@contextmanager
+def told(progress: Progress | None) -> Iterator[None]:
+    """Tell a listener how far all work is that is called within; None leaves the one there is.
+
+    Examples
+    --------
+    >>> from segmap import alignment, load
+    >>> def listen(share, words):
+    ...     print(f"{share:4.0%} {words}")
+    >>> with told(listen):
+    ...     found = alignment.pose_graph(load("room")[:2])
+      0% placing scan 1 of 2
+     50% placing scan 2 of 2
+      0% solving for all poses
+    100% laying each scan once more
+    """
+    if progress is None:
+        yield
+        return
+    token = _listener.set(arrays.function(progress, "progress", "of a share and words"))
+    try:
+        yield
+    finally:
+        _listener.reset(token)
+
+
+def tell(share: float, words: str) -> None:
+    """Say how far the work is, to whoever listens in this thread."""
+    if (listen := _listener.get()) is not None:
+        listen(share, words)

@@ -1,0 +1,109 @@
+"""What long work tells of itself, and how whoever listens stops it."""
+
+import gzip
+
+import alignment_logs as logs
+import numpy as np
+import pytest
+
+from segmap import alignment, build_map, exports, load, readers, reduction
+from segmap.progress import tell, told
+from segmap.threads import in_threads
+
+LOG = load("room")[:12]
+
+
+class Stop(Exception):
+    """What a listener raises."""
+
+
+def heard(work, **given):
+    """What work tells: pairs of shares and words."""
+    said = []
+    work(progress=lambda share, words: said.append((share, words)), **given)
+    return said
+
+
+def lines_of(log, path, pack=open):
+    """A log of many lines."""
+    exports.write_carmen(path.with_suffix(".once"), log)
+    with pack(path, "wb") as file:
+        file.write(path.with_suffix(".once").read_bytes() * 100)
+    return path
+
+
+def graph(progress):
+    return alignment.pose_graph(LOG, progress=progress)
+
+
+def parts(progress):
+    return alignment.align_parts([LOG[:6], LOG[6:]], progress=progress)
+
+
+def deskewed(progress):
+    return alignment.deskew(logs.moving_log(), progress=progress)
+
+
+def by_scan(progress):
+    map = build_map(LOG, LOG.truth)
+    return reduction.METHODS["basic_online"](map, progress=progress)
+
+
+@pytest.mark.parametrize("work", [graph, parts, deskewed, by_scan])
+def test_long_work_tells_each_step_and_stops_where_it_is_told_to(work):
+    """Catches work in silence, a share above one, and a stop that is swallowed."""
+    said = heard(work)
+    shares, words = zip(*said, strict=True)
+    assert min(shares) == 0.0 and max(shares) <= 1.0 and len(set(words)) > 8
+
+    def stop(share, words):
+        if share >= 0.5:
+            raise Stop(words)
+
+    with pytest.raises(Stop):
+        work(stop)
+    assert heard(work) == said  # nobody listens any more, and nothing is left behind
+
+
+@pytest.mark.parametrize("pack", [open, gzip.open])
+def test_reading_tells_how_much_of_the_file_is_read(pack, tmp_path):
+    """Catches a share of the unpacked bytes, and one that never comes to its end."""
+    path = lines_of(LOG, tmp_path / "it.log", pack)
+    shares = [share for share, _ in heard(lambda progress: readers.read(path, progress=progress))]
+    assert len(shares) > 3 and shares == sorted(shares) and 0.5 < shares[-1] <= 1.0
+
+
+def test_a_listener_is_for_what_is_called_within():
+    """Catches one that hears on, and an inner one that takes the place of the outer for ever."""
+    outer, inner = [], []
+    with told(lambda share, words: outer.append(words)):
+        tell(0.0, "a")
+        with told(lambda share, words: inner.append(words)):
+            tell(0.0, "b")
+        with told(None):
+            tell(0.0, "c")
+    tell(0.0, "d")
+    assert (outer, inner) == (["a", "c"], ["b"])
+    with pytest.raises(ValueError, match="progress must be a function of a share and words"):
+        alignment.pose_graph(LOG, progress=3)
+
+
+def test_threads_tell_how_many_are_done_and_begin_no_more_once_stopped():
+    """Catches a stop that waits for all that was handed to the threads."""
+    said, begun = [], []
+
+    def work(k):
+        begun.append(k)
+        return np.linalg.norm(np.ones(k + 1))
+
+    with told(lambda share, words: said.append(share)):
+        in_threads(work, range(4), "it")
+    assert said == [0.25, 0.5, 0.75, 1.0]
+
+    def stop(share, words):
+        raise Stop
+
+    begun.clear()
+    with told(stop), pytest.raises(Stop):
+        in_threads(work, range(100_000), "it")
+    assert len(begun) < 100_000
