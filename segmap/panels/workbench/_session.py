@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
 import ipywidgets as W
 from traitlets import TraitError
 
+from ... import readers
 from ...arrays import declared
-from ...readers import Session
+from ...readers import Session, read_session
 from ...scans import Log
 from ._choices import NONE, Choices
 
@@ -58,3 +60,9 @@ def restore(choices: Choices, session: Session) -> None:
         choices.least.value, choices.deskew.value = held.get("filter", 0.0), "no_deskew" not in held
     except (TraitError, TypeError, KeyError) as fault:
         raise ValueError(f"the session cannot be chosen here: {fault}") from fault
+
+
+def read(path: Path) -> Log | Session:
+    """A log, or a session by the end of its name."""
+    ours = path.suffix.lower() == ".segmap"
+    return read_session(path) if ours else readers.read(path, on_error="skip")

@@ -14,11 +14,13 @@ from typing import Any
 import ipywidgets as W
 
 from ... import arrays, readers
+from ...readers import Session
 from ...scans import Log
 from . import _shown
 from ._bar import Bar
 from ._choices import NAME, WRAP
 from ._job import said
+from ._session import read
 
 #: What the list of bundled logs says of a log of one's own.
 OWN = "(a log of your own)"
@@ -32,7 +34,8 @@ Begin = Callable[[Callable[..., Any], tuple[Any, ...], Callable[[Any], None]], N
 class Source:
     """A log, the Python `expression` that gives it, and the controls that choose another.
 
-    `taken` is called with each new log, `bar` told why there is none; `begin` reads in the worker.
+    `taken` is called with each new log, and its session where it has one; `bar` is told why there
+    is none, and `begin` reads in the worker.
     """
 
     log: Log
@@ -41,7 +44,7 @@ class Source:
     def __init__(
         self,
         first: str | Path | Log,
-        taken: Callable[[Log], None],
+        taken: Callable[[Log, Session | None], None],
         bar: Bar,
         begin: Begin,
     ) -> None:
@@ -72,16 +75,20 @@ class Source:
         elif source in self.names:
             self._take(readers.load(str(source)), f"segmap.load({source!r})")
         else:
-            log = readers.read(arrays.file(source, "source"), on_error="skip")
-            self._take(log, f'segmap.read({str(source)!r}, on_error="skip")')
+            self._take(
+                read(arrays.file(source, "source")),
+                f'segmap.read({str(source)!r}, on_error="skip")',
+            )
 
-    def _take(self, log: Log, expression: str) -> None:
+    def _take(self, found: Log | Session, expression: str) -> None:
+        session = found if isinstance(found, Session) else None
+        log = found if isinstance(found, Log) else found.log
         if not len(log):
             raise ValueError(f"{log.name} must hold one scan at least, got none")
         self.log, self.expression = log, expression
         self.about.value = _shown.about(log)
         self.controls[0].value = log.name if expression == f"segmap.load({log.name!r})" else OWN
-        self._taken(log)
+        self._taken(log, session)
 
     def _opened(self, change: Any) -> None:
         """A bundled log or a path was chosen; the log there is may have set its own name."""
@@ -125,11 +132,11 @@ class Source:
         self._folder = ""
 
 
-def _read(folder: str, name: str) -> Log:
+def _read(folder: str, name: str) -> Log | Session:
     """A log by its name in a folder, so that what is said of it is what its user knows."""
     with contextlib.chdir(folder):
         try:
-            return readers.read(name, on_error="skip")
+            return read(Path(name))
         except readers.LogError as fault:  # what follows there is for who writes Python
             raise ValueError(". ".join(str(fault).split("\n")[:2])) from fault
 

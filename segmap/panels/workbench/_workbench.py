@@ -16,6 +16,7 @@ from ... import arrays, exports
 from ...arrays import Array
 from ...plotting import thumbnail
 from ...progress import told
+from ...readers import Session
 from ...reduction import Reduction
 from ...scans import Log
 from ...scans.moving import is_timed
@@ -25,6 +26,7 @@ from ._bar import Bar
 from ._choices import WRAP, Choices
 from ._job import Failed, Stopped, Worker, said
 from ._recipe import Outcome, Recipe, follow
+from ._session import restore, session_of
 from ._source import Source, telling
 
 if TYPE_CHECKING:
@@ -36,7 +38,7 @@ COLUMNS = (
     *("n_before", "n_after", "reduction", "quality", "seconds"),
 )
 #: What `exports.write_segments` writes.
-FORMATS = (".csv", ".npz", ".svg", ".geojson", ".wkt", ".dxf")
+FORMATS = (".csv", ".npz", ".svg", ".geojson", ".wkt", ".dxf", ".segmap")
 
 
 class Workbench:
@@ -99,10 +101,17 @@ class Workbench:
         """The log that the next run begins with."""
         return self._source.log
 
-    def _taken(self, log: Log) -> None:
-        """Another log: nothing that was found holds for it."""
+    def _taken(self, log: Log, session: Session | None) -> None:
+        """Another log: nothing that was found holds for it; a session has choices and runs."""
         self._known = None
         self._choices.begin(log)
+        if session is not None:
+            restore(self._choices, session)
+            whole = (
+                row for row in session.runs if {*COLUMNS} <= {*row} and None not in row.values()
+            )
+            self._rows = [dict(row) for row in whole]
+            self.listed.value = _shown.runs_table(self._rows)
         self._bar.say(f"{log.name}: ready to run", 0.0)
 
     # --------------------------------------------------------------------- a run
@@ -217,8 +226,14 @@ class Workbench:
             self.canvas.members, self.chosen.value = [], ""
 
     def export(self, path: str | Path, which: int = 0) -> None:
-        """Write what a method leaves, as `exports.write_segments` does; 1 for the second."""
-        exports.write_segments(path, self._result(which))
+        """Write what a method leaves, as `exports.write_segments` does; 1 for the second.
+
+        A name that ends in `.segmap` keeps the log with all that is chosen, and the runs.
+        """
+        if arrays.file(path).suffix == ".segmap":
+            exports.write_session(path, session_of(self._choices, self.log, self._rows))
+        else:
+            exports.write_segments(path, self._result(which))
 
     def _download(self, button: Any) -> None:
         """Hand the first result to the browser."""
