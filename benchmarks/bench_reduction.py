@@ -1,13 +1,17 @@
 """Reduction and quality: seconds, and ratios to the plain methods in one run."""
 
+import os
 from collections.abc import Iterator
+from functools import partial
+from unittest import mock
 
 import numpy as np
 from segmap_course import literal
 
 from segmap import METHODS, SegmentMap, build_map, fusion, load, quality, read, reduction_rate
+from segmap.threads import THREADS, cores
 
-from .measure import SHARED, Row, missing, once, seconds, workloads
+from .measure import SHARED, Row, in_turn, missing, once, seconds, workloads
 
 N = 3604
 
@@ -52,9 +56,17 @@ def same_size(made, seen: int) -> Iterator[Row]:
             f"{1e3 * took:.1f} ms -> {len(method(map))}",
             TARGETS.get(name, ""),
         )
+    one, several = in_turn(partial(on_cores, map, 1), partial(on_cores, map, cores()), repeat=7)
+    figure = f"{1e3 * one:.0f} / {1e3 * several:.0f} ms = {one / several:.2f}"
+    yield Row(f"mean_shift, {what}, one thread / {cores()}", figure, "200 ms on two quiet cores")
     after = part_of(map)
     took = seconds(lambda: quality(map, after))
     yield Row(f"quality against 700, {what}", f"{1e3 * took:.1f} ms", "<= 100 ms")
+
+
+def on_cores(map: SegmentMap, count: int) -> None:
+    with mock.patch.dict(os.environ, {THREADS: str(count)}):
+        METHODS["mean_shift"](map)
 
 
 def part_of(map: SegmentMap) -> np.ndarray:

@@ -48,6 +48,8 @@ class Compiled(Generic[P, R]):
             with _no_collecting():
                 self._fast = self._build()
                 return self(*args, **kwargs)
+        if not self._floats:
+            return self._fast(*args, **kwargs)
         given: list[Any] = list(args)
         for k in self._floats:
             given[k] = float(given[k])

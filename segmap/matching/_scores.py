@@ -131,7 +131,7 @@ def _searched(map: QuadtreeMap, points: ArrayLike, poses: ArrayLike) -> tuple[Ho
     places = np.empty((len(at), len(ends), 2))
     places[:, :, 0] = (c * ends[:, 0] - s * ends[:, 1] + (x - left)) / map.resolution
     places[:, :, 1] = (s * ends[:, 0] + c * ends[:, 1] + (y - low)) / map.resolution
-    return holds, places, np.empty(len(at))
+    return holds, places, np.zeros(len(at))
 
 
 def all_placed(points: Array, poses: Array) -> Array:
@@ -171,7 +171,7 @@ def nearest_distances(
     todo: Cells,
     found: Array,
 ) -> None:
-    """Write the sum over places `(k, n, 2)` of the distance to the nearest occupied cell's centre.
+    """Add the sum over places `(k, n, 2)` of the distance to the nearest occupied cell's centre.
 
     In cells of the root. From the leaf that holds a place the search goes upwards, until nothing
     nearer lies outside. Squares wait in `todo`, as block, x, y and level, the one to look into
@@ -180,9 +180,8 @@ def nearest_distances(
     """
     top = len(path) - 1
     most = (1 << top) - 1.0
-    for k in range(len(places)):
-        found[k] = 0.0
-        for m in range(places.shape[1]):
+    for m in range(places.shape[1]):
+        for k in range(len(places)):  # one after the other they look into the same squares
             x, y = places[k, m, 0], places[k, m, 1]
             i, j = whole(min(max(x, 0.0), most)), whole(min(max(y, 0.0), most))
             level, child = top, path[top]

@@ -97,7 +97,7 @@ def test_the_search_looks_into_few_blocks(seed):
     map, rng = random_map(seed)
     tree, path = map.tree, np.full(map.tree.level + 1, map.tree.block)
     todo, occ = np.empty((3 * tree.level + 4, 4), np.int64), Watched(tree.occ)
-    places, found = rng.uniform(0, 1 << tree.level, (1, 300, 2)), np.empty(1)
+    places, found = rng.uniform(0, 1 << tree.level, (1, 300, 2)), np.zeros(1)
     scan = places, path, todo, found
     loops.nearest_distances.plain(tree.vis, occ, tree.occupied_blocks(), *scan)
     assert len({node // 4 for node in occ.asked}) > 10 and len(occ.asked) < 4 * 3 * 300
