@@ -227,6 +227,7 @@ def test_stop_while_the_map_is_made_anew(planned):
     times = panel._times
     rate = (len(times) - 1) / (times[-1] - times[0])
     wait_for(lambda: panel.rate.value == f"{rate:.1f} scans a second")
+    assert panel.dropped.value == "0 dropped, 0 left out"
     tree = panel.map.tree
     planned.set()
     more.set()

@@ -184,8 +184,9 @@ def test_scan_panel_leaves_out_scans_without_a_pose():
     truth = np.array([(np.nan,) * 3, (1, 1, 0), (np.nan,) * 3, (2, 1, 0)])
     panel = ScanPanel(Log("some", LOG.scans[:4], truth))
     panel.step.value = 1
-    assert panel.scan is LOG.scans[3] and panel.step.max == panel.play.max == 1
-    assert panel.index.value.startswith("scan 3 of 4")
+    assert panel.scan is LOG.scans[3] and panel.step.max == panel.play.max == panel.step.step == 1
+    after = LOG.scans[3].time - LOG.scans[0].time
+    assert panel.index.value == f"scan 3 of 4, after {after:.2f} s"
 
 
 @unpainted
@@ -199,6 +200,12 @@ def test_the_compare_panel_shows_the_run_that_reduces_most_at_a_quality():
             assert panel.run["reduction"] == good["reduction"].max()
             assert len(panel.reduction) == panel.run["n_after"]
             assert panel.reduction.method == name
+
+
+@unpainted
+def test_the_compare_panel_begins_with_fusion_wherever_it_stands():
+    assert ComparePanel(WALLS, RUNS[::-1]).method.value == "fusion"
+    assert ComparePanel(WALLS, RUNS[RUNS["method"] == "hybrid"]).method.value == "hybrid"
 
 
 @unpainted
@@ -254,5 +261,6 @@ def test_quadtree_panel_shows_the_map_of_the_first_scans():
     expected = build_map(log[:3], poses[:3], resolution=0.1, free=False)
     assert leaves_of(panel.map) == leaves_of(expected) and panel.map.scans == 2
     assert panel.leaves.value == f"{len(expected.leaves().x)} leaves of 0.1 m and more"
+    assert panel.bytes.value.endswith(f" kB; a grid {8 * (expected.side / 0.1) ** 2 / 1e3:.0f} kB")
     panel.scans.value = 2
     assert panel.map.scans == 1
