@@ -24,6 +24,7 @@ from segmap.matching import (
     nearest_score,
     particle_mapping,
     search,
+    systematic,
 )
 from segmap.matching import _localize as localizing
 from segmap.matching import _search as searching
@@ -364,6 +365,7 @@ def test_a_line_through_the_corner_of_four_cells_crosses_two_of_them():
 def test_weights_are_shares(weights):
     with pytest.raises(ValueError, match="none negative, and sum to 1"):
         effective_number(weights)
+    assert systematic([0.5, 0.5], 1.0).tolist() == [1, 1]  # a tooth at the very end
 
 
 @pytest.mark.parametrize(("heading", "wrapped"), [(np.pi, -np.pi), (-np.pi, -np.pi), (3.0, 3.0)])
