@@ -6,7 +6,7 @@ at least `gap` apart; a polyline is then split and merged until it follows the p
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from inspect import unwrap
 from typing import Annotated, Any, Literal, NamedTuple
 
@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 from .. import arrays
 from ..arrays import Array, Count, Gap, Metres, Poses, at_least, checked
 from ..poses import transform
+from ..progress import tell
 from ..scans import Log
 from ..scans.placed import poses_for, warn_of_nothing
 from ..segments import SegmentMap
@@ -155,7 +156,7 @@ def build_map(
     if arrays.switch(keep_points, "keep_points"):
         map = _map_with_points(log, rows, known, extract, thresholds)
     else:
-        seen = [log[int(k)].points() for k in known]
+        seen = (log[int(k)].points() for k in _telling(known))
         each = [arrays.called(extract, "extract", points, **thresholds) for points in seen]
         each = [arrays.segments(part, "extract(points)") for part in each]
         found = [transform(rows[k], part) for k, part in zip(known, each, strict=True)]
@@ -230,6 +231,13 @@ _TELLING: dict[Callable[..., Array], Callable[..., Runs]] = {
 }
 
 
+def _telling(known: NDArray[np.int64]) -> Iterator[np.int64]:
+    """Each of some scans, after telling how far the work is."""
+    for done, k in enumerate(known):
+        tell(done / len(known), f"extracting segments of scan {done + 1} of {len(known)}")
+        yield k
+
+
 def _map_with_points(
     log: Log,
     poses: Array,
@@ -246,7 +254,7 @@ def _map_with_points(
         )
     extract(np.empty((0, 2)), **thresholds)  # refuses what is wrong
     given = {**(unwrap(extract).__kwdefaults__ or {}), **thresholds}
-    found = {int(k): _TELLING[extract](log.scans[k].points(), **given) for k in known}
+    found = {int(k): _TELLING[extract](log.scans[k].points(), **given) for k in _telling(known)}
     behind = [
         transform(poses[k], runs.points[a:b])
         for k, runs in found.items()
