@@ -16,7 +16,7 @@ from typing import Any, Literal
 import numpy as np
 
 from .._display import counted
-from ..alignment import METHODS, Alignment, Verdict, deskew
+from ..alignment import METHODS, Alignment, LiveGraph, Verdict, deskew
 from ..exports import Earth, Frame, Grid
 from ..extraction import build_map
 from ..files import shown, write_bytes
@@ -220,11 +220,11 @@ def deskewed(given: argparse.Namespace, log: Log, report: Report) -> Log:
     return found
 
 
-def aligned(log: Log, method: str | None, report: Report) -> Alignment:
+def aligned(log: Log, method: str | None, report: Report, veto: Path | None = None) -> Alignment:
     """Align a log and say how it went.
 
     By default: the true poses where the log has one for each scan; else all poses at once, loops
-    closed.
+    closed, but for those that a file vetoes.
     """
     true = log.truth is not None and np.isfinite(log.truth).all()
     name = method or ("ground_truth" if true else "pose_graph")
@@ -233,7 +233,7 @@ def aligned(log: Log, method: str | None, report: Report) -> Alignment:
         options = {"missing": "drop"}
     if name == "angle_correspondence":
         options = {"rng": np.random.default_rng(0)}
-    found = METHODS[name](log, **options)
+    found = METHODS[name](log, **options) if veto is None else without(log, veto)
     figures: dict[str, Any] = {"method": name, "matched": int(found.used.sum())}
     placed = f"{figures['matched']} of {counted(len(found), 'scan')} matched"
     if found.graph is not None:
@@ -247,6 +247,25 @@ def aligned(log: Log, method: str | None, report: Report) -> Alignment:
     if found.doubt:
         report.line("", f"doubt: {found.doubt}")
     return found
+
+
+def without(log: Log, path: Path) -> Alignment:
+    """The pose graph of a log without the loops that a file names, as `--loops` writes it."""
+    graph = LiveGraph()
+    for scan in log:
+        graph.add(scan)
+    found = graph.refine().loops()
+    known = list(zip(found["first"], found["second"], strict=True))
+    with path.open(newline="") as file:
+        try:
+            gone = {(int(row["first"]), int(row["second"])) for row in csv.DictReader(file)}
+        except (KeyError, TypeError, ValueError) as error:
+            raise ValueError(f"{path} must be a table with columns first and second") from error
+    for first, second in sorted(gone - set(known)):
+        raise ValueError(f"{path}: no loop was closed between scans {first} and {second}")
+    if gone:
+        graph.veto(*[row for row, pair in enumerate(known) if pair in gone])
+    return graph.refine()
 
 
 def add_world(command: Any) -> None:

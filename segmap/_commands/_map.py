@@ -11,6 +11,7 @@ import numpy as np
 from .. import exports, extraction, metrics
 from .._display import counted
 from ..alignment import Alignment
+from ..files import write_bytes
 from ..quadtree import without_passers
 from ..reduction import METHODS, Reduction
 from ..scans import Log
@@ -66,6 +67,18 @@ def add(commands: Any) -> None:
         help="leave people out who walked through: beams that end where at most this share of all "
         "beams ended while the others went on, 0.2 say",
     )
+    command.add_argument(
+        "--loops",
+        type=Path,
+        metavar="FILE",
+        help="align by pose_graph, and write its loops as .csv: scans, residual, span, places",
+    )
+    command.add_argument(
+        "--veto",
+        type=Path,
+        metavar="FILE",
+        help="align by pose_graph without these loops: the rows of --loops that are false",
+    )
     add_world(command)
     command.add_argument(
         "--crop",
@@ -86,6 +99,10 @@ def run(given: argparse.Namespace) -> int:
     """Map each log."""
     refuse_others(given, given.method, METHODS)
     world_of(given)  # before any work is done
+    if given.veto is not None and given.align not in (None, "pose_graph"):
+        given.refuse(f"--veto is for pose_graph: {given.align} closes no loops")
+    if (given.veto or given.loops) and len(given.logs) > 1:
+        given.refuse("--loops and --veto are for one log")
     if given.crop is not None:
         try:
             SegmentMap([]).cropped(*given.crop)
@@ -98,7 +115,13 @@ def map_log(given: argparse.Namespace, log: Log, paths: list[Path], report: Repo
     """Map one log, and write what was asked for where there is a map."""
     with progress(3, "step", "aligning") as bar:
         log = deskewed(given, log, report)
-        poses = squared(given, log, aligned(log, given.align, report), report)
+        closing = given.loops is not None or given.veto is not None
+        method = given.align or ("pose_graph" if closing else None)
+        poses = aligned(log, method, report, given.veto)
+        if given.loops is not None:
+            write_bytes(given.loops, poses.loops().to_csv().encode())
+            report.line("loops", f"written to {given.loops}", file=str(given.loops))
+        poses = squared(given, log, poses, report)
         before = segments_of(given, log, poses, report)
         verdict = poses.verdict_on(before)
         before = filtered(given, cropped(given, before, report), report)
