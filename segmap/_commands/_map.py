@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import argparse
+import csv
+import re
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -10,6 +12,7 @@ from typing import Any
 from .. import exports, extraction, metrics
 from .._display import counted
 from ..alignment import Alignment
+from ..files import write_bytes
 from ..quadtree import without_passers
 from ..reduction import METHODS, Reduction
 from ..scans import Log
@@ -59,6 +62,21 @@ def add(commands: Any) -> None:
         help="leave people out who walked through: beams that end where at most this share of all "
         "beams ended while the others went on, 0.2 say",
     )
+    command.add_argument(
+        "--loops",
+        type=Path,
+        metavar="FILE",
+        help="align by pose_graph, and write its loops as .csv: scans, residual, span, places",
+    )
+    command.add_argument(
+        "--veto",
+        action="extend",
+        type=pairs,
+        default=[],
+        metavar="FILE",
+        help="align by pose_graph without these loops: the rows of --loops that are false, or one "
+        "as FIRST-SECOND",
+    )
     opening.add_world(command)
     opening.add_output(command, SUFFIXES, WRITTEN)
     functions = {name: method.function for name, method in METHODS.items()}
@@ -72,6 +90,24 @@ def check(given: argparse.Namespace) -> None:
     refuse_others(given, given.method, METHODS)
     refuse_others(given, given.extract, extraction.METHODS, EXTRACT)
     opening.check_options(given)
+    if given.veto or given.loops:
+        if given.align not in (None, "pose_graph"):
+            given.refuse(f"--loops and --veto are for pose_graph: {given.align} closes no loops")
+        if len(given.logs) > 1:
+            given.refuse("--loops and --veto are for one log")
+        given.align = "pose_graph"
+
+
+def pairs(text: str) -> list[str]:
+    """Loops as `FIRST-SECOND`: one, or those of a table as `--loops` writes it."""
+    if re.fullmatch(r"\d+-\d+", text):
+        return [text]
+    with Path(text).open(newline="") as file:
+        try:
+            return [f"{int(row['first'])}-{int(row['second'])}" for row in csv.DictReader(file)]
+        except (KeyError, TypeError, ValueError) as error:
+            words = f"{text} must be a table with columns first and second"
+            raise argparse.ArgumentTypeError(words) from error
 
 
 def map_log(given: argparse.Namespace, log: Log, paths: list[Path], report: Report) -> int:
@@ -79,6 +115,9 @@ def map_log(given: argparse.Namespace, log: Log, paths: list[Path], report: Repo
     with progress(3, "step", "aligning") as bar:
         carried, poses = opening.placed(given, log, report)
         before = segments_of(given, carried, poses, report)
+        if given.loops is not None:
+            write_bytes(given.loops, poses.loops().to_csv().encode())
+            report.line("loops", f"written to {given.loops}", file=str(given.loops))
         verdict = poses.verdict_on(before)
         before = filtered(given, opening.cropped(given, before, report), report)
         bar.update()

@@ -19,7 +19,7 @@ from .backbone import backbone, backbone_steps, least_translation, mean_rotation
 from .global_segments import global_segments
 from .graph import Graph, solve_graph
 from .points import match_points, point_steps
-from .pose_graph import LiveGraph, LoopClosing, Tracking, align_parts, pose_graph
+from .pose_graph import LiveGraph, LoopClosing, Tracking, align_parts, merge, pose_graph
 from .segment_icp import match_segments, segment_icp
 
 #: Name of each method -> the method, with what it needs.

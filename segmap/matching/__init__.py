@@ -5,6 +5,7 @@ from ._live_map import LiveMap, Step
 from ._localize import Belief, localize
 from ._mapping import MATCHERS, SCORES, map_scans
 from ._matchers import Score, field_score, hill_climb, sample_and_rank
+from ._merge import merge
 from ._particles import Particles, particle_mapping, particle_paths
 from ._route import NoRoute, route
 from ._scores import descent_score, distance_score, nearest_score, occupancy_score

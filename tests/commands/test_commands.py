@@ -773,6 +773,38 @@ def test_beams_that_others_saw_through_are_left_out(run, near):
     assert code == 1 and "seen_through must be" in beside
 
 
+def test_map_lists_its_loops_and_leaves_out_those_that_a_file_vetoes(run):
+    """Catches a loop taken by its row in another list, and a veto that changes nothing."""
+    code, out, _ = run("map", "corridor", "--loops", "loops.csv")
+    whole = pd.read_csv("loops.csv")
+    assert code == 0 and "written to loops.csv" in out
+    pd.testing.assert_frame_equal(
+        whole, alignment.pose_graph(segmap.load("corridor")).loops().reset_index()
+    )
+    worst = whole.sort_values("residual").tail(2)
+    worst.to_csv("bad.csv", index=False)
+    run("map", "corridor", "--veto", "bad.csv", "--loops", "rest.csv")
+    rest = pd.read_csv("rest.csv")
+    ends = ["first", "second"]
+    assert rest[ends].values.tolist() == whole.drop(worst.index)[ends].values.tolist()
+    # A session keeps what was vetoed; one loop has no file
+    one = "-".join(map(str, worst[ends].values[0]))
+    run("map", "corridor", "--veto", one, "-o", "it.segmap")
+    run("map", "it.segmap", "--loops", "again.csv")
+    assert len(pd.read_csv("again.csv")) == len(whole) - 1
+    for text, wrong, words in (
+        ("first,second\n0,3\n", 1, "--veto: no loop was closed between scans 0-3"),
+        ("first\n0\n", 2, "bad.csv must be a table with columns first and second"),
+    ):
+        Path("bad.csv").write_text(text)
+        code, _, beside = run("map", "corridor", "--veto", "bad.csv")
+        assert code == wrong and words in beside
+    code, _, beside = run("map", "corridor", "--align", "odometry", "--veto", "0-3")
+    assert code == 2 and "odometry closes no loops" in beside
+    code, _, beside = run("map", "corridor", "room", "--loops", "loops.csv")
+    assert code == 2 and "are for one log" in beside
+
+
 # ------------------------------------------------------------------------------ compare
 @pytest.mark.parametrize("methods", [("fuzzy_set", "hybrid", "fusion"), slow(reduction.METHODS)])
 def test_methods_are_compared_at_one_quality(run, near, monkeypatch, methods):

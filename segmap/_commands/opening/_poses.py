@@ -10,11 +10,12 @@ from typing import Any, TypeVar
 import numpy as np
 
 from ..._display import counted
-from ...alignment import METHODS, Alignment, deskew, usual_method
+from ...alignment import METHODS, Alignment, LiveGraph, deskew, usual_method
 from ...arrays import Array
 from ...exports import Earth, Frame, Grid
 from ...extraction import build_map
 from ...poses import compose
+from ...progress import tell
 from ...quadtree import QuadtreeMap, extent
 from ...scans import Log
 from ...scans.moving import is_timed
@@ -83,7 +84,8 @@ def aligned(given: argparse.Namespace, log: Log, report: Report) -> Alignment:
     if name == "angle_correspondence":
         options = {"rng": np.random.default_rng(0)}
     options |= chosen_thresholds(given, METHODS[name].function, "align_")
-    found = METHODS[name](log, **options)
+    veto = getattr(given, "veto", [])
+    found = without(log, veto, options) if veto else METHODS[name](log, **options)
     figures: dict[str, Any] = {"method": name, "matched": int(found.used.sum())}
     placed = f"{figures['matched']} of {counted(len(found), 'scan')} matched"
     if found.graph is not None:
@@ -97,6 +99,21 @@ def aligned(given: argparse.Namespace, log: Log, report: Report) -> Alignment:
     if found.doubt:
         report.line("", f"doubt: {found.doubt}")
     return found
+
+
+def without(log: Log, veto: list[str], options: dict[str, Any]) -> Alignment:
+    """The pose graph of a log without the loops `FIRST-SECOND`."""
+    graph = LiveGraph(**options)
+    for k, scan in enumerate(log):
+        tell(k / len(log), f"placing scan {k + 1} of {len(log)}")
+        graph.add(scan)
+    found = graph.refine().loops()
+    known = [f"{i}-{j}" for i, j in zip(found["first"], found["second"], strict=True)]
+    for loop in veto:
+        if loop not in known:
+            raise ValueError(f"--veto: no loop was closed between scans {loop}")
+    graph.veto([known.index(loop) for loop in veto])
+    return graph.refine()
 
 
 def add_world(command: Any) -> None:

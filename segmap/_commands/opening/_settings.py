@@ -17,10 +17,10 @@ from ...scans import Log
 #: What is asked of one run, and what it reads: no session keeps these.
 OF_A_RUN = {
     *("logs", "skip", "scan_topic", "odometry_topic", "json", "table", "config"),
-    *("output", "strict", "force"),
+    *("output", "strict", "force", "loops"),
 }
 #: Options that change the map and not the way to it.
-EDITS = {"crop", "square", "place", "north", "crs"}
+EDITS = {"veto", "crop", "square", "place", "north", "crs"}
 
 
 def parsed(parser: argparse.ArgumentParser, words: Sequence[str]) -> argparse.Namespace:

@@ -2,5 +2,6 @@
 
 from ._front_end import FrontEnd, Tracking
 from ._loop_closing import LoopClosing
+from ._merge import merge
 from ._parts import align_parts
 from ._pose_graph import LiveGraph, Placed, pose_graph

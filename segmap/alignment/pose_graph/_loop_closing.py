@@ -258,14 +258,14 @@ class LoopCloser:
         enough = LOST_WITNESSES if lost else self.rules.witnesses
         known = self.pending + self.accepted[-RECENT:]
         for loop, reach in fresh:
-            others = self._agreeing(loop, known)
+            others = self.agreeing(loop, known)
             way = [self.frames.path[k] for k in {loop.second, *(o.second for o in others)}]
             long = lost or max(way) - min(way) >= min(reach, self.rules.span)
             if len(way) > enough and long:
                 found += _without([loop, *others], found + self.accepted[-RECENT:])
         return found
 
-    def _agreeing(self, loop: Edge, known: list[Edge], *, apart: bool = False) -> list[Edge]:
+    def agreeing(self, loop: Edge, known: list[Edge], *, apart: bool = False) -> list[Edge]:
         """Loops for which going round them and this one leads back to where it began.
 
         Of other scans and near at both ends; or, `apart`, of the same scan to passes far apart.
@@ -290,7 +290,7 @@ class LoopCloser:
         """At the end of the log: believe loops that a few others agree with, reject the rest."""
         known, found = [*self.pending, *self.accepted[-RECENT:]], []
         for loop in self.pending if self.lost_since is None else []:
-            others = self._agreeing(loop, known) + self._agreeing(loop, known, apart=True)
+            others = self.agreeing(loop, known) + self.agreeing(loop, known, apart=True)
             found += [loop] if len(others) >= LAST_WITNESSES else []
         self._give_up(_without(self.pending, found))
         self.believe(found)
@@ -309,14 +309,14 @@ class LoopCloser:
         frames.exchange(_without(frames.edges, out))
         return bool(out)
 
-    def veto(self, loops: list[Edge]) -> None:
+    def veto(self, loops: list[Edge], reason: str = VETOED) -> None:
         """Take loops out; others that were taken out since they contradict the rest come back."""
         self.accepted = _without(self.accepted, loops)
         steps = [edge for edge in self.frames.edges if not edge.loop]
         self.frames.exchange(steps + self.accepted)
         self.rejected = [r for r in self.rejected if r.reason != CONTRADICTS]
         for loop in loops:
-            self._reject(loop.first, loop.second, VETOED)
+            self._reject(loop.first, loop.second, reason)
             if loop[:2] in self.ways:
                 self.ways.remove(loop[:2])
 

@@ -13,7 +13,7 @@ import numpy as np
 from ... import arrays
 from ...poses import between, compose
 from ...progress import Progress, tell, told
-from ...scans import Log
+from ...scans import LaserScan, Log
 from .._result import Alignment, concluded
 from ..graph import Edge, Rejected
 from ._front_end import FrontEnd
@@ -78,7 +78,7 @@ def align_parts(
                 _join(graph, part, log)
             else:
                 graph = part
-                _inside(graph)[0].scans += log
+                inside(graph)[0].scans += log
         # 3. All poses together; 4. each scan once more, as in `pose_graph`
         found = graph.settled()
     scans = [scan for log in logs for scan in log]
@@ -91,13 +91,13 @@ def _aligned(thresholds: dict[str, Any], log: Log) -> LiveGraph:
     for k, scan in enumerate(log):
         tell(k / len(log), f"placing scan {k + 1} of {len(log)} of a part")
         graph.add(scan)
-    front, closer = _inside(graph)
+    front, closer = inside(graph)
     front.frames.optimize()
     front.scans, front.local, closer.maps = [], None, {}
     return graph
 
 
-def _inside(graph: LiveGraph) -> tuple[FrontEnd, LoopCloser]:
+def inside(graph: LiveGraph) -> tuple[FrontEnd, LoopCloser]:
     """The two halves of a graph that has scans."""
     assert graph._parts is not None
     return graph._parts
@@ -119,7 +119,7 @@ class Joint(NamedTuple):
 
 def _join(graph: LiveGraph, part: LiveGraph, log: Log) -> None:
     """Make the graph of the next part the end of a graph, with the loops between them."""
-    (front, closer), (later, its_closer) = _inside(graph), _inside(part)
+    (front, closer), (later, its_closer) = inside(graph), inside(part)
     # 1. Its first scans follow the graph, for alone they had too little of a map to lie on
     front.see_last_frames()
     its_frame = min(graph.tracking.frames, len(later.frames) - 1)
@@ -129,20 +129,7 @@ def _join(graph: LiveGraph, part: LiveGraph, log: Log) -> None:
     # 2. The next one is a key frame of both, and what comes behind it is known
     front.add_frame(front.track(log[its_scan]))
     joint = Joint(len(front.frames) - 1, len(front.scans) - 1, its_frame, its_scan)
-    front.frames.extend(later.frames, its_frame, joint.moved(later.frames.edges))
-    trail, its, rest = front.trail, later.trail, slice(its_scan + 1, None)
-    moved = between(its.poses[its_scan], np.array(its.poses)[rest])
-    trail.poses += list(compose(trail.poses[-1], moved))
-    trail.odometry += its.odometry[rest]
-    trail.reasons += its.reasons[rest]
-    front.scans += log[rest]
-    front.frame += [joint.frame - its_frame + frame for frame in later.frame[rest]]
-    front.offset += later.offset[rest]
-    front.loose += later.loose[rest]
-    front.tied += later.tied[its_frame + 1 :]
-    front.begins += [joint.frame - its_frame + k for k in later.begins if k > its_frame]
-    front.lost = later.lost
-    _append_loops(closer, its_closer, joint)
+    append(graph, part, log[its_scan + 1 :], joint)
     # 3. Loops that lead to the parts before, as if the robot drove there now
     found = {loop.second for loop in closer.accepted}
     for new in range(joint.frame, len(front.frames)):
@@ -153,6 +140,26 @@ def _join(graph: LiveGraph, part: LiveGraph, log: Log) -> None:
             front.frames.optimize(lazily=True)
         closer.lost_since = None if new in found else closer.lost_since
     closer.pending += joint.moved(its_closer.pending)
+
+
+def append(graph: LiveGraph, part: LiveGraph, scans: Sequence[LaserScan], joint: Joint) -> None:
+    """Append what lies behind the joint in another graph: these scans, and its own loops."""
+    (front, closer), (later, its_closer) = inside(graph), inside(part)
+    its_frame, its_scan = joint.its_frame, joint.its_scan
+    front.frames.extend(later.frames, its_frame, joint.moved(later.frames.edges))
+    trail, its, rest = front.trail, later.trail, slice(its_scan + 1, None)
+    moved = between(its.poses[its_scan], np.array(its.poses)[rest])
+    trail.poses += list(compose(trail.poses[-1], moved))
+    trail.odometry += its.odometry[rest]
+    trail.reasons += its.reasons[rest]
+    front.scans += scans
+    front.frame += [joint.frame - its_frame + frame for frame in later.frame[rest]]
+    front.offset += later.offset[rest]
+    front.loose += later.loose[rest]
+    front.tied += later.tied[its_frame + 1 :]
+    front.begins += [joint.frame - its_frame + k for k in later.begins if k > its_frame]
+    front.lost = later.lost
+    _append_loops(closer, its_closer, joint)
 
 
 def _append_loops(closer: LoopCloser, later: LoopCloser, at: Joint) -> None:

@@ -272,17 +272,17 @@ class LiveGraph:
         """The loops closed so far, a row for each, as `Alignment.loops` has them."""
         return loops_of(self.graph, self.poses)
 
-    def veto(self, loop: int, *more: int) -> None:
-        """Take loops out, by their rows in `loops`, and solve for all poses without them.
+    def veto(self, loops: ArrayLike) -> None:
+        """Take one or several of `loops()` out, by their rows, and solve for all poses without.
 
         Loops that had been given up because the rest contradicted them come back.
         """
         known = [] if self._parts is None else [e for e in self._parts[0].frames.edges if e.loop]
-        rows = {arrays.whole(row, "loop", least=0) for row in (loop, *more)}
-        if max(rows) >= len(known):
-            raise ValueError(f"loop must be a row of the {len(known)} loops, got {max(rows)}")
+        rows = np.unique(arrays.indices(loops, "loops"))
+        if not len(rows) or rows[0] < 0 or rows[-1] >= len(known):
+            raise ValueError(f"loops must be rows of the {len(known)} closed so far, got {loops}")
         with self._mending() as closer:
-            closer.veto([known[row] for row in sorted(rows)])
+            closer.veto([known[row] for row in rows])
 
     def match(self, first: int, second: int) -> Match:
         """How the place of one scan lies on the map around another, for `tie`.
@@ -316,7 +316,8 @@ class LiveGraph:
         relative = arrays.pose(pose, "pose")
         (old, at), (new, there) = self._hung(first, "first"), self._hung(second, "second")
         if old == new:
-            raise ValueError(f"scans {first} and {second} hang on one key frame: no tie moves them")
+            hang = f"first and second must hang on two key frames: {first} and {second}"
+            raise ValueError(f"{hang} hang on one, and no tie moves them")
         motion = compose(compose(at, relative), inverse(there))
         if old > new:
             old, new, motion = new, old, inverse(motion)
@@ -325,9 +326,9 @@ class LiveGraph:
 
     def _hung(self, scan: int, name: str) -> tuple[int, Array]:
         """The key frame that a scan hangs on, and its pose there."""
-        if arrays.whole(scan, name, least=0) >= len(self):
+        scan = arrays.whole(scan, name, least=0)
+        if self._parts is None or scan >= len(self):
             raise ValueError(f"{name} must be one of the {len(self)} scans so far, got {scan}")
-        assert self._parts is not None
         return self._parts[0].frame[scan], self._parts[0].offset[scan]
 
     @contextmanager

@@ -13,7 +13,7 @@ from segmap.alignment import LoopClosing, align_parts, pose_graph
 from segmap.alignment.graph import Edge, Rejected
 from segmap.alignment.pose_graph._key_frames import KeyFrames
 from segmap.alignment.pose_graph._loop_closing import LoopCloser
-from segmap.alignment.pose_graph._parts import Joint, _aligned, _append_loops, _inside, _join
+from segmap.alignment.pose_graph._parts import Joint, _aligned, _append_loops, _join, inside
 from segmap.testing import assert_poses_equal
 
 LOG = logs.loop_log(step=0.5)
@@ -43,7 +43,7 @@ def test_parts_are_joined_by_the_loops_between_them(joined):
 
 def test_a_part_that_comes_back_is_solved_and_light():
     """Catches windows about places that its own loops would move, and maps that travel."""
-    front, closer = _inside(_aligned({"closing": LoopClosing(strain=9.0)}, LOG))
+    front, closer = inside(_aligned({"closing": LoopClosing(strain=9.0)}, LOG))
     known = front.frames.poses
     front.frames.optimize()
     assert closer.accepted and np.array_equal(front.frames.poses[0], known[0])
@@ -109,11 +109,11 @@ def test_behind_the_joint_a_robot_may_be_lost_and_loops_may_wait(monkeypatch):
     odd = 36, 45, 46
     near = logs.changed(LOG[:50], lambda k, ranges: 0 * ranges + 0.5 if k in odd else ranges)
     first, second = (_aligned({}, part) for part in cut(near, 20))
-    _inside(second)[1].pending = [Edge(12, 14, START, np.eye(3), True)]
-    _inside(second)[1].rejected = [Rejected(20, 25, "why")]
-    frames = _inside(second)[0].frames
+    inside(second)[1].pending = [Edge(12, 14, START, np.eye(3), True)]
+    inside(second)[1].rejected = [Rejected(20, 25, "why")]
+    frames = inside(second)[0].frames
     frames.edges.append(Edge(11, len(frames) - 1, START, np.eye(3), True))
-    front, later = (_inside(graph)[0] for graph in (first, second))
+    front, later = (inside(graph)[0] for graph in (first, second))
     front.scans += near[:20]
     front.loose[3] = later.loose[36 - 20] = True
     later.lost, later.tied[-2] = 2, False
@@ -133,8 +133,8 @@ def test_behind_the_joint_a_robot_may_be_lost_and_loops_may_wait(monkeypatch):
     ]
     (gone,) = (new for new, *_ in alone if front.frames.scan[new] in lost)
     assert {since[new] for new, *_ in alone if new > gone} == {gone}
-    assert _inside(first)[1].lost_since is None, "the loop at the end of the part found it again"
-    assert (40, 45, "why") in _inside(first)[1].rejected
+    assert inside(first)[1].lost_since is None, "the loop at the end of the part found it again"
+    assert (40, 45, "why") in inside(first)[1].rejected
     first.refine()
     assert settled == [(joint + 2, joint + 4)]
 

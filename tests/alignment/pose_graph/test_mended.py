@@ -8,7 +8,7 @@ import pytest
 
 from segmap.alignment import Alignment, Graph, LiveGraph
 from segmap.alignment.graph import Edge
-from segmap.alignment.pose_graph._parts import _inside
+from segmap.alignment.pose_graph._parts import inside
 from segmap.poses import between, compose, inverse
 from segmap.testing import assert_poses_equal
 
@@ -47,7 +47,7 @@ def test_loops_are_listed_with_their_span_and_both_places():
 def test_without_a_false_loop_the_graph_is_as_if_it_had_never_been(driven):
     """Catches a loop that is left as a witness, a way or an edge, and another one taken out."""
     graph, wanted = deepcopy(driven), deepcopy(driven)
-    front, closer = _inside(graph)
+    front, closer = inside(graph)
     false = [Edge(k, k + 60, FALSE, np.eye(3) * 1e4, True, True) for k in (20, 21)]
     known = len(graph.loops())
     closer.believe(false[:1])
@@ -56,11 +56,11 @@ def test_without_a_false_loop_the_graph_is_as_if_it_had_never_been(driven):
     front.frames.optimize()
     assert np.hypot(*(graph.poses - driven.poses)[:, :2].T).max() > 0.5
     row = graph.loops().query(f"first == {front.frames.scan[20]}").index
-    graph.veto(row[-1], known + 2)
+    graph.veto([row[-1], known + 2])
     assert {(r.first, r.second) for r in closer.rejected if "veto" in r.reason} == {
         (front.frames.scan[k], front.frames.scan[k + 60]) for k in (20, 21)
     }
-    its_front, its_closer = _inside(wanted)
+    its_front, its_closer = inside(wanted)
     its_closer.believe([Edge(3, 130, between(*its_front.frames.poses[[3, 130]]), np.eye(3), True)])
     its_front.frames.optimize()
     assert_poses_equal(graph.poses, wanted.poses, atol=1e-4)
@@ -90,7 +90,7 @@ def test_a_forced_tie_holds_and_the_loops_that_contradict_it_give_way(driven, en
 def test_a_tie_may_be_told_from_either_end_and_moves_with_the_world(driven):
     one, two = deepcopy(driven), deepcopy(driven)
     world = np.array([30.0, -8.0, 2.5])
-    frames = _inside(two)[0].frames
+    frames = inside(two)[0].frames
     frames.poses = compose(world, frames.poses)
     relative = compose(between(*driven.poses[[61, 290]]), (0.3, 0.4, 0.1))
     one.tie(61, 290, relative)
@@ -106,17 +106,17 @@ def test_loops_that_a_false_tie_drove_out_come_back_with_its_veto(driven):
     """Catches a veto that leaves the graph without them for good, or counts them as rejected."""
     graph, known = deepcopy(driven), driven.loops()[["first", "second"]].values.tolist()
     assert len(known) > 3
-    rejected = list(_inside(driven)[1].rejected)
+    rejected = list(inside(driven)[1].rejected)
     for end in (330, 334, 338):  # against one tie alone they stay, and a step gives way
         graph.tie(0, end, FALSE)
     graph.refine()
     listed = graph.loops()[["first", "second"]].values.tolist()
     assert len(listed) < len(known) + 3
-    graph.veto(*range(len(listed) - 3, len(listed)))
+    graph.veto(range(len(listed) - 3, len(listed)))
     assert graph.loops()[["first", "second"]].values.tolist() == known
-    found, wanted = (_inside(each)[0].frames.poses for each in (graph, driven))
+    found, wanted = (inside(each)[0].frames.poses for each in (graph, driven))
     assert_poses_equal(found, wanted, atol=1e-4)
-    assert [r for r in _inside(graph)[1].rejected if "veto" not in r.reason] == rejected
+    assert [r for r in inside(graph)[1].rejected if "veto" not in r.reason] == rejected
 
 
 def test_two_places_are_matched_at_any_heading_or_a_reason_is_given(driven):
@@ -132,7 +132,7 @@ def test_two_places_are_matched_at_any_heading_or_a_reason_is_given(driven):
 
 def test_a_place_before_one_where_the_robot_was_lost_can_be_matched(driven):
     graph = deepcopy(driven)
-    _inside(graph)[1].lost_since = 170
+    inside(graph)[1].lost_since = 170
     assert graph.match(340, 9).matched
 
 
@@ -150,7 +150,7 @@ def test_what_is_interrupted_changes_nothing(driven, monkeypatch):
         raise KeyboardInterrupt
 
     with monkeypatch.context() as patch:
-        patch.setattr(_inside(graph)[0].frames, "optimize", fails)
+        patch.setattr(inside(graph)[0].frames, "optimize", fails)
         for work in (lambda: graph.veto(0), lambda: graph.tie(61, 290, FALSE)):
             with pytest.raises(KeyboardInterrupt):
                 work()
@@ -163,13 +163,13 @@ def test_what_is_interrupted_changes_nothing(driven, monkeypatch):
 @pytest.mark.parametrize(
     ("words", "work"),
     [
-        ("loop must be a row of the 7 loops, got 9", lambda g: g.veto(0, 9)),
-        ("loop must be a whole number of at least 0, got -1", lambda g: g.veto(-1)),
+        ("loops must be rows of the 7 closed so far, got (0, 9)", lambda g: g.veto((0, 9))),
+        ("loops must be rows of the 7 closed so far, got -1", lambda g: g.veto(-1)),
         ("first must be one of the 345 scans so far, got 345", lambda g: g.tie(345, 0, FALSE)),
         ("second must be one of the 345 scans so far, got 999", lambda g: g.match(0, 999)),
         ("scans 0 and 1 hang on one key frame", lambda g: g.tie(0, 1, FALSE)),
         ("pose must be", lambda g: g.tie(0, 100, (1, 2))),
-        ("loop must be a row of the 0 loops, got 0", lambda _: LiveGraph().veto(0)),
+        ("loops must be rows of the 0 closed so far, got 0", lambda _: LiveGraph().veto(0)),
         ("first must be one of the 0 scans so far, got 0", lambda _: LiveGraph().match(0, 0)),
     ],
 )

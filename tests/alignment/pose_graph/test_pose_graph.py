@@ -194,10 +194,10 @@ def test_what_agrees_with_the_odometry_may_fit_less_well(heading, turned, less, 
 
     graph, guess, best = Graph(), np.array([0, 0, heading]), match(turned, 0.9)
     graph.other = match(0.03 * np.sign(turned), 0.9 - less)
-    assert (graph._agreeing(None, None, guess, best) is best) == kept
+    assert (graph.agreeing(None, None, guess, best) is best) == kept
     for other in (None, match(0.0, 0.9, matched=False), match(0.1, 0.9), match(-0.1, 0.9)):
         graph.other = other
-        assert graph._agreeing(None, None, guess, best) is best
+        assert graph.agreeing(None, None, guess, best) is best
 
 
 # ------------------------------------------------------------------ nothing to go by
@@ -322,7 +322,7 @@ def test_which_loops_are_compared(one, other, apart, compared):
     _, closer = walked(40)
     a, b = (Edge(i, j, np.array([j - i, 0.0, 0]), np.eye(3), True) for i, j in (one, other))
     for loop, known in ((a, b), (b, a)):
-        assert bool(closer._agreeing(loop, [known], apart=apart)) == compared
+        assert bool(closer.agreeing(loop, [known], apart=apart)) == compared
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,146 @@
+"""Two sessions of one building: the second as a robot that comes again and knows not where."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from copy import deepcopy
+from dataclasses import replace
+
+import numpy as np
+
+from ... import arrays
+from ...arrays import Array
+from ...poses.motions import between, compose
+from ...scans import LaserScan
+from .._result import Alignment, concluded
+from ..graph import Edge, information
+from ._front_end import BREAK, FrontEnd
+from ._loop_closing import LOST_WITNESSES, TURN, LoopCloser, Window
+from ._parts import Joint, append, inside
+from ._pose_graph import LiveGraph
+
+#: About a place that was found the loop is measured in a window of this half side, metres.
+REACH = 0.5
+#: Where key frames of both lie so near and look so alike, metres and radians, they should be tied;
+#: in one building 96 of 100 are (Intel, Freiburg 079), and so many must be.
+BESIDE, FACING, TIED = 1.0, np.pi / 4, 0.5
+#: Why two sessions are not merged, in the words of `Alignment.doubt`.
+NOT_MERGED = "the sessions are not merged"
+
+
+def merge(first: LiveGraph, second: LiveGraph, places: Callable[[LaserScan], Array]) -> Alignment:
+    """One alignment of two sessions in one building, tied by the places that both have seen.
+
+    Key frames of the second are sought in the first, until as many agree as for a robot that is
+    lost. From there on loops are sought and believed as within one log, and all poses are solved
+    together. It is undone where too few of the places that both passed, facing the same way, look
+    alike: other buildings have corridors and doors too.
+
+    Parameters
+    ----------
+    first, second
+        Graphs of the two, which stay as they are.
+    places
+        From a scan to where it may have been taken among the poses of the first, `(n, 3)`, metres
+        and radians: counted where n is 1. `matching.merge` searches the map of the first.
+
+    Returns
+    -------
+    Alignment
+        Of the scans of both in order, at poses of the first. Where nothing agrees, `doubt` begins
+        with the reason, and the scans of one session are not used: it lies anywhere.
+    """
+    begun = time.perf_counter()
+    for given, name in ((first, "first"), (second, "second")):
+        if not len(arrays.instance(given, name, LiveGraph)):
+            raise ValueError(f"{name} must hold scans")
+    graph, part = deepcopy((first, second))
+    (front, closer), (_, its_closer) = inside(graph), inside(part)
+    for own in (closer, its_closer):
+        own.settle()
+    # 1. The second begins anew behind the first: only loops tie it
+    joint = _begin_anew(front, inside(part)[0])
+    append(graph, part, inside(part)[0].scans[1:], joint)
+    # 2. The place that enough others agree with
+    frames, reason = front.frames, ""
+    loops, most = _found(front, closer, joint.frame, places)
+    if not loops:
+        reason = f"only {most} places of the second are found in the first and agree"
+    else:
+        # 3. All others from there on, as within one log
+        loop, rest = loops[0], slice(joint.frame, None)
+        moved = between(frames.poses[loop.second], frames.poses[rest])
+        frames.poses[rest] = compose(compose(frames.poses[loop.first], loop.relative), moved)
+        closer.believe(loops)
+        frames.optimize()
+        away = np.abs(frames.along - frames.along[loop.second])[rest]
+        for new in joint.frame + np.argsort(away, kind="stable"):
+            if closer.seek(int(new), joint.frame, confirmed=True):
+                frames.optimize(lazily=True)
+        frames.optimize()
+        # 4. Whether the places that both passed are tied
+        across = [edge for edge in closer.accepted if edge.first < joint.frame <= edge.second]
+        tied = {edge.second for edge in across}
+        passed = _passed_by_both(frames.poses, joint.frame)
+        alike = len(tied & passed)
+        if alike < max(LOST_WITNESSES, TIED * len(passed)):
+            reason = f"{alike} of {len(passed)} places that both passed look alike"
+            closer.veto(across, reason)
+            closer.pending = []
+    found = concluded("merge", front.scans, graph.settled(), time.perf_counter() - begun)
+    said = f"{NOT_MERGED}: {reason}" if reason else ""
+    return replace(found, doubt="; ".join(filter(None, (said, found.doubt))))
+
+
+def _begin_anew(front: FrontEnd, later: FrontEnd) -> Joint:
+    """Make the first scan of another session the next key frame, whose place is not known."""
+    front.scans.append(later.scans[0])
+    front.trail.add(later.scans[0])
+    front.trail.place(front.trail.poses[-1], later.trail.reasons[0])
+    scan, frame = len(front.scans) - 1, len(front.frames)
+    front.frames.add(scan, later.frames.points[0], np.zeros(3), np.diag(BREAK) ** 2)
+    front.frame.append(frame)
+    front.offset.append(np.zeros(3))
+    front.loose.append(False)
+    front.tied.append(False)
+    front.begins.append(frame)
+    return Joint(frame, scan, 0, 0)
+
+
+def _found(
+    front: FrontEnd, closer: LoopCloser, begin: int, places: Callable[[LaserScan], Array]
+) -> tuple[list[Edge], int]:
+    """Loops from key frames since `begin` to those before that enough agree with, and how many."""
+    frames, most = front.frames, 0
+    known: list[Edge] = []
+    old = frames.poses[:begin]
+    closer.lost_since = begin  # what is compared was seen since then
+    for new in range(begin, len(frames)):
+        place = np.reshape(places(front.scans[frames.scan[new]]), (-1, 3))
+        if len(place) != 1:
+            continue
+        near = int(np.argmin(np.hypot(*(old - place[0])[:, :2].T)))
+        window = Window(near, between(old[near], place[0]), REACH, TURN)
+        match = closer.measure(window, closer.map_around(window), new)
+        if match.matched:
+            weight = information(match.covariance, frames.least)
+            loop = Edge(near, new, match.pose, weight, True)
+            others = closer.agreeing(loop, known)
+            known.append(loop)
+            most = max(most, len(others))
+            if len(others) >= LOST_WITNESSES:
+                closer.lost_since = None
+                return [loop, *others], most
+    closer.lost_since = None
+    return [], most
+
+
+def _passed_by_both(poses: Array, begin: int) -> set[int]:
+    """Key frames since `begin` that lie beside one before it, and look the same way."""
+    found = set()
+    for new in range(begin, len(poses)):
+        x, y, turn = between(poses[new], poses[:begin]).T
+        if ((np.hypot(x, y) < BESIDE) & (np.abs(turn) < FACING)).any():
+            found.add(new)
+    return found

@@ -1,0 +1,44 @@
+"""Two sessions of one building, tied by places that are found on the map of the first."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from .. import alignment, arrays
+from ..alignment import Alignment, LiveGraph
+from ..arrays import Array
+from ..quadtree import build_map
+from ..scans import LaserScan, Log
+from ._search import search
+
+#: Scans that score less are not believed (`Places.found`), and to look for them takes long.
+LEAST = 0.7
+#: Side of a cell of the map, metres: the search joins smaller ones.
+CELL = 0.05
+
+
+def merge(first: Log, second: Log, **thresholds: Any) -> Alignment:
+    """Align two sessions of one building, each alone, and tie them: `alignment.merge` by `search`.
+
+    `thresholds` are those of `pose_graph`. Nothing need lead from one to the other: odometry and
+    clock may be others.
+
+    Examples
+    --------
+    >>> from segmap import load
+    >>> log = load("room")
+    >>> merge(log[:40], log[20:])
+    Alignment(merge: 81 scans, 81 used)
+    """
+    logs = arrays.instance(first, "first", Log), arrays.instance(second, "second", Log)
+    graphs = LiveGraph(**thresholds), LiveGraph(**thresholds)
+    for graph, log in zip(graphs, logs, strict=True):
+        for scan in log:
+            graph.add(scan)
+    map = build_map(first, graphs[0].refine(), resolution=CELL)
+
+    def places(scan: LaserScan) -> Array:
+        found = search(map, scan, least=LEAST)
+        return found.poses[: int(found.found)]
+
+    return alignment.merge(*graphs, places)
