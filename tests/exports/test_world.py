@@ -74,9 +74,8 @@ def test_arcs_of_the_ellipse_by_closed_form():
     assert north == pytest.approx(np.degrees(100 / (A * (1 - F) ** 2)), abs=1e-10)
     np.testing.assert_array_equal(Earth(-33.5, 151.2).coordinates((0, 0)), [151.2, -33.5])
     for world, digits in ((Earth(-33.5, 151.2), 10), (Grid("EPSG:25832", 5e5, 5e6), 5)):
-        here, found = world.coordinates(
-            [(0, 0), (1 / 3, 1 / 7)]
-        )  # to a hundredth of a millimetre, and no more
+        # to a hundredth of a millimetre, and no more
+        here, found, ahead = world.coordinates([(0, 0), (1 / 3, 1 / 7), (0, 1)])
         assert (found == found.round(digits)).all() and (found != found.round(digits - 2)).all()
         assert abs(ahead[0] - here[0]) < 1e-9  # y points north where nobody says else
     assert Earth(0, 180).coordinates((100, 0))[0] < -179.99  # over the date line
