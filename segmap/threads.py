@@ -6,7 +6,7 @@ import os
 from collections.abc import Callable, Iterator, Sequence
 from typing import TypeVar
 
-from .progress import tell
+from .progress import announce
 
 Thing = TypeVar("Thing")
 Found = TypeVar("Found")
@@ -31,7 +31,7 @@ def in_threads(
         for k, each in enumerate(found):
             kept.append(each)
             if words:
-                tell((k + 1) / len(things), words)
+                announce((k + 1) / len(things), words)
         return kept
 
     workers = min(cores(), len(things))
