@@ -45,7 +45,7 @@ def told(progress: Progress | None) -> Iterator[None]:
         _listener.reset(token)
 
 
-def tell(share: float, words: str) -> None:
+def announce(share: float, words: str) -> None:
     """Say how far the work is, to whoever listens in this thread."""
     if (listen := _listener.get()) is not None:
         listen(share, words)

@@ -15,7 +15,7 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from .progress import tell
+from .progress import announce
 
 Thing = TypeVar("Thing")
 Found = TypeVar("Found")
@@ -49,7 +49,7 @@ def threads() -> int:
 def team() -> Iterator[Each]:
     """Threads that stay for several rounds of work; without a second one there are none.
 
-    An interrupt or an error waits for what has begun, and leaves the rest. With words they tell
+    An interrupt or an error waits for what has begun, and leaves the rest. With words they announce
     how many things are done.
     """
     from concurrent.futures import ThreadPoolExecutor
@@ -62,7 +62,7 @@ def team() -> Iterator[Each]:
         for one in (pool.map if pool and len(things) > 1 else map)(work, things):
             found.append(one)
             if words:
-                tell(len(found) / len(things), words)
+                announce(len(found) / len(things), words)
         return found
 
     try:

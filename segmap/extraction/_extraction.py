@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 from .. import arrays
 from ..arrays import Array, Count, Gap, Metres, Poses, at_least, checked
 from ..poses import transform
-from ..progress import tell
+from ..progress import announce
 from ..scans import Log
 from ..scans.placed import poses_for, warn_of_nothing
 from ..segments import SegmentMap
@@ -234,7 +234,7 @@ _TELLING: dict[Callable[..., Array], Callable[..., Runs]] = {
 def _telling(known: NDArray[np.int64]) -> Iterator[np.int64]:
     """Each of some scans, after telling how far the work is."""
     for done, k in enumerate(known):
-        tell(done / len(known), f"extracting segments of scan {done + 1} of {len(known)}")
+        announce(done / len(known), f"extracting segments of scan {done + 1} of {len(known)}")
         yield k
 
 

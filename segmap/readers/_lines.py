@@ -18,7 +18,7 @@ import numpy as np
 from .. import arrays
 from ..arrays import LIMIT, Array
 from ..files import RATIO, UNPACKED, shown, unzipped
-from ..progress import tell
+from ..progress import announce
 from ..scans import NOTHING_SKIPPED, Skipped
 
 #: No line of a log is longer, in bytes: 1000 beams with intensities take 20 000.
@@ -144,7 +144,7 @@ class Lines(Reading):
                     self.number, read = self.number + 1, read + len(line)
                     if self.number % STEP == 0:  # of a packed file its fileobj says how far it is
                         at = getattr(file, "fileobj", file).tell()
-                        tell(min(at / size, 1.0), f"reading line {self.number}")
+                        announce(min(at / size, 1.0), f"reading line {self.number}")
                     if len(line) > MAX_LINE:
                         raise self.error(f"longer than {MAX_LINE} bytes, expected a line of a log")
                     if read > most:

@@ -15,7 +15,7 @@ from .. import arrays
 from .._display import Pictured
 from ..arrays import Array, Metres, Radians, Segments, at_least, at_most
 from ..methods import Method
-from ..progress import tell
+from ..progress import announce
 from ..segments import MIN_LENGTH, SegmentMap, length
 
 if TYPE_CHECKING:
@@ -166,7 +166,9 @@ def run_online(
     steps, live, ended = method(rows), list[int](), [time.perf_counter()]
     while True:
         try:
-            tell(len(live) / len(rows.cuts), f"{name}: {len(live)} of {len(rows.cuts) - 1} scans")
+            announce(
+                len(live) / len(rows.cuts), f"{name}: {len(live)} of {len(rows.cuts) - 1} scans"
+            )
             live.append(next(steps))
         except StopIteration as last:
             found: Found = last.value

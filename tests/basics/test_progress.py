@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from segmap import alignment, build_map, exports, load, readers, reduction
-from segmap.progress import tell, told
+from segmap.progress import announce, told
 from segmap.threads import in_threads
 
 LOG = load("room")[:12]
@@ -77,12 +77,12 @@ def test_a_listener_is_for_what_is_called_within():
     """Catches one that hears on, and an inner one that takes the place of the outer for ever."""
     outer, inner = [], []
     with told(lambda share, words: outer.append(words)):
-        tell(0.0, "a")
+        announce(0.0, "a")
         with told(lambda share, words: inner.append(words)):
-            tell(0.0, "b")
+            announce(0.0, "b")
         with told(None):
-            tell(0.0, "c")
-    tell(0.0, "d")
+            announce(0.0, "c")
+    announce(0.0, "d")
     assert (outer, inner) == (["a", "c"], ["b"])
     with pytest.raises(ValueError, match="progress must be a function of a share and words"):
         alignment.pose_graph(LOG, progress=3)

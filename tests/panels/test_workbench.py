@@ -41,7 +41,7 @@ from segmap.panels.workbench._shown import (
     verdict_line,
 )
 from segmap.plotting import thumbnail
-from segmap.progress import tell
+from segmap.progress import announce
 from segmap.scans import Skipped
 from segmap.simulation import URG_04LX, drive, rectangular_room, simulate
 
@@ -357,7 +357,7 @@ def test_run_stop_and_failure_in_the_worker(worker):
 ENDLESS = """
 from segmap.compiled import compiled
 from segmap.panels.workbench._job import Worker
-from segmap.progress import tell, told
+from segmap.progress import announce, told
 
 @compiled
 def turn(count: int) -> float:
@@ -367,7 +367,7 @@ def turn(count: int) -> float:
     return total
 
 def endless():
-    tell(0.0, str(turn(9)))  # compiled
+    announce(0.0, str(turn(9)))  # compiled
     turn(10**13)
 
 if __name__ == "__main__":
@@ -411,7 +411,7 @@ def test_a_method_of_the_notebook_is_told_to_run_here(worker):
 def forever():
     """Work with steps."""
     for k in itertools.count():
-        tell(k % 100 / 100, f"step {k}")
+        announce(k % 100 / 100, f"step {k}")
         time.sleep(0.001)
 
 

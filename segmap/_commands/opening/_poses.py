@@ -15,7 +15,7 @@ from ...arrays import Array
 from ...exports import Earth, Frame, Grid
 from ...extraction import build_map
 from ...poses import compose
-from ...progress import tell
+from ...progress import announce
 from ...quadtree import QuadtreeMap, extent
 from ...scans import Log
 from ...scans.moving import is_timed
@@ -105,7 +105,7 @@ def without(log: Log, veto: list[str], options: dict[str, Any]) -> Alignment:
     """The pose graph of a log without the loops `FIRST-SECOND`."""
     graph = LiveGraph(**options)
     for k, scan in enumerate(log):
-        tell(k / len(log), f"placing scan {k + 1} of {len(log)}")
+        announce(k / len(log), f"placing scan {k + 1} of {len(log)}")
         graph.add(scan)
     found = graph.refine().loops()
     known = [f"{i}-{j}" for i, j in zip(found["first"], found["second"], strict=True)]

@@ -12,7 +12,7 @@ import numpy as np
 
 from ... import arrays
 from ...poses import between, compose
-from ...progress import Progress, tell, told
+from ...progress import Progress, announce, told
 from ...scans import LaserScan, Log
 from .._result import Alignment, concluded
 from ..graph import Edge, Rejected
@@ -73,7 +73,7 @@ def align_parts(
     with told(progress):
         # 1. Each part alone; 2. as they come, joined to those before
         for k, (log, part) in enumerate(zip(logs, run(work, logs), strict=True)):
-            tell(k / len(logs), f"joining part {k + 1} of {len(logs)}")
+            announce(k / len(logs), f"joining part {k + 1} of {len(logs)}")
             if len(graph):
                 _join(graph, part, log)
             else:
@@ -89,7 +89,7 @@ def _aligned(thresholds: dict[str, Any], log: Log) -> LiveGraph:
     """The graph of one part, without what the caller has or can make again: it may travel far."""
     graph = LiveGraph(**thresholds)
     for k, scan in enumerate(log):
-        tell(k / len(log), f"placing scan {k + 1} of {len(log)} of a part")
+        announce(k / len(log), f"placing scan {k + 1} of {len(log)} of a part")
         graph.add(scan)
     front, closer = inside(graph)
     front.frames.optimize()
@@ -133,7 +133,7 @@ def _join(graph: LiveGraph, part: LiveGraph, log: Log) -> None:
     # 3. Loops that lead to the parts before, as if the robot drove there now
     found = {loop.second for loop in closer.accepted}
     for new in range(joint.frame, len(front.frames)):
-        tell(new / len(front.frames), "looking for loops between parts")
+        announce(new / len(front.frames), "looking for loops between parts")
         scan = front.frames.scan[new]
         confirmed = front.loose[scan] or not front.trail.reasons[scan]
         if closer.seek(new, joint.frame, confirmed=confirmed):

@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike
 from ... import arrays
 from ...arrays import Array, Metres, Positive, Radians, at_most
 from ...poses.motions import between, compose, inverse, wrap
-from ...progress import Progress, tell, told
+from ...progress import Progress, announce, told
 from ...scans import LaserScan, Log
 from .._result import Alignment, Match, Outcome, alignment_method, concluded, no_match
 from ..graph import REAL, Edge, Graph, loops_of
@@ -107,7 +107,7 @@ def pose_graph(
     )
     with told(progress):
         for k, scan in enumerate(log):
-            tell(k / len(log), f"placing scan {k + 1} of {len(log)}")
+            announce(k / len(log), f"placing scan {k + 1} of {len(log)}")
             graph.add(scan)
         return graph.settled()
 
@@ -245,7 +245,7 @@ class LiveGraph:
         if self._parts is None:
             return Outcome(np.zeros((0, 3)), ())
         front, closer = self._parts
-        tell(0.0, "solving for all poses")
+        announce(0.0, "solving for all poses")
         # 4. All poses together, without loops that the others contradict
         front.frames.optimize()
         if closer.settle():

@@ -21,7 +21,7 @@ import time
 from collections.abc import Callable, Sequence
 from typing import IO, Any
 
-from ...progress import tell, told
+from ...progress import announce, told
 from ...scans import Log
 
 #: What the worker begins with: it finds the package that this Python has imported.
@@ -91,7 +91,7 @@ class Worker:
                     raise Failed(value)
                 if kind == "stopped":
                     raise Stopped
-                tell(*value)
+                announce(*value)
         except (EOFError, OSError, ValueError, pickle.UnpicklingError):  # a pipe that was closed
             if self._process is process:
                 raise Failed("the work ended by itself: is there memory enough?") from None

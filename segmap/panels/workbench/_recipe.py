@@ -10,7 +10,7 @@ from ... import alignment, extraction, reduction
 from ...alignment import Alignment, Verdict
 from ...arrays import declared
 from ...metrics import quality, reduction_rate
-from ...progress import tell
+from ...progress import announce
 from ...reduction import Reduction
 from ...scans import Log
 from ...segments import SegmentMap
@@ -153,20 +153,20 @@ def follow(recipe: Recipe, log: Log, before: Outcome | None) -> Outcome:
     else:
         before = None
         if recipe.deskew:
-            tell(0.0, f"de-skewing {len(log)} scans")
+            announce(0.0, f"de-skewing {len(log)} scans")
             log = alignment.deskew(log)
     if before is not None and before.recipe.align == recipe.align:
         found = before.alignment
     else:
         before = None
-        tell(0.0, f"aligning {len(log)} scans by {recipe.align.name}")
+        announce(0.0, f"aligning {len(log)} scans by {recipe.align.name}")
         found = recipe.align.run(log)
     how = recipe.extract, recipe.least
     if before is not None and (before.recipe.extract, before.recipe.least) == how:
         map, verdict = before.map, before.verdict
     else:
         before = None
-        tell(0.0, f"extracting segments by {recipe.extract.name}")
+        announce(0.0, f"extracting segments by {recipe.extract.name}")
         extract, thresholds = recipe.extract.function, recipe.extract.thresholds
         map = extraction.build_map(
             log, found.trusted, extract=extract, keep_points=True, **thresholds
@@ -180,13 +180,13 @@ def follow(recipe: Recipe, log: Log, before: Outcome | None) -> Outcome:
         known = before.found() if before is not None else []
         done = [reduced for was, reduced, _ in known if was == call]
         reductions.append(done[0] if done else _reduced(call, map))
-    tell(0.0, "measuring quality")
+    announce(0.0, "measuring quality")
     kept = [quality(map, each) for each in reductions]
     return Outcome(recipe, log, found, map, verdict, reductions, kept)
 
 
 def _reduced(call: Call, map: SegmentMap) -> Reduction:
-    tell(0.0, f"reducing {len(map)} segments by {call.name}")
+    announce(0.0, f"reducing {len(map)} segments by {call.name}")
     reduced = call.run(map)
     if not isinstance(reduced, Reduction):
         raise ValueError(f"{call.name} must return a Reduction, got {type(reduced).__name__}")

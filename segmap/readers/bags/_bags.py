@@ -29,7 +29,7 @@ from ... import arrays
 from ...angles import wrap
 from ...arrays import Array, checked, slips
 from ...files import shown
-from ...progress import tell
+from ...progress import announce
 from ...scans import LaserScan, Log
 from .._lines import LATEST, LogError, OnError, Reading, UnknownFormat, log_file, stem
 from .._mounting import flat, in_space, level
@@ -130,7 +130,7 @@ class _Recording(Reading):
         found = self.bag.messages(topics, kind)
         count = max(sum(self.bag.topics(kind).get(topic, 0) for topic in topics), 1)
         for number, (topic, received, data) in enumerate(self._to_the_break(found)):
-            tell(min(number / count, 1.0), f"reading message {number + 1} of {topic}")
+            announce(min(number / count, 1.0), f"reading message {number + 1} of {topic}")
             try:
                 message = self.bag.decoded(data, kind)
                 with np.errstate(all="ignore"):

@@ -24,7 +24,7 @@ import numpy as np
 from ...angles import wrap
 from ...arrays import LIMIT, Array, slips
 from ...poses import compose
-from ...progress import tell
+from ...progress import announce
 from ...scans import LaserScan, Log
 from .._lines import BROKEN, LATEST, LogError, Reading, open_bytes
 from .._mounting import Tilted, flat, level
@@ -73,7 +73,7 @@ def recorded(path: Path, on_error: str = "raise") -> _Recording:
     try:
         while stream.left:
             start = stream.at
-            tell(start / max(len(data), 1), "reading objects of MRPT")
+            announce(start / max(len(data), 1), "reading objects of MRPT")
             found.take(stream.object(*OBJECTS), start)
     except Broken as broken:
         if not fault:
