@@ -177,6 +177,12 @@ def test_faults_are_told_apart(jail, cell, kind):
     assert said(jail, cell).kind == kind
 
 
+@pytest.mark.skipif(os.geteuid() != 0, reason="for root alone")
+def test_the_jail_of_root_belongs_to_nobody(jail):
+    """Catches bubblewrap that root starts: it keeps rights, and the limit of processes is void."""
+    assert said(jail, "import os\nassert os.getuid() == 65534\n" + submitted.COMPOSE).right
+
+
 def test_python_finds_its_library_without_proc(jail):
     """Catches a jail in which the interpreter of a container, or one's own, does not start."""
     cell = "import os, sys\nassert os.environ['LD_LIBRARY_PATH'] == sys.base_prefix + '/lib'\n"
