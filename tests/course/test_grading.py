@@ -5,6 +5,7 @@ import json
 import os
 import shutil
 import socket
+import subprocess
 
 import numpy as np
 import pytest
@@ -32,11 +33,11 @@ TASK = Task(
 @pytest.fixture(scope="module")
 def jail():
     """A jail; where this system has none, `test_without_a_jail_nothing_runs` is what is tested."""
-    try:
-        with Jail(LIMITS) as found:
-            yield found
-    except ValueError as error:
-        pytest.skip(str(error).splitlines()[0])
+    plain = ["bwrap", "--unshare-user", "--disable-userns", "--ro-bind", "/", "/", "true"]
+    if shutil.which("bwrap") is None or subprocess.run(plain, check=False).returncode:
+        pytest.skip("bubblewrap does not run here")
+    with Jail(LIMITS) as found:
+        yield found
 
 
 # ------------------------------------------------------------------ from handout to table
