@@ -54,17 +54,25 @@ GRAPH = readers.PoseGraph(PATH[:2], [(0, 1)], PATH[1:2], [np.eye(3)])
 TIMES = pd.DataFrame(
     {"method": "hybrid", "scans": [1, 2, 4], "seconds": [1.0, 4.0, 16.0], "live": 2}
 )
+LIVE = alignment.LiveGraph(step=0.04)
+for _scan in LOG:
+    LIVE.add(_scan)
+LIVE.tie(0, 3, PATH[3] - PATH[0])
 STEPS = list(matching.particle_mapping(LOG, particles=2, rng=rng()))
 #: Objects whose public methods are doors too.
 OBJECTS = {"matching": [matching.DistanceField(TREE), matching.LiveMap()],
            "quadtree": [TREE], "segments": [MAP], "scans": [LOG, LOG[0]],
-           "simulation": [simulation.URG_04LX], "alignment": [ALIGNMENT, alignment.LiveGraph()],
+           "simulation": [simulation.URG_04LX], "alignment": [ALIGNMENT, LIVE],
            "reduction": [REDUCTION, reduction.LiveReduction()],
            "hokuyo.emulator": [emulator.Room(WALLS, PATH)]}  # fmt: skip
 
 #: Good values by the name of a parameter; `function.parameter` comes first, then `room.parameter`.
 #: A parameter that is not here keeps its default.
 GOOD = {
+    "matching.first": LOG, "matching.second": LOG, "merge.places": lambda scan: np.zeros((0, 3)),
+    "match_values.first": WALLS, "match_values.second": WALLS,
+    "alignment.first": LIVE, "alignment.second": LIVE, "match.first": 0, "match.second": 3,
+    "tie.first": 0, "tie.second": 3, "tie.pose": PATH[3] - PATH[0], "veto.loop": 0, "veto.more": 0,
     "angle_candidates.viewpoints": np.zeros((2, 2)), "write_ros_map.path": "written.yaml",
     "read_bag.path": "it.bag", "read_bag.scan": "/scan", "read_bag.odometry": "/odom",
     "read_trajectory.path": "poses.csv", "write_segments.path": "written.csv",

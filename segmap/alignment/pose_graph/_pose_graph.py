@@ -309,7 +309,9 @@ class LiveGraph:
         relative = arrays.pose(pose, "pose")
         (old, at), (new, there) = self._hung(first, "first"), self._hung(second, "second")
         if old == new:
-            raise ValueError(f"scans {first} and {second} hang on one key frame: no tie moves them")
+            raise ValueError(
+                f"second must hang on another key frame than scan {first}, got {second}"
+            )
         motion = compose(compose(at, relative), inverse(there))
         if old > new:
             old, new, motion = new, old, inverse(motion)
@@ -318,10 +320,11 @@ class LiveGraph:
 
     def _hung(self, scan: int, name: str) -> tuple[int, Array]:
         """The key frame that a scan hangs on, and its pose there."""
-        if arrays.whole(scan, name, least=0) >= len(self):
+        number = arrays.whole(scan, name, least=0)
+        if number >= len(self):
             raise ValueError(f"{name} must be one of the {len(self)} scans so far, got {scan}")
         assert self._parts is not None
-        return self._parts[0].frame[scan], self._parts[0].offset[scan]
+        return self._parts[0].frame[number], self._parts[0].offset[number]
 
     @contextmanager
     def _mending(self) -> Iterator[LoopCloser]:
