@@ -50,14 +50,14 @@ TREE = quadtree.build_map(LOG, PATH, resolution=0.05)
 MAP = segments.SegmentMap(WALLS)
 REDUCTION = reduction.METHODS["hybrid"](MAP)
 RUNS = experiments.sweep({"it": MAP}, ["fusion"], {"fusion": {"tolerance": [0.01, 0.04]}})
-LIVE = alignment.LiveGraph(step=0.02)
-for each in LOG:
-    LIVE.add(each)
-LIVE.tie(0, 2, (0.1, 0.0, 0.04))
 GRAPH = readers.PoseGraph(PATH[:2], [(0, 1)], PATH[1:2], [np.eye(3)])
 TIMES = pd.DataFrame(
     {"method": "hybrid", "scans": [1, 2, 4], "seconds": [1.0, 4.0, 16.0], "live": 2}
 )
+LIVE = alignment.LiveGraph(step=0.04)
+for _scan in LOG:
+    LIVE.add(_scan)
+LIVE.tie(0, 3, PATH[3] - PATH[0])
 STEPS = list(matching.particle_mapping(LOG, particles=2, rng=rng()))
 #: Objects whose public methods are doors too.
 OBJECTS = {"matching": [matching.DistanceField(TREE), matching.LiveMap()],
@@ -70,6 +70,10 @@ OBJECTS = {"matching": [matching.DistanceField(TREE), matching.LiveMap()],
 #: A parameter that is not here keeps its default.
 GOOD = {
     "share": 0.5, "words": "it",
+    "matching.first": LOG, "matching.second": LOG, "merge.places": lambda scan: np.zeros((0, 3)),
+    "match_values.first": WALLS, "match_values.second": WALLS,
+    "alignment.first": LIVE, "alignment.second": LIVE, "match.first": 0, "match.second": 3,
+    "tie.first": 0, "tie.second": 3, "tie.pose": PATH[3] - PATH[0], "veto.loops": 0,
     "angle_candidates.viewpoints": np.zeros((2, 2)), "write_ros_map.path": "written.yaml",
     "read_bag.path": "it.bag", "read_bag.scan": "/scan", "read_bag.odometry": "/odom",
     "read_trajectory.path": "poses.csv", "write_segments.path": "written.csv",
@@ -122,7 +126,6 @@ GOOD = {
     "rasterize.values": np.zeros(len(TREE.leaves().x)), "walls": WALLS,
     "rasterize.shown": np.ones(len(TREE.leaves().x)), "waypoints": PATH[:, :2],
     "cropped.left": 0.0, "cropped.low": 0.0, "cropped.right": 2.0, "cropped.high": 1.0,
-    "match.first": 0, "match.second": 2, "tie.first": 0, "tie.second": 2, "loop": 0,
     "latitude": 52.5, "longitude": 13.4, "north": 0.3, "Grid.name": "EPSG:25832", "east": 5e5,
     "northing": 5.8e6, "world": exports.Earth(52.5, 13.4),
     "origin": "map", "window": np.array([0.0, 0.0, 3.0, 2.0]),

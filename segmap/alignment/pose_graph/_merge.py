@@ -52,6 +52,7 @@ def merge(first: LiveGraph, second: LiveGraph, places: Callable[[LaserScan], Arr
         with the reason, and the scans of one session are not used: it lies anywhere.
     """
     begun = time.perf_counter()
+    arrays.function(places, "places", "from a scan to poses")
     for given, name in ((first, "first"), (second, "second")):
         if not len(arrays.instance(given, name, LiveGraph)):
             raise ValueError(f"{name} must hold scans")
@@ -117,7 +118,8 @@ def _found(
     old = frames.poses[:begin]
     closer.lost_since = begin  # what is compared was seen since then
     for new in range(begin, len(frames)):
-        place = np.reshape(places(front.scans[frames.scan[new]]), (-1, 3))
+        given = arrays.called(places, "places", front.scans[frames.scan[new]])
+        place = arrays.poses(given, "places")
         if len(place) != 1:
             continue
         near = int(np.argmin(np.hypot(*(old - place[0])[:, :2].T)))

@@ -280,7 +280,7 @@ class LiveGraph:
         known = [] if self._parts is None else [e for e in self._parts[0].frames.edges if e.loop]
         rows = np.unique(arrays.indices(loops, "loops"))
         if not len(rows) or rows[0] < 0 or rows[-1] >= len(known):
-            raise ValueError(f"loops must be rows of the {len(known)} closed so far, got {loops}")
+            raise ValueError(f"loops must be rows of the {len(known)} closed so far, got {rows.tolist()}")
         with self._mending() as closer:
             closer.veto([known[row] for row in rows])
 
@@ -316,8 +316,9 @@ class LiveGraph:
         relative = arrays.pose(pose, "pose")
         (old, at), (new, there) = self._hung(first, "first"), self._hung(second, "second")
         if old == new:
-            hang = f"first and second must hang on two key frames: {first} and {second}"
-            raise ValueError(f"{hang} hang on one, and no tie moves them")
+            raise ValueError(
+                f"second must hang on another key frame than scan {first}, got {second}"
+            )
         motion = compose(compose(at, relative), inverse(there))
         if old > new:
             old, new, motion = new, old, inverse(motion)
