@@ -49,7 +49,7 @@ REWRITTEN = "pytest.PytestAssertRewriteWarning"
 #: read again.
 ALSO = {
     "exports": ("readers/test_graph_files.py", "readers/test_segment_files.py"),
-    "grading": ("course/test_grades_table.py", "course/test_handout.py"),
+    "grading": ("course/grading/test_grades_table.py", "course/grading/test_handout.py"),
 }
 FORK = multiprocessing.get_context("fork")
 #: What teaches, or only hands on, is left alone.

@@ -102,12 +102,12 @@ def pairs(text: str) -> list[str]:
     """Loops as `FIRST-SECOND`: one, or those of a table as `--loops` writes it."""
     if re.fullmatch(r"\d+-\d+", text):
         return [text]
-    with Path(text).open(newline="") as file:
-        try:
-            return [f"{int(row['first'])}-{int(row['second'])}" for row in csv.DictReader(file)]
-        except (KeyError, TypeError, ValueError) as error:
-            words = f"{text} must be a table with columns first and second"
-            raise argparse.ArgumentTypeError(words) from error
+    rows = csv.DictReader(Path(text).read_text().splitlines())
+    try:
+        return [f"{int(row['first'])}-{int(row['second'])}" for row in rows]
+    except (KeyError, TypeError, ValueError) as error:
+        words = f"{text} must be a table with columns first and second"
+        raise argparse.ArgumentTypeError(words) from error
 
 
 def map_log(given: argparse.Namespace, log: Log, paths: list[Path], report: Report) -> int:

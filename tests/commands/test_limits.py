@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
+import tqdm
 
 import segmap
 from segmap import alignment, exports, quadtree, reduction
@@ -83,10 +84,16 @@ def test_a_bar_says_what_is_done_and_goes_when_it_is_done(run, monkeypatch):
     assert screen.getvalue().endswith(" \r")
 
 
+class AtOnce(tqdm.tqdm):
+    def __init__(self, *work, **given):
+        super().__init__(*work, **given | {"delay": 0, "mininterval": 0})
+
+
 def test_long_work_moves_a_bar_on_a_terminal(run, monkeypatch):
     """Catches a bar that stands at 0/3 for the whole alignment, and one that stays."""
     monkeypatch.setattr(sys, "stderr", screen := Terminal())
     monkeypatch.setattr("tqdm.std.tqdm.monitor_interval", 0)
+    monkeypatch.setattr("tqdm.tqdm", AtOnce)
     assert run("map", "malaga", "--method", "none")[0] == 0
     scans = [int(k) for k in re.findall(r"placing scan (\d+) of 225 \|", screen.getvalue())]
     assert len(set(scans)) > 3 and scans == sorted(scans)

@@ -175,7 +175,7 @@ class ParticlePanel(LessonPanel):
     >>> panel = ParticlePanel(room_walk(12))
     >>> panel.scan.value = 11
     >>> panel.error.value
-    'the best 2.5 cm off'
+    'the best 2.6 cm off'
     """
 
     #: What `particle_mapping` has yielded.
@@ -232,7 +232,7 @@ class PlacePanel(LessonPanel):
     >>> panel = PlacePanel(build_map(log, log.truth, resolution=0.05), log)
     >>> panel.scan.value = 39
     >>> panel.place.value, panel.error.value
-    ('found', '1 cm off')
+    ('found', '0 cm off')
     """
 
     beliefs: list[Belief]

@@ -280,7 +280,8 @@ class LiveGraph:
         known = [] if self._parts is None else [e for e in self._parts[0].frames.edges if e.loop]
         rows = np.unique(arrays.indices(loops, "loops"))
         if not len(rows) or rows[0] < 0 or rows[-1] >= len(known):
-            raise ValueError(f"loops must be rows of the {len(known)} closed so far, got {rows.tolist()}")
+            given = rows.tolist()
+            raise ValueError(f"loops must be rows of the {len(known)} closed so far, got {given}")
         with self._mending() as closer:
             closer.veto([known[row] for row in rows])
 

@@ -13,7 +13,7 @@ from segmap.alignment.graph import Edge, Solver, information, stacked
 from segmap.alignment.pose_graph._front_end import FrontEnd
 from segmap.alignment.pose_graph._key_frames import KeyFrames
 from segmap.alignment.pose_graph._loop_closing import LoopCloser, Window, descriptor
-from segmap.alignment.pose_graph._parts import _aligned, _inside, _join
+from segmap.alignment.pose_graph._parts import _aligned, _join, inside
 from segmap.poses import between
 
 ZERO, NOTHING = np.zeros(3), no_match(np.zeros(3), "nothing")
@@ -245,7 +245,7 @@ def test_lazily_only_what_is_new_is_solved_and_else_everything():
 def test_behind_the_joint_the_robot_goes_on_as_in_its_part(monkeypatch):
     """And loops that lead to the part before move the poses before the next ones are sought."""
     first, second = (_aligned({}, part) for part in (LOG[:20], LOG[20:40]))
-    (front, _), (later, _), asked = _inside(first), _inside(second), []
+    (front, _), (later, _), asked = inside(first), inside(second), []
     front.scans += LOG[:20]
     sought = iter(range(99))
     monkeypatch.setattr(LoopCloser, "seek", lambda *given, **said: next(sought) >= 0)
@@ -354,7 +354,7 @@ def test_maps_of_old_places_are_of_five_key_frames_before_and_after_and_some_are
     ],
 )
 def test_loops_agree_within_a_quarter_of_a_metre_four_degrees_and_eight_metres(other, agrees):
-    assert bool(walked(40)._agreeing(loop(1, 30), [other])) == agrees
+    assert bool(walked(40).agreeing(loop(1, 30), [other])) == agrees
 
 
 @pytest.mark.parametrize(("others", "believed"), [(4, 0), (5, 6)])
