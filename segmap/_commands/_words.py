@@ -155,7 +155,7 @@ def moving() -> Iterator[None]:
         """Let the bar go on, or begin anew with other work."""
         if not bars:
             shape = "{desc} |{bar}| {remaining} left"
-            bars.append(tqdm(total=1.0, delay=0.5, leave=False, bar_format=shape))
+            bars.append(tqdm(total=1.0, delay=0.5, miniters=0, leave=False, bar_format=shape))
         (bar,) = bars
         if share < bar.n:
             bar.reset()

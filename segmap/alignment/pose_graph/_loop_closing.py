@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import heapq
 from dataclasses import dataclass
 from itertools import chain
 from typing import NamedTuple
@@ -11,12 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...arrays import Array, Count, Metres, Positive, Settings
-from ...compiled import compiled
 from ...poses.motions import between, compose
 from .._result import Match, no_match
 from ..graph import Edge, Rejected, deviations, information, residuals, stacked
 from ..points import PointMap
 from ._key_frames import KeyFrames
+from ._ways import walk
 
 # Where loops are sought:
 #: Old places are proposed this much farther off than the window: they can be seen from there.
@@ -49,9 +48,9 @@ RECENT = 30
 #: Other loops that must agree where the robot may be anywhere, since many rooms are built alike,
 #: and when the log ends. Then loops of one scan to passes farther apart than `STRETCH` count too.
 LOST_WITNESSES, LAST_WITNESSES = 5, 1
-#: A believed loop is so long a part of the way through the graph, metres, unless its standard
-#: deviation is larger than the second: along a corridor it fixes nothing.
-LOOP_PATH, VAGUE = 0.5, 0.2
+#: With a standard deviation above this, metres, a loop is no way through the graph: along a
+#: corridor it fixes nothing.
+VAGUE = 0.2
 #: The graph is solved at once where a new loop turns its ends by more than this, radians.
 STRAIN_ANGLE = np.radians(0.5)
 #: Loops that the solution leaves open by more standard deviations are taken out at the end.
@@ -201,7 +200,7 @@ class LoopCloser:
         most = max((self.rules.max_reach - self.rules.reach) / self.drift, 0.0)
         ways = np.fromiter(chain.from_iterable(self.ways), np.int64)
         metres = np.full(len(self.frames), np.inf)
-        _walk(self.frames.along, ways.reshape(-1, 2), new, old, most, metres)
+        walk(self.frames.along, ways.reshape(-1, 2), new, old, most, metres)
         return metres[old]
 
     def _by_descriptor(self, new: int, before: int) -> list[Window]:
@@ -338,46 +337,6 @@ class LoopCloser:
     def _reject(self, old: int, new: int, reason: str) -> None:
         """Keep the reason, under the indices of the scans."""
         self.rejected.append(Rejected(self.frames.scan[old], self.frames.scan[new], reason))
-
-
-@compiled
-def _walk(
-    along: Array,
-    ways: NDArray[np.int64],
-    begin: int,
-    wanted: NDArray[np.int64],
-    most: float,
-    metres: Array,
-) -> None:
-    """Write the metres of the shortest ways, up to `most`, to wanted key frames (Dijkstra 1959).
-
-    Before that they are infinite. `along`, (n,), is the path driven; `ways`, (w, 2), join old key
-    frames and new ones. Ends when all that are wanted are reached: most often near.
-    """
-    head, link, left = np.full(len(along), -1), np.full(2 * len(ways), -1), len(wanted)
-    asked = np.zeros(len(along), np.bool_)
-    for slot in range(2 * len(ways)):
-        end = ways[slot // 2, slot % 2]
-        if abs(end - ways[slot // 2, 1 - slot % 2]) > 1:
-            link[slot], head[end] = head[end], slot
-    for k in wanted:
-        asked[k] = True
-    heap, metres[begin] = [(0.0, begin)], 0.0
-    while left and len(heap):
-        far, k = heapq.heappop(heap)
-        if far > metres[k]:
-            continue
-        left -= asked[k]
-        slot, side = head[k], -1
-        while slot >= 0 or side < 2:
-            if side < 2:  # the key frames before and after it, then those at ways
-                j = min(max(k + side, 0), len(along) - 1)
-                step, side = abs(along[j] - along[k]), side + 2
-            else:
-                j, step, slot = ways[slot // 2, 1 - slot % 2], LOOP_PATH, link[slot]
-            if far + step <= most and far + step < metres[j]:
-                metres[j] = far + step
-                heapq.heappush(heap, (metres[j], j))
 
 
 def descriptor(points: Array) -> Array:
