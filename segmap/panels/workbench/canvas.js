@@ -41,7 +41,8 @@ function render({ model, el }) {
     const maps = shown === "both" ? all : shown === "before" ? [0] : all.slice(1);
     const columns = width / maps.length < 200 ? Math.ceil(maps.length / 2) : maps.length;
     const rows = Math.ceil(maps.length / columns), wide = (width - GAP * (columns - 1)) / columns;
-    const high = Math.round(Math.min(560, Math.max(230, 0.85 * wide)));
+    const tall = rows === 1 && width > 600 ? 0.55 * window.innerHeight : 0;  // beside the steps
+    const high = Math.round(Math.min(560, Math.max(230, 0.85 * wide, tall)));
     height = rows * high + GAP * (rows - 1);
     panes = maps.map((map, k) => ({ map,
       x: (k % columns) * (wide + GAP), y: Math.floor(k / columns) * (high + GAP), w: wide, h: high }));
