@@ -12,7 +12,7 @@ from typing import Any
 ROOMS = (
     *("segmap", "scans", "readers", "simulation", "angles", "poses", "segments", "extraction"),
     *("metrics", "alignment", "reduction", "quadtree", "matching", "exports", "experiments"),
-    *("hokuyo", "hokuyo.emulator", "plotting", "panels", "testing", "arrays"),
+    *("progress", "hokuyo", "hokuyo.emulator", "plotting", "panels", "testing", "arrays"),
     *("segmap_course", "segmap_course.literal"),
 )
 
