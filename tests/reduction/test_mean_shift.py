@@ -1,5 +1,7 @@
 """Mean shift: its pieces, its two climbs, its parents and its weaknesses."""
 
+import inspect
+
 import numpy as np
 import pytest
 from reduction_maps import MAPS, redundant_map
@@ -102,6 +104,9 @@ def test_the_first_phase_can_be_watched():
     assert np.abs(whole.centres - one)[:, :2].max() > 0.01
     assert len(whole.theta) == whole.cluster.max() + 1
     np.testing.assert_array_equal(whole.owner, [piece.owner for piece in literal])
+    ways = [inspect.signature(way).parameters for way in (common_directions, mean_shift)]
+    for name in ("sigma", "bandwidth"):
+        assert ways[0][name].default == ways[1][name].default
 
 
 @pytest.mark.parametrize(
