@@ -47,3 +47,4 @@ def test_find_me_looks_for_the_robot_and_finds_it(browser, tmp_path):
         for words in ("looking: not yet: 4 places", "found: "):
             wait(words, lambda w=words: w in browser.run(PLACE), 60)
         browser.screenshot(SCREENSHOT.with_name("live_found.png"))
+        assert [said for said in browser.errors() if "fontawesome" not in said] == []
