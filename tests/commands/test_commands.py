@@ -789,7 +789,7 @@ def test_map_lists_its_loops_and_leaves_out_those_that_a_file_vetoes(run):
     assert rest[ends].values.tolist() == whole.drop(worst.index)[ends].values.tolist()
     # A session keeps what was vetoed; one loop has no file
     one = "-".join(map(str, worst[ends].values[0]))
-    run("map", "corridor", "--veto", one, "-o", "it.segmap")
+    run("map", "corridor", "--veto", one, "--loops", "one.csv", "-o", "it.segmap")
     run("map", "it.segmap", "--loops", "again.csv")
     assert len(pd.read_csv("again.csv")) == len(whole) - 1
     for text, wrong, words in (
