@@ -4,12 +4,14 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from reduction_maps import MAPS
+from reduction_maps import MAPS, grid_map
 from segmap_course import literal
+from segmap_course.literal.metrics import covered, joined_walls, owned_pieces
 
 from segmap import simulation
 from segmap.metrics import against_walls
 from segmap.poses import transform
+from segmap.segments import length, point_distance
 
 ROOM = simulation.rectangular_room(4, 3)
 FIELDS = ("missed", "invented", "doubled", "per_wall", "found", "offset", "angle")
@@ -19,18 +21,60 @@ def values(found) -> np.ndarray:
     return np.array([np.sum(getattr(found, name)) for name in FIELDS])
 
 
-@given(st.integers(0, 10_000), st.sampled_from([{}, {"distance": 0.3, "angle": 0.5}]))
-@settings(max_examples=40, deadline=None)
-def test_equals_the_plain_version(seed, limits):
-    """Another strip, a wall that owns by its index, a span that is not joined."""
+def plainly(whole, segments, distance=0.10, angle=np.radians(5), least=0.0):
+    """What the plain loops say: pieces, their owners, and the spans on each wall."""
+    pieces, owners, spans = [], [], [[] for _ in whole]
+    for s in segments[length(segments) >= 1e-9]:
+        for a, b, k, _ in owned_pieces(whole.tolist(), s.tolist(), distance, angle):
+            pieces.append(s[0] + np.outer((a, b), s[1] - s[0]))
+            owners.append(k)
+            if k >= 0:
+                way = (whole[k, 1] - whole[k, 0]) / length(whole[k])
+                spans[k].append(tuple(sorted((pieces[-1] - whole[k, 0]) @ way)))
+    return np.reshape(pieces, (-1, 2, 2)), owners, spans
+
+
+LIMITS = [{}, {"distance": 0.25, "angle": 0.5}, {"distance": 0.25, "least": 0.25}, {"least": 1.0}]
+
+
+@given(st.integers(0, 10_000), st.sampled_from(LIMITS), st.booleans())
+@settings(max_examples=60, deadline=None)
+def test_equals_the_plain_version(seed, limits, is_seen):
+    """Another strip, a wall that owns by its index, a span that is not joined, a limit left out."""
     rng = np.random.default_rng(seed)
-    walls, map, looks = (MAPS[(seed + k) % 4](rng, 12) for k in range(3))
-    for seen in (None, looks):
-        found = against_walls(walls, map, seen=seen, **limits)
-        if not np.isfinite(found.per_wall):
-            continue
+    kinds = [*MAPS, grid_map]
+    walls, map, looks = (kinds[(seed + k * (seed // 5 % 2)) % 5](rng, 12) for k in range(3))
+    given = {"seen": looks} if is_seen else {}
+    found = against_walls(walls, map, **given, **limits)
+    whole = np.reshape(joined_walls(walls.tolist()), (-1, 2, 2))
+    np.testing.assert_allclose(found.walls, whole, atol=1e-9)
+    pieces, owners, own = plainly(whole, map, **limits)
+    np.testing.assert_allclose(found.pieces, pieces, atol=1e-6)
+    np.testing.assert_array_equal(found.owner, owners)
+    known = plainly(whole, looks, **limits)[2] if is_seen else [[(0.0, w)] for w in length(whole)]
+    for k, (looked, spans) in enumerate(zip(known, own, strict=True)):
+        both = covered(looked) + covered(spans) - covered(looked + spans)
+        double = sum(high - low for low, high in spans) - covered(spans)
+        here = found.seen[k], found.kept[k], found.doubled[k]
+        assert here == pytest.approx((covered(looked), both, double), abs=1e-6)
+        at = rng.uniform(0, 1, 9)
+        points = whole[k, 0] + np.outer(at, whole[k, 1] - whole[k, 0])
+        at *= length(whole[k])
+        seen, times = (
+            sum(((a <= at) & (at <= b) for a, b in each), np.zeros(9)) for each in (looked, spans)
+        )
+        for stretches, wanted in (
+            (found.lost, (seen > 0) & (times == 0)),
+            (found.twice, times > 1),
+        ):
+            away = point_distance(points[:, None], stretches).min(axis=1, initial=np.inf)
+            np.testing.assert_array_equal(away < 1e-9, wanted)
+    if np.isfinite(found.per_wall):
         plain = literal.against_walls(
-            walls.tolist(), map.tolist(), seen=None if seen is None else seen.tolist(), **limits
+            walls.tolist(),
+            map.tolist(),
+            **{name: s.tolist() for name, s in given.items()},
+            **limits,
         )
         wanted = [plain[name] for name in FIELDS]
         np.testing.assert_allclose(values(found), wanted, atol=1e-6, equal_nan=True)
@@ -106,27 +150,6 @@ def test_a_stub_may_be_turned_by_more_than_the_angle(rise, beside):
     """Five degrees of 20 cm are 17 mm: noise alone would reject each stub."""
     found = against_walls(ROOM, [[(1, 0), (1.2, rise)]])
     assert (found.invented == 0) == beside
-
-
-@given(st.integers(0, 10_000))
-@settings(max_examples=20, deadline=None)
-def test_moving_all_swapping_ends_and_another_order_change_nothing(seed):
-    rng = np.random.default_rng(seed)
-    walls, map, seen = (MAPS[seed % 2](rng, 15) for _ in range(3))
-    found = against_walls(walls, map, seen=seen)
-    to = (5.0, -3.0, 1.2)
-    moved = [transform(to, each) for each in (walls, map[:, ::-1], seen)]
-    there = against_walls(moved[0], rng.permutation(moved[1]), seen=moved[2])
-    np.testing.assert_allclose(values(there), values(found), atol=1e-6, equal_nan=True)
-
-
-def test_pieces_are_the_map():
-    rng = np.random.default_rng(2)
-    map = MAPS[1](rng, 30)
-    found = against_walls(ROOM, map)
-    metres = np.hypot(*(found.pieces[:, 1] - found.pieces[:, 0]).T)
-    assert metres.sum() == pytest.approx(np.hypot(*(map[:, 1] - map[:, 0]).T).sum())
-    assert metres[found.owner < 0].sum() == pytest.approx(found.invented)
 
 
 def test_nothing_to_judge_by_is_refused():
