@@ -5,7 +5,7 @@ Quality asks how near a reduced map is to the noisy map before. Here the judge i
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Annotated, NamedTuple
 
 import numpy as np
@@ -57,10 +57,10 @@ class AgainstWalls:
     found: float
     offset: float
     angle: float
-    pieces: Array = field(repr=False)
-    owner: NDArray[np.int64] = field(repr=False)
-    lost: Array = field(repr=False)
-    twice: Array = field(repr=False)
+    pieces: Array
+    owner: NDArray[np.int64]
+    lost: Array
+    twice: Array
 
     @property
     def missed(self) -> float:

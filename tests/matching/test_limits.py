@@ -13,6 +13,7 @@ from quadtrees import state
 from segmap import LaserScan
 from segmap.matching import (
     MATCHERS,
+    DistanceField,
     LiveMap,
     _live_map,
     _mapping,
@@ -20,6 +21,7 @@ from segmap.matching import (
     effective_number,
     field_score,
     hill_climb,
+    localize,
     map_scans,
     nearest_score,
     particle_mapping,
@@ -27,6 +29,7 @@ from segmap.matching import (
     systematic,
 )
 from segmap.matching import _localize as localizing
+from segmap.matching import _merge as joining
 from segmap.matching import _search as searching
 from segmap.matching._likelihoods import Likelihoods
 from segmap.matching._live_map import overlap_of
@@ -81,11 +84,17 @@ def test_the_covariance_of_a_pose_that_nothing_tells_is_that_of_all_poses_within
     np.testing.assert_allclose(found, np.diag(expected), atol=1e-15)
 
 
-def test_a_map_has_half_a_metre_around_it():
-    map = QuadtreeMap(resolution=0.05)
-    map.insert_scan((1.025, 2.025), [(1.025, 2.025)])
-    found = Likelihoods(map)
-    assert found.shape == (21, 21) and found.corner == pytest.approx((0.5, 1.5))
+@pytest.mark.parametrize("cell", [0.1, 0.05, 0.03, 0.025, 0.0125, 0.01])
+def test_a_map_has_half_a_metre_around_it_in_cells_of_five_centimetres_at_most(cell):
+    map, side = (
+        QuadtreeMap(resolution=cell),
+        {0.025: 0.05, 0.0125: 0.05, 0.01: 0.04}.get(cell, cell),
+    )
+    map.insert_scan((1.01, 2.01), [(1.01, 2.01)])
+    found, edge = Likelihoods(map), np.ceil(0.5 / side - 1e-9)
+    assert found.size == pytest.approx(side) and found.shape == (2 * edge + 1, 2 * edge + 1)
+    corner = (np.floor(np.array([1.01, 2.01]) / side) - edge) * side
+    np.testing.assert_allclose(found.corner, corner)
 
 
 @pytest.mark.parametrize(("fit", "found"), [(0.85, True), (0.849, False)])
@@ -97,11 +106,36 @@ def test_a_place_is_believed_where_it_fits(fit, found):
     )
     places = searching.places_of(map, np.array(points), margin=0.01)
     assert len(places) == 1 and places.found == found
-    options = signature(search).parameters
-    inside = signature(searching.places_of).parameters
-    assert {k: p.default for k, p in inside.items() if k in options and k != "map"} == {
-        k: p.default for k, p in options.items() if k not in ("map", "scan")
-    }
+
+
+SOUGHT = {"least": 0.5, "margin": 0.05, "most_places": 6, "beams": 60, "nodes": None}
+USUAL = [
+    *(
+        (search, SOUGHT),
+        (searching.places_of, SOUGHT),
+        (localize, {"particles": 1000, "beams": 60}),
+    ),
+    (hill_climb, {"steps": "halving", "rounds": 60, "score": field_score}),
+    (map_scans, {"settle": 1, "free": False, "graph": False, "start": (0, 0, 0)}),
+    (particle_mapping, {"particles": 30, "noise": 1, "resample": 0.5, "free": False}),
+    *((DistanceField, {"resolution": 0.05}), (DistanceField.around, {"resolution": 0.02})),
+    (LiveMap, {"start": (0, 0, 0), "free": False}),
+]
+
+
+@pytest.mark.parametrize(("of", "usual"), USUAL)
+def test_what_is_meant_where_nothing_is_said(of, usual):
+    given = signature(of).parameters
+    assert {name: given[name].default for name in usual} == usual
+
+
+def test_a_second_session_is_sought_on_cells_of_five_centimetres(monkeypatch):
+    """Scans that score less than 0.7 are passed over at once, and none is tied where none is."""
+    asked, nothing = set(), searching.places_of(None, np.zeros((0, 2)))
+    sought = lambda map, scan, *, least: asked.add((map.resolution, least)) or nothing  # noqa: E731
+    monkeypatch.setattr(joining, "search", sought)
+    found = joining.merge(LOG[:3], LOG[3:6])
+    assert asked == {(0.05, 0.7)} and "not merged" in found.doubt
 
 
 # ------------------------------------------------------------------ scan after scan
@@ -170,48 +204,26 @@ def driven(*steps):
     return [replace(scan, odometry=pose) for scan, pose in zip(log, poses, strict=True)]
 
 
-@pytest.mark.parametrize(
-    ("step", "times"),
-    [((0.29, 0, 0), 0), ((0, -0.31, 0), 1), ((0, 0, 0.29), 0), ((0, 0, -0.31), 1)],
-)
-def test_poses_are_drawn_every_thirty_centimetres(step, times, monkeypatch):
-    """With the covariance about the peak; and a third of the logarithm goes into the weight."""
-    told = []
-
-    def proposal(values, wide):
-        told.append(len(told) % 2 * 3 * np.log(2))
-        return np.diag([0.1, 0.1, 0.2]) ** 2, told[-1]
-
-    monkeypatch.setattr(_particles, "proposal", proposal)
-    still = partial(lambda map, points, start, *, score: start)
-    rng, given = np.random.default_rng(1), {"particles": 400, "resample": 0.0, "matcher": still}
-    *_, last = particle_mapping(driven(step), rng=rng, map=QuadtreeMap(resolution=0.2), **given)
-    assert len(told) == 400 * times
-    spreads = times * np.array([0.1, 0.1, 0.2])
-    np.testing.assert_allclose(last.poses.std(0), spreads, rtol=0.15, atol=1e-9)
-    np.testing.assert_allclose(last.weights[0] / last.weights[1], 0.5 if times else 1.0)
+@pytest.mark.parametrize(("on", "starts"), [(6, 1), (5, 8)])
+def test_a_scan_of_which_a_quarter_is_off_the_map_is_turned_more(on, starts):
+    map, ends, asked = QuadtreeMap(), [(1, y / 2) for y in range(8)], []
+    map.insert_scan((0, 0), ends[:on])
+    still = lambda map, points, start, *, score: asked.append(start) or start  # noqa: E731
+    tries = [_particles.LATE[:1], _particles.LATE]
+    pose, _ = _particles._climbed(still, map, ZERO, scan_of(ends), tries)
+    assert pose.tolist() == [0, 0, 0] and len(asked) == starts
 
 
-@pytest.mark.parametrize("wheels", [OdometryNoise(), None])
-def test_around_a_peak_a_lattice_is_asked_and_the_odometry_bounds_the_draw(wheels, monkeypatch):
-    """A cell of the usual map, and what moves an end at 5 m as far; 0.1 m and 3 degrees alone."""
-    asked, bounds = [], []
-
-    def proposal(values, wide):
-        bounds.append(wide)
-        return np.eye(3), 0.0
-
-    monkeypatch.setattr(_particles, "proposal", proposal)
-    monkeypatch.setattr(_particles, "_log_likelihood", lambda *given: asked.append(given[2]))
-    ahead = partial(lambda map, points, start, *, score: start + (0.31, 0, 0))
-    given = {"particles": 1, "rng": np.random.default_rng(1), "noise": 0, "odometry": wheels}
-    list(particle_mapping(driven((0.3, 0, 0)), matcher=ahead, **given))
-    (poses,), (wide,) = asked, bounds
-    np.testing.assert_allclose(np.ptp(poses, axis=0), (0.1, 0.1, 0.02))
-    alone = (0.1, 0.1, 0.05)
-    np.testing.assert_allclose(
-        wide, alone if wheels is None else spread(np.array([0.3, 0, 0]), wheels)
-    )
+@pytest.mark.parametrize("times", [1, 40])
+def test_sixty_beams_of_a_scan_are_weighed_and_each_may_meet_anything(times):
+    """One on its wall, one off by its standard deviation, one far away; and no map at all."""
+    map = QuadtreeMap(resolution=0.05)
+    map.insert_scan((0, 0), [(1.025, 0.025)])
+    points = np.repeat([(1.025, 0.025), (1.025, 0.075), (1.025, 2.0)], times, axis=0)
+    each, field = np.log([1, 0.9 * np.exp(-0.5) + 0.1, 0.1]), DistanceField(map)
+    found = [_particles._log_likelihood(near, points, ZERO[None])[0] for near in (field, None)]
+    expected = min(times, 20) * np.array([each.sum(), 3 * np.log(0.1)])
+    np.testing.assert_allclose(found, expected, rtol=1e-5)
 
 
 def test_beams_that_met_nothing_say_nothing_unless_they_are_asked():
@@ -361,7 +373,7 @@ def test_a_line_through_the_corner_of_four_cells_crosses_two_of_them():
     assert not _sees(clear, np.array([0.5, 1.5]), np.array([1.5, 0.6]))
 
 
-@pytest.mark.parametrize("weights", [[0.5, 0.4], [0.5, 0.6], [1.1, -0.1], [[1.0]]])
+@pytest.mark.parametrize("weights", [[0.5, 0.4], [0.5, 0.5000012], [1.1, -0.1], [[1.0]]])
 def test_weights_are_shares(weights):
     with pytest.raises(ValueError, match="none negative, and sum to 1"):
         effective_number(weights)

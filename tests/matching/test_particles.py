@@ -1,8 +1,10 @@
 """Mapping with particles: what must hold for any number of them, and what they are there for."""
 
 import itertools
+from copy import deepcopy
 from dataclasses import replace
 from functools import partial
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -13,7 +15,7 @@ from hypothesis import strategies as st
 from quadtrees import leaves_of, state
 from segmap_course import literal
 
-from segmap import LaserScan, Log, load
+from segmap import LaserScan, Log
 from segmap.matching import (
     DistanceField,
     effective_number,
@@ -25,7 +27,8 @@ from segmap.matching import (
     systematic,
 )
 from segmap.matching import _particles as particles_file
-from segmap.poses import compose, transform
+from segmap.matching._live_map import insert, overlap_of
+from segmap.poses import between, compose, transform
 from segmap.quadtree import QuadtreeMap, build_map
 from segmap.simulation import (
     OdometryNoise,
@@ -80,54 +83,113 @@ def test_equal_generators_give_equal_results_and_others_do_not():
     assert leaves_of(found[0][1]) == leaves_of(found[1][1])
 
 
-def test_weights_sum_to_1_and_the_effective_number_lies_between_1_and_all():
-    log = room_log()
-    steps = mapped(log, particles=9, resample=1.0)[0]
-    assert len(steps) == len(log)
-    for step in steps:
-        assert step.weights.sum() == pytest.approx(1, abs=1e-12) and (step.weights >= 0).all()
-        assert 1 - 1e-9 <= step.effective <= 9 + 1e-9
-        assert step.poses.shape == (9, 3) and 0 <= step.best < 9
+TURNS = np.outer([0, -0.9, -0.6, -0.3, 0.3, 0.6, 0.9], [0, 0, 1])
+AROUND = np.array(list(itertools.product((-0.05, 0, 0.05), (-0.05, 0, 0.05), (-0.01, 0, 0.01))))
 
 
-def test_particles_are_drawn_anew_only_below_the_share():
-    log = load("room")
-    assert all(step.parents.tolist() == [*range(6)] for step in mapped(log, resample=0.0)[0])
-    steps = mapped(log, resample=0.8)[0]
-    drawn = [(a.effective, b.parents.tolist()) for a, b in itertools.pairwise(steps)]
-    assert {parents != [*range(6)] for _, parents in drawn} == {True, False}
-    for effective, parents in drawn:
-        assert parents == sorted(parents) and (effective < 4.8 or parents == [*range(6)])
+def climbed(p, scan, tries, matcher):
+    """Where the matcher takes a particle, and the field there."""
+    answers, points = [], scan.points()
+    for tried in tries:
+        try:
+            field = DistanceField.around(p.map, points, p.pose + tried)
+        except ValueError:
+            return p.pose, None
+        found = [
+            matcher(p.map, points, at, score=lambda *given, field=field: field.score(*given[1:]))
+            for at in p.pose + tried
+        ]
+        answers.append((max(found, key=lambda pose: field.score(points, pose)[0]), field))
+        if len(tries) == 1 or overlap_of(p.map, scan, answers[-1][0]) >= 0.75:
+            return answers[-1]
+    return answers[0]
 
 
-@pytest.mark.parametrize("turn", [0.0, np.pi / 2])
-def test_a_moved_start_moves_all_poses(turn):
-    """By whole cells, and by a quarter of a turn, which carries cells into cells. Catches draws
-    along the axes of the map. Hill climbing moves along these: for the turn nothing is matched; an
-    end on the edge of a cell may fall to either side."""
-    log, cell = room_log(20), 2.0**-4
-    moved = np.array([4.0, -2.0, turn])
-    start = np.array([0.03, 0.01, 0.2])
-    still = partial(lambda map, points, at, *, score: at)
-    found = [
-        mapped(log, start=at, map=QuadtreeMap(resolution=cell, size=16, corner=(-8, -8)),
-               matcher=hill_climb if turn == 0 else still)[0]
-        for at in (start, compose(moved, start))
-    ]  # fmt: skip
-    for here, there in zip(*found, strict=True):
-        np.testing.assert_allclose(compose(moved, here.poses), there.poses, atol=1e-3 * turn + 1e-9)
-        np.testing.assert_allclose(here.weights, there.weights, atol=0.02 * turn + 1e-7)
+def shares(own):
+    weights = np.exp([p.recent for p in own])
+    return weights / weights.sum()
 
 
-def test_a_map_is_that_of_the_best_path():
-    """Catches maps that resampled particles share, and scans inserted twice."""
-    log = load("room")[:30]
-    for k in (12, 30):
-        steps, map = mapped(log[:k], particles=5, resample=1.0, start=(0.5, 0.2, 0.1))
-        path = particle_paths(steps)[steps[-1].best]
-        again = build_map(log[:k], path, resolution=0.05, corner=(0, 0))
-        assert leaves_of(map) == leaves_of(again)
-    assert any(np.unique(step.parents).size < 5 for step in steps)
+def followed(log, map, start, rng, *, particles, odometry, noise, resample, matcher, free):
+    """`particle_mapping` with an object for each particle, and the numbers written out."""
+    first = SimpleNamespace(pose=np.array(start), map=map, recent=0.0, likely=0.0, drawn=None)
+    own, wheels, told = [deepcopy(first) for _ in range(particles)], None, None
+    for scan in log:
+        points, parents, tries = scan.points(), range(particles), [TURNS[:1]]
+        if literal.effective_number(shares(own)) < resample * particles:
+            parents = literal.systematic(shares(own).tolist(), rng.random())
+            own = [deepcopy(own[k]) for k in parents]
+            for p in own:
+                p.recent = 0.0
+        if odometry is not None and scan.odometry is not None:
+            step = np.zeros(3) if wheels is None else between(wheels, scan.odometry)
+            if wheels is not None:
+                tries = [TURNS] if abs(step[2]) > 0.3 else [TURNS[:1], TURNS]
+            wheels = scan.odometry
+            for p in own:
+                p.pose = compose(p.pose, step)
+        is_first = own[0].drawn is None
+        if len(points) and not is_first:
+            fields = []
+            for p in own:
+                p.pose, field = climbed(p, scan, tries, matcher)
+                fields.append(field)
+            best = max(own, key=lambda p: p.likely)
+            x, y, turn = between(best.drawn, best.pose)
+            if np.hypot(x, y) > 0.3 or abs(turn) > 0.3:
+                wide = np.array([0.1, 0.1, 0.05])
+                if told is not None and odometry is not None:
+                    wide = particles_file.spread(between(told, wheels), odometry)
+                for p, field in zip(own, fields, strict=True):
+                    values = particles_file._log_likelihood(field, points, compose(p.pose, AROUND))
+                    covariance, weight = particles_file.proposal(values, wide)
+                    p.recent, p.likely = p.recent + weight / 3, p.likely + weight / 3
+                    if noise > 0:
+                        drawn = np.linalg.cholesky(covariance) @ rng.standard_normal(3)
+                        p.pose = compose(p.pose, noise * drawn)
+                    p.drawn = p.pose
+                told = wheels
+        best = max(range(particles), key=lambda k: own[k].likely)
+        overlap = overlap_of(own[best].map, scan, own[best].pose)
+        for p in own:
+            insert(p.map, None, scan, p.pose, free=free)
+            if len(points) and is_first:
+                p.drawn, told = p.pose, wheels
+        yield [p.pose for p in own], shares(own), [*parents], best, overlap, own[best].map
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_it_is_the_plain_filter_with_any_options(seed):
+    """Steps of about 0.3 m and 0.3 radians, wheels that are late or silent, a scan without end."""
+    random = np.random.default_rng(seed)
+    sensor = replace(SENSOR, beams=int(random.choice([30, 130])), step=0.04)
+    turns, steps = np.cumsum(random.normal(0, 0.25, 9)), random.uniform(0, 0.4, (9, 2)) / 2
+    path = np.column_stack([np.cumsum(steps, axis=0) + 0.8, turns])
+    log = list(simulate(rectangular_room(4, 3), path, sensor=sensor, rng=random))
+    silent, blind, *late = random.choice(9, 5, replace=False)
+    for k, turn in zip(late, random.uniform(0.2, 0.5, 3), strict=True):
+        log[k] = replace(log[k], odometry=compose(log[k].odometry, (0.1, 0, turn)))
+    log[silent] = replace(log[silent], odometry=None)
+    log[blind] = replace(log[blind], ranges=np.full(sensor.beams, np.inf))
+    options = {
+        "particles": 4,
+        "odometry": [None, OdometryNoise(), OdometryNoise(0.1, 0.2, 0.1)][seed % 3],
+        "noise": float(random.choice([0, 0.5, 1])),
+        "resample": float(random.choice([0, 0.7, 1])),
+        "free": bool(random.choice([True, False])),
+    }
+    start, own = random.normal(0, 1, 3), [QuadtreeMap(resolution=0.1) for _ in range(2)]
+    rng, again = np.random.default_rng(seed), np.random.default_rng(seed)
+    matcher, same = hill_climb, hill_climb
+    if seed // 3 % 2:
+        matcher, same = sample_and_rank, partial(sample_and_rank, rng=again)
+    steps = particle_mapping(log, start=start, map=own[0], rng=rng, matcher=matcher, **options)
+    plain = followed(log, own[1], start, again, matcher=same, **options)
+    for step, (poses, weights, parents, best, overlap, map) in zip(steps, plain, strict=True):
+        np.testing.assert_allclose(step.poses, poses, atol=1e-9)
+        np.testing.assert_allclose(step.weights, weights, atol=1e-9)
+        assert (step.parents.tolist(), step.best, step.overlap) == (parents, best, overlap)
+        assert leaves_of(own[0]) == leaves_of(map)
 
 
 def test_a_map_that_is_given_is_gone_on_with():
