@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from segmap import Log, extraction, simulation
+from segmap import LaserScan, Log, extraction, simulation
 from segmap.poses import transform
 from segmap.quadtree import without_passers
 from segmap.segments import point_distance
@@ -56,6 +56,20 @@ def test_ten_people_are_left_out_and_the_walls_stay(seed):
     ]
     for both, a, b in zip(changed, log, found, strict=True):
         assert np.array_equal(a.ranges[both], b.ranges[both])
+
+
+@pytest.mark.parametrize(("others", "left"), [(4, False), (3, True)])
+def test_a_square_is_seen_through_by_four_fifths_of_its_rays(others, left):
+    """The first beam, by one in five; those behind it, beams without end and all else stay."""
+    person = LaserScan([2.05, np.inf, 1.05], [0.0, 0.1, 2.0], time=3.0, codes=np.arange(3))
+    log = Log("it", [person, *[LaserScan([4.05], [0.0])] * others, person])
+    poses = np.zeros((len(log), 3))
+    poses[-1] = np.nan
+    found = without_passers(log, poses)
+    np.testing.assert_array_equal(found[0].ranges, [2.05 if left else np.nan, np.inf, 1.05])
+    assert found[0].time == 3 and found[0].codes.tolist() == [0, 1, 2] and found[-1] is person
+    assert [scan.ranges[0] for scan in found[1:-1]] == [4.05] * others
+    assert np.isfinite(without_passers(log, poses, seen_through=0.1)[0].ranges[0])
 
 
 def test_none_is_lost_where_nobody_walks_and_unknown_poses_are_kept():

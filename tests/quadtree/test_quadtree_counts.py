@@ -6,7 +6,7 @@ from quadtrees import leaves_of, state
 
 from segmap import load
 from segmap.alignment import Alignment
-from segmap.quadtree import QuadtreeMap, build_map
+from segmap.quadtree import QuadtreeMap, build_map, extent
 from segmap.scans import LaserScan, Log
 
 
@@ -77,6 +77,14 @@ def test_grid_holds_the_occupancy_of_every_cell(room):
         side = len(grid) // times
         largest = grid.reshape(side, times, side, times).max((1, 3))
         assert np.array_equal(room.to_grid(0.02 * times), largest)
+
+
+def test_the_extent_is_that_of_the_ends_with_a_part_of_the_longer_side_around_it():
+    map = QuadtreeMap(resolution=0.5, size=8, corner=(-2, 1))
+    assert extent(map) == map.bounds == (-2, 1, 6, 9)
+    map.insert_scan((0, 2), [(10, 2), (-3, 7)])
+    assert extent(map, margin=0) == (-3, 2, 10.5, 7.5)
+    assert extent(map) == pytest.approx((-3 - 1.08, 2 - 1.08, 10.5 + 1.08, 7.5 + 1.08))
 
 
 def test_bytes_a_leaf_and_statistics(room):
