@@ -349,6 +349,7 @@ class Chosen:
 def _run_tests(copy: Path, tests: list[str], plugin: object) -> None:
     """In a process of its own: run tests of the copy in silence, stop at the first that fails."""
     os.setsid()
+    multiprocessing.process._parent_process = None  # else the library takes it for a worker
     silence = os.open(os.devnull, os.O_RDWR)
     for stream in range(3):
         os.dup2(silence, stream)

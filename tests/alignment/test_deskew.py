@@ -18,6 +18,7 @@ from segmap.scans import LaserScan, Log
 from segmap.scans.moving import carried, twists, unmoved
 from segmap.simulation import OdometryNoise, Sensor, drifting_odometry, drive, simulate
 
+TURNED = "the beams are in the other order than the file says"
 TWIST, OFFSET = np.array([0.4, -0.1, 0.9]), (0.2, -0.1, 0.7)
 EXACT = Sensor("turning", 90, -3.0, np.radians(4), max_range=20.0)
 #: 5.5 turns a second, as the cheapest lasers have, and nine poses of the wheels in each.
@@ -228,13 +229,34 @@ def test_a_bag_whose_beams_and_clock_lie(still, tmp_path, wheels, most):
     assert not log.order_known and (log.track is not None) == wheels
     found = deskew(log)
     said = found.doubt.split("; ")
-    assert said[0] == "the beams are in the other order than the file says"
+    assert said[0] == TURNED
     assert said[1:] == (["scans and odometry differ by 0.12 s"] if wheels else [])
     rms, left, doubt = judged(found)
     assert left <= most * still[1] and rms < 1.3 * still[0] and doubt == found.doubt
     if not wheels:
         believed = judged(deskew(replace(log, order_known=True)))
         assert believed[0] > 4 * still[0] and believed[1] > 1.5 * left
+
+
+@pytest.mark.parametrize(
+    ("late", "said"),
+    [(0.3, "0.30 s"), (-0.22, "0.22 s"), *((late, "") for late in (0.085, 0.0, -0.085))],
+)
+@pytest.mark.parametrize("order", ["as stated", "unknown", "the other"])
+def test_wheels_of_any_clock_undo_every_way(late, said, order):
+    """Exactly, where no steady twist does; less than half a turn of the laser is no doubt."""
+    sensor, noise = replace(SPIN, sigma=0.0, beams=90, step=np.radians(4)), OdometryNoise().ideal()
+    log = simulate(OFFICE, PATH[:101], sensor=sensor, rng=np.random.default_rng(1), moving=True,
+                   odometry_noise=noise)[:100]  # fmt: skip
+    middle = compose(log.truth, arc(twist(between(PATH[:100], PATH[1:101])) / 2))
+    log = replace(log, track=np.column_stack([TIMES + late, DRIVEN]), order_known=order[0] == "a")
+    words = [f"scans and odometry differ by {said}"] if said else []
+    if order == "the other":
+        scans = [replace(scan, delays=scan.delays.max() - scan.delays) for scan in log]
+        log, words = replace(log, scans=tuple(scans)), [TURNED, *words]
+    found = deskew(log, middle)
+    assert off_walls(points_of(found, log.truth), OFFICE).max() < 1e-9
+    assert found.doubt == "; ".join(words)
 
 
 def test_an_order_that_nothing_shows_is_left_alone():
