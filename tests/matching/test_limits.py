@@ -12,7 +12,6 @@ from quadtrees import state
 
 from segmap import LaserScan
 from segmap.matching import (
-    MATCHERS,
     DistanceField,
     LiveMap,
     _live_map,
@@ -172,22 +171,6 @@ def test_what_is_compiled_is_loaded_before_a_scan_is_asked_for(score, monkeypatc
         map_scans([], score=3)
 
 
-def test_the_matchers_of_the_thesis_step_and_draw_as_it_prints():
-    """One millimetre and one degree; two centimetres and two radians: at first twice as wide."""
-    asked = []
-
-    def score(map, points, poses):
-        asked.append(poses)
-        return np.zeros(len(poses))
-
-    given = QuadtreeMap(), np.ones((1, 2)), ZERO
-    for name in ("hill climbing, thesis", "sample and rank, thesis"):
-        MATCHERS[name](np.random.default_rng(1))(*given, score=score)
-    steps, drawn = asked[1], asked[2]
-    np.testing.assert_allclose(steps.max(0), (0.001, 0.001, np.radians(1)))
-    np.testing.assert_allclose(drawn.std(0), (0.04, 0.04, 4.0), rtol=0.25)
-
-
 @pytest.mark.parametrize("step", [(3, 4, 0), (0, 0, -2), (0, 0, 0)])
 def test_the_errors_of_the_odometry_add_up_as_squares(step):
     noise, way, turn = OdometryNoise(0.1, 0.2, 0.3, 0.4), np.hypot(*step[:2]), abs(step[2])
@@ -224,19 +207,6 @@ def test_sixty_beams_of_a_scan_are_weighed_and_each_may_meet_anything(times):
     found = [_particles._log_likelihood(near, points, ZERO[None])[0] for near in (field, None)]
     expected = min(times, 20) * np.array([each.sum(), 3 * np.log(0.1)])
     np.testing.assert_allclose(found, expected, rtol=1e-5)
-
-
-def test_beams_that_met_nothing_say_nothing_unless_they_are_asked():
-    scan, rng = LaserScan([1.0, np.inf], [0.0, 1.5], max_range=5.0), np.random.default_rng(1)
-    ways = [
-        lambda map: [*map_scans([scan], map=map)],
-        lambda map: [*particle_mapping([scan], map=map, rng=rng)],
-        lambda map: LiveMap(map=map).add(scan),
-    ]
-    for way in ways:
-        way(map := QuadtreeMap(free_resolution=0.08))
-        crossed, unseen = map.occupancy([(0.5, 0), (0.1, 1)])
-        assert crossed < unseen == 0.5
 
 
 def test_a_map_that_could_not_be_made_anew_is_made_with_the_next(monkeypatch):
