@@ -166,9 +166,8 @@ def test_what_is_drawn_over_the_map_moves_and_leaves_no_trace():
             row, column = at(picture, *segment.mean(0))
             near = pixels[row - 1 : row + 2, column - 1 : column + 2].reshape(-1, 3)
             assert abs(near - color(RESULT)).max(1).min() < 70
-        assert pytest.approx(
-            sensor + np.array([[(1, 0), (0, 0.5)], [(0, 1), (-0.5, 0)]])[int(pose[0] > 0)]
-        ) == np.array(picture.points.get_data()).T
+        beams = [[(1, 0), (0, 0.5)], [(0, 1), (-0.5, 0)]][int(pose[0] > 0)]
+        assert np.array(picture.points.get_data()).T - sensor == pytest.approx(np.array(beams))
     assert np.ptp(pixels[at(picture, -0.8, 0.0)]) == 0, "where it was"
     assert np.array(picture.walls.get_data()).T.tolist()[:2] == walls[0].tolist()
     assert np.isnan(np.array(picture.walls.get_data())[:, [2, 5]]).all()
