@@ -84,7 +84,7 @@ class ComparePanel(Panel):
 
 def _show_only(ax: Axes, method: str) -> None:
     """Let the curves of the other methods fade, and name only this one."""
-    for line in ax.lines[1::2] + ax.lines[2::2]:
+    for line in ax.lines[1:]:
         line.set_alpha(0.25)
     (chosen,) = (k for k, line in enumerate(ax.lines) if line.get_label() == method)
     for line in ax.lines[chosen - 1 : chosen + 1]:

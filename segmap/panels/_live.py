@@ -311,7 +311,7 @@ def _checked(source: UrgSensor | Iterable[LaserScan]) -> UrgSensor | Iterable[La
 
 def _warm_up() -> None:
     """Load what is compiled, and draw once, before the laser is on and scans wait for it."""
-    scan, map = LaserScan([1.0, 1.0, 1.0], [0.0, 0.1, 0.2]), QuadtreeMap(resolution=0.1)
+    scan, map = LaserScan([1.0], [0.0]), QuadtreeMap(resolution=0.1)
     segments, picture = extract_polylines(scan.points()), LivePicture()
     for step in (*map_scans([scan, scan], map=map), *map_scans([scan], map=map, graph=True)):
         picture.show(map, scan, step.pose, segments)

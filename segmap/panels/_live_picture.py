@@ -49,10 +49,7 @@ class LivePicture:
         self.reduced = self.axes.plot([], [], color=RESULT, linewidth=1)[0]
         self.robot = self.axes.plot([], [], "o", color=ERROR, markersize=6)[0]
         self.parts = (self.points, self.walls, self.reduced, self.robot)
-        for part in self.parts:
-            part.set_animated(True)
-        self.greys = Greys()
-        self.frame: Any = None
+        self.greys, self.moved = Greys(), True
 
     def show(
         self,
@@ -67,7 +64,7 @@ class LivePicture:
         if self.greys.update(map, np.vstack([sensor, ends])):
             left, low, right, high = self.greys.view
             self.axes.set(xlim=(left, right), ylim=(low, high))
-            self.frame = None
+            self.moved = True
         self.points.set_data(*ends.T)
         self.walls.set_data(*apart(segments))
         self.reduced.set_data(*apart(segments[:0] if reduced is None else reduced))
@@ -75,11 +72,10 @@ class LivePicture:
 
     def png(self) -> bytes:
         """The picture; packed quickly rather than well."""
-        if self.frame is None:
+        if self.moved:
             self.canvas.draw()
-            self.frame = self.canvas.copy_from_bbox(self.figure.bbox)
             self._place()
-        self.canvas.restore_region(self.frame)
+            self.moved = False
         pixels = np.asarray(self.canvas.buffer_rgba())[..., :3]
         pixels[self.window] = (255 * (1 - self.greys.grid[self.cells]) + 0.5)[..., None]
         for part in self.parts:

@@ -17,8 +17,8 @@ from segmap.hokuyo import Newest, SensorError, UrgSensor
 from segmap.hokuyo.emulator import Emulator, furnished_room
 from segmap.matching import LiveMap
 from segmap.panels import LivePanel
-from segmap.panels._live_picture import Greys, occupancy
-from segmap.quadtree import QuadtreeMap, build_map
+from segmap.panels._live_picture import Greys
+from segmap.quadtree import build_map
 from segmap.simulation import Sensor, box, drive, simulate, square_room
 
 
@@ -124,51 +124,6 @@ def test_the_panel_tells_of_a_lost_sensor():
         wait_for(lambda: "the sensor is gone" in panel.state.value)
         panel.stop.click()
         assert panel.taken and "live map" not in [each.name for each in threading.enumerate()]
-
-
-def test_the_map_is_that_of_map_scans():
-    """Catches a panel with a map of its own making."""
-    from segmap.matching import map_scans
-
-    log, map = load("room")[:5], QuadtreeMap(resolution=0.02, free_resolution=0.32)
-    steps = list(map_scans(log, map=map))
-    panel = LivePanel(log)
-    panel.run(5)
-    assert panel._step is not None
-    assert panel._step.pose.tolist() == steps[-1].pose.tolist()
-    assert np.array_equal(panel.map.to_grid(), map.to_grid())
-
-
-def test_the_grey_squares_are_the_cells_of_the_map():
-    """Catches a picture half a cell off, or one turned about its diagonal."""
-    map = QuadtreeMap(resolution=0.5, size=4)
-    map.insert_scan((0.2, 0.2), [(1.7, 0.2)])
-    centres = [[(0.25 + 0.5 * k, 0.25 + 0.5 * row) for k in range(4)] for row in range(2)]
-    wanted = [map.occupancy(row).tolist() for row in centres]
-    assert occupancy(map, (0, 0), (2, 4), 0.5).tolist() == wanted
-
-
-def test_a_small_picture_of_a_large_map_loses_no_wall():
-    """Catches walls that lie between the middles of pixels."""
-    map = QuadtreeMap(resolution=0.25, size=4)
-    map.insert_scan((0.1, 0.1), [(1.9, 0.1), (0.1, 2.9), (2.1, 2.1)])
-    found = occupancy(map, (0, 0), (4, 4), 1.0)
-    assert [tuple(cell) for cell in np.argwhere(found == 1)] == [(0, 1), (2, 0), (2, 2)]
-
-
-@pytest.mark.parametrize("resolution", [0.02, 0.005])
-def test_what_a_scan_cannot_change_is_not_asked_again(resolution):
-    """Every cell drawn is that of the map: catches a box that is too small for its rays."""
-    map, greys = QuadtreeMap(resolution=resolution, free_resolution=16 * resolution), Greys()
-    views, rng = [], np.random.default_rng(1)
-    for k in (0, 1, 2, 1, 0, 1, 2, 3, 4, 3):
-        ends = (k, 0) + rng.uniform(-1.5, 1.5, (20, 2))
-        map.insert_scan((k, 0.1), ends)
-        views.append(greys.update(map, np.vstack([(k, 0.1), ends])))
-        fresh = Greys()
-        fresh.update(map, ends)
-        assert greys.view == fresh.view and np.array_equal(greys.grid, fresh.grid)
-    assert 2 < sum(views) < 10
 
 
 @pytest.fixture
@@ -338,19 +293,6 @@ def test_stop_does_not_wait_for_ever(monkeypatch):
     assert panel.state.value.startswith("stops when the sensor")
     here.set()
     wait_for(lambda: panel.state.value == "stopped")
-
-
-def test_another_map_is_asked_as_a_whole():
-    """Catches a picture that shows, far from the robot, a map that another has replaced."""
-    greys, ends = Greys(), np.array([(2.0, 2.0), (-2.0, 2.0), (-2.0, -2.0), (2.0, -2.0)])
-    for count in (1, 30):
-        map = QuadtreeMap(resolution=0.05, free_resolution=0.8)
-        for _ in range(count):
-            map.insert_scan((0.0, 0.0), ends)
-        greys.update(map, np.array([(0.0, 0.0)]))
-        fresh = Greys()
-        fresh.update(map, np.vstack([(0.0, 0.0), ends]))
-        assert np.array_equal(greys.grid, fresh.grid)
 
 
 def test_find_me_goes_on_with_a_saved_map():

@@ -1,6 +1,7 @@
 """The table of grades: what a person wrote is kept, whatever a student's folder is called."""
 
 import csv
+import hashlib
 import json
 import os
 from datetime import datetime
@@ -8,7 +9,18 @@ from datetime import datetime
 import pytest
 import submitted
 from segmap_course.__main__ import main
-from segmap_course.grading._report import Outcome, Row, Table, duplicates, late, write_feedback
+from segmap_course.grading._report import (
+    Outcome,
+    Row,
+    Table,
+    _runs,
+    class_report,
+    duplicates,
+    late,
+    number,
+    page,
+    write_feedback,
+)
 from segmap_course.grading._submissions import Answer, Book, Submission
 from segmap_course.grading.handout._tasks import Task
 
@@ -62,27 +74,6 @@ def test_a_table_that_is_another_s_is_not_overwritten(tmp_path):
     assert path.read_text() == "name,price\nsoap,3\n"
 
 
-def test_half_points_for_hidden_cases(tmp_path):
-    table = Table(tmp_path / "g.csv", [F])
-    table.add(row("ann", 0.5))
-    assert read(tmp_path / "g.csv")["ann"]["points"] == "2"
-
-
-def test_a_name_as_long_as_a_name_may_be_loses_nothing(tmp_path):
-    for name in ("x" * 255, "y" * 255, "ü" * 127):
-        write_feedback(tmp_path / "pages", row(name), [F])
-    assert len(list((tmp_path / "pages").iterdir())) == 3
-
-
-def test_files_after_the_deadline_are_late(tmp_path):
-    end = datetime.fromisoformat("2026-11-23T10:00")
-    handed = row("ann", time=end.timestamp() + 5400).submission
-    assert late(handed, end) == "1.5 h" and not late(row("bob").submission, end)
-    table = Table(tmp_path / "g.csv", [F], end)
-    table.add(row("ann", time=end.timestamp() + 5400))
-    assert read(tmp_path / "g.csv")["ann"]["late"] == "1.5 h"
-
-
 def test_equal_and_nearly_equal_answers_are_named():
     """Names, spaces and comments hide nothing; stubs and other ideas are left alone."""
     longer = submitted.CAST.replace("my_cast_ray", "my_f")
@@ -92,18 +83,6 @@ def test_equal_and_nearly_equal_answers_are_named():
         *(row("fay", source=STUB), row("kim", source=submitted.COMPOSE.replace("compose", "f"))),
     ]
     assert duplicates(rows, [F]) == {"ann": "f: bob", "bob": "f: ann"}
-
-
-def test_totals_are_written_as_moodle_and_canvas_import_them(tmp_path):
-    table = Table(tmp_path / "lab.csv", [F])
-    for student in ("Ann Lee_123_assignsubmission_file", "leeann_77_991_11_scans", "=bob"):
-        table.add(row(student))
-    moodle = table.export("moodle").read_text().splitlines()
-    assert moodle[0] == "Identifier,Full name,Grade" and "Participant 123,,4" in moodle
-    canvas = table.export("canvas").read_text().splitlines()
-    assert canvas[0] == "Student,ID,SIS User ID,SIS Login ID,Section,lab"
-    assert canvas[1] == "    Points Possible,,,,,4"
-    assert any(line.split(",")[1] == "77" and line.endswith(",4") for line in canvas)
 
 
 def test_the_command_takes_all_of_it(tmp_path, capsys):
@@ -121,3 +100,141 @@ def test_the_command_takes_all_of_it(tmp_path, capsys):
     for wrong in ("2", "-1", "half"):
         with pytest.raises(SystemExit):
             main([*words, "--partial", wrong])
+
+
+# ------------------------------------------------------------------ letter by letter
+
+
+def told(student, kind, reason="", share=0.0, **more):
+    return row(student)._replace(outcomes={"f": Outcome(kind, reason, share, **more)})
+
+
+def test_the_table_is_written_whole(tmp_path):
+    """Catches a column that moves, a total without what a person gave, and a row out of order."""
+    path, open_one = tmp_path / "g.csv", Task("g", "x", ("my_g",), 0)
+    end = datetime.fromisoformat("2026-11-23T10:00")
+    stamp = end.timestamp()
+    path.write_text("student,f_by_hand,remark,extra_by_hand,f,\nbob,3,ill,'+1,0\nzoe,1,,,\n")
+    table = Table(path, [F, open_one, HAND], end)
+    books = [
+        Book(f"{k}.ipynb", stamp + 3600 * k, [Answer("f-answer", "code", f"def my_f(): {k}")])
+        for k in (9, 1)
+    ]
+    bob = Submission("bob", "=Bob", books, ["c.ipynb cannot be\nread"])
+    outcomes = {"f": Outcome("wrong", "why", 0.5), "g": Outcome("ended", "")}
+    table.add(Row(bob, outcomes, "none"))
+    ann = row("ann")
+    table.add(ann._replace(outcomes=ann.outcomes | {"g": Outcome("right", "", 1.0)}), "f: bob")
+    head = "student,name,points,of,f,g,f_by_hand,extra_by_hand,total,reasons,late,alike,jail,notes"
+    assert path.read_text() == (
+        f"{head},remark\n"
+        "ann,,4,4,4,right,,,4,,,f: bob,bubblewrap,,\n"
+        "bob,'=Bob,2,4,2,ended,3,'+1,6,f: wrong; g: ended; c.ipynb cannot be read,9.0 h,,none,"
+        '"f: 9.ipynb counts, the newest of 2 files that answer it",ill\n'
+        "zoe,,,,,,1,,,,,,,,\n"
+    )
+    assert table.changes == ["bob f: 0 -> 2"]
+    table.add(Row(bob, outcomes | {"f": Outcome("right", "", 1.0)}, "none"), "f: ann")
+    assert table.changes == ["bob f: 0 -> 2"], "told of once"
+    assert read(path)["bob"]["total"] == "8"
+
+
+def test_a_table_without_a_row_is_none(tmp_path):
+    (tmp_path / "g.csv").write_text("student,name\n")
+    with pytest.raises(ValueError, match="no table of grades"):
+        Table(tmp_path / "g.csv", [F])
+
+
+def test_points_in_a_cell_and_hours_after_the_end():
+    cells = {"5,5": 5.5, " 3 ": 3, "'-1": -1, "'+2.5": 2.5, "": 0, "ill": 0}
+    assert {cell: number(cell) for cell in cells} == cells
+    end = datetime.fromisoformat("2026-11-23T10:00")
+    for hours, said in ((-1, ""), (0, ""), (0.5, "0.5 h"), (1000, "1000.0 h")):
+        assert late(row("ann", time=end.timestamp() + 3600 * hours).submission, end) == said
+    assert late(Submission("ann", "", [], []), end) == ""
+
+
+def test_the_exports_letter_by_letter(tmp_path):
+    table = Table(tmp_path / "lab.csv", [F])
+    for student in ("b_77_991_x", "Ann_123_assignsubmission_file", "late_late_5_6"):
+        found = row(student, 0.5)
+        table.add(found._replace(submission=found.submission._replace(name=student[:1] * 2)))
+    assert table.export("moodle") == tmp_path / "lab_moodle.csv"
+    assert (tmp_path / "lab_moodle.csv").read_text() == (
+        "Identifier,Full name,Grade\nb_77_991_x,bb,2\nParticipant 123,AA,2\nlate_late_5_6,ll,2\n"
+    )
+    assert table.export("canvas").read_text() == (
+        "Student,ID,SIS User ID,SIS Login ID,Section,lab\n    Points Possible,,,,,4\n"
+        "bb,77,,b_77_991_x,,2\nAA,,,Ann_123_assignsubmission_file,,2\nll,5,,late_late_5_6,,2\n"
+    )
+
+
+def test_the_class_report_line_by_line():
+    """Catches a reason that is not shared, and more than the three commonest."""
+    rows = [
+        *(told(name, "wrong", f"turn it first expected {name}, got 3") for name in "abc"),
+        *(told(name, "wrong", "x" * 200) for name in "de"),
+        *(told(name, "ended", f"by signal {name}") for name in "fghi"),
+        *(told("j", "missing"), told("k", "right", "", 1.0), told("l", "right", "", 1.0)),
+    ]
+    assert class_report(rows, [F, HAND]) == [
+        "f: 2 of 12 right",
+        "  4 x ended",
+        "  3 x wrong: turn it first",
+        f"  2 x wrong: {'x' * 143}",
+    ]
+
+
+def test_nearly_equal_is_nine_of_ten_runs_of_five_marks():
+    """Catches two that share an idea, short ones that must be alike, and a list without end."""
+    marks = ["Module", "Assign", "Name", "BinOp", "c", "Add", "1", "Name"]
+    assert _runs("a = b.c + 1") == {tuple(marks[k : k + 5]) for k in range(4)}
+    assert _runs("a = (") == set() == _runs("1")
+
+    def answer(*changed):
+        lines = (f"    x{k} = y.m{k}(z, {k + 1000 * (k in changed)})" for k in range(30))
+        return "\n".join(["def my_f(z):", *lines])
+
+    pairs = {"one": answer(3), "many": answer(*range(0, 30, 2)), "same": answer()}
+    for name, text in pairs.items():
+        found = duplicates([row("ann", source=answer()), row("bob", source=text)], [HAND, F])
+        assert found == ({} if name == "many" else {"ann": "f: bob", "bob": "f: ann"})
+    short = [row(n, source=f"def my_f(x): return x.{n}.b.c.d.e") for n in "ab"]
+    assert duplicates(short, [F]) == {}
+    many = duplicates([row(f"{k:02}" + "n" * 98, source=answer()) for k in range(14)], [F])
+    assert {len(said) for said in many.values()} == {1000} and len(many) == 14
+
+
+@pytest.mark.parametrize("name", ["x" * 200, "x" * 201, os.fsdecode(b"ann\xff")])
+def test_a_page_has_the_name_of_its_student(name, tmp_path):
+    for _ in range(2):  # into the folder that is there
+        write_feedback(tmp_path / "pages", row(name), [F])
+    (found,) = (path.stem for path in (tmp_path / "pages").iterdir())
+    cut = f"{'x' * 40}_{hashlib.sha256(name.encode('utf-8', 'replace')).hexdigest()[:16]}"
+    assert found == (cut if len(name) > 200 else name)
+
+
+def test_the_page_of_a_student_is_written_whole():
+    """Catches a section that is lost, points of the wrong task, and a mark of HTML that works."""
+    answers = [Answer("f-answer", "code", "def my_f(x): <1>"), Answer("f_by_hand", "markdown", "I")]
+    handed = Submission("ann", "Ann <Lee>", [Book("a.ipynb", 0.0, answers)], ["b is <odd>."])
+    found = Row(handed, {"f": Outcome("wrong", "turn & go", 0.5, "case <3>")})
+    other = HAND._replace(name="g_by_hand", points=1, rubric="")
+    shown = page(found, [F, HAND._replace(rubric="| 6 | <good> |"), other])
+    body = shown.partition("</style></head><body>\n")[2]
+    assert body == (
+        "<h1>ann, Ann &lt;Lee&gt;</h1>\n"
+        "<p>2 of 4 points. Up to 7 more are given by hand. b is &lt;odd&gt;.</p>\n"
+        '<section class="wrong"><h2>f: 2 of 4 points</h2><p>Wrong: turn &amp; go</p>'
+        "<pre>case &lt;3&gt;</pre><pre>def my_f(x): &lt;1&gt;</pre></section>\n"
+        "<section><h2>f_by_hand: graded by hand, up to 6 points</h2>"
+        "<pre>| 6 | &lt;good&gt; |</pre><pre>def my_f(x): &lt;1&gt;\n\nI</pre></section>\n"
+        "<section><h2>g_by_hand: graded by hand, up to 1 points</h2>"
+        "<p>Nothing was handed in.</p></section>\n</body></html>\n"
+    )
+    assert "<title>ann, Ann &lt;Lee&gt;</title>" in shown
+    newer = Book("new.ipynb", 9.0, [Answer("f-answer", "code", "def my_f(x): 2")])
+    twice = row("ann")._replace(submission=handed._replace(name="", books=[newer, *handed.books]))
+    said = page(twice, [F])
+    assert '<section class="right"><h2>f: 4 of 4 points</h2><p>Right. (f: new.ipynb counts' in said
+    assert "<h1>ann</h1>\n<p>4 of 4 points. b is" in said and "by hand" not in said

@@ -1,0 +1,225 @@
+"""The jail, part by part and without one: its words, and how an answer ends."""
+
+import os
+import stat
+import sys
+import time
+from pathlib import Path
+
+import pytest
+from segmap_course.grading import _jail
+from segmap_course.grading._jail import Ended, Jail, Limits, Session, answers, readable
+
+LIMITED = "prlimit --cpu=7:8 --as=1024 --nproc=1 --nofile=64 --fsize=16777216 --core=0"
+BEGIN = (
+    "bwrap --unshare-all --unshare-user --disable-userns --cap-drop ALL --new-session --clearenv "
+    "--die-with-parent --dev /dev --remount-ro /dev --size 16777216 --tmpfs /tmp"
+)
+HIDDEN = "--tmpfs {0}/segmap --remount-ro {0}/segmap --tmpfs {0}/course --remount-ro {0}/course"
+
+
+@pytest.fixture
+def jail(monkeypatch):
+    """A jail of Python in /py and a folder with a space; nothing is started."""
+    monkeypatch.setattr(_jail, "readable", lambda whole: ["/a lib", "/py"])
+    monkeypatch.setattr(_jail, "PACKAGES", (Path("/py/here/segmap"), Path("/py/here/course")))
+    monkeypatch.setattr(_jail, "ENVIRONMENT", {"HOME": "/tmp", "LANG": "C"})
+    monkeypatch.setattr(_jail.shutil, "which", str)
+    monkeypatch.setattr(Jail, "_fault", lambda self: "")
+    monkeypatch.setattr(sys, "executable", "/py/python")
+    with Jail(Limits(1.0, 7, 1024)) as made:
+        yield made
+
+
+def test_a_jail_is_started_by_these_words(jail, monkeypatch):
+    """Catches an option that is lost: each one of them keeps something out."""
+    end = f"--setenv HOME /tmp --setenv LANG C --chdir /tmp --remount-ro / {LIMITED}".split()
+    end += ["/py/python", "-I", "-c", "x"]
+    bound = ["--ro-bind", "/a lib", "/a lib", "--ro-bind", "/py", "/py"]
+    monkeypatch.setattr(_jail.os, "geteuid", lambda: 1)
+    assert (str(jail), stat.S_IMODE(jail.folder.stat().st_mode)) == ("bubblewrap", 0o755)
+    hidden = HIDDEN.format("/py/here").split()
+    assert jail.command(["-c", "x"], whole=False) == [*BEGIN.split(), *bound, *hidden, *end]
+    course = str(Path(_jail.__file__).parent)
+    own = ["--tmpfs", course, "--remount-ro", course]
+    assert jail.command(["-c", "x"], whole=True) == [*BEGIN.split(), *bound, *own, *end]
+    monkeypatch.setattr(_jail.os, "geteuid", lambda: 0)
+    for _ in range(2):  # the folders are there the second time
+        unshare, sets, shell, letter, script, *words = jail.command(["-c", "x"], whole=False)
+    assert [unshare, sets, shell, letter] == ["unshare", "--mount", "sh", "-c"]
+    first, second = (f"{jail.folder}/{k}" for k in (0, 1))
+    assert script == (
+        f"mount --bind '/a lib' {first} && mount --bind /py {second} && "
+        'exec setpriv --reuid=65534 --regid=65534 --clear-groups "$@"'
+    )
+    bound = ["--ro-bind", first, "/a lib", "--ro-bind", second, "/py"]
+    assert words == ["sh", *BEGIN.split(), *bound, *hidden, *end]
+    assert Path(first).is_dir() and Path(second).is_dir()
+
+
+def test_without_a_jail_the_limits_stay(jail, monkeypatch):
+    monkeypatch.setattr(Jail, "_fault", lambda self: "not here")
+    with Jail(Limits(1.0, 7, 1024), unprotected=True) as bare:
+        python = ["/py/python", "-I", "-c", "x"]
+        assert str(bare) == "none" and bare.command(["-c", "x"], whole=True) == [
+            *LIMITED.split(),
+            *python,
+        ]
+        monkeypatch.setattr(_jail.shutil, "which", lambda name: None)
+        assert bare.command(["-c", "x"], whole=False) == python
+        folder = bare.folder
+    assert not folder.exists()
+
+
+@pytest.mark.parametrize(
+    ("script", "why"),
+    [
+        ("echo '  no way  ' >&2; exit 3", "no way"),
+        ("exit 3", "it fails"),
+        ("printf 'x%0400d' 7 >&2; exit 3", f"{'0' * 299}7"),
+    ],
+)
+def test_why_there_is_no_jail_is_said(script, why, monkeypatch, tmp_path):
+    monkeypatch.setattr(_jail.tempfile, "tempdir", str(tmp_path))
+    monkeypatch.setattr(_jail.shutil, "which", str)
+    asked = []
+    monkeypatch.setattr(
+        Jail, "command", lambda self, *a, **k: asked.append((a, k)) or ["sh", "-c", script]
+    )
+    with pytest.raises(ValueError, match=r"bubblewrap 0\.8") as refused:
+        Jail()
+    assert str(refused.value).partition("\n")[0].endswith(f"keep a student's code in: {why}.")
+    assert list(tmp_path.iterdir()) == []
+    assert asked == [((["-c", "import numpy"],), {"whole": False})]
+    monkeypatch.setattr(Jail, "command", lambda *a, **k: ["true"])
+    with Jail() as made:
+        assert not made.bare
+    monkeypatch.setattr(_jail.shutil, "which", lambda name: None)
+    with pytest.raises(ValueError, match=r"in: there is no bubblewrap\."):
+        Jail()
+
+
+def test_python_sees_its_packages_and_for_an_open_exercise_the_library(monkeypatch, tmp_path):
+    folders = [tmp_path / name for name in ("b/site-packages", "a/dist-packages", "c/other")]
+    for folder in folders:
+        folder.mkdir(parents=True)
+    lost = tmp_path / "d" / "site-packages"
+    monkeypatch.setattr(sys, "path", [*map(str, folders), str(lost)])
+    seen, whole = readable(False), readable(True)
+    assert seen == sorted(seen) and whole == sorted(whole) and {"/usr", sys.prefix} <= {*seen}
+    assert {p for p in seen if p.startswith(str(tmp_path))} == {*map(str, folders[:2])}
+    library, course = _jail.PACKAGES
+    data = {str(d) for d in (library / "data", library.parent / "data") if d.is_dir()}
+    assert {*whole} - {*seen} == {str(library), str(course), *data} and data
+    assert (library.name, course.name) == ("segmap", "segmap_course")
+
+
+def test_an_answer_may_take_so_much():
+    """Catches a limit that grows by itself: 30 s, 10 s of computing, 3 GB; 8 MB, 200 kB of text."""
+    from segmap_course.grading import _grade, _report, _submissions
+
+    assert Limits() == (30.0, 10, 3 * 1024**3)
+    assert (_jail.MOST_BYTES, _jail.MOST_WRITTEN) == (8 * 1024**2, 16 * 1024**2)
+    assert (_grade.MOST_CHARACTERS, _submissions.MOST_BYTES) == (200_000, 20_000_000)
+    assert (_grade.DRAWS, _report.ALIKE, _report.LEAST_MARKS) == (5, 0.9, 40)
+
+
+# ------------------------------------------------------------------ how an answer ends
+
+
+class Shell:
+    """What a session starts in the place of Python in its jail."""
+
+    def __init__(self, script, seconds=20.0):
+        self.script, self.limits, self.folder = script, Limits(seconds, 7), Path("/")
+
+    def command(self, python, *, whole):
+        self.python, self.whole = python, whole
+        return ["sh", "-c", self.script]
+
+
+KILLED = "its process ended by signal 9: exit, kill, or too deep a recursion?"
+SILENT = "its process ended before it answered: exit, kill, or too deep a recursion?"
+COMPUTED = "stopped after 7 s of computing: an endless loop?"
+
+
+@pytest.mark.parametrize(
+    ("script", "kind", "reason"),
+    [
+        ("true", "ended", SILENT),
+        ("exit 3", "ended", SILENT),
+        ("exit 128", "ended", SILENT),
+        ("exit 129", "ended", KILLED.replace("9", "1")),
+        ("kill -9 $$", "ended", KILLED),
+        ("exit 137", "ended", KILLED),
+        ("kill -24 $$", "too long", COMPUTED),
+        ("exit 152", "too long", COMPUTED),
+        ("exec sleep 9", "too long", "stopped after 0.7 s: a loop that does not end?"),
+        (
+            "head -c 8388609 /dev/zero",
+            "too much",
+            "it answered with megabytes: return what the task says",
+        ),
+    ],
+)
+def test_why_there_is_no_answer_is_told_in_full(script, kind, reason):
+    with Session(Shell(script, 0.7 if "sleep" in script else 20), whole=False) as session:
+        with pytest.raises(Ended) as ended:
+            session.ask("go")
+        assert ended.value.args == (kind, reason)
+        assert session.sent.closed == session.got.closed == False  # noqa: E712
+    assert session.sent.closed and session.got.closed and session.process.returncode is not None
+
+
+def test_each_line_has_its_answer(monkeypatch):
+    """Catches a second line that is lost, another environment, and a reply that is no JSON."""
+    monkeypatch.setenv("PATH", os.environ["PATH"] + ":/far")
+    shell = Shell(
+        'read -r a; printf "%s\\n\\"$HOME $MPLBACKEND ${PATH##*:} $PWD\\"\\nno\\n" "$a"; read b; '
+        "head -c 300000 /dev/zero | tr '\\0' 7; echo"
+    )
+    with Session(shell, whole=True) as session:
+        assert [session.ask(["ä", 1]) for _ in range(3)] == [["ä", 1], "/tmp Agg /far /", {}]
+        assert session.ask(0) == {}, "a number without end"
+    assert shell.whole and shell.python[0] == "-c" and "def decode" in shell.python[1]
+
+
+def test_all_that_an_answer_started_ends_with_it(tmp_path):
+    left = tmp_path / "left"
+    with Session(Shell(f"(sleep 0.4; touch {left}) & echo 1; wait"), whole=False) as session:
+        assert session.ask(1) == 1
+    time.sleep(0.7)
+    assert not left.exists()
+
+
+@pytest.mark.parametrize(
+    ("reply", "ended"),
+    [
+        ('["raised", "KeyError: 3"]', ("raised", "the cell itself raises KeyError: 3")),
+        ('["syntax", "line 1"]', ("syntax", "the cell is not Python: line 1")),
+        ('["missing", "it defines no f"]', ("missing", "it defines no f")),
+        ('["memory", ""]', ("memory", "it asks for more memory than an answer may have")),
+        (f'["missing", "{"x" * 600}"]', ("missing", "x" * 500)),
+        ('["right", "x"]', ("no answer", "what came back is no answer")),
+        ('["raised", "x", 3]', ("no answer", "what came back is no answer")),
+        ("[1, 2]", ("no answer", "what came back is no answer")),
+        ("3", ("no answer", "what came back is no answer")),
+    ],
+)
+def test_a_fault_of_the_cell_is_told(reply, ended):
+    job = {"cell": "x", "package": None}
+    shell = Shell(f"read a; echo '{reply}'; cat")
+    with pytest.raises(Ended) as said:
+        answers(shell, job, [])
+    assert said.value.args == ended and shell.whole
+
+
+def test_each_case_is_answered_by_its_own_line():
+    """Catches an answer that moves to the next case, where one is no value; not reading too."""
+    job = {"cell": "x", "package": ("", {})}
+    shell = Shell("read a; echo null; read b; echo '[1, 2]'; read c; echo '{\"x\": 1}'; cat")
+    cases = [(1,), (2,), (3.5, "four")]
+    assert answers(shell, job, cases) == [[1, 2], {}, (3.5, "four")] and not shell.whole
+    deaf = Shell("read a; echo null; exec sleep 9", 0.7)
+    with pytest.raises(Ended, match="too long"):
+        answers(deaf, job, [("x" * 3_000_000,)])

@@ -1,0 +1,280 @@
+"""Each panel at each end of its controls: picture and texts are those of the library's calls."""
+
+import numpy as np
+import pytest
+from driven_panels import LOG, WALLS
+from matplotlib.figure import Figure
+
+from segmap import load
+from segmap.experiments import select, sweep, thresholds_of, thresholds_text
+from segmap.extraction import extract_polylines
+from segmap.matching import map_scans
+from segmap.panels import ComparePanel, LivePanel, QuadtreePanel, ScanPanel
+from segmap.panels._live_picture import LivePicture
+from segmap.panels._view import FRAME, View
+from segmap.plotting import (
+    ERROR,
+    RESULT,
+    draw_before_after,
+    draw_curves,
+    draw_path,
+    draw_quadtree,
+    draw_scan,
+    figure_png,
+)
+from segmap.poses import transform
+from segmap.quadtree import QuadtreeMap, build_map
+from segmap.reduction import METHODS
+
+RUNS = sweep(
+    {"walls": WALLS},
+    ["hybrid", "fusion", "mean_shift"],
+    {
+        "fusion": {"tolerance": [0.02, 0.06, 0.2]},
+        "hybrid": {"distance": [0.02, 0.2]},
+        "mean_shift": {"sigma": [0.05, 0.5]},
+    },
+)
+DRIFTED = LOG.truth + np.array([0.3, -0.2, 0.1])
+
+
+def blank(width=480, height=360):
+    """A point is a pixel."""
+    return Figure((width / 72, height / 72), dpi=72, layout="constrained")
+
+
+def scanned(log, poses, color, step):
+    figure, scan = blank(), log[step]
+    ax = figure.subplots()
+    cloud = np.concatenate([transform(p, s.points()) for p, s in zip(poses, log, strict=True)])
+    ax.plot(*cloud[:: 1 + len(cloud) // 4000].T, ".", color="#cccccc", markersize=1)
+    draw_path(poses, ax=ax, color=color)
+    draw_scan(scan, poses[step], ax=ax, color=RESULT)
+    after = f"scan {step} of {len(log)}, after {scan.time - log[0].time:.2f} s"
+    return figure, [after, f"{scan.valid.sum()} of {len(scan)} beams valid"]
+
+
+def leaved(resolution, scans, doublings):
+    figure, side = blank(), resolution * (1, 2, 4, 8, 16)[doublings]
+    map = build_map(LOG[:scans], LOG.truth[:scans], resolution=side)
+    draw_quadtree(map, ax=figure.subplots(), robot=LOG.truth[scans - 1])
+    grid = f"{8 * (map.side / side) ** 2 / 1e3:.0f}"
+    leaves = f"{len(map.leaves().x)} leaves of {side:.3g} m and more"
+    return figure, [leaves, f"{map.nbytes / 1e3:.0f} kB; a grid {grid} kB"]
+
+
+def compared(method, wanted):
+    figure, own = blank(600, 270), select(RUNS, method=method)
+    good = own[own["quality"] >= wanted / 100]
+    run = good.loc[good["reduction"].idxmax()] if len(good) else own.loc[own["quality"].idxmax()]
+    left, walls = METHODS[method].function(WALLS, **thresholds_of(run)), figure.subplots(1, 2)
+    curves = draw_curves(RUNS, ax=walls[0], quality=wanted / 100)
+    for line in curves.lines[1:]:
+        line.set_alpha(0.25)
+    at = [line.get_label() for line in curves.lines].index(method)
+    for line in curves.lines[at - 1 : at + 1]:
+        line.set(alpha=1.0, zorder=3)
+    curves.set_ylim(0, 1)
+    curves.legend(handles=[curves.lines[at]], loc="lower left")
+    curves.plot(run["quality"], run["reduction"], "o", ms=12, mfc="none", color=ERROR, mew=2)
+    draw_before_after(WALLS, left, ax=walls[1])
+    kept = f"reduction {run['reduction']:.1%}: {len(left)} of {len(WALLS)} left"
+    return figure, [thresholds_text(run), kept, f"quality {run['quality']:.1%}"]
+
+
+@pytest.mark.parametrize(
+    ("make", "wanted", "texts", "controls"),
+    [
+        (
+            lambda: ScanPanel(LOG, DRIFTED),
+            lambda step: scanned(LOG, DRIFTED, RESULT, step),
+            ("index", "valid"),
+            {"step": (0, 2, len(LOG) - 1)},
+        ),
+        (
+            lambda: QuadtreePanel(LOG),
+            lambda *at: leaved(0.05, *at),
+            ("leaves", "bytes"),
+            {"scans": (len(LOG), 1, 3), "doublings": (0, 1, 4)},
+        ),
+        (
+            lambda: QuadtreePanel(LOG, LOG.truth, resolution=0.03),
+            lambda *at: leaved(0.03, *at),
+            ("leaves", "bytes"),
+            {"scans": (len(LOG), 2), "doublings": (0, 2)},
+        ),
+        (
+            lambda: ComparePanel(WALLS, RUNS),
+            compared,
+            ("thresholds", "rate", "kept"),
+            {"method": ("fusion", "hybrid", "mean_shift"), "wanted": (80, 40, 98)},
+        ),
+    ],
+)
+def test_a_panel_shows_what_the_library_gives(make, wanted, texts, controls):
+    """Catches a control that is not handed on, and whatever is drawn in another way."""
+    panel = make()
+    for values in zip(*controls.values(), strict=True):
+        for name, value in zip(controls, values, strict=True):
+            getattr(panel, name).value = value
+        (figure, said), (finer, _) = (wanted(*values) for _ in range(2))
+        assert [getattr(panel, name).value for name in texts] == said
+        assert panel._repr_mimebundle_()["image/png"] == figure_png(figure), values
+        assert bytes(panel.picture.value) == figure_png(finer, finer=2)
+    assert panel.picture.layout.width == f"{72 * figure.get_figwidth():.0f}px"
+    panel.reset()
+    first = [options[0] for options in controls.values()]
+    assert [getattr(panel, name).value for name in controls] == first
+
+
+#: Name, least, most and step of each slider, its first value and its digits; of a play button the
+#: milliseconds too.
+SLIDERS = {
+    "ScanPanel": {"step": ("scan", 0, 4, 1, 0, "d"), "play": (0, 4, 1, 250)},
+    "QuadtreePanel": {
+        "scans": ("scans", 1, 5, 1, 5, "d"),
+        "doublings": ("doublings", 0, 4, 1, 0, "d"),
+        "play": (1, 5, 1, 250),
+    },
+    "ComparePanel": {"wanted": ("least quality [%]", 40, 98, 1, 80, "d")},
+    "LivePanel": {"tolerance": ("tolerance [m]", 0.005, 0.10, 0.005, 0.03, ".3f")},
+}
+
+
+def test_all_sliders_are_as_declared():
+    """Catches a slider that begins elsewhere, ends early, or goes in other steps."""
+    panels = ScanPanel(LOG), QuadtreePanel(LOG), ComparePanel(WALLS, RUNS), LivePanel(LOG)
+    for panel in panels:
+        found = {}
+        for name, part in vars(panel).items():
+            kind = type(part).__name__
+            if kind.endswith("Slider"):
+                form = part.readout_format
+                found[name] = (part.description, part.min, part.max, part.step, part.value, form)
+                assert part.style.description_width == "18ch" and not part.continuous_update
+                assert part.layout.width == "calc(18ch + 250px)"
+            elif kind == "Play":
+                found[name] = part.min, part.max, part.step, part.interval
+                assert not part.playing
+        assert found == SLIDERS[type(panel).__name__]
+        rows = panel._view.children
+        assert rows.index(panel.picture) == len(rows) - (1 if type(panel) is LivePanel else 2)
+    box = panel.loops
+    assert (box.value, box.indent, box.layout.width) == (False, False, "auto")
+
+
+# ------------------------------------------------------------------ zoom
+
+
+@pytest.mark.parametrize(
+    ("keys", "x", "y"),
+    [
+        ("", (3, 9), (-1, 4)),
+        ("++", (4.5, 7.5), (0.25, 2.75)),
+        ("++++", (5.25, 6.75), (0.875, 2.125)),
+        ("+++--", (3.8787, 8.1213), (-0.26777, 3.26777)),
+        ("-", (3, 9), (-1, 4)),
+        ("++<", (3.75, 6.75), (0.25, 2.75)),
+        ("++<<<<", (3, 6), (0.25, 2.75)),
+        ("++>>^", (6, 9), (0.875, 3.375)),
+        ("++vvv", (4.5, 7.5), (-1, 1.5)),
+        ("+++++>++", (6, 6.5303), (1.279, 1.721)),
+        ("++<<--", (3, 9), (-1, 4)),
+        ("+" * 30, (6 - 3 / 64, 6 + 3 / 64), (1.5 - 2.5 / 64, 1.5 + 2.5 / 64)),
+        ("+++0", (3, 9), (-1, 4)),
+    ],
+)
+def test_each_button_shows_its_part_of_the_whole(keys, x, y):
+    """Catches a step that is too large, a part beyond the drawing, and a press without effect."""
+    figure, calls = Figure(), []
+    left, right, plot = figure.subplots(1, 3)
+    for ax, aspect in ((left, 1), (right, 1), (plot, "auto")):
+        ax.set(aspect=aspect, xlim=(3, 9), ylim=(-1, 4))
+
+    def first():
+        view.whole()
+        view.set(figure)
+
+    view = View(lambda: calls.append(view.set(figure)), first)
+    view.take(figure)
+    near, far, west, east, north, south, all_of_it = view.buttons
+    buttons = dict(zip("+-<>^v0", (near, far, west, east, north, south, all_of_it), strict=True))
+    for key in keys:
+        buttons[key].click()
+    for ax in (left, right):
+        assert ax.get_xlim() == pytest.approx(x, abs=1e-3)
+        assert ax.get_ylim() == pytest.approx(y, abs=1e-3)
+    assert (plot.get_xlim(), plot.get_ylim()) == ((3, 9), (-1, 4))
+    assert len(calls) == len(keys.replace("0", ""))
+
+
+@pytest.mark.parametrize(("x", "y"), [((0, 1), (0, 9)), ((0, 9), (0, 1)), ((0, 4), (0, 3))])
+def test_a_part_of_one_map_fills_the_picture_without_a_cut(x, y):
+    figure = Figure((8, 6))
+    ax = figure.subplots()
+    ax.set(aspect=1, xlim=x, ylim=y)
+    view = View(lambda: view.set(figure), print)
+    view.take(figure)
+    assert (ax.get_xlim(), ax.get_ylim()) == (x, y)
+    view.enlarge(2)
+    wide, high = np.ptp(ax.get_xlim()), np.ptp(ax.get_ylim())
+    assert wide / high == pytest.approx(8 * FRAME[0] / (6 * FRAME[1]))
+    assert max(x[1] / wide, y[1] / high) == pytest.approx(2)
+    assert (np.mean(ax.get_xlim()), np.mean(ax.get_ylim())) == (np.mean(x), np.mean(y))
+
+
+def test_the_frame_is_about_that_of_a_panel():
+    """Catches a part of a map that is drawn with white beside it."""
+    panel = ScanPanel(LOG)
+    panel._look.enlarge(4)
+    panel._figure.draw_without_rendering()
+    found = panel._figure.axes[0].get_window_extent().size / panel._figure.bbox.size
+    assert found == pytest.approx(FRAME, abs=0.08)
+
+
+# ------------------------------------------------------------------ a live map
+
+
+@pytest.mark.parametrize("given", [{}, {"resolution": 0.05, "start": (1, 2, 0.5)}])
+def test_the_live_panel_shows_what_the_library_gives(given):
+    log, side = load("room")[:4], given.get("resolution", 0.02)
+    map = QuadtreeMap(resolution=side, free_resolution=16 * side)
+    steps = list(map_scans(log, map=map, start=given.get("start", (0, 0, 0))))
+    panel, pose = LivePanel(log, **given), steps[-1].pose
+    assert (panel.taken, panel.lost, panel.seconds, repr(panel)) == (
+        0,
+        0,
+        0.0,
+        "LivePanel(0 scans)",
+    )
+    panel.run(4)
+    assert panel.taken == 4 and panel.seconds > 0
+    for tolerance in (0.03, 0.005, 0.1):
+        panel.tolerance.value = tolerance
+        own = extract_polylines(log[3].points(), tolerance=tolerance)
+        picture, segments = LivePicture(), transform(pose, own.reshape(-1, 2)).reshape(-1, 2, 2)
+        picture.show(map, log[3], pose, segments)
+        assert bytes(panel.picture.value) == picture.png()
+        assert panel.count.value == f"{len(own)} segments"
+    passed = log[3].time - log[0].time
+    texts = (panel.leaves, panel.rate, panel.dropped, panel.graph, panel.state)
+    assert [part.value for part in texts] == [
+        f"{len(map.leaves().x)} leaves",
+        f"{3 / passed:.1f} scans a second",
+        "0 dropped, 0 left out",
+        "",
+        "",
+    ]
+    panel.run(0)
+    assert panel.taken == 4
+
+
+def test_the_rate_is_that_of_the_last_twenty_scans():
+    log = load("room")[:1]
+    panel = LivePanel(log)
+    for time in (*range(9), *np.arange(9, 19, 0.5)):
+        panel.take(log[0].__class__(log[0].ranges, log[0].angles, time=time))
+    assert panel.rate.value == "2.0 scans a second"
+    still = LivePanel(log)
+    still.run(1)
+    assert still.rate.value == "0.0 scans a second"
