@@ -29,7 +29,7 @@ class Factor(NamedTuple):
     start: Indices
     length: Indices
     rows: Indices  # of blocks, ascending in each column; the first is the column's parent
-    blocks: Array  # (c, 9)
+    values: Array  # (9 c,): in each column three of numbers, each from its first row down
     pivots: Array  # (n, 9): inverse of the lower triangle on the diagonal
 
 
@@ -85,39 +85,47 @@ def _insert(lists: Indices, k: int, row: int, j: int) -> int:
 def factorise(f: Factor, edges: Edges, marked: Flags, work: Array, lists: Indices) -> int:
     """Compute the marked columns and their ancestors anew; -1, or a pose that is left free.
 
-    Each column gathers what the columns before it take from it. For the work: (n, 9) zeros, and
-    lists (3, n), the block at which each column waits, the first that waits for each row, the next.
+    Each column gathers what the columns before it take from it. Those that follow each other with
+    the same rows below them are one supernode (Ng and Peyton 1993), which waits as one and is a
+    dense product. For the work: (n, 9) zeros, and lists (4, n), the first column of each supernode,
+    the rows it has left, the last column of the first that waits for each row, and of the next.
     """
+    sums = np.empty((3, 3 * len(f.pose)))
     for j in range(len(f.pose)):
-        lists[1, j] = -1
+        lists[0, j], lists[2, j] = j, -1
+        if j > 0 and f.length[j - 1] == f.length[j] + 1 and f.rows[f.start[j - 1]] == j:
+            lists[0, j] = lists[0, j - 1]
         if marked[j] and f.length[j] > 0:
             marked[f.rows[f.start[j]]] = True
     for j in range(len(f.pose)):
-        p = f.start[j]
+        left = f.length[j]
         if marked[j]:
             _gather(f, edges, j, work)
-            k = lists[1, j]
+            if lists[0, j] < j:
+                _subtract(f, lists[0, j], j - 1, left + 1, work, sums)
+            k = lists[2, j]
             while k >= 0:
-                following, at = lists[2, k], lists[0, k]
-                _subtract(f.rows, f.blocks, at, f.start[k] + f.length[k], work)
-                _wait(f, k, at + 1, lists)
+                following = lists[3, k]
+                _subtract(f, lists[0, k], k, lists[1, k], work, sums)
+                _wait(f, k, lists[1, k] - 1, lists)
                 k = following
             if not _divide(f, j, work):
                 return int(f.pose[j])
         else:
-            p += f.length[j]
-            while p > f.start[j] and marked[f.rows[p - 1]]:
-                p -= 1
-        _wait(f, j, p, lists)
+            left = 0
+            while left < f.length[j] and marked[f.rows[f.start[j] + f.length[j] - left - 1]]:
+                left += 1
+        if j + 1 == len(f.pose) or lists[0, j + 1] > j:
+            _wait(f, j, left, lists)
     return -1
 
 
 @compiled
-def _wait(f: Factor, k: int, p: int, lists: Indices) -> None:
-    """Let column k wait for the row of its block p."""
-    if p < f.start[k] + f.length[k]:
-        row = f.rows[p]
-        lists[0, k], lists[2, k], lists[1, row] = p, lists[1, row], k
+def _wait(f: Factor, k: int, left: int, lists: Indices) -> None:
+    """Let the supernode that ends with column k wait for the first of its rows that are left."""
+    if left > 0:
+        row = f.rows[f.start[k] + f.length[k] - left]
+        lists[1, k], lists[3, k], lists[2, row] = left, lists[2, row], k
 
 
 @compiled
@@ -130,27 +138,41 @@ def _gather(f: Factor, edges: Edges, j: int, work: Array) -> None:
         e, side = s // 2, s % 2
         row = f.column[edges.ends[e, 1 - side]]
         for k in range(9):
+            turned = 3 * (k % 3) + k // 3
             work[j, k] += edges.blocks[e, side, k]
             if row > j:
-                turned = k if side else 3 * (k % 3) + k // 3
-                work[row, k] += edges.blocks[e, 2, turned]
+                work[row, k] += edges.blocks[e, 2, turned if side else k]
         s = f.link[s]
     for k in range(3):
         f.pivots[j, k] = ROUNDING * work[j, 4 * k]
 
 
 @compiled
-def _subtract(rows: Indices, blocks: Array, p: int, end: int, work: Array) -> None:
-    """Take from a column what one before it eliminates: blocks times the transpose of block p."""
-    a, b, c = blocks[p, 0], blocks[p, 1], blocks[p, 2]
-    d, e, f = blocks[p, 3], blocks[p, 4], blocks[p, 5]
-    g, h, i = blocks[p, 6], blocks[p, 7], blocks[p, 8]
-    for q in range(p, end):
-        for k in range(0, 9, 3):
-            x, y, z = blocks[q, k], blocks[q, k + 1], blocks[q, k + 2]
-            work[rows[q], k] -= x * a + y * b + z * c
-            work[rows[q], k + 1] -= x * d + y * e + z * f
-            work[rows[q], k + 2] -= x * g + y * h + z * i
+def _subtract(f: Factor, begin: int, last: int, left: int, work: Array, sums: Array) -> None:
+    """Take from a column what a supernode before it eliminates, by the rows that it has left."""
+    many = 3 * left
+    s, t, u = sums[0, :many], sums[1, :many], sums[2, :many]
+    for r in range(many):
+        s[r] = t[r] = u[r] = 0.0
+    for k in range(begin, last + 1):
+        size, end = 3 * f.length[k], 9 * f.start[k] + 3 * f.length[k]
+        x = f.values[end - many : end]
+        y = f.values[end + size - many : end + size]
+        z = f.values[end + 2 * size - many : end + 2 * size]
+        a, b, c = x[0], x[1], x[2]
+        d, e, g = y[0], y[1], y[2]
+        h, i, m = z[0], z[1], z[2]
+        for r in range(many):
+            s[r] += x[r] * a + y[r] * d + z[r] * h
+            t[r] += x[r] * b + y[r] * e + z[r] * i
+            u[r] += x[r] * c + y[r] * g + z[r] * m
+    below = f.start[last] + f.length[last] - left
+    for q in range(left):
+        row = f.rows[below + q]
+        for k in range(3):
+            work[row, k] -= s[3 * q + k]
+            work[row, 3 + k] -= t[3 * q + k]
+            work[row, 6 + k] -= u[3 * q + k]
 
 
 @compiled
@@ -158,7 +180,7 @@ def _divide(f: Factor, j: int, work: Array) -> bool:
     """Finish column j, and clear its work; False where a pivot is not positive."""
     m = f.pivots
     least, lesser, last = m[j, 0], m[j, 1], m[j, 2]
-    first, a, b = work[j, 0], work[j, 3], work[j, 6]
+    first, a, b = work[j, 0], work[j, 1], work[j, 2]
     if not first > least:
         return False
     m[j, 0] = 1.0 / np.sqrt(first)
@@ -167,7 +189,7 @@ def _divide(f: Factor, j: int, work: Array) -> bool:
     if not second > lesser:
         return False
     m[j, 4] = 1.0 / np.sqrt(second)
-    c = (work[j, 7] - a * b) * m[j, 4]
+    c = (work[j, 5] - a * b) * m[j, 4]
     third = work[j, 8] - b * b - c * c
     if not third > last:
         return False
@@ -177,45 +199,42 @@ def _divide(f: Factor, j: int, work: Array) -> bool:
     m[j, 6] = -(b * m[j, 0] + c * m[j, 3]) * m[j, 8]
     for k in range(9):
         work[j, k] = 0.0
-    for q in range(f.start[j], f.start[j] + f.length[j]):
-        row = f.rows[q]
-        for k in range(0, 9, 3):
-            x, y, z = work[row, k], work[row, k + 1], work[row, k + 2]
-            f.blocks[q, k] = x * m[j, 0]
-            f.blocks[q, k + 1] = x * m[j, 3] + y * m[j, 4]
-            f.blocks[q, k + 2] = x * m[j, 6] + y * m[j, 7] + z * m[j, 8]
-            work[row, k] = work[row, k + 1] = work[row, k + 2] = 0.0
+    size = 3 * f.length[j]
+    for q in range(f.length[j]):
+        row, at = f.rows[f.start[j] + q], 9 * f.start[j] + 3 * q
+        for k in range(3):
+            x, y, z = work[row, k], work[row, 3 + k], work[row, 6 + k]
+            f.values[at + k] = x * m[j, 0]
+            f.values[at + size + k] = x * m[j, 3] + y * m[j, 4]
+            f.values[at + 2 * size + k] = x * m[j, 6] + y * m[j, 7] + z * m[j, 8]
+            work[row, k] = work[row, 3 + k] = work[row, 6 + k] = 0.0
     return True
 
 
 @compiled
-def substitute(f: Factor, gradient: Array, move: Array) -> None:
-    """The step (n, 3) against the gradient (n, 3): forwards through the factor, and back."""
-    m, blocks = f.pivots, f.blocks
+def substitute(f: Factor, move: Array) -> None:
+    """Solve for the step (n, 3), by columns, in the place of the right side: forwards, and back."""
+    m = f.pivots
     for j in range(len(f.pose)):
-        for k in range(3):
-            move[j, k] = -gradient[j, k]
-    for j in range(len(f.pose)):
-        i = f.pose[j]
-        x, y, z = move[i, 0], move[i, 1], move[i, 2]
+        at, size, x, y, z = 9 * f.start[j], 3 * f.length[j], move[j, 0], move[j, 1], move[j, 2]
         z = m[j, 6] * x + m[j, 7] * y + m[j, 8] * z
         y = m[j, 3] * x + m[j, 4] * y
         x = m[j, 0] * x
-        move[i, 0], move[i, 1], move[i, 2] = x, y, z
-        for q in range(f.start[j], f.start[j] + f.length[j]):
-            row = f.pose[f.rows[q]]
+        move[j, 0], move[j, 1], move[j, 2] = x, y, z
+        u, v, w = f.values[at : at + size], f.values[at + size :], f.values[at + 2 * size :]
+        for q in range(f.length[j]):
+            row = f.rows[f.start[j] + q]
             for k in range(3):
-                move[row, k] -= (
-                    blocks[q, 3 * k] * x + blocks[q, 3 * k + 1] * y + blocks[q, 3 * k + 2] * z
-                )
+                move[row, k] -= u[3 * q + k] * x + v[3 * q + k] * y + w[3 * q + k] * z
     for j in range(len(f.pose) - 1, -1, -1):
-        i = f.pose[j]
-        for q in range(f.start[j], f.start[j] + f.length[j]):
-            row = f.pose[f.rows[q]]
-            x, y, z = move[row, 0], move[row, 1], move[row, 2]
+        at, size, x, y, z = 9 * f.start[j], 3 * f.length[j], move[j, 0], move[j, 1], move[j, 2]
+        u, v, w = f.values[at : at + size], f.values[at + size :], f.values[at + 2 * size :]
+        for q in range(f.length[j]):
+            row = f.rows[f.start[j] + q]
             for k in range(3):
-                move[i, k] -= blocks[q, k] * x + blocks[q, k + 3] * y + blocks[q, k + 6] * z
-        x, y, z = move[i, 0], move[i, 1], move[i, 2]
-        move[i, 0] = m[j, 0] * x + m[j, 3] * y + m[j, 6] * z
-        move[i, 1] = m[j, 4] * y + m[j, 7] * z
-        move[i, 2] = m[j, 8] * z
+                x -= u[3 * q + k] * move[row, k]
+                y -= v[3 * q + k] * move[row, k]
+                z -= w[3 * q + k] * move[row, k]
+        move[j, 0] = m[j, 0] * x + m[j, 3] * y + m[j, 6] * z
+        move[j, 1] = m[j, 4] * y + m[j, 7] * z
+        move[j, 2] = m[j, 8] * z

@@ -116,16 +116,16 @@ class Solver:
                 poses, step = before, Step(ALL, near=step.size / 4)
                 continue
             # 2. The columns of the factor that these change
-            marked, lists = changed[factor.pose], np.empty((3, n), np.int64)
+            marked, lists = changed[factor.pose], np.empty((4, n), np.int64)
             free = factorise(factor, edges, marked, np.zeros((n, 9)), lists)
             if free >= 0:
                 raise np.linalg.LinAlgError(f"the information leaves pose {free} free")
             self.columns += int(marked.sum())
             changed[:] = False
             # 3. The step
-            move = np.empty((n, 3))
-            substitute(factor, gradient, move)
-            before, loss, poses = poses, now, poses + move
+            move = -gradient[factor.pose]
+            substitute(factor, move)
+            before, loss, poses = poses, now, poses + move[factor.column]
             poses[:, 2] = wrap(poses[:, 2])
             size = float(np.abs(move).max(initial=0.0))
             if size < CONVERGED:
@@ -149,7 +149,7 @@ class Solver:
         marked, lists = changed[f.pose], np.empty((4, n), np.int64)
         while (found := find_structure(f, ends, marked, used, lists)) < 0:
             room, used = 2 * len(f.rows), -1 - found
-            f = f._replace(rows=_longer(f.rows, room), blocks=_longer(f.blocks, room))
+            f = f._replace(rows=_longer(f.rows, room), values=_longer(f.values, 9 * room))
         self._changed, self._used = changed, found
         self._factor = f  # last: until then an interrupt leaves the one before in use
         return f
@@ -183,9 +183,9 @@ def _ordered(n: int, ends: Indices) -> Factor:
     factors = splu(matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=symmetric)
     column = np.r_[0, factors.perm_c.astype(np.int64) + 1]
     start, length, rows = (np.zeros(m, np.int64) for m in (n, n, 8 * n))
-    blocks, pivots = np.zeros((8 * n, 9)), np.zeros((n, 9))
+    values, pivots = np.zeros(72 * n), np.zeros((n, 9))
     slots = _linked(n, ends)
-    return Factor(column, np.argsort(column), *slots, start, length, rows, blocks, pivots)
+    return Factor(column, np.argsort(column), *slots, start, length, rows, values, pivots)
 
 
 def _linked(n: int, ends: Indices) -> tuple[Indices, Indices]:
