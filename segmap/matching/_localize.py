@@ -164,7 +164,7 @@ def _beliefs(
             chosen = systematic(weights, rng.uniform(), particles)
             chosen = chosen[rng.permutation(len(chosen))]
             poses = poses[chosen[: enough(poses[chosen])]]
-            weights = np.full(len(poses), 1 / max(len(poses), 1))
+            weights = np.full(len(poses), 1 / len(poses))
 
 
 def moved(

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from segmap.alignment import _deskew, deskew
 from segmap.alignment._deskew import MARGIN, _clock, _entropy, _margin
 from segmap.scans import LaserScan, Log
 
@@ -22,7 +23,7 @@ def turned(late) -> np.ndarray:
 
 
 @pytest.mark.parametrize(
-    ("late", "found"), [(0.0, True), (0.12, True), (-0.495, True), (0.5, False), (-0.5, False)]
+    ("late", "found"), [(0.0, True), (0.495, True), (-0.495, True), (0.5, False), (-0.5, False)]
 )
 def test_a_clock_is_found_within_half_a_second(late, found):
     """At the last of the shifts that are tried it may lie farther off."""
@@ -62,3 +63,22 @@ def test_the_order_shows_in_twenty_scans_that_turn_by_a_degree(scans, speed, fou
     seen = [LaserScan(ranges, angles - turn * (delays - 0.05), delays=delays) for turn in turns]
     margin = _margin(Log("it", seen), np.zeros((scans, 3)), turns[:, None] * (0, 0, 1))
     assert margin < -MARGIN if found else np.isnan(margin)
+
+
+@pytest.mark.parametrize(
+    ("margin", "clock", "said"),
+    [
+        *((margin, 0.0, "nothing tells in which order") for margin in (np.nan, 0.049, -0.049)),
+        *((-MARGIN, clock, "") for clock in (0.125, 0.0, 0.25, np.nan)),
+        *((-MARGIN, clock, "scans and odometry differ by 0.13 s") for clock in (-0.005, 0.255)),
+        (MARGIN, 0.255, "the beams are in the other order than the file says; scans and odometry"),
+    ],
+)
+def test_what_is_said_of_order_and_clock(margin, clock, said, monkeypatch):
+    """From a twentieth of a nat on, and beyond half of a turn of 0.25 s about the middle of one."""
+    monkeypatch.setattr(_deskew, "_margin", lambda *given: margin)
+    monkeypatch.setattr(_deskew, "_clock", lambda *given: clock)
+    scans = [LaserScan([1.0, 1.0], [0.0, 1.0], time=k, delays=[0.0, 0.25]) for k in range(3)]
+    found = deskew(Log("it", scans, order_known=False), np.zeros((3, 3)))
+    assert found.doubt.startswith(said) and bool(found.doubt) == bool(said)
+    assert found.order_known == (margin == MARGIN)

@@ -24,6 +24,7 @@ from segmap.matching import (
     map_scans,
     nearest_score,
     particle_mapping,
+    route,
     search,
     systematic,
 )
@@ -128,6 +129,27 @@ def test_what_is_meant_where_nothing_is_said(of, usual):
     assert {name: given[name].default for name in usual} == usual
 
 
+HERE, RNG = ([(1, 0)], ZERO), {"rng": np.random.default_rng(1)}
+WRONG = [
+    *(("map", of, (3, *HERE), {}) for of in (DistanceField.around, hill_climb, nearest_score)),
+    *(("map", DistanceField, (3,), {}), ("map", route, (3, (0, 0), (1, 1)), {"radius": 0.1})),
+    *(("map", search, (3, LOG[0]), {}), ("map", localize, (3, LOG), RNG)),
+    *(
+        (name, particle_mapping, (LOG,), {name: 3, **RNG})
+        for name in ("odometry", "matcher", "map")
+    ),
+    *((name, map_scans, (LOG,), {name: 3}) for name in ("matcher", "score", "map", "graph")),
+    *(("log", of, (3,), RNG) for of in (particle_mapping, map_scans)),
+    *(("score", hill_climb, (ROOM, *HERE), {"score": 3}), ("scan", search, (ROOM, 3), {})),
+]
+
+
+@pytest.mark.parametrize(("name", "of", "given", "named"), WRONG)
+def test_what_is_of_another_kind_is_named_at_once(name, of, given, named):
+    with pytest.raises(ValueError, match=rf"^{name} must be"):
+        of(*given, **named)
+
+
 def test_a_second_session_is_sought_on_cells_of_five_centimetres(monkeypatch):
     """Scans that score less than 0.7 are passed over at once, and none is tied where none is."""
     asked, nothing = set(), searching.places_of(None, np.zeros((0, 2)))
@@ -167,8 +189,6 @@ def test_what_is_compiled_is_loaded_before_a_scan_is_asked_for(score, monkeypatc
     list(map_scans([], graph=True))
     warm = field_score if score is not nearest_score else score
     assert asked == [warm, "scan", "graph"]
-    with pytest.raises(ValueError, match="score must be"):  # at once
-        map_scans([], score=3)
 
 
 @pytest.mark.parametrize("step", [(3, 4, 0), (0, 0, -2), (0, 0, 0)])
@@ -330,8 +350,11 @@ def test_fresh_particles_come_to_places_that_are_worse_by_a_tenth(missing, both)
     map = QuadtreeMap(resolution=0.05)
     for place in (*(ends + 5.025), *(ends[missing:] + (20.025, 5.025))):
         map.insert_scan(place, [place])
-    found = localizing.fresh_poses(Likelihoods(map), ends, 40, np.random.default_rng(1))
+    found = localizing.fresh_poses(Likelihoods(map), ends, 9000, np.random.default_rng(1))
     assert np.unique(np.rint(found[:, 0])).tolist() == [5, 20][: 1 + both]
+    if not both:  # as widely as the place is uncertain
+        (spread,) = searching.places_of(Likelihoods(map), ends, margin=0.1).covariances
+        np.testing.assert_allclose(np.cov(found.T), spread, atol=0.1 * spread.max())
     for nowhere in (9 * ends, ends[:1]):  # and where a hundred places are as good
         assert len(localizing.fresh_poses(Likelihoods(ROOM), nowhere, 40, None)) == 0
 

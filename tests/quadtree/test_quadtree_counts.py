@@ -1,12 +1,15 @@
 """What the quadtree map counts and says of space, what it refuses, and maps of logs."""
 
+from functools import partial
+from inspect import signature
+
 import numpy as np
 import pytest
 from quadtrees import leaves_of, state
 
 from segmap import load
 from segmap.alignment import Alignment
-from segmap.quadtree import QuadtreeMap, build_map, extent
+from segmap.quadtree import QuadtreeMap, build_map, extent, free_ends, frontiers, without_passers
 from segmap.scans import LaserScan, Log
 
 
@@ -102,6 +105,25 @@ def test_bytes_a_leaf_and_statistics(room):
 
 
 # ------------------------------------------------------------------------- refused
+USUAL = [
+    (QuadtreeMap, {"resolution": 0.01, "bias": 20, "corner": (0, 0), "free_resolution": None}),
+    *((build_map, {"resolution": 0.05, "free": False}), (without_passers, {"seen_through": 0.2})),
+    *((extent, {"margin": 0.08}), (frontiers, {"min_size": 0.5})),
+]
+
+
+@pytest.mark.parametrize(("of", "usual"), USUAL)
+def test_what_is_meant_where_nothing_is_said(of, usual):
+    given = signature(of).parameters
+    assert {name: given[name].default for name in usual} == usual
+
+
+@pytest.mark.parametrize("of", [frontiers, extent, partial(free_ends, sensor=(0, 0, 0))])
+def test_another_kind_is_refused(of):
+    with pytest.raises(ValueError, match=r"must be a (QuadtreeMap|LaserScan)"):
+        of(3)
+
+
 FAR = 10_000.0
 REFUSED = {
     "NaN sensor": (((np.nan, 0), [(1, 1)], []), r"sensor_xy must be finite.* is \[nan, 0.0\]"),
