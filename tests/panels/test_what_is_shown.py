@@ -5,7 +5,7 @@ import pytest
 from driven_panels import LOG, WALLS
 from matplotlib.figure import Figure
 
-from segmap import load
+from segmap import LaserScan, Log, load
 from segmap.experiments import select, sweep, thresholds_of, thresholds_text
 from segmap.extraction import extract_polylines
 from segmap.matching import map_scans
@@ -125,6 +125,15 @@ def test_a_panel_shows_what_the_library_gives(make, wanted, texts, controls):
     panel.reset()
     first = [options[0] for options in controls.values()]
     assert [getattr(panel, name).value for name in controls] == first
+
+
+def test_of_many_points_some_are_drawn():
+    """Catches a cloud that is drawn whole, or turned around, since every point takes time."""
+    angles = np.linspace(0, 1, 4100)
+    scan = LaserScan(1 + angles, angles, odometry=(0, 0, 0))
+    panel = ScanPanel(Log("many", [scan, scan]))
+    drawn = np.array(panel._figure.axes[0].lines[0].get_data()).T
+    assert np.array_equal(drawn, np.tile(scan.points(), (2, 1))[::3])
 
 
 #: Name, least, most and step of each slider, its first value and its digits; of a play button the

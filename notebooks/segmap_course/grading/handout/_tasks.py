@@ -58,7 +58,7 @@ def chapters(wanted: str = "") -> dict[str, Path]:
         Where no chapters came with the package.
     """
     found = {path.name[:2]: path for path in sorted(chapters_folder().glob("[0-9][0-9]_*.ipynb"))}
-    numbers = [word for word in re.split(r"[,\s]+", wanted.strip()) if word]
+    numbers = [word for word in re.split(r"[,\s]+", wanted) if word]
     unknown = [word for word in numbers if word not in found]
     if unknown:
         raise ValueError(
