@@ -22,6 +22,8 @@ import numpy as np
 from numpy.lib import format as npy
 from numpy.typing import NDArray
 
+from .progress import each
+
 #: A packed file unpacks to at most this many bytes, or to this many times its own: logs shrink to a
 #: third or a fifth, trees to a sixth, the most regular tree to a 23rd, and what shrinks to a
 #: thousandth is made to fill the memory.
@@ -212,6 +214,13 @@ def read_npz(path: Path, kind: str) -> dict[str, NDArray[Any]]:
     return found
 
 
+def members(path: Path) -> set[str]:
+    """Names of what a zip file holds; none where it is damaged, or no zip file at all."""
+    with suppress(OSError, zipfile.BadZipFile), unzipped(path) as (_, held):
+        return {member.filename for member in held}
+    return set()
+
+
 def read_arrays(path: Path) -> dict[str, NDArray[Any]]:
     """The arrays of any NPZ file, as they stand; no object is unpickled.
 
@@ -261,7 +270,10 @@ def _arrays(source: IO[bytes]) -> dict[str, NDArray[Any]]:
             raise ValueError(f"it unpacks to more than {most} bytes")
         if any(member.compress_type not in PACKED for member in members):
             raise ValueError("it is packed as numpy never does")
-        return {m.filename.removesuffix(".npy"): _array(packed, m) for m in members}
+        found = {}
+        for member in each(members, "reading array"):
+            found[member.filename.removesuffix(".npy")] = _array(packed, member)
+        return found
 
 
 def _array(packed: zipfile.ZipFile, member: zipfile.ZipInfo) -> NDArray[Any]:

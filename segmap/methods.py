@@ -4,8 +4,6 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Generic, TypeVar
 
-from .progress import told
-
 R = TypeVar("R")
 
 
@@ -52,9 +50,5 @@ class Method(Generic[R]):
     needs_odometry: bool = False
 
     def __call__(self, data: object, **thresholds: Any) -> R:
-        """Run it: `METHODS[name](map, ...)` is `reduction.<name>(map, ...)`.
-
-        `progress` may be given too: it is called with the share that is done and words.
-        """
-        with told(thresholds.pop("progress", None)):
-            return self.function(data, **thresholds)
+        """Run it: `METHODS[name](map, ...)` is `reduction.<name>(map, ...)`."""
+        return self.function(data, **thresholds)

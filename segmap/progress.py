@@ -1,27 +1,29 @@
 """Long work says how far it is, and whoever listens may stop it.
 
-`pose_graph(log, progress=listen)` calls `listen(share, words)` at each step: the share that is
-done, from 0 to 1, of what the words name. What it raises ends the work. `told` does the same for
-all that is called within it.
+`with told(listen): pose_graph(log)` calls `listen(share, words)` at each step: the share that is
+done, from 0 to 1, of what the words name. What it raises ends the work. Alignments, reductions,
+extraction, de-skewing and the readers say how far they are.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
+from typing import TypeVar
 
 from . import arrays
 
 #: Is called with the share that is done and what is done; what it raises ends the work.
 Progress = Callable[[float, str], object]
+Thing = TypeVar("Thing")
 
 _listener: ContextVar[Progress | None] = ContextVar("listener", default=None)
 
 
 @contextmanager
-def told(progress: Progress | None) -> Iterator[None]:
-    """Tell a listener how far all work is that is called within; None leaves the one there is.
+def told(progress: Progress) -> Iterator[None]:
+    """Tell a listener how far all work is that is called within.
 
     Examples
     --------
@@ -35,9 +37,6 @@ def told(progress: Progress | None) -> Iterator[None]:
       0% solving for all poses
     100% laying each scan once more
     """
-    if progress is None:
-        yield
-        return
     token = _listener.set(arrays.function(progress, "progress", "of a share and words"))
     try:
         yield
@@ -49,3 +48,10 @@ def announce(share: float, words: str) -> None:
     """Say how far the work is, to whoever listens in this thread."""
     if (listen := _listener.get()) is not None:
         listen(share, words)
+
+
+def each(things: Sequence[Thing], words: str) -> Iterator[Thing]:
+    """The things one after the other; before each is announced which one of how many it is."""
+    for k, thing in enumerate(things):
+        announce(k / len(things), f"{words} {k + 1} of {len(things)}")
+        yield thing

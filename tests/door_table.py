@@ -173,8 +173,7 @@ GOOD |= {
 }
 #: Parameters that may be anything.
 FREE = {"Log.name", "simulate.name", "Log.skipped", "Log.doubt", "Sensor.name"}
-#: Who listens is called where there is much to tell: see test_progress.
-FREE |= {f"{name}.progress" for name in ("align_parts", "deskew", "pose_graph", "read", "told")}
+FREE |= {"told.progress"}  # see test_progress
 #: NaN is what these say of a time or scan that has none.
 NAN_IS_MEANT = {
     "doubled_walls",

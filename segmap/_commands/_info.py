@@ -1,4 +1,4 @@
-"""`segmap info LOG...`: what a log is."""
+"""`segmap info LOG...`: what a log is, and what a session keeps beside it."""
 
 from __future__ import annotations
 
@@ -7,17 +7,19 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from .._display import facts
-from ..readers import format_of
+from .._display import counted, facts
+from ..readers import format_of, read_session
 from ..scans import Log
 from ._words import Report
-from .opening import add_logs, each_log
+from .opening import add_logs, each_log, is_session
 
 
 def add(commands: Any) -> None:
     """Name the command and its arguments."""
     command = commands.add_parser(
-        "info", help="what a log is: scans, beams, field of view, path, odometry, truth, damage"
+        "info",
+        help="what a log is: scans, beams, field of view, path, odometry, truth, damage; and what "
+        "a session keeps",
     )
     add_logs(command)
     command.set_defaults(run=partial(each_log, work=tell_of, head=begin, check=check))
@@ -30,12 +32,20 @@ def check(given: argparse.Namespace) -> None:
 
 def begin(log: Log, source: str) -> str:
     """Which log comes now, and its format."""
-    known = Path(source).exists()
-    return f"{log.name}: {f'{format_of(source)}, {source}' if known else 'comes with segmap'}"
+    if not Path(source).exists():
+        return f"{log.name}: comes with segmap"
+    return f"{log.name}: {'session' if is_session(source) else format_of(source)}, {source}"
 
 
 def tell_of(given: argparse.Namespace, log: Log, paths: list[Path], report: Report) -> int:
-    """Print what a log is, a line a thing."""
+    """Print what a log is, a line a thing; of a session also its options, edits and runs."""
     for word, text in facts(log):
         report.line(word, text)
+    if is_session(source := report.found["source"]):
+        session = read_session(source)
+        for word in ("settings", "edits"):
+            held = getattr(session, word)
+            text = ", ".join(f"{name} {value}" for name, value in held.items())
+            report.line(word, text or "none", options=held)
+        report.line("runs", counted(len(session.runs), "run"), runs=len(session.runs))
     return 0

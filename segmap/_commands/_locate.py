@@ -11,9 +11,10 @@ import numpy as np
 
 from .. import quadtree, readers
 from ..matching import localize
+from ..progress import each
 from ..scans import Log
 from ..segments import SegmentMap
-from ._words import Report, metres, percent, progress
+from ._words import Report, metres, percent
 from .opening import NO_MAP, add_logs, each_log
 
 
@@ -46,11 +47,8 @@ def read_map(path: Path) -> quadtree.QuadtreeMap | SegmentMap:
 
 def locate_log(given: argparse.Namespace, log: Log, paths: list[Path], report: Report) -> int:
     """Say where the last scan is, since when the robot is found, and how often it was lost."""
-    beliefs = []
-    with progress(len(log), "scan") as bar:
-        for belief in localize(given.known, log, rng=np.random.default_rng(0)):
-            beliefs.append(belief)
-            bar.update()
+    scans = each(log, "placing scan")
+    beliefs = list(localize(given.known, scans, rng=np.random.default_rng(0)))
     found = np.array([belief.found for belief in beliefs], bool)
     times = f"{int(found.sum())} of {len(log)} scans"
     first = f", the first is scan {int(found.argmax())}" if found.any() else ""

@@ -8,7 +8,7 @@ import sys
 from typing import Any, NoReturn
 
 from .. import __version__
-from . import _app, _compare, _convert, _info, _locate, _map, _notebooks, _occupancy, _warm
+from . import _app, _compare, _convert, _info, _locate, _map, _merge, _notebooks, _occupancy, _warm
 from ._words import FAULTS, Usage, moving, plain_warnings, reason, tell
 from .opening import parsed
 
@@ -20,7 +20,7 @@ command was not understood, 3 a log gave no map, or was not found on one, 130 st
 `segmap COMMAND --help` tells the rest.
 """
 #: In the order in which they are listed.
-COMMANDS = (_info, _map, _compare, _occupancy, _locate, _convert, _app, _notebooks, _warm)
+COMMANDS = (_info, _map, _merge, _compare, _occupancy, _locate, _convert, _app, _notebooks, _warm)
 
 
 class _Strict(argparse.ArgumentParser):

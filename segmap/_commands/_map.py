@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import csv
 import re
+from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -14,12 +15,13 @@ from .._display import counted
 from ..alignment import Alignment
 from ..files import write_bytes
 from ..quadtree import without_passers
+from ..readers import Session
 from ..reduction import METHODS, Reduction
 from ..scans import Log
 from ..segments import SegmentMap
 from . import opening
 from ._thresholds import add_thresholds, chosen_thresholds, refuse_others
-from ._words import Report, metres, percent, progress, seconds
+from ._words import Report, metres, percent, seconds
 
 #: What -o may end in.
 SUFFIXES = (".svg", ".csv", ".npz", ".dxf", ".png", ".geojson", ".wkt", ".segmap")
@@ -37,6 +39,21 @@ def add(commands: Any) -> None:
         "map", help="a map of segments: align, extract, reduce, and tell how good it is"
     )
     opening.add_poses(command)
+    command.add_argument(
+        "--veto",
+        action="extend",
+        type=pairs,
+        default=[],
+        metavar="FILE",
+        help="align by pose_graph without these loops: the rows of --loops that are false, or one "
+        "as FIRST-SECOND",
+    )
+    add_making(command)
+    command.set_defaults(run=partial(opening.each_log, work=map_log, check=check))
+
+
+def add_making(command: argparse.ArgumentParser) -> None:
+    """All that leads from poses to a map and its files."""
     names = (*METHODS, "none")
     command.add_argument(
         "--method",
@@ -68,28 +85,23 @@ def add(commands: Any) -> None:
         metavar="FILE",
         help="align by pose_graph, and write its loops as .csv: scans, residual, span, places",
     )
-    command.add_argument(
-        "--veto",
-        action="extend",
-        type=pairs,
-        default=[],
-        metavar="FILE",
-        help="align by pose_graph without these loops: the rows of --loops that are false, or one "
-        "as FIRST-SECOND",
-    )
     opening.add_world(command)
     opening.add_output(command, SUFFIXES, WRITTEN)
     functions = {name: method.function for name, method in METHODS.items()}
     add_thresholds(command, "thresholds of the reduction methods", functions)
     add_thresholds(command, "thresholds of the extraction", extraction.METHODS, EXTRACT)
-    command.set_defaults(run=partial(opening.each_log, work=map_log, check=check))
 
 
-def check(given: argparse.Namespace) -> None:
+def check_making(given: argparse.Namespace) -> None:
     """Refuse options that do not go together."""
     refuse_others(given, given.method, METHODS)
     refuse_others(given, given.extract, extraction.METHODS, EXTRACT)
     opening.check_options(given)
+
+
+def check(given: argparse.Namespace) -> None:
+    """Refuse loops that are of no pose graph, or of several."""
+    check_making(given)
     if given.veto or given.loops:
         if given.align not in (None, "pose_graph"):
             given.refuse(f"--loops and --veto are for pose_graph: {given.align} closes no loops")
@@ -112,32 +124,39 @@ def pairs(text: str) -> list[str]:
 
 def map_log(given: argparse.Namespace, log: Log, paths: list[Path], report: Report) -> int:
     """Map one log, and write what was asked for where there is a map."""
-    with progress(3, "step", "aligning") as bar:
-        carried, poses = opening.placed(given, log, report)
-        before = segments_of(given, carried, poses, report)
-        if given.loops is not None:
-            write_bytes(given.loops, poses.loops().to_csv().encode())
-            report.line("loops", f"written to {given.loops}", file=str(given.loops))
-        verdict = poses.verdict_on(before)
-        before = filtered(given, opening.cropped(given, before, report), report)
-        bar.update()
-        bar.set_description("reducing")
-        after = before if given.method == "none" else reduced(given, before, report)
-        bar.update()
-        bar.set_description("writing")
+    carried, poses = opening.placed(given, log, report)
+    return made(given, carried, poses, paths, report, partial(opening.session_of, given, log))
 
-        def write(path: Path) -> None:
-            """In the format that the name asks for."""
-            if path.suffix.lower() == ".png":
-                from ._pictures import write_map_picture
 
-                write_map_picture(path, before, after)
-            elif path.suffix.lower() == ".segmap":
-                exports.write_session(path, opening.session_of(given, log, report.found))
-            else:
-                exports.write_segments(path, after, world=opening.world_of(given))
+def made(
+    given: argparse.Namespace,
+    log: Log,
+    poses: Alignment,
+    paths: list[Path],
+    report: Report,
+    session: Callable[[dict[str, Any]], Session],
+) -> int:
+    """Make the map of a log at its poses, and write it; `session` keeps the figures of this run."""
+    before = segments_of(given, log, poses, report)
+    if given.loops is not None:
+        write_bytes(given.loops, poses.loops().to_csv().encode())
+        report.line("loops", f"written to {given.loops}", file=str(given.loops))
+    verdict = poses.verdict_on(before)
+    before = filtered(given, opening.cropped(given, before, report), report)
+    after = before if given.method == "none" else reduced(given, before, report)
 
-        return opening.finished(given, verdict, paths, report, write)
+    def write(path: Path) -> None:
+        """In the format that the name asks for."""
+        if path.suffix.lower() == ".png":
+            from ._pictures import write_map_picture
+
+            write_map_picture(path, before, after)
+        elif path.suffix.lower() == ".segmap":
+            exports.write_session(path, session(report.found))
+        else:
+            exports.write_segments(path, after, world=opening.world_of(given))
+
+    return opening.finished(given, verdict, paths, report, write)
 
 
 def segments_of(

@@ -14,9 +14,10 @@ from .. import exports, quadtree
 from .._display import counted
 from ..alignment import Alignment, Verdict
 from ..matching import MATCHERS, SCORES, map_scans
+from ..progress import each
 from ..scans import Log
 from . import opening
-from ._words import Report, progress
+from ._words import Report
 
 #: What -o may end in.
 SUFFIXES = (".yaml", ".png", ".svg", ".npz", ".geojson")
@@ -88,13 +89,10 @@ def _matched(
     """The map that grows scan by scan, and the verdict on it; the first scan is its origin."""
     map, score = quadtree.QuadtreeMap(resolution=given.resolution), given.score or "field"
     rng = np.random.default_rng(0)
-    steps = []
-    with progress(len(log), "scan") as bar:
-        for step in map_scans(
-            log, map=map, matcher=MATCHERS[NAMES[given.matcher]](rng), score=SCORES[score], rng=rng
-        ):
-            steps.append(step)
-            bar.update()
+    matcher = MATCHERS[NAMES[given.matcher]](rng)
+    steps = list(
+        map_scans(each(log, "placing scan"), map=map, matcher=matcher, score=SCORES[score], rng=rng)
+    )
     placed = int(np.isfinite([step.score for step in steps]).sum())
     words = f"{placed} of {counted(len(log), 'scan')} (the first begins the map)"
     figures = {

@@ -4,7 +4,11 @@ from __future__ import annotations
 
 import json
 import math
+import os
+import signal
+import socket
 import sys
+import threading
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -20,6 +24,8 @@ if TYPE_CHECKING:
 
 #: What a user can mend: a damaged log, a wrong argument, a full disk, a missing package.
 FAULTS = (ValueError, OSError, ImportError, MemoryError)
+#: So many seconds after Control-C the program ends in the middle of a compiled loop.
+PATIENCE = 0.5
 
 
 class Usage(ValueError):
@@ -168,3 +174,34 @@ def moving() -> Iterator[None]:
     finally:
         for bar in bars:
             bar.close()
+
+
+@contextmanager
+def stoppable() -> Iterator[None]:
+    """End at Control-C also where a compiled loop runs, which hears nothing of it."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    heard, told_of = socket.socketpair()
+    told_of.setblocking(False)
+    ended = threading.Event()
+
+    def watch() -> None:
+        """Wait for the signal, and then for the program to end by itself."""
+        while (number := heard.recv(1)) and number != bytes([signal.SIGINT]):
+            pass
+        if number and not ended.wait(PATIENCE):
+            tell("stopped")
+            os._exit(130)
+
+    before = signal.set_wakeup_fd(told_of.fileno())
+    watcher = threading.Thread(target=watch, daemon=True)
+    watcher.start()
+    try:
+        yield
+    finally:
+        ended.set()
+        signal.set_wakeup_fd(before)
+        told_of.close()
+        watcher.join()
+        heard.close()

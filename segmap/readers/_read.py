@@ -5,7 +5,6 @@ from __future__ import annotations
 from pathlib import Path
 
 from ..arrays import checked
-from ..progress import Progress, told
 from ..scans import Log
 from ._bundled import find
 from ._formats import recognise
@@ -13,7 +12,7 @@ from ._lines import OnError, log_file, stem
 
 
 @checked
-def read(path: str | Path, *, on_error: OnError = "raise", progress: Progress | None = None) -> Log:
+def read(path: str | Path, *, on_error: OnError = "raise") -> Log:
     """Read a log, whatever its format: plain or gzip, a file or a folder.
 
     Beams that met nothing have range `inf`, those with an error of the sensor NaN: neither is
@@ -30,8 +29,6 @@ def read(path: str | Path, *, on_error: OnError = "raise", progress: Progress | 
     on_error : "raise" or "skip"
         What a damaged line means: the end of reading, or one line less; `log.skipped` then tells
         how many lines were left out and why the first.
-    progress
-        Is called with the share of the file that is read and words, and may raise to stop.
 
     Returns
     -------
@@ -57,7 +54,7 @@ def read(path: str | Path, *, on_error: OnError = "raise", progress: Progress | 
     >>> log, log.skipped.lines, log[0].valid
     (Log('two', 1 scan, odometry, no truth), 1, array([ True, False]))
     """
-    with told(progress), log_file(path, folders=True) as place:
+    with log_file(path, folders=True) as place:
         name = place.resolve().name if place.is_dir() else stem(place)
         return recognise(place).read(place, name, on_error)
 

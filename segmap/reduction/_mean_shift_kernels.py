@@ -16,6 +16,7 @@ import numpy as np
 from ..arrays import Array
 from ..compiled import compiled
 from ..kernels import root_of
+from ..progress import announce
 from ..threads import shares, team
 from ._runner import Indices
 
@@ -78,6 +79,7 @@ def climb(
 
     with team() as each:
         while len(todo) and steps < most:
+            announce(1 - len(todo) / count, f"{len(todo)} of {count} pieces still move")
             each(move, shares(todo, SHARE))
             restless = np.maximum.reduceat(moves, first) > stop * stop
             todo, steps = np.flatnonzero((moves > 0) & restless[of]), steps + 1

@@ -17,10 +17,11 @@ class Stop(Exception):
     """What a listener raises."""
 
 
-def heard(work, **given):
+def heard(work):
     """What work tells: pairs of shares and words."""
     said = []
-    work(progress=lambda share, words: said.append((share, words)), **given)
+    with told(lambda share, words: said.append((share, words))):
+        work()
     return said
 
 
@@ -32,24 +33,15 @@ def lines_of(log, path, pack=open):
     return path
 
 
-def graph(progress):
-    return alignment.pose_graph(LOG, progress=progress)
+WORK = {
+    "graph": lambda: alignment.pose_graph(LOG),
+    "parts": lambda: alignment.align_parts([LOG[:6], LOG[6:]]),
+    "deskewed": lambda: alignment.deskew(logs.moving_log()),
+    "by_scan": lambda: reduction.basic_online(build_map(LOG, LOG.truth)),
+}
 
 
-def parts(progress):
-    return alignment.align_parts([LOG[:6], LOG[6:]], progress=progress)
-
-
-def deskewed(progress):
-    return alignment.deskew(logs.moving_log(), progress=progress)
-
-
-def by_scan(progress):
-    map = build_map(LOG, LOG.truth)
-    return reduction.METHODS["basic_online"](map, progress=progress)
-
-
-@pytest.mark.parametrize("work", [graph, parts, deskewed, by_scan])
+@pytest.mark.parametrize("work", WORK.values(), ids=WORK)
 def test_long_work_tells_each_step_and_stops_where_it_is_told_to(work):
     """Catches work in silence, a share above one, and a stop that is swallowed."""
     said = heard(work)
@@ -60,8 +52,8 @@ def test_long_work_tells_each_step_and_stops_where_it_is_told_to(work):
         if share >= 0.5:
             raise Stop(words)
 
-    with pytest.raises(Stop):
-        work(stop)
+    with told(stop), pytest.raises(Stop):
+        work()
     assert heard(work) == said  # nobody listens any more, and nothing is left behind
 
 
@@ -69,7 +61,7 @@ def test_long_work_tells_each_step_and_stops_where_it_is_told_to(work):
 def test_reading_tells_how_much_of_the_file_is_read(pack, tmp_path):
     """Catches a share of the unpacked bytes, and one that never comes to its end."""
     path = lines_of(LOG, tmp_path / "it.log", pack)
-    shares = [share for share, _ in heard(lambda progress: readers.read(path, progress=progress))]
+    shares = [share for share, _ in heard(lambda: readers.read(path))]
     assert len(shares) > 3 and shares == sorted(shares) and 0.5 < shares[-1] <= 1.0
 
 
@@ -80,12 +72,11 @@ def test_a_listener_is_for_what_is_called_within():
         announce(0.0, "a")
         with told(lambda share, words: inner.append(words)):
             announce(0.0, "b")
-        with told(None):
-            announce(0.0, "c")
+        announce(0.0, "c")
     announce(0.0, "d")
     assert (outer, inner) == (["a", "c"], ["b"])
-    with pytest.raises(ValueError, match="progress must be a function of a share and words"):
-        alignment.pose_graph(LOG, progress=3)
+    with pytest.raises(ValueError, match="progress must be a function of a share"), told(3):
+        pass
 
 
 def test_threads_tell_how_many_are_done_and_begin_no_more_once_stopped():

@@ -5,6 +5,7 @@ import json
 import os
 import re
 import shutil
+import signal
 import subprocess
 import sys
 import warnings
@@ -111,6 +112,24 @@ def test_what_is_no_log_is_told_what_to_do_line_by_line(run):
         Path("it.txt").write_text(text)
         code, _, beside = run("info", "it.txt")
         assert code == 1 and said in beside and "--skip" not in beside
+
+
+def test_info_tells_what_a_session_keeps_and_no_map_is_a_log(run):
+    """Catches a session that passes for arrays, and maps in a folder that are faults there."""
+    log, (one, two) = segmap.load("room")[:3], ({"filter": 0.5, "text": "x"}, {})
+    exports.write_session("it.segmap", readers.Session(log, one, [{}, {}], two))
+    segmap.build_map(log, log.truth).save("segments.npz")
+    segmap.quadtree.build_map(log, log.truth).save("squares.npz")
+    exports.write_arrays("log.npz", log)
+    code, said, beside = run("info", ".")
+    assert code == 0 and said.splitlines()[-1] == "2 of 2 logs done"
+    assert "left out, since no log: segments.npz, squares.npz" in beside
+    code, said, _ = run("info", "it.segmap", "log.npz")
+    assert "it: session, it.segmap\n" in said and "log: NPZ, log.npz\n" in said
+    for line in ("settings  filter 0.5, text x", "edits     none", "runs      2 runs"):
+        assert said.count(f"  {line}\n") == 1
+    found = json.loads(run("info", "it.segmap", "--json")[1])
+    assert found["settings"]["options"] == one and found["runs"]["runs"] == 2
 
 
 def test_topics_of_a_bag_are_options(run, near):
@@ -648,6 +667,31 @@ def test_control_c_ends_with_130_and_leaves_nothing_half_written(run, near, monk
     assert list(Path().iterdir()) == [] and "written" not in said
 
 
+#: A method that does not hear of Control-C for hours.
+LOOP = """
+import sys
+from hashlib import pbkdf2_hmac
+from segmap import reduction
+from segmap._commands import main
+def forever(map):
+    print("begun", flush=True)
+    pbkdf2_hmac("sha256", b"", b"", 2**31 - 1)
+object.__setattr__(reduction.METHODS["hybrid"], "function", forever)
+sys.exit(main(["map", "room", "--method", "hybrid"]))
+"""
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="Control-C goes to all of a console there")
+def test_control_c_ends_a_loop_that_does_not_hear_it():
+    command = [sys.executable, "-c", LOOP]
+    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
+    with subprocess.Popen(command, **pipes) as process:
+        assert "begun\n" in iter(process.stdout.readline, "")
+        process.send_signal(signal.SIGINT)
+        assert process.communicate(timeout=60)[1] == "segmap: stopped\n"
+    assert process.returncode == 130
+
+
 def test_a_log_without_anything(run, tmp_path):
     """Catches statistics of no number, and a warning with the path and a line of a source file."""
     (tmp_path / "dark.txt").write_text(DARK)
@@ -803,6 +847,42 @@ def test_map_lists_its_loops_and_leaves_out_those_that_a_file_vetoes(run):
     assert code == 2 and "odometry closes no loops" in beside
     code, _, beside = run("map", "corridor", "room", "--loops", "loops.csv")
     assert code == 2 and "are for one log" in beside
+
+
+# ------------------------------------------------------------------------------ merge
+def test_sessions_of_one_building_are_merged_and_the_next_comes_to_them(run, near):
+    """Catches a map in the frame of the second, a session of another map, and a last one."""
+    log, world = segmap.load("room"), (30.0, -20.0, 2.0)
+    parts = {"one": log[:30], "two": log[20:50], "three": log[35:]}
+    for name, part in parts.items():
+        scans = [replace(s, odometry=poses.compose(world, s.odometry)) for s in part]
+        exports.write_arrays(
+            f"{name}.npz", segmap.Log(name, part.scans if name == "one" else scans)
+        )
+    words = "--method", "none", "--square", "--json", "-o"
+    code, said, _ = run("merge", "one.npz", "two.npz", *words, "it.csv", "-o", "it.segmap",
+                        "--loops", "loops.csv")  # fmt: skip
+    one, two = segmap.read("one.npz"), segmap.read("two.npz")
+    found, told = segmap.matching.merge(one, two), json.loads(said)
+    turn = np.radians(told["turned"]["degrees"])
+    at = poses.compose((0, 0, turn), found.trusted)
+    both = segmap.Log("both", [*one, *two])
+    assert code == 0 and told["aligned"]["matched"] == 60 == told["verdict"]["placed"]
+    walls = segmap.build_map(both, at).segments
+    assert np.array_equal(readers.read_segments("it.csv").segments, walls)
+    assert len(pd.read_csv("loops.csv")) == told["aligned"]["loops"] > 5
+    assert run("map", "it.segmap", "-o", "again.csv")[0] == 0
+    assert Path("again.csv").read_bytes() == Path("it.csv").read_bytes()
+    code, said, _ = run("merge", "it.segmap", "three.npz", "--method", "none", "-o", "all.segmap")
+    whole = readers.read_session("all.segmap")
+    true = np.vstack([part.truth for part in parts.values()])
+    off = poses.between(whole.log.truth[0], whole.log.truth) - poses.between(true[0], true)
+    assert code == 0 and "86 of 86 scans matched" in said and np.abs(off[:, :2]).max() < 0.1
+    code, said, _ = run("merge", "one.npz", near, "--method", "none", "-o", "no.csv", "--force")
+    assert code == 3 and not Path("no.csv").exists()
+    assert "  verdict   NOT A MAP: the sessions are not merged: only 0 places" in said
+    code, _, beside = run("merge", "none.npz", near)
+    assert code == 1 and "none.npz: does not exist" in beside
 
 
 # ------------------------------------------------------------------------------ compare

@@ -16,9 +16,9 @@ SOURCES = sorted(path for package in PACKAGES for path in package.rglob("*.py"))
 
 #: From the ground up. A room imports rooms of lower storeys only; a folder is one room.
 STOREYS = (
-    "compiled _display files arrays",
+    "compiled _display arrays",
     "progress",
-    "threads methods",
+    "files threads methods",
     "angles",
     "poses segments",
     "scans kernels",

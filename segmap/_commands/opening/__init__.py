@@ -1,6 +1,17 @@
 """What commands share: the logs and options that are named, poses of their scans, files written."""
 
-from ._logs import NO_MAP, add_logs, add_output, add_strict, allowed, concluded, each_log, finished
+from ._logs import (
+    NO_MAP,
+    add_logs,
+    add_output,
+    add_strict,
+    allowed,
+    concluded,
+    each_log,
+    finished,
+    is_session,
+    log_of,
+)
 from ._poses import (
     add_align,
     add_poses,
@@ -8,7 +19,10 @@ from ._poses import (
     aligned,
     check_options,
     cropped,
+    deskewed,
     placed,
+    squared,
+    tell_alignment,
     world_of,
 )
 from ._settings import parsed, session_of

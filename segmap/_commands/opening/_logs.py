@@ -14,10 +14,10 @@ from typing import Any, Literal
 
 from ..._display import counted
 from ...alignment import Verdict
-from ...files import shown, write_bytes
+from ...files import members, shown, write_bytes
 from ...readers import LogError, UnknownFormat, format_of, load, read, read_bag, read_session
 from ...scans import Log
-from .._words import FAULTS, Report, percent, progress, reason, say, tell
+from .._words import FAULTS, Report, percent, progress, reason, say, stoppable, tell
 from ._settings import applied
 
 #: Stands for the name of the log.
@@ -93,7 +93,7 @@ def each_log(
     if not all(map(is_session, chosen)):
         check(given)
     failed, codes, reports = [], [0], []
-    with progress(len(chosen), "log") as bar:
+    with stoppable(), progress(len(chosen), "log") as bar:
         for source in chosen:
             bar.set_description(shown(Path(source).name))
             reports.append(report := Report(source, json=given.json))
@@ -176,8 +176,11 @@ def is_session(source: str) -> bool:
 
 
 def is_log(path: Path) -> bool:
-    """Whether a file or folder has the format of a log; one that cannot be read may have been."""
-    if path.suffix in DOCUMENTS:
+    """Whether a file or folder has the format of a log; one that cannot be read may have been.
+
+    A map of `segmap map` or `segmap occupancy` is an NPZ too, of other arrays.
+    """
+    if path.suffix in DOCUMENTS or ((held := members(path)) and "ranges.npy" not in held):
         return False
     try:
         format_of(path)

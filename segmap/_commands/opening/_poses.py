@@ -15,7 +15,7 @@ from ...arrays import Array
 from ...exports import Earth, Frame, Grid
 from ...extraction import build_map
 from ...poses import compose
-from ...progress import announce
+from ...progress import each
 from ...quadtree import QuadtreeMap, extent
 from ...scans import Log
 from ...scans.moving import is_timed
@@ -31,10 +31,11 @@ ALIGN = "default: ground_truth where the log has it for each scan, else pose_gra
 Map = TypeVar("Map", SegmentMap, QuadtreeMap)
 
 
-def add_poses(command: argparse.ArgumentParser) -> None:
+def add_poses(command: argparse.ArgumentParser, *, align: bool = True) -> None:
     """All that leads from LOG... to a pose for each scan, and when that is a map."""
     add_logs(command)
-    add_align(command)
+    if align:
+        add_align(command)
     command.add_argument(
         "--no-deskew",
         action="store_true",
@@ -86,26 +87,30 @@ def aligned(given: argparse.Namespace, log: Log, report: Report) -> Alignment:
     options |= chosen_thresholds(given, METHODS[name].function, "align_")
     veto = getattr(given, "veto", [])
     found = without(log, veto, options) if veto else METHODS[name](log, **options)
-    figures: dict[str, Any] = {"method": name, "matched": int(found.used.sum())}
+    tell_alignment(found, report)
+    return found
+
+
+def tell_alignment(found: Alignment, report: Report) -> None:
+    """Say how many scans are placed, how many loops that took, and what speaks against it."""
+    figures: dict[str, Any] = {"method": found.method, "matched": int(found.used.sum())}
     placed = f"{figures['matched']} of {counted(len(found), 'scan')} matched"
     if found.graph is not None:
         figures["loops"] = int(found.graph.loop.sum())
         placed += f", {counted(figures['loops'], 'loop')} closed"
-    words = f"by {name}: {placed}, {seconds(found.seconds)}"
+    words = f"by {found.method}: {placed}, {seconds(found.seconds)}"
     report.line("aligned", words, **figures, scans=len(found), seconds=found.seconds)
     reasons = Counter(filter(None, found.reasons)).most_common(MOST_REASONS)
     for why, count in reasons:
         report.line("", f"{counted(count, 'scan')} not: {why}")
     if found.doubt:
         report.line("", f"doubt: {found.doubt}")
-    return found
 
 
 def without(log: Log, veto: list[str], options: dict[str, Any]) -> Alignment:
     """The pose graph of a log without the loops `FIRST-SECOND`."""
     graph = LiveGraph(**options)
-    for k, scan in enumerate(log):
-        announce(k / len(log), f"placing scan {k + 1} of {len(log)}")
+    for scan in each(log, "placing scan"):
         graph.add(scan)
     found = graph.refine().loops()
     known = [f"{i}-{j}" for i, j in zip(found["first"], found["second"], strict=True)]
@@ -157,7 +162,7 @@ def add_world(command: Any) -> None:
 
 def check_options(given: argparse.Namespace) -> None:
     """End with an error of usage, before any work, where these options do not go together."""
-    if given.align:
+    if getattr(given, "align", None):
         refuse_others(given, given.align, METHODS, "align_")
     if hasattr(given, "crop"):
         world_of(given)

@@ -12,6 +12,7 @@ import numpy as np
 from ... import arrays
 from ...arrays import Array
 from ...poses.motions import between, compose
+from ...progress import each
 from ...scans import LaserScan
 from .._result import Alignment, concluded
 from ..graph import Edge, information
@@ -76,8 +77,9 @@ def merge(first: LiveGraph, second: LiveGraph, places: Callable[[LaserScan], Arr
         closer.believe(loops)
         frames.optimize()
         away = np.abs(frames.along - frames.along[loop.second])[rest]
-        for new in joint.frame + np.argsort(away, kind="stable"):
-            if closer.seek(int(new), joint.frame, confirmed=True):
+        order = (joint.frame + np.argsort(away, kind="stable")).tolist()
+        for new in each(order, "closing loops of place"):
+            if closer.seek(new, joint.frame, confirmed=True):
                 frames.optimize(lazily=True)
         frames.optimize()
         # 4. Whether the places that both passed are tied
@@ -117,7 +119,7 @@ def _found(
     known: list[Edge] = []
     old = frames.poses[:begin]
     closer.lost_since = begin  # what is compared was seen since then
-    for new in range(begin, len(frames)):
+    for new in each(range(begin, len(frames)), "seeking place"):
         given = arrays.called(places, "places", front.scans[frames.scan[new]])
         place = arrays.poses(given, "places")
         if len(place) != 1:

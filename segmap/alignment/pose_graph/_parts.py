@@ -12,7 +12,7 @@ import numpy as np
 
 from ... import arrays
 from ...poses import between, compose
-from ...progress import Progress, announce, told
+from ...progress import announce, each
 from ...scans import LaserScan, Log
 from .._result import Alignment, concluded
 from ..graph import Edge, Rejected
@@ -22,11 +22,7 @@ from ._pose_graph import LiveGraph
 
 
 def align_parts(
-    parts: Sequence[Log],
-    *,
-    executor: Executor | None = None,
-    progress: Progress | None = None,
-    **thresholds: Any,
+    parts: Sequence[Log], *, executor: Executor | None = None, **thresholds: Any
 ) -> Alignment:
     """Align the parts of a long log side by side, and join them: `pose_graph` on all cores.
 
@@ -45,8 +41,6 @@ def align_parts(
     executor
         A process pool, or `client.get_executor()` of `dask.distributed`; None works one part after
         the other. The result is the same.
-    progress
-        As in `pose_graph`; of parts that an executor aligns when they are joined.
     **thresholds
         As of `pose_graph`.
 
@@ -70,17 +64,15 @@ def align_parts(
     if executor is not None:
         arrays.instance(executor, "executor", Executor)
     graph, run = LiveGraph(**thresholds), map if executor is None else executor.map
-    with told(progress):
-        # 1. Each part alone; 2. as they come, joined to those before
-        for k, (log, part) in enumerate(zip(logs, run(work, logs), strict=True)):
-            announce(k / len(logs), f"joining part {k + 1} of {len(logs)}")
-            if len(graph):
-                _join(graph, part, log)
-            else:
-                graph = part
-                inside(graph)[0].scans += log
-        # 3. All poses together; 4. each scan once more, as in `pose_graph`
-        found = graph.settled()
+    # 1. Each part alone; 2. as they come, joined to those before
+    for log, part in zip(each(logs, "joining part"), run(work, logs), strict=True):
+        if len(graph):
+            _join(graph, part, log)
+        else:
+            graph = part
+            inside(graph)[0].scans += log
+    # 3. All poses together; 4. each scan once more, as in `pose_graph`
+    found = graph.settled()
     scans = [scan for log in logs for scan in log]
     return concluded("align_parts", scans, found, time.perf_counter() - begun)
 
@@ -88,8 +80,7 @@ def align_parts(
 def _aligned(thresholds: dict[str, Any], log: Log) -> LiveGraph:
     """The graph of one part, without what the caller has or can make again: it may travel far."""
     graph = LiveGraph(**thresholds)
-    for k, scan in enumerate(log):
-        announce(k / len(log), f"placing scan {k + 1} of {len(log)} of a part")
+    for scan in each(log, "placing scan of a part:"):
         graph.add(scan)
     front, closer = inside(graph)
     front.frames.optimize()

@@ -24,6 +24,7 @@ from numpy.typing import NDArray
 from ... import arrays
 from ...arrays import Array
 from ...files import read_arrays, shown
+from ...progress import each
 from ...scans import LaserScan, Log
 from .._lines import LATEST, LogError
 from .._raw_scans import known, known_truth
@@ -79,10 +80,10 @@ def log_of(name: str, held: Mapping[str, NDArray[Any]]) -> Log:
     beams = np.where(ranges > 0, ranges, np.nan), angles
     counts = _counts(held.get("beams", np.full(count, shape[1])), shape)
     rows = zip(counts, *beams, codes, delays, times, odometry, most, places, strict=True)
-    scans = [
-        LaserScan(r[:n], a[:n], t, known(o), m, p, c if c is None else c[:n], known(d[:n]))
-        for n, r, a, c, d, t, o, m, p in rows
-    ]
+    scans = []
+    for n, r, a, c, d, t, o, m, p in each(list(rows), "reading scan"):
+        c = c if c is None else c[:n]
+        scans.append(LaserScan(r[:n], a[:n], t, known(o), m, p, c, known(d[:n])))
     ordered = arrays.switch(held.get("order_known", np.array(True)).tolist(), "order_known")
     return Log(name, scans, known_truth(truth), track=held.get("track"), order_known=ordered)
 

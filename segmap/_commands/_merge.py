@@ -1,0 +1,55 @@
+"""`segmap merge FIRST SECOND`: one map of two sessions in one building, or why they are none."""
+
+from __future__ import annotations
+
+import argparse
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+from ..alignment import Verdict
+from ..matching import merge
+from ..readers import Session
+from ..scans import Log
+from . import opening
+from ._map import add_making, check_making, made
+from ._words import Report
+
+
+def add(commands: Any) -> None:
+    """Name the command and its arguments."""
+    command = commands.add_parser(
+        "merge", help="one map of two sessions in one building, tied by what both have seen"
+    )
+    command.add_argument(
+        "first",
+        metavar="FIRST",
+        help="a log or session, in whose frame the map is; LOG comes to it",
+    )
+    opening.add_poses(command, align=False)
+    add_making(command)
+    command.set_defaults(run=partial(opening.each_log, work=merge_logs, check=check_making))
+
+
+def merge_logs(given: argparse.Namespace, log: Log, paths: list[Path], report: Report) -> int:
+    """Merge one log with the first, and write what was asked for where both are of one building."""
+    first, given, _ = opening.log_of(given.first, given)
+    check_making(given)
+    logs = [opening.deskewed(given, each, report) for each in (first, log)]
+    found = merge(*logs)
+    opening.tell_alignment(found, report)
+    if not (found.used[: len(first)].any() and found.used[len(first) :].any()):
+        words = f"NOT A MAP: {found.doubt.split('; ')[0]}"
+        verdict = Verdict("not a map", words, int(found.used.sum()), len(found))
+        return opening.concluded(given, verdict, report)
+    scans = [scan for each in logs for scan in each]
+    scans = [replace(s, odometry=pose) for s, pose in zip(scans, found.poses, strict=True)]
+    both = Log(f"{first.name} and {log.name}", scans, found.trusted)
+
+    def session(figures: dict[str, Any]) -> Session:
+        """Both logs as one that is aligned: the next may be merged with it."""
+        kept = opening.session_of(given, both, figures)
+        return replace(kept, settings={**kept.settings, "align": "ground_truth"})
+
+    return made(given, both, opening.squared(given, both, found, report), paths, report, session)
