@@ -47,6 +47,23 @@ def test_a_hundred_doors_that_are_seen_and_then_open():
     assert found.parents.tolist() == [-1] * 200 + [0]
 
 
+def test_a_wall_far_away_whose_line_passes_the_sensor():
+    """Catches a search around the scan alone: A's match looks at the distance from the line."""
+    found = viewing_sector(scans_of([[(50, 0.05), (60, 0.05)]], [[(1, -0.5), (1, 0.5)]]))
+    assert found.parents[0] == 0 and length(found.segments)[0] > 58
+
+
+def test_a_wall_cut_300_times_keeps_its_order():
+    """Catches pieces out of order where the numbers of the order are all used up."""
+    x = np.arange(-299, 301, 2) / 6
+    doors = [[[(4 / 3 * a, 4), (4 / 3 * a + 0.2, 4)]] for a in x]
+    found = viewing_sector(scans_of([[(-51, 3), (51, 3)]], *doors))
+    starts, count = found.segments[:, 0, 0], len(x) + 1
+    assert (np.diff(starts[:count]) > 0).all() and (found.segments[:count, :, 1] == 3).all()
+    assert_allclose(starts[count:], 4 / 3 * x)
+    assert found.parents[1:].tolist() == list(range(count, 2 * count - 1))
+
+
 def test_four_things_that_a_scan_can_say():
     """SURVEYED check a: matched, hidden, gone and not looked at; sums weigh 58 against 30."""
     found = viewing_sector(scans_of([WALL], LOOK))

@@ -7,10 +7,14 @@ import numpy as np
 from ....arrays import Array, Metres, Segments, checked
 from ....compiled import compiled
 from ....segments import length, midpoint
-from ..._index import empty_index
+from ..._index import LEVEL, empty_index
 from ..._points import points_behind
 from ..._runner import Indices, Length, Reduction, Rows, Steps, run_online
 from ._kernels import SAME, Claims, Room, Walls, look, renew
+from ._map import Map, nearby, put_back, tidy
+
+#: The order of the map is numbered anew where a piece has less of it as its own.
+NARROW = 2.0**-24
 
 
 @checked
@@ -92,47 +96,70 @@ def viewing_sector(
         s = np.where(turned[:, None, None], rows.segments[:, ::-1], rows.segments)
         sums = _sums_of_points(points, first) if kept else _sums_along(s, spacing)
         most = int(np.diff(rows.cuts).max(initial=0))  # segments of a scan
-        walls, before, after, nodes = _walls_for(0), _walls_for(0), _walls_for(0), 0
+        state = _map_for(64, float(length(s).mean()) if len(s) else 1.0)
+        after, nodes, used, own = _walls_for(0), 0, 0, 1.0
         claims, room = _claims_for(64, 64), _room_for(most, 64, 64)
         # where the length of each input went: rows of `family` have the parent of a node, -1 for
         # none, and the share of it that the node is; rows of `given` an input, a node, and metres
         family, given = [np.empty((0, 2))], [np.empty((0, 3))]
         for begin, stop in rows.scans():
             p, scan = sensors[begin], Walls(s[begin:stop], sums[begin:stop], np.arange(begin, stop))
-            if len(walls.s) >= len(room.first):
-                room = _room_for(most, len(room.after), 2 * len(walls.s))
+            count = nearby(state, used, scan, p, distance)
+            if count >= len(room.first):
+                room = _room_for(most, len(room.after), 2 * count)
+            walls = _first(state.near, count)
             found = look(walls, scan, p, distance, least, forget, room, claims)
             if found[0] > len(claims.wall) or found[1] > len(claims.gone):
                 claims = _claims_for(2 * found[0] + 64, 2 * found[1] + 64)
                 room = _room_for(most, 2 * found[0] + 64, len(room.first))
                 look(walls, scan, p, distance, least, forget, room, claims)
-            n, m = (
-                len(walls.s) + found[1] + 4 * found[0] + stop - begin,
-                2 * found[0] + stop - begin,
-            )
+            n, m = count + found[1] + 4 * found[0] + stop - begin, 2 * found[0] + stop - begin
+            if used + n > len(state.places) or own < NARROW:
+                order = _in_order(state)
+                into = _map_for(2 * (len(order) + n), state.boxes.unit)
+                tidy(state, order, into)
+                state, used = into, len(order)
+                nearby(state, used, scan, p, distance)
             after = after if len(after.s) >= n else _walls_for(2 * n)
             tree, gifts = np.empty((n, 2)), np.empty((m, 3))
             n, more, m = renew(
                 walls, scan, p, claims, found, least, rejoin, room, after, nodes, tree, gifts
             )
-            walls = Walls(after.s[:n], after.sums[:n], after.node[:n])
-            before, after = after, before
+            used, own = put_back(state, used, count, claims, found, room.first, after, n)
             family.append(tree[:more])
             given.append(gifts[:m])
             nodes += more
-            yield n
+            yield int(state.boxes.levels[-1, 0])
         nodes_of, gifts = np.concatenate(family), np.concatenate(given)
         gifts = gifts[np.argsort(gifts[:, 1], kind="stable")]
         starts = np.searchsorted(gifts[:, 1], np.arange(len(nodes_of) + 1))
         held, longest, parents = np.zeros(len(s)), np.zeros(len(s)), np.full(len(s), -1)
-        _weigh(walls.node, nodes_of, starts, gifts, held, longest, parents)
-        return walls.s.copy(), parents
+        order = _in_order(state)
+        _weigh(state.walls.node[order], nodes_of, starts, gifts, held, longest, parents)
+        return state.walls.s[order], parents
 
     return run_online("viewing_sector", map, steps, splits=True)
 
 
 def _walls_for(count: int) -> Walls:
     return Walls(np.empty((count, 2, 2)), np.empty((count, 6)), np.empty(count, np.int64))
+
+
+def _first(walls: Walls, count: int) -> Walls:
+    return Walls(walls.s[:count], walls.sums[:count], walls.node[:count])
+
+
+def _map_for(count: int, unit: float) -> Map:
+    """An empty map with room for so many walls, about a unit of metres long."""
+    lines, places = np.empty((count, 3)), np.empty((count, 2))
+    rows, near = np.empty(2 * count + 1, np.int64), _walls_for(count)
+    return Map(_walls_for(count), lines, places, empty_index(count, unit), rows, near)
+
+
+def _in_order(state: Map) -> Indices:
+    """The rows of the walls, in the order of the map."""
+    rows = np.flatnonzero(state.boxes.link[:, LEVEL] >= 0)
+    return rows[np.argsort(state.places[rows, 0])]
 
 
 def _claims_for(stretches: int, pieces: int) -> Claims:
