@@ -14,7 +14,7 @@ import numpy as np
 from ...angles import wrap
 from ...arrays import Array
 from ._equations import Edge, Edges, Indices, linearise
-from ._factor import Factor, factorise, find_structure, substitute
+from ._factor import Factor, factorise, find_structure, link_slots, substitute
 
 #: Residuals of this many standard deviations have half the weight: nine of ten true edges are
 #: closed better, false loops are far beyond.
@@ -184,29 +184,17 @@ def _ordered(n: int, ends: Indices) -> Factor:
     column = np.r_[0, factors.perm_c.astype(np.int64) + 1]
     start, length, rows = (np.zeros(m, np.int64) for m in (n, n, 8 * n))
     values, pivots = np.zeros(72 * n), np.zeros((n, 9))
-    slots = _linked(n, ends)
-    return Factor(column, np.argsort(column), *slots, start, length, rows, values, pivots)
-
-
-def _linked(n: int, ends: Indices) -> tuple[Indices, Indices]:
-    """First slot of each pose, and next slot of the same pose, -1 for none; see `Factor`.
-
-    An edge from a pose to itself says nothing and has no slot, nor has the pose that is held.
-    """
-    owner = np.where(ends[:, :1] == ends[:, 1:], 0, ends).ravel()
-    slots = np.argsort(owner, kind="stable")
-    slots = slots[np.searchsorted(owner[slots], 1) :]
     head, link = np.full(n, -1), np.full(2 * len(ends), -1)
-    head[owner[slots[::-1]]] = slots[::-1]
-    following = owner[slots[1:]] == owner[slots[:-1]]
-    link[slots[:-1][following]] = slots[1:][following]
-    return head, link
+    link_slots(head, link, ends, 0)
+    return Factor(column, np.argsort(column), head, link, start, length, rows, values, pivots)
 
 
 def _widened(f: Factor, n: int, ends: Indices) -> Factor:
     """The factor with columns for new poses at its end, and slots for new edges."""
-    late = np.arange(len(f.pose), n)
-    head, link = _linked(n, ends)
+    late, known = np.arange(len(f.pose), n), len(f.link) // 2
+    head, link = np.r_[f.head, np.full(len(late), -1)], _longer(f.link, 2 * len(ends))
+    link[2 * known :] = -1
+    link_slots(head, link, ends, known)
     return f._replace(
         column=np.r_[f.column, late],
         pose=np.r_[f.pose, late],

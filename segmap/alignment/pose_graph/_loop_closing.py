@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from itertools import chain
 from typing import NamedTuple
 
 import numpy as np
@@ -133,7 +132,7 @@ class LoopCloser:
         self.accepted: list[Edge] = []
         self.rejected: list[Rejected] = []
         self.maps: dict[tuple[int, int, int], PointMap | None] = {}
-        self.ways: list[tuple[int, int]] = []
+        self.ways = _ways([])
 
     def close(self, *, confirmed: bool) -> bool:
         """Look for loops of the newest key frame; True where accepted ones strain the map.
@@ -198,9 +197,8 @@ class LoopCloser:
         Infinite where it is so long that the widest window is searched.
         """
         most = max((self.rules.max_reach - self.rules.reach) / self.drift, 0.0)
-        ways = np.fromiter(chain.from_iterable(self.ways), np.int64)
         metres = np.full(len(self.frames), np.inf)
-        walk(self.frames.along, ways.reshape(-1, 2), new, old, most, metres)
+        walk(self.frames.along, self.ways, new, old, most, metres)
         return metres[old]
 
     def _by_descriptor(self, new: int, before: int) -> list[Window]:
@@ -311,22 +309,19 @@ class LoopCloser:
     def veto(self, loops: list[Edge], reason: str = VETOED) -> None:
         """Take loops out; others that were taken out since they contradict the rest come back."""
         self.accepted = _without(self.accepted, loops)
+        self.ways = _ways(self.accepted)
         steps = [edge for edge in self.frames.edges if not edge.loop]
         self.frames.exchange(steps + self.accepted)
         self.rejected = [r for r in self.rejected if r.reason != CONTRADICTS]
         for loop in loops:
             self._reject(loop.first, loop.second, reason)
-            if loop[:2] in self.ways:
-                self.ways.remove(loop[:2])
 
     def believe(self, loops: list[Edge]) -> None:
-        """Make loops edges of the graph, and ways through it where they fix the place."""
+        """Make loops edges of the graph, and ways through it."""
         self.pending = _without(self.pending, loops)
         self.accepted += loops
         self.frames.edges += loops
-        for loop in loops:
-            spread = np.linalg.eigvalsh(np.linalg.inv(loop.information)[:2, :2])[-1]
-            self.ways += [loop[:2]] if np.sqrt(spread) < VAGUE else []
+        self.ways = np.concatenate([self.ways, _ways(loops)])
 
     def _give_up(self, loops: list[Edge]) -> None:
         """Reject loops that no other has confirmed in time."""
@@ -344,6 +339,14 @@ def descriptor(points: Array) -> Array:
     distance = np.hypot(points[:, 0], points[:, 1])
     counts = np.histogram(distance, bins=RINGS, range=(0.0, RADIUS))[0]
     return np.asarray(counts / max(counts.sum(), 1))
+
+
+def _ways(loops: list[Edge]) -> NDArray[np.int64]:
+    """Both ends, `(w, 2)`, of those loops that fix the place: they are ways through the graph."""
+    known = [np.linalg.inv(loop.information)[:2, :2] for loop in loops]
+    wide = np.linalg.eigvalsh(np.reshape(known, (-1, 2, 2)))[:, -1]
+    ends = np.array([loop[:2] for loop in loops], np.int64).reshape(-1, 2)
+    return ends[np.sqrt(wide) < VAGUE]
 
 
 def _best_of_passes(members: NDArray[np.int64], cost: Array) -> list[int]:

@@ -158,7 +158,7 @@ def _append_loops(closer: LoopCloser, later: LoopCloser, at: Joint) -> None:
     n, k = at.frame - at.its_frame, at.scan - at.its_scan
     closer.descriptors += later.descriptors[at.its_frame :]
     closer.accepted += [e for e in closer.frames.edges if e.loop and e.first >= at.frame]
-    closer.ways += [(i + n, j + n) for i, j in later.ways if i >= at.its_frame]
+    closer.ways = np.concatenate([closer.ways, later.ways[later.ways[:, 0] >= at.its_frame] + n])
     closer.rejected += [
         Rejected(r.first + k, r.second + k, r.reason)
         for r in later.rejected

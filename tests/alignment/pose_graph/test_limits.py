@@ -403,4 +403,4 @@ def test_a_loop_that_is_vague_shortens_no_way(deviation, counts):
     closer = walked(30)
     weight = np.linalg.inv(np.diag([1e-4, deviation**2, 1e-4]))
     closer.believe([Edge(5, 25, ZERO, weight, True)])
-    assert closer.ways == [(5, 25)] * counts and len(closer.frames.edges) == 31
+    assert closer.ways.tolist() == [[5, 25]] * counts and len(closer.frames.edges) == 31

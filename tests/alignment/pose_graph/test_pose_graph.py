@@ -258,7 +258,7 @@ def test_ways_count_a_loop_once_and_end_where_the_widest_window_is_searched():
     """One pair of places can be proposed twice: by place, and by what it looks like."""
     _, closer = walked(500)
     assert np.isinf(closer._way(500, np.array([100]))[0])  # 400 m: (12 - 1) / 0.03 = 367 m at most
-    closer.ways = [(110, 490), (110, 490), (200, 201)]
+    closer.ways = np.array([(110, 490), (110, 490), (200, 201)])
     assert closer._way(500, np.array([100, 110, 195])).tolist() == [20.5, 10.5, 95.5]
 
 
