@@ -1,8 +1,9 @@
 """Long work says how far it is, and whoever listens may stop it.
 
-`with told(listen): pose_graph(log)` calls `listen(share, words)` at each step: the share that is
-done, from 0 to 1, of what the words name. What it raises ends the work. Alignments, reductions,
-extraction, de-skewing and the readers say how far they are.
+`pose_graph(log, progress=listen)` calls `listen(share, words)` at each step: the share that is
+done, from 0 to 1, of what the words name. What it raises ends the work. All alignments, reductions,
+`build_map`, `deskew` and `read` take `progress=`; `told` does the same for all that is called
+within it.
 """
 
 from __future__ import annotations
@@ -11,8 +12,6 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
 from typing import TypeVar
-
-from . import arrays
 
 #: Is called with the share that is done and what is done; what it raises ends the work.
 Progress = Callable[[float, str], object]
@@ -37,7 +36,9 @@ def told(progress: Progress) -> Iterator[None]:
       0% solving for all poses
     100% laying each scan once more
     """
-    token = _listener.set(arrays.function(progress, "progress", "of a share and words"))
+    if not callable(progress):
+        raise ValueError(f"progress must be a function of a share and words, got {progress!r}")
+    token = _listener.set(progress)
     try:
         yield
     finally:

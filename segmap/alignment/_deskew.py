@@ -16,6 +16,7 @@ from .. import arrays
 from ..arrays import Array, Poses, checked
 from ..poses import interpolate
 from ..poses.motions import arc, between, transform, wrap
+from ..progress import Progress
 from ..scans import LaserScan, Log
 from ..scans.moving import GAP, carried, is_timed, twists
 from ..scans.placed import poses_for
@@ -30,7 +31,7 @@ APART, STEP, AGREE = 0.5, 0.005, 0.02
 
 
 @checked
-def deskew(log: Log, poses: Poses | None = None) -> Log:
+def deskew(log: Log, poses: Poses | None = None, *, progress: Progress | None = None) -> Log:
     """Carry each beam to the moment of the first one of its scan, where the log has their times.
 
     A turning laser measures a scan while the robot moves: walls bend, by what it turns meanwhile.
@@ -41,6 +42,8 @@ def deskew(log: Log, poses: Poses | None = None) -> Log:
     ----------
     poses
         Of the scans as they are, by matching: they lie in mid-scan. None makes a `pose_graph`.
+    progress
+        As in `pose_graph`.
 
     Returns
     -------

@@ -17,6 +17,7 @@ from typing import Annotated, Any, Literal, ParamSpec, TypeVar, cast
 
 import numpy as np
 
+from ..progress import told
 from . import slips
 from ._scalars import generator, number, one_of, switch, whole
 
@@ -176,7 +177,7 @@ def checked(function: Callable[P, R]) -> Callable[P, R]:
     """Check the arguments of a function as their annotations declare them, when it is called.
 
     What is refused is a ValueError that names the argument, the value and what was expected; a
-    length that looks like millimetres is warned of.
+    length that looks like millimetres is warned of. It takes `progress=` too, a listener.
 
     Examples
     --------
@@ -194,6 +195,9 @@ def checked(function: Callable[P, R]) -> Callable[P, R]:
     @functools.wraps(function)
     def call(*args: Any, **given: Any) -> R:
         nonlocal free
+        if given and (listen := given.pop("progress", None)) is not None:
+            with told(listen):
+                return call(*args, **given)
         if free < 0:
             known.update(declared(function))
             limited = (k for k, n in enumerate(names) if n in known and known[n].is_limited)

@@ -121,6 +121,7 @@ def extract_polylines(
     return _polylines(points, gap, tolerance, min_points, min_length, closed).segments
 
 
+@checked
 def build_map(
     log: Log,
     poses: Poses,

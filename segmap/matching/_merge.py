@@ -18,6 +18,7 @@ LEAST = 0.7
 CELL = 0.05
 
 
+@arrays.checked
 def merge(first: Log, second: Log, **thresholds: Any) -> Alignment:
     """Align two sessions of one building, each alone, and tie them: `alignment.merge` by `search`.
 

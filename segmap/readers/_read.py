@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from ..arrays import checked
+from ..progress import Progress
 from ..scans import Log
 from ._bundled import find
 from ._formats import recognise
@@ -12,7 +13,7 @@ from ._lines import OnError, log_file, stem
 
 
 @checked
-def read(path: str | Path, *, on_error: OnError = "raise") -> Log:
+def read(path: str | Path, *, on_error: OnError = "raise", progress: Progress | None = None) -> Log:
     """Read a log, whatever its format: plain or gzip, a file or a folder.
 
     Beams that met nothing have range `inf`, those with an error of the sensor NaN: neither is
@@ -29,6 +30,8 @@ def read(path: str | Path, *, on_error: OnError = "raise") -> Log:
     on_error : "raise" or "skip"
         What a damaged line means: the end of reading, or one line less; `log.skipped` then tells
         how many lines were left out and why the first.
+    progress
+        Is called with the share of the file that is read and words, and may raise to stop.
 
     Returns
     -------

@@ -1,12 +1,13 @@
 """What long work tells of itself, and how whoever listens stops it."""
 
 import gzip
+from functools import partial
 
 import alignment_logs as logs
 import numpy as np
 import pytest
 
-from segmap import alignment, build_map, exports, load, readers, reduction
+from segmap import alignment, build_map, exports, load, matching, readers, reduction
 from segmap.progress import announce, told
 from segmap.threads import in_threads
 
@@ -20,8 +21,7 @@ class Stop(Exception):
 def heard(work):
     """What work tells: pairs of shares and words."""
     said = []
-    with told(lambda share, words: said.append((share, words))):
-        work()
+    work(progress=lambda share, words: said.append((share, words)))
     return said
 
 
@@ -34,10 +34,13 @@ def lines_of(log, path, pack=open):
 
 
 WORK = {
-    "graph": lambda: alignment.pose_graph(LOG),
-    "parts": lambda: alignment.align_parts([LOG[:6], LOG[6:]]),
-    "deskewed": lambda: alignment.deskew(logs.moving_log()),
-    "by_scan": lambda: reduction.basic_online(build_map(LOG, LOG.truth)),
+    "graph": partial(alignment.pose_graph, LOG),
+    "parts": partial(alignment.align_parts, [LOG[:6], LOG[6:]]),
+    "merged": partial(matching.merge, LOG[:6], LOG[6:]),
+    "deskewed": partial(alignment.deskew, logs.moving_log()),
+    "extracted": partial(build_map, LOG, LOG.truth),
+    "by_scan": partial(reduction.basic_online, build_map(LOG, LOG.truth)),
+    "member": partial(reduction.METHODS["fusion_online"], build_map(LOG, LOG.truth)),
 }
 
 
@@ -52,8 +55,8 @@ def test_long_work_tells_each_step_and_stops_where_it_is_told_to(work):
         if share >= 0.5:
             raise Stop(words)
 
-    with told(stop), pytest.raises(Stop):
-        work()
+    with pytest.raises(Stop):
+        work(progress=stop)
     assert heard(work) == said  # nobody listens any more, and nothing is left behind
 
 
@@ -61,7 +64,7 @@ def test_long_work_tells_each_step_and_stops_where_it_is_told_to(work):
 def test_reading_tells_how_much_of_the_file_is_read(pack, tmp_path):
     """Catches a share of the unpacked bytes, and one that never comes to its end."""
     path = lines_of(LOG, tmp_path / "it.log", pack)
-    shares = [share for share, _ in heard(lambda: readers.read(path))]
+    shares = [share for share, _ in heard(partial(readers.read, path))]
     assert len(shares) > 3 and shares == sorted(shares) and 0.5 < shares[-1] <= 1.0
 
 
@@ -75,8 +78,8 @@ def test_a_listener_is_for_what_is_called_within():
         announce(0.0, "c")
     announce(0.0, "d")
     assert (outer, inner) == (["a", "c"], ["b"])
-    with pytest.raises(ValueError, match="progress must be a function of a share"), told(3):
-        pass
+    with pytest.raises(ValueError, match="progress must be a function of a share and words, got 3"):
+        alignment.pose_graph(LOG, progress=3)
 
 
 def test_threads_tell_how_many_are_done_and_begin_no_more_once_stopped():

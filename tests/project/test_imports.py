@@ -16,8 +16,8 @@ SOURCES = sorted(path for package in PACKAGES for path in package.rglob("*.py"))
 
 #: From the ground up. A room imports rooms of lower storeys only; a folder is one room.
 STOREYS = (
-    "compiled _display arrays",
-    "progress",
+    "compiled _display progress",
+    "arrays",
     "files threads methods",
     "angles",
     "poses segments",

@@ -12,7 +12,7 @@ import numpy as np
 
 from ... import arrays
 from ...poses import between, compose
-from ...progress import announce, each
+from ...progress import Progress, announce, each
 from ...scans import LaserScan, Log
 from .._result import Alignment, concluded
 from ..graph import Edge, Rejected
@@ -21,8 +21,13 @@ from ._loop_closing import LoopCloser
 from ._pose_graph import LiveGraph
 
 
+@arrays.checked
 def align_parts(
-    parts: Sequence[Log], *, executor: Executor | None = None, **thresholds: Any
+    parts: Sequence[Log],
+    *,
+    executor: Executor | None = None,
+    progress: Progress | None = None,
+    **thresholds: Any,
 ) -> Alignment:
     """Align the parts of a long log side by side, and join them: `pose_graph` on all cores.
 
@@ -41,6 +46,8 @@ def align_parts(
     executor
         A process pool, or `client.get_executor()` of `dask.distributed`; None works one part after
         the other. The result is the same.
+    progress
+        As in `pose_graph`; of parts that an executor aligns when they are joined.
     **thresholds
         As of `pose_graph`.
 

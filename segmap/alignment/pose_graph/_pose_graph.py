@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike
 from ... import arrays
 from ...arrays import Array, Metres, Positive, Radians, at_most
 from ...poses.motions import between, compose, inverse, wrap
-from ...progress import announce, each
+from ...progress import Progress, announce, each
 from ...scans import LaserScan, Log
 from .._result import Alignment, Match, Outcome, alignment_method, concluded, no_match
 from ..graph import REAL, Edge, Graph, loops_of
@@ -55,6 +55,7 @@ def pose_graph(
     drift: Positive = 0.03,
     tracking: Tracking = Tracking(),
     closing: LoopClosing = LoopClosing(),
+    progress: Progress | None = None,
 ) -> Outcome:
     """Match each scan with a local map, close loops, and solve for all poses together.
 
@@ -80,6 +81,8 @@ def pose_graph(
         sought within 1 m and this share of the shortest way through the graph, at most 12 m.
     tracking, closing
         What else can be turned.
+    progress
+        Is called with the share of the scans that are placed and words, and may raise to stop.
 
     Returns
     -------
