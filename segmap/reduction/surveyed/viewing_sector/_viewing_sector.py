@@ -126,7 +126,7 @@ def viewing_sector(
         starts = np.searchsorted(gifts[:, 1], np.arange(len(nodes_of) + 1))
         held, longest, parents = np.zeros(len(s)), np.zeros(len(s)), np.full(len(s), -1)
         _weigh(walls.node, nodes_of, starts, gifts, held, longest, parents)
-        return walls.s.copy(), parents
+        return walls.s, parents
 
     return run_online("viewing_sector", map, steps, splits=True)
 
