@@ -196,13 +196,14 @@ def changes(path: Path) -> Iterator[Bug]:
 
 
 def _code(tree: ast.AST) -> Iterator[ast.AST]:
-    """Nodes that do something: no annotations, no texts, nothing inside `raise`."""
+    """Nodes that do something: no annotations, no texts, no `strict`, nothing inside `raise`."""
     for name, value in ast.iter_fields(tree):
         if name in ("annotation", "returns", "decorator_list"):
             continue
         for child in value if isinstance(value, list) else [value]:
             quiet = ast.Raise | ast.Assert | ast.JoinedStr | ast.Import | ast.ImportFrom
-            if isinstance(child, ast.AST) and not isinstance(child, quiet):
+            strict = getattr(child, "arg", "") == "strict"  # of zip
+            if isinstance(child, ast.AST) and not isinstance(child, quiet) and not strict:
                 yield child
                 yield from _code(child)
 

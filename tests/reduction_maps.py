@@ -36,12 +36,16 @@ def corridor_map(rng: np.random.Generator, n: int = 60) -> np.ndarray:
     return rng.normal(0, 1, (n, 2, 2)) * (2.0, 0.03)
 
 
-def grid_map(rng: np.random.Generator, n: int = 48) -> np.ndarray:
-    """Along the axes, from corner to corner of a grid of 1/4 m: every limit is met exactly."""
-    at, along = rng.integers(-6, 7, (n, 2)) / 4, np.eye(2)[rng.integers(0, 2, n)]
-    return np.stack(
-        [at, at + along * rng.choice([-1, 1], (n, 1)) * rng.integers(1, 9, (n, 1)) / 4], 1
-    )
+def grid_map(rng: np.random.Generator, n: int = 48, ways: int = 2) -> np.ndarray:
+    """From corner to corner of a grid of 1/4 m, along its axes: every limit is met exactly."""
+    at, along = rng.integers(-6, 7, (n, 2)) / 4, np.array([(1, 0), (0, 1), (1, 1), (1, -1)])
+    steps = rng.choice([-1, 1], (n, 1)) * rng.integers(1, 9, (n, 1)) / 4
+    return np.stack([at, at + along[rng.integers(0, ways, n)] * steps], 1)
+
+
+def diagonal_map(rng: np.random.Generator, n: int = 48) -> np.ndarray:
+    """Along the diagonals of the grid, too."""
+    return grid_map(rng, n, 4)
 
 
 MAPS = [random_map, redundant_map, lattice_map, corridor_map]

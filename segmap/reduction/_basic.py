@@ -9,7 +9,7 @@ import numpy as np
 
 from ..arrays import Array, Metres, Segments, checked
 from ..compiled import compiled
-from ..kernels import become_mean, turn_between
+from ..kernels import SAME, become_mean, turn_between
 from ._index import Index, empty_index, enter, leave, meeting
 from ._runner import Found, Indices, Reduction, Rows, Steps, Turn, run, run_online, survivors
 
@@ -136,9 +136,9 @@ def _matches(state: State, a: int, distance: float, angle: float) -> int:
         for m in range(count, found):
             b, end = near[m] // 2, near[m] % 2
             dx, dy = x - s[b, end, 0], y - s[b, end, 1]
-            if b == a or dx * dx + dy * dy >= distance * distance:
+            if b == a or np.hypot(dx, dy) >= distance - SAME:
                 continue
-            if abs(turn_between(state.angles[b], state.angles[a])) < angle:
+            if abs(turn_between(state.angles[b], state.angles[a])) < angle - SAME:
                 near[count] = b
                 count += 1
     return count

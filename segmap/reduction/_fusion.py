@@ -227,7 +227,7 @@ def _best_strip(
         i = order[max(k, 0) // 2]
         edge = measured[i, 2] + half if k % 2 else measured[i, 3] - half
         shift = edge if k >= 0 else 0.0
-        if abs(shift) <= half:
+        if abs(shift) <= half + SAME:
             total, _, _ = _chain(room, lengths, order, shift, half)
             shifts[tries, 0], shifts[tries, 1] = shift, total
             most = max(most, total)

@@ -169,7 +169,7 @@ def _nearest_match(
     pair: bool,
 ) -> int:
     """The nearest wall whose line agrees with that of i; ties: lowest index; -1 for none."""
-    lines, best, least = state.lines, -1, distance
+    lines, best, least = state.lines, -1, distance - SAME
     for m in range(meeting(state.places, new[i], distance, state.near)):
         b = state.near[m]
         if pair or abs(abs(lines[b, 0]) - abs(rho)) < distance:
@@ -180,7 +180,8 @@ def _nearest_match(
                 x, y = _between(state.s[b], new[i])
                 apart -= x * (np.cos(lines[b, 1]) - sign * np.cos(theta))
                 apart -= y * (np.sin(lines[b, 1]) - sign * np.sin(theta))
-            if abs(apart) < distance and abs(lines[b, 1] - theta - turns * np.pi) < angle:
+            turn = abs(lines[b, 1] - theta - turns * np.pi)
+            if abs(apart) < distance - SAME and turn < angle - SAME:
                 near = _nearness(new, i, state.s, b)
                 tie = abs(near - least) <= SAME and best >= 0
                 if b < best if tie else near < least:

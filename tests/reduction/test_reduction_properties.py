@@ -5,13 +5,13 @@ from inspect import unwrap
 
 import numpy as np
 import pytest
-from conftest import slow
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from reduction_maps import (
     MAPS,
     assert_literal,
     corridor_map,
+    diagonal_map,
     grid_map,
     malaga,
     random_map,
@@ -30,45 +30,20 @@ methods = pytest.mark.parametrize("name", METHODS)
 #: All but the one whose cells lie along the axes of the map: surveyed/test_fuzzy_clustering.py.
 anyhow = pytest.mark.parametrize("name", [n for n in METHODS if n != "fuzzy_clustering"])
 
-#: Thresholds at which each method meets its plain version, and how many segments that can bear.
-THRESHOLDS = {
-    "basic_offline": [{}, {"distance": 0.1, "angle": 0.1}, {"distance": 0.37, "angle": 0.5},
-                      {"angle": np.pi / 2}],
-    "hybrid": [{}, {"distance": 0.1, "angle": 0.1, "min_length": 0.0},
-               {"distance": 0.37, "angle": 0.5, "min_length": 0.1},
-               {"angle": np.pi / 2, "min_length": 0.0},
-               {"distance": 0.37, "angle": 0.5, "origin": "pair"}],
-    "mean_shift": [{}, {"sigma": 0.5}, {"sigma": 0.35, "bandwidth": 0.1},
-                   {"sigma": 0.4, "bandwidth": 2.0}, {"sigma": 0.9, "bandwidth": 1.5}],
-    "fusion": [{"tolerance": t} for t in (0.013, 0.04, 0.1, 2.0)],
-    "hybrid_fusion": [{**others, "every": every} for every in (1, 2, 5, 100) for others in (
-        {}, {"distance": 0.37, "angle": 0.5, "min_length": 0.0, "tolerance": 0.11})],
-    "segment_similarity": [{"distance": d} for d in (0.01, 0.03, 0.1, 0.4)],
-    "least_cost": [{}, {"penalty": 0.2, "gap": 0.3}, {"penalty": 0.01, "angle": 0.3},
-                   {"penalty": 0.7, "distance": 0.11}],
-    "one_per_wall": [{}, {"factor": 0.4}, {"factor": 3.0}],
-    "weighted_line_fitting": [{}, {"chi2": 2.0, "gap": np.inf, "turn": np.pi / 2},
-                              {"sigma_place": 0.1, "sigma_heading": 0.1, "gap": 0.0},
-                              {"sigma_bearing": 0.05, "spacing": 0.2, "chi2": 30.0}],
-    "uncertain_parameters": [{}, {"distance": 0.37, "angle": 0.5, "eps": 0.03},
-                             {"angle": np.pi / 2, "origin": "map"}],
-    "polyline": [{}, {"tolerance": 0.01, "bridge": 0.0},
-                 {"tolerance": 0.213, "far": 0.31, "long": 0.11, "bridge": np.inf}],
-    "fuzzy_set": [{}, {"across": 0.5, "along": 0.05, "angle": np.pi / 4},
-                  {"axes": 0.3, "error": 0.1}],
-    "fuzzy_clustering": [{}, {"cell": 0.7, "corner": (0.3, -0.2), "every": 1, "min_points": 3},
-                         {"noise": 0.5, "angle": 0.5, "distance": 0.37, "gap": 0.0, "every": 2,
-                          "min_length": 0.0}],
-    "viewing_sector": [{}, {"distance": 0.3, "forget": False},
-                       {"distance": 0.05, "min_length": 0.01}, {"rejoin": False, "spacing": 0.2}],
+#: What is asked of the methods in turn, beside their defaults; a grid of 1/4 m meets much of it.
+ASKED = {
+    "angle": [0.1, 0.5, np.pi / 4, np.pi / 2], "turn": [0.1, np.pi / 4, np.pi / 2],
+    "distance": [0.05, 0.1, 0.25, 0.5], "tolerance": [0.013, 0.05, 0.125, 0.25, 2.0],
+    "gap": [0.0, 0.05, 0.25, 0.5], "min_length": [0.0, 0.1, 0.25, 0.5], "eps": [0.03, 0.125],
+    "every": [1, 2, 3, 5], "origin": ["map", "pair"], "penalty": [0.01, 0.0625, 0.2, 0.7],
+    "far": [0.1, 0.25, 0.5], "long": [0.11, 0.25, 0.5], "bridge": [0.0, 0.25, 1.0, np.inf],
+    "sigma": [0.25, 0.4, 0.5, 0.9], "bandwidth": [0.1, 1.5, 2.0], "factor": [0.4, 1.0, 2.0, 3.0],
+    "across": [0.05, 0.25, 0.5], "along": [0.05, 0.25, 0.5], "error": [0.02, 0.1, 0.25],
+    "axes": [0.0, 0.3, 1.0], "cell": [0.5, 0.7, 1.0], "corner": [(0.3, -0.2), (0.25, 0.25)],
+    "noise": [0.05, 0.25, 0.5], "min_points": [0, 3, 8], "spacing": [0.1, 0.25],
+    "chi2": [2.0, 30.0], "sigma_range": [0.003, 0.03], "sigma_bearing": [0.002, 0.05],
+    "sigma_place": [0.0, 0.1], "sigma_heading": [0.0, 0.1], "forget": [False], "rejoin": [False],
 }  # fmt: skip
-THRESHOLDS["fusion_online"] = THRESHOLDS["fusion"]
-THRESHOLDS["basic_online"] = THRESHOLDS["basic_offline"]
-#: What each threshold is on a grid of 1/4 m.
-MET = {"distance": 0.25, "tolerance": 0.125, "gap": 0.25, "min_length": 0.25, "penalty": 0.0625,
-       "far": 0.5, "long": 0.5, "bridge": 0.25, "across": 0.25, "along": 0.25, "error": 0.25,
-       "cell": 0.5, "noise": 0.25, "sigma": 0.25, "spacing": 0.25, "eps": 0.125, "every": 2,
-       "axes": 0.0}  # fmt: skip
 #: Thresholds that are lengths, or in the case of the bandwidth one over a length.
 LENGTHS = {"distance", "tolerance", "sigma", "bandwidth", "gap"}
 LENGTHS |= {"sigma_range", "sigma_place", "spacing", "eps", "penalty", "far", "long", "bridge"}
@@ -84,8 +59,6 @@ REAL = {
     "segment_similarity": 150,
     "fuzzy_set": 150,
 }
-GIVEN = [(name, k) for name in METHODS for k in range(len(THRESHOLDS[name]))]
-CASES = [(*given, 0) for given in GIVEN] + [slow(*given, 1) for given in GIVEN]
 
 
 def made(make, name: str, seed: int) -> SegmentMap:
@@ -97,25 +70,35 @@ def made(make, name: str, seed: int) -> SegmentMap:
     return SegmentMap(segments, scans, sensors=sensors)
 
 
-@pytest.mark.parametrize(("name", "case", "seed"), CASES)
-@pytest.mark.parametrize("make", MAPS)
-def test_equals_the_plain_method(name, case, seed, make):
-    """Another order, tie, neighbour, representative, chain, shift, count, filter or scan."""
-    assert_literal(name, made(make, name, seed), **THRESHOLDS[name][case])
+def drawn(make, name: str, rng: np.random.Generator) -> tuple[SegmentMap, dict[str, object]]:
+    """A small map, far or near, with or without points, and what is asked of the method."""
+    most, scale = SMALL.get(name, (30, 1.0))
+    segments = scale * make(rng, 2 * int(rng.integers(0, most // 2)))
+    sensors = rng.integers(-6, 7, (6, 2)) / 4 if rng.random() < 0.5 else rng.uniform(-2, 2, (6, 2))
+    map = SegmentMap(segments, rng.integers(0, 6, len(segments)), sensors=sensors)
+    if len(map) and rng.random() < 0.5:
+        count = rng.integers(2, 9, len(map))
+        (a, b), size = np.repeat(segments, count, axis=0).swapaxes(0, 1), (count.sum(), 1)
+        points = a + rng.random(size) * (b - a) + rng.normal(0, 0.01, a.shape)
+        map = replace(map, points=points, first=np.append(0, np.cumsum(count)))
+    if rng.random() < 0.2:
+        map = carried(map, (-70.0, 40.0, 0.0))
+    known = unwrap(METHODS[name].function).__kwdefaults__
+    asked = {k: ASKED[k][rng.integers(len(ASKED[k]))] for k in known if rng.random() < 0.6}
+    if name == "fuzzy_set":  # no angle with an axis is larger
+        asked["angle"] = min(asked.get("angle", 0.1), np.pi / 4)
+    return map, asked
 
 
 @methods
-@pytest.mark.parametrize("factor", [1, 2])
+@pytest.mark.parametrize("make", [*MAPS, grid_map, diagonal_map])
 @pytest.mark.parametrize("seed", range(3))
-def test_equals_the_plain_method_where_limits_are_met(name, factor, seed):
-    """A limit that belongs to the other side; of equals another one."""
+def test_equals_the_plain_method(name, make, seed):
+    """Another order, tie, limit, neighbour, chain, count, filter, scan, parent or default."""
     rng = np.random.default_rng(seed)
-    n = SMALL.get(name, (48, 1.0))[0]
-    map = SegmentMap(
-        grid_map(rng, n), rng.integers(0, 9, n), sensors=rng.integers(-6, 7, (9, 2)) / 4
-    )
-    known = unwrap(METHODS[name].function).__kwdefaults__
-    assert_literal(name, map, **{k: factor * v for k, v in MET.items() if k in known})
+    for _ in range(2 if name == "mean_shift" else 8):
+        map, asked = drawn(make, name, rng)
+        assert_literal(name, map, **asked)
 
 
 @methods

@@ -83,9 +83,10 @@ def fuzzy_set(
         s, n, sizes = rows.segments, len(rows.segments), length(rows.segments)
         turn, axis = 4 * angle_of(s), axes
         if axis is None:
-            axis = np.arctan2((sizes * np.sin(turn)).sum(), (sizes * np.cos(turn)).sum()) / 4
+            sums = (sizes * [np.sin(turn), np.cos(turn)]).sum(axis=1)
+            axis = np.arctan2(*np.where(abs(sums) > SAME * sizes.sum(), sums, 0.0)) / 4
         off = np.abs((angle_of(s) - axis + np.pi / 2) % np.pi - np.pi / 2)
-        upright = off > np.pi / 4
+        upright = off > np.pi / 4 + SAME
         off = np.where(upright, np.pi / 2 - off, off)
         laid = off <= angle + SAME
         share = float(sizes[~laid].sum() / sizes.sum()) if n else 0.0

@@ -124,9 +124,9 @@ def _matches(state: State, b: int, distance: float, angle: float) -> int:
         j = near[k]
         turn = turn_between(at, _angle(s, j))
         dx, dy = np.cos(at + turn / 2), np.sin(at + turn / 2)
-        if abs(turn) >= angle or gap_along(s[b], s[j], dx, dy) > SAME:
+        if abs(turn) >= angle - SAME or gap_along(s[b], s[j], dx, dy) > SAME:
             continue
-        if apart(s[b], s[j]) < distance:
+        if apart(s[b], s[j]) < distance - SAME:
             place = count
             while place > 0 and near[place - 1] > j:
                 near[place] = near[place - 1]

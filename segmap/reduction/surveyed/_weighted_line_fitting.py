@@ -39,7 +39,7 @@ def weighted_line_fitting(
     chi2: Positive = 9.21,
     gap: Annotated[Metres, at_least(0), at_most(np.inf)] = 0.30,
     sigma_range: Metres = 0.01,
-    sigma_bearing: Annotated[Radians, at_least(0)] = np.radians(0.25),
+    sigma_bearing: Radians = np.radians(0.25),
     sigma_place: Length = 0.03,
     sigma_heading: Annotated[Radians, at_least(0)] = np.radians(0.5),
     turn: Turn = np.radians(20),

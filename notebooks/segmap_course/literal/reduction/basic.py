@@ -10,8 +10,8 @@ from ..lines import SAME, Found, Segment, axial_difference, line_angle, segment_
 
 def match(a: Segment, b: Segment, distance: float, angle: float) -> bool:
     """Whether two end points are nearer than `distance`, and the angles than `angle`; strictly."""
-    near = any(math.dist(p, q) < distance for p in a for q in b)
-    return near and abs(axial_difference(line_angle(a), line_angle(b))) < angle
+    near = any(math.dist(p, q) < distance - SAME for p in a for q in b)
+    return near and abs(axial_difference(line_angle(a), line_angle(b))) < angle - SAME
 
 
 def merge(a: Segment, b: Segment) -> Segment:

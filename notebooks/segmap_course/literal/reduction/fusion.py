@@ -35,7 +35,7 @@ def best_strip(
     """
     borders = [t for low, high in v for t in (high - tolerance, low + tolerance)]
     strips = []
-    for t in [0.0, *(t for t in borders if abs(t) <= tolerance)]:
+    for t in [0.0, *(t for t in borders if abs(t) <= tolerance + SAME)]:
         held = [
             i
             for i, (low, high) in enumerate(v)

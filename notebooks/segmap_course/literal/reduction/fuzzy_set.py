@@ -39,7 +39,9 @@ class Rectangle:
 def main_axis(segments: Sequence[Segment]) -> float:
     """Direction of the walls of an orthogonal building, radians: the mean of four times theirs."""
     pairs = [(segment_length(s), 4 * line_angle(s)) for s in segments]
-    sine, cosine = (sum(w * f(a) for w, a in pairs) for f in (math.sin, math.cos))
+    sums = [sum(w * f(a) for w, a in pairs) for f in (math.sin, math.cos)]
+    rounding = SAME * sum(w for w, _ in pairs)
+    sine, cosine = (v if abs(v) > rounding else 0.0 for v in sums)
     return math.atan2(sine, cosine) / 4
 
 
@@ -53,7 +55,7 @@ def laid(
 ) -> Rectangle | None:
     """Step 2: a segment near an axis, laid on it; None for one that is slanted."""
     off = axial_difference(line_angle(s), 0.0)
-    upright = abs(off) > math.pi / 4
+    upright = abs(off) > math.pi / 4 + SAME
     off = abs(axial_difference(line_angle(s), math.pi / 2 if upright else 0.0))
     if off > angle + SAME:
         return None

@@ -71,7 +71,8 @@ def absorbing_wall(
         near = nearness(a, wall.ends)
         x, y = between(wall.ends, a) if origin == "pair" else (0.0, 0.0)
         apart = rho_about(x, y, wall.rho, wall.theta) - rho_about(x, y, r, t)
-        if near < distance and abs(apart) < distance and abs(wall.theta - t) < angle:
+        far = max(near, abs(apart))
+        if far < distance - SAME and abs(wall.theta - t) < angle - SAME:
             found.append((near, k, r, t))
     least = min(found)[0] if found else 0.0
     return next((entry[1:] for entry in found if entry[0] <= least + SAME), None)

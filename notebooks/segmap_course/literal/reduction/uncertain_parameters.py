@@ -100,8 +100,8 @@ def uncertain_parameters(
         same = [
             k
             for k, wall in enumerate(walls)
-            if abs(axial_difference(line_angle(wall.ends), line_angle(s))) < angle
-            and nearness(s, wall.ends) < distance
+            if abs(axial_difference(line_angle(wall.ends), line_angle(s))) < angle - SAME
+            and nearness(s, wall.ends) < distance - SAME
             and overlap(s, wall.ends)
         ]
         new = uncertain(s, eps, i)

@@ -135,9 +135,9 @@ def kept_pieces(
 
 def part(wall: Wall, t0: float, t1: float) -> Wall:
     """What a wall is from a share t0 of its length to t1."""
-    if (t0, t1) == (0.0, 1.0):
-        return wall
     s, f, size = wall.sums, t1 - t0, segment_length(wall.ends)
+    if max(t0, 1 - t1) * size <= SAME:
+        return wall
     dx, dy = (wall.ends[1][0] - wall.ends[0][0]) / size, (wall.ends[1][1] - wall.ends[0][1]) / size
     shift = ((t0 + t1) / 2 - 0.5) * size
     along = s.n * f * (f * size) * (f * size) / 12

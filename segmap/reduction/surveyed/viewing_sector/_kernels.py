@@ -225,16 +225,16 @@ def _write_part(
     """Put the part t0 to t1 of a wall, and its share of the running sums, into row w."""
     to, of = out.s[w], out.sums[w]
     out.node[w] = node
-    if t0 == 0.0 and t1 == 1.0:
+    dx, dy = wall[1, 0] - wall[0, 0], wall[1, 1] - wall[0, 1]
+    size, f = np.hypot(dx, dy), t1 - t0
+    if max(t0, 1.0 - t1) * size <= SAME:  # all of it, with its own points
         for e in range(2):
             to[e, 0], to[e, 1] = wall[e, 0], wall[e, 1]
         for i in range(6):
             of[i] = sums[i]
         return
-    dx, dy = wall[1, 0] - wall[0, 0], wall[1, 1] - wall[0, 1]
     to[0, 0], to[0, 1] = wall[0, 0] + t0 * dx, wall[0, 1] + t0 * dy
     to[1, 0], to[1, 1] = wall[0, 0] + t1 * dx, wall[0, 1] + t1 * dy
-    size, f = np.hypot(dx, dy), t1 - t0
     dx, dy, shift = dx / size, dy / size, ((t0 + t1) / 2 - 0.5) * size
     along = sums[0] * f * (f * size) * (f * size) / 12
     across = f * (sums[3] * dy * dy - 2 * sums[4] * dx * dy + sums[5] * dx * dx)
