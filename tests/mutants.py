@@ -61,9 +61,11 @@ SWAPPED = {
     **{"&": "|", "|": "&", "is": "is not", "is not": "is", "in": "not in", "not in": "in"},
     **{"+=": "-=", "-=": "+=", "*=": "/=", "&=": "|=", "|=": "&="},
 }
-#: Calls whose first argument takes their place, methods that their object replaces.
+#: Calls whose first argument takes their place, methods that their object replaces,
+#: and calls whose arguments stay in their order.
 LEFT_OUT = ("abs", "wrap", "copy", "sorted", "ascontiguousarray", "unique", "inv", "radians")
 DROPPED = ("copy", "resolve", "strip", "lower")
+SAME_EITHER_WAY = ("isinstance", "min", "max", "maximum", "minimum", "range", "hypot")
 
 
 class Bug(NamedTuple):
@@ -191,7 +193,7 @@ def changes(path: Path) -> Iterator[Bug]:
                     yield change(stop - len(name), stop, SWAPPED[name])
                 if name in LEFT_OUT:
                     yield change(begin(node), end(node), said(first))
-                if len(rest) == 1 and name not in ("isinstance", "min", "max", "range", "hypot"):
+                if len(rest) == 1 and name not in SAME_EITHER_WAY:
                     yield change(begin(first), end(rest[0]), f"{said(rest[0])}, {said(first)}")
 
 

@@ -67,7 +67,7 @@ def hybrid_fusion(
 
     def steps(rows: Rows) -> Steps:
         state, s = empty_map(len(rows.segments), distance), rows.segments
-        parents = np.full(len(s), -1, np.int64)
+        parents = np.empty(len(s), np.int64)
         moves: list[Indices] = []  # where each segment of the map went at each Fusion
         borders = [0]  # inputs until then
         for done, (first, stop) in enumerate(rows.scans(), 1):

@@ -93,7 +93,6 @@ def mean_shift(
         into = np.argsort(lowest)[into]
         return out[lowest], longest_share(len(rows.segments), found.owner, into)
 
-    _check_scales(sigma, bandwidth)
     found = run("mean_shift", map, reduce, splits=True)
     if len(found) > len(found.parents) > SKETCH:
         text = f"mean_shift makes {len(found)} segments of {len(found.parents)}"
@@ -131,24 +130,19 @@ def common_directions(
     >>> found.owner, found.cluster, np.degrees(found.theta)
     (array([0, 0, 1, 1]), array([0, 0, 1, 1]), array([ 0., 90.]))
     """
-    _check_scales(sigma, bandwidth)
     rows, _ = rows_of(map)
     found = _directions(rows.segments, sigma, bandwidth, steps)
     return found._replace(owner=rows.row[found.owner])
 
 
-def _check_scales(sigma: float, bandwidth: float) -> None:
-    """Refuse what is too narrow to tell angles apart; warn of degrees."""
+def _directions(segments: Array, sigma: float, bandwidth: float, steps: float) -> Directions:
+    """Phase 1 of segments `(n, 2, 2)` that all have a length (A 4.3.3)."""
     slips.check_bandwidth(sigma, bandwidth)
     if sigma * bandwidth < 1e-9:
         raise ValueError(
             f"bandwidth must be at least 1e-9 rad a sigma, below which angles are rounding, "
             f"got {bandwidth} rad/m with sigma {sigma} m"
         )
-
-
-def _directions(segments: Array, sigma: float, bandwidth: float, steps: float) -> Directions:
-    """Phase 1 of segments `(n, 2, 2)` that all have a length (A 4.3.3)."""
     extent = float(np.ptp(segments, axis=(0, 1)).max()) if len(segments) else 0.0
     if sigma < 1e-10 * extent:
         raise ValueError(

@@ -238,7 +238,7 @@ def _check(name: str, count: int, rows: Rows, found: Found, splits: bool) -> Ind
         wrong = f"parents are not {len(rows.row)} whole numbers"
     elif len(into) and not (into.min() >= -1 and into.max() < len(out)):
         wrong = f"parents are not within -1 to {len(out) - 1}"
-    elif not splits and len(out) != np.count_nonzero(np.bincount(into + 1, minlength=1)[1:]):
+    elif not splits and len(out) != len(np.unique(into[into >= 0])):
         wrong = "an output has no input"
     if wrong:
         raise RuntimeError(f"{name}: {wrong}; this is a mistake in the method")

@@ -116,10 +116,11 @@ def test_the_first_phase_can_be_watched():
         ({"bandwidth": 1e-9}, "bandwidth must be at least 1e-9 rad a sigma"),
     ],
 )
-def test_scales_that_rounding_would_decide_are_refused(scales, message):
+@pytest.mark.parametrize("way", [mean_shift, common_directions])
+def test_scales_that_rounding_would_decide_are_refused(scales, message, way):
     """Moves below rounding never come to rest: an endless loop."""
     with pytest.raises(ValueError, match=message):
-        mean_shift(np.array([[(0, 0), (9, 0)]]), **scales)
+        way(np.array([[(0, 0), (9, 0)]]), **scales)
 
 
 def test_a_sigma_that_vanishes_beside_the_extent_is_refused():

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from segmap import reduction
+from segmap.progress import told
 from segmap.reduction import METHODS, Reduction, _points
 from segmap.reduction._runner import run, run_online
 from segmap.segments import SegmentMap, length
@@ -198,6 +199,17 @@ def test_the_runner_sorts_by_scan_and_carries_back():
     whole = run("kept", map, lambda rows: (rows.segments, np.arange(4)))
     assert whole.parents.tolist() == [0, 1, -1, 2, 3]
     assert whole.scan_seconds is None
+
+
+@pytest.mark.parametrize("name", [n for n in METHODS if METHODS[n].online])
+def test_an_on_line_method_says_after_each_scan_how_far_it_is(name):
+    """Catches a share beyond 1, or one that never moves."""
+    said = []
+    with told(lambda share, words: said.append((share, words))):
+        METHODS[name](noisy_building())
+    shares, words = zip(*said, strict=True)
+    assert shares[0] == 0 and (np.diff(shares) > 0).all() and shares[-1] <= 1
+    assert [f"{k} of 6" in text for k, text in enumerate(words)] == 7 * [True]
 
 
 def test_repr_has_no_address():

@@ -234,7 +234,7 @@ def _trace(s: Array, tolerance: float, corners: Array, owner: Indices) -> int:
                 for c in range(2):
                     corners[0, c], corners[1, c] = p[c], q[c]
     for _ in range(len(s)):
-        most, worst, at = -1.0, -1, 0
+        most, worst, at = 0.0, 0, 0
         for i in range(len(s)):
             if owner[i] == 0:
                 far, k = _nearest_piece(s[i], corners, count)

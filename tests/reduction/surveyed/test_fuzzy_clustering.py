@@ -141,6 +141,17 @@ def test_cells_that_no_map_can_bear(cell, what):
         fuzzy_clustering(many, cell=cell)
 
 
+@pytest.mark.filterwarnings("ignore::UserWarning")
+@pytest.mark.parametrize("axis", range(2))
+def test_a_map_as_far_as_cells_have_numbers(axis):
+    """Catches a row of cells that goes on in the next one."""
+    wall, cell = np.array([[(0.0, 0.5), (0.75, 0.5)]]), 2.0**-8
+    near, far = (np.roll(cell * (wall + (out, 0)), axis, -1) for out in (2**31 - 1, 2**31))
+    fuzzy_clustering(near, cell=cell)
+    with pytest.raises(ValueError, match=r"^cell must be larger"):
+        fuzzy_clustering(far, cell=cell)
+
+
 @pytest.mark.parametrize("corner", [np.nan, (0.0, np.inf), (1.0, 2.0, 3.0)])
 def test_a_corner_is_a_point(corner):
     with pytest.raises(ValueError, match=r"^corner must be"):
