@@ -66,9 +66,10 @@ def test_a_door_that_is_closed_is_invented_and_hardly_costs_quality():
 
 def test_beside_is_five_centimetres_and_five_degrees_where_nothing_is_said():
     """Catches other thresholds by default."""
-    wall = np.array([[(0.0, 0.0), (2.0, 0.0)]])
-    for off, alone in ((0.049, 0.0), (0.051, 2.0)):
-        assert invented(wall, wall + (0, off)) == missed(wall, wall + (0, off)) == alone
+    wall, stub = np.array([[[(0.0, 0.0), (2.0, 0.0)]], [[(0.0, 0.0), (0.0, 0.02)]]])
+    for off, is_alone in ((0.049, 0), (0.051, 1)):
+        for one, way, size in ((wall, (0, off), 2.0), (stub, (off, 0), 0.02)):
+            assert invented(one, one + way) == missed(one, one + way) == is_alone * size
     for degrees, alone in ((4.9, 0.0), (5.1, 0.2)):
         turned = transform((1, 0, np.radians(degrees)), np.array([[(0.0, 0.0), (0.2, 0.0)]]))
         found = (invented(wall, turned), missed(turned, wall))
