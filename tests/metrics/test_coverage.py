@@ -155,6 +155,15 @@ def test_walls_drawn_twice_are_counted_piece_by_piece(seed, limits):
     assert found == pytest.approx(expected, abs=1e-12, nan_ok=True)
 
 
+BESIDE = [(0.1499, {}, 0), (0.1501, {}, 1), (0.25, {"nearest": 0.25}, 0), (0.4999, {}, 1)]
+
+
+@pytest.mark.parametrize(("apart", "limits", "share"), [*BESIDE, (0.5, {}, 0)])
+def test_a_wall_is_drawn_twice_between_fifteen_and_fifty_centimetres(apart, limits, share):
+    walls = np.array([[(0, 0), (0, 2)]] * 3 + [[(apart, 0), (apart, 2)]] * 3)
+    assert doubled_walls(SegmentMap(walls, range(6)), [(5, 1)] * 6, **limits) == share
+
+
 def test_the_two_faces_of_a_thin_wall_are_not_doubled():
     """Catches a wall of 20 cm between two rooms, which is not one wall at two poses."""
     walls = (
