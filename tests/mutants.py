@@ -50,6 +50,7 @@ REWRITTEN = "pytest.PytestAssertRewriteWarning"
 ALSO = {
     "exports": ("readers/test_graph_files.py", "readers/test_segment_files.py"),
     "grading": ("course/grading/test_grades_table.py", "course/grading/test_handout.py"),
+    "threads": ("basics/test_progress.py",),
 }
 FORK = multiprocessing.get_context("fork")
 #: What teaches, or only hands on, is left alone.

@@ -47,9 +47,9 @@ class Step(NamedTuple):
     pose: Array
     score: float
     seconds: float
-    closed: bool = False
-    found: bool = True
-    overlap: float = 1.0
+    closed: bool
+    found: bool
+    overlap: float
 
 
 #: An end of a beam so near to an occupied cell lies on the map, metres, and half a cell more: as
@@ -149,7 +149,7 @@ class LiveMap:
             known = np.isfinite(seen.pose[0])
             overlap = overlap_of(self.map, scan, seen.pose) if known else 0.0
             seconds = time.perf_counter() - begun
-            return Step(seen.pose, np.nan, seconds, found=False, overlap=overlap)
+            return Step(seen.pose, np.nan, seconds, False, False, overlap)
         try:
             found, closed = self.graph.add(scan)
             self._stale |= closed

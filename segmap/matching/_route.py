@@ -97,7 +97,7 @@ def _clear(map: QuadtreeMap, radius: float) -> Squares:
         reach = half * np.sqrt(2)  # to the middles of its own outermost cells
         all_of_it = away - reach >= wanted
         kept.append((cell[all_of_it], level[all_of_it]))
-        some = ~all_of_it & (away + reach >= wanted) & (level > 0)
+        some = ~all_of_it & (away + reach >= wanted)  # never of a cell: its reach is 0
         level = level[some, None] - 1
         cell = (cell[some, None] + (QUARTERS << level[:, None])).reshape(-1, 2)
         level = np.repeat(level, 4)

@@ -299,4 +299,6 @@ def test_an_alignment_says_where_the_robot_was(skewed):
     assert all((p.ranges == q.ranges).all() for p, q in zip(a, b, strict=True))
     with pytest.raises(ValueError, match=r"poses must have shape"):
         deskew(skewed, skewed.truth[1:])
+    with pytest.raises(ValueError, match="log must be a Log"):
+        deskew(skewed.scans)
     assert errors(skewed, pose_graph(deskew(skewed)).poses)[0].max() < 0.05

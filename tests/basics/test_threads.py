@@ -1,5 +1,6 @@
 """Work on all cores: the same results as on one, in the same order."""
 
+import os
 import signal
 import subprocess
 import sys
@@ -36,10 +37,25 @@ def test_what_is_found_comes_in_the_order_of_the_things(three):
     assert in_threads(work, []) == []
 
 
+def test_cores_are_those_that_this_process_may_use(monkeypatch):
+    """All of the machine where it does not say, one where nobody knows."""
+    monkeypatch.setattr(
+        os, "sched_getaffinity", lambda process: range(5 + 9 * process), raising=False
+    )
+    assert threads.cores() == 5
+    monkeypatch.delattr(os, "sched_getaffinity")
+    for count in (6, None):
+        monkeypatch.setattr(os, "cpu_count", lambda count=count: count)
+        assert threads.cores() == (count or 1)
+
+
 def test_one_core_or_one_thing_needs_no_thread(monkeypatch, three):
     here = threading.get_ident()
     assert in_threads(lambda _: threading.get_ident(), [1]) == [here]
-    assert here not in in_threads(lambda _: threading.get_ident(), [1, 2])
+    for count in ("2", "3"):
+        monkeypatch.setenv(THREADS, count)
+        assert here not in in_threads(lambda _: threading.get_ident(), [1, 2])
+    monkeypatch.delenv(THREADS)
     monkeypatch.setattr(threads, "cores", lambda: 1)
     assert in_threads(lambda _: threading.get_ident(), [1, 2]) == [here, here]
 

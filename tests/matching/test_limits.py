@@ -314,7 +314,14 @@ def test_a_scan_that_lies_nowhere_brings_no_particles(monkeypatch):
     assert searched == [0, 1]
 
 
-@pytest.mark.parametrize(("fit", "said"), [(0.95, ""), (0.701, "not yet"), (0.699, "lost")])
+@pytest.mark.parametrize(("fit", "searched"), [(0.8, [0]), (0.799, [0, 1])])
+def test_the_map_is_searched_where_a_scan_fits_to_less_than_four_fifths(fit, searched, monkeypatch):
+    assert believed_of([0, fit], fit, monkeypatch)[1] == searched
+
+
+@pytest.mark.parametrize(
+    ("fit", "said"), [(0.93, ""), (0.929, "not yet"), (0.7, "not yet"), (0.699, "lost")]
+)
 def test_how_well_scans_fit_says_whether_the_robot_is_found(fit, said, monkeypatch):
     (belief,), _ = believed_of([0], fit, monkeypatch)
     assert belief.reason.split(":")[0] == said and belief.found == (not said)
@@ -324,8 +331,8 @@ def test_how_well_scans_fit_says_whether_the_robot_is_found(fit, said, monkeypat
     ("places", "count"),
     [
         *((((ZERO, 0.96), ((1, 0, 0), 0.04)), 1), (((ZERO, 0.94), ((1, 0, 0), 0.06)), 2)),
-        *((((ZERO, 0.5), ((0.3, 0.39, 0), 0.5)), 1), (((ZERO, 0.5), ((0.36, 0.36, 0), 0.5)), 2)),
-        *((((ZERO, 0.5), ((0, 0, -0.49), 0.5)), 1), (((ZERO, 0.5), ((0, 0, 0.51), 0.5)), 2)),
+        *((((ZERO, 0.5), ((0.3, 0.4, 0), 0.5)), 1), (((ZERO, 0.5), ((0.36, 0.36, 0), 0.5)), 2)),
+        *((((ZERO, 0.5), ((0, 0, -0.5), 0.5)), 1), (((ZERO, 0.5), ((0, 0, 0.51), 0.5)), 2)),
         (((ZERO, 0.5), ((1, 0, 0), 0.3), ((2, 0, 0), 0.2)), 3),
         (((ZERO, 0.5), ((1, 0, 0), 0.46), ((2, 0, 0), 0.04)), 2),
     ],

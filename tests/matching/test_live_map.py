@@ -96,6 +96,15 @@ def test_the_old_map_stands_until_the_new_one_holds_all_scans(monkeypatch):
     assert live.map.scans == len(LOG) and state(live.map) == expected(LOG, live.poses) != state(old)
 
 
+def test_the_new_map_is_taken_as_soon_as_it_is_ready():
+    live = LiveMap(Planned((9,)), map=blank())
+    for scan in LOG[:10]:
+        live.add(scan)
+    live._anew.thread.join(60)
+    live.add(LOG[10])
+    assert live._anew is None and state(live.map) == expected(LOG[:11], live.poses)
+
+
 @pytest.mark.parametrize("closes", [(), (5, 6, 20)])
 def test_the_reduced_map_is_made_anew_with_the_map(closes):
     """Equal to the on-line method on all scans at their corrected poses; walls are few again."""

@@ -145,6 +145,15 @@ def test_what_nobody_saw_is_not_missed():
     assert against_walls(ROOM, ROOM, seen=seen, least=0.0).per_wall == 1
 
 
+def test_at_a_right_angle_every_direction_is_beside():
+    """However the building lies: rounding turns none by more."""
+    walls, across = [[(0, 0), (3, 0)]], [[(1, -0.05), (1, 0.04)]]
+    for turn in np.linspace(0, 6, 50):
+        turned = (transform((7.0, -2.0, turn), each) for each in (walls, across))
+        found = against_walls(*turned, angle=np.pi / 2)
+        assert found.invented == 0 and found.angle == pytest.approx(np.pi / 2)
+
+
 @pytest.mark.parametrize(("rise", "beside"), [(0.02, True), (0.049, True), (0.08, False)])
 def test_a_stub_may_be_turned_by_more_than_the_angle(rise, beside):
     """Five degrees of 20 cm are 17 mm: noise alone would reject each stub."""

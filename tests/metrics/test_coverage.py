@@ -66,9 +66,10 @@ def test_a_door_that_is_closed_is_invented_and_hardly_costs_quality():
 
 def test_beside_is_five_centimetres_and_five_degrees_where_nothing_is_said():
     """Catches other thresholds by default."""
-    wall = np.array([[(0.0, 0.0), (2.0, 0.0)]])
-    for off, alone in ((0.049, 0.0), (0.051, 2.0)):
-        assert invented(wall, wall + (0, off)) == missed(wall, wall + (0, off)) == alone
+    wall, stub = np.array([[[(0.0, 0.0), (2.0, 0.0)]], [[(0.0, 0.0), (0.0, 0.02)]]])
+    for off, is_alone in ((0.049, 0), (0.051, 1)):
+        for one, way, size in ((wall, (0, off), 2.0), (stub, (off, 0), 0.02)):
+            assert invented(one, one + way) == missed(one, one + way) == is_alone * size
     for degrees, alone in ((4.9, 0.0), (5.1, 0.2)):
         turned = transform((1, 0, np.radians(degrees)), np.array([[(0.0, 0.0), (0.2, 0.0)]]))
         found = (invented(wall, turned), missed(turned, wall))
@@ -152,6 +153,15 @@ def test_walls_drawn_twice_are_counted_piece_by_piece(seed, limits):
     expected = twice(map, sensors, **limits)
     found = doubled_walls(map, sensors, **limits)
     assert found == pytest.approx(expected, abs=1e-12, nan_ok=True)
+
+
+BESIDE = [(0.1499, {}, 0), (0.1501, {}, 1), (0.25, {"nearest": 0.25}, 0), (0.4999, {}, 1)]
+
+
+@pytest.mark.parametrize(("apart", "limits", "share"), [*BESIDE, (0.5, {}, 0)])
+def test_a_wall_is_drawn_twice_between_fifteen_and_fifty_centimetres(apart, limits, share):
+    walls = np.array([[(0, 0), (0, 2)]] * 3 + [[(apart, 0), (apart, 2)]] * 3)
+    assert doubled_walls(SegmentMap(walls, range(6)), [(5, 1)] * 6, **limits) == share
 
 
 def test_the_two_faces_of_a_thin_wall_are_not_doubled():

@@ -1,5 +1,6 @@
 """What the quadtree map counts and says of space, what it refuses, and maps of logs."""
 
+from dataclasses import replace
 from functools import partial
 from inspect import signature
 
@@ -257,3 +258,4 @@ def test_an_error_of_the_sensor_is_no_free_space():
     scan = LaserScan([1.0, np.nan, 0.0, -2.0], np.radians([0, 90, 180, 270]), max_range=3.0)
     maps = [build_map(Log("it", [scan]), [(0, 0, 0)], resolution=0.05, free=f) for f in (0, 1)]
     assert leaves_of(maps[0]) == leaves_of(maps[1])
+    assert free_ends(replace(scan, max_range=np.inf), (0, 0, 0)).shape == (0, 2)  # how far?
