@@ -42,7 +42,12 @@ def test_a_folder_of_submissions_is_read_whole(tmp_path):
     long = cell("**Name:**\n**Name:** " + "x" * 101, "n", "markdown")
     write(tmp_path / "bob.ipynb", long, cell(["x\n", "y"]))
     (tmp_path / "eve").mkdir()
-    (tmp_path / "notes.txt").write_text("no")
+    for name in ("notes.txt", ".hidden.ipynb"):
+        (tmp_path / name).write_text("no")
+    (tmp_path / "link.ipynb").symlink_to(tmp_path / "bob.ipynb")
+    text = (tmp_path / "bob.ipynb").read_text()
+    (tmp_path / "bob.ipynb").write_text("\ufeff" + text.replace('"x\\n"', '"\\ufeffx\\n"'))
+    os.utime(tmp_path / "bob.ipynb", (1, 1))
     ann, bob, eve = submissions(tmp_path)
     said = ann.problems.pop()
     assert said.startswith("c.ipynb cannot be read: it is no notebook (JSONDecodeError: Exp")

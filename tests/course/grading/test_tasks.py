@@ -219,9 +219,14 @@ def test_chapters_stand_in_their_order():
 
 @pytest.mark.parametrize("name", EXERCISES)
 def test_a_solution_is_right_with_what_its_task_gives(name):
-    """Catches a solution that lacks an import or a function that it calls."""
+    """Catches a solution that lacks what it calls, or is refused since it calls the library."""
     exercise = EXERCISES[name]
-    exec(solution(exercise, "mine"), space := {})
+    source, rooms = solution(exercise, "mine"), package(exercise)[1]
+    given = [f"from {room} import {one}" for room, names in rooms.items() for one in names]
+    assert {line for line in source.splitlines() if "import" in line and "segmap" in line} <= {
+        *given
+    }
+    exec(source, space := {})
     assert exercise(space["mine"])
 
 
