@@ -15,7 +15,7 @@ from segmap_course.grading.handout import (
     write_solutions,
 )
 from segmap_course.grading.handout._given import BASICS, listed
-from segmap_course.grading.handout._handout import student_copy, text, with_links, write_folder
+from segmap_course.grading.handout._handout import student_copy, text, write_folder
 from segmap_course.grading.handout._solutions import solution
 from segmap_course.grading.handout._source import Source
 from segmap_course.grading.handout._tasks import parts, places
@@ -165,11 +165,6 @@ def test_a_student_s_copy_is_written_whole():
         ("c13", "code", SOURCES[13], {}),
     ]
     assert "- none\n" in student_copy(NAME, made_up("Title"), [])["cells"][1]["source"]
-
-
-def test_links_lead_where_they_may():
-    source = "![a b](pictures/x.png) [b](https://x.org#z) [c](d.md) [e](34_icp.ipynb#s)"
-    assert with_links(source, {"34_icp.ipynb"}) == "a b [b](https://x.org#z) c [e](34_icp.ipynb#s)"
 
 
 def test_a_handout_is_written_whole_or_not_at_all(tmp_path):
