@@ -87,3 +87,6 @@ def test_a_slider_needs_both_ends_and_a_step():
     assert (type(fine).__name__, fine.value, fine.meant()) == ("FloatSlider", 0.25, 0.25)
     assert control(method, "angle", label="it").description == "it [degrees]"
     assert control(method, "scan") is None
+    none = control(method, "maybe")
+    none.value = "  "
+    assert none.meant() is None
