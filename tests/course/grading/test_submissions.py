@@ -252,6 +252,7 @@ def test_a_verdict_tells_its_kind():
     full = [*known, *exercise.expected(dict(enumerate(hidden)))]
     assert judged(exercise, full, hidden, 0.5) == Outcome("right", "", 1.0)
     assert judged(exercise, [*full[:-1], Raised("MemoryError", "")], hidden, 0.5) == memory
+    assert judged(exercise, [*full[:-1], None], hidden).share == 0 == Outcome("ended", "x").share
     start = "right on the cases shown; on a hidden one it "
     for last, said in ((None, "gives another answer"), (Raised("KeyError", "3"), "raises an exce")):
         found = judged(exercise, [*full[:-1], last], hidden, 0.5)
