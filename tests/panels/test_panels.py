@@ -11,6 +11,7 @@ from segmap_course import HybridPanel, MeanShiftPanel, SectorPanel
 from segmap import LaserScan, Log, SegmentMap, load, panels
 from segmap.experiments import sweep
 from segmap.panels import ComparePanel, LivePanel, Panel, QuadtreePanel, ScanPanel, slider, text
+from segmap.panels._base import _fit_names, player
 from segmap.plotting import ERROR, RESULT, TRUTH
 from segmap.quadtree import build_map
 
@@ -46,6 +47,19 @@ def test_a_panel_answers_its_controls_and_is_shown_without_a_kernel(name, monkey
     panel, finer = make(), 1 if name == "LivePanel" else FINER
     assert repr(panel).startswith(f"{name}(")
     assert_answers(panel, control, value, monkeypatch, finer)
+
+
+def test_boxes_and_rows_of_buttons_are_as_wide_as_they_need():
+    """Catches names of one panel that do not stand alike, and a box that is pushed aside."""
+    box, way = W.Checkbox(description="x"), W.ToggleButtons(description="way")
+    moved, longer = slider("a", 1, 0, 2, 1), W.Dropdown(description="some name of more letters")
+    _fit_names([moved, (button := W.Button(description="b" * 60)), box, way, longer, text()])
+    assert {p.style.description_width for p in (moved, way, longer)} == {"26ch"}
+    assert moved.layout.width == longer.layout.width == "calc(26ch + 250px)"
+    assert (way.layout.width, button.layout.width) == (None, None)
+    assert (box.indent, box.layout.width, box.layout.margin) == (False, "auto", "2px 16px 2px 2px")
+    play = player(moved)
+    assert (play.min, play.max, play.step, play.interval) == (0, 2, 1, 250)
 
 
 class Counter(Panel):
@@ -121,7 +135,9 @@ def test_no_name_is_cut_and_narrow_windows_go_on_below():
     assert panel.picture.layout.max_width and panel.picture.layout.height == "auto"
 
 
-@pytest.mark.parametrize(("step", "form"), [(1, "d"), (0.05, ".2f"), (0.005, ".3f"), (0.1, ".1f")])
+@pytest.mark.parametrize(
+    ("step", "form"), [(1, "d"), (0.05, ".2f"), (0.005, ".3f"), (0.1, ".1f"), (1.0, ".0f")]
+)
 def test_a_slider_waits_until_let_go_and_shows_all_digits_of_its_step(step, form):
     moved = slider("x", 1, 0, 2, step)
     assert moved.readout_format == form and not moved.continuous_update
@@ -172,6 +188,8 @@ def test_the_compare_panel_shows_the_best_run_where_none_is_good_enough():
     panel = ComparePanel(WALLS, poor)
     panel.wanted.value = 98
     assert len(poor) > 1 and panel.run["quality"] == poor["quality"].max()
+    lost = poor.assign(quality=[np.nan, *poor["quality"][1:]])
+    assert ComparePanel(WALLS, lost).run["quality"] == lost["quality"].max()
 
 
 @unpainted
@@ -183,6 +201,10 @@ def test_the_compare_panel_shows_the_best_run_where_none_is_good_enough():
             lambda: ScanPanel(Log("lost", [LaserScan([1.0], [0.0])])),
             r"at least one of them finite, got \(1, 3\) with 0",
         ),
+        (lambda: ScanPanel(LOG, LOG.truth[:2]), r"poses must be \(5, 3\), at least one"),
+        (lambda: QuadtreePanel(LOG, LOG.truth[:2]), r"poses must have shape \(5, 3\)"),
+        (lambda: QuadtreePanel(LOG[:0]), "log must hold one scan at least, got none"),
+        (lambda: ComparePanel(WALLS, RUNS[:0]), "runs must hold one run at least, got none"),
     ],
 )
 def test_what_a_panel_cannot_show_is_named(make, message):
