@@ -112,7 +112,7 @@ class Panel:
 
 def slider(name: str, value: float, least: float, most: float, step: float, unit: str = "m") -> Any:
     """A slider that redraws when it is released: a drawing takes longer than a movement."""
-    digits = max(0, len(f"{step:.6f}".rstrip("0").split(".")[1]))
+    digits = len(f"{step:.6f}".rstrip("0").split(".")[1])
     kind, form = (W.IntSlider, "d") if isinstance(step, int) else (W.FloatSlider, f".{digits}f")
     return kind(
         value=value,

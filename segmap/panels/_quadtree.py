@@ -48,7 +48,7 @@ class QuadtreePanel(Panel):
             raise ValueError(f"log {log.name!r} has no truth: give poses")
         self.log, self.poses, self.resolution = log, given, resolution
         self.scans = slider("scans", len(log), 1, len(log), 1, "")
-        self.play = player(self.scans, interval=250)
+        self.play = player(self.scans)
         self.doublings = slider("doublings", 0, 0, DOUBLINGS, 1, "")
         self.leaves, self.bytes = text(), text()
         self._assemble((self.play, self.scans), self.doublings, (self.leaves, self.bytes))

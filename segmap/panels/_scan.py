@@ -49,7 +49,7 @@ class ScanPanel(Panel):
         cloud = np.concatenate([transform(self.poses[k], log[int(k)].points()) for k in self.known])
         self._cloud = cloud[:: 1 + len(cloud) // MOST_POINTS]
         self.step = slider("scan", 0, 0, len(self.known) - 1, 1, "")
-        self.play = player(self.step, interval=250)
+        self.play = player(self.step)
         self.index, self.valid = text(), text()
         self._assemble((self.play, self.step), (self.index, self.valid))
 

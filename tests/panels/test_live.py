@@ -16,8 +16,8 @@ from segmap import LaserScan, load
 from segmap.hokuyo import Newest, SensorError, UrgSensor
 from segmap.hokuyo.emulator import Emulator, furnished_room
 from segmap.matching import LiveMap
-from segmap.panels import LivePanel
-from segmap.panels._live_picture import Greys
+from segmap.panels import LivePanel, _live
+from segmap.panels._live_picture import Greys, LivePicture
 from segmap.quadtree import build_map
 from segmap.simulation import Sensor, box, drive, simulate, square_room
 
@@ -289,7 +289,7 @@ def test_stop_does_not_wait_for_ever(monkeypatch):
     wait_for(lambda: panel.taken)
     begun = time.monotonic()
     panel.stop.click()
-    assert time.monotonic() - begun < 5
+    assert time.monotonic() - begun < 5 and panel._thread.daemon
     assert panel.state.value.startswith("stops when the sensor")
     here.set()
     wait_for(lambda: panel.state.value == "stopped")
@@ -316,10 +316,57 @@ def test_find_me_goes_on_with_a_saved_map():
         np.hypot(*(panel._step.pose - again.truth[24])[:2]) < 0.1
         and saved.leaves().vis.sum() == before
     )
-    panel.find.click()
-    panel.take(again[25])
-    assert panel._beliefs is None or "looking" in panel.place.value
     panel.loops.value = True
+    assert panel._beliefs is None and panel.map.resolution == 0.02, "it is found"
+    panel.find.click()
+    with pytest.raises(ValueError, match="LaserScan"):
+        panel.take(1.0)
+    for _ in range(2):  # one that is no scan does not end the search, a choice does not
+        panel.take(again[25])
+        assert panel._beliefs is None or "looking" in panel.place.value
+        panel.find.click()
+        panel.loops.value = not panel.loops.value
+        assert panel._beliefs is not None
     empty = LivePanel(again)
     empty.find.click()
     assert "no" in empty.state.value and empty._beliefs is None
+
+
+def test_all_is_ready_before_the_first_scan(monkeypatch):
+    """Catches a laser that is on while a picture is made for the first time."""
+    done, real = [], _live.map_scans
+
+    def mapped(*given, graph=False, **more):
+        done.append("graph" if graph else "map")
+        return real(*given, **more)
+
+    with monkeypatch.context() as patched:
+        patched.setattr(_live, "map_scans", mapped)
+        for name in ("show", "png"):
+            patched.setattr(LivePicture, name, lambda *given, name=name: done.append(name))
+        _live._warm_up()
+    assert done == ["map", "graph", *["show", "png"] * 3]
+    done.clear()
+    monkeypatch.setattr(_live, "_warm_up", lambda: done.append("warm"))
+    monkeypatch.setattr(LivePanel, "take", lambda self, scan: done.append("scan"))
+    monkeypatch.setattr(LivePanel, "finish", lambda self: done.append("finish"))
+    panel = LivePanel(many(3))
+    panel.run(2)
+    assert done == ["warm", "scan", "scan", "finish"]
+
+
+def test_what_a_sensor_lost_is_counted():
+    panel, sensor = LivePanel(load("room")), UrgSensor.__new__(UrgSensor)
+    panel.take(load("room")[0])
+    sensor.dropped, sensor.unsent, panel.source = 3, 4, sensor
+    panel.tolerance.value = 0.05
+    assert panel.dropped.value == "7 dropped, 0 left out"
+    del sensor.dropped, sensor.unsent, panel.source
+
+
+def test_a_list_that_holds_no_scans_is_refused():
+    for source in ([1.0], (load("room")[0], None)):
+        with pytest.raises(ValueError, match="source must be a sensor, or give scans"):
+            LivePanel(source)
+    with pytest.raises(ValueError, match="source"):
+        LivePanel(3)

@@ -11,7 +11,7 @@ from segmap_course import HybridPanel, MeanShiftPanel, SectorPanel
 from segmap import LaserScan, Log, SegmentMap, load, panels
 from segmap.experiments import sweep
 from segmap.panels import ComparePanel, LivePanel, Panel, QuadtreePanel, ScanPanel, slider, text
-from segmap.panels._view import View
+from segmap.panels._base import _fit_names, player
 from segmap.plotting import ERROR, RESULT, TRUTH
 from segmap.quadtree import build_map
 
@@ -47,6 +47,19 @@ def test_a_panel_answers_its_controls_and_is_shown_without_a_kernel(name, monkey
     panel, finer = make(), 1 if name == "LivePanel" else FINER
     assert repr(panel).startswith(f"{name}(")
     assert_answers(panel, control, value, monkeypatch, finer)
+
+
+def test_boxes_and_rows_of_buttons_are_as_wide_as_they_need():
+    """Catches names of one panel that do not stand alike, and a box that is pushed aside."""
+    box, way = W.Checkbox(description="x"), W.ToggleButtons(description="way")
+    moved, longer = slider("a", 1, 0, 2, 1), W.Dropdown(description="some name of more letters")
+    _fit_names([moved, (button := W.Button(description="b" * 60)), box, way, longer, text()])
+    assert {p.style.description_width for p in (moved, way, longer)} == {"26ch"}
+    assert moved.layout.width == longer.layout.width == "calc(26ch + 250px)"
+    assert (way.layout.width, button.layout.width) == (None, None)
+    assert (box.indent, box.layout.width, box.layout.margin) == (False, "auto", "2px 16px 2px 2px")
+    play = player(moved)
+    assert (play.min, play.max, play.step, play.interval) == (0, 2, 1, 250)
 
 
 class Counter(Panel):
@@ -87,14 +100,6 @@ def test_reset_goes_back_to_what_was_shown_first_and_draws_once():
     assert panel.label.value == "5"
 
 
-def test_the_whole_is_seen_as_it_was_drawn():
-    """Catches a middle that moves a drawing whose own is not at the origin."""
-    ax = Figure().subplots()
-    ax.set(aspect=1, xlim=(3, 9), ylim=(-1, 4))
-    View(print, print).take(ax.figure)
-    assert (ax.get_xlim(), ax.get_ylim()) == ((3, 9), (-1, 4))
-
-
 def test_a_play_button_begins_where_its_slider_is(monkeypatch):
     """Catches a link that starts with the button: in a browser the slider went to 0 by itself."""
     links = []
@@ -104,31 +109,17 @@ def test_a_play_button_begins_where_its_slider_is(monkeypatch):
 
 
 @unpainted
-def test_zoom_shows_a_part_of_all_maps_and_of_nothing_else():
-    """Catches a view that leaves the drawing, one that recomputes, and a Hough space that moves."""
+def test_zoom_stays_until_all_is_reset_and_nothing_is_reduced_anew():
+    """Catches a view that recomputes, a Hough space that moves, and a part that jumps."""
     panel = HybridPanel(LEANING)
     left, right = panel._figure.axes
-    whole, hough_limits = np.array([left.get_xlim(), left.get_ylim()]), right.get_xlim()
-    near, far, *_, up, down, first = panel._look.buttons
-    found = panel.reduction
-    for _ in range(4):
-        near.click()
-    part = np.array([left.get_xlim(), left.get_ylim()])
-    assert np.ptp(part, axis=1) == pytest.approx(np.ptp(whole, axis=1) / 4)
-    assert part.mean(axis=1) == pytest.approx(whole.mean(axis=1))
-    for _ in range(20):
-        up.click()
-    assert left.get_ylim()[1] == pytest.approx(whole[1, 1])
-    assert left.get_xlim() == pytest.approx(part[0])
-    assert panel.reduction is found and right.get_xlim() == hough_limits
-    panel.distance.value = 0.5  # the view stays
-    assert panel._figure.axes[0].get_ylim()[1] == pytest.approx(whole[1, 1])
-    for _ in range(9):
-        far.click()
-    assert panel._figure.axes[0].get_ylim() == pytest.approx(whole[1])
-    down.click()
-    assert panel._figure.axes[0].get_ylim() == pytest.approx(whole[1])
+    found, hough_limits = panel.reduction, right.get_xlim()
+    near, *_, first = panel._look.buttons
     near.click()
+    part = left.get_ylim()
+    assert panel.reduction is found and right.get_xlim() == hough_limits
+    panel.distance.value = 0.5
+    assert panel._figure.axes[0].get_ylim() == pytest.approx(part)
     first.click()
     assert panel._look.zoom == 1 and panel.distance.value == 0.20
 
@@ -144,7 +135,9 @@ def test_no_name_is_cut_and_narrow_windows_go_on_below():
     assert panel.picture.layout.max_width and panel.picture.layout.height == "auto"
 
 
-@pytest.mark.parametrize(("step", "form"), [(1, "d"), (0.05, ".2f"), (0.005, ".3f"), (0.1, ".1f")])
+@pytest.mark.parametrize(
+    ("step", "form"), [(1, "d"), (0.05, ".2f"), (0.005, ".3f"), (0.1, ".1f"), (1.0, ".0f")]
+)
 def test_a_slider_waits_until_let_go_and_shows_all_digits_of_its_step(step, form):
     moved = slider("x", 1, 0, 2, step)
     assert moved.readout_format == form and not moved.continuous_update
@@ -195,6 +188,8 @@ def test_the_compare_panel_shows_the_best_run_where_none_is_good_enough():
     panel = ComparePanel(WALLS, poor)
     panel.wanted.value = 98
     assert len(poor) > 1 and panel.run["quality"] == poor["quality"].max()
+    lost = poor.assign(quality=[np.nan, *poor["quality"][1:]])
+    assert ComparePanel(WALLS, lost).run["quality"] == lost["quality"].max()
 
 
 @unpainted
@@ -206,6 +201,10 @@ def test_the_compare_panel_shows_the_best_run_where_none_is_good_enough():
             lambda: ScanPanel(Log("lost", [LaserScan([1.0], [0.0])])),
             r"at least one of them finite, got \(1, 3\) with 0",
         ),
+        (lambda: ScanPanel(LOG, LOG.truth[:2]), r"poses must be \(5, 3\), at least one"),
+        (lambda: QuadtreePanel(LOG, LOG.truth[:2]), r"poses must have shape \(5, 3\)"),
+        (lambda: QuadtreePanel(LOG[:0]), "log must hold one scan at least, got none"),
+        (lambda: ComparePanel(WALLS, RUNS[:0]), "runs must hold one run at least, got none"),
     ],
 )
 def test_what_a_panel_cannot_show_is_named(make, message):

@@ -42,7 +42,12 @@ def test_a_folder_of_submissions_is_read_whole(tmp_path):
     long = cell("**Name:**\n**Name:** " + "x" * 101, "n", "markdown")
     write(tmp_path / "bob.ipynb", long, cell(["x\n", "y"]))
     (tmp_path / "eve").mkdir()
-    (tmp_path / "notes.txt").write_text("no")
+    for name in ("notes.txt", ".hidden.ipynb"):
+        (tmp_path / name).write_text("no")
+    (tmp_path / "link.ipynb").symlink_to(tmp_path / "bob.ipynb")
+    text = (tmp_path / "bob.ipynb").read_text()
+    (tmp_path / "bob.ipynb").write_text("\ufeff" + text.replace('"x\\n"', '"\\ufeffx\\n"'))
+    os.utime(tmp_path / "bob.ipynb", (1, 1))
     ann, bob, eve = submissions(tmp_path)
     said = ann.problems.pop()
     assert said.startswith("c.ipynb cannot be read: it is no notebook (JSONDecodeError: Exp")
@@ -247,6 +252,7 @@ def test_a_verdict_tells_its_kind():
     full = [*known, *exercise.expected(dict(enumerate(hidden)))]
     assert judged(exercise, full, hidden, 0.5) == Outcome("right", "", 1.0)
     assert judged(exercise, [*full[:-1], Raised("MemoryError", "")], hidden, 0.5) == memory
+    assert judged(exercise, [*full[:-1], None], hidden).share == 0 == Outcome("ended", "x").share
     start = "right on the cases shown; on a hidden one it "
     for last, said in ((None, "gives another answer"), (Raised("KeyError", "3"), "raises an exce")):
         found = judged(exercise, [*full[:-1], last], hidden, 0.5)

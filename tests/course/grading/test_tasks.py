@@ -5,6 +5,7 @@ import stat
 
 import pytest
 from segmap_course import EXERCISES, OPEN_EXERCISES
+from segmap_course.exercises._answers import answered
 from segmap_course.grading.handout import (
     Task,
     chapters,
@@ -14,7 +15,7 @@ from segmap_course.grading.handout import (
     write_solutions,
 )
 from segmap_course.grading.handout._given import BASICS, listed
-from segmap_course.grading.handout._handout import student_copy, text, with_links, write_folder
+from segmap_course.grading.handout._handout import student_copy, text, write_folder
 from segmap_course.grading.handout._solutions import solution
 from segmap_course.grading.handout._source import Source
 from segmap_course.grading.handout._tasks import parts, places
@@ -166,11 +167,6 @@ def test_a_student_s_copy_is_written_whole():
     assert "- none\n" in student_copy(NAME, made_up("Title"), [])["cells"][1]["source"]
 
 
-def test_links_lead_where_they_may():
-    source = "![a b](pictures/x.png) [b](https://x.org#z) [c](d.md) [e](34_icp.ipynb#s)"
-    assert with_links(source, {"34_icp.ipynb"}) == "a b [b](https://x.org#z) c [e](34_icp.ipynb#s)"
-
-
 def test_a_handout_is_written_whole_or_not_at_all(tmp_path):
     """Catches a key that others read, a half-written folder, and a seed that can be guessed."""
     folder = tmp_path / "new" / "lab"
@@ -219,10 +215,15 @@ def test_chapters_stand_in_their_order():
 
 @pytest.mark.parametrize("name", EXERCISES)
 def test_a_solution_is_right_with_what_its_task_gives(name):
-    """Catches a solution that lacks an import or a function that it calls."""
+    """Catches a solution that lacks what it calls, or is refused since it calls the library."""
     exercise = EXERCISES[name]
-    exec(solution(exercise, "mine"), space := {})
-    assert exercise(space["mine"])
+    source, rooms = solution(exercise, "mine"), package(exercise)[1]
+    given = [f"from {room} import {one}" for room, names in rooms.items() for one in names]
+    assert {line for line in source.splitlines() if "import" in line and "segmap" in line} <= {
+        *given
+    }
+    exec(source, space := {})
+    assert exercise.verdict(answered(space["mine"], exercise.cases))
 
 
 def test_what_a_task_gives_is_the_most_that_it_may():

@@ -1,0 +1,223 @@
+"""Parts of the workbench by themselves: its bar, its pictures and words, what a browser is told."""
+
+from html import escape
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from driven_panels import LOG, WALLS
+from matplotlib.figure import Figure
+
+from segmap import SegmentMap, reduction
+from segmap._display import facts
+from segmap.panels import Workbench
+from segmap.panels.workbench import _bar, _shown
+from segmap.panels.workbench._bar import Bar
+from segmap.panels.workbench._source import OWN, Source
+from segmap.panels.workbench._upload import Upload
+from segmap.plotting import MAP, RAW, RESULT, draw_segments, figure_png, map_axes
+
+
+def test_each_word_of_the_bar(monkeypatch):
+    """Catches a time that is told too early, of another kind of work, or after a step back."""
+    bar, clock = Bar(), [5.0]
+    monkeypatch.setattr(_bar.time, "monotonic", lambda: clock[0])
+    for at, share, words, said in (
+        (100.0, 0.0, "aligning 3 scans", "aligning 3 scans ..."),
+        (101.9, 0.5, "aligning 3 scans", "aligning 3 scans ..."),
+        (102.0, 0.5, "aligning 4 scans", "aligning 4 scans, 2 s left"),
+        (110.0, 0.8, "aligning 4 scans", "aligning 4 scans, 2 s left"),
+        (111.0, 0.7, "aligning 4 scans", "aligning 4 scans ..."),
+        (113.0, 0.7, "aligning 4 scans", "aligning 4 scans, 1 s left"),
+        (114.0, 0.8, "reducing <b>", "reducing &lt;b&gt; ..."),
+        (200.0, 0.0, "measuring", "measuring ..."),
+        (203.0, 0.019, "measuring", "measuring, 3 s so far"),
+        (204.0, 0.02, "measuring", "measuring, 196 s left"),
+    ):
+        clock[0] = at
+        bar.tell(share, words)
+        assert (bar.state.value, bar.bar.value) == (said, share)
+    bar.say("a < b")
+    assert (bar.state.value, bar.bar.value, bar.bar.max) == ("a &lt; b", 0.02, 1)
+    bar.say("done", 1.0)
+    bar.tell(0.5, "measuring")
+    assert (bar.state.value, bar.bar.value) == ("measuring ...", 0.5), "begun anew"
+    assert "segmap-state" in bar.state._dom_classes
+
+
+def test_the_bar_goes_on_while_nothing_is_told(monkeypatch):
+    bar, lives, ticks = Bar(), iter([True] * 5 + [False] * 2), []
+    monkeypatch.setattr(bar, "tick", lambda: ticks.append("tick"))
+    bar.watch(SimpleNamespace(is_alive=lambda: next(lives), join=ticks.append))
+    assert ticks == [1.0, "tick", 1.0, "tick", 1.0]
+
+
+def test_what_a_browser_must_know_is_sent_to_it():
+    """Catches a picture of yesterday: a trait that is set here and never synchronised."""
+    made, asked, sent = Workbench(LOG), [], []
+    told = {"before", "first", "second", "titles", "size", "pointed", "members", "shown", "_esm"}
+    assert told <= {*made.canvas.keys}
+    upload = Upload("choose", 7, lambda *given: asked.append(given) or 3)
+    upload.send = sent.append
+    assert {"description", "most", "_esm"} <= {*upload.keys}
+    assert (upload.description, upload.most) == ("choose", 7)
+    upload._handle_custom_msg({"name": "a", "size": "9", "start": "2"}, [memoryview(b"xy")])
+    upload._handle_custom_msg({"name": 1, "size": 9, "start": 4}, [])
+    assert asked == [("a", 9, 2, b"xy"), ("1", 9, 4, b"")] and sent == [{"next": 3}] * 2
+
+
+def test_maps_go_to_the_browser_about_their_middle():
+    canvas, walls = (
+        Workbench(LOG).canvas,
+        np.array([[(1.0, 5.0), (3.0, 5.0)], [(1.0, 6.0), (2.0, 9.0)]]),
+    )
+    canvas.pointed, canvas.members = [0, 1], [2]
+    canvas.show(walls, [walls[:1], walls[1:]], ["x", "y", "z"])
+    found = [
+        np.frombuffer(part, np.float32) for part in (canvas.before, canvas.first, canvas.second)
+    ]
+    assert found[0].tolist() == [-1, -2, 1, -2, -1, -1, 0, 2]
+    assert [part.tolist() for part in found[1:]] == [[-1, -2, 1, -2], [-1, -1, 0, 2]]
+    assert (canvas.size, canvas.titles) == ([2, 4], ["x", "y", "z"])
+    assert (canvas.pointed, canvas.members) == ([-1, -1], [])
+    canvas.show(walls, [walls], ["x", "y"])
+    assert canvas.second == b"" and len(canvas.first) == 32
+
+
+# ------------------------------------------------------------------ words and pictures
+
+
+@pytest.fixture
+def outcome():
+    """What a run of two methods leaves."""
+    calls = [SimpleNamespace(name="fusion", words=lambda: "tolerance <2>")]
+    calls += [SimpleNamespace(name="odd & even", words=str)]
+    some = reduction.fusion(WALLS, tolerance=0.2), reduction.fusion(WALLS, tolerance=0.001)
+    found = list(zip(calls, some, (0.9, 0.5), strict=True))
+    return SimpleNamespace(
+        map=WALLS,
+        recipe=SimpleNamespace(align=SimpleNamespace(name="by <hand>")),
+        alignment=SimpleNamespace(seconds=1.25, doubt="a & b"),
+        verdict=SimpleNamespace(grade="doubtful", words="HALF <a> map"),
+        reductions=list(some),
+        found=lambda: found,
+    )
+
+
+def test_what_is_said_of_a_run_letter_by_letter(outcome):
+    """Catches a mark of HTML that works, a line that is lost, and a colour of another verdict."""
+    lines = '<div style="line-height: 1.45; overflow-x: auto; max-width: 100%">'
+    assert _shown.heading("1 <Log>") == (
+        '<h2 style="font-size: 15px; margin: 6px 0 2px">1 &lt;Log&gt;</h2>'
+    )
+    many = [len(each) for each in outcome.reductions]
+    assert _shown.titles(outcome) == [
+        "before: 5 segments",
+        f"fusion: {many[0]}",
+        f"odd & even: {many[1]}",
+    ]
+    assert _shown.placed(outcome) == (
+        '<div style="border-left: 12px solid #e69f00; padding: 3px 9px; line-height: 1.45">'
+        f"<b>HALF &lt;a&gt; map</b></div>{lines}a &amp; b<br>by &lt;hand&gt;, 1.2 s</div>"
+    )
+    first = _shown.left(outcome).removeprefix(lines).removesuffix("</div>").split("<br>")
+    assert first[0].startswith(f"fusion (tolerance &lt;2&gt;): {many[0]} of 5 segments left, red")
+    assert [line for line in first if line.startswith("odd &amp; even (): ")]
+    told = [f"<b>{LOG.name if k == 'scans' else k}</b> {escape(v)}" for k, v in facts(LOG)]
+    assert _shown.about(LOG) == f"{lines}{'<br>'.join(told)}</div>"
+    assert _shown.code("a < b").startswith("<pre style=") and ">a &lt; b</pre>" in _shown.code(
+        "a < b"
+    )
+    assert f'onclick="{_shown.COPY}">Copy</button>' in _shown.code("")
+
+
+def test_numbers_and_bars_of_the_table():
+    for share, full in ((0.256, 25.6), (-0.5, 0.0), (1.5, 100.0), (np.nan, 0.0), (0.0, 0.0)):
+        assert _shown._bar(share) == (
+            '<td style="text-align: right; min-width: 90px; color: black; background: '
+            f'linear-gradient(90deg, #bfdcec {full:.1f}%, #f0f0f0 {full:.1f}%)">{share:.1%}</td>'
+        )
+    row = {"map": "m", "method": "f", "thresholds": "t", "alignment": "a", "quality": 1.0}
+    row |= {"n_before": 9, "n_after": 4, "seconds": 0.5, "reduction": 0.5}
+    cells = [*(f'<td style="text-align: right">{v}</td>' for v in (0, 4, 9, "0.500"))]
+    said = "".join([cells[0], "<td>f</td><td>t</td>", *cells[1:], "<td>m</td><td>a</td>"])
+    assert _shown.runs_table([row]).endswith(
+        f"</tr><tr>{_shown._bar(0.5)}{_shown._bar(1.0)}{said}</tr></table></div>"
+    )
+
+
+def test_the_still_picture_is_that_of_the_library(outcome):
+    """Catches a map that is lost, one that is drawn in another colour, and another size."""
+    figure = Figure((648 / 72, 320 / 72), dpi=72, layout="constrained")
+    axes = figure.subplots(1, 3, sharex=True, sharey=True)
+    draw_segments(WALLS, ax=axes[0], color=MAP, width=0.7)
+    for ax, reduced in zip(axes[1:], outcome.reductions, strict=True):
+        draw_segments(SegmentMap(WALLS.segments), ax=ax, color=RAW, width=0.7)
+        draw_segments(reduced, ax=ax, color=RESULT, width=1.5)
+    for ax, title in zip(axes, _shown.titles(outcome), strict=True):
+        map_axes(ax).set_title(title, fontsize="medium")
+        ax.label_outer()
+    assert _shown.still(outcome) == figure_png(figure)
+
+
+# ------------------------------------------------------------------ where a log comes from
+
+
+@pytest.fixture
+def source():
+    """A source of logs, what it took, what it said, and what it asked of the worker."""
+    took, begun, bar = [], [], Bar()
+    made = Source(LOG, lambda *given: took.append(given), bar, lambda *given: begun.append(given))
+    return made, took, bar, begun
+
+
+def test_a_log_is_taken_by_its_name_its_path_or_itself(source, tmp_path, monkeypatch):
+    """Catches Python that gives another log, and a list that names a log of one's own."""
+    made, took, _, begun = source
+    bundled, path, upload = made.controls
+    assert took == [(LOG, None)] and bundled.value == OWN == bundled.options[0]
+    assert made.expression == f"log  # {LOG.name!r}, the one given to Workbench"
+    assert list(bundled.options[1:]) == sorted(made.names) and "malaga" in made.names
+    assert [each.description for each in made.controls] == [
+        *("bundled log", "or its path", "or upload it")
+    ]
+    assert not path.continuous_update and upload.most == 100_000_000
+    bundled.value = "room"
+    assert made.expression == "segmap.load('room')" and made.log.name == "room"
+    assert len(took) == 2 and made.about.value == _shown.about(made.log)
+    bundled.value = OWN
+    assert len(took) == 2 and begun == []
+    bundled.value = "room"
+    assert len(took) == 2, "it is there already"
+    monkeypatch.chdir(tmp_path)
+    path.value = "x.log"
+    ((function, given, then),) = begun
+    assert given == (str(tmp_path), "x.log") and function.__name__ == "_read"
+    then(LOG)
+    assert made.expression == "segmap.read('x.log', on_error=\"skip\")" and bundled.value == OWN
+    path.value = ""
+    assert len(begun) == 1
+    with pytest.raises(ValueError, match="must hold one scan at least, got none"):
+        made.open(LOG[:0])
+    assert made.log is LOG
+
+
+def test_pieces_of_a_file_are_put_together(source):
+    """Catches a piece that is lost or taken twice, and a file that stays when it is stopped."""
+    made, _, bar, begun = source
+    assert made.take("a/b.log", 4_000_000, 0, b"x" * 2_000_000) == 2_000_000
+    assert (bar.state.value, bar.bar.value) == ("uploading b.log, 2 of 4 MB ...", 0.5)
+    assert made.take("b.log", 4_000_000, 1_000_000, b"x" * 9) == 2_000_000, "go on from here"
+    assert made.take("b.log", 4_000_000, 2_000_000, b"y" * 2_000_000) == -1
+    ((_, (folder, name), _),) = begun
+    kept = made._folder
+    assert (folder, name) == (kept, "b.log")
+    assert (Path(kept) / "b.log").read_bytes() == b"x" * 2_000_000 + b"y" * 2_000_000
+    assert made.take("", 0, 0, b"") == -1 and begun[1][1][1] == "upload.log"
+    made.stop()
+    made.stop()
+    assert made.take("b.log", 9, 4, b"x") == -1 and len(begun) == 2
+    assert made.take("b.log", 100_000_000, 0, b"x") == 1
+    assert made.take("b.log", 100_000_001, 1, b"x") == -1
+    assert bar.state.value.startswith("b.log has 100.0 MB: only a file up to 100 MB")
