@@ -77,6 +77,14 @@ def add(commands: Any) -> None:
         help="align by pose_graph without these loops: the rows of --loops that are false, or one "
         "as FIRST-SECOND",
     )
+    command.add_argument(
+        "--tie",
+        action="extend",
+        type=pairs,
+        default=[],
+        metavar="FIRST-SECOND",
+        help="align by pose_graph, with a loop between two scans that see one place; or a FILE",
+    )
     opening.add_world(command)
     opening.add_output(command, SUFFIXES, WRITTEN)
     functions = {name: method.function for name, method in METHODS.items()}
@@ -90,11 +98,11 @@ def check(given: argparse.Namespace) -> None:
     refuse_others(given, given.method, METHODS)
     refuse_others(given, given.extract, extraction.METHODS, EXTRACT)
     opening.check_options(given)
-    if given.veto or given.loops:
+    if given.veto or given.tie or given.loops:
         if given.align not in (None, "pose_graph"):
-            given.refuse(f"--loops and --veto are for pose_graph: {given.align} closes no loops")
+            given.refuse(f"--loops, --veto and --tie: {given.align} closes no loops")
         if len(given.logs) > 1:
-            given.refuse("--loops and --veto are for one log")
+            given.refuse("--loops, --veto and --tie are for one log")
         given.align = "pose_graph"
 
 

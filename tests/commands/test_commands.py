@@ -793,7 +793,7 @@ def test_map_lists_its_loops_and_leaves_out_those_that_a_file_vetoes(run):
     run("map", "it.segmap", "--loops", "again.csv")
     assert len(pd.read_csv("again.csv")) == len(whole) - 1
     for text, wrong, words in (
-        ("first,second\n0,3\n", 1, "--veto: no loop was closed between scans 0-3"),
+        ("first,second\n0,3\n", 1, "veto: no loop was closed between scans 0-3"),
         ("first\n0\n", 2, "bad.csv must be a table with columns first and second"),
     ):
         Path("bad.csv").write_text(text)
