@@ -63,9 +63,13 @@ class Edits:
         found["crs"] = self.crs.value.strip()
         return {name: value for name, value in found.items() if value}
 
+    def take_loops(self, held: Mapping[str, Any]) -> None:
+        """Leave out and force the loops that these edits name, and no others."""
+        self.veto, self.tie = [*held.get("veto", [])], [*held.get("tie", [])]
+
     def restore(self, held: Mapping[str, Any]) -> None:
         """Set what a session keeps, and nothing else."""
-        self.veto, self.tie = [*held.get("veto", [])], [*held.get("tie", [])]
+        self.take_loops(held)
         self.square.value, self.crs.value = held.get("square", False), held.get("crs", "")
         for name in NUMBERS:
             value = held.get(name, [])

@@ -239,4 +239,7 @@ def said(fault: Exception) -> str:
     >>> said(ValueError("map is empty")), said(KeyError("a"))
     ('map is empty', "KeyError: 'a'")
     """
-    return str(fault) if isinstance(fault, ValueError) else f"{type(fault).__name__}: {fault}"
+    if isinstance(fault, Stopped):
+        return "stopped"
+    own = isinstance(fault, ValueError | Failed)
+    return str(fault) if own else f"{type(fault).__name__}: {fault}"

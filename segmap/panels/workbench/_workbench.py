@@ -24,7 +24,7 @@ from ...segments import length
 from . import _shown
 from ._bar import Bar
 from ._choices import WRAP, Choices
-from ._job import Failed, Stopped, Worker, said
+from ._job import Worker, said
 from ._loops import Loops
 from ._recipe import Outcome, Recipe, follow
 from ._session import restore, session_of
@@ -177,12 +177,10 @@ class Workbench:
         try:
             with told(self._bar.tell):
                 then(self._worker.do(function, *given))
-        except Stopped:
-            self._bar.say(f"stopped{kept}", 0.0)
-        except Failed as fault:
-            self._bar.say(f"{fault}{kept}", 0.0)
         except Exception as fault:
             self._bar.say(f"{said(fault)}{kept}", 0.0)
+            if self._known is not None:  # a loop that cannot be closed is not tried again
+                self.edits.take_loops(self._known.recipe.edits)
         finally:
             self.start.disabled = False
 
