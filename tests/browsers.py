@@ -98,8 +98,8 @@ class Browser:
     def size(self, width: int, height: int) -> None:
         self._call("POST", "/window/rect", {"width": width, "height": height})
 
-    def devtools(self, command: str, settings: dict[str, Any]) -> None:
-        self._call("POST", "/goog/cdp/execute", {"cmd": command, "params": settings})
+    def devtools(self, command: str, settings: dict[str, Any]) -> Any:
+        return self._call("POST", "/goog/cdp/execute", {"cmd": command, "params": settings})
 
     def mouse(self, kind: str, x: float, y: float, **more: Any) -> None:
         place = {"type": kind, "x": x, "y": y, "button": "left", "buttons": 1, "clickCount": 1}

@@ -48,6 +48,14 @@ def add(commands: Any) -> None:
         help="align by pose_graph without these loops: the rows of --loops that are false, or one "
         "as FIRST-SECOND",
     )
+    command.add_argument(
+        "--tie",
+        action="extend",
+        type=pairs,
+        default=[],
+        metavar="FIRST-SECOND",
+        help="align by pose_graph, with a loop between two scans that see one place; or a FILE",
+    )
     add_making(command)
     command.set_defaults(run=partial(opening.each_log, work=map_log, check=check))
 
@@ -102,11 +110,11 @@ def check_making(given: argparse.Namespace) -> None:
 def check(given: argparse.Namespace) -> None:
     """Refuse loops that are of no pose graph, or of several."""
     check_making(given)
-    if given.veto or given.loops:
+    if given.veto or given.tie or given.loops:
         if given.align not in (None, "pose_graph"):
-            given.refuse(f"--loops and --veto are for pose_graph: {given.align} closes no loops")
+            given.refuse(f"--loops, --veto and --tie: {given.align} closes no loops")
         if len(given.logs) > 1:
-            given.refuse("--loops and --veto are for one log")
+            given.refuse("--loops, --veto and --tie are for one log")
         given.align = "pose_graph"
 
 

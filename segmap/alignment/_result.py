@@ -6,7 +6,7 @@ import inspect
 import time
 from collections import Counter
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import wraps
 from typing import TYPE_CHECKING, NamedTuple, ParamSpec
 
@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .. import arrays
 from .._display import Pictured
-from ..arrays import Array, checked
+from ..arrays import Array, Radians, checked
 from ..extraction import extract_polylines
 from ..poses.motions import between, compose
 from ..scans import LaserScan, Log
@@ -166,6 +166,11 @@ class Alignment(Pictured):
         counts = Counter(reason for reason in self.reasons if reason)
         rows = sorted(((n, reason) for reason, n in counts.items()), reverse=True)
         return pd.DataFrame([n for n, _ in rows], [reason for _, reason in rows], ["scans"])
+
+    def turned(self, angle: Radians) -> Alignment:
+        """All poses turned about the origin, counter-clockwise."""
+        turn = arrays.number(angle, "angle", unit="radians")
+        return replace(self, poses=compose(np.array([0.0, 0.0, turn]), self.poses))
 
     def loops(self) -> pd.DataFrame:
         """The loops that a pose graph closed: a row for each, numbered from 0.

@@ -11,4 +11,4 @@ from ._graph import write_graph
 from ._maps import Classes, ros_classes, write_geojson, write_ros_map, write_svg
 from ._segments import write_segments
 from ._trajectories import write_carmen, write_tum
-from ._world import Earth, Frame, Grid
+from ._world import Earth, Frame, Grid, placed_at

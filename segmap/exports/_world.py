@@ -133,6 +133,26 @@ class Grid(Frame):
         return (_turned(points, self.north) + [self.east, self.northing]).round(GRID_DIGITS)
 
 
+def placed_at(
+    place: Sequence[float] | None, north: float | None = None, crs: str | None = None
+) -> Frame:
+    """The frame that the options --place, --north (degrees, else 90) and --crs of a map mean.
+
+    Examples
+    --------
+    >>> placed_at((500_000, 5_800_000), crs="EPSG:25832")
+    Grid(name='EPSG:25832', east=500000.0, northing=5800000.0, north=1.5707963267948966)
+    """
+    if place is None:
+        return Frame()
+    (first, second), turn = place, float(np.radians(90.0 if north is None else north))
+    try:
+        return Earth(first, second, turn) if crs is None else Grid(crs, first, second, turn)
+    except ValueError as error:
+        swapped = crs is None and 90 < abs(first) <= 180 and abs(second) <= 90
+        raise ValueError(f"{error}{'; the latitude comes first' * swapped}") from error
+
+
 def _turned(points: ArrayLike, north: float) -> Array:
     """Points `(..., 2)` of a map, metres, to the east and to the north of its origin."""
     return transform((0, 0, np.pi / 2 - north), points)

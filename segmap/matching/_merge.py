@@ -7,7 +7,6 @@ from typing import Any
 from .. import alignment, arrays
 from ..alignment import Alignment, LiveGraph
 from ..arrays import Array
-from ..progress import each
 from ..quadtree import build_map
 from ..scans import LaserScan, Log
 from ._search import search
@@ -35,8 +34,7 @@ def merge(first: Log, second: Log, **thresholds: Any) -> Alignment:
     logs = arrays.instance(first, "first", Log), arrays.instance(second, "second", Log)
     graphs = LiveGraph(**thresholds), LiveGraph(**thresholds)
     for graph, log in zip(graphs, logs, strict=True):
-        for scan in each(log, "placing scan"):
-            graph.add(scan)
+        graph.extend(log)
     map = build_map(first, graphs[0].refine(), resolution=CELL)
 
     def places(scan: LaserScan) -> Array:

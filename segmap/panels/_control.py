@@ -114,3 +114,15 @@ def _meant(made: Any, said: Declared, first: Any) -> Any:
     if first is not None and read == _read(said, first):
         return first
     return said.meant(float(f"{read:.6g}"))
+
+
+def folded(name: str, box: Any, tooltip: str = "") -> Any:
+    """A button that shows and hides a box; it is hidden at first."""
+    button = W.ToggleButton(False, description=name, tooltip=tooltip)
+    button.layout.width, box.layout.display = "auto", "none"
+
+    def fold(change: Any) -> None:
+        box.layout.display = "flex" if change["new"] else "none"
+
+    button.observe(fold, names="value")
+    return button

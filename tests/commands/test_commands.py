@@ -836,8 +836,17 @@ def test_map_lists_its_loops_and_leaves_out_those_that_a_file_vetoes(run):
     run("map", "corridor", "--veto", one, "--loops", "one.csv", "-o", "it.segmap")
     run("map", "it.segmap", "--loops", "again.csv")
     assert len(pd.read_csv("again.csv")) == len(whole) - 1
+    # A loop is forced, and kept as well
+    code, out, _ = run(
+        "map", "corridor", "--tie", "5-151", "--loops", "tied.csv", "-o", "it.segmap"
+    )
+    assert code == 0 and "5 loops closed" in out
+    assert [5, 151] in pd.read_csv("tied.csv")[ends].values.tolist()
+    assert readers.read_session("it.segmap").edits == {"tie": ["5-151"]}
+    code, _, beside = run("map", "corridor", "--tie", "0-54")
+    assert code == 1 and "tie: scan 54 is not placed by 0: the two places look different" in beside
     for text, wrong, words in (
-        ("first,second\n0,3\n", 1, "--veto: no loop was closed between scans 0-3"),
+        ("first,second\n0,3\n", 1, "veto: no loop was closed between scans 0-3"),
         ("first\n0\n", 2, "bad.csv must be a table with columns first and second"),
     ):
         Path("bad.csv").write_text(text)

@@ -67,6 +67,22 @@ const d = c.getContext('2d').getImageData(w, 30, w, c.height - 80).data;
 for (let i = 0; i < d.length; i += 4) if (d[i] === 0 && d[i + 1] === 114 && d[i + 2] === 178)
   return [box.left + (w + (i / 4) % w) / dots, box.top + (30 + Math.floor(i / 4 / w)) / dots];
 return null"""
+#: Two places of the way on the canvas: the first and the last that are green.
+GREEN = """
+const c = document.querySelector('.segmap-canvas');
+c.scrollIntoView({block: 'center'});
+const box = c.getBoundingClientRect(), dots = c.width / box.width, found = [];
+const d = c.getContext('2d').getImageData(0, 0, c.width, c.height).data;
+for (let i = 0; i < d.length; i += 4) if (d[i] < 30 && d[i + 1] > 140 && d[i + 2] < 130)
+  found.push([box.left + (i / 4) % c.width / dots, box.top + Math.floor(i / 4 / c.width) / dots]);
+return [found[0], found[found.length - 1]]"""
+#: The two scans that are looked at.
+SCANS = "return [...document.querySelectorAll('input[type=number]')].slice(-2).map(e => +e.value)"
+#: Whether a button of this name can be pressed.
+READY = """
+return [...document.querySelectorAll('button')].some(
+  e => e.innerText.trim() === arguments[0] && !e.disabled)"""
+ENTER, SPACE = "\ue007", "\ue00d"
 #: Voila's page asks the net for a font of icons: see `ICONS` in the errors of a machine without.
 ICONS = "fontawesome"
 BUTTON = "//button[normalize-space()='{}']"
@@ -196,13 +212,80 @@ def test_a_long_log_is_taken_in_pieces_stopped_and_gone_after_a_reload(
     wait("the scans", lambda: " of 225" in browser.run(STATE))
     if width > 900:
         ways = "[...document.querySelectorAll('h2, canvas')].map(e => e.getBoundingClientRect().x)"
-        assert len(set(browser.run(f"return {ways}"))) == 2  # the map stands beside the steps
+        log, *_ = found = browser.run(f"return {ways}")
+        assert found[:4] == [log] * 4 and found[4] > log + 300  # the map stands beside the steps
     browser.open(app)
     wait("the page", lambda: browser.run(STATE) == "malaga: ready to run")
     assert browser.run("return [...document.querySelectorAll('h1, h2')].map(e => e.innerText)") == [
         "From a log of a laser to a map", *("1 Log", "2 Poses", "3 Segments", "4 Map"),
-        *("All runs", "In Python"),
+        *("Mend the map", "All runs", "In Python"),
     ]  # fmt: skip
+
+
+@pytest.mark.parametrize("width", [400, 700, 1280])
+def test_a_loop_is_left_out_by_keys_alone_and_two_places_are_clicked(app, browser, width):
+    """Catches a control that only a mouse reaches, a toggle without a state, a click that is lost.
+
+    What a screen reader is told comes from Chromium's accessibility tree.
+    """
+    opened(browser, app, width)
+    browser.click(f"{PICKED.format('bundled log')}/option[normalize-space()='corridor']")
+    wait("the log", lambda: browser.run(STATE) == "corridor: ready to run")
+    for kind, name in (("alignment", "pose_graph"), ("method", "fusion")):
+        browser.click(f"{PICKED.format(kind)}/option[normalize-space()='{name}']")
+    pressed(browser, "Run", ENTER)
+    wait("a run", lambda: "loops (4)" in browser.run(TEXT), 180)
+    assert toggles(browser) == {"before": False, "after": True, "both": False, "loops (4)": False,
+                                "crop and place": False, "settings": False}  # fmt: skip
+    pressed(browser, "loops (4)", SPACE)
+    wait("the loops", lambda: re.match(r"4-151: 0.\d\d sd off, 76 m round", listed(browser)[0]))
+    assert toggles(browser)["loops (4)"]
+    time.sleep(1)  # until the way is drawn
+    numbers = [browser.run(SCANS)]
+    for x, y in browser.run(GREEN):
+        for kind in ("Pressed", "Released"):
+            browser.mouse(f"mouse{kind}", x, y)
+        wait("a place", lambda: browser.run(SCANS) != numbers[-1], 20)
+        numbers.append(browser.run(SCANS))
+    assert numbers[1][1] == numbers[2][0] != numbers[2][1]
+    pressed(browser, "Leave it out", ENTER)
+    wait("the veto", lambda: listed(browser)[0] == "4-151: left out", 120)
+    assert "veto=[(4, 151)]" in browser.run(TEXT)
+    for place, scan in (("scan", "152"), ("and", "5")):
+        entry = browser.find(f"//label[normalize-space()='{place}']/following-sibling::input")
+        browser.type(entry, f"\ue009a\ue000{scan}\ue004")
+    pressed(browser, "Close a loop here", ENTER)
+    wait("the tie", lambda: any("5-151 (by you)" in each for each in listed(browser)), 60)
+    browser.type(browser.find("//select[@size]"), "\ue011")  # the first one
+    pressed(browser, "Take it back", SPACE)
+    wait("the loop", lambda: "veto=[], tie=[(5, 151)]" in browser.run(TEXT), 60)
+    browser.screenshot(SCREENSHOT.with_name(f"workbench_loops_{width}.png"))
+    assert browser.run(WIDE) and browser.run(PALE) == []
+
+
+def pressed(browser, name, key):
+    """A button, by the keyboard."""
+    wait("the button", lambda: browser.run(READY, name), 60)
+    browser.type(browser.find(BUTTON.format(name)), key)
+
+
+def listed(browser):
+    """The list of loops, whose spaces do not break."""
+    texts = browser.run(
+        "return [...document.querySelectorAll('select[size] option')].map(e => e.text)"
+    )
+    return [text.replace("\xa0", " ") for text in texts]
+
+
+def toggles(browser):
+    """What a screen reader is told of each button that has a state."""
+    nodes = browser.devtools("Accessibility.getFullAXTree", {})["nodes"]
+    found = {}
+    for node in nodes:
+        state = [p["value"]["value"] for p in node.get("properties", []) if p["name"] == "pressed"]
+        if state and not node["ignored"] and node["name"]["value"]:
+            found[node["name"]["value"]] = state[0] in (True, "true")
+    return found
 
 
 def exports_of_one_scan(path):

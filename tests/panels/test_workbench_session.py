@@ -1,6 +1,7 @@
 """Sessions of the workbench: what is chosen comes back, and the command makes the same map."""
 
 import json
+import re
 
 import numpy as np
 import pytest
@@ -64,3 +65,133 @@ def test_page_and_command_make_one_map(chosen, tmp_path, monkeypatch, capsys):
     assert page.log.name == "room" and page.runs.equals(chosen.runs) and len(page.runs) == 2
     page.run()
     assert np.array_equal(page.outcome.reductions[0].segments, wanted)
+
+
+@pytest.fixture
+def mended():
+    """The corridor with a loop left out, one forced, and all other edits."""
+    page = Workbench()
+    page.open("corridor")
+    page.align.value, page.method.value = "pose_graph", "fusion"
+    page.run()
+    page.loops.open.value = True
+    page.loops.listed.value = page.loops.listed.options[0][1]  # the worst
+    page.loops.mend.click()
+    page.wait()
+    page.loops.first.value, page.loops.second.value = 152, 5
+    page.loops.tie.click()
+    page.wait()
+    page.edits.square.value = True
+    page.wait()
+    page.edits.crop.value, page.edits.place.value = "-30, -5 5.5 30", "36.7 -4.4"
+    page.wait()
+    page.edits.north.value = "60"
+    page.wait()
+    return page
+
+
+EDITS = {
+    **{"veto": ["4-151"], "tie": ["5-151"], "square": True, "crop": [-30.0, -5.0, 5.5, 30.0]},
+    **{"place": [36.7, -4.4], "north": [60.0]},
+}
+
+
+def test_a_mended_map_is_that_of_its_code_and_of_the_command(mended, tmp_path, monkeypatch, capsys):
+    """Catches an edit that one of the three leaves out, or makes in another order."""
+    monkeypatch.chdir(tmp_path)
+    plain = segmap.build_map(mended.log, segmap.alignment.pose_graph(mended.log).trusted)
+    assert len(mended.outcome.map) < len(plain)
+    assert mended.outcome.alignment.loops()["first"].tolist() == [0, 1, 3, 5]
+    wanted = mended.outcome.reductions[0].segments
+    exec(mended.code.replace("# segmap.exports", "segmap.exports"), names := {})
+    assert np.array_equal(names["reduced"].segments, wanted)
+    mended.export("page.geojson")
+    mended.export("it.segmap")
+    assert main(["map", "it.segmap", "-o", "it.csv", "-o", "it.geojson", "-o", "more.segmap"]) == 0
+    assert np.array_equal(readers.read_segments("it.csv").segments, wanted)
+    files = [(tmp_path / f"{name}.geojson").read_bytes() for name in ("map", "page", "it")]
+    assert len({*files}) == 1 and b'"crs"' not in files[0]
+    assert main(["map", "it.segmap", "-o", "it.dxf"]) == 0  # without a use for the place
+    # and comes back, from the command's session too
+    assert readers.read_session("it.segmap").edits == EDITS
+    for name in ("it.segmap", "more.segmap"):
+        page = Workbench(segmap.load("malaga")[:3])
+        page.open(name)
+        assert page.edits.value() == EDITS
+    page.run()
+    assert np.array_equal(page.outcome.reductions[0].segments, wanted)
+    page.open(segmap.load("room"))
+    assert page.edits.value() == {}  # of another map
+
+
+def test_a_loop_is_taken_back_without_a_scan_placed_anew(mended, monkeypatch):
+    """Catches an edit that is for ever, a list that forgets it, and work that is done twice."""
+    loops, said = mended.loops, []
+    monkeypatch.setattr(mended._bar, "tell", lambda share, words: said.append(words))
+    words, names = zip(*loops.listed.options, strict=True)
+    assert words[0] == "4-151: left out" and {*names} == {
+        "0-145",
+        "1-147",
+        "3-149",
+        *EDITS["veto"],
+        *EDITS["tie"],
+    }
+    assert re.fullmatch(
+        r"5-151 \(by you\): 0\.\d\d sd off, 7\d m round", words[names.index("5-151")]
+    )
+    assert loops.open.description == "loops (4)" and loops.mend.description == "Take it back"
+    for name in ("5-151", "4-151"):
+        loops.listed.value = name
+        loops.mend.click()
+        mended.wait()
+    assert mended.edits.value().keys() == EDITS.keys() - {"veto", "tie"}
+    assert "mending the graph" in said and not any("placing" in words for words in said)
+    found = segmap.alignment.pose_graph(mended.log)
+    assert np.array_equal(mended.outcome.solved.poses, found.poses)
+    assert np.array_equal(mended.outcome.alignment.loops()["second"], found.loops()["second"])
+
+
+def test_two_scans_are_seen_over_each_other_and_on_the_way(mended):
+    """Catches a picture of other scans, a click that is lost, and a way that is shown for ever."""
+    loops, canvas = mended.loops, mended.canvas
+    for scan in (20, 30):
+        canvas._handle_custom_msg({"scan": scan}, [])
+    assert (loops.first.value, loops.second.value, canvas.looked_at) == (20, 30, [20, 30])
+    poses = mended.outcome.alignment.poses
+    apart = np.hypot(*(poses[20] - poses[30])[:2])
+    assert f'alt="scan 20 black, scan 30 red, {apart:.1f} m apart' in loops.picture.value
+    middle = mended.outcome.map.segments.reshape(-1, 2)
+    middle = (middle.min(0) + middle.max(0)) / 2
+    way = np.frombuffer(canvas.way, np.float32).reshape(-1, 2)
+    assert np.allclose(way + middle, poses[:, :2], atol=1e-5)
+    loops.open.value = False
+    assert canvas.way == b"" and canvas.looked_at == []
+    mended.edits.drag.value = True
+    assert canvas.drawing
+    canvas._handle_custom_msg({"rectangle": [-1, -2, 3, 4]}, [])
+    mended.wait()
+    assert not canvas.drawing
+    assert np.allclose(
+        mended.edits.value()["crop"], [*(middle - (1, 2)), *(middle + (3, 4))], atol=0.01
+    )
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "words"),
+    [
+        ("crop", "1 2 3", "crop [m] must be like 'left low right high', got '1 2 3'"),
+        ("crop", "3 0 1 1", "left"),
+        ("crop", "900 0 901 1", "no segment is left: loosen extraction, filter or crop"),
+        ("north", "up", "north [degrees] must be like '90, which is up', got 'up'"),
+        ("north", "30", "north and a grid need a place"),
+        ("place", "139.7 35.7", "; the latitude comes first"),
+    ],
+)
+def test_an_edit_that_cannot_be_is_refused_in_words(name, text, words):
+    """Catches a map that is empty or elsewhere without a word, and a fault that nobody sees."""
+    page = Workbench(segmap.load("room"))
+    page.run()
+    getattr(page.edits, name).value = text
+    page.wait()
+    assert words in page.state.value.replace("&#x27;", "'")
+    assert len(page.outcome.map) == 567  # the last good run

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 from collections import Counter
-from dataclasses import replace
+from collections.abc import Sequence
 from typing import Any, TypeVar
 
 import numpy as np
@@ -12,10 +12,8 @@ import numpy as np
 from ..._display import counted
 from ...alignment import METHODS, Alignment, LiveGraph, deskew, usual_method
 from ...arrays import Array
-from ...exports import Earth, Frame, Grid
+from ...exports import Frame, placed_at
 from ...extraction import build_map
-from ...poses import compose
-from ...progress import each
 from ...quadtree import QuadtreeMap, extent
 from ...scans import Log
 from ...scans.moving import is_timed
@@ -85,8 +83,13 @@ def aligned(given: argparse.Namespace, log: Log, report: Report) -> Alignment:
     if name == "angle_correspondence":
         options = {"rng": np.random.default_rng(0)}
     options |= chosen_thresholds(given, METHODS[name].function, "align_")
-    veto = getattr(given, "veto", [])
-    found = without(log, veto, options) if veto else METHODS[name](log, **options)
+    if getattr(given, "veto", []) or getattr(given, "tie", []):
+        graph = LiveGraph(**options)
+        graph.extend(log)
+        graph.refine()
+        found = graph.mended(ends(given.veto), ends(given.tie))
+    else:
+        found = METHODS[name](log, **options)
     tell_alignment(found, report)
     return found
 
@@ -107,18 +110,9 @@ def tell_alignment(found: Alignment, report: Report) -> None:
         report.line("", f"doubt: {found.doubt}")
 
 
-def without(log: Log, veto: list[str], options: dict[str, Any]) -> Alignment:
-    """The pose graph of a log without the loops `FIRST-SECOND`."""
-    graph = LiveGraph(**options)
-    for scan in each(log, "placing scan"):
-        graph.add(scan)
-    found = graph.refine().loops()
-    known = [f"{i}-{j}" for i, j in zip(found["first"], found["second"], strict=True)]
-    for loop in veto:
-        if loop not in known:
-            raise ValueError(f"--veto: no loop was closed between scans {loop}")
-    graph.veto([known.index(loop) for loop in veto])
-    return graph.refine()
+def ends(loops: Sequence[str]) -> list[list[int]]:
+    """Both scans of each loop that is given as `FIRST-SECOND`."""
+    return [[int(scan) for scan in loop.split("-")] for loop in loops]
 
 
 def add_world(command: Any) -> None:
@@ -179,17 +173,13 @@ def world_of(given: argparse.Namespace) -> Frame:
             if getattr(given, option) is not None:
                 given.refuse(f"--{option} needs --place, the place of the map's (0, 0)")
         return Frame()
-    if not any(name.lower().endswith(".geojson") for name in given.output):
+    useful = any(name.lower().endswith((".geojson", ".segmap")) for name in given.output)
+    if not useful and "place" not in given.held:
         given.refuse("--place is for a .geojson, the other files have no place: name one with -o")
-    north = np.radians(90.0 if given.north is None else given.north)
-    first, second = given.place
     try:
-        if given.crs is not None:
-            return Grid(given.crs, first, second, north)
-        return Earth(first, second, north)
+        return placed_at(given.place, given.north, given.crs)
     except ValueError as error:
-        swapped = given.crs is None and 90 < abs(first) <= 180 and abs(second) <= 90
-        given.refuse(f"--place: {error}" + ("; the latitude comes first" if swapped else ""))
+        given.refuse(f"--place: {error}")
         raise
 
 
@@ -200,7 +190,7 @@ def squared(given: argparse.Namespace, log: Log, found: Alignment, report: Repor
     turn = -main_direction(build_map(log, found.trusted))
     words = f"by {np.degrees(turn):.2f} degrees about the origin: most walls along x and y"
     report.line("turned", words, degrees=float(np.degrees(turn)))
-    return replace(found, poses=compose((0, 0, turn), found.poses))
+    return found.turned(turn)
 
 
 def cropped(given: argparse.Namespace, map: Map, report: Report) -> Map:

@@ -20,12 +20,13 @@ OF_A_RUN = {
     *("output", "strict", "force", "loops"),
 }
 #: Options that change the map and not the way to it.
-EDITS = {"veto", "crop", "square", "place", "north", "crs"}
+EDITS = {"veto", "tie", "crop", "square", "place", "north", "crs"}
 
 
 def parsed(parser: argparse.ArgumentParser, words: Sequence[str]) -> argparse.Namespace:
     """The options given, above those of the file that --config names."""
-    found = parser.parse_args(words, argparse.Namespace(parser=parser, words=words, lent=set()))
+    begun = argparse.Namespace(parser=parser, words=words, lent=set(), held=set())
+    found = parser.parse_args(words, begun)
     if path := getattr(found, "config", None):
         try:
             held = tomllib.loads(path.read_text(encoding="utf-8"))
@@ -54,9 +55,10 @@ def applied(
         elif not (flag == "output" and given.output):
             words += _written(flag, value, known[flag])
     words += given.words[1:]
-    found = given.parser.parse_args(
-        words, argparse.Namespace(parser=given.parser, words=words, lent=set())
+    begun = argparse.Namespace(
+        parser=given.parser, words=words, lent=set(), held=given.held | {*held}
     )
+    found = given.parser.parse_args(words, begun)
     for kind in ("method", "align"):
         if kind in held and getattr(found, kind, held[kind]) != held[kind]:
             found.lent = {name.replace("-", "_") for name in held}

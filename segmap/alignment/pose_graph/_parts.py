@@ -87,8 +87,7 @@ def align_parts(
 def _aligned(thresholds: dict[str, Any], log: Log) -> LiveGraph:
     """The graph of one part, without what the caller has or can make again: it may travel far."""
     graph = LiveGraph(**thresholds)
-    for scan in each(log, "placing scan of a part:"):
-        graph.add(scan)
+    graph.extend(log)
     front, closer = inside(graph)
     front.frames.optimize()
     front.scans, front.local, closer.maps = [], None, {}

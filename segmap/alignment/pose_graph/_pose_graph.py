@@ -7,7 +7,7 @@ key frame, the key frames with the edges between them, and the closing of loops.
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from typing import TYPE_CHECKING, Annotated, NamedTuple
@@ -42,6 +42,8 @@ MORE, ROUND = 0.05, np.pi
 
 HalfSide = Annotated[Metres, at_most(20)]
 HalfTurn = Annotated[Radians, at_most(np.pi)]
+#: Loops by the scans at both ends.
+Pairs = Sequence[Sequence[int]]
 
 
 @alignment_method
@@ -105,8 +107,7 @@ def pose_graph(
         tracking=tracking,
         closing=closing,
     )
-    for scan in each(log, "placing scan"):
-        graph.add(scan)
+    graph.extend(log)
     return graph.settled()
 
 
@@ -184,6 +185,11 @@ class LiveGraph:
         self.seconds += time.perf_counter() - begun
         closed, self._mended = closed or self._mended, False
         return Placed(self._parts[0].pose(), closed)
+
+    def extend(self, log: Log) -> None:
+        """Place all scans of a log, one after the other."""
+        for scan in each(log, "placing scan"):
+            self.add(scan)
 
     def _laid(self, map: PointMap, points: Array, guess: Array) -> Match:
         """A scan's points `(m, 2)` searched for about a guess, then moved by a descent.
@@ -282,6 +288,31 @@ class LiveGraph:
             raise ValueError(f"loops must be rows of the {len(known)} closed so far, got {given}")
         with self._mending() as closer:
             closer.veto([known[row] for row in rows])
+
+    def mended(self, veto: Pairs = (), tie: Pairs = ()) -> Alignment:
+        """`refine` without some loops and with others, each two scans; ties are as `match` says.
+
+        Examples
+        --------
+        >>> from segmap import load
+        >>> graph = LiveGraph()
+        >>> graph.extend(load("corridor"))
+        >>> graph.refine().loops()[["first", "second"]].values.tolist()
+        [[0, 145], [1, 147], [3, 149], [4, 151]]
+        >>> graph.mended(veto=[(3, 149)], tie=[(5, 152)]).loops()["first"].tolist()
+        [0, 1, 4, 5]
+        """
+        for first, second in veto:
+            known = self.loops()[["first", "second"]].values.tolist()
+            if [first, second] not in known:
+                raise ValueError(f"veto: no loop was closed between scans {first}-{second}")
+            self.veto(known.index([first, second]))
+        for first, second in tie:
+            found = self.match(first, second)
+            if not found.matched:
+                raise ValueError(f"tie: scan {second} is not placed by {first}: {found.reason}")
+            self.tie(first, second, found.pose)
+        return self.refine()
 
     def match(self, first: int, second: int) -> Match:
         """How the place of one scan lies on the map around another, for `tie`.

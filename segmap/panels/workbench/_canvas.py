@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -23,6 +24,8 @@ class Canvas(anywidget.AnyWidget):
     `pointed` says which of the results, and which of its segments the mouse is on, -1 for none;
     `members` are rows of the map before that went into it. `size` is width and height, metres, of
     what is seen at first; the middle of the map is (0, 0). `shown` is one of `SHOWN`.
+    `way` are places of scans, `looked_at` two rows of it. A click on the way is told to `picked`,
+    and where one is `drawing`, a rectangle to `drawn`: left, low, right, high.
     """
 
     _esm = (Path(__file__).parent / "canvas.js").read_text(encoding="utf-8")
@@ -34,12 +37,35 @@ class Canvas(anywidget.AnyWidget):
     pointed = traitlets.List(traitlets.Int(), NOTHING).tag(sync=True)
     members = traitlets.List(traitlets.Int()).tag(sync=True)
     shown = traitlets.Unicode(SHOWN[1]).tag(sync=True)
+    way = traitlets.Bytes(b"").tag(sync=True)
+    looked_at = traitlets.List(traitlets.Int()).tag(sync=True)
+    drawing = traitlets.Bool(False).tag(sync=True)
+
+    def __init__(
+        self, picked: Callable[[int], None], drawn: Callable[[list[float]], None], **more: Any
+    ) -> None:
+        super().__init__(**more)
+        self._middle: Array = np.zeros(2)
+        self._picked, self._drawn = picked, drawn
+        self.on_msg(self._told)
+
+    def _told(self, widget: Any, said: dict[str, Any], buffers: Any) -> None:
+        if "scan" in said:
+            self._picked(int(said["scan"]))
+        else:
+            corners = np.reshape(said["rectangle"], (2, 2)) + self._middle
+            self._drawn(corners.ravel().round(2).tolist())
+
+    def look(self, way: Array, scans: Sequence[int]) -> None:
+        """Show a way, `(k, 2)`, metres, and two scans on it; nothing of it where that is empty."""
+        with self.hold_sync():
+            self.way, self.looked_at = _packed(way, self._middle), [*scans]
 
     def show(self, before: Array, results: list[Array], titles: list[str]) -> None:
         """Show other maps, `(n, 2, 2)`, metres; the view stays where the map covers the same."""
         ends = before.reshape(-1, 2)
         low, high = ends.min(0), ends.max(0)
-        middle = (low + high) / 2
+        self._middle = middle = (low + high) / 2
         with self.hold_sync():
             self.pointed, self.members, self.titles = NOTHING, [], titles
             self.before = _packed(before, middle)
@@ -54,5 +80,5 @@ class Canvas(anywidget.AnyWidget):
 
 
 def _packed(segments: Array, middle: Any) -> bytes:
-    """Segments `(n, 2, 2)` about a point, as single floats: a micrometre in ten metres."""
+    """Points `(..., 2)` about one of them, as single floats: a micrometre in ten metres."""
     return np.ascontiguousarray(segments - middle, np.float32).tobytes()

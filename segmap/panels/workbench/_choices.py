@@ -10,7 +10,8 @@ import ipywidgets as W
 
 from ... import alignment, extraction, reduction
 from ...scans import Log
-from .._control import ENTRY, control
+from .._control import ENTRY, control, folded
+from ._edits import Edits
 from ._recipe import Call, Recipe
 
 #: A slider goes in twentieths of the default up to ten times it.
@@ -47,10 +48,8 @@ class Choice:
             options=list(functions), value=first, description=name, style=NAME
         )
         self.picker.layout.flex = "1 1 200px"
-        self._box = W.Box(layout=W.Layout(**WRAP, display="none"))
-        self.settings: Any = W.ToggleButton(False, description="settings")
-        self.settings.tooltip, self.settings.layout.width = f"settings of {name}", "76px"
-        self.settings.observe(self._folded, names="value")
+        self._box = W.Box(layout=W.Layout(**WRAP))
+        self.settings: Any = folded("settings", self._box, f"settings of {name}")
         row = W.Box([self.picker, self.settings])
         self.view = W.VBox([row, self._box])
         self.picker.observe(self._chosen, names="value")
@@ -89,10 +88,6 @@ class Choice:
         values = {name: each.meant() for name, each in self.controls.items()}
         changed = {k: v for k, v in values.items() if k == varies or v != usual[k].default}
         return Call(self.value, function, changed)
-
-    def _folded(self, change: Any) -> None:
-        """Show the thresholds where that is asked for."""
-        self._box.layout.display = "flex" if change["new"] else "none"
 
     def _chosen(self, change: Any = None) -> None:
         about = self._functions[self.value]
@@ -136,9 +131,14 @@ class Choices:
         self.deskew.layout.width = "auto"
         self.least: Any = W.BoundedFloatText(0.0, min=0, max=100, step=0.05, **named)
         self.least.layout.width = "270px"
+        self.edits = Edits()
 
     def begin(self, log: Log) -> None:
-        """Choose the alignment that the command takes for a log, unless another one was chosen."""
+        """Choose the alignment that the command takes for a log, unless another one was chosen.
+
+        No edit of another map is kept.
+        """
+        self.edits.restore({})
         usual = alignment.usual_method(log)
         if self.align.value == self._usual:
             self.align.value = usual
@@ -149,7 +149,8 @@ class Choices:
         chosen = (choice.call() for choice in (self.align, self.extract, self.method))
         align, extract, first = (call for call in chosen if call is not None)
         least, deskew = float(self.least.value), timed and bool(self.deskew.value)
-        return Recipe(log, align, extract, least, first, self.second.call(), deskew)
+        edits = self.edits.value()
+        return Recipe(log, align, extract, least, first, self.second.call(), deskew, edits)
 
     def views(self) -> dict[str, Any]:
         """Their controls, by the steps of the way."""

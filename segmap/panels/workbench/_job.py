@@ -23,6 +23,7 @@ from typing import IO, Any
 
 from ...progress import announce, told
 from ...scans import Log
+from ._recipe import Outcome
 
 #: What the worker begins with: it finds the package that this Python has imported.
 START = (
@@ -30,6 +31,8 @@ START = (
 )
 #: What to do with a function that cannot be sent.
 HERE = "what only this notebook defines runs with workbench.run()"
+#: What both sides have, by the name of its type.
+Kept = dict[str, Any]
 #: A step may take so long, and is told at most every so often: seconds.
 PATIENCE, OFTEN = 0.2, 0.1
 
@@ -47,7 +50,7 @@ class Worker:
 
     def __init__(self) -> None:
         self._process: subprocess.Popen[bytes] | None = None
-        self._kept: Log | None = None
+        self._kept: Kept = {}
         self._lock, self._idle, self._stopped = threading.Lock(), threading.Event(), False
         self._idle.set()
 
@@ -69,9 +72,9 @@ class Worker:
                 _Writer(work, self._kept).dump((function, given))
             except Exception as fault:
                 raise Failed(f"{fault}; {HERE}") from fault
-            self._kept = _kept(given, self._kept)
+            self._kept |= _kept(given)
             result = self._done(process, work.getvalue())
-            self._kept = _kept((result,), self._kept)
+            self._kept |= _kept([result])
             return result
         finally:
             self._idle.set()
@@ -102,7 +105,7 @@ class Worker:
         with self._lock:
             if self._process is None or self._process.poll() is not None:
                 _end(self._process)
-                self._kept = None
+                self._kept = {}
                 command = [sys.executable, "-c", START, *sys.path]
                 pipes: Any = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE}
                 self._process = subprocess.Popen(command, **pipes)
@@ -130,33 +133,34 @@ class Worker:
         self.end()
 
 
-def _kept(values: Sequence[Any], before: Log | None) -> Log | None:
-    """The log that both sides have: it goes only once, for a long one takes seconds."""
-    return next((value for value in values if isinstance(value, Log)), before)
+def _kept(values: Sequence[Any]) -> Kept:
+    """The log and the outcome that both sides have: they go only once, for that takes seconds."""
+    return {type(value).__name__: value for value in values if isinstance(value, Log | Outcome)}
 
 
 class _Writer(pickle.Pickler):
-    """Sends a word in the place of the log that the other side has."""
+    """Sends a word in the place of what the other side has."""
 
-    def __init__(self, pipe: IO[bytes], kept: Log | None) -> None:
+    def __init__(self, pipe: IO[bytes], kept: Kept) -> None:
         super().__init__(pipe)
         self._known = kept
 
     def persistent_id(self, value: Any) -> str | None:
         """The word."""
-        return "kept" if value is self._known and value is not None else None
+        word = type(value).__name__
+        return word if value is not None and value is self._known.get(word) else None
 
 
 class _Reader(pickle.Unpickler):
-    """Puts the log in the place of the word."""
+    """Puts what is kept in the place of the word."""
 
-    def __init__(self, pipe: IO[bytes], kept: Log | None) -> None:
+    def __init__(self, pipe: IO[bytes], kept: Kept) -> None:
         super().__init__(pipe)
         self._known = kept
 
-    def persistent_load(self, word: str) -> Log | None:
-        """The log."""
-        return self._known
+    def persistent_load(self, word: str) -> Any:
+        """What is kept."""
+        return self._known[word]
 
 
 def _end(process: subprocess.Popen[bytes] | None) -> None:
@@ -190,7 +194,7 @@ def serve() -> None:
 
     with contextlib.suppress(ImportError):
         import numba  # noqa: F401 -- while the user still reads the page
-    kept: Log | None = None
+    kept: Kept = {}
     while True:
         work = calls.get()
         stop.clear()
@@ -199,11 +203,11 @@ def serve() -> None:
                 function, given = _Reader(io.BytesIO(work), kept).load()
             except Exception as fault:
                 raise ValueError(f"{fault}; {HERE}") from fault
-            kept = _kept(given, kept)
+            kept |= _kept(given)
             with told(hand_on):
                 result = function(*given)
             _send(answers, ("done", result), kept)
-            kept = _kept((result,), kept)
+            kept |= _kept([result])
         except Stopped:
             _send(answers, ("stopped", None))
         except Exception as fault:
@@ -222,8 +226,8 @@ def _listen(calls: queue.SimpleQueue[bytes], stop: threading.Event) -> None:
         os._exit(0)
 
 
-def _send(pipe: IO[bytes], value: object, kept: Log | None = None) -> None:
-    _Writer(pipe, kept).dump(value)
+def _send(pipe: IO[bytes], value: object, kept: Kept | None = None) -> None:
+    _Writer(pipe, kept or {}).dump(value)
     pipe.flush()
 
 
@@ -235,4 +239,7 @@ def said(fault: Exception) -> str:
     >>> said(ValueError("map is empty")), said(KeyError("a"))
     ('map is empty', "KeyError: 'a'")
     """
-    return str(fault) if isinstance(fault, ValueError) else f"{type(fault).__name__}: {fault}"
+    if isinstance(fault, Stopped):
+        return "stopped"
+    own = isinstance(fault, ValueError | Failed)
+    return str(fault) if own else f"{type(fault).__name__}: {fault}"

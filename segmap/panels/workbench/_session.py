@@ -36,7 +36,7 @@ def session_of(choices: Choices, log: Log, runs: Sequence[Mapping[str, Any]]) ->
         settings["filter"] = choices.least.value
     if not choices.deskew.value:
         settings["no_deskew"] = True
-    return Session(log, settings, runs)
+    return Session(log, settings, runs, choices.edits.value())
 
 
 def restore(choices: Choices, session: Session) -> None:
@@ -57,6 +57,7 @@ def restore(choices: Choices, session: Session) -> None:
                 if hasattr(made, "max"):  # of a slider, which may end below
                     made.max = max(made.max, value)
                 made.value = str(value) if isinstance(made, W.Text) else value
+        choices.edits.restore(session.edits)
         choices.least.value, choices.deskew.value = held.get("filter", 0.0), "no_deskew" not in held
     except (TraitError, TypeError, KeyError) as fault:
         raise ValueError(f"the session cannot be chosen here: {fault}") from fault

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import tempfile
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
@@ -24,7 +24,8 @@ from ...segments import length
 from . import _shown
 from ._bar import Bar
 from ._choices import WRAP, Choices
-from ._job import Failed, Stopped, Worker, said
+from ._job import Worker, said
+from ._loops import Loops
 from ._recipe import Outcome, Recipe, follow
 from ._session import restore, session_of
 from ._source import Source, telling
@@ -64,6 +65,9 @@ class Workbench:
         at.
     shown : buttons
         "before", "after" or "both": which maps are seen.
+    loops, edits : controls
+        Loops left out and forced, `loops.listed`, `loops.mend`, `loops.tie`; `edits.square`,
+        `edits.crop`, `edits.place`, `edits.north`, `edits.crs`: what is edited is run at once.
 
     Examples
     --------
@@ -85,6 +89,7 @@ class Workbench:
         self._choices = chosen = Choices()
         self.align, self.extract, self.least = chosen.align, chosen.extract, chosen.least
         self.method, self.second, self.deskew = chosen.method, chosen.second, chosen.deskew
+        self.edits, self.loops = chosen.edits, Loops(chosen.edits, self._looked, self._edited)
         self._make_outputs()
         first: str | Log = "malaga" if log is None else log
         self._source = Source(first, self._taken, self._bar, self._begin)
@@ -135,6 +140,22 @@ class Workbench:
             work = self._work()
             self._begin(follow, work, partial(self._show, work[1]))
 
+    def _edited(self, change: Any = None) -> None:
+        """Run again at once, where there is a map to be edited."""
+        if self._known is not None:
+            self._start()
+
+    def _looked(self, scans: Sequence[int]) -> None:
+        """Show the way on the map, and two scans on it; or no longer."""
+        if self.canvas is not None:
+            shown = self.outcome is not None and len(scans)
+            way = cast(Outcome, self.outcome).alignment.poses[:, :2] if shown else np.zeros((0, 2))
+            self.canvas.look(way, scans)
+
+    def _drawn(self, corners: list[float]) -> None:
+        """A rectangle was drawn on the map."""
+        self.edits.drag.value, self.edits.crop.value = False, " ".join(map(str, corners))
+
     def _begin(
         self, function: Callable[..., Any], given: tuple[Any, ...], then: Callable[[Any], None]
     ) -> None:
@@ -156,12 +177,10 @@ class Workbench:
         try:
             with told(self._bar.tell):
                 then(self._worker.do(function, *given))
-        except Stopped:
-            self._bar.say(f"stopped{kept}", 0.0)
-        except Failed as fault:
-            self._bar.say(f"{fault}{kept}", 0.0)
         except Exception as fault:
             self._bar.say(f"{said(fault)}{kept}", 0.0)
+            if self._known is not None:  # a loop that cannot be closed is not tried again
+                self.edits.take_loops(self._known.recipe.edits)
         finally:
             self.start.disabled = False
 
@@ -186,6 +205,7 @@ class Workbench:
         self.figures.value = _shown.left(outcome)
         self.listed.value = _shown.runs_table(self._rows)
         self.listing.value = _shown.code(outcome.recipe.code())
+        self.loops.show(outcome)
         self._bar.say("done", 1.0)
         self.chosen.value = "point at a segment that is left: what it was made of lights up"
 
@@ -233,7 +253,9 @@ class Workbench:
         if arrays.file(path).suffix == ".segmap":
             exports.write_session(path, session_of(self._choices, self.log, self._rows))
         else:
-            exports.write_segments(path, self._result(which))
+            result = self._result(which)
+            world = cast(Outcome, self.outcome).recipe.world()
+            exports.write_segments(path, result, world=world)
 
     def _download(self, button: Any) -> None:
         """Hand the first result to the browser."""
@@ -267,12 +289,17 @@ class Workbench:
         self.picture: Any = W.Image(format="png")
         self.shown: Any = W.ToggleButtons(options=["before", "after", "both"], value="after")
         self.shown.style.button_width = "80px"
+        for control in self.edits.controls:
+            control.observe(self._edited, names="value")
+        for control in (self.loops.mend, self.loops.tie, *self.edits.controls):
+            W.dlink((self.start, "disabled"), (control, "disabled"))
         try:
             from ._canvas import Canvas
         except ImportError:  # anywidget is not installed: a picture instead
             self.canvas: Any = None
             return
-        self.canvas = Canvas(layout=W.Layout(width="100%"))
+        self.canvas = Canvas(self.loops.picked, self._drawn, layout=W.Layout(width="100%"))
+        W.link((self.edits.drag, "value"), (self.canvas, "drawing"))
         self.canvas.observe(self._pointed, names="pointed")
         W.link((self.shown, "value"), (self.canvas, "shown"))
 
@@ -290,7 +317,10 @@ class Workbench:
         seen = [self.picture] if self.canvas is None else [self.shown, self.canvas]
         files = [] if self.canvas is None else [self.files]
         way = W.VBox(steps, layout=W.Layout(flex="1 1 310px", min_width="0", max_width="100%"))
-        right = [run, self.state, *seen, self.chosen, *files]
+        parts = [self.loops.open, self.edits.open, self.edits.square]
+        mend = [W.Box(parts, layout=W.Layout(**WRAP)), self.loops.box, self.edits.box]
+        mend = [W.HTML(_shown.heading("Mend the map")), *mend]
+        right = [run, self.state, *seen, self.chosen, *files, *mend]
         maps = W.VBox(right, layout=W.Layout(flex="3 1 540px", min_width="0"))
         both = W.Box([way, maps], layout=W.Layout(flex_flow="row wrap", grid_gap="4px 24px"))
         runs = [W.HTML(_shown.heading("All runs")), self.listed]

@@ -2,6 +2,7 @@
 const RAW = "#8c8c8c", MAP = "#000000", RESULT = "#0072b2", CHOSEN = "#b5478d", MEMBER = "#d55e00";
 const KEYS = "Arrow keys move it, plus and minus zoom, 0 shows all of it.";
 const MOVES = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
+const WAY = "#009e73", TOGGLES = ".widget-toggle-button, .widget-toggle-buttons button";
 const GAP = 8, NEAR = 9, LABEL = 22;
 
 function floats(model, name) {
@@ -26,13 +27,14 @@ function render({ model, el }) {
   for (const line of document.querySelectorAll(".segmap-state")) line.setAttribute("role", "status");
   el.style.width = "100%";
   el.appendChild(canvas);
-  let before, results, view, panes = [], width = 0, height = 0;
-  let asked = false, dragged = null, moved = false;
+  let before, results, way, view, panes = [], width = 0, height = 0;
+  let asked = false, dragged = null, moved = false, corners = null;
 
   function load() {
     before = floats(model, "before");
     results = [floats(model, "first"), floats(model, "second")].filter(
       (part, k) => part.length || (k === 0 && before.length));
+    way = floats(model, "way");
   }
 
   function lay() {  // as many panes as there are maps, in one row unless they would be too narrow
@@ -69,6 +71,26 @@ function render({ model, el }) {
     pen.strokeStyle = color;
     pen.lineWidth = thick;
     pen.lineCap = "round";
+    pen.stroke();
+  }
+
+  function marked(pane) {  // the way, two scans on it, and the rectangle that is drawn
+    pen.beginPath();
+    for (let i = 0; i < way.length; i += 2) pen.lineTo(...place(pane, way[i], way[i + 1]));
+    pen.strokeStyle = WAY;
+    pen.lineWidth = 1.5;
+    pen.stroke();
+    const ends = model.get("looked_at").filter(k => 2 * k < way.length)
+      .map(k => place(pane, way[2 * k], way[2 * k + 1]));
+    pen.beginPath();
+    ends.forEach(end => { pen.lineTo(...end); });
+    ends.forEach(([x, y]) => { pen.moveTo(x + 6, y); pen.arc(x, y, 6, 0, 2 * Math.PI); });
+    if (corners) {
+      const [x, y] = place(pane, ...corners[0]), [u, v] = place(pane, ...corners[1]);
+      pen.rect(x, y, u - x, v - y);
+    }
+    pen.strokeStyle = CHOSEN;
+    pen.lineWidth = 2.5;
     pen.stroke();
   }
 
@@ -121,6 +143,7 @@ function render({ model, el }) {
         stroke(pane, before, MEMBER, k === 0 ? 2.5 : 1.5, members);
         if (k > 0 && 4 * index < results[which].length) stroke(pane, results[which], CHOSEN, 4, [index]);
       }
+      marked(pane);
       write(titles[k] || "", pane.x + 8, pane.y + 16, true);
       if (before.length) bar(pane);
       else write("Run draws the map here", pane.x + pane.w / 2 - 70, pane.y + pane.h / 2);
@@ -158,6 +181,16 @@ function render({ model, el }) {
     return best;
   }
 
+  function scan(event) {  // the place of the way under the mouse: its row
+    const { x, y } = at(event);
+    let best = -1, least = 2 * NEAR / view.scale;
+    for (let i = 0; i < way.length; i += 2) {
+      const off = Math.hypot(x - way[i], y - way[i + 1]);
+      if (off < least) [best, least] = [i / 2, off];
+    }
+    return best;
+  }
+
   let pinned = false, waiting = null;
   function point(found) {
     if (String(found) === String(model.get("pointed"))) return;
@@ -174,6 +207,7 @@ function render({ model, el }) {
 
   canvas.addEventListener("pointerdown", event => {
     dragged = { x: event.clientX, y: event.clientY, far: 0 };
+    if (model.get("drawing")) corners = [at(event), at(event)].map(({ x, y }) => [x, y]);
     canvas.setPointerCapture(event.pointerId);
     canvas.style.cursor = "grabbing";
   });
@@ -185,20 +219,30 @@ function render({ model, el }) {
     }
     const dx = event.clientX - dragged.x, dy = event.clientY - dragged.y;
     dragged = { x: event.clientX, y: event.clientY, far: dragged.far + Math.abs(dx) + Math.abs(dy) };
+    if (corners) {
+      const { x, y } = at(event);
+      corners[1] = [x, y];
+      return ask();
+    }
     moved = moved || dx !== 0 || dy !== 0;
     view = { ...view, x: view.x - dx / view.scale, y: view.y + dy / view.scale };
     ask();
   });
   canvas.addEventListener("pointerup", event => {
-    if (dragged && dragged.far < 4) {
-      const found = nearest(event);
+    if (corners && dragged.far > 4) {
+      const [xs, ys] = [0, 1].map(k => corners.map(corner => corner[k]).sort((a, b) => a - b));
+      model.send({ rectangle: [xs[0], ys[0], xs[1], ys[1]] });
+    } else if (dragged && dragged.far < 4) {
+      const found = nearest(event), row = scan(event);
       pinned = found[0] >= 0;
-      point(found);
+      if (row >= 0) model.send({ scan: row });
+      else point(found);
     }
-    dragged = null;
+    dragged = corners = null;
+    ask();
     canvas.style.cursor = "grab";
   });
-  canvas.addEventListener("pointercancel", () => { dragged = null; });
+  canvas.addEventListener("pointercancel", () => { dragged = corners = null; });
   canvas.addEventListener("wheel", event => {
     event.preventDefault();
     zoom(Math.exp(-0.0015 * event.deltaY), at(event));
@@ -230,6 +274,7 @@ function render({ model, el }) {
   model.on("change:before change:first change:second change:titles", changed);
   model.on("change:size change:shown", another);
   model.on("change:pointed change:members", ask);
+  model.on("change:way change:looked_at", () => { load(); ask(); });
   model.on("msg:custom", (content, buffers) => {  // a file to keep
     const link = document.createElement("a");
     link.href = URL.createObjectURL(new Blob(buffers));
@@ -246,8 +291,16 @@ function render({ model, el }) {
     ask();
   });
   watch.observe(el);
+  const press = () => {  // a toggle tells what it is by its colour only
+    for (const button of document.querySelectorAll(TOGGLES))
+      button.setAttribute("aria-pressed", button.classList.contains("mod-active"));
+  };
+  const presses = new MutationObserver(press);
+  presses.observe(document.body,
+    { subtree: true, childList: true, attributes: true, attributeFilter: ["class"] });
+  press();
   another();
-  return () => { watch.disconnect(); clearTimeout(waiting); };
+  return () => { watch.disconnect(); presses.disconnect(); clearTimeout(waiting); };
 }
 
 export default { render };

@@ -1,0 +1,77 @@
+"""What is done to a map by hand: loops left out or forced, a turn, a crop, a place on the earth."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import ipywidgets as W
+
+from .._control import ENTRY, folded
+
+#: Entries of numbers, by their options: how many, label and example.
+NUMBERS = {
+    "crop": (4, "crop [m]", "left low right high"),
+    "place": (2, "place of (0, 0)", "latitude longitude"),
+    "north": (1, "north [degrees]", "90, which is up"),
+}
+
+
+class Edits:
+    """Controls of all edits; `veto` and `tie` are loops as `FIRST-SECOND`.
+
+    Examples
+    --------
+    >>> edits = Edits()
+    >>> edits.square.value, edits.crop.value = True, "0, -5, 20, 5"
+    >>> edits.value()
+    {'square': True, 'crop': [0.0, -5.0, 20.0, 5.0]}
+    """
+
+    def __init__(self) -> None:
+        self.veto: list[str] = []
+        self.tie: list[str] = []
+        wide: Any = {"style": ENTRY, "layout": {"width": "auto"}, "continuous_update": False}
+        words = "square: most walls along x and y"
+        self.square: Any = W.Checkbox(False, description=words, indent=False)
+        self.square.layout.width = "auto"
+        self.crop, self.place, self.north = (
+            W.Text(description=label, placeholder=hint, **wide)
+            for _, label, hint in NUMBERS.values()
+        )
+        hint = "EPSG:25832: place is east north"
+        self.crs: Any = W.Text(description="grid, not degrees", placeholder=hint, **wide)
+        self.drag: Any = W.ToggleButton(False, description="drag it on the map")
+        self.drag.layout.width = "auto"
+        self.controls = [self.square, self.crop, self.place, self.north, self.crs]
+        self.crop.layout.flex = "1 1 260px"
+        cut = W.Box([self.crop, self.drag], layout=W.Layout(flex_flow="row wrap"))
+        self.box = W.VBox([cut, self.place, self.north, self.crs])
+        self.open = folded("crop and place", self.box)
+
+    def value(self) -> dict[str, Any]:
+        """What is edited, by the options of `segmap map`, as a session keeps it."""
+        found: dict[str, Any] = {"veto": [*self.veto], "tie": [*self.tie]}
+        found["square"] = self.square.value
+        for name, (count, label, hint) in NUMBERS.items():
+            text = getattr(self, name).value
+            try:
+                found[name] = [float(word) for word in text.replace(",", " ").split()]
+                assert len(found[name]) in (0, count)
+            except (ValueError, AssertionError):
+                raise ValueError(f"{label} must be like '{hint}', got {text!r}") from None
+        found["crs"] = self.crs.value.strip()
+        return {name: value for name, value in found.items() if value}
+
+    def take_loops(self, held: Mapping[str, Any]) -> None:
+        """Leave out and force the loops that these edits name, and no others."""
+        self.veto, self.tie = [*held.get("veto", [])], [*held.get("tie", [])]
+
+    def restore(self, held: Mapping[str, Any]) -> None:
+        """Set what a session keeps, and nothing else."""
+        self.take_loops(held)
+        self.square.value, self.crs.value = held.get("square", False), held.get("crs", "")
+        for name in NUMBERS:
+            value = held.get(name, [])
+            numbers = value if isinstance(value, list) else [value]
+            getattr(self, name).value = " ".join(map(str, numbers))
