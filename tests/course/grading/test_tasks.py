@@ -8,6 +8,7 @@ from segmap_course import EXERCISES, OPEN_EXERCISES
 from segmap_course.exercises._answers import answered
 from segmap_course.grading.handout import (
     Task,
+    _handout,
     chapters,
     handout,
     package,
@@ -18,7 +19,7 @@ from segmap_course.grading.handout._given import BASICS, listed
 from segmap_course.grading.handout._handout import student_copy, text, write_folder
 from segmap_course.grading.handout._solutions import solution
 from segmap_course.grading.handout._source import Source
-from segmap_course.grading.handout._tasks import parts, places
+from segmap_course.grading.handout._tasks import Place, parts, places
 
 #: Cells of a made-up chapter: those that begin with a capital are text.
 SOURCES = (
@@ -84,6 +85,8 @@ def test_the_tasks_of_a_chapter_are_read_whole():
         Task("by_hand_99_11", NAME, (), 6, by_hand=True, rubric=own),
         Task("own_log_99_by_hand", NAME, (), 10, by_hand=True, rubric=own),
     ]
+    cells = made_up("my_f = 1", "course.check_f(my_f, later)", "my_f = later = 2")["cells"]
+    assert places(cells, {"check_f"}) == [Place("check_f", ("my_f",), "(my_f, later)", 0, 1)]
     found = places(made_up(*SOURCES)["cells"])
     assert [(place.written, place.checked, place.given) for place in found] == [
         (4, 5, "my_compose"),
@@ -167,11 +170,11 @@ def test_a_student_s_copy_is_written_whole():
     assert "- none\n" in student_copy(NAME, made_up("Title"), [])["cells"][1]["source"]
 
 
-def test_a_handout_is_written_whole_or_not_at_all(tmp_path):
+def test_a_handout_is_written_whole_or_not_at_all(tmp_path, monkeypatch):
     """Catches a key that others read, a half-written folder, and a seed that can be guessed."""
-    folder = tmp_path / "new" / "lab"
+    folder = tmp_path / "far" / "new" / "lab"
     key, tasks = handout(folder, wanted="11,13", seed=0)
-    assert key == tmp_path / "new" / "lab.instructor.json"
+    assert key == folder.parent / "lab.instructor.json"
     assert stat.S_IMODE(key.stat().st_mode) == 0o600
     held = json.loads(key.read_text())
     assert key.read_text() == json.dumps(held, indent=1) + "\n"
@@ -191,10 +194,9 @@ def test_a_handout_is_written_whole_or_not_at_all(tmp_path):
     (folder / "extra").write_text("x")
     with pytest.raises(ValueError, match=f"holds {names[0]}, {names[1]}, extra already"):
         handout(folder)
-    seeds = [
-        json.loads(handout(tmp_path / str(k), wanted="11")[0].read_text())["seed"] for k in range(3)
-    ]
-    assert len({*seeds}) == 3 and 2**100 < max(seeds) < 2**128
+    monkeypatch.setattr(_handout.secrets, "randbits", lambda bits: bits)
+    key, _ = handout(tmp_path / "x", wanted="11")
+    assert json.loads(key.read_text())["seed"] == 128, "bits that nobody can guess"
     with pytest.raises(ValueError, match="whole number from 0 on, got -1"):
         handout(tmp_path / "y", seed=-1)
     (tmp_path / ".z.part").mkdir()
