@@ -139,12 +139,12 @@ def plain_warnings() -> Iterator[None]:
         yield
 
 
-def progress(total: int, unit: str, doing: str = "") -> tqdm[Any]:
+def progress(total: int, unit: str) -> tqdm[Any]:
     """A bar on a terminal, and nothing elsewhere, nor where there is one step only."""
     from tqdm import tqdm
 
     hidden = True if total == 1 else None
-    return tqdm(total=total, unit=unit, desc=doing or None, disable=hidden, leave=False)
+    return tqdm(total=total, unit=unit, disable=hidden, leave=False)
 
 
 @contextmanager
@@ -188,9 +188,7 @@ def stoppable() -> Iterator[None]:
 
     def watch() -> None:
         """Wait for the signal, and then for the program to end by itself."""
-        while (number := heard.recv(1)) and number != bytes([signal.SIGINT]):
-            pass
-        if number and not ended.wait(PATIENCE):
+        if heard.recv(1) and not ended.wait(PATIENCE):
             tell("stopped")
             os._exit(130)
 

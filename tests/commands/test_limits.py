@@ -135,7 +135,7 @@ def test_strict_is_met_by_just_as_many(grade, placed, strict, code, capsys):
     assert opening.allowed(Namespace(strict=strict, force=True), verdict, paths, report) == paths
 
 
-SWAPPED = ("90.5 0", "-120 45", "180 -90")
+SWAPPED = ("139.7 35.7", "90.5 0", "-120 45", "180 -90")
 WRONG = ("180.5 0", "120 90.5", "120 -100", "90 0 --north 400", "120 1e9 --crs EPSG:25832")
 
 
@@ -260,11 +260,12 @@ def test_a_method_is_sought_by_doubling_and_then_between(monkeypatch):
     assert tried(1e9, slow_at=0, seconds=99.0) == [1]
 
 
-def test_a_map_is_thinned_only_beyond_2000_segments():
-    """Catches a map of just so many segments that loses half, and one scan that loses itself."""
-    for scans, count, kept in ((2, 2000, 2000), (2, 2001, 1001), (1, 2001, 2001)):
-        map = segmap.SegmentMap(np.tile(WALL, (count, 1, 1)), np.arange(count) % scans)
-        assert len(_compare.thinned(map)) == kept
+def test_a_map_is_thinned_scan_by_scan_beyond_2000_segments():
+    """Catches a map of just so many that loses half, one scan that loses itself, and hours."""
+    for scans, count, step in ((2, 2000, 1), (2, 2001, 2), (1, 2001, 1), (100, 9000, 5)):
+        scan = np.arange(count) % scans
+        part = _compare.thinned(segmap.SegmentMap(np.tile(WALL, (count, 1, 1)), scan))
+        assert part.scan.tolist() == scan[scan % step == 0].tolist()
 
 
 @pytest.mark.parametrize(

@@ -180,7 +180,8 @@ def is_log(path: Path) -> bool:
 
     A map of `segmap map` or `segmap occupancy` is an NPZ too, of other arrays.
     """
-    if path.suffix in DOCUMENTS or ((held := members(path)) and "ranges.npy" not in held):
+    held = members(path)
+    if path.suffix in DOCUMENTS or ("format.npy" in held and "ranges.npy" not in held):
         return False
     try:
         format_of(path)
