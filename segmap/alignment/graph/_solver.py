@@ -101,27 +101,20 @@ class Solver:
         what the new edges change. Raises LinAlgError where information leaves a pose free.
         """
         poses = before = poses.copy()
-        factor, n = self._prepared(len(poses)), len(poses)
-        known: Any = (field[: self._count] for field in self._edges)  # not the room for more
-        edges, changed = Edges(*known), self._changed
+        factor, n, edges = self._prepared(len(poses)), len(poses), self._known()
         keep = STALE if lazily else ALL
         step, loss = Step(keep), np.inf
         for count in range(1, rounds + 1):
             # 1. Half the loss and its gradient; equations that are stale are made anew
             gradient, bent = np.zeros((n, 3)), BENT if step.curved else 0.0
             room = np.empty((6, 3))
-            now = linearise(poses, edges, bent, step.stale, gradient, changed, room)
+            now = linearise(poses, edges, bent, step.stale, gradient, self._changed, room)
             gradient[0] = 0.0
             if step.curved and now > loss * (1 + SAME) + SAME * len(self):
                 poses, step = before, Step(ALL, near=step.size / 4)
                 continue
             # 2. The columns of the factor that these change
-            marked, lists = changed[factor.pose], np.empty((4, n), np.int64)
-            free = factorise(factor, edges, marked, np.zeros((n, 9)), lists)
-            if free >= 0:
-                raise np.linalg.LinAlgError(f"the information leaves pose {free} free")
-            self.columns += int(marked.sum())
-            changed[:] = False
+            self._factorise(factor, edges)
             # 3. The step
             move = -gradient[factor.pose]
             substitute(factor, move)
@@ -132,6 +125,34 @@ class Solver:
                 return Solution(poses, True, count)
             step = Step(keep, size < step.near, step.near, size)
         return Solution(poses, False, rounds)
+
+    def moved(self, poses: Array, pulls: Array) -> Array:
+        """How far each pose moves, `(d, n, 3)`, by pulls `(d, n, 3)` at them: all is linear there.
+
+        The edges have the weights that the poses give them.
+        """
+        factor, edges, moves = self._prepared(len(poses)), self._known(), np.empty_like(pulls)
+        gradient, room = np.zeros(poses.shape), np.empty((6, 3))
+        linearise(poses, edges, 0.0, ALL, gradient, self._changed, room)
+        self._factorise(factor, edges)
+        for pull, move in zip(pulls[:, factor.pose], moves, strict=True):
+            substitute(factor, pull)
+            move[:] = pull[factor.column]
+        return moves
+
+    def _known(self) -> Edges:
+        """The edges, without the room for more."""
+        known: Any = (field[: self._count] for field in self._edges)
+        return Edges(*known)
+
+    def _factorise(self, factor: Factor, edges: Edges) -> None:
+        """Compute the columns of the factor that poses have changed."""
+        marked, n = self._changed[factor.pose], len(factor.pose)
+        free = factorise(factor, edges, marked, np.zeros((n, 9)), np.empty((4, n), np.int64))
+        if free >= 0:
+            raise np.linalg.LinAlgError(f"the information leaves pose {free} free")
+        self.columns += int(marked.sum())
+        self._changed[:] = False
 
     def _prepared(self, n: int) -> Factor:
         """The factor with n columns, and the rows that all edges need."""

@@ -8,7 +8,7 @@ from ...arrays import Array
 from ...poses import between
 from ._equations import Edge
 from ._graph import deviations
-from ._solver import SCALE
+from ._solver import SCALE, Solver
 
 #: So many draws give standard deviations to a tenth of their size.
 DRAWS = 32
@@ -16,17 +16,18 @@ DRAWS = 32
 NEARBY = 20.0
 
 
-def spread(poses: Array, edges: Edge, weight: Array, *, reach: float = np.inf) -> Array:
+def spread(
+    poses: Array, edges: Edge, weight: Array, *, reach: float = NEARBY
+) -> tuple[Array, Array]:
     """Standard deviation of the place of each pose, `(n,)`, as the information of all edges has it.
 
     The edges are drawn anew from their covariances, and the poses solved for, in the linear
     neighbourhood of the solution (Papandreou and Yuille 2010): 32 solves with one factorisation,
     instead of the inverse of a large matrix. The draws are the same at each call. All poses are
-    tied to the first; `weight` counts the scans at each. The place is that relative to the others
-    within `reach` metres: after the rigid motion that fits these best.
+    tied to the first; `weight` counts the scans at each. The place is that relative to all others,
+    and then to those within `reach` metres: after the rigid motion that fits these best.
     """
     from scipy.sparse import bsr_array
-    from scipy.sparse.linalg import splu
     from scipy.spatial import cKDTree
 
     # Derivatives of the residuals by the first and by the second pose of each edge
@@ -43,25 +44,19 @@ def spread(poses: Array, edges: Edge, weight: Array, *, reach: float = np.inf) -
     ends, rows = np.stack([edges.first, edges.second], -1).ravel(), np.arange(0, 2 * m + 1, 2)
     shape = 3 * m, 3 * len(poses)
     jacobian = bsr_array((blocks.reshape(-1, 3, 3), ends, rows), shape=shape)
-    right = bsr_array(((known[:, None] @ blocks).reshape(-1, 3, 3), ends, rows), shape=shape)
-    symmetric = {"SymmetricMode": True}
-    factors = splu(
-        (jacobian.T @ right).tocsc()[3:, 3:],
-        permc_spec="MMD_AT_PLUS_A",
-        diag_pivot_thresh=0.0,
-        options=symmetric,
-    )
     draws = np.random.default_rng(0).normal(size=(m, 3, DRAWS))
     pull = (np.linalg.cholesky(known) @ draws).reshape(3 * m, DRAWS)
-    moved = factors.solve((jacobian.T @ pull)[3:]).reshape(-1, 3, DRAWS)[:, :2]
-    moved, places = np.concatenate([np.zeros((1, 2, DRAWS)), moved]), poses[:, :2]
-    if np.isinf(reach):
-        return _left(places, moved, weight)
-    tree, found = cKDTree(places), np.empty(len(places))
+    pulls = (jacobian.T @ pull).T.reshape(DRAWS, -1, 3)
+    pulls[:, 0] = 0.0  # the first pose is held
+    solver = Solver()
+    solver.add(edges)
+    moved = np.ascontiguousarray(solver.moved(poses, pulls)[:, :, :2].transpose(1, 2, 0))
+    places = poses[:, :2]
+    tree, near_by = cKDTree(places), np.empty(len(places))
     for k, place in enumerate(places):
         near = np.sort(tree.query_ball_point(place, reach))
-        found[k] = _left(places[near], moved[near], weight[near])[np.searchsorted(near, k)]
-    return found
+        near_by[k] = _left(places[near], moved[near], weight[near])[np.searchsorted(near, k)]
+    return _left(places, moved, weight), near_by
 
 
 def _left(places: Array, moved: Array, weight: Array) -> Array:

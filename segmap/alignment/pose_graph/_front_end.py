@@ -233,8 +233,8 @@ class FrontEnd:
         far, near, left = np.zeros(len(frame)), np.zeros(len(frame)), np.zeros(0)
         if graph is not None:
             weight = np.bincount(frame, minlength=len(self.frames)).astype(float)
-            solved = self.frames.poses, stacked(self.frames.edges), weight
-            far, near = spread(*solved)[frame], spread(*solved, reach=NEARBY)[frame]
+            far, near = spread(self.frames.poses, stacked(self.frames.edges), weight)
+            far, near = far[frame], near[frame]
             seeing = np.array([not own for own in reasons], float)
             matched = np.bincount(frame, seeing, len(self.frames)).astype(float)
             apart = untied(self.tied, self.frames.edges, matched)[frame]
