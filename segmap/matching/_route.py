@@ -124,7 +124,8 @@ def _shortest(clear: Squares, places: Array, held: Cells) -> Array | None:
     number = np.arange(count.sum()) - np.repeat(np.cumsum(count) - count, count)
     a, b = np.repeat(corner, count), corner[np.repeat(first, count) + number]
     length = np.hypot(*(corners[a] - corners[b]).T)
-    graph = csr_array((length, (a, b)), shape=(len(corners),) * 2)
+    ends = a.astype(np.int32), b.astype(np.int32)  # scipy before 1.15 finds no way by others
+    graph = csr_array((length, ends), shape=(len(corners),) * 2)
     far, before = dijkstra(graph, indices=[0], return_predecessors=True)
     at = 1 + int(far[0, 1 : len(places)].argmin())
     if not np.isfinite(far[0, at]):

@@ -62,7 +62,7 @@ def clipped(segments: Array, low: Array, high: Array) -> tuple[Array, NDArray[np
     Liang and Barsky 1984: a segment enters where it is inside the last of four borders.
     """
     start, span = segments[:, 0], segments[:, 1] - segments[:, 0]
-    with np.errstate(divide="ignore", invalid="ignore"):
+    with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
         cuts = np.sort([(low - start) / span, (high - start) / span], axis=0)
     beside = (span == 0) & ~((low <= start) & (start <= high))
     cuts[:, span == 0] = [[-np.inf], [np.inf]]  # along a border: inside all the way, or never

@@ -40,10 +40,8 @@ def draw_buildings(frame: pd.DataFrame, *, filtered: bool = False) -> list[Axes]
         draw_curves(select(frame, map=name, filtered=filtered), ax=ax)
         ax.label_outer()
     axes[0].set(xlim=(0.4, 1), ylim=(0.2, 1))
-    figure = axes[0].figure.get_figure(root=True)
-    assert figure is not None
     named = axes[-1].get_legend_handles_labels()
-    legend = figure.legend(*named, loc="outside lower center", ncols=3, fontsize="small")
+    legend = axes[0].figure.legend(*named, loc="outside lower center", ncols=3, fontsize="small")
     plt.setp(legend.get_lines(), linewidth=5)
     return axes
 
