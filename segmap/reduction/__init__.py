@@ -16,7 +16,7 @@ A new method is one file, one entry in `METHODS` and one plain version in `segma
    an `Index`.
 
 The runner sorts by scan, measures the time, carries the parents back to the rows of the map and
-checks the result on every call.
+checks the result on every call. What lies within a nanometre of a limit lies at it.
 """
 
 from __future__ import annotations

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from reduction_maps import MAPS, assert_literal, malaga
+from reduction_maps import MAPS, assert_literal, grid_map, malaga
 from segmap_course.literal.metrics import nearness
 from segmap_course.literal.reduction import least_cost as plain
 
@@ -14,7 +14,7 @@ from segmap.reduction import least_cost, reduce_to
 from segmap.reduction._runner import rows_of
 from segmap.reduction.least_cost import _least_cost
 from segmap.reduction.least_cost._exchange import exchanged
-from segmap.reduction.least_cost._fit_kernels import Limits, _line_cost, empty_room, take
+from segmap.reduction.least_cost._fit_kernels import Limits, _line_cost, charge, empty_room, take
 from segmap.reduction.least_cost._least_cost import crosses, merged
 from segmap.segments import SegmentMap, length
 
@@ -43,6 +43,15 @@ def test_a_line_costs_what_the_plain_sum_says(seed):
     line = plain.spanning(*pose, s.reshape(-1, 2).tolist())
     expected = plain.cost_of(s.tolist(), line, (0.25, 0.12, 0.3, 0.2), bridged=0.4)
     assert found == pytest.approx(expected, rel=1e-12)
+
+
+def test_a_segment_costs_what_the_plain_sum_says_where_limits_are_met():
+    """What lies off by the whole distance is beside its output, and at twice that not too far."""
+    s = grid_map(np.random.default_rng(3), 40)
+    about, limits = describe(s), Limits(0.1, 0.25, 0.4, 0.25, 0.3, 0.2)
+    for i, j in np.ndindex(40, 40):
+        expected = plain.charge(s[i], s[j], (0.25, 0.25, 0.3, 0.2))
+        assert charge(s[i], about[i], s[j], about[j], limits) == pytest.approx(expected)
 
 
 @pytest.mark.parametrize("sought", [1e-5, 1.01e-4, 0.05, 3.98])
