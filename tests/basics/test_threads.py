@@ -52,9 +52,11 @@ def test_cores_are_those_that_this_process_may_use(monkeypatch):
 def test_one_core_or_one_thing_needs_no_thread(monkeypatch, three):
     here = threading.get_ident()
     assert in_threads(lambda _: threading.get_ident(), [1]) == [here]
+    before = threading.active_count()
     for count in ("2", "3"):
         monkeypatch.setenv(THREADS, count)
         assert here not in in_threads(lambda _: threading.get_ident(), [1, 2])
+        assert threading.active_count() == before  # none stays behind
     monkeypatch.delenv(THREADS)
     monkeypatch.setattr(threads, "cores", lambda: 1)
     assert in_threads(lambda _: threading.get_ident(), [1, 2]) == [here, here]

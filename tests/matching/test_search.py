@@ -80,8 +80,9 @@ def test_search_is_every_pose_tried(seed):
     count = literal.headings(points, 0.1)
     scored = list(literal.every_pose(cells, shape, points, 0.1, count))
     full = 255 * len(points)
-    for margin, least in ((0.0, 0.0), (0.05, 0.3), (0.12, 0.5)):
-        asked = int(margin * full + 1e-9), int(np.ceil(least * full))
+    best = max(total for total, _ in scored) / full  # at least so much, to the last part
+    for margin, least in ((0.0, 0.0), (0.05, 0.3), (0.12, 0.5), (0.05, best)):
+        asked = int(margin * full + 1e-9), int(np.ceil(least * full - 1e-9))
         expected = literal.places(scored, 0.1, count, *asked)
         found = search(map, scan_of(points), margin=margin, least=least, most_places=999)
         assert not found.found or len(expected) == 1
@@ -270,5 +271,8 @@ def test_a_map_is_of_either_kind():
     for empty, word in ((QuadtreeMap(), "no occupied cell"), (SegmentMap([]), "no wall")):
         with pytest.raises(ValueError, match=word):
             search(empty, scan)
-    with pytest.raises(ValueError, match="too large"):
-        search(SegmentMap([[(0, 0), (1e5, 0)]]), scan)
+    wide = QuadtreeMap(resolution=0.05)
+    wide.insert_scan((0, 0), [(0, 1), (1000, 0)])
+    for large in (wide, SegmentMap([[(0, 0), (1e5, 0)]])):
+        with pytest.raises(ValueError, match="too large"):
+            search(large, scan)
