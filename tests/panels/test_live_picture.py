@@ -153,6 +153,7 @@ def test_each_pixel_is_the_cell_at_its_middle(scale):
 
 def test_what_is_drawn_over_the_map_moves_and_leaves_no_trace():
     """Catches a robot at the pose of its body's middle, and a drawing that piles up."""
+    assert decoded(LivePicture().png())[HIGH // 2, WIDE // 2].tolist() == [128] * 3
     map, picture = mapped(((0, 0), SQUARE)), LivePicture()
     walls = np.array([[(-1.0, 0.5), (1.0, 0.5)], [(-1.0, 1.0), (-1.0, 1.3)]])
     reduced = np.array([[(-1.5, -1.0), (1.5, -1.0)]])

@@ -215,9 +215,10 @@ def test_pieces_of_a_file_are_put_together(source):
     assert (folder, name) == (kept, "b.log")
     assert (Path(kept) / "b.log").read_bytes() == b"x" * 2_000_000 + b"y" * 2_000_000
     assert made.take("", 0, 0, b"") == -1 and begun[1][1][1] == "upload.log"
+    assert made.take("one.log", 1, 0, b"x") == -1 and bar.bar.value == 1
     made.stop()
     made.stop()
-    assert made.take("b.log", 9, 4, b"x") == -1 and len(begun) == 2
+    assert made.take("b.log", 9, 4, b"x") == -1 and len(begun) == 3
     assert made.take("b.log", 100_000_000, 0, b"x") == 1
     assert made.take("b.log", 100_000_001, 1, b"x") == -1
     assert bar.state.value.startswith("b.log has 100.0 MB: only a file up to 100 MB")

@@ -198,7 +198,7 @@ def test_each_line_has_its_answer(monkeypatch):
 def test_the_time_is_used_to_its_end(monkeypatch):
     clock = [0.0]
     monkeypatch.setattr(_jail, "time", SimpleNamespace(monotonic=lambda: clock[0]))
-    with Session(Shell("echo 1; cat > /dev/null"), whole=False) as session:
+    with Session(Shell("echo 1; exec sleep 5"), whole=False) as session:
         select.select([session.got], [], [], 20)
         clock[0] = 19.5
         assert session.ask(0) == 1
@@ -231,7 +231,7 @@ def test_all_that_an_answer_started_ends_with_it(tmp_path):
 )
 def test_a_fault_of_the_cell_is_told(reply, ended):
     job = {"cell": "x", "package": None}
-    shell = Shell(f"read a; echo '{reply}'; cat")
+    shell = Shell(f"read a; echo '{reply}'; exec sleep 5")
     with pytest.raises(Ended) as said:
         answers(shell, job, [])
     assert said.value.args == ended and shell.whole
@@ -240,7 +240,7 @@ def test_a_fault_of_the_cell_is_told(reply, ended):
 def test_each_case_is_answered_by_its_own_line():
     """Catches an answer that moves to the next case, where one is no value; not reading too."""
     job = {"cell": "x", "package": ("", {})}
-    shell = Shell("read a; echo null; read b; echo '[1, 2]'; read c; echo '{\"x\": 1}'; cat")
+    shell = Shell("read a; echo null; read b; echo '[1, 2]'; read c; echo '{\"x\": 1}'; head -n 1")
     cases = [(1,), (2,), (3.5, "four")]
     assert answers(shell, job, cases) == [[1, 2], {}, (3.5, "four")] and not shell.whole
     deaf, begun = Shell("read a; echo null; exec sleep 40", 0.7), time.monotonic()
