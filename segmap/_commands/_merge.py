@@ -34,6 +34,8 @@ def add(commands: Any) -> None:
 
 def merge_logs(given: argparse.Namespace, log: Log, paths: list[Path], report: Report) -> int:
     """Merge one log with the first, and write what was asked for where both are of one building."""
+    if Path(given.first).resolve() in [path.resolve() for path in paths]:
+        raise ValueError(f"cannot write {given.first}: it is the first log itself")
     first, given, _ = opening.log_of(given.first, given)
     check_making(given)
     logs = [opening.deskewed(given, each, report) for each in (first, log)]

@@ -892,8 +892,12 @@ def test_sessions_of_one_building_are_merged_and_the_next_comes_to_them(run, nea
     code, said, _ = run("merge", "one.npz", near, "--method", "none", "-o", "no.csv", "--force")
     assert code == 3 and not Path("no.csv").exists()
     assert "  verdict   NOT A MAP: the sessions are not merged: only 0 places" in said
-    code, _, beside = run("merge", "none.npz", near)
-    assert code == 1 and "none.npz: does not exist" in beside
+    for first, words in (
+        ("none.npz", "none.npz: does not exist"),
+        ("it.segmap", "cannot write it.segmap: it is the first log itself"),
+    ):
+        code, _, beside = run("merge", first, near, "-o", "it.segmap")
+        assert code == 1 and words in beside
 
 
 # ------------------------------------------------------------------------------ compare
