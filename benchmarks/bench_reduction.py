@@ -1,17 +1,14 @@
 """Reduction and quality: seconds, and ratios to the plain methods in one run."""
 
-import os
 from collections.abc import Iterator
-from functools import partial
-from unittest import mock
 
 import numpy as np
 from segmap_course import literal
 
 from segmap import METHODS, SegmentMap, build_map, fusion, load, quality, read, reduction_rate
-from segmap.threads import THREADS, cores
+from segmap.threads import cores
 
-from .measure import SHARED, Row, in_turn, missing, once, seconds, workloads
+from .measure import SHARED, Row, missing, on_cores, once, seconds, workloads
 
 N = 3604
 
@@ -56,17 +53,12 @@ def same_size(made, seen: int) -> Iterator[Row]:
             f"{1e3 * took:.1f} ms -> {len(method(map))}",
             TARGETS.get(name, ""),
         )
-    one, several = in_turn(partial(on_cores, map, 1), partial(on_cores, map, cores()), repeat=7)
-    figure = f"{1e3 * one:.0f} / {1e3 * several:.0f} ms = {one / several:.2f}"
-    yield Row(f"mean_shift, {what}, one thread / {cores()}", figure, "200 ms on two quiet cores")
+    figure, threads = on_cores(lambda: METHODS["mean_shift"](map)), f"one thread / {cores()}"
+    yield Row(f"mean_shift, {what}, {threads}", figure, "200 ms on two quiet cores")
     after = part_of(map)
     took = seconds(lambda: quality(map, after))
     yield Row(f"quality against 700, {what}", f"{1e3 * took:.1f} ms", "<= 100 ms")
-
-
-def on_cores(map: SegmentMap, count: int) -> None:
-    with mock.patch.dict(os.environ, {THREADS: str(count)}):
-        METHODS["mean_shift"](map)
+    yield Row(f"quality, {what}, {threads}", on_cores(lambda: quality(map, after)))
 
 
 def part_of(map: SegmentMap) -> np.ndarray:
@@ -87,7 +79,9 @@ def real_maps() -> Iterator[Row]:
         intel = read(path)
         logs += [intel[::4], intel]
     for log in logs:
-        map = build_map(log, log.truth)
+        map, threads = build_map(log, log.truth), f"one thread / {cores()}"
+        took = on_cores(lambda log=log: build_map(log, log.truth))
+        yield Row(f"build_map, {log.name}, {len(log)} scans, {threads}", took)
         found = fusion(map)
         used = len(np.unique(map.scan))
         yield Row(

@@ -5,12 +5,17 @@ the ratio is what counts.
 """
 
 import importlib.util
+import os
 import statistics
 import sys
 import time
 from collections.abc import Callable, Iterator
+from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
+from unittest import mock
+
+from segmap.threads import THREADS, cores
 
 ROOT = Path(__file__).resolve().parents[1]
 SHARED = ROOT.parent / "shared"
@@ -41,6 +46,17 @@ def in_turn(*calls: Callable[[], Any], repeat: int = 5) -> list[float]:
     """Median times of several calls that take turns, so that a slow minute slows them all."""
     took = [[once(call) for call in calls] for _ in range(repeat)]
     return [statistics.median(each) for each in zip(*took, strict=True)]
+
+
+def on_cores(call: Callable[[], Any], repeat: int = 7) -> str:
+    """Milliseconds of a call with one thread, with one for each core, and their ratio."""
+
+    def limited(count: int) -> None:
+        with mock.patch.dict(os.environ, {THREADS: str(count)}):
+            call()
+
+    one, several = in_turn(partial(limited, 1), partial(limited, cores()), repeat=repeat)
+    return f"{1e3 * one:.1f} / {1e3 * several:.1f} ms = {one / several:.2f}"
 
 
 def load(path: Path) -> Any:

@@ -105,6 +105,7 @@ def _extracted() -> Found:
         extraction.extract_clusters(points, fit="algebraic"),
         extraction.extract_polylines(points, gap=0.5, closed=True),
         extraction.fit_line(points[:9])[0],
+        extraction.build_map(_log(), np.zeros((4, 3))).segments,
     ]
 
 

@@ -6,21 +6,25 @@ at least `gap` apart; a polyline is then split and merged until it follows the p
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from inspect import unwrap
 from typing import Annotated, Any, Literal, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from .. import arrays
 from ..arrays import Array, Count, Gap, Metres, Poses, at_least, checked
 from ..poses import transform
 from ..progress import announce
-from ..scans import Log
+from ..scans import LaserScan, Log
 from ..scans.placed import poses_for, warn_of_nothing
 from ..segments import SegmentMap
+from ..threads import Rows, in_threads
 from . import _kernels as kernels
+
+#: So many scans are one piece of work for a thread.
+BLOCK = 128
 
 
 @checked
@@ -154,8 +158,15 @@ def build_map(
     arrays.function(extract, "extract", "of points")
     rows = poses_for(log, poses)
     known = np.flatnonzero(np.isfinite(rows).all(1))
-    if arrays.switch(keep_points, "keep_points"):
-        map = _map_with_points(log, rows, known, extract, thresholds)
+    keep = arrays.switch(keep_points, "keep_points")
+    if extract in list(_TELLING):  # one of the caller's own may have no hash
+        map = _map_of_runs(log, rows, known, extract, thresholds, keep)
+    elif keep:
+        name = getattr(extract, "__name__", extract)
+        raise ValueError(
+            "extract must be extract_polylines or extract_clusters where keep_points is asked for, "
+            f"got {name!r}: it does not tell its points"
+        )
     else:
         seen = (log[int(k)].points() for k in _telling(known))
         each = [arrays.called(extract, "extract", points, **thresholds) for points in seen]
@@ -225,50 +236,95 @@ def _polylines(
     return Runs(out[:found], p, room[2, :found], room[3, :found])
 
 
-#: The extractions that tell the points of each segment.
-_TELLING: dict[Callable[..., Array], Callable[..., Runs]] = {
-    extract_polylines: _polylines,
-    extract_clusters: _clusters,
+def _clusters_of(scans: Sequence[LaserScan], **given: Any) -> tuple[Runs, Rows]:
+    return _joined([_clusters(scan.points(), **given) for scan in scans])
+
+
+def _polylines_of(
+    scans: Sequence[LaserScan],
+    gap: float,
+    tolerance: float,
+    min_points: int,
+    min_length: float,
+    closed: bool,
+) -> tuple[Runs, Rows]:
+    given = gap, tolerance, min_points, min_length
+    if closed:
+        return _joined([_polylines(scan.points(), *given, closed) for scan in scans])
+    angles, poses = (
+        np.concatenate([s.angles for s in scans]),
+        np.array([s.sensor_pose for s in scans]),
+    )
+    beams = np.array([np.concatenate([s.ranges for s in scans]), np.cos(angles), np.sin(angles)])
+    first, turns = np.cumsum([0, *map(len, scans)]), poses[:, 2].copy()
+    far = [s.max_range for s in scans]
+    lasers = np.column_stack([poses[:, :2], np.cos(turns), np.sin(turns), far])
+    least, n = max(min_points, 2), len(angles)
+    points, counts = np.empty((n, 2)), np.empty(len(scans), np.int64)
+    most = n // least + len(scans)
+    out, runs = np.empty((most, 2, 2)), np.empty((2, most), np.int64)
+    used = kernels.polylines_of_scans(
+        beams, first, lasers, gap, tolerance, least, min_length, points, out, runs, counts
+    )
+    if used < 0:
+        for scan in scans:
+            arrays.points(scan.points())  # says which is wrong
+    found = counts.sum()
+    return Runs(out[:found], points[:used], runs[0, :found], runs[1, :found]), counts
+
+
+def _joined(each: list[Runs]) -> tuple[Runs, Rows]:
+    """Runs of several scans as one, and how many segments each scan has."""
+    counts, sizes = [len(runs.segments) for runs in each], [len(runs.points) for runs in each]
+    segments, points, start, stop = (np.concatenate(parts) for parts in zip(*each, strict=True))
+    before = np.repeat(np.cumsum([0, *sizes[:-1]]), counts)
+    return Runs(segments, points, start + before, stop + before), np.array(counts)
+
+
+#: The extractions that tell the points of each segment: runs of many scans, how many each has.
+_TELLING: dict[Callable[..., Array], Callable[..., tuple[Runs, Rows]]] = {
+    extract_polylines: _polylines_of,
+    extract_clusters: _clusters_of,
 }
 
 
-def _telling(known: NDArray[np.int64]) -> Iterator[np.int64]:
+def _telling(known: Rows) -> Iterator[np.int64]:
     """Each of some scans, after telling how far the work is."""
     for done, k in enumerate(known):
         announce(done / len(known), f"extracting segments of scan {done + 1} of {len(known)}")
         yield k
 
 
-def _map_with_points(
+def _map_of_runs(
     log: Log,
     poses: Array,
-    known: NDArray[np.int64],
+    known: Rows,
     extract: Callable[..., Array],
     thresholds: dict[str, Any],
+    keep: bool,
 ) -> SegmentMap:
-    """Segments `(n, 2, 2)`, points and places of the sensor, metres, of scans of known pose."""
-    if extract not in _TELLING:
-        name = getattr(extract, "__name__", extract)
-        raise ValueError(
-            "extract must be extract_polylines or extract_clusters where keep_points is asked for, "
-            f"got {name!r}: it does not tell its points"
-        )
-    extract(np.empty((0, 2)), **thresholds)  # refuses what is wrong
+    """Segments `(n, 2, 2)`, metres, of scans of known pose; with points and places where asked."""
+    arrays.called(extract, "extract", np.empty((0, 2)), **thresholds)  # refuses what is wrong
     given = {**(unwrap(extract).__kwdefaults__ or {}), **thresholds}
-    found = {int(k): _TELLING[extract](log.scans[k].points(), **given) for k in _telling(known)}
-    behind = [
-        transform(poses[k], runs.points[a:b])
-        for k, runs in found.items()
-        for a, b in zip(runs.start, runs.stop, strict=True)
-    ]
+
+    def placed(block: Rows) -> tuple[Array, Rows, Array, Rows]:
+        runs, counts = _TELLING[extract]([log.scans[k] for k in block], **given)
+        at, size = np.repeat(block, counts), runs.stop - runs.start
+        points = np.empty((0, 2))
+        if keep:
+            rows = np.arange(size.sum()) + np.repeat(runs.stop - np.cumsum(size), size)
+            points = transform(poses[np.repeat(at, size)], runs.points[rows, None])[:, 0]
+        return transform(poses[at], runs.segments), at, points, size
+
+    blocks = [known[k : k + BLOCK] for k in range(0, len(known), BLOCK)]
+    none = np.empty((0, 2, 2)), np.empty(0, np.int64), np.empty((0, 2)), np.empty(0, np.int64)
+    found = [none, *in_threads(placed, blocks, "extracting segments of each scan")]
+    segments, at, points, size = (np.concatenate(parts) for parts in zip(*found, strict=True))
+    if not keep:
+        return SegmentMap(segments, at)
     places = [transform(pose, scan.sensor_pose[:2]) for pose, scan in zip(poses, log, strict=True)]
-    return SegmentMap(
-        np.concatenate([np.empty((0, 2, 2)), *(transform(poses[k], found[k][0]) for k in found)]),
-        np.repeat(known, [len(runs.segments) for runs in found.values()]),
-        points=np.concatenate([np.empty((0, 2)), *behind]),
-        first=np.cumsum([0, *map(len, behind)]),
-        sensors=np.reshape(places, (-1, 2)),
-    )
+    first, sensors = np.cumsum([0, *size]), np.reshape(places, (-1, 2))
+    return SegmentMap(segments, at, points=points, first=first, sensors=sensors)
 
 
 def _in_order(points: ArrayLike, gap: float, closed: bool) -> Array:

@@ -324,3 +324,45 @@ def polylines(
             start = end
         begin = stop
     return found
+
+
+@compiled
+def polylines_of_scans(
+    beams: Array,
+    first: Indices,
+    lasers: Array,
+    gap: float,
+    tolerance: float,
+    min_points: int,
+    min_length: float,
+    points: Array,
+    out: Array,
+    runs: Indices,
+    counts: Indices,
+) -> int:
+    """`LaserScan.points` of many scans, and the segments of each, metres; how many points, or -1.
+
+    `beams`, (3, n), are ranges, cosines and sines, those of scan i from `first[i]`; `lasers`,
+    (m, 5), x, y, cosine and sine of each sensor's pose, and its largest range.
+    """
+    most, used, found = 0, 0, 0
+    for i in range(len(lasers)):
+        most = max(most, first[i + 1] - first[i])
+    room, sums = np.empty((4, most), np.int64), np.empty((6, most))
+    for i in range(len(lasers)):
+        begin, x, y = used, lasers[i, 0], lasers[i, 1]
+        c, s, far = lasers[i, 2], lasers[i, 3], lasers[i, 4]
+        for b in range(first[i], first[i + 1]):
+            r = beams[0, b]
+            if 0.0 < r < far and r < np.inf:
+                u, v = r * beams[1, b], r * beams[2, b]
+                points[used, 0], points[used, 1] = x + c * u - s * v, y + s * u + c * v
+                used += 1
+        p, own = points[begin:used], out[found:]
+        counts[i] = polylines(p, gap, tolerance, min_points, min_length, own, room, sums)
+        if counts[i] < 0:
+            return -1
+        for k in range(counts[i]):
+            runs[0, found], runs[1, found] = begin + room[2, k], begin + room[3, k]
+            found += 1
+    return used

@@ -17,6 +17,7 @@ from ..compiled import compiled
 from ..kernels import ACROSS, ANGULAR, APART, PERPENDICULAR, apart, describe, mean_line_terms
 from ..poses import between
 from ..segments import MIN_LENGTH, angle, length, midpoint, point_distance
+from ..threads import Rows, in_threads, shares
 
 #: A 6.2.3: grades of a reduction rate and of a quality, in steps of ten per cent.
 REDUCTION_GRADES = {
@@ -103,7 +104,13 @@ def errors(before: Segments, after: Segments) -> Array:
     a = np.array(a, order="C")  # a map's own is read-only: all would be compiled once more for it
     near, far = describe(a), describe(b)
     first = np.searchsorted(far[:, 0], near[:, 0])
-    return _nearest_distances(a, b, near, far, first, far[:, 4].max())
+    found, longest = np.empty(len(a)), far[:, 4].max()
+
+    def measure(part: Rows) -> None:
+        found[part] = _nearest_distances(a[part], b, near[part], far, first[part], longest)
+
+    in_threads(measure, shares(np.arange(len(a)), 500))
+    return found
 
 
 @checked

@@ -7,13 +7,18 @@ import sys
 import threading
 import time
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from segmap import load, threads
 from segmap.alignment import pose_graph
+from segmap.extraction import build_map, extract_polylines
+from segmap.metrics import errors
+from segmap.poses import transform
 from segmap.reduction._mean_shift_kernels import climb
+from segmap.scans import LaserScan, Log
 from segmap.threads import THREADS, in_threads, shares
 
 
@@ -82,6 +87,31 @@ def test_the_number_of_threads_is_what_the_environment_says(monkeypatch, three):
             ValueError, match=f"{THREADS} must be a whole number of at least 1, got"
         ):
             threads.threads()
+
+
+@pytest.mark.parametrize("count", ["1", "3"])
+def test_a_map_is_what_each_scan_gives_and_its_quality_what_each_segment(monkeypatch, count):
+    """Catches blocks out of order, and scans that see each other's points: equal bit for bit."""
+    monkeypatch.setenv(THREADS, count)
+    room = load("room")
+    scans = [replace(s, sensor_pose=(0.1, k, 0.3)) for k, s in enumerate([*room] * 6)]
+    poses = np.tile(room.truth, (6, 1)) + np.arange(len(scans))[:, None]
+    poses[[0, 40]] = np.nan
+    map = build_map(Log("six rounds", scans), poses, min_points=3)
+    own = [extract_polylines(scan.points(), min_points=3) for scan in scans]
+    own = [transform(pose, s) for pose, s in zip(poses, own, strict=True) if pose[0] == pose[0]]
+    np.testing.assert_array_equal(map.segments, np.concatenate(own))
+    assert np.bincount(map.scan)[np.isfinite(poses[:, 0])].tolist() == [len(s) for s in own]
+    few, after = map[:1500], map[::70]
+    each = [errors(segment[None], after)[0] for segment in few.segments]
+    np.testing.assert_array_equal(errors(few, after), each)
+
+
+def test_a_map_says_which_point_is_out_of_reach():
+    """Catches a scan of a block that is left out in silence."""
+    scans = [LaserScan(np.ones(9), np.arange(9) / 9), LaserScan([1.0, 1e12], [0.0, 0.1])]
+    with pytest.raises(ValueError, match=r"points must be within .* but points\[1\] is"):
+        build_map(Log("far", scans), np.zeros((2, 3)))
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="no interrupt for one process")
