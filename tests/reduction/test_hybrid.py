@@ -45,11 +45,6 @@ def test_the_filter_drops_what_neither_matches_nor_is_long_enough():
     assert len(hybrid(segments, min_length=0.0)) == 2
 
 
-def test_the_filter_keeps_what_is_exactly_long_enough():
-    assert len(hybrid([[(0, 0), (0.25, 0)]], min_length=0.25)) == 1
-    assert len(hybrid([[(0, 0), (0.25, 0)]], min_length=0.2500001)) == 0
-
-
 @pytest.mark.parametrize("distance", [0.05, 0.4, 2.0])
 def test_the_filter_does_not_grow_with_the_distance(distance):
     """A's is fixed: after the external filter of 100 mm it finds nothing to do (A 6.3)."""

@@ -41,13 +41,6 @@ def test_the_precise_one_draws_the_slanted_one():
     assert_allclose(found.segments[0, :, 1], expected, atol=1e-5)
 
 
-@pytest.mark.parametrize(("gap", "left"), [(0.29, 1), (0.31, 2)])
-def test_far_along_or_across_is_another_wall(gap, left):
-    along = [[(0, 0), (2, 0)], [(2 + gap, 0), (4, 0)]]
-    assert len(fuzzy_set(along)) == left
-    assert len(fuzzy_set([[(0, 0), (2, 0)], [(0, gap - 0.1), (2, gap - 0.1)]])) == left
-
-
 def test_with_its_own_axes_it_turns_with_the_building_and_with_those_of_the_map_not():
     """SURVEYED check c, with the counter-example: 561 of 567 are left."""
     room = the_room()
