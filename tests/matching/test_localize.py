@@ -164,7 +164,7 @@ def test_the_steps_are_those_of_the_literal_filter():
         assert found == pytest.approx(expected)
 
 
-@pytest.mark.parametrize("seed", range(2))
+@pytest.mark.parametrize("seed", range(4))
 def test_the_whole_run_is_that_of_the_literal_filter(seed):
     """From nowhere, and carried away after three scans: each particle and weight, scan by scan."""
     map, few = Likelihoods(ROOM), Sensor("few", 12, -np.pi, np.pi / 6, max_range=30.0, sigma=0.01)
