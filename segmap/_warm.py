@@ -87,8 +87,11 @@ def _reduced(name: str) -> Found:
 
 
 def _aligned(name: str) -> Found:
-    method = alignment.METHODS[name]
-    options = {"rng": np.random.default_rng(0)} if name == "angle_correspondence" else {}
+    method, options = alignment.METHODS[name], dict[str, Any]()
+    if name == "angle_correspondence":
+        options = {"rng": np.random.default_rng(0)}
+    if name == "pose_graph":
+        options = {"step": 0.01, "closing": alignment.LoopClosing(min_path=0.01, new_frames=1)}
     return [method(_log(1 if name == "angle_correspondence" else 4), **options).poses]
 
 

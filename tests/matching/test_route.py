@@ -52,7 +52,8 @@ def length_on_grid(map, start, goal, radius):
     i, j = np.mgrid[-cells : cells + 1, -cells : cells + 1]
     gap = np.hypot(*np.maximum(np.abs([i, j]) - 1, 0)) * map.resolution
     clear = (grid < 0.5) & ~binary_dilation(grid > 0.5, gap < radius - 1e-9)
-    number = np.where(clear, np.arange(clear.size).reshape(clear.shape), -1)
+    index = np.arange(clear.size, dtype=np.int32)  # as the oldest scipy wants it
+    number = np.where(clear, index.reshape(clear.shape), np.int32(-1))
     links = []
     for step in ((0, 1), (1, 0), (1, 1), (1, -1)):
         beside = np.roll(number, -np.array(step), (0, 1))
