@@ -21,8 +21,8 @@ from ..reduction import METHODS
 from ..scans import Log
 from ..segments import SegmentMap, length
 from . import opening
-from ._thresholds import thresholds
 from ._words import Report, finite, percent, progress, seconds
+from .opening._thresholds import thresholds
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -20,8 +20,8 @@ from ..reduction import METHODS, Reduction
 from ..scans import Log
 from ..segments import SegmentMap
 from . import opening
-from ._thresholds import add_thresholds, chosen_thresholds, refuse_others
 from ._words import Report, metres, percent, seconds
+from .opening._thresholds import add_thresholds, chosen_thresholds, refuse_others
 
 #: What -o may end in.
 SUFFIXES = (".svg", ".csv", ".npz", ".dxf", ".png", ".geojson", ".wkt", ".segmap")

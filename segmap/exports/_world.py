@@ -145,7 +145,8 @@ def placed_at(
     """
     if place is None:
         return Frame()
-    (first, second), turn = place, float(np.radians(90.0 if north is None else north))
+    first, second = arrays.row(place, "place", 2).tolist()
+    turn = np.radians(arrays.number(90.0 if north is None else north, "north", unit="degrees"))
     try:
         return Earth(first, second, turn) if crs is None else Grid(crs, first, second, turn)
     except ValueError as error:

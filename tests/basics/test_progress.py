@@ -38,7 +38,6 @@ WORK = {
     "parts": partial(alignment.align_parts, [LOG[:6], LOG[6:]]),
     "merged": partial(matching.merge, LOG[:6], LOG[6:]),
     "deskewed": partial(alignment.deskew, logs.moving_log()),
-    "extracted": partial(build_map, LOG, LOG.truth),
     "by_scan": partial(reduction.basic_online, build_map(LOG, LOG.truth)),
     "member": partial(reduction.METHODS["fusion_online"], build_map(LOG, LOG.truth)),
 }

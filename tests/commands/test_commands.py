@@ -37,8 +37,8 @@ from segmap import (
 )
 from segmap._commands import _compare, _pictures, main
 from segmap._commands._compare import thinned
-from segmap._commands._thresholds import thresholds
 from segmap._commands._words import metres, plain_warnings, say
+from segmap._commands.opening._thresholds import thresholds
 from segmap.arrays import Metres, Radians, RadiansPerMetre, checked
 from segmap.methods import Method
 from segmap.quadtree import QuadtreeMap

@@ -18,9 +18,9 @@ from ...quadtree import QuadtreeMap, extent
 from ...scans import Log
 from ...scans.moving import is_timed
 from ...segments import SegmentMap, main_direction
-from .._thresholds import add_thresholds, chosen_thresholds, refuse_others
 from .._words import Report, seconds
 from ._logs import add_logs, add_strict
+from ._thresholds import add_thresholds, chosen_thresholds, refuse_others
 
 #: So many reasons for scans that were not matched are told.
 MOST_REASONS = 3

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
+from ... import arrays
 from ...arrays import Array
 from ...poses.motions import between, compose
 from ..graph import REAL, Edge, Solver, information, stacked
@@ -106,3 +108,26 @@ class KeyFrames:
         """The map of some key frames in the frame of `origin`; None where they have no point."""
         points, viewpoints = self.points_around(members, origin)
         return PointMap(points, viewpoints) if len(points) else None
+
+
+def pairs(loops: ArrayLike, name: str) -> list[list[int]]:
+    """Both scans of each loop."""
+    found = arrays.indices(loops, name)
+    if found.size and found.shape[1:] != (2,):
+        raise ValueError(f"{name} must be pairs of scans, (n, 2), got {arrays.brief(loops)}")
+    return [[int(first), int(second)] for first, second in found.reshape(-1, 2)]
+
+
+@contextmanager
+def all_or_nothing(*parts: object) -> Iterator[None]:
+    """Undo what is done to objects whose lists only grow, where it ends before its end."""
+    kept = [(part, dict(vars(part))) for part in parts]
+    lengths = [(v, len(v)) for _, known in kept for v in known.values() if isinstance(v, list)]
+    try:
+        yield
+    except BaseException:
+        for part, known in kept:
+            vars(part).update(known)
+        for grown, length in lengths:
+            del grown[length:]
+        raise

@@ -7,7 +7,7 @@ key frame, the key frames with the edges between them, and the closing of loops.
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from typing import TYPE_CHECKING, Annotated, NamedTuple
@@ -24,6 +24,7 @@ from .._result import Alignment, Match, Outcome, alignment_method, concluded, no
 from ..graph import REAL, Edge, Graph, loops_of
 from ..points import PointMap
 from ._front_end import BETTER, SLIDE, SLIDE_ANGLE, SURE_OVERLAP, FrontEnd, Tracking
+from ._key_frames import all_or_nothing, pairs
 from ._loop_closing import LOST_REACH, LoopCloser, LoopClosing, Window
 
 if TYPE_CHECKING:
@@ -42,8 +43,6 @@ MORE, ROUND = 0.05, np.pi
 
 HalfSide = Annotated[Metres, at_most(20)]
 HalfTurn = Annotated[Radians, at_most(np.pi)]
-#: Loops by the scans at both ends.
-Pairs = Sequence[Sequence[int]]
 
 
 @alignment_method
@@ -172,7 +171,7 @@ class LiveGraph:
             self._parts = front, LoopCloser(front.frames, self.drift, self.closing)
         else:
             front, closer = self._parts
-            with _all_or_nothing(front, front.trail, front.frames, closer):
+            with all_or_nothing(front, front.trail, front.frames, closer):
                 # 1. The scan on the map of the last key frames
                 match = front.track(scan)
                 if front.needs_frame(self.step, self.turn):
@@ -188,7 +187,7 @@ class LiveGraph:
 
     def extend(self, log: Log) -> None:
         """Place all scans of a log, one after the other."""
-        for scan in each(log, "placing scan"):
+        for scan in each(arrays.instance(log, "log", Log), "placing scan"):
             self.add(scan)
 
     def _laid(self, map: PointMap, points: Array, guess: Array) -> Match:
@@ -289,7 +288,7 @@ class LiveGraph:
         with self._mending() as closer:
             closer.veto([known[row] for row in rows])
 
-    def mended(self, veto: Pairs = (), tie: Pairs = ()) -> Alignment:
+    def mended(self, veto: ArrayLike = (), tie: ArrayLike = ()) -> Alignment:
         """`refine` without some loops and with others, each two scans; ties are as `match` says.
 
         Examples
@@ -302,12 +301,13 @@ class LiveGraph:
         >>> graph.mended(veto=[(3, 149)], tie=[(5, 152)]).loops()["first"].tolist()
         [0, 1, 4, 5]
         """
-        for first, second in veto:
+        out, more = pairs(veto, "veto"), pairs(tie, "tie")
+        for first, second in out:
             known = self.loops()[["first", "second"]].values.tolist()
             if [first, second] not in known:
                 raise ValueError(f"veto: no loop was closed between scans {first}-{second}")
             self.veto(known.index([first, second]))
-        for first, second in tie:
+        for first, second in more:
             found = self.match(first, second)
             if not found.matched:
                 raise ValueError(f"tie: scan {second} is not placed by {first}: {found.reason}")
@@ -367,7 +367,7 @@ class LiveGraph:
         """The graph's loops, to change them: then all poses are solved."""
         assert self._parts is not None
         begun, (front, closer) = time.perf_counter(), self._parts
-        with _all_or_nothing(front.frames, closer):
+        with all_or_nothing(front.frames, closer):
             yield closer
             front.frames.optimize()
         self._mended = True
@@ -397,18 +397,3 @@ class LiveGraph:
         front, closer = self._parts
         counts = f"{len(front.frames)} key frames, {len(closer.accepted)} loops"
         return f"LiveGraph({len(self)} scans: {counts})"
-
-
-@contextmanager
-def _all_or_nothing(*parts: object) -> Iterator[None]:
-    """Undo what is done to objects whose lists only grow, where it ends before its end."""
-    kept = [(part, dict(vars(part))) for part in parts]
-    lengths = [(v, len(v)) for _, known in kept for v in known.values() if isinstance(v, list)]
-    try:
-        yield
-    except BaseException:
-        for part, known in kept:
-            vars(part).update(known)
-        for grown, length in lengths:
-            del grown[length:]
-        raise

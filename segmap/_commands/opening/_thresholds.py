@@ -7,7 +7,7 @@ import inspect
 from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple
 
-from ..arrays import Declared, declared
+from ...arrays import Declared, declared
 
 
 class Threshold(NamedTuple):
