@@ -134,7 +134,7 @@ class Grid(Frame):
 
 
 def placed_at(
-    place: Sequence[float] | None, north: float | None = None, crs: str | None = None
+    place: Sequence[float] | None = None, north: float | None = None, crs: str | None = None
 ) -> Frame:
     """The frame that the options --place, --north (degrees, else 90) and --crs of a map mean.
 
