@@ -143,10 +143,10 @@ def placed_at(
     >>> placed_at((500_000, 5_800_000), crs="EPSG:25832")
     Grid(name='EPSG:25832', east=500000.0, northing=5800000.0, north=1.5707963267948966)
     """
+    turn = np.radians(arrays.number(90.0 if north is None else north, "north", unit="degrees"))
     if place is None:
         return Frame()
     first, second = arrays.row(place, "place", 2).tolist()
-    turn = np.radians(arrays.number(90.0 if north is None else north, "north", unit="degrees"))
     try:
         return Earth(first, second, turn) if crs is None else Grid(crs, first, second, turn)
     except ValueError as error:
