@@ -26,6 +26,8 @@ WORKERS = 2
 DRAWS = 5
 #: A cell with more characters is no answer.
 MOST_CHARACTERS = 200_000
+#: What a jail has to know of an answer; or what became of it without.
+Job = dict[str, Any] | Outcome
 
 
 class Plan(NamedTuple):
@@ -89,14 +91,17 @@ def graded(
         known = {name.removeprefix("check_"): exercise for name, exercise in CHECKS.items()}
         exercises = {task.name: known[task.name] for task in asked}
         hidden = {name: _hidden(exercise, plan.seed) for name, exercise in exercises.items()}
+        # Here, since the parser of Python 3.11 now and then ends in a SystemError in a thread.
+        jobs = [
+            {task.name: job(each, task, exercises[task.name]) for task in asked} for each in handed
+        ]
 
-        def ran(submission: Submission) -> dict[str, Outcome | list[Any]]:
+        def ran(jobs: dict[str, Job]) -> dict[str, Outcome | list[Any]]:
             return {
-                task.name: run(submission, task, exercises[task.name], hidden[task.name], jail)
-                for task in asked
+                name: run(job, exercises[name], hidden[name], jail) for name, job in jobs.items()
             }
 
-        for submission, found in zip(handed, workers.map(ran, handed), strict=True):
+        for submission, found in zip(handed, workers.map(ran, jobs), strict=True):
             outcomes = {
                 name: got
                 if isinstance(got, Outcome)
@@ -111,10 +116,8 @@ def _hidden(exercise: Any, seed: int | None) -> list[tuple[Any, ...]]:
     return [case for cases in draws for case in cases.values()]
 
 
-def run(
-    handed: Submission, task: Task, exercise: Any, hidden: Sequence[tuple[Any, ...]], jail: Jail
-) -> Outcome | list[Any]:
-    """What a student answers to a task, case by case, the open ones first; or why there is none."""
+def job(handed: Submission, task: Task, exercise: Any) -> Job:
+    """What a jail has to know of a student's answer to a task; or why there is none."""
     cell, _ = handed.find(task)
     if cell is None and handed.problems:
         return Outcome("unreadable", "; ".join(handed.problems))
@@ -122,12 +125,20 @@ def run(
         return Outcome("missing", f"no cell defines {' and '.join(task.answers)}")
     if len(cell) > MOST_CHARACTERS:
         return Outcome("too much", f"the cell has {len(cell)} characters")
-    wants_function = isinstance(exercise, Exercise)
-    job = {
+    given = package(exercise) if isinstance(exercise, Exercise) else None
+    return {
         **{"imports": needed(task.imports, cell), "cell": cell, "names": task.answers},
-        **{"given": task.given, "package": package(exercise) if wants_function else None},
+        **{"given": task.given, "package": given},
     }
-    cases = [*exercise.cases.values(), *hidden] if wants_function else [()]
+
+
+def run(
+    job: Job, exercise: Any, hidden: Sequence[tuple[Any, ...]], jail: Jail
+) -> Outcome | list[Any]:
+    """What a student answers to a task, case by case, the open ones first; or why there is none."""
+    if isinstance(job, Outcome):
+        return job
+    cases = [*exercise.cases.values(), *hidden] if isinstance(exercise, Exercise) else [()]
     try:
         return answers(jail, job, cases)
     except Ended as error:

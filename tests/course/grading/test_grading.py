@@ -16,7 +16,7 @@ from segmap_course import EXERCISES
 from segmap_course.__main__ import main
 from segmap_course.exercises import decode, encode
 from segmap_course.grading import _jail
-from segmap_course.grading._grade import judged, run
+from segmap_course.grading._grade import job, judged, run
 from segmap_course.grading._jail import Jail, Limits
 from segmap_course.grading._report import Outcome, Row, page
 from segmap_course.grading._submissions import Answer, Book, Submission, submissions
@@ -138,7 +138,7 @@ def said(jail, cell, seed=None):
     handed = Submission(
         "ann", "", [Book("a.ipynb", 0, [Answer("compose-answer", "code", cell)])], []
     )
-    found = run(handed, TASK, exercise, hidden, jail)
+    found = run(job(handed, TASK, exercise), exercise, hidden, jail)
     return found if isinstance(found, Outcome) else judged(exercise, found, hidden)
 
 
@@ -184,7 +184,9 @@ def test_a_solution_is_right_in_the_jail(jail, name):
     exercise = EXERCISES[name]
     hidden = list(exercise.fresh(4711).values())
     task = TASK._replace(name=name, answers=("mine",), given="mine")
-    found = run(handed(name, solution(exercise, "mine")), task, exercise, hidden, jail)
+    found = run(
+        job(handed(name, solution(exercise, "mine")), task, exercise), exercise, hidden, jail
+    )
     assert judged(exercise, found, hidden).right
 
 
@@ -275,7 +277,7 @@ def test_an_open_exercise_is_judged_where_no_student_s_code_runs(
 ):
     exercise = course.OPEN_EXERCISES[task]
     asked = Task(task, "x", (given,), 4, "import numpy as np\nimport segmap", given)
-    found = run(handed(task, cell), asked, exercise, [], jail)
+    found = run(job(handed(task, cell), asked, exercise), exercise, [], jail)
     found = found if isinstance(found, Outcome) else judged(exercise, found, [])
     assert found.kind == kind and words in found.reason
 

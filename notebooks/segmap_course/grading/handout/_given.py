@@ -17,6 +17,7 @@ BASICS = {
 Package = tuple[str, dict[str, list[str]]]
 
 
+@cache
 def package(exercise: Exercise) -> Package:
     """The basics that do not reach the answer to an exercise, with all that they call.
 
