@@ -41,6 +41,9 @@ from segmap._commands._words import metres, plain_warnings, say
 from segmap._commands.opening._thresholds import thresholds
 from segmap.arrays import Metres, Radians, RadiansPerMetre, checked
 from segmap.methods import Method
+from segmap.panels.workbench import Workbench
+from segmap.panels.workbench._recipe import Call, follow
+from segmap.panels.workbench._session import read
 from segmap.quadtree import QuadtreeMap
 
 plt = later("matplotlib.pyplot")
@@ -536,8 +539,8 @@ COARSE = {"gap": 9.0, "tolerance": 0.5, "min_points": 2, "min_length": 0.01}
 
 
 @pytest.mark.parametrize("name", [*FORMATS, "ros1", "mcap", "it.segmap"])
-def test_a_log_of_each_kind_gives_the_map_of_the_library(run, name):
-    """Catches a format that the command reads in another way, or loses poses of."""
+def test_a_log_of_each_kind_gives_one_map_by_command_page_and_library(run, name):
+    """Catches a format that one of the doors reads in another way, or loses poses of."""
     for path, content in FORMATS.get(name, {}).items():
         Path(path).parent.mkdir(exist_ok=True)
         Path(path).write_bytes(content)
@@ -558,6 +561,11 @@ def test_a_log_of_each_kind_gives_the_map_of_the_library(run, name):
     wanted = segmap.build_map(log, poses.trusted, **COARSE)
     found = readers.read_segments("out.npz")
     assert np.array_equal(found.segments, wanted.segments) and len(wanted) > 0
+    page = read(Path(name))  # as its worker does
+    recipe, held, _ = Workbench(page if isinstance(page, segmap.Log) else page.log)._work()
+    coarse = Call("extract_polylines", segmap.extract_polylines, COARSE)
+    made = follow(replace(recipe, extract=coarse), held, None)
+    assert np.array_equal(made.map.segments, wanted.segments)
 
 
 def test_options_in_a_file_are_those_of_the_command(run, near):
