@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from segmap import alignment, build_map, exports, load, matching, readers, reduction
-from segmap.progress import announce, told
+from segmap.progress import announce, each, told
 from segmap.threads import in_threads
 
 LOG = load("room")[:12]
@@ -79,6 +79,15 @@ def test_a_listener_is_for_what_is_called_within():
     assert (outer, inner) == (["a", "c"], ["b"])
     with pytest.raises(ValueError, match="progress must be a function of a share and words, got 3"):
         alignment.pose_graph(LOG, progress=3)
+
+
+def test_each_thing_is_told_before_it_comes():
+    """Catches a count from zero, a share that is ahead, and a thing that is lost."""
+    said = []
+    with told(lambda *words: said.append(words)):
+        for thing in each("ab", "part"):
+            said.append(thing)
+    assert said == [(0.0, "part 1 of 2"), "a", (0.5, "part 2 of 2"), "b"]
 
 
 def test_threads_tell_how_many_are_done_and_begin_no_more_once_stopped():
