@@ -1,4 +1,4 @@
-"""Hybrid: its lines in Hough space, its filter and its weaknesses."""
+"""Hybrid: its lines in Hough space, and what they owe to the origin."""
 
 import numpy as np
 import pytest
@@ -38,20 +38,6 @@ def test_many_lines_at_once_are_those_of_the_loops_and_of_the_literal_method():
     assert hough(segments, found[:, 1]) == pytest.approx(found)
 
 
-def test_the_filter_drops_what_neither_matches_nor_is_long_enough():
-    segments = [[(0, 0), (0.09, 0)], [(1, 0), (3, 0)], [(1.5, 0.01), (1.6, 0.01)]]
-    found = hybrid(segments)
-    np.testing.assert_array_equal(found.parents, [-1, 0, 0])
-    assert len(hybrid(segments, min_length=0.0)) == 2
-
-
-@pytest.mark.parametrize("distance", [0.05, 0.4, 2.0])
-def test_the_filter_does_not_grow_with_the_distance(distance):
-    """A's is fixed: after the external filter of 100 mm it finds nothing to do (A 6.3)."""
-    assert len(hybrid([[(0, 0), (0.125, 0)]], distance=distance)) == 1
-    assert len(hybrid([[(0, 0), (0.0625, 0)]], distance=distance)) == 0
-
-
 SEEN_TWICE = SegmentMap(
     np.concatenate([redundant_map(np.random.default_rng(4)), [[(-9, -9), (9, 9)]]])
 )
@@ -78,15 +64,6 @@ def test_an_origin_outside_of_the_map_is_told(method):
         doubt = method(wall + to).doubt
         assert doubt.startswith(f"the origin lies {off:.1f} m outside of the map")
         assert doubt in repr(method(wall + to))
-
-
-def test_a_mean_about_each_pair_by_hand():
-    """Two walls that cross 100 m above the origin at +-beta: about the pair their mean is level."""
-    beta = np.radians(4.9)
-    cross = np.array([[(-1, -np.tan(b)), (1, np.tan(b))] for b in (beta, -beta)]) + [0, 100]
-    (mean,) = hybrid(cross, origin="pair").segments
-    np.testing.assert_allclose(mean[:, 1], 100, atol=1e-9)
-    assert hybrid(cross).segments[0, 0, 1] < 99.64
 
 
 @pytest.mark.parametrize("name", ["malaga", "room", "corridor"])

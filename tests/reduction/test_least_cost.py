@@ -4,19 +4,13 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from reduction_maps import MAPS, assert_literal, grid_map, malaga
-from segmap_course.literal.metrics import nearness
-from segmap_course.literal.reduction import least_cost as plain
+from reduction_maps import MAPS, malaga
 
-from segmap.kernels import describe
 from segmap.metrics import quality
 from segmap.reduction import least_cost, reduce_to
-from segmap.reduction._runner import rows_of
 from segmap.reduction.least_cost import _least_cost
-from segmap.reduction.least_cost._exchange import exchanged
-from segmap.reduction.least_cost._fit_kernels import Limits, _line_cost, charge, empty_room, take
-from segmap.reduction.least_cost._least_cost import crosses, merged
-from segmap.segments import SegmentMap, length
+from segmap.reduction.least_cost._least_cost import crosses
+from segmap.segments import length
 
 
 @given(st.integers(0, 10_000), st.sampled_from([0.01, 0.05, 0.3]))
@@ -28,30 +22,6 @@ def test_quality_is_never_below_the_guarantee(seed, penalty):
     map = np.concatenate([MAPS[seed % 4](rng), points])
     found, n = least_cost(map, penalty=penalty), np.count_nonzero(length(map))
     assert quality(map, found) >= np.exp(-penalty * (n - len(found)) / n / 0.05) - 1e-9
-
-
-@pytest.mark.parametrize("seed", range(8))
-def test_a_line_costs_what_the_plain_sum_says(seed):
-    """Members that cross it, at its ends and steeply too: what is cheap to reckon must be exact."""
-    rng = np.random.default_rng(seed)
-    s = rng.uniform((0, -0.15), (1, 0.15), (5, 2, 2))
-    room, about = empty_room(5), describe(s)
-    for k in range(5):
-        take(room, k, k, s, about)
-    pose, limits = (0.5, 0.01, rng.normal(0, 0.05)), Limits(0.1, 0.25, 0.4, 0.12, 0.3, 0.2)
-    found = _line_cost(s, room, 5, limits, pose, np.inf)
-    line = plain.spanning(*pose, s.reshape(-1, 2).tolist())
-    expected = plain.cost_of(s.tolist(), line, (0.25, 0.12, 0.3, 0.2), bridged=0.4)
-    assert found == pytest.approx(expected, rel=1e-12)
-
-
-def test_a_segment_costs_what_the_plain_sum_says_where_limits_are_met():
-    """What lies off by the whole distance is beside its output, and at twice that not too far."""
-    s = grid_map(np.random.default_rng(3), 40)
-    about, limits = describe(s), Limits(0.1, 0.25, 0.4, 0.25, 0.3, 0.2)
-    for i, j in np.ndindex(40, 40):
-        expected = plain.charge(s[i], s[j], (0.25, 0.25, 0.3, 0.2))
-        assert charge(s[i], about[i], s[j], about[j], limits) == pytest.approx(expected)
 
 
 @pytest.mark.parametrize("sought", [1e-5, 1.01e-4, 0.05, 3.98])
@@ -88,72 +58,6 @@ def test_segments_cross_where_both_ends_lie_on_other_sides(place):
     found = [crosses(u, v) for u, v in ends + np.array(place)]
     assert 30 < wanted.sum() < 150
     assert found == wanted.tolist()
-
-
-@given(st.integers(0, 10_000), st.sampled_from([0.02, 0.05]))
-@settings(max_examples=20)
-def test_every_segment_meets_its_output_and_no_other_costs_it_less(seed, distance):
-    """Catches parents of the first phase, an output that moved after its members were counted."""
-    map = MAPS[seed % 4](np.random.default_rng(seed))
-    found = least_cost(map, penalty=0.2, distance=distance)
-    limits = (max(0.075, 0.2 / distance / 40), distance, np.sin(np.radians(5)), 0.0)
-    for s, parent in zip(map, found.parents, strict=True):
-        if parent >= 0:
-            costs = [plain.charge(s, line, limits) for line in found.segments]
-            assert nearness(s, found.segments[parent]) <= 2 * distance * (1 + 2e-9)
-            assert costs[parent] <= min(costs) + 1e-9
-
-
-@given(st.integers(0, 10_000), st.sampled_from([0.01, 0.05, 0.3]))
-@settings(max_examples=20)
-def test_the_second_phase_only_lowers_the_sum(seed, penalty):
-    """Catches an exchange that is kept although it costs more, and a sum that is not undone."""
-    map = MAPS[seed % 4](np.random.default_rng(seed))
-    rows, sine = rows_of(map)[0], float(np.sin(np.radians(5)))
-    limits = Limits(penalty, 0.25, 0.25, 0.05, sine, 0.05)
-
-    def summed(outputs):
-        plain_limits = (max(0.075, penalty / 2), 0.05, sine, 0.05)
-        costs = [[plain.charge(s, line, plain_limits) for line in outputs] for s in rows.segments]
-        return np.min(costs, axis=1).sum() + penalty * len(outputs)
-
-    first = merged(rows, limits)[0]
-    assert summed(exchanged(rows, first, limits)[0]) <= summed(first) + 1e-9
-
-
-@pytest.mark.parametrize(
-    "walls",
-    [
-        [[(0, 0), (2, 0)], [(0, 0.3), (2, 0.3)]],
-        [[(0, 0), (2, 0)], [(2.06, 0), (4, 0)]],
-        [[(0, 0), (2, 0)], [(2, 0), (2, 3)]],
-        [[(0, 0), (4, 0)], [(1, -0.2), (1.4, 0.2)]],
-    ],
-    ids=["parallel", "a gap", "a corner", "a crossing"],
-)
-def test_what_does_not_merge(walls):
-    """A door that is closed, two walls of a thin partition, a stub that is swallowed."""
-    assert least_cost(walls).parents.tolist() == [0, 1]
-
-
-def test_what_stands_across_a_wall_is_beside_none_of_it():
-    """At an angle of a quarter turn it may go there, and covers no metre: a division by nothing."""
-    cross = [[(0, 0), (2, 0)], [(1, -0.02), (1, 0.02)]]
-    assert least_cost(cross, angle=np.pi / 2).parents.tolist() == [0, 1]
-    assert_literal("least_cost", SegmentMap(cross), angle=np.pi / 2, penalty=0.5)
-
-
-def test_a_gap_is_bridged_up_to_its_limit():
-    walls = [[(0, 0), (2, 0)], [(2.06, 0), (4, 0)]]
-    (joined,) = least_cost(walls, gap=0.07).segments
-    np.testing.assert_allclose(np.sort(joined[:, 0]), (0, 4), atol=1e-12)
-
-
-def test_a_higher_penalty_leaves_fewer_segments():
-    """Catches a penalty that is compared with something else than a merge costs."""
-    map = malaga()[np.arange(600)]
-    left = [len(least_cost(map, penalty=p)) for p in (0.0001, 0.01, 0.05, 0.2, 1.0)]
-    assert left == sorted(left, reverse=True) and left[0] > 2 * left[-1]
 
 
 def test_a_quality_that_is_asked_for_is_met_by_about_as_few_segments_as_any_penalty_leaves():

@@ -140,8 +140,8 @@ def _drawn(rows: Rows, s: Array, sensors: Array, tolerance: float) -> Found:
     n, sizes = len(s), length(s)
     unit = float(max(sizes.mean() if n else 0.0, 1.0))
     walls = Walls(
-        s=np.ascontiguousarray(s),
-        sensors=np.ascontiguousarray(sensors),
+        s=s,
+        sensors=sensors,
         places=empty_index(n, unit),
         fans=empty_index(n, unit),
         drawn=np.empty((n, 2, 2)),

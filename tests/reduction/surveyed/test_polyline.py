@@ -1,34 +1,18 @@
-"""Polylines: which segments are a chain, the corners of its line, and its place in the map."""
+"""Polylines: the corners of a chain, and its place in the map."""
 
 from itertools import pairwise
 
 import numpy as np
 import pytest
 from conftest import slow
-from reduction_maps import assert_literal, malaga, redundant_map
+from reduction_maps import assert_literal, redundant_map
 from segmap_course import literal
-from segmap_course.literal.reduction.polyline import apart as distance
 
 from segmap.reduction import polyline
-from segmap.segments import SegmentMap, length
+from segmap.segments import SegmentMap
 from segmap.testing import assert_segments_equal
 
 BEND = [[(0, 0), (1, 0)], [(0.9, 0.02), (2, 0.3)], [(1.8, 0.3), (3, 0.3)]]
-
-
-def test_two_segments_of_a_scan_meet_through_a_wall_of_the_map():
-    """Catches a chain that holds what one segment matches, and no more."""
-    wall = [[(0, 0), (3, 0)], [(0.2, 0.01), (1, 0.01)], [(2, 0.01), (2.8, 0.01)]]
-    found = polyline(SegmentMap(wall, [0, 1, 1]))
-    assert found.parents.tolist() == [0, 0, 0]
-
-
-def test_a_segment_is_put_in_by_the_shorter_links():
-    """Catches a segment that is put in as it was drawn: the line would run there and back."""
-    bend = [[(0, 0), (1, 0)], [(2, 0.5), (0.9, 0.02)], [(1.8, 0.5), (3, 0.5)]]
-    assert_literal("polyline", SegmentMap(bend, [0, 1, 0]))
-    found = polyline(SegmentMap(bend, [0, 1, 0]))
-    assert length(found.segments).sum() < 3.4
 
 
 @pytest.mark.parametrize(
@@ -42,45 +26,6 @@ def test_the_corners_of_a_chain(tolerance, corners):
     both = SegmentMap(BEND, [0, 1, 0])  # the third meets the first through the second
     pieces = list(pairwise(corners))
     assert_segments_equal(polyline(both, tolerance=tolerance), pieces, ordered=True)
-
-
-def test_every_segment_of_a_chain_stays_within_tolerance_of_a_piece():
-    """Catches corners that are left out although somebody needs them."""
-    map = malaga()[:600]
-    for stop in (2, 5, 9):
-        part = SegmentMap(map.segments[map.scan <= stop], map.scan[map.scan <= stop])
-        found = polyline(part, tolerance=0.05)
-        pieces = found.segments.tolist()
-        off = [min(distance(s, p) for p in pieces) for s in part.segments.tolist()]
-        assert (
-            np.mean(np.array(off) < 0.10) > 0.97
-        )  # a piece of a piece may drift from scan to scan
-
-
-def test_two_walls_of_the_map_meet_through_a_segment_of_the_scan():
-    wall = [[(0, 0), (1, 0)], [(2, 0), (3, 0)], [(0.5, 0.01), (2.5, 0.01)]]
-    found = polyline(SegmentMap(wall, [0, 0, 1]))
-    assert_segments_equal(found, [[(0, 0), (3, 0)]])
-    assert found.parents.tolist() == [0, 0, 0] and found.scan_live.tolist() == [2, 1]
-
-
-@pytest.mark.parametrize(("bridge", "left"), [(0.30, 2), (0.60, 3), (np.inf, 3)])
-def test_a_link_that_nobody_saw_is_left_out(bridge, left):
-    """A draws it: a wall across a step of 0.5 m."""
-    step = [[(0, 0), (2, 0)], [(2, 0.5), (4, 0.5)], [(1, 0.25), (3, 0.25)]]
-    map = SegmentMap(step, [0, 0, 1])
-    found = polyline(map, far=0.3, bridge=bridge)
-    seen = np.isin(np.arange(len(found)), found.parents)
-    assert len(found) >= left or bridge == 0.30
-    assert (length(found.segments)[~seen] <= bridge).all()
-
-
-def test_pieces_stand_in_the_place_of_the_first_of_their_chain():
-    """Catches a map in the order of the last change: the third wall stays the last."""
-    walls = [[(0, 0), (2, 0)], [(0, 1), (2, 1)], [(0, 2), (2, 2)], [(1, 1.01), (3, 1.01)]]
-    found = polyline(SegmentMap(walls, [0, 0, 0, 1]))
-    assert found.segments[:, 0, 1].round(1).tolist() == [0, 1, 2]
-    assert found.parents.tolist() == [0, 1, 2, 1]
 
 
 @pytest.mark.parametrize("way", [range(60, 79), slow(range(78, 59, -1))])

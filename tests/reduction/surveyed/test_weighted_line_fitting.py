@@ -1,4 +1,4 @@
-"""Weighted line fitting: covariances by hand, what they allow, and where the method fails."""
+"""Weighted line fitting: how well a merge is known, and where the method fails."""
 
 import math
 import os
@@ -18,8 +18,6 @@ from segmap.compiled import PLAIN
 from segmap.reduction import weighted_line_fitting
 from segmap.segments import SegmentMap
 from segmap.testing import assert_segments_equal
-
-EXACT = {"sigma_place": 0.0, "sigma_heading": 0.0}
 
 
 def a_map(walls, sensors=None, points_each: int = 21) -> SegmentMap:
@@ -60,35 +58,6 @@ def test_far_walls_on_one_line_merge_without_a_test_of_extent():
     found = weighted_line_fitting(map, gap=math.inf)
     assert_segments_equal(found, [[(0, 0), (11, 0)]])
     assert len(weighted_line_fitting(map, gap=7.0)) == 1
-
-
-def test_the_better_known_line_counts_for_more():
-    """Catches means that forget the covariances: a look from 2 m, and one along it from 30 m."""
-    walls = [[(0, 0), (2, 0)], [(0, 0.05), (2, 0.05)]]
-    found = weighted_line_fitting(a_map(walls, [(1, 2), (-30, 1)]), **{**EXACT, "chi2": 1e6})
-    assert len(found) == 1 and abs(found.segments[0, :, 1]).max() < 0.003
-
-
-def test_a_merged_line_looks_again():
-    """A third piece that reaches both joins all three, and the first lends its place."""
-    pieces = [[(0, 0), (2, 0)], [(0, 5), (2, 5)], [(3, 0), (5, 0)], [(1.9, 0), (3.1, 0)]]
-    found = weighted_line_fitting(SegmentMap(pieces, [0, 1, 2, 3]))
-    assert found.parents.tolist() == [0, 1, 0, 0]
-    assert found.scan_live.tolist() == [1, 2, 3, 2]
-
-
-def test_a_larger_angle_is_another_line():
-    """Beyond `turn` the linear covariance has no meaning: short pieces are known badly."""
-    cross = a_map([[(0, -0.05), (0, 0.05)], [(-0.02, -0.04), (0.02, 0.04)]], points_each=3)
-    assert len(weighted_line_fitting(cross)) == 2
-    assert len(weighted_line_fitting(cross, turn=0.6)) == 1
-
-
-def test_points_decide_and_not_the_end_points():
-    """Catches a fit to the segment where the points are known."""
-    map = a_map([[(0, 0), (2, 0)]])
-    bent = SegmentMap(map.segments, points=map.points + (0.0, 0.3), first=map.first)
-    assert_segments_equal(weighted_line_fitting(bent), [[(0, 0.3), (2, 0.3)]])
 
 
 def test_a_spacing_that_is_no_length_is_refused():
