@@ -43,14 +43,10 @@ def test_metadata_and_signature(name):
 
 @methods
 def test_every_input_is_accounted_for(name):
-    """Parents point at outputs that exist, every output has one, seconds are measured."""
+    """Beside what the runner checks: its name, its members, that seconds are measured."""
     map = noisy_building()
     found = METHODS[name](map)
-    assert isinstance(found, Reduction)
     assert found.method == name
-    assert found.parents.shape == (len(map),)
-    if name != "viewing_sector":  # it cuts walls: a small piece is most of no input
-        assert set(found.parents) - {-1} == set(range(len(found)))
     assert 0 < len(found) < len(map)
     assert found.seconds > 0
     assert (found.scan_live is not None) == METHODS[name].online
