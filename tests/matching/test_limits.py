@@ -25,6 +25,7 @@ from segmap.matching import (
     nearest_score,
     particle_mapping,
     route,
+    sample_and_rank,
     search,
     systematic,
 )
@@ -116,6 +117,7 @@ USUAL = [
         (localize, {"particles": 1000, "beams": 60}),
     ),
     (hill_climb, {"steps": "halving", "rounds": 60, "score": field_score}),
+    (sample_and_rank, {"sigma": (0.02, np.radians(2)), "score": field_score}),
     (map_scans, {"settle": 1, "free": False, "graph": False, "start": (0, 0, 0)}),
     (particle_mapping, {"particles": 30, "noise": 1, "resample": 0.5, "free": False}),
     *((DistanceField, {"resolution": 0.05}), (DistanceField.around, {"resolution": 0.02})),
