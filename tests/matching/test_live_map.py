@@ -3,7 +3,6 @@
 import sys
 import threading
 from contextlib import suppress
-from copy import deepcopy
 
 import numpy as np
 import pytest
@@ -154,19 +153,6 @@ def test_an_interrupt_costs_no_scan_but_its_own(call):
     assert state(live.map) == expected([LOG[k] for k in drawn], live.poses)
 
 
-def test_a_scan_beyond_the_map_is_told_of():
-    map = QuadtreeMap(resolution=0.05, max_size=25.6)
-    live = LiveMap(map=map, start=(12, 12, 0))
-    live.add(LOG[0])
-    before = deepcopy(map)
-    with pytest.raises(ValueError, match="beyond max_size"):
-        live.add(LaserScan([500.0], [0.0]))
-    live.finish()
-    assert state(map) == state(before)
-    with pytest.raises(ValueError, match=r"^scan 0: the scan reaches beyond max_size"):
-        list(map_scans([LaserScan([500.0], [0.0])], graph=True, map=map))
-
-
 def test_kernels_let_other_threads_go_on():
     """Catches a map that is made in the background, while nothing else moves."""
     map = blank()
@@ -213,11 +199,17 @@ def test_a_scan_that_was_placed_and_not_drawn_is_drawn_in_the_end(monkeypatch, h
 
 
 def test_a_scan_that_the_map_refuses_has_no_pose_in_it():
-    """Catches poses and drawn scans that no longer belong together."""
+    """Catches poses and drawn scans that no longer belong together, and half a scan in the map."""
+    far = LaserScan([500.0], [0.0])
     live = LiveMap(map=QuadtreeMap(resolution=0.05, max_size=25.6), start=(12, 12, 0))
     live.add(LOG[0])
+    before = state(live.map)
     with pytest.raises(ValueError, match="beyond max_size"):
-        live.add(LaserScan([500.0], [0.0]))
+        live.add(far)
+    live.finish()
+    assert state(live.map) == before
+    with pytest.raises(ValueError, match=r"^scan 0: the scan reaches beyond max_size"):
+        list(map_scans([far], graph=True, map=live.map))
     live.add(LOG[1])
     live.finish()
     assert live.map.scans == len(live.poses) == 2 and len(live.graph) == 3
