@@ -191,6 +191,8 @@ def test_what_is_compiled_is_loaded_before_a_scan_is_asked_for(score, monkeypatc
     list(map_scans([], graph=True))
     warm = field_score if score is not nearest_score else score
     assert asked == [warm, "scan", "graph"]
+    monkeypatch.undo()
+    assert any(_mapping._warm_graph()), "loops are loaded where one closes"
 
 
 @pytest.mark.parametrize("step", [(3, 4, 0), (0, 0, -2), (0, 0, 0)])

@@ -3,6 +3,8 @@
 import sys
 import threading
 from contextlib import suppress
+from types import SimpleNamespace
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -162,7 +164,7 @@ def test_kernels_let_other_threads_go_on():
 
 
 @pytest.mark.parametrize(("held", "first"), [(0, 0), (2, 0), (0, 3)])
-@pytest.mark.parametrize("done", ["placed", "known", "drawn"])
+@pytest.mark.parametrize("done", ["placed", "known", "drawn", "listed"])
 def test_a_scan_that_was_placed_and_not_drawn_is_drawn_in_the_end(monkeypatch, held, first, done):
     """Catches 30 poses and 29 scans that are drawn, and the half of a scan that stays there.
 
@@ -181,16 +183,21 @@ def test_a_scan_that_was_placed_and_not_drawn_is_drawn_in_the_end(monkeypatch, h
         raise KeyboardInterrupt
 
     def interrupted(*given, **named):
-        if done == "drawn":
+        if done in ("drawn", "listed"):
             insert(*given, **named)
-        raise KeyboardInterrupt
+        if done != "listed":
+            raise KeyboardInterrupt
 
     with monkeypatch.context() as patch:
         if done == "placed":
             patch.setattr(graph, "add", placed)
+        if done == "listed":  # and interrupted where a map is being made that it should come into
+            full = SimpleNamespace(append=Mock(side_effect=KeyboardInterrupt))
+            live._anew = SimpleNamespace(placed=full, thread=threading.current_thread())
         patch.setitem(LiveMap.add.__globals__, "insert", interrupted)
         with pytest.raises(KeyboardInterrupt):
             live.add(log[first])
+    live._anew = None
     live.add(log[first + 1])
     live.finish()
     assert live.map.scans == len(live.poses) == len(graph) - held == first + 2

@@ -94,15 +94,16 @@ def test_search_is_every_pose_tried(seed):
 
 
 @pytest.mark.parametrize("top", [0, 1, 3])
-def test_the_size_of_the_first_blocks_changes_nothing(top, monkeypatch):
+@pytest.mark.parametrize(("margin", "least"), [(0.1, 0.5), (0.02, 0.1)])
+def test_the_size_of_the_first_blocks_changes_nothing(top, margin, least, monkeypatch):
     """Many small blocks of many rows and columns, in portions of one block each."""
     map, random = small_map(7)
     scan = scan_of(random.uniform(-1, 1, (7, 2)))
-    expected = search(map, scan, most_places=99, margin=0.1)
+    expected = search(map, scan, most_places=99, margin=margin, least=least)
     monkeypatch.setattr(inner, "TOP", top)
     monkeypatch.setattr(likelihoods, "TOP", top)
     monkeypatch.setattr(inner, "PORTION", 1)
-    found = search(map, scan, most_places=99, margin=0.1)
+    found = search(map, scan, most_places=99, margin=margin, least=least)
     np.testing.assert_array_equal(found.poses, expected.poses)
     np.testing.assert_allclose(found.covariances, expected.covariances)
 

@@ -32,7 +32,7 @@ def joined():
 def test_parts_are_joined_by_the_loops_between_them(joined):
     """Wheels alone end metres away; no part closes a loop of its own."""
     whole = pose_graph(LOG)
-    assert joined.used.all() and len(joined) == len(LOG)
+    assert joined.used.all() and len(joined) == len(LOG) and 0 < joined.seconds < 600
     assert np.hypot(*(joined.poses - whole.poses)[:, :2].T).max() < 0.1
     loops = joined.graph.edges[joined.graph.loop]
     assert len(loops) and (loops[:, 0] < 90).all() and (loops[:, 1] > 90).all()

@@ -6,8 +6,9 @@ The maps and matches here are scripted: they say what a test needs, and keep wha
 import alignment_logs as logs
 import numpy as np
 import pytest
+from alignment_logs import walked
 
-from segmap.alignment import LiveGraph, LoopClosing, Tracking, align_parts
+from segmap.alignment import LiveGraph, Tracking, align_parts
 from segmap.alignment._result import Match, no_match
 from segmap.alignment.graph import Edge, Solver, information, stacked
 from segmap.alignment.pose_graph._front_end import FrontEnd
@@ -43,14 +44,6 @@ class Scripted:
 
     def has_wall_facing(self, free, points, pose):
         return self.wall
-
-
-def walked(steps, points=np.zeros((0, 2)), closer=LoopCloser):
-    """Key frames a metre apart on a line, and what closes loops among them."""
-    frames = KeyFrames(points, ZERO)
-    for scan in range(1, steps + 1):
-        frames.add(scan, points, np.array([1.0, 0, 0]), np.eye(3))
-    return closer(frames, 0.03, LoopClosing())
 
 
 def loop(first, second, x=None, degrees=0.0) -> Edge:
