@@ -382,6 +382,8 @@ def test_weights_are_shares(weights):
     with pytest.raises(ValueError, match="none negative, and sum to 1"):
         effective_number(weights)
     assert systematic([0.5, 0.5], 1.0).tolist() == [1, 1]  # a tooth at the very end
+    with pytest.raises(ValueError, match="offset must be"):
+        systematic([0.5, 0.5], 1.01)
 
 
 @pytest.mark.parametrize(("heading", "wrapped"), [(np.pi, -np.pi), (-np.pi, -np.pi), (3.0, 3.0)])
