@@ -227,6 +227,7 @@ def test_scans_without_returns_and_far_from_all_are_gone_through():
     near, far = LaserScan([1.0, 1.0], [0.0, 0.2]), LaserScan([9.0, 9.1], [3.0, 3.1])
     steps, map = mapped([blind, near, blind, far], particles=4)
     assert [step.found for step in steps] == [False, True, False, False]
+    assert particle_paths(steps[:1]).tolist() == steps[0].poses[:, None].tolist()
     assert map.scans == 2 and np.isfinite(steps[-1].poses).all()
 
 

@@ -273,12 +273,13 @@ def test_ways_are_the_shortest_along_the_path_and_through_loops(seed):
 
 @pytest.mark.parametrize(("steps", "believed"), [(2, 0), (4, 0), (6, 3)])
 def test_loops_side_by_side_are_no_witnesses(steps, believed):
-    """One door looks like the next: in a window of six metres they must lie along six metres."""
+    """One door looks like the next: in a wide window they must lie along six metres."""
     closer = walked(40)
     sure = information(np.eye(3) * 1e-4)
     for k in (0, steps // 2, steps):
         closer.pending.append(Edge(k, 20 + k, np.zeros(3), sure, True))
-    assert len(closer._confirmed_by_others([(closer.pending[-1], 6.0)])) == believed
+    for reach in (6.0, 12.0):
+        assert len(closer._confirmed_by_others([(closer.pending[-1], reach)])) == believed
     assert len(closer._confirmed_by_others([(closer.pending[-1], 1.0)])) == 3
     *older, newest = closer.pending
     elsewhere = [Edge(20, 21, np.zeros(3), sure, True)] * 29
