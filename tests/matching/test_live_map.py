@@ -46,12 +46,19 @@ def finished(closes, **options):
 
 @pytest.mark.parametrize("closes", [(), (5,), (5, 6, 7, 20), (23,), tuple(range(24))])
 def test_the_map_in_the_end_is_that_of_the_corrected_poses(closes):
-    """Whenever loops close, while another map is being made too; and at the last scan."""
-    live, closed = finished(closes, start=START)
+    """Whenever loops close, while another map is being made too; and at the last scan.
+
+    The reduced map is made anew with it: that of the on-line method, and walls are few again.
+    """
+    walls = LiveReduction(every=8)
+    live, closed = finished(closes, start=START, walls=walls)
     assert closed == list(closes)
     graph = live.graph.poses
     np.testing.assert_allclose(live.poses, compose(START, between(graph[0], graph)), atol=1e-12)
     assert live.map.scans == len(LOG) and state(live.map) == expected(LOG, live.poses)
+    whole = hybrid_fusion(extraction.build_map(Log("it", LOG.scans), live.poses), every=8)
+    assert walls.scans == len(LOG) and live.walls is walls
+    np.testing.assert_allclose(walls.segments, whole.segments, atol=1e-9)
 
 
 def test_map_scans_with_a_graph():
@@ -104,16 +111,6 @@ def test_the_new_map_is_taken_as_soon_as_it_is_ready():
     live._anew.thread.join(60)
     live.add(LOG[10])
     assert live._anew is None and state(live.map) == expected(LOG[:11], live.poses)
-
-
-@pytest.mark.parametrize("closes", [(), (5, 6, 20)])
-def test_the_reduced_map_is_made_anew_with_the_map(closes):
-    """Equal to the on-line method on all scans at their corrected poses; walls are few again."""
-    walls = LiveReduction(every=8)
-    live, _ = finished(closes, walls=walls)
-    whole = hybrid_fusion(extraction.build_map(Log("it", LOG.scans), live.poses), every=8)
-    assert walls.scans == len(LOG) and live.walls is walls
-    np.testing.assert_allclose(walls.segments, whole.segments, atol=1e-9)
 
 
 def test_what_the_map_held_before_stays():
