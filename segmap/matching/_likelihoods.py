@@ -42,7 +42,7 @@ class Likelihoods:
             step, wide = 1 << k, levels[k + 1]
             wide[:] = levels[k]
             np.maximum(wide[:, :-step], levels[k][:, step:], out=wide[:, :-step])
-            np.maximum(wide[:-step], wide[step:].copy(), out=wide[:-step])
+            np.maximum(wide[:-step], wide[step:], out=wide[:-step])
         self.levels = levels
 
     def likelihood(self, places: Array) -> Array:

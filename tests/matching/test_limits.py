@@ -25,6 +25,7 @@ from segmap.matching import (
     nearest_score,
     particle_mapping,
     route,
+    sample_and_rank,
     search,
     systematic,
 )
@@ -116,6 +117,7 @@ USUAL = [
         (localize, {"particles": 1000, "beams": 60}),
     ),
     (hill_climb, {"steps": "halving", "rounds": 60, "score": field_score}),
+    (sample_and_rank, {"sigma": (0.02, np.radians(2)), "score": field_score}),
     (map_scans, {"settle": 1, "free": False, "graph": False, "start": (0, 0, 0)}),
     (particle_mapping, {"particles": 30, "noise": 1, "resample": 0.5, "free": False}),
     *((DistanceField, {"resolution": 0.05}), (DistanceField.around, {"resolution": 0.02})),
@@ -189,6 +191,8 @@ def test_what_is_compiled_is_loaded_before_a_scan_is_asked_for(score, monkeypatc
     list(map_scans([], graph=True))
     warm = field_score if score is not nearest_score else score
     assert asked == [warm, "scan", "graph"]
+    monkeypatch.undo()
+    assert any(_mapping._warm_graph()), "loops are loaded where one closes"
 
 
 @pytest.mark.parametrize("step", [(3, 4, 0), (0, 0, -2), (0, 0, 0)])
@@ -378,6 +382,8 @@ def test_weights_are_shares(weights):
     with pytest.raises(ValueError, match="none negative, and sum to 1"):
         effective_number(weights)
     assert systematic([0.5, 0.5], 1.0).tolist() == [1, 1]  # a tooth at the very end
+    with pytest.raises(ValueError, match="offset must be"):
+        systematic([0.5, 0.5], 1.01)
 
 
 @pytest.mark.parametrize(("heading", "wrapped"), [(np.pi, -np.pi), (-np.pi, -np.pi), (3.0, 3.0)])

@@ -3,7 +3,8 @@
 import sys
 import threading
 from contextlib import suppress
-from copy import deepcopy
+from types import SimpleNamespace
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -45,12 +46,19 @@ def finished(closes, **options):
 
 @pytest.mark.parametrize("closes", [(), (5,), (5, 6, 7, 20), (23,), tuple(range(24))])
 def test_the_map_in_the_end_is_that_of_the_corrected_poses(closes):
-    """Whenever loops close, while another map is being made too; and at the last scan."""
-    live, closed = finished(closes, start=START)
+    """Whenever loops close, while another map is being made too; and at the last scan.
+
+    The reduced map is made anew with it: that of the on-line method, and walls are few again.
+    """
+    walls = LiveReduction(every=8)
+    live, closed = finished(closes, start=START, walls=walls)
     assert closed == list(closes)
     graph = live.graph.poses
     np.testing.assert_allclose(live.poses, compose(START, between(graph[0], graph)), atol=1e-12)
     assert live.map.scans == len(LOG) and state(live.map) == expected(LOG, live.poses)
+    whole = hybrid_fusion(extraction.build_map(Log("it", LOG.scans), live.poses), every=8)
+    assert walls.scans == len(LOG) and live.walls is walls
+    np.testing.assert_allclose(walls.segments, whole.segments, atol=1e-9)
 
 
 def test_map_scans_with_a_graph():
@@ -105,16 +113,6 @@ def test_the_new_map_is_taken_as_soon_as_it_is_ready():
     assert live._anew is None and state(live.map) == expected(LOG[:11], live.poses)
 
 
-@pytest.mark.parametrize("closes", [(), (5, 6, 20)])
-def test_the_reduced_map_is_made_anew_with_the_map(closes):
-    """Equal to the on-line method on all scans at their corrected poses; walls are few again."""
-    walls = LiveReduction(every=8)
-    live, _ = finished(closes, walls=walls)
-    whole = hybrid_fusion(extraction.build_map(Log("it", LOG.scans), live.poses), every=8)
-    assert walls.scans == len(LOG) and live.walls is walls
-    np.testing.assert_allclose(walls.segments, whole.segments, atol=1e-9)
-
-
 def test_what_the_map_held_before_stays():
     given = blank()
     given.insert_scan((0, 0), [(9.0, 9.0)])
@@ -154,19 +152,6 @@ def test_an_interrupt_costs_no_scan_but_its_own(call):
     assert state(live.map) == expected([LOG[k] for k in drawn], live.poses)
 
 
-def test_a_scan_beyond_the_map_is_told_of():
-    map = QuadtreeMap(resolution=0.05, max_size=25.6)
-    live = LiveMap(map=map, start=(12, 12, 0))
-    live.add(LOG[0])
-    before = deepcopy(map)
-    with pytest.raises(ValueError, match="beyond max_size"):
-        live.add(LaserScan([500.0], [0.0]))
-    live.finish()
-    assert state(map) == state(before)
-    with pytest.raises(ValueError, match=r"^scan 0: the scan reaches beyond max_size"):
-        list(map_scans([LaserScan([500.0], [0.0])], graph=True, map=map))
-
-
 def test_kernels_let_other_threads_go_on():
     """Catches a map that is made in the background, while nothing else moves."""
     map = blank()
@@ -176,7 +161,7 @@ def test_kernels_let_other_threads_go_on():
 
 
 @pytest.mark.parametrize(("held", "first"), [(0, 0), (2, 0), (0, 3)])
-@pytest.mark.parametrize("done", ["placed", "known", "drawn"])
+@pytest.mark.parametrize("done", ["placed", "known", "drawn", "listed"])
 def test_a_scan_that_was_placed_and_not_drawn_is_drawn_in_the_end(monkeypatch, held, first, done):
     """Catches 30 poses and 29 scans that are drawn, and the half of a scan that stays there.
 
@@ -195,16 +180,21 @@ def test_a_scan_that_was_placed_and_not_drawn_is_drawn_in_the_end(monkeypatch, h
         raise KeyboardInterrupt
 
     def interrupted(*given, **named):
-        if done == "drawn":
+        if done in ("drawn", "listed"):
             insert(*given, **named)
-        raise KeyboardInterrupt
+        if done != "listed":
+            raise KeyboardInterrupt
 
     with monkeypatch.context() as patch:
         if done == "placed":
             patch.setattr(graph, "add", placed)
+        if done == "listed":  # and interrupted where a map is being made that it should come into
+            full = SimpleNamespace(append=Mock(side_effect=KeyboardInterrupt))
+            live._anew = SimpleNamespace(placed=full, thread=threading.current_thread())
         patch.setitem(LiveMap.add.__globals__, "insert", interrupted)
         with pytest.raises(KeyboardInterrupt):
             live.add(log[first])
+    live._anew = None
     live.add(log[first + 1])
     live.finish()
     assert live.map.scans == len(live.poses) == len(graph) - held == first + 2
@@ -213,11 +203,17 @@ def test_a_scan_that_was_placed_and_not_drawn_is_drawn_in_the_end(monkeypatch, h
 
 
 def test_a_scan_that_the_map_refuses_has_no_pose_in_it():
-    """Catches poses and drawn scans that no longer belong together."""
+    """Catches poses and drawn scans that no longer belong together, and half a scan in the map."""
+    far = LaserScan([500.0], [0.0])
     live = LiveMap(map=QuadtreeMap(resolution=0.05, max_size=25.6), start=(12, 12, 0))
     live.add(LOG[0])
+    before = state(live.map)
     with pytest.raises(ValueError, match="beyond max_size"):
-        live.add(LaserScan([500.0], [0.0]))
+        live.add(far)
+    live.finish()
+    assert state(live.map) == before
+    with pytest.raises(ValueError, match=r"^scan 0: the scan reaches beyond max_size"):
+        list(map_scans([far], graph=True, map=live.map))
     live.add(LOG[1])
     live.finish()
     assert live.map.scans == len(live.poses) == 2 and len(live.graph) == 3

@@ -115,7 +115,7 @@ def pairs(loops: ArrayLike, name: str) -> list[list[int]]:
     found = arrays.indices(loops, name)
     if found.size and found.shape[1:] != (2,):
         raise ValueError(f"{name} must be pairs of scans, (n, 2), got {arrays.brief(loops)}")
-    return [[int(first), int(second)] for first, second in found.reshape(-1, 2)]
+    return list(found.reshape(-1, 2).tolist())
 
 
 @contextmanager

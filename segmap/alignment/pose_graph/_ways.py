@@ -28,7 +28,7 @@ def walk(
     Before that they are infinite. `along`, (n,), is the path driven; `ways`, (w, 2), join old key
     frames and new ones. Ends when all that are wanted are reached: most often near.
     """
-    head, link, left = np.full(len(along), -1), np.full(2 * len(ways), -1), len(wanted)
+    head, link, left = np.full(len(along), -1), np.empty(2 * len(ways), np.int64), len(wanted)
     asked = np.zeros(len(along), np.bool_)
     for slot in range(2 * len(ways)):
         end = ways[slot // 2, slot % 2]

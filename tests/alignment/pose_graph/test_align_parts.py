@@ -26,13 +26,18 @@ def cut(log, *at):
 
 @pytest.fixture(scope="module")
 def joined():
-    return align_parts(cut(LOG, 90))
+    told = []
+    found = align_parts(cut(LOG, 90), progress=lambda share, words: told.append((share, words)))
+    assert all(0 <= share <= 1 for share, _ in told)
+    between_parts = [share for share, words in told if words == "looking for loops between parts"]
+    assert len(set(between_parts)) > 9 and between_parts == sorted(between_parts)
+    return found
 
 
 def test_parts_are_joined_by_the_loops_between_them(joined):
     """Wheels alone end metres away; no part closes a loop of its own."""
     whole = pose_graph(LOG)
-    assert joined.used.all() and len(joined) == len(LOG)
+    assert joined.used.all() and len(joined) == len(LOG) and 0 < joined.seconds < 600
     assert np.hypot(*(joined.poses - whole.poses)[:, :2].T).max() < 0.1
     loops = joined.graph.edges[joined.graph.loop]
     assert len(loops) and (loops[:, 0] < 90).all() and (loops[:, 1] > 90).all()

@@ -75,12 +75,6 @@ def test_a_loop_left_open_by_six_deviations_ties_a_fifth():
     np.testing.assert_allclose(found, expected, rtol=1e-9)
 
 
-def test_a_loop_makes_the_middle_surer():
-    (poses, open_), (_, closed) = chain(60), chain(60, (0, 59))
-    far, near = (spread(poses, stacked(edges), np.ones(60))[0] for edges in (open_, closed))
-    assert near[0] < 0.8 * far[0] and near.max() < far.max()
-
-
 @pytest.mark.parametrize(("loops", "apart"), [([], [4, 5]), ([(0, 5)], []), ([(4, 5)], [4, 5])])
 def test_what_hangs_on_a_step_without_a_match_is_untied(loops, apart):
     """The smaller part by scans; a loop across ties it, one within does not."""

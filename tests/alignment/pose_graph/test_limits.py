@@ -6,13 +6,15 @@ The maps and matches here are scripted: they say what a test needs, and keep wha
 import alignment_logs as logs
 import numpy as np
 import pytest
+from alignment_logs import walked
 
-from segmap.alignment import LiveGraph, LoopClosing, Tracking, align_parts
+from segmap.alignment import LiveGraph, Tracking, align_parts
 from segmap.alignment._result import Match, no_match
 from segmap.alignment.graph import Edge, Solver, information, stacked
 from segmap.alignment.pose_graph._front_end import FrontEnd
 from segmap.alignment.pose_graph._key_frames import KeyFrames
 from segmap.alignment.pose_graph._loop_closing import LoopCloser, Window, descriptor
+from segmap.alignment.pose_graph._merge import _begin_anew
 from segmap.alignment.pose_graph._parts import _aligned, _join, inside
 from segmap.poses import between
 
@@ -43,14 +45,6 @@ class Scripted:
 
     def has_wall_facing(self, free, points, pose):
         return self.wall
-
-
-def walked(steps, points=np.zeros((0, 2)), closer=LoopCloser):
-    """Key frames a metre apart on a line, and what closes loops among them."""
-    frames = KeyFrames(points, ZERO)
-    for scan in range(1, steps + 1):
-        frames.add(scan, points, np.array([1.0, 0, 0]), np.eye(3))
-    return closer(frames, 0.03, LoopClosing())
 
 
 def loop(first, second, x=None, degrees=0.0) -> Edge:
@@ -151,6 +145,20 @@ def test_a_step_without_a_match_ties_little_and_behind_a_break_next_to_nothing(l
     np.testing.assert_allclose(one.frames.edges[0].information, expected)
     assert one.begins == ([0, 1] if lost == 2 else [0])
     assert one.lost == (0 if lost == 2 else 1) and one.tied == [True, False]
+
+
+def test_another_session_begins_at_a_key_frame_that_next_to_nothing_ties():
+    one, two = front(), front()
+    for x in (3.0, 1.0):
+        one.track(SCAN)
+        one.trail.poses[-1] = np.array([x, 2.0, 3.0])
+    two.trail.reasons[0] = "why"
+    assert _begin_anew(one, two) == (1, 3, 0, 0) and len(one.scans) == 4
+    expected = information(np.diag([1.5, 1.5, np.radians(60)]) ** 2, one.frames.least)
+    np.testing.assert_allclose(one.frames.edges[0].information, expected)
+    assert (one.begins, one.tied, one.loose) == ([0, 1], [True, False], [False] * 4)
+    assert one.frame == [0, 0, 0, 1] and len(one.poses()) == len(one.trail.poses) == 4
+    assert (one.trail.poses[-1].tolist(), one.trail.reasons[-1]) == ([1, 2, 3], "why")
 
 
 @pytest.mark.parametrize(

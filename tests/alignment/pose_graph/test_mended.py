@@ -9,6 +9,7 @@ import pytest
 
 from segmap.alignment import Alignment, Graph, LiveGraph
 from segmap.alignment.graph import Edge
+from segmap.alignment.pose_graph._key_frames import pairs
 from segmap.alignment.pose_graph._parts import inside
 from segmap.poses import between, compose, inverse
 from segmap.testing import assert_poses_equal
@@ -142,6 +143,14 @@ def test_what_is_drawn_is_out_of_date_after_a_tie(driven):
     graph = deepcopy(driven)
     graph.tie(61, 290, FALSE)
     assert [graph.add(LOG[-1]).closed for _ in range(2)] == [True, False]
+
+
+def test_scans_come_in_pairs():
+    for given in ([], [(1, 2)], [(1, 2), (3, 4)]):
+        assert pairs(given, "tie") == [list(pair) for pair in given]
+    for wrong in ([1, 2], [(1, 2, 3)]):
+        with pytest.raises(ValueError, match="tie must be pairs of scans"):
+            pairs(wrong, "tie")
 
 
 def test_what_is_interrupted_changes_nothing(driven, monkeypatch):

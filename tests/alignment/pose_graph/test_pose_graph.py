@@ -6,7 +6,9 @@ from functools import cache
 import alignment_logs as logs
 import numpy as np
 import pytest
+from alignment_logs import walked
 from conftest import slow
+from scipy.sparse.csgraph import csgraph_from_dense, dijkstra
 
 from segmap import load
 from segmap.alignment import Alignment, LiveGraph, LoopClosing, Tracking, point_icp, pose_graph
@@ -16,6 +18,7 @@ from segmap.alignment.points import PointMap
 from segmap.alignment.pose_graph import FrontEnd, _front_end, _loop_closing
 from segmap.alignment.pose_graph._key_frames import KeyFrames
 from segmap.alignment.pose_graph._loop_closing import LoopCloser, Window
+from segmap.alignment.pose_graph._ways import walk
 from segmap.poses import between
 from segmap.scans import Log
 from segmap.simulation import (
@@ -162,14 +165,6 @@ def test_a_kidnapped_robot(onwards, regained):
         assert turned[cut:][found.used[cut:]].max() < np.radians(1)
 
 
-def test_a_scan_that_does_not_lie_in_the_window_is_sought_in_twice_the_window():
-    """The odometry is off by 0.9 m and 60 degrees: only the wider search finds the place."""
-    points = logs.office_log()[0].points()
-    guess, map = np.array([0.8, -0.4, np.radians(60)]), PointMap(points)
-    found = LiveGraph()._laid(map, points, guess)
-    np.testing.assert_allclose(found.pose, 0, atol=0.01)
-
-
 @pytest.mark.parametrize(
     ("heading", "turned", "less", "kept"),
     [
@@ -241,6 +236,7 @@ def test_believed_loops_shorten_the_way_to_old_places():
         frames.add(scan, np.zeros((0, 2)), np.array([1.0, 0, np.pi / 5]), np.eye(3))
     closer = LoopCloser(frames, 0.03, LoopClosing())
     assert closer._way(30, np.arange(30)).tolist() == list(range(30, 0, -1))
+    assert np.isinf(walked(500)._way(500, np.array([100]))[0])  # 367 m fill the widest window
     # 0.3 m across where the heading is not known, and exact where it is
     lever = np.array([(1e-4, 0, 0), (0, 0.09, 0.03), (0, 0.03, 0.01001)])
     sure, vague = information(np.eye(3) * 1e-4), np.linalg.inv(lever)
@@ -254,36 +250,42 @@ def test_believed_loops_shorten_the_way_to_old_places():
     )
 
 
-def test_ways_count_a_loop_once_and_end_where_the_widest_window_is_searched():
-    """One pair of places can be proposed twice: by place, and by what it looks like."""
-    _, closer = walked(500)
-    assert np.isinf(closer._way(500, np.array([100]))[0])  # 400 m: (12 - 1) / 0.03 = 367 m at most
-    closer.ways = np.array([(110, 490), (110, 490), (200, 201)])
-    assert closer._way(500, np.array([100, 110, 195])).tolist() == [20.5, 10.5, 95.5]
+@pytest.mark.parametrize("seed", range(20))
+def test_ways_are_the_shortest_along_the_path_and_through_loops(seed):
+    """Steps of no length, loops that come twice, or between neighbours: these are no ways.
+
+    One pair of places can be proposed twice: by place, and by what it looks like.
+    """
+    rng = np.random.default_rng(seed)
+    along = np.r_[0, np.cumsum(rng.choice([0, 0.25, 0.5, 1, 2], 29))]
+    loops = rng.integers(0, 30, (rng.integers(0, 7), 2))
+    loops = np.concatenate([loops, loops[1:3], [(4, 5), (20, 19)]])
+    link, k = np.full((30, 30), np.inf), np.arange(29)
+    link[k, k + 1] = np.diff(along)
+    for i, j in loops[np.abs(loops[:, 0] - loops[:, 1]) > 1]:
+        link[min(i, j), max(i, j)] = 0.5
+    begin, most, wanted = rng.integers(30), rng.choice([3, 9, 99]), rng.permutation(30)[:9]
+    far = dijkstra(csgraph_from_dense(link, null_value=np.inf), directed=False, indices=begin)
+    metres = np.full(30, np.inf)
+    walk(along, loops, begin, wanted, most, metres)
+    assert metres[wanted].tolist() == np.where(far <= most, far, np.inf)[wanted].tolist()
 
 
 @pytest.mark.parametrize(("steps", "believed"), [(2, 0), (4, 0), (6, 3)])
 def test_loops_side_by_side_are_no_witnesses(steps, believed):
-    """One door looks like the next: in a window of six metres they must lie along six metres."""
-    _, closer = walked(40)
+    """One door looks like the next: in a wide window they must lie along six metres."""
+    closer = walked(40)
     sure = information(np.eye(3) * 1e-4)
     for k in (0, steps // 2, steps):
         closer.pending.append(Edge(k, 20 + k, np.zeros(3), sure, True))
-    assert len(closer._confirmed_by_others([(closer.pending[-1], 6.0)])) == believed
+    for reach in (6.0, 12.0):
+        assert len(closer._confirmed_by_others([(closer.pending[-1], reach)])) == believed
     assert len(closer._confirmed_by_others([(closer.pending[-1], 1.0)])) == 3
     *older, newest = closer.pending
     elsewhere = [Edge(20, 21, np.zeros(3), sure, True)] * 29
     for accepted, found in (([*older, *elsewhere[1:]], [newest]), ([*older, *elsewhere], [])):
         closer.pending, closer.accepted = [newest], accepted  # only the last thirty are asked
         assert closer._confirmed_by_others([(newest, 1.0)]) == found
-
-
-def walked(steps, points=np.zeros((0, 2))):
-    """Key frames a metre apart on a line, and what closes loops among them."""
-    frames = KeyFrames(points, np.zeros(3))
-    for scan in range(1, steps + 1):
-        frames.add(scan, points, np.array([1.0, 0, 0]), np.eye(3))
-    return frames, LoopCloser(frames, 0.03, LoopClosing())
 
 
 @pytest.mark.parametrize(
@@ -295,7 +297,7 @@ def walked(steps, points=np.zeros((0, 2))):
 )
 def test_at_the_end_loops_to_passes_far_apart_are_witnesses(first, motion, believed):
     """Two loops of one scan count where they say the same of old places more than 8 m apart."""
-    _, closer = walked(30)
+    closer = walked(30)
     sure = information(np.eye(3) * 1e-4)
     old = 24 if first == 14 else 20
     there = Edge(old, 30, np.array([30.0 - old, 0, 0]), sure, True)
@@ -319,7 +321,7 @@ def test_at_the_end_loops_to_passes_far_apart_are_witnesses(first, motion, belie
 )
 def test_which_loops_are_compared(one, other, apart, compared):
     """Whichever of them is the older one, at each end."""
-    _, closer = walked(40)
+    closer = walked(40)
     a, b = (Edge(i, j, np.array([j - i, 0.0, 0]), np.eye(3), True) for i, j in (one, other))
     for loop, known in ((a, b), (b, a)):
         assert bool(closer.agreeing(loop, [known], apart=apart)) == compared
@@ -336,7 +338,7 @@ def test_a_lost_robot_is_sought_by_what_it_has_seen_since(new, lost_since, seen)
             assert len(points) == 10 * seen
             return None, 0.0
 
-    _, closer = walked(30, points=np.ones((10, 2)))
+    closer = walked(30, points=np.ones((10, 2)))
     closer.lost_since = lost_since
     window = Window(3, np.zeros(3), 1.0, 0.3)
     assert closer.measure(window, Map(), new).reason == "the two places look different"
@@ -345,7 +347,7 @@ def test_a_lost_robot_is_sought_by_what_it_has_seen_since(new, lost_since, seen)
 @pytest.mark.parametrize(("reach", "covered"), [(1.0, 5), (2.5, 5), (9.0, 9), (12.0, 12)])
 def test_the_map_of_an_old_place_reaches_as_far_as_the_window(reach, covered):
     """Killian Court: a door 3.8 m off fitted better than the true place, where no map was."""
-    _, closer = walked(40, points=np.zeros((1, 2)))
+    closer = walked(40, points=np.zeros((1, 2)))
     x = closer.map_around(Window(20, np.zeros(3), reach, 0.3)).grid.points[:, 0]
     assert (x.min(), x.max()) == (-covered, covered)
 
@@ -353,7 +355,8 @@ def test_the_map_of_an_old_place_reaches_as_far_as_the_window(reach, covered):
 @pytest.mark.parametrize(("metres", "out"), [(None, False), (1.4, False), (1.6, True)])
 def test_a_loop_that_stays_far_open_is_taken_out(metres, out):
     """By more than 15 standard deviations of 0.1 m; the steps are never loops."""
-    frames, closer = walked(20)
+    closer = walked(20)
+    frames = closer.frames
     if metres is not None:
         weight = np.eye(3) / 0.1**2
         closer.believe([Edge(2, 18, np.array([16.0 + metres, 0, 0]), weight, True)])
@@ -364,7 +367,8 @@ def test_a_loop_that_stays_far_open_is_taken_out(metres, out):
 
 def test_a_loop_is_sought_where_the_way_since_the_old_place_is_over_ten_metres():
     """Five metres out and back: after ten the robot is where it was, and on the local map."""
-    frames, closer = walked(5)
+    closer = walked(5)
+    frames = closer.frames
     for scan, step in enumerate([(0, 0, np.pi)] + [(1, 0, 0)] * 6, start=6):
         frames.add(scan, np.zeros((0, 2)), np.array(step, float), np.eye(3))
     found = [[window.old for window in closer._by_place(new, new)] for new in (11, 12)]
@@ -379,14 +383,6 @@ def test_each_pass_is_searched_once_where_it_looks_most_alike():
     frames, cost = np.array([0, 3, 10, 11, 30, 31, 50]), np.array([5, 4, 1, 2, 3, 9, 0.5])
     assert _loop_closing._best_of_passes(frames, cost) == [50, 10, 30]
     assert _loop_closing._best_of_passes(frames[:3], cost[:3]) == [10, 3]
-
-
-def test_turns_on_the_spot_do_not_cut_the_way():
-    """A step without length is still one: the way leads through it."""
-    frames, closer = walked(3)
-    frames.add(4, np.zeros((0, 2)), np.array([0, 0, 0.5]), np.eye(3))
-    frames.add(5, np.zeros((0, 2)), np.array([1.0, 0, 0]), np.eye(3))
-    np.testing.assert_allclose(closer._way(5, np.arange(5)), [4, 3, 2, 1, 1], atol=1e-5)
 
 
 @pytest.mark.parametrize("wheels", [True, False])

@@ -54,19 +54,6 @@ def test_where_it_is_found_and_what_is_refused(walls, step, found):
         assert front.lost == 0
 
 
-def test_a_better_place_wins_and_one_as_good_does_not():
-    """Catches a match of half a scan that stays, and one that is exchanged for nothing."""
-    scan, step = seen(ROOM, compose(HERE, (0.0, 0.0, 1.5))), np.array([0.0, 0.0, 1.5])
-    front = front_of(ROOM, HERE)
-    map, points = front.local, scan.points()
-    for overlap, kept in ((0.5, False), (0.95, True)):
-        weak = no_match(np.zeros(3), "")
-        weak = type(weak)(weak.pose, np.eye(3), True, "", overlap)
-        found = front._regained(map, points, np.zeros(3), weak)
-        assert (found is weak) == kept
-        assert kept or np.abs(between(found.pose, step)).max() < 0.01
-
-
 def test_after_two_scans_in_a_row_a_map_begins_anew():
     """Catches a map of two places at once; scans behind a break are used where a loop ties them."""
     graph, there = LiveGraph(), np.array([4.5, 4.5, 0.1])
