@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from segmap import SegmentMap
+from segmap.experiments import sweep
 from segmap.panels._base import FINER, VIEW
 from segmap.simulation import URG_04LX, drive, rectangular_room, simulate
 
@@ -16,6 +17,16 @@ LOG = simulate(
 WALLS = SegmentMap([[(0, y), (2, y)] for y in (0.0, 0.03, 0.10, 0.15, 1.0)])
 #: Two that touch at (2, 0), six degrees apart: rho of both is near 0 there, and not elsewhere.
 LEANING = SegmentMap([[(0, 0), (2, 0)], [(1.95, 0), (3.9, 0.2)], [(9, 9), (9, 9.1)]])
+
+RUNS = sweep(
+    {"walls": WALLS},
+    ["hybrid", "fusion", "mean_shift"],
+    {
+        "fusion": {"tolerance": [0.02, 0.06, 0.2]},
+        "hybrid": {"distance": [0.02, 0.2]},
+        "mean_shift": {"sigma": [0.05, 0.5]},
+    },
+)
 
 #: A panel draws its figure, which takes its time as a picture: most tests only read it.
 unpainted = pytest.mark.usefixtures("no_png")

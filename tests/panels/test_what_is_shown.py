@@ -1,12 +1,13 @@
 """Each panel at each end of its controls: picture and texts are those of the library's calls."""
 
+import ipywidgets as W
 import numpy as np
 import pytest
-from driven_panels import LOG, WALLS
+from driven_panels import LOG, RUNS, WALLS
 from matplotlib.figure import Figure
 
 from segmap import LaserScan, Log, load
-from segmap.experiments import select, sweep, thresholds_of, thresholds_text
+from segmap.experiments import select, thresholds_of, thresholds_text
 from segmap.extraction import extract_polylines
 from segmap.matching import map_scans
 from segmap.panels import ComparePanel, LivePanel, QuadtreePanel, ScanPanel
@@ -15,6 +16,7 @@ from segmap.panels._view import FRAME, View
 from segmap.plotting import (
     ERROR,
     RESULT,
+    TRUTH,
     draw_before_after,
     draw_curves,
     draw_path,
@@ -26,16 +28,9 @@ from segmap.poses import transform
 from segmap.quadtree import QuadtreeMap, build_map
 from segmap.reduction import METHODS
 
-RUNS = sweep(
-    {"walls": WALLS},
-    ["hybrid", "fusion", "mean_shift"],
-    {
-        "fusion": {"tolerance": [0.02, 0.06, 0.2]},
-        "hybrid": {"distance": [0.02, 0.2]},
-        "mean_shift": {"sigma": [0.05, 0.5]},
-    },
-)
 DRIFTED = LOG.truth + np.array([0.3, -0.2, 0.1])
+#: Two of its scans have no pose, the first one is of them.
+SOME = Log("some", LOG.scans, [(np.nan,) * 3 if k in (0, 2) else p for k, p in enumerate(DRIFTED)])
 
 
 def blank(width=480, height=360):
@@ -44,20 +39,22 @@ def blank(width=480, height=360):
 
 
 def scanned(log, poses, color, step):
-    figure, scan = blank(), log[step]
-    ax = figure.subplots()
-    cloud = np.concatenate([transform(p, s.points()) for p, s in zip(poses, log, strict=True)])
+    known = np.flatnonzero(np.isfinite(poses).all(1))
+    figure, k = blank(), int(known[step])
+    ax, scan = figure.subplots(), log[k]
+    cloud = np.concatenate([transform(poses[k], log[int(k)].points()) for k in known])
     ax.plot(*cloud[:: 1 + len(cloud) // 4000].T, ".", color="#cccccc", markersize=1)
-    draw_path(poses, ax=ax, color=color)
-    draw_scan(scan, poses[step], ax=ax, color=RESULT)
-    after = f"scan {step} of {len(log)}, after {scan.time - log[0].time:.2f} s"
+    draw_path(poses[known], ax=ax, color=color)
+    draw_scan(scan, poses[k], ax=ax, color=RESULT)
+    after = f"scan {k} of {len(log)}, after {scan.time - log[0].time:.2f} s"
     return figure, [after, f"{scan.valid.sum()} of {len(scan)} beams valid"]
 
 
-def leaved(resolution, scans, doublings):
+def leaved(log, resolution, scans, doublings):
     figure, side = blank(), resolution * (1, 2, 4, 8, 16)[doublings]
-    map = build_map(LOG[:scans], LOG.truth[:scans], resolution=side)
-    draw_quadtree(map, ax=figure.subplots(), robot=LOG.truth[scans - 1])
+    map = build_map(log[:scans], log.truth[:scans], resolution=side)
+    robot = [pose for pose in log.truth[:scans] if np.isfinite(pose).all()][-1]
+    draw_quadtree(map, ax=figure.subplots(), robot=robot)
     grid = f"{8 * (map.side / side) ** 2 / 1e3:.0f}"
     leaves = f"{len(map.leaves().x)} leaves of {side:.3g} m and more"
     return figure, [leaves, f"{map.nbytes / 1e3:.0f} kB; a grid {grid} kB"]
@@ -92,16 +89,28 @@ def compared(method, wanted):
             {"step": (0, 2, len(LOG) - 2)},
         ),
         (
+            lambda: ScanPanel(SOME),
+            lambda step: scanned(SOME, SOME.truth, TRUTH, step),
+            ("index", "valid"),
+            {"step": (0, 2)},
+        ),
+        (
+            lambda: ScanPanel(Log("raw", LOG.scans)),
+            lambda step: scanned(LOG, LOG.odometry, ERROR, step),
+            ("index", "valid"),
+            {"step": (0,)},
+        ),
+        (
             lambda: QuadtreePanel(LOG),
-            lambda *at: leaved(0.05, *at),
+            lambda *at: leaved(LOG, 0.05, *at),
             ("leaves", "bytes"),
             {"scans": (len(LOG), 1, 3), "doublings": (0, 1, 4)},
         ),
         (
-            lambda: QuadtreePanel(LOG, LOG.truth, resolution=0.03),
-            lambda *at: leaved(0.03, *at),
+            lambda: QuadtreePanel(LOG, SOME.truth, resolution=0.03),
+            lambda *at: leaved(SOME, 0.03, *at),
             ("leaves", "bytes"),
-            {"scans": (len(LOG), 2), "doublings": (0, 2)},
+            {"scans": (len(LOG), 3), "doublings": (0, 2)},
         ),
         (
             lambda: ComparePanel(WALLS, RUNS),
@@ -132,7 +141,7 @@ def test_a_panel_shows_what_the_library_gives(make, wanted, texts, controls):
 
 def test_of_many_points_some_are_drawn():
     """Catches a cloud that is drawn whole, or turned around, since every point takes time."""
-    angles = np.linspace(0, 1, 4100)
+    angles = np.linspace(0, 1, 4000)
     scan = LaserScan(1 + angles, angles, odometry=(0, 0, 0))
     panel = ScanPanel(Log("many", [scan, scan]))
     drawn = np.array(panel._figure.axes[0].lines[0].get_data()).T
@@ -170,6 +179,9 @@ def test_all_sliders_are_as_declared():
                 assert not part.playing
         assert found == SLIDERS[type(panel).__name__]
         rows = panel._view.children
+        assert {box.layout.flex_flow for box in rows if type(box) is W.Box} == {"row wrap"}
+        look = panel.picture.layout
+        assert (look.max_width, look.height) == ("calc(100% - 4px)", "auto")
         assert rows.index(panel.picture) == len(rows) - (1 if type(panel) is LivePanel else 2)
     box = panel.loops
     assert (box.value, box.indent, box.layout.width) == (False, False, "auto")
