@@ -87,6 +87,8 @@ def test_the_tasks_of_a_chapter_are_read_whole():
     ]
     cells = made_up("my_f = 1", "course.check_f(my_f, later)", "my_f = later = 2")["cells"]
     assert places(cells, {"check_f"}) == [Place("check_f", ("my_f",), "(my_f, later)", 0, 1)]
+    with pytest.raises(ValueError, match="checks what no cell before it defines"):
+        places(cells[1:], {"check_f"})
     found = places(made_up(*SOURCES)["cells"])
     assert [(place.written, place.checked, place.given) for place in found] == [
         (4, 5, "my_compose"),
@@ -190,10 +192,6 @@ def test_a_handout_is_written_whole_or_not_at_all(tmp_path, monkeypatch):
     assert (
         made == text(json.loads(made)) and b"\\u" not in text({"ä": 1}) == b'{\n "\xc3\xa4": 1\n}\n'
     )
-    key.unlink()
-    (folder / "extra").write_text("x")
-    with pytest.raises(ValueError, match=f"holds {names[0]}, {names[1]}, extra already"):
-        handout(folder)
     monkeypatch.setattr(_handout.secrets, "randbits", lambda bits: bits)
     key, _ = handout(tmp_path / "x", wanted="11")
     assert json.loads(key.read_text())["seed"] == 128, "bits that nobody can guess"
