@@ -38,7 +38,7 @@ def seen(panel):
     return bytes(panel.picture.value), labels, repr(panel)
 
 
-def assert_answers(panel, control, value, monkeypatch, finer=FINER):
+def assert_answers(panel, control, value, monkeypatch):
     """Catches a control that is not observed, a drawing that piles up, noise drawn anew at each
     move, a slider that reaches a value which the method refuses, and an empty printed notebook."""
     moved = getattr(panel, control).set_state
@@ -50,7 +50,7 @@ def assert_answers(panel, control, value, monkeypatch, finer=FINER):
     assert bundle[VIEW]["model_id"] == panel._view.model_id
     assert not re.search(r"0x[0-9a-f]+|Widget|widget", repr(panel))
     width, wide = (int.from_bytes(png[16:20], "big") for png in (still, before[0]))
-    assert panel.picture.layout.width == f"{width}px" and wide == finer * width
+    assert panel.picture.layout.width == f"{width}px" and wide == FINER * width
     moved({"value": value})
     assert all(a != b for a, b in zip(before, seen(panel), strict=True))
     moved({"value": start})

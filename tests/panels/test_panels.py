@@ -3,40 +3,13 @@
 import ipywidgets as W
 import numpy as np
 import pytest
-from driven_panels import FINER, LEANING, LOG, RUNS, WALLS, assert_answers, unpainted
+from driven_panels import LEANING, LOG, RUNS, WALLS, unpainted
 from matplotlib.figure import Figure
 from segmap_course import HybridPanel, SectorPanel
 
-from segmap import LaserScan, Log, SegmentMap, panels
-from segmap.panels import ComparePanel, LivePanel, Panel, QuadtreePanel, ScanPanel, slider, text
+from segmap import LaserScan, Log, SegmentMap
+from segmap.panels import ComparePanel, Panel, QuadtreePanel, ScanPanel, slider, text
 from segmap.panels._base import _fit_names, player
-
-
-def lived(panel):
-    panel.run(3)
-    return panel
-
-
-#: Every panel, a control of it, and a value that must change what is seen.
-PANELS = {
-    "ComparePanel": (lambda: ComparePanel(WALLS, RUNS), "wanted", 50),
-    "LivePanel": (lambda: lived(LivePanel(LOG)), "tolerance", 0.005),
-    "QuadtreePanel": (lambda: QuadtreePanel(LOG), "doublings", 2),
-    "ScanPanel": (lambda: ScanPanel(LOG), "step", 3),
-}
-
-
-def test_all_panels_are_here():
-    """Catches a new panel that these tests do not drive."""
-    assert set(PANELS) == {name for name in dir(panels) if name.endswith("Panel")} - {"Panel"}
-
-
-@pytest.mark.parametrize("name", PANELS)
-def test_a_panel_answers_its_controls_and_is_shown_without_a_kernel(name, monkeypatch):
-    make, control, value = PANELS[name]
-    panel, finer = make(), 1 if name == "LivePanel" else FINER
-    assert repr(panel).startswith(f"{name}(")
-    assert_answers(panel, control, value, monkeypatch, finer)
 
 
 def test_boxes_and_rows_of_buttons_are_as_wide_as_they_need():

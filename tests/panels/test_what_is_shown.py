@@ -6,11 +6,12 @@ import pytest
 from driven_panels import LOG, RUNS, WALLS
 from matplotlib.figure import Figure
 
-from segmap import LaserScan, Log, load
+from segmap import LaserScan, Log, load, panels
 from segmap.experiments import select, thresholds_of, thresholds_text
 from segmap.extraction import extract_polylines
 from segmap.matching import map_scans
 from segmap.panels import ComparePanel, LivePanel, QuadtreePanel, ScanPanel
+from segmap.panels._base import VIEW
 from segmap.panels._live_picture import LivePicture
 from segmap.panels._view import FRAME, View
 from segmap.plotting import (
@@ -36,6 +37,15 @@ SOME = Log("some", LOG.scans, [(np.nan,) * 3 if k in (0, 2) else p for k, p in e
 def blank(width=480, height=360):
     """A point is a pixel."""
     return Figure((width / 72, height / 72), dpi=72, layout="constrained")
+
+
+def shown(panel):
+    """What readers without a kernel see; the words beside it are those of the panel."""
+    bundle = panel._repr_mimebundle_()
+    assert bundle[VIEW]["model_id"] == panel._view.model_id
+    words = bundle["text/plain"]
+    assert words == repr(panel) and words.startswith(f"{type(panel).__name__}(")
+    return bundle["image/png"]
 
 
 def scanned(log, poses, color, step):
@@ -128,7 +138,7 @@ def test_a_panel_shows_what_the_library_gives(make, wanted, texts, controls):
             getattr(panel, name).value = value
         (figure, said), (finer, _) = (wanted(*values) for _ in range(2))
         assert [getattr(panel, name).value for name in texts] == said
-        assert panel._repr_mimebundle_()["image/png"] == figure_png(figure), values
+        assert shown(panel) == figure_png(figure), values
         assert bytes(panel.picture.value) == figure_png(finer, finer=2)
     assert panel.picture.layout.width == f"{72 * figure.get_figwidth():.0f}px"
     for play in panel._players:
@@ -164,8 +174,7 @@ SLIDERS = {
 
 def test_all_sliders_are_as_declared():
     """Catches a slider that begins elsewhere, ends early, or goes in other steps."""
-    panels = ScanPanel(LOG), QuadtreePanel(LOG), ComparePanel(WALLS, RUNS), LivePanel(LOG)
-    for panel in panels:
+    for panel in (ScanPanel(LOG), QuadtreePanel(LOG), ComparePanel(WALLS, RUNS), LivePanel(LOG)):
         found = {}
         for name, part in vars(panel).items():
             kind = type(part).__name__
@@ -183,6 +192,8 @@ def test_all_sliders_are_as_declared():
         look = panel.picture.layout
         assert (look.max_width, look.height) == ("calc(100% - 4px)", "auto")
         assert rows.index(panel.picture) == len(rows) - (1 if type(panel) is LivePanel else 2)
+    every = {name for name in dir(panels) if name.endswith("Panel")} - {"Panel"}
+    assert {*SLIDERS} == every, "a new panel is drawn here too"
     box = panel.loops
     assert (box.value, box.indent, box.layout.width) == (False, False, "auto")
 
@@ -278,7 +289,7 @@ def test_the_live_panel_shows_what_the_library_gives(given):
         own = extract_polylines(log[3].points(), tolerance=tolerance)
         picture, segments = LivePicture(), transform(pose, own.reshape(-1, 2)).reshape(-1, 2, 2)
         picture.show(map, log[3], pose, segments)
-        assert bytes(panel.picture.value) == picture.png()
+        assert bytes(panel.picture.value) == picture.png() == shown(panel)
         assert panel.count.value == f"{len(own)} segments"
     passed = log[3].time - log[0].time
     texts = (panel.leaves, panel.rate, panel.dropped, panel.graph, panel.state)

@@ -99,7 +99,8 @@ def outcome():
     calls = [SimpleNamespace(name="fusion", words=lambda: "tolerance <2>")]
     calls += [SimpleNamespace(name="odd & even", words=str)]
     some = [reduction.fusion(WALLS, tolerance=0.2), reduction.fusion(WALLS, tolerance=0.001)]
-    some = [replace(each, seconds=k + 1.0, doubt="a < b" * k) for k, each in enumerate(some)]
+    some[1] = replace(some[1], segments=2 * some[1].segments, doubt="a < b")  # beyond the map
+    some = [replace(each, seconds=k + 1.0) for k, each in enumerate(some)]
     found = list(zip(calls, some, (0.9, 0.5), strict=True))
     return SimpleNamespace(
         map=WALLS,
