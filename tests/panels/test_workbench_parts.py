@@ -17,6 +17,7 @@ from segmap.metrics import grade_quality, grade_reduction
 from segmap.panels import Workbench
 from segmap.panels.workbench import _bar, _shown
 from segmap.panels.workbench._bar import Bar
+from segmap.panels.workbench._edits import Edits
 from segmap.panels.workbench._source import OWN, Source
 from segmap.panels.workbench._upload import Upload
 from segmap.plotting import MAP, RAW, RESULT, draw_segments, figure_png, map_axes
@@ -62,7 +63,7 @@ def test_what_a_browser_must_know_is_sent_to_it():
     made, asked, sent = Workbench(LOG), [], []
     nothing = {"pointed": [-1, -1], "members": [], "shown": "after", "size": [1, 1], "titles": []}
     nothing |= {**dict.fromkeys(["before", "first", "second", "way"], b""), "looked_at": []}
-    assert {"_esm", "drawing", *nothing} <= {*made.canvas.keys} and made.edits.value() == {}
+    assert {"_esm", "drawing", *nothing} <= {*made.canvas.keys} and Edits().value() == {}
     assert {name: getattr(made.canvas, name) for name in nothing} == nothing
     upload = Upload("choose", 7, lambda *given: asked.append(given) or 3)
     upload.send = sent.append
