@@ -383,7 +383,8 @@ def test_a_worker_that_dies_is_told_and_replaced(worker, monkeypatch):
     assert worker.do(print) is None
     assert worker._process is not process and process.stdin.closed and process.stdout.closed
     with pytest.raises(Failed, match="ended by itself"):
-        worker.do(sys.exit)  # a thread that listens does not keep it
+        worker.do(sys.exit)
+    worker._process.wait(20)  # the thread that listens does not keep it
 
 
 def test_a_run_that_is_stopped_says_so(worker):
