@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from segmap import SegmentMap
+from segmap.experiments import sweep
 from segmap.panels._base import FINER, VIEW
 from segmap.simulation import URG_04LX, drive, rectangular_room, simulate
 
@@ -17,6 +18,16 @@ WALLS = SegmentMap([[(0, y), (2, y)] for y in (0.0, 0.03, 0.10, 0.15, 1.0)])
 #: Two that touch at (2, 0), six degrees apart: rho of both is near 0 there, and not elsewhere.
 LEANING = SegmentMap([[(0, 0), (2, 0)], [(1.95, 0), (3.9, 0.2)], [(9, 9), (9, 9.1)]])
 
+RUNS = sweep(
+    {"walls": WALLS},
+    ["hybrid", "fusion", "mean_shift"],
+    {
+        "fusion": {"tolerance": [0.02, 0.06, 0.2]},
+        "hybrid": {"distance": [0.02, 0.2]},
+        "mean_shift": {"sigma": [0.05, 0.5]},
+    },
+)
+
 #: A panel draws its figure, which takes its time as a picture: most tests only read it.
 unpainted = pytest.mark.usefixtures("no_png")
 
@@ -27,7 +38,7 @@ def seen(panel):
     return bytes(panel.picture.value), labels, repr(panel)
 
 
-def assert_answers(panel, control, value, monkeypatch, finer=FINER):
+def assert_answers(panel, control, value, monkeypatch):
     """Catches a control that is not observed, a drawing that piles up, noise drawn anew at each
     move, a slider that reaches a value which the method refuses, and an empty printed notebook."""
     moved = getattr(panel, control).set_state
@@ -39,7 +50,7 @@ def assert_answers(panel, control, value, monkeypatch, finer=FINER):
     assert bundle[VIEW]["model_id"] == panel._view.model_id
     assert not re.search(r"0x[0-9a-f]+|Widget|widget", repr(panel))
     width, wide = (int.from_bytes(png[16:20], "big") for png in (still, before[0]))
-    assert panel.picture.layout.width == f"{width}px" and wide == finer * width
+    assert panel.picture.layout.width == f"{width}px" and wide == FINER * width
     moved({"value": value})
     assert all(a != b for a, b in zip(before, seen(panel), strict=True))
     moved({"value": start})

@@ -17,7 +17,7 @@ from segmap.arrays import (
     at_least,
     at_most,
 )
-from segmap.panels import control
+from segmap.panels import control, slider
 
 
 def method(
@@ -32,6 +32,7 @@ def method(
     turn: RadiansPerMetre = np.radians(50),
     far: Annotated[float, at_most(math.inf)] = math.inf,
     maybe: Metres | None = None,
+    wide: Radians | None = None,
     word: Literal["a", "b"] = "b",
     no_word: Literal["a", "b"] | None = None,
     switch: bool = True,
@@ -52,7 +53,8 @@ def method(
         ("angle", "BoundedFloatText", "angle [degrees]", 10.0, 1e4, 20.0, np.radians(20)),
         ("turn", "BoundedFloatText", "turn [degrees/m]", 50.0, 5e4, 5.0, np.radians(5)),
         ("far", "Text", "far", "inf", None, "3.5", 3.5),
-        ("maybe", "Text", "maybe [m]", "", None, "0.5", 0.5),
+        ("maybe", "Text", "maybe [m]", "", None, " 0.5 ", 0.5),
+        ("wide", "Text", "wide [degrees]", "", None, "30", np.radians(30)),
         ("word", "Dropdown", "word", "b", ("a", "b"), "a", "a"),
         ("no_word", "Dropdown", "no_word", None, (None, "a", "b"), "a", "a"),
         ("switch", "Checkbox", "switch", True, None, False, False),
@@ -83,10 +85,17 @@ def test_a_slider_needs_both_ends_and_a_step():
     made = control(method, "angle", np.radians(7.4), **whole, label="turned by")
     assert (type(made).__name__, made.description) == ("IntSlider", "turned by [degrees]")
     assert (made.min, made.max, made.step, made.value) == (1, 45, 1, 7)
+    assert made.meant() == np.radians(7) and made.readout_format == "d"
     fine = control(method, "length", 0.25, least=0.1, most=1.0, step=0.05)
     assert (type(fine).__name__, fine.value, fine.meant()) == ("FloatSlider", 0.25, 0.25)
+    assert (fine.readout_format, slider("x", 1, 0, 2, 1.0).readout_format) == (".2f", ".0f")
     assert control(method, "angle", label="it").description == "it [degrees]"
     assert control(method, "scan") is None
     none = control(method, "maybe")
     none.value = "  "
     assert none.meant() is None
+    none.value = "long"
+    with pytest.raises(ValueError, match=r"maybe \[m\] must be a number or nothing, got 'long'"):
+        none.meant()
+    with pytest.raises(ValueError, match="angle must be"):
+        control(method, "angle", -1.0, **whole)

@@ -3,50 +3,13 @@
 import ipywidgets as W
 import numpy as np
 import pytest
-from driven_panels import FINER, LEANING, LOG, WALLS, assert_answers, unpainted
+from driven_panels import LEANING, LOG, RUNS, WALLS, unpainted
 from matplotlib.figure import Figure
-from quadtrees import leaves_of
-from segmap_course import HybridPanel, MeanShiftPanel, SectorPanel
+from segmap_course import HybridPanel, SectorPanel
 
-from segmap import LaserScan, Log, SegmentMap, load, panels
-from segmap.experiments import sweep
-from segmap.panels import ComparePanel, LivePanel, Panel, QuadtreePanel, ScanPanel, slider, text
+from segmap import LaserScan, Log, SegmentMap
+from segmap.panels import ComparePanel, Panel, QuadtreePanel, ScanPanel, slider, text
 from segmap.panels._base import _fit_names, player
-from segmap.plotting import ERROR, RESULT, TRUTH
-from segmap.quadtree import build_map
-
-RUNS = sweep(
-    {"walls": WALLS},
-    ["fusion", "hybrid"],
-    {"fusion": {"tolerance": [0.02, 0.06, 0.2]}, "hybrid": {"distance": [0.02, 0.2]}},
-)
-
-
-def lived(panel):
-    panel.run(3)
-    return panel
-
-
-#: Every panel, a control of it, and a value that must change what is seen.
-PANELS = {
-    "ComparePanel": (lambda: ComparePanel(WALLS, RUNS), "wanted", 50),
-    "LivePanel": (lambda: lived(LivePanel(LOG)), "tolerance", 0.005),
-    "QuadtreePanel": (lambda: QuadtreePanel(LOG), "doublings", 2),
-    "ScanPanel": (lambda: ScanPanel(LOG), "step", 3),
-}
-
-
-def test_all_panels_are_here():
-    """Catches a new panel that these tests do not drive."""
-    assert set(PANELS) == {name for name in dir(panels) if name.endswith("Panel")} - {"Panel"}
-
-
-@pytest.mark.parametrize("name", PANELS)
-def test_a_panel_answers_its_controls_and_is_shown_without_a_kernel(name, monkeypatch):
-    make, control, value = PANELS[name]
-    panel, finer = make(), 1 if name == "LivePanel" else FINER
-    assert repr(panel).startswith(f"{name}(")
-    assert_answers(panel, control, value, monkeypatch, finer)
 
 
 def test_boxes_and_rows_of_buttons_are_as_wide_as_they_need():
@@ -124,61 +87,10 @@ def test_zoom_stays_until_all_is_reset_and_nothing_is_reduced_anew():
     assert panel._look.zoom == 1 and panel.distance.value == 0.20
 
 
-def test_no_name_is_cut_and_narrow_windows_go_on_below():
-    """Catches labels cut at 130 px, and rows that leave a window of 700 px."""
-    panel = MeanShiftPanel(WALLS)
-    letters = len("angle like 0.20 m [degrees]")
-    assert panel.angle.style.description_width == f"{letters + 1}ch"
-    assert panel.sigma.layout.width == panel.angle.layout.width
-    rows = [box for box in panel._view.children if isinstance(box, W.Box)]
-    assert {box.layout.flex_flow for box in rows} == {"row wrap"}
-    assert panel.picture.layout.max_width and panel.picture.layout.height == "auto"
-
-
-@pytest.mark.parametrize(
-    ("step", "form"), [(1, "d"), (0.05, ".2f"), (0.005, ".3f"), (0.1, ".1f"), (1.0, ".0f")]
-)
-def test_a_slider_waits_until_let_go_and_shows_all_digits_of_its_step(step, form):
-    moved = slider("x", 1, 0, 2, step)
-    assert moved.readout_format == form and not moved.continuous_update
-
-
-@unpainted
-@pytest.mark.parametrize(
-    ("log", "poses", "color"),
-    [(LOG, None, TRUTH), (Log("raw", LOG.scans), None, ERROR), (LOG, LOG.truth, RESULT)],
-)
-def test_the_path_is_drawn_in_the_colour_of_its_origin(log, poses, color):
-    """Catches odometry drawn in green, as if it were the truth."""
-    figure = Figure()
-    ScanPanel(log, poses)._draw(figure)
-    paths = [line for line in figure.axes[0].lines if line.get_linestyle() == "-"]
-    assert [line.get_color() for line in paths] == [color]
-    grey = figure.axes[0].lines[0]  # all that the scans saw
-    assert grey.get_marker() == "." and len(grey.get_xdata()) > 10 * len(log)
-
-
-@unpainted
-def test_scan_panel_leaves_out_scans_without_a_pose():
-    """Catches an index into all scans where only some have a pose."""
-    truth = np.array([(np.nan,) * 3, (1, 1, 0), (np.nan,) * 3, (2, 1, 0)])
-    panel = ScanPanel(Log("some", LOG.scans[:4], truth))
-    panel.step.value = 1
-    assert panel.scan is LOG.scans[3] and panel.step.max == panel.play.max == panel.step.step == 1
-    after = LOG.scans[3].time - LOG.scans[0].time
-    assert panel.index.value == f"scan 3 of 4, after {after:.2f} s"
-
-
 @unpainted
 def test_the_compare_panel_begins_with_fusion_wherever_it_stands():
     assert ComparePanel(WALLS, RUNS[::-1]).method.value == "fusion"
     assert ComparePanel(WALLS, RUNS[RUNS["method"] == "hybrid"]).method.value == "hybrid"
-
-
-@unpainted
-def test_a_run_of_an_unknown_method_is_refused():
-    with pytest.raises(ValueError, match=r"^runs: a method must be one of"):
-        ComparePanel(WALLS, RUNS.assign(method="magic"))
 
 
 @unpainted
@@ -205,24 +117,12 @@ def test_the_compare_panel_shows_the_best_run_where_none_is_good_enough():
         (lambda: QuadtreePanel(LOG, LOG.truth[:2]), r"poses must have shape \(5, 3\)"),
         (lambda: QuadtreePanel(LOG[:0]), "log must hold one scan at least, got none"),
         (lambda: ComparePanel(WALLS, RUNS[:0]), "runs must hold one run at least, got none"),
+        (
+            lambda: ComparePanel(WALLS, RUNS.assign(method="magic")),
+            r"^runs: a method must be one of",
+        ),
     ],
 )
 def test_what_a_panel_cannot_show_is_named(make, message):
     with pytest.raises(ValueError, match=message):
         make()
-
-
-@unpainted
-def test_quadtree_panel_shows_the_map_of_the_first_scans():
-    """Catches a slider that is one scan late, and scans without a pose that stop it."""
-    log = load("room")
-    poses = log.truth.copy()
-    poses[1] = np.nan
-    panel = QuadtreePanel(log, poses)
-    panel.scans.value, panel.doublings.value = 3, 1
-    expected = build_map(log[:3], poses[:3], resolution=0.1, free=False)
-    assert leaves_of(panel.map) == leaves_of(expected) and panel.map.scans == 2
-    assert panel.leaves.value == f"{len(expected.leaves().x)} leaves of 0.1 m and more"
-    assert panel.bytes.value.endswith(f" kB; a grid {8 * (expected.side / 0.1) ** 2 / 1e3:.0f} kB")
-    panel.scans.value = 2
-    assert panel.map.scans == 1

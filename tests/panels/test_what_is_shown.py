@@ -1,20 +1,23 @@
 """Each panel at each end of its controls: picture and texts are those of the library's calls."""
 
+import ipywidgets as W
 import numpy as np
 import pytest
-from driven_panels import LOG, WALLS
+from driven_panels import LOG, RUNS, WALLS
 from matplotlib.figure import Figure
 
-from segmap import LaserScan, Log, load
-from segmap.experiments import select, sweep, thresholds_of, thresholds_text
+from segmap import LaserScan, Log, load, panels
+from segmap.experiments import select, thresholds_of, thresholds_text
 from segmap.extraction import extract_polylines
 from segmap.matching import map_scans
 from segmap.panels import ComparePanel, LivePanel, QuadtreePanel, ScanPanel
+from segmap.panels._base import VIEW
 from segmap.panels._live_picture import LivePicture
 from segmap.panels._view import FRAME, View
 from segmap.plotting import (
     ERROR,
     RESULT,
+    TRUTH,
     draw_before_after,
     draw_curves,
     draw_path,
@@ -26,16 +29,9 @@ from segmap.poses import transform
 from segmap.quadtree import QuadtreeMap, build_map
 from segmap.reduction import METHODS
 
-RUNS = sweep(
-    {"walls": WALLS},
-    ["hybrid", "fusion", "mean_shift"],
-    {
-        "fusion": {"tolerance": [0.02, 0.06, 0.2]},
-        "hybrid": {"distance": [0.02, 0.2]},
-        "mean_shift": {"sigma": [0.05, 0.5]},
-    },
-)
 DRIFTED = LOG.truth + np.array([0.3, -0.2, 0.1])
+#: Two of its scans have no pose, the first one is of them.
+SOME = Log("some", LOG.scans, [(np.nan,) * 3 if k in (0, 2) else p for k, p in enumerate(DRIFTED)])
 
 
 def blank(width=480, height=360):
@@ -43,21 +39,32 @@ def blank(width=480, height=360):
     return Figure((width / 72, height / 72), dpi=72, layout="constrained")
 
 
+def shown(panel):
+    """What readers without a kernel see; the words beside it are those of the panel."""
+    bundle = panel._repr_mimebundle_()
+    assert bundle[VIEW]["model_id"] == panel._view.model_id
+    words = bundle["text/plain"]
+    assert words == repr(panel) and words.startswith(f"{type(panel).__name__}(")
+    return bundle["image/png"]
+
+
 def scanned(log, poses, color, step):
-    figure, scan = blank(), log[step]
-    ax = figure.subplots()
-    cloud = np.concatenate([transform(p, s.points()) for p, s in zip(poses, log, strict=True)])
+    known = np.flatnonzero(np.isfinite(poses).all(1))
+    figure, k = blank(), int(known[step])
+    ax, scan = figure.subplots(), log[k]
+    cloud = np.concatenate([transform(poses[k], log[int(k)].points()) for k in known])
     ax.plot(*cloud[:: 1 + len(cloud) // 4000].T, ".", color="#cccccc", markersize=1)
-    draw_path(poses, ax=ax, color=color)
-    draw_scan(scan, poses[step], ax=ax, color=RESULT)
-    after = f"scan {step} of {len(log)}, after {scan.time - log[0].time:.2f} s"
+    draw_path(poses[known], ax=ax, color=color)
+    draw_scan(scan, poses[k], ax=ax, color=RESULT)
+    after = f"scan {k} of {len(log)}, after {scan.time - log[0].time:.2f} s"
     return figure, [after, f"{scan.valid.sum()} of {len(scan)} beams valid"]
 
 
-def leaved(resolution, scans, doublings):
+def leaved(log, resolution, scans, doublings):
     figure, side = blank(), resolution * (1, 2, 4, 8, 16)[doublings]
-    map = build_map(LOG[:scans], LOG.truth[:scans], resolution=side)
-    draw_quadtree(map, ax=figure.subplots(), robot=LOG.truth[scans - 1])
+    map = build_map(log[:scans], log.truth[:scans], resolution=side)
+    robot = [pose for pose in log.truth[:scans] if np.isfinite(pose).all()][-1]
+    draw_quadtree(map, ax=figure.subplots(), robot=robot)
     grid = f"{8 * (map.side / side) ** 2 / 1e3:.0f}"
     leaves = f"{len(map.leaves().x)} leaves of {side:.3g} m and more"
     return figure, [leaves, f"{map.nbytes / 1e3:.0f} kB; a grid {grid} kB"]
@@ -92,16 +99,28 @@ def compared(method, wanted):
             {"step": (0, 2, len(LOG) - 2)},
         ),
         (
+            lambda: ScanPanel(SOME),
+            lambda step: scanned(SOME, SOME.truth, TRUTH, step),
+            ("index", "valid"),
+            {"step": (0, 2)},
+        ),
+        (
+            lambda: ScanPanel(Log("raw", LOG.scans)),
+            lambda step: scanned(LOG, LOG.odometry, ERROR, step),
+            ("index", "valid"),
+            {"step": (0,)},
+        ),
+        (
             lambda: QuadtreePanel(LOG),
-            lambda *at: leaved(0.05, *at),
+            lambda *at: leaved(LOG, 0.05, *at),
             ("leaves", "bytes"),
             {"scans": (len(LOG), 1, 3), "doublings": (0, 1, 4)},
         ),
         (
-            lambda: QuadtreePanel(LOG, LOG.truth, resolution=0.03),
-            lambda *at: leaved(0.03, *at),
+            lambda: QuadtreePanel(LOG, SOME.truth, resolution=0.03),
+            lambda *at: leaved(SOME, 0.03, *at),
             ("leaves", "bytes"),
-            {"scans": (len(LOG), 2), "doublings": (0, 2)},
+            {"scans": (len(LOG), 3), "doublings": (0, 2)},
         ),
         (
             lambda: ComparePanel(WALLS, RUNS),
@@ -119,7 +138,7 @@ def test_a_panel_shows_what_the_library_gives(make, wanted, texts, controls):
             getattr(panel, name).value = value
         (figure, said), (finer, _) = (wanted(*values) for _ in range(2))
         assert [getattr(panel, name).value for name in texts] == said
-        assert panel._repr_mimebundle_()["image/png"] == figure_png(figure), values
+        assert shown(panel) == figure_png(figure), values
         assert bytes(panel.picture.value) == figure_png(finer, finer=2)
     assert panel.picture.layout.width == f"{72 * figure.get_figwidth():.0f}px"
     for play in panel._players:
@@ -132,7 +151,7 @@ def test_a_panel_shows_what_the_library_gives(make, wanted, texts, controls):
 
 def test_of_many_points_some_are_drawn():
     """Catches a cloud that is drawn whole, or turned around, since every point takes time."""
-    angles = np.linspace(0, 1, 4100)
+    angles = np.linspace(0, 1, 4000)
     scan = LaserScan(1 + angles, angles, odometry=(0, 0, 0))
     panel = ScanPanel(Log("many", [scan, scan]))
     drawn = np.array(panel._figure.axes[0].lines[0].get_data()).T
@@ -155,8 +174,7 @@ SLIDERS = {
 
 def test_all_sliders_are_as_declared():
     """Catches a slider that begins elsewhere, ends early, or goes in other steps."""
-    panels = ScanPanel(LOG), QuadtreePanel(LOG), ComparePanel(WALLS, RUNS), LivePanel(LOG)
-    for panel in panels:
+    for panel in (ScanPanel(LOG), QuadtreePanel(LOG), ComparePanel(WALLS, RUNS), LivePanel(LOG)):
         found = {}
         for name, part in vars(panel).items():
             kind = type(part).__name__
@@ -170,7 +188,12 @@ def test_all_sliders_are_as_declared():
                 assert not part.playing
         assert found == SLIDERS[type(panel).__name__]
         rows = panel._view.children
+        assert {box.layout.flex_flow for box in rows if type(box) is W.Box} == {"row wrap"}
+        look = panel.picture.layout
+        assert (look.max_width, look.height) == ("calc(100% - 4px)", "auto")
         assert rows.index(panel.picture) == len(rows) - (1 if type(panel) is LivePanel else 2)
+    every = {name for name in dir(panels) if name.endswith("Panel")} - {"Panel"}
+    assert {*SLIDERS} == every, "a new panel is drawn here too"
     box = panel.loops
     assert (box.value, box.indent, box.layout.width) == (False, False, "auto")
 
@@ -186,9 +209,9 @@ def test_all_sliders_are_as_declared():
         ("++++", (5.25, 6.75), (0.875, 2.125)),
         ("+++--", (3.8787, 8.1213), (-0.26777, 3.26777)),
         ("-", (3, 9), (-1, 4)),
-        ("++<", (3.75, 6.75), (0.25, 2.75)),
+        ("++<^", (3.75, 6.75), (0.875, 3.375)),
         ("++<<<<", (3, 6), (0.25, 2.75)),
-        ("++>>^", (6, 9), (0.875, 3.375)),
+        ("++>>>", (6, 9), (0.25, 2.75)),
         ("++vvv", (4.5, 7.5), (-1, 1.5)),
         ("+++++>++", (6, 6.5303), (1.279, 1.721)),
         ("++<<--", (3, 9), (-1, 4)),
@@ -266,7 +289,7 @@ def test_the_live_panel_shows_what_the_library_gives(given):
         own = extract_polylines(log[3].points(), tolerance=tolerance)
         picture, segments = LivePicture(), transform(pose, own.reshape(-1, 2)).reshape(-1, 2, 2)
         picture.show(map, log[3], pose, segments)
-        assert bytes(panel.picture.value) == picture.png()
+        assert bytes(panel.picture.value) == picture.png() == shown(panel)
         assert panel.count.value == f"{len(own)} segments"
     passed = log[3].time - log[0].time
     texts = (panel.leaves, panel.rate, panel.dropped, panel.graph, panel.state)

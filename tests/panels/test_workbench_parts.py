@@ -1,5 +1,6 @@
 """Parts of the workbench by themselves: its bar, its pictures and words, what a browser is told."""
 
+from dataclasses import replace
 from html import escape
 from pathlib import Path
 from types import SimpleNamespace
@@ -9,14 +10,18 @@ import pytest
 from driven_panels import LOG, WALLS
 from matplotlib.figure import Figure
 
-from segmap import SegmentMap, reduction
+import segmap
+from segmap import LaserScan, Log, SegmentMap, reduction
 from segmap._display import facts
+from segmap.metrics import grade_quality, grade_reduction
 from segmap.panels import Workbench
 from segmap.panels.workbench import _bar, _shown
 from segmap.panels.workbench._bar import Bar
+from segmap.panels.workbench._edits import Edits
 from segmap.panels.workbench._source import OWN, Source
 from segmap.panels.workbench._upload import Upload
 from segmap.plotting import MAP, RAW, RESULT, draw_segments, figure_png, map_axes
+from segmap.scans import Skipped
 
 
 def test_each_word_of_the_bar(monkeypatch):
@@ -56,8 +61,10 @@ def test_the_bar_goes_on_while_nothing_is_told(monkeypatch):
 def test_what_a_browser_must_know_is_sent_to_it():
     """Catches a picture of yesterday: a trait that is set here and never synchronised."""
     made, asked, sent = Workbench(LOG), [], []
-    told = {"before", "first", "second", "titles", "size", "pointed", "members", "shown", "_esm"}
-    assert told <= {*made.canvas.keys}
+    nothing = {"pointed": [-1, -1], "members": [], "shown": "after", "size": [1, 1], "titles": []}
+    nothing |= {**dict.fromkeys(["before", "first", "second", "way"], b""), "looked_at": []}
+    assert {"_esm", "drawing", *nothing} <= {*made.canvas.keys} and Edits().value() == {}
+    assert {name: getattr(made.canvas, name) for name in nothing} == nothing
     upload = Upload("choose", 7, lambda *given: asked.append(given) or 3)
     upload.send = sent.append
     assert {"description", "most", "_esm"} <= {*upload.keys}
@@ -68,10 +75,9 @@ def test_what_a_browser_must_know_is_sent_to_it():
 
 
 def test_maps_go_to_the_browser_about_their_middle():
-    canvas, walls = (
-        Workbench(LOG).canvas,
-        np.array([[(1.0, 5.0), (3.0, 5.0)], [(1.0, 6.0), (2.0, 9.0)]]),
-    )
+    """Catches a building far from the origin that single floats would crumble, swapped maps."""
+    canvas = Workbench(LOG).canvas
+    walls = np.array([[(1.0, 5.0), (3.0, 5.0)], [(1.0, 6.0), (2.0, 9.0)]]) + 1e8
     canvas.pointed, canvas.members = [0, 1], [2]
     canvas.show(walls, [walls[:1], walls[1:]], ["x", "y", "z"])
     found = [
@@ -93,14 +99,16 @@ def outcome():
     """What a run of two methods leaves."""
     calls = [SimpleNamespace(name="fusion", words=lambda: "tolerance <2>")]
     calls += [SimpleNamespace(name="odd & even", words=str)]
-    some = reduction.fusion(WALLS, tolerance=0.2), reduction.fusion(WALLS, tolerance=0.001)
+    some = [reduction.fusion(WALLS, tolerance=0.2), reduction.fusion(WALLS, tolerance=0.001)]
+    some[1] = replace(some[1], segments=2 * some[1].segments, doubt="a < b")  # beyond the map
+    some = [replace(each, seconds=k + 1.0) for k, each in enumerate(some)]
     found = list(zip(calls, some, (0.9, 0.5), strict=True))
     return SimpleNamespace(
         map=WALLS,
         recipe=SimpleNamespace(align=SimpleNamespace(name="by <hand>")),
         alignment=SimpleNamespace(seconds=1.25, doubt="a & b"),
         verdict=SimpleNamespace(grade="doubtful", words="HALF <a> map"),
-        reductions=list(some),
+        reductions=some,
         found=lambda: found,
     )
 
@@ -121,9 +129,13 @@ def test_what_is_said_of_a_run_letter_by_letter(outcome):
         '<div style="border-left: 12px solid #e69f00; padding: 3px 9px; line-height: 1.45">'
         f"<b>HALF &lt;a&gt; map</b></div>{lines}a &amp; b<br>by &lt;hand&gt;, 1.2 s</div>"
     )
-    first = _shown.left(outcome).removeprefix(lines).removesuffix("</div>").split("<br>")
-    assert first[0].startswith(f"fusion (tolerance &lt;2&gt;): {many[0]} of 5 segments left, red")
-    assert [line for line in first if line.startswith("odd &amp; even (): ")]
+    said = []
+    for k, (name, kept) in enumerate([("fusion (tolerance <2>)", 0.9), ("odd & even ()", 0.5)]):
+        rate = segmap.reduction_rate(WALLS, outcome.reductions[k])
+        graded = f"reduction {rate:.1%}, {grade_reduction(rate)}; quality {kept:.1%}, "
+        graded += f"{grade_quality(kept)}; {1 + k}.000 s"
+        said.append(f"{name}: {many[k]} of 5 segments left, {graded}")
+    assert _shown.left(outcome) == f"{lines}{'<br>'.join(map(escape, [*said, 'a < b']))}</div>"
     told = [f"<b>{LOG.name if k == 'scans' else k}</b> {escape(v)}" for k, v in facts(LOG)]
     assert _shown.about(LOG) == f"{lines}{'<br>'.join(told)}</div>"
     assert _shown.code("a < b").startswith("<pre style=") and ">a &lt; b</pre>" in _shown.code(
@@ -138,13 +150,16 @@ def test_numbers_and_bars_of_the_table():
             '<td style="text-align: right; min-width: 90px; color: black; background: '
             f'linear-gradient(90deg, #bfdcec {full:.1f}%, #f0f0f0 {full:.1f}%)">{share:.1%}</td>'
         )
-    row = {"map": "m", "method": "f", "thresholds": "t", "alignment": "a", "quality": 1.0}
+    row = {"map": "m", "method": "f", "thresholds": "<t>", "alignment": "a", "quality": 1.0}
     row |= {"n_before": 9, "n_after": 4, "seconds": 0.5, "reduction": 0.5}
-    cells = [*(f'<td style="text-align: right">{v}</td>' for v in (0, 4, 9, "0.500"))]
-    said = "".join([cells[0], "<td>f</td><td>t</td>", *cells[1:], "<td>m</td><td>a</td>"])
-    assert _shown.runs_table([row]).endswith(
-        f"</tr><tr>{_shown._bar(0.5)}{_shown._bar(1.0)}{said}</tr></table></div>"
-    )
+    words = ("reduction", "quality", "run", "method", "thresholds", "left", "of", "seconds")
+    head, *found = _shown.runs_table([row] * 10).removesuffix("</table></div>").split("<tr>")[1:]
+    assert head == "".join(f"<th>{word}</th>" for word in (*words, "log", "alignment")) + "</tr>"
+    right = '<td style="text-align: right">'
+    said = f"<td>f</td><td>&lt;t&gt;</td>{right}4</td>{right}9</td>{right}0.500</td>"
+    said += "<td>m</td><td>a</td></tr>"
+    bars = _shown._bar(0.5) + _shown._bar(1.0)
+    assert found == [f"{bars}{right}{k}</td>{said}" for k in range(9, 1, -1)]
 
 
 def test_the_still_picture_is_that_of_the_library(outcome):
@@ -159,6 +174,19 @@ def test_the_still_picture_is_that_of_the_library(outcome):
         map_axes(ax).set_title(title, fontsize="medium")
         ax.label_outer()
     assert _shown.still(outcome) == figure_png(figure)
+
+
+def test_a_log_in_words():
+    scans = [LaserScan([1.0, 2.0], [0.0, 0.5]), LaserScan([1.0], [0.0])]
+    assert facts(Log("<b>", scans, skipped=Skipped(2, "line 7: no number"))) == [
+        ("scans", "2 scans, without times"),
+        ("beams", "1 to 2 a scan, 100.0 % of them valid"),
+        ("view", "28.65 degrees, 28.6 from beam to beam"),
+        ("ranges", "1.00 to 2.00 m, half of them below 1.00 m"),
+        ("odometry", "none"),
+        ("truth", "none"),
+        ("damaged", "2 lines left out; line 7: no number"),
+    ]
 
 
 # ------------------------------------------------------------------ where a log comes from
@@ -218,7 +246,8 @@ def test_pieces_of_a_file_are_put_together(source):
     assert made.take("one.log", 1, 0, b"x") == -1 and bar.bar.value == 1
     made.stop()
     made.stop()
-    assert made.take("b.log", 9, 4, b"x") == -1 and len(begun) == 3
+    assert made.take("b.log", 9, 4, b"x") == -1 and len(begun) == 3 and made.log is LOG
     assert made.take("b.log", 100_000_000, 0, b"x") == 1
-    assert made.take("b.log", 100_000_001, 1, b"x") == -1
-    assert bar.state.value.startswith("b.log has 100.0 MB: only a file up to 100 MB")
+    assert made.take("a\0/b.log", 100_000_001, 1, b"x") == -1
+    larger = "larger ones by their path"
+    assert bar.state.value == f"b.log has 100.0 MB: only a file up to 100 MB; {larger}"

@@ -170,7 +170,7 @@ class Table:
 def number(cell: str) -> float:
     """The points in a cell that a person filled; 0 for anything else."""
     try:
-        return float(cell.strip().removeprefix("'").replace(",", "."))
+        return float(cell.removeprefix("'").replace(",", "."))
     except ValueError:
         return 0.0
 

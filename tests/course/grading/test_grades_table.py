@@ -1,13 +1,11 @@
 """The table of grades: what a person wrote is kept, whatever a student's folder is called."""
 
-import csv
 import hashlib
 import json
 import os
 from datetime import datetime
 
 import pytest
-import submitted
 from segmap_course.__main__ import main
 from segmap_course.grading._report import (
     Outcome,
@@ -35,56 +33,6 @@ def row(student, share=1.0, source="def my_f(x): return x", time=0.0):
     return Row(Submission(student, "", [book], []), {"f": outcome}, "bubblewrap")
 
 
-def read(path):
-    return {found["student"]: found for found in csv.DictReader(path.read_text().splitlines())}
-
-
-def edit(path, student, **cells):
-    rows = list(read(path).values())
-    for found in rows:
-        found |= {name: "" for name in cells if name not in found}
-        found |= cells if found["student"] == student else {}
-    with path.open("w", newline="") as file:
-        writer = csv.DictWriter(file, rows[0])
-        writer.writeheader()
-        writer.writerows(rows)
-
-
-def test_regrading_keeps_what_a_person_wrote_and_tells_what_changed(tmp_path):
-    """Catches points by hand that are lost, with the column of remarks and who handed in before."""
-    path = tmp_path / "grades.csv"
-    first = Table(path, [F, HAND])
-    first.add(row("ann", 0.0))
-    first.add(row("bob"))
-    assert read(path)["ann"]["f_by_hand"] == "" and first.changes == []
-    edit(path, "ann", f_by_hand="5,5", extra_by_hand="-1", remark="came to my office")
-    again = Table(path, [F, HAND])
-    again.add(row("ann", 1.0))
-    assert again.changes == ["ann points: 0 -> 4", "ann f: 0 -> 4"]
-    found = read(path)
-    kept = [found["ann"][name] for name in ("f_by_hand", "extra_by_hand", "remark", "total")]
-    assert kept == ["5,5", "-1", "came to my office", "8.5"] and found["bob"]["points"] == "4"
-
-
-def test_a_table_that_is_another_s_is_not_overwritten(tmp_path):
-    path = tmp_path / "grades.csv"
-    path.write_text("name,price\nsoap,3\n")
-    with pytest.raises(ValueError, match="no table of grades"):
-        Table(path, [F])
-    assert path.read_text() == "name,price\nsoap,3\n"
-
-
-def test_equal_and_nearly_equal_answers_are_named():
-    """Names, spaces and comments hide nothing; stubs and other ideas are left alone."""
-    longer = submitted.CAST.replace("my_cast_ray", "my_f")
-    renamed = longer.replace("wall", "w").replace("share", "t").replace("np.inf", "np.inf  # far")
-    rows = [
-        *(row("ann", source=longer), row("bob", source=renamed), row("eve", source=STUB)),
-        *(row("fay", source=STUB), row("kim", source=submitted.COMPOSE.replace("compose", "f"))),
-    ]
-    assert duplicates(rows, [F]) == {"ann": "f: bob", "bob": "f: ann"}
-
-
 def test_the_command_takes_all_of_it(tmp_path, capsys):
     """Of a handout, without any code of a student: what is graded by a person alone."""
     assert main(["handout", str(tmp_path / "lab"), "--chapters", "11"]) == 0
@@ -110,11 +58,12 @@ def told(student, kind, reason="", share=0.0, **more):
 
 
 def test_the_table_is_written_whole(tmp_path):
-    """Catches a column that moves, a total without what a person gave, and a row out of order."""
+    """Catches a column that moves, what a person wrote that is lost, and a row out of order."""
     path, open_one = tmp_path / "g.csv", Task("g", "x", ("my_g",), 0)
     end = datetime.fromisoformat("2026-11-23T10:00")
     stamp = end.timestamp()
-    path.write_text("student,f_by_hand,remark,extra_by_hand,f,\nbob,3,ill,'+1,0\nzoe,1,,,\n")
+    before = "student,points,f_by_hand,remark,extra_by_hand,f,"
+    path.write_text(f'{before}\nbob,0,"5,5",ill,\'+1,0\nzoe,,1,,,\n')
     table = Table(path, [F, open_one, HAND], end)
     books = [
         Book(f"{k}.ipynb", stamp + 3600 * k, [Answer("f-answer", "code", f"def my_f(): {k}")])
@@ -129,20 +78,26 @@ def test_the_table_is_written_whole(tmp_path):
     assert path.read_text() == (
         f"{head},remark\n"
         "ann,,4,4,4,right,,,4,,,f: bob,bubblewrap,,\n"
-        "bob,'=Bob,2,4,2,ended,3,'+1,6,f: wrong; g: ended; c.ipynb cannot be read,9.0 h,,none,"
+        "bob,'=Bob,2,4,2,ended,\"5,5\",'+1,8.5,"
+        "f: wrong; g: ended; c.ipynb cannot be read,9.0 h,,none,"
         '"f: 9.ipynb counts, the newest of 2 files that answer it",ill\n'
         "zoe,,,,,,1,,,,,,,,\n"
     )
-    assert table.changes == ["bob f: 0 -> 2"]
+    assert table.changes == ["bob points: 0 -> 2", "bob f: 0 -> 2"]
     table.add(Row(bob, outcomes | {"f": Outcome("right", "", 1.0)}, "none"), "f: ann")
-    assert table.changes == ["bob f: 0 -> 2"], "told of once"
-    assert read(path)["bob"]["total"] == "8"
+    assert len(table.changes) == 2, "told of once"
+    assert "bob,'=Bob,4,4,4,ended,\"5,5\",'+1,10.5," in path.read_text()
+    path.write_text("student\nkim\n")
+    assert Table(path, [F]).rows == {"kim": {"student": "kim"}}
 
 
-def test_a_table_without_a_row_is_none(tmp_path):
-    (tmp_path / "g.csv").write_text("student,name\n")
+@pytest.mark.parametrize("text", ["name,price\nsoap,3\n", "student,name\n"])
+def test_a_table_that_is_another_s_is_not_overwritten(tmp_path, text):
+    path = tmp_path / "grades.csv"
+    path.write_text(text)
     with pytest.raises(ValueError, match="no table of grades"):
-        Table(tmp_path / "g.csv", [F])
+        Table(path, [F])
+    assert path.read_text() == text
 
 
 def test_points_in_a_cell_and_hours_after_the_end():
@@ -195,10 +150,12 @@ def test_nearly_equal_is_nine_of_ten_runs_of_five_marks():
         lines = (f"    x{k} = y.m{k}(z, {k + 1000 * (k in changed)})" for k in range(30))
         return "\n".join(["def my_f(z):", *lines])
 
-    pairs = {"one": answer(3), "many": answer(*range(0, 30, 2)), "same": answer()}
+    pairs = {"one": answer(3), "many": answer(*range(15)), "same": answer()}
+    pairs["renamed"] = answer().replace("(z", "(wall").replace("y.", "t.") + "  # far"
     for name, text in pairs.items():
         found = duplicates([row("ann", source=answer()), row("bob", source=text)], [HAND, F])
         assert found == ({} if name == "many" else {"ann": "f: bob", "bob": "f: ann"})
+    assert duplicates([row("eve", source=STUB), row("fay", source=STUB)], [F]) == {}
     short = [row(n, source=f"def my_f(x): return x.{n}.b.c.d.e") for n in "ab"]
     assert duplicates(short, [F]) == {}
     many = duplicates([row(f"{k:02}" + "n" * 98, source=answer()) for k in range(14)], [F])
@@ -221,7 +178,8 @@ def test_the_page_of_a_student_is_written_whole():
     found = Row(handed, {"f": Outcome("wrong", "turn & go", 0.5, "case <3>")})
     other = HAND._replace(name="g_by_hand", points=1, rubric="")
     shown = page(found, [F, HAND._replace(rubric="| 6 | <good> |"), other])
-    body = shown.partition("</style></head><body>\n")[2]
+    head, _, body = shown.partition("</style></head><body>\n")
+    assert "default-src 'none'" in head and "<title>ann, Ann &lt;Lee&gt;</title>" in head
     assert body == (
         "<h1>ann, Ann &lt;Lee&gt;</h1>\n"
         "<p>2 of 4 points. Up to 7 more are given by hand. b is &lt;odd&gt;.</p>\n"
@@ -232,7 +190,6 @@ def test_the_page_of_a_student_is_written_whole():
         "<section><h2>g_by_hand: graded by hand, up to 1 points</h2>"
         "<p>Nothing was handed in.</p></section>\n</body></html>\n"
     )
-    assert "<title>ann, Ann &lt;Lee&gt;</title>" in shown
     newer = Book("new.ipynb", 9.0, [Answer("f-answer", "code", "def my_f(x): 2")])
     twice = row("ann")._replace(submission=handed._replace(name="", books=[newer, *handed.books]))
     said = page(twice, [F])

@@ -9,7 +9,7 @@ from segmap_course import EXERCISES, OPEN_EXERCISES
 from segmap_course.__main__ import main
 from segmap_course.grading.handout._handout import LINK, with_links
 from segmap_course.grading.handout._solutions import BEGIN, END, open_answer
-from segmap_course.grading.handout._tasks import defines, places
+from segmap_course.grading.handout._tasks import defines
 
 
 @pytest.fixture(scope="module")
@@ -33,14 +33,15 @@ def test_every_chapter_is_there_without_outputs(handed):
     code = [cell for _, cell in all_cells(handed) if cell["cell_type"] == "code"]
     assert len(code) > 300
     assert all(cell["outputs"] == [] and cell["execution_count"] is None for cell in code)
+    assert all(cells(path)[1]["source"].startswith("**Name:**") for path in handed.iterdir())
 
 
 def test_the_seed_is_with_the_instructor_alone(handed):
-    """Catches a seed in the metadata of a copy."""
+    """Catches a seed in the metadata of a copy, and one that holds a solution."""
     key = handed.with_name("students.instructor.json")
     assert json.loads(key.read_text())["seed"] == 987654321
     assert key.stat().st_mode & 0o077 == 0
-    assert not any("987654321" in path.read_text() for path in handed.iterdir())
+    assert not any(word in p.read_text() for p in handed.iterdir() for word in ("987654321", BEGIN))
 
 
 def test_every_exercise_of_the_chapters_has_an_answer_a_check_and_points(handed):
@@ -86,10 +87,8 @@ def test_grade_ids_are_unique_and_so_are_cells(handed):
         assert len({meta["grade_id"] for meta in graded}) == len(graded)
 
 
-def test_stubs_fail_and_a_name_is_asked_for(handed):
+def test_stubs_fail(handed):
     """Catches an answer that comes with its solution."""
-    for path in handed.iterdir():
-        assert cells(path)[1]["source"].startswith("**Name:**")
     bodies = {"...", "return None  # yours", "None"}
     for _, cell in all_cells(handed):
         if cell["id"].endswith("-answer") and "def " in cell["source"]:
@@ -131,23 +130,6 @@ def test_what_is_wrong_is_said_at_the_door(tmp_path, capsys):
         assert "whole number from 0 on" in capsys.readouterr().err or seed == "-1"
 
 
-def test_an_answer_in_a_cell_of_its_own_is_found():
-    held = [
-        {"cell_type": "code", "source": "def my_f(x):\n    return None"},
-        {"cell_type": "markdown", "source": "Then:"},
-        {"cell_type": "code", "source": "my_g = None\ncourse.check_g(my_g, my_f)"},
-        {"cell_type": "code", "source": "course.check_f(my_f)"},
-    ]
-    found = places(held, {"check_f", "check_g"})
-    assert [(place.check, place.written, place.checked) for place in found] == [
-        ("check_g", 2, 2),
-        ("check_f", 0, 3),
-    ]
-    assert found[0].answers == ("my_g", "my_f")
-    with pytest.raises(ValueError, match="checks what no cell before it defines"):
-        places(held[3:], {"check_f"})
-
-
 def test_a_definition_is_seen_and_nothing_else():
     assert defines("x = 1\nmy_f: int = 3", "my_f") and defines("def my_f (x):", "my_f")
     assert not defines("  my_f = 3", "my_f") and not defines("def my_fit(x):", "my_f")
@@ -170,10 +152,6 @@ def test_solutions_stand_between_the_marks_of_nbgrader(tmp_path):
     assert "def my_move_onto_walls(" in before and "..." in before
     assert "my_move_onto_walls = " in rest.split(END)[0] and "def " in rest
     assert main(["solutions", str(tmp_path / "source")]) == 1
-
-
-def test_no_copy_of_a_student_holds_a_solution(handed):
-    assert not any(BEGIN in path.read_text() for path in handed.iterdir())
 
 
 @pytest.mark.parametrize("name", OPEN_EXERCISES)
