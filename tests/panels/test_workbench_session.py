@@ -181,7 +181,11 @@ def test_two_scans_are_seen_over_each_other_and_on_the_way(mended):
     [
         ("crop", "1 2 3", "crop [m] must be like 'left low right high', got '1 2 3'"),
         ("crop", "3 0 1 1", "left"),
-        ("crop", "900 0 901 1", "no segment is left: loosen extraction, filter or crop"),
+        (
+            "crop",
+            "900 0 901 1",
+            "crop: no segment lies in that rectangle; the map reaches from x -0.02",
+        ),
         ("north", "up", "north [degrees] must be like '90, which is up', got 'up'"),
         ("north", "30", "north and a grid need a place"),
         ("place", "139.7 35.7", "; the latitude comes first"),

@@ -10,12 +10,12 @@ import ipywidgets as W
 import numpy as np
 from matplotlib.figure import Figure
 
+from ..._recipe import Outcome
 from ...plotting import DPI, ERROR, MAP, draw_points, figure_png, map_axes
 from ...poses import transform
 from .._control import folded
 from ._choices import WRAP
 from ._edits import Edits
-from ._recipe import Outcome
 from ._shown import LINES
 
 #: Pixels of the picture of two scans.
