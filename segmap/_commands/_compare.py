@@ -85,9 +85,9 @@ def check(given: argparse.Namespace) -> None:
 
 def compare(given: argparse.Namespace, log: Log, paths: list[Path], report: Report) -> int:
     """Run all methods on the map of one log, and print what each leaves."""
-    log, poses = opening.placed(given, log, report)
-    map = whole = extraction.build_map(log, poses.trusted, keep_points=True)
-    verdict = poses.verdict_on(map)
+    made = opening.placed(given, log, report)
+    map = whole = extraction.build_map(made.log, made.alignment.trusted, keep_points=True)
+    verdict = made.alignment.verdict_on(map)
     if given.filter is not None:
         map = whole = whole.filtered(given.filter)
     if not len(map):

@@ -12,6 +12,7 @@ import numpy as np
 
 from .. import exports
 from .._display import counted
+from .._recipe import Outcome
 from ..alignment import Alignment
 from ..scans import Log
 from . import opening
@@ -48,7 +49,9 @@ def check(given: argparse.Namespace) -> None:
 
 def convert(given: argparse.Namespace, log: Log, paths: list[Path], report: Report) -> int:
     """Write one log to all its files; where its poses were sought, only if they make a map."""
-    poses = opening.aligned(given, log, report) if given.align else None
+    poses = Outcome(opening.recipe_of(given, log), log).solved if given.align else None
+    if poses is not None:
+        opening.tell_alignment(poses, report)
     written = paths if poses is None else opening.allowed(given, poses.verdict, paths, report)
     if written:
         texts = [_write(path, log, poses) for path in written]

@@ -6,22 +6,21 @@ import argparse
 import csv
 import re
 from collections.abc import Callable
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any
 
 from .. import exports, extraction, metrics
 from .._display import counted
-from ..alignment import Alignment
+from .._recipe import Outcome, Recipe
 from ..files import write_bytes
-from ..quadtree import without_passers
 from ..readers import Session
 from ..reduction import METHODS, Reduction
 from ..scans import Log
-from ..segments import SegmentMap
 from . import opening
 from ._words import Report, metres, percent, seconds
-from .opening._thresholds import add_thresholds, chosen_thresholds, refuse_others
+from .opening._thresholds import add_thresholds, refuse_others
 
 #: What -o may end in.
 SUFFIXES = (".svg", ".csv", ".npz", ".dxf", ".png", ".geojson", ".wkt", ".segmap")
@@ -132,82 +131,74 @@ def pairs(text: str) -> list[str]:
 
 def map_log(given: argparse.Namespace, log: Log, paths: list[Path], report: Report) -> int:
     """Map one log, and write what was asked for where there is a map."""
-    carried, poses = opening.placed(given, log, report)
-    return made(given, carried, poses, paths, report, partial(opening.session_of, given, log))
+    made = opening.tell_poses(Outcome(recipe_of(given, log), log), report)
+    return mapped(given, made, paths, report, partial(opening.session_of, given, log))
 
 
-def made(
+def recipe_of(given: argparse.Namespace, log: Log) -> Recipe:
+    """All that the options say of a map."""
+    extract = opening.call(given, given.extract, extraction.METHODS[given.extract], EXTRACT)
+    chosen = [given.method] if given.method != "none" else []
+    return replace(
+        opening.recipe_of(given, log),
+        extract=extract,
+        least=given.filter or 0.0,
+        methods=[opening.call(given, name, METHODS[name].function) for name in chosen],
+        seen_through=given.seen_through,
+    )
+
+
+def mapped(
     given: argparse.Namespace,
-    log: Log,
-    poses: Alignment,
+    made: Outcome,
     paths: list[Path],
     report: Report,
     session: Callable[[dict[str, Any]], Session],
 ) -> int:
-    """Make the map of a log at its poses, and write it; `session` keeps the figures of this run."""
-    before = segments_of(given, log, poses, report)
+    """Say how a map comes out, and write it; `session` keeps the figures of this run."""
+    if given.seen_through is not None:
+        pairs = zip(made.log, made.seen, strict=True)
+        gone = sum(int(a.valid.sum() - b.valid.sum()) for a, b in pairs)
+        words = f"{counted(gone, 'beam')} left out that others saw through"
+        report.line("passers", words, beams=gone)
+    count = len(made.extracted)
+    report.line("extracted", counted(count, "segment"), segments=count)
     if given.loops is not None:
-        write_bytes(given.loops, poses.loops().to_csv().encode())
+        write_bytes(given.loops, made.alignment.loops().to_csv().encode())
         report.line("loops", f"written to {given.loops}", file=str(given.loops))
-    verdict = poses.verdict_on(before)
-    before = filtered(given, opening.cropped(given, before, report), report)
-    after = before if given.method == "none" else reduced(given, before, report)
+    if given.crop is not None:
+        count = len(made.cropped)
+        report.line("cropped", f"to {counted(count, 'segment')}", segments=count)
+    if given.filter is not None:
+        words = f"{counted(len(made.map), 'segment')} of {given.filter:g} m or more"
+        report.line("filtered", words, segments=len(made.map), least=given.filter)
+    for found in made.reductions:
+        tell_reduction(made, found, report)
+    after = made.reductions[0] if made.reductions else made.map
 
     def write(path: Path) -> None:
         """In the format that the name asks for."""
         if path.suffix.lower() == ".png":
             from ._pictures import write_map_picture
 
-            write_map_picture(path, before, after)
+            write_map_picture(path, made.map, after)
         elif path.suffix.lower() == ".segmap":
             exports.write_session(path, session(report.found))
         else:
             exports.write_segments(path, after, world=opening.world_of(given))
 
-    return opening.finished(given, verdict, paths, report, write)
+    return opening.finished(given, made.verdict, paths, report, write)
 
 
-def segments_of(
-    given: argparse.Namespace, log: Log, poses: Alignment, report: Report
-) -> SegmentMap:
-    """Extract the segments of a log at its poses."""
-    extract = extraction.METHODS[given.extract]
-    options = chosen_thresholds(given, extract, EXTRACT) | {"extract": extract}
-    if given.seen_through is not None:
-        left = without_passers(log, poses.trusted, seen_through=given.seen_through)
-        gone = sum(int(a.valid.sum() - b.valid.sum()) for a, b in zip(log, left, strict=True))
-        words = f"{counted(gone, 'beam')} left out that others saw through"
-        report.line("passers", words, beams=gone)
-        log = left
-    method = METHODS.get(given.method)
-    needs = method is not None and (method.needs_points or method.needs_sensors)
-    map = extraction.build_map(log, poses.trusted, keep_points=needs, **options)
-    report.line("extracted", counted(len(map), "segment"), segments=len(map))
-    return map
-
-
-def filtered(given: argparse.Namespace, map: SegmentMap, report: Report) -> SegmentMap:
-    """Leave short segments out, where that is asked for."""
-    if given.filter is None:
-        return map
-    map = map.filtered(given.filter)
-    words = f"{counted(len(map), 'segment')} of {given.filter:g} m or more"
-    report.line("filtered", words, segments=len(map), least=given.filter)
-    return map
-
-
-def reduced(given: argparse.Namespace, map: SegmentMap, report: Report) -> Reduction:
-    """Reduce a map and say how good the reduction is."""
-    method = METHODS[given.method]
-    options = chosen_thresholds(given, method.function)
-    found = method(map, **options)
-    rate = metrics.reduction_rate(map, found)
+def tell_reduction(made: Outcome, found: Reduction, report: Report) -> None:
+    """Say what a reduction leaves, and how good it is."""
+    method, rate = made.recipe.methods[0].name, metrics.reduction_rate(made.map, found)
     gone = f"{percent(rate)} gone ({metrics.grade_reduction(rate)})"
     left = counted(len(found), "segment")
     report.line(
         "reduced",
-        f"by {given.method}: {left} left, {gone}, {seconds(found.seconds)}",
-        method=given.method,
+        f"by {method}: {left} left, {gone}, {seconds(found.seconds)}",
+        method=method,
         segments=len(found),
         rate=rate,
         grade=metrics.grade_reduction(rate),
@@ -215,8 +206,8 @@ def reduced(given: argparse.Namespace, map: SegmentMap, report: Report) -> Reduc
     )
     if found.doubt:
         report.line("", f"doubt: {found.doubt}")
-    if len(map):
-        kept, errors = metrics.quality(map, found), metrics.errors(map, found)
+    if len(made.map):
+        kept, errors = made.qualities[0], metrics.errors(made.map, found)
         off = f"segments lie {metres(errors.mean())} off on average, {metres(errors.max())} at most"
         report.line(
             "quality",
@@ -226,4 +217,3 @@ def reduced(given: argparse.Namespace, map: SegmentMap, report: Report) -> Reduc
             mean_error=float(errors.mean()),
             largest_error=float(errors.max()),
         )
-    return found

@@ -8,12 +8,13 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+from .._recipe import Call, Outcome
 from ..alignment import Verdict
 from ..matching import merge
 from ..readers import Session
 from ..scans import Log
 from . import opening
-from ._map import add_making, check_making, made
+from ._map import add_making, check_making, mapped, recipe_of
 from ._words import Report
 
 
@@ -38,11 +39,15 @@ def merge_logs(given: argparse.Namespace, log: Log, paths: list[Path], report: R
         raise ValueError(f"cannot write {given.first}: it is the first log itself")
     first, given, _ = opening.log_of(given.first, given)
     check_making(given)
-    logs = [opening.deskewed(given, each, report) for each in (first, log)]
+    logs = []
+    for each in (first, log):
+        made = Outcome(recipe_of(given, each), each)
+        opening.tell_deskewing(made, report)
+        logs.append(made.log)
     found = merge(*logs)
-    opening.tell_alignment(found, report)
     if not (found.used[: len(first)].any() and found.used[len(first) :].any()):
         words = f"NOT A MAP: {found.doubt.split('; ')[0]}"
+        opening.tell_alignment(found, report)
         verdict = Verdict("not a map", words, int(found.used.sum()), len(found))
         return opening.concluded(given, verdict, report)
     scans = [scan for each in logs for scan in each]
@@ -54,4 +59,6 @@ def merge_logs(given: argparse.Namespace, log: Log, paths: list[Path], report: R
         kept = opening.session_of(given, both, figures)
         return replace(kept, settings={**kept.settings, "align": "ground_truth"})
 
-    return made(given, both, opening.squared(given, both, found, report), paths, report, session)
+    recipe = replace(recipe_of(given, both), align=Call("merge", lambda _: found), deskew=False)
+    made = opening.tell_poses(Outcome(recipe, both), report)
+    return mapped(given, made, paths, report, session)

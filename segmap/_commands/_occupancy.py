@@ -12,6 +12,7 @@ import numpy as np
 
 from .. import exports, quadtree
 from .._display import counted
+from .._recipe import cropped
 from ..alignment import Alignment, Verdict
 from ..matching import MATCHERS, SCORES, map_scans
 from ..progress import each
@@ -67,10 +68,14 @@ def map_log(given: argparse.Namespace, log: Log, paths: list[Path], report: Repo
     if given.matcher:
         map, verdict = _matched(given, log, report)
     else:
-        log, found = opening.placed(given, log, report)
-        verdict = found.verdict
-        map = quadtree.build_map(log, found.trusted, resolution=given.resolution)
-    map = opening.cropped(given, map, report)
+        made = opening.placed(given, log, report)
+        verdict = made.alignment.verdict
+        poses = made.alignment.trusted
+        map = quadtree.build_map(made.log, poses, resolution=given.resolution)
+    if given.crop is not None:
+        map = cropped(map, given.crop)
+        count = int((map.leaves().occ > 0).sum())
+        report.line("cropped", f"to {counted(count, 'square')}", squares=count)
     left, low, right, high = quadtree.extent(map, margin=0)
     size = f"{right - left:.1f} m by {high - low:.1f} m at {given.resolution:g} m"
     leaves = map.leaves()

@@ -39,10 +39,10 @@ from segmap._commands import _compare, _pictures, main
 from segmap._commands._compare import thinned
 from segmap._commands._words import metres, plain_warnings, say
 from segmap._commands.opening._thresholds import thresholds
+from segmap._recipe import Call, follow
 from segmap.arrays import Metres, Radians, RadiansPerMetre, checked
 from segmap.methods import Method
 from segmap.panels.workbench import Workbench
-from segmap.panels.workbench._recipe import Call, follow
 from segmap.panels.workbench._session import read
 from segmap.quadtree import QuadtreeMap
 
@@ -792,7 +792,7 @@ def test_what_lies_outside_a_rectangle_is_cut_off(run, near):
     assert code == 1 and not Path("no.csv").exists()
     (left, low), (right, high) = (f(map.segments, (0, 1)) for f in (np.min, np.max))
     reach = f"from x {left:.2f} to {right:.2f} m, y {low:.2f} to {high:.2f} m\n"
-    assert beside.endswith(f"--crop: no segment lies in that rectangle; the map reaches {reach}")
+    assert beside.endswith(f"crop: no segment lies in that rectangle; the map reaches {reach}")
 
 
 def test_a_map_of_squares_is_cropped_to_cells(run, near):
@@ -810,7 +810,7 @@ def test_a_map_of_squares_is_cropped_to_cells(run, near):
     wanted = np.where(kept, whole.occupancy(places), 0.5)
     assert np.array_equal(map.occupancy(places)[~edge], wanted[~edge])
     code, _, beside = run(*words, "900", "0", "901", "1")
-    assert code == 1 and "--crop: no square lies in that rectangle; the map reaches" in beside
+    assert code == 1 and "crop: no square lies in that rectangle; the map reaches" in beside
 
 
 def test_beams_that_others_saw_through_are_left_out(run, near):

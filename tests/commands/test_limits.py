@@ -18,6 +18,7 @@ import segmap
 from segmap import alignment, exports, quadtree, reduction
 from segmap._commands import _compare, _locate, _occupancy, opening
 from segmap._commands._words import Report, metres, progress, seconds
+from segmap._recipe import cropped
 from segmap.alignment import Alignment, Verdict
 from segmap.matching import Belief
 
@@ -166,7 +167,7 @@ def test_a_crop_beside_the_map_tells_how_far_that_reaches():
     """Catches x for y, and the middle of the map for its end."""
     map = segmap.SegmentMap([[(-1, 2), (3, 5)], [(0, 1), (4, 2)]])
     with pytest.raises(ValueError, match=r"from x -1\.00 to 4\.00 m, y 1\.00 to 5\.00 m$"):
-        opening.cropped(Namespace(crop=(8, 8, 9, 9)), map, Report("it"))
+        cropped(map, (8, 8, 9, 9))
 
 
 def test_occupancy_tells_size_and_area(run):

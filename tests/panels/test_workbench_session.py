@@ -1,15 +1,19 @@
 """Sessions of the workbench: what is chosen comes back, and the command makes the same map."""
 
+import base64
+import io
 import json
 import re
 
 import numpy as np
 import pytest
+from matplotlib.image import imread
 
 import segmap
 from segmap import readers
 from segmap._commands import main
 from segmap.panels import Workbench
+from segmap.panels.workbench import _loops
 from segmap.panels.workbench._session import restore, session_of
 
 
@@ -151,9 +155,19 @@ def test_a_loop_is_taken_back_without_a_scan_placed_anew(mended, monkeypatch):
     assert np.array_equal(mended.outcome.alignment.loops()["second"], found.loops()["second"])
 
 
-def test_two_scans_are_seen_over_each_other_and_on_the_way(mended):
-    """Catches a picture of other scans, a click that is lost, and a way that is shown for ever."""
-    loops, canvas = mended.loops, mended.canvas
+def test_two_scans_are_seen_over_each_other_and_on_the_way(mended, monkeypatch):
+    """Catches a picture of other scans, one drawn thrice or with wide margins, a click that is
+    lost, and a way that is shown for ever."""
+    loops, canvas, drawn = mended.loops, mended.canvas, []
+    png = base64.b64decode(re.search('base64,([^"]+)"', loops.picture.value).group(1))
+    dark = imread(io.BytesIO(png))[..., :3].min(2) < 0.5
+    full = [np.ptp(np.flatnonzero(dark.any(k))) / dark.shape[1 - k] for k in (0, 1)]
+    assert dark.shape[0] != dark.shape[1] and min(full) > 0.8
+    with monkeypatch.context() as patch:
+        patch.setattr(_loops, "overlaid", lambda outcome, *scans: drawn.append(scans) or "")
+        loops.listed.value = "1-147"
+        loops.show(mended.outcome)
+    assert drawn == [(1, 147)] * 2
     for scan in (20, 30):
         canvas._handle_custom_msg({"scan": scan}, [])
     assert (loops.first.value, loops.second.value, canvas.looked_at) == (20, 30, [20, 30])
@@ -181,7 +195,11 @@ def test_two_scans_are_seen_over_each_other_and_on_the_way(mended):
     [
         ("crop", "1 2 3", "crop [m] must be like 'left low right high', got '1 2 3'"),
         ("crop", "3 0 1 1", "left"),
-        ("crop", "900 0 901 1", "no segment is left: loosen extraction, filter or crop"),
+        (
+            "crop",
+            "900 0 901 1",
+            "crop: no segment lies in that rectangle; the map reaches from x -0.02",
+        ),
         ("north", "up", "north [degrees] must be like '90, which is up', got 'up'"),
         ("north", "30", "north and a grid need a place"),
         ("place", "139.7 35.7", "; the latitude comes first"),

@@ -26,7 +26,7 @@ STOREYS = (
     "hokuyo reduction quadtree",
     "alignment",
     "matching experiments exports",
-    "testing",
+    "testing _recipe",
     "plotting",
     "panels",
     "segmap _warm",

@@ -16,13 +16,13 @@ from ._poses import (
     add_align,
     add_poses,
     add_world,
-    aligned,
+    call,
     check_options,
-    cropped,
-    deskewed,
     placed,
-    squared,
+    recipe_of,
     tell_alignment,
+    tell_deskewing,
+    tell_poses,
     world_of,
 )
 from ._settings import parsed, session_of

@@ -4,29 +4,28 @@ from __future__ import annotations
 
 import argparse
 from collections import Counter
-from collections.abc import Sequence
-from typing import Any, TypeVar
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
 from ..._display import counted
-from ...alignment import METHODS, Alignment, LiveGraph, deskew, usual_method
-from ...arrays import Array
+from ..._recipe import Call, Outcome, Recipe
+from ...alignment import METHODS, Alignment, usual_method
 from ...exports import Frame, placed_at
-from ...extraction import build_map
-from ...quadtree import QuadtreeMap, extent
 from ...scans import Log
 from ...scans.moving import is_timed
-from ...segments import SegmentMap, main_direction
+from ...segments import SegmentMap
 from .._words import Report, seconds
 from ._logs import add_logs, add_strict
+from ._settings import EDITS
 from ._thresholds import add_thresholds, chosen_thresholds, refuse_others
 
 #: So many reasons for scans that were not matched are told.
 MOST_REASONS = 3
 #: What happens without --align, in most commands.
 ALIGN = "default: ground_truth where the log has it for each scan, else pose_graph"
-Map = TypeVar("Map", SegmentMap, QuadtreeMap)
 
 
 def add_poses(command: argparse.ArgumentParser, *, align: bool = True) -> None:
@@ -42,10 +41,32 @@ def add_poses(command: argparse.ArgumentParser, *, align: bool = True) -> None:
     add_strict(command)
 
 
-def placed(given: argparse.Namespace, log: Log, report: Report) -> tuple[Log, Alignment]:
+def recipe_of(given: argparse.Namespace, log: Log) -> Recipe:
+    """What the options say of the way to poses, and what is edited on a map.
+
+    By default: the true poses where the log has one for each scan; else all poses at once, loops
+    closed.
+    """
+    name = getattr(given, "align", None) or usual_method(log)
+    refuse_others(given, name, METHODS, "align_")
+    align = call(given, name, METHODS[name].function, "align_")
+    if name == "ground_truth":
+        align = replace(align, thresholds={"missing": "drop", **align.thresholds})
+    edits = {name: getattr(given, name, None) for name in EDITS}
+    deskew = is_timed(log) and not getattr(given, "no_deskew", True)
+    return Recipe(align, deskew=deskew, edits={k: v for k, v in edits.items() if v})
+
+
+def call(
+    given: argparse.Namespace, name: str, function: Callable[..., Any], prefix: str = ""
+) -> Call:
+    """A function with the thresholds that are given for it."""
+    return Call(name, function, chosen_thresholds(given, function, prefix))
+
+
+def placed(given: argparse.Namespace, log: Log, report: Report) -> Outcome:
     """The log with its beams carried to the start of each scan, and a pose for each scan."""
-    log = deskewed(given, log, report)
-    return log, squared(given, log, aligned(given, log, report), report)
+    return tell_poses(Outcome(recipe_of(given, log), log), report)
 
 
 def add_align(command: Any, without: str = ALIGN) -> None:
@@ -60,38 +81,23 @@ def add_align(command: Any, without: str = ALIGN) -> None:
     add_thresholds(command, "thresholds of the alignment methods", functions, "align_")
 
 
-def deskewed(given: argparse.Namespace, log: Log, report: Report) -> Log:
-    """The log with its beams carried to the start of each scan where it has their times."""
-    if given.no_deskew or not is_timed(log):
-        return log
-    found = deskew(log)
-    count = sum(new is not old for new, old in zip(found, log, strict=True))
-    words = f"{count} of {counted(len(log), 'scan')}, by how the robot moved meanwhile"
-    report.line("de-skewed", words, scans=count)
-    return found
+def tell_poses(made: Outcome, report: Report) -> Outcome:
+    """Say how a log was de-skewed, aligned and turned, each as soon as it is."""
+    tell_deskewing(made, report)
+    tell_alignment(made.solved, report)
+    if made.recipe.edits.get("square"):
+        degrees = float(np.degrees(made.turn))
+        words = f"by {degrees:.2f} degrees about the origin: most walls along x and y"
+        report.line("turned", words, degrees=degrees)
+    return made
 
 
-def aligned(given: argparse.Namespace, log: Log, report: Report) -> Alignment:
-    """Align a log and say how it went.
-
-    By default: the true poses where the log has one for each scan; else all poses at once, loops
-    closed.
-    """
-    name = given.align or usual_method(log)
-    refuse_others(given, name, METHODS, "align_")
-    options: dict[str, Any] = {"missing": "drop"} if name == "ground_truth" else {}
-    if name == "angle_correspondence":
-        options = {"rng": np.random.default_rng(0)}
-    options |= chosen_thresholds(given, METHODS[name].function, "align_")
-    if getattr(given, "veto", []) or getattr(given, "tie", []):
-        graph = LiveGraph(**options)
-        graph.extend(log)
-        graph.refine()
-        found = graph.mended(ends(given.veto), ends(given.tie))
-    else:
-        found = METHODS[name](log, **options)
-    tell_alignment(found, report)
-    return found
+def tell_deskewing(made: Outcome, report: Report) -> None:
+    """Say of how many scans the beams were carried to their start, where they have their times."""
+    if made.recipe.deskew:
+        count = sum(new is not old for new, old in zip(made.log, made.given, strict=True))
+        words = f"{count} of {counted(len(made.log), 'scan')}, by how the robot moved meanwhile"
+        report.line("de-skewed", words, scans=count)
 
 
 def tell_alignment(found: Alignment, report: Report) -> None:
@@ -108,11 +114,6 @@ def tell_alignment(found: Alignment, report: Report) -> None:
         report.line("", f"{counted(count, 'scan')} not: {why}")
     if found.doubt:
         report.line("", f"doubt: {found.doubt}")
-
-
-def ends(loops: Sequence[str]) -> list[list[int]]:
-    """Both scans of each loop that is given as `FIRST-SECOND`."""
-    return [[int(scan) for scan in loop.split("-")] for loop in loops]
 
 
 def add_world(command: Any) -> None:
@@ -181,32 +182,3 @@ def world_of(given: argparse.Namespace) -> Frame:
     except ValueError as error:
         given.refuse(f"--place: {error}")
         raise
-
-
-def squared(given: argparse.Namespace, log: Log, found: Alignment, report: Report) -> Alignment:
-    """The poses turned about the origin until most walls run along x and y, where asked for."""
-    if not getattr(given, "square", False):
-        return found
-    turn = -main_direction(build_map(log, found.trusted))
-    words = f"by {np.degrees(turn):.2f} degrees about the origin: most walls along x and y"
-    report.line("turned", words, degrees=float(np.degrees(turn)))
-    return found.turned(turn)
-
-
-def cropped(given: argparse.Namespace, map: Map, report: Report) -> Map:
-    """Cut off what lies outside a rectangle, where that is asked for."""
-    if given.crop is None:
-        return map
-    found = map.cropped(*given.crop)
-    if isinstance(map, QuadtreeMap):
-        what, count = "square", int((found.leaves().occ > 0).sum())
-        left, low, right, high = extent(map, margin=0)
-    else:
-        what, count = "segment", len(found)
-        ends: Array = map.segments.reshape(-1, 2)
-        left, low, right, high = (*ends.min(0), *ends.max(0)) if len(map) else (0.0,) * 4
-    if not count and (left, low) != (right, high):  # of an empty map nothing was cut off
-        reach = f"x {left:.2f} to {right:.2f} m, y {low:.2f} to {high:.2f} m"
-        raise ValueError(f"--crop: no {what} lies in that rectangle; the map reaches from {reach}")
-    report.line("cropped", f"to {counted(count, what)}", **{f"{what}s": count})
-    return found

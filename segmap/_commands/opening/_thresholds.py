@@ -82,7 +82,7 @@ def chosen_thresholds(
     """The thresholds of a function that were given, in its own units."""
     found = {}
     for name, threshold in thresholds(function).items():
-        value = getattr(given, prefix + name)
+        value = getattr(given, prefix + name, None)
         if value is not None:
             found[name] = threshold.said.meant(value)
     return found
@@ -95,6 +95,6 @@ def refuse_others(
     named = {k: thresholds(getattr(m, "function", m)) for k, m in methods.items()}
     own = named.get(method, {})
     for name in (prefix + name for every in named.values() for name in every if name not in own):
-        if getattr(given, name) is not None and name not in given.lent:
+        if getattr(given, name, None) is not None and name not in given.lent:
             known = ", ".join(_flag(prefix + name) for name in own) or "no threshold"
             given.refuse(f"{method} has no {_flag(name)}; it has {known}")

@@ -9,10 +9,10 @@ from typing import Any
 import ipywidgets as W
 
 from ... import alignment, extraction, reduction
+from ..._recipe import Call, Recipe
 from ...scans import Log
 from .._control import ENTRY, control, folded
 from ._edits import Edits
-from ._recipe import Call, Recipe
 
 #: A slider goes in twentieths of the default up to ten times it.
 STEPS, TIMES = 20, 10
@@ -146,11 +146,11 @@ class Choices:
 
     def recipe(self, log: str, *, timed: bool) -> Recipe:
         """All that is chosen, for the log that an expression gives; `timed` if its beams are."""
-        chosen = (choice.call() for choice in (self.align, self.extract, self.method))
-        align, extract, first = (call for call in chosen if call is not None)
+        chosen = (each.call() for each in (self.align, self.extract, self.method, self.second))
+        align, extract, *methods = (call for call in chosen if call is not None)
         least, deskew = float(self.least.value), timed and bool(self.deskew.value)
         edits = self.edits.value()
-        return Recipe(log, align, extract, least, first, self.second.call(), deskew, edits)
+        return Recipe(align, extract, least, methods, deskew, edits=edits, log=log)
 
     def views(self) -> dict[str, Any]:
         """Their controls, by the steps of the way."""

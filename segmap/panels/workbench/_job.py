@@ -21,9 +21,9 @@ import time
 from collections.abc import Callable, Sequence
 from typing import IO, Any
 
+from ..._recipe import Outcome
 from ...progress import announce, told
 from ...scans import Log
-from ._recipe import Outcome
 
 #: What the worker begins with: it finds the package that this Python has imported.
 START = (

@@ -10,16 +10,16 @@ import ipywidgets as W
 import numpy as np
 from matplotlib.figure import Figure
 
+from ..._recipe import Outcome
 from ...plotting import DPI, ERROR, MAP, draw_points, figure_png, map_axes
 from ...poses import transform
 from .._control import folded
 from ._choices import WRAP
 from ._edits import Edits
-from ._recipe import Outcome
 from ._shown import LINES
 
-#: Pixels of the picture of two scans.
-WIDTH, HEIGHT = 300, 260
+#: Pixels of the longer side of the picture of two scans, and of the numbers beside and below it.
+SIDE, NUMBERS = 360, (40, 30)
 #: What lies within this of a scan is drawn, metres.
 NEAR = 15.0
 #: Rows that are seen of the list.
@@ -58,8 +58,8 @@ class Loops:
         self.box = W.Box([left, self.picture], layout=W.Layout(flex_flow="row wrap"))
         self.open = folded("loops", self.box)
         self.open.layout.display = "none"
-        self.open.observe(self._opened, names="value")
-        self.listed.observe(self._chosen, names="value")
+        for each in (self.open, self.listed):
+            each.observe(self._chosen, names="value")
         for each in (self.first, self.second):
             each.observe(self._seen, names="value")
         self.mend.on_click(self._mend)
@@ -67,7 +67,7 @@ class Loops:
 
     def show(self, outcome: Outcome) -> None:
         """List the loops of another run; there is nothing to see where its method has no graph."""
-        self._outcome = outcome
+        self._outcome = None  # nothing is drawn until all is listed
         if outcome.alignment.graph is None:
             self.open.value = False
         self.open.layout.display = "none" if outcome.alignment.graph is None else ""
@@ -85,32 +85,38 @@ class Loops:
         names = [loop for _, loop in options]
         if names:
             self.listed.value = before if before in names else names[0]
+        self._outcome = outcome
         self._chosen()
 
     def picked(self, scan: int) -> None:
         """A place of the way was clicked: the first one, then the second, and so on."""
-        self.first.value, self.second.value = self.second.value, scan
-
-    def _opened(self, change: Any) -> None:
-        self._chosen()
+        self._take(self.second.value, scan)
 
     def _chosen(self, change: Any = None) -> None:
         """A loop of the list is looked at."""
         loop = self.listed.value
         if loop is not None:
-            self.first.value, self.second.value = map(int, loop.split("-"))
             out = loop in self._edits.veto
             self.mend.description = "Take it back" if out else "Leave it out"
+            self._take(*map(int, loop.split("-")))
+        else:
+            self._seen()
+
+    def _take(self, first: int, second: int) -> None:
+        """Look at two scans: drawn once, when both are named."""
+        outcome, self._outcome = self._outcome, None
+        self.first.value, self.second.value = first, second
+        self._outcome = outcome
         self._seen()
 
     def _seen(self, change: Any = None) -> None:
         """Show the two scans that the numbers name, here and on the map."""
-        if self._outcome is None or not self.open.value:
+        if self._outcome is not None and not self.open.value:
             self._look([])
-            return
-        first, second = self.first.value, self.second.value
-        self._look([first, second])
-        self.picture.value = overlaid(self._outcome, first, second)
+        elif self._outcome is not None:
+            first, second = self.first.value, self.second.value
+            self._look([first, second])
+            self.picture.value = overlaid(self._outcome, first, second)
 
     def _mend(self, button: object) -> None:
         """Leave the chosen loop out, or take it back; a forced one just goes."""
@@ -136,7 +142,7 @@ class Loops:
 
 def overlaid(outcome: Outcome, first: int, second: int) -> str:
     """Two scans over each other, where their poses put them, as HTML."""
-    figure = Figure((WIDTH / DPI, HEIGHT / DPI), dpi=DPI, layout="constrained")
+    figure = Figure(dpi=DPI, layout="constrained")
     ax = figure.subplots()
     poses = outcome.alignment.poses
     for scan, color, size in ((first, MAP, 6.0), (second, ERROR, 2.0)):
@@ -144,8 +150,12 @@ def overlaid(outcome: Outcome, first: int, second: int) -> str:
         near = points[np.hypot(*points.T) < NEAR]
         draw_points(transform(poses[scan], near), ax=ax, color=color, size=size)
     map_axes(ax).set(xlabel="", ylabel="")
+    sides = np.array([np.ptp(ax.get_xlim()), np.ptp(ax.get_ylim())])
+    width, height = sides / sides.max() * SIDE + NUMBERS  # a narrow corridor: a narrow picture
+    figure.set_size_inches(width / DPI, height / DPI)
     apart = float(np.hypot(*(poses[first] - poses[second])[:2]))
     words = f"scan {first} black, scan {second} red, {apart:.1f} m apart: do their walls agree?"
     png = base64.b64encode(figure_png(figure, finer=2)).decode("ascii")
-    picture = f'<img alt="{words}" width="{WIDTH}" src="data:image/png;base64,{png}">'
+    style = f"width: {width:.0f}px; max-width: 100%"
+    picture = f'<img alt="{words}" style="{style}" src="data:image/png;base64,{png}">'
     return f'<div style="line-height: 1.3">{picture}<br>{words}</div>'

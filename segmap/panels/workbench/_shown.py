@@ -10,12 +10,12 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from ..._display import facts
+from ..._recipe import Outcome
 from ...alignment import Verdict
 from ...metrics import grade_quality, grade_reduction, reduction_rate
 from ...plotting import DPI, MAP, RAW, RESULT, draw_segments, figure_png, map_axes
 from ...scans import Log
 from ...segments import SegmentMap
-from ._recipe import Outcome
 
 #: Pixels of the static picture.
 WIDTH, HEIGHT = 648, 320

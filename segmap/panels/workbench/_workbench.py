@@ -13,6 +13,7 @@ import ipywidgets as W
 import numpy as np
 
 from ... import arrays, exports
+from ..._recipe import Outcome, Recipe, follow
 from ...arrays import Array
 from ...plotting import thumbnail
 from ...progress import told
@@ -26,7 +27,6 @@ from ._bar import Bar
 from ._choices import WRAP, Choices
 from ._job import Worker, said
 from ._loops import Loops
-from ._recipe import Outcome, Recipe, follow
 from ._session import restore, session_of
 from ._source import Source, telling
 

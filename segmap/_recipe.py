@@ -1,0 +1,343 @@
+"""From a log to a map: choices, what follows from them step by step, and the same as Python."""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any, TypeVar
+
+from . import alignment, arrays, extraction, reduction
+from .alignment import Alignment, LiveGraph, Verdict
+from .arrays import Array, declared
+from .exports import Frame, placed_at
+from .metrics import quality, reduction_rate
+from .progress import announce
+from .quadtree import QuadtreeMap, extent, without_passers
+from .reduction import Reduction
+from .scans import Log
+from .segments import SegmentMap, main_direction
+
+Map = TypeVar("Map", SegmentMap, QuadtreeMap)
+
+
+@dataclass(frozen=True)
+class Call:
+    """A function of some data by its name, with the thresholds that are not its defaults."""
+
+    name: str
+    function: Callable[..., Any]
+    thresholds: Mapping[str, Any] = field(default_factory=dict)
+
+    def run(self, data: Any) -> Any:
+        """Call it."""
+        return self.function(data, **self.thresholds)
+
+    def arguments(self) -> str:
+        """The thresholds as Python writes them, each behind a comma; angles by their degrees."""
+        said, written = declared(self.function), ""
+        for name, value in self.thresholds.items():
+            text = _short(value) if isinstance(value, float) else repr(value)
+            if isinstance(value, float) and said[name].read_unit != said[name].unit:
+                read = float(f"{said[name].read(value):.6g}")
+                exact = said[name].meant(read) == value
+                text = f"np.radians({_short(read)})" if exact else repr(float(value))
+            written += f", {name}={text}"
+        return written
+
+    def words(self) -> str:
+        """The thresholds as a person reads them."""
+        return self.arguments().removeprefix(", ").replace("=", " ").replace("np.", "")
+
+
+@dataclass(frozen=True)
+class Recipe:
+    """All choices between a log and its maps: `log` is the expression that gives it.
+
+    `least` is the length of the filter, `seen_through` the share of `without_passers`; `edits` are
+    those of a `Session`.
+    """
+
+    align: Call
+    extract: Call = Call("extract_polylines", extraction.extract_polylines)
+    least: float = 0.0
+    methods: Sequence[Call] = ()
+    deskew: bool = False
+    seen_through: float | None = None
+    edits: Mapping[str, Any] = field(default_factory=dict)
+    log: str = "log"
+
+    def keeps_points(self) -> bool:
+        """Whether a method needs the points behind the segments, or the places of the sensor."""
+        known = [reduction.METHODS[call.name] for call in self.methods]
+        return any(method.needs_points or method.needs_sensors for method in known)
+
+    def mends(self) -> tuple[list[tuple[int, ...]], list[tuple[int, ...]]]:
+        """Loops that are left out and loops that are forced, by their scans."""
+        veto, tie = (
+            [tuple(map(int, loop.split("-"))) for loop in self.edits.get(name, [])]
+            for name in ("veto", "tie")
+        )
+        return (veto, tie) if self.align.name == "pose_graph" else ([], [])
+
+    def world(self) -> Frame:
+        """Where the map lies on the earth."""
+        place, (north,) = self.edits.get("place"), self.edits.get("north", [None])
+        if place is None and {"north", "crs"} & {*self.edits}:
+            raise ValueError("north and a grid need a place: the one of (0, 0) of the map")
+        return placed_at(place, north, self.edits.get("crs"))
+
+    def code(self) -> str:
+        """The calls that make the same, to be copied: `map`, `reduced` and `other`."""
+        extract, thresholds = self.extract, self.extract.arguments()
+        if extract.name != "extract_polylines":
+            thresholds = f", extract=segmap.extraction.{extract.name}{thresholds}"
+        kept = f".filtered({_short(self.least)})" if self.least else ""
+        if "crop" in self.edits:
+            kept = f".cropped({', '.join(map(_short, self.edits['crop']))}){kept}"
+        lines = [f"log = {self.log}", *(["log = segmap.alignment.deskew(log)"] * self.deskew)]
+        if any(self.mends()):
+            veto, tie = self.mends()
+            graph = f"segmap.alignment.LiveGraph({self.align.arguments().removeprefix(', ')})"
+            lines += [f"graph = {graph}", "graph.extend(log)", "graph.refine()"]
+            lines.append(f"found = graph.mended({veto=}, {tie=})")
+        else:
+            lines.append(f"found = {_called(alignment, 'alignment', self.align, 'log')}")
+        if "square" in self.edits:
+            walls = "segmap.build_map(log, found.trusted)"
+            lines.append(f"found = found.turned(-segmap.segments.main_direction({walls}))")
+        if (seen_through := self.seen_through) is not None:
+            seen = f"segmap.quadtree.without_passers(log, found.trusted, {seen_through=})"
+            lines.append(f"log = {seen}")
+        thresholds += ", keep_points=True" * self.keeps_points()
+        lines.append(f"map = segmap.build_map(log, found.trusted{thresholds}){kept}")
+        for name, call in zip(("reduced", "other"), self.methods, strict=False):
+            lines.append(f"{name} = {_called(reduction, 'reduction', call, 'map')}")
+        lines.append("segmap.reduction_rate(map, reduced), segmap.quality(map, reduced)")
+        name, world = "map.svg", ""
+        if "place" in self.edits:
+            name, world = "map.geojson", f", world=segmap.exports.{self.world()!r}"
+        lines.append(f'# segmap.exports.write_segments("{name}", reduced{world})')
+        body = "\n".join(lines)
+        return ("import numpy as np\n\n" if "np." in body else "") + f"import segmap\n\n{body}\n"
+
+
+class Outcome:
+    """What follows from a recipe and a log; each step is done where it is asked for first.
+
+    What is as it was `before`, on the same log, is not done again. `given` is the log as it was
+    read, `log` the one that is aligned; `grown` a pose graph before it is mended, and what it gave;
+    `solved` the alignment before it is turned; `map` what is reduced.
+    """
+
+    def __init__(self, recipe: Recipe, log: Log, before: Outcome | None = None) -> None:
+        self.recipe, self.given = recipe, log
+        self._known: list[tuple[Call, Reduction, float]] = []
+        if before is not None:
+            was = _chosen(before.recipe)
+            for steps, chosen in _chosen(recipe).items():
+                if chosen != was[steps]:
+                    return
+                vars(self).update((k, v) for k, v in vars(before).items() if k in steps.split())
+            self._known = before.found()
+
+    def __getstate__(self) -> dict[str, Any]:
+        """What another process is sent: a graph may take hundreds of megabytes."""
+        return {k: v for k, v in vars(self).items() if k != "grown"} | {"_known": []}
+
+    @cached_property
+    def log(self) -> Log:
+        """With its beams carried to the start of each scan, where that is chosen."""
+        if not self.recipe.deskew:
+            return self.given
+        announce(0.0, f"de-skewing {len(self.given)} scans")
+        return alignment.deskew(self.given)
+
+    @cached_property
+    def grown(self) -> tuple[LiveGraph, Alignment] | None:
+        """Where the alignment is a pose graph."""
+        announce(0.0, f"aligning {len(self.log)} scans by {self.recipe.align.name}")
+        if self.recipe.align.name != "pose_graph":
+            return None
+        graph = LiveGraph(**self.recipe.align.thresholds)
+        graph.extend(self.log)
+        return graph, graph.refine()
+
+    @cached_property
+    def solved(self) -> Alignment:
+        """The poses, loops mended."""
+        if self.grown is None:
+            return self.recipe.align.run(self.log)
+        if not any(self.recipe.mends()):
+            return self.grown[1]
+        announce(0.0, "mending the graph")
+        return copy.deepcopy(self.grown[0]).mended(*self.recipe.mends())
+
+    @cached_property
+    def turn(self) -> float:
+        """By which most walls run along x and y, radians; 0 where that is not asked for."""
+        if not self.recipe.edits.get("square"):
+            return 0.0
+        return -main_direction(extraction.build_map(self.log, self.solved.trusted))
+
+    @cached_property
+    def alignment(self) -> Alignment:
+        """The poses in the frame of the map."""
+        return self.solved.turned(self.turn) if self.turn else self.solved
+
+    @cached_property
+    def seen(self) -> Log:
+        """Without people who walked through."""
+        share, poses = self.recipe.seen_through, self.alignment.trusted
+        return self.log if share is None else without_passers(self.log, poses, seen_through=share)
+
+    @cached_property
+    def extracted(self) -> SegmentMap:
+        """All segments."""
+        log, poses, extract = self.seen, self.alignment.trusted, self.recipe.extract
+        thresholds = {**extract.thresholds, "keep_points": self.recipe.keeps_points()}
+        announce(0.0, f"extracting segments by {extract.name}")
+        return extraction.build_map(log, poses, extract=extract.function, **thresholds)
+
+    @cached_property
+    def verdict(self) -> Verdict:
+        """Whether that is a map."""
+        return self.alignment.verdict_on(self.extracted)
+
+    @cached_property
+    def cropped(self) -> SegmentMap:
+        """What lies in the rectangle."""
+        return cropped(self.extracted, self.recipe.edits.get("crop"))
+
+    @cached_property
+    def map(self) -> SegmentMap:
+        """What is long enough."""
+        return self.cropped.filtered(self.recipe.least) if self.recipe.least else self.cropped
+
+    @cached_property
+    def reductions(self) -> list[Reduction]:
+        """By each method."""
+        found = []
+        for call in self.recipe.methods:
+            known = [reduced for was, reduced, _ in self._known if was == call]
+            if not known:
+                announce(0.0, f"reducing {len(self.map)} segments by {call.name}")
+                known = [arrays.instance(call.run(self.map), call.name, Reduction)]
+            found += known[:1]
+        return found
+
+    @cached_property
+    def qualities(self) -> list[float]:
+        """Of each reduction."""
+        reductions = self.reductions
+        announce(0.0, "measuring quality")
+        return [quality(self.map, reduced) for reduced in reductions]
+
+    def found(self) -> list[tuple[Call, Reduction, float]]:
+        """Each method with its reduction and its quality."""
+        return list(zip(self.recipe.methods, self.reductions, self.qualities, strict=True))
+
+    def words(self) -> str:
+        """What each method leaves, and its quality."""
+        return ", ".join(
+            f"{call.name} leaves {len(reduced)} of {len(self.map)} segments, quality {kept:.1%}"
+            for call, reduced, kept in self.found()
+        )
+
+    def rows(self, name: str) -> list[dict[str, Any]]:
+        """A row for each method, with the columns of `experiments.sweep`, and the way to the map.
+
+        The log is called by its `name`.
+        """
+        recipe = self.recipe
+        mended = "".join(
+            f"; {name} {', '.join(recipe.edits[name])}"
+            for name in ("veto", "tie")
+            if name in recipe.edits
+        )
+        way = {
+            "map": name,
+            "alignment": recipe.align.name,
+            "align_thresholds": "de-skewed " * recipe.deskew + recipe.align.words() + mended,
+            "align_seconds": round(self.alignment.seconds, 6),
+            "extraction": recipe.extract.name,
+            "extract_thresholds": recipe.extract.words(),
+            "filtered": recipe.least,
+            "verdict": self.verdict.grade,
+            "placed": self.verdict.placed,
+            "n_before": len(self.map),
+        }
+        return [
+            way
+            | {
+                "method": call.name,
+                "thresholds": call.words(),
+                "n_after": len(reduced),
+                "reduction": round(reduction_rate(self.map, reduced), 9),
+                "quality": round(kept, 9),
+                "seconds": round(reduced.seconds, 6),
+            }
+            for call, reduced, kept in self.found()
+        ]
+
+
+def _chosen(recipe: Recipe) -> dict[str, Any]:
+    """The steps of an outcome, in their order, and what each hangs on beside those before it."""
+    return {
+        "log": recipe.deskew,
+        "grown": recipe.align,
+        "solved": recipe.mends(),
+        "turn alignment": recipe.edits.get("square"),
+        "seen": recipe.seen_through,
+        "extracted verdict": (recipe.extract, recipe.keeps_points()),
+        "cropped map": (recipe.edits.get("crop"), recipe.least),
+    }
+
+
+def follow(recipe: Recipe, log: Log, before: Outcome | None = None) -> Outcome:
+    """All that follows, done here and now.
+
+    Raises
+    ------
+    ValueError
+        Where a function refuses its thresholds or the log, or no segment is left.
+    """
+    recipe.world()  # a wrong place is refused now, and not where the map is written
+    made = Outcome(recipe, log, before)
+    if not len(made.map):
+        raise ValueError(f"{made.verdict}; no segment is left: loosen extraction, filter or crop")
+    made.found()
+    return made
+
+
+def cropped(map: Map, corners: Sequence[float] | None) -> Map:
+    """What of a map lies in a rectangle, left, low, right, high; all of it where there is none."""
+    if corners is None:
+        return map
+    found = map.cropped(*corners)
+    if isinstance(found, QuadtreeMap):
+        assert isinstance(map, QuadtreeMap)
+        what, count = "square", int((found.leaves().occ > 0).sum())
+        left, low, right, high = extent(map, margin=0)
+    else:
+        what, count = "segment", len(found)
+        ends: Array = map.segments.reshape(-1, 2)
+        left, low, right, high = (*ends.min(0), *ends.max(0)) if len(map) else (0.0,) * 4
+    if not count and (left, low) != (right, high):  # of an empty map nothing was cut off
+        reach = f"x {left:.2f} to {right:.2f} m, y {low:.2f} to {high:.2f} m"
+        raise ValueError(f"crop: no {what} lies in that rectangle; the map reaches from {reach}")
+    return found
+
+
+def _called(room: Any, name: str, call: Call, data: str) -> str:
+    """A call of a method, by its own name where the room exports it, else out of METHODS."""
+    own = getattr(room, call.name, None) is call.function
+    path = f"segmap.{name}.{call.name}" if own else f"segmap.{name}.METHODS[{call.name!r}]"
+    return f"{path}({data}{call.arguments()})"
+
+
+def _short(value: float) -> str:
+    """A number as short as it can be written without becoming another one."""
+    brief = f"{value:.6g}"
+    return brief if float(brief) == value else repr(float(value))
