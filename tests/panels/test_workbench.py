@@ -60,14 +60,6 @@ def done(**chosen):
     return made
 
 
-def in_browser(made):
-    """What a click on Run does, to its end."""
-    made.start.click()
-    made._thread.join(60)
-    assert not made._thread.is_alive() and not made.start.disabled
-    return made
-
-
 # ------------------------------------------------------------------ what is run
 
 
@@ -263,13 +255,19 @@ def test_run_stop_and_failure_in_the_worker(worker):
     disabled, and work that nobody can start again."""
     made = bench()
     made._worker = worker
-    in_browser(made)
+
+    def click():
+        made.start.click()
+        made.wait()
+        assert not made.start.disabled
+
+    click()
     assert made.state.value == "done" and made.progress.value == made.progress.max
     first, here = made.outcome, done()
     assert np.array_equal(first.reductions[0].segments, here.outcome.reductions[0].segments)
     made.method.value = "hybrid"
     made.method["angle"].value = 0
-    in_browser(made)
+    click()
     assert made.outcome is first and len(made.runs) == 1
     assert made.state.value.startswith("angle must be")
     assert made.state.value.endswith("The last good run is kept.")
