@@ -85,8 +85,8 @@ fuzz: $(SETUP) $(WARM) ## read 100 000 damaged files: logs, maps, records (MUTAN
 bounds: $(SETUP) ## run every compiled loop with each index checked
 	NUMBA_BOUNDSCHECK=1 NUMBA_CACHE_DIR=build/bounds $(RUN) -m pytest $(SPREAD) -p no:nbval $(INDEXED)
 
-bench: $(SETUP) ## measure speed against the references, as ratios from one run
-	$(RUN) -m benchmarks
+bench: $(SETUP) ## measure speed against the references, as ratios from one run (ARGS=--record keeps records)
+	$(RUN) -m benchmarks $(ARGS)
 
 panels: $(SETUP) ## take the pictures of panels that the book shows (CHAPTERS="..." for some)
 	$(RUN) notebooks/tools/panel_pictures.py $(CHAPTERS)

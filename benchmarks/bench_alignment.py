@@ -17,10 +17,10 @@ from segmap.metrics import relation_errors
 from segmap.poses import between, compose
 from segmap.simulation import OdometryNoise, drifting_odometry
 
-from .measure import ROOT, SHARED, Row, in_turn, missing, seconds, workloads
+from .measure import RECORDS, SHARED, Row, in_turn, missing, seconds, workloads
 
 Array = NDArray[np.float64]
-TARGET = ROOT / "data" / "records" / "alignment.csv"
+TARGET = RECORDS / "alignment.csv"
 SEEDS = (1, 2, 3)
 
 

@@ -8,7 +8,7 @@ from segmap_course import Explored, explore
 from segmap.files import replacing, table_text
 from segmap.simulation import office
 
-from .measure import ROOT, Row
+from .measure import RECORDS, Row
 
 SEEDS = range(6)
 #: Metres driven from row to row of the record.
@@ -21,7 +21,7 @@ def rows() -> Iterator[Row]:
         for metres in np.arange(0, run.metres[-1] + EVERY, EVERY):
             at = np.searchsorted(run.metres, metres, "right") - 1
             table.append((seed, metres, round(run.known[at], 4)))
-    with replacing(ROOT / "data" / "records" / "exploring.csv") as target:
+    with replacing(RECORDS / "exploring.csv") as target:
         target.write(table_text(table).encode())
     ninety = [run.metres[np.argmax(run.known >= 0.9)] for run in found]
     least = min(run.known[-1] for run in found)

@@ -25,9 +25,9 @@ from segmap.matching import (
 from segmap.poses import transform
 from segmap.quadtree import QuadtreeMap
 
-from .measure import ROOT, SHARED, Row, in_turn, missing, seconds, workloads
+from .measure import RECORDS, SHARED, Row, in_turn, missing, seconds, workloads
 
-TARGET = ROOT / "data" / "records" / "matching.csv"
+TARGET = RECORDS / "matching.csv"
 ORIGIN = np.zeros(3)
 #: Pairs that take long are tried with the first seed only.
 SEEDS, SLOW = range(5), ("nearest", "descent")

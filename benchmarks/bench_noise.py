@@ -14,9 +14,7 @@ from segmap.files import replacing
 from segmap.reduction import one_per_wall
 
 from .bench_alignment import cases
-from .measure import ROOT, SHARED, Row, missing
-
-PATH = ROOT / "data" / "records" / "noise.csv"
+from .measure import RECORDS, SHARED, Row, missing
 
 
 def rows() -> Iterator[Row]:
@@ -37,7 +35,7 @@ def rows() -> Iterator[Row]:
         )
         found.append(row)
         yield Row(name, ", ".join(f"{word} {row[word]:.4f} m" for word in list(row)[1:]))
-    with replacing(PATH) as target:
+    with replacing(RECORDS / "noise.csv") as target:
         pd.DataFrame(found).round(4).to_csv(target, index=False, lineterminator="\n")
 
 

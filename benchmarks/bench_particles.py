@@ -13,9 +13,8 @@ from segmap.metrics import relation_errors
 from segmap.quadtree import QuadtreeMap
 from segmap.simulation import OdometryNoise, drifting_odometry
 
-from .measure import ROOT, SHARED, Row, missing
+from .measure import RECORDS, SHARED, Row, missing
 
-TARGET = ROOT / "data" / "records" / "particles.csv"
 #: Name of a log -> seconds within which a relation finds its scans, and GMapping's error, metres.
 REAL = {"intel": (0.02, "0.070 +- 0.083"), "fr079": (0.1, "0.061 +- 0.044")}
 
@@ -30,7 +29,7 @@ def rows() -> Iterator[Row]:
             f"corridor loop, 20 seeds, {particles} particles",
             f"{closed} closed to 0.3 m, median {np.median(off):.2f}, largest {max(off):.2f} m",
         )
-    with TARGET.open("w", encoding="utf-8", newline="") as target:
+    with (RECORDS / "particles.csv").open("w", encoding="utf-8", newline="") as target:
         csv.writer(target, lineterminator="\n").writerows([("particles", "seed", "off"), *found])
     for resolution in (0.01, 0.05):
         log = room_walk()

@@ -18,9 +18,8 @@ from segmap import METHODS, Log, SegmentMap, build_map, load, read
 from segmap.experiments import growth, online_times, sweep, write_records
 from segmap.simulation import SICK_LMS200, drive, office, simulate
 
-from .measure import ROOT, SHARED, Row, missing
+from .measure import RECORDS, SHARED, Row, missing
 
-FOLDER = ROOT / "data" / "records"
 #: Every piece of a scan is a segment.
 PIECES = {"min_points": 2, "min_length": 0.0}
 
@@ -73,8 +72,7 @@ def rows() -> Iterator[Row]:
                 for method in GRIDS
             ]
         )
-        FOLDER.mkdir(exist_ok=True)
-        write_records(found.sort_values("filtered", kind="stable"), FOLDER / f"{name}.csv")
+        write_records(found.sort_values("filtered", kind="stable"), RECORDS / f"{name}.csv")
         total = f"{found['seconds'].sum():.1f} s in all"
         yield Row(f"{name}, {len(map)} segments", f"{len(found)} runs of {total}")
     if intel() is None:
@@ -123,8 +121,8 @@ def online() -> Row:
     log = intel()
     map = build_map(log, log.truth, **PIECES)
     runs = [times(name, map, thresholds) for name in TIMED for thresholds in ONLINE]
-    (FOLDER / "online").mkdir(exist_ok=True)
-    write_records(pd.concat(runs), FOLDER / "online" / "intel.csv")
+    (RECORDS / "online").mkdir(exist_ok=True)
+    write_records(pd.concat(runs), RECORDS / "online" / "intel.csv")
     powers = ", ".join(f"{run['method'].iloc[0]} {growth(run):.2f}" for run in runs)
     return Row(f"on-line on {len(log)} scans", f"time ~ scans ^ ({powers})")
 

@@ -19,6 +19,9 @@ from segmap.threads import THREADS, cores
 
 ROOT = Path(__file__).resolve().parents[1]
 SHARED = ROOT.parent / "shared"
+#: Chapters and tests read the records that git tracks: these are written only where one asks.
+RECORDING = "--record" in sys.argv
+RECORDS = ROOT / "data" / "records" if RECORDING else ROOT / "build" / "records"
 
 
 class Row(NamedTuple):

@@ -35,4 +35,4 @@ def data_file(name: str) -> Path:
     for place in PLACES:
         if (path := place / name).exists():
             return path
-    raise ValueError(f"segmap's data/{name} is missing: run `make bench`, or install segmap again")
+    raise ValueError(f"segmap's data/{name} is missing: install segmap again")

@@ -74,7 +74,7 @@ def test_records_of_growth_and_of_a_real_log():
     assert len(real) == 300 and np.isnan(real["score"]).sum() == 1
     assert np.nanmedian(-real["score"] / real["beams"]) < 0.025
     with pytest.raises(
-        ValueError, match=r"data/records/matching_moon\.csv is missing: run `make bench`"
+        ValueError, match=r"data/records/matching_moon\.csv is missing: install segmap again"
     ):
         load_columns("matching_moon")
 
