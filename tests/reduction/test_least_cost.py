@@ -51,7 +51,7 @@ def test_a_segment_costs_what_the_plain_sum_says_where_limits_are_met():
     about, limits = describe(s), Limits(0.1, 0.25, 0.4, 0.25, 0.3, 0.2)
     for i, j in np.ndindex(40, 40):
         expected = plain.charge(s[i], s[j], (0.25, 0.25, 0.3, 0.2))
-        assert charge(s[i], about[i], s[j], about[j], limits) == pytest.approx(expected)
+        assert charge(s, about, i, s, about, j, limits) == pytest.approx(expected)
 
 
 @pytest.mark.parametrize("sought", [1e-5, 1.01e-4, 0.05, 3.98])
