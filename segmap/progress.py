@@ -13,6 +13,9 @@ from contextlib import contextmanager
 from contextvars import ContextVar
 from typing import TypeVar
 
+import numpy as np
+from numpy.typing import NDArray
+
 #: Is called with the share that is done and what is done; what it raises ends the work.
 Progress = Callable[[float, str], object]
 Thing = TypeVar("Thing")
@@ -56,3 +59,11 @@ def each(things: Sequence[Thing], words: str) -> Iterator[Thing]:
     for k, thing in enumerate(things):
         announce(k / len(things), f"{words} {k + 1} of {len(things)}")
         yield thing
+
+
+def parts(things: NDArray[np.int64], words: str, *, size: int = 256) -> Iterator[NDArray[np.int64]]:
+    """Some of the things after others, for one call of a compiled loop each; announced as well."""
+    for k in range(0, len(things), size):
+        announce(k / len(things), f"{words} {k + 1} of {len(things)}")
+        yield things[k : k + size]
+    announce(1.0, f"{words} {len(things)} of {len(things)}")

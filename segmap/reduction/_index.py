@@ -98,6 +98,13 @@ def enter(index: Index, b: int, points: Array, reach: float) -> None:
 
 
 @compiled
+def enter_all(index: Index, s: Array) -> None:
+    """Put the boxes around segments, `(n, 2, 2)`, into the index."""
+    for b in range(len(s)):
+        enter(index, b, s[b], 0.0)
+
+
+@compiled
 def leave(index: Index, b: int) -> None:
     """Take box b out of the index."""
     link = index.link

@@ -13,8 +13,9 @@ import numpy as np
 from ...arrays import Array
 from ...compiled import compiled
 from ...kernels import describe, describe_one, join_sums
+from ...progress import parts
 from ...segments import length
-from .._index import LEVEL, Index, empty_index, enter, leave, meeting
+from .._index import LEVEL, Index, empty_index, enter, enter_all, leave, meeting
 from .._runner import Found, Indices, Rows, by_lowest
 from ._fit_kernels import (
     EQUAL,
@@ -28,6 +29,7 @@ from ._fit_kernels import (
     rounded,
     sums_of,
     take,
+    turned_and_lost,
 )
 
 #: What a metre missed costs here. Of 0.0375, 0.05, 0.075, 0.1, 0.15 and 0.25 the least at which, on
@@ -51,11 +53,15 @@ class State(NamedTuple):
     who: Indices  # (n, 2) nearest output, and the next, -1 for none
     cost: Array  # (n, 2) what each input costs there, inf for none
     total: Array  # (1,) sum of the least costs and of the penalties
+    margin: Array  # (m + 1,) what the members lose at their next output, at most a penalty each
+    fall: Array  # (m + 1,) how much less that is for a line that is tried, 0 elsewhere
     inputs: Index
     outputs: Index
     lists: Indices  # (5, n + 2) room for what an index finds
     offer: Array  # (n,) what each costs at a line that is tried, inf elsewhere
     seen: Indices  # (m + 1,) whether an output stands beside that line
+    when: Indices  # (n + m + 2,) the last try before an input, or an output's members, changed; now
+    tried: Indices  # (n,) the last try of each input as an output, which could not gain
 
 
 def exchanged(rows: Rows, drawn: Array, limits: Limits) -> Found:
@@ -72,15 +78,34 @@ def exchanged(rows: Rows, drawn: Array, limits: Limits) -> Found:
         who=np.full((n, 2), -1),
         cost=np.full((n, 2), np.inf),
         total=np.zeros(1),
+        margin=np.zeros(m + 1),
+        fall=np.zeros(m + 1),
         inputs=empty_index(n, max(reach, length(s).mean() if n else 0.0)),
         outputs=empty_index(m + 1, max(reach, length(drawn).mean() if n else 0.0)),
         lists=np.empty((5, n + 2), np.int64),
         offer=np.full(n, np.inf),
         seen=np.zeros(m + 1, np.int64),
+        when=np.zeros(n + m + 2, np.int64),
+        tried=np.full(n, -1),
     )
-    longest = np.argsort(-np.round(length(s), 9), kind="stable")
-    price = max(MISSED, limits.penalty / limits.distance / 40)
-    _improve(state, empty_room(n), longest, limits._replace(missed=price))
+    limits = limits._replace(missed=max(MISSED, limits.penalty / limits.distance / 40))
+    state.total[0], free = m * limits.penalty, m
+    enter_all(state.inputs, s)
+    enter_all(state.outputs, drawn)
+    longest, room = np.argsort(-np.round(length(s), 9), kind="stable"), empty_room(n)
+    for part in parts(np.arange(n), "least cost: finding the output of segment"):
+        _assign_all(state, part, limits)
+    for _ in range(ROUNDS):
+        before, opened = state.total[0], np.flatnonzero(state.outputs.link[:, LEVEL] >= 0)
+        sizes = np.floor(state.about[opened, 4] / EQUAL + 0.5)
+        opened = opened[np.argsort(-sizes, kind="stable")]
+        for part in parts(opened, "least cost: drawing anew output"):
+            free = _refit_all(state, room, part, free, limits)
+        _close_all(state, limits)
+        for part in parts(longest, "least cost: trying as an output segment"):
+            free = _exchange_all(state, part, free, limits)
+        if state.total[0] >= before * (1.0 - FALL):
+            break
     alive = state.outputs.link[:, LEVEL] >= 0
     into = (np.cumsum(alive) - 1)[state.who[:, 0]]
     order, into = by_lowest(into, np.arange(n), int(alive.sum()))
@@ -92,13 +117,20 @@ def exchanged(rows: Rows, drawn: Array, limits: Limits) -> Found:
 def _assign(state: State, i: int, limits: Limits) -> None:
     """Find the two cheapest outputs of an input anew."""
     cost, who, near = state.cost, state.who, state.lists[0]
-    state.total[0] -= cost[i, 0] if who[i, 0] >= 0 else 0.0
+    f, g, first, second = who[i, 0], who[i, 1], cost[i, 0], cost[i, 1]
+    if f >= 0:
+        state.total[0] -= first
+        state.margin[f] -= min(second - first, limits.penalty)
     for k in range(2):
         cost[i, k], who[i, k] = np.inf, -1
     for k in range(meeting(state.outputs, state.s[i], HARD * limits.distance, near)):
-        line, about = state.line[near[k]], state.about[near[k]]
-        keep(cost, who, i, near[k], rounded(charge(state.s[i], state.d[i], line, about, limits)))
+        value = charge(state.s, state.d, i, state.line, state.about, near[k], limits)
+        keep(cost, who, i, near[k], rounded(value))
     state.total[0] += cost[i, 0]
+    state.margin[who[i, 0]] += min(cost[i, 1] - cost[i, 0], limits.penalty)
+    if who[i, 0] != f or who[i, 1] != g or cost[i, 0] != first or cost[i, 1] != second:
+        when, n = state.when, len(state.s)
+        when[i] = when[n + f] = when[n + who[i, 0]] = when[-1]
 
 
 @compiled
@@ -113,6 +145,13 @@ def _switch(state: State, f: int, limits: Limits) -> None:
     near = state.lists[1]
     for k in range(meeting(state.inputs, state.line[f], HARD * limits.distance, near)):
         _assign(state, near[k], limits)
+
+
+@compiled
+def _assign_all(state: State, part: Indices, limits: Limits) -> None:
+    """Find the two cheapest outputs of some inputs."""
+    for i in part:
+        _assign(state, i, limits)
 
 
 @compiled
@@ -160,12 +199,20 @@ def _refit(state: State, room: Room, f: int, free: int, limits: Limits) -> int:
 
 
 @compiled
+def _refit_all(state: State, room: Room, part: Indices, free: int, limits: Limits) -> int:
+    """Draw some outputs anew, one after the other; the number that is free then."""
+    for f in part:
+        free = _refit(state, room, f, free, limits)
+    return free
+
+
+@compiled
 def _close_all(state: State, limits: Limits) -> None:
     """Close outputs, the cheapest first, until every one would lose more than the penalty."""
     heap = [(0.0, 0)]  # the compiler learns what an entry is
     heap.pop()
     for f in range(len(state.line)):
-        if state.outputs.link[f, LEVEL] >= 0:
+        if state.outputs.link[f, LEVEL] >= 0 and state.margin[f] < (1.0 + LEAST) * limits.penalty:
             heapq.heappush(heap, (_loss(state, f, limits), f))
     while len(heap):
         key, f = heapq.heappop(heap)
@@ -177,17 +224,52 @@ def _close_all(state: State, limits: Limits) -> None:
 
 
 @compiled
-def _exchange(state: State, h: int, limits: Limits) -> int:
-    """Open output h, and close those that lose less than the penalty then; the number that is free.
+def _may_gain(state: State, h: int, count: int, limits: Limits) -> bool:
+    """Whether output h could lower the sum, by a bound that looks at the inputs beside it only."""
+    cost, fall, near = state.cost, state.fall, state.lists[3]
+    penalty, gain = limits.penalty, -limits.penalty
+    for k in range(count):
+        i = near[k]
+        margin = min(cost[i, 1] - cost[i, 0], penalty)
+        most = cost[i, 0] + margin
+        turned, lost = turned_and_lost(state.s, state.d, i, state.about, h, limits)
+        if turned + lost >= most:
+            continue
+        offer = charge(state.s, state.d, i, state.line, state.about, h, limits)
+        if offer < most:
+            fall[state.who[i, 0]] += margin - max(offer - cost[i, 0], 0.0)
+            gain += max(cost[i, 0] - offer, 0.0)
+    for k in range(count):
+        f = state.who[near[k], 0]
+        if not state.seen[f]:
+            state.seen[f] = 1
+            gain += max(penalty - (state.margin[f] - fall[f]), 0.0)
+    for k in range(count):
+        f = state.who[near[k], 0]
+        state.seen[f], fall[f] = 0, 0.0
+    return gain > LEAST / 2.0 * penalty
 
-    That is h again where the sum does not fall.
+
+@compiled
+def _exchange(state: State, j: int, h: int, limits: Limits) -> int:
+    """Open input j as output h, and close those that lose less than the penalty then.
+
+    Returns the number that is free: h again where the sum does not fall.
     """
     cost, offer, near, beside = state.cost, state.offer, state.lists[3], state.lists[4]
     count = meeting(state.inputs, state.line[h], HARD * limits.distance, near)
     penalty, gain, others = limits.penalty, -limits.penalty, 0
+    when, n, changed = state.when, len(state.s), False
+    when[-1] += 1
+    for k in range(count):
+        newest = max(when[near[k]], when[n + state.who[near[k], 0]])
+        changed = changed or newest >= state.tried[j]
+    if not changed or not _may_gain(state, h, count, limits):
+        state.tried[j] = when[-1]
+        return h
     for k in range(count):
         i = near[k]
-        offer[i] = charge(state.s[i], state.d[i], state.line[h], state.about[h], limits)
+        offer[i] = charge(state.s, state.d, i, state.line, state.about, h, limits)
         gain += max(cost[i, 0] - offer[i], 0.0)
     for k in range(count):
         f = state.who[near[k], 0]
@@ -222,28 +304,9 @@ def _exchange(state: State, h: int, limits: Limits) -> int:
 
 
 @compiled
-def _improve(state: State, room: Room, longest: Indices, limits: Limits) -> None:
-    """Refit, close and exchange until a round lowers the sum by next to nothing."""
-    free = len(state.line) - 1
-    for i in range(len(state.s)):
-        enter(state.inputs, i, state.s[i], 0.0)
-    for f in range(free):
-        enter(state.outputs, f, state.line[f], 0.0)
-    state.total[0] = free * limits.penalty
-    for i in range(len(state.s)):
-        _assign(state, i, limits)
-    for _ in range(ROUNDS):
-        before = state.total[0]
-        heap = [(0.0, 0)]
-        heap.pop()
-        for f in range(len(state.line)):
-            if state.outputs.link[f, LEVEL] >= 0:
-                heapq.heappush(heap, (-rounded(state.about[f, 4]), f))
-        while len(heap):
-            free = _refit(state, room, heapq.heappop(heap)[1], free, limits)
-        _close_all(state, limits)
-        for k in range(len(longest)):
-            _copy(state, state.s[longest[k]], free)
-            free = _exchange(state, free, limits)
-        if state.total[0] >= before * (1.0 - FALL):
-            break
+def _exchange_all(state: State, part: Indices, free: int, limits: Limits) -> int:
+    """Try some inputs as outputs, one after the other; the number that is free then."""
+    for i in part:
+        _copy(state, state.s[i], free)
+        free = _exchange(state, i, free, limits)
+    return free

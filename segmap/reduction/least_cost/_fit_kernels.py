@@ -22,7 +22,6 @@ from ...kernels import (
     lay,
     mean_line_terms,
     order_by_first,
-    span,
 )
 
 Indices = NDArray[np.int64]
@@ -136,24 +135,36 @@ def _distance_inside(ends: Array, about: Array, line: Array, frame: Array, near:
 
 
 @compiled
-def charge(s: Array, d: Array, line: Array, about: Array, limits: Limits) -> float:
-    """What an input, (2, 2), costs if it goes to a segment, described by (5,); `inf`: too far off.
+def turned_and_lost(
+    s: Array, d: Array, i: int, about: Array, f: int, limits: Limits
+) -> tuple[float, float]:
+    """The two terms of `charge` that are quickly found: of the angle, and of metres not beside."""
+    x, y, dx, dy = about[f, 0], about[f, 1], about[f, 2], about[f, 3]
+    px, py, qx, qy = s[i, 0, 0] - x, s[i, 0, 1] - y, s[i, 1, 0] - x, s[i, 1, 1] - y
+    off = max(abs(px * dy - py * dx), abs(qx * dy - qy * dx))
+    lost, sine = 2.0 * d[i, 4], abs(d[i, 2] * dy - d[i, 3] * dx)
+    u, v = px * dx + py * dy, qx * dx + qy * dy
+    low, high = min(u, v), max(u, v)
+    if off <= limits.distance and sine <= limits.sine and low < high:
+        kept = max(min(high, about[f, 4]) - max(low, -about[f, 4]), 0.0)
+        lost *= 1.0 - kept / (high - low)
+    angular = (d[i, 4] + about[f, 4]) * sine / (1.0 + abs(d[i, 2] * dx + d[i, 3] * dy))
+    return ANGULAR * angular, limits.missed * lost
 
-    Its distance, and the price of the metres that are not beside the segment.
+
+@compiled
+def charge(s: Array, d: Array, i: int, line: Array, about: Array, f: int, limits: Limits) -> float:
+    """What input i of (n, 2, 2) costs if it goes to segment f of (m, 2, 2); `inf`: too far off.
+
+    Both are described by (n, 5) and (m, 5). Its distance, and the price of the metres that are not
+    beside the segment.
     """
-    near = apart(s, line)
+    near = apart(s[i], line[f])
     if near > HARD * limits.distance * (1.0 + 1e-9):
         return np.inf
-    angular, most = mean_line_terms(s, line, d, about)
-    x, y, dx, dy = about[0], about[1], about[2], about[3]
-    off = abs((s[0, 0] - x) * dy - (s[0, 1] - y) * dx)
-    off = max(off, abs((s[1, 0] - x) * dy - (s[1, 1] - y) * dx))
-    lost = 2.0 * d[4]
-    low, high = span(s, x, y, dx, dy)
-    if off <= limits.distance and abs(d[2] * dy - d[3] * dx) <= limits.sine and low < high:
-        kept = max(min(high, about[4]) - max(low, -about[4]), 0.0)
-        lost *= 1.0 - kept / (high - low)
-    return ANGULAR * angular + ACROSS * most + APART * near + limits.missed * lost
+    turned, lost = turned_and_lost(s, d, i, about, f, limits)
+    _, most = mean_line_terms(s[i], line[f], d[i], about[f])
+    return turned + ACROSS * most + APART * near + lost
 
 
 @compiled

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import heapq
 from typing import Annotated, NamedTuple
 
 import numpy as np
@@ -11,6 +10,7 @@ from ...arrays import Array, Metres, Positive, Segments, below, checked
 from ...compiled import compiled
 from ...kernels import apart, describe, describe_one, join_sums, lay, length_of, span
 from ...metrics import quality as measured
+from ...progress import announce, parts
 from ...segments import MIN_LENGTH, length
 from .._index import Index, empty_index, enter, meeting
 from .._runner import Found, Indices, Length, Reduction, Rows, Turn, run, survivors
@@ -35,6 +35,8 @@ NEIGHBOURS = 8
 PRICE = 0.25
 #: Two segments at a distance d across cost together about this share of d.
 SHARE = 0.3
+#: So many pairs and members are fitted between two words about how far the merging is: 5 ms.
+WORK = 2000
 #: Least and largest penalty that `reduce_to` tries, metres.
 PENALTIES = 1e-4, 4.0
 
@@ -123,10 +125,6 @@ def reduce_to(map: Segments, *, quality: Annotated[Positive, below(1)] = 0.85) -
     return best
 
 
-#: Key, both clusters, both versions, and whether the key is the cost of a fit or an estimate.
-Entry = tuple[float, int, int, int, int, int]
-
-
 class State(NamedTuple):
     """Clusters while they merge: n inputs, and as many clusters at first.
 
@@ -143,6 +141,8 @@ class State(NamedTuple):
     mark: Indices  # (n,) when a cluster was last seen in a list of neighbours
     fitted: Indices  # (n, 3) the last fit of each cluster: with which other, versions of both
     fits: Array  # (n, 5) its segment and cost
+    heap: Array  # (h, 6) key, both clusters, their versions, 1 for the cost of a fit, 0 estimated
+    size: Indices  # (2,) entries on the heap, and how many were taken off
 
 
 def merged(rows: Rows, limits: Limits) -> Found:
@@ -152,7 +152,9 @@ def merged(rows: Rows, limits: Limits) -> Found:
     # step 1: pairs that may merge, both ways, ascending; then the list of neighbours of each
     who, least = np.full((n, NEIGHBOURS), -1), np.full((n, NEIGHBOURS), np.inf)
     places = empty_index(n, max(2 * reach, length(s).mean() if n else 0.0))
-    _nearest_neighbours(s, d, reach, places, np.empty(n + 1, np.int64), least, who)
+    own, room = np.arange(n), np.empty(n + 1, np.int64)
+    for part in parts(own, "least cost: looking around segment"):
+        _nearest_neighbours(s, d, reach, part, places, room, least, who)
     i, k = np.nonzero(who >= 0)
     pairs = np.column_stack([i, who[i, k]])
     pairs = np.unique(np.concatenate([pairs, pairs[:, ::-1]]), axis=0)
@@ -161,7 +163,6 @@ def merged(rows: Rows, limits: Limits) -> Found:
     some = first[1:] > first[:-1]
     near[first[1:][some] - 1, 1] = -1
     # step 2: every segment is a cluster
-    own = np.arange(n)
     state = State(
         s=s,
         d=d,
@@ -173,8 +174,19 @@ def merged(rows: Rows, limits: Limits) -> Found:
         mark=np.full(n, -1),
         fitted=np.full((n, 3), -1),
         fits=np.empty((n, 5)),
+        heap=np.empty((len(near) + 2 * n, 6)),
+        size=np.zeros(2, np.int64),
     )
-    _merge_all(state, empty_room(n), limits)
+    fitting, share = empty_room(n), 0.0
+    for part in parts(own, "least cost: estimating merges of segment"):
+        _estimate_all(state, fitting, part, limits)
+    while state.size[0]:
+        share = max(share, state.size[1] / state.size.sum())
+        announce(share, f"least cost: merging {n} segments")
+        if state.size[0] + n > len(state.heap):
+            state = state._replace(heap=np.concatenate([state.heap, np.empty_like(state.heap)]))
+        _merge_some(state, fitting, limits)
+    announce(1.0, f"least cost: merging {n} segments")
     alive, parents = survivors(state.link[:, 0])
     return state.drawn[alive], parents
 
@@ -194,13 +206,20 @@ def crosses(u: Array, v: Array) -> bool:
 
 @compiled
 def _nearest_neighbours(
-    s: Array, d: Array, reach: float, places: Index, near: Indices, nearest: Array, who: Indices
+    s: Array,
+    d: Array,
+    reach: float,
+    part: Indices,
+    places: Index,
+    near: Indices,
+    nearest: Array,
+    who: Indices,
 ) -> None:
-    """Write the indices of the nearest of each input, `(n, k)`, -1 where there are no more.
+    """Enter some inputs; write the indices of the nearest of each, `(n, k)`, -1 for no more.
 
     Of those within reach, by the distance of quality, which is written too.
     """
-    for i in range(len(s)):
+    for i in part:
         for k in range(meeting(places, s[i], reach, near)):
             j = near[k]
             if apart(s[i], s[j]) <= reach or crosses(s[i], s[j]):
@@ -218,7 +237,51 @@ def _longer(state: State, a: int, b: int) -> bool:
 
 
 @compiled
-def _push(heap: list[Entry], state: State, room: Room, a: int, b: int, limits: Limits) -> None:
+def _before(heap: Array, i: int, j: int) -> bool:
+    """Whether entry i of the heap is cheaper than entry j (ties: the lower clusters)."""
+    c = 0
+    while c < 2 and heap[i, c] == heap[j, c]:
+        c += 1
+    return heap[i, c] < heap[j, c]
+
+
+@compiled
+def _swap(heap: Array, i: int, j: int) -> None:
+    """Let two entries of the heap change places."""
+    for c in range(heap.shape[1]):
+        heap[i, c], heap[j, c] = heap[j, c], heap[i, c]
+
+
+@compiled
+def _put(state: State, key: float, a: int, b: int, exact: int) -> None:
+    """Put a pair on the heap: an array, so that it stays between two calls."""
+    heap, link, k = state.heap, state.link, state.size[0]
+    heap[k, 0], heap[k, 1], heap[k, 2], heap[k, 5] = key, a, b, exact
+    heap[k, 3], heap[k, 4] = link[a, 1], link[b, 1]
+    state.size[0] += 1
+    while k > 0 and _before(heap, k, (k - 1) // 2):
+        _swap(heap, k, (k - 1) // 2)
+        k = (k - 1) // 2
+
+
+@compiled
+def _take_first(state: State) -> int:
+    """Take the cheapest pair off the heap; the row in which it now stands."""
+    heap, last, k = state.heap, state.size[0] - 1, 0
+    state.size[0], state.size[1] = last, state.size[1] + 1
+    _swap(heap, 0, last)
+    while True:
+        child = 2 * k + 1
+        if child + 1 < last and _before(heap, child + 1, child):
+            child += 1
+        if child >= last or not _before(heap, child, k):
+            return last
+        _swap(heap, k, child)
+        k = child
+
+
+@compiled
+def _estimate(state: State, room: Room, a: int, b: int, limits: Limits) -> None:
     """Put a pair on the heap by an estimate of its cost, unless that is far too dear.
 
     That is what it costs to draw the larger cluster's segment out over the smaller one's.
@@ -243,7 +306,7 @@ def _push(heap: list[Entry], state: State, room: Room, a: int, b: int, limits: L
         i = state.after[i]
     if total <= WIDE * limits.penalty:
         key = rounded(max(total, 0.0) / WIDE)
-        heapq.heappush(heap, (key, a, b, link[a, 1], link[b, 1], 0))
+        _put(state, key, a, b, 0)
 
 
 @compiled
@@ -303,31 +366,41 @@ def _merge(state: State, a: int, b: int) -> None:
 
 
 @compiled
-def _merge_all(state: State, room: Room, limits: Limits) -> None:
-    """Merge clusters, the cheapest pair first, until every merge costs more than the penalty."""
+def _estimate_all(state: State, room: Room, part: Indices, limits: Limits) -> None:
+    """Put some clusters on the heap, each with the later ones of its neighbours."""
     link, near = state.link, state.near
-    heap = [(0.0, 0, 0, 0, 0, 0)]  # the compiler learns what an entry is
-    heap.pop()
-    for a in range(len(link)):
+    for a in part:
         entry = link[a, 5]
         while entry >= 0:
             if near[entry, 0] > a:
-                _push(heap, state, room, a, near[entry, 0], limits)
+                _estimate(state, room, a, near[entry, 0], limits)
             entry = near[entry, 1]
-    while len(heap):
-        _, a, b, of_a, of_b, exact = heapq.heappop(heap)
+
+
+@compiled
+def _merge_some(state: State, room: Room, limits: Limits) -> None:
+    """Merge clusters, the cheapest pair first, until every merge costs more than the penalty.
+
+    Or for a while, until there were `WORK` pairs and members, or the heap is nearly full.
+    """
+    link, near, heap, size, work = state.link, state.near, state.heap, state.size, 0
+    while size[0] > 0 and size[0] + len(link) <= len(heap) and work < WORK:
+        k = _take_first(state)
+        a, b, of_a, of_b = int(heap[k, 1]), int(heap[k, 2]), heap[k, 3], heap[k, 4]
+        exact, work = heap[k, 5], work + 1
         if link[a, 0] != a or link[b, 0] != b or link[a, 1] != of_a or link[b, 1] != of_b:
             continue
+        work += link[a, 2] + link[b, 2]
         cost = _fit_pair(state, room, a, b, limits)
         delta = rounded(cost - (state.sums[a, 6] + state.sums[b, 6]))
         if not exact:
             if not delta <= limits.penalty:
                 continue
-            if len(heap) and delta > heap[0][0]:
-                heapq.heappush(heap, (delta, a, b, of_a, of_b, 1))
+            if size[0] > 0 and delta > heap[0, 0]:
+                _put(state, delta, a, b, 1)
                 continue
         _merge(state, a, b)
         entry = link[a, 5]
         while entry >= 0:
-            _push(heap, state, room, min(a, near[entry, 0]), max(a, near[entry, 0]), limits)
+            _estimate(state, room, min(a, near[entry, 0]), max(a, near[entry, 0]), limits)
             entry = near[entry, 1]

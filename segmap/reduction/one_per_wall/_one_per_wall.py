@@ -7,11 +7,12 @@ from dataclasses import replace
 import numpy as np
 
 from ...arrays import Array, Positive, Segments, checked
+from ...progress import each, parts
 from ...segments import SegmentMap, length, midpoint
-from .._index import empty_index
+from .._index import empty_index, enter_all
 from .._runner import Found, Indices, Reduction, Rows, by_lowest, run
 from ._pair_kernels import APART, find_pairs, offsets, pull
-from ._wall_kernels import WIDE, Walls, grow, take_in
+from ._wall_kernels import WIDE, Walls, enter_looks, grow, take_in
 
 #: Standard deviation of the ends of a look about its wall, metres, where poses are true: polylines
 #: are extracted to 0.03 m. From 0.010 to 0.017, 55 to 58 of the benchmark's 60 maps are good.
@@ -72,8 +73,9 @@ def one_per_wall(map: Segments, *, factor: Positive = 1.0) -> Reduction:
         if places is not None:
             sensors = places[scan[rows.row]]
         index = empty_index(n, float(max(length(s).mean() if n else 0.0, 2 * APART)))
-        pairs, count = find_pairs(s, of, sensors, index, np.empty(n + 1, np.int64))
-        left = 0.0
+        near, pairs, count, left = np.empty(n + 1, np.int64), np.empty((64, 2), np.int64), 0, 0.0
+        for part in parts(np.arange(n), "one per wall: pairing segment"):
+            pairs, count = find_pairs(s, of, sensors, index, near, part, pairs, count)
         if count >= FEWEST:
             pairs = pairs[:count]
             noise = left = spread(offsets(s, pairs)) / np.sqrt(2)
@@ -118,7 +120,7 @@ def _agreed(
     first = np.ones((len(scans), 3)) / noise**2  # a turn moves the looks by this noise too
     first[:, 2] *= np.bincount(of, lever) / count
     moved, left = np.zeros((len(scans), 3)), noise
-    for _ in range(ROUNDS):
+    for _ in each(range(ROUNDS), "one per wall: moving scans, round"):
         for _ in range(STEPS):
             normal, right = first[:, :, None] * np.eye(3), -first * moved
             pull(s, pairs, of, centre, max(left, noise / 10), normal, right)
@@ -155,12 +157,18 @@ def _drawn(rows: Rows, s: Array, sensors: Array, tolerance: float) -> Found:
         grown=np.empty((2, 2)),
     )
     longest = np.argsort(-length(rows.segments).round(9), kind="stable")
-    drawn = walls.drawn[: grow(walls, longest, tolerance)]
+    count = 0
+    enter_looks(walls)
+    for part in parts(longest, "one per wall: growing a wall from segment"):
+        count = grow(walls, part, count, tolerance)
+    drawn = walls.drawn[:count]
     metres = np.zeros(len(drawn))
     np.add.at(metres, walls.label, length(rows.segments))
     weakest = np.argsort(metres.round(9), kind="stable")
-    places = empty_index(len(drawn), unit)
-    into = take_in(drawn, metres, weakest, places, walls.near, WIDE * tolerance)
+    places, into = empty_index(count, unit), np.arange(count)
+    enter_all(places, drawn)
+    for part in parts(weakest, "one per wall: taking in wall"):
+        take_in(drawn, metres, part, places, walls.near, WIDE * tolerance, into)
     while (into[into] != into).any():
         into = into[into]
     left, label = np.unique(into[walls.label], return_inverse=True)

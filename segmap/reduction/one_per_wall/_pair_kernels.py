@@ -43,11 +43,20 @@ def _side(s: Array, sensors: Array, i: int, j: int) -> float:
 
 @compiled
 def find_pairs(
-    s: Array, scan: Indices, sensors: Array, places: Index, near: Indices
+    s: Array,
+    scan: Indices,
+    sensors: Array,
+    places: Index,
+    near: Indices,
+    part: Indices,
+    pairs: Indices,
+    count: int,
 ) -> tuple[Indices, int]:
-    """Pairs of looks of different scans at one wall, from one side; how many rows count."""
-    pairs, count = np.empty((64, 2), np.int64), 0
-    for i in range(len(s)):
+    """Add pairs of some looks and earlier ones, of different scans, at one wall, from one side.
+
+    All pairs, and how many rows count.
+    """
+    for i in part:
         size = length_of(s[i])
         if size < LEAST:
             continue

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from ...arrays import Array
 from ...compiled import compiled
 from ...kernels import SAME, lay, length_of, order_by_first, span
-from .._index import Index, enter, leave, meeting
+from .._index import Index, enter, enter_all, leave, meeting
 
 Indices = NDArray[np.int64]
 #: Gaps that are bridged, metres; those up to HIDDEN if something stood before them.
@@ -156,14 +156,12 @@ def _spread(walls: Walls, first: int, stop: int, line: Array, out: Array) -> Non
 
 
 @compiled
-def grow(walls: Walls, longest: Indices, tolerance: float) -> int:
-    """Let each look that has no wall, the longest first, gather one; how many walls there are."""
-    s, drawn, mark, line = walls.s, walls.drawn, walls.mark, np.empty(4)
-    count, stamp = 0, 0
+def enter_looks(walls: Walls) -> None:
+    """Put all looks, and what each beam passed through, into their indices."""
+    s, fan = walls.s, np.empty((3, 2))
+    enter_all(walls.places, s)
     for i in range(len(s)):
-        enter(walls.places, i, s[i], 0.0)
         if np.isfinite(walls.sensors[i, 0]):
-            fan = np.empty((3, 2))
             for c in range(2):
                 fan[0, c] = walls.sensors[i, c]
             for e in range(2):
@@ -171,9 +169,16 @@ def grow(walls: Walls, longest: Indices, tolerance: float) -> int:
                 longer = 1.0 + SHADOW / max(np.hypot(x, y), SAME)
                 fan[1 + e, 0], fan[1 + e, 1] = fan[0, 0] + longer * x, fan[0, 1] + longer * y
             enter(walls.fans, i, fan, 0.0)
-    for seed in longest:
+
+
+@compiled
+def grow(walls: Walls, seeds: Indices, count: int, tolerance: float) -> int:
+    """Let looks that have no wall gather one each, after `count` walls; how many there are."""
+    s, drawn, mark, line = walls.s, walls.drawn, walls.mark, np.empty(4)
+    for seed in seeds:
         if walls.label[seed] >= 0:
             continue
+        stamp = count * (ROUNDS + 1)
         size, members = length_of(s[seed]), 0
         line[0], line[1] = s[seed, 0, 0], s[seed, 0, 1]
         line[2] = (s[seed, 1, 0] - s[seed, 0, 0]) / size
@@ -202,15 +207,18 @@ def grow(walls: Walls, longest: Indices, tolerance: float) -> int:
 
 @compiled
 def take_in(
-    drawn: Array, metres: Array, weakest: Indices, places: Index, near: Indices, reach: float
-) -> Indices:
-    """The wall that each goes into: the nearest stronger one that it lies beside, or itself.
+    drawn: Array,
+    metres: Array,
+    weakest: Indices,
+    places: Index,
+    near: Indices,
+    reach: float,
+    into: Indices,
+) -> None:
+    """Write the wall that each goes into: the nearest stronger one that it lies beside, or itself.
 
     `metres` are those of the looks at each, `(m,)`; the stronger keeps its line.
     """
-    into = np.arange(len(drawn))
-    for b in range(len(drawn)):
-        enter(places, b, drawn[b], 0.0)
     for a in weakest:
         best, least, size = -1, reach, length_of(drawn[a])
         for k in range(meeting(places, drawn[a], reach, near)):
@@ -231,4 +239,3 @@ def take_in(
             into[a] = best
             metres[best] += metres[a]
             leave(places, a)
-    return into
