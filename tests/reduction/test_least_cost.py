@@ -4,13 +4,20 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from reduction_maps import MAPS, malaga
+from reduction_maps import MAPS, assert_literal, malaga
 
 from segmap.metrics import quality
 from segmap.reduction import least_cost, reduce_to
 from segmap.reduction.least_cost import _least_cost
 from segmap.reduction.least_cost._least_cost import crosses
-from segmap.segments import length
+from segmap.segments import SegmentMap, length
+
+
+def test_an_exchange_that_gains_nothing_is_undone():
+    """Catches one that is kept: as dear as before, with other outputs."""
+    rows = [[-1, 1, 2, 1], [2, 7, 7, 7], [6, 1, 6, -1], [-1, -1, 2, -1]]
+    rows += [[-4, -2, -4, 6], [2, -7, 7, -7], [6, -1, 6, 1], [-1, -2, -1, -5]]
+    assert_literal("least_cost", SegmentMap(np.reshape(rows, (8, 2, 2)) / 64), penalty=0.1)
 
 
 @given(st.integers(0, 10_000), st.sampled_from([0.01, 0.05, 0.3]))
