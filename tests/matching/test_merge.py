@@ -1,7 +1,9 @@
 """Two sessions of one building become one; those of two buildings do not."""
 
+import re
 from copy import deepcopy
 from dataclasses import replace
+from fractions import Fraction
 from itertools import pairwise
 
 import numpy as np
@@ -99,6 +101,9 @@ def test_too_few_places_that_look_alike_undo_it(monkeypatch):
     found = alignment.merge(*graphs, places)
     assert "places that both passed look alike" in found.doubt and not across(found, n)
     assert {r.reason for r in found.graph.rejected} >= {found.doubt.split(": ")[1].split(";")[0]}
+    alike, passed, *_ = map(int, re.findall(r"\d+", found.doubt))
+    monkeypatch.setattr(_merge, "TIED", Fraction(alike, passed))
+    assert across(alignment.merge(*graphs, places), n) > 30, "just so many must be alike"
     twice = alignment.merge(*graphs, lambda scan: np.repeat(places(scan), 2, axis=0))
     assert "only 0 places" in twice.doubt, "two places are none"
     for graph, before in zip(graphs, kept, strict=True):

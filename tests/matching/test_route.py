@@ -9,6 +9,7 @@ from scipy.sparse.csgraph import dijkstra
 
 from segmap import simulation
 from segmap.matching import NoRoute, route
+from segmap.matching._route import _clear
 from segmap.plotting import square_corners
 from segmap.quadtree import QuadtreeMap, build_map
 from segmap.segments import point_distance
@@ -46,12 +47,25 @@ def length(way):
     return float(np.hypot(*np.diff(way, axis=0).T).sum())
 
 
-def length_on_grid(map, start, goal, radius):
-    """The shortest way over cells, from middle to middle, to all eight neighbours."""
+def clear_on_grid(map, radius):
+    """Free cells that keep a radius from all occupied ones, (rows, columns)."""
     grid, cells = map.to_grid(), int(np.ceil(radius / map.resolution)) + 1
     i, j = np.mgrid[-cells : cells + 1, -cells : cells + 1]
     gap = np.hypot(*np.maximum(np.abs([i, j]) - 1, 0)) * map.resolution
-    clear = (grid < 0.5) & ~binary_dilation(grid > 0.5, gap < radius - 1e-9)
+    return (grid < 0.5) & ~binary_dilation(grid > 0.5, gap < radius - 1e-9)
+
+
+@pytest.mark.parametrize("radius", [0.0, 0.05, 0.15, 0.33])
+def test_squares_are_clear_where_cells_are(office, radius):
+    """Catches a quarter that is lost, or comes twice, where a square is split."""
+    clear, expected = _clear(office, radius), clear_on_grid(office, radius)
+    at = np.moveaxis(np.indices(expected.shape)[::-1], 0, -1).reshape(-1, 2)
+    assert np.array_equal(clear.at(at) >= 0, expected.ravel()) and expected.any()
+
+
+def length_on_grid(map, start, goal, radius):
+    """The shortest way over cells, from middle to middle, to all eight neighbours."""
+    clear = clear_on_grid(map, radius)
     index = np.arange(clear.size, dtype=np.int32)  # as the oldest scipy wants it
     number = np.where(clear, index.reshape(clear.shape), np.int32(-1))
     links = []

@@ -210,6 +210,8 @@ def test_it_says_why_nothing_is_found():
     map = SegmentMap(np.concatenate([square_room(4), box(0.5, 0.8, (3, 3, 0.2))]))
     scan = seen(map.segments, (1.2, 1.6, 0.4))
     assert search(map, scan).found and search(map, scan).reason == ""
+    place = np.array([(1.25, -1e-9, np.pi / 2)]), np.array([0.9]), np.ones(1), np.eye(3)[None]
+    assert repr(Places(*place, "so", 9)) == "Places(1.25 m, 0 m, 90 deg, score 0.90; so)"
     blind = search(map, LaserScan([np.inf], [0.0]))
     assert isinstance(blind, Places) and not len(blind) and "no beam" in repr(blind)
     wide = scan_of(transform((0, 0, 0), scan.points() * 3))

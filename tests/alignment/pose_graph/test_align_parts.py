@@ -31,6 +31,7 @@ def joined():
     assert all(0 <= share <= 1 for share, _ in told)
     between_parts = [share for share, words in told if words == "looking for loops between parts"]
     assert len(set(between_parts)) > 9 and between_parts == sorted(between_parts)
+    assert "solving for all poses" in [words for _, words in told]
     return found
 
 
