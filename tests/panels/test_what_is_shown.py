@@ -191,6 +191,9 @@ def test_all_sliders_are_as_declared():
         assert {box.layout.flex_flow for box in rows if type(box) is W.Box} == {"row wrap"}
         look = panel.picture.layout
         assert (look.max_width, look.height) == ("calc(100% - 4px)", "auto")
+        parts = [part for row in rows[: rows.index(panel.picture)] for part in row.children]
+        texts = [type(part) is W.Label for part in parts]
+        assert texts == sorted(texts), "controls first"
         assert rows.index(panel.picture) == len(rows) - (1 if type(panel) is LivePanel else 2)
     every = {name for name in dir(panels) if name.endswith("Panel")} - {"Panel"}
     assert {*SLIDERS} == every, "a new panel is drawn here too"

@@ -250,15 +250,17 @@ def worker():
     made.stop()
 
 
-def test_run_stop_and_failure_in_the_worker(worker):
+def test_run_stop_and_failure_in_the_worker(worker, monkeypatch):
     """Catches a stop that waits, a failed run that takes the good one away, a button that stays
     disabled, and work that nobody can start again."""
-    made = bench()
+    made, watched = bench(), []
     made._worker = worker
+    monkeypatch.setattr(made._bar, "watch", watched.append)
 
     def click():
         made.start.click()
         made.wait()
+        wait_for(lambda: watched[-1:] == [made._thread])
         assert not made.start.disabled
 
     click()
