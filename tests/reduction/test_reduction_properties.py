@@ -83,8 +83,8 @@ def drawn(make, name: str, rng: np.random.Generator) -> tuple[SegmentMap, dict[s
         (a, b), size = np.repeat(segments, count, axis=0).swapaxes(0, 1), (count.sum(), 1)
         points = a + rng.random(size) * (b - a) + rng.normal(0, 0.01, a.shape)
         map = replace(map, points=points, first=np.append(0, np.cumsum(count)))
-    if rng.random() < 0.2:
-        map = carried(map, (-70.0, 40.0, 0.0))
+    if rng.random() < (0.8 if name == "viewing_sector" else 0.2):
+        map = carried(map, (-70.0, 40.0, 0.3 if name == "viewing_sector" else 0.0))
     known = unwrap(METHODS[name].function).__kwdefaults__
     asked = {k: ASKED[k][rng.integers(len(ASKED[k]))] for k in known if rng.random() < 0.6}
     if name == "fuzzy_set":  # no angle with an axis is larger
@@ -98,7 +98,7 @@ def drawn(make, name: str, rng: np.random.Generator) -> tuple[SegmentMap, dict[s
 def test_equals_the_plain_method(name, make, seed):
     """Another order, tie, limit, neighbour, chain, count, filter, scan, parent or default."""
     rng = np.random.default_rng(seed)
-    for _ in range(2 if name == "mean_shift" else 8 if name == "least_cost" else 20):
+    for _ in range({"mean_shift": 2, "least_cost": 8, "viewing_sector": 50}.get(name, 20)):
         map, asked = drawn(make, name, rng)
         assert_literal(name, map, **asked)
 

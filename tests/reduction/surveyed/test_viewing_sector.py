@@ -1,5 +1,7 @@
 """The viewing sector: what a scan says of one wall, by hand; room and order for many pieces."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
@@ -54,3 +56,22 @@ def test_four_things_that_a_scan_can_say():
     expected = [first, [(1.6, 3), (2, 3)], *look[1:]]
     assert_segments_equal(found, expected, ordered=True, atol=1e-6)
     assert found.parents.tolist() == [0, 0, 2, 3] and found.scan_live.tolist() == [1, 4]
+
+
+def test_a_wall_and_a_look_seen_edge_on_say_nothing():
+    """Catches a sector without width: division by nothing, a wall that is always matched."""
+    wall, look = [[(1, 0), (3, 0)]], [[(0, 2), (0, 4)]]
+    across = [[(0.5, -0.01), (0.5, 0.01)], [(-1, 3), (1, 3)]]
+    assert_segments_equal(viewing_sector(scans_of(wall, across[:1])), wall)
+    found = viewing_sector(scans_of(across[1:], look))
+    assert_segments_equal(found, across[1:] + look, ordered=True)
+
+
+def test_a_stretch_on_a_wall_whose_points_spread_across_it():
+    """Catches a wall without length, which ended in a division by nothing: it keeps its place."""
+    looks = [[[(0, 1), (0.5, 1)]], [[(0, 1.5), (0.5, 1.5)]], [[(0.25, 1), (0.25, 1.25)]]]
+    sensors = [(0.25, 0), (0.25, 0), (1, 1.25)]
+    map = replace(scans_of(*looks), sensors=np.array(sensors))
+    found = viewing_sector(map, distance=0.5, min_length=0.25, rejoin=False)
+    expected = [[(0.25, 1), (0.25, 1.25)], [(0.25, 1.25), (0.25, 1.5)]]
+    assert_segments_equal(found, expected, ordered=True)

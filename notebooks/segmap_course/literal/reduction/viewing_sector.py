@@ -7,7 +7,16 @@ from collections.abc import Sequence
 from itertools import pairwise
 from typing import NamedTuple
 
-from ..lines import SAME, Found, Point, Segment, by_scan, segment_length, spanning
+from ..lines import (
+    SAME,
+    Found,
+    Point,
+    Segment,
+    by_scan,
+    line_angle,
+    segment_length,
+    spanning,
+)
 from ..points import Sums, sums_along, sums_of
 
 #: Where a stretch begins and ends along a segment: metres, or shares of its length.
@@ -38,6 +47,12 @@ def cross(a: Point, b: Point, c: Point) -> float:
     return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 
 
+def facing(p: Point, s: Segment) -> float:
+    """Twice the area between a segment and the sensor; 0 for one that is seen edge on."""
+    double, far = cross(p, *s), math.dist(p, s[0]) * math.dist(p, s[1])
+    return double if abs(double) >= max(1e-6 * far, SAME * segment_length(s)) else 0.0
+
+
 def at(s: Segment, t: float) -> Point:
     """Point of a segment at a share t of its length."""
     return s[0][0] + t * (s[1][0] - s[0][0]), s[0][1] + t * (s[1][1] - s[0][1])
@@ -56,8 +71,8 @@ def mean_off(a: float, b: float) -> float:
 def views(wall: Segment, s: Segment, p: Point, distance: float) -> list[View]:
     """Steps 1 to 3: the stretches of s inside the sector of a wall, cut where h is +-distance."""
     a, b = wall
-    double, size = cross(p, a, b), segment_length(wall)
-    if abs(double) < 1e-6 * math.dist(p, a) * math.dist(p, b) or double == 0:
+    double, size = facing(p, wall), segment_length(wall)
+    if double == 0 or facing(p, s) == 0:
         return []
     sign = math.copysign(1.0, double)
 
@@ -72,7 +87,8 @@ def views(wall: Segment, s: Segment, p: Point, distance: float) -> list[View]:
             t1 = min(t1, begin / (begin - end))
     h0, h1 = (sign * cross(a, b, q) / size for q in s)
     cuts = [(bound - h0) / (h1 - h0) for bound in (distance, -distance) if h1 != h0]
-    cuts = [t0, *sorted(t for t in cuts if t0 < t < t1), t1]
+    cuts = [t for t in cuts if min(t - t0, t1 - t) * abs(h1 - h0) > SAME]
+    cuts = [t0, *sorted(cuts), t1]
     found = []
     for begin, end in pairwise(cuts):
         if (end - begin) * segment_length(s) <= SAME:
@@ -157,11 +173,14 @@ def joined(wall: Wall, parts: Sequence[Wall]) -> Wall:
         sums = sums + other.sums
         for i, held in other.shares.items():
             shares[i] = shares.get(i, 0.0) + held
-    theta, (a, b) = sums.direction(), wall.ends
-    if (b[0] - a[0]) * math.cos(theta) + (b[1] - a[1]) * math.sin(theta) < 0:
+    theta, own = sums.direction(), line_angle(wall.ends)
+    if math.hypot(2 * sums.xy, sums.xx - sums.yy) <= SAME * (sums.xx + sums.yy):
+        theta = own  # they are as wide as long
+    if math.cos(own + SAME - theta) < 0:  # SAME: a right angle is no tie
         theta += math.pi
-    ends = [q for one in (wall, *parts) for q in one.ends]
-    return Wall(spanning(sums.x, sums.y, theta, ends), sums, shares)
+    ends = spanning(sums.x, sums.y, theta, [q for one in (wall, *parts) for q in one.ends])
+    # what would have no length stays
+    return Wall(ends if segment_length(ends) > SAME else wall.ends, sums, shares)
 
 
 def stretches(claims: Sequence[tuple[int, View]], size: float) -> list[tuple[float, float, int]]:

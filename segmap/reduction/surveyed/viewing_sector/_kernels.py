@@ -61,6 +61,14 @@ def _cross(px: float, py: float, a: Array, b: Array) -> float:
 
 
 @compiled
+def _seen(s: Array, px: float, py: float) -> float:
+    """Twice the area between a segment, (2, 2), and the sensor; 0 for one that is seen edge on."""
+    double = _cross(px, py, s[0], s[1])
+    far = np.hypot(s[0, 0] - px, s[0, 1] - py) * np.hypot(s[1, 0] - px, s[1, 1] - py)
+    return double if abs(double) >= max(1e-6 * far, SAME * length_of(s)) else 0.0
+
+
+@compiled
 def _share(left: float, right: float) -> float:
     """Share of the length of a wall where a ray meets it, from the areas on both sides of it."""
     return left / (left + right) if left + right != 0.0 else 0.0
@@ -93,9 +101,11 @@ def _view(
     h0 = sign * _cross(wall[0, 0], wall[0, 1], wall[1], s[0]) / size
     h1 = sign * _cross(wall[0, 0], wall[0, 1], wall[1], s[1]) / size
     a = b = t1
-    if h1 != h0:
+    if h1 != h0:  # nothing is cut off that lies at the limit
         a, b = (limit - h0) / (h1 - h0), (-limit - h0) / (h1 - h0)
-        a, b = min(max(min(a, b), t0), t1), min(max(a, b), t1)
+        a, b = min(a, b), max(a, b)
+        a = a if min(a - t0, t1 - a) * abs(h1 - h0) > SAME else t0
+        b = b if min(b - t0, t1 - b) * abs(h1 - h0) > SAME else t0
     begin, own = t0, length_of(s)
     for end in (a, max(a, b), t1):
         if (end - begin) * own > SAME:
@@ -176,6 +186,8 @@ def look(
     """How many claims and how many pieces that are gone; written as far as there is room."""
     found, g, marks, arc, px, py = 0, 0, room.marks, room.arc, p[0], p[1]
     for j in range(len(scan.s)):
+        if _seen(scan.s[j], px, py) == 0.0:
+            continue
         _sector(scan.s[j, 1], scan.s[j, 0], px, py, arc)
         room.seen[j] = -1
         enter(room.arcs, 2 * j, arc, 0.0)
@@ -184,10 +196,8 @@ def look(
             enter(room.arcs, 2 * j + 1, arc, 0.0)
     for k in range(len(map.s)):
         wall = map.s[k]
-        double = _cross(px, py, wall[0], wall[1])
-        far = np.hypot(wall[0, 0] - px, wall[0, 1] - py)
-        far *= np.hypot(wall[1, 0] - px, wall[1, 1] - py)
-        if abs(double) < 1e-6 * far or double == 0.0:
+        double = _seen(wall, px, py)
+        if double == 0.0:
             continue
         a, b = (0, 1) if double > 0.0 else (1, 0)
         _sector(wall[a], wall[b], px, py, arc)
@@ -384,9 +394,12 @@ def renew(
             continue
         # the line of the sums, where the piece and the stretch of the scan span it
         s, own, sums = scan.s[room.owner[r, 0]], out.s[room.owner[r, 2]], out.sums[room.owner[r, 2]]
+        u, v, x, y = own[1, 0] - own[0, 0], own[1, 1] - own[0, 1], sums[1], sums[2]
         turn = 0.5 * np.arctan2(2 * sums[4], sums[3] - sums[5])
-        dx, dy, x, y = np.cos(turn), np.sin(turn), sums[1], sums[2]
-        if dx * (own[1, 0] - own[0, 0]) + dy * (own[1, 1] - own[0, 1]) < 0.0:
+        if np.hypot(2 * sums[4], sums[3] - sums[5]) <= SAME * (sums[3] + sums[5]):
+            turn = np.arctan2(v, u)  # they are as wide as long
+        dx, dy = np.cos(turn), np.sin(turn)
+        if dx * (u - SAME * v) + dy * (v + SAME * u) < 0.0:  # SAME: a right angle is no tie
             dx, dy = -dx, -dy
         low, high = span(own, x, y, dx, dy)
         for t in (room.stretch[r, 0], room.stretch[r, 1]):
@@ -394,5 +407,6 @@ def renew(
             py = s[0, 1] + t * (s[1, 1] - s[0, 1])
             u = (px - x) * dx + (py - y) * dy
             low, high = min(low, u), max(high, u)
-        lay(own, x, y, dx, dy, low, high)
+        if high - low > SAME:  # else it would have no length: it stays
+            lay(own, x, y, dx, dy, low, high)
     return w, nodes, gifts
