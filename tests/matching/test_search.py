@@ -227,6 +227,15 @@ def test_it_says_why_nothing_is_found():
     assert "fits it to 0." in search(map, moved, margin=0.0).reason
 
 
+@pytest.mark.parametrize("end", [(-0.6, 0.0), (0.0, -0.6)])
+def test_no_place_lies_beyond_half_a_metre_around_the_map(end):
+    """One cell; at the first heading the end is on it from six cells away, where five are tried."""
+    map = QuadtreeMap(resolution=0.1)
+    map.insert_scan((0.05, 0.05), [(0.05, 0.05)])
+    found = search(map, scan_of(np.array([end])), most_places=99)
+    assert len(found) > 3 and np.abs(found.poses[:, :2] - 0.05).max() < 0.51
+
+
 def test_beams_without_end_and_maps_far_away():
     """A range of 1e90 m overflows nothing; a map a thousand kilometres off is searched as well."""
     walls = np.concatenate([square_room(4), box(0.5, 0.8, (3, 3, 0.2))])
