@@ -65,6 +65,9 @@ def test_what_a_browser_must_know_is_sent_to_it():
     nothing |= {**dict.fromkeys(["before", "first", "second", "way"], b""), "looked_at": []}
     assert {"_esm", "drawing", *nothing} <= {*made.canvas.keys} and Edits().value() == {}
     assert {name: getattr(made.canvas, name) for name in nothing} == nothing
+    made.canvas.send = lambda *given: asked.append(given)
+    made.canvas.save("a.csv", b"1,2")
+    assert asked.pop() == ({"name": "a.csv"}, [b"1,2"])
     upload = Upload("choose", 7, lambda *given: asked.append(given) or 3)
     upload.send = sent.append
     assert {"description", "most", "_esm"} <= {*upload.keys}
