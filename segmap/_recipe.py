@@ -140,11 +140,15 @@ class Outcome:
                 if chosen != was[steps]:
                     return
                 vars(self).update((k, v) for k, v in vars(before).items() if k in steps.split())
-            self._known = before.found()
+            self._known = before.found() if before.is_reduced() else before._known
 
     def __getstate__(self) -> dict[str, Any]:
         """What another process is sent: a graph may take hundreds of megabytes."""
         return {k: v for k, v in vars(self).items() if k != "grown"} | {"_known": []}
+
+    def is_reduced(self) -> bool:
+        """Whether all is done."""
+        return "qualities" in vars(self)
 
     @cached_property
     def log(self) -> Log:
@@ -295,8 +299,8 @@ def _chosen(recipe: Recipe) -> dict[str, Any]:
     }
 
 
-def follow(recipe: Recipe, log: Log, before: Outcome | None = None) -> Outcome:
-    """All that follows, done here and now.
+def begin(recipe: Recipe, log: Log, before: Outcome | None = None) -> Outcome:
+    """The map and its verdict, done here and now; not its reductions.
 
     Raises
     ------
@@ -305,8 +309,16 @@ def follow(recipe: Recipe, log: Log, before: Outcome | None = None) -> Outcome:
     """
     recipe.world()  # a wrong place is refused now, and not where the map is written
     made = Outcome(recipe, log, before)
+    verdict = made.verdict
     if not len(made.map):
-        raise ValueError(f"{made.verdict}; no segment is left: loosen extraction, filter or crop")
+        raise ValueError(f"{verdict}; no segment is left: loosen extraction, filter or crop")
+    assert made.verdict  # which belongs to the map
+    return made
+
+
+def follow(recipe: Recipe, log: Log, before: Outcome | None = None) -> Outcome:
+    """All that follows, as `begin`."""
+    made = begin(recipe, log, before)
     made.found()
     return made
 

@@ -86,6 +86,7 @@ ENTER, SPACE = "\ue007", "\ue00d"
 #: Voila's page asks the net for a font of icons: see `ICONS` in the errors of a machine without.
 ICONS = "fontawesome"
 BUTTON = "//button[normalize-space()='{}']"
+ENTRY = "//label[normalize-space()='{}']/following-sibling::input"
 PICKED = "//label[normalize-space()='{}']/following-sibling::select"
 
 
@@ -253,8 +254,7 @@ def test_a_loop_is_left_out_by_keys_alone_and_two_places_are_clicked(app, browse
     wait("the veto", lambda: listed(browser)[0] == "4-151: left out", 120)
     assert "veto=[(4, 151)]" in browser.run(TEXT)
     for place, scan in (("scan", "152"), ("and", "5")):
-        entry = browser.find(f"//label[normalize-space()='{place}']/following-sibling::input")
-        browser.type(entry, f"\ue009a\ue000{scan}\ue004")
+        browser.type(browser.find(ENTRY.format(place)), f"\ue009a\ue000{scan}\ue004")
     pressed(browser, "Close a loop here", ENTER)
     wait("the tie", lambda: any("5-151 (by you)" in each for each in listed(browser)), 60)
     browser.type(browser.find("//select[@size]"), "\ue011")  # the first one
@@ -262,6 +262,33 @@ def test_a_loop_is_left_out_by_keys_alone_and_two_places_are_clicked(app, browse
     wait("the loop", lambda: "veto=[], tie=[(5, 151)]" in browser.run(TEXT), 60)
     browser.screenshot(SCREENSHOT.with_name(f"workbench_loops_{width}.png"))
     assert browser.run(WIDE) and browser.run(PALE) == []
+
+
+def test_without_eyes_or_mouse_a_map_is_made_cropped_turned_and_placed(app, browser, tmp_path):
+    """Catches a control without a name, one that no key reaches, and a picture without words."""
+    exports.write_arrays(tmp_path / "mine.npz", readers.load("room"))
+    opened(browser, app, 700)
+    chosen(browser, tmp_path / "mine.npz")  # by Enter
+    wait("the log", lambda: "mine: ready to run" in browser.run(TEXT))
+    browser.click(f"{PICKED.format('method')}/option[normalize-space()='fusion']")
+    browser.type(browser.find("(//button[normalize-space()='settings'])[3]"), SPACE)
+    browser.type(browser.find("//label[contains(., 'square: ')]/input"), SPACE)
+    pressed(browser, "crop and place", SPACE)
+    for label, text in (("crop [m]", "0 0 5 5"), ("place of (0, 0)", "36 -4"),
+                        ("north [degrees]", "60")):  # fmt: skip
+        browser.type(browser.find(ENTRY.format(label)), text + ENTER)
+    pressed(browser, "Run", ENTER)
+    made = ".cropped(0, 0, 5, 5)", "main_direction", "Earth(latitude=36.0, longitude=-4.0, north="
+    wait("the map", lambda: all(text in browser.run(TEXT) for text in made), 120)
+    wait("its end", lambda: browser.run(READY, "Run"))
+    browser.type(browser.find(ENTRY.format("crop [m]")), f"\ue009a\ue0000 0 4 4{ENTER}")
+    wait("another crop", lambda: ".cropped(0, 0, 4, 4)" in browser.run(TEXT), 60)
+    spoken = {node["role"]["value"]: node for node in nodes(browser)}
+    said = r"GOOD: .* fusion leaves \d+ of \d+ segments, quality 9.* m wide, \d\.\d m high"
+    assert re.search(said, spoken["application"]["description"]["value"])
+    assert spoken["slider"]["name"]["value"] == "tolerance [m]"
+    names = [node["name"]["value"] for node in nodes(browser) if "focusable" in properties(node)]
+    assert len(names) > 30 and all(names)
 
 
 def pressed(browser, name, key):
@@ -280,13 +307,18 @@ def listed(browser):
 
 def toggles(browser):
     """What a screen reader is told of each button that has a state."""
-    nodes = browser.devtools("Accessibility.getFullAXTree", {})["nodes"]
-    found = {}
-    for node in nodes:
-        state = [p["value"]["value"] for p in node.get("properties", []) if p["name"] == "pressed"]
-        if state and not node["ignored"] and node["name"]["value"]:
-            found[node["name"]["value"]] = state[0] in (True, "true")
-    return found
+    found = [(properties(node).get("pressed"), node["name"]["value"]) for node in nodes(browser)]
+    return {name: state in (True, "true") for state, name in found if state is not None and name}
+
+
+def nodes(browser):
+    """What a screen reader is told."""
+    found = browser.devtools("Accessibility.getFullAXTree", {})["nodes"]
+    return [node for node in found if not node["ignored"]]
+
+
+def properties(node):
+    return {each["name"]: each["value"].get("value") for each in node.get("properties", [])}
 
 
 def exports_of_one_scan(path):
@@ -306,7 +338,7 @@ def opened(browser, address, width):
 def chosen(browser, path):
     """A file, as a user chooses it."""
     browser.run("document.querySelectorAll('body > input').forEach(e => e.remove())")
-    browser.click("//button[contains(., 'upload it')]")
+    browser.type(browser.find("//button[contains(., 'upload it')]"), ENTER)
     browser.type(browser.find("/html/body/input[@type='file']"), str(path))
 
 

@@ -190,6 +190,29 @@ def test_two_scans_are_seen_over_each_other_and_on_the_way(mended, monkeypatch):
     )
 
 
+def test_a_new_map_is_seen_before_it_is_reduced(monkeypatch):
+    """Catches a page that waits with all it has, and a map that stays where its reduction fails."""
+    page, seen = Workbench(segmap.load("room")), []
+    page.method.value = "fusion"
+    page.run()
+
+    def do(function, *given):
+        seen.append(page.canvas.titles)
+        assert len(seen) < 4, "it breaks"
+        return function(*given)
+
+    monkeypatch.setattr(page._worker, "do", do)
+    for least in (0.5, 1.0):
+        page.least.value = least
+        page.start.click()
+        page.wait()
+        made = page.outcome
+        assert made.recipe.least == 0.5 and len(page.canvas.before) == 16 * len(made.map)
+    now = [f"before: {len(made.map)} segments", f"fusion: {len(made.reductions[0])}"]
+    assert seen[1:3] == [[now[0], "not reduced yet"], now] and seen[3][0] != now[0]
+    assert page.canvas.titles == now and "it breaks" in page.state.value
+
+
 @pytest.mark.parametrize(
     ("name", "text", "words"),
     [

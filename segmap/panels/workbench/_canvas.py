@@ -24,6 +24,7 @@ class Canvas(anywidget.AnyWidget):
     `pointed` says which of the results, and which of its segments the mouse is on, -1 for none;
     `members` are rows of the map before that went into it. `size` is width and height, metres, of
     what is seen at first; the middle of the map is (0, 0). `shown` is one of `SHOWN`.
+    `summary` says in words what is seen.
     `way` are places of scans, `looked_at` two rows of it. A click on the way is told to `picked`,
     and where one is `drawing`, a rectangle to `drawn`: left, low, right, high.
     """
@@ -33,6 +34,7 @@ class Canvas(anywidget.AnyWidget):
     first = traitlets.Bytes(b"").tag(sync=True)
     second = traitlets.Bytes(b"").tag(sync=True)
     titles = traitlets.List(traitlets.Unicode()).tag(sync=True)
+    summary = traitlets.Unicode("").tag(sync=True)
     size = traitlets.List(traitlets.Float(), [1.0, 1.0]).tag(sync=True)
     pointed = traitlets.List(traitlets.Int(), NOTHING).tag(sync=True)
     members = traitlets.List(traitlets.Int()).tag(sync=True)

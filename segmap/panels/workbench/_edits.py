@@ -41,7 +41,7 @@ class Edits:
         )
         hint = "EPSG:25832: place is east north"
         self.crs: Any = W.Text(description="grid, not degrees", placeholder=hint, **wide)
-        self.drag: Any = W.ToggleButton(False, description="drag it on the map")
+        self.drag: Any = W.ToggleButton(False, description="drag it on the map", tooltip="crop")
         self.drag.layout.width = "auto"
         self.controls = [self.square, self.crop, self.place, self.north, self.crs]
         self.crop.layout.flex = "1 1 260px"

@@ -11,6 +11,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from ..._recipe import Outcome
+from ...arrays import Array
 from ...plotting import DPI, ERROR, MAP, draw_points, figure_png, map_axes
 from ...poses import transform
 from .._control import folded
@@ -34,12 +35,15 @@ MISSING = "One is missing? Click two places of the way on the map, or write thei
 class Loops:
     """A list of the loops, the worst first, and two scans that are looked at, or tied.
 
-    `look` is called with the scans that are looked at, or with none, and the way that was driven;
+    `look` is called with the way that was driven and the scans that are looked at, or with none;
     `changed` where a loop was left out or forced. `listed` names loops as `FIRST-SECOND`.
     """
 
     def __init__(
-        self, edits: Edits, look: Callable[[Sequence[int]], None], changed: Callable[[], None]
+        self,
+        edits: Edits,
+        look: Callable[[Array, Sequence[int]], None],
+        changed: Callable[[], None],
     ) -> None:
         self._edits, self._look, self._changed = edits, look, changed
         self._outcome: Outcome | None = None
@@ -112,10 +116,10 @@ class Loops:
     def _seen(self, change: Any = None) -> None:
         """Show the two scans that the numbers name, here and on the map."""
         if self._outcome is not None and not self.open.value:
-            self._look([])
+            self._look(np.zeros((0, 2)), [])
         elif self._outcome is not None:
             first, second = self.first.value, self.second.value
-            self._look([first, second])
+            self._look(self._outcome.alignment.poses[:, :2], [first, second])
             self.picture.value = overlaid(self._outcome, first, second)
 
     def _mend(self, button: object) -> None:

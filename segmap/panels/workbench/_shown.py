@@ -48,6 +48,12 @@ def titles(outcome: Outcome) -> list[str]:
     return [f"before: {len(outcome.map)} segments", *after]
 
 
+def summary(outcome: Outcome, size: Sequence[float]) -> str:
+    """What the picture shows, in words for who does not see it."""
+    wide, high = size
+    return f"{outcome.verdict.words}. {outcome.words()}. {wide:.1f} m wide, {high:.1f} m high."
+
+
 def verdict_line(verdict: Verdict) -> str:
     """The verdict on the map in its words, beside a stripe in the colour of its grade, as HTML."""
     stripe = f"border-left: 12px solid {COLORS[verdict.grade]}; padding: 3px 9px; line-height: 1.45"

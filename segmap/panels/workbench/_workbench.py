@@ -13,7 +13,7 @@ import ipywidgets as W
 import numpy as np
 
 from ... import arrays, exports
-from ..._recipe import Outcome, Recipe, follow
+from ..._recipe import Outcome, Recipe, begin, follow
 from ...arrays import Array
 from ...plotting import thumbnail
 from ...progress import told
@@ -138,18 +138,24 @@ class Workbench:
         """Do it in the worker, and show it when it is done."""
         with telling(self._bar.say):
             work = self._work()
-            self._begin(follow, work, partial(self._show, work[1]))
+            self._begin(begin, work, partial(self._reduce, *work[:2]))
+
+    def _reduce(self, recipe: Recipe, log: Log, begun: Outcome) -> None:
+        """Show a new map while it is reduced, and then what is left of it."""
+        if log is self.log:
+            known, self._known = self._known, begun
+            if known is None or not np.array_equal(known.map.segments, begun.map.segments):
+                self._show_map(begun)
+        self._show(log, self._worker.do(follow, recipe, log, begun))
 
     def _edited(self, change: Any = None) -> None:
         """Run again at once, where there is a map to be edited."""
         if self._known is not None:
             self._start()
 
-    def _looked(self, scans: Sequence[int]) -> None:
+    def _looked(self, way: Array, scans: Sequence[int]) -> None:
         """Show the way on the map, and two scans on it; or no longer."""
         if self.canvas is not None:
-            shown = self.outcome is not None and len(scans)
-            way = cast(Outcome, self.outcome).alignment.poses[:, :2] if shown else np.zeros((0, 2))
             self.canvas.look(way, scans)
 
     def _drawn(self, corners: list[float]) -> None:
@@ -173,14 +179,18 @@ class Workbench:
     def _wait(
         self, function: Callable[..., Any], given: tuple[Any, ...], then: Callable[[Any], None]
     ) -> None:
-        kept = ". The last good run is kept." if self.outcome and function is follow else ""
+        kept = ". The last good run is kept." if self.outcome and function is begin else ""
         try:
             with told(self._bar.tell):
                 then(self._worker.do(function, *given))
         except Exception as fault:
+            if self.outcome is not None and self.outcome.given is self.log:
+                # what cannot be is not tried again
+                self.edits.take_loops(self.outcome.recipe.edits)
+                if self._known is not self.outcome:
+                    self._known = self.outcome
+                    self._show_map(self.outcome)
             self._bar.say(f"{said(fault)}{kept}", 0.0)
-            if self._known is not None:  # a loop that cannot be closed is not tried again
-                self.edits.take_loops(self._known.recipe.edits)
         finally:
             self.start.disabled = False
 
@@ -193,21 +203,26 @@ class Workbench:
         self._known = outcome if log is self.log else None  # another may be chosen meanwhile
         new = outcome.rows(log.name)
         self._rows += [row for row in new if row not in self._rows]  # the other one may be known
-        found, titles = outcome.reductions, _shown.titles(outcome)
-        if self.canvas is not None:
-            segments = [each.segments for each in found]
-            self.canvas.show(outcome.map.segments, segments, titles)
-        else:
-            self.picture.value = _shown.still(outcome)
-        self.verdict.value = _shown.placed(outcome)
-        scans = len(np.unique(outcome.map.scan))
-        self.extracted.value = f"{len(outcome.map)} segments of {scans} scans"
+        self._show_map(outcome)
         self.figures.value = _shown.left(outcome)
         self.listed.value = _shown.runs_table(self._rows)
         self.listing.value = _shown.code(outcome.recipe.code())
-        self.loops.show(outcome)
         self._bar.say("done", 1.0)
         self.chosen.value = "point at a segment that is left: what it was made of lights up"
+
+    def _show_map(self, outcome: Outcome) -> None:
+        """Show a map, its way and loops, and what is left of it where that is known."""
+        map, done = outcome.map, outcome.is_reduced()
+        if self.canvas is not None:
+            found = [each.segments for each in outcome.reductions] if done else []
+            wait = [f"before: {len(map)} segments", "not reduced yet"]
+            self.canvas.show(map.segments, found, _shown.titles(outcome) if done else wait)
+            self.canvas.summary = _shown.summary(outcome, self.canvas.size) if done else ""
+        elif done:
+            self.picture.value = _shown.still(outcome)
+        self.verdict.value = _shown.placed(outcome)
+        self.extracted.value = f"{len(map)} segments of {len(np.unique(map.scan))} scans"
+        self.loops.show(outcome)
 
     # --------------------------------------------------------------------- what came out
     @property
@@ -282,8 +297,9 @@ class Workbench:
         self.verdict, self.extracted, self.figures, self.chosen = (W.HTML() for _ in range(4))
         wide = {"width": "100%", "overflow": "auto"}
         self.listed, self.listing = (W.HTML(layout=W.Layout(**wide)) for _ in range(2))
-        named = [W.Button(description=end, layout=W.Layout(width="auto")) for end in FORMATS]
+        named = [W.Button(description=end, tooltip="save the first result") for end in FORMATS]
         for button in named:
+            button.layout.width = "auto"
             button.on_click(self._download)
         self.files = W.Box([W.Label("Save the first result as"), *named], layout=W.Layout(**WRAP))
         self.picture: Any = W.Image(format="png")

@@ -128,6 +128,7 @@ function render({ model, el }) {
     pen.fillRect(0, 0, width, height);
     const [which, index] = model.get("pointed"), members = model.get("members"), titles = model.get("titles");
     canvas.setAttribute("aria-label", `${titles.join(", ") || "no map yet"}. ${KEYS}`);
+    canvas.setAttribute("aria-description", model.get("summary"));
     panes.forEach(pane => {
       const k = pane.map;
       pen.save();
@@ -273,7 +274,7 @@ function render({ model, el }) {
   function another() { load(); lay(); fit(); ask(); }
   model.on("change:before change:first change:second change:titles", changed);
   model.on("change:size change:shown", another);
-  model.on("change:pointed change:members", ask);
+  model.on("change:pointed change:members change:summary", ask);
   model.on("change:way change:looked_at", () => { load(); ask(); });
   model.on("msg:custom", (content, buffers) => {  // a file to keep
     const link = document.createElement("a");
@@ -294,6 +295,11 @@ function render({ model, el }) {
   const press = () => {  // a toggle tells what it is by its colour only
     for (const button of document.querySelectorAll(TOGGLES))
       button.setAttribute("aria-pressed", button.classList.contains("mod-active"));
+    for (const part of document.querySelectorAll(".noUi-handle, .widget-readout")) {  // of a slider
+      const row = part.closest(".jupyter-widgets"), name = row && row.querySelector(".widget-label");
+      if (name) part.setAttribute("aria-label", name.textContent);
+      if (part.isContentEditable) part.setAttribute("role", "textbox");
+    }
   };
   const presses = new MutationObserver(press);
   presses.observe(document.body,
