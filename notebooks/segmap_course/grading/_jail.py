@@ -24,6 +24,8 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
+import matplotlib.font_manager as fonts
+
 import segmap
 
 from ..exercises import decode, encode
@@ -37,6 +39,8 @@ BUBBLEWRAP = (
     "bwrap --unshare-all --unshare-user --disable-userns --cap-drop ALL --new-session "
     f"--clearenv --die-with-parent --dev /dev --remount-ro /dev --size {MOST_WRITTEN} --tmpfs /tmp"
 ).split()
+#: Where matplotlib has its list of fonts. To make it takes seconds, and a thread in old versions.
+FONTS = f"fontlist-v{fonts.FontManager.__version__}.json"
 ENVIRONMENT = {
     **{f"{name}_NUM_THREADS": "1" for name in ("OPENBLAS", "OMP", "MKL", "NUMBA")},
     **{"HOME": "/tmp", "MPLCONFIGDIR": "/tmp", "MPLBACKEND": "Agg", "LANG": "C.UTF-8"},
@@ -81,6 +85,7 @@ class Jail:
         self._made = tempfile.TemporaryDirectory(prefix="segmap-jail-")
         self.folder = Path(self._made.name)
         self.folder.chmod(0o755)  # nobody finds the mounts there
+        fonts.json_dump(fonts.fontManager, self.folder / FONTS)
         why = "there is no bubblewrap" if shutil.which("bwrap") is None else self._fault()
         self.bare = bool(why)
         if why and not unprotected:
@@ -125,6 +130,7 @@ class Jail:
                 words += hidden([str(Path(path) / part) for part in inside])
         # What the course keeps for who teaches is no part of the library.
         words += hidden([str(Path(__file__).parent)]) if whole else []
+        words += ["--ro-bind", str(self.folder / FONTS), f"/tmp/{FONTS}"] if whole else []
         for name, value in ENVIRONMENT.items():
             words += ["--setenv", name, value]
         words += ["--chdir", "/tmp", "--remount-ro", "/", *limited]
@@ -181,6 +187,7 @@ class Session:
         self.limits = jail.limits
         self.until = time.monotonic() + self.limits.seconds
         self.held = b""
+        path = os.environ.get("PATH", os.defpath)
         source = Path(inspect.getfile(encode)).read_text(encoding="utf-8")
         self.process = subprocess.Popen(
             jail.command(["-c", source], whole=whole),
@@ -188,7 +195,7 @@ class Session:
             stdout=subprocess.PIPE,
             stderr=subprocess.DEVNULL,
             cwd=jail.folder,
-            env=ENVIRONMENT | {"PATH": os.environ.get("PATH", os.defpath)},
+            env=ENVIRONMENT | {"PATH": path, "MPLCONFIGDIR": str(jail.folder)},
             start_new_session=True,
             bufsize=0,
         )

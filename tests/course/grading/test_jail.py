@@ -10,7 +10,7 @@ from types import SimpleNamespace
 
 import pytest
 from segmap_course.grading import _jail
-from segmap_course.grading._jail import Ended, Jail, Limits, Session, answers, readable
+from segmap_course.grading._jail import FONTS, Ended, Jail, Limits, Session, answers, readable
 
 LIMITED = "prlimit --cpu=7:8 --as=1024 --nproc=1 --nofile=64 --fsize=16777216 --core=0"
 BEGIN = (
@@ -48,6 +48,7 @@ def test_a_jail_is_started_by_these_words(jail, monkeypatch, tmp_path):
     assert jail.command(["-c", "x"], whole=False) == [*BEGIN.split(), *bound, *hidden, *end]
     course = str(Path(_jail.__file__).parent)
     own = ["--tmpfs", course, "--remount-ro", course]
+    own += ["--ro-bind", str(jail.folder / FONTS), f"/tmp/{FONTS}"]
     assert jail.command(["-c", "x"], whole=True) == [*BEGIN.split(), *bound, *own, *end]
     monkeypatch.setattr(_jail.os, "geteuid", lambda: 0)
     for _ in range(2):  # the folders are there the second time
