@@ -6,9 +6,10 @@ from functools import partial
 import alignment_logs as logs
 import numpy as np
 import pytest
+from reduction_maps import malaga
 
 from segmap import alignment, build_map, exports, load, matching, readers, reduction
-from segmap.progress import announce, each, told
+from segmap.progress import announce, each, parts, told
 from segmap.threads import in_threads
 
 LOG = load("room")[:12]
@@ -40,6 +41,8 @@ WORK = {
     "deskewed": partial(alignment.deskew, logs.moving_log()),
     "by_scan": partial(reduction.basic_online, build_map(LOG, LOG.truth)),
     "member": partial(reduction.METHODS["fusion_online"], build_map(LOG, LOG.truth)),
+    "least_cost": partial(reduction.least_cost, malaga()),
+    "one_per_wall": partial(reduction.one_per_wall, malaga()),
 }
 
 
@@ -87,7 +90,20 @@ def test_each_thing_is_told_before_it_comes():
     with told(lambda *words: said.append(words)):
         for thing in each("ab", "part"):
             said.append(thing)
-    assert said == [(0.0, "part 1 of 2"), "a", (0.5, "part 2 of 2"), "b"]
+        for some in parts(np.arange(4, 8), "row", size=3):
+            said.append(some.tolist())
+    assert said[:4] == [(0.0, "part 1 of 2"), "a", (0.5, "part 2 of 2"), "b"]
+    assert said[4:6] == [(0.0, "row 1 of 4"), [4, 5, 6]]
+    assert said[6:] == [(0.75, "row 4 of 4"), [7], (1.0, "row 4 of 4")]
+
+
+def test_merging_tells_a_share_that_only_rises_to_its_end():
+    """Catches a share of a heap that grows again, and an end that nobody hears of."""
+    said = heard(WORK["least_cost"])
+    shares = [
+        share for share, words in said if words == f"least cost: merging {len(malaga())} segments"
+    ]
+    assert len(shares) > 8 and shares == sorted(shares) and (shares[0], shares[-1]) == (0.0, 1.0)
 
 
 def test_threads_tell_how_many_are_done_and_begin_no_more_once_stopped():

@@ -99,7 +99,7 @@ def exchanged(rows: Rows, drawn: Array, limits: Limits) -> Found:
         before, opened = state.total[0], np.flatnonzero(state.outputs.link[:, LEVEL] >= 0)
         sizes = np.floor(state.about[opened, 4] / EQUAL + 0.5)
         opened = opened[np.argsort(-sizes, kind="stable")]
-        for part in parts(opened, "least cost: drawing anew output"):
+        for part in parts(opened, "least cost: drawing anew output", size=64):
             free = _refit_all(state, room, part, free, limits)
         _close_all(state, limits)
         for part in parts(longest, "least cost: trying as an output segment"):

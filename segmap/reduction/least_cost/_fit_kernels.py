@@ -252,16 +252,19 @@ def fit(s: Array, room: Room, count: int, limits: Limits, guess: Array, most: fl
         return np.inf
     whole = _spread(room, count, x, y, np.cos(theta), np.sin(theta))
     shift, offset = 0.2 * limits.distance, 0.0
-    turn = min(0.1, 4.0 * shift / max(whole, 2.0 * shift))
+    turn, was = min(0.1, 4.0 * shift / max(whole, 2.0 * shift)), (np.inf, np.inf)
     for _ in range(STEPS):
         move = -1
         for k in range(4):
             t = theta + (turn if k == 0 else -turn if k == 1 else 0.0)
             o = offset + (shift if k == 2 else -shift if k == 3 else 0.0)
+            if t == was[0] and o == was[1]:  # back again: that cost more
+                continue
             at = (x - o * np.sin(t), y + o * np.cos(t), t)
             found = _line_cost(s, room, count, limits, at, best - EQUAL)
             if found < best:
                 best, move = found, k
+        was = (theta, offset)
         theta += turn if move == 0 else -turn if move == 1 else 0.0
         offset += shift if move == 2 else -shift if move == 3 else 0.0
         if move < 0:
