@@ -126,3 +126,22 @@ def _make(blocks: Array, e: int, c: float, s: float, x: float, y: float, room: A
         blocks[e, 0, 6 + m] += more
     for k in range(3):
         blocks[e, 0, 3 * k + 2] += p * blocks[e, 0, 3 * k] + q * blocks[e, 0, 3 * k + 1]
+
+
+@compiled
+def advance(poses: Array, move: Array, column: Indices, ahead: Array) -> float:
+    """Write the poses ahead, moved by the steps (n, 3) in their columns; how far the farthest goes.
+
+    All are carried along, rigidly, so that the first stays where it is.
+    """
+    first, farthest = column[0], 0.0
+    turn, x0, y0 = move[first, 2], poses[0, 0], poses[0, 1]
+    c, s = np.cos(turn), np.sin(turn)
+    for k in range(len(poses)):
+        x = poses[k, 0] - x0 + move[column[k], 0] - move[first, 0]
+        y = poses[k, 1] - y0 + move[column[k], 1] - move[first, 1]
+        ahead[k, 0], ahead[k, 1] = x0 + c * x + s * y, y0 + c * y - s * x
+        ahead[k, 2] = (poses[k, 2] + move[column[k], 2] - turn + np.pi) % (2 * np.pi) - np.pi
+        farthest = max(farthest, abs(move[column[k], 2] - turn))
+        farthest = max(farthest, abs(ahead[k, 0] - poses[k, 0]), abs(ahead[k, 1] - poses[k, 1]))
+    return farthest

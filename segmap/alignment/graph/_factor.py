@@ -22,7 +22,7 @@ ROUNDING = 1e-15
 class Factor(NamedTuple):
     """The factor of the matrix: `length[j]` blocks from `start[j]` on are column j."""
 
-    column: Indices  # of each pose; the pose that is held, 0, has column 0
+    column: Indices  # of each pose; the pose that is held has column 0
     pose: Indices  # of each column
     head: Indices  # first slot of each pose, -1: none; slots 2 e and 2 e + 1 are the ends of edge e
     link: Indices  # (2 m,): next slot of the same pose, -1: none
@@ -34,14 +34,14 @@ class Factor(NamedTuple):
 
 
 @compiled
-def link_slots(head: Indices, link: Indices, ends: Indices, begin: int) -> None:
+def link_slots(head: Indices, link: Indices, ends: Indices, begin: int, held: int) -> None:
     """Give each pose the slots of the edges from `begin` on, see `Factor`; the last comes first.
 
     An edge from a pose to itself says nothing and has no slot, nor has the pose that is held.
     """
     for s in range(2 * begin, 2 * len(ends)):
         owner = ends[s // 2, s % 2]
-        if owner > 0 and owner != ends[s // 2, 1 - s % 2]:
+        if owner != held and owner != ends[s // 2, 1 - s % 2]:
             link[s], head[owner] = head[owner], s
 
 

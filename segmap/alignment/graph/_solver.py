@@ -11,9 +11,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ...angles import wrap
 from ...arrays import Array
-from ._equations import Edge, Edges, Indices, linearise
+from ._equations import Edge, Edges, Indices, advance, linearise
 from ._factor import Factor, factorise, find_structure, link_slots, substitute
 
 #: Residuals of this many standard deviations have half the weight: nine of ten true edges are
@@ -32,8 +31,9 @@ NEAR, BENT = 0.03, 0.9
 STALE = 0.01
 #: A loss that rises by no more than this part, and by this much an edge, is rounding.
 SAME = 1e-9
-#: New poses are eliminated last. The order is made anew after so many, or this part of all.
-LATE, LATE_PART = 32, 0.02
+#: New poses are eliminated last. The order is made anew after so many times the cube root of all:
+#: an order costs their number, and what is added to late ones the square of how many these are.
+LATE = 7.0
 
 
 class Solution(NamedTuple):
@@ -58,7 +58,7 @@ class Step(NamedTuple):
 
 
 class Solver:
-    """Solves for poses `(n, 3)` again and again as edges come in; the first pose is held.
+    """Solves for poses `(n, 3)` again and again as edges come in; the first pose stays.
 
     Edges left open by `scale` standard deviations have half the weight, but for those that are
     forced; `inf`: all the same.
@@ -98,10 +98,12 @@ class Solver:
         Minimises the sum of Cauchy losses of the residuals by at most so many rounds; every pose
         must be tied to the first through edges. `lazily` keeps equations that have changed by less
         than `STALE`: the minimum is the same, the way to it may take a round more, and costs only
-        what the new edges change. Raises LinAlgError where information leaves a pose free.
+        what the new edges change. The newest pose is held then: stale equations would turn the map
+        to and fro about the first. Raises LinAlgError where information leaves a pose free.
         """
         poses = before = poses.copy()
-        factor, n, edges = self._prepared(len(poses)), len(poses), self._known()
+        n, edges = len(poses), self._known()
+        factor = self._prepared(n, n - 1 if lazily else 0)
         keep = STALE if lazily else ALL
         step, loss = Step(keep), np.inf
         for count in range(1, rounds + 1):
@@ -109,7 +111,7 @@ class Solver:
             gradient, bent = np.zeros((n, 3)), BENT if step.curved else 0.0
             room = np.empty((6, 3))
             now = linearise(poses, edges, bent, step.stale, gradient, self._changed, room)
-            gradient[0] = 0.0
+            gradient[factor.pose[0]] = 0.0
             if step.curved and now > loss * (1 + SAME) + SAME * len(self):
                 poses, step = before, Step(ALL, near=step.size / 4)
                 continue
@@ -118,9 +120,8 @@ class Solver:
             # 3. The step
             move = -gradient[factor.pose]
             substitute(factor, move)
-            before, loss, poses = poses, now, poses + move[factor.column]
-            poses[:, 2] = wrap(poses[:, 2])
-            size = float(np.abs(move).max(initial=0.0))
+            before, loss, poses = poses, now, np.empty_like(poses)
+            size = advance(before, move, factor.column, poses)
             if size < CONVERGED:
                 return Solution(poses, True, count)
             step = Step(keep, size < step.near, step.near, size)
@@ -131,11 +132,12 @@ class Solver:
 
         The edges have the weights that the poses give them.
         """
-        factor, edges, moves = self._prepared(len(poses)), self._known(), np.empty_like(pulls)
+        factor, edges, moves = self._prepared(len(poses), 0), self._known(), np.empty_like(pulls)
         gradient, room = np.zeros(poses.shape), np.empty((6, 3))
         linearise(poses, edges, 0.0, ALL, gradient, self._changed, room)
         self._factorise(factor, edges)
         for pull, move in zip(pulls[:, factor.pose], moves, strict=True):
+            pull[0] = 0.0  # the pose that is held
             substitute(factor, pull)
             move[:] = pull[factor.column]
         return moves
@@ -154,13 +156,13 @@ class Solver:
         self.columns += int(marked.sum())
         self._changed[:] = False
 
-    def _prepared(self, n: int) -> Factor:
+    def _prepared(self, n: int, held: int) -> Factor:
         """The factor with n columns, and the rows that all edges need."""
         f, ends = self._factor, self._edges.ends[: self._count]
         if f is not None and len(f.pose) == n and len(f.link) == 2 * len(ends):
             return f
-        if f is None or n - self._ordered > LATE + LATE_PART * n:
-            f, used, changed = _ordered(n, ends), 0, np.ones(n, np.bool_)
+        if f is None or n - self._ordered > LATE * n ** (1 / 3):
+            f, used, changed = _ordered(n, ends, held), 0, np.ones(n, np.bool_)
             self._ordered = n
         else:
             changed = np.arange(n) >= len(f.pose)
@@ -190,23 +192,24 @@ def _longer(array: Any, count: int) -> Any:
     return longer
 
 
-def _ordered(n: int, ends: Indices) -> Factor:
+def _ordered(n: int, ends: Indices, held: int) -> Factor:
     """An empty factor of n poses, in an order of minimum degree; the pose held comes first."""
     from scipy.sparse import coo_array, diags_array
     from scipy.sparse.linalg import splu
 
-    joins = (ends > 0).all(1) & (ends[:, 0] != ends[:, 1])  # two poses that are free
-    first, second = ends[joins].T - 1
+    joins = (ends != held).all(1) & (ends[:, 0] != ends[:, 1])  # two poses that are free
+    first, second = ends[joins].T
+    first, second = first - (first > held), second - (second > held)
     joined = coo_array((np.full(len(first), -1.0), (first, second)), shape=(n - 1, n - 1))
     degree = np.bincount(np.r_[first, second], minlength=n - 1)
     matrix = (joined + joined.T + diags_array(degree + 1.0)).tocsc()
     symmetric = {"SymmetricMode": True}
     factors = splu(matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=symmetric)
-    column = np.r_[0, factors.perm_c.astype(np.int64) + 1]
+    column = np.insert(factors.perm_c.astype(np.int64) + 1, held, 0)
     start, length, rows = (np.zeros(m, np.int64) for m in (n, n, 8 * n))
     values, pivots = np.zeros(72 * n), np.zeros((n, 9))
     head, link = np.full(n, -1), np.full(2 * len(ends), -1)
-    link_slots(head, link, ends, 0)
+    link_slots(head, link, ends, 0, held)
     return Factor(column, np.argsort(column), head, link, start, length, rows, values, pivots)
 
 
@@ -215,7 +218,7 @@ def _widened(f: Factor, n: int, ends: Indices) -> Factor:
     late, known = np.arange(len(f.pose), n), len(f.link) // 2
     head, link = np.r_[f.head, np.full(len(late), -1)], _longer(f.link, 2 * len(ends))
     link[2 * known :] = -1
-    link_slots(head, link, ends, known)
+    link_slots(head, link, ends, known, int(f.pose[0]))
     return f._replace(
         column=np.r_[f.column, late],
         pose=np.r_[f.pose, late],

@@ -47,7 +47,6 @@ def spread(
     draws = np.random.default_rng(0).normal(size=(m, 3, DRAWS))
     pull = (np.linalg.cholesky(known) @ draws).reshape(3 * m, DRAWS)
     pulls = (jacobian.T @ pull).T.reshape(DRAWS, -1, 3)
-    pulls[:, 0] = 0.0  # the first pose is held
     solver = Solver()
     solver.add(edges)
     moved = np.ascontiguousarray(solver.moved(poses, pulls)[:, :, :2].transpose(1, 2, 0))

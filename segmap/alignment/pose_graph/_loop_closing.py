@@ -14,7 +14,7 @@ from .._result import Match, no_match
 from ..graph import Edge, Rejected, deviations, information, residuals, stacked
 from ..points import PointMap
 from ._key_frames import KeyFrames
-from ._ways import walk
+from ._ways import beside, walk
 
 # Where loops are sought:
 #: Old places are proposed this much farther off than the window: they can be seen from there.
@@ -174,9 +174,9 @@ class LoopCloser:
     def _by_place(self, new: int, before: int) -> list[Window]:
         """Around the nearest old key frame of each pass, as far as the map may have drifted."""
         poses, along, widest = self.frames.poses, self.frames.along, self.rules.max_reach + BESIDE
-        off = poses[:before, :2] - poses[new, :2]
-        near = np.flatnonzero((np.abs(off[:, 0]) < widest) & (np.abs(off[:, 1]) < widest))
-        path, distance = along[new] - along[near], np.hypot(*off[near].T)
+        near = np.empty(before, np.int64)
+        near = near[: beside(poses, new, widest, near)]
+        path, distance = along[new] - along[near], np.hypot(*(poses[near] - poses[new])[:, :2].T)
         far = (distance >= self._reach(path) + BESIDE) | (path <= self.rules.min_path)
         near, path, distance = near[~far], path[~far], distance[~far]
         if not len(near):

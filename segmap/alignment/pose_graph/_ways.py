@@ -1,4 +1,4 @@
-"""The shortest ways through a pose graph, by the path driven and by loops."""
+"""Key frames that are near: by their places, and by the path driven and by loops."""
 
 from __future__ import annotations
 
@@ -12,6 +12,16 @@ from ...compiled import compiled
 
 #: A believed loop is so long a part of a way, metres.
 LOOP_PATH = 0.5
+
+
+@compiled
+def beside(poses: Array, new: int, half: float, near: NDArray[np.int64]) -> int:
+    """Write which poses lie in a square about the new one, half a side in metres; their number."""
+    count = 0
+    for k in range(len(near)):
+        off = max(abs(poses[k, 0] - poses[new, 0]), abs(poses[k, 1] - poses[new, 1]))
+        near[count], count = k, count + (off < half)
+    return count
 
 
 @compiled

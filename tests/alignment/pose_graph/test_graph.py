@@ -177,13 +177,17 @@ def shuffled(poses: np.ndarray, edges: Edge, seed: int) -> tuple[np.ndarray, Edg
     return moved, Edge(number[first], number[second], *rest), number
 
 
-def world(count: int = 150, seed: int = 4) -> tuple[np.ndarray, Edge]:
-    """Poses by noisy steps three times round a square of 60 m, and loops to the rounds before."""
+def world(count: int = 150, seed: int = 4, far: int = 0) -> tuple[np.ndarray, Edge]:
+    """Poses by noisy steps three times round a square of 60 m, and loops to the rounds before.
+
+    `far` steps of 10 m lead there.
+    """
     rng = np.random.default_rng(seed)
     step = np.tile((1.2, 0.0, 0.0), (count - 1, 1))
-    step[12::13, 2] = np.pi / 2
+    step[far + 12 :: 13, 2] = np.pi / 2
+    step[:far, 0] = 10.0
     truth = chained(Edge(None, None, step, None), count, np.zeros(3))
-    late = np.arange(52, count, 3)
+    late = np.arange(far + 52, count, 3)
     first, second = np.r_[np.arange(count - 1), late - 52], np.r_[np.arange(1, count), late]
     relative = between(truth[first], truth[second]) + rng.normal(0, SPREAD / 3, (len(first), 3))
     information = np.tile(np.diag(1 / SPREAD**2), (len(first), 1, 1))
@@ -209,16 +213,19 @@ def test_neither_the_order_of_edges_nor_the_numbers_of_poses_matter():
 
 @pytest.mark.parametrize("lazily", [True, False])
 def test_edges_that_come_in_lead_to_the_poses_of_all_at_once(lazily):
-    """Catches a column that an added edge changes and that is kept, or a pose without a column."""
-    start, edges = world(600)
+    """Catches a column that an added edge changes and that is kept, or a pose without a column.
+
+    Far from the first pose: stale equations that turn the map to and fro about it take 17 rounds.
+    """
+    start, edges = world(700, far=100)
     last = np.maximum(edges.first, edges.second)
     solver, poses = Solver(SCALE), start[:1]
-    for k in range(1, 600):
+    for k in range(1, 700):
         poses = np.vstack([poses, compose(poses[-1], edges.relative[k - 1])])
         solver.add(part(edges, last == k))
-        if k >= 52 and k % 20 == 0:
-            poses, converged, _ = solver.solve(poses, lazily=lazily)
-            assert converged
+        if k >= 152 and k % 20 == 0:
+            poses, _, rounds = solver.solve(poses, lazily=lazily)
+            assert rounds <= 6
     poses = solver.solve(poses).poses
     assert_poses_equal(poses, solve(start, edges).poses, atol=3e-5)
 
