@@ -143,9 +143,9 @@ class Workbench:
     def _reduce(self, recipe: Recipe, log: Log, begun: Outcome) -> None:
         """Show a new map while it is reduced, and then what is left of it."""
         if log is self.log:
-            known, self._known = self._known, begun
-            if known is None or not np.array_equal(known.map.segments, begun.map.segments):
+            if not self._is_shown(begun):
                 self._show_map(begun)
+            self._known = begun
         self._show(log, self._worker.do(follow, recipe, log, begun))
 
     def _edited(self, change: Any = None) -> None:
@@ -188,8 +188,8 @@ class Workbench:
                 # what cannot be is not tried again
                 self.edits.take_loops(self.outcome.recipe.edits)
                 if self._known is not self.outcome:
-                    self._known = self.outcome
                     self._show_map(self.outcome)
+                    self._known = self.outcome
             self._bar.say(f"{said(fault)}{kept}", 0.0)
         finally:
             self.start.disabled = False
@@ -200,10 +200,10 @@ class Workbench:
 
     def _show(self, log: Log, outcome: Outcome) -> None:
         self.outcome = outcome
-        self._known = outcome if log is self.log else None  # another may be chosen meanwhile
         new = outcome.rows(log.name)
         self._rows += [row for row in new if row not in self._rows]  # the other one may be known
         self._show_map(outcome)
+        self._known = outcome if log is self.log else None  # another may be chosen meanwhile
         self.figures.value = _shown.left(outcome)
         self.listed.value = _shown.runs_table(self._rows)
         self.listing.value = _shown.code(outcome.recipe.code())
@@ -222,7 +222,15 @@ class Workbench:
             self.picture.value = _shown.still(outcome)
         self.verdict.value = _shown.placed(outcome)
         self.extracted.value = f"{len(map)} segments of {len(np.unique(map.scan))} scans"
-        self.loops.show(outcome)
+        if not self._is_shown(outcome):
+            self.loops.show(outcome)
+
+    def _is_shown(self, outcome: Outcome) -> bool:
+        """Whether its map is seen already: who looks at two scans is not disturbed then."""
+        known = self._known
+        if known is None or known.recipe.mends() != outcome.recipe.mends():
+            return False
+        return np.array_equal(known.map.segments, outcome.map.segments)
 
     # --------------------------------------------------------------------- what came out
     @property
