@@ -47,10 +47,10 @@ def cross(a: Point, b: Point, c: Point) -> float:
     return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
 
 
-def facing(p: Point, s: Segment) -> float:
+def facing(p: Point, s: Segment, narrow: float = 0.0) -> float:
     """Twice the area between a segment and the sensor; 0 for one that is seen edge on."""
     double, far = cross(p, *s), math.dist(p, s[0]) * math.dist(p, s[1])
-    return double if abs(double) >= max(1e-6 * far, SAME * segment_length(s)) else 0.0
+    return double if abs(double) >= max(narrow * far, SAME * segment_length(s)) else 0.0
 
 
 def at(s: Segment, t: float) -> Point:
@@ -71,7 +71,7 @@ def mean_off(a: float, b: float) -> float:
 def views(wall: Segment, s: Segment, p: Point, distance: float) -> list[View]:
     """Steps 1 to 3: the stretches of s inside the sector of a wall, cut where h is +-distance."""
     a, b = wall
-    double, size = facing(p, wall), segment_length(wall)
+    double, size = facing(p, wall, 1e-6), segment_length(wall)
     if double == 0 or facing(p, s) == 0:
         return []
     sign = math.copysign(1.0, double)

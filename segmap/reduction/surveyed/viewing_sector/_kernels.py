@@ -61,11 +61,11 @@ def _cross(px: float, py: float, a: Array, b: Array) -> float:
 
 
 @compiled
-def _seen(s: Array, px: float, py: float) -> float:
+def _seen(s: Array, px: float, py: float, narrow: float) -> float:
     """Twice the area between a segment, (2, 2), and the sensor; 0 for one that is seen edge on."""
     double = _cross(px, py, s[0], s[1])
     far = np.hypot(s[0, 0] - px, s[0, 1] - py) * np.hypot(s[1, 0] - px, s[1, 1] - py)
-    return double if abs(double) >= max(1e-6 * far, SAME * length_of(s)) else 0.0
+    return double if abs(double) >= max(narrow * far, SAME * length_of(s)) else 0.0
 
 
 @compiled
@@ -186,7 +186,7 @@ def look(
     """How many claims and how many pieces that are gone; written as far as there is room."""
     found, g, marks, arc, px, py = 0, 0, room.marks, room.arc, p[0], p[1]
     for j in range(len(scan.s)):
-        if _seen(scan.s[j], px, py) == 0.0:
+        if _seen(scan.s[j], px, py, 0.0) == 0.0:
             continue
         _sector(scan.s[j, 1], scan.s[j, 0], px, py, arc)
         room.seen[j] = -1
@@ -196,7 +196,7 @@ def look(
             enter(room.arcs, 2 * j + 1, arc, 0.0)
     for k in range(len(map.s)):
         wall = map.s[k]
-        double = _seen(wall, px, py)
+        double = _seen(wall, px, py, 1e-6)
         if double == 0.0:
             continue
         a, b = (0, 1) if double > 0.0 else (1, 0)
