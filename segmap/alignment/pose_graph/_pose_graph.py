@@ -198,14 +198,10 @@ class LiveGraph:
         fits best where it sees nothing new. Along a direction that no wall faces the match keeps
         what the guess says.
         """
-        best = no_match(guess, "nothing like it near")
-        for factor in (1.0, 2.0):
-            reach, turn = factor * self.window, factor * self.window_angle
-            match = self._sought(map, points, guess, reach, turn) or best
-            least = 0.0 if factor == 1.0 else max(best.overlap + BETTER, LEAST)
-            best = match if match.overlap > least else best
-            if best.matched and best.overlap > SURE_OVERLAP:
-                break
+        best = self._sought(map, points, guess, self.window, self.window_angle)
+        if not (best.matched and best.overlap > SURE_OVERLAP):
+            match = self._sought(map, points, guess, 2 * self.window, 2 * self.window_angle)
+            best = match if match.overlap > max(best.overlap + BETTER, LEAST) else best
         if self._parts is not None and self._parts[0].measured():
             best = self._agreeing(map, points, guess, best)
         if not best.matched:
@@ -220,7 +216,7 @@ class LiveGraph:
         if not match.matched or abs(wrap(match.pose[2] - guess[2])) <= AGREES:
             return match
         other = self._sought(map, points, guess, self.window, AGREES)
-        if other is None or not other.matched or abs(wrap(other.pose[2] - guess[2])) > AGREES:
+        if not other.matched or abs(wrap(other.pose[2] - guess[2])) > AGREES:
             return match
         # By the guess it has turned so much since the last key frame, which is what it sees newly
         back = min(abs(wrap(match.pose[2] - other.pose[2])), abs(guess[2]))
@@ -229,14 +225,11 @@ class LiveGraph:
 
     def _sought(
         self, map: PointMap, points: Array, guess: Array, reach: float, turn: float
-    ) -> Match | None:
-        """The best place in a window about a guess, `reach` metres and `turn` radians to each side.
-
-        None where nothing lies on the map.
-        """
+    ) -> Match:
+        """The best place in a window about a guess; half sides in metres and radians."""
         start, _ = map.search(points, guess, reach=reach, turn=turn)
         if start is None:
-            return None
+            return no_match(guess, "nothing like it near")
         match = map.register(points, start, overlap=self.tracking.overlap)
         x, y, heading = between(start, match.pose)
         if np.hypot(x, y) > SLIDE or abs(heading) > SLIDE_ANGLE:
