@@ -206,8 +206,8 @@ def test_one_scan_is_solved_and_used():
     ],
 )
 def test_in_twice_the_window_a_place_must_hold_more(near, far, taken):
-    """Overlaps; 0 where nothing lies on the map, negative where nothing matched."""
-    asked, both = [], [place(overlap=abs(x), matched=x > 0) if x else None for x in (near, far)]
+    """Overlaps; where nothing matched, 0 or negative."""
+    asked, both = [], [place(overlap=abs(x), matched=x > 0) for x in (near, far)]
 
     class Graph(LiveGraph):
         def _sought(self, map, points, guess, reach, turn):
