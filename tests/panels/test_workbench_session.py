@@ -26,14 +26,14 @@ def chosen():
     workbench.method.value, workbench.least.value = "hybrid", 0.15
     workbench.method["angle"].value = 7.5
     workbench.second.value, workbench.deskew.value = "mean_shift", False
-    workbench.second["sigma"].value = 0.3
+    workbench.second["sigma"].value, workbench.people.value = 0.3, 0.35
     return workbench
 
 
 SETTINGS = {
     **{"align": "odometry", "extract": "extract_clusters", "extract_gap": 0.25},
     **{"extract_fit": "algebraic", "method": "hybrid", "angle": 7.5, "filter": 0.15},
-    **{"second": "mean_shift", "second_sigma": 0.3, "no_deskew": True},
+    **{"second": "mean_shift", "second_sigma": 0.3, "no_deskew": True, "seen_through": 0.35},
 }
 
 

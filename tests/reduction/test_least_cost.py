@@ -9,7 +9,7 @@ from reduction_maps import MAPS, assert_literal, malaga
 from segmap.metrics import quality
 from segmap.reduction import least_cost, reduce_to
 from segmap.reduction.least_cost import _least_cost
-from segmap.reduction.least_cost._least_cost import crosses
+from segmap.reduction.least_cost._merge_kernels import crosses
 from segmap.segments import SegmentMap, length
 
 

@@ -114,7 +114,7 @@ def _controls(function: Callable[..., Any], varies: str) -> dict[str, Any]:
 
 
 class Choices:
-    """De-skewing, alignment, extraction, filter (`least`, metres), method and a second method."""
+    """All: `people` is the share for `without_passers`, `least` the length of the filter."""
 
     def __init__(self) -> None:
         alignments = {k: (m.function, "") for k, m in alignment.METHODS.items()}
@@ -130,7 +130,10 @@ class Choices:
         self.deskew: Any = W.Checkbox(True, description=words, indent=False)
         self.deskew.layout.width = "auto"
         self.least: Any = W.BoundedFloatText(0.0, min=0, max=100, step=0.05, **named)
-        self.least.layout.width = "270px"
+        named["description"] = "seen through [share]"
+        self.people: Any = W.BoundedFloatText(0.0, min=0, max=1, step=0.05, **named)
+        self.people.tooltip = "0.2 leaves out people who walked through; 0 keeps all"
+        self.least.layout.width = self.people.layout.width = "270px"
         self.edits = Edits()
 
     def begin(self, log: Log) -> None:
@@ -149,13 +152,13 @@ class Choices:
         chosen = (each.call() for each in (self.align, self.extract, self.method, self.second))
         align, extract, *methods = (call for call in chosen if call is not None)
         least, deskew = float(self.least.value), timed and bool(self.deskew.value)
-        edits = self.edits.value()
-        return Recipe(align, extract, least, methods, deskew, edits=edits, log=log)
+        seen, edits = float(self.people.value) or None, self.edits.value()
+        return Recipe(align, extract, least, methods, deskew, seen, edits, log)
 
     def views(self) -> dict[str, Any]:
         """Their controls, by the steps of the way."""
         return {
             "Poses": W.VBox([self.align.view, self.deskew]),
-            "Segments": W.VBox([self.extract.view, self.least]),
+            "Segments": W.VBox([self.extract.view, self.people, self.least]),
             "Map": W.VBox([self.method.view, self.second.view]),
         }

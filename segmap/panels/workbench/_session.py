@@ -34,6 +34,8 @@ def session_of(choices: Choices, log: Log, runs: Sequence[Mapping[str, Any]]) ->
                 settings[begin + name] = float(f"{said[name].read(value):.6g}") if number else value
     if choices.least.value:
         settings["filter"] = choices.least.value
+    if choices.people.value:
+        settings["seen_through"] = choices.people.value
     if not choices.deskew.value:
         settings["no_deskew"] = True
     return Session(log, settings, runs, choices.edits.value())
@@ -58,7 +60,9 @@ def restore(choices: Choices, session: Session) -> None:
                     made.max = max(made.max, value)
                 made.value = str(value) if isinstance(made, W.Text) else value
         choices.edits.restore(session.edits)
-        choices.least.value, choices.deskew.value = held.get("filter", 0.0), "no_deskew" not in held
+        choices.people.value = held.get("seen_through", 0.0)
+        choices.least.value = held.get("filter", 0.0)
+        choices.deskew.value = "no_deskew" not in held
     except (TraitError, TypeError, KeyError) as fault:
         raise ValueError(f"the session cannot be chosen here: {fault}") from fault
 

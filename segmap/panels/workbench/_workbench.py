@@ -53,8 +53,9 @@ class Workbench:
     ----------
     align, extract, method, second : choices
         `workbench.method.value = "hybrid"; workbench.method["angle"].value = 5`: angles in degrees.
-    least : number, metres
-        Shorter segments are left out before the reduction.
+    people, least : number
+        The share for `quadtree.without_passers`, 0 for none; shorter segments, in metres, are left
+        out before the reduction.
     deskew : checkbox
         Whether beams are carried to the start of their scan; where they have times only.
     bundled, path, upload : controls
@@ -88,6 +89,7 @@ class Workbench:
         self.progress, self.state = self._bar.bar, self._bar.state
         self._choices = chosen = Choices()
         self.align, self.extract, self.least = chosen.align, chosen.extract, chosen.least
+        self.people = chosen.people
         self.method, self.second, self.deskew = chosen.method, chosen.second, chosen.deskew
         self.edits, self.loops = chosen.edits, Loops(chosen.edits, self._looked, self._edited)
         self._make_outputs()

@@ -11,7 +11,7 @@ from ....compiled import compiled
 from ....kernels import length_of, order_by_first
 from ..._index import LEVEL, Index, enter, leave, meeting
 from ..._runner import Indices
-from ._kernels import SAME, Claims, Walls
+from ._look_kernels import SAME, Claims, Walls
 
 #: A stretch within `distance` of a wall's line is at least 1 - 1 / CLOSE of the way to the wall,
 #: where that line passes the sensor no closer than CLOSE times the distance: so 0.6 of the way.

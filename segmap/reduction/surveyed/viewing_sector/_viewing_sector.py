@@ -10,8 +10,9 @@ from ....segments import length, midpoint
 from ..._index import LEVEL, empty_index
 from ..._points import points_behind
 from ..._runner import Indices, Length, Reduction, Rows, Steps, run_online
-from ._kernels import SAME, Claims, Room, Walls, look, renew
+from ._look_kernels import SAME, Claims, Room, Walls, look
 from ._map import Map, nearby, put_back, tidy
+from ._renew_kernels import renew
 
 #: The order of the map is numbered anew where a piece has less of it as its own.
 NARROW = 2.0**-24
