@@ -119,7 +119,7 @@ def _meant(made: Any, said: Declared, first: Any) -> Any:
 def folded(name: str, box: Any, tooltip: str = "") -> Any:
     """A button that shows and hides a box; it is hidden at first."""
     button = W.ToggleButton(False, description=name, tooltip=tooltip)
-    button.layout.width, box.layout.display = "auto", "none"
+    button.layout.width, button.layout.flex, box.layout.display = "auto", "none", "none"
 
     def fold(change: Any) -> None:
         box.layout.display = "flex" if change["new"] else "none"

@@ -47,7 +47,7 @@ class Choice:
         self.picker: Any = W.Dropdown(
             options=list(functions), value=first, description=name, style=NAME
         )
-        self.picker.layout.flex = "1 1 200px"
+        self.picker.layout.flex, self.picker.layout.min_width = "1 1 200px", "0"
         self._box = W.Box(layout=W.Layout(**WRAP))
         self.settings: Any = folded("settings", self._box, f"settings of {name}")
         row = W.Box([self.picker, self.settings])
