@@ -274,6 +274,7 @@ def test_without_eyes_or_mouse_a_map_is_made_cropped_turned_and_placed(app, brow
     browser.type(browser.find("(//button[normalize-space()='settings'])[3]"), SPACE)
     browser.type(browser.find("//label[contains(., 'square: ')]/input"), SPACE)
     pressed(browser, "crop and place", SPACE)
+    wait("the fold", lambda: "north [degrees]" in browser.run(TEXT))
     for label, text in (("crop [m]", "0 0 5 5"), ("place of (0, 0)", "36 -4"),
                         ("north [degrees]", "60")):  # fmt: skip
         browser.type(browser.find(ENTRY.format(label)), text + ENTER)
