@@ -27,8 +27,9 @@ CONVERGED = 1e-5
 #: weights alone come closer to the minimum by a third at each step. It takes at most so large a
 #: part of an edge's weight: all of it would leave a pose free that only this edge ties.
 NEAR, BENT = 0.03, 0.9
-#: Equations that are kept until they change by so many metres, radians, parts.
-STALE = 0.01
+#: Equations that are kept until they change by so many metres, radians, parts. At 0.01 what was
+#: solved lazily lay so far from the minimum that Intel without odometry slid along a corridor.
+STALE = 0.003
 #: A loss that rises by no more than this part, and by this much an edge, is rounding.
 SAME = 1e-9
 #: New poses are eliminated last. The order is made anew after so many times the cube root of all:
