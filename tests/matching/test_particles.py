@@ -172,6 +172,7 @@ def test_it_is_the_plain_filter_with_any_options(seed):
         "free": bool(random.choice([True, False])),
     }
     start, own = random.normal(0, 1, 3), [QuadtreeMap(resolution=0.1) for _ in range(2)]
+    start *= seed % 4 > 0  # at first the default
     rng, again = np.random.default_rng(seed), np.random.default_rng(seed)
     known = start[:2] + random.normal(0, 0.5, (9, 2))
     for map in own:
@@ -179,8 +180,9 @@ def test_it_is_the_plain_filter_with_any_options(seed):
     matcher, same = hill_climb, hill_climb
     if seed // 3 % 2:
         matcher, same = sample_and_rank, partial(sample_and_rank, rng=again)
-    steps = particle_mapping(log, start=start, map=own[0], rng=rng, matcher=matcher, **options)
     plain = followed(log, own[1], start, again, matcher=same, **options)
+    options |= {"start": start} if start.any() else {}
+    steps = particle_mapping(log, map=own[0], rng=rng, matcher=matcher, **options)
     for step, (poses, weights, parents, best, overlap, map) in zip(steps, plain, strict=True):
         np.testing.assert_allclose(step.poses, poses, atol=1e-9)
         np.testing.assert_allclose(step.weights, weights, atol=1e-9)
