@@ -64,6 +64,7 @@ def test_what_a_browser_must_know_is_sent_to_it():
     nothing = {"pointed": [-1, -1], "members": [], "shown": "after", "size": [1, 1], "titles": []}
     nothing |= {**dict.fromkeys(["before", "first", "second", "way"], b""), "looked_at": []}
     assert {"_esm", "drawing", *nothing} <= {*made.canvas.keys} and Edits().value() == {}
+    assert not any(text.continuous_update for text in Edits().controls[1:])
     assert {name: getattr(made.canvas, name) for name in nothing} == nothing
     made.canvas.send = lambda *given: asked.append(given)
     made.canvas.save("a.csv", b"1,2")
