@@ -213,7 +213,7 @@ def test_a_threshold_has_the_unit_of_its_annotation(run, near, monkeypatch):
     assert code == 0 and "            doubt: it is strange" in said.splitlines()
     assert given == [0.3, np.radians(20), np.radians(30)]
     said = " ".join(run("map", "--help")[1].split())
-    assert "--skew DEGREES default: 10 for strange " in said
+    assert "--skew DEGREES default: 10 for strange " in said and "--bend DEGREES/M default:" in said
     assert "--angle DEGREES|METRES default: 10 for basic_offline," in said
     assert "; 0.2 for strange" in said
     options = re.findall(r" (--[\w-]+)", said[said.index("thresholds of the reduction") :])
