@@ -309,10 +309,9 @@ def begin(recipe: Recipe, log: Log, before: Outcome | None = None) -> Outcome:
     """
     recipe.world()  # a wrong place is refused now, and not where the map is written
     made = Outcome(recipe, log, before)
-    verdict = made.verdict
+    verdict = made.verdict  # before the map, of which it may say why nothing is left
     if not len(made.map):
         raise ValueError(f"{verdict}; no segment is left: loosen extraction, filter or crop")
-    assert made.verdict  # which belongs to the map
     return made
 
 

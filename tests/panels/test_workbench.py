@@ -152,7 +152,7 @@ def test_what_is_known_is_not_done_again(monkeypatch):
     assert steps(made.second, "hybrid") == "rm" and made.outcome.reductions[0] is done
     assert list(made.runs["method"]) == ["fusion", "fusion", "hybrid"]
     assert steps(made.least, 0.5) == "rrm" and len(made.outcome.map) < len(first)
-    assert steps(made.extract["tolerance"], 0.2) == "errm"
+    assert steps(made.extract["tolerance"], 0.2) == steps(made.people, 0.5) == "errm"
     made.open(Log("other", LOG.scans[:3], LOG.truth[:3]))
     assert steps() == "aerrm" and max(made.outcome.map.scan) == 2
     first = made.outcome.map
