@@ -61,11 +61,17 @@ def length_of(s: Array) -> float:
 @compiled
 def off_segment(x: float, y: float, s: Array) -> float:
     """Distance of a point from a segment, a (2, 2) array, metres."""
+    return np.sqrt(_square_off(x, y, s))
+
+
+@compiled
+def _square_off(x: float, y: float, s: Array) -> float:
+    """Square of the distance of a point from a segment."""
     dx, dy = s[1, 0] - s[0, 0], s[1, 1] - s[0, 1]
     rx, ry = x - s[0, 0], y - s[0, 1]
     square = dx * dx + dy * dy
     t = 0.0 if square == 0.0 else min(max((rx * dx + ry * dy) / square, 0.0), 1.0)
-    return np.hypot(rx - t * dx, ry - t * dy)
+    return (rx - t * dx) ** 2 + (ry - t * dy) ** 2
 
 
 @compiled
@@ -73,8 +79,8 @@ def apart(u: Array, v: Array) -> float:
     """D_uv: least distance from an end point of one to the other, (2, 2) array each, metres."""
     least = np.inf
     for k in range(2):
-        least = min(least, off_segment(u[k, 0], u[k, 1], v), off_segment(v[k, 0], v[k, 1], u))
-    return least
+        least = min(least, _square_off(u[k, 0], u[k, 1], v), _square_off(v[k, 0], v[k, 1], u))
+    return np.sqrt(least)
 
 
 @compiled
@@ -91,23 +97,26 @@ def across(u: Array, v: Array, x: float, y: float, dx: float, dy: float) -> floa
 
 
 @compiled
-def mean_line_terms(u: Array, v: Array, a: Array, b: Array) -> tuple[float, float]:
-    """D_ang and D_uva, metres, of two segments with equal weights, described by (5,) arrays."""
+def mean_line_terms(a: Array, b: Array) -> tuple[float, float]:
+    """D_ang and D_uva, metres, of two segments with equal weights, described by (5,) arrays.
+
+    Both middles lie as far from the mean line, which halves the angle: so D_uva is that distance,
+    and the longer half times the sine of half the angle.
+    """
     ax, ay, bx, by = a[2], a[3], b[2], b[3]
     if ax == 0.0 and ay == 0.0:
         ax, ay = (bx, by) if bx != 0.0 or by != 0.0 else (1.0, 0.0)
     if bx == 0.0 and by == 0.0:
         bx, by = ax, ay
-    dot, cross = ax * bx + ay * by, ax * by - ay * bx
+    dot, cross = ax * bx + ay * by, abs(ax * by - ay * bx)
     if dot < 0.0:
-        bx, by = -bx, -by
-    x, y = (a[0] + b[0]) / 2, (a[1] + b[1]) / 2
-    norm = np.hypot(ax + bx, ay + by)
-    most = across(u, v, x, y, (ax + bx) / norm, (ay + by) / norm)
-    if abs(dot) <= PERPENDICULAR:  # two mean directions: the smaller value counts
-        norm = np.hypot(ax - bx, ay - by)
-        most = min(most, across(u, v, x, y, (ax - bx) / norm, (ay - by) / norm))
-    return (a[4] + b[4]) * abs(cross) / (1.0 + abs(dot)), most
+        dot, bx, by = -dot, -bx, -by
+    x, y, aside = (a[0] - b[0]) / 2, (a[1] - b[1]) / 2, max(a[4], b[4]) * cross
+    most = (abs(y * (ax + bx) - x * (ay + by)) + aside) / np.sqrt(2.0 + 2.0 * dot)
+    if dot <= PERPENDICULAR:  # two mean directions: the smaller value counts
+        other = (abs(y * (ax - bx) - x * (ay - by)) + aside) / np.sqrt(2.0 - 2.0 * dot)
+        most = min(most, other)
+    return (a[4] + b[4]) * cross / (1.0 + dot), most
 
 
 @compiled

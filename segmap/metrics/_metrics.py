@@ -279,7 +279,7 @@ def _nearest_distances(
             bound = np.sqrt(dx * dx + dy * dy) - a[i, 4] - b[j, 4]
             if APART * bound >= best:
                 continue
-            angular, most = mean_line_terms(before[i], after[j], a[i], b[j])
+            angular, most = mean_line_terms(a[i], b[j])
             so_far = ANGULAR * angular + ACROSS * most
             if so_far + APART * max(bound, 0.0) < best:
                 best = min(best, so_far + APART * apart(before[i], after[j]))

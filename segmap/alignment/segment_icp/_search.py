@@ -45,7 +45,7 @@ def distance_below(u: Array, v: Array, a: Array, b: Array, most: float) -> float
     turn = abs(a[2] * b[3] - a[3] * b[2])
     if ANGULAR * (a[4] + b[4]) * turn / 2 >= most:  # tan(a / 2) >= sin(a) / 2
         return np.inf
-    angular, across = mean_line_terms(u, v, a, b)
+    angular, across = mean_line_terms(a, b)
     so_far = ANGULAR * angular + ACROSS * across
     if so_far >= most:
         return np.inf

@@ -18,9 +18,9 @@ from ...kernels import (
     ANGULAR,
     APART,
     apart,
-    describe_one,
     lay,
     mean_line_terms,
+    off_segment,
     order_by_first,
 )
 
@@ -33,6 +33,9 @@ HARD = 2.0
 STEPS = 6
 #: Costs that differ by less are equal, metres: then what was tried first counts.
 EQUAL = 1e-12
+
+#: A point of a line, and its direction.
+Line = tuple[float, float, float, float]
 
 
 class Limits(NamedTuple):
@@ -108,30 +111,8 @@ def keep(nearest: Array, who: Indices, i: int, j: int, value: float) -> None:
 @compiled
 def distance_between(u: Array, v: Array, a: Array, b: Array) -> float:
     """Distance of quality between two segments, (2, 2), described by (5,) arrays; metres."""
-    angular, across = mean_line_terms(u, v, a, b)
+    angular, across = mean_line_terms(a, b)
     return ANGULAR * angular + ACROSS * across + APART * apart(u, v)
-
-
-@compiled
-def _distance_inside(ends: Array, about: Array, line: Array, frame: Array, near: float) -> float:
-    """The same where the ends, (4,), project into the line, the nearer of them `near` off it.
-
-    The least distance of their end points is then `near`; the angle must not be a right one.
-    """
-    bx, by = frame[2], frame[3]
-    dot, cross = about[2] * bx + about[3] * by, about[2] * by - about[3] * bx
-    if dot < 0.0:
-        bx, by, dot = -bx, -by, -dot
-    dx, dy = about[2] + bx, about[3] + by
-    x, y = (about[0] + frame[0]) / 2, (about[1] + frame[1]) / 2
-    across = max(
-        abs((ends[1] - y) * dx - (ends[0] - x) * dy),
-        abs((ends[3] - y) * dx - (ends[2] - x) * dy),
-        abs((line[0, 1] - y) * dx - (line[0, 0] - x) * dy),
-        abs((line[1, 1] - y) * dx - (line[1, 0] - x) * dy),
-    )
-    angular = (about[4] + frame[4]) * abs(cross) / (1.0 + dot)
-    return ANGULAR * angular + ACROSS * across / np.sqrt(dx * dx + dy * dy) + APART * near
 
 
 @compiled
@@ -163,36 +144,31 @@ def charge(s: Array, d: Array, i: int, line: Array, about: Array, f: int, limits
     if near > HARD * limits.distance * (1.0 + 1e-9):
         return np.inf
     turned, lost = turned_and_lost(s, d, i, about, f, limits)
-    _, most = mean_line_terms(s[i], line[f], d[i], about[f])
+    _, most = mean_line_terms(d[i], about[f])
     return turned + ACROSS * most + APART * near + lost
 
 
 @compiled
-def _spread(room: Room, count: int, x: float, y: float, dx: float, dy: float) -> float:
-    """Draw the segment on a line that spans all members; its length, metres."""
-    low, high = np.inf, -np.inf
+def _reach(room: Room, count: int, line: Line) -> tuple[float, float]:
+    """From where to where all members reach along a line, metres."""
+    (x, y, dx, dy), low, high = line, np.inf, -np.inf
     for k in range(count):
         one = (room.ends[k, 0] - x) * dx + (room.ends[k, 1] - y) * dy
         other = (room.ends[k, 2] - x) * dx + (room.ends[k, 3] - y) * dy
         low, high = min(low, one, other), max(high, one, other)
-    lay(room.line, x, y, dx, dy, low, high)
-    describe_one(room.line, room.frame)
-    return high - low
+    return low, high
 
 
 @compiled
-def _line_cost(
-    s: Array, room: Room, count: int, limits: Limits, pose: tuple[float, float, float], most: float
-) -> float:
-    """Cost of the segment through (x, y) at an angle that spans all members; `inf` from `most` on.
-
-    The segment stays in `room.line`.
-    """
-    dx, dy = np.cos(pose[2]), np.sin(pose[2])
-    whole = _spread(room, count, pose[0], pose[1], dx, dy)
+def _line_cost(s: Array, room: Room, count: int, limits: Limits, line: Line, most: float) -> float:
+    """Cost of the segment on a line that spans all members; `inf` from `most` on."""
+    (x, y, dx, dy), frame = line, room.frame
+    first, last = _reach(room, count, line)
+    x, y, whole = x + first * dx, y + first * dy, last - first
     if whole < 1e-9:
         return np.inf
-    x, y = room.line[0, 0], room.line[0, 1]
+    frame[0], frame[1], frame[4] = x + whole / 2.0 * dx, y + whole / 2.0 * dy, whole / 2.0
+    frame[2], frame[3] = dx, dy
     total, kept, covered = 0.0, 0, False
     for k in range(count):
         px, py = room.ends[k, 0] - x, room.ends[k, 1] - y
@@ -203,13 +179,12 @@ def _line_cost(
             return np.inf
         u, v = px * dx + py * dy, qx * dx + qy * dy
         low, high = min(u, v), max(u, v)
-        slant = room.about[k, 2] * dx + room.about[k, 3] * dy
-        inside = one * other >= 0.0 or (low >= near and whole - high >= near)
-        if inside and abs(slant) >= 0.1:
-            cost = _distance_inside(room.ends[k], room.about[k], room.line, room.frame, near)
-        else:
+        if one * other < 0.0 and (low < near or whole - high < near):  # an end of it is nearer
             i = room.who[k]
-            cost = distance_between(s[i], room.line, room.about[k], room.frame)
+            near = min(near, off_segment(x, y, s[i]))
+            near = min(near, off_segment(x + whole * dx, y + whole * dy, s[i]))
+        angular, across = mean_line_terms(room.about[k], frame)
+        cost = ANGULAR * angular + ACROSS * across + APART * near
         if (
             off > limits.distance
             or abs(dx * room.about[k, 3] - dy * room.about[k, 2]) > limits.sine
@@ -240,35 +215,35 @@ def fit(s: Array, room: Room, count: int, limits: Limits, guess: Array, most: fl
     From the line of total least squares, `room.sums`, or that of a guess, whichever costs less, to
     the best of four moves, or of half of each, again and again.
     """
-    x, y = room.sums[1], room.sums[2]
     theta = np.arctan2(2.0 * room.sums[4], room.sums[3] - room.sums[5]) / 2.0
-    best = _line_cost(s, room, count, limits, (x, y, theta), most)
+    line = room.sums[1], room.sums[2], np.cos(theta), np.sin(theta)
+    best = _line_cost(s, room, count, limits, line, most)
     mx, my = (guess[0, 0] + guess[1, 0]) / 2.0, (guess[0, 1] + guess[1, 1]) / 2.0
     along = np.arctan2(guess[1, 1] - guess[0, 1], guess[1, 0] - guess[0, 0])
-    found = _line_cost(s, room, count, limits, (mx, my, along), min(best - EQUAL, most))
+    other = mx, my, np.cos(along), np.sin(along)
+    found = _line_cost(s, room, count, limits, other, min(best - EQUAL, most))
     if found < best:
-        best, x, y, theta = found, mx, my, along
+        best, line, theta = found, other, along
     if best == np.inf:
         return np.inf
-    whole = _spread(room, count, x, y, np.cos(theta), np.sin(theta))
-    shift, offset = 0.2 * limits.distance, 0.0
-    turn, was = min(0.1, 4.0 * shift / max(whole, 2.0 * shift)), (np.inf, np.inf)
+    low, high = _reach(room, count, line)
+    (x, y, _, _), shift, offset = line, 0.2 * limits.distance, 0.0
+    turn, was = min(0.1, 4.0 * shift / max(high - low, 2.0 * shift)), (np.inf, np.inf)
     for _ in range(STEPS):
-        move = -1
+        now, then, held = (theta, offset), was, line
         for k in range(4):
-            t = theta + (turn if k == 0 else -turn if k == 1 else 0.0)
-            o = offset + (shift if k == 2 else -shift if k == 3 else 0.0)
-            if t == was[0] and o == was[1]:  # back again: that cost more
+            t = now[0] + (turn if k == 0 else -turn if k == 1 else 0.0)
+            o = now[1] + (shift if k == 2 else -shift if k == 3 else 0.0)
+            if t == then[0] and o == then[1]:  # back again: that cost more
                 continue
-            at = (x - o * np.sin(t), y + o * np.cos(t), t)
+            dx, dy = (np.cos(t), np.sin(t)) if k < 2 else (held[2], held[3])
+            at = x - o * dy, y + o * dx, dx, dy
             found = _line_cost(s, room, count, limits, at, best - EQUAL)
             if found < best:
-                best, move = found, k
-        was = (theta, offset)
-        theta += turn if move == 0 else -turn if move == 1 else 0.0
-        offset += shift if move == 2 else -shift if move == 3 else 0.0
-        if move < 0:
+                best, line, theta, offset = found, at, t, o
+        was = now
+        if (theta, offset) == now:
             turn, shift = turn / 2.0, shift / 2.0
-    at = (x - offset * np.sin(theta), y + offset * np.cos(theta), theta)
-    _spread(room, count, at[0], at[1], np.cos(theta), np.sin(theta))
+    low, high = _reach(room, count, line)
+    lay(room.line, line[0], line[1], line[2], line[3], low, high)
     return best

@@ -123,8 +123,8 @@ def merged(rows: Rows, limits: Limits) -> Found:
     for part in parts(own, "least cost: looking around segment"):
         nearest_neighbours(s, d, reach, part, places, room, least, who)
     i, k = np.nonzero(who >= 0)
-    pairs = np.column_stack([i, who[i, k]])
-    pairs = np.unique(np.concatenate([pairs, pairs[:, ::-1]]), axis=0)
+    j = who[i, k]
+    pairs = np.column_stack(np.divmod(np.unique(np.concatenate([n * i + j, n * j + i])), n))
     near = np.column_stack([pairs[:, 1], np.arange(1, len(pairs) + 1)])
     first = np.searchsorted(pairs[:, 0], np.arange(n + 1))
     some = first[1:] > first[:-1]
