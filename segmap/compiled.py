@@ -22,6 +22,8 @@ R = TypeVar("R")
 
 #: Set this environment variable to 1 to run every loop as plain Python.
 PLAIN = "SEGMAP_PLAIN"
+#: What makes an array or a list in a kernel; numba refuses any other where it counts nothing.
+MAKERS = frozenset({"empty", "empty_like", "zeros", "full", "copy", "heappush"})
 
 
 class Compiled(Generic[P, R]):
@@ -67,12 +69,23 @@ class Compiled(Generic[P, R]):
         return self._jit(numba.njit, nogil=True)
 
     def _jit(self, njit: Callable[..., Any], **options: bool) -> Callable[P, R]:
-        linked = self._linked(njit, "-inner" if "no_cpython_wrapper" in options else "")
+        inner = "-inner" if "no_cpython_wrapper" in options else ""
+        options["_nrt"] = self._counts()
+        linked = self._linked(njit, inner + ("" if options["_nrt"] else "-bare"))
         options["no_cfunc_wrapper"] = True  # nobody calls kernels from C
         try:
             return cast(Callable[P, R], njit(cache=True, **options)(linked))
         except RuntimeError:  # no folder that a cache could be written to
             return cast(Callable[P, R], njit(**options)(linked))
+
+    def _counts(self) -> bool:
+        """Whether numba must count who holds an array: where one is made, or handed back.
+
+        Elsewhere it would cost up to half of the time of a kernel that hands on tuples of arrays.
+        """
+        kernels = [one for one in self._used().values() if isinstance(one, Compiled)]
+        given = [get_type_hints(one.plain)["return"] for one in (self, *kernels)]
+        return not MAKERS.isdisjoint(self._code.co_names) or "ndarray" in str(given)
 
     def _linked(self, njit: Callable[..., Any], suffix: str) -> types.FunctionType:
         """The source, with the kernels that it calls replaced by their compiled forms."""

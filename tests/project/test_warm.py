@@ -6,12 +6,14 @@ import subprocess
 import sys
 import tomllib
 
+import numpy as np
 from makefile import ROOT
 
 import segmap
 from segmap import _warm
 from segmap.__main__ import main
-from segmap.compiled import Compiled
+from segmap.arrays import Array
+from segmap.compiled import Compiled, compiled
 
 
 def test_the_version_is_the_one_of_the_project():
@@ -51,3 +53,29 @@ def test_chapter_00_compiles_nothing_once_warm(capfd):
     command = [sys.executable, "-m", "benchmarks.compiling", "--json", "--kept", "--chapter", "00"]
     done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True)
     assert json.loads(done.stdout)["count"] == 0
+
+
+@compiled
+def write(a: Array) -> None:
+    a[0] = 1.0
+
+
+@compiled
+def hand_back(a: Array) -> Array:
+    return a
+
+
+@compiled
+def get_one(a: Array) -> float:
+    return hand_back(a)[0]
+
+
+def test_who_holds_an_array_is_counted_where_one_is_handed_back():
+    """Catches memory that is lost, or freed while somebody holds it."""
+    assert [kernel._counts() for kernel in (write, hand_back, get_one)] == [False, True, True]
+    given = np.zeros(3)
+    for _ in range(9):
+        kept = [kernel(given) for kernel in (write, hand_back, get_one)]
+    assert sys.getrefcount(given) == 3
+    del kept
+    assert sys.getrefcount(given) == 2
