@@ -194,7 +194,7 @@ class PointMap:
         _, columns, rows = levels.shape
         map = _search_kernels.Likelihoods(levels.reshape(LEVELS, -1), columns, rows, FINE)
         scan = _search_kernels.Headings(
-            np.empty((n, len(points)), np.int32),
+            np.empty((n, len(points)), np.uint32),
             np.empty((n, len(points), 2), np.int32),
             np.empty((n, 2), np.int64),
         )

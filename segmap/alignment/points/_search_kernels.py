@@ -15,11 +15,12 @@ from ...arrays import Array
 from ...compiled import compiled
 
 Levels = NDArray[np.uint8]
-Cells = NDArray[np.int32]
+Cells = NDArray[np.uint32]  # known not to be negative: four times as fast an index
 Indices = NDArray[np.int64]
 
-#: After so many points a sum is given up where the rest cannot lift it above what is asked.
-CHUNK = 24
+#: After so many points a sum is given up where the rest cannot lift it above what is asked. Loops
+#: of a length that is known beforehand take a quarter of the time.
+CHUNK = 8
 #: No sum.
 NONE = -1
 
@@ -34,10 +35,13 @@ class Likelihoods(NamedTuple):
 
 
 class Headings(NamedTuple):
-    """The cells of a scan at each heading of a window: most lie inside of the map all over it."""
+    """The cells of a scan at each heading in the lowest corner of a window.
+
+    Most lie inside of the map all over the window.
+    """
 
     inside: Cells  # (h, n): cells, where no shift of the window leaves the map
-    edge: Cells  # (h, n, 2): columns and rows of the others that may lie on the map
+    edge: NDArray[np.int32]  # (h, n, 2): columns and rows of the others that may lie on the map
     counts: Indices  # (h, 2): how many of each there are
 
 
@@ -89,12 +93,12 @@ def _lay_out(
         inside = edge = 0
         for k in range(len(points)):
             x, y = points[k, 0], points[k, 1]
-            i = math.floor((c * x - s * y + start[0]) / map.size)
-            j = math.floor((s * x + c * y + start[1]) / map.size)
-            if radius <= i < map.columns - radius and radius <= j < map.rows - radius:
+            i = math.floor((c * x - s * y + start[0]) / map.size) - radius
+            j = math.floor((s * x + c * y + start[1]) / map.size) - radius
+            if 0 <= i < map.columns - 2 * radius and 0 <= j < map.rows - 2 * radius:
                 found.inside[h, inside] = i * map.rows + j
                 inside += 1
-            elif -radius <= i < map.columns + radius and -radius <= j < map.rows + radius:
+            elif -2 * radius <= i < map.columns and -2 * radius <= j < map.rows:
                 found.edge[h, edge, 0], found.edge[h, edge, 1] = i, j
                 edge += 1
         found.counts[h, 0], found.counts[h, 1] = inside, edge
@@ -108,17 +112,18 @@ def _likelihood(
 
     Outside of the map they are 0.
     """
-    total, shift, count = 0, i * map.rows + j, scan.counts[h, 0]
+    here, cells = map.levels[level, i * map.rows + j :], scan.inside[h]
+    total, begin, count = 0, 0, scan.counts[h, 0]
     left = 255 * (count + scan.counts[h, 1])
-    begin = 0
-    while begin < count:
-        end = min(begin + CHUNK, count)
-        for k in range(begin, end):
-            total += int(map.levels[level, scan.inside[h, k] + shift])
-        left -= 255 * (end - begin)
+    while begin + CHUNK <= count:
+        for k in range(CHUNK):
+            total += int(here[cells[begin + k]])
+        left -= 255 * CHUNK
         if total + left <= least:
             return NONE
-        begin = end
+        begin += CHUNK
+    for k in range(begin, count):
+        total += int(here[cells[k]])
     for k in range(scan.counts[h, 1]):
         a, b = scan.edge[h, k, 0] + i, scan.edge[h, k, 1] + j
         if 0 <= a < map.columns and 0 <= b < map.rows:
@@ -155,14 +160,15 @@ def _best_of_block(
         if value[used] <= best:
             continue
         if level == 0:
-            score = value[used] - reach_cost * (i * i + j * j) / (radius * radius)
+            away = (i - radius) * (i - radius) + (j - radius) * (j - radius)
+            score = value[used] - reach_cost * away / (radius * radius)
             if score > best:
                 best, at_i, at_j = score, i, j
             continue
         half, first = 1 << (level - 1), used
         for q in range(4):
             a, b = i + half * (q // 2), j + half * (q % 2)
-            if a <= radius and b <= radius:
+            if a <= 2 * radius and b <= 2 * radius:
                 least = full * (best + cost)
                 total = _likelihood(map, level - 1, scan, h, a, b, least)
                 if total == NONE:
@@ -217,7 +223,7 @@ def search(
     for turn in range(headings + 1):
         for b in range(side * side if turn < headings else 0):
             h = headings // 2 + (turn + 1) // 2 * (1 if turn % 2 else -1)
-            i, j = b // side * width - radius, b % side * width - radius
+            i, j = b // side * width, b % side * width
             cost = _cost(scan, h, reach_cost)
             total = _likelihood(map, len(map.levels) - 1, scan, h, i, j, full * (best + cost))
             if total != NONE:
@@ -233,12 +239,12 @@ def search(
             count = kept
             if count:
                 h, b = block[top] // (side * side), block[top] % (side * side)
-                i, j = b // side * width - radius, b % side * width - radius
+                i, j = b // side * width, b % side * width
                 cost = _cost(scan, h, reach_cost)
                 score, i, j = _best_of_block(
                     map, scan, h, i, j, bound[top], radius, cost, reach_cost, best, todo, value
                 )
                 bound[top] = best
                 if score > best:
-                    best, heading, shift_i, shift_j = score, h, i, j
+                    best, heading, shift_i, shift_j = score, h, i - radius, j - radius
     return best, heading, shift_i, shift_j
