@@ -188,14 +188,14 @@ class PointMap:
         mean likelihood of the points, 0 to 1, less what its distance costs.
         """
         begin, k = np.array(start, float), int(np.ceil(turn / step))
-        points = np.ascontiguousarray(current[:: 1 + len(current) // SAMPLE])
+        points = np.ascontiguousarray(current[:: 1 + len(current) // SAMPLE].T)
         levels, radius, n = self.levels, int(np.ceil(reach / FINE)), 2 * k + 1
         blocks = n * (2 * radius // (1 << (LEVELS - 1)) + 1) ** 2
         _, columns, rows = levels.shape
         map = _search_kernels.Likelihoods(levels.reshape(LEVELS, -1), columns, rows, FINE)
         scan = _search_kernels.Headings(
-            np.empty((n, len(points)), np.uint32),
-            np.empty((n, len(points), 2), np.int32),
+            np.empty((n, points.shape[1]), np.uint32),
+            np.empty((n, points.shape[1], 2), np.int32),
             np.empty((n, 2), np.int64),
         )
         scratch = np.empty(blocks), np.empty(blocks, np.int64)

@@ -82,19 +82,22 @@ def widen(level: Levels, wide: Levels, step: int) -> None:
 def _lay_out(
     map: Likelihoods, points: Array, start: Array, step: float, radius: int, found: Headings
 ) -> None:
-    """Write the cells of a scan's points `(n, 2)`, metres, at all headings about a start `(3,)`.
+    """Write the cells of a scan's points `(2, n)`, metres, at all headings about a start `(3,)`.
 
     The start is in the frame of the map's corner; a step between headings is in radians. Points
     that lie off the map wherever the window of `radius` cells moves them are left out.
     """
+    x, y, at_x, at_y = points[0], points[1], start[0], start[1]
+    column, row = np.empty(len(x), np.int32), np.empty(len(x), np.int32)
     for h in range(len(found.inside)):
         heading = start[2] + (h - len(found.inside) // 2) * step
         c, s = math.cos(heading), math.sin(heading)
+        for k in range(len(x)):  # without a branch: SIMD
+            column[k] = math.floor((c * x[k] - s * y[k] + at_x) / map.size)
+            row[k] = math.floor((s * x[k] + c * y[k] + at_y) / map.size)
         inside = edge = 0
-        for k in range(len(points)):
-            x, y = points[k, 0], points[k, 1]
-            i = math.floor((c * x - s * y + start[0]) / map.size) - radius
-            j = math.floor((s * x + c * y + start[1]) / map.size) - radius
+        for k in range(len(x)):
+            i, j = column[k] - radius, row[k] - radius
             if 0 <= i < map.columns - 2 * radius and 0 <= j < map.rows - 2 * radius:
                 found.inside[h, inside] = i * map.rows + j
                 inside += 1
@@ -210,14 +213,14 @@ def search(
 
     Exact on the lattice of cells and headings. The middle heading is looked into first, since its
     best bounds most of the others; then, of the blocks that can hold more than the best so far, the
-    one that can hold most. Points `(n, 2)` of a scan and the start `(3,)` in the frame of the map's
+    one that can hold most. Points `(2, n)` of a scan and the start `(3,)` in the frame of the map's
     corner, metres and radians; the radius counts cells. `scan` has an odd number of headings, a
     step apart; it, `bound` and `block`, with room for all blocks, `todo` and `value` are
     overwritten.
     """
     _lay_out(map, points, start, step, radius, scan)
     width, headings = 1 << (len(map.levels) - 1), len(scan.inside)
-    side, full = 2 * radius // width + 1, 255.0 * len(points)
+    side, full = 2 * radius // width + 1, 255.0 * points.shape[1]
     best, heading, shift_i, shift_j = least, -1, 0, 0
     count = 0
     for turn in range(headings + 1):
