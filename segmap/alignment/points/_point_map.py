@@ -189,20 +189,11 @@ class PointMap:
         """
         begin, k = np.array(start, float), int(np.ceil(turn / step))
         points = np.ascontiguousarray(current[:: 1 + len(current) // SAMPLE].T)
-        levels, radius, n = self.levels, int(np.ceil(reach / FINE)), 2 * k + 1
-        blocks = n * (2 * radius // (1 << (LEVELS - 1)) + 1) ** 2
-        _, columns, rows = levels.shape
-        map = _search_kernels.Likelihoods(levels.reshape(LEVELS, -1), columns, rows, FINE)
-        scan = _search_kernels.Headings(
-            np.empty((n, points.shape[1]), np.uint32),
-            np.empty((n, points.shape[1], 2), np.int32),
-            np.empty((n, 2), np.int64),
-        )
-        scratch = np.empty(blocks), np.empty(blocks, np.int64)
-        todo = np.empty((4 * LEVELS, 3), np.int64), np.empty(4 * LEVELS)
+        _, columns, rows = self.levels.shape
+        map = _search_kernels.Likelihoods(self.levels.reshape(LEVELS, -1), columns, rows, FINE)
         score, h, i, j = _search_kernels.search(
-            map, points, begin - (*self.corner, 0.0), step, radius, reach_cost, least,
-            scan, *scratch, *todo,
+            map, points, begin - (*self.corner, 0.0), step, k, int(np.ceil(reach / FINE)),
+            reach_cost, least,
         )  # fmt: skip
         pose = begin + (i * FINE, j * FINE, (h - k) * step)
         return (pose if h >= 0 else None), score

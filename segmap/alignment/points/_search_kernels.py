@@ -108,30 +108,47 @@ def _lay_out(
 
 
 @compiled
-def _likelihood(
-    map: Likelihoods, level: int, scan: Headings, h: int, i: int, j: int, least: float
-) -> int:
-    """Sum of likelihoods, 255 each, under scan h moved by (i, j) cells; NONE if not above `least`.
+def _sums(
+    map: Likelihoods,
+    level: int,
+    scan: Headings,
+    h: int,
+    i: int,
+    j: int,
+    side: int,
+    radius: int,
+    least: float,
+    totals: Indices,
+) -> None:
+    """Write sums of likelihoods, 255 each, under scan h moved to each block of a square at (i, j).
 
-    Outside of the map they are 0.
+    The square has `side` blocks of `2^level` cells a side; NONE where a sum is not above `least`,
+    or the block is not in the window. Outside of the map likelihoods are 0.
     """
-    here, cells = map.levels[level, i * map.rows + j :], scan.inside[h]
-    total, begin, count = 0, 0, scan.counts[h, 0]
-    left = 255 * (count + scan.counts[h, 1])
-    while begin + CHUNK <= count:
-        for k in range(CHUNK):
-            total += int(here[cells[begin + k]])
-        left -= 255 * CHUNK
+    cells, edge = scan.inside[h], scan.edge[h]
+    count, beside = scan.counts[h, 0], scan.counts[h, 1]
+    for block in range(side * side):
+        a, b = i + (block // side << level), j + (block % side << level)
+        totals[block] = NONE
+        if a > 2 * radius or b > 2 * radius:
+            continue
+        here = map.levels[level, a * map.rows + b :]
+        total, begin, left = 0, 0, 255 * (count + beside)
+        while begin + CHUNK <= count and total + left > least:
+            for k in range(CHUNK):
+                total += int(here[cells[begin + k]])
+            left -= 255 * CHUNK
+            begin += CHUNK
         if total + left <= least:
-            return NONE
-        begin += CHUNK
-    for k in range(begin, count):
-        total += int(here[cells[k]])
-    for k in range(scan.counts[h, 1]):
-        a, b = scan.edge[h, k, 0] + i, scan.edge[h, k, 1] + j
-        if 0 <= a < map.columns and 0 <= b < map.rows:
-            total += int(map.levels[level, a * map.rows + b])
-    return total if total > least else NONE
+            continue
+        for k in range(begin, count):
+            total += int(here[cells[k]])
+        for k in range(beside):
+            x, y = edge[k, 0] + a, edge[k, 1] + b
+            if 0 <= x < map.columns and 0 <= y < map.rows:
+                total += int(map.levels[level, x * map.rows + y])
+        if total > least:
+            totals[block] = total
 
 
 @compiled
@@ -146,15 +163,13 @@ def _best_of_block(
     cost: float,
     reach_cost: float,
     best: float,
-    todo: Indices,
-    value: Array,
 ) -> tuple[float, int, int]:
     """Best shift of the block at (i, j), `2^top` cells a side, if better than `best`: depth first.
 
-    `cost` is what the heading costs, `reach_cost` what a shift by the whole radius costs; `todo`
-    (4 l, 3) and `value` (4 l,) are overwritten.
+    `cost` is what the heading costs, `reach_cost` what a shift by the whole radius costs.
     """
-    full = 255.0 * scan.inside.shape[1]
+    full, room = 255.0 * scan.inside.shape[1], 4 * len(map.levels)
+    todo, value, totals = np.empty((room, 3), np.int64), np.empty(room), np.empty(4, np.int64)
     todo[0, 0], todo[0, 1], todo[0, 2], value[0] = len(map.levels) - 1, i, j, bound
     used, at_i, at_j = 1, 0, 0
     while used:
@@ -169,14 +184,11 @@ def _best_of_block(
                 best, at_i, at_j = score, i, j
             continue
         half, first = 1 << (level - 1), used
+        _sums(map, level - 1, scan, h, i, j, 2, radius, full * (best + cost), totals)
         for q in range(4):
-            a, b = i + half * (q // 2), j + half * (q % 2)
-            if a <= 2 * radius and b <= 2 * radius:
-                least = full * (best + cost)
-                total = _likelihood(map, level - 1, scan, h, a, b, least)
-                if total == NONE:
-                    continue
-                score, m = total / full - cost, used
+            if totals[q] != NONE:
+                a, b = i + half * (q // 2), j + half * (q % 2)
+                score, m = totals[q] / full - cost, used
                 while m > first and value[m - 1] > score:  # ascending: the best is taken first
                     for k in range(3):
                         todo[m, k] = todo[m - 1, k]
@@ -200,38 +212,37 @@ def search(
     points: Array,
     start: Array,
     step: float,
+    half: int,
     radius: int,
     reach_cost: float,
     least: float,
-    scan: Headings,
-    bound: Array,
-    block: Indices,
-    todo: Indices,
-    value: Array,
 ) -> tuple[float, int, int, int]:
     """Best score of a window, with the heading's index (-1: none above `least`) and shift in cells.
 
     Exact on the lattice of cells and headings. The middle heading is looked into first, since its
     best bounds most of the others; then, of the blocks that can hold more than the best so far, the
     one that can hold most. Points `(2, n)` of a scan and the start `(3,)` in the frame of the map's
-    corner, metres and radians; the radius counts cells. `scan` has an odd number of headings, a
-    step apart; it, `bound` and `block`, with room for all blocks, `todo` and `value` are
-    overwritten.
+    corner, metres and radians; the radius counts cells, and to both sides of the middle there are
+    `half` headings, a step apart.
     """
+    headings, n, last = 2 * half + 1, points.shape[1], len(map.levels) - 1
+    inside, edge = np.empty((headings, n), np.uint32), np.empty((headings, n, 2), np.int32)
+    scan = Headings(inside, edge, np.empty((headings, 2), np.int64))
     _lay_out(map, points, start, step, radius, scan)
-    width, headings = 1 << (len(map.levels) - 1), len(scan.inside)
-    side, full = 2 * radius // width + 1, 255.0 * points.shape[1]
+    width, side, full = 1 << last, 2 * radius // (1 << last) + 1, 255.0 * n
+    bound, block = np.empty(headings * side * side), np.empty(headings * side * side, np.int64)
+    totals = np.empty(side * side, np.int64)
     best, heading, shift_i, shift_j = least, -1, 0, 0
     count = 0
     for turn in range(headings + 1):
-        for b in range(side * side if turn < headings else 0):
-            h = headings // 2 + (turn + 1) // 2 * (1 if turn % 2 else -1)
-            i, j = b // side * width, b % side * width
+        if turn < headings:
+            h = half + (turn + 1) // 2 * (1 if turn % 2 else -1)
             cost = _cost(scan, h, reach_cost)
-            total = _likelihood(map, len(map.levels) - 1, scan, h, i, j, full * (best + cost))
-            if total != NONE:
-                bound[count], block[count] = total / full - cost, h * side * side + b
-                count += 1
+            _sums(map, last, scan, h, 0, 0, side, radius, full * (best + cost), totals)
+            for b in range(side * side):
+                if totals[b] != NONE:
+                    bound[count], block[count] = totals[b] / full - cost, h * side * side + b
+                    count += 1
         while count and turn in (0, headings):
             top = kept = 0
             for k in range(count):
@@ -245,7 +256,7 @@ def search(
                 i, j = b // side * width, b % side * width
                 cost = _cost(scan, h, reach_cost)
                 score, i, j = _best_of_block(
-                    map, scan, h, i, j, bound[top], radius, cost, reach_cost, best, todo, value
+                    map, scan, h, i, j, bound[top], radius, cost, reach_cost, best
                 )
                 bound[top] = best
                 if score > best:
