@@ -156,12 +156,12 @@ class PointMap:
         r = int(np.ceil(2.5 * BAND / FINE))
         away = np.arange(-r, r + 1) ** 2 * FINE**2
         stamp = (255 * np.exp(-(away[:, None] + away) / (2 * BAND**2))).astype(np.uint8)
-        cells = ((self._grid.points - self.corner) / FINE).astype(np.int64)
-        levels = np.zeros((LEVELS, *cells.max(0) + r + 2), np.uint8)
-        _search_kernels.stamp_points(levels[0], cells, stamp)
-        for k in range(LEVELS - 1):
-            _search_kernels.widen(levels[k], levels[k + 1], 1 << k)
-        return levels
+        points, (x, y) = self._grid.points, self.corner.tolist()
+        _, _, right, top = kernels.bounding_box(points)
+        columns, rows = int((right - x) / FINE) + r + 2, int((top - y) / FINE) + r + 2
+        levels = np.zeros((LEVELS, columns * rows), np.uint8)
+        _search_kernels.fill_levels(levels, rows, points, x, y, FINE, stamp)
+        return levels.reshape(LEVELS, columns, rows)
 
     @property
     def corner(self) -> Array:

@@ -46,36 +46,31 @@ class Headings(NamedTuple):
 
 
 @compiled
-def stamp_points(level: Levels, cells: Indices, stamp: Levels) -> None:
-    """Raise the likelihoods around each point to those of a stamp, (s, s) array, s odd, laid on it.
+def fill_levels(
+    levels: Levels, rows: int, points: Array, x: float, y: float, size: float, stamp: Levels
+) -> None:
+    """Write the likelihoods about points `(n, 2)`, metres, and their maxima, level by level.
 
-    The stamps of all cells `(n, 2)` lie inside of the level, (columns, rows) array of bytes; the
-    middle of the stamp is its only maximum.
+    Cells of so many metres begin at the corner (x, y). On each point a stamp is laid, (s, s) array,
+    s odd, with its only maximum in the middle: it is inside of the first level. There are more
+    empty rows below than the widest maximum covers, and one row and one column above.
     """
-    half = len(stamp) // 2
-    for k in range(len(cells)):
-        i, j = cells[k, 0] - half, cells[k, 1] - half
-        if level[i + half, j + half] < stamp[half, half]:  # else a point lies there already
+    first, half = levels[0], len(stamp) // 2
+    for k in range(len(points)):
+        i, j = int((points[k, 0] - x) / size), int((points[k, 1] - y) / size)
+        if first[i * rows + j] < stamp[half, half]:  # else a point lies there already
             for a in range(len(stamp)):
+                begin = (i + a - half) * rows + j - half
                 for b in range(len(stamp)):
-                    if level[i + a, j + b] < stamp[a, b]:
-                        level[i + a, j + b] = stamp[a, b]
-
-
-@compiled
-def widen(level: Levels, wide: Levels, step: int) -> None:
-    """Write the maximum of each cell and of those `step` farther in columns, rows and both.
-
-    The last column and the last row are empty.
-    """
-    columns, rows = level.shape
-    for i in range(columns):
-        here, there, out = level[i], level[min(i + step, columns - 1)], wide[i]
-        here_up, there_up = here[step:], there[step:]  # so that no index may be negative: SIMD
-        for j in range(len(here_up)):
-            out[j] = max(max(here[j], here_up[j]), max(there[j], there_up[j]))
-        for j in range(max(rows - step, 0), rows):
-            out[j] = max(here[j], there[j])
+                    first[begin + b] = max(first[begin + b], stamp[a, b])
+    for level in range(len(levels) - 1):
+        up, right = 1 << level, rows << level  # each cell, and those so much farther in both
+        here, wide = levels[level], levels[level + 1]
+        above, beside, across = here[up:], here[right:], here[up + right :]
+        for k in range(len(across)):
+            wide[k] = max(max(here[k], above[k]), max(beside[k], across[k]))
+        for k in range(len(across), len(here)):
+            wide[k] = max(here[k], here[min(k + up, len(here) - 1)])
 
 
 @compiled
