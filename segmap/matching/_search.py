@@ -16,7 +16,7 @@ from ..scans import LaserScan
 from ..segments import SegmentMap
 from ._field import FAR, FAR_AWAY, either_map
 from ._likelihoods import TOP, Levels, Likelihoods
-from ._scores import Cells, Counts, whole
+from ._scores import Cells, Counts
 
 #: A pose that fits worse is not believed (our choice): right ones have .94, those in a wrong
 #: building .5 to .77.
@@ -263,35 +263,40 @@ class Grid(NamedTuple):
 
 
 @compiled
-def worth(grid: Grid, level: int, h: int, i: int, j: int, need: int) -> int:
-    """The most that a pose of a block scores, 255 a beam; -1 if that is below `need`.
+def worth(
+    grid: Grid, level: int, h: int, i: int, j: int, across: int, up: int, need: int, most: Counts
+) -> None:
+    """Write the most that a pose of each block scores, 255 a beam; -1 if that is below `need`.
 
-    The block of `2^level` cells a side begins at column i and row j.
+    So many blocks of `2^level` cells a side lie side by side, and so many rows of them one above
+    the other, from column i and row j on.
     """
-    most_x, most_y = grid.levels.shape[2] - 1, grid.levels.shape[1] - 1
-    border, beams, total, begin = 1 << (len(grid.levels) - 1), grid.scan.shape[1], whole(0), 0
-    values = grid.levels[level]
-    while begin < beams:
-        end = min(begin + CHUNK, beams)
-        for k in range(begin, end):
-            x = min(max(grid.scan[h, k, 0] + i + border, 0), most_x)
-            y = min(max(grid.scan[h, k, 1] + j + border, 0), most_y)
-            total += whole(values[y, x])
-        begin = end
-        if total + 255 * (beams - end) < need:
-            return whole(-1)
-    return total
+    last_x, last_y = grid.levels.shape[2] - 1, grid.levels.shape[1] - 1
+    border, beams = 1 << (len(grid.levels) - 1), grid.scan.shape[1]
+    values, cells = grid.levels[level], grid.scan[h]
+    for block in range(across * up):
+        at_x, at_y = i + border + (block % across << level), j + border + (block // across << level)
+        total, begin = 0, 0
+        while begin + CHUNK <= beams and total + 255 * (beams - begin) >= need:
+            for k in range(CHUNK):
+                x = min(max(cells[begin + k, 0] + at_x, 0), last_x)
+                y = min(max(cells[begin + k, 1] + at_y, 0), last_y)
+                total += int(values[np.uint64(y), np.uint64(x)])  # no index from the end: fast
+            begin += CHUNK
+        if total + 255 * (beams - begin) >= need:
+            for k in range(begin, beams):
+                x = min(max(cells[k, 0] + at_x, 0), last_x)
+                y = min(max(cells[k, 1] + at_y, 0), last_y)
+                total += int(values[y, x])
+        most[block] = total if total >= need else -1
 
 
 @compiled
 def bound_blocks(grid: Grid, across: int, up: int, bound: Counts) -> None:
     """Write the most that each of the first blocks scores, all blocks of a heading together."""
-    top, k = len(grid.levels) - 1, 0
     for h in range(len(grid.scan)):
-        for row in range(up):
-            for column in range(across):
-                bound[k] = worth(grid, top, h, column << top, row << top, 0)
-                k += 1
+        own = bound[h * across * up :]
+        worth(grid, len(grid.levels) - 1, h, 0, 0, across, up, 0, own)
 
 
 @compiled
@@ -311,7 +316,7 @@ def descend(
     blocks. `state` holds the best score, how many leaves there are, how many of the first blocks
     are done, and how many were looked into: a call ends soon after a portion. `todo` is room.
     """
-    top, looked = len(grid.levels) - 1, 0
+    top, looked, most = len(grid.levels) - 1, 0, np.empty(4, np.int32)
     best, count, at = state[0], state[1], state[2]
     while at < len(blocks) and looked < portion and count < len(leaves):
         need = max(best - slack, least)
@@ -338,12 +343,11 @@ def descend(
                 need = max(best - slack, least)
                 continue
             half, first = 1 << (level - 1), used
-            for q in range(4):
-                a, b = i + half * (q & 1), j + half * (q >> 1)
-                if a >= grid.columns or b >= grid.rows:
-                    continue
-                total = worth(grid, level - 1, h, a, b, need)
-                looked += 1
+            across, up = 1 + (i + half < grid.columns), 1 + (j + half < grid.rows)
+            worth(grid, level - 1, h, i, j, across, up, need, most)
+            looked += across * up
+            for q in range(across * up):
+                a, b, total = i + half * (q % across), j + half * (q // across), most[q]
                 if total < 0:
                     continue
                 m = used

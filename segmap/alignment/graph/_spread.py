@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...arrays import Array
 from ...poses import between
@@ -54,16 +55,17 @@ def spread(
     tree, near_by = cKDTree(places), np.empty(len(places))
     for k, place in enumerate(places):
         near = np.sort(tree.query_ball_point(place, reach))
-        near_by[k] = _left(places[near], moved[near], weight[near])[np.searchsorted(near, k)]
-    return _left(places, moved, weight), near_by
+        near_by[k] = _left(places[near], moved[near], weight[near], near == k)[0]
+    return _left(places, moved, weight, slice(None)), near_by
 
 
-def _left(places: Array, moved: Array, weight: Array) -> Array:
-    """How far places `(n, 2)` move in draws `(n, 2, d)` beside the rigid motion that fits best."""
+def _left(places: Array, moved: Array, weight: Array, asked: NDArray[np.bool_] | slice) -> Array:
+    """How far those asked of places `(n, 2)` move in draws `(n, 2, d)` beside the rigid motion that
+    fits all best."""
     share = weight / weight.sum()
     arm = places - share @ places
     moved = moved - np.tensordot(share, moved, 1)
     across = np.stack([-arm[:, 1], arm[:, 0]], -1)
     turn = np.einsum("n,ni,nid->d", share, across, moved) / max(share @ (arm**2).sum(1), 1e-9)
-    left = moved - across[:, :, None] * turn
+    left = moved[asked] - across[asked, :, None] * turn
     return np.asarray(np.sqrt((left**2).sum(1).mean(-1)))

@@ -156,12 +156,12 @@ class PointMap:
         r = int(np.ceil(2.5 * BAND / FINE))
         away = np.arange(-r, r + 1) ** 2 * FINE**2
         stamp = (255 * np.exp(-(away[:, None] + away) / (2 * BAND**2))).astype(np.uint8)
-        cells = ((self._grid.points - self.corner) / FINE).astype(np.int64)
-        levels = np.zeros((LEVELS, *cells.max(0) + r + 2), np.uint8)
-        _search_kernels.stamp_points(levels[0], cells, stamp)
-        for k in range(LEVELS - 1):
-            _search_kernels.widen(levels[k], levels[k + 1], 1 << k)
-        return levels
+        points, (x, y) = self._grid.points, self.corner.tolist()
+        _, _, right, top = kernels.bounding_box(points)
+        columns, rows = int((right - x) / FINE) + r + 2, int((top - y) / FINE) + r + 2
+        levels = np.zeros((LEVELS, columns * rows), np.uint8)
+        _search_kernels.fill_levels(levels, rows, points, x, y, FINE, stamp)
+        return levels.reshape(LEVELS, columns, rows)
 
     @property
     def corner(self) -> Array:
@@ -188,21 +188,12 @@ class PointMap:
         mean likelihood of the points, 0 to 1, less what its distance costs.
         """
         begin, k = np.array(start, float), int(np.ceil(turn / step))
-        points = np.ascontiguousarray(current[:: 1 + len(current) // SAMPLE])
-        levels, radius, n = self.levels, int(np.ceil(reach / FINE)), 2 * k + 1
-        blocks = n * (2 * radius // (1 << (LEVELS - 1)) + 1) ** 2
-        _, columns, rows = levels.shape
-        map = _search_kernels.Likelihoods(levels.reshape(LEVELS, -1), columns, rows, FINE)
-        scan = _search_kernels.Headings(
-            np.empty((n, len(points)), np.int32),
-            np.empty((n, len(points), 2), np.int32),
-            np.empty((n, 2), np.int64),
-        )
-        scratch = np.empty(blocks), np.empty(blocks, np.int64)
-        todo = np.empty((4 * LEVELS, 3), np.int64), np.empty(4 * LEVELS)
+        points = np.ascontiguousarray(current[:: 1 + len(current) // SAMPLE].T)
+        _, columns, rows = self.levels.shape
+        map = _search_kernels.Likelihoods(self.levels.reshape(LEVELS, -1), columns, rows, FINE)
         score, h, i, j = _search_kernels.search(
-            map, points, begin - (*self.corner, 0.0), step, radius, reach_cost, least,
-            scan, *scratch, *todo,
+            map, points, begin - (*self.corner, 0.0), step, k, int(np.ceil(reach / FINE)),
+            reach_cost, least,
         )  # fmt: skip
         pose = begin + (i * FINE, j * FINE, (h - k) * step)
         return (pose if h >= 0 else None), score

@@ -337,7 +337,8 @@ class LoopCloser:
 def descriptor(points: Array) -> Array:
     """Shares of points `(m, 2)`, metres, by their distance from the origin, (16,) array."""
     distance = np.hypot(points[:, 0], points[:, 1])
-    counts = np.histogram(distance, bins=RINGS, range=(0.0, RADIUS))[0]
+    ring = (distance[distance <= RADIUS] * (RINGS / RADIUS)).astype(np.int64)
+    counts = np.bincount(np.minimum(ring, RINGS - 1), minlength=RINGS)
     return np.asarray(counts / max(counts.sum(), 1))
 
 
