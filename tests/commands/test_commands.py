@@ -442,8 +442,8 @@ def test_locate_finds_a_log_on_a_map_of_either_kind(run, folder):
         (("map", "--strict", "90"), "90 must be from 0 to 1"),
         (("map", "--strict", "nan"), "nan must be from 0 to 1"),
         (("map", "--crop", "0", "0", "-1", "2"), "--crop: wanted left < right and low < high"),
-        (("map", "--north", "30"), "--north needs --place, the place of the map's (0, 0)"),
-        (("occupancy", "--crs", "EPSG:25832"), "--crs needs --place"),
+        (("map", "--north", "30"), "--place: north and a grid need a place"),
+        (("occupancy", "--crs", "EPSG:25832"), "--place: north and a grid need a place"),
         (("map", "--place", "52", "13", "-o", "it.dxf"), "--place is for a .geojson"),
         (
             ("occupancy", "--place", "5", "5", "--crs", "UTM", "-o", "it.geojson"),
@@ -515,7 +515,7 @@ def test_a_session_repeats_its_map(run, near):
     code, said, _ = run("map", "it.segmap", "--angle", "3", "--json")
     assert code == 0 and json.loads(said)["reduced"]["segments"] != before["reduced"]["segments"]
     code, said, _ = run("occupancy", "it.segmap")
-    assert code == 0 and "its method, angle, extract_gap left out: no option" in said
+    assert code == 0 and "its method, extract_gap, angle left out: no option" in said
     assert "turned " in said and "cropped " in said
 
 

@@ -5,6 +5,7 @@ import io
 import json
 import re
 
+import alignment_logs as logs
 import numpy as np
 import pytest
 from matplotlib.image import imread
@@ -14,7 +15,7 @@ from segmap import readers
 from segmap._commands import main
 from segmap.panels import Workbench
 from segmap.panels.workbench import _loops
-from segmap.panels.workbench._session import restore, session_of
+from segmap.panels.workbench._session import restore
 
 
 @pytest.fixture
@@ -39,15 +40,16 @@ SETTINGS = {
 
 def test_what_is_chosen_comes_back(chosen, tmp_path):
     """Catches a choice that is lost, degrees that become radians, and a slider left as it was."""
-    session = session_of(chosen._choices, chosen.log, [{"method": "hybrid"}])
+    session = chosen._work()[0].session(logs.moving_log(), [{"method": "hybrid"}])
     assert session.settings == SETTINGS and session.runs == [{"method": "hybrid"}]
     other = Workbench(segmap.load("room"))
     other.method.value = "hybrid"
     other.method["distance"].value = 0.9
     restore(other._choices, session)
-    assert session_of(other._choices, chosen.log, ()).settings == SETTINGS
+    assert other._work()[0].session(session.log, ()).settings == SETTINGS
     restore(other._choices, readers.Session(chosen.log, {"method": "fusion", "tolerance": 3.0}))
-    assert other.method["tolerance"].value == 3.0 and other.second.value == "none"
+    assert other.method["tolerance"].value == 3.0 and other.extract.value == "extract_polylines"
+    assert (other.align.value, other.second.value) == ("ground_truth", "none")
     for wrong in ({"method": "magic"}, {"method": "fusion", "tolerance": "wide"}):
         with pytest.raises(ValueError, match="the session cannot be chosen here: "):
             restore(other._choices, readers.Session(chosen.log, wrong))

@@ -114,16 +114,20 @@ def _controls(function: Callable[..., Any], varies: str) -> dict[str, Any]:
 
 
 class Choices:
-    """All: `people` is the share for `without_passers`, `least` the length of the filter."""
+    """All: `people` is the share for `without_passers`, `least` the length of the filter.
+
+    `usual` is what is chosen where nobody says anything.
+    """
 
     def __init__(self) -> None:
         alignments = {k: (m.function, "") for k, m in alignment.METHODS.items()}
         reductions = {k: (m.function, m.varies) for k, m in reduction.METHODS.items()}
         extractions = {k: (f, "") for k, f in extraction.METHODS.items()}
-        self._usual = "pose_graph"
-        self.align = Choice("alignment", alignments, self._usual)
-        self.extract = Choice("extraction", extractions, "extract_polylines")
-        self.method = Choice("method", reductions, "least_cost")
+        self.usual = {"align": "pose_graph", "extract": "extract_polylines"}
+        self.usual |= {"method": "least_cost", "second": NONE}
+        self.align = Choice("alignment", alignments, self.usual["align"])
+        self.extract = Choice("extraction", extractions, self.usual["extract"])
+        self.method = Choice("method", reductions, self.usual["method"])
         self.second = Choice("second method", {NONE: None, **reductions}, NONE)
         named: Any = {"description": "leave out below [m]", "style": ENTRY}
         words = "de-skew, where the beams have their times"
@@ -143,9 +147,9 @@ class Choices:
         """
         self.edits.restore({})
         usual = alignment.usual_method(log)
-        if self.align.value == self._usual:
+        if self.align.value == self.usual["align"]:
             self.align.value = usual
-        self._usual = usual
+        self.usual["align"] = usual
 
     def recipe(self, log: str, *, timed: bool) -> Recipe:
         """All that is chosen, for the log that an expression gives; `timed` if its beams are."""

@@ -2,43 +2,16 @@
 
 from __future__ import annotations
 
-import inspect
-from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
 
 import ipywidgets as W
 from traitlets import TraitError
 
 from ... import readers
-from ...arrays import declared
+from ..._recipe import BEGIN
 from ...readers import Session, read_session
 from ...scans import Log
-from ._choices import NONE, Choices
-
-#: What is chosen, and how the options of its thresholds begin.
-BEGIN = {"align": "align_", "extract": "extract_", "method": "", "second": "second_"}
-
-
-def session_of(choices: Choices, log: Log, runs: Sequence[Mapping[str, Any]]) -> Session:
-    """A session of all that is chosen, with the runs so far; of a second method too."""
-    settings: dict[str, Any] = {}
-    for kind, begin in BEGIN.items():
-        if (call := getattr(choices, kind).call()) is None:
-            continue
-        settings[kind] = call.name
-        said, usual = declared(call.function), inspect.signature(call.function).parameters
-        for name, value in call.thresholds.items():
-            if value != usual[name].default:
-                number = isinstance(value, float)
-                settings[begin + name] = float(f"{said[name].read(value):.6g}") if number else value
-    if choices.least.value:
-        settings["filter"] = choices.least.value
-    if choices.people.value:
-        settings["seen_through"] = choices.people.value
-    if not choices.deskew.value:
-        settings["no_deskew"] = True
-    return Session(log, settings, runs, choices.edits.value())
+from ._choices import Choices
 
 
 def restore(choices: Choices, session: Session) -> None:
@@ -49,11 +22,11 @@ def restore(choices: Choices, session: Session) -> None:
     ValueError
         Where it says what cannot be chosen here.
     """
-    held = session.settings
+    held = {**choices.usual, **session.settings}
     try:
         for kind, begin in BEGIN.items():
             choice = getattr(choices, kind)
-            choice.begin(held.get(kind, NONE if kind == "second" else choice.value))
+            choice.begin(held[kind])
             for name, made in choice.controls.items():
                 value = held.get(begin + name, made.value)
                 if hasattr(made, "max"):  # of a slider, which may end below
