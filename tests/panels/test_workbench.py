@@ -383,9 +383,12 @@ def test_a_worker_that_dies_is_told_and_replaced(worker, monkeypatch):
         worker.do(print)
     assert worker.do(print) is None
     assert worker._process is not process and process.stdin.closed and process.stdout.closed
+    kept = worker.start()
+    with pytest.raises(Failed, match="SystemExit: no room"):
+        worker.do(sys.exit, "no room")
+    assert worker.do(print) is None and worker.start() is kept
     with pytest.raises(Failed, match="ended by itself"):
-        worker.do(sys.exit)
-    worker._process.wait(20)  # the thread that listens does not keep it
+        worker.do(os._exit, 3)
 
 
 def test_a_run_that_is_stopped_says_so(worker):
