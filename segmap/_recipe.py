@@ -247,7 +247,7 @@ class Outcome:
             if not known:
                 announce(0.0, f"reducing {len(self.map)} segments by {call.name}")
                 known = [arrays.instance(call.run(self.map), call.name, Reduction)]
-            found += known[:1]
+            found.append(known[0])
         return found
 
     @cached_property
