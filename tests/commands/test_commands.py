@@ -43,7 +43,7 @@ from segmap._recipe import Call, follow
 from segmap.arrays import Metres, Radians, RadiansPerMetre, checked
 from segmap.methods import Method
 from segmap.panels.workbench import Workbench
-from segmap.panels.workbench._session import read
+from segmap.panels.workbench._source import read
 from segmap.quadtree import QuadtreeMap
 
 plt = later("matplotlib.pyplot")

@@ -15,7 +15,6 @@ from segmap import readers
 from segmap._commands import main
 from segmap.panels import Workbench
 from segmap.panels.workbench import _loops
-from segmap.panels.workbench._session import restore
 
 
 @pytest.fixture
@@ -45,14 +44,14 @@ def test_what_is_chosen_comes_back(chosen, tmp_path):
     other = Workbench(segmap.load("room"))
     other.method.value = "hybrid"
     other.method["distance"].value = 0.9
-    restore(other._choices, session)
+    other._choices.restore(session)
     assert other._work()[0].session(session.log, ()).settings == SETTINGS
-    restore(other._choices, readers.Session(chosen.log, {"method": "fusion", "tolerance": 3.0}))
+    other._choices.restore(readers.Session(chosen.log, {"method": "fusion", "tolerance": 3.0}))
     assert other.method["tolerance"].value == 3.0 and other.extract.value == "extract_polylines"
     assert (other.align.value, other.second.value) == ("ground_truth", "none")
     for wrong in ({"method": "magic"}, {"method": "fusion", "tolerance": "wide"}):
         with pytest.raises(ValueError, match="the session cannot be chosen here: "):
-            restore(other._choices, readers.Session(chosen.log, wrong))
+            other._choices.restore(readers.Session(chosen.log, wrong))
 
 
 def test_page_and_command_make_one_map(chosen, tmp_path, monkeypatch, capsys):

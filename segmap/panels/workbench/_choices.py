@@ -7,9 +7,11 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 import ipywidgets as W
+from traitlets import TraitError
 
 from ... import alignment, extraction, reduction
-from ..._recipe import Call, Recipe
+from ..._recipe import BEGIN, Call, Recipe
+from ...readers import Session
 from ...scans import Log
 from .._control import ENTRY, control, folded
 from ._edits import Edits
@@ -150,6 +152,31 @@ class Choices:
         if self.align.value == self.usual["align"]:
             self.align.value = usual
         self.usual["align"] = usual
+
+    def restore(self, session: Session) -> None:
+        """Choose what a session says, and the defaults of all else.
+
+        Raises
+        ------
+        ValueError
+            Where it says what cannot be chosen here.
+        """
+        held = {**self.usual, **session.settings}
+        try:
+            for kind, begin in BEGIN.items():
+                choice = getattr(self, kind)
+                choice.begin(held[kind])
+                for name, made in choice.controls.items():
+                    value = held.get(begin + name, made.value)
+                    if hasattr(made, "max"):  # of a slider, which may end below
+                        made.max = max(made.max, value)
+                    made.value = str(value) if isinstance(made, W.Text) else value
+            self.edits.restore(session.edits)
+            self.people.value = held.get("seen_through", 0.0)
+            self.least.value = held.get("filter", 0.0)
+            self.deskew.value = "no_deskew" not in held
+        except (TraitError, TypeError, KeyError) as fault:
+            raise ValueError(f"the session cannot be chosen here: {fault}") from fault
 
     def recipe(self, log: str, *, timed: bool) -> Recipe:
         """All that is chosen, for the log that an expression gives; `timed` if its beams are."""

@@ -27,7 +27,6 @@ from ._bar import Bar
 from ._choices import WRAP, Choices
 from ._job import Worker, said
 from ._loops import Loops
-from ._session import restore
 from ._source import Source, telling
 
 if TYPE_CHECKING:
@@ -113,7 +112,7 @@ class Workbench:
         self._known = None
         self._choices.begin(log)
         if session is not None:
-            restore(self._choices, session)
+            self._choices.restore(session)
             whole = (
                 row for row in session.runs if {*COLUMNS} <= {*row} and None not in row.values()
             )
