@@ -58,15 +58,15 @@ def test_page_and_command_make_one_map(chosen, tmp_path, monkeypatch, capsys):
     """Catches a default, a unit or a threshold in which the two differ."""
     monkeypatch.chdir(tmp_path)
     chosen.run()
-    chosen.export("it.segmap")
-    assert main(["map", "it.segmap", "--json", "-o", "it.csv"]) == 0
+    chosen.export("it.SEGMAP")
+    assert main(["map", "it.SEGMAP", "--json", "-o", "it.csv"]) == 0
     found = json.loads(capsys.readouterr().out)
     assert found["session"]["text"] == "its second, second_sigma left out: no option here"
     wanted = chosen.outcome.reductions[0].segments
     assert np.array_equal(readers.read_segments("it.csv").segments, wanted) and len(wanted) > 20
     # opened in another page, it is chosen as it was; its runs stand in the table
     page = Workbench(segmap.load("malaga")[:3])
-    page.open("it.segmap")
+    page.open("it.SEGMAP")
     assert page.log.name == "room" and page.runs.equals(chosen.runs) and len(page.runs) == 2
     page.run()
     assert np.array_equal(page.outcome.reductions[0].segments, wanted)

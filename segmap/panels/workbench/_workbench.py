@@ -274,7 +274,7 @@ class Workbench:
 
         A name that ends in `.segmap` keeps the log with all that is chosen, and the runs.
         """
-        if arrays.file(path).suffix == ".segmap":
+        if arrays.file(path).suffix.lower() == ".segmap":
             session = self._work()[0].session(self.log, self._rows)
             exports.write_session(path, session)
         else:
