@@ -22,7 +22,7 @@ def chosen():
     """A workbench on which much is not as at first."""
     workbench = Workbench(segmap.load("room"))
     workbench.align.value, workbench.extract.value = "odometry", "extract_clusters"
-    workbench.extract["gap"].value, workbench.extract["fit"].value = 0.25, "algebraic"
+    workbench.extract["gap"].value, workbench.extract["fit"].value = 0.251234567, "algebraic"
     workbench.method.value, workbench.least.value = "hybrid", 0.15
     workbench.method["angle"].value = 7.5
     workbench.second.value, workbench.deskew.value = "mean_shift", False
@@ -31,7 +31,7 @@ def chosen():
 
 
 SETTINGS = {
-    **{"align": "odometry", "extract": "extract_clusters", "extract_gap": 0.25},
+    **{"align": "odometry", "extract": "extract_clusters", "extract_gap": 0.251234567},
     **{"extract_fit": "algebraic", "method": "hybrid", "angle": 7.5, "filter": 0.15},
     **{"second": "mean_shift", "second_sigma": 0.3, "no_deskew": True, "seen_through": 0.35},
 }
