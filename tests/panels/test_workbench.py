@@ -75,10 +75,8 @@ def test_page_and_command_make_the_same_map_of_a_log(kind, tmp_path, monkeypatch
     made.run()
     assert main(["map", source, "--json"]) == 0
     told = json.loads(capsys.readouterr().out)
-    assert [len(made.outcome.map), len(made.outcome.reductions[0])] == [
-        told["extracted"]["segments"],
-        told["reduced"]["segments"],
-    ]
+    assert len(made.outcome.map) == told["extracted"]["segments"]
+    assert len(made.outcome.reductions[0]) == told["reduced"]["segments"]
     assert made.outcome.alignment.method == told["aligned"]["method"]
     assert made.outcome.recipe.deskew == ("de-skewed" in told) == (kind == "beam times")
     if kind != "malaga":  # which takes its time

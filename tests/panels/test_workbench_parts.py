@@ -157,10 +157,9 @@ def test_what_is_said_of_a_run_letter_by_letter(outcome):
     assert _shown.left(outcome) == f"{lines}{'<br>'.join(map(escape, [*said, 'a < b']))}</div>"
     told = [f"<b>{LOG.name if k == 'scans' else k}</b> {escape(v)}" for k, v in facts(LOG)]
     assert _shown.about(LOG) == f"{lines}{'<br>'.join(told)}</div>"
-    assert _shown.code("a < b").startswith("<pre style=") and ">a &lt; b</pre>" in _shown.code(
-        "a < b"
-    )
-    assert f'onclick="{_shown.COPY}">Copy</button>' in _shown.code("")
+    code = _shown.code("a < b")
+    assert code.startswith("<pre style=") and ">a &lt; b</pre>" in code
+    assert f'onclick="{_shown.COPY}">Copy</button>' in code
 
 
 def test_numbers_and_bars_of_the_table():
