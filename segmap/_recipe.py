@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import inspect
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -10,16 +11,21 @@ from typing import Any, TypeVar
 
 from . import alignment, arrays, extraction, reduction
 from .alignment import Alignment, LiveGraph, Verdict
-from .arrays import Array, declared
+from .arrays import Array, Declared, declared
 from .exports import Frame, placed_at
 from .metrics import quality, reduction_rate
 from .progress import announce
 from .quadtree import QuadtreeMap, extent, without_passers
+from .readers import Session
 from .reduction import Reduction
 from .scans import Log
+from .scans.moving import is_timed
 from .segments import SegmentMap, main_direction
 
 Map = TypeVar("Map", SegmentMap, QuadtreeMap)
+
+#: The options of `segmap map` that name a function, and how those of its thresholds begin.
+BEGIN = {"align": "align_", "extract": "extract_", "method": "", "second": "second_"}
 
 
 @dataclass(frozen=True)
@@ -40,7 +46,7 @@ class Call:
         for name, value in self.thresholds.items():
             text = _short(value) if isinstance(value, float) else repr(value)
             if isinstance(value, float) and said[name].read_unit != said[name].unit:
-                read = float(f"{said[name].read(value):.6g}")
+                read = _read(said[name], value)
                 exact = said[name].meant(read) == value
                 text = f"np.radians({_short(read)})" if exact else repr(float(value))
             written += f", {name}={text}"
@@ -81,12 +87,25 @@ class Recipe:
         )
         return (veto, tie) if self.align.name == "pose_graph" else ([], [])
 
-    def world(self) -> Frame:
-        """Where the map lies on the earth."""
-        place, (north,) = self.edits.get("place"), self.edits.get("north", [None])
-        if place is None and {"north", "crs"} & {*self.edits}:
-            raise ValueError("north and a grid need a place: the one of (0, 0) of the map")
-        return placed_at(place, north, self.edits.get("crs"))
+    def session(self, log: Log, runs: Sequence[Mapping[str, Any]]) -> Session:
+        """The choices by the options of `segmap map`, with a log, as it was read, and its runs."""
+        calls = [self.align, self.extract, *self.methods]
+        usual = {"extract": "extract_polylines"}
+        if not self.align.thresholds:  # else it is named: they are not for another one
+            usual["align"] = alignment.usual_method(log)
+        settings: dict[str, Any] = {"method": "none"}
+        for (kind, begin), call in zip(BEGIN.items(), calls, strict=False):
+            if call.name != usual.get(kind):
+                settings[kind] = call.name
+            said, defaults = declared(call.function), inspect.signature(call.function).parameters
+            for name, value in call.thresholds.items():
+                if value != defaults[name].default:
+                    settings[begin + name] = _read(said[name], value)
+        held = {"filter": self.least, "seen_through": self.seen_through}
+        settings |= {name: value for name, value in held.items() if value}
+        if is_timed(log) and not self.deskew:
+            settings["no_deskew"] = True
+        return Session(log, settings, runs, self.edits)
 
     def code(self) -> str:
         """The calls that make the same, to be copied: `map`, `reduced` and `other`."""
@@ -117,7 +136,7 @@ class Recipe:
         lines.append("segmap.reduction_rate(map, reduced), segmap.quality(map, reduced)")
         name, world = "map.svg", ""
         if "place" in self.edits:
-            name, world = "map.geojson", f", world=segmap.exports.{self.world()!r}"
+            name, world = "map.geojson", f", world=segmap.exports.{world_of(self.edits)!r}"
         lines.append(f'# segmap.exports.write_segments("{name}", reduced{world})')
         body = "\n".join(lines)
         return ("import numpy as np\n\n" if "np." in body else "") + f"import segmap\n\n{body}\n"
@@ -228,7 +247,7 @@ class Outcome:
             if not known:
                 announce(0.0, f"reducing {len(self.map)} segments by {call.name}")
                 known = [arrays.instance(call.run(self.map), call.name, Reduction)]
-            found += known[:1]
+            found.append(known[0])
         return found
 
     @cached_property
@@ -307,7 +326,7 @@ def begin(recipe: Recipe, log: Log, before: Outcome | None = None) -> Outcome:
     ValueError
         Where a function refuses its thresholds or the log, or no segment is left.
     """
-    recipe.world()  # a wrong place is refused now, and not where the map is written
+    world_of(recipe.edits)  # a wrong place is refused now, and not where the map is written
     made = Outcome(recipe, log, before)
     verdict = made.verdict  # before the map, of which it may say why nothing is left
     if not len(made.map):
@@ -341,11 +360,28 @@ def cropped(map: Map, corners: Sequence[float] | None) -> Map:
     return found
 
 
+def world_of(edits: Mapping[str, Any]) -> Frame:
+    """Where a map lies on the earth that is edited so."""
+    place, (north,) = edits.get("place"), edits.get("north", [None])
+    if place is None and {"north", "crs"} & {*edits}:
+        raise ValueError("north and a grid need a place: the one of (0, 0) of the map")
+    return placed_at(place, north, edits.get("crs"))
+
+
 def _called(room: Any, name: str, call: Call, data: str) -> str:
     """A call of a method, by its own name where the room exports it, else out of METHODS."""
     own = getattr(room, call.name, None) is call.function
     path = f"segmap.{name}.{call.name}" if own else f"segmap.{name}.METHODS[{call.name!r}]"
     return f"{path}({data}{call.arguments()})"
+
+
+def _read(said: Declared, value: Any) -> Any:
+    """A threshold as people read it; without the digits that a conversion adds, if it is one."""
+    if not isinstance(value, float):
+        return value
+    read = said.read(value)
+    brief = float(f"{read:.6g}")
+    return brief if said.meant(brief) == value else read
 
 
 def _short(value: float) -> str:

@@ -3,6 +3,7 @@
 import os
 import shutil
 import tempfile
+from contextlib import contextmanager
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -34,6 +35,18 @@ def shared_file(name: str) -> Path:
 def slow(*values: object) -> object:
     """A case of a parametrized test that only `make test-all` runs; `make test` runs others."""
     return pytest.param(*values, marks=pytest.mark.slow)
+
+
+@contextmanager
+def dask(folder):
+    """An executor of a small cluster, where that is installed."""
+    distributed = pytest.importorskip("distributed")
+    options = {"dashboard_address": ":0", "local_directory": str(folder)}
+    with (
+        distributed.LocalCluster(n_workers=2, threads_per_worker=1, **options) as cluster,
+        distributed.Client(cluster) as client,
+    ):
+        yield client.get_executor()
 
 
 class later:

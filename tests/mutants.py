@@ -48,6 +48,11 @@ REWRITTEN = "pytest.PytestAssertRewriteWarning"
 #: Files of tests under another name, and those of rooms that try this one too: what is written is
 #: read again.
 ALSO = {
+    "_recipe": (
+        "panels/test_workbench.py",
+        "panels/test_workbench_session.py",
+        "commands/test_commands.py",
+    ),
     "alignment/pose_graph": ("matching/test_merge.py",),
     "exports": ("readers/test_graph_files.py", "readers/test_segment_files.py"),
     "grading": ("course/grading/test_grades_table.py", "course/grading/test_handout.py"),

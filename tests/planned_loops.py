@@ -1,9 +1,12 @@
 """A robot that drives to and fro in a room, and a graph whose loops close where a test plans it."""
 
+import threading
+
 import numpy as np
 
 from segmap.alignment import LiveGraph
 from segmap.alignment.pose_graph import Placed
+from segmap.matching import LiveMap
 from segmap.poses import compose
 from segmap.simulation import Sensor, drive, rectangular_room, simulate
 
@@ -37,3 +40,17 @@ class Planned(LiveGraph):
 
     def __len__(self):
         return self.count
+
+
+def held_back(monkeypatch):
+    """The thread that draws a map anew waits for the sign that is returned."""
+    names = LiveMap.add.__globals__  # the examples of a file may have loaded it once more
+    go, real = threading.Event(), names["insert"]
+
+    def insert(*given, free):
+        if threading.current_thread().name == "new map":
+            go.wait(20)
+        real(*given, free=free)
+
+    monkeypatch.setitem(names, "insert", insert)
+    return go

@@ -66,7 +66,7 @@ def _write(path: Path, log: Log, poses: Alignment | None) -> str:
         kind, rows = ("odometry", log.odometry) if poses is None else (poses.method, poses.poses)
         if poses is None and log.truth is not None and np.isfinite(log.truth).all(1).any():
             kind, rows = "ground truth", log.truth
-        if poses is None and not np.isfinite(rows).all(1).any():
+        if not np.isfinite(rows).all(1).any():
             raise ValueError("the log has no poses to write: --align pose_graph finds them")
         exports.write_tum(path, log, rows)
         return f"{path}: {counted(int(np.isfinite(rows).all(1).sum()), 'pose')} by {kind}"

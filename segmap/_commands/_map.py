@@ -5,7 +5,6 @@ from __future__ import annotations
 import argparse
 import csv
 import re
-from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -13,9 +12,8 @@ from typing import Any
 
 from .. import exports, extraction, metrics
 from .._display import counted
-from .._recipe import Outcome, Recipe
+from .._recipe import Outcome, Recipe, world_of
 from ..files import write_bytes
-from ..readers import Session
 from ..reduction import METHODS, Reduction
 from ..scans import Log
 from . import opening
@@ -132,7 +130,7 @@ def pairs(text: str) -> list[str]:
 def map_log(given: argparse.Namespace, log: Log, paths: list[Path], report: Report) -> int:
     """Map one log, and write what was asked for where there is a map."""
     made = opening.tell_poses(Outcome(recipe_of(given, log), log), report)
-    return mapped(given, made, paths, report, partial(opening.session_of, given, log))
+    return mapped(given, made, made.recipe, paths, report)
 
 
 def recipe_of(given: argparse.Namespace, log: Log) -> Recipe:
@@ -149,13 +147,9 @@ def recipe_of(given: argparse.Namespace, log: Log) -> Recipe:
 
 
 def mapped(
-    given: argparse.Namespace,
-    made: Outcome,
-    paths: list[Path],
-    report: Report,
-    session: Callable[[dict[str, Any]], Session],
+    given: argparse.Namespace, made: Outcome, kept: Recipe, paths: list[Path], report: Report
 ) -> int:
-    """Say how a map comes out, and write it; `session` keeps the figures of this run."""
+    """Say how a map comes out, and write it; a session has what is `kept`, and these figures."""
     if given.seen_through is not None:
         pairs = zip(made.log, made.seen, strict=True)
         gone = sum(int(a.valid.sum() - b.valid.sum()) for a, b in pairs)
@@ -183,9 +177,9 @@ def mapped(
 
             write_map_picture(path, made.map, after)
         elif path.suffix.lower() == ".segmap":
-            exports.write_session(path, session(report.found))
+            exports.write_session(path, kept.session(made.given, [report.found]))
         else:
-            exports.write_segments(path, after, world=opening.world_of(given))
+            exports.write_segments(path, after, world=world_of(made.recipe.edits))
 
     return opening.finished(given, made.verdict, paths, report, write)
 

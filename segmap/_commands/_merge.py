@@ -11,7 +11,6 @@ from typing import Any
 from .._recipe import Call, Outcome
 from ..alignment import Verdict
 from ..matching import merge
-from ..readers import Session
 from ..scans import Log
 from . import opening
 from ._map import add_making, check_making, mapped, recipe_of
@@ -53,12 +52,8 @@ def merge_logs(given: argparse.Namespace, log: Log, paths: list[Path], report: R
     scans = [scan for each in logs for scan in each]
     scans = [replace(s, odometry=pose) for s, pose in zip(scans, found.poses, strict=True)]
     both = Log(f"{first.name} and {log.name}", scans, found.trusted)
-
-    def session(figures: dict[str, Any]) -> Session:
-        """Both logs as one that is aligned: the next may be merged with it."""
-        kept = opening.session_of(given, both, figures)
-        return replace(kept, settings={**kept.settings, "align": "ground_truth"})
-
-    recipe = replace(recipe_of(given, both), align=Call("merge", lambda _: found), deskew=False)
+    given.align = "ground_truth"  # as one log that is aligned: the next may be merged with it
+    kept = replace(recipe_of(given, both), deskew=False)
+    recipe = replace(kept, align=Call("merge", lambda _: found))
     made = opening.tell_poses(Outcome(recipe, both), report)
-    return mapped(given, made, paths, report, session)
+    return mapped(given, made, kept, paths, report)

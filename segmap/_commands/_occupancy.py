@@ -12,7 +12,7 @@ import numpy as np
 
 from .. import exports, quadtree
 from .._display import counted
-from .._recipe import cropped
+from .._recipe import cropped, world_of
 from ..alignment import Alignment, Verdict
 from ..matching import MATCHERS, SCORES, map_scans
 from ..progress import each
@@ -84,7 +84,7 @@ def map_log(given: argparse.Namespace, log: Log, paths: list[Path], report: Repo
     words = f"{size}: {area:.2f} m2 occupied, {len(full)} leaves in {map.nbytes / 1024:.0f} KB"
     figures = {"width": right - left, "height": high - low, "occupied": area, "leaves": len(full)}
     report.line("mapped", words, **figures, resolution=given.resolution, bytes=map.nbytes)
-    world = opening.world_of(given)
+    world = world_of(opening.edits_of(given))
     return opening.finished(given, verdict, paths, report, lambda path: _write(path, map, world))
 
 

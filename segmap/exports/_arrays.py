@@ -62,7 +62,7 @@ def write_session(path: str | Path, session: Session) -> None:
     {'method': 'fusion'}
     """
     place = arrays.file(path)
-    if place.suffix != ".segmap":
+    if place.suffix.lower() != ".segmap":
         raise ValueError(f"path: the name must end in .segmap, got {place.name!r}")
     log = arrays.instance(session, "session", Session).log
     said = {name: getattr(session, name) for name in ("settings", "runs", "edits")}

@@ -113,7 +113,7 @@ def _meant(made: Any, said: Declared, first: Any) -> Any:
         return read
     if first is not None and read == _read(said, first):
         return first
-    return said.meant(float(f"{read:.6g}"))
+    return said.meant(float(f"{read:.12g}"))  # a slider adds digits
 
 
 def folded(name: str, box: Any, tooltip: str = "") -> Any:

@@ -43,7 +43,7 @@ from segmap._recipe import Call, follow
 from segmap.arrays import Metres, Radians, RadiansPerMetre, checked
 from segmap.methods import Method
 from segmap.panels.workbench import Workbench
-from segmap.panels.workbench._session import read
+from segmap.panels.workbench._source import read
 from segmap.quadtree import QuadtreeMap
 
 plt = later("matplotlib.pyplot")
@@ -442,8 +442,8 @@ def test_locate_finds_a_log_on_a_map_of_either_kind(run, folder):
         (("map", "--strict", "90"), "90 must be from 0 to 1"),
         (("map", "--strict", "nan"), "nan must be from 0 to 1"),
         (("map", "--crop", "0", "0", "-1", "2"), "--crop: wanted left < right and low < high"),
-        (("map", "--north", "30"), "--north needs --place, the place of the map's (0, 0)"),
-        (("occupancy", "--crs", "EPSG:25832"), "--crs needs --place"),
+        (("map", "--north", "30"), "--place: north and a grid need a place"),
+        (("occupancy", "--crs", "EPSG:25832"), "--place: north and a grid need a place"),
         (("map", "--place", "52", "13", "-o", "it.dxf"), "--place is for a .geojson"),
         (
             ("occupancy", "--place", "5", "5", "--crs", "UTM", "-o", "it.geojson"),
@@ -515,7 +515,7 @@ def test_a_session_repeats_its_map(run, near):
     code, said, _ = run("map", "it.segmap", "--angle", "3", "--json")
     assert code == 0 and json.loads(said)["reduced"]["segments"] != before["reduced"]["segments"]
     code, said, _ = run("occupancy", "it.segmap")
-    assert code == 0 and "its method, angle, extract_gap left out: no option" in said
+    assert code == 0 and "its method, extract_gap, angle left out: no option" in said
     assert "turned " in said and "cropped " in said
 
 
@@ -572,7 +572,7 @@ def test_options_in_a_file_are_those_of_the_command(run, near):
     """Catches another unit than the option's, a file that wins, and an output in two places."""
     Path("map.toml").write_text(
         'method = "hybrid"\nangle = 20\nextract-gap = 0.2\nsquare = true\n'
-        'crop = [-2, -30.0, 20.5, 30]\noutput = ["a.csv"]\njson = true\n'
+        'crop = [-2, -30.0, 20.5, 30]\noutput = ["a.csv"]\njson = true\nskip = false\n'
     )
     run("map", near, *CHOICE, *CROP, "-o", "it.csv")
     code, said, _ = run("map", near, "--config", "map.toml")
@@ -900,6 +900,8 @@ def test_sessions_of_one_building_are_merged_and_the_next_comes_to_them(run, nea
     code, said, _ = run("merge", "one.npz", near, "--method", "none", "-o", "no.csv", "--force")
     assert code == 3 and not Path("no.csv").exists()
     assert "  verdict   NOT A MAP: the sessions are not merged: only 0 places" in said
+    code, _, beside = run("merge", "it.segmap", near, "--penalty", "1")
+    assert code == 1 and "none has no --penalty" in beside
     for first, words in (
         ("none.npz", "none.npz: does not exist"),
         ("it.segmap", "cannot write it.segmap: it is the first log itself"),
@@ -1047,6 +1049,8 @@ def test_convert_to_arrays_keeps_where_the_points_are(run, near):
     assert "12 scans, 0 with a corrected pose" in run("convert", "bare.npz", "-o", "bare.log")[1]
     dark = segmap.LaserScan([9.0, np.nan], [0, 1], max_range=8.5, codes=[0, 7])
     exports.write_arrays("dark.npz", segmap.Log("dark", [dark]))
+    code, _, beside = run("convert", "dark.npz", "-o", "dark.tum")
+    assert code == 1 and "the log has no poses to write" in beside
     found = segmap.read("dark.npz")[0]
     assert not found.valid.any() and found.max_range == 8.5 and found.codes.tolist() == [0, 7]
     scans = [segmap.LaserScan([1.0] * n, range(n)) for n in (1, 2)]
@@ -1178,7 +1182,9 @@ def test_the_page_is_served_to_this_machine_only(run, monkeypatch):
     assert Path(asked[0][0]).is_file() and asked[0][0] == asked[1][0]
     both = {"--Voila.ip=127.0.0.1", "--Voila.auto_token=True"}
     assert {*asked[0][1:]} == both | {"--Voila.port=8890", "--Voila.port_retries=0"}
-    assert {*asked[1][1:]} == both | {"--no-browser"}
+    monkeypatch.delenv("DISPLAY"), monkeypatch.delenv("WAYLAND_DISPLAY", raising=False)
+    run("app")
+    assert {*asked[1][1:]} == {*asked[2][1:]} == both | {"--no-browser"}
     monkeypatch.setitem(sys.modules, "voila.app", None)
     code, _, told = run("app")
     assert code == 1 and told == "segmap: the page needs voila: pip install 'segmap[app]'\n"

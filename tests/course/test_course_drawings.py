@@ -17,7 +17,7 @@ from segmap.experiments import select
 from segmap.exports import ros_classes
 from segmap.matching import DistanceField
 from segmap.metrics import distance_terms
-from segmap.plotting import ERROR, GROUPS, MAP, RAW, RESULT, figure_png, method_style
+from segmap.plotting import ERROR, GROUPS, MAP, RAW, RESULT, figure_png
 from segmap.poses import transform
 from segmap.quadtree import QuadtreeMap
 from segmap.reduction import fusion, hough, hybrid
@@ -61,7 +61,6 @@ def run(map, method, quality, seconds=1.0, filtered=0.0, **thresholds):
 HALL = [run("hall", "fusion", q, tolerance=t) for q, t in ((0.9, 0.02), (0.8, 0.04))]
 NOISE = run("hall", "fusion", 0.1, filtered=0.1, tolerance=0.02)
 SHIFTED = [run("hall", "mean_shift", 0.5, sigma=s, bandwidth=0.9) for s in (0.1, 0.2)]
-HYBRID = method_style("hybrid", 0)[0]
 
 #: What each drawing consists of, and what its labels, its title or its letters say.
 DRAWN = {

@@ -2,7 +2,7 @@
 
 import sys
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
-from contextlib import contextmanager, nullcontext
+from contextlib import nullcontext
 from dataclasses import replace
 from itertools import cycle
 from multiprocessing import get_context
@@ -10,7 +10,7 @@ from multiprocessing import get_context
 import numpy as np
 import pytest
 import tqdm
-from conftest import slow
+from conftest import dask, slow
 from pandas.testing import assert_frame_equal
 from sweep_samples import (
     GRIDS,
@@ -144,17 +144,6 @@ def test_seconds_are_the_median_of_the_runs_after_one_call_for_all():
 
 
 # ------------------------------------------------------------------ where it is run
-
-
-@contextmanager
-def dask(folder):
-    distributed = pytest.importorskip("distributed")
-    options = {"dashboard_address": None, "local_directory": str(folder)}
-    with (
-        distributed.LocalCluster(n_workers=2, threads_per_worker=1, **options) as cluster,
-        distributed.Client(cluster) as client,
-    ):
-        yield client.get_executor()
 
 
 @pytest.mark.parametrize("kind", ["processes", slow("dask")])

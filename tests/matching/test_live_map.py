@@ -8,7 +8,7 @@ from unittest.mock import Mock
 
 import numpy as np
 import pytest
-from planned_loops import LOG, Planned
+from planned_loops import LOG, Planned, held_back
 from quadtrees import state
 
 from segmap import LaserScan, extraction
@@ -87,14 +87,7 @@ def test_a_new_graph_closes_loops():
 
 def test_the_old_map_stands_until_the_new_one_holds_all_scans(monkeypatch):
     """Catches a map that is empty for seconds, and one that misses what came meanwhile."""
-    go, real = threading.Event(), _live_map.insert
-
-    def slow(*given, free):
-        if threading.current_thread().name == "new map":
-            go.wait(20)
-        real(*given, free=free)
-
-    monkeypatch.setitem(LiveMap.add.__globals__, "insert", slow)
+    real, go = _live_map.insert, held_back(monkeypatch)
     live, old = LiveMap(Planned((9,)), map=blank()), blank()
     for k, scan in enumerate(LOG):
         real(old, None, scan, live.add(scan).pose, free=False)

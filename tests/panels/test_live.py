@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from emulated import emulator_threads, needs_terminals, pattern, wait_for
-from planned_loops import LOG, Planned
+from planned_loops import LOG, Planned, held_back
 
 from segmap import LaserScan, load
 from segmap.hokuyo import Newest, SensorError, UrgSensor
@@ -129,18 +129,9 @@ def test_the_panel_tells_of_a_lost_sensor():
 @pytest.fixture
 def planned(monkeypatch):
     """The panel's graph closes loops at two scans; the thread that draws anew waits for a sign."""
-    names = LiveMap.add.__globals__  # the examples of a file may have loaded it once more
-    go, real = threading.Event(), names["insert"]
-
-    def slow(*given, free):
-        if threading.current_thread().name == "new map":
-            go.wait(20)
-        real(*given, free=free)
-
-    monkeypatch.setitem(names, "insert", slow)
     graph = partial(LiveMap, Planned((5, 9)))
     monkeypatch.setitem(LivePanel._match.__globals__, "LiveMap", graph)
-    return go
+    return held_back(monkeypatch)
 
 
 def test_a_loop_draws_the_map_anew(planned):

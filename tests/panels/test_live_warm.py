@@ -58,10 +58,3 @@ def test_nothing_compiles_between_the_first_scan_and_the_last(use):
     done = subprocess.run(command, capture_output=True, text=True, check=True)
     count, _, late = done.stdout.partition(" ")
     assert int(count) >= 4 and late.strip() == "[]"
-
-
-def test_the_robot_that_warms_a_graph_closes_loops():
-    """Catches a room whose loops are refused by now: the solver was loaded in a step, 0.1 s."""
-    from segmap.matching import _mapping
-
-    assert any(_mapping._warm_graph())

@@ -6,6 +6,7 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
+import pandas as pd
 import pytest
 from driven_panels import LOG, WALLS
 from matplotlib.figure import Figure
@@ -15,9 +16,10 @@ from segmap import LaserScan, Log, SegmentMap, reduction
 from segmap._display import facts
 from segmap.metrics import grade_quality, grade_reduction
 from segmap.panels import Workbench
-from segmap.panels.workbench import _bar, _shown
+from segmap.panels.workbench import _bar, _loops, _shown
 from segmap.panels.workbench._bar import Bar
 from segmap.panels.workbench._edits import Edits
+from segmap.panels.workbench._loops import Loops
 from segmap.panels.workbench._source import OWN, Source
 from segmap.panels.workbench._upload import Upload
 from segmap.plotting import MAP, RAW, RESULT, draw_segments, figure_png, map_axes
@@ -37,7 +39,7 @@ def test_each_word_of_the_bar(monkeypatch):
         (113.0, 0.7, "aligning 4 scans", "aligning 4 scans, 1 s left"),
         (114.0, 0.8, "reducing <b>", "reducing &lt;b&gt; ..."),
         (200.0, 0.0, "measuring", "measuring ..."),
-        (203.0, 0.019, "measuring", "measuring, 3 s so far"),
+        (202.0, 0.019, "measuring", "measuring, 2 s so far"),
         (204.0, 0.02, "measuring", "measuring, 196 s left"),
     ):
         clock[0] = at
@@ -95,6 +97,19 @@ def test_maps_go_to_the_browser_about_their_middle():
     assert canvas.second == b"" and len(canvas.first) == 32
 
 
+def test_a_new_map_without_loops_shows_its_own_scans(monkeypatch):
+    """Catches a picture that stays of the map before."""
+    rows, drawn = pd.DataFrame({"first": [2], "second": 7, "residual": 1.0, "metres": 9.0}), []
+    monkeypatch.setattr(_loops, "overlaid", lambda *given: str(drawn.append(given)))
+    loops = Loops(Edits(), lambda way, scans: drawn.append(scans), str)
+    loops.open.value = True
+    for table, count in ((rows, 9), (rows[:0], 5)):
+        found = SimpleNamespace(graph=rows, poses=np.zeros((9, 3)), loops=table.copy)
+        made = SimpleNamespace(log=range(count), alignment=found)
+        loops.show(made)
+        assert drawn[-2:] == [[2, min(7, count - 1)], (made, 2, min(7, count - 1))]
+
+
 # ------------------------------------------------------------------ words and pictures
 
 
@@ -142,10 +157,9 @@ def test_what_is_said_of_a_run_letter_by_letter(outcome):
     assert _shown.left(outcome) == f"{lines}{'<br>'.join(map(escape, [*said, 'a < b']))}</div>"
     told = [f"<b>{LOG.name if k == 'scans' else k}</b> {escape(v)}" for k, v in facts(LOG)]
     assert _shown.about(LOG) == f"{lines}{'<br>'.join(told)}</div>"
-    assert _shown.code("a < b").startswith("<pre style=") and ">a &lt; b</pre>" in _shown.code(
-        "a < b"
-    )
-    assert f'onclick="{_shown.COPY}">Copy</button>' in _shown.code("")
+    code = _shown.code("a < b")
+    assert code.startswith("<pre style=") and ">a &lt; b</pre>" in code
+    assert f'onclick="{_shown.COPY}">Copy</button>' in code
 
 
 def test_numbers_and_bars_of_the_table():

@@ -5,6 +5,7 @@ import io
 import json
 import re
 
+import alignment_logs as logs
 import numpy as np
 import pytest
 from matplotlib.image import imread
@@ -14,7 +15,6 @@ from segmap import readers
 from segmap._commands import main
 from segmap.panels import Workbench
 from segmap.panels.workbench import _loops
-from segmap.panels.workbench._session import restore, session_of
 
 
 @pytest.fixture
@@ -22,7 +22,7 @@ def chosen():
     """A workbench on which much is not as at first."""
     workbench = Workbench(segmap.load("room"))
     workbench.align.value, workbench.extract.value = "odometry", "extract_clusters"
-    workbench.extract["gap"].value, workbench.extract["fit"].value = 0.25, "algebraic"
+    workbench.extract["gap"].value, workbench.extract["fit"].value = 0.251234567, "algebraic"
     workbench.method.value, workbench.least.value = "hybrid", 0.15
     workbench.method["angle"].value = 7.5
     workbench.second.value, workbench.deskew.value = "mean_shift", False
@@ -31,7 +31,7 @@ def chosen():
 
 
 SETTINGS = {
-    **{"align": "odometry", "extract": "extract_clusters", "extract_gap": 0.25},
+    **{"align": "odometry", "extract": "extract_clusters", "extract_gap": 0.251234567},
     **{"extract_fit": "algebraic", "method": "hybrid", "angle": 7.5, "filter": 0.15},
     **{"second": "mean_shift", "second_sigma": 0.3, "no_deskew": True, "seen_through": 0.35},
 }
@@ -39,33 +39,34 @@ SETTINGS = {
 
 def test_what_is_chosen_comes_back(chosen, tmp_path):
     """Catches a choice that is lost, degrees that become radians, and a slider left as it was."""
-    session = session_of(chosen._choices, chosen.log, [{"method": "hybrid"}])
+    session = chosen._work()[0].session(logs.moving_log(), [{"method": "hybrid"}])
     assert session.settings == SETTINGS and session.runs == [{"method": "hybrid"}]
     other = Workbench(segmap.load("room"))
     other.method.value = "hybrid"
     other.method["distance"].value = 0.9
-    restore(other._choices, session)
-    assert session_of(other._choices, chosen.log, ()).settings == SETTINGS
-    restore(other._choices, readers.Session(chosen.log, {"method": "fusion", "tolerance": 3.0}))
-    assert other.method["tolerance"].value == 3.0 and other.second.value == "none"
+    other._choices.restore(session)
+    assert other._work()[0].session(session.log, ()).settings == SETTINGS
+    other._choices.restore(readers.Session(chosen.log, {"method": "fusion", "tolerance": 3.0}))
+    assert other.method["tolerance"].value == 3.0 and other.extract.value == "extract_polylines"
+    assert (other.align.value, other.second.value) == ("ground_truth", "none")
     for wrong in ({"method": "magic"}, {"method": "fusion", "tolerance": "wide"}):
         with pytest.raises(ValueError, match="the session cannot be chosen here: "):
-            restore(other._choices, readers.Session(chosen.log, wrong))
+            other._choices.restore(readers.Session(chosen.log, wrong))
 
 
 def test_page_and_command_make_one_map(chosen, tmp_path, monkeypatch, capsys):
     """Catches a default, a unit or a threshold in which the two differ."""
     monkeypatch.chdir(tmp_path)
     chosen.run()
-    chosen.export("it.segmap")
-    assert main(["map", "it.segmap", "--json", "-o", "it.csv"]) == 0
+    chosen.export("it.SEGMAP")
+    assert main(["map", "it.SEGMAP", "--json", "-o", "it.csv"]) == 0
     found = json.loads(capsys.readouterr().out)
     assert found["session"]["text"] == "its second, second_sigma left out: no option here"
     wanted = chosen.outcome.reductions[0].segments
     assert np.array_equal(readers.read_segments("it.csv").segments, wanted) and len(wanted) > 20
     # opened in another page, it is chosen as it was; its runs stand in the table
     page = Workbench(segmap.load("malaga")[:3])
-    page.open("it.segmap")
+    page.open("it.SEGMAP")
     assert page.log.name == "room" and page.runs.equals(chosen.runs) and len(page.runs) == 2
     page.run()
     assert np.array_equal(page.outcome.reductions[0].segments, wanted)
@@ -133,16 +134,10 @@ def test_a_loop_is_taken_back_without_a_scan_placed_anew(mended, monkeypatch):
     loops, said = mended.loops, []
     monkeypatch.setattr(mended._bar, "tell", lambda share, words: said.append(words))
     words, names = zip(*loops.listed.options, strict=True)
-    assert words[0] == "4-151: left out" and {*names} == {
-        "0-145",
-        "1-147",
-        "3-149",
-        *EDITS["veto"],
-        *EDITS["tie"],
-    }
-    assert re.fullmatch(
-        r"5-151 \(by you\): 0\.\d\d sd off, 7\d m round", words[names.index("5-151")]
-    )
+    assert {*names} == {"0-145", "1-147", "3-149", "4-151", "5-151"}
+    assert words[0] == "4-151: left out"
+    forced = words[names.index("5-151")]
+    assert re.fullmatch(r"5-151 \(by you\): 0\.\d\d sd off, 7\d m round", forced)
     assert loops.open.description == "loops (4)" and loops.mend.description == "Take it back"
     for name in ("5-151", "4-151"):
         loops.listed.value = name

@@ -18,11 +18,11 @@ from ._poses import (
     add_world,
     call,
     check_options,
+    edits_of,
     placed,
     recipe_of,
     tell_alignment,
     tell_deskewing,
     tell_poses,
-    world_of,
 )
-from ._settings import parsed, session_of
+from ._settings import parsed

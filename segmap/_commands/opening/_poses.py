@@ -11,9 +11,8 @@ from typing import Any
 import numpy as np
 
 from ..._display import counted
-from ..._recipe import Call, Outcome, Recipe
+from ..._recipe import Call, Outcome, Recipe, world_of
 from ...alignment import METHODS, Alignment, usual_method
-from ...exports import Frame, placed_at
 from ...scans import Log
 from ...scans.moving import is_timed
 from ...segments import SegmentMap
@@ -50,11 +49,15 @@ def recipe_of(given: argparse.Namespace, log: Log) -> Recipe:
     name = getattr(given, "align", None) or usual_method(log)
     refuse_others(given, name, METHODS, "align_")
     align = call(given, name, METHODS[name].function, "align_")
-    if name == "ground_truth":
+    if name == "ground_truth" != usual_method(log):  # some scans have none
         align = replace(align, thresholds={"missing": "drop", **align.thresholds})
-    edits = {name: getattr(given, name, None) for name in EDITS}
     deskew = is_timed(log) and not getattr(given, "no_deskew", True)
-    return Recipe(align, deskew=deskew, edits={k: v for k, v in edits.items() if v})
+    return Recipe(align, deskew=deskew, edits=edits_of(given))
+
+
+def edits_of(given: argparse.Namespace) -> dict[str, Any]:
+    """What the options change in the map, and not in the way to it."""
+    return {name: value for name in EDITS if (value := getattr(given, name, None))}
 
 
 def call(
@@ -142,6 +145,7 @@ def add_world(command: Any) -> None:
     )
     group.add_argument(
         "--north",
+        nargs=1,
         type=float,
         metavar="DEGREES",
         help="where north is in the map, and in the squared one with --square: counter-clockwise "
@@ -160,25 +164,13 @@ def check_options(given: argparse.Namespace) -> None:
     if getattr(given, "align", None):
         refuse_others(given, given.align, METHODS, "align_")
     if hasattr(given, "crop"):
-        world_of(given)
+        useful = any(name.lower().endswith((".geojson", ".segmap")) for name in given.output)
+        if given.place and not useful and "place" not in given.held:
+            given.refuse("--place is for a .geojson, the other files have none: name one with -o")
+        option = "--place"
         try:
+            world_of(edits_of(given))
+            option = "--crop"
             SegmentMap([]).cropped(*given.crop or (0, 0, 1, 1))
         except ValueError as error:
-            given.refuse(f"--crop: {error}")
-
-
-def world_of(given: argparse.Namespace) -> Frame:
-    """Where the map lies; ends with an error of usage where the options do not go together."""
-    if given.place is None:
-        for option in ("north", "crs"):
-            if getattr(given, option) is not None:
-                given.refuse(f"--{option} needs --place, the place of the map's (0, 0)")
-        return Frame()
-    useful = any(name.lower().endswith((".geojson", ".segmap")) for name in given.output)
-    if not useful and "place" not in given.held:
-        given.refuse("--place is for a .geojson, the other files have no place: name one with -o")
-    try:
-        return placed_at(given.place, given.north, given.crs)
-    except ValueError as error:
-        given.refuse(f"--place: {error}")
-        raise
+            given.refuse(f"{option}: {error}")

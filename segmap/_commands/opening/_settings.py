@@ -11,14 +11,7 @@ from typing import Any
 from numpy import format_float_positional
 
 from ...files import shown
-from ...readers import Session
-from ...scans import Log
 
-#: What is asked of one run, and what it reads: no session keeps these.
-OF_A_RUN = {
-    *("logs", "skip", "scan_topic", "odometry_topic", "json", "table", "config"),
-    *("output", "strict", "force", "loops"),
-}
 #: Options that change the map and not the way to it.
 EDITS = {"veto", "tie", "crop", "square", "place", "north", "crs"}
 
@@ -83,14 +76,3 @@ def _written(flag: str, value: Any, action: argparse.Action) -> list[str]:
     if isinstance(action.nargs, int) and action.nargs:
         return [f"--{flag}", *texts]
     return [f"--{flag}={text}" for text in texts]
-
-
-def session_of(given: argparse.Namespace, log: Log, figures: dict[str, Any]) -> Session:
-    """A log with the options that were given for its map, and the figures of this run."""
-    chosen: dict[str, Any] = {}
-    for action in flags(given).values():
-        name, value = action.dest, getattr(given, action.dest, None)
-        if name == "method" or not (name in OF_A_RUN or value in (None, action.default)):
-            chosen[name] = value
-    edits = {name: chosen.pop(name) for name in EDITS & set(chosen)}
-    return Session(log, chosen, [figures], edits)

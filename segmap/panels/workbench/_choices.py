@@ -7,9 +7,11 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 import ipywidgets as W
+from traitlets import TraitError
 
 from ... import alignment, extraction, reduction
-from ..._recipe import Call, Recipe
+from ..._recipe import BEGIN, Call, Recipe
+from ...readers import Session
 from ...scans import Log
 from .._control import ENTRY, control, folded
 from ._edits import Edits
@@ -114,16 +116,20 @@ def _controls(function: Callable[..., Any], varies: str) -> dict[str, Any]:
 
 
 class Choices:
-    """All: `people` is the share for `without_passers`, `least` the length of the filter."""
+    """All: `people` is the share for `without_passers`, `least` the length of the filter.
+
+    `usual` is what is chosen where nobody says anything.
+    """
 
     def __init__(self) -> None:
         alignments = {k: (m.function, "") for k, m in alignment.METHODS.items()}
         reductions = {k: (m.function, m.varies) for k, m in reduction.METHODS.items()}
         extractions = {k: (f, "") for k, f in extraction.METHODS.items()}
-        self._usual = "pose_graph"
-        self.align = Choice("alignment", alignments, self._usual)
-        self.extract = Choice("extraction", extractions, "extract_polylines")
-        self.method = Choice("method", reductions, "least_cost")
+        self.usual = {"align": "pose_graph", "extract": "extract_polylines"}
+        self.usual |= {"method": "least_cost", "second": NONE}
+        self.align = Choice("alignment", alignments, self.usual["align"])
+        self.extract = Choice("extraction", extractions, self.usual["extract"])
+        self.method = Choice("method", reductions, self.usual["method"])
         self.second = Choice("second method", {NONE: None, **reductions}, NONE)
         named: Any = {"description": "leave out below [m]", "style": ENTRY}
         words = "de-skew, where the beams have their times"
@@ -143,9 +149,34 @@ class Choices:
         """
         self.edits.restore({})
         usual = alignment.usual_method(log)
-        if self.align.value == self._usual:
+        if self.align.value == self.usual["align"]:
             self.align.value = usual
-        self._usual = usual
+        self.usual["align"] = usual
+
+    def restore(self, session: Session) -> None:
+        """Choose what a session says, and the defaults of all else.
+
+        Raises
+        ------
+        ValueError
+            Where it says what cannot be chosen here.
+        """
+        held = {**self.usual, **session.settings}
+        try:
+            for kind, begin in BEGIN.items():
+                choice = getattr(self, kind)
+                choice.begin(held[kind])
+                for name, made in choice.controls.items():
+                    value = held.get(begin + name, made.value)
+                    if hasattr(made, "max"):  # of a slider, which may end below
+                        made.max = max(made.max, value)
+                    made.value = str(value) if isinstance(made, W.Text) else value
+            self.edits.restore(session.edits)
+            self.people.value = held.get("seen_through", 0.0)
+            self.least.value = held.get("filter", 0.0)
+            self.deskew.value = "no_deskew" not in held
+        except (TraitError, TypeError, KeyError) as fault:
+            raise ValueError(f"the session cannot be chosen here: {fault}") from fault
 
     def recipe(self, log: str, *, timed: bool) -> Recipe:
         """All that is chosen, for the log that an expression gives; `timed` if its beams are."""

@@ -210,7 +210,7 @@ def serve() -> None:
             kept |= _kept([result])
         except Stopped:
             _send(answers, ("stopped", None))
-        except Exception as fault:
+        except BaseException as fault:  # a method that calls sys.exit ends itself only
             _send(answers, ("failed", said(fault)))
 
 
@@ -231,7 +231,7 @@ def _send(pipe: IO[bytes], value: object, kept: Kept | None = None) -> None:
     pipe.flush()
 
 
-def said(fault: Exception) -> str:
+def said(fault: BaseException) -> str:
     """What an error says; errors that are not of the arguments by their kind too.
 
     Examples

@@ -14,13 +14,12 @@ from typing import Any
 import ipywidgets as W
 
 from ... import arrays, readers
-from ...readers import Session
+from ...readers import Session, read_session
 from ...scans import Log
 from . import _shown
 from ._bar import Bar
 from ._choices import NAME, WRAP
 from ._job import said
-from ._session import read
 
 #: What the list of bundled logs says of a log of one's own.
 OWN = "(a log of your own)"
@@ -130,6 +129,12 @@ class Source:
         """Take no more of what the browser sends, and forget what it has sent."""
         self._drop()
         self._folder = ""
+
+
+def read(path: Path) -> Log | Session:
+    """A log, or a session by the end of its name."""
+    ours = path.suffix.lower() == ".segmap"
+    return read_session(path) if ours else readers.read(path, on_error="skip")
 
 
 def _read(folder: str, name: str) -> Log | Session:

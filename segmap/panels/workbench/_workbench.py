@@ -13,7 +13,7 @@ import ipywidgets as W
 import numpy as np
 
 from ... import arrays, exports
-from ..._recipe import Outcome, Recipe, begin, follow
+from ..._recipe import Outcome, Recipe, begin, follow, world_of
 from ...arrays import Array
 from ...plotting import thumbnail
 from ...progress import told
@@ -27,7 +27,6 @@ from ._bar import Bar
 from ._choices import WRAP, Choices
 from ._job import Worker, said
 from ._loops import Loops
-from ._session import restore, session_of
 from ._source import Source, telling
 
 if TYPE_CHECKING:
@@ -113,7 +112,7 @@ class Workbench:
         self._known = None
         self._choices.begin(log)
         if session is not None:
-            restore(self._choices, session)
+            self._choices.restore(session)
             whole = (
                 row for row in session.runs if {*COLUMNS} <= {*row} and None not in row.values()
             )
@@ -275,11 +274,12 @@ class Workbench:
 
         A name that ends in `.segmap` keeps the log with all that is chosen, and the runs.
         """
-        if arrays.file(path).suffix == ".segmap":
-            exports.write_session(path, session_of(self._choices, self.log, self._rows))
+        if arrays.file(path).suffix.lower() == ".segmap":
+            session = self._work()[0].session(self.log, self._rows)
+            exports.write_session(path, session)
         else:
             result = self._result(which)
-            world = cast(Outcome, self.outcome).recipe.world()
+            world = world_of(cast(Outcome, self.outcome).recipe.edits)
             exports.write_segments(path, result, world=world)
 
     def _download(self, button: Any) -> None:

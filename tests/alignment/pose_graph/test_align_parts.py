@@ -1,13 +1,12 @@
 """Parts of a log, aligned apart and joined: as the whole log, on any executor."""
 
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
-from contextlib import contextmanager
 from multiprocessing import get_context
 
 import alignment_logs as logs
 import numpy as np
 import pytest
-from conftest import slow
+from conftest import dask, slow
 
 from segmap.alignment import LoopClosing, align_parts, pose_graph
 from segmap.alignment.graph import Edge, Rejected
@@ -160,17 +159,6 @@ def test_parts_of_one_scan_and_of_a_few():
     assert_poses_equal(found.poses, whole.poses, atol=0.02)
     first, second = found.graph.edges[~found.graph.loop].T
     assert (first[1:] == second[:-1]).all() and (first < second).all()
-
-
-@contextmanager
-def dask(folder):
-    distributed = pytest.importorskip("distributed")
-    options = {"dashboard_address": None, "local_directory": str(folder)}
-    with (
-        distributed.LocalCluster(n_workers=2, threads_per_worker=1, **options) as cluster,
-        distributed.Client(cluster) as client,
-    ):
-        yield client.get_executor()
 
 
 @pytest.mark.parametrize("kind", ["threads", slow("processes"), slow("dask")])
