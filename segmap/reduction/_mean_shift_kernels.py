@@ -26,7 +26,7 @@ REACH = 3 * (1 + 1e-9) / UNIT
 #: Centres move in a box that begins so far around them; points are looked for so far around it.
 SLACK, NEAR = 0.1 / UNIT, REACH + 0.02 / UNIT
 #: How many centres climb together, and how far apart they may start.
-LANES, SPREAD = 16, 8.0 / UNIT
+LANES, SPREAD = 16, 12 / UNIT
 #: Steps until such runs of centres are made anew; and how many runs a thread takes at a time.
 FIRST, SHARE = 8, 64
 #: Beyond this share of a quarter turn a point counts as perpendicular: it turns neither way.
@@ -48,10 +48,11 @@ class Strips(NamedTuple):
 
 
 class Runs(NamedTuple):
-    """Runs of centres that climb together: room for n of them, and for their n centres."""
+    """Runs of centres that climb together, r of them of n centres."""
 
-    begin: Indices  # where each begins among the centres
-    of: Indices  # its group
+    begin: Indices  # (r,) where each begins among the centres
+    end: Indices
+    group: Indices
     todo: Indices  # how many steps it may still take
     moves: Array  # the square of the largest of its last moves
     centres: Array  # (3, n)
@@ -69,6 +70,13 @@ def _in_strips(points: Array, height: float, group: Indices) -> Strips:
     return Strips(x, y, a, order, row[first[:-1]], first, begins)
 
 
+def _side_by_side(at: Strips) -> Indices:
+    """Where each run begins, of neighbours in a strip and in a square of it."""
+    cuts = np.union1d(np.flatnonzero(np.diff(np.floor(at.x / SPREAD))) + 1, at.first)
+    nth = np.arange(len(at.x)) - np.repeat(cuts[:-1], np.diff(cuts))
+    return np.flatnonzero(nth % LANES == 0)
+
+
 def climb(
     points: Array, group: Indices, period: float, stop: float, most: float = np.inf
 ) -> tuple[Array, int]:
@@ -78,40 +86,38 @@ def climb(
     come to rest: with k(q) = max(0, exp(-q / 2) - exp(-9 / 2)), convex and falling, each step
     raises the sum of k over the points by at least exp(-9 / 2) / 2 times the square of the move,
     and the sum is at most n. Each moves by itself, so "at once" and "in turn" are the same, in any
-    number of threads: each run goes on until it rests by itself, and as long as the longest of its
-    group does, the group cannot rest; then the others take the same number of steps, which may
-    show that one moves again. One that a step leaves where it was stays there.
+    number of threads. So each run goes on until it rests alone; before the last one does the group
+    cannot rest, and the others follow to its step, where one may move again. One that a step leaves
+    where it was stays there.
     """
     n, found, period, rest = len(points), points / UNIT, period / UNIT, (stop / UNIT) ** 2
     strips, steps = _in_strips(found, REACH, group), np.zeros(group.max() + 1, np.int64)
-    begin, of, todo = np.empty((3, n + 1), np.int64)
-    runs = Runs(begin, of, todo, np.empty(n), np.empty((3, n)))
     moving = np.arange(n if most > 0 else 0)
     with team() as each:
 
-        def advance(count: int, bound: float) -> None:
+        def advance(runs: Runs, bound: float) -> None:
             def move(k: int) -> None:
-                _move(strips, runs, k, min(k + SHARE, count), bound, period)
+                _move(strips, runs, k, min(k + SHARE, len(runs.begin)), bound, period)
 
-            each(move, range(0, count, SHARE), f"{len(moving)} of {n} pieces still move")
+            each(move, range(0, len(runs.begin), SHARE), f"{len(moving)} of {n} pieces still move")
 
         while len(moving):
             at = _in_strips(found[moving], REACH, group[moving]) if steps.any() else strips
-            moving, count = moving[at.order], _side_by_side(at, begin, runs.of)
-            runs.centres[:, : len(moving)] = at[:3]
-            of, todo, moves = runs.of[:count], runs.todo[:count], runs.moves[:count]
+            moving, begin = moving[at.order], _side_by_side(at)
+            of, sizes = group[moving[begin]], np.diff(begin, append=len(moving))
             may = np.ceil(np.minimum(2 * steps + FIRST, most - steps)).astype(np.int64)
-            todo[:] = may[of]
-            advance(count, rest)
+            todo, moves, centres = may[of], np.empty(len(of)), np.stack(at[:3])
+            runs = Runs(begin, begin + sizes, of, todo, moves, centres)
+            advance(runs, rest)
             spare = may.copy()
             np.minimum.at(spare, of, todo)  # what no run of a group has taken
             todo -= spare[of]
-            advance(count, 0.0)
+            advance(runs, 0.0)
             steps += may - spare
-            found[moving] = runs.centres[:, : len(moving)].T
+            found[moving] = centres.T
             restless = np.bincount(of, moves > rest, len(steps)) > 0
             live = (restless & (steps < most))[of] & (moves > 0)
-            moving = moving[np.repeat(live, np.diff(begin[: count + 1]))]
+            moving = moving[np.repeat(live, sizes)]
     return found * UNIT, int(steps.max())
 
 
@@ -138,11 +144,10 @@ def _bisect(x: Array | Indices, i: int, j: int, least: float) -> int:
 def _pull(near: Array, count: int, block: Array, period: float, wide: bool) -> None:
     """Add the pull of points on the centres of a `(7, LANES)` block.
 
-    A point is a column of `near`, (4, n): coordinates, and a turn to add to a difference of angle;
-    in a `wide` block differences wrap. Rows of the block are the centres' coordinates, their sum of
-    weights, and their sums of weighted differences (A 4.8, 4.10). For q <= 9, exp(-q / 2) is the
-    256th power of a Taylor series at q / 512, 2 u, to 6e-14: unlike `exp`, products are done for
-    many centres at a time.
+    A column of `near` is a point and a turn to add to differences of angle; they wrap where a block
+    is `wide`. Its rows are the centres' coordinates, their sum of weights, and their sums of
+    weighted differences (A 4.8, 4.10). For q <= 9, exp(-q / 2) is the 256th power of a Taylor
+    series at q / 512 = 2 u, to 6e-14: unlike `exp`, products are done for many centres at a time.
     """
     px, py, pa, turn = near[0], near[1], near[2], near[3]
     x, y, a = block[0], block[1], block[2]
@@ -170,10 +175,9 @@ def _pull(near: Array, count: int, block: Array, period: float, wide: bool) -> N
 
 @compiled
 def _gather(strips: Strips, g: int, box: Array, near: Array, period: float) -> tuple[int, bool]:
-    """Write the points of a group that may pull a centre in a box as `_pull` wants them: how many.
+    """Write the points of a group that may pull a centre in a box, (3, 2): how many, for `_pull`.
 
-    The box is least and most of each coordinate, `(3, 2)`. Points are turned to the box's side,
-    unless it is too wide to have one: the second answer.
+    They are turned to the box's side, unless it is too wide to have one: the second answer.
     """
     left, right = box[0, 0] - NEAR, box[0, 1] + NEAR
     bottom, top = box[1, 0] - NEAR, box[1, 1] + NEAR
@@ -196,14 +200,11 @@ def _gather(strips: Strips, g: int, box: Array, near: Array, period: float) -> t
 
 @compiled
 def _move(strips: Strips, runs: Runs, start: int, stop: int, bound: float, period: float) -> None:
-    """Move runs until they have nothing to do, or none of its centres moves more than the bound.
-
-    The bound is a square, as the moves are. Centres see the points of their group.
-    """
+    """Let runs take their steps, each until it has none left or its move is at most the bound."""
     centres, block, box = runs.centres, np.zeros((7, LANES)), np.zeros((3, 2))
     near = np.empty((4, len(strips.x)))
     for run in range(start, stop):
-        begin, end, count, wide = runs.begin[run], runs.begin[run + 1], -1, False
+        begin, end, count, wide = runs.begin[run], runs.end[run], -1, False
         while runs.todo[run] > 0:
             within = count >= 0
             for c in range(3):
@@ -215,7 +216,7 @@ def _move(strips: Strips, runs: Runs, start: int, stop: int, bound: float, perio
                 for c in range(3):
                     box[c, 0] = centres[c, begin:end].min() - SLACK
                     box[c, 1] = centres[c, begin:end].max() + SLACK
-                count, wide = _gather(strips, runs.of[run], box, near, period)
+                count, wide = _gather(strips, runs.group[run], box, near, period)
             _pull(near, count, block, period, wide)
             largest = 0.0
             for i in range(end - begin):
@@ -230,22 +231,6 @@ def _move(strips: Strips, runs: Runs, start: int, stop: int, bound: float, perio
             runs.todo[run], runs.moves[run] = runs.todo[run] - 1, largest
             if largest <= bound:
                 break
-
-
-@compiled
-def _side_by_side(strips: Strips, begin: Indices, of: Indices) -> int:
-    """Write where each run of neighbours in a strip begins, and its group; the number of runs."""
-    first, count = strips.first, 0
-    for g in range(len(strips.begins) - 1):
-        for r in range(strips.begins[g], strips.begins[g + 1]):
-            start = first[r]
-            for i in range(first[r], first[r + 1]):
-                far = strips.x[i] - strips.x[start] > SPREAD
-                if i == first[r] or i - start == LANES or far:
-                    start, begin[count], of[count] = i, i, g
-                    count += 1
-    begin[count] = len(strips.x)
-    return count
 
 
 @compiled
