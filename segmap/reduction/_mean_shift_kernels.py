@@ -50,9 +50,8 @@ class Strips(NamedTuple):
 class Runs(NamedTuple):
     """Runs of centres that climb together, r of them of n centres."""
 
-    begin: Indices  # (r,) where each begins among the centres
-    end: Indices
-    group: Indices
+    begin: Indices  # (r + 1,) where each begins among the centres, and n
+    group: Indices  # (r,) its group
     todo: Indices  # how many steps it may still take
     moves: Array  # the square of the largest of its last moves
     centres: Array  # (3, n)
@@ -71,10 +70,10 @@ def _in_strips(points: Array, height: float, group: Indices) -> Strips:
 
 
 def _side_by_side(at: Strips) -> Indices:
-    """Where each run begins, of neighbours in a strip and in a square of it."""
+    """Where each run begins, of neighbours in a strip and in a part of it, and where all end."""
     cuts = np.union1d(np.flatnonzero(np.diff(np.floor(at.x / SPREAD))) + 1, at.first)
     nth = np.arange(len(at.x)) - np.repeat(cuts[:-1], np.diff(cuts))
-    return np.flatnonzero(nth % LANES == 0)
+    return np.append(np.flatnonzero(nth % LANES == 0), len(nth))
 
 
 def climb(
@@ -96,18 +95,16 @@ def climb(
     with team() as each:
 
         def advance(runs: Runs, bound: float) -> None:
-            def move(k: int) -> None:
-                _move(strips, runs, k, min(k + SHARE, len(runs.begin)), bound, period)
-
-            each(move, range(0, len(runs.begin), SHARE), f"{len(moving)} of {n} pieces still move")
+            words, parts = f"moving {len(moving)} of {n} pieces", range(0, len(runs.todo), SHARE)
+            each(lambda k: _move(strips, runs, k, bound, period), parts, words)
 
         while len(moving):
             at = _in_strips(found[moving], REACH, group[moving]) if steps.any() else strips
             moving, begin = moving[at.order], _side_by_side(at)
-            of, sizes = group[moving[begin]], np.diff(begin, append=len(moving))
+            of, sizes = group[moving[begin[:-1]]], np.diff(begin)
             may = np.ceil(np.minimum(2 * steps + FIRST, most - steps)).astype(np.int64)
             todo, moves, centres = may[of], np.empty(len(of)), np.stack(at[:3])
-            runs = Runs(begin, begin + sizes, of, todo, moves, centres)
+            runs = Runs(begin, of, todo, moves, centres)
             advance(runs, rest)
             spare = may.copy()
             np.minimum.at(spare, of, todo)  # what no run of a group has taken
@@ -199,13 +196,13 @@ def _gather(strips: Strips, g: int, box: Array, near: Array, period: float) -> t
 
 
 @compiled
-def _move(strips: Strips, runs: Runs, start: int, stop: int, bound: float, period: float) -> None:
-    """Let runs take their steps, each until it has none left or its move is at most the bound."""
+def _move(strips: Strips, runs: Runs, start: int, bound: float, period: float) -> None:
+    """Let a part of the runs take their steps, each until its largest move is within the bound."""
     centres, block, box = runs.centres, np.zeros((7, LANES)), np.zeros((3, 2))
     near = np.empty((4, len(strips.x)))
-    for run in range(start, stop):
-        begin, end, count, wide = runs.begin[run], runs.end[run], -1, False
-        while runs.todo[run] > 0:
+    for run in range(start, min(start + SHARE, len(runs.todo))):
+        begin, end, count, wide, largest = runs.begin[run], runs.begin[run + 1], -1, False, np.inf
+        while runs.todo[run] > 0 and largest > bound:
             within = count >= 0
             for c in range(3):
                 for i in range(LANES):
@@ -229,8 +226,6 @@ def _move(strips: Strips, runs: Runs, start: int, stop: int, bound: float, perio
                     largest = max(largest, dx * dx + dy * dy + da * da)
                 centres[0, k], centres[1, k], centres[2, k] = x, y, a
             runs.todo[run], runs.moves[run] = runs.todo[run] - 1, largest
-            if largest <= bound:
-                break
 
 
 @compiled
