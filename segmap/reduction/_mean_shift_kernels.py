@@ -16,16 +16,19 @@ import numpy as np
 from ..arrays import Array
 from ..compiled import compiled
 from ..kernels import root_of
-from ..progress import announce
-from ..threads import shares, team
+from ..threads import team
 from ._runner import Indices
 
-#: Points farther away than this many deviations, where the weight is 0.011, do not pull.
-REACH = 3 * (1 + 1e-9)
-#: How many centres climb together, and how far apart they may start, in deviations.
-LANES, SPREAD = 16, 8.0
-#: A thread moves at least so many such runs of centres.
-SHARE = 64
+#: Climbing counts in so many deviations: halves and quarters of sums need no products then.
+UNIT = 32
+#: Points farther away than three deviations, where the weight is 0.011, do not pull.
+REACH = 3 * (1 + 1e-9) / UNIT
+#: Centres move in a box that begins so far around them; points are looked for so far around it.
+SLACK, NEAR = 0.1 / UNIT, REACH + 0.02 / UNIT
+#: How many centres climb together, and how far apart they may start.
+LANES, SPREAD = 16, 12 / UNIT
+#: Steps until such runs of centres are made anew; and how many runs a thread takes at a time.
+FIRST, SHARE = 8, 64
 #: Beyond this share of a quarter turn a point counts as perpendicular: it turns neither way.
 PERPENDICULAR = 1 - 1e-9
 #: Intervals at most this far apart, in metres, are joined.
@@ -44,6 +47,16 @@ class Strips(NamedTuple):
     begins: Indices  # (g + 1,) where the strips of each group begin, and r
 
 
+class Runs(NamedTuple):
+    """Runs of centres that climb together, r of them of n centres."""
+
+    begin: Indices  # (r + 1,) where each begins among the centres, and n
+    group: Indices  # (r,) its group
+    todo: Indices  # how many steps it may still take
+    moves: Array  # the square of the largest of its last moves
+    centres: Array  # (3, n)
+
+
 def _in_strips(points: Array, height: float, group: Indices) -> Strips:
     """Strips of a height, deviations, of points `(n, 3)` whose groups, `(n,)`, count from 0."""
     row = np.floor(points[:, 1] / height).astype(np.int64)
@@ -56,6 +69,13 @@ def _in_strips(points: Array, height: float, group: Indices) -> Strips:
     return Strips(x, y, a, order, row[first[:-1]], first, begins)
 
 
+def _side_by_side(at: Strips) -> Indices:
+    """Where each run begins, of neighbours in a strip and in a part of it, and where all end."""
+    cuts = np.union1d(np.flatnonzero(np.diff(np.floor(at.x / SPREAD))) + 1, at.first)
+    nth = np.arange(len(at.x)) - np.repeat(cuts[:-1], np.diff(cuts))
+    return np.append(np.flatnonzero(nth % LANES == 0), len(nth))
+
+
 def climb(
     points: Array, group: Indices, period: float, stop: float, most: float = np.inf
 ) -> tuple[Array, int]:
@@ -65,26 +85,37 @@ def climb(
     come to rest: with k(q) = max(0, exp(-q / 2) - exp(-9 / 2)), convex and falling, each step
     raises the sum of k over the points by at least exp(-9 / 2) / 2 times the square of the move,
     and the sum is at most n. Each moves by itself, so "at once" and "in turn" are the same, in any
-    number of threads; one that a step leaves where it was stays there.
+    number of threads. So each run goes on until it rests alone; before the last one does the group
+    cannot rest, and the others follow to its step, where one may move again. One that a step leaves
+    where it was stays there.
     """
-    strips, steps = _in_strips(points, REACH, group), 0
-    centres, found = np.stack(strips[:3]), np.empty_like(points)
-    begin, of = np.empty(len(points) + 1, np.int64), np.empty(len(points), np.int64)
-    count = _side_by_side(strips, begin, of)
-    moves, todo, of = np.full(count, np.inf), np.arange(count), of[:count]
-    first = np.flatnonzero(np.diff(of, prepend=-1))
-
-    def move(part: Indices) -> None:
-        _move(strips, part, of, begin, centres, moves, np.empty((7, LANES)), period)
-
+    n, found, period, rest = len(points), points / UNIT, period / UNIT, (stop / UNIT) ** 2
+    strips, steps = _in_strips(found, REACH, group), np.zeros(group.max() + 1, np.int64)
+    moving = np.arange(n if most > 0 else 0)
     with team() as each:
-        while len(todo) and steps < most:
-            announce(1 - len(todo) / count, f"{len(todo)} of {count} pieces still move")
-            each(move, shares(todo, SHARE))
-            restless = np.maximum.reduceat(moves, first) > stop * stop
-            todo, steps = np.flatnonzero((moves > 0) & restless[of]), steps + 1
-    found[strips.order] = centres.T
-    return found, steps
+
+        def advance(runs: Runs, bound: float) -> None:
+            words, parts = f"moving {len(moving)} of {n} pieces", range(0, len(runs.todo), SHARE)
+            each(lambda k: _move(strips, runs, k, bound, period), parts, words)
+
+        while len(moving):
+            at = _in_strips(found[moving], REACH, group[moving]) if steps.any() else strips
+            moving, begin = moving[at.order], _side_by_side(at)
+            of, sizes = group[moving[begin[:-1]]], np.diff(begin)
+            may = np.ceil(np.minimum(2 * steps + FIRST, most - steps)).astype(np.int64)
+            todo, moves, centres = may[of], np.empty(len(of)), np.stack(at[:3])
+            runs = Runs(begin, of, todo, moves, centres)
+            advance(runs, rest)
+            spare = may.copy()
+            np.minimum.at(spare, of, todo)  # what no run of a group has taken
+            todo -= spare[of]
+            advance(runs, 0.0)
+            steps += may - spare
+            found[moving] = centres.T
+            restless = np.bincount(of, moves > rest, len(steps)) > 0
+            live = (restless & (steps < most))[of] & (moves > 0)
+            moving = moving[np.repeat(live, sizes)]
+    return found * UNIT, int(steps.max())
 
 
 def link(points: Array, group: Indices, period: float, reach: float) -> Indices:
@@ -107,107 +138,94 @@ def _bisect(x: Array | Indices, i: int, j: int, least: float) -> int:
 
 
 @compiled
-def _pull(px: Array, py: Array, pa: Array, block: Array, period: float) -> None:
-    """Add the pull of points, `(k,)` each, on the centres of a `(7, LANES)` block.
+def _pull(near: Array, count: int, block: Array, period: float, wide: bool) -> None:
+    """Add the pull of points on the centres of a `(7, LANES)` block.
 
-    Its rows are the centres' coordinates, their sum of weights, and their sums of weighted
-    differences (A 4.8, 4.10). For q <= 9, exp(-q / 2) is the 256th power of a Taylor series at
-    q / 512, to 6e-14: unlike `exp`, products are done for many centres at a time.
+    A column of `near` is a point and a turn to add to differences of angle; they wrap where a block
+    is `wide`. Its rows are the centres' coordinates, their sum of weights, and their sums of
+    weighted differences (A 4.8, 4.10). For q <= 9, exp(-q / 2) is the 256th power of a Taylor
+    series at q / 512 = 2 u, to 6e-14: unlike `exp`, products are done for many centres at a time.
     """
+    px, py, pa, turn = near[0], near[1], near[2], near[3]
     x, y, a = block[0], block[1], block[2]
     mass, to_x, to_y, to_a = block[3], block[4], block[5], block[6]
     half = period / 2
-    for k in range(len(px)):
+    for k in range(count):
         for i in range(LANES):
-            dx, dy, da = px[k] - x[i], py[k] - y[i], pa[k] - a[i]
-            da = da - period if da >= half else da
-            da = da + period if da < -half else da
-            q = dx * dx + dy * dy + da * da
-            z = q * (-1 / 512)
-            w = 1 + z * (1 / 5) * (1 + z * (1 / 6))
-            w = 1 + z * (1 / 3) * (1 + z * (1 / 4) * w)
-            w = 1 + z * (1 + z * (1 / 2) * w)
+            dx, dy, da = px[k] - x[i], py[k] - y[i], pa[k] - a[i] + turn[k]
+            if wide:
+                da = da - period if da >= half else da
+                da = da + period if da < -half else da
+            u = dx * dx + dy * dy + da * da
+            w = 0.5 + u * (-1 / 5) * (1 + u * (-1 / 3))
+            w = 1 + u * (-2 / 3) * (1 - u * w)
+            w = u * (1 - u * w)
+            w = 1 - (w + w)
             for _ in range(8):
                 w = w * w
-            w = w if q <= REACH * REACH else 0.0
+            w = w if u <= REACH * REACH else 0.0
             mass[i] += w
             to_x[i] += w * dx
             to_y[i] += w * dy
-            to_a[i] += w * da if abs(da) < half * PERPENDICULAR else 0.0
+            to_a[i] += w * da if not wide or abs(da) < half * PERPENDICULAR else 0.0
 
 
 @compiled
-def _step(
-    strips: Strips,
-    g: int,
-    centres: Array,
-    begin: int,
-    end: int,
-    period: float,
-    block: Array,
-) -> float:
-    """Move the centres `begin` to `end` of `(3, n)` once; the square of the largest move, if any.
+def _gather(strips: Strips, g: int, box: Array, near: Array, period: float) -> tuple[int, bool]:
+    """Write the points of a group that may pull a centre in a box, (3, 2): how many, for `_pull`.
 
-    They see the points of their group g; `block`, (7, LANES), is room to work.
+    They are turned to the box's side, unless it is too wide to have one: the second answer.
     """
-    rows, first, high = strips.rows, strips.first, strips.begins[g + 1]
-    left, right, bottom, top = np.inf, -np.inf, np.inf, -np.inf
-    for i in range(LANES):
-        k = min(begin + i, end - 1)  # the last one fills up
-        for c in range(3):
-            block[c, i], block[c + 3, i] = centres[c, k], 0.0
-        block[6, i] = 0.0
-        left, right = min(left, centres[0, k]), max(right, centres[0, k])
-        bottom, top = min(bottom, centres[1, k]), max(top, centres[1, k])
-    r = _bisect(rows, strips.begins[g], high, np.floor((bottom - REACH) / REACH))
-    while r < high and rows[r] <= np.floor((top + REACH) / REACH):
-        i = _bisect(strips.x, first[r], first[r + 1], left - REACH)
-        j = _bisect(strips.x, i, first[r + 1], right + REACH)
-        _pull(strips.x[i:j], strips.y[i:j], strips.a[i:j], block, period)
+    left, right = box[0, 0] - NEAR, box[0, 1] + NEAR
+    bottom, top = box[1, 0] - NEAR, box[1, 1] + NEAR
+    middle, reach = (box[2, 0] + box[2, 1]) / 2, (box[2, 1] - box[2, 0]) / 2 + NEAR
+    wide, half = reach >= period / 2, period / 2
+    if wide:
+        reach = half = np.inf
+    count, end = 0, strips.begins[g + 1]
+    r = _bisect(strips.rows, strips.begins[g], end, np.floor(bottom / REACH))
+    while r < end and strips.rows[r] <= np.floor(top / REACH):
+        i = _bisect(strips.x, strips.first[r], strips.first[r + 1], left)
+        for k in range(i, _bisect(strips.x, i, strips.first[r + 1], right)):
+            x, y, a = strips.x[k], strips.y[k], strips.a[k]
+            turn = -period if a - middle > half else period if a - middle < -half else 0.0
+            near[0, count], near[1, count], near[2, count], near[3, count] = x, y, a, turn
+            count += (y >= bottom) & (y <= top) & (abs(a - middle + turn) <= reach)  # no branch
         r += 1
-    largest = 0.0
-    for i in range(end - begin):
-        k, mass = begin + i, block[3, i]
-        dx, dy, da = block[4, i] / mass, block[5, i] / mass, block[6, i] / mass
-        x, y, a = centres[0, k] + dx, centres[1, k] + dy, centres[2, k] + da
-        a = a - period if a >= period else a
-        a = a + period if a < 0 else a
-        if x != centres[0, k] or y != centres[1, k] or a != centres[2, k]:
-            largest = max(largest, dx * dx + dy * dy + da * da)
-        centres[0, k], centres[1, k], centres[2, k] = x, y, a
-    return largest
+    return count, wide
 
 
 @compiled
-def _side_by_side(strips: Strips, begin: Indices, of: Indices) -> int:
-    """Write where each run of neighbours in a strip begins, and its group; the number of runs."""
-    first, count = strips.first, 0
-    for g in range(len(strips.begins) - 1):
-        for r in range(strips.begins[g], strips.begins[g + 1]):
-            start = first[r]
-            for i in range(first[r], first[r + 1]):
-                far = strips.x[i] - strips.x[start] > SPREAD
-                if i == first[r] or i - start == LANES or far:
-                    start, begin[count], of[count] = i, i, g
-                    count += 1
-    begin[count] = len(strips.x)
-    return count
-
-
-@compiled
-def _move(
-    strips: Strips,
-    part: Indices,
-    of: Indices,
-    begin: Indices,
-    centres: Array,
-    moves: Array,
-    block: Array,
-    period: float,
-) -> None:
-    """Move the runs of centres, `(3, n)`, that are a thread's part: the squares of their moves."""
-    for k in part:
-        moves[k] = _step(strips, of[k], centres, begin[k], begin[k + 1], period, block)
+def _move(strips: Strips, runs: Runs, start: int, bound: float, period: float) -> None:
+    """Let a part of the runs take their steps, each until its largest move is within the bound."""
+    centres, block, box = runs.centres, np.zeros((7, LANES)), np.zeros((3, 2))
+    near = np.empty((4, len(strips.x)))
+    for run in range(start, min(start + SHARE, len(runs.todo))):
+        begin, end, count, wide, largest = runs.begin[run], runs.begin[run + 1], -1, False, np.inf
+        while runs.todo[run] > 0 and largest > bound:
+            within = count >= 0
+            for c in range(3):
+                for i in range(LANES):
+                    at = centres[c, min(begin + i, end - 1)]  # the last one fills up
+                    block[c, i], block[c + 3, i], block[6, i] = at, 0.0, 0.0
+                    within &= (at >= box[c, 0]) & (at <= box[c, 1])
+            if not within:
+                for c in range(3):
+                    box[c, 0] = centres[c, begin:end].min() - SLACK
+                    box[c, 1] = centres[c, begin:end].max() + SLACK
+                count, wide = _gather(strips, runs.group[run], box, near, period)
+            _pull(near, count, block, period, wide)
+            largest = 0.0
+            for i in range(end - begin):
+                k, mass = begin + i, block[3, i]
+                dx, dy, da = block[4, i] / mass, block[5, i] / mass, block[6, i] / mass
+                x, y, a = centres[0, k] + dx, centres[1, k] + dy, centres[2, k] + da
+                a = a - period if a >= period else a
+                a = a + period if a < 0 else a
+                if x != centres[0, k] or y != centres[1, k] or a != centres[2, k]:
+                    largest = max(largest, dx * dx + dy * dy + da * da)
+                centres[0, k], centres[1, k], centres[2, k] = x, y, a
+            runs.todo[run], runs.moves[run] = runs.todo[run] - 1, largest
 
 
 @compiled
@@ -223,10 +241,11 @@ def _link(strips: Strips, parent: Indices, period: float, reach: float) -> None:
                     stop = first[s + 1]
                     j = i + 1 if s == r else _bisect(x, first[s], stop, x[i] - reach)
                     while j < stop and x[j] - x[i] < reach:
+                        k, m = order[i], order[j]
                         dx, dy, da = x[i] - x[j], y[i] - y[j], abs(a[i] - a[j])
                         da = min(da, period - da)
-                        if dx * dx + dy * dy + da * da < reach * reach:
-                            k, m = root_of(parent, order[i]), root_of(parent, order[j])
+                        if parent[k] != parent[m] and dx * dx + dy * dy + da * da < reach * reach:
+                            k, m = root_of(parent, k), root_of(parent, m)
                             parent[max(k, m)] = min(k, m)
                         j += 1
     for i in range(len(parent)):
