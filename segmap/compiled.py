@@ -84,7 +84,7 @@ class Compiled(Generic[P, R]):
         Elsewhere it would cost up to half of the time of a kernel that hands on tuples of arrays.
         """
         kernels = [one for one in self._used().values() if isinstance(one, Compiled)]
-        given = [get_type_hints(one.plain)["return"] for one in (self, *kernels)]
+        given = [get_type_hints(one.plain).get("return", "ndarray") for one in (self, *kernels)]
         return not MAKERS.isdisjoint(self._code.co_names) or "ndarray" in str(given)
 
     def _linked(self, njit: Callable[..., Any], suffix: str) -> types.FunctionType:
