@@ -109,7 +109,7 @@ def errors(before: Segments, after: Segments) -> Array:
     def measure(part: Rows) -> None:
         found[part] = _nearest_distances(a[part], b, near[part], far, first[part], longest)
 
-    in_threads(measure, shares(np.arange(len(a)), 500))
+    in_threads(measure, shares(np.arange(len(a)), 4000))
     return found
 
 
