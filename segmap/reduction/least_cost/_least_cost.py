@@ -124,7 +124,8 @@ def merged(rows: Rows, limits: Limits) -> Found:
         nearest_neighbours(s, d, reach, part, places, room, least, who)
     i, k = np.nonzero(who >= 0)
     j = who[i, k]
-    pairs = np.column_stack(np.divmod(np.unique(np.concatenate([n * i + j, n * j + i])), n))
+    pair = np.sort(np.concatenate([n * i + j, n * j + i]))
+    pairs = np.column_stack(np.divmod(pair[np.diff(pair, prepend=-1) > 0], n))
     near = np.column_stack([pairs[:, 1], np.arange(1, len(pairs) + 1)])
     first = np.searchsorted(pairs[:, 0], np.arange(n + 1))
     some = first[1:] > first[:-1]
