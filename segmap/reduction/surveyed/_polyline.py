@@ -94,6 +94,10 @@ def polyline(
     return run_online("polyline", map, steps, splits=True)
 
 
+#: Between the places of two pieces in the ring, at first.
+GAP = 64
+
+
 class State(NamedTuple):
     """The map: all pieces that ever were; those that are left in a ring, and an index of them.
 
@@ -105,7 +109,7 @@ class State(NamedTuple):
     into: Indices  # the piece that took each in; its own index while it is left
     before: Indices  # neighbours in the ring
     after: Indices
-    place: Indices  # in the ring, when a scan begins
+    place: Indices  # ascending along the ring, with gaps
     chain: Indices  # a segment of the scan that each piece matches, or -1
     next: Indices  # the next piece of that chain
     touched: Indices  # the pieces that have a chain
@@ -255,9 +259,15 @@ def _trace(s: Array, tolerance: float, corners: Array, owner: Indices) -> int:
 @compiled
 def _place(state: State, p: Array, q: Array, behind: int) -> int:
     """A new piece from p to q, behind another one of the ring; which it is."""
-    b = state.counts[0]
+    b, place, next = state.counts[0], state.place, state.after[behind]
     state.counts[0] += 1
     state.counts[1] += 1
+    if next > 0 and place[next] - place[behind] < 2:  # no gap is left there: all get new ones
+        k = 0
+        while state.after[k] != 0:
+            place[state.after[k]] = place[k] + GAP
+            k = state.after[k]
+    place[b] = (place[behind] + place[next]) // 2 if next > 0 else place[behind] + GAP
     for c in range(2):
         state.s[b, 0, c], state.s[b, 1, c] = p[c], q[c]
     describe_one(state.s[b], state.about[b])
@@ -348,10 +358,7 @@ def _add(
     `links` has a row each for the segment that stands for the chain of each; the first piece and
     the first segment of the chain; and the segment that comes next in it.
     """
-    root, touched, count, b = links[0], 0, 0, state.after[0]
-    while b != 0:
-        state.place[b] = count
-        count, b = count + 1, state.after[b]
+    root, touched = links[0], 0
     for i in range(first, stop):
         links[0, i], links[1, i], links[2, i] = i, -1, -1
     for i in range(first, stop):
