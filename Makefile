@@ -83,7 +83,7 @@ fuzz: $(SETUP) $(WARM) ## read 100 000 damaged files: logs, maps, records (MUTAN
 		tests/readers/test_damage.py tests/quadtree/test_quadtree_files.py $(or $(ARGS),-k "damaged_ or crafted")
 
 bounds: $(SETUP) ## run every compiled loop with each index checked
-	NUMBA_BOUNDSCHECK=1 NUMBA_CACHE_DIR=build/bounds $(RUN) -m pytest $(SPREAD) -p no:nbval $(INDEXED)
+	NUMBA_BOUNDSCHECK=1 NUMBA_CACHE_DIR="$(CURDIR)/build/bounds" $(RUN) -m pytest $(SPREAD) -p no:nbval $(INDEXED)
 
 bench: $(SETUP) ## measure speed against the references, as ratios from one run (ARGS=--record keeps records)
 	$(RUN) -m benchmarks $(ARGS)
