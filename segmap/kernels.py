@@ -84,19 +84,6 @@ def apart(u: Array, v: Array) -> float:
 
 
 @compiled
-def across(u: Array, v: Array, x: float, y: float, dx: float, dy: float) -> float:
-    """D_uva: largest distance of an end point from the mean line through (x, y) along (dx, dy).
-
-    Of segments, (2, 2) array each, metres.
-    """
-    most = 0.0
-    for k in range(2):
-        most = max(most, abs((u[k, 1] - y) * dx - (u[k, 0] - x) * dy))
-        most = max(most, abs((v[k, 1] - y) * dx - (v[k, 0] - x) * dy))
-    return most
-
-
-@compiled
 def mean_line_terms(a: Array, b: Array) -> tuple[float, float]:
     """D_ang and D_uva, metres, of two segments with equal weights, described by (5,) arrays.
 

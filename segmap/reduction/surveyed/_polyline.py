@@ -13,6 +13,9 @@ from ...segments import length
 from .._index import Index, empty_index, enter, leave, meeting, wider
 from .._runner import Indices, Reduction, Rows, Steps, run_online
 
+#: Between the places of two pieces in the ring, at first.
+GAP = 64
+
 
 @checked
 def polyline(
@@ -92,10 +95,6 @@ def polyline(
         return state.s[order], place[into[pieces]]
 
     return run_online("polyline", map, steps, splits=True)
-
-
-#: Between the places of two pieces in the ring, at first.
-GAP = 64
 
 
 class State(NamedTuple):
@@ -259,20 +258,20 @@ def _trace(s: Array, tolerance: float, corners: Array, owner: Indices) -> int:
 @compiled
 def _place(state: State, p: Array, q: Array, behind: int) -> int:
     """A new piece from p to q, behind another one of the ring; which it is."""
-    b, place, next = state.counts[0], state.place, state.after[behind]
+    b, place, ahead = state.counts[0], state.place, state.after[behind]
     state.counts[0] += 1
     state.counts[1] += 1
-    if next > 0 and place[next] - place[behind] < 2:  # no gap is left there: all get new ones
+    if ahead > 0 and place[ahead] - place[behind] < 2:  # no gap is left there: all get new ones
         k = 0
         while state.after[k] != 0:
             place[state.after[k]] = place[k] + GAP
             k = state.after[k]
-    place[b] = (place[behind] + place[next]) // 2 if next > 0 else place[behind] + GAP
+    place[b] = (place[behind] + place[ahead]) // 2 if ahead > 0 else place[behind] + GAP
     for c in range(2):
         state.s[b, 0, c], state.s[b, 1, c] = p[c], q[c]
     describe_one(state.s[b], state.about[b])
-    state.into[b], state.before[b], state.after[b] = b, behind, state.after[behind]
-    state.before[state.after[b]] = b
+    state.into[b], state.before[b], state.after[b] = b, behind, ahead
+    state.before[ahead] = b
     state.after[behind] = b
     enter(state.places, b, state.s[b], 0.0)
     return b

@@ -8,16 +8,7 @@ import numpy as np
 
 from ...arrays import Array, Metres, Segments, checked
 from ...compiled import compiled
-from ...kernels import (
-    ACROSS,
-    ANGULAR,
-    APART,
-    PERPENDICULAR,
-    across,
-    apart,
-    become_mean,
-    turn_between,
-)
+from ...kernels import ACROSS, ANGULAR, APART, PERPENDICULAR, apart, become_mean, turn_between
 from ...segments import angle, length, midpoint
 from .._index import Index, empty_index, enter, leave, meeting
 from .._runner import Found, Indices, Reduction, Rows, run, survivors
@@ -121,11 +112,15 @@ class State(NamedTuple):
 def _line_cost(s: Array, lines: Array, i: int, j: int, share: float, turn: float) -> float:
     """`0.66 D_ang + 0.09 D_uva`, metres, where j lies at `turn` from i and pulls with `share`."""
     direction = lines[i, 0] + share * turn
-    x = (1 - share) * (s[i, 0, 0] + s[i, 1, 0]) / 2 + share * (s[j, 0, 0] + s[j, 1, 0]) / 2
-    y = (1 - share) * (s[i, 0, 1] + s[i, 1, 1]) / 2 + share * (s[j, 0, 1] + s[j, 1, 1]) / 2
-    angular = (1 - share) * lines[i, 1] * np.tan(abs(share * turn))
-    angular += share * lines[j, 1] * np.tan(abs((1 - share) * turn))
-    most = across(s[i], s[j], x, y, np.cos(direction), np.sin(direction))
+    dx = (s[i, 0, 0] + s[i, 1, 0] - s[j, 0, 0] - s[j, 1, 0]) / 2
+    dy = (s[i, 0, 1] + s[i, 1, 1] - s[j, 0, 1] - s[j, 1, 1]) / 2
+    off, rest = abs(dx * np.sin(direction) - dy * np.cos(direction)), 1 - share
+    angular = rest * lines[i, 1] * np.tan(abs(share * turn))
+    angular += share * lines[j, 1] * np.tan(abs(rest * turn))
+    most = max(  # each has its middle beside the mean line, and turns about it
+        share * off + lines[i, 1] / 2 * np.sin(abs(share * turn)),
+        rest * off + lines[j, 1] / 2 * np.sin(abs(rest * turn)),
+    )
     return ANGULAR * angular + ACROSS * most
 
 
