@@ -173,7 +173,7 @@ GOOD |= {
     "capture": b"GD0383038401\n00P\nJUGnD\n06805m`\n\n",
 }
 #: Parameters that may be anything.
-FREE = {"Log.name", "simulate.name", "Log.skipped", "Log.doubt", "Sensor.name"}
+FREE = {"Log.name", "simulate.name", "Log.skipped", "Sensor.name"}
 #: Who listens is called where there is much to tell: see test_progress.
 FREE |= {f"{name}.progress" for name in ("align_parts", "deskew", "pose_graph", "read", "told")}
 FREE |= {"placed_at.crs"}  # `Grid` tells of it, as of its name

@@ -45,7 +45,7 @@ def merge_logs(given: argparse.Namespace, log: Log, paths: list[Path], report: R
         logs.append(made.log)
     found = merge(*logs)
     if not (found.used[: len(first)].any() and found.used[len(first) :].any()):
-        words = f"NOT A MAP: {found.doubt.split('; ')[0]}"
+        words = f"NOT A MAP: {found.causes[0]}"
         opening.tell_alignment(found, report)
         verdict = Verdict("not a map", words, int(found.used.sum()), len(found))
         return opening.concluded(given, verdict, report)

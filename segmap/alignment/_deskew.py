@@ -18,6 +18,7 @@ from ..poses import interpolate
 from ..poses.motions import arc, between, transform, wrap
 from ..progress import Progress
 from ..scans import LaserScan, Log
+from ..scans.causes import Cause, Finding
 from ..scans.moving import GAP, carried, is_timed, twists
 from ..scans.placed import poses_for
 from .pose_graph import pose_graph
@@ -48,7 +49,7 @@ def deskew(log: Log, poses: Poses | None = None, *, progress: Progress | None = 
     Returns
     -------
     Log
-        Without `delays`; the same object where there are none. `doubt` says what was found wrong.
+        Without `delays`; the same object where there are none. `causes` says what was found wrong.
 
     Examples
     --------
@@ -63,19 +64,22 @@ def deskew(log: Log, poses: Poses | None = None, *, progress: Progress | None = 
     if not is_timed(log):
         return log
     rows = pose_graph(log).poses if given is None else given
-    motions, said = twists(log.times, rows), []
+    motions, causes = twists(log.times, rows), list(log.causes)
     if not log.order_known:
         margin = _margin(log, rows, motions)
         if not abs(margin) >= MARGIN:
-            return replace(log, doubt="nothing tells in which order the beams were measured")
+            words = "nothing tells in which order the beams were measured"
+            return replace(log, causes=(*causes, Finding(Cause.BEAM_ORDER, margin, words)))
         if margin > 0:
             log = replace(log, scans=tuple(map(_reversed, log.scans)), order_known=True)
-            said.append("the beams are in the other order than the file says")
+            words = "the beams are in the other order than the file says"
+            causes.append(Finding(Cause.BEAM_ORDER, margin, words))
     turns = [s.delays.max() for s in log if s.delays is not None and len(s)]
     turn = float(np.median(turns)) if turns else 0.0
     offset = _clock(log, rows) - turn / 2  # NaN where it is not found
     if abs(offset) > turn / 2:
-        said.append(f"scans and odometry differ by {abs(offset):.2f} s")
+        words = f"scans and odometry differ by {abs(offset):.2f} s"
+        causes.append(Finding(Cause.DELAY, offset, words))
     scans = []
     for scan, motion in zip(log, motions, strict=True):
         if scan.delays is not None:
@@ -86,7 +90,7 @@ def deskew(log: Log, poses: Poses | None = None, *, progress: Progress | None = 
                 steps = between(way[0], way[1:]) if np.isfinite(way).all() else steps
             scan = carried(scan, steps)
         scans.append(scan)
-    return replace(log, scans=tuple(scans), doubt="; ".join(said))
+    return replace(log, scans=tuple(scans), causes=tuple(causes))
 
 
 def _reversed(scan: LaserScan) -> LaserScan:

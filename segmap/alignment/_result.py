@@ -19,6 +19,7 @@ from ..arrays import Array, Radians, checked
 from ..extraction import extract_polylines
 from ..poses.motions import between, compose
 from ..scans import LaserScan, Log
+from ..scans.causes import Finding, doubt_of
 from ..scans.moving import unmoved
 from ..segments import SegmentMap, length
 from ._verdict import Verdict, judge
@@ -91,9 +92,8 @@ class Alignment(Pictured):
         Why a scan was not used; empty where it was.
     graph
         Edges, rejected loops and residuals of a pose graph.
-    doubt
-        Which assumption of the method this log does not hold, and by how much; empty where all is
-        as assumed.
+    causes
+        What of the log or of the method's assumptions does not hold: those of the log first.
     spread : (k,) array, metres, or None
         Standard deviation of each scan's place relative to all the others, where the method knows.
         No less than matches in real buildings err by, 2 cm and 0.3 degrees each: between the flat
@@ -114,9 +114,14 @@ class Alignment(Pictured):
     method: str = ""
     reasons: tuple[str, ...] = ()
     graph: Graph | None = field(default=None)
-    doubt: str = ""
+    causes: tuple[Finding, ...] = ()
     spread: Array | None = None
     local_spread: Array | None = None
+
+    @property
+    def doubt(self) -> str:
+        """The words of all `causes`; empty where all is as assumed."""
+        return doubt_of(self.causes)
 
     @property
     def sure(self) -> NDArray[np.bool_]:
@@ -195,7 +200,7 @@ class Outcome(NamedTuple):
     poses: ArrayLike
     reasons: Sequence[str]
     graph: Graph | None = None
-    doubt: str = ""
+    causes: Sequence[Finding] = ()
     spread: Array | None = None
     local_spread: Array | None = None
 
@@ -229,9 +234,8 @@ def concluded(name: str, scans: Sequence[LaserScan], found: Outcome, seconds: fl
     if len(poses) != len(scans) or len(reasons) != len(scans) or not np.isfinite(poses).all():
         raise RuntimeError(f"{name} must give a finite pose and a reason for each scan")
     used = np.array([not reason for reason in reasons], bool)
-    doubts = getattr(scans, "doubt", ""), unmoved(scans, poses), found.doubt
-    doubt = "; ".join(filter(None, doubts))
-    evidence = reasons, found.graph, doubt, found.spread, found.local_spread
+    causes = (*getattr(scans, "causes", ()), *unmoved(scans, poses), *found.causes)
+    evidence = reasons, found.graph, causes, found.spread, found.local_spread
     return Alignment(poses, used, seconds, name, *evidence)
 
 
@@ -287,9 +291,9 @@ class Trail:
         """Append the guess: the next scan could not be matched, for this reason."""
         self.place(self.guess(), reason)
 
-    def outcome(self, graph: Graph | None = None, doubt: str = "") -> Outcome:
+    def outcome(self, graph: Graph | None = None, causes: Sequence[Finding] = ()) -> Outcome:
         """All poses and reasons, for the runner."""
-        return Outcome(np.reshape(self.poses, (-1, 3)), self.reasons, graph, doubt)
+        return Outcome(np.reshape(self.poses, (-1, 3)), self.reasons, graph, causes)
 
 
 def _odometry(scan: LaserScan) -> Array:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import astuple
 from pathlib import Path
 from typing import Any
 
@@ -66,7 +67,11 @@ def write_session(path: str | Path, session: Session) -> None:
         raise ValueError(f"path: the name must end in .segmap, got {place.name!r}")
     log = arrays.instance(session, "session", Session).log
     said = {name: getattr(session, name) for name in ("settings", "runs", "edits")}
-    said |= {"name": log.name, "skipped": log.skipped, "doubt": log.doubt}
+    said |= {
+        "name": log.name,
+        "skipped": log.skipped,
+        "causes": [astuple(cause) for cause in log.causes],
+    }
     write_npz(place, Session.FORMAT, {**log_arrays(log), "session.json": json.dumps(said)})
 
 

@@ -11,6 +11,7 @@ from typing import Any, ClassVar
 from .. import arrays
 from ..files import read_npz, shown
 from ..scans import Log, Skipped
+from ..scans.causes import Cause, Finding
 from ._lines import LogError, log_file
 from .tables import log_of
 
@@ -73,9 +74,17 @@ def read_session(path: str | Path) -> Session:
             said = json.loads(str(held.pop("session.json")))
             log = log_of(str(said.pop("name")), held)
             lines, why = said.pop("skipped")
-            log = replace(log, skipped=Skipped(int(lines), str(why)), doubt=str(said.pop("doubt")))
+            old = said.pop("doubt", "")  # earlier versions held words alone
+            causes = [Finding(Cause.OTHER, 1, str(old))] if old else []
+            causes += [_finding(*row) for row in said.pop("causes", [])]
+            log = replace(log, skipped=Skipped(int(lines), str(why)), causes=tuple(causes))
             return Session(log, **said)
         except (TypeError, LookupError, AttributeError, RecursionError) as fault:
             raise LogError(place, f"its session.json is damaged ({fault})") from fault
         except ValueError as fault:
             raise LogError(place, str(fault).removeprefix(f"{shown(place)}: ")) from fault
+
+
+def _finding(cause: str, value: float, words: str, remedy: str, doubtful: bool) -> Finding:
+    """What a session holds of a finding."""
+    return Finding(Cause(cause), float(value), str(words), str(remedy), bool(doubtful))

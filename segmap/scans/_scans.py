@@ -13,6 +13,7 @@ from .. import arrays
 from .._display import Pictured
 from ..arrays import Array, slips
 from ..poses import transform
+from .causes import Finding, doubt_of
 
 NO_POSE = (np.nan, np.nan, np.nan)
 
@@ -147,8 +148,8 @@ class Log(Pictured, Sequence[LaserScan]):
     order_known : bool
         Whether `delays` have the order in which the beams were measured: drivers of ROS may state
         the other one.
-    doubt : str
-        What `alignment.deskew` found wrong; it comes first in the doubt of every alignment.
+    causes : tuple of Finding
+        What a reader or `alignment.prepared` found; it comes first in those of every alignment.
 
     Examples
     --------
@@ -163,7 +164,7 @@ class Log(Pictured, Sequence[LaserScan]):
     skipped: Skipped
     track: Array | None
     order_known: bool
-    doubt: str
+    causes: tuple[Finding, ...]
 
     def __init__(
         self,
@@ -173,7 +174,7 @@ class Log(Pictured, Sequence[LaserScan]):
         skipped: Skipped = NOTHING_SKIPPED,
         track: ArrayLike | None = None,
         order_known: bool = True,
-        doubt: str = "",
+        causes: Iterable[Finding] = (),
     ) -> None:
         keep = object.__setattr__
         keep(self, "name", name)
@@ -189,10 +190,15 @@ class Log(Pictured, Sequence[LaserScan]):
         keep(self, "skipped", skipped)
         keep(self, "track", None if track is None else _frozen(_track(track)))
         keep(self, "order_known", arrays.switch(order_known, "order_known"))
-        keep(self, "doubt", doubt)
+        keep(self, "causes", tuple(causes))
         slips.check_headings(self.odometry, "the odometry")
         if self.truth is not None:
             slips.check_headings(self.truth, "the truth")
+
+    @property
+    def doubt(self) -> str:
+        """The words of all `causes`; empty where there is none."""
+        return doubt_of(self.causes)
 
     @property
     def times(self) -> Array:

@@ -10,6 +10,7 @@ import numpy as np
 from ..arrays import Array
 from ..poses.motions import between, compose, inverse, twist, wrap
 from ._scans import LaserScan
+from .causes import Cause, Finding
 
 #: Between scans that are farther apart than this nobody knows how the robot moved, seconds.
 GAP = 1.0
@@ -56,10 +57,10 @@ def carried(scan: LaserScan, motions: Array) -> LaserScan:
     return replace(scan, ranges=found, angles=turned, max_range=limit, delays=None)
 
 
-def unmoved(scans: Sequence[LaserScan], poses: Array) -> str:
+def unmoved(scans: Sequence[LaserScan], poses: Array) -> list[Finding]:
     """In how many scans the beams err by more than their spacing, as their times are not used."""
     if not is_timed(scans):
-        return ""
+        return []
     motions = twists(np.array([scan.time for scan in scans]), poses)
     many, turn, way = 0, 0.0, 0.0
     for scan, motion in zip(scans, motions, strict=True):
@@ -71,4 +72,5 @@ def unmoved(scans: Sequence[LaserScan], poses: Array) -> str:
             many, turn, way = many + 1, max(turn, heading), max(way, float(np.hypot(x, y)))
     most = f"up to {np.degrees(turn):.1f} degrees and {way:.2f} m"
     moved = "the robot moved by more than the spacing of the beams"
-    return f"in {many} of {len(scans)} scans {moved}, {most}" if many else ""
+    words = f"in {many} of {len(scans)} scans {moved}, {most}"
+    return [Finding(Cause.SKEW, many, words)] if many else []

@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 
 from segmap.poses import transform
 from segmap.scans import NOTHING_SKIPPED, LaserScan, Log, Skipped
+from segmap.scans.causes import Cause, Finding
 
 RIGHT_ANGLES = np.radians([-90, 0, 90])
 
@@ -124,7 +125,13 @@ def test_a_log_counts_indexes_and_iterates_over_its_scans():
 def test_a_part_of_a_log_keeps_what_belongs_to_the_whole():
     """Catches a slice whose beams are believed to come in the order that the file states."""
     track = [(0, 1, 2, 3), (0.1, 1, 2, 3)]
-    part = Log("it", [scan()] * 3, track=track, order_known=False, doubt="odd")[1:]
+    part = Log(
+        "it",
+        [scan()] * 3,
+        track=track,
+        order_known=False,
+        causes=[Finding(Cause.CLOCK, 1.0, "odd")],
+    )[1:]
     assert (part.track.tolist(), part.order_known, part.doubt) == (
         list(map(list, track)),
         False,

@@ -13,6 +13,7 @@ from segmap.exports import write_session
 from segmap.files import write_npz
 from segmap.readers import LogError, Session, read, read_session
 from segmap.scans import Skipped
+from segmap.scans.causes import Cause, Finding
 
 OLD = Path(__file__).with_name("version_1.segmap")
 
@@ -31,7 +32,7 @@ LOG = segmap.Log(
     Skipped(2, "it.log, line 3: no range"),
     track=[(0.0, 1, 2, 3), (1.0, 2, 2, 3)],
     order_known=False,
-    doubt="the odometry runs backwards",
+    causes=[Finding(Cause.MIRRORED, -1.0, "the odometry runs backwards", "--clockwise", True)],
 )
 SESSION = Session(
     LOG, {"method": "fusion", "tolerance": 0.05}, [{"quality": np.nan}], {"crop": (0, -1, 4.5, 3)}
@@ -51,7 +52,7 @@ def same(log, other):
         assert (a.time, a.max_range, len(a)) == (b.time, b.max_range, len(b))
     np.testing.assert_array_equal(log.truth, other.truth)
     np.testing.assert_array_equal(log.track, other.track)
-    for name in ("skipped", "order_known", "doubt"):
+    for name in ("skipped", "order_known", "causes"):
         assert getattr(log, name) == getattr(other, name)
     return True
 
@@ -69,7 +70,7 @@ def test_all_comes_back_for_scans_of_several_sizes(tmp_path):
     )
     assert told(found) == figures
     log = read(tmp_path / "mine.segmap")
-    assert log.name == "mine" and same(replace(log, skipped=LOG.skipped, doubt=LOG.doubt), wanted)
+    assert log.name == "mine" and same(replace(log, skipped=LOG.skipped, causes=LOG.causes), wanted)
 
 
 def test_a_session_of_version_1_is_read_for_ever(tmp_path):
@@ -77,12 +78,21 @@ def test_a_session_of_version_1_is_read_for_ever(tmp_path):
     found = read_session(OLD)
     write_session(tmp_path / "new.segmap", SESSION)
     new = read_session(tmp_path / "new.segmap")
+    assert found.log.causes == (Finding(Cause.OTHER, 1, "the odometry runs backwards"),)
+    found = replace(found, log=replace(found.log, causes=LOG.causes))
     assert told(found) == told(new) and same(found.log, new.log)
 
 
 def refused(path, **said):
     """Write a session of which some parts are as `said`; what reading it tells."""
-    parts = {"name": "it", "skipped": [0, ""], "doubt": "", "settings": {}, "runs": [], "edits": {}}
+    parts = {
+        "name": "it",
+        "skipped": [0, ""],
+        "causes": [],
+        "settings": {},
+        "runs": [],
+        "edits": {},
+    }
     held = {"ranges": np.ones((1, 2)), "angles": np.zeros((1, 2))}
     text = {"session.json": said.pop("text", json.dumps(parts | said))}
     write_npz(path, Session.FORMAT, held | text)

@@ -18,6 +18,7 @@ from ...arrays import Array, Metres, Positive, Radians, Settings, Share
 from ...extraction import extract_polylines
 from ...poses import transform
 from ...scans import LaserScan, Log
+from ...scans.causes import Cause, Finding
 from ...segments import angle as angle_of
 from ...segments import length
 from .._result import Outcome, Trail, alignment_method
@@ -128,11 +129,11 @@ def backbone(
     """
     lengths = (min_length, step, turning, rotation, distance, angle, parallel)
     walk = _Backbone(log, Thresholds(*lengths, new_direction, follow))
-    doubt, fails = _doubt([walk.step(k, scan) for k, scan in enumerate(log)], orthogonal)
+    causes, fails = _causes([walk.step(k, scan) for k, scan in enumerate(log)], orthogonal)
     trail = Trail(log) if fails else walk.trail
     while len(trail.poses) < len(log):
-        trail.carry(doubt)
-    return trail.outcome(doubt=doubt)
+        trail.carry(str(causes[0]))
+    return trail.outcome(causes=causes)
 
 
 def backbone_steps(log: Log, **thresholds: Any) -> list[BackboneStep]:
@@ -213,11 +214,12 @@ class _Backbone:
         return True
 
 
-def _doubt(steps: Sequence[BackboneStep], orthogonal: float) -> tuple[str, bool]:
+def _causes(steps: Sequence[BackboneStep], orthogonal: float) -> tuple[list[Finding], bool]:
     """What speaks against the assumption of the method, and whether its result is thrown away."""
     if not steps or not len(steps[-1].known):
         blind = sum(not s.skipped for s in steps) > 1
-        return "no backbone: no scan shows a wall long enough" * blind, False
+        none = Finding(Cause.NO_WALLS, 0, "no backbone: no scan shows a wall long enough")
+        return [none] * blind, False
     share, spread = _share_followed(steps), geometry.spread_left(steps)
     wrong = []
     if share < orthogonal:
@@ -227,13 +229,14 @@ def _doubt(steps: Sequence[BackboneStep], orthogonal: float) -> tuple[str, bool]
         wrong.append(f"the walls of a scan disagree by {np.degrees(spread):.1f} degrees")
     if wrong and orthogonal > 0:
         why = "(not an orthogonal building, or odometry too bad)"
-        return f"the assumption fails: {'; '.join(wrong)} {why}", True
+        words = f"the assumption fails: {'; '.join(wrong)} {why}"
+        return [Finding(Cause.NOT_ORTHOGONAL, share, words, doubtful=True)], True
     bend = _bend_corrected(steps)
     words = (
         f"the assumption is doubtful: straight stretches were turned by {np.degrees(bend):.1f} "
         f"degrees in {STRETCH:g} m (a gentle bend, or bad odometry)"
     )
-    return words if bend > BEND else "", False
+    return [Finding(Cause.NOT_ORTHOGONAL, bend, words)] if bend > BEND else [], False
 
 
 def _share_followed(steps: Sequence[BackboneStep]) -> float:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from ...arrays import Array, Count, Metres, Positive, Radians, Settings
 from ...poses.motions import between, compose
 from ...scans import LaserScan
+from ...scans.causes import Cause, Finding
 from ...threads import in_threads
 from .._result import SURE, Match, Outcome, Trail, no_match
 from ..graph import NEARBY, REAL_ERRORS, Edge, Graph, Rejected, deviations, groups, spread, stacked
@@ -241,8 +242,8 @@ class FrontEnd:
             both = zip(reasons, apart, strict=True)
             reasons = [own or (UNTIED if alone else "") for own, alone in both]
             left = graph.residuals[graph.loop]
-        doubt = sentence(reasons, far, left, near=near, converged=self.frames.converged)
-        return Outcome(self.poses(), reasons, graph, doubt, far, near)
+        causes = findings(reasons, far, left, near=near, converged=self.frames.converged)
+        return Outcome(self.poses(), reasons, graph, causes, far, near)
 
 
 def _seen(scan: LaserScan) -> Array:
@@ -262,35 +263,42 @@ def untied(tied: Sequence[bool], edges: Sequence[Edge], weight: Array) -> NDArra
     return np.asarray(group != np.argmax(np.bincount(group, weight)))
 
 
-def sentence(
+def findings(
     reasons: Sequence[str],
     far: Array,
     left: Array,
     *,
     near: Array | None = None,
     converged: bool = True,
-) -> str:
-    """What to doubt of the whole, with numbers; empty where nothing is.
+) -> list[Finding]:
+    """What to doubt of the whole, with numbers.
 
     `far` and `near` are the standard deviations of all places in the whole and relative to those
     within 20 m, `left` is what the solution leaves of each loop, `(m,)`, in standard deviations.
     """
-    count, said = len(reasons), []
+    count, found = len(reasons), []
+
+    def add(cause: Cause, value: int, words: str) -> None:
+        """One more finding; `Alignment.verdict` weighs the scans themselves."""
+        found.append(Finding(cause, value, words))
+
     if loose := sum(reason == LOOSE for reason in reasons):
-        said.append(f"at {loose} of {count} scans {LOOSE}")
+        add(Cause.NO_DISTANCE, loose, f"at {loose} of {count} scans {LOOSE}")
     if apart := sum(reason == UNTIED for reason in reasons):
-        said.append(f"no match ties {apart} of {count} scans to the rest")
+        add(Cause.UNTIED, apart, f"no match ties {apart} of {count} scans to the rest")
     if vague := int((far > SURE).sum()):
-        said.append(f"{vague} of {count} scans may be more than {2 * SURE} m off, {_worst(far)}")
+        words = f"{vague} of {count} scans may be more than {2 * SURE} m off, {_worst(far)}"
         if near is not None:
-            vague = int((near > SURE).sum())
-            most = f"{vague} of {count}, {_worst(near)}" if vague else "none"
-            said.append(f"relative to those within {NEARBY:g} m {most}")
+            close = int((near > SURE).sum())
+            most = f"{close} of {count}, {_worst(near)}" if close else "none"
+            words += f"; relative to those within {NEARBY:g} m {most}"
+        add(Cause.VAGUE, vague, words)
     if wide := int((left > OPEN).sum()):
-        said.append(f"{wide} of {len(left)} loops stay open by over {OPEN:g} standard deviations")
+        words = f"{wide} of {len(left)} loops stay open by over {OPEN:g} standard deviations"
+        add(Cause.OPEN_LOOPS, wide, words)
     if not converged:
-        said.append("the solver stopped before it came to an end")
-    return "; ".join(said)
+        add(Cause.NOT_SOLVED, 1, "the solver stopped before it came to an end")
+    return found
 
 
 def _worst(far: Array) -> str:

@@ -14,6 +14,7 @@ from ...arrays import Array
 from ...poses.motions import between, compose
 from ...progress import each
 from ...scans import LaserScan
+from ...scans.causes import Cause, Finding
 from .._result import Alignment, concluded
 from ..graph import Edge, information
 from ._front_end import BREAK, FrontEnd
@@ -67,7 +68,7 @@ def merge(first: LiveGraph, second: LiveGraph, places: Callable[[LaserScan], Arr
     joint = _begin_anew(front, inside(part)[0])
     append(graph, part, inside(part)[0].scans[1:], joint)
     # 2. The place that enough others agree with
-    frames, reason = front.frames, ""
+    frames, reason, alike = front.frames, "", 0
     loops, most = _found(front, closer, joint.frame, places)
     if not loops:
         reason = f"only {most} places of the second are found in the first and agree"
@@ -94,8 +95,9 @@ def merge(first: LiveGraph, second: LiveGraph, places: Callable[[LaserScan], Arr
             closer.veto(across, reason)
             closer.pending = []
     found = concluded("merge", front.scans, graph.settled(), time.perf_counter() - begun)
-    said = f"{NOT_MERGED}: {reason}" if reason else ""
-    return replace(found, doubt="; ".join(filter(None, (said, found.doubt))))
+    words = f"{NOT_MERGED}: {reason}"
+    none = [Finding(Cause.NOT_MERGED, alike, words, doubtful=True)] if reason else []
+    return replace(found, causes=(*none, *found.causes))
 
 
 def _begin_anew(front: FrontEnd, later: FrontEnd) -> Joint:

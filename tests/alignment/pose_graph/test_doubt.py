@@ -9,12 +9,18 @@ from numpy.linalg import inv
 
 from segmap.alignment import Alignment, Tracking, point_icp, pose_graph
 from segmap.alignment.graph import REAL, SCALE, Edge, residuals, spread, stacked
-from segmap.alignment.pose_graph._front_end import LOOSE, UNTIED, sentence, untied
+from segmap.alignment.pose_graph._front_end import LOOSE, UNTIED, findings, untied
 from segmap.poses import between, compose
 from segmap.scans import Log
+from segmap.scans.causes import doubt_of
 
 #: Matches between walls that are flat and noise of the beams alone.
 FLAT = Tracking(match_error=0.002, match_turn_error=np.radians(0.03))
+
+
+def said(*figures, **more) -> str:
+    """The words of all that a pose graph finds in these figures."""
+    return doubt_of(findings(*figures, **more))
 
 
 def chain(count: int, *loops: tuple[int, int]) -> tuple[np.ndarray, list[Edge]]:
@@ -88,8 +94,8 @@ def test_reasons_and_the_sentence():
     """A scan's own reason comes first; counts and the worst scan by two standard deviations."""
     far = np.array([0.1, 0.3, 1.2, 0.1, 0.1])
     reasons = ["", "", "", "it slides", UNTIED]
-    assert sentence([""] * 5, np.zeros(5), np.zeros(9)) == ""
-    assert sentence([*reasons[:4], LOOSE], far, np.r_[6, 7, np.ones(7)], converged=False) == (
+    assert said([""] * 5, np.zeros(5), np.zeros(9)) == ""
+    assert said([*reasons[:4], LOOSE], far, np.r_[6, 7, np.ones(7)], converged=False) == (
         f"at 1 of 5 scans {LOOSE}; 2 of 5 scans may be more than 0.5 m off, scan 2 by 2.4 m; "
         "2 of 9 loops stay open by over 5 standard deviations; "
         "the solver stopped before it came to an end"
@@ -106,11 +112,9 @@ def test_rooms_are_known_in_a_building_that_is_not():
     far, near = spread(poses, stacked(steps), np.ones(601), reach=20.0)
     found = Alignment(poses, np.ones(601, bool), 0.0, spread=far, local_spread=near)
     assert found.sure.mean() < 0.5 and found.locally_sure.all()
-    assert "m; relative to those within 20 m none" in sentence(
-        [""] * 601, far, np.ones(1), near=near
-    )
+    assert "m; relative to those within 20 m none" in said([""] * 601, far, np.ones(1), near=near)
     torn = np.where(np.arange(601) == 300, 0.4, near)
-    told = sentence([""] * 601, far, np.ones(1), near=torn)
+    told = said([""] * 601, far, np.ones(1), near=torn)
     assert told.endswith("relative to those within 20 m 1 of 601, scan 300 by 0.8 m")
 
 

@@ -1,0 +1,81 @@
+"""What can be wrong with a log or with its map: a cause, its figure, its words and its remedy."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from enum import StrEnum
+
+
+class Cause(StrEnum):
+    """The kinds of things that go wrong; control flow asks for these, never for words."""
+
+    # What the scans say
+    BODY = "body"  # beams that see the robot itself
+    NOTHING_MET = "nothing met"  # one number stands for "the beam met nothing"
+    BEAM_ORDER = "beam order"  # in which order the beams were measured
+    SKEW = "skew"  # the robot moved while it measured
+    STANDS = "stands"  # scans between which the robot did not move
+    # What the clocks say
+    CLOCK = "clock"
+    DELAY = "delay"  # odometry is late or early
+    # What the odometry says
+    JUMP = "odometry jump"
+    NO_ODOMETRY = "no odometry"  # rows that do not say how the robot moved
+    UNIT = "unit"
+    SCALE = "scale"
+    MIRRORED = "mirrored"  # the laser, or the wheels' turns
+    ODOMETRY_MIRRORED = "odometry mirrored"
+    MOUNTING = "mounting"  # the laser looks elsewhere than ahead
+    LEVER_ARM = "lever arm"  # the laser's place on the robot
+    LIFTED = "lifted or another floor"
+    # What the map says
+    NO_DISTANCE = "free direction"
+    UNTIED = "no match ties it"
+    VAGUE = "vague"
+    OPEN_LOOPS = "open loops"
+    NOT_SOLVED = "not solved"
+    NOT_ORTHOGONAL = "not orthogonal"
+    NO_WALLS = "no walls"
+    NOT_MERGED = "not merged"
+    LOST = "lost"
+    DOUBLED = "doubled"
+    OTHER = "other"  # words of an earlier version
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One thing that was found.
+
+    Parameters
+    ----------
+    cause
+        Its kind.
+    value
+        Its figure, in the unit that `words` name.
+    words
+        A sentence for a user.
+    remedy
+        What a user can do, as an option of `segmap map`; empty where there is nothing.
+    doubtful
+        Whether it makes a map doubtful. What was put right does not.
+
+    Examples
+    --------
+    >>> print(Finding(Cause.BODY, 38, "38 of 360 beams see the robot itself", "--keep-body"))
+    38 of 360 beams see the robot itself: --keep-body
+    """
+
+    cause: Cause
+    value: float
+    words: str
+    remedy: str = ""
+    doubtful: bool = False
+
+    def __str__(self) -> str:
+        return f"{self.words}: {self.remedy}" if self.remedy else self.words
+
+
+def doubt_of(findings: Iterable[Finding]) -> str:
+    """All findings in one line; empty where there are none."""
+    return "; ".join(map(str, findings))
