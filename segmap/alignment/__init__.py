@@ -20,6 +20,7 @@ from .global_segments import global_segments
 from .graph import Graph, solve_graph
 from .points import match_points, point_steps
 from .pose_graph import LiveGraph, LoopClosing, Tracking, align_parts, merge, pose_graph
+from .preparation import OdometryComparison, compare_odometry, prepared
 from .segment_icp import match_segments, segment_icp
 
 #: Name of each method -> the method, with what it needs.

@@ -1,0 +1,4 @@
+"""What is known of a log before it is aligned: beams, clock, odometry put right, and told."""
+
+from ._comparison import OdometryComparison, compare_odometry
+from ._prepared import prepared

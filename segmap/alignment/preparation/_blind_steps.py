@@ -1,0 +1,79 @@
+"""Motions between scans of a log, matched without any help of the odometry.
+
+Each of some scans spread over the log is a map; the scans 1, 2, 4, 8 and 16 after it are searched
+for around where it was taken, as if the robot stood, until the robot has moved enough to tell.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...arrays import Array
+from ...poses.motions import between
+from ...scans import Log
+from ..points import PointMap, in_range
+
+#: Scans from which steps are sought, spread evenly over the log.
+STARTS = 100
+#: Scans from the start to the end of a step, tried one after the other.
+STRIDES = (1, 2, 4, 8, 16)
+#: Half sides of the search.
+REACH_M, TURN_RAD = 0.8, np.radians(45)
+#: A step ends where the robot has moved so far ...
+MOVED_M, TURNED_RAD = 0.2, np.radians(8)
+#: ... and counts where so much of the scan lies on the other, and its place is known this well.
+LEAST_OVERLAP, MOST_DEVIATION_M = 0.7, 0.05
+
+
+class Steps(NamedTuple):
+    """Matched motions: from scan `first` to scan `second`, whose pose in the first is `motion`."""
+
+    first: NDArray[np.int64]  # (m,)
+    second: NDArray[np.int64]  # (m,)
+    motion: Array  # (m, 3), metres and radians
+
+
+def blind_steps(log: Log) -> Steps:
+    """Steps of a log that its scans alone tell; none where no walls fix the motion."""
+    found = [
+        (first, *step)
+        for first in np.unique(np.linspace(0, len(log) - 2, STARTS).astype(int))
+        if len(log) > 1 and (step := _step_from(log, int(first))) is not None
+    ]
+    first, second = ([row[k] for row in found] for k in (0, 1))
+    motion = np.reshape([row[2] for row in found], (-1, 3))
+    return Steps(np.array(first, np.int64), np.array(second, np.int64), motion)
+
+
+def _step_from(log: Log, first: int) -> tuple[int, Array] | None:
+    """The scan up to which the robot has moved enough, and how; None where no match tells."""
+    points, known = in_range(log[first].points()), None
+    if len(points) < 6:
+        return None
+    map = PointMap(points)
+    for stride in STRIDES:
+        if first + stride >= len(log):
+            break
+        current = in_range(log[first + stride].points())
+        if len(current) < 6:
+            break
+        start, _ = map.search(current, np.zeros(3), reach=REACH_M, turn=TURN_RAD, least=0.3)
+        if start is None:
+            break
+        match = map.register(current, start, overlap=LEAST_OVERLAP)
+        if not match.matched or match.free is not None:
+            break
+        if np.sqrt(np.linalg.eigvalsh(match.covariance[:2, :2])[-1]) > MOST_DEVIATION_M:
+            break
+        known = first + stride, match.pose
+        if np.hypot(*match.pose[:2]) > MOVED_M or abs(match.pose[2]) > TURNED_RAD:
+            break
+    return known
+
+
+def by_odometry(odometry: Array, steps: Steps) -> Array:
+    """The same motions as the odometry `(k, 3)` has them, `(m, 3)`; NaN where it says nothing."""
+    return between(odometry[steps.first], odometry[steps.second])

@@ -1,0 +1,40 @@
+"""A clock that goes back or leaps: the order in the file counts."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from ..._display import counted
+from ...scans import Log
+from ...scans.causes import Cause, Finding
+
+#: From this share of the scans on it is not the clock: they are in another order.
+SHUFFLED = 0.1
+#: Nobody leaves a recorder running for so long that a robot stands, seconds.
+LEAP_S = 600.0
+
+
+def with_clock_mended(log: Log) -> Log:
+    """A log whose times go on where they went back or leapt; without times that are all equal."""
+    times = log.times
+    if len(times) < 2 or not np.isfinite(times).all():
+        return log
+    steps = np.diff(times)
+    if not steps.any():
+        return replace(log, scans=tuple(replace(scan, time=np.nan) for scan in log))
+    usual = float(np.median(steps[steps > 0])) if (steps > 0).any() else 0.0
+    broken = (steps < 0) | (steps > max(LEAP_S, 1000 * usual))
+    if not broken.any():
+        return log
+    if (back := int((steps < 0).sum())) > SHUFFLED * len(steps):
+        words = f"at {back} of {len(log)} scans time goes back: they may be in another order"
+        return replace(log, causes=(*log.causes, Finding(Cause.ORDER, back, words)))
+    mended = times[0] + np.r_[0.0, np.cumsum(np.where(broken, usual, steps))]
+    scans = tuple(replace(s, time=t) for s, t in zip(log, mended.tolist(), strict=True))
+    first = int(np.argmax(broken))
+    by = f"by {steps[first]:+.6g} s at scan {first + 1}"
+    words = f"the clock is set {counted(int(broken.sum()), 'time')}, first {by}"
+    cause = Finding(Cause.CLOCK, float(steps[first]), f"{words}: the order of the scans counts")
+    return replace(log, scans=scans, causes=(*log.causes, cause))

@@ -1,0 +1,235 @@
+"""Odometry put right by what matches make of it, or left out; each thing told."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..._display import counted
+from ...arrays import Array
+from ...poses.motions import between, compose
+from ...scans import Log
+from ...scans.causes import Cause, Finding
+from ._blind_steps import Steps
+from ._comparison import ENOUGH, OdometryComparison, compared, delay_of, shifted
+
+#: Names of units, and the metres of each.
+UNITS = {
+    "millimetres": 0.001,
+    "centimetres": 0.01,
+    "inches": 0.0254,
+    "decimetres": 0.1,
+    "feet": 0.3048,
+    "kilometres": 1000.0,
+}
+#: Shares of the way that wheels may say, in any unit, and those that say nothing against them.
+WHEELS, RIGHT_WAY = (0.86, 1.12), (0.93, 1.07)
+#: Turns within these factors may be the noise of a right odometry.
+RIGHT_TURN = (0.7, 1.4)
+#: Directions of straight steps agree from here on; below the other they contradict each other.
+AGREES, CONTRADICTS = 0.9, 0.6
+#: A laser that looks this far aside is mounted so; less is the noise of some logs.
+ASIDE_RAD = np.radians(8)
+#: A lever arm is told from here on; none is longer than a robot.
+LEVER_M, LONGEST_LEVER_M = 0.1, 2.0
+#: At this share of the steps scans stand although the wheels drive: 0 in right logs.
+STILL = 0.15
+#: A delay counts from one scan on, where it leaves this share of the disagreement; one of more
+#: than so many scans must leave less.
+DELAY_SCANS, DELAY_GAIN, LONG_DELAY_SCANS, LONG_DELAY_GAIN = 1.0, 0.6, 10.0, 0.35
+#: A step so many times as long as nearly all others is one that no robot drives.
+JUMP, NEARLY_ALL = 5.0, 0.95
+#: Rows that move by less than this repeat each other.
+REPEATS_M, REPEATS_RAD = 1e-4, 1e-5
+#: What can be wrong with an odometry that contradicts itself.
+MIRRORS: dict[str, Callable[[Array], Array]] = {
+    "its y counts to the right": lambda rows: rows * (1, -1, 1),
+    "its headings count clockwise": lambda rows: rows * (1, 1, -1),
+    "its x and y are exchanged": lambda rows: rows[:, [1, 0, 2]],
+}
+
+
+def with_odometry_corrected(log: Log, steps: Steps) -> Log:
+    """A log whose odometry says what matched steps say, as far as it can; without it elsewhere."""
+    rows, causes = log.odometry, []
+    if not np.isfinite(rows).all(1).any():
+        return log
+    late, left = delay_of(rows, steps)
+    if abs(late) >= DELAY_SCANS and left < (
+        DELAY_GAIN if abs(late) <= LONG_DELAY_SCANS else LONG_DELAY_GAIN
+    ):
+        rows = shifted(rows, np.arange(len(rows)) + late)
+        causes.append(_delay(late, log.times))
+    rows, found = _without_repeats(rows, steps)
+    causes += found
+    jumps = odometry_jumps(rows, log.times)
+    if len(jumps):
+        rows[jumps] = np.nan
+        words = f"the odometry jumps {counted(len(jumps), 'time')}, first at scan {jumps[0]}"
+        causes.append(Finding(Cause.JUMP, len(jumps), f"{words}: no motion is known there"))
+    rows, found = _agreeing(rows, steps)
+    causes += found
+    if not causes:
+        return log
+    known = [row if np.isfinite(row).all() else None for row in rows]
+    scans = tuple(
+        replace(scan, odometry=row) if row is None or not np.array_equal(row, was) else scan
+        for scan, row, was in zip(log, known, log.odometry, strict=True)
+    )
+    return replace(log, scans=scans, causes=(*log.causes, *causes))
+
+
+def _agreeing(rows: Array, steps: Steps) -> tuple[Array, list[Finding]]:
+    """Odometry `(k, 3)` in the unit and the frame of the matches, and what that took."""
+    causes: list[Finding] = []
+    found = compared(rows, steps)
+    if len(found.steps.first) < ENOUGH:
+        return rows, causes
+    # 1. Its unit
+    for name, metres in UNITS.items():
+        if WHEELS[0] * metres < found.way < WHEELS[1] * metres:
+            rows = rows * (metres, metres, 1)
+            causes.append(Finding(Cause.UNIT, metres, f"the odometry is in {name}: converted"))
+            found = compared(rows, steps)
+    # 2. Whether it, or the laser, is mirrored
+    if found.agreement < CONTRADICTS and found.still < STILL:
+        mirrored = _unmirrored(rows, steps)
+        if mirrored is None:
+            words = "the odometry moves otherwise than the scans do: it is left out"
+            return _nothing(rows), [
+                *causes,
+                Finding(Cause.NO_ODOMETRY, found.agreement, words, doubtful=True),
+            ]
+        words, rows = mirrored
+        words = f"the odometry moves across its own heading, {words}: put right"
+        causes.append(Finding(Cause.ODOMETRY_MIRRORED, found.agreement, words))
+        found = compared(rows, steps)
+    elif found.turn < 0 and abs(found.turn) > RIGHT_TURN[0]:
+        words = "the laser or the wheels count turns the other way: one of both is mirrored"
+        remedy = "--clockwise where the laser hangs upside down, else mend the odometry"
+        return _nothing(rows), [*causes, Finding(Cause.MIRRORED, found.turn, words, remedy, True)]
+    elif not (np.isnan(found.turn) or RIGHT_TURN[0] < found.turn < RIGHT_TURN[1]):
+        words = f"the scans turn by {found.turn:.2f} of what the odometry says: it is left out"
+        return _nothing(rows), [*causes, Finding(Cause.SCALE, found.turn, words, doubtful=True)]
+    # 3. Where the laser looks
+    lever = found.lever
+    if found.agreement >= AGREES and abs(found.direction) > ASIDE_RAD:
+        rows = compose(rows, np.array([0.0, 0.0, -found.direction]))
+        causes.append(_mounting(-found.direction))
+        found = compared(rows, steps)
+    # 4. What it makes of the way
+    if np.isfinite(found.way) and not RIGHT_WAY[0] <= found.way <= RIGHT_WAY[1]:
+        off = 100 * abs(1 / found.way - 1)
+        words = f"wheels or ranges are {off:.0f} % off: scans move by {found.way:.3f} of the way"
+        causes.append(Finding(Cause.SCALE, found.way, words, doubtful=True))
+        rows = rows * (found.way, found.way, 1)
+    # 5. Where the laser sits, and what moves along
+    x, y = np.nan_to_num(lever)
+    if LEVER_M < np.hypot(x, y) < LONGEST_LEVER_M:
+        words = f"the laser sits {x:.2f} m ahead and {y:.2f} m left of where the log has it"
+        causes.append(Finding(Cause.LEVER_ARM, float(np.hypot(x, y)), words, "--mount auto"))
+    if found.still > STILL:
+        words = f"at {100 * found.still:.0f} % of the steps the scans stand though the wheels drive"
+        why = "people, or parts of the robot, move along with it"
+        causes.append(Finding(Cause.BODY, found.still, f"{words}: {why}", doubtful=True))
+    return rows, causes
+
+
+def mounting_of(found: OdometryComparison) -> Array:
+    """The place of the log's robot frame on the robot, (3,) array, as turns and ways tell it."""
+    turned = -found.direction if found.agreement >= AGREES else 0.0
+    turned = turned if abs(turned) > ASIDE_RAD else 0.0
+    x, y = np.nan_to_num(found.lever)
+    return np.array([x, y, turned])
+
+
+def _mounting(turned: float) -> Finding:
+    """The laser looks aside, by so many radians counter-clockwise."""
+    degrees = float(np.degrees(turned))
+    to = 90 * round(degrees / 90)
+    looks = {180: "backwards", -180: "backwards", 90: "to the left", -90: "to the right"}
+    near = abs(degrees - to) < np.degrees(ASIDE_RAD) and to
+    where = looks[to] if near else f"{degrees:.0f} degrees aside"
+    words = f"the laser looks {where}, or the wheels count otherwise"
+    degrees = to if near else round(degrees)
+    return Finding(Cause.MOUNTING, turned, words, f"--mount X Y {degrees:g}")
+
+
+def _delay(late: float, times: Array) -> Finding:
+    """The odometry is so many scans late."""
+    steps = np.diff(times[np.isfinite(times)])
+    step = float(np.median(steps)) if len(steps) else 0.0
+    value, unit = (abs(late) * step, "s") if step > 0 else (abs(late), "scans")
+    word = "late" if late > 0 else "early"
+    words = f"the odometry is {value:.3g} {unit} {word}: read at the right time"
+    return Finding(Cause.DELAY, np.copysign(value, late), words)
+
+
+def _unmirrored(rows: Array, steps: Steps) -> tuple[str, Array] | None:
+    """What is wrong with an odometry that contradicts itself, and the right one; None if nothing.
+
+    One that only looks aside then is turned as well: compass headings begin at north.
+    """
+    for words, change in MIRRORS.items():
+        changed = change(rows)
+        found = compared(changed, steps)
+        turns_right = np.isnan(found.turn) or RIGHT_TURN[0] < found.turn < RIGHT_TURN[1]
+        if turns_right and found.agreement > AGREES:
+            aside = found.direction if abs(found.direction) > ASIDE_RAD else 0.0
+            return words, compose(changed, np.array([0.0, 0.0, -aside]))
+    return None
+
+
+def _nothing(rows: Array) -> Array:
+    """No odometry at all."""
+    return np.full_like(rows, np.nan)
+
+
+def _without_repeats(rows: Array, steps: Steps) -> tuple[Array, list[Finding]]:
+    """Rows `(k, 3)` without those that repeat while matched steps move: NaN in their place."""
+    rows = rows.copy()
+    way, turned = _motions(rows)
+    run = np.r_[0, np.cumsum(~((way < REPEATS_M) & (turned < REPEATS_RAD)))]  # of equal rows
+    x, y, turn = steps.motion.T
+    moves = (np.hypot(x, y) > 0.1) | (np.abs(turn) > np.radians(4))
+    within = moves & (run[steps.first] == run[steps.second])
+    runs, counts = np.unique(run[steps.first[within]], return_counts=True)
+    out = np.isin(run, runs[counts >= 3]) & np.r_[False, np.diff(run) == 0]
+    if not out.any():
+        return rows, []
+    rows[out] = np.nan
+    words = f"the odometry stands still in {counted(int(out.sum()), 'scan')} while the robot moves"
+    return rows, [
+        Finding(Cause.NO_ODOMETRY, int(out.sum()), f"{words}: there is no odometry there")
+    ]
+
+
+def _motions(rows: Array) -> tuple[Array, Array]:
+    """Way and turn from each row to the next, `(k - 1,)`, metres and radians."""
+    step = between(rows[:-1], rows[1:])
+    return np.hypot(step[:, 0], step[:, 1]), np.abs(step[:, 2])
+
+
+def odometry_jumps(rows: Array, times: Array) -> NDArray[np.int64]:
+    """Scans to which odometry `(k, 3)` steps as no robot drives, by its own steps and times.
+
+    Such a step is several times as long as nearly all others, for the time that it took, and those
+    beside it are not: a robot that drives faster does so for several scans.
+    """
+    way, _ = _motions(rows)
+    moved = way[np.isfinite(way) & (way > REPEATS_M)]
+    if len(moved) < 2 * ENOUGH:
+        return np.zeros(0, np.int64)
+    took = np.diff(times)
+    usual = np.median(took[took > 0]) if (took > 0).any() else np.inf
+    allowed = JUMP * np.quantile(moved, NEARLY_ALL) * np.fmax(took / usual, 1.0)
+    far = np.r_[False, way > allowed, False]
+    alone = far[1:-1] & ~(far[:-2] & far[2:])  # not between two others
+    found: list[int] = []
+    for scan in np.flatnonzero(alone) + 1:
+        if scan - 1 not in found:  # one wild row: the way back is no second jump
+            found.append(int(scan))
+    return np.array(found, np.int64)

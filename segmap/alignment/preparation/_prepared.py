@@ -1,0 +1,81 @@
+"""From a log as it was read to one that can be aligned."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Literal
+
+from numpy.typing import ArrayLike
+
+from ... import arrays
+from ...arrays import Array, checked
+from ...poses.motions import compose, inverse
+from ...progress import Progress
+from ...scans import LaserScan, Log
+from .._deskew import deskew
+from ._blind_steps import blind_steps
+from ._clock import with_clock_mended
+from ._comparison import compared
+from ._odometry import mounting_of, with_odometry_corrected
+
+
+@checked
+def prepared(
+    log: Log,
+    *,
+    clockwise: bool = False,
+    mount: ArrayLike | Literal["auto"] | None = None,
+    progress: Progress | None = None,
+) -> Log:
+    """A log put right by what it says itself: beams, clock, odometry; what was found is told.
+
+    1. A clock that goes back goes on; times that are all equal are none.
+    2. Odometry is compared with matches that do not lean on it. Another unit, delay or direction is
+       corrected, a jump is no motion, and what contradicts the scans is left out.
+    3. Beams of a laser that turns while the robot moves are carried back: `deskew`.
+
+    Parameters
+    ----------
+    clockwise
+        The beams are measured, or listed, the other way round: a laser that hangs upside down.
+    mount : (3,) array, metres and radians, "auto" or None
+        Pose of the laser on the robot; "auto" takes what turns and ways tell. None leaves it as
+        the log has it.
+    progress
+        As in `pose_graph`.
+
+    Returns
+    -------
+    Log
+        The same object where nothing is wrong. `causes` has what was found; every alignment of the
+        log has it too.
+
+    Examples
+    --------
+    >>> from dataclasses import replace
+    >>> from segmap import load
+    >>> log = load("corridor")
+    >>> feet = [replace(scan, odometry=scan.odometry * (3.2808, 3.2808, 1)) for scan in log]
+    >>> prepared(replace(log, scans=tuple(feet))).doubt
+    'the odometry is in feet: converted'
+    """
+    arrays.instance(log, "log", Log)
+    if clockwise:
+        log = replace(log, scans=tuple(replace(scan, angles=-scan.angles) for scan in log))
+    if mount is not None and not isinstance(mount, str):
+        place = arrays.pose(mount, "mount")
+        log = replace(log, scans=tuple(replace(scan, sensor_pose=place) for scan in log))
+    log = with_clock_mended(log)
+    steps = blind_steps(log)
+    if isinstance(mount, str):
+        arrays.one_of(mount, "mount", ["auto"])
+        place = mounting_of(compared(log.odometry, steps))
+        log = replace(log, scans=tuple(_mounted(scan, place) for scan in log))
+        steps = steps._replace(motion=compose(compose(place, steps.motion), inverse(place)))
+    log = with_odometry_corrected(log, steps)
+    return deskew(log)
+
+
+def _mounted(scan: LaserScan, place: Array) -> LaserScan:
+    """A scan whose robot frame lies at a place `(3,)` on the robot, metres and radians."""
+    return replace(scan, sensor_pose=compose(place, scan.sensor_pose))
