@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import inspect
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -19,7 +20,6 @@ from .quadtree import QuadtreeMap, extent, without_passers
 from .readers import Session
 from .reduction import Reduction
 from .scans import Log
-from .scans.moving import is_timed
 from .segments import SegmentMap, main_direction
 
 Map = TypeVar("Map", SegmentMap, QuadtreeMap)
@@ -61,15 +61,16 @@ class Call:
 class Recipe:
     """All choices between a log and its maps: `log` is the expression that gives it.
 
-    `least` is the length of the filter, `seen_through` the share of `without_passers`; `edits` are
-    those of a `Session`.
+    `least` is the length of the filter, `seen_through` the share of `without_passers`; `prepare`
+    has the options for `alignment.prepared` as a `Session` keeps them, None leaves the log as it
+    is; `edits` are those of a `Session`.
     """
 
     align: Call
     extract: Call = Call("extract_polylines", extraction.extract_polylines)
     least: float = 0.0
     methods: Sequence[Call] = ()
-    deskew: bool = False
+    prepare: Mapping[str, Any] | None = field(default_factory=dict)
     seen_through: float | None = None
     edits: Mapping[str, Any] = field(default_factory=dict)
     log: str = "log"
@@ -103,8 +104,7 @@ class Recipe:
                     settings[begin + name] = _read(said[name], value)
         held = {"filter": self.least, "seen_through": self.seen_through}
         settings |= {name: value for name, value in held.items() if value}
-        if is_timed(log) and not self.deskew:
-            settings["no_deskew"] = True
+        settings |= self.prepare or {}
         return Session(log, settings, runs, self.edits)
 
     def code(self) -> str:
@@ -115,7 +115,10 @@ class Recipe:
         kept = f".filtered({_short(self.least)})" if self.least else ""
         if "crop" in self.edits:
             kept = f".cropped({', '.join(map(_short, self.edits['crop']))}){kept}"
-        lines = [f"log = {self.log}", *(["log = segmap.alignment.deskew(log)"] * self.deskew)]
+        lines = [f"log = {self.log}"]
+        if self.prepare is not None:
+            options = "".join(f", {k}={v!r}" for k, v in preparing(self.prepare).items())
+            lines.append(f"log = segmap.alignment.prepared(log{options})")
         if any(self.mends()):
             veto, tie = self.mends()
             graph = f"segmap.alignment.LiveGraph({self.align.arguments().removeprefix(', ')})"
@@ -171,11 +174,11 @@ class Outcome:
 
     @cached_property
     def log(self) -> Log:
-        """With its beams carried to the start of each scan, where that is chosen."""
-        if not self.recipe.deskew:
+        """With its beams, its clock and its odometry put right."""
+        if self.recipe.prepare is None:
             return self.given
-        announce(0.0, f"de-skewing {len(self.given)} scans")
-        return alignment.deskew(self.given)
+        announce(0.0, f"preparing {len(self.given)} scans")
+        return alignment.prepared(self.given, **preparing(self.recipe.prepare))
 
     @cached_property
     def grown(self) -> tuple[LiveGraph, Alignment] | None:
@@ -282,7 +285,9 @@ class Outcome:
         way = {
             "map": name,
             "alignment": recipe.align.name,
-            "align_thresholds": "de-skewed " * recipe.deskew + recipe.align.words() + mended,
+            "align_thresholds": " ".join(
+                [*map(_option, (recipe.prepare or {}).items()), recipe.align.words() + mended]
+            ),
             "align_seconds": round(self.alignment.seconds, 6),
             "extraction": recipe.extract.name,
             "extract_thresholds": recipe.extract.words(),
@@ -308,7 +313,7 @@ class Outcome:
 def _chosen(recipe: Recipe) -> dict[str, Any]:
     """The steps of an outcome, in their order, and what each hangs on beside those before it."""
     return {
-        "log": recipe.deskew,
+        "log": recipe.prepare,
         "grown": recipe.align,
         "solved": recipe.mends(),
         "turn alignment": recipe.edits.get("square"),
@@ -339,6 +344,24 @@ def follow(recipe: Recipe, log: Log, before: Outcome | None = None) -> Outcome:
     made = begin(recipe, log, before)
     made.found()
     return made
+
+
+def preparing(options: Mapping[str, Any]) -> dict[str, Any]:
+    """The keywords of `alignment.prepared` for options of `segmap map`, as a session keeps them.
+
+    Examples
+    --------
+    >>> preparing({"no_deskew": True, "mount": [0.2, 0.0, 180.0]})
+    {'deskew': False, 'mount': (0.2, 0.0, 3.141592653589793)}
+    """
+    found: dict[str, Any] = {"deskew": False} if options.get("no_deskew") else {}
+    found |= {name: True for name in ("keep_body", "clockwise") if options.get(name)}
+    if options.get("mount_auto"):
+        found["mount"] = "auto"
+    elif "mount" in options:
+        x, y, degrees = options["mount"]
+        found["mount"] = (float(x), float(y), math.radians(degrees))
+    return found
 
 
 def cropped(map: Map, corners: Sequence[float] | None) -> Map:
@@ -373,6 +396,12 @@ def _called(room: Any, name: str, call: Call, data: str) -> str:
     own = getattr(room, call.name, None) is call.function
     path = f"segmap.{name}.{call.name}" if own else f"segmap.{name}.METHODS[{call.name!r}]"
     return f"{path}({data}{call.arguments()})"
+
+
+def _option(held: tuple[str, Any]) -> str:
+    """An option that a session keeps, as words."""
+    name, value = held
+    return name if value is True else f"{name} {value}"
 
 
 def _read(said: Declared, value: Any) -> Any:

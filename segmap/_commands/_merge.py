@@ -53,7 +53,7 @@ def merge_logs(given: argparse.Namespace, log: Log, paths: list[Path], report: R
     scans = [replace(s, odometry=pose) for s, pose in zip(scans, found.poses, strict=True)]
     both = Log(f"{first.name} and {log.name}", scans, found.trusted)
     given.align = "ground_truth"  # as one log that is aligned: the next may be merged with it
-    kept = replace(recipe_of(given, both), deskew=False)
+    kept = replace(recipe_of(given, both), prepare=None)
     recipe = replace(kept, align=Call("merge", lambda _: found))
     made = opening.tell_poses(Outcome(recipe, both), report)
     return mapped(given, made, kept, paths, report)

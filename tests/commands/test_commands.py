@@ -189,7 +189,7 @@ def test_beams_with_times_are_carried_to_the_start_of_their_scan(run, command, m
     assert "by how the robot moved" in found["de-skewed"]["text"]
     assert "notes" not in found["aligned"]
     if command == "map":
-        new = alignment.deskew(log)
+        new = alignment.prepared(log)
         wanted = segmap.build_map(new, alignment.pose_graph(new).trusted)
         assert found["extracted"]["segments"] == len(wanted)
     code, said, _ = run(*words, "--no-deskew")
@@ -554,7 +554,7 @@ def test_a_log_of_each_kind_gives_one_map_by_command_page_and_library(run, name)
     )
     assert code in (0, 3), beside
     log = segmap.read(name)
-    log = alignment.deskew(log) if "de-skewed" in json.loads(said) else log
+    log = alignment.prepared(log)
     method = json.loads(said)["aligned"]["method"]
     more = {"missing": "drop"} if method == "ground_truth" else {}
     poses = alignment.METHODS[method](log, **more)

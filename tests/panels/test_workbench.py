@@ -78,7 +78,8 @@ def test_page_and_command_make_the_same_map_of_a_log(kind, tmp_path, monkeypatch
     assert len(made.outcome.map) == told["extracted"]["segments"]
     assert len(made.outcome.reductions[0]) == told["reduced"]["segments"]
     assert made.outcome.alignment.method == told["aligned"]["method"]
-    assert made.outcome.recipe.deskew == ("de-skewed" in told) == (kind == "beam times")
+    assert ("de-skewed" in told) == (kind == "beam times")
+    assert made.outcome.recipe.prepare == {}
     if kind != "malaga":  # which takes its time
         exec(made.code, names := {})
         assert np.array_equal(names["reduced"].segments, made.outcome.reductions[0].segments)
@@ -138,7 +139,7 @@ def test_what_is_known_is_not_done_again(monkeypatch):
         made.run()
         return "".join(words[0] for words in said if " by " in words or words[:1] == "m")
 
-    assert steps() == "aerm" and said[0] == f"aligning {len(LOG)} scans by ground_truth"
+    assert steps() == "aerm" and said[0] == f"preparing {len(LOG)} scans"
     assert steps() == "m" and steps(made.method["tolerance"], 0.08) == "rm"
     first, (done,) = made.outcome.map, made.outcome.reductions
     assert steps(made.second, "hybrid") == "rm" and made.outcome.reductions[0] is done
@@ -158,7 +159,7 @@ def test_beams_with_times_are_carried_to_the_start_of_their_scan():
     made = bench(logs.moving_log(), deskew=True)
     made.align.value = "pose_graph"
     made.run()
-    assert made.runs["align_thresholds"].iloc[-1].startswith("de-skewed")
+    assert made.runs["align_thresholds"].iloc[-1] == "" and made.outcome.log is not made.log
     assert made.outcome.alignment.doubt == ""
     first = made.outcome
     made.least.value = 0.3
@@ -166,12 +167,12 @@ def test_beams_with_times_are_carried_to_the_start_of_their_scan():
     assert made.outcome.log is first.log and len(made.outcome.map) < len(first.map)
     made.deskew.value = False
     made.run()
-    assert "deskew" not in made.code and made.outcome.log is made.log
+    assert "prepared(log, deskew=False)" in made.code and made.outcome.log is made.log
     assert "the robot moved by more than the spacing" in made.verdict.value
     made.open(LOG)
     made.deskew.value = True
     made.run()
-    assert "deskew" not in made.code and made.outcome.log is LOG
+    assert "prepared(log)" in made.code and made.outcome.log is LOG
 
 
 # ------------------------------------------------------------------ controls

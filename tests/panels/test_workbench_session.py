@@ -26,6 +26,8 @@ def chosen():
     workbench.method.value, workbench.least.value = "hybrid", 0.15
     workbench.method["angle"].value = 7.5
     workbench.second.value, workbench.deskew.value = "mean_shift", False
+    workbench._choices.keep_body.value = workbench._choices.clockwise.value = True
+    workbench._choices.mount.value = "0.25 0 180"
     workbench.second["sigma"].value, workbench.people.value = 0.3, 0.35
     return workbench
 
@@ -34,6 +36,7 @@ SETTINGS = {
     **{"align": "odometry", "extract": "extract_clusters", "extract_gap": 0.251234567},
     **{"extract_fit": "algebraic", "method": "hybrid", "angle": 7.5, "filter": 0.15},
     **{"second": "mean_shift", "second_sigma": 0.3, "no_deskew": True, "seen_through": 0.35},
+    **{"keep_body": True, "clockwise": True, "mount": [0.25, 0.0, 180.0]},
 }
 
 

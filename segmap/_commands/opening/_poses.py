@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 from collections import Counter
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import asdict, replace
 from typing import Any
 
 import numpy as np
@@ -18,7 +18,7 @@ from ...scans.moving import is_timed
 from ...segments import SegmentMap
 from .._words import Report, seconds
 from ._logs import add_logs, add_strict
-from ._settings import EDITS
+from ._settings import EDITS, PREPARE
 from ._thresholds import add_thresholds, chosen_thresholds, refuse_others
 
 #: So many reasons for scans that were not matched are told.
@@ -32,12 +32,39 @@ def add_poses(command: argparse.ArgumentParser, *, align: bool = True) -> None:
     add_logs(command)
     if align:
         add_align(command)
+    add_preparing(command)
+    add_strict(command)
+
+
+def add_preparing(command: argparse.ArgumentParser) -> None:
+    """The options for `alignment.prepared`."""
     command.add_argument(
         "--no-deskew",
         action="store_true",
         help="take all beams of a scan to be measured at once, even where the log has their times",
     )
-    add_strict(command)
+    command.add_argument(
+        "--keep-body", action="store_true", help="keep beams that see the robot itself"
+    )
+    command.add_argument(
+        "--clockwise",
+        action="store_true",
+        help="the laser counts its beams clockwise, or hangs upside down, and the log does not say",
+    )
+    command.add_argument(
+        "--mount",
+        nargs=3,
+        type=float,
+        metavar=("X", "Y", "DEGREES"),
+        help="where the laser sits on the robot, metres ahead and to the left, and where it looks, "
+        "counter-clockwise from ahead; `--mount auto` takes what turns and ways tell",
+    )
+    command.add_argument("--mount-auto", action="store_true", help=argparse.SUPPRESS)
+
+
+def preparing_of(given: argparse.Namespace) -> dict[str, Any]:
+    """The options for `alignment.prepared` that are given, as a session keeps them."""
+    return {name: value for name in PREPARE if (value := getattr(given, name, None))}
 
 
 def recipe_of(given: argparse.Namespace, log: Log) -> Recipe:
@@ -51,8 +78,8 @@ def recipe_of(given: argparse.Namespace, log: Log) -> Recipe:
     align = call(given, name, METHODS[name].function, "align_")
     if name == "ground_truth" != usual_method(log):  # some scans have none
         align = replace(align, thresholds={"missing": "drop", **align.thresholds})
-    deskew = is_timed(log) and not getattr(given, "no_deskew", True)
-    return Recipe(align, deskew=deskew, edits=edits_of(given))
+    prepare = preparing_of(given) if hasattr(given, "no_deskew") else {"no_deskew": True}
+    return Recipe(align, prepare=prepare, edits=edits_of(given))
 
 
 def edits_of(given: argparse.Namespace) -> dict[str, Any]:
@@ -97,7 +124,7 @@ def tell_poses(made: Outcome, report: Report) -> Outcome:
 
 def tell_deskewing(made: Outcome, report: Report) -> None:
     """Say of how many scans the beams were carried to their start, where they have their times."""
-    if made.recipe.deskew:
+    if is_timed(made.given) and not is_timed(made.log):
         count = sum(new is not old for new, old in zip(made.log, made.given, strict=True))
         words = f"{count} of {counted(len(made.log), 'scan')}, by how the robot moved meanwhile"
         report.line("de-skewed", words, scans=count)
@@ -111,6 +138,7 @@ def tell_alignment(found: Alignment, report: Report) -> None:
         figures["loops"] = int(found.graph.loop.sum())
         placed += f", {counted(figures['loops'], 'loop')} closed"
     words = f"by {found.method}: {placed}, {seconds(found.seconds)}"
+    figures["causes"] = [asdict(finding) for finding in found.causes]
     report.line("aligned", words, **figures, scans=len(found), seconds=found.seconds)
     reasons = Counter(filter(None, found.reasons)).most_common(MOST_REASONS)
     for why, count in reasons:

@@ -15,9 +15,13 @@ from ...files import shown
 #: Options that change the map and not the way to it.
 EDITS = {"veto", "tie", "crop", "square", "place", "north", "crs"}
 
+#: Options that say how a log is prepared.
+PREPARE = ("no_deskew", "keep_body", "clockwise", "mount", "mount_auto")
+
 
 def parsed(parser: argparse.ArgumentParser, words: Sequence[str]) -> argparse.Namespace:
     """The options given, above those of the file that --config names."""
+    words = _with_mount_auto(words)
     begun = argparse.Namespace(parser=parser, words=words, lent=set(), held=set())
     found = parser.parse_args(words, begun)
     if path := getattr(found, "config", None):
@@ -30,6 +34,17 @@ def parsed(parser: argparse.ArgumentParser, words: Sequence[str]) -> argparse.Na
             near = get_close_matches(left[0].replace("_", "-"), flags(found), 1)
             meant = f"; {near[0]} is one" if near else ""
             found.refuse(f"{path} has {left[0]}, which is no option{meant}")
+    return found
+
+
+def _with_mount_auto(words: Sequence[str]) -> list[str]:
+    """The words with `--mount auto` as one: else --mount takes three numbers."""
+    found: list[str] = []
+    for word in words:
+        if word == "auto" and found[-1:] == ["--mount"]:
+            found[-1] = "--mount-auto"
+        else:
+            found.append("--mount-auto" if word == "--mount=auto" else word)
     return found
 
 

@@ -6,6 +6,7 @@ Motions on the plane are complex numbers here, x + iy: their quotient is a scale
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -183,7 +184,7 @@ def delay_of(odometry: Array, steps: Steps, most: int = 150) -> tuple[float, flo
     return float(shifts[best]), float(costs[best] / now) if now > 0 else 1.0
 
 
-def shifted(odometry: Array, scans: Array) -> Array:
+def shifted(odometry: Array, scans: NDArray[Any]) -> Array:
     """Odometry `(k, 3)` at scans and between them, `(..., 3)`; NaN beyond its ends."""
     columns = [odometry[:, 0], odometry[:, 1], np.unwrap(odometry[:, 2])]
     own = np.arange(len(odometry))

@@ -107,10 +107,12 @@ def _agreeing(rows: Array, steps: Steps) -> tuple[Array, list[Finding]]:
         words = f"the odometry moves across its own heading, {words}: put right"
         causes.append(Finding(Cause.ODOMETRY_MIRRORED, found.agreement, words))
         found = compared(rows, steps)
-    elif found.turn < 0 and abs(found.turn) > RIGHT_TURN[0]:
+    elif found.turn < -RIGHT_TURN[0]:
         words = "the laser or the wheels count turns the other way: one of both is mirrored"
         remedy = "--clockwise where the laser hangs upside down, else mend the odometry"
-        return _nothing(rows), [*causes, Finding(Cause.MIRRORED, found.turn, words, remedy, True)]
+        causes.append(Finding(Cause.MIRRORED, found.turn, words, remedy, doubtful=True))
+        rows = rows * (1, -1, -1)  # as the scans have it: the map may be the mirror image
+        found = compared(rows, steps)
     elif not (np.isnan(found.turn) or RIGHT_TURN[0] < found.turn < RIGHT_TURN[1]):
         words = f"the scans turn by {found.turn:.2f} of what the odometry says: it is left out"
         return _nothing(rows), [*causes, Finding(Cause.SCALE, found.turn, words, doubtful=True)]

@@ -12,7 +12,7 @@ from ...arrays import Array, checked
 from ...poses.motions import compose, inverse
 from ...progress import Progress
 from ...scans import LaserScan, Log
-from .._deskew import deskew
+from .. import _deskew
 from ._blind_steps import blind_steps
 from ._clock import with_clock_mended
 from ._comparison import compared
@@ -23,6 +23,8 @@ from ._odometry import mounting_of, with_odometry_corrected
 def prepared(
     log: Log,
     *,
+    deskew: bool = True,
+    keep_body: bool = False,
     clockwise: bool = False,
     mount: ArrayLike | Literal["auto"] | None = None,
     progress: Progress | None = None,
@@ -32,10 +34,14 @@ def prepared(
     1. A clock that goes back goes on; times that are all equal are none.
     2. Odometry is compared with matches that do not lean on it. Another unit, delay or direction is
        corrected, a jump is no motion, and what contradicts the scans is left out.
-    3. Beams of a laser that turns while the robot moves are carried back: `deskew`.
+    3. Beams of a laser that turns while the robot moves are carried back: `alignment.deskew`.
 
     Parameters
     ----------
+    deskew
+        False takes all beams of a scan to be measured at once.
+    keep_body
+        True keeps beams that see the robot itself.
     clockwise
         The beams are measured, or listed, the other way round: a laser that hangs upside down.
     mount : (3,) array, metres and radians, "auto" or None
@@ -73,7 +79,7 @@ def prepared(
         log = replace(log, scans=tuple(_mounted(scan, place) for scan in log))
         steps = steps._replace(motion=compose(compose(place, steps.motion), inverse(place)))
     log = with_odometry_corrected(log, steps)
-    return deskew(log)
+    return _deskew.deskew(log) if deskew else log
 
 
 def _mounted(scan: LaserScan, place: Array) -> LaserScan:

@@ -134,7 +134,13 @@ class Choices:
         named: Any = {"description": "leave out below [m]", "style": ENTRY}
         words = "de-skew, where the beams have their times"
         self.deskew: Any = W.Checkbox(True, description=words, indent=False)
-        self.deskew.layout.width = "auto"
+        self.keep_body: Any = W.Checkbox(False, description="keep beams that see the robot itself")
+        self.clockwise: Any = W.Checkbox(False, description="the beams are counted clockwise")
+        for box in (self.deskew, self.keep_body, self.clockwise):
+            box.indent, box.layout.width = False, "auto"
+        hint = "X Y DEGREES, or auto"
+        self.mount: Any = W.Text(description="laser [m, degrees]", placeholder=hint, style=ENTRY)
+        self.mount.layout.width = "auto"
         self.least: Any = W.BoundedFloatText(0.0, min=0, max=100, step=0.05, **named)
         named["description"] = "seen through [share]"
         self.people: Any = W.BoundedFloatText(0.0, min=0, max=1, step=0.05, **named)
@@ -174,22 +180,41 @@ class Choices:
             self.edits.restore(session.edits)
             self.people.value = held.get("seen_through", 0.0)
             self.least.value = held.get("filter", 0.0)
-            self.deskew.value = "no_deskew" not in held
+            self.deskew.value = not held.get("no_deskew", False)
+            self.keep_body.value = held.get("keep_body", False)
+            self.clockwise.value = held.get("clockwise", False)
+            place = "auto" if held.get("mount_auto") else " ".join(map(str, held.get("mount", [])))
+            self.mount.value = place
         except (TraitError, TypeError, KeyError) as fault:
             raise ValueError(f"the session cannot be chosen here: {fault}") from fault
 
-    def recipe(self, log: str, *, timed: bool) -> Recipe:
-        """All that is chosen, for the log that an expression gives; `timed` if its beams are."""
+    def prepare(self) -> dict[str, Any]:
+        """What is chosen for `alignment.prepared`, by the options of `segmap map`."""
+        found: dict[str, Any] = {"no_deskew": not self.deskew.value}
+        found |= {"keep_body": self.keep_body.value, "clockwise": self.clockwise.value}
+        text = self.mount.value.strip()
+        found["mount_auto"] = text == "auto"
+        try:
+            found["mount"] = [] if text in ("", "auto") else [float(word) for word in text.split()]
+            assert len(found["mount"]) in (0, 3)
+        except (ValueError, AssertionError):
+            raise ValueError(f"laser must be like '0.2 0 180', or auto, got {text!r}") from None
+        return {name: value for name, value in found.items() if value}
+
+    def recipe(self, log: str) -> Recipe:
+        """All that is chosen, for the log that an expression gives."""
         chosen = (each.call() for each in (self.align, self.extract, self.method, self.second))
         align, extract, *methods = (call for call in chosen if call is not None)
-        least, deskew = float(self.least.value), timed and bool(self.deskew.value)
+        least, prepare = float(self.least.value), self.prepare()
         seen, edits = float(self.people.value) or None, self.edits.value()
-        return Recipe(align, extract, least, methods, deskew, seen, edits, log)
+        return Recipe(align, extract, least, methods, prepare, seen, edits, log)
 
     def views(self) -> dict[str, Any]:
         """Their controls, by the steps of the way."""
+        laser = W.VBox([self.keep_body, self.clockwise, self.mount])
+        fold = folded("laser", laser)
         return {
-            "Poses": W.VBox([self.align.view, self.deskew]),
+            "Poses": W.VBox([self.align.view, self.deskew, fold, laser]),
             "Segments": W.VBox([self.extract.view, self.people, self.least]),
             "Map": W.VBox([self.method.view, self.second.view]),
         }

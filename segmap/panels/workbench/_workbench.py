@@ -20,7 +20,6 @@ from ...progress import told
 from ...readers import Session
 from ...reduction import Reduction
 from ...scans import Log
-from ...scans.moving import is_timed
 from ...segments import length
 from . import _shown
 from ._bar import Bar
@@ -132,7 +131,7 @@ class Workbench:
             self._thread.join()
 
     def _work(self) -> tuple[Recipe, Log, Outcome | None]:
-        recipe = self._choices.recipe(self._source.expression, timed=is_timed(self.log))
+        recipe = self._choices.recipe(self._source.expression)
         return recipe, self.log, self._known
 
     def _start(self, button: object = None) -> None:
