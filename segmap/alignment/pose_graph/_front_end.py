@@ -16,6 +16,7 @@ from ...threads import in_threads
 from .._result import SURE, Match, Outcome, Trail, no_match
 from ..graph import NEARBY, REAL_ERRORS, Edge, Graph, Rejected, deviations, groups, spread, stacked
 from ..points import PointMap, in_range
+from ._breaks import breaks
 from ._key_frames import KeyFrames
 
 #: From a map, a scan's points `(m, 2)` and a guess `(3,)` to the match.
@@ -85,6 +86,7 @@ class FrontEnd:
         self.frames = KeyFrames(self.points, self.trail.poses[0], least)
         self.frame = [0]  # the key frame of each scan,
         self.offset = [np.zeros(3)]  # and its pose there
+        self.overlap = [np.nan]  # share of each scan on the map before it; NaN where lost
         self.loose = [False]  # whether nothing says how far it went along the walls
         self.tied = [True]  # of each key frame: whether a match fixes the step to it
         self.begins = [0]  # key frames at which a map began anew
@@ -115,6 +117,7 @@ class FrontEnd:
         self.frame.append(len(self.frames) - 1)
         self.offset.append(match.pose)
         self.loose.append(loose)
+        self.overlap.append(match.overlap if match.matched or measured else np.nan)
         reason = LOOSE if loose else match.reason
         self.trail.place(compose(self.trail.poses[-1], between(before, match.pose)), reason)
         return match
@@ -242,7 +245,8 @@ class FrontEnd:
             both = zip(reasons, apart, strict=True)
             reasons = [own or (UNTIED if alone else "") for own, alone in both]
             left = graph.residuals[graph.loop]
-        causes = findings(reasons, far, left, near=near, converged=self.frames.converged)
+        torn = breaks(np.array(self.trail.odometry), self.poses(), np.array(self.overlap))
+        causes = torn + findings(reasons, far, left, near=near, converged=self.frames.converged)
         return Outcome(self.poses(), reasons, graph, causes, far, near)
 
 

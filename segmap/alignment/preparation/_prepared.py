@@ -17,6 +17,7 @@ from ._blind_steps import blind_steps
 from ._clock import with_clock_mended
 from ._comparison import compared
 from ._odometry import mounting_of, with_odometry_corrected
+from ._range_unit import with_ranges_in_metres
 
 
 @checked
@@ -31,7 +32,8 @@ def prepared(
 ) -> Log:
     """A log put right by what it says itself: beams, clock, odometry; what was found is told.
 
-    1. A clock that goes back goes on; times that are all equal are none.
+    1. A clock that goes back goes on; times that are all equal are none. Ranges of kilometres are
+       in another unit.
     2. Odometry is compared with matches that do not lean on it. Another unit, delay or direction is
        corrected, a jump is no motion, and what contradicts the scans is left out.
     3. Beams of a laser that turns while the robot moves are carried back: `alignment.deskew`.
@@ -71,7 +73,7 @@ def prepared(
     if mount is not None and not isinstance(mount, str):
         place = arrays.pose(mount, "mount")
         log = replace(log, scans=tuple(replace(scan, sensor_pose=place) for scan in log))
-    log = with_clock_mended(log)
+    log = with_ranges_in_metres(with_clock_mended(log))
     steps = blind_steps(log)
     if isinstance(mount, str):
         arrays.one_of(mount, "mount", ["auto"])
