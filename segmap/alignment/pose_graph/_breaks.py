@@ -28,7 +28,8 @@ def breaks(odometry: Array, poses: Array, overlap: Array) -> list[Finding]:
     `overlap`, `(k,)`, is the share of each scan that lay on the map of those before it; NaN where
     nothing was matched and no odometry carried it.
     """
-    found, known = [], np.isfinite(overlap)
+    found: list[Finding] = []
+    known = np.isfinite(overlap)
     if len(poses) < 3 * WORST or known.sum() < 3 * WORST:
         return found
     wheels = between(odometry[:-1], odometry[1:])
