@@ -1,5 +1,6 @@
 """Pose graph: each scan on a map of the last key frames, loops closed, all poses solved."""
 
+from ._breaks import breaks
 from ._front_end import FrontEnd, Tracking
 from ._loop_closing import LoopClosing
 from ._merge import merge

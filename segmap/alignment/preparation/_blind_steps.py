@@ -16,8 +16,10 @@ from ...poses.motions import between
 from ...scans import Log
 from ..points import PointMap, in_range
 
-#: Scans from which steps are sought, spread evenly over the log.
-STARTS = 100
+#: Scans from which steps are sought: spread evenly over the log, and around those that turn.
+STARTS, TURNING_STARTS = 75, 30
+#: Those around lie so many scans from one that turns.
+AROUND = np.array([-6, -4, -2, 2, 4, 6])
 #: Scans from the start to the end of a step, tried one after the other.
 STRIDES = (1, 2, 4, 8, 16)
 #: Half sides of the search.
@@ -38,14 +40,22 @@ class Steps(NamedTuple):
 
 def blind_steps(log: Log) -> Steps:
     """Steps of a log that its scans alone tell; none where no walls fix the motion."""
-    found = [
-        (first, *step)
-        for first in np.unique(np.linspace(0, len(log) - 2, STARTS).astype(int))
-        if len(log) > 1 and (step := _step_from(log, int(first))) is not None
-    ]
+    starts = np.unique(np.linspace(0, max(len(log) - 2, 0), STARTS).astype(int))
+    found = _steps_from(log, starts if len(log) > 1 else starts[:0])
+    # A drive along corridors turns at few places: look there once more
+    turning = np.array([first for first, _, motion in found if abs(motion[2]) > TURNED_RAD / 2])
+    around = np.unique(turning[:, None] + AROUND) if len(turning) else starts[:0]
+    around = np.setdiff1d(around[(around >= 0) & (around < len(log) - 1)], starts)
+    found += _steps_from(log, around[:: 1 + len(around) // TURNING_STARTS])
     first, second = ([row[k] for row in found] for k in (0, 1))
     motion = np.reshape([row[2] for row in found], (-1, 3))
     return Steps(np.array(first, np.int64), np.array(second, np.int64), motion)
+
+
+def _steps_from(log: Log, starts: NDArray[np.int64]) -> list[tuple[int, int, Array]]:
+    """The steps that begin at some scans."""
+    steps = ((int(first), _step_from(log, int(first))) for first in starts)
+    return [(first, *step) for first, step in steps if step is not None]
 
 
 def _step_from(log: Log, first: int) -> tuple[int, Array] | None:

@@ -30,6 +30,8 @@ STANDS_M, STANDS_RAD = 0.03, np.radians(0.6)
 ROUNDS = 15
 #: Where this share of all turns goes one way, a drift of the heading looks like a place aside.
 ONE_WAY = 0.6
+#: What one step counts at most for a delay: radians, or half of the metres.
+MOST_OFF = 0.5
 #: Residuals of the lever arm that a match has at least.
 LEAST_ERROR_M = 0.003
 
@@ -176,8 +178,11 @@ def delay_of(odometry: Array, steps: Steps, most: int = 150) -> tuple[float, flo
     wheels = between(first, second)
     known = np.isfinite(wheels).all(-1)
     turns, ways = np.abs(wheels[..., 2]), np.hypot(wheels[..., 0], wheels[..., 1])
-    unit = np.nanmedian(ways[shifts == 0]) / max(float(np.median(moved)), 1e-9)
-    off = np.where(known, np.abs(turns - turned) + 0.5 * np.abs(ways / unit - moved), 0.0).sum(1)
+    unit = float(np.nanmedian(ways[shifts == 0])) / max(float(np.median(moved)), 1e-9)
+    if unit == 0:
+        return 0.0, 1.0
+    off = np.minimum(np.abs(turns - turned) + 0.5 * np.abs(ways / unit - moved), MOST_OFF)
+    off = np.where(known, off, 0.0).sum(1)
     enough = known.sum(1) >= max(known.shape[1] / 2, ENOUGH)
     costs = np.where(enough, off / np.maximum(known.sum(1), 1), np.inf)
     best, now = int(np.argmin(costs)), float(costs[shifts == 0][0])

@@ -34,14 +34,14 @@ AGREES, CONTRADICTS = 0.9, 0.6
 #: A laser that looks this far aside is mounted so; less is the noise of some logs.
 ASIDE_RAD = np.radians(8)
 #: A lever arm is told from here on; none is longer than a robot.
-LEVER_M, LONGEST_LEVER_M = 0.1, 2.0
+LEVER_M, LONGEST_LEVER_M = 0.15, 2.0
 #: At this share of the steps scans stand although the wheels drive: 0 in right logs.
 STILL = 0.15
 #: A delay counts from one scan on, where it leaves this share of the disagreement; one of more
 #: than so many scans must leave less.
 DELAY_SCANS, DELAY_GAIN, LONG_DELAY_SCANS, LONG_DELAY_GAIN = 1.0, 0.6, 10.0, 0.35
 #: A step so many times as long as nearly all others is one that no robot drives.
-JUMP, NEARLY_ALL = 5.0, 0.95
+JUMP, NEARLY_ALL = 4.0, 0.95
 #: Rows that move by less than this repeat each other.
 REPEATS_M, REPEATS_RAD = 1e-4, 1e-5
 #: What can be wrong with an odometry that contradicts itself.

@@ -1,0 +1,78 @@
+"""A robot that is carried away: what it sees changes at once, or the map tears its odometry."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from segmap.alignment import pose_graph
+from segmap.alignment.pose_graph import breaks
+from segmap.poses import between, compose
+from segmap.scans import Log
+from segmap.scans.causes import Cause
+from segmap.simulation import (
+    OdometryNoise,
+    Sensor,
+    corridor_loop,
+    drive,
+    office,
+    simulate,
+)
+
+AROUND = Sensor("around", 360, -np.pi, np.radians(1), max_range=12.0, min_range=0.12, sigma=0.01)
+LOOP = drive([(1, 1), (29, 1), (29, 13), (1, 13), (1, 1), (10, 1)], step=0.2, turn=np.radians(12))
+
+
+def seen(walls, path, sensor=AROUND, seed=1) -> Log:
+    """A drive with good wheels."""
+    rng = np.random.default_rng(seed)
+    return simulate(walls, path, sensor=sensor, rng=rng, odometry_noise=OdometryNoise())
+
+
+def joined(first: Log, second: Log, pause: float = 0.1) -> Log:
+    """Both one after the other, as if the robot had stood between them."""
+    start = first.odometry[-1]
+    rows = compose(start, between(second.odometry[0], second.odometry))
+    late = first.times[-1] + pause - second.times[0]
+    more = (
+        replace(scan, odometry=row, time=scan.time + late)
+        for scan, row in zip(second, rows, strict=True)
+    )
+    return Log("carried", [*first, *more])
+
+
+def lifted(found) -> list[float]:
+    """The scans at which the drive breaks."""
+    return [f.value for f in found.causes if f.cause is Cause.LIFTED and f.doubtful]
+
+
+def test_a_lifted_robot_is_told():
+    """Catches a robot that is put 15 m away, in a corridor that looks the same, and called good."""
+    whole = seen(corridor_loop(30, 14), LOOP)
+    assert not lifted(pose_graph(whole))
+    third = len(whole) // 3
+    carried = joined(whole[:third], whole[2 * third :])
+    assert lifted(pose_graph(carried))[0] in (third, third + 1)
+    bare = replace(carried, scans=tuple(replace(scan, odometry=None) for scan in carried))
+    assert lifted(pose_graph(bare))[:1] in ([third], [third + 1])
+
+
+def test_another_floor_is_told():
+    """Catches two floors in one map."""
+    stops = [(1, 5), (2, 5), (2, 6.9), (2, 5), (6, 5), (6, 3.1), (6, 5), (7, 5), (1.5, 5.3)]
+    path = drive(stops, step=0.15, turn=np.radians(12))
+    floors = [seen(office(rng=np.random.default_rng(k), rooms=2), path, seed=k) for k in (1, 7)]
+    assert not lifted(pose_graph(floors[0]))
+    assert lifted(pose_graph(joined(*floors, pause=30.0)))
+
+
+def test_a_map_that_tears_the_odometry_is_told():
+    """Catches a scan at which the map leaps and the wheels do not."""
+    odometry = np.column_stack([0.1 * np.arange(40.0), np.zeros(40), np.zeros(40)])
+    noise = np.random.default_rng(1).normal(0, 0.002, (40, 3))
+    poses, overlap = odometry + noise, np.full(40, 0.95)
+    assert breaks(odometry, poses, overlap) == []
+    poses[25:, 0] += 4.0
+    (finding,) = breaks(odometry, poses, overlap)
+    assert finding.cause is Cause.LIFTED and abs(finding.value - 4) < 0.05
+    assert "scan 25" in finding.words
+    assert breaks(np.full((40, 3), np.nan), poses, overlap) == []

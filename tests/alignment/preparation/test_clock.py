@@ -1,0 +1,70 @@
+"""Times that go back, leap or are all equal; ranges in another unit."""
+
+from dataclasses import replace
+
+import alignment_logs as logs
+import numpy as np
+import pytest
+
+from segmap import load
+from segmap.alignment import prepared
+from segmap.scans import Log
+from segmap.scans.causes import Cause
+
+
+def at_times(log: Log, times) -> Log:
+    """The log with other times."""
+    return replace(log, scans=tuple(replace(s, time=t) for s, t in zip(log, times, strict=True)))
+
+
+@pytest.mark.parametrize("by", [-5.0, -3600.0, 3600.0])
+def test_a_clock_that_is_set_goes_on(by):
+    """Catches scans in another order, times before the change that move, and a leap that stays."""
+    log = load("corridor")
+    times = log.times
+    found = prepared(at_times(log, times + np.where(np.arange(len(log)) >= 60, by, 0.0)))
+    (finding,) = found.causes
+    assert finding.cause is Cause.CLOCK and not finding.doubtful
+    assert abs(finding.value - by - 0.6) < 1e-6 and "at scan 60" in finding.words
+    assert np.allclose(found.times, times)
+    assert all(np.array_equal(a.ranges, b.ranges) for a, b in zip(found, log, strict=True))
+
+
+def test_a_pause_is_no_leap():
+    """Catches a robot that waits for a minute."""
+    log = load("corridor")
+    times = log.times + np.where(np.arange(len(log)) >= 60, 60.0, 0.0)
+    assert not prepared(at_times(log, times)).causes
+
+
+def test_times_that_are_all_equal_are_none():
+    """Catches zeros that are used as times."""
+    found = prepared(at_times(load("corridor"), np.zeros(153)))
+    assert np.isnan(found.times).all() and not found.causes
+
+
+def test_scans_in_another_order_are_told_and_kept():
+    """Catches a clock that is mended where the scans were shuffled."""
+    log = load("corridor")
+    order = np.random.default_rng(1).permutation(len(log))
+    found = prepared(log[order])
+    assert Cause.ORDER in {finding.cause for finding in found.causes}
+    assert np.array_equal(found.times, log.times[order])
+
+
+@pytest.mark.parametrize(("unit", "factor"), [("centimetres", 100.0), ("millimetres", 1000.0)])
+@pytest.mark.filterwarnings("ignore:half of the ranges")
+def test_ranges_are_in_the_unit_in_which_the_wheels_go_the_same_way(unit, factor):
+    """Catches a factor upside down, a reach that stays, and a guess that is not told as one."""
+    log = logs.loop_log(step=0.25)[:150]
+    scans = (replace(s, ranges=s.ranges * factor, max_range=s.max_range * factor) for s in log)
+    wrong = replace(log, scans=tuple(scans))
+    found = prepared(wrong)
+    (finding,) = found.causes
+    assert finding.cause is Cause.UNIT and unit in finding.words and not finding.doubtful
+    assert np.allclose(found[5].ranges, log[5].ranges) and np.isclose(
+        found[5].max_range, log[5].max_range
+    )
+    blind = replace(wrong, scans=tuple(replace(scan, odometry=None) for scan in wrong))
+    (guessed,) = prepared(blind).causes
+    assert guessed.cause is Cause.UNIT and guessed.doubtful

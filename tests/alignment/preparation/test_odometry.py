@@ -1,0 +1,256 @@
+"""Odometry of another unit, direction, moment or robot: told, and put right where that is known."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+
+from segmap import load
+from segmap.alignment import compare_odometry, odometry, pose_graph, position_errors, prepared
+from segmap.poses import between, compose, inverse
+from segmap.scans import Log
+from segmap.scans.causes import Cause
+from segmap.simulation import SICK_LMS200, OdometryNoise, Sensor, drive, office, simulate
+
+AROUND = Sensor("around", 360, -np.pi, np.radians(1), max_range=12.0, min_range=0.12, sigma=0.01)
+SENSORS = {"around": AROUND, "ahead": SICK_LMS200}
+#: In and out of four rooms, and back.
+STOPS = [(1, 5), *((x, y) for x in (2, 6) for y in (5, 6.9, 5, 3.1, 5)), (7, 5), (1.5, 5.3)]
+PATH = drive(STOPS, step=0.15, turn=np.radians(12))
+
+
+@cache
+def driven(sensor: str = "around", place: tuple[float, float, float] = (0, 0, 0)) -> Log:
+    """A log with the odometry of good wheels, seen by a laser at a place on the robot."""
+    walls, rng = office(rng=np.random.default_rng(1), rooms=2), np.random.default_rng(11)
+    laser = replace(SENSORS[sensor])
+    return simulate(
+        walls, PATH, sensor=laser, rng=rng, odometry_noise=OdometryNoise(), sensor_pose=place
+    )
+
+
+def with_rows(log: Log, rows: np.ndarray) -> Log:
+    """The log with another odometry."""
+    return replace(log, scans=tuple(replace(s, odometry=r) for s, r in zip(log, rows, strict=True)))
+
+
+def counted_again(rows: np.ndarray, way: float = 1.0, turn: float = 1.0) -> np.ndarray:
+    """What wheels count that say so many times the way and the turn of each step."""
+    found = [rows[0]]
+    for step in between(rows[:-1], rows[1:]) * (way, way, turn):
+        found.append(compose(found[-1], step))
+    return np.array(found)
+
+
+def from_zero(rows: np.ndarray, scan: int) -> np.ndarray:
+    """A driver that was started again at a scan."""
+    return np.vstack([rows[:scan], between(rows[scan], rows[scan:])])
+
+
+def causes(log: Log) -> dict[Cause, bool]:
+    """What was found, and whether it makes the map doubtful."""
+    return {finding.cause: finding.doubtful for finding in log.causes}
+
+
+Change = Callable[[np.ndarray], np.ndarray]
+#: Mistakes that are put right: from the right rows to the wrong ones.
+MENDED: dict[str, tuple[Cause, Change]] = {
+    "millimetres": (Cause.UNIT, lambda rows: rows * (1000, 1000, 1)),
+    "centimetres": (Cause.UNIT, lambda rows: rows * (100, 100, 1)),
+    "feet": (Cause.UNIT, lambda rows: rows / (0.3048, 0.3048, 1)),
+    "inches": (Cause.UNIT, lambda rows: rows / (0.0254, 0.0254, 1)),
+    "kilometres": (Cause.UNIT, lambda rows: rows * (0.001, 0.001, 1)),
+    "y to the right": (Cause.ODOMETRY_MIRRORED, lambda rows: rows * (1, -1, 1)),
+    "clockwise": (Cause.ODOMETRY_MIRRORED, lambda rows: rows * (1, 1, -1)),
+    "compass": (Cause.ODOMETRY_MIRRORED, lambda rows: (0, 0, np.pi / 2) + rows * (1, 1, -1)),
+    "wheels backwards": (Cause.MOUNTING, lambda rows: counted_again(rows, way=-1)),
+    "late": (Cause.DELAY, lambda rows: np.vstack([np.repeat(rows[:1], 5, 0), rows[:-5]])),
+    "early": (Cause.DELAY, lambda rows: np.vstack([rows[8:], np.repeat(rows[-1:], 8, 0)])),
+}
+
+
+@pytest.mark.parametrize("sensor", SENSORS)
+@pytest.mark.parametrize("name", MENDED)
+def test_what_is_known_is_put_right(name, sensor):
+    """Catches a factor upside down, a turn or delay of the wrong sign, a grade that suffers."""
+    cause, change = MENDED[name]
+    log = driven(sensor)
+    found = prepared(with_rows(log, change(log.odometry)))
+    assert causes(found) == {cause: False}
+    right, known = log.odometry, np.isfinite(found.odometry).all(1)
+    assert known.sum() >= len(log) - 10
+    wanted, steps = between(right[:-1], right[1:]), between(found.odometry[:-1], found.odometry[1:])
+    if name == "wheels backwards":  # the robot's frame is the laser's, whatever the wheels call it
+        wanted = wanted * (1, 1, 1)
+    off = (np.abs(steps - wanted) % (2 * np.pi))[known[:-1] & known[1:]]
+    off = np.minimum(off, 2 * np.pi - off)
+    assert np.quantile(off, 0.98) < 0.02 and np.median(off[:, :2]) < 0.01
+
+
+def test_a_right_log_is_the_same_object():
+    """Catches a mask, a new odometry or a doubt where nothing is wrong."""
+    for log in (driven(), driven("ahead"), load("corridor"), load("room")):
+        assert prepared(log) is log
+    bare = replace(driven(), scans=tuple(replace(scan, odometry=None) for scan in driven()))
+    assert prepared(bare) is bare
+    assert prepared(Log("none", [])).scans == () == prepared(driven()[:1]).causes
+
+
+#: Mistakes that cannot be attributed, or leave nothing to use.
+DOUBTFUL: dict[str, tuple[Cause, Change]] = {
+    "a tenth too far": (Cause.SCALE, lambda rows: counted_again(rows, way=1.1)),
+    "twice the way": (Cause.SCALE, lambda rows: rows * (2, 2, 1)),
+    "twice the turn": (Cause.SCALE, lambda rows: counted_again(rows, turn=2)),
+    "no heading": (Cause.NO_ODOMETRY, lambda rows: rows * (1, 1, 0)),
+    "wheels exchanged": (Cause.MIRRORED, lambda rows: counted_again(rows, turn=-1)),
+}
+
+
+@pytest.mark.parametrize("name", DOUBTFUL)
+def test_what_cannot_be_attributed_is_doubted(name):
+    """Catches a wrong factor in silence, and odometry that wins against the scans."""
+    cause, change = DOUBTFUL[name]
+    log = driven()
+    found = prepared(with_rows(log, change(log.odometry)))
+    assert causes(found)[cause]
+    aligned = pose_graph(found)
+    assert set(found.causes) <= set(aligned.causes)
+    assert position_errors(aligned.poses, log.truth, best=True).max() < 0.05
+
+
+@pytest.mark.parametrize("sensor", SENSORS)
+def test_mirrored_scans_and_the_option_for_them(sensor):
+    """Catches a mirrored map that is called good, and --clockwise that turns nothing."""
+    log = driven(sensor)
+    mirrored = replace(log, scans=tuple(replace(scan, ranges=scan.ranges[::-1]) for scan in log))
+    found = prepared(mirrored)
+    (finding,) = found.causes
+    assert finding.cause is Cause.MIRRORED and finding.doubtful and -1.1 < finding.value < -0.9
+    assert "--clockwise" in finding.remedy
+    mended = prepared(mirrored, clockwise=True)
+    assert not mended.causes
+    assert np.allclose(mended[3].points(), mirrored[3].points() * (1, -1))
+
+
+@pytest.mark.parametrize("place", [(0.8, 0.3, 0.0), (0.3, 0.0, np.pi), (0.25, -0.2, np.pi / 2)])
+def test_a_forgotten_place_of_the_laser_is_found(place):
+    """Catches x and y exchanged, a place in the frame of the laser, and a turn the other way."""
+    log = driven("around", place)
+    bare = replace(log, scans=tuple(replace(scan, sensor_pose=(0, 0, 0)) for scan in log))
+    found = prepared(bare)
+    assert causes(found)[Cause.LEVER_ARM] is False
+    assert (Cause.MOUNTING in causes(found)) == (place[2] != 0)
+    x, y, _ = place
+    lever = next(f for f in found.causes if f.cause is Cause.LEVER_ARM)
+    assert abs(lever.value - np.hypot(x, y)) < 0.05 and lever.remedy == "--mount auto"
+    mounted = prepared(bare, mount="auto")
+    taken = mounted[0].sensor_pose
+    assert np.abs(taken[:2] - place[:2]).max() < 0.05
+    assert abs((taken[2] - place[2] + np.pi) % (2 * np.pi) - np.pi) < 0.02
+    assert not causes(mounted).keys() & {Cause.LEVER_ARM, Cause.MOUNTING}
+    assert not prepared(bare, mount=place).causes
+    # Without it the map is that of the laser's own poses
+    poses = compose(pose_graph(found).poses, inverse(np.array(place)))
+    assert np.isfinite(poses).all()
+    lasers = compose(log.truth, np.broadcast_to(place, log.truth.shape))
+    assert position_errors(pose_graph(found).poses, lasers, best=True).max() < 0.1
+
+
+def wild(rows: np.ndarray) -> np.ndarray:
+    """One row that is 50 m off."""
+    return np.vstack([rows[:99], rows[99:100] + (50, 0, 1), rows[100:]])
+
+
+def stepped(rows: np.ndarray) -> np.ndarray:
+    """Three steps of 3 m."""
+    return rows + np.digitize(np.arange(len(rows)), [60, 90, 130])[:, None] * (3, 0, 0)
+
+
+def wrapped(rows: np.ndarray) -> np.ndarray:
+    """Ticks that begin at 0 again."""
+    return np.vstack([rows[:80], compose(np.array([65.5, 0, 1.0]), rows[80:])])
+
+
+JUMPS: dict[str, tuple[int, Change]] = {
+    "started again": (1, lambda rows: from_zero(rows, 100)),
+    "one wild row": (1, wild),
+    "three steps": (3, stepped),
+    "ticks that wrap": (1, wrapped),
+}
+
+
+@pytest.mark.parametrize("name", JUMPS)
+def test_a_step_that_no_robot_drives_is_no_motion(name):
+    """Catches a jump that is believed, one that is counted twice, and the row before it lost."""
+    count, change = JUMPS[name]
+    log = driven()
+    found = prepared(with_rows(log, change(log.odometry)))
+    (finding,) = found.causes
+    assert (finding.cause, finding.value, finding.doubtful) == (Cause.JUMP, count, False)
+    assert np.isnan(found.odometry[:, 0]).sum() == count
+    aligned = pose_graph(found)
+    assert aligned.used.all()
+    assert position_errors(aligned.poses, log.truth, best=True).max() < 0.05
+
+
+def test_a_faster_robot_does_not_jump():
+    """Catches a threshold in metres: what jumps in one log is a drive in another."""
+    log = driven()
+    assert Cause.JUMP not in causes(prepared(with_rows(log, log.odometry * (20, 20, 1))))
+    quick = slice(100, 140)  # which lasts, so it is no jump
+    rows = log.odometry.copy()
+    steps = between(rows[:-1], rows[1:])
+    steps[quick, :2] *= 6
+    found = [rows[0]]
+    for step in steps:
+        found.append(compose(found[-1], step))
+    assert Cause.JUMP not in causes(prepared(with_rows(log, np.array(found))))
+
+
+def test_a_gap_in_time_explains_a_long_step():
+    """Catches a robot that drove on while nothing was recorded, and that was called a jump."""
+    log = driven()
+    part = log[np.r_[:100, 112 : len(log)]]
+    assert Cause.JUMP not in causes(prepared(part))
+
+
+@pytest.mark.parametrize(("begin", "end"), [(0, None), (80, 200)])
+def test_an_odometry_that_stands_still_is_none(begin, end):
+    """Catches frozen rows that hold the robot, and rows before or after them that are lost."""
+    log = driven()
+    rows, stop = log.odometry.copy(), len(log) if end is None else end
+    rows[stop:] = compose(rows[begin], between(rows[stop - 1], rows[stop:]))
+    rows[begin:stop] = rows[begin]
+    found = prepared(with_rows(log, rows))
+    (finding,) = found.causes
+    assert finding.cause is Cause.NO_ODOMETRY and not finding.doubtful
+    gone = np.isnan(found.odometry[:, 0])
+    assert gone.sum() == finding.value == stop - begin - 1 and not gone[:begin].any()
+
+
+def test_the_comparison_says_nothing_of_too_few_steps():
+    """Catches figures of three steps, and a NaN that is compared as if it were one."""
+    few = compare_odometry(driven()[:8])
+    assert np.isnan([few.turn, few.way, *few.lever]).all()
+    found = compare_odometry(driven())
+    assert 0.9 < found.turn < 1.1 and 0.98 < found.way < 1.02 and found.agreement > 0.98
+    assert abs(found.direction) < 0.02 and found.still == 0
+    assert found.wheels.shape == found.steps.motion.shape and found.straight.any()
+
+
+def test_the_baseline_has_the_odometry_that_was_put_right():
+    """Catches a method that reads the log as it was."""
+    log = driven()
+    feet = with_rows(log, log.odometry / (0.3048, 0.3048, 1))
+    assert np.allclose(odometry(prepared(feet)).poses, log.odometry, atol=1e-9)
+
+
+def test_options_are_checked():
+    """Catches words that are taken for a place."""
+    for wrong in ("none", (1, 2), "Auto"):
+        with pytest.raises(ValueError, match="mount"):
+            prepared(driven(), mount=wrong)
+    with pytest.raises(ValueError, match="log must be a Log"):
+        prepared(driven().scans)
