@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 
+import matplotlib.pyplot as plt
 import numpy as np
 import pandas as pd
 import pytest
@@ -10,7 +11,8 @@ from matplotlib.collections import LineCollection
 from matplotlib.colors import to_hex
 from segmap_course import thesis_results
 
-from segmap.alignment import Match
+from segmap import load
+from segmap.alignment import Match, compare_odometry
 from segmap.alignment.angle_correspondence import Candidate
 from segmap.alignment.points import PointStep
 from segmap.experiments import select
@@ -364,3 +366,16 @@ def test_letters_of_lines_that_end_together_do_not_cover_each_other(ax):
     assert np.mean([places[k] for k in "ABC"]) == pytest.approx(0.5)
     assert [text.xy for text in ax.texts] == [(40, 0.5)] * 3 + [(40, 0.9)]
     assert all(text.arrow_patch.get_arrowstyle() for text in ax.texts)
+
+
+def test_matched_motions_stand_above_those_of_the_wheels():
+    """Catches the axes exchanged, radians, and turns drawn among the straight ways."""
+    seen = compare_odometry(load("room"))
+    above, other, below, _ = course.draw_odometry_comparison({"a": seen, "b": seen})
+    turns, ways = above.lines[0].get_xydata(), below.lines[0].get_xydata()
+    np.testing.assert_allclose(np.radians(turns[:, 0]), seen.wheels[:, 2])
+    np.testing.assert_allclose(np.radians(turns[:, 1]), seen.steps.motion[:, 2])
+    straight = seen.steps.motion[seen.straight]
+    np.testing.assert_allclose(ways[:, 1], np.hypot(straight[:, 0], straight[:, 1]))
+    assert above.get_title().startswith("a: turn +") and other.get_title().startswith("b: ")
+    plt.close(above.figure)

@@ -6,6 +6,7 @@ from ._alignments import (
     draw_candidate,
     draw_frames,
     draw_icp_step,
+    draw_odometry_comparison,
     draw_uncertainty,
 )
 from ._buildings import draw_buildings, draw_threshold

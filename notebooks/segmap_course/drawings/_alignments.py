@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
@@ -12,7 +13,7 @@ from matplotlib.patches import Ellipse
 from numpy.typing import ArrayLike
 
 from segmap import arrays
-from segmap.alignment import Match
+from segmap.alignment import Match, OdometryComparison
 from segmap.alignment.angle_correspondence import Candidate
 from segmap.alignment.backbone import BackboneStep
 from segmap.alignment.points import PointStep
@@ -117,6 +118,26 @@ def draw_uncertainty(match: Match, *, ax: Axes | None = None) -> Axes:
     ax.add_patch(Ellipse((x, y), width, height, angle=turn, color=RESULT, alpha=0.3))
     ax.plot([x], [y], "+", color=RESULT)
     return map_axes(ax)
+
+
+def draw_odometry_comparison(compared: Mapping[str, OdometryComparison]) -> list[Axes]:
+    """Draw matched motions against those of the wheels: turns above, straight ways below.
+
+    A column for each comparison, by its name, in a new figure. Where both agree the points lie on
+    the dashed line.
+    """
+    figure = plt.figure(figsize=(3.0 * len(compared), 5.6), layout="constrained")
+    axes = figure.subplots(2, len(compared), squeeze=False)
+    for (name, seen), (above, below) in zip(compared.items(), axes.T, strict=True):
+        turns = np.degrees([seen.wheels[:, 2], seen.steps.motion[:, 2]])
+        ways = [np.hypot(*m[seen.straight, :2].T) for m in (seen.wheels, seen.steps.motion)]
+        for ax, (wheels, matched), unit in ((above, turns, "degrees"), (below, ways, "m")):
+            ax.plot(wheels, matched, ".", color=RESULT)
+            ax.axline((0, 0), slope=1, color=MAP, linestyle="--", linewidth=1)
+            ax.set(xlabel=f"by the wheels [{unit}]", ylabel=f"matched [{unit}]")
+        above.set_title(f"{name}: turn {seen.turn:+.2f}")
+        below.set_title(f"way {seen.way:.2f}")
+    return list(axes.ravel())
 
 
 def draw_candidate(
