@@ -126,7 +126,7 @@ def draw_odometry_comparison(compared: Mapping[str, OdometryComparison]) -> list
     A column for each comparison, by its name, in a new figure. Where both agree the points lie on
     the dashed line.
     """
-    figure = plt.figure(figsize=(3.0 * len(compared), 5.6), layout="constrained")
+    figure = plt.figure(figsize=(2.7 * len(compared), 4.6), layout="constrained")
     axes = figure.subplots(2, len(compared), squeeze=False)
     for (name, seen), (above, below) in zip(compared.items(), axes.T, strict=True):
         turns = np.degrees([seen.wheels[:, 2], seen.steps.motion[:, 2]])

@@ -167,7 +167,7 @@ def _delay(late: float, times: Array) -> Finding:
     value, unit = (abs(late) * step, "s") if step > 0 else (abs(late), "scans")
     word = "late" if late > 0 else "early"
     words = f"the odometry is {value:.3g} {unit} {word}: read at the right time"
-    return Finding(Cause.DELAY, np.copysign(value, late), words)
+    return Finding(Cause.DELAY, float(np.copysign(value, late)), words)
 
 
 def _unmirrored(rows: Array, steps: Steps) -> tuple[str, Array] | None:
