@@ -130,12 +130,15 @@ def _grade(given: argparse.Namespace) -> None:
     limits = Limits(seconds=max(given.seconds, 1), cpu=max(given.cpu, 1))
     table = Table(given.output, plan.tasks, given.deadline)
     pages = given.output.with_name(f"{given.output.stem}_feedback")
-    rows = []
+    rows, journal = [], given.output.with_name(f"{given.output.stem}_unfinished.jsonl")
+    if journal.exists():
+        print(shown(f"going on where grading stopped; to begin anew, remove {journal}"))
     for row in graded(
         given.folder,
         plan._replace(partial=given.partial),
         limits=limits,
         unprotected=given.unprotected,
+        journal=journal,
     ):
         table.add(row)
         write_feedback(pages, row, plan.tasks)

@@ -22,6 +22,8 @@ import numpy as np
 
 #: An answer with more numbers is no answer to an exercise: no file of a gigabyte from a student.
 MOST_NUMBERS = 100_000
+#: Lists in lists that are deeper are no answer: arrays have at most so many axes.
+MOST_DEEP = 32
 #: As many characters of the message of an exception are kept.
 MOST_WORDS = 300
 #: The types of numbers that arrive as what they were; all others arrive as float64.
@@ -63,7 +65,7 @@ class Surface:
 
 
 # --------------------------------------------------------------------------- values as data
-def encode(value: Any) -> Any:
+def encode(value: Any, depth: int = 0) -> Any:
     """A value as JSON can hold it.
 
     Examples
@@ -78,8 +80,10 @@ def encode(value: Any) -> Any:
         return value if abs(value) < 2**63 else {"other": ["int"]}
     if kind is bytes:
         return {"bytes": value.hex()}
+    if kind in (list, tuple) and depth >= MOST_DEEP:
+        return {"other": [f"{kind.__name__} nested more than {MOST_DEEP} deep"]}
     if kind in (list, tuple) and len(value) <= MOST_NUMBERS:
-        parts = [encode(part) for part in value]
+        parts = [encode(part, depth + 1) for part in value]
         return parts if kind is list else {"tuple": parts}
     if kind in (Raised, Other):
         return {kind.__name__.lower(): list(astuple(value))}
@@ -96,7 +100,7 @@ def encode(value: Any) -> Any:
     return {name: [list(array.shape), array.dtype.name, array.ravel().tolist()]}
 
 
-def decode(data: Any) -> Any:
+def decode(data: Any, depth: int = 0) -> Any:
     """The value that `encode` was given.
 
     Raises
@@ -106,12 +110,14 @@ def decode(data: Any) -> Any:
     """
     if data is None or isinstance(data, bool | int | float | str):
         return data
+    if depth > MOST_DEEP:
+        raise ValueError(f"no value: nested more than {MOST_DEEP} deep")
     if isinstance(data, list):
-        return [decode(part) for part in data]
+        return [decode(part, depth + 1) for part in data]
     try:
         ((kind, held),) = data.items()
         if kind == "tuple":
-            return tuple(decode(list(held)))
+            return tuple(decode(list(held), depth))
         if kind == "bytes":
             return bytes.fromhex(held)
         if kind == "raised":
@@ -119,7 +125,7 @@ def decode(data: Any) -> Any:
         if kind == "other":
             return Other(str(held[0])[:MOST_WORDS])
         if kind == "surface":
-            slope, point, away = decode(held)
+            slope, point, away = decode(held, depth)
             return Surface(tuple(slope), tuple(point), tuple(away))
         shape, name, numbers = held
         plain = {type(number) for number in numbers} <= {bool, int, float}

@@ -7,12 +7,14 @@ are compared with what the library answers here.
 from __future__ import annotations
 
 import ast
+import hashlib
 import json
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 from ..exercises import NOT_GIVEN, Exercise, Raised
 from ._jail import Ended, Jail, Limits, answers
@@ -28,6 +30,7 @@ DRAWS = 5
 MOST_CHARACTERS = 200_000
 #: What a jail has to know of an answer; or what became of it without.
 Job = dict[str, Any] | Outcome
+Found = TypeVar("Found")
 
 
 class Plan(NamedTuple):
@@ -72,11 +75,18 @@ def plan_of(wanted: str, seed: int | None) -> Plan:
 
 
 def graded(
-    folder: Path, plan: Plan, *, limits: Limits = Limits(), unprotected: bool = False
+    folder: Path,
+    plan: Plan,
+    *,
+    limits: Limits = Limits(),
+    unprotected: bool = False,
+    journal: Path | None = None,
 ) -> Iterator[Row]:
     """Grade the submissions of a folder, one student after the other.
 
-    The limits are those of each answer. `unprotected` runs them where this system has no jail.
+    The limits are those of each answer. `unprotected` runs them where this system has no jail. What
+    fails at one answer is the outcome of that answer. The journal, a file, holds what was found for
+    each student until all are graded: where grading stopped before, it goes on from there.
 
     Raises
     ------
@@ -92,23 +102,58 @@ def graded(
         exercises = {task.name: known[task.name] for task in asked}
         hidden = {name: _hidden(exercise, plan.seed) for name, exercise in exercises.items()}
         # Here, since the parser of Python 3.11 now and then ends in a SystemError in a thread.
+        done, keys = _journal(journal), [_key(each, plan, limits, str(jail)) for each in handed]
         jobs = [
-            {task.name: job(each, task, exercises[task.name]) for task in asked} for each in handed
+            {task.name: kept(job, each, task, exercises[task.name]) for task in asked}
+            if key not in done
+            else {}
+            for each, key in zip(handed, keys, strict=True)
         ]
 
         def ran(jobs: dict[str, Job]) -> dict[str, Outcome | list[Any]]:
             return {
-                name: run(job, exercises[name], hidden[name], jail) for name, job in jobs.items()
+                name: kept(run, job, exercises[name], hidden[name], jail)
+                for name, job in jobs.items()
             }
 
-        for submission, found in zip(handed, workers.map(ran, jobs), strict=True):
-            outcomes = {
+        for submission, key, found in zip(handed, keys, workers.map(ran, jobs), strict=True):
+            outcomes = done.get(key) or {
                 name: got
                 if isinstance(got, Outcome)
-                else judged(exercises[name], got, hidden[name], plan.partial)
+                else kept(judged, exercises[name], got, hidden[name], plan.partial)
                 for name, got in found.items()
             }
             yield Row(submission, outcomes, str(jail))
+            if journal and key not in done:
+                with journal.open("a", encoding="utf-8") as file:
+                    file.write(json.dumps([key, outcomes]) + "\n")
+    if journal:
+        journal.unlink(missing_ok=True)
+
+
+def kept(step: Callable[..., Found], *given: Any) -> Found | Outcome:
+    """What a step finds for one answer; whatever fails there is the outcome of this answer."""
+    try:
+        return step(*given)
+    except Exception as error:  # not its text, which may hold a hidden case
+        said = f"the grader failed at it ({type(error).__name__}): a person has to look at it"
+        return Outcome("not graded", said)
+
+
+def _key(handed: Submission, plan: Plan, limits: Limits, jail: str) -> str:
+    """Another for whatever may change the outcomes of a student."""
+    return hashlib.sha256(repr((handed, plan, limits, jail)).encode("utf-8", "replace")).hexdigest()
+
+
+def _journal(path: Path | None) -> dict[str, dict[str, Outcome]]:
+    """The outcomes of a grading that stopped, by the keys of the students; the last may be cut."""
+    found = {}
+    if path and path.exists():
+        for line in path.read_text(encoding="utf-8", errors="replace").splitlines():
+            with suppress(ValueError, TypeError, AttributeError):
+                key, outcomes = json.loads(line)
+                found[key] = {name: Outcome(*outcome) for name, outcome in outcomes.items()}
+    return found
 
 
 def _hidden(exercise: Any, seed: int | None) -> list[tuple[Any, ...]]:

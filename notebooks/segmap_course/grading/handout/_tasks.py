@@ -133,7 +133,9 @@ def defines(source: str, name: str) -> bool:
     (False, False)
     """
     word = re.escape(name)
-    assigned = rf"(?:\w+\s*,\s*)*{word}(?:\s*,\s*\w+)*\s*(?::[^=\n]+)?=(?!=)"
+    gap = "[ \\t]*"  # of one line: over several a long text would take minutes
+    before, after = rf"(?:\w+{gap},{gap})*", rf"(?:{gap},{gap}\w+)*"
+    assigned = rf"{before}{word}{after}{gap}(?::[^=\n]+)?=(?!=)"
     return bool(re.search(rf"^(?:def {word}\s*\(|{assigned})", source, re.M))
 
 
