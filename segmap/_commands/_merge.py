@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import Any
 
 from .._recipe import Call, Outcome
-from ..alignment import Verdict
 from ..matching import merge
 from ..scans import Log
 from . import opening
@@ -44,11 +43,10 @@ def merge_logs(given: argparse.Namespace, log: Log, paths: list[Path], report: R
         opening.tell_deskewing(made, report)
         logs.append(made.log)
     found = merge(*logs)
+    found = replace(found, causes=(*found.causes, *logs[0].causes, *logs[1].causes))
     if not (found.used[: len(first)].any() and found.used[len(first) :].any()):
-        words = f"NOT A MAP: {found.causes[0]}"
         opening.tell_alignment(found, report)
-        verdict = Verdict("not a map", words, int(found.used.sum()), len(found))
-        return opening.concluded(given, verdict, report)
+        return opening.concluded(given, found.verdict, report)
     scans = [scan for each in logs for scan in each]
     scans = [replace(s, odometry=pose) for s, pose in zip(scans, found.poses, strict=True)]
     both = Log(f"{first.name} and {log.name}", scans, found.trusted)

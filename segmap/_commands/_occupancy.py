@@ -3,20 +3,20 @@
 from __future__ import annotations
 
 import argparse
-from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from .. import exports, quadtree
+from .. import alignment, exports, quadtree
 from .._display import counted
-from .._recipe import cropped, world_of
+from .._recipe import cropped, preparing, world_of
 from ..alignment import Alignment, Verdict
 from ..matching import MATCHERS, SCORES, map_scans
 from ..progress import each
 from ..scans import Log
+from ..scans.causes import Cause, Finding
 from . import opening
 from ._words import Report
 
@@ -92,6 +92,7 @@ def _matched(
     given: argparse.Namespace, log: Log, report: Report
 ) -> tuple[quadtree.QuadtreeMap, Verdict]:
     """The map that grows scan by scan, and the verdict on it; the first scan is its origin."""
+    log = alignment.prepared(log, **preparing(opening.preparing_of(given) | {"no_deskew": True}))
     map, score = quadtree.QuadtreeMap(resolution=given.resolution), given.score or "field"
     rng = np.random.default_rng(0)
     matcher = MATCHERS[NAMES[given.matcher]](rng)
@@ -109,12 +110,13 @@ def _matched(
     report.line("matched", f"by {given.matcher}, score {score}: {words}", **figures)
     found = np.array([step.found for step in steps], bool)
     poses = np.reshape([step.pose for step in steps], (-1, 3))
-    verdict = Alignment(poses, found, sum(step.seconds for step in steps), "map_scans").verdict
-    if verdict.grade == "good" and not found.all():
-        lost = f"lost at scan {int(np.argmin(found))}, and what follows hangs on it; "
-        words = verdict.words.replace("GOOD: ", f"DOUBTFUL: {lost}")
-        verdict = replace(verdict, grade="doubtful", words=words)
-    return map, verdict
+    causes = log.causes
+    if not found.all():
+        scan = int(np.argmin(found))
+        words = f"lost at scan {scan}, and what follows hangs on it"
+        causes = (*causes, Finding(Cause.LOST, scan, words, doubtful=True))
+    took = sum(step.seconds for step in steps)
+    return map, Alignment(poses, found, took, "map_scans", causes=causes).verdict
 
 
 def _write(path: Path, map: quadtree.QuadtreeMap, world: exports.Frame) -> None:

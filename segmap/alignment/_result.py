@@ -159,7 +159,8 @@ class Alignment(Pictured):
 
     def _judged(self, map: SegmentMap | None) -> Verdict:
         near = self.sure if self.local_spread is None else self.locally_sure
-        return judge(self.poses, self.used, self.sure, near, self.spread, self.method, map)
+        known = self.used, self.sure, near, self.spread
+        return judge(self.poses, *known, self.method, self.causes, map)
 
     def why(self) -> pd.DataFrame:
         """How many scans were not used: a row for each reason, a column `scans`.

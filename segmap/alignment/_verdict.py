@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -11,6 +12,7 @@ from numpy.typing import NDArray
 from .._display import counted
 from ..arrays import Array
 from ..metrics import doubled_walls
+from ..scans.causes import Cause, Finding
 from ..segments import SegmentMap
 
 #: With fewer of its scans placed a log has no map: three of four say nothing of the building.
@@ -23,6 +25,12 @@ SURE_SHARE = 0.5
 #: More walls are not doubled in a good map: see `metrics.doubled_walls` for what was measured.
 DOUBLED = 0.25
 
+#: Where so many scans count and none is sure, half of them must be known this well, as a standard
+#: deviation: a map whose rooms may lie anywhere is none.
+COUNTED, UNKNOWN_M = 10, 1.0
+#: A good map promises no more than this, metres: half of a door.
+PROMISE_M = 0.5
+
 Grade = Literal["good", "doubtful", "not a map"]
 
 
@@ -33,10 +41,11 @@ class Verdict:
     Parameters
     ----------
     grade
-        "not a map" where fewer than two scans of several are placed, fewer than a quarter, or no
-        wall is there. "doubtful" where less than nine tenths of the scans are placed, less than
-        half of those are sure relative to those within 20 m, more than a quarter of the walls is
-        doubled, or nothing but the wheels places them.
+        "not a map" where fewer than two scans of several are placed, fewer than a quarter, no wall
+        is there, or none of ten scans and more is sure and half of them may be over 2 m off.
+        "doubtful" where less than nine tenths of the scans are placed, less than half of those are
+        sure relative to those within 20 m, more than a quarter of the walls is doubled, nothing but
+        the wheels places them, or a finding of the alignment makes it so.
     words
         One line for a user, which begins with the grade in capitals; what makes the map doubtful
         comes first.
@@ -49,6 +58,14 @@ class Verdict:
         Twice the largest standard deviation of a scan that is placed.
     doubled
         Share of the walls that the map shows twice; None where no map was looked at.
+    causes
+        Of the findings that make the map doubtful, as `Cause` names them.
+
+    Notes
+    -----
+    What cannot be told: a log without odometry whose scans are mirrored; floors that are built
+    alike; a robot that is lifted to a place that looks the same; rooms and corridors that repeat,
+    where no odometry says how far the robot went.
 
     Examples
     --------
@@ -68,6 +85,7 @@ class Verdict:
     sure: int | None = None
     worst: float | None = None
     doubled: float | None = None
+    causes: tuple[str, ...] = ()
 
     def __str__(self) -> str:
         return self.words
@@ -80,34 +98,53 @@ def judge(
     near: NDArray[np.bool_],
     spread: Array | None,
     method: str,
+    findings: Sequence[Finding] = (),
     map: SegmentMap | None = None,
 ) -> Verdict:
     """The verdict on an alignment; with the map that was made of it, also on its walls."""
     placed, scans, sure, worst, doubled = int(used.sum()), len(used), None, None, None
+    off = np.zeros(0) if spread is None else 2 * spread[used]
     if spread is not None:
-        sure, worst = int(certain.sum()), float(2 * spread[used].max(initial=0.0))
+        sure, worst = int(certain.sum()), float(off.max(initial=0.0))
     if map is not None and len(map):
         share = doubled_walls(map, poses[:, :2] if map.sensors is None else None)
         doubled = share if np.isfinite(share) else None
     told = f"{placed} of {counted(scans, 'scan')} placed"
-    figures = placed, scans, sure, worst, doubled
+    costly = [finding for finding in findings if finding.doubtful]
+    figures = placed, scans, sure, worst, doubled, tuple(str(each.cause) for each in costly)
+    for finding in findings:
+        if finding.cause is Cause.NOT_MERGED:
+            return Verdict("not a map", f"NOT A MAP: {finding.words}", *figures)
     if placed < min(2, scans) or placed < LEAST * scans or not scans:
         return Verdict("not a map", f"NOT A MAP: {told}", *figures)
     if map is not None and not len(map):
         return Verdict("not a map", f"NOT A MAP: {told}, but no wall found", *figures)
+    if sure is not None and placed >= COUNTED and not (certain.any() or near.any()):
+        middle = float(np.median(off))
+        if not middle <= 2 * UNKNOWN_M:
+            words = f"NOT A MAP: no scan is sure, half of them may be {middle:.1f} m off and more"
+            return Verdict("not a map", f"{words}; {told}", *figures)
     said = [(placed < PLACED * scans, told)]  # and whether it speaks against the map
+    said += [(True, finding.words) for finding in costly]
     if method == "odometry":
         said.append((True, "nothing but the wheels places them"))
     if sure is not None:
         local = int(near.sum())
         more = f" ({local} relative to those within 20 m)" if local > sure else ""
         said.append((local < SURE_SHARE * placed, f"{counted(sure, 'scan')} sure{more}"))
-    if worst:
-        said.append((False, f"all within {worst:.2f} m"))
     if doubled is not None:
         said.append((doubled > DOUBLED, f"{100 * doubled:.0f} % of the walls doubled"))
+    grade: Grade = "doubtful" if any(bad for bad, _ in said) else "good"
+    if worst and (within := _within(off, grade)):
+        said.insert(-1 if doubled is not None else len(said), (False, within))
     against, rest = ([text for bad, text in said if bad is kind] for kind in (True, False))
     words = "; ".join(", ".join(texts) for texts in (against, rest) if texts)
-    if against:
-        return Verdict("doubtful", f"DOUBTFUL: {words}", *figures)
-    return Verdict("good", f"GOOD: {words}", *figures)
+    return Verdict(grade, f"{grade.upper()}: {words}", *figures)
+
+
+def _within(off: Array, grade: Grade) -> str:
+    """How far scans are off at most, `off` metres each; a good map promises no more than 0.5 m."""
+    most, beyond = float(off.max()), int((off > PROMISE_M).sum())
+    if most <= PROMISE_M or grade != "good":
+        return f"all within {most:.2f} m"
+    return f"all but {beyond} within {PROMISE_M:g} m" if beyond < len(off) else ""

@@ -11,6 +11,7 @@ from segmap import load
 from segmap.alignment import Alignment, odometry, pose_graph
 from segmap.extraction import build_map
 from segmap.scans import LaserScan, Log
+from segmap.scans.causes import Cause, Finding
 from segmap.segments import SegmentMap
 
 
@@ -103,3 +104,42 @@ def test_a_large_building_may_be_sure_in_each_of_its_parts():
     assert found.verdict.grade == "good"
     assert "0 scans sure (3 relative to those within 20 m)" in str(found.verdict)
     assert whole.verdict.grade == "doubtful" and "relative" not in str(whole.verdict)
+
+
+def test_a_good_map_promises_half_a_metre_at_most():
+    """Catches a good map that says 0.6 m, and one that promises what a scan does not hold."""
+    some = outcome([True] * 6, spread=np.array([0.1, 0.1, 0.1, 0.1, 0.3, 0.9]))
+    assert str(some.verdict) == "GOOD: 6 of 6 scans placed, 4 scans sure, all but 2 within 0.5 m"
+    near = replace(outcome([True] * 6, spread=np.full(6, 0.4)), local_spread=np.full(6, 0.1))
+    assert near.verdict.grade == "good" and "within 0" not in near.verdict.words
+
+
+@pytest.mark.parametrize(
+    ("spread", "count", "grade"),
+    [
+        (1.01, 10, "not a map"),
+        (0.99, 10, "doubtful"),
+        (1.01, 9, "doubtful"),
+        (np.nan, 10, "not a map"),
+    ],
+)
+def test_scans_that_may_lie_anywhere_are_no_map(spread, count, grade):
+    """Catches a deviation for twice of it, and a spread that is not known."""
+    found = outcome([True] * count, spread=np.full(count, spread))
+    assert found.verdict.grade == grade
+    one = replace(found, spread=np.append(np.full(count - 1, spread), 0.1))
+    assert one.verdict.grade == "doubtful"
+
+
+def test_findings_make_a_map_doubtful():
+    """Catches one that is told and costs nothing, and one that was put right and costs all."""
+    mended = Finding(Cause.UNIT, 0.01, "the odometry is in centimetres: converted")
+    wrong = Finding(Cause.SCALE, 0.9, "wheels or ranges are 10 % off", doubtful=True)
+    good = replace(outcome([True] * 4), causes=(mended,))
+    assert good.verdict.grade == "good" and good.verdict.causes == ()
+    assert good.doubt == "the odometry is in centimetres: converted"
+    bad = replace(good, causes=(mended, wrong))
+    assert str(bad.verdict) == "DOUBTFUL: wheels or ranges are 10 % off; 4 of 4 scans placed"
+    assert bad.verdict.causes == ("scale",)
+    apart = Finding(Cause.NOT_MERGED, 0, "the sessions are not merged: none agrees", doubtful=True)
+    assert replace(good, causes=(mended, apart)).verdict.words == f"NOT A MAP: {apart.words}"

@@ -309,6 +309,11 @@ def test_a_good_map_is_called_so_and_strict_asks_for_more(run, folder, tmp_path)
     code, said, _ = run(*words, "--strict", "0.5")
     assert code == 0 and "verdict   DOUBTFUL: 10 of 12 scans placed" in said
     Path("it.csv").unlink()
+    code, said, beside = run(*words, "--strict")
+    assert code == 3 and not Path("it.csv").exists()
+    assert beside.splitlines()[-1].startswith("segmap: far.log: DOUBTFUL: 10 of 12 scans placed")
+    code, said, _ = run("map", "far.log", "--strict", "--method", "none")
+    assert code == 0
     code, said, _ = run(*words, "--strict", "0.9")
     assert code == 3 and not Path("it.csv").exists()
     assert said.splitlines()[-1].endswith("(--strict asks for 90.0 % of the scans)")

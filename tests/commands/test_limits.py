@@ -21,6 +21,7 @@ from segmap._commands._words import Report, metres, progress, seconds
 from segmap._recipe import cropped
 from segmap.alignment import Alignment, Verdict
 from segmap.matching import Belief
+from segmap.scans.causes import Cause, Finding
 
 WALL = [[(0.0, 0.0), (10.0, 0.0)]]
 
@@ -95,17 +96,21 @@ def test_long_work_moves_a_bar_on_a_terminal(run, monkeypatch, words):
     scans = [int(k) for k in re.findall(r"placing scan (\d+) of 61 \|", screen.getvalue())]
     order = list(dict.fromkeys(scans))
     assert len(order) > 3 and order == sorted(order)
-    assert "/3" not in screen.getvalue() and "\n" not in screen.getvalue()
+    shown = screen.getvalue().split("segmap: room: ")[0]  # the verdict of --matcher follows
+    assert "/3" not in shown and "\n" not in shown
     assert re.search(r"\| \d\d:\d\d left", screen.getvalue())
     assert screen.getvalue().endswith(" \r")
 
 
 # ---------------------------------------------------------------------- logs, verdicts
+SLIPPED = Finding(Cause.OTHER, 1, "it slipped")
+
+
 def test_an_alignment_is_told_with_its_commonest_reasons_first(run, monkeypatch):
     """Catches a list of reasons as long as the log, the rare ones, and a doubt that is kept."""
     reasons = ("late", *["dark"] * 4, *["far"] * 3, *["turning"] * 2, "")
     used = np.array([not reason for reason in reasons])
-    found = Alignment(np.zeros((11, 3)), used, 0.04, "odometry", reasons, doubt="it slipped")
+    found = Alignment(np.zeros((11, 3)), used, 0.04, "odometry", reasons, causes=(SLIPPED,))
     method = replace(alignment.METHODS["odometry"], function=lambda log: found)
     monkeypatch.setitem(alignment.METHODS, "odometry", method)
     exports.write_carmen("it.log", segmap.load("room")[:11])
@@ -129,11 +134,16 @@ def test_an_alignment_is_told_with_its_commonest_reasons_first(run, monkeypatch)
 def test_strict_is_met_by_just_as_many(grade, placed, strict, code, capsys):
     """Catches 9 of 10 scans that are fewer than 0.9, and --force that is not asked."""
     verdict, report = Verdict(grade, "as said", placed, 10), Report("it")
-    given, paths = Namespace(strict=strict, force=False), [Path("it.svg")]
+    given, paths = Namespace(strict=strict, strict_verdict=False, force=False), [Path("it.svg")]
     assert opening.concluded(given, verdict, report) == code
     assert ("(--strict asks" in capsys.readouterr().out) == (code == 3 and grade == "good")
     assert opening.allowed(given, verdict, paths, report) == ([] if code else paths)
-    assert opening.allowed(Namespace(strict=strict, force=True), verdict, paths, report) == paths
+    assert (
+        opening.allowed(
+            Namespace(strict=strict, strict_verdict=False, force=True), verdict, paths, report
+        )
+        == paths
+    )
 
 
 SWAPPED = ("139.7 35.7", "90.5 0", "-120 45", "180 -90")

@@ -121,23 +121,19 @@ def draw_uncertainty(match: Match, *, ax: Axes | None = None) -> Axes:
 
 
 def draw_odometry_comparison(compared: Mapping[str, OdometryComparison]) -> list[Axes]:
-    """Draw matched motions against those of the wheels: turns above, straight ways below.
+    """Draw matched turns against those of the wheels, degrees: an axis for each, by its name.
 
-    A column for each comparison, by its name, in a new figure. Where both agree the points lie on
-    the dashed line.
+    Where both agree the points lie on the dashed line. The figure is new.
     """
-    figure = plt.figure(figsize=(2.7 * len(compared), 4.6), layout="constrained")
-    axes = figure.subplots(2, len(compared), squeeze=False)
-    for (name, seen), (above, below) in zip(compared.items(), axes.T, strict=True):
-        turns = np.degrees([seen.wheels[:, 2], seen.steps.motion[:, 2]])
-        ways = [np.hypot(*m[seen.straight, :2].T) for m in (seen.wheels, seen.steps.motion)]
-        for ax, (wheels, matched), unit in ((above, turns, "degrees"), (below, ways, "m")):
-            ax.plot(wheels, matched, ".", color=RESULT)
-            ax.axline((0, 0), slope=1, color=MAP, linestyle="--", linewidth=1)
-            ax.set(xlabel=f"by the wheels [{unit}]", ylabel=f"matched [{unit}]")
-        above.set_title(f"{name}: turn {seen.turn:+.2f}")
-        below.set_title(f"way {seen.way:.2f}")
-    return list(axes.ravel())
+    figure = plt.figure(figsize=(2.7 * len(compared), 2.7), layout="constrained")
+    axes = figure.subplots(1, len(compared), squeeze=False)[0]
+    for ax, (name, seen) in zip(axes, compared.items(), strict=True):
+        wheels, matched = np.degrees([seen.wheels[:, 2], seen.steps.motion[:, 2]])
+        ax.plot(wheels, matched, ".", color=RESULT)
+        ax.axline((0, 0), slope=1, color=MAP, linestyle="--", linewidth=1)
+        ax.set(xlabel="turn by the wheels [degrees]", ylabel="matched turn [degrees]")
+        ax.set_title(f"{name}: {seen.turn:+.2f}")
+    return list(axes)
 
 
 def draw_candidate(

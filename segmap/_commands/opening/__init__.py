@@ -20,6 +20,7 @@ from ._poses import (
     check_options,
     edits_of,
     placed,
+    preparing_of,
     recipe_of,
     tell_alignment,
     tell_deskewing,

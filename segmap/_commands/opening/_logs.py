@@ -224,8 +224,10 @@ def add_strict(command: Any) -> None:
         type=_share,
         default=0.0,
         metavar="SHARE",
-        help=f"end with {NO_MAP} too where a smaller share of the scans is placed: 0.9 say",
+        help=f"end with {NO_MAP} too where a smaller share of the scans is placed, 0.9 say; alone, "
+        "where the map is doubtful",
     )
+    command.add_argument("--strict-verdict", action="store_true", help=argparse.SUPPRESS)
     command.add_argument(
         "--force", action="store_true", help=f"write the files even where that ends with {NO_MAP}"
     )
@@ -239,8 +241,10 @@ def _share(text: str) -> float:
 
 
 def too_little(given: argparse.Namespace, verdict: Verdict) -> bool:
-    """Whether this is no map, or holds fewer scans than --strict asks for."""
-    return verdict.grade == "not a map" or verdict.placed < given.strict * verdict.scans
+    """Whether this is no map, or less than --strict asks for."""
+    few = verdict.placed < given.strict * verdict.scans
+    doubtful = given.strict_verdict and verdict.grade == "doubtful"
+    return verdict.grade == "not a map" or few or doubtful
 
 
 def allowed(
@@ -256,10 +260,15 @@ def allowed(
 
 
 def concluded(given: argparse.Namespace, verdict: Verdict, report: Report) -> int:
-    """Say the verdict on the map, as the last line, and give the exit code."""
-    few = verdict.grade != "not a map" and too_little(given, verdict)
+    """Say the verdict on the map, as the last line, and give the exit code.
+
+    Beside the output stands once more what makes it no good map.
+    """
+    few = verdict.grade != "not a map" and verdict.placed < given.strict * verdict.scans
     asked = f" (--strict asks for {percent(given.strict)} of the scans)" if few else ""
     report.line("verdict", f"{verdict}{asked}", **asdict(verdict))
+    if verdict.grade != "good":
+        tell(f"{report.found['source']}: {verdict}")
     return NO_MAP if too_little(given, verdict) else 0
 
 

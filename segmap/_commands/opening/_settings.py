@@ -21,7 +21,7 @@ PREPARE = ("no_deskew", "keep_body", "clockwise", "mount", "mount_auto")
 
 def parsed(parser: argparse.ArgumentParser, words: Sequence[str]) -> argparse.Namespace:
     """The options given, above those of the file that --config names."""
-    words = _with_mount_auto(words)
+    words = _written_out(words)
     begun = argparse.Namespace(parser=parser, words=words, lent=set(), held=set())
     found = parser.parse_args(words, begun)
     if path := getattr(found, "config", None):
@@ -37,15 +37,27 @@ def parsed(parser: argparse.ArgumentParser, words: Sequence[str]) -> argparse.Na
     return found
 
 
-def _with_mount_auto(words: Sequence[str]) -> list[str]:
-    """The words with `--mount auto` as one: else --mount takes three numbers."""
+def _written_out(words: Sequence[str]) -> list[str]:
+    """The words with `--mount auto`, and `--strict` without a share, as options of their own."""
     found: list[str] = []
-    for word in words:
-        if word == "auto" and found[-1:] == ["--mount"]:
-            found[-1] = "--mount-auto"
-        else:
-            found.append("--mount-auto" if word == "--mount=auto" else word)
+    for word, following in zip(words, [*words[1:], ""], strict=True):
+        if word == "auto" and found[-1:] == ["--mount-auto"]:
+            continue
+        if word == "--mount=auto" or (word == "--mount" and following == "auto"):
+            word = "--mount-auto"
+        if word == "--strict" and not _is_number(following):
+            word = "--strict-verdict"
+        found.append(word)
     return found
+
+
+def _is_number(word: str) -> bool:
+    """Whether a word is a number; NaN is one."""
+    try:
+        float(word)
+    except ValueError:
+        return False
+    return True
 
 
 def applied(
