@@ -262,12 +262,12 @@ def allowed(
 def concluded(given: argparse.Namespace, verdict: Verdict, report: Report) -> int:
     """Say the verdict on the map, as the last line, and give the exit code.
 
-    Beside the output stands once more what makes it no good map.
+    Beside the output stands once more what makes it doubtful.
     """
     few = verdict.grade != "not a map" and verdict.placed < given.strict * verdict.scans
     asked = f" (--strict asks for {percent(given.strict)} of the scans)" if few else ""
     report.line("verdict", f"{verdict}{asked}", **asdict(verdict))
-    if verdict.grade != "good":
+    if verdict.grade == "doubtful":
         tell(f"{report.found['source']}: {verdict}")
     return NO_MAP if too_little(given, verdict) else 0
 

@@ -40,7 +40,7 @@ def parsed(parser: argparse.ArgumentParser, words: Sequence[str]) -> argparse.Na
 def _written_out(words: Sequence[str]) -> list[str]:
     """The words with `--mount auto`, and `--strict` without a share, as options of their own."""
     found: list[str] = []
-    for word, following in zip(words, [*words[1:], ""], strict=True):
+    for word, following in zip(words, [*words, ""][1:], strict=True):
         if word == "auto" and found[-1:] == ["--mount-auto"]:
             continue
         if word == "--mount=auto" or (word == "--mount" and following == "auto"):
