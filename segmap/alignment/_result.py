@@ -20,7 +20,7 @@ from ..extraction import extract_polylines
 from ..poses.motions import between, compose
 from ..scans import LaserScan, Log
 from ..scans.causes import Finding, doubt_of
-from ..scans.moving import unmoved
+from ..scans.moving import stood, unmoved
 from ..segments import SegmentMap, length
 from ._verdict import Verdict, judge
 from .graph import Graph, loops_of
@@ -50,6 +50,8 @@ class Match:
     free : (2,) array or None
         Unit vector, in the reference's frame, along which the reference does not fix the motion (a
         corridor's own direction); None where both directions are fixed.
+    turns
+        Whether nothing fixes a turn about some centre, as in a round room.
     """
 
     pose: Array
@@ -58,6 +60,7 @@ class Match:
     reason: str = ""
     overlap: float = 0.0
     free: Array | None = None
+    turns: bool = False
 
     def __repr__(self) -> str:
         x, y, heading = self.pose.round(4) + 0.0
@@ -235,7 +238,8 @@ def concluded(name: str, scans: Sequence[LaserScan], found: Outcome, seconds: fl
     if len(poses) != len(scans) or len(reasons) != len(scans) or not np.isfinite(poses).all():
         raise RuntimeError(f"{name} must give a finite pose and a reason for each scan")
     used = np.array([not reason for reason in reasons], bool)
-    causes = (*getattr(scans, "causes", ()), *unmoved(scans, poses), *found.causes)
+    causes = (*getattr(scans, "causes", ()), *unmoved(scans, poses), *stood(scans, poses))
+    causes += tuple(found.causes)
     evidence = reasons, found.graph, causes, found.spread, found.local_spread
     return Alignment(poses, used, seconds, name, *evidence)
 

@@ -18,6 +18,7 @@ from ..arrays import Array, Count, Gap, Metres, Poses, at_least, checked
 from ..poses import transform
 from ..progress import announce
 from ..scans import LaserScan, Log
+from ..scans.moving import standing
 from ..scans.placed import poses_for, warn_of_nothing
 from ..segments import SegmentMap
 from ..threads import Rows, in_threads
@@ -140,6 +141,7 @@ def build_map(
     ----------
     poses : (k, 3) array, metres and radians, or Alignment
         Pose of the robot at each scan, such as `log.truth`; a scan with NaN in it is left out.
+        Of scans at which the robot stands, and sees the same, the first 20 are drawn.
     extract
         `extract(points, **thresholds) -> (n, 2, 2)`.
     keep_points
@@ -157,7 +159,7 @@ def build_map(
     """
     arrays.function(extract, "extract", "of points")
     rows = poses_for(log, poses)
-    known = np.flatnonzero(np.isfinite(rows).all(1))
+    known = np.flatnonzero(np.isfinite(rows).all(1) & ~standing(log, rows))
     keep = arrays.switch(keep_points, "keep_points")
     if extract in list(_TELLING):  # one of the caller's own may have no hash
         map = _map_of_runs(log, rows, known, extract, thresholds, keep)

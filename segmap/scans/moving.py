@@ -6,12 +6,19 @@ from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..arrays import Array
 from ..poses.motions import between, compose, inverse, twist, wrap
 from ._scans import LaserScan
 from .causes import Cause, Finding
 
+#: A robot that has moved by less than this since a scan stands: poses of matches err by as much.
+STANDS_M, STANDS_RAD = 0.01, np.radians(0.2)
+#: And it sees the same: half of the beams differ by less, metres.
+SAME_M = 0.1
+#: So many looks from one place are drawn: more add noise and no wall.
+LOOKS = 20
 #: Between scans that are farther apart than this nobody knows how the robot moved, seconds.
 GAP = 1.0
 
@@ -55,6 +62,43 @@ def carried(scan: LaserScan, motions: Array) -> LaserScan:
     turned = np.where(valid, aim + wrap(np.arctan2(y, x) - aim), aim)
     limit = max(scan.max_range, float(np.nextafter(found[valid].max(initial=0.0), np.inf)))
     return replace(scan, ranges=found, angles=turned, max_range=limit, delays=None)
+
+
+def standing(scans: Sequence[LaserScan], poses: Array) -> NDArray[np.bool_]:
+    """Scans, `(k,)`, that add nothing, since the robot stands where it was at an earlier one.
+
+    They are those behind the first 20 of a stay, and equal ones. Poses `(k, 3)`, metres and
+    radians. A robot that creeps does not stand: it is compared with the first scan of the stay.
+    """
+    found, first, looks = np.zeros(len(poses), bool), 0, 1
+    step = np.abs(between(poses[:-1], poses[1:]))
+    near = (np.hypot(step[:, 0], step[:, 1]) < STANDS_M) & (step[:, 2] < STANDS_RAD)
+    for k in (np.flatnonzero(near) + 1).tolist():
+        if not near[k - 2] or k == 1:  # the stay begins at the scan before
+            first, looks = k - 1, 1
+        x, y, turn = np.abs(between(poses[first], poses[k]))
+        if not (np.hypot(x, y) < STANDS_M and turn < STANDS_RAD and _alike(scans[first], scans[k])):
+            first, looks = k, 1
+            continue
+        twice = np.array_equal(scans[k - 1].ranges, scans[k].ranges, equal_nan=True)
+        found[k] = twice or looks >= LOOKS
+        looks += not twice
+    return found
+
+
+def _alike(a: LaserScan, b: LaserScan) -> bool:
+    """Whether half of the beams of two scans measure the same."""
+    if len(a) != len(b):
+        return False
+    both = a.valid & b.valid
+    return bool(both.any() and np.median(np.abs(a.ranges[both] - b.ranges[both])) < SAME_M)
+
+
+def stood(scans: Sequence[LaserScan], poses: Array) -> list[Finding]:
+    """At how many scans of a log the robot stands, poses `(k, 3)`, and what becomes of them."""
+    count = int(standing(scans, poses).sum())
+    words = f"at {count} of {len(poses)} scans the robot stands, and they add nothing: not drawn"
+    return [Finding(Cause.STANDS, count, words)] if count >= LOOKS else []
 
 
 def unmoved(scans: Sequence[LaserScan], poses: Array) -> list[Finding]:

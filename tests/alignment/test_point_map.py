@@ -173,7 +173,7 @@ def test_the_uncertainty_is_that_of_the_eigenvectors(free):
     if free == 1:
         assert shift == pytest.approx(np.hypot(*axes[:2, 0]))
         assert abs(along @ axes[:2, 0]) == pytest.approx(shift)
-    assert (shift > 0.0) == (free > 0)
+    assert (shift >= 0.0) == (free > 0)
 
 
 @pytest.mark.parametrize("count", [6, 7, 40, 41])
@@ -264,3 +264,41 @@ def test_levels_hold_the_stamps_and_the_maxima_of_their_blocks():
         padded[: fine.shape[0], : fine.shape[1]] = fine
         blocks = np.lib.stride_tricks.sliding_window_view(padded, (width, width))
         np.testing.assert_array_equal(level, blocks.max((2, 3)))
+
+
+def ring(radius: float, centre: tuple[float, float]) -> np.ndarray:
+    """Points of a round wall, as a robot sees it whose middle lies at `centre`."""
+    angle = np.linspace(-np.pi, np.pi, 360, endpoint=False)
+    return np.column_stack([np.cos(angle), np.sin(angle)]) * radius + centre
+
+
+@pytest.mark.parametrize("centre", [(0.0, 0.0), (1.0, 0.5), (-4.0, 3.0)])
+def test_a_round_room_fixes_no_turn_about_its_middle(centre):
+    """Catches a middle that is taken to be the robot, and a wall that faces a shift but no turn."""
+    points = ring(8.0, centre)
+    map = PointMap(points)
+    match = map.register(points, (0.0, 0.0, 0.0))
+    assert match.matched and (match.turns or match.free is not None)
+    (motion,) = map.unfixed(points, match.pose)
+    span = np.sqrt((points**2).sum(1).mean())
+    turn = motion[2] / span
+    middle = np.array([-motion[1], motion[0]]) / turn  # which the motion leaves where it is
+    np.testing.assert_allclose(middle, centre, atol=0.05)
+    # Along it the guess counts: the robot has turned by 0.1 about the middle
+    c, s = np.cos(0.1), np.sin(0.1)
+    guess = np.append(centre - np.array([[c, -s], [s, c]]) @ centre, 0.1)
+    moved = map.nearest(points, match.pose, guess)
+    np.testing.assert_allclose(moved, guess, atol=0.05)
+    pillar = np.vstack([points, ring(0.3, (2.0, -2.0))[::4] * (1, 1.4)])
+    assert len(PointMap(pillar).unfixed(pillar, np.zeros(3))) == 0
+
+
+def test_a_corridor_leaves_its_own_direction_free_until_a_wall_faces_it():
+    """Catches a turn in the place of a shift, and an end that is overlooked."""
+    along = np.arange(-6.0, 6.0, 0.05)
+    walls = np.vstack([np.column_stack([along, np.full_like(along, y)]) for y in (-1.0, 1.0)])
+    (motion,) = PointMap(walls).unfixed(walls, np.zeros(3))
+    np.testing.assert_allclose(np.abs(motion), [1, 0, 0], atol=0.02)
+    end = np.column_stack([np.full(5, 6.0), np.linspace(-0.2, 0.2, 5)])
+    closed = np.vstack([walls, end])
+    assert len(PointMap(closed).unfixed(closed, np.zeros(3))) == 0

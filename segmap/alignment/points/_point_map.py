@@ -14,7 +14,7 @@ from ...poses.motions import wrap
 from .._result import Match, no_match
 from . import _point_kernels as kernels
 from . import _search_kernels
-from ._step_kernels import uncertainty
+from ._step_kernels import FREE, uncertainty
 
 # What follows are properties of lasers and of walls, the same for every building.
 #: Side of the cells that points are sorted into, metres: about the reach of the last steps.
@@ -35,8 +35,8 @@ ON_A_SCAN, INFLATION = 1.7, 2.0
 #: A motion that the walls leave free is one along a direction where its shift is at least this
 #: share of it, the turn counted as the length by which it moves the scan's points.
 SHIFT = 0.7
-#: A wall faces a direction where its normal leans to it by more than this (cosine): normals of a
-#: straight wall err by a tenth of a radian.
+#: A wall faces a motion that moves points on it across it by more than this share (a cosine):
+#: normals of a straight wall err by a tenth of a radian.
 FACING = 0.3
 #: More steps are never made: most descents take 10 to 20.
 ROUNDS = 60
@@ -113,7 +113,8 @@ class PointMap:
         variance, span = inflation * found.sigma**2, _span(current)
         x, y, shift = uncertainty(found.system, variance, span, scratch[0], scratch[1], covariance)
         free = None if shift < SHIFT else np.array([x, y])
-        return Match(found.pose, covariance, True, "", found.near, free)
+        turns = 0 <= shift < SHIFT
+        return Match(found.pose, covariance, True, "", found.near, free, turns)
 
     def descend(
         self,
@@ -139,13 +140,27 @@ class PointMap:
         pose[2] = wrap(pose[2])
         return Descent(pose, rows[:used], system, sigma, near, reach, stride, converged)
 
-    def has_wall_facing(self, direction: Array, current: Array, pose: Array) -> bool:
-        """Whether a wall under a scan's points `(m, 2)` at a pose `(3,)` faces a direction `(2,)`.
+    def unfixed(self, current: Array, pose: Array) -> Array:
+        """Motions `(n, 3)` of a scan's points `(m, 2)` at a pose `(3,)` that no wall faces.
 
-        Points in the robot's frame, metres; walls are sought within the reach of the last steps.
+        Along a corridor, or round the middle of a round room: x, y and the turn, metres, that of a
+        point at the root mean square distance; unit vectors. A wall faces a motion that moves the
+        points on it across it; walls are sought within the reach of the last steps.
         """
-        rows = self.descend(current, pose, LAST, LAST, stride=1, rounds=1).rows
-        return bool((np.abs(rows[:, :2] @ direction) > FACING).any())
+        found = self.descend(current, pose, LAST, LAST, stride=1, rounds=1)
+        scale = np.array([1.0, 1.0, 1.0 / _span(current)])
+        values, motions = np.linalg.eigh(found.system[:, :3] * scale * scale[:, None])
+        loose = motions.T[values <= FREE * values[-1]]
+        across = np.abs((found.rows[:, :3] * scale) @ loose.T)
+        return loose[~(across > FACING).any(0)]
+
+    def nearest(self, current: Array, pose: Array, guess: Array) -> Array:
+        """A pose `(3,)` moved along the motions that no wall fixes, to where a guess says."""
+        scale = np.array([1.0, 1.0, _span(current)])
+        away = (guess - pose) * scale
+        away[2] = wrap(guess[2] - pose[2]) * scale[2]
+        loose = self.unfixed(current, pose)
+        return pose + (loose.T @ (loose @ away)) / scale
 
     @cached_property
     def levels(self) -> _search_kernels.Levels:

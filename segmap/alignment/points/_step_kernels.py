@@ -131,10 +131,13 @@ def uncertainty(
 ) -> tuple[float, float, float]:
     """Write the covariance, (3, 3) array; the direction that no wall fixes, and its share of shift.
 
+    That share is -1 where the walls fix all; a turn about a centre has a small one.
+
     Along what no wall fixes the standard deviation is one metre. `a` and `axes` are overwritten.
     """
     most = _principal_axes(system, span, a, axes)
-    x = y = most_shift = 0.0
+    x = y = 0.0
+    most_shift = -1.0
     for i in range(3):
         for j in range(3):
             covariance[i, j] = 0.0
@@ -142,7 +145,7 @@ def uncertainty(
         fixed = a[k, k] > FREE * most
         shift = math.hypot(axes[0, k], axes[1, k])
         if not fixed and shift > most_shift:
-            x, y, most_shift = axes[0, k] / shift, axes[1, k] / shift, shift
+            x, y, most_shift = axes[0, k] / (shift + 1e-300), axes[1, k] / (shift + 1e-300), shift
         axes[2, k] /= span
         for i in range(3):
             for j in range(3):

@@ -109,8 +109,8 @@ class FrontEnd:
             match = self.matcher(map, points, guess)
             if not measured and not (match.matched and match.overlap > SURE_OVERLAP):
                 match = self._regained(map, points, guess, match)
-            if match.free is not None and not measured:
-                loose = not map.has_wall_facing(match.free, points, match.pose)
+            if (match.free is not None or match.turns) and not measured:
+                loose = len(map.unfixed(points, match.pose)) > 0
         self.lost = 0 if match.matched or measured else self.lost + 1
         self.scans.append(scan)
         self.points = points

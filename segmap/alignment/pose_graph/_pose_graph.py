@@ -206,10 +206,9 @@ class LiveGraph:
             best = self._agreeing(map, points, guess, best)
         if not best.matched:
             return no_match(guess, best.reason, best.overlap)
-        if best.free is None or map.has_wall_facing(best.free, points, best.pose):
+        if best.free is None and not best.turns:
             return best
-        along = best.free @ (guess[:2] - best.pose[:2]) * best.free
-        return replace(best, pose=best.pose + (*along, 0.0))
+        return replace(best, pose=map.nearest(points, best.pose, guess))
 
     def _agreeing(self, map: PointMap, points: Array, guess: Array, match: Match) -> Match:
         """The match, or one that agrees with the odometry's guess where it fits nearly as well."""

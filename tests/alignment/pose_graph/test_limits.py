@@ -43,8 +43,13 @@ class Scripted:
         self.asked.append(given)
         return self.match
 
-    def has_wall_facing(self, free, points, pose):
-        return self.wall
+    def unfixed(self, points, pose):
+        """Along x, where no wall faces it."""
+        return np.array([[1.0, 0.0, 0.0]])[int(self.wall) :]
+
+    def nearest(self, points, pose, guess):
+        loose = self.unfixed(points, pose)
+        return pose + loose.T @ (loose @ (guess - pose))
 
 
 def loop(first, second, x=None, degrees=0.0) -> Edge:
