@@ -5,14 +5,15 @@ from __future__ import annotations
 import copy
 import inspect
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any, TypeVar
 
 from . import alignment, arrays, extraction, reduction
+from ._call import Call, as_read, short
 from .alignment import Alignment, LiveGraph, Verdict
-from .arrays import Array, Declared, declared
+from .arrays import Array, declared
 from .exports import Frame, placed_at
 from .metrics import quality, reduction_rate
 from .progress import announce
@@ -28,33 +29,8 @@ Map = TypeVar("Map", SegmentMap, QuadtreeMap)
 BEGIN = {"align": "align_", "extract": "extract_", "method": "", "second": "second_"}
 
 
-@dataclass(frozen=True)
-class Call:
-    """A function of some data by its name, with the thresholds that are not its defaults."""
-
-    name: str
-    function: Callable[..., Any]
-    thresholds: Mapping[str, Any] = field(default_factory=dict)
-
-    def run(self, data: Any) -> Any:
-        """Call it."""
-        return self.function(data, **self.thresholds)
-
-    def arguments(self) -> str:
-        """The thresholds as Python writes them, each behind a comma; angles by their degrees."""
-        said, written = declared(self.function), ""
-        for name, value in self.thresholds.items():
-            text = _short(value) if isinstance(value, float) else repr(value)
-            if isinstance(value, float) and said[name].read_unit != said[name].unit:
-                read = _read(said[name], value)
-                exact = said[name].meant(read) == value
-                text = f"np.radians({_short(read)})" if exact else repr(float(value))
-            written += f", {name}={text}"
-        return written
-
-    def words(self) -> str:
-        """The thresholds as a person reads them."""
-        return self.arguments().removeprefix(", ").replace("=", " ").replace("np.", "")
+#: How segments are extracted where nothing else is chosen.
+POLYLINES = Call("extract_polylines", extraction.extract_polylines)
 
 
 @dataclass(frozen=True)
@@ -67,7 +43,7 @@ class Recipe:
     """
 
     align: Call
-    extract: Call = Call("extract_polylines", extraction.extract_polylines)
+    extract: Call = POLYLINES
     least: float = 0.0
     methods: Sequence[Call] = ()
     prepare: Mapping[str, Any] | None = field(default_factory=dict)
@@ -101,7 +77,7 @@ class Recipe:
             said, defaults = declared(call.function), inspect.signature(call.function).parameters
             for name, value in call.thresholds.items():
                 if value != defaults[name].default:
-                    settings[begin + name] = _read(said[name], value)
+                    settings[begin + name] = as_read(said[name], value)
         held = {"filter": self.least, "seen_through": self.seen_through}
         settings |= {name: value for name, value in held.items() if value}
         settings |= self.prepare or {}
@@ -112,9 +88,9 @@ class Recipe:
         extract, thresholds = self.extract, self.extract.arguments()
         if extract.name != "extract_polylines":
             thresholds = f", extract=segmap.extraction.{extract.name}{thresholds}"
-        kept = f".filtered({_short(self.least)})" if self.least else ""
+        kept = f".filtered({short(self.least)})" if self.least else ""
         if "crop" in self.edits:
-            kept = f".cropped({', '.join(map(_short, self.edits['crop']))}){kept}"
+            kept = f".cropped({', '.join(map(short, self.edits['crop']))}){kept}"
         lines = [f"log = {self.log}"]
         if self.prepare is not None:
             options = "".join(f", {k}={v!r}" for k, v in preparing(self.prepare).items())
@@ -402,18 +378,3 @@ def _option(held: tuple[str, Any]) -> str:
     """An option that a session keeps, as words."""
     name, value = held
     return name if value is True else f"{name} {value}"
-
-
-def _read(said: Declared, value: Any) -> Any:
-    """A threshold as people read it; without the digits that a conversion adds, if it is one."""
-    if not isinstance(value, float):
-        return value
-    read = said.read(value)
-    brief = float(f"{read:.6g}")
-    return brief if said.meant(brief) == value else read
-
-
-def _short(value: float) -> str:
-    """A number as short as it can be written without becoming another one."""
-    brief = f"{value:.6g}"
-    return brief if float(brief) == value else repr(float(value))

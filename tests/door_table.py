@@ -69,7 +69,7 @@ OBJECTS = {"matching": [matching.DistanceField(TREE), matching.LiveMap()],
 #: Good values by the name of a parameter; `function.parameter` comes first, then `room.parameter`.
 #: A parameter that is not here keeps its default.
 GOOD = {
-    "share": 0.5, "words": "it",
+    "share": 0.5, "words": "it", "mount": (0.2, 0.0, 0.1),
     "matching.first": LOG, "matching.second": LOG, "merge.places": lambda scan: np.zeros((0, 3)),
     "match_values.first": WALLS, "match_values.second": WALLS,
     "alignment.first": LIVE, "alignment.second": LIVE, "match.first": 0, "match.second": 3,
@@ -175,7 +175,10 @@ GOOD |= {
 #: Parameters that may be anything.
 FREE = {"Log.name", "simulate.name", "Log.skipped", "Sensor.name"}
 #: Who listens is called where there is much to tell: see test_progress.
-FREE |= {f"{name}.progress" for name in ("align_parts", "deskew", "pose_graph", "read", "told")}
+FREE |= {
+    f"{name}.progress"
+    for name in ("align_parts", "deskew", "pose_graph", "prepared", "read", "told")
+}
 FREE |= {"placed_at.crs"}  # `Grid` tells of it, as of its name
 #: NaN is what these say of a time or scan that has none.
 NAN_IS_MEANT = {

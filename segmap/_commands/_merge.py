@@ -8,7 +8,8 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from .._recipe import Call, Outcome
+from .._call import Call
+from .._recipe import Outcome
 from ..matching import merge
 from ..scans import Log
 from . import opening

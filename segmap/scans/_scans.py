@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple, overload
+from typing import Any, NamedTuple, TypeVar, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -14,6 +14,8 @@ from .._display import Pictured
 from ..arrays import Array, slips
 from ..poses import transform
 from .causes import Finding, doubt_of
+
+T = TypeVar("T")
 
 NO_POSE = (np.nan, np.nan, np.nan)
 
@@ -178,19 +180,14 @@ class Log(Pictured, Sequence[LaserScan]):
     ) -> None:
         keep = object.__setattr__
         keep(self, "name", name)
-        if not isinstance(scans, Iterable):
-            raise ValueError(f"scans must be a list of LaserScan, got {type(scans).__name__}")
-        keep(self, "scans", tuple(scans))
-        for k, scan in enumerate(self.scans):
-            if not isinstance(scan, LaserScan):
-                raise ValueError(f"scans[{k}] must be a LaserScan, got {type(scan).__name__}")
+        keep(self, "scans", _all(scans, "scans", LaserScan))
         count = len(self.scans)
         rows = None if truth is None else arrays.poses(truth, "truth", count=count, missing=True)
         keep(self, "truth", None if rows is None else _frozen(rows))
         keep(self, "skipped", skipped)
         keep(self, "track", None if track is None else _frozen(_track(track)))
         keep(self, "order_known", arrays.switch(order_known, "order_known"))
-        keep(self, "causes", tuple(causes))
+        keep(self, "causes", _all(causes, "causes", Finding))
         slips.check_headings(self.odometry, "the odometry")
         if self.truth is not None:
             slips.check_headings(self.truth, "the truth")
@@ -245,6 +242,18 @@ def _share(count: int, of: int, what: str) -> str:
     if count == 0:
         return f"no {what}"
     return what if count == of else f"{what} for {count}"
+
+
+def _all(values: Iterable[T], name: str, kind: type[T]) -> tuple[T, ...]:
+    """Values that are all of one kind."""
+    if not isinstance(values, Iterable):
+        raise ValueError(f"{name} must be a list of {kind.__name__}, got {type(values).__name__}")
+    found = tuple(values)
+    for k, value in enumerate(found):
+        if not isinstance(value, kind):
+            got = type(value).__name__
+            raise ValueError(f"{name}[{k}] must be a {kind.__name__}, got {got}")
+    return found
 
 
 def _row(values: ArrayLike, name: str, count: int | None = None, dtype: type = float) -> Any:

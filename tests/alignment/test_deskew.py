@@ -119,7 +119,7 @@ def test_without_times_of_the_beams_nothing_changes():
     assert deskew(mixed, log.truth)[0] is bare[0]
     still = simulate(L_ROOM, log.truth[[0] * 5], sensor=EXACT, rng=np.random.default_rng(1),
                      odometry_noise=OdometryNoise().ideal(), moving=True)  # fmt: skip
-    assert unmoved(still, still.truth) == ""
+    assert unmoved(still, still.truth) == []
 
 
 def test_gaps_and_unplaced_scans_say_nothing_of_the_motion():

@@ -35,11 +35,12 @@ from segmap import (
     reduction,
     simulation,
 )
+from segmap._call import Call
 from segmap._commands import _compare, _pictures, main
 from segmap._commands._compare import thinned
 from segmap._commands._words import metres, plain_warnings, say
 from segmap._commands.opening._thresholds import thresholds
-from segmap._recipe import Call, follow
+from segmap._recipe import follow
 from segmap.arrays import Metres, Radians, RadiansPerMetre, checked
 from segmap.methods import Method
 from segmap.panels.workbench import Workbench

@@ -238,7 +238,8 @@ def test_a_loop_is_left_out_by_keys_alone_and_two_places_are_clicked(app, browse
     pressed(browser, "Run", ENTER)
     wait("a run", lambda: "loops (4)" in browser.run(TEXT), 180)
     assert toggles(browser) == {"before": False, "after": True, "both": False, "loops (4)": False,
-                                "crop and place": False, "settings": False}  # fmt: skip
+                                "crop and place": False, "laser": False,
+                                "settings": False}  # fmt: skip
     pressed(browser, "loops (4)", SPACE)
     wait("the loops", lambda: re.match(r"4-151: 0.\d\d sd off, 76 m round", listed(browser)[0]))
     assert toggles(browser)["loops (4)"]

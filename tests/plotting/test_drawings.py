@@ -10,7 +10,14 @@ import segmap_course as course
 from matplotlib.colors import to_hex, to_rgba
 
 from segmap import load, plotting
-from segmap.alignment import Alignment, angle_candidates, backbone_steps, odometry, point_steps
+from segmap.alignment import (
+    Alignment,
+    angle_candidates,
+    backbone_steps,
+    compare_odometry,
+    odometry,
+    point_steps,
+)
 from segmap.alignment import Match as Matched
 from segmap.experiments import online_times, select
 from segmap.exports import ros_classes
@@ -134,6 +141,10 @@ ROWS = {
     "distance_terms": (lambda: course.draw_distance_terms(WALLS[0], WALLS[2]), True),
     "frames": (lambda: course.draw_frames(SCAN, {"a": (0, 0, 0), "b": (3, 4, 0)}), True),
     "maps": (lambda: plotting.draw_maps({"a": WALLS, "b": WALLS[:1]}), True),
+    "odometry_comparison": (
+        lambda: course.draw_odometry_comparison(dict.fromkeys("ab", compare_odometry(LOG))),
+        True,
+    ),
     "quadtrees": (lambda: plotting.draw_quadtrees({"a": TREE, "b": TREE}), True),
     "side_by_side": (lambda: plotting.draw_side_by_side(WALLS, WALLS[:1]), True),
 }

@@ -49,8 +49,8 @@ ROOMS = [
 #: What the library makes itself and hands out: nobody else has to call these.
 MADE = {
     *("AgainstWalls", "Alignment", "Belief", "Graph", "LogError", "Match", "Methods", "NoRoute"),
-    *("Places", "Port", "Reduction", "SensorError", "SensorGone", "Squares", "Tree"),
-    *("UnknownFormat", "Verdict", "take_points"),
+    *("OdometryComparison", "Places", "Port", "Reduction", "SensorError", "SensorGone", "Squares"),
+    *("Tree", "UnknownFormat", "Verdict", "take_points"),
 }
 #: What drawings and panels are made of: these take what a drawing or a panel has checked.
 PARTS = {"axes_grid", "axes_or_new", "axes_row", "group_colors", "map_axes", "method_style",

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
@@ -25,6 +24,7 @@ from segmap.plotting import (
     RESULT,
     axes_grid,
     axes_or_new,
+    axes_row,
     draw_robot,
     draw_scan,
     draw_segments,
@@ -125,15 +125,14 @@ def draw_odometry_comparison(compared: Mapping[str, OdometryComparison]) -> list
 
     Where both agree the points lie on the dashed line. The figure is new.
     """
-    figure = plt.figure(figsize=(2.7 * len(compared), 2.7), layout="constrained")
-    axes = figure.subplots(1, len(compared), squeeze=False)[0]
+    axes = axes_row(len(compared), (max(2.7 * len(compared), 5.0), 3.5), shared="xy")
     for ax, (name, seen) in zip(axes, compared.items(), strict=True):
         wheels, matched = np.degrees([seen.wheels[:, 2], seen.steps.motion[:, 2]])
         ax.plot(wheels, matched, ".", color=RESULT)
         ax.axline((0, 0), slope=1, color=MAP, linestyle="--", linewidth=1)
-        ax.set(xlabel="turn by the wheels [degrees]", ylabel="matched turn [degrees]")
-        ax.set_title(f"{name}: {seen.turn:+.2f}")
-    return list(axes)
+        ax.set(xlabel="turn by the wheels [degrees]", title=f"{name}: {seen.turn:+.2f}")
+    axes[0].set_ylabel("matched turn [degrees]")
+    return axes
 
 
 def draw_candidate(

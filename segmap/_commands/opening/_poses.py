@@ -10,8 +10,9 @@ from typing import Any
 
 import numpy as np
 
+from ..._call import Call
 from ..._display import counted
-from ..._recipe import Call, Outcome, Recipe, world_of
+from ..._recipe import Outcome, Recipe, world_of
 from ...alignment import METHODS, Alignment, usual_method
 from ...scans import Log
 from ...scans.moving import is_timed

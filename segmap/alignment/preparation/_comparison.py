@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ... import arrays
 from ...arrays import Array, checked
 from ...poses.motions import between
 from ...scans import Log
@@ -92,6 +93,7 @@ def compare_odometry(log: Log) -> OdometryComparison:
     >>> round(found.way, 2), round(found.agreement, 2)
     (1.0, 1.0)
     """
+    arrays.instance(log, "log", Log)
     return compared(log.odometry, blind_steps(log))
 
 

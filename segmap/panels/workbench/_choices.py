@@ -10,7 +10,8 @@ import ipywidgets as W
 from traitlets import TraitError
 
 from ... import alignment, extraction, reduction
-from ..._recipe import BEGIN, Call, Recipe
+from ..._call import Call
+from ..._recipe import BEGIN, Recipe
 from ...readers import Session
 from ...scans import Log
 from .._control import ENTRY, control, folded

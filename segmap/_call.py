@@ -1,0 +1,53 @@
+"""A function that a user chose, with its thresholds, as code and as words."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from .arrays import Declared, declared
+
+
+@dataclass(frozen=True)
+class Call:
+    """A function of some data by its name, with the thresholds that are not its defaults."""
+
+    name: str
+    function: Callable[..., Any]
+    thresholds: Mapping[str, Any] = field(default_factory=dict)
+
+    def run(self, data: Any) -> Any:
+        """Call it."""
+        return self.function(data, **self.thresholds)
+
+    def arguments(self) -> str:
+        """The thresholds as Python writes them, each behind a comma; angles by their degrees."""
+        said, written = declared(self.function), ""
+        for name, value in self.thresholds.items():
+            text = short(value) if isinstance(value, float) else repr(value)
+            if isinstance(value, float) and said[name].read_unit != said[name].unit:
+                read = as_read(said[name], value)
+                exact = said[name].meant(read) == value
+                text = f"np.radians({short(read)})" if exact else repr(float(value))
+            written += f", {name}={text}"
+        return written
+
+    def words(self) -> str:
+        """The thresholds as a person reads them."""
+        return self.arguments().removeprefix(", ").replace("=", " ").replace("np.", "")
+
+
+def as_read(said: Declared, value: Any) -> Any:
+    """A threshold as people read it; without the digits that a conversion adds, if it is one."""
+    if not isinstance(value, float):
+        return value
+    read = said.read(value)
+    brief = float(f"{read:.6g}")
+    return brief if said.meant(brief) == value else read
+
+
+def short(value: float) -> str:
+    """A number as short as it can be written without becoming another one."""
+    brief = f"{value:.6g}"
+    return brief if float(brief) == value else repr(float(value))
