@@ -198,6 +198,28 @@ def test_beams_with_times_are_carried_to_the_start_of_their_scan(run, command, m
     assert "scans the robot moved by more than the spacing of the beams, up to" in said
 
 
+def test_beams_that_see_the_robot_are_kept_where_that_is_asked_for(run):
+    """Catches an option that changes nothing, and a mask that the command does not tell."""
+
+    def blocked(k, ranges):
+        ranges[20:50] = ranges[130:160] = 0.6
+        return ranges
+
+    stops = [(1, 5), (2, 5), (2, 6.5), (2, 5), (7, 5), (6, 5), (6, 6.5), (6, 5), (1, 5)]
+    path = simulation.drive(stops, step=0.2, turn=np.radians(12))
+    sensor, rng = simulation.SICK_LMS200, np.random.default_rng(5)
+    log = simulation.simulate(logs.OFFICE, path, sensor=sensor, rng=rng)
+    exports.write_arrays("blocked.npz", logs.changed(log, blocked))
+    words = "map", "blocked.npz", "--method", "none"
+    code, said, _ = run(*words)
+    told = "beams see the robot itself: --keep-body keeps them"
+    assert code == 0 and told in " ".join(said.split())
+    kept = run(*words, "--keep-body")[1]
+    assert told not in kept
+    few, many = (int(re.findall(r"extracted (\d+)", text)[0]) for text in (said, kept))
+    assert many > few + 1.5 * len(log)
+
+
 def test_a_threshold_has_the_unit_of_its_annotation(run, near, monkeypatch):
     """Catches a unit that is guessed from a name: radians that the command takes in metres."""
     given = []

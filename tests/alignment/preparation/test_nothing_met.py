@@ -1,0 +1,105 @@
+"""One number in many beams, which a driver writes where nothing was met, is no wall."""
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+
+from segmap import load
+from segmap.alignment import pose_graph, position_errors, prepared
+from segmap.scans import LaserScan, Log
+from segmap.scans.causes import Cause
+from segmap.simulation import OdometryNoise, Sensor, box, circular_room, simulate
+
+AROUND = Sensor("around", 360, -np.pi, np.radians(1), max_range=12.0, min_range=0.12, sigma=0.01)
+#: A hall most of which lies farther off than the laser reaches.
+HALL = np.concatenate(
+    [box(40, 25, (20, 12.5, 0)), *(box(1, 1, (x, y, 0)) for x, y in [(10, 5), (15, 12), (30, 18)])]
+)
+
+
+@cache
+def hall() -> Log:
+    """Across the hall, with the odometry of good wheels."""
+    share = np.linspace(0, 1, 80)
+    path = np.stack([6 + 24 * share, 6 + 9 * share, np.full(80, 0.36)], 1)
+    rng = np.random.default_rng(3)
+    return simulate(HALL, path, sensor=AROUND, rng=rng, odometry_noise=OdometryNoise())
+
+
+def written(log: Log, number: float, jitter: float = 0.0) -> Log:
+    """The log of a driver that writes a number of metres where nothing was met, and no reach."""
+    rng = np.random.default_rng(4)
+
+    def filled(scan: LaserScan) -> LaserScan:
+        off = jitter * rng.standard_normal(len(scan))
+        ranges = np.where(scan.ranges == np.inf, number + off, scan.ranges)
+        return replace(scan, ranges=ranges, max_range=np.inf)
+
+    return replace(log, scans=tuple(map(filled, log)))
+
+
+@pytest.mark.filterwarnings("ignore:half of the ranges")
+@pytest.mark.parametrize("number", [8.0, 9.999, 12.0, 29.96, 65.533, 9999.0])
+@pytest.mark.parametrize("jitter", [0.0, 0.004])
+def test_a_number_in_most_beams_is_no_wall(number, jitter):
+    """Catches a number within the reach that is kept, walls that go with it, a false length."""
+    log = hall()
+    found = prepared(written(log, number, jitter))
+    (finding,) = found.causes
+    assert finding.cause is Cause.NOTHING_MET and not finding.doubtful
+    assert f"{number:.4g}" in finding.words and "means nothing met" in finding.words
+    for now, before in zip(found, log, strict=True):
+        nothing = before.ranges == np.inf
+        assert (now.ranges[nothing] == np.inf).all()
+        at_it = np.abs(before.ranges - number) < 0.1
+        assert np.array_equal(now.ranges[~nothing & ~at_it], before.ranges[~nothing & ~at_it])
+    assert log.truth is not None
+    assert position_errors(pose_graph(found).poses, log.truth, best=True).max() < 0.1
+
+
+def test_a_driver_may_have_several_numbers():
+    """Catches a search that ends with the first."""
+    log = written(hall(), 65.533)
+    rng = np.random.default_rng(5)
+    scans = (replace(s, ranges=np.where(rng.random(len(s)) < 0.1, 65.535, s.ranges)) for s in log)
+    found = prepared(replace(log, scans=tuple(scans)))
+    assert max(np.max(s.ranges, where=np.isfinite(s.ranges), initial=0) for s in found) < 13
+
+
+def test_what_is_none_is_kept():
+    """Catches 0, -1 and NaN, which are none already, that are counted; they change nothing."""
+    for none in (0.0, -1.0, np.nan):
+        log = written(hall(), none)
+        assert not prepared(log).causes
+
+
+@pytest.mark.filterwarnings("ignore:half of the ranges")
+def test_a_number_does_not_make_ranges_millimetres():
+    """Catches a unit that is guessed by the median of ranges, of which most are 9999."""
+    found = prepared(written(hall(), 9999.0))
+    assert {finding.cause for finding in found.causes} == {Cause.NOTHING_MET}
+    assert np.nanmedian(np.concatenate([s.ranges[np.isfinite(s.ranges)] for s in found])) < 12
+
+
+def standing(walls: np.ndarray, pose: tuple[float, float, float], step: float) -> Log:
+    """Sixty scans of one place whose ranges come in steps of so many metres."""
+    sensor = replace(AROUND, resolution=step, sigma=0.002)
+    return simulate(walls, np.tile(pose, (60, 1)), sensor=sensor, rng=np.random.default_rng(1))
+
+
+MEASURED = {
+    "before a wall": lambda: standing(box(16, 10, (8, 5, 0)), (8, 4, 0), 0.01),
+    "in the middle of a round room": lambda: standing(circular_room(8.0), (8, 8, 0), 0.01),
+    "hall": hall,
+    "corridor": lambda: load("corridor"),
+    "room": lambda: load("room"),
+}
+
+
+@pytest.mark.parametrize("name", MEASURED)
+def test_walls_at_one_distance_are_walls(name):
+    """Catches a wall before which the robot stands, or which is round, taken for a number."""
+    found = prepared(MEASURED[name]())
+    assert Cause.NOTHING_MET not in {finding.cause for finding in found.causes}
