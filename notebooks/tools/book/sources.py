@@ -274,7 +274,7 @@ def _write_contents(folder: Path, chapters: list[Path]) -> None:
     texts = ["README", "environment", *data, "CONTRIBUTING", "CHANGELOG"]
     trees += [_tree("For teachers", own)] if own else []
     trees += [
-        _tree("Reference", ["commands/index", "api/index", "references"]),
+        _tree("Reference", ["commands/index", "api/index", "what_can_be_told", "references"]),
         _tree("The project", texts),
     ]
     with (folder / "index.md").open("a", encoding="utf-8") as index:
