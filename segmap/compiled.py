@@ -11,9 +11,12 @@ import gc
 import hashlib
 import inspect
 import os
+import signal
+import threading
 import types
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
+from functools import cache, partial
 from pathlib import Path
 from typing import Any, Generic, ParamSpec, TypeVar, cast, get_args, get_type_hints
 
@@ -48,7 +51,8 @@ class Compiled(Generic[P, R]):
         """Run the machine code."""
         if self._fast is None:
             with _no_collecting():
-                self._fast = self._build()
+                with signals_held():  # not while it compiles: that can be interrupted
+                    self._fast = self._build()
                 return self(*args, **kwargs)
         if not self._floats:
             return self._fast(*args, **kwargs)
@@ -63,10 +67,10 @@ class Compiled(Generic[P, R]):
         if os.environ.get(PLAIN) == "1":
             return self.plain
         try:
-            import numba
+            njit = _numba().njit
         except ImportError:
             return self.plain
-        return self._jit(numba.njit, nogil=True)
+        return self._jit(njit, nogil=True)
 
     def _jit(self, njit: Callable[..., Any], **options: bool) -> Callable[P, R]:
         inner = "-inner" if "no_cpython_wrapper" in options else ""
@@ -138,6 +142,47 @@ def _places(kind: Any) -> set[tuple[str, str]]:
         return set().union(*inside)
     inside += [_places(part) for part in get_type_hints(kind).values()]
     return {(kind.__module__, inspect.getfile(kind))}.union(*inside)
+
+
+@contextmanager
+def signals_held() -> Iterator[None]:
+    """Let signals wait for the end: of numba half imported nothing can be called ever after.
+
+    It is the main thread that they interrupt; a mask would not do, since others may receive them.
+    """
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    known = {int(number): signal.getsignal(number) for number in signal.valid_signals()}
+    handlers = {number: handler for number, handler in known.items() if callable(handler)}
+    holding = True
+
+    def wait(number: int, frame: types.FrameType | None) -> None:
+        """Remember a signal; or hand it on, where an interrupt kept its handler from its place."""
+        run = partial(handlers[number], number, frame)
+        came.callback(run) if holding else run()
+
+    with ExitStack() as came:  # runs each, though one before it raised
+        try:
+            for number in handlers:
+                signal.signal(number, wait)
+            yield
+        finally:
+            holding = False
+            for number, handler in handlers.items():
+                signal.signal(number, handler)
+
+
+@cache
+def _numba() -> Any:
+    """The compiler; whenever it learns what can be compiled, signals wait: it learns it once."""
+    import numba
+    from numba.core.registry import cpu_target
+
+    for context in (cpu_target.typing_context, cpu_target.target_context):
+        kind = type(context)
+        kind.refresh = signals_held()(kind.refresh)
+    return numba
 
 
 @contextmanager

@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import importlib
 import os
+import signal
 import subprocess
 import sys
+import threading
 from typing import Annotated
 
 import numpy as np
 import pytest
 from conftest import slow
 
-from segmap.compiled import PLAIN, compiled
+from segmap.compiled import PLAIN, compiled, signals_held
 
 #: Its window of search takes half a minute in plain Python: a smaller one stands in CASE.
 SLOW = "alignment pose_graph"
@@ -164,3 +166,75 @@ def test_falls_back_where_no_cache_can_be_written(monkeypatch):
 
     monkeypatch.setattr(numba, "njit", refusing)
     assert kernel(1) == 2
+
+
+#: Interrupts at random moments of the processor's time, an alarm each; then the call must be right.
+INTERRUPTED = """
+import random, signal, sys, time
+import numpy as np
+from segmap.kernels import describe
+moments, came = random.Random({seed}), 0
+def interrupt(*_):
+    raise KeyboardInterrupt
+signal.signal(signal.SIGVTALRM, interrupt)
+walls = np.array([[[0.0, 0.0], [2.0, 0.0]]])
+while came < {most}:
+    signal.setitimer(signal.ITIMER_VIRTUAL, moments.uniform(0.001, {longest}))
+    try:
+        describe(walls)
+        signal.setitimer(signal.ITIMER_VIRTUAL, 0)
+        break
+    except KeyboardInterrupt:
+        came += 1
+print(came, *describe(walls)[0].tolist(), "numba" in sys.modules)
+"""
+
+
+@pytest.mark.skipif(not hasattr(signal, "setitimer"), reason="Windows has no such alarm")
+@pytest.mark.parametrize("seed", [10, *map(slow, range(10))])
+def test_an_interrupted_first_call_can_be_repeated(seed, tmp_path):
+    """Catches numba half imported, whose every later import fails until the process ends; and what
+    it registers being lost: each child is interrupted a dozen times from an empty cache on."""
+    environment = os.environ | {"NUMBA_CACHE_DIR": str(tmp_path), PLAIN: "0"}
+    code = INTERRUPTED.format(seed=seed, most=12, longest=0.3 if seed % 2 else 0.8)
+    words = [sys.executable, "-c", code]
+    done = subprocess.run(
+        words, capture_output=True, text=True, env=environment, timeout=300, check=False
+    )
+    assert done.returncode == 0, done.stderr
+    came, *found, used = done.stdout.split()
+    assert int(came) >= 1 and found == ["1.0", "0.0", "1.0", "0.0", "1.0"] and used == "True"
+
+
+def test_signals_that_are_held_come_afterwards():
+    """Catches an interrupt that is lost, that comes within, or a handler that is not put back; and
+    that one which raises takes the others with it; and other threads, which may set no handler."""
+    before, steps = signal.getsignal(signal.SIGINT), []
+    with pytest.raises(KeyboardInterrupt):
+        with signals_held():
+            signal.raise_signal(signal.SIGINT)
+            steps.append("within")
+        steps.append("after")
+    assert steps == ["within"] and signal.getsignal(signal.SIGINT) is before
+    with pytest.raises(ZeroDivisionError), signals_held():
+        steps.append(1 / 0)
+    assert signal.getsignal(signal.SIGINT) is before
+    signal.signal(signal.SIGTERM, lambda *_: steps.append("ended"))
+    try:
+        with pytest.raises(KeyboardInterrupt), signals_held():
+            signal.raise_signal(signal.SIGTERM)
+            signal.raise_signal(signal.SIGINT)
+            steps.append("held")
+    finally:
+        signal.signal(signal.SIGTERM, signal.SIG_DFL)
+    assert steps == ["within", "held", "ended"]
+    threads = [threading.Thread(target=within, args=(steps,)) for _ in range(2)]
+    for thread in threads:
+        thread.start()
+        thread.join()
+    assert np.count_nonzero([step == "thread" for step in steps]) == 2
+
+
+def within(steps):
+    with signals_held():
+        steps.append("thread")
